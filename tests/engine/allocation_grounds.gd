@@ -1,5 +1,5 @@
 extends "allocation_harness.gd"
-## Models, grounds of meshes and images, biomes, impostors and a navigation mesh.
+## A scene that uses models, mesh and image grounds, biomes, impostors and a navigation mesh.
 
 
 func steps() -> Array[Callable]:
@@ -32,7 +32,7 @@ func make_scene() -> void:
 	scatter.add_child(wood)
 
 
-## Merged parts, a coarser LOD, and a body.
+## Returns a model with parts to merge, a coarser LOD and a body.
 func pine() -> PackedScene:
 	var scene := Node3D.new()
 	for index in 3:
@@ -106,7 +106,8 @@ func bake_navigation() -> void:
 	var mesh := NavigationMesh.new()
 	mesh.filter_baking_aabb = AABB(Vector3(-10, -2, -10), Vector3(20, 12, 20))
 	var data := NavigationMeshSourceGeometryData3D.new()
-	NavigationServer3D.parse_source_geometry_data(mesh, data, scatter) # Baking a region would crash an engine without worker threads.
+	# Baking a region would crash an engine without worker threads.
+	NavigationServer3D.parse_source_geometry_data(mesh, data, scatter)
 	answers.push_back(data.get_projected_obstructions())
 
 

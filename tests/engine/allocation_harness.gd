@@ -1,9 +1,10 @@
 extends SceneTree
-## A small scene that uses much of the library, for tests/engine/test_allocations.py, which lets one allocation after another fail in it.
+## Base class for the small scenes that tests/engine/test_allocations.py runs once for each failing allocation. Together, they use much of
+## the library.
 ##
-## No step waits, so a step that fails returns to `_run` and the next one runs. The last line is "result: " and a hash of all results.
+## Steps never await, so `_run` continues with the next step when one fails. At the end, it prints "result: " and a hash of all results.
 
-const MOST_FRAMES := 60 ## The scatter should settle within these.
+const MOST_FRAMES := 60 ## Frames to wait for the scatter to settle.
 
 var scatter: TerrainScatter3D
 var answers: Array = []
@@ -28,7 +29,7 @@ func _run() -> void:
 	quit()
 
 
-## Creates `scatter` in the tree.
+## Creates `scatter` and adds it to the tree. Scenes override this.
 func make_scene() -> void:
 	pass
 

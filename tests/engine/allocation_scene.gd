@@ -1,5 +1,5 @@
 extends "allocation_harness.gd"
-## Streaming, queries, changes, states, masks and samplers.
+## A scene that uses streaming, queries, changes, states, masks and samplers.
 
 
 func steps() -> Array[Callable]:
@@ -51,7 +51,7 @@ func explain() -> void:
 	for explanation: ScatterExplanation in scatter.explain_position(Vector3(6, 0, 6)):
 		answers.push_back([explanation.get_density(), explanation.get_reason()])
 		if explanation.get_refused_by() == &"layer":
-			push_error(explanation.get_reason()) # The explanation names the failure.
+			push_error(explanation.get_reason()) # This error counts as the report of the failure.
 	answers.push_back(scatter.get_density_map(scatter.layers[1], Rect2(0, 0, 8, 8), Vector2i(4, 4)))
 
 

@@ -1,12 +1,12 @@
 extends "models_harness.gd"
-## Loading in the background: no setter of a resource may wait for the main thread, which may itself wait for the loader. A test hangs if a
-## setter waits, so the runner ends this script after a minute.
+## Loads resources in the background. No setter of a resource may wait for the main thread, which may itself be waiting for the loader. If a
+## setter waits, the test hangs, and the runner stops this script after a minute.
 
 const LAYERS := 12
-const PARTS_TO_READ := 4 ## In each scene: its nodes, and the meshes of three LODs.
+const PARTS_TO_READ := 4 ## The parts of each scene that are read one by one: its nodes, and the meshes of three LODs.
 
 
-## Saves a scene whose layers scatter scenes. The engine's cache contains no part of it.
+## Saves a scene whose layers scatter scenes, and returns its path. No part of the scene is in the engine's cache.
 func save_level() -> String:
 	var level := Node3D.new()
 	var scatter := put(TerrainScatter3D.new(), "Scatter", level, level) as TerrainScatter3D
@@ -69,7 +69,7 @@ func test_a_saved_model_loads_on_a_thread() -> void:
 	check_equal(model.shapes.size(), 2, "including its shapes")
 
 
-## Setting any property of any resource of the library waits for nothing.
+## Sets the properties of the library's resources that refer to other resources, on a thread. No setter may block.
 func test_every_property_can_be_set_on_a_thread() -> void:
 	var values := {
 		"Mesh": BoxMesh.new(),
@@ -115,7 +115,7 @@ func test_getters_on_other_threads_return_the_part_read_so_far() -> void:
 	check_equal(thread.wait_to_finish(), [3, 2], "afterwards all threads see the result")
 
 
-## A frame reads as many parts as its budget allows, but at least one.
+## Each frame reads as many parts as its budget allows, and at least one.
 func test_models_are_read_under_the_budget_of_a_frame() -> void:
 	var viewer := make_viewer()
 	var scatter := make_scatter([], ScatterGroundFlat.new(), viewer)
@@ -131,7 +131,7 @@ func test_models_are_read_under_the_budget_of_a_frame() -> void:
 		frames_read += 1
 	check(frames_read >= LAYERS * PARTS_TO_READ, "%d frames for %d parts" % [frames_read, LAYERS * PARTS_TO_READ])
 	check(frames_read < 1000, "tiles are shown afterwards")
-	# build_rect cannot wait, so it reads the model at once.
+	# build_rect cannot wait for later frames, so it reads the model immediately.
 	var late := make_layer(12.0)
 	late.meshes = [pack(make_tree())]
 	scatter.layers = [late]

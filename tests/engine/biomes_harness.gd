@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Base class of the tests of biomes and of water: a map of 256 by 256 meters around the origin.
+## Base class for the biome and water tests: a map of 256 by 256 meters around the origin.
 
 const MEADOW := Color.LIME
 const FOREST := Color.BLUE
@@ -21,7 +21,7 @@ func make_biome(color: Color, layers: Array[ScatterLayer]) -> ScatterBiome:
 	return biome
 
 
-## Pixels of 4 m: meadow on the left, forest on the right, and a swamp across both, from (-128, 64) on.
+## Returns an image with pixels of 4 by 4 m. Meadow is on the left and forest on the right. A swamp crosses both from z = 64 on.
 func make_image() -> Image:
 	var image := Image.create_empty(PIXELS, PIXELS, false, Image.FORMAT_RGB8)
 	image.fill(MEADOW)
@@ -30,7 +30,7 @@ func make_image() -> Image:
 	return image
 
 
-## The biomes have sharp and straight borders.
+## Returns a map of these biomes with sharp, straight borders.
 func make_map(biomes: Array[ScatterBiome]) -> ScatterBiomeMap:
 	var map := ScatterBiomeMap.new()
 	map.biomes = biomes
@@ -57,7 +57,7 @@ func index_of(scatter: TerrainScatter3D, layer_name: String) -> int:
 			func(layer: ScatterLayer) -> bool: return layer != null and layer.resource_name == layer_name)
 
 
-## Returns the positions of a layer's instances on the map, by id.
+## Returns {id: map position (world x and z)} for a layer's visible instances.
 func places(scatter: TerrainScatter3D, layer: String) -> Dictionary[int, Vector2]:
 	var result: Dictionary[int, Vector2] = {}
 	for tile: Vector2i in scatter.get_shown_tiles(layer):
@@ -84,7 +84,7 @@ func all_within(found: Dictionary[int, Vector2], test: Callable) -> bool:
 	return found.values().all(test)
 
 
-## Returns the visible tiles of each layer by its name: {tile: digest}.
+## Returns {layer name: {tile: digest}} for all visible tiles.
 func digests_by_name(scatter: TerrainScatter3D) -> Dictionary:
 	var result := {}
 	for layer in scatter.get_all_layers():
@@ -95,7 +95,7 @@ func digests_by_name(scatter: TerrainScatter3D) -> Dictionary:
 	return result
 
 
-## Returns the names of the layers that showed a tile during `edit` and until the scatter settled, each with its tiles.
+## Runs `edit`, waits until the scatter settles, and returns the tiles that appeared meanwhile: {layer name: {tile: true}}.
 func shown_by(scatter: TerrainScatter3D, edit: Callable) -> Dictionary:
 	var shown := {}
 	var count := func(layer: ScatterLayer, tile: Vector2i) -> void:

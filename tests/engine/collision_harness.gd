@@ -1,12 +1,12 @@
 extends "harness.gd"
-## Base class of the tests of collision: a scatter whose instances have bodies, and ways to find these bodies.
+## Base class for the collision tests: a scatter whose instances have bodies, and methods that find these bodies.
 
 const DISTANCE := 20.0
 
-## No body exists beyond this multiple of the distance, even if the instance was near before.
+## Bodies beyond this multiple of the collision distance are removed.
 const LEAVE := 1.16
 
-## A body's size differs by at most 1 % from that of its instance.
+## Tolerance for a body's size, which differs from its instance's size by at most 1 %.
 const SIZE_ERROR := 0.011
 
 var viewer: Node3D
@@ -30,12 +30,12 @@ func space() -> PhysicsDirectSpaceState3D:
 	return root.world_3d.direct_space_state
 
 
-## Returns the hit of a ray, or an empty dictionary.
+## Casts a ray. Returns the hit as `intersect_ray` does, or an empty dictionary if it hits nothing.
 func cast(from: Vector3, to: Vector3, mask := 0xffffffff) -> Dictionary:
 	return space().intersect_ray(PhysicsRayQueryParameters3D.create(from, to, mask))
 
 
-## Returns the RIDs of all bodies around a position, by the ids of their instances.
+## Returns {instance id: body} for all bodies within `reach` meters of a position.
 func bodies(scatter: TerrainScatter3D, at := Vector3.ZERO, reach := 200.0) -> Dictionary[int, RID]:
 	var sphere := SphereShape3D.new()
 	sphere.radius = reach
@@ -51,8 +51,8 @@ func bodies(scatter: TerrainScatter3D, at := Vector3.ZERO, reach := 200.0) -> Di
 	return result
 
 
-## Checks that exactly the instances of `standing` near one of `centers` have bodies. Between the distances for adding and for
-## removing, a body is optional. Bodies beyond `reach` of the origin are ignored.
+## Checks that exactly the instances of `standing` near one of `centers` have bodies. Bodies are added within `distance` and removed beyond
+## LEAVE times `distance`, so in between a body is optional. Checks only bodies within the default reach of the origin.
 func check_bodies(scatter: TerrainScatter3D, standing: Dictionary[int, Transform3D], centers: PackedVector3Array,
 		context: String, distance := DISTANCE) -> void:
 	var found := bodies(scatter)

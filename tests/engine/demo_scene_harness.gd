@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Base class of the tests of the demo's small scenes: a scene and its scatter.
+## Base class for the tests of the demo's small scenes: a scene and its scatter.
 
 var scene: Node3D
 var scatter: TerrainScatter3D
@@ -7,7 +7,7 @@ var terrain: ScatterGround
 var viewer: Node3D
 
 
-## Adds a scene of the demo to the tree. `viewer` becomes its only viewer.
+## Adds a demo scene to the tree and makes `viewer` its only viewer.
 func load_scene(path: String) -> void:
 	scene = (load(path) as PackedScene).instantiate()
 	# The scene's own script would move the camera.

@@ -1,27 +1,27 @@
 extends "harness.gd"
-## Base class of the tests of PoissonSampler.sample_domain.
+## Base class for the tests of PoissonSampler.sample_domain.
 
 const METHODS: PackedInt32Array = [
 	PoissonSampler.METHOD_TILES, PoissonSampler.METHOD_NAIVE, PoissonSampler.METHOD_HIERARCHICAL,
 	PoissonSampler.METHOD_ACCUMULATOR, PoissonSampler.METHOD_WAVEFRONT,
 ]
-## The methods of the paper.
+## The methods that the paper describes.
 const SINGLE: PackedInt32Array = [
 	PoissonSampler.METHOD_NAIVE, PoissonSampler.METHOD_HIERARCHICAL, PoissonSampler.METHOD_ACCUMULATOR,
 	PoissonSampler.METHOD_WAVEFRONT,
 ]
-## An area that takes a moment to sample.
+## A small area that every method samples quickly.
 const SMALL := Rect2(0, 0, 30, 20)
 
 
-## Records the progress that is reported.
+## Records progress reports.
 class Listener:
 	var fractions: PackedFloat64Array
 	var points: PackedInt64Array
 	var threads: PackedInt64Array
 	var times: PackedInt64Array
 	var mutex := Mutex.new()
-	var on_report := Callable() ## Called with each fraction.
+	var on_report := Callable() ## Called with the fraction of each report.
 
 	func record(fraction: float, count: int) -> void:
 		mutex.lock()
@@ -52,7 +52,7 @@ func label(method: int) -> String:
 	return ClassDB.class_get_enum_constants("PoissonSampler", "Method")[method]
 
 
-## Returns an area that takes some tens of milliseconds to sample.
+## Returns an area that the method samples in some tens of milliseconds.
 func area_for(method: PoissonSampler.Method) -> Rect2:
 	match method:
 		PoissonSampler.METHOD_TILES: return Rect2(0, 0, 800, 400)

@@ -1,13 +1,13 @@
 extends "picture_harness.gd"
-## Base class of the tests of draw cells: a forest on an island, and the multimeshes that draw it.
+## Base class for the draw cell tests: a forest on an island, and the multimeshes that draw it.
 
 const TILE := 128.0
 const CELL := 32.0
-const REACH := 0.8660254 ## From the middle of a cube of 1 m to a corner.
-const WHOLE := 32        ## Multimeshes of the island's 16 tiles with two meshes each.
+const REACH := 0.8660254 ## The distance in meters from the center of a 1 m cube to a corner.
+const WHOLE := 32        ## The number of multimeshes without draw cells: 16 tiles with two meshes each.
 
 
-## Ground that exists in one square only, so that all instances stay visible wherever the viewer moves.
+## Ground in a single square. All instances on it stay visible wherever the viewer moves.
 class Island extends ScatterGround:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := PackedFloat32Array()
@@ -19,7 +19,7 @@ class Island extends ScatterGround:
 		return true
 
 
-## Two meshes, with two LOD meshes from 60 m on.
+## Returns a layer with two meshes, each with a coarser LOD from 60 m on.
 func make_forest() -> ScatterLayer:
 	var layer := make_layer(4.0)
 	layer.tile_size = TILE
@@ -64,7 +64,7 @@ func drawn_of_all(scatter: TerrainScatter3D) -> int:
 	return sum
 
 
-## Covers the island only: around it, empty tiles come and go.
+## Returns the digests of the island's visible tiles. Skips the empty tiles around it, which change as the viewer moves.
 func island_digests(scatter: TerrainScatter3D) -> Dictionary:
 	var result := {}
 	for tile in island_tiles():
@@ -80,7 +80,7 @@ func island_tiles() -> Array[Vector2i]:
 	return tiles
 
 
-## Returns the digests of the island's tiles, built directly and never drawn.
+## Returns the digests of the island's tiles as `build_rect` builds them, without drawing them.
 func built_digests(scatter: TerrainScatter3D) -> Dictionary:
 	var result := {}
 	for tile in island_tiles():

@@ -1,14 +1,13 @@
 extends "harness.gd"
-## Base class of the tests of edits and of layers that keep away from each other: ferns that keep away from oaks, on a
-## mound that changes.
+## Base class for the tests of edits and of spacing between layers. Its ferns keep away from oaks, on a mound that changes.
 
-const FLOATS := 0.001 # Tolerance in meters: the rounding error of a float at these distances.
+const FLOATS := 0.001 # Tolerance in meters for single-precision rounding at these distances.
 const OAK := 0
 const FERN := 1
 const SPACING := 3.0
 const FEATHER := 2.0
 
-## Hills with a mound that may change, queried on worker threads.
+## Hills with a mound whose area and height a test can change. Worker threads sample it.
 class Mound extends ScatterGround:
 	var area := Rect2(0, 0, 1, 1)
 	var height := 0.0
@@ -23,13 +22,13 @@ class Mound extends ScatterGround:
 		return true
 
 
-## A mound that is queried on the main thread.
+## A mound that only the main thread samples.
 class MainMound extends Mound:
 	func _is_thread_safe() -> bool:
 		return false
 
 
-## Records which tiles of which layers were shown since the last call of `take`.
+## Records the tiles that each layer has shown since the last call to `take`.
 class Shown:
 	var tiles: Array[Dictionary] = [{}, {}, {}]
 

@@ -1,5 +1,5 @@
 extends "harness.gd"
-## A test of the harness, not of the extension: each of these must fail, else the other tests prove nothing.
+## Tests the harness, not the extension. Each of these tests must fail. If one passed, passing tests of the extension would prove nothing.
 
 func test_a_wrong_check() -> void:
 	check_equal(1 + 1, 3, "sum")

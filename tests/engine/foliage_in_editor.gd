@@ -1,6 +1,6 @@
 @tool
 extends Node
-## Part of a scene that is opened in the editor: a ScatterFoliageWorld shows its wind there and does not change the materials.
+## A node in a scene that the editor opens. Prints the wind strengths that a ScatterFoliageWorld shows and those in the materials.
 
 func _ready() -> void:
 	if not Engine.is_editor_hint():

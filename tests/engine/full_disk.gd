@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Writing files to a full disk leaves the old files unchanged, byte for byte. tests/engine/test_saves.py passes a folder on a small disk, or limits
+## Writes to a full disk, which must leave the old files unchanged, byte for byte. test_saves.py passes a folder on a small disk, or limits
 ## the file size.
 
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
@@ -20,7 +20,7 @@ func make_state(count: int) -> ScatterState:
 	return state
 
 
-## `count` blocks of incompressible pixels.
+## Returns a mask with `count` blocks of incompressible pixels.
 func make_mask(count: int) -> ScatterMask:
 	var mask := ScatterMask.new()
 	var pixels := PackedByteArray()
@@ -39,7 +39,8 @@ func make_mesh(detail: int) -> Mesh:
 	return mesh
 
 
-## Fills the disk to the last byte. Without a filler, the file size is limited instead.
+## Fills the disk to the last byte with the file `filler`. Does nothing if the path is empty, which means that the file size is limited
+## instead.
 func fill() -> void:
 	if filler.is_empty():
 		return
@@ -70,7 +71,8 @@ func names() -> Array:
 	return files
 
 
-## The ways to write a file: [file, function that writes a small or a far larger content, start of the error message].
+## Returns the ways in which the library and the editor write files. Each is [file name, function(path, large) that returns whether it succeeded, start of the error
+## message].
 func ways() -> Array[Array]:
 	var files := SceneFiles.new()
 	var marked := func(resource: Resource, path: String) -> bool:

@@ -1,11 +1,11 @@
 extends SceneTree
-## Base class of the engine tests: `godot --headless --path PROJECT --script tests/engine/test_X.gd`.
+## Base class for the engine tests: `godot --headless --path PROJECT --script tests/engine/test_X.gd`.
 ##
-## Runs every method whose name starts with "test_", each in an empty tree. A failed check prints a line that starts with
-## "FAILED". An engine error that the test does not expect is a failure, too. The last line is
+## Runs every method whose name starts with "test_", each in an empty tree; with `-- test_NAME`, only this method. A failed check
+## prints a line that starts with "FAILED". Errors and warnings that the test does not expect are also failures. The last line is
 ## "thicket engine tests: N checks, 0 failed". The exit code is 0 only if no check failed.
 
-## Collects the errors and warnings that the engine prints, on any thread.
+## Collects the errors and warnings that the engine prints on any thread.
 class ErrorLog extends Logger:
 	var _mutex := Mutex.new()
 	var _messages: PackedStringArray
@@ -16,7 +16,7 @@ class ErrorLog extends Logger:
 		_messages.push_back(rationale if rationale else code)
 		_mutex.unlock()
 
-	## Returns the messages that were printed since the last call.
+	## Returns the messages printed since the last call.
 	func take() -> PackedStringArray:
 		_mutex.lock()
 		var taken := _messages
@@ -59,8 +59,8 @@ func _run() -> void:
 	quit(0 if failures == 0 else 1)
 
 
-## Returns whether the engine refused to free a node in the middle of a call. The engine has two messages for this; any other
-## message is a failure.
+## Returns whether the engine refused to free a node during a call. Both of its messages for this case contain "locked". Any other message
+## is a failure.
 func was_kept_from_being_freed() -> bool:
 	var messages := errors.take()
 	for message in messages:
@@ -88,7 +88,7 @@ func check_equal(got: Variant, expected: Variant, message: String) -> bool:
 	return check(equal, "%s: got %s, expected %s" % [message, got, expected])
 
 
-## Checks that exactly one error was printed since the last check, and that it contains all of these words.
+## Checks that the engine printed exactly one message since the last check, and that it contains all of these words.
 func check_error(words: Array, context: String) -> void:
 	var messages := errors.take()
 	if not check(messages.size() == 1, "%s: expected one error, got %s" % [context, messages]):
@@ -107,7 +107,7 @@ func frames(count: int) -> void:
 		await process_frame
 
 
-## Waits until `condition` holds. Fails and returns false if that takes too long.
+## Waits until `condition` returns true. After IDLE_TIMEOUT_MSEC, records a failure and returns false.
 func until(condition: Callable, message: String) -> bool:
 	var deadline := Time.get_ticks_msec() + IDLE_TIMEOUT_MSEC
 	while not condition.call():
@@ -117,7 +117,7 @@ func until(condition: Callable, message: String) -> bool:
 	return check(true, message)
 
 
-## Waits until a scatter shows everything that it should. Fails and returns false if that takes too long.
+## Waits until a scatter has settled. After IDLE_TIMEOUT_MSEC, records a failure and returns false.
 func settle(scatter: TerrainScatter3D) -> bool:
 	var deadline := Time.get_ticks_msec() + IDLE_TIMEOUT_MSEC
 	await frames(2)
@@ -128,7 +128,7 @@ func settle(scatter: TerrainScatter3D) -> bool:
 	return true
 
 
-## Adds a viewer to the tree, for scatters made by `make_scatter`.
+## Adds a node to the tree that `make_scatter` can use as a viewer.
 func make_viewer(at := Vector3.ZERO) -> Node3D:
 	var viewer := Node3D.new()
 	root.add_child(viewer)
@@ -145,8 +145,8 @@ func make_layer(radius := 2.0) -> ScatterLayer:
 	return layer
 
 
-## Returns models with coarser LODs, one for each entry of a layer's meshes. `rows` contains the entries' meshes for each of the distances; null keeps
-## the finer mesh.
+## Returns the entries of a layer's meshes with coarser LODs added. `rows[i]` contains one mesh per entry for `distances[i]`, in meters.
+## An entry with null in a row gets no LOD at that distance.
 func with_lods(meshes: Array, rows: Array, distances: Array) -> Array:
 	var models := []
 	for entry in meshes.size():
@@ -181,12 +181,13 @@ func make_lod(mesh: Mesh, distance: float) -> ScatterLod:
 	return lod
 
 
-## Returns the mesh that is drawn as an LOD of one of the layer's meshes, the finest first.
+## Returns the mesh that is drawn for an LOD of one of the layer's meshes. LOD 0 is the finest.
 func lod_mesh(layer: ScatterLayer, entry: int, lod: int) -> Mesh:
 	return layer.get_mesh_lods(entry)[lod].mesh
 
 
-## Returns a scene in which one node has an instance shader parameter, as the editor saves it. An engine without a renderer does not save it.
+## Returns a scene in which one node has an instance shader parameter, as the editor saves it. Inserts the parameter into the file, because
+## a headless engine does not save it.
 func with_shader_parameter(scene: PackedScene, node: String, value: String) -> PackedScene:
 	ResourceSaver.save(scene, "user://with_parameter.tscn")
 	var text := FileAccess.get_file_as_string("user://with_parameter.tscn")
@@ -197,7 +198,7 @@ func with_shader_parameter(scene: PackedScene, node: String, value: String) -> P
 	return ResourceLoader.load("user://with_parameter.tscn", "", ResourceLoader.CACHE_MODE_IGNORE)
 
 
-## Returns a curve that is one straight line between two points. Their x coordinates are its domain.
+## Returns a curve that is a straight line between two points. Their x coordinates limit its domain.
 func make_line(from: Vector2, to: Vector2) -> Curve:
 	var curve := Curve.new()
 	curve.min_domain = from.x
@@ -207,7 +208,7 @@ func make_line(from: Vector2, to: Vector2) -> Curve:
 	return curve
 
 
-## Adds a scatter to the tree. It has not settled yet.
+## Adds a scatter to the tree and returns it without waiting until it settles.
 func make_scatter(layers: Array[ScatterLayer], terrain: ScatterGround, viewer: Node3D) -> TerrainScatter3D:
 	var scatter := TerrainScatter3D.new()
 	scatter.seed = 7
@@ -219,17 +220,17 @@ func make_scatter(layers: Array[ScatterLayer], terrain: ScatterGround, viewer: N
 	return scatter
 
 
-## Returns the buffers of a tile, by mesh.
+## Returns a tile's buffers, one per mesh.
 func buffers_of(tile: ScatterTile) -> Array:
 	return range(tile.get_mesh_count()).map(tile.get_buffer)
 
 
-## Returns the ids of a tile, by mesh.
+## Returns a tile's instance ids, one array per mesh.
 func ids_of(tile: ScatterTile) -> Array:
 	return range(tile.get_mesh_count()).map(tile.get_ids)
 
 
-## Returns a layer that a test refers to by its index in the list; any other reference unchanged.
+## Returns the layer at an index. Any other reference to a layer is returned unchanged.
 func layer_of(scatter: TerrainScatter3D, layer: Variant) -> Variant:
 	return scatter.layers[layer] if layer is int else layer
 
@@ -247,19 +248,19 @@ func tile_multimeshes(scatter: TerrainScatter3D, layer: Variant, tile: Vector2i)
 	return range(shown.get_mesh_count()).map(shown.get_multimesh)
 
 
-## Returns the contents of a query's result, which compare by value.
+## Returns a query's result as an array that compares by value.
 func content_of(found: ScatterInstances) -> Array:
 	var layer_ids := found.layers.map(func(layer: ScatterLayer) -> int: return layer.layer_id)
 	return [found.ids, layer_ids, found.layer_indices, found.meshes, found.positions, found.transforms]
 
 
-## Returns the visible tiles of a layer; an empty array if the list has no such layer.
+## Returns the visible tiles of the layer at an index, or an empty array if there is no such layer.
 func shown_tiles(scatter: TerrainScatter3D, layer: int) -> Array[Vector2i]:
 	var found := scatter.layers[layer] if layer < scatter.layers.size() else null
 	return scatter.get_shown_tiles(found) if found != null else ([] as Array[Vector2i])
 
 
-## Returns the digests of all visible tiles of a layer, by tile.
+## Returns {tile: digest} for a layer's visible tiles.
 func digests(scatter: TerrainScatter3D, layer: int) -> Dictionary:
 	var result := {}
 	for tile in shown_tiles(scatter, layer):
@@ -272,7 +273,7 @@ func floats_of(layer: ScatterLayer) -> int:
 	return 12 + 4 * int(layer.use_colors) + 4 * int(layer.use_custom_data)
 
 
-## Returns the world transforms of a tile's instances according to the RenderingServer, all meshes in a row.
+## Returns the world transforms of a tile's instances, read from the RenderingServer, one mesh after the other.
 func transforms(scatter: TerrainScatter3D, layer: int, tile: Vector2i) -> Array[Transform3D]:
 	var result: Array[Transform3D] = []
 	var origin := scatter.get_tile(scatter.layers[layer], tile).get_origin()
@@ -287,7 +288,7 @@ func transforms(scatter: TerrainScatter3D, layer: int, tile: Vector2i) -> Array[
 	return result
 
 
-## Returns the instances of all visible tiles of a layer by id, as the RenderingServer has them.
+## Returns {id: world transform} for all visible instances of a layer, read from the RenderingServer.
 func instances(scatter: TerrainScatter3D, layer: int) -> Dictionary[int, Transform3D]:
 	var result: Dictionary[int, Transform3D] = {}
 	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[layer]):
@@ -310,13 +311,13 @@ func _sum_of_ids(scatter: TerrainScatter3D, layer: int) -> int:
 	return sum
 
 
-## Returns an instance's position on the map.
+## Returns an instance's position on the map: its world x and z.
 func on_map(at: Transform3D) -> Vector2:
 	return Vector2(at.origin.x, at.origin.z)
 
 
-## Returns the positions of instances that exist in one state only, or differ. Positions are compared with a tolerance because
-## tiles whose origins differ in height round differently.
+## Returns the map positions of instances that exist in only one of the two states, or that differ. Positions are compared with a tolerance,
+## because rounding depends on the height of a tile's origin.
 func changed_places(before: Dictionary[int, Transform3D], after: Dictionary[int, Transform3D]) -> PackedVector2Array:
 	var places: PackedVector2Array
 	for id in before:

@@ -1,5 +1,5 @@
 extends "terrain_harness.gd"
-## A double of HTerrain: its maps, their position, and its signals for edits, according to its sources (1.8 and later,
+## A test double of HTerrain with its maps, their position, and its edit signals, modeled on its source (1.8 and later,
 ## hterrain.gd and hterrain_data.gd).
 
 const CHANNEL_HEIGHT := 0
@@ -9,7 +9,7 @@ const CHANNEL_SPLAT_INDEX := 6
 const CHANNEL_SPLAT_WEIGHT := 7
 
 
-## Has no signal for edits: the versions differ.
+## Data without a signal for edits, because the signal's signature depends on HTerrain's version. Subclasses add the signal.
 class HTerrainDataDouble extends Resource:
 	signal resolution_changed
 	signal map_added(type: int, index: int)
@@ -17,9 +17,9 @@ class HTerrainDataDouble extends Resource:
 	signal map_changed(type: int, index: int)
 
 	var maps: Dictionary[int, Array] = {}
-	var textures: Dictionary[int, Array] = {} ## Maps that were loaded in a game. These have no image.
+	var textures: Dictionary[int, Array] = {} ## The maps that a game has loaded, as textures without an image.
 	var resolution := 65
-	var point_calls := 0 ## Calls for single positions.
+	var point_calls := 0 ## The number of queries for single positions.
 	var read: Dictionary[int, int] = {} ## How often each map was read.
 
 	func _init(format := Image.FORMAT_RF) -> void:
@@ -39,24 +39,24 @@ class HTerrainDataDouble extends Resource:
 		var image := get_image(map_type, index)
 		return ImageTexture.create_from_image(image) if image != null else textures[map_type][index]
 
-	## Turns the maps into those that a game loads from PNG files: an image of the heights, textures of all others.
+	## Turns all maps except the heights into textures, as a game loads them from PNG files.
 	func become_loaded() -> void:
 		for map_type in maps:
 			if map_type != CHANNEL_HEIGHT:
 				textures[map_type] = maps[map_type].map(imported)
 				maps[map_type] = maps[map_type].map(func(_image: Image) -> Image: return null)
 
-	## Returns the texture that the editor's importer makes of an image: from a file, without mipmaps and not compressed.
+	## Returns the texture that the editor would import from an image: loaded from a file, uncompressed, without mipmaps.
 	static func imported(image: Image) -> CompressedTexture2D:
 		const SPOT := "user://thicket_map.ctex"
 		var file := FileAccess.open(SPOT, FileAccess.WRITE)
 		file.store_buffer("GST2".to_ascii_buffer())
-		for number: int in [1, image.get_width(), image.get_height(), 0, 0, 0, 0, 0]: # Version, size, flags and so on.
+		for number: int in [1, image.get_width(), image.get_height(), 0, 0, 0, 0, 0]: # Version, width, height, flags and reserved fields.
 			file.store_32(number)
-		file.store_32(0) # Uncompressed pixels.
+		file.store_32(0) # Data format: uncompressed.
 		file.store_16(image.get_width())
 		file.store_16(image.get_height())
-		file.store_32(0) # Mipmaps.
+		file.store_32(0) # Mipmap count.
 		file.store_32(image.get_format())
 		file.store_buffer(image.get_data())
 		file.close()
@@ -111,7 +111,7 @@ class HTerrainDataDouble extends Resource:
 		assert(false)
 
 
-## Reports edits as HTerrain 1.8 does.
+## Data that reports edits like HTerrain 1.8.
 class HTerrain18Data extends HTerrainDataDouble:
 	signal region_changed(x: int, y: int, w: int, h: int, channel: int)
 
@@ -120,7 +120,7 @@ class HTerrain18Data extends HTerrainDataDouble:
 		changed.emit()
 
 
-## Reports edits as HTerrain does since July 2026.
+## Data that reports edits like HTerrain since July 2026.
 class HTerrainMasterData extends HTerrainDataDouble:
 	signal region_changed(rect: Rect2i, channel: int, index: int)
 
@@ -157,7 +157,7 @@ class HTerrainDouble extends Node3D:
 	func get_data() -> HTerrainDataDouble:
 		return _data
 
-	## Emits no signal.
+	## Sets the data without emitting a signal.
 	func set_data(data: HTerrainDataDouble) -> void:
 		_data = data
 
@@ -174,7 +174,7 @@ class HTerrainDouble extends Node3D:
 			made.origin += made.basis * Vector3(-half, 0.0, -half)
 		return made
 
-	## Returns the height of its ground at a world position; NAN outside the map.
+	## Returns the height of the ground at a world position, or NAN outside the map.
 	func ground_at(at: Vector3) -> float:
 		var to_world := get_internal_transform()
 		var on_map := to_world.affine_inverse() * at
@@ -194,8 +194,8 @@ static func make_hterrain(data: HTerrainDataDouble = null) -> HTerrainDouble:
 	return node
 
 
-## Returns the number of instances that are not on the double's current ground. At the border, rounding decides, so positions there
-## move inward a little.
+## Returns the number of instances that are not on the double's current ground. Positions that rounding has moved off the map are first
+## moved slightly inward.
 func off_the_ground(scatter: TerrainScatter3D, node: HTerrainDouble) -> int:
 	var wrong := 0
 	for one in all_transforms(scatter):

@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Base class of the tests of imports: random transforms, multimeshes, and the instances of a layer.
+## Base class for the import tests. Provides random transforms, multimeshes, and the instances of a layer.
 
 const ImportInstances := preload("res://addons/thicket/import_instances.gd")
 
@@ -45,7 +45,7 @@ func make_bare(layers: Array[ScatterLayer] = []) -> TerrainScatter3D:
 	return make_scatter(layers, ScatterGroundFlat.new(), make_viewer(Vector3(1e5, 0, 0)))
 
 
-## Checks that exactly these transforms were added to a layer by hand, in any order.
+## Checks that a layer's instances are exactly these, placed by hand, in any order.
 func check_placed(scatter: TerrainScatter3D, layer: Variant, expected: Array[Transform3D], context: String) -> void:
 	var found := scatter.query_rect(Rect2(-250, -250, 500, 500), scatter.layers[layer] if layer is int else layer)
 	var wanted := {}

@@ -1,5 +1,5 @@
 extends RefCounted
-## Models for the tests of impostors, created by script: a tree with a trunk and leaf cards, and a stone.
+## Builds models for the impostor tests: a tree with a trunk and leaf cards, and a stone.
 
 
 static func tree() -> ArrayMesh:
@@ -22,12 +22,12 @@ static func tree() -> ArrayMesh:
 	leaves.alpha_scissor_threshold = 0.4
 	leaves.cull_mode = BaseMaterial3D.CULL_DISABLED
 	leaves.vertex_color_use_as_albedo = true
-	leaves.vertex_color_is_srgb = true # The Compatibility renderer always does this.
+	leaves.vertex_color_is_srgb = true # The Compatibility renderer always assumes sRGB.
 	mesh.surface_set_material(1, leaves)
 	return mesh
 
 
-## Returns leaf cards that are spread through an ellipsoid and face outwards, each in a different shade.
+## Returns the arrays of leaf cards spread through an ellipsoid. They face outward, each in a random shade.
 static func _crown(count: int) -> Array:
 	var random := RandomNumberGenerator.new()
 	random.seed = 5
@@ -47,7 +47,7 @@ static func _crown(count: int) -> Array:
 	return tool.commit_to_arrays()
 
 
-## Returns a clump of pointed leaves. Around them, alpha is 0.
+## Returns an image of a clump of pointed leaves. Alpha is 0 around them.
 static func _leaves() -> Image:
 	var image := Image.create_empty(128, 128, false, Image.FORMAT_RGBA8)
 	image.fill(Color(0.3, 0.42, 0.16, 0.0))

@@ -1,8 +1,8 @@
 extends SceneTree
-## Takes pictures of models and of their impostors, for tests/engine/test_impostors.py:
-## `godot --path PROJECT --script tests/engine/impostor_pictures.gd -- FOLDER`. Each picture is taken from the distance at which the
-## impostor replaces the model on a screen of 1080 lines, from 16 directions, with the sun in two: FOLDER/tree_s0_d05_model.png and so on.
-## Four samples per pixel keep aliased edges out of the comparison.
+## Takes pictures of models and of their impostors, for test_impostors.py: `godot --path PROJECT --script impostor_pictures.gd -- FOLDER`.
+## The camera is at the distance where the impostor replaces the model on a screen with 1080 lines. There are 16 views for each of two sun
+## directions, in files such as FOLDER/tree_s0_d05_model.png. The pictures have twice the usual resolution, so that aliased edges do not
+## affect the comparison.
 
 const Impostor := preload("res://addons/thicket/impostor.gd")
 const Models := preload("impostor_models.gd")
@@ -10,10 +10,10 @@ const Models := preload("impostor_models.gd")
 const SIDE := 192
 const LINES := 1080.0
 const FOV := 75.0
-## Elevations in degrees from which an impostor is seen, down to the ground.
+## The camera's elevations above the horizon, in degrees.
 const HEIGHTS: Array[float] = [3.0, 12.0, 25.0, 50.0]
 const SUNS: Array[Vector3] = [Vector3(-40.0, -60.0, 0.0), Vector3(-30.0, 130.0, 0.0)]
-## The instance is rotated and scaled.
+## The scale of the instance, which is also rotated.
 const SCALE := 1.2
 
 var _camera := Camera3D.new()
@@ -38,7 +38,7 @@ func _run() -> void:
 			printerr(baker.problem)
 			quit(1)
 			return
-		# In the Compatibility renderer, an impostor of a crown casts no shadow on itself.
+		# In the Compatibility renderer, a crown's impostor does not shadow itself.
 		_sun.shadow_enabled = name == "stone" or RenderingServer.get_current_rendering_method() != "gl_compatibility"
 		print("%s: baked in %d ms" % [name, Time.get_ticks_msec() - started])
 		await _take_all(name, model, impostor)
@@ -89,7 +89,7 @@ func _take_all(name: String, model: Mesh, impostor: Mesh) -> void:
 
 
 func _take(path: String) -> void:
-	for frame in 3: # New objects may need some frames until they are drawn correctly.
+	for frame in 3: # The renderer may take some frames to draw new objects correctly.
 		await process_frame
 	await RenderingServer.frame_post_draw
 	root.get_texture().get_image().save_png(path)

@@ -1,7 +1,7 @@
 @tool
 extends Node
-## Part of a scene that is opened in the editor: prints how much the scatter beside it shows, reloads the extension, and prints
-## it again.
+## A node in a scene that the editor opens. Prints the number of visible tiles and instances, reloads the extension, and prints the numbers
+## again.
 
 func _ready() -> void:
 	if not Engine.is_editor_hint():

@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Base class of the tests of models: scenes as artists make them.
+## Base class for the model tests. Builds scenes like those that artists make.
 
 const TRUNK := Color(0.4, 0.3, 0.2)
 const LEAF := Color(0.1, 0.6, 0.2)
@@ -19,7 +19,7 @@ func box(size: Vector3, material: Material) -> BoxMesh:
 	return mesh
 
 
-## Adds a node to a scene that will be packed.
+## Adds a node to a scene and sets its owner, so that packing the scene includes it.
 func put(node: Node, name: String, parent: Node, scene: Node, at := Transform3D()) -> Node:
 	node.name = name
 	parent.add_child(node)
@@ -42,7 +42,7 @@ func pack(scene: Node) -> PackedScene:
 	return packed
 
 
-## Returns a tree of two materials, with three LODs, parts under rotated and scaled parents, and collision shapes.
+## Returns a tree with two materials, three LODs, parts under rotated and scaled parents, and collision shapes.
 func make_tree() -> Node3D:
 	var bark := material_of(TRUNK)
 	var leaves := material_of(LEAF)
@@ -67,12 +67,12 @@ func make_tree() -> Node3D:
 	return scene
 
 
-## Returns the triangles of all surfaces, as three corners each.
+## Returns the triangles of all surfaces, three corners each.
 func faces_of(mesh: Mesh) -> PackedVector3Array:
 	return mesh.get_faces()
 
 
-## Returns the triangles of a scene's visible meshes in one LOD, given by its group's name, in the scene's space.
+## Returns the triangles of a scene's meshes whose paths start with `lod`, the name of an LOD's group, in the scene's space.
 func faces_of_scene(scene: Node3D, lod: String) -> PackedVector3Array:
 	var faces := PackedVector3Array()
 	for instance: MeshInstance3D in scene.find_children("*", "MeshInstance3D", true, false):
@@ -87,7 +87,7 @@ func faces_of_scene(scene: Node3D, lod: String) -> PackedVector3Array:
 	return faces
 
 
-## Returns the triangles in sorted order, rounded to a tenth of a millimeter.
+## Returns the triangles in sorted order, with coordinates rounded to 0.1 mm.
 func sorted_faces(faces: PackedVector3Array) -> Array:
 	var result := []
 	for at in range(0, faces.size(), 3):

@@ -1,14 +1,15 @@
 extends SceneTree
-## One of several processes that share a world: the server, a client that fells trees at the same time as the others, or a
-## client that joins late. Started by tests/engine/test_multiplayer.py with `-- server`, `-- client PORT NUMBER` or `-- late PORT`.
+## One of several processes that share a world: the server, a client that fells trees at the same time as the others, or a client that joins
+## late. test_multiplayer.py starts this script with `-- server`, `-- client PORT NUMBER` or `-- late PORT`.
 ##
-## Each process fells its share of an area's trees, one per frame, and one share that all of them fell. When all of these trees
-## are removed, it prints a line "result {...}" that describes the area. The server then waits until all clients have left.
+## The server and the two clients each fell one tree per frame: their own share of an area's trees, and a share that all three fell. When
+## all of these trees are gone, each process prints a line "result {...}" that describes the area. The server then waits until all clients
+## have left.
 
 const AREA := Rect2(-170.0, 40.0, 220.0, 220.0)
 const CLIENTS := 3
 const PATIENCE := 90.0
-## Of every five trees, the server and the two clients fell one each. All three fell the fourth tree, and the fifth stays.
+## Of every five trees, the server and the two clients fell one each. All three fell the fourth tree, and the fifth remains.
 const CIRCLE := 5
 const OWN: Array[int] = [0, 1, 2]
 const SHARED := 3
@@ -34,7 +35,7 @@ func _run() -> void:
 	world = game.get_node(^"World")
 	session = game.get_node(^"Session")
 	root.add_child(game)
-	# Counted before any tree is felled: every process has the same world and so the same list.
+	# Do this before any tree is felled, while all processes have the same world. They then compute the same list of trees.
 	var before: String = world.call(&"fingerprint", AREA)
 	_share_out(int(arguments[2]) if role == "client" else 0)
 	if role == "server":
@@ -44,14 +45,14 @@ func _run() -> void:
 		session.call(&"join", "127.0.0.1", int(arguments[1]))
 		await session.synced
 	if role == "client":
-		# The server begins when both clients have joined.
+		# The server starts felling after both clients have joined.
 		await _until(func() -> bool: return world.state.get_removed_count() > 0)
 	if role != "late":
 		for id in mine:
 			world.call(&"fell", id) if role == "server" else session.call(&"fell", id)
 			await process_frame
 	await _until(func() -> bool: return not to_fall.any(world.has_instance))
-	# Describing the area blocks this process for a while. Its last packets must be sent before that.
+	# The fingerprint blocks this process for a while, so wait until its last packets have been sent.
 	await create_timer(0.5).timeout
 	_report(before)
 	if role == "server":

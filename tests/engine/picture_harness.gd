@@ -1,8 +1,8 @@
 extends "harness.gd"
-## Base class of the tests that check pictures. They need a renderer, so run them without --headless.
+## Base class for the tests that check pictures. They need a renderer, so run them without --headless.
 
 
-## Returns a camera that takes a small picture of the ground around (10, 0, 10), from 40 m above.
+## Makes the window small. Returns a camera at (10, 40, 10) that looks straight down.
 func look_down() -> Camera3D:
 	root.size = Vector2i(160, 120)
 	var camera := Camera3D.new()
@@ -13,7 +13,7 @@ func look_down() -> Camera3D:
 	return camera
 
 
-## Returns the fraction, 0 to 1, of the next picture's pixels for which `wanted` (a function of a Color) returns true.
+## Returns the fraction (0 to 1) of pixels in the next picture for which `wanted`, a function of a Color, returns true.
 func share_of_pixels(wanted: Callable) -> float:
 	await frames(3)
 	await RenderingServer.frame_post_draw

@@ -1,17 +1,17 @@
 extends "harness.gd"
-## Base class of the tests of queries: a wood, a scan of all its generated tiles, and checks of results against that scan.
+## Base class for the query tests. Provides a wood, a scan of all its generated tiles, and checks of results against that scan.
 
-const FLOATS := 2e-3 ## Tolerance in meters: the rounding error of a float at these positions.
-const AREA := Rect2(-96, -96, 192, 192) ## Whole tiles of all layers.
+const FLOATS := 2e-3 ## Tolerance in meters for single-precision rounding at these positions.
+const AREA := Rect2(-96, -96, 192, 192) ## The scanned area. It consists of whole tiles in all layers.
 
-## All instances found by a scan, one entry in each array per instance.
+## The instances that a scan found. Each array has one entry per instance.
 class Scan:
 	var ids: PackedInt64Array
 	var layers: PackedInt32Array
 	var meshes: PackedInt32Array
 	var transforms: Array[Transform3D]
 
-	## Adds all tiles of a layer that lie in `area`, generated one by one.
+	## Generates all tiles of a layer in `area` one by one and adds their instances.
 	func add(scatter: TerrainScatter3D, layer: int, area: Rect2) -> void:
 		var size := scatter.layers[layer].tile_size
 		for x in range(roundi(area.position.x / size), roundi(area.end.x / size)):
@@ -41,7 +41,7 @@ class Scan:
 
 
 class TileBuffer:
-	## Returns the transform whose 12 floats start at this index of a buffer.
+	## Returns the transform whose 12 floats start at index `at` of a buffer, moved by `origin`.
 	static func read(floats: PackedFloat32Array, at: int, origin := Vector3.ZERO) -> Transform3D:
 		return Transform3D(
 				Vector3(floats[at], floats[at + 4], floats[at + 8]),
@@ -50,7 +50,8 @@ class TileBuffer:
 				origin + Vector3(floats[at + 3], floats[at + 7], floats[at + 11]))
 
 
-## Leaning trees, and ferns that are offset from their points and keep away from trees. Tiles of 32 and 24 meters.
+## Makes a scatter of leaning trees, and of ferns that are offset from their points and keep away from the trees. Tiles are 32 m wide for
+## trees and 24 m for ferns.
 func make_wood(viewer: Node3D) -> TerrainScatter3D:
 	var trees := make_layer(4.0)
 	trees.resource_name = "trees"
@@ -89,8 +90,8 @@ func scan(scatter: TerrainScatter3D) -> Scan:
 	return result
 
 
-## Compares a result with those instances of a scan for which `depth` (meters inside, negative outside) is above 0, within
-## the tolerance. Returns the size of the result.
+## Compares a result with the scan's instances inside the queried shape. `depth` returns how many meters a position is inside the shape, or
+## a negative value outside. Instances within the tolerance of its surface may be found or not. Returns the size of the result.
 func check_answer(scatter: TerrainScatter3D, answer: ScatterInstances, all: Scan, layers: PackedInt32Array, depth: Callable, context: String) -> int:
 	var ids := answer.ids
 	var place := {}
@@ -119,7 +120,7 @@ func check_answer(scatter: TerrainScatter3D, answer: ScatterInstances, all: Scan
 	return ids.size()
 
 
-## Returns where a ray first touches an instance's cylinder, as a fraction of the ray's length; 2 if it misses.
+## Returns where a ray first touches an instance's cylinder, as a fraction of the ray's length. Returns 2 if it misses.
 func first_touch(layer: ScatterLayer, at: Transform3D, from: Vector3, to: Vector3) -> float:
 	var inverse := at.affine_inverse()
 	var start := inverse * from
@@ -174,7 +175,7 @@ func check_nearest(scatter: TerrainScatter3D, all: Scan, at: Vector3, distance: 
 	return best < distance
 
 
-## Runs random queries of all kinds, in the middle of AREA, so that the scan contains every possible result.
+## Runs random queries of all kinds in the middle of AREA, where the scan contains every possible result.
 func check_all(scatter: TerrainScatter3D, all: Scan, random: RandomNumberGenerator, context: String) -> void:
 	var counts := {"rect": 0, "sphere": 0, "hits": 0, "near": 0}
 	for round in 14:

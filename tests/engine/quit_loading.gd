@@ -1,6 +1,6 @@
 extends SceneTree
-## Quits while a scene whose layers scatter scenes is loading in the background. The runner checks the exit code and the output.
-## The argument is the number of frames before it quits.
+## Quits while the engine loads a scene, whose layers scatter scenes, in the background. The runner checks the exit code and the output. `--
+## FRAMES` sets the number of frames before quitting.
 
 func _initialize() -> void:
 	_run.call_deferred()

@@ -1,6 +1,6 @@
 extends SceneTree
-## Quits while tiles are generated and uploaded and while a thread applies a diff. The runner checks the exit code and reported leaks.
-## `-- FRAMES` sets the number of frames before it quits.
+## Quits while tiles are generated and uploaded, and while a thread applies a diff. The runner checks the exit code and the output for
+## leaks. `-- FRAMES` sets the number of frames before quitting.
 
 class ThreadedGround extends ScatterGround:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:

@@ -1,7 +1,7 @@
 extends "harness.gd"
-## Base class of the tests of ScatterRegion3D: regions, a field to put them in, and checks of the remaining instances.
+## Base class for the tests of ScatterRegion3D. Provides regions, a field to put them in, and checks of the remaining instances.
 
-const BEYOND := 0.001 # Tolerance in meters: the rounding error of a float at these distances.
+const BEYOND := 0.001 # Tolerance in meters for single-precision rounding at these distances.
 
 
 func make_region(shape: ScatterRegion3D.Shape, exclude := true) -> ScatterRegion3D:
@@ -20,7 +20,8 @@ func make_field(layers := 1) -> TerrainScatter3D:
 	return make_scatter(list, ScatterGroundFlat.new(), make_viewer())
 
 
-## Checks that exactly the instances of `before` for which `stays` returns true remain, unmoved. Some instances must remain, and some must not.
+## Checks that exactly the instances of `before` for which `stays` returns true remain, unmoved. More than 50 must remain, and more than 20
+## must be removed.
 func check_kept(scatter: TerrainScatter3D, before: Dictionary[int, Transform3D], stays: Callable, context: String) -> void:
 	var after := instances(scatter, 0)
 	var wrong := 0
@@ -67,7 +68,7 @@ func make_path(points: PackedVector3Array) -> Path3D:
 	return path
 
 
-## Checks that the instances near a path are removed, and no others.
+## Checks that exactly the instances within 2.5 m of a path are removed.
 func check_path(scatter: TerrainScatter3D, before: Dictionary[int, Transform3D], path: Path3D, context: String) -> void:
 	await settle(scatter)
 	var line: PackedVector2Array
@@ -80,10 +81,7 @@ func check_path(scatter: TerrainScatter3D, before: Dictionary[int, Transform3D],
 	for id in before:
 		var distance := distance_to_line(on_map(before[id]), line)
 		gone += int(not after.has(id))
-		# The outline may deviate from the curve by a centimeter.
+		# The region's outline may deviate from the curve by 1 cm.
 		wrong += int(not after.has(id) and distance > 2.5 + 0.011) + int(after.has(id) and distance < 2.5 - 0.011)
 	check_equal(wrong, 0, context + ": wrong instances")
 	check(gone > 20, "%s: %d were removed" % [context, gone])
-
-
-## Properties without effect on the chosen shape are hidden in the inspector, but stored.

@@ -1,10 +1,10 @@
 extends "harness.gd"
-## Base class of the tests of a layer's rules: a ground with many heights and slopes, and the instances on it by id.
+## Base class for the tests of a layer's rules. Provides a ground with many heights and slopes, and the instances on it by id.
 
 const SIDE := 65
 
 
-## Heights from 0 to 400 meters and slopes from 0 to 63 degrees, rising with x.
+## Returns a ground that rises with x, with heights from 0 to 400 m and slopes from 0 to 63 degrees.
 func hillside() -> ScatterGroundHeightmap:
 	var image := Image.create_empty(SIDE, SIDE, false, Image.FORMAT_RF)
 	for x in SIDE:
@@ -17,13 +17,13 @@ func hillside() -> ScatterGroundHeightmap:
 	return terrain
 
 
-## Places a layer on that hillside. Progressive levels spread its points well at densities below 1.
+## Scatters a layer on the ground that `hillside` returns. Progressive levels keep its points evenly spread at densities below 1.
 func scatter_on_hillside(layer: ScatterLayer) -> TerrainScatter3D:
 	layer.progressive_levels = 3
 	return make_scatter([layer], hillside(), make_viewer(Vector3(0, 0, 20)))
 
 
-## Returns {id: [world transform, the floats that follow it in the buffer]} for all visible instances of a layer.
+## Returns the visible instances of a layer, as {id: [world transform, the floats that follow the transform in the buffer]}.
 func instances(scatter: TerrainScatter3D, layer := 0) -> Dictionary:
 	var result := {}
 	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[layer]):
@@ -45,8 +45,9 @@ func instances(scatter: TerrainScatter3D, layer := 0) -> Dictionary:
 	return result
 
 
-## Checks that `after` is `before`, filtered by these densities: no instance is new or moved, no instance is left where the density is 0, all are left
-## where it is 1, and the count matches the sum of the densities.
+## Checks that `after` contains the instances of `before` thinned by `density`, a function of the position. No instance may be new or moved.
+## No instance may remain where the density is 0, and all must remain where it is 1. The count must match the sum of the densities within
+## five standard deviations.
 func check_filtered(before: Dictionary, after: Dictionary, density: Callable, context: String) -> void:
 	var expected := 0.0
 	var variance := 0.0
@@ -65,7 +66,7 @@ func check_filtered(before: Dictionary, after: Dictionary, density: Callable, co
 	check(after.size() > 100 and after.size() < before.size(), "%s: %d of %d" % [context, after.size(), before.size()])
 
 
-## Sets one property, checks the result, and resets the property, which restores the initial state.
+## Sets one property and checks the result. Then resets it and checks that the initial instances are back.
 func check_rule(scatter: TerrainScatter3D, property: String, value: Variant, density: Callable) -> void:
 	var layer := scatter.layers[0]
 	var before := instances(scatter)
@@ -78,7 +79,7 @@ func check_rule(scatter: TerrainScatter3D, property: String, value: Variant, den
 	check(instances(scatter) == before, property + " reset: as before")
 
 
-## Returns how often each tile was shown during `edit` and until the scatter settled.
+## Runs `edit`, waits until the scatter settles, and returns how often each tile was shown, as {[layer index, tile]: count}.
 func shown_by(scatter: TerrainScatter3D, edit: Callable) -> Dictionary:
 	var shown := {}
 	var count := func(shown_layer: ScatterLayer, tile: Vector2i) -> void:

@@ -1,15 +1,17 @@
 extends "harness.gd"
-## Base class of the tests of scenes that replace meshes: a garden, a log of shown and hidden scenes, and checks that each
-## instance is visible exactly once.
+## Base class for the tests of scenes that replace meshes. Provides a garden, a log of shown and hidden scenes, and checks that
+## each instance is visible exactly once.
 
 const DISTANCE := 20.0
-const ENTER := 1.025 * DISTANCE ## Scenes may appear up to this distance: a viewer may move a little before distances are checked again.
+## Scenes appear within this distance. It exceeds DISTANCE to allow for small moves between distance checks.
+const ENTER := 1.025 * DISTANCE
 const LEAVE := 1.125 * DISTANCE
 
-## The root node of the scenes.
+## The root node of the scenes. Counts the calls of its methods, and runs hooks in them.
 class Plant extends Node3D:
 	static var made := 0
-	static var hooks: Dictionary[StringName, Callable] = {}  # Run in _init, _ready, _scatter_shown and _scatter_hidden.
+	# The hooks by method: _init, _ready, _scatter_shown or _scatter_hidden.
+	static var hooks: Dictionary[StringName, Callable] = {}
 
 	var id := 0
 	var layer: ScatterLayer
@@ -42,8 +44,8 @@ class Plant extends Node3D:
 			hooks[place].call(self)
 
 
-var shown: Dictionary[int, int] = {}  # How often a scene was shown for an id,
-var hidden: Dictionary[int, int] = {}  # and how often one was hidden.
+var shown: Dictionary[int, int] = {}  # How often a scene was shown, by instance id.
+var hidden: Dictionary[int, int] = {}  # How often a scene was hidden, by instance id.
 var standing_scenes: Dictionary[int, Node3D] = {}
 var viewer: Node3D
 
@@ -88,7 +90,7 @@ func make_garden(layers: Array[ScatterLayer], at := Vector3.ZERO) -> TerrainScat
 	return scatter
 
 
-## Returns the ids of the instances that are drawn in the visible tiles.
+## Returns the ids of the instances drawn in the visible tiles, as a set.
 func drawn(scatter: TerrainScatter3D, layer := 0) -> Dictionary[int, bool]:
 	var ids: Dictionary[int, bool] = {}
 	for tile in shown_tiles(scatter, layer):
@@ -103,7 +105,7 @@ func drawn(scatter: TerrainScatter3D, layer := 0) -> Dictionary[int, bool]:
 	return ids
 
 
-## Returns the scenes in the tree, by id.
+## Returns the scenes in the tree by instance id.
 func scenes_of(scatter: TerrainScatter3D) -> Dictionary[int, Node3D]:
 	var found: Dictionary[int, Node3D] = {}
 	for child in scatter.get_children(true):

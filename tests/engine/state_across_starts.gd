@@ -1,6 +1,6 @@
 extends "harness.gd"
-## One engine fells trees and saves the state. The next engine loads it, and the trees are still felled:
-## `-- test_save DIR`, then `-- test_load DIR`.
+## Fells trees and saves the state in one process (`-- test_save DIR`). Loads the state in a second process (`-- test_load DIR`), and checks
+## that the trees are still felled.
 
 var folder := arguments[1] if arguments.size() > 1 else "user://"
 

@@ -1,7 +1,7 @@
 extends "harness.gd"
-## Base class of the tests of streaming: grounds by script, and a list of all visible instances.
+## Base class for the streaming tests. Provides grounds implemented in GDScript, and the transforms of all visible instances.
 
-## Rolling hills, queried on the main thread.
+## Rolling hills that only the main thread samples.
 class Hills extends ScatterGround:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := PackedFloat32Array()
@@ -13,13 +13,13 @@ class Hills extends ScatterGround:
 		return 10.0 * sin(at.x * 0.05) + 5.0 * cos(at.y * 0.08)
 
 
-## Rolling hills, queried on worker threads.
+## Rolling hills that worker threads sample.
 class ThreadedHills extends Hills:
 	func _is_thread_safe() -> bool:
 		return true
 
 
-## Rolling hills with a hole, and with constant normals that lean by 45 degrees.
+## Rolling hills with a hole, and with constant normals tilted by 45 degrees.
 class LeaningHills extends Hills:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := super(positions)

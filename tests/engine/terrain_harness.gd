@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Base class of the tests of the kinds of ground.
+## Base class for the tests of the ground classes.
 
 func all_transforms(scatter: TerrainScatter3D, layer := 0) -> Array[Transform3D]:
 	var result: Array[Transform3D] = []
@@ -8,8 +8,8 @@ func all_transforms(scatter: TerrainScatter3D, layer := 0) -> Array[Transform3D]
 	return result
 
 
-## Returns all instances of a layer by id, to compare scatters with different tile sizes. Positions are rounded to 2 mm:
-## the floats of a tile count from its center.
+## Returns {id: position} for all instances of a layer, to compare scatters with different tile sizes. Positions are snapped to 2 mm.
+## Buffers store them relative to a tile's center, so rounding depends on the tile.
 func by_id(scatter: TerrainScatter3D, layer := 0) -> Dictionary:
 	var result := {}
 	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[layer]):
@@ -22,7 +22,7 @@ func by_id(scatter: TerrainScatter3D, layer := 0) -> Dictionary:
 	return result
 
 
-## Checks that a ground carries the same instances with large and with small tiles, within the area that both show.
+## Checks that large and small tiles place the same instances on a ground, within the area that both show.
 func check_tiling(terrain: ScatterGround, context: String) -> void:
 	var found: Array[Dictionary] = []
 	for tile_size: float in [32.0, 13.0]:
@@ -55,7 +55,7 @@ func shared(all: Dictionary, some: Dictionary) -> Dictionary:
 	return result
 
 
-## Returns the tiles that were shown during `edit` and until the scatter settled.
+## Runs `edit`, waits until the scatter settles, and returns the tiles that were shown meanwhile.
 func regenerated_by(scatter: TerrainScatter3D, edit: Callable) -> Array[Vector2i]:
 	var made: Array[Vector2i] = []
 	var note := func(_layer: ScatterLayer, tile: Vector2i) -> void: made.push_back(tile)
@@ -67,7 +67,7 @@ func regenerated_by(scatter: TerrainScatter3D, edit: Callable) -> Array[Vector2i
 	return made
 
 
-## Makes a scatter on the ground that a node provides. Both are in the tree.
+## Makes a scatter on the ground that `node` provides. Adds both to the tree.
 func make_on(node: Node, thread_safe := false, layer := make_layer()) -> TerrainScatter3D:
 	if not node.is_inside_tree():
 		root.add_child(node)
@@ -78,7 +78,7 @@ func make_on(node: Node, thread_safe := false, layer := make_layer()) -> Terrain
 	return scatter
 
 
-## Makes an edit. Checks that the visible tiles of `under` were regenerated, and no others. With `any`, at least one of them must have been
+## Runs `edit` and checks that exactly the visible tiles in `under` were regenerated. If `any` is true, at least one tile must have been
 ## regenerated.
 func check_regenerated_under(scatter: TerrainScatter3D, under: Array[Vector2i], any: bool, context: String, edit: Callable) -> void:
 	var made := await regenerated_by(scatter, edit)

@@ -1,8 +1,8 @@
 extends "terrain_harness.gd"
-## Nodes that have the methods of Terrain3D or of HTerrain but not their images, as unknown versions might. They are queried point by point. Also
-## contains a node that only has heights.
+## Nodes with the methods of Terrain3D or HTerrain but without their images, as unknown versions might be. The library queries them point by
+## point. One more node only has heights.
 
-## Behaves like Terrain3D's data: heights and normals with a round hole, a different texture in each half, signals for edits.
+## Behaves like Terrain3D's data, with heights, normals, a round hole, a different texture blend in each half, and edit signals.
 class Terrain3DLikeData extends Object:
 	signal maps_edited(area: AABB)
 	signal maps_changed
@@ -34,7 +34,7 @@ class SparseTerrain3DLike extends Terrain3DLike:
 	var vertex_spacing := 4.0
 
 
-## Behaves like HTerrain's data: an image of heights, queried in its own pixels, clamped at its border.
+## Behaves like HTerrain's data: heights on a pixel grid. Queries use pixel coordinates, clamped at the border.
 class HTerrainLikeData extends Resource:
 	signal region_changed(x: int, y: int, w: int, h: int, channel: int)
 	const SIZE := 65
@@ -56,7 +56,7 @@ class HTerrainLikeData extends Resource:
 		return lift + 0.5 * clampf(at.x, 0.0, SIZE - 1.0)
 
 
-## Reports edits as HTerrain does since July 2026.
+## Data that reports edits like HTerrain since July 2026.
 class LaterHTerrainLikeData extends Resource:
 	signal region_changed(rect: Rect2i, channel: int, index: int)
 	var lift := 7.0
@@ -86,7 +86,7 @@ class HTerrainLike extends Node3D:
 		return made
 
 
-## Any node that has heights only. It records whether it was called on a different thread.
+## A node with heights only. Records whether a thread other than the main thread called it.
 class Slope extends Node3D:
 	var rise := 1.0
 	var called_on_worker := false

@@ -1,12 +1,13 @@
 extends "queries_harness.gd"
-## Large allocations fail, one after another; tests/engine/test_allocations.py preloads the library that makes them fail. Each call returns its usual
-## result or prints an error, and the next call works as before. Small allocations are excluded: the engine ends when one fails.
+## Repeats calls while one large allocation after another fails. tests/engine/test_allocations.py preloads a library that makes them fail.
+## Each call must return its usual result or print an error, and the next call must work as before. Small allocations are excluded,
+## because the engine crashes when one fails.
 
-const LARGE := 1000 ## Bytes.
-const MOST := 400   ## At most this many allocations of a call fail in turn.
+const LARGE := 1000 ## The minimum size in bytes of an allocation that may fail.
+const MOST := 400   ## The maximum number of allocations per call that fail in turn.
 
 
-## Calls `work` until none of its allocations fails any more. `work` returns the same value each time.
+## Calls `work` once for each of its allocations of at least `bytes`, with that allocation failing. `work` must return the same value each time.
 func sweep(context: String, work: Callable, bytes := LARGE) -> void:
 	var expected: Variant = work.call()
 	check_no_error(context)
@@ -19,7 +20,7 @@ func sweep(context: String, work: Callable, bytes := LARGE) -> void:
 		if messages.is_empty():
 			check(got == expected, "%s: allocation %d fails silently" % [context, number])
 			if number > failed + 8:
-				break # No allocation is left.
+				break # The call has no more allocations.
 		else:
 			failed = number
 	check(failed > 0, context + ": no allocation failed")
@@ -75,7 +76,7 @@ func test_states() -> void:
 		return scatter.remove_instances(ids).size())
 	var data := PackedByteArray()
 	data.resize(3000)
-	# Only the write is tested: the engine ends if an allocation fails while it reads.
+	# Test only the write, because the engine crashes if an allocation fails while it reads.
 	sweep("data of an instance", func() -> bool: return scatter.state.set_instance_data(ids[0], data))
 
 
@@ -93,8 +94,8 @@ func test_samplers() -> void:
 	sweep("an exact domain", func() -> PackedFloat64Array: return sampler.sample_domain_exact(0, 0, 30, 30).y)
 
 
-## A change that runs out of memory is repeated by the next frame. So many layers make the lists of layers large. Single tiles that could
-## not be generated are reported, and stay as they were.
+## If a change runs out of memory, the next frame retries it. The test uses 100 layers so that lists of layers are large allocations.
+## Tiles that cannot be generated are reported and remain unchanged.
 func test_changes_of_layers() -> void:
 	var layers: Array[ScatterLayer] = []
 	for index in 100:
@@ -129,7 +130,7 @@ func ids_of_shown(scatter: TerrainScatter3D, layer: int) -> Array:
 	return ids
 
 
-## On worker threads: a tile that could not be generated is reported, and uploaded tiles are complete.
+## Allocations fail on worker threads. Tiles that cannot be generated are reported, and all uploaded tiles are complete.
 func test_streaming() -> void:
 	var expected := await stream(0)
 	check_no_error("a stream")
@@ -146,7 +147,8 @@ func test_streaming() -> void:
 	check(hits > 20, "%d allocations failed" % hits)
 
 
-## Returns all visible tiles by layer, with the data that the renderer has of them.
+## Streams a wood, and lets the worker allocation with this number fail (none for 0). Returns the visible tiles by layer, with the
+## renderer's data.
 func stream(number: int) -> Array:
 	var viewer := make_viewer()
 	var scatter := make_wood(viewer)

@@ -1,8 +1,9 @@
-"""Failing allocations inside the engine: the library reports each, changes nothing and continues.
+"""Failing allocations inside the engine: the library must report each, change nothing and continue.
 
 tests/allocations/failing_allocations.c, preloaded into the engine, makes allocations fail. Most failures of small allocations crash Godot
-itself, which writes through the null pointer, and the library cannot prevent that. So the cause of a crash is attributed by its location.
-It is the library's if its code crashed, if an exception left it, or if the engine crashed in a call other than the one that got no memory.
+itself, because it writes through the null pointer. The library cannot prevent that, so each crash is attributed by its location. The
+library is responsible if its code crashed or if an exception escaped from it. It is also responsible if the engine crashed in a different
+call than the one whose allocation failed.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from conftest import REPO, new_project, run
 from test_engine import ENGINE, assert_passed
 
 LIBRARY = "libthicket"
-# Libraries that crash and allocate on behalf of their callers.
+# Libraries whose crashes and allocations are attributed to their callers.
 SERVANTS = re.compile(r"/(?:libc|libm|libstdc\+\+|libgcc_s|ld-linux[\w-]*|libfailing_allocations)[\d.-]*\.so")
 NODES = REPO / "extension/nodes"
 THREADLESS = "[threading]\nworker_pool/max_threads=0\n"
@@ -27,7 +28,7 @@ THREADLESS = "[threading]\nworker_pool/max_threads=0\n"
 
 @pytest.fixture(scope="module")
 def preload(tmp_path_factory) -> Path:
-    """The library to preload."""
+    """Builds the library to preload and returns its path."""
     built = tmp_path_factory.mktemp("preload") / "libfailing_allocations.so"
     source = REPO / "tests/allocations/failing_allocations.c"
     done = run([os.environ.get("CC", "cc"), "-std=c11", "-O2", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC", "-o", built, source], timeout=60)
@@ -58,7 +59,7 @@ class Outcome:
     number: int
     log: str
     sections: dict[str, list[Frame]] = field(default_factory=dict)
-    end: str = ""  # "end", "crash" or "hang"; empty for a process that ended differently.
+    end: str = ""  # "end", "crash" or "hang". Empty if the process ended differently.
 
     @classmethod
     def read(cls, path: Path) -> Outcome:
@@ -76,7 +77,7 @@ class Outcome:
         return outcome
 
     def call_into_the_engine(self, section: str) -> Frame | None:
-        """The library's frame that called the engine."""
+        """Returns the library's innermost frame in a section, or None."""
         return next((frame for frame in self.sections.get(section, []) if frame.ours), None)
 
     @property
@@ -84,11 +85,11 @@ class Outcome:
         if self.end == "end":
             return "went on"
         if self.end == "crash":
-            # If the engine's last step was a jump into the C library, the engine's own frame is not on the stack.
+            # If the engine tail-called the C library, its own frame is not on the stack, so compare the library's frames instead.
             engine_allocated = not self.sections["failed"][0].ours
             same_call = self.call_into_the_engine("crash") == self.call_into_the_engine("failed")
             return "the engine's" if engine_allocated and same_call else "ours"
-        # Without memory for the library's thread-local data, the C library ends the program.
+        # The C library terminates the program if it cannot allocate the library's thread-local data.
         return "the system's" if not self.end and "thread-local data" in self.log else "ours"
 
     def __str__(self) -> str:
@@ -99,7 +100,7 @@ class Outcome:
 
 
 def sweep(godot, preload: Path, folder: Path, scene: str, first: int, last: int, step: int) -> list[Outcome]:
-    """Runs a scene once for each of these allocations. Each process starts where the scene does."""
+    """Runs a scene once for each allocation of a range, with that allocation failing. The processes are forked where the scene starts."""
     (folder / "project").mkdir()
     (folder / "outcomes").mkdir()
     project = new_project(folder / "project", THREADLESS)
@@ -127,12 +128,12 @@ def check(outcomes: list[Outcome], least: int):
 ARRAY = r"(?:godot::)?(?:Packed\w+Array|TypedArray<[^;<>]+>|Array)"
 DECLARED = re.compile(r"\b(%s|std::\w+<.+>|auto)\s*[&*]*\s+[&*]*(\w+)\b\s*[;={(,)]" % ARRAY)
 GROWS = re.compile(r"(?<![\w:])((?:\w+(?:\.|->))*)(\w+)(?:\.|->)(?:resize|push_back|append|append_array|insert|fill|set)\(")
-SENTENCES = "PackedStringArray"  # A missing sentence is harmless, because the engine has printed an error.
+SENTENCES = "PackedStringArray"  # An array of messages. A missing message is harmless, because the engine has printed an error.
 
 
 def unchecked(text: str, header: str, fields: set[str] = frozenset()) -> list[str]:
-    """Lines that grow an array of the engine, or write to its elements, without checking for memory. `fields` are names of arrays in
-    objects."""
+    """Returns the lines that grow an engine array or write to its elements without checking for failed allocations. `fields` contains the
+    names of array members of objects."""
     members = {name: kind for kind, name in DECLARED.findall(header)}
     lines = []
     names = dict(members)

@@ -1,5 +1,5 @@
 extends "harness.gd"
-## The files that the add-on's bake writes, without an editor, and the point where its brush hits the ground.
+## Tests the files that the add-on bakes, without an editor, and the point where the editor's brush hits the ground.
 
 const Bake := preload("res://addons/thicket/bake.gd")
 const GroundRay := preload("res://addons/thicket/ground_ray.gd")
@@ -19,7 +19,7 @@ class Hills extends ScatterGround:
 		return true
 
 
-## Two layers: one with two meshes, colors and a mesh that has a file, and one with one mesh.
+## Returns a scatter of two layers. One has colors and two meshes, one of them saved in a file. The other has one mesh.
 func wood() -> TerrainScatter3D:
 	var trees := make_layer(3.0)
 	trees.resource_name = "Trees"
@@ -53,7 +53,7 @@ func run_to_end(bake: Bake) -> void:
 		await process_frame
 
 
-## Baked whole tiles equal the visible ones bit for bit. Their meshes are shared and drawn with the layer's settings.
+## Whole baked tiles equal the visible ones bit for bit. They share their meshes and use the layer's render settings.
 func test_whole_tiles() -> void:
 	empty_folder()
 	var scatter := wood()
@@ -81,7 +81,7 @@ func test_whole_tiles() -> void:
 	scene.free()
 
 
-## Baking parts of tiles writes exactly the instances in the rectangle.
+## A bake of a rectangle that cuts through tiles contains exactly the instances inside it.
 func test_parts_of_tiles() -> void:
 	empty_folder()
 	var scatter := wood()
@@ -101,7 +101,7 @@ func test_parts_of_tiles() -> void:
 	check(expected > 100 and bake.instances == expected, "%d instances of %d" % [bake.instances, expected])
 
 
-## A canceled bake leaves the old files. A second bake replaces the first and removes the files that it no longer needs.
+## A canceled bake leaves existing files unchanged. A second bake replaces the first and removes the files that it no longer needs.
 func test_cancel_and_again() -> void:
 	empty_folder()
 	var scatter := wood()
@@ -167,7 +167,7 @@ func test_layer_that_cannot_be_generated() -> void:
 	check_equal(all_files(), PackedStringArray(), "no files are left")
 
 
-## Reports a file of an earlier bake that cannot be deleted, and an index of a baked world whose lists do not fit together.
+## A bake reports an earlier bake's file that it cannot delete. A baked world reports an index whose lists differ in length.
 func test_leftover_files_are_reported() -> void:
 	empty_folder()
 	var scatter := wood()

@@ -1,17 +1,17 @@
 extends "models_harness.gd"
-## Bakes and their readers find the same levels of detail that the extension draws.
+## Tests that bakes, and the scripts that read them, use the same LODs that the extension draws.
 
 const ModelFiles := preload("res://addons/thicket/baking/model_files.gd")
 const ReadModels := preload("../../tools/bake/reading/scripts/read_models.gd")
 
-## Names of two parts, of which the first is finer.
+## Pairs of part names. The first belongs to the finer LOD.
 const NAMES: Array[Array] = [
 	["Tree_LOD0", "Tree_LOD1"], ["Tree-LOD-0", "Tree-LOD-1"], ["Tree LOD0", "Tree LOD 1"], ["TrunkLOD0", "TrunkLOD1"],
 	["Tree_LOD0_leaves", "Tree_LOD1_leaves"], ["Trunk", "Trunk_LOD2"], ["Trunk", "Melod1"], ["Trunk", "Part_LOD100"],
 ]
 
 
-## Returns a saved scene of parts with these names. Each part is a box that is smaller than the one before.
+## Saves a scene of parts with these names, and returns it. Each part is a smaller box than the previous one.
 func saved_scene(names: Array, file: String) -> PackedScene:
 	var scene := Node3D.new()
 	scene.name = "Model"
@@ -29,7 +29,7 @@ func model_of(scene: PackedScene) -> ScatterModel:
 	return model
 
 
-## Returns the LODs that a bake writes for an entry: distances and mesh sizes, read back from the files.
+## Returns the LODs that a bake writes for one of the layer's meshes, as [distance, mesh size] read from the files.
 func baked_lods(layer: ScatterLayer, entry: int) -> Array:
 	var files := ModelFiles.new(layer, 3)
 	check_equal(files.problem, "", "no problem")
@@ -58,7 +58,7 @@ func test_scene_among_the_meshes_has_all_its_levels() -> void:
 	check_equal(lods.size(), 3, "levels of the scene")
 	check_equal(lods, drawn_lods(layer, 0), "the manifest lists the LODs that are drawn")
 	check_equal(baked_lods(layer, 1), lods, "the same LODs for a model of the scene")
-	# The distances that a model leaves unset grow with its size, and double from level to level.
+	# Default distances grow with the model's size and double from LOD to LOD.
 	check(lods[1][0] > 4.0 and is_equal_approx(lods[2][0], 2.0 * lods[1][0]), "distances: %s" % [lods])
 	check_equal(ModelFiles.new(layer, 3).models[0].path, "res://oak.tscn", "the entry's own file")
 

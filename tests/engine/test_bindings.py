@@ -1,5 +1,5 @@
-"""Tests the promises of the bindings. The extension loads, unloads and reloads cleanly, in a game and in the editor. Scripts see our classes as
-declared. Engine code compiles with godot-cpp and with our stand-in."""
+"""Tests the bindings. The extension loads, unloads and reloads cleanly, in a game and in the editor. Scripts see our classes as declared.
+Engine code compiles with godot-cpp and with our replacement for it, the stand-in."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ SCENE = """[gd_scene format=3]
 [node name="Scatter" type="TerrainScatter3D"]
 """
 KINDS = (".py", ".hpp", ".inc", ".cpp")
-# Complaints in an engine's output, during its work or at its end.
+# Errors, warnings and leak reports in an engine's output.
 COMPLAINTS = re.compile(r"ERROR|WARNING|[Ll]eak|Orphan|unclaimed|still in use|RID allocations|crashed|corrupted")
 
 
 def make_project(folder: Path, extension: bool) -> Path:
-    """A project with or without the extension, and with the editor plugin that runs the steps of a test."""
+    """Creates a project with an editor plugin that runs a test's steps, with or without the extension."""
     folder.mkdir()
     (folder / "project.godot").write_text(PROJECT)
     shutil.copytree(SCRIPTS, folder / "addons/steps", ignore=shutil.ignore_patterns("test_*"))
@@ -59,14 +59,14 @@ def project(tmp_path) -> Path:
 
 
 def complaints(output: str) -> list[str]:
-    """The complaints in an engine's output. Ignores the warning that an invisible display has no V-Sync."""
+    """Returns the complaints in an engine's output, without the V-Sync warning that a virtual display causes."""
     return [line for line in output.splitlines() if COMPLAINTS.search(line) and "V-Sync" not in line]
 
 
 @pytest.mark.parametrize("display", ["godot", "godot_xvfb"])
 def test_scripts_see_our_classes_and_nothing_leaks(display, project, request):
-    """Runs a game that covers all uses from scripts. At the end, the engine reports no leaks in verbose mode. Only a real renderer counts its
-    resources."""
+    """Runs a game that covers all uses from scripts. On exit, the engine must report no leaks in verbose mode. Runs with a renderer too, because
+    only a real one counts its resources."""
     play = request.getfixturevalue(display)
     done = play(["--verbose", "--path", project, "--script", SCRIPTS / "test_language.gd"])
     assert done.returncode == 0, done.stdout[-6000:] + done.stderr[-2000:]
@@ -86,7 +86,7 @@ def test_a_leak_is_detected(godot_xvfb, project):
 
 
 def editor(godot, project: Path, *steps: str) -> str:
-    # Uses its own folders, because the editor stores the class reference and its open tabs.
+    # Each project has its own user folders, because the editor stores the class reference and its open tabs there.
     environment = {
         **os.environ,
         "THICKET_CACHE": str(CACHE),
@@ -102,14 +102,14 @@ def editor(godot, project: Path, *steps: str) -> str:
 
 @pytest.fixture(scope="module")
 def plain_editor(godot, tmp_path_factory) -> set[str]:
-    """The complaints of an editor without the extension."""
+    """Returns the complaints of an editor without the extension."""
     project = make_project(tmp_path_factory.mktemp("plain") / "project", extension=False)
     return set(complaints(editor(godot, project)))
 
 
 @pytest.fixture(scope="module")
 def whole_editor(godot, tmp_path_factory) -> str:
-    """The output of an editor that reloads the library under a live node, and opens our pages and scenes."""
+    """Returns the output of an editor that reloads the library under a live node, and opens our help pages and scenes."""
     project = make_project(tmp_path_factory.mktemp("whole") / "project", extension=True)
     return editor(godot, project, "reload", "help", "preview", "warnings")
 
@@ -137,12 +137,12 @@ def test_class_reference_is_shown_in_the_editor(whole_editor):
 
 
 def test_editor_shows_configuration_warnings(whole_editor):
-    """The engine finds our override of one of its virtual methods."""
+    """The engine calls our override of one of its virtual methods."""
     assert re.search(r"^button of Scatter: .*No ground", whole_editor, re.MULTILINE | re.IGNORECASE)
 
 
 def test_preview_draws_at_most_preview_instances(whole_editor):
-    """In the editor, at most preview_instances are drawn, and not many fewer if there are more. Changing the number uploads nothing."""
+    """The editor draws at most preview_instances, and at least 65 % of this number if there are enough instances. Changing the limit uploads nothing."""
     figure = r"^preview of (\d+): (\d+) drawn of (\d+), at most (\d+), (\d+) uploads$"
     rows = [[int(number) for number in row] for row in re.findall(figure, whole_editor, re.MULTILINE)]
     assert [row[0] for row in rows] == [5000, 800, 0, 20000, 10**9]
@@ -153,7 +153,7 @@ def test_preview_draws_at_most_preview_instances(whole_editor):
 
 
 def described(path: Path) -> dict[str, str]:
-    """{member with its types: its description} for a page of the class reference."""
+    """Returns {member with its types: description} for a page of the class reference."""
     root = ElementTree.parse(path).getroot()
     found = {f"class {root.get('name')} of {root.get('inherits')}": root.findtext("description")}
     for item in root.iterfind("*/*[@name]"):
@@ -165,13 +165,13 @@ def described(path: Path) -> dict[str, str]:
 
 
 def defaults(path: Path) -> dict[str, str]:
-    """{property: its default} on a page of the class reference. The engine's pages only contain some of the empty defaults."""
+    """Returns {property: default} for a page of the class reference, without empty defaults, because the engine's pages omit some of them."""
     members = {item.get("name"): item.get("default") for item in ElementTree.parse(path).getroot().iterfind("members/member")}
     return {name: default for name, default in members.items() if default and default != "<null>" and not default.endswith("()")}
 
 
 def test_class_reference_is_complete(godot, project):
-    """The engine lists the same members, arguments, types and defaults as our pages, and each member has a description."""
+    """The engine lists the same members, arguments, types and defaults as our pages, and every member has a description."""
     pages = project / "reference"
     (pages / "doc_classes").mkdir(parents=True)
     done = godot(["--path", project, "--doctool", pages, "--gdextension-docs"])
@@ -180,7 +180,7 @@ def test_class_reference_is_complete(godot, project):
     ours = {name: described(REPO / f"extension/doc_classes/{name}.xml") for name in CLASSES}
     assert {name: sorted(page) for name, page in ours.items()} == {name: sorted(page) for name, page in written.items()}
     listed = {name: (defaults(pages / f"doc_classes/{name}.xml"), defaults(REPO / f"extension/doc_classes/{name}.xml")) for name in CLASSES}
-    listed = {name: both for name, both in listed.items() if both[0]}  # The engine lists none for a class that scripts cannot create.
+    listed = {name: both for name, both in listed.items() if both[0]}  # The engine lists no defaults for a class that scripts cannot instantiate.
     assert len(listed) >= 15 and not {name: both for name, both in listed.items() if both[0] != both[1]}
     texts = {f"{name}: {what}": text or "" for name, page in ours.items() for what, text in page.items()}
     assert not [what for what, text in texts.items() if not text.strip()]
@@ -200,7 +200,7 @@ def test_the_bindings_provide_only_what_is_used():
 
 
 def test_the_stand_in_stays_small():
-    """Less than 2500 hand-written lines, including the generator, without comments, includes and blank lines. No file has more than 400."""
+    """The stand-in and its generator have fewer than 2500 lines, without comments, includes and blank lines. No file has more than 400 lines."""
     texts = {path: path.read_text(encoding="utf-8") for path in BINDINGS.rglob("*") if path.suffix in KINDS}
     code = sum(len(re.findall(r"^\s*(?!//|#include|#pragma)\S", text, re.MULTILINE)) for text in texts.values())
     assert code < 2500, code
@@ -217,7 +217,7 @@ def test_engine_code_has_no_switch_between_bindings():
 
 
 def test_every_included_header_exists_in_the_bindings():
-    """The headers that engine code includes are part of the stand-in, hand-written or generated."""
+    """Every header that engine code includes is part of the stand-in, either hand-written or generated."""
     used = tomllib.loads((BINDINGS / "used_api.toml").read_text())
     listed = generate("--used", BINDINGS / "used_api.toml", "--out", "gen", "--list").stdout
     assert used["classes"]
@@ -235,7 +235,7 @@ ACCEPTED = "void assign(Ref<Image> &r_to, const Ref<Image> &p_from, String &r_te
 
 
 def compiles(code: str, tmp_path: Path) -> subprocess.CompletedProcess[str]:
-    """Compiles a function against the stand-in that was built here."""
+    """Compiles a function against the stand-in in the build directory."""
     source = tmp_path / "function.cpp"
     source.write_text(f"#include <godot_cpp/classes/image.hpp>\n#include <godot_cpp/classes/ref.hpp>\nnamespace godot {{\n{code}\n}}\n")
     included = ["-I", BINDINGS / "include", "-I", BUILD_DIR / "gen/include", "-I", BUILD_DIR / "gen"]
@@ -244,17 +244,17 @@ def compiles(code: str, tmp_path: Path) -> subprocess.CompletedProcess[str]:
 
 @pytest.mark.parametrize("code", REFUSED)
 def test_the_stand_in_refuses_what_godot_cpp_refuses(code, tmp_path):
-    """Code that compiles against the stand-in also compiles against godot-cpp."""
+    """The stand-in rejects code that godot-cpp rejects, so that code written against it also compiles with godot-cpp."""
     accepted = compiles(ACCEPTED, tmp_path)
     assert accepted.returncode == 0, accepted.stderr
     assert compiles(REFUSED[code], tmp_path).returncode != 0
 
 
-@pytest.mark.alone  # Meanwhile, a different extension is installed for all tests.
+@pytest.mark.alone  # While this test runs, all tests would load a different extension.
 @pytest.mark.skipif("THICKET_GODOT_CPP" not in os.environ, reason="set THICKET_GODOT_CPP to a built godot-cpp")
 def test_the_same_sources_build_and_run_against_godot_cpp(godot, tmp_path):
-    """All engine tests pass with godot-cpp. All checks of the language test also hold, except that godot-cpp accepts null for a value of a
-    wrong type."""
+    """All engine tests pass with godot-cpp. So do all language tests except test_wrong_values, because godot-cpp treats a value of the wrong
+    type as null."""
     try:
         done = run(["scons", "-Q", "-j2", "godot_cpp=" + os.environ["THICKET_GODOT_CPP"], "extension"], 3600, cwd=REPO)
         assert done.returncode == 0, done.stdout + done.stderr

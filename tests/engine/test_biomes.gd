@@ -1,5 +1,5 @@
 extends "biomes_harness.gd"
-## Biomes: layers appear where a map allows them, and a change of the map regenerates the affected tiles.
+## Tests biomes: layers grow where the map allows them, and a change of the map regenerates only the affected tiles.
 
 func test_layers_appear_in_their_biomes() -> void:
 	var scatter := make_world(three_biomes(), [named("rock", 6.0)])
@@ -93,7 +93,7 @@ func test_a_pixel_changes_only_its_surroundings() -> void:
 	await settle(scatter)
 	var before := digests_by_name(scatter)
 	var shown := await shown_by(scatter, func() -> void:
-		scatter.biomes.map_image.fill_rect(Rect2i(40, 40, 2, 2), MEADOW) # 32 to 40 m on both axes.
+		scatter.biomes.map_image.fill_rect(Rect2i(40, 40, 2, 2), MEADOW) # Covers 32 to 40 m on both axes.
 		scatter.biomes.map_image.emit_changed())
 	var touched := Rect2(32, 32, 8, 8).grow(5.1)
 	var after := digests_by_name(scatter)
@@ -314,7 +314,7 @@ func test_scenes_with_biomes_are_small_and_save_identically() -> void:
 	scatter.viewers = []
 	var before := places_in(scatter, "fern", Rect2(0, 0, 60, 60))
 	scatter.name = "Scatter"
-	var id_of_file := RegEx.create_from_string("1_[a-z0-9]{5}") # The engine picks a new one for each save.
+	var id_of_file := RegEx.create_from_string("1_[a-z0-9]{5}") # The engine generates new ids on each save.
 	var files: PackedStringArray = []
 	for round in 2:
 		var scene := PackedScene.new()
@@ -360,7 +360,7 @@ func test_a_map_that_two_nodes_share() -> void:
 		check(all_within(lilies, func(at: Vector2) -> bool: return map.get_biome_at(at) == map.biomes[2]), "lilies in their biome only")
 
 
-## A painted image is read again when it emits `changed`, and never because of other changes.
+## The map reads a painted image again only when the image emits `changed`, not after other changes.
 func test_an_image_is_read_when_it_emits_changed() -> void:
 	var scatter := make_world(three_biomes())
 	await settle(scatter)

@@ -1,15 +1,16 @@
 extends "edits_harness.gd"
-## build_rect and build_tile: the tiles that a scatter builds on request, for callers that keep them.
+## Tests build_rect and build_tile, which build tiles on request for the caller to keep.
 
 const SHARED := Rect2(-60, -60, 120, 120)
 
-## Level ground. The first thread that queries more than a few points waits once for a second thread, for 20 seconds at most.
+## Level ground that detects parallel queries. A large query waits until `wanted` threads have made one, but at most 20 seconds.
 class RendezvousGround extends ScatterGround:
 	var wanted := 2
 	var threads: Dictionary[int, bool] = {}
 	var mutex := Mutex.new()
 	var gave_up := false
-	const FEW := 25 ## Five points, with four around each for the slope.
+	## The maximum number of positions of a query that does not wait: five points, each with four more positions for the slope.
+	const FEW := 25
 
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var until := Time.get_ticks_msec() + 20_000
@@ -72,7 +73,7 @@ func test_build_rect_refuses() -> void:
 	await frames(1)
 
 
-## A built tile equals the visible one bit for bit, including changes by a game. So do its rows.
+## A built tile and its rows equal the visible tile bit for bit, including a game's changes.
 func test_build_tile() -> void:
 	for offset: Vector3 in [Vector3.ZERO, Vector3(4096.0, 0.0, -2048.0)]:
 		var scatter := make_scatter(make_forest(), Mound.new(), make_viewer())
@@ -103,7 +104,7 @@ func test_rows() -> void:
 	scatter.layers[FERN].meshes = [BoxMesh.new(), SphereMesh.new()]
 	scatter.layers[FERN].min_scale = 0.5
 	scatter.layers[FERN].max_tilt_degrees = 30.0
-	var tile := Vector2i(32, 0) # World 1024 to 1056 is 0 to 32 in the engine.
+	var tile := Vector2i(32, 0) # This tile covers 1024 to 1056 m in the world, which is 0 to 32 m in the engine.
 	var rows := scatter.build_tile("fern", tile).get_rows()
 	var found := scatter.query_rect(Rect2(0, 0, 32, 32), "fern")
 	var count := rows.decode_u32(0)
@@ -147,7 +148,7 @@ func test_build_tile_refuses() -> void:
 	await frames(1)
 
 
-## The engine's workers share a large rectangle. On one thread, the ground would wait in vain for a second thread.
+## Worker threads share the work on a large rectangle. If a single thread did all of it, the ground would wait in vain.
 func test_build_rect_uses_workers() -> void:
 	var layers: Array[ScatterLayer] = [make_layer(0.5)]
 	var single_threaded := RendezvousGround.new()
@@ -165,7 +166,7 @@ func test_build_rect_uses_workers() -> void:
 	together.free()
 
 
-## Workers also share the tiles that a query must generate.
+## Worker threads also share the tiles that a query must generate.
 func test_queries_use_workers() -> void:
 	var ground := RendezvousGround.new()
 	var scatter := make_scatter([make_layer(1.0)], ground, make_viewer())

@@ -1,8 +1,7 @@
 extends "scenes_harness.gd"
-## Every call to a script, combined with everything that a script may do to the calling node: nothing crashes,
-## nothing is printed, nothing leaks.
+## Runs every action on a node inside every callback from it. Nothing may crash or leak, and only expected errors are printed.
 
-## Ground that runs an action while it is queried.
+## Ground that runs an action during each query.
 class CallingGround extends ScatterGround:
 	var action := Callable()
 
@@ -15,9 +14,9 @@ class CallingGround extends ScatterGround:
 
 
 const AROUND := Rect2(-20, -20, 40, 40)
-const LOCKED := "locked" ## Part of both engine messages that refuse to free a node.
+const LOCKED := "locked" ## A part of both messages with which the engine refuses to free a node.
 
-## The actions of a script, by name. Most run in the first call of the callback, some in each of the first few.
+## Actions that a script takes inside a callback, by name. Most run in the first callback only, some in the first few.
 var actions: Dictionary[String, Callable] = {
 	"free": func() -> void: scatter.free(),
 	"queue_free": func() -> void: scatter.queue_free(),
@@ -54,7 +53,7 @@ var actions: Dictionary[String, Callable] = {
 			scatter.state.merge(scatter.state.duplicate()),
 	"recenter": func() -> void: scatter.world_offset += Vector3(32, 0, 0),
 }
-## Calls that make the node call back, by the name of the callback.
+## Calls that trigger each callback, by the callback's name.
 var calls: Dictionary[String, Callable] = {
 	"instance_removed": func() -> void: scatter.remove_instance(a_near_id()),
 	"removed in a sphere": func() -> void: scatter.remove_in_sphere(Vector3.ZERO, 6.0),
@@ -97,8 +96,8 @@ var calls: Dictionary[String, Callable] = {
 var scatter: TerrainScatter3D
 var ground: CallingGround
 var action := ""
-var again := Callable() ## The call that made the node call back.
-var times := 0 ## How often the node called back.
+var again := Callable() ## The call that triggered the callback.
+var times := 0 ## The number of callbacks so far.
 
 
 func a_near_id() -> int:
@@ -149,7 +148,7 @@ func connect_handler(callback: String) -> void:
 					scatter.connect(callback, handlers[event["args"].size()])
 
 
-## A small forest with bodies and scenes.
+## Makes a small forest with bodies and, if requested, scenes.
 func make_forest(with_scenes: bool) -> void:
 	var layer := make_layer(4.0)
 	layer.collision_shape = ScatterLayer.COLLISION_CYLINDER
@@ -179,7 +178,7 @@ func run_action_in_callback(callback: String, name: String) -> void:
 	for message in errors.take():
 		# The engine refuses to free a node that emits a signal.
 		var refused := name == "free" and LOCKED in message
-		# Calls of a node without ground or layers are refused, and so is a state of different points.
+		# The node refuses calls without ground or layers, and a state that belongs to a different seed.
 		var bare := "is missing" in message or "No layer is named" in message or "a different seed" in message
 		check(refused or bare, "%s, %s: the engine printed: %s" % [callback, name, message])
 	Plant.hooks.clear()

@@ -1,7 +1,7 @@
 extends "harness.gd"
-## Changes by a game: instances that are removed, restored and placed by hand, and their data.
+## Tests a game's changes: instances that are removed, restored and placed by hand, and their data.
 
-## Records the signals of a scatter.
+## Records a scatter's signals as [name, id, layer, transform].
 class SignalLog:
 	var events: Array[Array] = []
 
@@ -130,7 +130,7 @@ func test_hand_placed_instances() -> void:
 	check(scatter.add_instance(scatter.layers[0], at, 1) == id, "when placed again, it has the same id")
 
 
-## Returns the instance whose body a ray from above hits at a position; 0 if there is none.
+## Returns the id of the instance whose body a vertical ray hits above a position, or 0.
 func body_at(scatter: TerrainScatter3D, place: Vector3) -> int:
 	var ray := PhysicsRayQueryParameters3D.create(place + Vector3(0.0, 20.0, 0.0), place)
 	var hit := root.world_3d.direct_space_state.intersect_ray(ray)
@@ -142,7 +142,7 @@ func test_a_hand_placed_instance_moves() -> void:
 	scatter.layers[0].collision_shape = ScatterLayer.COLLISION_CYLINDER
 	await settle(scatter)
 	var at := Transform3D(Basis(), Vector3(10.25, 1.5, 12.5))
-	# In a different tile, tilted, with numbers that cannot be represented exactly.
+	# In a different tile and tilted, with numbers that floats cannot represent exactly.
 	var to := Transform3D(Basis.from_euler(Vector3(0.3, 1.1, -0.2)).scaled(Vector3(1.1, 1.7, 0.9)), Vector3(-21.7, 0.1, 23.3))
 	for place in [at, to]:
 		scatter.remove_in_sphere(place.origin, 6.0, scatter.layers[0])
@@ -197,7 +197,7 @@ func test_a_generated_instance_moves() -> void:
 	check(scatter.state.is_removed(id), "the old instance does not regrow")
 
 
-## A diff of ids undoes any step.
+## A diff of the affected ids can undo and redo any change.
 func test_undo_and_redo_by_diffs() -> void:
 	var scatter := make_wood()
 	await settle(scatter)
@@ -331,7 +331,7 @@ func test_removed_instances_regrow() -> void:
 	check_equal(signals.take()[-1].slice(0, 3), ["instance_restored", oak, scatter.layers[0]], "a signal reports it")
 
 
-## The methods of a state that a node uses follow the node's rules.
+## While a node uses a state, the state's own methods follow the node's rules.
 func test_changes_through_the_state() -> void:
 	var scatter := make_wood()
 	scatter.layers[0].resource_name = "oak"
@@ -363,7 +363,7 @@ func test_changes_through_the_state() -> void:
 	var planted := scatter.add_instance("oak", Transform3D(Basis(), Vector3(4, 0, 4)))
 	check_equal(state.get_added("oak"), PackedInt64Array([planted]), "hand-placed ones by the layer's name")
 	check(state.remove(planted) and not scatter.has_instance(planted), "a hand-placed one is removed")
-	# Outside of the tree the node makes no changes, and the state changes ids.
+	# While the node is outside the tree, the state changes any id without checking it.
 	root.remove_child(scatter)
 	check(state.remove(missing), "any id")
 	scatter.free()

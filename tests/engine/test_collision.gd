@@ -1,5 +1,5 @@
 extends "collision_harness.gd"
-## Bodies of instances: their positions and properties, the instances that they belong to, and when they are added and removed.
+## Tests the bodies of instances: their positions and properties, the instances they belong to, and when they are added and removed.
 
 const ROUND_SHAPES := [ScatterLayer.COLLISION_CAPSULE, ScatterLayer.COLLISION_CYLINDER, ScatterLayer.COLLISION_BOX]
 
@@ -27,7 +27,7 @@ func test_rays_hit_what_query_ray_hits() -> void:
 				var expected := scatter.query_ray(from, target)
 				var hit := cast(from, target)
 				if expected != null and expected.distance == 0.0:
-					continue # The ray starts inside a neighbor. The physics server does not report that.
+					continue # The ray starts inside a neighbor, which the physics server does not report.
 				if not check(not hit.is_empty() and expected != null, "shape %d: both hit" % shape):
 					continue
 				check(hit["collider"] == scatter, "the collider is the scatter")
@@ -36,7 +36,7 @@ func test_rays_hit_what_query_ray_hits() -> void:
 					seen += 1
 					var apart := (hit["position"] as Vector3).distance_to(expected.hit_position)
 					check(apart < SIZE_ERROR * 0.6 * size + 2e-3, "shape %d: %.4f m apart" % [shape, apart])
-			# From above, to the middle of the top.
+			# Casts down onto the center of the top.
 			var top := at * Vector3(0, 3.0, 0)
 			var above := cast(top + at.basis.y.normalized() * 0.5, at.origin)
 			if check(not above.is_empty(), "hit from above"):
@@ -63,7 +63,7 @@ func test_rays_miss_what_query_ray_misses() -> void:
 			continue # The physics server reports no hit for a ray that starts inside a shape.
 		hits += int(expected != null)
 		if hit.is_empty() != (expected == null):
-			differ += 1 # The ray touches the surface.
+			differ += 1 # The ray grazes the surface, so rounding decides.
 		elif hit:
 			check_equal(scatter.get_body_instance(hit["rid"]), expected.id, "hit")
 			check((hit["position"] as Vector3).distance_to(expected.hit_position) < 0.05, "position")
@@ -90,11 +90,11 @@ func test_convex_bodies_match_their_meshes() -> void:
 		counts[instance["mesh"]] += 1
 		var hit := cast(at * Vector3(0.0, 3.0, 0.4), at * Vector3(0.0, -0.3, 0.4))
 		match instance["mesh"]:
-			0: # The ridge of the prism, 0.5 m high.
+			0: # On the ridge of the prism, 0.5 m high.
 				check(hit and (hit["position"] as Vector3).distance_to(at * Vector3(0, 0.5, 0.4)) < 0.03, "ridge")
 			1:
 				check(hit.is_empty(), "no mesh, no body")
-			2: # A point at 0.3 m on a ball of 0.5 m, which has 64 corners.
+			2: # At height 0.3 m on a ball with a radius of 0.5 m, approximated with 64 vertices.
 				check(hit and (hit["position"] as Vector3).distance_to(at * Vector3(0, 0.3, 0.4)) < 0.08, "ball")
 	check(counts[0] > 5 and counts[1] > 5 and counts[2] > 5, "meshes: %s" % counts)
 
@@ -117,7 +117,7 @@ func test_only_nearby_instances_have_bodies() -> void:
 		await settle(scatter)
 		check_bodies(scatter, instances(scatter, 0), [viewer.position], "walk %d" % round)
 		check_equal(scatter.get_stats()["bodies"], bodies(scatter).size(), "bodies in the stats")
-	viewer.position.y = DISTANCE + 5.0 # Nothing is near from far above.
+	viewer.position.y = DISTANCE + 5.0 # The viewer is too high for any instance to be near.
 	await settle(scatter)
 	check_equal(bodies(scatter).size(), 0, "bodies below a high viewer")
 	viewer.position = Vector3(9000, 0, 9000)
@@ -225,7 +225,7 @@ func test_removal_and_restoration() -> void:
 	await settle(scatter)
 	check_equal(hit_id(scatter, at), 0, "no body later")
 
-	viewer.position = Vector3(2000, 0, 0) # The viewer leaves its tile.
+	viewer.position = Vector3(2000, 0, 0) # The instance's tile is removed.
 	await settle(scatter)
 	viewer.position = Vector3.ZERO
 	await settle(scatter)

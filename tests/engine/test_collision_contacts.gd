@@ -1,5 +1,5 @@
 extends "collision_harness.gd"
-## Contacts with other bodies of the game, removals during physics signals, and cleanup.
+## Tests contacts with a game's other bodies, removals during physics signals, and cleanup.
 
 func make_ball(at: Vector3, velocity: Vector3) -> RigidBody3D:
 	var ball := RigidBody3D.new()
@@ -111,7 +111,7 @@ func test_an_area_removes_all_instances_in_it() -> void:
 	for id in felled:
 		scatter.restore_instance(id)
 	await settle(scatter)
-	area.position.y += 0.01 # GodotPhysics checks static bodies only after the area has moved.
+	area.position.y += 0.01 # Godot Physics checks static bodies only after the area has moved.
 	await physics_frames(10)
 	check_equal(entered.size(), 2 * felled.size(), "restored instances enter and are removed again")
 	check_equal(exited.size(), 2 * felled.size(), "and exit again")
@@ -131,7 +131,7 @@ func test_restored_and_removed_in_one_frame() -> void:
 	check_bodies(scatter, instances(scatter, 0), [Vector3.ZERO], "after 20 rounds")
 
 
-## The pool of bodies does not grow without limit.
+## The body pool does not grow without limit.
 func test_bodies_are_reused() -> void:
 	var scatter := make_solid([make_solid_layer()])
 	await settle(scatter)
@@ -235,7 +235,7 @@ func test_bodies_are_not_ground() -> void:
 		scatter.ground = ScatterGroundColliders.new()
 		await settle(scatter)
 		check(scatter.get_stats()["bodies"] > 50, "bodies on colliders")
-		scatter.regenerate() # Now the bodies are in the way of the rays.
+		scatter.regenerate() # Now the bodies are in the path of the rays.
 		await settle(scatter)
 		var standing := instances(scatter, 0)
 		for id in standing:

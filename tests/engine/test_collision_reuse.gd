@@ -1,8 +1,8 @@
 extends "collision_harness.gd"
-## Bodies share shapes and are reused.
+## Tests that collision bodies share shapes and are reused.
 
 
-## A model with one convex shape.
+## Returns a model with one convex collision shape.
 func make_convex_model() -> ScatterModel:
 	var lod := ScatterLod.new()
 	lod.mesh = BoxMesh.new()
@@ -14,7 +14,7 @@ func make_convex_model() -> ScatterModel:
 	return model
 
 
-## All bodies of one size share one shape, for each kind of shape.
+## For each kind of shape, bodies of the same size share one shape.
 func test_shapes_are_shared() -> void:
 	var kinds: Array[ScatterLayer.CollisionShape] = [
 		ScatterLayer.COLLISION_CYLINDER, ScatterLayer.COLLISION_CONVEX, ScatterLayer.COLLISION_MODEL]
@@ -44,7 +44,7 @@ func test_bodies_are_reused() -> void:
 		var stats := scatter.get_stats()
 		counts.push_back(stats["bodies"] + stats["bodies_pooled"])
 		check(stats["bodies"] > 20, "%d bodies at position %d" % [stats["bodies"], place])
-		await frames(140) # A removed body stays unused for a while, because its id can still be queried.
+		await frames(140) # A removed body is not reused for 128 frames, because callers may still look up its instance.
 	check(counts[1] > 1.5 * counts[0], "at the second position, the first bodies are not reused yet: %s" % [counts])
 	check(counts[3] < 1.2 * counts[1], "later they are reused: %s" % [counts])
 	scatter.free()

@@ -1,14 +1,14 @@
 extends "picture_harness.gd"
-## Cross-fading LODs, drawn from the viewer's position. Runs in each of the three renderers.
+## Tests cross-fading LODs, seen from the viewer's position, with each of the three renderers.
 
-const FLIGHT := 60       ## Pictures in a flight,
-const STEP := 0.4        ## meters apart.
-const MOST_CHANGE := 0.2 ## Limit for the change of an 8 by 8 block between two pictures, 0 to 1.
+const FLIGHT := 60       ## The number of pictures per flight.
+const STEP := 0.4        ## The distance in meters between two pictures.
+const MOST_CHANGE := 0.2 ## The limit for the brightness change (0 to 1) of an 8 by 8 block between two pictures.
 
 var camera: Camera3D
 
 
-## A shader that adds light, so that anything drawn twice is brighter, or one that is opaque.
+## Returns a material that adds light, so that anything drawn twice is brighter. If `adds` is false, the material is opaque.
 func material(light: float, fades := true, adds := true) -> ShaderMaterial:
 	var shader := Shader.new()
 	shader.code = """
@@ -52,7 +52,7 @@ func make_wood(lods: Array[Mesh], distances: Array) -> ScatterLayer:
 	return layer
 
 
-## Looks ahead and down, from a position along the flight.
+## Moves the camera to a position on the flight path.
 func fly_to(index: int) -> void:
 	camera.position = Vector3(7.0 + STEP * index, 12.0, 3.0)
 
@@ -118,7 +118,7 @@ func pixels_that_differ(a: Image, b: Image) -> int:
 	return count
 
 
-## Three identical LODs look like one mesh in every picture of a flight: nothing is drawn twice or missing.
+## In every picture of a flight, three identical LODs look like one mesh, because nothing is drawn twice or missing.
 func test_every_pixel_is_drawn_once() -> void:
 	stage()
 	var light := material(0.3)
@@ -134,7 +134,7 @@ func test_every_pixel_is_drawn_once() -> void:
 
 func test_a_fade_prevents_popping() -> void:
 	stage()
-	# The planes leave no gap on the ground, so movement alone changes little. Each has a different height, so the drawing order
+	# The planes cover the ground without gaps, so movement alone changes little. Each has a different height, so the drawing order
 	# does not matter.
 	var lods: Array[Mesh] = [plane(material(0.9, true, false), 12.0), plane(material(0.1, true, false), 12.0)]
 	for lod: PlaneMesh in lods:
@@ -150,7 +150,7 @@ func test_a_fade_prevents_popping() -> void:
 	check(sharp > 2.5 * MOST_CHANGE, "without a fade a block changes by %.2f" % sharp)
 
 
-## The viewer moves away on the map. The camera is not a viewer and stays: the fade depends on the viewer's distance.
+## Moves the viewer away, but not the camera, which is not a viewer. The fade depends on the distance from the viewer.
 func test_instances_fade_at_the_view_distance() -> void:
 	stage()
 	var viewer := make_viewer()
@@ -174,7 +174,7 @@ func test_instances_fade_at_the_view_distance() -> void:
 	check_equal(lit[110.0], 0, "pixels beyond the view distance")
 
 
-## Two LODs use a second multimesh only where both are drawn. A material that cannot fade uses none.
+## Two LODs use a second multimesh only where they cross-fade. Materials that cannot fade need none.
 func test_only_fading_lods_are_drawn_twice() -> void:
 	stage()
 	var counts := {}
@@ -207,7 +207,7 @@ func test_only_fading_lods_are_drawn_twice() -> void:
 	check_equal(counts["no fade"], counts["unsupported"], "multimeshes with lod_fade 0")
 
 
-## Changes by a game affect both LODs, and a hidden node draws neither.
+## A game's changes affect both LODs, and a hidden node draws neither.
 func test_changes_reach_both_lods() -> void:
 	stage()
 	camera.rotation_degrees.x = -90.0
@@ -235,7 +235,7 @@ func test_changes_reach_both_lods() -> void:
 	check(pixels_that_differ(await picture(), before) <= 4, "all are visible again")
 
 
-## A mesh that uses CUSTOM3 for its own data is not copied.
+## A mesh that uses CUSTOM3 for its own data gets no copy that fades.
 func test_a_mesh_with_its_own_custom_data_does_not_fade() -> void:
 	stage()
 	var arrays := plane(null).get_mesh_arrays()
@@ -266,7 +266,7 @@ func test_a_bad_fade_is_refused() -> void:
 	check(absf(layer.lod_fade - 0.3) < 1e-6, "the last valid value stays")
 
 
-## A model whose second LOD has a density draws that fraction of its instances, and the others fade out.
+## If a model's second LOD has a density below 1, that fraction of its instances is drawn, and the others fade out.
 func test_a_lod_draws_its_density() -> void:
 	stage()
 	var mesh := plane(material(0.5))
@@ -294,7 +294,7 @@ func test_a_lod_draws_its_density() -> void:
 		check(near > 1000, "%d pixels nearby" % near)
 		camera.position.y = 60.0
 		await settle(scatter)
-		var far: float = lit.call(await picture()) * 9.0 # Scaled to the size nearby.
+		var far: float = lit.call(await picture()) * 9.0 # Scaled to the apparent size nearby.
 		layer.meshes = [mesh]
 		await settle(scatter)
 		var all: float = lit.call(await picture()) * 9.0
@@ -306,7 +306,7 @@ func test_a_lod_draws_its_density() -> void:
 		await frames(2)
 
 
-## Returns the meshes that are drawn.
+## Returns the meshes of all visible multimeshes, as a set.
 func drawn_meshes(scatter: TerrainScatter3D) -> Dictionary:
 	var drawn := {}
 	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
@@ -315,7 +315,7 @@ func drawn_meshes(scatter: TerrainScatter3D) -> Dictionary:
 	return drawn
 
 
-## Copies of meshes that fade are expensive, so other changes reuse them.
+## Unrelated changes reuse the copies of meshes that fade, because making them is expensive.
 func test_copies_that_fade_are_reused() -> void:
 	stage()
 	var light := material(0.5)

@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Tests the overlay with the figures of a game's scatters.
+## Tests the debug overlay with statistics of a game's scatters.
 
 const FILE := "res://addons/thicket/debug_overlay.gd"
 

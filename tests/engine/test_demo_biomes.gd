@@ -1,9 +1,9 @@
 extends "demo_scene_harness.gd"
-## The demo's scene of biomes: each biome's plants where its weight is above 0, reeds at the shore and nothing else in the water,
-## and a lake that rises and falls.
+## Tests the demo's biome scene: each biome's plants grow only where its weight is above 0. Only reeds grow in the water, at the shore.
+## Plants disappear when the lake rises, and return when it falls.
 
 const SCENE := "res://biomes.tscn"
-## The tongue of wood in the meadow, and the lake's shore below it.
+## An area that contains the strip of wood that extends into the meadow, and the lake's shore below it.
 const AROUND := Rect2(-90.0, -10.0, 120.0, 120.0)
 const MEADOW: PackedStringArray = ["Oak", "Shrub", "Meadow", "Flowers"]
 const WOOD: PackedStringArray = ["Spruce", "Fern", "Undergrowth"]
@@ -11,7 +11,7 @@ const OWN: PackedStringArray = ["Boulders", "Reeds"]
 const ROUNDING := 0.002
 
 
-## Returns the positions of a layer's instances in a part of the valley, by id.
+## Returns {id: position} for a layer's instances in a part of the valley.
 func standing(layer: String, rect := AROUND) -> Dictionary:
 	var found := scatter.query_rect(rect, layer)
 	var result := {}
@@ -66,7 +66,7 @@ func test_the_lake_rises_and_falls() -> void:
 		var left := standing(layer)
 		check(left.size() < before[layer].size() or layer in ["Oak", "Spruce", "Shrub"], "%s retreats" % layer)
 		for id: int in left:
-			# A layer that keeps a distance to a removed layer may gain instances.
+			# A layer may gain instances where a layer that it keeps away from lost some.
 			check(before[layer].get(id, left[id]) == left[id], "%s: remaining instances do not move" % layer)
 			check(before[layer].has(id) or layer in ["Shrub", "Spruce", "Fern", "Meadow", "Undergrowth"], "%s: nothing new" % layer)
 	scatter.water_level = 0.0

@@ -1,10 +1,10 @@
 extends "harness.gd"
-## The demo's gameplay scene: the tree that the player looks at, obstacles, and trees that are felled and stay felled. The two
-## tests are meant for two processes. The second process knows only the file that the first one saved:
-## `-- test_felled_and_saved file=PATH`, then `-- test_felled_after_a_restart file=PATH`.
+## Tests the demo's gameplay scene: the tree that the player looks at, obstacles, and trees that stay felled. Run the two tests in two
+## processes, so that the second knows only the file that the first saved: `-- test_felled_and_saved file=PATH`, then `--
+## test_felled_after_a_restart file=PATH`.
 
 const EYES := 1.72
-## Meters from the trunk's middle.
+## The distance in meters between the player and the trunk's axis.
 const AWAY := 6.0
 
 var game: Node3D
@@ -50,7 +50,7 @@ func stand_before(trunk: Vector3) -> void:
 	await physics_frames(3)
 
 
-## Returns the instance that a physics ray from the eyes to a point of a tree hits; 0 if there is none.
+## Returns the id of the instance that a physics ray from the player's eyes to a position hits, or 0.
 func touched(place: Vector3) -> int:
 	var ray := PhysicsRayQueryParameters3D.create(player.eyes.global_position, place, 1)
 	var hit := world.get_world_3d().direct_space_state.intersect_ray(ray)
@@ -60,7 +60,7 @@ func touched(place: Vector3) -> int:
 	return world.get_body_instance(hit.rid)
 
 
-## Returns whether an instance is drawn.
+## Returns whether a visible tile contains an instance.
 func drawn(layer: String, id: int) -> bool:
 	for tile: Vector2i in world.get_shown_tiles(layer):
 		for ids: PackedInt64Array in tile_ids(world, layer, tile):
@@ -118,12 +118,12 @@ func fell(oak: ScatterInstance) -> void:
 	check(scene.angle > 0.9, "at %f radians" % scene.angle)
 
 
-## The id of the tree in the middle of the view; 0 if there is none.
+## Returns the id of the tree that the player looks at, or 0.
 func looked_id() -> int:
 	return player.looked_at.id if player.looked_at != null else 0
 
 
-## Checks that a tree is gone from all queries, with a stump in its place.
+## Checks that no query finds a tree anymore, and that a stump has replaced it.
 func check_felled(id: int, stood: Transform3D) -> void:
 	await physics_frames(2)
 	check(not world.has_instance(id), "the tree does not exist any more")
@@ -150,7 +150,7 @@ func test_felled_after_a_restart() -> void:
 	press(KEY_F9)
 	await frames(2)
 	await check_felled(notes.id, stood)
-	# So far away that all surrounding tiles are removed, and back.
+	# Move so far that all surrounding tiles are removed, and then back.
 	player.global_position += Vector3(-3000.0, 0.0, 0.0)
 	await settle(world)
 	check(not drawn("Oak", notes.id), "nothing is drawn there")

@@ -1,18 +1,18 @@
 extends "demo_scene_harness.gd"
-## The demo's scene of rules: ferns grow only under oaks, trees keep apart, the path is bare, reeds grow at the shore of the lake and
-## nothing grows in it, stones lie on steep ground, and a clearing changes nothing except the area that it crosses.
+## Tests the demo's rule scene: ferns grow only under oaks, and trees keep their distance. The path is bare, and stones lie on steep ground.
+## Only reeds grow in the lake, at its shore. Moving the clearing changes only instances near it.
 
 const SCENE := "res://rules.tscn"
-## World x and z of the viewer: the edge of the western wood, the lake's eastern shore by the path, the scree.
+## Viewer positions as world x and z: the edge of the western wood, the lake's eastern shore by the path, and the scree.
 const PLACES: Array[Vector2] = [Vector2(-125.0, 30.0), Vector2(62.0, 5.0), Vector2(140.0, 60.0)]
-## Tolerance in meters for a position that was rounded on its way into a buffer.
+## The tolerance in meters for positions that were rounded to floats in a buffer.
 const ROUNDING := 0.002
 
-## From a layer's name to {id: position as a Vector3}.
+## The instances that were found, as {layer name: {id: position as a Vector3}}.
 var standing := {}
 
 
-## Adds the instances around a position, world x and z, to `standing`.
+## Moves the viewer to a position (world x and z), and adds the instances around it to `standing`.
 func add_instances_around(place: Vector2) -> void:
 	viewer.global_position = Vector3(place.x, 10.0, place.y)
 	await settle(scatter)
@@ -31,7 +31,7 @@ func flat(place: Vector3) -> Vector2:
 	return Vector2(place.x, place.z)
 
 
-## Returns, for each instance of a layer, the distance on the map to the nearest one of a second layer; INF beyond `reach`.
+## Returns the distance on the map from each instance of layer `of` to the nearest one of layer `to`, or INF if it exceeds `reach`.
 func nearest(of: String, to: String, reach: float) -> PackedFloat64Array:
 	var cells := {}
 	for place: Vector3 in standing[to].values():
@@ -79,11 +79,11 @@ func check_path() -> void:
 	var beside := 0
 	for layer: String in standing:
 		for place: Vector3 in standing[layer].values():
-			# Far from the whole path.
+			# This position is too far from the path to matter.
 			if place.x < -20.0 or place.x > 115.0:
 				continue
 			var closest := path.curve.get_closest_point(path.to_local(Vector3(place.x, 0.0, place.z)))
-			# The curve is near the ground, so the point closest in space is searched again on the map.
+			# Search again at the curve's height there, because the distance on the map counts, not the distance in space.
 			closest = path.curve.get_closest_point(Vector3(place.x, closest.y, place.z))
 			var away := flat(closest).distance_to(flat(place))
 			on_path += int(away < 0.9)
@@ -122,7 +122,7 @@ func test_a_moving_clearing_changes_nothing_else() -> void:
 	await add_instances_around(place + Vector2(0.0, 30.0))
 	var changed := 0
 	var strays := 0
-	# A fern requires an oak within 9 m. Undergrowth looks a little further, for ferns.
+	# A fern requires an oak within 9 m. Undergrowth in turn depends on ferns slightly farther away.
 	var reach := 30.0 + 9.5
 	for layer: String in before:
 		for id: int in before[layer].keys() + standing[layer].keys():

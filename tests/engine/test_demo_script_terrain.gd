@@ -1,9 +1,9 @@
 extends "demo_scene_harness.gd"
-## The demo's script terrain: plants are on the surface that the formula describes, up to its edge and not beyond, and on the
-## drawn ground. Every fourth plant is checked.
+## Tests the demo's script terrain: plants are on the surface that the formula describes, up to its edge and not beyond it. The drawn ground
+## matches the formula. Checks every fourth plant.
 
 const SCENE := "res://script_terrain.tscn"
-## World x and z: the rim of the sinkhole, a cape, the open sea.
+## Viewer positions as world x and z: the rim of the sinkhole, a cape, and the open sea.
 const PLACES: Array[Vector2] = [Vector2(44.0, 20.0), Vector2(-60.0, 110.0), Vector2(1600.0, 0.0)]
 
 
@@ -32,7 +32,7 @@ func test_plants_stand_on_the_formula() -> void:
 					at_the_edge += int(is_nan(terrain.get_height(at + Vector3(1.0, 0.0, 0.0))))
 	check(count > 100000, "%d plants were found" % count)
 	check(hollow == 0, "%d plants where there is no ground" % hollow)
-	# Positions are rounded to floats on their way into the buffer. On a slope, that is a difference in height.
+	# Buffers store positions as floats. On a slope, that rounding causes a difference in height.
 	check(worst < 0.01, "a plant is %f m off the ground" % worst)
 	check(at_the_edge > 30, "only %d of the plants are within a meter of the edge" % at_the_edge)
 
@@ -56,7 +56,7 @@ func test_the_drawn_ground_is_the_same() -> void:
 		worst = maxf(worst, absf(middle.y - terrain.get_height(middle)))
 		area += 0.5 * Vector2(b.x - a.x, b.z - a.z).cross(Vector2(c.x - a.x, c.z - a.z))
 	check(worst < 0.05, "drawn %f m off the ground" % worst)
-	# Random positions, by the formula.
+	# Estimates the ground's area from random positions.
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 3
 	var hits := 0

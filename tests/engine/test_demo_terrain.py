@@ -1,4 +1,4 @@
-"""Tests the demo's elevation data: their source, and the ground that is drawn from them."""
+"""Tests the demo's elevation data: its source, and the ground that is drawn from it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ TERRAIN = REPO / "demo_project/terrain"
 
 
 def load_script(name: str):
-    """Loads a script from the terrain's folder as a module."""
+    """Loads a script from the terrain folder as a module."""
     spec = importlib.util.spec_from_file_location(name, TERRAIN / f"{name}.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
@@ -43,7 +43,7 @@ def test_heightmap_holds_the_elevations_exactly():
 
 
 def test_heightmap_has_the_true_scale():
-    """Compares 3 arc-seconds on the ellipsoid with the usual series for the length of a degree."""
+    """Compares the post distances with 3 arc-seconds on the ellipsoid, from the usual series for the length of a degree."""
     description = json.loads((TERRAIN / "jacksboro.json").read_text())
     latitude = np.radians((36.73291666666667 + 36.44625) / 2.0)
     degree_z = 111132.92 - 559.82 * np.cos(2 * latitude) + 1.175 * np.cos(4 * latitude)
@@ -53,7 +53,7 @@ def test_heightmap_has_the_true_scale():
     for axis, posts in (("x", 403), ("z", 344)):
         size = description[f"size_{axis}"]
         assert size == description[f"post_meters_{axis}"] * (posts - 1)
-        # Exact in the engine's single precision, and so is half of it.
+        # Half the size must be exact in the engine's single precision.
         assert struct.unpack("f", struct.pack("f", size / 2.0))[0] == size / 2.0
 
 
@@ -69,8 +69,8 @@ def test_converter_refuses_a_model_that_does_not_fit(tmp_path):
 
 
 def test_drawn_ground_is_close_to_the_bilinear_surface():
-    """Near the camera there are 16 quads between two posts. Their triangles are less than 5 cm away from the bilinear surface
-    anywhere on the map, and at most 2 cm on 97 % of it."""
+    """Near the camera, terrain_view.gd draws 16 quads between two posts. Their triangles deviate from the bilinear surface by less than
+    5 cm anywhere on the map, and by at most 2 cm on 97 % of it."""
     quads = int(re.search(r"^const QUADS := (\d+)$", (TERRAIN / "terrain_view.gd").read_text(), re.MULTILINE).group(1))
     description = json.loads((TERRAIN / "jacksboro.json").read_text())
     heights = np.fromfile(TERRAIN / "jacksboro.r16", "<u2").reshape(description["rows"], description["columns"]) / 64.0

@@ -1,25 +1,25 @@
 extends "domain_harness.gd"
-## PoissonSampler.sample_domain: the sets that each method returns.
+## Tests PoissonSampler.sample_domain: the point sets that each method returns.
 
-## Points per squared radius of an infinite set: coverage 0.547070 over the area of a disk of half the radius.
+## Points per squared radius in an infinite set: a coverage of 0.547070, divided by the area of a disk with half the radius.
 const DENSITY := 0.547070 / (PI / 4.0)
 const RECT := Rect2(-7.5, 3.25, 60.0, 37.0)
 
 
-## Points in cells of one radius, for lookups.
+## Stores points in cells with sides of one radius, for lookups of neighbors.
 class Grid:
 	var cells := {}
 	var radius: float
 	var period: Vector2
 
-	## An infinite period means none. Else a position has images one period away on each axis.
+	## Creates a grid of `points`. If the period is finite, points repeat after one period on each axis.
 	func _init(points: PackedVector2Array, spacing: float, repeats_after := Vector2.INF) -> void:
 		radius = spacing
 		period = repeats_after
 		for point in points:
 			cells.get_or_add(Vector2i((point / radius).floor()), []).push_back(point)
 
-	## Returns the distance from a position to the nearest other point; twice the radius if none is near.
+	## Returns the distance from a position to the nearest other point, or twice the radius if none is near.
 	func nearest(position: Vector2) -> float:
 		var found := 2.0 * radius
 		for image in images(position):
@@ -41,11 +41,11 @@ class Grid:
 		return result
 
 
-## Checks that no two points are closer than the radius, that all are inside and, if the set is maximal, that none of some
-## thousand positions has room for one more.
+## Checks that no two points are closer than the radius, and that all are inside the rectangle. If the set is maximal, checks at random
+## positions that no further point would fit.
 func check_set(points: PackedVector2Array, rect: Rect2, radius: float, period: Vector2, maximal: bool, context: String) -> void:
 	var grid := Grid.new(points, radius, period)
-	# The error of rounding to single precision.
+	# Tolerance for rounding to single precision.
 	var rounding := 4e-7 * (absf(rect.position.x) + absf(rect.position.y) + rect.size.x + rect.size.y)
 	var closest := INF
 	var outside := 0
@@ -77,9 +77,9 @@ func test_every_method_fills_the_rectangle() -> void:
 			var sampler := make(method)
 			sampler.double_precision = precise
 			var points := sampler.sample_domain(RECT)
-			# Points along an edge have no neighbors beyond it, so there are more of them. Tiles have no edges.
+			# Points at an edge have no neighbors beyond it, so there are more of them. METHOD_TILES has no such edges.
 			check_count(points.size(), RECT.get_area(), 0.07, context)
-			# A window of an infinite set may lack points at its edge, because points beyond the edge cover it.
+			# A window of an infinite set need not be maximal, because points beyond its edge cover a part of it.
 			var maximal := method != PoissonSampler.METHOD_NAIVE and method != PoissonSampler.METHOD_TILES
 			check_set(points, RECT, 1.0, Vector2.INF, maximal, context)
 
@@ -138,7 +138,7 @@ func test_tiles_are_the_infinite_set() -> void:
 		var exact := sampler.sample_domain_exact(-7.5, 3.25, 52.5, 40.25)
 		var window := sampler.sample_exact(-7.5, 3.25, 52.5, 40.25)
 		check(exact.x == window.x and exact.y == window.y, "sample_domain_exact equals sample_exact")
-	# A strip of a thousand kilometers: corners of blocks exceed 32 bits during the computation.
+	# In a strip of 1000 km, corners of blocks exceed 32 bits during the computation.
 	sampler.progressive_levels = 1
 	check_count(sampler.sample_domain(Rect2(-5e5, 0, 1e6, 0.5)).size(), 5e5, 0.02, "a long strip")
 
@@ -153,7 +153,7 @@ func test_torus() -> void:
 			check_set(points, rect, 1.0, rect.size, maximal, "%s around %s" % [label(method), rect])
 		var large := make(method)
 		large.toroidal = true
-		# A torus has no edges, so no more points than an infinite set. The naive method stops early and leaves gaps.
+		# A torus has no edges, so it has the density of an infinite set. The naive method stops early and leaves gaps.
 		check_count(large.sample_domain(Rect2(0, 0, 120, 90)).size(), 10800.0, 0.06 if method == PoissonSampler.METHOD_NAIVE else 0.015,
 				"%s around a large torus" % label(method))
 
@@ -182,7 +182,7 @@ func test_exact() -> void:
 		check(differing <= 1, label(method) + ": single precision rounds nothing at the origin")
 
 
-## Distances are at least the radius to the last bit if nothing is rounded.
+## Without rounding, all distances are at least the radius, to the last bit.
 func test_exact_distances() -> void:
 	for method in SINGLE:
 		var sampler := make(method, 5)
@@ -259,7 +259,7 @@ func test_points() -> void:
 			check_equal(all.get_rank(index), 0.0, "no rank %d" % index)
 			check_error(["PoissonPoints.index must be between 0 and"], "rank %d" % index)
 	check_equal(Vector2(exact.x[5], exact.y[5]), exact.positions[5], "x and y")
-	# So many points that threads share the work, compared with so few that they do not.
+	# Compares a window large enough for threads to share the work with windows that are too small for that.
 	var many := sampler.sample(Rect2(0.0, 0.0, 400.0, 300.0))
 	check(many.size() > 1 << 16, "%d points" % many.size())
 	check(many.positions == sampler.sample_domain(Rect2(0.0, 0.0, 400.0, 300.0)), "positions of many")

@@ -1,5 +1,6 @@
 extends "domain_harness.gd"
-## PoissonSampler.sample_domain during the call: progress, threads, scripts that fail; and the input that it refuses.
+## Tests calls of PoissonSampler.sample_domain while it runs: progress, threads, and scripts that fail. Also tests the input that it
+## refuses.
 
 
 func test_progress() -> void:
@@ -15,7 +16,7 @@ func test_progress() -> void:
 		for index in range(1, count):
 			check(listener.fractions[index] >= listener.fractions[index - 1], label(method) + ": fractions never fall")
 			check(listener.points[index] >= listener.points[index - 1], label(method) + ": the number of points never falls")
-		check(listener.fractions[0] >= 0.0, label(method) + ": the first fraction") # 0 if no point was found before the first check of the clock.
+		check(listener.fractions[0] >= 0.0, label(method) + ": the first fraction") # 0 if no point was found before the first report.
 		check_equal(listener.fractions[-1], 1.0, label(method) + ": the last fraction")
 		check_equal(listener.points[-1], points.size(), label(method) + ": the last number of points")
 		for thread in listener.threads:
@@ -132,7 +133,7 @@ func test_progress_callbacks_that_fail() -> void:
 		check(errors.take().size() > 0, label(method) + ": and the engine printed an error")
 
 
-## A listener that is freed after the first report.
+## A sampler continues if the listener is freed after the first report.
 func test_a_progress_callback_whose_object_is_freed() -> void:
 	for method in METHODS:
 		var area := area_for(method)
@@ -153,7 +154,7 @@ func test_a_progress_callback_whose_object_is_freed() -> void:
 var held: PoissonSampler
 
 
-## The sampler lives until its call returns.
+## A sampler stays alive until its call returns.
 func test_releasing_the_sampler_during_the_call() -> void:
 	for method in METHODS:
 		var area := area_for(method)

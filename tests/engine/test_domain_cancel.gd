@@ -1,15 +1,15 @@
 extends "domain_harness.gd"
-## PoissonSampler.cancel: a running call ends within 50 milliseconds, at any stage, and returns nothing.
+## Tests PoissonSampler.cancel: at any stage, a running call returns within 50 ms, without points.
 
-## Four million points.
+## An area that contains about four million points.
 const HUGE := Rect2(-1000, 0, 2400, 2400)
-## The limit, and the number of attempts: other programs may use the machine for a moment or a second.
+## The time limit in microseconds. Measurements are repeated, because other programs may delay them for up to a second.
 const CANCEL_USEC := 50000
 const TRIES := 3
 const ROUNDS := 4
 
 
-## From the first report, when most of the work is still to be done, in each precision.
+## Cancels from the first report, when most of the work remains, with single and double precision.
 func test_cancel_from_progress() -> void:
 	for method in METHODS:
 		for precise: bool in [false, true]:
@@ -27,7 +27,7 @@ func test_cancel_from_progress() -> void:
 			check(sampler.sample_domain(SMALL).size() > 300, label(method) + ": the next call works")
 
 
-## Checks that a call which returns microseconds keeps the limit at least once in a round of attempts.
+## Checks that `measure`, which returns microseconds, stays below CANCEL_USEC in at least one attempt. Retries for several rounds.
 func check_promise(context: String, measure: Callable) -> void:
 	var all: Array[PackedInt64Array] = []
 	for round in ROUNDS:
@@ -58,7 +58,7 @@ func test_cancel_late() -> void:
 			check_equal(sampler.get_stats()["points"], 0, label(method) + ": no stats")
 
 
-## From a different thread, while the call is running.
+## Cancels from a different thread while the call is running.
 func test_cancel_from_another_thread() -> void:
 	for method in METHODS:
 		for reports: int in [1, 3, 8]:
@@ -79,8 +79,8 @@ func test_cancel_from_another_thread() -> void:
 			check_no_error(label(method) + " canceled")
 
 
-## A call checks for cancellation when it reports, so it must report often. The first selections touch new memory everywhere,
-## for which the system needs a thousand times longer than for memory in use.
+## A call checks for cancellation when it reports, so it must report often. The first selections are the slowest, because they touch new
+## memory. The system takes a thousand times longer to provide new memory than to access memory in use.
 func test_reports_are_frequent() -> void:
 	for method in METHODS:
 		check_promise(label(method) + " without reports", func() -> int:
@@ -100,8 +100,8 @@ func test_reports_are_frequent() -> void:
 			return longest)
 
 
-## So early that the call still allocates memory and creates squares. The canceling thread cannot know that the call has
-## begun, so it cancels repeatedly.
+## Cancels so early that the call is still allocating memory and creating squares. The canceling thread cannot detect whether the
+## call has started, so it cancels repeatedly.
 func test_cancel_at_once() -> void:
 	for method in METHODS:
 		for delay: int in [0, 10, 60, 250]:
@@ -110,7 +110,7 @@ func test_cancel_at_once() -> void:
 			check_no_error(label(method) + " canceled")
 
 
-## Returns the microseconds from the first of many cancels to the end of the call.
+## Cancels repeatedly from `delay` milliseconds on. Returns the microseconds from the first cancel to the end of the call.
 func cancel_after(sampler: PoissonSampler, delay: int) -> int:
 	var started := Semaphore.new()
 	var thread := Thread.new()

@@ -1,6 +1,6 @@
 extends "draw_cells_harness.gd"
-## Tiles in cells: nearby tiles are drawn in smaller parts than they are generated, and each frame draws every instance once. Needs a
-## renderer that keeps its buffers, so run it without --headless.
+## Tests draw cells: nearby tiles are divided into smaller parts for drawing, and each frame draws every instance once. Needs a renderer
+## that stores buffers, so run it without --headless.
 
 
 func test_near_tiles_are_in_cells_and_far_tiles_whole() -> void:
@@ -19,7 +19,7 @@ func test_near_tiles_are_in_cells_and_far_tiles_whole() -> void:
 		check_equal(scatter.get_stats()["multimeshes"], multimesh_count(scatter), "multimeshes in the stats")
 		check_equal(scatter.get_stats()["drawn"], drawn_of_all(scatter), "drawn instances in the stats")
 	var uploads: int = scatter.get_stats()["uploads"]
-	for step in 40: # Back and forth by less than a tenth of a tile.
+	for step in 40: # Move back and forth by less than a tenth of a tile.
 		viewer.global_position.x += 10.0 if step % 2 == 0 else -10.0
 		await frames(2)
 	await settle(scatter)
@@ -99,7 +99,7 @@ func test_mesh_and_thinning_depend_on_a_cells_distance() -> void:
 	check_equal(scatter.get_stats()["drawn"], drawn_of_all(scatter), "drawn at half the quality")
 
 
-## Every instance adds the same light to the picture at any position, so one that is drawn twice or not at all is visible.
+## Every instance adds the same light wherever it is, so an instance that is drawn twice or not at all changes the picture.
 func test_every_frame_draws_each_instance_once() -> void:
 	var material := StandardMaterial3D.new()
 	material.shading_mode = BaseMaterial3D.SHADING_MODE_UNSHADED
@@ -118,7 +118,7 @@ func test_every_frame_draws_each_instance_once() -> void:
 	camera.size = 540.0
 	camera.position = Vector3(0.0, 300.0, 0.0)
 	var scatter := make_scatter([layer], Island.new(), viewer)
-	scatter.frame_budget_usec = 200 # A small budget spreads changes over several frames.
+	scatter.frame_budget_usec = 200 # A small budget spreads changes across several frames.
 	await settle(scatter)
 	await frames(4)
 	var whole := await light()
@@ -127,7 +127,7 @@ func test_every_frame_draws_each_instance_once() -> void:
 	var differing := 0
 	for step in 80:
 		viewer.global_position += Vector3(5.0, 0.0, 4.5)
-		# The work may lag behind on a slow machine, but must catch up on the way.
+		# On a slow machine, changes may lag behind the viewer. Every tenth step waits until they are done.
 		var deadline := Time.get_ticks_msec() + IDLE_TIMEOUT_MSEC
 		while true:
 			if (await light()).get_data() != whole.get_data():
@@ -165,7 +165,7 @@ func test_a_change_uploads_only_its_cell() -> void:
 	await frames(2)
 	check_equal(scatter.get_stats()["uploads"] - uploads, 2, "uploads for the removal and the restoration")
 	check_equal(island_digests(scatter), before, "the buffers are the same as before")
-	# A cell that loses all of its instances and gets a new one.
+	# A cell loses all of its instances and then gains one.
 	var lone: RID = multimeshes[0][0]
 	var floats := RenderingServer.multimesh_get_buffer(lone)
 	var places := range(0, floats.size(), 12).map(func(at: int) -> Vector3: return Vector3(floats[at + 3], 0.0, floats[at + 11]))
@@ -213,7 +213,7 @@ func test_max_multimeshes_prefers_near_tiles() -> void:
 	check_equal(scatter.max_multimeshes, 0, "the last valid limit stays")
 
 
-## The limit leaves room for one tile near the viewer, and for a further one if that has few cells.
+## Checks that `nearest` and few other tiles have cells. The limit suffices for one tile, and for a second one with few cells.
 func check_nearest_in_cells(scatter: TerrainScatter3D, nearest: Vector2i) -> void:
 	var in_cells := tiles_in_cells(scatter)
 	check(nearest in in_cells and in_cells.size() < 4, "%s is in cells, and few others are: %s" % [nearest, in_cells])
@@ -227,7 +227,7 @@ func test_settings_of_cells() -> void:
 	await settle(scatter)
 	var made: int = scatter.get_stats()["tiles_made"]
 	var exact := island_digests(scatter)
-	for wanted: Array in [[64.0, 4], [128.0, 1], [1000.0, 1], [0.0, 25], [32.0, 16]]: # For small models, 0 means 24 m, rounded.
+	for wanted: Array in [[64.0, 4], [128.0, 1], [1000.0, 1], [0.0, 25], [32.0, 16]]: # [draw_cell_size, cells]. 0 means about 24 m here.
 		layer.draw_cell_size = wanted[0]
 		await settle(scatter)
 		var count: int = multimeshes_of(scatter, Vector2i.ZERO)[0].size()
@@ -238,7 +238,7 @@ func test_settings_of_cells() -> void:
 		layer.draw_cell_size = bad
 		check_error(["draw_cell_size"], "a size of %f" % bad)
 	check_equal(layer.draw_cell_size, 32.0, "the last valid size stays")
-	# While a tile is being divided, its layer may be removed or change its settings.
+	# A layer may change its settings or be removed while its tiles are being divided.
 	scatter.frame_budget_usec = 1
 	layer.draw_cell_size = 16.0
 	await frames(3)
@@ -293,7 +293,7 @@ func test_draw_stats() -> void:
 	outside.free()
 
 
-## When a viewer moves, only those cells are checked whose distance may have changed enough.
+## When a viewer moves, a frame checks only cells whose distance may have changed enough.
 func test_a_step_checks_few_cells() -> void:
 	var camera := Camera3D.new()
 	root.add_child(camera)

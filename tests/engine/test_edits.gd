@@ -1,7 +1,8 @@
 extends "edits_harness.gd"
-## Edits of regions, masks and ground change only the area that they reach.
+## Tests that edits of regions, masks and ground change only the area that they affect.
 
-## Checks that all changes since `before` are in `areas`, and that exactly the tiles that touch these areas were regenerated.
+## Checks that all changes since `before` are in `areas`, and that the tiles that overlap these areas were regenerated and no others. Tiles that an area
+## only touches, within 0.1 m, may be regenerated or not. Returns the number of changes.
 func check_local(scatter: TerrainScatter3D, layer: int, before: Dictionary[int, Transform3D], made: Dictionary,
 		areas: Array[Rect2], context: String) -> int:
 	var changed := changed_places(before, instances(scatter, layer))
@@ -18,7 +19,7 @@ func check_local(scatter: TerrainScatter3D, layer: int, before: Dictionary[int, 
 	return changed.size()
 
 
-## Returns the areas that are not empty, enlarged.
+## Returns the areas that are not empty, enlarged by `distance` on all sides.
 func grown(areas: Array[Rect2], distance: float) -> Array[Rect2]:
 	var result: Array[Rect2] = []
 	for area in areas:
@@ -32,7 +33,7 @@ func region_area(region: ScatterRegion3D) -> Rect2:
 	return Rect2(at, Vector2.ZERO).grow(region.radius)
 
 
-## Makes a random edit. Returns the areas in which each of the two layers may have changed.
+## Makes a random edit. Returns the areas in which oaks and ferns may have changed, in this order.
 func edit(scatter: TerrainScatter3D, region: ScatterRegion3D, random: RandomNumberGenerator) -> Array[Array]:
 	var at := Vector2(random.randf_range(-60, 60), random.randf_range(-60, 60))
 	var areas: Array[Rect2] = []
@@ -56,7 +57,7 @@ func edit(scatter: TerrainScatter3D, region: ScatterRegion3D, random: RandomNumb
 			mound.area = Rect2(at, Vector2(random.randf_range(1, 20), random.randf_range(1, 20)))
 			areas.push_back(mound.area.grow(1.0))
 			own = areas
-			# A rectangle may start at any of its corners.
+			# A rectangle's size may be negative.
 			mound.ground_changed.emit(Rect2(areas[0].end - Vector2.ONE, Vector2(2, 2) - areas[0].size))
 			mound.ground_changed.emit(mound.area)
 	return [grown(areas, 0.0), grown(areas, SPACING) + grown(own, FEATHER)]
@@ -98,7 +99,7 @@ func test_several_edits_in_one_frame() -> void:
 	await settle(scatter)
 	shown.take()
 	var before := [digests(scatter, OAK), digests(scatter, FERN)]
-	# An edit that is undone in the same frame is no edit.
+	# An edit that is undone in the same frame regenerates nothing.
 	var mask := scatter.layers[FERN].mask
 	var pixels := mask.get_pixel_rect(Rect2(-30, -30, 20, 20))
 	var untouched := mask.get_pixels(pixels)

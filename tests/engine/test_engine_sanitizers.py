@@ -1,5 +1,5 @@
-"""Runs the extension in the real engine and checks every memory access, with ThreadSanitizer, and with AddressSanitizer
-and UndefinedBehaviorSanitizer. The engine itself is not instrumented, so its accesses are not checked."""
+"""Runs the extension in the real engine, once with ThreadSanitizer and once with AddressSanitizer and UndefinedBehaviorSanitizer. The
+engine itself is not instrumented, so its memory accesses are not checked."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from test_engine import ENGINE, PASSED
 
 pytestmark = pytest.mark.full
 
-# For each sanitizer: the libraries to load before the engine, and its options.
+# For each sanitizer: the libraries to preload, the environment variable for its options, and the options.
 SANITIZERS = {
-    # Engine code is not instrumented, so reports about its calls of the C library are meaningless.
+    # Engine code is not instrumented, so reports about its calls to the C library are meaningless.
     "thread": (["libtsan.so"], "TSAN_OPTIONS", "ignore_noninstrumented_modules=1:report_signal_unsafe=0:history_size=4:exitcode=66"
                f":suppressions={REPO / 'tests/sanitizers/thread.supp'}"),
-    # The engine keeps memory until it exits, and frees some of it with its own functions.
+    # Leaks are not detected: the engine keeps memory until it exits, and frees some of it with its own functions.
     "address,undefined": (["libasan.so", "libubsan.so"], "ASAN_OPTIONS", "verify_asan_link_order=0:detect_leaks=0:exitcode=66"),
 }  # fmt: skip
 
-# Scripts that call from many threads, load on threads, or free objects during calls.
+# Scripts that make calls from many threads, load on threads, or free objects during calls.
 SCRIPTS = ["test_threads", "test_snapshots", "background_load", "test_state_async", "test_terrain_calls", "test_lifetime",
            "test_domain_calls"]  # fmt: skip
 
 
 def runtime(folder: Path, names: list[str]) -> str:
-    """The libraries to preload, in a folder that programs in Godot's root can also read. The shim comes first, because a
-    sanitizer's own dlopen refuses the flag that the shim removes."""
+    """Copies the libraries to preload into a folder that is also readable inside Godot's root directory, and returns their paths. The shim
+    comes first, because a sanitizer's own dlopen refuses the flag that the shim removes."""
     shim = folder / "no_deepbind.so"
     done = run(["gcc", "-shared", "-fPIC", "-O1", "-o", shim, REPO / "tests/sanitizers/no_deepbind.c"], timeout=60)
     assert done.returncode == 0, done.stderr
@@ -43,7 +43,7 @@ def runtime(folder: Path, names: list[str]) -> str:
 
 @pytest.fixture(scope="module", params=SANITIZERS)
 def sanitized(request, tmp_path_factory):
-    """Runs Godot with arguments on a project whose extension was built with a sanitizer."""
+    """Returns a function that runs Godot in a project whose extension was built with a sanitizer."""
     libraries, variable, options = SANITIZERS[request.param]
     name = request.param.replace(",", ".")
     build(f"sanitize={request.param}", "scu_build=yes", "compiledb=no", "extension", timeout=3600)

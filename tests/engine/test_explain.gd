@@ -1,8 +1,8 @@
 extends "rules_harness.gd"
-## explain_position: the reasons why instances exist at a position or not. Explanations match the instances.
+## Tests explain_position: the reasons why an instance exists at a position or not. Explanations must match the instances.
 
 
-## A hillside with most rules, with trees that the layer keeps away from, and a clearing.
+## Returns a scatter on a hillside with a clearing. The layer uses most rules and keeps away from the trees.
 func make_ruled() -> TerrainScatter3D:
 	var trees := make_layer(6.0)
 	trees.resource_name = "Trees"
@@ -30,7 +30,7 @@ func make_ruled() -> TerrainScatter3D:
 	return scatter
 
 
-## Positions anywhere on the hillside, independent of viewers.
+## Returns random positions all over the hillside, most of them far from viewers.
 func random_places(count: int) -> PackedVector3Array:
 	var random := RandomNumberGenerator.new()
 	random.seed = 11
@@ -70,7 +70,7 @@ func test_explanations_match_the_instances() -> void:
 	check(standing > 300 and standing < 2700 and refused > 300, "%d exist, %d are refused" % [standing, refused])
 
 
-## For a point of the set itself, the density exceeds the rank exactly if the instance exists.
+## At a point of the Poisson-disk set, the density exceeds the rank if and only if the instance exists.
 func test_explanations_of_points_match_the_instances() -> void:
 	var scatter := make_ruled()
 	await settle(scatter)
@@ -254,7 +254,7 @@ func test_maps_match_the_explanations() -> void:
 	check_error(["get_rank_map", "rect requires too many points"], "a large rectangle")
 
 
-## A ground that is queried on the main thread, where its script may do anything. It frees a node.
+## A ground that frees a node while the main thread queries it.
 class FreeingGround extends ScatterGround:
 	var victim: Node
 

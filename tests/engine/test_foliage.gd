@@ -1,5 +1,5 @@
 extends "picture_harness.gd"
-## The add-on's foliage material, drawn in each of the three renderers.
+## Tests the add-on's foliage material, drawn in each of the three renderers.
 
 const SHADER := "res://addons/thicket/shaders/foliage.gdshader"
 const READY := "res://addons/thicket/shaders/foliage.tres"
@@ -7,7 +7,7 @@ const READY := "res://addons/thicket/shaders/foliage.tres"
 var camera: Camera3D
 
 
-## Creates a camera that looks along -z, `size` meters high and wide, with ambient light only and a black background.
+## Creates an orthogonal camera along -z with a view `size` meters high and wide, only ambient light, and a black background.
 func look(size := 4.0) -> void:
 	root.size = Vector2i(128, 128)
 	root.msaa_3d = Viewport.MSAA_DISABLED
@@ -33,7 +33,7 @@ func material(parameters: Dictionary) -> ShaderMaterial:
 	return made
 
 
-## Returns a mesh that fades, as ScatterLayer creates it: with the range in CUSTOM3 of each vertex.
+## Returns a mesh that fades, with the LOD's range in CUSTOM3 of each vertex, as ScatterLayer creates it.
 func faded(plain: Mesh, range_of_lod: Vector4) -> ArrayMesh:
 	var arrays := plain.surface_get_arrays(0)
 	var stream := PackedFloat32Array()
@@ -47,7 +47,7 @@ func faded(plain: Mesh, range_of_lod: Vector4) -> ArrayMesh:
 	return made
 
 
-## Creates a pane, 1 m wide and 2 m high, at a position.
+## Adds a pane, 1 m wide and 2 m high, at a position.
 func pane(of: ShaderMaterial, at := Vector3.ZERO) -> MeshInstance3D:
 	var mesh := QuadMesh.new()
 	mesh.size = Vector2(1.0, 2.0)
@@ -142,7 +142,7 @@ func test_wind_moves_the_top() -> void:
 	world.set(&"materials", [blowing] as Array[ShaderMaterial])
 	root.add_child(world)
 	var moved := 0
-	for look_number in 20: # Wind varies: a few pictures may all fall into lulls.
+	for look_number in 20: # Wind varies, so a few pictures may all show lulls.
 		if look_number >= 3 and moved >= 2:
 			break
 		await create_timer(0.3).timeout
@@ -152,7 +152,7 @@ func test_wind_moves_the_top() -> void:
 	check(moved >= 2, "the top moves by %d pixels" % moved)
 
 
-## The editor draws only after changes, and TIME in a shader is one in every frame.
+## The editor draws only after changes. A shader that uses TIME would cause one in every frame.
 func test_a_plant_in_view_requests_no_frames() -> void:
 	look()
 	pane(material({&"wind_strength": 1.0}))
@@ -204,7 +204,7 @@ func test_colors_are_the_same_in_all_renderers() -> void:
 func test_coverage_does_not_depend_on_distance() -> void:
 	var image := Image.create_empty(256, 256, false, Image.FORMAT_RGBA8)
 	image.fill(Color(1.0, 1.0, 1.0, 0.0))
-	# Like leaves: dense in the middle, sparser towards the rim, and fully opaque or transparent.
+	# This image resembles leaves: dense in the middle, sparser toward the rim, and either fully opaque or fully transparent.
 	var random := RandomNumberGenerator.new()
 	random.seed = 3
 	for y in range(0, 256, 4):
@@ -266,7 +266,7 @@ func test_the_world_node_sets_wind_and_bodies() -> void:
 	check_equal(bodies[3], Vector4(3.0, 0.0, 0.0, 0.6), "position and radius of a body")
 
 
-## In a game, a scatter moves its plants itself.
+## In a game, a scatter animates its plants itself.
 func test_a_scatter_sets_the_time_of_its_materials() -> void:
 	var layer := make_layer(2.0)
 	var own := material({})
@@ -303,7 +303,7 @@ func bush(of: Material) -> QuadMesh:
 	return mesh
 
 
-## Returns which of these materials have the world's wind, after a frame in which the world node can find them.
+## Returns for each material whether the world node has set its wind. Waits two frames first, in which the node can find the materials.
 func blown(them: Array) -> Array:
 	for one: ShaderMaterial in them:
 		one.set_shader_parameter(&"wind_strength", 0.0)
@@ -365,7 +365,7 @@ func test_the_world_node_finds_the_materials_of_presets() -> void:
 	check_equal(await blown(found), [true, true, true, true], "oaks, bushes, flowers and grass")
 
 
-## The world node reads a layer only when that reports a change.
+## The world node reads a layer again only when it emits `changed`.
 func test_the_world_node_reads_layers_only_after_a_change() -> void:
 	var layer := make_layer(2.0)
 	var first := material({})

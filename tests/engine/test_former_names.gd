@@ -1,9 +1,9 @@
 extends "harness.gd"
-## Scenes and resources saved by release 0.2.0 open under the current names, with one warning per name, and are saved with these names.
-## That release saved tests/engine/data/world_0.2.0.*; drawing_0.2.0.tscn was written by hand in its format.
+## Tests scenes and resources that release 0.2.0 saved. They open with one warning per former name, and are saved with the current names.
+## Release 0.2.0 saved data/world_0.2.0.*. drawing_0.2.0.tscn was written by hand in the same format.
 
 const DATA := "data/world_0.2.0."
-## The digests of the first tiles of drawing_0.2.0.tscn, before its properties were renamed.
+## Digests of the first tiles of drawing_0.2.0.tscn, computed before its properties were renamed.
 const DIGESTS := [-6414708764745442462, -693893192403766184, 583857009131101561, -7569773177193666075]
 const CURRENT: Dictionary[String, String] = {
 	"Flat": "ScatterGroundFlat", "Noise": "ScatterGroundNoise", "Meshes": "ScatterGroundMeshes", "Colliders": "ScatterGroundColliders",
@@ -15,7 +15,7 @@ func path_of(file: String) -> String:
 	return (get_script() as Script).resource_path.get_base_dir().path_join(file)
 
 
-## Checks a scene that was saved by 0.2.0.
+## Checks a scene that release 0.2.0 saved.
 func check_world(world: Node, context: String) -> void:
 	for scatter: TerrainScatter3D in world.get_children():
 		check_equal(scatter.ground.get_class() if scatter.ground != null else "nothing", CURRENT[scatter.name], "%s: the ground of %s" % [context, scatter.name])
@@ -65,14 +65,14 @@ func test_scenes_open_and_are_saved_with_current_names() -> void:
 		current.free()
 
 
-## Returns the distance and the mesh of each LOD of a layer's meshes.
+## Returns [distance, mesh class] of each LOD of each of a layer's meshes.
 func lods_of(layer: ScatterLayer) -> Array:
 	return range(layer.meshes.size()).map(func(entry: int) -> Array:
 		return layer.get_mesh_lods(entry).map(func(lod: ScatterLod) -> Array: return [lod.distance, lod.mesh.get_class()]))
 
 
-## LODs of meshes, of a scene and of a model, also in a file whose properties have a different order, and in one with too few meshes; ends of
-## sight, and values of colors and variations.
+## Converts the LODs of meshes, a scene and a model, even if a file's properties are in a different order or have too few meshes. Also
+## converts visibility ranges, and the values of colors and variations.
 func test_former_layers_are_drawn_as_before() -> void:
 	var expected := {
 		"Trees": [
@@ -142,7 +142,7 @@ func test_a_former_property_of_a_state_is_read() -> void:
 	check(state.copy_at_runtime, "the state is copied at run time")
 
 
-## Former classes exist only in files: the editor's lists and scripts do not know them.
+## Former classes are only available to files: they are not in the editor's lists, and scripts cannot use them.
 func test_former_classes_are_hidden() -> void:
 	for name: String in ["ScatterTerrain", "ScatterTerrainFlat", "ScatterTerrainObject"]:
 		var script := GDScript.new()
@@ -151,7 +151,8 @@ func test_former_classes_are_hidden() -> void:
 		errors.take()
 
 
-## Release 0.2 also stored references as indices. The node replaces them by names, or by layers without names, and warns once for each property.
+## Release 0.2 also stored references to layers as indices. The node replaces each index with the layer's name, or with the layer itself if
+## it has no name, and warns once for each property.
 func test_indices_of_layers_become_names() -> void:
 	var layers: Array[ScatterLayer] = [make_layer(9.0), make_layer(7.0), make_layer(3.0), null]
 	var ferns := layers[2]
@@ -163,7 +164,7 @@ func test_indices_of_layers_become_names() -> void:
 		var value := ScatterValueSource.new()
 		value.layer = 0
 		ferns.set(property, value)
-	layers[1].proximity_layer = 1 # Itself, without a name: no scene could store that.
+	layers[1].proximity_layer = 1 # A reference to itself without a name, which a scene cannot store.
 	var scatter := make_scatter(layers, ScatterGroundFlat.new(), make_viewer())
 	var region := ScatterRegion3D.new()
 	region.layers = [2, "Oaks", 1]

@@ -1,9 +1,9 @@
 extends "terrain_harness.gd"
-## Ground that is found in the scene follows the scene: nodes that are added, removed, moved or changed regenerate the affected tiles
+## Tests ground from the scene's nodes. The ground follows them: adding, removing, moving or changing a node regenerates the affected tiles
 ## and no others.
 
 const CROWD := 1000
-## The number of nodes that are checked per frame.
+## The maximum number of nodes that a frame checks.
 const LOOKS := 64
 
 
@@ -19,7 +19,7 @@ func put_plane(at: Vector3, size := Vector2(30.0, 30.0), group := &"ground") -> 
 	return instance
 
 
-## Returns a settled scatter on the meshes of the group. Tiles are 8 m wide.
+## Returns a settled scatter on the meshes in the group "ground". Tiles are 8 m wide.
 func make_on_meshes() -> TerrainScatter3D:
 	var terrain := ScatterGroundMeshes.new()
 	terrain.group = &"ground"
@@ -56,7 +56,7 @@ func slab(width := 20.0) -> BoxShape3D:
 	return box
 
 
-## Returns the tiles, 8 m wide, that touch any of these rectangles or the meter around them in which slopes may change.
+## Returns the 8 m tiles that touch one of these rectangles, or the meter around it in which slopes may change.
 func tiles_under(areas: Array[Rect2]) -> Array[Vector2i]:
 	var result: Array[Vector2i] = []
 	for x in range(-10, 10):
@@ -67,13 +67,13 @@ func tiles_under(areas: Array[Rect2]) -> Array[Vector2i]:
 	return result
 
 
-## Makes an edit, and checks that the visible tiles under the areas were regenerated, and no others.
+## Runs `edit` and checks that exactly the visible tiles under the areas were regenerated.
 func check_regenerated(scatter: TerrainScatter3D, areas: Array[Rect2], context: String, edit: Callable) -> void:
 	await check_regenerated_under(scatter, tiles_under(areas), not areas.is_empty(), context, edit)
 
 
-## Returns the largest distance in meters of an instance from the expected ground. `height` of a position is NAN where no instance
-## is allowed.
+## Returns the largest vertical distance in meters between an instance and the expected ground. `height` is a function of the position
+## that returns NAN where no instance is allowed.
 func farthest_off(scatter: TerrainScatter3D, height: Callable) -> float:
 	var worst := 0.0
 	for one in all_transforms(scatter):
@@ -163,7 +163,7 @@ func test_a_mesh_moves_rotates_and_changes() -> void:
 	await check_regenerated(scatter, [square(Vector2(8.0, 20.0), 2.5)], "freed", rock.queue_free)
 
 
-## While a designer drags a mesh, plants follow at a limited rate, and are correct in the end.
+## While a mesh keeps moving, plants follow at a limited rate. They are correct after it stops.
 func test_a_mesh_that_keeps_moving() -> void:
 	put_plane(Vector3.ZERO, Vector2(100.0, 100.0))
 	var rock := put_plane(Vector3(-30.0, 2.0, 0.0), Vector2(10.0, 10.0))
@@ -184,7 +184,7 @@ func test_a_mesh_that_keeps_moving() -> void:
 	check(on_rock.all(func(one: Transform3D) -> bool: return absf(one.origin.x - rock.position.x) < 5.01), "at its final position")
 
 
-## A node checks a limited number of meshes per frame, regardless of the total, and reads those that have changed.
+## A node checks a limited number of meshes per frame, however many there are, and reads those that have changed.
 func test_a_thousand_meshes_cost_little_each_frame() -> void:
 	var crowd: Array[MeshInstance3D] = []
 	for index in CROWD:
@@ -233,7 +233,7 @@ func test_refresh_ground_reads_in_portions() -> void:
 
 
 func test_bodies_are_followed() -> void:
-	put_body(slab(100.0), Vector3(0.0, -1.0, 0.0)) # Its top is at 0.
+	put_body(slab(100.0), Vector3(0.0, -1.0, 0.0)) # Its top is at height 0.
 	var rock := put_body(slab(10.0), Vector3(-20.0, 1.0, -12.0))
 	var rocks := [rock] # A lambda captures local variables by value.
 	var scatter := await make_on_colliders()
@@ -267,7 +267,7 @@ func test_bodies_are_followed() -> void:
 	check(all_transforms(scatter).any(func(one: Transform3D) -> bool: return absf(one.origin.y - 4.0) < 0.01), "on the hills")
 
 
-## A body that moves by itself is hit at its current position, but not followed. Plants leave its old position, and no plant moves with it.
+## Rays hit an animated body at its current position, but the ground does not follow it. Plants at its old position disappear.
 func test_moving_bodies_are_not_followed() -> void:
 	if ProjectSettings.get_setting("threading/worker_pool/max_threads") == 0:
 		check(true, "not run: the engine's physics crashes without threads when such a body moves")
@@ -292,7 +292,7 @@ func test_moving_bodies_are_not_followed() -> void:
 	check(on_it.size() > 40 and on_it.all(func(one: Transform3D) -> bool: return absf(one.origin.x - 10.0) < 5.1), "at its new position")
 
 
-## Changes in the physics server that no node or resource reports.
+## refresh_ground finds changes in the physics server that no node or resource reports.
 func test_refresh_ground_finds_unreported_changes() -> void:
 	var body := PhysicsServer3D.body_create()
 	var shape := PhysicsServer3D.box_shape_create()
@@ -317,7 +317,7 @@ func test_refresh_ground_finds_unreported_changes() -> void:
 	PhysicsServer3D.free_rid(shape)
 
 
-## A plant whose scene has a body on the ground's layer must not be placed on itself.
+## A plant must not be placed on its own scene's body, even if that is on the ground's collision layer.
 func test_bodies_of_scenes_are_not_ground() -> void:
 	put_body(slab(100.0), Vector3(0.0, -1.0, 0.0))
 	var stump := StaticBody3D.new()
@@ -344,7 +344,7 @@ func test_bodies_of_scenes_are_not_ground() -> void:
 	check(farthest_off(scatter, func(_at: Vector3) -> float: return 0.0) < 0.01, "no plant is on top of another")
 
 
-## Signal handlers may do anything.
+## Handlers of ground_changed may free the node or change it.
 func test_handlers_may_free_or_change_the_node() -> void:
 	var endings: Dictionary[String, Callable] = {
 		"free": func(scatter: TerrainScatter3D) -> void: scatter.free(),
@@ -369,7 +369,7 @@ func test_handlers_may_free_or_change_the_node() -> void:
 		await clean()
 
 
-## A node that recenters together with the scene.
+## If the world offset and the scene move together, nothing is read again.
 func test_recentering_reads_nothing() -> void:
 	var plane := put_plane(Vector3(0.0, 1.0, 0.0), Vector2(90.0, 90.0))
 	var scatter := await make_on_meshes()

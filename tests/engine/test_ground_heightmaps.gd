@@ -1,14 +1,14 @@
 extends "terrain_harness.gd"
-## Tests heightmaps that change: only tiles under a change are regenerated, a worker reads large maps, and errors name bad posts.
+## Tests heightmaps that change: only tiles under a change are regenerated, a worker reads large maps, and errors name invalid posts.
 
-const SIDE := 257 ## In posts, one meter apart.
+const SIDE := 257 ## Posts per side, 1 m apart.
 
 
 func make_image(side := SIDE, format := Image.FORMAT_RF) -> Image:
 	return Image.create_empty(side, side, false, format)
 
 
-## The tiles are 8 m wide, around the middle of the map.
+## Returns a settled scatter with 8 m tiles around the middle of the map.
 func make_on_map(image: Resource, meters := true) -> TerrainScatter3D:
 	var terrain := ScatterGroundHeightmap.new()
 	terrain.heights_in_meters = meters
@@ -22,7 +22,7 @@ func make_on_map(image: Resource, meters := true) -> TerrainScatter3D:
 	return scatter
 
 
-## Returns the tiles that touch the ground which depends on the posts of a region.
+## Returns the tiles whose ground depends on the posts in a region.
 func tiles_under(region: Rect2i, post_spacing := 1.0) -> Array[Vector2i]:
 	var area := Rect2(Vector2(region.position) - Vector2(2.0, 2.0), Vector2(region.size) + Vector2(3.0, 3.0))
 	area = Rect2(area.position * post_spacing - Vector2(128.0, 128.0), area.size * post_spacing).grow(1.0)
@@ -39,7 +39,7 @@ func check_regenerated(scatter: TerrainScatter3D, region: Rect2i, context: Strin
 	await check_regenerated_under(scatter, under, not under.is_empty(), context, edit)
 
 
-## Checks that all plants are at the heights that the posts of an image define, one meter apart.
+## Checks that all plants are at the heights of an image, which a new heightmap reads with posts 1 m apart.
 func check_on(scatter: TerrainScatter3D, image: Image, context: String, scale := 1.0) -> void:
 	var fresh := ScatterGroundHeightmap.new()
 	fresh.heights_in_meters = scatter.ground.heights_in_meters
@@ -122,7 +122,7 @@ func test_update_region_refuses() -> void:
 	check_on(scatter, image, "the post")
 
 
-## Large regions are read in steps, and take effect when all steps are done.
+## Large regions are read in steps and take effect after the last step.
 func test_a_large_region_is_read_in_steps() -> void:
 	var image := make_image(2049)
 	var scatter := await make_on_map(image)
@@ -143,7 +143,7 @@ func test_a_large_region_is_read_in_steps() -> void:
 	check_on(scatter, image, "a large region")
 
 
-## A worker reads a large map while frames continue. The old ground stays until then.
+## A worker reads a large map while frames continue. Plants stay on the old ground until it has finished.
 func test_a_worker_reads() -> void:
 	var image := make_image(4097)
 	image.fill(Color(7.0, 0.0, 0.0))
@@ -200,7 +200,7 @@ func test_weights_that_change() -> void:
 	check(not all_transforms(scatter).any(func(one: Transform3D) -> bool: return Rect2(9.0, 5.0, 6.0, 2.0).has_point(Vector2(one.origin.x, one.origin.z))), "nothing grows there")
 
 
-## Properties that change while a worker reads, or while regions wait, take effect in the end.
+## Properties that change while a worker reads, or while regions are pending, take effect eventually.
 func test_changes_in_quick_succession() -> void:
 	var image := make_image(1025)
 	var scatter := await make_on_map(image)

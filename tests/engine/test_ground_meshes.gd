@@ -1,7 +1,7 @@
 extends "terrain_harness.gd"
-## Meshes as ground: every kind of mesh in the engine, read within the frame budget, or refused with a reason.
+## Tests meshes as ground: every kind of mesh is read within the frame budget or refused with a reason.
 
-const HALF := 4.0 ## Heights are compared within this distance in meters from the middle of a mesh.
+const HALF := 4.0 ## Distance from the middle of a mesh, in meters, within which heights are compared.
 
 
 func put(mesh: Mesh, at := Vector3.ZERO) -> MeshInstance3D:
@@ -23,7 +23,7 @@ func make_on_meshes(budget_usec := 20000) -> TerrainScatter3D:
 	return scatter
 
 
-## Twenty-four vertices that zigzag over the ground, for strips as well as for triangles.
+## Returns vertices that zigzag over the ground, valid both as a strip and as triangles.
 func zigzag(count := 24) -> PackedVector3Array:
 	var vertices := PackedVector3Array()
 	for index in count:
@@ -63,7 +63,7 @@ func plane(subdivisions: int, height := 0.0) -> PlaneMesh:
 	return mesh
 
 
-## A mesh with a script that returns its arrays on request.
+## A mesh whose script returns its arrays.
 class ScriptedMesh extends Mesh:
 	var arrays: Array
 	var primitive := Mesh.PRIMITIVE_TRIANGLES
@@ -142,7 +142,7 @@ func odd_meshes() -> Dictionary[String, Mesh]:
 	return result
 
 
-## Returns the height of the topmost face at a point, or NAN.
+## Returns the height of the topmost face at a position on the map, or NAN if there is none.
 func top_of(faces: PackedVector3Array, at: Vector2) -> float:
 	var top := NAN
 	for first in range(0, faces.size(), 3):
@@ -160,21 +160,21 @@ func top_of(faces: PackedVector3Array, at: Vector2) -> float:
 	return top
 
 
-## Faces are those of the engine's own TriangleMesh, which Mesh.get_faces returns.
+## The library reads the same faces as the engine's TriangleMesh, which Mesh.get_faces returns.
 func test_faces_are_those_of_the_engine() -> void:
 	var scatter := make_on_meshes()
 	for named: String in odd_meshes():
 		var mesh := odd_meshes()[named]
 		var instance := put(mesh)
 		if named == "flat vertices":
-			instance.rotation.x = -PI / 3.0 # The mesh itself is upright.
+			instance.rotation.x = -PI / 3.0 # Lay the mesh down, because it is vertical.
 		await settle(scatter)
 		check_no_error(named)
 		var faces := mesh.get_faces()
 		if "two bytes" in named:
 			faces = plane(0).get_faces() # Two faces cover the same square.
 		if "vertices only" in named:
-			errors.take() # The engine itself fails to decode these.
+			errors.take() # The engine fails to decode these meshes, and prints errors.
 			faces = zigzag()
 		for index in faces.size():
 			faces[index] = instance.global_transform * faces[index]
@@ -187,7 +187,7 @@ func test_faces_are_those_of_the_engine() -> void:
 			var expected := top_of(faces, at)
 			var height := scatter.ground.get_height(Vector3(at.x, 0.0, at.y))
 			hits += int(not is_nan(expected))
-			# The engine rounds corners to 0.1 mm, so a point on an edge may be on either side.
+			# The engine rounds vertices to 0.1 mm, so a point on an edge may be on either side.
 			wrong += int(is_nan(height) != is_nan(expected) or absf(height - expected) > 0.01)
 		check(wrong <= 2, "%s: %d of 300 heights differ" % [named, wrong])
 		check((hits > 3) == (faces.size() > 0), "%s: %d points on %d faces" % [named, hits, faces.size() / 3])
@@ -205,7 +205,7 @@ func test_surfaces_without_whole_triangles_are_skipped() -> void:
 	check(is_nan(scatter.ground.get_height(Vector3(-3.0, 0.0, 0.0))), "22 vertices are not whole triangles")
 
 
-## A frame without time left reads one surface, and the next frame continues.
+## A frame with no time left reads one surface, and the next frame reads the next surface.
 func test_reading_keeps_to_the_budget() -> void:
 	const SURFACES := 12
 	var mesh := ArrayMesh.new()
@@ -245,7 +245,7 @@ func test_the_old_ground_stays_until_the_new_one_is_built() -> void:
 	check(heads.all(func(one: Transform3D) -> bool: return absf(one.origin.y - 2.0) < 1e-4), "all are on the new ground")
 
 
-## The first ground of a node is read over several frames. A query reads it at once.
+## Frames read a node's first ground gradually, but a query reads it at once.
 func test_a_query_reads_the_ground_at_once() -> void:
 	put(plane(10))
 	var scatter := make_on_meshes()
@@ -257,7 +257,7 @@ func test_a_query_reads_the_ground_at_once() -> void:
 	check(found.size() > 20 and Array(found.positions).all(func(at: Vector3) -> bool: return absf(at.y - 3.0) < 1e-4), "instances on the new group")
 
 
-## Data in the renderer change without a signal of the mesh.
+## refresh_ground finds changes in the renderer's data, which emit no signal.
 func test_refresh_ground_reads_the_renderers_data() -> void:
 	var mesh := mesh_of(Mesh.PRIMITIVE_TRIANGLES, plane(1).get_mesh_arrays())
 	put(mesh)
@@ -286,7 +286,7 @@ func test_a_transform_that_is_not_finite() -> void:
 		await create_timer(0.3).timeout
 		if not await settle(scatter):
 			return
-		var messages := Array(errors.take()).filter(func(error: String) -> bool: return "ScatterGroundMeshes" in error) # The engine prints its own error, too.
+		var messages := Array(errors.take()).filter(func(error: String) -> bool: return "ScatterGroundMeshes" in error) # The engine also prints an error of its own.
 		check(messages.size() == 1 and "\"Broken\"" in messages[0] and "global_transform" in messages[0] and "finite" in messages[0], "a transform of %s: %s" % [bad, messages])
 		await create_timer(0.6).timeout
 		check_no_error("reported once")
@@ -327,7 +327,7 @@ func test_invalid_corners_are_refused() -> void:
 	check(is_finite(scatter.ground.get_height(Vector3(0.5, 0.0, 0.5))), "the mesh that was too large is ground now")
 
 
-## A mesh's script is called while the mesh is read, and may do anything.
+## A mesh's script runs while the mesh is read, and may change the node then.
 func test_a_scripted_mesh_changes_the_node() -> void:
 	var meddling: Dictionary[String, Callable] = {
 		"change": func(_scatter: TerrainScatter3D, mesh: Mesh) -> void: mesh.emit_changed(),

@@ -1,7 +1,7 @@
 extends "terrain_harness.gd"
-## Scripts and nodes that provide ground are called only for data that layers need, and not outside of their bounds.
+## Tests that scripts and nodes that provide ground are queried only for data that layers need, and only within their bounds.
 
-## A terrain of 40 x 40 m around the origin. It returns 0 outside and counts its calls.
+## A terrain of 40 by 40 m around the origin, with height 0 outside. Its data counts the calls.
 class Counting extends Node3D:
 	var data := CountingData.new()
 
@@ -15,7 +15,7 @@ class CountingData extends Object:
 	var normals := 0
 	var textures := 0
 	var outside := 0
-	var above_nothing := 0 ## Calls for normals and textures where there is no ground.
+	var above_nothing := 0 ## The number of queries for normals and textures where there is no ground.
 	var hole_is_nan := false
 	var mutex := Mutex.new()
 
@@ -47,7 +47,7 @@ class CountingData extends Object:
 		return Vector3(1.0, 2.0, 0.0)
 
 
-## Heights only, so slopes are computed from heights around a position.
+## A node with heights only, so that the library computes slopes from the heights around a position.
 class HeightsOnly extends Node3D:
 	var heights := 0
 	var outside := 0
@@ -61,7 +61,7 @@ class HeightsOnly extends Node3D:
 		return 5.0
 
 
-## A script that counts positions.
+## A ground script that counts the queried positions.
 class CountingScript extends ScatterGround:
 	var heights := 0
 	var normals := 0
@@ -103,7 +103,7 @@ class CountingScript extends ScatterGround:
 		mutex.unlock()
 
 
-## A script without its own normals.
+## A ground script without normals. Records the largest number of positions per query.
 class SlopesByHeights extends ScatterGround:
 	var most := 0
 
@@ -170,7 +170,7 @@ func test_slopes_are_measured_only_if_needed() -> void:
 		scatter.free()
 
 
-## Returns the number of instances at a height.
+## Returns the number of instances at a height in meters.
 func count_at(scatter: TerrainScatter3D, height: float) -> int:
 	return all_transforms(scatter).filter(func(one: Transform3D) -> bool: return absf(one.origin.y - height) < 1e-4).size()
 

@@ -1,9 +1,9 @@
 extends "terrain_harness.gd"
-## Ground that changes without a signal: re-checks of visible tiles find the changes, and regenerate only the affected tiles.
+## Tests ground that changes without a signal: re-checks of visible tiles find the changes and regenerate only the affected tiles.
 
 const MOST_IN_A_FRAME := 16
 
-## Flat ground that is raised in a part of the world, or missing there, and emits no signal.
+## Flat ground with a part at a different height, or without ground if `height` is NAN. Emits no signal.
 class Silent extends ScatterGround:
 	var part := Rect2()
 	var height := 0.0
@@ -29,7 +29,7 @@ class Silent extends ScatterGround:
 		return threaded
 
 
-## Ground like `Silent`, as a node.
+## A node with ground like `Silent`.
 class SilentNode extends Node3D:
 	var part := Rect2()
 	var height := 0.0
@@ -45,7 +45,7 @@ func small_tiles() -> ScatterLayer:
 	return layer
 
 
-## Returns the number of instances that are not at the current height of a silent ground.
+## Returns the number of instances that are not at a silent ground's current height.
 func wrong(scatter: TerrainScatter3D, ground: Object) -> int:
 	var part: Rect2 = ground.get("part")
 	var height: float = ground.get("height")
@@ -56,7 +56,7 @@ func wrong(scatter: TerrainScatter3D, ground: Object) -> int:
 	return count
 
 
-## Returns the tiles that were regenerated until `count` instances exist and all are at the right height.
+## Waits until `count` instances exist, all at the right height. Returns the tiles that were regenerated meanwhile.
 func regenerated(scatter: TerrainScatter3D, ground: Object, count: int, context: String) -> Array[Vector2i]:
 	var made: Array[Vector2i] = []
 	var note := func(_layer: ScatterLayer, tile: Vector2i) -> void: made.push_back(tile)
@@ -67,7 +67,8 @@ func regenerated(scatter: TerrainScatter3D, ground: Object, count: int, context:
 	return made
 
 
-## Changes a part of a flat ground that carries the instances `all`, and checks that the affected tiles follow.
+## Changes a part of a silent ground, and checks that only tiles in this part are regenerated, once each. `all` are the instances on the
+## ground.
 func check_silent_change(
 		scatter: TerrainScatter3D, ground: Object, all: Array[Transform3D], part: Rect2, height: float, context: String) -> void:
 	ground.set("part", part)
@@ -102,7 +103,7 @@ func test_a_part_of_the_ground_changes() -> void:
 			(ground as Node).free()
 
 
-## Like a terrain that loads its regions later, and is low until then.
+## The ground behaves like a terrain that returns a low height until its regions are loaded.
 func test_regions_that_are_loaded_later() -> void:
 	var ground := Silent.new()
 	ground.part = Rect2(-64.0, -64.0, 128.0, 128.0)
@@ -258,7 +259,7 @@ func test_bodies_of_the_physics_server() -> void:
 	await until(func() -> bool: return all_transforms(scatter).is_empty() and scatter.is_settled(), "no instances after the bodies were freed")
 
 
-## Bodies that move over the ground hide it but change nothing.
+## Moving bodies hide the ground below them from rays, but regenerate nothing.
 func test_moving_bodies_change_nothing() -> void:
 	var ground := serve_slab(Vector3(0.0, -1.0, 0.0), 60.0)
 	var scatter := await make_on_bodies()

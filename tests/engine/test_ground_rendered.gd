@@ -1,5 +1,5 @@
 extends "terrain_harness.gd"
-## Ground whose data is updated in the renderer's memory only.
+## Tests ground from meshes whose data was updated in the renderer only.
 
 
 func test_updated_vertices_are_ground_after_refresh_ground() -> void:
@@ -9,7 +9,7 @@ func test_updated_vertices_are_ground_after_refresh_ground() -> void:
 		var mesh := ArrayMesh.new()
 		var flags := Mesh.ARRAY_FLAG_COMPRESS_ATTRIBUTES if compressed else 0
 		var arrays := plane.get_mesh_arrays()
-		if compressed: # Compressed vertices are fractions of the surface's box, which needs a height.
+		if compressed: # Compressed vertices are fractions of the surface's AABB, which must have a height.
 			arrays[Mesh.ARRAY_VERTEX].append(Vector3(0.0, 5.0, 0.0))
 			arrays[Mesh.ARRAY_NORMAL].append(Vector3.UP)
 			arrays[Mesh.ARRAY_TANGENT].append_array([1.0, 0.0, 0.0, 1.0])

@@ -1,5 +1,5 @@
 extends "terrain_harness.gd"
-## Ground from images and raw files of every depth, with holes and textures.
+## Tests ground from images and raw files of every bit depth, with holes and textures.
 
 func make_heights(format: Image.Format, size := Vector2i(5, 4)) -> Image:
 	var image := Image.create_empty(size.x, size.y, false, format)
@@ -23,7 +23,7 @@ func test_heightmap_formats() -> void:
 		for x in 5:
 			for y in 4:
 				if format == Image.FORMAT_L8:
-					continue # Luminance combines all channels.
+					continue # Skip luminance, which combines all channels.
 				var height := terrain.get_height(Vector3(-10.0 + 10.0 * x, 0.0, 5.0 + 10.0 * y))
 				var expected := 100.0 + 100.0 * (x + 0.5 * y)
 				check(absf(height - expected) < coarse, "format %d, post %d, %d: %f" % [format, x, y, height])
@@ -147,7 +147,7 @@ func test_heightmaps_do_not_depend_on_tiles() -> void:
 	await check_tiling(terrain, "a heightmap")
 
 
-## New height limits for the same posts do not read the file again.
+## Changing the height limits does not read the file again.
 func test_a_heightmap_is_read_once() -> void:
 	var path := "user://thicket_test_once.raw"
 	var bytes := PackedByteArray()

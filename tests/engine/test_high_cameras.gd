@@ -1,13 +1,13 @@
 extends "picture_harness.gd"
-## Cameras high up and orthogonal cameras see the same as low cameras, with fading materials and with other materials: tiles, thinning, LODs and fades
-## use the same distance. Measured as the fraction of red pixels, with 80 m of the ground from the top of the picture to its bottom.
+## Tests high cameras and orthogonal cameras, which must see the same as low cameras, with and without fading materials. Tiles, thinning,
+## LODs and fades must use the same distance. The tests compare the fraction of red pixels. All pictures show 80 m of ground vertically.
 
-const TALL := 80.0 ## Meters of the ground in the picture, vertically.
+const TALL := 80.0 ## The height of the visible ground in a picture, in meters.
 
 var camera: Camera3D
 
 
-## Red cubes that cover about a quarter of the ground.
+## Returns a layer of red cubes that cover about a quarter of the ground.
 func cubes(fades: bool) -> ScatterLayer:
 	var material: Material = StandardMaterial3D.new()
 	if fades:
@@ -41,7 +41,7 @@ func stage() -> void:
 	camera.make_current()
 
 
-## Returns a scatter that shows all tiles within a few frames, because software takes long to draw a frame.
+## Returns a scatter that shows all tiles within a few frames, because software rendering makes frames slow.
 func quick_scatter(layers: Array[ScatterLayer], terrain: ScatterGround, viewer: Node3D) -> TerrainScatter3D:
 	var scatter := make_scatter(layers, terrain, viewer)
 	scatter.frame_budget_usec = 200000
@@ -82,7 +82,7 @@ func test_high_and_orthogonal_cameras_see_the_same_as_low_ones() -> void:
 				look_down_from(height, orthogonal)
 				await settle(scatter)
 				var seen := await red()
-				# Without perspective, the lit sides of the cubes are hidden.
+				# Without perspective, the sides of the cubes are hidden.
 				check(seen > 0.55 * near and seen < 1.2 * near, "fades %s, %d m up, orthogonal %s: fraction of red pixels %.3f, from 80 m %.3f" % [
 						fades, height, orthogonal, seen, near])
 		for distance: float in [170.0, 1700.0]:
@@ -94,7 +94,7 @@ func test_high_and_orthogonal_cameras_see_the_same_as_low_ones() -> void:
 		await frames(2)
 
 
-## A camera that is not a viewer draws a complete picture, too.
+## A camera that is not a viewer also draws a complete picture.
 func test_a_camera_that_is_not_a_viewer_sees_everything() -> void:
 	stage()
 	var shares := {}
@@ -114,11 +114,11 @@ func test_a_camera_that_is_not_a_viewer_sees_everything() -> void:
 		player.queue_free()
 		await frames(2)
 	check(shares[false][0] > 0.1, "fractions of red pixels: %s" % [shares])
-	for index in 2: # The material that fades lights the shaded sides as well.
+	for index in 2: # The fading material also lights the shaded sides.
 		check(absf(shares[true][index] / shares[false][index] - 1.15) < 0.1, "as many red pixels with a material that fades: %s" % shares)
 
 
-## Tiles surround the point of the ground in the middle of the picture, at any height of the ground.
+## Tiles surround the point on the ground at the center of the picture, whatever the ground's height.
 func test_tiles_surround_the_target_of_an_orthogonal_camera() -> void:
 	stage()
 	var terrain := ScatterGroundFlat.new()
@@ -138,7 +138,7 @@ func test_tiles_surround_the_target_of_an_orthogonal_camera() -> void:
 	check(middle.distance_to(Vector2(1000.0, -1000.0)) < layer.tile_size, "the middle of the tiles is %s" % middle)
 
 
-## A small view shows fine LODs, a large one coarse LODs, at any distance of the camera.
+## A small view shows fine LODs and a large one coarse LODs, whatever the camera's distance.
 func test_the_size_of_an_orthogonal_view_chooses_lods() -> void:
 	stage()
 	var layer := cubes(false)
@@ -159,7 +159,7 @@ func test_the_size_of_an_orthogonal_view_chooses_lods() -> void:
 			"fine mesh below the camera, by size and height")
 
 
-## A viewer with twice the view distance sees four times the ground, up to the fade at its end.
+## A viewer with twice the distance scale sees four times the ground. The fade at the view distance scales too.
 func test_a_viewers_scale_applies_to_the_fade() -> void:
 	stage()
 	var player := make_viewer()
@@ -177,7 +177,7 @@ func test_a_viewers_scale_applies_to_the_fade() -> void:
 	check(seen[2.0] > 3.0 * seen[1.0] and seen[2.0] < 5.0 * seen[1.0], "four times the ground: %s" % seen)
 
 
-## Two nodes share a material. Each has its own viewer and hides nothing of the other.
+## Two nodes share a material. Each has its own viewer and does not hide the other's instances.
 func test_nodes_share_a_material() -> void:
 	stage()
 	var layer := cubes(true)

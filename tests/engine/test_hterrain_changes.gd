@@ -1,5 +1,5 @@
 extends "hterrain_harness.gd"
-## HTerrain's ground while it is in use: edits, new data, movements, and nodes that are added late or removed.
+## Tests HTerrain's ground while it is in use: edits, new data, movements, and nodes that are added later or removed.
 
 func kinds() -> Dictionary[String, HTerrainDataDouble]:
 	return {"1.8": HTerrain18Data.new(), "master": HTerrainMasterData.new()}
@@ -12,7 +12,7 @@ func test_sculpting_regenerates_its_tiles() -> void:
 		var data := node.get_data()
 		var scatter := make_on(node)
 		await settle(scatter)
-		for step in 3: # The first edit copies an image that is still shared; the next ones edit patches.
+		for step in 3: # The first edit copies the image, which is still shared. The second and third edits change parts of the copy.
 			var sculpt := func() -> void:
 				for column in range(56, 59):
 					for row in range(56, 59):
@@ -84,7 +84,7 @@ func test_other_data() -> void:
 	var old := node.get_data()
 	var other := HTerrain18Data.new()
 	other.fill(func(column: int, row: int) -> float: return 20.0 + HTerrainDataDouble.hill(row, column))
-	node.set_data(other) # Emits no signal.
+	node.set_data(other) # This method emits no signal.
 	await frames(2)
 	await settle(scatter)
 	check_ground(scatter, node, "new data")
@@ -147,7 +147,7 @@ func test_it_is_added_late_and_replaced() -> void:
 		if round == 0:
 			await frames(2)
 			check_error(["../Ground"], "freed")
-		# In the other rounds, a new node exists in the same frame.
+		# In the other rounds, a new node replaces the old one in the same frame.
 	scatter.free()
 
 
@@ -189,7 +189,7 @@ func test_a_recenter_that_it_follows_regenerates_nothing() -> void:
 	check_equal(made.size(), 0, "regenerated tiles")
 	check_equal(digests(scatter, 0), before, "digests")
 	check_ground(scatter, node, "recentered")
-	scatter.world_offset = Vector3.ZERO # Now the node does not follow the world offset.
+	scatter.world_offset = Vector3.ZERO # This time, the node does not move with the world offset.
 	viewer.global_position = node.global_position
 	await frames(2)
 	await settle(scatter)

@@ -1,5 +1,6 @@
 extends "import_harness.gd"
-## Imports of existing instances as hand-placed ones: exact to the float, and complete or not at all.
+## Tests imports of existing instances as hand-placed ones. Transforms are exact, and an import either succeeds completely or changes
+## nothing.
 
 
 func test_add_instances_equals_many_calls_of_add_instance() -> void:
@@ -8,7 +9,7 @@ func test_add_instances_equals_many_calls_of_add_instance() -> void:
 	layer.meshes = [BoxMesh.new(), SphereMesh.new()]
 	var scatter := make_bare([layer])
 	var all := some_transforms(3000)
-	all[5] = all[4] # Equal transforms: the second one gets the next free id.
+	all[5] = all[4] # With equal transforms, the second instance gets the next free id.
 	var meshes := PackedInt32Array()
 	for index in all.size():
 		meshes.push_back(index % 2)
@@ -141,12 +142,12 @@ func test_failed_imports_change_nothing() -> void:
 	check_equal(scatter.state.get_added_count(), 0, "no instance was added")
 
 
-## Returns nodes as ProtonScatter 4 creates them: an output with one node per item.
+## Returns nodes like those of ProtonScatter 4: an output with one node per item.
 func proton_output(items: Array[Node]) -> Node3D:
 	var scatter := Node3D.new()
 	scatter.name = "Proton"
 	scatter.position = Vector3(10, 0, 0)
-	var source := MeshInstance3D.new() # The source mesh of an item, which is not an instance.
+	var source := MeshInstance3D.new() # An item's source mesh, which is not an instance.
 	source.mesh = BoxMesh.new()
 	scatter.add_child(source)
 	var output := Marker3D.new()
@@ -213,7 +214,7 @@ func test_proton_scatter() -> void:
 	check_error(["Sparks", "particles"], "particles")
 
 
-## Stores instances as Terrain3D does: by region, mesh and cell, relative to the corner of the region.
+## A node that stores instances as Terrain3D does: by region, mesh and cell, relative to the region's corner.
 class Terrain3DDouble extends Node3D:
 	class Region extends RefCounted:
 		var location := Vector2i.ZERO
@@ -271,8 +272,8 @@ func test_terrain_3d() -> void:
 	terrain.add(Vector2i(-1, 1), 0, Vector2i(1, 1), first.slice(10))
 	terrain.add(Vector2i(-1, 1), 1, Vector2i(0, 0), second)
 	var drawn := make_multimesh(terrain.assets.meshes[0].mesh, first)
-	terrain.add_child(drawn) # Terrain3D draws its instances with such nodes.
-	terrain.position = Vector3(5, 5, 5) # Terrain3D's instances do not follow this position.
+	terrain.add_child(drawn) # Terrain3D draws its instances with such nodes, which must not be imported again.
+	terrain.position = Vector3(5, 5, 5) # Terrain3D ignores the node's position for its instances.
 	root.add_child(terrain)
 	var scatter := make_bare()
 	check_equal(ImportInstances.from_node(scatter, null, terrain), 50, "all instances, once")

@@ -1,5 +1,5 @@
 extends "import_harness.gd"
-## Imports of tables of transforms: each of their forms, and the error for each mistake in them.
+## Tests imports of tables of transforms: every supported form, and the error for every kind of mistake.
 
 
 func table(text: String) -> String:

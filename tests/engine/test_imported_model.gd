@@ -1,14 +1,14 @@
 extends "models_harness.gd"
-## A GLB file as in an asset pack, imported by the editor: res://tree.glb, which an earlier engine wrote by `test_make_glb`.
+## Tests a GLB file like those in asset packs: res://tree.glb, which `test_make_glb` wrote in an earlier process and the editor imported.
 
 
-## Writes the file that is imported. Runs alone.
+## Writes the file to import, in a separate process with the argument `make`.
 func test_make_glb() -> void:
 	if not "make" in arguments:
 		check(true, "the file exists")
 		return
 	var tree := make_tree()
-	for shape in tree.find_children("*", "StaticBody3D", true, false): # glTF can describe these only by names.
+	for shape in tree.find_children("*", "StaticBody3D", true, false): # glTF can describe bodies only by node names.
 		shape.free()
 	put_mesh(box(Vector3(0.8, 4.0, 0.8), null), "Trunk-convcolonly", tree, tree, Transform3D(Basis(), Vector3(0.2, 2.0, 0.0)))
 	var state := GLTFState.new()

@@ -1,12 +1,12 @@
 extends "harness.gd"
-## Impostors without a renderer: baking, saving, refused input, and impostors as the LOD of a layer.
+## Tests impostors without a renderer: baking, saving, refused input, and impostors as LODs of a layer.
 
 const Bake := preload("res://addons/thicket/bake_impostors.gd")
 const Impostor := preload("res://addons/thicket/impostor.gd")
 const Models := preload("impostor_models.gd")
 
 
-## Returns an impostor that bakes in a moment.
+## Returns a baker with settings that take little time.
 func small() -> Impostor:
 	var impostor := Impostor.new()
 	impostor.frames = 4
@@ -15,7 +15,7 @@ func small() -> Impostor:
 	return impostor
 
 
-## Returns the middle pixel of the atlas frame that shows the front, along -z, with hemi-octahedral frames.
+## Returns the middle pixel of the atlas frame that shows the front, along -z, if the frames are hemi-octahedral.
 func front_pixel(mesh: Mesh, texture: StringName) -> Color:
 	var material := mesh.surface_get_material(0) as ShaderMaterial
 	var image := (material.get_shader_parameter(texture) as Texture2D).get_image()

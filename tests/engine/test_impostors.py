@@ -1,4 +1,4 @@
-"""Tests that impostors look like their models from all sides, and in the light of the scene."""
+"""Tests that impostors look like their models from all sides and react to the scene's light."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from scipy.ndimage import gaussian_filter
 PICTURES = REPO / "tests/engine/impostor_pictures.gd"
 DIRECTIONS = 16
 SUNS = 2
-# Half the side of the square that contains the model's bounding sphere at the distance where the impostor takes over: 128 pixels of
-# the atlas, at 1.75 per pixel of the picture.
+# Half of the side, in pixels, of the square around the model's bounding sphere when the impostor replaces the model. The square then covers
+# 128 atlas pixels, at 1.75 per pixel of the picture.
 HALF = round(128 / 1.75 / 2)
 
 
 def structural_similarity(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """The similarity of each pixel, from brightness of 0 to 255: Wang, Bovik, Sheikh and Simoncelli, Image Quality Assessment: From
+    """Returns the similarity of each pixel, from brightness in 0 to 255: Wang, Bovik, Sheikh and Simoncelli, Image Quality Assessment: From
     Error Visibility to Structural Similarity, 2004, section III."""
 
     def mean(image):
@@ -57,7 +57,7 @@ def pictures(godot_xvfb, project) -> Path:
 
 
 def similarities(folder: Path, model: str) -> np.ndarray:
-    """The mean similarities by sun and direction."""
+    """Returns the mean similarity for each sun and direction."""
     return np.array([
         [
             structural_similarity(
@@ -78,7 +78,7 @@ def test_an_impostor_looks_like_its_model(pictures, model):
 
 @pytest.mark.parametrize("model", ["tree", "stone"])
 def test_an_impostor_is_lit_by_the_sun(pictures, model):
-    """A different sun changes the model and the impostor in the same way, and strongly. An impostor with baked light would not change."""
+    """Moving the sun changes model and impostor strongly and in the same way. An impostor with baked light would not change."""
     for at in range(DIRECTIONS):
         change = {}
         for what in ("model", "impostor"):

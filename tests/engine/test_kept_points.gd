@@ -1,14 +1,14 @@
 extends "harness.gd"
-## Points near tile borders are computed once and kept for all tiles that need them.
+## Tests that points near tile borders are cached for all tiles that need them.
 
-## Returns the number of points that were computed during `make`.
+## Runs `make` and returns the number of points computed meanwhile.
 func points_computed_by(scatter: TerrainScatter3D, make: Callable) -> int:
 	var before: int = scatter.get_stats()["points_computed"]
 	await make.call()
 	return scatter.get_stats()["points_computed"] - before
 
 
-## Small neighboring tiles. Each needs twice as many points around it as in it.
+## Makes a scatter with small tiles. Each tile needs twice as many points around it as inside it.
 func make_small_tiles() -> TerrainScatter3D:
 	var layer := make_layer(1.0)
 	layer.tile_size = 8.0
@@ -22,7 +22,8 @@ func test_visible_tiles_reuse_points() -> void:
 		scatter.layers[0].density -= 0.1
 		await settle(scatter)
 	var first := await points_computed_by(scatter, make_all)
-	await points_computed_by(scatter, make_all) # A block that only one window has touched is computed again for the second.
+	# The second window that needs a block computes it again. From then on, the block is cached.
+	await points_computed_by(scatter, make_all)
 	var tiles: int = scatter.get_stats()["tiles_made"]
 	var sampled: int = scatter.get_stats()["points_sampled"]
 	check(first >= sampled / 2, "%d points computed for %d" % [first, sampled])
@@ -36,7 +37,7 @@ func test_queries_reuse_points() -> void:
 	var scatter := make_small_tiles()
 	var found: Array[int] = []
 	var query := func() -> void:
-		scatter.layers[0].density -= 0.1 # Outdates all known tiles.
+		scatter.layers[0].density -= 0.1 # This change makes all cached tiles outdated.
 		found.push_back(scatter.query_rect(Rect2(1000, 1000, 60, 60)).size())
 	check(await points_computed_by(scatter, query) > found[0], "points computed for %d" % found[0])
 	await points_computed_by(scatter, query)
@@ -48,7 +49,7 @@ func test_queries_reuse_points() -> void:
 func test_rectangles_reuse_points() -> void:
 	var scatter := make_small_tiles()
 	var found: Array[int] = []
-	for place in 3: # All in one block.
+	for place in 3: # All rectangles are in one block.
 		var build := func() -> void:
 			found.push_back(scatter.build_rect(scatter.layers[0], Rect2(500 + 8 * place, 500, 8, 8)).get_ids(0).size())
 		var points := await points_computed_by(scatter, build)

@@ -1,11 +1,12 @@
 extends "queries_harness.gd"
-## Methods take a layer or its name, and refuse everything else. Results, signals and predicates give the layer.
+## Tests methods that take layers. They accept a layer or its name and refuse everything else. Results, signals and predicates contain the
+## layer itself.
 
 const RECT := Rect2(-20, -20, 40, 40)
 const HERE := Vector3(3, 0, 4)
 
 
-## Returns a forest of "trees" and "ferns" whose tiles are displayed.
+## Returns a settled forest with the layers "trees" and "ferns".
 func make_forest() -> TerrainScatter3D:
 	var scatter := make_wood(make_viewer())
 	scatter.layers[1].resource_name = "ferns"
@@ -18,7 +19,7 @@ func added(scatter: TerrainScatter3D, ids: PackedInt64Array) -> PackedInt64Array
 	return ids
 
 
-## Returns a call of each method that takes one layer, by the method's name. The results of equal calls are equal.
+## Returns a callable for each method that takes one layer, by the method's name. Equal calls have equal results.
 func calls_for_a_layer(scatter: TerrainScatter3D) -> Dictionary[String, Callable]:
 	return {
 		"get_shown_tiles": scatter.get_shown_tiles,
@@ -36,7 +37,7 @@ func calls_for_a_layer(scatter: TerrainScatter3D) -> Dictionary[String, Callable
 	}
 
 
-## Returns the same for methods of the node that take several layers. Requests are made, but not awaited.
+## Returns a callable for each of the node's methods that take several layers, by the method's name.
 func calls_for_layers(scatter: TerrainScatter3D) -> Dictionary[String, Callable]:
 	var calls := queries_of(scatter)
 	calls["remove_in_sphere"] = func(layers: Variant) -> PackedInt64Array:
@@ -49,7 +50,7 @@ func calls_for_layers(scatter: TerrainScatter3D) -> Dictionary[String, Callable]
 	return calls
 
 
-## Returns those that a node and its snapshot have in common.
+## Returns a callable for each query that both a node and its snapshot have.
 func queries_of(target: Variant) -> Dictionary[String, Callable]:
 	return {
 		"query_rect": func(layers: Variant) -> PackedInt64Array: return target.query_rect(RECT, layers).ids,
@@ -67,7 +68,7 @@ func finds(result: Variant) -> bool:
 	return result != 0 if result is int else not result.is_empty()
 
 
-## Returns values that refer to no layer, each with the words of its error.
+## Returns values that do not refer to any layer, each with a part of its error message.
 func refused() -> Array[Array]:
 	var foreign := make_layer()
 	var named := make_layer()
@@ -96,7 +97,7 @@ func test_methods_take_a_layer_or_its_name() -> void:
 	check_no_error("layers and their names")
 
 
-## Explanations come in the order of the layers that were passed.
+## Sorts explanations by id, because their order follows the layers that were passed. Any other result is returned unchanged.
 func in_order(found: Variant) -> Variant:
 	if found is Array and not found.is_empty() and found[0] is Array:
 		found.sort_custom(func(a: Array, b: Array) -> bool: return a[1] < b[1])
@@ -149,7 +150,7 @@ func test_results_have_the_layers() -> void:
 	var layers := found.layers
 	layers.clear()
 	check_equal(found.layers.size(), 2, "a script's changes of the list do not matter")
-	# A result keeps its layers after they have left the list, and after the node was freed.
+	# A result keeps its layers after they were removed from the list, and after the node was freed.
 	var fern := scatter.get_instance(found.get_id(found.size() - 1))
 	var ferns := scatter.layers[1]
 	scatter.layers = []
@@ -193,10 +194,10 @@ func test_two_layers_with_one_name() -> void:
 	check_equal(scatter.query_rect(RECT, scatter.layers[0]).ids, trees, "the first by itself")
 	check(not scatter.query_rect(RECT, scatter.layers[1]).is_empty() and not ferns.is_empty(), "the second by itself")
 	check_equal(scatter.query_rect(RECT, scatter.layers[1]).layers, [scatter.layers[1]], "its layer")
-	errors.take() # The scatter reports the ambiguous name.
+	errors.take() # The node also reports the ambiguous name.
 
 
-## While workers generate its tiles, the list changes. A request keeps its layers.
+## A request keeps its layers if the list changes while workers generate its tiles.
 func test_a_request_keeps_its_layers() -> void:
 	var scatter := await make_forest()
 	var far := Rect2(4000, 0, 100, 100)
@@ -216,7 +217,7 @@ func test_a_request_keeps_its_layers() -> void:
 	check_no_error("requests")
 
 
-## The tiles of a removed layer are hidden, and the signal still has the layer.
+## When a layer is removed, tile_hidden is still emitted with the layer.
 func test_tile_signals_have_the_layer() -> void:
 	var scatter := await make_forest()
 	var ferns := scatter.layers[1]

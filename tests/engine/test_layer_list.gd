@@ -1,10 +1,10 @@
 extends "harness.gd"
-## Tests a node's list of layers: edits, the ids that layers keep during edits, and the names by which layers refer to each other.
+## Tests a node's list of layers: edits, the ids that layers keep during edits, and references between layers.
 
 const AREA := Rect2(-40.0, -40.0, 80.0, 80.0)
 
 
-## Returns the instances of a layer in the area: positions by id.
+## Returns {id: position} for the layer's instances in AREA.
 func standing(scatter: TerrainScatter3D, layer: int) -> Dictionary[int, Vector3]:
 	var found: Variant = scatter.query_rect(AREA, scatter.layers[layer] if layer < scatter.layers.size() else [] as Variant)
 	var result: Dictionary[int, Vector3] = {}
@@ -27,7 +27,7 @@ func named(layer_name: String, radius := 4.0) -> ScatterLayer:
 	return layer
 
 
-## Returns the forest preset. Its meshes do not matter here.
+## Adds the forest preset to the tree, on flat ground, and returns its scatter.
 func make_forest_preset() -> TerrainScatter3D:
 	var scatter := (load("res://addons/thicket/presets/forest.tscn") as PackedScene).instantiate() as TerrainScatter3D
 	scatter.ground = ScatterGroundFlat.new()
@@ -61,12 +61,12 @@ func test_deleting_a_layer_moves_no_other() -> void:
 				moved += int(stays and after[layer_name][id] != before[layer_name][id])
 		check(all > 10_000, "%d instances before" % all)
 		check_equal(moved, 0, "moved without " + deleted)
-		# Only grass keeps away from stones. If spruces are deleted, there are more birches and bushes, and other layers keep away from these.
+		# Only grass keeps away from stones. Without spruces, there are more birches and bushes, from which other layers keep away.
 		check(kept > (0.99 if deleted == "Stone" else 0.9) * all, "%d of %d stay without %s" % [kept, all, deleted])
 		scatter.free()
 
 
-## Settings of the editor's panel, which hides layers or shows them differently, have no effect in a game.
+## Previews that the editor's panel sets, which hide or replace layers, have no effect in a game.
 func test_a_game_ignores_previews() -> void:
 	var scatter := make_scatter([make_layer(4.0), make_layer(6.0)], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
@@ -107,7 +107,7 @@ func test_layers_get_ids_when_they_are_added() -> void:
 	scatter.free()
 
 
-## Undo in the editor removes a node from the tree but keeps it. It must not change a layer that others share.
+## The editor's undo history keeps a removed node outside the tree. The node must not change layers that other nodes share.
 func test_a_node_outside_of_the_tree_assigns_no_ids() -> void:
 	var layer := make_layer(2.0)
 	var scatter := make_scatter([make_layer(2.0), layer], ScatterGroundFlat.new(), make_viewer())
@@ -206,7 +206,7 @@ func test_references_follow_a_renamed_layer() -> void:
 	check_equal(fern.spacing, {"oak": 3.0}, "the other layer has the old name, and is meant from now on, with the larger distance")
 
 
-## References by layer and by name have the same effect.
+## References to a layer and to its name have the same effect.
 func test_spacing_and_proximity_by_any_reference() -> void:
 	for layer_name: String in ["oak", ""]:
 		var oak := named(layer_name)
@@ -286,7 +286,7 @@ func test_references_in_a_saved_scene() -> void:
 	DirAccess.remove_absolute(path)
 
 
-## While tiles of a changed list are regenerated, a layer's count is that of its own instances, wherever the layer is in the list.
+## While a changed list regenerates tiles, a layer's count contains only its own instances, whatever its index in the list.
 func test_counts_belong_to_their_layers_while_the_list_changes() -> void:
 	var dense := make_layer(3.0)
 	var sparse := make_layer(12.0)

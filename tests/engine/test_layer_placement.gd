@@ -1,15 +1,15 @@
 extends "rules_harness.gd"
-## Transforms and colors of instances: each property changes only its own aspect.
+## Tests the transforms and colors of instances: each property changes only one aspect.
 
 
-## Returns the scale of an instance, which is the same along all axes.
+## Returns the scale of an instance, which must be the same along all axes.
 func scale_of(place: Transform3D) -> float:
 	var size := place.basis.get_scale()
 	check(is_equal_approx(size.x, size.y) and is_equal_approx(size.y, size.z), "uneven scale %s" % size)
 	return size.x
 
 
-## Checks that the same instances are at the same positions.
+## Checks that `before` and `after` have the same instances at the same positions.
 func check_same_places(before: Dictionary, after: Dictionary, context: String) -> void:
 	check(before.size() > 1000 and before.size() == after.size() and before.has_all(after.keys()), context + ": the same instances")
 	var moved := 0

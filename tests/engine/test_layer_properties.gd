@@ -1,9 +1,9 @@
 extends "harness.gd"
-## The properties of a layer: saving and loading, refused values, signals of changes, and warnings.
+## Tests the properties of a layer: saving and loading, refused values, change signals, and warnings.
 
 const SPOT := "user://thicket_layer"
 
-## The properties that full_layer() changes from their defaults, which the class reference lists.
+## The properties that full_layer() changes from the defaults in the class reference.
 const PROPERTIES: Array[StringName] = [
 	&"density_over_height", &"density_over_slope", &"ground_textures", &"noise", &"noise_curve", &"mask",
 	&"mask_texture", &"mask_texture_rect", &"mask_texture_channel", &"mask_texture_edge", &"clump_size",
@@ -14,7 +14,7 @@ const PROPERTIES: Array[StringName] = [
 	&"collision_layer", &"collision_mask", &"physics_material", &"affect_navigation_mesh", &"scene", &"scene_distance",
 ]
 
-## The resources of a layer by property, with a change of each.
+## The resources of a layer by property: [class, property to change, new value].
 var sources := {
 	"density_over_height": ["Curve", "max_domain", 500.0], "density_over_slope": ["Curve", "max_domain", 60.0],
 	"noise": ["FastNoiseLite", "frequency", 0.5], "noise_curve": ["Curve", "min_domain", -1.0],
@@ -29,7 +29,7 @@ func made(type: String) -> Resource:
 	return ClassDB.instantiate(type)
 
 
-## Returns a layer in which no property has its default.
+## Returns a layer in which every property in PROPERTIES differs from its default.
 func full_layer() -> ScatterLayer:
 	var layer := make_layer()
 	layer.resource_name = "Ferns"
@@ -216,7 +216,7 @@ func test_refused_spacing() -> void:
 	check_equal(layer.spacing.size(), 2, "edits by a script")
 
 
-## A resource changes: the layer emits `changed` once per property that uses it, and only while it is used.
+## When a resource changes, the layer emits `changed` once per property that uses it.
 func test_changes_within_resources() -> void:
 	for property: String in sources:
 		var layer := ScatterLayer.new()
@@ -253,7 +253,7 @@ func test_wrong_resources() -> void:
 	check_no_error("values of a different class are never set")
 
 
-## Checks that an otherwise valid layer has exactly one warning with these words, or none.
+## Checks that `edit` causes exactly one warning, which contains `words`, on a valid layer. Expects no warning if `words` is empty.
 func check_warning(edit: Callable, words: String) -> void:
 	var layer := make_layer()
 	edit.call(layer)
@@ -302,7 +302,7 @@ func check_gameplay_warnings() -> void:
 	scatter.free()
 
 
-## Sets up a layer with a source and its range.
+## Colors a layer with a gradient over a value source whose maximum is `to`.
 func follow(layer: ScatterLayer, source: ScatterValueSource.Source, to := 90.0) -> void:
 	layer.use_colors = true
 	layer.color_value = value_of(source)

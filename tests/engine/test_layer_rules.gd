@@ -1,7 +1,7 @@
 extends "rules_harness.gd"
-## Rules of a layer: each removes instances by its density and changes nothing else.
+## Tests a layer's rules: each removes instances according to its density and changes nothing else.
 
-## Two textures that blend along x.
+## Ground with two textures that blend along x.
 class Textured extends Node3D:
 	func get_height(_at: Vector3) -> float:
 		return 3.0
@@ -55,7 +55,7 @@ func test_noise() -> void:
 		return 0.5 if absf(absf(value) - 0.1) < 1e-3 else steep.sample(clampf(value, -0.1, 0.1)), "noise_curve")
 
 
-## Workers use a copy of the noise: a change during the work regenerates the tiles, and no thread sees a partial change.
+## Workers use a copy of the noise, so no thread sees a partial change. A change while they work regenerates the tiles.
 func test_noise_that_changes_during_the_work() -> void:
 	var layer := make_layer()
 	layer.noise = FastNoiseLite.new()
@@ -84,7 +84,7 @@ func test_painted_mask() -> void:
 	await check_rule(scatter, "mask", mask, func(at: Vector3) -> float: return mask.sample(Vector2(at.x, at.z)))
 
 
-## A dab changes only the instances under it, in the tiles that it touches. Restoring the pixels undoes it.
+## A dab changes only the instances under it, and regenerates only the tiles that it touches. Restoring the pixels undoes the dab.
 func test_dabs() -> void:
 	var layer := make_layer()
 	var mask := ScatterMask.new()
@@ -202,7 +202,7 @@ func test_textures_too_large() -> void:
 	check_equal(instances(scatter).size(), 0, "the maximum number of pixels, all black")
 
 
-## On worker threads, and on the main thread.
+## Ground textures affect the density on worker threads and on the main thread.
 func test_ground_textures() -> void:
 	var node := Textured.new()
 	root.add_child(node)
@@ -253,7 +253,7 @@ func test_clumps() -> void:
 
 func test_edge_feather() -> void:
 	var layer := make_layer()
-	layer.min_height = 100.0 # At x = 0.
+	layer.min_height = 100.0 # The ground has this height at x = 0.
 	var scatter := scatter_on_hillside(layer)
 	await settle(scatter)
 	var sharp := instances(scatter)
@@ -291,7 +291,7 @@ func test_rules_multiply() -> void:
 		return 0.9 * (0.5 + 0.5 * noise.get_noise_2d(at.x, at.z)) * mask.sample(Vector2(at.x, at.z)) * (0.5 + at.y / 800.0), "all")
 
 
-## A dragged point of a curve replaces the instances tile by tile, at most once per frame, and only if it has an effect.
+## Dragging a curve's point regenerates each tile at most once per frame, and only if it has an effect.
 func test_edits_in_place_regenerate_once() -> void:
 	var layer := make_layer()
 	var curve := make_line(Vector2(0, 1), Vector2(400, 0))

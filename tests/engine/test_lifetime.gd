@@ -1,8 +1,7 @@
 extends "harness.gd"
-## Nodes are freed, changed and moved while tiles are generated: nothing crashes, nothing leaks, and the result is
-## the same.
+## Tests nodes that are freed, changed and moved while tiles are generated. Nothing may crash or leak, and the result must be the same.
 
-## Ground that runs an action while it is queried.
+## Ground that runs an action during its next query.
 class ActingGround extends ScatterGround:
 	var action_once := Callable()
 
@@ -30,7 +29,7 @@ class SlowGround extends ScatterGround:
 var viewer: Node3D
 
 
-## Returns a scatter with some seconds of work: many tiles with many points.
+## Returns a scatter that takes some seconds to settle, with many tiles of many points.
 func make_busy(terrain: ScatterGround) -> TerrainScatter3D:
 	var layers: Array[ScatterLayer] = []
 	for index in 3:
@@ -82,7 +81,7 @@ func show_and_free() -> void:
 
 func test_nothing_leaks() -> void:
 	var counts: Array[float] = []
-	for round in 3: # In the first round, scripts and the renderer allocate objects for good.
+	for round in 3: # In the first round, scripts and the renderer allocate permanent objects.
 		await show_and_free()
 		await frames(3)
 		counts.push_back(Performance.get_monitor(Performance.OBJECT_COUNT))
@@ -175,7 +174,7 @@ func test_viewer_freed_and_teleported() -> void:
 func test_grounds_that_change_the_node() -> void:
 	for action in 7:
 		var ground := ActingGround.new()
-		# So few points that one call is enough for a tile: the code after the call runs into the result of the action.
+		# With so few points, one query suffices for a tile. The code after it must handle the result of the action.
 		var scatter := make_scatter([make_layer(8.0)], ground, make_viewer())
 		ground.action_once = [
 			func() -> void: scatter.queue_free(),
@@ -272,7 +271,7 @@ func test_workers_free_unneeded_memory() -> void:
 	var tiles: int = scatter.get_stats()["tiles"]
 	viewer.global_position = Vector3(1000.0, 0.0, 1000.0)
 	await settle(scatter)
-	# The removed tiles, and the buffers of the new tiles.
+	# Workers free the removed tiles and buffers of the new tiles.
 	var limit := Time.get_ticks_msec() + 20_000
 	@warning_ignore("integer_division")
 	var wanted := tiles + tiles / 2
@@ -291,7 +290,7 @@ func test_workers_reuse_uploaded_buffers() -> void:
 	var tiles: int = scatter.get_stats()["tiles"]
 	var reused: int = scatter.get_stats()["buffers_reused"]
 	check(reused >= tiles, "reused: %d, for five times %d tiles" % [reused, tiles])
-	# The reused buffers contain the visible instances.
+	# The reused buffers contain the right instances.
 	for tile in shown_tiles(scatter, 0):
 		var built := scatter.build_tile(scatter.layers[0], tile)
 		check_equal(scatter.get_tile(scatter.layers[0], tile).get_digest(), built.get_digest(), "tile %s" % tile)

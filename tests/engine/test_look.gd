@@ -1,8 +1,8 @@
 extends "picture_harness.gd"
-## Tests the multimeshes of a tile: meshes and visible instances by distance, quality, colors, custom data. Only a real renderer stores multimeshes,
-## so run this without --headless.
+## Tests a tile's multimeshes: meshes and visible instances by distance, quality, colors and custom data. Only a real renderer stores
+## multimeshes, so run this without --headless.
 
-const REACH := 0.8660254 ## From the middle of a cube of 1 m to a corner.
+const REACH := 0.8660254 ## The distance in meters from the center of a 1 m cube to a corner.
 
 
 func visible_count(multimesh: RID, all: int) -> int:
@@ -10,7 +10,7 @@ func visible_count(multimesh: RID, all: int) -> int:
 	return all if count < 0 else count
 
 
-## Returns the number of instances of a tile that the renderer draws, in all meshes.
+## Returns the number of a tile's instances that the renderer draws, for all meshes together.
 func drawn_of(scatter: TerrainScatter3D, tile: Vector2i) -> int:
 	var sum := 0
 	var ids := tile_ids(scatter, 0, tile)
@@ -35,7 +35,7 @@ func shown_buffers(scatter: TerrainScatter3D) -> Dictionary:
 	return buffers
 
 
-## Returns the box from which the node measures distances: all instances, enlarged by the reach of their meshes.
+## Returns the box from which the node measures distances: around all instances, enlarged by the reach of their meshes in meters.
 func box_of(scatter: TerrainScatter3D, tile: Vector2i, buffers: Array, stride: int, reach: float) -> AABB:
 	var box := AABB()
 	var empty := true
@@ -64,7 +64,7 @@ func make_detailed_layer() -> ScatterLayer:
 	return layer
 
 
-## Checks every tile that is not within 6 % of a change. Returns how many tiles use each LOD.
+## Checks the LODs and counts of all tiles, except within 6 % of a distance where the LOD changes. Returns the number of tiles per LOD.
 func check_detail(scatter: TerrainScatter3D, layer: ScatterLayer, buffers: Dictionary, at: Vector3) -> Array[int]:
 	var meshes: Array[Array] = [
 		[lod_mesh(layer, 0, 0), lod_mesh(layer, 1, 0)],
@@ -105,7 +105,7 @@ func test_meshes_and_thinning_follow_the_distance() -> void:
 	check_equal(uploads, 2 * buffers.size(), "uploads of all tiles")
 	var near := check_detail(scatter, layer, buffers, viewer.global_position)
 	check(near[0] > 3 and near[1] > 10 and near[2] > 10, "tiles of each LOD: %s" % [near])
-	# Straight up: all distances grow, and the tiles stay the same.
+	# Moving straight up increases all distances but keeps the same tiles.
 	for height: float in [30.0, 45.0, 80.0, 115.0, 20.0, 2.0]:
 		viewer.global_position.y = height
 		await frames(20)
@@ -118,7 +118,7 @@ func test_meshes_and_thinning_follow_the_distance() -> void:
 
 func test_lods_have_hysteresis() -> void:
 	var layer := make_layer(2.0)
-	layer.view_distance = 120.0 # LOD distances include the height up to where the fade-out begins.
+	layer.view_distance = 120.0 # LOD distances include the viewer's height up to where the fade-out begins.
 	layer.meshes = with_lods(layer.meshes, [[BoxMesh.new()]], [100.0])
 	var viewer := make_viewer(Vector3(16.0, 0.0, 16.0))
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
@@ -156,7 +156,7 @@ func test_quality_equals_a_lower_density() -> void:
 			for mesh in 2:
 				var ids: PackedInt64Array = all[mesh]
 				var drawn := visible_count(tile_multimeshes(scatter, 0, tile)[mesh], ids.size())
-				# Both round the same product of a rank and a density differently, so one instance may differ.
+				# The library and this test round the product of rank and density differently, so one instance may differ.
 				var common := mini(drawn, expected[mesh].size())
 				if absi(drawn - expected[mesh].size()) > 1 or ids.slice(0, common) != expected[mesh].slice(0, common):
 					check(false, "tile %s draws %d at quality %f instead of %d" % [tile, drawn, quality, expected[mesh].size()])
@@ -215,10 +215,10 @@ func test_colors_and_custom_data() -> void:
 	check(absf(counts.get(Color(1.0, 0.0, 0.0), 0) / float(total) - 0.25) < 0.03, "a quarter is red: %s" % counts)
 	check(Color(0.0, 0.5, 1.0, 0.25) in counts, "the second color with its alpha")
 	check((sums / total).distance_to(Vector2(0.5, 0.5)) < 0.03, "mean of variation and phase: %s" % (sums / total))
-	# This renderer stores colors and custom data with half precision. A built tile was never uploaded, but its data must be equal.
+	# This renderer stores colors and custom data in half precision. The data of a built tile, which was never uploaded, must match.
 	var built := scatter.build_rect(scatter.layers[0], Rect2(0.0, 0.0, 32.0, 32.0))
 	check_equal(tile_buffers(scatter, 0, Vector2i.ZERO), buffers_of(built), "the renderer's buffers, bit for bit")
-	# New colors regenerate tiles, but do not move instances.
+	# New colors regenerate tiles but do not move instances.
 	var before := transforms_of(scatter, 20)
 	gradient.set_color(0, Color(0.0, 1.0, 0.0))
 	await settle(scatter)
@@ -245,7 +245,7 @@ func colors_of(scatter: TerrainScatter3D) -> Array[Color]:
 	return result
 
 
-## A shader with the add-on's includes compiles, and receives the node's data.
+## A shader with the add-on's includes compiles and receives the node's data.
 func test_the_shader_includes() -> void:
 	var shader := Shader.new()
 	shader.code = """shader_type spatial;

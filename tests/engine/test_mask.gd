@@ -1,10 +1,10 @@
 extends "harness.gd"
-## ScatterMask: painting, saved data, undo, refused input, and signals of layers.
+## Tests ScatterMask: painting, saved data, undo, refused input, and the signals that layers emit.
 
 const SPOT := "user://thicket_mask"
 
 
-## Records the signals of a mask or of a layer.
+## Records the change signals of a mask or a layer.
 class SignalLog:
 	var areas: Array[Rect2] = []
 	var changes := 0
@@ -21,7 +21,7 @@ func blank(background := 0.0, pixel_size := 1.0) -> ScatterMask:
 	return mask
 
 
-## Returns densities on a grid around a position, which covers a dab and the area around it.
+## Returns the densities on a grid that extends `reach` meters from a position on each axis.
 func samples(mask: ScatterMask, center: Vector2, reach: float) -> PackedFloat32Array:
 	var result := PackedFloat32Array()
 	for row in 21:
@@ -30,7 +30,7 @@ func samples(mask: ScatterMask, center: Vector2, reach: float) -> PackedFloat32A
 	return result
 
 
-## Checks that a value causes one error with the property's name and no change.
+## Checks that setting a value causes one error that names the property, and changes nothing.
 func refuse(mask: ScatterMask, property: StringName, value: Variant, words: Array) -> void:
 	var signals := SignalLog.new(mask)
 	var before: Variant = mask.get(property)
@@ -211,7 +211,7 @@ func test_files() -> void:
 		check_equal([loaded.pixel_size, loaded.background], [2.0, 0.5], "properties from " + ending)
 		check_equal(samples(loaded, Vector2(50, 60), 40.0), seen, "densities from " + ending)
 		check(FileAccess.get_size(SPOT + ending) < 8192, "%s of %d bytes" % [ending, FileAccess.get_size(SPOT + ending)])
-		# Loads into the existing object, like the editor when a file has changed.
+		# Load into the existing object, as the editor does when a file has changed.
 		loaded.clear()
 		loaded.pixel_size = 1.0
 		loaded.paint(Vector2(-9, 9), 3.0)

@@ -1,5 +1,5 @@
 extends "models_harness.gd"
-## Layers that are fitted to their meshes.
+## Tests ScatterLayer.fit_to_meshes and the kind of model that it detects.
 
 
 func layer_box(layer: ScatterLayer) -> AABB:
@@ -30,7 +30,7 @@ func test_fit_to_meshes() -> void:
 	check_equal(layer.collision_shape, ScatterLayer.COLLISION_NONE, "a mesh has no shapes")
 
 
-## Instances vary and stand in the ground. A pivot beside the trunk does not push them apart.
+## Instances of a fitted layer vary and are sunk slightly into the ground. A pivot beside the trunk does not increase the radius.
 func test_a_fitted_layer_looks_natural() -> void:
 	var layer := make_layer(6.0)
 	layer.meshes = [pack(make_tree())]
@@ -79,7 +79,7 @@ func test_kinds_differ() -> void:
 	check_equal(layer.radius, before, "nothing is changed")
 
 
-## Bushes of a low-poly pack are as closed as rocks, and its trees as small as shrubs. Their names say what they are.
+## Names take priority over shapes. A low-poly pack's bushes are as closed as rocks, and its trees as small as shrubs.
 func test_names_say_the_kind() -> void:
 	var closed := box(Vector3(1.0, 0.8, 1.0), null)
 	var layer := ScatterLayer.new()

@@ -1,10 +1,10 @@
 extends "models_harness.gd"
-## Models in a layer: entries of its meshes, LODs by distance, bodies, and refused input.
+## Tests models in a layer's meshes: entries, LODs by distance, bodies, and refused input.
 
 const RADIUS := 6.0
 
 
-## The radius keeps bodies apart.
+## Returns a layer of these models whose radius keeps bodies apart.
 func make_model_layer(entries: Array) -> ScatterLayer:
 	var layer := make_layer(RADIUS)
 	layer.meshes = entries
@@ -57,7 +57,7 @@ func test_entries() -> void:
 	layer.meshes = typed
 	check_equal(layer.meshes.size(), 1, "a typed list is accepted")
 
-	# A layer that is being loaded has no list yet: invalid entries are kept, and reported.
+	# A layer that is being loaded has no list yet, so it keeps invalid entries and reports them.
 	var loaded := ScatterLayer.new()
 	var empty := PackedScene.new()
 	loaded.meshes = [empty]
@@ -68,7 +68,7 @@ func test_entries() -> void:
 	check("ScatterLayer.meshes[0], a scene without a file, has nothing to draw: it is empty" in problems, "reported: " + problems)
 
 
-## Scripts share the list with the layer, like a node's list of layers.
+## Scripts share the list with the layer, so changes in place take effect.
 func test_a_list_that_is_changed_in_place() -> void:
 	var layer := make_model_layer([BoxMesh.new()])
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
@@ -97,7 +97,7 @@ func test_a_list_that_is_changed_in_place() -> void:
 	await settle(scatter)
 
 
-## A scene is read on demand. Errors are found then, and reported once, and the entry draws nothing.
+## A scene is read on demand. If that fails, the error is reported once, and the entry draws nothing.
 func test_entries_that_cannot_be_drawn() -> void:
 	var hollow := pack(Node3D.new())
 	var layer := make_model_layer([BoxMesh.new()])
@@ -116,7 +116,8 @@ func test_entries_that_cannot_be_drawn() -> void:
 	check("ScatterLayer.meshes[1], a scene without a file, has nothing to draw: it has no visible" in problems, "reported: " + problems)
 
 
-## Two scenes that inherit from each other, which the engine does not load.
+## Two scenes that inherit from each other. The engine does not load them, so an entry of [member ScatterLayer.meshes] with such a scene is null and
+## draws nothing. If the file of [member ScatterModel.scene] becomes such a scene, [method ScatterModel.reload] fails and the model does not change.
 func test_circular_scenes() -> void:
 	for name: String in ["one", "other"]:
 		var file := FileAccess.open("user://%s.tscn" % name, FileAccess.WRITE)
@@ -157,7 +158,7 @@ func test_lods_of_models_and_of_meshes_together() -> void:
 			var multimesh := shown.get_multimesh(entry)
 			if multimesh.is_valid():
 				seen[[entry, RenderingServer.multimesh_get_mesh(multimesh)]] = true
-	if DisplayServer.get_name() != "headless": # The headless renderer stores no meshes.
+	if DisplayServer.get_name() != "headless": # The headless renderer does not store multimeshes.
 		check_equal(seen.size(), 5, "two meshes of the first entry, three of the second")
 	check_no_error("LODs")
 
@@ -177,7 +178,7 @@ func test_bodies_match_the_scene() -> void:
 	await physics_frame
 	var found := scatter.query_sphere(Vector3.ZERO, 22.0)
 	check(found.size() > 20, "%d instances" % found.size())
-	# The scene itself, far from all instances. Rays hit it from all sides in the instance's own space.
+	# Places the scene far from all instances. Rays in the space of an instance must hit both at the same points.
 	var alone := packed.instantiate() as Node3D
 	root.add_child(alone)
 	alone.position = Vector3(0, 500, 0)
@@ -196,10 +197,10 @@ func test_bodies_match_the_scene() -> void:
 			var expected := cast(alone.position + from, alone.position + to)
 			var got := cast(at * from, at * to)
 			if got and scatter.get_body_instance(got["rid"]) != found.get_id(index):
-				continue # A neighbor is in the way.
+				continue # The ray hits a neighbor first.
 			hits += int(not expected.is_empty())
 			if expected.is_empty() != got.is_empty():
-				differ += 1 # The ray touches the edge of a body whose size is rounded.
+				differ += 1 # The ray grazes the edge of a body whose size is rounded.
 			elif expected:
 				var apart := (at.affine_inverse() * (got["position"] as Vector3)).distance_to(expected["position"] - alone.position)
 				differ += int(apart > 0.08)
@@ -211,7 +212,7 @@ func cast(from: Vector3, to: Vector3) -> Dictionary:
 	return root.world_3d.direct_space_state.intersect_ray(PhysicsRayQueryParameters3D.create(from, to))
 
 
-## A model has a last LOD behind those of its scene, as the bake of impostors adds it.
+## far_lods adds an LOD beyond those of the model's scene, as baking an impostor does.
 func test_far_lods() -> void:
 	var model := ScatterModel.new()
 	model.scene = pack(make_tree())
@@ -236,7 +237,7 @@ func test_far_lods() -> void:
 	check(triangles < scatter.get_draw_stats()["triangles"], "far trees are quads: %d triangles" % triangles)
 
 
-## Changes by a game and bakes apply to whole models.
+## A game's changes and bakes apply to whole models.
 func test_changes_and_bakes() -> void:
 	var layer := make_model_layer([pack(make_tree()), BoxMesh.new()])
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
@@ -287,7 +288,7 @@ func test_a_reimported_scene_is_read_again() -> void:
 	check_equal(scatter.get_tile(scatter.layers[0], tile).get_mesh(0).get_aabb().size, Vector3.ONE * 3.0, "after the change")
 
 
-## The root of a scene, which runs an action when it is created.
+## A scene's root node that runs an action when it is instantiated.
 class ActingNode extends Node3D:
 	static var action: Callable
 
@@ -317,7 +318,7 @@ func test_scripts_in_a_scene_run_while_it_is_read() -> void:
 	check_equal(layer.meshes, [], "the script's change wins")
 	for action: Callable in [func() -> void: scatter.free(), func() -> void: root.remove_child(scatter)]:
 		ActingNode.action = action
-		layer.reload_scenes([""]) # No file matches, so nothing is read.
+		layer.reload_scenes([""]) # This call reads nothing, because no file matches.
 		layer.meshes = [SphereMesh.new()]
 		layer.meshes = [pack_acting_node()]
 		await frames(3)

@@ -1,8 +1,8 @@
 extends "models_harness.gd"
-## The materials of a model's scene, and their replacements.
+## Tests replacing the materials of a model's scene.
 
 
-## Materials of a scene are replaced by name, in all LODs. The scene itself is unchanged.
+## A scene's materials are replaced by name in all LODs. The scene itself is unchanged.
 func test_materials_are_replaced_by_name() -> void:
 	var scene := Node3D.new()
 	var bark := material_of(TRUNK)

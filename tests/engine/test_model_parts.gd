@@ -1,8 +1,8 @@
 extends "models_harness.gd"
-## Models of one part of a scene, and scenes with mirrored parts.
+## Tests models that use one part of a scene, and scenes with mirrored parts.
 
 
-## Three posts side by side: one node is moved, one is below a scaled group, and of one the vertices are moved.
+## Returns three parts side by side: a moved node, a node under a scaled group, and a node whose vertices are moved.
 func make_pack() -> PackedScene:
 	var scene := Node3D.new()
 	var group := put(Node3D.new(), "Group", scene, scene, Transform3D(Basis().scaled(Vector3.ONE * 2.0), Vector3(20.0, 0.0, 0.0))) as Node3D
@@ -37,7 +37,7 @@ func test_one_part_of_a_pack() -> void:
 	check(loaded.get_aabb().is_equal_approx(boxes["Moved"]), "saved and loaded: %s" % loaded.get_aabb())
 
 
-## Packs often contain a part that is a mirror image of another one.
+## Asset packs often contain parts that are mirror images of other parts.
 func test_mirrored_parts_are_drawn() -> void:
 	var lopsided := ArrayMesh.new()
 	var tool := SurfaceTool.new()
@@ -81,7 +81,7 @@ func test_mirrored_parts_are_drawn() -> void:
 	check_equal(signs.size(), 2, "the mirrored part has the other handedness: %s" % [signs.keys()])
 
 
-## The vertices of some packs have the position of a part, whose node is at the origin.
+## In some packs, a part's position is baked into its vertices, and its node is at the origin.
 func test_a_part_moves_to_the_origin_with_its_shapes() -> void:
 	var scene := Node3D.new()
 	var at := Transform3D(Basis(), Vector3(-30.0, 0.5, 7.0))

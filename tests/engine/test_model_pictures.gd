@@ -1,7 +1,8 @@
 extends "models_harness.gd"
-## Scattered scenes look like the scenes themselves: compares pictures of both. Needs a renderer.
+## Tests that scattered scenes look like the scenes themselves. Compares pictures of both, so it needs a renderer.
 
-const MOST_DIFFERENT := 0.004 ## Fraction of the pixels: edges may fall on the other side of a sample.
+## The maximum fraction of pixels that may differ, because edges may fall on the other side of a sample.
+const MOST_DIFFERENT := 0.004
 
 
 func take_picture() -> Image:
@@ -10,7 +11,7 @@ func take_picture() -> Image:
 	return root.get_texture().get_image()
 
 
-## Returns the fraction of pixels that differ by more than a few steps of 255.
+## Returns the fraction of pixels whose color differs visibly, by more than 0.05 over all channels.
 func difference(a: Image, b: Image) -> float:
 	var differ := 0
 	for x in a.get_width():
@@ -21,7 +22,7 @@ func difference(a: Image, b: Image) -> float:
 	return differ / float(a.get_width() * a.get_height())
 
 
-## Creates sun, ground and a camera that looks over a few trees.
+## Creates a sun, a ground and a camera that overlooks a few trees.
 func make_stage() -> Camera3D:
 	root.size = Vector2i(320, 180)
 	var sun := DirectionalLight3D.new()
@@ -56,7 +57,7 @@ func shown_instances(scatter: TerrainScatter3D) -> Array[Transform3D]:
 	return result
 
 
-## Only the first LOD, because switching LODs is not compared.
+## Returns a tree with only the first LOD, so that LOD changes do not affect the comparison.
 func near_tree() -> PackedScene:
 	var tree := make_tree()
 	tree.get_node("LOD1").free()
@@ -68,7 +69,7 @@ func test_a_wood_of_scenes_and_a_wood_of_models() -> void:
 	await compare(near_tree())
 
 
-## Leaves that cast no shadow, and a large sheet that casts only a shadow: the shadow mesh differs from the drawn mesh.
+## The shadow mesh differs from the drawn mesh: leaves cast no shadow, and a large sheet casts only a shadow.
 func test_shadows_match_the_scene() -> void:
 	var tree := make_tree()
 	tree.get_node("LOD1").free()
@@ -82,7 +83,7 @@ func test_shadows_match_the_scene() -> void:
 	check(difference(plain, other) > 0.02, "different shadows: %f" % difference(plain, other))
 
 
-## A layer of small boxes, all so far away that their second LOD is drawn. It looks like the first.
+## Returns a layer of small boxes, far enough to be drawn with their second LOD, which looks like the first.
 func make_meadow(radius: float, lod_distance: float, shadow: ScatterLod.CastShadow) -> TerrainScatter3D:
 	var camera := make_stage()
 	camera.look_at_from_position(Vector3(-4, 9, -4), Vector3.ZERO)
@@ -101,7 +102,7 @@ func make_meadow(radius: float, lod_distance: float, shadow: ScatterLod.CastShad
 	return make_scatter([layer], ScatterGroundFlat.new(), camera)
 
 
-## Returns the fraction of the picture that the shadows of such a layer change.
+## Returns the fraction of the picture that changes with the shadows of the meadow that make_meadow returns.
 func shadow_of_meadow(radius: float, lod_distance: float, shadow: ScatterLod.CastShadow,
 		by_layer := GeometryInstance3D.SHADOW_CASTING_SETTING_ON) -> float:
 	var scatter := make_meadow(radius, lod_distance, shadow)
@@ -134,7 +135,7 @@ func test_far_lods_of_a_dense_layer_cast_no_shadow_by_default() -> void:
 		check(shadows[kind] > 0.05, "the shadow %s changes %f of the picture" % [kind, shadows[kind]])
 
 
-## Checks that a scattered scene looks like its instances, and returns the picture.
+## Checks that a scattered scene looks like nodes of that scene at the same transforms. Returns the picture.
 func compare(packed: PackedScene) -> Image:
 	var camera := make_stage()
 	var empty: Image = await take_picture()

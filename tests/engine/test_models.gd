@@ -1,5 +1,5 @@
 extends "models_harness.gd"
-## Scenes as models: reading, merging parts into one mesh, LODs and shapes, and refused input.
+## Tests scenes as models: reading, merging parts into one mesh, LODs, shapes, and refused input.
 
 
 func test_a_scene_is_read_part_by_part() -> void:
@@ -150,7 +150,7 @@ func test_unsupported_nodes_are_reported() -> void:
 	check_equal(model.shapes.size(), 2, "the other shapes are read")
 
 
-## A plate with two blend shapes: one lifts it by two meters, the other moves it along x.
+## Returns a plate with two blend shapes. One lifts it by 2 m, and the other moves it along x by 1 m.
 func bending_mesh() -> ArrayMesh:
 	var mesh := ArrayMesh.new()
 	var arrays := PlaneMesh.new().get_mesh_arrays()
@@ -243,7 +243,7 @@ func test_invalid_scenes_do_not_change_the_model() -> void:
 	check_error(["ScatterLod.distance", "-1"], "a negative distance")
 
 
-## A model without other data, like one that is being loaded, keeps an invalid scene, so that saving does not lose it.
+## An empty model, such as one that is being loaded, keeps an invalid scene, so that saving does not lose the reference.
 func test_an_empty_model_keeps_an_invalid_scene() -> void:
 	for bad: Array in bad_scenes().slice(1):
 		var model := ScatterModel.new()
@@ -266,7 +266,7 @@ func test_shapes_set_before_the_scene_is_read_stay() -> void:
 	check_equal(model.shape_transforms.size(), 2, "their transforms are read")
 
 
-## Returns invalid scenes, each with a part of its error.
+## Returns invalid scenes, each with a part of its error message.
 func bad_scenes() -> Array:
 	var mesh := box(Vector3.ONE, null)
 	var empty := Node3D.new()

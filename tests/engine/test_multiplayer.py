@@ -1,4 +1,4 @@
-"""Tests several engine processes that share a world over the loopback interface. The processes only exchange removals, and end with the same
+"""Tests several engine processes that share a world over the loopback interface. They only exchange removals and must end with the same
 world."""
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from helpers.engine_process import processes
 
 
 def test_peers_exchange_removals_and_agree(imported_demo):
-    """A server and two clients fell trees at the same time, some of them the same. A third client joins late. They share a seed and
-    removals, and end with 10^5 bit-identical instances."""
+    """A server and two clients fell trees at the same time, including some common ones. A third client joins late. They share only a seed
+    and removals, and end with at least 10^5 bit-identical instances."""
     script = REPO / "tests/engine/multiplayer.gd"
     with processes() as start:
         server = start("--path", imported_demo, "--script", script, "--", "server")
@@ -30,15 +30,15 @@ def test_peers_exchange_removals_and_agree(imported_demo):
         assert len({str(result[key]) for result in results}) == 1, (key, results)
     before, after = (int(results[0][key].split()[0]) for key in ("before", "after"))
     assert before == after + removed and after >= 100_000
-    # A client only receives removals. Sending each existing instance would take 48 bytes.
+    # A client only receives removals. Instances themselves would take 48 bytes each.
     for result in results[1:]:
         assert result["received"] < 100 * removed + 5_000, results
     assert results[-1]["received"] < 16 * removed + 5_000, results
 
 
 def test_the_demo_has_a_server(imported_demo, tmp_path):
-    """Runs server.tscn and client.tscn as documented in their comments: a client fells trees, the next client sees this, and so
-    does a restarted server."""
+    """Runs server.tscn and client.tscn as their comments document. After a client has felled trees, they are missing for the next client and
+    for a restarted server."""
     scene = "res://gameplay/{}.tscn"
     state = tmp_path / "state.bin"
     with processes() as start:

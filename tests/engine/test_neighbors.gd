@@ -1,7 +1,7 @@
 extends "edits_harness.gd"
-## Tests layers that refer to each other by name: which layer keeps away from which, and how a change affects other layers.
+## Tests layers that refer to each other by name: which layer keeps away from which, and how a change affects the others.
 
-## Returns the smallest distance from a layer's instances near the middle to those of a second layer.
+## Returns the smallest distance on the map from a layer's instances near the origin to those of a second layer.
 func gap(scatter: TerrainScatter3D, layer: int, other: int) -> float:
 	var least := INF
 	var others := map_positions(scatter, other)
@@ -36,7 +36,7 @@ func test_one_layer_changed() -> void:
 	check(felled.size() > 20 and changed.size() > 50, "%d oaks and %d ferns changed" % [felled.size(), changed.size()])
 	var far := 0
 	for position in changed:
-		# Oaks beyond the view distance affect ferns within it, too.
+		# Oaks beyond the view distance also affect ferns within it.
 		var near_edge := maxf(absf(position.x), absf(position.y)) > 60.0
 		far += int(not near_edge and nearest(position, felled) > SPACING + FLOATS)
 	check_equal(far, 0, "ferns that changed far from any changed oak")
@@ -53,7 +53,7 @@ func test_spacing_across_tiles_and_by_order() -> void:
 	a.spacing = {"b": 2.5}
 	b.spacing = {"a": 1.0, "c": 1.25}
 	c.spacing = {"a": 1.75}
-	b.density = 0.15 # So sparse that all fit in any order.
+	b.density = 0.15 # Sparse enough that each layer keeps instances in any order.
 	c.density = 0.05
 	var alone: Array[Dictionary] = []
 	for layer: ScatterLayer in [a, b, c]:
@@ -96,7 +96,7 @@ func test_proximity() -> void:
 		var distance := nearest(position, oaks)
 		check(distance < 4.0 + FLOATS or position.length() > 60.0, "a fern without an oak, %f m away" % distance)
 		counts[int(distance > 2.0)] += 1
-	# The inner area is a third of the outer one. A linear density averages 3/4 in the inner area and 1/3 in the outer one.
+	# The inner area is a third of the outer area. A linear density averages 3/4 in the inner area and 1/3 in the outer one.
 	check(counts[0] > 50 and counts[1] > 50, "ferns near and further away: %s" % [counts])
 	check(3 * counts[0] > counts[1], "they thin out: %s" % [counts])
 	scatter.layers = [fern, scatter.layers[OAK]]

@@ -1,5 +1,6 @@
 extends "harness.gd"
-## Runs with little memory (see test_engine.py): a call that needs too much prints an error, and later calls still work.
+## Tests calls that need too much memory, in a process with little memory (see test_engine.py). Such a call must print an error, and later
+## calls must work.
 
 
 func test_a_small_window_works_after_one_that_is_too_large() -> void:
@@ -24,7 +25,7 @@ func test_a_small_domain_works_after_one_that_is_too_large() -> void:
 		check(sampler.sample_domain(small) == expected, "the sampler still works")
 
 
-## One error of the library. The engine may print its own when an array does not fit.
+## Checks that the library printed one memory error. The engine may also print its own when an array does not fit.
 func expect_memory_error(source: String) -> void:
 	var messages: Array = Array(errors.take()).filter(func(message: String) -> bool: return not 'Parameter "mem' in message)
 	check(messages.size() == 1, "one error, got %s" % [messages])

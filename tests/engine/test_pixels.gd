@@ -1,5 +1,5 @@
 extends "picture_harness.gd"
-## The picture of a camera, which buffers cannot show.
+## Tests what a camera sees, which the contents of buffers do not prove.
 
 const RED := Color(1.0, 0.0, 0.0)
 const GREEN := Color(0.0, 1.0, 0.0)
@@ -12,7 +12,7 @@ func plain(color: Color) -> StandardMaterial3D:
 	return material
 
 
-## Cubes close together on flat ground, seen from 40 m above, on black.
+## Returns a scatter of red cubes on flat ground, seen from 40 m above on a black background.
 func make_view() -> TerrainScatter3D:
 	var environment := Environment.new()
 	environment.background_mode = Environment.BG_COLOR
@@ -27,13 +27,13 @@ func make_view() -> TerrainScatter3D:
 	return make_scatter([layer], ScatterGroundFlat.new(), camera)
 
 
-## Returns the fraction of the picture that has a color.
+## Returns the fraction of the picture's pixels that have a color, with a tolerance.
 func share(color: Color) -> float:
 	return await share_of_pixels(func(pixel: Color) -> bool:
 		return absf(pixel.r - color.r) + absf(pixel.g - color.g) + absf(pixel.b - color.b) < 0.1)
 
 
-## Returns a view of cubes that are colored by an instance shader parameter, which their scene sets.
+## Returns a scatter of cubes that are colored by an instance shader parameter in their scene.
 func make_tinted_view() -> TerrainScatter3D:
 	var scatter := make_view()
 	var material := ShaderMaterial.new()
@@ -65,7 +65,7 @@ func test_properties_change_the_picture() -> void:
 	var scatter := make_view()
 	await settle(scatter)
 	var layer := scatter.layers[0] as ScatterLayer
-	# 0.1741 instances per square meter, each with a top of 1 m², slightly enlarged by perspective, and a visible
+	# There are 0.1741 instances per square meter. Each shows its top of 1 m², slightly enlarged by perspective, and a
 	# side.
 	var red: float = await share(RED)
 	check(red > 0.15 and red < 0.35, "%f of the picture is red" % red)
@@ -100,7 +100,7 @@ func test_properties_change_the_picture() -> void:
 	layer.cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_ON
 	await settle(scatter)
 
-	# One buffer per frame, so there are many frames between the first new tile and the last.
+	# Uploads one buffer per frame, so there are many frames between the first new tile and the last.
 	scatter.frame_budget_usec = 1
 	var mesh := BoxMesh.new()
 	mesh.material = plain(GREEN)
@@ -144,7 +144,7 @@ func test_boxes_of_tiles_contain_their_meshes() -> void:
 	check(not seen_at.call(60.0), "boxes are not too large")
 
 
-## Returns the height in meters up to which the renderer considers the node visible.
+## Returns the height in meters up to which the renderer's culling finds the node.
 func top_of(scatter: TerrainScatter3D) -> float:
 	var low := 0.0
 	var high := 100.0
@@ -165,7 +165,7 @@ func foliage(parameters: Dictionary) -> ShaderMaterial:
 	return material
 
 
-## Returns the height of the top for a new node whose layer `edit` has changed. The node must be new, because the renderer rounds boxes up when they
+## Returns `top_of` a new node whose layer `edit` has changed. The node must be new, because the renderer rounds boxes up when they
 ## grow.
 func top_with(edit: Callable) -> float:
 	var scatter := make_view()
@@ -224,11 +224,11 @@ func test_removed_tiles_are_invisible_when_settled() -> void:
 	scatter.frame_budget_usec = 100
 	var viewer := Node3D.new()
 	root.add_child(viewer)
-	viewer.position.x = -60.0 # The tiles around this position stay.
+	viewer.position.x = -60.0 # Tiles around this position remain visible.
 	scatter.viewers = [scatter.get_path_to(viewer)]
 	await settle(scatter)
 	check(await share(RED) > 0.05, "red within the view distance")
-	scatter.viewer_distance_scales = [0.0] # No new tiles, which would take time.
+	scatter.viewer_distance_scales = [0.0] # Prevents new tiles, which would take time.
 	await frames(2)
 	while not scatter.is_settled():
 		await process_frame
@@ -287,14 +287,14 @@ func test_a_recenter_a_thousand_kilometers_out_is_invisible() -> void:
 		camera.position -= Vector3(128.0, 0.0, 64.0)
 		scatter.world_offset += Vector3(128.0, 0.0, 64.0)
 		await process_frame
-		# In single precision, 700 m from the engine's origin, an edge may fall on the other side of a pixel's center.
+		# In single precision, 700 m from the engine's origin, an edge may fall on the other side of a pixel center.
 		check(difference(await picture(), before) < 0.005, "the picture after recenter %d" % step)
 	check(difference(before, await picture()) < 0.005, "the last picture")
 	camera.position.x += 8.0
 	check(difference(before, await picture()) > 0.05, "a moved camera sees a different picture")
 
 
-## The last test, because the engine keeps printing errors afterwards.
+## Must be the last test, because the engine keeps printing errors afterwards.
 func test_the_limit_of_instance_uniforms_is_a_problem() -> void:
 	var scatter := make_tinted_view()
 	scatter.layers[0].tile_size = 4.0
@@ -307,7 +307,7 @@ func test_the_limit_of_instance_uniforms_is_a_problem() -> void:
 	errors.take()
 
 
-## In place of its scatter, a bake shows the same picture.
+## A bake that replaces its scatter looks the same.
 func test_a_bake_shows_its_scatter() -> void:
 	var scatter := make_view()
 	await settle(scatter)

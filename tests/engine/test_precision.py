@@ -1,4 +1,4 @@
-"""An engine with the wrong precision is refused with a sentence that has a remedy, and nothing of the extension is registered in it."""
+"""In an engine with the wrong precision, the library prints an error with a remedy and registers nothing."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 from conftest import ARCH, REPO, run
 
-import manifest  # In tools/scons, which conftest adds to the path.
+import manifest  # From tools/scons, which conftest adds to sys.path.
 
 ADDON = REPO / "demo_project/addons/thicket"
 DOUBLE = f"libthicket.linux.template_debug.double.{ARCH}.so"
 
-# A fake engine whose vectors consist of reals with the given number of bytes, and that can otherwise only print.
+# A fake engine whose vectors consist of reals with the given number of bytes. Otherwise, it can only print.
 ENGINE = """#include "nodes/common/precision.hpp"
 #include <cstdio>
 #include <cstdlib>
@@ -39,7 +39,7 @@ int main(int, char **arguments) {
 
 @pytest.mark.parametrize("library", ["single", "double"])
 def test_the_wrong_precision_is_refused(library, tmp_path, build_dir):
-    """The first check in the library's entry point, in engines of both precisions."""
+    """Tests the first check in the library's entry point, with fake engines of both precisions."""
     source, program = tmp_path / "engine.cpp", tmp_path / "engine"
     source.write_text(ENGINE)
     include = [f"-I{folder}" for folder in (REPO / "extension", REPO / "extension/bindings/include", build_dir / "gen/include")]
@@ -59,7 +59,7 @@ def test_the_wrong_precision_is_refused(library, tmp_path, build_dir):
 
 @pytest.fixture(scope="module")
 def double_library(tmp_path_factory) -> Iterator[Path]:
-    """The library for double precision. It is removed from the add-on afterwards."""
+    """Builds the library for double precision, moves it out of the add-on, and returns its path."""
     kept = tmp_path_factory.mktemp("double") / DOUBLE
     try:
         done = run(["scons", "-Q", "-j2", "precision=double", "scu_build=yes", "extension"], 3600, cwd=REPO)
@@ -74,7 +74,7 @@ def double_library(tmp_path_factory) -> Iterator[Path]:
 
 
 @pytest.mark.full
-@pytest.mark.alone  # Meanwhile, the add-on that all tests load has a different manifest.
+@pytest.mark.alone  # While the fixture builds, the add-on that all tests load has a different manifest.
 @pytest.mark.parametrize("mode", ["game", "editor"])
 def test_a_single_engine_refuses_the_double_library(mode, double_library, godot, tmp_path):
     project = tmp_path / "project"

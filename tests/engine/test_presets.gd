@@ -9,7 +9,7 @@ func preset(preset_name: String) -> TerrainScatter3D:
 	return (load(FOLDER + preset_name + ".tscn") as PackedScene).instantiate() as TerrainScatter3D
 
 
-## On a hill at a lake, each layer of each preset has instances, and no preset has a problem.
+## On a hill beside a lake, every layer of every preset has instances, and no preset reports a problem.
 func test_every_layer_of_every_preset_grows() -> void:
 	for preset_name in NAMES:
 		var scatter := preset(preset_name)
@@ -45,7 +45,8 @@ func make_script_ground(code: String) -> ScatterGround:
 	return ground
 
 
-## Coarser LODs have fewer triangles and begin farther away, all of them are about as large as the finest, and every material fades.
+## Checks the models' LODs. Coarser LODs have fewer triangles (or at most 20), start farther away, and are about as large as the finest. Each
+## model's first material fades.
 func test_models_have_lods_that_fade() -> void:
 	var seen := {}
 	for preset_name in NAMES:
@@ -71,7 +72,7 @@ func triangles(lod: ScatterLod) -> int:
 	return lod.mesh.surface_get_arrays(0)[Mesh.ARRAY_INDEX].size() / 3
 
 
-## Scenes of version 0.2 contain meshes of a script that knows a kind only.
+## Scenes of version 0.2 contain meshes with a script that stores only a kind of plant.
 func test_meshes_of_former_presets_show_the_present_models() -> void:
 	var script: GDScript = load(FOLDER + "preset_mesh.gd")
 	for kind: String in script.MODELS:

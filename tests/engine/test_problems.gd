@@ -1,9 +1,9 @@
 extends "harness.gd"
-## Nothing fails silently: each reason why a node does not show instances is printed once and listed among its problems.
+## Tests that nothing fails silently: every reason why a node shows no instances is printed once and listed among its problems.
 
-## A ground whose methods fail in different ways.
+## A ground whose methods can fail in different ways.
 class FailingGround extends ScatterGround:
-	var heights: Variant = true ## True for a valid result, false for a script error.
+	var heights: Variant = true ## True returns a valid result, false causes a script error, and any other value is returned as it is.
 	var normals: Variant = true
 	var weights: Variant = true
 	var threaded := false
@@ -42,7 +42,7 @@ class FailingGround extends ScatterGround:
 const REMEDY := "Fix the method, then call TerrainScatter3D.regenerate()."
 
 
-## Returns the library's own errors. The engine prints one for each script error, too.
+## Returns the library's errors, without those that the engine prints for script errors.
 func take_own_errors() -> PackedStringArray:
 	var own: PackedStringArray
 	for message in errors.take():
@@ -99,7 +99,7 @@ func test_a_ground_script_that_fails() -> void:
 			await clean()
 
 
-## The message contains the file of a script that has one.
+## The message names the script's file if it has one.
 func test_a_failing_script_is_named() -> void:
 	var file := FileAccess.open("user://failing_ground.gd", FileAccess.WRITE)
 	file.store_string("extends ScatterGround\nfunc _get_heights(_positions):\n\treturn 5\n")
@@ -111,7 +111,7 @@ func test_a_failing_script_is_named() -> void:
 	check_has("".join(scatter.get_problems()), ["Script user://failing_ground.gd of ScatterGround"], "its problem")
 
 
-## Ground that works at first: a re-check finds the failure.
+## If ground works at first and fails later, a recheck finds the failure.
 func test_a_script_that_fails_later() -> void:
 	var ground := FailingGround.new()
 	var scatter := make_scatter([make_layer()], ground, make_viewer())
@@ -171,7 +171,7 @@ func test_very_many_instances() -> void:
 	check_equal(scatter.get_problems(), PackedStringArray(), "problems of a quarter of them")
 
 
-## Dense grass, thinned with distance, is the main use of the add-on.
+## Dense grass, thinned with distance, is the add-on's main use and must not cause a warning.
 func test_dense_grass_is_no_problem() -> void:
 	var grass := make_grass(0.2)
 	grass.thin_density = 0.2
@@ -182,7 +182,7 @@ func test_dense_grass_is_no_problem() -> void:
 	check_equal(scatter.get_problems(), PackedStringArray(), "problems of dense grass")
 
 
-## When all tiles are shown, their instances count instead of the estimate.
+## Once all tiles are visible, the problem depends on their actual number of instances instead of an estimate.
 func test_rules_that_leave_few_of_many_points() -> void:
 	var grass := make_layer(0.12)
 	grass.view_distance = 100.0

@@ -1,5 +1,5 @@
 extends "queries_harness.gd"
-## Queries return the same instances as a scan of the generated tiles, with any tiles loaded.
+## Tests that queries return the same instances as a scan of generated tiles, whichever tiles are loaded.
 
 
 func test_queries_match_a_scan() -> void:
@@ -181,9 +181,9 @@ func test_requests_ignore_tiles_of_an_old_size() -> void:
 	scatter.viewers = []
 	await frames(2)
 	for turn in 12:
-		var rect := Rect2(-100, -100, 200, 200) # Tiles of both sizes have the same numbers here.
+		var rect := Rect2(-100, -100, 200, 200) # Tiles of both sizes use the same tile coordinates here.
 		var request := scatter.request_rect(rect, scatter.layers[0])
-		await frames(1 + turn % 4) # Workers have started.
+		await frames(1 + turn % 4) # Wait until workers have started.
 		scatter.layers[0].tile_size = 24.0 if turn % 2 == 0 else 40.0
 		await until(request.is_completed, "the request is completed")
 		var expected := PackedInt64Array()

@@ -1,5 +1,5 @@
 extends "regions_harness.gd"
-## ScatterRegion3D: shapes, changes that it follows, refused values, problems, and adding and removing it.
+## Tests ScatterRegion3D: shapes, reactions to changes, refused values, problems, and adding and removing regions.
 
 
 func test_shapes() -> void:
@@ -315,7 +315,7 @@ func test_shear_and_scales() -> void:
 	check("largest" in "".join(region.get_problems()), "a problem: a sphere has one radius")
 	region.scale = Vector3(0, 1, 1)
 	await settle(scatter)
-	errors.take() # The engine prints an error for such a basis, too.
+	errors.take() # The engine also prints an error for such a basis.
 	check(digests(scatter, 0) == before, "an empty region has no effect")
 
 

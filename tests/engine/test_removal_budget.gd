@@ -1,10 +1,10 @@
 extends "collision_harness.gd"
-## Bodies, scenes and multimeshes are removed over several frames, for any reason. Bodies near the viewer are removed first.
+## Tests that bodies, scenes and multimeshes are removed over several frames, whatever the reason. Bodies near the viewer are removed first.
 
-## With a budget of 1 µs, a frame does one step.
+## The maximum number of bodies that one step removes. With a budget of 1 µs, a frame does one step.
 const MOST_IN_A_STEP := 16
 
-## A pooled scene that counts its existing instances.
+## A scene's root node that counts its existing instances, including pooled ones.
 class Counted extends Node3D:
 	static var alive := 0
 
@@ -22,7 +22,7 @@ func make_dense_layer() -> ScatterLayer:
 	return layer
 
 
-## Returns a settled scatter with some hundred bodies, and a budget for one step per frame.
+## Returns a settled scatter with hundreds of bodies and a budget for one step per frame.
 func make_dense(layers: Array[ScatterLayer]) -> TerrainScatter3D:
 	var scatter := make_solid(layers)
 	await settle(scatter)
@@ -31,8 +31,8 @@ func make_dense(layers: Array[ScatterLayer]) -> TerrainScatter3D:
 	return scatter
 
 
-## Makes a change. No frame may remove more bodies than a step does, and the nearest must be removed first. If `wanted` bodies replace
-## them, the order is not checked, because the new bodies have the same ids.
+## Calls `change` and checks the removals. No frame may remove more bodies than one step does, and the nearest bodies must be removed first.
+## If `wanted` new bodies replace them, the order is not checked, because the new bodies have the same ids.
 func check_removal(scatter: TerrainScatter3D, context: String, change: Callable, wanted := 0) -> void:
 	var standing := bodies(scatter)
 	var places: Dictionary[int, float] = {}
@@ -57,7 +57,7 @@ func check_removal(scatter: TerrainScatter3D, context: String, change: Callable,
 					nearest_left = minf(nearest_left, places[id])
 				else:
 					farthest_gone = maxf(farthest_gone, places[id])
-			# A frame checks the cells around the viewer first. Within a cell, the order is exact.
+			# Frames check cells by their distance from the viewer. Within a cell, the order is exact.
 			check(farthest_gone < nearest_left + 12.0, "%s: a body %.1f m away is removed, one at %.1f m is not" % [context, farthest_gone, nearest_left])
 	check(most > 0 and most <= MOST_IN_A_STEP, "%s: %d bodies in one frame" % [context, most])
 	scatter.frame_budget_usec = 20000
@@ -107,7 +107,7 @@ func test_a_state_with_many_removals() -> void:
 	await check_removal(scatter, "a state", func() -> void: scatter.state = state)
 
 
-## After a teleport, all bodies are far away. They may stay for a while, but must not be removed at once.
+## After a teleport, all bodies are far away. They may remain for a while, but one frame must not remove all of them.
 func test_a_teleport() -> void:
 	var scatter := await make_dense([make_dense_layer()])
 	var previous := bodies(scatter).size()
@@ -124,7 +124,7 @@ func test_a_teleport() -> void:
 	check_equal(bodies(scatter).size(), 0, "bodies at the old position")
 
 
-## New settings of bodies apply to one step's bodies per frame, the nearest first.
+## New body settings are applied to one step's bodies per frame, the nearest first.
 func test_new_settings_and_shapes() -> void:
 	var layer := make_dense_layer()
 	var scatter := await make_dense([layer])
@@ -160,7 +160,7 @@ func place_of(body: RID) -> Vector3:
 	return (PhysicsServer3D.body_get_state(body, PhysicsServer3D.BODY_STATE_TRANSFORM) as Transform3D).origin
 
 
-## After an origin shift, bodies near the viewer are correct at once: bodies that belong there exist, and bodies that must leave are gone.
+## After an origin shift, bodies near the viewer are correct at once. None is missing, and none remains at its old position.
 func test_world_offset() -> void:
 	var scatter := await make_dense([make_dense_layer()])
 	var standing := bodies(scatter)

@@ -1,5 +1,5 @@
 extends "harness.gd"
-## A designer drags a slider: many changes, one in every frame.
+## Tests many changes, one per frame, as when a designer drags a slider.
 
 const TILE := 16.0
 const NEAR := 32.0
@@ -8,7 +8,7 @@ var seen := {}
 var most_pending := 0
 
 
-## Returns the node's limit of pending tiles: 64 per worker, with one core reserved for the main thread.
+## Returns the node's limit for pending tiles: 64 per worker, with one core reserved for the main thread.
 func limit() -> int:
 	return 64 * (clampi(OS.get_processor_count(), 2, 9) - 1)
 
@@ -26,7 +26,7 @@ func make_wide_scatter(layer: ScatterLayer) -> TerrainScatter3D:
 	return scatter
 
 
-## Makes a change in every frame, and records the largest number of pending tiles.
+## Calls `change` once per frame for `steps` frames, and records the largest number of pending tiles.
 func drag(scatter: TerrainScatter3D, change: Callable, steps: int) -> void:
 	seen.clear()
 	most_pending = 0
@@ -50,7 +50,7 @@ func test_tiles_follow_a_dragged_slider_without_a_queue() -> void:
 		if near(tile):
 			least = mini(least, seen.get(tile, 0))
 	check(least >= 3, "every near tile was regenerated during the drag: one only %d times" % least)
-	# After the drag: the pending tiles, then each tile once.
+	# After the drag, only the pending tiles are generated, and then each tile once.
 	var made: int = scatter.get_stats()["tiles_made"]
 	await settle(scatter)
 	Engine.max_fps = 0
@@ -72,7 +72,7 @@ func make_scene() -> PackedScene:
 	return scene
 
 
-## Changes every property in the group Gameplay.
+## Changes the properties in the group Gameplay, except affect_navigation_mesh.
 func edit_gameplay(layer: ScatterLayer, step: int) -> void:
 	layer.instance_radius = 0.1 + step
 	layer.instance_height = 0.1 + step
@@ -83,7 +83,8 @@ func edit_gameplay(layer: ScatterLayer, step: int) -> void:
 	layer.collision_mask = step
 	layer.physics_material = PhysicsMaterial.new()
 	layer.scene = null if step % 2 else make_scene()
-	layer.scene_distance = 0.01 * step # Smaller than any distance: an instance with a scene is not drawn any more, which needs an upload.
+	# This distance is so small that no scene appears. An instance that a scene replaces would cause an upload.
+	layer.scene_distance = 0.01 * step
 
 
 func test_drawing_properties_regenerate_nothing() -> void:
@@ -113,7 +114,7 @@ func test_tiles_of_replaced_layers_are_dropped() -> void:
 	other.tile_size = TILE
 	other.view_distance = 200.0
 	await settle(scatter)
-	# A new layer replaces one whose tiles are pending, and back.
+	# The two layers replace each other while tiles are pending.
 	for step in 7:
 		layer.density = 0.9 - 0.05 * step
 		await process_frame

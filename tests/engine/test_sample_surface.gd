@@ -1,7 +1,7 @@
 extends "harness.gd"
-## PoissonSampler.sample_surface and sample_faces.
+## Tests PoissonSampler.sample_surface and PoissonSampler.sample_faces.
 
-const DENSITY := 0.547070 / (PI / 4.0) ## Points per squared radius.
+const DENSITY := 0.547070 / (PI / 4.0) ## The number of points on an area of one squared radius.
 
 
 func make_sphere(radius: float) -> SphereMesh:

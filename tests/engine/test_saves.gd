@@ -1,13 +1,13 @@
 extends "harness.gd"
-## Tests files of ScatterState and ScatterMask: saving and loading as in a game, refused files, and failures that leave the old data unchanged.
-## tests/engine/test_saves.py fills the disk.
+## Tests the files of ScatterState and ScatterMask: saving and loading as in a game, refused files, and failures that leave the old data
+## unchanged. test_saves.py tests full disks.
 
 const FOLDER := "user://saves"
 const PATH := FOLDER + "/forest.state"
 const PART := PATH + ".part"
 
 
-## Returns the id of a cell of layer 3.
+## Returns the id of the point in a cell (x, y) of layer 3.
 func point(x: int, y := 0) -> int:
 	return 3 << 48 | (x + (1 << 23)) << 24 | (y + (1 << 23))
 
@@ -41,7 +41,7 @@ func files_there() -> Array:
 	return files
 
 
-## Saves after some removals, loads, removes more and loads again: the saved state is restored each time, including the visible tiles.
+## Saves, loads, removes more instances and loads again. Each load restores the saved state and the visible tiles.
 func test_loading_twice_restores_the_saved_state() -> void:
 	make_folder()
 	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
@@ -66,7 +66,7 @@ func test_the_file_contains_the_bytes() -> void:
 	make_folder()
 	var folder := ProjectSettings.globalize_path(FOLDER)
 	for path: String in [PATH, folder + "/absolute.state", "res://thicket_test.state", FOLDER + "/wäldchen 🌲.state"]:
-		for count: int in [30, 0, 7]: # Also replaced by a shorter file.
+		for count: int in [30, 0, 7]: # A shorter file must also replace a longer one.
 			var state := make_state(count)
 			check_equal(state.save_to_file(path), OK, "saved to " + path)
 			check_equal(FileAccess.get_file_as_bytes(path), state.to_bytes(), "the bytes of " + path)
@@ -127,17 +127,18 @@ func test_files_that_cannot_be_written() -> void:
 	DirAccess.remove_absolute(FOLDER + "/folder")
 	make_state(4).save_to_file(PATH)
 	var before := FileAccess.get_file_as_bytes(PATH)
-	DirAccess.make_dir_absolute(PART) # Blocks the path of the new file.
+	DirAccess.make_dir_absolute(PART) # This folder blocks the path of the temporary file.
 	check(make_state().save_to_file(PATH) != OK, "the path is blocked")
 	check_error(["ScatterState.save_to_file: cannot write " + PATH], "the path is blocked")
 	check_equal(FileAccess.get_file_as_bytes(PATH), before, "the old file")
 	DirAccess.remove_absolute(PART)
 	if FileAccess.set_unix_permissions(PATH, FileAccess.UNIX_READ_OWNER) == OK and FileAccess.open(PATH, FileAccess.READ_WRITE) == null:
-		refuse_saving(PATH, ERR_FILE_NO_PERMISSION, ["may not be written"], "read-only") # The superuser may write it anyway.
+		# Root is not checked, because root can write read-only files anyway.
+		refuse_saving(PATH, ERR_FILE_NO_PERMISSION, ["may not be written"], "read-only")
 	check_equal(FileAccess.get_file_as_bytes(PATH), before, "the old file")
 
 
-## Saving never replaces a device, even for the superuser.
+## Saving never replaces a device, even as root.
 func test_a_device_stays() -> void:
 	if OS.get_name() != "Linux":
 		check(true, "not on this system")
@@ -152,7 +153,7 @@ func test_links_and_permissions_stay() -> void:
 		return
 	make_folder()
 	make_state(1).save_to_file(PATH)
-	FileAccess.set_unix_permissions(PATH, 0x190) # 0620
+	FileAccess.set_unix_permissions(PATH, 0x190) # The permissions are 0620 in octal.
 	var folder := DirAccess.open(FOLDER)
 	check_equal(folder.create_link(ProjectSettings.globalize_path(PATH), "link.state"), OK, "a link")
 	var state := make_state(9)
@@ -218,7 +219,7 @@ func refuse_loading_of_a_state(bytes: PackedByteArray, context: String) -> void:
 	check_equal(state.to_bytes(), before, context + " changes nothing")
 
 
-## A state of a different world is refused, with the file's name in the error.
+## A state that belongs to a different seed is refused. The error names the file.
 func test_files_of_a_different_world_are_refused() -> void:
 	make_folder()
 	var bytes: Array[PackedByteArray] = []
@@ -253,7 +254,7 @@ func test_masks() -> void:
 	check_equal(files_there(), ["lanes.mask"], "no other file is left")
 
 
-## Using a state from the resource cache causes one warning. Other states cause none.
+## Assigning a state from the resource cache prints one warning. Other states cause none.
 func test_cached_states_cause_a_warning() -> void:
 	make_folder()
 	var path := FOLDER + "/cut_trees.res"
@@ -271,7 +272,7 @@ func test_cached_states_cause_a_warning() -> void:
 	cached = null
 
 
-## States made by a designer, in a file or in the scene, cause no warning.
+## States that a designer saved in a file or in the scene cause no warning.
 func test_states_of_scenes_cause_no_warning() -> void:
 	make_folder()
 	var designed := make_state()
@@ -291,7 +292,7 @@ func test_states_of_scenes_cause_no_warning() -> void:
 		check_no_error("a state of a scene")
 
 
-## Files of version 0.2.0, as resources and as bytes.
+## Reads files of version 0.2.0, both resources and bytes.
 func test_states_of_earlier_versions_are_read() -> void:
 	var folder := (get_script() as Script).resource_path.get_base_dir().path_join("data")
 	for name: String in ["state_0.2.0.res", "state_0.2.0.tres"]:

@@ -1,4 +1,4 @@
-"""Saved games: the tutorial's code, and full disks."""
+"""Tests saved games: the tutorial's code, and full disks."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ ENGINE = REPO / "tests/engine"
 ADDON = REPO / "demo_project/addons/thicket"
 TUTORIAL = ADDON / "tutorials/game_that_fells.md"
 
-# Saves, loads, continues playing and loads again, with the functions of the tutorial's script.
+# Saves, loads, continues playing and loads again, with the functions in the tutorial's script.
 TWICE = """extends SceneTree
 
 func _initialize() -> void:
@@ -54,8 +54,8 @@ def test_the_tutorials_save_can_be_loaded_twice(godot, project):
 
 
 def test_scripts_replace_files_through_one_helper():
-    """Scripts of the add-on write files through whole_file.gd, which checks for errors that the engine ignores. The bake into a
-    folder has its own checks."""
+    """The add-on's scripts write files through whole_file.gd, which checks for errors that the engine ignores. Only bake_to_folder.gd has
+    its own checks."""
     writing = re.compile(r"^[^#\n]*(ResourceSaver\.save\(|FileAccess\.WRITE|\.save_(png|exr|jpg|webp)\()", re.MULTILINE)
     scripts = {path.name for path in ADDON.rglob("*.gd") if writing.search(path.read_text(encoding="utf-8"))}
     assert scripts == {"whole_file.gd", "bake_to_folder.gd"}
@@ -63,7 +63,7 @@ def test_scripts_replace_files_through_one_helper():
 
 @pytest.fixture
 def small_disk(tmp_path) -> Path:
-    """A disk of 1 MB, if the tests may mount one."""
+    """Mounts a disk of 1 MB and yields its folder. Skips the test where mounting is not permitted."""
     folder = tmp_path / "disk"
     folder.mkdir()
     if not shutil.which("mount") or subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", folder], capture_output=True).returncode != 0:
@@ -73,13 +73,13 @@ def small_disk(tmp_path) -> Path:
 
 
 def test_a_full_disk_keeps_the_old_files(godot, project, small_disk):
-    """Covers states, masks, impostors and the files of the editor's tools."""
+    """Covers states, masks, impostors and the files that the editor's tools write."""
     script = ENGINE / "full_disk.gd"
     assert_passed(godot(["--path", project, "--script", script, "--", f"folder={small_disk}", "fill"], timeout=120))
 
 
 def test_a_limit_of_file_sizes_keeps_the_old_files(godot, project, tmp_path):
-    """Saving fails, and keeps the old files, if the system limits all files to 96 KiB."""
+    """If the system limits file sizes to 96 KiB, saving fails and keeps the old files."""
 
     def with_small_files():
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)

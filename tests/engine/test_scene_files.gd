@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Files that the editor's tools cannot write or read are reported, and written as soon as possible.
+## Tests that the editor's tools report files that they cannot read or write, and retry writing them.
 
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 const Presets := preload("res://addons/thicket/editor/layers/presets.gd")
@@ -9,7 +9,7 @@ const FOLDER := "user://scene_files"
 const PATH := FOLDER + "/mask.res"
 
 
-## A file that could not be written is written by the next call.
+## If a file cannot be written, the next call tries again.
 func test_failed_writes_are_repeated() -> void:
 	DirAccess.remove_absolute(PATH)
 	DirAccess.remove_absolute(FOLDER)
@@ -32,7 +32,7 @@ func test_a_preset_that_is_missing_is_reported() -> void:
 	check_error(["moor", "forest, meadow, pine_wood"], "no such preset")
 
 
-## Errors name each dropped resource that did not become a layer.
+## The message names each dropped resource that did not become a layer.
 func test_skipped_resources_are_named() -> void:
 	var drawn := BoxMesh.new()
 	var empty := ArrayMesh.new()

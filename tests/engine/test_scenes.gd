@@ -1,5 +1,5 @@
 extends "scenes_harness.gd"
-## Scenes that replace meshes: when they are shown and hidden, and that each instance is visible exactly once.
+## Tests scenes that replace meshes: they are shown and hidden at the right time, and each instance is visible exactly once.
 
 func test_swap_at_the_distance() -> void:
 	var scatter := make_garden([make_plants()], Vector3(-60, 0, 3))
@@ -36,7 +36,7 @@ func test_swap_at_the_distance() -> void:
 func test_a_scene_has_its_instances_transform() -> void:
 	var layer := make_plants()
 	var scatter := make_garden([null, layer])
-	scatter.position = Vector3(5, 6, 7)  # Does not move instances.
+	scatter.position = Vector3(5, 6, 7)  # The node's transform must not move instances.
 	scatter.scale = Vector3(2, 2, 2)
 	await settle(scatter)
 	var near := scatter.query_sphere(Vector3.ZERO, 10.0)
@@ -63,7 +63,7 @@ func test_a_scene_has_its_instances_transform() -> void:
 	check_equal((scatter.get_scene(id) as Plant).data, {"age": 70}, "data of the instance")
 
 
-## In every frame of a walk with jumps, ground edits, removals and thinning, each instance is visible exactly once.
+## During a walk with jumps, ground edits, removals and thinning, each instance is visible exactly once in every frame.
 func test_each_instance_is_visible_once_in_every_frame() -> void:
 	var layer := make_plants(3.0)
 	layer.view_distance = 48.0
@@ -174,7 +174,7 @@ func test_regenerated_tiles_keep_their_scenes() -> void:
 	await settle(scatter)
 	check_equal(scenes_of(scatter), before, "the same scenes")
 	check(hidden.is_empty(), "none was hidden")
-	layer.min_scale = 1.0  # Moves nothing, but changes every instance.
+	layer.min_scale = 1.0  # This property changes every instance but moves none.
 	layer.max_scale = 1.0
 	await settle(scatter)
 	check_equal(scenes_of(scatter), before, "still the same scenes")

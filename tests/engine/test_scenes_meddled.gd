@@ -1,5 +1,5 @@
 extends "scenes_harness.gd"
-## Scripts take, free and remove scenes, and scenes are invalid: nothing crashes, nothing leaks.
+## Tests scripts that take, free or remove scenes, and invalid scenes. Nothing may crash or leak.
 
 var changed_scatter: TerrainScatter3D
 
@@ -43,7 +43,7 @@ func test_outside_of_the_tree() -> void:
 	root.add_child(scatter)
 	await settle(scatter)
 	check(not standing_scenes.is_empty(), "scenes again")
-	scatter.ground = null # The node stays in the tree, so scenes are hidden as usual: step by step, each with its signal.
+	scatter.ground = null # The node stays in the tree, so scenes are hidden gradually as usual, each with its signal.
 	await settle(scatter)
 	check_equal(scatter.get_child_count(true), 0, "children without ground")
 	check_equal(standing_scenes.size(), 0, "scenes without ground, according to their signals")
@@ -63,7 +63,7 @@ func test_removing_and_taking_scenes() -> void:
 	check_once(scatter, everything, "after the removal")
 
 	var taken: Array[Node3D] = []
-	for turn in 2:  # Taken and removed, in either order.
+	for turn in 2:  # Take the scene and remove the instance, in either order.
 		var id := near[1 + turn]
 		var before: Transform3D = scatter.get_scene(id).global_transform
 		if turn == 1:
@@ -83,7 +83,7 @@ func test_removing_and_taking_scenes() -> void:
 		check_equal((taken[turn] as Plant).times_hidden, 0, "no call of _scatter_hidden")
 		check(not hidden.has(id), "no signal")
 
-	var kept := scatter.take_scene(near[3])  # Taken, while the instance stays.
+	var kept := scatter.take_scene(near[3])  # Take the scene but keep the instance.
 	standing_scenes.erase(near[3])
 	for frame in 3:
 		await process_frame
@@ -195,7 +195,7 @@ func test_scenes_that_change_the_node() -> void:
 	for place: StringName in [&"_init", &"_ready", &"_scatter_shown", &"_scatter_hidden"]:
 		for action in actions.size():
 			if place == &"_ready" and action in [8, 10]:
-				continue  # A parent cannot be removed while a child enters the tree.
+				continue  # The engine cannot remove a parent while a child enters the tree.
 			changed_scatter = TerrainScatter3D.new()
 			changed_scatter.seed = 7
 			changed_scatter.layers = [make_plants(4.0)]

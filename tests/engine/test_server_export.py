@@ -1,4 +1,4 @@
-"""Tests a dedicated server that was exported with Strip Visuals. Colliders, and layers that read textures, must be the same as in the project."""
+"""Tests a dedicated server exported with Strip Visuals. Colliders, and layers that read textures, must be the same as in the project."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ binary_format/architecture="x86_64"
 
 
 def png(path: Path, color) -> None:
-    """Writes an RGB image of 64 x 64 pixels. color(x, y) returns three bytes."""
+    """Writes an RGB image of 64 by 64 pixels. color(x, y) returns three bytes."""
 
     def chunk(kind: bytes, data: bytes) -> bytes:
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
@@ -79,7 +79,7 @@ def template() -> None:
 
 
 def export(project: Path, godot, out: Path) -> Path:
-    """The program of the exported server. Exporting must print no errors."""
+    """Exports the server, which must print no errors, and returns the path of its executable."""
     out.mkdir()
     done = godot(["--path", project, "--export-release", "Server", out / "server.x86_64"], timeout=300)
     assert done.returncode == 0 and not complaints(done), done.stdout + done.stderr
@@ -99,7 +99,7 @@ def test_a_server_without_visuals_collides_as_the_project(template, godot, tmp_p
 
 @pytest.mark.full
 def test_an_export_without_the_plugin_warns_once_for_each_node(template, godot, tmp_path):
-    """In this export, shapes of models still collide."""
+    """Even without the plugin, the collision shapes of models work in the export."""
     project = make_project(tmp_path / "project", godot, "")
     level = project / "level.tscn"
     scene = level.read_text()

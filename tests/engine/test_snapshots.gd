@@ -1,8 +1,8 @@
 extends "threads_harness.gd"
-## Calls on worker threads: queries of a ScatterSnapshot, and requests.
+## Tests calls on worker threads: queries of a ScatterSnapshot and requests.
 
 
-## Returns the results of some queries by a node or by its snapshot. `layers` are those of the node.
+## Returns the results of several queries of a node or its snapshot. `layers` are the node's layers.
 func answers_of(target: Variant, layers: Array[ScatterLayer], ids: PackedInt64Array) -> Array:
 	var answers := []
 	for question: Callable in [
@@ -38,7 +38,7 @@ func test_a_snapshot_returns_what_the_node_did() -> void:
 	var layers := scatter.layers.duplicate()
 	var expected := answers_of(scatter, layers, ids)
 	var snapshots: Array[ScatterSnapshot] = [scatter.make_snapshot()]
-	# Later changes have no effect on the snapshot.
+	# Later changes must not affect the snapshot.
 	scatter.remove_in_sphere(Vector3.ZERO, 50.0)
 	scatter.remove_instance(placed)
 	var next := answers_of(scatter, layers, ids)
@@ -90,7 +90,7 @@ class Plateau extends ScatterGround:
 		return heights
 
 
-## A snapshot of ground that only the main thread can sample contains the loaded tiles, and returns an error for all other tiles.
+## If only the main thread can query the ground, a snapshot contains the loaded tiles and prints an error for all others.
 func test_a_snapshot_of_ground_for_the_main_thread_only() -> void:
 	var scatter := make_scatter([make_layer(4.0)], Plateau.new(), make_viewer())
 	await settle(scatter)
@@ -151,7 +151,7 @@ func test_failed_and_canceled_requests() -> void:
 	scatter.free()
 
 
-## Requests, snapshots and queries on threads, while a game streams, removes and edits.
+## Requests, snapshots and queries on threads while a game streams tiles, removes instances and makes edits.
 func test_threads_during_a_game() -> void:
 	var viewer := make_viewer()
 	var scatter := make_wood(viewer)

@@ -1,12 +1,12 @@
 extends "edits_harness.gd"
-## Tests colors and variations that follow height, slope, noise, rank or the distance to a second layer. The values are read back from the buffers,
-## and compared with the instances.
+## Tests colors and variations that depend on height, slope, noise, rank or the distance to a second layer. The tests read the values from
+## the buffers and compare them with the instances.
 
 const STRIDE := 20
-const STEP := 0.0027 # One step of a gradient of 256 colors, stored with half precision.
+const STEP := 0.0027 # Tolerance for one step of a gradient with 256 colors, stored in half precision.
 
 
-## Waves on one side, a plane with a slope of one half on the other.
+## Ground with waves on one side and a plane with a slope of one half on the other.
 class Banks extends ScatterGround:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := PackedFloat32Array()
@@ -18,14 +18,14 @@ class Banks extends ScatterGround:
 		return true
 
 
-## A visible instance of a layer: position in the world, red of the color, and custom data.
+## A visible instance: its world position, the red component of its color, and its custom data.
 class Seen:
 	var place: Vector3
 	var color: float
 	var custom: Color
 
 
-## Returns a gradient from black to white, whose colors are the positions on it.
+## Returns a gradient from black to white, so that a color's components equal the offset on the gradient.
 func gray() -> Gradient:
 	var gradient := Gradient.new()
 	gradient.colors = PackedColorArray([Color.BLACK, Color.WHITE])
@@ -67,7 +67,7 @@ func seen(scatter: TerrainScatter3D, layer: int) -> Dictionary[int, Seen]:
 	return result
 
 
-## Checks colors and variations of all instances against a function. `slack` is the tolerance of the expected fraction.
+## Compares the colors and variations of all instances with `share`, which returns the expected fraction. `slack` is the tolerance.
 func check_shares(all: Dictionary[int, Seen], share: Callable, context: String, slack := 0.0) -> void:
 	var worst := 0.0
 	var least := 1.0
@@ -146,7 +146,7 @@ func test_a_noise() -> void:
 			break
 
 
-## Oaks, and ferns that follow them, on ground that is queried on any thread or only on the main thread.
+## Returns a scatter of oaks, and of ferns whose colors depend on the distance to oaks.
 func make_followed(terrain: ScatterGround) -> TerrainScatter3D:
 	var oak := named_layer("oak", 1, 9.0)
 	oak.density = 0.7
@@ -172,7 +172,7 @@ func test_the_distance_to_a_second_layer() -> void:
 		var oaks := map_positions(scatter, OAK)
 		check_shares(seen(scatter, FERN), distance_share(oaks), "distance", 1e-4)
 		all_digests.push_back(digests(scatter, FERN))
-		# Windows, and tiles of a different size, have the same colors.
+		# Rectangles from build_rect, and tiles of a different size, have the same colors.
 		var built := seen_in(scatter.build_rect(scatter.layers[FERN], Rect2(-17.0, 3.0, 40.0, 21.0)))
 		var shown := seen(scatter, FERN)
 		scatter.layers[FERN].tile_size = 21.0
@@ -285,7 +285,7 @@ func test_invalid_ranges() -> void:
 	check_no_error("no error")
 
 
-## Hand-placed instances use their position.
+## For hand-placed instances, sources use their actual positions.
 func test_hand_placed() -> void:
 	var layer := make_colored()
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
@@ -306,7 +306,7 @@ func test_hand_placed() -> void:
 			"a random color on level ground: %f" % all[id].color)
 
 
-## Layers share a value, and one value drives both the color and the variation.
+## Two layers share one value source for both their colors and their variations.
 func test_a_shared_value() -> void:
 	var first := make_colored()
 	var second := make_colored(3.0)
@@ -333,7 +333,7 @@ func test_a_shared_value() -> void:
 	check(variations, "the variation still follows")
 
 
-## A curve replaces the number, whether it follows something or is random. Editing it takes effect.
+## A curve remaps the value, both of a source and of random numbers. Editing the curve takes effect.
 func test_a_curve() -> void:
 	var layer := make_colored()
 	var scatter := make_scatter([layer], Banks.new(), make_viewer())

@@ -1,12 +1,12 @@
 extends "harness.gd"
-## ScatterState: changes, signals, diffs for peers, files, and refused input.
+## Tests ScatterState: changes, signals, diffs for peers, files, and refused input.
 
 const LAYER := 3
 
-## A file for this run only: the same tests may run at the same time in engines that share user://.
+## A file name unique to this run, because engines that share user:// may run the same tests at the same time.
 var _spot := "user://thicket_state_%d" % randi()
 
-## Records the signals of a state in order.
+## Records a state's signals in order.
 class SignalLog:
 	var events: Array = []
 
@@ -20,7 +20,7 @@ class SignalLog:
 		return taken
 
 
-## Returns the id of a cell.
+## Returns the id of the point in a cell (x, y) of the test's layer.
 func point(x: int, y := 0) -> int:
 	return LAYER << 48 | (x + (1 << 23)) << 24 | (y + (1 << 23))
 
@@ -148,7 +148,7 @@ func test_peers_follow_by_diffs() -> void:
 	check_equal(signals.take(), [PackedInt64Array([point(-50)]), "changed"], "the merged change")
 	check_equal(client.merge(null), ERR_INVALID_DATA, "no state")
 	check_error(["ScatterState.merge: other is missing"], "no state")
-	# A server that has loaded a state knows no earlier revision. So it sends everything, and the diff replaces everything.
+	# A server that has loaded a state has no earlier revisions. So it sends the whole state, which replaces the client's.
 	server.from_bytes(make_state(3).to_bytes())
 	client.apply_diff(server.diff_since(known))
 	check_same(client, server, "after the server has loaded")
@@ -231,7 +231,7 @@ func test_a_damaged_file_leaves_the_running_state() -> void:
 	check_error(["ScatterState.from_bytes: data"], "a damaged file")
 	check_equal(loaded.get_removed_count(), 0, "nothing was loaded")
 	check(scatter.state == state and state.is_removed(id) and not scatter.has_instance(id), "the running state is unchanged")
-	# A state of a different world is refused, and accepted where it belongs.
+	# A state of a different seed is refused here, and accepted by a node with that seed.
 	var bytes := state.to_bytes()
 	var elsewhere := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	elsewhere.seed = 8

@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Diffs that a thread applies: the result, the state in the meantime, and callbacks that change it.
+## Tests diffs that a thread applies: the result, the state in the meantime, and callbacks that change the state.
 
 const LAYER := 5 << 48
 const MANY := 200_000
@@ -11,7 +11,7 @@ func note(error: Error) -> void:
 	results.push_back(error)
 
 
-## Returns a diff of `count` removals of a layer, starting at a number.
+## Returns a diff with `count` removals of consecutive ids in a layer, starting at `first`.
 func removals(count: int, first := 0) -> PackedByteArray:
 	var state := ScatterState.new()
 	for index in count:
@@ -156,7 +156,7 @@ func test_methods_that_replace_everything_wait_for_it() -> void:
 		check_equal(state.get_removed_count(), case[2], case[0])
 
 
-## Reading and saving return the state without the pending diff.
+## Until a pending diff is applied, reading and saving return the state without the diff.
 func test_reading_in_the_meantime() -> void:
 	var state := ScatterState.new()
 	state.remove(9)
@@ -182,7 +182,7 @@ func test_callbacks_may_do_anything() -> void:
 		held.clear()
 		note(error))
 	await wait_for_callbacks(1)
-	# The callback calls methods again, including those that wait.
+	# The callback calls further methods, including synchronous ones.
 	var state := ScatterState.new()
 	state.apply_diff_async(removals(100), func(_error: Error) -> void:
 		state.apply_diff_async(removals(50, 1000), func(error: Error) -> void:
@@ -193,7 +193,7 @@ func test_callbacks_may_do_anything() -> void:
 		check_equal(state.get_removed_count(), 100, "not yet"))
 	await wait_for_callbacks(3)
 	check_equal(state.get_removed_count(), 7, "in order")
-	# So may signal handlers.
+	# Signal handlers do the same.
 	var once := [true]
 	state.instances_changed.connect(func(_ids: PackedInt64Array) -> void:
 		if once[0]:
@@ -283,7 +283,7 @@ func test_nodes_follow() -> void:
 		check_equal(node.get_stats()["bodies"], fresh.get_stats()["bodies"], "bodies")
 
 
-## A diff of a different world is refused, even if the node is assigned after the call.
+## A diff of a different point set is refused, even if the state is assigned to a node only after the call.
 func test_a_diff_of_other_points() -> void:
 	var layer := make_layer(1.0)
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
@@ -303,7 +303,7 @@ func test_a_diff_of_other_points() -> void:
 	check_equal(state.get_removed_count(), 0, "nothing changed")
 
 
-## A copy of the scene file's state does not share its pending diffs.
+## The copy that copy_at_runtime makes does not receive the state's pending diffs.
 func test_copied_states_do_not_share_pending_diffs() -> void:
 	var state := ScatterState.new()
 	state.copy_at_runtime = true

@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Very many changes at once: queries are up to date immediately. Tiles, bodies, scenes and signals follow over several frames.
+## Tests very many changes at once. Queries are up to date immediately. Tiles, bodies, scenes and signals follow over several frames.
 
 
 func make_wood(viewer: Node3D, collide := true) -> TerrainScatter3D:
@@ -11,7 +11,7 @@ func make_wood(viewer: Node3D, collide := true) -> TerrainScatter3D:
 	return make_scatter([layer], ScatterGroundFlat.new(), viewer)
 
 
-## Removes half of these instances, and many more points of the layer that are far away.
+## Returns a copy of the node's state in which half of these instances, and `far` more points of the layer, are removed.
 func remove_many(scatter: TerrainScatter3D, standing: PackedInt64Array, far: int) -> ScatterState:
 	var server := ScatterState.new()
 	server.from_bytes(scatter.state.to_bytes())
@@ -38,7 +38,7 @@ func test_many_changes_at_once() -> void:
 	check_equal(left.size(), standing.size() / 2, "so are queries")
 	check(not scatter.has_instance(standing[0]) and scatter.has_instance(standing[1]), "also by id")
 	check(reported_ids.size() < 5000, "%d signals in one call" % reported_ids.size())
-	# Changes by hand are reported at once.
+	# Direct calls emit their signals at once.
 	check(scatter.remove_instance(standing[1]), "by hand")
 	check(reported_ids.has(standing[1]), "reported at once")
 	check(scatter.restore_instance(standing[2]), "restored before its removal was reported")
@@ -82,14 +82,14 @@ func test_clearing_restores_everything() -> void:
 	check_equal(scatter.get_stats()["bodies"], bodies, "the bodies, too")
 
 
-## So many changes that tiles follow over several frames, but so few that only nearby tiles are updated.
+## With very many changes, tiles follow over several frames, but only tiles near the changes are updated.
 func test_many_changes_in_a_few_areas() -> void:
 	var viewer := make_viewer()
 	var scatter := make_wood(viewer, false)
 	await settle(scatter)
 	var places: Array[Vector3] = [Vector3(-45.0, 0.0, 20.0), Vector3(50.0, 0.0, -50.0), Vector3(-40.0, 0.0, 45.0)]
 	var removed := PackedInt64Array()
-	for place in places: # All in one frame.
+	for place in places: # All removals are in one frame.
 		var ids := scatter.remove_in_sphere(place, 16.0)
 		check(ids.size() > 1024 and ids.size() < 16384, "%d removed" % ids.size())
 		removed.append_array(ids)
@@ -110,7 +110,7 @@ func test_many_changes_in_a_few_areas() -> void:
 	check_equal(digests(scatter, 0), digests(fresh, 0), "the visible tiles after the restoration")
 
 
-## A million changes, as a peer that joins late gets them, do not block the main thread.
+## A worker thread can read hundreds of thousands of changes, such as those that a late-joining peer receives.
 func test_a_whole_state_is_read_on_a_thread() -> void:
 	var scatter := make_wood(make_viewer())
 	scatter.state = ScatterState.new()

@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Handlers of the signals of changes make more changes, or remove the state that emitted the signal.
+## Tests handlers of change signals that make more changes, or that remove the state that emitted the signal.
 
 
 func make_wood() -> TerrainScatter3D:

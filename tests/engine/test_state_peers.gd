@@ -1,10 +1,10 @@
 extends "harness.gd"
-## States that follow an authority, merged states, and limits that a receiver sets for diffs.
+## Tests states that follow an authority, merged states, and limits for the diffs that a receiver accepts.
 
 const LAYER := 3
 
 
-## Returns the id of a cell.
+## Returns the id of the point in a cell (x, y) of the test's layer.
 func point(x: int, y := 0) -> int:
 	return LAYER << 48 | (x + (1 << 23)) << 24 | (y + (1 << 23))
 
@@ -16,7 +16,7 @@ func removals(count: int, first := 0) -> ScatterState:
 	return state
 
 
-## Returns a hand-made diff of few bytes that names very many points: those of consecutive codes, starting at the first.
+## Returns a hand-made diff that lists `count` points with consecutive codes, in about one bit per point.
 func oversized_diff(count: int) -> PackedByteArray:
 	var bytes := "TSTA".to_ascii_buffer()
 	bytes.append_array(PackedByteArray([2, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0]))
@@ -111,7 +111,7 @@ func test_limits() -> void:
 	state.restore(point(0))
 	check_equal(state.get_removed_count(), 3, "nothing else has changed")
 	check_equal(state.to_bytes(), before, "byte for byte")
-	# Limits can be saved with a scene. Their properties refuse values outside of the range.
+	# Limits can be saved with a scene. Their properties refuse values that are out of range.
 	limits.max_changes = -1
 	check_error(["ScatterDiffLimits.max_changes must be between 0"], "a count")
 	limits.area = Rect2(0.0, 0.0, NAN, 1.0)
@@ -137,7 +137,7 @@ func test_area() -> void:
 	limits.area = Rect2(-50.0, -50.0, 100.0, 100.0)
 	var wishes := ScatterState.new()
 	wishes.remove(near)
-	# Without a node, the positions of a layer's points are unknown.
+	# A state that no node uses cannot determine the positions of a layer's points.
 	var alone := ScatterState.new()
 	alone.diff_limits = limits
 	check_equal(alone.apply_diff(wishes.diff_since(0)), ERR_UNAUTHORIZED, "unknown positions")

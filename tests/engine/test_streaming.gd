@@ -1,5 +1,5 @@
 extends "streaming_harness.gd"
-## Visible tiles: they cover the view, appear once, and do not depend on the viewer's path.
+## Tests that visible tiles cover the view, appear once, and do not depend on the viewer's path.
 
 
 func test_view_is_covered_and_counted() -> void:
@@ -17,7 +17,7 @@ func test_view_is_covered_and_counted() -> void:
 				check(Vector2i(x, y) in tiles, "tile %s is visible" % Vector2i(x, y))
 	var count := all_transforms(scatter, 0).size()
 	check_equal(scatter.get_stats()["instances"], count, "instances in the stats")
-	# Random sequential adsorption jams at a coverage of 0.547. A few thousand points come close.
+	# Random sequential adsorption jams at a coverage of 0.547. A few thousand points are close to that.
 	var coverage := count * PI / (tiles.size() * 32.0 * 32.0)
 	check(absf(coverage - 0.547) < 0.01, "coverage is %f" % coverage)
 
@@ -351,11 +351,11 @@ func test_frame_parts() -> void:
 		for part: String in parts:
 			sum += parts[part]
 			seen[part] = true
-		# Signals are emitted after the measured time. Each part is rounded down.
+		# frame_usec excludes signals, and each part is rounded down.
 		var spent: int = stats["frame_usec"]
 		if sum - parts.get("signals", 0) > spent + 1 or sum + 14 + 20 < spent:
 			unlike.push_back([parts, spent])
-	check(unlike.size() < 20, "parts that do not add up: %s" % [unlike]) # The system may interrupt a thread between two measurements.
+	check(unlike.size() < 20, "parts that do not add up: %s" % [unlike]) # The system may interrupt the thread between two measurements.
 	check(seen.has("upload") and seen.has("made"), "seen: %s" % [seen.keys()])
 
 
@@ -370,7 +370,7 @@ func test_instance_bytes() -> void:
 		var stats := scatter.get_stats()
 		check(stats.instances > 1000, "instances: %d" % stats.instances)
 		var each: float = float(stats.instance_bytes) / stats.instances
-		# These tiles are small, so the constant memory per tile matters. They are drawn in cells, each with a list of its instances.
+		# The tiles are small, so the fixed memory per tile matters. The tiles are drawn in cells, and each cell lists its instances.
 		check(each > 16.0 and each < case[1] + 16.0, "bytes per instance: %.1f" % each)
 		scatter.layers = []
 		await settle(scatter)

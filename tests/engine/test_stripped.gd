@@ -1,6 +1,6 @@
 extends "models_harness.gd"
-## Tests exports for dedicated servers, which contain placeholders instead of meshes and textures. Collision, masks, heights and biomes must not
-## change.
+## Tests exports for dedicated servers, which contain placeholders instead of meshes and textures. Collision, masks, heights and biomes must
+## not change.
 
 const AREA := Rect2(-64, -64, 128, 128)
 
@@ -27,7 +27,7 @@ func solid_layer(entry: Resource, shape: ScatterLayer.CollisionShape) -> Scatter
 	return layer
 
 
-## Strips a layer like the engine's export: through the list itself, and through the nodes of a scene.
+## Replaces a layer's meshes, those in its scenes, and its mask texture with placeholders, as the engine's export does.
 func strip(layer: ScatterLayer) -> void:
 	for index in layer.meshes.size():
 		if layer.meshes[index] is Mesh:
@@ -41,7 +41,8 @@ func strip(layer: ScatterLayer) -> void:
 		layer.mask_texture = layer.mask_texture.create_placeholder()
 
 
-## Returns the heights that rays from above hit, at each instance near the middle.
+## Casts a ray from above on each instance near the origin. Returns the heights of the hits in centimeters, or -1 for a ray that hits
+## nothing.
 func hit_heights(scatter: TerrainScatter3D) -> PackedInt64Array:
 	await settle(scatter)
 	await physics_frame
@@ -55,7 +56,7 @@ func hit_heights(scatter: TerrainScatter3D) -> PackedInt64Array:
 	return heights
 
 
-## Checks that rays hit the same before and after exporting a copy.
+## Checks that rays hit the same heights for a layer and for a copy that was stripped, saved and loaded.
 func check_same(layer: ScatterLayer, context: String) -> void:
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	var before := await hit_heights(scatter)

@@ -1,7 +1,7 @@
 extends "terrain3d_harness.gd"
-## Terrain3D's ground while it is in use: edits of all kinds, and nodes that are added late, removed or replaced.
+## Tests Terrain3D's ground while it is in use: edits of all kinds, and nodes that are added later, removed or replaced.
 
-## Returns the tiles of 32 m that change when posts in a rect, 1 m apart, change.
+## Returns the 32 m tiles that a change of the posts in a rectangle affects. Posts are 1 m apart.
 func tiles_of(rect: Rect2) -> Array[Vector2i]:
 	var tiles: Array[Vector2i] = []
 	var grown := rect.grow(3.5)
@@ -159,7 +159,7 @@ func test_it_is_added_late() -> void:
 				var region := Terrain3DRegionDouble.new()
 				fill_region(region)
 				node.data.add_region(region)
-		# No signal reports it, but the next frame finds it.
+		# No signal reports the new data, but the next frame finds it.
 		await settle(scatter)
 		await settle(scatter)
 		check_equal(scatter.get_problems().size(), 0, "%s: no problems: %s" % [how, scatter.get_problems()])

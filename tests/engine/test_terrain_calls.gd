@@ -1,10 +1,9 @@
 extends "terrain_harness.gd"
-## Ground scripts that do something else during a call: query other ground, move and free nodes that they can reach, and release
-## the ground.
+## Tests ground scripts with side effects during a call: they query other ground, move or free nodes, or release the ground.
 
 ## A node that returns heights and runs an action during a call.
 class Busy extends Node3D:
-	var in_call := Callable() ## Runs once in get_height, on the main thread.
+	var in_call := Callable() ## The next get_height on the main thread calls this once.
 	var height := 5.0
 	var mutex := Mutex.new()
 	var call_count := 0
@@ -20,14 +19,15 @@ class Busy extends Node3D:
 		return height
 
 
-## Returns heights slowly, on any thread.
+## A node that returns heights slowly, on any thread.
 class Slow extends Node3D:
 	func get_height(_at: Vector3) -> float:
 		OS.delay_usec(100)
 		return 2.0
 
 
-## Queries a second ground during a call, then makes a change that waits until calls end. The inner call ends before the outer one.
+## During a call, queries a second ground and then makes a change that waits until calls end. The end of the inner call must not count as
+## the end of the outer one.
 func test_an_inner_call_does_not_end_the_outer_one() -> void:
 	for thread_safe: bool in [false, true]:
 		for same: bool in [false, true]:
@@ -64,7 +64,7 @@ func test_an_inner_call_does_not_end_the_outer_one() -> void:
 				errors.take()
 
 
-## A call of one object on this thread does not count for a second object, whose removal must wait for its workers.
+## While this thread calls one node, removing a second node must still wait until workers have finished their calls to it.
 func test_a_call_of_one_object_does_not_count_for_a_second_one() -> void:
 	for round in 6:
 		var slow := Slow.new()
@@ -76,7 +76,7 @@ func test_a_call_of_one_object_does_not_count_for_a_second_one() -> void:
 		await frames(2 + round)
 		busy.in_call = func() -> void:
 			root.remove_child(slow)
-			slow.free() # The engine refuses this during a call of the node.
+			slow.free() # The engine refuses this while a thread is calling the node.
 		scatter.ground.get_height(Vector3.ZERO)
 		check(not is_instance_valid(slow), "freed while workers called it")
 		await frames(3)
@@ -86,7 +86,7 @@ func test_a_call_of_one_object_does_not_count_for_a_second_one() -> void:
 	errors.take()
 
 
-## The object may leave the tree during its own call. Then it waits for the calls of other threads.
+## A node may leave the tree during its own call. Leaving waits for the calls on other threads.
 func test_an_object_that_leaves_the_tree_in_its_own_call() -> void:
 	for round in 6:
 		var busy := Busy.new()
@@ -150,7 +150,7 @@ var held: ScatterGround
 var holder: TerrainScatter3D
 
 
-## The last reference to a ground is released during each of its methods.
+## A method of the ground releases the last reference to the ground.
 func test_a_ground_that_is_released_in_its_own_call() -> void:
 	for type: GDScript in [Releasing, ReleasingNormals, ReleasingWeights, ReleasingAtOnce]:
 		for method: StringName in [&"get_height", &"get_normal"]:
@@ -167,7 +167,7 @@ func test_a_ground_that_is_released_in_its_own_call() -> void:
 	errors.take()
 
 
-## The last reference to a ground is released while a scatter calls it: in a frame of its work, or in a method that a script calls.
+## The last reference to a ground is released while a scatter calls it, either in a frame or in a method that a script calls.
 func test_a_scatter_whose_ground_is_released_in_a_call() -> void:
 	for type: GDScript in [Releasing, ReleasingNormals, ReleasingWeights, ReleasingAtOnce]:
 		for after in [1, 2, 3, 7]:
@@ -185,7 +185,7 @@ func test_a_scatter_whose_ground_is_released_in_a_call() -> void:
 						"layers":
 							holder.layers = []
 						"free later":
-							holder.queue_free() # The engine would use a node that is freed in its own notification.
+							holder.queue_free() # The engine would use the freed node if its own notification freed it at once.
 						"leave":
 							if holder.is_inside_tree():
 								root.remove_child(holder)
@@ -203,7 +203,7 @@ func test_a_scatter_whose_ground_is_released_in_a_call() -> void:
 				errors.take()
 
 
-## Any method that the library looks for may belong to a script, which may free the node or query the ground.
+## A terrain node whose methods run an action. A script's methods may free the node or query the ground.
 class Map extends Node3D:
 	var act := Callable()
 

@@ -1,5 +1,5 @@
 extends "terrain_likes_harness.gd"
-## Ground of nodes that resemble Terrain3D or HTerrain, queried point by point.
+## Tests ground from nodes that resemble Terrain3D or HTerrain, which the library queries point by point.
 
 func check_terrain3d_like(scatter: TerrainScatter3D, node: Terrain3DLike, context: String) -> void:
 	var stand := all_transforms(scatter)
@@ -61,7 +61,7 @@ func test_textures_of_terrain3d_like() -> void:
 		errors.take()
 	check_equal(counts[3], 0, "instances on a texture that does not occur")
 	check(counts[2] > counts[0] and counts[0] > counts[1] and counts[1] > 100, "instances by texture: %s" % [counts])
-	# On the left the overlay has a weight of a quarter, and so do the points. On the right it has all.
+	# The overlay has a weight of 0.25 on the left and of 1 on the right. The density must follow it.
 	check(absf(counts[0] - (0.25 * 0.5 + 0.5) * counts[2]) < 0.06 * counts[2], "a quarter on the left: %s" % [counts])
 
 

@@ -1,7 +1,7 @@
 extends "terrain_likes_harness.gd"
-## Ground that a node provides: nodes that are removed or added, or return invalid values.
+## Tests ground from a node: nodes that are added, removed or return invalid values.
 
-## Has the right methods, but returns invalid values.
+## A node whose get_height returns invalid values.
 class Wrong extends Node3D:
 	var answer: Variant = "high"
 
@@ -48,7 +48,8 @@ func test_an_edit_regenerates_its_tiles() -> void:
 	for thread_safe: bool in [false, true]:
 		var node := Terrain3DLike.new()
 		var scatter := make_on(node, thread_safe)
-		scatter.ground.recheck_enabled = false # The ground is raised everywhere, but only a part is reported.
+		# The ground is raised everywhere, but only a part is reported. Re-checks would find the rest.
+		scatter.ground.recheck_enabled = false
 		await settle(scatter)
 		var before := digests(scatter, 0)
 		var edit := func() -> void:

@@ -1,8 +1,8 @@
 extends "terrain_harness.gd"
-## Tests ground from noise, scripts with textures, meshes and colliders: heights and holes are correct, and all ways to query the ground have the same
-## results.
+## Tests ground from noise, scripts with textures, meshes and colliders. Heights and holes are correct, and all ways to query the ground
+## agree.
 
-## Hills with a texture for each side of the world, and weights that depend on it.
+## Sloping ground with one texture for negative and one for positive x, and some invalid weights.
 class Textured extends ScatterGround:
 	var extra := 0
 
@@ -123,7 +123,7 @@ func test_weights_of_scripts() -> void:
 	check_equal(found[0], found[1], "the same on the main thread and on workers")
 
 
-## Adds a node to the tree at a position in the world.
+## Adds a node to the tree with a global transform.
 func put(node: Node3D, at: Transform3D) -> void:
 	root.add_child(node)
 	node.global_transform = at
@@ -157,7 +157,7 @@ func make_collider(shape: Shape3D, at: Transform3D, layers := 1) -> void:
 	put(body, at)
 
 
-## A floor of 80 m with its top at height 2 and a gap from x = 10 to 20, a ramp of 30 degrees above it at negative x, and a roof.
+## Adds an 80 m floor with its top at height 2 and a gap from x = 10 to 20. Above it are a 30 degree ramp, at negative x, and a roof.
 func make_colliders() -> void:
 	for part: Array in [[-40.0, 10.0], [20.0, 40.0]]:
 		var floor_box := BoxShape3D.new()

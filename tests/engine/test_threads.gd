@@ -1,8 +1,8 @@
 extends "threads_harness.gd"
-## Tests calls on threads other than the main thread: each method follows its thread rule, the class reference states the rule, and no script can
-## break the engine.
+## Tests calls on threads other than the main thread. Each method follows the threading rule that the class reference states, and no script
+## can crash the engine.
 
-## Values for arguments by type.
+## Sample arguments by type.
 var samples := {
 	TYPE_BOOL: true, TYPE_INT: 1, TYPE_FLOAT: 1.0, TYPE_STRING: "x", TYPE_STRING_NAME: &"x", TYPE_NODE_PATH: NodePath("x"),
 	TYPE_VECTOR2: Vector2.ONE, TYPE_VECTOR2I: Vector2i.ONE, TYPE_RECT2: Rect2(0, 0, 8, 8), TYPE_RECT2I: Rect2i(0, 0, 2, 2),
@@ -10,7 +10,7 @@ var samples := {
 }
 
 
-## Creates an object of each class. With `in_scene`, the scene tree uses them.
+## Creates an object of each class. If `in_scene` is true, nodes in the tree use them.
 func make_objects(in_scene: bool) -> Array[Object]:
 	var layer := make_layer(6.0)
 	layer.mask = ScatterMask.new()
@@ -24,7 +24,7 @@ func make_objects(in_scene: bool) -> Array[Object]:
 	var objects: Array[Object] = [layer, layer.mask, model, model.lods[0], biome, map, biome.layers[0]]
 	for type in ClassDB.get_inheriters_from_class("ScatterGround"):
 		if type.begins_with("ScatterTerrain"):
-			continue # A hidden class for files of version 0.2.
+			continue # Skips the hidden classes for files of version 0.2.
 		objects.push_back(ClassDB.instantiate(type))
 	var scatters: Array[TerrainScatter3D] = []
 	for terrain: ScatterGround in objects.filter(func(object: Object) -> bool: return object is ScatterGround):
@@ -45,7 +45,7 @@ func make_objects(in_scene: bool) -> Array[Object]:
 	return objects
 
 
-## Calls every method of a class on a worker thread. Returns the names of the methods that the thread rule refused.
+## Calls every method of a class on a worker thread. Returns the names of the methods that refused the call because of the thread.
 func refused_methods(object: Object, type: String) -> PackedStringArray:
 	var calls: Array[Dictionary] = []
 	for method in ClassDB.class_get_method_list(type, true):
@@ -78,7 +78,7 @@ func own_classes(object: Object) -> PackedStringArray:
 	return types
 
 
-## Every method is allowed or refused as the class reference states, both on an object that the scene uses and on an object that it does not use.
+## Every method allows or refuses calls as the class reference states, whether the scene uses its object or not.
 func test_every_method_follows_its_documented_rule() -> void:
 	var pages := read_pages()
 	for in_scene: bool in [true, false]:
@@ -98,7 +98,7 @@ func check_rules(object: Object, type: String, page: Dictionary, in_scene: bool)
 		var name: String = method["name"]
 		if method["flags"] & METHOD_FLAG_VIRTUAL or name.begins_with("_"):
 			continue
-		var rule: String = page.get(name, page[""]) # Setters and getters follow the rule of the class's properties.
+		var rule: String = page.get(name, page[""]) # Setters and getters follow the rule for the class's properties.
 		if not page.has(name):
 			check("may use the properties" in rule, "%s.%s: the page of the class states a rule" % [type, name])
 		else:
@@ -121,7 +121,7 @@ func test_results_may_be_read_on_any_thread() -> void:
 	await frames(3)
 
 
-## Internal methods are connected to signals, which any thread may emit.
+## Internal methods must not crash on any thread, because they are connected to signals that any thread may emit.
 func test_internal_methods_are_harmless() -> void:
 	var objects := make_objects(true)
 	await frames(3)
@@ -185,7 +185,7 @@ func test_resources_of_a_layer_in_use() -> void:
 	scatter.free()
 
 
-## Two worker threads and the main thread call at the same time, as scripts of users may.
+## Two worker threads and the main thread make calls at the same time, as users' scripts may.
 func test_threads_that_call_objects_in_use() -> void:
 	var scatter := make_wood(make_viewer())
 	var layer := scatter.layers[0]
@@ -217,7 +217,7 @@ func test_threads_that_call_objects_in_use() -> void:
 	check_equal(layer.density, 1.0, "the layer is unchanged")
 
 
-## Several threads use an object that no scene uses. Each call either runs or is refused.
+## Several threads use an object that no scene uses. Each call either succeeds or is refused.
 func test_threads_that_share_an_unused_object() -> void:
 	var state := ScatterState.new()
 	var mask := ScatterMask.new()
@@ -257,7 +257,7 @@ func test_threads_that_share_an_unused_object() -> void:
 	check(state.to_bytes().size() > 0 and state.from_bytes(state.to_bytes()) == OK, "the state is valid")
 
 
-## Const methods do not exclude each other.
+## Methods that only read can run at the same time.
 func test_threads_that_read_one_object() -> void:
 	var state := ScatterState.new()
 	state.remove(5)
@@ -286,7 +286,7 @@ class Handler:
 			state = null
 
 
-## Signal handlers may call the emitting object on any thread, and release it.
+## On any thread, signal handlers may call the object that emits the signal and release it.
 func test_nested_calls() -> void:
 	var removed: int = on_thread(func() -> int:
 		var handler := Handler.new()
@@ -305,7 +305,7 @@ func test_nested_calls() -> void:
 	check(inner.size() > 3, "%d nested queries" % inner.size())
 
 
-## A resource of the engine that a thread changes reaches the main thread.
+## If a thread changes one of the engine's resources, the main thread applies the change.
 func test_changes_reported_by_a_thread() -> void:
 	var scatter := make_wood(make_viewer())
 	var noise := (scatter.ground as ScatterGroundNoise).noise as FastNoiseLite

@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Positions of tiles for scripts, and code that divides the world by them: bakes, and parts of tiles.
+## Tests tile positions for scripts, and code that divides the world into tiles: bakes and parts of tiles.
 
 const Bake := preload("res://addons/thicket/bake.gd")
 const BakeGrid := preload("res://addons/thicket/baking/bake_grid.gd")
@@ -46,7 +46,7 @@ func test_invalid_arguments_are_refused() -> void:
 	check_error(["bounds"], "infinite bounds")
 
 
-## Far from the origin, rectangles of tiles in single precision would overlap or leave gaps, because their edges differ from those of the tiles.
+## Far from the origin, single-precision rectangles of tiles would overlap or leave gaps, because their edges are rounded.
 func test_parts_of_tiles_share_no_instance() -> void:
 	var layer := make_layer(1.0)
 	layer.tile_size = 33.3
@@ -69,7 +69,7 @@ func test_parts_of_tiles_share_no_instance() -> void:
 	expected.sort()
 	check(whole.size() > 1000 and sorted == expected, "%d instances in parts, %d in all" % [parts.size(), whole.size()])
 	check_equal(ids_of(scatter.build_tile(scatter.layers[0], tiles.position, Rect2())), ids_of(scatter.build_tile(scatter.layers[0], tiles.position)), "without a rectangle, the whole tile")
-	# A bake divides it in the same way.
+	# A bake divides the rectangle in the same way.
 	var bake := Bake.new()
 	check_equal(bake.begin(scatter, rect, "res://baked/far", "far"), OK, "started: " + bake.problem)
 	while bake.step(20.0):
@@ -78,7 +78,7 @@ func test_parts_of_tiles_share_no_instance() -> void:
 	check_equal(bake.instances, whole.size(), "instances of the bake")
 
 
-## A bake has the same tiles as the game, even in a moved world.
+## With a world offset, a bake has the same tiles as the game.
 func test_bakes_use_the_tiles_of_a_moved_world() -> void:
 	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	scatter.world_offset = Vector3(1000.0, 0.0, 2000.0)

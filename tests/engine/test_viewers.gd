@@ -1,14 +1,15 @@
 extends "harness.gd"
-## Tests several viewers, each with its own radius, teleports, and flight at 1000 m/s: a far tile never appears before a near tile.
+## Tests several viewers with different radii, teleports, and flight at 1000 m/s. A far tile never appears before a near one.
 
-## Returns the distance in meters from a viewer to the nearest point of a tile.
+## Returns the distance on the map, in meters, from a viewer to the nearest point of a tile.
 func distance(tile: Vector2i, size: float, from: Vector3) -> float:
 	var rect := Rect2(Vector2(tile) * size, Vector2(size, size))
 	var at := Vector2(from.x, from.z)
 	return at.distance_to(at.clamp(rect.position, rect.end))
 
 
-## Follows the tiles of a layer, and measures how much further away a tile is than a nearer one that is still missing.
+## Watches a layer's tiles. `worst` is the largest distance, in meters, by which a new tile is farther away than a tile that is still
+## missing.
 class OrderWatch:
 	var size: float
 	var view: float
@@ -69,7 +70,7 @@ func test_two_viewers() -> void:
 	check(Vector2i(-30, 0) in scatter.get_shown_tiles(scatter.layers[0]), "the second viewer's tile")
 
 
-## Each viewer has its own tiles, in a tree as large as on a server.
+## With as many viewers as on a server, each one has its own tiles.
 func test_two_hundred_viewers() -> void:
 	var layer := make_layer(8.0)
 	layer.view_distance = 20.0
@@ -88,7 +89,7 @@ func test_two_hundred_viewers() -> void:
 	check_equal(scatter.get_problems(), PackedStringArray(), "problems")
 
 
-## A viewer that fell out of the world must not stop the stream for the others.
+## A viewer that has fallen out of the world must not stop streaming for the others.
 func test_a_viewer_out_of_reach_does_not_affect_the_others() -> void:
 	var lost := make_viewer(Vector3(1e30, 0.0, 0.0))
 	var viewer := make_viewer()
@@ -135,7 +136,7 @@ func test_a_teleport_unsettles_in_the_same_frame() -> void:
 	check(Vector2i(0, 0) in scatter.get_shown_tiles(scatter.layers[0]), "the tiles appear when it continues")
 
 
-## Even a change that takes a single frame is followed by the signal. Otherwise a caller that awaits the signal would wait forever.
+## `settled` follows even changes that take only one frame. Otherwise, a caller that awaits the signal would wait forever.
 func test_settled_follows_each_change() -> void:
 	var viewer := make_viewer()
 	var layer := make_layer()
@@ -159,7 +160,7 @@ func test_settled_follows_each_change() -> void:
 		check(scatter.is_settled(), "%s: settled then" % change)
 
 
-## Bodies surround a node of the group. They have not followed it in the frame of its jump.
+## When a node in the interaction group jumps, the scatter is unsettled in the same frame, until bodies surround the node again.
 func test_a_jump_of_a_body_unsettles_in_the_same_frame() -> void:
 	var layer := make_layer()
 	layer.collision_shape = ScatterLayer.COLLISION_CYLINDER
@@ -174,7 +175,7 @@ func test_a_jump_of_a_body_unsettles_in_the_same_frame() -> void:
 	check(scatter.is_settled(), "settled then")
 
 
-## Instances keep their positions in the world, regardless of the node's transform.
+## A node reports a problem if its global transform is not the identity, because its instances keep their positions in the world.
 func test_a_transform_is_a_problem() -> void:
 	var parent := make_viewer()
 	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
@@ -198,7 +199,7 @@ func test_a_transform_is_a_problem() -> void:
 	check_equal(scatter.get_problems(), PackedStringArray(), "problems of a recentered world")
 
 
-## A viewer inside a tile is at distance 0, exactly where thinning begins and a LOD may begin.
+## A viewer inside a tile is at distance 0, exactly where thinning begins and an LOD may begin.
 func test_a_viewer_at_distance_zero_settles() -> void:
 	var layer := make_layer()
 	layer.thin_end = 60.0
@@ -287,12 +288,12 @@ func test_a_server_with_16_players() -> void:
 				if distance(tile, 32.0, player.global_position) < 64.0 and not tile in shown:
 					check(false, "tile %s around %s is missing" % [tile, player.global_position])
 	check(shown.size() > 16 * 20, "%d tiles" % shown.size())
-	# A player leaves: nothing is regenerated for the others.
+	# When a player leaves, nothing is regenerated for the remaining players.
 	var made: int = scatter.get_stats()["tiles_made"]
 	paths.remove_at(4)
 	scatter.viewers = paths
 	await settle(scatter)
-	# A viewer that takes the place of a removed one is evaluated again: a tile at the border of its view may be new.
+	# Tolerates some tiles: the viewer at a removed viewer's index is evaluated again, and tiles at its border may be new.
 	check(scatter.get_stats()["tiles_made"] - made <= 16, "tiles generated when a player left")
 
 
@@ -306,7 +307,7 @@ func test_a_teleport_shows_near_tiles_first() -> void:
 	await settle(scatter)
 	for jump: Vector3 in [Vector3(5e4, 0.0, -3e4), Vector3(200.0, 0.0, 0.0), Vector3(-90.0, 0.0, 110.0)]:
 		viewer.global_position += jump
-		await frames(4) # Jumps again before all tiles are visible.
+		await frames(4) # The next jump comes before all tiles are visible.
 		viewer.global_position += 0.7 * jump
 		await settle(scatter)
 	check(watch.count > 500, "%d tiles were shown" % watch.count)
@@ -331,7 +332,7 @@ func test_flight_at_1000_meters_a_second() -> void:
 	var spent: Array[int] = []
 	var empty := 0
 	var step := 1000.0 / 60.0
-	Engine.max_fps = 60 # Without a limit, frames are shorter than it takes to generate a tile, and the flight is faster than stated.
+	Engine.max_fps = 60 # Without a limit, frames take less time than generating a tile, and the flight is faster than stated.
 	for frame in 240:
 		viewer.global_position += Vector3(0.6, 0.0, 0.8) * step
 		await process_frame
@@ -347,7 +348,7 @@ func test_flight_at_1000_meters_a_second() -> void:
 	check(spent[120] <= 500, "the median frame took %d us" % spent[120])
 	check_equal(empty, 0, "frames without a nearby tile")
 	check(watches[0].count > 30 and watches[1].count > 50, "%d and %d tiles were shown" % [watches[0].count, watches[1].count])
-	# The size of a tile, plus the distance flown while it was generated: at most a quarter of a second here.
+	# Allows the size of a tile plus the distance flown while it was generated, a quarter of a second at most.
 	check(watches[0].worst <= 32.0 + 250.0, "a near layer's tile was shown although one %f m nearer was missing" % watches[0].worst)
 	check(watches[1].worst <= 128.0 + 250.0, "a far layer's tile was shown although one %f m nearer was missing" % watches[1].worst)
 	await settle(scatter)

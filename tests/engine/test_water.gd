@@ -1,7 +1,7 @@
 extends "biomes_harness.gd"
-## Water: layers have a range of water depths. The water level is the node's or a biome's.
+## Tests water: layers have a range of water depths, and the node or a biome sets the water level.
 
-## Ground that rises from -12.8 m on the left to 12.8 m on the right, one meter in ten.
+## Returns a ground that rises from -12.8 m on the left to 12.8 m on the right, 1 m in 10 m.
 func slope() -> ScatterGround:
 	var image := Image.create_empty(2, 2, false, Image.FORMAT_RF)
 	image.fill_rect(Rect2i(1, 0, 1, 2), Color(1, 0, 0))
@@ -26,7 +26,7 @@ func make_shore() -> TerrainScatter3D:
 	return make_scatter([named("grass", 2.0), reeds, lilies, kelp], slope(), make_viewer())
 
 
-## Returns the lowest and the highest ground height among a layer's instances.
+## Returns the lowest and the highest ground height, as x and y, of a layer's instances.
 func heights(scatter: TerrainScatter3D, layer: String) -> Vector2:
 	var range := Vector2(INF, -INF)
 	for at: Vector2 in places_in(scatter, layer, Rect2(-100, -60, 200, 120)).values():
@@ -145,7 +145,7 @@ func test_bad_input() -> void:
 	check_equal(places(scatter, "grass"), grass, "the instances stay")
 
 
-## Biome and water are among the explained rules. Each has its value, and its name if it refuses.
+## Explanations include the rules for biomes and water, with their values, and name the rule that refuses an instance.
 func test_water_and_biomes_are_explained() -> void:
 	var map := three_biomes()
 	var scatter := make_world(map)

@@ -1,7 +1,7 @@
 extends "harness.gd"
-## Games that recenter: the engine's origin moves in the world, and nothing else does.
+## Tests games that recenter: only the engine's origin moves in the world.
 
-const FAR := Vector3(1048576.0, 0.0, -1048576.0) # 2^20 m: a thousand kilometers, and exact.
+const FAR := Vector3(1048576.0, 0.0, -1048576.0) # 2^20 m, about 1000 km, which floats represent exactly.
 
 
 func make_rock(radius := 2.0) -> ScatterLayer:
@@ -58,7 +58,7 @@ func test_a_recenter_during_a_flight() -> void:
 	var scatter := make_scatter([make_rock()], make_noise(), viewer)
 	var made := {}
 	scatter.tile_shown.connect(func(_layer: ScatterLayer, tile: Vector2i) -> void: made[tile] = made.get(tile, 0) + 1)
-	var at := Vector3.ZERO # Position in the world.
+	var at := Vector3.ZERO # The viewer's position in the world.
 	for step in 60:
 		at.x += 9.0
 		if step % 7 == 3:
@@ -90,7 +90,7 @@ func test_a_thousand_kilometers_out_is_as_exact_as_the_origin() -> void:
 	await settle(scatter)
 	var standing := instances(scatter, 0)
 	check(standing.size() > 2000, "%d instances" % standing.size())
-	# No two instances are closer than the radius, across tiles, and the density is the same everywhere: no seams.
+	# There are no seams. Even across tiles, no two instances are closer than the radius, and each position has an instance within it.
 	var closest := INF
 	var grid := {}
 	for id in standing:
@@ -113,7 +113,7 @@ func test_a_thousand_kilometers_out_is_as_exact_as_the_origin() -> void:
 						nearest = minf(nearest, other.distance_to(Vector2(x, y) * 2.0))
 			gap = maxf(gap, nearest)
 	check(gap < 2.0, "no instance within %f m of a position" % gap)
-	# Near the viewer, the engine's floats resolve a tenth of a millimeter, as at the origin.
+	# Near the viewer, positions are as precise as at the origin, because the engine's coordinates are small.
 	var fine := 0
 	for id in standing:
 		fine += 1 if absf(fmod(standing[id].origin.x, 0.0625)) > 1e-4 else 0
@@ -156,7 +156,7 @@ func test_queries_and_changes_use_the_engines_space() -> void:
 	for index in ids.size():
 		var local := Vector3(buffer[12 * index + 3], buffer[12 * index + 7], buffer[12 * index + 11])
 		check(standing[ids[index]].origin.distance_to(local + built.get_origin()) < 1e-3, "build_rect's position")
-	# A removed instance stays removed when the game recenters, and an added one keeps its position in the world.
+	# When the game recenters, a removed instance stays removed, and an added one keeps its position in the world.
 	var nearest := scatter.query_nearest(Vector3.ZERO, 10.0)
 	check(scatter.remove_instance(nearest["id"]), "removed")
 	var planted := scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(1.0, 0.0, 2.0)))
@@ -208,7 +208,7 @@ func test_regions_that_move_along_are_no_edit() -> void:
 	await settle(scatter)
 	check(scatter.get_stats()["tiles_made"] > made, "a region that moves in the world is an edit")
 	made = scatter.get_stats()["tiles_made"]
-	scatter.world_offset += Vector3(64.0, 0.0, 0.0) # Without the scene.
+	scatter.world_offset += Vector3(64.0, 0.0, 0.0) # The scene does not move along.
 	await settle(scatter)
 	check(scatter.get_stats()["tiles_made"] > made, "so is a region that does not move along")
 
@@ -220,7 +220,7 @@ func test_ground_in_the_scene_moves_along() -> void:
 	(shape.shape as BoxShape3D).size = Vector3(400.0, 2.0, 400.0)
 	ground.add_child(shape)
 	root.add_child(ground)
-	ground.global_position.y = 6.0 # Its top is at 7 m.
+	ground.global_position.y = 6.0 # The top is at 7 m.
 	var viewer := make_viewer()
 	var scatter := make_scatter([make_rock()], ScatterGroundColliders.new(), viewer)
 	await settle(scatter)
@@ -241,13 +241,13 @@ func test_ground_in_the_scene_moves_along() -> void:
 			break
 
 
-## A node with heights in the engine's space.
+## A node that returns heights in the engine's space.
 class Slope extends Node3D:
 	func get_height(at: Vector3) -> float:
 		return 0.5 * at.x - 0.25 * at.z
 
 
-## Returns each kind of ground that is found in the scene, as the same slope: 0.5 x - 0.25 z in the engine's space.
+## Returns the same slope, 0.5 x - 0.25 z in the engine's space, as each kind of ground that uses nodes in the scene.
 func make_slopes() -> Dictionary[String, ScatterGround]:
 	var result: Dictionary[String, ScatterGround] = {}
 	var node := Slope.new()
@@ -289,7 +289,7 @@ func check_on_slope(scatter: TerrainScatter3D, context: String) -> void:
 	check_equal(wrong, 0, context + ": instances off the ground")
 
 
-## Nodes that share a ground see it at their own offsets.
+## Nodes that share a ground use it with their own world offsets.
 func test_nodes_with_different_offsets_share_a_ground() -> void:
 	var slopes := make_slopes()
 	for kind in slopes:
@@ -302,11 +302,11 @@ func test_nodes_with_different_offsets_share_a_ground() -> void:
 		check_on_slope(here, kind + ", here")
 		check_on_slope(there, kind + ", there")
 		here.regenerate()
-		await frames(2) # Tiles of one node are pending while the other recenters alone, so that it covers a different part of the scene.
+		await frames(2) # While one node's tiles are pending, the other recenters alone, so it covers a different part of the scene.
 		there.world_offset = Vector3(-96.0, 0.0, 0.0)
 		there.regenerate()
 		if terrain is ScatterGroundMeshes:
-			terrain.refresh() # The mesh was read at its old position, and has not moved along.
+			terrain.refresh() # The mesh has not moved along, so it must be read again at the new offset.
 		await settle(here)
 		await settle(there)
 		check_on_slope(here, kind + ", here, after the other node recentered")
@@ -344,7 +344,7 @@ func test_bodies_move_along() -> void:
 
 
 func test_the_largest_distance_for_a_radius() -> void:
-	# Base squares of side r / sqrt 2 are counted from -2^23, so a radius of 2 m ends at about 11,863 km.
+	# Base squares with sides of r / sqrt 2 are numbered from -2^23, so a radius of 2 m ends at about 11,863 km.
 	var edge := 8388608.0 * 2.0 / sqrt(2.0)
 	var viewer := make_viewer()
 	var scatter := make_scatter([make_rock()], ScatterGroundFlat.new(), viewer)

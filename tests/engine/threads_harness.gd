@@ -1,19 +1,19 @@
 extends "queries_harness.gd"
-## Base class of the tests of threads: calls on worker threads, and the thread rules that the class reference states.
+## Base class for the thread tests. Runs calls on worker threads, and reads the threading rules that the class reference states.
 
 const ANY := "Any thread may call this method"
 const MAIN := "Only the main thread may call this method"
 const OWNER := "One thread at a time may call this method"
 
 
-## Runs a callable on its own thread while the main thread waits, and returns the result.
+## Runs a callable on a new thread, blocks until it has finished, and returns its result.
 func on_thread(work: Callable) -> Variant:
 	var thread := Thread.new()
 	thread.start(work)
 	return thread.wait_to_finish()
 
 
-## Runs each callable repeatedly on its own thread, and `meanwhile` on the main thread in each frame. Returns the number of calls.
+## Runs each callable repeatedly on its own thread, and `meanwhile` on the main thread in each frame. Returns the total number of calls.
 func on_threads_for(milliseconds: int, works: Array[Callable], meanwhile := Callable()) -> int:
 	var stop: Array[bool] = [false]
 	var threads: Array[Thread] = []
@@ -38,7 +38,7 @@ func on_threads_for(milliseconds: int, works: Array[Callable], meanwhile := Call
 	return sum
 
 
-## Returns the errors since the last check, each once.
+## Returns the distinct errors since the last check.
 func take_kinds() -> PackedStringArray:
 	var kinds := PackedStringArray()
 	for message in errors.take():
@@ -47,7 +47,7 @@ func take_kinds() -> PackedStringArray:
 	return kinds
 
 
-## Checks that there were errors since the last check, and that each contains one of these words.
+## Checks that errors were printed since the last check, and that each contains at least one of these words.
 func check_only_errors(words: Array, context: String) -> void:
 	var kinds := take_kinds()
 	check(not kinds.is_empty(), context + ": refused")
@@ -55,7 +55,7 @@ func check_only_errors(words: Array, context: String) -> void:
 		check(words.any(func(word: String) -> bool: return word in message), "%s: %s" % [context, message])
 
 
-## Reads the class reference. Returns by class: {method: its description}; "" is the key of the class's own description.
+## Reads the class reference. Returns {class: {method: description}}, with the class's own description under "".
 func read_pages() -> Dictionary[String, Dictionary]:
 	var pages: Dictionary[String, Dictionary] = {}
 	var folder := (get_script() as Script).resource_path.get_base_dir().path_join("../../extension/doc_classes")

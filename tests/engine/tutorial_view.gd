@@ -1,5 +1,5 @@
 extends RefCounted
-## Takes a picture of a tutorial's game whose trees are plain cylinders: replaces them with trees of a preset, and adds ground and sky.
+## Takes a picture of a tutorial's game. Replaces its plain cylinders with a preset's trees, and adds ground and sky.
 
 const SIZE := Vector2i(800, 600)
 
@@ -14,7 +14,7 @@ static func take(game: Node3D, scatter: TerrainScatter3D, file: String) -> void:
 	scatter.layers[0].max_yaw_degrees = 360.0
 	scatter.layers[0].view_distance = 250.0
 	for material: ShaderMaterial in scatter.layers[0].get_materials():
-		material.set_shader_parameter(&"wind_strength", 0.0) # Makes two pictures identical.
+		material.set_shader_parameter(&"wind_strength", 0.0) # Without wind, two pictures are identical.
 	preset.free()
 	var ground := MeshInstance3D.new()
 	ground.mesh = PlaneMesh.new()
@@ -31,7 +31,7 @@ static func take(game: Node3D, scatter: TerrainScatter3D, file: String) -> void:
 	game.add_child(air)
 	for sun: DirectionalLight3D in game.find_children("*", "DirectionalLight3D", true, false):
 		sun.shadow_enabled = true
-	RenderingServer.render_loop_enabled = false # A software renderer needs seconds for a frame.
+	RenderingServer.render_loop_enabled = false # Stop rendering, because a software renderer takes seconds per frame.
 	await tree.process_frame
 	while not scatter.is_settled():
 		await tree.process_frame

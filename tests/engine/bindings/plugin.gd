@@ -7,7 +7,7 @@ const PATIENCE_MSEC := 60000
 
 
 func _enter_tree() -> void:
-	# Waits until the editor has read all files and laid out its docks. Before that, it works in threads and in nested frames.
+	# Waits until the editor has scanned all files and laid out its docks. Until then, it runs threads and nested frames.
 	EditorInterface.get_resource_filesystem().sources_changed.connect(_run.unbind(1), CONNECT_ONE_SHOT | CONNECT_DEFERRED)
 
 
@@ -20,7 +20,7 @@ func _run() -> void:
 	get_tree().quit()
 
 
-## A live node keeps its properties and works when the library is reloaded, twice.
+## Reloads the library twice. A live node must keep its properties and continue to work.
 func reload() -> void:
 	var flat: Resource = ClassDB.instantiate("ScatterGroundFlat")
 	flat.set("height", 7.0)
@@ -58,7 +58,7 @@ func _set_rules(layer: Resource) -> void:
 	layer.set("spacing", {"Oaks": 2.5})
 
 
-## Returns whether these rules are unchanged, and whether the layer reports a curve's change once, and dabs by their areas.
+## Returns whether the rules are unchanged and still connected: a curve's change must emit `changed` once, and each dab `area_changed`.
 func _rules_hold(layer: Resource) -> bool:
 	var signal_counts := [0, 0]
 	var on_changed := func() -> void: signal_counts[0] += 1
@@ -82,7 +82,7 @@ func _stream(scatter: Node3D) -> void:
 	print("instances: ", scatter.call("get_stats")["instances"] > 0)
 
 
-## The editor draws a limited number of instances, while tiles are added and when the limit changes.
+## Prints how many instances the editor draws for several limits. Does so both while tiles are added and after the limit changes.
 func preview() -> void:
 	var layer: Resource = ClassDB.instantiate("ScatterLayer")
 	layer.set("radius", 1.0)
@@ -102,7 +102,7 @@ func preview() -> void:
 		while frames < 30 and Time.get_ticks_msec() < deadline:
 			await get_tree().process_frame
 			frames = frames + 1 if scatter.call("is_settled") else 0
-			if limit == 5000: # Later limits start with the instances that were drawn before.
+			if limit == 5000: # With the later limits, the instances drawn for the previous limit would count.
 				most = maxi(most, scatter.call("get_stats")["drawn"])
 		var stats: Dictionary = scatter.call("get_stats")
 		print("preview of %d: %d drawn of %d, at most %d, %d uploads" % [limit, stats["drawn"], stats["instances"], most,
@@ -111,15 +111,15 @@ func preview() -> void:
 	await get_tree().process_frame
 
 
-## Prints the class reference that the editor shows for each of our classes, in one line.
+## Prints the editor's help page for each of the library's classes, one line per class.
 func help() -> void:
 	for name: String in ClassDB.get_class_list():
-		# Hidden classes for files of version 0.2 have no page.
+		# The hidden classes for files of version 0.2 have no page.
 		if ClassDB.class_get_api_type(name) == ClassDB.API_EXTENSION and not name.begins_with("ScatterTerrain"):
 			print("help %s: %s" % [name, (await _help_page(name)).replace("\n", " ")])
 
 
-## The editor reads its own reference on a thread, and a page that was opened earlier stays empty: retries until the text exists.
+## Returns a help page's text. Retries until it exists: a page stays empty if it was opened before a thread had read the reference.
 func _help_page(name: String) -> String:
 	var deadline := Time.get_ticks_msec() + PATIENCE_MSEC
 	var text := ""

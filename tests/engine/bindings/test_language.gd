@@ -1,12 +1,12 @@
 extends "../harness.gd"
-## The library's classes as scripts see them through the bindings: calls, properties, references, overrides, signals, threads.
+## Tests how scripts see the library's classes through the bindings: calls, properties, references, overrides, signals and threads.
 
 const OURS: PackedStringArray = [
 	"ScatterImpostorBaker", "PoissonPoints", "PoissonSampler", "ScatterLayer", "ScatterMask", "ScatterGround", "ScatterGroundFlat",
 	"ScatterGroundHeightmap", "TerrainScatter3D",
 ]
 
-## Zero until it is set. Zero is valid as the default, but not as a value.
+## Properties whose default of zero means that they are unset. Their setters refuse zero.
 const UNSET: PackedStringArray = ["ScatterGroundHeightmap.post_count"]
 
 
@@ -43,7 +43,8 @@ func test_classes() -> void:
 			object.free()
 
 
-## Every property reads back, has the default that the inspector uses, and has a setter.
+## In the classes of OURS, every property has the inspector's default and the declared type. All properties except those in UNSET accept
+## this default and return it.
 func test_properties() -> void:
 	for name in OURS:
 		var object: Object = ClassDB.instantiate(name)
@@ -171,7 +172,7 @@ func test_references() -> void:
 		check(reference.get_ref() == null, "freed with the last reference: %s" % [reference.get_ref()])
 
 
-## Signals arrive with their arguments, typed as they were declared.
+## Signals arrive with arguments of the declared types.
 func test_signals() -> void:
 	for signal_info: Dictionary in ClassDB.class_get_signal_list("TerrainScatter3D", true):
 		if signal_info["name"] in [&"tile_shown", &"tile_hidden"]:
@@ -219,7 +220,7 @@ func test_default_arguments() -> void:
 	check_equal(sampler.call("sample_domain_exact", 0.0, 0.0, 9.0, 9.0)["x"].size(), points.size(), "four of five arguments")
 
 
-## First calls from many threads at once: lazy lookups of the bindings happen only once.
+## Many threads make their first calls at once, so the lazy lookups in the bindings race.
 func test_threads() -> void:
 	var results: Array = []
 	results.resize(16)

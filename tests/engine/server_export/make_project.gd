@@ -1,5 +1,5 @@
 extends SceneTree
-## Creates the scene of a project that is exported as a dedicated server. The project's images must be imported.
+## Creates the scene of a project to export as a dedicated server. The project's images must already be imported.
 
 func _initialize() -> void:
 	_make.call_deferred()

@@ -1,5 +1,5 @@
 extends Node3D
-## The root of a scene that prints its instances, and the hits of rays on them.
+## The scene's root node. Prints the scene's instances and the results of ray casts on them.
 
 func _ready() -> void:
 	for scatter: TerrainScatter3D in find_children("*", "TerrainScatter3D"):
