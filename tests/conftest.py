@@ -1,5 +1,5 @@
-"""Fixtures for all tests. They use the existing build: `bash tests/run.sh` builds first, then calls pytest with several workers. This file
-also defines how the workers share the tests, and the order of the tests."""
+"""Provides fixtures for all tests. They use the existing build: `bash tests/run.sh` builds first, and then runs pytest
+with several workers. This file also defines the order of the tests and their distribution to the workers."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from analysis.point_sets import References
 
 try:
     import fcntl
-except ImportError:  # Windows has none.
+except ImportError:  # Windows does not have this module.
     fcntl = None
 
 REPO = Path(__file__).resolve().parent.parent
@@ -31,38 +31,41 @@ import installed  # noqa: E402 (only on the path above)
 
 # The folder into which tools/setup.sh installs.
 CACHE = Path(installed.cache_folder())
-# The add-on for test projects: the one that was built here, or one from a zip.
+# The add-on that test projects use: the add-on that was built here, or the one at the path in THICKET_ADDON.
 ADDON = Path(os.environ.get("THICKET_ADDON") or REPO / "demo_project/addons/thicket")
 ARCH = {"amd64": "x86_64", "aarch64": "arm64"}.get(platform.machine().lower(), platform.machine().lower())
-# An environment that contains only the sampler's Python package and its dependencies.
+# A virtual environment that contains only the sampler's Python package and its dependencies.
 WHEEL_VENV = REPO / "build/python/venv"
 BUILD_DIR = REPO / "build" / f"{platform.system().lower()}.template_debug.{ARCH}"
 
-# Doctest patterns of the core's slow cases, as a value of its options.
+# The names of the core's slow test cases, as the value of a doctest option.
 LONG_CASES = ",".join(
     line for line in (REPO / "tests/core/long_cases.txt").read_text(encoding="utf-8").splitlines() if line[:1] not in ("", "#")
 )
 
-# Any worker may take any test of these files. Other files go to one worker as a whole, because of their fixtures.
+# Files whose tests are distributed to all workers. The tests of any other file run in the same worker, because they
+# share fixtures.
 SPREAD = ["test_core", "test_engine"]
-# The slowest files come first, and those whose tests are spread come last, so that all workers finish at the same time.
+# The slowest files, which run first. Files whose tests are distributed run last, so that all workers finish at about the
+# same time.
 LONG = [
     "test_package", "test_platforms", "test_sanitizers", "test_engine_sanitizers", "test_coverage", "test_fuzz", "test_growth", "test_build",
     "test_editor", "test_demo", "test_figures", "test_python_package", "test_lint", "test_golden", "test_analysis", "test_bake_world",
     "test_tutorials", "test_domain_statistics",
 ]  # fmt: skip
-# Files that go to one worker. Only one build may run in this tree, and a test that waits for a different build may time out. The
-# second entry checks the result of the first one's set-up.
+# Files whose tests run in the same worker. Only one build may run in this tree at a time, and a test that waits for a
+# build could time out. test_peers checks a result of the setup of test_figures.
 BUILDS = ("test_package", "test_sanitizers", "test_engine_sanitizers", "test_fuzz", "test_growth", "test_build", "test_platforms")
 TOGETHER = {name: "builds" for name in BUILDS} | {"test_peers": "test_figures"}
 
 
 def group(item: pytest.Item) -> str | None:
-    """The name that the tests of one worker share, or None for a test that any worker may take."""
+    """Returns the name of the group of tests that must run in the same worker, or None if any worker may run the
+    test."""
     if alone(item):
         return "alone"
     if "imported_demo" in getattr(item, "fixturenames", ()):
-        return "demo"  # Importing writes into the project.
+        return "demo"  # Importing writes files into the project.
     return None if item.path.stem in SPREAD else TOGETHER.get(item.path.stem, item.path.stem)
 
 
@@ -71,7 +74,8 @@ def pytest_addoption(parser: pytest.Parser):
 
 
 def pytest_configure():
-    """Each worker has its own cache folder for Godot. With a common folder, an editor might read documentation while a different editor writes it."""
+    """Assigns each worker its own cache folder for Godot. In a shared folder, one editor could read the documentation
+    while another writes it."""
     os.environ["THICKET_CACHE"] = str(CACHE)
     os.environ["XDG_CACHE_HOME"] = str(CACHE / "engine" / os.environ.get("PYTEST_XDIST_WORKER", "alone"))
     os.makedirs(os.environ["XDG_CACHE_HOME"], exist_ok=True)
@@ -79,8 +83,9 @@ def pytest_configure():
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]):
-    """Removes tests with the marker full, unless --full is given. Orders the tests for several workers: first whole files, then spread
-    tests, and at the end, when no slow test is running, the tests that need to be alone. While one of these waits, no other test starts."""
+    """Deselects tests with the marker `full` unless --full is given. Sorts the tests for several workers: first the
+    files that run in one worker each, then the distributed tests. Tests with the marker `alone` come last. While one of
+    them waits, no other test starts, so no slow test should be running at that time."""
 
     def rank(item: pytest.Item) -> int:
         stem = item.path.stem
@@ -103,20 +108,22 @@ def alone(item: pytest.Item) -> bool:
 
 
 def is_worker(config: pytest.Config) -> bool:
-    """True if this process is one of several workers. False for a run that a worker's test has started, although it has the worker's environment."""
+    """Returns true if this process is one of several workers. Returns false in a pytest run that a worker's test has
+    started, although that run inherits the worker's environment."""
     return hasattr(config, "workerinput")
 
 
 @contextmanager
 def turn(config: pytest.Config, wants_to_be_alone: bool) -> Iterator[None]:
-    """Waits until a test may run together with the tests of other workers. With `wants_to_be_alone`, waits until no other test is running."""
+    """Waits until a test may run beside the tests of other workers or, with `wants_to_be_alone`, until no other test is
+    running."""
     if fcntl is None or not is_worker(config):
         yield
         return
     folder = REPO / "build"
     folder.mkdir(exist_ok=True)
     with (folder / ".tests_door").open("w") as door, (folder / ".tests_room").open("w") as room:
-        # A test that waits for an empty room keeps the door locked. Otherwise, new tests could enter forever.
+        # A test that waits until it is alone keeps this lock. Otherwise, new tests could keep starting.
         fcntl.flock(door, fcntl.LOCK_EX)
         fcntl.flock(room, fcntl.LOCK_EX if wants_to_be_alone else fcntl.LOCK_SH)
         fcntl.flock(door, fcntl.LOCK_UN)
@@ -129,13 +136,15 @@ def pytest_runtest_protocol(item: pytest.Item):
         return (yield)
 
 
-# Time limits only end what hangs. A machine that is shared can be many times slower than usual for a minute.
+# The factor by which time limits are multiplied. The limits are meant only for processes that hang, and a shared
+# machine can be much slower than usual for a while.
 PATIENCE = 3
 
 
 def run(command: list[str | Path], timeout: float, **options) -> subprocess.CompletedProcess[str]:
-    """Runs a command to its end, with text output and without standard input. `timeout` is for an idle machine, in seconds. A
-    command that takes PATIENCE times as long is killed together with the programs that it has started, and fails the test with its output."""
+    """Runs a command until it exits, with text output and without standard input. `timeout` is in seconds, for an idle
+    machine. A command that takes PATIENCE times as long is killed, together with the programs that it has started, and
+    the test fails with its output."""
     timeout *= PATIENCE
     options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "errors": "replace", "stdin": subprocess.DEVNULL, **options}
     arguments = [str(part) for part in command]
@@ -152,19 +161,19 @@ def run(command: list[str | Path], timeout: float, **options) -> subprocess.Comp
 
 
 def in_godots_root(command: list[str | Path], timeout: float) -> subprocess.CompletedProcess[str]:
-    """Runs a program in the Debian root of Godot, in the cache folder."""
+    """Runs a program in the Debian root of Godot, which is in the cache folder."""
     enter = 'source tools/find.sh; enter_root "$(godot_root)"; exec "${enter[@]}" "$@"'
     return run(["bash", "-c", enter, "bash", *command], timeout, cwd=REPO)
 
 
 def build(*arguments: str | Path, timeout: float, cwd: Path = REPO):
-    """Builds with scons. If that fails, fails the test with the output."""
+    """Builds with scons. If the build fails, the test fails with its output."""
     built = run(["scons", "-Q", f"-j{os.cpu_count()}", *arguments], timeout=timeout, cwd=cwd)
     assert built.returncode == 0, (built.stdout + built.stderr)[-8000:]
 
 
 def check_engine_tests(addon: Path, *options: str, **environment: str):
-    """Runs tests/engine in projects that contain only this add-on. `options` are pytest's."""
+    """Runs tests/engine in projects that contain only this add-on. `options` are passed to pytest."""
     done = run([sys.executable, "-m", "pytest", "-n", "0", "-p", "no:cacheprovider", *options, "tests/engine/test_engine.py"], timeout=3600, cwd=REPO,
         env={**os.environ, "THICKET_ADDON": str(addon), **environment})  # fmt: skip
     assert done.returncode == 0, done.stdout[-6000:]
@@ -172,13 +181,13 @@ def check_engine_tests(addon: Path, *options: str, **environment: str):
 
 @pytest.fixture(scope="session")
 def repo() -> Path:
-    """The repository's root."""
+    """Returns the repository's root."""
     return REPO
 
 
 @pytest.fixture(scope="session")
 def build_dir() -> Path:
-    """The folder of the template_debug build that all tests use: build/<platform>.template_debug.<arch>."""
+    """Returns the folder of the template_debug build that all tests use: build/<platform>.template_debug.<arch>."""
     if not BUILD_DIR.is_dir():
         pytest.fail(f"{BUILD_DIR} does not exist: run scons, or bash tests/run.sh", pytrace=False)
     return BUILD_DIR
@@ -186,8 +195,8 @@ def build_dir() -> Path:
 
 @pytest.fixture(scope="session")
 def core_tool(build_dir: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
-    """core_tool(name, *args, timeout=300) runs a program from the build. `name` is its path in the build folder ("core_tests",
-    "bench/sampler", "analysis/spectrum")."""
+    """Returns a function, core_tool(name, *args, timeout=300), that runs a program of the build. `name` is its path in
+    the build folder, such as "core_tests" or "bench/sampler"."""
 
     def call(name: str, *args: str | Path, timeout: float = 300, **options) -> subprocess.CompletedProcess[str]:
         program = build_dir / name
@@ -199,13 +208,13 @@ def core_tool(build_dir: Path) -> Callable[..., subprocess.CompletedProcess[str]
 
 @pytest.fixture(scope="session")
 def references(build_dir: Path) -> References:
-    """Reference point sets that the sampler's sets are compared with."""
+    """Returns reference point sets, for comparisons with the sampler's sets."""
     return References(build_dir / "analysis" / "references")
 
 
 @contextmanager
 def one_at_a_time(name: str) -> Iterator[None]:
-    """Only lets one worker at a time enter with the same name."""
+    """Lets only one worker at a time enter a block with this name."""
     if fcntl is None:
         yield
         return
@@ -217,7 +226,8 @@ def one_at_a_time(name: str) -> Iterator[None]:
 
 @pytest.fixture(scope="session")
 def wheel() -> Path:
-    """The wheel that `bash python/build.sh` builds for this Python from the current sources. The script prints its path."""
+    """Builds the wheel for this Python version from the current sources with `bash python/build.sh`. Returns the path
+    that the script prints."""
     with one_at_a_time("wheel"):
         done = run(["bash", "python/build.sh"], timeout=1200, cwd=REPO, env={**os.environ, "PYTHON": sys.executable})
     assert done.returncode == 0, done.stdout + done.stderr
@@ -226,9 +236,11 @@ def wheel() -> Path:
 
 @pytest.fixture(scope="session")
 def wheel_python(wheel: Path) -> Path:
-    """The Python of an environment with only the package and its dependencies. It is kept until the wheel changes."""
+    """Returns the Python interpreter of an environment with only the package and its dependencies. The environment is
+    kept until the wheel changes."""
     with one_at_a_time("wheel"):
-        # The digests of all files in the wheel. The wheel itself also contains the build time.
+        # RECORD contains the digests of all files in the wheel. The bytes of the wheel itself are unsuitable, because
+        # they include the build time.
         with ZipFile(wheel) as files:
             mark = files.read(next(name for name in files.namelist() if name.endswith(".dist-info/RECORD"))).decode()
         stamp = WHEEL_VENV / "complete"
@@ -247,7 +259,8 @@ def wheel_python(wheel: Path) -> Path:
 
 @pytest.fixture(scope="session")
 def thicket(wheel_python: Path) -> ModuleType:
-    """The Python package, imported from the environment of `wheel_python`, which has the same Python."""
+    """Returns the Python package, imported from the environment of `wheel_python`, which uses the same Python
+    version."""
     done = run([wheel_python, "-c", "import sysconfig; print(sysconfig.get_path('platlib'))"], timeout=60)
     sys.path.append(done.stdout.strip())
     module = import_module("thicket")
@@ -256,7 +269,8 @@ def thicket(wheel_python: Path) -> ModuleType:
 
 
 def new_project(folder: Path, settings: str = "") -> Path:
-    """Makes a project with only the add-on in an empty folder. `settings` are additional lines for project.godot."""
+    """Creates a project that contains only the add-on, in an empty folder. `settings` are additional lines for
+    project.godot."""
     (folder / "project.godot").write_text(f'config_version=5\n[application]\nconfig/name="Thicket tests"\n{settings}')
     (folder / "addons").mkdir()
     (folder / "addons/thicket").symlink_to(ADDON)
@@ -267,20 +281,20 @@ def new_project(folder: Path, settings: str = "") -> Path:
 
 @pytest.fixture(scope="session")
 def imported_demo(repo: Path) -> Path:
-    """The demo project, after an import of its resources and with the extension known to the engine."""
+    """Returns the demo project after its resources have been imported and the engine has registered the extension."""
     project = repo / "demo_project"
     done = run([repo / "tools/godot", "--headless", "--path", project, "--import"], timeout=600)
     assert done.returncode == 0, done.stdout + done.stderr
     return project
 
 
-# Two threads of an editor may wait for its documentation at the same time. One of them then ends the process while it starts, with this
-# message. In Godot 4.6, EditorHelp::_wait_for_thread joins a thread without a lock.
+# The message of an editor that crashes at startup because two of its threads wait for the documentation at the same
+# time. In Godot 4.6, EditorHelp::_wait_for_thread joins a thread without a lock.
 ENDED_BY_DOCUMENTATION = re.compile(r"instance of 'std::system_error'\s+what\(\):\s+Invalid argument")
 
 
 def run_godot(arguments: list[str | Path], timeout: float, **options) -> subprocess.CompletedProcess[str]:
-    """Runs Godot; an editor a second time if its documentation has ended it."""
+    """Runs Godot. Runs an editor a second time if its documentation thread crashed it."""
     done = run([REPO / "tools/godot", *arguments], timeout, **options)
     if "--editor" in arguments and ENDED_BY_DOCUMENTATION.search(done.stderr):
         done = run([REPO / "tools/godot", *arguments], timeout, **options)
@@ -289,7 +303,8 @@ def run_godot(arguments: list[str | Path], timeout: float, **options) -> subproc
 
 @pytest.fixture(scope="session")
 def godot() -> Callable[..., subprocess.CompletedProcess[str]]:
-    """godot(args, timeout=300) runs Godot with --headless. `args` is the list of its arguments."""
+    """Returns a function, godot(args, timeout=300), that runs Godot with --headless and the arguments in the list
+    `args`."""
 
     def call(args: list[str | Path], timeout: float = 300, **options) -> subprocess.CompletedProcess[str]:
         return run_godot(["--headless", *args], timeout, **options)
@@ -299,7 +314,8 @@ def godot() -> Callable[..., subprocess.CompletedProcess[str]]:
 
 @pytest.fixture(scope="session")
 def godot_xvfb() -> Callable[..., subprocess.CompletedProcess[str]]:
-    """godot_xvfb(args, timeout=600) runs Godot with a window on an invisible display, drawn in software by the Compatibility renderer."""
+    """Returns a function, godot_xvfb(args, timeout=600), that runs Godot with a window on a virtual display. The
+    Compatibility renderer draws the window in software."""
 
     def call(args: list[str | Path], timeout: float = 600, **options) -> subprocess.CompletedProcess[str]:
         environment = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}

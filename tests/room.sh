@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# Builds and runs the tests of one room of the core, in seconds: compiles only that room and those that it includes.
+# Builds and runs the tests of one room of the core in seconds. Compiles only that room and the rooms that it includes.
 #   bash tests/room.sh rules              all cases of the room, except those in tests/core/long_cases.txt
 #   bash tests/room.sh rules 'clumps*'    the cases whose names match the pattern
 #   bash tests/room.sh --all sampling     all cases, including the long ones
-#   bash tests/room.sh --dev rules        in a build for a debugger: scons dev_build=yes
-# Rooms are the folders of extension/core, and domain for core/sampling/domain. Other arguments go to doctest (--help lists them).
+#   bash tests/room.sh --dev rules        in a debug build: scons dev_build=yes
+# The rooms are the folders of extension/core, and `domain` for core/sampling/domain. Any other argument is passed to doctest
+# (--help lists them).
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
 

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Sets up, builds, and runs all tests with one worker more than there are cores, up to four. Arguments go to pytest:
+# Sets up the tools, builds everything, and runs all tests with one more worker than there are cores, at most four.
+# Arguments are passed to pytest:
 #   bash tests/run.sh -k sampler
 #   bash tests/run.sh -n 0        runs one test after the other, in the order of their files
 #   bash tests/run.sh --full      includes slow tests: longer soaks, fuzzers and sanitizers, and complete matrices
@@ -33,11 +34,11 @@ scons -Q -j"$(nproc)"
 
 arguments=()
 for argument in "$@"; do
-	# A path, possibly followed by ::test, is relative to the caller's folder.
+	# A path, possibly followed by ::test, is relative to the working directory of the caller.
 	[[ $argument != /* && $argument != -* && -e $from/${argument%%::*} ]] && argument=$from/$argument
 	arguments+=("$argument")
 done
-# One worker more than there are cores: a test waits about a third of its time, for an engine's frames or for a clock.
+# One more worker than cores, because tests spend about a third of their time waiting for engine frames or timers.
 workers=$(($(nproc) + 1))
 ((workers <= 4)) || workers=4
 exec "$(python_venv)/bin/python" -m pytest -n "$workers" --dist loadgroup --no-loadscope-reorder "${arguments[@]}" </dev/null

@@ -1,5 +1,6 @@
 extends SceneTree
-## Prints how the add-on divides rectangles into tiles. Arguments: for each case a rectangle, a size of tiles and one of a layer's tiles, as an array in JSON.
+## Prints how the add-on divides rectangles into tiles. Each argument is a case, as a JSON array: a rectangle, a tile
+## size, and the tile size of a layer.
 
 const BakeGrid := preload("res://addons/thicket/baking/bake_grid.gd")
 

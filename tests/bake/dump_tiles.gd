@@ -1,5 +1,6 @@
 extends SceneTree
-## Prints the content of each tile of an exported world: a line of JSON for each of its nodes. Arguments: the index's path.
+## Prints the content of each tile of an exported world, as a line of JSON for each node. Argument: the path of the
+## index.
 
 
 const Index := preload("res://addons/thicket/baked_world_index.gd")

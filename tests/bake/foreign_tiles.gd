@@ -1,6 +1,6 @@
 extends SceneTree
-## Reads files of a baked world that a stranger may have written, and prints the error with which each was refused. Arguments: the index's path, and a
-## folder to write into. A changed bit, and each field with each of some values, under digests that fit.
+## Reads malicious files of a baked world, and prints the error with which each was refused. In some files, bits are flipped. In the other files,
+## fields are replaced and the digests match. Arguments: the path of the index, and a folder for the files.
 
 const BakedFile := preload("res://addons/thicket/baked_world_file.gd")
 const Index := preload("res://addons/thicket/baked_world_index.gd")
@@ -39,7 +39,8 @@ func _print(what: String, refused: String) -> void:
 	print("case ", JSON.stringify([what, refused]))
 
 
-## Returns the error with which the first tile is refused if its file has these bytes; empty if it is accepted. Keeps the digest in the index.
+## Returns the error with which the first tile is refused if its file has these bytes, or an empty string if it is
+## accepted. Leaves the digest in the index unchanged.
 func _refusal_of(bytes: PackedByteArray) -> String:
 	var at := Vector2i(_index.tiles[0], _index.tiles[1])
 	FileAccess.open(_index.tile_path(at), FileAccess.WRITE).store_buffer(bytes)
@@ -61,7 +62,7 @@ func _flip_bits() -> void:
 		_print("flip", _refusal_of(bytes))
 
 
-## Reads a changed tile whose digest in the index was changed as well, as an attacker who also writes the index could do.
+## Reads a changed tile with a matching digest in the index, as if an attacker had written the index as well.
 func _foreign(header: Dictionary, payload: PackedByteArray) -> String:
 	var bytes := BakedFile.packed(header, payload)
 	var kept := _index.digests
@@ -95,7 +96,7 @@ func _cut() -> void:
 		_print("cut", _refusal_of(_bytes.slice(0, _bytes.size() * part / 20)))
 	_print("payload cut", _foreign(_good.header, _good.payload.slice(0, 100)))
 	_print("no payload", _foreign(_good.header, PackedByteArray()))
-	var bomb := _bytes.duplicate() # Says that it unpacks to 4 GB.
+	var bomb := _bytes.duplicate() # This payload claims to unpack to 4 GB.
 	bomb.encode_u32(44, 0xffffffff)
 	bomb = _with_digest(bomb)
 	_index.digests = BakedFile.digest_in(bomb)

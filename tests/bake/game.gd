@@ -1,6 +1,6 @@
 extends SceneTree
-## Runs the world as a game does, with a player who walks through it, and writes the rows of every visible tile into the file that
-## the first argument names: layer, x, y and size of the rows, 32 bits each, then the rows.
+## Runs the world as a game does, with a player who walks through it. Writes the rows of every visible tile into the file that the first argument
+## names. Each entry has the layer, x, y and the size of the rows, as 32-bit integers, and then the rows.
 
 
 func _initialize() -> void:

@@ -1,7 +1,7 @@
 @tool
 extends ScatterGround
-## Rolling ground 200 m around the origin. The content of the file user://ground adds a problem. With "bad", the ground fails east of x = 48, like a
-## terrain with a fault in one place. With "slow", tiles take a while.
+## A ground of rolling hills within 200 m of the origin. The content of the file user://ground makes large requests fail or slow. With "bad", requests
+## fail if a position is east of x = 48, like a terrain with a local fault. With "slow", they take 15 ms longer.
 
 const REACH := 200.0
 

@@ -1,5 +1,5 @@
 extends SceneTree
-## Instantiates the scene that the first argument names, and frees it.
+## Instantiates the scene that the first argument names, then frees it.
 
 
 func _initialize() -> void:

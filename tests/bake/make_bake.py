@@ -1,10 +1,11 @@
-"""Writes a small bake for the tests of its readers, in the same format as the baker, and its content as arrays. Runs with the
-Python of tools/bake.
+"""Writes a small bake for the tests of the bake readers, in the format of the baker, and its content as arrays. Runs
+with the Python environment of tools/bake.
 
     make_bake.py FOLDER
 
-The world is far from the origin. It has a tile without rows, all kinds of models, and instances slightly outside of their tile. One layer was not
-baked, between two layers that were. FOLDER/expected.npz has the columns of all tiles, one after the other, with each row's tile."""
+The world is far from the origin. It contains a tile without rows, all kinds of models, and instances slightly outside
+their tile. The layer indices have a gap, as if a layer between two others had not been baked. FOLDER/expected.npz
+contains the concatenated columns of all tiles, and the tile of each row."""
 
 from __future__ import annotations
 
@@ -44,7 +45,8 @@ PER_TILE = {0: 40, 2: 200}
 
 
 def rows_of(x: int, z: int, rng: np.random.Generator) -> dict[str, np.ndarray]:
-    """The columns of a tile: instances at random positions in the tile's part of the rectangle, and one instance 3 cm outside."""
+    """Returns the columns of a tile: instances at random positions in the tile's part of the rectangle, except for one
+    instance that is 3 cm outside."""
     low = np.maximum([x * TILE_SIZE, z * TILE_SIZE], RECT[:2])
     high = np.minimum([(x + 1) * TILE_SIZE, (z + 1) * TILE_SIZE], [RECT[0] + RECT[2], RECT[1] + RECT[3]])
     counts = {layer: 0 if (x, z) == EMPTY else count for layer, count in PER_TILE.items()}
@@ -57,7 +59,7 @@ def rows_of(x: int, z: int, rng: np.random.Generator) -> dict[str, np.ndarray]:
     turn /= np.linalg.norm(turn, axis=1, keepdims=True)
     scale = np.repeat(rng.uniform(0.5, 2.0, (count, 1)), 3, axis=1)
     if count > 1:
-        scale[1] = -1.5  # A hand-placed mirror image.
+        scale[1] = -1.5  # A negative scale mirrors the instance, as a designer may do by hand.
     oak = layer == 0
     return {
         "id": np.arange(count, dtype=np.uint64) + np.uint64((x - FIRST[0]) * 1000 + (z - FIRST[1]) * 10**6),
@@ -73,7 +75,7 @@ def rows_of(x: int, z: int, rng: np.random.Generator) -> dict[str, np.ndarray]:
 
 
 def write_tile(folder: Path, x: int, z: int, columns: dict[str, np.ndarray]) -> dict:
-    """Writes a tile, and returns its entry for the manifest."""
+    """Writes a tile. Returns its entry for the manifest."""
     oak = columns["layer"] == 0
     nullable = ("color", "variation", "wind_phase")
     table = pa.table({name: pa.array(values, mask=~oak if name in nullable else None) for name, values in columns.items()})

@@ -1,5 +1,5 @@
 extends SceneTree
-## Saves the meshes that a small bake has of its own. Arguments: the folder.
+## Saves the meshes that only the small test bake uses. Argument: the folder.
 
 
 func _initialize() -> void:
@@ -11,7 +11,7 @@ func _initialize() -> void:
 	quit()
 
 
-## Two boxes, 2 m apart, drawn by a shader that takes its color as three numbers.
+## Returns a mesh of two boxes, 2 m apart, with a shader whose color is a vec3 uniform.
 func _rock() -> ArrayMesh:
 	var gray := ShaderMaterial.new()
 	gray.shader = Shader.new()

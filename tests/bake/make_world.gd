@@ -1,7 +1,7 @@
 extends SceneTree
-## Writes world.tscn: trees with colors and custom data, with two meshes, and with an offset along the normal that moves them off their tiles; grass
-## that keeps away from the trees, in tiles of a size that does not divide theirs; and a state in which some trees were felled and some were placed by
-## hand.
+## Writes world.tscn, a scene with a scatter of trees and grass. The trees have colors, custom data, two meshes, and an offset along the normal that
+## moves some of them off their tiles. The grass keeps a distance from the trees, and its tile size does not divide that of the trees. In the
+## scatter's state, some trees have been felled and some placed by hand.
 
 const Hills := preload("res://hills.gd")
 

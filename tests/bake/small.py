@@ -1,4 +1,4 @@
-"""The small bake for all tests of readers, and the project with its models."""
+"""Provides the small bake that all tests of bake readers use, and a project with the models of that bake."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ TOOLS = REPO / "tools/bake"
 
 
 def new_game(folder: Path) -> Path:
-    """Creates a project without the extension. It only contains the scripts that stream a world, and the models of the small bake."""
+    """Creates a project without the extension. It contains only the scripts that stream a world, and the models of the
+    small bake."""
     scripts = folder / "addons/thicket"
     scripts.mkdir(parents=True)
     (folder / "project.godot").write_text('config_version=5\n[application]\nconfig/name="Baked"\n')
@@ -37,7 +38,7 @@ def game(tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def bake(tmp_path_factory, godot, game) -> Path:
-    """A small bake. See tests/bake/make_bake.py for its content."""
+    """Returns the folder of the small bake, which tests/bake/make_bake.py writes."""
     folder = tmp_path_factory.mktemp("bakes") / "small"
     done = run([PYTHON, BAKES / "make_bake.py", folder], timeout=60)
     assert done.returncode == 0, f"{done.stderr}\nsetup_bake in tools/setup.sh installs the Python packages"
@@ -49,13 +50,13 @@ def bake(tmp_path_factory, godot, game) -> Path:
 
 @pytest.fixture(scope="module")
 def expected(bake) -> dict[str, np.ndarray]:
-    """The columns of all tiles."""
+    """Returns the concatenated columns of all tiles of the small bake."""
     return dict(np.load(bake / "expected.npz"))
 
 
 @pytest.fixture
 def copy(bake, tmp_path) -> Path:
-    """A copy of the small bake, for tests that damage it."""
+    """Returns a copy of the small bake, for tests that damage it."""
     return Path(shutil.copytree(bake, tmp_path / "copy"))
 
 
@@ -64,7 +65,7 @@ def reader(name: str, bake: Path, *arguments: str | Path, timeout: float = 120) 
 
 
 def refused(name: str, bake: Path, *arguments: str | Path) -> str:
-    """The error message of a reader that refuses a bake. The message must be a sentence without a traceback."""
+    """Runs a reader that must refuse a bake and must not print a traceback. Returns the error message."""
     done = reader(name, bake, *arguments)
     assert done.returncode == 1 and "Traceback" not in done.stderr, done.stdout + done.stderr
     return done.stderr
@@ -83,14 +84,14 @@ def select(rows: dict[str, np.ndarray], which: np.ndarray) -> dict[str, np.ndarr
 
 
 def of_tile(rows: dict[str, np.ndarray], tile: list[int], layer: int, model: int) -> dict[str, np.ndarray]:
-    """The rows of a model in a tile, sorted by rank."""
+    """Returns the rows of a model in a tile, sorted by rank and id."""
     here = (rows["tile_x"] == tile[0]) & (rows["tile_z"] == tile[1]) & (rows["layer"] == layer) & (rows["model"] == model)
     found = select(rows, here)
     return select(found, np.lexsort((found["id"], found["rank"])))
 
 
 def stops_of(engine, game: Path, *steps: str) -> tuple[list[dict], str]:
-    """The visible nodes after each step, and the output. See tests/bake/stream_tiles.gd."""
+    """Runs tests/bake/stream_tiles.gd. Returns a description of the visible nodes after each step, and the output."""
     done = engine(["--verbose", "--path", game, "--script", BAKES / "stream_tiles.gd", "--", "res://world/baked_world.scn", *steps], timeout=120)
     printed = done.stdout + done.stderr
     assert done.returncode == 0 and "stream: done" in done.stdout and "never settled" not in done.stdout, printed[-4000:]

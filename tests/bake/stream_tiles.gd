@@ -1,13 +1,14 @@
 extends SceneTree
-## Walks through an exported world with a camera, and prints which tiles are shown at each stop. Arguments: the scene's path, then one for each step:
-##   X,Z        go there, in the engine's meters, and wait until nothing more comes or goes
-##   offset=X   move the engine's origin to this x in the world, and the camera with it
+## Moves a camera through an exported world, and prints which tiles are visible at each stop. Arguments: the path of the
+## scene, then one for each step:
+##   X,Z        move there, in meters relative to the engine's origin, and wait until no tile appears or disappears
+##   offset=X   move the engine's origin to this x in the world, together with the camera
 ##   far=M      set view_distance
-##   other=PATH give the node another index
+##   other=PATH assign a different index to the node
 
 var _world: Node3D
 var _camera := Camera3D.new()
-var _most := 0 # Tiles that came in one frame.
+var _most := 0 # The largest number of tiles that appeared in one frame.
 var _came := 0
 var _failed: Array[Vector2i] = []
 

@@ -1,4 +1,5 @@
-"""Tests a bake as binary glTF with GPU instancing. Separate code parses the files, and Khronos' validator checks them."""
+"""Tests the export of a bake to binary glTF with GPU instancing. Independent code parses the files, and the Khronos
+validator checks them."""
 
 from __future__ import annotations
 
@@ -14,7 +15,7 @@ from conftest import CACHE, REPO, run
 
 
 def parse(file: Path) -> tuple[dict, bytes]:
-    """The two chunks of a binary glTF file."""
+    """Returns the two chunks of a binary glTF file: the parsed JSON and the binary data."""
     data = file.read_bytes()
     magic, version, length, json_length, json_kind = struct.unpack_from("<4sIII4s", data)
     assert (magic, version, length, json_kind) == (b"glTF", 2, len(data), b"JSON")
@@ -44,8 +45,8 @@ def glbs(bake, game, tmp_path_factory) -> Path:
 
 
 def test_gltf_has_every_instance(glbs, expected):
-    """There is a node for each layer and model below the tile's center. Positions are exact to 0.01 mm, and rotations, scales and
-    colors bit for bit."""
+    """Checks that each tile has a node for each layer and model, with all instances. Positions must be exact to 0.01
+    mm, rotations to 1e-6, and scales and colors bit for bit."""
     files = sorted(glbs.iterdir())
     assert len(files) == 11
     seen = 0
@@ -71,7 +72,8 @@ def test_gltf_has_every_instance(glbs, expected):
 
 
 def test_gltf_has_the_models(glbs):
-    """The files contain the engine's meshes with their materials: the cylinder is 6 m high, and the rock is two boxes."""
+    """Checks that the files contain the engine's meshes with their materials: the cylinder is 6 m high, and the rock
+    consists of two boxes."""
     content, binary = parse(next(iter(sorted(glbs.iterdir()))))
     meshes = {node["name"]: content["meshes"][node["mesh"]] for node in content["nodes"] if "mesh" in node}
 
@@ -90,7 +92,8 @@ def test_gltf_has_the_models(glbs):
 
 
 def test_gltf_without_the_engine(copy, game, tmp_path):
-    """Covers requested pyramids, a pyramid for a missing model, selected tiles, a shifted origin and a coarser level of detail."""
+    """Tests pyramids on request and as replacements for a missing model, selected tiles, a shifted origin, and a
+    coarser level of detail."""
     chosen = ["--tiles=60001,-20001 60000,-20002", "--origin=3000000,0,-1000000"]
     assert reader("gltf", copy, tmp_path / "some", "--stand-ins", *chosen).returncode == 0
     assert sorted(file.name for file in (tmp_path / "some").iterdir()) == ["tile_60000_-20002.glb", "tile_60001_-20001.glb"]
@@ -128,7 +131,7 @@ def test_the_gltf_validator_finds_no_problem(glbs, bake, tmp_path):
     found = [json.loads(line) for line in done.stdout.splitlines()]
     assert done.returncode == 0 and len(found) == 12, done.stderr
     assert all(issues["numErrors"] == issues["numWarnings"] == 0 for issues in found), found[0]["messages"][:5]
-    # The validator does report an error.
+    # Check that the validator can detect an error.
     broken = tmp_path / "broken.glb"
     broken.write_bytes(files[-1].read_bytes().replace(b'"POSITION"', b'"POSITIOM"'))
     done = run(["node", "-e", script, broken], timeout=60, cwd=folders[-1].parent)

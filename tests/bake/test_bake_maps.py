@@ -1,4 +1,5 @@
-"""Tests the maps of a bake: a gray picture for each layer, from which the counts can be computed."""
+"""Tests the density maps of a bake: a grayscale image for each layer, from which the instance counts can be
+computed."""
 
 from __future__ import annotations
 
@@ -20,7 +21,8 @@ def map_of(folder: Path, name: str) -> tuple[np.ndarray, dict]:
 
 
 def counted(rows: dict[str, np.ndarray], layer: int, meters: float, width: int, height: int) -> np.ndarray:
-    """The number of a layer's instances in each pixel. Instances beyond the border count for the border."""
+    """Returns the number of a layer's instances in each pixel. Instances beyond the border count for the pixels at the
+    border."""
     here = rows["layer"] == layer
     columns = ((rows["x"][here] - 3_000_010) // meters).clip(0, width - 1).astype(int)
     lines = ((rows["z"][here] + 1_000_100) // meters).clip(0, height - 1).astype(int)
@@ -31,7 +33,8 @@ def counted(rows: dict[str, np.ndarray], layer: int, meters: float, width: int, 
 
 @pytest.mark.parametrize(("meters", "memory", "size"), [(None, "256", (180, 130)), (7.3, "0.005", (25, 18)), (200.0, "256", (1, 1)), (0.5, "0.05", (360, 260))])
 def test_maps_count_every_instance(bake, expected, tmp_path, meters, memory, size):
-    """The counts can be computed for any pixel size, whether the map is created at once or in bands of a few rows."""
+    """Checks that the counts can be computed for any pixel size, whether the map is created at once or in bands of a
+    few rows."""
     options = [] if meters is None else ["--meters", str(meters)]
     done = reader("maps", bake, tmp_path / "maps", *options, "--memory", memory)
     assert done.returncode == 0, done.stderr
@@ -50,7 +53,7 @@ def test_maps_count_every_instance(bake, expected, tmp_path, meters, memory, siz
 
 
 def test_maps_of_8_bits(bake, expected, tmp_path):
-    """With 20 m per pixel, white means the maximum number of instances, and one instance of a dense layer changes a pixel by less than one gray
+    """Tests 8-bit maps with 20 m per pixel. One instance of a dense layer changes a pixel by less than one gray
     value."""
     assert run(["bash", "demo_project/bake_export.sh", bake, "maps", tmp_path, "--meters", "20", "--bits", "8"], timeout=60, cwd=REPO).returncode == 0
     gray, about = map_of(tmp_path, "Grass")
@@ -61,7 +64,8 @@ def test_maps_of_8_bits(bake, expected, tmp_path):
 
 
 def test_memory_for_maps_is_bounded(bake, tmp_path):
-    """A map with a hundred million pixels would need 600 MB at once. The limit is an eighth of that, in addition to Python and Arrow."""
+    """Checks that a map with a hundred million pixels, which would need 600 MB at once, takes less than an eighth of
+    that memory. The memory of Python and Arrow is not included."""
     script = (
         "import resource, sys; from pathlib import Path; from reading import bake, maps; "
         "world = bake.open_bake(sys.argv[1]); base = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss; "

@@ -1,4 +1,5 @@
-"""Tests that the readers of a bake refuse damaged files, and tests the export of a bake to Godot, with the node that streams it."""
+"""Tests that the readers of a bake refuse damaged files. Also tests the export of a bake to Godot, and the node that
+streams the exported world."""
 
 from __future__ import annotations
 
@@ -41,7 +42,8 @@ def test_an_invalid_manifest_is_refused(copy, tmp_path, values, says):
 
 
 def test_damaged_tiles_are_refused(copy, tmp_path):
-    """A tile may be missing, truncated or different from the manifest's. Each error contains the file's name and the command that bakes it again."""
+    """Checks that a missing, truncated or swapped tile is refused, with the name of the file and the command that bakes
+    the tile again."""
     first, second = (copy / f"tiles/tile_{x}_-20002.parquet" for x in (60000, 60001))
     whole = first.read_bytes()
     for damage in (lambda: first.unlink(), lambda: first.write_bytes(whole[: len(whole) // 2]), lambda: shutil.copy(copy / "tiles/tile_60002_-20001.parquet", first)):
@@ -75,7 +77,7 @@ def test_the_command_prints_its_usage(bake):
 
 @pytest.fixture(scope="module")
 def world(bake, game) -> Path:
-    """The bake as a world in the game's project, exported with the documented command."""
+    """Returns the folder of the world in the game's project, exported with the documented command."""
     done = run(["bash", "demo_project/bake_export.sh", bake, "godot", game / "world", "--cell", "25"], timeout=120, cwd=REPO)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "res://world/baked_world.scn streams 2640 instances in 11 tiles" in done.stderr, done.stderr
@@ -84,7 +86,7 @@ def world(bake, game) -> Path:
 
 @pytest.fixture(scope="module")
 def nodes(godot, game, world) -> list[dict]:
-    """The nodes of the tiles, as the engine has loaded them."""
+    """Returns the nodes of all tiles as the engine has loaded them."""
     done = godot(["--path", game, "--script", BAKES / "dump_tiles.gd", "--", "res://world/baked_world.baked"], timeout=60)
     found = [json.loads(line) for line in re.findall(r"^node (.*)$", done.stdout, re.MULTILINE)]
     assert done.returncode == 0 and found and not complaints(done.stdout + done.stderr), done.stdout + done.stderr
@@ -95,7 +97,7 @@ def nodes(godot, game, world) -> list[dict]:
 
 
 def transforms_of(rows: dict[str, np.ndarray]) -> np.ndarray:
-    """n by 3 by 4 in double precision: a basis, and a position in the world."""
+    """Returns the transforms of n rows as an array of n x 3 x 4 doubles: a basis and a position in the world."""
     turn = Rotation.from_quat(np.stack([rows[name] for name in ("qx", "qy", "qz", "qw")], axis=1)).as_matrix()
     scale = np.stack([rows[f"scale_{axis}"] for axis in "xyz"], axis=1).astype(np.float64)
     place = np.stack([rows[axis] for axis in "xyz"], axis=1)
@@ -103,8 +105,8 @@ def transforms_of(rows: dict[str, np.ndarray]) -> np.ndarray:
 
 
 def test_exported_tiles_have_every_instance_at_its_baked_position(nodes, expected):
-    """Three million meters from the origin, positions are exact to 0.01 mm. Colors and custom data match, and each level of detail
-    has all instances."""
+    """Checks that positions 3,000 km from the origin are exact to 0.01 mm. Colors and custom data must match, and each
+    level of detail must have all instances."""
     seen = 0
     for tile in sorted({tuple(node["tile"]) for node in nodes}):
         for layer, model, name, levels in ((0, 0, "Oak_0", ["_LOD0", "_LOD1"]), (0, 1, "Oak_1", [""]), (2, 0, "Grass_0", [""])):
@@ -137,7 +139,8 @@ def test_exported_tiles_have_every_instance_at_its_baked_position(nodes, expecte
 
 
 def test_meshes_are_referenced_or_copied_once(nodes, world, bake):
-    """A mesh of the project is referenced by its path. A mesh that only exists in the bake is copied once."""
+    """Checks that tiles refer to a mesh of the project by its path, and that a mesh that exists only in the bake is
+    copied once."""
     meshes = {re.sub(r"(_\d+)_\d+", r"\1", node["name"]): node["mesh"] for node in nodes}
     assert meshes["Oak_0_LOD0"] == "res://oak.tres" and meshes["Oak_0_LOD1"] == "res://far.tres"
     assert meshes["Grass_0"] == "res://world/models/2_0.res"
@@ -148,7 +151,8 @@ def test_meshes_are_referenced_or_copied_once(nodes, world, bake):
 
 
 def test_levels_of_detail_have_no_gap_and_never_begin_too_early(nodes):
-    """A level begins where the previous one ends, measured from the same center. No instance nearer than 40 m has the coarse level."""
+    """Checks that a level begins where the previous one ends, measured from the same center. No instance nearer than 40
+    m may have the coarse level."""
     fine = {(*node["tile"], node["name"][:-5]): node for node in nodes if node["name"].endswith("_LOD0")}
     coarse = {(*node["tile"], node["name"][:-5]): node for node in nodes if node["name"].endswith("_LOD1")}
     assert fine.keys() == coarse.keys() and len(fine) >= 11
@@ -166,8 +170,8 @@ def test_levels_of_detail_have_no_gap_and_never_begin_too_early(nodes):
 
 
 def test_cells_are_smaller_if_levels_change_nearby(godot, copy, game):
-    """With a second level from 5 m on, a tile of 50 m has 3 by 3 cells, although --cell permits larger ones. Models without levels
-    stay whole."""
+    """Checks that a 50 m tile has up to 3 x 3 cells if the second level begins at 5 m, although --cell permits larger
+    ones. Models without levels are not divided."""
     layers = manifest_of(copy)["layers"]
     layers[0]["models"][0]["lods"][1]["distance"] = 5.0
     edit_manifest(copy, layers=layers)
@@ -180,7 +184,8 @@ def test_cells_are_smaller_if_levels_change_nearby(godot, copy, game):
 
 
 def test_an_export_only_replaces_an_earlier_export(bake, game, world, tmp_path):
-    """Other files stay. A folder outside of a project, and one without the scripts, are refused."""
+    """Checks that the export keeps other files, and that it refuses a folder outside a project and a project without
+    the scripts."""
     foreign = game / "mine"
     foreign.mkdir()
     (foreign / "tiles.txt").write_text("mine")
@@ -201,7 +206,7 @@ def test_an_export_only_replaces_an_earlier_export(bake, game, world, tmp_path):
 
 def test_an_unavailable_model_is_named(copy, game):
     layers = manifest_of(copy)["layers"]
-    layers[0]["models"][1] = {"path": "res://gone.tscn", "name": "rock"}  # Old manifests contain paths of scenes.
+    layers[0]["models"][1] = {"path": "res://gone.tscn", "name": "rock"}  # Older manifests contain paths of scenes.
     edit_manifest(copy, layers=layers)
     assert "res://gone.tscn cannot be loaded: is it in the project?" in refused("godot", copy, game / "without")
     assert not (game / "without/baked_world.baked").exists()
@@ -218,15 +223,16 @@ def test_an_unavailable_model_is_named(copy, game):
 
 
 def distance(tile: str, place: tuple[float, float]) -> float:
-    """The distance in meters from a position in the world to a tile's square."""
+    """Returns the distance from a position in the world to the square of a tile, in meters."""
     low = np.array([int(part) * 50.0 for part in tile.split(",")])
     return float(np.linalg.norm(np.clip(place, low, low + 50) - place))
 
 
 @pytest.mark.parametrize("engine", ["godot", "godot_xvfb"])
 def test_tiles_come_and_go_with_the_camera(engine, game, world, bake, request):
-    """Runs with and without a renderer. Files are read on threads only if there is a renderer. Exactly the tiles within the view distance appear.
-    Tiles that are a quarter of a tile farther away disappear. The content of each matches the manifest."""
+    """Checks that exactly the tiles within the view distance appear, and that tiles disappear when they are a quarter
+    of a tile beyond it. The content must match the manifest. Runs with and without a renderer, because files are read
+    on threads only with a renderer."""
     tiles = {key: entry for key, entry in manifest_of(bake)["tiles"].items() if entry["rows"]}
     walk = [(20.0, -80.0), (120.0, -80.0), (170.0, 20.0), (5000.0, 0.0)]
     stops, printed = stops_of(request.getfixturevalue(engine), game, *(f"{x},{z}" for x, z in walk))
@@ -240,7 +246,8 @@ def test_tiles_come_and_go_with_the_camera(engine, game, world, bake, request):
         assert shown == near | kept
         assert stop["children"] == len(shown)
         assert stop["instances"] == sum(tiles[key]["rows"] for key in shown)
-        assert 0 <= stop["instances"] - stop["drawn"] <= 0.05 * stop["instances"]  # The instances of the empty model.
+        # Instances of the empty model are counted but not drawn.
+        assert 0 <= stop["instances"] - stop["drawn"] <= 0.05 * stop["instances"]
         for key, place in stop["places"].items():
             i, j = (int(part) for part in key.split(","))
             assert place[0] == (i + 0.5) * 50 - 3_000_000 and place[2] == (j + 0.5) * 50 + 1_000_000
@@ -249,7 +256,7 @@ def test_tiles_come_and_go_with_the_camera(engine, game, world, bake, request):
 
 
 def test_work_in_a_frame_is_bounded(godot, game, world):
-    """With hardly any budget, one tile is added per frame, however many are ready."""
+    """Checks that, with a tiny time budget, one tile is added per frame, however many tiles are ready."""
     stops, _ = stops_of(godot, game, "90,-40", "far=200")
     assert stops[1]["most"] == 1 and len(stops[1]["tiles"]) == 11
 

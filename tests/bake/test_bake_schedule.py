@@ -1,4 +1,4 @@
-"""Predicted durations of bakes, compared with values computed by hand and with a real bake."""
+"""Compares the predicted durations of bakes with values that were computed by hand."""
 
 import json
 import sys
@@ -16,7 +16,8 @@ def test_equal_tiles_take_rounds():
     costs = Costs([2.0] * 100, start=5.0, driver=0.0, bytes=10)
     assert schedule.simulate(costs, 1) == pytest.approx(205.0)
     assert schedule.simulate(costs, 10) == pytest.approx(25.0)
-    assert schedule.simulate(costs, 7) == pytest.approx(5.0 + 15 * 2.0)  # 14 full rounds, and one with 2 tiles.
+    # With 7 workers, there are 14 full rounds and one round with 2 tiles.
+    assert schedule.simulate(costs, 7) == pytest.approx(5.0 + 15 * 2.0)
     assert schedule.simulate(costs, 1000) == pytest.approx(7.0)
 
 
@@ -37,7 +38,7 @@ def test_the_bottleneck_of_a_bake_is_named():
 
 
 def test_shared_cores_bound_a_bake():
-    """The driver's work also uses these cores, and more workers than cores gain nothing."""
+    """Checks that the driver's work also uses the cores, and that more workers than cores do not make a bake faster."""
     costs = Costs([1.0] * 100, start=2.0, driver=0.1, bytes=10)
     assert schedule.simulate(costs, 2, cores=2) == pytest.approx(2.0 + (100.0 + 10.0) / 2, abs=0.2)
     assert schedule.simulate(costs, 8, cores=2) == pytest.approx(2.0 + (100.0 + 10.0) / 2)

@@ -1,4 +1,5 @@
-"""Tests damaged and foreign bakes: each changed bit of a tile is detected, and a manifest with any content results in an error message."""
+"""Tests damaged and untrusted bakes. Each changed bit of a tile must be detected, and an invalid manifest must lead to
+an error message, whatever its content."""
 
 from __future__ import annotations
 
@@ -36,7 +37,7 @@ HOSTILE = [
 
 @pytest.fixture(scope="module")
 def tiny(tmp_path_factory) -> Path:
-    """A bake of one tile with few instances and with costs."""
+    """Returns a bake of one tile with few instances and with recorded costs."""
     folder = tmp_path_factory.mktemp("tiny") / "bake"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(make_bake, "COLUMNS", 1)
@@ -56,7 +57,7 @@ def tiny(tmp_path_factory) -> Path:
 
 @pytest.fixture
 def bake(tiny, tmp_path) -> Path:
-    """A copy, for tests that damage it."""
+    """Returns a copy of the tiny bake, for tests that damage it."""
     return Path(shutil.copytree(tiny, tmp_path / "bake"))
 
 
@@ -79,7 +80,7 @@ def read(folder: Path, **options: bool):
 
 
 def test_each_changed_bit_of_a_tile_is_detected(bake):
-    """The error contains the tile, both digests, and the command that bakes the tile again."""
+    """Checks that the error names the tile, the file, the expected digest and the option that bakes the tile again."""
     read(bake)
     file = bake / "tiles/tile_60000_-20002.parquet"
     wanted = json.loads((bake / MANIFEST).read_text())["tiles"][TILE]["sha256"]
@@ -92,7 +93,8 @@ def test_each_changed_bit_of_a_tile_is_detected(bake):
 
 
 def test_in_older_bakes_no_undetected_change_affects_an_instance(bake):
-    """Manifests of older bakes only contain the digests of rows. The rest of a file does not affect instances."""
+    """Checks that changes in older bakes are detected if they affect an instance. Manifests of these bakes contain only
+    the digests of rows."""
     manifest = json.loads((bake / MANIFEST).read_text())
     del manifest["tiles"][TILE]["sha256"]
     (bake / MANIFEST).write_text(json.dumps(manifest))
@@ -111,7 +113,7 @@ def test_in_older_bakes_no_undetected_change_affects_an_instance(bake):
 
 
 def test_every_reader_verifies_by_default(bake, tmp_path, capsys):
-    """A valid file with other rows, but the right number of them, is only accepted with --no-verify."""
+    """Checks that a valid file with the right number of rows, but different ones, is accepted only with --no-verify."""
     file = bake / "tiles/tile_60000_-20002.parquet"
     columns = rows.to_columns(files.pq.read_table(file).replace_schema_metadata(None))
     columns["x"] = columns["x"] + 1.0
@@ -132,7 +134,7 @@ def test_every_reader_verifies_by_default(bake, tmp_path, capsys):
 
 
 def edit_layers(bake: Path) -> None:
-    """Replaces all models by a mesh that the project has."""
+    """Replaces all models in the manifest with a mesh that exists in the project."""
     manifest = json.loads((bake / MANIFEST).read_text())
     for layer in manifest["layers"]:
         layer["models"] = [{"path": "res://oak.tres", "name": "oak"} for _ in layer["models"]]
@@ -140,8 +142,8 @@ def edit_layers(bake: Path) -> None:
 
 
 def test_a_file_is_verified_once_until_it_changes(bake, monkeypatch):
-    """A file counts as changed if its time or size changes. A recently written file is not remembered, because it could change
-    again within the same tick."""
+    """Checks that a file is verified again only if its time or size changes. A recently written file is not remembered,
+    because it could change again within the same clock tick."""
     file = bake / "tiles/tile_60000_-20002.parquet"
     hashed = []
     digest_of = verify._bytes_digest
@@ -162,7 +164,7 @@ def test_a_file_is_verified_once_until_it_changes(bake, monkeypatch):
 
 
 def test_a_continued_bake_only_keeps_files_that_match_the_manifest(bake):
-    """A valid file with other rows or other bytes is made again."""
+    """Checks that a valid file is kept only if its rows and its bytes match the manifest."""
     file = bake / "tiles/tile_60000_-20002.parquet"
     columns = rows.to_columns(files.pq.read_table(file).replace_schema_metadata(None))
     marks = {"thicket.digest": rows.digest(columns)}
@@ -178,7 +180,7 @@ def test_a_continued_bake_only_keeps_files_that_match_the_manifest(bake):
 
 
 def paths_in(value: object, path: tuple = ()) -> Iterator[tuple]:
-    """The path to each value of a JSON tree."""
+    """Yields the path to each value of a JSON tree."""
     if path:
         yield path
     for key, inner in value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ():
@@ -186,7 +188,8 @@ def paths_in(value: object, path: tuple = ()) -> Iterator[tuple]:
 
 
 def replaced(manifest: dict) -> Iterator[str]:
-    """The manifest with each value removed, in a list, or replaced by each of HOSTILE; and with other keys in objects."""
+    """Yields variants of the manifest in which a value is removed, wrapped in a list, or replaced by one of HOSTILE. In
+    some variants, the tile has a different key instead."""
     for path in paths_in(manifest):
         for value in (*HOSTILE, "remove", "wrap", *(["rename"] if path[-1] == TILE else [])):
             changed = copy.deepcopy(manifest)
@@ -207,7 +210,8 @@ def replaced(manifest: dict) -> Iterator[str]:
 
 
 def spoiled(text: str) -> Iterator[bytes]:
-    """The text truncated, with bytes that are not UTF-8, with other characters, deeply nested, and with repeated fields."""
+    """Yields variants of the text: truncated, with bytes that are not UTF-8, with changed characters, deeply nested,
+    with repeated fields, with huge numbers, and in other encodings."""
     chance = random.Random(2)
     content = text.encode()
     for at in range(0, len(content), 17):
@@ -226,9 +230,9 @@ def spoiled(text: str) -> Iterator[bytes]:
 
 
 def said_of(bake: Path, out: Path, capsys) -> list[tuple[int, str]]:
-    """The exit code and the output of each command that reads the manifest."""
+    """Runs each command that reads the manifest. Returns its exit code and output."""
     found = [(main([str(bake), "maps", str(out)]), capsys.readouterr().err)]
-    if found[0][0] == 0:  # Otherwise, the same code would refuse it.
+    if found[0][0] == 0:  # If the bake cannot be opened, the same code would refuse the manifest for the other commands.
         found.append((main([str(bake), "gltf", str(out), "--stand-ins"]), capsys.readouterr().err))
     found.append((schedule.main([str(bake), "--workers", "2"]), capsys.readouterr().err))
     request = driver.BakeRequest(Source(("godot",), "/nowhere", "res://world.tscn"), bake)
@@ -242,7 +246,8 @@ def said_of(bake: Path, out: Path, capsys) -> list[tuple[int, str]]:
 
 
 def check_said(bake: Path, out: Path, content: bytes | str, capsys) -> int:
-    """The number of commands that refuse a manifest. Any exception other than a BakeError fails the test."""
+    """Returns the number of commands that refuse a manifest. Fails the test if a command raises an unexpected exception
+    or its message is too short."""
     (bake / MANIFEST).write_bytes(content if isinstance(content, bytes) else content.encode("utf-8", "surrogatepass"))
     try:
         found = said_of(bake, out, capsys)
@@ -255,7 +260,8 @@ def check_said(bake: Path, out: Path, content: bytes | str, capsys) -> int:
 
 @pytest.mark.parametrize("part", range(2))
 def test_a_manifest_with_any_content_results_in_a_sentence(bake, tmp_path, capsys, part):
-    """Thousands of manifests, with every field missing, of a different type, huge, negative, not a number, or in the wrong position."""
+    """Checks thousands of manifests in which a field is missing, of a different type, huge, negative, not a number, or
+    nested."""
     good = (bake / MANIFEST).read_text()
     (tmp_path / "good.json").write_text(good)
     assert check_said(bake, tmp_path / "out", good, capsys) == 0
@@ -294,7 +300,7 @@ class AtOnce:
 
 
 def test_a_folder_of_tiles_with_any_content_results_in_a_sentence(tmp_path):
-    """The folder is from bake_world.gd. Only reads it up to the first tile."""
+    """Checks folders such as bake_world.gd writes. Reads each folder up to its first tile."""
     made = tmp_path / "made"
     made.mkdir()
     refused = 0

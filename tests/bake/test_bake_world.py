@@ -1,5 +1,5 @@
-"""Bakes of a world into files. The files have the instances of the running game, whatever the workers and their order. A bake detects killed workers,
-and damaged or changed files."""
+"""Tests bakes of a world into files. The files must contain the instances of the running game, whatever the number of
+workers and the order of tiles. A bake must survive killed workers, and detect damaged or changed files."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from baking.tile_engine import Refused, Source, TileEngine  # noqa: E402 (only o
 
 
 def copied(baked: Baked, to: Path) -> Baked:
-    """A copy of a bake, for tests that damage it."""
+    """Returns a copy of a bake, for tests that damage it."""
     shutil.copytree(baked.out, to)
     return Baked(0, "", to)
 
@@ -57,7 +57,7 @@ def test_manifest_describes_the_bake(baked):
 
 
 def test_costs_count_the_engine_too(world, baked):
-    """If a wrapper runs the engine, the engine's cost still counts. A forecast uses the processor time of worker and engine."""
+    """Checks that the cost of a tile includes the CPU time of the engine, even if a wrapper script runs the engine."""
     engine = TileEngine(Source((str(REPO / "tools/godot"),), str(world), "res://world.tscn"))
     try:
         first = engine.core_seconds()
@@ -89,7 +89,8 @@ def test_files_match_the_manifest(baked):
         assert entry["rows_of_layer"] == [int(np.sum(columns["layer"] == layer)) for layer in (0, 1)]
         assert entry["bounds"] == [*(columns[axis].min() for axis in "xyz"), *(columns[axis].max() for axis in "xyz")]
         i, j = map(int, name.split(","))
-        slack = np.where(columns["layer"] == 0, 1.5, 1e-5)  # Trees have an offset along the normal.
+        # Trees have an offset along the normal, so they may be outside of their tile.
+        slack = np.where(columns["layer"] == 0, 1.5, 1e-5)
         assert np.all(columns["x"] >= max(32 * i, low_x) - slack) and np.all(columns["x"] <= min(32 * i + 32, high_x) + slack)
         assert np.all(columns["z"] >= max(32 * j, low_z) - slack) and np.all(columns["z"] <= min(32 * j + 32, high_z) + slack)
         of_trees = columns["layer"] == 0
@@ -100,7 +101,7 @@ def test_files_match_the_manifest(baked):
 
 
 def test_digests_follow_from_the_rows(baked):
-    """A second implementation, written from the documentation, computes the same digests."""
+    """Checks that an independent implementation, written from the documentation, computes the same digests."""
     types = {pa.uint64(): "<u8", pa.uint16(): "<u2", pa.uint32(): "<u4", pa.float64(): "<f8", pa.float32(): "<f4"}
     lines = []
     for (i, j), entry in sorted((tuple(map(int, name.split(","))), entry) for name, entry in baked.manifest["tiles"].items()):
@@ -118,8 +119,8 @@ def test_digests_follow_from_the_rows(baked):
 
 
 def rows_of_the_game(world: Path, file: Path) -> dict[tuple, tuple]:
-    """The instances of a running game by layer and id: id, model, x, y, z, rotation, scale, rank, and the floats of color and
-    custom data."""
+    """Returns the instances of a running game, keyed by layer and id. Each is a tuple: id, position, rotation, scale,
+    rank, the floats of color and custom data, and the model."""
     done = run([REPO / "tools/godot", "--headless", "--path", world, "--script", "game.gd", "--", file], timeout=120)
     assert done.returncode == 0, done.stdout + done.stderr
     data = file.read_bytes()
@@ -141,7 +142,7 @@ def rows_of_the_game(world: Path, file: Path) -> dict[tuple, tuple]:
 
 
 def test_files_have_the_instances_of_the_game(world, baked, tmp_path):
-    """The files have every instance of the game in the rectangle and no other, bit for bit."""
+    """Checks that the files contain every instance of the game in the rectangle and no other, bit for bit."""
     shown = rows_of_the_game(world, tmp_path / "rows")
     made = baked.rows()
     assert sum(layer == 0 and id >> 63 for layer, id in made) == PLACED_BY_HAND
@@ -152,7 +153,7 @@ def test_files_have_the_instances_of_the_game(world, baked, tmp_path):
             color = [round(255 * min(max(part, 0.0), 1.0)) for part in game[12:16]]
             assert [row[14] >> 8 * place & 255 for place in range(4)] == color, key
             assert row[15:17] == game[16:18], key
-    margin = 2.0  # Instances with an offset may be beyond the edge.
+    margin = 2.0  # Instances with an offset may be beyond the edge of the rectangle, by at most this many meters.
     missing = [
         key for key, row in shown.items()
         if key not in made and RECT[0] + margin < row[1] < RECT[0] + RECT[2] - margin and RECT[1] + margin < row[3] < RECT[1] + RECT[3] - margin
@@ -178,7 +179,8 @@ def test_a_tile_size_that_fits_no_layer_gives_the_same_instances(world, baked, t
 
 
 def test_adjacent_bakes_form_one_world(world, baked, tmp_path):
-    """If parts meet along edges of tiles, they have the same tiles as the whole. The documented code reads and hashes them together."""
+    """Checks that bakes of adjacent parts, which meet along tile edges, have the same tiles as a bake of the whole. The
+    documented code must read the parts together and compute the digest of the whole."""
     parts = []
     for name, rect in {"west": "-70,-50,70,100", "east": "0,-50,60,100"}.items():
         parts.append(bake(world, tmp_path / name, "--rect", rect, "--workers", "1"))
@@ -193,8 +195,8 @@ def test_adjacent_bakes_form_one_world(world, baked, tmp_path):
 
 
 def test_damaged_files_are_made_again(world, baked, tmp_path):
-    """Truncated, changed, swapped and missing files are found and generated again. Valid files are kept, although the manifest is damaged, too.
-    Leftovers of a killed bake and tiles of a different bake are removed."""
+    """Checks that truncated, changed, swapped and missing files are generated again. Valid files must be kept, even
+    though the manifest is damaged as well. Leftovers of a killed bake and tiles of a different bake must be removed."""
     spoiled = copied(baked, tmp_path / "out")
     names = sorted(spoiled.manifest["tiles"])
     before = {name: spoiled.file(name).read_bytes() for name in names}
@@ -268,7 +270,7 @@ def test_failing_tiles_are_reported_and_others_made(world, baked, tmp_path):
 
 
 def test_a_full_disk_stops_with_an_error(world, baked, tmp_path):
-    """A limit on the size of files simulates a full disk."""
+    """Simulates a full disk with a limit on the size of files."""
     largest = max((baked.out / entry["file"]).stat().st_size for entry in baked.manifest["tiles"].values())
 
     def little_room():
@@ -301,8 +303,8 @@ def test_invalid_requests_are_refused_with_a_sentence(world, tmp_path, options, 
 
 
 def survive(world: Path, out: Path, digest: str, victim: str, seconds: float | None = None) -> None:
-    """Starts a bake with two workers and kills a worker, an engine or the driver: after some seconds, or in the middle of the bake.
-    Then completes the bake with the same command."""
+    """Starts a bake with two workers and kills a worker, an engine or the driver, after `seconds` or in the middle of
+    the bake. Checks that all processes end and that the same command then completes the bake."""
     with ground(world, "slow"):
         driver = begin(world, out, "--workers", "2")
         try:
@@ -335,7 +337,7 @@ def test_a_kill_only_costs_time(world, baked, tmp_path, victim):
 
 
 def test_an_interrupt_ends_the_bake_with_a_message(world, baked, tmp_path):
-    """Ctrl-C is sent to the driver, its workers and their engines."""
+    """Checks that Ctrl-C, which the driver, its workers and their engines receive, ends the bake with a message."""
     out = tmp_path / "out"
     with ground(world, "slow"):
         driver = begin(world, out, "--workers", "2")
@@ -360,7 +362,7 @@ def test_kills_at_random_moments(world, baked, tmp_path, number):
 
 
 def test_workers_of_an_existing_cluster(world, baked, tmp_path):
-    """The bake waits for workers and sends them its modules. Their engines end with the bake."""
+    """Checks that the bake waits for workers and sends them its modules, and that their engines end with the bake."""
     with contextlib.ExitStack() as stack:
         environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
 

@@ -1,4 +1,5 @@
-"""ScatterBakedWorld reads data. It refuses foreign and damaged files with a sentence, and runs no code from them."""
+"""Tests that ScatterBakedWorld refuses untrusted and damaged files with an error message, and runs no code from
+them."""
 
 from __future__ import annotations
 
@@ -23,7 +24,7 @@ exclude_filter=""
 [preset.0.options]
 binary_format/architecture="x86_64"
 """
-# Scenes that print a line when their script runs.
+# A scene that prints a line when its script runs.
 EVIL = """[gd_scene format=3]
 [sub_resource type="GDScript" id="1"]
 script/source = "extends Node3D
@@ -44,7 +45,7 @@ def world(bake, game) -> Path:
 
 @pytest.fixture
 def hurt(game, world) -> Path:
-    """A copy of the world, for tests that damage it. Its scene refers to its own index."""
+    """Returns a copy of the world, for tests that damage it, with a scene that refers to the copied index."""
     folder = game / "hurt"
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(world, folder)
@@ -60,8 +61,8 @@ def errors_of(engine, game: Path, *steps: str) -> tuple[list[dict], list[str], s
 
 
 def test_an_unusable_tile_is_reported_and_the_others_appear(godot, game, hurt):
-    """One file is missing, one is not a tile, one is from a different position, and one has a changed bit. Each causes one error
-    with the file's name."""
+    """Tests four tiles: one file is missing, one is not a tile, one is from a different position, and one has a changed
+    bit. Checks that each causes one error with the name of the file, and that the other tiles appear."""
     tiles = hurt / "tiles"
     (tiles / f"{FIRST}.baked").unlink()
     (tiles / "tile_60001_-20002.baked").write_text("no tile" * 20)
@@ -82,7 +83,8 @@ def test_an_unusable_tile_is_reported_and_the_others_appear(godot, game, hurt):
 
 @pytest.mark.parametrize("engine", ["godot", "godot_xvfb"])
 def test_foreign_scripts_do_not_run(engine, game, hurt, request):
-    """Puts a scene in place of a tile, next to it, and as its remap. Runs with and without threads."""
+    """Checks that a scene with a script is not loaded in place of a tile, next to it, or through a remap. Runs with and
+    without a renderer, that is, with and without threads."""
     evil = game / "evil.tscn"
     evil.write_text(EVIL)
     for name in (f"{FIRST}.baked", f"{FIRST}.scn", f"{FIRST}.tscn"):
@@ -98,7 +100,8 @@ def test_foreign_scripts_do_not_run(engine, game, hurt, request):
 
 
 def test_foreign_files_are_refused_for_their_values(godot, game, world, tmp_path):
-    """Tests changed bits, and each field with values of any kind, with matching digests as in forged files."""
+    """Checks tiles with changed bits, and tiles in which each field is replaced by values of any kind, with matching
+    digests as in forged files."""
     done = godot(["--path", game, "--script", BAKES / "foreign_tiles.gd", "--", "res://world/baked_world.baked", tmp_path / "foreign"], timeout=300)
     printed = done.stdout + done.stderr
     cases = [json.loads(line) for line in re.findall(r"^case (.*)$", done.stdout, re.MULTILINE)]
@@ -115,7 +118,7 @@ def test_foreign_files_are_refused_for_their_values(godot, game, world, tmp_path
 
 
 def test_an_unusable_index_is_reported(godot, game, hurt):
-    """Tests a damaged index, and the resource that earlier versions wrote."""
+    """Checks the errors for a damaged index and for an index resource written by an earlier version."""
     index = hurt / "baked_world.baked"
     index.write_bytes(index.read_bytes()[:-1])
     done = godot(["--path", game, "--script", BAKES / "instantiate.gd", "--", "res://hurt/hurt.tscn"], timeout=60)
@@ -137,13 +140,14 @@ def test_a_missing_mesh_is_reported_once(godot, game, hurt):
         stops, errors, printed = errors_of(godot, game, "far=200")
     finally:
         (game / "far.kept").rename(kept)
-    assert len([line for line in errors if "res://far.tres cannot be loaded" in line]) == 2, errors  # Once for each of the two worlds.
+    # Each of the two worlds reports the mesh once.
+    assert len([line for line in errors if "res://far.tres cannot be loaded" in line]) == 2, errors
     assert len(stops[-1]["tiles"]) == 11, printed[-4000:]
 
 
 @pytest.mark.parametrize("engine", ["godot", "godot_xvfb"])
 def test_it_streams_without_threads(engine, game, world, request):
-    """Most builds for the web have no threads. Runs with and without a renderer."""
+    """Checks that streaming works without threads, as in most web builds, with and without a renderer."""
     project = game / "project.godot"
     settings = project.read_text()
     project.write_text(settings + "[threading]\nworker_pool/max_threads=0\n")
@@ -155,7 +159,8 @@ def test_it_streams_without_threads(engine, game, world, request):
 
 
 def test_a_game_export_includes_the_files(godot, game, world, tmp_path):
-    """The default filter of a game's export includes resources, and so the files of the world."""
+    """Checks that the default export filter of a game, which includes all resources, includes the files of the
+    world."""
     (game / "export_presets.cfg").write_text(PRESETS)
     godot(["--path", game, "--import"], timeout=300)
     done = godot(["--path", game, "--export-pack", "Linux", tmp_path / "game.zip"], timeout=300)

@@ -1,4 +1,4 @@
-"""The small world for the tests of the baker, and functions to bake it and to inspect the results."""
+"""Provides the small world for the tests of the baker, and functions that bake it and inspect the results."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ from conftest import REPO, new_project, run
 BAKES = REPO / "tests/bake"
 TOOLS = REPO / "tools/bake"
 RECT = (-70.0, -50.0, 130.0, 100.0)
-# The default area of a bake: 5 by 4 tiles that hold whole tiles of the trees.
+# The default area of a bake: 5 by 4 tiles that coincide with the tiles of the trees.
 USUAL = ["--rect", ",".join(map(str, RECT)), "--tile-size", "32"]
 PLACED_BY_HAND = 2
 
 
 def make_world(folder: Path) -> Path:
-    """A project with the scene from tests/bake/make_world.gd."""
+    """Creates a project with the scene that tests/bake/make_world.gd writes."""
     folder.mkdir()
     new_project(folder, f'config/use_custom_user_dir=true\nconfig/custom_user_dir_name="{user_folder_name(folder)}"\n')
     for script in ("hills.gd", "make_world.gd", "game.gd"):
@@ -40,13 +40,13 @@ def make_world(folder: Path) -> Path:
 
 
 def user_folder_name(project: Path) -> str:
-    """The name of the user:// folder of a test's project."""
+    """Returns the name of the user:// folder of a test project."""
     return "thicket_tests_" + re.sub(r"\W", "_", str(project))
 
 
 @contextlib.contextmanager
 def ground(project: Path, manner: str) -> Iterator[None]:
-    """Makes the ground "bad" or "slow" within the block; see tests/bake/hills.gd."""
+    """Makes the ground "bad" or "slow" within the `with` block; see tests/bake/hills.gd."""
     flag = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local/share") / user_folder_name(project) / "ground"
     flag.parent.mkdir(parents=True, exist_ok=True)
     flag.write_text(manner)
@@ -57,18 +57,18 @@ def ground(project: Path, manner: str) -> Iterator[None]:
 
 
 def command(project: Path, out: Path, *options: str) -> list[str]:
-    """The command that bakes the test world."""
+    """Returns the command that bakes the test world."""
     return [sys.executable, "-m", "baking", str(project / "world.tscn"), str(out), *USUAL, *options]
 
 
 def environment() -> dict[str, str]:
-    """The environment that the command needs."""
+    """Returns the environment variables that the command needs."""
     return {**os.environ, "PYTHONPATH": str(TOOLS)}
 
 
 @dataclass
 class Baked:
-    """The output and the files of a bake."""
+    """The exit code, the output and the folder of a bake."""
 
     code: int
     said: str
@@ -79,11 +79,11 @@ class Baked:
         return json.loads((self.out / "manifest.json").read_text(encoding="utf-8"))
 
     def file(self, tile: str) -> Path:
-        """The file of a tile. The tile is named as in the manifest."""
+        """Returns the path of the file of a tile. `tile` is the tile's key in the manifest."""
         return self.out / self.manifest["tiles"][tile]["file"]
 
     def rows(self) -> dict[tuple, tuple]:
-        """All rows of all tiles, by layer and id."""
+        """Returns all rows of all tiles, keyed by layer and id."""
         found: dict[tuple, tuple] = {}
         for entry in self.manifest["tiles"].values():
             table = pq.read_table(self.out / entry["file"])
@@ -94,14 +94,14 @@ class Baked:
 
 
 def bake(project: Path, out: Path, *options: str, timeout: float = 120, **further) -> Baked:
-    """Bakes the test world to its end, through the command line."""
+    """Bakes the test world with the command-line program, and waits until it exits."""
     done = run(command(project, out, *options), timeout, env=environment(), **further)
     return Baked(done.returncode, done.stdout + done.stderr, out)
 
 
 def begin(project: Path, out: Path, *options: str) -> subprocess.Popen:
-    """Starts a bake in a process group of its own. It receives Ctrl-C as in a terminal, even if the tests run in the background
-    with `&`."""
+    """Starts a bake in a separate process group, with the default handler for SIGINT. Without that handler, a bake
+    would ignore Ctrl-C if the tests run in the background with `&`."""
     return subprocess.Popen(
         command(project, out, *options), env=environment(), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
         start_new_session=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
@@ -109,12 +109,12 @@ def begin(project: Path, out: Path, *options: str) -> subprocess.Popen:
 
 
 def workers_of(driver: subprocess.Popen) -> list[psutil.Process]:
-    """The worker processes of a running driver."""
+    """Returns the worker processes of a driver."""
     return [each for each in processes_below(driver, recursive=False) if is_worker(each)]
 
 
 def processes_below(driver: subprocess.Popen, recursive: bool = True) -> list[psutil.Process]:
-    """The processes that a driver has started; empty if it has ended."""
+    """Returns the child processes of a driver, or an empty list if the driver has exited."""
     try:
         return psutil.Process(driver.pid).children(recursive)
     except psutil.NoSuchProcess:
@@ -122,7 +122,7 @@ def processes_below(driver: subprocess.Popen, recursive: bool = True) -> list[ps
 
 
 def is_worker(process: psutil.Process) -> bool:
-    """Whether a process is one of a driver's workers."""
+    """Returns true if a process is a worker of a driver."""
     try:
         words = " ".join(process.cmdline())
     except psutil.Error:
@@ -131,7 +131,7 @@ def is_worker(process: psutil.Process) -> bool:
 
 
 def engines_below(process: psutil.Process) -> list[psutil.Process]:
-    """The engines that a process runs."""
+    """Returns the engine processes that a process has started."""
     try:
         return [each for each in process.children(recursive=True) if each.name().startswith("godot")]
     except psutil.Error:
@@ -139,7 +139,7 @@ def engines_below(process: psutil.Process) -> list[psutil.Process]:
 
 
 def is_engine_of(process: psutil.Process, project: Path) -> bool:
-    """Whether a process is an engine that runs a project."""
+    """Returns true if a process is an engine that runs the project."""
     try:
         return process.name().startswith("godot") and str(project) in process.cmdline()
     except psutil.Error:
@@ -147,7 +147,7 @@ def is_engine_of(process: psutil.Process, project: Path) -> bool:
 
 
 def has_ended(process: psutil.Process) -> bool:
-    """Whether a process has ended, even if its exit code was not collected yet."""
+    """Returns true if a process has exited, even if its exit code has not been collected."""
     try:
         return process.status() == psutil.STATUS_ZOMBIE
     except psutil.Error:
@@ -161,7 +161,7 @@ def kill(pid: int) -> None:
 
 
 def wait_for(condition: Callable[[], object], what: str, timeout: float = 60.0) -> None:
-    """Waits until the condition is true."""
+    """Waits until the condition is true. Fails the test after `timeout` seconds."""
     deadline = time.monotonic() + timeout
     while not condition():
         assert time.monotonic() < deadline, f"not there within {timeout} s: {what}"
@@ -175,7 +175,7 @@ def world(tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def baked(world, tmp_path_factory) -> Baked:
-    """The world, baked by two workers."""
+    """Returns the world, baked by two workers."""
     done = bake(world, tmp_path_factory.mktemp("baked"), "--workers", "2")
     assert done.code == 0, done.said
     return done

@@ -2,10 +2,11 @@
 
     bash tests/bench/bake.sh [ROUNDS = 3] [FOLDER]
 
-Bakes 64 tiles of the demo, 12 million instances, into FOLDER (default: a temporary one): one worker on one core, two on two cores, and one
-on two cores. They take turns, in a different order each round. A worker and its engine run concurrently, so a worker with two cores uses
-more than one of them. The fair speedup is therefore that of the second over the first, where each worker has one core. Times are those of
-tiles, without the start of Dask and the engines. Cores are shared with the driver. All bakes must have the same digest.
+The bench bakes 64 tiles of the demo (12 million instances) into FOLDER (default: a temporary one) with three setups. These are
+one worker on one core, two workers on two cores, and one worker on two cores. The setups take turns, and their order
+alternates between rounds. A worker and its engine run concurrently, so a worker with two cores uses more than one of
+them. The fair speedup is therefore that of the second setup over the first, where each worker has one core. Times
+exclude the start of Dask and the engines. Workers share the cores with the driver. All bakes must have the same digest.
 """
 
 from __future__ import annotations
@@ -25,12 +26,12 @@ from baking.tile_engine import Source
 
 SCENE = Source((str(REPO / "tools/godot"),), str(REPO / "demo_project"), "res://demo.tscn")
 ASKED = {"rect": "-6144,-6144,12288,12288", "tile_size": "1536", "layers": "Oak,Spruce,Shrub,Stones"}
-# Workers and cores of each contender.
+# The number of workers and cores of each setup.
 CONTENDERS = ((1, 1), (2, 2), (1, 2))
 
 
 def once(out: Path, workers: int, cores: int) -> None:
-    """Bakes in a process with this many cores, and prints the cost."""
+    """Bakes in this process on `cores` cores, and prints the costs."""
     os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:cores])
     outcome = bake(BakeRequest(SCENE, out, ASKED, workers=workers, fresh=True), lambda _: None)
     if outcome.failed or outcome.stopped:
@@ -48,7 +49,7 @@ def measured(out: Path, workers: int, cores: int) -> dict:
         raise SystemExit(done.returncode)
     took = json.loads(done.stdout)
     costs = schedule.read_costs(out)
-    # Forecasts a bake of two workers on two cores from this one, without the start of engines, which the measured time excludes, too.
+    # This forecasts a bake with two workers on two cores from the present bake. The forecast excludes the start of engines, like the measured time.
     took["foretold"] = schedule.simulate(schedule.Costs(costs.tiles, 0.0, costs.driver, costs.bytes), 2, cores=2)
     return took
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Measures how a bake's speed grows with its workers, and whether the forecast is accurate; see bake.py. Arguments:
-# [rounds = 3].
+# Measures the speedup of a bake with two workers, and the accuracy of its forecast (see bake.py). Arguments: [rounds =
+# 3].
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
 source tools/setup.sh

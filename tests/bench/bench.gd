@@ -1,8 +1,10 @@
 extends SceneTree
-## Base of the benches that run in the engine: one scatter, rows of a Markdown table, and a cleanup at the end.
+## The base class of benches that run in the engine. It provides a scatter, prints rows of a Markdown table, and cleans up at
+## the end.
 
 const PATIENCE_SECONDS := 120.0
-const SCHEDULE := "/proc/thread-self/schedstat" ## On Linux: nanoseconds on the processor, nanoseconds ready but waiting for one, and more.
+## On Linux, the file starts with the nanoseconds that this thread spent on a CPU and the nanoseconds that it waited for one.
+const SCHEDULE := "/proc/thread-self/schedstat"
 
 var scatter: TerrainScatter3D
 
@@ -20,18 +22,18 @@ func _begin() -> void:
 	quit(0 if failure == "" else 1)
 
 
-## The bench itself. Returns the failure, or an empty string.
+## Runs the bench. Returns an error message, or an empty string.
 func run() -> String:
 	return "measures nothing"
 
 
-## The first argument, or the default.
+## Returns the first argument, or [param usual] if there is none.
 func rounds_or(usual: int) -> int:
 	var arguments := OS.get_cmdline_user_args()
 	return maxi(1, arguments[0].to_int()) if arguments.size() > 0 else usual
 
 
-## The ground of the demo's first scene.
+## Returns the ground of the demo's first scene.
 func demo_terrain() -> ScatterGround:
 	var demo := (load(ProjectSettings.get_setting("application/run/main_scene")) as PackedScene).instantiate()
 	var terrain: ScatterGround
@@ -50,7 +52,8 @@ func make_scatter(terrain: ScatterGround, layers: Array[ScatterLayer], viewer: N
 	scatter.viewers = [scatter.get_path_to(viewer)]
 
 
-## Waits until all requested tiles are visible. Returns an error if that takes too long.
+## Waits until all requested tiles are visible. Returns an error message if that takes too long, otherwise an empty
+## string.
 func idle() -> String:
 	var limit := Time.get_ticks_msec() + int(PATIENCE_SECONDS * 1000.0)
 	await process_frame
@@ -62,15 +65,15 @@ func idle() -> String:
 	return ""
 
 
-## The duration of a call in microseconds.
+## Returns the wall time of a call in microseconds.
 func time_of(call: Callable) -> float:
 	var start := Time.get_ticks_usec()
 	call.call()
 	return float(Time.get_ticks_usec() - start)
 
 
-## Microseconds of processor time that a call of many milliseconds takes on this thread. Other programs affect it less than wall time, which
-## is used if the system does not report processor time.
+## Returns the CPU time in microseconds that a call of many milliseconds takes on this thread. Other programs affect it
+## less than wall time. If the system does not report CPU time, returns wall time.
 func processor_time_of(call: Callable) -> float:
 	if not FileAccess.file_exists(SCHEDULE):
 		return time_of(call)
@@ -79,15 +82,15 @@ func processor_time_of(call: Callable) -> float:
 	return _processor_time() - start
 
 
-## In microseconds; 0 if the system does not report it. The system updates the value when a thread goes to sleep, or else at the next tick, about 250
-## times per second.
+## Returns this thread's CPU time in microseconds, or 0 if the system does not report it. The thread sleeps briefly first,
+## because the system updates the value only when a thread goes to sleep, and about 250 times per second.
 func _processor_time() -> float:
 	OS.delay_usec(1)
 	return thread_times().x
 
 
-## Microseconds that this thread has run so far, and microseconds that it was ready but had to wait for a processor. 0 if the system does not report
-## them.
+## Returns the microseconds that this thread has run so far, and the microseconds that it was ready but had to wait for
+## a CPU. Both are 0 if the system does not report them.
 func thread_times() -> Vector2i:
 	var file := FileAccess.open(SCHEDULE, FileAccess.READ)
 	var words := PackedStringArray(["0", "0"]) if file == null else file.get_line().split(" ")
@@ -95,15 +98,15 @@ func thread_times() -> Vector2i:
 	return Vector2i(words[0].to_int() / 1000, words[1].to_int() / 1000)
 
 
-## The parts of a frame in microseconds, the longest first: "upload 415, made 85".
+## Formats the parts of a frame in microseconds, longest first: "upload 415, made 85".
 func parts_text(parts: Dictionary) -> String:
 	var names := parts.keys()
 	names.sort_custom(func(a: String, b: String) -> bool: return parts[a] > parts[b])
 	return ", ".join(names.map(func(part: String) -> String: return "%s %d" % [part, parts[part]]))
 
 
-## Runs this script in a separate engine with these arguments, and returns the seconds that it prints with `print_seconds`; -1 if it prints
-## none. With `one_core`, the engine is limited to one core (Linux only).
+## Runs this script in a separate engine with these arguments, and returns the seconds that it prints with
+## `print_seconds`; -1 if it prints none. If `one_core` is true, limits the engine to one core (Linux only).
 func seconds_in_another_engine(user_arguments: Array[String], one_core := false) -> float:
 	var command: Array[String] = [OS.get_executable_path(), "--headless", "--path", ProjectSettings.globalize_path("res://"), "--script",
 		(get_script() as Script).resource_path, "--"]
@@ -120,12 +123,12 @@ func print_seconds(seconds: float) -> void:
 	print("seconds: %.6f" % seconds)
 
 
-## Prints a figure that is counted, not timed.
+## Prints a row for a figure that is counted, not timed.
 func exact_row(what: String, value: String) -> void:
 	print("| %s | %s | exact | 1 |" % [what, value])
 
 
-## Prints the name, the median, the lowest and the highest round, and the number of rounds.
+## Prints a row with the name, the median, the lowest and the highest round, and the number of rounds.
 func row(what: String, rounds: Array, unit := "", digits := 0) -> void:
 	var sorted := rounds.duplicate()
 	sorted.sort()

@@ -1,5 +1,5 @@
-// Cost of a rule's density at one point: a painted mask, an image, clumps and a curve, at the points of a layer in a
-// tile's order. Prints rows of a Markdown table.
+// Measures the cost of a rule's density per point: a painted mask, an image, clumps and a curve, at
+// the points of a layer in tile order. Prints rows of a Markdown table.
 //   bench_fields [rounds = 9] [seconds a measurement = 0.25]
 
 #include "tests/bench/common/command_line.hpp"
@@ -17,7 +17,7 @@
 namespace thicket::bench {
 namespace {
 
-/// Strokes all over the tile, with pixels of 1 m.
+/// Returns a mask with strokes all over the tile, with pixels of 1 m.
 PaintedMask painted() {
 	PaintedMask mask;
 	Rect changed;

@@ -1,8 +1,11 @@
-// Speed of the tile sampler compared with Bridson's method, in one run: points per second of processor time at several
-// tile sizes and levels, each instruction set, and the slowest tiles. Prints rows of a Markdown table.
+// Measures the speed of the tile sampler and of Bridson's method in one run, in points per second
+// of CPU time. The bench covers several tile sizes and levels, each instruction set, and the slowest
+// tiles. It prints rows of a Markdown table.
 //   bench_sampler [rounds = 9] [seconds a measurement = 0.25]
-//   bench_sampler ROUNDS SECONDS counts    only the margin's overhead and the workspace, which take half a minute at any effort
-//   bench_sampler ROUNDS SECONDS alone     only tiles of 64 r, for benches that also measure uses of the points
+//   bench_sampler ROUNDS SECONDS counts  only the margin's overhead and the workspace, in half a
+//                                        minute
+//   bench_sampler ROUNDS SECONDS alone   only tiles of 64 r, for benches that compare with the
+//                                        sampler
 
 #include "tests/bench/common/bridson.hpp"
 #include "tests/bench/common/command_line.hpp"
@@ -25,12 +28,13 @@ namespace {
 
 constexpr std::array<int, 4> tile_sizes = {16, 32, 64, 128};
 
-/// Walks over new tiles, so that no tile is measured twice, and keeps the workspace as a game would.
+/// Samples a new tile in each call, so that no tile is measured twice. The workspace is kept
+/// between calls, as in a game.
 class TileWalk {
 public:
 	TileWalk(int tile_size, std::uint32_t levels) : size_(tile_size), set_{.seed = 1, .levels = levels} {}
 
-	/// In rows as long as a view is wide.
+	/// Walks in rows as long as a view is wide, with cached blocks.
 	TileWalk(int tile_size, std::uint32_t levels, std::shared_ptr<BlockCache> blocks) :
 			columns_(1024 / tile_size), size_(tile_size), set_{.seed = 1, .levels = levels},
 			sampler_({}, std::move(blocks)) {}
@@ -73,8 +77,8 @@ double bridson_rate(Method &method, int tile_size, std::uint64_t &seed, double s
 	});
 }
 
-/// The counts of the sampler in a fixed number of tiles. Counts of the timed rounds would not be exact: a faster machine computes more
-/// tiles in the same time.
+/// Prints the counts of the sampler in a fixed number of tiles. Counts of the timed rounds would
+/// not be reproducible, because a faster machine computes more tiles in the same time.
 void print_counts(int tile_size, std::uint32_t levels) {
 	const int tiles = 4096 * 64 / tile_size;
 	TileWalk walk(tile_size, levels);
@@ -84,13 +88,15 @@ void print_counts(int tile_size, std::uint32_t levels) {
 	const std::string tile = "tiles of " + std::to_string(tile_size) + " r: ";
 	const std::string level = ", L = " + std::to_string(levels);
 	print_count(tile + "points computed per point kept" + level, walk.overhead(), "", 3);
-	if (tile_size == 64) { // A tile that is a single block, so the workspace and its cells are the tile's.
+	// A tile of 64 radii is a single block, so its cells are those of the workspace.
+	if (tile_size == 64) {
 		print_count(tile + "workspace per cell" + level, walk.bytes_per_cell(), " bytes", 1);
 		print_count(tile + "blocks run again with a wider margin, per tile" + level, walk.retries_per_tile(), "", 4);
 	}
 }
 
-/// One tile size: all methods in turn within each round, so that disturbances affect all of them equally.
+/// Measures one tile size. All methods take turns within each round, so that disturbances affect
+/// them equally.
 void compare(int tile_size, const Effort &effort) {
 	TileWalk plain_order(tile_size, 1);
 	TileWalk four_levels(tile_size, 4);
@@ -113,7 +119,7 @@ void compare(int tile_size, const Effort &effort) {
 	print_row(tile + "sampler over tuned Bridson", sampler_rates / tuned_rates, 1.0, " times");
 }
 
-/// Adjacent small tiles, with and without cached blocks.
+/// Measures adjacent small tiles, with and without cached blocks.
 void compare_kept_blocks(int tile_size, std::uint32_t levels, const Effort &effort) {
 	TileWalk with(tile_size, levels, std::make_shared<BlockCache>());
 	TileWalk without(tile_size, levels, nullptr);
@@ -128,7 +134,7 @@ void compare_kept_blocks(int tile_size, std::uint32_t levels, const Effort &effo
 	print_row(name + " over none kept", with_rates / without_rates, 1.0, " times");
 }
 
-/// Every instruction set in turn within each round, tiles of 64 r, L = 1.
+/// Measures each instruction set on tiles of 64 r with L = 1. They take turns within each round.
 void compare_targets(const Effort &effort) {
 	const std::vector<SimdTarget> targets = simd_targets();
 	std::vector<Series> rates(targets.size());
@@ -144,8 +150,8 @@ void compare_targets(const Effort &effort) {
 	}
 }
 
-/// The time of the slowest of a thousand tiles, relative to the median tile. The default effort measures a hundred
-/// thousand tiles in total.
+/// Measures the 99.9th percentile of a tile's time, relative to the median. The default effort
+/// measures a hundred thousand tiles in total.
 void measure_slowest(int tile_size, const Effort &effort) {
 	TileWalk walk(tile_size, 1);
 	Series slowest;

@@ -1,5 +1,6 @@
-// Cost of a shape's density and of a triangle mesh's ground at one point of a layer, in a tile's order, and of building
-// their search structures. Prints rows of a Markdown table.
+// Measures the cost per point of a shape's density and of a triangle mesh's ground, at the points
+// of a layer in tile order. Also measures the cost of building their search structures. Prints rows
+// of a Markdown table.
 //   bench_shapes [rounds = 9] [seconds a measurement = 0.25]
 
 #include "tests/bench/common/command_line.hpp"
@@ -20,7 +21,7 @@ namespace {
 
 constexpr Rect tile{{-100.0, -100.0}, {100.0, 100.0}};
 
-/// A coast with bays of all sizes, which crosses the tile.
+/// Returns the outline of a coast with bays of all sizes, which crosses the tile.
 std::vector<glm::dvec2> coast() {
 	std::vector<glm::dvec2> points;
 	for (std::size_t i = 0; i < max_outline_points; ++i) {
@@ -63,7 +64,7 @@ std::vector<Contender> contenders() {
 	};
 }
 
-/// Two triangles per square meter over 224 m: 100,352 of them.
+/// Returns the corners of 100,352 triangles: two per square meter over a square of 224 m.
 std::vector<glm::dvec3> hills() {
 	constexpr int side = 224;
 	const auto post = [](int column, int row) {

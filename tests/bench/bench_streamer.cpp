@@ -1,5 +1,5 @@
-// Cost of deciding which tiles to generate, show and drop: processor time of a frame's decisions, without generating
-// any tile. Prints rows of a Markdown table.
+// Measures the cost of deciding which tiles to generate, show and drop: the CPU time of a frame's
+// decisions, without generating tiles. Prints rows of a Markdown table.
 //   bench_streamer [frames = 3000]
 
 #include "tests/bench/common/timing.hpp"
@@ -20,7 +20,7 @@ constexpr double frames_a_second = 60.0;
 constexpr std::size_t most_pending = 64;
 constexpr std::size_t made_a_frame = 40;
 
-/// Twelve layers as in a large game, from the grass underfoot to woods on the horizon.
+/// Returns twelve layers as in a large game, from nearby grass to forests on the horizon.
 std::vector<StreamLayer> many_layers() {
 	std::vector<StreamLayer> layers;
 	for (const double tile : {8.0, 16.0, 32.0, 64.0}) {
@@ -41,8 +41,8 @@ std::vector<Viewer> viewers_at(double seconds, double speed, std::size_t count) 
 	return viewers;
 }
 
-/// A flight during which tiles are finished in order, a few per frame. With `teleport` it jumps far away twice a
-/// second.
+/// Simulates a flight during which a few tiles per frame are finished, in order. If `teleport` is
+/// true, the viewers jump far away twice a second. Returns the microseconds of each frame.
 Series fly(double speed, std::size_t count, std::size_t frames, bool teleport) {
 	TileStreamer streamer;
 	(void)streamer.set_layers(many_layers()).ok();

@@ -1,5 +1,6 @@
-// Speed of the sampler of surfaces: points per second of processor time, and the lines and darts that a point takes, on planes in several
-// directions, hills and spheres, for several sizes of triangles and of the whole. Prints rows of a Markdown table.
+// Measures the speed of the surface sampler in points per second of CPU time, and the lines and
+// darts per point. Covers planes in several directions, hills and spheres, with several triangle
+// sizes and surface sizes. Prints rows of a Markdown table.
 //   bench_surface [rounds = 9] [seconds a measurement = 0.25]
 
 #include "tests/bench/common/command_line.hpp"
@@ -25,7 +26,8 @@ struct Ground {
 	std::shared_ptr<const Surface> surface;
 };
 
-/// A surface over a grid of (count + 1)^2 vertices, two triangles for each cell. `place` maps grid coordinates to meters.
+/// Returns a surface over a grid of (count + 1)^2 vertices, with two triangles per cell. `place`
+/// maps grid coordinates to positions in meters.
 template <typename Place>
 std::shared_ptr<const Surface> grid(std::uint32_t count, Place &&place) {
 	std::vector<glm::dvec3> vertices;
@@ -55,7 +57,7 @@ std::shared_ptr<const Surface> plane(const glm::dvec3 &normal, double size, doub
 			[&](double x, double y) { return along * (x * step) + across * (y * step); });
 }
 
-/// Slopes of up to 60 degrees.
+/// Returns hills with slopes of up to 60 degrees.
 std::shared_ptr<const Surface> hills(double size, double step) {
 	return grid(static_cast<std::uint32_t>(size / step), [step](double x, double y) {
 		return glm::dvec3(x * step, 8.0 * std::sin(x * step / 6.5) * std::cos(y * step / 6.5), y * step);

@@ -1,5 +1,6 @@
-// Cost of a whole tile over its points alone: sampling, filtering and placing into buffers that are ready for upload,
-// compared with the sampler on the same rectangles, in one run. Prints rows of a Markdown table.
+// Measures the cost of a whole tile relative to its points alone. A whole tile includes sampling,
+// filtering and placing into buffers that are ready for upload. The sampler alone runs on the same
+// rectangles, in the same run. Prints rows of a Markdown table.
 //   bench_tile [rounds = 9] [seconds a measurement = 0.25]
 
 #include "tests/bench/common/command_line.hpp"
@@ -15,8 +16,8 @@
 namespace thicket::bench {
 namespace {
 
-/// Trees as in the demo: on all ground that is not too steep or too high, thinning toward both limits, leaning slightly
-/// with the slope, with two meshes.
+/// Returns trees as in the demo, on all ground that is not too steep or too high. They become
+/// sparser toward both limits, lean slightly with the slope, and have two meshes.
 LayerSettings forest(std::uint32_t levels) {
 	LayerSettings layer;
 	layer.set = {.seed = 1, .radius = 3.0, .levels = levels, .layer = 1};
@@ -31,7 +32,8 @@ LayerSettings forest(std::uint32_t levels) {
 	return layer;
 }
 
-/// No point is removed, so every point needs a transform. The most expensive case.
+/// Returns a layer that removes no point, so every point needs a transform. This is the most
+/// expensive case.
 LayerSettings meadow(std::uint32_t levels) {
 	LayerSettings layer;
 	layer.set = {.seed = 2, .radius = 3.0, .levels = levels, .layer = 2};
@@ -39,7 +41,7 @@ LayerSettings meadow(std::uint32_t levels) {
 	return layer;
 }
 
-/// Plants that keep a distance from the forest's trees, which each tile must sample again.
+/// Returns plants that keep a distance from the forest's trees, which each tile must sample again.
 LayerSettings spaced() {
 	LayerSettings layer = meadow(1);
 	layer.set.radius = 1.0;
@@ -47,7 +49,7 @@ LayerSettings spaced() {
 	return layer;
 }
 
-/// A meadow that thins toward its edge.
+/// Returns a meadow that thins toward its edge.
 LayerSettings feathered() {
 	LayerSettings layer = meadow(1);
 	layer.rules.max_slope_degrees = 38.0;
@@ -55,7 +57,7 @@ LayerSettings feathered() {
 	return layer;
 }
 
-/// A meadow with colors, either random or from a source at each plant.
+/// Returns a meadow with colors, either random or from a source at each plant.
 LayerSettings colored(SourceKind kind, double to = 1.0) {
 	LayerSettings layer = meadow(1);
 	layer.set.radius = 1.0;
@@ -67,7 +69,7 @@ LayerSettings colored(SourceKind kind, double to = 1.0) {
 	return layer;
 }
 
-/// A walk over tiles of 64 radii. Both contenders take the same one.
+/// A walk over tiles of 64 radii. Both contenders use the same walk.
 struct Walk {
 	int index = 0;
 

@@ -1,34 +1,56 @@
-// Generates a billion points of a single Poisson-disk set with the exact tile sampler, in bounded memory, and verifies
-// them meanwhile. Usage, with all arguments optional and in any order:
+// Generates a billion points of a single Poisson-disk set with the exact tile sampler in bounded
+// memory, and verifies them at the same time. All arguments are optional and can be in any order:
 //
-//   billion [points=1e9] [seed=1] [tile=128] [order=rows|shuffled|hilbert] [threads=N] [verify=yes|no] [gaps=64]
+//   billion [points=1e9] [seed=1] [tile=128] [order=rows|shuffled|hilbert] [threads=N]
+//           [verify=yes|no] [gaps=64]
 //
-// The region is a square of whole cells around the origin with at least `points` points (1e3 to 5e9). It is generated
-// in tiles of `tile` cells (16 to 512; a cell is r / sqrt(2)), in the given order, on 1 to 256 threads (default: all of
-// the processor's). One tile in `gaps` (0: none) is checked for gaps. verify=no only generates and counts. Progress
-// goes to standard error.
+// The region is a square of whole cells around the origin with at least `points` points (1e3 to
+// 5e9). It is generated in tiles of `tile` cells (16 to 512; a cell is r / sqrt(2) wide), in the
+// given order, on 1 to 256 threads (default: all threads of the CPU). One in `gaps` tiles is
+// checked for gaps (0: none). verify=no only generates and counts points. Progress is printed to
+// standard error.
 //
 // Prints one line of JSON:
-//   points_asked, seed, tile_cells, tile_radii, order, threads, verify, gaps       the request
-//   points, tiles, side_cells, side_radii                                          the result
-//   radius_squared, least_squared      in lattice units: the radius, and the smallest distance of all pairs of points
-//   pairs, too_close                   pairs of points from cells at most two apart, which include all that can be too close
-//   misplaced, doubled                 points outside of their own cell of their tile; points in a cell that already has one
-//   tiles_missing, tiles_repeated      of the region
-//   gap_tiles, uncovered, changed      tiles checked for gaps, lattice points that no point covers, and tiles whose
-//                                      points differed when they were sampled as part of a larger rectangle
-//   coverage, coverage_error, coverage_reference, coverage_z     of the plane by disks of diameter r; standard error
-//                                      from `blocks` blocks of equal area; distance to the reference in such errors
-//   coverage_lattice_loss              reduction of coverage by the lattice, measured on coarser lattices
-//   digest                             identifies the set of points, regardless of the order, tiles and threads
-//   seconds, points_per_second         wall time, everything included
-//   cpu_seconds, cpu_nanoseconds_per_point, sampling_seconds, checking_seconds, gap_seconds     processor time
-//   checking_share                     checking relative to sampling, without the gap check, which grows with 1 / gaps
-//   rim_points                         the largest number of points that waited for neighboring tiles at once
-//   resident_bytes, resident_limit     the peak memory of the process
+//   points_asked, seed, tile_cells, tile_radii, order, threads, verify, gaps
+//       The request.
+//   points, tiles, side_cells, side_radii
+//       The result.
+//   radius_squared, least_squared
+//       The squared radius, and the smallest squared distance of any pair of points, both in squared
+//       lattice units.
+//   pairs, too_close
+//       Pairs of points from cells at most two apart, which include all that can be too close, and
+//       pairs that are closer than the radius.
+//   misplaced, doubled
+//       Points outside their own cell or tile, and points in a cell that already has one.
+//   tiles_missing, tiles_repeated
+//       Tiles of the region that were never finished, or finished more than once.
+//   gap_tiles, uncovered, changed
+//       Tiles checked for gaps, lattice points that no point covers, and tiles whose points differed
+//       when they were sampled as part of a larger rectangle.
+//   coverage, coverage_error, coverage_reference, coverage_z
+//       The share of the plane that disks of diameter r cover, its standard error from `blocks`
+//       blocks of equal area, the reference, and the difference from it in standard errors.
+//   coverage_lattice_loss
+//       The reduction of the coverage by the lattice, measured on coarser lattices.
+//   digest
+//       Identifies the set of points, regardless of the order, tiles and threads.
+//   seconds, points_per_second
+//       Wall time of the whole run.
+//   cpu_seconds, cpu_nanoseconds_per_point, sampling_seconds, checking_seconds, gap_seconds
+//       CPU time.
+//   checking_share
+//       The time for checking relative to sampling, without the gap check, which is proportional to
+//       1 / gaps.
+//   rim_points
+//       The maximum number of points kept at once for neighboring tiles.
+//   resident_bytes, resident_limit
+//       The peak memory of the process, and its limit.
 //   compiler
-//   broken                             the promises that were broken
-// Unmeasured values are null. Exits with 0 if no promise is broken, 1 if one is, 2 for invalid arguments.
+//   broken
+//       The guarantees that were violated.
+// Unmeasured values are null. Exits with 0 if all guarantees hold, 1 if one is violated, 2 for
+// invalid arguments.
 
 #include "billion/run.hpp"
 #include "common/timing.hpp"
@@ -48,10 +70,10 @@
 namespace thicket::bench::billion {
 namespace {
 
-/// 64 MB.
+/// The maximum peak memory of the process: 64 MB.
 constexpr std::uint64_t resident_limit = 64'000'000;
 
-/// The largest distance of the coverage from the reference, in standard errors.
+/// The maximum difference between the coverage and the reference, in standard errors.
 constexpr double largest_z = 4.0;
 
 constexpr const char *usage =
@@ -67,7 +89,7 @@ const char *name_of(TileOrder order) {
 	return "";
 }
 
-/// Reads all of `text` as a number in [least, most].
+/// Parses all of `text` as a number in [least, most]. Returns false for anything else.
 template <typename Number>
 bool read(std::string_view text, Number least, Number most, Number &r_number) {
 	Number number{};
@@ -89,7 +111,7 @@ bool read_order(std::string_view text, TileOrder &r_order) {
 	return false;
 }
 
-/// Parses one argument. Returns the error, or nothing.
+/// Parses one argument. Returns an error message, or an empty string.
 std::string read_argument(std::string_view argument, RunOptions &r_options) {
 	const std::size_t equals = std::min(argument.find('='), argument.size());
 	const std::string_view key = argument.substr(0, equals);
@@ -122,8 +144,8 @@ std::string read_argument(std::string_view argument, RunOptions &r_options) {
 	return "no such argument: " + std::string(argument);
 }
 
-/// The peak memory of this process, from /proc/self/status, because other sources include the process before it became
-/// this program. 0 if the system has no such file.
+/// Returns the peak memory of this process from /proc/self/status; 0 if the system has no such
+/// file. Other sources include memory from before the process started this program.
 std::uint64_t peak_resident_bytes() {
 	std::ifstream status("/proc/self/status");
 	for (std::string line; std::getline(status, line);) {
@@ -140,14 +162,14 @@ class JsonLine {
 public:
 	void text(const char *key, const std::string &value) { add(key, '"' + value + '"'); }
 	void whole(const char *key, std::uint64_t value) { add(key, std::to_string(value)); }
-	/// Null if the value is not finite.
+	/// Writes null if the value is not finite.
 	void real(const char *key, double value, int digits) {
 		char number[64];
 		std::snprintf(number, sizeof(number), "%.*g", digits, value);
 		add(key, std::isfinite(value) ? number : "null");
 	}
 	void truth(const char *key, bool value) { add(key, value ? "true" : "false"); }
-	/// `value` verbatim, or null.
+	/// Writes `value` verbatim, or null if `known` is false.
 	void add(const char *key, const std::string &value, bool known = true) {
 		line_ += line_.empty() ? "{\"" : ", \"";
 		line_ += key;
@@ -162,7 +184,7 @@ private:
 
 double coverage_z(const Outcome &outcome) { return (outcome.coverage - jammed_coverage) / outcome.coverage_error; }
 
-/// The broken promises, as a JSON array.
+/// Returns the names of violated guarantees as a JSON array.
 std::string broken_promises(const RunOptions &options, const Outcome &outcome, std::uint64_t resident) {
 	const Findings &found = outcome.found;
 	const struct {

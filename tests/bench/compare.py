@@ -1,9 +1,10 @@
-"""Reports the rows of the bench that moved between two commits by more than the machine's noise.
+"""Reports the rows of the bench that differ between two commits by more than the machine's noise.
 
     bash tests/bench/compare.sh BASE [NEW] [--turns 9] [--programs bench_sampler,bench_tile] [--engine gameplay,spikes]
 
-BASE and NEW are commits. The default of NEW is the working folder. Both are built for release in separate folders below build/compare, then
-run alternately, so that a slow minute of the machine affects both. Exits with 1 if a row became worse.
+BASE and NEW are commits. NEW defaults to the working folder. Both are built for release in separate folders in
+build/compare, then run alternately, so that a slow minute of the machine affects both. Exits with 1 if a row became
+worse.
 """
 
 import argparse
@@ -18,27 +19,28 @@ from pathlib import Path
 REPO = Path(__file__).resolve().parents[2]
 PROGRAMS = ("bench_sampler", "bench_tile", "bench_fields", "bench_shapes")
 
-# The probability that a row counts as moved by mistake is less than this, if chance alone decides which commit is faster in a turn.
+# The significance level: if chance alone decides which commit is faster in a turn, a row counts as moved with at most
+# this probability.
 CHANCE = 0.01
-# Smaller changes are ignored: code that merely moves in memory changes as much.
+# Smaller changes are ignored, because even a different memory layout of the code can cause them.
 LEAST = 0.02
 
 ROW = re.compile(r"\| (?P<what>.+?) \| (?P<number>-?[0-9][0-9,]*(?:\.[0-9]+)?)(?P<unit>[^|]*) \| [^|]* \| [0-9]+ \|")
 
 
 def read_rows(printed: str) -> dict[str, tuple[float, str]]:
-    """The rows of a bench: the median, and its unit ("" for none), by name. Other lines are ignored."""
+    """Returns the median and its unit ("" for none) of each row of a bench, keyed by the row's name. Other lines are ignored."""
     rows = (ROW.fullmatch(line.strip()) for line in printed.splitlines())
     return {row["what"]: (float(row["number"].replace(",", "")), row["unit"].strip()) for row in rows if row}
 
 
 def more_is_better(unit: str) -> bool:
-    """True for rates and speedups. For times and sizes, less is better."""
+    """Returns True for rates and speedups, and False for times and sizes, for which less is better."""
     return bool(re.search(r"/s\b|\bper (?:second|ms)\b", unit)) or unit == "times"
 
 
 def outliers(turns: int) -> int:
-    """The number of turns, out of the given number, that may contradict the rest; -1 if the turns are too few to decide anything."""
+    """Returns how many of the turns may contradict the rest, or -1 if there are too few turns to decide anything."""
     return max(k for k in range(-1, turns // 2) if 2 * sum(math.comb(turns, i) for i in range(k + 1)) / 2**turns <= CHANCE)
 
 
@@ -46,9 +48,9 @@ def outliers(turns: int) -> int:
 class Change:
     what: str
     unit: str
-    base: float  # Medians.
+    base: float  # Medians of all turns.
     new: float
-    ratio: float  # The median of new over base within each turn.
+    ratio: float  # The median of the ratios new / base of each turn.
     moved: bool
 
     @property
@@ -61,7 +63,7 @@ class Change:
 
 
 def compare(what: str, unit: str, base: list[float], new: list[float]) -> Change:
-    """Compares a row. Both lists contain the median of each turn, in the same order."""
+    """Compares a row. Both lists contain the medians of all turns, in the same order."""
     ratios = sorted(b / a if a > 0 and b > 0 else 1.0 for a, b in zip(base, new, strict=True))
     ratio = statistics.median(ratios)
     against = sum(each >= 1.0 for each in ratios) if ratio < 1.0 else sum(each <= 1.0 for each in ratios)
@@ -70,7 +72,7 @@ def compare(what: str, unit: str, base: list[float], new: list[float]) -> Change
 
 
 def compare_all(turns: list[tuple[dict, dict]]) -> tuple[list[Change], list[str]]:
-    """The changes of all rows that both commits print in every turn, and the names of the others."""
+    """Returns the changes of all rows that both commits print in every turn, and the names of the other rows."""
     names = dict.fromkeys(what for pair in turns for side in pair for what in side)
     shared = [what for what in names if all(what in side for pair in turns for side in pair)]
     changes = []
@@ -95,7 +97,7 @@ def report(changes: list[Change], others: list[str], turns: int) -> str:
 
 
 class Side:
-    """A commit with its built benches."""
+    """A commit and its built benches."""
 
     def __init__(self, commit: str | None, engine: bool):
         self.folder = self.check_out(commit) if commit else REPO

@@ -1,15 +1,22 @@
-// Times one method on one domain, for tests/bench/figures.sh. Prints a JSON object per line, one for each set.
-//   domain_run METHOD PRECISION POINTS SEED [cell=RADII] [darts=DARTS] [sets=COUNT] [torus] [fill] [dump=FILE]
-// METHOD: naive, hierarchical, accumulator, wavefront (single and double); tile, reference, scalloped, boundary, jones
-// (double); plain_bridson, bridson (single). The radius is 1. The domain is a square in which a jammed set has POINTS
-// points. `reference` is naive dart throwing that runs to its end.
-//   cell=RADII   width of an accelerator cell, 0 for the method's own
-//   darts=DARTS  darts that `naive` throws for each base square
-//   sets=COUNT   number of sets, with consecutive seeds from SEED
-//   torus        opposite edges meet, for the first four methods; reference, scalloped, boundary and jones always use a torus
-//   fill         the points stay in the accelerator cells and are not copied; for the first four methods
-//   dump=FILE    the sets, each as its count (uint64) and its coordinates (float64 x, y), little-endian
-// Seconds are the processor time of the call that generates the points, from a cold object to a filled vector.
+// Times one method on one domain, for tests/bench/figures.sh. Prints one JSON object per line for
+// each set.
+//   domain_run METHOD PRECISION POINTS SEED [cell=RADII] [darts=DARTS] [sets=COUNT] [torus] [fill]
+//              [dump=FILE]
+// METHOD: naive, hierarchical, accumulator, wavefront (single and double); tile, reference,
+// scalloped, boundary, jones (double); plain_bridson, bridson (single). The radius is 1. The domain
+// is a square in which a jammed set has POINTS points. `reference` is naive dart throwing until no
+// dart fits.
+//   cell=RADII   the width of an accelerator cell; 0 for the method's default
+//   darts=DARTS  the number of darts that `naive` throws per base square
+//   sets=COUNT   the number of sets, with consecutive seeds from SEED
+//   torus        makes opposite edges meet, for the first four methods; reference, scalloped,
+//                boundary and jones always use a torus
+//   fill         leaves the points in the accelerator cells without copying them, for the first
+//                four methods
+//   dump=FILE    writes the sets, each as its count (uint64) and its coordinates (float64 x, y),
+//                little-endian
+// `seconds` is the CPU time of the call that generates the points, from a new object to a filled
+// vector.
 
 #include "tests/analysis/naive_darts.hpp"
 #include "tests/bench/baselines/boundary_sampling.hpp"
@@ -39,7 +46,8 @@
 namespace thicket::bench {
 namespace {
 
-/// Random sequential adsorption of disks jams at this coverage.
+/// Points per unit of area at which random sequential adsorption of disks of diameter 1 jams
+/// (coverage 0.547070).
 constexpr double jammed_density = 0.547070 * 4.0 / std::numbers::pi;
 
 struct Request {
@@ -56,7 +64,8 @@ struct Request {
 	std::string dump;
 };
 
-/// The result of one set: its points, unless they were only counted, and the cost of generating them.
+/// The result for one set: the number of points, the cost of generating them, and the points
+/// themselves if a dump is requested.
 struct Outcome {
 	double seconds = 0.0;
 	std::uint64_t points = 0;
@@ -76,8 +85,8 @@ void require(const Status &status) {
 	}
 }
 
-/// The peak memory of this program in bytes. Not from getrusage, which includes the process that started it. 0 if the
-/// system does not report it.
+/// Returns the peak memory of this program in bytes; 0 if the system does not report it. getrusage
+/// is unsuitable, because it includes the process that started this program.
 std::size_t peak_resident_bytes() {
 	std::ifstream status("/proc/self/status");
 	std::string word;
@@ -90,7 +99,7 @@ std::size_t peak_resident_bytes() {
 	return 0;
 }
 
-/// Times `make`, which fills a vector of points.
+/// Measures `make`, which fills a vector of points.
 template <typename Point, typename Make>
 Outcome timed(const Request &request, Make &&make) {
 	std::vector<Point> points;
@@ -143,7 +152,7 @@ Outcome run_domain(const Request &request) {
 	return outcome;
 }
 
-/// A window onto the infinite set, assembled from tiles of 64 radii, as in a game.
+/// Generates a window onto the infinite set, assembled from tiles of 64 radii, as in a game.
 Outcome run_tiles(const Request &request) {
 	return timed<glm::dvec2>(request, [&](std::vector<glm::dvec2> &r_points) {
 		constexpr double tile = 64.0;
@@ -188,7 +197,8 @@ struct Method {
 	std::string_view name;
 	std::function<Outcome(const Request &)> single;
 	std::function<Outcome(const Request &)> as_double;
-	bool is_domain = false; ///< A DomainMethod. Only these support `torus`, `fill` and `cell`.
+	/// True for a DomainMethod. Only a DomainMethod supports `torus`, `fill` and `cell`.
+	bool is_domain = false;
 };
 
 const Method &find_method(const std::string &name) {

@@ -1,20 +1,22 @@
 #!/usr/bin/env bash
-# Reproduces the seed paper's figures. Builds for release, measures, writes tables, pictures and a page into build/figures, and the data of
-# page and pictures into tests/bench/data/figures.json. Takes about an hour, half of it for the sets that fill the memory (--only large).
-# Nothing else should run on the machine meanwhile. Options:
-#   --render        measure nothing: write page and pictures into build/figures from tests/bench/data, in seconds
+# Reproduces the figures of the paper on which the sampler is based. Builds for release, measures, and writes tables, pictures and
+# a page into build/figures. Also writes the data of the page and pictures into tests/bench/data/figures.json. Takes about an
+# hour, half of it for the sets that fill the memory (--only large). Nothing else should run on the machine in the meantime.
+# Options:
+#   --render        measure nothing; write the page and pictures into build/figures from tests/bench/data, in seconds
 #   --quick         small sizes, to check that everything works; does not change tests/bench/data
-#   --out DIR       the folder of tables and pictures, instead of build/figures
-#   --only PART     measure only one of speed, sets, memory, large, billion; keep the other tables. Can be repeated
+#   --out DIR       the folder for tables and pictures, instead of build/figures
+#   --only PART     measure only one of speed, sets, memory, large, billion, and keep the other tables. Can be repeated
 #   --minutes N     skip sets that fill the memory (--only large) if one would take longer. Default: an hour
-#   --redraw        measure nothing: draw and write from the existing tables
-#   --programs DIR  measure the programs in this build folder, and build nothing
+#   --redraw        measure nothing; draw and write from the existing tables
+#   --programs DIR  measure the programs in this build folder; build nothing
 set -euo pipefail
 from=$PWD
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
 source tests/bench/peers/setup.sh
 
-# in_callers_folder OPTION FOLDER: prints the folder's path, relative to the folder from which the command was called.
+# in_callers_folder OPTION FOLDER: prints the absolute path of FOLDER, which is relative to the folder where the command
+# was called.
 in_callers_folder() {
 	if [[ -z ${2:-} ]]; then
 		say "$1 needs a folder"

@@ -1,10 +1,10 @@
 extends "bench.gd"
-## A slow flight over the demo, saved frame by frame, for films and to find popping. Needs a renderer:
+## Records a slow flight over the demo frame by frame, for films and to find popping. Needs a renderer:
 ##   tools/godot --xvfb --path demo_project --script tests/bench/film.gd -- FOLDER STOP FRAMES METERS
 ##
-## Moves METERS ahead from one frame to the next, at the stop's height above the ground, without wind. It never waits for the scatter, so
-## unfinished tiles are missing. The demo's own camera decides what is drawn. `lod_fade=0` as a last argument disables cross-fades, which
-## makes popping visible.
+## The camera moves METERS ahead per frame, at the stop's height above the ground, without wind. Once the flight has
+## started, it does not wait for the scatter, so unfinished tiles are missing. The demo's camera determines what is drawn.
+## The last argument `lod_fade=0` disables cross-fades, which makes popping visible.
 
 const SIZE := Vector2i(480, 270)
 
@@ -31,7 +31,7 @@ func run() -> String:
 		for layer: ScatterLayer in scatter.layers:
 			layer.lod_fade = 0.0
 	var failure := await _fly(arguments[0], arguments[1], arguments[2].to_int(), arguments[3].to_float())
-	scatter = null # It is freed with the demo.
+	scatter = null # The scatter is freed with the demo.
 	_demo.queue_free()
 	return failure
 
@@ -48,7 +48,7 @@ func _fly(folder: String, stop_name: String, count: int, meters: float) -> Strin
 		_demo.call(&"place", stop)
 		stop.eye += Vector3(sin(heading), 0.0, -cos(heading)) * meters
 		if index == 0:
-			root.disable_3d = true # With 3D drawn in software, streaming would get too little time.
+			root.disable_3d = true # Software rendering would leave too little time for streaming.
 			var failure := await idle()
 			root.disable_3d = false
 			if failure != "":

@@ -1,11 +1,11 @@
 extends "bench.gd"
-## Cost of a wide view on the main thread: 1.2 million visible instances in about 860 tiles of three layers with spacing, while the viewer
-## flies over the demo's ground. Prints rows of a Markdown table.
+## Measures the cost of a wide view on the main thread: 1.2 million visible instances in about 860 tiles of three layers with
+## spacing, while the viewer flies over the demo's ground. Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/flight.gd [-- SECONDS]
 ##
 ## The viewer follows the wall clock, so a late frame has more to do.
 
-const SPEEDS: Array[float] = [100.0, 1000.0] ## Meters per second.
+const SPEEDS: Array[float] = [100.0, 1000.0] ## Speeds of the viewer in meters per second.
 const FRAMES_PER_SECOND := 60
 const EYE := 150.0
 const START := Vector2(-9000.0, 6000.0)
@@ -82,7 +82,7 @@ func _measure(speed: float, seconds: float) -> void:
 	var ends := [spent[0], spent[-1], count]
 	print("| %s, median | %.0f µs | %.0f to %.0f µs | %d frames |" % ([flight, spent[count / 2]] + ends))
 	print("| %s, p99 | %.0f µs | %.0f to %.0f µs | %d frames |" % ([flight, spent[ceili(0.99 * count) - 1]] + ends))
-	# The time that the whole frame waited for a processor, including the engine's part, because the system does not report when the waiting
-	# occurred.
+	# The time that the main thread waited for a CPU in the whole frame, including the engine's part. The system does
+	# not report when in the frame it waited.
 	var details := [parts_text(longest.get("frame_parts", {})), longest_waited]
 	print("| %s, the longest | %.0f µs | %s; waited %d for a processor | %d frames |" % ([flight, spent[-1]] + details + [count]))

@@ -1,17 +1,18 @@
 extends "bench.gd"
-## Cost of a game's queries and changes: queries on cached and on missing tiles, removals, and the size of a state. Prints rows of a
-## Markdown table.
+## Measures the cost of a game's queries and changes: queries on cached and on missing tiles, removals, and the size of a state.
+## Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/gameplay.gd [-- ROUNDS]
 ##
-## Times are wall time of calls from GDScript, which a busy machine lengthens. The lowest round is the least disturbed one.
+## Times are the wall time of calls from GDScript, which a busy machine increases. The lowest round is the least
+## disturbed one.
 
 const DEFAULT_ROUNDS := 9
-const RADIUS := 100.0 ## Meters, of the queried circle.
-const CALLS := 500    ## Rays and similar calls per round.
+const RADIUS := 100.0 ## The radius of the queried circle in meters.
+const CALLS := 500    ## The number of rays and similar calls per round.
 const MILLION := 1000000
 
 var _random := RandomNumberGenerator.new()
-var _center := Vector3(310.0, 0.0, -270.0) ## On the ground.
+var _center := Vector3(310.0, 0.0, -270.0) ## A position on the ground.
 
 
 func run() -> String:
@@ -27,7 +28,7 @@ func run() -> String:
 	return failure
 
 
-## Trees, ferns and grass on the demo's ground, around one viewer.
+## Creates trees, ferns and grass on the demo's ground, around one viewer.
 func _make_scene() -> void:
 	var terrain := demo_terrain()
 	var viewer := Node3D.new()
@@ -71,7 +72,7 @@ func _read_all(layers: Array) -> int:
 	return all.ids.size() + all.positions.size() + all.transforms.size()
 
 
-## Rays, nearest and single instances among trees and ferns.
+## Measures queries for rays, nearest instances and single instances among trees and ferns.
 func _measure_single(rounds: int) -> void:
 	var ids: PackedInt64Array = scatter.query_sphere(_center, RADIUS, [scatter.layers[0], scatter.layers[1]]).ids
 	var rays := []
@@ -88,7 +89,7 @@ func _measure_single(rounds: int) -> void:
 	row("get_instance by id, tiles known", by_id, "µs", 1)
 
 
-## A position 1 m above the ground, near enough for rays to stay within cached tiles.
+## Returns a random position 1 m above the ground, near enough for rays to stay within cached tiles.
 func _somewhere() -> Vector3:
 	var off := 40.0 * Vector3(_random.randf_range(-1, 1), 0, _random.randf_range(-1, 1))
 	return _on_ground(_center + off) + Vector3.UP
@@ -104,7 +105,8 @@ func _each(call: Callable) -> float:
 			call.call()) / CALLS
 
 
-## One by one, and the ferns around a position at once. Includes updating the displayed tiles.
+## Measures removals one by one, and of all ferns around a position at once. The times include the update of the displayed
+## tiles.
 func _measure_removals(rounds: int) -> void:
 	var single := []
 	var many := []
@@ -125,7 +127,7 @@ func _measure_removals(rounds: int) -> void:
 	row("remove_in_sphere, %d at once, redraw included" % count, many, "per second", 0)
 
 
-## Reading a tile applies all changes to it.
+## Updates the displayed tiles, because reading a tile applies all changes to it.
 func _draw() -> void:
 	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[1]):
 		scatter.get_tile(scatter.layers[1], tile)
@@ -140,7 +142,7 @@ func _restore(ids: PackedInt64Array) -> void:
 func _measure_states() -> void:
 	var spread := ScatterState.new()
 	while spread.get_removed_count() < MILLION:
-		spread.remove(_random.randi() << 16 | _random.randi() & 0xffff) # The 48 bits of a cell.
+		spread.remove(_random.randi() << 16 | _random.randi() & 0xffff) # The 48 bits of an ID that identify a cell.
 	_row_bytes("state, %d removals spread over all cells of a layer" % MILLION, spread)
 	var bytes := spread.to_bytes()
 	var loaded := ScatterState.new()

@@ -1,15 +1,16 @@
 extends SceneTree
-## Cost of loaded, replaced or edited ground on the main thread: the node's own time per frame (`frame_usec` of its stats), as 99th
-## percentile and maximum, and the time until all tiles are up to date. Prints rows of a Markdown table.
+## Measures the cost of loaded, replaced or edited ground on the main thread. The figures are the 99th percentile and the maximum
+## of the node's time per frame (`frame_usec` in its stats), and the time until all tiles are up to date. Prints rows of a
+## Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/ground_changes.gd [-- ONLY]
 ##
-## ONLY is a part of a row's name. `--xvfb --rendering-driver opengl3` in place of `--headless` measures a renderer from which the triangles
-## of meshes must be read back. The budget is the node's default.
+## ONLY is a part of a row's name. With `--xvfb --rendering-driver opengl3` in place of `--headless`, the triangles of
+## meshes must be read back from the renderer. The frame budget is the node's default.
 
-const MILLION := 706 ## Subdivisions of a plane with a million triangles.
-const CHUNK := 64.0 ## Meters.
-const CHUNK_QUADS := 127 ## A chunk has 32,000 triangles.
-const SPEED := 50.0 ## Meters per second.
+const MILLION := 706 ## The subdivisions of a plane with a million triangles.
+const CHUNK := 64.0 ## Width of a chunk in meters.
+const CHUNK_QUADS := 127 ## Results in chunks of 32,000 triangles.
+const SPEED := 50.0 ## Speed of the viewer in meters per second.
 
 var _viewer := Node3D.new()
 var _only := ""
@@ -38,7 +39,7 @@ func _run() -> void:
 	quit()
 
 
-## Calls a case, which returns its scatter, and the index of the first frame that counts.
+## Runs a case, which fills its [Frames], and prints its row.
 func _measure(named: String, of: Callable) -> void:
 	if _only and not _only in named:
 		return
@@ -75,13 +76,13 @@ func _scatter(terrain: ScatterGround) -> TerrainScatter3D:
 	return scatter
 
 
-## Waits until the scatter has settled, and at least for some frames.
+## Waits until the scatter has settled, and for at least [param at_least] frames. Records the frames.
 func _follow(scatter: TerrainScatter3D, frames: Frames, at_least := 30) -> void:
 	var start := Time.get_ticks_usec()
 	var made: int = scatter.get_stats()["tiles_made"]
 	var waited := 0
 	while waited < at_least or not scatter.is_settled():
-		await process_frame # The node does its work for the frame after this signal.
+		await process_frame # The node processes the frame after this signal.
 		frames.usec.push_back(scatter.get_stats()["frame_usec"])
 		waited += 1
 		if scatter.get_stats()["tiles_made"] > made:
@@ -139,7 +140,8 @@ func _chunk_replaced(frames: Frames) -> void:
 	await _follow(scatter, frames, 100)
 
 
-## Creates rows of chunks ahead and frees them behind, as a streaming world does. Creating them is not part of the node's time.
+## Creates rows of chunks ahead of the viewer, and frees them behind it, as a streaming world does. Their creation is
+## not part of the node's time.
 func _chunks(frames: Frames) -> void:
 	var rows: Dictionary[int, Array] = {}
 	var scatter: TerrainScatter3D

@@ -1,4 +1,4 @@
-"""Prints rows of a Markdown table: the sizes of the release libraries that `bash tools/package.sh` packed last. Run it after that."""
+"""Prints the sizes of the release libraries that `bash tools/package.sh` packed last, as rows of a Markdown table."""
 
 import sys
 import zipfile

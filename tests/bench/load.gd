@@ -1,6 +1,6 @@
 extends "bench.gd"
-## Startup cost of the add-on: the time from the engine's start until the first tile of the demo is visible, compared with the same scene
-## without a scatter. Prints rows of a Markdown table.
+## Measures the startup cost of the add-on: the time from the engine's start until the first tile of the demo is visible, compared
+## with the same scene without a scatter. Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/load.gd [-- ROUNDS]
 
 const DEFAULT_ROUNDS := 5
@@ -14,7 +14,7 @@ func run() -> String:
 	var without := PackedFloat64Array()
 	for round in rounds_or(DEFAULT_ROUNDS):
 		for scattered: bool in [true, false]:
-			var arguments: Array[String] = [SCENE] # In a separate engine, which has nothing loaded yet.
+			var arguments: Array[String] = [SCENE] # Runs in a separate engine, which has nothing loaded yet.
 			if not scattered:
 				arguments.push_back("bare")
 			var seconds := seconds_in_another_engine(arguments)
@@ -42,7 +42,7 @@ func _start_scene() -> String:
 			return "no tile after %.0f s" % PATIENCE_SECONDS
 		await process_frame
 	print_seconds(Time.get_ticks_usec() / 1e6)
-	scatter = null # It is freed with its scene.
+	scatter = null # The scatter is freed with its scene.
 	demo.queue_free()
 	await process_frame
 	return ""

@@ -1,17 +1,18 @@
 extends "bench.gd"
-## Cost of trees in the bake of a navigation mesh: about 1,300 of them on 180 by 180 meters, with no tiles loaded. Prints rows of a Markdown
-## table.
+## Measures the cost of trees in the bake of a navigation mesh: about 1,300 trees on 180 by 180 meters, with no tiles loaded.
+## Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/navigation.gd [-- ROUNDS]
 ##
-## Bakes are measured in processor time. Contenders take turns in each round, and differences are within the same round. The scatter's own
-## share is to find the trees, to pass them on, and to have the engine read them. It is measured as the added cost of trees above all
-## ground, which leave no hole. The rest is the engine's cost for a mesh around so many holes, whatever creates them. It is compared with
-## the smallest possible holes, of one cell, and with the same trees as bodies in the scene.
+## Bakes are measured in CPU time. Contenders take turns in each round, and differences are computed within a round. The
+## scatter's own share is to find the trees, to pass them on, and to have the engine read them. It is measured as the
+## added cost of trees that are above all ground, because these leave no holes. The rest is the engine's cost for a mesh
+## with so many holes, regardless of their origin. It is compared with the smallest possible holes, of one cell, and
+## with the same trees as bodies in the scene.
 
 enum { NONE, TREES, ABOVE, CELLS, BODIES }
 
 const DEFAULT_ROUNDS := 9
-const SIDE := 180.0 ## Meters.
+const SIDE := 180.0 ## Side of the baked area in meters.
 
 var _layer := ScatterLayer.new()
 var _region := NavigationRegion3D.new()
@@ -30,7 +31,7 @@ func run() -> String:
 		whole.push_back([])
 	for round in rounds:
 		for kind in BODIES + 1:
-			_measure(NONE, [], []) # Earlier work may leave memory to the first contender. This equalizes it for all.
+			_measure(NONE, [], []) # Gives all contenders the same start: earlier work may leave free memory for the first one.
 			_measure(kind, parse[kind], whole[kind])
 	row("navigation: parsing with %d trees" % trees, parse[TREES], "ms", 2)
 	row("navigation: time that the trees add to the bake", _added(whole, TREES), "ms", 2)
@@ -67,7 +68,7 @@ func _body(shape: Shape3D, at: Vector3) -> StaticBody3D:
 	return body
 
 
-## Creates the same trees as nodes, and returns their number.
+## Creates the same trees as bodies, and returns their number.
 func _make_bodies() -> int:
 	var trees := scatter.query_rect(Rect2(-SIDE / 2, -SIDE / 2, SIDE, SIDE))
 	var shape := CylinderShape3D.new()
@@ -80,7 +81,7 @@ func _make_bodies() -> int:
 
 func _measure(kind: int, r_parse: Array, r_whole: Array) -> void:
 	_layer.affect_navigation_mesh = kind != NONE and kind != BODIES
-	scatter.regenerate() # Each round regenerates its tiles.
+	scatter.regenerate() # Each round must regenerate its tiles.
 	if kind == BODIES:
 		_region.add_child(_bodies)
 	var data := NavigationMeshSourceGeometryData3D.new()
@@ -101,7 +102,8 @@ func _change(data: NavigationMeshSourceGeometryData3D, change: Callable) -> void
 	data.set_projected_obstructions(trees)
 
 
-## Shrinks an outline to one cell around its center, or sometimes two, independent of the agent's radius.
+## Shrinks an outline to one cell around its center, or sometimes two. The agent's radius does not apply, because the
+## outline is carved.
 func _shrink(tree: Dictionary) -> void:
 	var outline: PackedFloat32Array = tree.vertices
 	@warning_ignore("integer_division")

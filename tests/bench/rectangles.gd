@@ -1,8 +1,9 @@
 extends "bench.gd"
-## Speedup of all cores over one core for one large rectangle: its points alone, and its instances. Prints rows of a Markdown table.
+## Measures the speedup of all cores over one core for a large rectangle, for its points alone and for its instances. Prints rows
+## of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/rectangles.gd [-- ROUNDS]
 ##
-## Each time is that of a separate engine, which is limited to one core or not. Linux only.
+## Each measurement uses a separate engine, which may be limited to one core. Linux only.
 
 const DEFAULT_ROUNDS := 5
 const RECT := Rect2(-500.0, -500.0, 1000.0, 1000.0)
@@ -34,7 +35,7 @@ func run() -> String:
 	return ""
 
 
-## Prints the median of three times, in a separate engine.
+## Measures in this separate engine, and prints the median of three times.
 func _measure() -> String:
 	var layer := ScatterLayer.new()
 	layer.radius = 1.0
@@ -44,7 +45,7 @@ func _measure() -> String:
 	await process_frame
 	var call: Callable = _calls[OS.get_cmdline_user_args()[-1]]
 	var times := []
-	for time in 4: # The first one warms up.
+	for time in 4: # The first of the four calls warms up.
 		times.push_back(time_of(call))
 	times = times.slice(1)
 	times.sort()

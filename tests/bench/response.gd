@@ -1,30 +1,31 @@
 extends "bench.gd"
-## Time until a change is visible: changes the density of one layer with 10^5 visible instances, as a slider would. Measures the time until
-## the tiles nearest to the viewer are regenerated, until all are, and the main thread's time in each frame. Then drags the slider for two
-## seconds, with a change in every frame. Prints rows of a Markdown table.
+## Measures the time until a change is visible. Changes the density of one layer with 10^5 visible instances, as a slider does.
+## Measures the time until the tiles near the viewer are regenerated, the time until all tiles are, and the main thread's time per
+## frame. Then drags the slider for two seconds, with a change in every frame. Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/response.gd [-- ROUNDS]
 ##
-## Times are wall time, at 60 frames per second, from the frame in which the property is set. A frame's work is the scatter's time on the main
-## thread, including the comparison of all settings. A busy machine lengthens it while the thread waits for a core, and a virtual one while
-## its host provides pages of memory. Therefore the processor time of the whole frame, engine included, and the waiting time of the longest
-## frame are printed as well, if the system reports them.
+## Times are wall time at 60 frames per second, from the frame in which the property is set. The time of a frame is the
+## scatter's time on the main thread, including the comparison of all settings. It also includes waiting: for a core on
+## a busy machine, and for memory pages from the host on a virtual machine. Therefore the bench also prints the CPU time
+## of the whole frame, including the engine, and the waiting time of the longest frame, if the system reports them.
 
 const FRAMES_PER_SECOND := 60
-const NEAR := 64.0 ## Meters around the viewer that count as near while dragging.
+const NEAR := 64.0 ## The distance from the viewer in meters within which tiles count as near.
 const INSTANCES := 100000
 const DRAG_SECONDS := 2.0
 const DEFAULT_ROUNDS := 15
-const TOUCHED_BYTES := 512 << 20 ## Freed before the measurement, because the first touch of memory may wait for a host.
+## Allocated and freed before the measurement, because the first access to memory may wait for a host.
+const TOUCHED_BYTES := 512 << 20
 
 var _layer: ScatterLayer
 var _viewer := Node3D.new()
 var _near: Array[Vector2i] = []
-var _missing := {} ## Tiles that have not been regenerated since the last change.
-var _seen := {}    ## How often each tile was shown.
-var _frames: PackedFloat64Array ## Microseconds of the main thread.
-var _processor_frames: PackedFloat64Array ## Microseconds of the main thread's processor time, including all of the engine's work.
+var _missing := {} ## The tiles that have not been regenerated since the last change.
+var _seen := {}    ## The number of times that each tile was shown.
+var _frames: PackedFloat64Array ## The scatter's microseconds on the main thread in each frame.
+var _processor_frames: PackedFloat64Array ## The main thread's CPU time in microseconds in each frame, including the engine's work.
 var _processor_usec := 0
-var _waits: PackedFloat64Array ## Microseconds in each frame that the main thread was ready to run but had no core.
+var _waits: PackedFloat64Array ## The microseconds in each frame that the main thread was ready to run but had to wait for a core.
 var _wait_usec := 0
 var _most_pending := 0
 
@@ -88,7 +89,8 @@ func _on_tile_shown(_index: int, tile: Vector2i) -> void:
 	_seen[tile] = _seen.get(tile, 0) + 1
 
 
-## Sets the density and waits until all tiles are regenerated. Milliseconds: [nearest tiles, all tiles]; empty if it takes too long.
+## Sets the density and waits until all tiles are regenerated. Returns the milliseconds until the near tiles and until all
+## tiles are regenerated. The list is empty if that takes too long.
 func _change(density: float) -> PackedFloat64Array:
 	var result := PackedFloat64Array([-1.0, -1.0])
 	_missing.clear()
@@ -107,7 +109,7 @@ func _change(density: float) -> PackedFloat64Array:
 	return result
 
 
-## A dictionary of figures, each a list with one value per round; empty if a change did not settle.
+## Returns a dictionary of figures, each a list with one value per round. It is empty if a change did not settle.
 func _measure_changes(rounds: int) -> Dictionary:
 	var figures := _no_figures()
 	for round in rounds + 1:
@@ -115,7 +117,7 @@ func _measure_changes(rounds: int) -> Dictionary:
 		var times := await _change(0.97 if round % 2 == 0 else 1.0)
 		if times.is_empty():
 			return {}
-		if round > 0: # The first one warms everything up.
+		if round > 0: # The first round warms up.
 			figures.near.push_back(times[0])
 			figures.all.push_back(times[1])
 			_add_frames(figures)

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Builds benches and extension for release, runs them, and prints one Markdown table. After building, takes a quarter of an hour on two
-# otherwise idle cores. Arguments: [rounds = 9] [seconds = 0.25] of the programs in C++, preceded by options:
-#   --write        also stores the rows in tests/bench/data/speed.json, and writes README's tables from them (speed_table.py)
-#   --only A,B     measures only these parts; with --write, the rows of the others are kept
-# Times are processor time, and contenders take turns within each round, so that a busy machine disturbs all equally. Only the times of the
-# main thread, of workers and of the response to a change are wall time, which a busy machine lengthens. The parts from streaming on run in
-# the engine, using the editor's binary with the release library.
+# Builds the benches and the extension for release, runs them, and prints one Markdown table. Takes a quarter of an hour after
+# building, on two otherwise idle cores. Arguments: [rounds = 9] [seconds = 0.25] for the C++ programs, preceded by options:
+#   --write        also store the rows in tests/bench/data/speed.json, and write README's tables from them (speed_table.py)
+#   --only A,B     measure only these parts; with --write, keep the rows of the other parts
+# Times are CPU time, and contenders take turns within each round, so that a busy machine affects all equally. Only the times of
+# the main thread, of workers and of the response to a change are wall time, which a busy machine increases. The parts from
+# streaming on run in the engine, in the editor's binary with the release library.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
 source tools/setup.sh
@@ -50,7 +50,7 @@ shopt -s nullglob
 programs=(build/*.template_release.*/bench)
 sampler=$root/${programs[0]}/bench_sampler
 
-# The demo with a single library, for release, which its manifest uses for every feature.
+# Creates a copy of the demo with only the release library, which its manifest then uses for all features.
 release_project() {
 	scons -Q -j"$(nproc)" target=template_release extension >&2
 	import_demo >&2
@@ -66,7 +66,7 @@ wanted() {
 	[[ -z $only || ,$only, == *",$1,"* ]]
 }
 
-# measure PART COMMAND...: prints and stores the rows that a part prints.
+# measure PART COMMAND...: runs a part, and prints and stores its rows.
 measure() {
 	local part=$1
 	shift
@@ -109,6 +109,6 @@ measure workers in_engine workers 5 "$sampler"
 for part in response terrains rectangles gameplay spikes collision navigation import load; do
 	measure "$part" in_engine "$part"
 done
-# Exits with 1, as the soak does, if anything grew. Free memory is returned immediately, as in test_soak.py.
+# This fails with 1 if anything grew, like the soak test. malloc returns free memory immediately, as in test_soak.py.
 MALLOC_ARENA_MAX=1 MALLOC_MMAP_THRESHOLD_=131072 MALLOC_TRIM_THRESHOLD_=131072 measure soak in_engine soak 180
 [[ -z $write ]] || python3 tests/bench/speed_table.py --machine "$machine" "$rows"

@@ -1,29 +1,31 @@
 extends SceneTree
-## Simulates hours of play in minutes: flies at full speed, teleports, moves the origin, fells, plants, queries, saves and loads, with
-## bodies and scenes that enter and leave, and checks that nothing grows. Prints a line per minute and a verdict. The exit code is 1 if
-## anything grew or a result was wrong.
+## Simulates hours of play in minutes, and checks that nothing grows. Flies at full speed, teleports, moves the origin, fells and
+## plants, queries, saves and loads, while bodies and scenes are added and removed. Prints a line per minute and a verdict. The
+## exit code is 1 if anything grew or a result was wrong.
 ##   export MALLOC_ARENA_MAX=1 MALLOC_MMAP_THRESHOLD_=131072 MALLOC_TRIM_THRESHOLD_=131072
 ##   tools/godot --headless --path demo_project --script "$PWD/tests/bench/soak.gd" [-- SECONDS [SECONDS A LINE]]
-## (without these variables, the free memory that glibc keeps varies: see test_soak.py)
+## (without these variables, the amount of free memory that glibc keeps varies; see test_soak.py)
 ##
-## Play consists of rounds. At the end of each round the state is cleared, the viewer is at home and all requests are finished, so that
-## figures are comparable. The first quarter of the time warms up. Afterwards, the resident set may deviate from its median by 5 %. The
-## numbers of nodes, orphans, objects and bodies must stay equal, and return to the initial ones after everything is freed.
+## The simulation consists of rounds. At the end of each round, the state is cleared, the viewer is at the origin and
+## all requests are finished, so that figures are comparable. The first quarter of the time warms up. Afterwards, the
+## resident set may deviate from its median by 5 %. The numbers of nodes, orphans, objects and bodies must stay
+## constant, and must return to their initial values after everything is freed.
 
 const DEFAULT_SECONDS := 1200.0
 const SECONDS_A_LINE := 60.0
 const WARM_UP := 0.25
 const FLAT := 0.05
-## Minimum number of rounds to fill all caches. Counted in rounds, because a busy machine plays fewer of them per second.
+## The minimum number of rounds that fill all caches. It is not a time, because a busy machine simulates fewer rounds
+## per second.
 const WARM_UP_ROUNDS := 16
 const LEAST_SAMPLES := 3
 const PATIENCE_SECONDS := 60.0
-## Frames of play in a round. They run as fast as possible, and each is a sixtieth of a second of flight.
+## The number of frames in a round. They run as fast as possible. Each simulates a sixtieth of a second of flight.
 const FRAMES := 200
 const METERS_A_FRAME := 1000.0 / 60.0
-## Teleports end within this distance in meters.
+## The maximum distance of teleports from the world's origin, per axis, in meters.
 const FARTHEST := 1.0e6
-## The origin is moved beyond this distance in meters from the engine's origin.
+## The distance from the engine's origin, in meters, beyond which the origin is moved.
 const RECENTER := 2048.0
 const SAVED := "user://soak.res"
 
@@ -34,7 +36,7 @@ var _rng := RandomNumberGenerator.new()
 var _heading := Vector3.FORWARD
 var _planted: Array[int] = []
 var _taken: Array[Node3D] = []
-var _requests := {} ## Pending requests.
+var _requests := {} ## The pending requests.
 var _done := {"rounds": 0, "frames": 0, "felled": 0, "planted": 0, "answers": 0, "loads": 0, "teleports": 0}
 var _samples: Array[Dictionary] = []
 var _lines := 0
@@ -71,7 +73,7 @@ func _run() -> void:
 	quit(0 if _failure == "" else 1)
 
 
-## Trees with bodies and scenes, stones with bodies of their meshes, grass, and stumps that are only hand-placed.
+## Creates trees with bodies and scenes, stones with convex bodies, grass, and stumps that are only placed by hand.
 func _make_world() -> void:
 	_scatter = TerrainScatter3D.new()
 	_scatter.seed = 11
@@ -162,7 +164,7 @@ func _change(frame: int) -> void:
 		_save_and_load(_done.loads % 2 == 0)
 
 
-## Through a file or bytes. A new state replaces the old one, and nothing changes.
+## Saves and loads the state through a file or bytes. The loaded state replaces the old one, so nothing changes.
 func _save_and_load(by_file: bool) -> void:
 	var digest := _scatter.state.get_digest()
 	var loaded := ScatterState.new()
@@ -203,7 +205,8 @@ func _on_completed(result: ScatterInstances, request: int) -> void:
 	_done.answers += 1
 
 
-## Adds a viewer every second, for half a second. Sometimes takes a scene from the scatter, as a game does with a felled tree.
+## Adds a moving body every 60 frames, for a short time. Sometimes a scene is taken from the scatter, as a game does with a
+## felled tree.
 func _come_and_go(frame: int) -> void:
 	if frame % 60 == 0:
 		var body := Node3D.new()
@@ -222,7 +225,7 @@ func _come_and_go(frame: int) -> void:
 		_taken.pop_front().queue_free()
 
 
-## Restores the situation in which the figures are taken.
+## Restores the situation in which the figures are recorded.
 func _go_home() -> void:
 	for scene in _taken:
 		scene.queue_free()
@@ -235,7 +238,7 @@ func _go_home() -> void:
 	while _failure == "" and not (_scatter.is_settled() and _requests.is_empty()):
 		_expect(Time.get_ticks_msec() < limit, "idle and answered within %.0f s" % PATIENCE_SECONDS)
 		await process_frame
-	# A few bodies and scenes appear per frame.
+	# Only a few bodies and scenes appear per frame, so the loop waits for them.
 	for frame in 60:
 		await process_frame
 
@@ -248,7 +251,7 @@ func _free_world() -> void:
 	DirAccess.remove_absolute(SAVED)
 
 
-## Pooled scenes are no leak: at most as many as were needed at once, up to the pool's limit.
+## Returns the current figures. Pooled scenes are subtracted, because they are not a leak: the pool has a limit.
 func _count() -> Dictionary:
 	var stats := _scatter.get_stats() if _scatter != null else {}
 	var pooled: int = stats.get("scenes_pooled", 0)
@@ -261,7 +264,7 @@ func _count() -> Dictionary:
 	}
 
 
-## Resident bytes of the process, or the engine's allocations if the system does not report them.
+## Returns the resident bytes of the process, or the engine's allocations if the system does not report them.
 static func _resident_bytes() -> int:
 	var status := FileAccess.open("/proc/self/status", FileAccess.READ)
 	while status != null and not status.eof_reached():

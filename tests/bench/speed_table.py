@@ -1,4 +1,5 @@
-"""Stores the rows that tests/bench/run.sh measured in tests/bench/data/speed.json, and writes README's tables of speed from them.
+"""Stores the rows that tests/bench/run.sh has measured in tests/bench/data/speed.json, and writes the speed tables in
+README.md from them.
 
     python3 tests/bench/speed_table.py --machine TEXT ROWS   stores the rows of ROWS, a folder with a file for each measured part,
                                                              with the machine and today's date; then writes the tables
@@ -23,7 +24,7 @@ BEGIN = "<!-- The tables from here on are written by tests/bench/run.sh with the
 END = "<!-- The tables end here. -->"
 HEAD = "| Measurement | Median | Lowest to highest round | Rounds |\n|---|---|---|---|"
 
-# The headings of README, and for each the rows whose names match these shell patterns. A star matches the numbers of a run.
+# The headings in README.md, and shell patterns for the names of the rows below each. Stars match the numbers of a run.
 SECTIONS = {
     "The sampler, on one core": [
         "tiles of 64 r: sampler, L = *",
@@ -74,7 +75,7 @@ SECTIONS = {
 
 
 def read(rows: Path) -> dict[str, list[list[str]]]:
-    """The cells of all rows in a folder, by part."""
+    """Returns the cells of all rows in a folder, keyed by part."""
     parts = {}
     for path in sorted(rows.iterdir()):
         lines = path.read_text(encoding="utf-8").splitlines()
@@ -85,12 +86,13 @@ def read(rows: Path) -> dict[str, list[list[str]]]:
 
 
 def keep(kept: dict, parts: dict[str, list[list[str]]], machine: str, date: str) -> dict:
-    """The stored rows after these parts were measured again."""
+    """Returns the stored rows, with the rows of the newly measured parts replaced."""
     return kept | {part: {"machine": machine, "date": date, "rows": rows} for part, rows in parts.items()}
 
 
 def tables(kept: dict, sections: dict[str, list[str]]) -> str:
-    """The tables in Markdown. A pattern without a matching row is an error, because README would lack that row."""
+    """Returns the tables in Markdown. A pattern without a matching row is an error, because README.md would lack that
+    row."""
     rows = [row for part in kept.values() for row in part["rows"]]
     written = [measured(kept)]
     for heading, patterns in sections.items():
@@ -112,7 +114,7 @@ def measured(kept: dict) -> str:
 
 
 def put(readme: str, text: str) -> str:
-    """README's text with new tables between the marks."""
+    """Returns README's text with new tables between the marks."""
     if readme.count(BEGIN) != 1 or readme.count(END) != 1:
         raise SystemExit(f"speed_table: README.md must hold these two lines once each:\n{BEGIN}\n{END}")
     return re.sub(f"(?<={re.escape(BEGIN)}\n).*(?={re.escape(END)})", lambda _: f"\n{text}\n\n", readme, flags=re.DOTALL)

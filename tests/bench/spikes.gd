@@ -1,9 +1,9 @@
 extends "bench.gd"
-## The longest main-thread frame of single events, until everything has followed: bodies that come near many instances, very many changes at
-## once, a jump, a changed layer. Prints rows of a Markdown table.
+## Measures the longest main-thread frame after single events, until everything is up to date again. The events are bodies that
+## come near many instances, a very large number of changes, a jump, and a changed layer. Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/spikes.gd [-- ROUNDS]
 ##
-## The lowest of several rounds counts, because a busy machine lengthens single frames.
+## The lowest of several rounds counts, because a busy machine makes single frames longer.
 
 const DEFAULT_ROUNDS := 3
 const MILLION := 1000000
@@ -14,7 +14,7 @@ var _group: Array[Node3D] = []
 var _near: ScatterLayer
 var _call_usec := 0.0
 var _beyond_idle_usec := 0.0
-var _under_way := false ## A diff that a thread is applying.
+var _under_way := false ## True while a thread applies a diff.
 
 
 func run() -> String:
@@ -68,7 +68,7 @@ func _layers() -> Array[ScatterLayer]:
 	return layers
 
 
-## The longest frame from an event until everything has followed.
+## Returns the stats of the longest frame from an event until everything is up to date.
 func _watch(event: Callable) -> Dictionary:
 	await idle()
 	var idle_frames := []
@@ -88,8 +88,8 @@ func _watch(event: Callable) -> Dictionary:
 	return longest
 
 
-## Microseconds that the main thread computes until the next frame, including the engine's own work and work between the node's frames. 0 if
-## the system does not report it.
+## Returns the main thread's CPU time in microseconds until the next frame, including the engine's work, or 0 if the system
+## does not report it.
 func _frame_processor_time() -> float:
 	var start := _processor_time()
 	await process_frame
@@ -112,7 +112,7 @@ func _remove_bodies() -> void:
 	_group.clear()
 
 
-## Removals all over a layer, only a few of which are near.
+## Returns a state with removals all over a layer, only a few of which are near the viewer.
 func _far_state() -> ScatterState:
 	var state := ScatterState.new()
 	var some: int = scatter.query_rect(Rect2(300.0, -280.0, 20.0, 20.0), scatter.layers[1]).ids[0]

@@ -1,11 +1,11 @@
 extends SceneTree
-## Cost of streaming on the main thread: flies over the demo's forest in a straight line and measures the scatter's time in each frame.
-## Prints rows of a Markdown table.
+## Measures the cost of streaming on the main thread. Flies over the demo's forest in a straight line, and measures the scatter's
+## time in each frame. Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/streaming.gd [-- SECONDS]
-##   tools/godot --xvfb ...     the same with a software renderer, whose uploads are copies by this processor
+##   tools/godot --xvfb ...     the same with a software renderer, whose uploads are copies by the CPU
 ##
-## The viewer follows the wall clock, so a late frame has more to do. The renderer draws nothing, because drawing in software would dominate
-## the measurement. Buffers are still passed to it, which is the main thread's cost of an upload.
+## The viewer follows the wall clock, so a late frame has more to do. The renderer draws nothing, because software
+## rendering would dominate the measurement. It still receives buffers, which is the main thread's cost of an upload.
 
 const SPEED := 100.0
 const FRAMES_PER_SECOND := 60
@@ -45,7 +45,8 @@ func _run() -> void:
 	_end("")
 
 
-## Takes the scatter of the demo's scene, with its layers and ground, but without the demo's own scripts.
+## Takes the scatter from the demo's scene, with its layers and ground, but without the demo's scripts. Returns false if
+## there is none.
 func _take_scatter() -> bool:
 	var demo := (load(ProjectSettings.get_setting("application/run/main_scene")) as PackedScene).instantiate()
 	for node in demo.find_children("*", "TerrainScatter3D", true, false):
@@ -59,14 +60,13 @@ func _take_scatter() -> bool:
 	return _scatter != null
 
 
-## Moves the viewer to its position after this many seconds. The position is at a fixed height above the lowest ground, because the height has no
-## effect.
+## Moves the viewer to its position after this many seconds. Its height is constant, because it has no effect.
 func _fly(seconds: float) -> void:
 	var place := START + DIRECTION * SPEED * seconds
 	_viewer.global_position = Vector3(place.x, EYE, place.y)
 
 
-## Figures of each frame of the flight.
+## Returns the stats of each frame of the flight.
 func _measure(seconds: float) -> Array[Dictionary]:
 	var frames: Array[Dictionary] = []
 	Engine.max_fps = FRAMES_PER_SECOND

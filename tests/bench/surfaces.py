@@ -1,16 +1,20 @@
-"""Compares thicket.sample_surface with the samplers of other packages for even points on a triangle mesh: speed on one core, and how good the
-sets are. Prints the rows of a Markdown table. surfaces.sh installs the packages.
+"""Compares thicket.sample_surface with the samplers of other packages for evenly spaced points on a triangle mesh:
+speed on one core, and quality of the sets. Prints the rows of a Markdown table. surfaces.sh installs the packages.
 
     bash tests/bench/surfaces.sh [points = 20000] [rounds = 3]
 
-All get the same mesh with triangles of 1 to 4 m, and a radius of 1 m. trimesh.sample.sample_surface_even throws random points and removes those
-that are too close to another one. Open3D's sample_points_poisson_disk throws five times as many points as requested and eliminates the most
-crowded ones (Yuksel 2015); it takes a number of points instead of a radius, so its distances are measured and not chosen. Both get the number of
-points that thicket returned.
+All samplers get the same mesh with triangles of 1 to 4 m, and a radius of 1 m. trimesh.sample.sample_surface_even
+generates random points and removes those that are too close to another one. Open3D's sample_points_poisson_disk
+generates five times as many points as requested and eliminates the most crowded ones (Yuksel 2015). It takes a number
+of points instead of a radius, so its distances are a result. Both get the number of points that thicket returned.
 
-The columns: points; thousand points per second of processor time, the median of the rounds; the least distance of two points in radii; the
-largest distance from a random position on the surface to the nearest point in radii, which is at most 1 for a maximal set; the share of the
-surface that disks of half a radius cover (0.547 for random sequential addition on a plane)."""
+The columns are:
+
+- the number of points;
+- thousand points per second of CPU time, the median of the rounds;
+- the minimum distance between two points, in radii;
+- the largest distance from a random position on the surface to the nearest point, in radii, which is at most 1 for a maximal set;
+- the share of the surface that disks of half a radius cover (0.547 for random sequential addition on a plane)."""
 
 from __future__ import annotations
 
@@ -29,14 +33,14 @@ COVERAGE = 0.547
 
 
 def sphere(points: int) -> trimesh.Trimesh:
-    """A sphere with room for about this many points of radius 1, with edges of about 2 m."""
+    """Returns a sphere on which about this many points of radius 1 fit, with edges of about 2 m."""
     radius = float(np.sqrt(points / COVERAGE / 16.0))
     faces = 4 * np.pi * radius**2 / 2.0
     return trimesh.creation.icosphere(subdivisions=max(1, round(np.log(faces / 20) / np.log(4))), radius=radius)
 
 
 def hills(points: int) -> trimesh.Trimesh:
-    """A square of hills with slopes of up to 60 degrees, with triangles of 2 m."""
+    """Returns a square of hills with slopes of up to 60 degrees and triangles of 2 m."""
     side = float(np.sqrt(points / COVERAGE * np.pi / 4 / 1.35))
     count = int(side / 2.0) + 1
     x, y = np.meshgrid(np.linspace(0, side, count), np.linspace(0, side, count), indexing="ij")

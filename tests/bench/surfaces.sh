@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Compares sample_surface with the samplers of trimesh and Open3D on triangle meshes; see surfaces.py. Arguments: [points = 20000] [rounds = 3].
+# Compares sample_surface with the samplers of trimesh and Open3D on triangle meshes (see surfaces.py). Arguments:
+# [points = 20000] [rounds = 3].
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
 source tests/bench/peers/setup.sh

@@ -1,10 +1,11 @@
 extends SceneTree
-## Time to fill a view on the ground of terrain plug-ins, compared with a ScatterGroundHeightmap of the same heights. Prints rows of a
-## Markdown table.
+## Measures the time to fill a view on the ground of terrain plug-ins, compared with a ScatterGroundHeightmap of the same heights.
+## Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/terrains.gd [-- ROUNDS]
 ##
-## Contenders take turns in each round, and ratios are within the same round, so that a busy machine disturbs all equally. The plug-ins are
-## the tests' doubles. Queries of single positions run in GDScript, so Terrain3D's own methods are faster.
+## Contenders take turns in each round, and ratios are computed within a round, so that a busy machine affects all
+## equally. The plug-ins are the test doubles. Their queries of single positions run in GDScript, so Terrain3D's real
+## methods are faster.
 
 const Terrain3D := preload("../engine/terrain3d_harness.gd")
 const HTerrain := preload("../engine/hterrain_harness.gd")
@@ -32,7 +33,7 @@ func _run() -> void:
 			_heights.set_pixel(column, row, Color(20.0 * noise.get_noise_2d(column, row), 0.0, 0.0))
 	var arguments := OS.get_cmdline_user_args()
 	var rounds := maxi(1, arguments[0].to_int()) if arguments.size() > 0 else DEFAULT_ROUNDS
-	await _fill(_make_heightmap) # Once, to warm up.
+	await _fill(_make_heightmap) # The first round warms up.
 	var base: Array[float] = []
 	var contenders: Dictionary[String, Callable] = {
 		"Terrain3D": _make_terrain3d, "HTerrain": _make_hterrain, "HTerrain, with holes": _make_hterrain.bind(true),
@@ -48,7 +49,7 @@ func _run() -> void:
 	quit()
 
 
-## Seconds until all tiles around the viewer are visible.
+## Returns the seconds until all tiles around the viewer are visible.
 func _fill(make: Callable) -> float:
 	var nodes: Array[Node] = []
 	var terrain: ScatterGround = make.call(nodes)
@@ -116,7 +117,7 @@ func _make_hterrain(nodes: Array[Node], holes := false) -> ScatterGround:
 	return _on(node, nodes)
 
 
-## The older way: HTerrain's `get_interpolated_height_at` for each position, on the main thread.
+## Creates a ground that queries HTerrain for each position on the main thread, as earlier versions did.
 func _make_asked(nodes: Array[Node]) -> ScatterGround:
 	_make_hterrain(nodes)
 	var asked := Asked.new()

@@ -1,10 +1,10 @@
 extends "bench.gd"
-## Rendering cost of the views in the demo's first scene: visits its stops and counts the triangles and draw calls in sight, with tiles near
-## the viewer drawn in cells and with all tiles drawn whole. Prints rows of a Markdown table.
+## Measures the rendering cost of the views in the demo's first scene. Visits its stops and counts the triangles and draw calls in
+## view, with near tiles divided into cells, and with all tiles drawn as a whole. Prints rows of a Markdown table.
 ##   tools/godot --xvfb --path demo_project --script tests/bench/views.gd [-- STOP,STOP]
 ##
-## The numbers depend only on the scene, not on the machine. Shadows, ground and sky are not counted, and nothing is drawn. A run with
-## --headless counts no cross-fading LODs, because shaders are unknown without a renderer.
+## The numbers depend only on the scene, not on the machine. Shadows, ground and sky are not counted, and nothing is
+## drawn. With --headless, cross-fading LODs are not counted, because shaders are unknown without a renderer.
 
 const STOPS := ["forest", "walk", "ridge", "overview"]
 const SIZE := Vector2i(1920, 1080)
@@ -27,7 +27,7 @@ func run() -> String:
 			var failure := await _compare(stop.name)
 			if failure != "":
 				return failure
-	scatter = null # It is freed with the demo.
+	scatter = null # The scatter is freed with the demo.
 	_demo.queue_free()
 	return ""
 

@@ -1,10 +1,11 @@
 extends "bench.gd"
-## Speed of workers for a tile, from its request to buffers that are ready for upload: points per second of one worker, on several grounds
-## and with several rules. Prints rows of a Markdown table.
+## Measures the speed of workers from the request for a tile to buffers that are ready for upload. The figures are points per
+## second of one worker, on several grounds and with several rules. Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/workers.gd [-- ROUNDS [SAMPLER]]
 ##
-## All sampled points count, even if the rules remove them. Times are wall time of the workers only. SAMPLER is the path of `bench_sampler`:
-## it measures the sampler alone just before each case, and additional rows print the share of that speed which a worker reaches.
+## All sampled points count, even if the rules remove them. Times are the wall time of the workers only. SAMPLER is the
+## path of `bench_sampler`. If it is given, it measures the sampler alone just before each case, and additional rows
+## print a worker's speed relative to that.
 
 const DEFAULT_ROUNDS := 5
 const SECONDS_ALONE := "0.5"
@@ -47,7 +48,7 @@ func run() -> String:
 	return ""
 
 
-## Million points per second of one core; 0 if no path was passed.
+## Returns million points per second of the sampler alone on one core; 0 if no path was passed.
 func _sampler_alone() -> float:
 	var arguments := OS.get_cmdline_user_args()
 	if arguments.size() < 2:
@@ -57,7 +58,7 @@ func _sampler_alone() -> float:
 	return "".join(printed).get_slice("|", 2).to_float()
 
 
-## Fills a view of tiles of 64 r. Figures count from the moment when the node enters the tree.
+## Fills a view with tiles of 64 r. The stats are reset when the node enters the tree.
 func _fill(ground: ScatterGround, rules: Dictionary) -> String:
 	var layer := ScatterLayer.new()
 	layer.radius = 1.0

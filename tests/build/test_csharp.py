@@ -1,5 +1,5 @@
-"""Tests the C# wrappers of the add-on and the C# example of README.md, as far as a compiler can check them without an engine. No package registry has
-a Godot with .NET, so Debian's mono compiler compiles them with tests/csharp/GodotStub.cs."""
+"""Compiles the C# wrappers of the add-on and the C# example of README.md without an engine. No package registry offers
+Godot with .NET, so Debian's mono compiler compiles them against tests/csharp/GodotStub.cs."""
 
 from __future__ import annotations
 
@@ -35,7 +35,8 @@ def wrappers(tmp_path_factory) -> list[Path]:
 
 
 def engine_classes(sources: list[str]) -> str:
-    """Empty classes and enums for all engine types that these sources use and the stub lacks, with their base classes in the engine."""
+    """Returns C# code with empty classes, their base classes and enums for all engine types that the sources use and
+    the stub lacks."""
     api = json.loads((REPO / "build/engine/extension_api.json").read_text(encoding="utf-8"))
     known = {one["name"]: one for one in api["classes"]}
     there = set(re.findall(r"\b(?:class|struct) (\w+)", STUB.read_text(encoding="utf-8"))) | {"Object"}
@@ -58,7 +59,7 @@ def engine_classes(sources: list[str]) -> str:
 
 
 def compile_all(folder: Path, files: list[Path], *more: str):
-    """Compiles a library from the files and the additional sources in `more`."""
+    """Compiles a library from the files and from the additional source texts in `more`."""
     texts = [path.read_text(encoding="utf-8") for path in files] + list(more)
     (folder / "engine.cs").write_text(engine_classes(texts), encoding="utf-8")
     for number, source in enumerate(more):
@@ -113,7 +114,7 @@ def test_wrong_code_does_not_compile(wrappers, tmp_path, body):
 
 
 def test_generated_files_are_replaced_and_others_kept(tmp_path):
-    """The file of a removed class is deleted, but a user's file is not."""
+    """Checks that the generator deletes the file of a removed class, but not a user's file."""
     generated(tmp_path)
     note = (tmp_path / "ScatterLayer.cs").read_text(encoding="utf-8").splitlines()[0]
     (tmp_path / "ScatterGone.cs").write_text(note + "\nclass ScatterGone {}\n")
@@ -123,7 +124,7 @@ def test_generated_files_are_replaced_and_others_kept(tmp_path):
 
 
 def test_the_add_on_has_the_generated_files(wrappers):
-    """The build copies the generated files into the add-on."""
+    """Checks that the build has copied the generated files into the add-on."""
     shipped = REPO / "demo_project/addons/thicket/csharp"
     for path in wrappers:
         assert (shipped / path.name).read_text(encoding="utf-8") == path.read_text(encoding="utf-8"), path.name

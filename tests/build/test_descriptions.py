@@ -1,5 +1,6 @@
-"""The bindings are generated from the oldest engine's description of itself, and rely on nothing that later engines have changed.
-description_4.4.json is compared with the description of this engine, and with those of all releases, if available."""
+"""Tests the bindings' description of the engine's API. The bindings are generated from the description of the oldest
+supported engine, and must not rely on anything that later engines have changed. description_4.4.json is compared with
+the description of this engine, and with those of all releases, if available."""
 
 from __future__ import annotations
 
@@ -30,7 +31,7 @@ def script(name: str, *arguments) -> subprocess.CompletedProcess[str]:
 
 
 def dumped(build_dir: Path) -> Path:
-    """This engine's description of itself."""
+    """Returns the path of the API description that this engine has written."""
     return build_dir.parent / "engine/extension_api.json"
 
 
@@ -155,7 +156,8 @@ def test_a_difference_is_found(name, tmp_path):
 
 
 def test_harmless_changes_are_no_difference(tmp_path):
-    """A method with its old version under the old hash, a new class between two others, and all additions."""
+    """Checks that the following changes are accepted: a method with a new hash that still supports its old hash, a new
+    class between two classes, and an added enum value."""
 
     def harmless(api: dict) -> None:
         other_hash(api, "Node", "add_child", True)
@@ -168,7 +170,8 @@ def test_harmless_changes_are_no_difference(tmp_path):
 
 
 def test_numbers_in_engine_code_are_compared():
-    """Engine code contains values as numbers if older headers have no name for them. check.py must know each of these values."""
+    """Checks that used_api.toml lists each enum value that the sources contain as a number because older headers have
+    no name for it. check.py reads that list."""
     newer = tomllib.loads(USED.read_text(encoding="utf-8"))["newer"]
     known = {(owner, enum, name.lower(), value) for owner, enums in newer.items() for enum, values in enums.items()
         for name, value in values.items()}  # fmt: skip
@@ -179,7 +182,7 @@ def test_numbers_in_engine_code_are_compared():
 
 
 def test_newer_values_are_those_of_this_engine(build_dir):
-    """The numbers above are correct, if this engine is new enough to have the values."""
+    """Checks the numbers of newer enum values, if this engine is new enough to have these values."""
     if tuple(map(int, release(dumped(build_dir)).split("."))) < (4, 6):
         pytest.skip("this engine is too old to have these values")
     api = json.loads(dumped(build_dir).read_text(encoding="utf-8"))
@@ -197,7 +200,8 @@ def describe(api: Path, out: Path, used: Path = USED) -> subprocess.CompletedPro
 
 
 def test_the_description_contains_only_what_is_used(tmp_path):
-    """describe.py, applied to the description, reproduces it: nothing is missing, and nothing is unused."""
+    """Checks that describe.py reproduces the description when it reads the description itself. So nothing in it is
+    missing or unused."""
     assert describe(OLDEST, tmp_path / OLDEST.name).returncode == 0
     assert (tmp_path / OLDEST.name).read_text() == OLDEST.read_text()
 
@@ -260,7 +264,7 @@ def test_generator_writes_the_listed_files_and_only_changes(tmp_path, build_dir)
     ],
 )
 def test_generator_names_api_that_the_description_lacks(before, after, words, tmp_path, build_dir):
-    """The error names the missing API and the command that updates the description."""
+    """Checks that the error names the missing API and the command that updates the description."""
     used = tmp_path / "used.toml"
     text = USED.read_text()
     assert before in text
@@ -272,7 +276,8 @@ def test_generator_names_api_that_the_description_lacks(before, after, words, tm
 
 
 def test_interface_functions_are_old_enough(tmp_path, build_dir):
-    """The header has the release that introduced each function. A function that the oldest engine lacks must not be required."""
+    """Checks that the generator rejects a function that the oldest engine lacks. The header states the release that
+    introduced each function."""
     header = (build_dir.parent / "engine/gdextension_interface.h").read_text(encoding="utf-8")
     late = tmp_path / "late.h"
     late.write_text(re.sub(r"(@name variant_call\n \* @since) [\d.]+", r"\1 4.10", header))

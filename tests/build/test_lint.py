@@ -1,4 +1,4 @@
-"""Tests that the C++ sources are formatted according to .clang-format, and that clang-tidy finds no problems."""
+"""Tests that the C++ sources are formatted according to .clang-format, and that clang-tidy reports no problems."""
 
 from __future__ import annotations
 
@@ -19,11 +19,12 @@ def test_sources_are_formatted():
 
 
 def test_type_names_are_unique():
-    """All types are in one namespace. The linker would merge functions of two types with the same name, such as their destructors."""
+    """Checks that no two headers define a type with the same name. All types are in one namespace, so the linker would
+    merge functions of such types, for example their destructors."""
     headers = defaultdict(set)
     for header in sorted((REPO / "extension").glob("**/*.hpp")):
         if "bindings" in header.parts:
-            continue  # These have a different namespace.
+            continue  # The bindings have a different namespace.
         for name in re.findall(r"^(?:struct|class|enum class) (\w+)(?: final)?(?: :[^;]*?)? \{", header.read_text(), re.MULTILINE):
             headers[name].add(header.relative_to(REPO).as_posix())
     assert len(headers) > 200
@@ -32,13 +33,14 @@ def test_type_names_are_unique():
 
 @pytest.fixture(scope="module")
 def database():
-    # Waits for builds of other tests in this tree.
+    # The long timeout includes waiting for builds that other tests run in this tree.
     done = run(["scons", "-Q", "compiledb"], timeout=1800, cwd=REPO)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_clang_tidy_finds_nothing_in_the_extension(database):
-    """Only checks files that changed since they were last clean. The first run takes some minutes."""
+    """Checks with clang-tidy. Only files that have changed since they were last clean are checked. The first run takes
+    several minutes."""
     said = lint.tidy(everything=False)
     assert not said, said[:8000]
 

@@ -1,4 +1,5 @@
-"""Packing by tools/package.sh, without a build: one version, reproducible zips, and a manifest that distinguishes all libraries."""
+"""Tests tools/package.sh without building. There must be one version number, zips must be reproducible, and the
+manifest must distinguish all libraries."""
 
 from __future__ import annotations
 
@@ -16,7 +17,7 @@ import package  # noqa: E402
 
 
 def test_one_version():
-    """The version is a semantic version, and the change log begins with it."""
+    """Checks that the version is a semantic version, and that it is the first one in the change log."""
     version = contents.version()
     assert re.fullmatch(r"\d+\.\d+\.\d+(-[0-9a-z.]+)?", version), version
     first = re.search(r"^## (\S+)", (REPO / "CHANGELOG.md").read_text(encoding="utf-8"), re.MULTILINE)
@@ -24,7 +25,8 @@ def test_one_version():
 
 
 def test_a_zip_depends_only_on_its_content(tmp_path):
-    """Different times and a different order of writing give the same bytes. Different content gives different bytes."""
+    """Checks that file times and the order of writing do not change the bytes of a zip, and that different content
+    does."""
     for number, names in enumerate((["b.txt", "a/c.txt"], ["a/c.txt", "b.txt"])):
         for name in names:
             path = tmp_path / str(number) / name
@@ -38,7 +40,7 @@ def test_a_zip_depends_only_on_its_content(tmp_path):
 
 
 def test_every_library_has_its_own_entry():
-    """The manifest of a complete package lists every library, distinguished by the engine's features."""
+    """Checks that the manifest of a complete package lists every library under different feature tags."""
     names = {file for build in package.BUILDS for file in shipped_names(build)}
     text = "\n".join(manifest.write(names, []))
     entries = re.findall(r'^([\w.]+) = "bin/([^"]+)"$', text, re.MULTILINE)
@@ -54,7 +56,7 @@ def test_every_library_has_its_own_entry():
 
 
 def shipped_names(build: package.Build) -> list[str]:
-    """The files of a build in bin/."""
+    """Returns the names of the files that a build adds to bin/."""
     double = ".double" if build.precision == "double" else ""
     threads = "" if build.threads else ".nothreads"
     suffix = {"linux": ".so", "windows": ".dll", "web": ".wasm"}.get(build.platform)
@@ -68,7 +70,8 @@ def test_wrong_names_are_refused():
 
 
 def test_builds_are_listed():
-    """--list prints the builds that the same arguments create. The installed compilers depend on this list."""
+    """Checks that --list prints the builds that the same arguments would create. tools/package.sh installs the
+    compilers for these builds."""
     for arguments, names in (
         ([], [build.name for build in package.BUILDS]),
         (["--out", "/tmp/windows"], [build.name for build in package.BUILDS]),

@@ -1,5 +1,5 @@
-"""The core's tests on other platforms, without those that take long: for 64-bit ARM in an emulator, and for Windows in wine. In addition to
-the digests of test_golden.py, these tests verify that nothing else fails on those platforms."""
+"""Runs the core's tests on other platforms, except for the slow ones: for 64-bit ARM in an emulator, and for Windows in
+wine. test_golden.py compares digests on these platforms; these tests verify that nothing else fails there."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from conftest import LONG_CASES, REPO, build, run
 from golden import emulators
 from golden.matrix import NATIVE, ZIG
 
-# For each platform: the options, the program, the emulator, and the emulator's arguments.
+# For each platform: the build options, the program, the emulator, and the emulator's arguments.
 PLATFORMS = {
     "aarch64": (["platform=linux", "arch=arm64"], "linux.template_debug.arm64.zig.scu/core_tests", "qemu", ["-L", "/usr/aarch64-linux-gnu"]),
     "Windows": (["platform=windows", "arch=x86_64"], "windows.template_debug.x86_64.zig.scu/core_tests.exe", "wine", []),
@@ -26,7 +26,7 @@ def test_no_case_fails_on_other_platforms(name):
         pytest.skip("this is the machine's own platform, or there are no emulators here")
     if why or not ZIG.is_file():
         pytest.skip(why or "zig is not installed")
-    # A clang as new as zig's warns about doctest's macros.
+    # The compiler is newer than ours, and warns about doctest's macros, so warnings are not errors.
     build("use_zig=yes", "scu_build=yes", "werror=no", *options, f"build/{program}", timeout=3600)
     command = [*emulators.command(emulator, name, NATIVE), *more, REPO / "build" / program, "--no-intro", f"--test-case-exclude={LONG_CASES}"]
     done = run(command, timeout=3 * 3600, cwd=REPO, env=emulators.environment(emulator))

@@ -1,4 +1,5 @@
-"""The set-up finds existing programs, rejects versions that are too old, and needs no network if nothing is missing."""
+"""Tests that the setup finds existing programs, rejects versions that are too old, and does not use the network if
+nothing is missing."""
 
 from __future__ import annotations
 
@@ -10,7 +11,7 @@ from conftest import REPO, run
 
 
 def shell(script: str, **environment: str):
-    """Runs a line of shell with the set-up's functions, in a changed environment."""
+    """Runs a line of shell script with the functions of tools/setup.sh and additional environment variables."""
     changed = {**os.environ, **environment}
     return run(["bash", "-euo", "pipefail", "-c", f"source tools/setup.sh; {script}"], timeout=60, cwd=REPO, env=changed)
 
@@ -49,7 +50,8 @@ def test_the_users_godot_goes_first(tmp_path):
 
 @pytest.mark.parametrize("version", [None, "4.2.stable"])
 def test_a_wrong_godot_is_an_error(tmp_path, version):
-    """If the user names a Godot, no other Godot replaces it."""
+    """Checks that it is an error if the Godot that the user has specified is missing or too old. The setup must not use
+    a different Godot instead."""
     named = tmp_path / "my-godot"
     if version:
         fake_godot(tmp_path, "my-godot", version)
@@ -82,7 +84,7 @@ def test_the_mirror_is_that_of_the_machine(tmp_path, file, text, mirror):
 
 
 def test_without_missing_packages_no_network_is_used():
-    """Runs in an empty network namespace, where any access to the network would fail."""
+    """Runs the setup in an empty network namespace, where any network access fails."""
     if run(["unshare", "--net", "true"], timeout=20).returncode:
         pytest.skip("this user may not create a network namespace")
     done = run(["unshare", "--net", "bash", "tools/setup.sh"], timeout=120, cwd=REPO)
@@ -92,7 +94,8 @@ def test_without_missing_packages_no_network_is_used():
 
 
 def test_godot_runs_in_the_callers_folder(tmp_path):
-    """Arguments with blanks are passed unchanged, and relative paths are relative to the caller's folder."""
+    """Checks that arguments with spaces are passed unchanged, and that relative paths refer to the caller's working
+    directory."""
     folder = tmp_path / "a project"
     folder.mkdir()
     (folder / "say.gd").write_text(

@@ -1,4 +1,5 @@
-"""Tests that README's tables of speed are the tables that the benchmarks have written, and that they describe the measurement."""
+"""Tests that the speed tables in README.md are those that the benchmarks have written, and that they state how they
+were measured."""
 
 import importlib.util
 import json
@@ -24,7 +25,7 @@ def kept():
 
 
 def test_readme_shows_the_stored_rows():
-    """Fails if a value was edited by hand, or if SECTIONS was changed without rewriting the tables."""
+    """Checks that no value was edited by hand, and that the tables were rewritten after the last change of SECTIONS."""
     text = (REPO / "README.md").read_text(encoding="utf-8")
     kept = json.loads(speed_table.KEPT.read_text(encoding="utf-8"))
     assert speed_table.put(text, speed_table.tables(kept, speed_table.SECTIONS)) == text

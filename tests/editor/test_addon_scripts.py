@@ -1,5 +1,5 @@
-"""Tests that the add-on's scripts match the library: all scripts compile with it, and a script that uses a renamed member of the library fails
-here."""
+"""Tests that the add-on's scripts match the library. All scripts must compile with it. If a member of the library is renamed, these tests
+must fail for every script that still uses the old name."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from conftest import REPO
 from helpers.editor_project import link_library, new_plain_project
 from helpers.engine_output import complaints
 
-# In scripts that know the library's types, using a member that the declared type of a variable lacks is an error.
+# In scripts that use the library's types, accessing a member that a variable's declared type lacks is an error.
 STRICT = """
 [debug]
 gdscript/warnings/directory_rules={"res://": 0, "res://addons/thicket/editor": 1, "res://addons/thicket/baking": 1}
@@ -30,7 +30,7 @@ def project(tmp_path_factory) -> Path:
 
 
 def check(godot, project: Path, part: str) -> tuple[list[str], int, str]:
-    """The faults, the number of checked items, and the output."""
+    """Runs a part of addon_scripts.gd. Returns its errors, the number of checked items, and its output."""
     done = godot(["--path", project, "--script", REPO / "tests/engine/addon_scripts.gd", "--", part], timeout=300)
     printed = done.stdout + done.stderr
     last = re.search(r"^addon scripts: (\d+) looked at, (\d+) wrong$", printed, re.MULTILINE)
@@ -46,12 +46,13 @@ def test_every_script_compiles(godot, project):
 
 
 def test_members_are_not_reached_by_name(godot, project):
-    """Names that must be strings, for undo and for lists of properties, are names of existing members."""
+    """Checks that member names in strings exist. Undo actions and lists of properties require names as strings."""
     wrong, _, printed = check(godot, project, "names")
     assert not wrong and not complaints(printed), wrong
 
 
 def test_a_renamed_member_fails_to_compile(godot, project):
-    """If a member of the library's classes is renamed, each use of it fails to compile."""
+    """Checks that, in typed scripts, every use of a member fails to compile after the member was renamed in the
+    library's classes."""
     wrong, looked, _ = check(godot, project, "renamed")
     assert not wrong and looked > 500, wrong

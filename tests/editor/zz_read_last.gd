@@ -1,7 +1,7 @@
 @tool
 extends RefCounted
-## Tells the tests' plugin that the editor has read all scripts for its class reference. The editor reads the scripts in the project's own folder
-## last, in the order of their names.
+## Signals to the tests' plugin that the editor has read all scripts for its class reference. The editor reads the scripts in the project's root
+## folder last and in alphabetical order, so it reads this script after all others.
 
 
 static func _static_init() -> void:

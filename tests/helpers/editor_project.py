@@ -1,4 +1,4 @@
-"""Projects in which the editor is started, and the result of the checks that ran there."""
+"""Creates projects in which tests start the editor, and evaluates the results of the checks in these editors."""
 
 from __future__ import annotations
 
@@ -18,13 +18,14 @@ PASSED = re.compile(r"^editor tests: [1-9]\d* checks, 0 failed$", re.MULTILINE)
 
 
 def check_passed(printed: str):
-    """All checks of a script in the editor passed, and nothing complained. The message lists failed checks first."""
+    """Asserts that all checks of a script in the editor passed, without errors or warnings. The message of a failure
+    lists the failed checks first."""
     failed = [line[:400] for line in printed.splitlines() if line.startswith("FAILED: ")] + complaints(printed)
     assert not failed and PASSED.search(printed), "\n".join([*failed, printed[-4000:]])
 
 
 def new_plain_project(folder: Path) -> Path:
-    """Creates a project with the add-on only, but without its library."""
+    """Creates a project that contains only the add-on, without its library."""
     text = 'config_version=5\n[application]\nconfig/name="Plain"\n[editor_plugins]\n'
     (folder / "project.godot").write_text(text + 'enabled=PackedStringArray("res://addons/thicket/plugin.cfg")\n')
     skipped = shutil.ignore_patterns("bin", "*.gdextension*")
@@ -33,7 +34,7 @@ def new_plain_project(folder: Path) -> Path:
 
 
 def link_library(folder: Path) -> None:
-    """Links the library into a plain project, so that the engine loads it from the first start on."""
+    """Links the library into a plain project, so that the engine loads it on the first start."""
     addon = folder / "addons/thicket"
     (addon / "bin").symlink_to(DEMO / "addons/thicket/bin")
     shutil.copy(DEMO / "addons/thicket/thicket.gdextension", addon)
@@ -42,7 +43,8 @@ def link_library(folder: Path) -> None:
 
 
 def add_steps(folder: Path, names: Sequence[str] = ()) -> None:
-    """Adds the scripts of the editor tests, or only those named, and switches their plugin on. Their pictures go to the build folder."""
+    """Adds the scripts of the editor tests, or only those in `names`, and enables their plugin. Their screenshots are
+    saved in the build folder."""
     if names:
         (folder / "tests").mkdir()
         for name in names:

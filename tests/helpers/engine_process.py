@@ -1,4 +1,4 @@
-"""Engine processes that run at the same time as the test."""
+"""Starts engine processes that run in parallel with a test."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ PATIENCE = 100.0
 
 
 class Process:
-    """An engine process, with functions that wait for lines of its output. The process ends no later than the test."""
+    """An engine process, with methods that wait for lines of its output."""
 
     def __init__(self, arguments: list[str | Path], screen: str) -> None:
         command = [str(part) for part in (REPO / "tools/godot", screen, *arguments)]
@@ -43,7 +43,8 @@ class Process:
         self._lines.put(None)
 
     def wait_for(self, pattern: str) -> re.Match[str]:
-        """Returns the first later line that matches."""
+        """Waits for a further line that matches `pattern`, and returns the match. Fails the test if the process ends or
+        prints nothing for PATIENCE seconds."""
         while True:
             try:
                 line = self._lines.get(timeout=PATIENCE)
@@ -56,7 +57,7 @@ class Process:
                 return found
 
     def end(self) -> None:
-        """Waits until the process has ended by itself, without an error in its exit code or output."""
+        """Waits until the process has exited. Fails the test if the exit code or the output reports an error."""
         try:
             assert self._process.wait(timeout=PATIENCE) == 0, self.printed
         except subprocess.TimeoutExpired:
@@ -73,7 +74,8 @@ class Process:
 
 @contextmanager
 def processes() -> Iterator[Callable[..., Process]]:
-    """Starts engine processes, without a screen or with `--xvfb`, and ends those that are left."""
+    """Provides a function that starts engine processes, headless or with `--xvfb`. Kills those that are still running
+    at the end."""
     started: list[Process] = []
 
     def start(*arguments: str | Path, screen: str = "--headless") -> Process:

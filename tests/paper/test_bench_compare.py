@@ -1,4 +1,4 @@
-"""The verdicts of tests/bench/compare.py: it finds changes, and does not report noise."""
+"""Tests the verdicts of tests/bench/compare.py: it must detect changes and not report noise."""
 
 import importlib.util
 import random

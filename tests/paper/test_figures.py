@@ -1,5 +1,5 @@
-"""The figures of the seed paper: the command runs completely with small sizes, and its estimators are correct for known
-results."""
+"""Tests the reproduction of the paper's figures: the command must complete with small sizes, and its estimators must
+reproduce known results."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from bench.figures.spectra import AveragedSpectrum, noise_level, ring_edges
 from conftest import REPO, run
 
 BENCH = REPO / "tests" / "bench"
-LARGEST_PICTURE = 300_000  # Bytes.
-SVG_MARKS = 20  # A plot has more paths than this.
+LARGEST_PICTURE = 300_000  # Maximum size in bytes.
+SVG_MARKS = 20  # Every plot has more paths than this.
 
 
 def fingerprint() -> dict[str, str]:
-    """The digests of the committed data, which must not change."""
+    """Returns the digests of the committed data files."""
     files = [*(BENCH / "data").glob("*")]
     return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files if path.is_file()}
 
 
 class Quick:
-    """One quick run of the command, with the programs of the tests' build."""
+    """A quick run of the command, with the programs of the test build."""
 
     def __init__(self, folder: Path, build_dir: Path):
         self.folder = folder
@@ -65,7 +65,7 @@ def test_tables_are_complete(quick):
     for contender in CONTENDERS:
         rows = tables.where(quick.tables["figure4"], contender=contender.key)
         assert rows and all(row["lowest"] <= row["median"] <= row["highest"] for row in rows), contender.key
-        # A set has about the requested number of points, except for methods other than dart throwing.
+        # The number of points is close to the requested one. Methods other than dart throwing may deviate more.
         close = 0.05 if contender.family == OURS and contender.method != "naive" else 0.3
         assert all(abs(row["points"] / row["asked"] - 1.0) < close for row in rows), rows
 
@@ -89,7 +89,7 @@ def shown_pictures(text: str, beside: Path) -> list[Path]:
 
 
 def check_pictures(pictures: list[Path]) -> None:
-    assert len(pictures) >= 2 * 6, pictures  # Light and dark versions.
+    assert len(pictures) >= 2 * 6, pictures  # Each picture has a light and a dark version.
     for picture in pictures:
         assert 2_000 < picture.stat().st_size < LARGEST_PICTURE, picture
         if picture.suffix == ".svg":
@@ -104,7 +104,7 @@ def test_pictures_of_a_run_exist(quick):
 
 @pytest.fixture(scope="module")
 def rendered(tmp_path_factory) -> Path:
-    """The page and its pictures, rendered from the committed data."""
+    """Returns the folder with the page and its pictures, rendered from the committed data."""
     folder = tmp_path_factory.mktemp("rendered")
     done = run(["bash", BENCH / "figures.sh", "--render", "--out", folder], timeout=300)
     assert done.returncode == 0 and "done" in done.stderr, done.stderr
@@ -122,7 +122,7 @@ def test_the_page_is_rendered_from_committed_data(rendered):
 
 
 def test_committed_data_is_complete():
-    """The data has the tables and columns that a run writes, is from a full run, and is small enough to commit."""
+    """Checks that the committed data contains all parts, comes from a full run, and is small enough to commit."""
     tables_there, facts = data.read(BENCH / "data/figures.json")
     assert set(facts) == set(PARTS) and not any(one["quick"] for one in facts.values())
     assert (BENCH / "data/figures.json").stat().st_size < 100_000
@@ -144,7 +144,8 @@ def test_committed_data_has_the_columns_of_a_run(quick, tmp_path):
 
 
 def test_a_part_can_be_measured_alone(quick, tmp_path, build_dir):
-    """In an empty folder, one part writes no page. In a complete folder, it replaces only its own tables."""
+    """Checks that measuring one part writes no page in an empty folder, and replaces only its own tables in a complete
+    folder."""
     command = ["bash", BENCH / "figures.sh", "--quick", "--programs", build_dir, "--only", "billion", "--out"]
     alone = run([*command, tmp_path], timeout=300)
     assert alone.returncode == 0 and "no page yet: speed, sets, memory, large" in alone.stderr, alone.stderr
@@ -181,7 +182,8 @@ def test_domain_run_refuses_bad_arguments(core_tool, words):
 
 
 def test_domain_run_dumps_the_counted_points(core_tool, tmp_path):
-    """The points are the same whether they are returned or stay in the cells, and all of them lie inside the domain."""
+    """Checks that the points are the same whether they are returned or left in the cells, and that they lie inside the
+    domain."""
     sets = {}
     for flags in ([], ["fill"]):
         dump = tmp_path / "sets"
@@ -197,8 +199,9 @@ def test_domain_run_dumps_the_counted_points(core_tool, tmp_path):
 
 
 def test_limited_memory_is_limited(build_dir):
-    """A set that is too large for the limit is refused, and succeeds with a larger limit. The limits follow from the
-    memory that the call counts, so that they adapt to a sampler that needs less memory."""
+    """Checks that a set which is too large for the memory limit is refused, and that it succeeds with a larger limit.
+    The small limit is the memory that the call itself reports, so the test stays valid if the sampler needs less
+    memory."""
     programs = Programs(build_dir, peer=lambda *_: [], contenders=[])
     call = ("accumulator", "double", 300_000, 1, "torus", "fill")
     unlimited = programs.domain(*call)[0]
@@ -217,14 +220,14 @@ def test_independent_points_have_a_flat_isotropic_spectrum():
     random = np.random.default_rng(1)
     spectrum = AveragedSpectrum([random.random((1500, 2)) * SIDE for _ in range(20)], SIDE, MODES, EDGES)
     assert np.abs((spectrum.radial() - 1.0) / spectrum.radial_error()).max() < 4.5
-    # Rings with few waves have a large spread, and the taper correlates neighboring waves.
+    # The first rings have few waves and a large spread. The taper correlates neighboring waves.
     assert np.abs(spectrum.anisotropy()[3:] - noise_level(20)).max() < 1.5
     assert abs(spectrum.anisotropy()[3:].mean() - noise_level(20)) < 0.4
     assert noise_level(10) == pytest.approx(-10.0)
 
 
 def test_lattice_has_an_anisotropic_symmetric_spectrum():
-    """A jittered lattice has power at whole waves per cell, on the axes of the image."""
+    """Checks that a jittered lattice has power at whole waves per cell, on the axes of the image."""
     random = np.random.default_rng(2)
     cells = np.stack(np.meshgrid(np.arange(SIDE), np.arange(SIDE)), axis=-1).reshape(-1, 2)
     sets = [(cells + 0.5 + 0.1 * random.standard_normal(cells.shape)) % SIDE for _ in range(10)]
@@ -253,7 +256,7 @@ def test_tables_are_read_back_unchanged(tmp_path):
 
 
 class FakePrograms:
-    """Replaces Programs. A run takes a fixed time per point, and twice as long above a certain size."""
+    """A stand-in for Programs. A run takes a fixed time per point, and twice as long above 10,000 points."""
 
     def __init__(self, seconds_a_point: float):
         self.seconds_a_point = seconds_a_point

@@ -1,4 +1,5 @@
-"""The samplers of other projects that the benchmarks compare with are installed, called and reported correctly."""
+"""Tests that the samplers of other projects, with which the benchmarks compare, are installed, called and reported
+correctly."""
 
 from __future__ import annotations
 
@@ -21,7 +22,8 @@ KEYS = {"method", "points", "seconds", "size", "maximal_claimed", "toroidal", "p
 
 
 def shell(script: str, **environment: str):
-    """Runs a line of shell with the functions that install the peers, in a changed environment."""
+    """Runs a line of shell script with the functions that install the peers and with additional environment
+    variables."""
     changed = {**os.environ, **environment}
     return run(
         ["bash", "-euo", "pipefail", "-c", f"source tests/bench/peers/setup.sh; {script}"],
@@ -47,8 +49,8 @@ def test_versions_of_rust(version, taken):
 
 
 def test_a_missing_rust_is_reported(tmp_path):
-    """If cargo is neither on the PATH nor among the packages, the script prints one clear line, and fails in a way from which the caller can
-    continue."""
+    """Checks a machine on which cargo is neither on the PATH nor in the package lists. The script must print one line
+    and return an error, after which the caller can continue."""
     for name in ("cargo", "apt-cache"):
         (tmp_path / name).write_text("#!/bin/sh\nexit 1\n")
         (tmp_path / name).chmod(0o755)

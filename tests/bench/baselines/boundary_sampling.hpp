@@ -15,18 +15,21 @@
 
 namespace thicket::bench {
 
-/// Boundary sampling, the fast variant of Dunbar and Humphreys, "A spatial data structure for fast Poisson-disk sample
-/// generation" (2006). Each new point is on the circle of radius 1 around an earlier one, at a uniform angle in one of
-/// the ranges that no other point's disk covers. All ranges are equally likely. A random active point keeps adding
-/// points until its whole circle is covered.
+/// Boundary sampling, the fast variant of the method of Dunbar and Humphreys, "A spatial data
+/// structure for fast Poisson-disk sample generation" (2006). Each new point is on the circle of
+/// radius 1 around an earlier point, at a uniform angle in one of the ranges that no other point's
+/// disk covers. All ranges are equally likely. A random active point adds points until its whole
+/// circle is covered.
 ///
-/// Once no circle has an open range, the disks cover the torus, so the sets are maximal. Points are placed at 1 + 1e-9,
-/// so that rounding brings none closer than 1. Every position then has a point within 1 + 2e-9. The sets are denser
-/// than those of dart throwing and distributed differently. O(N) time. Keeps its memory between calls.
+/// When no circle has an open range, the disks cover the torus, so the sets are maximal. Points are
+/// placed at distance 1 + 1e-9, so that rounding brings none closer than 1. Every position then has
+/// a point within 1 + 2e-9. The sets are denser than those of dart throwing, and have a different
+/// distribution. The method takes O(N) time. An object of this class keeps its memory between
+/// calls.
 class BoundarySampling {
 public:
-	/// Replaces `r_points` with a maximal set on the torus [0, side)^2, in which no two points are closer than 1.
-	/// `side` is 11 to 1e5.
+	/// Replaces `r_points` with a maximal set on the torus [0, side)^2, in which no two points are
+	/// closer than 1. `side` is 11 to 1e5.
 	void sample(double side, std::uint64_t seed, std::vector<glm::dvec2> &r_points) {
 		grid_.reset(side);
 		active_.clear();
@@ -47,13 +50,15 @@ public:
 private:
 	static constexpr double distance = 1.0 + 1e-9;
 	static constexpr double turn = 2.0 * std::numbers::pi;
-	static constexpr int reach = 1; ///< In cells. Disks that cover a part of a circle are at most 2 `distance` apart.
+	/// Number of cells in each direction that are searched. A disk that covers a part of a circle
+	/// is at most 2 * `distance` away.
+	static constexpr int reach = 1;
 
-	/// Half the angle of a circle that a neighbor on it covers.
+	/// Half the angle of a circle that the disk of a point on the circle covers.
 	static constexpr double sixth = std::numbers::pi / 3.0;
 
-	/// Open angles in [0, turn], as ranges that do not touch. A disk splits off at most one more range. At most 20
-	/// points that keep their distance are less than 2 from a point (Oler 1961).
+	/// The open angles in [0, turn], as ranges that do not touch. Each disk adds at most one range.
+	/// At most 20 points that keep their distance can be closer than 2 to a point (Oler 1961).
 	struct Ranges {
 		struct Range {
 			double begin;
@@ -65,7 +70,8 @@ private:
 
 		Ranges() { ranges[0] = {0.0, turn}; }
 
-		/// Removes the angles closer than `half` to `middle`, which is at most a turn outside the range of angles.
+		/// Removes the angles closer than `half` to `middle`, which may be up to one turn outside
+		/// [0, turn].
 		void cover(double middle, double half) {
 			cover_straight(middle - half, middle + half);
 			if (middle - half < 0.0) {

@@ -12,21 +12,24 @@
 
 namespace thicket::bench {
 
-/// The part of a site's Voronoi cell outside its own disk of radius 1: its area, and uniform points in it. All
-/// positions are relative to the site.
+/// The part of a site's Voronoi cell that is outside the site's disk of radius 1. The class
+/// computes the area of this part and draws uniform points in it. All positions are relative to the
+/// site.
 ///
-/// The cell is a fan of triangles between the site and its edges. In a triangle, the free part is between the edge and
-/// the disk. It is cut where the edge is nearest to the site and where it enters the disk. A piece is the remainder on
-/// one side, from `low` to `high` along the edge. Area and points are exact, because they are computed from the
-/// distance to the point where the edge leaves the disk. A piece a millionth wide therefore has as many correct digits
-/// as a large one.
+/// The cell is a fan of triangles between the site and its edges. In each triangle, the free part
+/// is between the edge and the disk. It is divided where the edge is nearest to the site, and where
+/// the edge enters the disk. A piece is the remainder on one side, from `low` to `high` along the
+/// edge. Areas and points are accurate, because they are computed from the distance to the point
+/// where the edge leaves the disk. A piece a millionth wide therefore has as many correct digits as
+/// a large one.
 class FreeCell {
 public:
-	/// A corner at most this far outside the disk counts as inside.
+	/// A corner that is at most this distance outside the disk counts as inside.
 	static constexpr double tolerance = 1e-9;
 
-	/// Replaces the cell. `neighbors` are the sites around it, in counterclockwise order. A neighbor's edge is halfway
-	/// to it, and its corner with the next edge is the center of the circle through both neighbors and the site.
+	/// Replaces the cell. `neighbors` are the sites around it, in counterclockwise order. A
+	/// neighbor's edge is halfway between the neighbor and the site. The corner of two adjacent
+	/// edges is the center of the circle through both neighbors and the site.
 	void assign(const std::vector<glm::dvec2> &neighbors) {
 		pieces_.clear();
 		area_ = 0.0;
@@ -41,10 +44,11 @@ public:
 		}
 	}
 
-	/// 0 exactly if no corner is more than `tolerance` outside the disk.
+	/// Returns the area of the free part. It is exactly 0 if no corner is more than `tolerance`
+	/// outside the disk.
 	double area() const { return area_; }
 
-	/// A uniform point in the free part. The area must be above 0.
+	/// Returns a uniform random point in the free part. The area must be above 0.
 	glm::dvec2 draw(Xoroshiro &random) const {
 		const double target = unit(random) * area_;
 		const auto reached = [target](const Piece &piece) {
@@ -54,31 +58,37 @@ public:
 		return (found != pieces_.end() ? *found : pieces_.back()).draw(random);
 	}
 
-	/// Uniform in [0, 1).
+	/// Returns a uniform random number in [0, 1).
 	static double unit(Xoroshiro &random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
 
 private:
 	struct Piece {
 		glm::dvec2 foot;  ///< The position on the edge's line that is nearest to the site.
-		glm::dvec2 along; ///< Unit vector of the line, away from the foot.
-		double height;    ///< From the site to the foot.
-		double start;     ///< From the foot to where the line leaves the disk; 0 if they do not intersect.
-		double above;     ///< `height` squared minus 1 if the line misses the disk, otherwise 0.
-		double low;       ///< The piece's ends, along the line, measured from `start`.
+		glm::dvec2 along; ///< The unit vector along the line, away from the foot.
+		double height;    ///< The distance from the site to the foot.
+		/// The distance from the foot to where the line leaves the disk; 0 if they do not
+		/// intersect.
+		double start;
+		double above; ///< `height` squared minus 1 if the line misses the disk, otherwise 0.
+		double low;   ///< The ends of the piece along the line, measured from `start`.
 		double high;
-		double area_up_to = 0.0; ///< Total area of the cell's pieces up to this one.
+		/// The total area of the cell's pieces up to and including this one.
+		double area_up_to = 0.0;
 
-		/// A position's squared distance from the site, minus 1.
+		/// Returns a position's squared distance from the site, minus 1.
 		double excess(double place) const { return above + place * (place + 2.0 * start); }
 
-		/// Area between the disk and the line, from `start` to `place`: a triangle minus a sector.
+		/// Returns the area between the disk and the line from `start` to `place`, which is a
+		/// triangle minus a sector.
 		double area_to(double place) const {
-			const double tangent = height * place / (height * height + start * (start + place)); // Of the sector.
+			// The tangent of the sector's angle.
+			const double tangent = height * place / (height * height + start * (start + place));
 			return 0.5 * ((start * place + above) * tangent + less_its_arc(tangent));
 		}
 
-		/// Rejection sampling along the line, where the density is excess / (1 + excess) and rising. At least a third
-		/// of the tries are accepted. Then exact sampling outward, between the disk and the line.
+		/// First draws a position along the line by rejection sampling. The density, excess / (1 +
+		/// excess), increases along the line, and at least a third of the tries are accepted. Then
+		/// draws the position between the disk and the line by exact sampling.
 		glm::dvec2 draw(Xoroshiro &random) const {
 			const double most = excess(high) / (1.0 + excess(high));
 			for (;;) {
@@ -102,7 +112,7 @@ private:
 		return (glm::dvec2(b.y, -b.x) * dot(a, a) + glm::dvec2(-a.y, a.x) * dot(b, b)) / (2.0 * twice_area);
 	}
 
-	/// x - atan(x) for x >= 0, accurate even where both are nearly equal.
+	/// Returns x - atan(x) for x >= 0, accurate even if both are nearly equal.
 	static double less_its_arc(double x) {
 		if (x > 0.05) {
 			return x - std::atan(x);
@@ -118,7 +128,7 @@ private:
 		add_piece(0.5 * neighbor, -along, 0.5 * distance, -dot(to, along), -dot(from, along));
 	}
 
-	/// The piece of an edge from `from` to `to`, measured from the foot.
+	/// Adds the piece of an edge from `from` to `to`, measured from the foot.
 	void add_piece(glm::dvec2 foot, glm::dvec2 along, double height, double from, double to) {
 		const double above = height * height - 1.0;
 		const double start = std::sqrt(std::max(-above, 0.0));

@@ -13,7 +13,7 @@ inline double dot(glm::dvec2 a, glm::dvec2 b) { return a.x * b.x + a.y * b.y; }
 inline double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 inline glm::dvec2 normalized(glm::dvec2 v) { return v / std::sqrt(dot(v, v)); }
 
-/// A disk. Like everything here, it is relative to the point that owns the sectors.
+/// A disk. All positions in this file are relative to the point that owns the sectors.
 struct Disk {
 	glm::dvec2 center{0.0};
 	double radius = 1.0;
@@ -22,22 +22,25 @@ struct Disk {
 /// The part of a disk's circle that faces the origin, or the part that faces away from it.
 struct Arc {
 	Disk disk;
-	double side = 1.0; ///< 1: the part that rays from the origin meet last; -1: the part that they meet first.
+	/// 1 for the part that rays from the origin meet last, -1 for the part that they meet first.
+	double side = 1.0;
 
-	/// Distance from the origin along the unit vector `ray`. If the ray misses the circle, the distance of the closest
-	/// point.
+	/// Returns the distance from the origin to the arc along the unit vector `ray`. If the ray
+	/// misses the circle, returns the distance to the closest point of the ray.
 	double at(glm::dvec2 ray) const {
 		const double across = cross(disk.center, ray);
 		return dot(disk.center, ray) + side * std::sqrt(std::max(disk.radius * disk.radius - across * across, 0.0));
 	}
 
-	/// Area between the arc from `a` to `b` and its chord, positive if the arc is beyond the chord. The arc must be
-	/// less than half of the circle.
+	/// Returns the area between the arc from `a` to `b` and its chord, which is positive if the arc
+	/// is beyond the chord. The arc must be less than half of the circle.
 	double bulge(glm::dvec2 a, glm::dvec2 b) const {
-		const double sine = 0.5 * std::sqrt(dot(b - a, b - a)) / disk.radius; // Of half the angle at the center.
+		// The sine of half the angle at the center.
+		const double sine = 0.5 * std::sqrt(dot(b - a, b - a)) / disk.radius;
 		const double square = sine * sine;
 		if (sine < 0.15) {
-			// The angle minus its sine, as a series, because the plain difference would lose digits.
+			// The angle minus its sine, as a series, because the direct difference would lose
+			// precision.
 			const double tail = 3.0 / 14.0 + square * (5.0 / 36.0 + square * (35.0 / 352.0 + square * (63.0 / 832.0)));
 			const double series = square * sine * (4.0 / 3.0 + square * (2.0 / 5.0 + square * tail));
 			return 0.5 * side * disk.radius * disk.radius * series;
@@ -48,20 +51,22 @@ struct Arc {
 	}
 };
 
-/// A region around the origin: all positions on the rays from `from` to `to` (less than half a turn to the left),
-/// beyond the arc `near` and before the arc `far`. Dunbar and Humphreys (2006), section 3.
+/// A region around the origin. It consists of all positions on the rays from `from` to `to` (less
+/// than half a turn to the left) that are beyond the arc `near` and before the arc `far`. See
+/// Dunbar and Humphreys (2006), section 3.
 struct ScallopedSector {
-	glm::dvec2 from{1.0, 0.0}; ///< Of length 1, like `to`.
+	glm::dvec2 from{1.0, 0.0}; ///< Has length 1, like `to`.
 	glm::dvec2 to{1.0, 0.0};
 	Arc near;
 	Arc far;
-	double near_from = 0.0; ///< Distances from the origin at which the first and the last ray meet the arcs.
+	/// The distances from the origin at which the first and the last ray meet the arcs.
+	double near_from = 0.0;
 	double near_to = 0.0;
 	double far_from = 0.0;
 	double far_to = 0.0;
 	double area = 0.0;
 
-	/// Computes the area of a sector whose rays and arcs are set.
+	/// Computes the distances and the area after the rays and arcs were set.
 	void measure() {
 		near_from = near.at(from);
 		near_to = near.at(to);
@@ -70,15 +75,17 @@ struct ScallopedSector {
 		area = area_until(to, near_to, far_to);
 	}
 
-	/// The area from `from` to a different ray of the sector, which meets the arcs at these distances.
+	/// Returns the area from `from` to a different ray of the sector, which meets the arcs at the
+	/// distances `near_at` and `far_at`.
 	double area_until(glm::dvec2 ray, double near_at, double far_at) const {
 		const double straight =
 				0.5 * cross(from, ray) * (far_from * (far_at - near_at) + near_at * (far_from - near_from));
 		return straight + far.bulge(far_from * from, far_at * ray) - near.bulge(near_from * from, near_at * ray);
 	}
 
-	/// Maps two numbers in [0, 1) to a position. Uniform numbers produce uniform positions. Newton's method finds the
-	/// ray, with bisection where it leaves the interval. Along the ray, the density grows with the distance.
+	/// Maps two numbers in [0, 1) to a position. Uniform numbers produce uniform positions.
+	/// Newton's method finds the ray, with bisection if it leaves the interval. Along the ray, the
+	/// density increases with the distance.
 	glm::dvec2 place(double turned, double along) const {
 		double low = 0.0;
 		double high = 1.0;
@@ -101,8 +108,9 @@ struct ScallopedSector {
 		}
 	}
 
-	/// True if the disk certainly misses the sector. A cheap test: the disk may miss the sector even if this returns
-	/// false. The origin must be outside of the disk, or `disk` has radius 2.
+	/// Returns true if the disk certainly misses the sector. The test is cheap but incomplete: the
+	/// disk may miss the sector although the result is false. The origin must be outside the disk,
+	/// or `disk` must have radius 2.
 	bool misses(const Disk &disk) const {
 		const double squared = dot(disk.center, disk.center);
 		const double reach = std::max(far_from, far_to) + disk.radius;
@@ -114,9 +122,10 @@ struct ScallopedSector {
 				dot(to, disk.center) <= 0.0;
 	}
 
-	/// True if the disk certainly contains the sector. A cheap test by the corners: the near arc bends into their hull,
-	/// and so does the far arc if it is part of a disk. The origin's own circle does not, but a disk that contains the
-	/// origin covers a contiguous range of it.
+	/// Returns true if the disk certainly contains the sector. This is a cheap test of the corners.
+	/// The near arc bends into their convex hull, and so does the far arc if it belongs to another
+	/// point's disk. The origin's own circle bends outward, but a disk that contains the origin
+	/// covers a contiguous range of it.
 	bool within(const Disk &disk) const {
 		const double squared = disk.radius * disk.radius;
 		const auto holds = [&](glm::dvec2 place) {

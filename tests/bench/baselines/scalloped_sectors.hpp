@@ -19,25 +19,27 @@
 
 namespace thicket::bench {
 
-/// Dunbar and Humphreys, "A spatial data structure for fast Poisson-disk sample generation" (2006). Throws darts
-/// uniformly at all positions that are less than 2 from some point and at least 1 from every point, until there are
-/// none left.
+/// Dunbar and Humphreys, "A spatial data structure for fast Poisson-disk sample generation" (2006).
+/// The method throws darts uniformly at all positions that are closer than 2 to some point and at
+/// least 1 from every point, until there are none left.
 ///
-/// Each point owns the part of that region that is less than 2 from it but not from an earlier point, as a list of
-/// scalloped sectors. A dart chooses a point by its area with a tree, then one of its sectors, then a position in the
-/// sector, so it is always accepted. Its disk is then cut out of the sectors of the points around it. O(N log N) time.
+/// Each point owns the part of that region that is closer than 2 to it but not to an earlier point,
+/// as a list of scalloped sectors. For each dart, a tree chooses a point in proportion to its area,
+/// then one of its sectors is chosen, then a position in the sector. So every dart is accepted. Its
+/// disk is then removed from the sectors of the points around it. The method takes O(N log N) time.
 ///
-/// The least distance is exact: a dart that rounding brings closer than 1 to a point is thrown again at the same
-/// sector, and a sector with no representable position left is dropped. Keeps its memory between calls.
+/// The minimum distance is exact. A dart that rounding brings closer than 1 to a point is thrown
+/// again at the same sector, and a sector in which too many darts fail is removed. An object of
+/// this class keeps its memory between calls.
 class ScallopedSectors {
 public:
-	/// Measured share of the torus that disks of half the radius cover. This share is 0.0017 less than with darts at
-	/// the whole domain: the set grows from one point, and positions near its edge are filled before other positions
-	/// are open.
+	/// The measured share of the torus that disks of half the radius cover. It is 0.0017 less than
+	/// with darts at the whole domain, because the set grows from one point. Positions near its
+	/// edge are filled before other positions are open.
 	static constexpr double coverage = 0.5454;
 
-	/// Replaces `r_points` with a maximal set on the torus [0, side)^2, in which no two points are closer than 1.
-	/// `side` is 11 to 5e4.
+	/// Replaces `r_points` with a maximal set on the torus [0, side)^2, in which no two points are
+	/// closer than 1. `side` is 11 to 5e4.
 	void sample(double side, std::uint64_t seed, std::vector<glm::dvec2> &r_points) {
 		grid_.reset(side);
 		areas_.reset(static_cast<std::size_t>(densest * side * side) + 1);
@@ -56,13 +58,17 @@ public:
 	}
 
 private:
-	/// The largest number of points per unit of area, which is that of a hexagonal lattice.
+	/// The maximum number of points per unit of area, which is that of a hexagonal lattice.
 	static constexpr double densest = 2.0 / std::numbers::sqrt3;
-	static constexpr int reach = 2;                 ///< In cells. Disks of radius 2 that meet are at most 4 apart.
-	static constexpr std::size_t annulus_parts = 6; ///< With six, no arc is half of its circle.
+	/// Number of cells in each direction that are searched. Disks of radius 2 that intersect have
+	/// centers at most 4 apart.
+	static constexpr int reach = 2;
+	/// With six parts, no arc is half of its circle.
+	static constexpr std::size_t annulus_parts = 6;
 	static constexpr int most_throws = 16;
 	static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-	static constexpr std::size_t most_neighbors = 128; ///< Oler's bound for a disk of radius 4 is 71.
+	/// Oler's bound for a disk of radius 4 is 71.
+	static constexpr std::size_t most_neighbors = 128;
 
 	struct Neighbor {
 		std::uint32_t index;
@@ -79,16 +85,18 @@ private:
 	std::array<ScallopedSector, annulus_parts> annulus_ = make_annulus();
 	TorusGrid grid_;
 	SumTree areas_;
-	std::vector<std::uint32_t> first_; ///< The first sector of each point.
+	std::vector<std::uint32_t> first_; ///< The first sector of each point's list.
 	std::vector<Node> pool_;
 	std::uint32_t free_ = none;
 	SectorCut cut_;
-	std::array<Neighbor, most_neighbors> neighbors_; ///< Neighbors of the last dart, closer than 4.
+	/// The neighbors of the last dart that are closer than 4.
+	std::array<Neighbor, most_neighbors> neighbors_;
 	std::size_t neighbor_count_ = 0;
 
 	static double unit(Xoroshiro &random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
 
-	/// Throws at the sectors of a point until a dart is accepted, or the chosen sector turns out to be empty.
+	/// Throws darts at one sector of a point until one is accepted. If too many fail, removes the
+	/// sector.
 	void throw_dart(std::size_t owner, Xoroshiro &random, std::vector<glm::dvec2> &r_points) {
 		const std::uint32_t chosen = choose_sector(owner, random);
 		for (int i = 0; i < most_throws; ++i) {
@@ -102,7 +110,7 @@ private:
 		drop(owner, chosen);
 	}
 
-	/// Chooses a sector of a point by area. The point must have some.
+	/// Chooses a sector of a point in proportion to its area. The point must have at least one.
 	std::uint32_t choose_sector(std::size_t owner, Xoroshiro &random) const {
 		double target = unit(random) * area_of(owner);
 		std::uint32_t i = first_[owner];
@@ -113,7 +121,7 @@ private:
 		return i;
 	}
 
-	/// Finds the neighbors of a dart. False if one is closer than 1.
+	/// Finds the neighbors of a dart. Returns false if one is closer than 1.
 	bool look_around(glm::dvec2 dart) {
 		neighbor_count_ = 0;
 		bool free = true;
@@ -127,7 +135,7 @@ private:
 		return free;
 	}
 
-	/// Adds a point whose neighbors are known.
+	/// Adds a point. Its neighbors must be in `neighbors_`.
 	void insert(glm::dvec2 point, std::vector<glm::dvec2> &r_points) {
 		const std::size_t index = r_points.size();
 		grid_.insert(static_cast<std::uint32_t>(index), point);
@@ -143,14 +151,15 @@ private:
 		for (const ScallopedSector &part : annulus_) {
 			add_sector(index, part);
 		}
-		// Near neighbors cover most of it, so the others find few sectors or none.
+		// Near neighbors are cut first. They cover most of the annulus, so the remaining neighbors
+		// find few sectors or none.
 		cut_neighbors(index, 0.0, 4.0);
 		cut_neighbors(index, 4.0, 16.0);
 		weigh(index);
 	}
 
-	/// Assigns all positions that are less than 2 from earlier points to those points, if their squared distances are
-	/// from `least` to `limit`.
+	/// Removes the positions that are closer than 2 to earlier points from the sectors of `owner`.
+	/// Only neighbors whose squared distances are from `least` to `limit` are used.
 	void cut_neighbors(std::size_t owner, double least, double limit) {
 		for (std::size_t i = 0; i < neighbor_count_ && first_[owner] != none; ++i) {
 			const Neighbor &neighbor = neighbors_[i];
@@ -160,7 +169,7 @@ private:
 		}
 	}
 
-	/// All positions less than 2 and at least 1 from a point.
+	/// Returns the sectors that cover all positions closer than 2 and at least 1 from a point.
 	static std::array<ScallopedSector, annulus_parts> make_annulus() {
 		std::array<ScallopedSector, annulus_parts> annulus;
 		for (std::size_t i = 0; i < annulus_parts; ++i) {
@@ -223,7 +232,7 @@ private:
 		free_ = slot;
 	}
 
-	/// Writes a point's area into the tree.
+	/// Stores a point's area in the tree.
 	void weigh(std::size_t owner) { areas_.set(owner, area_of(owner)); }
 
 	double area_of(std::size_t owner) const {

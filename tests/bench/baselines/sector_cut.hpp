@@ -11,22 +11,25 @@
 
 namespace thicket::bench {
 
-/// Removes a disk from a scalloped sector. The remainder is again scalloped sectors: before, below, above and after the
-/// disk.
+/// Removes a disk from a scalloped sector. The remainder also consists of scalloped sectors:
+/// before, below, above and after the disk.
 ///
-/// Some rays can change the order of the sector's arcs and the disk's circle: tangents to the disk, and rays through
-/// its intersections with an arc. They cut the sector into slices. In each slice, the ray in the middle determines
-/// which parts remain. Neighboring slices with the same part are joined, so that there are no unnecessary cuts.
+/// The order of the sector's arcs and the disk's circle along a ray can change only at certain
+/// rays. These are tangents to the disk, and rays through its intersections with an arc. They
+/// divide the sector into slices. In each slice, the ray in the middle determines which parts
+/// remain. Adjacent slices with the same part are joined, so that there are no unnecessary cuts.
 class SectorCut {
 public:
-	/// Two tangents and two crossings with either arc make seven slices, each with at most two parts.
+	/// Two tangents and two crossings with either arc make seven slices, each with at most two
+	/// parts.
 	static constexpr std::size_t most_parts = 14;
 
 	/// The remaining sectors, possibly none, after a call that returned true.
 	std::array<ScallopedSector, most_parts> parts;
 	std::size_t count = 0;
 
-	/// False if the disk leaves the sector whole. The origin is outside of the disk, or inside one of radius 2.
+	/// Removes the disk. Returns false if the disk does not intersect the sector. The origin must
+	/// be outside the disk, or the disk must have radius 2.
 	bool run(const ScallopedSector &sector, const Disk &disk) {
 		count = 0;
 		if (sector.within(disk)) {
@@ -64,7 +67,7 @@ private:
 	static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
 	static constexpr std::size_t most_rays = 8;
 
-	std::array<glm::dvec2, most_rays> rays_; ///< From the sector's first ray to its last, in order.
+	std::array<glm::dvec2, most_rays> rays_; ///< In order, from the sector's first ray to its last.
 	std::size_t ray_count_ = 0;
 
 	void find_rays(const ScallopedSector &sector, const Disk &disk) {
@@ -90,14 +93,14 @@ private:
 		const double other_squared = other.radius * other.radius;
 		const double along = 0.5 * (squared + other_squared - disk.radius * disk.radius) / squared;
 		const double across_squared = other_squared / squared - along * along;
-		if (across_squared > 0.0) { // False for identical circles, too.
+		if (across_squared > 0.0) { // The condition is also false for identical circles.
 			const glm::dvec2 across = std::sqrt(across_squared) * glm::dvec2(-between.y, between.x);
 			add_ray(sector, other.center + along * between - across);
 			add_ray(sector, other.center + along * between + across);
 		}
 	}
 
-	/// Keeps the rays sorted. Ignores a ray that is not inside the sector.
+	/// Adds a ray and keeps the rays sorted. A ray that is not inside the sector is ignored.
 	void add_ray(const ScallopedSector &sector, glm::dvec2 ray) {
 		if (!(cross(sector.from, ray) > 0.0 && cross(ray, sector.to) > 0.0)) {
 			return;
@@ -109,7 +112,7 @@ private:
 		rays_[i] = normalized(ray);
 	}
 
-	/// Returns the parts of the slice after this ray that remain.
+	/// Returns which parts of a slice remain. The slice begins at the ray with its index.
 	std::array<bool, kinds> left_of_slice(const ScallopedSector &sector, const Disk &disk, std::size_t slice) const {
 		const glm::dvec2 middle = normalized(rays_[slice] + rays_[slice + 1]);
 		const double near_at = sector.near.at(middle);
@@ -127,7 +130,8 @@ private:
 		return {false, along - half > near_at, along + half < far_at};
 	}
 
-	/// Adds the part of this kind between two rays, unless it is so small that its area rounds to 0.
+	/// Adds the part of this kind between two rays, unless it is so small that its area rounds to
+	/// 0.
 	void emit(const ScallopedSector &sector, const Disk &disk, std::size_t kind, std::size_t from, std::size_t to) {
 		ScallopedSector &part = parts[count];
 		part.from = rays_[from];

@@ -7,12 +7,13 @@
 
 namespace thicket::bench {
 
-/// A list of weights from which an index is chosen in proportion to its weight. A tree with eight children per node,
-/// whose sums fill one cache line. Sums are recomputed from their children and never corrected by differences, so they
-/// are exactly 0 if all their weights are. Setting and finding take O(log n).
+/// A list of weights from which an index can be chosen in proportion to its weight. It is a tree
+/// with eight children per node, whose sums fill one cache line. Sums are always recomputed from
+/// their children, so they are exactly 0 if all their weights are 0. Setting and finding take O(log
+/// n) time.
 class SumTree {
 public:
-	/// Resets to `count` weights of 0, at least one.
+	/// Resets the list to `count` weights of 0. `count` must be at least 1.
 	void reset(std::size_t count) {
 		levels_.clear();
 		do {
@@ -23,7 +24,7 @@ public:
 
 	double total() const { return sum(levels_.back().front()); }
 
-	/// Sets a weight, at least 0 and finite.
+	/// Sets a weight, which must be at least 0 and finite.
 	void set(std::size_t index, double weight) {
 		for (std::vector<Node> &level : levels_) {
 			Node &node = level[index / fan];
@@ -33,8 +34,8 @@ public:
 		}
 	}
 
-	/// The index before which the weights add up to `target`, in [0, total()), up to rounding. Its weight is never 0.
-	/// `total()` must be above 0.
+	/// Returns the index before which the weights add up to `target`, up to rounding. `target` must
+	/// be in [0, total()), and `total()` above 0. The weight of the index is never 0.
 	std::size_t find(double target) const {
 		std::size_t index = 0;
 		for (std::size_t level = levels_.size(); level-- > 0;) {
@@ -61,7 +62,8 @@ private:
 		std::array<double, fan> sums{};
 	};
 
-	std::vector<std::vector<Node>> levels_; ///< The weights first, a single node last.
+	/// The first level has the weights, and the last one a single node.
+	std::vector<std::vector<Node>> levels_;
 
 	static double sum(const Node &node) {
 		const std::array<double, fan> &s = node.sums;

@@ -10,14 +10,16 @@
 
 namespace thicket::bench {
 
-/// Finds the neighbors of a position on the torus [0, side)^2 among points that keep distance 1. Square cells slightly
-/// more than two units wide store the points themselves, so that checking a cell reads one or two cache lines.
+/// Finds the neighbors of a position on the torus [0, side)^2 among points that are at least 1
+/// apart. Square cells slightly more than two units wide store the points themselves, so that
+/// checking a cell reads only a few cache lines.
 class TorusGrid {
 public:
-	/// More than twice the distance at which boundary sampling places points.
+	/// The minimum width of a cell: more than twice the distance at which boundary sampling
+	/// generates points.
 	static constexpr double least_cell = 2.0 + 1e-8;
 
-	/// The least side of a torus on which a neighborhood of two cells does not overlap itself.
+	/// The minimum side of a torus on which a neighborhood of two cells does not overlap itself.
 	static constexpr double least_side = 11.0;
 
 	/// Empties the grid. `side` must be at least `least_side`.
@@ -30,7 +32,7 @@ public:
 		cells_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(columns_));
 	}
 
-	/// Adds a point of the torus that is at least 1 from all others.
+	/// Adds a point of the torus. It must be at least 1 from all points that were added before.
 	void insert(std::uint32_t index, glm::dvec2 point) {
 		Cell &cell = cells_[row_of(column_of(point.y)) + static_cast<std::size_t>(column_of(point.x))];
 		cell.indices[cell.count] = index;
@@ -38,8 +40,9 @@ public:
 		++cell.count;
 	}
 
-	/// Calls `visit(index, offset)` for every point in the cells up to `reach` from that of `place`. This includes all
-	/// points no farther than `reach` times `least_cell`. `offset` is the shortest vector from `place` to the point.
+	/// Calls `visit(index, offset)` for every point in the cells up to `reach` cells from the cell
+	/// of `place`. This includes all points up to `reach` * `least_cell` away. `offset` is the
+	/// shortest vector from `place` to the point.
 	template <typename Visit>
 	void visit(glm::dvec2 place, int reach, const Visit &visit) const {
 		const int column = column_of(place.x);
@@ -55,12 +58,13 @@ public:
 		}
 	}
 
-	/// Wraps a position at most one side outside of the torus.
+	/// Wraps a position that is at most one side outside the torus.
 	glm::dvec2 wrap(glm::dvec2 place) const { return {wrap(place.x), wrap(place.y)}; }
 
 private:
-	/// Points at distance 1 in a square of width w: at most (2 / sqrt(3)) w^2 + 2 w + 1 (Oler 1961), and w < 2.41 with
-	/// at least five cells.
+	/// The maximum number of points in a cell. A square of width w has at most (2 / sqrt(3)) w^2 +
+	/// 2 w + 1 points at distance 1 (Oler 1961), and w < 2.41 if there are at least five cells per
+	/// side.
 	static constexpr std::size_t most_points = 12;
 
 	struct alignas(64) Cell {
@@ -97,7 +101,8 @@ private:
 		const double wrapped = coordinate < 0.0 ? coordinate + side_
 				: coordinate >= side_           ? coordinate - side_
 												: coordinate;
-		return wrapped < side_ ? wrapped : 0.0; // A tiny negative coordinate rounds up to the side itself.
+		// A tiny negative coordinate rounds up to the side itself.
+		return wrapped < side_ ? wrapped : 0.0;
 	}
 };
 

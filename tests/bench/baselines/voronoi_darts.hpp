@@ -7,9 +7,9 @@
 #include <glm/common.hpp>
 #include <glm/vec2.hpp>
 
-// CGAL's inexact predicates are filtered: if doubles cannot decide, exact numbers do. CGAL's own number types suffice
-// for that, so no library is linked. CGAL's assertions are off, because they would distort benchmarks of the debug
-// build.
+// CGAL's predicates use doubles, and exact numbers if doubles cannot decide. CGAL's own number
+// types suffice for that, so no library is linked. CGAL's assertions are disabled, because they
+// would distort benchmarks of the debug build.
 #define CGAL_DISABLE_GMP 1
 #define CGAL_NDEBUG 1
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -25,19 +25,21 @@
 
 namespace thicket::bench {
 
-/// Jones, "Efficient generation of Poisson-disk sampling patterns" (2006), on the torus [0, side)^2, in double
-/// precision. Maintains the Voronoi diagram of the growing set, and the area of every cell outside its own disk. A dart
-/// chooses a cell with probability proportional to that area and a uniform position in it, and so is uniform over all
-/// free positions. The sets are therefore those of dart throwing, and maximal. O(n log n) time, about 200 bytes per
-/// point.
+/// Jones, "Efficient generation of Poisson-disk sampling patterns" (2006), on the torus [0,
+/// side)^2, in double precision. The method maintains the Voronoi diagram of the growing set, and
+/// the area of every cell outside its own disk. Each dart chooses a cell with a probability
+/// proportional to that area, and then a uniform position in that part of the cell. So it is
+/// uniform over all free positions. The sets are therefore maximal, and have the distribution of
+/// dart throwing. The method takes O(n log n) time and about 200 bytes per point.
 ///
-/// The diagram is CGAL's periodic Delaunay triangulation, which finds a new dart's triangle in a few steps from the
-/// chosen cell. The paper throws darts into the triangles of a cell's fan until one misses the disk. Here they directly
-/// hit the free part (`FreeCell`), which is the same distribution for less work.
+/// The diagram is CGAL's periodic Delaunay triangulation, which finds a new dart's triangle in a
+/// few steps from the chosen cell. The paper throws darts into the triangles of a cell's fan until
+/// one misses the disk. This implementation draws directly from the free part (`FreeCell`), which
+/// results in the same distribution with less work.
 class VoronoiDarts {
 public:
-	/// Replaces `r_points` with a set in which no two points are closer than 1 and every position of the torus has a
-	/// point within 1 + `FreeCell::tolerance`. `side` >= 4.
+	/// Replaces `r_points` with a set in which no two points are closer than 1 and every position
+	/// of the torus has a point within 1 + `FreeCell::tolerance`. `side` >= 4.
 	void sample(double side, std::uint64_t seed, std::vector<glm::dvec2> &r_points) {
 		side_ = side;
 		Xoroshiro random(seed);
@@ -70,30 +72,33 @@ private:
 	using Triangulation = CGAL::Periodic_2_Delaunay_triangulation_2<Traits, Structure>;
 	using Vertex = Triangulation::Vertex_handle;
 
-	/// Points per unit of area at distance 1: disks of diameter 1 cover at most as much of the plane as in a hexagonal
-	/// lattice.
+	/// The maximum number of points at distance 1 per unit of area. Disks of diameter 1 cover the
+	/// most in a hexagonal lattice.
 	static constexpr double most_points = 1.1547006;
 
 	double side_ = 0.0;
 	std::optional<Triangulation> triangulation_;
-	std::vector<Vertex> vertices_; ///< By the point's index, which is also stored in their info.
-	SumTree weights_;              ///< The cells' free areas.
+	/// The triangulation's vertices, indexed like the points. The index is also stored in the
+	/// vertex's info.
+	std::vector<Vertex> vertices_;
+	SumTree weights_; ///< The free areas of all cells.
 
-	// Data of the cell that was computed last.
+	// The last computed cell.
 	FreeCell cell_;
 	std::vector<glm::dvec2> around_;
 	std::vector<Vertex> neighbors_;
-	std::vector<Vertex> changed_; ///< The neighbors of the point that was added last.
+	std::vector<Vertex> changed_; ///< The neighbors of the last added point.
 
-	/// Wraps a coordinate at most one side outside of the torus.
+	/// Wraps a coordinate that is at most one side outside the torus.
 	double wrap(double coordinate) const {
 		const double wrapped = coordinate < 0.0 ? coordinate + side_ : coordinate;
 		const double inside = wrapped < side_ ? wrapped : wrapped - side_;
 		return inside < side_ ? inside : 0.0;
 	}
 
-	/// Finds a point's neighbors and its cell. While points are few, the triangulation is of nine copies of the torus.
-	/// A neighbor may then be a copy, even of the point itself, and represents the original in `vertices_`.
+	/// Finds a point's neighbors and computes its cell. While there are few points, the
+	/// triangulation covers nine copies of the torus. A neighbor may then be a copy, even of the
+	/// point itself, and is replaced with the original in `vertices_`.
 	void look_at(Vertex vertex) {
 		around_.clear();
 		neighbors_.clear();
@@ -111,8 +116,8 @@ private:
 		cell_.assign(around_);
 	}
 
-	/// Rounding can move a dart on the rim of a free part into a disk: into the disk of its cell's point or, in a
-	/// corner, of a neighbor. Such a dart is thrown again.
+	/// Returns false for a dart that rounding has moved from the edge of a free part into the disk
+	/// of its cell's point or, in a corner, of a neighbor. Such a dart is discarded.
 	bool keeps_distance(glm::dvec2 dart, glm::dvec2 site, const std::vector<glm::dvec2> &points) const {
 		const auto far_enough = [&](glm::dvec2 point) {
 			const glm::dvec2 straight = point - dart;
@@ -124,7 +129,8 @@ private:
 		});
 	}
 
-	/// Adds a point at or near `near`, and updates its cell and the neighbors'. No other cells change.
+	/// Adds a point in or near the triangle `near`, and updates its cell and those of its
+	/// neighbors. No other cells change.
 	void add(glm::dvec2 point, Triangulation::Face_handle near, std::vector<glm::dvec2> &r_points) {
 		const Vertex vertex = triangulation_->insert({point.x, point.y}, near);
 		vertex->info() = static_cast<std::uint32_t>(r_points.size());

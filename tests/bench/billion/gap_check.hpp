@@ -22,9 +22,11 @@ using TileSource = std::function<Status(const Rect &rect, std::vector<SamplePoin
 
 /// Results of the exact gap checks.
 struct GapFindings {
-	std::uint64_t tiles = 0;     ///< Tiles that were checked.
-	std::uint64_t uncovered = 0; ///< Lattice points in them that are outside the radius of every point.
-	std::uint64_t changed = 0;   ///< Tiles whose points differed when sampled as part of a larger rectangle.
+	std::uint64_t tiles = 0; ///< The number of checked tiles.
+	/// Number of lattice points in these tiles that are not within the radius of any point.
+	std::uint64_t uncovered = 0;
+	/// Number of tiles whose points differed when sampled as part of a larger rectangle.
+	std::uint64_t changed = 0;
 
 	GapFindings &operator+=(const GapFindings &other) {
 		tiles += other.tiles;
@@ -34,16 +36,18 @@ struct GapFindings {
 	}
 };
 
-/// True for one tile in `every`, chosen by a hash. Never for 0.
+/// Returns true for one in `every` tiles, chosen by a hash. If `every` is 0, returns false.
 inline bool is_drawn(std::uint64_t tile, std::uint64_t key, std::uint64_t every) {
 	return every > 0 && split_mix(tile * split_mix_gamma + split_mix(key)) % every == 0;
 }
 
-/// Finds lattice points of tiles that no point covers. A reusable workspace for a single thread.
+/// Finds lattice points in tiles that no point covers. The object keeps its memory between tiles.
+/// Each thread needs its own.
 class GapCheck {
 public:
-	/// Checks the tile that was last passed to `tile.take`, whose points had this digest. Uses the points that `source`
-	/// returns around the tile. The source must return the tile's own points again.
+	/// Checks the tile that was last passed to `tile.take`, whose points had this digest. The
+	/// points around the tile are queried from `source`, which must also return the tile's own
+	/// points again.
 	Status take(const TileCheck &tile, const Digest &digest, const TileSource &source, GapFindings &r_found) {
 		const CellRect &cells = tile.tile();
 		if (const Status status = source(world_rect(cells.grown(border)), around_); !status.ok()) {

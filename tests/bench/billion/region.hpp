@@ -15,36 +15,37 @@
 
 namespace thicket::bench::billion {
 
-/// The share of the plane that disks of diameter r cover after naive dart throwing has run to its end. Measured without
-/// extrapolation by Zhang and Torquato, "Precise algorithm to generate random sequential addition of hard hyperspheres
-/// at saturation" (Phys. Rev. E 88, 053312, 2013): 0.5470735 +- 0.0000028. All tests of Thicket use 0.547070.
+/// The share of the plane that disks of diameter r cover after naive dart throwing until no dart
+/// fits. Zhang and Torquato measured it without extrapolation in "Precise algorithm to generate
+/// random sequential addition of hard hyperspheres at saturation" (Phys. Rev. E 88, 053312, 2013):
+/// 0.5470735 +- 0.0000028. Thicket's other programs use 0.547070, too.
 inline constexpr double jammed_coverage = 0.547070;
 
-/// Sets on a lattice cover less than those in the plane, because no dart finds a gap between lattice points. The
-/// difference is proportional to the lattice unit. Measured by this program on coarser lattices, eight million points
-/// each: 0.156 +- 0.006 over 2^7 with lattice_bits 7, 0.154 +- 0.012 over 2^8 with 8. At a billion points it is two
-/// standard errors.
+/// Sets on a lattice cover less than those in the plane, because no dart can hit a gap between
+/// lattice points. The difference is proportional to the lattice unit. This program measured it on
+/// coarser lattices with eight million points each: 0.156 +- 0.006 over 2^7 with lattice_bits 7,
+/// 0.154 +- 0.012 over 2^8 with 8. At a billion points, it is two standard errors.
 inline constexpr double coverage_lattice_loss = 0.155 / (1 << lattice_bits);
 
-/// Expected points in a cell, whose area is r^2 / 2.
+/// The expected number of points in a cell, whose area is r^2 / 2.
 inline constexpr double points_per_cell = jammed_coverage * 4.0 / std::numbers::pi / 2.0;
 
-/// With this radius a cell is 1 m wide and the lattice unit 2^-lattice_bits m, so world coordinates are exact. Except
-/// for its scale, the set is the same with any radius.
+/// With this radius, a cell is 1 m wide and the lattice unit is 2^-lattice_bits m, so world
+/// coordinates are exact. The set is the same for any radius, except for its scale.
 inline constexpr double cell_meter_radius = std::numbers::sqrt2;
 
-/// A square of whole cells around the origin, cut into square tiles (narrower in the last row and column). For the
-/// statistics, a separate grid cuts it into blocks of equal area.
+/// A square of whole cells around the origin, divided into square tiles (narrower in the last row
+/// and column). For the statistics, it is also divided into blocks of equal area.
 struct Region {
 	static constexpr std::int32_t blocks_per_side = 16;
 	/// Lattice coordinates of larger regions would exceed 32 bits.
 	static constexpr double most_points = 5e9;
 
-	std::int32_t side = 0; ///< In cells, a multiple of blocks_per_side.
-	std::int32_t tile = 0; ///< In cells.
+	std::int32_t side = 0; ///< Number of cells, a multiple of blocks_per_side.
+	std::int32_t tile = 0; ///< Width of a tile in cells.
 
-	/// The smallest region that certainly has `points` points. Counts scatter by sqrt(points) / 4, so eight times this
-	/// value is added.
+	/// Returns the smallest region that has at least `points` points with near certainty. Counts
+	/// have a standard deviation of sqrt(points) / 4, so eight times this value is added.
 	static Region holding(double points, std::int32_t tile) {
 		const double cells = (points + 2.0 * std::sqrt(points)) / points_per_cell;
 		const auto blocks = static_cast<std::int32_t>(std::ceil(std::sqrt(cells) / blocks_per_side));
@@ -73,21 +74,24 @@ struct Region {
 		return static_cast<std::uint32_t>(block.y * blocks_per_side + block.x);
 	}
 
-	/// The share of an area that `points` disks cover.
+	/// Returns the share of an area of `cells` cells that `points` disks of diameter r cover.
 	static double coverage(double points, double cells) { return points / cells * (std::numbers::pi / 2.0); }
 };
 
-/// In meters, for a set with cell_meter_radius.
+/// Converts cells to meters, for a set with cell_meter_radius.
 inline Rect world_rect(const CellRect &cells) { return {glm::dvec2(cells.min), glm::dvec2(cells.max)}; }
 
 /// The order in which a region's tiles are generated.
 enum class TileOrder {
-	rows,     ///< Row by row.
-	shuffled, ///< Bands of four rows, each with a keyed permutation: neighbors are generated at unrelated times.
-	hilbert,  ///< Along Hilbert's curve.
+	rows, ///< Row by row.
+	/// Bands of four rows, each with a keyed permutation. Neighbors are generated at unrelated
+	/// times.
+	shuffled,
+	hilbert, ///< Along a Hilbert curve.
 };
 
-/// Determines the order of the tiles in O(1) memory: slot by slot, some of them empty.
+/// Determines the order of the tiles in O(1) memory. Consecutive slots are mapped to tiles; some
+/// slots are empty.
 class TileSequence {
 public:
 	TileSequence(const Region &region, TileOrder order, std::uint64_t key) :
@@ -109,7 +113,8 @@ public:
 		return 0;
 	}
 
-	/// The tile of a slot below slots(), if it has one. Every tile has exactly one slot.
+	/// Returns the tile of a slot, if it has one. `slot` must be below slots(). Every tile has
+	/// exactly one slot.
 	std::optional<glm::ivec2> at(std::uint64_t slot) const {
 		glm::uvec2 place(slot % per_side_, slot / per_side_);
 		if (order_ == TileOrder::shuffled) {
@@ -129,14 +134,16 @@ public:
 	}
 
 private:
-	static constexpr std::uint32_t band_rows = 4; ///< More rows would keep more strips at once.
+	/// With more rows, the points at more borders must be kept at once.
+	static constexpr std::uint32_t band_rows = 4;
 
 	std::uint32_t per_side_;
 	TileOrder order_;
 	std::uint64_t key_;
 	std::uint32_t half_bits_ = 0;
 
-	/// A Feistel network of four rounds: a bijection of numbers of 2 * half_bits_ bits.
+	/// Applies a Feistel network of four rounds, which is a bijection of numbers of 2 * half_bits_
+	/// bits.
 	std::uint32_t permuted(std::uint64_t number, std::uint64_t band) const {
 		const std::uint64_t mask = (std::uint64_t{1} << half_bits_) - 1;
 		std::uint64_t left = number >> half_bits_;

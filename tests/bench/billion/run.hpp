@@ -26,48 +26,51 @@ namespace thicket::bench::billion {
 /// The options of a run.
 struct RunOptions {
 	std::uint64_t seed = 1;
-	double points = 1e9;     ///< At least, in [1e3, Region::most_points].
-	std::int32_t tile = 128; ///< Cells, in [16, 512].
+	double points = 1e9;     ///< The minimum number of points, in [1e3, Region::most_points].
+	std::int32_t tile = 128; ///< Width of a tile in cells, in [16, 512].
 	TileOrder order = TileOrder::rows;
-	unsigned threads = 1;    ///< At least 1.
-	bool verify = true;      ///< False: only generate and count points.
-	std::uint64_t gaps = 64; ///< One tile in `gaps` is checked for gaps; 0 for none.
+	unsigned threads = 1;    ///< Number of threads, at least 1.
+	bool verify = true;      ///< If false, the run only generates and counts points.
+	std::uint64_t gaps = 64; ///< One in `gaps` tiles is checked for gaps; 0 for none.
 
 	PointSet set() const { return {.seed = seed, .radius = cell_meter_radius}; }
 	Region region() const { return Region::holding(points, tile); }
 };
 
-/// Seconds of processor time, summed over all threads.
+/// CPU time in seconds, summed over all threads.
 struct Spent {
 	double sampling = 0.0;
-	double checking = 0.0; ///< Everything except the gap checks.
+	double checking = 0.0; ///< Time for everything except the gap checks.
 	double gaps = 0.0;
 };
 
 /// The result of a run.
 struct Outcome {
-	Status status; ///< The first error of the source. The other fields are then incomplete.
+	/// The first error of a source. After an error, the other fields are incomplete.
+	Status status;
 	Findings found;
 	GapFindings gaps;
 	std::uint64_t tiles_finished = 0;
 	std::uint64_t tiles_repeated = 0;
-	std::size_t most_rim_points = 0; ///< The most points that waited at borders of unfinished tiles at once.
+	/// The maximum number of points kept at once at the borders of unfinished tiles.
+	std::size_t most_rim_points = 0;
 	double coverage = 0.0;
-	double coverage_error = 0.0; ///< Standard error, from the blocks of the region.
+	double coverage_error = 0.0; ///< The standard error, from the blocks of the region.
 	Spent spent;
-	double seconds = 0.0; ///< Wall time.
+	double seconds = 0.0; ///< Wall time in seconds.
 };
 
 /// Generates a region tile by tile on several threads, and checks the tiles as they are finished.
 class Run {
 public:
-	/// `make_source` is called once for each thread, on that thread.
+	/// Prepares the run. Each thread calls `make_source` once.
 	Run(const RunOptions &options, std::function<TileSource()> make_source) :
 			options_(options), region_(options.region()), sequence_(region_, options.order, options.seed),
 			make_source_(std::move(make_source)), seams_(region_),
 			block_points_(Region::blocks_per_side * Region::blocks_per_side) {}
 
-	/// Blocks until everything is done. Calls `progress` about once per second with the points so far, on this thread.
+	/// Blocks until everything is done. About once per second, calls `progress` on this thread with
+	/// the number of points so far.
 	Outcome go(const std::function<void(std::uint64_t points)> &progress) {
 		const auto start = std::chrono::steady_clock::now();
 		std::vector<std::thread> threads;
@@ -92,7 +95,7 @@ public:
 	}
 
 private:
-	/// The data and the findings of one thread.
+	/// The data and findings of one thread.
 	struct Worker {
 		TileSource source;
 		std::vector<SamplePoint> points;
@@ -195,8 +198,8 @@ private:
 		}
 	}
 
-	/// Blocks are so large that their common borders are negligible: their numbers of points are treated as
-	/// independent.
+	/// Computes the coverage and its standard error. The blocks are so large that their common
+	/// borders are negligible, so their numbers of points are treated as independent.
 	void measure_coverage() {
 		const auto blocks = static_cast<double>(block_points_.size());
 		const double cells = static_cast<double>(region_.block_side()) * region_.block_side();

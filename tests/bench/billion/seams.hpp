@@ -15,17 +15,20 @@
 
 namespace thicket::bench::billion {
 
-/// The points of a tile that points of another tile can be too close to, in lattice units of the whole set.
+/// The points of a tile that can be too close to points of another tile, in lattice units of the
+/// whole set.
 using Rim = std::vector<glm::ivec2>;
 
-/// Keeps the rims of finished tiles as long as a neighbor is missing. Of two neighbors, the later one gets the earlier
-/// one's rim, for any order and any threads. Thread safe.
+/// Keeps the rims of finished tiles while any of their neighbors is missing. When a tile is
+/// finished, it gets the rims of the neighbors that were finished earlier. This works for any order
+/// of tiles. Several threads may use one object.
 class Seams {
 public:
 	explicit Seams(const Region &region) : region_(region), done_(region.tiles()) {}
 
-	/// Takes a finished tile's rim, and returns the rims of the neighbors that were finished before. So every pair of
-	/// neighbors is returned once. If the tile was already finished, counts this and returns nothing.
+	/// Stores a finished tile's rim, and returns the rims of the neighbors that were finished
+	/// earlier. So each pair of neighbors is compared once. If the tile was already finished, the
+	/// repetition is counted and the result is empty.
 	std::vector<std::shared_ptr<const Rim>> finish(glm::ivec2 place, Rim &&rim) {
 		auto shared = std::make_shared<const Rim>(std::move(rim));
 		std::vector<std::shared_ptr<const Rim>> earlier;
@@ -55,17 +58,17 @@ public:
 		return earlier;
 	}
 
-	/// Finished tiles, each counted once.
+	/// Returns the number of finished tiles, each counted once.
 	std::uint64_t finished() const {
 		const std::lock_guard lock(mutex_);
 		return finished_;
 	}
-	/// Calls for tiles that were finished before.
+	/// Returns the number of calls for tiles that were already finished.
 	std::uint64_t repeated() const {
 		const std::lock_guard lock(mutex_);
 		return repeated_;
 	}
-	/// The largest number of points that were kept at once.
+	/// Returns the maximum number of points that were kept at once.
 	std::size_t most_kept() const {
 		const std::lock_guard lock(mutex_);
 		return most_kept_;
@@ -74,7 +77,7 @@ public:
 private:
 	struct Kept {
 		std::shared_ptr<const Rim> rim;
-		std::uint32_t missing; ///< Unfinished neighbors.
+		std::uint32_t missing; ///< The number of unfinished neighbors.
 	};
 	using Map = std::unordered_map<std::uint64_t, Kept>;
 

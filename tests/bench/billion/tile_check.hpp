@@ -21,8 +21,8 @@
 
 namespace thicket::bench::billion {
 
-/// Identifies a set of points regardless of their order: two sums, modulo 2^64, of differently keyed hashes of each
-/// point's id, lattice position and rank.
+/// Identifies a set of points regardless of their order. A digest consists of two sums, modulo
+/// 2^64, of differently keyed hashes of each point's id, lattice position and rank.
 struct Digest {
 	std::uint64_t high = 0;
 	std::uint64_t low = 0;
@@ -31,7 +31,8 @@ struct Digest {
 		const std::uint64_t place =
 				std::uint64_t{static_cast<std::uint32_t>(lattice.x)} << 32 | static_cast<std::uint32_t>(lattice.y);
 		const std::uint64_t name = point.id + point.rank * split_mix_gamma;
-		high += split_mix(split_mix(place + 0x6a09e667f3bcc908) ^ name); // The keys are digits of sqrt(2), sqrt(3).
+		// The keys are digits of sqrt(2) and sqrt(3).
+		high += split_mix(split_mix(place + 0x6a09e667f3bcc908) ^ name);
 		low += split_mix(split_mix(place + 0xbb67ae8584caa73b) ^ name);
 	}
 	Digest &operator+=(const Digest &other) {
@@ -42,14 +43,18 @@ struct Digest {
 	friend bool operator==(const Digest &, const Digest &) = default;
 };
 
-/// Findings in the tiles so far. Those of several threads are added up.
+/// The findings in all tiles so far. The findings of several threads can be added.
 struct Findings {
 	std::uint64_t points = 0;
-	std::uint64_t pairs = 0;     ///< Pairs of points whose distance was computed, each once.
-	std::uint64_t too_close = 0; ///< Those of the pairs that are closer than the radius.
-	std::uint64_t misplaced = 0; ///< Points outside their tile, off the lattice, or with the id of another cell.
-	std::uint64_t doubled = 0;   ///< Points in a cell that already has one.
-	std::int64_t least_squared = std::numeric_limits<std::int64_t>::max(); ///< Of all pairs, in lattice units^2.
+	/// Number of pairs of points whose distance was computed, each counted once.
+	std::uint64_t pairs = 0;
+	std::uint64_t too_close = 0; ///< Number of pairs of points that are closer than the radius.
+	/// Number of points that are outside their tile or off the lattice, or have the id of a
+	/// different cell.
+	std::uint64_t misplaced = 0;
+	std::uint64_t doubled = 0; ///< Number of points in a cell that already has one.
+	/// The smallest squared distance of all pairs, in squared lattice units.
+	std::int64_t least_squared = std::numeric_limits<std::int64_t>::max();
 	Digest digest;
 
 	Findings &operator+=(const Findings &other) {
@@ -64,7 +69,8 @@ struct Findings {
 	}
 };
 
-/// The lattice position of a point of a set with cell_meter_radius, if it is on the lattice within 2^30 units.
+/// Finds the lattice position of a point of a set with cell_meter_radius. Returns false if the
+/// point is not on the lattice, or farther than 2^30 units.
 inline bool lattice_of(const SamplePoint &point, glm::ivec2 &r_lattice) {
 	const glm::dvec2 lattice = point.position * static_cast<double>(cell_size);
 	if (!(std::abs(lattice.x) <= 0x1p30 && std::abs(lattice.y) <= 0x1p30)) {
@@ -74,15 +80,17 @@ inline bool lattice_of(const SamplePoint &point, glm::ivec2 &r_lattice) {
 	return glm::dvec2(r_lattice) == lattice;
 }
 
-/// Checks a tile's points in whole numbers: each must be in its own cell of the tile, and no two may be closer than the
-/// radius. Only cells at most two apart can have points that are too close, so all pairs from such cells are compared:
-/// at most 12 per point. A reusable workspace for a single thread.
+/// Checks a tile's points with integers. Each point must be in its own cell of the tile, and no two
+/// points may be closer than the radius. Only cells at most two apart can contain points that are
+/// too close, so all pairs from such cells are compared: at most 12 per point. The object keeps its
+/// memory between tiles. Each thread needs its own.
 class TileCheck {
 public:
-	/// The number of cells that points of a neighboring tile can reach into this one.
+	/// The width in cells of the border in which a point can be too close to points of a
+	/// neighboring tile.
 	static constexpr std::int32_t reach = 2;
 
-	/// Takes the points of the tile and compares them with each other.
+	/// Stores the points of a tile, and compares them with each other.
 	Findings take(const CellRect &tile, std::uint16_t layer, std::span<const SamplePoint> points) {
 		tile_ = tile;
 		origin_ = tile.min * static_cast<std::int32_t>(cell_size);
@@ -101,7 +109,8 @@ public:
 		return found;
 	}
 
-	/// The points of the tile that points of another tile can be too close to, in lattice units of the whole set.
+	/// Returns the points of the tile that can be too close to points of another tile, in lattice
+	/// units of the whole set.
 	std::vector<glm::ivec2> rim() const {
 		const std::int32_t width = reach * static_cast<std::int32_t>(cell_size);
 		const glm::ivec2 end = tile_.size() * static_cast<std::int32_t>(cell_size) - width;
@@ -115,7 +124,7 @@ public:
 		return rim;
 	}
 
-	/// Compares another tile's rim with the points of this one.
+	/// Compares another tile's rim with the points of this tile.
 	void compare_with(std::span<const glm::ivec2> rim, Findings &r_found) const {
 		const glm::ivec2 least(-reach * static_cast<std::int32_t>(cell_size));
 		const glm::ivec2 end = (tile_.size() + reach) * static_cast<std::int32_t>(cell_size);
@@ -128,21 +137,24 @@ public:
 	}
 
 	const CellRect &tile() const { return tile_; }
-	/// The lattice positions of the tile's points, relative to the tile's corner.
+	/// Returns the lattice positions of the tile's points, relative to the tile's corner.
 	std::span<const glm::ivec2> entered() const { return entered_; }
 	glm::ivec2 origin() const { return origin_; }
 
 private:
-	/// A rim's points are up to `reach` cells outside and are compared with cells twice as far.
+	/// The points of another tile's rim are up to `reach` cells outside this tile, and are compared
+	/// with cells `reach` farther away.
 	static constexpr std::int32_t border = 2 * reach;
-	/// Marks empty cells. It is too far from everything to count as a pair, and near enough to be squared.
+	/// Marks empty cells. The position is too far away to count as part of a pair, but near enough
+	/// for its distance to be squared without overflow.
 	static constexpr glm::ivec2 nowhere{-(1 << 29)};
 	static constexpr std::int64_t far_squared = std::int64_t{1} << 40;
 
 	CellRect tile_;
 	glm::ivec2 origin_{0};
 	std::int32_t columns_ = 0;
-	std::vector<glm::ivec2> grid_; ///< The point of each cell, relative to the tile's corner, or `nowhere`.
+	/// The point of each cell, relative to the tile's corner, or `nowhere`.
+	std::vector<glm::ivec2> grid_;
 	std::vector<glm::ivec2> entered_;
 
 	std::size_t index_of(glm::ivec2 local) const {
@@ -182,7 +194,8 @@ private:
 				std::min(r_found.least_squared, squared < far_squared ? squared : r_found.least_squared);
 	}
 
-	/// Compares only with cells that come later in row order, so that each pair is seen once.
+	/// Compares a point only with cells that are later in row order, so that each pair is compared
+	/// once.
 	void compare_forward(glm::ivec2 local, Findings &r_found) const {
 		const glm::ivec2 *place = grid_.data() + index_of(local);
 		compare(place[1], local, r_found);

@@ -11,18 +11,19 @@
 
 namespace thicket::bench {
 
-/// Bridson, "Fast Poisson disk sampling in arbitrary dimensions" (2007), in two dimensions, tuned: the fast baseline
-/// for the sampler. Single precision, a background grid of side r / sqrt(2) that stores the positions themselves, a
-/// border of two empty squares instead of bounds checks, an unordered active list, and candidates by rejection from the
-/// square around the annulus (measured faster than sine and cosine). The sets are not maximal and not distributed like
-/// dart throwing. Keeps its memory between calls.
+/// Bridson, "Fast Poisson disk sampling in arbitrary dimensions" (2007), in two dimensions, tuned:
+/// the fast baseline for the sampler. It uses single precision, a background grid with cells of
+/// side r / sqrt(2) that store the positions, a border of two empty cells instead of bounds checks,
+/// and an unordered active list. Candidates are drawn by rejection from the square around the
+/// annulus, which was measured to be faster than sine and cosine. The sets are not maximal, and not
+/// distributed like those of dart throwing. An object of this class keeps its memory between calls.
 class Bridson {
 public:
-	/// Candidates around an active point before it is abandoned. The paper's value.
+	/// The number of candidates around an active point before it becomes inactive, as in the paper.
 	static constexpr int attempts = 30;
 
-	/// Replaces `r_points` with a set in [0, size.x) x [0, size.y) with no two points closer than 1. Both sizes must be
-	/// > 0.
+	/// Replaces `r_points` with a set in [0, size.x) x [0, size.y) in which no two points are
+	/// closer than 1. Both sizes must be > 0.
 	void sample(glm::vec2 size, std::uint64_t seed, std::vector<glm::vec2> &r_points) {
 		size_ = size;
 		columns_ = static_cast<int>(size.x * per_cell) + 1 + 2 * border;
@@ -69,7 +70,7 @@ private:
 		r_points.push_back(point);
 	}
 
-	/// Tries up to `attempts` candidates around `parent`. True if one was added.
+	/// Tries up to `attempts` candidates around `parent`. Returns true if one was added.
 	bool grow(glm::vec2 parent, Xoroshiro &random, std::vector<glm::vec2> &r_points) {
 		for (int attempt = 0; attempt < attempts; ++attempt) {
 			const glm::vec2 candidate = parent + annulus(random);
@@ -83,7 +84,7 @@ private:
 		return false;
 	}
 
-	/// Uniform in the annulus between 1 and 2.
+	/// Returns a uniform random vector in the annulus between radii 1 and 2.
 	static glm::vec2 annulus(Xoroshiro &random) {
 		for (;;) {
 			const std::uint64_t bits = random();

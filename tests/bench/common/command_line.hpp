@@ -7,13 +7,14 @@
 
 namespace thicket::bench {
 
-/// The duration of a bench's measurements: its two optional arguments.
+/// The extent of a bench's measurements, from its two optional arguments.
 struct Effort {
-	int rounds = 9;        ///< At least 1.
-	double seconds = 0.25; ///< Minimum processor time of each measurement; above 0.
+	int rounds = 9;        ///< Number of rounds, at least 1.
+	double seconds = 0.25; ///< The minimum CPU time of each measurement; above 0.
 };
 
-/// The effort that main()'s arguments specify. Invalid arguments print the usage and end the program.
+/// Returns the effort that the arguments of main() specify. If they are invalid, prints the usage
+/// and ends the program.
 inline Effort effort_of(int argument_count, char **arguments) {
 	Effort effort;
 	if (argument_count > 1) {
@@ -29,7 +30,7 @@ inline Effort effort_of(int argument_count, char **arguments) {
 	return effort;
 }
 
-/// Ends the program with the error if a bench's setup is refused.
+/// Prints `status` and ends the program if it is an error. For the setup of benches.
 inline void require(const Status &status) {
 	if (!status.ok()) {
 		std::fprintf(stderr, "bench: %s\n", describe(status).c_str());

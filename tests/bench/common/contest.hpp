@@ -12,7 +12,8 @@
 
 namespace thicket::bench {
 
-/// The points of a layer with a radius of 2 m in a tile, in the tile's order: about 7,500 for 200 m.
+/// Returns the points of a layer with a radius of 2 m in a tile, in the tile's order. There are
+/// about 7,000 in a tile of 200 m.
 inline std::vector<glm::dvec2> points_of(const Rect &tile) {
 	std::vector<SamplePoint> points;
 	require(TileSampler().sample({.seed = 1, .radius = 2.0}, tile, points));
@@ -23,12 +24,13 @@ inline std::vector<glm::dvec2> points_of(const Rect &tile) {
 	return result;
 }
 
-/// Measures several rules at the same points, in alternating order.
+/// Measures several rules at the same points. The rules take turns.
 class Contest {
 public:
 	explicit Contest(std::size_t points) : points_(points) {}
 
-	/// Measures one round of a contender. The first call sets its name. `at` evaluates all densities.
+	/// Measures one round of a contender. The first call sets its name. `at` evaluates the
+	/// densities at all points.
 	template <typename At>
 	void measure(std::size_t contender, const char *name, double seconds, At at) {
 		if (contender == names_.size()) {

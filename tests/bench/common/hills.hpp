@@ -7,8 +7,9 @@
 
 namespace thicket::bench {
 
-/// Hills of 512 x 384 posts, 20 m apart and 0 to 800 m high: six octaves of value noise in whole numbers, so that every
-/// machine and compiler produces the same posts. Slopes are mostly below 45 degrees.
+/// A heightfield of hills with 512 x 384 posts, 20 m apart and 0 to 800 m high. They are six
+/// octaves of value noise, computed with integers, so that every machine and compiler produces the
+/// same posts. Slopes are mostly below 45 degrees.
 class Hills {
 public:
 	static constexpr int columns = 512;
@@ -31,7 +32,7 @@ public:
 		return posts;
 	}
 
-	/// The hills with their first post at `corner`.
+	/// Returns the hills with their first post at `corner`.
 	static Heightfield at(glm::dvec2 corner) {
 		Heightfield field;
 		const Status status = field.set(frame(corner), posts());
@@ -47,10 +48,11 @@ private:
 		return (bits ^ bits >> 15) & 0xffff;
 	}
 
-	/// Noise that is smooth between the posts of an octave, which are 2^shift posts apart.
+	/// Returns one octave of the noise. It is smooth between lattice points, which are 2^shift
+	/// posts apart.
 	static std::uint32_t octave_at(std::uint32_t x, std::uint32_t y, std::uint32_t shift) {
 		const std::uint32_t step = 1u << shift;
-		const auto smooth = [step](std::uint32_t t) { // 3 t^2 - 2 t^3, in 1 / 4096.
+		const auto smooth = [step](std::uint32_t t) { // Computes 3 t^2 - 2 t^3, in units of 1 / 4096.
 			const std::uint32_t u = t * 64 / step;
 			return u * u * (192 - 2 * u) / 64;
 		};

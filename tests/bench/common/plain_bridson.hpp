@@ -11,17 +11,18 @@
 
 namespace thicket::bench {
 
-/// Bridson, "Fast Poisson disk sampling in arbitrary dimensions" (2007), in two dimensions, as in the paper and in most
-/// programs: single precision, a background grid of indices with side r / sqrt(2), candidates by angle and radius. This
-/// is the plain baseline; `Bridson` is the same method after an hour of tuning. The sets are not maximal and not
-/// distributed like dart throwing. Keeps its memory between calls.
+/// Bridson, "Fast Poisson disk sampling in arbitrary dimensions" (2007), in two dimensions, as in
+/// the paper and in most programs. It uses single precision, a background grid of indices with
+/// cells of side r / sqrt(2), and candidates by angle and radius. This is the plain baseline;
+/// `Bridson` is the same method after tuning. The sets are not maximal, and not distributed like
+/// those of dart throwing. An object of this class keeps its memory between calls.
 class PlainBridson {
 public:
-	/// Candidates around an active point before it is abandoned. The paper's value.
+	/// The number of candidates around an active point before it becomes inactive, as in the paper.
 	static constexpr int attempts = 30;
 
-	/// Replaces `r_points` with a set in [0, size.x) x [0, size.y) with no two points closer than 1. Both sizes must be
-	/// > 0.
+	/// Replaces `r_points` with a set in [0, size.x) x [0, size.y) in which no two points are
+	/// closer than 1. Both sizes must be > 0.
 	void sample(glm::vec2 size, std::uint64_t seed, std::vector<glm::vec2> &r_points) {
 		size_ = size;
 		columns_ = static_cast<int>(size.x * per_cell) + 1;
@@ -66,7 +67,7 @@ private:
 		r_points.push_back(point);
 	}
 
-	/// Tries up to `attempts` candidates around `parent`. True if one was added.
+	/// Tries up to `attempts` candidates around `parent`. Returns true if one was added.
 	bool grow(glm::vec2 parent, Xoroshiro &random, std::vector<glm::vec2> &r_points) {
 		for (int attempt = 0; attempt < attempts; ++attempt) {
 			const float radius = std::sqrt(1.0f + 3.0f * unit(random));

@@ -5,7 +5,8 @@
 
 namespace thicket::bench {
 
-/// One step of SplitMix64 (Steele, Lea and Flood 2014): spreads a seed over the state of another generator.
+/// Performs one step of SplitMix64 (Steele, Lea and Flood 2014), which seeds the state of other
+/// generators.
 inline std::uint64_t split_mix(std::uint64_t &state) {
 	state += 0x9E3779B97F4A7C15;
 	std::uint64_t z = state;
@@ -14,8 +15,9 @@ inline std::uint64_t split_mix(std::uint64_t &state) {
 	return z ^ (z >> 31);
 }
 
-/// xoroshiro128+ (Blackman and Vigna 2018): one of the cheapest generators with good high bits, so that the baselines
-/// lose no time to random numbers. Shares nothing with the hashes of the sampler under test.
+/// xoroshiro128+ (Blackman and Vigna 2018). It is one of the fastest generators with good high
+/// bits, so that random numbers do not slow down the baselines. It has nothing in common with the
+/// hashes of the sampler under test.
 class Xoroshiro {
 public:
 	explicit Xoroshiro(std::uint64_t seed) : low_(split_mix(seed)), high_(split_mix(seed)) {}
@@ -28,7 +30,8 @@ public:
 		return result;
 	}
 
-	/// An integer in [0, count), by multiply and shift. The bias is below count / 2^32. `count` must be > 0.
+	/// Returns a random integer in [0, count), by multiplication and shift. The bias is below count
+	/// / 2^32. `count` must be > 0.
 	std::uint32_t below(std::uint32_t count) { return static_cast<std::uint32_t>(((*this)() >> 32) * count >> 32); }
 
 private:

@@ -16,7 +16,7 @@ struct SimdTarget {
 	std::string name;
 };
 
-/// All targets that this build was compiled for and this processor supports, best first.
+/// Returns all targets that this build was compiled for and that this CPU supports, best first.
 inline std::vector<SimdTarget> simd_targets() {
 	hwy::SetSupportedTargetsForTest(0);
 	std::vector<SimdTarget> targets;
@@ -26,8 +26,8 @@ inline std::vector<SimdTarget> simd_targets() {
 	return targets;
 }
 
-/// While an object of this type lives, every dispatch of this process uses one target. Afterwards, the best one is used
-/// again. Not thread safe.
+/// During the lifetime of this object, every dispatch of this process uses one target. Afterwards,
+/// the best target is used again. Use it on one thread only.
 class ForcedTarget {
 public:
 	explicit ForcedTarget(const SimdTarget &target) { hwy::SetSupportedTargetsForTest(target.mask); }
@@ -36,10 +36,11 @@ public:
 	ForcedTarget &operator=(const ForcedTarget &) = delete;
 };
 
-/// True if `work` runs code that is compiled for each instruction set, that is, in vectors. Not thread safe.
+/// Returns true if `work` runs vector code, which is compiled for each instruction set. Use it on
+/// one thread only.
 template <class Work>
 bool runs_vectors(const Work &work) {
-	hwy::GetChosenTarget().DeInit(); // The next dispatch chooses a target again.
+	hwy::GetChosenTarget().DeInit(); // Makes the next dispatch choose a target again.
 	work();
 	return hwy::GetChosenTarget().IsInitialized();
 }

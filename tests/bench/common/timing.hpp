@@ -9,22 +9,23 @@
 
 namespace thicket::bench {
 
-/// Seconds of processor time that this process has used. Unlike wall time, it excludes other processes on the machine.
-/// They still affect caches and clock speed, so the rounds below are interleaved.
+/// Returns the CPU time of this process in seconds. Unlike wall time, it excludes other processes
+/// on the machine. These still affect caches and clock speed, so contenders take turns within
+/// rounds.
 inline double cpu_seconds() {
 	std::timespec now{};
 	clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
 	return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// Measurements of one quantity, one per round.
+/// The measurements of one quantity, one per round.
 class Series {
 public:
 	void add(double value) { values_.push_back(value); }
 	std::size_t rounds() const { return values_.size(); }
 
-	/// The value below which `fraction` of the rounds are, by the nearest rank. `fraction` is in 0..1, with at least
-	/// one round.
+	/// Returns a quantile of the rounds by the nearest rank. `fraction` is 0 to 1. There must be at
+	/// least one round.
 	double quantile(double fraction) const {
 		std::vector<double> sorted = values_;
 		std::sort(sorted.begin(), sorted.end());
@@ -33,7 +34,7 @@ public:
 	}
 	double median() const { return quantile(0.5); }
 
-	/// Quotient per round. Both series must have been measured in the same rounds.
+	/// Divides the values of each round. Both series must have been measured in the same rounds.
 	friend Series operator/(const Series &a, const Series &b) {
 		Series result;
 		for (std::size_t i = 0; i < std::min(a.values_.size(), b.values_.size()); ++i) {
@@ -46,7 +47,8 @@ private:
 	std::vector<double> values_;
 };
 
-/// Items per second of processor time. Repeats `batch`, which returns its number of items, until `seconds` are used.
+/// Returns items per second of CPU time. `batch`, which returns its number of items, is repeated
+/// until it has taken `seconds`.
 template <typename Batch>
 double rate(double seconds, Batch &&batch) {
 	const double start = cpu_seconds();
@@ -59,7 +61,8 @@ double rate(double seconds, Batch &&batch) {
 	return items / elapsed;
 }
 
-/// Prints one row of the README's table: name, median, lowest and highest round, number of rounds.
+/// Prints one row of the table in README.md: name, median, lowest and highest round, and number of
+/// rounds.
 inline void print_row(const std::string &what, const Series &series, double scale, const char *unit, int digits = 2) {
 	std::printf("| %s | %.*f%s | %.*f to %.*f | %zu |\n", what.c_str(), digits, scale * series.median(), unit, digits,
 			scale * series.quantile(0.0), digits, scale * series.quantile(1.0), series.rounds());

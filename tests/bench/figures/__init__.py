@@ -1,1 +1,1 @@
-"""Reproduces the seed paper's figures: `bash tests/bench/figures.sh`."""
+"""Reproduces the figures of the paper on which the sampler is based. Run it with `bash tests/bench/figures.sh`."""

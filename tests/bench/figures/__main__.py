@@ -1,4 +1,4 @@
-"""Measures the seed paper's figures again and writes tables, plots and the page. tests/bench/figures.sh calls it."""
+"""Reproduces the paper's figures: measures, and writes tables, plots and the page. tests/bench/figures.sh runs it."""
 
 from __future__ import annotations
 
@@ -49,13 +49,13 @@ def arguments() -> argparse.Namespace:
 
 
 def read_facts(out: Path) -> dict[str, tables.Row]:
-    """When and on which machine each part was measured."""
+    """Returns the date and the machine of the measurement of each part."""
     path = out / FACTS
     return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
 
 
 def measure(given: argparse.Namespace, out: Path) -> None:
-    """Measures the requested parts, and writes their tables and the machine."""
+    """Measures the requested parts, and writes their tables and the facts about the machine."""
     out.mkdir(parents=True, exist_ok=True)
     folder = given.programs.resolve()
     settings = QUICK if given.quick else replace(FULL, longest_large_run=60.0 * given.minutes)
@@ -74,7 +74,7 @@ def measure(given: argparse.Namespace, out: Path) -> None:
 
 
 def draw(table: page.Tables, arrays: dict[str, np.ndarray], pictures: Path) -> None:
-    """All plots of the measured tables. The plot of whole point sets needs `arrays`."""
+    """Draws all plots of the measured tables. The plot of whole point sets needs `arrays`."""
     pictures.mkdir(parents=True, exist_ok=True)
     rates, contenders = table["figure4"], CONTENDERS + PEERS
     save(lambda theme: plots.figure4(rates, contenders, PAPER, theme), pictures, "figure4")

@@ -1,4 +1,5 @@
-"""A billion points of one set by the exact tile sampler (tests/bench/billion.cpp), generated in two orders of tiles."""
+"""Generates a billion points of one set with the exact tile sampler (tests/bench/billion.cpp), in two orders of
+tiles."""
 
 from __future__ import annotations
 
@@ -15,7 +16,7 @@ SHOWN = (
 
 
 def measure(programs: Programs, settings: Settings) -> list[Row]:
-    """A row for each order. `broken` names the broken promises."""
+    """Returns a row for each order. `broken` names the guarantees that were violated."""
     rows = []
     for order in ORDERS:
         program = programs.folder / "bench" / "billion"

@@ -1,4 +1,4 @@
-"""The contenders of figure 4. Their order is that of the turns within a round, of the tables and of the colors."""
+"""The contenders of figure 4. Turns within a round, tables and colors have this order."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ OURS, PAPER, TODAY = "ours", "of the paper", "of today"
 
 @dataclass(frozen=True)
 class Contender:
-    """A method at one precision, and the arguments of domain_run or of a peer that run it."""
+    """A method at one precision, and the arguments with which domain_run or a peer runs it."""
 
     method: str
     precision: str
@@ -23,7 +23,7 @@ class Contender:
         return f"{self.method}-{self.precision}"
 
 
-NAIVE_DARTS = 100  # for each base square
+NAIVE_DARTS = 100  # Darts per base square of the naive method.
 
 CONTENDERS = [
     Contender("naive", "double", "naive darts", OURS, ("torus", f"darts={NAIVE_DARTS}")),

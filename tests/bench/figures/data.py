@@ -1,6 +1,5 @@
-"""The data of the page and its pictures: a few numbers of each table, in one file that is small enough to be
-committed. A full measurement replaces tests/bench/data/figures.json. Page and pictures are rendered from it at any
-time."""
+"""The data of the page and its pictures: a few numbers of each table, in one file that is small enough to be committed.
+A full measurement replaces tests/bench/data/figures.json. The page and pictures can be rendered from it at any time."""
 
 from __future__ import annotations
 
@@ -13,13 +12,13 @@ from bench.figures.contenders import CONTENDERS
 from bench.figures.page_text import Tables
 from bench.figures.tables import Row, where
 
-DIGITS = 8  # More than the page prints and the pictures show.
+DIGITS = 8  # Significant digits, more than the page and pictures need.
 
 FIGURE6_SHOWN = ("hierarchical", "wavefront")
 
 
 def compact(measured: Tables) -> Tables:
-    """The tables of the page, from those that the parts write."""
+    """Returns the tables of the page, computed from the tables that the parts write."""
     tables = {name: measured[name] for name in ("figure5_spectra", "figure5_coverage", "section42", "losses")}
     tables["figure4"] = _columns(measured["figure4"], "contender asked median lowest highest")
     tables["figure4_rounds"] = _rounds(measured["figure4"])
@@ -46,7 +45,7 @@ def _columns(rows: list[Row], names: str) -> list[Row]:
 
 
 def _rounds(rates: list[Row]) -> list[Row]:
-    """The fewest and most rounds of any size, for each contender."""
+    """Returns the minimum and maximum number of rounds over all sizes, for each contender."""
     rows = []
     for key in dict.fromkeys(row["contender"] for row in rates):
         rounds = [row["rounds"] for row in where(rates, contender=key)]
@@ -55,7 +54,7 @@ def _rounds(rates: list[Row]) -> list[Row]:
 
 
 def _ranges(counts: list[Row]) -> list[Row]:
-    """The lowest and highest counts of all sizes, for each contender."""
+    """Returns the lowest and highest counts over all sizes, for each contender."""
     rows = []
     for key in dict.fromkeys(row["contender"] for row in counts):
         own = where(counts, contender=key)
@@ -68,7 +67,7 @@ def _ranges(counts: list[Row]) -> list[Row]:
 
 
 def _differences(radial: list[Row]) -> list[Row]:
-    """The power of each ring, and its distance from that of naive darts in standard errors."""
+    """Returns the power of each ring, and its difference from that of naive darts in standard errors."""
     expected = {row["from"]: row for row in where(radial, source="naive")}
     rows = _columns(radial, "source sets side from to power anisotropy_db")
     for row, whole in zip(rows, radial, strict=True):
@@ -85,7 +84,7 @@ def _billion_row(row: Row) -> Row:
 
 
 def write(path: Path, tables: Tables, facts: dict[str, Row]) -> None:
-    """Replaces the file. Each table has its columns once and a line per row, so that changes are readable in a diff."""
+    """Replaces the file. Each table lists its columns once, and has one line per row, so that diffs are readable."""
     parts = []
     for name, rows in sorted(tables.items()):
         columns = list(rows[0]) if rows else []
@@ -102,7 +101,7 @@ def _short(cell: object) -> object:
 
 
 def read(path: Path) -> tuple[Tables, dict[str, Row]]:
-    """The tables and the machines that `write` wrote."""
+    """Returns the tables and facts that `write` has written."""
     whole = json.loads(path.read_text(encoding="utf-8"))
     tables = {
         name: [dict(zip(table["columns"], row, strict=True)) for row in table["rows"]]

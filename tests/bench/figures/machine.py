@@ -1,4 +1,4 @@
-"""The description of the machine and the commit on which the page's numbers were measured."""
+"""Describes the machine and the commit on which the page's numbers were measured."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from bench.figures.tables import Row
 
 
 def _output(*command: str | Path) -> str:
-    """The output of a command, or an empty string if it does not exist or fails."""
+    """Returns the output of a command, or an empty string if the command does not exist or fails."""
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
     except OSError:
@@ -32,7 +32,7 @@ def _first(pattern: str, path: str) -> str:
 
 
 def compile_flags(repo: Path, programs: Path) -> str:
-    """The flags with which domain_run.cpp was built into the folder of the programs, without folders, file names and
+    """Returns the compiler flags of domain_run.cpp in the folder of the programs, without folders, file names and
     warnings."""
     try:
         database = json.loads((repo / "compile_commands.json").read_text(encoding="utf-8"))
@@ -45,8 +45,8 @@ def compile_flags(repo: Path, programs: Path) -> str:
 
 
 def describe(repo: Path, programs: Path, quick: bool) -> Row:
-    """Machine, compiler, commit and date."""
-    # Files that the command itself writes do not change the measurement.
+    """Returns a description of machine, compiler, commit and date."""
+    # Files that the command itself writes are ignored, because they do not affect the measurement.
     written = [":!tests/bench/data"]
     changed = _output("git", "-C", repo, "status", "--porcelain", "--untracked-files=no", "--", ".", *written)
     commit = _output("git", "-C", repo, "rev-parse", "--short=12", "HEAD") or "unknown"

@@ -1,4 +1,5 @@
-"""Sections 4.2 and 4.3: bytes per point, the size of accelerator cells, and sets that fill a machine's memory."""
+"""Measures sections 4.2 and 4.3: bytes per point, the size of accelerator cells, and sets that fill a machine's
+memory."""
 
 from __future__ import annotations
 
@@ -13,14 +14,14 @@ from bench.figures.tables import Row
 
 VARIANTS = ("hierarchical", "accumulator", "wavefront")
 PRECISIONS = ("single", "double")
-GROWTH_CELL = 10  # Radii: slightly more than the bare points.
-LEAST_BYTES = 10.0  # Per point, in single precision. With less free memory, a large set is not tried.
-COORDINATES = {"single": 8, "double": 16}  # Bytes of the bare point.
+GROWTH_CELL = 10  # A cell size in radii. Cells of this size need slightly more memory than the points alone.
+LEAST_BYTES = 10.0  # Per point in single precision. If less memory is free, a large set is skipped.
+COORDINATES = {"single": 8, "double": 16}  # Bytes of a point without any grid.
 
 
 def measure_variants(programs: Programs, settings: Settings) -> list[Row]:
-    """Section 4.2: bytes per point of each variant, as counted by the sampler and as measured for the process: its
-    peak, minus the memory before the call, minus the returned points."""
+    """Measures section 4.2 of the paper: bytes per point of each variant, as the sampler counts them. The
+    bytes are also measured as the peak memory of the process, minus the memory before the call, minus the returned points."""
     rows = []
     for method in VARIANTS:
         for precision in PRECISIONS:
@@ -44,7 +45,7 @@ def measure_variants(programs: Programs, settings: Settings) -> list[Row]:
 
 
 def measure_cells(programs: Programs, settings: Settings) -> list[Row]:
-    """Section 4.3: time and memory with accelerator cells of several sizes, all in turn within each round. Points stay
+    """Measures section 4.3 of the paper: time and memory with accelerator cells of several sizes, which take turns within each round. Points stay
     in the cells."""
     runs: dict[tuple[str, str, float], list[Run]] = {}
     for round_number in range(settings.cell_rounds):
@@ -82,8 +83,7 @@ def _cell_row(method: str, precision: str, cell: float, runs: list[Run], with_sm
 
 
 def measure_growth(programs: Programs, settings: Settings) -> list[Row]:
-    """Section 4.3: bytes per point of wavefront sampling against set size, with large cells. Points stay in the
-    cells."""
+    """Measures section 4.3 of the paper: bytes per point of wavefront sampling over the set size, with large cells. Points stay in the cells."""
     rows = []
     for precision in PRECISIONS:
         for size in settings.growth_sizes:
@@ -107,9 +107,8 @@ def measure_growth(programs: Programs, settings: Settings) -> list[Row]:
 
 
 def measure_large(programs: Programs, settings: Settings) -> list[Row]:
-    """Section 4.3: the paper's largest sets by wavefront sampling in single precision, under a hard limit of the
-    address space. A set that needs more memory than this machine has, or would take too long, is skipped, and its row
-    has the reason."""
+    """Measures section 4.3 of the paper: its largest sets, by wavefront sampling in single precision, with a hard limit on the address space. A
+    set that needs more memory than this machine has, or would take too long, is skipped. Its row then has the reason."""
     rows: list[Row] = []
     for large in LARGE_SETS:
         rates = [row["points"] / row["seconds"] for row in rows if row["seconds"]]
@@ -119,7 +118,7 @@ def measure_large(programs: Programs, settings: Settings) -> list[Row]:
 
 
 def _fill(programs: Programs, large: LargeSet, expected: float, longest: float) -> Row:
-    """`expected` is the expected duration of the set in seconds, 0 if unknown."""
+    """Generates a large set. `expected` is its expected duration in seconds; 0 if unknown."""
     row: Row = {
         "asked": large.points,
         "cell": large.cell,

@@ -1,5 +1,5 @@
-"""The page: the paper's numbers, the numbers measured here, and their ratio. All of our numbers come from the tables in
-the folder of the results, all of the paper's from paper.py."""
+"""Writes the page: the paper's numbers, our numbers, and their ratios. Our numbers come from the tables in the results
+folder, and the paper's from paper.py."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from bench.figures.tables import Row
 
 
 def write(measured: Tables, facts: dict[str, Row], pictures: str, has_sets: bool) -> str:
-    """The page in Markdown, from all tables by name (as returned by data.compact) and the machine of each part.
-    `pictures` is the folder of the plots relative to the page. `has_sets` is true if the plot of whole point sets
-    exists."""
+    """Returns the page in Markdown. `measured` has the tables that data.compact returns, and `facts` the machine of
+    each part. `pictures` is the folder of the plots, relative to the page. `has_sets` is true if the plot of whole
+    point sets exists."""
     parts = [
         _head(facts),
         summary(measured),

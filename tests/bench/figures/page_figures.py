@@ -1,4 +1,4 @@
-"""The sections of the page for figures 4, 5 and 6."""
+"""Writes the sections of the page for figures 4, 5 and 6."""
 
 from __future__ import annotations
 

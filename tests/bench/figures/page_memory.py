@@ -1,4 +1,4 @@
-"""The sections of the page for memory, large sets and the billion."""
+"""Writes the sections of the page for memory, large sets and the billion points."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The first table of the page: each number of the paper, ours, and the ratio."""
+"""Writes the first table of the page: each number of the paper, ours, and their ratio."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def summary(measured: Tables) -> str:
 
 
 def _rates(rates: list[Row]) -> list[list[str]]:
-    """At the paper's set size, or the nearest measured one."""
+    """Returns the rows for speed at the paper's set size, or at the nearest measured one."""
     size = min({row["asked"] for row in rates}, key=lambda asked: abs(asked - paper.RATE_POINTS))
     at = {row["contender"]: row for row in rates if row["asked"] == size}
     of_size = f"points per second at {number(size, 1)} points"
@@ -48,7 +48,8 @@ def _rates(rates: list[Row]) -> list[list[str]]:
 
 
 def _quotient(above: Row, below: Row, expected: float) -> list[str]:
-    """The ratio of one method's speed to another's: the paper's, ours, its spread, and their quotient."""
+    """Returns the cells for the ratio of two methods' speeds: the paper's ratio, ours, its spread, and the quotient of
+    both ratios."""
     value = above["median"] / below["median"]
     spread = span(above["lowest"] / below["highest"], above["highest"] / below["lowest"])
     return [number(expected), number(value), spread, ratio(value / expected)]
@@ -116,7 +117,7 @@ def _large(large: list[Row]) -> list[list[str]]:
 
 
 def _largest(billion: Row) -> list[str]:
-    """The largest set of all, by the exact tile sampler."""
+    """Returns the row for the largest set of all, by the exact tile sampler."""
     reported = max(paper.LARGE_SETS, key=lambda large: large.points)
     ours = [f"{billion['points']:,}", "two runs", ratio(billion["points"] / reported.points)]
     return ["points of the largest set", f"{reported.points:,.0f}", *ours, reported.where]

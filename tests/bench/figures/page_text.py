@@ -1,4 +1,4 @@
-"""Markdown: numbers, tables and pictures."""
+"""Formats numbers, tables and pictures in Markdown."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ Tables = dict[str, list[Row]]
 
 
 def number(value: float, digits: int = 3) -> str:
-    """The number with this many significant digits and thousands separators: 1,234,000, 12.3, 0.00123."""
+    """Formats a number with this many significant digits and thousands separators: 1,234,000, 12.3, 0.00123."""
     if value == 0.0:
         return "0"
     rounded = float(f"{value:.{digits}g}")
@@ -20,7 +20,7 @@ def number(value: float, digits: int = 3) -> str:
 
 
 def rate(value: float) -> str:
-    """Points per second: 778, 4.05 k, 2.58 M."""
+    """Formats points per second: 778, 4.05 k, 2.58 M."""
     for scale, unit in ((1e6, " M"), (1e3, " k")):
         if value >= scale * 0.9995:
             return number(value / scale) + unit
@@ -40,20 +40,21 @@ def gib(size: float) -> str:
 
 
 def span(low: float, high: float, write=number) -> str:
-    """Lowest to highest, or a single number if both are printed alike."""
+    """Formats a range, or a single number if both ends look the same."""
     texts = write(low), write(high)
     return texts[0] if texts[0] == texts[1] else f"{texts[0]} to {texts[1]}"
 
 
 def table(head: Iterable[str], rows: Iterable[Iterable[object]], right: bool = True) -> str:
-    """A Markdown table. Unless `right` is false, all columns except the first are numbers."""
+    """Returns a Markdown table. If `right` is true, all columns except the first are right-aligned."""
     head = list(head)
     rule = ["---"] + ["---:" if right else "---"] * (len(head) - 1)
     return "\n".join(f"| {' | '.join(map(str, row))} |" for row in [head, rule, *rows])
 
 
 def picture(folder: str, file: str, describes: str) -> str:
-    """A picture in two versions. The page shows the one that matches its colors."""
+    """Returns the HTML of a picture in a light and a dark version. The page displays the one that matches its color
+    scheme."""
     stem, _, kind = file.rpartition(".")
     return (
         f'<picture><source media="(prefers-color-scheme: dark)" srcset="{folder}/{stem}-dark.{kind}">'
@@ -66,5 +67,5 @@ def verdict(holds: bool) -> str:
 
 
 def prose(text: str) -> str:
-    """A paragraph on one line, regardless of its line breaks in the source."""
+    """Joins the lines of a paragraph into one line."""
     return " ".join(text.split())

@@ -1,4 +1,4 @@
-"""The parts that can be measured separately, and the tables that they write."""
+"""Defines the parts that can be measured separately, and the tables that they write."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def _billion(programs: Programs, settings: Settings, out: Path) -> None:
 
 @dataclass(frozen=True)
 class Part:
-    """`measure` writes `tables` into a folder."""
+    """A part of the measurements. `measure` writes the files `tables` into a folder."""
 
     shows: str
     measure: Callable[[Programs, Settings, Path], None]

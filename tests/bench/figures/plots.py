@@ -1,4 +1,4 @@
-"""The plots. Each function turns tables and a theme into a figure."""
+"""Draws the plots. Each function creates a figure from tables and a theme."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SINGLE_DASHES = (0, (4, 1.8))
 
 
 def thousands(value: float) -> str:
-    """1234567 as 1.23 M, 4050 as 4.05 k."""
+    """Formats 1234567 as 1.23 M, and 4050 as 4.05 k."""
     for scale, unit in ((1e9, " G"), (1e6, " M"), (1e3, " k")):
         if value >= scale * 0.9995:
             return f"{value / scale:.3g}{unit}"
@@ -33,7 +33,7 @@ def _style(contender: Contender, theme: Theme) -> dict[str, object]:
 
 
 def _log_sizes(axes: Axes, sizes: list[float], room: float) -> None:
-    """The axis of set sizes, with room for labels at its end."""
+    """Configures the axis of set sizes, with space for labels at its end."""
     axes.set_xscale("log")
     axes.set_xlim(min(sizes) / 1.25, max(sizes) * room)
     decades = [10.0**power for power in range(2, 10) if min(sizes) / 1.25 <= 10.0**power <= max(sizes) * 1.25]
@@ -43,7 +43,7 @@ def _log_sizes(axes: Axes, sizes: list[float], room: float) -> None:
 
 
 def figure4(rates: list[Row], contenders: list[Contender], family: str, theme: Theme) -> Figure:
-    """Points per second against set size: our methods, and those of one family."""
+    """Plots points per second over set size, for our methods and those of one family."""
     figure, axes = plt.subplots(figsize=(9.2, 5.6))
     axes.set_yscale("log")
     _log_sizes(axes, [row["asked"] for row in rates], 9.0)
@@ -106,7 +106,7 @@ def _paper_marks(axes: Axes, theme: Theme) -> None:
 
 
 def figure6(counts: list[Row], contenders: list[Contender], theme: Theme) -> Figure:
-    """Squares per accepted dart and list checks per selection."""
+    """Plots squares per accepted dart, and list checks per selection."""
     figure, panels = plt.subplots(1, 2, figsize=(9.2, 3.4), layout="constrained")
     shown = [contender for contender in contenders if contender.method in FIGURE6_SHOWN]
     titles = {"squares": "active squares per accepted dart", "checks": "list checks per selection"}
@@ -136,7 +136,7 @@ def figure6(counts: list[Row], contenders: list[Contender], theme: Theme) -> Fig
 
 
 def section42(memory: list[Row], theme: Theme) -> Figure:
-    """Bytes per point of each variant, by their use."""
+    """Plots the bytes per point of each variant, by use."""
     figure, axes = plt.subplots(figsize=(9.2, 3.3), layout="constrained")
     names = [f"{row['method']}, {row['precision']}" for row in memory]
     places = np.arange(len(memory))[::-1]
@@ -165,7 +165,7 @@ def section42(memory: list[Row], theme: Theme) -> Figure:
 
 
 def section43(cells: list[Row], growth: list[Row], theme: Theme) -> Figure:
-    """Time and memory against the size of accelerator cells, and memory against set size."""
+    """Plots time and memory over the size of accelerator cells, and memory over set size."""
     figure, (slow, small, large) = plt.subplots(1, 3, figsize=(9.2, 3.5), layout="constrained")
     for method in ("accumulator", "wavefront"):
         for precision in ("single", "double"):

@@ -1,4 +1,4 @@
-"""The plots of figure 5: point sets and their spectra."""
+"""Draws the plots of figure 5: point sets and their spectra."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from bench.figures.spectra import noise_level
 from bench.figures.tables import Row, where
 from bench.figures.theme import Theme
 
-HIGHEST_SHOWN = 2.0  # The maximum of the power in the pictures.
+HIGHEST_SHOWN = 2.0  # The maximum power in the pictures.
 
 
 def sets_and_spectra(arrays: dict[str, np.ndarray], theme: Theme) -> Figure:
-    """A point set of each method, and below it the averaged periodogram."""
+    """Plots a point set of each method, and below it the averaged periodogram."""
     figure, panels = plt.subplots(2, len(SOURCES), figsize=(9.2, 4.95), layout="constrained")
     highest = float(arrays["highest_frequency"])
     for (above, below), source in zip(panels.T, SOURCES, strict=True):
@@ -39,7 +39,7 @@ def sets_and_spectra(arrays: dict[str, np.ndarray], theme: Theme) -> Figure:
 
 
 def radial(rows: list[Row], theme: Theme) -> Figure:
-    """Mean power, its difference from that of naive darts, and the anisotropy."""
+    """Plots the mean power, its difference from that of naive darts, and the anisotropy."""
     figure, panels = plt.subplots(
         3, 1, figsize=(9.2, 7.2), layout="constrained", sharex=True, height_ratios=[1.5, 1, 1]
     )

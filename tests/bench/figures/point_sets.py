@@ -1,4 +1,4 @@
-"""Figure 5: point sets, spectra and coverage of methods that should all have the same distribution."""
+"""Measures figure 5: point sets, spectra and coverage of methods whose sets should all have the same distribution."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from bench.figures.settings import Settings
 from bench.figures.spectra import AveragedSpectrum, noise_level, ring_edges
 from bench.figures.tables import Row
 
-DENSITY = JAMMED_COVERAGE * 4.0 / np.pi  # points per square radius
+DENSITY = JAMMED_COVERAGE * 4.0 / np.pi  # Points per square radius.
 RINGS = 75
-RINGS_TOGETHER = 5  # In the test for equal spectra, which needs more sets than features.
-SHOWN_SIDE = 24.0  # radii, of the pictures of point sets
+RINGS_TOGETHER = 5  # Rings to average in the test for equal spectra, which needs more sets than features.
+SHOWN_SIDE = 24.0  # The side of pictures of point sets in radii.
 
 
 @dataclass(frozen=True)
 class Source:
-    """A method whose sets are analyzed. `words` are arguments of domain_run."""
+    """A method whose sets are analyzed. `flags` are arguments of domain_run."""
 
     key: str
     label: str
     method: str
     flags: tuple[str, ...] = ()
-    ends: bool = True  # Runs to the jammed state.
+    ends: bool = True  # True if the method runs to the jammed state.
 
 
 SOURCES = [
@@ -39,14 +39,14 @@ SOURCES = [
     Source("wavefront", "wavefront", "wavefront", ("torus",)),
     Source("tile", "exact tiles", "tile"),
 ]
-# Only its coverage is reported, because it stops before the jammed state.
+# Only the coverage of this source is reported, because it stops before the jammed state.
 STOPPED = Source(
     "naive_stopped", f"naive darts, {NAIVE_DARTS} a square", "naive", ("torus", f"darts={NAIVE_DARTS}"), False
 )
 
 
 def read_sets(path: Path) -> list[np.ndarray]:
-    """The sets in a dump of domain_run, each as (n, 2) coordinates in radii."""
+    """Returns the sets in a dump of domain_run, each as (n, 2) coordinates in radii."""
     data, sets, place = path.read_bytes(), [], 0
     while place < len(data):
         count = int(np.frombuffer(data, "<u8", 1, place)[0])
@@ -56,8 +56,8 @@ def read_sets(path: Path) -> list[np.ndarray]:
 
 
 def make_sets(programs: Programs, source: Source, side: float, sets: int, seed: int) -> list[np.ndarray]:
-    """Sets in domains of at least this side in radii. It can be slightly larger, because domain_run takes a number of
-    points."""
+    """Generates sets in domains of at least this side in radii. The side may be slightly larger, because domain_run
+    takes a number of points."""
     with tempfile.TemporaryDirectory() as folder:
         dump = Path(folder) / "sets"
         programs.domain(
@@ -67,14 +67,14 @@ def make_sets(programs: Programs, source: Source, side: float, sets: int, seed: 
 
 
 def p_of_equal_means(a: AveragedSpectrum, b: AveragedSpectrum) -> float:
-    """The probability that radial means differ as much by chance; 1 for identical sources."""
+    """Returns the probability that radial means differ at least this much by chance; 1 for identical sources."""
     rows = [one.radial_of_sets.reshape(one.sets, -1, RINGS_TOGETHER).mean(axis=2) for one in (a, b)]
     return 1.0 if a is b else means_differ(*rows)
 
 
 def measure_spectra(programs: Programs, settings: Settings) -> tuple[list[Row], list[Row], dict[str, np.ndarray]]:
-    """The radial table, the table of whole spectra and, for the pictures, the power over the plane and the points of
-    one set, by key."""
+    """Returns the radial table, the table of whole spectra and, for the pictures, arrays of the power over the plane
+    and the points of one set, by key."""
     rows: list[Row] = []
     whole: list[Row] = []
     arrays: dict[str, np.ndarray] = {}
@@ -100,8 +100,8 @@ def measure_spectra(programs: Programs, settings: Settings) -> tuple[list[Row], 
 
 
 def measure_coverage(programs: Programs, settings: Settings) -> list[Row]:
-    """Coverage over sets with independent seeds: points * pi / 4 over the area in square radii. Opposite edges meet, or
-    the domain is a window onto an infinite set, so borders have no effect."""
+    """Measures the coverage of sets with independent seeds: points * pi / 4, divided by the area in square radii.
+    Borders have no effect, because opposite edges meet, or the domain is a window onto an infinite set."""
     rows = []
     for source in [*SOURCES, STOPPED]:
         sets = settings.coverage_sets if source.ends else max(2, settings.coverage_sets // 10)

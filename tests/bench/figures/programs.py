@@ -1,4 +1,4 @@
-"""Runs the measuring programs. Each run is a separate process, and prints a JSON object per line."""
+"""Runs the measuring programs. Each run is a separate process that prints a JSON object per line."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ Run = dict[str, object]
 
 
 class Failed(Exception):
-    """A program ended with an error. Contains its command and the reason."""
+    """A program has failed. The text has its command and the reason."""
 
 
 def say(*words: object) -> None:
-    """Prints progress, with the minutes since the command began."""
+    """Prints progress, with the minutes since the command started."""
     print(f"figures {(time.monotonic() - say.start) / 60:6.1f} min:", *words, file=sys.stderr, flush=True)
 
 
@@ -31,8 +31,8 @@ say.start = time.monotonic()
 def run_lines(
     command: list[object], *, limit_bytes: float | None = None, accepted: tuple[int, ...] = (0,), timeout: float = 7200
 ) -> list[Run]:
-    """The JSON lines that a command prints. `limit_bytes` limits its whole address space. An exit code that is not in
-    `accepted` is an error."""
+    """Returns the JSON lines that a command prints. `limit_bytes` limits its address space. Raises Failed for an exit
+    code that is not in `accepted`."""
 
     def limit() -> None:
         if limit_bytes is not None:
@@ -49,15 +49,15 @@ def run_lines(
 
 @dataclass
 class Programs:
-    """The programs of one build, the runner of the peers (Peers.run), and the contenders."""
+    """The programs of a build, the function that runs peers (Peers.run), and the contenders."""
 
     folder: Path
     peer: Callable[..., list[Run]]
     contenders: list[Contender]
 
     def domain(self, method: str, precision: str, points: float, seed: int, *flags: str, **options) -> list[Run]:
-        """Runs domain_run (tests/bench/domain_run.cpp). `limit_bytes` is that of run_lines; all other options are its
-        own."""
+        """Runs domain_run (tests/bench/domain_run.cpp). The option `limit_bytes` is passed to run_lines, and all others
+        to domain_run."""
         limit_bytes = options.pop("limit_bytes", None)
         named = [f"{key}={value}" for key, value in options.items()]
         program = self.folder / "bench" / "domain_run"

@@ -1,4 +1,4 @@
-"""The amount of measurement: FULL for the page, QUICK to check that everything works."""
+"""Defines how much to measure: FULL for the page, QUICK to check that everything works."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 def half_decades(first: int, last: int) -> list[int]:
-    """10^first to 10^last points in half decades. The halves are rounded to two digits."""
+    """Returns 10^first to 10^last points in steps of half a decade, rounded to two digits."""
     return [int(round(10 ** (step / 2), 1 - step // 2)) for step in range(2 * first, 2 * last + 1)]
 
 
@@ -15,22 +15,23 @@ class Settings:
     sizes: list[int]  # For figures 4 and 6.
     most_rounds: int  # The maximum for every contender at every size.
     least_rounds: int  # The minimum for our own methods, up to the size for which the loss is reported.
-    contender_seconds: float  # The time for one contender and size, which determines the number of rounds between these.
-    longest_run: float  # Seconds. A contender ends before the size at which one run would take longer.
-    shortest_run: float  # Seconds. Small sets are repeated until they have taken this long together.
+    # The time in seconds per contender and size, which determines the number of rounds between least_rounds and most_rounds.
+    contender_seconds: float
+    longest_run: float  # Seconds. A contender stops before the size at which one run would take longer.
+    shortest_run: float  # Seconds. Small sets are repeated until they have taken this time in total.
 
     memory_points: int  # For sections 4.2 and 4.3.
-    cells: list[float]  # Radii.
+    cells: list[float]  # Sizes of accelerator cells in radii.
     cell_rounds: int
-    growth_sizes: list[int]  # For wavefront sampling.
+    growth_sizes: list[int]  # Set sizes for the memory of wavefront sampling.
 
-    spectrum_sets: int  # For figure 5.
-    spectrum_side: float  # Radii.
+    spectrum_sets: int  # Number of sets for figure 5.
+    spectrum_side: float  # Side of the windows in radii.
     spectrum_modes: int
     coverage_sets: int
     coverage_points: int
 
-    large_sets: bool  # 95 and 750 million points.
+    large_sets: bool  # True to generate the sets of 95 and 750 million points.
     longest_large_run: float  # Seconds. A large set that would take longer is skipped.
     billion_points: float
 
@@ -63,7 +64,7 @@ QUICK = Settings(
     most_rounds=2,
     least_rounds=1,
     contender_seconds=0.5,
-    longest_run=3.0,  # Jones' method takes 0.7 s for 100,000 points, and must also fit on a busy machine.
+    longest_run=3.0,  # Jones' method takes 0.7 s for 100,000 points, and must also finish on a busy machine.
     shortest_run=0.02,
     memory_points=100_000,
     cells=[1, 5, 20],

@@ -1,4 +1,5 @@
-"""Figure 4, points per second against set size, and figure 6, which counts squares and checks in the same runs."""
+"""Measures figure 4, points per second over set size, and figure 6, which counts squares and checks in the same
+runs."""
 
 from __future__ import annotations
 
@@ -13,15 +14,15 @@ from bench.figures.programs import Failed, Programs, Run, say
 from bench.figures.settings import LOSS_TO, Settings
 from bench.figures.tables import Row, where
 
-# The share of free memory that a run may need, extrapolated from its last size.
+# The maximum share of free memory that a run may need, extrapolated from the previous size.
 MEMORY_SHARE = 0.8
 
-# In bytes. A smaller run reuses memory that the previous one freed.
+# Bytes. Smaller runs reuse memory that previous runs have freed.
 TOUCHED_FROM = 1 << 26
 
 
 def memory_available() -> float:
-    """Bytes that a new process can allocate. All memory if the system does not report it."""
+    """Returns the bytes that a new process can allocate, or all memory if the system does not report this."""
     try:
         with open("/proc/meminfo", encoding="ascii") as file:
             return next(int(line.split()[1]) * 1024.0 for line in file if line.startswith("MemAvailable"))
@@ -30,32 +31,31 @@ def memory_available() -> float:
 
 
 def touch_memory(size: float) -> None:
-    """Allocates this many bytes, or half of the free memory, writes to every page and frees them. In a virtual machine,
-    the first touch of a page may wait for the host, which must not be attributed to a contender. Afterwards, pages only
-    need to be mapped by the guest system. Requests large pages if there are any, because a system takes them from
-    different memory than small ones, and touched large pages can serve both."""
+    """Allocates this many bytes, at most half of the free memory, writes to every page and frees them. In a virtual machine, the first access to a
+    page may wait for the host, which must not count for a contender. Afterwards, only the guest system must map the pages. Huge pages are
+    requested if available, because a system takes them from different memory than small pages, and touched huge pages can also provide small ones."""
     size = int(min(size, 0.5 * memory_available()))
     if size >= TOUCHED_FROM:
         with mmap.mmap(-1, size) as memory:
             if hasattr(mmap, "MADV_HUGEPAGE"):
-                with contextlib.suppress(OSError):  # A system may be built without them.
+                with contextlib.suppress(OSError):  # A system may not support huge pages.
                     memory.madvise(mmap.MADV_HUGEPAGE)
             memory[:: mmap.PAGESIZE] = bytes(-(-size // mmap.PAGESIZE))
 
 
 class Series:
-    """One contender, from size to size."""
+    """The measurements of one contender with increasing sizes."""
 
     def __init__(self, contender: Contender, settings: Settings):
         self.contender = contender
         self.settings = settings
         self.rates: dict[int, list[float]] = {}
-        self.first_rate = 0.0  # The rate of a set that is not counted, for a first estimate.
+        self.first_rate = 0.0  # The rate of an uncounted set, for a first estimate.
         self.bytes_a_point = 0.0
-        self.ended = ""  # Why no larger set is generated.
+        self.ended = ""  # The reason why no larger set is generated; empty while there is none.
 
     def seconds_expected(self, size: int) -> float:
-        """The expected duration of one run, if the rate continues as over the last two sizes."""
+        """Returns the expected duration of one set in seconds, extrapolated from the rates of the last two sizes."""
         medians = [statistics.median(rates) for rates in self.rates.values()]
         if not medians:
             return size / self.first_rate
@@ -63,7 +63,7 @@ class Series:
         return size / (medians[-1] * falling)
 
     def rounds(self, size: int) -> int:
-        """The number of runs at this size. None once they would take too long or too much memory."""
+        """Returns the number of runs at this size. It is 0 once a run would take too long or too much memory."""
         seconds = self.seconds_expected(size)
         if seconds > self.settings.longest_run:
             self.ended = f"a run with {size:,} points would take {seconds:.0f} s"
@@ -76,7 +76,7 @@ class Series:
         return min(max(fitting, least), self.settings.most_rounds)
 
     def sets(self, size: int) -> int:
-        """The number of sets in one run."""
+        """Returns the number of sets in one run."""
         return max(1, min(1000, round(self.settings.shortest_run / self.seconds_expected(size))))
 
     def _run(self, programs: Programs, size: int, seed: int, sets: int) -> list[Run]:
@@ -85,8 +85,8 @@ class Series:
         return run(contender.method, contender.precision, size, seed, *contender.flags, sets=sets)
 
     def begin(self, programs: Programs) -> None:
-        """Generates two sets of the smallest size (one for a peer, which warms up itself), to estimate this contender's
-        speed."""
+        """Generates two sets of the smallest size to estimate this contender's speed. A peer, which warms up itself,
+        generates only one."""
         size = self.settings.sizes[0]
         try:
             line = self._run(programs, size, 1, 1 if self.contender.is_peer else 2)[-1]
@@ -96,7 +96,7 @@ class Series:
             say(f"figure 4: {self.contender.key} is left out: {failed}")
 
     def take(self, programs: Programs, size: int, round_number: int) -> Row:
-        """One run: sets of this size, each with its own seed."""
+        """Performs one run: sets of this size, each with a different seed."""
         seed = 1 + 1000 * (round_number + self.settings.most_rounds * self.settings.sizes.index(size))
         touch_memory(1.2 * self.bytes_a_point * size)
         lines = self._run(programs, size, seed, self.sets(size))
@@ -112,8 +112,8 @@ COUNTED = ["points", "seconds", "darts", "squares", "selections", "list_checks",
 
 
 def measure(programs: Programs, contenders: Iterable[Contender], settings: Settings) -> list[Row]:
-    """Returns the rows of all runs. Within a round every contender has its turn, so that disturbances affect all
-    contenders equally."""
+    """Measures all runs and returns their rows. All contenders take turns within a round, so that disturbances affect
+    them equally."""
     rows: list[Row] = []
     series = [Series(contender, settings) for contender in contenders]
     for one in series:
@@ -140,7 +140,7 @@ def _summary(series: Series, size: int) -> str:
 
 
 def summarise(runs: list[Row]) -> list[Row]:
-    """Figure 4's table: median, lowest and highest rate of each contender at each size."""
+    """Returns figure 4's table: the median, lowest and highest rate of each contender at each size."""
     rows = []
     for key, size in dict.fromkeys((run["contender"], run["asked"]) for run in runs):
         some = where(runs, contender=key, asked=size)
@@ -162,8 +162,8 @@ def summarise(runs: list[Row]) -> list[Row]:
 
 
 def losses(rates: list[Row], from_size: int, to_size: int) -> list[Row]:
-    """The share of its points per second that each contender loses between two sizes: by the medians, and the least and
-    most that the rounds allow."""
+    """Returns the relative loss of points per second of each contender between two sizes: that of the medians, and the
+    minimum and maximum over all pairs of rounds."""
     rows = []
     for small in where(rates, asked=from_size):
         for large in where(rates, asked=to_size, contender=small["contender"]):
@@ -181,8 +181,8 @@ def losses(rates: list[Row], from_size: int, to_size: int) -> list[Row]:
 
 
 def counts(runs: list[Row]) -> list[Row]:
-    """Figure 6's table: squares per accepted dart and list checks per selection, over all sets of a size. The lowest
-    and highest are those of the rounds."""
+    """Returns figure 6's table: squares per accepted dart, and list checks per selection, over all sets of a size. The
+    lowest and highest values are those of single rounds."""
     rows = []
     for key, size in dict.fromkeys((run["contender"], run["asked"]) for run in runs if run["selections"] > 0):
         some = where(runs, contender=key, asked=size)

@@ -1,4 +1,5 @@
-"""Tables as CSV files: a list of rows, each a dictionary with the same keys. Numbers are read back as numbers."""
+"""Reads and writes tables as CSV files. A table is a list of rows, which are dictionaries with the same keys. Numbers
+are read back as numbers."""
 
 from __future__ import annotations
 
@@ -19,7 +20,7 @@ def write(path: Path, rows: list[Row]) -> None:
 
 
 def read(path: Path) -> list[Row]:
-    """The rows of a file that `write` wrote, or none if it does not exist."""
+    """Returns the rows of a file that `write` has written, or none if the file does not exist."""
     if not path.is_file():
         return []
     with path.open(newline="", encoding="utf-8") as file:
@@ -38,5 +39,5 @@ def _cell(text: str) -> object:
 
 
 def where(rows: list[Row], **wanted) -> list[Row]:
-    """The rows that contain all these cells."""
+    """Returns the rows in which all these cells have the given values."""
     return [row for row in rows if all(row[key] == cell for key, cell in wanted.items())]

@@ -1,5 +1,5 @@
-"""The style of the plots. Every plot is drawn twice, for light and for dark pages, and saved without metadata about
-machine, date or program."""
+"""Defines the style of the plots. Every plot is drawn twice, for light and for dark pages, and saved without metadata
+about the machine, date or program."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from matplotlib.axes import Axes  # noqa: E402
 from matplotlib.figure import Figure  # noqa: E402
 from PIL import Image  # noqa: E402
 
-# For pixel images, so that their files stay small: noise does not compress.
+# The settings of pixel images keep their files small, because noise does not compress well.
 PIXELS_AN_INCH = 125
 PALETTE = 48
 
 
 @dataclass(frozen=True)
 class Theme:
-    """Colors for one kind of page. `methods` are those of our own methods, by name."""
+    """The colors for light or dark pages. `methods` has the colors of our own methods, by name."""
 
     suffix: str
     page: str
@@ -98,7 +98,7 @@ def _colors(theme: Theme) -> dict[str, object]:
 
 
 def save(draw: Callable[[Theme], Figure], folder: Path, name: str, kind: str = "svg") -> None:
-    """Saves the figure from `draw` as NAME.KIND and NAME-dark.KIND."""
+    """Saves the figure that `draw` creates as NAME.KIND and NAME-dark.KIND."""
     for theme in (LIGHT, DARK):
         with matplotlib.rc_context(STYLE | _colors(theme)):
             figure = draw(theme)
@@ -112,7 +112,7 @@ def save(draw: Callable[[Theme], Figure], folder: Path, name: str, kind: str = "
 
 @dataclass
 class Label:
-    """A text at the end of a line, in data coordinates."""
+    """A text at the end of a line. Its position is in data coordinates."""
 
     x: float
     y: float
@@ -122,8 +122,8 @@ class Label:
 
 
 def label_ends(axes: Axes, labels: list[Label], gap: float = 7.0) -> None:
-    """Writes each label to the right of its position. Labels that would overlap are moved up or down, and a thin line
-    leads back to the position."""
+    """Draws each label to the right of its position. Labels that would overlap are moved up or down, and a thin line
+    connects them with their positions."""
     figure = axes.figure
     figure.canvas.draw()
     texts = []

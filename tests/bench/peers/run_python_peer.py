@@ -1,30 +1,31 @@
-"""Times one sampler of the Python packages that the benches compare with. Prints one JSON line for one set.
+"""Times one sampler of the Python packages that the benches compare with. Generates one set and prints a JSON line.
 
     python tests/bench/peers/run_python_peer.py NAME POINTS SEED [dump=FILE]
 
-NAME is hdt_sampling or scipy_poisson_disk. The radius is 1, and the domain a bounded square whose area times the
-density of jammed disks is POINTS, as in tests/bench/domain_run.cpp. dump=FILE writes the set as domain_run does: its
-count (uint64) and its coordinates (float64 x, y), little-endian. The line has the keys
+NAME is hdt_sampling or scipy_poisson_disk. The radius is 1. The domain is a bounded square whose area times the density
+of jammed disks is POINTS, as in tests/bench/domain_run.cpp. dump=FILE writes the set as domain_run does: its count
+(uint64) and its coordinates (float64 x, y), little-endian. The line has the keys
 
     method, points, seconds, size, maximal_claimed, toroidal, precision, version
 
-`seconds` is the processor time of this process for creating and calling the sampler, after a call for a small set.
-`points` counts all returned points, and `size` is the side of the square. Needs tests/bench/peers/requirements.txt.
+`seconds` is the CPU time of this process for creating and calling the sampler, after a call for a small set. `points`
+counts all returned points, and `size` is the side of the square. Needs the packages in
+tests/bench/peers/requirements.txt.
 
 Behavior of the packages, read from their sources and measured with the versions pinned there:
 
 hdt_sampling 0.2.0: hierarchical dart throwing (White, Cline, Egbert 2007) in Rust, double precision, one thread. The
-radius is the least distance between points, and the domain is bounded. Its base squares are r / sqrt(2) wide and do not
-divide the domain, so a strip of up to that width beyond the right and upper edges also gets points: under 1 % of them
-for 10^4 points. The call returns a list of tuples, whose creation is part of its time. It claims maximal sets. It stops
-when a running sum of areas, which accumulates rounding errors, is used up or misses the squares: in 7 sets of 10^4 to
-10^6 points, one gap of a millionth of the radius was left. Distances are correct.
+radius is the minimum distance between points, and the domain is bounded. Its base squares are r / sqrt(2) wide and do
+not divide the domain evenly. So a strip of up to that width beyond the right and upper edges also gets points: under 1
+% of them for 10^4 points. The call returns a list of tuples, whose creation is part of its time. It claims maximal
+sets. It stops when a running sum of areas, which accumulates rounding errors, is used up or no longer matches the
+squares. In 7 sets of 10^4 to 10^6 points, one gap of a millionth of the radius remained. Distances are correct.
 
-scipy.stats.qmc.PoissonDisk 1.17.1: Bridson (2007) in Python and NumPy, one thread, candidates in the whole disk of two
-radii around a point (its defaults: "volume", 30 candidates), each point tried once. The radius is the least distance
-between points, and the domain is bounded. `fill_space` neither claims nor produces maximal sets: coverage 0.47, gaps of
-1.29 radii. The grid of earlier points is in single precision, so distances are correct up to that rounding. It has a
-thousandth to a hundredth of the speed of compiled code, so sets above 10^5 points take hours.
+scipy.stats.qmc.PoissonDisk 1.17.1: Bridson (2007) in Python and NumPy, one thread. Candidates are in the whole disk of
+two radii around a point (its defaults: "volume", 30 candidates), and each point is tried once. The radius is the
+minimum distance between points, and the domain is bounded. `fill_space` neither claims nor produces maximal sets:
+coverage 0.47, gaps of 1.29 radii. The grid of earlier points is in single precision, so distances are correct up to
+that rounding. It has a thousandth to a hundredth of the speed of compiled code, so sets above 10^5 points take hours.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ from collections.abc import Callable
 
 import numpy
 
-# Points per unit of area when randomly thrown disks of diameter 1 jam: coverage 0.547070.
+# Points per unit of area at which randomly thrown disks of diameter 1 jam: coverage 0.547070.
 JAMMED_DENSITY = 0.547070 * 4 / math.pi
 
 WARM_UP_POINTS = 1000
@@ -57,7 +58,7 @@ def scipy_poisson_disk(side: float, seed: int) -> object:
     return qmc.PoissonDisk(2, radius=1.0, rng=rng, l_bounds=[0.0, 0.0], u_bounds=[side, side]).fill_space()
 
 
-# By name: the sampler, its package, and whether it claims maximal sets.
+# The function of each sampler, its package, and whether it claims maximal sets.
 PEERS: dict[str, tuple[Callable[[float, int], object], str, bool]] = {
     "hdt_sampling": (hdt_sampling, "hdt_sampling", True),
     "scipy_poisson_disk": (scipy_poisson_disk, "scipy", False),

@@ -1,16 +1,17 @@
-# Installs and builds the samplers of other projects that the benches compare with. tests/bench/figures.sh and surfaces.sh source this.
-#   setup_peers_python   the packages of requirements.txt, in their own virtual environment in the cache folder
-#   setup_peers_rust     builds build/peers/faster_poisson, with the installed cargo if it is new enough
+# Installs and builds the samplers of other projects that the benches compare with. tests/bench/figures.sh and surfaces.sh source
+# this file.
+#   setup_peers_python   installs the packages of requirements.txt into a virtual environment in the cache folder
+#   setup_peers_rust     builds build/peers/faster_poisson with the installed cargo, or a newer one if that is too old
 #   peers_python         prints the Python that runs run_python_peer.py
-#   setup_peers_surface  the packages of surface_requirements.txt, in their own virtual environment
+#   setup_peers_surface  installs the packages of surface_requirements.txt into a virtual environment
 #   peers_surface_python prints the Python that runs surfaces.py
-# Each prints its actions, and does nothing if everything is installed. If one cannot do its work, it prints the reason
-# and fails, and the benches continue without that peer.
+# Each function prints its actions, and does nothing if everything is installed. If it fails, it prints the reason, and the
+# benches continue without that peer.
 
 peers_folder=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
 source "$peers_folder/../../../tools/setup.sh"
 
-# faster_poisson is written in an edition of Rust that was introduced in 1.85.
+# faster_poisson uses a Rust edition that was introduced in 1.85.
 peers_least_rust=1.85
 
 peers_python() {
@@ -29,7 +30,7 @@ setup_peers_surface() {
 	setup_peers_venv "$(cache_folder)/peers_surface" surface_requirements.txt
 }
 
-# setup_peers_venv FOLDER REQUIREMENTS: makes a virtual environment, unless it has these packages already.
+# setup_peers_venv FOLDER REQUIREMENTS: creates a virtual environment, unless it already has these packages.
 setup_peers_venv() {
 	local venv=$1 wanted missing=()
 	wanted=$(cat "$peers_folder/$2")
@@ -56,7 +57,7 @@ setup_peers_rust() {
 		fi
 		install_packages "to compare with a Rust crate" "$package" || return
 	fi
-	# In a folder of the build, so that nothing is written into the source folders.
+	# Cargo builds in the build folder, so that nothing is written into the source folders.
 	if ! cargo build --quiet --release --locked --manifest-path "$peers_folder/faster_poisson/Cargo.toml" \
 		--target-dir "$out/target"; then
 		say "faster_poisson could not be built: continuing without it"
@@ -66,12 +67,13 @@ setup_peers_rust() {
 		cp "$out/target/release/faster_poisson_peer" "$out/faster_poisson"
 }
 
-# True if the version printed by cargo or its package is new enough: "cargo 1.95.0 (...)", "1.96.0+dfsg1-1".
+# Succeeds if a version of cargo or its package is new enough: "cargo 1.95.0 (...)", "1.96.0+dfsg1-1".
 is_new_rust() {
 	[[ $1 =~ ^(cargo )?1\.([0-9]+) ]] && ((BASH_REMATCH[2] >= ${peers_least_rust#1.}))
 }
 
-# Prints the Debian package with a new enough cargo, if there is one. Debian 12 has it under a second name.
+# Prints the name of the Debian package with a new enough cargo, if there is one. Debian 12 has it under a different
+# name.
 newest_cargo_package() {
 	local package
 	command -v apt-cache >/dev/null || return 0

@@ -1,7 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
-## Layers of biomes in the panel and under the brush: listed below the name of their biome, and chosen, hidden, painted and undone like the
-## scatter's own layers. They can only be added and removed in their biome.
+## Tests biome layers in the panel and with the brush. The panel lists the layers of a biome below the biome's name. Like the scatter's own layers,
+## they can be selected, hidden, painted and undone. They can be added and removed only in their biome.
 
 const SCENE := "res://valley.tscn"
 
@@ -36,7 +36,7 @@ func new_biome(title: String, color: Color, layers: Array) -> Resource:
 	return made
 
 
-## Returns a valley with meadow on the left and swamp on the right.
+## Returns a biome map with a meadow on the left and a swamp on the right.
 func new_map() -> Resource:
 	var image := Image.create_empty(2, 1, false, Image.FORMAT_RGB8)
 	image.set_pixel(0, 0, Color.LIME)
@@ -177,7 +177,7 @@ func test_a_biome_is_painted() -> void:
 	check_same(saved_files(), before, "all undone")
 
 
-## Numbers in one channel, and a scatter whose map has no image yet.
+## Tests the images that the biome brush creates for maps without an image. With MAP_MODE_INDICES, such an image stores biome numbers in one channel.
 func test_images_for_the_biome_brush() -> void:
 	var brush: RefCounted = workspace().toolbar.biomes.brush
 	var map := new_map()
@@ -212,7 +212,7 @@ func test_images_for_the_biome_brush() -> void:
 			DirAccess.remove_absolute("res://" + path)
 
 
-## Replacing a biome by one assignment: the panel shows the new layers, and the old layers are no longer chosen.
+## Checks that, after a script has replaced a biome, the panel shows the new layers, and the tools no longer use the old ones.
 func test_a_biome_is_replaced() -> void:
 	await mouse_click(await name_at(layer("Reed")))
 	scatter.biomes.biomes[1] = new_biome("Dry Bed", Color.RED, [new_layer("Thistle", 2.0)])

@@ -1,8 +1,8 @@
 @tool
 extends "res://tests/steps.gd"
-## Actions that may cost a designer's work, with mouse and keys only, through the editor's whole window. The brush asks before the first stroke,
-## reports strokes that it cannot paint, and turns off when the node is deselected. A region comes from a menu, and its size from a handle. A radius
-## is dragged in the inspector.
+## Tests actions that could destroy a designer's work, with mouse and keys only, in the editor's window. The brush asks for confirmation before the
+## first stroke, reports strokes that it cannot paint, and turns off when the node is deselected. Also adds a region from a menu, resizes it with a
+## handle, and drags a radius in the inspector.
 
 const SCENE := "res://yard.tscn"
 
@@ -29,7 +29,7 @@ func button(text: String, parent: Node) -> Button:
 	return null
 
 
-## Presses a button of a dialog, found with Tab and pressed with Enter. The mouse position is unknown in a window that the pointer has not entered.
+## Focuses a dialog's button with Tab and presses it with Enter. Clicks fail in a window that the pointer has not entered.
 func press_in(dialog: Window, text: String) -> void:
 	for step in 6:
 		var focused := dialog.gui_get_focus_owner() as Button
@@ -40,7 +40,7 @@ func press_in(dialog: Window, text: String) -> void:
 	check(false, "Tab finds " + text)
 
 
-## Presses the mouse button in the 3D view, drags, and releases it.
+## Drags with the left mouse button in the 3D view, between two world positions.
 func drag_in_view(from: Vector3, to: Vector3) -> void:
 	await mouse_drag(on_screen(from), on_screen(to))
 
@@ -83,7 +83,7 @@ func test_open() -> void:
 	saved()
 
 
-## A click takes the brush, and its first stroke asks a question. Nothing changes until that is answered.
+## Checks that a click turns the brush on. The first stroke opens a confirmation dialog, and nothing changes until the user answers it.
 func test_first_stroke() -> void:
 	var before := saved()
 	var initial := instances(scatter, 0)
@@ -123,7 +123,7 @@ func test_first_stroke() -> void:
 	check(saved() == before, "the scene is unchanged, byte for byte")
 
 
-## A stroke that cannot be painted still captures the drag: it selects nothing in the box, and shows the reason.
+## Checks that a stroke that cannot be painted shows the reason. The brush still handles the drag, so the editor makes no box selection.
 func test_a_stroke_that_cannot_be_painted() -> void:
 	var ground: Resource = scatter.ground
 	var layers: Array = scatter.layers
@@ -142,7 +142,7 @@ func test_a_stroke_that_cannot_be_painted() -> void:
 	workspace().toolbar.update_layers()
 	await settle(scatter)
 	check(not workspace().toolbar.paint.first_stroke.visible, "no question")
-	# Without the brush, the same drag selects the nodes in the box.
+	# With the brush off, the same drag selects the nodes in the box.
 	await mouse_click(middle(button("Brush", workspace().toolbar)))
 	check(not workspace().toolbar.paint.is_on(), "a click puts the brush away")
 	await drag_in_view(Vector3(-2.0, 0.0, -2.0), Vector3(4.5, 0.0, 2.0))
@@ -151,7 +151,7 @@ func test_a_stroke_that_cannot_be_painted() -> void:
 	await settle(scatter)
 
 
-## Selecting a different node puts the brush away, and the editor handles clicks in the view again.
+## Checks that selecting a different node turns the brush off, and that the editor then handles clicks in the view again.
 func test_putting_the_brush_away() -> void:
 	await mouse_click(middle(button("Brush", workspace().toolbar)))
 	check(workspace().toolbar.paint.is_on(), "the brush is on")
@@ -166,7 +166,7 @@ func test_putting_the_brush_away() -> void:
 	await settle(scatter)
 
 
-## A stroke over two layers that are chosen in the panel, from pressing the mouse button to releasing it, is one step.
+## Checks that a stroke on two selected layers, from pressing the mouse button to releasing it, is one undo step.
 func test_a_stroke_on_two_layers() -> void:
 	workspace().toolbar.choose_layers([scatter.layers[0], scatter.layers[1]] as Array[ScatterLayer])
 	var before := saved()
@@ -191,7 +191,7 @@ func test_a_stroke_on_two_layers() -> void:
 	await mouse_click(middle(button("Brush", workspace().toolbar)))
 
 
-## Adds a region that excludes from the menu, and drags its side by the handle.
+## Adds an excluding region from the menu and drags one of its sides by the handle.
 func test_a_region() -> void:
 	await settle(scatter)
 	var before := saved()
@@ -201,7 +201,7 @@ func test_a_region() -> void:
 	var popup := menu.get_popup()
 	check(popup.visible, "the menu opens")
 	await picture("clicks_regions", popup)
-	# The first line is a heading; "Box" is below it.
+	# The first item is a heading, followed by "Box".
 	popup.set_focused_item(1)
 	check_equal(popup.get_item_text(1), "Box", "a box")
 	await key_in(popup, KEY_ENTER)
@@ -217,7 +217,7 @@ func test_a_region() -> void:
 	var across := region.to_global(Vector3(-0.5 * size.x, 0.0, 0.0))
 	var handle := region.to_global(Vector3(0.5 * size.x, 0.0, 0.0))
 	var version := history(scatter).get_version()
-	# Handles must be drawn once before the mouse finds them.
+	# A handle must be drawn once before the mouse can hit it.
 	await picture("clicks_region")
 	await drag_in_view(handle, handle + Vector3(0.6, 0.0, 0.0))
 	check_equal(history(scatter).get_version(), version + 1, "dragging the handle is one step")
@@ -232,7 +232,8 @@ func test_a_region() -> void:
 	await mouse_click(row_of("Scatter"))
 
 
-## A drag multiplies the radius: both radii shrink by one factor. The editor asks before it generates far more instances than are visible.
+## Drags the radius of two layers in the inspector. A drag multiplies the radius, so both radii shrink by the same factor. Before the editor generates
+## far more instances than are visible, it asks for confirmation.
 func test_a_radius_is_dragged() -> void:
 	var factors: Array[float] = []
 	for radius: float in [0.5, 8.0]:
@@ -266,7 +267,7 @@ func test_a_radius_is_dragged() -> void:
 	scatter.layers[0].radius = 0.5
 
 
-## Rules that flat ground cannot meet are reported, with their names and the reason.
+## Checks that a toast names the layers and the reason if the rules of a preset permit nothing on flat ground.
 func test_a_preset_without_instances() -> void:
 	await settle(scatter)
 	var menu: MenuButton
@@ -283,7 +284,7 @@ func test_a_preset_without_instances() -> void:
 	await settle(scatter)
 	await until(func() -> bool: return not toast_text().is_empty(), "it is reported")
 	check("No instance is visible here of" in toast_text() and "Slope is 0°" in toast_text(), "the reason: " + toast_text())
-	await get_tree().create_timer(1.0).timeout # The toast fades in.
+	await get_tree().create_timer(1.0).timeout # Wait until the toast has faded in.
 	await picture("clicks_scree")
 	await undo()
 	check_equal(scatter.layers.size(), 2, "undone")

@@ -1,12 +1,12 @@
 @tool
 extends "res://tests/steps.gd"
-## A designer's first hour in the demo scene: a scatter and a layer, a stroke, undo, redo, save, reopen; a preset, a
-## shape, a bake.
+## Performs a designer's first hour in the demo scene: adds a scatter and a layer, makes a stroke, undoes, redoes, saves and reopens. Then uses a
+## preset and a region, and bakes.
 
 const SCENE := "res://demo.tscn"
 const MASK := "res://demo_posts_mask.res"
 const BAKED := "res://baked"
-## The saved camera of the editor looks at this position on the ground.
+## World x and z of the ground position at which the editor's saved camera looks.
 const LOOKED_AT := Vector2(40.0, -30.0)
 
 var scatter: Node3D
@@ -21,7 +21,7 @@ func on_ground(x: float, z: float) -> Vector3:
 	return Vector3(x, ground.get_height(Vector3(x, 0.0, z)), z)
 
 
-## Shows or hides the demo's own forest and shadows, which take seconds per frame in software.
+## Shows or hides the demo's own forest and shadows, which take seconds per frame with software rendering.
 func set_costly(shown: bool) -> void:
 	EditorInterface.get_edited_scene_root().get_node("Scatter").visible = shown
 	EditorInterface.get_edited_scene_root().get_node("Sun").shadow_enabled = shown
@@ -48,7 +48,7 @@ func select(node: Node) -> void:
 	EditorInterface.edit_node(node)
 
 
-## Adds a node and a layer, through the editor's undo and redo.
+## Adds a node and a layer as actions of the editor's undo history.
 func test_add() -> void:
 	var root := await open(SCENE)
 	ground = root.get_node("Scatter").ground
@@ -88,14 +88,14 @@ func test_add() -> void:
 	undo_redo.commit_action()
 	await settle(scatter)
 	await picture("added")
-	# The editor saves numbers with fewer digits than the scene has. After reopening, they stay the same.
+	# Reopen the scene, because the editor saves numbers with fewer digits. After that, saving does not change the numbers.
 	await save_and_reopen()
 	before = instances(scatter, 0)
 	before_digests = digests(scatter, 0)
 	check(before.size() > 1000, "instances around the editor's camera: %d" % before.size())
 
 
-## An erasing stroke is one step, and changes nothing beyond its reach.
+## Checks that an erasing stroke is one undo step and changes nothing beyond its radius.
 func test_stroke() -> void:
 	workspace().toolbar.paint.set_on(true)
 	workspace().toolbar.paint.set_brush(6.0, 1.0, 0.8)
@@ -139,7 +139,7 @@ func test_undo_redo() -> void:
 	check(digests(scatter, 0) == painted_digests, "bit for bit")
 
 
-## Saving and reopening keeps the instances. The scene contains only settings.
+## Checks that saving and reopening keeps the instances, although the scene contains only settings.
 func test_save_and_reopen() -> void:
 	await save_and_reopen()
 	check(instances(scatter, 0) == painted, "opened again: the same as painted")
@@ -153,7 +153,8 @@ func test_save_and_reopen() -> void:
 	check(mask.sample(LOOKED_AT) < 0.01 and mask.sample(LOOKED_AT + Vector2(0.0, 20.0)) == 1.0, "the stroke is in the file")
 
 
-## On a layer without a mask, painting keeps only the painted area. Smoothing blurs its rim. Undo restores everything.
+## Checks that painting a layer without a mask keeps instances only in the painted area, and that smoothing blurs the edge of that area. Undo restores
+## everything.
 func test_paint_and_smooth() -> void:
 	var layer: Resource = scatter.layers[0].duplicate()
 	layer.resource_name = "Stakes"
@@ -195,8 +196,8 @@ func test_paint_and_smooth() -> void:
 	workspace().toolbar.update_layers()
 
 
-## Painting a layer that covers everything opens a question first. Nothing changes before the answer or if the question is dismissed. "Not here"
-## erases.
+## Checks the dialog that opens when a layer without a mask is painted. Nothing changes before the dialog is answered, or if it is dismissed. "Not
+## here" erases.
 func ask_first(layer: Resource, at: Vector2, full: Dictionary) -> void:
 	var dialog: ConfirmationDialog = workspace().toolbar.paint.first_stroke
 	for answer: String in ["dismiss", "erase", "paint"]:
@@ -229,7 +230,7 @@ func ask_first(layer: Resource, at: Vector2, full: Dictionary) -> void:
 			await settle(scatter)
 
 
-## A stroke that cannot be painted shows the reason and captures the button. A new selection turns the brush off.
+## Checks that a stroke that cannot be painted shows the reason and consumes the mouse button. Selecting a different node turns the brush off.
 func test_a_stroke_that_cannot_be_painted() -> void:
 	workspace().toolbar.paint.set_on(true)
 	await frames(2)
@@ -258,7 +259,7 @@ func test_a_stroke_that_cannot_be_painted() -> void:
 	check(not workspace().toolbar.paint.is_on(), "it does not come back by itself")
 
 
-## A preset adds its layers in one step. When added again, the names differ, and the rules refer to the new layers.
+## Checks that a preset adds its layers in one step. When it is added again, the new layers have unique names, and their rules refer to each other.
 func test_presets() -> void:
 	var version := history(scatter).get_version()
 	workspace().toolbar.preset_chosen.emit("forest")
@@ -294,12 +295,12 @@ func test_presets() -> void:
 		history(scatter).undo()
 
 
-## Regions of all shapes are drawn, and their handles set their sizes.
+## Checks that regions of all shapes are drawn, and that their handles resize them.
 func test_gizmos() -> void:
 	await run_part(preload("res://tests/region_handles.gd").new(), &"drag_all")
 
 
-## Water is drawn as a plane while the scatter is selected, and a handle changes its level.
+## Checks that water is drawn as a plane while the scatter is selected, and that a handle changes its level.
 func test_water() -> void:
 	select(scatter)
 	await settle(scatter)
@@ -326,17 +327,17 @@ func test_water() -> void:
 	check(false, "the water has a gizmo")
 
 
-## Properties that refer to layers offer a list of layers.
+## Checks that properties that refer to layers offer a list of layers.
 func test_choosing_layers() -> void:
 	await run_part(preload("res://tests/layer_choices.gd").new(), &"choose")
 
 
-## Meshes and scenes dropped on the inspector become layers, or meshes of a layer.
+## Checks that meshes and scenes dropped on the inspector become layers, or meshes of the inspected layer.
 func test_drops() -> void:
 	await run_part(preload("res://tests/mesh_drops.gd").new(), &"drop")
 
 
-## Calls a method of a part that tests the scatter.
+## Runs a method of another script with this plugin and scatter.
 func run_part(part: Node, method: StringName) -> void:
 	part.set(&"plugin", plugin)
 	part.set(&"scatter", scatter)
@@ -349,7 +350,7 @@ func run_part(part: Node, method: StringName) -> void:
 	select(scatter)
 
 
-## A canceled bake leaves nothing. A finished one contains the instances.
+## Checks that a canceled bake leaves no files, and that a finished bake contains the instances.
 func test_bake() -> void:
 	select(scatter)
 	await frames(2)

@@ -1,7 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
-## Single instances by hand, with mouse and keys: planted, selected, moved, rotated, scaled, deleted; undone and redone byte for byte,
-## and saved with the scene in a separate file.
+## Plants, selects, moves, rotates, scales and deletes single instances with mouse and keys. Undo and redo restore every byte. The
+## instances are saved with the scene, in a separate file.
 
 const SCENE := "res://field.tscn"
 const STATE := "res://field_rocks_state.res"
@@ -10,7 +10,7 @@ var scatter: Node3D
 var hand: Node
 
 
-## A flat field with a ramp mesh on it. Rocks are only placed by hand, posts are generated.
+## Saves a scene with a flat field and a ramp. Rocks are only placed by hand, and posts are generated.
 func make_scene(path: String) -> void:
 	var root := Node3D.new()
 	root.name = "Field"
@@ -82,7 +82,7 @@ func test_prepare() -> void:
 	EditorInterface.set_main_screen_editor("3D")
 	await select_scatter()
 	await settle(scatter)
-	# The editor adds its own data when it saves; from here on the file does not change.
+	# The editor adds its own data when it first saves a file. Later saves do not change the file.
 	EditorInterface.save_scene()
 	hand = workspace().toolbar.hand
 	surface().grab_focus()
@@ -90,11 +90,11 @@ func test_prepare() -> void:
 	workspace().toolbar.choose_layer(0)
 	hand.planting.choose(false, false, false, false)
 	hand.look()
-	# Wait for the layout, because the tool's row takes space.
+	# Wait for the layout, because the tool adds a row to the toolbar.
 	await frames(3)
 
 
-## A click plants an instance: one step of undo, and the first instance creates the file.
+## Checks that a click plants an instance in one undo step. The first instance creates the file.
 func test_plant() -> void:
 	var scene := bytes(SCENE)
 	var before := version()
@@ -128,7 +128,7 @@ func test_plant() -> void:
 	check(saved.get_added() == PackedInt64Array([id]) and saved.copy_at_runtime, "the file contains the instance")
 
 
-## Moves, rotates and scales by mouse, then by keys. The id stays, and undo reverts each step byte for byte.
+## Moves, rotates and scales an instance with the mouse and then with keys. The id must not change, and undo must revert each step byte for byte.
 func test_move_rotate_scale() -> void:
 	var id := placed()[0]
 	var state := bytes(STATE)
@@ -187,7 +187,7 @@ func test_move_rotate_scale() -> void:
 	check(transform_of(id) == last, "redone bit for bit")
 
 
-## A drag canceled with Escape changes nothing. The Delete key deletes the instance and not the node.
+## Checks that a drag canceled with Escape changes nothing, and that the Delete key deletes the instance, not the node.
 func test_cancel_and_delete() -> void:
 	var id := placed()[0]
 	await key(KEY_ESCAPE)
@@ -208,7 +208,7 @@ func test_cancel_and_delete() -> void:
 	check(transform_of(id) == placed_at, "undone")
 
 
-## A generated instance can be moved and deleted like any other. Undo restores it with its own id.
+## Checks that a generated instance can be moved and deleted like a hand-placed one. Undo restores it with its own id.
 func test_generated_instances() -> void:
 	workspace().toolbar.choose_layer(1)
 	await settle(scatter)
@@ -239,7 +239,7 @@ func test_generated_instances() -> void:
 	hand.look()
 
 
-## On a ramp with Align. A new radius keeps hand-placed instances.
+## Plants on a ramp with Align, and on the grid. Changing the radius must not affect hand-placed instances.
 func test_on_a_ramp() -> void:
 	hand.planting.choose(false, true, false, false)
 	var at := Vector3(-2.5, 0.0, -1.0)
@@ -262,7 +262,7 @@ func test_on_a_ramp() -> void:
 	check(scatter.get_problems().is_empty(), "and causes no problem: %s" % scatter.get_problems())
 
 
-## An action that is not possible shows the reason, captures the button, and changes nothing.
+## Checks that an action that is not possible shows the reason, consumes the mouse button and changes nothing.
 func test_actions_that_are_not_possible() -> void:
 	hand.planting.choose(false, false, false, false)
 	var all := placed()
@@ -288,7 +288,7 @@ func test_actions_that_are_not_possible() -> void:
 	check_equal(EditorInterface.get_selection().get_selected_nodes(), [scatter], "the scatter stays selected")
 
 
-## Saves the expected result for the game.
+## Saves the scene, and a list of the instances that the game must find.
 func test_saved_for_the_game() -> void:
 	EditorInterface.save_scene()
 	var text := FileAccess.get_file_as_string(SCENE)
@@ -298,7 +298,7 @@ func test_saved_for_the_game() -> void:
 		noted[id] = transform_of(id)
 	check_equal(noted.size(), 3, "three hand-placed instances")
 	FileAccess.open("res://noted.bin", FileAccess.WRITE).store_var([noted, scatter.state.get_removed(), scatter.state.get_digest()])
-	# Instantiates the scene as a part of a different one, whose file contains none of it.
+	# Instantiate the scene in a different scene. The file of that scene must contain nothing of the state.
 	var outer := Node3D.new()
 	outer.name = "Outer"
 	var inner: Node = (load(SCENE) as PackedScene).instantiate(PackedScene.GEN_EDIT_STATE_INSTANCE)
@@ -318,9 +318,9 @@ func test_saved_for_the_game() -> void:
 	check(text.length() < 2000 and not holds, "the outer scene contains none of it:\n" + text)
 
 
-## Closing a scene without saving leaves no file.
+## Checks that closing a scene without saving it leaves no file.
 func test_closed_without_saving() -> void:
-	if not EditorInterface.has_method(&"close_scene"): # Since Godot 4.5.
+	if not EditorInterface.has_method(&"close_scene"): # close_scene exists since Godot 4.5.
 		return
 	make_scene("res://lost.tscn")
 	scatter = (await open("res://lost.tscn")).get_node("Rocks")

@@ -1,5 +1,5 @@
 extends SceneTree
-## A game loads the scene that hand.gd saved, and finds the planted instances, bit for bit. Its changes do not affect the scene.
+## Loads the scene that hand.gd saved, as a game does. The planted instances must be bit-identical, and the game's changes must not affect the scene.
 
 const SCENE := "res://field.tscn"
 
@@ -37,7 +37,7 @@ func _initialize() -> void:
 		check(drawn.has(id), "%d is drawn" % id)
 	for id: int in noted[1]:
 		check(not first.has_instance(id) and not drawn.has(id), "%d was deleted" % id)
-	# Each instance of the scene has its own state, and so does the next game.
+	# Each instance of the scene has its own copy of the state, even the instance that the next game loads.
 	var planted: int = noted[0].keys()[0]
 	var designed: int = first.state.get_revision()
 	first.remove_instance(planted)

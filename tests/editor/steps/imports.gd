@@ -1,7 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
-## Imports instances from a node of the scene and from a table, in one step of undo each. They are stored in a file next to the scene,
-## which contains none of them.
+## Imports instances from a node in the scene and from a table, each in one undo step. The editor stores them in a file next to the
+## scene, which itself contains none of them.
 
 const SCENE := "res://wood.tscn"
 const STATE := "res://wood_scatter_state.res"
@@ -35,7 +35,7 @@ func _make_scene() -> Node3D:
 	root.free()
 	ResourceSaver.save(packed, SCENE)
 	var opened := await open(SCENE)
-	EditorInterface.save_scene() # In the editor's own format.
+	EditorInterface.save_scene() # Saves the scene in the editor's own format.
 	_scene_before = FileAccess.get_file_as_string(SCENE)
 	return opened.get_node(^"Scatter")
 
@@ -106,7 +106,7 @@ func test_a_table() -> void:
 	check_equal(scatter.get(&"state").get_added_count(), COUNT + 2, "one step of redo")
 
 
-## Returns the transforms in sorted order.
+## Returns the transforms in sorted order, 12 floats each.
 func _sorted(floats: PackedFloat32Array) -> Array:
 	var result := []
 	for at in range(0, floats.size(), 12):

@@ -1,6 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
-## One click bakes a layer's impostors: files next to the scene, a last LOD, undo. Without a path for files, it shows a message.
+## Checks that one click bakes a layer's impostors into files next to the scene and adds them as the last LOD, with undo. If the scene has no path for
+## files, the button shows a message.
 
 const SCENE := "res://wood.tscn"
 

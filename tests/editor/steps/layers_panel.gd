@@ -1,7 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
-## The panel with a scatter's layers, used with mouse and keys: from an empty scene to three species that keep apart, without
-## typing a name; marks, order, copies, deletion, strokes on several layers; and the saved files after undo and redo.
+## Tests the panel with a scatter's layers, with mouse and keys. Goes from an empty scene to three species that keep apart, without typing a name.
+## Then tests marks, order, copies, deletion, strokes on several layers, and the saved files after undo and redo.
 
 const LayersPanel := preload("res://addons/thicket/editor/layers/layers_panel.gd")
 const SCENE := "res://wood.tscn"
@@ -27,7 +27,7 @@ func layer(title: String) -> Resource:
 	return scatter.layers[names().find(title)]
 
 
-## Returns a button of the panel by its text.
+## Returns the panel's button with a text, or null.
 func button(text: String) -> Button:
 	for found: Button in panel().find_children("*", "Button", true, false):
 		if found.text == text:
@@ -36,7 +36,7 @@ func button(text: String) -> Button:
 	return null
 
 
-## Undoes and redoes the last step, and compares the saved files with those before and after it.
+## Undoes and redoes the last step, and compares the saved files with those before and after that step.
 func check_undo(before: Dictionary, context: String) -> void:
 	var after := saved_files()
 	check(after != before, context + " changes the saved files")
@@ -90,11 +90,11 @@ func make_scene() -> void:
 	root = await open(SCENE)
 	EditorInterface.set_main_screen_editor("3D")
 	await frames(3)
-	# The editor saves numbers with fewer digits than a new scene has. After saving once, they stay the same.
+	# Save once, because the editor stores numbers with fewer digits than a new scene has. Later saves do not change the files.
 	saved_files()
 
 
-## From an empty scene to three species that keep apart, with the mouse only.
+## Starts with an empty scene and adds three species that keep apart, with the mouse only.
 func test_first_minute() -> void:
 	save_models()
 	await make_scene()
@@ -136,7 +136,7 @@ func test_first_minute() -> void:
 		check(count > 100, "%s: %d instances" % [names()[index], count])
 		check_equal(tree().row_of(scatter.layers[index]).get_text(1), grouped(count), "the count is in its row")
 	await until(func() -> bool:
-		RenderingServer.force_draw() # Draws the thumbnails.
+		RenderingServer.force_draw() # Thumbnails are drawn only when a frame is drawn.
 		return scatter.layers.all(tree().has_picture), "a thumbnail of each layer")
 	for each: Resource in scatter.layers:
 		check(tree().row_of(each).get_icon(0) != null, each.resource_name + " has a thumbnail in its row")
@@ -152,7 +152,7 @@ func grouped(number: int) -> String:
 	return load("res://addons/thicket/number_text.gd").grouped(number)
 
 
-## Checks that all instances of two layers near the middle keep this distance.
+## Checks that the instances of two layers near the origin keep this distance, in meters, but are not much farther apart.
 func check_apart(one: String, other: String, meters: float) -> void:
 	var near := 1e9
 	var around := Rect2(-30.0, -30.0, 60.0, 60.0)
@@ -164,7 +164,7 @@ func check_apart(one: String, other: String, meters: float) -> void:
 	check(near >= meters - 0.01 and near < meters + 1.0, "%s and %s are %.2f m apart, expected %.2f" % [one, other, near, meters])
 
 
-## Waits for the plugin's next update. It updates only some times per second.
+## Waits for the plugin's next update. It updates only a few times per second.
 func wait_for_panel() -> void:
 	await get_tree().create_timer(0.6).timeout
 
@@ -184,7 +184,7 @@ func test_choosing() -> void:
 	check_equal(workspace().toolbar.chosen, [layer("Old Oak"), layer("Fern")] as Array[ScatterLayer], "Ctrl and a click choose one more layer")
 
 
-## The inspector shows the first of several layers, and changes all of them.
+## Checks that, with several layers selected, the inspector shows the values of the first layer and changes all of them.
 func test_a_value_of_several_layers() -> void:
 	await mouse_click(await name_at(layer("Young Pine")), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
 	await frames(5)
@@ -198,9 +198,9 @@ func test_a_value_of_several_layers() -> void:
 		check(not editors.has(own), "but not " + own)
 	var before := saved_files()
 	var old: Array = scatter.layers.map(func(each: Resource) -> float: return each.max_scale)
-	for value: float in [1.7, 1.75]: # Like a drag.
+	for value: float in [1.7, 1.75]: # Changes the value as dragging the slider does.
 		editors["max_scale"].emit_changed("max_scale", value, "", value < 1.75)
-		await frames(5) # The editor that is dragged stays.
+		await frames(5) # The inspector must keep the editor that is being dragged.
 	for each: Resource in scatter.layers:
 		check_equal(each.max_scale, 1.75, each.resource_name + " has the new value")
 	await check_undo(before, "a value of three layers")
@@ -263,7 +263,7 @@ func test_order() -> void:
 	check_equal(names(), PackedStringArray(["Old Oak", "Young Pine", "Fern"]), "undone")
 
 
-## A new order changes no references. References to a deleted layer are removed, and restored by undo.
+## Checks that reordering layers keeps all references. Deleting a layer must remove the references to it, and undo must restore them.
 func test_references() -> void:
 	layer("Fern").spacing = {"Old Oak": 0.8, "Young Pine": 0.6}
 	layer("Fern").proximity_layer = "Young Pine"
@@ -312,7 +312,7 @@ func test_copies() -> void:
 	check_same(saved_files(), before, "all steps are undone")
 
 
-## One stroke on two layers is one step. It does not change a locked layer.
+## Checks that a stroke on two layers is one undo step and does not change a locked layer.
 func test_stroke_on_several_layers() -> void:
 	var before := saved_files()
 	await mouse_click(await name_at(layer("Old Oak")))
@@ -341,7 +341,7 @@ func test_stroke_on_several_layers() -> void:
 	paint.set_on(false)
 
 
-## Each way to add a layer is one step, whose undo restores the files.
+## Checks that every way to add a layer is one undo step, and that undo restores the files.
 func test_adding() -> void:
 	var file: Resource = ClassDB.instantiate(&"ScatterLayer")
 	file.meshes = [BoxMesh.new()]
@@ -375,7 +375,8 @@ func test_adding() -> void:
 	await wait_for_panel()
 
 
-## A layer of far wider models comes before the others, which give way to it.
+## Checks that a layer of far wider models is inserted before the other layers and takes priority. The editor must report the instances that those
+## layers lose.
 func test_losses() -> void:
 	var giant := CylinderMesh.new()
 	giant.top_radius = 5.0
@@ -393,7 +394,7 @@ func test_losses() -> void:
 	await undo()
 
 
-## The editor saves marks next to the scene, for the next time it is opened.
+## Checks that the editor saves a layer's marks with its state of the scene, and restores them when the scene is reopened.
 func test_marks_are_saved() -> void:
 	workspace().dock.marks.put(layer("Fern"), &"hidden", true)
 	saved_files()

@@ -1,9 +1,10 @@
 @tool
 extends "res://tests/steps.gd"
-## The library is installed while the editor runs. Then the plugin creates its tools, and they keep working after a reload. The folder
-## `later` contains the build output. No type of the library is named here, because the editor compiles this script, too.
+## Installs the library while the editor runs. The plugin must then create its tools, which must still work after a reload. The folder `later`
+## contains the library. This script names none of the library's types, because the editor compiles it without the library.
 ##
-## When an extension is loaded, the editor reloads all scripts, and functions that wait never continue. So the steps run in _process.
+## When an extension is loaded, the editor reloads all scripts, and functions that are awaiting never resume. For this reason, the steps run in
+## _process.
 
 const SCENE := "res://scene.tscn"
 const ADDON := "res://addons/thicket/"

@@ -1,7 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
-## Instances are never saved in a scene. Changes by scripts and states from the inspector are saved in a file beside
-## the scene; in a new scene, when it is saved for the second time.
+## Checks that instances are never saved in a scene. The editor saves states that a script or the inspector has created or changed in a file next to
+## the scene. For a new scene, it does so when the scene is saved a second time.
 
 const SCENE := "res://clearing.tscn"
 const STATE := "res://clearing_scatter_state.res"
@@ -82,7 +82,7 @@ func test_changes_by_a_script() -> void:
 	check_equal(scatter.state.get_added_count(), 301, "after reopening, all instances exist")
 
 
-## A state that is in the scene already, from the inspector or an older scene.
+## Checks that saving moves a state from the scene to a file. The inspector or an older version may have stored such a state.
 func test_a_state_in_the_scene() -> void:
 	var root := make_scene()
 	var state: Resource = ClassDB.instantiate(&"ScatterState")
@@ -99,9 +99,9 @@ func test_a_state_in_the_scene() -> void:
 	check_equal(root.get_node("Scatter").state.resource_path, "res://older_scatter_state.res", "the state is moved to a file")
 
 
-## A new scene has no file before it is saved, and so no folder for the state.
+## Tests a new scene, which has no path before it is saved. Until then, there is no place for the state's file.
 func test_a_new_scene() -> void:
-	if not EditorInterface.has_method(&"add_root_node"): # Since Godot 4.5.
+	if not EditorInterface.has_method(&"add_root_node"): # add_root_node exists since Godot 4.5.
 		return
 	await key(KEY_N, KEY_MASK_CTRL)
 	await until(func() -> bool: return EditorInterface.get_edited_scene_root() == null, "a new tab")
@@ -115,6 +115,6 @@ func test_a_new_scene() -> void:
 	await until(func() -> bool: return FileAccess.file_exists("res://fresh_scatter_state.res"), "a file")
 	check(EditorInterface.get_open_scenes().has("res://fresh.tscn"), "saved")
 	await frames(10)
-	await save_with_keys() # The editor saves only scenes that have changed.
+	await save_with_keys() # Checks that the new file marked the scene as unsaved, because the editor skips unchanged scenes.
 	check_scene("res://fresh.tscn", "fresh")
 	check_equal(scatter.state.get_added_count(), 40, "all instances exist")

@@ -1,12 +1,12 @@
 @tool
 extends "res://tests/layer_choices.gd"
-## Scenes dropped on a scatter and on a layer, and a scene that is saved while it is scattered. All changes are undone at the end.
+## Drops scenes on a scatter and on a layer. Also saves a scene while it is scattered. All changes are undone at the end.
 
 const PINE := "res://pine.tscn"
 const FOLIAGE_FILES := ["res://demo_pine_trunk.tres", "res://demo_pine_crown.tres"]
 
 
-## A trunk with a collision shape, and a crown.
+## Saves a scene of a tree with a trunk, its collision shape, and a crown.
 func save_pine(crown_size: float) -> void:
 	var pine := Node3D.new()
 	pine.name = "Pine"
@@ -30,7 +30,7 @@ func save_pine(crown_size: float) -> void:
 	ResourceSaver.save(packed, PINE)
 
 
-## Returns the field of the inspector on which scenes can be dropped.
+## Returns the inspector's drop area for scenes.
 func field() -> Control:
 	for control: Control in EditorInterface.get_inspector().find_children("*", "PanelContainer", true, false):
 		if control.get_script() != null and control.get_script().resource_path.ends_with("mesh_drop.gd"):
@@ -91,7 +91,7 @@ func drop() -> void:
 	check_equal(scatter.layers, before, "undone")
 
 
-## The buttons at the top of the inspector.
+## Clicks the buttons at the top of the inspector that fit the layer to a kind of plant.
 func choose_kinds(layer: Resource) -> void:
 	await inspect(layer)
 	var radius: float = layer.radius
@@ -115,7 +115,7 @@ func files_of(layer: Resource) -> Array:
 	return layer.get_materials().map(func(material: Material) -> String: return material.resource_path)
 
 
-## Standard materials become foliage materials in files beside the scene. Undo removes them.
+## Replaces standard materials with foliage materials in files next to the scene. Undo removes these files.
 func make_foliage(layer: Resource) -> void:
 	var dropped: Array = layer.meshes
 	var packed: Resource = load(PINE)
@@ -141,7 +141,7 @@ func make_foliage(layer: Resource) -> void:
 	layer.meshes = dropped
 
 
-## A mesh without a scene gets the material itself, with its normal map.
+## Checks a mesh that is not in a scene: its own material is replaced, and the normal map is kept.
 func make_foliage_of_a_mesh(layer: Resource) -> void:
 	var bark := StandardMaterial3D.new()
 	bark.resource_name = "Bark"
@@ -162,7 +162,7 @@ func make_foliage_of_a_mesh(layer: Resource) -> void:
 	check_equal(mesh.material, bark, "undone")
 
 
-## The button in a model's own inspector. A replacement that is a standard material keeps its key.
+## Clicks the button in a model's own inspector. If a replacement is a standard material, it is converted, and its key in the list is kept.
 func make_foliage_of_a_model(model: Resource) -> void:
 	var own := StandardMaterial3D.new()
 	own.resource_name = "Own"
@@ -194,7 +194,7 @@ func inspector_button(text: String) -> Button:
 	return null
 
 
-## A scene with six trees side by side becomes six models of the layer.
+## Splits a scene with six trees side by side into six models of the layer.
 func split_a_pack(layer: Resource) -> void:
 	check(inspector_button("Split into 2 Models") == null, "a tree of a trunk and a crown is one model")
 	var before: Array = layer.meshes

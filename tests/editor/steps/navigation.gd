@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/steps.gd"
-## A bake of a NavigationRegion3D with its button in the editor leaves out every trunk, at any position of the camera.
+## Checks that baking a NavigationRegion3D with the editor's button excludes every trunk, wherever the camera is.
 
 const SCENE := "res://grove.tscn"
 const SIDE := 40.0
@@ -36,7 +36,7 @@ func test_open() -> void:
 	layer.meshes = [CylinderMesh.new()]
 	layer.meshes[0].top_radius = 0.0
 	layer.meshes[0].height = 8.0
-	layer.collision_shape = 2 # A cylinder.
+	layer.collision_shape = 2 # COLLISION_CYLINDER.
 	trees.layers = [layer]
 	var packed := PackedScene.new()
 	packed.pack(grove)

@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/steps.gd"
-## A scatter that is copied in one scene and pasted into another, with mouse and keys. The panel reports its shared resources, and makes them
+## Copies a scatter in one scene and pastes it into another, with mouse and keys. The panel reports the shared resources and makes them
 ## unique in one step.
 
 const FROM := "res://orchard.tscn"
@@ -15,7 +15,7 @@ func panel() -> Control:
 	return workspace().dock.panel
 
 
-## Waits for the plugin's next update, which checks shared resources less often than the rest.
+## Waits for the plugin to check shared resources. It does so less often than its other updates.
 func wait_for_panel() -> void:
 	await get_tree().create_timer(2.0).timeout
 
@@ -120,15 +120,15 @@ func state_of(scatter: Node3D) -> Array:
 	return [scatter.seed, scatter.state.get_digest(), scatter.layers[0].radius, scatter.layers[0].mask.resource_path]
 
 
-## When the other scene is closed, the layers differ, but the files are still shared.
+## Checks that, after both scenes are reopened, the layers are separate, but the files of masks and states are still shared.
 func test_reopening() -> void:
-	if not EditorInterface.has_method(&"close_scene"): # Since Godot 4.5.
+	if not EditorInterface.has_method(&"close_scene"): # close_scene exists since Godot 4.5.
 		return
 	pasted = null
 	original = null
 	for path: String in [FROM, TO]:
 		await open(path)
-		await wait_for_panel() # The editor continues with a scene that was just opened.
+		await wait_for_panel() # Wait until the editor has finished opening the scene.
 		EditorInterface.call(&"close_scene")
 		await wait_for_panel()
 	pasted = (await open(TO)).get_node("Trees")

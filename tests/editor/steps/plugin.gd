@@ -1,7 +1,7 @@
 @tool
 extends EditorPlugin
-## Base class of the tests in the editor, which work like a designer. Runs the script given after `--`, with its methods that start
-## with "test_", prints "editor tests: N checks, 0 failed", and quits.
+## Runs an editor test that works as a designer would. Calls the "test_" methods of the script given after `--`, prints
+## "editor tests: N checks, 0 failed" and quits.
 
 const SIZE := Vector2i(1440, 900)
 
@@ -12,14 +12,14 @@ var failures := 0
 func _enter_tree() -> void:
 	if OS.get_cmdline_user_args().is_empty():
 		return
-	# Drawing the editor in software is slow, so it only draws for pictures.
+	# Software rendering of the editor is slow, so the editor draws only when a picture is taken.
 	RenderingServer.render_loop_enabled = false
-	# After its first scan, the editor first lays out its docks, draws and hides panels. Then it emits this signal.
+	# Before the editor emits this signal, it finishes its first scan, lays out its docks, and draws and hides panels.
 	EditorInterface.get_resource_filesystem().sources_changed.connect(_run.unbind(1), CONNECT_ONE_SHOT | CONNECT_DEFERRED)
 
 
 func _run() -> void:
-	await get_tree().process_frame # The editor refuses to show progress within a deferred call.
+	await get_tree().process_frame # The editor refuses to show a progress dialog in a deferred call.
 	while EditorInterface.get_resource_filesystem().is_scanning():
 		await get_tree().process_frame
 	get_window().mode = Window.MODE_WINDOWED
@@ -37,13 +37,13 @@ func _run() -> void:
 	var deadline := Time.get_ticks_msec() + 60000
 	while _is_reading() and Time.get_ticks_msec() < deadline:
 		await get_tree().process_frame
-	await get_tree().create_timer(0.2).timeout # The thread that read the scripts ends.
+	await get_tree().create_timer(0.2).timeout # Wait until the thread that read the scripts has ended.
 	print("editor tests: %d checks, %d failed" % [checks, failures])
 	get_tree().quit(mini(failures, 1))
 
 
-## True while the editor scans files, or reads scripts for its class reference, which it only does with a window. Quitting then would
-## cause a warning or a crash (godotengine/godot#122158).
+## Returns true while the editor is scanning files, or reading scripts for its class reference. It reads scripts only if it has a window. Quitting at
+## such a time would cause a warning or a crash (godotengine/godot#122158).
 func _is_reading() -> bool:
 	var is_read := Engine.has_meta(&"class_reference_is_read") or DisplayServer.get_name() == "headless"
 	return EditorInterface.get_resource_filesystem().is_scanning() or not is_read

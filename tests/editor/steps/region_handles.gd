@@ -1,8 +1,8 @@
 @tool
 extends "res://tests/steps.gd"
-## Regions of all shapes on a scatter's ground, drawn by their gizmos, with handles that are dragged.
+## Tests regions of all shapes on a scatter's ground: their gizmos, and the handles that resize them.
 
-## The camera looks at this position on the ground.
+## World x and z of the ground position at which the camera looks.
 const AT := Vector2(40.0, -30.0)
 
 var scatter: Node3D
@@ -12,7 +12,7 @@ func on_ground(x: float, z: float) -> Vector3:
 	return Vector3(x, scatter.ground.get_height(Vector3(x, 0.0, z)), z)
 
 
-## Regions of all shapes below the scatter are drawn, and their handles set their sizes, with undo.
+## Adds regions of all shapes under the scatter, and drags their handles, with undo.
 func drag_all() -> void:
 	var regions: Array[Node3D] = []
 	for shape in 5:
@@ -61,7 +61,7 @@ func drag_all() -> void:
 	await frames(2)
 
 
-## Drags a handle of a region to a position in its own space, and undoes that.
+## Drags a region's handle to a position in the region's space, checks the property, and undoes it.
 func drag(region: Node3D, handle: int, to: Vector3, property: StringName, expected: Variant) -> void:
 	var gizmo := region.get_gizmos()[0] as EditorNode3DGizmo
 	var gizmos := gizmo.get_plugin()

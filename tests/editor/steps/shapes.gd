@@ -1,7 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
-## Regions that are added by a button or outlined by clicks, handles that keep the opposite side and snap, and a bake whose rectangle is
-## drawn in the view and which replaces the scatter there. Each is one step of undo.
+## Tests regions that are added with a button or outlined with clicks, and handles that snap and keep the opposite side in place. Also tests a bake
+## whose rectangle is drawn in the view, and which replaces the scatter there. Each of these actions is one undo step.
 
 const SCENE := "res://park.tscn"
 const BAKED := "res://baked"
@@ -75,7 +75,7 @@ func test_buttons() -> void:
 			check(region.global_position.distance_to(middle) < 0.1, "in the middle of the view: %s" % region.global_position)
 			check(workspace().toolbar.visible and workspace().dock.panel.tree.row_of(scatter.layers[0]) != null, "the tools and the panel stay")
 			check(region.owner == root and EditorInterface.get_selection().get_selected_nodes() == [region], "it belongs to the scene, and is selected")
-			var problems: PackedStringArray = scatter.get_problems() # The node was moved so that shapes and world differ, which is one problem.
+			var problems: PackedStringArray = scatter.get_problems() # Moving the scatter away from the origin causes one problem.
 			check(problems.size() == 1 and "global_transform" in problems[0], "no other problems: %s" % problems)
 			await undo()
 			check(regions().is_empty(), "undone")
@@ -88,7 +88,7 @@ func test_buttons() -> void:
 	check(scene_bytes() == before, "the scene is unchanged, byte for byte")
 
 
-## A path with three clicks and Enter: a smooth strip through the clicked positions, as one step.
+## Checks that three clicks and Enter create a path: a smooth strip through the clicked positions, in one undo step.
 func test_a_path_by_clicks() -> void:
 	await settle(scatter)
 	var before := scene_bytes()
@@ -168,7 +168,7 @@ func test_a_polygon_by_clicks() -> void:
 	await settle(scatter)
 	check(instances(scatter, 0) == full and scene_bytes() == before, "undone, byte for byte")
 	await select_scatter()
-	# A double click or a click on the first corner closes the polygon, and Escape cancels it.
+	# A double-click, or a click on the first corner, closes the polygon. Escape cancels it.
 	for way: String in ["double", "first", "escape"]:
 		surface().grab_focus()
 		workspace().toolbar.regions._on_chosen(8)
@@ -189,7 +189,7 @@ func test_a_polygon_by_clicks() -> void:
 		await select_scatter()
 
 
-## Drags a handle of a region to a position in its own space at the start of the drag.
+## Drags a region's handle to a position in the space that the region has at the start of the drag.
 func drag_handle(region: Node3D, handle: int, to: Vector3) -> void:
 	var gizmo := region.get_gizmos()[0] as EditorNode3DGizmo
 	var gizmos := gizmo.get_plugin()
@@ -256,7 +256,7 @@ func test_handles_keep_the_opposite_side() -> void:
 	await select_scatter()
 
 
-## The rectangle is drawn in the view. The bake replaces the scatter there, and nothing exists twice.
+## Draws the rectangle of a bake in the view. The bake must replace the scatter there, so that no instance exists twice.
 func test_bake_and_replace() -> void:
 	var by_hand: Node = workspace().toolbar.hand
 	var edits: RefCounted = by_hand.edits

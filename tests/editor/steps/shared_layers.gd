@@ -1,7 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
-## A duplicated scatter shares its layers, seed and masks with the original. The panel reports that, and makes them unique in one step. A change that
-## would show far more instances needs a confirmation.
+## Tests a duplicated scatter, which shares its layers, seed and masks with the original. The panel must report this and make them unique in one step.
+## Also checks that a change that would show far more instances needs a confirmation.
 
 const SCENE := "res://glade.tscn"
 const LAYER_FILE := "res://shared_moss.tres"
@@ -25,7 +25,7 @@ func make_layer(title: String, radius: float, view: float) -> Resource:
 	return layer
 
 
-## Grass with a mask in a file, trees that keep away from it by its name, and moss in a file.
+## Opens a scene with grass, with trees that keep away from the layer named "Grass", and with moss, a layer in a file.
 func make_scene() -> void:
 	var new_root := Node3D.new()
 	new_root.name = "Glade"
@@ -58,12 +58,12 @@ func select(node: Node) -> void:
 	await wait_for_panel()
 
 
-## Waits for the plugin's next update. It updates only some times per second.
+## Waits for the plugin's next update of the panel's notes.
 func wait_for_panel() -> void:
 	await get_tree().create_timer(1.5).timeout
 
 
-## Duplicates like Ctrl+D in the Scene dock: resources of the scene are shared.
+## Duplicates the scatter as Ctrl+D in the Scene dock does, so the copy shares the scene's resources.
 func duplicate_scatter() -> void:
 	var undo_redo := plugin.get_undo_redo()
 	other = scatter.duplicate()
@@ -139,7 +139,7 @@ func test_make_unique() -> void:
 	check(not other.is_inside_tree(), "duplicating is undone, too")
 
 
-## Shared layers in files are intended.
+## Checks that a layer that is saved in its own file may be shared without a report.
 func test_shared_files_are_intended() -> void:
 	other = ClassDB.instantiate(&"TerrainScatter3D")
 	var layers: Array = other.layers.duplicate()
@@ -152,8 +152,8 @@ func test_shared_files_are_intended() -> void:
 	other.free()
 
 
-## A change that would show more than ten times as many instances needs a confirmation. Until then, the layer has the new value, but the view does not
-## change.
+## Checks that a change that would show far more instances, and more than 50,000, needs a confirmation. Until then, the layer has the new value, but the
+## view does not change.
 func test_far_more() -> void:
 	var grass: Resource = scatter.layers[0]
 	var bar: Control = workspace().dock.bar
@@ -200,7 +200,7 @@ func test_far_more() -> void:
 	check(counts.any(func(count: int) -> bool: return count > 2 * before and count < 6 * before), "step by step: %s" % [counts])
 
 
-## Showing more instances can be stopped. A change that shows few more asks nothing.
+## Checks that the user can stop the display of more instances, and that a change that shows only slightly more instances needs no confirmation.
 func test_stop() -> void:
 	var trees: Resource = scatter.layers[1]
 	var bar: Control = workspace().dock.bar

@@ -1,6 +1,6 @@
 @tool
 extends Node
-## Base class of the scripts of editor tests: checks, waiting, the mouse, pictures.
+## The base class for the editor tests, with functions for checks, waiting, mouse and keys, and pictures.
 
 const PATIENCE_MSEC := 60000
 
@@ -23,7 +23,7 @@ func check_equal(got: Variant, expected: Variant, message: String) -> bool:
 	return check(equal, "%s: got %s, expected %s" % [message, got, expected])
 
 
-## Saves the edited scene. Returns the project's files by name, as bytes.
+## Saves the edited scene. Returns the contents of the files in res:// by name.
 func saved_files() -> Dictionary[String, PackedByteArray]:
 	check_equal(EditorInterface.save_scene(), OK, "saved")
 	var result: Dictionary[String, PackedByteArray] = {}
@@ -32,7 +32,7 @@ func saved_files() -> Dictionary[String, PackedByteArray]:
 	return result
 
 
-## Compares saved files. A failure prints the difference.
+## Checks that saved files are equal. A failure prints both contents.
 func check_same(got: Dictionary[String, PackedByteArray], expected: Dictionary[String, PackedByteArray], context: String) -> void:
 	check_equal(got.keys(), expected.keys(), context + ": files")
 	for file in expected:
@@ -40,7 +40,7 @@ func check_same(got: Dictionary[String, PackedByteArray], expected: Dictionary[S
 			check(false, "%s: %s differs:\n%s\n--- expected\n%s" % [context, file, text_of(got[file]), text_of(expected[file])])
 
 
-## Returns the text of a file, or the size of a binary file.
+## Returns a file's contents as text, or only their size if they are binary.
 func text_of(bytes: PackedByteArray) -> String:
 	return "%d bytes" % bytes.size() if bytes.has(0) else bytes.get_string_from_utf8()
 
@@ -50,7 +50,7 @@ func frames(count: int) -> void:
 		await get_tree().process_frame
 
 
-## Waits until a condition holds. Fails if that takes too long.
+## Waits until `condition` returns true. After PATIENCE_MSEC, records a failure and returns false.
 func until(condition: Callable, message: String) -> bool:
 	var deadline := Time.get_ticks_msec() + PATIENCE_MSEC
 	while not condition.call():
@@ -60,13 +60,13 @@ func until(condition: Callable, message: String) -> bool:
 	return true
 
 
-## Waits until a scatter shows everything that it should.
+## Waits until a scatter has settled.
 func settle(scatter: Node3D) -> void:
 	await frames(3)
 	await until(func() -> bool: return scatter.is_settled(), "settled")
 
 
-## Opens a scene in a tab of the editor and returns its root.
+## Opens a scene in a tab of the editor and returns its root node.
 func open(path: String) -> Node:
 	EditorInterface.open_scene_from_path(path)
 	await until(func() -> bool:
@@ -75,7 +75,7 @@ func open(path: String) -> Node:
 	return EditorInterface.get_edited_scene_root()
 
 
-## The addon's own plugin.
+## Returns the add-on's plugin, or null.
 func addon() -> EditorPlugin:
 	for found in get_tree().root.find_children("*", "EditorPlugin", true, false):
 		if found.get_script() != null and found.get_script().resource_path == "res://addons/thicket/plugin.gd":
@@ -83,7 +83,7 @@ func addon() -> EditorPlugin:
 	return null
 
 
-## Returns the plugin's workspace: tools, panel and dialogs.
+## Returns the plugin's workspace with its tools, panel and dialogs. Null without the library.
 func workspace() -> RefCounted:
 	return addon().workspace
 
@@ -92,12 +92,12 @@ func camera() -> Camera3D:
 	return EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
 
 
-## The middle of a control, in the window.
+## Returns the center of a control in window coordinates.
 func middle(control: Control) -> Vector2:
 	return control.get_global_transform_with_canvas() * (control.size * 0.5)
 
 
-## Returns the position of a node's row of the Scene dock, in the window.
+## Returns the position of a node's row in the Scene dock, in window coordinates.
 func row_of(title: String) -> Vector2:
 	for editor: Control in EditorInterface.get_base_control().find_children("*", "SceneTreeEditor", true, false):
 		var tree := editor.find_children("*", "Tree", true, false)[0] as Tree
@@ -111,19 +111,19 @@ func row_of(title: String) -> Vector2:
 	return Vector2.ZERO
 
 
-## Returns the position of a layer's name in its row of the panel, in the window, and scrolls it into view. [param section] is a fraction of
-## row's height.
+## Scrolls a layer's row in the panel into view and returns the position of the layer's name, in window coordinates. [param section] is the
+## fraction of the row's height.
 func name_at(layer: Resource, section := 0.5) -> Vector2:
 	return await _cell_at(layer, 0, Vector2(0.3, section))
 
 
-## Returns the middle of a mark in a layer's row, in the same way: 0 for color, 1 for lock, 2 for eye.
+## Returns the center of a mark in a layer's row, as `name_at` does. [param index] is 0 for color, 1 for lock and 2 for eye.
 func mark_at(layer: Resource, index: int) -> Vector2:
 	return await _cell_at(layer, 2, Vector2(0.5, 0.5), index)
 
 
 func _cell_at(layer: Resource, column: int, part: Vector2, button := -1) -> Vector2:
-	# The panel rebuilds its rows after a change.
+	# The row may be missing for a while, because the panel rebuilds its rows after a change.
 	await until(func() -> bool: return _visible_cell(layer, column, part, button) != Vector2.INF, "the row of %s is in view" % layer.resource_name)
 	return _visible_cell(layer, column, part, button)
 
@@ -139,13 +139,13 @@ func _visible_cell(layer: Resource, column: int, part: Vector2, button: int) -> 
 	return tree.get_global_transform_with_canvas() * at if Rect2(Vector2.ZERO, tree.size).has_point(at) else Vector2.INF
 
 
-## Returns undo and redo of the scene that a node belongs to.
+## Returns the undo history of the scene that a node belongs to.
 func history(node: Node) -> UndoRedo:
 	var manager := plugin.get_undo_redo()
 	return manager.get_history_undo_redo(manager.get_object_history_id(node))
 
 
-## Makes a stroke with the left button over positions in the world, as events of the 3D view.
+## Makes a stroke with the left button over world positions, by sending the 3D view's events to the plugin.
 func stroke(places: PackedVector3Array, with_control := false) -> void:
 	for index in places.size():
 		var at := camera().unproject_position(places[index])
@@ -172,7 +172,7 @@ func _send(event: InputEvent) -> void:
 	addon()._forward_3d_gui_input(camera(), event)
 
 
-## Clicks at a position in the window, through the editor's whole GUI, like the mouse.
+## Clicks at a position in the window, as a real mouse would, so that the editor's whole GUI handles the events.
 func mouse_click(at: Vector2, index := MOUSE_BUTTON_LEFT, keys := 0) -> void:
 	await _point(at)
 	await mouse_to(at, 0)
@@ -181,8 +181,8 @@ func mouse_click(at: Vector2, index := MOUSE_BUTTON_LEFT, keys := 0) -> void:
 	await frames(2)
 
 
-## Moves the system's pointer, because some controls query its position. Waits until the editor has received the motion, which would
-## otherwise arrive between a press and a release, or end a drag.
+## Moves the system's pointer, because some controls query its position. Waits until the editor has received this motion. Otherwise, it
+## could arrive between a press and a release, or end a drag.
 func _point(at: Vector2) -> void:
 	Input.warp_mouse(at)
 	await get_tree().create_timer(0.15).timeout
@@ -200,11 +200,11 @@ func mouse_drag(from: Vector2, to: Vector2) -> void:
 	await frames(3)
 
 
-## Drags files of the FileSystem dock to a position in the window.
+## Drags files from the FileSystem dock to a position in the window.
 func drag_files(paths: PackedStringArray, to: Vector2) -> void:
 	var dock := EditorInterface.get_file_system_dock()
 	var from := dock.get_global_transform_with_canvas() * (dock.size * 0.5)
-	await _point(to) # The position of a drop is queried from the system, and a motion of the pointer would end a drag.
+	await _point(to) # Done before the drag: a drop uses the system's pointer, and a later motion of the pointer would end the drag.
 	await mouse_to(from, MOUSE_BUTTON_MASK_LEFT)
 	var preview := Label.new()
 	preview.text = ", ".join(paths)
@@ -235,12 +235,12 @@ func surface() -> Control:
 	return null
 
 
-## Returns the position of a point of the world in the editor's window.
+## Converts a world position to coordinates in the editor's window.
 func on_screen(place: Vector3) -> Vector2:
 	return surface().get_global_transform() * camera().unproject_position(place)
 
 
-## Moves the mouse to a position in the window, like a real one.
+## Moves the mouse to a position in the window by pushing a motion event. `held` is the mask of pressed buttons.
 func move_mouse(at: Vector2, held := 0, control := false, shift := false) -> void:
 	var motion := InputEventMouseMotion.new()
 	motion.position = at
@@ -252,7 +252,7 @@ func move_mouse(at: Vector2, held := 0, control := false, shift := false) -> voi
 	await get_tree().process_frame
 
 
-## Presses and releases a key.
+## Presses and releases a key in the main window.
 func key(code: Key, keys := 0) -> void:
 	for pressed: bool in [true, false]:
 		var event := InputEventKey.new()
@@ -266,7 +266,7 @@ func key(code: Key, keys := 0) -> void:
 	await frames(2)
 
 
-## Presses and releases a key in a window, as an event of the system.
+## Presses and releases a key in a window, as system events.
 func key_in(window: Window, code: Key) -> void:
 	for pressed: bool in [true, false]:
 		var event := InputEventKey.new()
@@ -331,7 +331,7 @@ func drag_mouse(from: Vector2, to: Vector2, control := false, release := true) -
 		await press(to, false, control)
 
 
-## Returns the digest of each visible tile of a layer.
+## Returns {tile: digest} for a layer's visible tiles.
 func digests(scatter: Node3D, layer: int) -> Dictionary:
 	var result := {}
 	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[layer]):
@@ -339,7 +339,7 @@ func digests(scatter: Node3D, layer: int) -> Dictionary:
 	return result
 
 
-## Returns the positions of a layer's visible instances in the world, by id.
+## Returns {id: world position} for a layer's visible instances.
 func instances(scatter: Node3D, layer: int) -> Dictionary:
 	var result := {}
 	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[layer]):
@@ -355,24 +355,24 @@ func instances(scatter: Node3D, layer: int) -> Dictionary:
 	return result
 
 
-## Saves a picture of the whole editor, or of another window, in build/editor, if there is a display.
+## Saves a picture of the editor's main window, or of another window, in build/editor. Does nothing without a display.
 func picture(picture_name: String, window := get_window()) -> void:
 	if DisplayServer.get_name() == "headless":
 		return
 	await frames(4)
-	# The editor only draws changes, so waiting for the next frame may never end.
+	# The editor only draws after changes, so waiting for the next drawn frame might never end.
 	for pass_index in 2:
 		RenderingServer.force_draw()
 		await get_tree().process_frame
 	window.get_texture().get_image().save_png("res://pictures_of_tests/%s.png" % picture_name)
 
 
-## Returns the files in a folder, by name.
+## Returns the names of the files in a folder.
 func files(folder: String) -> PackedStringArray:
 	return DirAccess.get_files_at(folder) if DirAccess.dir_exists_absolute(folder) else PackedStringArray()
 
 
-## Returns the text of the editor's toasts.
+## Returns the text of all of the editor's toasts.
 func toast_text() -> String:
 	var words := PackedStringArray()
 	for label: Label in EditorInterface.get_editor_toaster().find_children("*", "Label", true, false):

@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/steps.gd"
-## The toolbar fits into a window of 1280 pixels with any tool: it wraps into more lines, and the docks keep their positions.
+## Checks that, with any tool, the toolbar fits into a window 1280 pixels wide: it wraps into more lines, and the docks keep their positions.
 
 const SCENE := "res://room.tscn"
 const NARROW := Vector2i(1280, 720)
@@ -23,7 +23,7 @@ func resize(size: Vector2i) -> void:
 	await frames(8)
 
 
-## Returns the minimum width of the editor's main screen.
+## Returns the minimum width of the editor's main screen in pixels.
 func minimum_width() -> float:
 	return (EditorInterface.get_editor_main_screen() as Control).get_combined_minimum_size().x
 
@@ -92,7 +92,7 @@ func test_wide() -> void:
 	await picture("toolbar_wide")
 
 
-## Looking at a scatter, a layer and a region does not move the view's edges.
+## Checks that selecting or inspecting a scatter, a layer or a region does not move the edges of the 3D view.
 func test_the_view_keeps_its_width() -> void:
 	var scatter := root.get_node("Scatter")
 	var region: Node = ClassDB.instantiate(&"ScatterRegion3D")
@@ -112,7 +112,7 @@ func test_the_view_keeps_its_width() -> void:
 	region.free()
 
 
-## Beside the tools of other nodes, the ground buttons stay alone, and the editor's own panel does not change.
+## Checks that, for other nodes, only the ground buttons are visible, beside the editor's own tools.
 func test_a_different_node() -> void:
 	var ground: Control = workspace().ground_buttons
 	var in_toolbar := ground.get_parent()

@@ -1,14 +1,14 @@
 @tool
 extends "res://tests/steps.gd"
-## Base class of the tests of tutorials: scenes with a ground, buttons, pictures for the pages. tutorial_tree.gd has written
-## res://pack/oak.glb before.
+## The base class for the tutorial tests, with scenes that have a ground, buttons, and pictures for the pages. Before these tests, tutorial_tree.gd
+## must have written res://pack/oak.glb.
 
 const LayersPanel := preload("res://addons/thicket/editor/layers/layers_panel.gd")
 const OAK := "res://pack/oak.glb"
 const SIZE := Vector2i(1280, 800)
-## Window size for pictures of the view with all its tools.
+## The window size, in pixels, for pictures of the view with all its tools.
 const WIDE := Vector2i(1720, 1060)
-## Width of the pictures in pixels.
+## The width of a page's pictures in pixels.
 const WIDTH := 960
 const STATE := """[editor_states]
 
@@ -62,12 +62,12 @@ func select(node: Node) -> void:
 	await frames(3)
 
 
-## Waits for the plugin's next update. It updates only some times per second.
+## Waits for the plugin's next update. It updates only a few times per second.
 func wait_for_panel() -> void:
 	await get_tree().create_timer(0.6).timeout
 
 
-## Creates a ground of 200 m with hills, as a mesh.
+## Saves a hilly ground mesh of 200 by 200 m, unless it exists already.
 func make_ground() -> void:
 	if ResourceLoader.exists("res://ground.res"):
 		return
@@ -91,7 +91,7 @@ func make_ground() -> void:
 	ResourceSaver.save(made.commit(), "res://ground.res")
 
 
-## Opens a new scene with the ground. The camera looks at a position from this distance.
+## Opens a new scene with the ground. The camera looks at `place` from `away` meters, rotated `down` and `around` in radians.
 func open_new(path: String, place: Vector3, away: float, down: float, around: float) -> void:
 	make_ground()
 	var world := Node3D.new()
@@ -118,7 +118,7 @@ func open_at(path: String, place: Vector3, away: float, down: float, around: flo
 	await frames(3)
 
 
-## Takes a picture for a page: of the whole editor, or of the 3D view with its toolbar.
+## Takes a picture for a page, either of the whole editor or of the 3D view with its toolbar.
 func page_picture(title: String, of_view := false) -> void:
 	await picture(title)
 	var file := "res://pictures_of_tests/%s.png" % title
@@ -129,13 +129,13 @@ func page_picture(title: String, of_view := false) -> void:
 	image.save_png(file)
 
 
-## Hides the handles of the selected node, so that the mouse selects and does not move.
+## Hides the selected node's handles, so that a drag selects instead of moving the node.
 func hide_handles() -> void:
 	surface().grab_focus()
 	await key(KEY_V)
 
 
-## Steps 3 and 4 of the first tutorial.
+## Performs steps 3 and 4 of the first tutorial.
 func add_scatter() -> void:
 	addon().make_bottom_panel_item_visible(panel())
 	await frames(3)
@@ -160,7 +160,7 @@ func import_as(path: String, parameters: Dictionary) -> void:
 	for parameter: String in parameters:
 		settings.set_value("params", parameter, parameters[parameter])
 	settings.save(path + ".import")
-	RenderingServer.render_loop_enabled = true # The import creates a thumbnail of a scene.
+	RenderingServer.render_loop_enabled = true # The import draws a thumbnail of a scene.
 	EditorInterface.get_resource_filesystem().reimport_files([path])
 	await frames(5)
 	RenderingServer.render_loop_enabled = false
@@ -178,7 +178,7 @@ func menu_of_regions(section: String, item: String) -> int:
 	return -1
 
 
-## Counts the instances of these layers within a circle on the map.
+## Counts the instances of the layers `names` within a circle on the map.
 func count_in(at: Vector2, radius: float, names: PackedStringArray) -> int:
 	var result := 0
 	for title in names:

@@ -1,6 +1,6 @@
 extends SceneTree
-## Writes res://pack/oak.glb, a tree as in an asset pack: trunk and leaves with a material each, three LODs by name and a collision
-## shape. The texture of leaves and bark is saved beside it. The tree is the demo's oak, whose scripts are in res://meshes.
+## Writes res://pack/oak.glb, a tree like those in asset packs: trunk and leaves with a material each, three LODs by name, and a collision
+## shape. Saves the texture of leaves and bark next to it. The tree is the demo's oak, whose scripts are in res://meshes.
 
 const FILE := "res://pack/oak.glb"
 
@@ -33,7 +33,7 @@ func _initialize() -> void:
 	quit()
 
 
-## Returns trunk and crown of a LOD.
+## Returns the trunk and the crown of an LOD.
 func parts_of(level: int) -> Array:
 	var random := RandomNumberGenerator.new()
 	random.seed = 100
@@ -61,7 +61,7 @@ func material_of(title: String) -> StandardMaterial3D:
 	made.resource_name = title
 	made.vertex_color_use_as_albedo = true
 	made.roughness = 1.0
-	made.albedo_color = Color(0.5, 0.5, 0.5) # Gray without a texture, as in an imported file.
+	made.albedo_color = Color(0.5, 0.5, 0.5) # Plain gray without a texture, as in many imported files.
 	return made
 
 

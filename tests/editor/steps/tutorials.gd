@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/tutorial_scenes.gd"
-## The steps of the tutorials, as a reader takes them, with the pictures for the pages; the window that shows the pages, and
+## Follows the tutorials' steps as a reader would and takes the pictures for their pages. Also tests the window that shows the pages, and
 ## the links to them in the editor's help.
 
 const FOLDER := "res://addons/thicket/tutorials/"
@@ -36,9 +36,9 @@ func test_first_forest() -> void:
 
 
 func test_your_own_tree() -> void:
-	# The editor does this by itself, some time after a texture was first used in 3D.
+	# The editor would set these options itself, some time after the first use of the texture in 3D.
 	await import_as("res://pack/oak.png", {"mipmaps/generate": true, "detect_3d/compress_to": 0})
-	await import_as(OAK, {}) # With a thumbnail for the list.
+	await import_as(OAK, {}) # Importing it again creates a thumbnail for the list.
 	await open_new("res://own.tscn", Vector3(0.0, 3.0, 0.0), 80.0, 0.3, 0.6)
 	await add_scatter()
 	await drag_files([OAK], middle(panel().tree))
@@ -79,13 +79,13 @@ func test_paint_and_shapes() -> void:
 	await open_at("res://wood.tscn", Vector3(0.0, 3.0, 0.0), 62.0, 0.3, 0.6)
 	var wood := FileAccess.get_file_as_string("res://wood.tscn")
 	var park := FileAccess.open("res://park.tscn", FileAccess.WRITE)
-	park.store_string(RegEx.create_from_string(" uid=\"uid://\\w+\"").sub(wood, "")) # Removes the scene's own uid, which is the first one.
+	park.store_string(RegEx.create_from_string(" uid=\"uid://\\w+\"").sub(wood, "")) # Removes the first uid, which is the scene's own.
 	park.close()
 	await open_at("res://park.tscn", Vector3(0.0, 0.0, 2.0), 72.0, 1.05, 0.6)
 	get_window().size = WIDE
 	addon().hide_bottom_panel()
 	scatter = root.get_node("Scatter")
-	for title: String in ["Spruce", "Birch"]: # A dense wood.
+	for title: String in ["Spruce", "Birch"]: # Makes the wood denser, for a better picture.
 		layer(title).clump_size = 0.0
 		layer(title).density = 1.0
 	await select(scatter)
@@ -137,7 +137,7 @@ func add_regions() -> void:
 	check_equal(count_in(Vector2(4.0, -4.0), 2.5, ["Spruce", "Birch"]), 0, "no trees in it")
 
 
-## Keeps ferns only where they are painted, then undoes that.
+## Paints ferns with "Only here", and then undoes it.
 func paint_first_stroke() -> void:
 	var toolbar: Node = workspace().toolbar
 	toolbar.paint.set_on(true)
@@ -179,7 +179,7 @@ func erase_a_lane() -> void:
 	await wait_for_panel()
 
 
-## Queries why no spruce grows in the clearing.
+## Uses the tool that explains why no spruce grows in the clearing.
 func explain_clearing() -> void:
 	var why: Node = workspace().toolbar.why
 	why.set_on(true)
@@ -202,7 +202,7 @@ func tutorial_text() -> RichTextLabel:
 	return texts_of(workspace().tutorials)[0]
 
 
-## Every page is shown completely: its text without markup, its pictures, and links to other pages.
+## Checks that the window shows every page completely: its text without markup, its pictures, and links to other pages.
 func test_the_window() -> void:
 	var tutorials: Window = workspace().tutorials
 	for page: String in tutorials.PAGES:
@@ -229,13 +229,13 @@ func test_the_window() -> void:
 	tutorials.hide()
 
 
-## Returns the text of the open page of the editor's help, or null.
+## Returns the text label of the open help page, or null.
 func help() -> RichTextLabel:
 	var pages := EditorInterface.get_script_editor().find_children("*", "EditorHelp", true, false)
 	return texts_of(pages[0])[0] if not pages.is_empty() else null
 
 
-## A click on a link in the class reference opens the page. The editor's help alone would not.
+## Checks that a click on a link in the class reference opens the tutorial page. The editor's help alone would not open it.
 func test_links_in_the_help() -> void:
 	EditorInterface.get_script_editor().goto_help("class_name:TerrainScatter3D")
 	EditorInterface.set_main_screen_editor("Script")

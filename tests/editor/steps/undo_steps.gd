@@ -1,7 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
-## Each change of a scene by the plugin is one step of undo: undo and redo restore the saved scene and the files beside it,
-## byte for byte. First each step alone, then all of them one by one, then all at once.
+## Checks that each change that the plugin makes to a scene is one undo step. Undo and redo must restore the saved scene and the files next to it,
+## byte for byte. Tests each step alone, then all of them one by one, and then all at once.
 
 const BakeReplacement := preload("res://addons/thicket/editor/bake/bake_replacement.gd")
 const GroundButtons := preload("res://addons/thicket/editor/ground/ground_buttons.gd")
@@ -21,7 +21,7 @@ var root: Node
 var scatter: Node3D
 var manager: EditorUndoRedoManager
 
-# The saved files before the first step, and after each.
+# The saved files before the first step and after each step.
 var _saved: Array[Dictionary] = []
 var _names := PackedStringArray()
 
@@ -44,7 +44,7 @@ func add(node: Node, title: String, parent: Node, owner_of_all: Node) -> Node:
 	return node
 
 
-## A mesh and a body for a ground, old instances to import, regions of all shapes that refer to layers, and a layer in a file.
+## Saves a scene with a mesh and a body for a ground, instances to import, regions that refer to layers, and a layer in its own file.
 func make_scene() -> void:
 	ResourceSaver.save(make_layer("Moss", 3.0), MOSS)
 	ResourceSaver.save(make_layer("Fern", 2.0), FERN)
@@ -72,7 +72,7 @@ func make_scene() -> void:
 	made.layers[1].spacing = {"Grass": 0.5, made.layers[2]: 1.0}
 	made.layers[0].proximity_layer = "Trees"
 	made.layers[1].color_value = ClassDB.instantiate(&"ScatterValueSource")
-	made.layers[1].color_value.source = 5 # Distance, to no layer yet.
+	made.layers[1].color_value.source = 5 # SOURCE_DISTANCE, whose layer is not set yet.
 	for kind in 4:
 		var region := add(ClassDB.instantiate(&"ScatterRegion3D"), "Region%d" % kind, made, heath) as Node3D
 		region.shape = kind
@@ -101,7 +101,7 @@ func layer(title: String) -> Resource:
 	return null
 
 
-## Makes a change, undoes and redoes it.
+## Makes a change, undoes and redoes it, and checks the saved files each time.
 func step(title: String, change: Callable) -> void:
 	_names.append(title)
 	@warning_ignore("redundant_await")
@@ -125,7 +125,7 @@ func test_open() -> void:
 	EditorInterface.set_main_screen_editor("3D")
 	await select(scatter)
 	await settle(scatter)
-	# The editor adds its own data when it saves; from here on the files do not change.
+	# The editor adds its own data when it first saves a file. Later saves do not change the files.
 	saved_files()
 	_saved.append(saved_files())
 
@@ -153,7 +153,7 @@ func test_layers() -> void:
 	await select(scatter)
 
 
-## Chooses the first entry in the list of a property that refers to a layer.
+## Chooses the first layer in the inspector's list for a property.
 func choose_in_inspector(object: Object, property: StringName) -> void:
 	EditorInterface.inspect_object(object, "", true)
 	await frames(4)
@@ -300,7 +300,7 @@ func test_nodes() -> void:
 	await step("A body as its ground", func() -> void: GroundButtons.use(root.get_child(-1), [root.get_node("Floor")] as Array[Node], manager))
 
 
-## Undoes and redoes all steps, saving after each.
+## Undoes and redoes all steps, and checks the saved files after each.
 func test_all_one_by_one() -> void:
 	for index in range(_names.size() - 1, -1, -1):
 		await undo()
@@ -310,7 +310,7 @@ func test_all_one_by_one() -> void:
 		check_same(saved_files(), _saved[index + 1], _names[index] + ", redone after all earlier steps")
 
 
-## Undoes and redoes all steps, saving only at the ends.
+## Undoes and redoes all steps, and checks the saved files only at both ends.
 func test_all_at_once() -> void:
 	for title in _names:
 		await undo()

@@ -1,11 +1,11 @@
 @tool
 extends "res://tests/steps.gd"
-## Tests the editor's 3D viewports: the orthogonal views along the axes, and a second viewport with a different view. Also tests that the Scene dock
+## Tests the editor's 3D viewports: the orthogonal views along the axes, and a second viewport with a different view. Also checks that the Scene dock
 ## marks a moved node.
 
 const SCENE := "res://yard.tscn"
 const VIEW_DISTANCE := 60.0
-const SECOND := 2 ## With two viewports, the first and the third are visible.
+const SECOND := 2 ## The index of the second visible viewport. With two viewports, Godot shows the first and the third.
 
 var scatter: Node3D
 
@@ -14,13 +14,13 @@ func viewport(index: int) -> SubViewport:
 	return EditorInterface.get_editor_viewport_3d(index)
 
 
-## Chooses a menu item in the 3D editor, by its text.
+## Chooses a menu item by its text, in any menu under `parent`.
 func choose(parent: Node, text: String) -> void:
 	for menu: PopupMenu in parent.find_children("*", "PopupMenu", true, false):
 		for index in menu.item_count:
 			if menu.get_item_text(index) == text:
 				menu.id_pressed.emit(menu.get_item_id(index))
-				await frames(30) # The view turns smoothly.
+				await frames(30) # The view takes several frames to rotate.
 				return
 	check(false, "there is a menu item " + text)
 
@@ -29,7 +29,7 @@ func view_control(index: int) -> Control:
 	return viewport(index).get_parent().get_parent() as Control
 
 
-## Returns, for each point, the middle of the visible tiles that are nearest to it.
+## Assigns each visible tile to the nearest point. Returns the mean position of each point's tiles, or (0, 0) without tiles.
 func shown_around(points: Array[Vector2]) -> Array[Vector2]:
 	var sums: Array[Vector2] = []
 	var counts: Array[int] = []
@@ -49,7 +49,7 @@ func shown_around(points: Array[Vector2]) -> Array[Vector2]:
 	return middles
 
 
-## Returns the fraction of a viewport's picture that is red.
+## Returns the fraction of a viewport's pixels that are red.
 func red(index: int) -> float:
 	viewport(index).render_target_update_mode = SubViewport.UPDATE_ALWAYS
 	await frames(2)

@@ -1,6 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
-## Files that the editor's tools replace keep the ids by which scenes find them. No partial file appears in the FileSystem dock.
+## Checks that files that the editor's tools replace keep the UIDs by which scenes refer to them, and that no partial file appears in the FileSystem
+## dock.
 
 const WholeFile := preload("res://addons/thicket/whole_file.gd")
 

@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/steps.gd"
-## The tool that explains why instances exist at a position or not: hovering, pinning, and the colors on the ground.
+## Tests the tool that explains why an instance exists at a position or not: hovering, pinning, and the colors on the ground.
 
 const SCENE := "res://demo.tscn"
 
@@ -19,7 +19,7 @@ func make_layer(layer_name: String, radius: float, size: Vector3) -> Resource:
 	return layer
 
 
-## Three layers on the demo's ground, one of them only on gentle slopes. The demo's own forest is hidden, because software draws it slowly.
+## Makes three layers on the demo's ground, with trees only on gentle slopes. Hides the demo's own forest, which software rendering draws slowly.
 func make_scatter() -> void:
 	var root := await open(SCENE)
 	root.get_node(^"Scatter").visible = false
@@ -48,7 +48,7 @@ func tool() -> Control:
 	return workspace().toolbar.why
 
 
-## Moves the mouse to a position in the 3D view, in pixels, as an event of the window.
+## Moves the mouse to a pixel position in the 3D view by pushing an event to the window.
 func hover(at: Vector2) -> void:
 	var motion := InputEventMouseMotion.new()
 	motion.position = view_origin() + at
@@ -80,7 +80,7 @@ func test_hover() -> void:
 	EditorInterface.get_selection().add_node(scatter)
 	EditorInterface.edit_node(scatter)
 	await frames(3)
-	addon().hide_bottom_panel() # The view needs the space.
+	addon().hide_bottom_panel() # Enlarges the 3D view.
 	await settle(scatter)
 	tool().set_on(true)
 	workspace().toolbar.choose_layer(0)
@@ -144,7 +144,7 @@ func test_colors() -> void:
 	check(not tool().overlay.is_shown() and tool().panel.rows.is_empty(), "colors and rows disappear with the tool")
 
 
-## Without ground or layers the tool reports that, and nothing is printed.
+## Checks that, without ground or layers, the tool shows what is missing and prints nothing.
 func test_nothing_to_explain() -> void:
 	var terrain: Resource = scatter.ground
 	var layers: Array = scatter.layers

@@ -1,7 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
-## The add-on in an editor without its library: the plugin does not disturb the editor. No type of the library is named here, because the
-## editor compiles this script, too.
+## Tests the add-on in an editor without its library: the plugin must not disturb the editor. This script names none of the library's types, because
+## the editor compiles it without the library.
 
 const SCENE := "res://scene.tscn"
 
