@@ -1,32 +1,34 @@
-"""The rooms of the sources, the rooms that each may include, and the tests that belong to each room of the core."""
+"""Defines the rooms (modules) of the sources, the rooms that each may include, and the tests of each room of the
+core."""
 
 import os
 import re
 
 import programs
 
-# Each room, and the rooms whose headers it includes. A room comes after all that it includes. Tests compare the sources, README.md
-# and ARCHITECTURE.md with this table.
+# Each room, and the rooms whose headers it includes. A room is listed after all rooms that it includes. Tests compare
+# the sources, README.md and ARCHITECTURE.md with this table.
 ROOMS = {
     "core/base": [],
     "core/sampling": ["core/base"],
-    "core/surface": ["core/base", "core/sampling"],
     "core/terrain": ["core/base"],
+    "core/surface": ["core/base", "core/sampling", "core/terrain"],
     "core/model": [],
     "core/rules": ["core/base", "core/terrain"],
-    "core/placement": ["core/base", "core/sampling", "core/terrain", "core/rules"],
+    "core/placement": ["core/base", "core/sampling", "core/terrain", "core/surface", "core/rules"],
     "core/state": ["core/base", "core/sampling"],
     "core/query": ["core/base", "core/sampling", "core/placement", "core/state"],
     "core/near": ["core/base", "core/placement", "core/state", "core/query"],
     "core/streaming": ["core/base"],
     "core/drawing": ["core/base", "core/placement", "core/streaming"],
-    "core/explain": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement"],
+    "core/explain": ["core/base", "core/sampling", "core/terrain", "core/surface", "core/rules", "core/placement"],
     "core/impostor": ["core/base"],
+    "core/heightmap": ["core/base", "core/terrain"],
     "core/c_api": ["core/base", "core/sampling"],
     "bindings": [],
     "nodes/common": ["core/base"],
     "nodes/impostor": ["core/impostor", "nodes/common"],
-    "nodes/ground": ["core/base", "core/terrain", "nodes/common"],
+    "nodes/ground": ["core/base", "core/terrain", "core/heightmap", "nodes/common"],
     "nodes/sampler": ["core/base", "core/sampling", "core/surface", "nodes/common"],
     "nodes/model": ["core/base", "core/model", "core/near", "nodes/common"],
     "nodes/layer": [
@@ -50,12 +52,12 @@ ROOMS = {
         "nodes/common", "nodes/ground", "nodes/layer", "nodes/biome", "nodes/region", "nodes/gameplay",
         "nodes/workers", "nodes/drawing", "nodes/explain",
     ],
-    "nodes": ["nodes"],  # Registers the classes of all rooms.
+    "nodes": ["nodes"],  # This part registers the classes of all rooms.
 }  # fmt: skip
 CORE = [room for room in ROOMS if room.startswith("core/")]
 NODES = [room for room in ROOMS if room.split("/")[0] == "nodes"]
 
-# Parts of rooms that have tests of their own.
+# Parts of rooms that have separate tests.
 PARTS = {"core/domain": "core/sampling/domain"}
 TESTED = ["core/base", "core/sampling", *PARTS, *CORE[2:]]
 
@@ -65,13 +67,14 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 
 
 def sources(root, room):
-    """The sources of a room, relative to root, in the order of their names. "nodes" has only those that lie in no other room."""
+    """Returns the sources of a room, relative to root, sorted by name. "nodes" has only the sources that are in no
+    other room."""
     pattern = "extension/%s/" % room + ("*.cpp" if room == "nodes" else "**/*.cpp")
     return programs.find(root, [pattern])
 
 
 def reached_from(room):
-    """The rooms that a room includes, directly or indirectly, in the order of the table."""
+    """Returns the rooms that a room includes, directly or indirectly, in the order of the table."""
     found, left = set(), [room]
     while left:
         new = set(ROOMS.get(left.pop(), [])) - found
@@ -81,13 +84,13 @@ def reached_from(room):
 
 
 def asked_for(targets):
-    """The targets that are programs with the tests of one room: core_tests_rules, core_tests_query, ..."""
+    """Returns the targets that are test programs of a single room: core_tests_rules, core_tests_query, ..."""
     return [name for name in targets if name.startswith(PREFIX)]
 
 
 def tests_of(root, name):
-    """Sources of the program core_tests_ROOM, and the rooms of the core that it is linked with. A test belongs to the last room
-    that it includes, directly or through its fixtures."""
+    """Returns the sources of the program core_tests_ROOM, and the rooms of the core to link it with. A test belongs to
+    the last room that it includes, directly or through its fixtures."""
     wanted = "core/" + name[len(PREFIX) :]
     if wanted not in TESTED:
         raise SystemExit("thicket: %s: no such room; there are %s" % (name, ", ".join(room[5:] for room in TESTED)))
@@ -97,7 +100,7 @@ def tests_of(root, name):
             continue
         path = TESTS + "/" + file
         included = rooms_included(root, path, set())
-        # Files that contain no tests, such as the main function, are part of every program.
+        # Files without tests, such as the one with the main function, are part of every program.
         if not file.startswith("test_") or max(included, key=TESTED.index, default="") == wanted:
             files.append(path)
             needed |= included
@@ -107,7 +110,7 @@ def tests_of(root, name):
 
 
 def rooms_included(root, path, seen):
-    """The rooms of the core that a file of the tests includes, directly or through other files of the tests."""
+    """Returns the rooms of the core that a test file includes, directly or through other test files."""
     found = set()
     seen.add(path)
     with open(os.path.join(root, path), encoding="utf-8") as file:
