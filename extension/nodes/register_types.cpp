@@ -23,6 +23,7 @@
 #include "nodes/ground/former_grounds.hpp"
 #include "nodes/ground/scatter_ground.hpp"
 #include "nodes/ground/scatter_ground_colliders.hpp"
+#include "nodes/ground/scatter_ground_combined.hpp"
 #include "nodes/ground/scatter_ground_flat.hpp"
 #include "nodes/ground/scatter_ground_heightmap.hpp"
 #include "nodes/ground/scatter_ground_meshes.hpp"
@@ -43,7 +44,7 @@ void initialize(ModuleInitializationLevel p_level) {
 	if (p_level != MODULE_INITIALIZATION_LEVEL_SCENE) {
 		return;
 	}
-	remember_main_thread(); // The engine initializes libraries there.
+	remember_main_thread(); // The engine initializes libraries on its main thread.
 	GDREGISTER_CLASS(PoissonPoints);
 	GDREGISTER_CLASS(PoissonSurfacePoints);
 	GDREGISTER_CLASS(PoissonSampler);
@@ -55,6 +56,7 @@ void initialize(ModuleInitializationLevel p_level) {
 	GDREGISTER_CLASS(ScatterGroundNode);
 	GDREGISTER_CLASS(ScatterGroundMeshes);
 	GDREGISTER_CLASS(ScatterGroundColliders);
+	GDREGISTER_CLASS(ScatterGroundCombined);
 	register_former_grounds();
 	GDREGISTER_CLASS(ScatterMask);
 	GDREGISTER_CLASS(ScatterDiffLimits);
@@ -82,7 +84,7 @@ void terminate(ModuleInitializationLevel) { drop_main_thread_calls(); }
 
 extern "C" {
 
-/// The entry point of the library, named in thicket.gdextension.
+/// Initializes the library. This is its entry point, whose name thicket.gdextension contains.
 GDExtensionBool GDE_EXPORT thicket_library_init(GDExtensionInterfaceGetProcAddress p_get_proc_address,
 		GDExtensionClassLibraryPtr p_library, GDExtensionInitialization *r_initialization) {
 	if (!thicket::fits_precision(p_get_proc_address)) {

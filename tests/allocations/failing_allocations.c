@@ -1,4 +1,5 @@
-// A library to preload into the engine. It makes chosen allocations fail, and records the consequences.
+// A library to preload into the engine. It makes chosen memory allocations of the extension fail, and records the
+// consequences.
 //
 // Only allocations with a frame of the extension on their stack count: its own, and those that the engine makes during
 // a call of the extension. A script sends commands with OS.set_environment("THICKET_ALLOCATIONS", COMMAND):
@@ -70,8 +71,8 @@ static _Unwind_Reason_Code find_library(struct _Unwind_Context *context, void *f
 	return *(bool *)found ? _URC_END_OF_STACK : _URC_NO_REASON;
 }
 
-// True if any word on the stack could be a return address into the library. Cheap, and false for nearly all
-// allocations.
+// Returns true if any word on the stack could be a return address into the library. The check is fast, and returns
+// false for nearly all allocations.
 static bool may_be_below_library(void) {
 	if (stack_end == NULL) {
 		pthread_attr_t attributes;
@@ -181,7 +182,7 @@ void *dlopen(const char *path, int mode) {
 	if (next == NULL) {
 		next = (void *(*)(const char *, int))dlsym(RTLD_NEXT, "dlopen");
 	}
-	// With that flag, the library would find the C library's functions before those above.
+	// With RTLD_DEEPBIND, the library would find the C library's functions before the functions above.
 	void *handle = next(path, mode & ~RTLD_DEEPBIND);
 	if (path != NULL && strstr(path, "libthicket") != NULL) {
 		int found = 0;

@@ -14,8 +14,9 @@
 
 namespace thicket::analysis {
 
-/// Digests of the densities that a layer's rules look up: a curve, an image, a mask after dabs of every kind, and
-/// clumps. `require(status)` ends the program if one is refused.
+/// Digests of the densities that a layer's rules sample: a curve, an image mask, a painted mask
+/// after dabs in every brush mode, and clump noise on the plane and in space. `require(status)` must end the program if
+/// `status` is an error.
 template <typename Require>
 std::vector<std::pair<std::string, std::uint64_t>> field_digests(Require require) {
 	constexpr std::uint32_t steps = 4000;
@@ -65,8 +66,16 @@ std::vector<std::pair<std::string, std::uint64_t>> field_digests(Require require
 			clump_hash.add(clumps.at(origin + place));
 		}
 	}
+	WordHash space_hash;
+	for (const double height : {0.0, -1e9, 5e6}) {
+		ClumpNoise clumps;
+		clumps.set({.size = 7.3, .coverage = 0.4, .softness = 0.8}, 17);
+		for (const glm::dvec2 place : places) {
+			space_hash.add(clumps.at(glm::dvec3(place.x, height + 0.7 * place.x, place.y)));
+		}
+	}
 	return {{"curve", curve_hash.value()}, {"image mask", digest_of(image)}, {"painted mask", digest_of(mask)},
-			{"clumps", clump_hash.value()}};
+			{"clumps", clump_hash.value()}, {"clumps in space", space_hash.value()}};
 }
 
 } // namespace thicket::analysis

@@ -24,11 +24,11 @@
 
 namespace thicket::analysis {
 
-/// A forest, and bushes whose tiles are smaller than the squares of their set, on their own hills. Generates tiles on
-/// request.
+/// A world of hills with two layers: a forest, and bushes whose tiles are narrower than the radius
+/// of their point set. It generates tiles on request and caches them.
 class GoldenWorld final : public TileSource {
 public:
-	/// With trees around `place`.
+	/// Moves the hills so that trees grow around `place`.
 	explicit GoldenWorld(glm::dvec2 place) : hills_(bench::Hills::at(place - glm::dvec2(4950.0, 3400.0))) {
 		LayerSettings bushes = forest();
 		bushes.set = {.seed = 9, .radius = 7.0, .levels = 1, .layer = 12};
@@ -47,7 +47,8 @@ public:
 
 	std::vector<QueryLayer> query_layers;
 
-	Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> &r_tile) override {
+	Status find_tile(const WorldTile &wanted, std::shared_ptr<const CompactTile> &r_tile) override {
+		const auto &[layer, tile, slab] = wanted;
 		std::shared_ptr<const CompactTile> &kept = tiles_[{layer, tile.x, tile.y}];
 		if (kept == nullptr) {
 			TileInstances made;
@@ -97,7 +98,8 @@ inline std::uint64_t digest_of(const std::vector<PlacedInstance> &instances) {
 	return hash.value();
 }
 
-/// Removes some instances and places some by hand.
+/// Returns a state that removes about a fifth of `all` and adds 30 hand-placed instances around
+/// `place`.
 template <typename Require>
 InstanceState changed_world(const std::vector<PlacedInstance> &all, glm::dvec3 place, Require require) {
 	GoldenRandom random(23);
@@ -114,7 +116,8 @@ InstanceState changed_world(const std::vector<PlacedInstance> &all, glm::dvec3 p
 	return state;
 }
 
-/// The first hits of rays, and the nearest instances to positions, spread over the rectangle.
+/// Hashes the first hits of random rays and the instances nearest to random positions around
+/// `place`. The number of hits is added to `r_met`.
 template <typename Require>
 void add_first_ones(const InstanceQuery &query, glm::dvec3 place, WordHash &r_rays, WordHash &r_nearest,
 		std::uint64_t &r_met, Require require) {
@@ -142,7 +145,8 @@ void add_first_ones(const InstanceQuery &query, glm::dvec3 place, WordHash &r_ra
 	}
 }
 
-/// The instances that enter and leave around a walking viewer, and their bodies.
+/// Returns a digest of the instances that enter and leave as a viewer walks past, and of the bodies
+/// that are fitted to them.
 inline std::uint64_t digest_walk(const std::vector<PlacedInstance> &standing, glm::dvec3 place) {
 	WordHash hash;
 	NearSet near;
@@ -170,12 +174,13 @@ inline std::uint64_t digest_walk(const std::vector<PlacedInstance> &standing, gl
 	return hash.value();
 }
 
-/// The displayed meshes of a tile with removed instances.
+/// Returns a digest of the meshes that are displayed for a tile after the state has changed its
+/// instances.
 template <typename Require>
 std::uint64_t digest_overlay(GoldenWorld &world, const InstanceState &state, glm::dvec3 place, Require require) {
 	const glm::ivec2 tile = tile_at(world.query_layers[0].tile_size, {place.x, place.z});
 	std::shared_ptr<const CompactTile> found;
-	require(world.find_tile(0, tile, found));
+	require(world.find_tile({0, tile}, found));
 	OverlaidMeshes meshes;
 	require(overlaid(
 			found, world.settings(0), tile_rect(world.query_layers[0].tile_size, tile), {&state, nullptr}, meshes));
@@ -189,7 +194,8 @@ std::uint64_t digest_overlay(GoldenWorld &world, const InstanceState &state, glm
 	return hash.value();
 }
 
-/// Digests of all query results that a changed world returns around `place`, and of their uses.
+/// Returns digests of all kinds of query around `place` in a world with changed instances. The
+/// queries include the instances near a walking viewer and a displayed tile.
 template <typename Require>
 std::vector<std::pair<std::string, std::uint64_t>> query_digests(
 		const std::string &where, glm::dvec2 place, Require require) {
@@ -197,7 +203,7 @@ std::vector<std::pair<std::string, std::uint64_t>> query_digests(
 	const Rect rect{place - glm::dvec2(90.25, 80.5), place + glm::dvec2(80.75, 95.125)};
 	std::vector<PlacedInstance> all;
 	require(InstanceQuery{world.query_layers, world}.in_rect(rect, {}, all));
-	// A height in the middle of the instances.
+	// The queries below use the height of an instance from the middle of the list.
 	const glm::dvec3 center(place.x, all.empty() ? 0.0 : all[all.size() / 2].position.y, place.y);
 	const InstanceState state = changed_world(all, center, require);
 	const InstanceQuery query{world.query_layers, world, &state};

@@ -1,14 +1,15 @@
-// Reads a list of tiles that an engine run has written, generates the same tiles with the core alone, on one thread,
-// and compares the digests.
+// Reads a list of tiles that an engine run has written, generates the same tiles on one thread with
+// the core alone, and compares their digests.
 //
-// Usage: tile_digests FILE. Each line of the file describes one item in words, as tests/engine/tile_log.gd writes it:
+// Usage: tile_digests FILE. Each line of the file describes one item in words, as
+// tests/engine/tile_log.gd writes it:
 //   flat HEIGHT
 //   heightmap PATH COLUMNS ROWS MIN_X MIN_Z SIZE_X SIZE_Z MIN_HEIGHT MAX_HEIGHT
 //   layer INDEX NUMBER... (LayerSettings in the order of `read_layer`)
 //   tile LAYER TILE_SIZE X Y DIGEST
-// Seeds, counts, coordinates and digests are whole numbers. All other numbers are the bits of a double, as a whole
-// number. Ends with a line "tile_digests: N tiles, M instances, D differ". Exits with 0 if D is 0, 1 if not, 2 if the
-// file is invalid.
+// Seeds, counts, coordinates and digests are whole numbers. All other numbers are the bits of a
+// double, as a whole number. Ends with a line "tile_digests: N tiles, M instances, D differ". Exits
+// with 0 if D is 0, 1 if not, 2 if the file is invalid.
 
 #include "core/placement/tile_builder.hpp"
 #include "core/base/tile_grid.hpp"
@@ -30,7 +31,7 @@ namespace {
 
 using namespace thicket;
 
-/// Reads a double by its bits.
+/// Reads a double that is written as the integer with the same bits.
 struct Bits {
 	double &value;
 };
@@ -50,7 +51,7 @@ struct Totals {
 
 class Comparison {
 public:
-	/// False for an invalid line.
+	/// Processes one line. Returns false if it is invalid.
 	bool take(std::istringstream &line) {
 		std::string word;
 		line >> word;
@@ -108,7 +109,8 @@ private:
 		for (double *number : {&layer.set.radius, &rules.density, &rules.min_slope_degrees, &rules.max_slope_degrees,
 					 &rules.slope_falloff_degrees, &rules.min_height, &rules.max_height, &rules.height_falloff,
 					 &placement.min_yaw_degrees, &placement.max_yaw_degrees, &placement.min_scale, &placement.max_scale,
-					 &placement.align_to_normal, &placement.height_offset}) {
+					 &placement.align_to_normal, &placement.height_offset, &rules.clumping.size,
+					 &rules.clumping.coverage, &rules.clumping.softness}) {
 			line >> Bits{*number};
 		}
 		const bool whole = !line.fail();

@@ -1,4 +1,4 @@
-// A flat world of one layer, for tests of instances near a position.
+// A flat world with one layer, for tests of instances near a position.
 
 #pragma once
 
@@ -51,12 +51,12 @@ struct FlatWorld {
 	void load(int reach = 2, double height = 0.0) {
 		for (int y = -reach; y <= reach; ++y) {
 			for (int x = -reach; x <= reach; ++x) {
-				world.keep(0, {x, y}, make({x, y}, height));
+				world.keep({0, {x, y}}, make({x, y}, height));
 			}
 		}
 	}
 
-	/// The ids of all instances within `radius` meters of a position.
+	/// Returns the ids of all instances within `radius` meters of a position.
 	std::set<std::uint64_t> within(glm::dvec3 center, double radius) const {
 		std::vector<PlacedInstance> found;
 		CHECK(world.ask_known([&](const InstanceQuery &query) {

@@ -1,7 +1,7 @@
 #pragma once
 
-// Helpers for the tests of queries: a world of several layers, a source of its tiles, and a brute-force list of all its
-// instances.
+// Helpers for query tests: a world with several layers, a source of its tiles, and a brute-force
+// list of all its instances.
 
 #include "core/base/tile_grid.hpp"
 #include "core/placement/compact_tile.hpp"
@@ -22,7 +22,8 @@
 
 namespace thicket::test {
 
-/// Endless hills, up to 30 degrees steep, with a pond here and there.
+/// Unbounded hills with slopes of up to 30 degrees. The lowest valleys are holes without ground
+/// (NaN).
 class EndlessHills final : public Terrain {
 public:
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
@@ -39,7 +40,7 @@ public:
 	}
 };
 
-/// A layer's settings, and how queries see it.
+/// The settings of a layer, and the layer's description for queries.
 struct WorldLayer {
 	LayerSettings settings;
 	QueryLayer query_layer;
@@ -54,8 +55,9 @@ inline WorldLayer world_layer(const LayerSettings &settings, double tile_size, c
 					.max_offset = std::abs(settings.placement.offset_along_normal)}};
 }
 
-/// Leaning trees; ferns that are offset from their points and colored; stones whose tiles are smaller than the squares
-/// of their set; and a layer without instances. No tile size is a multiple of any other.
+/// Returns four layers: leaning trees; colored ferns that are offset from the ground; stones whose
+/// tiles are narrower than the base squares of their point set; and a layer that queries skip. The
+/// tile sizes of the first three are not multiples of each other.
 inline std::vector<WorldLayer> world_layers() {
 	LayerSettings trees;
 	trees.set = {.seed = 12, .radius = 5.0, .levels = 2, .layer = 3};
@@ -83,17 +85,18 @@ inline std::vector<WorldLayer> world_layers() {
 	return layers;
 }
 
-/// Generates tiles on request and keeps them.
+/// A tile source that generates tiles on request and caches them.
 class World final : public TileSource {
 public:
 	explicit World(const SampleMargins &margins = {}) : builder_(margins) {}
 
 	std::vector<WorldLayer> layers = world_layers();
-	std::vector<std::tuple<std::uint32_t, int, int>> requests; ///< Layer, x and y of every tile, in order.
-	bool makes = true;                                         ///< False: missing tiles are not generated.
-	Status failure;                                            ///< The result of the next call, if it is an error.
+	std::vector<std::tuple<std::uint32_t, int, int>> requests; ///< Layer, x and y of every requested tile, in order.
+	bool makes = true;                                         ///< If false, missing tiles are not generated.
+	Status failure;                                            ///< If this is an error, `find_tile` returns it.
 
-	Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> &r_tile) override {
+	Status find_tile(const WorldTile &wanted, std::shared_ptr<const CompactTile> &r_tile) override {
+		const auto &[layer, tile, slab] = wanted;
 		requests.emplace_back(layer, tile.x, tile.y);
 		r_tile = nullptr;
 		if (!failure.ok()) {
@@ -111,7 +114,7 @@ public:
 		return {};
 	}
 
-	/// Generates a tile. Ignores and changes nothing that is kept.
+	/// Generates a tile. The cached tiles are neither read nor changed.
 	Status build(std::uint32_t layer, glm::ivec2 tile, TileInstances &r_made) {
 		const WorldLayer &settings = layers[layer];
 		return builder_.build(settings.settings, terrain_, tile_rect(settings.query_layer.tile_size, tile), r_made);
@@ -132,8 +135,9 @@ private:
 	std::map<std::tuple<std::uint32_t, int, int>, std::shared_ptr<const CompactTile>> tiles_;
 };
 
-/// All instances in the tiles that touch `area`: those that the layers' rules generate, plus the hand-placed ones,
-/// minus the removed ones. Sorted by layer and id. Reads the tiles' buffers directly, not their compact copies.
+/// Returns the generated instances of all tiles that touch `area`, except the removed ones, and all
+/// hand-placed instances, sorted by layer and id. Leaves out the layer that queries skip. The
+/// function reads the tiles' buffers, not their compact copies.
 inline std::vector<PlacedInstance> everything_in(World &world, const Rect &area, const InstanceState *state = nullptr) {
 	std::vector<PlacedInstance> all;
 	for (std::uint32_t layer = 0; layer < world.layers.size(); ++layer) {
@@ -145,9 +149,9 @@ inline std::vector<PlacedInstance> everything_in(World &world, const Rect &area,
 		const glm::ivec2 last = tile_at(query_layer.tile_size, area.max);
 		for (int i = 0; i < (last.x - first.x + 1) * (last.y - first.y + 1); ++i) {
 			TileInstances tile;
-			std::shared_ptr<const CompactTile> known; // As a query would leave it.
+			std::shared_ptr<const CompactTile> known; // Caches the tile, as a query would.
 			const int width = last.x - first.x + 1;
-			REQUIRE(world.find_tile(layer, first + glm::ivec2(i % width, i / width), known).ok());
+			REQUIRE(world.find_tile({layer, first + glm::ivec2(i % width, i / width)}, known).ok());
 			REQUIRE(world.build(layer, first + glm::ivec2(i % width, i / width), tile).ok());
 			for (std::uint32_t mesh = 0; mesh < tile.meshes.size(); ++mesh) {
 				const MeshInstances &instances = tile.meshes[mesh];
@@ -183,7 +187,7 @@ std::vector<PlacedInstance> those(const std::vector<PlacedInstance> &all, const 
 	return some;
 }
 
-/// True if both are bit-identical.
+/// Returns true if all fields are equal.
 inline bool same(const PlacedInstance &a, const PlacedInstance &b) {
 	return std::tie(a.id, a.layer, a.mesh, a.position.x, a.position.y, a.position.z) ==
 			std::tie(b.id, b.layer, b.mesh, b.position.x, b.position.y, b.position.z) &&
@@ -199,11 +203,11 @@ inline double between(std::mt19937 &random, double low, double high) {
 	return std::uniform_real_distribution<double>(low, high)(random);
 }
 
-/// Corners of areas to query: around the origin, on its far side, and 1,000 km away.
+/// Corners of areas to query: at the origin, at negative coordinates, and more than 1,000 km away.
 inline constexpr glm::dvec2 world_places[] = {{0.0, 0.0}, {-431.7, -905.2}, {1.0e6 + 0.37, -1.0e6 + 0.81}};
 
-/// A state that removes a fifth of `all` and adds hand-placed instances: tilted, flat, mirrored, very tall, and far
-/// away.
+/// Returns a state that removes about a fifth of `all` and adds 40 hand-placed instances within 80
+/// m of `place`. Some of them are tilted, flat, mirrored or very tall.
 inline InstanceState changed_state(const std::vector<PlacedInstance> &all, glm::dvec2 place, std::mt19937 &random) {
 	InstanceState state;
 	for (const PlacedInstance &each : all) {

@@ -1,4 +1,4 @@
-// Biome maps: index images, their borders, and the area that an edit touches.
+// Tests of biome maps: index images, borders between biomes, and the area that an edit affects.
 
 #include "core/rules/biome_map.hpp"
 #include "refusal.hpp"
@@ -22,7 +22,8 @@ namespace {
 
 using Pixels = std::vector<std::uint8_t>;
 
-/// 100 by 60 pixels of 2 by 3 meters around the origin: biome 0 on the left, 1 on the right, a patch of 2, and a hole.
+/// 100 by 60 pixels of 2 by 3 meters around the origin: biome 0 on the left, biome 1 on the right,
+/// a patch of biome 2, and a hole without a biome.
 constexpr glm::ivec2 size{100, 60};
 const Rect area{{-100.0, -90.0}, {100.0, 90.0}};
 constexpr BiomeBorders bent{.width = 6.0, .noise = 8.0, .noise_size = 30.0, .seed = 7};
@@ -127,7 +128,7 @@ TEST_CASE("biome map: noise moves a border by at most its strength, to both side
 	CHECK(other_by_seed > 20);
 }
 
-TEST_CASE("biome map: the biomes of a rectangle are complete, and a single one away from borders") {
+TEST_CASE("biome map: the biomes of a rectangle are complete, and only one biome is listed away from borders") {
 	for (const BiomeEdge edge : {BiomeEdge::nothing, BiomeEdge::clamp}) {
 		const BiomeMap map = map_of(image(), bent, edge);
 		std::mt19937 random(3);
@@ -213,7 +214,7 @@ TEST_CASE("edits of a biome map: nothing changes outside of the edited areas, wh
 	for (const Rect &rect : areas) {
 		edited += rect.size().x * rect.size().y;
 	}
-	// Pixels cover 12 x 12 m, and each piece adds 11 m around them.
+	// The changed pixels cover 12 x 12 m, and each piece extends 11 m beyond them.
 	CHECK(edited < 4.0 * 34.2 * 34.2);
 	for (const glm::dvec2 at : places(20000, 5)) {
 		const bool inside = std::ranges::any_of(areas, [at](const Rect &rect) { return rect.contains(at); });
@@ -232,7 +233,7 @@ TEST_CASE("edits of a biome map: a changed value edits only its biome, an equal 
 	for (const Rect &rect : areas) {
 		all = {glm::min(all.min, rect.min), glm::max(all.max, rect.max)};
 	}
-	// The patch and 11 m around it. Nothing beyond the map, although the edge is clamped.
+	// The patch and 11 m around it, but nothing beyond the map, although its edge is clamped.
 	CHECK(all.min.x == doctest::Approx(40.0 - 11.0).epsilon(0.01));
 	CHECK(all.max.x == doctest::Approx(60.0 + 11.0).epsilon(0.01));
 	CHECK(all.min.y == doctest::Approx(-30.0 - 11.0).epsilon(0.01));
@@ -246,7 +247,7 @@ TEST_CASE("edits of a biome map: a changed value edits only its biome, an equal 
 	CHECK_FALSE(touched({500.0, 0.0}));
 }
 
-TEST_CASE("edits of a biome map: everything, if its area in the world changes") {
+TEST_CASE("edits of a biome map: different borders or edges may change everything") {
 	const BiomeMap map = map_of(image(), bent);
 	const auto values = density_of({1.0F});
 	std::vector<Rect> areas;
@@ -257,8 +258,8 @@ TEST_CASE("edits of a biome map: everything, if its area in the world changes") 
 	CHECK(areas.empty());
 }
 
-TEST_CASE("biome map: away from borders no noise is computed") {
-	// So far out that the noise's small cells would overflow.
+TEST_CASE("biome map: no noise is computed away from borders") {
+	// At these positions, the coordinates in noise cells would overflow.
 	const BiomeMap map = map_of(image(), {.width = 6.0, .noise = 8.0, .noise_size = 1.0}, BiomeEdge::clamp);
 	for (const glm::dvec2 far : {glm::dvec2(1e308, 0.0), glm::dvec2(-1e308, 20.0)}) {
 		BiomeTaps taps{};

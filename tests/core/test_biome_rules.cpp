@@ -1,4 +1,4 @@
-// Biomes and water as rules of a layer, and the area that an edit of them touches.
+// Tests of biome and water rules of a layer, and of the area that an edit of them affects.
 
 #include "core/placement/layer_edits.hpp"
 #include "core/placement/tile_builder.hpp"
@@ -21,7 +21,8 @@ namespace {
 using Pixels = std::vector<std::uint8_t>;
 using SharedMap = std::shared_ptr<const BiomeMap>;
 
-/// 40 by 30 pixels of 8 meters around the origin: biome 0 on the left, 1 on the right, and `patch` in the patch.
+/// Returns a map of 40 by 30 pixels of 8 meters around the origin: biome 0 on the left, biome 1 on
+/// the right, and a patch of biome `patch`.
 SharedMap map_with(std::uint8_t patch, const BiomeBorders &borders = {.width = 8.0, .noise = 10.0}) {
 	Pixels pixels;
 	for (int y = 0; y < 30; ++y) {
@@ -56,7 +57,7 @@ LayerSettings grass() {
 
 const FlatTerrain ground(0.0);
 
-/// Ground that rises to the right by 1 m in 10 m.
+/// Ground that rises by 1 m per 10 m along +x. Its normals are vertical nevertheless.
 class Slope final : public Terrain {
 public:
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
@@ -86,7 +87,7 @@ EditedArea edits(const LayerSettings &before, const LayerSettings &after) {
 	return search.find(before, after);
 }
 
-/// Checks that every instance which is in only one of the two states is in the edited area.
+/// Checks that the edited area contains every instance that only one of the two layers has.
 void check_reach(const LayerSettings &before, const LayerSettings &after, const Terrain &terrain, double most_part) {
 	const EditedArea area = edits(before, after);
 	REQUIRE_FALSE(area.everywhere);
@@ -113,7 +114,7 @@ void check_reach(const LayerSettings &before, const LayerSettings &after, const 
 
 } // namespace
 
-TEST_CASE("a layer's biome: instances only there, thinned by the density, and every point keeps its id") {
+TEST_CASE("a layer's biome: instances exist only in the biome, thinned by the density, and keep their ids") {
 	LayerSettings layer = grass();
 	const auto all = standing(layer, ground, everything);
 	layer.rules.biome = densities(map_with(2, {}), {1.0F, 0.0F, 0.25F});
@@ -176,7 +177,7 @@ TEST_CASE("a layer's biome: a position alone and one among many are bit-identica
 	CHECK(one == 0.0F);
 }
 
-TEST_CASE("a layer's biome: no points are sampled outside of it") {
+TEST_CASE("a layer's biome: no points are sampled outside the biome") {
 	LayerSettings layer = grass();
 	layer.rules.biome = densities(map_with(1), {1.0F, 0.0F, 0.0F});
 	const TileInstances there = built(layer, ground, {{-100.0, 0.0}, {-60.0, 40.0}});
@@ -197,7 +198,7 @@ TEST_CASE("water: without water, layers are unchanged, and water layers are empt
 }
 
 TEST_CASE("water: layers stay dry, or are at the shore or in the required depth") {
-	const Slope slope; // The shore of a level of 2 m is at x = 20.
+	const Slope slope; // With a water level of 2 m, the shore is at x = 20.
 	LayerSettings layer = grass();
 	layer.rules.water = std::make_shared<WaterLevels>(2.0);
 	const auto bounds = [&](double min, double max) {
@@ -229,7 +230,7 @@ TEST_CASE("water: a falloff thins toward the depth's limit") {
 	const Slope slope;
 	LayerSettings layer = grass();
 	layer.rules.water = std::make_shared<WaterLevels>(0.0);
-	layer.rules.min_water_depth = -4.0; // 0 < x < 40
+	layer.rules.min_water_depth = -4.0; // The permitted depths cover the area 0 < x < 40.
 	layer.rules.water_depth_falloff = 2.0;
 	std::array<std::size_t, 4> counts{};
 	for (const auto &[id, place] : standing(layer, slope, everything)) {
@@ -252,9 +253,9 @@ TEST_CASE("water: a biome's own level applies where the biome has the greatest w
 	}
 }
 
-TEST_CASE("water: limits are checked") {
+TEST_CASE("water: invalid limits of the water depth are refused") {
 	Rules rules;
-	rules.min_water_depth = 1.0; // The maximum is 0.
+	rules.min_water_depth = 1.0; // The maximum is 0 by default.
 	CHECK(validate(rules).code == ErrorCode::inverted);
 	CHECK(validate(rules).property == std::string("max_water_depth"));
 	rules.max_water_depth = 2.0;

@@ -1,5 +1,5 @@
-// Windows that are filled from cached blocks: the same points as without, less work, bounded memory, any number of
-// threads.
+// Tests that windows filled from cached blocks contain the same points as without a cache. The
+// cache must save work, stay within its memory, and support several threads.
 
 #include "core/base/instance_id.hpp"
 #include "core/placement/tile_builder.hpp"
@@ -28,13 +28,13 @@ std::vector<SamplePoint> points_in(TileSampler &sampler, const PointSet &set, co
 	return points;
 }
 
-/// A tile whose size is a number of radii.
+/// Returns a tile that is `radii` radii wide.
 Rect tile_of(const PointSet &set, double radii, int x, int y) {
 	const glm::dvec2 corner = radii * set.radius * glm::dvec2(x, y);
 	return {corner, corner + radii * set.radius};
 }
 
-/// Samples all tiles of a square around a tile, by rows.
+/// Samples all tiles of a square around a tile, row by row.
 void walk(TileSampler &sampler, const PointSet &set, double radii, glm::ivec2 around, int reach, const auto &check) {
 	for (int y = around.y - reach; y <= around.y + reach; ++y) {
 		for (int x = around.x - reach; x <= around.x + reach; ++x) {
@@ -46,7 +46,7 @@ void walk(TileSampler &sampler, const PointSet &set, double radii, glm::ivec2 ar
 
 } // namespace
 
-TEST_CASE("Windows from cached blocks hold the same points in the same order") {
+TEST_CASE("Windows from cached blocks return the same points in the same order") {
 	std::mt19937 random(5); // NOLINT(cert-msc32-c,cert-msc51-cpp): the same windows in every run.
 	const auto cache = std::make_shared<BlockCache>(std::size_t{1} << 18);
 	TileSampler with({}, cache);
@@ -98,7 +98,7 @@ TEST_CASE("A single window costs the same as without cached blocks") {
 	}
 }
 
-TEST_CASE("A block beside a cached one is generated for the first window that touches it") {
+TEST_CASE("A block next to a cached block is generated for the first window that touches it") {
 	const PointSet set{.seed = 7, .radius = 2.0};
 	TileSampler with({}, std::make_shared<BlockCache>());
 	TileSampler without;
@@ -112,16 +112,17 @@ TEST_CASE("A block beside a cached one is generated for the first window that to
 		return with.stats().computed != without.stats().computed;
 	};
 	CHECK_FALSE(is_settled(window(0.5, 0.5)));
-	CHECK_FALSE(is_settled(window(1.5, 0.5))); // The block beside it was requested once and is not generated.
+	// An adjacent block was requested only once, so it has not been generated.
+	CHECK_FALSE(is_settled(window(1.5, 0.5)));
 	CHECK(is_settled(window(0.5, 0.7)));
 	CHECK(is_settled(window(0.5, 1.5)));
 	CHECK(with.stats().computed > 0);
 	CHECK(is_settled(window(0.7, 1.7)));
 	CHECK(with.stats().computed == 0);
-	CHECK_FALSE(is_settled(window(2.5, 2.5))); // It only touches others at a corner.
+	CHECK_FALSE(is_settled(window(2.5, 2.5))); // This window touches other windows only at a corner.
 }
 
-TEST_CASE("Cached blocks stay within their memory; the last used ones remain") {
+TEST_CASE("Cached blocks stay within the memory limit, and the most recently used blocks remain") {
 	const std::size_t limit = std::size_t{1} << 18;
 	const auto cache = std::make_shared<BlockCache>(limit);
 	TileSampler sampler({}, cache);
@@ -151,7 +152,7 @@ TEST_CASE("Windows at the set's last cells are filled from blocks, too") {
 	}
 }
 
-TEST_CASE("A canceled window leaves its blocks for the next one to generate") {
+TEST_CASE("After a canceled window, the next window can generate its blocks") {
 	const PointSet set{.seed = 4, .radius = 1.0};
 	TileSampler sampler({}, std::make_shared<BlockCache>());
 	const Rect rect{{10.0, 10.0}, {26.0, 26.0}};
@@ -203,7 +204,7 @@ TEST_CASE("Without memory for a block, a window fails or is sampled directly, an
 			"rect",
 			[&] {
 				Job job;
-				points_in(job.sampler, set, rect); // The second time generates the blocks.
+				points_in(job.sampler, set, rect); // The second request generates the blocks.
 				return job;
 			},
 			[&](Job &job) { return job.sampler.sample(set, rect, job.points); },
@@ -233,7 +234,7 @@ TEST_CASE("Whole tiles are the same with cached blocks, also if layers depend on
 	}
 }
 
-TEST_CASE("Whole tiles take their points, and those of the layers around, from cached blocks") {
+TEST_CASE("Whole tiles take the points of their layer and of neighbor layers from cached blocks") {
 	LayerSettings trees = rich_layer();
 	trees.set = {.seed = 3, .radius = 6.0, .layer = 1};
 	LayerSettings plants = rich_layer();
@@ -256,7 +257,7 @@ TEST_CASE("Whole tiles take their points, and those of the layers around, from c
 	CHECK(cache->bytes() > plants_alone);
 }
 
-TEST_CASE("Pieces of a large rectangle take the points of the layers around from cached blocks") {
+TEST_CASE("Pieces of a large rectangle take the points of neighbor layers from cached blocks") {
 	LayerSettings trees = rich_layer();
 	trees.set = {.seed = 3, .radius = 12.0, .layer = 1};
 	LayerSettings plants = rich_layer();

@@ -55,7 +55,7 @@ TEST_CASE("body fit: rotation and scale are separated, to 1 %") {
 	CHECK(fit.rotation == glm::mat3(1.0f));
 }
 
-TEST_CASE("body fit: nearly equal scales share a step, others do not") {
+TEST_CASE("body fit: only nearly equal scales share a step") {
 	BodyFit a;
 	BodyFit b;
 	CHECK(fit_body(glm::mat3(1.600f), a));
@@ -80,7 +80,8 @@ TEST_CASE("body fit: a scale gets the nearest step, on every machine") {
 			bits = (bits ^ word) * 0x100000001b3;
 		}
 	}
-	// On every machine and compiler: all steps, and the bits of their scales.
+	// All steps and the bits of their scales must be the same on every machine and with every
+	// compiler.
 	CHECK(bits == 11080113259861306263u);
 }
 
@@ -116,8 +117,8 @@ TEST_CASE("body fit: flat, tiny, huge and non-finite instances get no body") {
 			CHECK_FALSE(fit_body(scaled(glm::mat3(1.0f), one), fit));
 		}
 	}
-	CHECK_FALSE(fit_body(glm::mat3({0, 2, 0}, {0, 1, 0}, {0, 0, 1}), fit)); // Two axes in one line,
-	CHECK_FALSE(fit_body(glm::mat3({1, 0, 0}, {0, 1, 0}, {3, 1, 0}), fit)); // three in one plane.
+	CHECK_FALSE(fit_body(glm::mat3({0, 2, 0}, {0, 1, 0}, {0, 0, 1}), fit)); // Two axes are collinear.
+	CHECK_FALSE(fit_body(glm::mat3({1, 0, 0}, {0, 1, 0}, {3, 1, 0}), fit)); // All axes are coplanar.
 	CHECK(fit_body(glm::mat3(1.1e-4f), fit));
 	CHECK(fit_body(glm::mat3(0.9e4f), fit));
 }

@@ -1,5 +1,5 @@
-// The C library out of memory: whichever request fails, it returns an error and throws nothing. tests/core/test_c_api.py has
-// the rest.
+// Tests that the C library returns an error and throws no exception, whichever allocation fails.
+// tests/core/test_c_api.py contains its other tests.
 
 #include "allocation_count.hpp"
 #include "core/c_api/thicket.h"
@@ -18,7 +18,8 @@ using Sampler = std::unique_ptr<thicket_sampler, decltype(&thicket_sampler_free)
 constexpr thicket_set some_set{.seed = 1, .radius = 1.0, .levels = 2, .layer = 0};
 constexpr thicket_rect some_rect{0.0, 0.0, 40.0, 30.0};
 
-/// Runs `work(sampler)` while memory runs out at its first request, its second, and so on, until it succeeds.
+/// Runs `work(sampler)` repeatedly: its first allocation fails, then its second, and so on, until
+/// it succeeds.
 template <typename Work>
 void fail_every_request(bool sampled_before, const Work &work) {
 	std::size_t failures = 0;
@@ -51,7 +52,7 @@ void fail_every_request(bool sampled_before, const Work &work) {
 
 } // namespace
 
-TEST_CASE("the C library out of memory") {
+TEST_CASE("the C library returns an error if memory runs out") {
 	fail_every_request(false,
 			[](thicket_sampler *sampler) { return thicket_sample(sampler, &some_set, &some_rect, nullptr, nullptr); });
 	fail_every_request(false, [](thicket_sampler *sampler) {
@@ -72,7 +73,7 @@ TEST_CASE("the C library out of memory") {
 	});
 }
 
-TEST_CASE("creating a sampler in C out of memory") {
+TEST_CASE("creating a sampler in C fails if memory runs out") {
 	for (std::size_t allowed = 0; allowed < 100; ++allowed) {
 		const AllocationLimit limit(allowed, AllocationLimit::Fails::all_later);
 		const Sampler sampler(thicket_sampler_new(), thicket_sampler_free);
@@ -88,7 +89,7 @@ TEST_CASE("out of memory, the C library names the property") {
 	const Sampler sampler(thicket_sampler_new(), thicket_sampler_free);
 	REQUIRE(sampler);
 	{
-		// Only the first request fails, which is for the points.
+		// Only the first allocation fails, which is the one for the points.
 		const AllocationLimit limit(0, AllocationLimit::Fails::one);
 		REQUIRE(thicket_sample(sampler.get(), &some_set, &some_rect, nullptr, nullptr) == THICKET_OUT_OF_MEMORY);
 	}

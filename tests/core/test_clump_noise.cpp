@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <random>
+#include <utility>
 #include <vector>
 
 using namespace thicket;
@@ -22,7 +23,7 @@ ClumpNoise noise_of(const Clumping &clumping, std::uint64_t seed = 1) {
 	return noise;
 }
 
-/// Positions in a square of 100,000 clumps of 10 m, away from the origin.
+/// Returns random positions in a square that contains 100,000 clumps of 10 m, away from the origin.
 std::vector<glm::dvec2> places(std::size_t count, unsigned seed) {
 	std::mt19937_64 random(seed);
 	std::uniform_real_distribution<double> along(-4000.0, -4000.0 + 3162.0);
@@ -42,7 +43,7 @@ double mean_at(const ClumpNoise &noise, const std::vector<glm::dvec2> &at) {
 	return sum / static_cast<double>(at.size());
 }
 
-/// With a coverage of a half and a hard edge, the density is 1 where the noise is below a half and 0 elsewhere.
+/// With this coverage and softness, the density is a linear function of the noise.
 constexpr Clumping plain{.size = 10.0, .coverage = 0.5, .softness = 1.0};
 
 double correlation(const ClumpNoise &noise, const std::vector<glm::dvec2> &at, glm::dvec2 offset) {
@@ -55,7 +56,7 @@ double correlation(const ClumpNoise &noise, const std::vector<glm::dvec2> &at, g
 
 } // namespace
 
-TEST_CASE("clumps: they cover the requested share of the plane, for every seed") {
+TEST_CASE("clumps: clumps cover the requested share of the plane, for every seed") {
 	const auto at = places(40000, 1);
 	for (const std::uint64_t seed : {std::uint64_t{0}, std::uint64_t{1}, ~std::uint64_t{0}}) {
 		for (const double coverage : {0.02, 0.1, 0.25, 0.5, 0.75, 0.9, 0.98}) {
@@ -95,24 +96,31 @@ TEST_CASE("clumps: the noise is uniform, to half a percent at every twentieth") 
 	CHECK(values.back() <= 1.0);
 }
 
-TEST_CASE("clumps: the table that makes the noise uniform matches the measured noise") {
-	// With 200,000 positions, a share's standard deviation is 0.0011.
-	constexpr std::array nearer
+TEST_CASE("clumps: the tables that make the noise uniform match the measured noise") {
+	// With 200,000 positions, the standard deviation of a measured share is at most 0.0011.
+	using Table = std::array<double, clump_knots>;
+	constexpr Table plane
 #include "core/rules/clump_table.inc"
 			;
-	static_assert(nearer.size() == clump_knots);
-	CHECK(std::ranges::is_sorted(nearer));
-	CHECK(nearer.front() == 0.0);
-	CHECK(nearer.back() == 1.0);
-	std::vector<double> heights;
+	constexpr Table space
+#include "core/rules/clump_table_space.inc"
+			;
+	std::vector<double> on_plane;
+	std::vector<double> in_space;
 	for (const glm::dvec2 place : places(200000, 4)) {
-		heights.push_back(std::abs(clump_impulses(place, 99)));
+		on_plane.push_back(std::abs(clump_impulses(place, 99)));
+		in_space.push_back(std::abs(clump_impulses(glm::dvec3(place, 0.3 * place.x), 99)));
 	}
-	std::ranges::sort(heights);
-	for (std::size_t knot = 0; knot < clump_knots; ++knot) {
-		const auto below = std::ranges::lower_bound(heights, static_cast<double>(knot) / clump_knots_per_unit);
-		const double share = static_cast<double>(below - heights.begin()) / static_cast<double>(heights.size());
-		CHECK(std::abs(share - nearer[knot]) < 0.005);
+	for (const auto &[nearer, heights] : {std::pair{&plane, &on_plane}, std::pair{&space, &in_space}}) {
+		CHECK(std::ranges::is_sorted(*nearer));
+		CHECK(nearer->front() == 0.0);
+		CHECK(nearer->back() == 1.0);
+		std::ranges::sort(*heights);
+		for (std::size_t knot = 0; knot < clump_knots; ++knot) {
+			const auto below = std::ranges::lower_bound(*heights, static_cast<double>(knot) / clump_knots_per_unit);
+			const double share = static_cast<double>(below - heights->begin()) / static_cast<double>(heights->size());
+			CHECK(std::abs(share - (*nearer)[knot]) < 0.005);
+		}
 	}
 }
 
@@ -130,15 +138,15 @@ TEST_CASE("clumps: without softness, densities are 0 or 1; coverages of 0 and 1 
 			REQUIRE((density >= 0.0 && density <= 1.0));
 			between += density > 0.0 && density < 1.0;
 		}
-		// The edges cover 2 * softness * coverage of the plane.
+		// The edges cover a fraction of 2 * softness * coverage of the plane.
 		CHECK(std::abs(between / 5000.0 - 2.0 * softness * 0.4) < 0.03);
 	}
 }
 
-TEST_CASE("clumps: their centers are at the requested distance") {
+TEST_CASE("clumps: the centers of clumps are at the requested distance") {
 	for (const double size : {1.0, 40.0}) {
 		const ClumpNoise noise = noise_of({size, 0.5, 1.0}, 3);
-		constexpr int side = 600; // In steps of a twelfth of the size: 50 by 50 clumps.
+		constexpr int side = 600; // The step is a twelfth of the size, so the square contains 50 by 50 clumps.
 		std::vector<double> values(side * side);
 		for (int y = 0; y < side; ++y) {
 			for (int x = 0; x < side; ++x) {
@@ -162,7 +170,7 @@ TEST_CASE("clumps: their centers are at the requested distance") {
 TEST_CASE("clumps: no direction is preferred and no lattice is visible") {
 	const auto at = places(60000, 6);
 	const ClumpNoise noise = noise_of(plain, 5);
-	for (const double distance : {1.5, 3.0, 4.6, 6.9}) { // 4.6 m is the side of a cell.
+	for (const double distance : {1.5, 3.0, 4.6, 6.9}) { // A noise cell is 4.6 m wide.
 		std::vector<double> around;
 		for (int direction = 0; direction < 8; ++direction) {
 			const double angle = direction * 0.39269908169872414;
@@ -174,7 +182,7 @@ TEST_CASE("clumps: no direction is preferred and no lattice is visible") {
 		CHECK(std::abs(correlation(noise, at, {distance, 0.0})) < 0.02);
 		CHECK(std::abs(correlation(noise, at, {0.0, distance})) < 0.02);
 	}
-	// The mean over many cells, at each of 8 by 8 positions in a cell.
+	// Mean and variance over many cells, at each of 8 by 8 positions within a cell.
 	constexpr double cell = 10.0 / 2.1747;
 	for (int part = 0; part < 64; ++part) {
 		double sum = 0.0;
@@ -205,7 +213,7 @@ TEST_CASE("clumps: the noise is continuous, near the origin and 10^9 m out, and 
 		CHECK(low < 0.1);
 		CHECK(high > 0.9);
 	}
-	// Offsets of powers of two cells, at which truncated coordinates would repeat.
+	// Truncated coordinates would repeat at offsets of 2^n cells.
 	const auto at = places(10000, 7);
 	for (const double cells : {0x1p8, 0x1p16, 0x1p24, 0x1p32}) {
 		CHECK(std::abs(correlation(noise_of(plain, 9), at, {cells * 10.0 / 2.1747, 0.0})) < 0.05);
@@ -268,4 +276,65 @@ TEST_CASE("clumps: errors name the refused property") {
 		CHECK(validate({size, 0.0, 0.0}).ok());
 		CHECK(validate({size, 1.0, 1.0}).ok());
 	}
+}
+
+TEST_CASE("clumps in space: planes of every direction have the same coverage, and values are uniform") {
+	const auto at = places(40000, 8);
+	const std::array<std::array<glm::dvec3, 2>, 4> planes{{
+			{glm::dvec3(1.0, 0.0, 0.0), glm::dvec3(0.0, 0.0, 1.0)},
+			{glm::dvec3(1.0, 0.0, 0.0), glm::dvec3(0.0, 1.0, 0.0)},
+			{glm::dvec3(0.0, 0.0, 1.0), glm::dvec3(0.0, 1.0, 0.0)},
+			{glm::dvec3(0.6, 0.8, 0.0), glm::dvec3(0.48, -0.36, 0.8)},
+	}};
+	for (const auto &[u, v] : planes) {
+		const auto on_plane = [&](glm::dvec2 place) {
+			return place.x * u + place.y * v + glm::dvec3(3.0, 5.0, 7.0);
+		};
+		for (const double coverage : {0.1, 0.5, 0.9}) {
+			const ClumpNoise noise = noise_of({10.0, coverage, 0.0}, 11);
+			const auto covered = std::ranges::count_if(at, [&](glm::dvec2 p) { return noise.at(on_plane(p)) > 0.0; });
+			CHECK(std::abs(static_cast<double>(covered) / static_cast<double>(at.size()) - coverage) < 0.01);
+		}
+		const ClumpNoise noise = noise_of(plain, 12);
+		std::vector<double> values(at.size());
+		std::ranges::transform(at, values.begin(), [&](glm::dvec2 p) { return noise.at(on_plane(p)); });
+		std::ranges::sort(values);
+		for (int twentieth = 1; twentieth < 20; ++twentieth) {
+			const double value = values[values.size() * static_cast<std::size_t>(twentieth) / 20];
+			CHECK(std::abs(value - twentieth / 20.0) < 0.012);
+		}
+	}
+}
+
+TEST_CASE("clumps in space: a wall is not striped, and clumps have the size of those on the plane") {
+	// On a wall, the density changes as much in the vertical direction as sideways, and as much as
+	// on the plane.
+	const auto at = places(40000, 9);
+	const ClumpNoise noise = noise_of(plain, 13);
+	const auto on_wall = [](glm::dvec2 place) {
+		return glm::dvec3(place.x, place.y, 17.0);
+	};
+	const auto correlation_of = [&](const glm::dvec3 &offset) {
+		double sum = 0.0;
+		for (const glm::dvec2 place : at) {
+			sum += (noise.at(on_wall(place)) - 0.5) * (noise.at(on_wall(place) + offset) - 0.5);
+		}
+		return sum * 12.0 / static_cast<double>(at.size());
+	};
+	for (const double distance : {1.0, 3.0, 5.0}) {
+		const double sideways = correlation_of({distance, 0.0, 0.0});
+		CHECK(std::abs(correlation_of({0.0, distance, 0.0}) - sideways) < 0.03);
+		CHECK(std::abs(correlation_of({0.0, 0.0, distance}) - sideways) < 0.03);
+		CHECK(std::abs(correlation(noise, at, {distance, 0.0}) - sideways) < 0.1);
+	}
+	CHECK(correlation_of({0.0, 30.0, 0.0}) < 0.05);
+}
+
+TEST_CASE("clumps in space: far positions, full and no coverage") {
+	const ClumpNoise noise = noise_of(plain, 14);
+	CHECK(noise.at(glm::dvec3(0.0, 1e300, 0.0)) == 0.0);
+	CHECK(noise.at(glm::dvec3(std::nan(""), 0.0, 0.0)) == 0.0);
+	CHECK(noise_of({10.0, 0.0, 0.5}).at(glm::dvec3(1.0)) == 0.0);
+	CHECK(noise_of({10.0, 1.0, 0.5}).at(glm::dvec3(1.0)) == 1.0);
+	CHECK(noise_of({0.0, 0.5, 0.5}).at(glm::dvec3(1.0)) == 1.0);
 }

@@ -1,4 +1,4 @@
-// A compact tile restores a tile bit for bit, and takes a half to a third of the memory.
+// Tests that a compact tile restores a tile bit for bit and uses a third to half of its memory.
 
 #include "core/base/instance_id.hpp"
 #include "core/placement/compact_tile.hpp"
@@ -17,7 +17,7 @@ using namespace thicket::test;
 
 namespace {
 
-/// `most_bytes` is per instance, without the fixed cost of each mesh.
+/// `most_bytes` is the memory limit per instance, without the fixed cost of each mesh.
 struct Case {
 	std::string name;
 	LayerSettings layer;
@@ -30,7 +30,7 @@ LayerSettings upright() {
 	return layer;
 }
 
-/// Layers whose floats are derived from different inputs.
+/// Returns layers whose instance data is derived from different inputs.
 std::vector<Case> cases() {
 	std::vector<Case> result{{"upright", upright(), 20.0}, {"aligned", rich_layer(), 32.0}};
 	LayerSettings layer = upright();
@@ -41,7 +41,8 @@ std::vector<Case> cases() {
 	layer.placement.offset_along_normal = -0.4;
 	result.push_back({"leaning and off its point", layer, 32.0});
 	layer = upright();
-	layer.placement.min_yaw_degrees = layer.placement.max_yaw_degrees = 90.0; // Zeros with the ground's signs.
+	// The basis contains zeros whose sign depends on the ground.
+	layer.placement.min_yaw_degrees = layer.placement.max_yaw_degrees = 90.0;
 	layer.placement.offset_along_normal = 0.3;
 	result.push_back({"upright and off its point", layer, 20.0});
 	layer = upright();
@@ -68,7 +69,7 @@ std::size_t bytes_of(const CompactTile &tile) {
 	return bytes;
 }
 
-/// Instances that no layer generated.
+/// Returns handmade instances that no layer could generate.
 MeshInstances handmade(const std::vector<std::uint64_t> &ids) {
 	MeshInstances mesh;
 	mesh.resize(ids.size());
@@ -99,7 +100,7 @@ TEST_CASE("compact tile: every bit is restored, for all inputs of the floats") {
 	}
 }
 
-TEST_CASE("compact tile: it takes no more memory than promised") {
+TEST_CASE("compact tile: the memory stays below the documented limit") {
 	for (const Case &each : cases()) {
 		CAPTURE(each.name);
 		const TileInstances tile = built(each.layer, hills(), tile_of_hills);
@@ -140,7 +141,7 @@ TEST_CASE("compact tile: handmade instances and very distant ones are stored unc
 	}
 }
 
-TEST_CASE("compact tile: a subset appended to others has the same instances") {
+TEST_CASE("compact tile: a subset appended to other instances has the same instances") {
 	const LayerSettings layer = rich_layer();
 	const std::shared_ptr<const CompactTile> known = kept(layer, built(layer, hills(), tile_of_hills));
 	const CompactMesh &base = known->meshes[0];
@@ -158,7 +159,7 @@ TEST_CASE("compact tile: a subset appended to others has the same instances") {
 	for (std::size_t i = 0; i < standing.size(); ++i) {
 		CHECK(some.same(first.size() + i, base, standing[i]));
 	}
-	// A subset of that subset. Its first instances are still uncompressed.
+	// A subset of that subset, whose first instances are still uncompressed.
 	const std::vector<std::uint32_t> fewer{1, 2, 5};
 	const CompactMesh rest(handmade({3}), some, fewer);
 	CHECK(rest.same(1, some, 1));

@@ -37,7 +37,7 @@ TEST_CASE("curve: samples are evenly spaced, with straight lines between") {
 	CHECK(table.largest() == 1.0);
 }
 
-TEST_CASE("curve: beyond its ends it keeps their values, and NAN has no value") {
+TEST_CASE("curve: positions beyond an end have the value at the end, and NAN has the value 0") {
 	const CurveTable table = table_of(100.0, 101.0, {0.25f, 0.5f, 0.75f});
 	for (const double below : {100.0, 99.999999, -1e300, -largest_number, -infinite_value}) {
 		CHECK(table.at(below) == 0.25);
@@ -89,7 +89,7 @@ TEST_CASE("curve: a value is between the neighboring samples, and right to the l
 	}
 }
 
-TEST_CASE("curve: it never falls where its samples rise") {
+TEST_CASE("curve: values never fall where the samples rise") {
 	std::vector<float> samples(max_curve_samples);
 	for (std::size_t i = 0; i < samples.size(); ++i) {
 		samples[i] = std::sqrt(static_cast<float>(i) / static_cast<float>(samples.size() - 1));
@@ -114,7 +114,7 @@ TEST_CASE("curve: the widest and the narrowest range work") {
 	const CurveTable narrow = table_of(1000.0, next, {0.25f, 0.75f});
 	CHECK(narrow.at(1000.0) == 0.25);
 	CHECK(narrow.at(next) == 0.75);
-	// So near the end that its share of the range rounds to 1.
+	// This position is so near the end that its fraction of the range rounds to 1.
 	const CurveTable steep = table_of(-1e10, 1.0, {1.0f, 1e-20f});
 	CHECK(steep.at(std::nextafter(1.0, 0.0)) == 1e-20f);
 	constexpr double smallest = std::numeric_limits<double>::denorm_min();

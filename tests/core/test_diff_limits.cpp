@@ -1,4 +1,5 @@
-// A receiver limits the changes that a diff may make, and reads a diff's summary before applying it.
+// Tests the limits that a receiver sets on the changes of a diff, and the summary that it reads
+// before applying one.
 
 #include "allocation_count.hpp"
 #include "core/state/diff_summary.hpp"
@@ -13,7 +14,8 @@ using namespace thicket::test;
 
 namespace {
 
-/// A small diff that removes many points with consecutive codes, at a clock. Those of layer 0 have no stamp.
+/// Returns a diff of few bytes that removes `count` points with consecutive codes. `clock` is the
+/// sender's clock. The points belong to layer 0, which has no stamp.
 StateBytes bomb(std::uint32_t count, std::uint32_t format, double clock = 0.0) {
 	StateBytes bytes{'T', 'S', 'T', 'A'};
 	append(bytes, format);
@@ -36,8 +38,8 @@ StateBytes bomb(std::uint32_t count, std::uint32_t format, double clock = 0.0) {
 	return sealed(bytes);
 }
 
-/// Checks that limits refuse a diff with this message when it is applied, joined and queued, and that the state stays
-/// unchanged.
+/// Checks that the limits reject a diff when it is applied, merged and queued. The message must
+/// start with `words`, and the state must not change.
 void check_refused(
 		const InstanceState &state, const StateBytes &diff, const DiffLimits &limits, const std::string &words) {
 	InstanceState victim = copy_of(state);
@@ -83,7 +85,7 @@ StateBytes diff_of_removals(int count, int x = 0) {
 
 } // namespace
 
-TEST_CASE("diff limits: a bomb is refused by its counts, before any id is read") {
+TEST_CASE("diff limits: a diff with huge counts is refused before any id is read") {
 	for (const std::uint32_t format : {former_state_format, state_format}) {
 		CAPTURE(format);
 		const StateBytes diff = bomb(8'000'000, format);
@@ -131,17 +133,17 @@ TEST_CASE("diff limits: every kind of id counts, and no list may exceed the limi
 	check_refused({}, former, limits, "changes must be at most 5");
 }
 
-TEST_CASE("diff limits: the state's total after the diff") {
+TEST_CASE("diff limits: the total number of changes after a diff is limited") {
 	InstanceState state;
 	for (int i = 0; i < 10; ++i) {
 		state.remove(point_id(1, 0, i));
 	}
 	DiffLimits limits;
 	limits.max_total_changes = 12;
-	CHECK(is_applied(state, diff_of_removals(12), limits)); // Ten of them are removed already.
+	CHECK(is_applied(state, diff_of_removals(12), limits)); // Ten of them have already been removed.
 	check_refused(state, diff_of_removals(13), limits,
 			"total changes must be at most 12 (max_total_changes of diff_limits), got 13");
-	// A state that already exceeds the limit accepts diffs that add nothing.
+	// A state that already exceeds the limit still accepts diffs that add no changes.
 	limits.max_total_changes = 5;
 	CHECK(is_applied(state, diff_of_removals(10), limits));
 	check_refused(state, diff_of_removals(11), limits, "total changes must be at most 5");
@@ -157,7 +159,7 @@ TEST_CASE("diff limits: the state's total after the diff") {
 			"hand-placed instances must be at most 3 (max_added of diff_limits), got 4");
 }
 
-TEST_CASE("diff limits: the size of data") {
+TEST_CASE("diff limits: data that is too large is refused") {
 	InstanceState writer;
 	REQUIRE(writer.set_data(point_id(1, 1, 1), StateBytes(100, 3)).ok());
 	DiffLimits limits;
@@ -167,7 +169,31 @@ TEST_CASE("diff limits: the size of data") {
 	check_refused({}, diff_of(writer, 0), limits, "data must be at most 99 (max_data_size of diff_limits), got 100");
 }
 
-TEST_CASE("diff limits: the area that a sender may change") {
+TEST_CASE("diff limits: the area also applies to layers on surfaces, whose ids divide a cell") {
+	DiffLimits limits;
+	limits.area = {{0.0, 0.0}, {100.0, 50.0}};
+	const auto applies = [&](int x) {
+		InstanceState taker;
+		REQUIRE(taker.claim(1, 7, 1.0, 8).ok());
+		Changes changes;
+		return taker.apply(diff_of_removals(1, x), changes, limits).ok();
+	};
+	CHECK(applies(5));
+	CHECK(applies(101)); // The cell of this point reaches from 96 to 104 m.
+	CHECK_FALSE(applies(104));
+	CHECK_FALSE(applies(-9));
+	InstanceState queued;
+	REQUIRE(queued.claim(1, 7, 1.0, 8).ok());
+	const StateBytes diff = diff_of_removals(1, 101);
+	std::shared_ptr<PendingDiff> pending;
+	REQUIRE(queued.queue_diff(diff, pending, limits).ok());
+	REQUIRE(queued.claim(1, 7, 1.0, 8).ok()); // The claim is repeated on the copy.
+	pending->work();
+	StateChanges reported;
+	CHECK(queued.finish_pending_diff(reported).ok());
+}
+
+TEST_CASE("diff limits: changes outside the permitted area are refused") {
 	DiffLimits limits;
 	limits.area = {{0.0, 0.0}, {100.0, 50.0}}; // Cells are 10 m wide.
 	CHECK(is_applied({}, diff_of_removals(5, 9), limits));
@@ -176,7 +202,8 @@ TEST_CASE("diff limits: the area that a sender may change") {
 	InstanceState elsewhere;
 	elsewhere.remove(point_id(2, 1, 1));
 	check_refused({}, diff_of(elsewhere, 0), limits, "the position of points of a layer is missing. Assign");
-	// Hand-placed instances need no cells. One that is outside may not be moved or removed.
+	// The positions of hand-placed instances are known without cells. The limits forbid moving or
+	// removing one that is outside the area.
 	InstanceState far;
 	const std::uint64_t id = added_to(far, instance_at(500.0, 10.0));
 	check_refused({}, diff_of(far, 0), limits, "x must be between 0 and 100 (area of diff_limits), got 500");
@@ -193,14 +220,14 @@ TEST_CASE("diff limits: the area that a sender may change") {
 	CHECK(holder.merge_diff(diff_of(near, known), changes, limits).ok() == false);
 }
 
-TEST_CASE("diff limits: replacement of the whole state") {
+TEST_CASE("diff limits: replacing the whole state can be forbidden") {
 	InstanceState state;
 	state.remove(point_id(1, 1, 1));
 	DiffLimits limits;
 	limits.allow_replacement = false;
 	check_refused(state, bytes_of(some_state(3, 20)), limits,
 			"replaces_everything must be 0 (allow_replacement of diff_limits), got 1");
-	// Joining replaces nothing.
+	// Merging replaces nothing, so this limit does not apply.
 	Changes changes;
 	REQUIRE(state.merge_diff(diff_of_removals(3), changes, limits).ok());
 	InstanceState other;
@@ -239,9 +266,9 @@ TEST_CASE("diff limits: a foreign clock moves this one within the limit, and res
 		CHECK_FALSE(state.removed(point_id(1, 1, 1)));
 		state.remove(point_id(1, 1, 1), 300.0);
 		REQUIRE(state.advance(200.0, changes).ok());
-		CHECK_FALSE(state.removed(point_id(1, 1, 1))); // It regrows as it should.
+		CHECK_FALSE(state.removed(point_id(1, 1, 1))); // The instance has regrown on time.
 	}
-	// A diff that replaces everything includes the clock.
+	// A diff that replaces everything also sets the clock.
 	InstanceState owner;
 	Changes changes;
 	REQUIRE(owner.advance(5.0, changes).ok());
@@ -251,7 +278,7 @@ TEST_CASE("diff limits: a foreign clock moves this one within the limit, and res
 	CHECK(follower.time() == 5.0);
 }
 
-TEST_CASE("diff summary: a diff's ids, by layer and area") {
+TEST_CASE("diff summary: a summary lists a diff's ids by layer and area") {
 	InstanceState sender;
 	sender.set_origin(99);
 	sender.remove(point_id(1, 3, 4));
@@ -288,7 +315,7 @@ TEST_CASE("diff summary: a diff's ids, by layer and area") {
 	CHECK_FALSE(summary.layers.at(3).has_bounds);
 	CHECK_FALSE(summary.layers.at(3).has_all_bounds);
 	CHECK(receiver.revision() == 0);
-	// A diff that exceeds the limits is not read, but its header reports its size.
+	// If a diff exceeds the limits, only its header is read, which contains the number of changes.
 	DiffLimits limits;
 	limits.max_changes = 5;
 	CHECK(receiver.inspect(diff_of(sender, 0), summary, limits).code == ErrorCode::not_allowed);

@@ -1,4 +1,5 @@
-// Diffs of a named state are applied in order, even if they arrive out of order.
+// Tests that the diffs of a state with an origin are applied in order, even if they arrive out of
+// order.
 
 #include "core/state/diff_limits.hpp"
 #include "core/state/known_revisions.hpp"
@@ -15,7 +16,7 @@ namespace {
 
 constexpr std::uint64_t owner_name = 77;
 
-/// Three removals of an owner, and the diff of each.
+/// An owner that has removed three instances, and one diff per removal.
 struct Three {
 	InstanceState owner;
 	std::vector<StateBytes> diffs;
@@ -30,13 +31,13 @@ struct Three {
 	}
 };
 
-/// Delivers messages out of order, some twice, some never.
+/// Delivers messages out of order. Some are lost, and some are duplicated.
 class Channel {
 public:
 	explicit Channel(StateRandom &random) : random_(random) {}
 
 	void send(const StateBytes &message) {
-		for (auto copies = random_() % 5; copies < 4; copies += 3) { // None, one or two.
+		for (auto copies = random_() % 5; copies < 4; copies += 3) { // Sends no copy, one, or two.
 			messages_.push_back(message);
 		}
 	}
@@ -58,10 +59,11 @@ private:
 
 struct Receiver {
 	InstanceState state;
-	std::uint64_t sent = 0; ///< The revision up to which the owner has sent.
+	std::uint64_t sent = 0; ///< The owner has sent all changes up to this revision.
 };
 
-/// Applies a message. If an earlier one is missing, `r_since` is the revision to request from the owner.
+/// Applies a message. Returns true if an earlier one is missing. `r_since` is then the revision
+/// from which to request a diff.
 bool receive(InstanceState &r_state, const StateBytes &message, std::uint64_t &r_since) {
 	Changes changes;
 	const std::uint64_t before = r_state.revision();
@@ -163,7 +165,7 @@ TEST_CASE("diff order: a loaded, cleared or replaced state needs a complete diff
 	CHECK(is_forgotten([&](InstanceState &r_peer, Changes &r_changes) { CHECK(r_peer.load(saved, r_changes).ok()); }));
 	CHECK(is_forgotten([&](InstanceState &r_peer, Changes &r_changes) { CHECK(r_peer.apply(saved, r_changes).ok()); }));
 	CHECK(is_forgotten([&](InstanceState &r_peer, Changes &r_changes) { CHECK(r_peer.clear(r_changes).ok()); }));
-	// A complete diff is as good as all diffs before it.
+	// A complete diff replaces all earlier diffs.
 	InstanceState owner;
 	owner.set_origin(owner_name);
 	Changes changes;
@@ -173,7 +175,7 @@ TEST_CASE("diff order: a loaded, cleared or replaced state needs a complete diff
 	CHECK(peer.known_revision(owner_name) == owner.revision());
 }
 
-TEST_CASE("diff order: also for diffs that another thread applies") {
+TEST_CASE("diff order: diffs that a different thread applies are ordered, too") {
 	const Three three;
 	InstanceState peer;
 	queue(peer, three.diffs[0]);
@@ -197,7 +199,7 @@ TEST_CASE("diff order: unknown senders take a bounded amount of memory") {
 	for (std::uint64_t name = 1; name <= 1000; ++name) {
 		known.make_room();
 		known.set(name, name + 5);
-		known.set(1, 6); // A sender that keeps sending is remembered.
+		known.set(1, 6); // A sender that sends repeatedly is not forgotten.
 	}
 	CHECK(known.of(1000) == 1005);
 	CHECK(known.of(1) == 6);

@@ -1,4 +1,5 @@
-// Atomic replacement of files: complete content, links and permissions preserved, and only for regular files.
+// Tests the atomic replacement of files: the content is complete, links and permissions are
+// preserved, and only regular files are replaced.
 
 #include "core/base/disk_file.hpp"
 
@@ -36,7 +37,7 @@ struct Folder {
 
 } // namespace
 
-TEST_CASE("a file replaces an existing one") {
+TEST_CASE("a file replaces an existing file") {
 	if (!has_disk) {
 		return;
 	}
@@ -52,7 +53,7 @@ TEST_CASE("a file replaces an existing one") {
 	CHECK_FALSE(fs::exists(folder.path / "new"));
 }
 
-TEST_CASE("a file that cannot be moved stays") {
+TEST_CASE("a file that cannot be moved stays in place") {
 	if (!has_disk) {
 		return;
 	}

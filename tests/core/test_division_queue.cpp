@@ -14,7 +14,7 @@ namespace {
 
 TileKey key_of(int x) { return {0, 1, {x, 0}}; }
 
-/// Tiles in a row, each with one multimesh for each of its cells.
+/// A row of tiles with one multimesh per cell.
 class Row : public DivisionQueue::Tiles {
 public:
 	struct Tile {
@@ -25,7 +25,7 @@ public:
 	std::map<int, Tile> tiles;
 	DivisionQueue queue;
 	std::uint64_t limit = 1000;
-	std::vector<int> begun; ///< The tiles of all divisions, in order; minus x for a tile that became whole.
+	std::vector<int> begun; ///< The x of every divided tile, in order. Negative for a tile that became whole again.
 
 	double distance(const TileKey &key) const override { return at(key).distance; }
 	std::uint32_t shown(const TileKey &key) const override { return at(key).shown; }
@@ -51,14 +51,14 @@ public:
 
 	void choose(int x) { queue.choose(key_of(x), tiles.at(x).shown, tiles.at(x).wanted); }
 
-	/// As if viewers had come to a different distance.
+	/// Simulates a change of the distance between a tile and the viewers.
 	void move(int x, double distance, std::uint32_t wanted) {
 		tiles[x].distance = distance;
 		tiles[x].wanted = wanted;
 		choose(x);
 	}
 
-	/// Carries out one division. False if there is none.
+	/// Performs one division. Returns false if none is due.
 	bool step() {
 		const auto division = queue.begin(*this, all());
 		if (!division) {
@@ -70,7 +70,7 @@ public:
 		begun.push_back(division->across == 1 ? -division->key.tile.x : division->key.tile.x);
 		tile.shown = division->across;
 		queue.finish();
-		choose(division->key.tile.x); // As each visit of a tile does.
+		choose(division->key.tile.x); // Each visit of a tile makes this call.
 		if (shrinks) {
 			queue.room_gained(*this);
 		}
@@ -95,10 +95,10 @@ TEST_CASE("division queue: the nearest waiting tile is divided first, at its dis
 	row.add(1, 30.0, 4);
 	row.add(2, 10.0, 4);
 	row.add(3, 20.0, 4);
-	row.add(4, 5.0, 1); // Is drawn as it should be.
+	row.add(4, 5.0, 1); // Tile 4 is already divided as requested.
 	CHECK(row.queue.has_work(row.all()));
 	REQUIRE(row.step());
-	row.move(1, 15.0, 8); // Has come nearer while it waited, and wants smaller cells.
+	row.move(1, 15.0, 8); // The tile comes nearer while it waits, so it now needs smaller cells.
 	row.run();
 	CHECK(row.begun == std::vector{2, 1, 3});
 	CHECK(row.tiles[1].shown == 8);
@@ -123,15 +123,15 @@ TEST_CASE("division queue: farther tiles give way, the farthest first, and are n
 	row.add(5, 50.0, 4);
 	row.add(6, 60.0, 4);
 	row.run();
-	CHECK(row.begun == std::vector{5, 6}); // 32 multimeshes.
+	CHECK(row.begun == std::vector{5, 6}); // The two tiles have 32 multimeshes.
 	row.begun.clear();
 	row.add(1, 10.0, 4);
 	row.run();
-	CHECK(row.begun == std::vector{-6, 1}); // 16 + 1 + 16.
+	CHECK(row.begun == std::vector{-6, 1}); // 16 + 1 + 16 multimeshes.
 	CHECK(row.all().count <= row.limit);
 	row.begun.clear();
 	row.add(2, 11.0, 5);
-	row.run(); // 25 + 16 + 2: tile 5 must give way, but not tile 1, which is nearer.
+	row.run(); // 25 + 16 + 2 multimeshes: tile 5 would have to yield. Tile 1 does not, because it is nearer.
 	CHECK_MESSAGE(row.begun.empty(), "that would be 43 multimeshes, even without the cells of tile 5");
 	row.limit = 44;
 	row.move(2, 11.0, 5);
@@ -139,7 +139,7 @@ TEST_CASE("division queue: farther tiles give way, the farthest first, and are n
 	CHECK(row.begun == std::vector{-5, 2});
 }
 
-TEST_CASE("division queue: a tile gives way only to one that is much nearer") {
+TEST_CASE("division queue: a tile gives way only to a tile that is much nearer") {
 	Row row;
 	row.limit = 18;
 	row.add(1, 109.0, 4);
@@ -151,7 +151,8 @@ TEST_CASE("division queue: a tile gives way only to one that is much nearer") {
 	row.move(2, 99.0, 4); // 1.1 times 99 m is 108.9 m.
 	row.run();
 	CHECK(row.begun == std::vector{1, -1, 2});
-	for (int time = 0; time < 10; ++time) { // Back and forth by a tenth of the distance: neither gives way.
+	// The tiles move back and forth by a tenth of the distance, and neither yields to the other.
+	for (int time = 0; time < 10; ++time) {
 		row.move(1, time % 2 == 0 ? 100.0 : 109.0, 4);
 		row.move(2, time % 2 == 0 ? 109.0 : 100.0, 4);
 		row.run();
@@ -167,7 +168,7 @@ TEST_CASE("division queue: a refused tile waits again once multimeshes are freed
 	row.run();
 	CHECK(row.begun == std::vector{1});
 	CHECK_FALSE(row.queue.has_work(row.all()));
-	row.move(1, 500.0, 1); // Its cells are freed, which makes room.
+	row.move(1, 500.0, 1); // The cells of tile 1 are freed, which makes room for tile 2.
 	row.run();
 	CHECK(row.begun == std::vector{1, -1, 2});
 	row.add(3, 30.0, 4);
@@ -181,7 +182,7 @@ TEST_CASE("division queue: a refused tile waits again once multimeshes are freed
 	CHECK_MESSAGE(row.queue.has_work({100, 20}), "tile 3 is in cells");
 	row.add(4, 40.0, 4);
 	row.run();
-	CHECK(row.begun.size() == 4); // Refused, and dropped before there is room.
+	CHECK(row.begun.size() == 4); // Tile 4 was refused, and is dropped before there is room.
 	for (const int x : {3, 4}) {
 		row.queue.remove(key_of(x));
 		row.tiles.erase(x);
@@ -200,22 +201,22 @@ TEST_CASE("division queue: above a lowered limit, the farthest tiles become whol
 	row.limit = 50;
 	row.add(9, 1.0, 2);
 	row.run();
-	// 81 multimeshes, then 66, 51 and 36; the near tile needs 3 more.
+	// The number of multimeshes falls from 81 to 66, 51 and 36. The near tile needs 3 more.
 	CHECK(row.begun == std::vector{-5, -4, -3, 9});
 	CHECK(row.all().count <= row.limit);
-	row.limit = 0; // Not even whole tiles fit: nothing is left to shrink in the end.
+	row.limit = 0; // The limit is too low even for whole tiles, so all tiles become whole.
 	row.run();
 	CHECK(std::ranges::all_of(row.tiles, [](const auto &tile) { return tile.second.shown == 1; }));
 	CHECK_FALSE(row.queue.has_work(row.all()));
 }
 
-TEST_CASE("division queue: a cancelled division leaves the others in order, and may be chosen again") {
+TEST_CASE("division queue: a cancelled division leaves the queue in order, and may be chosen again") {
 	Row row;
 	row.add(1, 10.0, 4);
 	row.add(2, 20.0, 4);
 	REQUIRE(row.queue.begin(row, row.all())->key == key_of(1));
 	CHECK(row.queue.is_current(key_of(1)));
-	row.choose(1); // A visit while it is divided does not queue it a second time.
+	row.choose(1); // A visit of a tile while it is divided does not queue the tile a second time.
 	row.queue.cancel();
 	CHECK_FALSE(row.queue.current());
 	row.run();
@@ -228,18 +229,19 @@ TEST_CASE("division queue: a cancelled division leaves the others in order, and 
 	CHECK_FALSE(row.queue.has_work(row.all()));
 }
 
-TEST_CASE("division queue: a new tile is uploaded in cells if there is room and time") {
+TEST_CASE("division queue: a new tile is uploaded in cells if the limits and the waiting tiles permit it") {
 	const auto first = [](std::uint64_t then, bool replaces, bool others_wait) {
 		return DivisionQueue::first_division(8, {then, 100}, replaces, others_wait);
 	};
 	CHECK(first(100, false, false) == 8);
 	CHECK(first(101, false, false) == 1);
-	CHECK(first(100, false, true) == 1); // First, all tiles are shown.
-	CHECK(first(100, true, true) == 8);  // This one is visible already.
+	CHECK(first(100, false, true) == 1); // Showing the other tiles comes first.
+	CHECK(first(100, true, true) == 8);  // The tile replaces one that is already visible.
 	CHECK(first(101, true, false) == 1);
 }
 
-TEST_CASE("division queue: random moves keep the limit, come to an end, and leave no near tile behind a far one") {
+TEST_CASE(
+		"division queue: after random moves, the limit holds, no work is left, and no near tile waits for a far tile") {
 	std::mt19937 random(7);
 	std::uniform_real_distribution<double> any(0.0, 100.0);
 	Row row;
@@ -267,7 +269,8 @@ TEST_CASE("division queue: random moves keep the limit, come to an end, and leav
 				CHECK(tile.wanted == tile.shown);
 				continue;
 			}
-			// It was refused: too little would be free even if all farther tiles were whole.
+			// The tile was refused, so it would exceed the limit even if all farther tiles were
+			// whole.
 			std::uint64_t least = std::uint64_t{tile.wanted} * tile.wanted;
 			for (const auto &[y, other] : row.tiles) {
 				const bool yields = other.distance > gives_way * tile.distance;

@@ -1,4 +1,4 @@
-// The checks that the tests of DomainSampler rely on: they decide exactly and detect every error.
+// Tests the checks that the DomainSampler tests rely on: they must be exact and detect every error.
 
 #include "domain_cases.hpp"
 
@@ -25,13 +25,13 @@ DomainReport report(const std::vector<glm::dvec2> &points, const DomainShape &sh
 	return DomainCheck::run(std::span<const glm::dvec2>(points), shape, true);
 }
 
-/// A maximal set on a torus that another sampler generated.
+/// The domain of the maximal sets that NaiveDarts generates for these tests.
 constexpr double reference_side = 20.0;
 constexpr DomainShape reference_shape{{reference_side, reference_side}, 1.0, true, 1e-9};
 
 } // namespace
 
-TEST_CASE("domain check: signs of exact sums") {
+TEST_CASE("domain check: the signs of exact sums are correct") {
 	ExactSum sum;
 	CHECK(sum.sign() == 0);
 	sum.add(1e300);
@@ -43,7 +43,7 @@ TEST_CASE("domain check: signs of exact sums") {
 	sum.add(-0x1p-1000);
 	CHECK(sum.sign() == 0);
 
-	// (2^27 + 1)^2 does not fit into a double.
+	// A double cannot represent (2^27 + 1)^2.
 	ExactSum square;
 	square.add_product(0x1p27 + 1.0, 0x1p27 + 1.0);
 	square.add(-0x1p54 - 0x1p28);
@@ -53,18 +53,19 @@ TEST_CASE("domain check: signs of exact sums") {
 }
 
 TEST_CASE("domain check: comparisons of distances are exact") {
-	// A triangle with sides 3, 4, 5 where coordinates have few bits left, and the neighbors of each number.
+	// A 3-4-5 triangle so far from the origin that its coordinates have few fractional bits, and
+	// the adjacent doubles of each side.
 	const double far_away = 0x1p50;
 	CHECK(compare_distance({far_away, 0.0}, {far_away + 3.0, 4.0}, no_torus, 5.0) == 0);
 	CHECK(compare_distance({far_away, 0.0}, {far_away + 3.0, std::nextafter(4.0, 0.0)}, no_torus, 5.0) == -1);
 	CHECK(compare_distance({far_away, 0.0}, {far_away + 3.0, std::nextafter(4.0, 9.0)}, no_torus, 5.0) == 1);
 	CHECK(compare_distance({far_away, 0.0}, {far_away + 3.0, 4.0}, no_torus, std::nextafter(5.0, 9.0)) == -1);
-	// A difference that does not fit into a double.
+	// A difference that a double cannot represent.
 	CHECK(compare_distance({1.0, 0.0}, {-0x1p-80, 0.0}, no_torus, 1.0) == 1);
 	CHECK(compare_distance({1.0, 0.0}, {0x1p-80, 0.0}, no_torus, 1.0) == -1);
 	CHECK(compare_distance({1.0, 0.0}, {0.0, 0x1p-80}, no_torus, 1.0) == 1);
 	CHECK(compare_distance({1.0, 0.0}, {0.0, 0.0}, no_torus, 1.0) == 0);
-	// Around a torus, along each axis. The double 9.9 is slightly more than that.
+	// Across the seam of a torus, along each axis. The double 9.9 is slightly more than 9.9.
 	CHECK(compare_distance({0.1, 0.0}, {9.9, 0.0}, {10.0, 10.0}, 0.2) == -1);
 	CHECK(compare_distance({0.25, 5.0}, {9.5, 5.0}, {10.0, 10.0}, 0.75) == 0);
 	CHECK(compare_distance({5.0, 9.5}, {5.0, 0.25}, {10.0, 10.0}, 0.75) == 0);
@@ -80,7 +81,8 @@ TEST_CASE("domain check: exact comparisons agree with integers") {
 	constexpr std::int64_t period = (std::int64_t{1} << 52) - 3;
 	int ties = 0;
 	for (int i = 0; i < 100'000; ++i) {
-		// Two points some 2^20 apart, a few of them across a seam, and a radius next to their distance.
+		// Two points up to about 2^20 apart on each axis, in some cases across a seam, and a radius
+		// near their distance.
 		const std::int64_t dx = below(1 << 21) - (1 << 20);
 		const std::int64_t dy = i % 3 == 0 ? 0 : below(1 << 21) - (1 << 20);
 		const std::int64_t x = i % 2 == 0 ? below(period) : below(1 << 19);
@@ -108,8 +110,8 @@ TEST_CASE("domain check: a valid set passes, on a torus and without its seams") 
 	CHECK(found.outside == 0);
 	CHECK(found.too_close == 0);
 	CHECK(found.uncovered == 0);
-	// On a bounded domain the same points keep their distance, but points beyond the border no longer cover positions
-	// beside it.
+	// On a bounded domain, the same points keep their distance, but no periodic images cover the
+	// positions near the border.
 	DomainShape bounded = reference_shape;
 	bounded.toroidal = false;
 	CHECK(report(points, bounded).too_close == 0);
@@ -135,7 +137,7 @@ TEST_CASE("domain check: every single wrong point is detected") {
 	}
 }
 
-TEST_CASE("domain check: pairs across each seam and corner of a torus") {
+TEST_CASE("domain check: pairs across each seam and corner of a torus are compared") {
 	for (const glm::dvec2 away :
 			{glm::dvec2(0.9, 0.0), glm::dvec2(0.0, 0.9), glm::dvec2(0.6, 0.6), glm::dvec2(0.6, -0.6)}) {
 		const DomainShape shape{{9.0, 5.0}, 1.0, true, 1e-9};
@@ -161,7 +163,8 @@ TEST_CASE("domain check: bounds are half-open") {
 }
 
 TEST_CASE("domain check: gaps are measured against the tolerance") {
-	// On a square lattice of this width, gaps are in the middle of each four points: sqrt(1/2) widths from all of them.
+	// On a square lattice with spacing `width`, the center of each square of four points is
+	// sqrt(1/2) * `width` from all of them, which exceeds a radius of 1 by `excess`.
 	constexpr double width = 1.5;
 	const double excess = width * std::sqrt(0.5) - 1.0;
 	std::vector<glm::dvec2> points;
@@ -170,7 +173,7 @@ TEST_CASE("domain check: gaps are measured against the tolerance") {
 			points.emplace_back(width * (x + 0.25), width * (y + 0.75));
 		}
 	}
-	// The gap is wider than the check may miss. Scaled, so that the tolerance stays small compared to the radius.
+	// Counts the gaps for a radius and a tolerance.
 	const auto gaps = [&](double radius, double tolerance) {
 		return report(points, {{4.0 * width, 6.0 * width}, radius, true, tolerance}).uncovered;
 	};

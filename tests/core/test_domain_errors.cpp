@@ -1,4 +1,4 @@
-// DomainSampler with bad input or too little memory: it names the error and changes nothing.
+// Tests that DomainSampler reports invalid input and a lack of memory, and then changes nothing.
 
 #include "allocation_count.hpp"
 #include "domain_cases.hpp"
@@ -22,7 +22,8 @@ using namespace thicket::domain_cases;
 
 namespace {
 
-/// A sampler with a valid result in its buffer and a fill to visit. A refused call must leave both unchanged.
+/// A sampler that has sampled and filled a valid domain. A refused call must leave both results
+/// unchanged.
 template <typename Real>
 struct Fixture {
 	DomainRequest good = request_of({"", {20.0, 12.0}, 1.0, false}, DomainMethod::wavefront, 1);
@@ -48,7 +49,7 @@ struct Fixture {
 		refuse_to_run(request, code, property, value);
 	}
 
-	/// Like `refuse`, for requests that are invalid only for this precision.
+	/// Checks that requests that are invalid only in this precision are refused, as `refuse` does.
 	void refuse_to_run(const DomainRequest &request, ErrorCode code, const std::string &property, double value) {
 		check_refused(sampler.sample(request, points), code, property, value);
 		CHECK(points == before);
@@ -73,7 +74,7 @@ constexpr double inf = infinite_value;
 
 } // namespace
 
-TEST_CASE_TEMPLATE("domain errors: radius", Real, float, double) {
+TEST_CASE_TEMPLATE("domain errors: invalid values of radius are refused", Real, float, double) {
 	Fixture<Real> fixture;
 	const auto refuse = [&](double radius, ErrorCode code) {
 		DomainRequest request = fixture.good;
@@ -92,7 +93,7 @@ TEST_CASE_TEMPLATE("domain errors: radius", Real, float, double) {
 	}
 }
 
-TEST_CASE_TEMPLATE("domain errors: size", Real, float, double) {
+TEST_CASE_TEMPLATE("domain errors: invalid values of size are refused", Real, float, double) {
 	Fixture<Real> fixture;
 	for (const double bad : {nan_value, inf, -inf}) {
 		refuse_size(fixture, {bad, 10.0}, ErrorCode::not_finite, bad);
@@ -105,7 +106,7 @@ TEST_CASE_TEMPLATE("domain errors: size", Real, float, double) {
 	CHECK(describe(validate({.size = {-2.5, 1.0}})) == "size must be positive, got -2.5");
 }
 
-TEST_CASE_TEMPLATE("domain errors: a torus on which a disk would overlap itself", Real, float, double) {
+TEST_CASE_TEMPLATE("domain errors: a torus on which a disk would overlap itself is refused", Real, float, double) {
 	Fixture<Real> fixture;
 	fixture.good.toroidal = true;
 	fixture.good.radius = 0.5;
@@ -118,7 +119,7 @@ TEST_CASE_TEMPLATE("domain errors: a torus on which a disk would overlap itself"
 	CHECK(validate({.size = {narrow, narrow}, .radius = 0.5, .toroidal = false}).ok());
 }
 
-TEST_CASE("domain errors: a side that is too wide for single precision") {
+TEST_CASE("domain errors: a side that is too wide for single precision is refused") {
 	Fixture<float> fixture;
 	DomainRequest request = fixture.good;
 	request.radius = 0.5;
@@ -128,11 +129,11 @@ TEST_CASE("domain errors: a side that is too wide for single precision") {
 		CHECK(validate(request).ok());
 		fixture.refuse_to_run(request, ErrorCode::out_of_range, "size", wide);
 	}
-	// In double precision the domain is valid.
+	// In double precision, the domain is valid.
 	check_promises<double>(request, sampled<double>(request));
 }
 
-TEST_CASE_TEMPLATE("domain errors: cell_size", Real, float, double) {
+TEST_CASE_TEMPLATE("domain errors: invalid values of cell_size are refused", Real, float, double) {
 	Fixture<Real> fixture;
 	for (const Method &method : methods) {
 		DomainRequest request = fixture.good;
@@ -148,7 +149,7 @@ TEST_CASE_TEMPLATE("domain errors: cell_size", Real, float, double) {
 	}
 }
 
-TEST_CASE_TEMPLATE("domain errors: darts_each", Real, float, double) {
+TEST_CASE_TEMPLATE("domain errors: invalid values of darts_each are refused", Real, float, double) {
 	Fixture<Real> fixture;
 	DomainRequest request = fixture.good;
 	request.method = DomainMethod::naive;
@@ -171,7 +172,7 @@ TEST_CASE_TEMPLATE(
 			CAPTURE(fill);
 			DomainRequest request = fixture.good;
 			request.method = method.method;
-			request.toroidal = true; // Then images are stored as well.
+			request.toroidal = true; // On a torus, the sampler also stores periodic images.
 			bool done = false;
 			std::size_t failures = 0;
 			for (std::size_t allowed = 0; !done; ++allowed) {
@@ -199,7 +200,7 @@ TEST_CASE_TEMPLATE(
 
 namespace {
 
-/// Bytes of address space that this process uses.
+/// Returns the address space that this process uses, in bytes.
 rlim_t address_space() {
 	std::ifstream statm("/proc/self/statm");
 	std::size_t pages = 0;
@@ -209,8 +210,9 @@ rlim_t address_space() {
 
 constexpr int limits_do_not_hold = 2;
 
-/// The result of a child process that may use 64 MB more than now: EXIT_SUCCESS, or another exit code. Some emulators
-/// accept a limit but do not enforce it.
+/// Limits this process to 64 MiB more than it uses now, and checks that a huge domain is refused.
+/// Returns the exit code for the child process. Some emulators accept a limit but do not enforce
+/// it, which `limits_do_not_hold` reports.
 template <typename Real>
 int refuses_in_little_memory(DomainMethod method) {
 	const rlim_t limit = address_space() + (rlim_t{64} << 20);
@@ -228,7 +230,7 @@ int refuses_in_little_memory(DomainMethod method) {
 	}
 	const bool refused = sampler.sample(huge, points).code == ErrorCode::out_of_memory && points == before &&
 			sampler.fill(huge).code == ErrorCode::out_of_memory;
-	// Memory of the failed call is freed, so a small domain fits.
+	// The failed call has freed its memory, so a small domain fits.
 	huge.size = {100.0, 100.0};
 	const bool goes_on = sampler.sample(huge, points).ok() && points.size() > 5000;
 	return refused && goes_on ? EXIT_SUCCESS : EXIT_FAILURE;
@@ -236,7 +238,7 @@ int refuses_in_little_memory(DomainMethod method) {
 
 } // namespace
 
-TEST_CASE_TEMPLATE("domain errors: a domain that is larger than memory", Real, float, double) {
+TEST_CASE_TEMPLATE("domain errors: a domain that is larger than memory is refused", Real, float, double) {
 	for (const Method &method : methods) {
 		CAPTURE(method.name);
 		std::fflush(nullptr);

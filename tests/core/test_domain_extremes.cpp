@@ -1,4 +1,5 @@
-// Promises of DomainSampler for domains that are nearly a line or a point, and for domains that are far too large.
+// Tests the guarantees of DomainSampler for domains that are nearly a line or a point, and for
+// domains that are far too large.
 
 #include "domain_cases.hpp"
 
@@ -17,7 +18,8 @@ TEST_CASE_TEMPLATE("domain extremes: strips flatter than the precision, along ea
 				const DomainRequest request = request_of({"", radii, 0.7, false}, method.method, 3);
 				const std::vector<glm::vec<2, Real>> points = sampled<Real>(request);
 				check_promises<Real>(request, points);
-				// Random parking of cars of length 1 fills 0.7476 of a street (Renyi 1958).
+				// In one dimension, randomly parked cars of length 1 fill 0.7476 of a street (Renyi
+				// 1958).
 				const double density = static_cast<double>(points.size()) / 300.0;
 				if (method.method != DomainMethod::naive) {
 					CHECK(density > 0.70);
@@ -43,11 +45,11 @@ TEST_CASE_TEMPLATE("domain extremes: the smallest possible domains", Real, float
 	}
 }
 
-TEST_CASE("domain extremes: domains with too many points") {
+TEST_CASE("domain extremes: domains with too many points are refused") {
 	DomainSampler<double> sampler;
 	const std::vector<glm::dvec2> before(3, glm::dvec2(7.0));
 	std::vector<glm::dvec2> points = before;
-	// Squares, long strips with a small area, and sizes whose product overflows.
+	// A square, long strips with a small area, and sizes whose product overflows.
 	for (const glm::dvec2 size : {glm::dvec2(40'000.0, 40'000.0), glm::dvec2(1e12, 1e-6), glm::dvec2(1e-6, 1e12),
 				 glm::dvec2(1e300, 1e-300), glm::dvec2(1e200, 1e200), glm::dvec2(1e-300, 1e300)}) {
 		CAPTURE(size.x);

@@ -1,4 +1,5 @@
-// Progress reports of a DomainSampler call, and its cancellation from a report and from another thread.
+// Tests the progress reports of DomainSampler calls, and their cancellation from a report and from
+// another thread.
 
 #include "domain_cases.hpp"
 #include "processor_time.hpp"
@@ -12,15 +13,15 @@ using namespace thicket::domain_cases;
 
 namespace {
 
-/// The reports so far, and whether they were consistent.
+/// Records progress reports and whether they are consistent.
 struct Watch {
 	std::uint64_t calls = 0;
-	std::uint64_t before_first_point = 0; ///< Calls without a point.
+	std::uint64_t before_first_point = 0; ///< Reports before the first point.
 	double first = 2.0;
 	double last = 0.0;
 	double widest_step = 0.0;
 	std::uint64_t points = 0;
-	bool in_order = true; ///< Fractions are in [0, 1], and neither they nor the points ever fall.
+	bool in_order = true; ///< Fractions are at most 1, and neither they nor the points ever decrease.
 
 	void operator()(double fraction, std::uint64_t found) {
 		++calls;
@@ -39,10 +40,11 @@ DomainRequest request_for(DomainMethod method, glm::dvec2 radii, bool toroidal =
 	return request;
 }
 
-/// Ten million points and more: seconds of work for every method.
+/// Returns a request for more than ten million points, which takes seconds with every method.
 DomainRequest huge(DomainMethod method) { return request_for(method, {4000.0, 4000.0}); }
 
-/// A sampler with a valid result in its buffer. A cancelled call must leave it unchanged.
+/// A sampler and the valid result of an earlier call. A canceled call must leave the result
+/// unchanged.
 template <typename Real>
 struct Fixture {
 	DomainRequest good = request_for(DomainMethod::hierarchical, {20.0, 12.0});
@@ -66,7 +68,8 @@ struct Fixture {
 
 } // namespace
 
-TEST_CASE_TEMPLATE("domain progress: it begins low, never falls, steps finely and ends at one", Real, float, double) {
+TEST_CASE_TEMPLATE("domain progress: the fraction begins low, never falls, grows in small steps and ends at one", Real,
+		float, double) {
 	for (const Method &method : methods) {
 		CAPTURE(method.name);
 		for (const bool torus : {false, true}) {
@@ -120,7 +123,8 @@ TEST_CASE_TEMPLATE("domain progress: reports also arrive before the first point"
 	}
 }
 
-TEST_CASE_TEMPLATE("domain cancel: a flag that is raised before or by a report", Real, float, double) {
+TEST_CASE_TEMPLATE(
+		"domain cancel: a flag that is set before the call or by a report ends the call", Real, float, double) {
 	Fixture<Real> fixture;
 	for (const Method &method : methods) {
 		CAPTURE(method.name);
@@ -139,17 +143,17 @@ TEST_CASE_TEMPLATE("domain cancel: a flag that is raised before or by a report",
 			const DomainRequest request = request_for(method.method, {200.0, 200.0});
 			fixture.check_cancelled(
 					fixture.sampler.sample(request, fixture.points, {.cancel = &cancel, .report = report}));
-			// It stops before the end.
+			// Sampling must stop before the end.
 			CHECK(watch.last < enough + 0.1);
 		}
 	}
-	// A flag that stays down changes nothing.
+	// A flag that is never set has no effect.
 	const std::atomic<bool> down{false};
 	REQUIRE(fixture.sampler.sample(fixture.good, fixture.points, {.cancel = &down, .report = {}}).ok());
 	CHECK(fixture.points == fixture.before);
 }
 
-TEST_CASE_TEMPLATE("domain cancel: a flag that another thread raises during the work", Real, float, double) {
+TEST_CASE_TEMPLATE("domain cancel: a flag that a different thread sets ends the call", Real, float, double) {
 	Fixture<Real> fixture;
 	for (const Method &method : methods) {
 		CAPTURE(method.name);
@@ -162,7 +166,7 @@ TEST_CASE_TEMPLATE("domain cancel: a flag that another thread raises during the 
 		const double start = test::processor_seconds();
 		cancel = true;
 		worker.join();
-		// The promise is 50 ms, but a checked build takes longer.
+		// The documented limit is 50 ms, but builds with sanitizers take longer.
 		CHECK(test::processor_seconds() - start < 1.0);
 		fixture.check_cancelled(status);
 	}

@@ -1,4 +1,4 @@
-// The statistics that DomainSampler reports. The paper's figures depend on them.
+// Tests the statistics that DomainSampler reports. The paper's figures depend on them.
 
 #include "domain_cases.hpp"
 
@@ -17,7 +17,7 @@ DomainStats stats_of(const DomainRequest &request) {
 	return sampler.stats();
 }
 
-DomainRequest large(DomainMethod method, bool toroidal) { // About 15,000 points.
+DomainRequest large(DomainMethod method, bool toroidal) { // Returns a request for about 15,000 points.
 	return request_of({"", {150.0, 150.0}, 1.0, toroidal}, method, 21);
 }
 
@@ -48,20 +48,20 @@ TEST_CASE_TEMPLATE("domain: counts of squares, choices and darts are consistent"
 		for (const Shape &shape : shapes) {
 			CAPTURE(shape.name);
 			const DomainStats stats = stats_of<Real>(request_of(shape, method.method, 22));
-			// Every created square is chosen once, and no choice fails.
+			// Every created square is selected exactly once, and no selection fails.
 			CHECK(stats.selections == stats.squares);
 			CHECK(stats.list_checks >= stats.selections);
 			CHECK(stats.darts <= stats.selections);
 			CHECK(stats.darts >= stats.points);
 			CHECK(stats.discarded <= stats.darts - stats.points);
 			CHECK(stats.levels >= 1);
-			CHECK(stats.levels <= 33); // The paper saw no square beyond level 32.
+			CHECK(stats.levels <= 33); // The paper observed no square beyond level 32.
 			CHECK(stats.cell_size > 0.0);
 		}
 	}
 }
 
-TEST_CASE_TEMPLATE("domain: fewer than three lists are checked for a choice", Real, float, double) {
+TEST_CASE_TEMPLATE("domain: a choice of a square checks fewer than three lists on average", Real, float, double) {
 	for (const Method &method : maximal_methods) {
 		CAPTURE(method.name);
 		const DomainStats stats = stats_of<Real>(large(method.method, true));
@@ -96,7 +96,8 @@ TEST_CASE_TEMPLATE(
 	const double standard = bytes(DomainMethod::hierarchical);
 	const double accumulator = bytes(DomainMethod::accumulator);
 	const double wavefront = bytes(DomainMethod::wavefront);
-	// At least a copy of each point; at most about the 416 bytes that the paper states for double precision.
+	// In bytes per point: at least a copy of the point, and at most about the 416 bytes that the
+	// paper states for double precision.
 	const double point = 2.0 * sizeof(Real);
 	CHECK(wavefront > point);
 	CHECK(wavefront < standard);

@@ -25,7 +25,7 @@ std::vector<std::uint32_t> ranks_of_cell() {
 	return ranks;
 }
 
-/// Tiles of one cell each, all of them with the same instances.
+/// Tiles with one cell each and with equal instances.
 class Meadow {
 public:
 	DrawBudget budget;
@@ -34,7 +34,8 @@ public:
 
 	explicit Meadow(std::size_t count) : cells(count) {}
 
-	/// One frame, as TileDisplay works through it: cells that were cut, or all of them.
+	/// Simulates a frame of TileDisplay: redraws all cells if the limits require it, and otherwise
+	/// those that were cut.
 	void frame() {
 		const bool all = budget.begin_frame();
 		const std::set<TileKey, TileKeyOrder> cut = budget.take_cut();
@@ -45,7 +46,7 @@ public:
 		}
 	}
 
-	/// False if the limit thins it.
+	/// Draws a cell. Returns false if the limit thins it.
 	bool draw(std::size_t at) {
 		const bool whole = budget.draw(layer, 1.0, ranks_, cells[at]);
 		if (!whole) {
@@ -91,14 +92,14 @@ TEST_CASE("draw budget: quality and hidden layers scale what is drawn") {
 	limits.hidden_layers = {false, true};
 	meadow.budget.set_limits(limits);
 	CHECK(meadow.budget.limits() == limits);
-	CHECK(meadow.drawn() == 10000); // Applied with the next frame.
+	CHECK(meadow.drawn() == 10000); // The limits take effect in the next frame.
 	meadow.frame();
 	CHECK(meadow.drawn() == 2500);
 	CHECK(meadow.budget.drawn_share(LodSettings(), 0.0) == 0.25);
 	meadow.layer = 1;
 	meadow.draw_all();
 	CHECK(meadow.drawn() == 0);
-	meadow.layer = 7; // Not in the list: visible.
+	meadow.layer = 7; // Layers beyond the end of the list are visible.
 	meadow.draw_all();
 	CHECK(meadow.drawn() == 2500);
 }
@@ -112,7 +113,7 @@ TEST_CASE("draw budget: thinning, the share of a look and quality multiply") {
 	CellDrawing &cell = meadow.cells[0];
 	cell.thinned = 0.5;
 	CHECK(meadow.budget.draw(0, 0.5, ranks_of_cell(), cell));
-	CHECK(cell.density == 0.25); // For any LOD.
+	CHECK(cell.density == 0.25); // The density is the same for every LOD.
 	CHECK(cell.drawn == 125);
 	CHECK(cell.wanted == 125);
 }
@@ -122,7 +123,7 @@ TEST_CASE("draw budget: the limit is never exceeded, and soon thins all cells al
 	meadow.budget.set_limits(limited_to(5500));
 	CHECK(meadow.budget.begin_frame());
 	for (std::size_t at = 0; at < meadow.cells.size(); ++at) {
-		CHECK(meadow.draw(at) == (at < 5)); // 5 whole cells and a half; no room for the others.
+		CHECK(meadow.draw(at) == (at < 5)); // There is room for five whole cells and half of a sixth.
 		CHECK(meadow.drawn() <= 5500);
 	}
 	meadow.frame();
@@ -132,10 +133,10 @@ TEST_CASE("draw budget: the limit is never exceeded, and soon thins all cells al
 	CHECK(meadow.drawn() <= 5500);
 	CHECK(meadow.budget.amounts().wanted == 20000);
 	for (int time = 0; time < 10; ++time) {
-		CHECK_FALSE(meadow.budget.begin_frame()); // It has settled.
+		CHECK_FALSE(meadow.budget.begin_frame()); // The budget has settled.
 		CHECK(meadow.budget.take_cut().empty());
 	}
-	meadow.budget.set_limits(limited_to(1000)); // A lower limit holds after one pass over all cells.
+	meadow.budget.set_limits(limited_to(1000)); // A lower limit is met after one pass over all cells.
 	meadow.frame();
 	CHECK(meadow.drawn() <= 1000);
 	meadow.budget.set_limits(limited_to(0));
@@ -143,7 +144,7 @@ TEST_CASE("draw budget: the limit is never exceeded, and soon thins all cells al
 	CHECK(meadow.drawn() == 0);
 }
 
-TEST_CASE("draw budget: the share changes only for many instances more or less") {
+TEST_CASE("draw budget: the share changes only if the number of instances changes a lot") {
 	Meadow meadow(100);
 	meadow.budget.set_limits(limited_to(50000));
 	meadow.frame();
@@ -152,7 +153,7 @@ TEST_CASE("draw budget: the share changes only for many instances more or less")
 	const std::uint64_t settled = meadow.drawn();
 	CHECK(settled == doctest::Approx(45000).epsilon(0.01));
 	std::size_t changes = 0;
-	for (std::size_t at = 0; at < 20; ++at) { // A fifth of the tiles goes far away, one after another.
+	for (std::size_t at = 0; at < 20; ++at) { // One by one, a fifth of the tiles is thinned to nothing.
 		meadow.cells[at].thinned = 0.0;
 		meadow.draw(at);
 		changes += meadow.budget.begin_frame() ? 1 : 0;
@@ -174,7 +175,7 @@ TEST_CASE("draw budget: a cell that is cut is drawn again in the next frame, onc
 	CellDrawing &first = meadow.cells[0];
 	meadow.draw_all();
 	CHECK(meadow.budget.take_cut().empty());
-	// A third tile, as large as both, comes and leaves before the share follows.
+	// A third tile is added and removed before the share adapts.
 	DrawAmounts other;
 	other.drawn = 1500;
 	meadow.budget.add(other);
@@ -212,11 +213,12 @@ TEST_CASE("draw budget: random tiles and limits settle within the limit, and use
 		const auto most = static_cast<double>(meadow.budget.limits().max_instances);
 		const auto wanted = static_cast<double>(meadow.budget.amounts().wanted);
 		const auto drawn = static_cast<double>(meadow.drawn());
-		CHECK(drawn >= std::min(0.69 * most, wanted) - 50.0); // Each cell rounds to whole instances.
+		// The 50 allows for rounding to whole instances in each cell.
+		CHECK(drawn >= std::min(0.69 * most, wanted) - 50.0);
 	}
 }
 
-TEST_CASE("draw budget: amounts are added and removed as a whole") {
+TEST_CASE("draw budget: the amounts of a tile are added and removed together") {
 	DrawBudget budget;
 	const DrawAmounts tile{10, 400, 3, 5, 7};
 	budget.add(tile);

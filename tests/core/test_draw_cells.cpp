@@ -1,5 +1,5 @@
-// Tests tiles that are divided for drawing: the cells together are bit-identical to the tile, and each prefix of a cell
-// is the cell's share of a prefix of the tile.
+// Tests tiles that are divided into cells for drawing. The cells together are bit-identical to the
+// tile. A prefix of a cell contains those instances of a prefix of the tile that lie in the cell.
 
 #include "core/drawing/draw_cells.hpp"
 #include "tile_fixture.hpp"
@@ -22,7 +22,8 @@ DrawCells divided(const CompactMesh &mesh, glm::dvec3 origin, const Rect &rect, 
 	return cells;
 }
 
-/// Instances at these positions in x and z, relative to the tile's center. Their ids count up from 1.
+/// Returns instances at these positions (x, z), relative to the tile's center. Their ids are 1, 2,
+/// 3, and so on.
 MeshInstances floats_at(const std::vector<glm::vec2> &positions) {
 	MeshInstances mesh;
 	mesh.resize(positions.size());
@@ -35,7 +36,7 @@ MeshInstances floats_at(const std::vector<glm::vec2> &positions) {
 	return mesh;
 }
 
-CompactMesh standing_at(const std::vector<glm::vec2> &positions) { return {floats_at(positions), nullptr}; }
+CompactMesh standing_at(const std::vector<glm::vec2> &positions) { return {floats_at(positions), nullptr, {}}; }
 
 std::vector<std::uint32_t> numbers_of(const DrawCells &cells, std::size_t size) {
 	std::vector<std::uint32_t> numbers(size);
@@ -49,7 +50,7 @@ std::vector<std::uint32_t> numbers_of(const DrawCells &cells, std::size_t size) 
 
 } // namespace
 
-TEST_CASE("draw cells: together they are bit-identical to the tile, for every number of cells") {
+TEST_CASE("draw cells: all cells together are bit-identical to the tile, for every number of cells") {
 	const TileInstances tile = built(rich_layer(), hills(), tile_of_hills);
 	const std::shared_ptr<const CompactTile> kept_tile = kept(rich_layer(), tile);
 	for (std::size_t at = 0; at < tile.meshes.size(); ++at) {
@@ -74,7 +75,7 @@ TEST_CASE("draw cells: together they are bit-identical to the tile, for every nu
 	}
 }
 
-TEST_CASE("draw cells: a cell keeps the tile's order, and its prefixes are its share of the tile's thinning") {
+TEST_CASE("draw cells: a cell keeps the tile's order, so thinning a cell matches thinning the tile") {
 	const std::shared_ptr<const CompactTile> tile = kept(rich_layer(), built(rich_layer(), hills(), tile_of_hills));
 	for (const CompactMesh &mesh : tile->meshes) {
 		const DrawCells cells = divided(mesh, tile->origin, tile_of_hills, 4);
@@ -94,10 +95,10 @@ TEST_CASE("draw cells: a cell keeps the tile's order, and its prefixes are its s
 	}
 }
 
-TEST_CASE("draw cells: each has the instances in its square, and the box around them") {
+TEST_CASE("draw cells: each cell has the instances in its square, and the box around them") {
 	const TileInstances tile = built(rich_layer(), hills(), tile_of_hills);
 	const MeshInstances &mesh = tile.meshes[0];
-	const DrawCells cells = divided(CompactMesh(mesh, nullptr), tile.origin, tile_of_hills, 4);
+	const DrawCells cells = divided(CompactMesh(mesh, nullptr, tile.origin), tile.origin, tile_of_hills, 4);
 	for (const DrawCell &cell : cells.cells) {
 		const glm::dvec2 corner = tile_of_hills.min + 32.0 * glm::dvec2(cell.number % 4, cell.number / 4);
 		glm::vec3 min(1e9f);
@@ -113,7 +114,7 @@ TEST_CASE("draw cells: each has the instances in its square, and the box around 
 	}
 }
 
-TEST_CASE("draw cells: squares are half-open, and instances beside the tile are in the nearest one") {
+TEST_CASE("draw cells: squares are half-open, and instances outside the tile are in the nearest cell") {
 	const Rect rect{{-64.0, 0.0}, {64.0, 128.0}};
 	const CompactMesh mesh = standing_at({{-64.0f, -64.0f}, {-32.0f, -64.0f}, {std::nextafter(-32.0f, -64.0f), -64.0f},
 			{0.0f, 0.0f}, {-1e-30f, -1e-30f}, {64.0f, 64.0f}, {-70.0f, 0.0f}, {500.0f, -500.0f}});
@@ -121,7 +122,7 @@ TEST_CASE("draw cells: squares are half-open, and instances beside the tile are 
 	CHECK(numbers_of(cells, mesh.size()) == std::vector<std::uint32_t>{0, 1, 0, 10, 5, 15, 8, 3});
 }
 
-TEST_CASE("draw cells: an empty tile has none, and numbers of cells are clamped") {
+TEST_CASE("draw cells: an empty tile has no cells, and numbers of cells are clamped") {
 	CHECK(divided(CompactMesh(), {}, tile_of_hills, 4).empty());
 	const CompactMesh mesh = standing_at({{-63.0f, -63.0f}, {63.0f, 63.0f}});
 	CHECK(divided(mesh, {0.0, 0.0, 64.0}, tile_of_hills, 0).cells.size() == 1);
@@ -129,16 +130,18 @@ TEST_CASE("draw cells: an empty tile has none, and numbers of cells are clamped"
 }
 
 TEST_CASE("draw cells: after a change, only cells whose instances differ need an upload") {
-	// One in each quarter, and a second one in the first and the last.
+	// The first and the last quarter have two instances each, the other quarters one.
 	const std::vector<glm::vec2> positions{
 			{-10.0f, -10.0f}, {10.0f, -10.0f}, {-10.0f, 10.0f}, {10.0f, 10.0f}, {-11.0f, -11.0f}, {11.0f, 11.0f}};
 	const glm::dvec3 origin{0.0, 0.0, 64.0};
 	const auto reused = [&](const MeshInstances &now) {
 		const CompactMesh before = standing_at(positions);
-		const CompactMesh after(now, nullptr);
+		const CompactMesh after(now, nullptr, origin);
 		const std::vector<CellReuse> result = reuse_cells(
 				before, divided(before, origin, tile_of_hills, 2), after, divided(after, origin, tile_of_hills, 2));
-		std::vector<int> cells; // The former cell, or -1; plus 10 if it is unchanged.
+		// The index of each cell's former cell, or -1 if there is none; plus 10 if the cell is
+		// unchanged.
+		std::vector<int> cells;
 		for (const auto &[from, unchanged] : result) {
 			cells.push_back((from ? static_cast<int>(*from) : -1) + (unchanged ? 10 : 0));
 		}
@@ -147,11 +150,11 @@ TEST_CASE("draw cells: after a change, only cells whose instances differ need an
 	MeshInstances now = floats_at(positions);
 	CHECK(reused(now) == std::vector{10, 11, 12, 13});
 	now.floats_of(4)[0] = 1.0f;
-	CHECK(reused(now) == std::vector{0, 11, 12, 13}); // One of the first cell has turned.
+	CHECK(reused(now) == std::vector{0, 11, 12, 13}); // An instance of the first cell is turned.
 	CHECK(reused(floats_at({positions.begin(), positions.end() - 1})) == std::vector{10, 11, 12, 3});
 	now = floats_at({positions[0], positions[3], positions[4], positions[5]});
 	now.ids = {1, 4, 5, 6};
-	CHECK(reused(now) == std::vector{10, 13}); // The others are empty now, and have no cell.
+	CHECK(reused(now) == std::vector{10, 13}); // The other quarters are empty now, so they have no cell.
 	CHECK(reused(floats_at({})).empty());
 }
 

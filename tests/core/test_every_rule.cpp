@@ -1,4 +1,4 @@
-// Properties of every rule: it removes points and changes nothing else, in tiles of any size and order.
+// Tests that every rule only removes points, and does so independently of tile size and order.
 
 #include "core/explain/place_explainer.hpp"
 #include "core/placement/tile_builder.hpp"
@@ -29,7 +29,7 @@ using namespace thicket::test;
 
 namespace {
 
-/// Hills whose texture 1 fades from left to right.
+/// Hills whose texture 1 has a weight that increases from 0 to 1 along +x.
 class TexturedHills final : public Terrain {
 public:
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
@@ -69,7 +69,7 @@ std::shared_ptr<const LayerSettings> trees() {
 	return layer;
 }
 
-/// Two biomes and a gap, with soft, wavering borders.
+/// Returns a map with two biomes and a gap, with soft borders that noise displaces.
 std::shared_ptr<const BiomeMap> biome_map() {
 	const std::array<std::uint8_t, 6> pixels{0, 1, no_biome, 1, 1, 0};
 	auto map = std::make_shared<BiomeMap>();
@@ -166,7 +166,8 @@ LayerSettings plain_layer() {
 	return layer;
 }
 
-/// The position of each instance in the world, to 0.1 mm, and its thinning rank. Equal for any tile size.
+/// Returns the world position of each instance, rounded to 1 mm, and its thinning rank. They are
+/// the same for any tile size, except for rounding.
 std::map<std::uint64_t, std::pair<glm::ivec3, std::uint32_t>> places(
 		const LayerSettings &layer, const Terrain &terrain, const Rect &rect) {
 	const TileInstances tile = built(layer, terrain, rect);
@@ -185,7 +186,7 @@ bool near(const std::pair<glm::ivec3, std::uint32_t> &a, const std::pair<glm::iv
 	return std::max({apart.x, apart.y, apart.z}) <= 1 && a.second == b.second;
 }
 
-/// The ground at the positions of a probe or an explainer.
+/// Returns the ground that a probe or an explainer queries.
 std::vector<Ground> ground_for(const auto &asker, const Terrain &terrain) {
 	std::vector<Ground> ground(asker.positions().size());
 	REQUIRE(ask_ground(terrain, asker.positions(), asker.queries(), ground).ok());
@@ -199,7 +200,7 @@ std::vector<SamplePoint> points_of(const PointSet &set, const Rect &rect) {
 	return points;
 }
 
-/// The thinning ranks of all instances, by id.
+/// Returns the thinning ranks of all instances, by id.
 std::map<std::uint64_t, std::uint32_t> ranks_of(const TileInstances &tile) {
 	std::map<std::uint64_t, std::uint32_t> ranks;
 	for (const MeshInstances &mesh : tile.meshes) {
@@ -210,7 +211,7 @@ std::map<std::uint64_t, std::uint32_t> ranks_of(const TileInstances &tile) {
 	return ranks;
 }
 
-/// A layer with all rules of these names.
+/// Returns a layer with all the rules that have these names.
 LayerSettings under(std::span<const char *const> names) {
 	LayerSettings layer = plain_layer();
 	for (const NamedRule &rule : every_rule) {
@@ -221,9 +222,9 @@ LayerSettings under(std::span<const char *const> names) {
 	return layer;
 }
 
-/// For every point of the set in tile_of_hills, checks that the product of its factors is the density by which the tile
-/// was generated. Where there is no instance, one factor must be the reason. Returns the number of points without an
-/// instance.
+/// Checks every point of the set in tile_of_hills: the product of its factors must be the density
+/// with which the tile was generated. If the point has no instance, a factor must explain its
+/// absence. Returns the number of points without an instance.
 std::size_t check_factors(const LayerSettings &layer, const Terrain &terrain) {
 	const auto standing = ranks_of(built(layer, terrain, tile_of_hills));
 	const std::vector<SamplePoint> points = points_of(layer.set, tile_of_hills);
@@ -347,7 +348,7 @@ TEST_CASE("every rule: a position is explained by the set's nearest point, as in
 	std::size_t here = 0;
 	for (int i = 0; i < 1000; ++i) {
 		const glm::dvec2 place = tile_of_hills.min + glm::dvec2(along(random), along(random));
-		REQUIRE(explainer.find(layer, place).ok());
+		REQUIRE(explainer.find(layer, {place.x, 0.0, place.y}).ok());
 		REQUIRE(explainer.explain(ground_for(explainer, terrain), explanation).ok());
 		const auto nearest = std::ranges::min_element(
 				points, {}, [&](const SamplePoint &point) { return glm::distance(point.position, place); });
@@ -367,11 +368,11 @@ TEST_CASE("every rule: a position that cannot be explained is refused by name") 
 	const TexturedHills terrain;
 	PlaceExplainer explainer;
 	const double nan = std::numeric_limits<double>::quiet_NaN();
-	CHECK(std::string(explainer.find(plain_layer(), {0.0, nan}).property) == "place");
-	CHECK(explainer.find(plain_layer(), {1e12, 0.0}).code == ErrorCode::out_of_range);
+	CHECK(std::string(explainer.find(plain_layer(), {0.0, 0.0, nan}).property) == "place");
+	CHECK(explainer.find(plain_layer(), {1e12, 0.0, 0.0}).code == ErrorCode::out_of_range);
 	LayerSettings wrong = plain_layer();
 	wrong.rules.density = 2.0;
-	CHECK(std::string(explainer.find(wrong, {0.0, 0.0}).property) == "density");
+	CHECK(std::string(explainer.find(wrong, {0.0, 0.0, 0.0}).property) == "density");
 	DensityProbe probe;
 	CHECK(probe.look({}).code == ErrorCode::missing);
 	CHECK(probe.find(plain_layer(), {}).code == ErrorCode::missing);

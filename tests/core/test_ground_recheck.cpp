@@ -1,5 +1,5 @@
-// Tests the detection of ground changes that emit no signal: which heights are read, when, and which tiles are
-// regenerated.
+// Tests the detection of ground changes that emit no signal: which heights are read and when, and
+// which changes are found.
 
 #include "core/streaming/ground_recheck.hpp"
 #include "tile_fixture.hpp"
@@ -25,7 +25,7 @@ constexpr double tile_size = 10.0;
 
 using Height = std::function<std::optional<float>(glm::dvec2)>;
 
-/// Tiles in a row along x, generated on flat ground of height 0. Each has some probes in a row.
+/// A row of tiles along x, generated on flat ground of height 0. Each tile has a row of probes.
 class Row {
 public:
 	explicit Row(int tiles, int probes = 4, std::uint32_t layer = 0) { add(tiles, probes, layer); }
@@ -45,7 +45,7 @@ public:
 		recheck.show(key, {{left, 0.0}, {left + tile_size, tile_size}}, kept, outdated);
 	}
 
-	/// A frame that reads up to 16 heights.
+	/// Simulates a frame in which up to 16 heights are read.
 	void frame(const Height &height) {
 		now += 1.0 / 60.0;
 		std::vector<glm::dvec2> positions;
@@ -71,8 +71,8 @@ public:
 	GroundRecheck recheck;
 	double now = 100.0;
 	std::size_t most_at_once = 0;
-	std::map<double, int> reads; ///< By x.
-	std::vector<double> changes; ///< By x.
+	std::map<double, int> reads; ///< The number of reads at each x.
+	std::vector<double> changes; ///< The x of each found change.
 };
 
 std::optional<float> flat(glm::dvec2) { return 0.0F; }
@@ -90,9 +90,9 @@ TEST_CASE("ground recheck: all heights of all tiles are read in turn, a few per 
 	CHECK(row.changes.empty());
 }
 
-TEST_CASE("ground recheck: a few tiles are not read more often than many") {
+TEST_CASE("ground recheck: a single tile is read no more often than each of many tiles") {
 	Row row(1);
-	row.frames(600, flat); // 10 s: 40 visits of two heights.
+	row.frames(600, flat); // 10 s, which is enough for 40 visits that read two heights each.
 	int reads = 0;
 	for (const auto &[x, count] : row.reads) {
 		reads += count;
@@ -101,7 +101,7 @@ TEST_CASE("ground recheck: a few tiles are not read more often than many") {
 	CHECK(reads >= 70);
 }
 
-TEST_CASE("ground recheck: a change is found once, in its tiles only") {
+TEST_CASE("ground recheck: a change is found once, and only in the tiles that it affects") {
 	Row row(20);
 	const Height raised = [](glm::dvec2 at) {
 		return at.x > 50.0 && at.x < 70.0 ? 3.0F : 0.0F;
@@ -116,7 +116,7 @@ TEST_CASE("ground recheck: a change is found once, in its tiles only") {
 	CHECK(row.changes.size() == 2);
 }
 
-TEST_CASE("ground recheck: a change under one probe of many is found eventually") {
+TEST_CASE("ground recheck: a change under a single probe is found eventually") {
 	Row row(3, 64);
 	row.frames(1200, [](glm::dvec2 at) { return std::abs(at.x - 19.0) < 0.1 ? 1.0F : 0.0F; });
 	REQUIRE(row.changes.size() == 1);
@@ -192,7 +192,7 @@ TEST_CASE("ground recheck: only changes of tiles that are regenerated anyway are
 	}
 }
 
-TEST_CASE("ground recheck: ground that never rests regenerates a tile ever less often, but is followed once at rest") {
+TEST_CASE("ground recheck: constantly moving ground regenerates a tile less and less often") {
 	Row row(1);
 	float height = 0.0F;
 	const auto regenerated_in = [&](int seconds, bool moves) {
@@ -213,7 +213,7 @@ TEST_CASE("ground recheck: ground that never rests regenerates a tile ever less 
 	CHECK(regenerated_in(1, false) == 1);
 }
 
-TEST_CASE("ground recheck: a built tile stores some heights that it was built with, spread over it") {
+TEST_CASE("ground recheck: a tile stores some of the heights that it was built with, spread over the tile") {
 	const Rect rect{{-20.0, 10.0}, {44.0, 74.0}};
 	TileBuilder builder;
 	TileInstances tile;

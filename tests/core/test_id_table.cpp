@@ -1,4 +1,4 @@
-// The tables of a state share memory and copy it on write.
+// Tests that the tables of a state share memory and copy it on write.
 
 #include "core/state/id_table.hpp"
 
@@ -66,7 +66,7 @@ TEST_CASE("id table: tables that share their memory do not see each other's chan
 	CHECK(other.valued() == timed);
 }
 
-TEST_CASE("id table: it frees memory") {
+TEST_CASE("id table: a table frees memory") {
 	IdTable<std::shared_ptr<const int>> table;
 	const auto value = std::make_shared<const int>(3);
 	for (std::uint64_t id = 0; id < 20000; ++id) {

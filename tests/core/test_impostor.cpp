@@ -13,8 +13,8 @@ using namespace thicket::test;
 
 namespace {
 
-/// Three frames per side of the sphere's map. Frame (1, 1) is seen from above, (1, 2) from +z, (2, 1) from +x, (1, 0)
-/// from -z.
+/// Three frames on each axis of the full octahedral map. Frame (1, 1) shows the view from above,
+/// (1, 2) from +z, (2, 1) from +x, and (1, 0) from -z.
 constexpr ImpostorSettings three{.frames = 3, .frame_size = 64, .samples = 2, .span = OctahedralSpan::sphere};
 constexpr glm::ivec2 from_above{1, 1};
 constexpr glm::ivec2 from_front{1, 2};
@@ -24,7 +24,7 @@ constexpr glm::ivec2 from_behind{1, 0};
 const glm::vec4 red{1.0F, 0.0F, 0.0F, 1.0F};
 const glm::vec4 green{0.0F, 1.0F, 0.0F, 1.0F};
 
-/// The covered share of a frame, 0 to 1.
+/// Returns the covered fraction of a frame, 0 to 1.
 double coverage(const Impostor &impostor, glm::ivec2 frame) {
 	const int side = impostor.settings.frame_size;
 	double sum = 0.0;
@@ -36,7 +36,7 @@ double coverage(const Impostor &impostor, glm::ivec2 frame) {
 	return sum / (255.0 * side * side);
 }
 
-/// All six sides of a cube, facing outward.
+/// Returns all six sides of a cube, facing outward.
 ImpostorSurface cube(float half) {
 	ImpostorSurface surface;
 	const ImpostorSurface side = square(half, half, red);
@@ -60,14 +60,15 @@ ImpostorSurface cube(float half) {
 } // namespace
 
 TEST_CASE("impostor: a known triangle, seen from its front and not from behind") {
-	// The upper left half of the square from -1 to 1, because the longest side goes from lower left to upper right.
+	// The upper left half of the square from -1 to 1. Its longest side runs from the lower left to
+	// the upper right.
 	const ImpostorSurface half = triangles({{-1, -1, 0}, {-1, 1, 0}, {1, 1, 0}}, red);
 	const Impostor impostor = baked({half}, three);
 	CHECK(impostor.min == glm::vec3(-1, -1, 0));
 	CHECK(impostor.max == glm::vec3(1, 1, 0));
 	CHECK(impostor.center == glm::vec3(0));
 	CHECK(impostor.radius == doctest::Approx(std::sqrt(2.0)));
-	// Shares of the square whose side is two radii.
+	// The frame is a square with a side of two radii, so its area is 8.
 	CHECK(coverage(impostor, from_front) == doctest::Approx(2.0 / 8.0).epsilon(0.01));
 	CHECK(coverage(impostor, from_behind) == 0.0);
 	CHECK(coverage(impostor, from_right) == 0.0);
@@ -76,12 +77,12 @@ TEST_CASE("impostor: a known triangle, seen from its front and not from behind")
 	CHECK(pixel_of(impostor, impostor.normal, from_front, {20, 28}) == std::array{128, 128, 255, 128});
 }
 
-TEST_CASE("impostor: both sides, and only the back side") {
+TEST_CASE("impostor: a surface is drawn from both sides, or only from the back") {
 	const std::vector<glm::vec3> corners{{-1, -1, 0}, {-1, 1, 0}, {1, 1, 0}};
 	const Impostor both = baked({triangles(corners, red, CulledSide::none)}, three);
 	CHECK(coverage(both, from_front) == coverage(both, from_behind));
 	CHECK(coverage(both, from_front) > 0.24);
-	// Seen from behind, left is right, and the normal faces the viewer.
+	// From behind, left and right are swapped, and the normal faces the viewer.
 	CHECK(pixel_of(both, both.albedo, from_behind, {43, 28})[3] == 255);
 	CHECK(pixel_of(both, both.normal, from_behind, {43, 28}) == std::array{128, 128, 0, 128});
 	const Impostor back = baked({triangles(corners, red, CulledSide::front)}, three);
@@ -89,7 +90,7 @@ TEST_CASE("impostor: both sides, and only the back side") {
 	CHECK(coverage(back, from_behind) > 0.24);
 }
 
-TEST_CASE("impostor: a cube from its axes") {
+TEST_CASE("impostor: each side of a cube has the right normal, depth and coverage") {
 	const Impostor impostor = baked({cube(1.0F)}, three);
 	const auto byte = [](double value) {
 		return static_cast<int>((value * 0.5 + 0.5) * 255.0 + 0.5);
@@ -103,7 +104,7 @@ TEST_CASE("impostor: a cube from its axes") {
 	for (const glm::ivec2 frame : {from_front, from_behind, from_right, from_above}) {
 		CHECK(coverage(impostor, frame) == doctest::Approx(4.0 / 12.0).epsilon(0.005));
 	}
-	// The corner (2, 2) of the sphere's map is directly below.
+	// The corner frame (2, 2) of the octahedral map is the view from below.
 	CHECK(pixel_of(impostor, impostor.normal, {2, 2}, {32, 32}) == std::array{128, 0, 128, near});
 }
 
@@ -115,7 +116,7 @@ TEST_CASE("impostor: nearer surfaces hide farther ones, in any drawing order") {
 	CHECK(one.albedo == other.albedo);
 	CHECK(one.normal == other.normal);
 	CHECK(pixel_of(one, one.albedo, from_front, {32, 32}) == std::array{255, 0, 0, 255});
-	CHECK(pixel_of(one, one.normal, from_front, {32, 32})[3] == 170); // 0.5 m of a radius of 1.5 m
+	CHECK(pixel_of(one, one.normal, from_front, {32, 32})[3] == 170); // A depth of 0.5 m, with a radius of 1.5 m.
 }
 
 TEST_CASE("impostor: pixels with alpha below the threshold are discarded, and coverage follows") {
@@ -133,13 +134,13 @@ TEST_CASE("impostor: pixels with alpha below the threshold are discarded, and co
 	CHECK(coverage(cut, from_front) == doctest::Approx(0.25).epsilon(0.05));
 	CHECK(pixel_of(cut, cut.albedo, from_front, {20, 32})[3] == 0);
 	CHECK(pixel_of(cut, cut.albedo, from_front, {44, 32}) == std::array{0, 0, 255, 255});
-	// Empty pixels have their neighbor's color, in empty frames as well as here.
+	// Empty pixels take the color of their neighbors, even in empty frames.
 	CHECK(pixel_of(cut, cut.albedo, from_front, {20, 32})[2] == 255);
 	surface.material.albedo.a = 0.4F;
 	CHECK(coverage(baked({surface}, three), from_front) == 0.0);
 }
 
-TEST_CASE("impostor: vertex colors, linear or in sRGB") {
+TEST_CASE("impostor: vertex colors are linear or in sRGB") {
 	ImpostorSurface surface = square(1.0F, 0.0F, glm::vec4(1.0F));
 	surface.colors.assign(4, {128.0F / 255.0F, 64.0F / 255.0F, 1.0F, 1.0F});
 	const auto middle = [&](VertexColors colors) {
@@ -157,7 +158,7 @@ TEST_CASE("impostor: vertex colors, linear or in sRGB") {
 }
 
 TEST_CASE("impostor: mip maps keep the covered share, and frames do not bleed") {
-	// Thin bars, which mip maps of plain means would lose.
+	// Thin bars, which would vanish from mipmaps that are plain averages.
 	std::vector<ImpostorSurface> bars;
 	for (int at = -8; at < 8; ++at) {
 		const float x = static_cast<float>(at) / 8.0F;
@@ -171,7 +172,7 @@ TEST_CASE("impostor: mip maps keep the covered share, and frames do not bleed") 
 		const auto count = static_cast<std::size_t>(side) * static_cast<std::size_t>(side);
 		for (std::size_t pixel = 0; pixel < count; ++pixel) {
 			covered += impostor.albedo[first + 4 * pixel + 3] >= 128 ? 1 : 0;
-			// The only color is red, so no filter may produce any other where the frame is covered.
+			// The only color is red, so filters must not produce any green.
 			CHECK(impostor.albedo[first + 4 * pixel + 1] == 0);
 		}
 		const double share = static_cast<double>(covered) / static_cast<double>(count);
@@ -254,7 +255,7 @@ TEST_CASE("impostor: progress is reported after each picture, and the cancel fla
 	CHECK(reported == 4);
 }
 
-TEST_CASE("impostor: directions of the maps, and axes of pictures") {
+TEST_CASE("impostor: map positions have the documented directions and picture axes") {
 	for (const auto span : {OctahedralSpan::hemisphere, OctahedralSpan::sphere}) {
 		for (float v = -1.0F; v <= 1.0F; v += 0.125F) {
 			for (float u = -1.0F; u <= 1.0F; u += 0.125F) {

@@ -7,7 +7,7 @@
 
 using namespace thicket;
 
-TEST_CASE("impostor texture: the sRGB curve") {
+TEST_CASE("impostor texture: the sRGB curve is accurate to 1e-6, and bytes convert back exactly") {
 	const SrgbCurve &curve = SrgbCurve::get();
 	for (int stored = 0; stored < 256; ++stored) {
 		const double unit = stored / 255.0;
@@ -24,7 +24,7 @@ TEST_CASE("impostor texture: the sRGB curve") {
 	CHECK(unit_byte(0.5F) == 128);
 }
 
-TEST_CASE("impostor texture: it repeats, and interpolates between pixel centers") {
+TEST_CASE("impostor texture: textures repeat, and are interpolated between pixel centers") {
 	SurfaceTexture texture;
 	REQUIRE(texture.set(2, 1, std::vector<std::uint8_t>{255, 0, 0, 255, 0, 0, 0, 0}).ok());
 	for (const float turn : {0.0F, 1.0F, -1.0F, 40.0F, -40.0F}) {
@@ -36,7 +36,8 @@ TEST_CASE("impostor texture: it repeats, and interpolates between pixel centers"
 	}
 	CHECK(texture.sample({static_cast<float>(nan_value), static_cast<float>(infinite_value)}, 0).a >= 0.0F);
 	CHECK(texture.sample({0.3F, 0.3F}, 1).a == doctest::Approx(128 / 255.0));
-	CHECK(texture.sample({0.3F, 0.3F}, 1).r == doctest::Approx(0.2159).epsilon(0.001)); // The mean of the bytes.
+	// The mean of the sRGB bytes, as a linear value.
+	CHECK(texture.sample({0.3F, 0.3F}, 1).r == doctest::Approx(0.2159).epsilon(0.001));
 	CHECK(texture.level_for(3.9) == 0);
 	CHECK(texture.level_for(4.0) == 1);
 	CHECK(texture.level_for(1e9) == 1);

@@ -1,4 +1,5 @@
-// Patches of a heightmap in batches: bit-identical to one at a time, on every instruction set.
+// Tests that heightmap patches in batches are bit-identical to single patches, on every instruction
+// set.
 
 #include "core/terrain/inner_patches.hpp"
 #include "core/terrain/smooth_patch.hpp"
@@ -18,7 +19,7 @@ namespace {
 
 constexpr int side = 40;
 
-/// Height and normal of a single patch, as Heightfield computes them.
+/// Returns the height and normal of a single patch, computed as in Heightfield.
 std::array<float, 4> alone(const std::uint16_t *first, glm::dvec2 part, const InnerPatches::Heights &of) {
 	const SmoothPatch patch = smooth_patch<false>(
 			inner_line, inner_line, part, [first](int i, int j) { return static_cast<double>(first[j * side + i]); });
@@ -29,7 +30,7 @@ std::array<float, 4> alone(const std::uint16_t *first, glm::dvec2 part, const In
 			static_cast<float>(to_unit), static_cast<float>(-gradient_y * to_unit)};
 }
 
-/// Mountains, plains and cliffs.
+/// Returns random posts with high and low plateaus, cliffs and rough ground.
 std::vector<std::uint16_t> posts_of(std::mt19937 &random) {
 	std::vector<std::uint16_t> posts(side * side);
 	for (std::uint16_t &post : posts) {
@@ -74,12 +75,12 @@ TEST_CASE("inner patches: batches are bit-identical to single patches, on every 
 	}
 }
 
-TEST_CASE("inner patches: they are computed in vectors, which write beyond the last one") {
+TEST_CASE("inner patches: vectors compute the patches, and write beyond the last patch") {
 	const std::vector<std::uint16_t> posts(16, 3);
 	InnerPatches patches;
 	patches.height.fill(-1.0f);
 	patches.add(posts.data() + 5, 4, {0.5, 0.5}, 0);
 	patches.compute({});
 	CHECK(patches.height[0] == 3.0f);
-	CHECK(patches.height[1] == 0.0f); // Single-lane code would leave it unchanged.
+	CHECK(patches.height[1] == 0.0f); // Scalar code would leave it unchanged.
 }

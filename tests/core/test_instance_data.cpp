@@ -23,7 +23,7 @@ using namespace thicket::test;
 
 namespace {
 
-/// Distinct colors. All components are exact as half floats.
+/// Returns distinct colors. Half floats represent all components exactly.
 std::shared_ptr<const ColorTable> palette(std::size_t count) {
 	ColorTable colors;
 	for (std::size_t i = 0; i < count; ++i) {
@@ -38,7 +38,7 @@ LayerSettings colored_layer() {
 	return layer;
 }
 
-/// The Kolmogorov-Smirnov distance to the uniform distribution.
+/// Returns the Kolmogorov-Smirnov distance to the uniform distribution.
 double unevenness(std::vector<double> values) {
 	std::ranges::sort(values);
 	double worst = 0.0;
@@ -80,7 +80,8 @@ TEST_CASE("placement: the tilt leans away from the instance's up axis, uniformly
 		CHECK(lowest < 10.1);
 		CHECK(highest < 40.0 + 1e-3);
 		CHECK(highest > 39.9);
-		// The mean of n uniform numbers over 30 degrees, and of n directions.
+		// Four standard errors of the mean of `tries` angles that are uniform over 30 degrees, and
+		// of `tries` directions.
 		CHECK(std::abs(sum / tries - 25.0) < 4.0 * 30.0 / std::sqrt(12.0 * tries));
 		CHECK(glm::length(lean) / tries < 4.0 / std::sqrt(double{tries}));
 	}
@@ -107,7 +108,7 @@ TEST_CASE("placement: a tiny tilt equals no tilt") {
 	Placement placement;
 	placement.align_to_normal = 0.6;
 	Placement tiny = placement;
-	tiny.max_tilt_degrees = 1e-300; // Takes the code path with a tilt.
+	tiny.max_tilt_degrees = 1e-300; // Selects the code path with a tilt.
 	for (std::uint64_t id = 0; id < 1000; ++id) {
 		const glm::vec3 normal = random_normal(random);
 		const Transform without = transform_of(placement, id, normal);
@@ -130,7 +131,7 @@ TEST_CASE("placement: the offset along the normal is perpendicular to the ground
 			const Transform transform = transform_of(placement, id, normal, position);
 			const glm::dvec3 expected = glm::dvec3(position) - 2.5 * glm::dvec3(normal);
 			CHECK(glm::distance(transform.position, expected) < 1e-5);
-			// The normal's length has no effect.
+			// The length of the normal has no effect.
 			CHECK(glm::distance(transform_of(placement, id, 3.0f * normal, position).position, expected) < 1e-5);
 		}
 	}
@@ -158,9 +159,10 @@ TEST_CASE("placement: the scale curve maps the random number, and nothing else c
 	}
 }
 
-TEST_CASE("instance data: a half is the nearest one, and converts back exactly") {
+TEST_CASE("instance data: numbers are rounded to the nearest half float, which converts back exactly") {
 	std::mt19937 random(9);
-	// All finite, positive halves, by the format's definition, ascending.
+	// All finite half floats that are not negative, in ascending order, computed from the
+	// definition of the format.
 	std::vector<double> halves;
 	for (int exponent = 0; exponent < 31; ++exponent) {
 		for (int mantissa = 0; mantissa < 1024; ++mantissa) {
@@ -209,7 +211,7 @@ TEST_CASE("instance data: variation, wind phase and color are uniform, and indep
 	const InstanceData data{true, palette(1000), true};
 	MeshChoice meshes;
 	meshes.set(std::vector<float>{1.0f, 1.0f});
-	std::array<std::vector<double>, 4> values; // Each uniform in [0, 1).
+	std::array<std::vector<double>, 4> values; // The first three are uniform in [0, 1), the last is 0 or 1.
 	for (std::uint64_t id = 0; id < tries; ++id) {
 		std::array<float, 8> floats{};
 		write_instance_data(data, seed, id, 0, 1.0f, floats);
@@ -227,13 +229,13 @@ TEST_CASE("instance data: variation, wind phase and color are uniform, and indep
 			for (std::size_t i = 0; i < tries; ++i) {
 				product += (values[a][i] - 0.5) * (values[b][i] - 0.5);
 			}
-			// Variances 1/12 and 1/12, or 1/12 and 1/4.
+			// The variances are 1/12 and 1/12, or 1/4 and 1/12.
 			CHECK(std::abs(product) < 4.0 * std::sqrt(tries / (a == 3 ? 48.0 : 144.0)));
 		}
 	}
 }
 
-TEST_CASE("instance data: bad tables are refused by name and value") {
+TEST_CASE("instance data: the error for an invalid table contains its name and value") {
 	const auto refuse = [](ColorTable table, ErrorCode code, double value) {
 		const InstanceData data{true, std::make_shared<const ColorTable>(std::move(table)), false};
 		check_refused(validate(data), code, "colors", value);

@@ -15,8 +15,8 @@ using namespace thicket::test;
 
 namespace {
 
-/// Two sources of the same world: one that has all tiles around a position, and one that generates each tile on
-/// request.
+/// Two sources of the same world. `warm` has cached all tiles around a position; `cold` generates
+/// each tile on request.
 struct Worlds {
 	World warm;
 	World cold;
@@ -30,7 +30,7 @@ struct Worlds {
 		REQUIRE(all.size() > 5000);
 	}
 
-	/// Calls `ask(query)` with both sources, and clears the tiles that the cold one generated.
+	/// Calls `ask(query)` with both sources, then clears the tiles that `cold` has generated.
 	template <class Ask>
 	void each(const Ask &ask) {
 		const std::vector<QueryLayer> layers = warm.query_layers();
@@ -40,7 +40,7 @@ struct Worlds {
 	}
 };
 
-/// A filter for some of the layers. An empty one means all layers.
+/// Returns a filter with a random selection of layers. An empty selection means all layers.
 QueryFilter random_filter(std::mt19937 &random) {
 	QueryFilter filter;
 	const auto choice = random() % 6;
@@ -68,7 +68,7 @@ TEST_CASE("queries: a rectangle returns the same as a scan of all tiles, with a 
 			const glm::dvec2 corner = place + glm::dvec2(between(random, -90.0, 60.0), between(random, -90.0, 60.0));
 			Rect rect{corner, corner + glm::dvec2(between(random, 0.0, 40.0), between(random, 0.0, 40.0))};
 			if (repeat % 3 == 0) {
-				// On the borders of the trees' tiles.
+				// The sides of the rectangle are borders of the trees' tiles.
 				rect = tile_rect(64.0, tile_at(64.0, corner));
 			}
 			const QueryFilter filter = random_filter(random);
@@ -106,7 +106,7 @@ TEST_CASE("queries: a sphere returns the same as a scan, in three dimensions") {
 			});
 		}
 		CHECK(total > 5000);
-		// Only an instance's exact position.
+		// A sphere of radius 0 at the exact position of an instance.
 		worlds.each([&](const InstanceQuery &query) {
 			std::vector<PlacedInstance> found;
 			REQUIRE(query.in_sphere(worlds.all[2000].position, 0.0, {}, found).ok());
@@ -116,7 +116,7 @@ TEST_CASE("queries: a sphere returns the same as a scan, in three dimensions") {
 	}
 }
 
-TEST_CASE("queries: the nearest instance is that of a scan") {
+TEST_CASE("queries: the nearest instance is the one that a scan of all instances finds") {
 	std::mt19937 random(3);
 	for (const glm::dvec2 place : world_places) {
 		Worlds worlds(place, random);
@@ -184,12 +184,12 @@ TEST_CASE("queries: an id finds its instance, or nothing if there is none") {
 		for (const PlacedInstance &each : worlds.all) {
 			standing.insert(each.id);
 		}
-		// The neighboring cell of the same layer is mostly empty.
+		// The ids of adjacent cells, many of which have no instance.
 		int empty = 0;
 		for (std::size_t i = 0; i < worlds.all.size(); i += worlds.all.size() / 80) {
 			const glm::dvec2 off = glm::dvec2(worlds.all[i].position.x, worlds.all[i].position.z) - place;
 			if (glm::length(off) > 150.0) {
-				continue; // Its neighbor may be outside the scanned area.
+				continue; // The adjacent cell may be outside the scanned area.
 			}
 			const std::uint64_t id = worlds.all[i].id + 1;
 			std::vector<PlacedInstance> found;
@@ -230,7 +230,7 @@ TEST_CASE("queries: a removed instance still has a position by its layer's rules
 	CHECK(found.empty());
 }
 
-TEST_CASE("queries: ids of other layers, of none, and of an empty one find nothing") {
+TEST_CASE("queries: ids of other layers, of missing layers and of empty layers find nothing") {
 	World world;
 	const std::vector<QueryLayer> layers = world.query_layers();
 	const InstanceQuery query{layers, world, nullptr};
@@ -253,7 +253,7 @@ TEST_CASE("queries: the search for an id ends when it is found, and never starts
 	const std::vector<QueryLayer> layers = world.query_layers();
 	InstanceState state;
 	const InstanceQuery query{layers, world, &state};
-	std::size_t passed_over = 0; // Tiles checked before the right one.
+	std::size_t passed_over = 0; // Tiles that were read before the right one.
 	for (const PlacedInstance &tree : everything_in(world, {{0.0, 0.0}, {200.0, 200.0}})) {
 		if (tree.layer != 0) {
 			continue;

@@ -1,4 +1,5 @@
-// Input that queries refuse, the limits of the world, and their allocations.
+// Tests the input that queries refuse, queries at the limits of the world, and the allocations of
+// queries.
 
 #include "core/query/instance_query.hpp"
 
@@ -20,7 +21,7 @@ using namespace thicket::test;
 
 namespace {
 
-/// A query of one layer without restricting rules.
+/// A world with one layer that has no restricting rules.
 struct OneLayer {
 	World world;
 	std::vector<QueryLayer> layers;
@@ -37,7 +38,7 @@ struct OneLayer {
 
 } // namespace
 
-TEST_CASE("queries: bad input is refused by name, and leaves no result") {
+TEST_CASE("queries: the error for invalid input contains its name, and the result is empty") {
 	World world;
 	std::vector<QueryLayer> layers = world.query_layers();
 	const InstanceQuery query{layers, world, nullptr};
@@ -130,7 +131,7 @@ TEST_CASE("queries: a query of too many points is refused before any tile is gen
 		CHECK((status.ok() || std::string(status.property) == property));
 		return status.code;
 	};
-	// Within the outermost tiles, so that no others are touched.
+	// The square ends inside its outermost tiles, so that it touches no tiles around them.
 	const auto code_in_square = [&](double width) {
 		return code_of(query.tiles_in_rect({{1.0, 1.0}, {width - 1.0, width - 1.0}}, {}, tiles), "rect");
 	};
@@ -146,19 +147,20 @@ TEST_CASE("queries: a query of too many points is refused before any tile is gen
 	CHECK(code_of(query.on_ray({}, {1e7, 0.0, 1.0}, {}, hit), "to") == ErrorCode::too_many_points);
 	CHECK(code_of(query.on_ray({}, {1.0, 0.0, 1e7}, {}, hit), "to") == ErrorCode::too_many_points);
 	CHECK(code_of(query.on_ray({}, {1e15, 1.0, -1e15}, {}, hit), "to") == ErrorCode::too_many_points);
-	// Empty tiles count as well.
+	// Tiles count even if they are empty.
 	OneLayer sparse(1000.0, 0.1);
 	CHECK(code_of(sparse.query().tiles_in_rect({{0.0, 0.0}, {100.0, 100.0}}, {}, tiles), "rect") ==
 			ErrorCode::too_many_points);
 	CHECK(dense.world.requests.empty());
 }
 
-TEST_CASE("queries: nothing overflows at the last cells, and far beyond") {
+TEST_CASE("queries: nothing overflows at the last cells and far beyond them") {
 	OneLayer layer(1.0, 64.0);
 	const InstanceQuery query = layer.query();
 	const double edge = 8388608.0 / std::sqrt(2.0);
 	std::vector<PlacedInstance> found;
-	// The last whole tile, the partial one after it, and positions beyond all tile coordinates.
+	// The rectangle covers the last whole tile, the partial one after it, and positions beyond all
+	// cells.
 	const double last = std::floor(edge / 64.0) * 64.0;
 	REQUIRE(query.in_rect({{last - 30.0, -edge - 99.0}, {edge + 99.0, -last + 30.0}}, {}, found).ok());
 	CHECK(found.size() > 400);
@@ -189,7 +191,7 @@ TEST_CASE("queries: nothing overflows at the last cells, and far beyond") {
 		REQUIRE(query.by_id(pack({0, cell}), found).ok());
 		CHECK(found.empty());
 	}
-	// A set whose cells reach beyond the tile coordinates of this tile size.
+	// A set whose cells extend beyond the largest tile coordinates of this tile size.
 	OneLayer wide(1e6, 0.1);
 	REQUIRE(wide.query().in_rect({{1e9, 1e9}, {1e9 + 5.0, 1e9 + 5.0}}, {}, found).ok());
 	CHECK(found.empty());
@@ -226,7 +228,7 @@ TEST_CASE("queries: an error of the source is returned, and an unavailable tile 
 	CHECK(hit.empty());
 }
 
-TEST_CASE("queries: no allocation per instance") {
+TEST_CASE("queries: instances need no allocation each") {
 	OneLayer layer(0.5, 40.0);
 	const InstanceQuery query = layer.query();
 	std::vector<PlacedInstance> found;
@@ -259,7 +261,7 @@ TEST_CASE("queries: many instances are sorted by cells, which takes memory, and 
 		}
 		return after - before;
 	};
-	CHECK(sorting_allocates(50, 1) == 3); // One entry for each row and each column, and one array of instances.
+	CHECK(sorting_allocates(50, 1) == 3); // One allocation each for the rows, the columns and the instances.
 	CHECK(sorting_allocates(50, 1000) == 0);
 }
 
@@ -268,7 +270,7 @@ TEST_CASE("queries: a position is returned without computing the whole instance"
 	FoundInstances found;
 	REQUIRE(layer.query().in_rect({{0.0, 0.0}, {5.0, 5.0}}, {}, found).ok());
 	REQUIRE(found.size() > 10);
-	// Computing the basis would round.
+	// Computing the basis rounds, so this detects whether it is computed.
 	CHECK_FALSE(rounds([&] { CHECK(found.position(7).x >= 0.0); }));
 	CHECK(rounds([&] { CHECK(found[7].position == found.position(7)); }));
 }

@@ -20,8 +20,9 @@ using namespace thicket::test;
 
 namespace {
 
-/// The position along a ray, 0 to 1, where it first touches a cylinder. Considers the ray's start and all its crossings
-/// of the caps and the mantle, and returns the first one inside the cylinder, to within rounding.
+/// Returns the position along a ray, 0 to 1, at which it first touches a cylinder, or 2 if it does
+/// not. The candidates are the start of the ray and its intersections with the caps and the lateral
+/// surface. The result is the first of them that lies in the cylinder, up to rounding.
 double first_touch(const PlacedInstance &instance, const InstanceShape &shape, glm::dvec3 from, glm::dvec3 to) {
 	const glm::dmat3 basis(instance.basis);
 	if (std::abs(glm::determinant(basis)) < 1e-12) {
@@ -63,7 +64,7 @@ TEST_CASE("queries: a ray hits the first of all cylinders") {
 		});
 		int hits = 0;
 		for (int repeat = 0; repeat < 90; ++repeat) {
-			// Half of the rays pass an instance closely; some run along an axis.
+			// Half of the rays pass close to an instance. Some are parallel to an axis.
 			const glm::dvec3 mark = repeat % 2 == 0
 					? near[random() % near.size()].position + glm::dvec3(0.0, between(random, -0.5, 2.0), 0.0)
 					: glm::dvec3(place.x + between(random, -60.0, 60.0), between(random, -15.0, 20.0),
@@ -130,7 +131,7 @@ TEST_CASE("queries: a ray reads only the tiles before its first hit") {
 	CHECK(hit[0].distance < 300.0);
 	const std::size_t looked_at = world.requests.size();
 	CHECK(looked_at < 150);
-	// Within the tiles' own size and the reach of instances beyond them.
+	// 30 m is the margin for the extent of instances beyond their tiles.
 	for (const auto &[layer, x, y] : world.requests) {
 		const Rect square = tile_rect(layers[layer].tile_size, {x, y});
 		CHECK(std::sqrt(distance_squared(square, {eye.x, eye.z})) < hit[0].distance + 30.0);
@@ -175,7 +176,7 @@ TEST_CASE("queries: a cylinder is closed, and its intersection with a ray is exa
 	const RayPart down = part({0.0, 4.0, 0.0}, {0.0, -4.0, 0.0});
 	CHECK(down.start == 0.25);
 	CHECK(down.end == 0.5);
-	// On the mantle, on the edges of the caps, and just outside of them.
+	// Rays on the lateral surface and on the edges of the caps, and just outside.
 	CHECK(!part({-2.0, 1.0, 0.5}, {2.0, 1.0, 0.5}).empty());
 	CHECK(!part({-2.0, 2.0, 0.0}, {2.0, 2.0, 0.0}).empty());
 	CHECK(!part({0.5, 3.0, 0.0}, {0.5, -3.0, 0.0}).empty());
@@ -183,12 +184,12 @@ TEST_CASE("queries: a cylinder is closed, and its intersection with a ray is exa
 	CHECK(part({-2.0, 2.000001, 0.0}, {2.0, 2.000001, 0.0}).empty());
 	CHECK(part({0.500001, 3.0, 0.0}, {0.500001, -3.0, 0.0}).empty());
 	CHECK(part({-2.0, 1.0, 0.0}, {-0.500001, 1.0, 0.0}).empty());
-	// Turned on its side, as large as a house, and flat.
+	// A cylinder that lies on its side, one that is ten times as large, and a flat one.
 	const glm::mat3 lying(glm::vec3(0.0f, -1.0f, 0.0f), glm::vec3(1.0f, 0.0f, 0.0f), glm::vec3(0.0f, 0.0f, 1.0f));
 	CHECK(part({1.0, 4.0, 0.0}, {1.0, -4.0, 0.0}, lying).start == 0.4375);
 	CHECK(part({-20.0, 15.0, 0.0}, {20.0, 15.0, 0.0}, glm::mat3(10.0f)).start == 0.375);
 	CHECK(part({-2.0, 1.0, 0.0}, {2.0, 1.0, 0.0}, glm::mat3(0.0f)).empty());
-	// From 1,000 km away the result is as exact as the coordinates are.
+	// From 1,000 km away, the result is as exact as the coordinates.
 	CHECK(part({-1e6, 1.0, 0.4999}, {1e6, 1.0, 0.4999}).start < 0.5);
 	CHECK(part({-1e6, 1.0, 0.5001}, {1e6, 1.0, 0.5001}).empty());
 }
@@ -200,15 +201,15 @@ TEST_CASE("queries: in a wide world, a ray reads only the tiles along its way") 
 	std::vector<RayHit> hit;
 	REQUIRE(InstanceQuery{layers, world, nullptr}.on_ray({5.0, 0.0, 5.0}, {6400.0, 0.0, 6390.0}, {{0}, {}}, hit).ok());
 	CHECK(hit.empty());
-	CHECK(world.requests.size() > 190); // The tiles along the ray, and those that it barely misses.
+	CHECK(world.requests.size() > 190); // Includes the tiles that the ray barely misses.
 	CHECK(world.requests.size() < 320);
 }
 
 TEST_CASE("queries: a ray tests only the cylinders of instances near it") {
-	// An intersection with an infinite cylinder would set the processor's floating-point flags.
+	// Intersecting an infinite cylinder would set the processor's floating-point flags.
 	class OneTile final : public TileSource {
 	public:
-		Status find_tile(std::uint32_t, glm::ivec2, std::shared_ptr<const CompactTile> &r_tile) override {
+		Status find_tile(const WorldTile &, std::shared_ptr<const CompactTile> &r_tile) override {
 			r_tile = tile;
 			return {};
 		}

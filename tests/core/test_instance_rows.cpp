@@ -45,7 +45,7 @@ glm::mat3 put_together(const TurnAndScale &parts) {
 	return basis;
 }
 
-/// The largest difference of two elements at the same index.
+/// Returns the largest absolute difference between corresponding elements.
 float largest_difference(const glm::mat3 &a, const glm::mat3 &b) {
 	float largest = 0.0f;
 	for (int column = 0; column < 3; ++column) {
@@ -70,7 +70,7 @@ Number number_at(const std::vector<std::uint8_t> &bytes, std::size_t &r_at) {
 	return number;
 }
 
-/// Compares a column with the values of the instances of all meshes.
+/// Compares a column with the expected values of the instances of all meshes.
 template <class Number, class Expected>
 void check_column(const std::vector<std::uint8_t> &bytes, std::size_t &r_at, const TileInstances &tile,
 		const Expected &expected) {
@@ -104,7 +104,7 @@ TEST_CASE("a transform is split into rotation and scale, for any rotation") {
 	}
 }
 
-TEST_CASE("half turns, where all but one component of the quaternion are 0, are correct") {
+TEST_CASE("half turns are correct, for which all but one component of the quaternion are 0") {
 	for (const glm::quat turn :
 			{glm::quat(1, 0, 0, 0), glm::quat(0, 1, 0, 0), glm::quat(0, 0, 1, 0), glm::quat(0, 0, 0, 1)}) {
 		const TurnAndScale parts = turn_and_scale(floats_of(glm::mat3_cast(turn) * 2.0f));

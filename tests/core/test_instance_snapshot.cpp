@@ -1,4 +1,4 @@
-// A snapshot of a world: several threads query it at once while the world changes.
+// Tests snapshots of a world, which several threads query concurrently while the world changes.
 
 #include "core/query/instance_snapshot.hpp"
 #include "flat_world.hpp"
@@ -31,7 +31,7 @@ std::vector<std::uint64_t> ids_in(const InstanceSnapshot &snapshot, const Rect &
 	return ids;
 }
 
-/// Generates tiles on any thread, and counts them.
+/// Returns a function that generates tiles on any thread and counts them.
 TileMaker counting_maker(FlatWorld &flat, std::atomic<std::size_t> &r_made) {
 	return [&](std::span<const WorldTile> tiles, Tiles &r_tiles) -> Status {
 		r_tiles.clear();
@@ -45,7 +45,7 @@ TileMaker counting_maker(FlatWorld &flat, std::atomic<std::size_t> &r_made) {
 
 } // namespace
 
-TEST_CASE("instance snapshot: threads get the results of its moment, while the world changes") {
+TEST_CASE("instance snapshot: threads get the results of the snapshot while the world changes") {
 	FlatWorld flat;
 	InstanceState state;
 	std::atomic<std::size_t> made = 0;
@@ -93,10 +93,10 @@ TEST_CASE("instance snapshot: threads get the results of its moment, while the w
 	CHECK(ids_in(snapshot, rect).size() == expected);
 }
 
-TEST_CASE("instance snapshot: cached tiles are reused, others are generated once") {
+TEST_CASE("instance snapshot: cached tiles are reused, and missing tiles are generated once") {
 	FlatWorld flat;
 	std::atomic<std::size_t> made = 0;
-	flat.world.keep(0, {0, 0}, flat.make({0, 0}));
+	flat.world.keep({0, {0, 0}}, flat.make({0, 0}));
 	const InstanceSnapshot snapshot(flat.world, std::nullopt, counting_maker(flat, made));
 	const double size = flat.world.layers()[0].tile_size;
 	const Rect known{{1.0, 1.0}, {size - 1.0, size - 1.0}};
@@ -110,9 +110,9 @@ TEST_CASE("instance snapshot: cached tiles are reused, others are generated once
 	CHECK(made == for_unknown);
 }
 
-TEST_CASE("instance snapshot: an unavailable tile refuses its query, and no other") {
+TEST_CASE("instance snapshot: only queries that need an unavailable tile fail") {
 	FlatWorld flat;
-	flat.world.keep(0, {0, 0}, flat.make({0, 0}));
+	flat.world.keep({0, {0, 0}}, flat.make({0, 0}));
 	const InstanceSnapshot snapshot(flat.world, std::nullopt, [](std::span<const WorldTile> tiles, Tiles &r_tiles) {
 		r_tiles.assign(tiles.size(), nullptr);
 		return Status::missing("ground", "Ask elsewhere");

@@ -1,5 +1,5 @@
-// Tests the sources of colors and variations: their ranges, the distance at which a layer queries its neighbors,
-// errors, and the area of an edit.
+// Tests the sources of colors and variations: their ranges, the distance at which a layer queries
+// its neighbors, errors, and the area that an edit affects.
 
 #include "core/placement/layer_edits.hpp"
 #include "core/placement/layer_graph.hpp"
@@ -54,7 +54,7 @@ TEST_CASE("sources: a curve replaces the number, also one that is random alone")
 
 TEST_CASE("sources: the curve of a random color chooses the color") {
 	const auto colors = std::make_shared<ColorTable>(ColorTable{{1, 0, 0, 1}, {0, 1, 0, 1}});
-	const auto end = std::make_shared<CurveTable>(); // 1 everywhere.
+	const auto end = std::make_shared<CurveTable>(); // The default curve is 1 everywhere.
 	InstanceData data{.use_colors = true, .colors = colors};
 	int first = 0;
 	for (std::uint64_t id = 0; id < 64; ++id) {
@@ -85,7 +85,7 @@ TEST_CASE("sources: rules and sources that use the same neighbor sample it once,
 	CHECK(points_to_sample(layer, 64.0) == doctest::Approx(own + others));
 }
 
-TEST_CASE("sources: unused ones, and those of a neighbor, cost nothing") {
+TEST_CASE("sources: unused sources, and those of a neighbor, cost nothing") {
 	LayerSettings layer = following(source_of(SourceKind::distance), source_of(SourceKind::height));
 	LayerSettings shrubs = rich_layer();
 	shrubs.neighbors = {{std::make_shared<const LayerSettings>(layer), 2.0, nullptr}};
@@ -100,7 +100,7 @@ TEST_CASE("sources: unused ones, and those of a neighbor, cost nothing") {
 	CHECK(reach(layer) == 0.0);
 }
 
-TEST_CASE("sources: bad ranges are refused by name, if they are used") {
+TEST_CASE("sources: the error for an invalid range contains its name, if the range is used") {
 	const auto refuse = [](const InstanceSource &source, ErrorCode code, const char *property, double value) {
 		LayerSettings layer = following(source, {});
 		check_refused(validate(layer), code, property, value);
@@ -127,7 +127,7 @@ TEST_CASE("sources: bad ranges are refused by name, if they are used") {
 	LayerSettings layer = following({}, source);
 	check_refused(validate(layer), ErrorCode::out_of_range, "variation_value.randomness", 1.5);
 	layer.instance_data.variation = {};
-	layer.instance_data.variation.min = 5.0; // Ignored by a random source.
+	layer.instance_data.variation.min = 5.0; // A random source ignores its range.
 	CHECK(validate(layer).ok());
 	auto bad = std::make_shared<LayerSettings>(*oaks());
 	bad->set.radius = -2.0;
@@ -182,7 +182,7 @@ TEST_CASE("sources: an edit of the layer that a color follows reaches as far as 
 	for (const Rect &edited : area.areas) {
 		CHECK(edited.size().x == doctest::Approx(2.0 * (2.0 + farthest)).epsilon(0.01));
 	}
-	// A layer that only keeps its distance from this one is not affected.
+	// A layer that only keeps a distance from this one is not affected.
 	LayerSettings shrubs = rich_layer();
 	shrubs.neighbors = {{std::make_shared<const LayerSettings>(before), 2.0, nullptr}};
 	LayerSettings later = shrubs;
@@ -203,7 +203,7 @@ TEST_CASE("sources: an edit of the layer that a color follows reaches as far as 
 TEST_CASE("sources: hand-placed instances get the values of their position") {
 	const glm::dvec3 position{3.0, 45.0, -7.0};
 	const auto shares = [&](SourceKind kind) {
-		return shares_by_hand(following(source_of(kind), {}).instance_data, position).color;
+		return shares_by_hand(following(source_of(kind), {}).instance_data, position, false).color;
 	};
 	CHECK(shares(SourceKind::height) == 0.5f);
 	CHECK(shares(SourceKind::rank) == 0.0f);

@@ -1,4 +1,4 @@
-// Exchange between states: diffs and merges.
+// Tests the exchange between states: diffs and merges.
 
 #include "state_fixture.hpp"
 
@@ -11,12 +11,12 @@ namespace {
 
 using Changes = std::vector<InstanceChange>;
 
-/// The content of a state, as reconstructed from the changes that it reports.
+/// The content of a state, reconstructed from the changes that the state reports.
 struct Reported {
 	std::map<std::uint64_t, bool> removed;
 	std::map<std::uint64_t, AddedInstance> added;
 
-	/// Applies changes, and checks that each of them changes something.
+	/// Applies changes and checks that each of them has an effect.
 	void follow(const Changes &changes) {
 		for (const InstanceChange &change : changes) {
 			const bool placed = is_added(change.id);
@@ -104,7 +104,7 @@ TEST_CASE("state exchange: a peer that receives the diffs has the same content")
 	}
 }
 
-TEST_CASE("state exchange: a diff contains no other ids") {
+TEST_CASE("state exchange: a diff contains only the changed ids") {
 	InstanceState server;
 	server.remove(point_id(1, 0, 0));
 	const std::uint64_t known = server.revision();
@@ -187,7 +187,7 @@ TEST_CASE("state exchange: a merged state has the content of both") {
 	for (int round = 0; round < 60; ++round) {
 		InstanceState a = state_of(random, 60);
 		InstanceState b = state_of(random, 60);
-		Changes until_then; // In states with equal clocks, nothing regrows when they merge.
+		Changes until_then; // With equal clocks, nothing regrows during the merge.
 		REQUIRE(a.advance(b.time() - a.time(), until_then).ok());
 		REQUIRE(b.advance(a.time() - b.time(), until_then).ok());
 		InstanceState both = copy_of(a);

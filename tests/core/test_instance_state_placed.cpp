@@ -1,4 +1,4 @@
-// A state's record of instances that are hand-placed or moved.
+// Tests how a state records hand-placed and moved instances.
 
 #include "state_fixture.hpp"
 
@@ -40,7 +40,7 @@ TEST_CASE("state: the id of a hand-placed instance is a function of the instance
 	const std::uint64_t id = added_to(state, oak);
 	CHECK(added_to(peer, instance_at(4.5, 0.0)) == id);
 	CHECK(!std::signbit(peer.added(id)->position.z));
-	// An equal instance gets the next free id. Once the first one is removed, its id is free.
+	// An equal instance gets the next free id. Removing the first one frees its id.
 	CHECK(added_to(peer, oak) == id + 1);
 	CHECK(peer.remove(id));
 	CHECK_FALSE(peer.remove(id));
@@ -48,7 +48,7 @@ TEST_CASE("state: the id of a hand-placed instance is a function of the instance
 	CHECK(added_to(peer, oak) == id);
 	CHECK(peer.added_ids() == std::vector<std::uint64_t>{id, id + 1});
 	CHECK(peer.added_ids(2).empty());
-	// Peers of all versions and machines agree.
+	// The id must be the same in all versions and on all machines.
 	CHECK(id == 0x8001a05597e0f7bb);
 }
 
@@ -56,7 +56,8 @@ TEST_CASE("state: many instances are placed as they would be one by one, or none
 	std::vector<AddedInstance> all;
 	for (int i = 0; i < 3000; ++i) {
 		all.push_back(instance_at(
-				i % 700, -0.0, static_cast<std::uint16_t>(i % 3))); // Many equal ones, whose ids are successive.
+				// Many instances are equal, so their ids are successive.
+				i % 700, -0.0, static_cast<std::uint16_t>(i % 3)));
 	}
 	InstanceState one_by_one;
 	std::vector<std::uint64_t> expected;
@@ -150,7 +151,7 @@ TEST_CASE("state: hand-placed instances are found at their positions") {
 	}
 }
 
-TEST_CASE("state: the largest scale of the hand-placed instances") {
+TEST_CASE("state: the largest scale of the hand-placed instances is known") {
 	InstanceState state;
 	CHECK(state.max_added_scale(1) == 0.0);
 	AddedInstance large = instance_at(0.0, 0.0);
@@ -173,7 +174,8 @@ TEST_CASE("state: hand-placed instances belong to any set of points") {
 	CHECK(state.claim(1, 20).ok());
 	CHECK(state.stamp(1) == 20);
 
-	// A state of a different set can be merged while it has only hand-placed instances. Data of a point make it foreign.
+	// A state of a different point set can be merged if it contains only hand-placed instances. The
+	// data of a point make it foreign.
 	InstanceState other;
 	REQUIRE(other.claim(1, 30).ok());
 	const std::uint64_t elsewhere = added_to(other, instance_at(5.0, 6.0));
@@ -214,7 +216,8 @@ TEST_CASE("state: a hand-placed instance that moves keeps its id and its data") 
 	CHECK(found.empty());
 	REQUIRE(state.added_in(1, {{690.0, -910.0}, {710.0, -890.0}}, found).ok());
 	CHECK(found == std::vector<std::uint64_t>{placed});
-	// An instance placed at the old position gets a new id, and moving an instance to its own position changes nothing.
+	// An instance placed at the old position gets a different id. Moving an instance to its own
+	// position changes nothing.
 	CHECK(added_to(state, instance_at(1.0, 2.0)) != placed);
 	const std::uint64_t revision = state.revision();
 	changes.clear();

@@ -1,4 +1,5 @@
-// The tiles that a world caches: missing ones are generated once, and unused ones are evicted, a few at a time.
+// Tests the tile cache of a world: missing tiles are generated once, and unused ones are evicted a
+// few at a time.
 
 #include "core/query/instance_world.hpp"
 #include "flat_world.hpp"
@@ -33,8 +34,8 @@ std::shared_ptr<const CompactTile> tile_of(std::size_t instances) {
 
 } // namespace
 
-TEST_CASE("instance world: the least recently used tiles are evicted, a few for each new one") {
-	constexpr std::size_t instances = 1000; // Per tile.
+TEST_CASE("instance world: the least recently used tiles are evicted, a few for each new tile") {
+	constexpr std::size_t instances = 1000; // Instances per tile.
 	constexpr int tiles = 3000;
 	InstanceWorld world;
 	world.set_layers(layers_of(1));
@@ -54,11 +55,11 @@ TEST_CASE("instance world: the least recently used tiles are evicted, a few for 
 		if (x < 50) {
 			visible.push_back(tile);
 		}
-		world.keep(0, {x, 0}, std::move(tile));
+		world.keep({0, {x, 0}}, std::move(tile));
 		for (const auto &gone : world.take_forgotten()) {
 			CHECK(gone.use_count() == 1);
 		}
-		REQUIRE(known(60) == (x >= 60)); // Requested all the time.
+		REQUIRE(known(60) == (x >= 60)); // This tile is requested in every step.
 		most = std::max(most, forgotten() - before);
 		before = forgotten();
 	}
@@ -75,13 +76,13 @@ TEST_CASE("instance world: the least recently used tiles are evicted, a few for 
 	}
 }
 
-TEST_CASE("instance world: cleared tiles and unwanted ones may be evicted at any time") {
+TEST_CASE("instance world: cleared and unwanted tiles may be evicted at any time") {
 	InstanceWorld world;
 	for (int round = 0; round < 3; ++round) {
 		world.set_layers(layers_of(1));
 		for (int x = 0; x < 700; ++x) {
 			auto tile = tile_of(1000);
-			world.keep(0, {x, round}, std::move(tile));
+			world.keep({0, {x, round}}, std::move(tile));
 			if (x == 450 && round == 1) {
 				world.clear();
 			}
@@ -105,7 +106,7 @@ TEST_CASE("instance world: the missing tiles of a query are generated together, 
 				}
 				return {};
 			});
-	flat.world.keep(0, {0, 0}, flat.make({0, 0}));
+	flat.world.keep({0, {0, 0}}, flat.make({0, 0}));
 	std::vector<PlacedInstance> first;
 	std::vector<PlacedInstance> second;
 	for (std::vector<PlacedInstance> *found : {&first, &second}) {
@@ -155,7 +156,7 @@ TEST_CASE("instance world: an edit keeps the tiles that it does not touch") {
 	flat.load(1);
 	const std::uint64_t version = flat.world.version();
 	flat.world.invalidate(0, {});
-	CHECK(flat.world.version() == version); // Nearby instances need no new check.
+	CHECK(flat.world.version() == version); // Systems that track nearby instances need not check them again.
 	flat.world.invalidate(0, {.everywhere = false, .areas = {{{5.0, 5.0}, {9.0, 9.0}}}});
 	CHECK(flat.world.version() != version);
 	for (int y = -1; y <= 1; ++y) {

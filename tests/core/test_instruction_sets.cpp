@@ -1,5 +1,5 @@
-// Results are bit-identical on every instruction set of this processor, and on the emulated one that all processors
-// have.
+// Tests that results are bit-identical with every instruction set of this processor, and with the
+// emulated one that works on all processors.
 
 #include "domain_cases.hpp"
 #include "surface_fixture.hpp"
@@ -26,7 +26,7 @@ void check_all_targets(const PointSet &set, const Rect &rect) {
 		if (expected.empty()) {
 			expected = points;
 		}
-		// The order must be the same, too, because it is a function of the arguments alone.
+		// The order must be the same as well, because it depends only on the arguments.
 		const bool identical = points == expected;
 		CHECK(identical);
 	}
@@ -48,7 +48,7 @@ TEST_CASE_TEMPLATE("instruction sets: the same points in the same order, whole d
 	for (const domain_cases::Method &method : domain_cases::methods) {
 		CAPTURE(method.name);
 		for (const bool torus : {false, true}) {
-			// The method's own cells, cells that hold one point, and cells that overflow.
+			// The default cell size of the method, cells with one point, and cells that overflow.
 			for (const double cell_size : {0.0, 0.1, 9.0}) {
 				CAPTURE(cell_size);
 				DomainRequest request = domain_cases::request_of({"", {60.0, 41.0}, 1.0, torus}, method.method, 43);
@@ -90,8 +90,8 @@ TEST_CASE("instruction sets: the same points in the same order, surfaces") {
 	}
 }
 
-TEST_CASE("instruction sets: the emulated one is among them") {
-	// Otherwise the tests above compare fewer targets than intended.
+TEST_CASE("instruction sets: the emulated instruction set is tested, too") {
+	// Otherwise, the tests above would compare fewer targets than intended.
 	const std::vector<bench::SimdTarget> targets = bench::simd_targets();
 	CHECK(std::ranges::any_of(targets, [](const bench::SimdTarget &target) {
 		return target.name == "EMU128" || target.name == "SCALAR" || target.name.starts_with("NEON");

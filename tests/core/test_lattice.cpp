@@ -1,6 +1,6 @@
-// Checks promises 2 and 3 of TileSampler exactly, on lattice integers: no two points are closer than the radius, across
-// tiles too, and no lattice point is left where a further point would fit. Holds for every level of the progressive
-// order.
+// Tests guarantees 2 and 3 of TileSampler exactly, with integer lattice coordinates, for every
+// level of the progressive order. No two points are closer than the radius, even if they are in
+// different tiles. No lattice point is left where a further point would fit.
 
 #include "tests/analysis/lattice_checks.hpp"
 #include "tilings.hpp"
@@ -17,8 +17,8 @@ using analysis::LatticeReport;
 
 namespace {
 
-/// The points of this level and the coarser ones, on the level's own lattice. Its unit is 2^level times the finest, so
-/// that the same check works for every level.
+/// Returns the points of this level and all coarser ones, in units of this level's lattice. The
+/// unit is 2^level times that of the finest level, so the same check works for every level.
 std::vector<glm::i64vec2> lattice_points(
 		const PointSet &set, const std::vector<SamplePoint> &points, std::uint32_t level) {
 	const std::uint64_t end = level_rank_end(set.levels, level);
@@ -38,7 +38,7 @@ std::vector<glm::i64vec2> lattice_points(
 	return lattice;
 }
 
-/// The cells of a level that lie within `region`, including their borders.
+/// Returns the cells of a level whose border of three cells also lies within `region`.
 analysis::CellRect inner_cells(const PointSet &set, const Rect &region, std::uint32_t level) {
 	const double cell = lattice_unit(set) * static_cast<double>(1u << (lattice_bits + level));
 	const glm::dvec2 first = glm::ceil(region.min / cell);
@@ -66,7 +66,7 @@ TEST_CASE("lattice: a million points from tiles keep their distance and leave no
 	check_region(set, {{-641.0, -313.0}, {579.0, 907.0}}, {.name = "61 m", .size{61.0, 61.0}, .threads = 2}, 1'000'000);
 }
 
-TEST_CASE("lattice: the same at the end of the world") {
+TEST_CASE("lattice: sets at the end of the world are exact, too") {
 	const PointSet set{.seed = 22, .radius = 1.0, .levels = 1, .layer = 7};
 	check_region(set, {{-5.9e6, 5.9e6}, {-5.9e6 + 200.0, 5.9e6 + 300.0}}, {.name = "17 m x 31 m", .size{17.0, 31.0}},
 			38'000);
@@ -75,7 +75,7 @@ TEST_CASE("lattice: the same at the end of the world") {
 TEST_CASE("lattice: every level of a progressive set is maximal for its radius") {
 	for (std::uint32_t levels = 2; levels <= max_levels; ++levels) {
 		CAPTURE(levels);
-		// Wide enough for a few points of the coarsest level within its border.
+		// Wide enough for a few points of the coarsest level inside the border.
 		const double side = 0.5 * 12.0 * static_cast<double>(1u << (levels - 1));
 		const PointSet set{.seed = 30 + levels, .radius = 0.5, .levels = levels, .layer = 1};
 		const Rect region{{-0.4 * side, 100.0}, {0.6 * side, 100.0 + side}};
@@ -98,8 +98,8 @@ TEST_CASE("lattice: the check itself finds a missing point and an extra point") 
 		if (!inside(points[i])) {
 			continue;
 		}
-		// Without the point, at least its own lattice point is uncovered, because no other point may lie within its
-		// radius.
+		// Without the point, at least its own lattice point is uncovered, because no other point
+		// can be closer than the radius.
 		std::vector<glm::i64vec2> fewer = points;
 		fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(i));
 		const LatticeReport hole = LatticeCheck::run(fewer, lattice_bits, cells);
@@ -115,7 +115,8 @@ TEST_CASE("lattice: the check itself finds a missing point and an extra point") 
 TEST_CASE("lattice: the check is exact to single lattice points") {
 	constexpr int bits = 4;
 	const std::int64_t side = 1 << bits;
-	// A point in every cell's corner: neighbors are one side apart, which is far too close, but everything is covered.
+	// A point in the corner of every cell. Neighbors are one side apart, which is too close, but
+	// everything is covered.
 	std::vector<glm::i64vec2> points;
 	for (std::int64_t y = -3; y < 6; ++y) {
 		for (std::int64_t x = -3; x < 6; ++x) {

@@ -1,4 +1,5 @@
-// References between layers make them neighbors: in list order, with the same pointers while nothing changes.
+// Tests that references between layers make them neighbors, in list order, and that unchanged
+// layers keep their pointers.
 
 #include "core/placement/layer_links.hpp"
 
@@ -52,7 +53,7 @@ std::size_t problems(const std::vector<NamedLayer> &layers, std::size_t index, c
 
 } // namespace
 
-TEST_CASE("links: of a pair, the later layer yields, whichever one names the other, by the larger distance") {
+TEST_CASE("links: the later layer of a pair yields by the larger distance, whichever layer names the other") {
 	std::vector<NamedLayer> layers{layer_named("oak"), layer_named("birch"), layer_named("fern")};
 	layers[0].spacing = {{"birch", 5.0}, {"fern", 1.0}};
 	layers[1].spacing = {{"oak", 3.0}};
@@ -91,7 +92,7 @@ TEST_CASE("links: proximity applies to earlier layers only") {
 	CHECK(problems(layers, 1, "") == 0);
 }
 
-TEST_CASE("links: an unchanged layer is the same pointer, for its neighbors too") {
+TEST_CASE("links: an unchanged layer keeps its pointer, also as a neighbor") {
 	std::vector<NamedLayer> layers{layer_named("oak"), layer_named("birch"), layer_named("fern")};
 	layers[1].spacing = {{"oak", 3.0}};
 	layers[2].spacing = {{"birch", 1.0}};
@@ -109,7 +110,7 @@ TEST_CASE("links: an unchanged layer is the same pointer, for its neighbors too"
 	CHECK(linked(layers, second)[2]->neighbors.empty());
 }
 
-TEST_CASE("links: names of no layer, of two layers, of the layer itself") {
+TEST_CASE("links: names may refer to no layer, to two layers, or to the layer itself") {
 	std::vector<NamedLayer> layers{layer_named("oak"), layer_named("oak"), layer_named("fern"), layer_named("")};
 	layers[1].spacing = {{"fern", 2.0}};
 	layers[2].spacing = {{"oak", 1.0}, {"elm", 4.0}, {"fern", 9.0}};
@@ -118,17 +119,17 @@ TEST_CASE("links: names of no layer, of two layers, of the layer itself") {
 	const std::vector<SharedLayer> result = linked(layers);
 	REQUIRE(result[2]->neighbors.size() == 2);
 	CHECK(result[2]->neighbors[0] == Neighbor{result[0], 1.0, nullptr});
-	CHECK(result[2]->neighbors[1] == Neighbor{result[1], 2.0, nullptr}); // The other oak defined the spacing.
+	CHECK(result[2]->neighbors[1] == Neighbor{result[1], 2.0, nullptr}); // The second oak defines this spacing.
 	CHECK(result[3]->neighbors.size() == 1);
 	CHECK(problems(layers, 1, "\"oak\" refers to the earlier") == 1);
 	CHECK(problems(layers, 2, "") == 3);
-	layers[2].spacing.erase("fern"); // The layer's own name.
+	layers[2].spacing.erase("fern"); // "fern" is the layer's own name.
 	CHECK(problems(layers, 2, "\"elm\", and no layer") == 2);
 	CHECK(problems(layers, 0, "") == 0);
 	CHECK(problems(layers, 3, "") == 0);
 }
 
-TEST_CASE("links: by index and by identity, and the larger of two distances") {
+TEST_CASE("links: layers are found by index and by identity, and the larger of two distances applies") {
 	std::vector<NamedLayer> layers{layer_named(""), layer_named("oak"), layer_named("fern")};
 	layers[0].identity = 70;
 	layers[1].identity = 71;
@@ -150,7 +151,7 @@ TEST_CASE("links: by index and by identity, and the larger of two distances") {
 	first.identity = 72;
 	second.index = 3;
 	layers[2].spacing = {{first, 3.0}, {second, 1.0}};
-	CHECK(linked(layers)[2]->neighbors.size() == 1); // Proximity only.
+	CHECK(linked(layers)[2]->neighbors.size() == 1); // Only the proximity remains.
 	CHECK(problems(layers, 2, "which is not in the list") == 2);
 	CHECK(problems(layers, 2, "Layers of different TerrainScatter3D nodes cannot refer to each other") == 2);
 	second.index = 2;

@@ -78,7 +78,7 @@ TEST_CASE("lod: the density falls linearly from begin to end, never rises, and t
 	CHECK(thinned_density(sudden, 30.0) == doctest::Approx(0.2));
 }
 
-TEST_CASE("lod: the remaining instances cover as much as all did, up to a limit") {
+TEST_CASE("lod: the instances that remain are enlarged to cover the same area, up to a limit") {
 	LodSettings settings = thinning();
 	CHECK(compensating_scale(settings, 1.0) == 1.0);
 	CHECK(compensating_scale(settings, 0.25) == 2.0);
@@ -98,7 +98,7 @@ TEST_CASE("lod: a limited share follows the wanted share in few steps and never 
 		CHECK(share * static_cast<double>(wanted) <= static_cast<double>(most));
 		CHECK(share >= 0.0);
 		CHECK(share <= 1.0);
-		// Settled: a second call returns the same.
+		// The share has settled, so a second call returns the same value.
 		CHECK(limited_share(share, wanted, most) == share);
 	};
 	for (std::uint64_t wanted = 0; wanted <= 1000000; wanted += 500) {
@@ -140,7 +140,7 @@ TEST_CASE("lod: within the margin nothing changes, for every displayed state") {
 	CHECK(distance_margin({}, 10.0) == std::numeric_limits<double>::infinity());
 }
 
-TEST_CASE("lod: bad settings are refused by name and value") {
+TEST_CASE("lod: the error for an invalid setting contains its name and value") {
 	const auto refuse = [](double LodSettings::*member, const char *property, double value, ErrorCode code) {
 		LodSettings bad = thinning();
 		bad.*member = value;

@@ -31,7 +31,7 @@ TEST_CASE("lod looks: consecutive LODs that are drawn alike share one look") {
 	CHECK(looks.look_of(0) == 0);
 	CHECK(looks.look_of(1) == 0);
 	CHECK(looks.look_of(2) == 1);
-	CHECK(looks.look_of(9) == 1); // A tile may still show a LOD that its layer no longer has.
+	CHECK(looks.look_of(9) == 1); // A tile may still display an LOD that its layer no longer has.
 	CHECK(looks.beyond_first({0, 1, false}) == 0);
 	CHECK(looks.beyond_first({1, 3, false}) == 1);
 	CHECK(LodLooks().count() == 0);
@@ -44,7 +44,7 @@ TEST_CASE("lod looks: in a span, each look fades into the next one, and the last
 		CHECK(drawn.look == span.first + index);
 		return drawn.fade;
 	};
-	CHECK_FALSE(fade_of({1, 1, false}, 0)); // One look, far from any change.
+	CHECK_FALSE(fade_of({1, 1, false}, 0)); // The span has one look and is far from any change.
 	CHECK(fade_of({0, 1, false}, 0) == LookFade{false, LodEnd::next});
 	CHECK(fade_of({0, 1, false}, 1) == LookFade{true, LodEnd::stays});
 	CHECK(fade_of({0, 2, true}, 1) == LookFade{true, LodEnd::next});
@@ -57,7 +57,7 @@ TEST_CASE("lod looks: a look that is drawn alone fades only at the end of sight,
 	CHECK(looks.drawn_alone({0, 1, false}, 0).look == 0);
 	CHECK_FALSE(looks.drawn_alone({0, 1, false}, 0).fade);
 	CHECK(looks.drawn_alone({1, 2, true}, 2).fade == LookFade{false, LodEnd::sight});
-	CHECK_FALSE(looks.drawn_alone({1, 1, true}, 1).fade); // Its materials cannot fade.
+	CHECK_FALSE(looks.drawn_alone({1, 1, true}, 1).fade); // The materials of this look cannot fade.
 	CHECK(looks.drawn_alone({2, 2, false}, 7).look == 2);
 }
 
@@ -70,7 +70,7 @@ TEST_CASE("lod looks: a look that cannot fade never does") {
 	CHECK_FALSE(LodLooks(settings_of({10.0}, 0.0), std::vector{soft, soft}).fades());
 }
 
-TEST_CASE("lod looks: every fade that a span may need has a range, and no other has one") {
+TEST_CASE("lod looks: exactly the fades that a span may need have a range") {
 	for (const double sight_end : {0.0, 50.0}) {
 		const LodLooks looks(settings_of({10.0, 20.0, 30.0}, 0.1, sight_end), std::vector{soft, soft, again, soft});
 		for (std::size_t look = 0; look < looks.count(); ++look) {

@@ -25,7 +25,7 @@ constexpr int posts = 33;
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// An image whose pixels `write` fills, one after the other.
+/// Returns a square image. `write` is called once for each pixel to fill its bytes.
 PixelGrid grid_of(int pixel_bytes, const std::function<void(glm::ivec2, std::uint8_t *)> &write, int side = posts) {
 	auto bytes = std::make_shared<Bytes>(static_cast<std::size_t>(side) * side * pixel_bytes);
 	std::uint8_t *pixel = bytes->data();
@@ -79,7 +79,7 @@ PixelGrid bytes_grid(const std::function<std::array<int, 4>(glm::ivec2)> &value,
 
 } // namespace
 
-TEST_CASE("map field: the same surface as a heightfield of the same posts") {
+TEST_CASE("map field: the surface equals that of a heightfield with the same posts") {
 	std::vector<float> meters;
 	for (int row = 0; row < posts; ++row) {
 		for (int column = 0; column < posts; ++column) {
@@ -106,12 +106,12 @@ TEST_CASE("map field: the same surface as a heightfield of the same posts") {
 		}
 	}
 	for (const glm::dvec2 corner : {glm::dvec2(-32.0, 10.0), glm::dvec2(32.0, 138.0)}) {
-		CHECK_FALSE(std::isnan(field.at(corner).height)); // The border is part of it.
+		CHECK_FALSE(std::isnan(field.at(corner).height)); // The field includes its border.
 	}
 	CHECK(std::isnan(field.at({std::nan(""), 20.0}).height));
 }
 
-TEST_CASE("map field: rotated, scaled and moved") {
+TEST_CASE("map field: maps can be rotated, scaled and moved") {
 	MapPlace place;
 	const double turn = 0.6;
 	place.to_world =
@@ -126,14 +126,14 @@ TEST_CASE("map field: rotated, scaled and moved") {
 		const glm::dvec2 at = place.to_world * glm::dvec2(10.25, 20.5) + glm::dvec2(origin.x, origin.z);
 		const Ground ground = one.at(at);
 		CHECK(ground.height == doctest::Approx(origin.y + 1.5 * (0.5 * 10.25 + 2.0)));
-		// Three quarters of a meter in two, along the map's columns.
+		// The height rises by 0.75 m every 2 m along the columns of the map.
 		const glm::dvec2 along{std::cos(turn), -std::sin(turn)};
 		const glm::vec3 expected(glm::normalize(glm::dvec3(-0.375 * along.x, 1.0, -0.375 * along.y)));
 		CHECK(glm::distance(ground.normal, expected) < 1e-6F);
 	}
 }
 
-TEST_CASE("map field: posts of all formats") {
+TEST_CASE("map field: posts of all formats are read correctly") {
 	CHECK(half_to_float(0x0000) == 0.0F);
 	CHECK(half_to_float(0x3c00) == 1.0F);
 	CHECK(half_to_float(0xc500) == -5.0F);
@@ -175,9 +175,10 @@ TEST_CASE("map field: a hole is where the color map's alpha is below a half") {
 	CHECK_FALSE(std::isnan(field.at({10.51, 4.5}).height));
 }
 
-TEST_CASE("map field: textures of splat maps, four per map") {
+TEST_CASE("map field: textures of splat maps are weighed, four per map") {
 	MapLayers layers = plain_layers();
-	CHECK(weight(field_of({}, layers), {3.0, 3.0}, {0}) == 1.0F); // Without any, every texture is everywhere.
+	// Without splat maps, every texture has full weight everywhere.
+	CHECK(weight(field_of({}, layers), {3.0, 3.0}, {0}) == 1.0F);
 	layers.splats.push_back(bytes_grid([](glm::ivec2 post) { return std::array{post.x < 10 ? 255 : 0, 0, 0, 0}; }, 4));
 	layers.splats.push_back(bytes_grid([](glm::ivec2 post) { return std::array{0, 0, post.x < 10 ? 0 : 255, 0}; }, 4));
 	const MapField field = field_of({}, layers);
@@ -189,9 +190,10 @@ TEST_CASE("map field: textures of splat maps, four per map") {
 	CHECK(weight(field, {-5.0, 5.0}, {0}) == 0.0F);
 }
 
-TEST_CASE("map field: textures by index, three per pixel") {
+TEST_CASE("map field: indexed textures are weighed, three per pixel") {
 	MapLayers layers = plain_layers();
-	layers.splats.push_back(bytes_grid([](glm::ivec2) { return std::array{255, 0, 0, 0}; }, 4)); // Ignored.
+	// The splat map is ignored.
+	layers.splats.push_back(bytes_grid([](glm::ivec2) { return std::array{255, 0, 0, 0}; }, 4));
 	layers.indices = bytes_grid([](glm::ivec2 post) { return std::array{post.x < 10 ? 20 : 5, 21, 200, 0}; }, 3);
 	layers.weights = bytes_grid([](glm::ivec2) { return std::array{102, 51, 0, 0}; }, 2);
 	const MapField field = field_of({}, layers);
@@ -200,7 +202,7 @@ TEST_CASE("map field: textures by index, three per pixel") {
 	CHECK(weight(field, {5.0, 5.0}, {21}) == doctest::Approx(0.2));
 	CHECK(weight(field, {5.0, 5.0}, {200}) == doctest::Approx(0.4));
 	CHECK(weight(field, {5.0, 5.0}, {20, 21, 200}) == doctest::Approx(1.0));
-	CHECK(weight(field, {9.5, 5.0}, {5}) == doctest::Approx(0.2)); // Halfway from a pixel without it.
+	CHECK(weight(field, {9.5, 5.0}, {5}) == doctest::Approx(0.2)); // Halfway to a pixel without this texture.
 	layers.indices = bytes_grid([](glm::ivec2) { return std::array{7, 7, 7, 0}; }, 3);
 	CHECK(weight(field_of({}, layers), {5.0, 5.0}, {7}) == 1.0F);
 }

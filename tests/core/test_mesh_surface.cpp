@@ -51,7 +51,7 @@ Corners faces_of(const MeshSurface &surface) {
 
 } // namespace
 
-TEST_CASE("mesh surface: triangles in the order of the vertices, or of 2- or 4-byte indices") {
+TEST_CASE("mesh surface: triangles are read in the order of the vertices, or of 2-byte or 4-byte indices") {
 	using enum MeshSurface::Shape;
 	CHECK(faces_of(surface_of(triangles, four_vertices, 3)) == Corners{a, b, c});
 	const Bytes two = bytes_of<std::uint16_t>({3, 0, 1, 2, 2, 0});
@@ -75,14 +75,14 @@ TEST_CASE("mesh surface: without whole triangles there are no faces") {
 	CHECK(faces_of(surface_of(strip, four_vertices, 2)).empty());
 }
 
-TEST_CASE("mesh surface: flat and quantized positions") {
+TEST_CASE("mesh surface: flat and quantized positions are read correctly") {
 	using enum MeshSurface::Shape;
 	const Bytes flat_bytes = bytes_of<float>({0, 1, 10, 11, 20, 21});
 	MeshSurface flat = surface_of(triangles, flat_bytes, 3);
 	flat.positions = MeshSurface::Positions::flat;
 	CHECK(faces_of(flat) == Corners{{0, 1, 0}, {10, 11, 0}, {20, 21, 0}});
 
-	// The fourth number of a vertex is an angle. Normals follow after all positions.
+	// The fourth number of each vertex is an angle. Normals follow the positions.
 	const Bytes quantized_bytes =
 			bytes_of<std::uint16_t>({0, 0, 0, 7, 65535, 65535, 65535, 7, 13107, 26214, 39321, 7, 1, 2, 3, 4});
 	MeshSurface quantized = surface_of(triangles, quantized_bytes, 3);

@@ -1,4 +1,4 @@
-// How the parts of a model are sorted into LODs.
+// Tests how the parts of a model are sorted into LODs.
 
 #include "core/model/model_lods.hpp"
 
@@ -17,7 +17,7 @@ LodName unmarked(const char *name) { return {name, std::nullopt}; }
 
 } // namespace
 
-TEST_CASE("lod names: marks as artists write them") {
+TEST_CASE("lod names: marks are found in all common spellings") {
 	CHECK(read_lod_name("Tree_LOD0") == LodName{"Tree", 0});
 	CHECK(read_lod_name("tree_lod1") == LodName{"tree", 1});
 	CHECK(read_lod_name("TrunkLOD2") == LodName{"Trunk", 2});
@@ -31,7 +31,7 @@ TEST_CASE("lod names: marks as artists write them") {
 	CHECK(read_lod_name("A_LOD1_LOD2") == LodName{"A_LOD1", 2});
 }
 
-TEST_CASE("lod names: names without a mark") {
+TEST_CASE("lod names: names without a mark have no number") {
 	for (const char *name :
 			{"", "Tree", "LOD", "LOD_", "Melod1", "Plod1", "LOD100", "LOD1b", "Lodge2", "LODx1", "lod--1"}) {
 		CAPTURE(name);
@@ -39,13 +39,13 @@ TEST_CASE("lod names: names without a mark") {
 	}
 }
 
-TEST_CASE("model lods: a model without marks and ranges has one") {
+TEST_CASE("model lods: a model without marks and ranges has one LOD") {
 	const std::vector<PartRange> parts{{"Trunk", {}}, {"Leaves", {}}};
 	CHECK(model_lods(parts) == std::vector<ModelLod>{{0.0, Parts{0, 1}}});
 	CHECK(model_lods({}).empty());
 }
 
-TEST_CASE("model lods: numbers, with gaps, and distances from ranges") {
+TEST_CASE("model lods: numbers may have gaps, and ranges determine the distances") {
 	const std::vector<PartRange> parts{
 			{"Trunk", 0}, {"Leaves", 0}, {"Trunk", 2}, {"Leaves", 2, 40.0}, {"Card", 5, 90.0, 400.0}};
 	CHECK(model_lods(parts) == std::vector<ModelLod>{{0.0, Parts{0, 1}}, {40.0, Parts{2, 3}}, {90.0, Parts{4}}});
@@ -59,7 +59,7 @@ TEST_CASE("model lods: a part without a number is the finest of its name, or in 
 			std::vector<ModelLod>{{0.0, Parts{0, 2}}, {std::nullopt, Parts{1, 2}}, {std::nullopt, Parts{2, 3}}});
 }
 
-TEST_CASE("model lods: ranges, if no name has a mark") {
+TEST_CASE("model lods: ranges determine the LODs if no name has a mark") {
 	const std::vector<PartRange> parts{
 			{"Near", {}, 0.0, 30.0}, {"Far", {}, 30.0, 90.0}, {"All", {}}, {"Sign", {}, 10.0, 20.0}};
 	CHECK(model_lods(parts) ==

@@ -1,10 +1,11 @@
-// How models are measured, and how layers are fitted to them.
+// Tests how models are measured, and how layers are fitted to them.
 
 #include "core/model/model_fit.hpp"
 
 #include <doctest/doctest.h>
 #include <glm/common.hpp>
 
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -32,7 +33,7 @@ ModelSize measured(const std::vector<Triangle> &triangles) {
 	return measure.size();
 }
 
-/// A closed frustum with eight sides.
+/// Appends a closed frustum with eight sides.
 void add_frustum(
 		std::vector<Triangle> &r_triangles, const glm::dvec3 &foot, double radius, double top_radius, double height) {
 	const auto at = [&](int number, bool top) {
@@ -48,7 +49,7 @@ void add_frustum(
 	}
 }
 
-/// Four upright cards around an axis.
+/// Returns four upright cards that intersect on the y axis.
 std::vector<Triangle> cards(double width, double height) {
 	std::vector<Triangle> made;
 	for (const glm::dvec3 side :
@@ -94,7 +95,7 @@ TEST_CASE("model size: a long bare trunk does not pull trees together") {
 	CHECK(measured(palm).footprint == doctest::Approx(0.6 * 4.0));
 }
 
-TEST_CASE("model size: kinds by size and by what is enclosed") {
+TEST_CASE("model size: size and enclosed volume determine the kind of a model") {
 	std::vector<Triangle> boulder;
 	add_frustum(boulder, {0, -0.3, 0}, 1.0, 0.6, 1.5);
 	CHECK(kind_of(measured(boulder)) == ModelKind::rock);
@@ -104,7 +105,7 @@ TEST_CASE("model size: kinds by size and by what is enclosed") {
 	CHECK(kind_of(measured(cards(3.0, 8.0))) == ModelKind::tree);
 }
 
-TEST_CASE("model size: kinds by name") {
+TEST_CASE("model size: a name determines the kind of a model") {
 	using Named = std::pair<const char *, std::optional<ModelKind>>;
 	for (const auto &[name, kind] : {Named("Pine_2b", ModelKind::tree), Named("BirchTree_Autumn_3", ModelKind::tree),
 				 Named("DEAD TREES 04", ModelKind::tree), Named("Bush_1_A_Color1", ModelKind::shrub),
@@ -133,10 +134,10 @@ TEST_CASE("model size: copies differ, stand apart and reach into the ground") {
 		CHECK(fit.height_offset < 0.0);
 		CHECK(fit.height_offset > -0.5 * size.height);
 	}
-	// Rocks lie apart, most of the ground is free of them.
+	// Rocks are sparse, so most of the ground is free of them.
 	CHECK(fit_of(ModelKind::rock, size).radius > 1.5 * size.footprint);
 	CHECK(fit_of(ModelKind::rock, size).clump_size > 0.0);
-	// Roots that the model already has below the ground are not pushed deeper.
+	// A model that already has roots below the ground is not sunk any deeper.
 	ModelSize rooted = size;
 	rooted.depth = 1.0;
 	CHECK(fit_of(ModelKind::tree, rooted).height_offset == 0.0);

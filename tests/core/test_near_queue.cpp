@@ -18,7 +18,7 @@
 using namespace thicket;
 using namespace thicket::test;
 
-TEST_CASE("near queue: all within the distance enter, the nearest first, and leave an eighth farther away") {
+TEST_CASE("near queue: instances within the distance enter, the nearest first, and leave an eighth farther away") {
 	FlatWorld flat;
 	flat.load();
 	Follower follower;
@@ -87,7 +87,7 @@ TEST_CASE("near queue: a removed instance leaves, and one that is placed differe
 	CHECK(follower.queue.settled());
 }
 
-TEST_CASE("near queue: if very many are removed, the nearest leave first, across all cells and layers") {
+TEST_CASE("near queue: if very many instances are removed, the nearest leave first, across all cells and layers") {
 	FlatWorld flat;
 	flat.settings.set.radius = 0.9;
 	flat.set_layers();
@@ -104,8 +104,8 @@ TEST_CASE("near queue: if very many are removed, the nearest leave first, across
 			held[instance.id] = instance.position;
 		}
 	}
-	CHECK(held.size() > NearQueue::max_looked); // Otherwise a single check finds all removed ones.
-	// Within a frame the order is exact. The next frame checks cells that are farther away.
+	CHECK(held.size() > NearQueue::max_looked); // Otherwise, a single check would find all removed instances.
+	// The order is exact within a frame. The next frame checks cells that are farther away.
 	const auto check_nearest_first = [&](std::size_t expected) {
 		std::size_t gone = 0;
 		double nearest_of_last = 0.0;
@@ -134,7 +134,7 @@ TEST_CASE("near queue: if very many are removed, the nearest leave first, across
 	CHECK(felled > 100);
 	flat.world.touch();
 	check_nearest_first(felled);
-	queue.set_distances(std::array{0.0}); // The layer has no bodies any more.
+	queue.set_distances(std::array{0.0}); // A distance of 0 disables the layer's bodies.
 	check_nearest_first(held.size());
 	CHECK(held.empty());
 	CHECK(queue.settled());
@@ -212,7 +212,8 @@ TEST_CASE("near queue: very many centers take turns to be checked, although the 
 	}
 	CHECK(frames < 200);
 
-	// One center moves alone. The others' cells are not checked, and this one is followed immediately.
+	// Only one center moves. The cells of all other centers are not checked, and the changes around
+	// the moving center are found at once.
 	for (int step = 0; step < 20; ++step) {
 		centers[8].x += 1.0;
 		follow(false);
@@ -262,7 +263,7 @@ TEST_CASE("near queue: a new distance keeps the near instances") {
 	}
 }
 
-TEST_CASE("near queue: an unchanged distance leaves its layer unchanged, even if others change") {
+TEST_CASE("near queue: setting an unchanged distance leaves its layer unchanged, even if other layers change") {
 	FlatWorld flat;
 	flat.load(3);
 	NearQueue queue;
@@ -314,8 +315,8 @@ TEST_CASE("near queue: unknown tiles are reported as missing") {
 	CHECK(flat.world.take_missing().empty());
 }
 
-TEST_CASE("near queue: no check while the centers rest or move a small step") {
-	FlatWorld flat; // An empty world: every check reports missing tiles.
+TEST_CASE("near queue: nothing is checked while the centers rest or move a small step") {
+	FlatWorld flat; // The world is empty, so every check reports missing tiles.
 	Follower follower;
 	std::vector<glm::dvec3> centers{{5.0, 0.0, 5.0}};
 	const auto looks = [&] {
@@ -332,9 +333,9 @@ TEST_CASE("near queue: no check while the centers rest or move a small step") {
 	CHECK_FALSE(looks());
 	flat.world.touch();
 	CHECK(looks());
-	flat.world.keep(0, {40, 0}, flat.make({40, 0})); // Tiles that stream in far away do not invalidate the near ones.
+	flat.world.keep({0, {40, 0}}, flat.make({40, 0})); // A tile that loads far away causes no new check.
 	CHECK_FALSE(looks());
-	flat.world.keep(0, {0, 0}, flat.make({0, 0}));
+	flat.world.keep({0, {0, 0}}, flat.make({0, 0}));
 	CHECK(looks());
 }
 
@@ -342,7 +343,9 @@ TEST_CASE("near queue: only the part of a cell within reach is checked") {
 	FlatWorld flat;
 	Follower follower;
 	const std::vector<glm::dvec3> centers{
-			{5.0, 0.0, 5.0}}; // The square of 22.5 m around it touches 4 tiles of 32 m; the cells that it touches, 9.
+			// The square of 22.5 m around it touches 4 tiles of 32 m. The cells that it touches
+			// would touch 9.
+			{5.0, 0.0, 5.0}};
 	follower.queue.look_around(centers, flat.world);
 	CHECK(flat.world.take_missing().size() == 4);
 }

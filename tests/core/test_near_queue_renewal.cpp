@@ -25,7 +25,7 @@ TEST_CASE("near queue: each due instance is returned once, the nearest first, wh
 		PlacedInstance instance;
 		while (due.size() < most && follower.queue.next_due(instance)) {
 			const double away = glm::distance(instance.position, center);
-			CHECK(away >= r_last - 0.9); // The center moves by 0.4 m meanwhile.
+			CHECK(away >= r_last - 0.9); // Between the calls, the center moves by 0.4 m.
 			r_last = away;
 			CHECK(due.insert(instance.id).second);
 			CHECK(follower.held.contains(instance.id));
@@ -45,7 +45,8 @@ TEST_CASE("near queue: each due instance is returned once, the nearest first, wh
 	CHECK(due == follower.held);
 	CHECK(follower.queue.settled());
 
-	// A different distance divides the cells. All held instances are returned, some of them twice.
+	// A new distance changes the cells. All held instances are returned again, so some of them are
+	// returned twice.
 	follower.queue.renew(0);
 	last = 0.0;
 	due = take_due(60, last);
@@ -54,7 +55,7 @@ TEST_CASE("near queue: each due instance is returned once, the nearest first, wh
 	const std::set<std::uint64_t> rest = take_due(10000, last);
 	CHECK(rest == follower.held);
 
-	// Instances that have left by then are no longer due.
+	// Instances that have left in the meantime are no longer due.
 	follower.look(center, flat.world);
 	follower.follow();
 	follower.queue.renew(0);
@@ -71,19 +72,19 @@ TEST_CASE("near queue: finds the nearest held instances around positions") {
 	const std::array<glm::dvec3, 2> positions{glm::dvec3{4.0, 0.0, 4.0}, glm::dvec3{-15.0, 0.0, 0.0}};
 	std::set<std::uint64_t> expected = flat.within(positions[0], 6.0);
 	expected.merge(flat.within(positions[1], 6.0));
-	const std::vector<PlacedInstance> found = follower.queue.held_within(positions, 6.0, 1000);
+	const std::vector<NearHeld> found = follower.queue.held_within(positions, 6.0, 1000);
 	std::set<std::uint64_t> ids;
 	double last = 0.0;
-	for (const PlacedInstance &instance : found) {
-		const double away = std::min(
-				glm::distance(instance.position, positions[0]), glm::distance(instance.position, positions[1]));
-		CHECK(away >= last);
-		last = away;
-		ids.insert(instance.id);
+	for (const NearHeld &held : found) {
+		CHECK(held.layer == 0);
+		CHECK(held.distance_squared >= last);
+		last = held.distance_squared;
+		ids.insert(held.id);
 	}
+	CHECK(last <= 6.0 * 6.0);
 	CHECK(ids == expected);
 	CHECK(found.size() == expected.size());
-	const std::vector<PlacedInstance> first = follower.queue.held_within(positions, 6.0, 10);
+	const std::vector<NearHeld> first = follower.queue.held_within(positions, 6.0, 10);
 	REQUIRE(first.size() == 10);
 	CHECK(first[9].id == found[9].id);
 	CHECK(follower.queue.held_within({}, 1e6, 10).empty());

@@ -23,7 +23,7 @@ PlacedInstance instance_at(std::uint64_t id, glm::dvec3 position) {
 	return instance;
 }
 
-/// Instances 1 to `count` in a row along x: instance i is at x = i * apart.
+/// Returns instances with the ids 1 to `count`. Instance i is at x = i * apart.
 std::vector<PlacedInstance> row(std::uint64_t count, double apart = 1.0) {
 	std::vector<PlacedInstance> result;
 	for (std::uint64_t id = 1; id <= count; ++id) {
@@ -48,7 +48,7 @@ std::vector<std::uint64_t> ids_of(const std::vector<NearLeaving> &leaving) {
 	return result;
 }
 
-/// Carries out all changes that a check returned.
+/// Applies all changes that a check returned.
 void follow(NearSet &set, const NearChanges &changes) {
 	for (const NearLeaving &leaving : changes.leave) {
 		CHECK(set.holds(leaving.id));
@@ -80,7 +80,7 @@ TEST_CASE("near set: the nearest enter first, the farthest leave first") {
 	follow(set, changes);
 	CHECK(set.size() == 5);
 
-	centers[0].x = 8.1; // Instance 5 is within 4 m, 2 to 4 are not.
+	centers[0].x = 8.1; // Instance 5 is within 4 m; instances 2 to 4 are not.
 	set.look(centers, {2.5, 4.0}, standing, changes);
 	CHECK(ids_of(changes.enter) == Ids{8, 9, 7, 10});
 	CHECK(ids_of(changes.leave) == Ids{2, 3, 4});
@@ -91,7 +91,7 @@ TEST_CASE("near set: both ends of the range are inclusive, in three dimensions")
 	NearSet set;
 	NearChanges changes;
 	const std::vector<glm::dvec3> centers{{0.0, 3.0, 0.0}};
-	std::vector<PlacedInstance> standing{instance_at(1, {4.0, 0.0, 0.0})}; // 5 m away.
+	std::vector<PlacedInstance> standing{instance_at(1, {4.0, 0.0, 0.0})}; // The instance is 5 m away.
 	set.look(centers, {4.999, 6.0}, standing, changes);
 	CHECK(changes.enter.empty());
 	set.look(centers, {5.0, 6.0}, standing, changes);
@@ -103,7 +103,7 @@ TEST_CASE("near set: both ends of the range are inclusive, in three dimensions")
 	CHECK(ids_of(changes.leave) == Ids{1});
 }
 
-TEST_CASE("near set: a range of 0 holds nothing, and an inverted range leaves where it enters") {
+TEST_CASE("near set: a range of 0 holds no instances, and an inverted range uses the enter distance") {
 	NearSet set;
 	NearChanges changes;
 	const std::vector<glm::dvec3> centers{{1.0, 0.0, 0.0}};
@@ -116,14 +116,14 @@ TEST_CASE("near set: a range of 0 holds nothing, and an inverted range leaves wh
 	CHECK(changes.leave.empty());
 	set.look(centers, {0.0, 10.0}, standing, changes);
 	CHECK(changes.enter.empty());
-	CHECK(ids_of(changes.leave) == Ids{1, 2, 3}); // None is near any more, so the nearest leaves first.
+	CHECK(ids_of(changes.leave) == Ids{1, 2, 3}); // The range is 0, so all leave, the nearest first.
 	CHECK(changes.gone == 3);
-	set.look({}, {2.0, 3.0}, standing, changes); // No center: nothing is near.
+	set.look({}, {2.0, 3.0}, standing, changes); // Without centers, nothing is near.
 	CHECK(changes.enter.empty());
 	CHECK(ids_of(changes.leave) == Ids{1, 2, 3});
 }
 
-TEST_CASE("near set: removed instances leave before all others, the nearest first") {
+TEST_CASE("near set: removed instances leave before distant ones, the nearest first") {
 	NearSet set;
 	NearChanges changes;
 	std::vector<glm::dvec3> centers{{0.0, 0.0, 0.0}};
@@ -147,12 +147,12 @@ TEST_CASE("near set: an instance that is placed differently has changed, and nei
 	follow(set, changes);
 
 	std::vector<PlacedInstance> standing = before;
-	standing[0].position.y += 0.5 * NearSet::same_position; // A difference within rounding.
+	standing[0].position.y += 0.5 * NearSet::same_position; // The difference is within rounding.
 	standing[0].basis[1][1] += 0.5f * NearSet::same_basis;
 	standing[1].position.y += 0.25;
 	standing[2].basis[1][1] = 1.1f;
 	standing[3].mesh = 1;
-	standing[4].position.x = 6.0; // Between enter and leave: it is held, so it stays.
+	standing[4].position.x = 6.0; // The instance is between the enter and leave distances, so it stays.
 	set.look(centers, {5.0, 7.0}, standing, changes);
 	CHECK(changes.leave.empty());
 	CHECK(changes.enter.empty());
@@ -171,7 +171,7 @@ TEST_CASE("near set: an instance that is placed differently has changed, and nei
 	CHECK(changes.changed.size() == 5);
 	follow(set, changes);
 
-	standing[4].position.x = 7.5; // Beyond both.
+	standing[4].position.x = 7.5; // The instance is beyond both distances.
 	set.look(centers, {5.0, 7.0}, standing, changes);
 	CHECK(ids_of(changes.leave) == Ids{5});
 	CHECK(changes.leave[0].position.x == 6.0);
@@ -188,7 +188,8 @@ TEST_CASE("near set: moving to and fro within the hysteresis changes nothing") {
 	std::map<std::uint64_t, int> entered;
 	std::map<std::uint64_t, int> left;
 	std::mt19937_64 random(5);
-	std::uniform_real_distribution<double> along(-0.499, 0.499); // The whole range is shorter than leave - enter.
+	// The range is shorter than the difference between the leave and enter distances.
+	std::uniform_real_distribution<double> along(-0.499, 0.499);
 	for (int frame = 0; frame < 300; ++frame) {
 		centers[0].x = 10.0 + along(random);
 		set.look(centers, range, standing, changes);
@@ -205,7 +206,7 @@ TEST_CASE("near set: moving to and fro within the hysteresis changes nothing") {
 	CHECK(left.empty());
 }
 
-TEST_CASE("near set: several centers, and an instance that is passed several times") {
+TEST_CASE("near set: several centers work, and an instance may be passed several times") {
 	NearSet set;
 	NearChanges changes;
 	const std::vector<glm::dvec3> centers{{0.0, 0.0, 0.0}, {100.0, 0.0, 0.0}, {100.5, 0.0, 0.0}};
@@ -227,7 +228,7 @@ TEST_CASE("near set: released instances are no longer held") {
 	const std::vector<glm::dvec3> centers{{0.0, 0.0, 0.0}};
 	const std::vector<PlacedInstance> standing = row(4);
 	set.look(centers, {3.0, 4.0}, standing, changes);
-	REQUIRE(set.hold(changes.enter[0])); // There was time for two of three.
+	REQUIRE(set.hold(changes.enter[0])); // The caller had time for only two of three.
 	REQUIRE(set.hold(changes.enter[1]));
 	set.release(1);
 	set.release(77);
@@ -240,7 +241,7 @@ TEST_CASE("near set: released instances are no longer held") {
 	CHECK(changes.leave.empty());
 }
 
-TEST_CASE("near set: random walks, removals and moves against brute force") {
+TEST_CASE("near set: random walks, removals and moves match brute force") {
 	std::mt19937_64 random(77);
 	std::uniform_real_distribution<double> anywhere(-50.0, 50.0);
 	std::uniform_real_distribution<double> step(-4.0, 4.0);
@@ -253,7 +254,7 @@ TEST_CASE("near set: random walks, removals and moves against brute force") {
 				instance_at(id * 0x9e3779b97f4a7c15ULL, {anywhere(random), 0.1 * step(random), anywhere(random)}));
 	}
 	std::vector<glm::dvec3> centers(3);
-	std::map<std::uint64_t, glm::dvec3> held; // With their positions.
+	std::map<std::uint64_t, glm::dvec3> held; // The positions of held instances by id.
 	const NearRange range{12.0, 15.0};
 	for (int frame = 0; frame < 400; ++frame) {
 		for (glm::dvec3 &center : centers) {
@@ -309,7 +310,7 @@ TEST_CASE("near set: random walks, removals and moves against brute force") {
 		CHECK(std::is_sorted(changes.enter.begin(), changes.enter.end(),
 				[&away](const auto &a, const auto &b) { return away(a.position) < away(b.position); }));
 
-		// Sometimes there is no time for all of them.
+		// Sometimes the caller has no time for all entering instances.
 		for (const std::uint64_t id : leaving) {
 			set.release(id);
 			held.erase(id);
@@ -329,7 +330,8 @@ TEST_CASE("near set: random walks, removals and moves against brute force") {
 }
 
 TEST_CASE("near set: an instance that stays near is tested against its previous center first") {
-	// The distance to the center at whole numbers is whole. The distances to the others would be rounded.
+	// The distances to the center at integer coordinates are integers. Those to the other centers
+	// are rounded.
 	std::vector<glm::dvec3> centers(100, glm::dvec3(900.1, 0.3, 0.7));
 	centers.emplace_back(4.0, 0.0, 0.0);
 	const std::vector<PlacedInstance> standing = row(6);
@@ -339,7 +341,8 @@ TEST_CASE("near set: an instance that stays near is tested against its previous 
 	REQUIRE(set.look(centers, range, standing, changes));
 	follow(set, changes);
 	CHECK(set.size() == 6);
-	CHECK(rounds([&] { REQUIRE(set.look(centers, range, standing, changes)); })); // Searches for its center.
+	// The first check searches for the center.
+	CHECK(rounds([&] { REQUIRE(set.look(centers, range, standing, changes)); }));
 	centers.back().x += 1.0;
 	CHECK_FALSE(rounds([&] { REQUIRE(set.look(centers, range, standing, changes)); }));
 	CHECK(changes.enter.empty());

@@ -1,4 +1,4 @@
-// Spacing and proximity to other layers, on tiles of any kind.
+// Tests spacing and proximity to other layers in tiles of any size.
 
 #include "core/placement/layer_edits.hpp"
 #include "core/placement/layer_graph.hpp"
@@ -33,7 +33,8 @@ std::shared_ptr<LayerSettings> layer_of(std::uint16_t number, double radius) {
 	return layer;
 }
 
-/// The positions of a layer's instances by id, with the set's precision.
+/// Returns the positions of a layer's instances, keyed by id, in the double precision of the point
+/// set.
 std::map<std::uint64_t, glm::dvec2> places(const LayerSettings &layer, const Terrain &terrain, const Rect &rect) {
 	const TileInstances tile = built(layer, terrain, rect);
 	TileSampler sampler;
@@ -64,7 +65,7 @@ const std::vector<Rect> windows{{{-20.0, -35.0}, {30.0, 5.0}}, {{1000.25, -7.5},
 
 } // namespace
 
-TEST_CASE("neighbors: spacing removes only those that are too near, also across the window's border") {
+TEST_CASE("neighbors: spacing removes only instances that are too near, also across the window's border") {
 	const FlatTerrain terrain(0.0f);
 	const auto oaks = layer_of(0, 6.0);
 	oaks->rules.density = 0.6;
@@ -103,7 +104,7 @@ TEST_CASE("neighbors: only instances count, not points that their own rules remo
 	CHECK(near_absent > 100);
 }
 
-TEST_CASE("neighbors: proximity is a density over the distance to the nearest") {
+TEST_CASE("neighbors: proximity is a density over the distance to the nearest instance") {
 	const FlatTerrain terrain(0.0f);
 	const auto oaks = layer_of(0, 12.0);
 	LayerSettings ferns = *layer_of(1, 0.5);
@@ -142,7 +143,7 @@ TEST_CASE("neighbors: beyond the distance, the curve's last density applies") {
 		}
 	}
 	CHECK(some.size() < all.size());
-	// Also if the other layer is empty.
+	// The same is true if the other layer is empty.
 	oaks->rules.density = 0.0;
 	CHECK(places(grass, terrain, tile_of_hills).size() == all.size());
 }
@@ -255,7 +256,7 @@ TEST_CASE("neighbors: in a graph where each layer depends on all earlier ones, e
 	check_refused(validate(deeper), ErrorCode::out_of_range, "depth of neighbors", max_neighbor_depth + 1.0);
 }
 
-TEST_CASE("neighbors: bad input is refused by name") {
+TEST_CASE("neighbors: the error for invalid input contains its name") {
 	LayerSettings layer = *layer_of(0, 1.0);
 	const auto refuse = [&layer](const Neighbor &neighbor, ErrorCode code, const char *property, double value) {
 		layer.neighbors = {neighbor};
@@ -277,7 +278,7 @@ TEST_CASE("neighbors: bad input is refused by name") {
 		chain = next;
 	}
 	check_refused(validate(*chain), ErrorCode::out_of_range, "depth of neighbors", max_neighbor_depth + 1.0);
-	// Many layers without depth: 5 neighbors with 16 neighbors each.
+	// Many layers in a shallow graph: 5 neighbors with 16 neighbors each.
 	layer.neighbors.clear();
 	for (std::uint16_t i = 0; i < 5; ++i) {
 		const auto between = layer_of(i, 1.0);

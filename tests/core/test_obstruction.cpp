@@ -20,7 +20,7 @@ namespace {
 constexpr NavigationAgent agent{.height = 1.5, .max_slope = 45.0, .cell_size = 0.25, .cell_height = 0.2};
 constexpr double half_diagonal = 0.25 * std::numbers::sqrt2 / 2.0;
 
-/// Meters from a position inside a convex outline to its border; negative outside.
+/// Returns the depth of a position inside a convex outline in meters, negative outside.
 double depth(const Obstruction &obstruction, glm::dvec2 position) {
 	double least = std::numeric_limits<double>::infinity();
 	const std::size_t count = obstruction.outline.size();
@@ -63,16 +63,17 @@ TEST_CASE("obstruction: heights are those at which an agent collides with the cy
 	REQUIRE(obstruct(glm::dmat3(1.0), {0.0, 10.0, 0.0}, {0.5, 6.0}, agent, obstruction));
 	CHECK(obstruction.bottom == doctest::Approx(10.0 - 1.5 - 0.2));
 	CHECK(obstruction.top == doctest::Approx(16.0 + 0.2));
-	// A wide cylinder, on ground that falls off to one side by as much as its radius, and rises on the other.
+	// A wide cylinder, on ground that falls by the cylinder's radius on one side and rises on the
+	// other.
 	REQUIRE(obstruct(glm::dmat3(1.0), {0.0, 10.0, 0.0}, {4.0, 1.0}, agent, obstruction));
 	CHECK(obstruction.bottom == doctest::Approx(10.0 - 4.0 - 0.2));
 	CHECK(obstruction.top == doctest::Approx(14.0 + 0.2));
-	// An instance that hangs upside down.
+	// An instance that is upside down.
 	glm::dmat3 hanging(1.0);
 	hanging[1] = -hanging[1];
 	REQUIRE(obstruct(hanging, {0.0, 10.0, 0.0}, {0.5, 6.0}, agent, obstruction));
 	CHECK(obstruction.bottom == doctest::Approx(4.0 - 1.5 - 0.2));
-	// The steepest allowed ground.
+	// Agents that climb the steepest slope possible.
 	NavigationAgent climber = agent;
 	climber.max_slope = 90.0;
 	REQUIRE(obstruct(glm::dmat3(1.0), {0.0, 0.0, 0.0}, {1.0, 1.0}, climber, obstruction));
@@ -99,14 +100,14 @@ TEST_CASE("obstruction: a leaning cylinder obstructs only up to the height of an
 		for (const glm::dvec2 corner : obstruction.outline) {
 			CHECK(glm::length(corner - glm::dvec2(1.0, 2.0)) <= obstruction_reach(shape, glm::length(basis[1]), agent));
 		}
-		// Above any agent, the crown may hang over a path.
+		// A crown higher than any agent may hang over a path.
 		if (axis.y > 2.0 * (agent.height + radius) && glm::length(glm::dvec2(axis.x, axis.z)) > 8.0 * (radius + 0.25)) {
 			CHECK(depth(obstruction, {1.0 + axis.x, 2.0 + axis.z}) < 0.0);
 		}
 	}
 }
 
-TEST_CASE("obstruction: none for flat or non-finite instances") {
+TEST_CASE("obstruction: flat or non-finite instances obstruct nothing") {
 	Obstruction obstruction;
 	CHECK_FALSE(obstruct(glm::dmat3(0.0), glm::dvec3(0.0), {0.5, 2.0}, agent, obstruction));
 	glm::dmat3 broken(1.0);

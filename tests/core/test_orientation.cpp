@@ -16,7 +16,8 @@ __extension__ using Wide = __int128;
 
 int sign(double value) { return value > 0.0 ? 1 : (value < 0.0 ? -1 : 0); }
 
-/// Twice the area of a triangle, exactly. Its corners are whole numbers below 2^52.
+/// Returns twice the signed area of a triangle, computed exactly. Its corners are integers below
+/// 2^52.
 Wide exact(const std::array<std::array<std::int64_t, 2>, 3> &corner) {
 	const auto gap = [&](std::size_t i, std::size_t axis) {
 		return static_cast<Wide>(corner[i][axis]) - static_cast<Wide>(corner[2][axis]);
@@ -26,13 +27,13 @@ Wide exact(const std::array<std::array<std::int64_t, 2>, 3> &corner) {
 
 } // namespace
 
-TEST_CASE("orientation: both turns, and collinear points") {
+TEST_CASE("orientation: left turns, right turns and collinear points are distinguished") {
 	CHECK(orientation({0.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}) == 1.0);
 	CHECK(orientation({0.0, 0.0}, {0.0, 1.0}, {1.0, 0.0}) == -1.0);
 	CHECK(orientation({1.0, 1.0}, {3.0, 3.0}, {-7.0, -7.0}) == 0.0);
 	CHECK(orientation({0.1, 0.1}, {0.3, 0.3}, {0.7, 0.7}) == 0.0);
 	CHECK(orientation({2.0, 5.0}, {2.0, 5.0}, {2.0, 5.0}) == 0.0);
-	// One rounding step of a double away from the line, where a plain determinant returns 0.
+	// One ulp of 0.5 away from the line, where a naive determinant returns 0.
 	const double hair = std::ldexp(1.0, -53);
 	CHECK(orientation({0.5, 0.5 + hair}, {12.0, 12.0}, {24.0, 24.0}) == 12.0 * hair);
 	CHECK(orientation({0.5 + hair, 0.5}, {12.0, 12.0}, {24.0, 24.0}) == -12.0 * hair);
@@ -47,7 +48,8 @@ TEST_CASE("orientation: the sign is exact and the value accurate, even for the n
 			return static_cast<std::int64_t>(random() % (std::uint64_t{1} << bits)) - (std::int64_t{1} << (bits - 1));
 		};
 		std::array<std::array<std::int64_t, 2>, 3> corner{{{number(), number()}, {number(), number()}, {}}};
-		// The third corner is on the line through the others, or at most a step away from it.
+		// The third corner is on the line through the other two corners or about one lattice step
+		// away from it.
 		const auto part = static_cast<std::int64_t>(random() % 8);
 		for (std::size_t axis = 0; axis < 2; ++axis) {
 			corner[2][axis] = corner[0][axis] + (corner[1][axis] - corner[0][axis]) / 7 * part +

@@ -1,5 +1,5 @@
-// If any request for memory fails, sampling, rules and tiles return an error that names the request, and keep their
-// previous state.
+// Tests that sampling, rules and tiles return an error that names the refused property, and keep
+// their previous state, whichever allocation fails.
 
 #include "core/rules/image_mask.hpp"
 #include "core/rules/shape_edits.hpp"
@@ -22,7 +22,7 @@ using namespace thicket::test;
 
 namespace {
 
-/// A tool to call, and its result.
+/// An object whose method is called, and the result of the call.
 template <typename Tool, typename Answer>
 struct Job {
 	Tool tool;
@@ -32,7 +32,7 @@ struct Job {
 constexpr auto anything = [](const auto &) {
 };
 
-/// One shape for each way of evaluation.
+/// Returns one shape for each way in which shapes are evaluated.
 std::vector<Shape> some_shapes() {
 	Shape ball;
 	ball.kind = ShapeKind::sphere;
@@ -57,8 +57,8 @@ std::shared_ptr<const ShapeSet> some_shape_set() {
 	return set;
 }
 
-/// A layer with every kind of rule: curves, textures, mask, shapes, feather, and neighbors that have neighbors. Its
-/// sources follow a noise and another layer.
+/// Returns a layer with many kinds of rules: curves, textures, a mask, shapes, an edge feather, and
+/// neighbors that have neighbors. Its sources are a noise and a different layer.
 LayerSettings demanding_layer() {
 	auto curve = std::make_shared<CurveTable>();
 	REQUIRE(curve->set(0.0, 90.0, std::vector<float>{1.0f, 0.5f, 0.9f}).ok());
@@ -105,7 +105,7 @@ TEST_CASE("out of memory: sampling a window leaves no points and a usable sample
 					"rect",
 					[&] {
 						Sampling job;
-						if (used) { // It was used for smaller windows, so all buffers must grow.
+						if (used) { // The sampler has sampled a smaller window, so all its buffers must grow.
 							REQUIRE(job.tool.sample(PointSet{.seed = 9}, {{0.0, 0.0}, {3.0, 1.0}}, job.answer).ok());
 						}
 						return job;
@@ -164,7 +164,7 @@ TEST_CASE("out of memory: rules that cannot be set leave the previous ones") {
 				REQUIRE(job.tool.set(after, 2).ok());
 				return job;
 			},
-			[&](Taking &job) { return job.tool.place_densities(positions, densities, job.answer); }, anything,
+			[&](Taking &job) { return job.tool.place_densities({positions}, densities, job.answer); }, anything,
 			[&](const Taking &) { REQUIRE(densities == std::vector<double>(50, densities[0])); });
 }
 
@@ -193,7 +193,7 @@ TEST_CASE("out of memory: tables, masks and shapes stay unchanged") {
 	fail_every_request(
 			"shapes",
 			[&] {
-				return Shaping{{}, shapes}; // The caller's copy: a call takes its shapes by value.
+				return Shaping{{}, shapes}; // `set` takes the shapes by value, so each job has a copy.
 			},
 			[](Shaping &job) { return job.tool.set(std::move(job.answer)); },
 			[&](Shaping &job) {
@@ -267,7 +267,7 @@ TEST_CASE("out of memory: terrains stay unchanged") {
 TEST_CASE("out of memory: painting changes a mask completely or not at all") {
 	const PaintedMask before = noisy_mask(1.0, 11);
 	Brush brush;
-	brush.radius = 80.0; // Several blocks.
+	brush.radius = 80.0; // The dab covers several blocks.
 	using Painting = Job<PaintedMask, std::vector<std::uint8_t>>;
 	const auto prepare = [&] {
 		return Painting{before, {1, 2, 3}};
@@ -300,7 +300,7 @@ TEST_CASE("out of memory: painting changes a mask completely or not at all") {
 			[&](const Painting &job) { REQUIRE(job.tool.to_bytes() == bytes); });
 }
 
-TEST_CASE("out of memory: the previous tile stays") {
+TEST_CASE("out of memory: the previous tile stays unchanged") {
 	const Heightfield terrain = hills();
 	const LayerSettings layer = demanding_layer();
 	const TileInstances expected = built(layer, terrain, small_tile);

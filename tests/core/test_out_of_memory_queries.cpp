@@ -1,4 +1,5 @@
-// If any request for memory fails, queries return an error that names the request, and no partial result.
+// Tests that queries return an error that names the refused argument, and no partial result,
+// whichever allocation fails.
 
 #include "query_fixture.hpp"
 #include "short_of_memory.hpp"
@@ -13,7 +14,7 @@ using namespace thicket::test;
 
 namespace {
 
-/// A world whose tiles are all generated, and a game's changes to it.
+/// A world whose tiles have all been generated, and a state that changes it.
 struct QueriedWorld {
 	World world;
 	std::vector<QueryLayer> layers = world.query_layers();
@@ -24,7 +25,7 @@ struct QueriedWorld {
 		std::mt19937 random(3);
 		all = everything_in(world, {{-40.0, -40.0}, {110.0, 110.0}});
 		state = changed_state(all, {30.0, 30.0}, random);
-		world.requests.reserve(1 << 16); // The fixture's own list must allocate nothing during a query.
+		world.requests.reserve(1 << 16); // The list of requests must not allocate during a query.
 	}
 
 	InstanceQuery query() { return {layers, world, &state}; }
@@ -49,7 +50,7 @@ bool equal(const std::vector<InstanceQuery::Tile> &a, const std::vector<Instance
 	});
 }
 
-/// Runs a query with too little memory. `query(answer)` returns a Status.
+/// Repeats a query while each of its allocations fails in turn. `query(answer)` returns a Status.
 template <typename Answer, typename Query>
 void fail_query(QueriedWorld &r_queried, const char *refused, const Query &query) {
 	Answer expected;
@@ -95,10 +96,10 @@ TEST_CASE("out of memory: a query of any kind returns an error and no result, an
 	}
 }
 
-TEST_CASE("out of memory: an instance by its id") {
+TEST_CASE("out of memory: a query by id returns an error") {
 	QueriedWorld queried;
 	const InstanceQuery query = queried.query();
-	for (const std::uint32_t layer : {0u, 1u, 2u}) { // The last one samples its set to find the tile.
+	for (const std::uint32_t layer : {0u, 1u, 2u}) { // For layer 2, the query samples the point set to find the tile.
 		CAPTURE(layer);
 		const auto found = std::ranges::find_if(queried.all, [&](const PlacedInstance &each) {
 			return each.layer == layer && glade.contains({each.position.x, each.position.z}) &&

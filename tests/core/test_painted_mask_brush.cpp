@@ -19,7 +19,8 @@ namespace {
 
 using Mode = Brush::Mode;
 
-/// A dab of any mode near the origin. Every fourth is smaller than a few pixels.
+/// Returns a random dab near the origin, in any mode. About a quarter of these dabs are only a few
+/// pixels wide.
 Brush random_brush(std::mt19937 &r_random, double pixel_size) {
 	std::uniform_real_distribution<double> unit(0.0, 1.0);
 	const auto along = [&] {
@@ -34,7 +35,7 @@ Brush random_brush(std::mt19937 &r_random, double pixel_size) {
 	return brush;
 }
 
-/// Values just before, on and just behind the end of a rectangle.
+/// Returns values just before, at and just after the end of a rectangle.
 std::vector<double> about(double end) {
 	constexpr double far = std::numeric_limits<double>::infinity();
 	return {std::nextafter(std::nextafter(end, -far), -far), std::nextafter(end, -far), end, std::nextafter(end, far)};
@@ -92,7 +93,7 @@ TEST_CASE("brush: the rectangle that a dab returns is as small as possible") {
 			if (changed.empty()) {
 				continue;
 			}
-			// The lines of pixels half a pixel inside each side: at least one pixel of each has changed.
+			// On each side of the rectangle, at least one pixel of the outermost line has changed.
 			const PixelRect region = {
 					glm::ivec2(glm::round(changed.min / size + 0.5)), glm::ivec2(glm::round(changed.max / size - 0.5))};
 			const auto differs = [&](const PixelRect &line) {
@@ -106,7 +107,7 @@ TEST_CASE("brush: the rectangle that a dab returns is as small as possible") {
 	}
 }
 
-TEST_CASE("brush: a hard dab fills the pixels whose centers lie in its circle, and no others") {
+TEST_CASE("brush: a hard dab fills exactly the pixels whose centers lie in its circle") {
 	for (const glm::dvec2 center : {glm::dvec2(0.0), glm::dvec2(-63.7, 64.2), glm::dvec2(1234.5, -4321.0)}) {
 		for (const double radius : {0.4, 1.0, 5.3, 40.0}) {
 			PaintedMask mask = mask_of(0.5, 0.0);
@@ -188,7 +189,7 @@ TEST_CASE("brush: weak dabs reach their target eventually, except where they wei
 TEST_CASE("brush: smoothing moves pixels to the mean of the window around them") {
 	const PaintedMask before = noisy_mask(1.0, 6);
 	PaintedMask mask = before;
-	// A window of 2 * (20 / 4) + 1 pixels on a side, before any of them is changed.
+	// The window is 2 * (20 / 4) + 1 pixels wide, and its mean is that of the unchanged pixels.
 	paint(mask, {.mode = Mode::smooth, .center = {-60.0, 3.0}, .radius = 20.0, .hardness = 1.0});
 	for (int y = -20; y < 26; y += 3) {
 		for (int x = -81; x < -39; x += 3) {

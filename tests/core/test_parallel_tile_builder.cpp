@@ -1,4 +1,5 @@
-// Tiles built on several threads while the caller waits: the same as on one thread, and really on several.
+// Tests that tiles built on several threads are the same as on one thread, and that several threads
+// do build them.
 
 #include "allocation_count.hpp"
 #include "core/placement/parallel_tile_builder.hpp"
@@ -19,7 +20,7 @@ using namespace thicket::test;
 
 namespace {
 
-/// Two threads that do all available work before the caller's own part begins.
+/// Two threads that complete all available work before the calling thread begins its part.
 class EagerThreads final : public LentThreads {
 public:
 	std::size_t count() const override { return 2; }
@@ -35,7 +36,7 @@ public:
 	}
 };
 
-/// Hills that record the calling threads, and fail east of a line.
+/// Hills that record the calling threads. Queries fail where x > `east`.
 class WatchedHills final : public Terrain {
 public:
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
@@ -72,7 +73,7 @@ std::vector<TileOrder> orders() {
 
 } // namespace
 
-TEST_CASE("parallel tile builder: tiles equal those of one builder, in order, and several threads build them") {
+TEST_CASE("parallel tile builder: tiles equal those of a single builder, in order, and several threads build them") {
 	const WatchedHills ground;
 	EagerThreads threads;
 	ParallelTileBuilder builder;
@@ -82,7 +83,7 @@ TEST_CASE("parallel tile builder: tiles equal those of one builder, in order, an
 		REQUIRE(tiles.size() == orders().size());
 		for (std::size_t i = 0; i < tiles.size(); ++i) {
 			REQUIRE(tiles[i] != nullptr);
-			CHECK(digest(expanded(*tiles[i])) == digest(built(rich_layer(), hills(), orders()[i].rect)));
+			CHECK(digest(expanded(*tiles[i])) == digest(built(rich_layer(), hills(), orders()[i].space)));
 		}
 	}
 	CHECK_FALSE(ground.threads().contains(std::this_thread::get_id()));
@@ -90,7 +91,7 @@ TEST_CASE("parallel tile builder: tiles equal those of one builder, in order, an
 
 TEST_CASE("parallel tile builder: the error is that of the first failing tile, and the tiles before it exist") {
 	WatchedHills ground;
-	ground.east = 0.0; // The fifth tile is beyond, and the seventh has a different error.
+	ground.east = 0.0; // The fifth tile fails, and the seventh fails with a different value.
 	EagerThreads threads;
 	ParallelTileBuilder builder;
 	std::vector<std::shared_ptr<const CompactTile>> tiles;
@@ -119,13 +120,13 @@ TEST_CASE("parallel tile builder: blocks that neighboring tiles share are comput
 	std::vector<std::shared_ptr<const CompactTile>> tiles;
 	REQUIRE(builder.build(small, ground, threads, tiles).ok());
 	CHECK(builder.points_computed() > 1000);
-	// The second time generates the blocks that only one tile touches.
+	// The second build generates the blocks that only one tile touches.
 	REQUIRE(builder.build(small, ground, threads, tiles).ok());
 	const std::uint64_t before = builder.points_computed();
 	REQUIRE(builder.build(small, ground, threads, tiles).ok());
 	CHECK(builder.points_computed() == before);
 	for (std::size_t i = 0; i < tiles.size(); ++i) {
-		CHECK(digest(expanded(*tiles[i])) == digest(built(*layer, ground, small[i].rect)));
+		CHECK(digest(expanded(*tiles[i])) == digest(built(*layer, ground, small[i].space)));
 	}
 }
 
@@ -150,7 +151,7 @@ TEST_CASE("parallel tile builder: workspaces are kept, except that of a very lar
 	};
 	const TileOrder order{layer, {{0.0, 0.0}, {32.0, 32.0}}};
 	allocations_of(order);
-	allocations_of(order); // Its block of points is cached as well.
+	allocations_of(order); // The second call caches the tile's block of points as well.
 	const std::size_t warm = allocations_of(order);
 	CHECK(allocations_of(order) == warm);
 	allocations_of({large, {{-100.0, -100.0}, {100.0, 100.0}}});

@@ -1,4 +1,4 @@
-// Diffs that are applied while the state stays in use: the result is the same as with an immediate application.
+// Tests that a diff has the same result if it is applied at once or while the state stays in use.
 
 #include "pending_diff_fixture.hpp"
 
@@ -12,7 +12,7 @@ using namespace thicket::test;
 
 namespace {
 
-/// The visible content of a state, kept up to date only by its reported changes.
+/// The visible content of a state. After construction, only the state's reported changes update it.
 class Mirror {
 public:
 	explicit Mirror(const InstanceState &state) {
@@ -74,7 +74,7 @@ TEST_CASE("pending diffs: the result is the same as applying them when they are 
 		StateRandom random(seed);
 		InstanceState at_once = some_state(seed, static_cast<int>(random() % 200));
 		InstanceState later = copy_of(at_once);
-		at_once = copy_of(at_once); // Its revision numbers must match.
+		at_once = copy_of(at_once); // A copy as well, so that both have the same revision numbers.
 		const std::vector<std::uint64_t> placed = later.added_ids();
 		InstanceState other = copy_of(later);
 		std::vector<StateBytes> diffs;
@@ -101,7 +101,7 @@ TEST_CASE("pending diffs: the result is the same as applying them when they are 
 		}
 		CHECK(later.pending_diff() == nullptr);
 		CHECK(bytes_of(later) == bytes_of(at_once));
-		// Content that is not stored in the bytes is right, too.
+		// Data that the bytes do not contain must be correct as well.
 		for (const int layer : {0, 16000, 32000}) {
 			std::vector<std::uint64_t> near;
 			REQUIRE(later.added_in(static_cast<std::uint16_t>(layer), {{-1e9, -1e9}, {1e9, 1e9}}, near).ok());
@@ -157,10 +157,10 @@ TEST_CASE("pending diffs: moved instances keep their ids, even if a diff uses th
 	CHECK(*state.added(oak) == instance_at(5.0, 6.0));
 	REQUIRE(state.added(moved_point) != nullptr);
 	CHECK(state.removed(point));
-	CHECK(state.data(moved_point).size() == 1); // The diff's data.
+	CHECK(state.data(moved_point).size() == 1); // The data comes from the diff.
 }
 
-TEST_CASE("pending diffs: peers that request changes get all of them, for any last known revision") {
+TEST_CASE("pending diffs: peers that request changes get all changes, for any last known revision") {
 	InstanceState state = some_state(5, 150);
 	InstanceState other = copy_of(state);
 	StateRandom random(6);
@@ -216,7 +216,7 @@ TEST_CASE("pending diffs: very many changes are recorded, but no more than the l
 	InstanceState peer = copy_of(early_peer);
 	Changes changes;
 	const StateBytes diff = diff_of(state, early);
-	CHECK(diff[8] == 1); // Not a complete state.
+	CHECK(diff[8] == 1); // The diff is not a complete state.
 	REQUIRE(peer.apply(diff, changes).ok());
 	CHECK(changes.size() == many + 1000 + 6);
 	CHECK(peer.digest() == state.digest());

@@ -1,4 +1,5 @@
-// Pending diffs that are refused, cancelled or short of memory, and the state's other changes meanwhile.
+// Tests pending diffs that are refused, canceled or run out of memory, and changes to the state at
+// the same time.
 
 #include "pending_diff_fixture.hpp"
 #include "short_of_memory.hpp"
@@ -11,7 +12,7 @@
 using namespace thicket;
 using namespace thicket::test;
 
-TEST_CASE("pending diffs: a bad diff changes nothing, and later ones proceed") {
+TEST_CASE("pending diffs: an invalid diff changes nothing, and later diffs proceed") {
 	InstanceState state = some_state(7, 120);
 	InstanceState at_once = copy_of(state);
 	InstanceState other = copy_of(state);
@@ -114,7 +115,7 @@ TEST_CASE("pending diffs: a cancelled diff ends soon and changes nothing") {
 	StateChanges changes;
 	CHECK(state.finish_pending_diff(changes).code == ErrorCode::cancelled);
 	CHECK(bytes_of(state) == before);
-	// A state may be destroyed while a thread works on its diff.
+	// A state may be destroyed while a thread is working on its diff.
 	auto gone = std::make_unique<InstanceState>(copy_of(state));
 	queue(*gone, diff);
 	const std::shared_ptr<PendingDiff> pending = gone->pending_diff();
@@ -152,10 +153,10 @@ TEST_CASE("out of memory: a pending diff is applied completely or not at all") {
 				[&](InstanceState &r_state) {
 					REQUIRE(r_state.pending_diff() == nullptr);
 					REQUIRE(bytes_of(r_state) == bytes_of(unchanged));
-					r_state = prepare(); // The state is used a second time.
+					r_state = prepare(); // The job is repeated with a new state.
 				},
 				[&](const InstanceState &state) { REQUIRE(bytes_of(state) == bytes_of(at_once)); });
-		// A diff that fails while it is queued or applied changes nothing either.
+		// If queuing or applying a diff fails, the state does not change either.
 		test::fail_every_request(
 				"data", [&] { return copy_of(before); },
 				[&](InstanceState &r_state) {

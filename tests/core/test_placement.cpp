@@ -25,7 +25,8 @@ using namespace thicket::test;
 
 namespace {
 
-/// The yaw of an upright instance, 0 to 360 degrees: a rotation around y as in Godot's Basis(Vector3.UP, angle).
+/// Returns the yaw of an upright instance, 0 to 360 degrees, as the angle of Godot's
+/// Basis(Vector3.UP, angle).
 double yaw_of(const Transform &transform) {
 	const double yaw = std::atan2(transform.basis[2][0], transform.basis[0][0]) * 180.0 / std::numbers::pi;
 	return yaw < 0.0 ? yaw + 360.0 : yaw;
@@ -85,7 +86,8 @@ TEST_CASE("placement: the up axis is upright, along the normal, or in between") 
 }
 
 TEST_CASE("placement: the tilt takes the shortest arc and adds no yaw") {
-	// Without yaw, the tilt's axis is perpendicular to the normal and stays unchanged.
+	// Without yaw, the axis of the tilt is perpendicular to the normal, and the rotation leaves it
+	// unchanged.
 	std::mt19937 random(3);
 	Placement placement;
 	placement.max_yaw_degrees = 0.0;
@@ -104,7 +106,8 @@ TEST_CASE("placement: yaw is uniform over its range and positive in the engine's
 	for (std::uint64_t id = 0; id < tries; ++id) {
 		++counts[static_cast<std::size_t>(yaw_of(transform_of({}, id)) / 360.0 * bins) % bins];
 	}
-	// Chi-squared with 31 degrees of freedom: above 70 with a chance of 1 in 10,000, and the ids are fixed.
+	// With 31 degrees of freedom, chi-squared exceeds 70 with a probability of 1 in 10,000. The ids
+	// are fixed.
 	constexpr double expected = tries / double{bins};
 	double chi_squared = 0.0;
 	for (const int count : counts) {
@@ -139,7 +142,7 @@ TEST_CASE("placement: scale is uniform over its range") {
 		scales.push_back((double{transform.scale} - 0.5) / 2.0);
 	}
 	std::ranges::sort(scales);
-	// Kolmogorov-Smirnov: above 2.2 / sqrt(n) with a chance below 1 in 10,000.
+	// The Kolmogorov-Smirnov statistic exceeds 2.2 / sqrt(n) with a probability below 1 in 10,000.
 	double worst = 0.0;
 	for (std::size_t i = 0; i < scales.size(); ++i) {
 		worst = std::max(worst, std::abs(scales[i] - static_cast<double>(i) / 20000.0));
@@ -160,7 +163,8 @@ TEST_CASE("placement: yaw, scale and mesh are independent of each other") {
 	double scale_mesh = 0.0;
 	for (std::uint64_t id = 0; id < tries; ++id) {
 		const Transform transform = transform_of(placement, id);
-		// Each is uniform in [-1, 1], so the products have a variance of 1/9 or 1/3.
+		// Yaw and scale are uniform in [-1, 1], and mesh is -1 or 1, so the products have a
+		// variance of 1/9 or 1/3.
 		const double yaw = yaw_of(transform) / 180.0 - 1.0;
 		const double scale = double{transform.scale} * 2.0 - 3.0;
 		const double mesh = choice.mesh_for(seed, id) == 0 ? -1.0 : 1.0;
@@ -190,7 +194,7 @@ TEST_CASE("placement: changing one setting leaves all others unchanged") {
 	}
 }
 
-TEST_CASE("placement: bad settings are refused by name and value") {
+TEST_CASE("placement: the error for an invalid setting contains its name and value") {
 	const auto refuse = [](double Placement::*member, const char *property, double value, ErrorCode code) {
 		Placement bad;
 		bad.*member = value;
@@ -220,7 +224,7 @@ TEST_CASE("placement: bad settings are refused by name and value") {
 	CHECK(validate(Placement{}).ok());
 }
 
-TEST_CASE("placement: meshes are chosen by weight; one of weight 0 never is") {
+TEST_CASE("placement: meshes are chosen by weight, and a mesh of weight 0 is never chosen") {
 	const std::vector<float> weights{0.0f, 3.0f, 0.0f, 1.0f, 0.0f};
 	MeshChoice choice;
 	CHECK(choice.size() == 1);
@@ -238,7 +242,7 @@ TEST_CASE("placement: meshes are chosen by weight; one of weight 0 never is") {
 	CHECK(choice.size() == 1);
 }
 
-TEST_CASE("placement: bad mesh weights are refused by value") {
+TEST_CASE("placement: the error for invalid mesh weights contains the value") {
 	const auto refuse = [](std::vector<float> weights, ErrorCode code, double value) {
 		check_refused(validate_mesh_weights(weights), code, "mesh_weights", value);
 	};

@@ -1,4 +1,4 @@
-// The nearest of many points, compared with a scan of all points.
+// Compares the nearest of many points with the result of a scan of all points.
 
 #include "core/placement/point_grid.hpp"
 #include "rounding.hpp"
@@ -37,12 +37,12 @@ std::vector<glm::dvec2> scattered(std::mt19937 &random, const Rect &area, int co
 
 TEST_CASE("point grid: the nearest of many points is bit-identical, at any distance and density") {
 	std::mt19937 random(3);
-	PointGrid grid;
+	PointGrid<glm::dvec2> grid;
 	for (const Rect &area : {Rect{{-50.0, -20.0}, {70.0, 110.0}}, Rect{{1e6, 1e6}, {1e6 + 400.0, 1e6 + 9.0}},
 				 Rect{{-5e6, 5e6}, {-5e6 + 60.0, 5e6 + 60.0}}}) {
 		for (const int count : {0, 1, 7, 300, 5000}) {
 			std::vector<glm::dvec2> points = scattered(random, area, count);
-			// Repeats the points in a corner, close together.
+			// Repeats the points in a corner of the area, at a hundredth of their spacing.
 			for (int i = 0; i < count; ++i) {
 				points.push_back(area.min + (points[static_cast<std::size_t>(i)] - area.min) * 0.01);
 			}
@@ -60,20 +60,21 @@ TEST_CASE("point grid: the nearest of many points is bit-identical, at any dista
 }
 
 TEST_CASE("point grid: only points that may be the nearest are measured") {
-	// The near points and the position are whole numbers, also in units of cells. The squared distances of far points
-	// would be rounded.
+	// The near points and the position have integer coordinates, also in cell units. The squared
+	// distances of far points would be rounded.
 	std::vector<glm::dvec2> points{{5.0, 4.0}, {8.0, 8.0}};
 	for (int i = 0; i < 1022; ++i) {
 		points.emplace_back(40.1 + 0.2 * (i % 50), 35.7 + 0.7 * (i / 50 % 20));
 	}
-	PointGrid grid;
+	PointGrid<glm::dvec2> grid;
 	double nearest = 0.0;
-	for (const double cell : {1.0, 64.0}) { // Cells are smaller where points are this dense.
+	for (const double cell : {1.0, 64.0}) { // With so many points, the grid uses smaller cells than requested.
 		grid.set(points, {{0.0, 0.0}, {64.0, 64.0}}, cell);
 		CHECK_FALSE(rounds([&] { nearest = grid.nearest_squared({4.0, 4.0}, 4.0); }));
 		CHECK(nearest == 1.0);
 		CHECK_FALSE(rounds(
-				[&] { nearest = grid.nearest_squared({4.0, 4.0}, 60.0); })); // Searches outward until it finds a point.
+				// The search proceeds outward until it finds a point.
+				[&] { nearest = grid.nearest_squared({4.0, 4.0}, 60.0); }));
 		CHECK(nearest == 1.0);
 		CHECK(rounds([&] { nearest = grid.nearest_squared({36.0, 35.0}, 60.0); }));
 	}

@@ -25,7 +25,7 @@ std::vector<TileKey> all_later(RedrawQueue &queue) {
 TEST_CASE("redraw queue: marks meet the tiles of their layer that they overlap or touch, once") {
 	RedrawQueue queue;
 	CHECK(queue.take().empty());
-	queue.mark(0, square(10.0, 10.0, 0.0)); // A point.
+	queue.mark(0, square(10.0, 10.0, 0.0)); // This mark is a point.
 	queue.mark(0, square(100.0, 100.0, 50.0));
 	queue.mark(2, square(-5.0, -5.0, 1.0));
 	queue.mark(2, square(-500.0, -5.0, 1.0));
@@ -35,7 +35,7 @@ TEST_CASE("redraw queue: marks meet the tiles of their layer that they overlap o
 	CHECK(marks.meet(0, square(0.0, 0.0, 64.0)));
 	CHECK_MESSAGE(marks.meet(0, square(10.0, 0.0, 64.0)), "an edge counts");
 	CHECK(marks.meet(0, square(128.0, 64.0, 64.0)));
-	CHECK_FALSE(marks.meet(0, square(20.0, 20.0, 64.0))); // Between the two.
+	CHECK_FALSE(marks.meet(0, square(20.0, 20.0, 64.0))); // The tile lies between the two marks.
 	CHECK_FALSE(marks.meet(0, square(-64.0, 0.0, 64.0)));
 	CHECK(marks.meet(2, square(-64.0, -64.0, 64.0)));
 	CHECK_FALSE(marks.meet(2, square(-320.0, -64.0, 64.0))); // Only layer 0 has changed there.
@@ -54,16 +54,17 @@ TEST_CASE("redraw queue: the version separates uploads from before a change from
 	queue.take();
 	CHECK(queue.version() == first); // There was no change.
 	queue.mark(0, square(0.0, 0.0, 1.0));
-	CHECK(queue.version() ==
-			first); // Not drawn yet: an upload that begins now already has the change, and is redrawn with the others.
+	// The change is not drawn yet. An upload that begins now contains the change, but is redrawn
+	// with all other visuals.
+	CHECK(queue.version() == first);
 	queue.take();
 	const std::uint64_t second = queue.version();
 	CHECK(second > first);
 	queue.begin_later();
-	CHECK(queue.version() > second); // Even if no visible tile is affected.
+	CHECK(queue.version() > second); // The version increases even if no visible tile is affected.
 }
 
-TEST_CASE("redraw queue: tiles for later come once each, sorted by layer and position, the newest grid first") {
+TEST_CASE("redraw queue: each tile for later is returned once, sorted by layer and position, the newest grid first") {
 	RedrawQueue queue;
 	const std::vector<TileKey> sorted{
 			{0, 1, {-3, 9}}, {0, 1, {-3, 10}}, {0, 5, {2, 0}}, {0, 4, {2, 0}}, {1, 2, {-9, 0}}};
@@ -73,7 +74,7 @@ TEST_CASE("redraw queue: tiles for later come once each, sorted by layer and pos
 	}
 	CHECK(queue.has_later());
 	CHECK(*queue.next_later() == sorted[0]);
-	queue.add_later(sorted[0]); // Changed again after it was redrawn.
+	queue.add_later(sorted[0]); // The tile changes again after it was redrawn.
 	CHECK(all_later(queue) == sorted);
 	CHECK_FALSE(queue.has_later());
 	CHECK_FALSE(queue.next_later());

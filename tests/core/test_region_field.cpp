@@ -35,7 +35,7 @@ PixelGrid grid_of(const std::function<std::uint32_t(glm::ivec2)> &word_at, int o
 	return grid;
 }
 
-/// Height and control of each post of the world.
+/// The height and the control bits of each post of the world.
 struct World {
 	std::function<float(glm::ivec2)> height = [](glm::ivec2 post) {
 		return 3.0F * std::sin(0.4F * static_cast<float>(post.x)) + 0.05F * static_cast<float>(post.y * post.y % 61);
@@ -51,7 +51,7 @@ struct World {
 		return std::ranges::find(locations, at) != locations.end();
 	}
 
-	/// The height as RegionField defines it, computed the slow way.
+	/// Returns the height by the definition of RegionField, computed without its optimizations.
 	float height_at(glm::dvec2 position, double spacing) const {
 		const glm::dvec2 posts = position / spacing;
 		const glm::ivec2 first{static_cast<int>(std::floor(posts.x)), static_cast<int>(std::floor(posts.y))};
@@ -93,7 +93,7 @@ float weight(const RegionField &field, glm::dvec2 position, std::vector<std::int
 
 } // namespace
 
-TEST_CASE("region field: bilinear between posts, seamless across regions, and a hole where a post is missing") {
+TEST_CASE("region field: heights are bilinear, without seams between regions, and a missing post is a hole") {
 	World world;
 	world.control = [](glm::ivec2 post) {
 		return post == glm::ivec2(-3, 4) || post == glm::ivec2(0, 0) ? 4u : 0u;
@@ -117,7 +117,7 @@ TEST_CASE("region field: bilinear between posts, seamless across regions, and a 
 	}
 	const RegionField field = world.field();
 	CHECK(field.at({5.0, -3.0}).height == world.height({5, -3}));
-	CHECK(std::isnan(field.at({15.5, 3.0}).height)); // The last post has no next one.
+	CHECK(std::isnan(field.at({15.5, 3.0}).height)); // There is no post after the last one to interpolate with.
 	for (const double far : {1e9, -1e30, std::numeric_limits<double>::infinity(), std::nan("")}) {
 		CHECK(std::isnan(field.at({far, 0.0}).height));
 	}
@@ -146,7 +146,8 @@ TEST_CASE("region field: normals equal Terrain3D's, from the heights of the next
 	};
 	const glm::vec3 slope = glm::normalize(glm::vec3(-0.5F, 1.0F, 0.25F));
 	for (const glm::dvec2 at : {glm::dvec2(14.5, 14.5), glm::dvec2(6.5, 3.0), glm::dvec2(-16.0, -16.0)}) {
-		CHECK(glm::distance(plane.field().at(at).normal, slope) < 1e-6F); // Also beside the end, and beside holes.
+		// The normal is also correct near the border and near holes.
+		CHECK(glm::distance(plane.field().at(at).normal, slope) < 1e-6F);
 	}
 }
 
@@ -165,7 +166,7 @@ TEST_CASE("region field: textures of the previous post, painted by hand or by sl
 	CHECK(weight(field, {-2.5, 4.0}, {4, -3}) == 0.0F);
 	CHECK(weight(field, {-0.01, 4.0}, {31}) == doctest::Approx(0.2));
 	CHECK(weight(field, {2.0, -5.0}, {5}) == doctest::Approx(1.0));
-	CHECK(weight(field, {2.0, 5.0}, {8}) == 1.0F); // Auto, but the auto shader is off.
+	CHECK(weight(field, {2.0, 5.0}, {8}) == 1.0F); // The post is set to auto, but the auto shader is off.
 	const AutoPaint paint{true, 1, 2, 0.5, 4.0};
 	const RegionField painted = world.field(1.0, paint);
 	const double overlay = 0.5 * 2.0 * (1.0 / std::sqrt(2.0) - 1.0) + 1.0 - 4.0 * 0.01 * 6.25;
@@ -173,10 +174,10 @@ TEST_CASE("region field: textures of the previous post, painted by hand or by sl
 	CHECK(weight(painted, {6.25, 5.0}, {2}) == doctest::Approx(overlay));
 	CHECK(weight(painted, {6.25, 5.0}, {1}) == doctest::Approx(1.0 - overlay));
 	CHECK(weight(painted.at_offset({64.0, 100.0, -32.0}), {70.25, -27.0}, {2}) == doctest::Approx(overlay));
-	CHECK(weight(painted, {-2.5, 4.0}, {31}) == doctest::Approx(0.2)); // Painted by hand.
+	CHECK(weight(painted, {-2.5, 4.0}, {31}) == doctest::Approx(0.2)); // This texture is painted by hand.
 }
 
-TEST_CASE("region field: it may be moved in the world, and have no regions") {
+TEST_CASE("region field: a field may be moved in the world, and may have no regions") {
 	const World world;
 	const RegionField field = world.field();
 	const glm::dvec3 offset{1e6, 250.0, -3e5};
@@ -210,7 +211,8 @@ TEST_CASE("region field: invalid regions are refused, and the field stays unchan
 	for (const double spacing : {0.0, -1.0, 1e-4, 1e5, std::nan("")}) {
 		CHECK_FALSE(field.set(side, spacing, {good}, {}).ok());
 	}
-	for (const FieldRegion &bad : {small, mixed, far, good, corner}) { // `good` twice, `corner` too far from it.
+	// `good` would be included twice, and `corner` is too far from it.
+	for (const FieldRegion &bad : {small, mixed, far, good, corner}) {
 		CHECK_FALSE(field.set(side, 1.0, {good, bad}, {}).ok());
 	}
 	CHECK(field.at({3.0, 5.0}).height == world.height({3, 5}));

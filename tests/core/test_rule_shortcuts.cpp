@@ -1,4 +1,4 @@
-// Rules skip computations that cannot change the result.
+// Tests that rules skip computations that cannot change the result.
 
 #include "core/rules/rules.hpp"
 #include "rounding.hpp"
@@ -13,8 +13,9 @@
 using namespace thicket;
 using namespace thicket::test;
 
-TEST_CASE("rules: values that cannot change a density any more are not computed") {
-	// A slope of 37 degrees. Its angle would be rounded; the squares of its sides are not.
+TEST_CASE("rules: values that cannot change a density are not computed") {
+	// The slope is 37 degrees. Computing its angle rounds, but squaring the components of the
+	// normal does not.
 	const Ground ground{8.0f, {0.75f, 1.0f, 0.0f}};
 	const auto density_and_work = [](const PreparedRules &rules, const Ground &of) {
 		double density = 0.0;
@@ -33,7 +34,7 @@ TEST_CASE("rules: values that cannot change a density any more are not computed"
 	CHECK(density_and_work(prepared(slopes), ground).second);
 	slopes.min_height = 9.0;
 	CHECK(density_and_work(prepared(slopes), ground) == std::pair(0.0, false));
-	// Finding a position's biome, and with it the water level, evaluates noise.
+	// Finding the biome of a position, which determines the water level, evaluates noise.
 	BiomeMap map;
 	REQUIRE(map.set({2, 1}, std::vector<std::uint8_t>{0, 1}, {{-99.0, -99.0}, {99.0, 99.0}}, BiomeEdge::clamp,
 					   {.width = 5.0, .noise = 9.0, .noise_size = 30.0})
@@ -49,7 +50,7 @@ TEST_CASE("rules: values that cannot change a density any more are not computed"
 	CHECK(density_and_work(prepared(wet), ground) == std::pair(0.0, false));
 	wet.min_height = 7.0;
 	CHECK(density_and_work(prepared(wet), ground).second);
-	wet.max_water_depth = unlimited_height; // Any depth is allowed.
+	wet.max_water_depth = unlimited_height; // The rules allow any depth.
 	CHECK(density_and_work(prepared(wet), ground) == std::pair(1.0, false));
 }
 
@@ -61,7 +62,7 @@ TEST_CASE("rules: clumps are evaluated only where the other rules permit instanc
 		const PreparedRules ready = prepared(rules);
 		const glm::dvec2 position(3.0, 5.0);
 		double density = -1.0;
-		return rounds([&] { REQUIRE(ready.place_densities({&position, 1}, {&density, 1}, scratch).ok()); });
+		return rounds([&] { REQUIRE(ready.place_densities({{&position, 1}}, {&density, 1}, scratch).ok()); });
 	};
 	CHECK(looks());
 	rules.density = 0.0;

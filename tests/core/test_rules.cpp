@@ -27,7 +27,7 @@ namespace {
 
 constexpr double radian = std::numbers::pi / 180.0;
 
-/// Ground with a slope of this many degrees, in any direction.
+/// Returns ground with a slope of `degrees` whose normal leans toward `heading`, also in degrees.
 Ground inclined(double degrees, float height = 0.0f, double heading = 30.0) {
 	const double across = std::sin(degrees * radian);
 	return {height,
@@ -39,15 +39,15 @@ double density_on(const Rules &rules, const Ground &ground) { return prepared(ru
 
 bool allowed(const PreparedRules &rules, const Ground &ground) { return rules.ground_density(ground, {}) > 0.0; }
 
-/// The density on level ground at height 0, at one position.
+/// Returns the density that the rules for positions yield at a position, independent of the ground.
 double density_at(const Rules &rules, glm::dvec2 position) {
 	std::vector<float> scratch;
 	double density = -1.0;
-	REQUIRE(prepared(rules).place_densities({&position, 1}, {&density, 1}, scratch).ok());
+	REQUIRE(prepared(rules).place_densities({{&position, 1}}, {&density, 1}, scratch).ok());
 	return density;
 }
 
-/// A field that calls a function.
+/// A density field that evaluates a function.
 class FunctionField final : public DensityField {
 public:
 	explicit FunctionField(std::function<float(glm::dvec2)> function) : function_(std::move(function)) {}
@@ -220,7 +220,7 @@ TEST_CASE("rules: thinning by a share removes the same instances as a density of
 		if (stands(rank, density)) {
 			const std::uint32_t thinned = thinning_rank(rank, density);
 			CHECK(thinned >= rank);
-			if (std::abs(thinned - share * 0x1p32) > 2.0) { // Rounding decides closer ones.
+			if (std::abs(thinned - share * 0x1p32) > 2.0) { // Closer ranks depend on rounding.
 				CHECK((thinned < share * 0x1p32) == stands(rank, density * share));
 			}
 		}
@@ -249,7 +249,7 @@ TEST_CASE("rules: the densities of a position multiply, and those of a field are
 	}
 }
 
-TEST_CASE("rules: a painted mask and clumps count like any density of the position") {
+TEST_CASE("rules: painted masks and clumps have the same effect as any density of the position") {
 	auto mask = std::make_shared<PaintedMask>();
 	REQUIRE(mask->reset(1.0, 1.0).ok());
 	Rect changed;
@@ -277,10 +277,10 @@ TEST_CASE("rules: curves over height and slope, and the weight of the ground's t
 	CHECK(density_on(rules, inclined(0.0, -5.0f)) == 0.0);
 	CHECK(density_on(rules, inclined(0.0, 1000.0f)) == 1.0);
 	rules.slope_curve = analysis::curve_table(0.0, 90.0, {1.0f, 0.0f});
-	CHECK(density_on(rules, Ground{25.0f, {1.0f, 1.0f, 0.0f}}) == 0.125); // 45 degrees
+	CHECK(density_on(rules, Ground{25.0f, {1.0f, 1.0f, 0.0f}}) == 0.125); // A slope of 45 degrees.
 	Ground half = inclined(0.0, 25.0f);
 	half.weight = 0.5f;
-	CHECK(density_on(rules, half) == 0.25); // No textures are required.
+	CHECK(density_on(rules, half) == 0.25); // These rules require no textures.
 	rules.ground_textures = {1, 4};
 	CHECK(density_on(rules, half) == 0.125);
 	half.weight = std::numeric_limits<float>::quiet_NaN();
@@ -301,11 +301,11 @@ TEST_CASE("rules: the error of a field is returned") {
 	std::vector<float> scratch;
 	const glm::dvec2 position(0.0);
 	double density = 0.0;
-	check_refused(
-			prepared(rules).place_densities({&position, 1}, {&density, 1}, scratch), ErrorCode::missing, "noise", 0.0);
+	check_refused(prepared(rules).place_densities({{&position, 1}}, {&density, 1}, scratch), ErrorCode::missing,
+			"noise", 0.0);
 }
 
-TEST_CASE("rules: bad settings are refused by name and value, and the last valid ones stay") {
+TEST_CASE("rules: the error for an invalid setting contains its name and value, and the last valid settings stay") {
 	Rules good;
 	good.max_height = 50.0;
 	PreparedRules ready = prepared(good);
@@ -322,9 +322,9 @@ TEST_CASE("rules: bad settings are refused by name and value, and the last valid
 		double above;
 	};
 	for (const Limits &each :
-			{Limits{&Rules::density, "density", 1.001}, {&Rules::slope_falloff_degrees, "slope_falloff_degrees", 90.5},
-					{&Rules::min_slope_degrees, "min_slope_degrees", 91.0},
-					{&Rules::max_slope_degrees, "max_slope_degrees", 180.0}}) {
+			{Limits{&Rules::density, "density", 1.001}, {&Rules::slope_falloff_degrees, "slope_falloff_degrees", 180.5},
+					{&Rules::min_slope_degrees, "min_slope_degrees", 181.0},
+					{&Rules::max_slope_degrees, "max_slope_degrees", 360.0}}) {
 		refuse(each.member, each.property, nan_value, ErrorCode::not_finite);
 		refuse(each.member, each.property, infinite_value, ErrorCode::not_finite);
 		refuse(each.member, each.property, -0.1, ErrorCode::out_of_range);

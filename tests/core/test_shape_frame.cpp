@@ -1,4 +1,5 @@
-// Converts nodes of a scene to shapes: rotations with scales, and lines with fewer points.
+// Tests the conversion of scene nodes to shapes: splitting a basis into rotation and scale, and
+// simplifying polylines.
 
 #include "core/rules/polyline.hpp"
 #include "core/rules/shape_frame.hpp"
@@ -17,7 +18,7 @@ using namespace thicket;
 
 namespace {
 
-/// A rotation around y, then around x.
+/// Returns a rotation around y, then around x.
 glm::dmat3 turned(double yaw, double pitch) {
 	const glm::dmat3 about_y{
 			{std::cos(yaw), 0.0, -std::sin(yaw)}, {0.0, 1.0, 0.0}, {std::sin(yaw), 0.0, std::cos(yaw)}};
@@ -84,7 +85,7 @@ TEST_CASE("shape frame: a transform other than a rotation with scales is refused
 	CHECK(take_apart(sheared, frame).ok());
 }
 
-TEST_CASE("polyline: fewer points, with no old one farther away than allowed") {
+TEST_CASE("polyline: the result has fewer points, and no original point is farther away than the tolerance") {
 	std::mt19937_64 random(5);
 	std::uniform_real_distribution<double> turn(-0.2, 0.2);
 	std::vector<glm::dvec2> line{{-40.0, 3.0}};
@@ -103,7 +104,7 @@ TEST_CASE("polyline: fewer points, with no old one farther away than allowed") {
 			CHECK(distance_to(less, point) <= tolerance + 1e-9);
 		}
 	}
-	// A change at the end does not affect the beginning.
+	// A change at the end of the line does not affect its beginning.
 	std::vector<glm::dvec2> other = line;
 	other.back() += glm::dvec2(5.0, 5.0);
 	const std::vector<glm::dvec2> first = simplified(line, 0.05);
@@ -111,7 +112,7 @@ TEST_CASE("polyline: fewer points, with no old one farther away than allowed") {
 	CHECK(std::equal(first.begin(), first.begin() + static_cast<std::ptrdiff_t>(first.size() / 2), second.begin()));
 }
 
-TEST_CASE("polyline: straight lines, single points, repeated ones and broken ones") {
+TEST_CASE("polyline: straight lines, single points, repeated points and points that are not finite are simplified") {
 	std::vector<glm::dvec2> straight;
 	for (int i = 0; i <= 100; ++i) {
 		straight.emplace_back(0.25 * i, -0.5 * i);
@@ -120,7 +121,7 @@ TEST_CASE("polyline: straight lines, single points, repeated ones and broken one
 	CHECK(simplified({}, 1.0).empty());
 	CHECK(simplified(std::vector<glm::dvec2>{{1.0, 2.0}}, 1.0).size() == 1);
 	CHECK(simplified(std::vector<glm::dvec2>(5, {1.0, 2.0}), 0.0).size() == 2);
-	// To the end and back.
+	// A line to the end and back.
 	const std::vector<glm::dvec2> back{{0.0, 0.0}, {5.0, 0.0}, {10.0, 0.0}, {5.0, 0.0}, {0.0, 0.0}};
 	CHECK(simplified(back, 0.1).size() == 3);
 	const std::vector<glm::dvec2> broken{{0.0, 0.0}, {5.0, 1.0}, {nan_value, 0.0}, {9.0, 9.0}};

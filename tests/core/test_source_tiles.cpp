@@ -1,4 +1,5 @@
-// Colors and variations in whole tiles, following height, slope, noise, rank or the distance to another layer.
+// Tests the colors and variations of whole tiles that depend on height, slope, noise, rank, or the
+// distance to a different layer.
 
 #include "core/base/trigonometry.hpp"
 #include "core/base/word_hash.hpp"
@@ -45,7 +46,7 @@ Look look_of(const TileInstances &tile) {
 	return result;
 }
 
-/// The points of a set by id, with the set's precision.
+/// Returns the positions of a set's points, keyed by id, in double precision.
 std::map<std::uint64_t, glm::dvec2> points_of(const PointSet &set, const Rect &rect) {
 	TileSampler sampler;
 	std::vector<SamplePoint> points;
@@ -57,7 +58,7 @@ std::map<std::uint64_t, glm::dvec2> points_of(const PointSet &set, const Rect &r
 	return result;
 }
 
-/// The positions of a layer's instances.
+/// Returns the positions of a layer's instances.
 std::vector<glm::dvec2> places(const LayerSettings &layer, const Terrain &terrain, const Rect &rect) {
 	const auto points = points_of(layer.set, rect);
 	std::vector<glm::dvec2> result;
@@ -67,7 +68,7 @@ std::vector<glm::dvec2> places(const LayerSettings &layer, const Terrain &terrai
 	return result;
 }
 
-/// Evaluates a source at an instance, sharing no code with the tested implementation.
+/// A reference implementation of the sources.
 class Finder {
 public:
 	explicit Finder(const Terrain &terrain, const Rect &rect) :
@@ -122,12 +123,12 @@ TEST_CASE("sources: colors and variations match each source's value at the insta
 			const double other = share(variation, finder.at(variation.kind, points.at(id), seen.rank));
 			CHECK(std::abs(double{seen.variation} - other) < 1e-3);
 		}
-		CHECK(between > 100); // The range is reached, including its lower end.
+		CHECK(between > 100); // Many values lie inside the range, and some are at its lower end.
 		CHECK((first > 10 || kinds[i] == SourceKind::rank));
 	}
 }
 
-TEST_CASE("sources: they affect no other data of a tile") {
+TEST_CASE("sources: colors and variations affect no other data of a tile") {
 	const Heightfield terrain = hills();
 	const TileInstances before = built(following({}, {}), terrain, tile_of_hills);
 	for (const SourceKind kind : kinds) {
@@ -139,7 +140,7 @@ TEST_CASE("sources: they affect no other data of a tile") {
 				const float *was = before.meshes[mesh].buffer.data() + i * 20;
 				const float *is = after.meshes[mesh].buffer.data() + i * 20;
 				CHECK(std::equal(was, was + 12, is));
-				CHECK(std::equal(was + 17, was + 20, is + 17)); // Wind phase, rank and scale.
+				CHECK(std::equal(was + 17, was + 20, is + 17)); // The wind phase, the rank and the scale.
 			}
 		}
 	}
@@ -154,7 +155,7 @@ TEST_CASE("sources: purely random values are bit-identical to a layer without so
 		CHECK(digest(built(following(source, source), terrain, tile_of_hills)) == plain);
 	}
 	for (const SourceKind kind : {SourceKind::noise, SourceKind::distance}) {
-		InstanceSource source{.kind = kind}; // A noise and a layer that are not set.
+		InstanceSource source{.kind = kind}; // The source has no noise and no layer.
 		CHECK(digest(built(following(source, source), terrain, tile_of_hills)) == plain);
 	}
 }
@@ -244,7 +245,7 @@ TEST_CASE("sources: values are bit-identical on every machine") {
 	CHECK(hash.value() == 7585625650852969798u);
 }
 
-TEST_CASE("sources: no allocations once warm") {
+TEST_CASE("sources: repeated calls allocate nothing") {
 	const Heightfield terrain = hills();
 	const LayerSettings layer = following(source_of(SourceKind::noise), source_of(SourceKind::distance));
 	TileBuilder builder;
@@ -259,14 +260,14 @@ TEST_CASE("sources: no allocations once warm") {
 	CHECK(after == before);
 }
 
-TEST_CASE("sources: cancelling ends their evaluation") {
+TEST_CASE("sources: cancelling ends the evaluation of sources") {
 	class Cancelling final : public DensityField {
 	public:
 		explicit Cancelling(std::atomic<bool> &cancel) : cancel_(cancel) {}
 
 		Status sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const override {
 			CHECK(positions.size() == r_density.size());
-			CHECK_FALSE(cancel_.exchange(true)); // There is no second call.
+			CHECK_FALSE(cancel_.exchange(true)); // After cancellation, the field is not sampled again.
 			return {};
 		}
 

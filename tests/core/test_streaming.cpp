@@ -27,26 +27,26 @@ TEST_CASE("streaming: one viewer gets exactly the tiles around it, nearest first
 	for (const TileRequest &request : stage.changes.request) {
 		const double size = two_layers[request.key.layer].tile_size;
 		const Rect expected = tile_rect(size, request.key.tile);
-		CHECK(request.rect.min == expected.min);
-		CHECK(request.rect.max == expected.max);
+		CHECK(request.space.min == expected.min);
+		CHECK(request.space.max == expected.max);
 		CHECK(tickets.insert(request.ticket).second);
-		const double distance = std::sqrt(distance_squared(request.rect, viewers[0].position));
+		const double distance = std::sqrt(distance_squared(request.space, viewers[0].position));
 		CHECK(distance >= last);
 		CHECK(distance <= two_layers[request.key.layer].view_distance + 0.125 * size);
 		last = distance;
 	}
-	CHECK(stage.changes.request[0].rect.contains(viewers[0].position));
+	CHECK(stage.changes.request[0].space.contains(viewers[0].position));
 	stage.finish_all();
 	check_view(stage, two_layers, viewers);
 
-	// Nothing is requested twice.
+	// A second update requests nothing again.
 	stage.update(viewers);
 	CHECK(stage.changes.empty());
 	CHECK(stage.streamer.idle());
 	CHECK(stage.streamer.counts().waiting == 0);
 }
 
-TEST_CASE("streaming: a few at a time are nearest first, from the viewer's current position") {
+TEST_CASE("streaming: a few tiles at a time are requested, nearest to the viewer's current position first") {
 	Stage stage({{32.0, 320.0}});
 	stage.update({{{0.0, 0.0}}}, 4);
 	CHECK(stage.changes.request.size() == 4);
@@ -54,11 +54,12 @@ TEST_CASE("streaming: a few at a time are nearest first, from the viewer's curre
 	stage.update({{{0.0, 0.0}}}, 4);
 	CHECK(stage.changes.empty());
 	stage.finish_all();
-	// After 200 m, tiles there come before tiles that are nearer to the old position.
+	// After the viewer has moved 200 m, tiles around it are requested before tiles near its old
+	// position.
 	stage.update({{{200.0, 0.0}}}, 4);
 	REQUIRE(stage.changes.request.size() == 4);
 	for (const TileRequest &request : stage.changes.request) {
-		CHECK(distance_squared(request.rect, {200.0, 0.0}) < 40.0 * 40.0);
+		CHECK(distance_squared(request.space, {200.0, 0.0}) < 40.0 * 40.0);
 	}
 	stage.update({{{200.0, 0.0}}}, 0);
 	CHECK(stage.changes.request.empty());
@@ -110,7 +111,7 @@ TEST_CASE("streaming: a teleport drops, cancels and loads") {
 	check_view(stage, two_layers, far);
 }
 
-TEST_CASE("streaming: several viewers, near each other and apart, each with its own scale") {
+TEST_CASE("streaming: several viewers, near each other or apart, each with its own scale, get their tiles") {
 	Stage stage(two_layers);
 	const std::vector<Viewer> viewers{
 			{{0.0, 0.0}, 1.0}, {{60.0, 10.0}, 1.5}, {{-5000.0, 700.0}, 0.25}, {{900.0, 0.0}, 0.0}};
@@ -118,7 +119,7 @@ TEST_CASE("streaming: several viewers, near each other and apart, each with its 
 	check_view(stage, two_layers, viewers);
 	stage.settle({viewers[2]});
 	check_view(stage, two_layers, {viewers[2]});
-	// It stays in place, but sees farther, then less far.
+	// The viewer stays in place, but sees farther and then less far.
 	for (const double scale : {2.0, 0.5}) {
 		stage.settle({{viewers[2].position, scale}});
 		check_view(stage, two_layers, {{viewers[2].position, scale}});
@@ -128,13 +129,13 @@ TEST_CASE("streaming: several viewers, near each other and apart, each with its 
 	CHECK(stage.pending.empty());
 }
 
-TEST_CASE("streaming: a server with 300 players") {
+TEST_CASE("streaming: a server with 300 players gets all tiles") {
 	Stage stage(two_layers);
 	std::vector<Viewer> viewers;
 	for (int player = 0; player < 300; ++player) {
 		viewers.push_back({{1000.0 * (player % 20), 1000.0 * (player / 20)}});
 	}
-	for (int round = 0; round < 200 && !stage.streamer.idle(); ++round) { // This many tiles take many updates.
+	for (int round = 0; round < 200 && !stage.streamer.idle(); ++round) { // So many tiles require many updates.
 		stage.update(viewers);
 		stage.finish_all();
 	}
@@ -161,7 +162,7 @@ TEST_CASE("streaming: no update is needed until a viewer has moved far enough fo
 	CHECK_FALSE(stage.streamer.follows(viewers));
 }
 
-TEST_CASE("streaming: the largest allowed view distance") {
+TEST_CASE("streaming: the largest allowed view distance works") {
 	Stage stage({{1.0, 64.0}});
 	stage.settle({{{0.5, 0.5}}});
 	CHECK(stage.shown.size() > 12000);
@@ -198,7 +199,7 @@ TEST_CASE("streaming: a thousand random steps keep every promise, and are reprod
 			for (const TileRequest &request : stage.changes.request) {
 				log.push_back(name_of(request.key));
 			}
-			// Some are finished, in any order.
+			// Finish some tiles, in random order.
 			while (!stage.pending.empty() && random() % 3 != 0) {
 				auto any = stage.pending.begin();
 				std::advance(any, random() % stage.pending.size());
@@ -223,7 +224,7 @@ TEST_CASE("streaming: after a small step since the last check, the result is the
 		REQUIRE(streamer.update(std::vector<Viewer>{{{x, 1.0}}}, unlimited, changes).ok());
 		return changes.request.size();
 	};
-	// Just before a step that requests tiles.
+	// Find a position just before one that requests tiles.
 	double x = 1.0;
 	CHECK(requests_at(x) > 50);
 	while (requests_at(x + 1.01 * slack) == 0) {

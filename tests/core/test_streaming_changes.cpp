@@ -29,7 +29,8 @@ TEST_CASE("streaming: an outdated tile stays visible until its successor is read
 	CHECK(std::ranges::all_of(
 			stage.changes.request, [](const TileRequest &request) { return request.key.layer == 1; }));
 
-	// Outdated again before it is finished: the first result is shown too, then the tile is requested once more.
+	// A tile is outdated again before its request is finished. The first result is shown, and then
+	// the tile is requested once more.
 	const TileRequest early = stage.changes.request[0];
 	stage.streamer.invalidate(1);
 	stage.update(viewers);
@@ -81,7 +82,7 @@ TEST_CASE("streaming: with changes in every update, the nearest tiles still foll
 		stage.update(viewers, most);
 		CHECK(stage.pending.size() <= most);
 		CHECK(stage.changes.cancel.empty());
-		// Some of them finish before the next change, in the order of their requests.
+		// Some requests are finished before the next change, in the order in which they were made.
 		for (int done = 0; done < 5 && !stage.pending.empty(); ++done) {
 			const auto first = std::ranges::min_element(
 					stage.pending, {}, [](const auto &pending) { return pending.second.ticket; });
@@ -130,13 +131,13 @@ TEST_CASE("streaming: a new view distance keeps the loaded tiles") {
 	CHECK(std::ranges::includes(
 			stage.shown, before, {}, &std::pair<const Name, TileKey>::first, &std::pair<const Name, TileKey>::first));
 	check_view(stage, layers, viewers);
-	// Setting the same values changes nothing.
+	// Setting the same layers again changes nothing.
 	REQUIRE(stage.streamer.set_layers(layers).ok());
 	stage.update(viewers);
 	CHECK(stage.changes.empty());
 }
 
-TEST_CASE("streaming: with a new tile size the old tiles stay until the new ones cover them") {
+TEST_CASE("streaming: after a change of the tile size, the old tiles stay until new tiles cover them") {
 	std::vector<StreamLayer> layers = two_layers;
 	Stage stage(layers);
 	const std::vector<Viewer> viewers{{{0.0, 0.0}}};
@@ -153,7 +154,8 @@ TEST_CASE("streaming: with a new tile size the old tiles stay until the new ones
 	CHECK(std::ranges::all_of(
 			stage.changes.request, [](const TileRequest &request) { return request.key.layer == 1; }));
 
-	// Finished one by one, a visible position must never become empty.
+	// While the requests are finished one by one, every position must remain covered by a visible
+	// tile.
 	while (!stage.pending.empty()) {
 		stage.finish(TileRequest(stage.pending.begin()->second));
 		stage.update(viewers);
@@ -173,7 +175,7 @@ TEST_CASE("streaming: with a new tile size the old tiles stay until the new ones
 	check_view(stage, layers, viewers);
 }
 
-TEST_CASE("streaming: a large old tile is dropped once the few new ones in view are loaded") {
+TEST_CASE("streaming: a large old tile is dropped once the new tiles in view are loaded") {
 	Stage stage({{1000.0, 10.0}});
 	const std::vector<Viewer> viewers{{{500.0, 500.0}}};
 	stage.settle(viewers);
@@ -204,7 +206,7 @@ TEST_CASE("streaming: a removed layer drops its tiles, and an added one requests
 	layers.push_back({25.0, 60.0});
 	REQUIRE(stage.streamer.set_layers(layers).ok());
 	stage.update(viewers, 10);
-	// Removed again while its tiles are being built.
+	// All layers are removed while tiles are being built.
 	REQUIRE(stage.streamer.set_layers(std::vector<StreamLayer>{}).ok());
 	stage.settle(viewers);
 	CHECK(stage.shown.empty());
@@ -233,11 +235,12 @@ TEST_CASE("streaming: an old tile is dropped if its replacement is cancelled out
 	stage.settle(viewers);
 	REQUIRE(stage.streamer.set_layers(std::vector<StreamLayer>{{40.0, 100.0}}).ok());
 	stage.update(viewers);
-	// The requested tiles move out of sight, and all tiles in sight are finished.
+	// The viewer moves, so that some requested tiles are out of sight. All requested tiles in sight
+	// are finished.
 	viewers[0].position.x += 30.0;
 	stage.update(viewers);
 	const auto in_sight = [&](const auto &each) {
-		return distance_squared(each.second.rect, viewers[0].position) <= 100.0 * 100.0;
+		return distance_squared(each.second.space, viewers[0].position) <= 100.0 * 100.0;
 	};
 	for (auto next = std::ranges::find_if(stage.pending, in_sight); next != stage.pending.end();
 			next = std::ranges::find_if(stage.pending, in_sight)) {
@@ -252,7 +255,7 @@ TEST_CASE("streaming: an old tile is dropped if its replacement is cancelled out
 	check_view(stage, {{40.0, 100.0}}, viewers);
 }
 
-TEST_CASE("streaming: bad input is refused by name and value, and the last valid state stays") {
+TEST_CASE("streaming: the error for invalid input contains its name and value, and the last valid state stays") {
 	Stage stage(two_layers);
 	const std::vector<Viewer> viewers{{{0.0, 0.0}}};
 	stage.settle(viewers);

@@ -1,4 +1,5 @@
-// No far tile becomes visible before a near one, for any movement of viewers and any delay of workers.
+// Tests that no far tile becomes visible before a near one, however viewers move and workers are
+// delayed.
 
 #include "core/streaming/layer_tiles.hpp"
 #include "core/streaming/work_order.hpp"
@@ -20,12 +21,13 @@ using namespace thicket::test;
 
 namespace {
 
-/// Follows a streamer only by its results, and measures how far out of order a tile becomes visible.
+/// A stage that checks, from the streamer's results alone, that tiles become visible in the correct
+/// order.
 class OrderlyStage : public Stage {
 public:
 	using Stage::Stage;
 
-	std::map<Name, std::vector<double>> flown_then; ///< For each pending tile: `flown` of each viewer at its request.
+	std::map<Name, std::vector<double>> flown_then; ///< The values of `flown` when each pending tile was requested.
 	std::vector<double> flown;
 	std::vector<Viewer> now;
 	std::size_t shown_in_turn = 0;
@@ -36,7 +38,8 @@ public:
 			const glm::dvec2 step = viewers[i].position - now[i].position;
 			flown[i] += std::hypot(step.x, step.y);
 			if (std::hypot(step.x, step.y) > max_flight_step) {
-				// A jump does not count as flight for earlier requests.
+				// After a jump, earlier requests may be shown in any order with regard to this
+				// viewer.
 				for (auto &[name, then] : flown_then) {
 					then.resize(std::max(then.size(), i + 1));
 					then[i] = std::numeric_limits<double>::infinity();
@@ -50,7 +53,7 @@ public:
 		}
 	}
 
-	/// Shows every tile that may be shown, at most `most`, like a renderer with spare time.
+	/// Shows up to `most` tiles that may be shown, like a renderer with spare time.
 	void show(const std::vector<StreamLayer> &layers, std::size_t most = unlimited) {
 		for (std::size_t count = 0; count < most; ++count) {
 			const auto next = streamer.next_ready();
@@ -65,8 +68,8 @@ public:
 	}
 
 private:
-	/// Checks by brute force that, for one viewer, no tile is missing that is nearer by more than a tile plus the
-	/// distance flown.
+	/// Checks by brute force that it is the tile's turn. For at least one viewer, no missing tile
+	/// may be nearer by more than the tile size plus the distance flown since the request.
 	void check_turn(const StreamLayer &layer, const TileRequest &next) {
 		if (shown.contains(name_of(next.key))) {
 			return;
@@ -76,7 +79,7 @@ private:
 			const double view = layer.view_distance * now[i].radius_scale;
 			const std::vector<double> &then = flown_then[name_of(next.key)];
 			const double leeway = layer.tile_size + (i < then.size() ? std::max(flown[i] - then[i], 0.0) : 0.0) + 1e-9;
-			turn = std::sqrt(distance_squared(next.rect, now[i].position)) <=
+			turn = std::sqrt(distance_squared(next.space, now[i].position)) <=
 					nearest_missing(layer, next.key, now[i].position, view) + leeway;
 		}
 		CHECK(turn);
@@ -98,7 +101,8 @@ private:
 	}
 };
 
-/// Finishes some pending tiles, in any order, but prefers the latest requests.
+/// Makes up to `most` pending tiles ready, in random order with a preference for the latest
+/// requests.
 void finish_some(OrderlyStage &stage, std::mt19937_64 &random, std::size_t most) {
 	for (std::size_t made = 0; made < most && !stage.pending.empty(); ++made) {
 		auto any = stage.pending.begin();
@@ -147,8 +151,8 @@ TEST_CASE("streaming order: a waiting tile does not delay workers") {
 	const std::vector<Viewer> viewers{{{8.0, 8.0}}};
 	stage.look(viewers, 6);
 	const TileRequest nearest = stage.changes.request[0];
-	// All requests except the nearest are finished, repeatedly. Workers get more requests, regardless of the number of
-	// ready tiles.
+	// All requests except the nearest become ready, repeatedly. Workers get more requests,
+	// regardless of the number of ready tiles.
 	for (int round = 0; round < 200; ++round) {
 		for (const auto &[name, request] : stage.pending) {
 			if (request.ticket != nearest.ticket) {
@@ -162,7 +166,8 @@ TEST_CASE("streaming order: a waiting tile does not delay workers") {
 	for (const auto &[name, key] : stage.shown) {
 		CHECK(distance_squared(tile_rect(16.0, key.tile), viewers[0].position) <= 16.0 * 16.0);
 	}
-	// If the nearest one fails, that also finishes it, and all the others follow.
+	// If the nearest tile fails, its request is finished as well, and all the other tiles are
+	// shown.
 	stage.finish(nearest);
 	stage.show(layers);
 	CHECK(stage.streamer.idle());
@@ -171,7 +176,8 @@ TEST_CASE("streaming order: a waiting tile does not delay workers") {
 TEST_CASE("streaming order: several viewers get tiles in turn, even if one requests very many") {
 	const std::vector<StreamLayer> layers{{16.0, 100.0}};
 	OrderlyStage stage(layers);
-	// One viewer rests. The other is far away in every frame, so its near tiles are always missing.
+	// The first viewer does not move. The second one jumps in every frame, so its near tiles are
+	// always missing.
 	std::vector<Viewer> viewers{{{0.0, 0.0}}, {{1e4, 0.0}}};
 	for (int frame = 0; frame < 60; ++frame) {
 		viewers[1].position.x += 1000.0;
@@ -191,7 +197,7 @@ TEST_CASE("streaming order: several viewers get tiles in turn, even if one reque
 TEST_CASE("streaming order: at 1000 m/s with slow workers, near tiles keep coming") {
 	const std::vector<StreamLayer> layers{{16.0, 128.0}, {64.0, 512.0}};
 	OrderlyStage stage(layers);
-	std::vector<std::vector<TileRequest>> made_later(4); // A tile takes three frames.
+	std::vector<std::vector<TileRequest>> made_later(4); // A worker takes three frames to generate a tile.
 	std::size_t frames_without[2] = {0, 0};
 	std::size_t longest[2] = {0, 0};
 	for (std::size_t frame = 0; frame < 600; ++frame) {
@@ -205,7 +211,7 @@ TEST_CASE("streaming order: at 1000 m/s with slow workers, near tiles keep comin
 			}
 		}
 		const std::size_t shown = stage.shown_in_turn;
-		stage.show(layers, 5); // Far fewer than come into view.
+		stage.show(layers, 5); // Many more tiles come into view.
 		for (std::size_t layer = 0; layer < 2; ++layer) {
 			const bool any = std::ranges::any_of(stage.shown, [&](const auto &entry) {
 				const TileKey &key = entry.second;
@@ -229,8 +235,8 @@ TEST_CASE("streaming order: a ready tile that is no longer requested is refused"
 	REQUIRE(requests.size() == 4);
 	CHECK(stage.streamer.ready(requests[0]));
 	CHECK(stage.streamer.ready(requests[0]));
-	CHECK_FALSE(stage.streamer.ready({requests[0].key, requests[0].rect, 0}));
-	CHECK_FALSE(stage.streamer.may_show({{7, 0, {0, 0}}, requests[0].rect, 1}));
+	CHECK_FALSE(stage.streamer.ready({requests[0].key, requests[0].space, 0}));
+	CHECK_FALSE(stage.streamer.may_show({{7, 0, {0, 0}}, requests[0].space, 1}));
 	stage.update({{{1e5, 0.0}}}, 4);
 	CHECK_FALSE(stage.streamer.ready(requests[1]));
 	CHECK_FALSE(stage.streamer.may_show(requests[0]));
@@ -259,7 +265,8 @@ TEST_CASE("streaming order: a teleport of many viewers is spread over updates an
 	} while (!stage.streamer.idle());
 	CHECK(updates > 10);
 	check_view(stage, layers, viewers);
-	// Removing a viewer renumbers the others, but regenerates none of their tiles.
+	// Removing a viewer renumbers the remaining viewers, but no tile around them is generated
+	// again.
 	const std::size_t requested = stage.requested;
 	viewers.erase(viewers.begin() + 3);
 	stage.settle(viewers);
@@ -267,11 +274,11 @@ TEST_CASE("streaming order: a teleport of many viewers is spread over updates an
 	check_view(stage, layers, viewers);
 }
 
-TEST_CASE("work order: by distance to the nearest viewer, for all viewers equally") {
+TEST_CASE("work order: entries are sorted by distance to the nearest viewer, for all viewers equally") {
 	const auto square = [](double x) {
 		return Rect{{x, 0.0}, {x + 1.0, 1.0}};
 	};
-	const std::vector<Rect> areas{
+	const std::vector<TileSpace> areas{
 			square(50.0), square(1010.0), square(20.0), square(1001.0), square(1030.0), square(3.0)};
 	std::vector<std::size_t> order;
 	work_order(areas, std::vector<Viewer>{{{0.0, 0.0}}, {{1000.0, 0.0}}}, order);

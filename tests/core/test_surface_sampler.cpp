@@ -1,6 +1,8 @@
-// The promises of SurfaceSampler: distances, gaps, windows, evenness, independence of the triangles, and holes.
+// Tests the guarantees of SurfaceSampler: distances, gaps, windows, uniformity, independence of the
+// triangulation, and holes.
 
 #include "core/sampling/tile_sampler.hpp"
+#include "core/terrain/heightfield.hpp"
 #include "surface_fixture.hpp"
 
 #include <atomic>
@@ -15,7 +17,7 @@ using namespace thicket::surfaces;
 
 namespace {
 
-/// Random positions on the surface, at which a point closer than the radius must exist.
+/// Returns the number of random positions on the surface without a point closer than the radius.
 std::size_t gaps(const Triangles &triangles, const PointCubes &cubes, double radius, int tries) {
 	std::mt19937 random(1);
 	std::uniform_real_distribution<double> share(0.0, 1.0);
@@ -37,11 +39,12 @@ std::size_t gaps(const Triangles &triangles, const PointCubes &cubes, double rad
 	return found;
 }
 
-/// Finds a line through a part of a plane on which a further point would fit. Considers every line of the lattice: it skips only squares of
-/// lines that one point's ball contains.
+/// Searches for a lattice line that intersects the plane where another point would fit. It
+/// considers every line of the lattice, and skips only squares of lines whose intersections lie in
+/// the ball of one point.
 class LineSearch {
 public:
-	/// Lines are along y. `facing` is a unit vector.
+	/// The lines are parallel to y. `facing`, the normal of the plane, must be a unit vector.
 	LineSearch(const std::vector<SurfacePoint> &points, const PointSet &set, const glm::dvec3 &facing) :
 			facing_(facing), unit_(surface_unit(set)) {
 		for (const SurfacePoint &point : points) {
@@ -50,7 +53,8 @@ public:
 		plane_ = glm::dot(points_.front(), facing_);
 	}
 
-	/// In a square with its lower corner at (x, z) and 2^bits units wide. `near` are numbers of points.
+	/// Returns true if it finds such a line in the square that is 2^bits units wide and has its
+	/// lower corner at (x, z). `near` contains the indices of the points to consider.
 	bool finds(double x, double z, int bits, const std::vector<std::size_t> &near) {
 		++squares;
 		const double width = static_cast<double>(1 << bits);
@@ -62,7 +66,7 @@ public:
 			}
 			return farthest < reach;
 		};
-		// Hits are rounded to whole units.
+		// The margin of 4 units allows for intersections that are rounded to whole units.
 		if (std::ranges::any_of(near, [&](std::size_t point) { return reaches(point, radius - 4.0); })) {
 			return false;
 		}
@@ -85,10 +89,10 @@ public:
 		return numbers;
 	}
 
-	std::size_t squares = 0; ///< Looked at.
+	std::size_t squares = 0; ///< The number of squares that were checked.
 
 private:
-	static constexpr double radius = 1816187.0; // Units, rounded up.
+	static constexpr double radius = 1816187.0; // In lattice units, rounded up.
 
 	glm::dvec3 on_plane(double x, double z) const {
 		return {x, (plane_ - facing_.x * x - facing_.z * z) / facing_.y, z};
@@ -112,7 +116,8 @@ void check_distances(const Triangles &triangles, const PointSet &set) {
 	CHECK(gaps(triangles, cubes, set.radius, 20000) == 0);
 }
 
-/// A floor with a wall, a ceiling and a second floor below: sheets above each other, corners, and a thin gap.
+/// Returns a floor, a wall, and a ceiling with a second floor just above it: parallel sheets,
+/// corners, and a thin gap.
 Triangles house() {
 	Triangles made = square(20.0, 10, {0, 0, 0}, {1, 0, 0}, {0, 0, 1});
 	made.append(square(20.0, 7, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
@@ -139,9 +144,31 @@ double shared(const std::vector<SurfacePoint> &a, const std::vector<SurfacePoint
 
 } // namespace
 
+TEST_CASE("surface sampler: the triangles of a heightfield have the points of a mesh with the same triangles") {
+	std::vector<float> heights(50 * 50);
+	std::mt19937 random(2);
+	for (float &height : heights) {
+		height = random() % 30 == 0 ? std::nanf("") : std::uniform_real_distribution<float>(0.0f, 2.0f)(random);
+	}
+	Heightfield field;
+	REQUIRE(field.set_meters({{50, 50}, {{-30.0, -10.0}, {20.0, 40.0}}}, heights).ok());
+	Triangles mesh;
+	for (std::uint32_t index = 0; index < field.surface()->triangle_count(); ++index) {
+		for (const glm::dvec3 &corner : field.surface()->triangle(index)) {
+			mesh.indices.push_back(static_cast<std::uint32_t>(mesh.vertices.size()));
+			mesh.vertices.push_back(corner);
+		}
+	}
+	const PointSet set{.seed = 9, .layer = 2};
+	const std::vector<SurfacePoint> points = all_points(set, *field.surface());
+	CHECK(points.size() > 1000);
+	CHECK(points == all_points(set, *mesh.surface()));
+}
+
 TEST_CASE("surfaces: no two points are closer than the radius, and nowhere is room for another") {
 	check_distances(facing({0, 1, 0}, 40.0, 20), {.seed = 1});
-	check_distances(square(40.0, 20, {0, 0, 0}, {1, 0, 0}, {0, 0, 1}), {.seed = 2}); // On a face of the cells.
+	// This plane is a common face of cells.
+	check_distances(square(40.0, 20, {0, 0, 0}, {1, 0, 0}, {0, 0, 1}), {.seed = 2});
 	check_distances(facing({0, 1, 1}, 40.0, 20), {.seed = 3});
 	check_distances(facing({1, 1, 1}, 40.0, 20), {.seed = 4});
 	check_distances(sphere(10.0, 40), {.seed = 5});
@@ -157,7 +184,7 @@ TEST_CASE("surfaces: no line of the lattice is left where another point would fi
 		const glm::dvec3 along = glm::normalize(glm::cross(unit, glm::dvec3(0, 0, 1)));
 		const Triangles plane = square(24.0, 12, {-12.3, 0.1, -12.2}, along, glm::cross(along, unit));
 		std::vector<SurfacePoint> points = all_points(set, *plane.surface());
-		// Cells in the middle of the plane.
+		// The search covers the cell in the middle of the plane. A cell is 2^20 units wide.
 		const double cell = 1048576.0;
 		const glm::dvec3 middle =
 				glm::floor((plane.vertices.front() + plane.vertices.back()) / 2.0 / surface_unit(set) / cell) * cell;
@@ -172,11 +199,41 @@ TEST_CASE("surfaces: no line of the lattice is left where another point would fi
 			return found;
 		};
 		CHECK_FALSE(finds());
-		// Without one of them, the search finds its place.
+		// After a point is removed, the search finds its position.
 		std::ranges::sort(points, {},
 				[&](const SurfacePoint &point) { return glm::distance(point.position / surface_unit(set), middle); });
 		points.erase(points.begin());
 		CHECK(finds());
+	}
+}
+
+TEST_CASE("surfaces: with faces that point up, the underside of a thin bridge takes no room from its top") {
+	const glm::dvec3 x(1.0, 0.0, 0.0);
+	const glm::dvec3 z(0.0, 0.0, 1.0);
+	const Triangles top = square(12.0, 4, glm::dvec3(0.0), z, x);
+	const Triangles underside = square(12.0, 4, glm::dvec3(0.0, -0.5, 0.0), x, z);
+	Triangles bridge = top;
+	bridge.append(underside);
+	PointSet set{.seed = 9, .radius = 1.0, .on_surface = true};
+	const auto alone = [&set](const Triangles &triangles) {
+		set.faces = SurfaceFaces::all;
+		return ids(all_points(set, *triangles.surface()));
+	};
+	const auto of_bridge = [&](SurfaceFaces faces) {
+		set.faces = faces;
+		return ids(all_points(set, *bridge.surface()));
+	};
+	CHECK(of_bridge(SurfaceFaces::up) == alone(top));
+	CHECK(of_bridge(SurfaceFaces::down) == alone(underside));
+	CHECK(2 * of_bridge(SurfaceFaces::all).size() < 3 * alone(top).size());
+	// A wall counts as vertical, whichever way rounding tilts it.
+	for (const double tilt : {-1e-7, 0.0, 1e-7}) {
+		const Triangles wall = square(12.0, 4, glm::dvec3(0.0), glm::normalize(glm::dvec3(0.0, 1.0, tilt)), x);
+		set.faces = SurfaceFaces::up;
+		const std::size_t up = all_points(set, *wall.surface()).size();
+		set.faces = SurfaceFaces::down;
+		CHECK(all_points(set, *wall.surface()).size() == up);
+		CHECK(up == alone(wall).size());
 	}
 }
 
@@ -228,13 +285,30 @@ TEST_CASE("surfaces: the margin does not affect the points") {
 	CHECK(narrow.empty());
 }
 
-TEST_CASE("surfaces: even by area in every direction") {
+TEST_CASE("surface sampler: a face along a cell's border, tilted by less than a unit, gets points") {
+	// When the engine rotates a mesh by a right angle, its faces are tilted by such an error. Lines
+	// in the cells on one side of a lattice plane then hit the face on the other side of the plane.
+	const PointSet set{.seed = 7, .radius = 1.0, .levels = 1, .layer = 0};
+	for (const double tilt : {0.0, 4.37e-8, -4.37e-8, 1e-7, 1e-6, 1e-5}) {
+		for (const double at : {0.0, 1.0 / std::sqrt(3.0), 0.3}) {
+			const glm::dvec3 along = glm::normalize(glm::dvec3(0, -1, tilt));
+			const auto wall = square(24.0, 1, {-12, 12, at - 12 * tilt}, {1, 0, 0}, along).surface();
+			const auto points = all_points(set, *wall);
+			CHECK(points.size() > 390);
+			CHECK(points.size() < 440);
+		}
+	}
+}
+
+TEST_CASE("surfaces: points are even by area in every direction") {
 	const PointSet set{.seed = 21};
 	const auto surface = sphere(50.0, 150).surface();
 	const std::vector<SurfacePoint> points = all_points(set, *surface);
-	// Random sequential adsorption of disks jams at 0.54707 (Feder 1980); on this sphere, distances in space add a little.
+	// In the plane, random sequential adsorption of disks jams at 0.54707 (Feder 1980). On this
+	// sphere, the straight-line distances increase it slightly.
 	CHECK(coverage(set, *surface, points.size()) == doctest::Approx(0.5471).epsilon(0.003));
-	// Equal areas: slices of a sphere of equal thickness, along each axis and along a diagonal.
+	// Slices of a sphere with equal thickness have equal areas, along each axis and along a
+	// diagonal.
 	for (const glm::dvec3 axis :
 			{glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1), glm::normalize(glm::dvec3(1, 1, 1))}) {
 		std::vector<double> slices(8);
@@ -248,7 +322,7 @@ TEST_CASE("surfaces: even by area in every direction") {
 	}
 }
 
-TEST_CASE("surfaces: neighbors are as on the plane") {
+TEST_CASE("surfaces: the distances between neighbors are distributed as on the plane") {
 	const PointSet set{.seed = 22};
 	const std::vector<SurfacePoint> points = all_points(set, *sphere(40.0, 120).surface());
 	const PointCubes cubes(points, 1.5);
@@ -279,13 +353,13 @@ TEST_CASE("surfaces: neighbors are as on the plane") {
 	}
 }
 
-TEST_CASE("surfaces: the same surface in other triangles keeps its points") {
+TEST_CASE("surfaces: a different division into triangles keeps the points") {
 	const PointSet set{.seed = 31};
 	for (const glm::dvec3 normal : {glm::dvec3(0, 1, 0), glm::dvec3(1, 2, 3), glm::dvec3(1, 1, 1)}) {
 		CHECK(shared(all_points(set, *facing(normal, 80.0, 40).surface()),
 					  all_points(set, *facing(normal, 80.0, 67).surface())) > 0.999);
 	}
-	// The order and the direction of triangles do not matter at all.
+	// The order and the winding of the triangles have no effect on the positions.
 	Triangles triangles = sphere(10.0, 30);
 	const std::vector<SurfacePoint> points = all_points(set, *triangles.surface());
 	std::ranges::reverse(triangles.indices);
@@ -352,7 +426,7 @@ TEST_CASE("surfaces: every level is a maximal set of its own") {
 	}
 }
 
-TEST_CASE("surfaces: bad input is refused and changes nothing") {
+TEST_CASE("surfaces: invalid input is refused and changes nothing") {
 	const double nan = std::numeric_limits<double>::quiet_NaN();
 	std::shared_ptr<const Surface> made = sphere(3.0, 10).surface();
 	const std::shared_ptr<const Surface> before = made;

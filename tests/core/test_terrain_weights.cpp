@@ -57,7 +57,7 @@ TEST_CASE("terrain weights: a terrain without weights permits all ground") {
 }
 
 TEST_CASE("terrain weights: each channel is a texture, at its own pixels, from the first post to the last") {
-	// 4 x 3 pixels over 60 m x 60 m: every 20 m and every 30 m.
+	// 4 x 3 pixels on 60 m x 60 m, so pixels are 20 m and 30 m apart.
 	const Bytes bytes = random_bytes(4 * 3 * 4, 1);
 	const Heightfield field = field_with(map_of({4, 3}, 4, bytes));
 	for (int row = 0; row < 3; ++row) {
@@ -74,7 +74,8 @@ TEST_CASE("terrain weights: each channel is a texture, at its own pixels, from t
 	}
 }
 
-TEST_CASE("terrain weights: bilinear between pixels, the sum of the requested textures, clamped to 1") {
+TEST_CASE(
+		"terrain weights: the weights of the requested textures are interpolated bilinearly, added and clamped to 1") {
 	const Bytes bytes = random_bytes(4 * 3 * 3, 2);
 	const Heightfield field = field_with(map_of({4, 3}, 3, bytes));
 	const auto byte = [&](int column, int row, int channel) {
@@ -97,7 +98,7 @@ TEST_CASE("terrain weights: bilinear between pixels, the sum of the requested te
 		}
 		const glm::dvec2 place(-30.0 + 20.0 * (column + x), 10.0 + 30.0 * (row + y));
 		CHECK(std::abs(weight_at(field, place, {1}) - weight[1]) < 1e-6);
-		CHECK(std::abs(weight_at(field, place, {2, 2, 2, 9}) - weight[2]) < 1e-6); // Repeats count once.
+		CHECK(std::abs(weight_at(field, place, {2, 2, 2, 9}) - weight[2]) < 1e-6); // A repeated texture counts once.
 		CHECK(std::abs(weight_at(field, place, {2, 0}) - std::min(1.0, weight[0] + weight[2])) < 1e-6);
 		CHECK(std::abs(weight_at(field, place, {0, 1, 2}) - std::min(1.0, weight[0] + weight[1] + weight[2])) < 1e-6);
 		held += weight[0] + weight[1] + weight[2] > 1.0 ? 1 : 0;
@@ -106,7 +107,7 @@ TEST_CASE("terrain weights: bilinear between pixels, the sum of the requested te
 	CHECK(held > 100);
 }
 
-TEST_CASE("terrain weights: exact on the borders, 0 outside; a single pixel or row applies everywhere") {
+TEST_CASE("terrain weights: weights are exact on the borders and 0 outside, also for a single pixel or row") {
 	const Heightfield two = field_with(map_of({2, 1}, 1, {51, 255}));
 	CHECK(weight_at(two, {-30.0, 10.0}, {0}) == 0.2f);
 	CHECK(weight_at(two, {30.0, 70.0}, {0}) == 1.0f);
@@ -118,7 +119,7 @@ TEST_CASE("terrain weights: exact on the borders, 0 outside; a single pixel or r
 	}
 }
 
-TEST_CASE("terrain weights: they change neither height nor normal, and stay when posts are replaced") {
+TEST_CASE("terrain weights: weights change neither height nor normal, and stay when posts are replaced") {
 	Heightfield field = field_with(map_of({2, 2}, 1, {51, 51, 51, 51}));
 	REQUIRE(field.set_meters(frame, std::vector<float>(15, 42.0f)).ok());
 	Ground ground = field.at({0.0, 40.0});

@@ -69,7 +69,7 @@ TEST_CASE("tile: instances are sorted by rank and id, and the box contains them"
 		CHECK(mesh.max_scale <= 1.0f);
 		CHECK(mesh.max_scale > 0.95f);
 	}
-	// Near its ground, in whole meters.
+	// The origin's height is near the ground, and a whole number of meters.
 	CHECK(tile.origin.y == std::floor(tile.origin.y));
 	CHECK(tile.origin.y > 0.0);
 	CHECK(tile.origin.y < 90.0);
@@ -157,7 +157,7 @@ TEST_CASE("tile: a tile is bit-identical when repeated, in pieces, after other w
 	CHECK(digest(built(reseeded, terrain, tile_of_hills)) != digest(first));
 }
 
-TEST_CASE("tile: its halves together have the same instances") {
+TEST_CASE("tile: the two halves of a tile together have the same instances") {
 	const Heightfield terrain = hills();
 	const LayerSettings layer = rich_layer();
 	const TileInstances whole = built(layer, terrain, tile_of_hills);

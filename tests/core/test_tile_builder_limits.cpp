@@ -21,7 +21,7 @@ using namespace thicket::test;
 
 namespace {
 
-/// Ground that is computed by a function, for tests of the builder's reaction to it.
+/// A terrain whose ground is computed by a function.
 class FunctionTerrain final : public Terrain {
 public:
 	explicit FunctionTerrain(std::function<Ground(glm::dvec2)> function) : function_(std::move(function)) {}
@@ -42,7 +42,7 @@ public:
 	}
 };
 
-/// Raises a flag when its ground is sampled, which cancels the build midway.
+/// A terrain that sets a flag when its ground is sampled, which cancels the build midway.
 class CancellingTerrain final : public Terrain {
 public:
 	explicit CancellingTerrain(std::atomic<bool> &flag) : flag_(flag) {}
@@ -60,7 +60,7 @@ private:
 
 TEST_CASE("tile: there are no instances without ground, and their neighbors are unaffected") {
 	const FunctionTerrain whole([](glm::dvec2) { return Ground{4.0f, {0.0f, 1.0f, 0.0f}}; });
-	// A different kind of missing ground in each quarter.
+	// The center and three sides lack ground, each in a different way.
 	const FunctionTerrain pierced([](glm::dvec2 position) {
 		Ground ground{4.0f, {0.0f, 1.0f, 0.0f}};
 		if (glm::length(position - glm::dvec2(32.0)) < 8.0) {
@@ -91,7 +91,7 @@ TEST_CASE("tile: there are no instances without ground, and their neighbors are 
 		REQUIRE(all.contains(id));
 		CHECK(transform == all.at(id));
 	}
-	// The center is a hole, so the origin's height comes from around it.
+	// The center is a hole, so the height of the origin comes from the ground around it.
 	CHECK(with.origin.y == 4.0);
 
 	const TileInstances nowhere = built(layer, FlatTerrain(std::nanf("")), rect);
@@ -109,7 +109,7 @@ TEST_CASE("tile: tiny and empty rectangles are valid") {
 	CHECK(size_of(built(layer, FlatTerrain(), {{1.0, 1.0}, {1.0 + 1e-9, 500.0}})) <= 1);
 }
 
-TEST_CASE("tile: no allocations once warm") {
+TEST_CASE("tile: repeated builds allocate nothing") {
 	const Heightfield terrain = hills();
 	const LayerSettings layer = rich_layer();
 	TileBuilder builder;
@@ -137,12 +137,12 @@ TEST_CASE("tile: cancelling ends the build with a valid tile") {
 		CHECK(mesh.buffer.size() == mesh.size() * transform_floats);
 		CHECK(mesh.ranks.size() == mesh.size());
 	}
-	// The builder stays usable.
+	// The builder remains usable.
 	REQUIRE(builder.build(rich_layer(), hills(), tile_of_hills, tile).ok());
 	CHECK(digest(tile) == digest(built(rich_layer(), hills(), tile_of_hills)));
 }
 
-TEST_CASE("tile: bad input is refused by name and value, and the tile stays unchanged") {
+TEST_CASE("tile: the error for invalid input contains its name and value, and the tile stays unchanged") {
 	const Heightfield terrain = hills();
 	TileBuilder builder;
 	TileInstances tile = built(rich_layer(), terrain, tile_of_hills);

@@ -1,4 +1,5 @@
-// A game's changes, applied over a tile: all unchanged instances stay bit-identical.
+// Tests a state's changes that are applied to a tile: all unchanged instances must remain
+// bit-identical.
 
 #include "core/base/instance_id.hpp"
 #include "core/near/tile_overlay.hpp"
@@ -60,7 +61,7 @@ TEST_CASE("overlay: without changes, and with changes elsewhere, no tile is copi
 	}
 }
 
-TEST_CASE("overlay: removed and hidden instances are gone; the rest is bit-identical, in the same order") {
+TEST_CASE("overlay: removed and hidden instances are omitted, and all others are bit-identical, in the same order") {
 	const LayerSettings layer = rich_layer();
 	const auto tile = shared_tile(layer);
 	InstanceState state;
@@ -124,7 +125,7 @@ TEST_CASE("overlay: hand-placed instances come first, only in their own tile, as
 	CHECK(tile->origin + glm::dvec3(shown[1]->positions()[0]) == glm::dvec3(10.5, 20.0, 30.25));
 	const UnfilledVector<float> floats = expanded(*shown[1]).buffer;
 	CHECK(std::vector<float>(floats.begin(), floats.begin() + 3) == std::vector<float>{0.0f, 0.0f, 2.0f});
-	CHECK(floats[transform_floats] == 0.5f); // The color at its height.
+	CHECK(floats[transform_floats] == 0.5f); // The color depends on the instance's height.
 	CHECK(floats[transform_floats + 3] == 2.0f);
 	CHECK(shown[1]->max_scale() >= 2.0f);
 	CHECK(visible_prefix(shown[1]->ranks(), 1e-9) >= 1);

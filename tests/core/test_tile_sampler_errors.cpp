@@ -1,4 +1,4 @@
-// TileSampler::sample with bad input, with its cancel flag, and its use of memory.
+// Tests how TileSampler::sample handles invalid input and its cancel flag, and how it uses memory.
 
 #include "allocation_count.hpp"
 #include "core/base/instance_id.hpp"
@@ -19,7 +19,8 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double inf = std::numeric_limits<double>::infinity();
 constexpr Rect small_rect{{0.0, 0.0}, {20.0, 20.0}};
 
-/// A sampler with a valid result in its buffer. A refused call must leave it unchanged.
+/// A sampler and the valid result of an earlier call. A refused call must leave the result
+/// unchanged.
 struct Fixture {
 	TileSampler sampler;
 	std::vector<SamplePoint> points;
@@ -31,7 +32,8 @@ struct Fixture {
 		before = points;
 	}
 
-	/// Checks that a call is refused with this code and property, changes nothing, and leaves the sampler usable.
+	/// Checks that a call is refused with this code and property, does not change the points, and
+	/// leaves the sampler usable.
 	void refuse(const PointSet &set, const Rect &rect, ErrorCode code, const std::string &property) {
 		const Status status = sampler.sample(set, rect, points);
 		CHECK(status.code == code);
@@ -115,7 +117,8 @@ TEST_CASE_FIXTURE(Fixture, "sampler errors: rectangles with too many points") {
 	refuse_rect({0.0, 0.0}, {5.0e6, 5.0e6}, ErrorCode::too_many_points);
 	refuse(PointSet{.radius = 1e-3}, {{0.0, 0.0}, {20.0, 20.0}}, ErrorCode::too_many_points, "rect");
 	refuse(PointSet{.radius = 1e-3, .levels = 8}, {{0.0, 0.0}, {20.0, 20.0}}, ErrorCode::too_many_points, "rect");
-	// Refused before any work: ten such calls, and as many valid ones of the fixture, take almost no time.
+	// Calls are refused before any work. So ten of them, and as many valid calls by `refuse`, take
+	// almost no time.
 	CHECK(test::processor_seconds() - start < 5.0);
 }
 
@@ -129,7 +132,8 @@ TEST_CASE_FIXTURE(Fixture, "sampler: an empty rectangle returns no points and no
 }
 
 TEST_CASE("sampler: sets of extreme radii are similar") {
-	// The process has no scale: one seed produces the same lattice points for every radius.
+	// The process is independent of scale: one seed produces the same lattice points for every
+	// radius.
 	TileSampler sampler;
 	std::vector<SamplePoint> unit, other;
 	const PointSet one{.seed = 5, .radius = 1.0};
@@ -190,7 +194,7 @@ TEST_CASE_FIXTURE(Fixture, "sampler: a flag raised during the work cancels soon"
 		std::atomic<bool> cancel{false};
 		Status status;
 		std::thread worker([&] {
-			// At least half a minute of work.
+			// Without cancellation, this takes at least half a minute.
 			status = sampler.sample(PointSet{.seed = 3, .levels = levels}, {{0.0, 0.0}, {10'000.0, 10'000.0}}, points,
 					{.cancel = &cancel, .report = {}});
 		});
@@ -198,7 +202,7 @@ TEST_CASE_FIXTURE(Fixture, "sampler: a flag raised during the work cancels soon"
 		const double start = test::processor_seconds();
 		cancel = true;
 		worker.join();
-		// The promise is about a millisecond, but a checked build takes longer.
+		// The documented limit is about a millisecond, but builds with sanitizers take longer.
 		CHECK(test::processor_seconds() - start < 1.0);
 		CHECK(status.code == ErrorCode::cancelled);
 		REQUIRE(sampler.sample(PointSet{.seed = 1}, small_rect, points).ok());
@@ -228,7 +232,7 @@ TEST_CASE_FIXTURE(Fixture, "sampler: reports its progress, and can be cancelled 
 			ErrorCode::cancelled);
 }
 
-TEST_CASE("sampler: no allocations once warm") {
+TEST_CASE("sampler: repeated calls allocate nothing") {
 	for (const std::uint32_t levels : {1u, 4u}) {
 		CAPTURE(levels);
 		const PointSet set{.seed = 6, .radius = 1.0, .levels = levels};
@@ -251,7 +255,7 @@ TEST_CASE("sampler: no allocations once warm") {
 		CHECK(walked);
 		CHECK(after == before);
 	}
-	// Checks that the counter counts. A compiler may remove an unused vector, but not this call.
+	// Verifies the counter itself. A compiler may remove an unused vector, but not this call.
 	const std::size_t before = allocation_count();
 	void *const memory = ::operator new(1000);
 	CHECK(allocation_count() > before);
@@ -292,6 +296,6 @@ TEST_CASE("sampler: the statistics of a call are consistent") {
 	CHECK(stats.computed >= stats.kept);
 	CHECK(stats.darts >= stats.computed);
 	CHECK(stats.squares >= stats.cells);
-	CHECK(stats.cells >= 8192); // 64^2 * 2 cells, and the margin.
+	CHECK(stats.cells >= 8192); // 2 * 64^2 cells, plus the margin.
 	CHECK(stats.workspace_bytes > 0);
 }

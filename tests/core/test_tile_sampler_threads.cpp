@@ -1,5 +1,5 @@
-// Threads that the caller lends share a large rectangle: points, order, errors and progress are the same as without
-// them.
+// Tests that threads which the caller lends to a call share a large rectangle. Points, order,
+// errors and progress must be the same as without them.
 
 #include "allocation_count.hpp"
 #include "core/sampling/tile_sampler.hpp"
@@ -21,7 +21,8 @@ namespace {
 
 using Threads = test::CountedThreads;
 
-/// Runs the other threads' work before or after the caller's part, or never.
+/// Simulates two threads on the calling thread. Their work runs before the caller's part, after it,
+/// or never.
 class OneByOne final : public LentThreads {
 public:
 	enum class Others { first, last, never };
@@ -46,7 +47,7 @@ private:
 	Others others_;
 };
 
-constexpr Rect wide{{-500.0, 1000.0}, {400.0, 1900.0}}; ///< 100 blocks.
+constexpr Rect wide{{-500.0, 1000.0}, {400.0, 1900.0}}; ///< The rectangle contains 100 blocks.
 
 struct Alone {
 	explicit Alone(const PointSet &set) { REQUIRE(sampler.sample(set, wide, points).ok()); }
@@ -81,7 +82,7 @@ TEST_CASE("sampler: lent threads change no point and no order") {
 	}
 }
 
-TEST_CASE("sampler: a single block requests no threads") {
+TEST_CASE("sampler: a rectangle of a single block uses no lent threads") {
 	Threads threads(2);
 	TileSampler sampler;
 	std::vector<SamplePoint> points;
@@ -130,7 +131,7 @@ TEST_CASE("sampler: with threads, the error names the first block that cannot be
 }
 
 TEST_CASE("sampler: with threads, memory may run out anywhere") {
-	// On one thread, so that every request is counted.
+	// All work runs on one thread, so that every allocation is counted.
 	const Rect rect{{0.0, 0.0}, {200.0, 100.0}};
 	const PointSet set{.seed = 4};
 	std::vector<SamplePoint> expected;
@@ -166,7 +167,9 @@ TEST_CASE("sampler: lent threads take blocks, and their workspaces are kept for 
 		return allocation_count() - before;
 	};
 	const std::size_t first = allocations();
-	CHECK(reports == 3); // One for each of three rounds; those of the caller's own blocks would be reported one by one.
+	// One report for each of three rounds. Blocks that the caller samples would be reported one by
+	// one.
+	CHECK(reports == 3);
 	const std::size_t second = allocations();
-	CHECK(second + 50 < first); // Grids of two more samplers.
+	CHECK(second + 50 < first); // The first call also allocates the grids of two more samplers.
 }

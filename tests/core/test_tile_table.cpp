@@ -10,6 +10,7 @@
 #include <map>
 #include <random>
 #include <set>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -25,7 +26,7 @@ std::set<std::pair<int, int>> tiles_without(const TileDisc &disc, const TileDisc
 
 } // namespace
 
-TEST_CASE("tile disc: it contains the tiles that touch it, and lists those that another disc lacks") {
+TEST_CASE("tile disc: a disc contains the tiles that touch it, and lists those that a different disc lacks") {
 	std::mt19937_64 random(3);
 	std::uniform_real_distribution<double> unit(-1.0, 1.0);
 	for (int round = 0; round < 60; ++round) {
@@ -44,7 +45,7 @@ TEST_CASE("tile disc: it contains the tiles that touch it, and lists those that 
 			for (int x = middle.x - 25; x <= middle.x + 25; ++x) {
 				const double distance = std::sqrt(distance_squared(tile_rect(size, {x, y}), center));
 				const bool in = all.contains({x, y});
-				// To within rounding.
+				// Rounding may decide distances this close to the reach.
 				CHECK((std::abs(distance - reach) < 1e-6 || in == (distance <= reach)));
 				CHECK(disc.contains({x, y}) == in);
 				CHECK(rest.contains({x, y}) == (in && !other.contains({x, y})));
@@ -53,20 +54,21 @@ TEST_CASE("tile disc: it contains the tiles that touch it, and lists those that 
 	}
 }
 
-TEST_CASE("tile table: it behaves like a map, and slots are stable") {
+TEST_CASE("tile table: a table behaves like a map, and its slots are stable") {
 	std::mt19937_64 random(4);
 	TileTable table;
-	std::map<std::pair<int, int>, std::uint32_t> expected;
-	CHECK(table.find({0, 0}) == TileTable::none);
+	std::map<std::tuple<int, int, int>, std::uint32_t> expected;
+	CHECK(table.find({0, 0, 0}) == TileTable::none);
 	for (int step = 0; step < 20000; ++step) {
-		const glm::ivec2 at(static_cast<int>(random() % 40) - 20, static_cast<int>(random() % 40) - 20);
-		const auto found = expected.find({at.x, at.y});
+		const glm::ivec3 at(static_cast<int>(random() % 20) - 10, static_cast<int>(random() % 20) - 10,
+				random() % 2 == 0 ? all_slabs : static_cast<int>(random() % 4) - 2);
+		const auto found = expected.find({at.x, at.y, at.z});
 		CHECK(table.find(at) == (found != expected.end() ? found->second : TileTable::none));
 		if (random() % 2 == 0) {
 			const std::uint32_t slot = table.find_or_add(at);
 			CHECK((found == expected.end() || found->second == slot));
 			CHECK(table[slot].at == at);
-			expected[{at.x, at.y}] = slot;
+			expected[{at.x, at.y, at.z}] = slot;
 		} else if (found != expected.end()) {
 			table.erase(found->second);
 			CHECK_FALSE(table[found->second].exists);
@@ -76,14 +78,14 @@ TEST_CASE("tile table: it behaves like a map, and slots are stable") {
 	}
 	table.clear();
 	CHECK(table.size() == 0);
-	CHECK(table.find({1, 1}) == TileTable::none);
+	CHECK(table.find({1, 1, 1}) == TileTable::none);
 }
 
 TEST_CASE("tile queue: the nearest suitable tile, for any movement of the viewer") {
 	std::mt19937_64 random(9);
 	std::uniform_real_distribution<double> unit(-1.0, 1.0);
 	TileQueue queue;
-	std::vector<glm::ivec2> tiles; // By slot. Some are removed.
+	std::vector<glm::ivec3> tiles; // The tile of each slot, including tiles that were removed.
 	std::vector<bool> in;
 	glm::dvec2 place{0.0};
 	const auto squared = [&](std::uint32_t slot) {
@@ -96,10 +98,10 @@ TEST_CASE("tile queue: the nearest suitable tile, for any movement of the viewer
 	};
 	for (int step = 0; step < 2000; ++step) {
 		for (std::uint64_t more = random() % 8 + (step == 500 ? 3000 : 0); more > 0; --more) {
-			tiles.emplace_back(static_cast<int>(200.0 * unit(random)), static_cast<int>(200.0 * unit(random)));
+			tiles.emplace_back(static_cast<int>(200.0 * unit(random)), static_cast<int>(200.0 * unit(random)), 0);
 			in.push_back(true);
 			queue.add(static_cast<std::uint32_t>(tiles.size() - 1), tiles.back());
-			// Repeats an entry, or pairs an existing slot with a wrong tile.
+			// Adds an entry again, or an entry with an existing slot and a wrong tile.
 			queue.add(static_cast<std::uint32_t>(random() % tiles.size()), tiles.back());
 		}
 		if (random() % 3 == 0) {
@@ -124,7 +126,7 @@ TEST_CASE("tile queue: the nearest suitable tile, for any movement of the viewer
 	}
 }
 
-TEST_CASE("tile queue: of many tiles, few are measured, and none twice while nothing moves") {
+TEST_CASE("tile queue: few of many tiles are measured, and no tile twice while nothing moves") {
 	TileQueue queue;
 	double place = 0.0;
 	int measured = 0;
@@ -136,7 +138,7 @@ TEST_CASE("tile queue: of many tiles, few are measured, and none twice while not
 	};
 	constexpr int tiles = 10'000;
 	for (int x = 0; x < tiles; ++x) {
-		queue.add(static_cast<std::uint32_t>(x), {x, 0});
+		queue.add(static_cast<std::uint32_t>(x), {x, 0, 0});
 	}
 	const auto first_from = [&](int least) {
 		measured = tested = 0;
@@ -152,16 +154,16 @@ TEST_CASE("tile queue: of many tiles, few are measured, and none twice while not
 	CHECK(measured == tiles);
 	CHECK(first_from(20) == 20);
 	CHECK(measured == 0);
-	CHECK(tested == 1); // Those before it were unsuitable.
+	CHECK(tested == 1); // The entries before it were found unsuitable earlier.
 	CHECK(first_from(25) == 25);
 	CHECK(tested == 6);
 	place = 2.0;
 	queue.move(2.0);
 	CHECK(first_from(20) == 20);
 	CHECK(measured < 300);
-	queue.add(tiles, {-1, 0});
+	queue.add(tiles, {-1, 0, 0});
 	CHECK(first_from(-1) == 2);
 	CHECK(measured < 300);
-	CHECK(first_from(tiles - 1) == tiles - 1); // Checks all of them.
+	CHECK(first_from(tiles - 1) == tiles - 1); // The search checks all entries.
 	CHECK(measured >= tiles);
 }

@@ -1,4 +1,5 @@
-// Transforms of many instances at once: bit-identical to one at a time, on every instruction set.
+// Tests that transforms in batches are bit-identical to single transforms, on every instruction
+// set.
 
 #include "core/placement/transform_batch.hpp"
 #include "placement_fixture.hpp"
@@ -59,7 +60,8 @@ TEST_CASE("transform batch: batches are bit-identical to single transforms, on e
 				const std::size_t count = 1 + random() % TransformBatch::most;
 				while (ids.size() < count) {
 					ids.push_back(random());
-					up.push_back(random() % 8 == 0 ? glm::vec3(-0.0f, 1.0f, 0.0f) : random_normal(normals));
+					const glm::vec3 normal = random() % 8 == 0 ? glm::vec3(-0.0f, 1.0f, 0.0f) : random_normal(normals);
+					up.push_back(round % 3 == 0 && random() % 4 == 0 ? -normal : normal);
 					positions.emplace_back(static_cast<float>(random() % 1000), -0.0f, static_cast<float>(count));
 					batch.add(ids.back(), up.back(), positions.back());
 				}
@@ -81,13 +83,13 @@ TEST_CASE("transform batch: batches are bit-identical to single transforms, on e
 	}
 }
 
-TEST_CASE("transform batch: they are computed in vectors, which write beyond the last one") {
+TEST_CASE("transform batch: vectors compute the transforms, and write beyond the last transform") {
 	TransformBatch batch;
 	batch.scale.fill(-1.0f);
 	batch.add(5, up, {});
 	batch.make({}, seed);
 	CHECK(batch.scale[0] == 1.0f);
-	CHECK(batch.scale[1] == 1.0f); // Single-lane code would leave it unchanged.
+	CHECK(batch.scale[1] == 1.0f); // Scalar code would leave it unchanged.
 }
 
 TEST_CASE("transform batch: tiles are placed, and restored from compact tiles, in vectors") {
@@ -108,6 +110,6 @@ TEST_CASE("transform batch: tiles are placed, and restored from compact tiles, i
 	CHECK(bench::runs_vectors(
 			[&] { mesh.read(std::vector<std::uint32_t>{3, 1}, std::span(floats).first(2 * mesh.stride())); }));
 	CHECK_FALSE(bench::runs_vectors([&] { mesh.read(std::vector<std::uint32_t>{}, {}); }));
-	layer.placement.scale_curve = placements().back().scale_curve; // It must be evaluated instance by instance.
+	layer.placement.scale_curve = placements().back().scale_curve; // The curve must be evaluated instance by instance.
 	CHECK_FALSE(places_by_vectors());
 }

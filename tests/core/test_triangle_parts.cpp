@@ -67,10 +67,10 @@ TEST_CASE("triangle parts: many meshes equal one mesh of all their triangles, in
 	}
 }
 
-TEST_CASE("triangle parts: of equally high ones, the most level one determines the normal, in any order") {
+TEST_CASE("triangle parts: the most level of equally high parts determines the normal, in any order") {
 	const auto level = part_of({{0.0, 1.0, 0.0}, {4.0, 1.0, 0.0}, {2.0, 1.0, 4.0}});
 	const auto rising = part_of({{0.0, 1.0, 0.0}, {4.0, 1.0, 0.0}, {2.0, 5.0, -4.0}});
-	// Equally steep: a ridge along z.
+	// Two equally steep triangles that form a ridge along z.
 	const auto west = part_of({{-10.0, 0.0, -5.0}, {-10.0, 0.0, 5.0}, {-8.0, 2.0, 0.0}});
 	const auto east = part_of({{-6.0, 0.0, -5.0}, {-6.0, 0.0, 5.0}, {-8.0, 2.0, 0.0}});
 	for (const auto &parts : {std::vector{level, rising, west, east}, std::vector{east, west, rising, level}}) {
@@ -82,7 +82,7 @@ TEST_CASE("triangle parts: of equally high ones, the most level one determines t
 	}
 }
 
-TEST_CASE("triangle parts: no, empty and upright parts are no ground; spans of other sizes are refused") {
+TEST_CASE("triangle parts: missing, empty and upright parts are no ground, and spans of wrong sizes are refused") {
 	CHECK(std::isnan(TriangleParts().at({0.0, 0.0}).height));
 	const auto wall = part_of({{0.0, 0.0, 0.0}, {0.0, 9.0, 0.0}, {0.0, 0.0, 4.0}});
 	const auto floor = part_of({{-5.0, 1.0, -5.0}, {5.0, 1.0, -5.0}, {0.0, 1.0, 5.0}});

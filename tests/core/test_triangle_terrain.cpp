@@ -30,7 +30,7 @@ TriangleTerrain terrain_of(const Corners &corners) {
 
 bool hole(const TriangleTerrain &terrain, glm::dvec2 place) { return std::isnan(terrain.at(place).height); }
 
-/// A flat square of two triangles at a height.
+/// Returns a level square of two triangles at `height`, with sides of twice `half`.
 Corners square(double height, double half, glm::dvec2 center = glm::dvec2(0.0)) {
 	const auto corner = [&](double x, double z) {
 		return glm::dvec3(center.x + x, height, center.y + z);
@@ -44,9 +44,9 @@ Corners operator+(Corners a, const Corners &b) {
 	return a;
 }
 
-/// A surface without gaps: a grid of posts that are displaced so little that all cells stay convex. It is rotated, with
-/// random diagonals, windings and heights.
-struct Surface {
+/// A surface without gaps: a rotated grid of posts with random heights, and cells with random
+/// diagonals and windings. The displacement of the posts is so small that all cells remain convex.
+struct Hills {
 	glm::ivec2 cells{0};
 	std::vector<glm::dvec3> posts;
 	Corners corners;
@@ -54,12 +54,12 @@ struct Surface {
 	glm::dvec3 post(int x, int z) const { return posts[static_cast<std::size_t>(z * (cells.x + 1) + x)]; }
 };
 
-Surface random_surface(glm::ivec2 cells, double size, glm::dvec2 origin, std::mt19937 &random) {
+Hills random_surface(glm::ivec2 cells, double size, glm::dvec2 origin, std::mt19937 &random) {
 	std::uniform_real_distribution<double> unit(-1.0, 1.0);
 	const double turn = 3.0 * unit(random);
 	const double cosine = std::cos(turn);
 	const double sine = std::sin(turn);
-	Surface surface;
+	Hills surface;
 	surface.cells = cells;
 	for (int z = 0; z <= cells.y; ++z) {
 		for (int x = 0; x <= cells.x; ++x) {
@@ -87,7 +87,7 @@ Surface random_surface(glm::ivec2 cells, double size, glm::dvec2 origin, std::mt
 	return surface;
 }
 
-/// The height of a triangle's plane.
+/// Returns the height of a triangle's plane at a position.
 double plane_height(std::span<const glm::dvec3, 3> corner, glm::dvec2 place) {
 	const glm::dvec3 normal = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
 	const glm::dvec2 offset = place - glm::dvec2(corner[0].x, corner[0].z);
@@ -101,7 +101,7 @@ std::span<const glm::dvec3, 3> triangle_at(const Corners &corners, std::size_t i
 } // namespace
 
 TEST_CASE("triangles: only a triangle, its edges and its corners have ground") {
-	// Rises by 1 m per meter of x: 45 degrees.
+	// The triangle rises by 1 m per meter along x, so its slope is 45 degrees.
 	const Corners one{{0.0, 10.0, 0.0}, {4.0, 14.0, 0.0}, {0.0, 10.0, 4.0}};
 	const double half = std::sqrt(0.5);
 	for (const std::array<std::size_t, 3> order : {std::array<std::size_t, 3>{0, 1, 2}, {2, 1, 0}, {1, 2, 0}}) {
@@ -123,30 +123,30 @@ TEST_CASE("triangles: only a triangle, its edges and its corners have ground") {
 	}
 }
 
-TEST_CASE("triangles: no triangles, or only upright ones, are no ground") {
+TEST_CASE("triangles: without triangles, or with only upright triangles, there is no ground") {
 	CHECK(hole(TriangleTerrain(), {0.0, 0.0}));
 	const TriangleTerrain none = terrain_of({});
 	CHECK(hole(none, {0.0, 0.0}));
 	CHECK(none.area().empty());
-	// A wall, a line and a point. The wall's corners are not exact in binary.
+	// A wall, a line and a point. The wall's corners have no exact binary representation.
 	const TriangleTerrain walls = terrain_of({{0.1, 0.0, 0.7}, {0.1, 9.0, 0.7}, {0.3, 3.0, 2.1}, {0.0, 0.0, 0.0},
 			{1.0, 1.0, 1.0}, {2.0, 2.0, 2.0}, {5.0, 5.0, 5.0}, {5.0, 5.0, 5.0}, {5.0, 5.0, 5.0}});
 	CHECK(hole(walls, {0.1, 0.7}));
 	CHECK(hole(walls, {1.0, 1.0}));
 	CHECK(hole(walls, {5.0, 5.0}));
 	CHECK(walls.area().empty());
-	// On a floor they change nothing, despite their height.
+	// A wall on a floor does not change the ground, despite its height.
 	const TriangleTerrain room =
 			terrain_of(square(1.0, 8.0) + Corners{{2.0, 0.0, -3.0}, {2.0, 9.0, 0.0}, {2.0, 0.0, 3.0}});
 	CHECK(room.at({2.0, 0.0}).height == 1.0f);
 	CHECK(room.at({2.0, 0.0}).normal == glm::vec3(0.0f, 1.0f, 0.0f));
 }
 
-TEST_CASE("triangles: the topmost one is the ground, also for bridges and undersides of rocks") {
+TEST_CASE("triangles: the topmost triangle is the ground, also for bridges and undersides of rocks") {
 	const Corners valley = square(-3.0, 20.0);
 	const Corners bridge = square(5.0, 4.0, {2.0, -1.0});
 	Corners underside = square(2.0, 5.0, {-10.0, 0.0});
-	std::ranges::reverse(underside); // Faces down.
+	std::ranges::reverse(underside); // This square faces down.
 	for (const Corners &all : {valley + bridge + underside, underside + bridge + valley}) {
 		const TriangleTerrain terrain = terrain_of(all);
 		CHECK(terrain.at({2.0, -1.0}).height == 5.0f);
@@ -158,14 +158,15 @@ TEST_CASE("triangles: the topmost one is the ground, also for bridges and unders
 	}
 }
 
-TEST_CASE("triangles: of equally high ones, the first determines the normal") {
+TEST_CASE("triangles: the first of equally high triangles determines the normal") {
 	const Corners level{{0.0, 1.0, 0.0}, {4.0, 1.0, 0.0}, {2.0, 1.0, 4.0}};
 	const Corners rising{{0.0, 1.0, 0.0}, {4.0, 1.0, 0.0}, {2.0, 5.0, -4.0}};
 	for (const double x : {0.0, 1.0, 2.0, 4.0}) {
 		CHECK(terrain_of(level + rising).at({x, 0.0}).normal == glm::vec3(0.0f, 1.0f, 0.0f));
 		CHECK(terrain_of(rising + level).at({x, 0.0}).normal.y < 0.8f);
 	}
-	// A level triangle is exactly level, so that no rounding puts it below a triangle that falls away from its edge.
+	// A level triangle has exactly one height, so rounding never puts it below a triangle that
+	// slopes down from its edge.
 	const Corners floor{{0.0, 0.1, 0.0}, {3.7, 0.1, 0.0}, {2.0, 0.1, 4.1}};
 	const Corners slope{{0.0, 0.1, 0.0}, {3.7, 0.1, 0.0}, {1.3, -5.0, -2.9}};
 	const TriangleTerrain edge = terrain_of(floor + slope);
@@ -179,15 +180,16 @@ TEST_CASE("triangles: a mesh has no cracks, and only its own holes") {
 	std::uniform_real_distribution<double> unit(0.0, 1.0);
 	for (const double size : {1e-3, 1.0, 300.0}) {
 		for (const glm::dvec2 origin : {glm::dvec2(0.0), glm::dvec2(-1234.5, 9876.5), glm::dvec2(9e6, -9e6)}) {
-			const Surface surface = random_surface({9, 6}, size, origin, random);
+			const Hills surface = random_surface({9, 6}, size, origin, random);
 			const TriangleTerrain terrain = terrain_of(surface.corners);
-			const double grain = glm::length(origin) * 1e-15 + size * 1e-7; // Rounding on slopes of 5 and more.
+			// Allows for rounding on slopes of 5 and more.
+			const double grain = glm::length(origin) * 1e-15 + size * 1e-7;
 			for (const glm::dvec3 post : surface.posts) {
 				CHECK(std::abs(terrain.at({post.x, post.z}).height - post.y) <= 50.0 * grain);
 			}
 			for (int z = 1; z < surface.cells.y; ++z) {
 				for (int x = 1; x < surface.cells.x; ++x) {
-					// Along inner edges, and from post to post across any triangle in between.
+					// Positions along the inner edges, from post to post.
 					const glm::dvec3 from = surface.post(x, z);
 					for (const glm::dvec3 to : {surface.post(x - 1, z), surface.post(x, z - 1)}) {
 						for (int i = 0; i < 40; ++i) {
@@ -205,7 +207,7 @@ TEST_CASE("triangles: a mesh has no cracks, and only its own holes") {
 				const double v = 0.05 + 0.4 * unit(random);
 				const glm::dvec3 at = corner[0] + u * (corner[1] - corner[0]) + v * (corner[2] - corner[0]);
 				CHECK(std::abs(terrain.at({at.x, at.z}).height - at.y) <= 500.0 * grain);
-				// Removing this triangle leaves a hole.
+				// Removing a triangle leaves a hole.
 				Corners holed = surface.corners;
 				holed.erase(holed.begin() + static_cast<std::ptrdiff_t>(3 * i),
 						holed.begin() + static_cast<std::ptrdiff_t>(3 * i + 3));
@@ -216,7 +218,8 @@ TEST_CASE("triangles: a mesh has no cracks, and only its own holes") {
 }
 
 TEST_CASE("triangles: slivers that meet in a fan have no crack, and no height beyond their corners'") {
-	// 2,000 triangles around one corner, thinner at their tips than the precision of a double.
+	// 2,000 triangles that share one corner, near which they are narrower than the precision of
+	// double.
 	constexpr int blades = 2000;
 	const glm::dvec3 tip(1e5 / 3.0, 7.0, -1e5 / 7.0);
 	std::mt19937 random(2);
@@ -237,10 +240,11 @@ TEST_CASE("triangles: slivers that meet in a fan have no crack, and no height be
 		const glm::dvec3 at = glm::mix(tip, on_rim, part * part * part * 0.999999);
 		const glm::dvec2 place(at.x, at.z);
 		if (place.y <= tip.z || place == glm::dvec2(tip.x, tip.z)) {
-			continue; // So near the tip that rounding moved it out of the fan.
+			continue; // The position is so near the tip that rounding moved it out of the fan.
 		}
 		const float height = terrain.at(place).height;
-		// A position may miss the fan only where the fan is no wider than one or two rounding steps of the coordinates.
+		// A position may miss the fan only where the fan is at most one or two rounding steps of
+		// the coordinates wide.
 		CHECK((!std::isnan(height) || part * part * part * 50.0 * 1e-5 < 2e-11));
 		CHECK((std::isnan(height) || std::abs(height - at.y) < 1e-4));
 		const glm::dvec3 normal(terrain.at(place).normal);
@@ -248,7 +252,7 @@ TEST_CASE("triangles: slivers that meet in a fan have no crack, and no height be
 	}
 }
 
-TEST_CASE("triangles: random ones of all sizes match a scan of all of them, in any order") {
+TEST_CASE("triangles: random triangles of all sizes match a scan of all triangles, in any order") {
 	std::mt19937 random(3);
 	std::uniform_real_distribution<double> unit(-1.0, 1.0);
 	for (const std::size_t count : std::vector<std::size_t>{1, 2, 4, 5, 8, 9, 17, 33, 100, 500}) {
@@ -289,7 +293,7 @@ TEST_CASE("triangles: random ones of all sizes match a scan of all of them, in a
 	}
 }
 
-TEST_CASE("triangles: normals are accurate from gentle to nearly upright ones") {
+TEST_CASE("triangles: normals are accurate, from gentle to nearly upright triangles") {
 	for (const double degrees : {0.0, 1.0, 30.0, 45.0, 60.0, 89.0, 89.999}) {
 		const double angle = degrees * 3.14159265358979323846 / 180.0;
 		const glm::dvec3 along(std::cos(angle), std::sin(angle), 0.0);
@@ -303,7 +307,7 @@ TEST_CASE("triangles: normals are accurate from gentle to nearly upright ones") 
 
 TEST_CASE("triangles: a hundred thousand side by side, and all of them above one position") {
 	std::mt19937 random(4);
-	const Surface surface = random_surface({250, 200}, 2.0, {-250.0, 100.0}, random);
+	const Hills surface = random_surface({250, 200}, 2.0, {-250.0, 100.0}, random);
 	const TriangleTerrain terrain = terrain_of(surface.corners);
 	for (const glm::dvec3 post : surface.posts) {
 		CHECK(std::abs(terrain.at({post.x, post.z}).height - post.y) < 1e-4);
@@ -365,13 +369,13 @@ TEST_CASE("triangles: a cancelled build changes nothing") {
 	CHECK(terrain.at({1.0, 1.0}).height == 5.0F);
 }
 
-TEST_CASE("triangles: those beside or below are not computed") {
-	// These are computed in whole numbers. Four triangles are a leaf of the tree.
+TEST_CASE("triangles: triangles beside or below the position are not computed") {
+	// Computing these triangles involves only integers. Four triangles form a leaf of the tree.
 	Corners even;
 	for (const double height : {8.0, 9.0, 10.0, 11.0}) {
 		even = even + Corners{{0.0, height, 0.0}, {4.0, height, 0.0}, {0.0, height, 4.0}};
 	}
-	// These would be rounded.
+	// Computing these triangles rounds intermediate results.
 	const auto uneven = [](glm::dvec2 center, double height) {
 		Corners corners;
 		for (int i = 0; i < 4; ++i) {
@@ -390,9 +394,12 @@ TEST_CASE("triangles: those beside or below are not computed") {
 		CHECK(ground.height >= 11.0f);
 		return found;
 	};
-	for (const double side : {-1.0, 1.0}) { // Before the others in the tree, and behind them.
+	// The uneven triangles come before the even ones in the tree in the first round, and after them
+	// in the second.
+	for (const double side : {-1.0, 1.0}) {
 		CHECK_FALSE(computes_uneven(uneven({70.3 * side, 0.0}, 50.7)));
 		CHECK_FALSE(computes_uneven(uneven({9.3 * side, 3.7 * side}, 0.7)));
-		CHECK(computes_uneven(uneven({9.3 * side, 3.7 * side}, 50.7))); // These are above.
+		// These uneven triangles are above the even ones.
+		CHECK(computes_uneven(uneven({9.3 * side, 3.7 * side}, 50.7)));
 	}
 }

@@ -8,7 +8,7 @@ using namespace thicket;
 
 namespace {
 
-/// The number of visuals with this many instances that one step uploads.
+/// Returns the number of visuals that one step uploads if each has this many instances.
 std::size_t visuals_in_step(std::size_t instances) {
 	UploadStep step;
 	std::size_t count = 0;
@@ -20,7 +20,7 @@ std::size_t visuals_in_step(std::size_t instances) {
 
 } // namespace
 
-TEST_CASE("upload step: it uploads at least one visual, and few instances or visuals beyond that") {
+TEST_CASE("upload step: a step uploads at least one visual, and few instances or visuals beyond that") {
 	CHECK(visuals_in_step(1'000'000) == 1);
 	CHECK(visuals_in_step(4096) == 1);
 	CHECK(visuals_in_step(4095) == 2);

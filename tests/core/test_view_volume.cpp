@@ -9,7 +9,8 @@ using namespace thicket;
 
 namespace {
 
-/// From the origin along -z, 90 degrees in both directions, from 1 to 100 m.
+/// Returns a frustum from the origin along -z, with a field of view of 90 degrees on both axes,
+/// from 1 to 100 m.
 ViewVolume straight_ahead() {
 	return ViewVolume({{{-1, 1, -1}, {1, 1, -1}, {1, -1, -1}, {-1, -1, -1}, {-100, 100, -100}, {100, 100, -100},
 			{100, -100, -100}, {-100, -100, -100}}});
@@ -41,7 +42,7 @@ TEST_CASE("view volume: a box is visible if a part of it is") {
 	CHECK_FALSE(view.touches({-5, -5, -200}, {5, 5, -101}));
 }
 
-TEST_CASE("view volume: of an orthogonal camera, and with corners in reverse order") {
+TEST_CASE("view volume: orthogonal cameras and corners in reverse order are supported") {
 	const ViewVolume view(
 			{{{0, 0, 0}, {0, 10, 0}, {20, 10, 0}, {20, 0, 0}, {0, 0, 50}, {0, 10, 50}, {20, 10, 50}, {20, 0, 50}}});
 	CHECK(view.touches({5, 5, 5}, {6, 6, 6}));

@@ -1,4 +1,5 @@
-// A few cells have many waiting squares. These tests cover every way to store them, on each instruction set.
+// Some cells have many waiting squares. These tests cover every way in which squares are stored, on
+// each instruction set.
 
 #include "core/sampling/block_sampler.hpp"
 #include "tests/bench/common/simd_targets.hpp"
@@ -9,7 +10,7 @@
 
 using namespace thicket;
 
-TEST_CASE("waiting squares: some cells need a second slot, and some more than that") {
+TEST_CASE("waiting squares: some cells need a second slot, and some cells need more") {
 	const CellRect block{{0, 0}, {400, 400}};
 	for (const bench::SimdTarget &target : bench::simd_targets()) {
 		CAPTURE(target.name);

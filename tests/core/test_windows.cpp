@@ -1,5 +1,5 @@
-// Checks promise 1 of TileSampler: every rectangle that contains a point of the set returns this point, bit for bit the
-// same.
+// Tests guarantee 1 of TileSampler: sampling any rectangle that contains a point of the set returns
+// this point, bit for bit.
 
 #include "core/base/instance_id.hpp"
 #include "tilings.hpp"
@@ -19,7 +19,7 @@ using namespace thicket::tilings;
 
 namespace {
 
-/// Requires that every tiling returns the points that a single call for the whole region returns.
+/// Checks that every tiling returns the same points as a single call for the whole region.
 void check_tilings(const PointSet &set, const Rect &region, std::span<const Tiling> tilings, std::size_t least_points) {
 	const std::vector<SamplePoint> whole = points_at_once(set, region);
 	CHECK(whole.size() >= least_points);
@@ -27,13 +27,13 @@ void check_tilings(const PointSet &set, const Rect &region, std::span<const Tili
 		CAPTURE(tiling.name);
 		const std::vector<SamplePoint> tiled = points_through(set, region, tiling);
 		CHECK(tiled.size() == whole.size());
-		// CHECK on the vectors themselves would print a million points.
+		// CHECK on the vectors themselves would print up to a million points.
 		const bool identical = tiled == whole;
 		CHECK(identical);
 	}
 }
 
-/// A rectangle that contains this position and no other double.
+/// Returns a rectangle that contains this position and no other double.
 Rect only(glm::dvec2 position) {
 	return {position, {std::nextafter(position.x, HUGE_VAL), std::nextafter(position.y, HUGE_VAL)}};
 }
@@ -95,7 +95,7 @@ TEST_CASE("windows: a million points of a progressive set, four levels, tiles fr
 	check_tilings(set, {{-703.0, -499.0}, {491.0, 695.0}}, tilings, 1'000'000);
 }
 
-TEST_CASE("windows: all levels, a small region through small tiles") {
+TEST_CASE("windows: all levels return the same points through small tiles") {
 	for (std::uint32_t levels = 1; levels <= max_levels; ++levels) {
 		CAPTURE(levels);
 		const PointSet set{.seed = levels, .radius = 2.0, .levels = levels, .layer = 9};
@@ -108,8 +108,9 @@ TEST_CASE("windows: all levels, a small region through small tiles") {
 }
 
 TEST_CASE("windows: where the margin was too small at first") {
-	// About one cell in a million depends on a chain that leaves the first margin. Strips one cell wide have many cells
-	// at their border, so they find such chains quickly. In a wide window, the chains are well inside.
+	// About one cell in a million depends on a chain that leaves the initial margin. In a wide
+	// window, most chains are well inside. In strips one cell wide, all cells are at the border, so
+	// such chains are found quickly.
 	for (const std::uint32_t levels : {1u, max_levels}) {
 		CAPTURE(levels);
 		const PointSet set{.seed = 17, .radius = 1.0, .levels = levels, .layer = 2};
@@ -134,7 +135,7 @@ TEST_CASE("windows: where the margin was too small at first") {
 	}
 }
 
-TEST_CASE("windows: half-open, exactly") {
+TEST_CASE("windows: rectangles are half-open, exactly") {
 	for (const std::uint32_t levels : {1u, 3u}) {
 		const PointSet set{.seed = 14, .radius = 1.7, .levels = levels, .layer = 1};
 		TileSampler sampler;
@@ -169,7 +170,7 @@ TEST_CASE("windows: a strip of 900 km") {
 	}
 }
 
-TEST_CASE("windows: the corners of the world") {
+TEST_CASE("windows: tiles at the corners of the world return the same points") {
 	const PointSet set{.seed = 15, .radius = 0.5, .levels = 2, .layer = 1};
 	const double limit = lattice_unit(set) * 16384.0 * cell_limit;
 	for (const glm::dvec2 side :

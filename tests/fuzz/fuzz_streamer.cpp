@@ -1,4 +1,5 @@
-// Any sequence of layers, viewers and results: the streamer either refuses or stays consistent.
+// Calls a streamer with random sequences of layers, viewers and results. It must either refuse a
+// call or stay consistent.
 
 #include "tests/fuzz/bytes.hpp"
 #include "tests/fuzz/fuzz_main.hpp"
@@ -20,10 +21,11 @@ using Key = std::tuple<std::uint32_t, std::uint32_t, int, int>;
 
 Key key_of(const TileKey &key) { return {key.layer, key.grid, key.tile.x, key.tile.y}; }
 
-/// The caller's own record of tiles, based on the streamer's changes.
+/// The client's own record of the tiles, updated with the streamer's changes.
 struct Books {
 	std::vector<TileRequest> pending;
-	std::set<std::uint64_t> refused; ///< Results that came too late; their cancellation may still be reported.
+	/// Tickets of results that came too late. Their cancellation may still be reported.
+	std::set<std::uint64_t> refused;
 	std::set<Key> shown;
 
 	void apply(const StreamChanges &changes) {
@@ -40,7 +42,7 @@ struct Books {
 			for (const TileRequest &other : pending) {
 				promise(other.ticket != request.ticket && !(other.key == request.key), "nothing is requested twice");
 			}
-			promise(!request.rect.empty() && request.rect.finite(), "a request has a rectangle");
+			promise(!request.space.empty() && request.space.finite(), "a request has a rectangle");
 			pending.push_back(request);
 		}
 	}

@@ -1,4 +1,4 @@
-"""The options of a build, and its environment."""
+"""Defines the options of a build, and configures its environment."""
 
 import os
 import sys
@@ -10,17 +10,17 @@ from SCons.Script import BoolVariable, EnumVariable, PathVariable, Variables
 
 try:
     import fcntl
-except ImportError:  # Windows has none.
+except ImportError:  # Windows does not have this module.
     fcntl = None
 
 TARGETS = ("template_debug", "template_release", "editor")
 SANITIZERS = ("address", "undefined", "thread")
-# The environment variables that a build passes on, for itself and for a compiler cache.
+# The environment variables that are passed to compilers and the compiler cache.
 INHERITED = ("PATH", "HOME", "TERM", "TMPDIR", "THICKET_CACHE", "XDG_CACHE_HOME")
 
 
 def options():
-    """The options of this build, as `scons --help` prints them."""
+    """Returns the options of the build, which `scons --help` prints."""
     known = Variables()
     known.AddVariables(
         EnumVariable("target", "the kind of build", "template_debug", allowed_values=TARGETS),
@@ -38,6 +38,7 @@ def options():
             lambda key, value, env: value and PathVariable.PathIsDir(key, value, env),
         ),
         ("highway", "the sources of Highway " + installed.version("highway"), installed.highway_folder()),
+        ("lodepng", "the sources of LodePNG " + installed.version("lodepng"), installed.lodepng_folder()),
         ("zig", "the program zig, for use_zig=yes", installed.zig_program()),
         ("sanitize", "comma-separated sanitizers: address, undefined, thread", ""),
         BoolVariable("count_steps", "with g++ on Linux: programs that count their steps (tests/cost), in a build folder of their own", False),
@@ -59,12 +60,15 @@ def sanitizers(env):
 
 
 def targets(env):
-    """The targets that libraries are linked for. A release is compiled once: its libraries differ only in the class reference."""
+    """Returns the targets for which libraries are linked. A release has two, which share their objects, because their
+    libraries differ only in the class reference."""
     return ("template_debug", "template_release") if env["ship"] else (env["target"],)
 
 
 def lock(env):
-    """Waits until no other build runs in this tree, because both would write the same files. The lock ends with this process."""
+    """Waits until no other build runs in this tree, because both would write the same files. On Windows, does not wait.
+    Returns the locked file, which the caller must keep: the lock is released when the file is closed or garbage
+    collected, or when this process ends."""
     folder = env.Dir("#build").abspath
     os.makedirs(folder, exist_ok=True)
     file = open(os.path.join(folder, ".lock"), "w", encoding="utf-8")
@@ -78,8 +82,8 @@ def lock(env):
 
 
 def configure(env):
-    """Sets the flags for all of our code. Returns the names of the build folder and of the folder with the core's objects, which both
-    precisions share. Options that change the objects change the names."""
+    """Sets the flags for all of our code. Returns the names of the build folder and of the folder with the core's
+    objects, which both precisions share. Each option that changes the objects also changes the names."""
     env["ENV"] = {name: value for name, value in os.environ.items() if name in INHERITED or name.startswith("CCACHE_")}
     env["arch"] = env["arch"] or ("wasm32" if env["platform"] == "web" else platforms.native_arch())
     env["CXX"] = env["CXX"] or os.environ.get("CXX") or "g++"
@@ -104,18 +108,20 @@ def configure(env):
         if not compilers.name(env).startswith("clang++"):
             raise SystemExit("thicket: coverage=yes needs clang: add CXX=clang++")
         flags = ["-fprofile-instr-generate", "-fcoverage-mapping"]
-        # Source paths are relative to the root, so that a compiler cache serves all checkouts. -O1 because counting undoes optimizations.
+        # Source paths are relative to the root, so that checkouts can share a compiler cache. Higher levels than -O1
+        # gain nothing, because counting prevents optimizations.
         env.Append(CCFLAGS=[*flags, "-fcoverage-compilation-dir=.", "-O1"], LINKFLAGS=flags)
         name += ".coverage"
     name += ".dev" if env["dev_build"] else ""
     name += ".godot-cpp" if env["godot_cpp"] else ""
-    # Short lines during a build. Compiler messages are unaffected, and compile_commands.json has the full commands.
+    # Print short lines during a build. Compiler messages are unaffected, and compile_commands.json has the full
+    # commands.
     env.Replace(CXXCOMSTR="compile $SOURCE", SHCXXCOMSTR="compile $SOURCE", ARCOMSTR="archive $TARGET")
     env.Replace(LINKCOMSTR="link    $TARGET", SHLINKCOMSTR="link    $TARGET")
     env.Replace(ARFLAGS="rcsD", RANLIBCOM="")
     if env["scu_build"]:
         env.Append(CPPPATH=["#"])
-        # g++ takes an included source for a header, whose types should not depend on names of one source.
+        # g++ treats an included source as a header, and would warn about types that depend on names local to a source.
         env.Append(CCFLAGS=["-Wno-subobject-linkage"] if compilers.is_gnu(env) and not compilers.is_msvc(env) else [])
         name += ".scu"
     kind = "ship" if env["ship"] else env["target"]
@@ -123,7 +129,7 @@ def configure(env):
 
 
 def program_flags(env):
-    """Adds the flags of the extension, tests and benchmarks."""
+    """Adds the additional flags for the extension, tests and benchmarks. Only builds with sanitizers have any."""
     if sanitizers(env):
-        # Optimizing so many checks would take longer than running them. The core, which the checks are for, keeps its level.
+        # Optimizing code with sanitizers takes longer than it saves, so only the core keeps its optimization level.
         env.Append(CCFLAGS=["-O1"])

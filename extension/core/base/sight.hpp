@@ -5,27 +5,34 @@
 
 namespace thicket {
 
-// The distance between an instance and a viewer. It determines which tiles are streamed, how they are thinned, which
-// LODs are drawn, and how they fade. scatter_fade.gdshaderinc computes the same distance in shaders.
+// The sight distance between an instance and a viewer. It determines which tiles are streamed, how
+// they are thinned, which LODs are drawn, and how they fade. In shaders, scatter_fade.gdshaderinc
+// computes the same distance.
 
-/// How far a layer is visible.
+/// The visibility range of a layer.
 struct Sight {
-	double end = 0.0;  ///< Meters from a viewer beyond which nothing is drawn; 0 means no limit.
-	double fade = 0.0; ///< The share of `end`, up to it, over which instances fade out; 0 to vanish abruptly.
+	double end = 0.0;  ///< Distance in meters beyond which nothing is drawn; 0 means no limit.
+	double fade = 0.0; ///< Length of the fade-out before `end`, as a fraction of `end`; 0 for an abrupt end.
+	/// True for layers on planets. Height differences then count without a limit, so the sight
+	/// distance is the distance in space.
+	bool in_space = false;
 
-	/// Meters that a viewer with this Viewer::radius_scale sees farther than usual; negative if it sees less far.
+	/// Returns how many meters farther than `end` a viewer sees whose Viewer::radius_scale is
+	/// `scale`. The result is negative for a scale below 1.
 	double beyond(double scale) const { return (scale - 1.0) * end; }
 
-	/// The distance up to which height counts for a viewer with this scale: the start of the fade-out. Height alone
-	/// never hides an instance.
+	/// Returns how much of a height difference counts for the sight distance, in meters, for a
+	/// viewer with this scale. The limit is the distance at which the fade-out starts, so height
+	/// alone never hides an instance.
 	double height_limit(double scale) const {
-		return end > 0.0 ? std::max((scale - fade) * end, 0.0) : std::numeric_limits<double>::infinity();
+		return end > 0.0 && !in_space ? std::max((scale - fade) * end, 0.0) : std::numeric_limits<double>::infinity();
 	}
 };
 
-/// The distance between an instance and a viewer, from their distance on the map (`across`) and in space (`straight`).
-/// Up to `height_limit` it is the distance in space, and beyond that the distance on the map. So instances in range on
-/// the map are drawn however high the viewer is, and a high viewer still sees coarse LODs.
+/// Returns the sight distance between an instance and a viewer, from their horizontal distance
+/// (`across`) and their distance in space (`straight`). The result is the distance in space up to
+/// `height_limit`, and the horizontal distance beyond that. Instances within horizontal range are
+/// therefore drawn at any height of the viewer, and a high viewer sees coarse LODs.
 inline double sight_distance(double across, double straight, double height_limit) {
 	return std::max(across, std::min(straight, height_limit));
 }

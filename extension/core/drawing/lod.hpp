@@ -9,65 +9,75 @@
 
 namespace thicket {
 
-inline constexpr std::size_t max_lods = 15;     ///< Meshes for the distance, not counting the nearest one.
-inline constexpr double max_lod_distance = 1e6; ///< Meters.
-/// Limits the compensation for thinning: the remaining instances can make up for at most 15 in 16 removed ones.
+inline constexpr std::size_t max_lods = 15;     ///< Maximum number of meshes in addition to the finest one.
+inline constexpr double max_lod_distance = 1e6; ///< Maximum of all LOD distances, in meters.
+/// Maximum scale factor that compensates for thinning. It suffices as long as at least 1 in 16
+/// instances remains.
 inline constexpr double max_scale_compensation = 4.0;
 
 inline constexpr double max_lod_fade = 0.5;
 inline constexpr double usual_lod_fade = 0.1;
 
-/// A finer mesh returns at this share of the distance at which it was replaced.
+/// When a viewer returns, a finer mesh replaces a coarser one at this fraction of the distance at
+/// which the coarser one appeared.
 inline constexpr double lod_hysteresis = 0.95;
 
-/// How a layer's tiles and their cells are drawn depending on distance. Distances are in meters, as sight_distance
-/// measures, from a viewer to the box of the tile or cell; 0 inside the box.
+/// The effect of distance on how a layer's tiles and cells are drawn. Distances are measured by
+/// sight_distance, in meters, from a viewer to the box of the tile or cell; 0 inside the box.
 struct LodSettings {
-	/// The distances at which each coarser mesh begins, ascending, 0 to max_lod_distance; at most max_lods.
+	/// The distance from which each coarser mesh is drawn, ascending, 0 to max_lod_distance. At
+	/// most max_lods entries.
 	std::vector<double> lod_distances;
 
-	/// All instances are drawn up to `thin_begin`, and the share `thin_density` from `thin_end` on. In between, the share falls linearly.
-	/// Meters, begin <= end; a density of 1 disables thinning.
+	/// All instances are drawn up to `thin_begin`, and only the fraction `thin_density` from
+	/// `thin_end` on. In between, the fraction falls linearly. Both distances are in meters, and
+	/// `thin_begin` must not exceed `thin_end`. A density of 1 disables thinning.
 	double thin_begin = 0.0;
 	double thin_end = 0.0;
 	double thin_density = 1.0;
 
-	/// Enlarges the instances that remain after thinning, so that they cover as much as all of them did.
+	/// True to enlarge the instances that remain after thinning, so that the total covered area
+	/// stays the same.
 	bool scale_compensation = false;
 
-	/// The share of a distance over which a mesh fades into the next one, or the last mesh fades out at `sight_end`.
-	/// The fade ends at the distance itself. 0 means an abrupt change.
+	/// The fraction of a distance over which a mesh fades into the next one, or the last mesh fades
+	/// out before `sight_end`. The fade ends at that distance. 0 means an abrupt change.
 	double fade = usual_lod_fade;
-	double sight_end = 0.0; ///< The distance beyond which nothing is drawn. Meters; 0 for no limit.
+	double sight_end = 0.0; ///< Distance in meters beyond which nothing is drawn; 0 for no limit.
+	bool in_space = false;  ///< See Sight::in_space.
 
-	Sight sight() const { return {sight_end, fade}; }
+	Sight sight() const { return {sight_end, fade, in_space}; }
 
 	friend bool operator==(const LodSettings &, const LodSettings &) = default;
 };
 
-/// Refuses values that are not finite or out of range, distances that do not ascend, and an end before its beginning.
+/// Returns an error for values that are not finite or out of range, for LOD distances in descending
+/// order, and for a thin_end below thin_begin.
 Status validate(const LodSettings &settings);
 
-/// The mesh for a distance: 0 is the nearest, and mesh i is drawn from lod_distances[i - 1] on. `shown` is the mesh
-/// that is displayed now. A finer mesh replaces it only at a distance 5 % below the one at which it began, so that a
-/// viewer who moves back and forth sees no flicker. Pass 0 if nothing is displayed yet.
+/// Returns the index of the mesh for a distance: 0 for the finest mesh, or i if the distance is at
+/// least lod_distances[i - 1]. `shown` is the currently displayed mesh, or 0 if there is none. A
+/// finer mesh replaces it only 5 % below the distance of the change, so that the mesh does not
+/// flicker while a viewer moves back and forth.
 std::size_t lod_at(const LodSettings &settings, double distance, std::size_t shown);
 
-/// The share of instances that is drawn at a distance, 0 to 1. The share falls in `thin_steps` steps. So a tile changes
-/// that often, and not with every step of a viewer.
+/// Returns the fraction of instances that is drawn at a distance, 0 to 1. The fraction falls in
+/// `thin_steps` steps, so that a tile does not change with every movement of a viewer.
 double thinned_density(const LodSettings &settings, double distance);
 inline constexpr double thin_steps = 64.0;
 
-/// The scale factor for instances if this share of them is drawn: 1 / sqrt(share), at most max_scale_compensation.
-/// Returns 1 for a layer without compensation.
+/// Returns the scale factor for instances if the fraction `share` of them is drawn: 1 /
+/// sqrt(share), at most max_scale_compensation. Returns 1 for a layer without compensation.
 double compensating_scale(const LodSettings &settings, double share);
 
-/// The share of the `wanted` instances to draw so that there are at most `most`, given the current share. Changes the
-/// share only if too many would be drawn, or far fewer than allowed. A new share leaves room for a tenth more. 0 to 1.
+/// Returns the fraction, 0 to 1, of the `wanted` instances to draw so that there are at most
+/// `most`. Returns the current fraction `share` unless too many instances would be drawn, or far
+/// fewer than allowed. A new fraction uses 90 % of the limit.
 double limited_share(double share, std::uint64_t wanted, std::uint64_t most);
 
-/// How much the distance may change, in either direction, before any function above may return a different result.
-/// Meters, 0 or more; infinite if no result depends on the distance.
+/// Returns how far the distance may change, in either direction, without changing the result of any
+/// function above. The result is in meters, 0 or more, or infinity if no result depends on the
+/// distance.
 double distance_margin(const LodSettings &settings, double distance);
 
 } // namespace thicket

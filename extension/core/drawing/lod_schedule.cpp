@@ -14,12 +14,13 @@ namespace {
 
 glm::dvec3 position_of(const Viewer &viewer) { return {viewer.position.x, viewer.height, viewer.position.y}; }
 
-/// In meters per frame. A larger step counts as a different viewer, so that the accumulated sum keeps the precision that tiles need.
+/// Meters per frame. A larger movement counts as a jump, because it would degrade the precision of
+/// the accumulated sum.
 constexpr double farthest_step = 1e7;
 
 double length(glm::dvec3 v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
 
-auto ordered(const TileKey &key) { return std::tie(key.layer, key.grid, key.tile.x, key.tile.y); }
+auto ordered(const TileKey &key) { return std::tie(key.layer, key.grid, key.tile.x, key.tile.y, key.slab); }
 
 } // namespace
 

@@ -4,8 +4,8 @@
 
 namespace thicket {
 
-/// Sorts tiles by layer, then by position, then by grid, the newest first. So the tiles of a layer stay together. Of
-/// two tiles at the same position, the tile with the current tile size comes first.
+/// Sorts tiles by layer, then coordinates, then grid. Of two tiles with the same coordinates, the
+/// one with the newer grid, and therefore the current tile size, comes first.
 struct TileKeyOrder {
 	bool operator()(const TileKey &a, const TileKey &b) const {
 		if (a.layer != b.layer) {
@@ -14,7 +14,10 @@ struct TileKeyOrder {
 		if (a.tile.x != b.tile.x) {
 			return a.tile.x < b.tile.x;
 		}
-		return a.tile.y != b.tile.y ? a.tile.y < b.tile.y : a.grid > b.grid;
+		if (a.tile.y != b.tile.y) {
+			return a.tile.y < b.tile.y;
+		}
+		return a.slab != b.slab ? a.slab < b.slab : a.grid > b.grid;
 	}
 };
 

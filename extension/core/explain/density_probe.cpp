@@ -1,41 +1,56 @@
 #include "core/explain/density_probe.hpp"
 
 #include "core/base/guard.hpp"
+#include "core/base/tile_grid.hpp"
 #include "core/placement/tile_filter.hpp"
 #include "core/sampling/nearest_points.hpp"
+
+#include <algorithm>
 
 namespace thicket {
 
 struct DensityProbe::Workspace {
 	explicit Workspace(const SampleMargins &margins) : filter(margins) {}
 
-	Status find(const LayerSettings &layer, std::span<const glm::dvec2> places, const Rect &rect, bool explains);
+	Status find(const LayerSettings &layer, std::span<const glm::dvec2> places, std::span<const Ground> on_surface,
+			const Rect &rect, bool explains, const Surface *surface);
 
 	TileFilter filter;
 	bool found = false;
 	std::vector<glm::dvec2> positions;
 	std::vector<GroundQuery> queries;
 	std::vector<Ground> ground;
-	std::span<const Ground> own_ground; ///< The ground of the positions, and then of their surroundings.
+	/// The ground at the probed positions, followed by the ground around them.
+	std::span<const Ground> own_ground;
 };
 
-Status DensityProbe::Workspace::find(
-		const LayerSettings &layer, std::span<const glm::dvec2> places, const Rect &rect, bool explains) {
+Status DensityProbe::Workspace::find(const LayerSettings &layer, std::span<const glm::dvec2> places,
+		std::span<const Ground> on_surface, const Rect &rect, bool explains, const Surface *surface) {
 	LayerSettings rules = layer;
-	rules.instance_data = {}; // Layers that colors depend on take time and do not affect the density.
-	rules.placement = {};     // Neither does the placement of an instance.
+	// Layers on which colors depend take time to evaluate and do not affect the density.
+	rules.instance_data = {};
+	rules.placement = {}; // The placement does not affect the density either.
 	filter.set(rules);
 	if (const double points = filter.points_around(rect); points > max_probed_points) {
 		return Status::too_many_points("rect", points, max_probed_points);
 	}
-	if (const Status status = filter.sample_around(places, rect); !status.ok()) {
+	TileSpace space(rect);
+	if (!on_surface.empty()) {
+		// Other layers on surfaces need to be sampled only near these heights. A whole column may
+		// extend through a planet.
+		const auto [lowest, highest] = std::ranges::minmax_element(on_surface, {}, &Ground::height);
+		constexpr double rounding = 0.01; // Meters; heights are floats.
+		space = {rect, lowest->height - rounding, highest->height + rounding};
+	}
+	if (const Status status = filter.sample_around(places, on_surface, space, surface); !status.ok()) {
 		return status;
 	}
 	positions.clear();
 	queries.clear();
 	filter.add_queries(positions, queries);
 	for (GroundQuery &query : queries) {
-		query.needs.normals = query.needs.normals || explains; // An explanation includes the slope.
+		// Explanations include the slope, which needs the normal.
+		query.needs.normals = query.needs.normals || explains;
 	}
 	found = true;
 	return {};
@@ -46,7 +61,8 @@ DensityProbe::~DensityProbe() = default;
 DensityProbe::DensityProbe(DensityProbe &&) noexcept = default;
 DensityProbe &DensityProbe::operator=(DensityProbe &&) noexcept = default;
 
-Status DensityProbe::find(const LayerSettings &layer, std::span<const glm::dvec2> places, bool explains) {
+Status DensityProbe::find(const LayerSettings &layer, std::span<const glm::dvec2> places, bool explains,
+		const Surface *surface, std::span<const Ground> on_surface) {
 	workspace_->found = false;
 	if (const Status status = validate(layer); !status.ok()) {
 		return status;
@@ -59,7 +75,7 @@ Status DensityProbe::find(const LayerSettings &layer, std::span<const glm::dvec2
 		return {ErrorCode::not_finite, "places", rect.min.x};
 	}
 	return guarded("places", static_cast<double>(places.size()),
-			[&] { return workspace_->find(layer, places, rect, explains); });
+			[&] { return workspace_->find(layer, places, on_surface, rect, explains, surface); });
 }
 
 std::span<const glm::dvec2> DensityProbe::positions() const { return workspace_->positions; }
@@ -81,7 +97,9 @@ Status DensityProbe::look(std::span<const Ground> ground) {
 	});
 }
 
-const Ground &DensityProbe::ground_at(std::size_t place) const { return workspace_->own_ground[place]; }
+const Ground &DensityProbe::ground_at(std::size_t place) const {
+	return workspace_->filter.own().ground_of(workspace_->own_ground)[place];
+}
 
 double DensityProbe::density_at(std::size_t place) const {
 	return workspace_->filter.own().density_at(place, workspace_->own_ground);

@@ -15,13 +15,15 @@
 
 namespace thicket {
 
-/// The largest number of points of other layers that a probe may read, estimated from the density of their sets.
+/// Maximum number of points of other layers that a probe may read, estimated from the density of
+/// their sets.
 inline constexpr double max_probed_points = 4e6;
 
-/// Evaluates the density of a layer's rules at any positions, whether or not they are points of its set. Runs the same
-/// code as tile generation: a point of the set at such a position would be kept if its rank were below the density.
-/// Works in two steps, because the ground may need to be queried on a different thread: call `find`, get the ground for
-/// `positions()`, then call `look`. A reusable workspace, like TileBuilder. Not thread safe; use one per thread.
+/// Evaluates the density of a layer's rules at arbitrary positions. The probe runs the same code as
+/// tile generation: a point of the set at such a position would become an instance if its rank were
+/// below the density. A probe works in two steps, because the ground may need to be queried on a
+/// different thread: call `find`, query the ground at `positions()`, then call `look`. Probes can
+/// be reused, like a TileBuilder, and each thread needs its own.
 class DensityProbe {
 public:
 	explicit DensityProbe(const SampleMargins &margins = {});
@@ -29,23 +31,30 @@ public:
 	DensityProbe(DensityProbe &&) noexcept;
 	DensityProbe &operator=(DensityProbe &&) noexcept;
 
-	/// Takes a layer and some positions (world meters), and finds the points of other layers that its rules depend on
-	/// there. The search covers the whole rectangle around the positions, so these should lie close together. Refuses
-	/// an invalid layer, positions that are not finite, and, as `rect`, more than max_probed_points. With `explains`,
-	/// the ground is queried with its normals, whether or not the rules need them.
-	Status find(const LayerSettings &layer, std::span<const glm::dvec2> places, bool explains = false);
+	/// Prepares a probe of a layer at some positions (world meters), and finds the points of other
+	/// layers on which its rules depend there. The search covers the bounding rectangle of the
+	/// positions, so these should be close together. Returns an error for an invalid layer, an
+	/// empty list, and positions that are not finite. If the search would find more than
+	/// max_probed_points, the error names `rect`. If `explains` is true, the queries include the
+	/// ground's normals even if the rules do not need them. `surface` is the surface of the ground;
+	/// without it, layers on surfaces have no points. The positions are on the top of the ground,
+	/// unless `on_surface` contains the ground at each of them.
+	Status find(const LayerSettings &layer, std::span<const glm::dvec2> places, bool explains = false,
+			const Surface *surface = nullptr, std::span<const Ground> on_surface = {});
 
-	/// The positions at which the ground must be known after `find`, and their groups for queries. Valid until the next
-	/// call of `find`.
+	/// Return the positions at which `look` needs the ground, and the queries that group these
+	/// positions. Both lists are valid from `find` until its next call.
 	std::span<const glm::dvec2> positions() const;
 	std::span<const GroundQuery> queries() const;
 
-	/// Takes the ground of all positions. Refuses, as `ground`, any other number of entries, and a call without `find`.
-	/// Afterwards, the densities and factors below are available.
+	/// Evaluates the rules with the ground at all positions. The functions below can be called
+	/// afterwards. A wrong number of entries is an error that names `ground`. A call without a
+	/// successful `find` is an error that names `places`.
 	Status look(std::span<const Ground> ground);
 
-	/// After `look`, for one position: its ground, its density from 0 to 1, and all factors whose product is the density (see product_of).
-	/// `factors_at` replaces `r_factors`.
+	/// Return the ground at one position, the density there (0 to 1), and all factors of the
+	/// density (see product_of). `place` is the index of the position in the call of `find`. A
+	/// successful `look` is required. `factors_at` replaces the content of `r_factors`.
 	const Ground &ground_at(std::size_t place) const;
 	double density_at(std::size_t place) const;
 	Status factors_at(std::size_t place, std::vector<RuleFactor> &r_factors) const;

@@ -1,11 +1,16 @@
 #include "core/explain/place_explainer.hpp"
 
+#include "core/base/guard.hpp"
 #include "core/sampling/nearest_points.hpp"
+#include "core/surface/surface_sampler.hpp"
+#include "core/terrain/nearest_position.hpp"
 
 #include <glm/geometric.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace thicket {
 
@@ -20,19 +25,77 @@ Status rule(const DensityProbe &probe, std::size_t place, RuledPlace &r_place) {
 
 } // namespace
 
-Status PlaceExplainer::find(const LayerSettings &layer, glm::dvec2 place) {
-	if (!std::isfinite(place.x) || !std::isfinite(place.y)) {
-		return {ErrorCode::not_finite, "place", std::isfinite(place.x) ? place.y : place.x};
+Status PlaceExplainer::find(
+		const LayerSettings &layer, const glm::dvec3 &place, const Surface *surface, const Surface *models) {
+	for (const double coordinate : {place.x, place.z}) {
+		if (!std::isfinite(coordinate)) {
+			return {ErrorCode::not_finite, "place", coordinate};
+		}
 	}
 	if (const Status status = validate(layer); !status.ok()) {
 		return status;
 	}
-	place_ = place;
+	if (!layer.set.on_surface) {
+		return find_on_top(layer, {place.x, place.z}, surface);
+	}
+	if (!std::isfinite(place.y)) {
+		return {ErrorCode::not_finite, "place", place.y};
+	}
+	const Surface *grown = layer.hosted ? models : surface;
+	if (grown == nullptr) {
+		return layer.hosted ? Status::missing("model of surface_layers", "Explain a position on a model")
+							: Status::missing("surface of the ground", "Use a ground of meshes");
+	}
+	return guarded("place", place.x, [&] { return find_on_surface(layer, place, *grown, surface); });
+}
+
+Status PlaceExplainer::find_on_top(const LayerSettings &layer, glm::dvec2 place, const Surface *surface) {
 	if (const Status status = nearest_points(sampler_, layer.set, {&place, 1}, point_); !status.ok()) {
 		return status;
 	}
+	distance_ = glm::distance(place, point_.front().position);
 	const std::array<glm::dvec2, 2> places{place, point_.front().position};
-	return probe_.find(layer, places, true);
+	return probe_.find(layer, places, true, surface);
+}
+
+/// Prepares the explanation of a position on `grown`, the surface on which the layer grows.
+/// `ground_surface` is the surface of the ground, on which other layers may grow; null if there is
+/// none.
+Status PlaceExplainer::find_on_surface(
+		const LayerSettings &layer, const glm::dvec3 &place, const Surface &grown, const Surface *ground_surface) {
+	const double radius = layer.set.radius;
+	const SurfacePosition here = nearest_position(grown, place, radius);
+	if (!(glm::distance(here.position, place) <= radius)) {
+		return Status::missing(layer.hosted ? "model of surface_layers" : "surface of the ground",
+				"Explain a position that is nearer than the radius to a surface");
+	}
+	SurfaceSampler sampler(layer.hosted ? host_margins : SampleMargins());
+	std::vector<SurfacePoint> points;
+	const Box3 around{here.position - 1.5 * radius, here.position + 1.5 * radius};
+	Status status = sampler.sample(layer.set, grown, around, points);
+	if (status.ok() && points.empty()) {
+		// The slope limits may exclude all faces here. A point on an excluded face is then
+		// explained, so that the factor of its slope shows the reason.
+		PointSet all = layer.set;
+		all.faces = SurfaceFaces::all;
+		status = sampler.sample(all, grown, around, points);
+	}
+	if (!status.ok()) {
+		return status;
+	}
+	const auto nearest = std::ranges::min_element(points, {}, [&](const SurfacePoint &point) {
+		return std::pair(glm::distance(point.position, here.position), point.id);
+	});
+	if (nearest == points.end()) {
+		return Status::missing("points of the set", "Explain a position on a larger surface");
+	}
+	const glm::dvec2 position(nearest->position.x, nearest->position.z);
+	point_ = {{position, nearest->id, nearest->rank, nearest->level}};
+	distance_ = glm::distance(nearest->position, here.position);
+	const std::array<glm::dvec2, 2> places{glm::dvec2(here.position.x, here.position.z), position};
+	const std::array<Ground, 2> ground{Ground{static_cast<float>(here.position.y), glm::vec3(here.normal)},
+			Ground{static_cast<float>(nearest->position.y), glm::vec3(nearest->normal)}};
+	return probe_.find(layer, places, true, ground_surface, ground);
 }
 
 Status PlaceExplainer::explain(std::span<const Ground> ground, PlaceExplanation &r_explanation) {
@@ -45,7 +108,7 @@ Status PlaceExplainer::explain(std::span<const Ground> ground, PlaceExplanation 
 	}
 	if (status.ok()) {
 		r_explanation.point = point_.front();
-		r_explanation.distance = glm::distance(place_, point_.front().position);
+		r_explanation.distance = distance_;
 	}
 	return status;
 }

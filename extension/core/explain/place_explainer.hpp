@@ -4,6 +4,7 @@
 #include "core/rules/rule_factors.hpp"
 
 #include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 
 #include <memory>
 #include <span>
@@ -11,49 +12,63 @@
 
 namespace thicket {
 
-/// The result of a layer's rules at one position.
+/// The results of a layer's rules at one position.
 struct RuledPlace {
 	Ground ground;
-	double density = 0.0;            ///< 0 to 1: the product of all factors.
-	std::vector<RuleFactor> factors; ///< One for each rule that limits anything, in the order of evaluation.
+	double density = 0.0; ///< The product of all factors, 0 to 1.
+	/// The factors of all rules with an effect, in the order of evaluation.
+	std::vector<RuleFactor> factors;
 };
 
-/// The reasons why an instance of a layer is placed at a position, or is not.
+/// The reasons why a layer has an instance at a position, or has none.
 struct PlaceExplanation {
 	RuledPlace place;
 
-	/// The point of the layer's set that is nearest to the position, in the plane. It is closer than the radius,
-	/// because otherwise there would be room for one more point. An instance is placed there only if this point is
-	/// kept.
+	/// The point of the layer's set that is nearest to the position: in the plane, or in space for
+	/// a layer on surfaces. It is always closer than the set's radius. An instance can be at the
+	/// position only if the rules keep this point.
 	SamplePoint point{};
-	double distance = 0.0; ///< Meters, in the plane.
+	double distance = 0.0; ///< Distance from the position to the point, in meters.
 	RuledPlace at_point;
 
-	/// Whether an instance is allowed at the position itself.
+	/// Returns true if the rules allow an instance at the position itself.
 	bool allowed() const { return place.density > 0.0; }
 
-	/// True if the rules keep the point. The point is then an instance, unless a game has removed it.
+	/// Returns true if the rules keep the point. The point is then an instance, unless a game has
+	/// removed it.
 	bool stands() const { return thicket::stands(point.rank, at_point.density); }
 };
 
-/// Explains positions with the same code that generates tiles. Two steps, as in DensityProbe.
+/// Explains the rules' results at positions, with the same code that generates tiles. It works in
+/// two steps, like DensityProbe.
 class PlaceExplainer {
 public:
-	/// Refuses the positions that DensityProbe and TileSampler refuse: those that are not finite, or outside the set's
-	/// cells.
-	Status find(const LayerSettings &layer, glm::dvec2 place);
+	/// Prepares the explanation of a position in world meters, on the top of the ground. If the
+	/// layer is on surfaces, explains the position on `surface` that is nearest to `place` instead.
+	/// That position must not be farther from `place` than the set's radius. Positions that are not
+	/// finite or outside the set's cells return an error, as do the layers that DensityProbe
+	/// refuses. If the layer is hosted, the position is explained on `models`, the result of
+	/// ModelProbe, instead of `surface`. A layer on surfaces whose surface is null returns an
+	/// error.
+	Status find(const LayerSettings &layer, const glm::dvec3 &place, const Surface *surface = nullptr,
+			const Surface *models = nullptr);
 
 	std::span<const glm::dvec2> positions() const { return probe_.positions(); }
 	std::span<const GroundQuery> queries() const { return probe_.queries(); }
 
-	/// Call it after `find`, with the ground of all positions. After an error, `r_explanation` is valid but unspecified.
+	/// Completes the explanation. Call this function after `find`, with the ground at all
+	/// positions. After an error, the content of `r_explanation` is unspecified.
 	Status explain(std::span<const Ground> ground, PlaceExplanation &r_explanation);
 
 private:
+	Status find_on_top(const LayerSettings &layer, glm::dvec2 place, const Surface *surface);
+	Status find_on_surface(
+			const LayerSettings &layer, const glm::dvec3 &place, const Surface &grown, const Surface *ground_surface);
+
 	TileSampler sampler_;
 	DensityProbe probe_;
-	glm::dvec2 place_{0.0};
-	std::vector<SamplePoint> point_; ///< The nearest point.
+	double distance_ = 0.0;
+	std::vector<SamplePoint> point_; ///< Contains only the nearest point.
 };
 
 } // namespace thicket

@@ -39,7 +39,7 @@ bool same_within(double slack, std::span<const glm::dvec3> now, std::span<const 
 
 namespace {
 
-/// The part of a cell that the centers have in reach.
+/// Returns the part of a cell that is within `reach` of the centers, as a bounding rectangle.
 Rect reached(const Rect &cell, std::span<const glm::dvec3> centers, double reach) {
 	glm::dvec2 lowest{std::numeric_limits<double>::infinity()};
 	glm::dvec2 highest = -lowest;
@@ -62,7 +62,7 @@ std::size_t NearCell::look(std::uint32_t layer, const Rect &of, const NearRange 
 	r_standing.clear();
 	const Rect rect = reached(of, centers_, range.leave);
 	if (range.enter > 0.0 && !rect.empty() && layer < world.layers().size()) {
-		world.known_in(layer, rect, r_standing);
+		find_standing(layer, rect, range, world, r_standing);
 	}
 	const std::size_t cost = r_standing.size() + near_.size();
 	if (!near_.look(centers_, range, r_standing, changes_)) {
@@ -78,10 +78,23 @@ std::size_t NearCell::look(std::uint32_t layer, const Rect &of, const NearRange 
 	return cost;
 }
 
+/// Appends the instances of a layer in `rect`. If the layer's tiles are cubes, reads only the
+/// heights within range of each center.
+void NearCell::find_standing(std::uint32_t layer, const Rect &rect, const NearRange &range, const InstanceWorld &world,
+		std::vector<PlacedInstance> &r_standing) const {
+	if (!world.layers()[layer].in_space()) {
+		world.known_in(layer, rect, r_standing);
+		return;
+	}
+	for (const glm::dvec3 &center : centers_) {
+		world.known_in(layer, {rect, center.y - range.leave, center.y + range.leave}, r_standing);
+	}
+}
+
 void NearCell::follow(std::uint32_t layer, const Rect &of, const InstanceWorld &world, const NearVersion &now) {
 	if (version_.world != 0 && version_.queue == now.queue && version_.world != now.world &&
 			!world.changed_since(version_.world, layer, of)) {
-		// A new check would find the same.
+		// The world did not change here, so a new check would return the same result.
 		version_ = now;
 	}
 }

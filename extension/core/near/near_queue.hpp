@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/world_frame.hpp"
 #include "core/near/near_cell.hpp"
 #include "core/query/instance_world.hpp"
 
@@ -16,86 +17,107 @@
 
 namespace thicket {
 
-/// The instances that must enter and leave around some centers, for all layers, in steps. A caller takes an instance
-/// out of the queue and creates or frees its node or body. From then on the queue counts the instance as held, or as
-/// not held.
+/// A held instance near any of several positions; see NearQueue::held_within.
+struct NearHeld {
+	double distance_squared = 0.0; ///< Squared distance to the nearest position, in square meters.
+	std::uint32_t layer = 0;
+	std::uint64_t id = 0;
+};
+
+/// Determines, for all layers, which instances must enter and leave around a set of centers, such
+/// as players. The caller takes one instance at a time from the queue and creates or frees its node
+/// or body. After that, the queue considers the instance held or not held.
 ///
-/// Distances are meters in space, from the nearest center to the instance's position. Every instance within a layer's distance enters, and
-/// held instances leave beyond `leave_share` of it. If very many are near, only some cells are checked in a frame: those that have waited
-/// for more than `most_waiting` frames, then the nearest. Only results that are valid for the current world are taken out.
+/// Distances are in meters, measured in space from the nearest center to the instance's position.
+/// Every instance within a layer's distance enters, and held instances leave beyond `leave_share`
+/// times that distance. If very many instances are near, a frame checks only some of the cells.
+/// Cells that have waited for more than `most_waiting` frames come first, followed by the nearest
+/// ones. The queue returns only results that are valid for the current world.
 class NearQueue {
 public:
-	/// How far a center may move, as a share of the distance, before its cells are checked again.
+	/// The fraction of a layer's distance that a center may move before its cells are checked
+	/// again.
 	static constexpr double look_share = 0.025;
 	static constexpr double enter_share = 1.0 + look_share;
 
-	/// Larger than `enter_share`, so that moving back and forth makes no instance enter and leave.
+	/// Held instances leave beyond this factor times the layer's distance. It is larger than
+	/// `enter_share`, so that moving back and forth does not make instances enter and leave
+	/// repeatedly.
 	static constexpr double leave_share = 1.125;
 
-	/// After this many instances no further cell is checked in a frame: about a quarter of a millisecond.
+	/// After this many checked instances, a frame checks no more cells. This takes about a quarter
+	/// of a millisecond.
 	static constexpr std::size_t max_looked = 1024;
 
 	static constexpr int most_waiting = 32;
 
-	/// No cell is checked if nearer cells have this many pending changes, which is more than a frame has time for.
+	/// A cell is not checked while nearer cells have this many pending changes. A frame cannot
+	/// process more.
 	static constexpr std::size_t max_found = 256;
 
-	/// The number of cell sides in the distance up to which instances are held. So the check of one cell is a small
-	/// part of a frame's work.
+	/// The distance at which instances leave, as a number of cell sides. Small cells keep the check
+	/// of a single cell a small part of a frame's work.
 	static constexpr double cells_in_reach = 2.0;
 
-	/// Sets the distance of each layer, 0 for none. Before a layer is removed, its held instances must be released.
+	/// Sets the distance of each layer in meters; 0 disables the layer. Before you remove a layer,
+	/// release its held instances.
 	void set_distances(std::span<const double> distances);
 
-	/// Finds the instances that must enter and leave in cells where a center has moved far enough or the world has changed. Call it in
-	/// every frame. The queue keeps a pointer to the world until `forget_world`.
+	/// Finds the instances that must enter and leave. It checks only cells in which the world has
+	/// changed, or whose centers have moved far enough. Call this function every frame. The queue
+	/// keeps a pointer to the world until `forget_world` is called.
 	void look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world);
 
-	/// Takes out the nearest instance that is removed, or whose layer has no distance any more. Returns false if there
-	/// is none.
+	/// Takes the nearest instance that was removed, or whose layer is disabled. Returns false if
+	/// there is none.
 	bool next_gone(Leaving &r_leaving);
 
-	/// Takes out an instance that is removed or too far away. Each cell returns the removed ones first, then the farthest. False if there
-	/// is none.
+	/// Takes an instance that was removed or is too far away. Each cell returns the removed
+	/// instances first, and then the farthest ones. Returns false if there is none.
 	bool next_leaving(Leaving &r_leaving);
 
-	/// Takes out a held instance whose position, basis, mesh or layer has changed. It stays held in its new state.
-	/// Returns false if there is none.
+	/// Takes a held instance whose position, basis, mesh or layer has changed. The queue then holds
+	/// it in its new state. Returns false if there is none.
 	bool next_changed(PlacedInstance &r_instance);
 
-	/// Takes out the nearest instance that must enter. It is held from then on. False if there is none.
+	/// Takes the nearest instance that must enter, and marks it as held. Returns false if there is
+	/// none.
 	bool next_entering(PlacedInstance &r_instance);
 
-	/// Marks all held instances of a layer to be rebuilt. `next_due` takes them out, whatever moves or changes in the
-	/// meantime.
+	/// Marks all held instances of a layer to be rebuilt. `next_due` returns them, no matter what
+	/// moves or changes in the meantime.
 	void renew(std::uint32_t layer);
 
-	/// Takes out the nearest instance that `renew` has marked, measured from the centers at the last check. It stays
-	/// held. It may be returned a second time if its layer's distance changes. Returns false if there is none.
+	/// Takes the nearest instance that `renew` has marked, measured from the centers at the last
+	/// check. The instance stays held. If its layer's distance changes, the instance may be
+	/// returned a second time. Returns false if there is none.
 	bool next_due(PlacedInstance &r_instance);
 
-	/// The instances that are held within `reach` meters of one of these positions, in space: at most `most` of them, nearest first.
-	std::vector<PlacedInstance> held_within(
-			std::span<const glm::dvec3> positions, double reach, std::size_t most) const;
+	/// Returns the instances that are held within `reach` meters, in space, of any of the
+	/// positions: at most `most` instances, nearest first.
+	std::vector<NearHeld> held_within(std::span<const glm::dvec3> positions, double reach, std::size_t most) const;
 
-	/// The centers at the last check.
+	/// Returns the centers of the last `look_around`.
 	std::span<const glm::dvec3> centers() const { return centers_; }
 
-	/// True if there is nothing to take out, and the world has not changed since the last check of every cell.
+	/// Returns true if no changes are pending, and the world has not changed since the last check
+	/// of any cell.
 	bool settled() const;
 
-	/// True if no center has moved far enough since `look_around` for any other instance to enter or leave.
+	/// Returns true if no center has moved far enough since `look_around` to make further instances
+	/// enter or leave.
 	bool follows(std::span<const glm::dvec3> centers) const;
 
 	bool holds(std::uint32_t layer, std::uint64_t id) const;
 
-	/// Counts an instance as not held, in all layers. The queue returns no instance before the next check.
+	/// Stops holding an instance, in all layers. Until the next `look_around`, the queue returns no
+	/// instances.
 	void release(std::uint64_t id);
 
-	/// Counts an instance as not held in one layer. Other pending changes remain.
+	/// Stops holding an instance in one layer. Other pending changes stay valid.
 	void release(std::uint32_t layer, std::uint64_t id);
 
-	/// Releases all instances of a layer.
+	/// Stops holding all instances of a layer.
 	void release_layer(std::uint32_t layer);
 	void forget_world() { world_ = nullptr; }
 
@@ -104,10 +126,10 @@ private:
 
 	struct Layer {
 		double distance = 0.0;
-		double side = 0.0; ///< The side of a cell, in meters.
+		double side = 0.0; ///< Side of a cell in meters.
 		std::map<Key, NearCell> cells;
-		bool stale = true;               ///< True if the near cells must be determined again.
-		std::vector<glm::dvec3> centers; ///< The centers at that time.
+		bool stale = true;               ///< True if the near cells must be recomputed.
+		std::vector<glm::dvec3> centers; ///< The centers at the last computation.
 
 		double slack() const { return look_share * distance; }
 		Key key(glm::dvec3 position) const;
@@ -118,19 +140,21 @@ private:
 
 	/// A cell with instances that must be rebuilt.
 	struct Renewal {
-		double away = 0.0; ///< The squared distance of the cell, or of the next instance once `listed`.
+		double away = 0.0; ///< Squared distance of the next instance if `listed`, otherwise of the cell.
 		std::uint32_t layer = 0;
 		Key key;
 		bool listed = false;
-		std::vector<std::pair<double, PlacedInstance>> due; ///< By squared distances, nearest last.
+		/// Instances to rebuild, sorted by squared distance, nearest last.
+		std::vector<std::pair<double, PlacedInstance>> due;
 	};
 
 	struct Visit {
 		std::uint32_t layer = 0;
 		Key key;
 		NearCell *cell = nullptr;
-		bool due = false;                       ///< The check can wait until outdated cells are checked.
-		std::tuple<bool, bool, double> order{}; ///< The order of the checks.
+		bool due = false; ///< True if the cell is due but not outdated; outdated cells are checked first.
+		/// Sort key: not outdated, not late, then distance or waiting time.
+		std::tuple<bool, bool, double> order{};
 	};
 
 	NearVersion version() const { return {world_->version(), changes_}; }
@@ -146,50 +170,52 @@ private:
 	const InstanceWorld *world_ = nullptr;
 	std::vector<glm::dvec3> centers_;
 	std::vector<Layer> layers_;
-	std::vector<Renewal> due_cells_; ///< A heap with the nearest on top.
+	std::vector<Renewal> due_cells_; ///< A heap with the nearest cell on top.
 	std::vector<Visit> outdated_;
-	/// Squared distances of checked cells, and their number of pending changes.
+	/// The squared distance and the number of pending changes of each cell with a valid result.
 	std::vector<std::pair<double, std::size_t>> busy_;
-	/// Cells with something to take out, checked against the world as it was at `look_around`.
+	/// Cells with pending changes that are valid for the world at the last `look_around`.
 	std::vector<Visit> ready_;
 	std::vector<PlacedInstance> standing_;
 	std::uint64_t looks_ = 0;
 	std::uint64_t changes_ = 1;
-	std::size_t looked_ = 0; ///< Number of instances, in this frame.
+	std::size_t looked_ = 0; ///< Number of instances checked in this frame.
 };
 
-/// Keeps a body or a scene for every instance near a center. Works in small steps within the budget of the frame, which
-/// it shares with the uploads. One thread at a time.
+/// Keeps a body or a scene for every instance near a center. It works in small steps within the
+/// frame's time budget, which it shares with the uploads. Use it on one thread only.
 class NearRing {
 public:
 	virtual ~NearRing() = default;
 
-	/// Call it once per frame with the centers (world meters) and the current world. Cheap while no center has moved and world.version() is
-	/// unchanged.
+	/// Finds instances that need a body or a scene, or need one no longer. Call this function once
+	/// per frame with the centers (world meters) and the current world. It is cheap while no center
+	/// moves and world.version() is unchanged.
 	virtual void look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world) = 0;
 
-	/// Lets one instance enter or leave. False if there is nothing to do.
+	/// Processes one instance. Returns false if there is nothing to do.
 	virtual bool step() = 0;
 
-	/// True if `step` would find nothing to do.
+	/// Returns true if `step` would have nothing to do.
 	virtual bool settled() const = 0;
 
-	/// True if `look_around` with these centers would find nothing more to do.
+	/// Returns true if `look_around` with these centers would find nothing new to do.
 	bool follows(std::span<const glm::dvec3> centers) const { return queue_.follows(centers); }
 
-	/// Frees the body or scene of an instance immediately, regardless of the budget, because the instance is removed or
-	/// placed differently.
+	/// Frees the body or scene of an instance immediately, regardless of the time budget. Call this
+	/// function when the instance is removed or moved.
 	virtual void drop(std::uint64_t id) = 0;
 
-	/// Like `drop`, for each instance for which `gone` returns true. Ignores the budget, so use it for a few instances.
-	/// Calls `gone` only for instances that have a body or scene.
+	/// Calls `drop` for each instance for which `gone` returns true. This ignores the time budget,
+	/// so use it only for a few instances. Only instances that have a body or scene are passed to
+	/// `gone`.
 	virtual void drop_if(const std::function<bool(std::uint64_t id)> &gone) = 0;
 
-	/// Sets the position of the engine's origin in the world, in meters. Objects that are visible or near a center are moved immediately,
-	/// the rest by `step`.
-	virtual void set_world_offset(glm::dvec3 offset) = 0;
+	/// Sets the world position of the engine's origin, in meters. Moves objects that are visible or
+	/// near a center immediately; `step` moves the rest.
+	virtual void set_world_frame(const WorldFrame &frame) = 0;
 
-	/// Frees everything immediately.
+	/// Frees all bodies or scenes immediately.
 	virtual void clear() = 0;
 
 protected:

@@ -1,14 +1,17 @@
-// The held instances of a NearQueue that must be rebuilt: nearest first, a few at a time. Lists are built for one cell at a time,
-// because no frame has time for all held instances.
+// The part of NearQueue that returns held instances to be rebuilt, nearest first, a few at a time.
+// Lists are built for one cell at a time, because a frame has no time for all held instances.
 
 #include "core/near/near_queue.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <tuple>
 #include <utility>
 
 namespace thicket {
 
-/// The centers that have a cell in reach; all centers until the next check has determined them.
+/// Returns the centers whose reach includes a cell. Until these are determined, all centers are
+/// returned.
 std::span<const glm::dvec3> NearQueue::centers_of(const NearCell &cell) const {
 	return cell.centers().empty() ? std::span(centers_) : cell.centers();
 }
@@ -24,14 +27,15 @@ void NearQueue::renew(std::uint32_t layer) {
 	std::ranges::make_heap(due_cells_, farther);
 }
 
-/// Instances that were due in one cell may now lie in several cells.
+/// Restarts the renewal of a layer whose cells were divided differently, because the instances of
+/// one cell may now lie in several cells.
 void NearQueue::renew_divided(std::uint32_t layer) {
 	if (std::ranges::any_of(due_cells_, [layer](const Renewal &renewal) { return renewal.layer == layer; })) {
 		renew(layer);
 	}
 }
 
-/// False if nothing of the cell is held any more.
+/// Lists the held instances of a cell. Returns false if the cell no longer holds any.
 bool NearQueue::list_due(Renewal &r_renewal) const {
 	const auto &cells = layers_[r_renewal.layer].cells;
 	const auto found = cells.find(r_renewal.key);
@@ -71,30 +75,27 @@ bool NearQueue::next_due(PlacedInstance &r_instance) {
 	return false;
 }
 
-std::vector<PlacedInstance> NearQueue::held_within(
+std::vector<NearHeld> NearQueue::held_within(
 		std::span<const glm::dvec3> positions, double reach, std::size_t most) const {
-	std::vector<std::pair<double, PlacedInstance>> found;
-	for (const Layer &layer : layers_) {
-		for (const auto &[key, cell] : layer.cells) {
-			if (squared_to_cell(layer.rect(key), positions) > reach * reach) {
+	std::vector<NearHeld> found;
+	for (std::uint32_t index = 0; index < layers_.size(); ++index) {
+		for (const auto &[key, cell] : layers_[index].cells) {
+			if (squared_to_cell(layers_[index].rect(key), positions) > reach * reach) {
 				continue;
 			}
-			for (const PlacedInstance &instance : cell.held()) {
-				const double away = squared_to(instance.position, positions);
+			cell.for_each_position([&](std::uint64_t id, glm::dvec3 position) {
+				const double away = squared_to(position, positions);
 				if (away <= reach * reach) {
-					found.emplace_back(away, instance);
+					found.push_back({away, index, id});
 				}
-			}
+			});
 		}
 	}
-	std::ranges::sort(found, {}, [](const auto &entry) { return std::pair(entry.first, entry.second.id); });
-	std::vector<PlacedInstance> result;
-	for (const auto &[away, instance] : found) {
-		if (result.size() < most) {
-			result.push_back(instance);
-		}
-	}
-	return result;
+	const auto kept = std::min(found.size(), most);
+	std::ranges::partial_sort(found, found.begin() + static_cast<std::ptrdiff_t>(kept), {},
+			[](const NearHeld &each) { return std::tuple(each.distance_squared, each.id, each.layer); });
+	found.resize(kept);
+	return found;
 }
 
 } // namespace thicket

@@ -14,59 +14,74 @@ namespace thicket {
 
 /// The distances at which instances enter and leave.
 struct NearRange {
-	double enter = 0.0; ///< Meters from the nearest center to the instance's origin, in space; 0 to disable.
-	double leave = 0.0; ///< At least `enter`. In between, held instances stay held, so nothing flickers.
+	/// Maximum distance in meters, in space, from the nearest center to the instance; 0 to disable
+	/// the layer.
+	double enter = 0.0;
+	double leave = 0.0; ///< At least `enter`. Instances in between stay held, which avoids flickering.
 };
 
-/// A held instance that must leave.
+/// A held instance that must be released. See `NearSet`.
 struct NearLeaving {
 	std::uint64_t id = 0;
-	glm::dvec3 position{0.0};      ///< The position at which it is held.
-	double distance_squared = 0.0; ///< To the nearest center.
+	glm::dvec3 position{0.0};      ///< The position at which the instance is held.
+	double distance_squared = 0.0; ///< Squared distance to the nearest center.
 
 	friend bool operator==(const NearLeaving &, const NearLeaving &) = default;
 };
 
-/// The difference between the instances that are held and those that should be held. An instance is in at most one
-/// list, and only once.
+/// The difference between the instances that are held and those that should be held. Each instance
+/// appears at most once in all lists together.
 struct NearChanges {
-	std::vector<PlacedInstance> enter;   ///< Not held, nearest first.
-	std::vector<PlacedInstance> changed; ///< Held in a different position, basis, mesh or layer; nearest first.
+	std::vector<PlacedInstance> enter; ///< Instances that are not held yet, nearest first.
+	/// Held instances whose position, basis, mesh or layer has changed; nearest first.
+	std::vector<PlacedInstance> changed;
 
-	/// First the `gone` instances, nearest first, because a player must not collide with an instance that no longer
-	/// exists. These are removed instances or, for a range of 0, all instances. The instances that are only too far
-	/// away follow, farthest first.
+	/// The first `gone` entries are instances that were removed or, for a range of 0, all
+	/// instances. They come first, nearest first, because a player must not collide with an
+	/// instance that no longer exists. Instances that are merely too far away follow, farthest
+	/// first.
 	std::vector<NearLeaving> leave;
 	std::size_t gone = 0;
 
 	void clear();
 };
 
-/// The instances of a layer that are near enough to some centers to need a body or a scene. Determines which instances
-/// should enter and leave. The owner reports which have entered and left, once it had time for them.
+/// Tracks the instances of a layer that are near enough to a center to need a body or a scene.
+/// Determines which instances should enter and leave. The owner calls `hold` and `release` after it
+/// has processed them.
 class NearSet {
 public:
-	/// Replaces `r_changes` by the difference between held and near instances. `standing` holds all instances within
-	/// range.leave of a center, in any order, and possibly more. It may contain an instance several times. Instances at
-	/// equal distances are ordered by id. Returns false if memory runs out; the caller must then change nothing.
+	/// Replaces `r_changes` with the difference between held and near instances. `standing` must
+	/// contain all instances within range.leave of a center. It may also contain farther ones and
+	/// duplicates, in any order. Instances at equal distances are ordered by id. If memory runs
+	/// out, the function returns false and clears `r_changes`.
 	bool look(std::span<const glm::dvec3> centers, const NearRange &range, std::span<const PlacedInstance> standing,
 			NearChanges &r_changes);
 
 	bool holds(std::uint64_t id) const { return held_.contains(id); }
 
-	/// False if memory runs out: the instance is not held then.
+	/// Marks an instance as held. Returns false, with the instance not held, if memory runs out.
 	bool hold(const PlacedInstance &instance);
 
-	/// True if it was held.
+	/// Stops holding an instance. Returns true if the instance was held.
 	bool release(std::uint64_t id) { return held_.erase(id) > 0; }
 
-	/// All held instances, in no particular order.
+	/// Returns all held instances, in no particular order.
 	std::vector<PlacedInstance> held() const;
+
+	/// Calls `act(id, position)` for all held instances, in no particular order.
+	template <class Act>
+	void for_each_position(Act act) const {
+		for (const auto &[id, held] : held_) {
+			act(id, held.position);
+		}
+	}
 	std::size_t size() const { return held_.size(); }
 	void clear() { held_.clear(); }
 
-	/// How far an instance may be from its old position, in meters, and how much an entry of its basis may differ, before it counts as
-	/// changed. A tile that is regenerated with a different origin rounds its positions by less.
+	/// Tolerances for the position, in meters, and the basis entries of a held instance. Beyond
+	/// these, the instance counts as changed. A regenerated tile may have a different origin, which
+	/// changes positions by less than this, through rounding.
 	static constexpr double same_position = 1e-3;
 	static constexpr float same_basis = 1e-4f;
 
@@ -76,9 +91,9 @@ private:
 		glm::mat3 basis{1.0f};
 		std::uint32_t layer = 0;
 		std::uint32_t mesh = 0;
-		std::uint64_t seen = 0;    ///< The last check that found it unchanged.
-		std::uint64_t changed = 0; ///< The last check that found it near, but changed.
-		std::size_t center = 0;    ///< A center that it was near.
+		std::uint64_t seen = 0;    ///< Number of the last check that found the instance unchanged.
+		std::uint64_t changed = 0; ///< Number of the last check that found the instance near, but changed.
+		std::size_t center = 0;    ///< Index of a center to which the instance was near.
 
 		bool is_near(std::span<const glm::dvec3> centers, double reach_squared);
 		bool stands_as(const PlacedInstance &instance) const;
@@ -90,14 +105,15 @@ private:
 	struct Distant {
 		double distance_squared = 0.0;
 		std::uint64_t id = 0;
-		std::size_t index = 0; ///< The index in `standing`.
+		std::size_t index = 0; ///< Index of the instance in `standing`.
 	};
 
 	static void sort_nearest(std::vector<Distant> &r_distant);
 	static void take(
 			std::span<const Distant> from, std::span<const PlacedInstance> standing, std::vector<PlacedInstance> &r_to);
 
-	std::unordered_map<std::uint64_t, Held> held_; ///< Results taken from it are always sorted.
+	/// Unordered. The lists of NearChanges that are built from it are sorted.
+	std::unordered_map<std::uint64_t, Held> held_;
 	std::uint64_t looks_ = 0;
 	std::vector<Distant> entering_;
 	std::vector<Distant> changed_;

@@ -28,13 +28,14 @@ void write_added(const AddedInstance &added, std::uint64_t id, const LayerSettin
 		floats[static_cast<std::size_t>(4 * row + 3)] = position[row];
 	}
 	write_instance_data(layer.instance_data, layer.set.seed, id, 0, largest_scale(added.basis),
-			floats.subspan(transform_floats), shares_by_hand(layer.instance_data, added.position));
+			floats.subspan(transform_floats),
+			shares_by_hand(layer.instance_data, added.position, layer.set.on_surface));
 	r_mesh.ids[at] = id;
 	r_mesh.ranks[at] = 0;
 	r_mesh.max_scale = std::max(r_mesh.max_scale, largest_scale(added.basis));
 }
 
-/// `mesh` without its covered instances, after the added ones.
+/// Returns a mesh with the added instances, followed by the `standing` ones of `mesh`.
 std::shared_ptr<const CompactMesh> rebuilt(const CompactMesh &mesh, const LayerSettings &layer, glm::dvec3 origin,
 		const Overlay &overlay, const Ids &added_ids, std::span<const std::uint32_t> standing) {
 	MeshInstances added;
@@ -45,7 +46,7 @@ std::shared_ptr<const CompactMesh> rebuilt(const CompactMesh &mesh, const LayerS
 	return std::make_shared<const CompactMesh>(added, mesh, standing);
 }
 
-/// The instances that are neither removed nor hidden.
+/// Returns the indices of the instances that are neither removed nor hidden.
 std::vector<std::uint32_t> standing_of(const CompactMesh &mesh, const Overlay &overlay, bool any_removed) {
 	std::vector<std::uint32_t> standing;
 	standing.reserve(mesh.size());
@@ -57,30 +58,30 @@ std::vector<std::uint32_t> standing_of(const CompactMesh &mesh, const Overlay &o
 	return standing;
 }
 
-/// The ids of instances that were added in a tile and are not hidden, by mesh.
+/// Returns the ids of the instances that were added in a tile and are not hidden, for each mesh.
 std::vector<Ids> added_by_mesh(
-		std::size_t meshes, const LayerSettings &layer, const Rect &rect, const Overlay &overlay) {
+		std::size_t meshes, const LayerSettings &layer, const TileSpace &space, const Overlay &overlay) {
 	std::vector<Ids> result(meshes);
 	if (overlay.state == nullptr || overlay.state->added_count() == 0 || meshes == 0) {
 		return result;
 	}
 	Ids ids;
-	throw_if_out_of_memory(overlay.state->added_in(layer.set.layer, rect, ids));
+	throw_if_out_of_memory(overlay.state->added_in(layer.set.layer, space, ids));
 	for (const std::uint64_t id : ids) {
-		const std::size_t mesh = overlay.state->added(id)->mesh;
-		if (!covers(overlay, false, id)) {
-			result[mesh < meshes ? mesh : 0].push_back(id);
+		const AddedInstance &added = *overlay.state->added(id);
+		if (space.contains_height(added.position.y) && !covers(overlay, false, id)) {
+			result[added.mesh < meshes ? added.mesh : 0].push_back(id);
 		}
 	}
 	return result;
 }
 
-/// Throws std::bad_alloc.
-void add_overlaid(const std::shared_ptr<const CompactTile> &tile, const LayerSettings &layer, const Rect &rect,
+/// Appends the instances to draw for each mesh; see overlaid(). Throws std::bad_alloc.
+void add_overlaid(const std::shared_ptr<const CompactTile> &tile, const LayerSettings &layer, const TileSpace &space,
 		const Overlay &overlay, OverlaidMeshes &r_meshes) {
 	const bool any_removed = overlay.state != nullptr && overlay.state->any_removed(layer.set.layer);
 	const bool any_hidden = overlay.hidden != nullptr && !overlay.hidden->empty();
-	const std::vector<Ids> added = added_by_mesh(tile->meshes.size(), layer, rect, overlay);
+	const std::vector<Ids> added = added_by_mesh(tile->meshes.size(), layer, space, overlay);
 	for (std::size_t at = 0; at < tile->meshes.size(); ++at) {
 		const CompactMesh &mesh = tile->meshes[at];
 		const bool any_covered = any_removed || any_hidden;
@@ -91,7 +92,7 @@ void add_overlaid(const std::shared_ptr<const CompactTile> &tile, const LayerSet
 		}
 		const std::vector<std::uint32_t> standing = standing_of(mesh, overlay, any_removed);
 		if (standing.size() == mesh.size() && added[at].empty()) {
-			// All its instances are kept, so it is shared with the tile.
+			// All instances are kept, so the mesh is shared with the tile.
 			r_meshes.emplace_back(tile, &mesh);
 		} else {
 			r_meshes.push_back(rebuilt(mesh, layer, tile->origin, overlay, added[at], standing));
@@ -101,11 +102,11 @@ void add_overlaid(const std::shared_ptr<const CompactTile> &tile, const LayerSet
 
 } // namespace
 
-Status overlaid(const std::shared_ptr<const CompactTile> &tile, const LayerSettings &layer, const Rect &rect,
+Status overlaid(const std::shared_ptr<const CompactTile> &tile, const LayerSettings &layer, const TileSpace &space,
 		const Overlay &overlay, OverlaidMeshes &r_meshes) {
 	OverlaidMeshes meshes;
-	const Status status = guarded(
-			"tile", std::max(rect.size().x, rect.size().y), [&] { add_overlaid(tile, layer, rect, overlay, meshes); });
+	const Status status = guarded("tile", std::max(space.size().x, space.size().y),
+			[&] { add_overlaid(tile, layer, space, overlay, meshes); });
 	if (status.ok()) {
 		r_meshes = std::move(meshes);
 	}

@@ -21,7 +21,8 @@ glm::vec3 position_of(const MeshInstances &mesh, std::size_t i) {
 	return {floats[3], floats[7], floats[11]};
 }
 
-/// Without an alignment, only the signs of x and z of a normal matter, because they decide the signs of zeros.
+/// Without alignment, a normal affects only the signs of zeros in the transform, through the signs
+/// of its x and z.
 bool needs_normals(const LayerSettings &settings) { return settings.placement.align_to_normal != 0.0; }
 
 std::size_t bytes_of(const auto &values) { return values.capacity() * sizeof(values[0]); }
@@ -41,9 +42,11 @@ bool same_bits(const InstanceShares &a, const InstanceShares &b) {
 
 } // namespace
 
-CompactMesh::CompactMesh(const MeshInstances &mesh, std::shared_ptr<const LayerSettings> settings) :
-		settings_(std::move(settings)), stride_(mesh.stride), min_(mesh.min), max_(mesh.max),
-		max_scale_(mesh.max_scale), ranks_(mesh.ranks.begin(), mesh.ranks.end()) {
+CompactMesh::CompactMesh(
+		const MeshInstances &mesh, std::shared_ptr<const LayerSettings> settings, const glm::dvec3 &origin) :
+		settings_(std::move(settings)), up_(settings_ != nullptr ? settings_->planet : Planet(), origin),
+		stride_(mesh.stride), min_(mesh.min), max_(mesh.max), max_scale_(mesh.max_scale),
+		ranks_(mesh.ranks.begin(), mesh.ranks.end()) {
 	positions_.resize(mesh.size());
 	for (std::size_t i = 0; i < mesh.size(); ++i) {
 		positions_[i] = position_of(mesh, i);
@@ -55,7 +58,8 @@ CompactMesh::CompactMesh(const MeshInstances &mesh, std::shared_ptr<const LayerS
 	}
 }
 
-/// False for ids that lie too far apart, or do not belong to points of one layer.
+/// Returns false if the ids are not all points of one layer, or if their cells are too far apart to
+/// be packed.
 bool CompactMesh::find_cells(const MeshInstances &mesh) {
 	if (mesh.size() == 0) {
 		return true;
@@ -99,7 +103,7 @@ void CompactMesh::keep_sources(const MeshInstances &mesh) {
 }
 
 CompactMesh::CompactMesh(const MeshInstances &first, const CompactMesh &base, std::span<const std::uint32_t> standing) :
-		settings_(base.settings_), stride_(base.stride_), first_id_(base.first_id_) {
+		settings_(base.settings_), up_(base.up_), stride_(base.stride_), first_id_(base.first_id_) {
 	const std::size_t count = first.size() + standing.size();
 	const auto made =
 			std::ranges::partition_point(standing, [&base](std::uint32_t i) { return i < base.as_they_are(); });
@@ -132,7 +136,7 @@ CompactMesh::CompactMesh(const MeshInstances &first, const CompactMesh &base, st
 	measure(std::max(base.max_scale_, first.max_scale));
 }
 
-/// Computes the box around the instances.
+/// Computes the bounds of the positions.
 void CompactMesh::measure(float max_scale) {
 	max_scale_ = max_scale;
 	if (!positions_.empty()) {
@@ -148,7 +152,8 @@ std::size_t CompactMesh::find(std::uint64_t id) const {
 	if (const auto found = std::ranges::find(ids_, id); found != ids_.end()) {
 		return static_cast<std::size_t>(found - ids_.begin());
 	}
-	// If the id belongs to none of these cells, a part of the id does not fit, or the cell is not found.
+	// An id that is not in this mesh either has an offset out of range here or is not found by the
+	// search below.
 	const std::uint64_t from_first = id - first_id_;
 	const std::uint64_t x = from_first >> 24;
 	const std::uint64_t y = from_first & 0xffffff;
@@ -159,11 +164,12 @@ std::size_t CompactMesh::find(std::uint64_t id) const {
 	const auto is_it = [cell](std::uint32_t each) {
 		return (each & (x_is_negative - 1)) == cell;
 	};
-	// Many cells at a time without a branch between them, because compilers vectorize such loops.
+	// The search tests many cells at a time without branches, so that the compiler can vectorize
+	// the loop.
 	constexpr std::ptrdiff_t many = 64;
 	auto first = cells_.begin();
 	for (; cells_.end() - first >= many; first += many) {
-		// A whole batch without a hit is skipped.
+		// Counts the matches in these cells. If there are none, the search continues.
 		std::uint32_t hits = 0;
 		for (std::ptrdiff_t i = 0; i < many; ++i) {
 			hits += is_it(first[i]) ? 1 : 0;
@@ -175,7 +181,7 @@ std::size_t CompactMesh::find(std::uint64_t id) const {
 	return as_they_are() + static_cast<std::size_t>(std::find_if(first, cells_.end(), is_it) - cells_.begin());
 }
 
-/// A normal that leads to the same floats as the real one.
+/// Returns a normal that produces the same floats as the original one.
 glm::vec3 CompactMesh::normal_of(std::size_t source) const {
 	if (!normals_.empty()) {
 		return normals_[source];
@@ -184,12 +190,11 @@ glm::vec3 CompactMesh::normal_of(std::size_t source) const {
 	return {(signs & x_is_negative) != 0 ? -1.0f : 1.0f, 1.0f, (signs & z_is_negative) != 0 ? -1.0f : 1.0f};
 }
 
-/// The transform of an instance that the settings generate. Returns its scale.
+/// Writes the transform of a generated instance. Returns its scale.
 float CompactMesh::read_basis(std::size_t i, std::span<float, transform_floats> r_floats) const {
 	const glm::vec3 normal = normal_of(i - as_they_are());
-	const float scale = write_basis(settings_->placement, settings_->set.seed, id(i), normal, r_floats);
 	write_position(positions_[i], r_floats);
-	return scale;
+	return write_basis(settings_->placement, settings_->set.seed, id(i), normal, r_floats, up_);
 }
 
 void CompactMesh::read_transform(std::size_t i, std::span<float, transform_floats> r_floats) const {
@@ -208,13 +213,13 @@ void CompactMesh::read(std::size_t i, std::span<float> r_floats) const {
 	read_behind(i, read_basis(i, r_floats.first<transform_floats>()), r_floats.subspan(transform_floats));
 }
 
-/// The data after the transform of an instance that the settings generate.
+/// Writes the data that follows the transform of a generated instance.
 void CompactMesh::read_behind(std::size_t i, float scale, std::span<float> r_floats) const {
 	const InstanceShares shares = shares_.empty() ? InstanceShares() : shares_[i - as_they_are()];
 	write_instance_data(settings_->instance_data, settings_->set.seed, id(i), ranks_[i], scale, r_floats, shares);
 }
 
-/// Reads many instances, batch by batch.
+/// Reads many instances in batches. `index_of(n)` returns the index of the n-th one.
 template <class IndexOf>
 void CompactMesh::read_many(std::size_t count, const IndexOf &index_of, std::span<float> r_floats) const {
 	TransformBatch batch;
@@ -227,7 +232,7 @@ void CompactMesh::read_many(std::size_t count, const IndexOf &index_of, std::spa
 			}
 		}
 		if (batch.count > 0) {
-			batch.make(settings_->placement, settings_->set.seed);
+			batch.make(settings_->placement, settings_->set.seed, up_);
 		}
 		for (std::size_t made = 0; first < end; ++first) {
 			const std::size_t i = index_of(first);
@@ -275,7 +280,7 @@ CompactTile::CompactTile(const TileInstances &tile, const std::shared_ptr<const 
 		origin(tile.origin), counts(tile.counts) {
 	meshes.reserve(tile.meshes.size());
 	for (const MeshInstances &mesh : tile.meshes) {
-		meshes.emplace_back(mesh, settings);
+		meshes.emplace_back(mesh, settings, origin);
 	}
 }
 

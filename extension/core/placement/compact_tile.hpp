@@ -14,21 +14,23 @@
 
 namespace thicket {
 
-/// The instances of one mesh in one tile, in a compact form that is kept as long as it may be needed. Instead of the
-/// floats, it stores the data from which they are computed. It reproduces its original MeshInstances bit for bit, in
-/// the same order.
+/// The instances of one mesh in one tile, in a compact form for long-term storage. A compact mesh
+/// stores the data from which the floats are computed, and reproduces the floats of the original
+/// MeshInstances bit for bit, in the same order.
 ///
-/// An instance takes 20 bytes if its layer is upright, 32 if it follows the ground, and 8 more if its color or its variation follows a
-/// source. Instances that the layer's settings do not generate (hand-placed ones) come first and are stored as floats.
+/// An instance takes 20 bytes, 12 more if its layer is aligned to the ground, and 8 more if its
+/// color or variation depends on a source. Hand-placed instances come first and are stored as
+/// floats.
 class CompactMesh {
 public:
 	CompactMesh() = default;
 
-	/// Compacts a mesh that was generated from `settings`. A mesh without normals was not generated from settings, so
-	/// it is stored as floats. Throws std::bad_alloc.
-	CompactMesh(const MeshInstances &mesh, std::shared_ptr<const LayerSettings> settings);
+	/// Compacts a mesh that was generated from `settings` in a tile with this origin. A mesh without
+	/// normals is stored as floats. Throws std::bad_alloc.
+	CompactMesh(const MeshInstances &mesh, std::shared_ptr<const LayerSettings> settings, const glm::dvec3 &origin);
 
-	/// Stores `first` as floats, followed by the given instances of `base`, ascending. Throws std::bad_alloc.
+	/// Stores `first` as floats, followed by the instances of `base` at the indices `standing`,
+	/// which are ascending. Throws std::bad_alloc.
 	CompactMesh(const MeshInstances &first, const CompactMesh &base, std::span<const std::uint32_t> standing);
 
 	std::size_t size() const { return positions_.size(); }
@@ -41,10 +43,10 @@ public:
 		return first_id_ + (std::uint64_t{cell >> y_bits & cell_mask} << 24) + (cell & cell_mask);
 	}
 
-	/// The index of the instance with this id; `size` if there is none.
+	/// Returns the index of the instance with this id, or size() if there is none.
 	std::size_t find(std::uint64_t id) const;
 
-	/// Relative to the tile's origin, in meters.
+	/// Returns the positions in meters relative to the tile's origin.
 	std::span<const glm::vec3> positions() const { return positions_; }
 	std::span<const std::uint32_t> ranks() const { return ranks_; }
 
@@ -56,24 +58,25 @@ public:
 	/// Writes the transform of an instance.
 	void read_transform(std::size_t i, std::span<float, transform_floats> r_floats) const;
 
-	/// Writes all floats of an instance, `stride` of them.
+	/// Writes all stride() floats of an instance.
 	void read(std::size_t i, std::span<float> r_floats) const;
 
-	/// Writes the floats of several instances, one after the other.
+	/// Writes the floats of the instances at the indices `order`, one after the other.
 	void read(std::span<const std::uint32_t> order, std::span<float> r_floats) const;
 
 	/// Writes the floats of all instances.
 	void read_all(std::span<float> r_floats) const;
 
-	/// True if an instance has the same id and bit-identical floats as an instance of a different mesh of the same tile
-	/// and layer.
+	/// Returns true if instance `i` has the same id and bit-identical floats as instance `j` of
+	/// `other`, a mesh of the same tile and layer.
 	bool same(std::size_t i, const CompactMesh &other, std::size_t j) const;
 
-	/// Bytes of memory, without the object itself.
+	/// Returns the used memory in bytes, without this object itself.
 	std::size_t bytes() const;
 
 private:
-	/// A cell's position in its tile, packed together with the signs of x and z of the normal.
+	/// Bit layout of `cells_`: the offset of an instance's cell from the lowest cell of the mesh,
+	/// and the signs of the normal's x and z.
 	static constexpr std::uint32_t y_bits = 15;
 	static constexpr std::uint32_t cell_mask = (1u << y_bits) - 1;
 	static constexpr std::uint32_t x_is_negative = 1u << 30;
@@ -91,8 +94,9 @@ private:
 	void read_many(std::size_t count, const IndexOf &index_of, std::span<float> r_floats) const;
 
 	std::shared_ptr<const LayerSettings> settings_;
+	UpField up_;
 	std::size_t stride_ = transform_floats;
-	std::uint64_t first_id_ = 0; ///< The id of the corner of the cells.
+	std::uint64_t first_id_ = 0; ///< Id of the lowest cell of the mesh.
 	glm::vec3 min_{0.0f};
 	glm::vec3 max_{0.0f};
 	float max_scale_ = 0.0f;
@@ -100,12 +104,14 @@ private:
 	UnfilledVector<glm::vec3> positions_;
 	std::vector<std::uint32_t> ranks_;
 
-	// For the instances that the settings generate.
+	// Cells and signs of the generated instances.
 	UnfilledVector<std::uint32_t> cells_;
-	std::vector<glm::vec3> normals_;     ///< Empty if the layer is upright: the signs are enough then.
-	std::vector<InstanceShares> shares_; ///< Empty if no source is known.
+	/// Empty if the layer is upright, because the signs in `cells_` suffice.
+	std::vector<glm::vec3> normals_;
+	std::vector<InstanceShares> shares_; ///< Empty if the layer has no known source.
 
-	// For the instances before them.
+	// Ids of the instances that are stored as floats. These instances come before all generated
+	// ones.
 	std::vector<std::uint64_t> ids_;
 	std::vector<float> floats_;
 };
@@ -118,12 +124,12 @@ struct CompactTile {
 
 	CompactTile() = default;
 
-	/// Throws std::bad_alloc.
+	/// Compacts a tile. Throws std::bad_alloc.
 	CompactTile(const TileInstances &tile, const std::shared_ptr<const LayerSettings> &settings);
 };
 
-/// Converts a compact mesh back to floats. The result lacks the normals, so it cannot be compacted again. Throws
-/// std::bad_alloc.
+/// Converts compact instances back to floats. The result has no normals, so it cannot be compacted
+/// again. Throws std::bad_alloc.
 MeshInstances expanded(const CompactMesh &mesh);
 TileInstances expanded(const CompactTile &tile);
 

@@ -13,13 +13,13 @@ namespace thicket {
 
 namespace {
 
-/// Writes four numbers, rounded, and returns the rest of `r_floats`.
+/// Writes four numbers, rounded to half floats, and returns the remaining part of `r_floats`.
 std::span<float> write_four(std::initializer_list<float> values, std::span<float> r_floats) {
 	std::transform(values.begin(), values.end(), r_floats.begin(), rounded_to_half);
 	return r_floats.subspan(values.size());
 }
 
-/// All bits of a word as a float from 0 to 1.
+/// Converts all bits of a word to a float from 0 to 1.
 float unit_float(std::uint32_t word) { return static_cast<float>(unit_interval(word)); }
 
 glm::vec4 color_of(const InstanceData &data, float share, std::uint32_t word) {
@@ -63,13 +63,13 @@ std::array<const InstanceSource *, 2> distance_sources(const InstanceData &data)
 	return {looking(data.color, data.color_is_known()), looking(data.variation, data.variation_is_known())};
 }
 
-InstanceShares shares_by_hand(const InstanceData &data, glm::dvec3 position) {
+InstanceShares shares_by_hand(const InstanceData &data, glm::dvec3 position, bool on_surface) {
 	InstanceShares shares;
 	if (data.color_is_known()) {
-		shares.color = share_by_hand(data.color, position);
+		shares.color = share_by_hand(data.color, position, on_surface);
 	}
 	if (data.variation_is_known()) {
-		shares.variation = share_by_hand(data.variation, position);
+		shares.variation = share_by_hand(data.variation, position, on_surface);
 	}
 	return shares;
 }
@@ -77,7 +77,7 @@ InstanceShares shares_by_hand(const InstanceData &data, glm::dvec3 position) {
 void write_instance_data(const InstanceData &data, std::uint64_t seed, std::uint64_t id, std::uint32_t rank,
 		float scale, std::span<float> r_floats, const InstanceShares &shares) {
 	if (!data.use_colors && !data.use_custom_data) {
-		// Without floats to write, no random numbers are needed.
+		// There is nothing to write, so no random numbers are needed.
 		return;
 	}
 	const auto random = instance_random(seed, id, Draw::mesh);
@@ -92,8 +92,9 @@ void write_instance_data(const InstanceData &data, std::uint64_t seed, std::uint
 }
 
 float rounded_to_half(float value) {
-	// Adding and subtracting a number whose last bit has the value of a half float's last bit rounds to that bit, ties to even. That number
-	// is 2^13 times the power of two below |value|, or of the smallest normal half, 2^-14, if that is larger.
+	// Adding and subtracting a number whose last bit has the value of a half float's last bit
+	// rounds `value` to that bit, ties to even. The number's exponent is that of |value|, but at
+	// least that of the smallest normal half float, 2^-14.
 	constexpr std::uint32_t exponent_bits = 0x7f800000;
 	const float power = std::bit_cast<float>(std::bit_cast<std::uint32_t>(value) & exponent_bits);
 	const float magic = std::max(power, 0x1p-14f) * 0x1.8p13f;

@@ -15,15 +15,16 @@
 
 namespace thicket {
 
-/// Colors to choose from, each with red, green, blue and alpha, and each for an equal part of the numbers from 0 to 1:
-/// a gradient of n entries is sampled at (i + 0.5) / n. A table has 1 to max_colors entries. All numbers are finite, 0
-/// to max_color.
+/// RGBA colors, which divide the range 0 to 1 into equal parts: entry i of n is a gradient's color
+/// at (i + 0.5) / n. A table has 1 to max_colors entries, and all numbers are finite, 0 to
+/// max_color.
 using ColorTable = std::vector<glm::vec4>;
 
 inline constexpr std::size_t max_colors = 4096;
-inline constexpr float max_color = 65504.0f; ///< The largest half float.
+inline constexpr float max_color = 65504.0f; ///< The largest finite half float.
 
-/// Two separate types, so that the two sources cannot be confused.
+/// The source of an instance's color. Color and variation have separate types, so that the two
+/// sources cannot be confused.
 struct ColorSource : InstanceSource {
 	friend bool operator==(const ColorSource &, const ColorSource &) = default;
 };
@@ -31,56 +32,62 @@ struct VariationSource : InstanceSource {
 	friend bool operator==(const VariationSource &, const VariationSource &) = default;
 };
 
-/// The data that an instance passes to its shader in addition to the transform. Every number is rounded to a half
-/// float, because the Compatibility renderer stores half floats. So all renderers get the same bits, and so does code
-/// that reads the data back.
+/// The per-instance data of a shader, in addition to the transform. Every number is rounded to a
+/// half float, because the Compatibility renderer stores half floats. All renderers, and code that
+/// reads the data back, therefore get the same values.
 struct InstanceData {
-	/// Adds a color, which is COLOR in a shader.
+	/// Adds a color to the data, which shaders read as COLOR.
 	bool use_colors = false;
 
-	/// The colors to choose from. Null means white. Two pointers are equal only if they share the same table.
+	/// The colors to choose from; null means white. Comparison is by address, not by content.
 	std::shared_ptr<const ColorTable> colors{};
 
-	/// Adds INSTANCE_CUSTOM. Red is the variation, 0 to 1. Green is the wind phase, 0 to 1 from the instance's hash. Blue is the thinning
-	/// rank, 0 to 1, which is the density at which the instance is thinned out. Alpha is the scale.
+	/// Adds custom data, which shaders read as INSTANCE_CUSTOM. Red is the variation, 0 to 1. Green
+	/// is the wind phase, a random number from 0 to 1. Blue is the thinning rank, 0 to 1: the
+	/// density at which the instance is thinned out. Alpha is the scale.
 	bool use_custom_data = false;
 
-	ColorSource color{};         ///< Chooses an instance's color in `colors`; random by its hash.
-	VariationSource variation{}; ///< The variation in INSTANCE_CUSTOM; random by its hash.
+	ColorSource color{};         ///< Selects an instance's color in `colors`; random by default.
+	VariationSource variation{}; ///< The variation in INSTANCE_CUSTOM; random by default.
 
-	/// True if instances need a share for their color. The other function returns this for their variation.
+	/// Return true if the color, or the variation, depends on a known source, so that
+	/// InstanceShares are needed.
 	bool color_is_known() const { return use_colors && colors != nullptr && color.known(); }
 	bool variation_is_known() const { return use_custom_data && variation.known(); }
 
 	friend bool operator==(const InstanceData &, const InstanceData &) = default;
 };
 
-/// The sources of an instance that depend on a different layer. The entry of any other source is null.
+/// Returns the color source and the variation source if they depend on the distance to a different
+/// layer, and null otherwise.
 std::array<const InstanceSource *, 2> distance_sources(const InstanceData &data);
 
-/// The positions of an instance's sources within their ranges, 0 to 1.
+/// The values of an instance's sources as fractions of their ranges, 0 to 1, or unknown_share.
 struct InstanceShares {
 	float color = unknown_share;
 	float variation = unknown_share;
 };
 
-/// The shares that are known for an instance that was placed by hand; see share_by_hand.
-InstanceShares shares_by_hand(const InstanceData &data, glm::dvec3 position);
+/// Returns the shares of a hand-placed instance; see share_by_hand.
+InstanceShares shares_by_hand(const InstanceData &data, glm::dvec3 position, bool on_surface);
 
-/// Refuses a table that is empty, too large, or has a number outside the range, and an invalid source that is used.
+/// Returns an error for a color table that is empty, too large, or has numbers out of range, and
+/// for invalid sources that are in use.
 Status validate(const InstanceData &data);
 
-/// The number of floats per instance in a buffer, in the engine's order: transform, then color, then custom data.
+/// Returns the number of floats per instance in a buffer with Godot's layout: transform, then
+/// color, then custom data.
 constexpr std::size_t floats_per_instance(const InstanceData &data) {
 	return transform_floats + (data.use_colors ? 4 : 0) + (data.use_custom_data ? 4 : 0);
 }
 
-/// Writes the data after the transform, `floats_per_instance(data) - transform_floats` floats. `rank` is the thinning rank of 32 bits.
-/// `data` must be valid.
+/// Writes the `floats_per_instance(data) - transform_floats` floats that follow the transform.
+/// `rank` is the 32-bit thinning rank. `data` must be valid.
 void write_instance_data(const InstanceData &data, std::uint64_t seed, std::uint64_t id, std::uint32_t rank,
 		float scale, std::span<float> r_floats, const InstanceShares &shares = {});
 
-/// The half float nearest to `value`, with ties to even, as a float. |value| must be at most max_color.
+/// Rounds `value` to the nearest half float, with ties to even, and returns it as a float. |value|
+/// must be at most max_color.
 float rounded_to_half(float value);
 
 } // namespace thicket

@@ -30,21 +30,23 @@ Status validate(const InstanceSource &source, const SourceNames &names) {
 }
 
 float share_of(const InstanceSource &source, double value) {
-	// The end is checked first: if the range is a step, a value on it counts as beyond it.
+	// The maximum is checked first, so that a step (min == max) includes its position.
 	if (value >= source.max) {
 		return 1.0f;
 	}
 	return value > source.min ? static_cast<float>((value - source.min) / (source.max - source.min)) : 0.0f;
 }
 
-float share_by_hand(const InstanceSource &source, glm::dvec3 position) {
+float share_by_hand(const InstanceSource &source, glm::dvec3 position, bool on_surface) {
 	const glm::dvec2 place{position.x, position.z};
+	const auto height = static_cast<float>(position.y);
+	const Places places{{&place, 1}, {&height, on_surface ? std::size_t{1} : 0}};
 	float density = 0.0f;
 	switch (source.kind) {
 		case SourceKind::height: return share_of(source, position.y);
 		case SourceKind::rank: return share_of(source, 0.0);
 		case SourceKind::noise:
-			return source.noise != nullptr && source.noise->sample({&place, 1}, {&density, 1}).ok()
+			return source.noise != nullptr && source.noise->sample_at(places, {&density, 1}).ok()
 					? share_of(source, unit_density(density))
 					: unknown_share;
 		default: return unknown_share;

@@ -13,30 +13,29 @@ namespace thicket {
 
 namespace {
 
-/// Instances between two checks of the cancel flag: far less than a millisecond of work.
+/// Number of instances between two checks of the cancel flag. Writing them takes far less than a
+/// millisecond.
 constexpr std::size_t between_looks = 2048;
 
-/// Ranks are counted in this many classes to find where a part begins.
+/// Number of classes for counting ranks, to find where each part begins.
 constexpr std::size_t rank_classes = 1 << 12;
 constexpr int rank_class_shift = 20;
 
-/// Parts per thread. There are enough of them that no thread waits long for the others, but so few that each is worth
-/// the scan of all ranks that it takes.
+/// Number of parts per thread. More parts balance the load better, but each part must scan all
+/// ranks.
 constexpr std::size_t parts_each = 2;
 
-/// Adds a kept point to a batch.
+/// Adds a point that becomes an instance to a batch.
 void add_point(const LayerSettings &layer, const StandingPoints &points, std::uint32_t point, glm::dvec3 origin,
 		TransformBatch &r_batch) {
 	const Ground &ground = points.ground[point];
-	const glm::vec3 position{
-			static_cast<float>(points.positions[point].x - origin.x),
-			static_cast<float>(ground.height + layer.placement.height_offset - origin.y),
-			static_cast<float>(points.positions[point].y - origin.z),
-	};
+	const glm::dvec2 at = points.positions[point];
+	const glm::dvec3 place(at.x, ground.height, at.y);
+	const glm::vec3 position(layer.planet.above(place, layer.placement.height_offset) - origin);
 	r_batch.add(points.ids[point], ground.normal, standing_position(layer.placement, ground.normal, position));
 }
 
-/// Writes an instance of a batch, for the point in `key`, to index `at` of its mesh.
+/// Writes instance `in_batch` of a batch, for the point in `key`, to index `at` of its mesh.
 void write_instance(const LayerSettings &layer, const StandingPoints &points, std::uint64_t key,
 		const TransformBatch &batch, std::size_t in_batch, std::size_t at, MeshInstances &r_mesh,
 		InstanceBounds &r_bounds) {
@@ -50,7 +49,7 @@ void write_instance(const LayerSettings &layer, const StandingPoints &points, st
 	r_mesh.normals[at] = batch.normal(in_batch);
 	r_bounds.add({batch.position(in_batch), batch.position(in_batch), scale});
 	if (r_mesh.stride == transform_floats) {
-		// Nothing follows the transform.
+		// The layer has no data after the transform.
 		return;
 	}
 	const InstanceShares shares = points.shares_of(point_of(key));
@@ -62,12 +61,12 @@ void write_instance(const LayerSettings &layer, const StandingPoints &points, st
 
 } // namespace
 
-/// Assigns each part a range of ranks, so that all parts have about the same number of points.
+/// Assigns each part a range of ranks with about the same number of points.
 void InstanceWriter::divide(const StandingPoints &points, std::size_t parts) {
 	constexpr std::uint64_t end_of_ranks = std::uint64_t{1} << 32;
 	parts_.resize(parts);
 	if (parts == 1) {
-		// All ranks are in the only part, so they need not be counted.
+		// The only part contains all ranks, so they need not be counted.
 		parts_.front().first_rank = 0;
 		parts_.front().end_rank = end_of_ranks;
 		return;
@@ -90,7 +89,7 @@ void InstanceWriter::divide(const StandingPoints &points, std::size_t parts) {
 	}
 }
 
-/// Sorts the instances of a part, and assigns each its mesh.
+/// Sorts the instances of a part, and assigns each of them a mesh.
 void InstanceWriter::sort(const LayerSettings &layer, const StandingPoints &points, Part &r_part) const {
 	r_part.order.clear();
 	r_part.order.reserve(points.standing.size() / parts_.size());
@@ -110,7 +109,8 @@ void InstanceWriter::sort(const LayerSettings &layer, const StandingPoints &poin
 	}
 }
 
-/// Gives each mesh its final size, and each part its position in it. All memory is allocated before anything changes.
+/// Resizes each mesh to its final size, and determines where each part's instances begin in it. All
+/// memory is allocated before anything changes.
 void InstanceWriter::make_room(const InstanceData &data, std::vector<MeshInstances> &r_meshes) {
 	std::array<std::size_t, max_meshes> sizes{};
 	for (Part &part : parts_) {
@@ -134,6 +134,7 @@ void InstanceWriter::make_room(const InstanceData &data, std::vector<MeshInstanc
 Status InstanceWriter::write_part(const LayerSettings &layer, const StandingPoints &points, Part &r_part,
 		TileInstances &r_tile, const std::atomic<bool> *cancel) const {
 	TransformBatch batch;
+	const UpField up(layer.planet, r_tile.origin);
 	for (std::size_t first = 0; first < r_part.order.size(); first += TransformBatch::most) {
 		if (first % between_looks == 0 && is_cancelled(cancel)) {
 			return {ErrorCode::cancelled, "tile", 0.0};
@@ -144,7 +145,7 @@ Status InstanceWriter::write_part(const LayerSettings &layer, const StandingPoin
 		for (const std::uint64_t key : keys) {
 			add_point(layer, points, point_of(key), r_tile.origin, batch);
 		}
-		batch.make(layer.placement, layer.set.seed);
+		batch.make(layer.placement, layer.set.seed, up);
 		for (std::size_t i = 0; i < keys.size(); ++i) {
 			const std::size_t mesh = r_part.mesh_of[first + i];
 			write_instance(
@@ -161,7 +162,7 @@ Status InstanceWriter::write(const LayerSettings &layer, const StandingPoints &p
 	divide(points, helpers > 0 ? parts_each * (helpers + 1) : 1);
 	const auto for_each_part = [&](const auto &work) -> Status {
 		if (parts_.size() == 1) {
-			// A single part is not worth a thread.
+			// A single part needs no further threads.
 			return work(parts_.front());
 		}
 		std::vector<Status> statuses(parts_.size());

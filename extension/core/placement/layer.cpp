@@ -3,6 +3,7 @@
 #include "core/base/check.hpp"
 #include "core/placement/layer_graph.hpp"
 #include "core/placement/mesh_choice.hpp"
+#include "core/surface/surface_sampler.hpp"
 
 #include <algorithm>
 
@@ -10,9 +11,27 @@ namespace thicket {
 
 namespace {
 
+/// Limit for the radius of a planet and for the coordinates of its center, in meters.
+constexpr double max_planet_extent = 1e7;
+
+Status validate_planet(const LayerSettings &layer) {
+	const Planet &planet = layer.planet;
+	const auto check_center = [](const char *property, double value) {
+		return check_range(property, value, -max_planet_extent, max_planet_extent);
+	};
+	const Status status = first_failure(check_range("planet_radius", planet.radius, 0.0, max_planet_extent),
+			check_center("planet_center.x", planet.center.x), check_center("planet_center.y", planet.center.y),
+			check_center("planet_center.z", planet.center.z));
+	return status.ok() && planet.exists() && !layer.set.on_surface ? Status{ErrorCode::missing, "on_surface", 0.0}
+																   : status;
+}
+
 Status validate_alone(const LayerSettings &layer) {
+	if (layer.hosted && !layer.set.on_surface) {
+		return Status::missing("on_surfaces", "Turn it on, because surface_layers requires it");
+	}
 	return first_failure(validate(layer.set), validate(layer.rules), validate(layer.placement),
-			validate(layer.instance_data), validate_mesh_weights(layer.mesh_weights));
+			validate(layer.instance_data), validate_mesh_weights(layer.mesh_weights), validate_planet(layer));
 }
 
 } // namespace
@@ -34,11 +53,26 @@ bool follows_normals(const LayerSettings &layer) {
 			(data.variation_is_known() && data.variation.kind == SourceKind::slope);
 }
 
+SurfaceFaces permitted_faces(const LayerSettings &layer) {
+	if (layer.planet.exists()) {
+		return SurfaceFaces::all;
+	}
+	return layer.rules.max_slope_degrees <= 90.0    ? SurfaceFaces::up
+			: layer.rules.min_slope_degrees >= 90.0 ? SurfaceFaces::down
+													: SurfaceFaces::all;
+}
+
+double host_distance(const LayerSettings &layer, double reach) {
+	return sampled_around(layer.set, host_margins.widest) + reach;
+}
+
 double reach(const LayerSettings &layer) {
 	double farthest = 0.0;
 	const LayerGraph graph(layer);
 	for (const LayerGraph::Node &node : graph.nodes()) {
-		farthest = std::max(farthest, node.margin + node.layer->rules.edge_feather);
+		const PointSet &set = node.layer->set;
+		const double chain = set.on_surface ? surface_chain_reach * set.radius : 0.0;
+		farthest = std::max(farthest, node.margin + node.layer->rules.edge_feather + chain);
 	}
 	return farthest;
 }

@@ -1,6 +1,8 @@
 #pragma once
 
+#include "core/base/planet.hpp"
 #include "core/base/status.hpp"
+#include "core/placement/host_layer.hpp"
 #include "core/placement/instance_data.hpp"
 #include "core/placement/placement.hpp"
 #include "core/rules/rules.hpp"
@@ -14,53 +16,91 @@ namespace thicket {
 
 struct LayerSettings;
 
-/// How the points of a layer depend on the instances of a different layer. A neighbor's own rules alone decide which of
-/// its points are instances. So layers can form chains but never cycles, which the pointers cannot express.
+/// A rule by which a layer depends on the instances of a different layer, its neighbor. The
+/// neighbor's instances depend only on its own rules. Layers can form chains but no cycles, because
+/// a neighbor's settings must be complete before a layer can refer to them.
 struct Neighbor {
-	std::shared_ptr<const LayerSettings> layer; ///< Never null.
-	/// Meters, above 0, at most max_neighbor_distance: the distance up to which the other layer's instances count.
+	std::shared_ptr<const LayerSettings> layer; ///< The neighbor; never null.
+	/// Distance in meters up to which the neighbor's instances have an effect, above 0, at most
+	/// max_neighbor_distance.
 	double distance = 1.0;
 
-	/// Density over the distance in meters to the nearest instance of the other layer. If none is within `distance`, the density at
-	/// `distance` applies. Null: no instance is placed nearer than `distance`, in the plane, and the rule has no effect beyond.
+	/// Density as a function of the distance in meters to the neighbor's nearest instance. If no
+	/// instance is within `distance`, the density at `distance` applies. If null, the density is 0
+	/// below `distance` and 1 beyond it. The distance is measured in the plane, or in space if one
+	/// of the two layers is on surfaces.
 	std::shared_ptr<const CurveTable> curve;
 
 	friend bool operator==(const Neighbor &, const Neighbor &) = default;
 };
 
 inline constexpr double max_neighbor_distance = 1e3;
-inline constexpr std::size_t max_neighbors = 16;      ///< The most neighbors of one layer.
-inline constexpr std::size_t max_neighbor_depth = 16; ///< The most layers in a chain.
-inline constexpr std::size_t max_graph_layers = 64;   ///< The most layers that a layer depends on, itself included.
+inline constexpr std::size_t max_neighbors = 16;      ///< Maximum number of neighbors of a layer.
+inline constexpr std::size_t max_hosts = 16;          ///< Maximum number of hosts of a layer.
+inline constexpr std::size_t max_neighbor_depth = 16; ///< Maximum number of layers in a chain.
+/// Maximum number of layers that a layer depends on, including the layer itself.
+inline constexpr std::size_t max_graph_layers = 64;
 
-/// The complete settings of a layer, which is one species or family.
+/// The complete settings of a layer, such as a plant species.
 struct LayerSettings {
 	PointSet set;
 	Rules rules;
 	Placement placement;
 	InstanceData instance_data;
-	/// A weight for each mesh, finite and not negative, not all 0. An instance gets a mesh with a probability proportional to its weight,
-	/// from the instance's own hash. An empty list means one mesh. At most max_meshes.
+	/// One weight per mesh. The list has at most max_meshes weights, finite, 0 or more, and not all
+	/// 0. An instance's mesh is random, with probabilities proportional to the weights. An empty
+	/// list means one mesh.
 	std::vector<float> mesh_weights;
-	/// Spacing and proximity: the layers before this one that it depends on.
+	/// Spacing and proximity rules with layers that come before this one.
 	std::vector<Neighbor> neighbors;
+	/// The planet on which the layer grows, if any. Requires PointSet::on_surface. On a planet,
+	/// slopes are relative to the direction away from the center, heights are altitudes, and
+	/// upright instances point away from the center.
+	Planet planet{};
+	/// True if the layer grows on the models of `hosts` instead of the ground. Requires
+	/// PointSet::on_surface. If `hosts` is empty, the layer has no points.
+	bool hosted = false;
+	/// The layers on whose models this layer grows; empty unless `hosted` is true.
+	std::vector<HostLayer> hosts;
 
 	friend bool operator==(const LayerSettings &, const LayerSettings &) = default;
 };
 
-/// Refuses a layer if any part of it is invalid.
+/// Returns an error if any setting of the layer, or of a layer on which it depends, is invalid.
 Status validate(const LayerSettings &layer);
 
-/// True if transforms or looks of the instances depend on the normal of the ground.
+/// Returns true if the transform or appearance of instances depends on the normal of the ground.
 bool follows_normals(const LayerSettings &layer);
 
-/// How far, in meters, a change of the ground, a mask or a shape may affect the instances of a valid layer. This is the sum of the
-/// distances of its neighbors' chains, of its sources, and of edge feathers.
+/// The longest distance, in radii of the set, from a change of a surface to a point that changes as
+/// a result. Points on surfaces are accepted one after another, and each may affect the next ones
+/// (a chain of darts). No longer chain occurred in any measurement.
+inline constexpr double surface_chain_reach = 13.0;
+
+/// The margins of the sampler for layers on the models of hosts. Around a tile, models are placed
+/// only within the widest margin, so the sampler cannot use a wider one. The margin exceeds the
+/// reach of every chain of darts in the measurements.
+inline constexpr SampleMargins host_margins{.first = 16, .widest = 32};
+
+/// Returns how far from a rectangle, in meters, an instance of a host may be and still affect
+/// points of `layer` inside the rectangle. `reach` is the result of reach_of or widest_reach_of for
+/// the host.
+double host_distance(const LayerSettings &layer, double reach);
+
+/// Returns the largest distance in meters at which a change of the ground, a mask or a shape may
+/// affect an instance of a valid layer. The instance may be affected through a chain of layers. The
+/// distances along such a chain are added up. Each layer adds its edge feather and, on surfaces,
+/// the reach of a chain of darts. The result is the maximum over all chains.
 double reach(const LayerSettings &layer);
 
-/// The approximate number of points that are sampled to generate a square tile of `tile_size` meters of a valid layer.
-/// The number includes the points of the layer, and the points of neighbors and source layers in the surroundings where
-/// they count. Memory and time grow with it.
+/// Returns the approximate number of points that are sampled to generate a square tile of
+/// `tile_size` meters of a valid layer. The number includes the points of other layers on which
+/// this layer depends, in the tile and around it. Memory and time are proportional to the number.
 double points_to_sample(const LayerSettings &layer, double tile_size);
+
+/// Returns the faces of a surface that the slope limits permit. The result changes only when a
+/// limit crosses 90 degrees. Other changes of the limits therefore move no points. On a planet, the
+/// up direction differs between positions, so all faces are permitted.
+SurfaceFaces permitted_faces(const LayerSettings &layer);
 
 } // namespace thicket

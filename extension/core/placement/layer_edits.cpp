@@ -16,7 +16,8 @@ bool holds(const Rect &outer, const Rect &inner) {
 			inner.max.y <= outer.max.y;
 }
 
-/// Whether two layers keep the same points, apart from their neighbors and from the parts that are edited in place.
+/// Returns true if two layers have the same point set and rules, except for neighbors and for the
+/// objects that are edited interactively.
 bool same_rules(const LayerSettings &a, const LayerSettings &b) {
 	const auto without_edits = [](const Rules &rules) {
 		Rules result = rules;
@@ -26,10 +27,11 @@ bool same_rules(const LayerSettings &a, const LayerSettings &b) {
 		result.water = nullptr;
 		return result;
 	};
-	return a.set == b.set && without_edits(a.rules) == without_edits(b.rules);
+	return a.set == b.set && a.planet == b.planet && without_edits(a.rules) == without_edits(b.rules);
 }
 
-/// Whether instances look the same, apart from the layers that their sources depend on.
+/// Returns true if the settings for the appearance of instances are equal, except for the layers of
+/// their sources.
 bool same_look(const LayerSettings &a, const LayerSettings &b) {
 	const auto without_layers = [](const InstanceData &data) {
 		InstanceData result = data;
@@ -43,7 +45,7 @@ bool same_look(const LayerSettings &a, const LayerSettings &b) {
 
 bool find_mask_edits(const PaintedMask *before, const PaintedMask *after, std::vector<Rect> &r_areas) {
 	if (before == after) {
-		// A mask does not differ from itself.
+		// Both layers have the same mask, so it has no edits.
 		return true;
 	}
 	Rect area;
@@ -56,12 +58,12 @@ bool find_mask_edits(const PaintedMask *before, const PaintedMask *after, std::v
 	return area.empty() || area.finite();
 }
 
-/// Whether a layer depends on the water.
+/// Returns true if the rules depend on the water level.
 bool minds_water(const Rules &rules) {
 	return rules.min_water_depth > -unlimited_height || rules.max_water_depth < unlimited_height;
 }
 
-/// Edits of the layer's own masks and shapes, of its biomes and of the water.
+/// Returns the area of edits to the layer's own mask, shapes, biomes and water.
 EditedArea own_edits(const Rules &before, const Rules &after) {
 	std::vector<Rect> areas;
 	EditedArea result;
@@ -112,7 +114,7 @@ const EditedArea &EditSearch::find(const LayerSettings &before, const LayerSetti
 const EditedArea &EditSearch::find_edits(const LayerSettings &before, const LayerSettings &after) {
 	const Pair pair{&before, &after};
 	if (const auto known = found_.find(pair); known != found_.end()) {
-		// The settings do not change during the search, so the cached result is still valid.
+		// Settings do not change during the search, so the cached result is valid.
 		return known->second;
 	}
 	EditedArea area = find_standing(before, after);
@@ -131,11 +133,11 @@ const EditedArea &EditSearch::find_edits(const LayerSettings &before, const Laye
 const EditedArea &EditSearch::find_standing(const LayerSettings &before, const LayerSettings &after) {
 	const Pair pair{&before, &after};
 	if (const auto known = standing_.find(pair); known != standing_.end()) {
-		// Found before, as in find_edits.
+		// The result is cached, as in find_edits.
 		return known->second;
 	}
 	if (&before == &after) {
-		// A layer does not differ from itself.
+		// Both sides are the same layer, which has no edits.
 		return standing_.emplace(pair, EditedArea()).first->second;
 	}
 	EditedArea area;
@@ -149,7 +151,27 @@ const EditedArea &EditSearch::find_standing(const LayerSettings &before, const L
 			area.add(find_standing(*was.layer, *is.layer), is.distance);
 		}
 	}
-	return standing_.emplace(pair, std::move(area)).first->second; // Stored only once it is complete.
+	area.add(find_host_edits(before, after));
+	return standing_.emplace(pair, std::move(area)).first->second; // The area is cached only now that it is complete.
+}
+
+/// Returns the area in which a layer's instances may have changed because its hosts have changed.
+EditedArea EditSearch::find_host_edits(const LayerSettings &before, const LayerSettings &after) {
+	EditedArea area;
+	area.everywhere = before.hosted != after.hosted || before.hosts.size() != after.hosts.size();
+	for (std::size_t i = 0; !area.everywhere && i < after.hosts.size(); ++i) {
+		const HostLayer &was = before.hosts[i];
+		const HostLayer &is = after.hosts[i];
+		const double distance = host_distance(after, std::max(widest_reach_of(was), widest_reach_of(is)));
+		area.everywhere = was.models != is.models || was.layer->placement != is.layer->placement ||
+				was.layer->mesh_weights != is.layer->mesh_weights;
+		area.add(find_standing(*was.layer, *is.layer), distance);
+		const auto changes = host_edits_.find(is.layer->set.layer);
+		if (changes != host_edits_.end()) {
+			area.add(changes->second, distance);
+		}
+	}
+	return area;
 }
 
 } // namespace thicket

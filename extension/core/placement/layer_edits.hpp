@@ -3,6 +3,7 @@
 #include "core/base/rect.hpp"
 #include "core/placement/layer.hpp"
 
+#include <cstdint>
 #include <map>
 #include <utility>
 #include <vector>
@@ -12,11 +13,11 @@ namespace thicket {
 /// The area in which a layer's instances may have changed.
 struct EditedArea {
 	bool everywhere = false;
-	std::vector<Rect> areas; ///< World meters, none within another; meaningless if `everywhere` is set.
+	std::vector<Rect> areas; ///< World meters. No area contains another one. Meaningless if `everywhere` is true.
 
 	bool empty() const { return !everywhere && areas.empty(); }
 
-	/// Whether any part of the area lies in the half-open `rect`, including its edges.
+	/// Returns true if any part of the area touches the half-open `rect`, edges included.
 	bool touches(const Rect &rect) const;
 
 	/// Adds an area, expanded by `distance` meters on all sides.
@@ -24,19 +25,28 @@ struct EditedArea {
 	void add(const EditedArea &other, double distance = 0.0);
 };
 
-/// An area expanded by `distance` meters (0 or more), plus a small margin for rounding.
+/// The areas in which a game has changed the instances of hosts, keyed by the host's
+/// PointSet::layer.
+using HostEdits = std::map<std::uint16_t, EditedArea>;
+
+/// Returns an area expanded by `distance` meters (0 or more) on all sides, plus a small margin for
+/// rounding.
 Rect grown(const Rect &area, double distance);
 
-/// Compares layer settings before and after a change, on the same ground, and finds where their instances may have
-/// changed. These are the areas of changed shapes, mask pixels, biomes and water. Each area is expanded by the distance
-/// up to which a layer checks for its edge, and by the distance up to which a layer depends on other layers, by a rule
-/// or for the look of its instances. The search caches its results, so layers that share neighbors cost little more
-/// than one. The settings must therefore outlive the search.
+/// Finds the area in which instances may have changed between two versions of a layer's settings,
+/// on the same ground. The area consists of changed shapes, mask pixels, biomes and water. It is
+/// expanded by the edge feather and by the distances at which layers depend on other layers. The
+/// search caches results, so that several layers with common neighbors cost little more than one.
+/// The settings must therefore outlive the search.
 class EditSearch {
 public:
-	/// The area for the layer itself: its instances, their transforms and their meshes. Covers everything if anything
-	/// but the mask, shapes, biomes and water has changed, in the layer or in a rule of its neighbors, or if memory
-	/// runs out.
+	/// `host_edits` contains the areas of the game's changes between the two versions.
+	explicit EditSearch(HostEdits host_edits = {}) : host_edits_(std::move(host_edits)) {}
+
+	/// Returns the area in which the layer's instances may have changed, including their transforms
+	/// and meshes. The area covers everything if any other setting of the layer has changed, or the
+	/// rules of a neighbor or host, or the models or transforms of a host. It also covers
+	/// everything if memory runs out.
 	const EditedArea &find(const LayerSettings &before, const LayerSettings &after);
 
 private:
@@ -44,9 +54,12 @@ private:
 
 	const EditedArea &find_edits(const LayerSettings &before, const LayerSettings &after);
 	const EditedArea &find_standing(const LayerSettings &before, const LayerSettings &after);
+	EditedArea find_host_edits(const LayerSettings &before, const LayerSettings &after);
 
-	std::map<Pair, EditedArea> found_;    ///< For the layer itself.
-	std::map<Pair, EditedArea> standing_; ///< For its neighbors: where instances may appear or vanish.
+	HostEdits host_edits_;
+	std::map<Pair, EditedArea> found_; ///< Areas in which instances or their appearance may have changed.
+	/// Areas in which instances may have been added or removed, for layers on which others depend.
+	std::map<Pair, EditedArea> standing_;
 };
 
 } // namespace thicket

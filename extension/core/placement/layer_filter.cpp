@@ -1,8 +1,11 @@
 #include "core/placement/layer_filter.hpp"
 
+#include "core/base/check.hpp"
 #include "core/base/guard.hpp"
+#include "core/base/instance_id.hpp"
 #include "core/base/progress.hpp"
 #include "core/placement/edge_probes.hpp"
+#include "core/terrain/planet_ground.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +15,8 @@ namespace thicket {
 
 namespace {
 
-/// Points between two checks of the cancel flag: less than a millisecond of work.
+/// Number of points between two checks of the cancel flag. Processing them takes less than a
+/// millisecond.
 constexpr std::size_t points_per_check = 2048;
 
 constexpr std::array<glm::dvec2, edge_probes> probe_offsets = edge_probe_offsets();
@@ -20,22 +24,26 @@ constexpr std::array<glm::dvec2, edge_probes> probe_offsets = edge_probe_offsets
 } // namespace
 
 void LayerFilter::set(const LayerSettings &layer, std::span<const LayerFilter *const> neighbors) {
-	// The rules are valid, so memory is the only possible failure.
-	throw_if_out_of_memory(rules_.set(layer.rules, layer.set.seed));
+	// The rules are valid, so the call below can fail only for lack of memory.
+	const GroundSides sides = layer.set.on_surface ? GroundSides::all : GroundSides::top;
+	throw_if_out_of_memory(rules_.set(layer.rules, layer.set.seed, sides));
 	layer_ = &layer;
 	neighbors_.assign(neighbors.begin(), neighbors.end());
 }
 
 Status LayerFilter::sample(
-		TileSampler &sampler, const Rect &window, const std::atomic<bool> *cancel, LentThreads *threads) {
+		const PointSource &source, const TileSpace &window, const std::atomic<bool> *cancel, LentThreads *threads) {
 	window_ = window;
-	if (rules_.closed_in(window)) {
-		// If the rules let nothing pass, nothing needs to be sampled.
-		points_.clear();
-	} else if (const Status status =
-					   sampler.sample(layer_->set, window, points_, {.cancel = cancel, .report = {}}, threads);
-			!status.ok()) {
-		return status;
+	on_surface_ = layer_->set.on_surface;
+	points_.clear();
+	surface_points_.clear();
+	if (!rules_.closed_in(window)) { // If the rules let no point pass, none needs to be sampled.
+		const Status status = on_surface_
+				? sample_surface(source, cancel)
+				: source.plane.sample(layer_->set, window, points_, {.cancel = cancel, .report = {}}, threads);
+		if (!status.ok()) {
+			return status;
+		}
 	}
 	if (const Status status = ask_position(); !status.ok()) {
 		return status;
@@ -44,11 +52,65 @@ Status LayerFilter::sample(
 	return look_around();
 }
 
-Status LayerFilter::take(std::span<const glm::dvec2> places, const Rect &window) {
+void LayerFilter::wait_for_hosts(const TileSpace &window) {
 	window_ = window;
+	on_surface_ = true;
+	sampled_ = 0;
+	keep_points(true);
+	standing_.clear();
+	thinning_ranks_.clear();
+	probes_.clear();
+	probe_open_.clear();
+}
+
+/// Finds the points on the surface in the window, a column of space that may be limited in height.
+Status LayerFilter::sample_surface(const PointSource &source, const std::atomic<bool> *cancel) {
+	if (source.surface == nullptr || is_empty(source.surface->bounds())) {
+		return {};
+	}
+	const PointSet &set = layer_->set;
+	const Box3 &bounds = source.surface->bounds();
+	// Farther from the origin, ids would repeat.
+	const double extent = set_extent(set);
+	const double height = extent / surface_id_extent * surface_id_height;
+	const Status status = first_failure(check_range("rect", window_.min.x, -extent, extent),
+			check_range("rect", window_.min.y, -extent, extent), check_range("rect", window_.max.x, -extent, extent),
+			check_range("rect", window_.max.y, -extent, extent),
+			check_range("height of the surface", bounds.min.y, -height, height),
+			check_range("height of the surface", bounds.max.y, -height, height));
+	if (!status.ok()) {
+		return status;
+	}
+	const Planet &planet = layer_->planet;
+	const double bottom =
+			std::max({bounds.min.y - 1.0, window_.bottom, planet.exists() ? planet.bottom() : window_.bottom});
+	const double top = std::min({bounds.max.y + 1.0, window_.top, planet.exists() ? planet.top() : window_.top});
+	if (bottom >= top) {
+		// The surface is above or below the window.
+		return {};
+	}
+	const Box3 column{{window_.min.x, bottom, window_.min.y}, {window_.max.x, top, window_.max.y}};
+	const Status sampled =
+			source.surfaces.sample(set, *source.surface, column, surface_points_, {.cancel = cancel, .report = {}});
+	for (const SurfacePoint &point : surface_points_) {
+		points_.push_back({{point.position.x, point.position.z}, point.id, point.rank, point.level});
+	}
+	return sampled;
+}
+
+Status LayerFilter::take(std::span<const glm::dvec2> places, const Rect &window, std::span<const Ground> on_surface) {
+	window_ = window;
+	on_surface_ = !on_surface.empty();
 	points_.clear();
+	surface_points_.clear();
 	for (const glm::dvec2 place : places) {
 		points_.push_back({.position = place, .id = points_.size(), .rank = 0, .level = 0});
+	}
+	for (std::size_t i = 0; i < on_surface.size(); ++i) {
+		SurfacePoint point{};
+		point.position = {places[i].x, on_surface[i].height, places[i].y};
+		point.normal = on_surface[i].normal;
+		surface_points_.push_back(point);
 	}
 	if (const Status status = ask_position(); !status.ok()) {
 		return status;
@@ -57,32 +119,42 @@ Status LayerFilter::take(std::span<const glm::dvec2> places, const Rect &window)
 	return look_around();
 }
 
-/// Evaluates the rules of position at all points.
+/// Evaluates the position rules at all points.
 Status LayerFilter::ask_position() {
 	sampled_ = points_.size();
 	sampled_positions_.resize(sampled_);
 	sampled_densities_.resize(sampled_);
 	std::transform(points_.begin(), points_.end(), sampled_positions_.begin(),
 			[](const SamplePoint &point) { return point.position; });
-	return rules_.place_densities(sampled_positions_, sampled_densities_, scratch_);
+	sampled_heights_.clear();
+	for (const SurfacePoint &point : surface_points_) {
+		sampled_heights_.push_back(static_cast<float>(point.position.y));
+	}
+	return rules_.place_densities({sampled_positions_, sampled_heights_}, sampled_densities_, scratch_);
 }
 
-/// Splits the points, or those that pass the rules of position, into separate arrays.
+/// Splits the points into separate arrays: all of them, or only those that pass the position rules.
 void LayerFilter::keep_points(bool all) {
 	const auto resize = [this](std::size_t count) {
 		positions_.resize(count);
 		ids_.resize(count);
 		ranks_.resize(count);
 		densities_.resize(count);
+		surface_ground_.resize(on_surface_ ? count : 0);
 	};
 	resize(sampled_);
-	// Has no branch, because densities would often mispredict it: the next point overwrites a removed one.
+	// The loop avoids a branch, which would often be mispredicted: a point that is not kept is
+	// overwritten by the next one.
 	std::size_t kept = 0;
 	for (std::size_t i = 0; i < sampled_; ++i) {
 		positions_[kept] = points_[i].position;
 		ids_[kept] = points_[i].id;
 		ranks_[kept] = points_[i].rank;
 		densities_[kept] = sampled_densities_[i];
+		if (on_surface_) {
+			const SurfacePoint &point = surface_points_[i];
+			surface_ground_[kept] = {sampled_heights_[i], glm::vec3(point.normal)};
+		}
 		kept += all || stands(points_[i].rank, sampled_densities_[i]) ? 1 : 0;
 	}
 	resize(kept);
@@ -91,7 +163,7 @@ void LayerFilter::keep_points(bool all) {
 Status LayerFilter::look_around() {
 	near_shapes_.clear();
 	if (const ShapeSet *shapes = rules_.rules().shapes.get()) {
-		// Probes may lie outside the window.
+		// Probes may be outside the window.
 		const double around = rules_.rules().edge_feather;
 		throw_if_out_of_memory(shapes->near({window_.min - around, window_.max + around}, near_shapes_));
 	}
@@ -102,7 +174,8 @@ Status LayerFilter::open_probes() {
 	probes_.clear();
 	probe_open_.clear();
 	const double feather = rules_.rules().edge_feather;
-	if (feather <= 0.0) {
+	if (feather <= 0.0 || layer_->set.on_surface) {
+		// Next to a point, a surface has no single ground.
 		return {};
 	}
 	for (const glm::dvec2 position : positions_) {
@@ -111,7 +184,7 @@ Status LayerFilter::open_probes() {
 		}
 	}
 	sampled_densities_.resize(probes_.size());
-	const Status status = rules_.place_densities(probes_, sampled_densities_, scratch_);
+	const Status status = rules_.place_densities({probes_}, sampled_densities_, scratch_);
 	probe_open_.resize(probes_.size());
 	std::transform(sampled_densities_.begin(), sampled_densities_.end(), probe_open_.begin(),
 			[](double density) { return density > 0.0; });
@@ -120,12 +193,15 @@ Status LayerFilter::open_probes() {
 
 void LayerFilter::add_queries(
 		bool normals, std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const {
+	if (on_surface_) {
+		return;
+	}
 	const std::vector<std::int32_t> &textures = layer_->rules.ground_textures;
 	const bool slope = rules_.look_at_slope();
 	if (slope || !normals || probes_.empty()) {
 		r_queries.push_back({r_positions.size(), position_count(), {textures, slope || normals}});
 	} else {
-		// The normals of the probes are not needed.
+		// Probes do not need normals.
 		r_queries.push_back({r_positions.size(), positions_.size(), {textures, true}});
 		r_queries.push_back({r_positions.size() + positions_.size(), probes_.size(), {textures, false}});
 	}
@@ -151,9 +227,10 @@ double LayerFilter::edge_density_at(
 }
 
 template <class Record>
-double LayerFilter::neighbor_density(std::size_t neighbor, glm::dvec2 position, const Record &record) const {
+double LayerFilter::neighbor_density(
+		std::size_t neighbor, std::size_t point, const Ground &here, const Record &record) const {
 	const Neighbor &rule = layer_->neighbors[neighbor];
-	const double squared = neighbors_[neighbor]->nearest_squared(position, rule.distance);
+	const double squared = nearest_squared(*neighbors_[neighbor], positions_[point], here, rule.distance);
 	const double distance = Record::complete || rule.curve != nullptr ? std::sqrt(squared) : 0.0;
 	const double density = rule.curve != nullptr      ? rule.curve->at(distance)
 			: squared < rule.distance * rule.distance ? 0.0
@@ -161,19 +238,24 @@ double LayerFilter::neighbor_density(std::size_t neighbor, glm::dvec2 position, 
 	return record(RuleKind::neighbor, distance, density, static_cast<std::uint32_t>(neighbor));
 }
 
-/// The density of the rules that depend only on a point's position and the ground there.
+/// Returns the product of the rules that depend only on a point's position and the ground there.
 template <class Record>
-double LayerFilter::density_alone(std::size_t point, std::span<const Ground> ground, const Record &record) const {
-	return densities_[point] * rules_.ground_density(ground[point], positions_[point], record);
+double LayerFilter::density_alone(std::size_t point, const Ground &here, const Record &record) const {
+	const glm::dvec2 position = positions_[point];
+	if (const Planet &planet = layer_->planet; planet.exists()) {
+		return densities_[point] * rules_.ground_density(on_planet(planet, position, here), position, record);
+	}
+	return densities_[point] * rules_.ground_density(here, position, record);
 }
 
-/// Evaluates the rules in the order of their cost, and stops once a point's density has fallen below its rank.
+/// Evaluates the rules in ascending order of cost, and stops once the density is too low for the
+/// point's rank.
 template <class Record>
 double LayerFilter::product(std::size_t point, std::span<const Ground> ground, const Record &record) const {
-	const Ground &here = ground[point];
-	double density = density_alone(point, ground, record);
+	const Ground &here = ground_of(ground)[point];
+	double density = density_alone(point, here, record);
 	if (Record::complete && !std::isfinite(here.height)) {
-		return density; // The density is 0, and the other rules cannot be evaluated without ground.
+		return density; // The density is 0, and the remaining rules need ground.
 	}
 	const auto goes_on = [&] {
 		return Record::complete || stands(ranks_[point], density);
@@ -182,7 +264,7 @@ double LayerFilter::product(std::size_t point, std::span<const Ground> ground, c
 		density *= rules_.shape_density(near_shapes_, positions_[point], here, record);
 	}
 	for (std::size_t i = 0; i < neighbors_.size() && goes_on(); ++i) {
-		density *= neighbor_density(i, positions_[point], record);
+		density *= neighbor_density(i, point, here, record);
 	}
 	if (!probe_open_.empty() && goes_on()) {
 		density *= edge_density_at(point, ground.subspan(positions_.size()), record);
@@ -197,7 +279,11 @@ double LayerFilter::density_at(std::size_t point, std::span<const Ground> ground
 Status LayerFilter::factors_at(
 		std::size_t point, std::span<const Ground> ground, std::vector<RuleFactor> &r_factors) const {
 	const RuleRecord record(r_factors);
-	const Status status = rules_.place_factors(positions_[point], record);
+	Places place{{&positions_[point], 1}};
+	if (on_surface_) {
+		place.heights = {&surface_ground_[point].height, 1};
+	}
+	const Status status = rules_.place_factors(place, record);
 	if (status.ok()) {
 		product(point, ground, record);
 	}
@@ -206,9 +292,10 @@ Status LayerFilter::factors_at(
 
 Status LayerFilter::filter(std::span<const Ground> ground, const std::atomic<bool> *cancel) {
 	const bool looks_further = rules_.rules().shapes != nullptr || !neighbors_.empty() || !probe_open_.empty();
+	const std::span<const Ground> own_ground = ground_of(ground);
 	standing_.resize(positions_.size());
 	thinning_ranks_.resize(positions_.size());
-	std::size_t standing = 0; // As in keep_points.
+	std::size_t standing = 0; // The loop avoids a branch, as in keep_points.
 	for (std::size_t first = 0; first < positions_.size(); first += points_per_check) {
 		if (is_cancelled(cancel)) {
 			standing_.clear();
@@ -217,7 +304,8 @@ Status LayerFilter::filter(std::span<const Ground> ground, const std::atomic<boo
 		}
 		const std::size_t end = std::min(first + points_per_check, positions_.size());
 		for (std::size_t point = first; point < end; ++point) {
-			const double density = looks_further ? density_at(point, ground) : density_alone(point, ground, NoRecord());
+			const double density =
+					looks_further ? density_at(point, ground) : density_alone(point, own_ground[point], NoRecord());
 			standing_[standing] = static_cast<std::uint32_t>(point);
 			thinning_ranks_[standing] = thinning_rank(ranks_[point], density);
 			standing += stands(ranks_[point], density) ? 1 : 0;
@@ -228,12 +316,30 @@ Status LayerFilter::filter(std::span<const Ground> ground, const std::atomic<boo
 	return {};
 }
 
-void LayerFilter::index_standing(double distance) {
+void LayerFilter::index_standing(const LayerGraph::Node &node, std::span<const Ground> ground) {
+	const double cell = std::max(node.asked_from, layer_->set.radius);
 	standing_positions_.clear();
+	standing_places_.clear();
 	for (const std::uint32_t point : standing_) {
-		standing_positions_.push_back(positions_[point]);
+		const glm::dvec2 position = positions_[point];
+		standing_positions_.push_back(position);
+		if (node.asked_in_space) {
+			standing_places_.emplace_back(position.x, ground_of(ground)[point].height, position.y);
+		}
 	}
-	grid_.set(standing_positions_, window_, std::max(distance, layer_->set.radius));
+	if (node.asked_on_plane) {
+		grid_.set(standing_positions_, window_, cell);
+	}
+	if (node.asked_in_space) {
+		space_grid_.set(standing_places_, window_, cell);
+	}
+}
+
+double LayerFilter::nearest_squared(
+		const LayerFilter &other, glm::dvec2 position, const Ground &ground, double distance) const {
+	return distance_in_space(*layer_, *other.layer_)
+			? other.space_grid_.nearest_squared({position.x, ground.height, position.y}, distance)
+			: other.grid_.nearest_squared(position, distance);
 }
 
 } // namespace thicket

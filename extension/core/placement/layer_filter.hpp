@@ -1,12 +1,14 @@
 #pragma once
 
-#include "core/base/rect.hpp"
+#include "core/base/tile_grid.hpp"
 #include "core/base/unfilled.hpp"
 #include "core/placement/ground_query.hpp"
 #include "core/placement/layer.hpp"
+#include "core/placement/layer_graph.hpp"
 #include "core/placement/point_grid.hpp"
 #include "core/rules/rules.hpp"
 #include "core/sampling/tile_sampler.hpp"
+#include "core/surface/surface_sampler.hpp"
 
 #include <glm/vec2.hpp>
 
@@ -18,46 +20,71 @@
 
 namespace thicket {
 
-/// Decides which points of one layer become instances in a window: call `sample`, then `filter` once the ground is known. A tile has one
-/// filter for its own layer and one for each layer that its rules depend on. Reuses its memory.
+/// The samplers that find the points of layers.
+struct PointSource {
+	TileSampler &plane;
+	SurfaceSampler &surfaces;
+	const Surface *surface = nullptr; ///< The surface of the ground. If null, layers on surfaces have no points.
+};
+
+/// Determines which points of one layer become instances in a window: call `sample`, query the
+/// ground, then call `filter`. A tile has one filter for its own layer and one for each layer on
+/// which it depends. A filter reuses its memory.
 class LayerFilter {
 public:
-	/// Sets the layer, whose settings must be valid. It must stay alive until the points are filtered. `neighbors` are
-	/// the filters of layer.neighbors, in the same order.
+	/// Sets the layer, whose settings must be valid and must outlive the use of this object.
+	/// `neighbors` are the filters of layer.neighbors, in the same order.
 	void set(const LayerSettings &layer, std::span<const LayerFilter *const> neighbors);
 
-	/// Finds the points of the half-open `window` that pass the rules of position. Returns ErrorCode::cancelled when `cancel` is raised.
-	Status sample(TileSampler &sampler, const Rect &window, const std::atomic<bool> *cancel, LentThreads *threads);
+	/// Finds the points in `window` that pass the rules that depend only on the position. Returns
+	/// ErrorCode::cancelled if `cancel` is set.
+	Status sample(
+			const PointSource &source, const TileSpace &window, const std::atomic<bool> *cancel, LentThreads *threads);
 
-	/// Used instead of `sample`: takes positions from the caller, in `window`, that need not be points of the set. All
-	/// positions are kept, with their index as id and the rank 0.
-	Status take(std::span<const glm::dvec2> places, const Rect &window);
+	/// Prepares a layer that grows on the models of its hosts. The layer has no points until
+	/// `sample` is called. Call `sample` once the hosts are filtered, before `filter`.
+	void wait_for_hosts(const TileSpace &window);
 
-	/// The positions at which the ground must be known: the points' positions, then edge_probes for each point if the
-	/// layer checks for its edge. Appends to both lists. Normals are queried only if the layer has a rule for the
-	/// slope, or, at the points, if `normals` is true.
+	/// Evaluates the rules at arbitrary positions in `window`. This call replaces `sample`. All
+	/// positions become points, with their indices as ids and with rank 0. If the positions are on
+	/// surfaces, `on_surface` contains the ground at each of them. If it is empty, the positions
+	/// are on the top of the ground.
+	Status take(std::span<const glm::dvec2> places, const Rect &window, std::span<const Ground> on_surface = {});
+
+	/// Appends the positions at which `filter` needs the ground, and their queries. These are the
+	/// positions of the points and, with an edge feather, edge_probes positions for each point.
+	/// Normals are queried if the layer has a slope rule. If `normals` is true, they are always
+	/// queried at the points. The ground of points on surfaces is already known.
 	void add_queries(bool normals, std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const;
-	std::size_t position_count() const { return positions_.size() + probe_open_.size(); }
+	std::size_t position_count() const { return on_surface_ ? 0 : positions_.size() + probe_open_.size(); }
 
-	/// Decides which points are kept. `ground` has one entry for each position of add_queries. The neighbors must
-	/// already be filtered.
+	/// Returns the ground at each point. `ground` is as for `filter`.
+	std::span<const Ground> ground_of(std::span<const Ground> ground) const {
+		return on_surface_ ? std::span<const Ground>(surface_ground_) : ground.first(positions_.size());
+	}
+
+	/// Determines which points are kept. `ground` has one entry for each position from add_queries.
+	/// The neighbors must already be filtered and indexed.
 	Status filter(std::span<const Ground> ground, const std::atomic<bool> *cancel);
 
-	/// The product of all rules at a point or position, evaluated in the order of their cost. `ground` is as for
-	/// `filter`. Once the product has fallen to the point's rank, no further rule is evaluated.
+	/// Returns the product of all rules at a point, evaluated in ascending order of cost. `ground`
+	/// is as for `filter`. The evaluation stops early once the product is too low for the point's
+	/// rank.
 	double density_at(std::size_t point, std::span<const Ground> ground) const;
 
-	/// Evaluates all rules at a point or position, whatever its rank, and adds their factors to `r_factors`. Throws std::bad_alloc.
+	/// Evaluates all rules at a point, regardless of its rank, and appends their factors to
+	/// `r_factors`. Throws std::bad_alloc.
 	Status factors_at(std::size_t point, std::span<const Ground> ground, std::vector<RuleFactor> &r_factors) const;
 
-	/// Indexes the kept points for layers that depend on them, for distances of at most `distance` meters.
-	void index_standing(double distance);
+	/// Indexes the kept points for nearest_squared, with the distance that `node` requires.
+	/// `ground` is the same as for `filter`.
+	void index_standing(const LayerGraph::Node &node, std::span<const Ground> ground);
 
-	/// The squared distance to the nearest kept point, if it is below `distance` meters, else the square of `distance`. `distance` is at
-	/// most that of index_standing. `position` must lie at least that far within the window.
-	double nearest_squared(glm::dvec2 position, double distance) const {
-		return grid_.nearest_squared(position, distance);
-	}
+	/// Returns the squared distance from a position to the nearest kept point of `other`, or the
+	/// square of `distance` (meters) if no point is nearer than that. `distance` must not exceed
+	/// the distance for which `other` is indexed. The position must be in the window of `other`, at
+	/// least `distance` from its edges.
+	double nearest_squared(const LayerFilter &other, glm::dvec2 position, const Ground &ground, double distance) const;
 
 	const LayerSettings &settings() const { return *layer_; }
 	const Rect &window() const { return window_; }
@@ -65,47 +92,54 @@ public:
 	std::span<const glm::dvec2> positions() const { return positions_; }
 	std::span<const std::uint64_t> ids() const { return ids_; }
 
-	/// Indices of the kept points, ascending, and the thinning_rank of each.
+	/// Return the indices of the kept points, ascending, and their thinning ranks.
 	std::span<const std::uint32_t> standing() const { return standing_; }
 	std::span<const std::uint32_t> thinning_ranks() const { return thinning_ranks_; }
 
 private:
+	Status sample_surface(const PointSource &source, const std::atomic<bool> *cancel);
 	Status ask_position();
 	void keep_points(bool all);
 	Status look_around();
 	Status open_probes();
 	bool probe_allows(std::size_t probe, const Ground &ground) const;
 	template <class Record>
-	double neighbor_density(std::size_t neighbor, glm::dvec2 position, const Record &record) const;
+	double neighbor_density(std::size_t neighbor, std::size_t point, const Ground &here, const Record &record) const;
 	template <class Record>
 	double edge_density_at(std::size_t point, std::span<const Ground> probe_ground, const Record &record) const;
 	template <class Record>
-	double density_alone(std::size_t point, std::span<const Ground> ground, const Record &record) const;
+	double density_alone(std::size_t point, const Ground &here, const Record &record) const;
 	template <class Record>
 	double product(std::size_t point, std::span<const Ground> ground, const Record &record) const;
 
 	const LayerSettings *layer_ = nullptr;
 	PreparedRules rules_;
 	std::vector<const LayerFilter *> neighbors_;
-	Rect window_;
+	TileSpace window_;
 	std::size_t sampled_ = 0;
+	bool on_surface_ = false; ///< True if the points are on surfaces, with known ground.
 
-	std::vector<SamplePoint> points_; ///< As sampled; kept for their memory.
+	std::vector<SamplePoint> points_; ///< The sampled points; a member to reuse its memory.
+	std::vector<SurfacePoint> surface_points_;
+	UnfilledVector<Ground> surface_ground_; ///< The ground of each point on surfaces.
 	UnfilledVector<glm::dvec2> positions_;
 	UnfilledVector<std::uint64_t> ids_;
 	UnfilledVector<std::uint32_t> ranks_;
-	UnfilledVector<double> densities_;     ///< The density of the rules of position.
-	std::vector<glm::dvec2> probes_;       ///< edge_probes for each point, or empty.
-	std::vector<std::uint8_t> probe_open_; ///< Whether the rules of position allow the probes.
+	UnfilledVector<double> densities_;     ///< Product of the position rules for each point.
+	std::vector<glm::dvec2> probes_;       ///< edge_probes positions for each point, or empty.
+	std::vector<std::uint8_t> probe_open_; ///< For each probe, 1 if the position rules allow it, otherwise 0.
 	std::vector<std::uint32_t> near_shapes_;
 
 	UnfilledVector<std::uint32_t> standing_;
 	UnfilledVector<std::uint32_t> thinning_ranks_;
-	PointGrid grid_;
+	PointGrid<glm::dvec2> grid_;
+	PointGrid<glm::dvec3> space_grid_;
 	std::vector<glm::dvec2> standing_positions_;
+	std::vector<glm::dvec3> standing_places_;
 
 	// Working memory of `sample`.
 	UnfilledVector<glm::dvec2> sampled_positions_;
+	std::vector<float> sampled_heights_; ///< World meters; empty unless the points are on surfaces.
 	UnfilledVector<double> sampled_densities_;
 	std::vector<float> scratch_;
 };

@@ -18,7 +18,8 @@ Status check(const Neighbor &neighbor) {
 			check_range("neighbor distance", neighbor.distance, 0.0, max_neighbor_distance));
 }
 
-/// The looks of layers that this one depends on do not matter.
+/// Returns the sources of a layer that depend on distances to other layers. For layers at a greater
+/// depth, the result is empty, because their appearance does not matter.
 std::array<const InstanceSource *, 2> distance_sources_at(const LayerSettings &layer, std::size_t depth) {
 	return depth == 0 ? distance_sources(layer.instance_data) : std::array<const InstanceSource *, 2>{};
 }
@@ -26,7 +27,7 @@ std::array<const InstanceSource *, 2> distance_sources_at(const LayerSettings &l
 Status too_deep(std::size_t depth) {
 	return Status::out_of_range("depth of neighbors", depth,
 			at_most(max_neighbor_depth, "layers in a chain that refer to each other"),
-			"Remove spacing, proximity_layer or color_value from a layer of the chain");
+			"Remove spacing, proximity_layer, surface_layers or color_value from a layer of the chain");
 }
 
 } // namespace
@@ -44,7 +45,7 @@ std::size_t LayerGraph::index_of(const LayerSettings *layer) const {
 	return static_cast<std::size_t>(found - nodes_.begin());
 }
 
-/// Adds the layer after the layers that it depends on.
+/// Adds a layer after the layers that it depends on.
 void LayerGraph::add(const LayerSettings &layer, std::size_t depth) {
 	if (!status_.ok() || index_of(&layer) < size_) {
 		return;
@@ -61,6 +62,7 @@ void LayerGraph::add(const LayerSettings &layer, std::size_t depth) {
 			add(*layer.neighbors[i].layer, depth + 1);
 		}
 	}
+	add_hosts(layer, depth);
 	for (const InstanceSource *source : distance_sources_at(layer, depth)) {
 		if (status_.ok() && source != nullptr) {
 			add(*source->layer, depth + 1);
@@ -75,7 +77,23 @@ void LayerGraph::add(const LayerSettings &layer, std::size_t depth) {
 	}
 }
 
-/// Goes from the layer itself back to layers without dependencies: all layers that depend on a layer come after it.
+void LayerGraph::add_hosts(const LayerSettings &layer, std::size_t depth) {
+	if (status_.ok() && layer.hosts.size() > max_hosts) {
+		status_ = Status::out_of_range(
+				"surface_layers", layer.hosts.size(), at_most(max_hosts), "Remove entries of surface_layers");
+	}
+	for (const HostLayer &host : layer.hosts) {
+		if (status_.ok() && (host.layer == nullptr || host.models == nullptr)) {
+			status_ = {ErrorCode::missing, "surface_layers", 0.0};
+		}
+		if (status_.ok()) {
+			add(*host.layer, depth + 1);
+		}
+	}
+}
+
+/// The loop works backwards from the layer itself, because all layers that depend on a layer come
+/// after it.
 void LayerGraph::find_margins() {
 	for (std::size_t at = size_; at-- > 0;) {
 		const Node &node = nodes_[at];
@@ -83,12 +101,20 @@ void LayerGraph::find_margins() {
 			status_ = too_deep(node.depth);
 			return;
 		}
-		const auto look = [this, &node](const LayerSettings *layer, double distance) {
+		const auto extend = [this, &node](const LayerSettings *layer, double distance) -> Node & {
 			Node &other = nodes_[index_of(layer)];
 			other.margin = std::max(other.margin, node.margin + distance);
-			other.asked_from = std::max(other.asked_from, distance);
 			other.depth = std::max(other.depth, node.depth + 1);
+			return other;
 		};
+		const auto look = [&extend, &node](const LayerSettings *layer, double distance) {
+			Node &other = extend(layer, distance);
+			other.asked_from = std::max(other.asked_from, distance);
+			(distance_in_space(*node.layer, *layer) ? other.asked_in_space : other.asked_on_plane) = true;
+		};
+		for (const HostLayer &host : node.layer->hosts) {
+			extend(host.layer.get(), host_distance(*node.layer, reach_of(host)));
+		}
 		for (const Neighbor &neighbor : node.layer->neighbors) {
 			look(neighbor.layer.get(), neighbor.distance);
 		}

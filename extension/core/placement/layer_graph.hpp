@@ -9,40 +9,54 @@
 
 namespace thicket {
 
-/// A layer and all layers that it depends on, directly or through others. Each appears once, however many paths lead to
-/// it. All code that depends on the neighbors of a layer takes their order and margins from this graph. Allocates no
-/// memory. The layer must outlive the graph.
+/// A layer and all layers on which it depends, directly or indirectly, each exactly once. The graph
+/// defines their order and margins for all other code. It allocates no memory. The layer must
+/// outlive the graph.
 class LayerGraph {
 public:
 	struct Node {
 		const LayerSettings *layer = nullptr;
 
-		/// Meters by which a rectangle of the layer itself must be expanded to cover all points of this layer that matter: the largest sum
-		/// of distances on a path to it.
+		/// Largest sum of distances, in meters, on a path to this layer. A rectangle expanded by
+		/// this margin contains all points of this layer that affect instances in it.
 		double margin = 0.0;
-		/// Meters: the largest distance at which any layer depends on this one; 0 for the layer itself.
+		/// Largest distance in meters at which any layer of the graph depends on this one; 0 for
+		/// the layer itself.
 		double asked_from = 0.0;
-		std::size_t depth = 0; ///< The number of steps on the longest path to it.
+		/// True if dependent layers measure their distances to this layer in the plane
+		/// (`asked_on_plane`) or in space (`asked_in_space`); see distance_in_space.
+		bool asked_on_plane = false;
+		bool asked_in_space = false;
+		std::size_t depth = 0; ///< Number of steps on the longest path to this layer.
 	};
 
 	explicit LayerGraph(const LayerSettings &layer);
 
-	/// The reason why no graph exists: an invalid neighbor or distance, too many layers, or too long a path.
+	/// Returns an error if the graph could not be built because of an invalid neighbor or distance,
+	/// too many layers, or too long a path.
 	const Status &status() const { return status_; }
 
-	/// Layers come before the layers that depend on them, and the layer itself is last. Empty unless the status is ok.
+	/// Returns the layers. Each comes before all layers that depend on it, so the layer itself is
+	/// last. The list is empty if the status is not ok.
 	std::span<const Node> nodes() const { return std::span(nodes_).first(status_.ok() ? size_ : 0); }
 
-	/// The index in nodes() of a layer that is in the graph.
+	/// Returns the index in nodes() of a layer in the graph.
 	std::size_t index_of(const LayerSettings *layer) const;
 
 private:
 	void add(const LayerSettings &layer, std::size_t depth);
+	void add_hosts(const LayerSettings &layer, std::size_t depth);
 	void find_margins();
 
 	Status status_;
 	std::array<Node, max_graph_layers> nodes_;
 	std::size_t size_ = 0;
 };
+
+/// Returns true if the distance between instances of two layers is measured in space, because at
+/// least one of the layers is on surfaces.
+inline bool distance_in_space(const LayerSettings &a, const LayerSettings &b) {
+	return a.set.on_surface || b.set.on_surface;
+}
 
 } // namespace thicket

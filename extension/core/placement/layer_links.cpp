@@ -12,7 +12,7 @@ namespace {
 
 using Links = std::span<const LayerLinks *const>;
 
-/// The index of the referenced layer, or the number of layers if there is none.
+/// Returns the index of the referenced layer, or the number of layers if it does not exist.
 std::size_t find(Links layers, const LayerReference &reference) {
 	const auto is_meant = [&reference](const LayerLinks *layer) {
 		return layer != nullptr &&
@@ -26,12 +26,14 @@ std::size_t find(Links layers, const LayerReference &reference) {
 	return static_cast<std::size_t>(std::ranges::find_if(layers, is_meant) - layers.begin());
 }
 
-/// The references of a layer as indices.
+/// The references of a layer, resolved to indices.
 struct Found {
 	std::map<std::size_t, double> spacing;
-	std::size_t proximity_layer = 0; ///< The number of layers if there is none.
-	std::size_t color_layer = 0;     ///< As above, for the color.
-	std::size_t variation_layer = 0; ///< As above, for the variation.
+	std::size_t proximity_layer = 0; ///< Index, or the number of layers if there is none.
+	std::size_t color_layer = 0;     ///< Index of the color's layer, or the number of layers if there is none.
+	std::size_t variation_layer = 0; ///< Index of the variation's layer, or the number of layers if there is none.
+	/// Indices of the surface layers. Contains the number of layers if a layer is unknown.
+	std::set<std::size_t> hosts;
 };
 
 std::vector<Found> find_all(Links layers) {
@@ -42,6 +44,9 @@ std::vector<Found> find_all(Links layers) {
 			found.proximity_layer = find(layers, layer->proximity_layer);
 			found.color_layer = find(layers, layer->color_layer);
 			found.variation_layer = find(layers, layer->variation_layer);
+			for (const LayerReference &reference : layer->surface_layers) {
+				found.hosts.insert(find(layers, reference));
+			}
 			for (const auto &[reference, distance] : layer->spacing) {
 				double &meters = found.spacing[find(layers, reference)];
 				meters = std::max(meters, distance);
@@ -56,7 +61,7 @@ double asked_spacing(const Found &asking, std::size_t other) {
 	return found != asking.spacing.end() ? found->second : 0.0;
 }
 
-/// The neighbors of the layer at `index`, among the layers before it.
+/// Returns the neighbors of the layer at `index`, among the layers before it.
 std::vector<Neighbor> neighbors(
 		Links layers, std::span<const Found> found, std::size_t index, std::span<const LinkedLayer> earlier) {
 	const LayerLinks &layer = *layers[index];
@@ -76,12 +81,24 @@ std::vector<Neighbor> neighbors(
 	return result;
 }
 
-/// The layer at `index`, if it is already linked.
+/// Returns the layer at `index`, if it is already linked.
 SharedLayer layer_at(std::span<const LinkedLayer> earlier, std::size_t index) {
 	return index < earlier.size() ? earlier[index].settings : nullptr;
 }
 
-/// The text for a referenced layer in a problem sentence.
+/// Returns the hosts of a layer: the surface layers that come before it and have models.
+std::vector<HostLayer> hosts(
+		std::span<const UnlinkedLayer> layers, const Found &found, std::span<const LinkedLayer> earlier) {
+	std::vector<HostLayer> result;
+	for (const std::size_t host : found.hosts) {
+		if (SharedLayer settings = layer_at(earlier, host); settings != nullptr && layers[host].models != nullptr) {
+			result.push_back({std::move(settings), layers[host].models, layers[host].changes});
+		}
+	}
+	return result;
+}
+
+/// Returns the text for a referenced layer in a warning.
 std::string quoted(const LayerReference &reference) {
 	if (!reference.name.empty()) {
 		return '"' + reference.name + '"';
@@ -89,7 +106,8 @@ std::string quoted(const LayerReference &reference) {
 	return reference.index >= 0 ? "layer " + std::to_string(reference.index) : "a layer without a name";
 }
 
-/// Why the reference matches no layer. Users try to refer to layers of a different node.
+/// Returns the part of a warning that explains a reference to an unknown layer. Users often try to
+/// refer to layers of a different node.
 std::string unknown_layer_note(const LayerReference &reference) {
 	return std::string(reference.name.empty() ? ", which is not in the list of this node. "
 											  : ", and no layer has that name in this node. ") +
@@ -97,6 +115,15 @@ std::string unknown_layer_note(const LayerReference &reference) {
 }
 
 } // namespace
+
+std::set<std::size_t> hosts_in(Links layers) {
+	std::set<std::size_t> result;
+	for (const Found &found : find_all(layers)) {
+		result.insert(found.hosts.begin(), found.hosts.end());
+	}
+	result.erase(layers.size()); // The index of unknown layers.
+	return result;
+}
 
 std::vector<LinkedLayer> link_layers(
 		std::span<const UnlinkedLayer> layers, std::span<const SharedLayer> before, const LayerCheck &check) {
@@ -115,6 +142,8 @@ std::vector<LinkedLayer> link_layers(
 		LayerSettings settings = *layers[i].settings;
 		const std::span<const LinkedLayer> earlier = std::span(result).first(i);
 		settings.neighbors = neighbors(links, found, i, earlier);
+		settings.hosted = settings.set.on_surface && !links[i]->surface_layers.empty();
+		settings.hosts = settings.hosted ? hosts(layers, found[i], earlier) : std::vector<HostLayer>();
 		settings.instance_data.color.layer = layer_at(earlier, found[i].color_layer);
 		settings.instance_data.variation.layer = layer_at(earlier, found[i].variation_layer);
 		out.status = validate(settings);
@@ -143,7 +172,7 @@ std::vector<std::string> name_problems(Links layers, std::size_t index) {
 	const LayerLinks &layer = *layers[index];
 	for (const auto &[reference, distance] : layer.spacing) {
 		const std::size_t other = find(layers, reference);
-		// The layer itself reports an empty name.
+		// Other code warns about an empty name.
 		if (!reference.empty() && other == layers.size()) {
 			problems.push_back(("spacing names " + quoted(reference)).append(unknown_layer_note(reference)));
 		} else if (other == index) {
@@ -162,6 +191,9 @@ std::vector<std::string> name_problems(Links layers, std::size_t index) {
 	check_earlier("proximity_layer", layer.proximity_layer);
 	check_earlier("color_value.layer", layer.color_layer);
 	check_earlier("variation_value.layer", layer.variation_layer);
+	for (const LayerReference &reference : layer.surface_layers) {
+		check_earlier("surface_layers", reference);
+	}
 	if (!layer.name.empty() && find(layers, layer.name) != index) {
 		problems.push_back("has the name of an earlier layer: \"" + layer.name + "\" refers to the earlier one.");
 	}

@@ -29,7 +29,7 @@ Status ParallelTileBuilder::build(std::span<const TileOrder> orders, const Terra
 			r_worker = std::make_unique<Worker>(blocks_);
 		}
 		const TileOrder &order = orders[at];
-		const Status status = r_worker->builder.build(*order.layer, terrain, order.rect, r_worker->tile);
+		const Status status = r_worker->builder.build(*order.layer, terrain, order.space, r_worker->tile);
 		if (status.ok()) {
 			points_computed_ += r_worker->builder.sample_stats().computed;
 			r_tiles[at] = std::make_shared<const CompactTile>(r_worker->tile, order.layer);
@@ -41,7 +41,7 @@ Status ParallelTileBuilder::build(std::span<const TileOrder> orders, const Terra
 	};
 	threads.run([&](std::size_t index) {
 		for (std::size_t at = next++; at < orders.size() && !failed; at = next++) {
-			const glm::dvec2 size = orders[at].rect.size();
+			const glm::dvec2 size = orders[at].space.size();
 			statuses[at] = guarded("tile", std::max(size.x, size.y), [&] { return make(workers_[index], at); });
 			failed = failed || !statuses[at].ok();
 		}

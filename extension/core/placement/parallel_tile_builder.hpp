@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/base/lent_threads.hpp"
-#include "core/base/rect.hpp"
 #include "core/base/status.hpp"
+#include "core/base/tile_grid.hpp"
 #include "core/placement/compact_tile.hpp"
 #include "core/placement/tile_builder.hpp"
 #include "core/sampling/block_cache.hpp"
@@ -16,23 +16,24 @@
 
 namespace thicket {
 
-/// A tile to generate.
+/// A request for a tile to generate.
 struct TileOrder {
-	std::shared_ptr<const LayerSettings> layer; ///< Never null; valid.
-	Rect rect;
+	std::shared_ptr<const LayerSettings> layer; ///< Settings of the tile's layer; valid, never null.
+	TileSpace space;
 };
 
-/// Generates tiles for a caller that waits for them, on all available threads. Keeps its workspaces, one for each thread, unless a tile was
-/// very large. One call at a time.
+/// Generates tiles on all available threads while the caller waits. The builder keeps a workspace
+/// for each thread, except after very large tiles. Use a builder on one thread only.
 class ParallelTileBuilder {
 public:
-	/// Generates the tiles, each on whichever thread is free, and replaces `r_tiles` by them, in order; null for a tile
-	/// that was not generated. Each tile is identical to the result of TileBuilder. Returns the error of the first tile
-	/// that failed; after an error, other tiles may be missing, too.
+	/// Replaces `r_tiles` with the generated tiles, in the order of `orders`. Each tile is
+	/// identical to the result of TileBuilder. Returns the error of the first tile that failed. The
+	/// entries of failed tiles are null. After an error, those of other tiles may be null, too.
 	Status build(std::span<const TileOrder> orders, const Terrain &terrain, LentThreads &threads,
 			std::vector<std::shared_ptr<const CompactTile>> &r_tiles);
 
-	/// The points of the tiles' layers that were decided until now, as in SampleStats::computed. Points that tiles share are counted once.
+	/// Returns the total of SampleStats::computed for the tiles' own layers so far. Points that
+	/// tiles share through the block cache are counted once.
 	std::uint64_t points_computed() const { return points_computed_; }
 
 private:
@@ -45,7 +46,7 @@ private:
 
 	std::atomic<std::uint64_t> points_computed_ = 0;
 	std::shared_ptr<BlockCache> blocks_ = std::make_shared<BlockCache>();
-	std::vector<std::unique_ptr<Worker>> workers_; ///< One for each thread; null before its first tile.
+	std::vector<std::unique_ptr<Worker>> workers_; ///< One for each thread; null until its first tile.
 };
 
 } // namespace thicket

@@ -15,42 +15,68 @@ namespace {
 
 double mix(double min, double max, double t) { return min + (max - min) * t; }
 
-/// The instance's up axis, of unit length, between straight up and the normal.
+/// Returns the instance's up axis: the normalized mean of the world's up axis and the normal,
+/// weighted by `align`. If the normal points straight down and `align` is one half, the mean has no
+/// direction. The result then points straight down.
 glm::dvec3 up_axis(glm::vec3 normal, double align) {
 	const glm::dvec3 up{align * normal.x, mix(1.0, normal.y, align), align * normal.z};
-	return up * (1.0 / std::sqrt(up.x * up.x + up.y * up.y + up.z * up.z));
+	const double squared = up.x * up.x + up.y * up.y + up.z * up.z;
+	return squared < no_direction ? glm::dvec3(0.0, -1.0, 0.0) : up * (1.0 / std::sqrt(squared));
 }
 
-/// Applies the shortest rotation from straight up to `up` to a vector (x, 0, z). `up` is not straight down.
-glm::dvec3 tilted(glm::dvec3 up, double x, double z) {
+/// Returns the up axis on a planet: the normalized mean of `upright` and the normal, weighted by
+/// `align`, or the normal if the mean has no direction.
+glm::dvec3 up_axis(glm::vec3 normal, double align, const glm::dvec3 &upright) {
+	const glm::dvec3 up{
+			mix(upright.x, normal.x, align), mix(upright.y, normal.y, align), mix(upright.z, normal.z, align)};
+	const double squared = up.x * up.x + up.y * up.y + up.z * up.z;
+	return squared < no_direction ? glm::dvec3(normal) : up * (1.0 / std::sqrt(squared));
+}
+
+/// Applies the shortest rotation from the world's up axis to `up` to the vector (x, 0, z). `up`
+/// must not point down steeply.
+glm::dvec3 tilted_up(glm::dvec3 up, double x, double z) {
 	const double toward = up.x * x + up.z * z;
 	const double share = toward / (1.0 + up.y);
 	return {x - up.x * share, -toward, z - up.z * share};
 }
 
-/// Applies the same rotation to any vector.
+/// Applies a rotation from the world's up axis to `up` to the vector (x, 0, z). The rotation is the
+/// shortest one unless the y component of `up` is below `overhang`. In that case, it is the
+/// shortest rotation to the mirrored axis, followed by half a turn about x, because no rotation to
+/// straight down is shorter than all others.
+glm::dvec3 tilted(glm::dvec3 up, double x, double z) {
+	if (up.y >= overhang) {
+		return tilted_up(up, x, z);
+	}
+	const glm::dvec3 half = tilted_up({up.x, -up.y, -up.z}, x, z);
+	return {half.x, -half.y, -half.z};
+}
+
+/// Applies the rotation of the function above to any vector.
 glm::dvec3 tilted(glm::dvec3 up, glm::dvec3 v) { return tilted(up, v.x, v.z) + v.y * up; }
 
-/// The three axes of an instance, of unit length.
+/// The three unit axes of an instance.
 struct Axes {
 	glm::dvec3 x;
 	glm::dvec3 y;
 	glm::dvec3 z;
 };
 
-/// The axes after the yaw, which keeps y, and a rotation from straight up to `up`.
+/// Returns the axes after the yaw and the shortest rotation from the world's up axis to `up`.
 Axes turned(const Rotation &turn, glm::dvec3 up) {
 	return {tilted(up, turn.cosine, -turn.sine), up, tilted(up, turn.sine, turn.cosine)};
 }
 
-/// The up axis of an instance that leans by `tilt` degrees towards `direction`, both random numbers from 0 to 1.
+/// Returns the up axis of a tilted instance. `tilt` and `direction` are random numbers from 0 to 1,
+/// which select the angle and the direction.
 glm::dvec3 leaning_axis(const Placement &placement, double tilt, double direction) {
 	const Rotation lean = rotation_by(mix(placement.min_tilt_degrees, placement.max_tilt_degrees, tilt) / 360.0);
 	const Rotation towards = rotation_by(direction);
 	return {lean.sine * towards.cosine, lean.cosine, lean.sine * towards.sine};
 }
 
-/// The scale for a random number from 0 to 1.
+/// Returns the scale for a random number from 0 to 1.
 double scale_at(const Placement &placement, double random) {
 	const double share = placement.scale_curve == nullptr ? random : placement.scale_curve->at(random);
 	return mix(placement.min_scale, placement.max_scale, share);
@@ -86,18 +112,20 @@ Status validate(const Placement &placement) {
 }
 
 float write_basis(const Placement &placement, std::uint64_t seed, std::uint64_t id, glm::vec3 normal,
-		std::span<float, transform_floats> r_transform) {
+		std::span<float, transform_floats> r_transform, const UpField &up_field) {
 	const auto random = instance_random(seed, id, Draw::placement);
 	const double yaw = mix(placement.min_yaw_degrees, placement.max_yaw_degrees, unit_interval(random[0]));
 	const double scale = scale_at(placement, unit_interval(random[1]));
 	const Rotation turn = rotation_by(yaw / 360.0);
-	const glm::dvec3 up = up_axis(normal, placement.align_to_normal);
+	const double align = placement.align_to_normal;
+	const glm::vec3 position{r_transform[3], r_transform[7], r_transform[11]};
+	const glm::dvec3 up = up_field.away ? up_axis(normal, align, up_field.at(position)) : up_axis(normal, align);
 	Axes axes;
 	if (placement.max_tilt_degrees > 0.0) {
 		axes = turned(turn, leaning_axis(placement, unit_interval(random[2]), unit_interval(random[3])));
 		axes = {tilted(up, axes.x), tilted(up, axes.y), tilted(up, axes.z)};
 	} else {
-		// An instance that does not lean is rotated once.
+		// Without a tilt, one rotation suffices.
 		axes = turned(turn, up);
 	}
 	for (int row = 0; row < 3; ++row) {

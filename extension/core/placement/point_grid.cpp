@@ -10,23 +10,39 @@ namespace thicket {
 
 namespace {
 
-/// More cells than this do not help, because they would be empty.
+/// Maximum number of cells on each side. With more cells, most would be empty.
 constexpr double max_cells_on_side = 2048.0;
 
-/// If points are evenly spread, a cell holds at most four of them.
+/// Minimum cell size in mean point spacings. Evenly distributed points then number about four per
+/// cell.
 constexpr double spacings_per_cell = 2.0;
 
-/// If there are at most this many cells on a side, all of them are searched: visiting them by distance would cost more than it saves.
+/// If the search area has at most this many cells on each side, all of them are searched, because
+/// visiting them by distance would cost more than it saves.
 constexpr int few_cells = 6;
+
+glm::dvec2 from_above(glm::dvec2 position) { return position; }
+glm::dvec2 from_above(const glm::dvec3 &position) { return {position.x, position.z}; }
+
+double squared_distance(glm::dvec2 a, glm::dvec2 b) {
+	const glm::dvec2 apart = a - b;
+	return apart.x * apart.x + apart.y * apart.y;
+}
+double squared_distance(const glm::dvec3 &a, const glm::dvec3 &b) {
+	const glm::dvec3 apart = a - b;
+	return apart.x * apart.x + apart.y * apart.y + apart.z * apart.z;
+}
 
 } // namespace
 
-glm::ivec2 PointGrid::cell_of(glm::dvec2 position) const {
+template <class Point>
+glm::ivec2 PointGrid<Point>::cell_of(glm::dvec2 position) const {
 	const glm::dvec2 cell = glm::floor((position - area_.min) * cells_per_meter_);
 	return glm::ivec2(glm::clamp(cell, glm::dvec2(0.0), glm::dvec2(cells_ - 1)));
 }
 
-void PointGrid::set(std::span<const glm::dvec2> points, const Rect &area, double cell_size) {
+template <class Point>
+void PointGrid<Point>::set(std::span<const Point> points, const Rect &area, double cell_size) {
 	area_ = area;
 	const glm::dvec2 size = area.size();
 	const double spacing = std::sqrt(size.x * size.y / std::max(1.0, static_cast<double>(points.size())));
@@ -35,11 +51,11 @@ void PointGrid::set(std::span<const glm::dvec2> points, const Rect &area, double
 	cells_ = glm::ivec2(glm::ceil(size * cells_per_meter_)) + 1;
 	const auto count = static_cast<std::size_t>(cells_.x) * static_cast<std::size_t>(cells_.y);
 	begin_.assign(count + 1, 0);
-	const auto index = [this](glm::dvec2 position) {
-		const glm::ivec2 cell = cell_of(position);
+	const auto index = [this](const Point &position) {
+		const glm::ivec2 cell = cell_of(from_above(position));
 		return static_cast<std::size_t>(cell.y) * static_cast<std::size_t>(cells_.x) + static_cast<std::size_t>(cell.x);
 	};
-	for (const glm::dvec2 point : points) {
+	for (const Point &point : points) {
 		++begin_[index(point)];
 	}
 	std::uint32_t end = 0;
@@ -47,35 +63,40 @@ void PointGrid::set(std::span<const glm::dvec2> points, const Rect &area, double
 		end += begin;
 		begin = end;
 	}
-	// Filled from the end of each cell, so that finally every entry is the begin of its cell.
+	// Each cell is filled from its end, so that every entry finally is the begin of its cell.
 	points_.resize(points.size());
-	for (const glm::dvec2 point : points) {
+	for (const Point &point : points) {
 		points_[--begin_[index(point)]] = point;
 	}
 }
 
-/// The smaller of `nearest` and the squared distances to the points of some cells of a row.
-double PointGrid::nearest_in_row(glm::dvec2 position, int y, int first, int last, double nearest) const {
+/// Returns the minimum of `nearest` and the squared distances to the points in the cells `first` to
+/// `last` of row `y`.
+template <class Point>
+double PointGrid<Point>::nearest_in_row(const Point &position, int y, int first, int last, double nearest) const {
 	const auto row = static_cast<std::size_t>(y) * static_cast<std::size_t>(cells_.x);
 	const std::uint32_t begin = begin_[row + static_cast<std::size_t>(first)];
 	const std::uint32_t end = begin_[row + static_cast<std::size_t>(last) + 1];
 	for (std::uint32_t i = begin; i < end; ++i) {
-		const glm::dvec2 apart = points_[i] - position;
-		nearest = std::min(nearest, apart.x * apart.x + apart.y * apart.y);
+		nearest = std::min(nearest, squared_distance(points_[i], position));
 	}
 	return nearest;
 }
 
-/// Returns the smaller of `nearest` and the squared distances to the points of the cells from `first` to `last`. Stops
-/// once no further ring of cells can be nearer.
-double PointGrid::nearest_outwards(glm::dvec2 position, glm::ivec2 first, glm::ivec2 last, double nearest) const {
-	const glm::ivec2 own = cell_of(position);
+/// Returns the minimum of `nearest` and the squared distances to the points in the cells from
+/// `first` to `last`. The search goes outwards in rings, and stops once no further ring can contain
+/// a nearer point.
+template <class Point>
+double PointGrid<Point>::nearest_outwards(
+		const Point &position, glm::ivec2 first, glm::ivec2 last, double nearest) const {
+	const glm::ivec2 own = cell_of(from_above(position));
 	const glm::ivec2 most = glm::max(own - first, last - own);
 	for (int ring = 0; ring <= std::max(most.x, most.y); ++ring) {
-		// Points in this ring may be one cell nearer than its number. One more cell covers rounding.
+		// The distance, in cells, to points in a ring is at least one less than the ring's number.
+		// One more cell is subtracted to cover rounding.
 		const double beyond = static_cast<double>(ring - 2) / cells_per_meter_;
 		if (ring > 2 && beyond * beyond >= nearest) {
-			// No further ring holds a nearer point.
+			// No further ring can contain a nearer point.
 			break;
 		}
 		const glm::ivec2 low = glm::max(own - ring, first);
@@ -96,17 +117,18 @@ double PointGrid::nearest_outwards(glm::dvec2 position, glm::ivec2 first, glm::i
 	return nearest;
 }
 
-double PointGrid::nearest_squared(glm::dvec2 position, double distance) const {
+template <class Point>
+double PointGrid<Point>::nearest_squared(const Point &position, double distance) const {
 	double nearest = distance * distance;
 	if (points_.empty()) {
-		// No cell holds a point.
+		// There are no points.
 		return nearest;
 	}
-	// One more cell on each side than the distance requires costs little and covers rounding.
-	const glm::ivec2 first = glm::max(cell_of(position - distance) - 1, glm::ivec2(0));
-	const glm::ivec2 last = glm::min(cell_of(position + distance) + 1, cells_ - 1);
+	// The range includes one additional cell on each side to cover rounding, which costs little.
+	const glm::ivec2 first = glm::max(cell_of(from_above(position) - distance) - 1, glm::ivec2(0));
+	const glm::ivec2 last = glm::min(cell_of(from_above(position) + distance) + 1, cells_ - 1);
 	if (last.x - first.x >= few_cells || last.y - first.y >= few_cells) {
-		// Among many cells, those that are farther away than a point need not be searched.
+		// If there are many cells, those farther away than the nearest point are skipped.
 		return nearest_outwards(position, first, last, nearest);
 	}
 	for (int y = first.y; y <= last.y; ++y) {
@@ -114,5 +136,8 @@ double PointGrid::nearest_squared(glm::dvec2 position, double distance) const {
 	}
 	return nearest;
 }
+
+template class PointGrid<glm::dvec2>;
+template class PointGrid<glm::dvec3>;
 
 } // namespace thicket

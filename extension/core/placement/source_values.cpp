@@ -4,6 +4,7 @@
 #include "core/base/progress.hpp"
 #include "core/base/trigonometry.hpp"
 #include "core/rules/instance_random.hpp"
+#include "core/terrain/planet_ground.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,40 +13,61 @@ namespace thicket {
 
 namespace {
 
-/// Points between two checks of the cancel flag: about a millisecond of work.
+/// Number of points between two checks of the cancel flag. Processing them takes about a
+/// millisecond.
 constexpr std::size_t values_per_check = 512;
 
 } // namespace
 
-/// Evaluates the source at the kept points from index `first` on, as many as `r_values` has room for.
-Status SourceValues::measure(const InstanceSource &source, const LayerFilter *other, const StandingPoints &points,
+/// Returns the heights of the kept points in world meters. They are valid until the next call.
+std::span<const float> SourceValues::heights_of(const StandingPoints &points, std::span<const std::uint32_t> standing) {
+	heights_.resize(standing.size());
+	std::transform(standing.begin(), standing.end(), heights_.begin(),
+			[&](std::uint32_t point) { return points.ground[point].height; });
+	return heights_;
+}
+
+/// Evaluates the source at the kept points from index `first` on, one for each entry of `r_values`.
+Status SourceValues::measure(const InstanceSource &source, const TileFilter &filter, const StandingPoints &points,
 		std::size_t first, std::span<double> r_values) {
 	const auto standing = points.standing.subspan(first, r_values.size());
 	const auto each = [&](const auto &value_of) {
 		std::transform(standing.begin(), standing.end(), r_values.begin(), value_of);
 	};
+	const Planet &planet = filter.own().settings().planet;
+	const auto ground_of = [&](std::uint32_t point) {
+		const Ground &ground = points.ground[point];
+		return planet.exists() ? on_planet(planet, points.positions[point], ground) : ground;
+	};
 	switch (source.kind) {
 		case SourceKind::random: break;
-		case SourceKind::height: each([&](std::uint32_t point) { return double{points.ground[point].height}; }); break;
+		case SourceKind::height: each([&](std::uint32_t point) { return double{ground_of(point).height}; }); break;
 		case SourceKind::slope:
-			each([&](std::uint32_t point) { return slope_degrees(points.ground[point].normal); });
+			each([&](std::uint32_t point) { return slope_degrees(ground_of(point).normal); });
 			break;
 		case SourceKind::rank:
 			std::transform(points.thinning_ranks.begin() + static_cast<std::ptrdiff_t>(first),
 					points.thinning_ranks.begin() + static_cast<std::ptrdiff_t>(first + r_values.size()),
 					r_values.begin(), unit_interval);
 			break;
-		case SourceKind::distance:
+		case SourceKind::distance: {
+			const LayerFilter &other = filter.layer_of(source.layer.get());
 			each([&](std::uint32_t point) {
-				return std::sqrt(other->nearest_squared(points.positions[point], source.max));
+				return std::sqrt(
+						filter.own().nearest_squared(other, points.positions[point], points.ground[point], source.max));
 			});
 			break;
+		}
 		case SourceKind::noise: {
 			positions_.resize(standing.size());
 			noise_.resize(standing.size());
 			std::transform(standing.begin(), standing.end(), positions_.begin(),
 					[&](std::uint32_t point) { return points.positions[point]; });
-			const Status status = source.noise->sample(positions_, noise_);
+			Places places{positions_};
+			if (filter.own().settings().set.on_surface) {
+				places.heights = heights_of(points, standing);
+			}
+			const Status status = source.noise->sample_at(places, noise_);
 			std::transform(noise_.begin(), noise_.end(), r_values.begin(), unit_density);
 			return status;
 		}
@@ -55,14 +77,13 @@ Status SourceValues::measure(const InstanceSource &source, const LayerFilter *ot
 
 Status SourceValues::find(const InstanceSource &source, const TileFilter &filter, const StandingPoints &points,
 		const std::atomic<bool> *cancel, std::vector<float> &r_shares) {
-	const LayerFilter *other = source.kind == SourceKind::distance ? &filter.layer_of(source.layer.get()) : nullptr;
 	r_shares.resize(points.positions.size());
 	for (std::size_t first = 0; first < points.standing.size(); first += values_per_check) {
 		if (is_cancelled(cancel)) {
 			return {ErrorCode::cancelled, "tile", 0.0};
 		}
 		values_.resize(std::min(values_per_check, points.standing.size() - first));
-		if (const Status status = measure(source, other, points, first, values_); !status.ok()) {
+		if (const Status status = measure(source, filter, points, first, values_); !status.ok()) {
 			return status;
 		}
 		for (std::size_t i = 0; i < values_.size(); ++i) {

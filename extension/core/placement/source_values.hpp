@@ -12,26 +12,29 @@
 
 namespace thicket {
 
-/// Computes the shares of a layer's color and variation sources at the points that become instances. Reuses its memory.
+/// Computes the InstanceShares of a layer at the points that become instances. An object of this
+/// class reuses its memory.
 class SourceValues {
 public:
-	/// Adds the shares of all known sources to `r_points`, which must be the points of the filter's own layer. The
-	/// shares are valid until the next call. Returns the error of a noise that fails, or ErrorCode::cancelled when
-	/// `cancel` is raised. Throws std::bad_alloc.
+	/// Sets the shares in `r_points`, which must be the points of the filter's own layer. The spans
+	/// are valid until the next call. If a noise field fails, returns its error. Returns
+	/// ErrorCode::cancelled if `cancel` is set. Throws std::bad_alloc.
 	Status find(const TileFilter &filter, StandingPoints &r_points, const std::atomic<bool> *cancel);
 
 private:
 	Status find(const InstanceSource &source, const TileFilter &filter, const StandingPoints &points,
 			const std::atomic<bool> *cancel, std::vector<float> &r_shares);
-	Status measure(const InstanceSource &source, const LayerFilter *other, const StandingPoints &points,
+	Status measure(const InstanceSource &source, const TileFilter &filter, const StandingPoints &points,
 			std::size_t first, std::span<double> r_values);
+	std::span<const float> heights_of(const StandingPoints &points, std::span<const std::uint32_t> standing);
 
-	std::vector<float> color_;     ///< One for each point; unspecified for points that are not kept.
-	std::vector<float> variation_; ///< As above, for the variation.
+	std::vector<float> color_;     ///< One entry per point; unspecified for points that are not kept.
+	std::vector<float> variation_; ///< The variation of each point, under the same conditions.
 
-	// Working memory of a batch.
+	// Working memory for one batch of points.
 	std::vector<double> values_;
 	std::vector<glm::dvec2> positions_;
+	std::vector<float> heights_; ///< World meters.
 	std::vector<float> noise_;
 };
 

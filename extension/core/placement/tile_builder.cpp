@@ -16,12 +16,12 @@ namespace thicket {
 
 namespace {
 
-/// The positions at which the height of a tile's origin is measured, in tile sizes from its center. There are several, because one may be a
-/// hole.
+/// The positions from which the height of a tile's origin is computed, as offsets from its center
+/// in tile sizes. There are several, because the terrain may have holes.
 constexpr std::array<glm::dvec2, 5> origin_probes{
 		{{0.0, 0.0}, {-0.25, -0.25}, {0.25, -0.25}, {-0.25, 0.25}, {0.25, 0.25}}};
 
-/// The mean of the known heights, in whole meters; 0 if there are none.
+/// Returns the mean of the finite heights, rounded to whole meters, or 0 if there are none.
 double origin_height(std::span<const Ground> ground) {
 	double sum = 0.0;
 	double count = 0.0;
@@ -34,7 +34,8 @@ double origin_height(std::span<const Ground> ground) {
 	return count > 0.0 ? std::floor(sum / count + 0.5) : 0.0;
 }
 
-/// Replaces `r_probes` by some of the positions. The first few of them are spread as widely as all.
+/// Replaces `r_probes` with some of the positions. Every prefix of the probes is evenly
+/// distributed.
 void choose_probes(
 		std::span<const glm::dvec2> positions, std::span<const Ground> ground, std::vector<GroundProbe> &r_probes) {
 	constexpr std::uint32_t golden = 2654435769; // Multiples of the golden section, modulo 2^32.
@@ -48,7 +49,7 @@ void choose_probes(
 
 } // namespace
 
-/// The data that is kept between the steps, and the memory that is kept between tiles.
+/// Data passed between the steps, and memory reused between tiles.
 struct TileBuilder::Workspace {
 	Workspace(const SampleMargins &p_margins, std::shared_ptr<BlockCache> p_cache) :
 			margins(p_margins), cache(std::move(p_cache)), filter(margins, cache) {}
@@ -59,30 +60,46 @@ struct TileBuilder::Workspace {
 	SourceValues shares;
 	InstanceWriter writer;
 
-	// From the last successful `find_points`.
+	// True after a successful `find_points`.
 	bool found = false;
-	Rect rect;
-	std::vector<glm::dvec2> positions; ///< Positions of all layers, then of the origin's probes.
+	TileSpace space;
+	/// Positions of all layers, followed by those for the tile's origin.
+	std::vector<glm::dvec2> positions;
 	std::vector<GroundQuery> queries;
 
 	std::vector<GroundProbe> probes;
-	std::vector<Ground> ground; ///< For `build`, which queries the terrain itself.
-	SampleStats stats;          ///< From the last call that sampled.
+	std::vector<Ground> ground; ///< Used by `build`, which queries the terrain itself.
+	SampleStats stats;          ///< Statistics of the last sampling.
 
-	Status find_points(
-			const LayerSettings &layer, const Rect &rect, const std::atomic<bool> *cancel, LentThreads *threads);
+	Status find_points(const LayerSettings &layer, const TileSpace &space, const Surface *surface,
+			const std::atomic<bool> *cancel, LentThreads *threads);
 	Status place(std::span<const Ground> known, TileInstances &r_tile, const std::atomic<bool> *cancel);
 	void gather_positions();
 	void add_origin_probes();
-	Status build_together(const LayerSettings &layer, const Terrain &terrain, const Rect &rect, const PieceGrid &grid,
-			TileInstances &r_tile, const std::atomic<bool> *cancel, LentThreads &threads);
+	glm::dvec3 origin(std::span<const Ground> known) const;
+	Status build_together(const LayerSettings &layer, const Terrain &terrain, const TileSpace &space,
+			const PieceGrid &grid, TileInstances &r_tile, const std::atomic<bool> *cancel, LentThreads &threads);
 };
 
+/// Adds the positions from which the height of the tile's origin is computed. A tile with a limited
+/// height needs none, because its origin is at its center.
 void TileBuilder::Workspace::add_origin_probes() {
+	if (!space.covers_all_heights()) {
+		return;
+	}
 	queries.push_back({positions.size(), origin_probes.size(), {.textures = {}, .normals = false}});
 	for (const glm::dvec2 probe : origin_probes) {
-		positions.push_back(rect.center() + probe * rect.size());
+		positions.push_back(space.center() + probe * space.size());
 	}
+}
+
+/// Returns the origin of the tile. If the tile covers all heights, `known` ends with the ground at
+/// the origin probes.
+glm::dvec3 TileBuilder::Workspace::origin(std::span<const Ground> known) const {
+	const glm::dvec2 center = space.center();
+	const double height = space.covers_all_heights() ? origin_height(known.last(origin_probes.size()))
+													 : std::floor(0.5 * (space.bottom + space.top) + 0.5);
+	return {center.x, height, center.y};
 }
 
 void TileBuilder::Workspace::gather_positions() {
@@ -92,11 +109,12 @@ void TileBuilder::Workspace::gather_positions() {
 	add_origin_probes();
 }
 
-/// Runs all steps in one call, on all threads.
-Status TileBuilder::Workspace::build_together(const LayerSettings &layer, const Terrain &terrain, const Rect &p_rect,
-		const PieceGrid &grid, TileInstances &r_tile, const std::atomic<bool> *cancel, LentThreads &threads) {
+/// Runs all steps on all threads.
+Status TileBuilder::Workspace::build_together(const LayerSettings &layer, const Terrain &terrain,
+		const TileSpace &p_space, const PieceGrid &grid, TileInstances &r_tile, const std::atomic<bool> *cancel,
+		LentThreads &threads) {
 	found = false;
-	rect = p_rect;
+	space = p_space;
 	probes.clear();
 	positions.clear();
 	queries.clear();
@@ -111,25 +129,24 @@ Status TileBuilder::Workspace::build_together(const LayerSettings &layer, const 
 	if (!status.ok()) {
 		return status;
 	}
-	const glm::dvec3 origin{rect.center().x, origin_height(ground), rect.center().y};
-	InstanceWriter large_writer; // Its memory is freed together with the pieces.
-	status = large_writer.write(layer, pieces.points(), origin, r_tile, cancel, &threads);
+	InstanceWriter large_writer; // Local, so that its memory is freed along with the pieces.
+	status = large_writer.write(layer, pieces.points(), origin(ground), r_tile, cancel, &threads);
 	if (status.ok()) {
 		r_tile.counts = pieces.counts();
 	}
 	return status;
 }
 
-Status TileBuilder::Workspace::find_points(
-		const LayerSettings &layer, const Rect &p_rect, const std::atomic<bool> *cancel, LentThreads *threads) {
+Status TileBuilder::Workspace::find_points(const LayerSettings &layer, const TileSpace &p_space, const Surface *surface,
+		const std::atomic<bool> *cancel, LentThreads *threads) {
 	found = false;
 	filter.set(layer);
-	const Status status = filter.sample(p_rect, cancel, threads);
+	const Status status = filter.sample(p_space, surface, cancel, threads);
 	stats = filter.sample_stats();
 	if (!status.ok()) {
 		return status;
 	}
-	rect = p_rect;
+	space = p_space;
 	gather_positions();
 	found = true;
 	return {};
@@ -141,15 +158,15 @@ Status TileBuilder::Workspace::place(
 	if (const Status status = filter.filter(known, cancel); !status.ok()) {
 		return status;
 	}
+	stats = filter.sample_stats();
 	const LayerFilter &own = filter.own();
-	const glm::dvec2 center = rect.center();
-	const glm::dvec3 origin{center.x, origin_height(known.last(origin_probes.size())), center.y};
-	StandingPoints points{own.positions(), known.subspan(filter.own_first(), own.positions().size()), own.ids(),
-			own.standing(), own.thinning_ranks()};
-	choose_probes(points.positions, points.ground, probes);
+	StandingPoints points{own.positions(), filter.own_ground(known), own.ids(), own.standing(), own.thinning_ranks()};
+	if (!own.settings().set.on_surface) {
+		choose_probes(points.positions, points.ground, probes);
+	}
 	Status status = shares.find(filter, points, cancel);
 	if (status.ok()) {
-		status = writer.write(own.settings(), points, origin, r_tile, cancel);
+		status = writer.write(own.settings(), points, origin(known), r_tile, cancel);
 	}
 	if (status.ok()) {
 		r_tile.counts = {own.sampled(), own.positions().size(), own.standing().size()};
@@ -163,19 +180,19 @@ TileBuilder::~TileBuilder() = default;
 TileBuilder::TileBuilder(TileBuilder &&) noexcept = default;
 TileBuilder &TileBuilder::operator=(TileBuilder &&) noexcept = default;
 
-Status TileBuilder::build(const LayerSettings &layer, const Terrain &terrain, const Rect &rect, TileInstances &r_tile,
-		const std::atomic<bool> *cancel, LentThreads *threads) {
+Status TileBuilder::build(const LayerSettings &layer, const Terrain &terrain, const TileSpace &space,
+		TileInstances &r_tile, const std::atomic<bool> *cancel, LentThreads *threads) {
 	if (const Status status = validate(layer); !status.ok()) {
 		return status;
 	}
 	if (threads != nullptr && threads->count() > 0) {
-		if (const PieceGrid grid(rect, LayerGraph(layer)); grid.count() > 1) {
-			// Pieces on many threads find the same points.
-			return guarded("tile", std::max(rect.size().x, rect.size().y),
-					[&] { return workspace_->build_together(layer, terrain, rect, grid, r_tile, cancel, *threads); });
+		if (const PieceGrid grid(space, LayerGraph(layer)); grid.count() > 1) {
+			// The pieces are generated on all threads, with the same result.
+			return guarded("tile", std::max(space.size().x, space.size().y),
+					[&] { return workspace_->build_together(layer, terrain, space, grid, r_tile, cancel, *threads); });
 		}
 	}
-	if (const Status status = find_points(layer, rect, cancel, threads); !status.ok()) {
+	if (const Status status = find_points(layer, space, cancel, threads, terrain.surface()); !status.ok()) {
 		return status;
 	}
 	const Status status = guarded("ground", static_cast<double>(workspace_->positions.size()), [&] {
@@ -185,13 +202,13 @@ Status TileBuilder::build(const LayerSettings &layer, const Terrain &terrain, co
 	return status.ok() ? place(workspace_->ground, r_tile, cancel) : status;
 }
 
-Status TileBuilder::find_points(
-		const LayerSettings &layer, const Rect &rect, const std::atomic<bool> *cancel, LentThreads *threads) {
+Status TileBuilder::find_points(const LayerSettings &layer, const TileSpace &space, const std::atomic<bool> *cancel,
+		LentThreads *threads, const Surface *surface) {
 	if (const Status status = validate(layer); !status.ok()) {
 		return status;
 	}
-	return guarded("tile", std::max(rect.size().x, rect.size().y),
-			[&] { return workspace_->find_points(layer, rect, cancel, threads); });
+	return guarded("tile", std::max(space.size().x, space.size().y),
+			[&] { return workspace_->find_points(layer, space, surface, cancel, threads); });
 }
 
 std::span<const glm::dvec2> TileBuilder::positions() const { return workspace_->positions; }
@@ -205,7 +222,7 @@ Status TileBuilder::place(std::span<const Ground> ground, TileInstances &r_tile,
 	if (ground.size() != workspace_->positions.size()) {
 		return Status::wrong_size("ground", ground.size(), exactly(workspace_->positions.size()));
 	}
-	return guarded("tile", std::max(workspace_->rect.size().x, workspace_->rect.size().y),
+	return guarded("tile", std::max(workspace_->space.size().x, workspace_->space.size().y),
 			[&] { return workspace_->place(ground, r_tile, cancel); });
 }
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/base/ground_probe.hpp"
-#include "core/base/rect.hpp"
 #include "core/base/status.hpp"
+#include "core/base/tile_grid.hpp"
 #include "core/placement/ground_query.hpp"
 #include "core/placement/layer.hpp"
 #include "core/placement/tile_instances.hpp"
@@ -20,56 +20,69 @@
 
 namespace thicket {
 
-/// Generates tiles: sample, filter, place. The layers that the layer's rules depend on are sampled and filtered again for each tile, in the
-/// surroundings that matter, so that no tile depends on other tiles. A BlockCache may provide their points. The object is a reusable
-/// workspace: once it and the given tile have been used, it allocates nothing. Results do not depend on earlier calls. Not thread safe; use
-/// one per thread.
+/// Generates tiles in three steps: samples points, filters them by the rules, and places instances.
+/// The layers on which a layer depends are sampled and filtered for each tile, including its
+/// surroundings, so that no tile depends on other tiles. A BlockCache may provide their points. A
+/// builder reuses its memory: once it and the output tile are large enough, it allocates none.
+/// Results do not depend on earlier calls. Each thread needs its own builder.
 ///
-/// `build` does everything in one call. For a terrain that may be queried on one thread only, the same work takes two steps: call
-/// `find_points` on a worker, get the ground for `positions()` wherever it is available, then call `place` on a worker.
+/// `build` does everything in one call. If a terrain can be queried only on a certain thread, split
+/// the work. Call `find_points` on a worker thread, query the ground at `positions()` on the
+/// terrain's thread, then call `place` on a worker thread.
 class TileBuilder {
 public:
-	/// The largest number of points in a tile after which a caller keeps the builder for later tiles. So the memory of
-	/// large rectangles is freed.
+	/// After a tile with more points than this, callers should discard the builder to free its
+	/// memory.
 	static constexpr std::size_t most_points_kept = 1 << 16;
 
-	/// `margins` and `cache` change how much is computed, never the result. `cache` may be shared with other builders.
+	/// `margins` and `cache` affect only the amount of work, never the result. `cache` may be null
+	/// or shared with other builders.
 	explicit TileBuilder(const SampleMargins &margins = {}, std::shared_ptr<BlockCache> cache = nullptr);
 	~TileBuilder();
 	TileBuilder(TileBuilder &&) noexcept;
 	TileBuilder &operator=(TileBuilder &&) noexcept;
 
-	/// Replaces `r_tile` by the instances in the half-open `rect` (world meters; see TileSampler::sample for rectangles that are refused).
-	/// The result is a function of the arguments, bit for bit. After an error, `r_tile` is unchanged. ErrorCode::cancelled follows within
-	/// about a millisecond of raising `cancel`; after it, `r_tile` is valid but unspecified.
+	/// Replaces `r_tile` with the instances in `space` (world meters). Rectangles that
+	/// TileSampler::sample refuses are errors here, too. The result depends only on the arguments,
+	/// bit for bit. After an error, `r_tile` is unchanged. About a millisecond after `cancel` is
+	/// set, the call returns ErrorCode::cancelled; `r_tile` is then valid but its content is
+	/// unspecified.
 	///
-	/// `threads`, if there are any, share all the work for a large rectangle (see TilePieces) and do not change the result.
-	Status build(const LayerSettings &layer, const Terrain &terrain, const Rect &rect, TileInstances &r_tile,
+	/// If `threads` is not null, they share the work for a large rectangle (see TilePieces). They
+	/// do not affect the result.
+	Status build(const LayerSettings &layer, const Terrain &terrain, const TileSpace &space, TileInstances &r_tile,
 			const std::atomic<bool> *cancel = nullptr, LentThreads *threads = nullptr);
 
-	/// The first step: finds the points that pass the rules of position (masks, noise, shapes seen from above). After
-	/// ErrorCode::cancelled or ErrorCode::out_of_memory, no points are found. `threads`, if there are any, share the
-	/// points of a large rectangle.
-	Status find_points(const LayerSettings &layer, const Rect &rect, const std::atomic<bool> *cancel = nullptr,
-			LentThreads *threads = nullptr);
+	/// Performs the first step of `build`: finds the points that pass the rules that depend only on
+	/// the position, such as masks and noise. After an error during sampling, `place` is refused.
+	/// If `threads` is not null, they share the sampling of a large rectangle. Layers on surfaces
+	/// have points only if the `surface` of the ground is given.
+	Status find_points(const LayerSettings &layer, const TileSpace &space, const std::atomic<bool> *cancel = nullptr,
+			LentThreads *threads = nullptr, const Surface *surface = nullptr);
 
-	/// The positions at which the ground must be known after `find_points`: the points of the layer and of its
-	/// neighbors, the surroundings of each point if a layer checks for its edge, and a few positions for the tile's
-	/// origin. Valid until the next call.
+	/// Returns the positions at which `place` needs the ground: the points of the layer and of its
+	/// neighbors, and a few positions for the origin of a tile that covers all heights. If a layer
+	/// has an edge feather, the list also contains the edge probes around each of its points. It is
+	/// valid after `find_points` until the next call.
 	std::span<const glm::dvec2> positions() const;
 
-	/// All positions, in order, grouped by the ground textures that matter for them. Valid as long as `positions()`.
+	/// Returns the ranges of positions for which the same properties of the ground are needed. They
+	/// are valid as long as `positions()`.
 	std::span<const GroundQuery> queries() const;
 
-	/// The second step: filters and places the points of `find_points`. `ground[i]` belongs to `positions()[i]`. Any other length is
-	/// refused as `ground`, and so is a call without points found before. May be repeated. The same errors as `build`.
+	/// Performs the second step of `build`: filters the points from `find_points` and places
+	/// instances. `ground[i]` is the ground at `positions()[i]`. A wrong number of entries is an
+	/// error that names `ground`. A call without a successful `find_points` is an error that names
+	/// `points`. May be called repeatedly. Other errors are as in `build`.
 	Status place(std::span<const Ground> ground, TileInstances &r_tile, const std::atomic<bool> *cancel = nullptr);
 
-	/// After `build` or `place` without `threads`: some of the layer's own positions, spread over the tile, with the heights that the tile
-	/// was generated with; none if there is nothing to place. Valid until the next call.
+	/// Returns some of the layer's own positions, distributed over the tile, with the heights from
+	/// which the tile was generated. They are available after `place`, or after `build` without
+	/// `threads`, until the next call. The list is empty if there are no points, or if the layer is
+	/// on surfaces.
 	std::span<const GroundProbe> probes() const;
 
-	/// Statistics of the sampler's last run.
+	/// Returns statistics of the last sampling.
 	const SampleStats &sample_stats() const;
 
 private:

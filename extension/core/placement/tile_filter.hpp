@@ -12,59 +12,85 @@
 
 namespace thicket {
 
-/// Decides which points of a layer become instances in a rectangle. The layers that it depends on, directly or through others, are sampled
-/// and filtered first, each once, in the order of the LayerGraph. Reuses its memory.
+/// Determines which points of a layer become instances in a tile. It first samples and filters
+/// the layers on which this layer depends, directly or indirectly, each once, in the order of the
+/// LayerGraph. A filter reuses its memory.
 class TileFilter {
 public:
 	explicit TileFilter(const SampleMargins &margins, std::shared_ptr<BlockCache> cache = nullptr) :
-			sampler_(margins, std::move(cache)) {}
+			sampler_(margins, std::move(cache)), surface_sampler_(margins), host_sampler_(host_margins) {}
 
-	/// Prepares for a layer with valid settings, which it copies.
+	/// Copies the settings of the layer, which must be valid.
 	void set(const LayerSettings &layer);
 
-	/// Samples all layers, each in the window that `rect` of the layer itself requires. For `threads` see TileSampler::sample.
-	Status sample(const Rect &rect, const std::atomic<bool> *cancel, LentThreads *threads = nullptr);
+	/// Samples all layers, each in `space` expanded by its margin. `surface` is the surface of the
+	/// ground. If it is null, layers on surfaces have no points. For `threads`, see
+	/// TileSampler::sample. Layers on the models of hosts are sampled by `filter` instead, because
+	/// it first determines the instances of the hosts.
+	Status sample(const TileSpace &space, const Surface *surface, const std::atomic<bool> *cancel,
+			LentThreads *threads = nullptr);
 
-	/// Used instead of `sample`: takes positions from the caller for the layer itself (see LayerFilter::take), and samples the points of
-	/// other layers that matter there. `rect` contains all positions.
-	Status sample_around(
-			std::span<const glm::dvec2> places, const Rect &rect, const std::atomic<bool> *cancel = nullptr);
+	/// Evaluates the layer at arbitrary positions (see LayerFilter::take) and samples the other
+	/// layers around them. This call replaces `sample`. `space` must contain all positions.
+	Status sample_around(std::span<const glm::dvec2> places, std::span<const Ground> on_surface, const TileSpace &space,
+			const Surface *surface);
 
-	/// The approximate number of points of other layers that this samples.
+	/// Returns the approximate number of points of other layers that `sample_around` samples.
 	double points_around(const Rect &rect) const;
 
-	/// The positions at which the ground must be known: those of all layers, one after the other, as tiles need them. Appends to both
-	/// lists.
+	/// Appends the positions at which `filter` needs the ground, layer by layer in the order of the
+	/// graph, and their queries.
 	void add_queries(std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const;
 
-	/// The index of the first position of the layer itself.
-	std::size_t own_first() const;
+	/// Returns the ground at the points of the layer itself. `ground` is the same as for `filter`.
+	std::span<const Ground> own_ground(std::span<const Ground> ground) const;
 
-	/// Filters all layers. `ground` contains the ground of their positions, one layer after the other.
+	/// Filters all layers. `ground` contains the ground at the positions from add_queries.
 	Status filter(std::span<const Ground> ground, const std::atomic<bool> *cancel);
 
-	/// Filters all layers except the layer itself.
+	/// Filters the layers on which the layer itself depends, with the same `ground`.
 	Status filter_neighbors(std::span<const Ground> ground, const std::atomic<bool> *cancel = nullptr);
 
-	/// The filters of all layers, in the order of the graph.
+	/// Sets `r_surface` to the surface of the models on which the layer itself grows, or to null if
+	/// there are none around the tile. The layer must be hosted. Call this function after
+	/// `filter_neighbors`, with the same `ground`. The models in the settings must outlive the
+	/// surface.
+	Status models_around(std::span<const Ground> ground, std::unique_ptr<const Surface> &r_surface) const {
+		return models_around(size() - 1, ground, r_surface);
+	}
+
+	/// Return the number of layers, and their filters in the order of the graph.
 	std::size_t size() const { return graph_.nodes().size(); }
 	const LayerFilter &layer(std::size_t index) const { return *layers_[index]; }
 
-	/// The filter of a layer that the layer itself depends on.
+	/// Returns the filter of a layer on which the layer itself depends.
 	const LayerFilter &layer_of(const LayerSettings *settings) const { return layer(graph_.index_of(settings)); }
 
-	/// The filter of the layer itself, which is the last.
+	/// Returns the filter of the layer itself, which is the last one.
 	const LayerFilter &own() const { return layer(size() - 1); }
 
-	const SampleStats &sample_stats() const { return sampler_.stats(); }
+	/// Returns the sampler's statistics for the layer itself.
+	const SampleStats &sample_stats() const { return stats_; }
 
 private:
-	Status sample_layer(std::size_t index, const Rect &rect, const std::atomic<bool> *cancel, LentThreads *threads);
+	TileSpace window_of(std::size_t index) const;
+	Status sample_layer(
+			std::size_t index, const Surface *surface, const std::atomic<bool> *cancel, LentThreads *threads);
+	Status models_around(
+			std::size_t index, std::span<const Ground> ground, std::unique_ptr<const Surface> &r_surface) const;
+	Status sample_on_hosts(std::size_t index, std::span<const Ground> ground, const std::atomic<bool> *cancel);
+	Status filter_layer(std::size_t index, std::span<const Ground> ground, const std::atomic<bool> *cancel);
+	std::span<const Ground> ground_at(std::size_t index, std::span<const Ground> ground) const;
 
 	LayerSettings layer_;
 	LayerGraph graph_{layer_};
-	std::vector<std::unique_ptr<LayerFilter>> layers_; ///< The first size() are in use; the rest keep their memory.
+	/// The first size() filters are in use. The remaining ones are kept for later layers.
+	std::vector<std::unique_ptr<LayerFilter>> layers_;
 	TileSampler sampler_;
+	SurfaceSampler surface_sampler_;
+	SurfaceSampler host_sampler_; ///< For layers on the models of hosts.
+	TileSpace space_;             ///< The space of the last call of `sample` or `sample_around`.
+	SampleStats stats_;
 };
 
 } // namespace thicket

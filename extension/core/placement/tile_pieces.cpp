@@ -11,8 +11,8 @@ namespace thicket {
 
 namespace {
 
-/// The minimum width of a piece. One limit is in radii: a sampler needs this width to reach full speed. The other is in
-/// margins of the surrounding layers, which are sampled again for each piece.
+/// The minimum width of a piece, in radii of the set and in margins of other layers. Narrow pieces
+/// are sampled less efficiently, and the margin is sampled again for each piece.
 constexpr double radii = 64.0;
 constexpr double margins = 8.0;
 
@@ -25,7 +25,7 @@ double points_in(const Rect &rect, const LayerGraph &graph) {
 	return most;
 }
 
-/// Copies `values` to the position of a piece's points.
+/// Copies a piece's values to the index of its first point, and frees them.
 template <class Values, class Target>
 void put(Values &r_values, Target &r_target, std::size_t first) {
 	std::ranges::copy(r_values, r_target.begin() + static_cast<std::ptrdiff_t>(first));
@@ -34,9 +34,10 @@ void put(Values &r_values, Target &r_target, std::size_t first) {
 
 } // namespace
 
-PieceGrid::PieceGrid(const Rect &rect, const LayerGraph &graph) : rect_(rect) {
-	// A rectangle that a sampler refuses is not divided, so that the sampler reports it.
-	if (graph.nodes().empty() || !rect.finite() || rect.empty() || points_in(rect, graph) > max_points_per_call) {
+PieceGrid::PieceGrid(const TileSpace &space, const LayerGraph &graph) : space_(space) {
+	// A rectangle that the sampler will refuse is not divided, so that the sampler reports the
+	// error.
+	if (graph.nodes().empty() || !space.finite() || space.empty() || points_in(space, graph) > max_points_per_call) {
 		return;
 	}
 	double margin = 0.0;
@@ -44,27 +45,27 @@ PieceGrid::PieceGrid(const Rect &rect, const LayerGraph &graph) : rect_(rect) {
 		margin = std::max(margin, node.margin);
 	}
 	const double side = std::max(radii * graph.nodes().back().layer->set.radius, margins * margin);
-	columns_ = static_cast<std::size_t>(std::max(1.0, std::floor(rect.size().x / side)));
-	rows_ = static_cast<std::size_t>(std::max(1.0, std::floor(rect.size().y / side)));
+	columns_ = static_cast<std::size_t>(std::max(1.0, std::floor(space.size().x / side)));
+	rows_ = static_cast<std::size_t>(std::max(1.0, std::floor(space.size().y / side)));
 }
 
-/// Returns identical numbers for all pieces that meet there.
+/// Returns bit-identical coordinates for all pieces that share this corner.
 glm::dvec2 PieceGrid::corner(std::size_t column, std::size_t row) const {
 	const auto along = [](double min, double max, std::size_t at, std::size_t count) {
 		return at == count ? max : min + (max - min) * (static_cast<double>(at) / static_cast<double>(count));
 	};
-	return {along(rect_.min.x, rect_.max.x, column, columns_), along(rect_.min.y, rect_.max.y, row, rows_)};
+	return {along(space_.min.x, space_.max.x, column, columns_), along(space_.min.y, space_.max.y, row, rows_)};
 }
 
-Rect PieceGrid::piece(std::size_t index) const {
+TileSpace PieceGrid::piece(std::size_t index) const {
 	const std::size_t column = index % columns_;
 	const std::size_t row = index / columns_;
-	return {corner(column, row), corner(column + 1, row + 1)};
+	return {{corner(column, row), corner(column + 1, row + 1)}, space_.bottom, space_.top};
 }
 
 Status TilePieces::Worker::find(
-		const Terrain &terrain, const Rect &piece, const std::atomic<bool> *cancel, Found &r_found) {
-	if (const Status status = filter.sample(piece, cancel); !status.ok()) {
+		const Terrain &terrain, const TileSpace &piece, const std::atomic<bool> *cancel, Found &r_found) {
+	if (const Status status = filter.sample(piece, terrain.surface(), cancel); !status.ok()) {
 		return status;
 	}
 	positions.clear();
@@ -79,8 +80,7 @@ Status TilePieces::Worker::find(
 		return status;
 	}
 	const LayerFilter &own = filter.own();
-	StandingPoints points{own.positions(), std::span<const Ground>(ground).subspan(filter.own_first()), own.ids(),
-			own.standing(), own.thinning_ranks()};
+	StandingPoints points{own.positions(), filter.own_ground(ground), own.ids(), own.standing(), own.thinning_ranks()};
 	status = shares.find(filter, points, cancel);
 	const auto choose = [&](const auto &from, auto &r_to) {
 		r_to.reserve(from.empty() ? 0 : points.standing.size());
@@ -99,7 +99,7 @@ Status TilePieces::Worker::find(
 	return status;
 }
 
-/// Counts the points of all pieces, and allocates the memory for them.
+/// Adds up the counts of all pieces, and allocates the memory for their points.
 void TilePieces::make_room() {
 	std::size_t total = 0;
 	bool colors = false;
@@ -124,7 +124,7 @@ void TilePieces::make_room() {
 	variation_shares_.resize(variations ? total : 0);
 }
 
-/// Moves the results of a piece to their position.
+/// Moves the results of a piece to the common arrays.
 void TilePieces::gather(Found &r_found) {
 	const auto begin = standing_.begin() + static_cast<std::ptrdiff_t>(r_found.first);
 	std::iota(
@@ -158,8 +158,8 @@ Status TilePieces::find(const LayerSettings &layer, const Terrain &terrain, cons
 			failed = failed || !statuses[at].ok();
 		}
 	});
-	// Pieces are started in order, so the first piece that failed is the one at which a single thread would have
-	// failed.
+	// Pieces are started in order, so the first failed piece is the one at which a single thread
+	// would fail.
 	const auto first = std::ranges::find_if(statuses, [](const Status &status) { return !status.ok(); });
 	if (first != statuses.end()) {
 		throw_if_out_of_memory(*first);

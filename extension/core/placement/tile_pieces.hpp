@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/base/lent_threads.hpp"
-#include "core/base/rect.hpp"
 #include "core/base/status.hpp"
+#include "core/base/tile_grid.hpp"
 #include "core/base/unfilled.hpp"
 #include "core/placement/instance_writer.hpp"
 #include "core/placement/layer.hpp"
@@ -20,40 +20,43 @@
 
 namespace thicket {
 
-/// Divides a large rectangle into half-open pieces, in rows, that share no points.
+/// Divides a large tile into a grid of half-open pieces, which share no points.
 class PieceGrid {
 public:
-	/// Has a single piece if more are not worthwhile. The layer's graph determines how far around a piece its neighbors must be known.
-	PieceGrid(const Rect &rect, const LayerGraph &graph);
+	/// Chooses the size of the pieces. There is only one if more would not be faster. The graph of
+	/// the layer provides the margins of the layers on which it depends.
+	PieceGrid(const TileSpace &space, const LayerGraph &graph);
 
 	std::size_t count() const { return columns_ * rows_; }
-	Rect piece(std::size_t index) const;
+	TileSpace piece(std::size_t index) const;
 
 private:
 	glm::dvec2 corner(std::size_t column, std::size_t row) const;
 
-	Rect rect_;
+	TileSpace space_;
 	std::size_t columns_ = 1;
 	std::size_t rows_ = 1;
 };
 
-/// Finds the instances of a large rectangle on all available threads, piece by piece, so that the data of each thread stays in its caches.
-/// The points are the same as for the whole rectangle, in a different order.
+/// Finds the points of a large rectangle that become instances, on all available threads. The work
+/// is divided into pieces, so that each thread's data fits in its caches. The points are the same
+/// as for the whole rectangle, but in a different order.
 class TilePieces {
 public:
-	/// `cache` may be null.
+	/// Creates an empty object. `cache` may be null.
 	TilePieces(const SampleMargins &margins, std::shared_ptr<BlockCache> cache) :
 			margins_(margins), cache_(std::move(cache)) {}
 
-	/// Settings must be valid. Returns the error of the first piece that failed. Throws std::bad_alloc.
+	/// Finds the points. The settings must be valid. Returns the error of the first piece that
+	/// failed. Throws std::bad_alloc.
 	Status find(const LayerSettings &layer, const Terrain &terrain, const PieceGrid &grid,
 			const std::atomic<bool> *cancel, LentThreads &threads);
 
-	/// All of them become instances.
+	/// Returns the points that were found. All of them become instances.
 	StandingPoints points() const;
 	const TileCounts &counts() const { return counts_; }
 
-	/// Statistics of the samplers for the layer itself.
+	/// Returns the sampling statistics of the layer itself.
 	const SampleStats &sample_stats() const { return stats_; }
 
 private:
@@ -66,7 +69,7 @@ private:
 		std::vector<float> variation_shares;
 		TileCounts counts;
 		SampleStats stats;
-		std::size_t first = 0; ///< The index of its first point among all.
+		std::size_t first = 0; ///< Index of the piece's first point in the common arrays.
 	};
 
 	struct Worker {
@@ -78,7 +81,7 @@ private:
 		std::vector<GroundQuery> queries;
 		std::vector<Ground> ground;
 
-		Status find(const Terrain &terrain, const Rect &piece, const std::atomic<bool> *cancel, Found &r_found);
+		Status find(const Terrain &terrain, const TileSpace &piece, const std::atomic<bool> *cancel, Found &r_found);
 	};
 
 	void make_room();
@@ -90,7 +93,7 @@ private:
 	TileCounts counts_;
 	SampleStats stats_;
 
-	// The data of all pieces, one after the other.
+	// The common arrays with the data of all pieces.
 	UnfilledVector<glm::dvec2> positions_;
 	UnfilledVector<Ground> ground_;
 	UnfilledVector<std::uint64_t> ids_;

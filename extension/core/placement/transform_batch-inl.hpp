@@ -1,7 +1,8 @@
-// write_basis of placement.cpp, and the position, for as many instances as a vector has doubles. Included once for each instruction set.
+// Performs the computation of write_basis in placement.cpp, and writes the position, for as many
+// instances at a time as a vector has doubles. This file is included once for each instruction set.
 //
-// Uses the same operations in the same order, none of them fused, so the bits are the same. Keep this code in sync with
-// placement.cpp.
+// The code uses the same operations as placement.cpp in the same order, without fused
+// multiply-adds, so that the results are bit-identical. Keep both in sync.
 
 #include "core/base/philox.hpp"
 #include "core/placement/transform_batch.hpp"
@@ -16,9 +17,9 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// At most as wide as a batch.
+// The lanes of one vector. Vectors are at most as wide as a batch.
 using Doubles = hn::CappedTag<double, TransformBatch::most>;
-using Words = hn::RebindToUnsigned<Doubles>; ///< 64 bits; 32-bit numbers are in the lower half.
+using Words = hn::RebindToUnsigned<Doubles>; ///< 64-bit lanes; 32-bit numbers are in the lower half.
 using Halves = hn::Repartition<std::uint32_t, Words>;
 using Floats = hn::Rebind<float, Doubles>;
 using D = hn::VFromD<Doubles>;
@@ -39,16 +40,17 @@ struct Turn {
 
 HWY_INLINE W low_half(W words) { return hn::And(words, hn::Set(Words(), 0xffffffffu)); }
 
-/// The product of the lower halves.
+/// Multiplies the lower halves of the words.
 HWY_INLINE W product(W a, std::uint32_t b) { return hn::MulEven(hn::BitCast(Halves(), a), hn::Set(Halves(), b)); }
 
-/// Words below 2^32 as numbers. Exact, because a double has enough bits for 2^52 plus the word.
+/// Converts words below 2^32 to doubles. The conversion is exact, because a double can represent
+/// 2^52 plus the word.
 HWY_INLINE D number(W words) {
 	const D base = set(0x1p52);
 	return hn::Sub(hn::BitCast(Doubles(), hn::Or(words, hn::BitCast(Words(), base))), base);
 }
 
-/// See philox4x32 and instance_random: the words, converted as unit_interval does.
+/// The random numbers of an instance: the words of instance_random, converted like unit_interval.
 struct Random {
 	D yaw;
 	D scale;
@@ -81,7 +83,7 @@ HWY_INLINE Random random_of(W ids, std::uint64_t seed) {
 
 HWY_INLINE D mix(double min, double max, D t) { return hn::Add(set(min), hn::Mul(set(max - min), t)); }
 
-/// One step of Horner's rule, from the last coefficient on.
+/// Performs one step of Horner's method, starting from the last coefficient.
 HWY_INLINE D step(double coefficient, D square, D sum) { return hn::Sub(set(coefficient), hn::Mul(square, sum)); }
 
 HWY_INLINE D sine_small(D x, D square) {
@@ -103,10 +105,12 @@ HWY_INLINE D cosine_small(D square) {
 	return hn::Sub(set(1.0), hn::Mul(square, sum));
 }
 
-/// See rotation_by.
+/// Performs rotation_by() on vectors.
 HWY_INLINE Turn rotation_by(D turns) {
 	const D quarters = hn::Mul(turns, set(4.0));
-	const D nearest = hn::Floor(hn::Add(quarters, set(8.5))); // Plus 8, which does not change the quarter.
+	// Rounds to the nearest integer, and adds 8 to make the number positive; this does not change
+	// the quarter.
+	const D nearest = hn::Floor(hn::Add(quarters, set(8.5)));
 	const D rest = hn::Mul(hn::Sub(quarters, hn::Sub(nearest, set(8.0))), set(std::numbers::pi / 2.0));
 	const D square = hn::Mul(rest, rest);
 	const D cosine = cosine_small(square);
@@ -121,10 +125,21 @@ HWY_INLINE Turn rotation_by(D turns) {
 			hn::Add(hn::Mul(sine, quarter_cosine), hn::Mul(cosine, quarter_sine))};
 }
 
-HWY_INLINE Vector tilted(const Vector &up, D x, D z) {
+HWY_INLINE Vector tilted_up(const Vector &up, D x, D z) {
 	const D toward = hn::Add(hn::Mul(up.x, x), hn::Mul(up.z, z));
 	const D share = hn::Div(toward, hn::Add(set(1.0), up.y));
 	return {hn::Sub(x, hn::Mul(up.x, share)), hn::Neg(toward), hn::Sub(z, hn::Mul(up.z, share))};
+}
+
+HWY_INLINE Vector tilted(const Vector &up, D x, D z) {
+	const auto hangs = hn::Lt(up.y, set(overhang));
+	if (hn::AllFalse(Doubles(), hangs)) {
+		// All ground that is seen from above leads here.
+		return tilted_up(up, x, z);
+	}
+	const Vector mirrored{up.x, hn::IfThenElse(hangs, hn::Neg(up.y), up.y), hn::IfThenElse(hangs, hn::Neg(up.z), up.z)};
+	const Vector half = tilted_up(mirrored, x, z);
+	return {half.x, hn::IfThenElse(hangs, hn::Neg(half.y), half.y), hn::IfThenElse(hangs, hn::Neg(half.z), half.z)};
 }
 
 HWY_INLINE Vector tilted(const Vector &up, const Vector &v) {
@@ -138,7 +153,40 @@ HWY_INLINE Vector up_axis(const Vector &normal, double align) {
 			hn::Mul(set(align), normal.z)};
 	const D squared = hn::Add(hn::Add(hn::Mul(up.x, up.x), hn::Mul(up.y, up.y)), hn::Mul(up.z, up.z));
 	const D to_unit = hn::Div(set(1.0), hn::Sqrt(squared));
-	return {hn::Mul(up.x, to_unit), hn::Mul(up.y, to_unit), hn::Mul(up.z, to_unit)};
+	const Vector axis{hn::Mul(up.x, to_unit), hn::Mul(up.y, to_unit), hn::Mul(up.z, to_unit)};
+	const auto has_none = hn::Lt(squared, set(no_direction));
+	if (hn::AllFalse(Doubles(), has_none)) {
+		return axis;
+	}
+	return {hn::IfThenZeroElse(has_none, axis.x), hn::IfThenElse(has_none, set(-1.0), axis.y),
+			hn::IfThenZeroElse(has_none, axis.z)};
+}
+
+/// Returns the up directions on a planet, like UpField::at(). `from_center` is
+/// UpField::from_center, and `position` is relative to the same origin.
+HWY_INLINE Vector up_away(const glm::dvec3 &from_center, const Vector &position) {
+	const Vector from{hn::Add(set(from_center.x), position.x), hn::Add(set(from_center.y), position.y),
+			hn::Add(set(from_center.z), position.z)};
+	const D squared = hn::Add(hn::Add(hn::Mul(from.x, from.x), hn::Mul(from.y, from.y)), hn::Mul(from.z, from.z));
+	const auto is_away = hn::Gt(squared, set(0.0));
+	const D to_unit = hn::Div(set(1.0), hn::Sqrt(squared));
+	return {hn::IfThenElseZero(is_away, hn::Mul(from.x, to_unit)),
+			hn::IfThenElse(is_away, hn::Mul(from.y, to_unit), set(1.0)),
+			hn::IfThenElseZero(is_away, hn::Mul(from.z, to_unit))};
+}
+
+/// Returns the up axes on a planet, like up_axis() in placement.cpp.
+HWY_INLINE Vector up_axis(const Vector &normal, double align, const Vector &upright) {
+	const auto mean = [align](D upward, D along) {
+		return hn::Add(upward, hn::Mul(hn::Sub(along, upward), set(align)));
+	};
+	const Vector up{mean(upright.x, normal.x), mean(upright.y, normal.y), mean(upright.z, normal.z)};
+	const D squared = hn::Add(hn::Add(hn::Mul(up.x, up.x), hn::Mul(up.y, up.y)), hn::Mul(up.z, up.z));
+	const D to_unit = hn::Div(set(1.0), hn::Sqrt(squared));
+	const auto has_none = hn::Lt(squared, set(no_direction));
+	return {hn::IfThenElse(has_none, normal.x, hn::Mul(up.x, to_unit)),
+			hn::IfThenElse(has_none, normal.y, hn::Mul(up.y, to_unit)),
+			hn::IfThenElse(has_none, normal.z, hn::Mul(up.z, to_unit))};
 }
 
 HWY_INLINE D load(const float *from) { return hn::PromoteTo(Doubles(), hn::Load(Floats(), from)); }
@@ -146,9 +194,9 @@ HWY_INLINE hn::VFromD<Floats> rounded(D value) { return hn::DemoteTo(Floats(), v
 
 } // namespace
 
-/// Processes whole vectors, which may include some entries after the last instance. Those entries contain numbers from
-/// earlier calls.
-void make_transforms(const Placement &placement, std::uint64_t seed, TransformBatch &r_batch) {
+/// Computes the transforms of whole vectors of instances. The last vector may include entries after
+/// the last instance, with numbers from earlier calls.
+void make_transforms(const Placement &placement, std::uint64_t seed, const UpField &up_field, TransformBatch &r_batch) {
 	const Doubles doubles;
 	const bool leans = placement.max_tilt_degrees > 0.0;
 	for (std::size_t at = 0; at < r_batch.count; at += hn::Lanes(doubles)) {
@@ -158,7 +206,14 @@ void make_transforms(const Placement &placement, std::uint64_t seed, TransformBa
 		const Turn turn = rotation_by(hn::Div(yaw, set(360.0)));
 		const Vector normal{load(r_batch.normal_x.data() + at), load(r_batch.normal_y.data() + at),
 				load(r_batch.normal_z.data() + at)};
-		const Vector up = up_axis(normal, placement.align_to_normal);
+		Vector up;
+		if (up_field.away) {
+			const Vector position{load(r_batch.position_x.data() + at), load(r_batch.position_y.data() + at),
+					load(r_batch.position_z.data() + at)};
+			up = up_axis(normal, placement.align_to_normal, up_away(up_field.from_center, position));
+		} else {
+			up = up_axis(normal, placement.align_to_normal);
+		}
 		Vector axis = up;
 		if (leans) {
 			const D tilt = mix(placement.min_tilt_degrees, placement.max_tilt_degrees, random.tilt);

@@ -12,11 +12,12 @@
 
 namespace thicket {
 
-/// Computes the transforms of many instances with vector instructions; bit-identical to computing them one by one.
+/// Computes the transforms of many instances with vector instructions. The results are
+/// bit-identical to those of write_basis.
 struct TransformBatch {
-	static constexpr std::size_t most = 64; ///< Instances.
+	static constexpr std::size_t most = 64; ///< Maximum number of instances in a batch.
 
-	// The inputs, filled by the caller up to `count`.
+	// Inputs of `make`. `add` fills the first `count` entries.
 	std::size_t count = 0;
 	alignas(64) std::array<std::uint64_t, most> ids{};
 	alignas(64) std::array<float, most> normal_x{};
@@ -26,7 +27,7 @@ struct TransformBatch {
 	alignas(64) std::array<float, most> position_y{};
 	alignas(64) std::array<float, most> position_z{};
 
-	/// `position` is the position of the instance, as `standing_position` returns it.
+	/// Adds an instance. `position` is the result of standing_position.
 	void add(std::uint64_t id, glm::vec3 normal, glm::vec3 position) {
 		ids[count] = id;
 		normal_x[count] = normal.x;
@@ -40,12 +41,12 @@ struct TransformBatch {
 	glm::vec3 normal(std::size_t i) const { return {normal_x[i], normal_y[i], normal_z[i]}; }
 	glm::vec3 position(std::size_t i) const { return {position_x[i], position_y[i], position_z[i]}; }
 
-	/// Computes the result of write_basis and the position for all instances. `placement` must be valid.
-	void make(const Placement &placement, std::uint64_t seed);
+	/// Computes the transforms and scales of all instances. `placement` must be valid.
+	void make(const Placement &placement, std::uint64_t seed, const UpField &up = {});
 
-	// The outputs.
+	// The outputs of `make`.
 	static constexpr std::size_t row_floats = transform_floats / 3;
-	/// For each row of a transform, the rows of all instances.
+	/// For each of the three rows of a transform, the list of this row for all instances.
 	alignas(64) std::array<std::array<float, most * row_floats>, 3> rows{};
 	alignas(64) std::array<float, most> scale{};
 

@@ -2,6 +2,7 @@
 
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
+#include "core/base/tile_grid.hpp"
 #include "core/placement/compact_tile.hpp"
 #include "core/query/found_instances.hpp"
 #include "core/query/placed_instance.hpp"
@@ -20,27 +21,38 @@
 
 namespace thicket {
 
-/// The cylinder that represents an instance if only its transform is known. The cylinder extends from the instance's
-/// origin along its own up axis. Meters at scale 1.
+/// The cylinder that approximates an instance in ray queries. It extends from the instance's origin
+/// along the instance's up axis. Sizes are in meters at scale 1.
 struct InstanceShape {
-	double radius = 0.5; ///< 0 to 1e4.
-	double height = 2.0; ///< 0 to 1e4.
+	double radius = 0.5; ///< Meters, 0 to 1e4.
+	double height = 2.0; ///< Meters, 0 to 1e4.
 };
 
-/// A layer, as queries see it.
+/// The properties of a layer that queries need.
 struct QueryLayer {
-	bool wanted = true;      ///< False for a layer without instances.
+	bool wanted = true;      ///< If false, queries skip this layer.
 	PointSet set;            ///< set.layer is at most max_state_layer.
-	double tile_size = 64.0; ///< Meters, for the tiles of the source; 0.01 to 1e15.
+	double tile_size = 64.0; ///< Size of the source's tiles in meters, 0.01 to 1e15.
 	InstanceShape shape;
-	double max_scale = 1.0;  ///< The largest scale of an instance of the set; 0 to 1e4.
-	double max_offset = 0.0; ///< The most meters of an instance from its point, in the plane; 0 to 1e4.
+	double max_scale = 1.0; ///< Upper bound for the scale of generated instances, 0 to 1e4.
+	/// Largest distance in meters of an instance from its point, 0 to 2e4. On a planet, this is the
+	/// distance in space, otherwise the horizontal distance.
+	double max_offset = 0.0;
+	/// The range of heights of a layer on a planet, whose tiles are cubes; see StreamLayer.
+	double bottom = -std::numeric_limits<double>::infinity();
+	double top = std::numeric_limits<double>::infinity();
+
+	/// Returns true if the tiles are cubes.
+	bool in_space() const { return top < std::numeric_limits<double>::infinity(); }
 };
 
-/// A tile of a layer, of the size that the layer has at the time of the call.
+/// A tile of a layer, in units of the layer's current tile size.
 struct WorldTile {
 	std::uint32_t layer = 0;
 	glm::ivec2 tile{0};
+	std::int32_t slab = all_slabs; ///< The slab, if the layer's tiles are cubes.
+
+	friend bool operator==(const WorldTile &, const WorldTile &) = default;
 };
 
 /// Provides tiles to queries.
@@ -48,12 +60,13 @@ class TileSource {
 public:
 	virtual ~TileSource() = default;
 
-	/// The instances in a tile of a layer by its rules, including removed ones but not hand-placed ones. May generate
-	/// the tile. Null, without an error, if the tile is not available now; it then counts as empty.
-	virtual Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> &r_tile) = 0;
+	/// Finds or generates a tile: all instances that the rules permit, including removed ones but
+	/// not hand-placed ones. If the tile is not available now, sets `r_tile` to null, without an
+	/// error. The tile then counts as empty.
+	virtual Status find_tile(const WorldTile &tile, std::shared_ptr<const CompactTile> &r_tile) = 0;
 
-	/// Finds several tiles, in order, and replaces `r_tiles`. Returns the error of the first tile that failed. Throws
-	/// std::bad_alloc.
+	/// Replaces `r_tiles` with the given tiles, in order. Returns the error of the first tile that
+	/// failed. Throws std::bad_alloc.
 	virtual Status find_tiles(
 			std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles);
 
@@ -63,88 +76,98 @@ protected:
 	TileSource &operator=(const TileSource &) = default;
 };
 
-/// The instances that a query considers.
+/// Restricts the instances that a query finds.
 struct QueryFilter {
-	std::vector<std::uint32_t> layers; ///< Indices in the list of layers; empty for all layers.
+	std::vector<std::uint32_t> layers; ///< Indices in InstanceQuery::layers; empty for all layers.
 
-	/// A last condition, called in the order of the ids or of the distance, and only for instances that pass all other
-	/// conditions. If empty, all instances pass.
+	/// An additional condition, called only for instances that meet all other conditions, in the
+	/// order of ids or distance. If empty, all instances pass.
 	std::function<bool(const PlacedInstance &)> accepts;
 };
 
-/// The point where a ray meets an instance.
+/// The instance that a ray hits first.
 struct RayHit {
 	PlacedInstance instance;
-	double distance = 0.0; ///< Meters from the start of the ray.
+	double distance = 0.0; ///< Distance in meters from the start of the ray.
 };
 
 /// The instance nearest to a position.
 struct NearestInstance {
 	PlacedInstance instance;
-	double distance = 0.0; ///< Meters from that position to the instance's origin, in space.
+	double distance = 0.0; ///< Distance in meters from the queried position to the instance's origin, in 3D.
 };
 
-/// Finds placed instances: the points of the sets that pass their layer's rules, without those that a state has removed, and with those
-/// that were placed by hand. The answers depend only on the settings and the state, not on which tiles existed before. Works without an
-/// engine. The caller owns all fields.
+/// Finds the instances of a world: generated instances that the state has not removed, and
+/// hand-placed ones. If the source generates missing tiles, results depend only on the settings and
+/// the state. Queries do not depend on Godot. The objects that the fields refer to must outlive the
+/// query.
 ///
-/// Coordinates and distances may be up to 1e15 meters. Values that are not finite or larger are refused by their name, as is a wanted layer
-/// with an invalid number. After an error, which may come from the tile source, the result is empty. Tiles that are not entirely within the
-/// cells of a set have no instances of it.
+/// Coordinates and distances may be up to 1e15 meters. Larger values and values that are not finite
+/// are errors that name the parameter. Wanted layers with invalid settings are errors, too. After
+/// any error, including one of the tile source, the result is empty. Tiles that are not entirely
+/// within the cells of a set count as empty.
 struct InstanceQuery {
-	/// The most points, estimated from the density of the sets, in the tiles that one query may search. A tile counts as at least 16. More
-	/// points are refused as `too_many_points`, by the name of the parameter that makes the query large: rect, radius, to or max_distance.
+	/// The maximum number of points in the tiles that one query may search, estimated from the
+	/// density of the sets. A tile counts as at least 16 points. A larger query is refused as
+	/// `too_many_points`, with the name of the parameter that makes it large: rect, radius, to or
+	/// max_distance.
 	static constexpr double max_points = 4e6;
 
 	std::span<const QueryLayer> layers;
 	TileSource &tiles;
-	const InstanceState *state = nullptr; ///< Null: nothing was changed.
-	SampleMargins margins{};              ///< For points that `by_id` samples itself.
+	const InstanceState *state = nullptr; ///< Null if nothing was changed.
+	SampleMargins margins{};              ///< The sampling margins used when `by_id` samples the point set itself.
 
-	/// Finds instances whose origin lies in the half-open `rect` (world meters of x and z), ordered by layer, then id. Replaces `r_found`.
-	/// A rectangle that is inverted or not finite is refused as `rect`, a layer that does not exist as `layer`.
-	Status in_rect(const Rect &rect, const QueryFilter &filter, FoundInstances &r_found) const;
-	Status in_rect(const Rect &rect, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const;
+	/// Finds instances whose origin is in `rect` (world meters), ordered by layer, then id. `rect`
+	/// may have a limited range of heights. Replaces `r_found`. A rectangle that is inverted or not
+	/// finite is an error that names `rect`. A layer that does not exist is an error that names
+	/// `layer`.
+	Status in_rect(const TileSpace &rect, const QueryFilter &filter, FoundInstances &r_found) const;
+	Status in_rect(const TileSpace &rect, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const;
 
-	/// Finds instances whose origin lies within `radius` meters (0 or more) of `center`, in space, ordered by layer, then id.
+	/// Finds instances whose origin is within `radius` meters (0 or more) of `center` in 3D,
+	/// ordered by layer, then id. Replaces `r_found`.
 	Status in_sphere(glm::dvec3 center, double radius, const QueryFilter &filter, FoundInstances &r_found) const;
 	Status in_sphere(
 			glm::dvec3 center, double radius, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const;
 
-	/// Finds the first instance whose cylinder (InstanceShape, scaled, rotated and tilted with the instance) the ray
-	/// from `from` to `to` meets. Of several at the same distance, finds the one with the smallest (layer, id). A ray
-	/// that starts inside a cylinder meets it at 0. Replaces `r_hit` by one entry or none.
+	/// Finds the first instance whose cylinder (InstanceShape, transformed with the instance) is
+	/// hit by the ray from `from` to `to`. If several are at the same distance, the one with the
+	/// smallest (layer, id) is found. A ray that starts inside a cylinder hits it at distance 0.
+	/// Replaces `r_hit` with one entry, or none.
 	Status on_ray(glm::dvec3 from, glm::dvec3 to, const QueryFilter &filter, std::vector<RayHit> &r_hit) const;
 
-	/// Finds the instance nearest to `position` in space, at most `max_distance` meters (0 or more) away. Ties are
-	/// resolved as in on_ray. Replaces `r_found` by one entry or none.
+	/// Finds the instance nearest to `position` in 3D, at most `max_distance` meters (0 or more)
+	/// away. Ties are resolved as in on_ray. Replaces `r_found` with one entry, or none.
 	Status nearest(glm::dvec3 position, double max_distance, const QueryFilter &filter,
 			std::vector<NearestInstance> &r_found) const;
 
-	/// Finds the instance with that id, if it is placed. Replaces `r_found` by one entry or none. Reads at most four tiles. If a layer's
-	/// tiles are smaller than the squares of its set, it samples the set itself to find the tile.
+	/// Finds the instance with this id, if it is placed. Replaces `r_found` with one entry, or
+	/// none. The query reads at most four tiles. If the cell of the id touches more, it samples the
+	/// point set to find the right one.
 	Status by_id(std::uint64_t id, std::vector<PlacedInstance> &r_found) const;
 
-	/// Finds the instance with that id even if it is removed. The rules of its layer then determine its position.
+	/// Finds the instance with this id even if it was removed, as the rules of its layer would
+	/// place it.
 	Status by_id_even_removed(std::uint64_t id, std::vector<PlacedInstance> &r_found) const;
 
-	/// The tiles that such a query reads, ordered by layer, and by distance within a layer. They must be generated for
-	/// the query.
+	/// List the tiles that a query with the same arguments reads, so that they can be generated
+	/// first. They are ordered by layer, and by distance within a layer.
 	using Tile = WorldTile;
-	Status tiles_in_rect(const Rect &rect, const QueryFilter &filter, std::vector<Tile> &r_tiles) const;
+	Status tiles_in_rect(const TileSpace &rect, const QueryFilter &filter, std::vector<Tile> &r_tiles) const;
 	Status tiles_in_sphere(
 			glm::dvec3 center, double radius, const QueryFilter &filter, std::vector<Tile> &r_tiles) const;
 
 private:
-	// These do the work of the functions above, within the core's border (see core/base/guard.hpp). They throw
-	// std::bad_alloc.
-	Status find_in_rect(const Rect &rect, const QueryFilter &filter, FoundInstances &r_found) const;
+	// Implementations of the functions above, which catch their exceptions (see
+	// core/base/guard.hpp). The implementations throw std::bad_alloc.
+	Status find_in_rect(const TileSpace &rect, const QueryFilter &filter, FoundInstances &r_found) const;
 	Status find_in_sphere(glm::dvec3 center, double radius, const QueryFilter &filter, FoundInstances &r_found) const;
 	Status find_on_ray(glm::dvec3 from, glm::dvec3 to, const QueryFilter &filter, std::vector<RayHit> &r_hit) const;
 	Status find_nearest(glm::dvec3 position, double max_distance, const QueryFilter &filter,
 			std::vector<NearestInstance> &r_found) const;
 	Status find_by_id(std::uint64_t id, std::vector<PlacedInstance> &r_found) const;
-	Status find_tiles_in_rect(const Rect &rect, const QueryFilter &filter, std::vector<Tile> &r_tiles) const;
+	Status find_tiles_in_rect(const TileSpace &rect, const QueryFilter &filter, std::vector<Tile> &r_tiles) const;
 	Status find_tiles_in_sphere(
 			glm::dvec3 center, double radius, const QueryFilter &filter, std::vector<Tile> &r_tiles) const;
 };

@@ -30,14 +30,15 @@ Status check_sphere(glm::dvec3 center, double radius) {
 	return first_failure(check_position("center", center), check_range("radius", radius, 0.0, max_query_coordinate));
 }
 
-/// Collects all instances of one layer that lie in the searched tiles and, according to `inside` of their position, in the area; by id.
+/// Collects the instances in an area, layer by layer, ordered by id. `inside(position)` returns
+/// whether a position is in the area.
 template <class Inside>
 class Gathering {
 public:
 	Gathering(const InstanceQuery &query, const QueryFilter &filter, const Inside &inside) :
 			query_(query), filter_(filter), inside_(inside) {}
 
-	/// Adds the instances in tiles of one layer.
+	/// Adds the generated instances in `tiles`, which must all be of one layer.
 	Status add(std::span<const InstanceQuery::Tile> tiles, FoundInstances &r_found) {
 		if (tiles.empty()) {
 			return {};
@@ -59,7 +60,8 @@ public:
 		return {};
 	}
 
-	/// Adds hand-placed instances. Their ids come after all others of their layer.
+	/// Adds hand-placed instances. Call this function after `add`, because their ids are greater
+	/// than all other ids of their layer.
 	void add_hand_placed(std::uint32_t index, const Rect &rect, FoundInstances &r_found) {
 		for_hand_placed(query_, index, rect, [&](std::uint64_t id, const AddedInstance &added) {
 			if (!inside_(added.position)) {
@@ -73,7 +75,7 @@ public:
 	}
 
 private:
-	/// Finds the tiles, and counts all their instances.
+	/// Loads the tiles into `tiles_` and counts their instances.
 	Status find(std::span<const InstanceQuery::Tile> tiles) {
 		instances_ = 0;
 		if (const Status status = query_.tiles.find_tiles(tiles, tiles_); !status.ok()) {
@@ -100,7 +102,8 @@ private:
 				}
 			}
 			if (inside_here_.empty()) {
-				// A mesh without results need not be held.
+				// The mesh is not added as a part, so that the result does not keep this mesh in
+				// memory.
 				continue;
 			}
 			const std::uint32_t part = r_found.add_part({tile, &content}, tile->origin, layer, mesh);
@@ -116,7 +119,7 @@ private:
 	const InstanceQuery &query_;
 	const QueryFilter &filter_;
 	const Inside &inside_;
-	std::size_t instances_ = 0; ///< The number of instances in the searched tiles.
+	std::size_t instances_ = 0; ///< Number of instances in `tiles_`.
 	std::vector<std::shared_ptr<const CompactTile>> tiles_;
 	std::vector<std::uint32_t> inside_here_;
 };
@@ -142,16 +145,19 @@ Status gather(const InstanceQuery &query, const QueryFilter &filter, const Query
 			r_found.clear();
 			return status;
 		}
-		gathering.add_hand_placed(index, area.rect, r_found);
+		gathering.add_hand_placed(index, area.space, r_found);
 	}
 	return {};
 }
 
-QueryArea area_of(const Rect &rect) { return {.property = "rect", .rect = rect, .center = rect.center()}; }
+QueryArea area_of(const TileSpace &rect) {
+	const glm::dvec2 center = rect.center();
+	const double height = rect.covers_all_heights() ? 0.0 : 0.5 * (rect.bottom + rect.top);
+	return {.property = "rect", .space = rect, .center = {center.x, height, center.y}};
+}
 
 QueryArea area_of(glm::dvec3 center, double radius) {
-	const glm::dvec2 middle(center.x, center.z);
-	return {.property = "radius", .rect = rect_around(middle, radius), .center = middle, .radius = radius};
+	return {.property = "radius", .space = space_around(center, radius), .center = center, .radius = radius};
 }
 
 Status tiles_in(std::span<const QueryLayer> layers, const QueryFilter &filter, const QueryArea &area,
@@ -169,7 +175,7 @@ Status TileSource::find_tiles(
 	r_tiles.clear();
 	for (const WorldTile &each : tiles) {
 		std::shared_ptr<const CompactTile> content;
-		if (const Status status = find_tile(each.layer, each.tile, content); !status.ok()) {
+		if (const Status status = find_tile(each, content); !status.ok()) {
 			return status;
 		}
 		r_tiles.push_back(std::move(content));
@@ -177,13 +183,13 @@ Status TileSource::find_tiles(
 	return {};
 }
 
-Status InstanceQuery::find_in_rect(const Rect &rect, const QueryFilter &filter, FoundInstances &r_found) const {
+Status InstanceQuery::find_in_rect(const TileSpace &rect, const QueryFilter &filter, FoundInstances &r_found) const {
 	if (const Status status = check_rect(rect); !status.ok()) {
 		r_found.clear();
 		return status;
 	}
 	const auto inside = [rect](glm::dvec3 position) {
-		return rect.contains({position.x, position.z});
+		return rect.contains({position.x, position.z}) && rect.contains_height(position.y);
 	};
 	return gather(*this, filter, area_of(rect), inside, r_found);
 }
@@ -201,7 +207,7 @@ Status InstanceQuery::find_in_sphere(
 }
 
 Status InstanceQuery::find_tiles_in_rect(
-		const Rect &rect, const QueryFilter &filter, std::vector<Tile> &r_tiles) const {
+		const TileSpace &rect, const QueryFilter &filter, std::vector<Tile> &r_tiles) const {
 	if (const Status status = check_rect(rect); !status.ok()) {
 		r_tiles.clear();
 		return status;

@@ -1,4 +1,5 @@
-// The public functions of InstanceQuery. If memory runs out within them, the result is empty and the status names the request.
+// The public functions of InstanceQuery. If memory runs out, they return an empty result and a
+// status that names the request.
 
 #include "core/base/guard.hpp"
 #include "core/query/instance_query.hpp"
@@ -22,12 +23,13 @@ Status read(const Find &find, std::vector<PlacedInstance> &r_found) {
 
 } // namespace
 
-Status InstanceQuery::in_rect(const Rect &rect, const QueryFilter &filter, FoundInstances &r_found) const {
+Status InstanceQuery::in_rect(const TileSpace &rect, const QueryFilter &filter, FoundInstances &r_found) const {
 	return guarded_answer("rect", std::max(rect.size().x, rect.size().y), r_found,
 			[&] { return find_in_rect(rect, filter, r_found); });
 }
 
-Status InstanceQuery::in_rect(const Rect &rect, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const {
+Status InstanceQuery::in_rect(
+		const TileSpace &rect, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const {
 	return guarded_answer("rect", std::max(rect.size().x, rect.size().y), r_found,
 			[&] { return read([&](FoundInstances &found) { return find_in_rect(rect, filter, found); }, r_found); });
 }
@@ -68,7 +70,8 @@ Status InstanceQuery::by_id_even_removed(std::uint64_t id, std::vector<PlacedIns
 	return guarded_answer("id", static_cast<double>(id), r_found, [&] { return find_by_id(id, r_found); });
 }
 
-Status InstanceQuery::tiles_in_rect(const Rect &rect, const QueryFilter &filter, std::vector<Tile> &r_tiles) const {
+Status InstanceQuery::tiles_in_rect(
+		const TileSpace &rect, const QueryFilter &filter, std::vector<Tile> &r_tiles) const {
 	return guarded_answer("rect", std::max(rect.size().x, rect.size().y), r_tiles,
 			[&] { return find_tiles_in_rect(rect, filter, r_tiles); });
 }

@@ -16,10 +16,12 @@ namespace thicket {
 
 namespace {
 
-/// If a cell of a point set touches more tiles than this, it is cheaper to sample the set to find the position of its point.
+/// If the cell of a point touches more tiles than this, it is cheaper to sample the set to find the
+/// point's position.
 constexpr double most_tiles = 4.0;
 
-/// Finds the tile in which the point of a cell lies, for a layer whose tiles are smaller than its cells; none if the cell has no point.
+/// Finds the tile that contains a point, for a layer whose tiles are smaller than the set's cells.
+/// The range is empty if the set has no such point.
 Status find_tile_of_point(const QueryLayer &layer, std::uint64_t id, const SampleMargins &margins, TileRange &r_tiles) {
 	const Rect square = cell_rect(layer.set, id);
 	const double edge = set_extent(layer.set);
@@ -38,17 +40,26 @@ Status find_tile_of_point(const QueryLayer &layer, std::uint64_t id, const Sampl
 	return {};
 }
 
-/// Finds the tiles that may hold a point of the set.
+/// Finds the tiles that may contain the instance of a point.
 Status find_tiles_of(const QueryLayer &layer, std::uint64_t id, const SampleMargins &margins, TileRange &r_tiles) {
 	r_tiles = TileWindow(layer).touching(cell_rect(layer.set, id));
 	if (r_tiles.count() > most_tiles) {
-		// The set itself locates the point among very many tiles.
+		// Reading this many tiles would take longer than sampling the set.
 		return find_tile_of_point(layer, id, margins, r_tiles);
 	}
 	return {};
 }
 
-/// Adds the instance of that id, if it is in the tile.
+/// Returns the slabs that may contain the instance of a point.
+TileWindow::Slabs slabs_of(const QueryLayer &layer, std::uint64_t id) {
+	if (!layer.in_space()) {
+		return {};
+	}
+	const CellHeights heights = cell_heights(layer.set, id);
+	return TileWindow(layer).touching(heights.bottom, heights.top);
+}
+
+/// Adds the instance with this id if the tile contains it.
 void add_from(const CompactTile &content, std::uint64_t id, std::uint32_t index, std::vector<PlacedInstance> &r_found) {
 	for (std::uint32_t mesh = 0; mesh < content.meshes.size() && r_found.empty(); ++mesh) {
 		const CompactMesh &instances = content.meshes[mesh];
@@ -82,14 +93,17 @@ Status InstanceQuery::find_by_id(std::uint64_t id, std::vector<PlacedInstance> &
 		if (const Status status = find_tiles_of(layer, id, margins, range); !status.ok()) {
 			return status;
 		}
-		for (std::int32_t y = range.first.y; y <= range.last.y && r_found.empty(); ++y) {
-			for (std::int32_t x = range.first.x; x <= range.last.x && r_found.empty(); ++x) {
-				std::shared_ptr<const CompactTile> content;
-				if (const Status status = tiles.find_tile(index, {x, y}, content); !status.ok()) {
-					return status;
-				}
-				if (content != nullptr) {
-					add_from(*content, id, index, r_found);
+		const TileWindow::Slabs slabs = slabs_of(layer, id);
+		for (std::int32_t y = range.first.y; y <= range.last.y; ++y) {
+			for (std::int32_t x = range.first.x; x <= range.last.x; ++x) {
+				for (std::int32_t slab = slabs.first; slab <= slabs.last && r_found.empty(); ++slab) {
+					std::shared_ptr<const CompactTile> content;
+					if (const Status status = tiles.find_tile({index, {x, y}, slab}, content); !status.ok()) {
+						return status;
+					}
+					if (content != nullptr) {
+						add_from(*content, id, index, r_found);
+					}
 				}
 			}
 		}

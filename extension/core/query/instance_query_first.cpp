@@ -21,10 +21,11 @@ namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
 
-/// The order of a heap with the first on top.
+/// Defines the order of a heap with the first tile on top.
 bool farther(const SearchTile &a, const SearchTile &b) { return a.from > b.from; }
 
-/// Finds the first of all instances in some tiles. `scan(layer, content, candidates)` adds the candidates of a tile.
+/// Finds the first instance in `tiles`, and empties that list. `scan(layer, content, candidates)`
+/// adds the candidates of a tile.
 template <class Scan>
 Status search(const InstanceQuery &query, std::vector<SearchTile> &tiles, Candidates &candidates, const Scan &scan,
 		bool &r_found) {
@@ -34,26 +35,26 @@ Status search(const InstanceQuery &query, std::vector<SearchTile> &tiles, Candid
 		const SearchTile next = tiles.front();
 		r_found = candidates.settle(next.from);
 		if (r_found) {
-			// In all further tiles, everything comes later.
+			// All instances in the remaining tiles come later.
 			return {};
 		}
 		std::pop_heap(tiles.begin(), tiles.end(), farther);
 		tiles.pop_back();
 		std::shared_ptr<const CompactTile> content;
-		if (const Status status = query.tiles.find_tile(next.layer, next.tile, content); !status.ok()) {
+		if (const Status status = query.tiles.find_tile(next.tile, content); !status.ok()) {
 			return status;
 		}
 		if (content != nullptr) {
-			scan(next.layer, *content, candidates);
+			scan(next.tile.layer, *content, candidates);
 		}
 	}
 	r_found = candidates.settle(never);
 	return {};
 }
 
-// Search for the nearest instance.
+// The functions below search for the nearest instance.
 
-/// Scans instances by their distance from a position; `at` is its square.
+/// Finds instances by distance from a position. Candidate::at is the squared distance.
 struct NearestScan {
 	const InstanceQuery &query;
 	glm::dvec3 position;
@@ -67,7 +68,7 @@ struct NearestScan {
 			for (std::size_t i = 0; i < positions.size(); ++i) {
 				const double squared = squared_length(position_of(content.origin, positions[i]) - position);
 				if (squared > r_candidates.limit()) {
-					// A different instance is nearer.
+					// A candidate found earlier is nearer.
 					continue;
 				}
 				if (squared <= max_squared && !removed.holds(instances.id(i))) {
@@ -87,7 +88,7 @@ struct NearestScan {
 	}
 };
 
-// Search along a ray.
+// The functions below search along a ray.
 
 Rect rect_along(const Ray &ray, double distance) {
 	const glm::dvec3 to = ray.at(1.0);
@@ -96,7 +97,7 @@ Rect rect_along(const Ray &ray, double distance) {
 	return {glm::min(from.min, until.min), glm::max(from.max, until.max)};
 }
 
-/// Finds the instances of one layer that a ray meets; `at` is a share of its length.
+/// Finds instances that a ray hits. Candidate::at is a fraction of the ray's length.
 struct RayScan {
 	const InstanceQuery &query;
 	Ray ray;
@@ -109,13 +110,13 @@ struct RayScan {
 			const ReachTest reached(ray, cylinder_reach(settings.shape, double{instances.max_scale()}));
 			if (!reached.box(
 						content.origin + glm::dvec3(instances.min()), content.origin + glm::dvec3(instances.max()))) {
-				// No instance in this box reaches the ray.
+				// The ray misses all instances of this mesh.
 				continue;
 			}
 			const std::span<const glm::vec3> positions = instances.positions();
 			for (std::size_t i = 0; i < positions.size(); ++i) {
 				if (!reached.position(position_of(content.origin, positions[i]))) {
-					// No cylinder is so long or wide.
+					// The ray is out of reach of this instance.
 					continue;
 				}
 				if (!removed.holds(instances.id(i))) {
@@ -130,7 +131,7 @@ struct RayScan {
 			return;
 		}
 		const QueryLayer &settings = query.layers[layer];
-		// The axes of hand-placed instances may have any lengths and angles.
+		// The basis of a hand-placed instance may be sheared, so a larger bound is needed.
 		const double reach = (std::numbers::sqrt2 * settings.shape.radius + settings.shape.height) *
 				query.state->max_added_scale(settings.set.layer);
 		for_hand_placed(query, layer, rect_along(ray, reach), [&](std::uint64_t id, const AddedInstance &added) {
@@ -158,18 +159,17 @@ Status InstanceQuery::find_nearest(glm::dvec3 position, double max_distance, con
 	if (!status.ok()) {
 		return status;
 	}
-	const glm::dvec2 center(position.x, position.z);
-	const Rect around = rect_around(center, max_distance);
+	const TileSpace around = space_around(position, max_distance);
 	std::vector<Tile> wanted;
 	status = find_tiles(layers, indices,
-			{.property = "max_distance", .rect = around, .center = center, .radius = max_distance}, wanted);
+			{.property = "max_distance", .space = around, .center = position, .radius = max_distance}, wanted);
 	if (!status.ok()) {
 		return status;
 	}
 	std::vector<SearchTile> searched;
 	for (const Tile &each : wanted) {
-		const Rect area = TileWindow(layers[each.layer]).standing_area(each.tile);
-		searched.push_back({distance_squared(area, center), each.layer, each.tile});
+		const TileSpace space = TileWindow(layers[each.layer]).standing_space(each.tile, each.slab);
+		searched.push_back({distance_squared(space, position), each});
 	}
 	Candidates candidates(filter);
 	const NearestScan scan{*this, position, max_distance * max_distance};

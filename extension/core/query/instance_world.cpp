@@ -12,7 +12,8 @@ void InstanceWorld::set_layers(std::vector<QueryLayer> layers) {
 	const auto outdated = [&](const auto &entry) {
 		const std::uint32_t layer = std::get<0>(entry.first);
 		return layer >= layers.size() || !layers[layer].wanted || layers[layer].set != layers_[layer].set ||
-				layers[layer].tile_size != layers_[layer].tile_size;
+				layers[layer].tile_size != layers_[layer].tile_size || layers[layer].bottom != layers_[layer].bottom ||
+				layers[layer].top != layers_[layer].top;
 	};
 	std::erase_if(tiles_, outdated);
 	layers_ = std::move(layers);
@@ -39,7 +40,7 @@ bool InstanceWorld::changed_since(std::uint64_t version, std::uint32_t layer, co
 
 void InstanceWorld::invalidate(std::uint32_t layer, const EditedArea &area) {
 	if (area.empty()) {
-		// An empty area changes no result, so no query runs again.
+		// An empty area changes no result, so the version stays the same.
 		return;
 	}
 	if (layer >= layers_.size()) {
@@ -48,7 +49,7 @@ void InstanceWorld::invalidate(std::uint32_t layer, const EditedArea &area) {
 	++edits_;
 	const double tile_size = layers_[layer].tile_size;
 	for (auto &[key, entry] : tiles_) {
-		const auto &[at, x, y] = key;
+		const auto &[at, x, y, slab] = key;
 		entry.outdated = entry.outdated || (at == layer && area.touches(tile_rect(tile_size, {x, y})));
 	}
 	touch();
@@ -64,12 +65,12 @@ void InstanceWorld::clear() {
 	touch();
 }
 
-void InstanceWorld::keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> instances) {
+void InstanceWorld::keep(const WorldTile &tile, std::shared_ptr<const CompactTile> instances) {
 	const std::size_t size = kept_size(*instances);
 	kept_since_looking_ += size;
-	tiles_.insert_or_assign(Key{layer, tile.x, tile.y}, Entry{std::move(instances), size, ++uses_});
-	if (layer < layers_.size() && new_tiles_.size() < most_new_tiles) {
-		new_tiles_.push_back({++version_, layer, tile_rect(layers_[layer].tile_size, tile)});
+	tiles_.insert_or_assign(key_of(tile), Entry{std::move(instances), size, ++uses_});
+	if (tile.layer < layers_.size() && new_tiles_.size() < most_new_tiles) {
+		new_tiles_.push_back({++version_, tile.layer, tile_rect(layers_[tile.layer].tile_size, tile.tile)});
 	} else {
 		touch();
 	}
@@ -90,7 +91,7 @@ std::vector<std::shared_ptr<const CompactTile>> InstanceWorld::take_forgotten() 
 	return std::exchange(forgotten_, {});
 }
 
-/// Checks some more tiles. Checking all in one frame would delay it.
+/// Checks a few more tiles for being idle. Checking all of them in one frame would delay it.
 void InstanceWorld::look_for_idle() {
 	constexpr std::size_t most_at_once = 128;
 	auto next = tiles_.lower_bound(*look_from_);
@@ -106,10 +107,10 @@ void InstanceWorld::look_for_idle() {
 	}
 }
 
-/// Drops the oldest of the idle tiles.
+/// Drops the least recently used idle tiles.
 void InstanceWorld::forget_some() {
 	constexpr std::size_t most_at_once = 2;
-	constexpr std::size_t most_kept = 64; // If nothing takes them.
+	constexpr std::size_t most_kept = 64; // Limits the memory in case no caller takes the tiles.
 	if (forgotten_.size() > most_kept) {
 		forgotten_.clear();
 	}
@@ -138,7 +139,7 @@ std::vector<KnownTile> InstanceWorld::known_tiles() const {
 }
 
 std::shared_ptr<const CompactTile> InstanceWorld::find(const WorldTile &tile) const {
-	const auto found = tiles_.find({tile.layer, tile.tile.x, tile.tile.y});
+	const auto found = tiles_.find(key_of(tile));
 	if (found == tiles_.end() || found->second.outdated) {
 		return nullptr;
 	}
@@ -146,39 +147,38 @@ std::shared_ptr<const CompactTile> InstanceWorld::find(const WorldTile &tile) co
 	return found->second.tile;
 }
 
-void InstanceWorld::miss(const WorldTile &tile) const { missing_.emplace(tile.layer, tile.tile.x, tile.tile.y); }
+void InstanceWorld::miss(const WorldTile &tile) const { missing_.insert(key_of(tile)); }
 
 std::vector<WorldTile> InstanceWorld::take_missing() {
 	std::vector<WorldTile> result;
-	for (const auto &[layer, x, y] : std::exchange(missing_, {})) {
-		if (layer < layers_.size() && layers_[layer].wanted && find({layer, {x, y}}) == nullptr) {
-			result.push_back({layer, {x, y}});
+	for (const auto &[layer, x, y, slab] : std::exchange(missing_, {})) {
+		const WorldTile tile{layer, {x, y}, slab};
+		if (layer < layers_.size() && layers_[layer].wanted && find(tile) == nullptr) {
+			result.push_back(tile);
 		}
 	}
 	return result;
 }
 
-void InstanceWorld::known_in(std::uint32_t layer, const Rect &rect, std::vector<PlacedInstance> &r_found) const {
+void InstanceWorld::known_in(std::uint32_t layer, const TileSpace &space, std::vector<PlacedInstance> &r_found) const {
 	std::vector<PlacedInstance> found;
 	const QueryFilter filter{.layers = {layer}, .accepts = {}};
 	NearSource source(*this);
-	if (InstanceQuery{layers_, source, state_}.in_rect(rect, filter, found).ok()) {
+	if (InstanceQuery{layers_, source, state_}.in_rect(space, filter, found).ok()) {
 		r_found.insert(r_found.end(), found.begin(), found.end());
 	}
 }
 
-Status InstanceWorld::KnownSource::find_tile(
-		std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> &r_tile) {
-	r_tile = world_.find({layer, tile});
+Status InstanceWorld::KnownSource::find_tile(const WorldTile &tile, std::shared_ptr<const CompactTile> &r_tile) {
+	r_tile = world_.find(tile);
 	return {};
 }
 
-Status InstanceWorld::NearSource::find_tile(
-		std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> &r_tile) {
-	r_tile = world_.find({layer, tile});
+Status InstanceWorld::NearSource::find_tile(const WorldTile &tile, std::shared_ptr<const CompactTile> &r_tile) {
+	r_tile = world_.find(tile);
 	if (r_tile == nullptr) {
-		world_.miss({layer, tile});
-		const auto outdated = world_.tiles_.find({layer, tile.x, tile.y});
+		world_.miss(tile);
+		const auto outdated = world_.tiles_.find(key_of(tile));
 		r_tile = outdated != world_.tiles_.end() ? outdated->second.tile : nullptr;
 	}
 	return {};
@@ -190,14 +190,15 @@ std::shared_ptr<const CompactTile> InstanceWorld::MakingSource::find(const World
 
 Status InstanceWorld::MakingSource::make(
 		std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles) {
-	const TileMaker maker = world_.maker_; // A copy, because a script that is queried for the ground may replace it.
+	// The maker is copied, because a script that provides the ground may replace it.
+	const TileMaker maker = world_.maker_;
 	edits_ = world_.edits_;
 	return maker(tiles, r_tiles);
 }
 
 void InstanceWorld::MakingSource::keep(const WorldTile &tile, const std::shared_ptr<const CompactTile> &made) {
 	if (edits_ == world_.edits_) {
-		world_.keep(tile.layer, tile.tile, made);
+		world_.keep(tile, made);
 	}
 }
 

@@ -4,9 +4,6 @@
 #include "core/query/instance_query.hpp"
 #include "core/query/making_tile_source.hpp"
 
-#include <glm/vec2.hpp>
-#include <glm/vec3.hpp>
-
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -22,31 +19,34 @@
 
 namespace thicket {
 
-/// Generates tiles immediately, in order; null for a tile that is not available or was not generated. Returns the error
-/// of the first tile that failed; after an error, some other tiles may exist.
+/// Generates tiles immediately, in order. The entry of a tile that is not available or was not
+/// generated is null. Returns the error of the first tile that failed; other tiles may then still
+/// have been generated.
 using TileMaker = std::function<Status(
 		std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles)>;
 
-/// A layer, and x and y of a tile.
-using WorldTileKey = std::tuple<std::uint32_t, std::int32_t, std::int32_t>;
+/// The layer, x, y and slab of a tile.
+using WorldTileKey = std::tuple<std::uint32_t, std::int32_t, std::int32_t, std::int32_t>;
 
-inline WorldTileKey key_of(const WorldTile &tile) { return {tile.layer, tile.tile.x, tile.tile.y}; }
+inline WorldTileKey key_of(const WorldTile &tile) { return {tile.layer, tile.tile.x, tile.tile.y, tile.slab}; }
 
-/// A known tile, for a snapshot.
+/// A known tile with its key.
 struct KnownTile {
 	WorldTileKey key;
-	std::shared_ptr<const CompactTile> tile; ///< Never null.
+	std::shared_ptr<const CompactTile> tile; ///< The content of the tile; never null.
 };
 
-/// The instances of a world, for all queries: the known tiles (shared with the visible ones, and some that were generated for queries) and
-/// the changes of a game. One thread at a time.
+/// The instances of a world, for all queries. The object stores the known tiles, which are visible
+/// tiles and tiles generated for queries, and refers to the state with a game's changes. Use it on
+/// one thread only.
 class InstanceWorld {
 public:
 	/// Replaces the layers. Tiles of a layer whose set or tile size has changed are dropped.
 	void set_layers(std::vector<QueryLayer> layers);
 
-	/// Marks the tiles that an edit touches as no longer known. `known_in` keeps using them until they are replaced.
-	/// Otherwise all nearby instances would vanish for some frames.
+	/// Marks the tiles that an edit touches as outdated, so that queries no longer use them. Only
+	/// `known_in` uses outdated tiles, until they are replaced, because nearby instances would
+	/// otherwise vanish for a few frames.
 	void invalidate(std::uint32_t layer, const EditedArea &area);
 	void set_maker(TileMaker maker) { maker_ = std::move(maker); }
 	void set_state(const InstanceState *state) {
@@ -55,41 +55,46 @@ public:
 	}
 	void clear();
 
-	/// Adds a finished tile. Tiles that no other code uses are dropped once they have more than `max_idle_instances` in
-	/// total. The oldest are dropped first, a few for each tile that is added.
-	void keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> instances);
+	/// Adds a finished tile. A tile is idle if only this object references it. Once idle tiles have
+	/// more than `max_idle_instances` instances in total, each call drops a few of these tiles, the
+	/// least recently used first.
+	void keep(const WorldTile &tile, std::shared_ptr<const CompactTile> instances);
 
-	/// The tiles that were dropped since the last call. Freeing their memory takes some time, so a different thread may do it.
+	/// Returns the tiles dropped since the last call, so that the caller can free their memory on a
+	/// different thread.
 	std::vector<std::shared_ptr<const CompactTile>> take_forgotten();
 
-	/// All known tiles, ascending.
+	/// Returns all known tiles that are not outdated, ascending by key.
 	std::vector<KnownTile> known_tiles() const;
 
-	/// A known tile; null if it is not known.
+	/// Returns a tile, or null if it is unknown or outdated.
 	std::shared_ptr<const CompactTile> find(const WorldTile &tile) const;
 
-	/// Increases with everything that may change a result: tiles that are added or dropped, layers, the state.
+	/// Returns a number that increases with every change that may affect results: added or outdated
+	/// tiles, layers, the state.
 	std::uint64_t version() const { return version_; }
 	void touch();
 
-	/// False if `known_in` returns the same result for this rectangle as at that version. For old versions, may return
-	/// true although nothing has changed.
+	/// Returns false only if `known_in` returns the same result for this rectangle as at `version`.
+	/// For old versions, the result may be true although nothing has changed.
 	bool changed_since(std::uint64_t version, std::uint32_t layer, const Rect &rect) const;
 
 	std::span<const QueryLayer> layers() const { return layers_; }
 	const InstanceState *state() const { return state_; }
 
-	/// Finds the instances within a rectangle, in world meters, in known tiles. Unknown tiles are recorded as missing. Adds to `r_found`.
-	void known_in(std::uint32_t layer, const Rect &rect, std::vector<PlacedInstance> &r_found) const;
+	/// Appends the instances in `space` (world meters), using only known tiles, including outdated
+	/// ones. Unknown and outdated tiles are recorded as missing.
+	void known_in(std::uint32_t layer, const TileSpace &space, std::vector<PlacedInstance> &r_found) const;
 
-	/// Requests a tile that is not known.
+	/// Records a tile as missing.
 	void miss(const WorldTile &tile) const;
 
-	/// The tiles that were requested since the last call, each once. A caller that still needs them must request them again.
+	/// Returns the tiles recorded as missing since the last call, without duplicates and without
+	/// tiles that are known by now. Tiles that are still needed must be recorded again.
 	std::vector<WorldTile> take_missing();
 
-	/// Runs a query that may generate the tiles it misses, on this thread. The caller must keep the world alive, because a script that is
-	/// queried for the ground may do anything.
+	/// Runs a query that may generate missing tiles, on this thread. The caller must keep the world
+	/// alive during the call, because a script that provides the ground may run arbitrary code.
 	template <class Query>
 	Status ask(Query &&query) {
 		const std::vector<QueryLayer> layers = layers_;
@@ -97,7 +102,7 @@ public:
 		return query(InstanceQuery{layers, source, state_});
 	}
 
-	/// Runs a query that reads known tiles only; unknown tiles count as empty.
+	/// Runs a query that uses known tiles only. Unknown tiles count as empty.
 	template <class Query>
 	Status ask_known(Query &&query) const {
 		KnownSource source(*this);
@@ -109,25 +114,26 @@ public:
 private:
 	struct Entry {
 		std::shared_ptr<const CompactTile> tile;
-		std::size_t size = 0;           ///< See kept_size.
-		mutable std::uint64_t used = 0; ///< The time of the last query that used it.
-		bool outdated = false;          ///< An edit has touched it: still valid for `known_in`, but not for queries.
+		std::size_t size = 0;           ///< Size of the tile; see kept_size.
+		mutable std::uint64_t used = 0; ///< Counter value of the last use.
+		/// True after an edit touched the tile. An outdated tile is used only by `known_in`.
+		bool outdated = false;
 	};
 
 	class KnownSource : public TileSource {
 	public:
 		explicit KnownSource(const InstanceWorld &world) : world_(world) {}
-		Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> &r_tile) override;
+		Status find_tile(const WorldTile &tile, std::shared_ptr<const CompactTile> &r_tile) override;
 
 	private:
 		const InstanceWorld &world_;
 	};
 
-	/// For `known_in`.
+	/// The source for `known_in`. It also returns outdated tiles, and records missing ones.
 	class NearSource : public TileSource {
 	public:
 		explicit NearSource(const InstanceWorld &world) : world_(world) {}
-		Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> &r_tile) override;
+		Status find_tile(const WorldTile &tile, std::shared_ptr<const CompactTile> &r_tile) override;
 
 	private:
 		const InstanceWorld &world_;
@@ -144,13 +150,14 @@ private:
 		void keep(const WorldTile &tile, const std::shared_ptr<const CompactTile> &made) override;
 
 		InstanceWorld &world_;
-		/// The edits of the world when tiles were last requested. After further edits, generated tiles are not kept.
+		/// The value of the world's `edits_` when tiles were last requested. If the world's value
+		/// has changed since, generated tiles are not kept.
 		std::uint64_t edits_ = 0;
 	};
 
 	using Key = WorldTileKey;
 
-	/// A tile that became known, as the only change of that version.
+	/// A version whose only change is that a tile was added.
 	struct TileChange {
 		std::uint64_t version = 0;
 		std::uint32_t layer = 0;
@@ -167,13 +174,15 @@ private:
 	const InstanceState *state_ = nullptr;
 	std::uint64_t version_ = 1;
 	std::uint64_t touched_ = 1;        ///< The version of the last change that may affect any position.
-	std::deque<TileChange> new_tiles_; ///< The changes since then, in order.
-	std::uint64_t edits_ = 0;          ///< Increases with everything that makes tiles outdated.
+	std::deque<TileChange> new_tiles_; ///< Changes after `touched_`, in order of version.
+	std::uint64_t edits_ = 0;          ///< Increases with every change that may outdate tiles.
 	mutable std::uint64_t uses_ = 0;
 
-	std::size_t kept_since_looking_ = 0;              ///< Number of instances.
-	std::optional<Key> look_from_;                    ///< The first tile that is still to be checked for being idle.
-	std::vector<std::pair<std::uint64_t, Key>> idle_; ///< By time of last use; a heap, once all are checked.
+	std::size_t kept_since_looking_ = 0; ///< Instances added since the last check for idle tiles.
+	/// The next tile to check for being idle; empty if no check is in progress.
+	std::optional<Key> look_from_;
+	/// Idle tiles with their last use. The list is a heap once the check is complete.
+	std::vector<std::pair<std::uint64_t, Key>> idle_;
 	std::size_t idle_instances_ = 0;
 	std::vector<std::shared_ptr<const CompactTile>> forgotten_;
 	mutable std::set<Key> missing_;

@@ -4,10 +4,9 @@
 
 namespace thicket {
 
-Status MakingTileSource::find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> &r_tile) {
+Status MakingTileSource::find_tile(const WorldTile &tile, std::shared_ptr<const CompactTile> &r_tile) {
 	std::vector<std::shared_ptr<const CompactTile>> tiles;
-	const WorldTile wanted{layer, tile};
-	const Status status = find_tiles({&wanted, 1}, tiles);
+	const Status status = find_tiles({&tile, 1}, tiles);
 	r_tile = tiles.empty() ? nullptr : tiles.front();
 	return status;
 }
@@ -15,7 +14,7 @@ Status MakingTileSource::find_tile(std::uint32_t layer, glm::ivec2 tile, std::sh
 Status MakingTileSource::find_tiles(
 		std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles) {
 	std::vector<WorldTile> missing;
-	std::vector<std::size_t> missed; // The index of each in `tiles`.
+	std::vector<std::size_t> missed; // Indices of the missing tiles in `tiles`.
 	r_tiles.clear();
 	for (const WorldTile &tile : tiles) {
 		r_tiles.push_back(find(tile));

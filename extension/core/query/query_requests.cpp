@@ -38,15 +38,15 @@ void QueryRequests::renumber(std::span<const std::uint32_t> current) {
 	}
 }
 
-/// Returns true if all tiles are known. Checks this again in every frame, because layers and tile sizes may have
-/// changed.
+/// Returns true if all tiles of a request are known, and requests the missing ones. This is called
+/// in every frame, because layers and tile sizes may change.
 bool QueryRequests::gather(const InstanceWorld &world, Open &r_open) {
 	std::vector<InstanceQuery::Tile> tiles;
 	const Status status = world.ask_known([&](const InstanceQuery &query) { return tiles_of(query, r_open, tiles); });
 	r_open.held.clear();
 	bool complete = true;
 	for (std::size_t i = 0; status.ok() && i < tiles.size(); ++i) {
-		const WorldTile tile{tiles[i].layer, tiles[i].tile};
+		const WorldTile &tile = tiles[i];
 		if (std::shared_ptr<const CompactTile> known = world.find(tile)) {
 			r_open.held.push_back(std::move(known));
 		} else if (world.layers()[tile.layer].wanted) {
@@ -54,7 +54,7 @@ bool QueryRequests::gather(const InstanceWorld &world, Open &r_open) {
 			complete = false;
 		}
 	}
-	return complete; // A request that is refused by now, because its layers have changed, gets an empty answer.
+	return complete; // If layers have changed so that the request is now invalid, its answer is empty.
 }
 
 std::vector<QueryRequests::Answer> QueryRequests::frame(const InstanceWorld &world) {

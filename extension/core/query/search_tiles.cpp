@@ -12,7 +12,8 @@ namespace {
 
 constexpr const char *shorter_ray = "Shorten the ray, or name fewer layers";
 
-/// Finds the tiles layer by layer and row by row, so that only tiles near the ray are ever visited.
+/// Finds the tiles along a ray, layer by layer and row by row, so that only tiles near the ray are
+/// visited.
 class RayWalk {
 public:
 	RayWalk(const Ray &ray, std::vector<SearchTile> &r_tiles) : ray_(ray), tiles_(r_tiles) {}
@@ -25,13 +26,13 @@ public:
 		if (rows.empty()) {
 			return {};
 		}
-		// There is a tile in every row, except where the ray leaves the set.
+		// The ray passes at least one tile in every row, except outside the cells of the set.
 		if (const double most = points_ + (1.0 + rows.last.y - rows.first.y) * window.tile_points();
 				most > InstanceQuery::max_points) {
 			return Status::too_many_points("to", most, InstanceQuery::max_points, shorter_ray);
 		}
 		for (std::int32_t y = rows.first.y; y <= rows.last.y; ++y) {
-			const Rect area = window.standing_area({rows.first.x, y});
+			const Rect area = window.standing_space({rows.first.x, y}, all_slabs);
 			const RayPart part = clipped({}, ray_.from.z, ray_.along.z, area.min.y - reach, area.max.y + reach);
 			if (part.empty()) {
 				continue;
@@ -55,16 +56,33 @@ private:
 		return {{low.x, low.z}, {high.x, high.z}};
 	}
 
-	/// Adds a tile of a row in which `part` of the ray lies. False once there are too many.
+	/// Adds the tiles in a column of the map that the ray reaches. `part` is the part of the ray in
+	/// the column's row. Returns false if there are too many points.
 	bool add_tile(const TileWindow &window, std::uint32_t index, glm::ivec2 tile, const RayPart &part, double reach) {
-		const Rect area = window.standing_area(tile);
+		const Rect area = window.standing_space(tile, all_slabs);
 		const RayPart inside = clipped(part, ray_.from.x, ray_.along.x, area.min.x - reach, area.max.x + reach);
 		if (inside.empty()) {
 			return true;
 		}
-		tiles_.push_back({inside.start, index, tile});
-		points_ += window.tile_points();
-		return points_ <= InstanceQuery::max_points;
+		const double a = ray_.at(inside.start).y;
+		const double b = ray_.at(inside.end).y;
+		const double margin = window.stray() + reach;
+		const TileWindow::Slabs slabs = window.touching(std::min(a, b) - margin, std::max(a, b) + margin);
+		for (std::int32_t slab = slabs.first; slab <= slabs.last; ++slab) {
+			const TileSpace space = window.standing_space(tile, slab);
+			const RayPart within = slab == all_slabs
+					? inside
+					: clipped(inside, ray_.from.y, ray_.along.y, space.bottom - reach, space.top + reach);
+			if (within.empty()) {
+				continue;
+			}
+			tiles_.push_back({within.start, {index, tile, slab}});
+			points_ += window.tile_points();
+			if (points_ > InstanceQuery::max_points) {
+				return false;
+			}
+		}
+		return true;
 	}
 
 	const Ray &ray_;

@@ -22,27 +22,33 @@ constexpr const char *smaller_area = "Make the area smaller, or name fewer layer
 struct Near {
 	double distance_squared;
 	glm::ivec2 tile;
+	std::int32_t slab;
 };
 
-/// Adds the tiles of one layer, and adds their points to `r_points`.
+/// Appends the tiles of one layer, and adds the number of their points to `r_points`.
 Status add_tiles(std::uint32_t index, const QueryLayer &layer, const QueryArea &area,
 		std::vector<InstanceQuery::Tile> &r_tiles, double &r_points) {
 	const TileWindow window(layer);
-	const TileRange range = window.touching({area.rect.min - window.stray(), area.rect.max + window.stray()});
-	// A circle touches more than half of the tiles around it, so this refuses no request that the count below would accept.
-	const double most = r_points + range.count() * window.tile_points();
+	const TileSpace near_space = area.space.grown(window.stray());
+	const TileRange range = window.touching(near_space);
+	const TileWindow::Slabs slabs = window.touching(near_space.bottom, near_space.top);
+	// A circle or a ball touches more than half of the tiles in its bounds, so this check refuses no
+	// request that the exact check below would accept.
+	const double most = r_points + range.count() * slabs.count() * window.tile_points();
 	if (most > 2.0 * InstanceQuery::max_points) {
 		return Status::too_many_points(area.property, most, InstanceQuery::max_points, smaller_area);
 	}
 	std::vector<Near> near;
 	for (std::int32_t y = range.first.y; y <= range.last.y; ++y) {
 		for (std::int32_t x = range.first.x; x <= range.last.x; ++x) {
-			const double distance = distance_squared(window.standing_area({x, y}), area.center);
-			if (!(distance <= area.radius * area.radius)) {
-				// No instance of a tile in this corner is within the radius.
-				continue;
+			for (std::int32_t slab = slabs.first; slab <= slabs.last; ++slab) {
+				const double distance = distance_squared(window.standing_space({x, y}, slab), area.center);
+				if (!(distance <= area.radius * area.radius)) {
+					// No instance of this tile is within the radius.
+					continue;
+				}
+				near.push_back({distance, {x, y}, slab});
 			}
-			near.push_back({distance, {x, y}});
 		}
 	}
 	r_points += static_cast<double>(near.size()) * window.tile_points();
@@ -50,26 +56,27 @@ Status add_tiles(std::uint32_t index, const QueryLayer &layer, const QueryArea &
 		return Status::too_many_points(area.property, r_points, InstanceQuery::max_points, smaller_area);
 	}
 	std::sort(near.begin(), near.end(), [](const Near &a, const Near &b) {
-		return std::tie(a.distance_squared, a.tile.y, a.tile.x) < std::tie(b.distance_squared, b.tile.y, b.tile.x);
+		return std::tie(a.distance_squared, a.tile.y, a.tile.x, a.slab) <
+				std::tie(b.distance_squared, b.tile.y, b.tile.x, b.slab);
 	});
 	for (const Near &each : near) {
-		r_tiles.push_back({index, each.tile});
+		r_tiles.push_back({index, each.tile, each.slab});
 	}
 	return {};
 }
 
 } // namespace
 
-double set_extent(const PointSet &set) { return lattice_unit(set) * (1 << lattice_bits) * cell_limit; }
-
 TileWindow::TileWindow(const QueryLayer &layer) :
-		size_(layer.tile_size), stray_(layer.max_offset + float_rounding * (layer.tile_size + layer.max_offset) +
-										double_rounding * set_extent(layer.set)),
-		tile_points_(std::max(fewest_points, point_density(layer.set) * layer.tile_size * layer.tile_size)) {
+		size_(layer.tile_size), bottom_(layer.bottom), top_(layer.top),
+		stray_(layer.max_offset + float_rounding * (layer.tile_size + layer.max_offset) +
+				double_rounding * set_extent(layer.set)),
+		tile_points_(std::max(fewest_points,
+				(layer.in_space() ? 0.25 : 1.0) * point_density(layer.set) * layer.tile_size * layer.tile_size)) {
 	const double edge = set_extent(layer.set);
 	const double outermost = std::min(std::floor(edge / size_), double{max_tile_coordinate});
 	last_ = static_cast<std::int32_t>(outermost) - 1;
-	// The division rounds.
+	// The division above may have rounded up.
 	if ((last_ + 1.0) * size_ > edge) {
 		--last_;
 	}
@@ -80,9 +87,15 @@ TileRange TileWindow::touching(const Rect &rect) const {
 	return {glm::max(tile_at(size_, rect.min), first_), glm::min(tile_at(size_, rect.max), last_)};
 }
 
-Rect TileWindow::standing_area(glm::ivec2 tile) const {
-	const Rect square = tile_rect(size_, tile);
-	return {square.min - stray_, square.max + stray_};
+TileWindow::Slabs TileWindow::touching(double bottom, double top) const {
+	if (!(top_ < std::numeric_limits<double>::infinity())) {
+		return {};
+	}
+	return {slab_at(size_, std::max(bottom, bottom_)), slab_at(size_, std::min(top, top_))};
+}
+
+TileSpace TileWindow::standing_space(glm::ivec2 tile, std::int32_t slab) const {
+	return tile_space(size_, tile, slab).grown(stray_);
 }
 
 Status validate(const QueryLayer &layer) {
@@ -92,7 +105,7 @@ Status validate(const QueryLayer &layer) {
 			check_range("instance_radius", layer.shape.radius, 0.0, longest_shape),
 			check_range("instance_height", layer.shape.height, 0.0, longest_shape),
 			check_range("max_scale", layer.max_scale, 0.0, max_placement_scale),
-			check_range("max_offset", layer.max_offset, 0.0, max_height_offset));
+			check_range("max_offset", layer.max_offset, 0.0, 2.0 * max_height_offset));
 }
 
 Status find_layers(
@@ -121,8 +134,8 @@ Status find_tiles(std::span<const QueryLayer> layers, std::span<const std::uint3
 		std::vector<InstanceQuery::Tile> &r_tiles) {
 	double points = 0.0;
 	r_tiles.clear();
-	if (area.rect.empty()) {
-		// The area contains no instance, whatever tiles it touches.
+	if (area.space.empty()) {
+		// An empty area contains no instances.
 		return {};
 	}
 	for (const std::uint32_t index : indices) {
@@ -145,6 +158,11 @@ Rect rect_around(glm::dvec2 center, double distance) {
 	const double size = std::max(std::abs(center.x), std::abs(center.y)) + distance;
 	const double far = distance + double_rounding * size + std::numeric_limits<double>::min();
 	return {center - far, center + far};
+}
+
+TileSpace space_around(const glm::dvec3 &center, double distance) {
+	const Rect heights = rect_around(glm::dvec2(center.y), distance);
+	return {rect_around({center.x, center.z}, distance), heights.min.x, heights.max.x};
 }
 
 } // namespace thicket

@@ -15,74 +15,97 @@
 
 namespace thicket {
 
-/// Generous upper bounds for the relative rounding errors of floats and doubles in the computation of a position.
+/// Generous upper bounds for the relative rounding errors of a position computed in floats and in
+/// doubles.
 inline constexpr double float_rounding = 1e-6;
 inline constexpr double double_rounding = 1e-15;
 
-/// The cells of a set lie within this many meters of the origin. It is the same product as in the sampler, which refuses anything beyond.
-double set_extent(const PointSet &set);
-
-/// The range of a layer's tiles, and how far from its tile an instance may be placed.
+/// The range of a layer's valid tiles, and the largest distance of an instance from its tile.
 class TileWindow {
 public:
-	/// `layer` must be valid.
+	/// Computes the range of tiles of a layer, which must be valid.
 	explicit TileWindow(const QueryLayer &layer);
 
-	/// The tiles that touch a rectangle of any size. Only tiles that lie within the cells of the set are included.
+	/// Returns the tiles that touch a rectangle of any size, limited to tiles within the cells of
+	/// the set.
 	TileRange touching(const Rect &rect) const;
 
-	/// The square of a tile, expanded to where its instances may be placed.
-	Rect standing_area(glm::ivec2 tile) const;
+	/// A range of slabs, including both ends.
+	struct Slabs {
+		std::int32_t first = all_slabs;
+		std::int32_t last = all_slabs;
 
-	/// The largest distance in meters, in the plane, of an instance from its tile: offset_along_normal, plus float rounding.
+		double count() const { return first > last ? 0.0 : 1.0 + last - first; }
+	};
+
+	/// Returns the slabs that touch both a range of heights and the layer's range of heights. If
+	/// the layer's tiles are not cubes, returns only all_slabs.
+	Slabs touching(double bottom, double top) const;
+
+	/// Returns the space in which a tile's instances may be placed: the space of the tile, extended
+	/// by `stray`.
+	TileSpace standing_space(glm::ivec2 tile, std::int32_t slab) const;
+
+	/// Returns the largest distance in meters of an instance from its tile:
+	/// QueryLayer::max_offset plus rounding.
 	double stray() const { return stray_; }
 
-	/// Points in a tile, estimated from the density of the set; at least fewest_points.
+	/// Returns the number of points in a tile, estimated from the density of the set, or
+	/// fewest_points if that is larger. For a cube, only a quarter of the density is used, because
+	/// the surface touches only some of the cubes.
 	double tile_points() const { return tile_points_; }
 
-	/// The minimum cost of a tile, even if it is empty.
+	/// The minimum number of points that a tile counts as, even if it is empty.
 	static constexpr double fewest_points = 16.0;
 
 private:
 	double size_;
+	double bottom_; ///< `bottom_` to `top_` are the heights of the layer; see QueryLayer.
+	double top_;
 	double stray_;
 	double tile_points_;
-	std::int32_t first_; ///< On both axes.
+	std::int32_t first_; ///< First and last tile on both axes.
 	std::int32_t last_;
 };
 
-/// Refuses a layer with a number outside its documented range, and an invalid point set.
+/// Returns an error for a layer with values outside their documented ranges, and for an invalid
+/// point set.
 Status validate(const QueryLayer &layer);
 
-/// Finds the wanted layers that a filter names, ascending, each once. Refuses a layer that does not exist, and a wanted layer that is not
-/// valid.
+/// Finds the indices of the wanted layers that a filter selects, ascending and without duplicates.
+/// A layer that does not exist and a wanted layer that is invalid are errors.
 Status find_layers(
 		std::span<const QueryLayer> layers, const QueryFilter &filter, std::vector<std::uint32_t> &r_indices);
 
-/// Meters; queries do not reach beyond.
+/// Largest absolute coordinate and distance of a query, in meters.
 inline constexpr double max_query_coordinate = 1e15;
-inline constexpr double min_query_tile_size = 1e-2; ///< Meters.
+inline constexpr double min_query_tile_size = 1e-2; ///< Minimum tile size of a query in meters.
 
-/// The search area of a query, in the plane.
+/// The search area of a query. Its heights affect only layers whose tiles are cubes.
 struct QueryArea {
-	const char *property = "rect"; ///< The name of the refused parameter if the area is too large.
-	Rect rect;
-	glm::dvec2 center{0.0};
-	double radius = std::numeric_limits<double>::infinity(); ///< Only within this many meters of the center.
+	const char *property = "rect"; ///< Parameter that the error names if the area is too large.
+	TileSpace space;
+	glm::dvec3 center{0.0};
+	/// Tiles farther than this from the center are excluded. Meters.
+	double radius = std::numeric_limits<double>::infinity();
 };
 
-/// Finds the tiles of some layers that must be searched for all instances whose origin lies in an area. The tiles are
-/// ordered by layer, and nearest to the area's center first. Replaces `r_tiles`. Refuses more than
-/// InstanceQuery::max_points in all of them, and then leaves `r_tiles` empty.
+/// Finds the tiles of some layers that may contain instances whose origin is in an area. The tiles
+/// are ordered by layer, and by distance from the area's center within a layer. Replaces `r_tiles`.
+/// More than InstanceQuery::max_points in all tiles together are an error; `r_tiles` is then empty.
 Status find_tiles(std::span<const QueryLayer> layers, std::span<const std::uint32_t> indices, const QueryArea &area,
 		std::vector<InstanceQuery::Tile> &r_tiles);
 
-/// Refuses a position that is not finite or beyond max_query_coordinate.
+/// Returns an error for a position that is not finite or beyond max_query_coordinate.
 Status check_position(const char *property, glm::dvec3 position);
 
 inline double squared_length(glm::dvec3 v) { return v.x * v.x + v.y * v.y + v.z * v.z; }
 
-/// A rectangle that contains all positions within `distance` of a position, including its border and rounding.
+/// Returns a rectangle that contains all positions within `distance` of `center`, including its
+/// border, with a margin for rounding.
 Rect rect_around(glm::dvec2 center, double distance);
+
+/// Returns a space that contains all positions within `distance` of `center`; see rect_around.
+TileSpace space_around(const glm::dvec3 &center, double distance);
 
 } // namespace thicket

@@ -4,6 +4,9 @@
 #include "core/base/floating_point.hpp"
 #include "core/rules/clump_impulses.hpp"
 
+#include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,25 +16,59 @@ namespace thicket {
 
 namespace {
 
-/// The noise has one maximum per square of this side length in cells, as measured by make_clump_table.
+/// Side length in cells of a square that contains one maximum of the noise on average, for the
+/// noise on the plane and for a plane through the noise in space. Measured by make_clump_table.
 constexpr double cells_per_clump = 2.1747;
+constexpr double cells_per_clump_in_space = 2.1074;
 
-/// Up to this distance, in cells, a double still distinguishes positions within a cell.
+/// Up to this distance in cells, a double still resolves positions within a cell.
 constexpr double max_cells = 0x1p48;
 
-/// At each knot, the fraction of the plane where the noise is closer to 0.
-constexpr std::array<double, clump_knots> nearer
+/// For each knot, the fraction of the plane, or of space, in which the noise is closer to 0 than
+/// the knot.
+using ClumpTable = std::array<double, clump_knots>;
+constexpr ClumpTable nearer
 #include "core/rules/clump_table.inc"
 		;
+constexpr ClumpTable nearer_in_space
+#include "core/rules/clump_table_space.inc"
+		;
 static_assert(nearer.front() == 0.0 && nearer.back() == 1.0);
+static_assert(nearer_in_space.front() == 0.0 && nearer_in_space.back() == 1.0);
 
-/// The fraction of the plane where the noise is below `noise`, 0 to 1. Linear interpolation between the knots is accurate to 0.0005.
-double share_below(double noise) {
+/// Returns the fraction of the plane or of space, 0 to 1, in which the noise is below `noise`.
+/// `nearer` is the table for that noise. Linear interpolation between the knots is accurate to
+/// 0.0005.
+double share_below(double noise, const ClumpTable &nearer) {
 	const double knot = std::min(std::abs(noise) * clump_knots_per_unit, static_cast<double>(clump_knots - 1));
 	const std::size_t index = std::min(static_cast<std::size_t>(knot), clump_knots - 2);
 	const double part = knot - static_cast<double>(index);
 	const double share = nearer[index] + (nearer[index + 1] - nearer[index]) * part;
 	return noise < 0.0 ? 0.5 - 0.5 * share : 0.5 + 0.5 * share;
+}
+
+/// Returns the density where the noise exceeds the fraction `share` of all noise values.
+double density_of(const Clumping &clumping, double share) {
+	const double coverage = clumping.coverage;
+	// A soft edge covers the same fraction of the ground inside a clump as outside it. The mean
+	// density therefore equals the coverage.
+	const double inside = share - (1.0 - coverage);
+	const double half_edge = clumping.softness * std::min(coverage, 1.0 - coverage);
+	if (half_edge <= 0.0) {
+		return inside > 0.0 ? 1.0 : 0.0;
+	}
+	return std::clamp(0.5 + 0.5 * (inside / half_edge), 0.0, 1.0);
+}
+
+/// Returns the density at a position in cells, on the plane or in space. `nearer` is the table for
+/// that noise.
+template <class Cells>
+double density_at(const Clumping &clumping, std::uint64_t seed, const Cells &cells, const ClumpTable &nearer) {
+	const bool is_resolved = glm::all(glm::lessThan(glm::abs(cells), Cells(max_cells)));
+	if (!is_resolved || clumping.coverage <= 0.0) {
+		return 0.0;
+	}
+	return clumping.coverage >= 1.0 ? 1.0 : density_of(clumping, share_below(clump_impulses(cells, seed), nearer));
 }
 
 } // namespace
@@ -50,24 +87,13 @@ void ClumpNoise::set(const Clumping &clumping, std::uint64_t seed) {
 }
 
 double ClumpNoise::at(glm::dvec2 position) const {
-	if (!active()) {
-		return 1.0;
-	}
-	const double coverage = clumping_.coverage;
-	const glm::dvec2 cells = position / (clumping_.size / cells_per_clump);
-	if (!(std::abs(cells.x) < max_cells && std::abs(cells.y) < max_cells) || coverage <= 0.0) {
-		return 0.0;
-	}
-	if (coverage >= 1.0) {
-		return 1.0;
-	}
-	// A soft edge extends equally far into a clump and out of it, measured as a fraction of the plane, so that the mean is the coverage.
-	const double inside = share_below(clump_impulses(cells, seed_)) - (1.0 - coverage);
-	const double half_edge = clumping_.softness * std::min(coverage, 1.0 - coverage);
-	if (half_edge <= 0.0) {
-		return inside > 0.0 ? 1.0 : 0.0;
-	}
-	return std::clamp(0.5 + 0.5 * (inside / half_edge), 0.0, 1.0);
+	const double cell = clumping_.size / cells_per_clump;
+	return active() ? density_at(clumping_, seed_, position / cell, nearer) : 1.0;
+}
+
+double ClumpNoise::at(const glm::dvec3 &position) const {
+	const double cell = clumping_.size / cells_per_clump_in_space;
+	return active() ? density_at(clumping_, seed_, position / cell, nearer_in_space) : 1.0;
 }
 
 } // namespace thicket

@@ -10,9 +10,13 @@ namespace thicket {
 
 namespace {
 
-/// Degrees on both sides of a limit where the angle itself is computed. `slope_degrees` is accurate to 1e-7.
+/// Within this many degrees of a limit, the angle itself is computed. `slope_degrees` is accurate
+/// to 1e-7 degrees.
 constexpr double margin = 1e-5;
-/// Above this angle, the tangent is too inaccurate.
+/// Limits for all surfaces are wider by this angle in degrees, because a mesh that is rotated by a
+/// right angle is not exactly vertical.
+constexpr double surface_tolerance = 1e-3;
+/// Above this angle in degrees, the tangent is too inaccurate to decide.
 constexpr double last_tangent = 89.9;
 constexpr double unlimited = std::numeric_limits<double>::infinity();
 
@@ -22,12 +26,14 @@ double squared_tangent(double degrees) {
 	return tangent * tangent;
 }
 
-/// The squared tangent from which on a slope is at least `degrees`.
+/// Returns a squared tangent. Slopes with at least this squared tangent are at least `degrees`
+/// steep. The result is infinite if it is unknown.
 double tangent_at_least(double degrees) {
 	return degrees <= 0.0 ? 0.0 : degrees <= last_tangent ? squared_tangent(degrees) : unlimited;
 }
 
-/// The squared tangent up to which a slope is at most `degrees`; below 0 if there is none.
+/// Returns a squared tangent. Slopes with at most this squared tangent are at most `degrees` steep.
+/// The result is negative if there are none.
 double tangent_at_most(double degrees) {
 	return degrees < 0.0 ? -1.0 : squared_tangent(std::min(degrees, last_tangent));
 }
@@ -50,14 +56,16 @@ double PreparedRange::density(double value) const {
 	return std::min({above, below, 1.0});
 }
 
-SlopeRange::SlopeRange(double min, double max, double falloff) :
-		PreparedRange(min, min <= 0.0, max, max >= steepest, falloff) {
+SlopeRange::SlopeRange(double min, double max, double falloff, double steepest) :
+		PreparedRange(steepest > steepest_top ? min - surface_tolerance : min, min <= 0.0,
+				steepest > steepest_top ? max + surface_tolerance : max, max >= steepest, falloff),
+		looks_down_(steepest > steepest_top) {
 	const double fading = std::max(falloff, 0.0) + margin;
 	if (min > 0.0) {
 		all_from_ = tangent_at_least(min + fading);
 		none_below_ = min <= margin ? 0.0 : tangent_at_most(min - margin);
 	}
-	if (max < steepest) {
+	if (max < steepest_top) {
 		all_to_ = tangent_at_most(max - fading);
 		none_above_ = tangent_at_least(max + margin);
 	}

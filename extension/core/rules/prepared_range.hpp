@@ -10,18 +10,18 @@
 
 namespace thicket {
 
-/// One range with its falloff, prepared for queries.
+/// A range of values with a linear falloff inside its limits, prepared for queries.
 class PreparedRange {
 public:
-	PreparedRange() = default; ///< No limits.
+	PreparedRange() = default; ///< Creates a range without limits.
 
-	/// `min_open` and `max_open` disable a limit along with its falloff.
+	/// Creates a range. `min_open` and `max_open` disable a limit along with its falloff.
 	PreparedRange(double min, bool min_open, double max, bool max_open, double falloff);
 
-	/// The density for a value, 0 to 1; 0 for NAN.
+	/// Returns the density for `value`, 0 to 1, or 0 for NAN.
 	double density(double value) const;
 
-	/// Whether every finite value passes.
+	/// Returns true if both limits are disabled, so that every finite value has density 1.
 	bool open() const { return min_open_ && max_open_; }
 
 private:
@@ -32,24 +32,30 @@ private:
 	bool max_open_ = true;
 };
 
-/// A range of slopes in degrees. Computing an angle costs as much as all other queries of the ground, so it is skipped where the sides of
-/// its triangle suffice to decide.
+/// A range of slopes in degrees. Computing an angle costs as much as all other ground rules
+/// together, so it is skipped where the tangent alone decides.
 class SlopeRange : public PreparedRange {
 public:
-	static constexpr double steepest = 90.0;
+	static constexpr double steepest_top = 90.0;      ///< Steepest ground that is seen from above.
+	static constexpr double steepest_surface = 180.0; ///< Steepest surface: a ceiling.
 
-	SlopeRange() = default; ///< No limits.
+	SlopeRange() = default; ///< Creates a range without limits.
 
-	/// Slopes from `min` to `max`, 0 to 90 degrees. A limit at its end of this range has no effect.
-	SlopeRange(double min, double max, double falloff);
+	/// Creates a range of slopes from `min` to `max`, each 0 to `steepest` degrees. A minimum of 0
+	/// and a maximum of `steepest` have no effect. With steepest_top, all normals must point up.
+	/// With steepest_surface, normals may point anywhere, and limits are a thousandth of a degree
+	/// wider.
+	SlopeRange(double min, double max, double falloff, double steepest = steepest_top);
 
-	/// The density for the slope of an upward normal, bit-identical to density(slope_degrees(normal)).
+	/// Returns the density for the slope of a normal, bit-identical to
+	/// density(slope_degrees(normal)).
 	double density_of(glm::vec3 normal) const {
-		const std::optional<double> known = density_without_angle(normal);
+		const std::optional<double> known = looks_down_ ? std::nullopt : density_without_angle(normal);
 		return known.has_value() ? *known : density(slope_degrees(normal));
 	}
 
-	/// The density, if it can be decided without the angle.
+	/// Returns the density for a normal that points up, if it can be determined without computing
+	/// the angle.
 	std::optional<double> density_without_angle(glm::vec3 normal) const {
 		const double x = normal.x;
 		const double y = normal.y;
@@ -57,23 +63,24 @@ public:
 		const double across = x * x + z * z;
 		const double up = y * y;
 		if (across >= all_from_ * up && across <= all_to_ * up) {
-			// The angle lies between the limits by more than any rounding error.
+			// The angle is inside the limits by more than any rounding error.
 			return 1.0;
 		}
 		if (across < none_below_ * up || across > none_above_ * up) {
-			// The angle lies beyond a limit by more than any rounding error.
+			// The angle is outside a limit by more than any rounding error.
 			return 0.0;
 		}
 		return std::nullopt;
 	}
 
 private:
-	// Squares of tangents, with a margin wider than any rounding error. Between the first two the density is 1, beyond the other two it
-	// is 0.
+	// Squared tangents, with a margin wider than any rounding error. The density is 1 from
+	// `all_from_` to `all_to_`, and 0 below `none_below_` and above `none_above_`.
 	double all_from_ = 0.0;
 	double all_to_ = std::numeric_limits<double>::infinity();
 	double none_below_ = 0.0;
 	double none_above_ = std::numeric_limits<double>::infinity();
+	bool looks_down_ = false; ///< True if normals may point down, so that tangents are ambiguous.
 };
 
 } // namespace thicket

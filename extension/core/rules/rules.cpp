@@ -14,18 +14,18 @@ namespace thicket {
 
 namespace {
 
-constexpr double max_slope = SlopeRange::steepest;
+constexpr double max_slope = SlopeRange::steepest_surface;
 
 Status check_height(const char *property, double height) {
-	// Infinity is a reasonable "no limit" in a computation, but a mistake in a setting.
+	// Infinity is an error: a setting that has no limit uses unlimited_height.
 	return check_range(property, height, std::numeric_limits<double>::lowest(), std::numeric_limits<double>::max());
 }
 
 template <class Record>
-Status multiply(const DensityField &field, std::span<const glm::dvec2> positions, std::span<double> r_densities,
+Status multiply(const DensityField &field, const Places &places, std::span<double> r_densities,
 		std::span<float> scratch, const Record &record, RuleKind rule, std::size_t index) {
-	const Status status = field.sample(positions, scratch);
-	for (std::size_t i = 0; status.ok() && i < positions.size(); ++i) {
+	const Status status = field.sample_at(places, scratch);
+	for (std::size_t i = 0; status.ok() && i < places.positions.size(); ++i) {
 		const double density = unit_density(scratch[i]);
 		r_densities[i] *= record(rule, density, density, static_cast<std::uint32_t>(index));
 	}
@@ -52,7 +52,7 @@ Status validate(const Rules &rules) {
 			null_field ? Status{ErrorCode::missing, "fields", 0.0} : Status{});
 }
 
-Status PreparedRules::set(const Rules &rules, std::uint64_t seed) {
+Status PreparedRules::set(const Rules &rules, std::uint64_t seed, GroundSides sides) {
 	if (const Status status = validate(rules); !status.ok()) {
 		return status;
 	}
@@ -60,12 +60,14 @@ Status PreparedRules::set(const Rules &rules, std::uint64_t seed) {
 			guarded("rules", static_cast<double>(rules.fields.size() + rules.ground_textures.size()), [&] {
 				rules_.fields.reserve(rules.fields.size());
 				rules_.ground_textures.reserve(rules.ground_textures.size());
-				rules_ = rules; // Allocates no memory now, so it cannot fail halfway.
+				rules_ = rules; // The assignment cannot fail halfway, because the memory is reserved above.
 			});
 	if (!status.ok()) {
 		return status;
 	}
-	slope_ = SlopeRange(rules.min_slope_degrees, rules.max_slope_degrees, rules.slope_falloff_degrees);
+	sides_ = sides;
+	slope_ = SlopeRange(rules.min_slope_degrees, rules.max_slope_degrees, rules.slope_falloff_degrees,
+			sides == GroundSides::top ? SlopeRange::steepest_top : SlopeRange::steepest_surface);
 	height_ = PreparedRange(rules.min_height, rules.min_height <= -unlimited_height, rules.max_height,
 			rules.max_height >= unlimited_height, rules.height_falloff);
 	water_depth_ = PreparedRange(rules.min_water_depth, rules.min_water_depth <= -unlimited_height,
@@ -78,17 +80,18 @@ Status PreparedRules::set(const Rules &rules, std::uint64_t seed) {
 }
 
 template <class Record>
-Status PreparedRules::place_product(std::span<const glm::dvec2> positions, std::span<double> r_densities,
-		std::vector<float> &scratch, const Record &record) const {
+Status PreparedRules::place_product(
+		const Places &places, std::span<double> r_densities, std::vector<float> &scratch, const Record &record) const {
 	std::fill(r_densities.begin(), r_densities.end(), record(RuleKind::density, rules_.density, rules_.density));
-	const auto count = static_cast<double>(positions.size());
-	if (const Status status = guarded("positions", count, [&] { scratch.resize(positions.size()); }); !status.ok()) {
+	const std::size_t size = places.positions.size();
+	const auto count = static_cast<double>(size);
+	if (const Status status = guarded("positions", count, [&] { scratch.resize(size); }); !status.ok()) {
 		return status;
 	}
-	// Field by field, because the rounding of a product depends on the order.
+	// The fields are multiplied one after another, because rounding depends on the order.
 	for (std::size_t field = 0; field < rules_.fields.size(); ++field) {
 		const Status status =
-				multiply(*rules_.fields[field], positions, r_densities, scratch, record, RuleKind::field, field);
+				multiply(*rules_.fields[field], places, r_densities, scratch, record, RuleKind::field, field);
 		if (!status.ok()) {
 			return status;
 		}
@@ -99,38 +102,38 @@ Status PreparedRules::place_product(std::span<const glm::dvec2> positions, std::
 		if (field == nullptr) {
 			continue;
 		}
-		const Status status = multiply(*field, positions, r_densities, scratch, record, kind, no_index);
+		const Status status = multiply(*field, places, r_densities, scratch, record, kind, no_index);
 		if (!status.ok()) {
 			return status;
 		}
 	}
-	for (std::size_t i = 0; clumps_.active() && i < positions.size(); ++i) {
+	for (std::size_t i = 0; clumps_.active() && i < size; ++i) {
 		if (!Record::complete && !(r_densities[i] > 0.0)) {
-			// Clumps cost more than all other rules here, and 0 stays 0.
+			// A density of 0 stays 0, and clump noise costs more than all other rules here.
 			continue;
 		}
-		const double density = clumps_.at(positions[i]);
+		const double density = places.in_space() ? clumps_.at(places.in_space(i)) : clumps_.at(places.positions[i]);
 		r_densities[i] *= record(RuleKind::clumping, density, density);
 	}
 	return {};
 }
 
 Status PreparedRules::place_densities(
-		std::span<const glm::dvec2> positions, std::span<double> r_densities, std::vector<float> &scratch) const {
-	return place_product(positions, r_densities, scratch, NoRecord());
+		const Places &places, std::span<double> r_densities, std::vector<float> &scratch) const {
+	return place_product(places, r_densities, scratch, NoRecord());
 }
 
-Status PreparedRules::place_factors(glm::dvec2 position, const RuleRecord &record) const {
+Status PreparedRules::place_factors(const Places &place, const RuleRecord &record) const {
 	double product = 0.0;
 	std::vector<float> scratch;
-	return place_product<RuleRecord>({&position, 1}, {&product, 1}, scratch, record);
+	return place_product<RuleRecord>(place, {&product, 1}, scratch, record);
 }
 
-/// Where there is no water, the depth is minus infinity.
+/// Returns the density of the water depth rule. Without water, the depth is minus infinity.
 template <class Record>
 double PreparedRules::water_density(double height, glm::dvec2 position, const Record &record) const {
 	if (water_depth_.open()) {
-		// Every depth passes, so the water level is not looked up.
+		// Every depth passes, so the water level is not needed.
 		return 1.0;
 	}
 	const double level = rules_.water != nullptr ? rules_.water->at(position) : no_water;
@@ -142,7 +145,7 @@ double PreparedRules::water_density(double height, glm::dvec2 position, const Re
 
 template <class Record>
 double PreparedRules::density_of_limits(const Ground &ground, glm::dvec2 position, const Record &record) const {
-	if (!is_ground(ground)) {
+	if (!is_ground(ground, sides_)) {
 		return record(RuleKind::ground, ground.height, 0.0);
 	}
 	double density = 1.0;
@@ -156,19 +159,19 @@ double PreparedRules::density_of_limits(const Ground &ground, glm::dvec2 positio
 		density *= record(RuleKind::ground_textures, ground.weight, unit_density(ground.weight));
 	}
 	if (!Record::complete && !(density > 0.0)) {
-		// 0 stays 0, whatever the water and slope.
+		// A density of 0 stays 0, so water and slope are not needed.
 		return density;
 	}
 	density *= water_density(ground.height, position, record);
 	if (!Record::complete && !(density > 0.0)) {
-		// 0 stays 0, whatever the slope.
+		// A density of 0 stays 0, so the slope is not needed.
 		return density;
 	}
 	if (!Record::complete && rules_.slope_curve == nullptr) {
 		// Most slope limits need no angle.
 		return density * slope_.density_of(ground.normal);
 	}
-	// The angle costs more than everything else here, so it is computed only if needed.
+	// Computing the angle costs more than all other rules here, so it is computed only if needed.
 	if (!slope_.open() || rules_.slope_curve != nullptr) {
 		const double slope = slope_degrees(ground.normal);
 		if (!slope_.open()) {

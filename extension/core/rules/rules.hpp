@@ -19,48 +19,57 @@
 
 namespace thicket {
 
-/// A height limit at or beyond this value (meters, either sign) has no effect.
+/// In meters. A height limit at or beyond this value, of either sign, has no effect.
 inline constexpr double unlimited_height = 1e6;
 
-/// The rules that decide which points of a set become instances. Each rule is a pure function of one point and the ground under it. A
-/// rule removes points, never moves one, and has no effect on other points. By default, all ground passes.
+/// The rules that decide which points of a set become instances. Each rule is a pure function of
+/// one point and the ground under it. A rule can only remove that point: it neither moves a point
+/// nor affects other points. By default, every point on the ground is kept.
 ///
-/// Every rule returns a density from 0 to 1. The densities are multiplied, and a point becomes an instance if its rank is below the
-/// product. The remaining instances are therefore the first points of the set, which are well spaced at every density.
+/// Every rule returns a density from 0 to 1. The densities are multiplied, and a point becomes an
+/// instance if its rank is below the product. The points with the lowest ranks are kept, which are
+/// well spaced at every density.
 ///
-/// Limits are hard: no instance is placed outside them. A falloff thins the layer inside a limit: the density falls linearly from 1, one
-/// falloff away from the limit, to 0 at the limit. Where the falloffs of both limits overlap, the smaller density counts. A limit without
-/// effect (0 and 90 degrees, unlimited_height) has no falloff either.
+/// Limits are hard: no instance is placed outside them. A falloff thins the layer inside a limit:
+/// the density falls linearly from 1, one falloff away from the limit, to 0 at the limit. Where the
+/// falloffs of both limits overlap, the smaller density counts. A limit without effect (0 and 90
+/// degrees, 180 on surfaces, unlimited_height) has no falloff either.
 struct Rules {
-	double density = 1.0;           ///< Fraction of the set, 0 to 1.
-	double min_slope_degrees = 0.0; ///< Angle between the normal and straight up, 0 to 90 degrees.
+	double density = 1.0; ///< Fraction of the points to keep, 0 to 1.
+	/// Angle between the normal and straight up in degrees: 0 for a floor, 90 for a wall, 180 for a ceiling, which only surfaces have.
+	double min_slope_degrees = 0.0;
 	double max_slope_degrees = 90.0;
 	double slope_falloff_degrees = 0.0;    ///< Degrees, 0 to 90. 0 is a sharp limit.
-	double min_height = -unlimited_height; ///< World meters. The limit itself passes.
+	double min_height = -unlimited_height; ///< Minimum height in world meters, inclusive.
 	double max_height = unlimited_height;
 	double height_falloff = 0.0; ///< Meters, 0 or more. 0 is a sharp limit.
 
-	/// Depth of the ground below the water in meters; limits included. The depth is negative above the water. A minimum at or below
-	/// -unlimited_height has no effect. Where there is no water, the ground counts as infinitely far above it.
+	/// Depth of the ground below the water surface in meters, inclusive; negative above the
+	/// surface. A minimum at or below -unlimited_height has no effect. Without water, the depth is
+	/// minus infinity.
 	double min_water_depth = -unlimited_height;
-	double max_water_depth = 0.0;     ///< unlimited_height or more for any depth.
+	double max_water_depth = 0.0;     ///< unlimited_height or more disables this limit.
 	double water_depth_falloff = 0.0; ///< Meters, 0 or more. 0 is a sharp limit.
 
 	std::shared_ptr<const CurveTable> height_curve{}; ///< Density over height in world meters. Null if there is none.
 	std::shared_ptr<const CurveTable> slope_curve{};  ///< Density over slope in degrees. Null if there is none.
-	std::vector<std::shared_ptr<const DensityField>> fields{}; ///< Densities over the plane. None is null.
+	std::vector<std::shared_ptr<const DensityField>> fields{}; ///< Densities over the plane. No entry is null.
 	Clumping clumping{};
-	std::vector<std::int32_t> ground_textures{}; ///< Their weight (Terrain::weigh) is a density. Empty: any ground.
+	/// The ground textures on which the layer grows (see Terrain::weigh). Their share at a position
+	/// is a density. If the list is empty, the layer grows on any ground.
+	std::vector<std::int32_t> ground_textures{};
 
-	/// Meters over which the layer thins towards the edge of the area that the other rules permit, 0 to max_edge_feather. Samples
-	/// edge_probes positions around each point, which costs as many ground queries; see placement/edge_probes.hpp.
+	/// Distance in meters over which the layer thins towards the edge of the area that the other
+	/// rules permit, 0 to max_edge_feather. It costs edge_probes additional ground queries per
+	/// point; see placement/edge_probes.hpp.
 	double edge_feather = 0.0;
 
-	// Objects that a designer edits in place. If one of these pointers changes, the reach of the edit can be computed.
+	// Objects that the user edits interactively. If one of these pointers changes, the affected
+	// area can be computed.
 	std::shared_ptr<const PaintedMask> mask{}; ///< Null if there is none.
 	std::shared_ptr<const ShapeSet> shapes{};  ///< Null if there are none.
-	std::shared_ptr<const BiomeDensity>
-			biome{}; ///< Weight of the layer's biomes. Null for a layer that grows in all biomes.
+	/// The layer's density per biome. Null for a layer that grows in all biomes.
+	std::shared_ptr<const BiomeDensity> biome{};
 	std::shared_ptr<const WaterLevels> water{}; ///< Null if there is no water anywhere.
 
 	friend bool operator==(const Rules &, const Rules &) = default;
@@ -68,54 +77,64 @@ struct Rules {
 
 inline constexpr double max_edge_feather = 1e3;
 
-/// Refuses values that are not finite or outside the ranges above, a minimum above its maximum, and a null field.
+/// Returns an error for values that are not finite or outside the ranges above, for a minimum above
+/// its maximum, and for null fields.
 Status validate(const Rules &rules);
 
-/// Whether instances can be placed on the ground: its height and normal are finite, and its normal points up.
-inline bool is_ground(const Ground &ground) {
+/// The sides of the ground that rules permit: its top, seen from above, or all of its surfaces.
+enum class GroundSides : std::uint8_t { top, all };
+
+/// Returns true if instances can be placed on this ground: its height and normal are finite, and
+/// the normal of a top points up.
+inline bool is_ground(const Ground &ground, GroundSides sides = GroundSides::top) {
 	return std::isfinite(ground.height) && std::isfinite(ground.normal.x) && std::isfinite(ground.normal.y) &&
-			std::isfinite(ground.normal.z) && ground.normal.y > 0.0f;
+			std::isfinite(ground.normal.z) && (ground.normal.y > 0.0f || sides == GroundSides::all);
 }
 
-/// Rules prepared for many points. Immutable after `set`, so threads may share one.
+/// Rules prepared for evaluation at many points. They do not change after `set`, so threads may
+/// share one object.
 class PreparedRules {
 public:
-	/// Prepares `rules` for the set with this seed. If `validate` refuses them, this object is unchanged.
-	Status set(const Rules &rules, std::uint64_t seed);
+	/// Prepares `rules` for the set with this seed. If `validate` returns an error, this object is
+	/// unchanged.
+	Status set(const Rules &rules, std::uint64_t seed, GroundSides sides = GroundSides::top);
 
 	const Rules &rules() const { return rules_; }
 
-	/// Whether any rule depends on the slope of the ground.
+	/// Returns true if any rule depends on the slope of the ground.
 	bool look_at_slope() const { return !slope_.open() || rules_.slope_curve != nullptr; }
 
-	/// Replaces `r_densities` by the product of the rules that depend only on the position: density, fields, mask,
-	/// biome, clumping. These rules can be evaluated before the ground is known. `scratch` is working memory that is
-	/// reused by later calls. Fails if a field fails.
-	Status place_densities(
-			std::span<const glm::dvec2> positions, std::span<double> r_densities, std::vector<float> &scratch) const;
+	/// Writes to `r_densities` the product of the rules that depend only on the position: density,
+	/// fields, mask, biome, clumping. These rules can be evaluated before the ground is queried.
+	/// `scratch` is working memory; pass the same vector to later calls. If a field fails, the
+	/// function returns its error.
+	Status place_densities(const Places &places, std::span<double> r_densities, std::vector<float> &scratch) const;
 
-	/// Evaluates the rules that depend only on the position, at one position, and records all factors. Throws std::bad_alloc.
-	Status place_factors(glm::dvec2 position, const RuleRecord &record) const;
+	/// Evaluates the rules of place_densities at the single position in `place` and records all
+	/// factors. Throws std::bad_alloc.
+	Status place_factors(const Places &place, const RuleRecord &record) const;
 
-	/// True if no instance can be placed in `rect`, whatever the other rules, because none of the layer's biomes occurs there.
+	/// Returns true if no instance can be placed in `rect` because none of the layer's biomes
+	/// occurs there.
 	bool closed_in(const Rect &rect) const { return rules_.biome != nullptr && rules_.biome->none_in(rect); }
 
-	/// The product of the rules that depend on the ground at a position: limits, curves, textures, water depth. Returns 0 without ground,
-	/// which means a height or normal that is not finite, or a normal that does not point up. `record` receives all factors, except those
-	/// of rules without effect. Without ground it receives no factor but that of the ground.
+	/// Returns the product of the rules that depend on the ground at a position: limits, curves,
+	/// textures, water depth. The product is 0 without ground (see is_ground). `record` receives
+	/// the factors of all rules that have an effect, or only that of the ground if there is none.
 	template <class Record = NoRecord>
 	double ground_density(const Ground &ground, glm::dvec2 position, const Record &record = {}) const {
 		if (!Record::complete && slope_alone_) {
-			// No rule but the slope depends on the ground.
-			return is_ground(ground) ? slope_.density_of(ground.normal) : 0.0;
+			// Only the slope rule depends on the ground.
+			return is_ground(ground, sides_) ? slope_.density_of(ground.normal) : 0.0;
 		}
 		return density_of_limits(ground, position, record);
 	}
 
-	/// Whether that density is above 0.
+	/// Returns true if ground_density is above 0.
 	bool allow(const Ground &ground, glm::dvec2 position) const { return ground_density(ground, position) > 0.0; }
 
-	/// The factor of the shapes, given the ones nearby (ShapeSet::near). Returns 1 for a layer without shapes.
+	/// Returns the factor of the shapes. `near` lists the shapes nearby (ShapeSet::near). The
+	/// factor is 1 for a layer without shapes.
 	template <class Record = NoRecord>
 	double shape_density(std::span<const std::uint32_t> near, glm::dvec2 position, const Ground &ground,
 			const Record &record = {}) const;
@@ -125,25 +144,28 @@ private:
 	double density_of_limits(const Ground &ground, glm::dvec2 position, const Record &record) const;
 
 	template <class Record>
-	Status place_product(std::span<const glm::dvec2> positions, std::span<double> r_densities,
-			std::vector<float> &scratch, const Record &record) const;
+	Status place_product(const Places &places, std::span<double> r_densities, std::vector<float> &scratch,
+			const Record &record) const;
 
 	template <class Record>
 	double water_density(double height, glm::dvec2 position, const Record &record) const;
 
 	Rules rules_;
+	GroundSides sides_ = GroundSides::top;
 	SlopeRange slope_;
 	PreparedRange height_;
 	PreparedRange water_depth_;
-	bool slope_alone_ = false; ///< Whether the slope is the only rule that depends on the ground.
+	bool slope_alone_ = false; ///< True if the slope is the only rule that depends on the ground.
 	ClumpNoise clumps_;
 };
 
-/// A point becomes an instance if its rank, as a fraction of 2^32, is below the product of all densities. 1 keeps all points, 0 none.
+/// Returns true if a point becomes an instance: its rank, as a fraction of 2^32, must be below the
+/// product of all densities. A product of 1 keeps all points, and 0 keeps none.
 constexpr bool stands(std::uint32_t rank, double density) { return rank < density * 0x1p32; }
 
-/// The rank of an instance in the order in which its layer thins: its rank divided by its density. The instances below a fraction q are
-/// those that would be placed if every density were multiplied by q.
+/// Returns the instance's position in the order in which its layer is thinned: its rank divided by
+/// its density. The instances below q * 2^32 are those that would be placed if every density were
+/// multiplied by q.
 constexpr std::uint32_t thinning_rank(std::uint32_t rank, double density) {
 	const double fraction = rank / density;
 	return fraction < 0x1p32 ? static_cast<std::uint32_t>(fraction) : 0xffffffffu;

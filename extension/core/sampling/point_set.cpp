@@ -22,10 +22,33 @@ glm::i64vec2 lattice_position(const PointSet &set, const SamplePoint &point) {
 			static_cast<std::int64_t>(std::floor(point.position.y / unit + 0.5))};
 }
 
+double id_cell_side(const PointSet &set) {
+	return set.on_surface ? set.radius / std::numbers::sqrt3 / surface_id_steps
+						  : lattice_unit(set) * (1u << lattice_bits);
+}
+
+double set_extent(const PointSet &set) { return id_cell_side(set) * cell_limit; }
+
 Rect cell_rect(const PointSet &set, std::uint64_t id) {
+	if (set.on_surface) {
+		// The range has one part more than the cell on each side to cover rounding.
+		const glm::ivec2 first = unpack(id).cell & ~(surface_id_steps - 1);
+		const double side = id_cell_side(set);
+		return {glm::dvec2(first - 1) * side, glm::dvec2(first + surface_id_steps + 1) * side};
+	}
 	const double unit = lattice_unit(set);
 	const glm::dvec2 corner = glm::dvec2(unpack(id).cell) * static_cast<double>(1u << lattice_bits);
 	return {(corner - 1.0) * unit, (corner + static_cast<double>((1u << lattice_bits) + 1)) * unit};
+}
+
+CellHeights cell_heights(const PointSet &set, std::uint64_t id) {
+	constexpr std::int32_t steps = surface_id_steps - 1;
+	const glm::ivec2 packed = unpack(id).cell;
+	const std::int32_t bits = (packed.x & steps) << surface_id_step_bits | (packed.y & steps);
+	const std::int32_t cell = (bits ^ surface_id_height) - surface_id_height; // Extends the sign.
+	const double part = id_cell_side(set);
+	const double side = part * surface_id_steps;
+	return {cell * side - part, (cell + 1.0) * side + part};
 }
 
 } // namespace thicket

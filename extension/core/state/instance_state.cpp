@@ -17,7 +17,7 @@ using Kind = StateStep::Kind;
 
 constexpr std::uint64_t added_bit = std::uint64_t{1} << 63;
 
-/// 48 bits that depend on every field of an instance.
+/// Returns 48 bits that depend on every field of an instance.
 std::uint64_t hash_of(const AddedInstance &instance) {
 	WordHash hash;
 	hash.add(std::uint32_t{instance.mesh});
@@ -32,7 +32,7 @@ std::uint64_t hash_of(const AddedInstance &instance) {
 	return split_mix(hash.value()) & id_cell_mask;
 }
 
-/// The id of an instance without signed zeros.
+/// Returns the id for a new instance, whose zeros must be unsigned.
 template <typename Taken>
 std::uint64_t id_for(const AddedInstance &placed, const Taken &taken) {
 	return free_id(added_bit | std::uint64_t{placed.layer} << id_layer_shift, hash_of(placed), taken);
@@ -40,7 +40,7 @@ std::uint64_t id_for(const AddedInstance &placed, const Taken &taken) {
 
 bool is_of(std::uint64_t id, int layer) { return layer < 0 || layer_of(id) == layer; }
 
-/// Ascending.
+/// Returns the ids of one layer, or of all layers if `layer` is negative, in ascending order.
 template <typename Table>
 std::vector<std::uint64_t> ids_of_layer(const Table &table, int layer) {
 	std::vector<std::uint64_t> ids;
@@ -64,6 +64,11 @@ std::uint64_t stamp_of(const PointSet &set) {
 	hash.add(set.seed);
 	hash.add(set.radius);
 	hash.add(set.levels);
+	if (set.on_surface) {
+		// Only sets on surfaces add this word, so that sets on the plane keep the stamps of earlier
+		// releases.
+		hash.add(std::uint32_t{1});
+	}
 	const std::uint64_t stamp = split_mix(hash.value());
 	return stamp != 0 ? stamp : 1;
 }
@@ -75,7 +80,7 @@ InstanceState &InstanceState::operator=(InstanceState &&) noexcept = default;
 
 bool InstanceState::removed(std::uint64_t id) const {
 	if (!any_removed(layer_of(id))) {
-		// No point of its layer is removed.
+		// No point of this layer is removed.
 		return false;
 	}
 	return content_->removed.contains(id);
@@ -131,7 +136,7 @@ std::uint64_t InstanceState::origin() const { return content_->origin; }
 void InstanceState::set_origin(std::uint64_t name) { content_->origin = name; }
 std::uint64_t InstanceState::known_revision(std::uint64_t origin) const { return content_->known.of(origin); }
 
-Status InstanceState::claim(std::uint16_t layer, std::uint64_t stamp, double cell_side) {
+Status InstanceState::claim(std::uint16_t layer, std::uint64_t stamp, double cell_side, std::int32_t cells_together) {
 	if (layer > max_state_layer) {
 		return Status::out_of_range("layer", layer, at_most(max_state_layer));
 	}
@@ -143,12 +148,13 @@ Status InstanceState::claim(std::uint16_t layer, std::uint64_t stamp, double cel
 		return {ErrorCode::foreign, "layer", static_cast<double>(layer)};
 	}
 	const auto step = [&] {
-		return StateStep{.kind = Kind::claim, .id = layer, .to = stamp, .number = cell_side};
+		return StateStep{.kind = Kind::claim, .id = layer, .to = stamp, .number = cell_side, .count = cells_together};
 	};
 	return Journal::noting(journal_.get(), "layer", layer, step, [&] {
 		own.stamp = stamp;
 		own.claimed = true;
 		own.cell_side = cell_side;
+		own.cells_together = cells_together;
 		return Status();
 	});
 }
@@ -157,8 +163,8 @@ void InstanceState::release_claims() {
 	const auto step = [] {
 		return StateStep{.kind = Kind::release_claims};
 	};
-	// If the step cannot be recorded, the claims stay in the result of a pending diff. The only effect is that one
-	// layer too many refuses other points.
+	// If memory for the step runs out, the result of a pending diff keeps the claims. The only
+	// effect is that some layers still refuse other stamps.
 	static_cast<void>(Journal::noting(journal_.get(), "layers", 0.0, step, [] { return Status(); }));
 	for (auto &[number, layer] : content_->layers) {
 		layer.claimed = false;
@@ -290,7 +296,8 @@ Status InstanceState::move(
 	return status;
 }
 
-/// Places an instance with the data of `id`, which is `to` or a point that the instance replaces.
+/// Places an instance as `to`, with the data of `id`. `id` is either `to` or the point of the set
+/// that the instance replaces.
 void InstanceState::put_for(
 		std::uint64_t id, std::uint64_t to, const AddedInstance &instance, std::vector<InstanceChange> &r_changes) {
 	const auto each = [&](const auto &use) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// The content of an InstanceState. Included only by its own sources.
+// The content of an InstanceState. Only the sources of InstanceState include this file.
 
 #include "core/base/progress.hpp"
 #include "core/state/added_grid.hpp"
@@ -24,22 +24,23 @@ struct InstanceState::Content {
 	using Bytes = std::vector<std::uint8_t>;
 	using Entry = StateRecord::Entry;
 
-	/// The state of a layer.
+	/// The stamp of a layer, and its number of entries of each kind.
 	struct Layer {
 		std::uint64_t stamp = 0;
 		bool claimed = false;
-		double cell_side = 0.0; ///< Meters; 0 if the layer was claimed without it.
+		double cell_side = 0.0;          ///< The width of the cells in meters; 0 if the layer was claimed without it.
+		std::int32_t cells_together = 1; ///< Cells that belong together; see InstanceState::claim.
 		std::size_t removed = 0;
 		std::size_t added = 0;
-		std::size_t with_data = 0; ///< Points that have data, removed or not.
-		double max_scale = 0.0;    ///< Largest of the hand-placed ones since there were none.
+		std::size_t with_data = 0; ///< Number of points with data, removed or not.
+		double max_scale = 0.0;    ///< Largest scale of a hand-placed instance since the layer last had none.
 
 		bool holds_points() const { return removed + with_data > 0; }
 		bool holds_any() const { return holds_points() || added > 0; }
 		bool is_foreign(std::uint64_t to) const { return holds_points() && stamp != 0 && stamp != to; }
 	};
 
-	/// A point of a set that will grow again.
+	/// A removed point that will grow again, and the clock time of its regrowth.
 	struct Due {
 		double time;
 		std::uint64_t id;
@@ -49,13 +50,13 @@ struct InstanceState::Content {
 		}
 	};
 
-	/// A hand-placed instance, and the clock when it was placed or moved.
+	/// A hand-placed instance, and the clock time when it was placed or last moved.
 	struct Placed {
 		AddedInstance instance;
 		double at = 0.0;
 	};
 
-	/// Data of an instance, at least one byte, and the clock when they were set.
+	/// Data of an instance, at least one byte, and the clock time when it was set.
 	struct Data {
 		Bytes bytes;
 		double at = 0.0;
@@ -65,20 +66,23 @@ struct InstanceState::Content {
 	using SharedData = std::shared_ptr<const Data>;
 
 	std::map<std::uint16_t, Layer> layers;
-	IdTable<double> removed; ///< With the times at which points grow again.
+	IdTable<double> removed; ///< The values are the times at which points grow again; 0 for never.
 	IdTable<SharedInstance> added;
 	IdTable<SharedData> data;
-	AddedGrid grid;       ///< Of `added`.
-	std::vector<Due> due; ///< A heap, earliest on top. Entries may be outdated; `removed` has the valid time.
+	AddedGrid grid; ///< Spatial index of `added`.
+	/// A heap with the earliest regrowth on top. Entries may be outdated; the time in `removed` is
+	/// authoritative.
+	std::vector<Due> due;
 	ChangeLog log;
 	std::uint64_t revision = 0;
-	std::uint64_t origin = 0; ///< The name of this state for others; 0 if it has none.
-	KnownRevisions known;     ///< Revisions of other states.
-	bool logging = true;      ///< Off where changes will be forgotten anyway.
+	std::uint64_t origin = 0; ///< The name of this state; 0 if it has none.
+	KnownRevisions known;     ///< Last known revisions of other states.
+	bool logging = true;      ///< False while changes are made that the log will not keep.
 	double time = 0.0;
-	bool whole = true; ///< False between `share` and `complete`.
-	const std::atomic<bool> *cancel =
-			nullptr; ///< Once it is true, no further changes are made, because the result is no longer needed.
+	bool whole = true; ///< False from `share` until `complete`.
+	/// Once the flag is set, no further changes are made, because the result will be discarded. May
+	/// be null.
+	const std::atomic<bool> *cancel = nullptr;
 
 	std::size_t size() const { return removed.size() + added.size() + data.size(); }
 
@@ -86,44 +90,49 @@ struct InstanceState::Content {
 	std::span<const std::uint8_t> bytes_of(std::uint64_t id) const;
 	const AddedInstance *instance_of(std::uint64_t id) const;
 
-	/// An entry with an instance placed now, and the current data of the id.
+	/// Returns the entry of `id` after `instance` is placed now. The instance's data is kept.
 	Entry placed_as(std::uint64_t id, const AddedInstance &instance) const;
 
-	/// The time of a write that replaces a write of time `former`: the clock or, if `former` is ahead of the clock, a
-	/// time after `former`.
+	/// Returns the time to record for a write that replaces one made at the time `former`. The
+	/// result is the clock time or, unless that is later than `former`, a time slightly after
+	/// `former`.
 	double time_of_write(double former) const;
 
-	/// A copy with the same memory, created in microseconds. Each of the two copies the parts that it changes. The copy
-	/// has no log of changes. It is incomplete until `complete` is called, which may happen on a different thread.
+	/// Returns a copy that shares memory with this content, in microseconds. Both contents copy
+	/// memory before they change it. The copy's log is empty. The copy is incomplete until
+	/// `complete` is called, which may happen on a different thread.
 	std::unique_ptr<Content> share();
 
-	/// Builds the parts that `share` leaves out. Throws std::bad_alloc.
+	/// Builds the parts that `share` does not copy. Throws std::bad_alloc.
 	void complete();
 
-	/// Takes over the log and the revision of a different content. This content was copied from it and has recorded changes after
-	/// `first_note` since, which follow all of the other's changes. `r_log` is the other's log up to the revision `at`.
+	/// Takes over the log and the revision of `other`, from which this content was copied. The
+	/// changes recorded here after the revision `first_note` then follow all changes of `other`.
+	/// `r_log` is the log of `other` up to the revision `at`; the call consumes it.
 	void take_history(const Content &other, ChangeLog &r_log, std::uint64_t at, std::uint64_t first_note) noexcept;
 
-	/// The number of new ids in the tables.
+	/// The number of new ids in each table.
 	struct NewIds {
 		IdTable<double>::NewIds removed;
 		IdTable<SharedInstance>::NewIds added;
 		IdTable<SharedData>::NewIds data;
 	};
 
-	/// The memory that changes need. All of it is allocated before the first change, so that no change fails.
+	/// The memory that a batch of changes needs. It is allocated before the first change, so that
+	/// no change can fail.
 	struct Room {
 		std::map<std::uint64_t, SharedInstance> added;
 		std::map<std::uint64_t, SharedData> data;
 		AddedGrid grid;
-		std::size_t changes = 0;   ///< Changes to report.
-		std::size_t due = 0;       ///< Points that will grow again.
-		NewIds *new_ids = nullptr; ///< Null for a single id.
+		std::size_t changes = 0;   ///< Number of changes to report.
+		std::size_t due = 0;       ///< Number of points that will grow again.
+		NewIds *new_ids = nullptr; ///< Number of new ids in each table; null for a single id.
 	};
 
-	/// Sets ids to the given entries and appends the resulting changes, or throws std::bad_alloc and changes nothing.
-	/// `each(use)` calls `use(id, entry)` for every id once. `each` is called twice: first to determine the memory
-	/// needed, then to make the changes. The second call must not allocate memory.
+	/// Sets ids to the given entries and appends the resulting changes. If memory runs out, throws
+	/// std::bad_alloc and changes nothing. `each(use)` must call `use(id, entry)` once for every
+	/// id. `each` is called twice: first to determine the memory needed, then to make the changes.
+	/// The second call must not allocate memory.
 	template <typename Each>
 	void change_all(const Each &each, std::vector<InstanceChange> &r_changes) {
 		NewIds new_ids;
@@ -143,10 +152,13 @@ struct InstanceState::Content {
 		shrink();
 	}
 
-	/// Sets a single id to an entry. `asked_for` is the name of the allocation in the error, `value` its size.
+	/// Sets a single id to an entry. `asked_for` and `value` are the name and the size that an
+	/// out-of-memory error reports.
 	StateChange change_one(std::uint64_t id, const Entry &to, const char *asked_for, double value);
 
-	/// Calls `use(id)` for the entries due by a time, in the part of the heap below index `at`. A child is never earlier than its parent.
+	/// Calls `use(id)` for the entries of `due` up to the time `until`, in the subtree of the heap
+	/// at index `at`. The search stops at later entries, because a child is never earlier than its
+	/// parent.
 	template <typename Use>
 	void for_each_due(double until, const Use &use, std::size_t at = 0) const {
 		if (at < due.size() && due[at].time <= until) {
@@ -156,34 +168,38 @@ struct InstanceState::Content {
 		}
 	}
 
-	/// Moves the clock to a later time and restores the points due by then, or throws std::bad_alloc and changes nothing.
+	/// Moves the clock to a later time and restores the points due by then. If memory runs out,
+	/// throws std::bad_alloc and changes nothing.
 	void move_clock(double to, std::vector<InstanceChange> &r_changes);
 
-	/// Refuses, as `layer`, stamps of points that differ from those of this state's layers. Checks the layers that are claimed or, unless
-	/// everything is replaced, hold points.
+	/// Returns an error that names `layer` for a record whose points have a different stamp than
+	/// this state's layer. The claimed layers are checked and, unless everything is `replaced`, the
+	/// layers that have points.
 	Status check_stamps(const StateRecord &record, bool replaced) const;
 
-	/// All ids with any content here, ascending.
+	/// Returns all ids with any content, in ascending order.
 	std::vector<std::uint64_t> all_ids() const;
 
-	/// The content of some ids, or of all for a whole record.
+	/// Returns a record with the content of `ids`. For a `whole` record, these must be all ids.
 	StateRecord record_of(std::vector<std::uint64_t> ids, bool whole) const;
 	StateRecord whole_record() const { return record_of(all_ids(), true); }
 
-	/// The cell of a point in world meters. Returns false for a layer whose cells are unknown.
+	/// Finds the cell of a point, in world meters. Returns false if the cell size of its layer is
+	/// unknown.
 	bool find_cell(std::uint64_t id, Rect &r_cell) const;
 
-	/// See InstanceState::merge. The clock moves to `clock` if that is later. Throws std::bad_alloc and changes nothing.
+	/// Merges a record; see InstanceState::merge. If `clock` is later than the state's clock, the
+	/// state's clock advances to it. If memory runs out, throws std::bad_alloc and changes nothing.
 	Status take_in(
 			const StateRecord &record, double clock, const DiffLimits &limits, std::vector<InstanceChange> &r_changes);
 
-	/// Refuses the changes of `each` (see change_all), which come from a record, if they exceed limits: the amount of content after them,
-	/// and the positions.
+	/// Returns an error for changes from a record that exceed the limits for positions or for the
+	/// amount of content after the changes. `each` is as in change_all.
 	template <typename Each>
 	Status check_changes(const StateRecord &record, const Each &each, const DiffLimits &limits) const {
 		if (limits.area.empty() && size() + record.size() + record.with_data.size() <= limits.max_total_changes &&
 				added.size() + record.added.size() <= limits.max_added) {
-			// Even if all of it is new, it does not exceed the limits.
+			// Even if the whole record is new, it stays within the limits.
 			return {};
 		}
 		std::size_t held = size();
@@ -202,11 +218,13 @@ struct InstanceState::Content {
 		return status.ok() ? check_held(held, placed, limits) : status;
 	}
 
-	/// Takes over the content of a record, and its stamps. A whole record replaces everything but the clock. Refuses content that exceeds
-	/// the limits. Throws std::bad_alloc and changes nothing, as does the next function.
+	/// Takes over the content and the stamps of a record. A whole record replaces everything except
+	/// the clock. Content that exceeds the limits is an error. If memory runs out, throws
+	/// std::bad_alloc and changes nothing.
 	Status follow(const StateRecord &record, const DiffLimits &limits, std::vector<InstanceChange> &r_changes);
 
-	/// Takes over a record without limits, and forgets the changes that led here. Counts as a change even if nothing differs.
+	/// Takes over a whole record without limits, along with its clock, and clears the log. The
+	/// revision increases even if nothing differs. Lack of memory is handled as in `follow`.
 	void start_from(const StateRecord &record, std::vector<InstanceChange> &r_changes);
 
 	void make_room_for_stamps(const StateRecord &record);
@@ -222,7 +240,7 @@ private:
 	bool plan_added(std::uint64_t id, const Entry &to, Room &r_room);
 	void make_room(const Room &room, std::vector<InstanceChange> &r_changes);
 
-	// From here on, all memory is already allocated.
+	// Call the functions below after all memory was allocated.
 	void change(std::uint64_t id, const Entry &to, Room &r_room, std::vector<InstanceChange> &r_changes) noexcept;
 	void change_removed(std::uint64_t id, const Entry &to, std::vector<InstanceChange> &r_changes);
 	void change_added(std::uint64_t id, const Entry &to, Room &r_room, std::vector<InstanceChange> &r_changes);

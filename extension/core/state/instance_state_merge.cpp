@@ -1,4 +1,4 @@
-// Joins states without an authority, and checks changes from other states against limits.
+// Merges states without an authority, and checks changes from other states against limits.
 
 #include "core/base/guard.hpp"
 #include "core/base/instance_id.hpp"
@@ -20,7 +20,7 @@ Status InstanceState::merge(const InstanceState &other, std::vector<InstanceChan
 Status InstanceState::merge_diff(
 		std::span<const std::uint8_t> bytes, std::vector<InstanceChange> &r_changes, const DiffLimits &limits) {
 	DiffLimits joining = limits;
-	joining.allow_replacement = true; // A join replaces nothing.
+	joining.allow_replacement = true; // Merging replaces nothing, so this limit does not apply.
 	StateRecord record;
 	if (const Status status = read(bytes, record, joining, content_->cancel); !status.ok()) {
 		return status;
@@ -31,7 +31,8 @@ Status InstanceState::merge_diff(
 	});
 }
 
-/// The larger of the current content of an id and its content in a different state, in a total order.
+/// Merges the current content of an id with its content in the other state. Each part of the result
+/// is the maximum of both parts in a total order, so that the order of merges does not matter.
 StateRecord::Entry InstanceState::Content::joined(std::uint64_t id, const Entry &theirs, double clock) const {
 	Entry both = entry(id);
 	if (theirs.removed) {
@@ -111,7 +112,7 @@ Status InstanceState::Content::check_place(std::uint64_t id, const Entry &to, co
 }
 
 Status InstanceState::Content::check_held(std::size_t held, std::size_t placed, const DiffLimits &limits) const {
-	// The state may already exceed the limit. A diff must then not add to it.
+	// If the state already exceeds a limit, only an increase is refused.
 	Status status;
 	if (held > size()) {
 		status = check_limit("total changes", held, limits.max_total_changes, "max_total_changes of diff_limits");
@@ -128,8 +129,8 @@ bool InstanceState::Content::find_cell(std::uint64_t id, Rect &r_cell) const {
 		return false;
 	}
 	const double side = own->second.cell_side;
-	const glm::dvec2 corner = glm::dvec2(unpack(id).cell) * side;
-	r_cell = {corner, corner + side};
+	const glm::ivec2 first = unpack(id).cell & ~(own->second.cells_together - 1);
+	r_cell = {glm::dvec2(first) * side, glm::dvec2(first + own->second.cells_together) * side};
 	return true;
 }
 

@@ -1,4 +1,4 @@
-// Takes over diffs that were applied on a different thread.
+// Applies diffs on a worker thread and takes over the results.
 
 #include "core/base/guard.hpp"
 #include "core/state/instance_state_content.hpp"
@@ -13,7 +13,7 @@ namespace {
 
 using Kind = StateStep::Kind;
 
-/// Adds the change to report for an id that changed from `from` to `to`.
+/// Appends the changes to report for an id whose content changes from `from` to `to`.
 void add_difference(std::uint64_t id, const StateRecord::Entry &from, const StateRecord::Entry &to,
 		std::vector<InstanceChange> &r_changes) {
 	const auto same = [](const AddedInstance *left, const AddedInstance *right) {
@@ -120,7 +120,8 @@ Status InstanceState::finish_pending_diff(StateChanges &r_changes) {
 	}
 	if (!status.ok()) {
 		const Status passed = guarded_by_size([&] { pass_over(*first); });
-		for (const std::shared_ptr<PendingDiff> &diff : journal_->diffs) { // Their starting content is unknown.
+		// If the content for the next diff cannot be prepared, all pending diffs fail.
+		for (const std::shared_ptr<PendingDiff> &diff : journal_->diffs) {
 			diff->status_ = passed.ok() ? diff->status_ : passed;
 		}
 	}
@@ -137,7 +138,8 @@ Status InstanceState::finish_pending_diff(StateChanges &r_changes) {
 	return status;
 }
 
-/// Repeats the changes made after the diff on top of the diff's result, which becomes the content.
+/// Repeats the calls made since the diff was queued on top of its result, which then becomes the
+/// content of this state.
 Status InstanceState::take_over(PendingDiff &diff, StateChanges &r_changes) {
 	InstanceState &next = *diff.next_;
 	const std::shared_ptr<PendingDiff> second = journal_->diffs.size() > 1 ? journal_->diffs[1] : nullptr;
@@ -156,7 +158,7 @@ Status InstanceState::take_over(PendingDiff &diff, StateChanges &r_changes) {
 				return status;
 			}
 			for (const InstanceChange &change : changes) {
-				step.restored.push_back(change.id); // For the diffs behind this one.
+				step.restored.push_back(change.id); // The diffs queued after this one need these ids.
 			}
 			changes.clear();
 			add_ids(step, touched);
@@ -169,7 +171,7 @@ Status InstanceState::take_over(PendingDiff &diff, StateChanges &r_changes) {
 	}
 	diff.changes_.overruled = std::move(touched);
 
-	// From here on, nothing can fail.
+	// The statements below cannot fail.
 	next.content_->take_history(*content_, diff.log_, diff.revision_, diff.first_note_);
 	content_.swap(next.content_);
 	r_changes = std::move(diff.changes_);
@@ -179,7 +181,7 @@ Status InstanceState::take_over(PendingDiff &diff, StateChanges &r_changes) {
 	return {};
 }
 
-/// Prepares the content that the next diff starts from if this one has no effect.
+/// Drops the first pending diff without effect, and prepares the content for the next diff.
 void InstanceState::pass_over(PendingDiff &diff) {
 	if (journal_->diffs.size() < 2) {
 		return;
@@ -196,7 +198,8 @@ void InstanceState::pass_over(PendingDiff &diff) {
 	second.start_from(diff.base_->share(), content_->log, content_->revision);
 }
 
-/// Repeats a call that was made on a different state with the same past except for a diff.
+/// Repeats a call that was recorded while a diff was pending. The state may have applied the diff
+/// (`take_over`) or not (`pass_over`).
 Status InstanceState::repeat(const StateStep &step, std::vector<InstanceChange> &r_changes) {
 	switch (step.kind) {
 		case Kind::remove: return remove(step.id, step.number).status;
@@ -205,10 +208,10 @@ Status InstanceState::repeat(const StateStep &step, std::vector<InstanceChange> 
 		case Kind::move: return guarded("instance", 1.0, [&] { put_for(step.id, step.to, *step.instance, r_changes); });
 		case Kind::set_data: {
 			const Status status = set_data(step.id, step.data);
-			return status.code == ErrorCode::missing ? Status() : status; // The instance with these data is gone.
+			return status.code == ErrorCode::missing ? Status() : status; // The diff deleted the instance.
 		}
 		case Kind::advance: return advance(step.number, r_changes);
-		case Kind::claim: return claim(static_cast<std::uint16_t>(step.id), step.to, step.number);
+		case Kind::claim: return claim(static_cast<std::uint16_t>(step.id), step.to, step.number, step.count);
 		case Kind::release_claims: release_claims(); return {};
 	}
 	return {};

@@ -1,6 +1,7 @@
 #pragma once
 
-// How an InstanceState records the calls made while diffs are pending. Included only by its own sources.
+// Records the calls made on an InstanceState while diffs are pending. Only the sources of
+// InstanceState include this file.
 
 #include "core/base/guard.hpp"
 #include "core/state/pending_diff.hpp"
@@ -13,24 +14,29 @@
 
 namespace thicket {
 
-/// A call that changed a state, or that would have changed a different one.
+/// A recorded call. It may have had no effect, but can have one when it is repeated on top of a
+/// diff.
 struct StateStep {
 	enum class Kind : std::uint8_t { remove, restore, place, move, set_data, advance, claim, release_claims };
 
 	Kind kind = Kind::remove;
 	std::uint64_t id = 0;
-	std::uint64_t to = 0; ///< `move`: the id after the move. `claim`: the stamp.
-	double number = 0.0;  ///< `remove`: until when. `advance`: seconds. `claim`: cell width in meters.
+	std::uint64_t to = 0; ///< For `move`, the id after the move. For `claim`, the stamp.
+	/// For `remove`, the clock time of regrowth. For `advance`, the seconds. For `claim`, the cell
+	/// width in meters.
+	double number = 0.0;
+	std::int32_t count = 1; ///< For `claim`, the number of cells that belong together.
 	std::shared_ptr<const AddedInstance> instance{};
 	std::vector<std::uint8_t> data{};
-	std::vector<std::uint64_t> restored{}; ///< By `advance`: all candidates.
+	std::vector<std::uint64_t> restored{}; ///< Ids that `advance` may have restored.
 };
 
 struct InstanceState::Journal {
-	std::deque<std::shared_ptr<PendingDiff>> diffs; ///< At least one.
-	std::deque<StateStep> steps;                    ///< Since the first diff was queued.
+	std::deque<std::shared_ptr<PendingDiff>> diffs; ///< Diffs that are not finished. Never empty.
+	std::deque<StateStep> steps;                    ///< Calls made since the first diff was queued.
 
-	/// Records steps in a journal, if one exists, and removes them at the end of scope unless they are kept.
+	/// Records steps in a journal, if there is one. The destructor removes them again unless
+	/// `keep_if(true)` was called.
 	class Noting {
 	public:
 		explicit Noting(Journal *journal) :
@@ -43,7 +49,7 @@ struct InstanceState::Journal {
 		Noting(const Noting &) = delete;
 		Noting &operator=(const Noting &) = delete;
 
-		/// `make()` returns the step. Throws std::bad_alloc.
+		/// Records the step that `make()` returns. Throws std::bad_alloc.
 		template <typename Make>
 		void note(const Make &make) {
 			if (journal_ != nullptr) {
@@ -60,8 +66,9 @@ struct InstanceState::Journal {
 		std::size_t before_;
 	};
 
-	/// Calls `work()`, which returns a status, and records its step in a journal, if there is one. If memory does not suffice to record
-	/// it, does nothing and returns a status that names the allocation. Forgets the step if its work is refused.
+	/// Records a step in a journal, if there is one, and returns the status of `work()`. If memory
+	/// for the step runs out, the function returns a status that names the allocation, without
+	/// calling `work`. If `work` fails, the step is removed.
 	template <typename Make, typename Work>
 	static Status noting(Journal *journal, const char *asked_for, double value, const Make &make, const Work &work) {
 		Noting noting(journal);

@@ -12,17 +12,18 @@ namespace {
 
 constexpr std::size_t probes_per_visit = 2;
 
-/// The maximum number of tiles to visit in one call, whether they are due or not.
+/// Maximum number of tiles that one call visits, due or not.
 constexpr std::size_t max_looks = 64;
 
-/// The number of changes that are handed over immediately, without waiting for more.
+/// At this number of changes, `take_changes` stops waiting for more.
 constexpr std::size_t many_changes = 32;
 
-/// A change adds this much unrest, which doubles the pause. An unchanged height removes 1.
+/// A change adds this amount to Tile::unrest, which doubles the pause. An unchanged height
+/// subtracts 1.
 constexpr unsigned unrest_of_change = 4;
 constexpr unsigned max_unrest = 5 * unrest_of_change;
 
-/// Seconds until a tile is checked again.
+/// Returns the number of seconds between two checks of a tile.
 double pause_of(unsigned unrest) {
 	return GroundRecheck::pause * static_cast<double>(1U << (unrest / unrest_of_change));
 }
@@ -37,7 +38,8 @@ bool differs(float a, float b, double tolerance) {
 } // namespace
 
 bool GroundRecheck::Before::operator()(const TileKey &a, const TileKey &b) const {
-	return std::tie(a.layer, a.grid, a.tile.y, a.tile.x) < std::tie(b.layer, b.grid, b.tile.y, b.tile.x);
+	return std::tie(a.layer, a.grid, a.tile.y, a.tile.x, a.slab) <
+			std::tie(b.layer, b.grid, b.tile.y, b.tile.x, b.slab);
 }
 
 void GroundRecheck::show(const TileKey &key, const Rect &rect, std::vector<GroundProbe> probes, bool outdated) {

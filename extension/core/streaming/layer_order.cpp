@@ -13,15 +13,15 @@ namespace thicket {
 
 namespace {
 
-/// A tile may be shown before tiles that are this many tiles nearer. The distances of those tiles were measured at the
-/// last look. Together with the distance that the viewer may have moved since, the tolerance is one tile.
+/// A tile may be shown before missing tiles that are nearer by up to this many tiles. Distances of
+/// missing tiles may be outdated by `slack_tiles`, so the total tolerance is one tile.
 constexpr double tolerance_tiles = 1.0 - slack_tiles;
 
 } // namespace
 
-/// Adds a tile to the queues of all viewers that keep it.
+/// Adds a tile to the queues of all viewers that are near enough to keep it.
 void LayerTiles::add_to_queues(std::uint32_t slot) {
-	const glm::ivec2 at = tiles_[slot].at;
+	const glm::ivec3 at = tiles_[slot].at;
 	for (Sight &sight : sights_) {
 		if (sight.keep.contains(at)) {
 			sight.queue.add(slot, at);
@@ -29,19 +29,20 @@ void LayerTiles::add_to_queues(std::uint32_t slot) {
 	}
 }
 
-/// Queues a tile to be requested again. If memory runs out, the next look fills the queues.
+/// Queues a tile to be requested again. If memory runs out, the next call of `look` rebuilds the
+/// queues.
 void LayerTiles::queue_up(std::uint32_t slot) noexcept {
 	const Status status = guarded("tiles", 1.0, [&] { add_to_queues(slot); });
 	torn_ = torn_ || !status.ok();
 }
 
-/// Measures an entry of a queue. Returns false if the entry is no longer needed.
+/// Updates the distance of a queue entry. Returns false if the entry is no longer needed.
 bool LayerTiles::measure(const Sight &sight, TileQueue::Entry &entry) const {
 	const StreamedTile &tile = tiles_[entry.slot];
 	if (!tile.exists || tile.at != entry.at || tile.current) {
 		return false;
 	}
-	entry.distance_squared = distance_squared(rect(entry.at), sight.position);
+	entry.distance_squared = distance_squared(space(entry.at), sight.position);
 	return sight.view.contains(entry.at) || (tile.begun() && sight.keep.contains(entry.at));
 }
 
@@ -49,7 +50,8 @@ void LayerTiles::sort(Sight &sight) {
 	sight.queue.sort([&](TileQueue::Entry &entry) { return measure(sight, entry); });
 }
 
-/// A viewer's first tile that fits. Null if there is none.
+/// Returns the viewer's nearest queued tile for which `fits` returns true, or null if there is
+/// none.
 template <class Fits>
 const TileQueue::Entry *LayerTiles::first(Sight &sight, std::size_t cursor, Fits &&fits) {
 	return sight.queue.first(
@@ -76,13 +78,14 @@ TileRequest LayerTiles::request(std::uint32_t slot, std::uint64_t ticket, std::u
 
 TileRequest LayerTiles::request_of(std::uint32_t slot) const {
 	const StreamedTile &tile = tiles_[slot];
-	return {key(tile.at), rect(tile.at), tile.ticket};
+	return {key(tile.at), space(tile.at), tile.ticket};
 }
 
-/// The slot of the tile that this request is pending for.
+/// Returns the slot of the tile for which this request is pending, or TileTable::none if it is not
+/// pending.
 std::uint32_t LayerTiles::find_pending(const TileRequest &request) const {
 	// Tickets are never reused, so the ticket also distinguishes tiles of different grids.
-	const std::uint32_t slot = tiles_.find(request.key.tile);
+	const std::uint32_t slot = tiles_.find({request.key.tile, request.key.slab});
 	const bool same = slot != TileTable::none && request.ticket != 0 && tiles_[slot].ticket == request.ticket;
 	return same ? slot : TileTable::none;
 }
@@ -90,7 +93,7 @@ std::uint32_t LayerTiles::find_pending(const TileRequest &request) const {
 bool LayerTiles::ready(const TileRequest &request) {
 	const std::uint32_t slot = find_pending(request);
 	if (slot != TileTable::none && !std::exchange(tiles_[slot].made, true)) {
-		made_.push_back(slot); // `enter` has reserved the room.
+		made_.push_back(slot); // `enter` has reserved the memory.
 	}
 	return slot != TileTable::none;
 }
@@ -101,14 +104,16 @@ void LayerTiles::forget_made(std::uint32_t slot) {
 	}
 }
 
-/// The distance of the nearest tile that a viewer sees and that is not shown, in meters. Infinite if there is none.
+/// Returns the distance in meters from a viewer to the nearest tile in its view that is not shown,
+/// or infinity if there is none.
 double LayerTiles::first_missing(Sight &sight) {
 	const TileQueue::Entry *entry =
 			first(sight, 1, [&](const StreamedTile &tile) { return !tile.shown && sight.view.contains(tile.at); });
 	return entry != nullptr ? std::sqrt(entry->distance_squared) : std::numeric_limits<double>::infinity();
 }
 
-/// Whether a viewer permits showing a ready tile. A tile that replaces a visible one may be shown immediately.
+/// Returns true if a ready tile is close enough to this viewer to be shown now. A tile that
+/// replaces a visible one may always be shown.
 bool LayerTiles::is_turn(
 		std::size_t viewer, const TrackedViewer &tracked, const StreamedTile &tile, double distance_squared) {
 	if (tile.shown) {
@@ -122,16 +127,16 @@ bool LayerTiles::is_turn(
 std::optional<LayerTiles::Candidate> LayerTiles::next_ready(std::size_t viewer, const TrackedViewer &tracked) {
 	std::optional<Candidate> nearest;
 	if (behind_ || viewer >= sights_.size()) {
-		return nearest; // The near tiles are unknown.
+		return nearest; // Nearer tiles may not be known yet.
 	}
 	for (const std::uint32_t slot : made_) {
 		const StreamedTile &tile = tiles_[slot];
 		if (!sights_[viewer].keep.contains(tile.at)) {
 			continue;
 		}
-		const double squared = distance_squared(rect(tile.at), tracked.now.position);
+		const double squared = distance_squared(space(tile.at), place_of(tracked.now));
 		if (nearest && squared >= nearest->distance_squared) {
-			// A different tile is nearer, whether it is this one's turn or not.
+			// A nearer tile was already found.
 			continue;
 		}
 		if (is_turn(viewer, tracked, tile, squared)) {
@@ -143,7 +148,7 @@ std::optional<LayerTiles::Candidate> LayerTiles::next_ready(std::size_t viewer, 
 
 bool LayerTiles::is_anyones_turn(const StreamedTile &tile, std::span<const TrackedViewer> viewers) {
 	for (std::size_t i = 0; i < std::min(viewers.size(), sights_.size()) && !behind_; ++i) {
-		const double squared = distance_squared(rect(tile.at), viewers[i].now.position);
+		const double squared = distance_squared(space(tile.at), place_of(viewers[i].now));
 		if (sights_[i].keep.contains(tile.at) && is_turn(i, viewers[i], tile, squared)) {
 			return true;
 		}

@@ -4,6 +4,8 @@
 #include "core/base/reserve.hpp"
 #include "core/base/tile_grid.hpp"
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -12,8 +14,9 @@ namespace thicket {
 
 namespace {
 
-bool touch(const Rect &a, const Rect &b) {
-	return a.min.x < b.max.x && b.min.x < a.max.x && a.min.y < b.max.y && b.min.y < a.max.y;
+bool touch(const TileSpace &a, const TileSpace &b) {
+	return a.min.x < b.max.x && b.min.x < a.max.x && a.min.y < b.max.y && b.min.y < a.max.y && a.bottom < b.top &&
+			b.bottom < a.top;
 }
 
 } // namespace
@@ -24,7 +27,7 @@ StreamCounts LayerTiles::counts() const {
 	return counts;
 }
 
-Rect LayerTiles::rect(glm::ivec2 at) const { return tile_rect(settings_.tile_size, at); }
+TileSpace LayerTiles::space(glm::ivec3 at) const { return tile_space(settings_.tile_size, glm::ivec2(at), at.z); }
 
 void LayerTiles::erase(std::uint32_t slot) {
 	change(slot, [](StreamedTile &tile) { tile.exists = false; });
@@ -39,12 +42,13 @@ void LayerTiles::add_room(std::size_t &r_cancel, std::size_t &r_drop) const {
 void LayerTiles::make_room() { reserve_more(retired_, counts_.shown); }
 
 void LayerTiles::configure(const StreamLayer &settings, std::uint32_t new_grid, StreamChanges &r_changes) {
-	if (settings_.tile_size != settings.tile_size) {
+	if (settings_.tile_size != settings.tile_size || settings_.bottom != settings.bottom ||
+			settings_.top != settings.top) {
 		for (std::uint32_t slot = 0; slot < tiles_.slots().size(); ++slot) {
 			if (const StreamedTile &tile = tiles_[slot]; tile.exists) {
 				cancel(slot, r_changes);
 				if (tile.shown) {
-					retired_.push_back({key(tile.at), rect(tile.at)});
+					retired_.push_back({key(tile.at), space(tile.at)});
 				}
 			}
 		}
@@ -53,19 +57,25 @@ void LayerTiles::configure(const StreamLayer &settings, std::uint32_t new_grid, 
 		counts_ = {};
 		grid_ = new_grid;
 	}
+	const bool same_ground = settings_.center == settings.center && settings_.nearest == settings.nearest &&
+			settings_.farthest == settings.farthest;
 	settings_ = settings;
+	if (!same_ground) {
+		begin_anew(); // Cubes that had no ground before may have some now.
+	}
 }
 
 void LayerTiles::invalidate(const Rect &area) {
 	for (std::uint32_t slot = 0; slot < tiles_.slots().size(); ++slot) {
-		if (tiles_[slot].exists && touch(rect(tiles_[slot].at), area)) {
+		if (tiles_[slot].exists && touch(space(tiles_[slot].at), area)) {
 			const bool queued = !tiles_[slot].current;
 			change(slot, [](StreamedTile &tile) {
 				tile.current = false;
 				tile.late = tile.ticket != 0;
 			});
 			if (queued) {
-				// The tile already waits. Otherwise a dragged slider would fill the queues in every frame.
+				// The tile is already queued. Queuing it again would fill the queues while a user
+				// drags a slider.
 				continue;
 			}
 			queue_up(slot);
@@ -123,20 +133,21 @@ bool LayerTiles::look(std::span<const TrackedViewer> viewers, std::size_t &r_new
 	return looked;
 }
 
-/// Treats all viewers as new. The tiles are kept.
+/// Treats all viewers as new, but keeps the tiles.
 void LayerTiles::begin_anew() {
 	sights_.clear();
 	first_sight_ = 0;
 	sweeping_ = true;
 }
 
-/// Releases tiles that no viewer sees or keeps, and queues the tiles that a viewer keeps and that are not current.
+/// Releases tiles outside every viewer's keep range, which is the range of distances within which
+/// tiles are kept. Outdated tiles within that range are queued.
 void LayerTiles::leave_all(StreamChanges &r_changes) {
 	for (std::uint32_t slot = 0; slot < tiles_.slots().size(); ++slot) {
 		const StreamedTile &tile = tiles_[slot];
 		if (tile.exists && !kept(tile.at)) {
 			release(slot, r_changes);
-		} else if (tile.exists && !tile.begun() && !seen(tile.at)) {
+		} else if (tile.exists && !tile.begun() && !(seen(tile.at) && settings_.may_have_ground(space(tile.at)))) {
 			erase(slot);
 		} else if (tile.exists && tile.begun() && !tile.current) {
 			add_to_queues(slot);
@@ -154,7 +165,7 @@ bool LayerTiles::look_at_all(std::span<const TrackedViewer> viewers, std::size_t
 		const TrackedViewer *viewer = index < viewers.size() ? &viewers[index] : nullptr;
 		Sight &sight = sights_[index];
 		if (is_where(sight, viewer != nullptr ? &viewer->now : nullptr)) {
-			// Within the slack, no tile comes into view that was not seen before.
+			// The view is extended by slack_tiles, so no new tile has come into view.
 			continue;
 		}
 		if (r_new >= max_new && viewer != nullptr) {
@@ -168,7 +179,8 @@ bool LayerTiles::look_at_all(std::span<const TrackedViewer> viewers, std::size_t
 		r_new += tiles_.size() - before;
 		looked = true;
 	}
-	// All additions come before all removals, because one viewer may enter a tile that a different one leaves.
+	// All tiles are added before any is removed, because a tile that leaves one viewer's range may
+	// enter another's.
 	for (Sight &sight : sights_) {
 		if (std::exchange(sight.moved, false)) {
 			leave(sight, r_changes);
@@ -178,19 +190,27 @@ bool LayerTiles::look_at_all(std::span<const TrackedViewer> viewers, std::size_t
 	return looked;
 }
 
-/// A viewer's view distance in meters.
+/// Returns a viewer's view distance in this layer, in meters.
 double LayerTiles::view_of(const Viewer &viewer) const {
-	return std::min(settings_.view_distance * viewer.radius_scale, max_view_tiles * settings_.tile_size);
+	return std::min(settings_.view_distance * viewer.radius_scale, settings_.most_view_tiles() * settings_.tile_size);
 }
 
-/// Whether a viewer (null if it is gone) has the same position, within the slack, and the same view distance as at the last look.
+/// Returns the position from which distances to this layer's tiles are measured. The viewer's
+/// height counts only if the tiles are cubes.
+glm::dvec3 LayerTiles::place_of(const Viewer &viewer) const {
+	return {viewer.position.x, settings_.in_space() ? viewer.height : 0.0, viewer.position.y};
+}
+
+/// Returns true if a viewer still has the view distance that `sight` recorded and is within the
+/// slack of the recorded position. `viewer` is null for a removed viewer; the function then returns
+/// true if `sight` was already cleared.
 bool LayerTiles::is_where(const Sight &sight, const Viewer *viewer) const {
 	if (viewer == nullptr) {
 		return sight.seen < 0.0;
 	}
 	const double slack = slack_tiles * settings_.tile_size;
-	const glm::dvec2 step = viewer->position - sight.position;
-	return sight.seen == view_of(*viewer) + slack && step.x * step.x + step.y * step.y <= slack * slack;
+	const glm::dvec3 step = place_of(*viewer) - sight.position;
+	return sight.seen == view_of(*viewer) + slack && glm::dot(step, step) <= slack * slack;
 }
 
 bool LayerTiles::follows(std::span<const Viewer> viewers) const {
@@ -198,9 +218,9 @@ bool LayerTiles::follows(std::span<const Viewer> viewers) const {
 			sights_, viewers, [this](const Sight &sight, const Viewer &viewer) { return is_where(sight, &viewer); });
 }
 
-/// Stores a viewer's position and view distance.
+/// Updates a viewer's position, view and keep range. `viewer` is null if it was removed.
 void LayerTiles::move(Sight &sight, const TrackedViewer *viewer) {
-	sort(sight); // It may not have been sorted since the last move. Sorting now limits its size.
+	sort(sight); // Limits the size of a queue that was not sorted since the last move.
 	std::swap(sight.view, sight.old_view);
 	std::swap(sight.keep, sight.old_keep);
 	sight.moved = true;
@@ -212,18 +232,22 @@ void LayerTiles::move(Sight &sight, const TrackedViewer *viewer) {
 	}
 	const double size = settings_.tile_size;
 	const double view = view_of(viewer->now);
-	const glm::dvec2 step = viewer->now.position - sight.position;
-	sight.queue.move(std::sqrt(step.x * step.x + step.y * step.y));
-	sight.position = viewer->now.position;
+	const glm::dvec3 place = place_of(viewer->now);
+	const glm::dvec3 step = place - sight.position;
+	sight.queue.move(std::sqrt(glm::dot(step, step)));
+	sight.position = place;
 	sight.seen = view + slack_tiles * size;
-	sight.view.set(size, sight.position, sight.seen);
-	sight.keep.set(size, sight.position, keep_factor * view + size);
+	sight.view.set(settings_, sight.position, sight.seen);
+	sight.keep.set(settings_, sight.position, keep_factor * view + size);
 }
 
 void LayerTiles::enter(Sight &sight) {
-	sight.view.visit_without(sight.old_view, [&](glm::ivec2 at) {
+	sight.view.visit_without(sight.old_view, [&](glm::ivec3 at) {
+		if (!settings_.may_have_ground(space(at))) {
+			return;
+		}
 		const std::size_t before = tiles_.size();
-		reserve_more(made_, before + 1 - made_.size()); // Any of them may become ready.
+		reserve_more(made_, before + 1 - made_.size()); // The memory for `ready` is reserved here.
 		const std::uint32_t slot = tiles_.find_or_add(at);
 		counts_.waiting += tiles_.size() - before;
 		if (!tiles_[slot].current) {
@@ -233,14 +257,14 @@ void LayerTiles::enter(Sight &sight) {
 }
 
 void LayerTiles::leave(const Sight &sight, StreamChanges &r_changes) {
-	sight.old_view.visit_without(sight.view, [&](glm::ivec2 at) {
-		// Out of view, there is no reason to start a tile, only to keep one that was started.
+	sight.old_view.visit_without(sight.view, [&](glm::ivec3 at) {
+		// A tile that was not started yet is not needed outside the view.
 		const std::uint32_t slot = tiles_.find(at);
 		if (slot != TileTable::none && !tiles_[slot].begun() && !seen(at)) {
 			erase(slot);
 		}
 	});
-	sight.old_keep.visit_without(sight.keep, [&](glm::ivec2 at) {
+	sight.old_keep.visit_without(sight.keep, [&](glm::ivec3 at) {
 		const std::uint32_t slot = tiles_.find(at);
 		if (slot == TileTable::none) {
 			return;
@@ -248,23 +272,23 @@ void LayerTiles::leave(const Sight &sight, StreamChanges &r_changes) {
 		if (!kept(at)) {
 			release(slot, r_changes);
 		} else if (tiles_[slot].begun() && !tiles_[slot].current) {
-			add_to_queues(slot); // Only this viewer's queue may have had it.
+			add_to_queues(slot); // The tile may have been only in this viewer's queue.
 		}
 	});
 }
 
-bool LayerTiles::seen(glm::ivec2 at) const {
+bool LayerTiles::seen(glm::ivec3 at) const {
 	return std::ranges::any_of(sights_, [at](const Sight &sight) { return sight.view.contains(at); });
 }
 
-bool LayerTiles::kept(glm::ivec2 at) const {
+bool LayerTiles::kept(glm::ivec3 at) const {
 	return std::ranges::any_of(sights_, [at](const Sight &sight) { return sight.keep.contains(at); });
 }
 
-/// Records the changes needed to remove a tile, and forgets it.
+/// Removes a tile and records the changes for the caller.
 void LayerTiles::release(std::uint32_t slot, StreamChanges &r_changes) {
 	if (tiles_[slot].shown) {
-		r_changes.drop.push_back(key(tiles_[slot].at)); // First, because it may fail.
+		r_changes.drop.push_back(key(tiles_[slot].at)); // This statement comes first, because it may throw.
 	}
 	cancel(slot, r_changes);
 	erase(slot);
@@ -274,7 +298,7 @@ void LayerTiles::cancel(std::uint32_t slot, StreamChanges &r_changes) {
 	if (tiles_[slot].ticket == 0) {
 		return;
 	}
-	// If memory runs out, the work continues for no purpose: its answer is refused.
+	// If memory runs out, the caller continues the work in vain; its answer is refused.
 	static_cast<void>(guarded("cancel", 1.0, [&] { r_changes.cancel.push_back(request_of(slot)); }));
 	forget_made(slot);
 	change(slot, [](StreamedTile &tile) {
@@ -286,7 +310,7 @@ void LayerTiles::cancel(std::uint32_t slot, StreamChanges &r_changes) {
 void LayerTiles::drop_covered(StreamChanges &r_changes) {
 	reserve_more(r_changes.drop, retired_.size());
 	std::erase_if(retired_, [&](const Retired &retired) {
-		const bool covered = !is_missing_under(retired.rect);
+		const bool covered = !is_missing_under(retired.space);
 		if (covered) {
 			r_changes.drop.push_back(retired.key);
 		}
@@ -294,21 +318,21 @@ void LayerTiles::drop_covered(StreamChanges &r_changes) {
 	});
 }
 
-/// Whether a tile that touches `under` is wanted and not shown yet.
-bool LayerTiles::is_missing_under(const Rect &under) const {
+/// Returns true if any wanted tile that touches `under` is not shown yet.
+bool LayerTiles::is_missing_under(const TileSpace &under) const {
 	const auto is_missing = [&](const StreamedTile &tile) {
-		return tile.exists && !tile.shown && touch(rect(tile.at), under);
+		return tile.exists && !tile.shown && touch(space(tile.at), under);
 	};
 	const glm::ivec2 first = tile_at(settings_.tile_size, under.min);
 	const glm::ivec2 last = tile_at(settings_.tile_size, under.max);
 	const double tiles = (static_cast<double>(last.x) - first.x + 1.0) * (static_cast<double>(last.y) - first.y + 1.0);
-	if (tiles > static_cast<double>(tiles_.size())) {
-		// There are fewer known tiles than tiles that `under` touches.
+	if (settings_.in_space() || tiles > static_cast<double>(tiles_.size())) {
+		// This is faster if the table has fewer tiles than `under` touches.
 		return std::ranges::any_of(tiles_.slots(), is_missing);
 	}
 	for (int y = first.y; y <= last.y; ++y) {
 		for (int x = first.x; x <= last.x; ++x) {
-			const std::uint32_t slot = tiles_.find({x, y});
+			const std::uint32_t slot = tiles_.find({x, y, all_slabs});
 			if (slot != TileTable::none && is_missing(tiles_[slot])) {
 				return true;
 			}

@@ -1,12 +1,14 @@
 #pragma once
 
 #include "core/base/rect.hpp"
-#include "core/streaming/tile_disc.hpp"
+#include "core/base/tile_grid.hpp"
+#include "core/streaming/tile_ball.hpp"
 #include "core/streaming/tile_queue.hpp"
 #include "core/streaming/tile_streamer.hpp"
 #include "core/streaming/tile_table.hpp"
 
 #include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -16,30 +18,33 @@
 
 namespace thicket {
 
-/// How far a viewer may move, in tiles, before its tiles are checked again. The search for wanted tiles reaches out farther by this
-/// distance, so that no visible tile is missed in between.
+/// Distance in tiles that a viewer may move before its tiles are checked again. The view is
+/// extended by this distance, so that no tile is missed in between.
 inline constexpr double slack_tiles = 0.125;
 
-/// A tile is kept up to this many view distances, plus one tile.
+/// A tile, once requested, is kept up to this many view distances plus one tile.
 inline constexpr double keep_factor = 1.1;
 
-/// The maximum number of new tiles per look, plus those of one viewer. A teleport of many viewers takes several looks.
+/// Once a call of LayerTiles::look has found this number of new tiles, it leaves the remaining
+/// viewers to the next call. If many viewers teleport, several calls are needed.
 inline constexpr std::size_t max_new = 1500;
 
-/// A viewer as tracked by the streamer.
+/// A viewer, and the distance it has traveled.
 struct TrackedViewer {
 	Viewer now;
-	double flown = 0.0;     ///< Meters covered by all steps that were not jumps.
-	double jumped_at = 0.0; ///< `flown` after the last jump.
+	double flown = 0.0;     ///< Meters traveled in steps that were not jumps.
+	double jumped_at = 0.0; ///< Value of `flown` after the last jump.
 
-	/// Meters flown since `then`, an earlier value of `flown`. 0 if the viewer has jumped since.
+	/// Returns how many meters the viewer has traveled since `flown` had the value `then`, or 0 if
+	/// the viewer has jumped since.
 	double flown_since(double then) const { return then >= jumped_at ? flown - then : 0.0; }
 };
 
-/// The tiles of one layer and the state of each. Part of TileStreamer, which documents the states.
+/// The tiles of one layer and their states, as a part of TileStreamer. See TileStreamer for the
+/// terms.
 class LayerTiles {
 public:
-	/// A tile and its distance to a viewer.
+	/// A tile and its squared distance to a viewer.
 	struct Candidate {
 		double distance_squared = 0.0;
 		std::uint32_t slot = 0;
@@ -53,90 +58,99 @@ public:
 	std::size_t made_count() const { return made_.size(); }
 	bool has_retired() const { return !retired_.empty(); }
 
-	/// Applies new settings. A new tile size retires the visible tiles, cancels all other tiles, and starts `new_grid`.
+	/// Applies new settings. A new tile size starts the grid `new_grid`, retires the visible tiles
+	/// and cancels pending ones.
 	void configure(const StreamLayer &settings, std::uint32_t new_grid, StreamChanges &r_changes);
 
-	/// Adds the maximum number of entries that `configure` and `clear` will append.
+	/// Adds, to each argument, the maximum number of entries that `configure` or `clear` appends to
+	/// the list of that name.
 	void add_room(std::size_t &r_cancel, std::size_t &r_drop) const;
 
-	/// Allocates the memory that `configure` needs in this layer.
+	/// Allocates the memory that `configure` needs in this object.
 	void make_room();
 
-	/// Marks tiles that touch `area` as outdated. Pending tiles stay pending and are outdated when they arrive.
+	/// Marks tiles that touch `area` as outdated. Pending tiles remain pending and are outdated
+	/// when they arrive.
 	void invalidate(const Rect &area);
 
-	/// Cancels pending tiles. They wait to be requested again.
+	/// Cancels all pending tiles. Tiles that are still needed wait to be requested again.
 	void cancel_all(StreamChanges &r_changes);
 
-	/// Cancels and drops everything.
+	/// Cancels all pending tiles and drops all visible ones.
 	void clear(StreamChanges &r_changes);
 
-	/// Drops everything without recording changes.
+	/// Clears everything without recording changes.
 	void forget();
 
-	/// Determines which tiles are wanted, kept and gone. Returns false, at no cost, if no viewer's view distance has changed and none has
-	/// moved by more than `slack_tiles`. Otherwise the cost depends on the amount of change. Adds to `r_new` the number of tiles that
-	/// were not known before. Once there are `max_new` of them, leaves the other viewers for the next look. Throws std::bad_alloc;
-	/// `r_changes` then contains the finished part, and the next look starts over.
+	/// Updates the wanted and kept tiles for the viewers' positions. Returns false, at little cost,
+	/// if no view distance has changed and no viewer has moved by more than `slack_tiles`.
+	/// Otherwise the cost depends on the amount of change. The number of new tiles is added to
+	/// `r_new`. Once `r_new` reaches `max_new`, the remaining viewers are left to the next call.
+	/// May throw std::bad_alloc; `r_changes` then contains the finished part, and the next call
+	/// starts over.
 	bool look(std::span<const TrackedViewer> viewers, std::size_t &r_new, StreamChanges &r_changes);
 
-	/// True if the last look left viewers for the next one. No tile is shown until then.
+	/// Returns true if the last call of `look` left viewers to the next one. No tile may be shown
+	/// until then.
 	bool behind() const { return behind_; }
 
-	/// See TileStreamer::follows.
+	/// Returns true if the viewers still match; see TileStreamer::follows.
 	bool follows(std::span<const Viewer> viewers) const;
 
-	/// Drops retired tiles if no tile below them is missing: if each tile there is visible or out of view.
+	/// Drops each retired tile under which no wanted tile is missing.
 	void drop_covered(StreamChanges &r_changes);
 
-	/// The waiting tile nearest to a viewer.
+	/// Returns the waiting tile nearest to a viewer, if there is one.
 	std::optional<Candidate> next_waiting(std::size_t viewer);
 
-	/// Turns a waiting tile into a pending one, for a viewer.
+	/// Makes a waiting tile pending and returns its request. `flown` is the viewer's
+	/// TrackedViewer::flown.
 	TileRequest request(std::uint32_t slot, std::uint64_t ticket, std::uint32_t viewer, double flown);
 
 	/// See TileStreamer::ready. Returns false if the tile is no longer needed.
 	bool ready(const TileRequest &request);
 
-	/// The nearest tile to a viewer that is ready and whose turn it is.
+	/// Returns the ready tile nearest to a viewer that may be shown now, if there is one.
 	std::optional<Candidate> next_ready(std::size_t viewer, const TrackedViewer &tracked);
 	TileRequest request_of(std::uint32_t slot) const;
 
-	/// Whether a pending tile may be shown now.
+	/// Returns true if a pending tile may be shown now.
 	bool may_show(const TileRequest &request, std::span<const TrackedViewer> viewers);
 
-	/// The number of ready tiles that wait for nearer ones.
+	/// Returns the number of ready tiles that wait for nearer ones.
 	std::size_t count_held(std::span<const TrackedViewer> viewers);
 
-	/// See TileStreamer::finish.
+	/// Completes a request; see TileStreamer::finish.
 	bool finish(const TileRequest &request);
 
 private:
-	/// A viewer's view at the time of the last look.
+	/// A viewer's view and queue as of the last call of `look`.
 	struct Sight {
-		glm::dvec2 position{0.0};
-		double seen = -1.0; ///< Meters, including the slack. Below 0 for a viewer that is new or gone.
-		bool moved = false; ///< The viewer has moved, and `leave` has not been called yet.
-		TileDisc view;
-		TileDisc keep;
-		TileDisc old_view;
-		TileDisc old_keep;
-		TileQueue queue; ///< The viewer's tiles that are not current, and for a while others.
+		glm::dvec3 position{0.0}; ///< See place_of().
+		/// View distance in meters, including the slack. Negative for a new or removed viewer.
+		double seen = -1.0;
+		bool moved = false; ///< True if the viewer has moved and `leave` was not called yet.
+		TileBall view;
+		TileBall keep;
+		TileBall old_view;
+		TileBall old_keep;
+		TileQueue queue; ///< The viewer's tiles that are not current. May temporarily contain other tiles.
 	};
 
-	/// A visible tile from a grid of a different size, kept until tiles of the current grid cover it.
+	/// A visible tile of a previous grid, kept until tiles of the current grid cover it.
 	struct Retired {
 		TileKey key;
-		Rect rect;
+		TileSpace space;
 	};
 
 	double view_of(const Viewer &viewer) const;
+	glm::dvec3 place_of(const Viewer &viewer) const;
 	bool is_where(const Sight &sight, const Viewer *viewer) const;
 	void move(Sight &sight, const TrackedViewer *viewer);
 	void enter(Sight &sight);
 	void leave(const Sight &sight, StreamChanges &r_changes);
-	bool seen(glm::ivec2 at) const;
-	bool kept(glm::ivec2 at) const;
+	bool seen(glm::ivec3 at) const;
+	bool kept(glm::ivec3 at) const;
 	void add_to_queues(std::uint32_t slot);
 	void queue_up(std::uint32_t slot) noexcept;
 	bool measure(const Sight &sight, TileQueue::Entry &entry) const;
@@ -153,24 +167,24 @@ private:
 	void forget_made(std::uint32_t slot);
 	void cancel(std::uint32_t slot, StreamChanges &r_changes);
 	void release(std::uint32_t slot, StreamChanges &r_changes);
-	bool is_missing_under(const Rect &rect) const;
+	bool is_missing_under(const TileSpace &under) const;
 	bool look_at_all(std::span<const TrackedViewer> viewers, std::size_t &r_new, StreamChanges &r_changes);
 	void begin_anew();
 	void leave_all(StreamChanges &r_changes);
 	std::uint32_t find_pending(const TileRequest &request) const;
-	TileKey key(glm::ivec2 at) const { return {layer_, grid_, at}; }
-	Rect rect(glm::ivec2 at) const;
+	TileKey key(glm::ivec3 at) const { return {layer_, grid_, glm::ivec2(at), at.z}; }
+	TileSpace space(glm::ivec3 at) const;
 
 	std::uint32_t layer_;
 	StreamLayer settings_;
 	std::uint32_t grid_;
-	StreamCounts counts_; ///< Without retired tiles.
+	StreamCounts counts_; ///< Counts of tiles, without retired ones.
 	TileTable tiles_;
-	std::vector<Sight> sights_;   ///< By viewer.
-	std::size_t first_sight_ = 0; ///< Where the next look starts.
+	std::vector<Sight> sights_;   ///< One entry per viewer.
+	std::size_t first_sight_ = 0; ///< The viewer with which the next call of `look` starts.
 	bool behind_ = false;
-	bool torn_ = false;               ///< Memory ran out: the queues are incomplete, or a look was interrupted.
-	bool sweeping_ = false;           ///< After that, all tiles must be checked once every viewer was handled.
+	bool torn_ = false;               ///< True after memory ran out, because the queues may then be incomplete.
+	bool sweeping_ = false;           ///< True if all tiles must be checked once every viewer was handled.
 	std::vector<std::uint32_t> made_; ///< Slots of ready tiles.
 	std::vector<Retired> retired_;
 };

@@ -2,7 +2,7 @@
 
 #include "core/base/reserve.hpp"
 
-#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 
 #include <algorithm>
 #include <array>
@@ -14,46 +14,47 @@
 
 namespace thicket {
 
-/// Tiles of one layer, sorted by distance to one moving viewer. Only the nearest tiles are kept in order. For all
-/// others, the queue only stores how near they may have come.
+/// Tiles of one layer, ordered by distance to one moving viewer. Only the nearest tiles are sorted.
+/// For the remaining tiles, the queue maintains a lower bound of their distance.
 ///
-/// If memory runs out, methods throw std::bad_alloc and the queue is unchanged.
+/// If memory runs out, methods throw std::bad_alloc and leave the queue unchanged.
 ///
-/// A `measure(Entry &)` argument sets an entry's distance, or returns false for an entry that must be removed.
+/// The `measure` arguments are functions that update the distance of an Entry. They return false if
+/// the entry must be removed.
 class TileQueue {
 public:
 	struct Entry {
 		double distance_squared = 0.0;
-		std::uint32_t slot = 0; ///< In the layer's TileTable,
-		glm::ivec2 at{0};       ///< if this tile is in it still.
+		std::uint32_t slot = 0; ///< Slot in the layer's TileTable, if the tile still exists.
+		glm::ivec3 at{0};       ///< Column, row and slab of the tile.
 	};
 
 	/// Adds a tile at any distance. It may already be in the queue.
-	void add(std::uint32_t slot, glm::ivec2 at) { fresh_.push_back({0.0, slot, at}); }
+	void add(std::uint32_t slot, glm::ivec3 at) { fresh_.push_back({0.0, slot, at}); }
 
-	/// Reports that the viewer has moved at most `meters`.
+	/// Reports that the viewer has moved by at most `meters`.
 	void move(double meters) {
 		moved_ += meters;
 		outdated_ = true;
 	}
 
-	/// Sorts in the added tiles and the viewer's moves. `first` does so too. Callers that do not call `first` for a long time should call
-	/// this.
+	/// Updates the order after tiles were added or the viewer has moved. `first` calls it. Call
+	/// `sort` to limit the queue's size if `first` is not called for a long time.
 	template <class Measure>
 	void sort(Measure &&measure) {
 		if (fresh_.empty() && !outdated_) {
-			// No tile was added and the viewer has not moved, so all entries are in order.
+			// No tile was added and the viewer has not moved, so the order is up to date.
 			return;
 		}
 		if (far_.size() > 2 * far_sorted_ + 4 * batch) {
-			sort_all(measure, far_.size()); // Removes duplicates.
+			sort_all(measure, far_.size()); // This sort also removes duplicates.
 			return;
 		}
 		if (near_.size() + fresh_.size() > 4 * batch) {
 			sort_all(measure, batch);
 			return;
 		}
-		// No far entry can be nearer than the reach, so none of them is measured.
+		// No far entry can be nearer than the reach, so far entries need not be measured.
 		reserve_more(near_, fresh_.size());
 		reserve_more(far_, fresh_.size());
 		std::erase_if(near_, [&](Entry &entry) { return !measure(entry); });
@@ -65,8 +66,9 @@ public:
 		start_over();
 	}
 
-	/// Returns the nearest entry for which `fits(const Entry &)` holds, or null if there is none. If an entry does not
-	/// fit, it is not tested again with the same `cursor` (0 or 1) until a tile is added or the viewer has moved.
+	/// Returns the nearest entry for which `fits(entry)` is true, or null if there is none. An
+	/// entry that does not fit is not tested again with the same `cursor` (0 or 1) until a tile is
+	/// added or the viewer moves.
 	template <class Measure, class Fits>
 	const Entry *first(std::size_t cursor, Measure &&measure, Fits &&fits) {
 		sort(measure);
@@ -85,17 +87,20 @@ public:
 	}
 
 private:
-	/// The minimum number of entries kept in order: more than are used in most frames.
+	/// The minimum number of sorted entries. Most frames use fewer.
 	static constexpr std::size_t batch = 64;
 
 	static bool nearer(const Entry &a, const Entry &b) {
 		if (a.distance_squared != b.distance_squared) {
 			return a.distance_squared < b.distance_squared;
 		}
-		return a.at.y != b.at.y ? a.at.y < b.at.y : a.at.x < b.at.x;
+		if (a.at.y != b.at.y) {
+			return a.at.y < b.at.y;
+		}
+		return a.at.x != b.at.x ? a.at.x < b.at.x : a.at.z < b.at.z;
 	}
 
-	/// No far entry is nearer than this.
+	/// Returns a lower bound for the squared distance of all far entries.
 	double reach_squared() const {
 		const double reach = std::max(far_from_ - moved_, 0.0);
 		return far_.empty() ? std::numeric_limits<double>::infinity() : reach * reach;
@@ -104,13 +109,13 @@ private:
 	template <class Measure>
 	void sort_all(Measure &&measure, std::size_t most) {
 		reserve_more(near_, far_.size() + fresh_.size());
-		reserve_more(far_, near_.size() + fresh_.size()); // Upper bound: all entries.
+		reserve_more(far_, near_.size() + fresh_.size()); // Any entry may become a far one.
 		near_.insert(near_.end(), far_.begin(), far_.end());
 		near_.insert(near_.end(), fresh_.begin(), fresh_.end());
 		std::erase_if(near_, [&](Entry &entry) { return !measure(entry); });
 		far_.clear();
 		if (near_.size() > most) {
-			// The entries behind the first `most` need no order.
+			// Entries after the first `most` are not sorted.
 			const auto end = near_.begin() + static_cast<std::ptrdiff_t>(most);
 			std::nth_element(near_.begin(), end, near_.end(), nearer);
 			far_from_ = std::sqrt(end->distance_squared);
@@ -133,13 +138,13 @@ private:
 		outdated_ = false;
 	}
 
-	std::vector<Entry> near_;  ///< Sorted, up to `reach_squared`.
-	std::vector<Entry> far_;   ///< Unsorted, with the distances last measured.
-	std::vector<Entry> fresh_; ///< Not measured yet.
+	std::vector<Entry> near_;  ///< Sorted entries. The order is reliable up to `reach_squared`.
+	std::vector<Entry> far_;   ///< Unsorted entries, with their last measured distances.
+	std::vector<Entry> fresh_; ///< Entries that are not measured yet.
 	std::array<std::size_t, 2> cursors_{};
 	std::size_t far_sorted_ = 0; ///< Number of far entries at the last full sort.
-	double far_from_ = 0.0;      ///< Distance of the nearest of them, in meters.
-	double moved_ = 0.0;         ///< Meters that the viewer has moved since then.
+	double far_from_ = 0.0;      ///< Distance in meters of the nearest far entry at the last full sort.
+	double moved_ = 0.0;         ///< Meters by which the viewer has moved since the last full sort.
 	bool outdated_ = false;
 };
 

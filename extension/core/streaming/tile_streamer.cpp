@@ -15,7 +15,8 @@ namespace thicket {
 
 namespace {
 
-/// The maximum distance of a viewer from the origin in tiles. The tiles that it sees and keeps must still have coordinates.
+/// Maximum distance of a viewer from the origin in tiles, so that all tiles around it have valid
+/// coordinates.
 constexpr double max_viewer_tiles = max_tile_coordinate - 2.0 * max_view_tiles;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -23,36 +24,54 @@ constexpr Rect everywhere{glm::dvec2(-infinity), glm::dvec2(infinity)};
 
 Status validate(const Viewer &viewer, std::span<const LayerTiles> layers) {
 	double reach = max_viewer_tiles * max_tile_size;
+	double height = std::numeric_limits<double>::max();
 	for (const LayerTiles &layer : layers) {
 		reach = std::min(reach, max_viewer_tiles * layer.settings().tile_size);
+		height = layer.settings().in_space() ? std::min(height, reach) : height;
 	}
 	return first_failure(check_range("viewer.x", viewer.position.x, -reach, reach),
 			check_range("viewer.y", viewer.position.y, -reach, reach),
+			check_range("viewer.height", viewer.height, -height, height),
 			check_range("viewer.radius_scale", viewer.radius_scale, 0.0, std::numeric_limits<double>::max()));
 }
 
 } // namespace
 
 Status validate(const StreamLayer &layer) {
-	static_assert(max_view_tiles == 64.0, "the note below names it");
+	static_assert(max_view_tiles == 64.0 && max_view_tiles_in_space == 16.0, "the notes below name them");
 	return first_failure(check_positive("tile_size", layer.tile_size),
 			check_range("tile_size", layer.tile_size, min_tile_size, max_tile_size),
 			check_range("view_distance", layer.view_distance,
-					between(0.0, max_view_tiles * layer.tile_size, "64 x tile_size"),
+					between(0.0, layer.most_view_tiles() * layer.tile_size,
+							layer.in_space() ? "16 x tile_size on a planet" : "64 x tile_size"),
 					"Raise tile_size or lower view_distance"));
+}
+
+bool StreamLayer::may_have_ground(const TileSpace &space) const {
+	if (!in_space()) {
+		return true;
+	}
+	const auto farther = [](double min, double max, double from) {
+		return std::max(std::abs(min - from), std::abs(max - from));
+	};
+	const double x = farther(space.min.x, space.max.x, center.x);
+	const double y = farther(space.bottom, space.top, center.y);
+	const double z = farther(space.min.y, space.max.y, center.z);
+	return distance_squared(space, center) <= farthest * farthest && nearest * nearest <= x * x + y * y + z * z &&
+			nearest <= farthest;
 }
 
 struct TileStreamer::State {
 	std::vector<LayerTiles> layers;
 	std::vector<TrackedViewer> viewers;
-	bool outdated = true;  ///< Some layers were not checked for all viewers.
-	bool answered = false; ///< A tile was finished since the last check of retired tiles.
-	StreamChanges backlog; ///< Changes that were recorded between updates.
+	bool outdated = true;  ///< True if some layers were not checked for all viewers yet.
+	bool answered = false; ///< True if a tile was finished since the last check of retired tiles.
+	StreamChanges backlog; ///< Changes recorded between updates.
 	std::uint32_t last_grid = 0;
 	std::uint64_t last_ticket = 0;
-	std::size_t first_layer = 0;  ///< The layer that the next update checks first.
-	std::size_t request_turn = 0; ///< The viewer whose turn to request was last.
-	std::size_t show_turn = 0;    ///< The viewer whose turn to show was last.
+	std::size_t first_layer = 0;  ///< Layer that the next update checks first.
+	std::size_t request_turn = 0; ///< Viewer that last had its turn to request a tile.
+	std::size_t show_turn = 0;    ///< Viewer that last had its turn to show a tile.
 
 	void make_room(std::size_t layer_count);
 	std::optional<TileRequest> next_ready();
@@ -69,7 +88,7 @@ void StreamChanges::clear() {
 	request.clear();
 }
 
-/// Allocates the memory for a different number of layers and for new settings of the existing ones.
+/// Allocates the memory for `layer_count` layers and for new settings of the existing ones.
 void TileStreamer::State::make_room(std::size_t layer_count) {
 	std::size_t cancel = 0;
 	std::size_t drop = 0;
@@ -82,18 +101,22 @@ void TileStreamer::State::make_room(std::size_t layer_count) {
 	layers.reserve(layer_count);
 }
 
-/// Stores the viewers' positions. Viewers are matched by index. If their number has changed, all of them have jumped.
+/// Updates the viewers' positions. Viewers are matched by index; if their number has changed, all
+/// of them count as having jumped.
 void TileStreamer::State::track(std::span<const Viewer> now) {
 	double farthest = 0.0;
 	for (const TrackedViewer &viewer : viewers) {
 		farthest = std::max(farthest, viewer.flown);
 	}
 	const bool others = now.size() != viewers.size();
+	const bool in_space =
+			std::ranges::any_of(layers, [](const LayerTiles &each) { return each.settings().in_space(); });
 	viewers.resize(now.size());
 	for (std::size_t i = 0; i < now.size(); ++i) {
 		TrackedViewer &viewer = viewers[i];
 		const glm::dvec2 step = now[i].position - viewer.now.position;
-		const double length = std::sqrt(step.x * step.x + step.y * step.y);
+		const double rise = in_space ? now[i].height - viewer.now.height : 0.0;
+		const double length = std::sqrt(step.x * step.x + step.y * step.y + rise * rise);
 		viewer.now = now[i];
 		if (others) {
 			viewer.flown = viewer.jumped_at = farthest + 1.0;
@@ -105,7 +128,7 @@ void TileStreamer::State::track(std::span<const Viewer> now) {
 	}
 }
 
-/// Starts with the layers that the last update left for later.
+/// Checks the layers for all viewers, starting with those that the last update did not complete.
 void TileStreamer::State::look(StreamChanges &r_changes) {
 	std::size_t found = 0;
 	outdated = true; // Reset when this function completes.
@@ -123,7 +146,8 @@ void TileStreamer::State::look(StreamChanges &r_changes) {
 			continue;
 		}
 		if (!looked && !answered) {
-			// No tile was shown or given up since, so the tiles missing under retired ones still are.
+			// Nothing has changed since the last check, so the same tiles are missing under retired
+			// ones.
 			continue;
 		}
 		layer.drop_covered(r_changes);
@@ -132,7 +156,7 @@ void TileStreamer::State::look(StreamChanges &r_changes) {
 	outdated = behind;
 }
 
-/// The number of ready tiles that wait for nearer ones.
+/// Returns the number of ready tiles that wait for nearer tiles.
 std::size_t TileStreamer::State::held() {
 	std::size_t sum = 0;
 	for (LayerTiles &layer : layers) {
@@ -141,7 +165,8 @@ std::size_t TileStreamer::State::held() {
 	return sum;
 }
 
-/// Requests the nearest tile, of all layers, that waits for a viewer. Returns false if there is none.
+/// Requests the waiting tile of any layer that is nearest to a viewer. Returns false if there is
+/// none.
 bool TileStreamer::State::request_one(std::size_t viewer, StreamChanges &r_changes) {
 	LayerTiles *nearest_layer = nullptr;
 	LayerTiles::Candidate nearest;
@@ -169,9 +194,9 @@ void TileStreamer::State::request(std::size_t max_pending, StreamChanges &r_chan
 		pending += layer.counts().pending;
 	}
 	if (waiting > 0 && pending >= max_pending) {
-		pending -= held(); // The tiles that they wait for must not be delayed by them.
+		pending -= held(); // Ready tiles must not delay the tiles for which they wait.
 	}
-	std::size_t in_vain = 0; // Number of consecutive viewers without a tile to request.
+	std::size_t in_vain = 0; // Number of consecutive viewers with no tile to request.
 	while (pending < max_pending && in_vain < viewers.size()) {
 		request_turn = (request_turn + 1) % viewers.size();
 		const bool requested = request_one(request_turn, r_changes);
@@ -223,7 +248,8 @@ void TileStreamer::invalidate(std::uint32_t layer, const Rect &area) {
 void TileStreamer::cancel(std::uint32_t layer) {
 	if (layer < state_->layers.size()) {
 		state_->layers[layer].cancel_all(state_->backlog);
-		state_->answered = true; // Cancelled tiles out of view are forgotten, so they are no longer missing.
+		// Canceled tiles out of view are removed, so retired tiles may be covered now.
+		state_->answered = true;
 	}
 }
 
@@ -257,7 +283,7 @@ std::optional<TileRequest> TileStreamer::next_ready() {
 
 std::optional<TileRequest> TileStreamer::State::next_ready() {
 	if (std::ranges::none_of(layers, [](const LayerTiles &layer) { return layer.made_count() > 0; })) {
-		// No viewer has a ready tile.
+		// No tile is ready.
 		return std::nullopt;
 	}
 	const std::size_t count = viewers.size();

@@ -2,11 +2,14 @@
 
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
+#include "core/base/tile_grid.hpp"
 
 #include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -15,8 +18,30 @@
 namespace thicket {
 
 struct StreamLayer {
-	double tile_size = 64.0;      ///< Meters, min_tile_size to max_tile_size.
-	double view_distance = 256.0; ///< Meters from a viewer to the nearest point of a tile, 0 to max_view_tiles tiles.
+	double tile_size = 64.0; ///< Width of a tile in meters, min_tile_size to max_tile_size.
+	/// Maximum distance in meters from a viewer to a visible tile, 0 to most_view_tiles() tiles.
+	double view_distance = 256.0;
+	/// The range of heights of a layer on a planet, in world meters. The layer's tiles are cubes,
+	/// and distances to them are measured in space. For other layers, the range is infinite: the
+	/// tiles cover all heights, and distances to them are measured in the plane.
+	double bottom = -std::numeric_limits<double>::infinity();
+	double top = std::numeric_limits<double>::infinity();
+
+	/// On a planet, all ground is between `nearest` and `farthest` meters from `center`. Cubes
+	/// outside this range are empty and not streamed.
+	glm::dvec3 center{0.0};
+	double nearest = 0.0;
+	double farthest = std::numeric_limits<double>::infinity();
+
+	/// Returns false if a tile certainly has no ground. Always true for tiles that cover all
+	/// heights.
+	bool may_have_ground(const TileSpace &space) const;
+
+	/// Returns true if the tiles are cubes.
+	bool in_space() const { return top < std::numeric_limits<double>::infinity(); }
+
+	/// Returns the maximum view distance in tiles.
+	double most_view_tiles() const;
 
 	friend bool operator==(const StreamLayer &, const StreamLayer &) = default;
 };
@@ -24,47 +49,60 @@ struct StreamLayer {
 inline constexpr double min_tile_size = 1e-3;
 inline constexpr double max_tile_size = 1e9;
 
-/// The maximum view distance in tiles, whatever the radius scale: about 13,000 tiles per viewer and layer.
+/// The maximum view distance in tiles, including the radius scale. A view of this size has about
+/// 13,000 tiles per viewer and layer.
 inline constexpr double max_view_tiles = 64.0;
 
-/// Whether a layer's settings lie in the ranges of StreamLayer.
+/// The same limit for cubes. A view of this size has about 17,000 cubes, with and without ground.
+inline constexpr double max_view_tiles_in_space = 16.0;
+
+inline double StreamLayer::most_view_tiles() const { return in_space() ? max_view_tiles_in_space : max_view_tiles; }
+
+/// Returns an error for settings outside the ranges of StreamLayer.
 Status validate(const StreamLayer &layer);
 
-/// A viewer that moves farther than this between two updates, in meters, has jumped. Otherwise it has flown. Corresponds to 1,000 m/s at
-/// 20 frames a second.
+/// If a viewer moves more than this distance in meters between two updates, the movement counts as
+/// a jump; otherwise the viewer has flown. The limit corresponds to 1,000 m/s at 20 frames per
+/// second.
 inline constexpr double max_flight_step = 50.0;
 
 /// A viewer around which tiles are streamed.
 struct Viewer {
-	glm::dvec2 position{0.0}; ///< World meters, finite, within max_tile_coordinate tiles of every layer.
-	double radius_scale =
-			1.0; ///< Multiplies the view distance of each layer. Finite, 0 or more; capped at max_view_tiles.
-	double height =
-			0.0; ///< World y in meters, finite. Affects only LODs and thinning; tiles are streamed in the plane.
+	glm::dvec2 position{0.0}; ///< World meters, finite, in the range that TileStreamer::check accepts.
+	/// Factor for the view distance of each layer, finite, 0 or more. The product with the view
+	/// distance is limited to StreamLayer::most_view_tiles().
+	double radius_scale = 1.0;
+	/// World y in meters, finite. Affects LODs, thinning, and the streaming of tiles that are
+	/// cubes.
+	double height = 0.0;
 };
 
-/// Identifies a tile of a layer. Every tile size set for a layer starts a new `grid`, a number not used before. A tile of the old size
-/// and one of the new size, both visible for a while, are therefore never confused.
+/// Identifies a tile of a layer. When the tile size of a layer changes, the layer gets a new,
+/// unique `grid` number. Tiles of the old and the new size are visible together for a while, and so
+/// have different keys.
 struct TileKey {
 	std::uint32_t layer = 0;
 	std::uint32_t grid = 0;
 	glm::ivec2 tile{0};
+	std::int32_t slab = all_slabs; ///< The slab, if the layer's tiles are cubes.
 
 	friend bool operator==(const TileKey &, const TileKey &) = default;
 };
 
-/// A tile to generate. `ticket` is unique. It distinguishes the answer to this request from a late answer to an earlier one.
+/// A request to generate a tile. The unique `ticket` distinguishes the answer to this request from
+/// a late answer to an earlier request.
 struct TileRequest {
 	TileKey key;
-	Rect rect; ///< World meters, half-open.
+	TileSpace space; ///< The space of the tile, in world meters.
 	std::uint64_t ticket = 0;
 };
 
-/// The work for the caller after an update, in this order.
+/// The actions that the caller must take after an update, in this order.
 struct StreamChanges {
-	std::vector<TileRequest> cancel;  ///< Pending work that is no longer needed. Answers to it will be refused.
+	/// Pending requests that are no longer needed. Their answers will be refused.
+	std::vector<TileRequest> cancel;
 	std::vector<TileKey> drop;        ///< Visible tiles to remove.
-	std::vector<TileRequest> request; ///< Tiles to generate, in this order.
+	std::vector<TileRequest> request; ///< Tiles to generate, most urgent first.
 
 	void clear();
 	bool empty() const { return cancel.empty() && drop.empty() && request.empty(); }
@@ -72,27 +110,34 @@ struct StreamChanges {
 
 /// The number of tiles in each state.
 struct StreamCounts {
-	std::size_t waiting = 0; ///< Wanted, not yet requested.
-	std::size_t pending = 0; ///< Requested, not yet answered.
-	std::size_t shown = 0;   ///< Visible, including outdated ones.
+	std::size_t waiting = 0; ///< Tiles that are wanted but not yet requested.
+	std::size_t pending = 0; ///< Tiles that are requested but not yet answered.
+	std::size_t shown = 0;   ///< Visible tiles, including outdated ones.
 };
 
-/// Decides which tiles to generate, show and drop around the viewers. Pure logic without clock, threads or engine. The same calls return
-/// the same results in the same order.
+/// Decides which tiles to generate, show and drop around the viewers. The class only makes
+/// decisions, and is independent of clocks, threads and Godot. The same sequence of calls produces
+/// the same results.
 ///
-/// Promises:
-///  (1) After an update, every tile that touches the view of a viewer is waiting, pending or shown. If more than a thousand tiles are
-/// added together (a teleport, new viewers), this may take several updates; `idle` is false until then.
-///  (2) A requested tile is never requested again before it is answered, cancelled or dropped.
-///  (3) Viewers take turns in requests, and each gets the tile nearest to it at that time, over all layers.
-///  (4) A tile is dropped only beyond `1.1 * view distance + one tile`, so turning back and forth loads no tile twice.
-///  (5) An outdated tile stays visible until its successor is ready, even if the successor is itself outdated by then.
-///  (6) No far tile is shown before a near one. A tile accepted by `next_ready` and `may_show` is, for one of the viewers that see or
-/// keep it, at most this far away: the distance of the nearest missing tile of the same layer that this viewer sees, plus one tile, plus
-/// the distance that this viewer has flown since the tile was requested. The last part applies only to the viewer that it was requested
-/// for, and only until that viewer jumps. A tile that replaces a visible one need not wait.
-///  (7) A tile that waits for its turn delays no other: it does not count as pending when further tiles are requested. A tile that cannot
-/// be generated stops blocking others once the caller reports it with `finish`.
+/// Guarantees:
+///  (1) After an update, every tile within a viewer's view distance is waiting, pending or shown.
+///      If more than a thousand tiles are added at once (a teleport, new viewers), this may take
+///      several updates; `idle` is false until then.
+///  (2) A requested tile is never requested again before it is answered, canceled or dropped.
+///  (3) Viewers take turns. On its turn, a viewer requests the waiting tile of any layer that is
+///      nearest to it.
+///  (4) A tile is dropped only beyond `1.1 * view distance + one tile`, so moving back and forth
+///      loads no tile twice.
+///  (5) An outdated tile remains visible until its replacement is ready, even if the replacement is
+///      outdated by then.
+///  (6) Near tiles are shown before far ones. `next_ready` and `may_show` accept a tile only if it
+///      is close enough to at least one viewer that sees or keeps it. The limit is the distance of
+///      the nearest missing tile of the same layer that this viewer sees, plus one tile. For the
+///      viewer that requested the tile, the limit also includes the distance flown since the
+///      request, unless that viewer has jumped. A tile that replaces a visible one is not delayed.
+///  (7) A ready tile that waits to be shown does not delay other tiles: it does not count towards
+///      `max_pending`. A tile that cannot be generated no longer blocks other tiles once the caller
+///      reports it with `finish`.
 class TileStreamer {
 public:
 	TileStreamer();
@@ -100,62 +145,68 @@ public:
 	TileStreamer(TileStreamer &&) noexcept;
 	TileStreamer &operator=(TileStreamer &&) noexcept;
 
-	/// Replaces the layers, matched to the old ones by index. A new view distance keeps all tiles, a new tile size starts a new grid for
-	/// that layer, and a missing layer loses its tiles. Refused settings change nothing, nor does a call that runs out of memory.
+	/// Replaces the layers, which are matched to the old ones by index. A new view distance keeps
+	/// all tiles, a new tile size starts a new grid for that layer, and the tiles of a removed
+	/// layer are dropped. After invalid settings or if memory runs out, nothing changes.
 	Status set_layers(std::span<const StreamLayer> layers);
 
-	/// Marks the visible and pending tiles of a layer as outdated (its settings or the ground have changed), so that they will be
-	/// requested again. Pending tiles are still shown when they arrive, and requested again only then. Tiles therefore keep up even with
-	/// fast changes, such as a dragged slider. A layer that does not exist is ignored.
+	/// Marks all visible and pending tiles of a layer as outdated, so that they are requested
+	/// again. Pending tiles are shown when they arrive and requested again only then, so that tiles
+	/// still appear during frequent changes, such as while a user drags a slider. A layer that does
+	/// not exist is ignored.
 	void invalidate(std::uint32_t layer);
 
-	/// Marks only the tiles that touch `area` (meters) as outdated: for an edit that changes nothing elsewhere.
+	/// Marks only the tiles that touch `area` (world meters) as outdated.
 	void invalidate(std::uint32_t layer, const Rect &area);
 
-	/// Cancels the pending tiles of a layer and requests them again, because their answers would be useless.
+	/// Cancels all pending tiles of a layer, for example because their results would be useless.
+	/// Tiles that are still needed are requested again.
 	void cancel(std::uint32_t layer);
 
-	/// Returns whether tiles of all layers can be streamed around a viewer. Its position must be finite and within
-	/// reach.
+	/// Returns an error for a viewer with values that are not finite, a negative radius scale, or a
+	/// position so far away that tile coordinates would overflow.
 	Status check(const Viewer &viewer) const;
 
-	/// Computes the necessary changes for any number of viewers and replaces `r_changes` with them. At most
-	/// `max_pending` tiles are pending at a time. Other tiles wait for their turn, which each update checks again.
-	/// Without viewers, all tiles are dropped. If `check` refuses a viewer, this method refuses it as well, and nothing
-	/// changes. Costs little while viewers stay within an eighth of a tile. After ErrorCode::out_of_memory, `r_changes`
-	/// contains a partial result, which the caller applies as usual; the next update completes it. Work to cancel may
-	/// then be missing; its answers are refused all the same.
+	/// Computes the changes for any number of viewers and replaces `r_changes` with them. At most
+	/// `max_pending` tiles are pending at a time; further ones wait. Without viewers, all tiles are
+	/// dropped. If `check` returns an error for a viewer, `update` returns it and changes nothing.
+	/// An update costs little while viewers stay within an eighth of a tile. After
+	/// ErrorCode::out_of_memory, `r_changes` contains a partial result, which the caller applies as
+	/// usual; the next update completes it. Entries of `cancel` may then be missing, but answers to
+	/// these requests are still refused.
 	Status update(std::span<const Viewer> viewers, std::size_t max_pending, StreamChanges &r_changes);
 
-	/// Reports that the tile of a request is generated and waits for its turn. Returns false if it is too late; the caller must then
-	/// discard the tile.
+	/// Reports that the tile of a request was generated and is ready to be shown. Returns false if
+	/// the tile is no longer needed; the caller must then discard it.
 	bool ready(const TileRequest &request);
 
-	/// The next ready tile to show, or none if all ready tiles wait for nearer ones. Viewers take turns, and each gets the tile
-	/// nearest to it now. May return the same tile again until it is finished or cancelled. Returns none if memory does not suffice to
-	/// decide.
+	/// Returns the next ready tile to show, or none if all ready tiles wait for nearer ones or if
+	/// memory runs out. Viewers take turns; on its turn, a viewer's nearest ready tile is returned.
+	/// Until a tile is finished or canceled, it may be returned repeatedly.
 	std::optional<TileRequest> next_ready();
 
-	/// Returns whether a pending tile may be shown now. Call this again if showing takes time after `next_ready`.
-	/// Returns false if memory does not suffice.
+	/// Returns true if a pending tile may be shown now. Check this again if time passes between
+	/// `next_ready` and showing the tile. Returns false if memory runs out.
 	bool may_show(const TileRequest &request);
 
-	/// The final answer to a request: the tile is shown, or cannot be generated and stays empty until it is
-	/// invalidated. Returns true if the caller must show the tile, in place of the tile with the same key. Returns
-	/// false if the answer is too late; the caller must then discard the tile.
+	/// Completes a request. Call this function when the tile is about to be shown, or if it could
+	/// not be generated; the tile is then empty until it is invalidated. Returns true if the caller
+	/// must show the tile and replace any tile with the same key. Returns false if the tile is no
+	/// longer needed; the caller must then discard it.
 	bool finish(const TileRequest &request);
 
-	/// Forgets all tiles and keeps the layers, for a caller that has cleared its display itself. Answers to earlier requests will be
-	/// refused.
+	/// Clears all tiles without reporting them as dropped, for a caller that has cleared its
+	/// display itself. The layers remain. Answers to earlier requests will be refused.
 	void clear();
 
 	StreamCounts counts() const;
 
-	/// True if nothing is left to do: all wanted tiles are shown.
+	/// Returns true if no work is left: all wanted tiles are shown and up to date.
 	bool idle() const;
 
-	/// True if the last update had the same number of viewers, and none of them has moved or changed its scale enough to need different
-	/// tiles. An update for these viewers would not change the result of `idle`.
+	/// Returns true if the viewers still match the last update: their number is the same, and none
+	/// of them has moved or changed its scale enough to need different tiles. An update for these
+	/// viewers would not change the result of `idle`.
 	bool follows(std::span<const Viewer> viewers) const;
 
 private:

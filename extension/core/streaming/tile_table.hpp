@@ -1,6 +1,6 @@
 #pragma once
 
-#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -9,32 +9,33 @@
 
 namespace thicket {
 
-/// The streamer's state of a tile.
+/// The state of a tile in the streamer.
 struct StreamedTile {
-	glm::ivec2 at{0};
-	std::uint64_t ticket = 0; ///< The ticket of the pending request; 0 if there is none.
-	std::uint32_t viewer = 0; ///< The viewer that it was requested for.
-	double flown = 0.0;       ///< Meters that this viewer had flown at the time of the request.
+	glm::ivec3 at{0};         ///< Column, row and slab.
+	std::uint64_t ticket = 0; ///< Ticket of the pending request; 0 if there is none.
+	std::uint32_t viewer = 0; ///< Index of the viewer for which the tile was requested.
+	double flown = 0.0;       ///< TrackedViewer::flown of this viewer at the time of the request.
 	bool exists = false;
 	bool shown = false;
-	bool current = false; ///< Shown and not outdated.
-	bool late = false;    ///< Pending, and outdated since the request.
-	bool made = false;    ///< Pending, and its answer is ready to be shown.
+	bool current = false; ///< True if the tile is shown and not outdated.
+	bool late = false;    ///< True if the tile is pending and became outdated after the request.
+	bool made = false;    ///< True if the tile is pending, generated, and ready to be shown.
 
 	bool waiting() const { return !current && ticket == 0; }
 	bool begun() const { return shown || ticket != 0; }
 };
 
-/// Tiles by their coordinates. Each tile keeps its slot number as long as it is in the table.
+/// A hash table of tiles by coordinates. A tile's slot in the table never changes.
 class TileTable {
 public:
 	static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
-	/// The slot of a tile, or `none` if it is not in the table.
-	std::uint32_t find(glm::ivec2 at) const;
+	/// Returns the slot of a tile, or `none` if it is not in the table.
+	std::uint32_t find(glm::ivec3 at) const;
 
-	/// The slot of a tile, which is added if it is missing. Throws std::bad_alloc without adding it.
-	std::uint32_t find_or_add(glm::ivec2 at);
+	/// Returns the slot of a tile, and adds the tile if it is missing. If memory runs out, throws
+	/// std::bad_alloc and adds nothing.
+	std::uint32_t find_or_add(glm::ivec3 at);
 	void erase(std::uint32_t slot) noexcept;
 	void clear();
 
@@ -43,19 +44,19 @@ public:
 
 	std::size_t size() const { return tiles_.size() - free_.size(); }
 
-	/// All slots. Skip those where `exists` is false.
+	/// Returns all slots. Skip the slots for which `exists` is false.
 	std::vector<StreamedTile> &slots() { return tiles_; }
 	const std::vector<StreamedTile> &slots() const { return tiles_; }
 
 private:
-	std::size_t home(glm::ivec2 at) const;
-	std::size_t bucket_of(glm::ivec2 at) const;
+	std::size_t home(glm::ivec3 at) const;
+	std::size_t bucket_of(glm::ivec3 at) const;
 	void grow();
 
 	std::vector<StreamedTile> tiles_;
 	std::vector<std::uint32_t> free_;
-	std::vector<std::uint32_t>
-			buckets_; ///< Open addressing, linear: slots by hash, `none` where empty. A power of 2 in size.
+	/// Slots by hash, with linear probing; `none` where empty. The size is a power of two.
+	std::vector<std::uint32_t> buckets_;
 };
 
 } // namespace thicket

@@ -8,7 +8,7 @@
 
 namespace thicket {
 
-void work_order(std::span<const Rect> areas, std::span<const Viewer> viewers, std::vector<std::size_t> &r_order) {
+void work_order(std::span<const TileSpace> areas, std::span<const Viewer> viewers, std::vector<std::size_t> &r_order) {
 	std::vector<double> distances(areas.size(), std::numeric_limits<double>::infinity());
 	std::vector<std::vector<std::size_t>> areas_of(viewers.size());
 	r_order.resize(areas.size());
@@ -16,7 +16,8 @@ void work_order(std::span<const Rect> areas, std::span<const Viewer> viewers, st
 	for (std::size_t area = 0; area < areas.size(); ++area) {
 		std::size_t nearest = 0;
 		for (std::size_t viewer = 0; viewer < viewers.size(); ++viewer) {
-			const double squared = distance_squared(areas[area], viewers[viewer].position);
+			const glm::dvec2 at = viewers[viewer].position;
+			const double squared = distance_squared(areas[area], glm::dvec3(at.x, viewers[viewer].height, at.y));
 			nearest = squared < distances[area] ? viewer : nearest;
 			distances[area] = std::min(distances[area], squared);
 		}

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/base/rect.hpp"
+#include "core/base/tile_grid.hpp"
 #include "core/streaming/tile_streamer.hpp"
 
 #include <cstddef>
@@ -9,10 +9,11 @@
 
 namespace thicket {
 
-/// Computes the order for the waiting entries of a queue after viewers have moved: `r_order[i]` is the entry of `areas`
-/// for index i. Entries that are nearest to the same viewer are sorted by distance to it, and share the indices that
-/// these entries had before. So many entries around one viewer do not push back those of other viewers. Without
-/// viewers, the order is unchanged.
-void work_order(std::span<const Rect> areas, std::span<const Viewer> viewers, std::vector<std::size_t> &r_order);
+/// Reorders the waiting entries of a queue after viewers have moved. `r_order[i]` becomes the index
+/// in `areas` of the entry for position i. For each viewer, the entries nearest to it are sorted by
+/// distance, among the positions in the queue that they already hold. Many entries around one
+/// viewer therefore do not delay the entries of a different viewer. Without viewers, the order is
+/// unchanged.
+void work_order(std::span<const TileSpace> areas, std::span<const Viewer> viewers, std::vector<std::size_t> &r_order);
 
 } // namespace thicket

@@ -14,7 +14,8 @@ constexpr double cell_width = surface_cell_size;
 
 std::int32_t cell_at(double units) { return static_cast<std::int32_t>(std::floor(units / cell_width)); }
 
-/// A ball with its center in a cell reaches a cell at this offset, in any direction: the gap between the two is less than the radius.
+/// Returns true if, for an x offset of +-2 cells, a ball centered in one cell can reach a cell at
+/// this y and z offset.
 constexpr bool in_reach(std::int32_t y, std::int32_t z) { return y * y < 4 || z * z < 4; }
 
 } // namespace
@@ -49,7 +50,7 @@ void SurfaceGrid::enter(const SurfaceTriangle &triangle, std::uint32_t number) {
 			return;
 		}
 	}
-	// Columns along the axis that is nearest to the normal have the fewest cells near the plane.
+	// Columns along the axis nearest to the normal intersect the fewest cells near the plane.
 	const glm::dvec3 steep = glm::abs(triangle.normal);
 	int axis = steep.x > steep.y ? 0 : 1;
 	axis = steep.z > at(steep, axis) ? 2 : axis;
@@ -57,7 +58,8 @@ void SurfaceGrid::enter(const SurfaceTriangle &triangle, std::uint32_t number) {
 	const SurfaceOutline outline(triangle, axis);
 	const double half = half_of_lines(cell_width);
 	const double reach = outline.reach(half);
-	// The plane may leave the box far away, beyond the range of an integer.
+	// The heights are clamped to the box, because the plane's height may exceed the range of an
+	// integer.
 	const double lowest = first[axis] * cell_width;
 	const double highest = (last[axis] + 1) * cell_width - 1.0;
 	for (std::int32_t v = first[side_v]; v <= last[side_v]; ++v) {
@@ -98,7 +100,8 @@ void SurfaceGrid::number_cells() {
 			cells_.push_back(glm::ivec3(x, row % rows_, row / rows_) - surface_reach);
 		}
 	}
-	// A counting sort, so that each cell lists its triangles in the caller's order.
+	// The triangles are sorted by a stable counting sort, so that each cell lists its triangles in
+	// the caller's order.
 	starts_.assign(cells_.size() + 1, 0);
 	for (Entry &entry : entries_) {
 		entry.place = rank(entry.place / 64, std::uint64_t{1} << (entry.place & 63));
@@ -117,32 +120,36 @@ void SurfaceGrid::number_cells() {
 	starts_[0] = 0;
 }
 
-void SurfaceGrid::append_neighbors(std::uint32_t number, std::vector<Run> &r_runs) const {
+void SurfaceGrid::append_neighbors(std::uint32_t number, std::vector<std::uint32_t> &r_cells) const {
+	constexpr std::uint32_t side = 2 * surface_reach + 1;
 	const glm::ivec3 &center = cells_[number];
-	// The five cells from x - 2 to x + 2 are at these bits of a row.
+	// In a row, the bits of the five cells from x - 2 to x + 2 start at this bit.
 	const int shift = center.x & 63;
 	const auto column = static_cast<std::size_t>(center.x >> 6);
+	std::size_t end = r_cells.size();
+	r_cells.resize(end + side * side * side);
 	for (std::int32_t z = -surface_reach; z <= surface_reach; ++z) {
 		auto row = static_cast<std::size_t>(center.z + z + surface_reach) * static_cast<std::size_t>(rows_) +
 				static_cast<std::size_t>(center.y);
 		for (std::int32_t y = -surface_reach; y <= surface_reach; ++y, ++row) {
 			const std::size_t left = row * words_ + column;
-			std::uint64_t run = bits_[left] >> shift;
-			if (shift > 59) {
-				run |= bits_[left + 1] << (64 - shift);
+			// Two shifts append the bits of the second word. A single shift would be by 64 bits if
+			// `shift` is 0, which is undefined.
+			const std::uint64_t five = bits_[left] >> shift | bits_[left + 1] << 1 << (63 - shift);
+			const std::uint64_t found = five & (in_reach(y, z) ? 0b11111u : 0b01110u);
+			// Cells in a row have consecutive numbers. All five numbers are written, because the
+			// end of a loop over only the found cells would be mispredicted. The next row
+			// overwrites the rest.
+			const int place = shift + std::countr_zero(found | 0b10000u);
+			const std::uint32_t first =
+					rank(left + static_cast<std::size_t>(place >> 6), std::uint64_t{1} << (place & 63));
+			for (std::uint32_t each = 0; each < side; ++each) {
+				r_cells[end + each] = first + each;
 			}
-			run &= in_reach(y, z) ? 0b11111u : 0b01110u;
-			if (run != 0) {
-				const int place = shift + std::countr_zero(run);
-				const std::size_t word = left + static_cast<std::size_t>(place >> 6);
-				std::uint32_t count = 0;
-				for (; run != 0; run &= run - 1) {
-					++count;
-				}
-				r_runs.push_back({rank(word, std::uint64_t{1} << (place & 63)), count});
-			}
+			end += count_bits(found);
 		}
 	}
+	r_cells.resize(end);
 }
 
 std::size_t SurfaceGrid::bytes() const {

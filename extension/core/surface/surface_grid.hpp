@@ -4,7 +4,6 @@
 
 #include <glm/vec3.hpp>
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -12,7 +11,7 @@
 
 namespace thicket {
 
-/// A box of cells, half-open.
+/// A half-open box of cells.
 struct CellBox {
 	glm::ivec3 min{0};
 	glm::ivec3 max{0};
@@ -28,12 +27,14 @@ struct CellBox {
 	friend bool operator==(const CellBox &, const CellBox &) = default;
 };
 
-/// The cells of a box that a surface may enter, numbered by x, then y, then z, and the triangles that may enter each of them: all that do,
-/// and a few whose planes pass near their edges.
+/// The cells of a box that a surface may enter, and the triangles that may enter each cell. A
+/// cell's list may include a few triangles that only pass close to it. Cells are numbered by x,
+/// then y, then z.
 class SurfaceGrid {
 public:
-	/// Rebuilds the grid, reusing memory. `triangles` are in units relative to the lower corner of `box`, and must outlive the grid's use.
-	/// `extra` are cells that get a number although no triangle may enter them. The box has at most `max_volume` cells.
+	/// Rebuilds the grid and reuses its memory. `triangles` are in units relative to the lower
+	/// corner of `box`. `extra` are cells, relative to `box`, that are included even if no triangle
+	/// enters them. `box` must have at most `max_volume` cells.
 	void build(const CellBox &box, std::span<const SurfaceTriangle> triangles, std::span<const glm::ivec3> extra);
 
 	static constexpr std::int64_t max_volume = std::int64_t{1} << 30;
@@ -42,10 +43,11 @@ public:
 	const CellBox &box() const { return box_; }
 	std::uint32_t count() const { return static_cast<std::uint32_t>(cells_.size()); }
 
-	/// The cell of a number, relative to the box.
+	/// Returns the cell with this number, relative to the box.
 	const glm::ivec3 &cell(std::uint32_t number) const { return cells_[number]; }
 
-	/// The number of a cell, relative to the box, or `none`. The cell may lie up to surface_reach cells outside of the box.
+	/// Returns the number of a cell, or `none`. `cell` is relative to the box, and may be up to
+	/// surface_reach cells outside it.
 	std::uint32_t number_of(const glm::ivec3 &cell) const {
 		const std::size_t word = word_of(cell);
 		const std::uint64_t bit = std::uint64_t{1} << ((cell.x + surface_reach) & 63);
@@ -56,20 +58,15 @@ public:
 		return std::span(triangles_).subspan(starts_[number], starts_[number + 1] - starts_[number]);
 	}
 
-	/// Cells whose numbers follow each other.
-	struct Run {
-		std::uint32_t first;
-		std::uint32_t count;
-	};
-
-	/// Appends the cells that a ball around a point in this cell can reach, this one among them, in order.
-	void append_neighbors(std::uint32_t number, std::vector<Run> &r_runs) const;
+	/// Appends the numbers of the cells that a ball around a point in this cell can reach,
+	/// including this cell, in ascending order.
+	void append_neighbors(std::uint32_t number, std::vector<std::uint32_t> &r_cells) const;
 
 	std::size_t bytes() const;
 
 private:
 	struct Entry {
-		std::uint32_t place; ///< The cell's bit.
+		std::uint32_t place; ///< Index of the cell's bit; later the cell's number.
 		std::uint32_t triangle;
 	};
 
@@ -79,7 +76,15 @@ private:
 		return row * words_ + (static_cast<std::size_t>(cell.x + surface_reach) >> 6);
 	}
 	std::uint32_t rank(std::size_t word, std::uint64_t bit) const {
-		return ranks_[word] + static_cast<std::uint32_t>(std::popcount(bits_[word] & (bit - 1)));
+		return ranks_[word] + count_bits(bits_[word] & (bit - 1));
+	}
+	/// Returns the number of bits that are set. Unlike std::popcount, this never compiles to a
+	/// library call.
+	static std::uint32_t count_bits(std::uint64_t bits) {
+		bits -= bits >> 1 & 0x5555555555555555u;
+		bits = (bits & 0x3333333333333333u) + (bits >> 2 & 0x3333333333333333u);
+		bits = (bits + (bits >> 4)) & 0x0f0f0f0f0f0f0f0fu;
+		return static_cast<std::uint32_t>(bits * 0x0101010101010101u >> 56);
 	}
 	void enter(const SurfaceTriangle &triangle, std::uint32_t number);
 	void number_cells();
@@ -88,9 +93,9 @@ private:
 	glm::ivec3 size_{0};
 	std::int32_t rows_ = 0;
 	std::size_t words_ = 0;
-	std::vector<std::uint64_t>
-			bits_; ///< A bit for each cell of the box and of a border of surface_reach cells, by rows along x.
-	std::vector<std::uint32_t> ranks_; ///< The number of the first cell of each word.
+	/// One bit for each cell of the box and of a border of surface_reach cells, in rows along x.
+	std::vector<std::uint64_t> bits_;
+	std::vector<std::uint32_t> ranks_; ///< For each word, the number of cells before it.
 	std::vector<glm::ivec3> cells_;
 	std::vector<Entry> entries_;
 	std::vector<std::uint32_t> starts_;

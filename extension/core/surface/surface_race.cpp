@@ -13,13 +13,14 @@ namespace thicket {
 
 namespace {
 
-/// The least whole number whose square is not below radius^2. Positions that differ by more than this on one axis are
-/// farther apart than the radius.
+/// The smallest integer whose square is at least the squared radius, in units. Positions that
+/// differ by at least this on one axis are not within the radius.
 constexpr std::int32_t radius_units = 1816187;
 static_assert(std::int64_t{radius_units} * radius_units >= surface_radius_squared &&
 		std::int64_t{radius_units - 1} * (radius_units - 1) < surface_radius_squared);
 
-/// The bits of a line's column in `Cell::open`, or the bit of the wider column that contains it.
+/// Returns the bits in `Cell::open` of a line's column: all 16 for a whole cell, otherwise the bit
+/// of the column that contains it.
 constexpr std::uint64_t columns_of(const SurfaceLine &line) {
 	const std::uint64_t bits = line.depth == 0 ? 0xffff : 1;
 	return bits << (line.axis * 16 + (line.low_u() >> SurfacePatch::shift) + 4 * (line.low_v() >> SurfacePatch::shift));
@@ -34,7 +35,8 @@ std::int64_t squared(const glm::ivec3 &offset) {
 	return std::int64_t{offset.x} * offset.x + std::int64_t{offset.y} * offset.y + std::int64_t{offset.z} * offset.z;
 }
 
-/// From a position to the nearest one in a cell with its lower corner at `low`, on each axis.
+/// Returns, for each axis, the distance from a position to the nearest one in the cell whose lower
+/// corner is `low`.
 glm::ivec3 gap(const glm::ivec3 &position, const glm::ivec3 &low) {
 	return glm::max(glm::max(low - position, position - (low + (surface_cell_size - 1))), glm::ivec3(0));
 }
@@ -69,19 +71,37 @@ void SurfaceRace::start(const SurfaceSource &source, std::uint32_t level, const 
 }
 
 bool SurfaceRace::decide(const CellBox &wanted, const std::atomic<bool> *cancel) {
-	// Early darts first: their points cover most cubes of the later ones, which then are never visited.
+	// All wanted cells throw their first lines before any dart is decided. Otherwise, a dart would
+	// wait for one nearby cell after the other.
+	pending_.clear();
+	for (std::uint32_t number = 0; number < grid_.count(); ++number) {
+		if (times_[number] == surface_time_unthrown && wanted.contains(grid_.cell(number) + grid_.box().min)) {
+			throw_first(number);
+			pending_.push_back(number);
+		}
+		if ((number & 1023u) == 0 && is_cancelled(cancel)) {
+			return false;
+		}
+	}
+	// End times of the passes. Early darts are decided first. Their points cover most of the
+	// columns of later darts, which are then never visited.
 	constexpr std::array passes{0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 32.0, std::numeric_limits<double>::infinity()};
 	for (const double pass : passes) {
 		const auto until = std::bit_cast<SurfaceTime>(pass);
-		for (std::uint32_t number = 0; number < grid_.count(); ++number) {
-			if (times_[number] <= until && wanted.contains(grid_.cell(number) + grid_.box().min) &&
-					!settle(number, until)) {
+		std::size_t kept = 0;
+		for (std::size_t place = 0; place < pending_.size(); ++place) {
+			const std::uint32_t number = pending_[place];
+			if (times_[number] <= until && !settle(number, until)) {
 				return false;
 			}
-			if ((number & 1023u) == 0 && is_cancelled(cancel)) {
+			if (times_[number] != surface_time_never) {
+				pending_[kept++] = number;
+			}
+			if ((place & 1023u) == 0 && is_cancelled(cancel)) {
 				return false;
 			}
 		}
+		pending_.resize(kept);
 	}
 	return true;
 }
@@ -114,7 +134,8 @@ SurfaceSearch SurfaceRace::search_in(std::uint32_t number) const {
 	if (std::ranges::all_of(inside, [&](std::uint32_t index) { return triangles_[index].search == search; })) {
 		return search;
 	}
-	// The search must depend only on the surface in the cell, and the grid lists a few triangles that are not in it.
+	// The search must depend only on the surface in the cell, but the grid also lists a few
+	// triangles that are not in it.
 	const SurfaceCube cube{glm::dvec3(grid_.cell(number) * surface_cell_size), static_cast<double>(surface_cell_size)};
 	glm::dvec3 least(1.0);
 	for (const std::uint32_t index : inside) {
@@ -202,7 +223,8 @@ void SurfaceRace::find_hits(std::uint32_t number, const SurfaceLine &line, const
 			continue;
 		}
 		const double along = *hit - low[line.axis];
-		// The finest columns have only one line, so that one is always kept: then no gap remains.
+		// The finest columns have only one line, whose hits are always kept, so that no gap
+		// remains.
 		if (along >= 0 && along < surface_cell_size &&
 				(line.depth == surface_depth ||
 						line.keeps(triangles_[index].keep_probability(cells_[number].search)))) {
@@ -221,13 +243,11 @@ SurfaceRace::Fate SurfaceRace::judge(
 		return Fate::rejected;
 	}
 	SurfaceTime earliest = time;
-	for (const SurfaceGrid::Run &run : neighbors_of(number)) {
-		for (std::uint32_t near = run.first; near < run.first + run.count; ++near) {
-			if (times_[near] < earliest &&
-					squared(gap(position, grid_.cell(near) * surface_cell_size)) < surface_radius_squared) {
-				earliest = times_[near];
-				r_blocker = near;
-			}
+	for (const std::uint32_t near : neighbors_of(number)) {
+		if (times_[near] < earliest &&
+				squared(gap(position, grid_.cell(near) * surface_cell_size)) < surface_radius_squared) {
+			earliest = times_[near];
+			r_blocker = near;
 		}
 	}
 	if (is_near_open_face(position)) {
@@ -252,11 +272,9 @@ void SurfaceRace::accept(std::uint32_t number, const glm::ivec3 &position, std::
 	finish(number);
 	cells_[number].point = static_cast<std::uint32_t>(points_.size());
 	points_.push_back({position, triangle, level, time});
-	for (const SurfaceGrid::Run &run : neighbors_of(number)) {
-		for (std::uint32_t near = run.first; near < run.first + run.count; ++near) {
-			if (times_[near] != surface_time_never) {
-				cover(position, near);
-			}
+	for (const std::uint32_t near : neighbors_of(number)) {
+		if (times_[near] != surface_time_never) {
+			cover(position, near);
 		}
 	}
 }
@@ -295,7 +313,7 @@ void SurfaceRace::finish(std::uint32_t number) {
 void SurfaceRace::split(std::uint32_t number) {
 	Cell &cell = cells_[number];
 	const SurfaceLine line = lines_.take_first(cell.lines);
-	// A whole cell is split into the columns of `Cell::open`, a column into quarters.
+	// A whole cell is split into the columns of `Cell::open`, any other column into quarters.
 	std::uint32_t open = 0;
 	if (line.depth == 0) {
 		open = static_cast<std::uint32_t>(cell.open >> (line.axis * 16)) & 0xffffu;
@@ -370,7 +388,7 @@ void SurfaceRace::show_next(std::uint32_t number) {
 	finish(number);
 }
 
-std::span<const SurfaceGrid::Run> SurfaceRace::neighbors_of(std::uint32_t number) {
+std::span<const std::uint32_t> SurfaceRace::neighbors_of(std::uint32_t number) {
 	Cell &cell = cells_[number];
 	if (cell.neighbors == none) {
 		cell.neighbors = static_cast<std::uint32_t>(neighbors_.size());
@@ -392,8 +410,9 @@ void SurfaceRace::append_points(const CellBox &wanted, std::vector<SurfaceDart> 
 
 std::size_t SurfaceRace::bytes() const {
 	return grid_.bytes() + patches_.capacity() * sizeof(SurfacePatch) + near_.capacity() * sizeof(Near) +
-			cells_.capacity() * sizeof(Cell) + points_.capacity() * sizeof(Point) + lines_.bytes() +
-			times_.capacity() * sizeof(SurfaceTime) + neighbors_.capacity() * sizeof(SurfaceGrid::Run);
+			pending_.capacity() * sizeof(std::uint32_t) + cells_.capacity() * sizeof(Cell) +
+			points_.capacity() * sizeof(Point) + lines_.bytes() + times_.capacity() * sizeof(SurfaceTime) +
+			neighbors_.capacity() * sizeof(std::uint32_t);
 }
 
 } // namespace thicket

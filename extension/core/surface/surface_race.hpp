@@ -14,44 +14,48 @@ namespace thicket {
 
 /// An accepted dart.
 struct SurfaceDart {
-	glm::i64vec3 position{0}; ///< Units of the level's lattice, from the world's origin.
+	glm::i64vec3 position{0}; ///< Position in units of the level's lattice, relative to the world's origin.
 	SurfaceTime time = 0;
 	std::uint32_t level = 0;
-	std::uint32_t triangle = 0; ///< Index in the caller's list.
+	std::uint32_t triangle = 0; ///< Index of the triangle in the caller's list.
 };
 
-/// Statistics of races, added up.
+/// Accumulated statistics of races.
 struct SurfaceCounts {
-	std::uint64_t cells = 0;    ///< Cells that threw a line.
-	std::uint64_t lines = 0;    ///< Lines without a point.
-	std::uint64_t hits = 0;     ///< Darts that were rejected.
-	std::uint64_t accepted = 0; ///< Points.
+	std::uint64_t cells = 0;    ///< Number of cells with at least one line.
+	std::uint64_t lines = 0;    ///< Number of lines that produced no point.
+	std::uint64_t hits = 0;     ///< Number of rejected darts.
+	std::uint64_t accepted = 0; ///< Number of accepted darts, which are the points.
 };
 
-/// The race of one level over a box of cells. A dart is accepted exactly if no accepted dart with an earlier time lies
-/// within the radius. A dart is decided as on the plane (ARCHITECTURE.md, "Why tiles are exact"): a dart waits for the
-/// cells within its reach that have an earlier line, and no others. The times along such a chain decrease, so it ends.
+/// The race of one level over a box of cells: it decides the darts in the order of their times. A
+/// dart is accepted exactly if no accepted dart with an earlier time lies within the radius. As on
+/// the plane (ARCHITECTURE.md, "Why tiles are exact"), a dart waits only for the cells within its
+/// reach that have an earlier line. Times decrease along such a chain, so it ends.
 class SurfaceRace {
 public:
-	/// For each face of the box, by axis: true if the surface continues behind it. Darts near these faces are unknown.
+	/// For each axis, true if the surface continues beyond the lower or upper face of the box.
+	/// Darts near an open face cannot be decided.
 	struct OpenFaces {
 		std::array<bool, 3> lower{};
 		std::array<bool, 3> upper{};
 	};
 
-	/// Prepares a race, reusing memory. `triangles` are in units of this level relative to the lower corner of `box`, and must outlive the
-	/// race. `placed` are the points of coarser levels in the box, in units of this level; all of them lie in the box.
+	/// Prepares a race and reuses memory. `triangles` are in units of this level relative to the
+	/// lower corner of `box`, and must outlive the race. `placed` are the points of coarser levels
+	/// in `box`, in units of this level.
 	void start(const SurfaceSource &source, std::uint32_t level, const CellBox &box, const OpenFaces &open_faces,
 			std::span<const SurfaceTriangle> triangles, std::span<const SurfaceDart> placed);
 
-	/// Decides all darts of the cells of `wanted`. Returns false if `cancel` was raised or if a dart depends on cells outside the box; the
-	/// latter sets `undecided`.
+	/// Decides all darts in the cells of `wanted`. Returns false if `cancel` is set, or if a dart
+	/// depends on cells outside the box. In the second case, `undecided` is not null.
 	bool decide(const CellBox &wanted, const std::atomic<bool> *cancel);
 
-	/// Appends the points in the cells of `wanted`, by z, then y, then x.
+	/// Appends the points in the cells of `wanted`, ordered by z, then y, then x.
 	void append_points(const CellBox &wanted, std::vector<SurfaceDart> &r_points) const;
 
-	/// A point whose fate depends on cells outside the box, in units from the world's origin.
+	/// Returns the position of a dart that depends on cells outside the box, in units relative to
+	/// the world's origin, or null if there is none.
 	const glm::i64vec3 *undecided() const { return is_undecided_ ? &undecided_ : nullptr; }
 
 	const SurfaceCounts &counts() const { return counts_; }
@@ -61,30 +65,33 @@ private:
 	static constexpr std::uint32_t none = SurfaceGrid::none;
 
 	struct Cell {
-		/// For each axis, 16 bits of columns that the surface may enter and that are not known to be covered.
+		/// For each axis, 16 bits for the columns that the surface may enter and that are not known
+		/// to be covered.
 		std::uint64_t open = 0;
 		SurfaceLines::List lines = SurfaceLines::empty;
-		std::uint32_t patches = none;   ///< The first in `patches_`, one for each searched axis; none before `prepare`.
-		std::uint32_t neighbors = none; ///< The first run in `neighbors_`.
+		/// Index in `patches_` of the first patch; none before `prepare`. There is one patch for
+		/// each searched axis.
+		std::uint32_t patches = none;
+		std::uint32_t neighbors = none; ///< Index in `neighbors_` of the first neighbor.
 		std::uint32_t neighbor_count = 0;
-		std::uint32_t point = none; ///< Index in `points_`.
-		std::uint32_t near = none;  ///< The last one in `near_`.
+		std::uint32_t point = none; ///< Index of the cell's point in `points_`.
+		std::uint32_t near = none;  ///< Index in `near_` of the first list entry.
 		SurfaceSearch search;
 	};
 	struct Point {
-		glm::ivec3 position; ///< Units, relative to the box.
+		glm::ivec3 position; ///< Position in units relative to the box.
 		std::uint32_t triangle;
 		std::uint32_t level;
 		SurfaceTime time;
 	};
-	/// A point whose ball reaches a cell: a list for each cell.
+	/// A list entry: a point whose ball reaches the cell.
 	struct Near {
 		glm::ivec3 position;
 		std::uint32_t next;
 	};
 	struct Hit {
 		std::int32_t along;
-		std::uint32_t triangle; ///< Number in `triangles_`.
+		std::uint32_t triangle; ///< Index of the triangle in `triangles_`.
 	};
 	struct Wanted {
 		std::uint32_t cell;
@@ -93,12 +100,12 @@ private:
 	enum class Fate : std::uint8_t { accepted, rejected, waits, unknown };
 
 	bool settle(std::uint32_t number, SurfaceTime until);
-	/// Finds out how a cell is searched, and where its surface is.
+	/// Determines a cell's search axes and the columns that the surface may enter.
 	void prepare(std::uint32_t number);
 	SurfaceSearch search_in(std::uint32_t number) const;
 	void throw_first(std::uint32_t number);
-	/// Decides the cell's next line and returns `none`. If a different cell must be decided first, up to that line's
-	/// time, returns that cell instead.
+	/// Decides the cell's next line and returns `none`. If a different cell must first be decided
+	/// up to that line's time, the function returns that cell instead.
 	std::uint32_t step(std::uint32_t number);
 	void find_hits(std::uint32_t number, const SurfaceLine &line, const SurfaceLine::Course &course);
 	Fate judge(std::uint32_t number, SurfaceTime time, const glm::ivec3 &position, std::uint32_t &r_blocker);
@@ -107,12 +114,13 @@ private:
 	void cover(const glm::ivec3 &position, std::uint32_t number);
 	void finish(std::uint32_t number);
 	void split(std::uint32_t number);
-	/// Which quarters of a line's column, a bit for each, no point's ball is known to cover.
+	/// Returns the quarters of a line's column that the surface may enter and no point's ball is
+	/// known to cover, one bit each.
 	std::uint32_t open_quarters(std::uint32_t number, const SurfaceLine &line) const;
-	/// True if the ball of one point covers the box between two corners.
+	/// Returns true if the ball of a single point covers the box from `from` to `to`.
 	bool is_covered(std::uint32_t number, const glm::ivec3 &from, const glm::ivec3 &to) const;
 	void show_next(std::uint32_t number);
-	std::span<const SurfaceGrid::Run> neighbors_of(std::uint32_t number);
+	std::span<const std::uint32_t> neighbors_of(std::uint32_t number);
 	bool is_near_open_face(const glm::ivec3 &position) const;
 
 	SurfaceSource source_;
@@ -121,12 +129,14 @@ private:
 	std::span<const SurfaceTriangle> triangles_;
 	SurfaceGrid grid_;
 	std::vector<glm::ivec3> extra_;
-	std::vector<SurfaceTime> times_; ///< Of each cell's next line; never once the cell is decided.
+	/// Time of each cell's next line; surface_time_never once the cell is decided.
+	std::vector<SurfaceTime> times_;
+	std::vector<std::uint32_t> pending_; ///< Numbers of the wanted cells that are not decided yet.
 	std::vector<Cell> cells_;
 	std::vector<SurfacePatch> patches_;
 	std::vector<Point> points_;
 	SurfaceLines lines_;
-	std::vector<SurfaceGrid::Run> neighbors_;
+	std::vector<std::uint32_t> neighbors_;
 	std::vector<Near> near_;
 	std::vector<Wanted> wanted_;
 	std::vector<Hit> hits_;

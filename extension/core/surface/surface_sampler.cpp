@@ -21,10 +21,12 @@ namespace thicket {
 
 namespace {
 
-/// The widest block that is decided as a whole, in cells: its margin is a small part of it, and its grid stays in the cache.
+/// Largest side, in cells, of a block that is decided as a whole. Its margin is small in
+/// comparison, and its grid still fits in the cache.
 constexpr std::int32_t widest_block = 128;
 
-/// Cells lie in [-surface_cell_limit, surface_cell_limit) on each axis, so that all positions in units are exact as doubles.
+/// Cells are in [-surface_cell_limit, surface_cell_limit) on each axis, so that doubles represent
+/// all positions in units exactly.
 constexpr std::int32_t surface_cell_limit = 1 << 30;
 
 constexpr double sqrt_3 = 1.7320508075688772;
@@ -39,18 +41,19 @@ glm::ivec3 cell_of(const glm::dvec3 &units) {
 	return glm::ivec3(glm::floor(units / static_cast<double>(surface_cell_size)));
 }
 
-/// The cells that contain a box whose corners are rounded to units.
+/// Returns the cells that contain a box whose corners are rounded to units.
 CellBox cells_around(const Box3 &box, double unit) {
 	return {cell_of(units_of(box.min, unit)), cell_of(units_of(box.max, unit)) + 1};
 }
 
-/// The box of cells, and a little more than any rounding moves a corner of a triangle.
+/// Returns the box of cells in meters, extended by more than rounding can move a triangle's corner.
 Box3 world_box(const CellBox &cells, double unit) {
 	const double width = unit * surface_cell_size;
 	return {glm::dvec3(cells.min) * width - unit, glm::dvec3(cells.max) * width + unit};
 }
 
-/// The cells of the next coarser level that contain all points which can lie within the finer level's radius of the given cells.
+/// Returns the cells of the next coarser level that contain all points within the finer level's
+/// radius of `cells`.
 CellBox coarse_cells_around(const CellBox &cells) {
 	return {(cells.min - surface_reach) >> 1, ((cells.max + surface_reach - 1) >> 1) + 1};
 }
@@ -58,7 +61,8 @@ CellBox coarse_cells_around(const CellBox &cells) {
 glm::ivec3 dart_cell(const SurfaceDart &dart) { return glm::ivec3(dart.position >> std::int64_t{surface_bits}); }
 
 std::uint32_t rank_of(const PointSet &set, const SurfaceDart &dart) {
-	// Converts the time to that of the plane, whose clocks run at a rate of 1 for an area of radius^2 / 2, not radius^2 / 3.
+	// The time is converted to that on the plane, where clocks have a rate of 1 for an area of
+	// radius^2 / 2 instead of radius^2 / 3.
 	const double time = std::bit_cast<double>(dart.time) * 1.5;
 	return thicket::rank_of(set.levels, dart.level, std::bit_cast<TimeKey>(static_cast<float>(time)));
 }
@@ -89,7 +93,8 @@ Status validate_bounds(const PointSet &set, const Surface &surface) {
 	return {};
 }
 
-/// At most this many points lie in the window, estimated from the area.
+/// Returns an estimated upper bound for the number of points in the window, from the area of the
+/// triangles.
 double expected_points(
 		const PointSet &set, const Surface &surface, const Box3 &window, std::span<const std::uint32_t> triangles) {
 	const glm::dvec3 size = window.max - window.min;
@@ -101,16 +106,40 @@ double expected_points(
 	return area * point_density(set);
 }
 
+/// Returns true if a triangle is one of the faces in `which`. A triangle within 0.06 degrees of
+/// vertical counts as vertical, because the difference may be due to rounding.
+bool faces(SurfaceFaces which, const Surface &surface, std::uint32_t triangle) {
+	if (which == SurfaceFaces::all) {
+		return true;
+	}
+	constexpr double vertical = 1e-3;
+	const glm::dvec3 cross = surface.cross(triangle);
+	const double tilt = which == SurfaceFaces::up ? cross.y : -cross.y;
+	return tilt >= 0.0 || tilt * tilt <= vertical * vertical * glm::dot(cross, cross);
+}
+
 } // namespace
 
 std::uint64_t surface_id(std::uint16_t layer, const glm::ivec3 &cell) {
-	const auto bits = [](std::int32_t side) {
-		return std::uint64_t{static_cast<std::uint32_t>(side) & 0xffffu};
+	const auto wrapped = [](std::int32_t side, std::int32_t limit) {
+		return ((side + limit) & (2 * limit - 1)) - limit;
 	};
-	return std::uint64_t{layer} << id_layer_shift | bits(cell.x) << 32 | bits(cell.y) << 16 | bits(cell.z);
+	const std::int32_t height = wrapped(cell.y, surface_id_height);
+	const auto with_height = [&](std::int32_t side, std::int32_t part) {
+		return wrapped(side, surface_id_extent) * surface_id_steps + (part & (surface_id_steps - 1));
+	};
+	return pack({layer, {with_height(cell.x, height >> surface_id_step_bits), with_height(cell.z, height)}});
 }
 
 double surface_unit(const PointSet &set) { return set.radius / (sqrt_3 * surface_cell_size); }
+
+/// Adds up the margins of all levels, because each level requests its darts from the next coarser
+/// one. Each margin is extended by the reach of a dart and by the rounding to whole cells.
+double sampled_around(const PointSet &set, std::int32_t widest_margin) {
+	constexpr std::int32_t rounding = 3;
+	const double levels = static_cast<double>((1U << set.levels) - 1U);
+	return levels * level_unit(set, 0) * surface_cell_size * (widest_margin + surface_reach + rounding);
+}
 
 struct SurfaceSampler::Workspace {
 	struct Level {
@@ -120,7 +149,7 @@ struct SurfaceSampler::Workspace {
 		std::vector<SurfaceDart> placed;
 	};
 
-	/// One call.
+	/// The arguments of a call.
 	struct Call {
 		const PointSet &set;
 		const Surface &surface;
@@ -150,6 +179,10 @@ Status SurfaceSampler::Workspace::run(const Call &call) {
 	if (const Status status = call.window != nullptr ? validate_window(*call.window) : Status(); !status.ok()) {
 		return status;
 	}
+	if (is_empty(call.surface.bounds())) {
+		call.points.clear();
+		return {};
+	}
 	if (const Status status = validate_bounds(call.set, call.surface); !status.ok()) {
 		return status;
 	}
@@ -171,7 +204,8 @@ Status SurfaceSampler::Workspace::run(const Call &call) {
 	return divide(call, cells_around({all.min - unit, all.max + unit}, unit), triangles, 0.0, 1.0);
 }
 
-/// Halves a box of cells until it is small enough to be decided as a whole, and skips the parts without triangles.
+/// Recursively halves a box of cells until it is small enough to be decided as a whole. Parts
+/// without triangles are skipped.
 Status SurfaceSampler::Workspace::divide(
 		const Call &call, const CellBox &cells, std::span<const std::uint32_t> triangles, double begin, double end) {
 	if (call.progress.cancelled()) {
@@ -216,7 +250,7 @@ Status SurfaceSampler::Workspace::divide(
 	return {};
 }
 
-/// Appends the points of one level, and those of coarser levels, in the wanted cells.
+/// Appends the points in the wanted cells of one level and of all coarser levels.
 Status SurfaceSampler::Workspace::decide(
 		const Call &call, std::uint32_t number, const CellBox &wanted, std::vector<SurfaceDart> &r_points) {
 	const CellBox bounds = cells_around(call.surface.bounds(), level_unit(call.set, number));
@@ -268,6 +302,9 @@ bool SurfaceSampler::Workspace::race(
 	call.surface.find(world_box(box, unit), level.found);
 	level.triangles.clear();
 	for (const std::uint32_t index : level.found) {
+		if (!faces(call.set.faces, call.surface, index)) {
+			continue;
+		}
 		std::array<glm::dvec3, 3> corners = call.surface.triangle(index);
 		for (glm::dvec3 &corner : corners) {
 			corner = units_of(corner, unit) - origin;

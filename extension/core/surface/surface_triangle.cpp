@@ -12,7 +12,7 @@ namespace thicket {
 
 namespace {
 
-/// The edges, by the numbers of their corners. The first corner of an edge comes before its second.
+/// The edges, as pairs of corner indices in ascending order.
 constexpr std::array<std::array<std::size_t, 2>, 3> edges{{{0, 1}, {1, 2}, {0, 2}}};
 constexpr std::array<std::size_t, 3> corner_opposite{2, 0, 1};
 
@@ -27,13 +27,15 @@ glm::dvec3 cross(const glm::dvec3 &a, const glm::dvec3 &b) {
 	return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// Whether the projections of the triangle, relative to the cube's center, and of the cube on an axis are apart. The axis is the cross
-/// product of the edge from `from` with a side of the cube.
+/// Returns true if the projections of the triangle and the cube onto an axis are disjoint.
+/// `of_edge` and `of_other` are the projections of an edge and of the third corner, relative to the
+/// cube's center; `radius` is half the projection of the cube.
 bool apart(double of_edge, double of_other, double radius) {
 	return std::min(of_edge, of_other) > radius || std::max(of_edge, of_other) < -radius;
 }
 
-/// The three axes of one edge. `on` is one of its ends, `off` is the third corner.
+/// Tests the three axes that are cross products of an edge with the sides of the cube. `on` is an
+/// end of the edge, `off` the third corner.
 bool edge_is_apart(const glm::dvec3 &edge, const glm::dvec3 &on, const glm::dvec3 &off, double half) {
 	const glm::dvec3 size(std::abs(edge.x), std::abs(edge.y), std::abs(edge.z));
 	return apart(edge.y * on.z - edge.z * on.y, edge.y * off.z - edge.z * off.y, half * (size.y + size.z)) ||
@@ -41,7 +43,19 @@ bool edge_is_apart(const glm::dvec3 &edge, const glm::dvec3 &on, const glm::dvec
 			apart(edge.x * on.y - edge.y * on.x, edge.x * off.y - edge.y * off.x, half * (size.x + size.y));
 }
 
-/// On which side of a line a position is, seen along an axis. The line itself belongs to one side.
+/// Returns the largest whole number that is not above `number`. In builds for processors without
+/// SSE4.1, std::floor would be a function call.
+double floor_of(double number) {
+	constexpr double whole = 4503599627370496.0; // All numbers from 2^52 are whole.
+	if (!(std::abs(number) < whole)) {
+		return number;
+	}
+	const auto toward_zero = static_cast<double>(static_cast<std::int64_t>(number));
+	return toward_zero > number ? toward_zero - 1.0 : toward_zero;
+}
+
+/// Returns the side of a line on which a position is, in the projection along an axis. The line
+/// itself belongs to the `true` side.
 bool side(const glm::dvec3 &from, const glm::dvec3 &to, int side_u, int side_v, double u, double v) {
 	return (at(to, side_u) - at(from, side_u)) * (v - at(from, side_v)) >=
 			(at(to, side_v) - at(from, side_v)) * (u - at(from, side_u));
@@ -50,8 +64,8 @@ bool side(const glm::dvec3 &from, const glm::dvec3 &to, int side_u, int side_v, 
 } // namespace
 
 SurfaceSearch search_for(const glm::dvec3 &least_steepness) {
-	// At least one axis of every plane reaches the last value, because 1 / sqrt(3) is larger. Most ground is not steep,
-	// so y comes first.
+	// A single plane always reaches the last value, because one component of its normal is at least
+	// 1 / sqrt(3). The y axis is tried first, because most ground is not steep.
 	for (const float kept : {0.95f, 0.85f, 0.7f, 0.55f}) {
 		for (const std::uint8_t axis : {std::uint8_t{1}, std::uint8_t{0}, std::uint8_t{2}}) {
 			if (at(least_steepness, axis) >= static_cast<double>(kept)) {
@@ -106,8 +120,18 @@ double SurfaceTriangle::keep_probability(const SurfaceSearch &wanted) const {
 	return static_cast<double>(wanted.kept) * length / along;
 }
 
+double SurfaceTriangle::plane_at(int axis, double u, double v) const {
+	const auto [side_u, side_v] = axes_across(axis);
+	const glm::dvec3 &corner = corners[0];
+	const double rise =
+			-(at(normal, side_u) * (u - at(corner, side_u)) + at(normal, side_v) * (v - at(corner, side_v))) /
+			at(normal, axis);
+	return at(corner, axis) + floor_of(rise);
+}
+
 bool SurfaceTriangle::enters(const SurfaceCube &cube) const {
-	// Surfaces on the upper faces belong to the next cubes. Positions are whole units, so half a unit excludes them.
+	// A surface on an upper face belongs to the next cube. Positions are whole units, so half a
+	// unit less excludes it.
 	const double half = (cube.width - 0.5) / 2.0;
 	const glm::dvec3 center = cube.low + half;
 	for (int axis = 0; axis < 3; ++axis) {
@@ -141,19 +165,15 @@ std::optional<double> SurfaceTriangle::hit(int axis, double u, double v) const {
 	if (sides != inside[static_cast<std::size_t>(axis)]) {
 		return std::nullopt;
 	}
-	const glm::dvec3 &corner = corners[0];
-	const double rise =
-			-(at(normal, side_u) * (u - at(corner, side_u)) + at(normal, side_v) * (v - at(corner, side_v))) /
-			at(normal, axis);
-	return std::clamp(at(corner, axis) + std::floor(rise), at(low, axis), at(high, axis));
+	return std::clamp(plane_at(axis, u, v), at(low, axis), at(high, axis));
 }
 
-SurfaceOutline::SurfaceOutline(const SurfaceTriangle &triangle, int axis) {
+SurfaceOutline::SurfaceOutline(const SurfaceTriangle &triangle, int axis) : triangle_(&triangle), axis_(axis) {
 	const auto [side_u, side_v] = axes_across(axis);
 	for (std::size_t edge = 0; edge < edges.size(); ++edge) {
 		const glm::dvec3 &from = triangle.corners[edges[edge][0]];
 		const glm::dvec3 &to = triangle.corners[edges[edge][1]];
-		// The left side of an edge is inside, or the right one.
+		// The triangle is either on the left or on the right side of the edge.
 		const double sign = (triangle.inside[static_cast<std::size_t>(axis)] >> edge & 1) != 0 ? 1.0 : -1.0;
 		Edge &made = edges_[edge];
 		made.at_u = at(from, side_u);
@@ -170,10 +190,10 @@ SurfaceOutline::SurfaceOutline(const SurfaceTriangle &triangle, int axis) {
 	slope_v_ = at(triangle.normal, side_v) / at(triangle.normal, axis);
 }
 
-// Whole units, so that sums are exact wherever the origin is.
+// Returns the plane's height in whole units, so that sums are exact for any origin.
 
 double SurfaceOutline::height(double u, double v) const {
-	return corner_height_ - std::floor(slope_u_ * (u - corner_u_) + slope_v_ * (v - corner_v_));
+	return corner_height_ - floor_of(slope_u_ * (u - corner_u_) + slope_v_ * (v - corner_v_));
 }
 
 double SurfaceOutline::reach(double half) const {
@@ -187,9 +207,19 @@ SurfaceRange SurfaceOutline::range_in(double u, double v, double width) const {
 	if (!meets(middle_u, middle_v, half)) {
 		return {1.0, 0.0};
 	}
-	const double middle = height(middle_u, middle_v);
-	const double extent = reach(half);
-	return {std::max(middle - extent, bounds_.low), std::min(middle + extent, bounds_.high)};
+	// It suffices to check the lines at two opposite corners: all roundings are monotonic, so no
+	// other line meets the plane below the first or above the second.
+	const double edge = static_cast<double>(1 << (surface_bits - surface_depth)) / 2.0;
+	std::array<double, 2> to_u{u + edge, u + width - edge};
+	std::array<double, 2> to_v{v + edge, v + width - edge};
+	if (slope_u_ > 0.0) {
+		std::swap(to_u[0], to_u[1]);
+	}
+	if (slope_v_ > 0.0) {
+		std::swap(to_v[0], to_v[1]);
+	}
+	return {std::max(triangle_->plane_at(axis_, to_u[0], to_v[0]), bounds_.low),
+			std::min(triangle_->plane_at(axis_, to_u[1], to_v[1]), bounds_.high)};
 }
 
 } // namespace thicket

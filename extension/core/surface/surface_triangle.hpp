@@ -11,16 +11,17 @@
 
 namespace thicket {
 
-/// A component by its number. glm's own operator branches.
+/// Returns a component by index. Unlike GLM's operator, this function does not branch.
 inline double at(const glm::dvec3 &vector, int side) { return glm::value_ptr(vector)[side]; }
 
-/// A cube in units.
+/// A cube, in lattice units.
 struct SurfaceCube {
 	glm::dvec3 low{0.0};
 	double width = 0.0;
 };
 
-/// Half the width of the part of a column that lines run through: through the middle of the finest squares. A unit more, for rounding.
+/// Returns half the width of the part of a column through which lines pass, in units. They pass
+/// only through the centers of the finest squares. The result includes one unit for rounding.
 constexpr double half_of_lines(double column_width) {
 	return (column_width - static_cast<double>(1 << (surface_bits - surface_depth))) / 2.0 + 1.0;
 }
@@ -31,76 +32,90 @@ struct SurfaceRange {
 	double high = 0.0;
 };
 
-/// A triangle of a surface in units of one level's lattice. The corners are sorted, and all results depend only on
-/// differences of positions, which are exact. So results are the same wherever the origin is, in whichever order the
-/// corners were given, and on both sides of an edge that two triangles share.
+/// A triangle of a surface, in units of one level's lattice. The corners are sorted, and all
+/// results depend only on differences of positions, which are exact. Results are therefore
+/// identical for any origin, for any order of the given corners, and for both triangles at a common
+/// edge.
 struct SurfaceTriangle {
 	std::array<glm::dvec3, 3> corners{}; ///< Whole units, sorted by x, then y, then z.
-	glm::dvec3 normal{0.0};              ///< Not of unit length: the cross product of the first corner's two edges.
-	double length = 0.0;                 ///< Of `normal`.
-	glm::dvec3 low{0.0};                 ///< Bounds.
+	glm::dvec3 normal{0.0};              ///< Cross product of the two edges at the first corner; not normalized.
+	double length = 0.0;                 ///< Length of `normal`.
+	glm::dvec3 low{0.0};                 ///< Lowest and highest coordinates of the corners.
 	glm::dvec3 high{0.0};
-	std::uint32_t index = 0; ///< In the caller's list.
-	SurfaceSearch search;    ///< Of a cell that contains nothing else.
-	std::array<std::uint8_t, 3>
-			inside{}; ///< For each axis, a bit for each edge: on which of its sides the triangle is.
+	std::uint32_t index = 0; ///< Index of the triangle in the surface.
+	SurfaceSearch search;    ///< The search of a cell that contains only this triangle.
+	/// For each axis, one bit per edge that tells on which side of the edge the triangle lies.
+	std::array<std::uint8_t, 3> inside{};
 
-	/// Nothing if the corners lie on one line.
+	/// Prepares a triangle. Returns nothing if the corners are collinear.
 	static std::optional<SurfaceTriangle> of(const std::array<glm::dvec3, 3> &corners, std::uint32_t index);
 
-	/// The components of the unit normal, without signs.
+	/// Returns the absolute components of the unit normal.
 	glm::dvec3 steepness() const;
 
-	/// The probability with which a hit of a line is kept.
+	/// Returns the probability of keeping a hit in a cell with this search.
 	double keep_probability(const SurfaceSearch &search) const;
 
-	/// Whether it enters a half-open cube. Exact but for rounding, by separating axes (Akenine-Moeller, "Fast 3D triangle-box overlap
-	/// testing", 2001).
+	/// Returns true if the triangle intersects a half-open cube. The result is exact up to
+	/// rounding. The function uses the separating axis test (Akenine-Moeller, "Fast 3D triangle-box
+	/// overlap testing", 2001).
 	bool enters(const SurfaceCube &cube) const;
 
-	/// False only if it is not seen, along an axis, in a square with a corner at (u, v).
+	/// Returns false if, in the projection along an axis, the triangle does not intersect the
+	/// square with its lower corner at (u, v). The result may be true although it does not.
 	bool is_over(int axis, double u, double v, double width) const {
 		const auto [side_u, side_v] = axes_across(axis);
 		return at(low, side_u) < u + width && at(high, side_u) >= u && at(low, side_v) < v + width &&
 				at(high, side_v) >= v && at(normal, axis) != 0.0;
 	}
 
-	/// The whole units along the axis at which a line along it meets the triangle. A line that meets the common edge of two triangles on
-	/// both sides of it meets one of them.
+	/// Returns the position along the axis, in whole units, at which a line along the axis hits the
+	/// triangle. If two triangles are on different sides of a common edge, a line through the edge
+	/// hits exactly one of them.
 	std::optional<double> hit(int axis, double u, double v) const;
+
+	/// Returns the position along the axis, in whole units, at which the line meets the triangle's
+	/// plane. The plane must not be parallel to the axis.
+	double plane_at(int axis, double u, double v) const;
 };
 
-/// How a cell is searched in which each component of all unit normals, without signs, is at least as large.
+/// Returns the search for a cell in which the absolute components of all unit normals are at least
+/// `least_steepness`.
 SurfaceSearch search_for(const glm::dvec3 &least_steepness);
 
-/// A triangle that is seen along an axis.
+/// The projection of a triangle along an axis. The triangle must outlive this object.
 class SurfaceOutline {
 public:
 	SurfaceOutline(const SurfaceTriangle &triangle, int axis);
 
-	/// False only if a square with its center at (u, v) lies outside of one of the edges.
+	/// Returns false only if the square with its center at (u, v) and a side of 2 * `half` is
+	/// entirely outside one of the edges.
 	bool meets(double u, double v, double half) const {
 		return is_near(edges_[0], u, v, half) && is_near(edges_[1], u, v, half) && is_near(edges_[2], u, v, half);
 	}
 
-	/// The position on the axis of the triangle's plane over (u, v), in whole units.
+	/// Returns the position along the axis of the triangle's plane at (u, v), in whole units.
 	double height(double u, double v) const;
 
-	/// How far the plane rises or falls from the middle of a square to its corners, in whole units.
+	/// Returns the largest difference in height of the plane between the center and the corners of
+	/// a square, in whole units.
 	double reach(double half) const;
 
-	/// At least the positions on the axis, in whole units, at which lines through a column with a corner at (u, v) meet the triangle.
-	/// Empty if none does.
+	/// Returns the range on the axis, in whole units, at which lines through a column meet the
+	/// triangle's plane. The column's lower corner is at (u, v). The range is empty if no line hits
+	/// the triangle, except close to its edges. It must be exact. Otherwise, a column whose lines
+	/// meet the plane only beyond its cell would be split to the finest depth, because no dart in
+	/// it is ever accepted.
 	SurfaceRange range_in(double u, double v, double width) const;
 
 private:
-	/// A point on the edge, and a vector that is normal to it, points inside and is as long as the edge.
+	/// A point on the edge, and a normal vector that points inside and is as long as the edge.
 	struct Edge {
 		double at_u = 0.0;
 		double at_v = 0.0;
 		double u = 0.0;
 		double v = 0.0;
-		double size = 0.0; ///< The sum of its two components, without signs.
+		double size = 0.0; ///< Sum of the absolute components of the vector.
 
 		double distance(double to_u, double to_v) const { return u * (to_u - at_u) + v * (to_v - at_v); }
 	};
@@ -108,6 +123,8 @@ private:
 		return edge.distance(u, v) + half * edge.size >= 0.0;
 	}
 
+	const SurfaceTriangle *triangle_;
+	int axis_;
 	std::array<Edge, 3> edges_;
 	SurfaceRange bounds_;
 	double corner_u_;

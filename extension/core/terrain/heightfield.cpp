@@ -3,6 +3,7 @@
 #include "core/base/check.hpp"
 #include "core/base/floating_point.hpp"
 #include "core/base/guard.hpp"
+#include "core/terrain/grid_surface.hpp"
 #include "core/terrain/inner_patches.hpp"
 #include "core/terrain/smooth_patch.hpp"
 
@@ -15,6 +16,7 @@
 #include <limits>
 #include <memory>
 #include <type_traits>
+#include <utility>
 
 namespace thicket {
 
@@ -31,17 +33,64 @@ Status check(const HeightfieldFrame &frame, std::size_t posts) {
 	return {};
 }
 
+/// Converts a post from units to meters. The result is rounded to float, to match posts that are
+/// stored in meters.
+float height_of_unit(const HeightfieldFrame &frame, float post) {
+	return static_cast<float>(frame.min_height + (frame.max_height - frame.min_height) * post);
+}
+
 } // namespace
+
+/// The posts of a field as a grid of triangles.
+struct Heightfield::Grid {
+	HeightfieldFrame frame;
+	HeightPosts posts;
+	double base;
+	double meters_per_step;
+	static constexpr bool mirrored = false;
+
+	glm::ivec2 patches() const { return frame.posts - 1; }
+	glm::dvec2 place(glm::ivec2 post) const {
+		return frame.area.min + frame.area.size() * glm::dvec2(post) / glm::dvec2(patches());
+	}
+	PostRange range(const Box3 &box) const {
+		const auto to_posts = [this](const glm::dvec3 &corner) {
+			return (glm::dvec2(corner.x, corner.z) - frame.area.min) / frame.area.size() * glm::dvec2(patches());
+		};
+		return {to_posts(box.min), to_posts(box.max)};
+	}
+	bool heights(glm::ivec2 patch, std::array<double, 4> &r_heights) const {
+		if (posts.floats.empty()) {
+			read(posts.steps.window(patch), r_heights, [](std::uint16_t post) -> double { return post; });
+		} else if (posts.meaning == FloatPosts::meters) {
+			read(posts.floats.window(patch), r_heights, [](float post) -> double { return post; });
+		} else {
+			read(posts.floats.window(patch), r_heights,
+					[this](float post) -> double { return height_of_unit(frame, post); });
+		}
+		return std::ranges::none_of(r_heights, [](double height) { return std::isnan(height); });
+	}
+
+private:
+	template <class Window, class HeightOf>
+	void read(const Window &window, std::array<double, 4> &r_heights, const HeightOf &height_of) const {
+		for (std::ptrdiff_t i = 0; i < 4; ++i) {
+			const auto post = window.first[i / 2 * window.stride + i % 2];
+			r_heights[static_cast<std::size_t>(i)] = base + height_of(post) * meters_per_step;
+		}
+	}
+};
 
 Status validate(const HeightfieldFrame &frame) {
 	const auto check_posts = [](int posts) {
-		return check_range("posts", posts, 2, max_heightfield_posts);
+		return check_range("posts", posts, min_heightfield_posts, max_heightfield_posts);
 	};
 	const auto check_height = [](const char *property, double height) {
 		return check_range(property, height, -max_heightfield_height, max_heightfield_height);
 	};
 	const auto check_size = [](double size, int posts) {
-		const Status status = check_positive("area", size); // Not finite if either end is not.
+		// The size is not finite if either end of the area is not finite.
+		const Status status = check_positive("area", size);
 		return status.ok()
 				? check_range("area", size, min_post_spacing * (posts - 1), std::numeric_limits<double>::max())
 				: status;
@@ -58,7 +107,7 @@ RefusedPost find_refused_post(std::span<const float> posts, int columns, FloatPo
 	const float min = units ? 0.0F : static_cast<float>(-max_heightfield_height);
 	const float max = units ? 1.0F : static_cast<float>(max_heightfield_height);
 	const auto is_refused = [=](float post) {
-		return post < min || post > max; // False for NAN, which is a hole.
+		return post < min || post > max; // The result is false for NAN, which is a hole.
 	};
 	const auto found = std::ranges::find_if(posts, is_refused);
 	if (found == posts.end()) {
@@ -99,13 +148,21 @@ Status Heightfield::set_posts(const HeightfieldFrame &frame, const HeightPosts &
 		return Status::wrong_size("posts", posts.count().x, exactly(frame.posts.x, "columns"));
 	}
 	return guarded("posts", static_cast<double>(frame.posts.x), [&] {
-		posts_ = HeightPosts(posts);
-		frame_ = frame;
-		posts_per_meter_ = glm::dvec2(frame.posts - 1) / frame.area.size();
+		Heightfield next(*this);
+		next.frame_ = frame;
+		next.posts_per_meter_ = glm::dvec2(frame.posts - 1) / frame.area.size();
 		const bool in_steps = !posts.steps.empty();
-		base_ = in_steps ? frame.min_height : 0.0;
-		meters_per_step_ = in_steps ? (frame.max_height - frame.min_height) / 65535.0 : 1.0;
+		next.base_ = in_steps ? frame.min_height : 0.0;
+		next.meters_per_step_ = in_steps ? (frame.max_height - frame.min_height) / 65535.0 : 1.0;
+		next.take(posts);
+		*this = std::move(next);
 	});
+}
+
+/// Requires the members that define the heights of posts.
+void Heightfield::take(HeightPosts posts) {
+	surface_ = std::make_shared<const GridSurface<Grid>>(Grid{frame_, posts, base_, meters_per_step_});
+	posts_ = std::move(posts);
 }
 
 Status Heightfield::check_patch(const PixelRect &rect, std::size_t posts, bool fits) const {
@@ -128,7 +185,11 @@ Status Heightfield::patch(const PixelRect &rect, std::span<const std::uint16_t> 
 	if (const Status status = check_patch(rect, posts.size(), !posts_.steps.empty()); !status.ok()) {
 		return status;
 	}
-	return guarded("posts", static_cast<double>(posts.size()), [&] { posts_.steps.patch(rect, posts); });
+	return guarded("posts", static_cast<double>(posts.size()), [&] {
+		HeightPosts next = posts_;
+		next.steps.patch(rect, posts);
+		take(std::move(next));
+	});
 }
 
 Status Heightfield::patch(const PixelRect &rect, std::span<const float> posts) {
@@ -139,10 +200,14 @@ Status Heightfield::patch(const PixelRect &rect, std::span<const float> posts) {
 	if (!refused.status.ok()) {
 		return refused.status;
 	}
-	return guarded("posts", static_cast<double>(posts.size()), [&] { posts_.floats.patch(rect, posts); });
+	return guarded("posts", static_cast<double>(posts.size()), [&] {
+		HeightPosts next = posts_;
+		next.floats.patch(rect, posts);
+		take(std::move(next));
+	});
 }
 
-/// A post affects the patches on both sides, and slopes one post farther.
+/// A post affects the heights of the adjacent patches, and slopes one post farther.
 Rect Heightfield::area_of(const PixelRect &rect) const {
 	constexpr int reach = 2;
 	const glm::dvec2 first = glm::max(rect.min - reach, glm::ivec2(0));
@@ -187,8 +252,8 @@ Status Heightfield::sample(std::span<const glm::dvec2> positions, std::span<Grou
 	const auto meters = [](float post) {
 		return post;
 	};
-	const auto units = [min = frame_.min_height, max = frame_.max_height](float post) {
-		return static_cast<float>(min + (max - min) * post); // Rounded, to match posts that are stored in meters.
+	const auto units = [this](float post) {
+		return height_of_unit(frame_, post);
 	};
 	for (std::size_t i = 0; i < positions.size(); ++i) {
 		if (!in_area(positions[i])) {
@@ -202,7 +267,15 @@ Status Heightfield::sample(std::span<const glm::dvec2> positions, std::span<Grou
 	return {};
 }
 
-/// For integer posts, none of which is missing.
+double Heightfield::post_height(glm::ivec2 post) const {
+	if (posts_.floats.empty()) {
+		return base_ + posts_.steps.at(post) * meters_per_step_;
+	}
+	const float value = posts_.floats.at(post);
+	return posts_.meaning == FloatPosts::meters ? value : height_of_unit(frame_, value);
+}
+
+/// Samples 16-bit posts, which have no holes.
 void Heightfield::sample_posts(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
 	InnerPatches patches;
 	const auto whole = [](std::uint16_t post) {
@@ -226,7 +299,7 @@ void Heightfield::sample_posts(std::span<const glm::dvec2> positions, std::span<
 			r_ground[i] = ground_in_area(posts_.steps, whole, positions[i]);
 			continue;
 		}
-		// Most patches are away from the border and are computed many at a time.
+		// Most patches are not at the border. These are computed many at a time.
 		const PostGrid<std::uint16_t>::Window window = posts_.steps.window(patch.first);
 		patches.add(window.first, window.stride, patch.part, i);
 		if (patches.full()) {
@@ -238,7 +311,7 @@ void Heightfield::sample_posts(std::span<const glm::dvec2> positions, std::span<
 	}
 }
 
-/// In posts from the first one. The last patch includes its far border.
+/// Returns the patch that contains a position. The last patch includes its far border.
 Heightfield::Patch Heightfield::patch_at(glm::dvec2 position) const {
 	const glm::dvec2 along_posts = (position - frame_.area.min) * posts_per_meter_;
 	const int column = std::min(static_cast<int>(along_posts.x), frame_.posts.x - 2);
@@ -265,11 +338,12 @@ Status Heightfield::weigh(std::span<const glm::dvec2> positions, std::span<const
 
 bool Heightfield::in_area(glm::dvec2 position) const {
 	const auto &[min, max] = frame_.area;
-	// False for NAN.
+	// The result is false for NAN.
 	return position.x >= min.x && position.x <= max.x && position.y >= min.y && position.y <= max.y;
 }
 
-/// `height_of` converts a post to a height, in steps or in meters.
+/// Returns the ground at a position inside the area. `height_of` converts a post to a height, in
+/// steps or in meters.
 template <typename Post, class HeightOf>
 Ground Heightfield::ground_in_area(const PostGrid<Post> &posts, const HeightOf &height_of, glm::dvec2 position) const {
 	const auto &[corner, part] = patch_at(position);
@@ -285,7 +359,7 @@ Ground Heightfield::ground_in_area(const PostGrid<Post> &posts, const HeightOf &
 	};
 	SmoothPatch patch;
 	if (is_inner_patch(frame_.posts, corner)) {
-		// Away from the border, the layout around a patch is a compile-time constant.
+		// Away from the border, the offsets of the posts around a patch are constant.
 		patch = smooth_patch<may_be_missing>(inner_line, inner_line, part, from_first);
 	} else {
 		patch = smooth_patch<may_be_missing>(frame_.posts, corner, part, from_corner);

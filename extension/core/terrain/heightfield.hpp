@@ -4,6 +4,7 @@
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
 #include "core/terrain/post_grid.hpp"
+#include "core/terrain/surface.hpp"
 #include "core/terrain/terrain.hpp"
 #include "core/terrain/weight_map.hpp"
 
@@ -11,18 +12,22 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
 
 namespace thicket {
 
-/// The position of a heightfield's posts and the meaning of 16-bit values.
+/// The layout of a heightfield's posts, and the heights that 16-bit values represent. A post is a
+/// point of the grid at which a height is stored.
 struct HeightfieldFrame {
-	glm::ivec2 posts{0};     ///< Columns along x and rows along z (Rect.y), 2 to max_heightfield_posts each.
-	Rect area;               ///< World meters from first to last post; finite, min_post_spacing or more between posts.
-	double min_height = 0.0; ///< World meters of a post of 0, at most max_heightfield_height above or below 0.
-	double max_height = 1.0; ///< World meters of a post of 65535, at least min_height, same limits.
+	glm::ivec2 posts{0}; ///< Columns along x and rows along z (Rect.y), min_ to max_heightfield_posts each.
+	/// World meters from the first to the last post; finite, with posts at least min_post_spacing
+	/// apart.
+	Rect area;
+	double min_height = 0.0; ///< World height in meters of a post of 0, within +-max_heightfield_height.
+	double max_height = 1.0; ///< World height in meters of a post of 65535, at least min_height, same limits.
 
 	bool operator==(const HeightfieldFrame &other) const {
 		return posts == other.posts && area.min == other.area.min && area.max == other.area.max &&
@@ -30,91 +35,115 @@ struct HeightfieldFrame {
 	}
 };
 
+inline constexpr int min_heightfield_posts = 2;
 inline constexpr int max_heightfield_posts = 1 << 15;
 inline constexpr double max_heightfield_height = 1e6;
-inline constexpr double min_post_spacing = 1e-3; ///< Meters, on both axes.
+inline constexpr double min_post_spacing = 1e-3; ///< The minimum distance between posts in meters, on both axes.
 
-/// Refuses a frame outside the ranges above.
+/// Returns an error if a value of the frame is out of range.
 Status validate(const HeightfieldFrame &frame);
 
 /// The meaning of float posts.
 enum class FloatPosts : std::uint8_t {
-	meters, ///< World meters, at most max_heightfield_height above or below 0.
-	units,  ///< 0 to 1, from the lowest to the highest height.
+	meters, ///< World heights in meters, within +-max_heightfield_height.
+	units,  ///< 0 to 1, from the frame's min_height to its max_height.
 };
 
-/// The posts of a heightfield, in one of the two grids. A value type, like the grids.
+/// The posts of a heightfield, in one of two grids. The other grid is empty. Copies share memory,
+/// like copies of a grid.
 struct HeightPosts {
-	PostGrid<std::uint16_t> steps; ///< 0 to 65535, from the lowest to the highest height.
-	PostGrid<float> floats;        ///< NAN for holes.
+	PostGrid<std::uint16_t> steps; ///< 0 to 65535, from the frame's min_height to its max_height.
+	PostGrid<float> floats;        ///< Heights in meters, or fractions of the height range; NAN for holes.
 	FloatPosts meaning = FloatPosts::meters;
 
 	glm::ivec2 count() const { return steps.empty() ? floats.count() : steps.count(); }
 };
 
-/// The first post that a heightfield refuses, searched row by row in rows of `columns`. ErrorCode::none if there is none.
+/// The first invalid post of a heightfield. The status is ok if all posts are valid.
 struct RefusedPost {
 	Status status;
-	glm::ivec2 post{0}; ///< Column and row.
+	glm::ivec2 post{0}; ///< Column and row of the post.
 };
+
+/// Finds the first invalid post, row by row. `columns` is the length of a row.
 RefusedPost find_refused_post(std::span<const float> posts, int columns, FloatPosts meaning);
 
-/// Terrain from a grid of posts, stored as 16 bits or as meters. The height between four posts is bilinear, which is exactly the surface
-/// that `sample` returns at any finer spacing. A mesh drawn from the terrain must sample it here, not only at the posts.
+/// Terrain from a grid of posts, stored as 16-bit integers or as floats. Heights between four posts
+/// are interpolated bilinearly. A mesh that draws this surface must get its heights from `sample`,
+/// not only from the posts.
 ///
-/// Normals are smooth: the gradients of the four posts, by central differences (one-sided on the border), weighted bilinearly. The
-/// gradient of the bilinear patch itself jumps at each line of posts, which would show as straight edges where a slope rule ends a
-/// forest. On an inclined plane both are equal.
+/// Normals are smooth: the gradients at the four posts, from central differences (one-sided at the
+/// border), are interpolated bilinearly. The gradient of the bilinear patch itself would jump at
+/// each line of posts. A forest that a slope rule limits would then have straight edges. On an
+/// inclined plane, both gradients are equal.
 ///
-/// Posts of NAN are holes: there is no ground between four posts if one of them is NAN, and a gradient beside a hole is one-sided as on
-/// the border. Ground shared by two patches belongs to the one with the larger x and z.
+/// A post of NAN is a hole: there is no ground between four posts if one of them is NAN. Gradients
+/// next to a hole are one-sided, as at the border. Ground on the edge between two patches belongs
+/// to the patch with the larger x or z.
 class Heightfield final : public Terrain {
 public:
-	/// Copies `posts`, row by row from area.min, x fastest. Refuses a frame outside the ranges above, or a span whose length is not
-	/// posts.x * posts.y. The field is then unchanged.
+	/// Copies `posts`, row by row from area.min. Returns an error, with the field unchanged, if the
+	/// frame is invalid or the number of posts is not frame.posts.x * frame.posts.y.
 	Status set(const HeightfieldFrame &frame, std::span<const std::uint16_t> posts);
 
-	/// Copies posts in world meters, at most max_heightfield_height above or below 0, or NAN. Ignores the frame's heights.
+	/// Copies `posts` as `set` does, but in world meters, within +-max_heightfield_height, or NAN.
+	/// The frame's heights must be valid but have no effect.
 	Status set_meters(const HeightfieldFrame &frame, std::span<const float> posts);
 
-	/// Shares posts without copying them. Only float posts are read and checked. The frame's heights apply to all posts
-	/// but those in meters.
+	/// Shares `posts` without copying or checking their values. The frame's heights apply to all
+	/// posts except those in meters.
 	Status set_posts(const HeightfieldFrame &frame, const HeightPosts &posts);
 
-	/// Replaces the posts of a rectangle, row by row. Copies of the field keep theirs. Refuses posts of the kind that the field does not
-	/// use, a rectangle that is empty or not inside the field, a wrong number of posts, and values out of range. A failure changes
-	/// nothing. The cost does not grow with the field.
+	/// Replaces the posts of a rectangle; `posts` lists them row by row. Copies of the field are
+	/// not affected. The posts must be of the kind that the field stores, with valid values, and
+	/// the rectangle must be inside the field and not empty. Otherwise, the function returns an
+	/// error and changes nothing. The cost does not depend on the size of the field.
 	Status patch(const PixelRect &rect, std::span<const std::uint16_t> posts);
 	Status patch(const PixelRect &rect, std::span<const float> posts);
 
-	/// Adds the world rectangles where the ground differs from `before`: around posts and weights that differ, or all of both areas if
-	/// frames or kinds of posts differ. Throws std::bad_alloc.
+	/// Appends the world rectangles in which the ground differs from `before`: the surroundings of
+	/// posts and weights that differ. If the frames or the kinds of posts differ, the areas of both
+	/// fields are appended. Throws std::bad_alloc.
 	void add_changes(const Heightfield &before, std::vector<Rect> &r_areas) const;
 
-	/// The area, in world meters, whose ground depends on the posts of a rectangle, including slopes.
+	/// Returns the area, in world meters, whose heights or slopes depend on the posts of a
+	/// rectangle.
 	Rect area_of(const PixelRect &rect) const;
 
-	/// Sets the weights of the ground's textures over the field's area, first to last post. Without weights, `weigh` permits all ground.
-	/// The field keeps its weights when posts are set.
+	/// Sets the weights of the ground textures, which cover the area from the first to the last
+	/// post. Without weights, `weigh` leaves all weights at 1. The weights remain when posts are
+	/// set.
 	void set_weights(WeightMap weights) { weights_ = std::move(weights); }
 
-	/// See Terrain::sample. The border belongs to the field. Outside there is no ground, nor in a field that was never set. The same
-	/// position returns the same bits from any tile. A height is computed in double precision and rounded to float once.
+	/// See Terrain::sample(). The border belongs to the field. There is no ground outside, or in a
+	/// field that was never set. Equal positions return equal bits, regardless of the tile. Heights
+	/// are computed in double precision and rounded to float once.
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
 
-	/// See Terrain::weigh. The channels of the weights are textures 0 to 3. Other textures and positions outside weigh 0.
+	/// See Terrain::weigh(). Textures 0 to 3 are the channels of the weights. For other textures,
+	/// and outside the area, the weight is 0.
 	Status weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
 			std::span<Ground> r_ground) const override;
+
+	/// Two triangles for each patch, like a mesh with a vertex for each post. In a twisted patch, they
+	/// differ a little from the heights of `sample`. Null for a field that was never set.
+	const Surface *surface() const override { return surface_.get(); }
+
+	/// Returns the height of a post in world meters; NAN for a hole. `post` must be in the field.
+	double post_height(glm::ivec2 post) const;
 
 	const HeightfieldFrame &frame() const { return frame_; }
 	const HeightPosts &posts() const { return posts_; }
 	const WeightMap &weights() const { return weights_; }
 
 private:
+	struct Grid;
+	void take(HeightPosts posts);
 	Status check_patch(const PixelRect &rect, std::size_t posts, bool fits) const;
 	bool in_area(glm::dvec2 position) const;
 
-	/// The patch of a position: the first post of the patch, and the fraction of the way to its last post.
+	/// A patch and a position in it: the first post, and the fraction of the way to the last post
+	/// on each axis.
 	struct Patch {
 		glm::ivec2 first;
 		glm::dvec2 part;
@@ -127,9 +156,10 @@ private:
 	HeightfieldFrame frame_;
 	HeightPosts posts_;
 	glm::dvec2 posts_per_meter_{0.0};
-	double base_ = 0.0;            ///< World meters of a post of 0.
-	double meters_per_step_ = 0.0; ///< A step is a difference of 1 between two posts.
+	double base_ = 0.0;            ///< World height in meters of a post with the value 0.
+	double meters_per_step_ = 0.0; ///< Meters per unit of a stored post value.
 	WeightMap weights_;
+	std::shared_ptr<const Surface> surface_;
 };
 
 } // namespace thicket

@@ -4,12 +4,18 @@
 #include "core/base/check.hpp"
 #include "core/base/floating_point.hpp"
 #include "core/base/guard.hpp"
+#include "core/terrain/grid_surface.hpp"
 #include "core/terrain/smooth_patch.hpp"
 
+#include <glm/common.hpp>
 #include <glm/matrix.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
 
 namespace thicket {
 
@@ -49,7 +55,7 @@ Status check(const MapPlace &place) {
 			check_range("height scale of the map", place.height_scale, -1e6, 1e6));
 }
 
-/// For each splat, the channels that belong to the given textures, one bit each.
+/// Returns, for each splat map, the channels that belong to `textures`, one bit each.
 std::vector<unsigned> channels_of(std::span<const std::int32_t> textures, std::size_t splats) {
 	std::vector<unsigned> channels(splats);
 	for (const std::int32_t texture : textures) {
@@ -61,7 +67,7 @@ std::vector<unsigned> channels_of(std::span<const std::int32_t> textures, std::s
 	return channels;
 }
 
-/// Interpolates a value that each post has.
+/// Interpolates between the values of the four posts of a patch.
 template <class ValueOf>
 double interpolated(glm::ivec2 patch, glm::dvec2 part, ValueOf value_of) {
 	return bilinear(value_of(patch.x, patch.y), value_of(patch.x + 1, patch.y), value_of(patch.x, patch.y + 1),
@@ -75,23 +81,67 @@ Status MapField::set(const MapPlace &place, const MapLayers &layers) {
 		return status;
 	}
 	return guarded("splat maps", static_cast<double>(layers.splats.size()), [&] {
-		layers_ = MapLayers(layers);
-		place_ = place;
-		to_map_ = glm::inverse(place.to_world);
+		MapField next;
+		next.layers_ = layers;
+		next.place_ = place;
+		next.to_map_ = glm::inverse(place.to_world);
+		next.make_surface();
+		*this = std::move(next);
 	});
 }
 
 MapField MapField::at_offset(glm::dvec3 offset) const {
 	MapField field = *this;
 	field.place_.origin += offset;
+	field.make_surface();
 	return field;
+}
+
+/// The posts of the map as a grid of triangles.
+struct MapField::Grid {
+	MapPlace frame;
+	glm::dmat2 to_map;
+	PixelGrid posts;
+	PixelGrid colors;
+	PostFormat format;
+	bool mirrored;
+
+	glm::ivec2 patches() const { return posts.size() - 1; }
+	glm::dvec2 place(glm::ivec2 post) const {
+		return glm::dvec2(frame.origin.x, frame.origin.z) + frame.to_world * glm::dvec2(post);
+	}
+	PostRange range(const Box3 &box) const {
+		constexpr double infinity = std::numeric_limits<double>::infinity();
+		PostRange range{glm::dvec2(infinity), glm::dvec2(-infinity)};
+		for (int corner = 0; corner < 4; ++corner) {
+			const glm::dvec2 at{corner % 2 == 0 ? box.min.x : box.max.x, corner / 2 == 0 ? box.min.z : box.max.z};
+			const glm::dvec2 post = to_map * (at - glm::dvec2(frame.origin.x, frame.origin.z));
+			range = {glm::min(range.min, post), glm::max(range.max, post)};
+		}
+		return range;
+	}
+	bool heights(glm::ivec2 patch, std::array<double, 4> &r_heights) const {
+		bool found = true;
+		for (int i = 0; i < 4 && found; ++i) {
+			const glm::ivec2 post = patch + glm::ivec2(i % 2, i / 2);
+			const double height = post_height(posts.pixel(post.x, post.y), format);
+			r_heights[static_cast<std::size_t>(i)] = frame.origin.y + frame.height_scale * height;
+			found = std::isfinite(height) && (colors.empty() || colors.pixel(post.x, post.y)[3] >= 128);
+		}
+		return found;
+	}
+};
+
+void MapField::make_surface() {
+	surface_ = std::make_shared<const GridSurface<Grid>>(Grid{
+			place_, to_map_, layers_.heights, layers_.colors, layers_.format, glm::determinant(place_.to_world) < 0.0});
 }
 
 bool MapField::find_patch(glm::dvec2 position, glm::ivec2 &r_patch, glm::dvec2 &r_part) const {
 	const glm::dvec2 at = to_map_ * (position - glm::dvec2(place_.origin.x, place_.origin.z));
 	const glm::dvec2 last(posts() - 1);
 	if (!(at.x >= 0.0 && at.y >= 0.0 && at.x <= last.x && at.y <= last.y)) {
-		return false; // Also for NAN.
+		return false; // NAN fails the comparison, too.
 	}
 	r_patch = {std::min(static_cast<int>(at.x), posts().x - 2), std::min(static_cast<int>(at.y), posts().y - 2)};
 	r_part = at - glm::dvec2(r_patch);

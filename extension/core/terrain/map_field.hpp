@@ -2,6 +2,7 @@
 
 #include "core/terrain/pixel_grid.hpp"
 #include "core/terrain/post_format.hpp"
+#include "core/terrain/surface.hpp"
 #include "core/terrain/terrain.hpp"
 
 #include <glm/mat2x2.hpp>
@@ -9,58 +10,72 @@
 #include <glm/vec3.hpp>
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 namespace thicket {
 
-/// The transform of a map of posts in the world: rotated about the vertical, translated, and scaled on any axis.
+/// The transform of a map of posts to the world: a rotation about the vertical axis, a translation,
+/// and a scale on each axis.
 struct MapPlace {
-	glm::dmat2 to_world{1.0}; ///< World x and z, in meters, of one step along the map's columns and rows.
-	glm::dvec3 origin{0.0};   ///< World meters of the first post at height 0.
+	glm::dmat2 to_world{1.0}; ///< World x and z, in meters, of a step of one post along columns and rows.
+	glm::dvec3 origin{0.0};   ///< World position, in meters, of the first post at height 0.
 	double height_scale = 1.0;
 
 	bool operator==(const MapPlace &) const = default;
 };
 
-/// The maps of an HTerrain: images with one pixel per post.
+/// The maps of an HTerrain node: images with one pixel per post.
 struct MapLayers {
 	PostFormat format = PostFormat::float32;
-	PixelGrid heights;             ///< bytes_of(format) bytes per pixel.
-	PixelGrid colors;              ///< RGBA8. An alpha below one half is a hole. Empty: no holes.
-	std::vector<PixelGrid> splats; ///< RGBA8: each channel is the share of a texture, four textures per splat.
-	PixelGrid indices;             ///< RGB8: the numbers of three textures per pixel.
-	PixelGrid weights; ///< RG8: shares of the first two; the third has the rest. Set both or none; replaces splats.
+	PixelGrid heights; ///< Heights, with bytes_of(format) bytes per pixel.
+	/// RGBA8. A pixel with an alpha below one half is a hole. If empty, there are no holes.
+	PixelGrid colors;
+	std::vector<PixelGrid> splats; ///< RGBA8. Each channel is the share of a texture.
+	PixelGrid indices;             ///< RGB8: the indices of three textures per pixel. Requires `weights`.
+	/// RG8: the shares of the first two textures; the third texture has the rest. Used instead of
+	/// `splats`. Requires `indices`.
+	PixelGrid weights;
 
 	bool has_textures() const { return !splats.empty() || !indices.empty(); }
 };
 
-/// HTerrain's ground, as in its versions 1.8 and later: get_interpolated_height_at in hterrain_data.gd, and the maps of the shaders
-/// simple4, multisplat16 and array. Between four posts, heights and the edges of holes are bilinear. Normals are smooth, like
-/// Heightfield's (HTerrain's own are baked from the same differences). The border of the map has ground. A copy, immutable once set, safe
-/// on any thread.
+/// The ground of HTerrain 1.8 and later. It follows get_interpolated_height_at in hterrain_data.gd,
+/// and the maps of the shaders simple4, multisplat16 and array. Between four posts, heights and the
+/// edges of holes are interpolated bilinearly. Normals are smooth, as in Heightfield; HTerrain
+/// bakes its own normals from the same differences. The border of the map has ground. A field is a
+/// snapshot that does not change after `set` and can be read from any thread.
 class MapField final : public Terrain {
 public:
 	static constexpr double min_area = 1e-6; ///< Minimum area between four posts in square meters.
 
-	/// Refuses a transform that is not finite or has no area, maps of fewer than 2 * 2 posts, and layers that differ in size from the
-	/// heights. A failure changes nothing.
+	/// Shares the maps without copying them. The transform must be finite and not degenerate. The
+	/// maps must have at least 2 x 2 posts, and all layers must have the size of the heights.
+	/// Otherwise, the function returns an error and changes nothing.
 	Status set(const MapPlace &place, const MapLayers &layers);
 
-	/// A copy of the field, moved by `offset` in world meters. It shares the maps.
+	/// Returns a copy of the field that is moved by `offset`, in world meters, and shares the maps.
 	MapField at_offset(glm::dvec3 offset) const;
 
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
 
-	/// The channels of splats are textures 0 to 3, 4 to 7 and so on. Indices contain texture numbers. Without both, all ground counts as
-	/// all textures. Where there is no map, the weight is 0.
+	/// See Terrain::weigh(). The channels of the splat maps are textures 0 to 3, 4 to 7 and so on;
+	/// `indices` contains texture numbers directly. If there are neither splat maps nor indices,
+	/// all weights stay at 1. Outside the map, the weight is 0.
 	Status weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
 			std::span<Ground> r_ground) const override;
+
+	/// Two triangles for each patch, as in Heightfield. A patch with a hole at one of its posts has
+	/// none.
+	const Surface *surface() const override { return surface_.get(); }
 
 	const MapPlace &place() const { return place_; }
 	const MapLayers &layers() const { return layers_; }
 
 private:
+	struct Grid;
+	void make_surface();
 	glm::ivec2 posts() const { return layers_.heights.size(); }
 	bool find_patch(glm::dvec2 position, glm::ivec2 &r_patch, glm::dvec2 &r_part) const;
 	Ground ground_at(glm::dvec2 position) const;
@@ -70,6 +85,7 @@ private:
 	MapPlace place_;
 	glm::dmat2 to_map_{1.0};
 	MapLayers layers_;
+	std::shared_ptr<const Surface> surface_;
 };
 
 } // namespace thicket

@@ -4,6 +4,7 @@
 #include "core/base/check.hpp"
 #include "core/base/floating_point.hpp"
 #include "core/base/guard.hpp"
+#include "core/terrain/grid_surface.hpp"
 #include "core/terrain/post_format.hpp"
 
 #include <glm/common.hpp>
@@ -18,10 +19,10 @@ namespace thicket {
 
 namespace {
 
-/// The maximum post index in both directions from 0.
+/// Maximum absolute post index.
 constexpr double max_post = static_cast<double>(RegionField::max_location) * PixelGrid::max_side;
 
-// The bits of a control value.
+// Bits of a control value.
 constexpr std::uint32_t auto_bit = 1u << 0u;
 constexpr std::uint32_t hole_bit = 1u << 2u;
 constexpr unsigned blend_shift = 14;
@@ -57,7 +58,8 @@ Status check(const FieldRegion &region, int side) {
 			check_range("location of a region", region.location.y, -limit, limit - 1));
 }
 
-/// The rise from a post to the next. If there is no next post, the rise of the patch itself.
+/// Returns the height difference from a post to the next. If there is no next post, returns
+/// `within`, the difference within the patch.
 double rise(double post, double next, double within) {
 	const double difference = next - post;
 	return std::isfinite(difference) ? difference : within;
@@ -103,10 +105,13 @@ Status RegionField::set(int side, double spacing, std::vector<FieldRegion> regio
 			entry = static_cast<std::int32_t>(i);
 		}
 		layout->regions = std::move(regions);
-		side_ = side;
-		spacing_ = spacing;
-		paint_ = paint;
-		layout_ = std::move(layout);
+		RegionField next(*this);
+		next.side_ = side;
+		next.spacing_ = spacing;
+		next.paint_ = paint;
+		next.layout_ = std::move(layout);
+		next.make_surface();
+		*this = std::move(next);
 		return {};
 	});
 }
@@ -114,7 +119,43 @@ Status RegionField::set(int side, double spacing, std::vector<FieldRegion> regio
 RegionField RegionField::at_offset(glm::dvec3 offset) const {
 	RegionField field = *this;
 	field.offset_ = offset;
+	field.make_surface();
 	return field;
+}
+
+/// The patches that begin in a region.
+struct RegionField::Grid {
+	std::shared_ptr<const RegionField> field;
+	glm::ivec2 first; ///< The index of the region's first post.
+	static constexpr bool mirrored = false;
+
+	glm::ivec2 patches() const { return glm::ivec2(field->side_); }
+	glm::dvec2 place(glm::ivec2 post) const {
+		return glm::dvec2(field->offset_.x, field->offset_.z) + glm::dvec2(first + post) * field->spacing_;
+	}
+	PostRange range(const Box3 &box) const {
+		const auto to_posts = [this](const glm::dvec3 &corner) {
+			return (glm::dvec2(corner.x, corner.z) - place(glm::ivec2(0))) / field->spacing_;
+		};
+		return {to_posts(box.min), to_posts(box.max)};
+	}
+	bool heights(glm::ivec2 patch, std::array<double, 4> &r_heights) const {
+		return field->heights_of(first + patch, r_heights);
+	}
+};
+
+void RegionField::make_surface() {
+	surface_ = nullptr;
+	const std::size_t in_region = 2 * static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_);
+	if (regions().empty() || regions().size() > Surface::max_triangles / in_region) {
+		return;
+	}
+	const auto field = std::make_shared<const RegionField>(*this);
+	std::vector<Surface::Part> parts;
+	for (const FieldRegion &region : regions()) {
+		parts.push_back(std::make_shared<const GridSurface<Grid>>(Grid{field, region.location * side_}));
+	}
+	surface_ = Surface::of_parts(parts);
 }
 
 const FieldRegion *RegionField::region_at(glm::ivec2 location) const {
@@ -134,7 +175,7 @@ const FieldRegion *RegionField::region_at(glm::ivec2 location) const {
 bool RegionField::find_place(glm::dvec2 position, Place &r_place) const {
 	const glm::dvec2 posts = (position - glm::dvec2(offset_.x, offset_.z)) / spacing_;
 	if (!(std::abs(posts.x) < max_post && std::abs(posts.y) < max_post)) {
-		return false; // Also for NAN.
+		return false; // NAN fails the comparison, too.
 	}
 	const glm::dvec2 before = glm::floor(posts);
 	r_place = {glm::ivec2(before), posts - before};
@@ -152,6 +193,17 @@ RegionField::Post RegionField::post_at(glm::ivec2 post) const {
 			!region->controls.empty() && (word_at(region->controls, inside) & hole_bit) != 0};
 }
 
+/// Reads the world heights of the posts of a patch, row by row. Returns false if it has no ground.
+bool RegionField::heights_of(glm::ivec2 first, std::array<double, 4> &r_heights) const {
+	bool found = true;
+	for (int i = 0; i < 4 && found; ++i) {
+		const Post post = post_at(first + glm::ivec2(i % 2, i / 2));
+		r_heights[static_cast<std::size_t>(i)] = post.height + offset_.y;
+		found = std::isfinite(post.height) && !post.hole;
+	}
+	return found;
+}
+
 std::uint32_t RegionField::control_at(glm::ivec2 post) const {
 	const glm::ivec2 location{divided_down(post.x, side_), divided_down(post.y, side_)};
 	const FieldRegion *region = region_at(location);
@@ -164,7 +216,7 @@ Ground RegionField::ground_at(glm::dvec2 position) const {
 		return {};
 	}
 	const glm::ivec2 first = place.post;
-	// Three by three without the last: the four posts of the patch, and those one post further on.
+	// The four posts of the patch and the posts after them: 3 x 3 posts, without the last.
 	constexpr std::array<glm::ivec2, 8> steps{{{0, 0}, {1, 0}, {2, 0}, {0, 1}, {1, 1}, {2, 1}, {0, 2}, {1, 2}}};
 	std::array<Post, 8> posts{};
 	const glm::ivec2 location{divided_down(first.x, side_), divided_down(first.y, side_)};
@@ -176,7 +228,8 @@ Ground RegionField::ground_at(glm::dvec2 position) const {
 	const bool within = inside.x + 2 < side_ && inside.y + 2 < side_;
 	for (std::size_t i = 0; i < posts.size(); ++i) {
 		if (within) {
-			// Most patches and their surroundings lie in one region, which is looked up once.
+			// Most patches and their surroundings lie in a single region, which is looked up only
+			// once.
 			const glm::ivec2 post = inside + steps[i];
 			posts[i] = {height_at(region->heights, post),
 					!region->controls.empty() && (word_at(region->controls, post) & hole_bit) != 0};
@@ -228,7 +281,7 @@ float RegionField::weight_at(const Place &place, glm::dvec2 position, std::span<
 		const Ground ground = ground_at(position);
 		const double height = ground.height - offset_.y;
 		blend = paint_.slope * 2.0 * (ground.normal.y - 1.0) + 1.0 - paint_.height_reduction * 0.01 * height;
-		blend = blend > 0.0 ? std::min(blend, 1.0) : 0.0; // NAN is 0.
+		blend = blend > 0.0 ? std::min(blend, 1.0) : 0.0; // The condition is false for NAN, which becomes 0.
 		base = paint_.base;
 		overlay = paint_.overlay;
 	}

@@ -1,11 +1,13 @@
 #pragma once
 
 #include "core/terrain/pixel_grid.hpp"
+#include "core/terrain/surface.hpp"
 #include "core/terrain/terrain.hpp"
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -14,52 +16,67 @@
 
 namespace thicket {
 
-/// The textures of ground whose control bits select painting by slope and height: Terrain3D's auto shader.
+/// The settings of Terrain3D's auto shader, which textures ground by slope and height where a
+/// control bit selects it.
 struct AutoPaint {
 	bool enabled = false;
-	int base = 0;                  ///< The texture of steep ground.
-	int overlay = 0;               ///< The texture of level ground.
-	double slope = 1.0;            ///< How fast the base replaces the overlay as the slope grows.
-	double height_reduction = 0.0; ///< Fraction of the overlay lost per hundred meters of height.
+	int base = 0;    ///< The texture of steep ground.
+	int overlay = 0; ///< The texture of level ground.
+	/// The rate at which the base texture replaces the overlay as the slope increases.
+	double slope = 1.0;
+	double height_reduction = 0.0; ///< Decrease of the overlay's share per 100 m of height.
 
 	bool operator==(const AutoPaint &) const = default;
 };
 
-/// A square of posts of Terrain3D: float heights, and 32 control bits for each.
+/// A square region of Terrain3D: a float height and 32 control bits per post.
 struct FieldRegion {
-	glm::ivec2 location{0}; ///< In regions: the first post is at location * side.
-	PixelGrid heights;      ///< 4 bytes per post.
-	PixelGrid controls;     ///< As many posts. Empty: no holes, and texture 0 everywhere.
+	glm::ivec2 location{0}; ///< In units of regions: the index of the first post is location * side.
+	PixelGrid heights;      ///< Heights, 4 bytes per post.
+	PixelGrid controls; ///< Control bits, 4 bytes per post. If empty, there are no holes, and texture 0 is everywhere.
 };
 
-/// Terrain3D's ground: square regions of posts at any locations, which meet without a seam. Follows Terrain3D 1.0 and 1.1
-/// (Terrain3DData::get_height, get_normal and get_texture_id in src/terrain_3d_data.cpp, the bits of a control in src/terrain_3d_util.h):
-/// - Between four posts, heights are bilinear. A post that belongs to no region, or that is not finite, leaves the patches around it
-/// without ground.
-/// - So does a hole at a post, as in the drawn mesh and in the collider (`get_height` itself omits a quarter of that, the patch behind
-/// the post).
-/// - Normals use the height differences to the next post. Where that post has no ground, the patch's own difference is used.
-/// A copy, immutable, safe on any thread.
+/// The ground of Terrain3D: square regions of posts at any locations, without seams between them.
+/// It follows Terrain3D 1.0 and 1.1 (Terrain3DData::get_height, get_normal and get_texture_id in
+/// src/terrain_3d_data.cpp, and the control bits in src/terrain_3d_util.h):
+/// - Between four posts, heights are interpolated bilinearly. If a post belongs to no region or is
+///   not finite, the patches around it have no ground.
+/// - A hole at a post also removes the patches around it, as in the drawn mesh and the collider.
+///   (`get_height` itself omits only the patch after the post.)
+/// - Normals use the height differences to the next post. If that post does not exist, they use the
+///   difference within the patch.
+///
+/// A field is a snapshot that does not change after `set` and can be read from any thread.
 class RegionField final : public Terrain {
 public:
-	static constexpr int max_location = 1 << 12;        ///< In both directions from 0.
-	static constexpr int default_side = 256;            ///< Terrain3D's default, used if there is no region.
-	static constexpr double min_spacing = 1e-3;         ///< Meters between posts.
-	static constexpr double max_spacing = 1e4;          ///< Meters between posts.
-	static constexpr std::size_t max_table = 1u << 20u; ///< Locations in the rectangle around all regions.
+	static constexpr int max_location = 1 << 12; ///< Locations are in [-max_location, max_location).
+	static constexpr int default_side = 256;     ///< Terrain3D's default, for terrain without regions.
+	static constexpr double min_spacing = 1e-3;  ///< Minimum distance between posts in meters.
+	static constexpr double max_spacing = 1e4;   ///< Maximum distance between posts in meters.
+	/// Maximum number of locations in the rectangle around all regions.
+	static constexpr std::size_t max_table = 1u << 20u;
 
-	/// Refuses a side outside 2 to PixelGrid::max_side, a spacing outside the limits, two regions at one location, locations too far
-	/// apart, and maps of the wrong size. A failure changes nothing. Without regions there is no ground.
+	/// Sets the regions. `side` is in posts, 2 to PixelGrid::max_side, and `spacing` in meters,
+	/// min_spacing to max_spacing. All maps must have `side` x `side` pixels; control maps may be
+	/// empty. Locations must be different, in range, and within a rectangle of max_table locations.
+	/// Otherwise, the function returns an error and changes nothing. Without regions, there is no
+	/// ground.
 	Status set(int side, double spacing, std::vector<FieldRegion> regions, const AutoPaint &paint);
 
-	/// A copy of the field with its origin at `offset`, in world meters. It shares the regions.
+	/// Returns a copy of the field with its origin at `offset`, in world meters. The copy shares
+	/// the regions.
 	RegionField at_offset(glm::dvec3 offset) const;
 
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
 
-	/// Uses Terrain3D's texture numbers, those of the post before the position.
+	/// See Terrain::weigh(). The texture numbers are those of Terrain3D, at the post before the
+	/// position.
 	Status weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
 			std::span<Ground> r_ground) const override;
+
+	/// Two triangles for each patch, as in Heightfield. Null without regions, or if the indices of
+	/// triangles would exceed Surface::max_triangles.
+	const Surface *surface() const override { return surface_.get(); }
 
 	int side() const { return side_; }
 	double spacing() const { return spacing_; }
@@ -67,21 +84,22 @@ public:
 	std::span<const FieldRegion> regions() const {
 		return layout_ ? std::span<const FieldRegion>(layout_->regions) : std::span<const FieldRegion>{};
 	}
-	/// Null if there is none.
+	/// Returns null if there is no region at this location.
 	const FieldRegion *region_at(glm::ivec2 location) const;
 
 private:
+	struct Grid;
 	struct Layout {
 		std::vector<FieldRegion> regions;
-		glm::ivec2 first{0}; ///< The table's first location.
+		glm::ivec2 first{0}; ///< Minimum location of all regions.
 		glm::ivec2 size{0};
-		std::vector<std::int32_t> table; ///< Index of the region at a location, row by row; below 0 if none.
+		std::vector<std::int32_t> table; ///< Index of the region at each location, row by row; -1 if none.
 	};
 
-	/// A position in posts.
+	/// A position, in units of posts.
 	struct Place {
 		glm::ivec2 post; ///< The post before the position on both axes.
-		glm::dvec2 part; ///< Fraction of the way to the next post, 0 to below 1.
+		glm::dvec2 part; ///< Fraction of the way to the next post, in [0, 1).
 	};
 
 	struct Post {
@@ -89,6 +107,8 @@ private:
 		bool hole;
 	};
 
+	void make_surface();
+	bool heights_of(glm::ivec2 first, std::array<double, 4> &r_heights) const;
 	bool find_place(glm::dvec2 position, Place &r_place) const;
 	Post post_at(glm::ivec2 post) const;
 	std::uint32_t control_at(glm::ivec2 post) const;
@@ -100,6 +120,7 @@ private:
 	AutoPaint paint_;
 	std::shared_ptr<const Layout> layout_;
 	glm::dvec3 offset_{0.0};
+	std::shared_ptr<const Surface> surface_;
 };
 
 } // namespace thicket

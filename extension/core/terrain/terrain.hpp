@@ -11,59 +11,75 @@
 
 namespace thicket {
 
-/// The ground at a position: its height in world meters, and its unit normal, y up. A height of NAN means that there is no ground (off
-/// the terrain, a hole, water that a source excludes).
+class Surface;
+
+/// The ground at a position: the height in world meters, and the unit normal, y up. A height of NAN
+/// means that there is no ground (outside the terrain, in a hole, or in water that a source
+/// excludes).
 struct Ground {
 	float height = std::numeric_limits<float>::quiet_NaN();
 	glm::vec3 normal{0.0f, 1.0f, 0.0f};
-	float weight = 1.0f; ///< Share of the ground with the queried textures, 0 to 1; see Terrain::weigh.
+	float weight = 1.0f; ///< Share of the queried textures, 0 to 1; see Terrain::weigh().
 };
 
-/// The ground properties that callers need in addition to the height. A source is queried for nothing else.
+/// The ground properties that a caller needs in addition to the height. Sources compute only these
+/// properties.
 struct GroundNeeds {
-	std::span<const std::int32_t> textures; ///< Textures to weigh, see Terrain::weigh. If empty, the weight stays 1.
-	bool normals = true;                    ///< False if no rule and no placement reads normals.
+	/// Textures to weigh; see Terrain::weigh(). If empty, the weight stays 1.
+	std::span<const std::int32_t> textures;
+	bool normals = true; ///< False if no rule and no placement reads normals.
 };
 
-/// Ground for many positions at a time. An implementation must be a pure function of the position: repeated queries, in any batch, return
-/// the same bits. Otherwise, separately generated tiles would not fit together.
+/// The interface of ground sources, for many positions at a time. An implementation must be a pure
+/// function of the position: repeated queries, in any batch, must return the same bits. Otherwise,
+/// separately generated tiles would not match.
 class Terrain {
 public:
 	virtual ~Terrain() = default;
 
-	/// Writes the ground at `positions[i]` (world meters, x and z of the engine) to `r_ground[i]`. The spans have equal length. A
-	/// position without ground, including NAN and infinite ones, gets a height of NAN and is not an error. Called from several threads
-	/// concurrently, so an implementation must not store state of a call.
+	/// Writes the ground at `positions[i]` (world meters, the engine's x and z) to `r_ground[i]`.
+	/// The spans must have equal length. A position without ground, or that is not finite, gets a
+	/// height of NAN and is not an error. Several threads may call this function concurrently, so
+	/// an implementation must not store per-call state in the object.
 	virtual Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const = 0;
 
-	/// Like `sample`, for callers that need no normals. A terrain whose normals are expensive leaves those of `r_ground` unchanged. The
-	/// heights are bit-identical, except where `sample` refuses ground because of its normal.
+	/// Writes the same heights as `sample`, for callers that need no normals. If normals are
+	/// expensive, an implementation leaves those of `r_ground` unchanged. The heights are
+	/// bit-identical to those of `sample`, except where `sample` rejects ground because of its
+	/// normal.
 	virtual Status sample_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
 		return sample(positions, r_ground);
 	}
 
-	/// Writes to `r_ground[i].weight` the share of the ground at `positions[i]` with any of `textures`, 0 to 1. `textures` are numbers
-	/// defined by the source: texture layers, channels of a weight map. `positions` and `r_ground` have equal length. Called after
-	/// `sample`, under the same rules. A terrain without textures leaves the weight at 1, which permits all ground.
+	/// Writes the share of `textures` at `positions[i]`, 0 to 1, to `r_ground[i].weight`. The
+	/// source defines the texture numbers, for example texture layers or channels of a weight map.
+	/// `positions` and `r_ground` must have equal length. The function is called after `sample`,
+	/// with the same rules for threads and positions. A terrain without textures leaves the weight
+	/// at 1, which permits all ground.
 	virtual Status weigh([[maybe_unused]] std::span<const glm::dvec2> positions,
 			[[maybe_unused]] std::span<const std::int32_t> textures,
 			[[maybe_unused]] std::span<Ground> r_ground) const {
 		return {};
 	}
 
-	/// Queries the parts of the ground listed in `needs`, and no others.
+	/// Returns all surfaces of the ground, for layers that do not only grow on its top. The result
+	/// is null for a terrain that only has heights. It is valid as long as the terrain, and on any
+	/// thread.
+	virtual const Surface *surface() const { return nullptr; }
+
+	/// Queries the height, and only those other properties that `needs` lists.
 	Status query(std::span<const glm::dvec2> positions, const GroundNeeds &needs, std::span<Ground> r_ground) const {
 		Status status;
 		if (needs.normals) {
 			status = sample(positions, r_ground);
 		} else {
-			// Queries only heights, because no caller reads the normals.
 			status = sample_heights(positions, r_ground);
 		}
 		return status.ok() && !needs.textures.empty() ? weigh(positions, needs.textures, r_ground) : status;
 	}
 
-	/// The ground at one position, or no ground if `sample` fails. For many positions, `sample` is cheaper.
+	/// Returns the ground at one position, or no ground if `sample` fails. For many positions,
+	/// `sample` is faster.
 	Ground at(glm::dvec2 position) const {
 		Ground ground;
 		return sample({&position, 1}, {&ground, 1}).ok() ? ground : Ground{};

@@ -16,15 +16,23 @@ namespace thicket {
 
 namespace {
 
-/// Borders included. False for NAN.
+/// Returns true if a rectangle contains a position, including its borders, and false for NAN.
 bool holds(const Rect &area, glm::dvec2 position) {
 	return position.x >= area.min.x && position.x <= area.max.x && position.y >= area.min.y && position.y <= area.max.y;
 }
 
-/// Whether the first one counts as the ground.
+/// Returns true if `a` takes priority over `b` as the ground.
 bool stands_above(const TriangleTerrain::Top &a, const TriangleTerrain::Top &b) {
 	return std::tie(a.height, a.normal.y, a.normal.x, a.normal.z) >
 			std::tie(b.height, b.normal.y, b.normal.x, b.normal.z);
+}
+
+std::shared_ptr<const Surface> surface_of(std::span<const TriangleParts::Part> parts) {
+	std::vector<std::shared_ptr<const Surface>> surfaces;
+	for (const TriangleParts::Part &part : parts) {
+		surfaces.push_back(TriangleTerrain::surface_of(part));
+	}
+	return Surface::of_parts(surfaces);
 }
 
 } // namespace
@@ -55,6 +63,7 @@ Status TriangleParts::set(std::span<const Part> parts) {
 				box.top = std::max(box.top, built.parts_[i]->top());
 			}
 		});
+		built.surface_ = surface_of(parts);
 		*this = std::move(built);
 	});
 }
@@ -76,7 +85,7 @@ Ground TriangleParts::ground_at(glm::dvec2 position) const {
 	const auto push = [&](Bvh::Node node) {
 		const Box &box = boxes_[tree_.index_of(node)];
 		if (!holds(box.area, position) || box.top < best.height) {
-			// No part of the node lies above or below the position, or none is as high as the best one.
+			// No part of the node covers the position, or all parts are lower than the best one.
 			return;
 		}
 		stack.push(node);
@@ -87,7 +96,7 @@ Ground TriangleParts::ground_at(glm::dvec2 position) const {
 	while (!stack.empty()) {
 		const Bvh::Node node = stack.pop();
 		if (boxes_[tree_.index_of(node)].top < best.height) {
-			// A higher part was found since the node was pushed.
+			// A higher part was found after the node was pushed.
 			continue;
 		}
 		if (node.level > 0) {
@@ -99,7 +108,7 @@ Ground TriangleParts::ground_at(glm::dvec2 position) const {
 		}
 		for (std::size_t i = tree_.begin(node); i < tree_.end(node); ++i) {
 			if (!holds(parts_[i]->area(), position)) {
-				// No triangle of the part lies above or below the position.
+				// No triangle of the part covers the position.
 				continue;
 			}
 			TriangleTerrain::Top top;

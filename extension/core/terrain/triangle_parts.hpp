@@ -13,23 +13,26 @@
 
 namespace thicket {
 
-/// The tops of many meshes, each in its own TriangleTerrain, so that one can be replaced without rebuilding the others. Immutable after
-/// `set`.
+/// The topmost surface of many meshes. Each mesh has its own TriangleTerrain, so that one mesh can
+/// be replaced without rebuilding the trees of all meshes. The object does not change after `set`.
 class TriangleParts final : public Terrain {
 public:
 	using Part = std::shared_ptr<const TriangleTerrain>;
 
-	/// No part may be null. Builds a tree of boxes over the parts: O(n log n) time in the number of parts, whatever their size. A failure
-	/// changes nothing.
+	/// Builds a bounding volume hierarchy over the parts, in O(n log n) time for n parts,
+	/// regardless of their sizes. No part may be null. A failed call changes nothing.
 	Status set(std::span<const Part> parts);
 
-	/// Like TriangleTerrain::sample for all triangles together. If parts have exactly the same height in double precision, the most level
-	/// one determines the normal; of equally level ones, the one that leans farthest towards x, then z. The order of the parts does not
-	/// matter.
+	/// Writes the ground as TriangleTerrain::sample() does, for the triangles of all parts. If
+	/// several parts have exactly the same height, the normal with the largest y is chosen, then
+	/// the largest x, then the largest z. The order of the parts does not matter.
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
 
+	/// Returns all triangles of all parts.
+	const Surface *surface() const override { return surface_.get(); }
+
 private:
-	/// Bounds of a node's parts: their area seen from above, and their highest point.
+	/// Bounds of a node's parts: their horizontal area, and their highest point.
 	struct Box {
 		Rect area;
 		double top;
@@ -37,9 +40,10 @@ private:
 
 	Ground ground_at(glm::dvec2 position) const;
 
-	std::vector<Part> parts_; ///< In tree order; none is empty.
+	std::vector<Part> parts_; ///< In tree order, without empty parts.
 	Bvh tree_;
-	std::vector<Box> boxes_; ///< Indexed by the tree's slots.
+	std::vector<Box> boxes_; ///< Bounds of the nodes, by Bvh::index_of().
+	std::shared_ptr<const Surface> surface_;
 };
 
 } // namespace thicket

@@ -7,6 +7,8 @@
 #include "core/base/orientation.hpp"
 #include "core/base/progress.hpp"
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -20,6 +22,10 @@ glm::dvec2 from_above(glm::dvec3 corner) { return {corner.x, corner.z}; }
 
 double area_from_above(const std::array<glm::dvec3, 3> &corners) {
 	return orientation(from_above(corners[0]), from_above(corners[1]), from_above(corners[2]));
+}
+
+bool has_area(const std::array<glm::dvec3, 3> &corners) {
+	return glm::cross(corners[1] - corners[0], corners[2] - corners[0]) != glm::dvec3(0.0);
 }
 
 Status check_corner(glm::dvec3 corner) {
@@ -45,19 +51,53 @@ Status check_corners(std::span<const glm::dvec3> corners) {
 std::size_t TriangleTerrain::find_refused_corner(std::span<const glm::dvec3> corners) {
 	const auto is_refused = [](glm::dvec3 corner) {
 		const auto fits = [](double coordinate) {
-			return std::abs(coordinate) <= max_extent; // False for NAN.
+			return std::abs(coordinate) <= max_extent; // The result is false for NAN.
 		};
 		return !(fits(corner.x) && fits(corner.y) && fits(corner.z));
 	};
 	return static_cast<std::size_t>(std::ranges::find_if(corners, is_refused) - corners.begin());
 }
 
-Status TriangleTerrain::set(std::span<const glm::dvec3> corners, const std::atomic<bool> *cancel) {
+/// All triangles of a terrain; the vertical ones come last.
+class TriangleTerrain::AllTriangles final : public Surface {
+public:
+	explicit AllTriangles(std::shared_ptr<const TriangleTerrain> terrain) : terrain_(std::move(terrain)) {}
+
+	std::size_t triangle_count() const override { return terrain_->triangles_.size() + terrain_->vertical_.size(); }
+
+	std::array<glm::dvec3, 3> triangle(std::uint32_t index) const override {
+		const std::size_t tops = terrain_->triangles_.size();
+		const auto &[a, b, c] = index < tops ? terrain_->triangles_[index].corners : terrain_->vertical_[index - tops];
+		return terrain_->winding_ == Winding::clockwise ? std::array{a, c, b} : std::array{a, b, c};
+	}
+
+	const Box3 &bounds() const override { return terrain_->bounds_; }
+
+	void find(const Box3 &box, std::vector<std::uint32_t> &r_triangles) const override {
+		tree().find(box, [this](std::uint32_t index) { return triangle_bounds(index); }, r_triangles);
+	}
+
+private:
+	const BoxTree &tree() const {
+		return terrain_->surface_tree_->get(
+				[this] { return BoxTree(triangle_count(), [this](auto index) { return triangle_bounds(index); }); });
+	}
+
+	std::shared_ptr<const TriangleTerrain> terrain_;
+};
+
+std::shared_ptr<const Surface> TriangleTerrain::surface_of(std::shared_ptr<const TriangleTerrain> terrain) {
+	return std::make_shared<const AllTriangles>(std::move(terrain));
+}
+
+Status TriangleTerrain::set(std::span<const glm::dvec3> corners, const std::atomic<bool> *cancel, Winding winding) {
 	if (const Status status = check_corners(corners); !status.ok()) {
 		return status;
 	}
 	return guarded("corners", static_cast<double>(corners.size()), [&] {
 		TriangleTerrain built;
+		built.winding_ = winding;
+		built.surface_tree_ = std::make_shared<const Lazy<BoxTree>>();
 		built.take(corners, cancel);
 		if (is_cancelled(cancel)) {
 			return Status{ErrorCode::cancelled, "corners", 0.0};
@@ -73,13 +113,18 @@ void TriangleTerrain::take(std::span<const glm::dvec3> corners, const std::atomi
 		const std::size_t first = std::size_t{index} * 3;
 		return Triangle{{corners[first], corners[first + 1], corners[first + 2]}, index};
 	};
-	std::vector<BvhKey> keys; // By three times the triangles' centers.
+	std::vector<BvhKey> keys; // Sorted by three times the centers of the triangles.
 	keys.reserve(corners.size() / 3);
 	for (std::uint32_t i = 0; i < corners.size() / 3; ++i) {
 		const auto &[a, b, c] = triangle(i).corners;
 		if (area_from_above({a, b, c}) != 0.0) {
 			keys.push_back({from_above(a) + from_above(b) + from_above(c), i});
+		} else if (has_area(triangle(i).corners)) {
+			vertical_.push_back(triangle(i).corners);
+		} else {
+			continue;
 		}
+		bounds_ = with(with(with(bounds_, a), b), c);
 	}
 	tree_ = Bvh(keys.size());
 	put_in_order(tree_, keys, cancel);
@@ -144,7 +189,7 @@ bool TriangleTerrain::find_top(glm::dvec2 position, double least, Top &r_top) co
 	BvhStack<Bvh::Node> stack;
 	const auto push = [&](Bvh::Node node) {
 		if (!boxes_[tree_.index_of(node)].holds(position)) {
-			// No triangle of the node lies above or below the position.
+			// No triangle of the node covers the position.
 			return;
 		}
 		stack.push(node);
@@ -168,7 +213,8 @@ bool TriangleTerrain::find_top(glm::dvec2 position, double least, Top &r_top) co
 		if (tree_.has_second(node)) {
 			Bvh::Node second = tree_.second(node);
 			if (boxes_[tree_.index_of(second)].top > boxes_[tree_.index_of(first)].top) {
-				// Visits the higher half first, because it may lie above the whole other half.
+				// The higher child is visited first, because it may make a visit to the other one
+				// unnecessary.
 				std::swap(first, second);
 			}
 			push(second);
@@ -182,10 +228,11 @@ bool TriangleTerrain::find_top(glm::dvec2 position, double least, Top &r_top) co
 	return true;
 }
 
-/// Keeps the higher of `r_hit` and the triangle, if the triangle lies above or below `position`.
+/// Replaces `r_hit` by the triangle if the triangle covers `position` and is higher there.
 void TriangleTerrain::meet(const Triangle &triangle, glm::dvec2 position, Hit &r_hit) {
 	const auto &[a, b, c] = triangle.corners;
-	// Each corner's weight at the position: the area of the triangle formed by the position and the other two corners.
+	// The weight of a corner is the area of the triangle between the position and the other two
+	// corners.
 	const double part_a = orientation(position, from_above(b), from_above(c));
 	const double part_b = orientation(position, from_above(c), from_above(a));
 	const double part_c = orientation(position, from_above(a), from_above(b));
@@ -205,14 +252,15 @@ void TriangleTerrain::meet(const Triangle &triangle, glm::dvec2 position, Hit &r
 
 glm::vec3 TriangleTerrain::normal_of(const Triangle &triangle) {
 	const auto &corners = triangle.corners;
-	// Areas along the axes rather than a cross product, which is imprecise for narrow triangles.
+	// The normal is computed from projected areas instead of a cross product, which would be
+	// inaccurate for narrow triangles.
 	const auto area_along = [&](int x, int y) {
 		return orientation(
 				{corners[0][x], corners[0][y]}, {corners[1][x], corners[1][y]}, {corners[2][x], corners[2][y]});
 	};
 	glm::dvec3 normal(area_along(1, 2), area_along(2, 0), area_along(0, 1));
 	const double longest = std::max({std::abs(normal.x), std::abs(normal.y), std::abs(normal.z)});
-	normal /= normal.y < 0.0 ? -longest : longest; // Otherwise the squared areas of a tiny triangle would underflow.
+	normal /= normal.y < 0.0 ? -longest : longest; // This avoids underflow for tiny triangles.
 	const double to_unit = 1.0 / std::sqrt(normal.x * normal.x + normal.y * normal.y + normal.z * normal.z);
 	return glm::vec3(normal * to_unit);
 }

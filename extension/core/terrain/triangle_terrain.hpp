@@ -2,6 +2,9 @@
 
 #include "core/base/rect.hpp"
 #include "core/base/bvh.hpp"
+#include "core/base/lazy.hpp"
+#include "core/terrain/box_tree.hpp"
+#include "core/terrain/surface.hpp"
 #include "core/terrain/terrain.hpp"
 
 #include <glm/vec3.hpp>
@@ -10,47 +13,66 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 namespace thicket {
 
-/// The tops of triangle meshes: seen from straight above, the first triangle is the ground. Triangles that face down also count as tops
-/// if no triangle is above them; their normal is then flipped upwards. Vertical triangles are ignored. Immutable after `set`.
+/// The order of a triangle's corners, seen from its front. Corners of the engine's meshes are
+/// clockwise, except those of mirrored instances.
+enum class Winding : std::uint8_t { clockwise, counterclockwise };
+
+/// The topmost surface of triangle meshes: at each position, the highest triangle is the ground.
+/// Triangles that face down also count; their normals are flipped upwards. Vertical triangles are
+/// only part of `surface_of`. The object does not change after `set`.
 class TriangleTerrain final : public Terrain {
 public:
-	/// `corners` has three world positions per triangle, in meters, in any winding, all finite and within max_extent of the origin on
-	/// each axis. There may be at most max_triangles. Refused input changes nothing. Builds a tree of boxes over the triangles: O(n log
-	/// n) time, O(n) memory, whatever their sizes. Returns ErrorCode::cancelled within about 100 ms of raising `cancel`, and changes
-	/// nothing.
-	Status set(std::span<const glm::dvec3> corners, const std::atomic<bool> *cancel = nullptr);
+	/// Sets the triangles. `corners` has three world positions per triangle, in meters, with any
+	/// winding. All must be finite and within max_extent of the origin on each axis, and there may
+	/// be at most max_triangles triangles. The function builds a bounding volume hierarchy in O(n
+	/// log n) time and O(n) memory, regardless of the sizes of the triangles. After `cancel` is
+	/// set, it returns ErrorCode::cancelled within about 100 ms. A failed call changes nothing.
+	/// `winding` matters only for `surface_of`.
+	Status set(std::span<const glm::dvec3> corners, const std::atomic<bool> *cancel = nullptr,
+			Winding winding = Winding::clockwise);
 
-	/// The first corner that `set` refuses for its position, or the number of corners if there is none.
+	/// Returns all triangles, including vertical ones but not those without an area. The first
+	/// search builds a tree, on the thread that searches.
+	static std::shared_ptr<const Surface> surface_of(std::shared_ptr<const TriangleTerrain> terrain);
+
+	/// Returns the index of the first corner whose position is an error in `set`, or the number of
+	/// corners if there is none.
 	static std::size_t find_refused_corner(std::span<const glm::dvec3> corners);
 
-	/// See Terrain::sample. A position on an edge or a corner belongs to every triangle that meets there (exactly: see orientation), so
-	/// meshes without gaps give ground without gaps. The normal is that of the triangle, or of the first in `corners` among equally high
-	/// ones. The height is exact up to float rounding.
+	/// See Terrain::sample(). A position on an edge or a corner belongs to all adjacent triangles.
+	/// This test is exact (see orientation()), so a mesh without gaps produces ground without gaps.
+	/// Among equally high triangles, the first one in `corners` determines the normal. The height
+	/// is exact up to float rounding.
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
 
-	/// The ground at one position, with its unrounded height.
+	/// The ground at a position, with its unrounded height in meters.
 	struct Top {
 		double height = 0.0;
 		glm::vec3 normal{0.0f, 1.0f, 0.0f};
 	};
 
-	/// Returns false if the ground at the position is below `least` meters or missing. Otherwise finds exactly the same
-	/// ground as `sample`.
+	/// Finds the same ground as `sample`. Returns false if there is none, or if it is lower than
+	/// `least` meters.
 	bool find_top(glm::dvec2 position, double least, Top &r_top) const;
 
-	/// The rectangle around all triangles that are not vertical, from corner to corner. Empty if there are none. Its far borders have
-	/// ground.
+	/// Returns the bounding rectangle of all triangles that are not vertical, including its far
+	/// edges. The rectangle is empty if there are no such triangles.
 	const Rect &area() const { return area_; }
 
-	/// False if there are no triangles, or all are vertical.
+	/// Returns false if there are no triangles, or if all are vertical.
 	bool has_ground() const { return !triangles_.empty(); }
 
-	/// The height of the highest corner, in meters. Requires ground.
+	/// Returns the bounding box of all triangles, including vertical ones, or `no_box` if there are
+	/// none.
+	const Box3 &bounds() const { return bounds_; }
+
+	/// Returns the height of the highest corner, in meters. The terrain must have ground.
 	double top() const { return top_; }
 
 	static constexpr double max_extent = 1e7;
@@ -62,19 +84,19 @@ private:
 		std::uint32_t index; ///< Index in the input of `set`.
 	};
 
-	/// Bounds of a node's triangles: their area seen from above, and their highest point.
+	/// Bounds of a node's triangles: their horizontal area, and their highest point.
 	struct Box {
 		glm::dvec2 min;
 		glm::dvec2 max;
 		double top;
 
-		/// Borders included. False for NAN.
+		/// Returns true if the position is inside or on the border, and false for NAN.
 		bool holds(glm::dvec2 position) const {
 			return position.x >= min.x && position.x <= max.x && position.y >= min.y && position.y <= max.y;
 		}
 	};
 
-	/// The topmost triangle until now.
+	/// The highest triangle found so far.
 	struct Hit {
 		const Triangle *triangle = nullptr;
 		double height = 0.0;
@@ -85,14 +107,21 @@ private:
 	static void meet(const Triangle &triangle, glm::dvec2 position, Hit &r_hit);
 	static glm::vec3 normal_of(const Triangle &triangle);
 
+	class AllTriangles;
+
 	void take(std::span<const glm::dvec3> corners, const std::atomic<bool> *cancel);
 	void build_boxes();
 
 	Rect area_;
 	double top_ = 0.0;
-	std::vector<Triangle> triangles_; ///< In tree order.
+	std::vector<Triangle> triangles_; ///< The triangles, in tree order.
 	Bvh tree_;
-	std::vector<Box> boxes_; ///< Indexed by the tree's slots.
+	std::vector<Box> boxes_; ///< Bounds of the nodes, by Bvh::index_of().
+	std::vector<std::array<glm::dvec3, 3>> vertical_;
+	Winding winding_ = Winding::clockwise;
+	Box3 bounds_ = no_box;
+	/// A search tree over all triangles in space.
+	std::shared_ptr<const Lazy<BoxTree>> surface_tree_;
 };
 
 } // namespace thicket

@@ -51,17 +51,25 @@ Rect to_core(const Rect2 &p_rect) {
 	return {corner, corner + to_core(p_rect.size)};
 }
 
-glm::dvec3 to_world(const Vector3 &p_position, glm::dvec3 offset) { return to_core(p_position) + offset; }
+bool is_finite(const Transform3D &p_transform) {
+	const glm::dmat3 basis = to_core(p_transform.basis);
+	// Zero, or NAN if any number is not finite.
+	const glm::dvec3 sum = (basis[0] + basis[1] + basis[2] + to_core(p_transform.origin)) * 0.0;
+	return sum == glm::dvec3(0.0);
+}
 
-Rect to_world(const Rect2 &p_rect, glm::dvec3 offset) {
-	const glm::dvec2 corner = to_core(p_rect.position) + glm::dvec2(offset.x, offset.z);
+glm::dvec3 to_world(const Vector3 &p_position, const WorldFrame &frame) { return frame.to_world(to_core(p_position)); }
+
+Rect to_world(const Rect2 &p_rect, const WorldFrame &frame) {
+	const glm::dvec2 moved = frame.local ? glm::dvec2(0.0) : glm::dvec2(frame.offset.x, frame.offset.z);
+	const glm::dvec2 corner = to_core(p_rect.position) + moved;
 	return {corner, corner + to_core(p_rect.size)};
 }
 
-Vector3 to_engine(glm::dvec3 position, glm::dvec3 offset) { return to_engine(position - offset); }
+Vector3 to_engine(glm::dvec3 position, const WorldFrame &frame) { return to_engine(frame.to_engine(position)); }
 
-Transform3D to_engine(const glm::mat3 &basis, glm::dvec3 position, glm::dvec3 offset) {
-	return {to_engine(basis), to_engine(position, offset)};
+Transform3D to_engine(const glm::mat3 &basis, glm::dvec3 position, const WorldFrame &frame) {
+	return {to_engine(frame.turned_back(basis)), to_engine(position, frame)};
 }
 
 std::span<const std::uint8_t> span_of(const PackedByteArray &p_bytes) {

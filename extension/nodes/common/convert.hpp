@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/rect.hpp"
+#include "core/base/world_frame.hpp"
 #include "nodes/common/engine_arrays.hpp"
 
 #include <godot_cpp/variant/packed_byte_array.hpp>
@@ -25,14 +26,15 @@
 
 namespace thicket {
 
-// Conversions between the core's types and the engine's. The core keeps positions in double precision, measured from
-// the world's origin. A conversion to the engine's precision rounds once.
+// Conversions between the types of the core and of the engine. The core stores positions in double
+// precision, relative to the world's origin. Conversions to the engine's precision round once.
 
-/// Keeps all 64 bits: the engine's integers are signed, the core's IDs are unsigned.
+/// These functions convert IDs between the engine's signed integers and the core's unsigned ones.
+/// All 64 bits are preserved.
 constexpr std::int64_t script_id(std::uint64_t id) { return static_cast<std::int64_t>(id); }
 constexpr std::uint64_t core_id(std::int64_t id) { return static_cast<std::uint64_t>(id); }
 
-// Conversions that keep the numbers and change only the type.
+// These functions convert only the type. The numbers stay the same except for rounding.
 godot::Vector2 to_engine(glm::dvec2 vector);
 godot::Vector3 to_engine(glm::vec3 vector);
 godot::Vector3 to_engine(glm::dvec3 vector);
@@ -43,13 +45,18 @@ glm::dvec3 to_core(const godot::Vector3 &p_vector);
 glm::dmat3 to_core(const godot::Basis &p_basis);
 Rect to_core(const godot::Rect2 &p_rect);
 
-// Conversions between the engine's space and the world. `offset` is the world position of the engine's origin, in meters.
-glm::dvec3 to_world(const godot::Vector3 &p_position, glm::dvec3 offset);
-Rect to_world(const godot::Rect2 &p_rect, glm::dvec3 offset);
-godot::Vector3 to_engine(glm::dvec3 position, glm::dvec3 offset);
-godot::Transform3D to_engine(const glm::mat3 &basis, glm::dvec3 position, glm::dvec3 offset);
+/// Returns false if any component is NAN or infinite.
+bool is_finite(const godot::Transform3D &p_transform);
 
-/// Copies a span into a packed array. `of` converts an element of the span to an element of the array.
+// Conversions between engine space and world space.
+
+glm::dvec3 to_world(const godot::Vector3 &p_position, const WorldFrame &frame);
+/// With local coordinates, a rectangle is already in the world.
+Rect to_world(const godot::Rect2 &p_rect, const WorldFrame &frame);
+godot::Vector3 to_engine(glm::dvec3 position, const WorldFrame &frame);
+godot::Transform3D to_engine(const glm::mat3 &basis, glm::dvec3 position, const WorldFrame &frame);
+
+/// Copies a span into a packed array. `of` converts each element. Throws std::bad_alloc.
 template <class Packed, class Element, class Convert>
 Packed packed(std::span<const Element> elements, Convert of) {
 	Packed result;
@@ -57,7 +64,7 @@ Packed packed(std::span<const Element> elements, Convert of) {
 	return result;
 }
 
-/// The bytes of an array. The span is valid while the array exists and is not written to.
+/// Returns a view of an array's bytes, valid until the array is modified or destroyed.
 std::span<const std::uint8_t> span_of(const godot::PackedByteArray &p_bytes);
 
 godot::PackedByteArray packed_bytes(std::span<const std::uint8_t> bytes);

@@ -41,10 +41,10 @@ void DisplayedTile::set_visible(bool visible) {
 	}
 }
 
-void DisplayedTile::set_offset(glm::dvec3 offset) {
+void DisplayedTile::set_frame(const WorldFrame &frame) {
 	for (Part &part : parts) {
 		for (Cell &cell : part.cells) {
-			cell.for_each_visual([&offset](TileVisual &visual) { visual.set_offset(offset); });
+			cell.for_each_visual([&frame](TileVisual &visual) { visual.set_frame(frame); });
 		}
 	}
 }

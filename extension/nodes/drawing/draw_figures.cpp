@@ -21,11 +21,12 @@ std::uint64_t triangles_of(int64_t primitive, int64_t corners) {
 	switch (primitive) {
 		case SurfacePrimitive::triangles: return static_cast<std::uint64_t>(corners / 3);
 		case SurfacePrimitive::triangle_strip: return static_cast<std::uint64_t>(corners > 2 ? corners - 2 : 0);
-		default: return 0; // Points and lines.
+		default: return 0; // Points and lines have no triangles.
 	}
 }
 
-/// For a mesh that is not an ArrayMesh: such meshes only have triangles.
+/// Counts the triangles of a mesh that is not an ArrayMesh. The surfaces of such meshes consist of
+/// triangles only.
 std::uint64_t triangles_of(const Mesh &mesh, int32_t surface) {
 	const Array arrays = mesh.surface_get_arrays(surface);
 	if (arrays.size() <= SurfaceStream::indices) {
@@ -41,7 +42,6 @@ std::uint64_t triangles_of(const Mesh &mesh, int32_t surface) {
 const DrawCounter::MeshFigures &DrawCounter::figures_of(const Ref<Mesh> &mesh) {
 	const auto known = meshes_.find(mesh->get_instance_id());
 	if (known != meshes_.end()) {
-		// The mesh was counted before.
 		return known->second;
 	}
 	MeshFigures &result = meshes_[mesh->get_instance_id()];
@@ -71,13 +71,13 @@ void DrawCounter::add(const Ref<Mesh> &mesh, std::uint64_t instances, glm::dvec3
 	figures_.draw_calls += of.surfaces;
 }
 
-ViewVolume view_of(const Camera3D &camera, glm::dvec3 offset) {
+ViewVolume view_of(const Camera3D &camera, const WorldFrame &frame) {
 	const Vector2 size = camera.get_viewport()->get_visible_rect().size;
 	const std::array<Vector2, 4> screen{Vector2(0, 0), Vector2(size.x, 0), size, Vector2(0, size.y)};
 	std::array<glm::dvec3, 8> corners{};
 	for (std::size_t at = 0; at < screen.size(); ++at) {
-		corners[at] = to_world(camera.project_position(screen[at], camera.get_near()), offset);
-		corners[at + screen.size()] = to_world(camera.project_position(screen[at], camera.get_far()), offset);
+		corners[at] = to_world(camera.project_position(screen[at], camera.get_near()), frame);
+		corners[at + screen.size()] = to_world(camera.project_position(screen[at], camera.get_far()), frame);
 	}
 	return ViewVolume(corners);
 }

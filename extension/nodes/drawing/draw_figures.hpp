@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/view_volume.hpp"
+#include "core/base/world_frame.hpp"
 
 #include <godot_cpp/classes/mesh.hpp>
 
@@ -16,7 +17,7 @@ class Camera3D;
 
 namespace thicket {
 
-/// The amount of work that a renderer gets for one frame, without shadows.
+/// The number of objects that the renderer draws in one frame, without shadows.
 struct DrawFigures {
 	std::uint64_t multimeshes = 0;
 	std::uint64_t instances = 0;
@@ -24,12 +25,13 @@ struct DrawFigures {
 	std::uint64_t draw_calls = 0;
 };
 
-/// Adds up everything that is drawn, or only the part that a view may see.
+/// Adds up the figures of everything that is drawn, or only of the part that may be visible in a
+/// view.
 class DrawCounter {
 public:
 	explicit DrawCounter(const std::optional<ViewVolume> &view) : view_(view) {}
 
-	/// Adds some instances of a mesh, in a box in world meters.
+	/// Adds instances of a mesh. `min` and `max` are their bounds in world meters.
 	void add(const godot::Ref<godot::Mesh> &mesh, std::uint64_t instances, glm::dvec3 min, glm::dvec3 max);
 	const DrawFigures &figures() const { return figures_; }
 
@@ -41,11 +43,12 @@ private:
 	const MeshFigures &figures_of(const godot::Ref<godot::Mesh> &mesh);
 
 	std::optional<ViewVolume> view_;
-	std::map<std::uint64_t, MeshFigures> meshes_; ///< By the engine's instance ID.
+	std::map<std::uint64_t, MeshFigures> meshes_; ///< The triangles and surfaces of each mesh, keyed by its object ID.
 	DrawFigures figures_;
 };
 
-/// The view volume of a camera in the tree. `offset` is the world position of the engine's origin, in meters.
-ViewVolume view_of(const godot::Camera3D &camera, glm::dvec3 offset);
+/// Returns the view volume of a camera in the tree. `frame` is the world position of the engine's
+/// origin, in meters.
+ViewVolume view_of(const godot::Camera3D &camera, const WorldFrame &frame);
 
 } // namespace thicket

@@ -6,7 +6,7 @@ namespace thicket {
 
 namespace {
 
-/// The largest number of visuals that a step hides: some ten microseconds.
+/// The maximum number of visuals that one step hides. Hiding so many takes tens of microseconds.
 constexpr std::size_t hidden_per_step = 16;
 
 } // namespace
@@ -27,9 +27,9 @@ bool LeavingVisuals::free_step() {
 	return true;
 }
 
-void LeavingVisuals::set_offset(glm::dvec3 offset) {
+void LeavingVisuals::set_frame(const WorldFrame &frame) {
 	for (TileVisual &visual : visuals_) {
-		visual.set_offset(offset);
+		visual.set_frame(frame);
 	}
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/world_frame.hpp"
 #include "nodes/drawing/tile_visual.hpp"
 
 #include <glm/vec3.hpp>
@@ -10,29 +11,30 @@
 
 namespace thicket {
 
-/// Visuals that are no longer drawn. Freeing one takes the renderer a while, so they are hidden and then freed step by step. Main thread
-/// only.
+/// Visuals that are no longer needed. Freeing a visual is slow in the renderer, so all are hidden
+/// first and then freed step by step. Use it only on the main thread.
 class LeavingVisuals {
 public:
 	void add(TileVisual visual) { visuals_.push_back(std::move(visual)); }
 
-	/// Allocates memory in advance, so that the next `count` calls of `add` throw nothing.
+	/// Allocates memory in advance, so that the next `count` calls of `add` cannot throw.
 	void reserve(std::size_t count) { visuals_.reserve(visuals_.size() + count); }
 
-	/// Hides some visuals. If all are hidden, frees one: no removed tile must stay visible while others are freed.
-	/// Returns false if no visual is left.
+	/// Hides some visuals or, if all are hidden, frees one. In this order, no removed tile stays
+	/// visible while others are freed. Returns false if no visual is left.
 	bool free_step();
 
 	std::size_t size() const { return visuals_.size(); }
 	bool are_hidden() const { return hidden_ == visuals_.size(); }
-	void set_offset(glm::dvec3 offset);
+	void set_frame(const WorldFrame &frame);
 
-	/// Frees all of them immediately.
+	/// Frees all visuals immediately.
 	void clear();
 
 private:
 	std::vector<TileVisual> visuals_;
-	std::size_t hidden_ = 0; ///< The number of visuals, from the first on, that are hidden.
+	/// The number of hidden visuals, which come first in `visuals_`.
+	std::size_t hidden_ = 0;
 };
 
 } // namespace thicket

@@ -10,29 +10,28 @@ namespace thicket {
 
 namespace {
 
-/// The LODs of a mesh as its layer defines them; empty for a mesh that is not drawn.
+/// Returns the LODs of a mesh as its layer defines them; empty for a mesh that is not drawn.
 std::vector<MeshLook> drawn_lods(const LayerSnapshot *layer, std::size_t mesh) {
 	return layer != nullptr && layer->drawing.draws(mesh) ? lods_of(layer->drawing, mesh) : std::vector<MeshLook>();
 }
 
 } // namespace
 
-void TileDisplay::set_world_offset(glm::dvec3 offset) {
-	uploader_.set_world_offset(offset);
-	leaving_.set_offset(offset);
+void TileDisplay::set_world_frame(const WorldFrame &frame) {
+	uploader_.set_world_frame(frame);
+	leaving_.set_frame(frame);
 	for (auto &[key, tile] : tiles_) {
-		tile.set_offset(offset);
+		tile.set_frame(frame);
 	}
 	for (DisplayedTile::Part &part : next_parts_) {
 		for (DisplayedTile::Cell &cell : part.cells) {
-			cell.for_each_visual([&offset](TileVisual &visual) { visual.set_offset(offset); });
+			cell.for_each_visual([&frame](TileVisual &visual) { visual.set_frame(frame); });
 		}
 	}
 }
 
 void TileDisplay::set_visible(bool visible) {
 	if (visible_ == visible) {
-		// All tiles already have this visibility.
 		return;
 	}
 	visible_ = visible;
@@ -56,20 +55,22 @@ void TileDisplay::begin(TileUpload &r_upload, bool others_wait) const {
 	const TileJob &job = *r_upload.job;
 	const TileKey &key = job.request.key;
 	DisplayedTile &tile = r_upload.tile;
-	tile.tile = job.tile != nullptr ? job.tile : nothing; // A tile that could not be generated is empty.
+	// A tile that could not be generated counts as empty.
+	tile.tile = job.tile != nullptr ? job.tile : nothing;
 	tile.settings = job.layer->settings;
 	tile.owner = job.layer->links.identity;
 	tile.mesh_reach = job.layer->drawing.mesh_reach;
-	tile.rect = job.request.rect;
+	tile.space = job.request.space;
 	tile.drawing_version = layers_.version(key.layer);
 	r_upload.shown = overlay(tile);
 	r_upload.overlay_version = redraws_.version();
 	if (r_upload.shown.size() != tile.tile->meshes.size()) {
-		tile.tile = nullptr; // There is no memory now, so it is begun again later.
+		tile.tile = nullptr; // Out of memory. The upload starts again later.
 		return;
 	}
 	const LayerSnapshot *layer = layers_.find(key.layer);
-	std::vector<std::pair<std::size_t, std::size_t>> sizes; // Instances, and multimeshes per cell.
+	// The instances and the multimeshes per cell of each mesh.
+	std::vector<std::pair<std::size_t, std::size_t>> sizes;
 	for (std::size_t mesh = 0; mesh < r_upload.shown.size(); ++mesh) {
 		const CompactMesh &shown = *r_upload.shown[mesh];
 		if (layer != nullptr && layer->drawing.draws(mesh) && shown.size() > 0) {
@@ -102,7 +103,7 @@ void TileDisplay::upload_some(TileUpload &r_upload, bool others_wait) {
 		const std::size_t mesh = tile.parts.size();
 		DisplayedTile::Part part;
 		if (!TileUploader::begin_part(tile, r_upload.shown[mesh], drawn_lods(layer, mesh), tile.across, part)) {
-			return; // There is no memory now.
+			return; // Out of memory. The next call tries again.
 		}
 		tile.parts.push_back(std::move(part));
 	}
@@ -110,9 +111,9 @@ void TileDisplay::upload_some(TileUpload &r_upload, bool others_wait) {
 	const std::size_t mesh = tile.parts.size() - 1;
 	const bool own = part.division.empty() && part.shown.get() == &job.tile->meshes[mesh];
 	if (layer == nullptr) {
-		part.lods.clear(); // The layer was removed in the meantime: nothing more is drawn of it.
+		part.lods.clear(); // The layer was removed in the meantime, so it is not drawn.
 	} else if (own && r_upload.has_open_part()) {
-		// The worker has prepared the buffer.
+		// The worker has already prepared this buffer.
 		part.cells.push_back(uploader_.make_cell(tile, part, layer->drawing, job.uploads[mesh]));
 	} else {
 		uploader_.upload_cells(tile, mesh, layer->drawing, part);
@@ -124,20 +125,21 @@ void TileDisplay::show(TileUpload upload) {
 	if (divisions_.is_current(key)) {
 		cancel_division();
 	}
-	redraws_.reserve_mark(); // So that nothing throws while the tile is not counted.
+	redraws_.reserve_mark(); // Nothing must throw while the tile is not counted.
 	DisplayedTile &tile = tiles_[key];
 	leaving_.reserve(tile.multimesh_count());
 	budget_.remove(tile.amounts());
 	upload.tile.set_lod(tile.finest_lod());
 	upload.tile.to_fade = tile.to_fade;
-	// The old visuals are hidden now: while both were visible, each instance would be drawn twice.
+	// Hide the old visuals first. If both were visible, each instance would be drawn twice.
 	tile.set_visible(false);
 	leave(std::move(tile));
 	tile = std::move(upload.tile);
 	if (upload.overlay_version != redraws_.version()) {
 		patch(key, tile);
 	}
-	tile.set_offset(uploader_.world_offset()); // The origin may have moved since the first part was uploaded.
+	// The origin may have moved since the first part was uploaded.
+	tile.set_frame(uploader_.world_frame());
 	budget_.add(tile.amounts());
 	divisions_.show(key, tile.across);
 	refine(key, tile);
@@ -210,10 +212,35 @@ const DisplayedTile *TileDisplay::find(std::uint32_t layer, glm::ivec2 tile) con
 	return known ? &found->second : nullptr;
 }
 
+std::vector<const DisplayedTile *> TileDisplay::column(std::uint32_t layer, glm::ivec2 tile) const {
+	std::vector<const DisplayedTile *> result;
+	auto at = tiles_.lower_bound({layer, std::numeric_limits<std::uint32_t>::max(), tile});
+	std::uint32_t grid = 0;
+	for (; at != tiles_.end() && at->first.layer == layer && at->first.tile == tile; ++at) {
+		if (at->first.grid > grid) {
+			grid = at->first.grid;
+			result.clear();
+		}
+		if (at->first.grid == grid) {
+			result.push_back(&at->second);
+		}
+	}
+	return result;
+}
+
+const DisplayedTile *TileDisplay::find(std::uint32_t layer, glm::ivec2 tile, std::int32_t slab) const {
+	const auto found = tiles_.lower_bound({layer, std::numeric_limits<std::uint32_t>::max(), tile, slab});
+	const bool known = found != tiles_.end() && found->first.layer == layer && found->first.tile == tile &&
+			found->first.slab == slab;
+	return known ? &found->second : nullptr;
+}
+
 std::vector<glm::ivec2> TileDisplay::tiles(std::uint32_t layer) const {
 	std::vector<glm::ivec2> result;
 	for (auto at = first_of(layer); at != tiles_.end() && at->first.layer == layer; ++at) {
-		result.push_back(at->first.tile);
+		if (result.empty() || result.back() != at->first.tile) {
+			result.push_back(at->first.tile);
+		}
 	}
 	return result;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/world_frame.hpp"
 #include "core/drawing/division_queue.hpp"
 #include "core/drawing/draw_budget.hpp"
 #include "core/drawing/lod_schedule.hpp"
@@ -25,9 +26,10 @@
 
 namespace thicket {
 
-/// The visible tiles. Carries out what core/drawing decides: uploads their parts, divides them into cells, changes
-/// meshes and counts with distance, and redraws tiles that a game has changed. Main thread only. Its steps are small,
-/// so that the caller can stop when the frame's time is spent.
+/// Displays tiles according to the decisions of core/drawing. Uploads the parts of tiles, divides
+/// near tiles into cells, and chooses meshes and instance counts by distance. Also redraws tiles
+/// that a game has changed. Works in small steps, so that the caller can stop when the frame budget
+/// is spent. Use it only on the main thread.
 class TileDisplay {
 public:
 	TileDisplay() = default;
@@ -35,132 +37,152 @@ public:
 	TileDisplay(const TileDisplay &) = delete;
 	TileDisplay &operator=(const TileDisplay &) = delete;
 
-	/// Sets the changes of a game. They apply to all future tiles; visible tiles are updated only where they are
-	/// marked. The state must outlive the display.
+	/// Sets a game's changes (the overlay), or null for none. The changes apply to all tiles that
+	/// are uploaded from now on. Displayed tiles change only in areas that `mark` or `mark_later`
+	/// has marked. The state must outlive the display.
 	void set_state(const InstanceState *state) { state_ = state; }
 
-	/// If `hidden`, other code draws this instance from now on; otherwise the display draws it again. Its point lies in
-	/// `area`.
+	/// Hides an instance while other code draws it, or displays it again. `area` must contain the
+	/// instance's point.
 	void set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden);
 
-	/// Marks an area of a layer (world meters, edges included), or everything, where the overlay may have changed.
+	/// Marks an area of a layer (world meters, edges included), or everything. `patch` then redraws
+	/// the tiles in which a game has changed instances.
 	void mark(std::uint32_t layer, const Rect &area) { redraws_.mark(layer, area); }
 	void mark_all() { redraws_.mark_all(); }
 
-	/// Redraws the tiles whose overlay has changed in a marked area, with one upload for each tile. Call it before the
-	/// frame is drawn.
+	/// Redraws the tiles in marked areas whose instances a game has changed. Uploads each tile at
+	/// most once. Call it before the frame is drawn.
 	void patch();
 
-	/// Marks an area of a layer, or everything, for `patch_step`, which redraws tile by tile.
+	/// Marks an area of a layer, or everything, to be redrawn by `patch_step`.
 	void mark_later(std::uint32_t layer, const Rect &area);
 	void mark_all_later();
 
-	/// Redraws one such tile. False if there is none.
+	/// Redraws one tile that `mark_later` or `mark_all_later` has marked. Returns false if there is
+	/// none.
 	bool patch_step();
 	bool has_patches() const { return redraws_.has_later(); }
 
-	/// The scenario of the RenderingServer for new tiles, and the node that they belong to.
+	/// Sets the RenderingServer scenario of new tiles, and the node that they belong to.
 	void set_scenario(const godot::RID &scenario, std::uint64_t node_id) { uploader_.set_scenario(scenario, node_id); }
 
-	/// The world position of the engine's origin, in meters. Moves all tiles immediately.
-	void set_world_offset(glm::dvec3 offset);
+	/// Sets the world position of the engine's origin, in meters. Moves all tiles immediately.
+	void set_world_frame(const WorldFrame &frame);
 
 	/// Shows or hides all tiles, including future ones.
 	void set_visible(bool visible);
 
-	/// Sets the layers by index. If a layer is now drawn differently, `lod_step` updates its tiles step by step. New
-	/// meshes of a layer apply to future tiles only.
+	/// Sets the layers by index. If the drawing settings of a layer have changed, `lod_step`
+	/// updates its tiles step by step. New meshes of a layer apply to future tiles only.
 	void set_layers(const std::vector<SharedSnapshot> &layers);
 
-	/// How much to draw; tiles follow as above.
+	/// Sets how much to draw. `lod_step` updates the tiles step by step.
 	void set_limits(const DrawLimits &limits) { budget_.set_limits(limits); }
 	const DrawLimits &limits() const { return budget_.limits(); }
 
-	/// Sets the viewers for this frame. How a tile is drawn depends on its distance to the nearest viewer.
+	/// Sets the viewers for this frame. The LOD and density of a tile depend on its distance to the
+	/// nearest viewer.
 	void set_viewers(std::span<const Viewer> viewers);
 
-	/// Updates some tiles to their distances, layers and limits. Uploads nothing. Returns false if all tiles are up to
-	/// date.
+	/// Updates some tiles to the current distances, layers and limits. Uploads nothing. Returns
+	/// false if all tiles are up to date.
 	bool lod_step();
 
-	/// Works on one tile that changes its division: into cells, into different cells, or back to a whole. Uploads some
-	/// of the new cells, hidden. Once all are uploaded, shows them and hides the cells that they replace. So no frame
-	/// draws an instance twice or not at all. Returns false if no tile changes its division.
+	/// Continues to change how one tile is divided into cells. Uploads some of the new cells while
+	/// they are still hidden. Once all are uploaded, shows them and hides the cells that they
+	/// replace, so that no frame draws an instance twice or not at all. Returns false if no tile
+	/// needs a different division.
 	bool divide_step();
 
-	/// True if there is such a tile.
+	/// Returns true if the division of a tile is changing or must change.
 	bool has_divisions() const { return divisions_.has_work(all_multimeshes()); }
 
-	/// Uploads some visuals of LODs that will fade in, or creates fading meshes. Returns false if nothing is left to
-	/// do.
+	/// Uploads some visuals for LODs that will fade in, or creates fading meshes. Returns false if
+	/// there is nothing to do.
 	bool fade_step();
 	bool has_fades() const { return !to_fade_.empty() || !drawer_.fades().is_made(); }
 
-	/// True if `lod_step`, `divide_step` and `fade_step` would find no work, and no removed tile is still visible.
+	/// Returns true if `lod_step`, `divide_step` and `fade_step` have nothing to do, and no removed
+	/// tile is still visible.
 	bool settled() const;
 
-	/// Uploads the next part of an incomplete tile. While `others_wait`, a tile that replaces no other is uploaded as a
-	/// whole; it is divided later, when there is time.
+	/// Uploads the next part of an incomplete tile. If `others_wait` is true, a tile that replaces
+	/// no other tile is uploaded as a whole, and divided later.
 	void upload_some(TileUpload &r_upload, bool others_wait);
 
-	/// Shows a complete tile, in place of the one with its key.
+	/// Displays a complete tile in place of the previous one with its key, if any.
 	void show(TileUpload upload);
 
-	/// Discards a tile that was never shown. `free_step` frees its content step by step.
+	/// Discards a tile that was never displayed. `free_step` frees its content step by step.
 	void discard(TileUpload upload) { leave(std::move(upload.tile)); }
 
-	/// True if the tile with this key is visible.
+	/// Returns true if a tile with this key is displayed.
 	bool holds(const TileKey &key) const;
 
-	/// Removes a tile. Its content is hidden and then freed step by step, by `free_step`. False if it is not visible.
+	/// Removes a tile. `free_step` hides its content and then frees it step by step. Returns false
+	/// if the tile is not displayed.
 	bool drop(const TileKey &key);
 	bool free_step() { return leaving_.free_step(); }
 
-	/// Removes all tiles. Their content is hidden and then freed step by step, by `free_step`.
+	/// Removes all tiles. `free_step` hides their content and then frees it step by step.
 	void retire();
 
-	/// Visuals that wait to be freed.
+	/// Returns the number of visuals of removed tiles that are not freed yet.
 	std::size_t leaving_count() const { return leaving_.size(); }
 
 	/// Frees everything immediately.
 	void clear();
 
-	/// The visible tile of a layer, or null. If several grids have one, returns the tile of the newest grid.
+	/// Returns the displayed tile of a layer, or null. If several grids have one, returns the tile
+	/// of the newest grid. If cubes are displayed above each other, returns the lowest one.
 	const DisplayedTile *find(std::uint32_t layer, glm::ivec2 tile) const;
+
+	/// Returns all displayed tiles with these coordinates, of the newest grid that has any: one
+	/// tile, or the cubes above each other, lowest first. Empty if none is displayed.
+	std::vector<const DisplayedTile *> column(std::uint32_t layer, glm::ivec2 tile) const;
+
+	/// Returns the displayed tile in a slab, or null. If the layer's tiles are not cubes, `slab`
+	/// must be all_slabs.
+	const DisplayedTile *find(std::uint32_t layer, glm::ivec2 tile, std::int32_t slab) const;
 	std::vector<glm::ivec2> tiles(std::uint32_t layer) const;
 
 	std::size_t tile_count() const { return tiles_.size(); }
 	std::uint64_t instance_count() const { return budget_.amounts().instances; }
 
-	/// The number of instances of one layer.
+	/// Returns the number of instances of one layer.
 	std::uint64_t instance_count(std::uint32_t layer) const;
 
-	/// Main memory that all instances take, in bytes, without the renderer's copies.
+	/// Returns the main memory in bytes that all instances take, without the renderer's copies.
 	std::uint64_t instance_bytes() const { return budget_.amounts().bytes; }
 
-	/// The number of instances that are drawn when in view, after all limits.
+	/// Returns the number of instances that are drawn if in view, after all limits.
 	std::uint64_t drawn_count() const { return budget_.amounts().drawn; }
 
-	/// The share of a layer's instances that is drawn at this distance from a viewer (meters), including all limits: 0 to 1.
+	/// Returns the share of a layer's instances that is drawn at a distance in meters from a
+	/// viewer, after all limits: 0 to 1.
 	double drawn_share(const LodSettings &lod, double distance) const { return budget_.drawn_share(lod, distance); }
 
-	/// Visible multimeshes: one for each mesh of a tile that is drawn as a whole, more for a tile in cells.
+	/// Returns the number of multimeshes: one for each mesh of a tile that is drawn as a whole,
+	/// more if the tile is divided into cells.
 	std::uint64_t multimesh_count() const { return budget_.amounts().multimeshes; }
 
-	/// The approximate world y of the tiles' instances, in meters; 0 if there are none.
+	/// Returns the typical height (world y) of the instances in meters; 0 if there are none.
 	double usual_height() const;
 
-	/// Adds up everything that is drawn now.
+	/// Adds everything that is currently drawn to `r_counter`.
 	void count_drawn(DrawCounter &r_counter) const;
 
-	/// The number of buffers passed to the renderer since the display was created or cleared.
+	/// Returns the number of buffers passed to the renderer since the display was created or
+	/// cleared.
 	std::uint64_t upload_count() const { return uploader_.upload_count(); }
 
-	/// The number of tiles that were updated, without an upload, after a change of their layer's drawing settings.
+	/// Returns how many tiles were updated, without an upload, because their layer's drawing
+	/// settings had changed.
 	std::uint64_t redrawn_count() const { return redrawn_count_; }
 
-	/// How often an LOD was chosen by distance for a cell, or for a tile that is drawn as a whole. Counted for each
-	/// mesh.
+	/// Returns how often an LOD was chosen by distance for a cell or a whole tile. Counts each mesh
+	/// separately.
 	std::uint64_t lod_look_count() const { return drawer_.draw_count(); }
 
 private:
@@ -182,9 +204,9 @@ private:
 	bool patch_parts(const TileKey &key, DisplayedTile &r_tile);
 	std::vector<std::shared_ptr<const CompactMesh>> overlay(const DisplayedTile &tile) const;
 
-	// How tiles are divided into cells.
+	// The division of tiles into cells.
 
-	/// The visible tiles, for `divisions_`.
+	/// Measures the displayed tiles for `divisions_`, which decides how they are divided.
 	class TileMeasures : public DivisionQueue::Tiles {
 	public:
 		explicit TileMeasures(const TileDisplay &display) : display_(display) {}
@@ -221,9 +243,10 @@ private:
 	CellDrawer drawer_{{layers_, schedule_, budget_, uploader_, leaving_}};
 
 	DivisionQueue divisions_;
-	std::vector<DisplayedTile::Part> next_parts_; ///< The parts of the current division uploaded until now, hidden.
+	/// The cells uploaded so far, still hidden, for the tile whose division is changing.
+	std::vector<DisplayedTile::Part> next_parts_;
 
-	std::vector<TileKey> to_fade_; ///< Tiles that wait for visuals of LODs. No duplicates.
+	std::vector<TileKey> to_fade_; ///< Tiles that need more visuals for LODs, without duplicates.
 
 	const InstanceState *state_ = nullptr;
 	std::unordered_set<std::uint64_t> hidden_;

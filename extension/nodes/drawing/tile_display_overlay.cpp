@@ -1,4 +1,5 @@
-// Displays a game's changes: instances that are removed, placed by hand, or drawn by other means.
+// This file applies a game's changes to the displayed tiles: removed and hand-placed instances, and
+// instances that other code draws.
 
 #include "core/base/guard.hpp"
 #include "nodes/common/property_check.hpp"
@@ -26,13 +27,13 @@ bool same(const CompactMesh &a, const CompactMesh &b) {
 	return equal;
 }
 
-/// One for each cell of `next`, reusing the visible cells of `part`.
+/// Determines for each cell of `next` which cell of `part` it can reuse.
 std::vector<CellReuse> reuse_cells(const DisplayedTile::Part &part, const DisplayedTile::Part &next, bool whole) {
 	if (!whole) {
 		return thicket::reuse_cells(*part.shown, part.division, *next.shown, next.division);
 	}
 	if (!part.cells.empty()) {
-		return {{0, false}}; // Its visual is reused, even for no instances.
+		return {{0, false}}; // The visual is reused even if no instances are left.
 	}
 	return std::vector<CellReuse>(next.cell_count());
 }
@@ -48,7 +49,7 @@ void TileDisplay::set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &
 
 std::vector<std::shared_ptr<const CompactMesh>> TileDisplay::overlay(const DisplayedTile &tile) const {
 	OverlaidMeshes meshes;
-	report("TerrainScatter3D", overlaid(tile.tile, *tile.settings, tile.rect, {state_, &hidden_}, meshes));
+	report("TerrainScatter3D", overlaid(tile.tile, *tile.settings, tile.space, {state_, &hidden_}, meshes));
 	return meshes;
 }
 
@@ -58,7 +59,7 @@ void TileDisplay::patch() {
 		return;
 	}
 	for (auto &[key, tile] : tiles_) {
-		if (marks.meet(key.layer, tile.rect)) {
+		if (marks.meet(key.layer, tile.space)) {
 			redraw(key, tile);
 		}
 	}
@@ -66,13 +67,13 @@ void TileDisplay::patch() {
 
 void TileDisplay::redraw(const TileKey &key, DisplayedTile &r_tile) {
 	try {
-		redraws_.reserve_mark(); // So that `patch` throws nothing, and the amounts stay right.
+		redraws_.reserve_mark(); // `patch` must not throw here, or the amounts would be wrong.
 		budget_.remove(r_tile.amounts());
 		patch(key, r_tile);
 		budget_.add(r_tile.amounts());
 		refine(key, r_tile);
 	} catch (const std::bad_alloc &) {
-		redraws_.mark_all(); // Other marks may be lost with this one.
+		redraws_.mark_all(); // The exception may have discarded marks.
 		throw;
 	}
 }
@@ -80,7 +81,7 @@ void TileDisplay::redraw(const TileKey &key, DisplayedTile &r_tile) {
 void TileDisplay::mark_later(std::uint32_t layer, const Rect &area) {
 	redraws_.begin_later();
 	for (auto at = first_of(layer); at != tiles_.end() && at->first.layer == layer; ++at) {
-		if (meet(at->second.rect, area)) {
+		if (meet(at->second.space, area)) {
 			redraws_.add_later(at->first);
 		}
 	}
@@ -103,17 +104,17 @@ bool TileDisplay::patch_step() {
 	return false;
 }
 
-/// The caller updates the counts and applies the changes with distance. If memory runs out, the tile stays visible and
-/// unchanged until memory is available.
+/// Applies the overlay to a tile. The caller must update the counts, and the LODs by distance. If
+/// memory is insufficient, the tile stays unchanged and is marked again.
 void TileDisplay::patch(const TileKey &key, DisplayedTile &r_tile) {
 	bool patched = false;
-	report("TerrainScatter3D", guarded("tile", r_tile.rect.size().x, [&] { patched = patch_parts(key, r_tile); }));
+	report("TerrainScatter3D", guarded("tile", r_tile.space.size().x, [&] { patched = patch_parts(key, r_tile); }));
 	if (!patched) {
-		mark(key.layer, r_tile.rect);
+		mark(key.layer, r_tile.space);
 	}
 }
 
-/// False if there is not enough memory.
+/// Applies the overlay to all parts of a tile. Returns false if memory is insufficient.
 bool TileDisplay::patch_parts(const TileKey &key, DisplayedTile &r_tile) {
 	const LayerSnapshot *layer = layers_.find(key.layer);
 	const std::vector<std::shared_ptr<const CompactMesh>> shown = overlay(r_tile);
@@ -121,13 +122,13 @@ bool TileDisplay::patch_parts(const TileKey &key, DisplayedTile &r_tile) {
 		return false;
 	}
 	if (divisions_.is_current(key)) {
-		cancel_division(); // Its uploads are outdated.
+		cancel_division(); // The uploads of the division are outdated.
 	}
 	r_tile.look_at_all = true;
 	for (std::size_t mesh = 0; mesh < shown.size(); ++mesh) {
 		DisplayedTile::Part &part = r_tile.parts[mesh];
 		if (part.shown == shown[mesh] || same(*part.shown, *shown[mesh])) {
-			// The renderer has the same instances.
+			// The renderer already has these instances.
 			part.shown = shown[mesh];
 		} else if (!patch_part(r_tile, mesh, layer, part, shown[mesh])) {
 			return false;
@@ -140,8 +141,8 @@ bool TileDisplay::patch_parts(const TileKey &key, DisplayedTile &r_tile) {
 	return true;
 }
 
-/// Displays the new instances of a mesh. Unchanged cells are not uploaded again. Returns false, without any change, if there is not enough
-/// memory.
+/// Displays the new instances of a mesh. Uploads only changed cells. If memory is insufficient,
+/// changes nothing and returns false.
 bool TileDisplay::patch_part(const DisplayedTile &tile, std::size_t mesh, const LayerSnapshot *layer,
 		DisplayedTile::Part &r_part, std::shared_ptr<const CompactMesh> shown) {
 	DisplayedTile::Part next;
@@ -158,7 +159,7 @@ bool TileDisplay::patch_part(const DisplayedTile &tile, std::size_t mesh, const 
 	fresh.reserve(reuses.size());
 	for (std::size_t at = 0; at < reuses.size(); ++at) {
 		if (reuses[at].unchanged) {
-			// The renderer has the same instances of the cell.
+			// The renderer already has these instances.
 			continue;
 		}
 		uploads[at] = to_upload(next, at, tile.reach_of(mesh));
@@ -170,7 +171,7 @@ bool TileDisplay::patch_part(const DisplayedTile &tile, std::size_t mesh, const 
 	std::vector<DisplayedTile::Cell> gone;
 	gone.reserve(r_part.cells.size());
 	std::vector<bool> stays(r_part.cells.size());
-	// Nothing may allocate memory from here on: some cells have moved to the new part, and the others must follow.
+	// Nothing may throw from here on, because the cells move to the new part one by one.
 	std::size_t made = 0;
 	for (std::size_t at = 0; at < reuses.size(); ++at) {
 		const auto &[before, unchanged] = reuses[at];
@@ -182,7 +183,7 @@ bool TileDisplay::patch_part(const DisplayedTile &tile, std::size_t mesh, const 
 		stays[*before] = true;
 		next.cells.push_back(std::move(r_part.cells[*before]));
 		if (!unchanged) {
-			// The visuals of the cell are reused for the other instances.
+			// The cell keeps its visuals and gets the new instances.
 			uploader_.set_instances(uploads[at], next.cells.back());
 		}
 	}

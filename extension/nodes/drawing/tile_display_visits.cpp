@@ -1,4 +1,5 @@
-// How visible tiles follow the viewers and the limits: which of them are drawn again, and when.
+// This file updates displayed tiles when viewers move or limits change, and determines which tiles
+// to update, and when.
 
 #include "nodes/drawing/tile_display.hpp"
 
@@ -11,7 +12,8 @@ namespace thicket {
 
 namespace {
 
-/// Multimeshes that a step checks, or slightly more: a few microseconds. A checked tile is seldom drawn differently.
+/// The approximate number of multimeshes that one step checks, which takes a few microseconds. Few
+/// of the checked tiles need a change.
 constexpr std::size_t cells_per_step = 32;
 
 } // namespace
@@ -47,7 +49,7 @@ void TileDisplay::set_viewers(std::span<const Viewer> viewers) {
 
 void TileDisplay::visit_all() {
 	schedule_.clear();
-	budget_.take_cut(); // These tiles are visited, too.
+	budget_.take_cut(); // All tiles are visited below, including the cut ones.
 	for (auto &[key, tile] : tiles_) {
 		tile.look_at_all = true;
 		schedule_.add(key, 0.0);
@@ -71,7 +73,7 @@ bool TileDisplay::lod_step() {
 
 void TileDisplay::apply_drawing(const TileKey &key, DisplayedTile &r_tile) {
 	if (r_tile.drawing_version == layers_.version(key.layer)) {
-		// The renderer has these settings.
+		// The renderer already has these settings.
 		return;
 	}
 	r_tile.drawing_version = layers_.version(key.layer);
@@ -105,7 +107,7 @@ double TileDisplay::usual_height() const {
 	return count > 0 ? sum / static_cast<double>(count) : 0.0;
 }
 
-/// Draws a tile as its layer requires for its distance, and schedules its next visit.
+/// Updates a tile to its layer's settings and its distance, and schedules its next visit.
 void TileDisplay::refine(const TileKey &key, DisplayedTile &r_tile) {
 	const LayerSnapshot *layer = layers_.find(key.layer);
 	if (!r_tile.draws_anything() || layer == nullptr) {
@@ -123,7 +125,7 @@ void TileDisplay::refine(const TileKey &key, DisplayedTile &r_tile) {
 		to_fade_.push_back(key);
 	}
 	divisions_.choose(key, r_tile.across, division_of(key, r_tile, r_tile.across));
-	const double cell_size = r_tile.across > 1 ? r_tile.rect.size().x / r_tile.across : 0.0;
+	const double cell_size = r_tile.across > 1 ? r_tile.space.size().x / r_tile.across : 0.0;
 	schedule_.add(key, visit_margin(margin, cell_size, division_margin(layer->cells, layer->lod, distance.near)));
 }
 

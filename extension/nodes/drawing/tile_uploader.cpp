@@ -21,7 +21,7 @@ bool TileUploader::begin_part(const DisplayedTile &tile, std::shared_ptr<const C
 	if (across == 1 || r_part.lods.empty()) {
 		return true;
 	}
-	const Status status = divide(*r_part.shown, tile.tile->origin, tile.rect, across, r_part.division);
+	const Status status = divide(*r_part.shown, tile.tile->origin, tile.space, across, r_part.division);
 	report("TerrainScatter3D", status);
 	return status.ok();
 }

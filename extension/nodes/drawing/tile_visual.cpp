@@ -1,6 +1,7 @@
 #include "nodes/drawing/tile_visual.hpp"
 
 #include "core/placement/tile_instances.hpp"
+#include "nodes/common/convert.hpp"
 #include "nodes/common/engine_arrays.hpp"
 
 #include <godot_cpp/classes/rendering_server.hpp>
@@ -17,11 +18,12 @@ namespace thicket {
 
 namespace {
 
-/// GeometryInstance3D.GIMode.
+/// Values of GeometryInstance3D.GIMode.
 constexpr int64_t gi_static = 1;
 constexpr int64_t gi_dynamic = 2;
 
-/// Not a valid count: a new buffer draws all instances until a count is set.
+/// A placeholder for the number of drawn instances: after an upload, the renderer draws all
+/// instances until a count is set.
 constexpr auto everything = std::numeric_limits<std::size_t>::max();
 
 } // namespace
@@ -45,7 +47,7 @@ TileVisual::TileVisual(const VisualContext &context, const InstanceData &data, s
 		server->instance_attach_object_instance_id(handle.instance, context.node_id);
 	});
 	origin_ = context.origin;
-	offset_ = context.offset;
+	frame_ = context.frame;
 	move_instances();
 	set_look(look);
 }
@@ -71,7 +73,7 @@ TileVisual &TileVisual::operator=(TileVisual &&other) noexcept {
 		drawn_ = other.drawn_;
 		scale_ = other.scale_;
 		origin_ = other.origin_;
-		offset_ = other.offset_;
+		frame_ = other.frame_;
 	}
 	return *this;
 }
@@ -96,14 +98,15 @@ void TileVisual::set_instances(const MeshUpload &upload) {
 	PackedFloat32Array buffer = upload.buffer;
 	try {
 		if (instances_ < capacity_) {
-			// The renderer requires a buffer of its whole capacity. The rest is never drawn.
+			// The renderer requires a buffer of the full capacity. The padding is never drawn.
 			buffer = resized_copy(buffer, capacity_ * stride);
 		}
 	} catch (const std::bad_alloc &) {
-		allocate(instances_); // Slower, but the drawn and the counted instances must not differ.
+		// Reallocating is slower, but the drawn instances must match the count.
+		allocate(instances_);
 	}
 	for_each_handle([&](Handle &handle) {
-		// Before the buffer: with our own box the renderer does not compute one from all the transforms.
+		// Set the box before the buffer. Otherwise the renderer computes one from all transforms.
 		server->multimesh_set_custom_aabb(handle.multimesh, upload.aabb);
 		server->multimesh_set_buffer(handle.multimesh, buffer);
 	});
@@ -123,7 +126,7 @@ void TileVisual::free() {
 }
 
 void TileVisual::apply(const LayerDrawing &drawing) {
-	// Every member is named, so that adding a member requires a decision here.
+	// Lists every member, so that a new one does not compile until it is handled here.
 	const auto &[meshes, lod_meshes, surfaces, boxes, mesh_reach, cell_size, material, cast_shadow, gi_mode,
 			render_layers, lod_bias, margin] = drawing;
 	RenderingServer *server = RenderingServer::get_singleton();
@@ -141,12 +144,14 @@ void TileVisual::apply(const LayerDrawing &drawing) {
 		server->instance_set_extra_visibility_margin(instance, static_cast<float>(margin));
 		server->instance_geometry_set_material_override(instance, material_rid);
 	}
-	material_ = material; // Only now: the previous material must not be freed while the instance uses it.
+	// Assign last. The previous material must not be freed while the instance uses it.
+	material_ = material;
 	layer_shadow_ = cast_shadow;
 	apply_shadows();
 }
 
-/// If a different mesh casts the shadow, that mesh does nothing else, and the drawn mesh casts none.
+/// Applies the shadow settings. If a different mesh casts the shadow, that mesh casts shadows only,
+/// and the drawn mesh casts none.
 void TileVisual::apply_shadows() {
 	RenderingServer *server = RenderingServer::get_singleton();
 	const std::int64_t setting = MeshShadow{{}, look_shadow_}.setting_in(layer_shadow_);
@@ -169,19 +174,16 @@ void TileVisual::set_visible(bool visible) {
 	}
 }
 
-void TileVisual::set_offset(glm::dvec3 offset) {
-	if (offset_ == offset) {
-		// It is already at that position.
+void TileVisual::set_frame(const WorldFrame &frame) {
+	if (frame_ == frame) {
 		return;
 	}
-	offset_ = offset;
+	frame_ = frame;
 	move_instances();
 }
 
 void TileVisual::move_instances() {
-	const glm::dvec3 at = origin_ - offset_;
-	const Transform3D transform(
-			Basis(), Vector3(static_cast<real_t>(at.x), static_cast<real_t>(at.y), static_cast<real_t>(at.z)));
+	const Transform3D transform = to_engine(glm::mat3(1.0F), origin_, frame_);
 	for_each_handle([&](const Handle &handle) {
 		RenderingServer::get_singleton()->instance_set_transform(handle.instance, transform);
 	});
@@ -189,11 +191,10 @@ void TileVisual::move_instances() {
 
 void TileVisual::set_mesh(const Ref<Mesh> &mesh, Handle &r_handle) {
 	if (r_handle.mesh == mesh) {
-		// The renderer has this mesh.
 		return;
 	}
 	RenderingServer::get_singleton()->multimesh_set_mesh(r_handle.multimesh, mesh->get_rid());
-	r_handle.mesh = mesh; // Only now, as for the material in `apply`.
+	r_handle.mesh = mesh; // Assign last, as for the material in `apply`.
 }
 
 void TileVisual::set_look(const MeshLook &look) {
@@ -212,7 +213,6 @@ void TileVisual::set_look(const MeshLook &look) {
 
 void TileVisual::apply_look(const LodLook &look) {
 	if (look == look_) {
-		// The renderer has this look.
 		return;
 	}
 	RenderingServer *server = RenderingServer::get_singleton();
@@ -231,7 +231,6 @@ void TileVisual::apply_look(const LodLook &look) {
 
 void TileVisual::set_drawn(std::size_t count) {
 	if (drawn_ == count) {
-		// The renderer has this count.
 		return;
 	}
 	for_each_handle([count](const Handle &handle) {
@@ -243,7 +242,6 @@ void TileVisual::set_drawn(std::size_t count) {
 
 void TileVisual::set_scale(float scale) {
 	if (scale_ == scale) {
-		// The renderer has this scale.
 		return;
 	}
 	for_each_handle([scale](const Handle &handle) {

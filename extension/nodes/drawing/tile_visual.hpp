@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/world_frame.hpp"
 #include "nodes/layer/layer_snapshot.hpp"
 #include "nodes/workers/mesh_upload.hpp"
 
@@ -13,54 +14,58 @@
 
 namespace thicket {
 
-/// The context that a TileVisual belongs to.
+/// The scenario, position and owner of a TileVisual.
 struct VisualContext {
 	godot::RID scenario;
-	glm::dvec3 origin{0.0};    ///< The tile's origin in the world, in meters.
-	glm::dvec3 offset{0.0};    ///< The engine's origin in the world, in meters.
-	std::uint64_t node_id = 0; ///< The node it belongs to: a click in the editor selects that node.
+	glm::dvec3 origin{0.0}; ///< The world position of the tile's origin, in meters.
+	WorldFrame frame;
+	/// The object ID of the owner. A click on the visual in the editor selects that node.
+	std::uint64_t node_id = 0;
 };
 
-/// True if one of these looks casts its shadow with a different mesh than it draws.
+/// Returns true if one of these looks has a separate mesh for its shadow.
 bool casts_by_other_meshes(std::span<const MeshLook> looks);
 
-/// The instances of one mesh in a tile or in a cell of it: a MultiMesh and an instance of the RenderingServer, freed with the object. If a
-/// different mesh casts the shadow, there are two more, which share the content of the buffer.
+/// Draws the instances of one mesh in a tile or one of its cells. Owns a multimesh and an instance
+/// of the RenderingServer. If a different mesh casts the shadow, owns a second pair, whose
+/// multimesh has the same buffer content.
 ///
-/// Keeps its mesh and its material alive, even if the layer has released them: an outdated tile is drawn unchanged
-/// until its successor is ready. The instance is positioned at the tile's center, because the engine measures
-/// visibility ranges from there. Physics interpolation is off, because nothing here ever moves in the world. It is off
-/// for every multimesh without a MultiMesh resource.
+/// Keeps its mesh and material alive even if the layer has released them, because an outdated tile
+/// is drawn until its replacement is ready. The instance is positioned at the tile's center,
+/// because the engine measures visibility ranges from there. Physics interpolation is off, as for
+/// every multimesh without a MultiMesh resource, because visuals never move in the world.
 class TileVisual {
 public:
-	/// Creates a hidden visual with the first of its possible looks. `data` determines the number of floats per
-	/// instance in the buffer.
+	/// Creates a hidden visual that draws the first of `looks`, which lists all looks that the
+	/// visual may ever have. `data` determines the number of floats per instance in the buffer.
 	TileVisual(const VisualContext &context, const InstanceData &data, std::span<const MeshLook> looks,
 			const MeshUpload &upload);
 	~TileVisual();
 	TileVisual(TileVisual &&other) noexcept;
 	TileVisual &operator=(TileVisual &&other) noexcept;
 
-	/// Applies the layer's drawing settings, apart from its meshes.
+	/// Applies the layer's drawing settings except its meshes.
 	void apply(const LayerDrawing &drawing);
 	void set_visible(bool visible);
 
-	/// Replaces the instances; all of them are drawn until `set_drawn`. Throws nothing.
+	/// Replaces the instances. The renderer draws all of them until `set_drawn` is called. Throws
+	/// nothing.
 	void set_instances(const MeshUpload &upload);
 
-	// These need no upload. Each does nothing if the value is unchanged.
+	// The following methods upload nothing. If the value is unchanged, the method does nothing.
 
-	/// Notifies the visual that the engine's origin has moved in the world. The visual keeps its position in the world.
-	void set_offset(glm::dvec3 offset);
+	/// Sets the world position of the engine's origin, in meters. The visual keeps its position in
+	/// the world.
+	void set_frame(const WorldFrame &frame);
 	void set_look(const MeshLook &look);
 
 	/// Draws the first `count` instances.
 	void set_drawn(std::size_t count);
 
-	/// The instance uniform `scatter_scale` for the shaders.
+	/// Sets the instance uniform `scatter_scale` of the shaders.
 	void set_scale(float scale);
 
-	/// Reads the data of the instances from the RenderingServer. Slow, because it waits for the renderer.
+	/// Reads the instance data from the RenderingServer. Slow, because it waits for the renderer.
 	godot::PackedFloat32Array read_back() const;
 
 	godot::RID multimesh() const { return drawn_by_.multimesh; }
@@ -68,9 +73,9 @@ public:
 	const godot::Ref<godot::Mesh> &mesh() const { return drawn_by_.mesh; }
 
 private:
-	/// The objects of the RenderingServer for one of the meshes.
+	/// The RenderingServer objects for one mesh.
 	struct Handle {
-		godot::RID multimesh; ///< Invalid if there is none.
+		godot::RID multimesh; ///< The multimesh; invalid if there is none.
 		godot::RID instance;
 		godot::Ref<godot::Mesh> mesh;
 	};
@@ -93,19 +98,20 @@ private:
 
 	InstanceData data_;
 	int64_t instances_ = 0;
-	int64_t capacity_ = 0; ///< Instances that the multimesh has memory for.
+	int64_t capacity_ = 0; ///< The number of instances that the multimesh has memory for.
 	Handle drawn_by_;
-	Handle shadow_by_;              ///< For a different mesh that casts the shadow, if any of the looks has one.
+	/// Draws the separate shadow mesh, if any of the looks has one.
+	Handle shadow_by_;
 	std::int64_t layer_shadow_ = 1; ///< The layer's GeometryInstance3D.ShadowCastingSetting.
-	std::int64_t look_shadow_ = -1; ///< The look's setting, as in MeshShadow.
-	LodLook look_;                  ///< The look that the renderer currently has.
-	bool casts_apart_ = false;      ///< True if the look that is drawn has its own mesh for the shadow.
+	std::int64_t look_shadow_ = -1; ///< The shadow setting of the look, as in MeshShadow.
+	LodLook look_;                  ///< The current look in the renderer.
+	bool casts_apart_ = false;      ///< True if the current look has a separate shadow mesh.
 	bool visible_ = false;
 	godot::Ref<godot::Material> material_;
 	std::size_t drawn_ = 0;
 	float scale_ = 1.0F;
-	glm::dvec3 origin_{0.0}; ///< In the world.
-	glm::dvec3 offset_{0.0}; ///< The engine's origin in the world.
+	glm::dvec3 origin_{0.0}; ///< World meters.
+	WorldFrame frame_;
 };
 
 } // namespace thicket

@@ -1,12 +1,14 @@
 #include "nodes/explain/layer_explainer.hpp"
 
 #include "core/explain/density_probe.hpp"
+#include "core/explain/model_probe.hpp"
 #include "core/explain/place_grid.hpp"
 #include "core/sampling/nearest_points.hpp"
 #include "nodes/workers/build_at_once.hpp"
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace thicket {
 
@@ -15,6 +17,10 @@ namespace {
 std::string name_of(const LayerSnapshot &layer, std::size_t index) {
 	return layer.links.name.empty() ? "layer " + std::to_string(index) : layer.links.name;
 }
+
+/// Returns the surface of a terrain. Returns null if there is no terrain, or if it has only
+/// heights.
+const Surface *surface_of(const Terrain *terrain) { return terrain != nullptr ? terrain->surface() : nullptr; }
 
 } // namespace
 
@@ -30,11 +36,27 @@ RuleNames LayerExplainer::names_for(const LayerSnapshot &layer) const {
 	return names;
 }
 
-Status LayerExplainer::explain(std::uint32_t layer, glm::dvec2 place, LayerExplanation &r_explanation) const {
+/// Finds the models on which a layer grows around a position; see ModelProbe.
+Status LayerExplainer::find_models(
+		const LayerSettings &layer, const glm::dvec3 &place, std::unique_ptr<const Surface> &r_models) const {
+	ModelProbe probe;
+	std::vector<Ground> answers;
+	Status status = probe.find(layer, place, surface_of(terrain.get()));
+	if (status.ok()) {
+		status = ask_at_once(terrain.get(), ground, probe.positions(), probe.queries(), answers);
+	}
+	return status.ok() ? probe.models(answers, r_models) : status;
+}
+
+Status LayerExplainer::explain(std::uint32_t layer, const glm::dvec3 &place, LayerExplanation &r_explanation) const {
 	const LayerSettings &settings = *layers[layer]->settings;
 	PlaceExplainer explainer;
 	std::vector<Ground> answers;
-	Status status = explainer.find(settings, place);
+	std::unique_ptr<const Surface> models;
+	Status status = settings.hosted ? find_models(settings, place, models) : Status();
+	if (status.ok()) {
+		status = explainer.find(settings, place, surface_of(terrain.get()), models.get());
+	}
 	if (status.ok()) {
 		status = ask_at_once(terrain.get(), ground, explainer.positions(), explainer.queries(), answers);
 	}
@@ -50,7 +72,7 @@ Status LayerExplainer::explain(std::uint32_t layer, glm::dvec2 place, LayerExpla
 	}
 	r_explanation.verdict = judge(r_explanation.rules, settings, names);
 	r_explanation.stands = r_explanation.rules.stands();
-	if (is_ground(r_explanation.rules.place.ground)) {
+	if (std::isfinite(r_explanation.rules.place.ground.height)) {
 		r_explanation.place.y = double{r_explanation.rules.place.ground.height};
 	}
 	return {};
@@ -60,7 +82,7 @@ Status LayerExplainer::densities(
 		std::uint32_t layer, std::span<const glm::dvec2> places, std::vector<float> &r_densities) const {
 	DensityProbe probe;
 	std::vector<Ground> answers;
-	Status status = probe.find(*layers[layer]->settings, places, false);
+	Status status = probe.find(*layers[layer]->settings, places, false, surface_of(terrain.get()));
 	if (status.ok()) {
 		status = ask_at_once(terrain.get(), ground, probe.positions(), probe.queries(), answers);
 	}

@@ -5,6 +5,7 @@
 #include "nodes/ground/scatter_ground.hpp"
 
 #include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 
 #include <memory>
 #include <span>
@@ -13,30 +14,35 @@
 
 namespace thicket {
 
-/// The data of a node that an explanation needs. Keeps it alive until the explanation is done, because a ground's
-/// script may change or free the node. Main thread only.
+/// A copy of the node's data that an explanation needs. The copy stays valid even if a script of
+/// the ground changes or frees the node. Use it only on the main thread.
 struct LayerExplainer {
 	std::vector<SharedSnapshot> layers;
-	std::shared_ptr<const Terrain> terrain; ///< Null for ground that is sampled on the main thread only.
+	/// The ground. Null if only the main thread may sample it.
+	std::shared_ptr<const Terrain> terrain;
 	HostedGround ground;
-	std::vector<std::string> shapes; ///< The names of the shapes of the layer that is explained next.
+	std::vector<std::string> shapes; ///< The names of the shapes of the layer to explain next.
 
-	/// Explains the rules of the layer at an index for a world position, and for the point nearest to it. Returns the
-	/// error of PlaceExplainer or of the ground, if either fails. Throws std::bad_alloc.
-	Status explain(std::uint32_t layer, glm::dvec2 place, LayerExplanation &r_explanation) const;
+	/// Explains the rules of a layer (by index) at a world position, and at that point of the layer
+	/// which is nearest to the position. If PlaceExplainer or the ground fails, returns its error.
+	/// Throws std::bad_alloc.
+	Status explain(std::uint32_t layer, const glm::dvec3 &place, LayerExplanation &r_explanation) const;
 
-	/// Computes the density of a layer at some positions, 0 to 1. Replaces `r_densities`.
+	/// Computes the density of a layer at world positions, 0 to 1. Replaces `r_densities`.
 	Status densities(std::uint32_t layer, std::span<const glm::dvec2> places, std::vector<float> &r_densities) const;
 
-	/// Computes the slope of the ground at some positions, in degrees; NAN where there is no ground. Replaces
-	/// `r_slopes`.
+	/// Computes the slope of the ground at world positions, in degrees; NAN where there is no
+	/// ground. Replaces `r_slopes`.
 	Status slopes(std::span<const glm::dvec2> places, std::vector<float> &r_slopes) const;
 
-	/// Finds the layer's point nearest to each position, and its rank, 0 to 1. Replaces `r_ranks`.
+	/// Finds the rank, 0 to 1, of the layer's point nearest to each world position. Replaces
+	/// `r_ranks`.
 	Status ranks(std::uint32_t layer, std::span<const glm::dvec2> places, std::vector<float> &r_ranks) const;
 
 private:
 	RuleNames names_for(const LayerSnapshot &layer) const;
+	Status find_models(
+			const LayerSettings &layer, const glm::dvec3 &place, std::unique_ptr<const Surface> &r_models) const;
 };
 
 } // namespace thicket

@@ -15,20 +15,20 @@ using namespace godot;
 namespace thicket {
 
 Ref<ScatterExplanation> ScatterExplanation::of(
-		LayerExplanation explanation, const Ref<ScatterLayer> &p_layer, glm::dvec3 offset) {
+		LayerExplanation explanation, const Ref<ScatterLayer> &p_layer, const WorldFrame &frame) {
 	const Ref<ScatterExplanation> result(memnew(ScatterExplanation));
 	result->it_ = std::move(explanation);
 	result->layer_ = p_layer;
-	result->offset_ = offset;
+	result->frame_ = frame;
 	return result;
 }
 
-Vector3 ScatterExplanation::get_position() const { return to_engine(it_.place, offset_); }
+Vector3 ScatterExplanation::get_position() const { return to_engine(it_.place, frame_); }
 
 Vector3 ScatterExplanation::get_point_position() const {
 	const float height = it_.rules.at_point.ground.height;
 	const glm::dvec2 at = it_.rules.point.position;
-	return to_engine(glm::dvec3(at.x, std::isfinite(height) ? double{height} : it_.place.y, at.y), offset_);
+	return to_engine(glm::dvec3(at.x, std::isfinite(height) ? double{height} : it_.place.y, at.y), frame_);
 }
 
 bool ScatterExplanation::check_index(const char *p_method, int64_t p_index) const {

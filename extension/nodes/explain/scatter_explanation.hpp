@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/explain/rule_sentences.hpp"
+#include "nodes/common/convert.hpp"
 #include "nodes/common/guard.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 
@@ -19,29 +20,31 @@
 
 namespace thicket {
 
-/// Why a layer has an instance at a position, or has none.
+/// The reasons why a layer has or does not have an instance at a position.
 struct LayerExplanation {
 	std::uint32_t layer = 0;
 	std::string layer_name;
-	glm::dvec3 place{0.0}; ///< World meters, on the ground if there is any.
+	glm::dvec3 place{0.0}; ///< The explained position in world meters, on the ground if there is any.
 
-	PlaceExplanation rules; ///< If the layer could be explained. `sentences` has one for each factor at the position.
+	/// The result of the rules, if they were evaluated. `sentences` has one entry for each factor
+	/// at the position.
+	PlaceExplanation rules;
 	std::vector<RuleSentence> sentences;
-	RuleVerdict verdict; ///< The verdict of the rules and of everything else that may prevent an instance.
+	RuleVerdict verdict; ///< The outcome of the rules and of everything else that may prevent an instance.
 	bool stands = false; ///< True if the point nearest to the position is an instance.
-	bool shown = false;  ///< True if that instance is also drawn.
+	bool shown = false;  ///< True if that instance is drawn.
 };
 
-/// A LayerExplanation for scripts, as of the time of the call. Given an invalid rule index, methods print an error and
-/// return a default.
+/// A LayerExplanation for scripts, as of the time of the call. If a rule index is out of range,
+/// methods print an error and return a default value. Any thread may call all methods.
 class ScatterExplanation : public godot::RefCounted {
 	GDCLASS(ScatterExplanation, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
 
 public:
-	/// `offset` is the world position of the engine's origin, in meters.
+	/// `frame` relates the engine's space to the world.
 	static godot::Ref<ScatterExplanation> of(
-			LayerExplanation explanation, const godot::Ref<ScatterLayer> &p_layer, glm::dvec3 offset);
+			LayerExplanation explanation, const godot::Ref<ScatterLayer> &p_layer, const WorldFrame &frame);
 
 	godot::Ref<ScatterLayer> get_layer() const { return layer_; }
 	godot::String get_layer_name() const { return godot::String::utf8(it_.layer_name.c_str()); }
@@ -53,14 +56,14 @@ public:
 	bool is_standing() const { return it_.stands; }
 	bool is_shown() const { return it_.shown; }
 
-	// The point of the set that is nearest to the position.
+	// These methods describe the point of the layer's set that is nearest to the position.
 	int64_t get_id() const { return static_cast<int64_t>(it_.rules.point.id); }
 	godot::Vector3 get_point_position() const;
 	double get_distance() const { return it_.rules.distance; }
 	double get_rank() const { return it_.rules.point.rank * 0x1p-32; }
 	double get_point_density() const { return it_.rules.at_point.density; }
 
-	// The rules at the position.
+	// These methods describe the layer's rules at the position.
 	int64_t get_rule_count() const { return static_cast<int64_t>(it_.sentences.size()); }
 	godot::StringName get_rule_name(int64_t p_index) const;
 	double get_rule_value(int64_t p_index) const;
@@ -77,7 +80,7 @@ private:
 
 	LayerExplanation it_;
 	godot::Ref<ScatterLayer> layer_;
-	glm::dvec3 offset_{0.0};
+	WorldFrame frame_;
 };
 
 } // namespace thicket

@@ -4,6 +4,8 @@
 
 #include <godot_cpp/classes/physics_server3d.hpp>
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <utility>
 
@@ -13,8 +15,23 @@ namespace thicket {
 
 namespace {
 
-/// The number of recent offsets whose bodies are searched for around the viewers.
-constexpr std::size_t most_offsets = 8;
+/// The maximum number of earlier world frames to remember. Bodies still placed with one of them
+/// may be near the viewers.
+constexpr std::size_t most_frames = 8;
+
+/// Two world frames count as equal here if they differ by at most this many meters at every viewer.
+constexpr double same_frame_reach = 4.0;
+
+/// The search for bodies near the viewers is repeated after one of the searched positions has moved
+/// by more than this many meters.
+constexpr double kept_reach = 1.0;
+
+/// Returns true if a new world frame moves any of the positions by more than `distance` meters.
+bool moves_by(double distance, const WorldFrame &from, const WorldFrame &to, std::span<const glm::dvec3> positions) {
+	return std::ranges::any_of(positions, [&](glm::dvec3 position) {
+		return glm::distance(from.to_engine(position), to.to_engine(position)) > distance;
+	});
+}
 
 } // namespace
 
@@ -87,11 +104,13 @@ bool CollisionRing::step() {
 	if (removed || renewed || entered) {
 		return true;
 	}
-	const bool tidied = tidy_some(); // Nothing collides with these bodies, so they can wait.
+	// Nothing collides with removed bodies, so they have the lowest priority.
+	const bool tidied = tidy_some();
 	return shapes_.free_some() || tidied;
 }
 
-/// Handles removed instances first, because a player must not run into them. Instances that are only far away can wait.
+/// Removes the bodies of removed instances first, because a player must not run into them. Bodies
+/// that are merely out of range can wait.
 bool CollisionRing::remove_some() {
 	int count = 0;
 	Leaving leaving;
@@ -104,7 +123,8 @@ bool CollisionRing::remove_some() {
 	return count > 0;
 }
 
-/// Updates moved instances, and bodies of layers that have changed.
+/// Replaces the bodies of changed instances, then updates bodies whose layer or world frame has
+/// changed.
 bool CollisionRing::renew_some() {
 	int count = 0;
 	PlacedInstance instance;
@@ -112,18 +132,36 @@ bool CollisionRing::renew_some() {
 		stand(instance);
 	}
 	for (; count < most_per_step && queue_.next_due(instance); ++count) {
-		renew(instance);
+		renew(instance.layer, instance.id);
 	}
-	if (count == 0) {
-		offsets_before_.clear();
-	}
-	return count > 0;
+	return count > 0 || move_some();
 }
 
-/// Updates a body to its layer's settings and to the world offset.
-void CollisionRing::renew(const PlacedInstance &instance) {
-	Layer &layer = layers_[instance.layer];
-	const auto found = layer.bodies.find(instance.id);
+/// Moves the next bodies of the round to the current world frame. A round visits every body once.
+/// It does not restart when the world moves again, so it reaches every body even if the world moves
+/// in every frame. Returns false at the end of a round.
+bool CollisionRing::move_some() {
+	int count = 0;
+	for (; count < most_per_step && next_to_move_ < placed_.size(); ++count, ++next_to_move_) {
+		if (Body &body = *placed_[next_to_move_]; body.frame != world_frame_) {
+			place(body);
+		}
+	}
+	if (count > 0) {
+		return true;
+	}
+	frames_before_.clear();
+	if (round_frame_ != world_frame_) {
+		frames_before_.push_back(std::exchange(round_frame_, world_frame_));
+		next_to_move_ = 0;
+	}
+	return false; // Lets `step` tidy up between two rounds.
+}
+
+/// Applies the layer's current settings and the current world frame to the body of an instance.
+void CollisionRing::renew(std::uint32_t index, std::uint64_t id) {
+	Layer &layer = layers_[index];
+	const auto found = layer.bodies.find(id);
 	if (found == layer.bodies.end()) {
 		return;
 	}
@@ -136,12 +174,12 @@ void CollisionRing::renew(const PlacedInstance &instance) {
 		apply(layer.is.settings, body.rid);
 	}
 	body.settings_version = layer.settings_version;
-	if (body.offset != offset_) {
+	if (body.frame != world_frame_) {
 		place(body);
 	}
 }
 
-/// Replaces the body that the instance has by now, if any.
+/// Creates the body of an instance, and removes its previous body, if any.
 void CollisionRing::stand(const PlacedInstance &instance) {
 	fall(instance.layer, instance.id);
 	Layer &layer = layers_[instance.layer];
@@ -160,11 +198,25 @@ void CollisionRing::stand(const PlacedInstance &instance) {
 	apply(layer.is.settings, body.rid);
 	PhysicsServer3D *server = PhysicsServer3D::get_singleton();
 	for (const CollisionShapes::Placed &placed : body.shapes) {
-		server->body_add_shape(body.rid, placed.shape->rid, to_engine(placed.rotation, placed.origin, glm::dvec3(0.0)));
+		server->body_add_shape(body.rid, placed.shape->rid, to_engine(placed.rotation, placed.origin, WorldFrame()));
 	}
 	place(body);
 	server->body_set_space(body.rid, space_);
 	owners_[body.rid.get_id()] = instance.id;
+	body.slot = placed_.size();
+	placed_.push_back(&body);
+}
+
+/// Removes a body from `placed_`. The last body takes its slot.
+void CollisionRing::forget(const Body &body) {
+	Body &last = *placed_.back();
+	placed_[body.slot] = &last;
+	last.slot = body.slot;
+	placed_.pop_back();
+	if (body.slot < next_to_move_ && &last != &body && last.frame != world_frame_) {
+		place(last); // The round has already visited its new slot.
+	}
+	next_to_move_ = std::min(next_to_move_, placed_.size());
 }
 
 void CollisionRing::fall(std::uint32_t layer, std::uint64_t id) {
@@ -172,6 +224,9 @@ void CollisionRing::fall(std::uint32_t layer, std::uint64_t id) {
 	const auto found = bodies.find(id);
 	if (found == bodies.end()) {
 		return;
+	}
+	if (found->second.rid.is_valid()) {
+		forget(found->second);
 	}
 	const Body body = std::move(found->second);
 	bodies.erase(found);
@@ -183,7 +238,8 @@ void CollisionRing::fall(std::uint32_t layer, std::uint64_t id) {
 	}
 }
 
-/// If the instance has since been found in a different cell of the queue, it has a body there, which stays.
+/// Removes the body of an instance, unless the queue has since found the instance in a different
+/// cell. The instance then has a new body at a different position.
 void CollisionRing::leave(const Leaving &leaving) {
 	const auto &bodies = layers_[leaving.layer].bodies;
 	const auto found = bodies.find(leaving.id);
@@ -222,42 +278,68 @@ void CollisionRing::apply(const CollisionLayer::Settings &settings, const RID &b
 }
 
 void CollisionRing::place(Body &r_body) {
-	r_body.offset = offset_;
+	r_body.frame = world_frame_;
 	if (r_body.rid.is_valid()) {
 		PhysicsServer3D::get_singleton()->body_set_state(r_body.rid, PhysicsServer3D::BODY_STATE_TRANSFORM,
-				to_engine(r_body.rotation, r_body.instance.position, offset_));
+				to_engine(r_body.rotation, r_body.instance.position, world_frame_));
 	}
 }
 
-/// Moves two groups of bodies immediately, because the physics of the same frame may touch them: the bodies around the
-/// viewers, and bodies that would otherwise stay at the viewers' positions in the engine's space. The other bodies
-/// follow step by step.
-void CollisionRing::set_world_offset(glm::dvec3 offset) {
-	if (offset == offset_) {
+/// Moves two groups of bodies immediately, because viewers may touch them in this physics frame.
+/// One group is the bodies around the viewers. The other is bodies whose outdated frames place
+/// them at the viewers' positions in the engine's space. `step` moves the rest.
+void CollisionRing::set_world_frame(const WorldFrame &frame) {
+	if (frame == world_frame_) {
 		return;
 	}
-	offsets_before_.push_back(offset_);
-	if (offsets_before_.size() > most_offsets) {
-		offsets_before_.erase(offsets_before_.begin());
+	const std::span<const glm::dvec3> centers = queue_.centers();
+	if (frames_before_.empty() || moves_by(same_frame_reach, frames_before_.back(), world_frame_, centers)) {
+		frames_before_.push_back(world_frame_);
 	}
-	offset_ = offset;
-	std::vector<glm::dvec3> positions(queue_.centers().begin(), queue_.centers().end());
-	for (const glm::dvec3 &center : queue_.centers()) {
-		for (const glm::dvec3 &before : offsets_before_) {
-			positions.push_back(center - offset + before);
+	if (frames_before_.size() > most_frames) {
+		frames_before_.erase(frames_before_.begin());
+	}
+	// After a jump, the bodies must move in the order of their distances.
+	const bool jumps = moves_by(moved_reach, world_frame_, frame, centers);
+	world_frame_ = frame;
+	std::vector<glm::dvec3> positions(centers.begin(), centers.end());
+	for (const glm::dvec3 &center : centers) {
+		for (const WorldFrame &before : frames_before_) {
+			const glm::dvec3 outdated = before.to_world(frame.to_engine(center));
+			if (glm::distance(outdated, center) > same_frame_reach) {
+				positions.push_back(outdated);
+			}
 		}
 	}
-	for (const PlacedInstance &instance : queue_.held_within(positions, moved_reach, moved_at_once)) {
-		renew(instance);
+	find_nearest(positions);
+	for (const NearHeld &near : nearest_) {
+		renew(near.layer, near.id);
 	}
-	for (std::uint32_t layer = 0; layer < layers_.size(); ++layer) {
-		queue_.renew(layer);
+	if (jumps) {
+		// The queue moves all bodies, nearest first, so no round is needed.
+		round_frame_ = world_frame_;
+		next_to_move_ = placed_.size();
+		for (std::uint32_t layer = 0; layer < layers_.size(); ++layer) {
+			queue_.renew(layer);
+		}
 	}
+}
+
+/// Finds the bodies near the positions, which are moved immediately. The search costs more than the
+/// moves. So its result is reused for a few frames, unless a position changes too much.
+void CollisionRing::find_nearest(std::span<const glm::dvec3> positions) {
+	constexpr std::uint64_t kept_frames = 8;
+	if (frame_ < found_at_ + kept_frames && same_within(kept_reach, positions, found_around_)) {
+		return;
+	}
+	nearest_ = queue_.held_within(positions, moved_reach, moved_at_once);
+	found_around_.assign(positions.begin(), positions.end());
+	found_at_ = frame_;
 }
 
 RID CollisionRing::take_body() {
 	if (pool_.size() > still_in_space_ && rested(pool_.front())) {
-		// A body that has rested is reused.
+		// Reuse the body that was removed the longest time ago.
 		const RID body = pool_.front().rid;
 		pool_.pop_front();
 		return body;
@@ -269,7 +351,8 @@ RID CollisionRing::take_body() {
 	return body;
 }
 
-/// Takes bodies that fell in earlier frames out of the space, and frees those that the pool does not need.
+/// Takes bodies that were removed in earlier frames out of the space, and frees those that exceed
+/// the pool's size.
 bool CollisionRing::tidy_some() {
 	PhysicsServer3D *server = PhysicsServer3D::get_singleton();
 	int count = 0;
@@ -304,7 +387,10 @@ void CollisionRing::clear() {
 		PhysicsServer3D::get_singleton()->free_rid(body.rid);
 	}
 	queue_.forget_world();
-	offsets_before_.clear();
+	frames_before_.clear();
+	round_frame_ = world_frame_;
+	nearest_.clear();
+	found_around_.clear();
 	pool_.clear();
 	still_in_space_ = 0;
 	owners_.clear();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/world_frame.hpp"
 #include "core/near/near_queue.hpp"
 #include "nodes/gameplay/collision_shapes.hpp"
 
@@ -13,36 +14,38 @@
 
 namespace thicket {
 
-/// How the instances of a layer collide.
+/// The collision shapes and settings of a layer's instances.
 struct CollisionLayer {
 	ShapeSource shape;
-	double distance = 0.0; ///< Meters; 0 for no bodies.
+	double distance = 0.0; ///< Bodies exist within this many meters of a viewer. 0 means no bodies.
 
-	/// In the format of the bodies.
+	/// The properties of each body, as in StaticBody3D.
 	struct Settings {
 		std::int64_t layer = 1;
 		std::int64_t mask = 1;
-		double friction = 1.0; ///< Negative for a rough material, as in StaticBody3D.
-		double bounce = 0.0;   ///< Negative for an absorbent material.
+		double friction = 1.0; ///< The friction. A negative value stands for a rough PhysicsMaterial.
+		double bounce = 0.0;   ///< The bounce. A negative value stands for an absorbent PhysicsMaterial.
 
 		friend bool operator==(const Settings &, const Settings &) = default;
 	} settings;
 };
 
-/// The collision settings of a layer; without bodies for null.
+/// Returns the collision settings of a layer. A null layer has no bodies.
 CollisionLayer collision_of(const LayerSnapshot *layer);
 
-/// A static body of the PhysicsServer3D for each instance near a viewer or another body. The bodies belong to the node:
-/// the node is the `collider` in collisions, and the body's RID identifies the instance.
+/// Keeps a static PhysicsServer3D body for each instance near a viewer or a moving body. In
+/// collision results, `collider` is the node, and the body's RID identifies the instance.
 ///
-/// A removed body loses its shape immediately, so nothing collides with it any more. It leaves the physics space in the
-/// next frame or later. The physics server therefore notifies areas and bodies even if a body was removed in the middle
-/// of its signals. A removed body rests for some frames before it is reused for a different instance; until then its
-/// RID identifies the previous one.
+/// A removed body loses its shapes immediately, so nothing collides with it any more. It leaves the
+/// physics space in the next frame or later. The delay lets the physics server notify areas and
+/// bodies even if a signal handler removed the body. No instance reuses the body for `rest_frames`
+/// after its removal. Until it is reused, its RID identifies the previous instance.
 ///
-/// After a change, `step` works on a few bodies at a time, those nearest to the viewers first. Such changes are a new
-/// seed, layers without collision, different shapes, and a different world offset. Three calls do not wait for `step`:
-/// `drop`, `drop_if`, and `set_world_offset` for bodies near the viewers.
+/// Each call of `step` updates a few bodies, those nearest to the viewers first. It does so after a
+/// new seed, different shapes, a new world frame, or disabled collision. `drop`, `drop_if`, `clear`
+/// and a change of the space act immediately, and so does `set_world_frame` for bodies near the
+/// viewers. If the world moves in every frame, bodies farther away are moved in rounds. Each lags
+/// behind by at most one round.
 class CollisionRing : public NearRing {
 public:
 	CollisionRing() = default;
@@ -50,53 +53,60 @@ public:
 	CollisionRing &operator=(const CollisionRing &) = delete;
 	~CollisionRing() override { clear(); }
 
-	/// Sets the physics space of the bodies, and the object that collisions report. If the space is different, frees
-	/// all bodies.
+	/// Sets the physics space of the bodies, and the object that collisions report. If either is
+	/// different, frees all bodies.
 	void set_space(const godot::RID &space, std::uint64_t node_id);
 
-	/// The bodies are updated step by step.
+	/// Sets the layers by their indices. `step` updates the bodies.
 	void set_layers(std::vector<CollisionLayer> layers);
 
 	void look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world) override;
 	bool step() override;
-	bool settled() const override { return !space_.is_valid() || queue_.settled(); }
+	bool settled() const override {
+		return !space_.is_valid() ||
+				(queue_.settled() && next_to_move_ == placed_.size() && round_frame_ == world_frame_);
+	}
 	void drop(std::uint64_t id) override;
 	void drop_if(const std::function<bool(std::uint64_t id)> &gone) override;
-	void set_world_offset(glm::dvec3 offset) override;
+	void set_world_frame(const WorldFrame &frame) override;
 	void clear() override;
 
-	/// The instance that a body represents, or 0. A removed body still represents its last instance for some frames.
+	/// Returns the ID of the instance that a body represents; 0 if the body is unknown. A removed
+	/// body represents its last instance until it is reused.
 	std::uint64_t instance_of(const godot::RID &body) const;
 
-	/// Bodies in use.
+	/// Returns the number of bodies in use.
 	std::size_t body_count() const { return owners_.size() - pool_.size(); }
 	std::size_t pooled_count() const { return pool_.size(); }
 
-	/// The largest number of bodies that wait for reuse, not counting those that still rest.
+	/// The maximum number of bodies to keep for reuse, not counting those that are within
+	/// `rest_frames` of their removal.
 	static constexpr std::size_t max_pooled = 256;
-	/// The number of frames that they rest.
+	/// The number of frames for which a removed body is not reused.
 	static constexpr std::uint64_t rest_frames = 128;
 
-	/// The largest number of bodies that a step frees, moves or takes out of the space, for each of these kinds of
-	/// work. A step takes some ten microseconds.
+	/// The maximum number of bodies per step for each kind of work: removing, updating, moving and
+	/// tidying up. Such a step takes tens of microseconds.
 	static constexpr int most_per_step = 16;
 
-	/// The largest number of bodies that `set_world_offset` moves immediately: those nearest to the viewers, within
-	/// some meters.
+	/// The maximum number of bodies that `set_world_frame` moves immediately: those nearest to the
+	/// viewers, within `moved_reach` meters.
 	static constexpr std::size_t moved_at_once = 128;
 	static constexpr double moved_reach = 16.0;
 
 private:
-	/// Has neither RID nor shapes if there is nothing to collide with: if the mesh has no volume, or the instance is
-	/// flat.
+	/// The body of an instance. The body has neither a RID nor shapes if the mesh has no volume or
+	/// the instance is flat.
 	struct Body {
 		PlacedInstance instance;
 		godot::RID rid;
 		std::vector<CollisionShapes::Placed> shapes;
 		glm::mat3 rotation{1.0f};
-		glm::dvec3 offset{0.0};             ///< The world offset that it is placed with.
-		std::uint64_t settings_version = 0; ///< The layer's settings that it was created with.
+		WorldFrame frame; ///< The world frame of the body's current transform.
+		/// The version of the layer's settings that the body has.
+		std::uint64_t settings_version = 0;
 		std::uint64_t shape_version = 0;
+		std::size_t slot = 0; ///< The index in `placed_`, if the body has a RID.
 	};
 
 	struct Pooled {
@@ -106,9 +116,10 @@ private:
 
 	struct Layer {
 		CollisionLayer is;
-		std::uint64_t settings_version = 0; ///< Each version gets a new number with every change.
+		/// A new number after every change, unique in the ring.
+		std::uint64_t settings_version = 0;
 		std::uint64_t shape_version = 0;
-		std::unordered_map<std::uint64_t, Body> bodies; ///< By the instance's ID.
+		std::unordered_map<std::uint64_t, Body> bodies; ///< The bodies of the layer's instances, keyed by instance ID.
 	};
 
 	void stand(const PlacedInstance &instance);
@@ -116,7 +127,10 @@ private:
 	void leave(const Leaving &leaving);
 	bool remove_some();
 	bool renew_some();
-	void renew(const PlacedInstance &instance);
+	bool move_some();
+	void forget(const Body &body);
+	void find_nearest(std::span<const glm::dvec3> positions);
+	void renew(std::uint32_t index, std::uint64_t id);
 	void apply(const CollisionLayer::Settings &settings, const godot::RID &body);
 	void place(Body &r_body);
 	godot::RID take_body();
@@ -125,15 +139,27 @@ private:
 
 	godot::RID space_;
 	std::uint64_t node_id_ = 0;
-	glm::dvec3 offset_{0.0};
-	std::vector<glm::dvec3> offsets_before_; ///< Offsets that some bodies may still be placed with.
+	WorldFrame world_frame_;
+	/// Earlier world frames that some bodies may still be placed with.
+	std::vector<WorldFrame> frames_before_;
+	/// The bodies that have a RID, in the order in which a round of moves visits them.
+	std::vector<Body *> placed_;
+	std::size_t next_to_move_ = 0;         ///< The index in `placed_` at which the round continues.
+	WorldFrame round_frame_;               ///< The world frame when the current round of moves began.
+	std::vector<NearHeld> nearest_;        ///< The bodies that `set_world_frame` moves immediately.
+	std::vector<glm::dvec3> found_around_; ///< The positions around which `nearest_` was found.
+	std::uint64_t found_at_ = 0;           ///< The frame in which `nearest_` was found.
 	std::uint64_t last_version_ = 0;
-	std::vector<Layer> layers_; ///< The last layers may be removed from the node already, until all bodies are freed.
+	/// The layers by index. Removed layers stay until their bodies are freed.
+	std::vector<Layer> layers_;
 	CollisionShapes shapes_;
-	std::deque<Pooled> pool_;        ///< Without a shape, the oldest first.
-	std::size_t still_in_space_ = 0; ///< The number of bodies at the end of `pool_` that are still in the space.
+	/// Removed bodies without shapes, oldest first.
+	std::deque<Pooled> pool_;
+	/// The number of bodies at the end of `pool_` that are still in the space.
+	std::size_t still_in_space_ = 0;
 	std::uint64_t frame_ = 0;
-	std::unordered_map<std::int64_t, std::uint64_t> owners_; ///< Instance IDs, by the IDs of all bodies' RIDs.
+	/// The instance that each body represents: maps the ID of the body's RID to an instance ID.
+	std::unordered_map<std::int64_t, std::uint64_t> owners_;
 };
 
 } // namespace thicket

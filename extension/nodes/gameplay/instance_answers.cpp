@@ -1,5 +1,6 @@
 #include "nodes/gameplay/instance_answers.hpp"
 
+#include "nodes/common/convert.hpp"
 #include "nodes/common/script_call.hpp"
 
 #include <godot_cpp/core/error_macros.hpp>
@@ -16,11 +17,11 @@ namespace thicket {
 
 namespace {
 
-/// A script's predicate.
+/// A script's predicate. After the first failed call, it rejects all instances.
 class Predicate {
 public:
-	Predicate(std::string method, const Callable &p_callable, glm::dvec3 offset, SharedLayers layers) :
-			method_(std::move(method)), callable_(p_callable), offset_(offset), layers_(std::move(layers)) {}
+	Predicate(std::string method, const Callable &p_callable, const WorldFrame &frame, SharedLayers layers) :
+			method_(std::move(method)), callable_(p_callable), frame_(frame), layers_(std::move(layers)) {}
 
 	bool operator()(const PlacedInstance &instance) {
 		if (failed_) {
@@ -28,7 +29,7 @@ public:
 		}
 		const Variant id(script_id(instance.id));
 		const Variant layer(layers_->at(instance.layer));
-		const Variant transform(to_engine(instance, offset_));
+		const Variant transform(to_engine(instance, frame_));
 		Variant result;
 		failed_ = call_script(callable_, "call", result, id, layer, transform) != GDEXTENSION_CALL_OK ||
 				result.get_type() != Variant::BOOL;
@@ -43,35 +44,30 @@ public:
 private:
 	std::string method_;
 	Variant callable_;
-	glm::dvec3 offset_;
+	WorldFrame frame_;
 	SharedLayers layers_;
 	bool failed_ = false;
 };
 
 } // namespace
 
-Transform3D to_engine(const PlacedInstance &instance, glm::dvec3 offset) {
-	return to_engine(instance.basis, instance.position, offset);
+Transform3D to_engine(const PlacedInstance &instance, const WorldFrame &frame) {
+	return to_engine(instance.basis, instance.position, frame);
 }
 
-AddedInstance to_added(const Transform3D &p_transform, glm::dvec3 offset) {
+AddedInstance to_added(const Transform3D &p_transform, const WorldFrame &frame) {
 	AddedInstance added;
-	added.position = to_world(p_transform.origin, offset);
-	for (int row = 0; row < 3; ++row) {
-		const Vector3 &axis = p_transform.basis.rows[row];
-		added.basis[0][row] = static_cast<float>(axis.x);
-		added.basis[1][row] = static_cast<float>(axis.y);
-		added.basis[2][row] = static_cast<float>(axis.z);
-	}
+	added.position = to_world(p_transform.origin, frame);
+	added.basis = glm::mat3(frame.turned(to_core(p_transform.basis)));
 	return added;
 }
 
 std::function<bool(const PlacedInstance &)> to_predicate(
-		std::string method, const Callable &p_predicate, glm::dvec3 offset, SharedLayers layers) {
+		std::string method, const Callable &p_predicate, const WorldFrame &frame, SharedLayers layers) {
 	if (p_predicate.is_null()) {
 		return {};
 	}
-	const auto predicate = std::make_shared<Predicate>(std::move(method), p_predicate, offset, std::move(layers));
+	const auto predicate = std::make_shared<Predicate>(std::move(method), p_predicate, frame, std::move(layers));
 	return [predicate](const PlacedInstance &instance) {
 		return (*predicate)(instance);
 	};

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "core/base/world_frame.hpp"
 #include "core/query/instance_query.hpp"
-#include "nodes/common/convert.hpp"
 #include "nodes/layer/layer_reference.hpp"
 
 #include <godot_cpp/variant/callable.hpp>
@@ -20,17 +20,19 @@
 
 namespace thicket {
 
-/// Conversions between the world's space and the engine's, as in convert.hpp.
-godot::Transform3D to_engine(const PlacedInstance &instance, glm::dvec3 offset);
-AddedInstance to_added(const godot::Transform3D &p_transform, glm::dvec3 offset);
+/// Convert transforms between the world's space and the engine's, as in convert.hpp. `frame` is
+/// the world position of the engine's origin, in meters.
+godot::Transform3D to_engine(const PlacedInstance &instance, const WorldFrame &frame);
+AddedInstance to_added(const godot::Transform3D &p_transform, const WorldFrame &frame);
 
-/// Converts a script's predicate, (id: int, layer: ScatterLayer, transform: Transform3D) -> bool, to
-/// QueryFilter::accepts; empty if it is null. `layers` are the layers of the queried instances. A predicate that cannot
-/// be called rejects everything and prints one error, which names `method` (`Class.method`).
+/// Converts a script's predicate, (id: int, layer: ScatterLayer, transform: Transform3D) -> bool,
+/// to QueryFilter::accepts. Returns an empty function for a null predicate. `layers` are the layers
+/// of the queried instances. If a call fails or does not return a bool, the predicate prints one
+/// error, which names `method` (`Class.method`), and rejects all further instances.
 std::function<bool(const PlacedInstance &)> to_predicate(
-		std::string method, const godot::Callable &p_predicate, glm::dvec3 offset, SharedLayers layers);
+		std::string method, const godot::Callable &p_predicate, const WorldFrame &frame, SharedLayers layers);
 
-/// A script's value that a state stores as bytes; null if there is none.
+/// Decodes a script's value that a state stores as bytes. Returns null for no bytes.
 godot::Variant decoded(std::span<const std::uint8_t> bytes);
 
 } // namespace thicket

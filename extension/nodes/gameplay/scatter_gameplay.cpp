@@ -1,6 +1,8 @@
-// The part of ScatterGameplay that follows its node: layers, frames, bodies and scenes.
+// This file contains the part of ScatterGameplay that its node drives: layers, frames, bodies and
+// scenes.
 
 #include "nodes/common/editor.hpp"
+#include "nodes/common/convert.hpp"
 #include "nodes/gameplay/scatter_gameplay.hpp"
 
 #include "core/base/instance_id.hpp"
@@ -44,7 +46,8 @@ void ScatterGameplay::stop() {
 }
 
 void ScatterGameplay::clear() {
-	backlog_.clear(); // Signals are only emitted for instances in known tiles, and no tile is known any more.
+	// Signals are emitted only for instances in loaded tiles, and now no tile is loaded.
+	backlog_.clear();
 	give_up_requests();
 	collision_.clear();
 	world_.clear();
@@ -62,7 +65,8 @@ void ScatterGameplay::retire() {
 
 void ScatterGameplay::set_layers(SharedLayers listed, const std::vector<SharedSnapshot> &layers,
 		std::span<const EditedArea> outdated, TileMaker maker) {
-	// The editor shows meshes only: otherwise a scene could be selected there, and its scripts would run.
+	// The editor shows meshes only. Otherwise scenes could be selected in the editor, and their
+	// scripts would run.
 	const bool with_scenes = !in_editor();
 	renumber_requests(*listed);
 	listed_ = std::move(listed);
@@ -85,10 +89,17 @@ void ScatterGameplay::set_layers(SharedLayers listed, const std::vector<SharedSn
 	claim_layers();
 }
 
-void ScatterGameplay::set_world_offset(glm::dvec3 offset) {
-	offset_ = offset;
+const WorldFrame &ScatterGameplay::world_frame() {
+	if (alive()) {
+		host_->move_world();
+	}
+	return frame_;
+}
+
+void ScatterGameplay::set_world_frame(const WorldFrame &frame) {
+	frame_ = frame;
 	for (NearRing *ring : rings_) {
-		ring->set_world_offset(offset);
+		ring->set_world_frame(frame);
 	}
 }
 
@@ -150,7 +161,8 @@ SceneHost ScatterGameplay::scene_host() {
 	return host;
 }
 
-/// The area in which an instance is drawn: the cell of its point, or the position that was set by hand.
+/// Returns the area to redraw for an instance, in world meters: the cell of its point, or its
+/// position if it was placed by hand.
 Rect ScatterGameplay::area_of(std::uint64_t id, glm::dvec3 position, std::uint32_t layer) const {
 	if (!is_added(id) && layer < world_.layers().size()) {
 		return cell_rect(world_.layers()[layer].set, id);

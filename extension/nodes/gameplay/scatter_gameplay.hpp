@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/world_frame.hpp"
 #include "core/query/instance_world.hpp"
 #include "core/query/query_requests.hpp"
 #include "nodes/gameplay/collision_ring.hpp"
@@ -37,24 +38,28 @@ namespace thicket {
 /// The services that a ScatterGameplay needs from its node.
 class GameplayHost {
 public:
-	/// The parent of scenes, and the emitter of the signals.
+	/// Returns the node, which is the parent of scenes and emits the signals.
 	virtual godot::Node3D *node() = 0;
 
-	/// Applies the settings that were changed in this frame. Returns an error if there is nothing to query. May run
-	/// scripts.
+	/// Applies the settings that have changed in this frame. Returns an error if there is nothing
+	/// to query. May run scripts.
 	virtual Status prepare() = 0;
 
-	/// Generates tiles on any thread, several at once, from the current layers and ground. Call `prepare` first.
+	/// Calls `set_world_frame` if the node has moved the world since the last frame.
+	virtual void move_world() = 0;
+
+	/// Returns a function that generates tiles from the current layers and ground. Any number of
+	/// threads may call it at once. Call `prepare` first.
 	virtual TileMaker make_worker_maker() = 0;
 
 	/// Sets the changes that the display applies from now on; null for none.
 	virtual void set_overlay(const InstanceState *state) = 0;
 
-	/// Redraws an area of a layer before this frame is drawn, because its display has changed.
+	/// Redraws an area of a layer, or everything, before this frame is drawn.
 	virtual void redraw(std::uint32_t layer, const Rect &area) = 0;
 	virtual void redraw_all() = 0;
 
-	/// Redraws an area of a layer, or everything, over the next frames and within their budget.
+	/// Redraws an area of a layer, or everything, over the next frames, within the frame budget.
 	virtual void redraw_later(std::uint32_t layer, const Rect &area) = 0;
 	virtual void redraw_all_later() = 0;
 
@@ -62,7 +67,8 @@ public:
 	virtual void let_go(std::shared_ptr<const void> unneeded) = 0;
 	virtual void set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden) = 0;
 
-	/// Schedules ScatterGameplay::recycle_scenes, before this frame is drawn and before bodies move again.
+	/// Schedules a call of ScatterGameplay::recycle_scenes before this frame is drawn and before
+	/// the next physics step.
 	virtual void recycle_soon() = 0;
 
 protected:
@@ -74,96 +80,108 @@ protected:
 
 struct NavigationBake;
 
-/// A game's queries and changes of a TerrainScatter3D, and the nearby bodies and scenes. Main thread only.
+/// Implements the queries and changes that a game makes with a TerrainScatter3D, and manages the
+/// bodies and scenes near viewers. Use it only on the main thread, except for methods that permit
+/// any thread.
 ///
-/// Many methods run scripts: predicates, grounds, signal handlers, scenes. These scripts may do anything. So every
-/// caller keeps its own shared pointer to this object. After every call that runs scripts, the caller checks whether
-/// the node was freed (`alive`) or has left the tree (`run`). Layers, state and tiles may have been replaced, too.
+/// Many methods run scripts: predicates, grounds, signal handlers and scenes. A script may change
+/// or free anything, so every caller must keep its own shared pointer to this object. After every
+/// call that runs scripts, the caller must check whether the node was freed (`alive`) or has left
+/// the tree (`run`). The script may also have replaced layers, state and tiles.
 class ScatterGameplay final : public StateListener, public std::enable_shared_from_this<ScatterGameplay> {
 public:
 	explicit ScatterGameplay(GameplayHost &host);
 	~ScatterGameplay() override;
 
-	// The node.
+	// Events of the node.
 
-	/// The node is being freed and is never accessed from now on.
+	/// Makes this object never access the node again. Call it when the node is freed.
 	void detach();
 	bool alive() const { return host_ != nullptr; }
 
-	/// Starts the work of a node that has entered a world. `space` contains its bodies (invalid if there is none).
+	/// Starts the work in a world that the node has entered. `space` is the physics space for the
+	/// bodies. If it is invalid, there are no bodies.
 	void start(const godot::RID &space, std::uint64_t node_id);
 
-	/// The node has left its world.
+	/// Ends the work in a world that the node has left.
 	void stop();
 
-	/// Changes whenever the node enters or leaves a world.
+	/// Returns a number that changes whenever the node enters or leaves a world.
 	std::uint64_t run() const { return run_; }
 
-	/// Removes everything: frees bodies and scenes, forgets tiles, and completes requests without an answer.
+	/// Removes everything at once: frees bodies and scenes, discards tiles, and completes requests
+	/// without an answer.
 	void clear();
 
-	/// Removes everything from a node that stays in the tree without layers or ground. Bodies and scenes are removed
-	/// step by step, the nearest first.
+	/// Removes everything from a node that stays in the tree without layers or a ground. Bodies and
+	/// scenes are removed step by step, nearest first.
 	void retire();
 
-	/// `listed` has the layers of the snapshots, by the same indices.
+	/// Sets the layers. `layers` are the snapshots of `listed`, with the same indices. `outdated`
+	/// has an area for each layer whose tiles are regenerated.
 	void set_layers(SharedLayers listed, const std::vector<SharedSnapshot> &layers,
 			std::span<const EditedArea> outdated, TileMaker maker);
 
-	/// The layers by the indices of the world's instances, as last set.
+	/// Returns the layers as last set. The layer indices of instances refer to this list.
 	const SharedLayers &listed_layers() const { return listed_; }
-	void set_world_offset(glm::dvec3 offset);
-	glm::dvec3 world_offset() const { return offset_; }
+	void set_world_frame(const WorldFrame &frame);
+
+	/// Returns the relation between the engine's space and the world, at the node's current transform.
+	const WorldFrame &world_frame();
 	InstanceWorld &world() { return world_; }
 	CollisionRing &collision() { return collision_; }
 	SceneRing &scenes() { return scenes_; }
 	const CollisionRing &collision() const { return collision_; }
 	const SceneRing &scenes() const { return scenes_; }
 
-	// The frame.
+	// Work of each frame.
 
-	/// Advances the state's clock. Runs scripts.
+	/// Advances the state's clock by `seconds`, once per `frame`. Runs scripts.
 	void advance(double seconds, std::uint64_t frame);
 
-	/// Sets the world positions around which bodies and scenes are placed.
+	/// Sets the positions (world meters) around which bodies and scenes are placed.
 	void look_around(std::span<const glm::dvec3> centers);
 
-	/// Processes the requests and cancellations that other threads have made since the last frame. Runs scripts.
+	/// Processes the requests and cancellations from other threads since the last frame. Runs
+	/// scripts.
 	void take_requests();
 
 	/// Answers the requests whose tiles are ready. Runs no scripts.
 	void answer_requests();
 
-	/// Applies the predicates of finished requests to their answers, and emits their signals. Runs scripts.
+	/// Applies the predicates of finished requests to their answers, and emits their signals. Runs
+	/// scripts.
 	void complete_requests();
 
-	/// Adds and removes scenes, and emits the signals of large changes, until `deadline`. Does at least one step of
-	/// each. Runs scripts.
+	/// Adds and removes scenes, and emits the signals of large changes, until `deadline`. Does at
+	/// least one step of each, so that they always progress. Runs scripts.
 	void work_until(std::chrono::steady_clock::time_point deadline);
 	void recycle_scenes();
 
-	/// True if bodies, scenes and signals are all up to date.
+	/// Returns true if all bodies and scenes are up to date and all signals are emitted.
 	bool settled() const { return collision_.settled() && scenes_.settled() && backlog_.empty(); }
 
-	/// True if `look_around` would find nothing to do for these positions.
+	/// Returns true if `look_around` with these positions would find nothing to do.
 	bool follows(std::span<const glm::dvec3> centers) const;
 
-	// The templates of script_queries.hpp call these functions.
+	// The templates of script_queries.hpp call the following functions.
 
 	static std::string name_of(const char *p_method) { return std::string("TerrainScatter3D.") + p_method; }
 
-	/// Prepares a query. Returns null if the node has been freed, and null with an error if there is nothing to query.
-	/// Runs scripts.
+	/// Prepares a query, and returns the layers. Returns null if the node was freed. If there is
+	/// nothing to query, prints an error and returns null. Runs scripts.
 	SharedLayers prepare(const char *p_method);
 	godot::String find_queried(const godot::Variant &p_layers, std::vector<std::uint32_t> &r_indices) const {
 		return find_layers(*listed_, p_layers, r_indices);
 	}
 
-	/// Runs a query, and generates missing tiles for it. Keeps the state alive in the meantime. Call `prepare` first.
+	/// Runs a query, and generates missing tiles for it. Keeps the state alive in the meantime.
+	/// Call `prepare` first. On failure, prints an error and returns false.
 	bool ask(const char *p_method, const AskedQuery &query);
 
-	// Queries. `p_layers` is as in find_layers. A predicate gets (id, layer, transform) and returns whether that
-	// instance counts. A refused query prints an error and returns an empty result.
+	// Queries. For `p_layers`, see find_layers. A predicate receives (id, layer, transform) and
+	// returns whether to include that instance. A refused query prints an error and returns an
+	// empty result.
 
 	godot::Ref<ScatterInstances> query_rect(
 			const godot::Rect2 &p_rect, const godot::Variant &p_layers, const godot::Callable &p_predicate);
@@ -176,27 +194,28 @@ public:
 	godot::Ref<ScatterInstance> get_instance(int64_t p_id);
 	bool has_instance(int64_t p_id);
 
-	/// The current world, for queries on other threads. Empty, with an error, if there is nothing to query.
+	/// Creates a snapshot of the current world, for queries on other threads. If there is nothing
+	/// to query, prints an error and returns an empty snapshot.
 	godot::Ref<ScatterSnapshot> make_snapshot();
 
-	/// Any thread may call these while the node exists. Requests of other threads wait for `take_requests`, which also
-	/// prints their errors.
+	/// Any thread may call the request methods while the node exists. Requests from other threads
+	/// wait for `take_requests`, which also prints their errors.
 	godot::Ref<ScatterRequest> request_rect(
 			const godot::Rect2 &p_rect, const godot::Variant &p_layers, const godot::Callable &p_predicate);
 	godot::Ref<ScatterRequest> request_sphere(const godot::Vector3 &p_center, double p_radius,
 			const godot::Variant &p_layers, const godot::Callable &p_predicate);
 
-	/// Adds obstructions to the source geometry of a navigation mesh: the instances in the baked box whose layers
-	/// affect navigation. Runs scripts.
+	/// Adds the instances in the baked box as obstructions to the source geometry of a navigation
+	/// mesh, if their layers affect navigation. Runs scripts.
 	void add_obstructions(const NavigationBake &bake);
 
-	// Changes. These methods return false or 0 if the instance does not exist, is already in the requested state, or if
-	// the change is refused.
+	// Changes. These methods return false or 0 if the instance does not exist, if it is already in
+	// the requested state, or if the change is refused.
 
 	void set_state(const godot::Ref<ScatterState> &p_state);
 	godot::Ref<ScatterState> get_state() const { return state_; }
 
-	/// Refuses a state whose IDs refer to different points.
+	/// Returns an error if the state's IDs refer to points of a different set.
 	Status check_state(const ScatterState &state) const;
 	bool remove_instance(int64_t p_id);
 	bool restore_instance(int64_t p_id);
@@ -204,8 +223,8 @@ public:
 			const godot::Variant &p_layers, const godot::Callable &p_predicate);
 	int64_t add_instance(const godot::Variant &p_layer, const godot::Transform3D &p_transform, int64_t p_mesh);
 
-	/// Adds many instances, with 12 floats each as in the buffer of a MultiMesh. `p_meshes` has a mesh index for each
-	/// instance; if it is empty, all use the first mesh. Adds all instances or none.
+	/// Adds many instances. Each has 12 floats, as in MultiMesh.buffer. `p_meshes` has a mesh index
+	/// for each instance; if it is empty, all use the first mesh. Adds all instances or none.
 	godot::PackedInt64Array add_instances(const godot::Variant &p_layer, const godot::PackedFloat32Array &p_transforms,
 			const godot::PackedInt32Array &p_meshes);
 	godot::PackedInt64Array remove_instances(const godot::PackedInt64Array &p_ids);
@@ -213,7 +232,7 @@ public:
 	bool set_instance_data(int64_t p_id, const godot::Variant &p_data);
 	godot::Variant get_instance_data(int64_t p_id) const;
 
-	// A ScatterState calls these functions.
+	// ScatterState calls the following functions.
 	bool displays(std::uint64_t id) const override;
 	bool remove_from(const ScatterState *state, std::uint64_t id, double until) override;
 	bool restore_in(const ScatterState *state, std::uint64_t id) override;
@@ -222,22 +241,22 @@ public:
 	void state_changed(const SharedChanges &changes) override;
 	void tell_changes(const SharedChanges &changes) override;
 
-	/// The largest change that is completed in one call. Signals, drawing and scenes of larger changes follow over the
-	/// next frames.
+	/// The maximum number of instance changes that one call completes. After larger changes,
+	/// signals, drawing and scenes follow over the next frames.
 	static constexpr std::size_t most_at_once = 1024;
 
-	/// The largest number of instances whose bodies and scenes a call removes before it returns, among those that it
-	/// removes or moves.
+	/// The maximum number of removed or moved instances whose bodies and scenes a call removes
+	/// before it returns. The rest follow step by step.
 	static constexpr std::size_t most_dropped_at_once = 128;
 
 private:
-	/// In the engine's space, not the world's.
+	/// A sphere in the engine's space, not the world's.
 	struct SphereInScene {
 		godot::Vector3 center;
 		double radius = 0.0;
 	};
 
-	/// A request in its original form, from any thread.
+	/// A request as a script made it, on any thread.
 	struct Wanted {
 		const char *method = "";
 		std::variant<godot::Rect2, SphereInScene> area;
@@ -246,18 +265,18 @@ private:
 		godot::Ref<ScatterRequest> request;
 	};
 
-	/// A request whose tiles are being made.
+	/// A request whose tiles are being generated.
 	struct Open {
 		const char *method = "";
 		godot::Callable predicate;
 		godot::Ref<ScatterRequest> request;
 	};
 
-	/// An answered request whose predicate is still to be applied.
+	/// A request whose tiles are ready, but whose predicate has not been applied yet.
 	struct Answered {
 		Open open;
 		FoundInstances found;
-		SharedLayers layers; ///< By the indices of the found instances.
+		SharedLayers layers; ///< The layer indices of the found instances refer to this list.
 	};
 
 	/// Changes whose signals are emitted over several frames.
@@ -266,12 +285,12 @@ private:
 		std::size_t told = 0;
 	};
 
-	/// The node's signals, one for each kind of change. The names are stored, because creating a name costs as much as
-	/// a removal.
+	/// The node's signals, one for each kind of change. The StringNames are stored, because
+	/// creating one costs as much as removing an instance.
 	struct Signals {
 		const godot::StringName &of(InstanceChangeKind kind) const;
 
-		const godot::StringName none{}; ///< For changes that emit no signal.
+		const godot::StringName none{}; ///< The signal of changes that emit none.
 		const godot::StringName removed = "instance_removed";
 		const godot::StringName restored = "instance_restored";
 		const godot::StringName added = "instance_added";
@@ -303,23 +322,23 @@ private:
 	bool still_true(const InstanceChange &change) const;
 
 	const Signals signals_;
-	GameplayHost *host_; ///< Null once the node is freed.
+	GameplayHost *host_; ///< The services of the node. Null once the node is freed.
 	bool running_ = false;
 	std::uint64_t run_ = 0;
-	glm::dvec3 offset_{0.0}; ///< The world position of the engine's origin, in meters.
+	WorldFrame frame_;
 	std::vector<SharedSnapshot> layers_;
 	SharedLayers listed_ = std::make_shared<const ListedLayers>(godot::TypedArray<ScatterLayer>());
 	InstanceWorld world_;
 	godot::Ref<ScatterState> state_;
 	std::deque<Untold> backlog_;
-	/// The instances that this node is removing or restoring and has not emitted signals for, in the order of the
-	/// signals.
+	/// The instances that this node is currently removing or restoring, in the order of their
+	/// signals. Without those whose signals are already emitted.
 	std::span<const PlacedInstance> changing_;
 
 	std::mutex wanted_mutex_;
-	std::vector<Wanted> wanted_; ///< From other threads; guarded by `wanted_mutex_`.
+	std::vector<Wanted> wanted_; ///< Requests from other threads. Guarded by `wanted_mutex_`.
 	QueryRequests requests_;
-	std::map<std::int64_t, Open> open_; ///< By their numbers in requests_.
+	std::map<std::int64_t, Open> open_; ///< The open requests, keyed by their numbers in `requests_`.
 	std::vector<Answered> answered_;
 
 	CollisionRing collision_;

@@ -1,8 +1,10 @@
-// Instances that a ScatterGameplay places by hand, one or many at a time, and removes in large numbers.
+// This file contains the methods of ScatterGameplay that add instances, or remove many instances at
+// a time.
 
 #include "nodes/gameplay/scatter_gameplay.hpp"
 
 #include "core/placement/layer.hpp"
+#include "nodes/common/convert.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
 #include "nodes/layer/layer_reference.hpp"
@@ -19,7 +21,7 @@ namespace thicket {
 
 namespace {
 
-constexpr std::size_t transform_size = 12; ///< Floats.
+constexpr std::size_t transform_size = 12; ///< The number of floats per transform.
 
 Status check_mesh(int64_t mesh) {
 	const bool known = mesh >= 0 && mesh < static_cast<int64_t>(max_meshes);
@@ -27,16 +29,18 @@ Status check_mesh(int64_t mesh) {
 				 : Status::out_of_range("mesh", mesh, between(0, max_meshes - 1, "an index of ScatterLayer.meshes"));
 }
 
-/// A transform in a buffer: three rows of a basis, each followed by a number of the origin.
-AddedInstance read_transform(const float *floats, glm::dvec3 offset) {
-	AddedInstance added;
+/// Reads a transform from a buffer: three rows of the basis, each followed by one coordinate of the
+/// origin.
+AddedInstance read_transform(const float *floats, const WorldFrame &frame) {
+	glm::mat3 basis;
+	glm::vec3 origin;
 	for (int row = 0; row < 3; ++row) {
 		for (int column = 0; column < 3; ++column) {
-			added.basis[column][row] = floats[4 * row + column];
+			basis[column][row] = floats[4 * row + column];
 		}
-		added.position[row] = offset[row] + floats[4 * row + 3];
+		origin[row] = floats[4 * row + 3];
 	}
-	return added;
+	return to_added(Transform3D(to_engine(basis), to_engine(origin)), frame);
 }
 
 void report_at(std::size_t index, const Status &status) {
@@ -45,8 +49,8 @@ void report_at(std::size_t index, const Status &status) {
 
 } // namespace
 
-/// Returns false, with an error, for a layer to which nothing can be added. From then on, the state is bound to the
-/// layer's points.
+/// Finds the layer of an instance to add, and binds the state to the layer's points. If nothing can
+/// be added to the layer, prints an error and returns false.
 bool ScatterGameplay::find_layer_to_add_to(const char *p_method, const Variant &p_layer, std::uint32_t &r_layer) {
 	const SharedLayers layers = prepare(p_method);
 	if (layers == nullptr) {
@@ -71,7 +75,7 @@ int64_t ScatterGameplay::add_instance(const Variant &p_layer, const Transform3D 
 		if (!find_layer_to_add_to("add_instance", p_layer, layer)) {
 			return 0;
 		}
-		AddedInstance added = to_added(p_transform, offset_);
+		AddedInstance added = to_added(p_transform, world_frame());
 		added.layer = world_.layers()[layer].set.layer;
 		added.mesh = static_cast<std::uint8_t>(p_mesh);
 		const Ref<ScatterState> state = state_;
@@ -100,6 +104,7 @@ PackedInt64Array ScatterGameplay::add_instances(
 	if (!find_layer_to_add_to("add_instances", p_layer, layer)) {
 		return {};
 	}
+	const WorldFrame frame = world_frame();
 	std::vector<AddedInstance> added;
 	added.reserve(count);
 	for (std::size_t at = 0; at < count; ++at) {
@@ -108,7 +113,7 @@ PackedInt64Array ScatterGameplay::add_instances(
 			report_at(at, status);
 			return {};
 		}
-		added.push_back(read_transform(p_transforms.ptr() + at * transform_size, offset_));
+		added.push_back(read_transform(p_transforms.ptr() + at * transform_size, frame));
 		added.back().layer = world_.layers()[layer].set.layer;
 		added.back().mesh = static_cast<std::uint8_t>(mesh);
 	}

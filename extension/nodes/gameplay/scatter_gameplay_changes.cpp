@@ -1,4 +1,5 @@
-// The changes of a game through a ScatterGameplay, and their signals.
+// This file contains the methods of ScatterGameplay that change instances, and emits the signals of
+// these changes.
 
 #include "nodes/common/editor.hpp"
 #include "nodes/gameplay/scatter_gameplay.hpp"
@@ -21,10 +22,10 @@ namespace thicket {
 
 namespace {
 
-/// Changes that are emitted between two checks of the time.
+/// The number of signals that are emitted before the time is checked again.
 constexpr std::size_t told_in_a_row = 16;
 
-/// Sets a value until the end of the scope, also after an exception.
+/// Sets a variable until the end of the scope, even if the scope ends with an exception.
 template <typename T>
 class Meanwhile {
 public:
@@ -44,7 +45,7 @@ std::size_t size_of(const Ref<ScatterState> &p_state) {
 
 } // namespace
 
-/// The index of the layer that an ID belongs to; -1 if there is none.
+/// Returns the index of the layer that an ID belongs to; -1 if there is none.
 std::int64_t ScatterGameplay::layer_index_of(std::uint64_t id) const {
 	const std::span<const QueryLayer> layers = world_.layers();
 	for (std::size_t index = 0; index < layers.size(); ++index) {
@@ -70,7 +71,7 @@ void ScatterGameplay::set_state(const Ref<ScatterState> &p_state) {
 		return;
 	}
 	if (p_state == state_) {
-		// The state is already applied.
+		// Already applied.
 		return;
 	}
 	if (p_state.is_valid()) {
@@ -99,9 +100,10 @@ void ScatterGameplay::set_state(const Ref<ScatterState> &p_state) {
 	const InstanceState *state = state_.is_valid() ? &state_->state() : nullptr;
 	world_.set_state(state);
 	host_->set_overlay(state);
-	if (running_ && size_of(before) + size_of(state_) > most_at_once) {
-		host_->redraw_all_later(); // Bodies and scenes follow step by step, too.
-	} else if (running_) {
+	const std::size_t changes = size_of(before) + size_of(state_);
+	if (running_ && changes > most_at_once) {
+		host_->redraw_all_later(); // Bodies and scenes are also updated step by step.
+	} else if (running_ && changes > 0) {
 		for (NearRing *ring : rings_) {
 			ring->drop_if([this](std::uint64_t id) { return stands_no_longer(id); });
 		}
@@ -109,7 +111,8 @@ void ScatterGameplay::set_state(const Ref<ScatterState> &p_state) {
 	}
 }
 
-/// From now on the state refuses changes that were made for different points.
+/// Binds the state to the point sets of all layers. The state then refuses changes that were made
+/// for other point sets.
 void ScatterGameplay::claim_layers() {
 	for (std::uint32_t layer = 0; state_.is_valid() && layer < world_.layers().size(); ++layer) {
 		if (world_.layers()[layer].wanted) {
@@ -118,13 +121,15 @@ void ScatterGameplay::claim_layers() {
 	}
 }
 
-/// Creates a state if there is none yet.
+/// Binds the state to a layer's point set. Creates a state if there is none yet. Returns an error
+/// if the state already belongs to a different point set.
 Status ScatterGameplay::claim(std::uint32_t layer) {
 	if (state_.is_null()) {
 		set_state(Ref<ScatterState>(memnew(ScatterState)));
 	}
 	const PointSet &set = world_.layers()[layer].set;
-	const Status status = state_->claim(set.layer, stamp_of(set), lattice_unit(set) * (1u << lattice_bits));
+	const Status status =
+			state_->claim(set.layer, stamp_of(set), id_cell_side(set), set.on_surface ? surface_id_steps : 1);
 	return status.ok() ? status : Status{ErrorCode::foreign, "state of layer", static_cast<double>(layer)};
 }
 
@@ -139,7 +144,8 @@ PackedInt64Array ScatterGameplay::remove_in_sphere(
 	return packed_ids(remove_all(found));
 }
 
-/// Scripts that were called while finding the instances may have changed the layers since.
+/// Removes instances and returns the IDs of those that existed. The scripts that ran during the
+/// search may have changed the layers, so each layer is checked again.
 std::vector<std::uint64_t> ScatterGameplay::remove_all(std::span<const PlacedInstance> instances, double until) {
 	std::vector<Removal> removals;
 	std::int64_t refused = -1;
@@ -204,7 +210,7 @@ int64_t ScatterGameplay::set_instance_transform(int64_t p_id, const Transform3D 
 	Status status = claim(static_cast<std::uint32_t>(layer));
 	std::uint64_t id = 0;
 	if (status.ok()) {
-		AddedInstance moved = to_added(p_transform, offset_);
+		AddedInstance moved = to_added(p_transform, world_frame());
 		moved.layer = layer_of(core_id(p_id));
 		moved.mesh = static_cast<std::uint8_t>(found.front().mesh);
 		const Ref<ScatterState> state = state_;
@@ -223,7 +229,7 @@ bool ScatterGameplay::set_data_in(const ScatterState *state, std::uint64_t id, c
 	return state_.ptr() == state && set_data(id, exists, p_data);
 }
 
-/// Stores data of an instance, unless it does not exist.
+/// Stores the data of an instance. Returns false if the instance does not exist.
 bool ScatterGameplay::set_data(std::uint64_t id, bool exists, const Variant &p_data) {
 	const std::int64_t layer = exists && alive() ? layer_index_of(id) : -1;
 	if (layer < 0) {
@@ -252,7 +258,7 @@ void ScatterGameplay::state_changed(const SharedChanges &changes) {
 		return;
 	}
 	if (changes->size() > most_at_once) {
-		redraw_later(*changes); // Bodies and scenes follow step by step, too.
+		redraw_later(*changes); // Bodies and scenes are also updated step by step.
 		return;
 	}
 	std::size_t dropped = 0;
@@ -262,7 +268,7 @@ void ScatterGameplay::state_changed(const SharedChanges &changes) {
 			const auto layer = static_cast<std::uint32_t>(index);
 			host_->redraw(layer, area_of(change.id, change.added.position, layer));
 			if (++dropped > most_dropped_at_once) {
-				return; // Bodies and scenes follow step by step, the nearest first.
+				return; // The remaining bodies and scenes are removed step by step, nearest first.
 			}
 			for (NearRing *ring : rings_) {
 				ring->drop(change.id);
@@ -271,7 +277,7 @@ void ScatterGameplay::state_changed(const SharedChanges &changes) {
 	});
 }
 
-/// Tiles that may contain the changes follow over the next frames.
+/// Redraws all tiles that may contain the changes, over the next frames.
 void ScatterGameplay::redraw_later(const StateChanges &changes) {
 	if (changes.size() > most_at_once * 16) {
 		// Finding the areas of so many changes takes longer than checking all tiles.
@@ -301,7 +307,7 @@ void ScatterGameplay::tell_changes(const SharedChanges &changes) {
 	const Ref<ScatterState> state = state_;
 	for (std::size_t at = 0; at < changes->size(); ++at) {
 		if (!alive() || !(state_ == state)) {
-			return; // A handler has freed the node, or set a different state.
+			return; // A signal handler has freed the node or set a different state.
 		}
 		if (const InstanceChange *change = changes->at(at)) {
 			tell(*change);
@@ -309,7 +315,7 @@ void ScatterGameplay::tell_changes(const SharedChanges &changes) {
 	}
 }
 
-/// False for a change that was undone or replaced since, by a change that was already reported.
+/// Returns false for a change that was undone or replaced by a later one that is already reported.
 bool ScatterGameplay::still_true(const InstanceChange &change) const {
 	switch (change.kind) {
 		case InstanceChangeKind::removed: return stands_no_longer(change.id);
@@ -339,8 +345,9 @@ void ScatterGameplay::tell_backlog(std::chrono::steady_clock::time_point deadlin
 	}
 }
 
-/// The placement of an instance that this node is removing or restoring at the moment. Changes are reported in the order of the instances;
-/// changes made by handlers in the meantime come after them.
+/// Returns the position and transform of an instance that this node is currently removing or
+/// restoring; null for any other instance. Changes are reported in the order of `changing_`, so
+/// this function also discards the entries before the instance.
 const PlacedInstance *ScatterGameplay::find_changing(std::uint64_t id) {
 	while (!changing_.empty() && changing_.front().id != id) {
 		changing_ = changing_.subspan(1);
@@ -360,8 +367,8 @@ const StringName &ScatterGameplay::Signals::of(InstanceChangeKind kind) const {
 	return none;
 }
 
-/// Emits a signal only if the instance's placement is known, because changes from elsewhere must not generate tiles.
-/// Runs scripts.
+/// Emits the signal of a change if the placement of the instance is known. Otherwise emits nothing:
+/// generating tiles for the changes of peers would take too long. Runs scripts.
 void ScatterGameplay::tell(const InstanceChange &change) {
 	const std::int64_t index = change.kind != InstanceChangeKind::left ? layer_index_of(change.id) : -1;
 	if (index < 0) {
@@ -369,10 +376,10 @@ void ScatterGameplay::tell(const InstanceChange &change) {
 	}
 	Transform3D transform;
 	if (is_added(change.id) && change.kind != InstanceChangeKind::data) {
-		transform = to_engine(change.added.basis, change.added.position, offset_);
+		transform = to_engine(change.added.basis, change.added.position, world_frame());
 	} else if (const PlacedInstance *changing = find_changing(change.id)) {
-		// The instance was found when it was changed.
-		transform = to_engine(*changing, offset_);
+		// The instance was found before the change.
+		transform = to_engine(*changing, world_frame());
 	} else {
 		std::vector<PlacedInstance> found;
 		const Status status = world_.ask_known(
@@ -380,7 +387,7 @@ void ScatterGameplay::tell(const InstanceChange &change) {
 		if (!status.ok() || found.empty()) {
 			return;
 		}
-		transform = to_engine(found.front(), offset_);
+		transform = to_engine(found.front(), world_frame());
 	}
 	host_->node()->emit_signal(
 			signals_.of(change.kind), script_id(change.id), listed_->at(static_cast<std::size_t>(index)), transform);

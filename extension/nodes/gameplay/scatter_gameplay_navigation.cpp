@@ -1,4 +1,5 @@
-// Adds all instances in the area of a bake, loaded or not, to the source geometry of a navigation mesh.
+// This file adds all instances in a baked area to the source geometry of a navigation mesh, whether
+// their tiles are loaded or not.
 
 #include "nodes/gameplay/scatter_gameplay.hpp"
 
@@ -25,7 +26,7 @@ namespace thicket {
 
 namespace {
 
-/// The rectangle of the engine's x and z that contains the box of a bake.
+/// Returns the rectangle that contains the box of a bake, in the engine's x and z coordinates.
 Rect ground_of(const NavigationBake &bake) {
 	const glm::dmat3 inverse = glm::inverse(bake.basis);
 	constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -49,7 +50,7 @@ bool obstructs(const LayerSnapshot *layer, const NavigationBake &bake) {
 			(!bake.collision_mask || (collision.layer & *bake.collision_mask) != 0);
 }
 
-/// Whether an obstruction meets the baked box.
+/// Returns whether an obstruction intersects the baked box.
 bool meets(const NavigationBake &bake, const Obstruction &obstruction) {
 	glm::dvec2 min = obstruction.outline.front();
 	glm::dvec2 max = min;
@@ -66,17 +67,19 @@ void add(const Obstruction &obstruction, NavigationMeshSourceGeometryData3D &r_g
 		return to_engine(glm::dvec3(at.x, obstruction.bottom, at.y));
 	};
 	const auto outline = packed<PackedVector3Array>(std::span<const glm::dvec2>(obstruction.outline), corner);
-	// Not carved, because the engine carves after it has applied the agent's radius to all obstacles.
+	// Do not carve the obstruction. The engine carves after it has applied the agent's radius, so
+	// carved obstructions would ignore the radius.
 	r_geometry.add_projected_obstruction(outline, static_cast<float>(obstruction.bottom),
 			static_cast<float>(obstruction.top - obstruction.bottom), false);
 }
 
-/// The hand-placed instances of a layer that may obstruct an area of the world, by ID.
+/// Returns the IDs of a layer's hand-placed instances that may obstruct an area (world meters).
 std::vector<std::uint64_t> hand_placed(const InstanceState &state, std::uint16_t layer, const Rect &area,
 		const InstanceShape &shape, const NavigationAgent &agent) {
 	const double reach = obstruction_reach(shape, state.max_added_scale(layer), agent);
 	if (reach > max_obstruction_reach) {
-		return state.added_ids(layer); // At least one is too large, wherever it is.
+		// At least one instance is too large. Return all, so that it is found wherever it is.
+		return state.added_ids(layer);
 	}
 	std::vector<std::uint64_t> ids;
 	throw_if_out_of_memory(state.added_in(layer, grown(area, reach), ids));
@@ -95,12 +98,26 @@ void report_too_large(std::uint32_t layer, std::span<const std::uint64_t> ids) {
 					.c_str()));
 }
 
+/// Returns the rectangle of the world that contains a bake's box above the engine's `ground`.
+Rect area_in_world(const Rect &ground, const NavigationBake &bake, const WorldFrame &frame) {
+	glm::dvec2 low(std::numeric_limits<double>::max());
+	glm::dvec2 high = -low;
+	for (int corner = 0; corner < 8; ++corner) {
+		const glm::dvec3 world = frame.to_world({corner & 1 ? ground.max.x : ground.min.x,
+				corner & 2 ? bake.max.y : bake.min.y, corner & 4 ? ground.max.y : ground.min.y});
+		low = glm::min(low, {world.x, world.z});
+		high = glm::max(high, {world.x, world.z});
+	}
+	return {low, high};
+}
+
 } // namespace
 
 void ScatterGameplay::add_obstructions(const NavigationBake &bake) {
 	const bool any = bake.max.x > bake.min.x && bake.max.z > bake.min.z;
 	if (!any || !alive() || !host_->prepare().ok()) {
-		return; // A node without layers or a ground has no obstructions, and reports its problem elsewhere.
+		// A node without layers or a ground has no obstructions. The node's problems report this.
+		return;
 	}
 	const std::vector<SharedSnapshot> layers = layers_;
 	const Rect ground = ground_of(bake);
@@ -114,14 +131,14 @@ void ScatterGameplay::add_obstructions(const NavigationBake &bake) {
 void ScatterGameplay::add_obstructions(
 		const NavigationBake &bake, const Rect &ground, std::uint32_t layer, const SharedSnapshot &snapshot) {
 	if (!alive() || layer >= layers_.size() || layers_[layer] != snapshot || layer >= world_.layers().size()) {
-		return; // A script that was called for the ground has changed the list.
+		return; // A script of the ground has changed the layers.
 	}
 	const QueryLayer &queried = world_.layers()[layer];
 	const InstanceShape shape = queried.shape;
 	const std::uint16_t layer_id = queried.set.layer;
 	const Ref<ScatterState> state = state_;
-	const glm::dvec3 offset = offset_;
-	const Rect area{ground.min + glm::dvec2(offset.x, offset.z), ground.max + glm::dvec2(offset.x, offset.z)};
+	const WorldFrame frame = world_frame();
+	const Rect area = area_in_world(ground, bake, frame);
 	const Rect rect = grown(area, obstruction_reach(shape, queried.max_scale, bake.agent));
 	const QueryFilter filter{.layers = {layer}, .accepts = {}};
 	std::vector<PlacedInstance> found;
@@ -134,8 +151,8 @@ void ScatterGameplay::add_obstructions(
 	}
 	Obstruction obstruction;
 	const auto obstructs_bake = [&](glm::dvec3 position, const glm::mat3 &basis) {
-		const glm::dvec3 foot = bake.basis * (position - offset) + bake.origin;
-		return obstruct(bake.basis * glm::dmat3(basis), foot, shape, bake.agent, obstruction) &&
+		const glm::dvec3 foot = bake.basis * frame.to_engine(position) + bake.origin;
+		return obstruct(bake.basis * glm::dmat3(frame.turned_back(basis)), foot, shape, bake.agent, obstruction) &&
 				meets(bake, obstruction);
 	};
 	for (const PlacedInstance &instance : found) {
@@ -146,7 +163,7 @@ void ScatterGameplay::add_obstructions(
 	if (state.is_null()) {
 		return;
 	}
-	// Hand-placed instances may be larger, so they are searched for in a separate area.
+	// Hand-placed instances may be larger than generated ones, so their search area is different.
 	std::vector<std::uint64_t> too_large;
 	for (const std::uint64_t id : hand_placed(state->state(), layer_id, area, shape, bake.agent)) {
 		const AddedInstance *added = state->state().added(id);

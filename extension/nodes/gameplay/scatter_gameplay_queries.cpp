@@ -1,4 +1,5 @@
-// The queries of a ScatterGameplay: instances in loaded tiles and in all others.
+// This file contains the query methods of ScatterGameplay. They find instances in loaded tiles, and
+// generate the other tiles that they need.
 
 #include "nodes/gameplay/scatter_gameplay.hpp"
 
@@ -75,10 +76,11 @@ Ref<ScatterSnapshot> ScatterGameplay::make_snapshot() {
 	}
 	return ScatterSnapshot::of(
 			std::make_shared<const InstanceSnapshot>(world_, std::move(state), host_->make_worker_maker()), layers,
-			offset_);
+			world_frame());
 }
 
-/// The instance with an ID or, if `even_removed`, its placement even if it is removed. Empty if there is none.
+/// Finds the instance with an ID. If `even_removed` is true, also finds removed instances, with
+/// their last placement. Returns an empty list if there is none.
 std::vector<PlacedInstance> ScatterGameplay::find_by_id(const char *p_method, int64_t p_id, bool even_removed) {
 	std::vector<PlacedInstance> found;
 	if (prepare(p_method) != nullptr) {
@@ -111,7 +113,8 @@ Ref<ScatterRequest> ScatterGameplay::request(Wanted wanted) {
 		open_request(wanted);
 	} else {
 		if (wanted.layers.get_type() == Variant::ARRAY) {
-			wanted.layers = copied(wanted.layers); // A copy, because scripts share an array, and may change theirs.
+			// Scripts share arrays by reference, and may change this one later.
+			wanted.layers = copied(wanted.layers);
 		}
 		const std::lock_guard lock(wanted_mutex_);
 		wanted_.push_back(std::move(wanted));
@@ -125,10 +128,10 @@ void ScatterGameplay::open_request(const Wanted &wanted) {
 	if (open_query(*this, {wanted.method, wanted.layers, Callable()}, filter) != nullptr) {
 		std::variant<Rect, QueryRequests::Sphere> area;
 		if (const Rect2 *rect = std::get_if<Rect2>(&wanted.area)) {
-			area = to_world(*rect, offset_);
+			area = to_world(*rect, world_frame());
 		} else {
 			const auto &sphere = std::get<SphereInScene>(wanted.area);
-			area = QueryRequests::Sphere{to_world(sphere.center, offset_), sphere.radius};
+			area = QueryRequests::Sphere{to_world(sphere.center, world_frame()), sphere.radius};
 		}
 		report_query(wanted.method, requests_.add(world_, area, filter, number));
 	}
@@ -139,7 +142,7 @@ void ScatterGameplay::open_request(const Wanted &wanted) {
 	}
 }
 
-/// Open requests keep their layers, whatever indices these have in the next list.
+/// Updates the layer indices of open requests to a new list, so that they keep their layers.
 void ScatterGameplay::renumber_requests(const ListedLayers &listed) {
 	std::vector<std::uint32_t> current;
 	bool same = true;
@@ -179,12 +182,12 @@ void ScatterGameplay::answer_requests() {
 }
 
 void ScatterGameplay::complete_requests() {
-	const glm::dvec3 offset = offset_; // A predicate may free the node.
+	const WorldFrame frame = world_frame(); // A predicate may free the node.
 	for (auto &[open, found, layers] : std::exchange(answered_, {})) {
-		if (const auto accepts = to_predicate(name_of(open.method), open.predicate, offset, layers)) {
+		if (const auto accepts = to_predicate(name_of(open.method), open.predicate, frame, layers)) {
 			found.keep_from(0, accepts);
 		}
-		open.request->complete(ScatterInstances::of(std::move(found), offset, layers));
+		open.request->complete(ScatterInstances::of(std::move(found), frame, layers));
 	}
 }
 

@@ -1,6 +1,7 @@
 #include "nodes/gameplay/scatter_instances.hpp"
 
 #include "nodes/common/bind_value.hpp"
+#include "nodes/common/convert.hpp"
 #include "nodes/common/engine_arrays.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
@@ -19,12 +20,12 @@ namespace thicket {
 
 namespace {
 
-/// A value of each instance, by its index, in a packed array that is created on the first call.
+/// Returns a packed array with one value per instance. The first call creates the array.
 template <class Array, class Value>
 Array cached(std::mutex &r_mutex, std::optional<Array> &r_cache, const FoundInstances &found, const Value &value_of) {
 	const std::lock_guard lock(r_mutex);
 	if (r_cache) {
-		// Found instances never change.
+		// The instances never change, so the array stays valid.
 		return *r_cache;
 	}
 	Array values;
@@ -40,10 +41,10 @@ std::size_t index_of(int64_t p_index) { return static_cast<std::size_t>(p_index)
 
 } // namespace
 
-Ref<ScatterInstances> ScatterInstances::of(FoundInstances found, glm::dvec3 offset, SharedLayers layers) {
+Ref<ScatterInstances> ScatterInstances::of(FoundInstances found, const WorldFrame &frame, SharedLayers layers) {
 	const Ref<ScatterInstances> result(memnew(ScatterInstances));
 	result->found_ = std::move(found);
-	result->offset_ = offset;
+	result->frame_ = frame;
 	result->listed_ = std::move(layers);
 	return result;
 }
@@ -70,24 +71,24 @@ int64_t ScatterInstances::get_mesh(int64_t p_index) const {
 }
 
 Vector3 ScatterInstances::get_position(int64_t p_index) const {
-	return has("get_position", p_index) ? to_engine(found_.position(index_of(p_index)), offset_) : Vector3();
+	return has("get_position", p_index) ? to_engine(found_.position(index_of(p_index)), frame_) : Vector3();
 }
 
 Transform3D ScatterInstances::get_transform(int64_t p_index) const {
-	return has("get_transform", p_index) ? to_engine(found_[index_of(p_index)], offset_) : Transform3D();
+	return has("get_transform", p_index) ? to_engine(found_[index_of(p_index)], frame_) : Transform3D();
 }
 
 PackedInt64Array ScatterInstances::get_ids() const {
 	return cached(mutex_, ids_, found_, [this](std::size_t i) { return script_id(found_.id(i)); });
 }
 
-/// Fills `layers_` and `layer_indices_`. The caller holds the mutex.
+/// Fills `layers_` and `layer_indices_` on the first call. The caller must hold the mutex.
 void ScatterInstances::list_layers() const {
 	if (layer_indices_) {
-		// Found instances never change.
+		// The instances never change, so the array stays valid.
 		return;
 	}
-	std::map<std::uint32_t, std::int32_t> places; // By index in the node's list.
+	std::map<std::uint32_t, std::int32_t> places; // Keyed by the index in the node's list.
 	std::vector<Ref<ScatterLayer>> layers;
 	PackedInt32Array indices;
 	const auto out = resize(indices, size());
@@ -105,7 +106,8 @@ void ScatterInstances::list_layers() const {
 TypedArray<ScatterLayer> ScatterInstances::get_layers() const {
 	const std::lock_guard lock(mutex_);
 	list_layers();
-	TypedArray<ScatterLayer> layers; // A new one for each call, because scripts share arrays.
+	// A new array per call, because scripts share arrays by reference.
+	TypedArray<ScatterLayer> layers;
 	for (const Ref<ScatterLayer> &layer : layers_) {
 		append(layers, layer);
 	}
@@ -123,23 +125,24 @@ PackedInt32Array ScatterInstances::get_meshes() const {
 }
 
 PackedVector3Array ScatterInstances::get_positions() const {
-	return cached(mutex_, positions_, found_, [this](std::size_t i) { return to_engine(found_.position(i), offset_); });
+	return cached(mutex_, positions_, found_, [this](std::size_t i) { return to_engine(found_.position(i), frame_); });
 }
 
 PackedFloat32Array ScatterInstances::get_transforms() const {
 	const std::lock_guard lock(mutex_);
 	if (transforms_) {
-		// Found instances never change.
+		// The instances never change, so the array stays valid.
 		return *transforms_;
 	}
 	PackedFloat32Array transforms;
 	auto floats = resize(transforms, size() * static_cast<int64_t>(transform_floats)).begin();
 	for (std::size_t i = 0; i < found_.size(); ++i) {
 		const PlacedInstance instance = found_[i];
-		const glm::vec3 position(instance.position - offset_);
+		const glm::vec3 position(frame_.to_engine(instance.position));
+		const glm::mat3 basis = frame_.turned_back(instance.basis);
 		for (int row = 0; row < 3; ++row) {
 			for (int column = 0; column < 3; ++column) {
-				*floats++ = instance.basis[column][row];
+				*floats++ = basis[column][row];
 			}
 			*floats++ = position[row];
 		}
@@ -175,11 +178,11 @@ void ScatterInstances::_bind_methods() {
 	bind_value(owner, PropertyInfo(Variant::PACKED_FLOAT32_ARRAY, "transforms"), "get_transforms");
 }
 
-Ref<ScatterInstance> ScatterInstance::of(const PlacedInstance &found, glm::dvec3 offset,
+Ref<ScatterInstance> ScatterInstance::of(const PlacedInstance &found, const WorldFrame &frame,
 		const Ref<ScatterLayer> &p_layer, const Variant &p_data, double distance, std::optional<glm::dvec3> met) {
 	const Ref<ScatterInstance> result(memnew(ScatterInstance));
 	result->found_ = found;
-	result->offset_ = offset;
+	result->frame_ = frame;
 	result->layer_ = p_layer;
 	result->data_ = p_data;
 	result->distance_ = distance;
@@ -189,11 +192,11 @@ Ref<ScatterInstance> ScatterInstance::of(const PlacedInstance &found, glm::dvec3
 
 int64_t ScatterInstance::get_id() const { return script_id(found_.id); }
 
-Transform3D ScatterInstance::get_transform() const { return to_engine(found_, offset_); }
+Transform3D ScatterInstance::get_transform() const { return to_engine(found_, frame_); }
 
-Vector3 ScatterInstance::get_position() const { return to_engine(found_.position, offset_); }
+Vector3 ScatterInstance::get_position() const { return to_engine(found_.position, frame_); }
 
-Vector3 ScatterInstance::get_hit_position() const { return to_engine(met_, offset_); }
+Vector3 ScatterInstance::get_hit_position() const { return to_engine(met_, frame_); }
 
 bool ScatterInstance::is_added() const { return thicket::is_added(found_.id); }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/world_frame.hpp"
 #include "core/query/found_instances.hpp"
 #include "nodes/common/guard.hpp"
 #include "nodes/layer/layer_reference.hpp"
@@ -24,19 +25,20 @@
 
 namespace thicket {
 
-/// The result of a query, as of the time of the query. Given an invalid index, methods print an error and return a
-/// default.
+/// The instances that a query has found, as they were at the time of the query. If an index is out
+/// of range, methods print an error and return a default value. Any thread may call all methods.
 class ScatterInstances : public godot::RefCounted {
 	GDCLASS(ScatterInstances, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
 
 public:
-	/// The result of a refused call.
+	/// Creates the result of a refused query.
 	static godot::Ref<ScatterInstances> make_empty() { return memnew(ScatterInstances); }
 
-	/// `offset` is the world position of the engine's origin, in meters, for all positions that scripts get. `layers`
-	/// are the layers of the instances; null is allowed if there are no instances.
-	static godot::Ref<ScatterInstances> of(FoundInstances found, glm::dvec3 offset, SharedLayers layers);
+	/// `frame` relates the engine's space to the world. It is subtracted from all
+	/// positions that scripts receive. The layer indices of the instances refer to `layers`, which
+	/// may be null if there are no instances.
+	static godot::Ref<ScatterInstances> of(FoundInstances found, const WorldFrame &frame, SharedLayers layers);
 
 	int64_t size() const { return static_cast<int64_t>(found_.size()); }
 	bool is_empty() const { return found_.empty(); }
@@ -46,18 +48,19 @@ public:
 	godot::Vector3 get_position(int64_t p_index) const;
 	godot::Transform3D get_transform(int64_t p_index) const;
 
-	// All values together, packed on first use.
+	// These methods return the values of all instances. The arrays are created on first use.
 	godot::PackedInt64Array get_ids() const;
 
-	/// The layers of all instances, each once, in the order of their first instances.
+	/// Returns the layers that have instances, without duplicates, in the order of first
+	/// occurrence.
 	godot::TypedArray<ScatterLayer> get_layers() const;
 
-	/// For each instance the index of its layer in `get_layers`.
+	/// Returns the index of each instance's layer in `get_layers`.
 	godot::PackedInt32Array get_layer_indices() const;
 	godot::PackedInt32Array get_meshes() const;
 	godot::PackedVector3Array get_positions() const;
 
-	/// 12 floats each, as in the buffer of a MultiMesh.
+	/// Returns 12 floats per instance, as in MultiMesh.buffer.
 	godot::PackedFloat32Array get_transforms() const;
 
 protected:
@@ -68,25 +71,27 @@ private:
 	void list_layers() const;
 
 	FoundInstances found_;
-	glm::dvec3 offset_{0.0};
+	WorldFrame frame_;
 	SharedLayers listed_;      ///< Null if there are no instances.
 	mutable std::mutex mutex_; ///< Guards the following members.
 	mutable std::optional<godot::PackedInt64Array> ids_;
 	mutable std::optional<godot::PackedInt32Array> layer_indices_;
-	mutable std::vector<godot::Ref<ScatterLayer>> layers_; ///< Valid once `layer_indices_` is.
+	/// The result of get_layers. Valid once `layer_indices_` has a value.
+	mutable std::vector<godot::Ref<ScatterLayer>> layers_;
 	mutable std::optional<godot::PackedInt32Array> meshes_;
 	mutable std::optional<godot::PackedVector3Array> positions_;
 	mutable std::optional<godot::PackedFloat32Array> transforms_;
 };
 
-/// One instance, as of the time of the query.
+/// One instance, as it was at the time of the query. Any thread may call all methods.
 class ScatterInstance : public godot::RefCounted {
 	GDCLASS(ScatterInstance, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
 
 public:
-	/// `met` is the point where a ray meets the instance, in world meters; without a ray, the position of the instance.
-	static godot::Ref<ScatterInstance> of(const PlacedInstance &found, glm::dvec3 offset,
+	/// `distance` is in meters. `met` is the point where a ray hits the instance, in world meters;
+	/// it defaults to the position of the instance.
+	static godot::Ref<ScatterInstance> of(const PlacedInstance &found, const WorldFrame &frame,
 			const godot::Ref<ScatterLayer> &p_layer, const godot::Variant &p_data, double distance = 0.0,
 			std::optional<glm::dvec3> met = {});
 
@@ -98,10 +103,12 @@ public:
 	godot::Variant get_data() const { return data_; }
 	bool is_added() const;
 
-	/// The distance in meters from the searched position or the start of the ray; 0 for a search by ID.
+	/// Returns the distance in meters from the query's position or the start of the ray to the
+	/// instance; 0 for a query by ID.
 	double get_distance() const { return distance_; }
 
-	/// The point where the ray of `query_ray` meets the instance; for all other searches, the position of the instance.
+	/// Returns the point where the ray of `query_ray` hits the instance. After any other query,
+	/// returns the position of the instance.
 	godot::Vector3 get_hit_position() const;
 
 protected:
@@ -109,7 +116,7 @@ protected:
 
 private:
 	PlacedInstance found_;
-	glm::dvec3 offset_{0.0};
+	WorldFrame frame_;
 	godot::Ref<ScatterLayer> layer_;
 	godot::Variant data_;
 	double distance_ = 0.0;

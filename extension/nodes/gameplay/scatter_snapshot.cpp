@@ -15,11 +15,11 @@ using namespace godot;
 namespace thicket {
 
 Ref<ScatterSnapshot> ScatterSnapshot::of(
-		std::shared_ptr<const InstanceSnapshot> snapshot, SharedLayers layers, glm::dvec3 offset) {
+		std::shared_ptr<const InstanceSnapshot> snapshot, SharedLayers layers, const WorldFrame &frame) {
 	const Ref<ScatterSnapshot> result(memnew(ScatterSnapshot));
 	result->snapshot_ = std::move(snapshot);
 	result->layers_ = std::move(layers);
-	result->offset_ = offset;
+	result->frame_ = frame;
 	return result;
 }
 
@@ -32,7 +32,8 @@ SharedLayers ScatterSnapshot::prepare(const char *p_method) const {
 }
 
 bool ScatterSnapshot::ask(const char *p_method, const AskedQuery &query) const {
-	const std::shared_ptr<const InstanceSnapshot> held = snapshot_; // A predicate may release this object.
+	// Hold the snapshot, because a predicate may release this object.
+	const std::shared_ptr<const InstanceSnapshot> held = snapshot_;
 	const Status status = held->ask(query);
 	report(name_of(p_method).c_str(), status);
 	return status.ok();
@@ -55,7 +56,8 @@ Ref<ScatterInstance> ScatterSnapshot::query_ray(
 
 Ref<ScatterInstance> ScatterSnapshot::query_nearest(
 		const Vector3 &p_position, double p_max_distance, const Variant &p_layers, const Callable &p_predicate) const {
-	const Ref<ScatterSnapshot> self(const_cast<ScatterSnapshot *>(this)); // A predicate may release it.
+	// A predicate may release this object.
+	const Ref<ScatterSnapshot> self(const_cast<ScatterSnapshot *>(this));
 	return answer_nearest(*this, {"query_nearest", p_layers, p_predicate}, p_position, p_max_distance);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/world_frame.hpp"
 #include "core/query/instance_snapshot.hpp"
 #include "nodes/common/guard.hpp"
 #include "nodes/gameplay/scatter_instances.hpp"
@@ -23,21 +24,21 @@
 
 namespace thicket {
 
-/// A query, for script_queries.hpp.
+/// A function that runs the query that script_queries.hpp has prepared.
 using AskedQuery = std::function<Status(const InstanceQuery &query)>;
 
-/// The instances around a TerrainScatter3D at one moment, unaffected by later changes. Any thread may query them, and
-/// several threads at once. The methods are the same as the node's.
+/// The world of a TerrainScatter3D at one moment, unaffected by later changes. Any number of
+/// threads may query it at once. The methods correspond to those of the node.
 class ScatterSnapshot : public godot::RefCounted {
 	GDCLASS(ScatterSnapshot, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
 
 public:
-	/// `offset` is the world position of the engine's origin, in meters.
+	/// `frame` relates the engine's space to the world.
 	static godot::Ref<ScatterSnapshot> of(
-			std::shared_ptr<const InstanceSnapshot> snapshot, SharedLayers layers, glm::dvec3 offset);
+			std::shared_ptr<const InstanceSnapshot> snapshot, SharedLayers layers, const WorldFrame &frame);
 
-	/// A snapshot without instances.
+	/// Creates a snapshot without a world.
 	static godot::Ref<ScatterSnapshot> make_empty() { return memnew(ScatterSnapshot); }
 
 	godot::Ref<ScatterInstances> query_rect(
@@ -53,7 +54,7 @@ public:
 	godot::Variant get_instance_data(int64_t p_id) const;
 
 	// The templates of script_queries.hpp call these functions.
-	glm::dvec3 world_offset() const { return offset_; }
+	const WorldFrame &world_frame() const { return frame_; }
 	static std::string name_of(const char *p_method) { return std::string("ScatterSnapshot.") + p_method; }
 	SharedLayers prepare(const char *p_method) const;
 	godot::String find_queried(const godot::Variant &p_layers, std::vector<std::uint32_t> &r_indices) const {
@@ -67,7 +68,7 @@ protected:
 private:
 	std::shared_ptr<const InstanceSnapshot> snapshot_; ///< Null for an empty snapshot.
 	SharedLayers layers_;                              ///< Null for an empty snapshot.
-	glm::dvec3 offset_{0.0};
+	WorldFrame frame_;
 };
 
 } // namespace thicket

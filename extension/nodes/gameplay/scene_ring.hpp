@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/world_frame.hpp"
 #include "core/near/near_queue.hpp"
 #include "nodes/gameplay/scene_pool.hpp"
 #include "nodes/layer/layer_snapshot.hpp"
@@ -18,85 +19,95 @@
 
 namespace thicket {
 
-/// The scenes of a layer.
+/// The scene that replaces the meshes of a layer near viewers.
 struct SceneLayer {
-	godot::Ref<godot::PackedScene> scene; ///< Null if there is none.
-	double distance = 0.0; ///< Meters. A scene replaces a mesh if a viewer or body is nearer than this; 0 for never.
-	godot::String name;    ///< The layer's name, for errors.
+	godot::Ref<godot::PackedScene> scene; ///< The scene; null if there is none.
+	/// The distance in meters from a viewer or moving body within which scenes replace meshes; 0
+	/// for never.
+	double distance = 0.0;
+	godot::String name; ///< The layer's name, for error messages.
 
 	bool operator==(const SceneLayer &other) const {
 		return scene == other.scene && distance == other.distance && name == other.name;
 	}
 };
 
-/// The scene settings of a layer; without a scene for null.
+/// Returns the scene settings of a layer. A null layer has no scene.
 SceneLayer scenes_of(const LayerSnapshot *layer);
 
-/// A change of an instance's scene by a SceneRing.
+/// The kind of change that a SceneRing makes to the scene of an instance.
 enum class SceneEvent : std::uint8_t {
-	shown,  ///< It is in the tree, in place of the mesh.
-	hidden, ///< It is about to leave the tree. The mesh is drawn again, if the instance still exists.
+	shown, ///< The scene was added to the tree and replaces the mesh.
+	/// The scene is about to leave the tree. The mesh is drawn again if the instance still exists.
+	hidden,
 };
 
-/// The services of a node that a SceneRing needs. `tell` runs scripts, which may free the node.
+/// The services that a SceneRing needs from its node. `tell` runs scripts, which may free the node.
 struct SceneHost {
 	godot::Node3D *parent = nullptr;
-	std::function<void(const PlacedInstance &instance, bool hidden)> hide_mesh; ///< In the drawing of this frame.
+	/// Hides or shows the mesh of an instance. Takes effect when this frame is drawn.
+	std::function<void(const PlacedInstance &instance, bool hidden)> hide_mesh;
 	std::function<godot::Ref<ScatterLayer>(std::uint32_t index)> layer_at;
 	std::function<godot::Variant(std::uint64_t id)> data_of;
 	std::function<void(SceneEvent event, std::uint64_t id, godot::Node3D *scene)> tell;
-	std::function<void()> recycle_later; ///< Calls `recycle` before this frame is drawn and before bodies move again.
+	/// Schedules a call of `recycle` before this frame is drawn and before the next physics step.
+	std::function<void()> recycle_later;
 };
 
-/// Scenes that replace meshes near viewers. Every nearby instance gets one, even if thinning does not draw its mesh. A
-/// mesh is hidden in the same frame in which its scene is added, and drawn again when the scene is removed. Unneeded
-/// scenes wait in a pool.
+/// Replaces meshes near viewers with scenes. Every nearby instance gets a scene, even if distance
+/// thinning hides its mesh. A mesh is hidden in the frame in which its scene is added, and drawn
+/// again when the scene is removed. Unneeded scenes are kept in a pool.
 ///
-/// Many methods run scripts, which may remove instances, free or take a scene, or free the node. The caller keeps the
-/// ring alive in the meantime, and calls `forget_host` when the node is freed. If a script has freed or taken a scene,
-/// or moved it to a different parent, the mesh replaces it. The instance then gets no new scene until it has been out
-/// of range.
+/// Many methods run scripts, which may remove instances, free or take a scene, or free the node.
+/// The caller must keep the ring alive in the meantime, and must call `forget_host` when the node
+/// is freed. If a script frees, takes or reparents a scene, the mesh is drawn again. The instance
+/// gets a new scene only after it was out of range.
 class SceneRing : public NearRing {
 public:
 	explicit SceneRing(SceneHost host);
 	~SceneRing() override = default;
 
-	/// Sets the layers by their indices. If a layer has a different PackedScene now, its previous scenes are removed
-	/// step by step, the nearest first.
+	/// Sets the layers by their indices. If the PackedScene of a layer has changed, its previous
+	/// scenes are removed step by step, nearest first.
 	void set_layers(std::vector<SceneLayer> layers);
 
-	/// Call this when the node is freed, with all its children. The ring never accesses the node again.
+	/// Makes the ring never access the node again. Call it when the node is freed, along with its
+	/// children.
 	void forget_host() { life_ = nullptr; }
 
-	/// Without centers, scenes stay: a camera may be missing for a frame.
+	/// Sets the positions around which scenes replace meshes. If there are no centers, all scenes
+	/// stay, because a camera may be missing for a single frame.
 	void look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world) override;
 	bool step() override;
 	bool settled() const override { return leaving_.empty() && queue_.settled(); }
 	void drop(std::uint64_t id) override;
 	void drop_if(const std::function<bool(std::uint64_t id)> &gone) override;
-	void set_world_offset(glm::dvec3 offset) override;
+	void set_world_frame(const WorldFrame &frame) override;
 	void clear() override;
 
-	/// Takes scenes of dropped instances out of the tree, at most `recycled_at_once`; `step` takes the rest.
+	/// Takes at most `recycled_at_once` scenes of dropped instances (see `drop`) out of the tree.
+	/// `step` takes the rest.
 	void recycle();
 	static constexpr int recycled_at_once = 128;
 
-	/// Call this after a child of the node was added or removed. Finds scenes that scripts have taken away.
+	/// Detects scenes that scripts have freed or reparented. Call it after a child of the node was
+	/// added or removed.
 	void children_changed();
 
-	/// The scene that replaces an instance; null if there is none.
+	/// Returns the scene of an instance; null if there is none.
 	godot::Node3D *find(std::uint64_t id) const;
 
-	/// Passes the ownership of an instance's scene to the caller; returns null if there is none. Until `recycle`, this
-	/// includes the scene of a dropped instance. The scene stays in the tree. The mesh is drawn again, unless the
-	/// instance is removed.
+	/// Passes the ownership of an instance's scene to the caller. Returns null if there is none.
+	/// The scene of a dropped instance can be taken until `recycle`. The scene stays in the tree.
+	/// The mesh is drawn again unless the instance is removed.
 	godot::Node3D *take(std::uint64_t id);
 
 	std::size_t shown_count() const { return shown_.size(); }
 	std::size_t idle_count() const { return pool_->idle_count(); }
 
 private:
-	/// Needed because layers that share a layer_id share IDs.
+	/// Identifies an instance. The ID alone would not suffice, because layers with the same
+	/// layer_id share IDs.
 	struct Key {
 		std::uint64_t id = 0;
 		std::uint32_t layer = 0;
@@ -108,12 +119,12 @@ private:
 		PlacedInstance instance;
 		godot::Ref<godot::PackedScene> scene;
 		NodeHandle node;
-		bool top_level = false; ///< As in its scene.
+		bool top_level = false; ///< The scene's own value of Node3D.top_level.
 	};
 
 	struct Layer {
 		SceneLayer is;
-		bool refused = false; ///< True if the scene cannot be used, and the error was printed.
+		bool refused = false; ///< True if the scene cannot be used. The error is already printed.
 
 		double distance() const { return is.scene.is_valid() && !refused ? is.distance : 0.0; }
 	};
@@ -138,15 +149,15 @@ private:
 	SceneHost host_;
 	std::shared_ptr<const char> life_ = std::make_shared<const char>('\0');
 	std::shared_ptr<ScenePool> pool_ = std::make_shared<ScenePool>();
-	std::vector<Layer>
-			layers_; ///< Entries in the queue that are not in shown_ get no scene until they were out of range.
+	std::vector<Layer> layers_;
 	std::map<Key, Shown> shown_;
-	std::vector<Shown> leaving_; ///< Still in the tree, for callers that want to take them.
-	std::uint64_t epoch_ = 0;    ///< Rises with each `clear`.
-	glm::dvec3 offset_{0.0};
+	/// The scenes of dropped instances, which are still in the tree, so that callers can take them.
+	std::vector<Shown> leaving_;
+	std::uint64_t epoch_ = 0; ///< Incremented by `clear`.
+	WorldFrame frame_;
 	bool recycle_due_ = false;
-	bool moving_child_ = false; ///< True while the ring itself adds or removes a child.
-	int child_changes_ = 0;     ///< Changes of children that the ring has seen.
+	bool moving_child_ = false; ///< True while the ring adds or removes a child.
+	int child_changes_ = 0;     ///< The number of child changes since `moving_child_` was set.
 };
 
 } // namespace thicket

@@ -1,4 +1,5 @@
-// How a SceneRing handles its nodes. After every call that may run a script, it checks whether the ring still exists.
+// This file contains the part of SceneRing that manages the nodes. Every call that may run a script
+// is followed by a check whether the ring still exists.
 
 #include "nodes/gameplay/scene_ring.hpp"
 
@@ -19,7 +20,7 @@ bool SceneRing::ours(const Shown &shown) const {
 }
 
 Transform3D SceneRing::transform_of(const PlacedInstance &instance) const {
-	return to_engine(instance.basis, instance.position, offset_);
+	return to_engine(instance.basis, instance.position, frame_);
 }
 
 void SceneRing::move_node(const Shown &shown) const {
@@ -42,7 +43,8 @@ void SceneRing::show(const PlacedInstance &instance, const Ref<PackedScene> &sce
 	const Shown shown{instance, scene, NodeHandle(node), node->is_set_as_top_level()};
 	shown_.insert_or_assign({instance.id, instance.layer}, shown);
 	host_.hide_mesh(instance, true);
-	node->set_as_top_level(true); // Instances are in world space, independent of their TerrainScatter3D's transform.
+	// Instances are in world space, independent of their TerrainScatter3D's transform.
+	node->set_as_top_level(true);
 	node->set_transform(transform_of(instance));
 	const std::weak_ptr<const void> alive = life_;
 	moving_child_ = true;
@@ -53,11 +55,13 @@ void SceneRing::show(const PlacedInstance &instance, const Ref<PackedScene> &sce
 	}
 	moving_child_ = false;
 	if (child_changes_ != 1 || !ours(shown)) {
-		children_changed(); // A script has made further changes.
+		children_changed(); // A script has also changed children.
 	}
 	const auto found = shown_.find({instance.id, instance.layer});
 	if (found != shown_.end() && ours(shown)) {
-		move_node(shown); // If the node's transform differs from the world's, adding it to the tree has moved it.
+		// Adding the node to the tree has moved it, if the transform of its parent is not the
+		// identity.
+		move_node(shown);
 	}
 	if (ours(shown)) {
 		tell(SceneEvent::shown, shown);
@@ -78,7 +82,7 @@ void SceneRing::move(const PlacedInstance &instance) {
 
 void SceneRing::tell(SceneEvent event, const Shown &shown) {
 	const std::weak_ptr<const void> alive = life_;
-	const auto listener = host_.tell; // A copy, because the call may free the ring that holds it.
+	const auto listener = host_.tell; // Use a copy, because the call may free the ring.
 	const auto id = static_cast<int64_t>(shown.instance.id);
 	Node3D *node = shown.node.get();
 	if (event == SceneEvent::hidden && node != nullptr && node->has_method("_scatter_hidden")) {
@@ -95,7 +99,7 @@ void SceneRing::tell(SceneEvent event, const Shown &shown) {
 	}
 }
 
-/// Takes a node out of the tree, if it is a child of the host.
+/// Takes a node out of the tree if it is a child of the host. Runs scripts.
 void SceneRing::take_out(Node3D *node) {
 	if (node->get_parent() != host_.parent) {
 		return;
@@ -113,7 +117,8 @@ void SceneRing::take_out(Node3D *node) {
 	}
 }
 
-/// Notifies the last scene of `leaving_` that it is hidden, then returns it to the pool, unless a script has taken it.
+/// Notifies the last scene of `leaving_` that it is hidden. Then returns the scene to the pool,
+/// unless a script has taken it. Runs scripts.
 void SceneRing::put_last_back() {
 	const std::weak_ptr<const void> alive = life_;
 	const Shown shown = leaving_.back();
@@ -143,7 +148,8 @@ void SceneRing::put_last_back() {
 	const bool wanted =
 			std::ranges::any_of(layers_, [&shown](const Layer &layer) { return layer.is.scene == shown.scene; });
 	if (left->get_parent() == host_.parent) {
-		ScenePool::dispose(shown.node); // The tree was busy, and a node that cannot be taken out cannot be reused.
+		// The tree was busy, so the node is still in it and cannot be reused.
+		ScenePool::dispose(shown.node);
 	} else if (wanted) {
 		pool_->give(shown.scene, left);
 	} else {
@@ -228,8 +234,8 @@ Node3D *SceneRing::take(std::uint64_t id) {
 	return node;
 }
 
-void SceneRing::set_world_offset(glm::dvec3 offset) {
-	offset_ = offset;
+void SceneRing::set_world_frame(const WorldFrame &frame) {
+	frame_ = frame;
 	for (const auto &[key, shown] : shown_) {
 		move_node(shown);
 	}

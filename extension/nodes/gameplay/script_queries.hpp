@@ -1,13 +1,15 @@
 #pragma once
 
-// Script queries, as answered by a TerrainScatter3D and its snapshots. An `Asker` has
-//   static std::string name_of(method);                                   // `Class.method`, for errors
-//   glm::dvec3 world_offset() const;
-//   SharedLayers prepare(method);                                         // null, with an error, if there is nothing to query
-//   String find_queried(layers, std::vector<std::uint32_t> &r_indices);   // as find_layers
-//   bool ask(method, query);                                              // calls query(const InstanceQuery &); false, with an error
+// This file implements the queries of scripts for a TerrainScatter3D and its snapshots. An `Asker`
+// provides
+//   static std::string name_of(method);  // `Class.method`, for errors
+//   const WorldFrame &world_frame() const;
+//   SharedLayers prepare(method);        // null, with an error, if there is nothing to query
+//   String find_queried(layers, std::vector<std::uint32_t> &r_indices);  // see find_layers
+//   bool ask(method, query);  // calls query(const InstanceQuery &); false, with an error
 //   Variant get_instance_data(int64_t id) const;
-// Predicates are scripts, which may do anything, so the caller must keep an asker alive during its calls.
+// Predicates are scripts, which may free anything, so the caller must keep the asker alive during
+// these calls.
 
 #include "nodes/common/convert.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
@@ -26,18 +28,18 @@
 
 namespace thicket {
 
-/// The parameters of a query, apart from a position.
+/// The parameters that all kinds of queries have.
 struct QueryWish {
 	const char *method;
 	const godot::Variant &layers;
 	const godot::Callable &predicate;
 };
 
-/// Finds the layers and creates the filter of a query. Returns the layers that the indices of the answer refer to. If
-/// the query is refused, prints an error and returns null.
+/// Creates the filter of a query from its layers and its predicate. Returns the list that the layer
+/// indices of the result refer to. If the query is refused, prints an error and returns null.
 template <class Asker>
 SharedLayers open_query(Asker &asker, const QueryWish &wish, QueryFilter &r_filter) {
-	const glm::dvec3 offset = asker.world_offset();
+	const WorldFrame frame = asker.world_frame();
 	const SharedLayers layers = asker.prepare(wish.method);
 	if (layers == nullptr) {
 		return nullptr;
@@ -46,11 +48,11 @@ SharedLayers open_query(Asker &asker, const QueryWish &wish, QueryFilter &r_filt
 		ERR_PRINT(godot::String(asker.name_of(wish.method).c_str()) + godot::String(": ") + problem);
 		return nullptr;
 	}
-	r_filter.accepts = to_predicate(asker.name_of(wish.method), wish.predicate, offset, layers);
+	r_filter.accepts = to_predicate(asker.name_of(wish.method), wish.predicate, frame, layers);
 	return layers;
 }
 
-/// The instances that a query has found, and the layers that their indices refer to.
+/// The instances that a query has found, and the list that their layer indices refer to.
 struct AnsweredInstances {
 	FoundInstances found;
 	SharedLayers layers;
@@ -58,20 +60,20 @@ struct AnsweredInstances {
 
 template <class Asker>
 godot::Ref<ScatterInstances> answer_rect(Asker &asker, const QueryWish &wish, const godot::Rect2 &p_rect) {
-	const glm::dvec3 offset = asker.world_offset();
+	const WorldFrame frame = asker.world_frame();
 	QueryFilter filter;
 	FoundInstances found;
 	SharedLayers layers = open_query(asker, wish, filter);
 	if (layers != nullptr) {
 		asker.ask(wish.method,
-				[&](const InstanceQuery &query) { return query.in_rect(to_world(p_rect, offset), filter, found); });
+				[&](const InstanceQuery &query) { return query.in_rect(to_world(p_rect, frame), filter, found); });
 	}
-	return ScatterInstances::of(std::move(found), offset, std::move(layers));
+	return ScatterInstances::of(std::move(found), frame, std::move(layers));
 }
 
 template <class Asker>
 AnsweredInstances find_in_sphere(Asker &asker, const QueryWish &wish, const godot::Vector3 &p_center, double p_radius) {
-	const glm::dvec3 center = to_world(p_center, asker.world_offset());
+	const glm::dvec3 center = to_world(p_center, asker.world_frame());
 	QueryFilter filter;
 	AnsweredInstances answer;
 	answer.layers = open_query(asker, wish, filter);
@@ -85,17 +87,17 @@ AnsweredInstances find_in_sphere(Asker &asker, const QueryWish &wish, const godo
 template <class Asker>
 godot::Ref<ScatterInstances> answer_sphere(
 		Asker &asker, const QueryWish &wish, const godot::Vector3 &p_center, double p_radius) {
-	const glm::dvec3 offset = asker.world_offset();
+	const WorldFrame frame = asker.world_frame();
 	AnsweredInstances answer = find_in_sphere(asker, wish, p_center, p_radius);
-	return ScatterInstances::of(std::move(answer.found), offset, std::move(answer.layers));
+	return ScatterInstances::of(std::move(answer.found), frame, std::move(answer.layers));
 }
 
 template <class Asker>
 godot::Ref<ScatterInstance> answer_ray(
 		Asker &asker, const QueryWish &wish, const godot::Vector3 &p_from, const godot::Vector3 &p_to) {
-	const glm::dvec3 offset = asker.world_offset();
-	const glm::dvec3 from = to_world(p_from, offset);
-	const glm::dvec3 to = to_world(p_to, offset);
+	const WorldFrame frame = asker.world_frame();
+	const glm::dvec3 from = to_world(p_from, frame);
+	const glm::dvec3 to = to_world(p_to, frame);
 	QueryFilter filter;
 	std::vector<RayHit> hits;
 	const SharedLayers layers = open_query(asker, wish, filter);
@@ -108,15 +110,15 @@ godot::Ref<ScatterInstance> answer_ray(
 	const RayHit &hit = hits.front();
 	const double length = glm::length(to - from);
 	const double share = length > 0.0 ? hit.distance / length : 0.0;
-	return ScatterInstance::of(hit.instance, offset, layers->at(hit.instance.layer),
+	return ScatterInstance::of(hit.instance, frame, layers->at(hit.instance.layer),
 			asker.get_instance_data(script_id(hit.instance.id)), hit.distance, from + share * (to - from));
 }
 
 template <class Asker>
 godot::Ref<ScatterInstance> answer_nearest(
 		Asker &asker, const QueryWish &wish, const godot::Vector3 &p_position, double p_max_distance) {
-	const glm::dvec3 offset = asker.world_offset();
-	const glm::dvec3 position = to_world(p_position, offset);
+	const WorldFrame frame = asker.world_frame();
+	const glm::dvec3 position = to_world(p_position, frame);
 	QueryFilter filter;
 	std::vector<NearestInstance> found;
 	const SharedLayers layers = open_query(asker, wish, filter);
@@ -128,22 +130,22 @@ godot::Ref<ScatterInstance> answer_nearest(
 		return {};
 	}
 	const PlacedInstance &instance = found.front().instance;
-	return ScatterInstance::of(instance, offset, layers->at(instance.layer),
+	return ScatterInstance::of(instance, frame, layers->at(instance.layer),
 			asker.get_instance_data(script_id(instance.id)), found.front().distance);
 }
 
-/// Null for an instance that does not exist.
+/// Finds an instance by its ID. Returns null if the instance does not exist.
 template <class Asker>
 godot::Ref<ScatterInstance> answer_id(Asker &asker, const char *method, int64_t p_id) {
-	const glm::dvec3 offset = asker.world_offset();
+	const WorldFrame frame = asker.world_frame();
 	std::vector<PlacedInstance> found;
 	const SharedLayers layers = asker.prepare(method);
 	if (layers != nullptr) {
 		asker.ask(method, [&](const InstanceQuery &query) { return query.by_id(core_id(p_id), found); });
 	}
-	return found.empty() ? godot::Ref<ScatterInstance>()
-						 : ScatterInstance::of(found.front(), offset, layers->at(found.front().layer),
-								   asker.get_instance_data(p_id));
+	return found.empty()
+			? godot::Ref<ScatterInstance>()
+			: ScatterInstance::of(found.front(), frame, layers->at(found.front().layer), asker.get_instance_data(p_id));
 }
 
 } // namespace thicket

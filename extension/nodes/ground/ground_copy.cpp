@@ -1,5 +1,6 @@
 #include "nodes/ground/ground_copy.hpp"
 
+#include "nodes/ground/post_grid_area.hpp"
 #include "nodes/ground/terrain_map.hpp"
 
 #include <godot_cpp/classes/object.hpp>
@@ -26,6 +27,7 @@ const char *name_of(GroundPlugin plugin) {
 	switch (plugin) {
 		case GroundPlugin::terrain3d: return "Terrain3D";
 		case GroundPlugin::hterrain: return "HTerrain";
+		case GroundPlugin::terrabrush: return "TerraBrush";
 		default: return "";
 	}
 }
@@ -36,19 +38,25 @@ void GroundChanges::add(const GroundChanges &other) {
 }
 
 CopyAttempt copy_ground(const Variant &p_node, const GroundCopy *before) {
-	CopyAttempt attempt = copy_terrain3d(p_node);
-	return attempt.plugin != GroundPlugin::none ? attempt : copy_hterrain(p_node, before);
+	CopyAttempt attempt = copy_terrain3d(p_node, before);
+	for (const auto &copy : {copy_hterrain, copy_terrabrush}) {
+		attempt = attempt.plugin != GroundPlugin::none ? attempt : copy(p_node, before);
+	}
+	return attempt;
 }
 
 GroundGlance glance_at(const Variant &p_node, bool deep) {
 	GroundGlance glance;
 	glance.node = id_of(p_node);
+	glance.extent = is_post_grid(p_node) ? PostGridArea::of(p_node).rect : Rect2();
 	if (glance.node == 0 || !deep) {
 		return glance;
 	}
 	if (has_method(p_node, "get_data") && has_method(p_node, "get_internal_transform")) {
 		glance.data = id_of(result_of(p_node, "get_data"));
 		glance.indexed = uses_indexed_textures(p_node);
+	} else if (has_method(p_node, "get_terrainZones")) {
+		glance.data = id_of(result_of(p_node, "get_terrainZones"));
 	} else {
 		glance.data = id_of(property_of(p_node, "data"));
 		const Variant spacing = property_of(p_node, "vertex_spacing");

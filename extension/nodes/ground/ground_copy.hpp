@@ -16,30 +16,30 @@
 
 namespace thicket {
 
-/// The areas in which ground has changed, in the engine's space.
+/// The areas in which a ground has changed, in the engine's space.
 struct GroundChanges {
 	bool everywhere = false;
-	std::vector<godot::Rect2> areas; ///< Meters of x and z.
+	std::vector<godot::Rect2> areas; ///< The changed areas in the engine's x and z, in meters.
 
 	bool empty() const { return !everywhere && areas.empty(); }
 	void add(const GroundChanges &other);
 };
 
-/// An edited part of an image of a terrain.
+/// An edit of a part of a terrain's image.
 struct MapEdit {
-	std::int64_t map = 0;   ///< The plug-in's number for the kind of image.
-	std::int64_t index = 0; ///< The image's index within its kind; below 0 for all.
-	godot::Rect2i rect;     ///< Pixels.
+	std::int64_t map = 0;   ///< The plug-in's number for this kind of image.
+	std::int64_t index = 0; ///< The image's index within its kind; negative for all images of the kind.
+	godot::Rect2i rect;     ///< The edited part of the image in pixels.
 };
 
-/// A plug-in whose ground can be copied.
-enum class GroundPlugin : std::uint8_t { none, terrain3d, hterrain };
+/// The terrain plug-ins whose ground can be copied.
+enum class GroundPlugin : std::uint8_t { none, terrain3d, hterrain, terrabrush };
 
-/// The plug-in's name; empty for `none`.
+/// Returns the plug-in's name for messages; empty for `none`.
 const char *name_of(GroundPlugin plugin);
 
-/// A copy of the ground of a known plug-in's node, so that workers do not call the node. Immutable. Shares its images
-/// with the plug-in instead of copying them: whichever of the two writes to an image first creates its own copy.
+/// An immutable copy of the ground of a plug-in's node, so that workers need not call the node.
+/// Shares the pixels of images with the plug-in (copy-on-write).
 class GroundCopy {
 public:
 	virtual ~GroundCopy() = default;
@@ -48,28 +48,32 @@ public:
 
 	virtual GroundPlugin plugin() const = 0;
 
-	/// The ground in a world whose engine origin is at `offset`, in meters.
+	/// Creates the ground for a world in which the engine's origin is at `offset`, in meters.
 	virtual std::shared_ptr<const Terrain> at_offset(glm::dvec3 offset) const = 0;
 
 	virtual bool has_textures() const = 0;
 
-	/// A description of the copied ground, for the inspector.
+	/// Describes the copied ground for the inspector.
 	virtual godot::String description() const = 0;
 
-	/// A remark about the node for users: the end of a sentence that begins with the node's name ("has no regions").
-	/// Empty if there is none.
+	/// Returns a remark for users that completes a sentence beginning with the node's name, such as
+	/// "has no regions". Returns an empty string if there is none.
 	virtual godot::String remark() const = 0;
 
-	/// The areas in which this ground differs from `before`. `shift` is the distance that the engine's origin has moved
-	/// in the world since then.
+	/// Returns the areas in which this ground differs from `before`. `shift` is how far the
+	/// engine's origin has moved in the world since then.
 	virtual GroundChanges changes_since(const GroundCopy &before, glm::dvec3 shift) const = 0;
 
-	/// A new copy, with some parts reread from the node's data. Null if rereading these parts fails or is not enough.
-	/// Runs scripts.
+	/// Creates a new copy with only the edited parts reread from the node's data. Returns null if a
+	/// full copy is necessary. Runs scripts.
 	virtual std::shared_ptr<const GroundCopy> with_edits(
 			const godot::Variant & /*p_data*/, std::span<const MapEdit> /*edits*/) const {
 		return nullptr;
 	}
+
+	/// Returns true if the node's ground may differ from this copy although no signal reported a
+	/// change. Called every frame. May run scripts.
+	virtual bool is_outdated(const godot::Variant & /*p_node*/) const { return false; }
 
 protected:
 	GroundCopy() = default;
@@ -77,33 +81,41 @@ protected:
 
 /// The result of trying to copy a node's ground.
 struct CopyAttempt {
-	GroundPlugin plugin = GroundPlugin::none; ///< The plug-in that the node belongs to.
-	std::shared_ptr<const GroundCopy> copy;   ///< Null if it was refused; then `refusal` has the reason.
-	godot::String refusal;                    ///< As the end of a sentence that begins with the node.
-	godot::Variant data;                      ///< The object that holds the plug-in's images and emits its signals.
+	GroundPlugin plugin = GroundPlugin::none; ///< The plug-in that provides the node.
+	std::shared_ptr<const GroundCopy> copy;   ///< The copied ground. Null if copying failed; see `refusal`.
+	/// The reason for the failure. Completes a sentence that begins with the node.
+	godot::String refusal;
+	/// The object that contains the plug-in's images and emits its signals.
+	godot::Variant data;
 };
 
-/// Copies the ground of a node that has the methods of Terrain3D or HTerrain, whatever its class. Does not reread parts
-/// that are unchanged since the copy `before`. Runs scripts, which may free the node.
+/// Copies the ground of a node that has the methods of Terrain3D, HTerrain or TerraBrush,
+/// regardless of its class. Reuses unchanged parts of the copy `before`, which may be null. Runs
+/// scripts, which may free the node.
 CopyAttempt copy_ground(const godot::Variant &p_node, const GroundCopy *before);
-CopyAttempt copy_terrain3d(const godot::Variant &p_node);
+CopyAttempt copy_terrain3d(const godot::Variant &p_node, const GroundCopy *before);
+CopyAttempt copy_terrabrush(const godot::Variant &p_node, const GroundCopy *before);
 CopyAttempt copy_hterrain(const godot::Variant &p_node, const GroundCopy *before);
 
-/// True if a node with HTerrain's methods paints textures by index (its array shader) rather than by splat maps. Runs
-/// scripts.
+/// Returns true if an HTerrain node stores textures by index (its array shader) rather than in
+/// splat maps. Runs scripts.
 bool uses_indexed_textures(const godot::Variant &p_node);
 
-/// Values that are cheap to read, and that differ if a node's ground may have changed since the last check.
+/// Values that are cheap to read. If any of them differs, the node's ground may have changed.
 struct GroundGlance {
 	std::uint64_t node = 0;
-	std::uint64_t data = 0; ///< The object that holds its ground, if that is a separate object.
+	/// The ID of the object that contains the ground, if it is not the node itself.
+	std::uint64_t data = 0;
 	double spacing = 0.0;
-	bool indexed = false; ///< HTerrain: textures are by index.
+	bool indexed = false; ///< HTerrain: textures are stored by index.
+	/// MTerrain: the area of the ground in the engine's x and z; empty if there is no ground yet.
+	godot::Rect2 extent;
 
 	bool operator==(const GroundGlance &) const = default;
 };
 
-/// If `deep` is true, also calls the node, which may run scripts. Otherwise only checks whether it is the same node.
+/// Reads the values of a GroundGlance. Unless `deep` is true, reads only the node's ID and runs no
+/// scripts.
 GroundGlance glance_at(const godot::Variant &p_node, bool deep);
 
 } // namespace thicket

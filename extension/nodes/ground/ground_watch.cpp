@@ -15,26 +15,19 @@ namespace thicket {
 
 namespace {
 
-/// A node that has moved counts as at rest after this time.
-constexpr std::chrono::milliseconds rest(100);
+/// The time without a change after which a node counts as at rest.
+constexpr std::chrono::milliseconds rest_time(100);
 
-/// A node that does not come to rest is followed at this interval.
+/// The interval at which the ground follows nodes that do not come to rest.
 constexpr std::chrono::milliseconds longest_wait(400);
 
-/// Bodies reach the positions of their nodes only after the next physics frame.
+/// The number of physics frames after which a body has certainly reached the position of its node.
 constexpr std::uint64_t physics_frames = 2;
 
-/// The fraction of a coordinate that may be lost when a scene is moved: a few bits of a float.
+/// The relative precision that a coordinate may lose when a scene is moved: a few bits of a float.
 constexpr double lost = 1.0 / (1 << 21);
 
 } // namespace
-
-bool is_finite(const Transform3D &p_transform) {
-	const glm::dmat3 basis = to_core(p_transform.basis);
-	// 0, or NAN if any number is not finite.
-	const glm::dvec3 sum = (basis[0] + basis[1] + basis[2] + to_core(p_transform.origin)) * 0.0;
-	return sum == glm::dvec3(0.0);
-}
 
 bool same_in_world(const GroundSight &a, glm::dvec3 offset_a, const GroundSight &b, glm::dvec3 offset_b) {
 	if (offset_a == offset_b) {
@@ -67,7 +60,7 @@ void GroundWatch::add(std::uint64_t id, const Variant &p_node, const Look &look,
 	use(seen.source, source);
 	seen.version = version(seen.source);
 	if (changed && seen.source != 0) {
-		touch(id);
+		touch(id, false);
 	}
 }
 
@@ -77,7 +70,7 @@ void GroundWatch::remove(std::uint64_t id) {
 		const std::uint64_t source = found->second.seen.source;
 		entries_.erase(found);
 		if (source != 0) {
-			touch(id);
+			touch(id, false);
 		}
 		drop(source);
 	}
@@ -114,13 +107,14 @@ std::size_t GroundWatch::look(const Look &look) {
 		GroundSight now = look(entry.node, source);
 		now.version = version(now.source);
 		if (now == entry.seen) {
-			++quiet_looks_;
+			rest(id);
 		} else {
-			use(now.source, source); // Before the old source is dropped, because it may be the same.
+			// Call `use` before `drop`, because the old source may be the same.
+			use(now.source, source);
 			drop(entry.seen.source);
 			now.version = version(now.source);
+			touch(id, now.source != 0 && entry.seen.source != 0);
 			entry.seen = now;
-			touch(id);
 		}
 		++at;
 	}
@@ -160,14 +154,21 @@ std::uint64_t GroundWatch::version(std::uint64_t source) const {
 	return found != sources_.end() ? found->second.version : 0;
 }
 
-void GroundWatch::touch(std::uint64_t id) {
-	last_change_ = Clock::now();
-	change_frame_ = Engine::get_singleton()->get_physics_frames();
-	quiet_looks_ = 0;
-	if (changed_.empty()) {
-		first_change_ = last_change_;
+void GroundWatch::touch(std::uint64_t id, bool moves) {
+	const Clock::time_point now = Clock::now();
+	const auto [found, is_new] = changed_.try_emplace(id, Change{now, now, 0, moves, false});
+	found->second.last = now;
+	found->second.frame = Engine::get_singleton()->get_physics_frames();
+	found->second.moves = moves;
+	found->second.rests = false;
+}
+
+/// Records that a check has found no change of a node.
+void GroundWatch::rest(std::uint64_t id) {
+	const auto found = changed_.find(id);
+	if (found != changed_.end()) {
+		found->second.rests = Clock::now() - found->second.last >= rest_time;
 	}
-	changed_.insert(id);
 }
 
 void GroundWatch::touch_all(bool distrust) {
@@ -176,23 +177,29 @@ void GroundWatch::touch_all(bool distrust) {
 	}
 	for (auto &[id, entry] : entries_) {
 		entry.seen.version = version(entry.seen.source);
-		touch(id);
+		touch(id, true);
 	}
 }
-
-bool GroundWatch::rests() const {
-	return quiet_looks_ >= entries_.size() && Clock::now() - last_change_ >= rest &&
-			Engine::get_singleton()->get_physics_frames() >= change_frame_ + physics_frames;
-}
-
-bool GroundWatch::due() const { return !changed_.empty() && (rests() || Clock::now() - first_change_ >= longest_wait); }
 
 std::set<std::uint64_t> GroundWatch::take_changed() {
-	if (rests()) {
-		return std::exchange(changed_, {});
+	const Clock::time_point now = Clock::now();
+	const std::uint64_t frame = Engine::get_singleton()->get_physics_frames();
+	std::set<std::uint64_t> due;
+	for (auto at = changed_.begin(); at != changed_.end();) {
+		auto &[id, change] = *at;
+		const bool at_rest = (!change.moves || change.rests) && frame >= change.frame + physics_frames;
+		const bool overdue = change.moves && now - change.first >= longest_wait;
+		if (at_rest || overdue) {
+			due.insert(id);
+		}
+		if (at_rest) {
+			at = changed_.erase(at);
+		} else {
+			change.first = overdue ? now : change.first;
+			++at;
+		}
 	}
-	first_change_ = Clock::now();
-	return changed_;
+	return due;
 }
 
 } // namespace thicket

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "nodes/common/convert.hpp"
+
 #include <godot_cpp/classes/object.hpp>
 #include <godot_cpp/variant/string_name.hpp>
 #include <godot_cpp/variant/transform3d.hpp>
@@ -17,76 +19,76 @@
 
 namespace thicket {
 
-/// False if any of its numbers is NAN or infinite.
-bool is_finite(const godot::Transform3D &p_transform);
-
-/// The parts of a ground node's state that can be checked without reading its triangles.
+/// The part of a ground node's state that can be checked without reading triangles.
 struct GroundSight {
-	godot::Transform3D frame;  ///< In the engine's space.
-	std::uint64_t source = 0;  ///< The ID of the object with the shape, for example a mesh; 0 if there is no ground.
-	std::uint64_t version = 0; ///< The source's version, which increases with each change that it reports.
+	godot::Transform3D frame; ///< The global transform.
+	/// The ID of the object with the shape, such as a mesh; 0 if the node is not ground.
+	std::uint64_t source = 0;
+	/// The source's version, which increases with each change that the source reports.
+	std::uint64_t version = 0;
 
-	/// Without ground, compares nothing else. Frames that are not finite count as equal, because NAN differs from
-	/// itself: the node would count as changed forever.
+	/// If neither node is ground, ignores the other members. Transforms that are not finite count
+	/// as equal. Otherwise such a node would always count as changed, because NAN differs from
+	/// itself.
 	bool operator==(const GroundSight &other) const {
 		const bool alike = frame == other.frame || !(is_finite(frame) || is_finite(other.frame));
 		return source == other.source && (source == 0 || (version == other.version && alike));
 	}
 };
 
-/// True if both sights are of the same ground in the world. Each has its own offset of the engine's origin. Compares
-/// within the engine's precision, because moving a scene loses some bits.
+/// Returns true if both states describe the same ground in world space. Each has its own world
+/// position of the engine's origin. Tolerates the rounding errors that moving a scene causes.
 bool same_in_world(const GroundSight &a, glm::dvec3 offset_a, const GroundSight &b, glm::dvec3 offset_b);
 
-/// Finds nodes whose ground has changed, by checking some of the nodes in each frame, in turn. The engine emits no
-/// usable signal when another node moves. The work per frame does not grow with the number of nodes. Main thread only.
+/// Detects nodes whose ground has changed by polling a limited number of them per frame, in turn.
+/// Polling is necessary because the engine emits no usable signal when another node moves. Use it
+/// only on the main thread.
 class GroundWatch {
 public:
-	/// Returns the node's current state except for the version. Sets `r_source` to its source as an object, or to null.
+	/// Returns a node's current state without the version. Sets `r_source` to the source, or leaves
+	/// it null.
 	using Look = std::function<GroundSight(const godot::Variant &p_node, godot::Object *&r_source)>;
 
-	/// Connects to sources. Each `changed` calls `p_method` of `p_owner` with the source's ID, and the owner passes the
-	/// ID to `source_changed`.
+	/// Connects the `changed` signal of each source to `p_method` of `p_owner`, with the source's
+	/// ID as an argument. The owner must pass that ID to `source_changed`.
 	GroundWatch(godot::Object *p_owner, const godot::StringName &p_method) : owner_(p_owner), method_(p_method) {}
 
-	/// Watches a node from now on. If `changed` is true, its ground counts as changed. Does nothing if the node is
-	/// already watched.
+	/// Starts to watch a node. If `changed` is true, its ground counts as changed. Does nothing if
+	/// the node is already watched.
 	void add(std::uint64_t id, const godot::Variant &p_node, const Look &look, bool changed);
 
-	/// Stops watching a node. If it provided ground, it counts as changed: see `take_changed`.
+	/// Stops watching a node. If it was ground, it counts as changed; see `take_changed`.
 	void remove(std::uint64_t id);
 
-	/// Forgets everything and disconnects from all sources.
+	/// Stops watching all nodes and disconnects from all sources.
 	void clear();
 
 	bool has(std::uint64_t id) const { return entries_.contains(id); }
-	const godot::Variant *node(std::uint64_t id) const; ///< Null for a node that is not watched.
+	const godot::Variant *node(std::uint64_t id) const; ///< Returns null if the node is not watched.
 	std::vector<std::uint64_t> ids() const;
 	std::size_t size() const { return entries_.size(); }
 
-	/// Checks the next nodes, at most nodes_per_frame. Returns the number of checked nodes.
+	/// Checks the next nodes, up to nodes_per_frame. Returns their number.
 	std::size_t look(const Look &look);
 
-	/// Records that a source has changed. The nodes that use it count as changed when they are checked. Does nothing
-	/// for an unused source.
+	/// Records that a source has changed. Nodes with this source count as changed at their next
+	/// check. Ignores unknown sources.
 	void source_changed(std::uint64_t source);
 	std::uint64_t version(std::uint64_t source) const;
 
-	/// Marks all nodes as changed; if `distrust`, all sources too.
+	/// Marks all nodes as changed. If `distrust` is true, also marks all sources as changed.
 	void touch_all(bool distrust);
 
-	/// True while some nodes have changed.
+	/// Returns true if any node has changed since the last `take_changed`.
 	bool restless() const { return !changed_.empty(); }
 
-	/// True once the changed nodes are at rest, or have waited for long. So the ground follows a node that is being
-	/// dragged, but not in each frame.
-	bool due() const;
-
-	/// The nodes that have changed since the last call, including removed nodes. A node that is still moving is
-	/// returned again once it is at rest.
+	/// Returns the changed nodes that are due, including removed ones. Added and removed nodes are
+	/// due after two physics frames. A node that was moved or reshaped is due once it is at rest,
+	/// but at the latest after a while: so the ground follows a node that is being dragged, but not
+	/// in every frame. Such a node is returned again later.
 	std::set<std::uint64_t> take_changed();
 
-	/// Treats the current state as known.
+	/// Discards all detected changes.
 	void forget_changes() { changed_.clear(); }
 
 	static constexpr std::size_t nodes_per_frame = 64;
@@ -105,22 +107,27 @@ private:
 		std::size_t users = 0;
 	};
 
-	bool rests() const;
+	/// The change of a node that was not yet taken.
+	struct Change {
+		Clock::time_point first;
+		Clock::time_point last;
+		std::uint64_t frame = 0; ///< The physics frame of the last change.
+		bool moves = false;      ///< Whether the node may go on changing: false if it was added or removed.
+		bool rests = false;      ///< True if a check has found no further change.
+	};
+
 	void use(std::uint64_t id, godot::Object *p_source);
 	void drop(std::uint64_t id);
-	void touch(std::uint64_t id);
+	void touch(std::uint64_t id, bool moves);
+	void rest(std::uint64_t id);
 
 	godot::Object *owner_;
 	godot::StringName method_;
-	std::map<std::uint64_t, Entry> entries_; ///< By the nodes' IDs.
+	std::map<std::uint64_t, Entry> entries_; ///< The watched nodes, keyed by their IDs.
 	std::map<std::uint64_t, Source> sources_;
-	std::set<std::uint64_t> changed_;
-	std::uint64_t next_ = 0;         ///< The next ID to check, or the smallest larger one.
-	std::uint64_t versions_ = 0;     ///< The number of versions given to sources until now.
-	std::size_t quiet_looks_ = 0;    ///< Checks since the last detected change.
-	std::uint64_t change_frame_ = 0; ///< The engine's physics frame of the last change.
-	Clock::time_point first_change_;
-	Clock::time_point last_change_;
+	std::map<std::uint64_t, Change> changed_;
+	std::uint64_t next_ = 0;     ///< Checks continue at this ID, or at the next larger one.
+	std::uint64_t versions_ = 0; ///< The last version that was assigned to a source.
 };
 
 } // namespace thicket

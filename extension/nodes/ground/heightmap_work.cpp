@@ -2,9 +2,7 @@
 
 #include "core/base/guard.hpp"
 #include "nodes/ground/changed_areas.hpp"
-
-#include <godot_cpp/classes/file_access.hpp>
-#include <godot_cpp/variant/packed_byte_array.hpp>
+#include "nodes/ground/file_posts.hpp"
 
 #include <utility>
 
@@ -17,7 +15,7 @@ void HeightmapWork::run(const std::atomic<bool> *) {
 	if (!status.ok()) {
 		field = nullptr;
 	}
-	sources.image = Ref<Image>(); // Frees images that have no other owner.
+	sources.image = Ref<Image>(); // Frees the image here unless it has other owners.
 	sources.weight_image = Ref<Image>();
 }
 
@@ -56,13 +54,19 @@ Status HeightmapWork::build() {
 	for (const Rect &area : areas) {
 		add_changed_area(changes, area);
 	}
+	if (summarizes) {
+		auto own = std::make_shared<HeightSummary>();
+		refused = summarize(*made, *own);
+		summary = std::move(own);
+	}
 	field = std::move(made);
-	return {};
+	return refused;
 }
 
 Status HeightmapWork::read(HeightPosts &r_posts, WeightMap &r_weights) {
 	Posts read;
-	Status refused = sources.has_image ? read_posts(sources.image, "image", read) : read_file(read);
+	Status refused = sources.has_image ? read_posts(sources.image, "image", read)
+									   : read_file_posts(sources.path, sources.post_count, read);
 	refused = refused.ok() ? check(read.floats, read.count) : refused;
 	if (refused.ok() && sources.has_weight_image) {
 		refused = read_weights(sources.weight_image, "weight_image", r_weights);
@@ -70,28 +74,13 @@ Status HeightmapWork::read(HeightPosts &r_posts, WeightMap &r_weights) {
 	if (!refused.ok()) {
 		return refused;
 	}
+	format = read.format;
 	if (read.floats.empty()) {
 		r_posts.steps = {read.count, std::make_shared<const std::vector<std::uint16_t>>(std::move(read.steps))};
 	} else {
 		r_posts.floats = {read.count, std::make_shared<const std::vector<float>>(std::move(read.floats))};
 	}
 	return {};
-}
-
-Status HeightmapWork::read_file(Posts &r_posts) const {
-	if (sources.path.is_empty()) {
-		return Status::missing("heightmap_path", "Set it, or an image");
-	}
-	for (const int count : {sources.post_count.x, sources.post_count.y}) {
-		if (count < 2) {
-			return Status::out_of_range("post_count", count, at_least(2), "Set the columns and rows of the file");
-		}
-	}
-	const PackedByteArray bytes = FileAccess::get_file_as_bytes(sources.path);
-	if (bytes.is_empty()) {
-		return Status::missing("heightmap_path", "Check that the file exists, can be read and is not empty");
-	}
-	return read_posts(bytes, sources.post_count, "heightmap_path", r_posts);
 }
 
 Status HeightmapWork::check(std::span<const float> posts, glm::ivec2 count) {

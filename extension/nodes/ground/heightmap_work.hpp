@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/heightmap/height_summary.hpp"
 #include "core/terrain/heightfield.hpp"
 #include "nodes/ground/image_posts.hpp"
 
@@ -14,35 +15,40 @@
 
 namespace thicket {
 
-/// The settings of a ScatterGroundHeightmap, for a worker. Its images share the user's memory until either side writes.
+/// The settings of a ScatterGroundHeightmap for a worker. The images share the memory of the
+/// originals until either is written to.
 struct HeightmapSources {
-	bool are_read = false; ///< If false, the posts and the weights of `before` are used.
+	bool are_read = false; ///< If false, reuses the posts and weights of `before`.
 	godot::Ref<godot::Image> image;
-	bool has_image = false; ///< Takes priority over the path.
+	bool has_image = false; ///< If true, `image` takes priority over `path`.
 	godot::String path;
-	glm::ivec2 post_count{0}; ///< The size of the file.
+	glm::ivec2 post_count{0}; ///< The columns and rows of a raw file, or (0, 0).
 	godot::Ref<godot::Image> weight_image;
 	bool has_weight_image = false;
-	HeightfieldFrame frame; ///< Except for the number of posts, which is that of the posts.
-	bool in_meters = false; ///< The unit of floats.
+	HeightfieldFrame frame; ///< Everything except the number of posts.
+	bool in_meters = false; ///< True if float posts are heights in meters.
 };
 
-/// Builds a heightfield, and finds the areas in which it has changed. Any thread.
+/// Builds a heightfield and finds the areas in which it has changed. Any thread may use it.
 struct HeightmapWork {
 	HeightmapSources sources;
 	std::shared_ptr<const Heightfield> before; ///< Null if there is none.
+	bool summarizes = false;                   ///< If true, also builds `summary`.
 
 	Status status;
-	glm::ivec2 refused_post{-1};              ///< Column and row of a refused post; below 0 for any other error.
+	glm::ivec2 refused_post{-1};              ///< Column and row; negative if no post was refused.
 	std::shared_ptr<const Heightfield> field; ///< Null after an error.
-	std::vector<Rect> changes;                ///< World meters, few of them: the field equals `before` everywhere else.
+	std::shared_ptr<const HeightSummary> summary;
+	const char *format = ""; ///< See Posts::format; empty if the sources were not read.
+	/// The areas, in world meters, outside which the field equals `before`. See add_changed_area
+	/// for how they are merged.
+	std::vector<Rect> changes;
 
 	void run(const std::atomic<bool> *cancel);
 
 private:
 	Status build();
 	Status read(HeightPosts &r_posts, WeightMap &r_weights);
-	Status read_file(Posts &r_posts) const;
 	Status check(std::span<const float> posts, glm::ivec2 count);
 };
 

@@ -6,7 +6,6 @@
 #include <godot_cpp/classes/texture2d.hpp>
 #include <godot_cpp/core/object.hpp>
 
-#include <bit>
 #include <cstring>
 #include <utility>
 
@@ -16,7 +15,7 @@ namespace thicket {
 
 namespace {
 
-/// A copy that may be converted; null if the engine cannot decompress the image.
+/// Returns an uncompressed copy without mipmaps; null if the engine cannot decompress the image.
 Ref<Image> plain_copy(const Ref<Image> &image) {
 	Ref<Image> copy = image->duplicate();
 	if (copy->is_compressed() && copy->decompress() != OK) {
@@ -41,7 +40,8 @@ bool holds_floats(Image::Format format) {
 	}
 }
 
-/// The number of real channels, without those that a conversion to RGBA would add.
+/// Returns the number of color channels of a format, without those that a conversion to RGBA would
+/// add.
 int channels_of(Image::Format format) {
 	switch (format) {
 		case Image::FORMAT_L8:
@@ -69,7 +69,7 @@ int channels_of(Image::Format format) {
 	}
 }
 
-/// Bytes of a pixel; 0 for formats that are compressed, and for those that only newer engines have.
+/// Returns the bytes per pixel of an uncompressed format; 0 for compressed and unknown formats.
 std::int64_t pixel_bytes_of(Image::Format format) {
 	switch (format) {
 		case Image::FORMAT_L8:
@@ -91,6 +91,23 @@ std::int64_t pixel_bytes_of(Image::Format format) {
 		case Image::FORMAT_RGBAF: return 16;
 		default: return 0;
 	}
+}
+
+/// Names the bits per channel of an image.
+const char *format_of(const Ref<Image> &image) {
+	const Image::Format format = image->get_format();
+	if (image->is_compressed()) {
+		return "compressed image";
+	}
+	switch (format) {
+		case Image::FORMAT_RF:
+		case Image::FORMAT_RGF:
+		case Image::FORMAT_RGBF:
+		case Image::FORMAT_RGBAF: return "32-bit image";
+		default: break;
+	}
+	// The formats after the last one of Godot 4.4 are 16-bit integers.
+	return holds_floats(format) || format > Image::FORMAT_ASTC_8x8_HDR ? "16-bit image" : "8-bit image";
 }
 
 std::uint16_t step_of(float unit) { return static_cast<std::uint16_t>(unit * 65535.0F + 0.5F); }
@@ -118,13 +135,14 @@ Status read_posts(const Ref<Image> &p_image, const char *p_property, Posts &r_po
 				"Use an image format that the engine can decompress"};
 	}
 	const bool floats = holds_floats(image->get_format());
-	image->convert(Image::FORMAT_RF); // Also stores 16 bits exactly.
+	image->convert(Image::FORMAT_RF); // Represents 16-bit values exactly.
 	const PackedByteArray bytes = image->get_data();
 	Posts posts;
 	posts.count = {image->get_width(), image->get_height()};
+	posts.format = format_of(p_image);
 	posts.floats.resize(static_cast<std::size_t>(bytes.size()) / sizeof(float));
 	if (posts.floats.size() != static_cast<std::size_t>(posts.count.x) * static_cast<std::size_t>(posts.count.y)) {
-		throw std::bad_alloc(); // The engine had no memory to convert it.
+		throw std::bad_alloc(); // The engine ran out of memory during the conversion.
 	}
 	std::memcpy(posts.floats.data(), bytes.ptr(), posts.floats.size() * sizeof(float));
 	if (!floats) {
@@ -144,7 +162,7 @@ bool read_region(const Ref<Image> &p_image, const PixelRect &rect, Posts &r_post
 	if (pixel == 0) {
 		return false;
 	}
-	const PackedByteArray all = p_image->get_data(); // Shared only during this call.
+	const PackedByteArray all = p_image->get_data(); // Shares memory only during this call.
 	const std::int64_t row = pixel * rect.size().x;
 	PackedByteArray part;
 	std::uint8_t *out = resize(part, row * rect.size().y).data();
@@ -153,31 +171,6 @@ bool read_region(const Ref<Image> &p_image, const PixelRect &rect, Posts &r_post
 	}
 	const Ref<Image> region = Image::create_from_data(rect.size().x, rect.size().y, false, format, part);
 	return read_posts(region, "image", r_posts).ok();
-}
-
-Status read_posts(const PackedByteArray &p_bytes, glm::ivec2 p_count, const char *p_property, Posts &r_posts) {
-	const std::int64_t count = std::int64_t{p_count.x} * p_count.y;
-	const std::int64_t each = count > 0 && p_bytes.size() % count == 0 ? p_bytes.size() / count : 0;
-	if (each != 1 && each != 2 && each != 4) {
-		return Status::wrong_size(
-				p_property, p_bytes.size(), between(count, 4 * count, "bytes: 1, 2 or 4 for each of post_count"));
-	}
-	Posts posts;
-	posts.count = p_count;
-	const std::uint8_t *byte = p_bytes.ptr();
-	for (std::int64_t post = 0; post < count; ++post, byte += each) {
-		if (each == 1) {
-			posts.steps.push_back(static_cast<std::uint16_t>(byte[0] * 257));
-		} else if (each == 2) {
-			posts.steps.push_back(static_cast<std::uint16_t>(byte[0] | byte[1] << 8));
-		} else {
-			const std::uint32_t bits = std::uint32_t{byte[0]} | std::uint32_t{byte[1]} << 8 |
-					std::uint32_t{byte[2]} << 16 | std::uint32_t{byte[3]} << 24;
-			posts.floats.push_back(std::bit_cast<float>(bits));
-		}
-	}
-	r_posts = std::move(posts);
-	return {};
 }
 
 Status read_weights(const Ref<Image> &p_image, const char *p_property, WeightMap &r_weights) {

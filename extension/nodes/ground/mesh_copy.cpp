@@ -12,6 +12,8 @@
 #include <godot_cpp/variant/packed_int32_array.hpp>
 #include <godot_cpp/variant/packed_vector3_array.hpp>
 
+#include <glm/matrix.hpp>
+
 #include <cstddef>
 #include <cstring>
 #include <span>
@@ -50,7 +52,21 @@ PackedByteArray packed_as(const Packed &p_numbers) {
 	return bytes;
 }
 
-/// Whether the engine itself stores the mesh in its renderer. Other meshes are provided by their scripts.
+/// Appends a copy of triangles in another frame. A mirrored copy keeps the front of each triangle.
+void append_placed(std::span<const glm::vec3> corners, const Transform3D &frame, std::vector<glm::vec3> &r_corners) {
+	const glm::dmat3 basis = to_core(frame.basis);
+	const glm::dvec3 origin = to_core(frame.origin);
+	const bool mirrored = glm::determinant(basis) < 0.0;
+	const std::size_t first = r_corners.size();
+	for (const glm::vec3 &corner : corners) {
+		r_corners.emplace_back(origin + basis * glm::dvec3(corner));
+	}
+	for (std::size_t triangle = first; mirrored && triangle + 2 < r_corners.size(); triangle += 3) {
+		std::swap(r_corners[triangle + 1], r_corners[triangle + 2]);
+	}
+}
+
+/// Returns true if the renderer stores the mesh. The surfaces of other meshes come from scripts.
 bool is_stored(const Mesh &p_mesh) {
 	return p_mesh.is_class("ArrayMesh") || p_mesh.is_class("PrimitiveMesh") || p_mesh.is_class("ImmediateMesh");
 }
@@ -58,39 +74,50 @@ bool is_stored(const Mesh &p_mesh) {
 } // namespace
 
 Status MeshCopy::append_faces(std::vector<glm::vec3> &r_corners) const {
-	for (const Surface &surface : surfaces_) {
-		MeshSurface stored = surface.layout;
-		stored.vertices = span_of(surface.vertices);
-		stored.indices = span_of(surface.indices);
-		if (const Status status = thicket::append_faces(stored, r_corners); !status.ok()) {
-			return status;
+	for (const Piece &piece : pieces_) {
+		const auto first = static_cast<std::ptrdiff_t>(r_corners.size());
+		for (const Surface &surface : piece.surfaces) {
+			MeshSurface stored = surface.layout;
+			stored.vertices = span_of(surface.vertices);
+			stored.indices = span_of(surface.indices);
+			if (const Status status = thicket::append_faces(stored, r_corners); !status.ok()) {
+				return status;
+			}
+		}
+		if (!piece.frames.empty()) {
+			const std::vector<glm::vec3> corners(r_corners.begin() + first, r_corners.end());
+			r_corners.resize(static_cast<std::size_t>(first));
+			for (const Transform3D &frame : piece.frames) {
+				append_placed(corners, frame, r_corners);
+			}
 		}
 	}
 	return {};
 }
 
-void MeshReader::start(const Ref<Mesh> &p_mesh, std::uint64_t version) {
+void MeshReader::start(std::vector<GroundPiece> pieces, std::uint64_t source, std::uint64_t version) {
 	cancel();
-	mesh_ = p_mesh;
-	source_ = p_mesh->get_instance_id();
+	pieces_ = std::move(pieces);
+	source_ = source;
 	version_ = version;
 	copy_ = std::make_shared<MeshCopy>();
 }
 
 void MeshReader::cancel() {
-	mesh_ = Ref<Mesh>();
+	pieces_.clear();
 	copy_ = nullptr;
+	piece_ = 0;
 	next_ = 0;
 }
 
-/// Reads the surface in the renderer's own bytes.
-void MeshReader::read_stored(const Mesh &p_mesh, std::int32_t surface, MeshCopy &r_copy) {
+/// Copies a surface in the renderer's own format.
+MeshCopy::Surface MeshReader::read_stored(const Mesh &p_mesh, std::int32_t surface) {
 	const Dictionary stored = RenderingServer::get_singleton()->mesh_get_surface(p_mesh.get_rid(), surface);
+	MeshCopy::Surface read;
 	if (stored.is_empty()) {
-		return; // The engine has printed the reason.
+		return read; // The engine has printed an error.
 	}
 	const auto format = static_cast<std::uint64_t>(static_cast<std::int64_t>(stored["format"]));
-	MeshCopy::Surface read;
 	read.layout.shape = shape_of(stored["primitive"]);
 	if ((format & SurfaceFormat::no_vertices) != 0) {
 		read.layout.shape = MeshSurface::Shape::none;
@@ -107,11 +134,11 @@ void MeshReader::read_stored(const Mesh &p_mesh, std::int32_t surface, MeshCopy 
 	read.layout.box_size = floats_of(box.size);
 	read.vertices = stored["vertex_data"];
 	read.indices = stored.get("index_data", PackedByteArray());
-	r_copy.surfaces_.push_back(std::move(read));
+	return read;
 }
 
-/// Reads the surface that a mesh's script returns.
-void MeshReader::read_scripted(Mesh &r_mesh, std::int32_t surface, MeshCopy &r_copy) {
+/// Copies a surface that a mesh's script returns.
+MeshCopy::Surface MeshReader::read_scripted(Mesh &r_mesh, std::int32_t surface) {
 	const StringName primitive("_surface_get_primitive_type");
 	MeshCopy::Surface read;
 	read.layout.shape =
@@ -126,21 +153,45 @@ void MeshReader::read_scripted(Mesh &r_mesh, std::int32_t surface, MeshCopy &r_c
 	read.layout.index_count = static_cast<std::size_t>(indices.size());
 	read.vertices = packed_as<glm::vec3>(positions);
 	read.indices = packed_as<std::uint32_t>(indices);
-	r_copy.surfaces_.push_back(std::move(read));
+	return read;
+}
+
+MeshCopy::Surface MeshReader::read_corners(std::span<const glm::vec3> corners) {
+	MeshCopy::Surface read;
+	read.layout.shape = MeshSurface::Shape::triangles;
+	read.layout.vertex_count = corners.size();
+	const auto bytes = resize(read.vertices, static_cast<std::int64_t>(corners.size_bytes()));
+	std::memcpy(bytes.data(), corners.data(), corners.size_bytes());
+	return read;
 }
 
 std::shared_ptr<const MeshCopy> MeshReader::step() {
-	const Ref<Mesh> mesh = mesh_;
 	const std::shared_ptr<MeshCopy> copy = copy_;
-	const std::int32_t surface = next_++;
-	if (surface < mesh->get_surface_count()) {
-		if (is_stored(*mesh.ptr())) {
-			read_stored(*mesh.ptr(), surface, *copy);
-		} else {
-			read_scripted(*mesh.ptr(), surface, *copy);
+	if (piece_ < pieces_.size()) {
+		const GroundPiece &piece = pieces_[piece_];
+		const Ref<Mesh> mesh = piece.mesh;
+		const std::int32_t surface = next_++;
+		if (surface == 0) {
+			copy->pieces_.push_back({{}, piece.frames});
+		}
+		std::int32_t count = 1;
+		if (mesh.is_null()) {
+			copy->pieces_.back().surfaces.push_back(read_corners(piece.corners));
+		} else if (surface < mesh->get_surface_count()) {
+			MeshCopy::Surface read =
+					is_stored(*mesh.ptr()) ? read_stored(*mesh.ptr(), surface) : read_scripted(*mesh.ptr(), surface);
+			copy->pieces_.back().surfaces.push_back(std::move(read));
+			count = mesh->get_surface_count();
+		}
+		if (copy != copy_) {
+			return nullptr; // A script of the mesh has started other work.
+		}
+		if (next_ >= count) {
+			++piece_;
+			next_ = 0;
 		}
 	}
-	if (copy != copy_ || next_ < mesh->get_surface_count()) {
+	if (piece_ < pieces_.size()) {
 		return nullptr;
 	}
 	cancel();

@@ -2,65 +2,79 @@
 
 #include "core/base/status.hpp"
 #include "core/terrain/mesh_surface.hpp"
+#include "nodes/ground/ground_pieces.hpp"
 
 #include <godot_cpp/classes/mesh.hpp>
 #include <godot_cpp/classes/ref.hpp>
 #include <godot_cpp/variant/packed_byte_array.hpp>
+#include <godot_cpp/variant/transform3d.hpp>
 
 #include <glm/vec3.hpp>
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace thicket {
 
-/// The triangles of a mesh as the renderer stores them, so that a worker can decode them. Immutable. Shares the renderer's memory unless
-/// that is on a graphics card.
+/// An immutable copy of a ground node's triangles, in the renderer's format, for decoding on a
+/// worker. Shares the renderer's memory unless the data was read back from a GPU.
 class MeshCopy {
 public:
-	/// Adds three corners per triangle, in the mesh's space. On any thread.
+	/// Appends three corners per triangle, in the node's local space. Any thread may call it.
 	Status append_faces(std::vector<glm::vec3> &r_corners) const;
 
 private:
 	friend class MeshReader;
 
 	struct Surface {
-		MeshSurface layout; ///< Except for the spans, which are those of the arrays.
+		MeshSurface layout; ///< The layout of the surface. `append_faces` sets its spans.
 		godot::PackedByteArray vertices;
 		godot::PackedByteArray indices;
 	};
 
-	std::vector<Surface> surfaces_;
+	/// The surfaces of a mesh, and its copies; see GroundPiece::frames.
+	struct Piece {
+		std::vector<Surface> surfaces;
+		std::vector<godot::Transform3D> frames;
+	};
+
+	std::vector<Piece> pieces_;
 };
 
-/// Copies a mesh, one surface with each step. Main thread only: the renderer answers other threads only once per frame,
-/// and never while the main thread waits for them.
+/// Copies the meshes of a ground node, one surface per step. Use it only on the main thread. On
+/// other threads, a call of the renderer waits for the next frame, and would never return while the
+/// main thread waits for that thread.
 ///
-/// Reads the renderer's data rather than Mesh.get_faces, which builds and keeps a search tree that some changes do not update.
+/// Reads the renderer's data instead of calling Mesh.get_faces, which builds and keeps a search
+/// tree that some changes do not update.
 class MeshReader {
 public:
-	/// Begins to read a mesh. `version` identifies its state.
-	void start(const godot::Ref<godot::Mesh> &p_mesh, std::uint64_t version);
+	/// Starts to read a node's pieces. `source` and `version` identify the state of the pieces.
+	void start(std::vector<GroundPiece> pieces, std::uint64_t source, std::uint64_t version);
 
-	bool busy() const { return mesh_.is_valid(); }
+	bool busy() const { return copy_ != nullptr; }
 	std::uint64_t source() const { return source_; }
 	std::uint64_t version() const { return version_; }
 
-	/// Reads the next surface. Returns the copy after the last surface, and null before. If the mesh has a script, runs
-	/// the script, which may do anything, even call `cancel`.
+	/// Copies the next surface. Returns the finished copy after the last surface of the last piece,
+	/// otherwise null. May run a script of the mesh, which may do anything, even call `cancel`.
 	std::shared_ptr<const MeshCopy> step();
 
 	void cancel();
 
 private:
-	static void read_stored(const godot::Mesh &p_mesh, std::int32_t surface, MeshCopy &r_copy);
-	static void read_scripted(godot::Mesh &r_mesh, std::int32_t surface, MeshCopy &r_copy);
+	static MeshCopy::Surface read_stored(const godot::Mesh &p_mesh, std::int32_t surface);
+	static MeshCopy::Surface read_scripted(godot::Mesh &r_mesh, std::int32_t surface);
+	static MeshCopy::Surface read_corners(std::span<const glm::vec3> corners);
 
-	godot::Ref<godot::Mesh> mesh_;
+	std::vector<GroundPiece> pieces_;
 	std::uint64_t source_ = 0;
 	std::uint64_t version_ = 0;
-	std::int32_t next_ = 0;
+	std::size_t piece_ = 0; ///< The piece that is being read.
+	std::int32_t next_ = 0; ///< The next surface of the piece.
 	std::shared_ptr<MeshCopy> copy_;
 };
 

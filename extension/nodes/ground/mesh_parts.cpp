@@ -6,6 +6,8 @@
 #include "nodes/common/convert.hpp"
 #include "nodes/ground/changed_areas.hpp"
 
+#include <glm/matrix.hpp>
+
 #include <algorithm>
 #include <bit>
 #include <span>
@@ -25,13 +27,14 @@ std::uint64_t digest_of(std::span<const glm::dvec3> corners) {
 	return digest;
 }
 
-/// Adds the areas in which the ground differs.
+/// Adds the areas in which the ground differs between `before` and `now` to `r_areas`.
 void add_changes(const GroundMeshes &before, const GroundMeshes &now, std::vector<Rect> &r_areas) {
 	const auto add_others = [&](const GroundMeshes &parts, const GroundMeshes &others) {
 		for (const auto &[id, part] : parts) {
 			const auto other = others.find(id);
 			if (other == others.end() || other->second->digest != part->digest) {
-				add_changed_area(r_areas, part->ground->area());
+				const Box3 &bounds = part->ground->bounds();
+				add_changed_area(r_areas, {{bounds.min.x, bounds.min.z}, {bounds.max.x, bounds.max.z}});
 			}
 		}
 	};
@@ -44,7 +47,7 @@ void add_changes(const GroundMeshes &before, const GroundMeshes &now, std::vecto
 void MeshReading::build(std::span<const glm::vec3> faces, const std::atomic<bool> *cancel) {
 	status = guarded("corners", static_cast<double>(faces.size()), [&] {
 		const glm::dmat3 basis = to_core(sight.frame.basis);
-		const glm::dvec3 origin = to_world(sight.frame.origin, offset);
+		const glm::dvec3 origin = to_core(sight.frame.origin) + space.offset;
 		std::vector<glm::dvec3> corners;
 		corners.reserve(faces.size());
 		for (const glm::vec3 &corner : faces) {
@@ -52,15 +55,21 @@ void MeshReading::build(std::span<const glm::vec3> faces, const std::atomic<bool
 		}
 		auto made = std::make_shared<GroundMesh>();
 		made->sight = sight;
-		made->offset = offset;
+		made->space = space;
 		made->copy = copy;
 		made->digest = digest_of(corners);
+		made->planet = planet;
+		for (std::size_t i = 0; planet.exists() && i + 2 < corners.size(); i += 3) {
+			made->shell.add(corners[i] - planet.center, corners[i + 1] - planet.center, corners[i + 2] - planet.center);
+		}
 		if (before != nullptr && before->digest == made->digest) {
-			// Its corners are unchanged.
+			// The triangles are unchanged.
 			made->ground = before->ground;
 		} else {
 			auto ground = std::make_shared<TriangleTerrain>();
-			if (const Status refused = ground->set(corners, cancel); !refused.ok()) {
+			// The engine swaps the sides of a mirrored mesh.
+			const Winding winding = glm::determinant(basis) < 0.0 ? Winding::counterclockwise : Winding::clockwise;
+			if (const Status refused = ground->set(corners, cancel, winding); !refused.ok()) {
 				const std::size_t corner = TriangleTerrain::find_refused_corner(corners);
 				refused_corner = corner < corners.size() ? corners[corner] : glm::dvec3(0.0);
 				return refused;
@@ -83,7 +92,7 @@ void MeshWork::run(const std::atomic<bool> *cancel) {
 }
 
 void MeshWork::build_readings(const std::atomic<bool> *cancel) {
-	std::ranges::stable_sort(readings, {}, &MeshReading::copy); // So that instances of one mesh decode it once.
+	std::ranges::stable_sort(readings, {}, &MeshReading::copy); // To decode each mesh once.
 	std::vector<glm::vec3> faces;
 	const MeshCopy *decoded = nullptr;
 	Status status;
@@ -103,7 +112,7 @@ void MeshWork::build_readings(const std::atomic<bool> *cancel) {
 	}
 }
 
-/// Applies the built meshes to the ground. A refused mesh keeps its previous ground.
+/// Updates a world's ground with the built meshes. Refused meshes keep their previous ground.
 void MeshWork::update(GroundWorld &r_world) const {
 	r_world.changes.clear();
 	r_world.status = guarded("parts", static_cast<double>(r_world.parts->size()), [&] {
@@ -112,7 +121,7 @@ void MeshWork::update(GroundWorld &r_world) const {
 			parts->erase(id);
 		}
 		for (const MeshReading &reading : readings) {
-			if (reading.part != nullptr && reading.offset == r_world.offset) {
+			if (reading.part != nullptr && reading.space == r_world.space) {
 				(*parts)[reading.id] = reading.part;
 			}
 		}

@@ -1,6 +1,8 @@
 #pragma once
 
+#include "core/base/planet.hpp"
 #include "core/base/rect.hpp"
+#include "core/terrain/ground_shell.hpp"
 #include "core/terrain/triangle_parts.hpp"
 #include "nodes/ground/ground_watch.hpp"
 #include "nodes/ground/mesh_copy.hpp"
@@ -17,49 +19,65 @@
 
 namespace thicket {
 
-/// A mesh as ground, at its position in the world when it was read.
-struct GroundMesh {
-	GroundSight sight;
-	glm::dvec3 offset{0.0};   ///< The world position of the engine's origin at that time.
-	std::uint64_t digest = 0; ///< The digest of the triangles in the world.
-	TriangleParts::Part ground;
-	std::shared_ptr<const MeshCopy> copy; ///< The source. Kept, so that a moved mesh is not read again.
+/// What the world of a host is relative to: to the engine's origin, or to the host itself.
+struct GroundSpace {
+	glm::dvec3 offset{0.0}; ///< The engine's origin in the world; zero for local coordinates.
+	std::uint64_t host = 0; ///< The ID of a host with local coordinates; otherwise 0.
+
+	bool operator==(const GroundSpace &) const = default;
 };
 
-using GroundMeshes = std::map<std::uint64_t, std::shared_ptr<const GroundMesh>>; ///< By the instances' IDs.
+/// The ground of a mesh instance, at its world position when it was read.
+struct GroundMesh {
+	GroundSight sight;        ///< With the transform in `space`, without its offset.
+	GroundSpace space;        ///< The space when the mesh was read.
+	std::uint64_t digest = 0; ///< A digest of the triangles in world space.
+	TriangleParts::Part ground;
+	Planet planet;                        ///< The planet when the mesh was read, if any.
+	GroundShell shell;                    ///< Contains all triangles; empty if there is no planet.
+	std::shared_ptr<const MeshCopy> copy; ///< Kept to avoid rereading a moved mesh.
+};
 
-/// A mesh that was read and is not yet built.
+/// The ground of all mesh instances, keyed by instance ID.
+using GroundMeshes = std::map<std::uint64_t, std::shared_ptr<const GroundMesh>>;
+
+/// A mesh instance whose mesh was read but whose ground is not yet built.
 struct MeshReading {
-	std::uint64_t id = 0; ///< The instance's ID.
+	std::uint64_t id = 0; ///< The MeshInstance3D's ID.
 	GroundSight sight;
-	glm::dvec3 offset{0.0};
+	GroundSpace space;
 	std::shared_ptr<const MeshCopy> copy;
-	std::shared_ptr<const GroundMesh> before; ///< Reused if nothing has changed; null if there is none.
+	/// The previous ground, which is reused if its triangles are unchanged. May be null.
+	std::shared_ptr<const GroundMesh> before;
+	Planet planet;
 
 	Status status;
-	glm::dvec3 refused_corner{0.0};         ///< In the world, if a corner is the reason for the refusal.
-	std::shared_ptr<const GroundMesh> part; ///< Null before `build`, and if the mesh is refused.
+	/// The refused corner in world space, if a corner is the reason for the error.
+	glm::dvec3 refused_corner{0.0};
+	/// The result. Null before `build`, and if the mesh was refused.
+	std::shared_ptr<const GroundMesh> part;
 
-	/// Builds from the faces of `copy`, on any thread.
+	/// Builds `part` from the triangles of `copy` in local space. Any thread may call it.
 	void build(std::span<const glm::vec3> faces, const std::atomic<bool> *cancel);
 };
 
-/// The ground of all hosts that have the same world position of the engine's origin.
+/// The ground for all hosts with the same space.
 struct GroundWorld {
-	glm::dvec3 offset{0.0};
+	GroundSpace space;
 	std::shared_ptr<const GroundMeshes> parts;   ///< Never null.
-	std::shared_ptr<const GroundMeshes> before;  ///< The parts when the work began.
-	std::shared_ptr<const TriangleParts> ground; ///< Null before it was built for the first time.
-	std::vector<Rect> changes;                   ///< The areas that the last work has changed.
+	std::shared_ptr<const GroundMeshes> before;  ///< The parts at the start of the work.
+	std::shared_ptr<const TriangleParts> ground; ///< The ground of the whole world. Null until it is first built.
+	std::vector<Rect> changes;                   ///< The areas that the last work changed.
 	Status status;
 };
 
-/// The work of a worker: builds the ground of meshes, and the worlds that contain them.
+/// The work for a worker: builds the ground of meshes, and updates the worlds that contain them.
 struct MeshWork {
 	std::vector<MeshReading> readings;
-	std::vector<std::uint64_t> gone; ///< Instances that are no longer ground.
+	std::vector<std::uint64_t> gone; ///< IDs of instances that are no longer ground.
 	std::vector<GroundWorld> worlds;
-	std::vector<std::shared_ptr<const void>> unneeded; ///< Freed first, which takes milliseconds for much memory.
+	/// Large objects that the worker frees, because freeing them takes milliseconds.
+	std::vector<std::shared_ptr<const void>> unneeded;
 
 	void run(const std::atomic<bool> *cancel);
 

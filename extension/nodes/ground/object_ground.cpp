@@ -20,17 +20,18 @@ namespace thicket {
 
 namespace {
 
-/// The number of positions for which the object is held at a time.
+/// The number of positions to sample each time the gate is entered.
 constexpr std::size_t slice = 64;
 
 constexpr const char *gone = "ScatterGroundNode.node";
 
-/// The share of `textures` in the ground at a position.
+/// Returns the total weight of `textures`, given the result of get_texture_id().
 float weight_of(const Vector3 &p_base_overlay_blend, std::span<const std::int32_t> textures) {
 	const auto among = [textures](real_t texture) {
 		return std::ranges::any_of(textures, [texture](std::int32_t wanted) { return texture == real_t(wanted); });
 	};
-	const float blend = std::clamp(static_cast<float>(p_base_overlay_blend.z), 0.0F, 1.0F); // NAN stays.
+	// Preserves NAN.
+	const float blend = std::clamp(static_cast<float>(p_base_overlay_blend.z), 0.0F, 1.0F);
 	const float weight =
 			(among(p_base_overlay_blend.x) ? 1.0F - blend : 0.0F) + (among(p_base_overlay_blend.y) ? blend : 0.0F);
 	return std::isfinite(weight) ? weight : 0.0F;
@@ -42,11 +43,12 @@ std::shared_ptr<ObjectGround> ObjectGround::of(const Variant &p_object, const Gr
 	auto ground = std::make_shared<ObjectGround>();
 	ground->limits_ = limits;
 	if (ground->take_methods(p_object)) {
-		return ground;
+		ground->take_post_grid();
+		return ground->posts_ == nullptr || ground->posts_->spacing > 0.0 ? ground : nullptr;
 	}
 	Object *object = p_object.get_validated_object();
-	const Variant data =
-			object != nullptr ? object->get("data") : Variant(); // Held, because it may have no other owner.
+	// Keeps the data alive, because it may have no other owner.
+	const Variant data = object != nullptr ? object->get("data") : Variant();
 	return ground->take_methods(data) || ground->take_map(p_object) ? ground : nullptr;
 }
 
@@ -57,6 +59,7 @@ std::shared_ptr<ObjectGround> ObjectGround::at_offset(glm::dvec3 offset) const {
 	ground->has_normal_ = has_normal_;
 	ground->has_textures_ = has_textures_;
 	ground->map_ = map_;
+	ground->posts_ = posts_;
 	ground->limits_ = limits_;
 	ground->offset_ = offset;
 	return ground;
@@ -84,6 +87,13 @@ bool ObjectGround::take_map(const Variant &p_object) {
 	source_ = data;
 	height_method_ = "get_interpolated_height_at";
 	return map_ != nullptr;
+}
+
+void ObjectGround::take_post_grid() {
+	if (is_post_grid(source_)) {
+		posts_ = std::make_shared<PostGridArea>(PostGridArea::of(source_));
+		has_normal_ = false; // get_normal() of MTerrain is imprecise, and crashes at the border.
+	}
 }
 
 void ObjectGround::set_offset(glm::dvec3 offset) {
@@ -139,18 +149,30 @@ Status ObjectGround::ground_at(glm::dvec2 position, bool normal, Ground &r_groun
 	return status;
 }
 
-/// Tests both the position and the rounded position that the object receives, because a float may round up to the far
-/// edge.
+/// Tests the exact position as well as the rounded one that is passed to the object, because
+/// rounding may move it to the far edge.
 bool ObjectGround::within_bounds(glm::dvec2 position) const {
 	const glm::dvec2 asked = glm::dvec2(glm::vec2(in_engine(position))) + glm::dvec2(offset_.x, offset_.z);
 	return limits_.bounds.empty() || (limits_.bounds.contains(position) && limits_.bounds.contains(asked));
 }
 
+bool ObjectGround::knows(glm::dvec2 position) const {
+	if (!posts_) {
+		return true;
+	}
+	const CallGate::Inside inside(gate_);
+	const glm::dvec2 asked = in_engine(position);
+	return !posts_->contains(asked) || (open_ && source() != nullptr && posts_->is_loaded(source_, asked));
+}
+
 Status ObjectGround::height_at(glm::dvec2 position, float &r_height) const {
 	r_height = std::numeric_limits<float>::quiet_NaN();
 	const glm::dvec2 asked = map_ ? map_->to_map(in_engine(position)) : in_engine(position);
-	const bool known = !map_ || map_->has_ground(asked);
-	if (!std::isfinite(asked.x) || !std::isfinite(asked.y) || !known || !within_bounds(position)) {
+	const bool inside = (!map_ || map_->has_ground(asked)) && (!posts_ || posts_->contains(asked));
+	if (!std::isfinite(asked.x) || !std::isfinite(asked.y) || !inside || !within_bounds(position)) {
+		return {};
+	}
+	if (!knows(position)) {
 		return {};
 	}
 	Variant result;
@@ -203,7 +225,7 @@ Status ObjectGround::weigh(std::span<const glm::dvec2> positions, std::span<cons
 	const std::vector<unsigned> channels = map_ ? map_->channels_of(textures) : std::vector<unsigned>();
 	for (std::size_t i = 0; i < positions.size(); ++i) {
 		if (!std::isfinite(r_ground[i].height)) {
-			continue; // Some plug-ins crash outside of their ground.
+			continue; // Some plug-ins crash for positions outside their ground.
 		}
 		if (map_) {
 			r_ground[i].weight = map_->weight(map_->to_map(in_engine(positions[i])), channels);

@@ -3,6 +3,7 @@
 #include "core/base/rect.hpp"
 #include "core/terrain/terrain.hpp"
 #include "nodes/ground/call_gate.hpp"
+#include "nodes/ground/post_grid_area.hpp"
 #include "nodes/ground/terrain_map.hpp"
 
 #include <godot_cpp/variant/string_name.hpp>
@@ -17,55 +18,76 @@
 
 namespace thicket {
 
-/// The area in which an object's methods know the ground, for methods that return a height everywhere.
+/// Limits for objects whose methods return a height even at positions without ground.
 struct GroundLimits {
-	Rect bounds;                    ///< World meters of x and z; empty for no limit. Half-open, as Rect2.has_point.
-	std::optional<float> no_ground; ///< The height that means no ground.
+	/// The area that has ground, in world x and z; empty for no limit. Half-open, like
+	/// Rect2.has_point.
+	Rect bounds;
+	std::optional<float> no_ground; ///< A height that stands for "no ground".
 };
 
-/// Ground from the methods of an object of the engine, whatever its class:
-/// - `get_height(Vector3)` and maybe `get_normal(Vector3)`, of the object itself or of its property `data`, in world
-///   space, NAN where there is no ground (Terrain3D: `data.get_height`);
-/// - `get_data().get_interpolated_height_at(Vector3)` in the map's own space, with `get_data().get_resolution()` and
-///   `get_internal_transform()` of the object itself (HTerrain; see TerrainMap for its holes and textures).
-/// An object with `get_texture_id(Vector3)`, which returns a base texture, an overlay and the share of the overlay from 0 to 1, also has
-/// weights.
+/// Ground from the methods of a Godot object of any class, either:
+/// - `get_height(Vector3)` and optionally `get_normal(Vector3)`, of the object itself or of its
+///   property `data`, in global space, with NAN where there is no ground (Terrain3D:
+///   `data.get_height`), or
+/// - `get_data().get_interpolated_height_at(Vector3)` in map space, with
+///   `get_data().get_resolution()` and the object's own `get_internal_transform()` (HTerrain; see
+///   TerrainMap for its holes and textures), or
+/// - the methods of MTerrain; see PostGridArea.
+///
+/// In the first case, texture weights come from `get_texture_id(Vector3)`, if there is such a
+/// method. It must return the base texture, the overlay texture, and the weight of the overlay from
+/// 0 to 1.
 class ObjectGround : public Terrain {
 public:
-	/// Creates the ground of an object; null if the object has none of these methods. Checking for them may run scripts
-	/// of the object, which may free it.
+	/// Creates the ground of an object. Returns null if the object has none of these methods. May
+	/// run scripts of the object, which may free it.
 	static std::shared_ptr<ObjectGround> of(const godot::Variant &p_object, const GroundLimits &limits);
 
-	/// A copy of the ground for a world in which the engine's origin is at `offset`, in meters, because the object is
-	/// in the engine's space. Each node that uses the ground needs its own copy.
+	/// Creates a copy for a world in which the engine's origin is at `offset`, in meters. Each host
+	/// needs its own copy, because the object is in the engine's space.
 	std::shared_ptr<ObjectGround> at_offset(glm::dvec3 offset) const;
 
-	/// Updates the offset after the scene was recentered. Waits as `close` does. A map keeps the offset at which it was found.
+	/// Updates the offset after the scene was recentered. Waits for other threads like `close`. Has
+	/// no effect on a map, which keeps the offset at which it was found.
 	void set_offset(glm::dvec3 offset);
 
-	/// Samples as Terrain::sample does, on any thread if the object's methods allow that. If a method is missing or
-	/// does not return a number, the error names it.
+	/// Samples the ground; see Terrain::sample. Any thread may call it if the object's methods are
+	/// thread-safe. If a method fails or returns a value of a wrong type, returns an error that
+	/// names the method.
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
 	Status sample_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
 	Status weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
 			std::span<Ground> r_ground) const override;
 
-	/// Call this before the object is freed. Waits until other threads have finished their calls, a few dozen positions
-	/// at most. Refuses all later calls. A script may call this from within such a call, and does not wait for itself.
+	/// Returns false if the height at a position is unknown, because an MTerrain has not loaded its
+	/// ground there or is closed. `sample` then returns no ground.
+	bool knows(glm::dvec2 position) const;
+
+	/// Returns true if the methods must be called on the main thread, regardless of
+	/// ScatterGroundNode.thread_safe. This is so for MTerrain, which frees the heights of regions
+	/// on its own threads.
+	bool needs_main_thread() const { return posts_ != nullptr; }
+
+	/// Refuses later calls, and waits until other threads have finished their current calls, at
+	/// most a few dozen positions each. Call this before the object is freed. A method of the
+	/// object may itself cause this call; it then does not wait for its own thread.
 	void close();
 	bool is_open() const { return open_; }
 
-	/// False if `weigh` leaves all weights unchanged, or 1.
+	/// Returns false if the ground has no textures, so that `weigh` has no effect.
 	bool has_textures() const { return map_ != nullptr ? !map_->splats.empty() : has_textures_; }
 
-	/// The object that has the methods: the object itself or its data. Null if it has been freed.
+	/// Returns the object whose methods are called: the original object or its data. Returns null
+	/// once that object is freed.
 	godot::Object *source() const { return source_.get_validated_object(); }
-	/// Null for an object that has none.
+	/// Returns the map of an HTerrain-like object; null for other objects.
 	const TerrainMap *map() const { return map_.get(); }
 
 private:
 	bool take_methods(const godot::Variant &p_object);
 	bool take_map(const godot::Variant &p_object);
+	void take_post_grid();
 	Status sample_all(std::span<const glm::dvec2> positions, bool normals, std::span<Ground> r_ground) const;
 	Status sample_slice(std::span<const glm::dvec2> positions, bool normals, std::span<Ground> r_ground) const;
 	Status ground_at(glm::dvec2 position, bool normal, Ground &r_ground) const;
@@ -85,10 +107,14 @@ private:
 	bool has_normal_ = false;
 	bool has_textures_ = false;
 	std::shared_ptr<const TerrainMap> map_;
+	std::shared_ptr<const PostGridArea> posts_; ///< Null unless the object has the methods of MTerrain.
 	GroundLimits limits_;
-	glm::dvec3 offset_{0.0}; ///< Guarded by gate_; the offset of a map never changes.
+	/// The world position of the engine's origin, guarded by gate_. The offset of a map never
+	/// changes.
+	glm::dvec3 offset_{0.0};
 
-	CallGate gate_; ///< Methods are called inside of it, so that the object is not freed in the meantime.
+	/// Methods are called inside this gate, so that the object is not freed during a call.
+	CallGate gate_;
 	std::atomic<bool> open_ = true;
 };
 

@@ -21,8 +21,8 @@ namespace thicket {
 
 namespace {
 
-/// The number of positions for which a script on the main thread is called at a time: some 0.1 ms of GDScript, including neighbors for
-/// slopes.
+/// The number of positions per script call on the main thread. GDScript needs about 0.1 ms for such
+/// a call, including the neighbors for slopes.
 constexpr std::size_t script_slice = 32;
 
 constexpr ScriptMethod heights_method{"_get_heights", "_get_heights() result", "array of numbers from _get_heights()",
@@ -54,7 +54,7 @@ std::vector<glm::dvec2> picked(std::span<const glm::dvec2> positions, std::span<
 
 } // namespace
 
-/// A script that declares that it may be called from worker threads.
+/// Ground from a script. Used on worker threads only if the script declares itself thread-safe.
 class ScriptGround : public Terrain {
 public:
 	explicit ScriptGround(const Ref<ScatterGround> &p_script) : script_(p_script) {}
@@ -240,7 +240,8 @@ Status ScatterGround::recheck_for(
 	return status;
 }
 
-/// The switch has no effect on ground that reports all of its changes.
+/// Hides `recheck_enabled` for ground that emits signals for all changes, because it has no effect
+/// there.
 void ScatterGround::_validate_property(PropertyInfo &p_property) const {
 	if (p_property.name == StringName("recheck_enabled") && !can_change_unreported()) {
 		p_property.usage = PROPERTY_USAGE_STORAGE;
@@ -253,7 +254,7 @@ GroundHost ScatterGround::find_host(std::uint64_t id) const {
 }
 
 Ground ScatterGround::ground_at(const Vector3 &p_global_position, bool normal) {
-	const Ref<ScatterGround> held(this); // A script that is called may release it.
+	const Ref<ScatterGround> held(this); // A script may release the ground.
 	const glm::dvec2 position{p_global_position.x, p_global_position.z};
 	const Ground none{std::numeric_limits<float>::quiet_NaN(), glm::vec3{0.0F}};
 	Ground ground = none;
@@ -271,8 +272,8 @@ Ground ScatterGround::ground_at(const Vector3 &p_global_position, bool normal) {
 	return status.ok() && std::isfinite(ground.height) ? ground : none;
 }
 
-void ScatterGround::enter(Node3D *p_host, glm::dvec3 offset) {
-	hosts_.push_back({p_host, p_host->get_instance_id(), offset});
+void ScatterGround::enter(Node3D *p_host, const WorldFrame &frame) {
+	hosts_.push_back({p_host, p_host->get_instance_id(), frame.local ? glm::dvec3(0.0) : frame.offset, frame.local});
 	hosts_changed(hosts_.size() == 1);
 }
 
@@ -289,10 +290,13 @@ void ScatterGround::leave(Node3D *p_host) {
 	}
 }
 
-void ScatterGround::set_world_offset(const Node3D *p_host, glm::dvec3 offset) {
+void ScatterGround::set_world_frame(const Node3D *p_host, const WorldFrame &frame) {
 	const auto found = std::ranges::find(hosts_, p_host, &GroundHost::node);
-	if (found != hosts_.end() && found->offset != offset) {
+	const glm::dvec3 offset = frame.local ? glm::dvec3(0.0) : frame.offset;
+	const bool among_others = frame.local && is_shared();
+	if (found != hosts_.end() && (found->offset != offset || found->local != frame.local || among_others)) {
 		found->offset = offset;
+		found->local = frame.local;
 		const GroundHost host = *found;
 		offset_changed(host);
 	}
@@ -301,7 +305,7 @@ void ScatterGround::set_world_offset(const Node3D *p_host, glm::dvec3 offset) {
 void ScatterGround::follow_scene(std::chrono::steady_clock::time_point deadline) {
 	const std::uint64_t frame = Engine::get_singleton()->get_process_frames();
 	if (std::exchange(followed_frame_, frame) == frame) {
-		// A different host has already called this in this frame.
+		// Another host has already called this in the current frame.
 		return;
 	}
 	const Ref<ScatterGround> held(this);

@@ -1,7 +1,11 @@
 #pragma once
 
+#include "core/base/planet.hpp"
+#include "core/base/world_frame.hpp"
+#include "core/terrain/ground_shell.hpp"
 #include "core/terrain/terrain.hpp"
 #include "nodes/common/guard.hpp"
+#include "nodes/common/scene_use.hpp"
 #include "nodes/ground/script_answer.hpp"
 
 #include <godot_cpp/classes/node3d.hpp>
@@ -31,25 +35,35 @@ namespace thicket {
 using godot::METHOD_FLAG_CONST;
 using godot::METHOD_FLAG_VIRTUAL;
 
-inline constexpr double height_limit = 1e6; ///< World meters up and down: the limit of a ground's settings.
+/// The maximum absolute value of a ground's height settings, in world meters.
+inline constexpr double height_limit = 1e6;
 
-/// A node that uses a ground. Its scene is in the engine's space, which may be at a different world position for each
-/// node.
+/// A node that uses a ground. The engine's origin may have a different world position for each
+/// host.
 struct GroundHost {
 	godot::Node3D *node = nullptr;
-	std::uint64_t id = 0;   ///< The node's object ID in the engine.
-	glm::dvec3 offset{0.0}; ///< The world position of the engine's origin, in meters: world = engine + offset.
+	std::uint64_t id = 0; ///< The node's instance ID.
+	/// The world position of the engine's origin in meters: world = engine + offset. Zero for local
+	/// coordinates.
+	glm::dvec3 offset{0.0};
+	bool local = false; ///< Whether the world is the node's local space; see WorldFrame.
+
+	/// Returns the frame for ScatterGround::enter and set_world_frame. Lacks the rotation.
+	WorldFrame frame() const { return {.offset = offset, .local = local}; }
 };
 
-/// The amount of work that a ground does to follow the scene.
+/// Statistics of the work that a ground does to follow the scene.
 struct GroundFigures {
-	std::size_t checks = 0;  ///< Nodes that were checked in the last frame.
-	std::uint64_t reads = 0; ///< Meshes or shapes that were read since the ground was created.
+	std::size_t checks = 0; ///< Nodes checked in the last frame.
+	/// Meshes or shapes that were read since the ground was created.
+	std::uint64_t reads = 0;
 };
 
-/// The ground that layers are placed on. Extend it by a script with `_get_heights`, or use one of the built-in kinds.
+/// The ground on which layers are placed. Use one of the derived classes, or extend this class with
+/// a script that implements `_get_heights`.
 ///
-/// All public methods may run a script, which may do anything, even release the ground: the methods keep it alive until they return.
+/// All public methods may run a script, which may do anything, even release the ground. The methods
+/// keep the ground alive until they return.
 class ScatterGround : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterGround, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
@@ -57,95 +71,129 @@ class ScatterGround : public godot::Resource, public ThreadGuarded {
 public:
 	static constexpr const char *class_name = "ScatterGround";
 
-	/// An immutable view of the current ground for the host with this ID. Any thread may use it while it exists. Null
-	/// if there is no ground, or if only the main thread may sample the ground.
+	/// Returns an immutable view of the current ground for the host with this ID. Any thread may
+	/// use it. Returns null if there is no ground, or if only the main thread may sample it.
 	std::shared_ptr<const Terrain> snapshot(std::uint64_t host);
 
-	/// The reason why this ground cannot be used, in one sentence; empty if there is none.
+	/// Returns a sentence that explains why this ground cannot be used; empty if it can.
 	godot::String problem();
 
-	/// A remark about a usable ground, in one sentence; empty if there is none.
+	/// Returns a sentence with a warning about a usable ground; empty if there is none.
 	godot::String remark();
 
-	/// A sentence about the script method that has caused the error `status`; empty if no method has caused it. Any
-	/// thread.
-	godot::String script_problem(const Status &status) const { return answers_.sentence(status); }
+	/// A sentence about the script method that caused the error `status`; empty if no script caused
+	/// it. Any thread.
+	virtual godot::String script_problem(const Status &status) const { return answers_.sentence(status); }
 
-	/// The feature that cannot work because an export has stripped its resource, in one sentence; empty if nothing was stripped.
+	/// True if sampling a snapshot calls a script, which may do anything.
+	virtual bool calls_script() const { return get_class() == godot::String(class_name); }
+
+	/// True if this is the other ground, or consists of it and other grounds.
+	virtual bool contains(const ScatterGround *p_other) const { return p_other == this; }
+
+	/// Adds all resources that the main thread reads every frame while a node uses this ground.
+	virtual void add_used(SceneUse::List &r_used) { r_used.add(godot::Ref<ScatterGround>(this)); }
+
+	/// Returns a sentence about a feature that does not work because an export has stripped its
+	/// resource; empty if nothing was stripped.
 	godot::String stripped();
 
-	/// False if this ground does not distinguish textures. Layers that require certain textures then grow everywhere.
+	/// Returns true if this ground has texture weights. Otherwise layers that require certain
+	/// textures grow everywhere.
 	virtual bool has_textures() const;
 
-	/// True if the ground may only be sampled on the main thread, by `sample_now`.
+	/// Returns whether layers can grow on all its surfaces, not only on its top.
+	virtual bool has_surfaces() const { return false; }
+
+	/// Returns the planet that the ground forms, in world coordinates. By default, there is none.
+	virtual Planet planet() const { return {}; }
+
+	/// Returns a shell around the center of `planet` that contains all ground for the host with
+	/// this ID.
+	virtual GroundShell shell(std::uint64_t /*host*/, const Planet & /*planet*/) const {
+		return GroundShell::everywhere();
+	}
+
+	/// Returns true if the ground may only be sampled on the main thread, with `sample_now`.
 	bool is_main_thread_only();
 
-	/// True if `sample_now` may be called in physics frames only.
+	/// Returns true if `sample_now` may only be called in physics frames.
 	virtual bool needs_physics_frames() const { return false; }
 
-	/// The largest number of positions in one call of `sample_now`, and also in one physics frame.
+	/// Returns the maximum number of positions per call of `sample_now` and per physics frame.
 	virtual std::size_t max_positions_per_call() const;
 
-	/// False while the source of the ground is temporarily missing. Tiles then stay unchanged.
+	/// Returns false while the source of the ground is temporarily missing. Tiles stay unchanged
+	/// meanwhile.
 	virtual bool is_available() const { return true; }
 
-	/// Samples the ground data in `needs` at `positions` in the world of the host with this ID, on the main thread.
-	/// `r_ground` must have the size of `positions`. A script's result is refused if its number of heights, normals or
-	/// weights is wrong. NAN heights mean that there is no ground.
+	/// Samples the ground data in `needs` at world `positions`, for the host with this ID, on the
+	/// main thread. `r_ground` must have the size of `positions`. A NAN height means that there is
+	/// no ground. Returns an error if a script returns a wrong number of heights, normals or
+	/// weights.
 	Status sample_now(std::uint64_t host, std::span<const glm::dvec2> positions, const GroundNeeds &needs,
 			std::span<Ground> r_ground);
 
-	/// True if this ground can change without a report and the user has not turned off re-checks. Tiles on it are then
-	/// re-checked.
+	/// Returns true if tiles on this ground must be re-checked, because it can change without a
+	/// signal and the user has not disabled re-checks.
 	bool rechecks() const { return recheck_enabled_ && can_change_unreported(); }
 	void set_recheck_enabled(bool p_enabled) { recheck_enabled_ = p_enabled; }
 	bool is_recheck_enabled() const { return recheck_enabled_; }
 
-	/// Samples heights for re-checks, on the main thread, whenever `sample_now` may be called. NAN if there is no
-	/// ground, empty if the ground cannot be read at present.
+	/// Samples heights for re-checks, under the same conditions as `sample_now`. A height is NAN if
+	/// there is no ground, and empty if the ground is currently unknown.
 	Status recheck_now(
 			std::uint64_t host, std::span<const glm::dvec2> positions, std::span<std::optional<float>> r_heights);
 
-	/// The difference in meters between two heights of a re-check up to which the ground counts as unchanged, because a
-	/// new tile is not worth a smaller difference.
+	/// Returns the tolerance of re-checks in meters. Ground whose height has changed by less counts
+	/// as unchanged, because regenerating tiles for such small changes is not worthwhile.
 	virtual double recheck_tolerance() const { return 0.01; }
 
-	/// Registers and removes a node in the tree that uses this ground. Each `enter` needs a `leave` while the node
-	/// still exists. Main thread only, as is `set_world_offset`.
-	void enter(godot::Node3D *p_host, glm::dvec3 offset);
+	/// Registers and unregisters a node in the tree that uses this ground. Each `enter` needs a
+	/// `leave` before the node is freed. Main thread only, as is `set_world_frame`.
+	void enter(godot::Node3D *p_host, const WorldFrame &frame);
 	void leave(godot::Node3D *p_host);
 
-	/// Call this after the game of a node that uses this ground has recentered. Ground that is part of the scene has
-	/// moved with the scene; all other ground is fixed in the world.
-	void set_world_offset(const godot::Node3D *p_host, glm::dvec3 offset);
+	/// Call this after a host's game has recentered its world, and while a host with local
+	/// coordinates moves. Ground from scene nodes has then moved with the scene, while all other
+	/// ground stays fixed in the world.
+	void set_world_frame(const godot::Node3D *p_host, const WorldFrame &frame);
 
-	/// The ground may have changed since it was found, without a report.
+	/// Whether the ground moves with a host that has local coordinates.
+	virtual bool moves_with_host() const { return true; }
+
+	/// Makes ground that caches its source search for it again. Call it when the ground may have
+	/// changed without a signal.
 	virtual void look_again() {}
 
-	/// Call this in every frame of a host. Ground that is part of the scene checks whether it has changed, and reports
-	/// changes. Does at least one step of its work in each frame, and begins no further step after `deadline`.
+	/// Checks ground from scene nodes for changes, and emits signals for them. Call it in every
+	/// frame of every host. Does at least one step of work per frame, and starts no further steps
+	/// after `deadline`.
 	void follow_scene(std::chrono::steady_clock::time_point deadline);
 
-	/// True while the ground does not yet include known changes in the scene.
+	/// Returns true while known changes are not yet applied to the ground.
 	virtual bool is_behind() const { return false; }
 
-	/// True while new ground is still being read, so that `snapshot` returns null or the previous ground. Once the new
-	/// ground is read, everything may have changed.
+	/// Returns true while new ground is being read, so that `snapshot` returns null or the previous
+	/// ground. After that, the ground may have changed everywhere.
 	virtual bool is_pending(std::uint64_t /*host*/) const { return false; }
 
-	/// Reads the ground to the end, for a caller that cannot wait for a later frame. Emits signals.
+	/// Completes the reading of the ground synchronously. Emits signals.
 	virtual void finish_reading() {}
 
 	virtual GroundFigures figures() const { return {}; }
 
-	/// Rereads all ground, in portions, and reports where it has changed. Returns false if this ground cannot report
-	/// that. Any part of it may then have changed.
+	/// Starts to reread all ground over the next frames, and emits signals where it has changed.
+	/// Returns false if this ground cannot do that; the caller must then assume that it has changed
+	/// everywhere.
 	bool read_again();
 
-	/// The height in meters of the ground above or below a world position; NAN if there is none.
+	/// Returns the ground height in meters at the x and z of a world position; NAN if there is no
+	/// ground.
 	double get_height(const godot::Vector3 &p_global_position);
 
-	/// The unit normal of the ground there; zero if there is none.
+	/// Returns the unit normal of the ground at the x and z of a world position; zero if there is
+	/// no ground.
 	godot::Vector3 get_normal(const godot::Vector3 &p_global_position);
 
 	GDVIRTUAL1RC(godot::PackedFloat32Array, _get_heights, godot::PackedVector2Array)
@@ -156,7 +204,8 @@ public:
 protected:
 	static void _bind_methods();
 
-	/// Implementations of the public methods of the same names. These versions call a script's methods.
+	/// These methods implement the public methods with similar names. The versions of this class
+	/// call a script's methods.
 	virtual std::shared_ptr<const Terrain> make_snapshot(const GroundHost &host);
 	virtual godot::String find_problem();
 	virtual godot::String find_remark() { return {}; }
@@ -170,37 +219,44 @@ protected:
 			const GroundHost &host, std::span<const glm::dvec2> positions, std::span<std::optional<float>> r_heights);
 	void _validate_property(godot::PropertyInfo &p_property) const;
 
-	/// Called after a host was added or removed. `first` is true if a different host is now the first one.
+	/// Reacts to a host that was added or removed. `first` is true if the first host has changed.
 	virtual void hosts_changed(bool /*first*/) {}
 
-	/// Implementations of the public methods, called at most once per frame.
+	/// Does the work of `follow_scene`, at most once per frame.
 	virtual void follow() {}
+	/// Starts to reread all ground for `read_again`. Returns false if this ground cannot do that.
 	virtual bool distrust() { return false; }
 
-	/// Called after the offset of a host has changed.
+	/// Returns true if hosts move relative to each other, so that each must hear of the moves of a host
+	/// with local coordinates.
+	virtual bool is_shared() const { return hosts_.size() > 1; }
+
+	/// Called after a host's offset has changed, or after a host with local coordinates has moved
+	/// relative to other hosts.
 	virtual void offset_changed(const GroundHost &) {}
 
-	/// The time at which `follow` must end its work in this frame.
+	/// Returns the time at which `follow` must end its work for this frame.
 	std::chrono::steady_clock::time_point deadline() const { return deadline_; }
 
-	/// All nodes that use the ground. Searches for nodes in the scene start at the first one.
+	/// Returns all nodes that use the ground. Node paths, and searches in the scene, start at the
+	/// first one.
 	std::span<const GroundHost> hosts() const { return hosts_; }
 
-	/// The node of the first host; null if there is none.
+	/// Returns the node of the first host; null if there is none.
 	godot::Node3D *first_node() const { return hosts_.empty() ? nullptr : hosts_.front().node; }
 
-	/// Makes the editor query the problems of all hosts again, soon.
+	/// Makes the editor update the configuration warnings of all hosts (deferred).
 	void update_warnings();
 
-	/// Emits the signal that the ground has changed within a world rect, in meters of x and z.
+	/// Emits `ground_changed` for a rectangle of the world's x and z, in meters.
 	void emit_ground_changed(const godot::Rect2 &p_rect);
 
 private:
 	friend class ScriptGround;
 
 	GroundHost find_host(std::uint64_t id) const;
-	// Calls a script's methods. `found` contains the indices of the positions that have ground; normals and weights are
-	// only requested for these.
+	// These methods call a script. They request normals and weights only where there is ground;
+	// `found` contains the indices of these positions.
 	Status ask_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground);
 	Status ask_slopes(std::span<const glm::dvec2> positions, std::span<Ground> r_ground);
 	Status ask_weights(
@@ -215,21 +271,21 @@ private:
 	bool recheck_enabled_ = true;
 	std::vector<GroundHost> hosts_;
 	std::chrono::steady_clock::time_point deadline_;
-	std::uint64_t followed_frame_ = ~std::uint64_t{0}; ///< The engine's frame of the last `follow`.
+	std::uint64_t followed_frame_ = ~std::uint64_t{0}; ///< The process frame of the last `follow`.
 };
 
-/// A ground as used by one of its hosts.
+/// A ground, as seen by one of its hosts.
 struct HostedGround {
 	godot::Ref<ScatterGround> ground;
 	std::uint64_t host = 0;
 
-	/// True if there is a ground that can be sampled at present.
+	/// Returns true if there is a ground that can currently be sampled.
 	bool is_available() const { return ground.is_valid() && ground->is_available(); }
 
-	/// See ScatterGround. Not for a null `ground`.
+	/// Samples the ground; see ScatterGround::sample_now. `ground` must not be null.
 	Status sample_now(
 			std::span<const glm::dvec2> positions, const GroundNeeds &needs, std::span<Ground> r_ground) const {
-		const godot::Ref<ScatterGround> held = ground; // A script may delete this object.
+		const godot::Ref<ScatterGround> held = ground; // A script may destroy this object.
 		return held->sample_now(host, positions, needs, r_ground);
 	}
 };

@@ -24,11 +24,12 @@ namespace thicket {
 
 namespace {
 
-/// How far inside a body that is not ground the next ray starts: in meters, and as a share of its height.
+/// The distance inside a body at which the next ray starts after a ray has hit a body that is not
+/// ground. The first number is in meters, the second is relative to the height of the hit.
 constexpr real_t into_body = 1e-3F;
 constexpr real_t into_high_body = 1e-6F;
 
-/// More bodies over a position than this hide the ground.
+/// The maximum number of bodies to skip at a position. With more, there is no ground.
 constexpr int max_bodies = 64;
 
 /// The precision of a hit, as a fraction of the ray's length.
@@ -37,19 +38,22 @@ constexpr double hit_error = 4e-7;
 constexpr Status no_space =
 		Status::missing("physics space of ScatterGroundColliders", "Add the node to a scene with a World3D");
 
-/// Casts one ray after another straight down. Skips instances of a scatter, which are on the ground but not ground themselves.
+/// Casts rays straight down. Skips the bodies of instances, which are placed on the ground and are
+/// not ground themselves.
 class Plumb {
 public:
-	/// Heights are in the world; bodies are in the engine's space, whose origin is at `offset` in the world.
+	/// Creates a plumb. `p_top` and `p_bottom` are world heights. `offset` is the world position of
+	/// the engine's origin.
 	Plumb(PhysicsDirectSpaceState3D *p_space, double p_top, double p_bottom, int64_t p_mask, glm::dvec3 offset) :
 			space_(p_space), offset_(offset), top_(static_cast<real_t>(p_top - offset.y)),
 			bottom_(static_cast<real_t>(p_bottom - offset.y)),
 			ray_(PhysicsRayQueryParameters3D::create(Vector3(), Vector3(), static_cast<std::uint32_t>(p_mask))) {}
 
-	/// No ground if nothing is hit.
+	/// Casts a ray at a position. Returns no ground if nothing is hit.
 	Ground ground_at(glm::dvec2 position) { return ground_of(hit_at(position)); }
 
-	/// The height of the ground, NAN if there is none. Unknown if a moving body hides it.
+	/// Returns the world height of the ground, or NAN without ground. Returns nothing if a moving
+	/// body hides the ground.
 	std::optional<float> rest_height(glm::dvec2 position) {
 		const Dictionary hit = hit_at(position);
 		return hit.is_empty() || rests(hit) ? std::optional(ground_of(hit).height) : std::nullopt;
@@ -73,12 +77,12 @@ private:
 		if (!std::isfinite(length) || length == 0.0F) {
 			return {};
 		}
-		// The back of a face is ground as well, and faces up.
+		// Back faces are ground as well. Their normals are flipped upward.
 		return {static_cast<float>(point.y + offset_.y), normal / (normal.y < 0.0F ? -length : length)};
 	}
 
-	/// Whether the body of a hit does not move. Characters and vehicles move over ground that stays the same, so they
-	/// are not ground.
+	/// Returns true if the body of a hit does not move. Moving bodies such as characters and
+	/// vehicles do not count as ground in re-checks.
 	bool rests(const Dictionary &hit) const {
 		const Object *collider = hit[collider_key_];
 		if (const auto *body = Object::cast_to<PhysicsBody3D>(collider)) {
@@ -91,7 +95,8 @@ private:
 				PhysicsServer3D::BODY_MODE_STATIC;
 	}
 
-	/// A ray does not hit the body that it starts in.
+	/// Returns the first hit that is not an instance. Relies on rays not hitting bodies in which
+	/// they start.
 	Dictionary first_ground(real_t x, real_t z) {
 		ray_->set_to(Vector3(x, bottom_, z));
 		real_t top = top_;
@@ -110,7 +115,7 @@ private:
 	bool is_instance(const Dictionary &hit) {
 		const auto id = static_cast<std::uint64_t>(hit[id_key_]);
 		if (id == collider_id_) {
-			// It is the same body as in the last hit.
+			// The last hit was on the same body.
 			return collider_is_scatter_;
 		}
 		const Object *collider = hit[collider_key_];
@@ -187,6 +192,11 @@ Status ScatterGroundColliders::recheck_for(
 	Plumb plumb(space, ray_top_, ray_bottom_, collision_mask_, host.offset);
 	for (std::size_t i = 0; i < positions.size(); ++i) {
 		r_heights[i] = plumb.rest_height(positions[i]);
+		const glm::dvec2 at = positions[i] - glm::dvec2(host.offset.x, host.offset.z);
+		if (r_heights[i] && !std::isfinite(*r_heights[i]) &&
+				!volumes_.is_loaded(at, ray_bottom_ - host.offset.y, ray_top_ - host.offset.y)) {
+			r_heights[i] = std::nullopt;
+		}
 	}
 	return {};
 }

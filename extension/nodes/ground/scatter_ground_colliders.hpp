@@ -5,6 +5,7 @@
 #include "nodes/ground/ground_watch.hpp"
 #include "nodes/ground/scatter_ground.hpp"
 #include "nodes/ground/tree_walk.hpp"
+#include "nodes/ground/voxel_volumes.hpp"
 
 #include <godot_cpp/classes/physics_direct_space_state3d.hpp>
 #include <godot_cpp/variant/aabb.hpp>
@@ -19,9 +20,9 @@
 
 namespace thicket {
 
-/// The colliders of the scene, hit by rays from above. Rays may be cast in physics frames only, a limited number per
-/// frame. If the shape of a static body is added, removed, moved or changed, the ground follows within about half a
-/// second.
+/// Ground from the colliders of the scene, found by rays from above. Rays can only be cast in
+/// physics frames, a limited number per frame. If a shape of a static body is added, removed, moved
+/// or changed, the ground follows within about half a second.
 class ScatterGroundColliders : public ScatterGround {
 	GDCLASS(ScatterGroundColliders, ScatterGround)
 	THICKET_GUARDED_METHODS(owner)
@@ -29,27 +30,33 @@ class ScatterGroundColliders : public ScatterGround {
 public:
 	static constexpr const char *class_name = "ScatterGroundColliders";
 
+	bool moves_with_host() const override { return false; }
+
 	bool needs_physics_frames() const override { return true; }
 	std::size_t max_positions_per_call() const override { return static_cast<std::size_t>(rays_per_frame_); }
 	bool is_available() const override;
 	bool is_behind() const override { return watch_.restless() || !queue_.empty(); }
 	GroundFigures figures() const override { return figures_; }
 
-	/// The precision of a hit is a fraction of the ray's length.
+	/// Returns the tolerance of re-checks, including the imprecision of hits, which is proportional
+	/// to the ray's length.
 	double recheck_tolerance() const override;
 
-	/// Physics layers whose bodies are ground, as a mask of 32 bits. Any other value is ignored with an error.
+	/// Sets the physics layers whose bodies are ground, as a 32-bit mask. Other values print an
+	/// error and are ignored.
 	void set_collision_mask(int64_t p_mask);
 	int64_t get_collision_mask() const;
 
-	/// World meters at which each ray begins and ends; +-1e6, the top above the bottom. They may be set in any order.
-	/// While the top is not above the bottom, prints one error and leaves existing instances unchanged.
+	/// These setters set the world heights in meters at which rays begin and end, within +-1e6.
+	/// They may be called in any order. While the top is not above the bottom, an error is printed
+	/// and the ground is unavailable: existing instances stay unchanged.
 	void set_ray_top(double p_height);
 	double get_ray_top() const;
 	void set_ray_bottom(double p_height);
 	double get_ray_bottom() const;
 
-	/// Rays per physics frame, 1 to 1e6. Any other value is ignored with an error.
+	/// Sets the number of rays per physics frame, 1 to 1e6. Other values print an error and are
+	/// ignored.
 	void set_rays_per_frame(int64_t p_rays);
 	int64_t get_rays_per_frame() const;
 
@@ -68,10 +75,10 @@ protected:
 	void follow() override;
 
 private:
-	/// A shape in the state that was last reported.
+	/// The last reported state of a shape.
 	struct Placed {
 		GroundSight sight;
-		std::optional<godot::AABB> bounds; ///< In the shape's own space; none for an unbounded shape.
+		std::optional<godot::AABB> bounds; ///< The bounds in local space; empty if the shape is unbounded.
 	};
 
 	Status check() const;
@@ -94,19 +101,20 @@ private:
 	double ray_bottom_ = -1000.0;
 	int64_t rays_per_frame_ = 250;
 
-	using Offsets = std::map<std::uint64_t, glm::dvec3>; ///< By the hosts' IDs.
+	using Offsets = std::map<std::uint64_t, glm::dvec3>; ///< World offsets, keyed by host ID.
 
-	GroundWatch watch_{this, "_source_changed"}; ///< CollisionShape3Ds of static bodies.
+	GroundWatch watch_{this, "_source_changed"}; ///< Watches CollisionShape3Ds of static bodies.
 	TreeWalk walk_;
-	godot::Variant tree_;                    ///< The emitter of `node_added`; null until connected.
-	std::map<std::uint64_t, Placed> placed_; ///< By the nodes' IDs; only those that are ground.
-	Offsets offsets_;                        ///< The offsets that `placed_` uses.
+	VoxelVolumes volumes_;
+	godot::Variant tree_;                    ///< The SceneTree; null until its signal is connected.
+	std::map<std::uint64_t, Placed> placed_; ///< The shapes that are ground, by node ID.
+	Offsets offsets_;                        ///< The hosts' offsets for `placed_`.
 
-	// Changes pass through these in order.
-	std::vector<std::uint64_t> queue_; ///< Shapes to check again.
-	Offsets next_offsets_;             ///< The offsets when the queue was filled.
-	std::size_t points_ = 0;           ///< Points of shapes that were read in this frame.
-	std::vector<Rect> areas_;          ///< Areas of changed ground, in the world.
+	// A change passes through the following members in order.
+	std::vector<std::uint64_t> queue_; ///< Shapes to re-check.
+	Offsets next_offsets_;             ///< The hosts' offsets when the queue was filled.
+	std::size_t points_ = 0;           ///< The number of shape points that were read in this frame.
+	std::vector<Rect> areas_;          ///< Areas of changed ground in world space.
 	bool everywhere_ = false;
 	GroundFigures figures_;
 };

@@ -1,4 +1,5 @@
-// How a ground of colliders follows the scene: the shapes of static bodies are found and checked in turn, and their changes are reported.
+// This file makes ScatterGroundColliders follow the scene. It finds the shapes of static bodies,
+// checks them in turn, and reports changes.
 
 #include "nodes/ground/scatter_ground_colliders.hpp"
 
@@ -26,20 +27,23 @@ namespace thicket {
 
 namespace {
 
-/// Nodes of the scene to visit in a frame, until all were visited.
+/// The number of scene nodes to visit per frame until all have been visited.
 constexpr int visits_per_frame = 512;
 
-/// Points of shapes to read in a frame, but at least one shape: less than a millisecond's work.
+/// The number of shape points to read per frame, but at least one shape. Takes less than a
+/// millisecond.
 constexpr std::size_t points_per_frame = 100'000;
 
-/// The part of the tree that may contain grounds. The editor's own nodes are in the tree as well, thousands of them.
+/// Returns the root of the nodes that may be ground. Excludes the editor's own nodes, thousands of
+/// which are in the tree.
 Node *root_of_scene(SceneTree &tree) { return in_editor() ? tree.get_edited_scene_root() : tree.get_root(); }
 
 } // namespace
 
 bool ScatterGroundColliders::is_in_scene() const { return first_node() != nullptr && first_node()->is_inside_tree(); }
 
-/// Rays hit moving bodies at their current position, but plants do not follow those bodies.
+/// Returns true for shapes of static bodies. Rays also hit moving bodies, but instances do not
+/// follow those when they move.
 bool ScatterGroundColliders::follows(const Node *p_node) const {
 	const auto *shape = Object::cast_to<CollisionShape3D>(p_node);
 	const Node *body = shape != nullptr ? shape->get_parent() : nullptr;
@@ -70,15 +74,16 @@ void ScatterGroundColliders::hosts_changed(bool first) {
 	}
 }
 
-/// The scene may or may not have moved along.
+/// Re-checks all shapes, because the scene may or may not have moved with the origin.
 void ScatterGroundColliders::offset_changed(const GroundHost &) { watch_.touch_all(false); }
 
-/// Forgets all shapes. They are found again in their current state, and nothing is reported.
+/// Discards all shapes and finds them again, without reporting changes.
 void ScatterGroundColliders::start_over() {
 	watch(tree_.get_validated_object(), "node_added", this, "_node_added", false);
 	tree_ = Variant();
 	walk_.stop();
 	watch_.clear();
+	volumes_.clear();
 	placed_.clear();
 	offsets_.clear();
 	queue_.clear();
@@ -103,7 +108,7 @@ void ScatterGroundColliders::follow() {
 	}
 	find_some();
 	figures_.checks = watch_.look(look());
-	if (queue_.empty() && watch_.due()) {
+	if (queue_.empty() && watch_.restless()) {
 		const std::set<std::uint64_t> changed = watch_.take_changed();
 		queue_.assign(changed.rbegin(), changed.rend());
 		next_offsets_.clear();
@@ -114,12 +119,15 @@ void ScatterGroundColliders::follow() {
 	update_some();
 }
 
-/// Searches for shapes that were in the tree before its signal was connected.
+/// Finds shapes that were in the tree before its `node_added` signal was connected.
 void ScatterGroundColliders::find_some() {
 	for (int visits = 0; visits < visits_per_frame && points_ < points_per_frame; ++visits) {
 		Node *node = walk_.next();
 		if (node == nullptr) {
 			return;
+		}
+		if (VoxelVolumes::is_volume(node)) {
+			volumes_.add(node);
 		}
 		const std::uint64_t id = node->get_instance_id();
 		if (!follows(node) || watch_.has(id)) {
@@ -133,13 +141,16 @@ void ScatterGroundColliders::find_some() {
 }
 
 void ScatterGroundColliders::node_added(Node *p_node) {
+	if (VoxelVolumes::is_volume(p_node)) {
+		volumes_.add(p_node);
+	}
 	if (is_in_scene() && follows(p_node)) {
 		watch_.add(p_node->get_instance_id(), Variant(p_node), look(), true);
 	}
 }
 
-/// The current state of a shape; empty if it is not ground. `before` is its previous state, whose bounds are reused if it has reported no
-/// change.
+/// Returns the current state of a shape; empty if it is not ground. Reuses the bounds of its
+/// previous state `before`, if not null, unless the shape has reported a change.
 std::optional<ScatterGroundColliders::Placed> ScatterGroundColliders::measure(std::uint64_t id, const Placed *before) {
 	const Variant *node = watch_.node(id);
 	Object *source = nullptr;
@@ -149,14 +160,14 @@ std::optional<ScatterGroundColliders::Placed> ScatterGroundColliders::measure(st
 	}
 	sight.version = watch_.version(sight.source);
 	if (before != nullptr && before->sight.source == sight.source && before->sight.version == sight.version) {
-		// The shape is unchanged, wherever its body is now.
+		// The shape itself is unchanged, even if its body has moved.
 		return Placed{sight, before->bounds};
 	}
 	++figures_.reads;
 	return Placed{sight, bounds_of(Ref<Shape3D>(Object::cast_to<Shape3D>(source)), points_)};
 }
 
-/// Processes the next shapes of the queue. After the last of them, all changes are reported.
+/// Processes the next shapes of the queue. Reports all changes after the last one.
 void ScatterGroundColliders::update_some() {
 	if (queue_.empty()) {
 		return;
@@ -183,7 +194,7 @@ void ScatterGroundColliders::update(std::uint64_t id) {
 		const auto then = offsets_.find(host);
 		const glm::dvec3 offset_before = then != offsets_.end() ? then->second : offset;
 		if (before != nullptr && now && same_in_world(before->sight, offset_before, now->sight, offset)) {
-			// Instances on it would not change.
+			// The shape has not moved in this host's world.
 			continue;
 		}
 		if (before != nullptr) {
@@ -201,7 +212,7 @@ void ScatterGroundColliders::update(std::uint64_t id) {
 	const Variant *node = watch_.node(id);
 	const auto *shape = node != nullptr ? Object::cast_to<Node>(node->get_validated_object()) : nullptr;
 	if (shape == nullptr || !shape->is_inside_tree()) {
-		watch_.remove(id); // The tree emits a signal when it is added again.
+		watch_.remove(id); // If it is added again, the tree emits a signal.
 	}
 }
 
@@ -215,7 +226,7 @@ void ScatterGroundColliders::add_area(const Placed &placed, glm::dvec3 offset) {
 }
 
 void ScatterGroundColliders::tell() {
-	const Ref<ScatterGround> held(this); // A handler of changes may release it.
+	const Ref<ScatterGround> held(this); // A signal handler may release the ground.
 	const std::vector<Rect> areas = std::exchange(areas_, {});
 	if (std::exchange(everywhere_, false)) {
 		emit_ground_changed(Rect2());

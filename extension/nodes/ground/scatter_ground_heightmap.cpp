@@ -5,6 +5,7 @@
 #include "nodes/common/stripped.hpp"
 #include "nodes/common/watch.hpp"
 
+#include <godot_cpp/classes/resource_uid.hpp>
 #include <godot_cpp/classes/texture2d.hpp>
 #include <godot_cpp/core/class_db.hpp>
 
@@ -14,7 +15,8 @@ namespace thicket {
 
 namespace {
 
-/// An empty Image is detected immediately; a Texture2D may get its image later.
+/// Returns true for null, any Texture2D, and an Image with pixels. A Texture2D may receive its
+/// image later.
 bool accept_image(const char *property, const Ref<Resource> &p_image) {
 	const Ref<Image> image = p_image;
 	const Ref<Texture2D> texture = p_image;
@@ -66,7 +68,10 @@ void ScatterGroundHeightmap::image_changed() {
 }
 
 void ScatterGroundHeightmap::set_heightmap_path(const String &p_path) {
-	heightmap_path_ = p_path;
+	// The inspector sets the ID of an imported file, which is lost when its import is turned off.
+	ResourceUID *ids = ResourceUID::get_singleton();
+	const std::int64_t id = p_path.begins_with("uid://") ? ids->text_to_id(p_path) : 0;
+	heightmap_path_ = id > 0 && ids->has_id(id) ? ids->get_id_path(id) : p_path;
 	image_changed();
 }
 
@@ -85,7 +90,8 @@ void ScatterGroundHeightmap::set_post_count(const Vector2i &p_count) {
 
 Vector2i ScatterGroundHeightmap::get_post_count() const { return post_count_; }
 
-// One image may be the value of both properties: it is watched as long as either has it.
+// Replaces an image and watches the new one. Both properties may have the same image, which is
+// watched until neither has it.
 void ScatterGroundHeightmap::exchange_image(
 		Ref<Resource> &r_image, const Ref<Resource> &p_next, const Ref<Resource> &p_other) {
 	if (r_image != p_other) {
@@ -168,6 +174,7 @@ void ScatterGroundHeightmap::_bind_methods() {
 	bind_guarded<&Self::get_weight_image>(D_METHOD("get_weight_image"));
 	bind_guarded<&Self::embed_stripped_data>(D_METHOD("embed_stripped_data"));
 	bind_guarded<&Self::update_region>(D_METHOD("update_region", "region"));
+	bind_guarded<&Self::get_summary>(D_METHOD("get_summary"));
 	bind_guarded<&Self::image_changed>(ThreadUse::relayed, D_METHOD("_image_changed"));
 	bind_guarded<&Self::set_rect>(D_METHOD("set_rect", "rect"));
 	bind_guarded<&Self::get_rect>(D_METHOD("get_rect"));
@@ -175,7 +182,8 @@ void ScatterGroundHeightmap::_bind_methods() {
 	bind_guarded<&Self::get_min_height>(D_METHOD("get_min_height"));
 	bind_guarded<&Self::set_max_height>(D_METHOD("set_max_height", "height"));
 	bind_guarded<&Self::get_max_height>(D_METHOD("get_max_height"));
-	ADD_PROPERTY(PropertyInfo(Variant::STRING, "heightmap_path", PROPERTY_HINT_FILE, "*.r8,*.r16,*.r32,*.raw"),
+	ADD_PROPERTY(PropertyInfo(Variant::STRING, "heightmap_path", PROPERTY_HINT_FILE,
+						 "*.png,*.exr,*.r8,*.r16,*.r32,*.f32,*.raw"),
 			"set_heightmap_path", "get_heightmap_path");
 	ADD_PROPERTY(PropertyInfo(Variant::VECTOR2I, "post_count"), "set_post_count", "get_post_count");
 	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "image", PROPERTY_HINT_RESOURCE_TYPE, "Image,Texture2D"), "set_image",

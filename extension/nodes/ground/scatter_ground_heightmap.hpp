@@ -1,11 +1,13 @@
 #pragma once
 
+#include "core/heightmap/height_summary.hpp"
 #include "core/terrain/heightfield.hpp"
 #include "nodes/common/guard.hpp"
 #include "nodes/common/worker_task.hpp"
 #include "nodes/ground/heightmap_work.hpp"
 #include "nodes/ground/scatter_ground.hpp"
 
+#include <godot_cpp/variant/dictionary.hpp>
 #include <godot_cpp/variant/rect2.hpp>
 #include <godot_cpp/variant/rect2i.hpp>
 #include <godot_cpp/variant/vector2i.hpp>
@@ -17,9 +19,10 @@
 
 namespace thicket {
 
-/// Ground from a grid of heights: a raw file, an Image or a Texture2D, of 8, 16 or 32 bits. Properties may be set in
-/// any order. After a change, a worker reads the ground when a host needs it, and hosts are notified of the changed
-/// areas. If the ground cannot be read, prints one error and keeps the previous ground.
+/// Ground from a grid of heights in a file, an Image or a Texture2D, with 8, 16 or 32 bits per
+/// height. Properties may be set in any order. After a change, a worker rereads the ground during
+/// the next frames of a host, and signals report the changed areas. If the ground cannot be read,
+/// prints an error and keeps the previous ground.
 class ScatterGroundHeightmap : public ScatterGround {
 	GDCLASS(ScatterGroundHeightmap, ScatterGround)
 	THICKET_GUARDED_METHODS(owner)
@@ -28,44 +31,56 @@ public:
 	static constexpr const char *class_name = "ScatterGroundHeightmap";
 
 	bool has_textures() const override { return weight_image_.is_valid(); }
+	bool has_surfaces() const override { return true; }
 
-	/// A file of little-endian posts without a header, row by row, x fastest. The file's size determines whether posts
-	/// are 8 bits, 16 bits or floats. Ignored if there is an image.
+	/// A PNG or EXR file, or a raw file of little-endian posts in row-major order, without a header.
+	/// The size of a raw file determines whether posts are 8-bit or 16-bit integers or 32-bit
+	/// floats. Ignored if there is an image. A `uid://` is replaced with the path of its file.
 	void set_heightmap_path(const godot::String &p_path);
 	godot::String get_heightmap_path() const;
 
-	/// Columns and rows of the file, 2 to 32768 each; 0, 0 if not set. Images have their own size.
+	/// The columns and rows of a raw file, 2 to 32768 each, or (0, 0) for a square. PNG and EXR
+	/// files and images have their own size.
 	void set_post_count(const godot::Vector2i &p_count);
 	godot::Vector2i get_post_count() const;
 
-	/// An Image or a Texture2D, whose first channel contains the heights. Takes priority over the file.
+	/// Sets an Image or a Texture2D whose first channel contains the heights. It takes priority
+	/// over the file.
 	void set_image(const godot::Ref<godot::Resource> &p_image);
 	godot::Ref<godot::Resource> get_image() const;
 
-	/// If true, posts that are floats are in meters. If false, they range from 0 to 1 between the lowest and the
-	/// highest height, like all other formats. NAN is a hole in both cases.
+	/// Sets whether float posts are heights in meters. Otherwise they range from 0 at the minimum
+	/// height to 1 at the maximum height, like all other formats. NAN is a hole in both cases.
 	void set_heights_in_meters(bool p_meters);
 	bool is_heights_in_meters() const;
 
-	/// An Image or a Texture2D that covers the same rect. Its channels are the weights of textures 0 to 3.
+	/// Sets an Image or a Texture2D that covers the same `rect`. Its channels are the weights of
+	/// textures 0 to 3.
 	void set_weight_image(const godot::Ref<godot::Resource> &p_image);
 	godot::Ref<godot::Resource> get_weight_image() const;
 
-	/// Replaces textures with their images, because an export strips textures. Returns false if there are no textures.
+	/// Replaces textures with their images, because a dedicated server export strips textures.
+	/// Returns false if there are no textures with pixels.
 	bool embed_stripped_data();
 
-	/// World meters from the first post to the last: x, and z as y.
+	/// Sets the area from the first post to the last in world meters; its y is the world's z.
 	void set_rect(const godot::Rect2 &p_rect);
 	godot::Rect2 get_rect() const;
 
-	/// World meters of the lowest and of the highest value that a post can have; +-1e6.
+	/// These setters set the world heights in meters of the lowest and highest possible post value,
+	/// within +-1e6.
 	void set_min_height(double p_height);
 	double get_min_height() const;
 	void set_max_height(double p_height);
 	double get_max_height() const;
 
-	/// Rereads the posts of a part of `image`, in pixels. Parts outside the image are left out. Main thread only.
+	/// Rereads the posts in a rectangle of `image`, in pixels. Ignores the part outside the image.
+	/// Call it only on the main thread.
 	void update_region(const godot::Rect2i &p_region);
+
+	/// The size, spacing, range and format of the current ground, a small picture, and the problem
+	/// that keeps the ground from matching the properties. Does not wait for a worker.
+	godot::Dictionary get_summary();
 
 	bool is_behind() const override { return field_stale_ || task_.busy() || !regions_.empty(); }
 	bool is_pending(std::uint64_t /*host*/) const override { return field_stale_ || task_.busy(); }
@@ -91,7 +106,7 @@ private:
 	void end_regions();
 	void emit_changes(const std::vector<Rect> &areas, bool everywhere);
 	void set_problem(const godot::String &p_problem);
-	godot::String sentence_of(const Status &status, glm::ivec2 refused_post) const;
+	godot::String sentence_of(const Status &status, glm::ivec2 refused_post, const godot::String &path) const;
 
 	godot::String heightmap_path_;
 	godot::Vector2i post_count_{0, 0};
@@ -103,13 +118,17 @@ private:
 	double max_height_ = 100.0;
 
 	std::shared_ptr<const Heightfield> field_;
-	godot::String problem_; ///< Why `field_` differs from the settings; empty if not.
+	const char *format_ = "";                      ///< The format of the source of `field_`; see Posts::format.
+	std::shared_ptr<const HeightSummary> summary_; ///< Of `field_`; null if it was not summarized.
+	godot::String problem_;                        ///< Why `field_` does not match the settings; empty if it does.
 	bool sources_stale_ = true;
-	bool field_stale_ = true; ///< True if `field_` does not match the settings, and no worker is building it.
+	/// True if `field_` is outdated and no worker is rebuilding it.
+	bool field_stale_ = true;
 	WorkerTask<HeightmapWork> task_;
 
-	std::vector<PixelRect> regions_;     ///< Regions of the image that are still to be read.
-	std::shared_ptr<Heightfield> draft_; ///< `field_` with the regions already read; null if there are none.
+	std::vector<PixelRect> regions_; ///< Regions of the image to reread.
+	/// A copy of `field_` with the regions that were already reread; null if there are none.
+	std::shared_ptr<Heightfield> draft_;
 	std::vector<Rect> draft_changes_;
 };
 

@@ -1,13 +1,16 @@
-// How a heightmap follows its settings: a worker reads them and finds the changes, small regions are read in between, and hosts are
-// notified of changed ground.
+// This file applies changes to a ScatterGroundHeightmap. A worker rereads the ground and finds the
+// changed areas. The main thread rereads small regions in between. Signals report changed ground.
 
 #include "nodes/ground/scatter_ground_heightmap.hpp"
 
+#include "core/base/guard.hpp"
 #include "nodes/common/convert.hpp"
+#include "nodes/common/engine_arrays.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/common/stripped.hpp"
 #include "nodes/ground/changed_areas.hpp"
 
+#include <godot_cpp/classes/engine.hpp>
 #include <godot_cpp/core/error_macros.hpp>
 
 #include <glm/common.hpp>
@@ -24,8 +27,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Posts of a region that are read in one step: a fifth of a millisecond.
+/// The number of posts of a region to read per step. Reading so many takes about 0.2 ms.
 constexpr int posts_per_step = 1 << 15;
+
+/// The time that a summary without a host may spend on regions to reread.
+constexpr std::chrono::milliseconds summary_time{2};
 
 } // namespace
 
@@ -33,7 +39,7 @@ void ScatterGroundHeightmap::follow() {
 	if (task_.finish(false)) {
 		take_built();
 	} else if (!task_.busy() && !regions_.empty() && !sources_stale_) {
-		patch_regions(deadline()); // First, because a worker begins with the current ground.
+		patch_regions(deadline()); // Do this first, because workers start from the current ground.
 	} else if (!task_.busy() && field_stale_) {
 		start(false);
 	}
@@ -43,8 +49,8 @@ void ScatterGroundHeightmap::finish_reading() {
 	if (!task_.busy() && !regions_.empty() && !sources_stale_) {
 		patch_regions(Clock::time_point::max());
 	}
-	// Twice, because a worker may be reading the previous settings. If a script changes further settings when it is
-	// notified, they are read later.
+	// Run at most two rounds, because a worker may still be reading the previous settings. Settings
+	// that signal handlers change in the meantime are read later.
 	for (int round = 0; round < 2 && (field_stale_ || task_.busy()); ++round) {
 		if (!task_.busy()) {
 			start(true);
@@ -54,7 +60,7 @@ void ScatterGroundHeightmap::finish_reading() {
 		}
 	}
 	if (!task_.busy() && !regions_.empty() && !sources_stale_) {
-		patch_regions(Clock::time_point::max()); // Regions of the ground that a worker was building.
+		patch_regions(Clock::time_point::max()); // Regions that waited for the worker.
 	}
 }
 
@@ -62,6 +68,7 @@ void ScatterGroundHeightmap::start(bool at_once) {
 	field_stale_ = false;
 	HeightmapWork work;
 	work.before = field_;
+	work.summarizes = Engine::get_singleton()->is_editor_hint();
 	HeightmapSources &sources = work.sources;
 	sources.are_read = std::exchange(sources_stale_, false);
 	sources.in_meters = heights_in_meters_;
@@ -88,11 +95,13 @@ void ScatterGroundHeightmap::take_built() {
 	const HeightmapWork work = task_.take();
 	if (work.field == nullptr) {
 		sources_stale_ = sources_stale_ || work.sources.are_read;
-		set_problem(sentence_of(work.status, work.refused_post));
+		set_problem(sentence_of(work.status, work.refused_post, work.sources.path));
 		return;
 	}
 	const bool first = field_ == nullptr;
 	field_ = work.field;
+	summary_ = work.summary;
+	format_ = work.sources.are_read ? work.format : format_;
 	set_problem({});
 	emit_changes(work.changes, first);
 }
@@ -108,7 +117,7 @@ void ScatterGroundHeightmap::update_region(const Rect2i &p_region) {
 	const Ref<Image> image = image_;
 	const bool readable = image.is_valid() && field_ != nullptr && !sources_stale_;
 	if (!readable) {
-		// A texture, a file and posts that were not read yet are read as a whole, and compared.
+		// Textures, files and unread images are reread completely and compared.
 		image_changed();
 		return;
 	}
@@ -124,7 +133,7 @@ bool ScatterGroundHeightmap::distrust() {
 	return true;
 }
 
-/// Reads regions in bands of some rows, until the deadline; at least one in each call.
+/// Rereads regions in bands of rows until the deadline, but at least one band.
 void ScatterGroundHeightmap::patch_regions(Clock::time_point deadline) {
 	do {
 		PixelRect &region = regions_.back();
@@ -146,7 +155,8 @@ void ScatterGroundHeightmap::patch_regions(Clock::time_point deadline) {
 	}
 }
 
-/// False if the posts cannot be used. If the image has changed its size or format, it is read as a whole.
+/// Rereads a band of rows. Returns false if its posts cannot be used. If the image has a different
+/// size or format now, schedules a complete reread.
 bool ScatterGroundHeightmap::patch_band(const PixelRect &band) {
 	const Ref<Image> image = image_;
 	Posts posts;
@@ -163,7 +173,7 @@ bool ScatterGroundHeightmap::patch_band(const PixelRect &band) {
 											   : draft_->patch(band, std::span<const float>(posts.floats));
 	if (!status.ok()) {
 		const RefusedPost refused = find_refused_post(posts.floats, band.size().x, field_->posts().meaning);
-		set_problem(sentence_of(status, refused.status.ok() ? glm::ivec2(-1) : band.min + refused.post));
+		set_problem(sentence_of(status, refused.status.ok() ? glm::ivec2(-1) : band.min + refused.post, {}));
 		return false;
 	}
 	add_changed_area(draft_changes_, draft_->area_of(band));
@@ -172,13 +182,14 @@ bool ScatterGroundHeightmap::patch_band(const PixelRect &band) {
 
 void ScatterGroundHeightmap::end_regions() {
 	field_ = std::exchange(draft_, nullptr);
+	summary_ = nullptr;
 	set_problem({});
 	emit_changes(std::exchange(draft_changes_, {}), false);
 }
 
-/// `everywhere` is true if there was no ground before.
+/// Emits signals for changed areas. `everywhere` is true if there was no ground before.
 void ScatterGroundHeightmap::emit_changes(const std::vector<Rect> &areas, bool everywhere) {
-	const Ref<ScatterGround> held(this); // A script that is notified may release it.
+	const Ref<ScatterGround> held(this); // A signal handler may release the ground.
 	for (const Rect &area : areas) {
 		emit_ground_changed(to_engine(area));
 	}
@@ -187,8 +198,39 @@ void ScatterGroundHeightmap::emit_changes(const std::vector<Rect> &areas, bool e
 	}
 }
 
+Dictionary ScatterGroundHeightmap::get_summary() {
+	const Ref<ScatterGround> held(this); // A signal handler may release it.
+	if (image_.is_valid() || !heightmap_path_.is_empty()) {
+		follow_scene(Clock::now() + summary_time); // Without a host, nothing else lets a worker read.
+	}
+	Dictionary result;
+	result["problem"] = find_problem();
+	if (field_ == nullptr) {
+		return result;
+	}
+	if (summary_ == nullptr) {
+		auto made = std::make_shared<HeightSummary>();
+		throw_if_out_of_memory(summarize(*field_, *made));
+		summary_ = std::move(made);
+	}
+	const HeightSummary &summary = *summary_;
+	const glm::ivec2 size = summary.thumbnail_size;
+	const glm::ivec2 posts = field_->frame().posts;
+	const glm::dvec2 spacing = field_->frame().area.size() / glm::dvec2(posts - 1);
+	PackedByteArray pixels;
+	std::ranges::copy(summary.thumbnail, resize(pixels, static_cast<std::int64_t>(summary.thumbnail.size())).begin());
+	result["size"] = Vector2i(posts.x, posts.y);
+	result["spacing"] = Vector2(static_cast<real_t>(spacing.x), static_cast<real_t>(spacing.y));
+	result["lowest"] = summary.lowest;
+	result["highest"] = summary.highest;
+	result["format"] = format_;
+	result["thumbnail"] = Image::create_from_data(size.x, size.y, false, Image::FORMAT_LA8, pixels);
+	return result;
+}
+
 void ScatterGroundHeightmap::set_problem(const String &p_problem) {
-	if (!p_problem.is_empty() && !is_stripped(image_)) { // A stripped image is reported by a node's warning.
+	// Do not print an error for a stripped image, because a node's warning reports it.
+	if (!p_problem.is_empty() && !is_stripped(image_)) {
 		ERR_PRINT(p_problem);
 	}
 	if (!(problem_ == p_problem)) {
@@ -197,19 +239,22 @@ void ScatterGroundHeightmap::set_problem(const String &p_problem) {
 	}
 }
 
-String ScatterGroundHeightmap::sentence_of(const Status &status, glm::ivec2 refused_post) const {
+/// Returns a sentence about an error. `path` is the file that was read, if any.
+String ScatterGroundHeightmap::sentence_of(const Status &status, glm::ivec2 refused_post, const String &path) const {
 	const char *property = image_.is_valid() ? "image" : "heightmap_path";
+	const String file = image_.is_valid() || path.is_empty() ? String() : " (" + path + ")";
 	if (refused_post.x >= 0) {
 		const String limits = heights_in_meters_
 				? vformat("must be from %d to %d m", static_cast<std::int64_t>(-max_heightfield_height),
 						  static_cast<std::int64_t>(max_heightfield_height))
 				: String("must be from 0 to 1, or heights_in_meters be set");
 		return vformat("%s.%s: the post in column %d of row %d %s (NAN for a hole), got %s. The ground is unchanged.",
-				class_name, property, refused_post.x, refused_post.y, limits, status.value);
+					   class_name, property, refused_post.x, refused_post.y, limits, status.value) +
+				file;
 	}
 	Status named = status;
 	named.property = std::string_view(status.property) == "posts" ? property : status.property;
-	return sentence(class_name, named);
+	return sentence(class_name, named) + file;
 }
 
 } // namespace thicket

@@ -5,10 +5,8 @@
 #include "nodes/common/stripped.hpp"
 
 #include <godot_cpp/classes/mesh.hpp>
-#include <godot_cpp/classes/scene_tree.hpp>
 #include <godot_cpp/classes/world3d.hpp>
 #include <godot_cpp/core/class_db.hpp>
-#include <godot_cpp/variant/typed_array.hpp>
 
 #include <algorithm>
 #include <set>
@@ -25,19 +23,22 @@ std::shared_ptr<const Terrain> ScatterGroundMeshes::make_snapshot(const GroundHo
 
 String ScatterGroundMeshes::find_problem() {
 	if (String(group_).is_empty()) {
-		return "ScatterGroundMeshes.group is missing: name a group of MeshInstance3Ds that are ground.";
+		return "ScatterGroundMeshes.group is missing: name a group of nodes with meshes that are ground.";
 	}
 	const auto has_mesh = [this](const Variant &node) {
 		Object *source = nullptr;
 		return look()(node, source).source != 0;
 	};
-	if (is_in_scene() && std::ranges::none_of(members(), has_mesh)) {
-		return vformat("ScatterGroundMeshes.group: no MeshInstance3D in the scene belongs to \"%s\".", group_);
+	if (is_in_scene() && std::ranges::none_of(members_.list(first_node(), group_), has_mesh)) {
+		return vformat(
+				"ScatterGroundMeshes.group: no MeshInstance3D, StaticBody3D, GridMap or CSG node with a shape belongs "
+				"to \"%s\" in the scene.",
+				group_);
 	}
 	return {};
 }
 
-/// The first refused instance, and the number of others.
+/// Describes the first refused instance, and adds the number of others.
 String ScatterGroundMeshes::find_remark() {
 	if (refusals_.empty()) {
 		return {};
@@ -52,7 +53,7 @@ String ScatterGroundMeshes::find_stripped() {
 		look()(node, source);
 		return is_stripped(Ref<Resource>(Object::cast_to<Mesh>(source)));
 	};
-	if (is_in_scene() && std::ranges::any_of(members(), has_stripped_mesh)) {
+	if (is_in_scene() && std::ranges::any_of(members_.list(first_node(), group_), has_stripped_mesh)) {
 		return stripped_problem(
 				vformat("A mesh in the group \"%s\" of ScatterGroundMeshes", group_), "it is no ground");
 	}
@@ -61,42 +62,21 @@ String ScatterGroundMeshes::find_stripped() {
 
 bool ScatterGroundMeshes::is_in_scene() const { return first_node() != nullptr && first_node()->is_inside_tree(); }
 
-/// All instances of the group, with or without meshes.
-std::vector<Variant> ScatterGroundMeshes::members() const {
-	std::vector<Variant> result;
-	if (String(group_).is_empty()) {
-		return result;
-	}
-	const TypedArray<Node> nodes = first_node()->get_tree()->get_nodes_in_group(group_);
-	for (int64_t index = 0; index < nodes.size(); ++index) {
-		if (Object::cast_to<MeshInstance3D>(nodes[index].get_validated_object()) != nullptr) {
-			result.push_back(nodes[index]);
-		}
-	}
-	return result;
-}
-
-GroundWatch::Look ScatterGroundMeshes::look() const {
-	return [group = group_, world = first_node()->get_world_3d()](const Variant &p_node, Object *&r_source) {
-		const auto *instance = Object::cast_to<MeshInstance3D>(p_node.get_validated_object());
-		if (instance == nullptr || !instance->is_inside_tree() || !instance->is_in_group(group)) {
-			return GroundSight{};
-		}
-		const Ref<Mesh> mesh = instance->get_mesh();
-		if (mesh.is_null() || !(instance->get_world_3d() == world)) {
-			return GroundSight{};
-		}
-		r_source = mesh.ptr();
-		return GroundSight{instance->get_global_transform(), mesh->get_instance_id()};
+GroundWatch::Look ScatterGroundMeshes::look() {
+	// Nodes at rest in the space of the only host are at rest for it. Other hosts see them move.
+	const GroundHost &host = hosts().front();
+	const Node3D *space = hosts().size() == 1 && host.local ? host.node : nullptr;
+	const GroundMembers::Sight from{group_, host.node->get_world_3d(), space};
+	return [this, from](const Variant &p_node, Object *&r_source) {
+		return members_.look(p_node, from, r_source);
 	};
 }
 
-/// Watches the current members of the group. If `changed` is true, members that were added since the last check count
-/// as changed.
+/// Watches the current members of the group and unwatches former ones. If `changed` is true, new
+/// members count as changed.
 void ScatterGroundMeshes::list_members(bool changed) {
-	listed_ = first_node()->get_tree()->get_node_count_in_group(group_);
 	std::set<std::uint64_t> found;
-	for (const Variant &node : members()) {
+	for (const Variant &node : members_.list(first_node(), group_)) {
 		const std::uint64_t id = node.get_validated_object()->get_instance_id();
 		found.insert(id);
 		watch_.add(id, node, look(), changed);
@@ -106,6 +86,7 @@ void ScatterGroundMeshes::list_members(bool changed) {
 			watch_.remove(id);
 		}
 	}
+	listed_ = members_.count(first_node(), group_);
 }
 
 void ScatterGroundMeshes::hosts_changed(bool first) {
@@ -120,7 +101,7 @@ void ScatterGroundMeshes::hosts_changed(bool first) {
 	}
 }
 
-/// The scene may or may not have moved along.
+/// Re-checks all nodes, because the scene may or may not have moved with the origin.
 void ScatterGroundMeshes::offset_changed(const GroundHost &) { watch_.touch_all(false); }
 
 void ScatterGroundMeshes::refresh() {
@@ -139,9 +120,10 @@ bool ScatterGroundMeshes::is_empty() const {
 	return std::ranges::all_of(worlds_, [](const auto &world) { return world.second.parts->empty(); });
 }
 
-/// Reports the areas of changed ground. If the ground was empty or is now empty, the problems change as well.
+/// Emits signals for areas of changed ground. If the ground has become empty or is no longer empty,
+/// also emits `changed`, because that affects warnings.
 void ScatterGroundMeshes::tell(const std::vector<Rect> &areas, bool was_empty) {
-	const Ref<ScatterGround> held(this); // A handler of changes may release it.
+	const Ref<ScatterGround> held(this); // A signal handler may release the ground.
 	const bool turned = was_empty != is_empty();
 	for (const Rect &area : areas) {
 		emit_ground_changed(to_engine(area));
@@ -169,6 +151,43 @@ void ScatterGroundMeshes::set_group(const StringName &p_group) {
 
 StringName ScatterGroundMeshes::get_group() const { return group_; }
 
+/// The shell of a mesh that was read for a different planet is unknown, and so is unlimited.
+GroundShell ScatterGroundMeshes::shell(std::uint64_t host, const Planet &planet) const {
+	GroundShell result;
+	const auto world = worlds_.find(host);
+	if (world == worlds_.end()) {
+		return result;
+	}
+	for (const auto &[id, part] : *world->second.parts) {
+		result.add(part->planet == planet ? part->shell : GroundShell::everywhere());
+	}
+	return result;
+}
+
+void ScatterGroundMeshes::set_planet_radius(double p_radius) {
+	if (accept_number(class_name, "planet_radius", p_radius, 0.0, max_planet_radius) &&
+			std::exchange(planet_.radius, p_radius) != p_radius) {
+		stale_ = true; // The shell of each mesh must be recomputed.
+		emit_changed();
+	}
+}
+
+void ScatterGroundMeshes::set_planet_center(const Vector3 &p_center) {
+	const glm::dvec3 center = to_core(p_center);
+	for (const auto &[property, value] : {std::pair("planet_center.x", center.x),
+				 std::pair("planet_center.y", center.y), std::pair("planet_center.z", center.z)}) {
+		if (!accept_number(class_name, property, value, -height_limit, height_limit)) {
+			return;
+		}
+	}
+	if (std::exchange(planet_.center, center) != center) {
+		stale_ = true;
+		emit_changed();
+	}
+}
+
+Vector3 ScatterGroundMeshes::get_planet_center() const { return to_engine(planet_.center); }
+
 void ScatterGroundMeshes::_bind_methods() {
 	using Self = ScatterGroundMeshes;
 	bind_guarded<&Self::set_group>(D_METHOD("set_group", "group"));
@@ -176,6 +195,15 @@ void ScatterGroundMeshes::_bind_methods() {
 	bind_guarded<&Self::refresh>(D_METHOD("refresh"));
 	bind_guarded<&Self::source_changed>(ThreadUse::relayed, D_METHOD("_source_changed", "source"));
 	ADD_PROPERTY(PropertyInfo(Variant::STRING_NAME, "group"), "set_group", "get_group");
+	bind_guarded<&Self::set_planet_radius>(D_METHOD("set_planet_radius", "radius"));
+	bind_guarded<&Self::get_planet_radius>(D_METHOD("get_planet_radius"));
+	bind_guarded<&Self::set_planet_center>(D_METHOD("set_planet_center", "center"));
+	bind_guarded<&Self::get_planet_center>(D_METHOD("get_planet_center"));
+	ADD_GROUP("Planet", "planet_");
+	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, "planet_radius", PROPERTY_HINT_RANGE, "0,10000,0.1,or_greater,suffix:m"),
+			"set_planet_radius", "get_planet_radius");
+	ADD_PROPERTY(PropertyInfo(Variant::VECTOR3, "planet_center", PROPERTY_HINT_NONE, "suffix:m"), "set_planet_center",
+			"get_planet_center");
 }
 
 } // namespace thicket

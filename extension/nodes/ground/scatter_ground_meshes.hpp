@@ -2,11 +2,11 @@
 
 #include "nodes/common/guard.hpp"
 #include "nodes/common/worker_task.hpp"
+#include "nodes/ground/ground_pieces.hpp"
 #include "nodes/ground/ground_watch.hpp"
 #include "nodes/ground/mesh_parts.hpp"
 #include "nodes/ground/scatter_ground.hpp"
 
-#include <godot_cpp/classes/mesh_instance3d.hpp>
 #include <godot_cpp/variant/string_name.hpp>
 
 #include <glm/vec3.hpp>
@@ -20,10 +20,11 @@
 
 namespace thicket {
 
-/// The meshes of all MeshInstance3Ds in a group of the scene, seen from above. They are read when a node first needs
-/// the ground. From then on, if an instance is added, removed, moved or changed, the ground follows within about half a
-/// second. The main thread copies a mesh's data from the renderer, in steps. A worker then builds the ground. The
-/// previous ground remains until then.
+/// Ground from the meshes and collision shapes of a group of nodes (see GroundMembers). The meshes
+/// are first read when a node needs the ground. From then on, if a node is added, removed, moved or
+/// changed, the ground follows within about half a second. The main thread copies mesh data from
+/// the renderer in steps, and a worker builds the ground from the copies. The previous ground
+/// remains in use until then.
 class ScatterGroundMeshes : public ScatterGround {
 	GDCLASS(ScatterGroundMeshes, ScatterGround)
 	THICKET_GUARDED_METHODS(owner)
@@ -31,17 +32,33 @@ class ScatterGroundMeshes : public ScatterGround {
 public:
 	static constexpr const char *class_name = "ScatterGroundMeshes";
 
-	/// The group, in the scene tree of the TerrainScatter3D that uses this ground. If empty, there is no ground.
+	/// Sets the name of the group in the scene tree of the host. If the name is empty, there is no
+	/// ground.
 	void set_group(const godot::StringName &p_group);
 	godot::StringName get_group() const;
 
-	/// Rereads all meshes immediately, and reports where meshes were added, removed, moved or changed.
+	/// Rereads all meshes synchronously, and emits signals where meshes were added, removed, moved
+	/// or changed.
 	void refresh();
 
 	bool is_behind() const override;
 	bool is_pending(std::uint64_t host) const override;
 	void finish_reading() override;
 	GroundFigures figures() const override { return figures_; }
+	bool has_surfaces() const override { return true; }
+	Planet planet() const override { return planet_; }
+	GroundShell shell(std::uint64_t host, const Planet &planet) const override;
+
+	/// Sets the radius of the planet that the meshes form, 0 to max_planet_radius meters. If it is
+	/// 0, the ground is not a planet.
+	void set_planet_radius(double p_radius);
+	double get_planet_radius() const { return planet_.radius; }
+
+	/// Sets the center of the planet, in world meters.
+	void set_planet_center(const godot::Vector3 &p_center);
+	godot::Vector3 get_planet_center() const;
+
+	static constexpr double max_planet_radius = 1e6;
 
 protected:
 	static void _bind_methods();
@@ -55,17 +72,16 @@ protected:
 	bool distrust() override;
 
 private:
-	/// A mesh that was read for an instance.
+	/// A mesh that was just read for an instance.
 	struct FreshCopy {
 		std::uint64_t id = 0;
 		std::uint64_t version = 0;
 		std::shared_ptr<const MeshCopy> copy;
 	};
-	using Worlds = std::map<std::uint64_t, GroundWorld>; ///< By the hosts' IDs.
+	using Worlds = std::map<std::uint64_t, GroundWorld>; ///< The ground of each host, keyed by host ID.
 
 	bool is_in_scene() const;
-	std::vector<godot::Variant> members() const;
-	GroundWatch::Look look() const;
+	GroundWatch::Look look();
 	void list_members(bool changed);
 	void begin();
 	void queue_all();
@@ -74,6 +90,7 @@ private:
 	void plan_next();
 	bool plan(std::uint64_t id);
 	std::vector<MeshReading> readings_of(std::uint64_t id, const GroundSight &sight) const;
+	GroundSight seen_from(const GroundSpace &space, std::uint64_t id, const GroundSight &sight) const;
 	void read_step();
 	bool lacks_ground() const;
 	void build(bool wait);
@@ -86,25 +103,30 @@ private:
 	void source_changed(int64_t p_source);
 
 	godot::StringName group_;
+	Planet planet_;
 	GroundWatch watch_{this, "_source_changed"};
+	GroundMembers members_;
 	Worlds worlds_;
-	std::shared_ptr<const TriangleParts> last_; ///< The ground of the first host, for a caller without one.
-	bool stale_ = true;                         ///< True if the group must be listed, and all of it read.
-	bool reading_all_ = false;                  ///< True once the listing has begun.
-	int64_t listed_ = 0;                        ///< The number of nodes in the group when it was listed.
+	/// The ground of the first host, for callers without a host.
+	std::shared_ptr<const TriangleParts> last_;
+	bool stale_ = true; ///< True if the group must be reread completely.
+	/// True from the listing of the group until all of it is built.
+	bool reading_all_ = false;
+	int64_t listed_ = 0; ///< The result of GroundMembers::count() when the group was last listed.
 
-	// A change passes through these in order.
-	std::vector<std::uint64_t> queue_;  ///< Instances to check, and to read.
-	MeshReader reader_;                 ///< Reads the mesh of the last of them.
-	FreshCopy fresh_;                   ///< The mesh of that instance, once it is read.
-	std::vector<MeshReading> readings_; ///< Meshes that are read and wait for the builder.
+	// A change passes through the following members in order.
+	std::vector<std::uint64_t> queue_;  ///< IDs of instances to check and read.
+	MeshReader reader_;                 ///< Reads the mesh of the queue's last instance.
+	FreshCopy fresh_;                   ///< The mesh of that instance once it is read.
+	std::vector<MeshReading> readings_; ///< Meshes that wait for the builder.
 	std::vector<std::uint64_t> gone_;
 	WorkerTask<MeshWork> builder_;
-	bool building_ = false; ///< False if the builder only frees memory.
+	bool building_ = false; ///< True unless the builder is idle or only frees memory.
 
-	std::map<std::uint64_t, std::pair<std::uint64_t, std::weak_ptr<const MeshCopy>>>
-			copies_;                                  ///< By source, with its version.
-	std::map<std::uint64_t, godot::String> refusals_; ///< Why an instance is not ground, by its ID.
+	/// The version and the copy of each mesh, by source ID.
+	std::map<std::uint64_t, std::pair<std::uint64_t, std::weak_ptr<const MeshCopy>>> copies_;
+	/// The reasons why instances are not ground, by instance ID.
+	std::map<std::uint64_t, godot::String> refusals_;
 	std::vector<std::shared_ptr<const void>> unneeded_;
 	GroundFigures figures_;
 };

@@ -1,13 +1,13 @@
-// How a ground of meshes follows the scene: a change is detected, its meshes are copied in steps, a worker builds them, and hosts are
-// notified of changed ground.
+// This file makes ScatterGroundMeshes follow the scene. It detects changes, copies the meshes in
+// steps, lets a worker build the ground, and emits signals for changed areas.
 
 #include "nodes/ground/scatter_ground_meshes.hpp"
 
 #include "nodes/common/convert.hpp"
 #include "nodes/common/property_check.hpp"
+#include "nodes/common/relative_transform.hpp"
 #include "nodes/ground/changed_areas.hpp"
 
-#include <godot_cpp/classes/scene_tree.hpp>
 #include <godot_cpp/core/error_macros.hpp>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ String name_of(const Variant &p_node) {
 	return node != nullptr ? String(node->get_name()) : String("?");
 }
 
-/// The problem of a mesh, in a sentence or two that name its node.
+/// Describes why a mesh was refused, with the name of its node and a remedy.
 String refusal_of(const String &p_name, const MeshReading &reading) {
 	const bool misplaced = std::string_view(reading.status.property) == "corners" &&
 			(reading.status.code == ErrorCode::not_finite || reading.status.code == ErrorCode::out_of_range);
@@ -50,12 +50,14 @@ String refusal_of(const String &p_name, const MeshReading &reading) {
 			remedy;
 }
 
-/// The world in a list that is the same as `world`, or was before the work; null if there is none.
+/// Finds the result of the work that began with the state of `world`; null if there is none.
 const GroundWorld *find_world(const std::vector<GroundWorld> &worlds, const GroundWorld &world) {
 	const auto found = std::ranges::find_if(worlds,
-			[&](const GroundWorld &other) { return other.offset == world.offset && other.before == world.parts; });
+			[&](const GroundWorld &other) { return other.space == world.space && other.before == world.parts; });
 	return found != worlds.end() ? &*found : nullptr;
 }
+
+GroundSpace space_of(const GroundHost &host) { return {host.offset, host.local ? host.id : 0}; }
 
 } // namespace
 
@@ -79,10 +81,10 @@ void ScatterGroundMeshes::follow() {
 	}
 	if (builder_.finish(false)) {
 		take_built();
-		return; // A script that was called may have done anything.
+		return; // Signal handlers may have changed anything.
 	}
 	if (!stale_) {
-		if (first_node()->get_tree()->get_node_count_in_group(group_) != listed_) {
+		if (members_.count(first_node(), group_) != listed_) {
 			list_members(true);
 		}
 		figures_.checks = watch_.look(look());
@@ -92,10 +94,12 @@ void ScatterGroundMeshes::follow() {
 	}
 	if (stale_) {
 		begin();
-	} else if (queue_.empty() && watch_.due()) {
-		list_members(true); // One node may have been added while a different one was removed.
-		const std::set<std::uint64_t> changed = watch_.take_changed();
-		queue_.assign(changed.rbegin(), changed.rend());
+	} else if (queue_.empty() && watch_.restless()) {
+		if (const std::set<std::uint64_t> changed = watch_.take_changed(); !changed.empty()) {
+			queue_.assign(changed.rbegin(), changed.rend());
+			// List again, because one node may have been added while another was removed.
+			list_members(true);
+		}
 	}
 	add_worlds();
 	read_some(deadline());
@@ -105,8 +109,8 @@ void ScatterGroundMeshes::finish_reading() {
 	const auto pending = [this] {
 		return std::ranges::any_of(hosts(), [this](const GroundHost &host) { return is_pending(host.id); });
 	};
-	// Twice, because the meshes that are being built may belong to a previous group. If a script sets further groups in between, they are
-	// read a frame later.
+	// Run at most two rounds, because the meshes that are being built may belong to a previous
+	// group. Groups that signal handlers set in the meantime are read in the next frame.
 	for (int round = 0; round < 2 && pending(); ++round) {
 		if (builder_.finish(true)) {
 			take_built();
@@ -120,7 +124,7 @@ void ScatterGroundMeshes::finish_reading() {
 	}
 }
 
-/// Lists the group, and queues all of it for reading.
+/// Lists the group and queues all of it for reading.
 void ScatterGroundMeshes::begin() {
 	builder_.finish(true);
 	stale_ = false;
@@ -144,31 +148,33 @@ void ScatterGroundMeshes::queue_all() {
 	queue_.assign(all.rbegin(), all.rend());
 }
 
-/// Each host has a world. Hosts with the same position of the origin share it.
+/// Adds a world for each new host. Hosts with the same space start with the same ground.
 void ScatterGroundMeshes::add_worlds() {
 	for (const GroundHost &host : hosts()) {
+		const GroundSpace space = space_of(host);
 		const auto found = worlds_.find(host.id);
 		if (found != worlds_.end() && found->second.ground != nullptr) {
-			found->second.offset = host.offset;
+			found->second.space = space;
 			continue;
 		}
 		const auto same = std::ranges::find_if(hosts(), [&](const GroundHost &other) {
 			const auto world = worlds_.find(other.id);
-			return other.offset == host.offset && world != worlds_.end() && world->second.ground != nullptr;
+			return space_of(other) == space && world != worlds_.end() && world->second.ground != nullptr;
 		});
 		if (same != hosts().end()) {
-			// For the same position of the origin, the ground is the same.
+			// In the same space, the ground is the same.
 			worlds_[host.id] = worlds_.at(same->id);
 		} else if (found == worlds_.end()) {
-			worlds_[host.id] = {host.offset, std::make_shared<GroundMeshes>(), nullptr, nullptr, {}, {}};
+			worlds_[host.id] = {space, std::make_shared<GroundMeshes>(), nullptr, nullptr, {}, {}};
 			queue_all();
 		} else {
-			found->second.offset = host.offset;
+			found->second.space = space;
 		}
 	}
 }
 
-/// Processes the next instances of the queue, until the deadline. After the last of them, all meshes that were read are passed to a worker.
+/// Processes the next instances of the queue until the deadline. After the last one, starts a
+/// worker that builds everything that was read.
 void ScatterGroundMeshes::read_some(Clock::time_point deadline) {
 	bool has_read = false;
 	for (std::size_t looked = 0; !queue_.empty() && looked < GroundWatch::nodes_per_frame;) {
@@ -193,7 +199,8 @@ bool ScatterGroundMeshes::lacks_ground() const {
 	return std::ranges::any_of(worlds_, [](const auto &world) { return world.second.ground == nullptr; });
 }
 
-/// Reads all queued instances, and makes a worker build everything that was read.
+/// Starts a worker that builds everything that was read. If `wait` is true, first reads all queued
+/// instances, and builds synchronously.
 void ScatterGroundMeshes::build(bool wait) {
 	while (wait && !queue_.empty()) {
 		if (reader_.busy()) {
@@ -203,7 +210,7 @@ void ScatterGroundMeshes::build(bool wait) {
 		}
 	}
 	if (builder_.busy()) {
-		return; // A mesh's script has started other work.
+		return; // A script of a mesh has started other work.
 	}
 	MeshWork work{std::exchange(readings_, {}), std::exchange(gone_, {}), {}, std::exchange(unneeded_, {})};
 	building_ = reading_all_ || !work.readings.empty() || !work.gone.empty() || lacks_ground();
@@ -219,16 +226,18 @@ void ScatterGroundMeshes::build(bool wait) {
 	}
 }
 
-/// Takes the last instance out of the queue, unless its mesh must be read.
+/// Plans the work for the last instance of the queue and removes it, unless its mesh must be read
+/// first.
 void ScatterGroundMeshes::plan_next() {
 	const std::uint64_t id = queue_.back();
-	queue_.pop_back(); // First, because a refusal may be reported to scripts, which may do anything.
+	queue_.pop_back(); // Remove the instance first, because `plan` may run scripts.
 	if (!plan(id)) {
 		queue_.push_back(id);
 	}
 }
 
-/// Records the work for an instance, for the worlds in which it has changed. False if its mesh must be read first.
+/// Records the work for an instance in all worlds in which it has changed. Returns false if its
+/// mesh must be read first.
 bool ScatterGroundMeshes::plan(std::uint64_t id) {
 	const Variant *watched = watch_.node(id);
 	const Variant node = watched != nullptr ? *watched : Variant();
@@ -247,11 +256,12 @@ bool ScatterGroundMeshes::plan(std::uint64_t id) {
 	}
 	const FreshCopy fresh = std::exchange(fresh_, {});
 	const bool just_read = fresh.copy != nullptr && fresh.id == id;
-	// A mesh that changes whenever it is read keeps the version at which it was read.
+	// Use the version at which the mesh was read. Otherwise a mesh that changes while it is read
+	// would be reread forever.
 	sight.version = just_read ? fresh.version : watch_.version(sight.source);
 	std::vector<MeshReading> readings = readings_of(id, sight);
 	if (readings.empty()) {
-		// It is unchanged in all worlds.
+		// The instance is unchanged in all worlds.
 		refusals_.erase(id);
 		return true;
 	}
@@ -261,7 +271,15 @@ bool ScatterGroundMeshes::plan(std::uint64_t id) {
 		copy = known->second.second.lock();
 	}
 	if (copy == nullptr) {
-		reader_.start(Ref<Mesh>(Object::cast_to<Mesh>(source)), sight.version);
+		std::vector<GroundPiece> pieces = GroundMembers::pieces(node);
+		if (pieces.empty() && Object::cast_to<Shape3D>(source) != nullptr) {
+			refuse(id,
+					vformat("%s: the collision shape of \"%s\" has no triangles, so it cannot be ground. Use another "
+							"shape, or remove its body from the group.",
+							class_name, name_of(node)));
+			return true;
+		}
+		reader_.start(std::move(pieces), sight.source, sight.version);
 		return false;
 	}
 	for (MeshReading &reading : readings) {
@@ -271,20 +289,38 @@ bool ScatterGroundMeshes::plan(std::uint64_t id) {
 	return true;
 }
 
+/// Returns the sight of a node with its transform in a host's space. `sight` may be in a different
+/// one.
+GroundSight ScatterGroundMeshes::seen_from(const GroundSpace &space, std::uint64_t id, const GroundSight &sight) const {
+	GroundSight seen = sight;
+	const auto host = std::ranges::find(hosts(), space.host, &GroundHost::id);
+	const Variant *watched = watch_.node(id);
+	const auto *node = watched != nullptr ? Object::cast_to<Node3D>(watched->get_validated_object()) : nullptr;
+	if (node == nullptr) {
+		return seen;
+	}
+	seen.frame = host != hosts().end() && host->node->is_inside_tree() ? relative_transform(*host->node, *node)
+																	   : node->get_global_transform();
+	return seen;
+}
+
 std::vector<MeshReading> ScatterGroundMeshes::readings_of(std::uint64_t id, const GroundSight &sight) const {
 	std::vector<MeshReading> added;
 	for (const auto &[host, world] : worlds_) {
 		const auto part = world.parts->find(id);
 		const std::shared_ptr<const GroundMesh> before = part != world.parts->end() ? part->second : nullptr;
-		const bool begun = std::ranges::find(added, world.offset, &MeshReading::offset) != added.end();
-		if (!begun && (before == nullptr || !same_in_world(before->sight, before->offset, sight, world.offset))) {
-			added.push_back({id, sight, world.offset, nullptr, before, {}, glm::dvec3(0.0), nullptr});
+		const bool begun = std::ranges::find(added, world.space, &MeshReading::space) != added.end();
+		const GroundSight seen = seen_from(world.space, id, sight);
+		const bool same = before != nullptr && before->planet == planet_ && before->space.host == world.space.host &&
+				same_in_world(before->sight, before->space.offset, seen, world.space.offset);
+		if (!begun && !same) {
+			added.push_back({id, seen, world.space, nullptr, before, planet_, {}, glm::dvec3(0.0), nullptr});
 		}
 	}
 	return added;
 }
 
-/// Reads one surface of the mesh of the queue's last instance.
+/// Reads one surface for the queue's last instance.
 void ScatterGroundMeshes::read_step() {
 	const std::uint64_t source = reader_.source();
 	const std::uint64_t version = reader_.version();
@@ -295,7 +331,7 @@ void ScatterGroundMeshes::read_step() {
 	}
 }
 
-/// Applies the built meshes to the ground.
+/// Applies the worker's result to the ground and emits signals.
 void ScatterGroundMeshes::take_built() {
 	const bool was_empty = is_empty();
 	const MeshWork work = builder_.take();
@@ -319,7 +355,9 @@ void ScatterGroundMeshes::take_built() {
 		world = *built;
 		world.before = nullptr;
 		if (world.ground == nullptr) {
-			world.ground = std::make_shared<TriangleParts>(); // There is nothing to wait for: its error was printed.
+			// Use empty ground after an error, which was printed, because there is nothing to wait
+			// for.
+			world.ground = std::make_shared<TriangleParts>();
 		}
 	}
 	std::erase_if(copies_, [](const auto &copy) { return copy.second.second.expired(); });
@@ -328,7 +366,7 @@ void ScatterGroundMeshes::take_built() {
 	tell(areas, was_empty);
 }
 
-/// A mesh that was already refused is only reported again for a different reason.
+/// Updates the list of refused meshes.
 void ScatterGroundMeshes::take_refusals(const MeshWork &work) {
 	for (const MeshReading &reading : work.readings) {
 		const Variant *node = watch_.node(reading.id);
@@ -343,7 +381,7 @@ void ScatterGroundMeshes::take_refusals(const MeshWork &work) {
 void ScatterGroundMeshes::refuse(std::uint64_t id, const String &p_why) {
 	String &why = refusals_[id];
 	if (why == p_why) {
-		// This reason was already printed.
+		// The same error was already printed, so do not repeat it.
 		return;
 	}
 	why = p_why;

@@ -7,6 +7,7 @@
 #include <godot_cpp/core/error_macros.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -17,7 +18,8 @@ namespace thicket {
 
 namespace {
 
-/// The limit of a float, because raster files mark holes with the lowest one.
+/// The largest float. Raster files often mark holes with the lowest float, so all floats are
+/// allowed.
 constexpr double max_no_ground_height = std::numeric_limits<float>::max();
 
 } // namespace
@@ -60,22 +62,41 @@ std::shared_ptr<const Terrain> ScatterGroundNode::ground_for(const GroundHost &h
 
 Status ScatterGroundNode::sample_for(const GroundHost &host, std::span<const glm::dvec2> positions,
 		const GroundNeeds &needs, std::span<Ground> r_ground) {
-	const std::shared_ptr<const Terrain> ground = ground_for(host); // A script that is called may change the property.
+	// Use a copy, because a script that is called may change the property.
+	const std::shared_ptr<const Terrain> ground = ground_for(host);
 	if (ground == nullptr) {
 		return Status::missing("ScatterGroundNode.node", "Set it to a node in the tree that has get_height()");
 	}
 	return ground->query(positions, needs, r_ground);
 }
 
-/// Finds the node and the kind of ground that it provides. That may run its script, which may do anything: change the path, free the node
-/// or the host, or request the ground. The next call then searches again.
+Status ScatterGroundNode::recheck_for(
+		const GroundHost &host, std::span<const glm::dvec2> positions, std::span<std::optional<float>> r_heights) {
+	const std::shared_ptr<ObjectGround> ground = ground_; // A called script may release `ground_`.
+	const Status status = ScatterGround::recheck_for(host, positions, r_heights);
+	const auto given = grounds_.find(host.id);
+	const auto *called = ground != nullptr && given != grounds_.end() && copy_ == nullptr
+			? static_cast<const ObjectGround *>(given->second.get())
+			: nullptr;
+	const std::shared_ptr<const Terrain> held = called != nullptr ? given->second : nullptr;
+	for (std::size_t i = 0; i < positions.size() && called != nullptr; ++i) {
+		if (r_heights[i] && !std::isfinite(*r_heights[i]) && !called->knows(positions[i])) {
+			r_heights[i] = std::nullopt;
+		}
+	}
+	return status;
+}
+
+/// Finds the node and determines its kind of ground. May run the node's script, which may do
+/// anything, such as change the path, free the node or the host, or request the ground. If the
+/// script has invalidated the result, the next call searches again.
 void ScatterGroundNode::find() {
 	const Node3D *from = first_node();
 	if (finding_ || from == nullptr || !from->is_inside_tree()) {
 		return;
 	}
 	if (!stale_ && is_available()) {
-		// The node that was found still exists.
+		// The node still exists.
 		return;
 	}
 	stale_ = false;
@@ -92,7 +113,7 @@ ScatterGroundNode::Found ScatterGroundNode::look() const {
 	Found found;
 	found.target = String(node_).is_empty() ? nullptr : from->get_node_or_null(node_);
 	if (found.target.get_validated_object() != nullptr) {
-		const std::shared_ptr<const GroundCopy> before = copy_; // Scripts that are called may release it.
+		const std::shared_ptr<const GroundCopy> before = copy_; // Scripts may release the copy.
 		found.attempt = copy_ground(found.target, before.get());
 		if (found.attempt.copy == nullptr) {
 			found.ground = ObjectGround::of(found.target, limits());
@@ -133,18 +154,19 @@ void ScatterGroundNode::take(const Found &found) {
 	const String recognized = !usable ? String()
 			: copied                  ? copy_->description()
 									  : vformat("%s, queried position by position", target->get_class());
-	if (target != nullptr) { // Also an unusable node, because it may become usable once it is back.
+	// Also follow an unusable node, because it may become usable later.
+	if (target != nullptr) {
 		const bool asked = usable && !copied;
 		follow_node(target, asked ? ground_->source() : found.attempt.data.get_validated_object());
 	}
 	set_recognized(recognized);
 }
 
-/// The distance that the engine's origin has moved in the world since the offsets `before` of the hosts. Empty if it is
-/// not the same for all hosts.
+/// Returns how far the engine's origin has moved in the world, given the previous offsets of the
+/// hosts. Returns nothing if the hosts have moved differently.
 std::optional<glm::dvec3> ScatterGroundNode::shift_since(std::span<const glm::dvec3> before) const {
 	if (before.size() != offsets_.size()) {
-		return glm::dvec3(0.0); // Hosts were added or removed, and request the ground themselves.
+		return glm::dvec3(0.0); // Hosts were added or removed, and will request the ground.
 	}
 	std::optional<glm::dvec3> shift = glm::dvec3(0.0);
 	for (std::size_t i = 0; i < before.size() && shift; ++i) {
@@ -154,7 +176,8 @@ std::optional<glm::dvec3> ScatterGroundNode::shift_since(std::span<const glm::dv
 	return shift;
 }
 
-/// Reports the changes since the last copy, unless it is already known that all of the ground has changed.
+/// Stores a new copy. Records the changes since the last one, unless hosts were already notified
+/// that everything has changed.
 void ScatterGroundNode::take_copy(const Found &found) {
 	const std::shared_ptr<const GroundCopy> before = std::exchange(copy_, found.attempt.copy);
 	ground_ = nullptr;
@@ -197,7 +220,8 @@ String ScatterGroundNode::problem_of(const Found &found, bool in_tree, bool usab
 		return {};
 	}
 	if (String(node_).is_empty()) {
-		return "ScatterGroundNode.node is missing: choose a node that has get_height(), like Terrain3D or HTerrain.";
+		return "ScatterGroundNode.node is missing: choose a node that has get_height(), like Terrain3D, HTerrain or "
+			   "MTerrain.";
 	}
 	if (!in_tree) {
 		return vformat("ScatterGroundNode.node: there is no node at \"%s\" from the TerrainScatter3D.", node_);
@@ -205,6 +229,16 @@ String ScatterGroundNode::problem_of(const Found &found, bool in_tree, bool usab
 	if (found.attempt.plugin != GroundPlugin::none) {
 		return vformat("ScatterGroundNode.node: \"%s\" (%s) %s.", node_, String(name_of(found.attempt.plugin)),
 				found.attempt.refusal);
+	}
+	if (is_post_grid(found.target)) {
+		return vformat(
+				"ScatterGroundNode.node: \"%s\" (MTerrain) has not created its grid. Set its property create, or "
+				"call create_grid().",
+				node_);
+	}
+	if (thicket::has_method(found.target, "get_voxel_tool")) {
+		return vformat("ScatterGroundNode.node: \"%s\" (%s) has voxels and no heights. Use a ScatterGroundColliders.",
+				node_, found.target.get_validated_object()->get_class());
 	}
 	return vformat("ScatterGroundNode.node: \"%s\" (%s) has no get_height(), nor data with get_height(), nor "
 				   "get_data() with get_interpolated_height_at(). A script must be a @tool script to work in the "
@@ -219,7 +253,8 @@ void ScatterGroundNode::set_recognized(const String &p_recognized) {
 	}
 }
 
-// Tiles in progress may hold an object that has been replaced. They may keep a copy.
+// Closes all objects that hosts have received, because tiles in progress may still use replaced
+// ones. Copies need not be closed.
 void ScatterGroundNode::close() {
 	present_ = false;
 	if (ground_ != nullptr) {

@@ -18,40 +18,46 @@
 
 namespace thicket {
 
-/// Ground that another node of the scene provides. The ground of Terrain3D and HTerrain is copied (GroundCopy). Any
-/// other node needs get_height(Vector3), which is called for each position (ObjectGround). While the node is missing or
-/// provides no ground, one error is printed, and existing instances stay.
+/// Ground from another node of the scene. Copies the ground of Terrain3D, HTerrain and TerraBrush
+/// nodes (GroundCopy). Any other node needs a method get_height(Vector3), which is called for each
+/// position (ObjectGround). While the node is missing or provides no ground, prints an error once,
+/// and existing instances stay unchanged.
 class ScatterGroundNode : public ScatterGround {
 	GDCLASS(ScatterGroundNode, ScatterGround)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
+	bool moves_with_host() const override { return false; }
 	bool has_textures() const override;
+	bool has_surfaces() const override { return copy_ != nullptr; }
 	bool is_available() const override;
 	void look_again() override { stale_ = stale_ || !telling_; }
 
-	/// A path relative to the TerrainScatter3D that uses this ground; to the first one if there are several.
+	/// Sets the path of the node, relative to the TerrainScatter3D that uses this ground, or to the
+	/// first one if there are several.
 	void set_node(const godot::NodePath &p_node);
 	godot::NodePath get_node() const;
 
-	/// True if the node's methods may be called on any thread, several at once. Ignored if the ground is copied.
+	/// Sets whether any thread may call the node's methods, and several threads at once. Has no
+	/// effect if the ground is copied.
 	void set_thread_safe(bool p_thread_safe);
 	bool is_thread_safe() const;
 
-	/// Limits the ground to this rectangle of the world, in meters of x and z. The node is not called outside of it. A
-	/// rectangle without an area sets no limit. A rectangle that is not finite or has a negative size prints an error
-	/// and is ignored. Has no effect if the ground is copied.
+	/// Limits the ground to a rectangle of the world's x and z, in meters. The node is not called
+	/// for positions outside. An empty rectangle sets no limit. A rectangle that is not finite or
+	/// has a negative size prints an error and is ignored. Has no effect if the ground is copied.
 	void set_bounds(const godot::Rect2 &p_bounds);
 	godot::Rect2 get_bounds() const;
 
-	/// Whether the height `no_ground_height` (finite, compared exactly) means that the node has no ground at a
-	/// position.
+	/// Sets whether a height that equals `no_ground_height` in single precision means that there is
+	/// no ground. Has no effect if the ground is copied.
 	void set_no_ground_enabled(bool p_enabled);
 	bool is_no_ground_enabled() const;
 	void set_no_ground_height(double p_height);
 	double get_no_ground_height() const;
 
-	/// A description of the kind of node that was recognized; empty if there is none.
+	/// Describes the recognized kind of node for the inspector. Returns an empty string if there is
+	/// none.
 	godot::String get_recognized() const;
 
 protected:
@@ -59,15 +65,19 @@ protected:
 	std::shared_ptr<const Terrain> make_snapshot(const GroundHost &host) override;
 	godot::String find_problem() override;
 	godot::String find_remark() override;
-	bool only_on_main_thread() override { return copy_ == nullptr && ground_ != nullptr && !thread_safe_; }
+	bool only_on_main_thread() override {
+		return copy_ == nullptr && ground_ != nullptr && (!thread_safe_ || ground_->needs_main_thread());
+	}
 	Status sample_for(const GroundHost &host, std::span<const glm::dvec2> positions, const GroundNeeds &needs,
 			std::span<Ground> r_ground) override;
 	bool can_change_unreported() const override { return copy_ == nullptr; }
+	Status recheck_for(const GroundHost &host, std::span<const glm::dvec2> positions,
+			std::span<std::optional<float>> r_heights) override;
 	void hosts_changed(bool first) override;
 	void offset_changed(const GroundHost &host) override;
 
 private:
-	/// The result of checking a node: a copy, an object to call, or neither.
+	/// The result of examining a node: a copy, an object to call, or neither.
 	struct Found {
 		godot::Variant target;
 		CopyAttempt attempt;
@@ -75,7 +85,7 @@ private:
 		GroundGlance glance;
 	};
 
-	/// The ground that a host has received, for tiles that are still in progress.
+	/// An object that a host has received. Tiles in progress may still use it.
 	struct Given {
 		std::uint64_t host = 0;
 		std::weak_ptr<ObjectGround> ground;
@@ -92,7 +102,7 @@ private:
 	void set_recognized(const godot::String &p_recognized);
 	void close();
 
-	// Following the node: scatter_ground_node_follow.cpp.
+	// These methods follow the node; see scatter_ground_node_follow.cpp.
 	void follow_node(godot::Node *p_target, godot::Object *p_source);
 	void unfollow_node();
 	void connect_signals(bool p_connect);
@@ -118,26 +128,31 @@ private:
 	bool no_ground_enabled_ = false;
 	double no_ground_height_ = 0.0;
 
-	/// The last usable ground: a copy, or an object in the engine's space. The object is closed when its node is freed.
+	/// The last usable ground: either a copy or an object, which is closed when its node is freed.
 	std::shared_ptr<const GroundCopy> copy_;
 	std::shared_ptr<ObjectGround> ground_;
-	bool present_ = false;                                            ///< True if the copied node exists.
-	std::map<std::uint64_t, std::shared_ptr<const Terrain>> grounds_; ///< The ground of each host, by the host's ID.
-	std::vector<glm::dvec3> offsets_;                                 ///< The offsets of all hosts, when it was copied.
-	std::vector<Given> given_; ///< All objects of that node; closed when it is freed.
+	/// True if the copied node is in the tree.
+	bool present_ = false;
+	/// The ground of each host by ID.
+	std::map<std::uint64_t, std::shared_ptr<const Terrain>> grounds_;
+	/// The offsets of all hosts when the ground was copied.
+	std::vector<glm::dvec3> offsets_;
+	std::vector<Given> given_; ///< All objects of the node that must be closed.
 
-	bool stale_ = true;          ///< True if the node must be found.
-	bool finding_ = false;       ///< True while the node is being found, which may run its script.
-	bool telling_ = false;       ///< True while this object itself emits an edit.
-	bool told_ = false;          ///< True if all users of the ground were notified that all of it has changed.
-	bool missed_ = false;        ///< True if the ground was requested while there was none.
-	bool edited_ = false;        ///< True if the plug-in has reported that some part of its ground has changed.
-	std::vector<MapEdit> edits_; ///< The edits that the plug-in has reported in detail.
-	GroundChanges changes_;      ///< Changes to emit.
-	GroundGlance glance_;        ///< The state of the node when it was found.
+	bool stale_ = true;    ///< True if the node must be searched for.
+	bool finding_ = false; ///< True during a search, which may run the node's script.
+	bool telling_ = false; ///< True while this object emits `ground_changed`.
+	/// True if all users were notified since the last search that the ground has changed
+	/// everywhere.
+	bool told_ = false;
+	bool missed_ = false;        ///< True if a host requested the ground while there was none.
+	bool edited_ = false;        ///< True if the ground must be copied again.
+	std::vector<MapEdit> edits_; ///< Reported edits of known areas.
+	GroundChanges changes_;      ///< Changes for which signals are still to be emitted.
+	GroundGlance glance_;        ///< The state of the node when it was last examined.
 
 	godot::String problem_;
-	godot::String reported_; ///< The problem that was printed last.
+	godot::String reported_; ///< The last printed problem.
 	godot::String remark_;
 	godot::String recognized_;
 	godot::Variant followed_node_;

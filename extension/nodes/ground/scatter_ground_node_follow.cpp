@@ -1,4 +1,5 @@
-// How a ScatterGroundNode follows its node: by signals, and by a check in each frame for changes that emit no signal.
+// This file makes ScatterGroundNode follow its node, through signals, and by polling every frame
+// for changes that emit no signal.
 
 #include "nodes/ground/scatter_ground_node.hpp"
 
@@ -17,10 +18,11 @@ namespace thicket {
 
 namespace {
 
-/// Heights between posts, and slopes, depend on this many posts around them.
+/// The distance in posts up to which posts affect the ground at a position, because of
+/// interpolation and slopes.
 constexpr real_t posts_around = 2;
 
-/// More areas than this are reported as a change of everything.
+/// The maximum number of areas to report. With more areas, everything counts as changed.
 constexpr std::size_t max_areas = 256;
 
 Rect2 grown(const Rect2 &rect, real_t by) {
@@ -42,7 +44,8 @@ void ScatterGroundNode::unfollow_node() {
 	followed_source_ = Variant();
 }
 
-// Only Terrain3D (maps_edited in the editor, the other maps and the region map) and HTerrain report edits, each in its own way.
+// Connects or disconnects the node's signals. Only the signals of Terrain3D (maps_edited in the
+// editor, and those for the other maps and the region map) and of HTerrain report edits.
 void ScatterGroundNode::connect_signals(bool p_connect) {
 	const auto set = [this, p_connect](Object *object, const StringName &signal, const StringName &method) {
 		if (object != nullptr && object->has_signal(signal)) {
@@ -58,7 +61,8 @@ void ScatterGroundNode::connect_signals(bool p_connect) {
 	if (!asked || map || !p_connect) {
 		set(source, "region_changed", "_map_edited");
 	}
-	if (!asked || !p_connect) { // The node is copied, or may be once it has everything that is required.
+	// The node is copied, or may be once it has all required data.
+	if (!asked || !p_connect) {
 		for (const char *const signal : {"transform_changed", "material_changed"}) {
 			set(node, signal, "_source_edited");
 		}
@@ -103,7 +107,9 @@ std::vector<glm::dvec3> ScatterGroundNode::host_offsets() const {
 }
 
 void ScatterGroundNode::offset_changed(const GroundHost &host) {
-	edited_ = true; // A copy contains positions in the engine's space, and the node may or may not have moved along.
+	// Compare copies again, because they contain positions in the engine's space, and the node may
+	// or may not have moved with the origin.
+	edited_ = true;
 	for (const Given &given : std::vector(given_)) {
 		const std::shared_ptr<ObjectGround> ground = given.host == host.id ? given.ground.lock() : nullptr;
 		if (ground != nullptr) {
@@ -126,7 +132,8 @@ void ScatterGroundNode::node_gone() {
 
 void ScatterGroundNode::node_moved(const Transform3D &) { change(); }
 
-/// Reports an edited area of the engine's space. It may have a different position in the world for each host.
+/// Emits `ground_changed` for an area in the engine's space, once for each world position that it
+/// has among the hosts.
 void ScatterGroundNode::emit_area(const Rect2 &p_rect) {
 	std::vector<glm::dvec2> corners;
 	for (const GroundHost &host : hosts()) {
@@ -135,7 +142,7 @@ void ScatterGroundNode::emit_area(const Rect2 &p_rect) {
 			corners.push_back(corner);
 		}
 	}
-	const Ref<ScatterGround> held(this); // A handler may release it.
+	const Ref<ScatterGround> held(this); // A signal handler may release the ground.
 	const bool told_before = std::exchange(telling_, true);
 	for (const glm::dvec2 corner : corners) {
 		emit_ground_changed(Rect2(to_engine(corner), p_rect.size));
@@ -150,15 +157,16 @@ void ScatterGroundNode::area_edited(const AABB &p_area) {
 	emit_area(grown({p_area.position.x, p_area.position.z, p_area.size.x, p_area.size.z}, margin));
 }
 
-/// In the editor, this signal is emitted in addition to the area of each stroke, and would regenerate all ground each
-/// time.
+/// Handles the signal `maps_changed`. In the editor the signal is ignored, because it accompanies
+/// the edited area of each brush stroke and would regenerate all tiles each time.
 void ScatterGroundNode::maps_changed() {
 	if (!in_editor()) {
 		change();
 	}
 }
 
-/// HTerrain up to 1.8 passes x, z, width, depth and the channel; later versions pass a Rect2i, the channel and the index of the map.
+/// Handles an edit of the map. HTerrain up to version 1.8 passes x, z, width, depth and the kind of
+/// map. Later versions pass a Rect2i, the kind of map and the index of the map.
 void ScatterGroundNode::map_edited(const Variant &p_x, const Variant &p_z, const Variant &p_width,
 		const Variant &p_depth, const Variant &p_channel) {
 	Rect2i edited;
@@ -169,13 +177,13 @@ void ScatterGroundNode::map_edited(const Variant &p_x, const Variant &p_z, const
 		edited = {Vector2i(static_cast<int32_t>(p_x), static_cast<int32_t>(p_z)),
 				Vector2i(static_cast<int32_t>(p_width), static_cast<int32_t>(p_depth))};
 	} else {
-		change(); // Reported in an unknown way: anything may have changed.
+		change(); // Unknown arguments, so anything may have changed.
 		return;
 	}
 	const std::int64_t channel = is_rect ? p_z : p_channel;
 	if (present_) {
 		edited_ = edited_ || edits_.size() >= max_areas;
-		// The older way does not specify which of several maps it was.
+		// The older arguments do not include the index of the map.
 		edits_.push_back({channel, is_rect && is_number(p_width) ? static_cast<std::int64_t>(p_width) : -1, edited});
 	} else if (!is_available()) {
 		edited_ = true;
@@ -187,10 +195,12 @@ void ScatterGroundNode::map_edited(const Variant &p_x, const Variant &p_z, const
 	}
 }
 
-/// Changes of a copied ground are found by comparing, once per frame.
+/// Records that a copied ground may have changed. `poll` copies it again and compares, at most once
+/// per frame.
 void ScatterGroundNode::source_edited(const Variant &, const Variant &) { edited_ = true; }
 
-/// Called in each frame: detects nodes that were added, removed or replaced without a signal, and processes reported changes.
+/// Detects nodes that were added, removed or replaced without a signal, and processes reported
+/// changes. Called every frame.
 void ScatterGroundNode::poll() {
 	const Ref<ScatterGround> held(this);
 	const Node3D *from = first_node();
@@ -209,10 +219,16 @@ void ScatterGroundNode::poll() {
 		change();
 		return;
 	}
+	if (present_ && !edited_) {
+		const std::shared_ptr<const GroundCopy> copy = copy_; // A called script may release `copy_`.
+		finding_ = true;
+		edited_ = copy->is_outdated(target) || edited_;
+		finding_ = false;
+	}
 	if (present_ && (edited_ || !edits_.empty())) {
 		copy_again();
 	} else if (std::exchange(edited_, false) && !is_available()) {
-		change(); // The node may now have the data that it lacked.
+		change(); // The node may now have the data that it lacked before.
 		return;
 	}
 	tell();
@@ -235,7 +251,7 @@ void ScatterGroundNode::copy_again() {
 	finding_ = false;
 	edited_ = false;
 	if (found.attempt.copy == nullptr) {
-		change(); // It is found again in its current state.
+		change(); // The next search examines the node again.
 	} else if (!stale_) {
 		take(found);
 	}

@@ -1,8 +1,10 @@
-// Terrain3D (github.com/TokisanGames/Terrain3D), versions 1.0 and later: src/terrain_3d_data.h, src/terrain_3d_region.h.
+// This file copies the ground of Terrain3D (github.com/TokisanGames/Terrain3D), versions 1.0 and
+// later. Terrain3D defines it in src/terrain_3d_data.h and src/terrain_3d_region.h.
 
 #include "nodes/ground/ground_copy.hpp"
 
 #include "core/terrain/region_field.hpp"
+#include "nodes/ground/region_copy.hpp"
 #include "nodes/ground/shared_pixels.hpp"
 #include "nodes/ground/terrain_map.hpp"
 
@@ -14,6 +16,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,82 +29,33 @@ namespace {
 
 constexpr int post_bytes = 4;
 
-class Terrain3DCopy final : public GroundCopy {
+class Terrain3DCopy final : public RegionCopy {
 public:
-	explicit Terrain3DCopy(RegionField field) : field_(std::move(field)) {}
+	Terrain3DCopy(RegionField field, std::vector<glm::ivec2> unloaded, String directory) :
+			RegionCopy(std::move(field), glm::dvec3(0.0), std::move(unloaded)), directory_(std::move(directory)) {}
 
 	GroundPlugin plugin() const override { return GroundPlugin::terrain3d; }
-
-	std::shared_ptr<const Terrain> at_offset(glm::dvec3 offset) const override {
-		return std::make_shared<RegionField>(field_.at_offset(offset));
-	}
 
 	bool has_textures() const override { return true; }
 
 	String description() const override {
 		return vformat("Terrain3D, copied: %d regions of %d x %d vertices, %s m apart",
-				static_cast<int64_t>(field_.regions().size()), field_.side(), field_.side(), field_.spacing());
+				static_cast<int64_t>(field().regions().size()), field().side(), field().side(), field().spacing());
 	}
 
 	String remark() const override {
-		return field_.regions().empty() ? String("has no regions: there is no ground yet.") : String();
+		return field().regions().empty() && unloaded().empty() ? String("has no regions: there is no ground yet.")
+															   : String();
 	}
 
-	GroundChanges changes_since(const GroundCopy &before, glm::dvec3 shift) const override;
+	const String &directory() const { return directory_; }
 
 private:
-	/// The area of the ground that depends on the posts of a rect: heights between it and the previous posts, and slopes up to the next
-	/// ones.
-	Rect2 area_of(glm::ivec2 location, const PixelRect &rect) const;
-	void add_changes(const FieldRegion &mine, const FieldRegion *theirs, GroundChanges &r_changes) const;
-
-	RegionField field_;
+	String directory_; ///< The directory from which the regions are loaded.
 };
 
-Rect2 Terrain3DCopy::area_of(glm::ivec2 location, const PixelRect &rect) const {
-	const glm::dvec2 first = (glm::dvec2(location * field_.side() + rect.min) - 2.0) * field_.spacing();
-	const glm::dvec2 size = (glm::dvec2(rect.size()) + 3.0) * field_.spacing();
-	return Rect2(static_cast<real_t>(first.x), static_cast<real_t>(first.y), static_cast<real_t>(size.x),
-			static_cast<real_t>(size.y));
-}
-
-void Terrain3DCopy::add_changes(const FieldRegion &mine, const FieldRegion *theirs, GroundChanges &r_changes) const {
-	const PixelRect all{glm::ivec2(0), glm::ivec2(field_.side())};
-	const auto add = [&](const PixelRect &rect) {
-		if (!rect.empty()) {
-			r_changes.areas.push_back(area_of(mine.location, rect));
-		}
-	};
-	if (theirs == nullptr || mine.controls.empty() != theirs->controls.empty()) {
-		add(all);
-		return;
-	}
-	add(mine.heights.difference(theirs->heights));
-	if (!mine.controls.empty()) {
-		add(mine.controls.difference(theirs->controls));
-	}
-}
-
-GroundChanges Terrain3DCopy::changes_since(const GroundCopy &before, glm::dvec3 shift) const {
-	GroundChanges changes;
-	const auto *const other = before.plugin() == plugin() ? static_cast<const Terrain3DCopy *>(&before) : nullptr;
-	changes.everywhere = other == nullptr || shift != glm::dvec3(0.0) || other->field_.side() != field_.side() ||
-			other->field_.spacing() != field_.spacing() || !(other->field_.paint() == field_.paint());
-	if (changes.everywhere) {
-		return changes;
-	}
-	for (const FieldRegion &region : field_.regions()) {
-		add_changes(region, other->field_.region_at(region.location), changes);
-	}
-	for (const FieldRegion &region : other->field_.regions()) {
-		if (field_.region_at(region.location) == nullptr) {
-			changes.areas.push_back(area_of(region.location, {glm::ivec2(0), glm::ivec2(field_.side())}));
-		}
-	}
-	return changes;
-}
-
-/// Reads one region. False, with a reason, for a region that differs from those of the known versions.
+/// Reads one region. Returns false with a reason if the region is not as in known versions of
+/// Terrain3D.
 bool read_region(const Variant &p_region, FieldRegion &r_region, String &r_refusal) {
 	const Variant location = result_of(p_region, "get_location");
 	if (location.get_type() != Variant::VECTOR2I) {
@@ -124,12 +78,14 @@ bool read_region(const Variant &p_region, FieldRegion &r_region, String &r_refus
 			read("get_control_map", "control map", r_region.controls);
 }
 
-/// Reads the parameters of the auto shader, as `Terrain3DData.get_texture_id` does. It is off without a material that has them.
+/// Reads the parameters of the auto shader as `Terrain3DData.get_texture_id` does. The auto shader
+/// counts as disabled if the material lacks them.
 AutoPaint read_paint(const Variant &p_node) {
 	AutoPaint paint;
 	const Variant material = result_of(p_node, "get_material");
 	Variant enabled;
-	for (const char *const method : {"get_auto_shader_enabled", "get_auto_shader"}) { // Since 1.1, and before.
+	// Since version 1.1, and before.
+	for (const char *const method : {"get_auto_shader_enabled", "get_auto_shader"}) {
 		if (enabled.get_type() != Variant::BOOL && has_method(material, method)) {
 			enabled = result_of(material, method);
 		}
@@ -138,7 +94,7 @@ AutoPaint read_paint(const Variant &p_node) {
 			!has_method(material, "get_shader_param")) {
 		return paint;
 	}
-	// Without a renderer, as on a server, the material only knows the saved parameters of its shader.
+	// Without a renderer, as on a server, the material only has the saved parameters of its shader.
 	const Object *object = material.get_validated_object();
 	const Variant stored = object != nullptr ? object->get("_shader_parameters") : Variant();
 	const Dictionary saved = stored.get_type() == Variant::DICTIONARY ? static_cast<Dictionary>(stored) : Dictionary();
@@ -150,7 +106,7 @@ AutoPaint read_paint(const Variant &p_node) {
 		const double given = is_number(value) ? static_cast<double>(value) : otherwise;
 		return std::isfinite(given) ? given : otherwise;
 	};
-	// The shader's own defaults: src/shaders/auto_shader.glsl.
+	// The defaults are those of the shader: src/shaders/auto_shader.glsl.
 	paint.enabled = true;
 	paint.slope = number("auto_slope", paint.slope);
 	paint.height_reduction = number("auto_height_reduction", 0.1);
@@ -176,9 +132,66 @@ bool read_regions(const Variant &p_data, std::vector<FieldRegion> &r_regions, St
 	return true;
 }
 
+/// Returns true if the node may load and unload regions while the game runs. No released version of
+/// Terrain3D does this. The method names are those of the proposals 675, 1004, 1006 and 1020 at
+/// github.com/TokisanGames/Terrain3D.
+bool streams_regions(const Variant &p_data) {
+	for (const char *const method : {"is_streaming", "get_enable_streaming"}) {
+		const Variant streams = has_method(p_data, method) ? result_of(p_data, method) : Variant();
+		if (streams.get_type() == Variant::BOOL && static_cast<bool>(streams)) {
+			return true;
+		}
+	}
+	return has_method(p_data, "unload_region");
+}
+
+/// Returns true if a region that is no longer active was unloaded, not removed. A removed region
+/// stays in the data, marked as deleted, until the terrain is saved. Proposal 675 also marks unloaded
+/// regions as deleted, so with it, every inactive region counts as unloaded.
+bool is_unloaded(const Variant &p_data, glm::ivec2 location) {
+	constexpr std::int64_t state_unloaded = 1;
+	const Variant at = Vector2i(location.x, location.y);
+	if (has_method(p_data, "get_region_load_state")) {
+		const Variant state = result_of(p_data, "get_region_load_state", {at});
+		return is_number(state) && static_cast<std::int64_t>(state) == state_unloaded;
+	}
+	if (has_method(p_data, "get_enable_streaming")) {
+		return true;
+	}
+	const Variant region = result_of(p_data, "get_region", {at});
+	return region.get_validated_object() == nullptr;
+}
+
+/// Returns the locations of the regions of the previous copy that the node has unloaded since. Adds
+/// those next to loaded regions to `r_regions`, because instances may be visible there. The new
+/// copy does not contain the others, which frees their memory.
+std::vector<glm::ivec2> keep_unloaded(
+		const Variant &p_data, const Terrain3DCopy &before, std::vector<FieldRegion> &r_regions) {
+	std::set<std::pair<int, int>> loaded;
+	for (const FieldRegion &region : r_regions) {
+		loaded.insert({region.location.x, region.location.y});
+	}
+	std::vector<glm::ivec2> unloaded;
+	for (const FieldRegion &region : before.field().regions()) {
+		const glm::ivec2 at = region.location;
+		if (loaded.contains({at.x, at.y}) || !is_unloaded(p_data, at)) {
+			continue;
+		}
+		unloaded.push_back(at);
+		bool near = false;
+		for (int side = 0; side < 9; ++side) {
+			near = near || loaded.contains({at.x + side % 3 - 1, at.y + side / 3 - 1});
+		}
+		if (near) {
+			r_regions.push_back(region);
+		}
+	}
+	return unloaded;
+}
+
 } // namespace
 
-CopyAttempt copy_terrain3d(const Variant &p_node) {
+CopyAttempt copy_terrain3d(const Variant &p_node, const GroundCopy *before) {
 	CopyAttempt attempt;
 	const Object *node = p_node.get_validated_object();
 	attempt.data = node != nullptr ? node->get("data") : Variant();
@@ -186,7 +199,7 @@ CopyAttempt copy_terrain3d(const Variant &p_node) {
 		return attempt;
 	}
 	attempt.plugin = GroundPlugin::terrain3d;
-	node = p_node.get_validated_object(); // A script was called.
+	node = p_node.get_validated_object(); // A script may have freed the node.
 	const Variant spacing = node != nullptr ? node->get("vertex_spacing") : Variant();
 	if (!is_number(spacing)) {
 		attempt.refusal = "has no number as its vertex_spacing";
@@ -196,11 +209,22 @@ CopyAttempt copy_terrain3d(const Variant &p_node) {
 	if (!read_regions(attempt.data, regions, attempt.refusal)) {
 		return attempt;
 	}
+	node = p_node.get_validated_object();
+	const Variant stored = node != nullptr ? node->get("data_directory") : Variant();
+	const String directory = stored.get_type() == Variant::STRING ? static_cast<String>(stored) : String();
+	const auto *const other = before != nullptr && before->plugin() == GroundPlugin::terrain3d
+			? static_cast<const Terrain3DCopy *>(before)
+			: nullptr;
+	std::vector<glm::ivec2> unloaded;
+	if (other != nullptr && other->directory() == directory &&
+			other->field().spacing() == static_cast<double>(spacing) && streams_regions(attempt.data)) {
+		unloaded = keep_unloaded(attempt.data, *other, regions);
+	}
 	const int side = regions.empty() ? RegionField::default_side : regions.front().heights.size().x;
 	RegionField field;
 	const Status status = field.set(side, static_cast<double>(spacing), std::move(regions), read_paint(p_node));
 	if (status.ok()) {
-		attempt.copy = std::make_shared<Terrain3DCopy>(std::move(field));
+		attempt.copy = std::make_shared<Terrain3DCopy>(std::move(field), std::move(unloaded), directory);
 	} else {
 		attempt.refusal = String(("cannot be copied (" + describe(status) + ")").c_str());
 	}

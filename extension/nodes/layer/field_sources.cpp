@@ -17,32 +17,46 @@ namespace {
 
 constexpr std::size_t gradient_colors = 256;
 
-// Image formats of Godot 4.6 and later, by number: older headers do not name them, and older engines do not have them. Tests compare the
-// numbers with those of later engines.
+// Image formats of Godot 4.6 and later, as numbers, because older headers lack the names. Tests
+// compare the numbers with those of newer engines.
 constexpr auto format_r16 = static_cast<Image::Format>(39);
 constexpr auto format_r16i = static_cast<Image::Format>(43);
 
-/// Noise that can be sampled on any thread: the object is never changed, and sampling does not modify it.
+/// Noise that any thread can sample. Sampling does not modify the object, and nothing else does.
 class NoiseField final : public DensityField {
 public:
 	NoiseField(Ref<Noise> p_noise, std::shared_ptr<const CurveTable> curve) :
 			noise_(std::move(p_noise)), curve_(std::move(curve)) {}
 
 	Status sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const override {
-		float *density = r_density.data();
-		for (const glm::dvec2 &position : positions) {
-			const double value = noise_->get_noise_2d(static_cast<float>(position.x), static_cast<float>(position.y));
-			*density++ = static_cast<float>(curve_ ? curve_->at(value) : 0.5 + 0.5 * value);
+		for (std::size_t i = 0; i < positions.size(); ++i) {
+			const auto [x, z] = engine_position(positions[i]);
+			r_density[i] = density_of(noise_->get_noise_2d(x, z));
+		}
+		return {};
+	}
+
+	Status sample_in_space(std::span<const glm::dvec2> positions, std::span<const float> heights,
+			std::span<float> r_density) const override {
+		for (std::size_t i = 0; i < positions.size(); ++i) {
+			const auto [x, z] = engine_position(positions[i]);
+			r_density[i] = density_of(noise_->get_noise_3d(x, heights[i], z));
 		}
 		return {};
 	}
 
 private:
+	static std::pair<float, float> engine_position(glm::dvec2 position) {
+		return {static_cast<float>(position.x), static_cast<float>(position.y)};
+	}
+
+	float density_of(double value) const { return static_cast<float>(curve_ ? curve_->at(value) : 0.5 + 0.5 * value); }
+
 	Ref<Noise> noise_;
 	std::shared_ptr<const CurveTable> curve_;
 };
 
-/// Clamps to 0 to `max`; NAN becomes 0.
+/// Clamps a value to 0 to `max`. NAN becomes 0.
 float held(float value, float max) { return value > 0.0F ? std::min(value, max) : 0.0F; }
 
 bool has_red_alone(Image::Format p_format) {
@@ -69,7 +83,7 @@ std::shared_ptr<const CurveTable> curve_table(const Ref<Curve> &p_curve) {
 	std::array<float, curve_stretches + 1> samples{};
 	for (std::size_t i = 0; i < samples.size(); ++i) {
 		const double share = static_cast<double>(i) / static_cast<double>(curve_stretches);
-		// The last sample is exactly at the end, without rounding.
+		// The last sample is exactly at the end of the domain, without a rounding error.
 		const double offset = i == curve_stretches ? max : min + share * (max - min);
 		samples[i] = held(static_cast<float>(p_curve->sample(static_cast<float>(offset))), 1.0F);
 	}

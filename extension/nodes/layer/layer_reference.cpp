@@ -34,7 +34,7 @@ private:
 	const TypedArray<ScatterLayer> &layers_;
 };
 
-/// All names, for a message.
+/// Returns all names in a list for an error message.
 template <class Layers>
 String names_of(const Layers &p_layers) {
 	String names;
@@ -240,6 +240,27 @@ std::optional<Variant> changed_reference(
 	std::optional<Variant> changed = change(p_property, p_stored);
 	const Ref<ScatterLayer> held = changed ? stored_reference(*changed) : Variant();
 	return held.is_valid() && held->stores(p_holder) ? std::nullopt : changed;
+}
+
+Array current_references(const Array &p_stored) {
+	Array result;
+	for (int64_t i = 0; i < p_stored.size(); ++i) {
+		append(result, stored_reference(p_stored[i]));
+	}
+	result.make_read_only();
+	return result;
+}
+
+std::optional<Array> changed_references(
+		const Array &p_stored, const std::function<std::optional<Variant>(const Variant &)> &change) {
+	Array now;
+	bool any = false;
+	for (int64_t i = 0; i < p_stored.size(); ++i) {
+		const std::optional<Variant> changed = change(p_stored[i]);
+		append(now, changed ? *changed : p_stored[i]);
+		any = any || changed.has_value();
+	}
+	return any ? std::optional(now) : std::nullopt;
 }
 
 String no_reference(const Variant &p_value) { return vformat("Pass a ScatterLayer or its name, not %s.", p_value); }

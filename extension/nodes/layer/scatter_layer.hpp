@@ -24,6 +24,7 @@
 #include <godot_cpp/variant/typed_array.hpp>
 #include <godot_cpp/variant/variant.hpp>
 
+#include <atomic>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -33,16 +34,16 @@
 
 namespace thicket {
 
-/// Properties of a ScatterLayer that belong to no part of its snapshot.
+/// The properties of a ScatterLayer that belong to no part of its snapshot.
 struct LayerIdentity {
-	std::int64_t layer_id = -1; ///< -1 until a node has given the layer an ID.
+	std::int64_t layer_id = -1; ///< -1 until a node assigns an ID.
 };
 
 class ScatterLayer;
 
-/// Describes a property that is a resource, as NumberProperty describes a number. `make` converts the resource to a
-/// table when a snapshot first needs it. `member` is where the table is stored, in one of the parts that
-/// ScatterLayer::part finds. The inspector offers the class of `make`'s argument.
+/// A property that is a resource, as NumberProperty is a number. `make` converts the resource to a
+/// table when a snapshot first needs it. The table is stored in `member`, in one of the parts that
+/// ScatterLayer::part returns. The resource has the class of `make`'s argument.
 template <class Values, class Made, class T>
 struct ResourceProperty {
 	using Resource = T;
@@ -58,31 +59,35 @@ ResourceProperty(const char *, Made Values::*, Made (*)(const godot::Ref<T> &)) 
 template <const auto &property>
 using ResourceOf = typename std::remove_cvref_t<decltype(property)>::Resource;
 
-/// The value of such a property.
+/// The value of a ResourceProperty.
 struct LayerResource {
 	godot::Ref<godot::Resource> value;
-	void (ScatterLayer::*remake)() = nullptr; ///< Rebuilds its table; null while the table is up to date.
+	/// Rebuilds the table from the resource. Null if the table is up to date.
+	void (ScatterLayer::*remake)() = nullptr;
 };
 
-/// A boolean property of a layer, stored in one of the parts that ScatterLayer::part finds.
+/// A boolean property, stored in one of the parts that ScatterLayer::part returns.
 template <class Values>
 struct SwitchProperty {
 	const char *name;
-	const char *getter; ///< "is_using_colors" and the like, in the engine's naming style.
+	const char *getter; ///< The name of the getter in the engine's style, such as "is_using_colors".
 	bool Values::*member;
 };
 
 template <class Values>
 SwitchProperty(const char *, const char *, bool Values::*) -> SwitchProperty<Values>;
 
-/// One species or family with its placement rules, and how it is drawn. Contains settings only.
+/// A species or family of plants or rocks: its placement rules, meshes, and drawing and gameplay
+/// settings. Contains settings only.
 ///
-/// A setter refuses values that are not finite or out of range: it prints one error that names the property and the value, and keeps the
-/// old value. A minimum above its maximum is detected when the layer is used, so that both may be set in any order. The error is printed
-/// then, and existing instances stay.
+/// A setter refuses a value that is not finite or out of range. It prints one error that names the
+/// property and the value, and keeps the old value. A minimum above its maximum is reported only
+/// when the layer is used, so that both can be set in any order. Until it is fixed, existing
+/// instances stay.
 ///
-/// Every setter emits `changed`. A `changed` of one of its own resources also makes the layer emit it. Only painting on
-/// the mask emits `area_changed` instead, with a rectangle of the world that contains all changes of the mask.
+/// Every setter emits `changed`, and the layer also emits it when one of its resources does. Only
+/// painting on the mask emits `area_changed` instead, with a world rectangle that contains all
+/// changes of the mask.
 class ScatterLayer : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterLayer, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
@@ -90,7 +95,7 @@ class ScatterLayer : public godot::Resource, public ThreadGuarded {
 public:
 	static constexpr const char *class_name = "ScatterLayer";
 
-	/// ImageChannel, for scripts.
+	/// The values of ImageChannel, for scripts.
 	enum MaskChannel : std::int64_t {
 		MASK_CHANNEL_RED,
 		MASK_CHANNEL_GREEN,
@@ -99,7 +104,7 @@ public:
 		MASK_CHANNEL_LUMINANCE,
 	};
 
-	/// MaskEdge, for scripts.
+	/// The values of the core's MaskEdge, for scripts.
 	enum MaskEdge : std::int64_t {
 		MASK_EDGE_NOTHING,
 		MASK_EDGE_EVERYTHING,
@@ -107,8 +112,8 @@ public:
 		MASK_EDGE_REPEAT,
 	};
 
-	/// BodyShape, for scripts: the collision shape of an instance near a viewer. All but the last are built from
-	/// instance_radius and instance_height.
+	/// The values of BodyShape, for scripts: the collision shape of an instance near a viewer.
+	/// Capsules, cylinders and boxes have the size of instance_radius and instance_height.
 	enum CollisionShape : std::int64_t {
 		COLLISION_NONE,
 		COLLISION_CAPSULE,
@@ -118,16 +123,16 @@ public:
 		COLLISION_MODEL,  ///< The shapes of the instance's model.
 	};
 
-	/// What the meshes of a layer are, for fit_to_meshes.
+	/// The kind of plant or rock that a layer's meshes are, for fit_to_meshes.
 	enum ModelKind : std::int64_t {
-		KIND_AUTOMATIC, ///< Judged by their size; see kind_of.
+		KIND_AUTOMATIC, ///< Determined by name or size; see get_model_kind.
 		KIND_TREE,
 		KIND_SHRUB,
 		KIND_GRASS,
 		KIND_ROCK,
 	};
 
-	// The accessors of properties. scatter_layer_properties.hpp defines each with one line.
+	// These templates set and get properties; scatter_layer_properties.hpp defines them.
 	template <const auto &property>
 	void set_number(double p_value);
 	template <const auto &property>
@@ -149,12 +154,13 @@ public:
 
 	ScatterLayer();
 
-	/// A painted density; null if there is none. Layers may share it.
+	/// Sets a mask with a painted density; null for none. Layers may share a mask.
 	void set_mask(const godot::Ref<ScatterMask> &p_mask);
 	godot::Ref<ScatterMask> get_mask() const;
 	void mask_area_changed(const godot::Rect2 &p_rect);
 
-	/// The area that the mask texture covers, in world meters: x, and z as y. Each side is at least 0.001.
+	/// Sets the area that the mask texture covers, in world meters. The rectangle's y is the
+	/// world's z. Each side is at least 0.001.
 	void set_mask_texture_rect(const godot::Rect2 &p_rect);
 	godot::Rect2 get_mask_texture_rect() const;
 	void set_mask_texture_channel(MaskChannel p_channel);
@@ -162,138 +168,164 @@ public:
 	void set_mask_texture_edge(MaskEdge p_edge);
 	MaskEdge get_mask_texture_edge() const;
 
-	/// The ground's textures on which the layer grows, 0 to max_texture each; empty for all ground.
+	/// Sets the indices of the ground textures on which the layer grows, each 0 to max_texture. An
+	/// empty array permits all textures.
 	void set_ground_textures(const godot::PackedInt32Array &p_textures);
 	godot::PackedInt32Array get_ground_textures() const;
 
-	/// Other layers, each as a ScatterLayer, its name or its index. Each has a distance in meters to keep free around
-	/// its instances: 0.001 to max_neighbor_distance. At most max_neighbors layers. A layer that has a name is stored
-	/// by name. The returned Dictionary is read-only.
+	/// Sets the distances in meters to keep from the instances of other layers. A key is a
+	/// ScatterLayer, its name or its index; a value is 0.001 to max_neighbor_distance. At most
+	/// max_neighbors entries are allowed. A layer that has a name is stored by name. The returned
+	/// Dictionary is read-only.
 	void set_spacing(const godot::Dictionary &p_spacing);
 	godot::Dictionary get_spacing() const;
 
-	/// The layer whose instances determine the density of this one: a ScatterLayer, its name or its index; null or ""
-	/// for no layer.
+	/// Sets the layer whose instances determine the density of this one: a ScatterLayer, its name
+	/// or its index. Null or "" stands for no layer.
 	void set_proximity_layer(const godot::Variant &p_layer);
 	godot::Variant get_proximity_layer() const;
 
-	/// The meshes, scenes and models to draw at the points. Null entries draw nothing. See LayerMeshes for refused entries.
+	/// Sets the layers on whose models this layer grows instead of on the ground. An entry is a
+	/// ScatterLayer, its name or its index. At most max_hosts entries are allowed. A layer that has
+	/// a name is stored by name. The returned Array is read-only.
+	void set_surface_layers(const godot::Array &p_layers);
+	godot::Array get_surface_layers() const;
+	bool has_surface_layers() const { return !links_.surface_layers.empty(); }
+
+	/// Sets the meshes, scenes and models to draw at the points. Null entries draw nothing.
+	/// LayerMeshes::set_entries describes which entries are refused.
 	void set_meshes(const godot::Array &p_meshes);
 	godot::Array get_meshes() const;
 
-	/// Scripts share the list that `get_meshes` returns. `meshes_differ` returns whether a script has changed it in
-	/// place. `take_mesh_changes` applies the change as `set_meshes` would, or restores the previous list if the change
-	/// is refused.
+	/// `meshes_differ` returns whether a script has changed the list that `get_meshes` returned,
+	/// because scripts share that list. `take_mesh_changes` applies the change like `set_meshes`,
+	/// or restores the previous list if the change is refused.
 	bool meshes_differ() const { return meshes_.differs(); }
 	void take_mesh_changes();
+	void meshes_changed();
 
-	/// Reads the next part of the scenes and models in `meshes`; see LayerMeshes. Snapshots and other users of meshes
-	/// only see the parts that are already read.
+	/// Returns the number of times that meshes and models in `meshes` have emitted `changed`.
+	std::uint64_t mesh_version() const { return mesh_version_; }
+
+	/// Reads the next part of the scenes and models in `meshes` (see LayerMeshes). Snapshots only
+	/// contain the parts that are already read.
 	bool read_step();
 
-	/// Rereads the scenes with these paths in `meshes`, because their files have changed.
+	/// Rereads those scenes in `meshes` whose files are among these paths. Call it when the files
+	/// have changed.
 	void reload_scenes(const godot::PackedStringArray &p_paths);
 
-	/// Sets the properties that follow from the size and the kind of `meshes`: see get_fitted_properties and fit_of; collision_shape only if a
-	/// model has shapes. Returns false and sets nothing if there are no meshes.
+	/// Sets the properties that follow from the size and kind of `meshes` (see
+	/// get_fitted_properties and fit_of). Sets collision_shape only if a model has shapes. If there
+	/// are no meshes, sets nothing and returns false.
 	bool fit_to_meshes(ModelKind p_kind = KIND_AUTOMATIC);
 
-	/// The kind that the size of `meshes` suggests; KIND_AUTOMATIC if there are none.
+	/// Returns the kind that the name or size of the widest mesh suggests; KIND_AUTOMATIC if there
+	/// are no meshes.
 	ModelKind get_model_kind();
 
-	/// The properties that fit_to_meshes sets.
+	/// Returns the names of the properties that fit_to_meshes sets.
 	godot::PackedStringArray get_fitted_properties() const;
 
-	/// The relative frequency of each of the meshes, 0 to 1e6; missing entries count as 1.
+	/// Sets the relative frequency of each mesh, 0 to 1e6. Missing entries count as 1.
 	void set_mesh_weights(const godot::PackedFloat32Array &p_weights);
 	godot::PackedFloat32Array get_mesh_weights() const;
 
 	void set_material_override(const godot::Ref<godot::Material> &p_material);
 	godot::Ref<godot::Material> get_material_override() const;
 
-	/// The materials that instances are drawn with, without duplicates; see materials_of.
+	/// Returns the materials that instances are drawn with, without duplicates (see materials_of).
 	godot::TypedArray<godot::Material> get_materials();
 
-	/// The values of the properties that GeometryInstance3D has as well, by their names there.
+	/// Returns the values of the properties that GeometryInstance3D also has, keyed by their names
+	/// in GeometryInstance3D.
 	godot::Dictionary get_geometry_properties() const;
 
-	/// The values that an instance's color on the gradient and its variation follow; null for random numbers. Layers
-	/// may share them.
+	/// These setters set the sources of an instance's color on the gradient and of its variation.
+	/// Null selects random numbers. Layers may share a source.
 	void set_color_value(const godot::Ref<ScatterValueSource> &p_value);
 	godot::Ref<ScatterValueSource> get_color_value() const { return color_value_; }
 	void set_variation_value(const godot::Ref<ScatterValueSource> &p_value);
 	godot::Ref<ScatterValueSource> get_variation_value() const { return variation_value_; }
 
-	/// All LODs of an entry of `meshes`, the finest first, with every default replaced by its value. Empty for an entry
-	/// that draws nothing. Prints an error for an invalid index.
+	/// Returns all LODs of an entry of `meshes`, finest first, with all defaults resolved. Returns
+	/// an empty array for an entry that draws nothing. Prints an error for an invalid index.
 	godot::TypedArray<ScatterLod> get_mesh_lods(int64_t p_index);
 
 	void set_collision_shape(CollisionShape p_shape);
 	CollisionShape get_collision_shape() const;
 
-	/// Friction and bounce of the bodies; null for the engine's defaults.
+	/// Sets the friction and bounce of the bodies. Null selects the engine's defaults.
 	void set_physics_material(const godot::Ref<godot::PhysicsMaterial> &p_material);
 	godot::Ref<godot::PhysicsMaterial> get_physics_material() const;
 
-	/// Replaces the mesh near viewers; null to keep the mesh everywhere.
+	/// Sets the scene that replaces meshes near viewers; null for none.
 	void set_scene(const godot::Ref<godot::PackedScene> &p_scene);
 	godot::Ref<godot::PackedScene> get_scene() const;
 
-	/// True if a property affects where instances are placed. False if it only affects how instances are drawn, or how
-	/// a game interacts with them: see PropertyUse.
+	/// Returns true if a property affects placement, false if it only affects drawing or gameplay
+	/// (see PropertyUse).
 	bool affects_placement(const godot::StringName &p_property) const;
 
-	/// The columns of ScatterTile.get_rows for the layer: the type of each column, by its name.
+	/// Returns the columns of ScatterTile.get_rows for this layer: the type of each column, keyed
+	/// by its name.
 	godot::Dictionary get_row_columns() const;
+	/// Returns the tile size and the view distance.
+	const StreamLayer &range() const { return range_; }
+	bool is_on_surfaces() const { return settings_.set.on_surface; }
 
-	/// free_layer_name, for scripts.
+	/// Returns the result of free_layer_name, for scripts.
 	godot::String find_free_name(const godot::String &p_name, const godot::PackedStringArray &p_taken) const;
 
-	/// The average number of points of the layer's set per square meter, before any rule applies.
+	/// Returns the average number of points of the layer's set per square meter, before any rule
+	/// applies.
 	double get_point_density() const;
 
-	/// Stores the data that the layer needs if an export strips its meshes and its mask texture: the corners of convex
-	/// hulls, one entry for each of the meshes, and the texture's image. Returns false if there is nothing to store.
-	/// The stored data is only used in place of stripped resources.
+	/// Stores the data that the layer needs if an export strips its meshes and its mask texture:
+	/// the corners of each mesh's convex hull, and the texture's image. The data is only used in
+	/// place of stripped resources. Returns false if there is nothing to store.
 	bool embed_stripped_data();
 	void set_convex_hulls(const godot::Array &p_hulls);
 	godot::Array get_convex_hulls() const;
 	void set_mask_texture_image(const godot::Ref<godot::Image> &p_image);
 	godot::Ref<godot::Image> get_mask_texture_image() const;
 
-	/// Adds one problem for each feature that cannot work because an export has stripped its resource.
+	/// Adds one problem for each feature that does not work because an export has stripped a
+	/// resource.
 	void add_stripped_problems(godot::PackedStringArray &r_problems) const;
 
-	/// Stores an ID that a node gave to the layer.
+	/// Stores the ID that a node assigns to the layer.
 	void take_id(std::int64_t p_id);
 
-	/// True if the resource is this layer, or if a scene that stores this layer also stores the resource, a layer or a
-	/// value, inside of it.
+	/// Returns true if a resource is this layer, or if saving this layer also saves the resource as
+	/// a part of it. The resource may be a layer or a ScatterValueSource.
 	bool stores(const godot::Resource *p_resource) const;
 
-	/// Changes this layer's references to other layers.
+	/// Applies a change to this layer's references to other layers.
 	void change_references(const ReferenceChange &change);
 
-	/// All current settings of the layer. `index` is the layer's index in its node's list. The index becomes the ID of
-	/// the layer's points, unless `layer_id` is set. The settings contain neither neighbors nor shapes, because the
-	/// node adds those. A table, a field or a mask is the same object as in the previous snapshot until its content
-	/// changes.
+	/// Returns all current settings. `index` is the layer's index in its node's list, and becomes
+	/// the ID of the layer's points unless `layer_id` is set. The settings lack neighbors and
+	/// shapes, which the node adds. A table, field or mask is the same object as in the previous
+	/// snapshot until its content changes.
 	LayerSnapshot snapshot(std::uint64_t seed, std::size_t index);
 
-	/// The part of the snapshot that refers to other layers.
+	/// Returns the part of the snapshot that refers to other layers.
 	LayerLinks links();
-	std::int64_t own_id() const { return identity_.layer_id; } ///< The property `layer_id`; -1 to use the index.
+	/// Returns the property `layer_id`; -1 if it is not set.
+	std::int64_t own_id() const { return identity_.layer_id; }
 
-	/// Refuses settings that the core would refuse, and tiles of more than max_tile_points points.
+	/// Returns an error for settings that the core refuses, and for tiles of more than
+	/// max_tile_points points.
 	Status check();
 
-	/// True if the layer can only have instances in water.
+	/// Returns true if the layer has instances only in water.
 	bool needs_water() const { return settings_.rules.min_water_depth > -unlimited_height; }
 
-	/// Adds the resources that the main thread reads along with the layer.
+	/// Adds the resources that the main thread reads along with the layer to `r_used`.
 	void add_used(SceneUse::List &r_used) const;
 
-	/// Likely mistakes, for the editor's warnings.
+	/// Returns likely mistakes, for the editor's configuration warnings.
 	godot::PackedStringArray problems();
 
 	static constexpr double max_tile_points = 4e6;
@@ -305,8 +337,8 @@ protected:
 	void _validate_property(godot::PropertyInfo &p_property) const;
 
 private:
-	/// The part of the layer that contains values of this type. Properties are stored directly in the form in which the
-	/// core uses them.
+	/// Returns the member that has the type `Values`. Such a member stores properties directly in
+	/// the form that the core uses.
 	template <class Values, class Self>
 	static auto &part(Self &self);
 
@@ -336,6 +368,8 @@ private:
 	void add_curve_problems(godot::PackedStringArray &r_problems) const;
 	void add_mask_problems(godot::PackedStringArray &r_problems) const;
 	void add_neighbor_problems(godot::PackedStringArray &r_problems) const;
+	void add_host_problems(godot::PackedStringArray &r_problems) const;
+	void change_surface_layers(const ReferenceChange &change);
 	void add_lod_problems(godot::PackedStringArray &r_problems) const;
 	void add_mesh_problems(godot::PackedStringArray &r_problems) const;
 	void add_source_problems(godot::PackedStringArray &r_problems) const;
@@ -352,6 +386,7 @@ private:
 	static void bind_basics();
 	static void bind_advanced();
 	static void bind_rules();
+	static void bind_hosts();
 	static void bind_masks();
 	static void bind_neighbors();
 	static void bind_placement();
@@ -363,8 +398,8 @@ private:
 	static void bind_gameplay();
 	static void bind_export();
 
-	// Contain the values of single properties. `refresh` adds the tables that are created from resources, and the
-	// snapshot adds the data that is created from lists.
+	// The values of single properties. `refresh` adds tables that are created from resources.
+	// `snapshot` adds data that is created from lists.
 	LayerSettings settings_;
 	StreamLayer range_;
 	LayerDrawing drawing_;
@@ -374,19 +409,24 @@ private:
 	MaskFrame mask_frame_;
 	LayerIdentity identity_;
 
-	std::map<std::string_view, LayerResource> resources_; ///< By the names of their properties.
+	/// The values of all ResourceProperties, keyed by property name.
+	std::map<std::string_view, LayerResource> resources_;
 	LayerTables tables_;
-	std::uint64_t hidden_ = 0; ///< The value of hidden_properties() when the inspector was last refreshed.
+	/// The result of hidden_properties() when the inspector was last updated.
+	std::uint64_t hidden_ = 0;
 
 	godot::Ref<ScatterMask> mask_;
-	godot::Rect2 mask_texture_rect_{0.0F, 0.0F, 1000.0F, 1000.0F}; ///< As set; mask_frame_ has the area too.
+	/// The rectangle as set; mask_frame_ has the same area in double precision.
+	godot::Rect2 mask_texture_rect_{0.0F, 0.0F, 1000.0F, 1000.0F};
 	godot::PackedInt32Array ground_textures_;
-	godot::Dictionary spacing_property_; ///< With keys as returned by stored_reference; read-only.
+	godot::Dictionary spacing_property_; ///< The keys are results of stored_reference. Read-only.
 	godot::Variant proximity_layer_ = godot::String();
+	godot::Array surface_layers_; ///< Results of stored_reference.
 	godot::Ref<ScatterValueSource> color_value_;
 	godot::Ref<ScatterValueSource> variation_value_;
 
 	LayerMeshes meshes_;
+	std::atomic<std::uint64_t> mesh_version_ = 0;
 	godot::PackedFloat32Array mesh_weights_;
 	FormerLods former_lods_;
 	FormerVisibility former_visibility_;
@@ -394,7 +434,7 @@ private:
 
 	godot::Ref<godot::PhysicsMaterial> physics_material_;
 	godot::Ref<godot::PackedScene> scene_;
-	std::vector<BodyPart> convex_hulls_; ///< One for each of the meshes.
+	std::vector<BodyPart> convex_hulls_; ///< The convex hull of each entry of `meshes_`.
 };
 
 } // namespace thicket

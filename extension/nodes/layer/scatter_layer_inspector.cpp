@@ -1,4 +1,5 @@
-// Hides properties of a layer in the inspector while they do not apply. They are still stored.
+// This file hides properties of a layer in the inspector that do not apply. Their values are still
+// stored.
 
 #include "nodes/layer/scatter_layer.hpp"
 
@@ -14,7 +15,7 @@ namespace thicket {
 
 namespace {
 
-/// Properties that may be hidden, each with a bit of hidden_properties(), in this order.
+/// Properties that may be hidden, in the order of their bits in hidden_properties().
 constexpr std::array hideable{
 		"mesh_weights",
 		"scale_curve",
@@ -22,6 +23,8 @@ constexpr std::array hideable{
 		"mask_texture_rect",
 		"mask_texture_channel",
 		"mask_texture_edge",
+		"surface_layers",
+		"edge_feather",
 		"clump_coverage",
 		"clump_softness",
 		"proximity_distance",
@@ -47,7 +50,7 @@ std::uint64_t ScatterLayer::hidden_properties() const {
 	const bool proximity = !links_.proximity_layer.empty();
 	const bool thinned = lod_.thin_density < 1.0;
 	const bool colliding = gameplay_.collision.shape != BodyShape::none;
-	// Properties that are set stay visible even if they are unused, because a warning mentions them.
+	// An unused property stays visible if it is set, because a warning mentions it.
 	const std::array<bool, hideable.size()> shown{
 			meshes_.size() > 1 || mesh_weights_.size() > 0,
 			settings_.placement.min_scale != settings_.placement.max_scale || resource("scale_curve").is_valid(),
@@ -55,6 +58,8 @@ std::uint64_t ScatterLayer::hidden_properties() const {
 			resource("mask_texture").is_valid(),
 			resource("mask_texture").is_valid(),
 			resource("mask_texture").is_valid(),
+			settings_.set.on_surface || !links_.surface_layers.empty(),
+			!settings_.set.on_surface || settings_.rules.edge_feather > 0.0,
 			settings_.rules.clumping.size > 0.0,
 			settings_.rules.clumping.size > 0.0,
 			proximity,

@@ -1,4 +1,4 @@
-// The meshes, scenes and models of a layer.
+// This file contains the property of ScatterLayer for its meshes, scenes and models.
 
 #include "nodes/common/convert.hpp"
 #include "nodes/common/threads.hpp"
@@ -18,7 +18,7 @@ namespace thicket {
 
 namespace {
 
-/// False, with an error, if there are too many entries.
+/// Returns true if the number of entries is allowed. Otherwise prints an error.
 bool accept_count(const Array &p_meshes) {
 	const bool fits = p_meshes.size() <= static_cast<int64_t>(max_meshes);
 	if (!fits) {
@@ -46,8 +46,8 @@ void ScatterLayer::replace_meshes(const LayerMeshes &p_meshes) {
 	watch_meshes(true);
 }
 
-/// Converts the LODs that release 0.2 saved, once the LODs of all meshes are known. With `p_now`, converts those that
-/// are known.
+/// Converts the LODs that release 0.2 saved, if they are complete. If `p_now` is true, also
+/// converts incomplete ones.
 void ScatterLayer::convert_former_lods(bool p_now) {
 	if (former_lods_.known(meshes_.size()) || (p_now && !former_lods_.empty())) {
 		LayerMeshes next = meshes_;
@@ -69,22 +69,29 @@ void ScatterLayer::take_mesh_changes() {
 	}
 }
 
-/// A mesh that grows needs larger boxes around its tiles.
+/// Watches all meshes and models. A larger mesh needs larger bounds of its tiles, and layers may
+/// grow on its triangles.
 void ScatterLayer::watch_meshes(bool p_watch) {
 	for (Object *source : meshes_.sources()) {
-		watch(source, "changed", this, "emit_changed", p_watch);
+		watch(source, "changed", this, "_meshes_changed", p_watch);
 	}
+}
+
+void ScatterLayer::meshes_changed() {
+	++mesh_version_;
+	emit_changed();
 }
 
 Array ScatterLayer::get_meshes() const { return meshes_.entries(); }
 
 bool ScatterLayer::read_step() {
-	const LayerMeshes meshes = meshes_; // A copy, because the scenes' scripts may replace the list.
+	// Use a copy, because scripts in the scenes may replace the list.
+	const LayerMeshes meshes = meshes_;
 	return meshes.read_step();
 }
 
-/// Reads all models, for callers that cannot wait. On other threads than the main thread, only the parts that are
-/// already read are available.
+/// Reads all models immediately. On threads other than the main thread, reads nothing; only the
+/// parts that are already read are then available.
 void ScatterLayer::read_models() {
 	convert_former_lods(true);
 	if (meshes_.differs()) {
@@ -94,7 +101,7 @@ void ScatterLayer::read_models() {
 }
 
 void ScatterLayer::reload_scenes(const PackedStringArray &p_paths) {
-	LayerMeshes meshes = meshes_; // A copy, because the scenes' scripts may replace the list.
+	LayerMeshes meshes = meshes_; // Use a copy, because scripts in the scenes may replace the list.
 	meshes.reload(p_paths);
 }
 
@@ -113,7 +120,8 @@ PackedFloat32Array ScatterLayer::get_mesh_weights() const { return mesh_weights_
 void ScatterLayer::bind_meshes() {
 	bind_guarded<&ScatterLayer::set_meshes>(D_METHOD("set_meshes", "meshes"));
 	bind_guarded<&ScatterLayer::get_meshes>(D_METHOD("get_meshes"));
-	// Typed by a hint string, which can name several classes. Scripts see an untyped array.
+	// A hint string can name several element classes, a typed array only one. So scripts see an
+	// untyped array.
 	add_layer_property(PropertyUse::placement,
 			PropertyInfo(Variant::ARRAY, "meshes", PROPERTY_HINT_TYPE_STRING,
 					vformat("%d/%d:Mesh,PackedScene,ScatterModel", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
@@ -122,6 +130,7 @@ void ScatterLayer::bind_meshes() {
 	bind_guarded<&ScatterLayer::get_mesh_weights>(D_METHOD("get_mesh_weights"));
 	add_layer_property(PropertyUse::placement, PropertyInfo(Variant::PACKED_FLOAT32_ARRAY, "mesh_weights"),
 			"set_mesh_weights", "get_mesh_weights");
+	bind_guarded<&ScatterLayer::meshes_changed>(ThreadUse::relayed, D_METHOD("_meshes_changed"));
 	bind_guarded<&ScatterLayer::reload_scenes>(D_METHOD("reload_scenes", "paths"));
 	bind_fit();
 }

@@ -1,4 +1,5 @@
-// A layer's references to other layers: the properties of the group Other Layers.
+// This file contains the properties of ScatterLayer in the group Other Layers, which refer to other
+// layers.
 
 #include "nodes/layer/layer_reference.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
@@ -16,7 +17,7 @@ namespace thicket {
 
 namespace {
 
-constexpr double min_distance = 1e-3; ///< Meters, between layers.
+constexpr double min_distance = 1e-3; ///< The minimum distance between layers, in meters.
 
 constexpr NumberProperty proximity_distance{"proximity_distance", &LayerLinks::proximity_distance, min_distance,
 		max_neighbor_distance, PROPERTY_HINT_RANGE, "0.1,200,0.01,or_less,or_greater,exp,suffix:m"};
@@ -42,6 +43,9 @@ bool ScatterLayer::stores(const Resource *p_resource) const {
 	for (int64_t i = 0; !found && i < references.size(); ++i) {
 		found = is_stored(references[i]);
 	}
+	for (int64_t i = 0; !found && i < surface_layers_.size(); ++i) {
+		found = is_stored(surface_layers_[i]);
+	}
 	return found;
 }
 
@@ -51,7 +55,7 @@ void ScatterLayer::set_spacing(const Dictionary &p_spacing) {
 				Status::wrong_size("spacing", p_spacing.size(), at_most(max_neighbors, "entries")));
 		return;
 	}
-	Dictionary spacing; // A copy, because scripts share dictionaries.
+	Dictionary spacing; // Use a copy, because scripts share dictionaries by reference.
 	std::map<LayerReference, double> linked;
 	const Array references = p_spacing.keys();
 	for (int64_t i = 0; i < references.size(); ++i) {
@@ -104,17 +108,19 @@ void ScatterLayer::change_references(const ReferenceChange &change) {
 			value->change_reference(change);
 		}
 	}
+	change_surface_layers(change);
 	const Dictionary spacing = spacing_property_;
 	if (spacing.is_empty()) {
-		return; // The node calls this after every change.
+		return; // Return early, because the node calls this function after every change.
 	}
 	const Array references = spacing.keys();
-	Dictionary now; // A new Dictionary keeps the order in the inspector.
+	Dictionary now; // A new Dictionary, to keep the order of the entries in the inspector.
 	bool any = false;
 	for (int64_t i = 0; i < references.size(); ++i) {
 		const auto changed = changed_reference(change, "ScatterLayer.spacing", references[i], this);
 		const Variant reference = stored_reference(changed ? *changed : references[i]);
-		// If the new name was already in the Dictionary, the larger distance counts. fmax ignores a missing number, which is NAN.
+		// If the new name is already in the Dictionary, the larger distance counts. fmax ignores
+		// NAN, the value for a missing number.
 		now[reference] = std::fmax(number_of(now[reference]), number_of(spacing[references[i]]));
 		any = any || changed.has_value();
 	}

@@ -1,4 +1,4 @@
-// Likely mistakes in a layer, as sentences for the editor's warnings.
+// This file finds likely mistakes in a layer, for the editor's configuration warnings.
 
 #include "core/placement/edge_probes.hpp"
 #include "nodes/common/stripped.hpp"
@@ -10,12 +10,13 @@ namespace thicket {
 
 namespace {
 
-/// A new curve spans 0 to 1, whatever its property measures.
+/// Returns true if a curve has the default domain, which is seldom correct for the property's unit.
 bool as_made(const Ref<Curve> &p_curve) {
 	return p_curve->get_min_domain() == 0.0F && p_curve->get_max_domain() == 1.0F;
 }
 
-/// Problems of a density curve and of the table created from it. `p_domain` describes the domain in messages.
+/// Adds the problems of a density curve and of its table. `p_domain` describes the required domain
+/// in messages.
 void add_curve_problem(const char *p_name, const Ref<Curve> &p_curve, const std::shared_ptr<const CurveTable> &table,
 		const char *p_domain, PackedStringArray &r_problems) {
 	if (p_curve.is_null()) {
@@ -40,6 +41,9 @@ void add_curve_problem(const char *p_name, const Ref<Curve> &p_curve, const std:
 void ScatterLayer::add_number_problems(PackedStringArray &r_problems) const {
 	if (settings_.rules.clumping.size > 0.0 && settings_.rules.clumping.coverage <= 0.0) {
 		r_problems.push_back("ScatterLayer.clump_coverage is 0: nothing is placed.");
+	}
+	if (settings_.rules.edge_feather > 0.0 && settings_.set.on_surface) {
+		r_problems.push_back("ScatterLayer.edge_feather has no effect while on_surfaces is on: set it to 0.");
 	}
 	const double points = point_density(settings_.set) * range_.tile_size * range_.tile_size;
 	if (settings_.rules.edge_feather > 0.0 && points * static_cast<double>(edge_probes) > max_tile_points) {
@@ -110,6 +114,7 @@ PackedStringArray ScatterLayer::problems() {
 	add_curve_problems(result);
 	add_mask_problems(result);
 	add_neighbor_problems(result);
+	add_host_problems(result);
 	add_mesh_problems(result);
 	add_source_problems(result);
 	add_lod_problems(result);

@@ -1,4 +1,5 @@
-// The rules that decide which points of a layer's set get an instance: the properties of the group Rules.
+// This file contains the properties of ScatterLayer in the group Rules, which decide which points
+// of a layer's set get an instance.
 
 #include "nodes/layer/scatter_layer_properties.hpp"
 
@@ -8,10 +9,11 @@ namespace thicket {
 
 namespace {
 
+constexpr SwitchProperty on_surfaces{"on_surfaces", "is_on_surfaces", &PointSet::on_surface};
 constexpr NumberProperty min_slope_degrees{
-		"min_slope_degrees", &Rules::min_slope_degrees, 0.0, 90.0, PROPERTY_HINT_RANGE, "0,90,0.1,degrees"};
+		"min_slope_degrees", &Rules::min_slope_degrees, 0.0, 180.0, PROPERTY_HINT_RANGE, "0,180,0.1,degrees"};
 constexpr NumberProperty max_slope_degrees{
-		"max_slope_degrees", &Rules::max_slope_degrees, 0.0, 90.0, PROPERTY_HINT_RANGE, "0,90,0.1,degrees"};
+		"max_slope_degrees", &Rules::max_slope_degrees, 0.0, 180.0, PROPERTY_HINT_RANGE, "0,180,0.1,degrees"};
 constexpr NumberProperty slope_falloff_degrees{
 		"slope_falloff_degrees", &Rules::slope_falloff_degrees, 0.0, 90.0, PROPERTY_HINT_RANGE, "0,90,0.1,degrees"};
 constexpr NumberProperty min_height{"min_height", &Rules::min_height, -unlimited_height, unlimited_height,
@@ -76,6 +78,8 @@ void ScatterLayer::bind_rules() {
 	bind_number<max_water_depth>();
 	bind_number<water_depth_falloff>();
 	ADD_SUBGROUP("Ground", "");
+	bind_switch<on_surfaces>();
+	bind_hosts();
 	bind_guarded<&ScatterLayer::set_ground_textures>(D_METHOD("set_ground_textures", "textures"));
 	bind_guarded<&ScatterLayer::get_ground_textures>(D_METHOD("get_ground_textures"));
 	add_layer_property(PropertyUse::placement, PropertyInfo(Variant::PACKED_INT32_ARRAY, "ground_textures"),

@@ -1,4 +1,5 @@
-// Creates a snapshot of a layer from the parts that store its single properties, and from its resources and lists.
+// This file creates a snapshot of a layer from the values of its properties, and from its resources
+// and lists.
 
 #include "core/model/lod_shadow.hpp"
 #include "nodes/common/convert.hpp"
@@ -18,7 +19,7 @@ namespace thicket {
 
 namespace {
 
-/// Meters from a mesh's origin to the farthest corner of its box.
+/// Returns the distance in meters from a mesh's origin to the farthest corner of its bounding box.
 float reach_of(const AABB &box) {
 	const Vector3 far_corner = box.position.abs().max((box.position + box.size).abs());
 	return static_cast<float>(far_corner.length());
@@ -44,8 +45,9 @@ void add_boxes(const LodSettings &lod, LayerDrawing &r_drawing) {
 	}
 }
 
-/// Turns off the shadows of LODs without a shadow setting if they are not worth drawing (see casts_shadow) and the
-/// layer's setting is the default. An LOD with its own shadow mesh keeps its shadow.
+/// Turns off the shadows of those LODs for which they are not worth drawing (see casts_shadow).
+/// Affects only LODs without a shadow setting, in layers with the default setting. An LOD with its
+/// own shadow mesh keeps its shadow.
 void leave_out_shadows(const LayerSettings &settings, const LodSettings &lod, LayerDrawing &r_drawing) {
 	const double density = point_density(settings.set) * settings.rules.density;
 	for (std::size_t index = 0; index < r_drawing.lod_meshes.size(); ++index) {
@@ -59,15 +61,15 @@ void leave_out_shadows(const LayerSettings &settings, const LodSettings &lod, La
 	}
 }
 
-/// The sway is added to the margin, not to the boxes. Distances are measured to the boxes, and must not depend on how
-/// far a plant may lean.
+/// Adds the distance by which wind moves vertices to the cull margin. The boxes do not include this
+/// distance, because viewer distances are measured to the boxes and must not depend on wind.
 void add_sway(LayerDrawing &r_drawing) {
 	r_drawing.extra_cull_margin =
 			std::min(r_drawing.extra_cull_margin + sway_reach(materials_of(r_drawing)), max_cull_margin);
 }
 
-/// How finely the tiles are divided near viewers. Does not depend on the rules, so moving a rule's slider does not
-/// upload tiles again for a different division.
+/// Returns how finely to divide tiles into cells near viewers. Does not depend on the rules, so
+/// editing a rule does not cause a new division, which would upload the tiles again.
 CellSettings cells_of(const LayerSettings &settings, double tile_size, const LayerDrawing &drawing) {
 	const float reach = drawing.mesh_reach.empty() ? 0.0F : std::ranges::max(drawing.mesh_reach);
 	const double density = point_density(settings.set) / std::max(static_cast<double>(drawing.meshes.size()), 1.0);
@@ -103,6 +105,7 @@ LayerSettings ScatterLayer::settings(std::uint64_t seed, std::size_t index) cons
 	result.instance_data = instance_data();
 	result.set.seed = seed;
 	result.set.layer = static_cast<std::uint16_t>(own_id() >= 0 ? static_cast<std::size_t>(own_id()) : index);
+	result.set.faces = permitted_faces(result);
 	if (tables_.noise != nullptr) {
 		result.rules.fields.push_back(tables_.noise);
 	}
@@ -119,7 +122,7 @@ LayerSettings ScatterLayer::settings(std::uint64_t seed, std::size_t index) cons
 	return result;
 }
 
-/// In the order of the fields in `settings`.
+/// Returns the names in the order of the fields in `settings`.
 std::vector<std::string> ScatterLayer::field_names() const {
 	std::vector<std::string> names;
 	if (tables_.noise != nullptr) {
@@ -166,7 +169,8 @@ LayerLinks ScatterLayer::links() {
 	return result;
 }
 
-/// Rebuilds the data of resources that may have changed, and converts the former properties that are still kept.
+/// Rebuilds the data of resources that may have changed, and converts stored properties of release
+/// 0.2.
 void ScatterLayer::refresh() {
 	convert_former_lods(true);
 	range_.view_distance = former_visibility_.limited(range_.view_distance);
@@ -193,6 +197,11 @@ QueryLayer query_layer(const LayerSnapshot *layer) {
 		result.shape = {layer->gameplay.instance_radius, layer->gameplay.instance_height};
 		result.max_scale = settings.placement.max_scale;
 		result.max_offset = std::abs(settings.placement.offset_along_normal);
+		if (layer->range.in_space()) {
+			result.max_offset += std::abs(settings.placement.height_offset);
+			result.bottom = layer->range.bottom;
+			result.top = layer->range.top;
+		}
 	}
 	return result;
 }

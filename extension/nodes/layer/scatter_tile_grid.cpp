@@ -12,6 +12,12 @@ using namespace godot;
 
 namespace thicket {
 
+namespace {
+
+Vector2i tile_vector(glm::ivec2 tile) { return {tile.x, tile.y}; }
+
+} // namespace
+
 void ScatterTileGrid::set_tile_size(double p_size) {
 	if (accept_number(class_name, "tile_size", p_size, 0.1, 1e6)) {
 		tile_size_ = p_size;
@@ -24,11 +30,11 @@ bool ScatterTileGrid::accept(const char *p_property, double p_along) const {
 }
 
 Vector2i ScatterTileGrid::get_tile_at(double p_x, double p_z) const {
-	return accept("x", p_x) && accept("z", p_z) ? Vector2i(tile_at(tile_size_, {p_x, p_z})) : Vector2i();
+	return accept("x", p_x) && accept("z", p_z) ? tile_vector(tile_at(tile_size_, {p_x, p_z})) : Vector2i();
 }
 
 PackedFloat64Array ScatterTileGrid::get_tile_bounds(const Vector2i &p_tile) const {
-	const Rect square = tile_rect(tile_size_, p_tile);
+	const Rect square = tile_rect(tile_size_, {p_tile.x, p_tile.y});
 	PackedFloat64Array result;
 	std::ranges::copy(std::array{square.min.x, square.min.y, square.max.x, square.max.y}, resize(result, 4).begin());
 	return result;
@@ -46,7 +52,7 @@ Rect2i ScatterTileGrid::get_tiles_in(const PackedFloat64Array &p_bounds) const {
 	}
 	const double *bounds = p_bounds.ptr();
 	const TileRange tiles = tiles_in(tile_size_, {{bounds[0], bounds[1]}, {bounds[2], bounds[3]}});
-	return tiles.empty() ? Rect2i() : Rect2i(Vector2i(tiles.first), Vector2i(tiles.last - tiles.first + 1));
+	return tiles.empty() ? Rect2i() : Rect2i(tile_vector(tiles.first), tile_vector(tiles.last - tiles.first + 1));
 }
 
 void ScatterTileGrid::_bind_methods() {

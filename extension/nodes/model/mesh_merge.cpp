@@ -25,7 +25,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <iterator>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -37,23 +36,24 @@ namespace thicket {
 
 namespace {
 
-// From Mesh.ArrayFormat: the bits of all streams except bones and weights, and the storage format of custom streams.
+// These constants are bits of Mesh.ArrayFormat: all streams except bones and weights, and the
+// formats of custom streams.
 constexpr std::uint64_t streams_mask = (std::uint64_t{1} << SurfaceStream::bones) - 1;
 constexpr std::uint64_t custom_mask = ((std::uint64_t{1} << 12U) - 1) << 13U;
 constexpr std::uint64_t custom3_bit = std::uint64_t{1} << 9U;
-constexpr std::uint64_t custom3_of_floats = std::uint64_t{7} << 22U; // Four per vertex.
+constexpr std::uint64_t custom3_of_floats = std::uint64_t{7} << 22U; // Four floats per vertex.
 
 /// An index buffer for the engine's automatic LOD selection.
 struct IndexLod {
-	double edge_length = 0.0; ///< Meters of detail that the LOD leaves out.
+	double edge_length = 0.0; ///< The size in meters of the details that the LOD omits.
 	PackedInt32Array indices;
 };
 
-/// The contribution of one part to a surface.
+/// The vertices and indices that one part adds to a surface.
 struct Piece {
 	int32_t vertices = 0;
 	PackedInt32Array indices;
-	std::vector<IndexLod> lods; ///< From finer to coarser.
+	std::vector<IndexLod> lods; ///< The index buffers of the LODs, finest first.
 };
 
 struct Surface {
@@ -79,14 +79,14 @@ void append(const Variant &p_more, Variant &r_all) {
 	r_all = all;
 }
 
-/// A stream with its own memory.
+/// Copies a stream, so that writing to it does not change the original.
 template <class Packed>
 Packed own_stream(const Array &p_arrays, int64_t stream) {
 	const Packed shared = p_arrays[stream];
 	return resized_copy(shared, shared.size());
 }
 
-/// Appends a stream of vertices to one of the same type.
+/// Appends a vertex stream to one of the same type.
 void append_stream(const Variant &p_more, Variant &r_all) {
 	switch (r_all.get_type()) {
 		case Variant::PACKED_VECTOR3_ARRAY: append<PackedVector3Array>(p_more, r_all); break;
@@ -130,12 +130,13 @@ void transform_streams(const Transform3D &p_transform, Array &r_arrays) {
 	}
 }
 
-/// A mirrored triangle shows its back, unless its corners are listed the other way around.
+/// Reverses the winding of triangles. Otherwise mirrored triangles would show their backs.
 PackedInt32Array turned_around(const PackedInt32Array &p_indices, int64_t p_primitive) {
 	if (p_indices.size() < 3) {
 		return p_indices;
 	}
-	if (p_primitive == SurfacePrimitive::triangle_strip) { // One corner more at the front changes all directions.
+	// An extra index at the front reverses the winding of all triangles.
+	if (p_primitive == SurfacePrimitive::triangle_strip) {
 		PackedInt32Array result = resized_copy(p_indices, p_indices.size() + 1);
 		const std::span<int32_t> index = writable(result);
 		std::copy_n(p_indices.ptr(), p_indices.size(), index.begin() + 1);
@@ -158,7 +159,8 @@ PackedInt32Array indices_of(const Array &p_arrays, int32_t vertices) {
 	return indices;
 }
 
-/// The engine stores indices in two bytes if those suffice.
+/// Converts an index buffer. The engine stores each index in two bytes if these suffice for the
+/// vertex count.
 PackedInt32Array unpacked(const PackedByteArray &p_bytes, int64_t vertices) {
 	constexpr int64_t most_of_two_bytes = 65536;
 	PackedInt32Array result;
@@ -177,10 +179,11 @@ PackedInt32Array unpacked(const PackedByteArray &p_bytes, int64_t vertices) {
 	return result;
 }
 
-/// Adds the movement of the blend shapes to each stream of a surface.
+/// Applies weighted blend shapes to the streams of a surface.
 class Blend {
 public:
-	/// Has no effect for a kind of mesh without blend shapes.
+	/// The blend has no effect if the mesh is not an ArrayMesh, because only these have blend
+	/// shapes.
 	Blend(const MeshPart &part, int32_t index) : weights_(part.blend_weights) {
 		const Ref<ArrayMesh> mesh = weights_.empty() ? Ref<Mesh>() : part.mesh;
 		if (mesh.is_null()) {
@@ -191,7 +194,8 @@ public:
 		weights_.resize(std::min(weights_.size(), static_cast<std::size_t>(shapes_.size())));
 		const bool relative = static_cast<int64_t>(mesh->call("get_blend_shape_mode")) == relative_mode;
 		for (const double weight : weights_) {
-			rest_ -= relative ? 0.0 : weight; // Otherwise a shape contains whole positions, not offsets.
+			// Shapes that are not relative contain absolute positions instead of offsets.
+			rest_ -= relative ? 0.0 : weight;
 		}
 	}
 
@@ -219,10 +223,10 @@ private:
 
 	std::vector<double> weights_;
 	TypedArray<Array> shapes_;
-	double rest_ = 1.0; ///< Weight of the surface itself.
+	double rest_ = 1.0; ///< The weight of the unblended surface.
 };
 
-/// Normals and tangents of moved vertices keep their lengths.
+/// Restores the unit length of normals.
 void normalize_streams(Array &r_arrays) {
 	auto normals = own_stream<PackedVector3Array>(r_arrays, SurfaceStream::normals);
 	for (Vector3 &normal : writable(normals)) {
@@ -242,7 +246,7 @@ void blend(const MeshPart &part, int32_t index, Array &r_arrays) {
 	}
 }
 
-/// One surface of a part, transformed to the part's position.
+/// Reads one surface of a part, and transforms it to the model's space.
 Surface surface_of(const MeshPart &part, int32_t index) {
 	Surface result;
 	const Dictionary stored = RenderingServer::get_singleton()->mesh_get_surface(part.mesh->get_rid(), index);
@@ -268,7 +272,8 @@ Surface surface_of(const MeshPart &part, int32_t index) {
 	piece.vertices =
 			static_cast<int32_t>(static_cast<PackedVector3Array>(result.arrays[SurfaceStream::positions]).size());
 	piece.indices = indices_of(result.arrays, piece.vertices);
-	const Array lods = stored.get("lods", Array()); // Missing if no LODs were generated.
+	// The key is missing if the surface has no LODs.
+	const Array lods = stored.get("lods", Array());
 	for (int64_t lod = 0; lod < lods.size(); ++lod) {
 		const Dictionary coarser = lods[lod];
 		piece.lods.push_back(
@@ -301,7 +306,8 @@ void add(Surface surface, std::vector<Surface> &r_surfaces) {
 	taker->pieces.push_back(std::move(surface.pieces.front()));
 }
 
-/// The indices of all pieces, each in its coarsest version that leaves out at most `edge_length` of detail.
+/// Joins the indices of all pieces. Uses the coarsest LOD of each piece that omits only details of
+/// at most `edge_length` meters.
 PackedInt32Array joined_indices(const Surface &surface, double edge_length) {
 	std::vector<int32_t> result;
 	int32_t first = 0;
@@ -310,7 +316,9 @@ PackedInt32Array joined_indices(const Surface &surface, double edge_length) {
 		for (const IndexLod &lod : piece.lods) {
 			indices = lod.edge_length <= edge_length ? &lod.indices : indices;
 		}
-		std::ranges::transform(*indices, std::back_inserter(result), [first](int32_t index) { return index + first; });
+		for (const int32_t index : *indices) {
+			result.push_back(index + first);
+		}
 		first += piece.vertices;
 	}
 	return packed_integers(result);
@@ -358,7 +366,7 @@ Ref<Mesh> merged_placeholder(std::span<const MeshPart> parts) {
 
 Ref<Mesh> merged_mesh(std::span<const MeshPart> parts) {
 	if (parts.size() == 1 && is_as_it_is(parts.front()) && parts.front().mesh->get_surface_count() > 0) {
-		// A copy would look the same.
+		// Return the mesh itself, because a copy would look identical.
 		return parts.front().mesh;
 	}
 	std::vector<Surface> surfaces;
@@ -409,7 +417,7 @@ std::vector<Ref<Mesh>> faded_meshes(const Ref<Mesh> &mesh, std::span<const glm::
 }
 
 bool uses_custom3(const Ref<Mesh> &mesh) {
-	Ref<ArrayMesh> arrays = mesh; // No other kind of mesh uses it.
+	Ref<ArrayMesh> arrays = mesh; // Other types of meshes have no custom streams.
 	for (int32_t index = 0; arrays.is_valid() && index < arrays->get_surface_count(); ++index) {
 		const auto format = static_cast<int64_t>(arrays->call("surface_get_format", index));
 		if ((static_cast<std::uint64_t>(format) & custom3_bit) != 0) {

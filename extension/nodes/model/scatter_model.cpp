@@ -23,7 +23,7 @@ namespace thicket {
 
 namespace {
 
-/// Properties that are read from a scene while there is one.
+/// Properties that are read from the scene if there is one.
 constexpr std::array read_properties{"lods", "shapes", "shape_transforms"};
 
 TypedArray<ScatterLod> array_of(const std::vector<Ref<ScatterLod>> &lods) {
@@ -46,7 +46,7 @@ private:
 	bool &flag_;
 };
 
-/// False, with an error, if there are too many LODs.
+/// Returns true if the number of LODs is allowed. Otherwise prints an error.
 bool accept_count(const char *p_property, const TypedArray<ScatterLod> &p_lods) {
 	const bool fits = p_lods.size() <= ScatterModel::max_model_lods;
 	if (!fits) {
@@ -56,7 +56,7 @@ bool accept_count(const char *p_property, const TypedArray<ScatterLod> &p_lods) 
 	return fits;
 }
 
-/// Adds an LOD behind finer ones, with defaults replaced by values. A null mesh means the mesh of the previous LOD.
+/// Appends an LOD, with all defaults resolved. A null mesh stands for the mesh of the previous LOD.
 void add_drawn(const Ref<ScatterLod> &p_lod, std::vector<DrawnLod> &r_lods) {
 	const Ref<Mesh> mesh = p_lod->get_mesh().is_valid() ? p_lod->get_mesh() : r_lods.back().mesh;
 	double distance = 0.0;
@@ -108,7 +108,7 @@ void ScatterModel::set_scene_part(const String &p_path) {
 }
 
 void ScatterModel::set_replacement_materials(const Dictionary &p_materials) {
-	Dictionary materials; // A copy, because scripts share dictionaries.
+	Dictionary materials; // Use a copy, because scripts share dictionaries by reference.
 	const Array names = p_materials.keys();
 	for (int64_t index = 0; index < names.size(); ++index) {
 		const Variant &name = names[index];
@@ -128,7 +128,7 @@ void ScatterModel::set_replacement_materials(const Dictionary &p_materials) {
 	read_again();
 }
 
-/// After a change of how the scene is read.
+/// Schedules the scene to be read again, because the settings for reading it have changed.
 void ScatterModel::read_again() {
 	if (scene_.is_valid()) {
 		unread_ = scene_;
@@ -151,7 +151,7 @@ bool ScatterModel::read_step() {
 		const Mark stepping(stepping_);
 		more = reader->step();
 	}
-	if (!more && reader == reader_) { // Otherwise a script has set a different scene.
+	if (!more && reader == reader_) { // If the reader differs, a script has set a different scene.
 		finish_reading(reader->take());
 	}
 	return true;
@@ -171,7 +171,8 @@ void ScatterModel::finish_reading(const SceneReading &reading) {
 	}
 }
 
-/// Uses the content of a scene; false, with an error, if it has none.
+/// Replaces the model's content with that of a scene. If the scene has a problem, prints an error
+/// and returns false.
 bool ScatterModel::take_over(const SceneReading &reading, const Ref<PackedScene> &p_scene) {
 	problem_ = lods_.is_empty() ? reading.problem : String();
 	if (!reading.problem.is_empty()) {
@@ -205,7 +206,8 @@ bool ScatterModel::reload() {
 	}
 	const String path = scene_->get_path();
 	Ref<PackedScene> fresh = scene_;
-	// The scene in memory may be older than its file, and the editor uses it as well.
+	// Bypass the cache: the cached scene may be older than its file, and the editor uses it as
+	// well.
 	if (!path.is_empty() && ResourceLoader::get_singleton()->exists(path)) {
 		fresh = ResourceLoader::get_singleton()->load(path, "PackedScene", ResourceLoader::CACHE_MODE_IGNORE);
 	}
@@ -217,9 +219,9 @@ bool ScatterModel::reload() {
 	const Ref<PackedScene> scene = scene_;
 	while (reader.step()) {}
 	if (!(scene == scene_)) {
-		return true; // A script in the scene has set a different one.
+		return true; // A script in the scene has set a different scene.
 	}
-	unread_ = {};
+	unread_ = Ref<PackedScene>();
 	reader_ = nullptr;
 	if (!take_over(reader.take(), fresh)) {
 		return false;
@@ -237,7 +239,7 @@ bool ScatterModel::accept_edit(const char *p_property) const {
 	return true;
 }
 
-/// Both lists are watched together, because an LOD may be in both.
+/// Watches both lists together, because an LOD may be in both.
 void ScatterModel::watch_lods(bool p_watch) {
 	for (const TypedArray<ScatterLod> *lods : {&lods_, &far_lods_}) {
 		for (int64_t index = 0; index < lods->size(); ++index) {
@@ -352,7 +354,8 @@ AABB ScatterModel::get_aabb() {
 	return box;
 }
 
-/// The content of the scene is not saved a second time.
+/// Makes the properties that are read from the scene read-only, and does not save them, because the
+/// scene contains them.
 void ScatterModel::_validate_property(PropertyInfo &p_property) const {
 	for (const char *name : read_properties) {
 		if (scene_.is_valid() && p_property.name == StringName(name)) {

@@ -16,10 +16,10 @@ namespace thicket {
 
 namespace {
 
-/// The maximum distance, in meters, between the outline of a path and the baked points of its curve.
+/// The tolerance, in meters, for simplifying the baked points of a path's curve.
 constexpr double path_tolerance = 0.01;
 
-/// The position on the world's plane of a position in a node's own space.
+/// Transforms a position from a node's local space to global space and returns its x and z.
 glm::dvec2 on_plane(const Transform3D &frame, glm::dvec3 position) {
 	const glm::dvec3 world = to_core(frame.basis) * position + to_core(frame.origin);
 	return {world.x, world.z};
@@ -38,6 +38,12 @@ void ScatterRegion3D::notified(int p_what) {
 		case NOTIFICATION_ENTER_TREE: enter(); break;
 		case NOTIFICATION_EXIT_TREE: leave(); break;
 		case NOTIFICATION_TRANSFORM_CHANGED:
+			// A host with local coordinates may only have moved together with the region.
+			if (const Transform3D now = transform_of(*this); !(now == placed_)) {
+				placed_ = now;
+				changed();
+			}
+			break;
 		case NOTIFICATION_VISIBILITY_CHANGED: changed(); break;
 		case NOTIFICATION_EXTENSION_RELOADED:
 			if (is_inside_tree()) {
@@ -53,6 +59,7 @@ void ScatterRegion3D::enter() {
 	for (Node *node = get_parent(); node != nullptr && host_ == nullptr; node = node->get_parent()) {
 		host_ = dynamic_cast<RegionHost *>(node);
 	}
+	placed_ = transform_of(*this);
 	if (host_ != nullptr) {
 		host_->add_region(this);
 	}
@@ -67,6 +74,11 @@ void ScatterRegion3D::leave() {
 	seen_ = {};
 }
 
+/// Returns a node's transform in the world of the host, without its offset.
+Transform3D ScatterRegion3D::transform_of(const Node3D &node) const {
+	return host_ != nullptr ? host_->transform_of(node) : node.get_global_transform();
+}
+
 void ScatterRegion3D::changed() {
 	if (host_ != nullptr) {
 		host_->region_changed(this);
@@ -75,7 +87,8 @@ void ScatterRegion3D::changed() {
 	update_configuration_warnings();
 }
 
-/// Whether neither the node nor any node between it and its host is hidden. Regions of a hidden host still have an effect.
+/// Returns true unless the node, or a node between it and its host, is hidden. A hidden host makes
+/// no difference, because its regions still have an effect.
 bool ScatterRegion3D::shown() const {
 	for (const Node3D *node = this; node != nullptr && dynamic_cast<const RegionHost *>(node) != host_;
 			node = cast_to<Node3D>(node->get_parent())) {
@@ -93,13 +106,13 @@ Path3D *ScatterRegion3D::followed_path() const {
 
 bool ScatterRegion3D::path_changed() {
 	if (shape_ != SHAPE_PATH && seen_.id == 0) {
-		// The region follows no path and has followed none.
+		// The region neither follows a path nor followed one in the last call.
 		return false;
 	}
 	SeenPath now;
 	if (const Path3D *path = shape_ == SHAPE_PATH ? followed_path() : nullptr) {
 		now.id = path->get_instance_id();
-		now.transform = path->get_global_transform();
+		now.transform = transform_of(*path);
 		if (const Ref<Curve3D> curve = path->get_curve(); curve.is_valid()) {
 			now.points = curve->get_baked_points();
 		}
@@ -115,7 +128,7 @@ bool ScatterRegion3D::path_changed() {
 
 std::vector<glm::dvec2> ScatterRegion3D::polygon_outline() const {
 	std::vector<glm::dvec2> outline;
-	const Transform3D frame = get_global_transform();
+	const Transform3D frame = transform_of(*this);
 	for (const Vector2 &corner : polygon_) {
 		outline.push_back(on_plane(frame, {corner.x, 0.0, corner.y}));
 	}
@@ -129,7 +142,7 @@ std::vector<glm::dvec2> ScatterRegion3D::path_outline() const {
 	if (curve.is_null()) {
 		return outline;
 	}
-	const Transform3D frame = path->get_global_transform();
+	const Transform3D frame = transform_of(*path);
 	for (const Vector3 &point : curve->get_baked_points()) {
 		outline.push_back(on_plane(frame, to_core(point)));
 	}
@@ -137,7 +150,7 @@ std::vector<glm::dvec2> ScatterRegion3D::path_outline() const {
 }
 
 Status ScatterRegion3D::build_solid(thicket::Shape &r_shape) const {
-	const Transform3D transform = get_global_transform();
+	const Transform3D transform = transform_of(*this);
 	ShapeFrame frame;
 	if (const Status status = take_apart(to_core(transform.basis), frame); !status.ok()) {
 		return status;
@@ -173,7 +186,7 @@ Status ScatterRegion3D::build(thicket::Shape &r_shape) const {
 		return status;
 	}
 	if (host_ != nullptr) {
-		const glm::dvec3 offset = host_->world_offset();
+		const glm::dvec3 offset = host_->world_frame().local ? glm::dvec3(0.0) : host_->world_frame().offset;
 		r_shape.center += is_flat() ? glm::dvec3(0.0) : offset;
 		for (glm::dvec2 &point : r_shape.outline) {
 			point += glm::dvec2(offset.x, offset.z);
@@ -191,7 +204,7 @@ std::optional<thicket::Shape> ScatterRegion3D::world_shape() {
 	thicket::Shape shape;
 	const Status status = build(shape);
 	if (status.code == ErrorCode::missing) {
-		return std::nullopt; // The region's warnings report it.
+		return std::nullopt; // The region's warnings report the missing outline.
 	}
 	if (std::exchange(reported_, status.code) != status.code) {
 		report(class_name, status);

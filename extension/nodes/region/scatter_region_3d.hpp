@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/world_frame.hpp"
 #include "core/rules/shapes.hpp"
 #include "nodes/common/guard.hpp"
 #include "nodes/common/property_check.hpp"
@@ -24,26 +25,30 @@ namespace thicket {
 
 class ScatterRegion3D;
 
-/// A node that the regions below it belong to: a TerrainScatter3D.
+/// The interface through which a region notifies its closest TerrainScatter3D ancestor.
 class RegionHost {
 public:
 	virtual ~RegionHost() = default;
 
-	/// Call these when a region below the node enters the tree, leaves it, or has changed. The affected area is
-	/// regenerated.
+	/// A region calls these three functions when it enters the tree, leaves the tree, or has
+	/// changed. The host then regenerates the affected area.
 	virtual void add_region(ScatterRegion3D *p_region) = 0;
 	virtual void remove_region(ScatterRegion3D *p_region) = 0;
 	virtual void region_changed(const ScatterRegion3D *p_region) = 0;
 
-	/// The world position of the engine's origin, in meters.
-	virtual glm::dvec3 world_offset() const = 0;
+	/// The relation between the engine's space and the host's world.
+	virtual const WorldFrame &world_frame() const = 0;
 
-	/// A sentence that explains why a reference (see find_layer) refers to none of the node's layers; empty if it
-	/// refers to one.
+	/// Returns the transform of a node in the tree: in the host's local space if the world is that
+	/// space, otherwise the global one.
+	virtual godot::Transform3D transform_of(const godot::Node3D &p_node) const = 0;
+
+	/// Explains in a sentence why a reference (see stored_reference) matches none of the host's
+	/// layers; empty if it matches one.
 	virtual godot::String layer_problem(const godot::Variant &p_reference) const = 0;
 };
 
-/// The sizes of a region, as the inspector shows them, in meters.
+/// The numeric properties of a region, all in meters.
 struct RegionSizes {
 	double falloff = 0.0;
 	double radius = 5.0;
@@ -51,8 +56,9 @@ struct RegionSizes {
 	double width = 4.0;
 };
 
-/// A part of the world that excludes layers of the TerrainScatter3D above it, or includes them. A region has an effect
-/// only while it is in the tree and visible. When it changes, only the tiles that it touches are regenerated.
+/// A part of the world from which layers of the TerrainScatter3D above it are excluded, or to which
+/// they are confined. Has an effect only while it is visible and in the tree. When the region
+/// changes, only the tiles that it touches are regenerated.
 class ScatterRegion3D : public godot::Node3D, public ThreadGuarded {
 	GDCLASS(ScatterRegion3D, godot::Node3D)
 	THICKET_GUARDED_METHODS(owner)
@@ -61,39 +67,47 @@ public:
 	static constexpr const char *class_name = "ScatterRegion3D";
 
 	enum Shape {
-		SHAPE_BOX,      ///< `size`, around the node.
-		SHAPE_SPHERE,   ///< `radius`.
-		SHAPE_CYLINDER, ///< `radius`, and `height` along the node's y axis.
-		SHAPE_POLYGON,  ///< Inside `polygon`, at any height.
-		SHAPE_PATH,     ///< Within half of `width` of a Path3D, at any height.
+		SHAPE_BOX,      ///< A box of `size`, centered on the node.
+		SHAPE_SPHERE,   ///< A sphere of `radius`.
+		SHAPE_CYLINDER, ///< A cylinder of `radius`, and `height` along the node's y axis.
+		SHAPE_POLYGON,  ///< The inside of `polygon`, at any height.
+		SHAPE_PATH,     ///< A strip of `width` along a Path3D, at any height.
 	};
 
 	ScatterRegion3D();
 
-	/// A setter refuses values that are not finite or out of range: it prints one error that names the property, and keeps the old value.
+	// All setters refuse values that are out of range or not finite: they print an error that
+	// names the property, and keep the old value.
 	void set_shape(Shape p_shape);
 	Shape get_shape() const { return shape_; }
+
+	/// Sets whether layers are excluded from the region (true) or confined to it (false).
 	void set_exclude(bool p_exclude);
 	bool is_excluding() const { return exclude_; }
 
-	/// The layers that the region affects, each a ScatterLayer or its name; empty for all layers. A layer that has a
-	/// name is stored by name. The returned array is read-only.
+	/// Sets the layers that the region affects, each a ScatterLayer or its name; empty for all
+	/// layers. Named layers are stored by name. The returned array is a read-only copy.
 	void set_layers(const godot::Array &p_layers);
 	godot::Array get_layers() const;
 
 	void change_references(const ReferenceChange &change);
+
+	/// Sets whether a box, sphere or cylinder affects all heights within its outline as seen from
+	/// above.
 	void set_ignore_height(bool p_ignore);
 	bool is_ignoring_height() const { return ignore_height_; }
 
-	/// The sides of the box in meters, each 0.001 to 1e6, before the node's scale is applied.
+	/// Sets the sides of the box in meters before scaling by the node, each 0.001 to 1e6.
 	void set_size(const godot::Vector3 &p_size);
 	godot::Vector3 get_size() const { return size_; }
 
-	/// Corners in the node's own x and z, closed automatically, at most max_outline_points.
+	/// Sets the corners of a closed polygon in the node's local x and z, at most
+	/// max_outline_points.
 	void set_polygon(const godot::PackedVector2Array &p_polygon);
 	godot::PackedVector2Array get_polygon() const { return polygon_; }
 
-	/// A Path3D; if empty, the parent if it is one.
+	/// Sets the Path3D to follow. If empty, the region follows its parent, provided that it is a
+	/// Path3D.
 	void set_path_node(const godot::NodePath &p_path);
 	godot::NodePath get_path_node() const { return path_; }
 
@@ -102,15 +116,17 @@ public:
 	template <const NumberProperty<RegionSizes, double> &property>
 	double get_number() const;
 
-	/// The shape of the region in the world. Empty if the region has no effect: if it is hidden, not in the tree,
-	/// unfinished, or refused by the core. A refusal prints one error.
+	/// Returns the region's shape in the world. Returns nothing if the region is hidden, not in the
+	/// tree or incomplete, or if the core refuses the shape. Prints an error for a refused shape,
+	/// once until the reason changes.
 	std::optional<thicket::Shape> world_shape();
 
-	/// True if the path that a region of SHAPE_PATH follows was replaced, moved or changed since the last call.
+	/// Returns true if the Path3D of a SHAPE_PATH region was replaced, moved or changed since the
+	/// last call.
 	bool path_changed();
 
-	/// One sentence for each problem that probably keeps the region from its intended effect, for the editor's
-	/// warnings.
+	/// Returns a sentence for each problem that keeps the region from having its likely intended
+	/// effect. The editor shows them as configuration warnings.
 	godot::PackedStringArray get_problems() const;
 	godot::PackedStringArray _get_configuration_warnings() const override {
 		return guarded_call("ScatterRegion3D._get_configuration_warnings", [this] { return get_problems(); });
@@ -122,13 +138,14 @@ protected:
 	void _validate_property(godot::PropertyInfo &p_property) const;
 
 private:
+	godot::Transform3D transform_of(const godot::Node3D &node) const;
 	void notified(int p_what);
 	void enter();
 	void leave();
 	void changed();
 	bool shown() const;
 	bool is_flat() const { return shape_ == SHAPE_POLYGON || shape_ == SHAPE_PATH; }
-	/// ErrorCode::missing for an outline with too few points.
+	/// Returns ErrorCode::missing for an outline with too few points.
 	Status build(thicket::Shape &r_shape) const;
 	Status build_solid(thicket::Shape &r_shape) const;
 	std::vector<glm::dvec2> polygon_outline() const;
@@ -141,22 +158,25 @@ private:
 	Shape shape_ = SHAPE_BOX;
 	bool exclude_ = true;
 	bool ignore_height_ = false;
-	godot::Array layers_; ///< In the form of stored_reference.
+	godot::Array layers_; ///< Converted by stored_reference.
 	godot::Vector3 size_{10.0F, 10.0F, 10.0F};
 	RegionSizes numbers_;
 	godot::PackedVector2Array polygon_;
 	godot::NodePath path_;
 
-	RegionHost *host_ = nullptr; ///< Set while in the tree. The host leaves the tree after its descendants.
+	/// The host of the region while it is in the tree. The pointer stays valid, because the host
+	/// leaves the tree after its descendants.
+	RegionHost *host_ = nullptr;
 	ErrorCode reported_ = ErrorCode::none;
 
-	/// The path, as path_changed() last saw it.
+	/// The state of the path in the last call of path_changed().
 	struct SeenPath {
 		std::uint64_t id = 0;
 		godot::Transform3D transform;
-		godot::PackedVector3Array
-				points; ///< Shares the curve's memory. When the curve changes, its points get new memory.
+		/// Shares the curve's memory. The curve allocates a new array when it changes.
+		godot::PackedVector3Array points;
 	};
+	godot::Transform3D placed_; ///< See transform_of(). The transform that was last reported.
 	SeenPath seen_;
 };
 

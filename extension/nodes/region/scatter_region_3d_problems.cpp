@@ -1,4 +1,5 @@
-// Problems that keep a region from its likely intended effect, as sentences for the editor's warnings.
+// This file describes the problems of a region in sentences for the editor's configuration
+// warnings.
 
 #include "core/rules/shape_frame.hpp"
 #include "nodes/common/convert.hpp"
@@ -52,7 +53,7 @@ PackedStringArray ScatterRegion3D::get_problems() const {
 		return problems;
 	}
 	ShapeFrame frame;
-	const Status status = take_apart(to_core(get_global_transform().basis), frame);
+	const Status status = take_apart(to_core(transform_of(*this).basis), frame);
 	const glm::dvec3 scale = frame.scale;
 	if (!status.ok()) {
 		problems.push_back("The region has no effect: " + sentence(class_name, status) + ".");

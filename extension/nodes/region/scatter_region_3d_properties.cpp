@@ -1,4 +1,5 @@
-// The properties of a ScatterRegion3D: their accepted values, and when the inspector shows them.
+// This file contains the properties of ScatterRegion3D: their validation, binding, and visibility
+// in the inspector.
 
 #include "nodes/region/scatter_region_3d.hpp"
 
@@ -58,25 +59,14 @@ void ScatterRegion3D::set_layers(const Array &p_layers) {
 	changed();
 }
 
-Array ScatterRegion3D::get_layers() const {
-	Array result;
-	for (int64_t i = 0; i < layers_.size(); ++i) {
-		append(result, stored_reference(layers_[i])); // A layer may have received a name.
-	}
-	result.make_read_only();
-	return result;
-}
+Array ScatterRegion3D::get_layers() const { return current_references(layers_); }
 
 void ScatterRegion3D::change_references(const ReferenceChange &change) {
-	Array now;
-	bool any = false;
-	for (int64_t i = 0; i < layers_.size(); ++i) {
-		const auto changed = change("ScatterRegion3D.layers", layers_[i]);
-		append(now, changed ? *changed : layers_[i]);
-		any = any || changed.has_value();
-	}
-	if (any) {
-		set_layers(now);
+	const auto changed_layer = [&](const Variant &p_stored) {
+		return change("ScatterRegion3D.layers", p_stored);
+	};
+	if (const auto now = changed_references(layers_, changed_layer)) {
+		set_layers(*now);
 	}
 }
 
@@ -142,11 +132,12 @@ void ScatterRegion3D::bind_number() {
 	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, name, property.hint, property.hint_string), setter, getter);
 }
 
-/// Hides properties that the chosen shape does not use. They are still stored, so that trying a different shape loses nothing.
+/// Hides the properties that the current shape does not use. Hidden properties are still saved, so
+/// switching shapes loses no values.
 void ScatterRegion3D::_validate_property(PropertyInfo &p_property) const {
 	struct Use {
 		const char *property;
-		unsigned shapes; ///< A bit for each shape that uses the property.
+		unsigned shapes; ///< A bit mask of the shapes that use the property.
 	};
 	constexpr unsigned box = 1U << SHAPE_BOX;
 	constexpr unsigned sphere = 1U << SHAPE_SPHERE;

@@ -4,6 +4,8 @@
 
 #include <godot_cpp/core/class_db.hpp>
 
+#include <algorithm>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -13,17 +15,18 @@ namespace thicket {
 
 namespace {
 
-/// The previous object, if it is equal.
+/// Returns `before` if it equals `now`, so that unchanged values stay the same object.
 template <class Values>
 std::shared_ptr<const Values> kept(const std::shared_ptr<const Values> &before, Values now) {
 	if (before != nullptr && *before == now) {
-		// An unchanged object regenerates nothing.
+		// Keeping the object regenerates nothing.
 		return before;
 	}
 	return std::make_shared<const Values>(std::move(now));
 }
 
-/// The area in which the tiles of a layer are outdated, because its settings or the ground have changed.
+/// Returns the area in which a layer's tiles are outdated after a change of its settings or the
+/// ground.
 EditedArea outdated_area(const SharedSnapshot &before, const SharedSnapshot &now, const EditedArea &ground_change,
 		EditSearch &r_search) {
 	EditedArea area;
@@ -38,8 +41,8 @@ EditedArea outdated_area(const SharedSnapshot &before, const SharedSnapshot &now
 	return area;
 }
 
-/// The property whose distance is too large, for a layer that needs too many points although its own tiles are small
-/// enough.
+/// Names the property whose distance is too large. Call it for a layer whose own points fit the
+/// limit, but not together with the points of other layers around a tile.
 const char *far_looking_property(const LayerSettings &layer, double tile_size) {
 	LayerSettings plain = layer;
 	plain.instance_data = {};
@@ -69,7 +72,7 @@ void LayerList::complain(std::size_t index, bool own, const Status &status) {
 	entries_[index].complaint = complaint;
 }
 
-/// Takes a snapshot of a layer, if it is valid.
+/// Takes a snapshot of a layer if its settings are valid.
 Status LayerList::read(Entry &r_entry, const Ref<ScatterLayer> &p_layer, std::uint64_t seed, std::size_t index) const {
 	if (p_layer.is_null()) {
 		r_entry = {};
@@ -82,7 +85,7 @@ Status LayerList::read(Entry &r_entry, const Ref<ScatterLayer> &p_layer, std::ui
 	return status;
 }
 
-/// Adds data that a layer itself does not have: the shapes and biomes that affect it, and the water.
+/// Adds the data that comes from outside the layer: shapes, biomes, water and the planet.
 void LayerList::add_world(std::size_t index, const NodeLayers &layers, const LayerWorld &world) {
 	LayerSnapshot &layer = *entries_[index].unlinked;
 	const SharedSnapshot was = before(index);
@@ -96,10 +99,26 @@ void LayerList::add_world(std::size_t index, const NodeLayers &layers, const Lay
 		rules.biome = kept(was != nullptr ? was->settings->rules.biome : nullptr,
 				BiomeDensity(world.biomes->map(), world.biomes->densities_of(resource)));
 	}
+	if (settings->set.on_surface && world.planet.exists()) {
+		settings->planet = world.planet;
+		settings->set.faces = permitted_faces(*settings);
+		layer.range.bottom = world.planet.bottom();
+		layer.range.top = world.planet.top();
+		layer.range.center = world.planet.center;
+		// The models of other layers may extend beyond the ground.
+		const GroundShell shell = layer.links.surface_layers.empty() ? world.shell : GroundShell::everywhere();
+		layer.range.nearest = shell.nearest;
+		layer.range.farthest = shell.farthest;
+		layer.range.view_distance =
+				std::min(layer.range.view_distance, layer.range.most_view_tiles() * layer.range.tile_size);
+		layer.lod.sight_end = layer.range.view_distance;
+		layer.lod.in_space = true;
+	}
 	layer.settings = settings;
 }
 
-/// If there are biomes, the water levels are always known, so that a change of one biome's water only affects that biome.
+/// Creates the water levels. With biomes, creates them even if there is no water. A later change of
+/// one biome's water then affects only the area of that biome.
 void LayerList::find_water(const LayerWorld &world) {
 	if (world.biomes.is_valid()) {
 		water_ = kept(water_, WaterLevels(world.biomes->map(), world.biomes->water_levels(world.water_level)));
@@ -110,8 +129,73 @@ void LayerList::find_water(const LayerWorld &world) {
 	}
 }
 
-/// Later layers in `order` give way to earlier ones; the result is by index.
-std::vector<LinkedLayer> LayerList::link(const std::vector<std::size_t> &order) const {
+bool LayerList::has_hosts() const {
+	return std::ranges::any_of(entries_, [](const Entry &entry) { return entry.host != nullptr; });
+}
+
+/// Adds the models and the game's changes of all hosts. `r_layers` is in the order of priority.
+void LayerList::add_hosts(const NodeLayers &layers, const LayerWorld &world, std::vector<UnlinkedLayer> &r_layers) {
+	std::vector<const LayerLinks *> links;
+	for (const UnlinkedLayer &layer : r_layers) {
+		links.push_back(layer.links);
+	}
+	const std::set<std::size_t> hosts = hosts_in(links);
+	std::shared_ptr<const SharedState> state;
+	for (std::size_t at = 0; at < r_layers.size(); ++at) {
+		const std::size_t index = layers.order()[at];
+		Entry &entry = entries_[index];
+		if (!hosts.contains(at)) {
+			entry.host = nullptr;
+			continue;
+		}
+		const std::uint16_t number = entry.unlinked->settings->set.layer;
+		const bool is_new = entry.host == nullptr || entry.host->number != number;
+		if (is_new) {
+			entry.host = std::make_shared<Host>();
+			entry.host->number = number;
+		}
+		Host &host = *entry.host;
+		if (is_new || world.state_edits.everywhere || world.state_edits.areas.contains(index)) {
+			if (state == nullptr && world.state.is_valid()) {
+				state = std::make_shared<const SharedState>(world.state->share());
+			}
+			host.changes = state != nullptr ? std::make_shared<const HostState>(state, number) : nullptr;
+		}
+		const Ref<ScatterLayer> shown = world.previews.shown(layers.by_index()[static_cast<int64_t>(index)]);
+		r_layers[at].models = host.reader.read(entry.unlinked->drawing, shown->mesh_version());
+		r_layers[at].changes = host.changes;
+	}
+}
+
+/// Returns the changed areas of hosts, keyed by PointSet::layer instead of by index.
+HostEdits LayerList::host_edits(const StateEdits &edits) const {
+	HostEdits result;
+	for (std::size_t index = 0; index < entries_.size(); ++index) {
+		const auto found = edits.areas.find(index);
+		const bool is_edited = edits.everywhere || found != edits.areas.end();
+		if (is_host(index) && is_edited) {
+			EditedArea area = found != edits.areas.end() ? found->second : EditedArea();
+			area.everywhere = area.everywhere || edits.everywhere;
+			result.emplace(entries_[index].unlinked->settings->set.layer, std::move(area));
+		}
+	}
+	return result;
+}
+
+void LayerList::add_host_problems(PackedStringArray &r_problems) const {
+	for (std::size_t index = 0; index < entries_.size(); ++index) {
+		if (is_host(index)) {
+			for (const String &problem : entries_[index].host->reader.problems()) {
+				r_problems.push_back("Layer " + String::num_int64(static_cast<int64_t>(index)) + ": " + problem);
+			}
+		}
+	}
+}
+
+/// Resolves the layers' references to each other. Earlier layers in `order` take priority over
+/// later ones. The result is by index.
+std::vector<LinkedLayer> LayerList::link(const NodeLayers &node_layers, const LayerWorld &world) {
+	const std::vector<std::size_t> &order = node_layers.order();
 	std::vector<UnlinkedLayer> layers;
 	std::vector<SharedLayer> before_all;
 	for (const std::size_t index : order) {
@@ -129,6 +213,7 @@ std::vector<LinkedLayer> LayerList::link(const std::vector<std::size_t> &order) 
 						  "Lower tile_size or this distance, or raise the radius")
 				: Status{};
 	};
+	add_hosts(node_layers, world, layers);
 	std::vector<LinkedLayer> linked = link_layers(layers, before_all, check);
 	std::vector<LinkedLayer> result(entries_.size());
 	for (std::size_t at = 0; at < order.size(); ++at) {
@@ -137,14 +222,14 @@ std::vector<LinkedLayer> LayerList::link(const std::vector<std::size_t> &order) 
 	return result;
 }
 
-/// The new snapshot of a layer, with its resolved references.
+/// Returns the new snapshot of a layer with resolved references, or the last valid one.
 SharedSnapshot LayerList::next(std::size_t index, const LinkedLayer &linked) const {
 	SharedSnapshot was = before(index);
 	if (linked.settings == nullptr) {
 		return nullptr;
 	}
 	if (!linked.status.ok()) {
-		return was; // The whole snapshot, because its meshes belong to those settings.
+		return was; // Keep the whole snapshot, because the meshes belong to its settings.
 	}
 	LayerSnapshot now = *entries_[index].unlinked;
 	now.settings = linked.settings;
@@ -163,15 +248,16 @@ std::vector<EditedArea> LayerList::update(
 		statuses.push_back(read(entries_[index], shown, world.seed, index));
 		if (std::optional<LayerSnapshot> &unlinked = entries_[index].unlinked) {
 			if (shown != layer) {
-				unlinked->links.identity = layer->get_instance_id(); // Other layers may refer to the object itself.
+				// References to a layer without a name use this ID.
+				unlinked->links.identity = layer->get_instance_id();
 			}
 			add_world(index, layers, world);
 		}
 	}
 	std::vector<EditedArea> areas;
 	std::vector<SharedSnapshot> snapshots;
-	EditSearch search; // Compares with settings of `snapshots_`, which must live as long.
-	const std::vector<LinkedLayer> linked = link(layers.order());
+	const std::vector<LinkedLayer> linked = link(layers, world);
+	EditSearch search(host_edits(world.state_edits)); // Refers to settings in `snapshots_`.
 	for (std::size_t index = 0; index < count; ++index) {
 		const bool own = index < layers.own_count();
 		complain(index, own, linked[index].status.ok() ? statuses[index] : linked[index].status);

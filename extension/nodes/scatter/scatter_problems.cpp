@@ -27,10 +27,29 @@ void add_problems_of(ScatterLayer &layer, const String &p_where, const Ref<Scatt
 	for (const String &problem : layer.problems()) {
 		r_problems.push_back(p_where + problem);
 	}
-	if (layer.get_ground_textures().size() > 0 && p_ground.is_valid() && p_ground->problem().is_empty() &&
-			!p_ground->has_textures()) {
+	const bool is_usable = p_ground.is_valid() && p_ground->problem().is_empty();
+	if (layer.get_ground_textures().size() > 0 && is_usable && !p_ground->has_textures()) {
 		r_problems.push_back(
 				p_where + String("ScatterLayer.ground_textures has no effect: the ground has no textures."));
+	}
+	if (layer.is_on_surfaces() && !layer.has_surface_layers() && is_usable && !p_ground->has_surfaces()) {
+		r_problems.push_back(p_where +
+				String("nothing is placed: on_surfaces requires the triangles of the ground, and a ") +
+				p_ground->get_class() +
+				String(" has none here. Use meshes, a heightmap, Terrain3D or HTerrain, or turn on_surfaces off."));
+	}
+	const bool on_planet = is_usable && p_ground->planet().exists();
+	if (on_planet && !layer.is_on_surfaces()) {
+		r_problems.push_back(p_where +
+				String("grows only on the top of the planet, as seen along world y: without on_surfaces, planet_radius "
+					   "has no effect. Turn ScatterLayer.on_surfaces on."));
+	}
+	const double limit = max_view_tiles_in_space * layer.range().tile_size;
+	if (on_planet && layer.is_on_surfaces() && layer.range().view_distance > limit) {
+		r_problems.push_back(p_where +
+				vformat("view_distance is limited to %.1f m (16 x tile_size) on a planet, got %.1f m. Increase "
+						"tile_size or lower view_distance.",
+						limit, layer.range().view_distance));
 	}
 	if (layer.needs_water() && !has_water) {
 		r_problems.push_back(p_where +
@@ -39,10 +58,10 @@ void add_problems_of(ScatterLayer &layer, const String &p_where, const Ref<Scatt
 	}
 }
 
-/// Float rounding in a chain of parents, which is no displacement.
+/// Tolerances for the rounding errors of a chain of parents.
 constexpr double basis_tolerance = 1e-4;
 constexpr double position_tolerance = 1e-3; // Meters.
-constexpr double position_share = 1e-6;     // As a share of the offset.
+constexpr double position_share = 1e-6;     // Relative to the offset.
 
 bool is_identity(const glm::dmat3 &basis) {
 	bool is_same = true;
@@ -63,7 +82,7 @@ bool is_displaced(const Node3D &node, glm::dvec3 offset) {
 	const Transform3D transform = node.get_global_transform();
 	const glm::dvec3 away = to_core(transform.origin) + offset;
 	const double tolerance = position_tolerance + position_share * glm::length(offset);
-	// A game that recenters may move the node along with its world, which is no displacement.
+	// A game that recenters its world may also move this node, which is not a displacement.
 	const bool is_moved = glm::length(to_core(transform.origin)) > position_tolerance && glm::length(away) > tolerance;
 	return is_moved || !is_identity(to_core(transform.basis));
 }
@@ -81,6 +100,20 @@ void add_transform_problem(const Node3D &node, glm::dvec3 offset, PackedStringAr
 								 "its parents; to shift the "
 								 "world, set TerrainScatter3D.world_offset.",
 			value));
+}
+
+void add_local_problems(const Node3D &node, const Ref<ScatterGround> &p_ground, PackedStringArray &r_problems) {
+	const glm::dmat3 axes = node.is_inside_tree() ? to_core(node.get_global_transform().basis) : glm::dmat3(1.0);
+	if (!is_identity(WorldFrame::of_local_space(axes, glm::dvec3(0.0)).turn * axes)) {
+		r_problems.push_back(
+				"TerrainScatter3D.global_transform is scaled, skewed or mirrored. With local_coords, "
+				"instances only move and turn with the node. Reset the scales of the node and its parents.");
+	}
+	if (p_ground.is_valid() && !p_ground->moves_with_host()) {
+		r_problems.push_back(String("TerrainScatter3D.ground: a ") + p_ground->get_class() +
+				String(" does not move with the node, as local_coords requires. Use a ScatterGroundMeshes with the "
+					   "meshes or bodies of the moving object, or turn local_coords off."));
+	}
 }
 
 void add_viewer_problems(
@@ -108,15 +141,19 @@ void add_viewer_problems(
 	}
 }
 
-void add_ground_problems(const Ref<ScatterGround> &p_ground, PackedStringArray &r_problems) {
+String problem_of_ground(const Ref<ScatterGround> &p_ground) {
 	if (p_ground.is_null()) {
-		r_problems.push_back("No ground: set TerrainScatter3D.ground to a ScatterGround to show anything.");
-	} else if (const String stripped = p_ground->stripped(); !stripped.is_empty()) {
-		r_problems.push_back(stripped);
-	} else if (const String problem = p_ground->problem(); !problem.is_empty()) {
-		r_problems.push_back(problem);
-	} else if (const String remark = p_ground->remark(); !remark.is_empty()) {
-		r_problems.push_back(remark);
+		return "No ground: set TerrainScatter3D.ground to a ScatterGround to show anything.";
+	}
+	const String stripped = p_ground->stripped();
+	return stripped.is_empty() ? p_ground->problem() : stripped;
+}
+
+void add_ground_problems(const Ref<ScatterGround> &p_ground, PackedStringArray &r_problems) {
+	const String problem = problem_of_ground(p_ground);
+	const String sentence = problem.is_empty() ? p_ground->remark() : problem;
+	if (!sentence.is_empty()) {
+		r_problems.push_back(sentence);
 	}
 }
 
@@ -157,7 +194,9 @@ void add_layer_problems(const TypedArray<ScatterLayer> &p_layers, const Ref<Scat
 
 void add_uniform_problem(
 		const TileDisplay &display, std::span<const SharedSnapshot> layers, PackedStringArray &r_problems) {
-	constexpr std::uint64_t room = 256; // 16 slots each in a uniform buffer of 64 KiB.
+	// The number of multimeshes that the uniform buffer of 64 KiB has room for. Each takes 16
+	// slots.
+	constexpr std::uint64_t room = 256;
 	if (String(RenderingServer::get_singleton()->call("get_current_rendering_method")) != String("gl_compatibility")) {
 		return;
 	}

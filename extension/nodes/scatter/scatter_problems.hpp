@@ -17,29 +17,40 @@
 
 namespace thicket {
 
-/// Adds one sentence for each problem that keeps a node's ground and layers from being displayed as they should. The
-/// layers are in order of priority. `has_water` is true if there is any water.
+/// Returns a sentence that explains why a ground cannot be used; empty if it can. Null is no ground.
+godot::String problem_of_ground(const godot::Ref<ScatterGround> &p_ground);
+
+/// These functions add a sentence for each problem with a node's ground or layers. `p_layers` must
+/// be in order of priority. `has_water` is true if the node or a biome has water.
 void add_ground_problems(const godot::Ref<ScatterGround> &p_terrain, godot::PackedStringArray &r_problems);
 void add_layer_problems(const godot::TypedArray<ScatterLayer> &p_layers, const godot::Ref<ScatterGround> &p_terrain,
 		bool has_water, godot::PackedStringArray &r_problems);
 
-/// True if a node in the tree is moved, turned or scaled, by its own transform or by a parent's. Its instances do not
-/// follow. A node that has moved by the opposite of `offset`, the world position of the engine's origin, still matches
+/// Returns true if the global transform of a node in the tree is not the identity, because
+/// instances do not follow it. `offset` is the world position of the engine's origin. A translation
+/// by -`offset` does not count, because a node that has moved with a recentered scene still matches
 /// its instances.
 bool is_displaced(const godot::Node3D &node, glm::dvec3 offset);
 void add_transform_problem(const godot::Node3D &node, glm::dvec3 offset, godot::PackedStringArray &r_problems);
 
-/// Adds the problems that keep a node in the tree from streaming around its viewers. `refused` is the error of a viewer that is out of
-/// range.
+/// Adds the problems of a node with local coordinates: its scale, and a ground that does not move
+/// with it.
+void add_local_problems(
+		const godot::Node3D &node, const godot::Ref<ScatterGround> &p_ground, godot::PackedStringArray &r_problems);
+
+/// Adds the problems that keep a node in the tree from streaming around its viewers. `refused` is
+/// the error of the first viewer that is out of range, if any.
 void add_viewer_problems(const godot::Node3D &node, const ViewerSettings &viewers, const Status &refused,
 		godot::PackedStringArray &r_problems);
 
-/// Adds a sentence if more multimeshes with instance uniforms are displayed than the Compatibility renderer supports.
-/// For each one beyond its limit, the renderer prints an error and draws it with the defaults of its shader.
+/// Adds a sentence if more multimeshes with instance uniforms are displayed than the Compatibility
+/// renderer supports. The renderer prints an error for each additional one, and draws it with the
+/// default values of its shader.
 void add_uniform_problem(
 		const TileDisplay &display, std::span<const SharedSnapshot> layers, godot::PackedStringArray &r_problems);
 
-/// One sentence for each feature that cannot work because an export has stripped its resource. `biomes` may be null.
+/// Returns a sentence for each feature that does not work because an export has stripped its
+/// resource. `biomes` may be null.
 godot::PackedStringArray stripped_problems(const godot::TypedArray<ScatterLayer> &p_layers,
 		const godot::Ref<ScatterGround> &p_terrain, const ScatterBiomeMap *biomes);
 

@@ -17,18 +17,18 @@ namespace thicket {
 
 namespace {
 
-/// Determines the number of tiles in progress for each worker. It must be large enough that no worker runs out of tiles
-/// between two frames, but so small that the nearest tiles still come first after a turn or a change. The number is
-/// chosen so that a worker needs this time for them, within limits.
+/// The number of tiles in progress per worker is chosen, within the limits below, so that they take
+/// a worker this long. More would delay the nearest tiles after a viewer turns or a setting
+/// changes. Fewer could leave workers idle between two frames.
 constexpr std::uint64_t worker_lead_microseconds = 30'000;
 constexpr std::size_t min_jobs_per_worker = 8;
 constexpr std::size_t max_jobs_per_worker = 64;
 
-/// Meters that a viewer may move before the waiting work is sorted again.
+/// The distance in meters that a viewer may move before waiting jobs are sorted again.
 constexpr double sort_distance = 4.0;
 
-/// True if a tile generated for one layer may be shown for the other until the latter's own tile is ready: they have the same points and
-/// meshes.
+/// Returns true if two versions of a layer have the same points and meshes. A tile of the old
+/// version may then be shown until the new one is ready.
 bool interchangeable(const SharedSnapshot &a, const SharedSnapshot &b) {
 	if (a == nullptr || b == nullptr) {
 		return a == b;
@@ -36,8 +36,11 @@ bool interchangeable(const SharedSnapshot &a, const SharedSnapshot &b) {
 	return a->settings->set == b->settings->set && a->drawing.same_meshes(b->drawing);
 }
 
-/// A layer that is not shown requests as few tiles as possible.
+/// Returns the tile size and view distance of a layer. An empty layer gets huge tiles and no view
+/// distance, so that it requests almost none.
 StreamLayer range_of(const SharedSnapshot &layer) { return layer != nullptr ? layer->range : StreamLayer{1e6, 0.0}; }
+
+WorldTile world_tile(const TileKey &key) { return {key.layer, key.tile, key.slab}; }
 
 bool is_unseen(const std::shared_ptr<TileJob> &job) { return job->unseen; }
 
@@ -45,14 +48,15 @@ bool is_unseen(const std::shared_ptr<TileJob> &job) { return job->unseen; }
 
 ScatterStream::ScatterStream(InstanceWorld &world) : world_(world), workers_(spare_thread_count()) {}
 
-/// Marks jobs whose content has changed since they were started, or whose tiles have a different size, because queries
-/// cannot use them.
+/// Marks jobs whose input or tile size has changed since they were started. Queries cannot use
+/// their results.
 void ScatterStream::mark_stale(std::span<const SharedSnapshot> next, std::span<const EditedArea> outdated) {
 	for (const std::shared_ptr<TileJob> &job : jobs_) {
 		const std::uint32_t layer = job->request.key.layer;
 		job->stale = job->stale || layer >= next.size() || layer >= outdated.size() ||
 				range_of(next[layer]).tile_size != range_of(layers_[layer]).tile_size ||
-				outdated[layer].touches(job->request.rect);
+				range_of(next[layer]).in_space() != range_of(layers_[layer]).in_space() ||
+				outdated[layer].touches(job->request.space);
 	}
 }
 
@@ -62,7 +66,8 @@ void ScatterStream::set_layers(
 	for (const SharedSnapshot &layer : layers) {
 		ranges.push_back(range_of(layer));
 	}
-	// Before the streamer knows the new layers: if memory ends here, both still have the old ones.
+	// Allocate before changing the streamer. If memory runs out here, the stream and the streamer
+	// both keep the old layers.
 	std::vector<SharedSnapshot> next = layers;
 	failures_.reserve(layers.size());
 	const Status status = streamer_.set_layers(ranges);
@@ -101,7 +106,7 @@ void ScatterStream::set_layers(
 	}
 }
 
-/// The visible tile of a request's key stays unchanged.
+/// Completes a request without a new tile: the visible tile with its key stays.
 void ScatterStream::keep_shown(const TileRequest &request) {
 	streamer_.finish(request);
 	recheck_.keep(request.key);
@@ -137,13 +142,14 @@ bool ScatterStream::work_in_frame(std::span<const Viewer> viewers, std::uint64_t
 
 std::size_t ScatterStream::jobs_per_worker() const {
 	if (!ask_ground_.empty()) {
-		return min_jobs_per_worker; // The workers are not the bottleneck.
+		return min_jobs_per_worker; // The main thread is the bottleneck.
 	}
 	const std::uint64_t fitting = worker_lead_microseconds / std::max<std::uint64_t>(usual_job_microseconds_, 1);
 	return static_cast<std::size_t>(std::clamp<std::uint64_t>(fitting, min_jobs_per_worker, max_jobs_per_worker));
 }
 
-/// Leaves out viewers that are out of range, so that the others are still served, and reports the first of them once.
+/// Accepts the viewers that are in range, so that tiles are still streamed around them. Skips the
+/// others, and reports the first error once.
 void ScatterStream::accept(std::span<const Viewer> viewers) {
 	const Status before = std::exchange(viewer_status_, Status());
 	viewers_.clear();
@@ -175,7 +181,7 @@ void ScatterStream::request_tiles() {
 	}
 	for (const TileKey &key : changes_.drop) {
 		recheck_.hide(key);
-		if (display_.drop(key)) {
+		if (display_.drop(key) && display_.find(key.layer, key.tile) == nullptr) {
 			events_.push_back({false, key.layer, key.tile});
 		}
 	}
@@ -185,14 +191,16 @@ void ScatterStream::request_tiles() {
 	sort_work();
 }
 
-/// Sorts waiting work again once viewers have moved on. The order does not affect the tiles.
+/// Sorts waiting jobs again once a viewer has moved far enough. The order does not affect the
+/// content of the tiles.
 void ScatterStream::sort_work() {
 	const bool same = std::ranges::equal(viewers_, sorted_for_, [](const Viewer &now, const Viewer &then) {
 		const glm::dvec2 way = now.position - then.position;
-		return way.x * way.x + way.y * way.y < sort_distance * sort_distance;
+		const double rise = now.height - then.height;
+		return way.x * way.x + way.y * way.y + rise * rise < sort_distance * sort_distance;
 	});
 	if (same) {
-		// The nearest tiles are the same.
+		// No viewer has moved far enough to make sorting worthwhile.
 		return;
 	}
 	if (!workers_.sort(viewers_)) {
@@ -216,14 +224,14 @@ void ScatterStream::start(const TileRequest &request) {
 	workers_.push(job);
 }
 
-/// Starts the tiles that queries have requested and that are not displayed. If there is no room for a tile, it is
+/// Starts jobs for tiles that queries need and that are not displayed. Tiles beyond the limit are
 /// requested again in the next frame.
 void ScatterStream::start_missing() {
 	const std::size_t room = min_jobs_per_worker * workers_.threads();
 	auto under_way = static_cast<std::size_t>(std::ranges::count_if(jobs_, is_unseen));
 	for (const WorldTile &tile : world_.take_missing()) {
 		const auto makes = [&tile](const std::shared_ptr<TileJob> &job) {
-			return job->request.key.layer == tile.layer && job->request.key.tile == tile.tile && !job->stale;
+			return world_tile(job->request.key) == tile && !job->stale;
 		};
 		if (under_way == room || !ground_.source.is_available()) {
 			return;
@@ -232,12 +240,12 @@ void ScatterStream::start_missing() {
 			continue;
 		}
 		if (std::ranges::any_of(jobs_, makes)) {
-			// The tile is in progress.
+			// The tile is already in progress.
 			continue;
 		}
 		const auto job = std::make_shared<TileJob>();
-		job->request.key = {tile.layer, 0, tile.tile};
-		job->request.rect = tile_rect(layers_[tile.layer]->range.tile_size, tile.tile);
+		job->request.key = {tile.layer, 0, tile.tile, tile.slab};
+		job->request.space = tile_space(layers_[tile.layer]->range.tile_size, tile.tile, tile.slab);
 		job->layer = layers_[tile.layer];
 		job->terrain = ground_.terrain;
 		job->unseen = true;
@@ -283,7 +291,7 @@ void ScatterStream::settle(const std::shared_ptr<TileJob> &job) {
 		report_once(*job);
 	}
 	if (job->status.ok() && !job->stale) {
-		world_.keep(job->request.key.layer, job->request.key.tile, job->tile);
+		world_.keep(world_tile(job->request.key), job->tile);
 	}
 	if (job->unseen) {
 		settle_unseen(job);
@@ -308,12 +316,12 @@ void ScatterStream::settle(const std::shared_ptr<TileJob> &job) {
 void ScatterStream::settle_unseen(const std::shared_ptr<TileJob> &job) {
 	std::erase(jobs_, job);
 	if (!job->status.ok() && !job->stale && ground_.source.is_available()) {
-		// A tile that cannot be generated counts as empty; an edit makes it missing again.
-		world_.keep(job->request.key.layer, job->request.key.tile, std::make_shared<const CompactTile>());
+		// A tile that cannot be generated counts as empty until an edit invalidates it.
+		world_.keep(world_tile(job->request.key), std::make_shared<const CompactTile>());
 	}
 }
 
-/// Ends all jobs, and reports that all tiles are hidden.
+/// Cancels all jobs and reports all tiles as hidden.
 void ScatterStream::forget_work() {
 	while (!jobs_.empty()) {
 		cancel(jobs_.front()->request.ticket);

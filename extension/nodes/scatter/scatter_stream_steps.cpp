@@ -1,4 +1,5 @@
-// The work of a frame in small steps of several kinds, which take turns until the frame's time is spent.
+// This file does the work of a frame in small steps of several kinds, which take turns until the
+// time is spent.
 
 #include "nodes/scatter/scatter_stream.hpp"
 
@@ -12,15 +13,16 @@ namespace thicket {
 
 namespace {
 
-/// While tiles wait to be shown, visible tiles are only divided again after this many uploads. Until then the picture
-/// is the same, but takes more triangles.
+/// While tiles wait to be uploaded, the stream takes one division step per this many uploads. A
+/// delayed division does not change the image; it only means that more triangles are drawn.
 constexpr std::uint32_t uploads_before_divide = 32;
 
-/// While tiles wait to be shown, an LOD only fades in after this many uploads. Until then LODs change abruptly.
+/// While tiles wait to be uploaded, the stream takes one step for LOD fades per this many uploads.
+/// Until a fade is prepared, its LODs switch abruptly.
 constexpr std::uint32_t uploads_before_fade = 8;
 
-/// Updates the usual time of a step. A step in which the machine did other work is only counted as a slow one; otherwise a single such step
-/// would hold up the stream for many frames.
+/// Updates the average time of a step. Caps outliers, because otherwise a single step during which
+/// the thread was preempted would delay the stream for many frames.
 std::chrono::steady_clock::duration smoothed(
 		std::chrono::steady_clock::duration usual, std::chrono::steady_clock::duration step) {
 	const auto believed = std::min(step, 4 * usual + std::chrono::microseconds(1));
@@ -29,8 +31,9 @@ std::chrono::steady_clock::duration smoothed(
 
 } // namespace
 
-/// Samples the ground at no more than `most` positions of the next tile in turn. Returns the number of positions that
-/// this took.
+/// Samples the ground of the first waiting tile at up to `most` positions. Returns the number of
+/// positions, but at least 1 for a tile that was processed. Returns 0 if no tile waits, or if a
+/// script has changed the stream.
 std::size_t ScatterStream::ground_step(std::size_t most) {
 	if (ask_ground_.empty() || most == 0) {
 		return 0;
@@ -45,7 +48,7 @@ std::size_t ScatterStream::ground_step(std::size_t most) {
 		status = ground_.source.sample_now(std::span<const glm::dvec2>(job->positions).subspan(job->answered, count),
 				{part->textures, part->normals}, std::span(job->ground).subspan(job->answered, count));
 		if (alive.expired() || ask_ground_.empty() || ask_ground_.front() != job) {
-			return 0; // A script has freed or changed the stream that called it.
+			return 0; // The script has freed or changed this stream.
 		}
 	}
 	job->answered += count;
@@ -62,7 +65,8 @@ std::size_t ScatterStream::ground_step(std::size_t most) {
 	return std::max<std::size_t>(count, 1);
 }
 
-/// The number of positions at which the ground may be sampled now; 0 if that is only possible at the other time of a frame.
+/// Returns the number of positions at which the ground may be sampled now. Returns 0 if the ground
+/// must be sampled in physics frames and `in_physics_frame` is false, or the reverse.
 std::size_t ScatterStream::positions_at_once(bool in_physics_frame) const {
 	const Ref<ScatterGround> &ground = ground_.source.ground;
 	return ground.is_valid() && ground->needs_physics_frames() == in_physics_frame ? ground->max_positions_per_call()
@@ -72,7 +76,7 @@ std::size_t ScatterStream::positions_at_once(bool in_physics_frame) const {
 void ScatterStream::physics_frame() {
 	std::size_t left = positions_at_once(true);
 	if (left > 0) {
-		left -= recheck_heights(std::max<std::size_t>(left / 16, 1)); // Rays call no script.
+		left -= recheck_heights(std::max<std::size_t>(left / 16, 1)); // Rays run no script.
 	}
 	while (left > 0) {
 		const std::size_t asked = ground_step(left);
@@ -80,7 +84,8 @@ void ScatterStream::physics_frame() {
 	}
 }
 
-/// Uploads a part of the tile whose turn it is, and shows the tile with its last part, so that no far tile is shown before a near one.
+/// Uploads a part of the next tile, and shows the tile after its last part. Tiles are completed one
+/// by one, so that no far tile appears before a near one.
 bool ScatterStream::upload_step() {
 	if (uploads_.state() == UploadQueue::State::idle) {
 		const std::optional<TileRequest> next = streamer_.next_ready();
@@ -103,20 +108,21 @@ bool ScatterStream::upload_step() {
 void ScatterStream::finish_upload() {
 	const std::shared_ptr<TileJob> job = uploads_.current().job;
 	if (!streamer_.may_show(job->request)) {
-		uploads_.put_back(); // The viewer has moved since it was chosen.
+		uploads_.put_back(); // A viewer has moved since the tile was chosen.
 		return;
 	}
 	std::erase(jobs_, job);
 	if (streamer_.finish(job->request)) {
 		if (rechecks()) {
-			recheck_.show(job->request.key, job->request.rect, std::move(job->probes), job->stale);
+			recheck_.show(job->request.key, job->request.space, std::move(job->probes), job->stale);
 		}
 		display_.show(uploads_.take());
 		events_.push_back({true, job->request.key.layer, job->request.key.tile});
 	} else {
 		display_.discard(uploads_.take());
 	}
-	// The renderer has its own copy by now. Freeing this much can take the main thread a millisecond.
+	// The renderer has copied the buffers. A worker frees them, because freeing them here could
+	// take a millisecond.
 	workers_.take_back(std::move(job->uploads));
 }
 
@@ -167,16 +173,16 @@ bool ScatterStream::do_step(Step step) {
 	return false;
 }
 
-/// Does steps of all kinds in turn. If too little time is left for a step, that step comes first in the next frame.
-/// Returns false if a script has freed the stream in the meantime.
+/// Runs steps of all kinds in turn until the deadline. If too little time is left for a step, the
+/// next frame starts with it. Returns false if a script has freed the stream.
 bool ScatterStream::work_until(Clock::time_point deadline) {
 	const std::weak_ptr<const void> alive = life_;
 	bool first = true;
-	std::size_t in_vain = 0; // The number of consecutive kinds that had nothing to do.
+	std::size_t in_vain = 0; // The number of consecutive steps that found no work.
 	Clock::time_point before = Clock::now();
 	while (in_vain < step_kinds) {
 		const bool waits = (next_step_ == Step::divide && !may_divide()) || (next_step_ == Step::fade && !may_fade());
-		if (waits) { // Skipped without comparing its usual time with the time left.
+		if (waits) { // Skipped regardless of the time left.
 			next_step_ = after(next_step_);
 			++in_vain;
 			continue;

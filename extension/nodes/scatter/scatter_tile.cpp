@@ -1,6 +1,8 @@
 #include "nodes/scatter/scatter_tile.hpp"
 
 #include "core/placement/instance_rows.hpp"
+#include "core/placement/merged_mesh.hpp"
+#include "nodes/common/convert.hpp"
 #include "nodes/common/engine_arrays.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
@@ -9,18 +11,22 @@
 #include <godot_cpp/core/memory.hpp>
 
 #include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 using namespace godot;
 
 namespace thicket {
 
-Ref<ScatterTile> ScatterTile::built(CompactTile tile, const std::vector<Ref<Mesh>> &meshes, glm::dvec3 offset) {
+Ref<ScatterTile> ScatterTile::built(CompactTile tile, const std::vector<Ref<Mesh>> &meshes, const WorldFrame &frame) {
 	const Ref<ScatterTile> result(memnew(ScatterTile));
 	const auto shared = std::make_shared<const CompactTile>(std::move(tile));
 	result->tile_ = shared;
-	result->origin_ = to_engine(shared->origin, offset);
+	result->origin_ = to_engine(shared->origin, frame);
 	for (std::size_t mesh = 0; mesh < shared->meshes.size(); ++mesh) {
 		result->parts_.push_back({mesh < meshes.size() ? meshes[mesh] : Ref<Mesh>(),
 				std::shared_ptr<const CompactMesh>(shared, &shared->meshes[mesh]), {}});
@@ -28,15 +34,20 @@ Ref<ScatterTile> ScatterTile::built(CompactTile tile, const std::vector<Ref<Mesh
 	return result;
 }
 
-Ref<ScatterTile> ScatterTile::shown(
-		const std::shared_ptr<const TileDisplay> &display, std::uint32_t layer, glm::ivec2 tile, glm::dvec3 offset) {
+Ref<ScatterTile> ScatterTile::shown(const std::shared_ptr<const TileDisplay> &display, std::uint32_t layer,
+		glm::ivec2 tile, const WorldFrame &frame) {
 	const Ref<ScatterTile> result(memnew(ScatterTile));
-	const DisplayedTile *shown = display->find(layer, tile);
-	if (shown == nullptr) {
+	const std::vector<const DisplayedTile *> column = display->column(layer, tile);
+	if (column.size() > 1) {
+		result->merge(column);
+		result->origin_ = to_engine(result->tile_->origin, frame);
+	}
+	if (column.size() != 1) {
 		return result;
 	}
+	const DisplayedTile *shown = column.front();
 	result->tile_ = shown->tile;
-	result->origin_ = to_engine(shown->tile->origin, offset);
+	result->origin_ = to_engine(shown->tile->origin, frame);
 	for (const DisplayedTile::Part &part : shown->parts) {
 		result->parts_.push_back({part.cells.empty() ? Ref<Mesh>() : part.lods.front().mesh, part.shown, {}});
 		for (const DisplayedTile::Cell &cell : part.cells) {
@@ -44,10 +55,46 @@ Ref<ScatterTile> ScatterTile::shown(
 		}
 	}
 	result->display_ = display;
-	result->thread_guard().enter_scene(); // Its buffers are read back from the renderer.
+	result->thread_guard().enter_scene(); // Only the main thread may read back buffers.
 	result->layer_ = layer;
 	result->number_ = tile;
 	return result;
+}
+
+/// Takes the merged instances of the cubes in a column. They are copies, so later changes of the
+/// display do not affect them.
+void ScatterTile::merge(std::span<const DisplayedTile *const> column) {
+	const auto tile = std::make_shared<CompactTile>();
+	tile->origin = column.front()->tile->origin;
+	std::size_t count = 0;
+	for (const DisplayedTile *cube : column) {
+		count = std::max(count, cube->parts.size());
+	}
+	for (std::size_t mesh = 0; mesh < count; ++mesh) {
+		std::vector<TileMesh> meshes;
+		Part &merged_part = parts_.emplace_back();
+		for (const DisplayedTile *cube : column) {
+			if (mesh >= cube->parts.size()) {
+				continue; // This cube could not be generated.
+			}
+			const DisplayedTile::Part &part = cube->parts[mesh];
+			meshes.push_back({part.shown.get(), cube->tile->origin});
+			merged_part.mesh = part.cells.empty() ? merged_part.mesh : part.lods.front().mesh;
+			for (const DisplayedTile::Cell &cell : part.cells) {
+				merged_part.multimeshes.push_back(cell.visual.multimesh());
+			}
+		}
+		tile->meshes.push_back(merged(meshes, tile->origin));
+	}
+	for (const DisplayedTile *cube : column) {
+		tile->counts.sampled += cube->tile->counts.sampled;
+		tile->counts.dense += cube->tile->counts.dense;
+		tile->counts.placed += cube->tile->counts.placed;
+	}
+	for (std::size_t mesh = 0; mesh < parts_.size(); ++mesh) {
+		parts_[mesh].instances = std::shared_ptr<const CompactMesh>(tile, &tile->meshes[mesh]);
+	}
+	tile_ = tile;
 }
 
 bool ScatterTile::is_empty() const {

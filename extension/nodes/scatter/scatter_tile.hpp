@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/world_frame.hpp"
 #include "core/placement/compact_tile.hpp"
 #include "nodes/common/guard.hpp"
 #include "nodes/drawing/tile_display.hpp"
@@ -20,58 +21,63 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace thicket {
 
-/// The instances of a rectangle of the world, by mesh: either of a visible tile, or of a rectangle built for the
-/// caller. Given an invalid mesh index, methods print an error and return a default.
+/// The instances in a rectangle of the world, grouped by mesh. The rectangle is a visible tile, or
+/// was built for the caller. For an invalid mesh index, methods print an error and return a default
+/// value.
 class ScatterTile : public godot::RefCounted, public ThreadGuarded {
 	GDCLASS(ScatterTile, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
 
 public:
-	/// The result of a refused call.
+	/// Creates the result of a refused call: no meshes and no instances.
 	static godot::Ref<ScatterTile> make_empty() { return memnew(ScatterTile); }
 
-	/// Creates the result for a tile that was built. `offset` is the world position of the engine's origin.
+	/// Creates the result for a built tile. `frame` is the world position of the engine's origin
+	/// in meters.
 	static godot::Ref<ScatterTile> built(
-			CompactTile tile, const std::vector<godot::Ref<godot::Mesh>> &meshes, glm::dvec3 offset);
+			CompactTile tile, const std::vector<godot::Ref<godot::Mesh>> &meshes, const WorldFrame &frame);
 
-	/// A tile of a display; empty for a tile that is not visible.
-	static godot::Ref<ScatterTile> shown(
-			const std::shared_ptr<const TileDisplay> &display, std::uint32_t layer, glm::ivec2 tile, glm::dvec3 offset);
+	/// Creates the result for a tile of a display; empty if the tile is not visible.
+	static godot::Ref<ScatterTile> shown(const std::shared_ptr<const TileDisplay> &display, std::uint32_t layer,
+			glm::ivec2 tile, const WorldFrame &frame);
 
-	/// True if there are no instances.
+	/// Returns true if there are no instances.
 	bool is_empty() const;
 
-	/// The origin of the transforms in the buffers.
+	/// Returns the origin of the transforms in the buffers, in the engine's space.
 	godot::Vector3 get_origin() const { return origin_; }
 	int64_t get_mesh_count() const { return static_cast<int64_t>(parts_.size()); }
 	godot::Ref<godot::Mesh> get_mesh(int64_t p_index) const;
 
-	/// The instances in the format of MultiMesh.buffer. For a tile that is still visible, reads the data of the
-	/// RenderingServer.
+	/// Returns the instances of a mesh in the format of MultiMesh.buffer. For a tile that is still
+	/// visible and unchanged, reads them back from the RenderingServer.
 	godot::PackedFloat32Array get_buffer(int64_t p_index) const;
 	godot::PackedInt64Array get_ids(int64_t p_index) const;
 
-	/// All instances as columns; see instance_rows. Positions are world positions.
+	/// Returns all instances in the format of instance_rows, with positions in world space.
 	godot::PackedByteArray get_rows() const;
 
-	/// Invalid if nothing is drawn, or if there are several.
+	/// Returns the only multimesh of a mesh; invalid if there is none or more than one.
 	godot::RID get_multimesh(int64_t p_index) const;
 
-	/// The multimeshes of a mesh: one for a tile that is drawn as a whole, otherwise one for each cell that contains
-	/// instances. Empty if nothing is drawn.
+	/// Returns the multimeshes of a mesh: one for a tile that is drawn as a whole, otherwise one
+	/// per cell that contains instances. Returns an empty array if nothing is drawn.
 	godot::TypedArray<godot::RID> get_multimeshes(int64_t p_index) const;
 
-	/// Covers all data, bit for bit; 0 for a tile that was not visible.
+	/// Returns a hash of all data, bit for bit; 0 for a tile that was not visible.
 	int64_t get_digest() const;
 
 protected:
 	static void _bind_methods();
 
 private:
+	void merge(std::span<const DisplayedTile *const> column);
+
 	struct Part {
 		godot::Ref<godot::Mesh> mesh;
 		std::shared_ptr<const CompactMesh> instances;
@@ -80,7 +86,7 @@ private:
 
 	const Part *find(const char *p_method, int64_t p_index) const;
 
-	std::shared_ptr<const CompactTile> tile_; ///< Null for a tile that was not visible.
+	std::shared_ptr<const CompactTile> tile_; ///< The instances; null if the tile was not visible.
 	godot::Vector3 origin_;
 	std::vector<Part> parts_;
 

@@ -23,11 +23,12 @@ namespace {
 
 constexpr int32_t editor_viewports = 4;
 
-/// The visible height at a distance, divided by that distance, for a perspective camera with a field of view of 75 degrees, the engine's
-/// default.
+/// The visible height divided by the distance, for a perspective camera with the engine's default
+/// field of view of 75 degrees.
 constexpr double size_per_distance = 1.5347;
 
-/// The cameras of the editor's visible 3D viewports, or of the first one if none is visible, for example behind the script editor.
+/// Returns the cameras of the editor's visible 3D viewports. If none is visible, as while the
+/// script editor is open, returns the first one.
 std::vector<Camera3D *> editor_cameras() {
 	std::vector<Camera3D *> cameras;
 	for (int32_t index = 0; index < editor_viewports; ++index) {
@@ -45,14 +46,15 @@ std::vector<Camera3D *> editor_cameras() {
 
 bool is_orthogonal(const Camera3D &camera) { return camera.get_projection() == Camera3D::PROJECTION_ORTHOGONAL; }
 
-/// The world position that an orthogonal camera looks at.
-glm::dvec3 focus_of(const Camera3D &camera, glm::dvec3 offset, const ViewGround &ground) {
+/// The world position at which an orthogonal camera is aimed.
+glm::dvec3 focus_of(const Camera3D &camera, const WorldFrame &frame, const ViewGround &ground) {
 	const Transform3D transform = camera.get_global_transform();
 	ParallelView view;
-	view.from = to_world(transform.origin, offset);
-	view.direction = -glm::normalize(to_core(transform.basis)[2]);
+	view.from = to_world(transform.origin, frame);
+	view.direction = -glm::normalize(frame.turned(to_core(transform.basis))[2]);
 	view.reach = camera.get_far();
-	// The editor places such a camera away from the point that it orbits, by half of its visible depth.
+	// The editor's orthogonal camera is half of its visible depth away from the point that it
+	// orbits.
 	view.usual_depth = in_editor() ? 0.5 * (view.reach - camera.get_near()) : 0.0;
 	return view_focus(view, ground.terrain, ground.terrain == nullptr ? ground.level() : 0.0);
 }
@@ -72,18 +74,18 @@ std::vector<Camera3D *> active_cameras(const Node3D &node) {
 }
 
 FoundViewers find_viewers(
-		const Node3D &node, const ViewerSettings &settings, glm::dvec3 offset, const ViewGround &ground) {
+		const Node3D &node, const ViewerSettings &settings, const WorldFrame &frame, const ViewGround &ground) {
 	FoundViewers result;
 	const auto add = [&](const Node3D *viewer, int64_t index) {
 		if (viewer == nullptr || !viewer->is_inside_tree() || !has_place(*viewer)) {
 			return;
 		}
 		const Vector3 at = viewer->get_global_position();
-		glm::dvec3 place = offset + glm::dvec3(at.x, std::isfinite(at.y) ? at.y : 0.0, at.z);
+		glm::dvec3 place = to_world(Vector3(at.x, std::isfinite(at.y) ? at.y : real_t(0.0), at.z), frame);
 		double above = 0.0;
 		const Camera3D *camera = Object::cast_to<Camera3D>(viewer);
 		if (camera != nullptr && is_orthogonal(*camera)) {
-			const glm::dvec3 focus = focus_of(*camera, offset, ground);
+			const glm::dvec3 focus = focus_of(*camera, frame, ground);
 			const bool finite = std::isfinite(focus.x) && std::isfinite(focus.y) && std::isfinite(focus.z);
 			place = finite ? focus : place;
 			above = camera->get_size() / size_per_distance;
@@ -106,7 +108,7 @@ FoundViewers find_viewers(
 }
 
 std::vector<glm::dvec3> find_near_centers(
-		const Node3D &node, const FoundViewers &viewers, const StringName &p_group, glm::dvec3 offset) {
+		const Node3D &node, const FoundViewers &viewers, const StringName &p_group, const WorldFrame &frame) {
 	std::vector<glm::dvec3> centers = viewers.places;
 	if (p_group == StringName()) {
 		return centers;
@@ -116,7 +118,7 @@ std::vector<glm::dvec3> find_near_centers(
 		const Node3D *member = Object::cast_to<Node3D>(members[i]);
 		const Vector3 at = member != nullptr ? member->get_global_position() : Vector3();
 		if (member != nullptr && std::isfinite(at.x) && std::isfinite(at.y) && std::isfinite(at.z)) {
-			centers.push_back(to_world(at, offset));
+			centers.push_back(to_world(at, frame));
 		}
 	}
 	return centers;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/world_frame.hpp"
 #include "core/streaming/tile_streamer.hpp"
 #include "core/terrain/terrain.hpp"
 
@@ -18,43 +19,48 @@
 
 namespace thicket {
 
-/// The viewers that a node streams around.
+/// The node's settings for viewers.
 struct ViewerSettings {
-	godot::TypedArray<godot::NodePath> paths;  ///< Relative to the node; empty for active_cameras.
-	godot::PackedFloat32Array distance_scales; ///< By the viewer's index; missing entries are 1.
+	/// The paths of the viewers, relative to the node. Empty for active_cameras.
+	godot::TypedArray<godot::NodePath> paths;
+	godot::PackedFloat32Array distance_scales; ///< The distance scales by viewer index. Missing entries are 1.
 };
 
-/// The ground that orthogonal cameras look at.
+/// The ground at which orthogonal cameras are aimed.
 struct ViewGround {
-	const Terrain *terrain = nullptr; ///< Null for ground that would run a script.
-	std::function<double()> level;    ///< World meters: the approximate height of the ground.
+	const Terrain *terrain = nullptr; ///< The ground; null if sampling it would run a script.
+	/// The approximate ground height in world meters. Used if `terrain` is null.
+	std::function<double()> level;
 };
 
-/// The current viewers, in the world.
+/// The current viewers in world space.
 struct FoundViewers {
 	std::vector<Viewer> viewers;
-	std::vector<glm::dvec3> places; ///< The position of each viewer; for an orthogonal camera, the point it looks at.
-	std::vector<std::uint64_t> ids; ///< The object ID of each viewer in the engine.
+	/// The position of each viewer; for an orthogonal camera, the point at which it is aimed.
+	std::vector<glm::dvec3> places;
+	std::vector<std::uint64_t> ids; ///< The instance ID of each viewer.
 };
 
-/// Finds the viewers of `node`, which is in the tree. `offset` is the world position of the engine's origin. Leaves out
-/// viewers that are not in the tree, and viewers whose x or z is not finite.
+/// Finds the viewers of `node`, which must be in the tree. `frame` is the world position of the
+/// engine's origin in meters. Skips viewers that are not in the tree, and viewers whose x or z is
+/// not finite.
 ///
-/// An orthogonal camera shows objects in the same size at any distance. So its viewer is placed above the point that
-/// the camera looks at, at the height from which a perspective camera would show objects in that size.
+/// An orthogonal camera shows objects at the same size regardless of distance. Its viewer is
+/// therefore placed above the point at which the camera is aimed. A perspective camera at that
+/// height would show objects at the same size.
 FoundViewers find_viewers(
-		const godot::Node3D &node, const ViewerSettings &settings, glm::dvec3 offset, const ViewGround &ground);
+		const godot::Node3D &node, const ViewerSettings &settings, const WorldFrame &frame, const ViewGround &ground);
 
-/// Whether a node in the tree may be a viewer: its x and z are finite.
+/// Returns true if a node in the tree can be a viewer, because its global x and z are finite.
 bool has_place(const godot::Node3D &viewer);
 
-/// The camera of the viewport; in the editor, the camera of each visible 3D viewport. A node without `paths` uses these
-/// as viewers.
+/// Returns the viewers of a node without `paths`: the current camera of the node's viewport or, in
+/// the editor, the camera of each visible 3D viewport.
 std::vector<godot::Camera3D *> active_cameras(const godot::Node3D &node);
 
-/// The world positions around which bodies and scenes are placed: the viewers, and all Node3Ds of a group (empty for no
-/// group).
-std::vector<glm::dvec3> find_near_centers(
-		const godot::Node3D &node, const FoundViewers &viewers, const godot::StringName &p_group, glm::dvec3 offset);
+/// The world positions around which bodies and scenes are created: the viewers, and all Node3Ds in
+/// `p_group` unless its name is empty.
+std::vector<glm::dvec3> find_near_centers(const godot::Node3D &node, const FoundViewers &viewers,
+		const godot::StringName &p_group, const WorldFrame &frame);
 
 } // namespace thicket

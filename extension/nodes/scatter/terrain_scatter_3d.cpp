@@ -1,4 +1,4 @@
-// The life of a TerrainScatter3D: in the tree, and from frame to frame.
+// This file contains the life cycle of TerrainScatter3D, and its work in each frame.
 
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
@@ -24,7 +24,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Whether a node is still in the tree after scripts have run. Only accesses objects that outlive the node.
+/// Detects, after scripts have run, whether a node was freed or has left its world. Only accesses
+/// objects that outlive the node.
 class Presence {
 public:
 	explicit Presence(const std::shared_ptr<ScatterGameplay> &gameplay) : gameplay_(gameplay), run_(gameplay->run()) {}
@@ -58,12 +59,13 @@ void TerrainScatter3D::notified(int p_what) {
 		case NOTIFICATION_TRANSFORM_CHANGED: notice_transform(); break;
 		case NOTIFICATION_VISIBILITY_CHANGED: display().set_visible(is_visible_in_tree()); break;
 		case NOTIFICATION_CHILD_ORDER_CHANGED: gameplay()->scenes().children_changed(); break;
-		// Called deferred, because a script that runs there may free the node. The engine accesses a node after a
-		// notification, but not after a call. Deferred calls are made in the same frame.
+		// Deferred, because a script that runs in it may free the node. The engine accesses a node
+		// after a notification, but not after a deferred call. Deferred calls run in the same
+		// frame.
 		case NOTIFICATION_INTERNAL_PROCESS: call_deferred("_process_frame"); break;
 		case NOTIFICATION_INTERNAL_PHYSICS_PROCESS: {
 			if (!on_main_thread()) {
-				break; // In a process thread group; `_process_frame` prints the error.
+				break; // The node is in a process thread group. `_process_frame` prints the error.
 			}
 			const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 			const std::shared_ptr<ScatterStream> stream = stream_;
@@ -86,19 +88,21 @@ void TerrainScatter3D::start() {
 	navigation_.start(this, "_parse_navigation");
 	set_process_internal(true);
 	was_inside_ = true;
+	move_world();
 	if (!std::exchange(running_, true)) {
 		thread_guard().enter_scene();
 		if (ground_.is_valid()) {
-			ground_->enter(this, world_offset_);
+			ground_->enter(this, frame_);
 		}
 	}
 	notice_transform();
+	state_edits_.everywhere = true; // The state may have changed while the node was outside the tree.
 	mark_ground_dirty();
 }
 
-/// Updates the warning about a transform, which has no effect.
+/// Updates the warning that the node's transform has no effect.
 void TerrainScatter3D::notice_transform() {
-	const bool now = is_displaced(*this, world_offset_);
+	const bool now = !local_coords_ && is_displaced(*this, world_offset_);
 	if (std::exchange(displaced_, now) != now) {
 		update_configuration_warnings();
 	}
@@ -130,6 +134,7 @@ void TerrainScatter3D::process_frame() {
 	const std::shared_ptr<ScatterStream> stream = stream_;
 	stream->times().begin();
 	const Presence here(gameplay_);
+	move_world();
 	make_main_thread_calls();
 	if (here) {
 		gameplay()->take_requests();
@@ -208,7 +213,7 @@ void TerrainScatter3D::work(Clock::time_point start) {
 	}
 }
 
-/// Without layers or ground: removes existing instances, under the same budget.
+/// Removes existing instances within the budget when there are no layers or no ground.
 void TerrainScatter3D::dissolve(Clock::time_point start) {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	const std::shared_ptr<ScatterStream> stream = stream_;
@@ -276,7 +281,8 @@ bool TerrainScatter3D::is_settled() const {
 			gameplay_->settled();
 }
 
-/// Whether the next frame would find the same viewers and the same drawing limits as the last one.
+/// Returns true if moved viewers and changed limits would not make the next frame request or redraw
+/// tiles, or create bodies and scenes.
 bool TerrainScatter3D::follows() const {
 	if (!is_inside_tree()) {
 		return true;
@@ -286,21 +292,21 @@ bool TerrainScatter3D::follows() const {
 }
 
 FoundViewers TerrainScatter3D::viewers_now() const {
-	// Ground that is a script is not called for this, because the script may free the node.
-	const bool by_script = ground_.is_valid() && ground_->get_class() == String("ScatterGround");
-	return find_viewers(*this, viewers_, world_offset_,
+	// Does not sample the ground of a script, because the script may free the node.
+	const bool by_script = ground_.is_valid() && ground_->calls_script();
+	return find_viewers(*this, viewers_, frame_,
 			{by_script ? nullptr : ground_snapshot_.get(), [this] { return display().usual_height(); }});
 }
 
 std::vector<glm::dvec3> TerrainScatter3D::near_centers(const FoundViewers &found) const {
-	return find_near_centers(*this, found, interaction_group_, world_offset_);
+	return find_near_centers(*this, found, interaction_group_, frame_);
 }
 
 void TerrainScatter3D::set_fade_viewers(const FoundViewers &found) {
 	std::vector<FadeViewer> viewers;
 	for (std::size_t at = 0; at < found.viewers.size(); ++at) {
 		const Viewer &viewer = found.viewers[at];
-		const glm::dvec3 place = glm::dvec3(viewer.position.x, viewer.height, viewer.position.y) - world_offset_;
+		const glm::dvec3 place = frame_.to_engine({viewer.position.x, viewer.height, viewer.position.y});
 		viewers.push_back({found.ids[at], glm::vec4(glm::dvec4(place, viewer.radius_scale - 1.0))});
 	}
 	const Camera3D *camera = get_viewport()->get_camera_3d();
@@ -313,11 +319,13 @@ String TerrainScatter3D::layer_problem(const Variant &p_reference) const {
 	return find_stored_layer(all_layers(), p_reference, index);
 }
 
-/// Applies settings that were changed in this frame. Refused if there is nothing to query.
+/// Applies settings that have changed in this frame. Returns an error if there is nothing to query.
+/// Runs scripts.
 Status TerrainScatter3D::prepare() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
+	move_world();
 	if (const Ref<ScatterGround> ground = ground_; ground.is_valid()) {
-		ground->finish_reading(); // Notifies scripts, which may free this node.
+		ground->finish_reading(); // Emits signals, so scripts may free this node.
 	}
 	if (gameplay->alive()) {
 		notice_layers();
@@ -335,7 +343,8 @@ Status TerrainScatter3D::prepare() {
 							 : Status::missing("layers", "Add a layer without problems in its get_problems()");
 }
 
-/// The engine calls this for each node that a navigation mesh is baked from.
+/// Adds instances to a navigation mesh. The engine calls this function for each node that it parses
+/// to bake the mesh.
 void TerrainScatter3D::parse_navigation(
 		const Ref<NavigationMesh> &p_mesh, const Ref<NavigationMeshSourceGeometryData3D> &p_geometry, Node *p_node) {
 	NavigationBake bake;
@@ -351,11 +360,23 @@ void TerrainScatter3D::parse_navigation(
 }
 
 void TerrainScatter3D::Host::redraw(std::uint32_t layer, const Rect &area) {
+	node_.mark_instances_changed(layer, area);
 	node_.display().mark(layer, area);
 	node_.schedule_patch();
 }
 
+void TerrainScatter3D::Host::redraw_later(std::uint32_t layer, const Rect &area) {
+	node_.mark_instances_changed(layer, area);
+	node_.display().mark_later(layer, area);
+}
+
+void TerrainScatter3D::Host::redraw_all_later() {
+	node_.mark_all_instances_changed();
+	node_.display().mark_all_later();
+}
+
 void TerrainScatter3D::Host::redraw_all() {
+	node_.mark_all_instances_changed();
 	node_.display().mark_all();
 	node_.schedule_patch();
 }
@@ -365,7 +386,7 @@ void TerrainScatter3D::Host::set_hidden(std::uint32_t layer, std::uint64_t id, c
 	node_.schedule_patch();
 }
 
-/// The display is updated before the frame is drawn, once for all changes up to then.
+/// Updates the display once for all changes of this frame, before the frame is drawn.
 void TerrainScatter3D::schedule_patch() {
 	if (running_ && !std::exchange(patch_scheduled_, true)) {
 		call_deferred("_patch");

@@ -43,12 +43,13 @@
 
 namespace thicket {
 
-/// Streams layers of instances onto a ground, around viewers. Works in the editor as in the game. Instances are placed in world space: the
-/// node's own transform does not move them. The instances are never saved.
+/// Streams layers of instances onto a ground, around viewers, in the editor as well as in a game.
+/// Instances are placed in world space, so the node's transform does not move them. Instances are
+/// never saved.
 ///
-/// The node itself only has properties and signals. Its stream generates and draws tiles. Its ScatterGameplay answers
-/// queries and stores changes. Callers use shared references to both, because a script that runs during a call may free
-/// the node.
+/// The node itself only has properties and signals. Its ScatterStream generates and draws tiles,
+/// and its ScatterGameplay answers queries and stores changes. Methods hold shared references to
+/// both objects during calls that may run scripts, because a script may free the node.
 class TerrainScatter3D : public godot::Node3D, public ThreadGuarded, public RegionHost {
 	GDCLASS(TerrainScatter3D, godot::Node3D)
 	THICKET_GUARDED_METHODS(owner)
@@ -59,130 +60,151 @@ public:
 	TerrainScatter3D();
 	~TerrainScatter3D() override;
 
-	/// Any 64-bit number; a different seed creates a different world.
+	/// Sets the seed, any 64-bit number. Different seeds place instances differently.
 	void set_seed(int64_t p_seed);
 	int64_t get_seed() const { return seed_; }
 
-	/// A null entry draws nothing and keeps its index. Scripts share the array, and their changes to it take effect.
+	/// Sets the layers. A null entry draws nothing, but keeps its index. Scripts share the array,
+	/// so they may modify it in place.
 	void set_layers(const godot::TypedArray<ScatterLayer> &p_layers);
 	godot::TypedArray<ScatterLayer> get_layers() const { return layers_; }
 
-	/// Further layers, and the area in which each of them grows; null for no biomes.
+	/// Sets the map of biomes, whose layers grow only in the areas of their biomes; null for no
+	/// biomes.
 	void set_biomes(const godot::Ref<ScatterBiomeMap> &p_biomes);
 	godot::Ref<ScatterBiomeMap> get_biomes() const { return biomes_; }
 
-	/// A new list of all layers, the node's own and those of its biomes. Null for an empty entry.
+	/// Returns a copy of the list of all layers: the node's own and those of its biomes. Empty
+	/// entries are null.
 	godot::TypedArray<ScatterLayer> get_all_layers() const { return copied(all_layers()); }
 
-	/// Whether the area below water_level counts as water, for the rules of layers. Water is not drawn.
+	/// Sets whether layer rules treat ground below `water_level` as under water. Does not draw any
+	/// water.
 	void set_water_enabled(bool p_enabled);
 	bool is_water_enabled() const { return water_enabled_; }
 
-	/// World meters, ScatterBiome::max_water_level either way.
+	/// Sets the water level in world meters, from -ScatterBiome::max_water_level to
+	/// ScatterBiome::max_water_level.
 	void set_water_level(double p_level);
 	double get_water_level() const { return water_level_; }
 
-	/// If null, nothing is drawn.
+	/// Sets the ground to place instances on. If null, nothing is drawn.
 	void set_ground(const godot::Ref<ScatterGround> &p_ground);
 	godot::Ref<ScatterGround> get_ground() const { return ground_; }
 
-	/// Node3Ds to stream around. If empty, streams around the camera of the viewport; in the editor, around the
-	/// editor's own cameras.
+	/// Sets the Node3Ds to stream around. If empty, streams around the viewport's current camera,
+	/// or in the editor around the editor's cameras.
 	void set_viewers(const godot::TypedArray<godot::NodePath> &p_viewers);
 	godot::TypedArray<godot::NodePath> get_viewers() const { return viewers_.paths; }
 
-	/// Factors for the view distance of all layers, one for each viewer in the list: 0 or more and finite. Missing
-	/// entries are 1. A list with any other value is refused.
+	/// Sets factors for the view distance of all layers, one per viewer, each from 0 to 1e6.
+	/// Missing entries are 1. If any value is out of range, prints an error and keeps the old list.
 	void set_viewer_distance_scales(const godot::PackedFloat32Array &p_scales);
 	godot::PackedFloat32Array get_viewer_distance_scales() const { return viewers_.distance_scales; }
 
-	/// The world position of the engine's origin in meters, each coordinate at most 1e12 from 0: world = engine + world_offset. Changing it
-	/// regenerates and uploads nothing. All positions in the node's API are the engine's.
+	/// Sets the world position of the engine's origin in meters: world = engine + world_offset.
+	/// Each coordinate is within +-1e12. Changing it regenerates and uploads nothing. All positions
+	/// in the node's API are in the engine's space.
 	void set_world_offset(const godot::Vector3 &p_offset);
 	godot::Vector3 get_world_offset() const;
 
-	/// The time that the node may use on the main thread per frame, in microseconds: 1 to 1e6.
+	/// If true, the world is the node's local space: instances move with the node. `world_offset` is
+	/// then ignored.
+	void set_local_coords(bool p_local);
+	bool is_local_coords() const { return local_coords_; }
+
+	/// The node's time budget on the main thread per frame, in microseconds, 1 to 1e6.
 	void set_frame_budget_usec(int64_t p_budget);
 	int64_t get_frame_budget_usec() const { return frame_budget_usec_; }
 
-	/// The share of every tile that is drawn, 0 to 1. Draws the same instances as layers with this density would have.
-	/// Changing it regenerates and uploads nothing.
+	/// Sets the fraction of the instances in each tile that is drawn, 0 to 1. The drawn instances
+	/// are those that layers with a density multiplied by this fraction would have. Changing it
+	/// regenerates and uploads nothing.
 	void set_quality(double p_quality);
 	double get_quality() const { return quality_; }
 
-	/// The largest number of instances to draw in the editor, 0 to 1e9. Beyond it, all tiles are thinned alike.
+	/// Sets the maximum number of instances drawn in the editor, 0 to 1e9. If it is exceeded, all
+	/// tiles are thinned equally.
 	void set_preview_instances(int64_t p_count);
 	int64_t get_preview_instances() const { return preview_instances_; }
 
-	/// The largest number of visible multimeshes, 0 to 1e6. If it is reached, no more tiles are divided into cells, and
-	/// the farthest tiles lose their cells first. Tiles that are drawn as a whole are displayed even beyond the limit.
+	/// Sets the maximum number of visible multimeshes, 0 to 1e6. When it is reached, no more tiles
+	/// are divided into cells, and the farthest tiles are drawn as a whole again first. Undivided
+	/// tiles are displayed even beyond the limit.
 	void set_max_multimeshes(int64_t p_count);
 	int64_t get_max_multimeshes() const { return max_multimeshes_; }
 
-	/// Bodies and scenes are placed around the Node3Ds of this group as around viewers.
+	/// Sets a group of Node3Ds around which bodies and scenes are created, as around viewers.
 	void set_interaction_group(const godot::StringName &p_group) { interaction_group_ = p_group; }
 	godot::StringName get_interaction_group() const { return interaction_group_; }
 
-	/// Regenerates all tiles. Existing instances stay until their replacements are ready.
+	/// Regenerates all tiles. Existing instances stay visible until their replacements are ready.
 	void regenerate();
 
-	/// Reads the ground again, in portions, and regenerates tiles where it has changed. Ground that cannot report where it has changed
-	/// counts as changed everywhere.
+	/// Rereads the ground over several frames and regenerates the tiles where it has changed. If
+	/// the ground cannot detect where it has changed, regenerates all tiles.
 	void refresh_ground();
 
-	/// True when every wanted tile is visible, and bodies, scenes and changes are up to date.
+	/// Returns true if all required tiles are visible, and bodies, scenes and changes are up to
+	/// date.
 	bool is_settled() const;
 	godot::Dictionary get_stats() const;
 
-	/// Statistics of the current drawing: of everything, or only of the part that a camera may see.
+	/// Returns statistics of the instances that are currently drawn. If `p_camera` is not null,
+	/// counts only those that the camera may see.
 	godot::Dictionary get_draw_stats(godot::Camera3D *p_camera) const;
 
-	/// One sentence for each problem that keeps the node from displaying what it should; the editor shows them as warnings.
+	/// Returns a sentence for each problem that keeps the node from displaying its layers
+	/// correctly. The editor shows them as configuration warnings. May run scripts.
 	godot::PackedStringArray get_problems() const;
 	godot::PackedStringArray _get_configuration_warnings() const override {
 		return guarded_call("TerrainScatter3D._get_configuration_warnings", [this] { return get_problems(); });
 	}
 
-	/// The visible tiles of a layer. For `p_layer`, in this and the following methods, see find_layer.
+	/// Returns the visible tiles of a layer. For the type of `p_layer`, here and below, see
+	/// find_layer.
 	godot::TypedArray<godot::Vector2i> get_shown_tiles(const godot::Variant &p_layer) const;
 
-	/// The number of instances of a layer in visible tiles.
+	/// Returns the number of instances of a layer in its visible tiles.
 	int64_t get_shown_count(const godot::Variant &p_layer) const;
 
-	// For the add-on's tools in the editor; see LayerPreviews.
+	// These methods are for the add-on's editor tools; see LayerPreviews.
 
 	void set_preview_hidden(const godot::TypedArray<ScatterLayer> &p_layers) { previews_.set_hidden(p_layers); }
 	void set_preview_stand_in(const godot::Ref<ScatterLayer> &p_layer, const godot::Ref<ScatterLayer> &p_stand_in);
 
-	/// The drawn content of a tile; empty for a tile that is not visible.
+	/// Returns the content of a tile as drawn; empty if the tile is not visible.
 	godot::Ref<ScatterTile> get_tile(const godot::Variant &p_layer, const godot::Vector2i &p_tile);
 
-	/// The instances in a half-open rectangle of world x and z. Generates them immediately, on the main thread. Returns
-	/// an empty result, with an error, if the layer does not exist or the core refuses the rectangle.
+	/// Generates the instances in a half-open rectangle of the engine's x and z, immediately on the
+	/// main thread. If the layer does not exist or the rectangle is refused, prints an error and
+	/// returns an empty tile.
 	godot::Ref<ScatterTile> build_rect(const godot::Variant &p_layer, const godot::Rect2 &p_rect);
 
-	/// The instances of a tile of the layer, visible or not. For a visible tile, the result is bit-identical to that of
-	/// `get_tile`. `p_rect`, unless it is Rect2(), is a rectangle of the scene that clips the tile; clipped tiles still
-	/// share their edges.
+	/// Generates a tile of the layer, whether or not it is visible. For a visible tile, the result
+	/// is bit-identical to that of `get_tile`. Unless `p_rect` is Rect2(), clips the tile to this
+	/// rectangle in the engine's space. Adjacent clipped tiles still share their edges.
 	godot::Ref<ScatterTile> build_tile(
 			const godot::Variant &p_layer, const godot::Vector2i &p_tile, const godot::Rect2 &p_rect);
 
-	// These explain why a layer has an instance at a position, or has none. Main thread only.
+	// These methods explain why a layer has an instance at a position, or has none. Call them only
+	// on the main thread.
 
-	/// Explains a position, given by x and z, for each of some layers (see find_layers). Returns an empty array, with
-	/// an error, if a layer does not exist or the position is not finite.
+	/// Explains the x and z of a position for each of `p_layers` (see find_layers). If a layer does
+	/// not exist or the position is not finite, prints an error and returns an empty array.
 	godot::TypedArray<ScatterExplanation> explain_position(
 			const godot::Vector3 &p_position, const godot::Variant &p_layers);
 
-	/// Values at the centers of a grid over a rectangle, row by row. Density: 0 to 1, after the layer's rules. Slope:
-	/// of the ground in degrees, NAN where there is no ground. Rank: of the nearest point of the layer's set, 0 to 1.
+	/// These methods return values at the cell centers of a grid over a rectangle, row by row.
+	/// Densities after the layer's rules are 0 to 1. Slopes of the ground are in degrees, NAN
+	/// without ground. Ranks, 0 to 1, are those of the nearest points of the layer's set.
 	godot::PackedFloat32Array get_density_map(
 			const godot::Variant &p_layer, const godot::Rect2 &p_rect, const godot::Vector2i &p_size);
 	godot::PackedFloat32Array get_slope_map(const godot::Rect2 &p_rect, const godot::Vector2i &p_size);
 	godot::PackedFloat32Array get_rank_map(
 			const godot::Variant &p_layer, const godot::Rect2 &p_rect, const godot::Vector2i &p_size);
 
-	// Gameplay; see ScatterGameplay.
+	// These methods belong to the gameplay API. ScatterGameplay implements them.
 
 	void set_state(const godot::Ref<ScatterState> &p_state);
 	godot::Ref<ScatterState> get_state() const { return gameplay_->get_state(); }
@@ -206,7 +228,7 @@ public:
 	bool has_instance(int64_t p_id) { return gameplay()->has_instance(p_id); }
 	godot::Ref<ScatterSnapshot> make_snapshot() { return gameplay()->make_snapshot(); }
 
-	// From any thread.
+	// Any thread may call the following request methods.
 	godot::Ref<ScatterRequest> request_rect(
 			const godot::Rect2 &p_rect, const godot::Variant &p_layers, const godot::Callable &p_predicate) {
 		return gameplay_->request_rect(p_rect, p_layers, p_predicate);
@@ -239,22 +261,23 @@ public:
 	}
 	godot::Variant get_instance_data(int64_t p_id) const { return gameplay_->get_instance_data(p_id); }
 
-	/// The instance that a body of the PhysicsServer3D represents, or 0. A removed body still represents its last
-	/// instance for some frames.
+	/// Returns the ID of the instance that a PhysicsServer3D body belongs to, or 0. A removed body
+	/// still maps to its last instance for a few frames.
 	int64_t get_body_instance(const godot::RID &p_body) const;
 
-	/// The scene that replaces an instance; null if there is none.
+	/// Returns the scene that replaces an instance, or null.
 	godot::Node3D *get_scene(int64_t p_id) const;
 
-	/// Passes the ownership of the scene that replaces an instance to the caller. The mesh is drawn again, unless the
-	/// instance is removed.
+	/// Transfers ownership of the scene that replaces an instance to the caller. The instance's
+	/// mesh is then drawn again, unless the instance was removed.
 	godot::Node3D *take_scene(int64_t p_id);
 
 	void add_region(ScatterRegion3D *p_region) override;
 	void remove_region(ScatterRegion3D *p_region) override;
 	void region_changed(const ScatterRegion3D *p_region) override;
 	godot::String layer_problem(const godot::Variant &p_reference) const override;
-	glm::dvec3 world_offset() const override { return world_offset_; }
+	const WorldFrame &world_frame() const override { return frame_; }
+	godot::Transform3D transform_of(const godot::Node3D &p_node) const override;
 
 protected:
 	static void _bind_methods();
@@ -265,18 +288,19 @@ protected:
 
 private:
 	void notified(int p_what);
-	/// The node as its ScatterGameplay sees it.
+	/// Implements the services that ScatterGameplay needs from the node.
 	class Host final : public GameplayHost {
 	public:
 		explicit Host(TerrainScatter3D &node) : node_(node) {}
 		godot::Node3D *node() override { return &node_; }
 		Status prepare() override { return node_.prepare(); }
+		void move_world() override { node_.move_world(); }
 		TileMaker make_worker_maker() override { return node_.worker_tile_maker(); }
 		void set_overlay(const InstanceState *state) override { node_.display().set_state(state); }
 		void redraw(std::uint32_t layer, const Rect &area) override;
 		void redraw_all() override;
-		void redraw_later(std::uint32_t layer, const Rect &area) override { node_.display().mark_later(layer, area); }
-		void redraw_all_later() override { node_.display().mark_all_later(); }
+		void redraw_later(std::uint32_t layer, const Rect &area) override;
+		void redraw_all_later() override;
 		void let_go(std::shared_ptr<const void> unneeded) override { node_.stream_->let_go(std::move(unneeded)); }
 		void set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden) override;
 		void recycle_soon() override { node_.call_deferred("_recycle_scenes"); }
@@ -291,7 +315,8 @@ private:
 	static void bind_changes();
 	static void bind_signals();
 
-	/// Returned by value, so that the caller keeps it alive until the call returns, even if the node is freed.
+	/// Returns a copy, so that the caller keeps the object alive during a call even if the node is
+	/// freed.
 	std::shared_ptr<ScatterGameplay> gameplay() const { return gameplay_; }
 	TileDisplay &display() { return stream_->display(); }
 	const TileDisplay &display() const { return stream_->display(); }
@@ -315,6 +340,8 @@ private:
 	void notice_layers();
 	void mark_edited();
 	void change_references(const ReferenceChange &change);
+	void mark_instances_changed(std::uint32_t layer, const Rect &area);
+	void mark_all_instances_changed();
 	void mark_dirty();
 	void mark_ground_dirty();
 	void mark_ground_edited(const godot::Rect2 &p_rect);
@@ -328,12 +355,12 @@ private:
 	void watch_ground(bool p_watch);
 	void use_resources();
 
-	/// In the current state of the lists, which scripts share.
+	/// Rereads the lists first, because scripts may have modified them in place.
 	const godot::TypedArray<ScatterLayer> &all_layers() const {
 		node_layers_.update(layers_, biomes_.ptr());
 		return node_layers_.by_index();
 	}
-	LayerWorld layer_world();
+	LayerWorld layer_world(const StateEdits &state_edits);
 	TileMaker tile_maker() const;
 	TileMaker worker_tile_maker() const;
 	DrawLimits draw_limits() const;
@@ -341,6 +368,7 @@ private:
 	FoundViewers viewers_now() const;
 	std::vector<glm::dvec3> near_centers(const FoundViewers &found) const;
 	void set_fade_viewers(const FoundViewers &found);
+	void move_world();
 	static godot::Dictionary to_dictionary(const FrameTimes &times);
 	godot::String ground_problem();
 	LayerExplainer layer_explainer() const;
@@ -358,7 +386,7 @@ private:
 	int64_t seed_ = 0;
 	godot::TypedArray<ScatterLayer> layers_;
 	godot::Ref<ScatterBiomeMap> biomes_;
-	mutable NodeLayers node_layers_; ///< Follows `layers_` and `biomes_`: see all_layers.
+	mutable NodeLayers node_layers_; ///< Updated by all_layers().
 	bool water_enabled_ = false;
 	double water_level_ = 0.0;
 	std::shared_ptr<LayerWatch> layer_watch_ = std::make_shared<LayerWatch>(this);
@@ -369,7 +397,9 @@ private:
 	double quality_ = 1.0;
 	int64_t preview_instances_ = 250000;
 	int64_t max_multimeshes_ = 8192;
-	glm::dvec3 world_offset_{0.0}; ///< The world position of the engine's origin, in meters.
+	glm::dvec3 world_offset_{0.0}; ///< The property.
+	bool local_coords_ = false;
+	WorldFrame frame_; ///< The frame in use. Follows from the two members above and the transform.
 
 	Host host_{*this};
 	std::shared_ptr<ScatterGameplay> gameplay_ = std::make_shared<ScatterGameplay>(host_);
@@ -378,26 +408,34 @@ private:
 	std::shared_ptr<AtOnceBuilder> at_once_ = std::make_shared<AtOnceBuilder>();
 	LayerList layer_list_;
 	InstanceLoad instance_load_;
-	SceneUse used_;                   ///< Used while the node is in the tree.
-	bool warned_of_stripped_ = false; ///< Set once the warning is printed.
+	SceneUse used_;                   ///< The resources in use while the node is in the tree.
+	bool warned_of_stripped_ = false; ///< True once the warning about stripped resources is printed.
 	LayerPreviews previews_;
 	FadeViewers fade_viewers_;
 	WindTime wind_time_;
 	RegionRegister regions_;
-	SharedLayers
-			former_layers_; ///< Those before the last change, until the signals for tiles that it has hidden were emitted.
-	godot::PackedStringArray layer_names_; ///< By index, as last passed to the regions.
+	/// The layers before the last change, until the signals for tiles that it has hidden are
+	/// emitted.
+	SharedLayers former_layers_;
+	/// The names of the layers by index. A change means that regions must update their warnings.
+	godot::PackedStringArray layer_names_;
 	std::shared_ptr<const Terrain> ground_snapshot_;
-	EditedArea ground_change_{.everywhere = true, .areas = {}}; ///< Since `ground_snapshot_` was taken.
-	std::chrono::steady_clock::duration frame_time_{0};         ///< Time on the main thread, in the last frame.
+	/// The area in which the ground has changed since `ground_snapshot_` was taken.
+	EditedArea ground_change_{.everywhere = true, .areas = {}};
+	/// The changes since the last update of the layers to instances on whose models other layers
+	/// grow.
+	StateEdits state_edits_;
+	std::chrono::steady_clock::duration frame_time_{0}; ///< The main-thread time of the last frame.
 	bool patch_scheduled_ = false;
-	bool recentered_ = false; ///< True if `world_offset_` has changed since regions were read.
+	bool recentered_ = false; ///< True if `frame_.offset` has changed since the regions were read.
 	bool running_ = false;
-	bool was_inside_ = false; ///< True if the node was ever inside the tree.
+	bool was_inside_ = false; ///< True if the node has ever been in the tree.
 	bool dirty_ = true;
 	bool was_settled_ = true;
-	int64_t load_problems_ = 0; ///< The number of instance_load_'s problems in the current configuration warnings.
-	bool displaced_ = false;    ///< See is_displaced; the value in the current configuration warnings.
+	/// The number of problems of instance_load_ in the current configuration warnings.
+	int64_t load_problems_ = 0;
+	/// The result of is_displaced for the current configuration warnings.
+	bool displaced_ = false;
 };
 
 } // namespace thicket

@@ -1,4 +1,4 @@
-// The methods, properties and signals of TerrainScatter3D in ClassDB.
+// This file registers the methods, properties and signals of TerrainScatter3D in ClassDB.
 
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
@@ -19,8 +19,9 @@ constexpr ThreadRule frame{
 
 } // namespace
 
-// These types must be complete before a method that returns one is named. Otherwise clang 19 for WebAssembly declares that method as
-// returning nothing, and the linker replaces it with a function that traps.
+// Completes these types before methods that return them are bound. Otherwise clang 19 for
+// WebAssembly declares such a method as returning void, and the linker replaces it with a function
+// that traps.
 static_assert(std::is_destructible_v<TypedArray<Vector2i>> && std::is_destructible_v<Ref<ScatterTile>> &&
 		std::is_destructible_v<TypedArray<ScatterExplanation>>);
 
@@ -48,6 +49,8 @@ void TerrainScatter3D::bind_streaming() {
 	bind_guarded<&Self::get_viewer_distance_scales>(D_METHOD("get_viewer_distance_scales"));
 	bind_guarded<&Self::set_world_offset>(D_METHOD("set_world_offset", "meters"));
 	bind_guarded<&Self::get_world_offset>(D_METHOD("get_world_offset"));
+	bind_guarded<&Self::set_local_coords>(D_METHOD("set_local_coords", "local"));
+	bind_guarded<&Self::is_local_coords>(D_METHOD("is_local_coords"));
 	bind_guarded<&Self::set_frame_budget_usec>(D_METHOD("set_frame_budget_usec", "microseconds"));
 	bind_guarded<&Self::get_frame_budget_usec>(D_METHOD("get_frame_budget_usec"));
 	bind_guarded<&Self::set_quality>(D_METHOD("set_quality", "quality"));
@@ -92,6 +95,7 @@ void TerrainScatter3D::bind_streaming() {
 			"get_viewer_distance_scales");
 	ADD_PROPERTY(PropertyInfo(Variant::VECTOR3, "world_offset", PROPERTY_HINT_NONE, "suffix:m"), "set_world_offset",
 			"get_world_offset");
+	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "local_coords"), "set_local_coords", "is_local_coords");
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "frame_budget_usec", PROPERTY_HINT_RANGE,
 						 "50,5000,10,or_less,or_greater,suffix:µs"),
 			"set_frame_budget_usec", "get_frame_budget_usec");

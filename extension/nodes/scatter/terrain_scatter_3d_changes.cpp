@@ -1,4 +1,5 @@
-// How a TerrainScatter3D follows changes of settings, layers, ground and regions, from the next frame on.
+// This file applies changes of settings, layers, ground and regions to a TerrainScatter3D, starting
+// in the next frame.
 
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
@@ -22,14 +23,15 @@ namespace thicket {
 
 namespace {
 
-/// Meters around a change of the ground in which slopes may change, because slopes compare heights over a smaller
-/// distance.
+/// The distance in meters around a ground change within which slopes may change. It exceeds the
+/// distance over which slopes compare heights.
 constexpr double slope_margin = 1.0;
 
-/// Meters around a single position that represent it, because a rectangle without an area is no change.
+/// Expands a single changed position by this many meters, because an empty rectangle counts as
+/// unchanged.
 constexpr double point_margin = 1e-3;
 
-/// A rectangle of the engine; the whole world for one without an area, or that is not finite.
+/// Converts a rectangle. Returns the whole world if it is empty or not finite.
 Rect world_rect(const Rect2 &p_rect) {
 	constexpr double infinity = std::numeric_limits<double>::infinity();
 	const glm::dvec2 corner{p_rect.position.x, p_rect.position.y};
@@ -38,14 +40,15 @@ Rect world_rect(const Rect2 &p_rect) {
 	return rect.empty() || !rect.finite() ? Rect{glm::dvec2(-infinity), glm::dvec2(infinity)} : rect;
 }
 
-/// Adds an order for each tile of an existing layer. Returns the tile index of each order.
+/// Adds a TileOrder for each tile whose layer exists. Returns, for each order, the index of its
+/// tile in `tiles`.
 std::vector<std::size_t> order_tiles(
 		std::span<const SharedSnapshot> layers, std::span<const WorldTile> tiles, std::vector<TileOrder> &r_orders) {
 	std::vector<std::size_t> ordered;
 	for (std::size_t i = 0; i < tiles.size(); ++i) {
 		const SharedSnapshot layer = tiles[i].layer < layers.size() ? layers[tiles[i].layer] : nullptr;
 		if (layer != nullptr) {
-			r_orders.push_back({layer->settings, tile_rect(layer->range.tile_size, tiles[i].tile)});
+			r_orders.push_back({layer->settings, tile_space(layer->range.tile_size, tiles[i].tile, tiles[i].slab)});
 			ordered.push_back(i);
 		}
 	}
@@ -59,13 +62,30 @@ void TerrainScatter3D::mark_edited() {
 	was_settled_ = false;
 }
 
+/// Records an area in which a layer's instances have changed, so that layers that grow on their
+/// models are regenerated there. Does nothing if no layer grows on them.
+void TerrainScatter3D::mark_instances_changed(std::uint32_t layer, const Rect &area) {
+	if (layer_list_.is_host(layer)) {
+		state_edits_.areas[layer].add(area, point_margin);
+		mark_edited();
+	}
+}
+
+void TerrainScatter3D::mark_all_instances_changed() {
+	if (layer_list_.has_hosts()) {
+		state_edits_.everywhere = true;
+		mark_edited();
+	}
+}
+
 void TerrainScatter3D::mark_dirty() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	const std::shared_ptr<LayerWatch> watch = layer_watch_;
 	const TypedArray<ScatterLayer> layers = all_layers();
-	// A node that was taken out of the tree, as undo does, does not change layers that others share.
+	// Undo may keep a node outside the tree. Such a node must not assign IDs to layers that other
+	// nodes share.
 	const bool gives = is_inside_tree() || !was_inside_;
-	// Layers that get an ID emit a signal to scripts, which may free this node.
+	// Assigning an ID emits a signal, so scripts may free this node.
 	watch->look(layers, node_layers_.own_count(), gives);
 	const std::vector<LayerRename> renames = gameplay->alive() ? watch->follow_names() : std::vector<LayerRename>();
 	if (!gameplay->alive()) {
@@ -88,11 +108,11 @@ void TerrainScatter3D::mark_dirty() {
 	}
 	if (!(names == layer_names_)) {
 		layer_names_ = names;
-		regions_.update_warnings(); // Warnings may name layers.
+		regions_.update_warnings(); // Their warnings may contain layer names.
 	}
 }
 
-/// In the layers and in the regions. Scripts that hear of it may free the node.
+/// Changes references in layers and regions. Emits signals, so scripts may free the node.
 void TerrainScatter3D::change_references(const ReferenceChange &change) {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	const std::shared_ptr<LayerWatch> watch = layer_watch_;
@@ -102,13 +122,16 @@ void TerrainScatter3D::change_references(const ReferenceChange &change) {
 	}
 }
 
-/// While the node is in the tree, only the main thread may change the resources that it reads in its frames.
+/// Marks resources as used while the node is in the tree. The main thread reads these resources
+/// every frame, so other threads may not modify them.
 void TerrainScatter3D::use_resources() {
 	if (!running_) {
 		return;
 	}
 	SceneUse::List used;
-	used.add(ground_);
+	if (ground_.is_valid()) {
+		ground_->add_used(used);
+	}
 	used.add(get_state());
 	used.add(biomes_);
 	if (biomes_.is_valid()) {
@@ -124,11 +147,12 @@ void TerrainScatter3D::use_resources() {
 	used_.replace(std::move(used));
 }
 
-/// Scripts share the lists of layers and biomes, and may change them without a setter.
+/// Checks for changes that scripts have made to the shared lists of layers and biomes without a
+/// setter.
 void TerrainScatter3D::notice_layers() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	if (const Ref<ScatterBiomeMap> biomes = biomes_; biomes.is_valid()) {
-		biomes->notice(); // Notifies scripts, which may free this node.
+		biomes->notice(); // Emits signals, so scripts may free this node.
 	}
 	if (gameplay->alive() && layer_watch_->differs(all_layers())) {
 		mark_dirty();
@@ -163,7 +187,7 @@ void TerrainScatter3D::mark_ground_edited(const Rect2 &p_rect) {
 	mark_edited();
 }
 
-/// Found by a re-check. The tile there is regenerated; other tiles have their own heights to compare.
+/// Regenerates the tile where a re-check has found a change. Other tiles are re-checked themselves.
 void TerrainScatter3D::mark_ground_changed(glm::dvec2 position) {
 	ground_change_.add({position, position}, point_margin);
 	mark_edited();
@@ -190,9 +214,10 @@ void TerrainScatter3D::refresh() {
 	try {
 		apply_changes();
 	} catch (...) {
-		// The areas that have changed may be lost by now, so the next frame regenerates all tiles.
+		// The changed areas may be lost, so let the next frame regenerate all tiles.
 		if (gameplay->alive()) {
 			ground_change_.everywhere = true;
+			state_edits_.everywhere = true;
 			mark_edited();
 		}
 		throw;
@@ -208,8 +233,9 @@ void TerrainScatter3D::apply_changes() {
 	const EditedArea ground_change = pending ? EditedArea() : std::exchange(ground_change_, {});
 	std::shared_ptr<const Terrain> former;
 	if (!ground_change.empty() && ground.is_valid()) {
-		std::shared_ptr<const Terrain> terrain =
-				ground->snapshot(get_instance_id()); // Calls scripts, and so does the next call.
+		// This call and `change_references` below may run scripts, so check afterwards that the
+		// node still exists.
+		std::shared_ptr<const Terrain> terrain = ground->snapshot(get_instance_id());
 		if (!gameplay->alive() || !(ground == ground_)) {
 			return;
 		}
@@ -234,7 +260,8 @@ void TerrainScatter3D::apply_changes() {
 		stream->retire();
 		return;
 	}
-	const std::vector<EditedArea> outdated = layer_list_.update(node_layers_, layer_world(), ground_change);
+	const StateEdits state_edits = std::exchange(state_edits_, {});
+	const std::vector<EditedArea> outdated = layer_list_.update(node_layers_, layer_world(state_edits), ground_change);
 	if (former_layers_ == nullptr) {
 		former_layers_ = gameplay->listed_layers();
 	}
@@ -250,18 +277,22 @@ void TerrainScatter3D::apply_changes() {
 	}
 }
 
-/// Whether ground that was still being read is now available.
+/// Returns true if a pending ground change can now be applied, because the ground has been read.
 bool TerrainScatter3D::waits_for_ground() const {
 	return !ground_change_.empty() && ground_.is_valid() && !ground_->is_pending(get_instance_id());
 }
 
-LayerWorld TerrainScatter3D::layer_world() {
+LayerWorld TerrainScatter3D::layer_world(const StateEdits &state_edits) {
 	static const LayerPreviews none;
+	const Planet planet = ground_.is_valid() ? ground_->planet() : Planet();
+	const GroundShell shell =
+			planet.exists() ? ground_->shell(get_instance_id(), planet).widened() : GroundShell::everywhere();
 	return {static_cast<std::uint64_t>(seed_), water_enabled_ ? water_level_ : no_water, biomes_, regions_,
-			in_editor() ? previews_ : none};
+			in_editor() ? previews_ : none, planet, shell, state_edits, get_state()};
 }
 
-/// Generates tiles for callers that cannot wait. Captures by value, so that scripts that are called for the ground cannot affect it.
+/// Returns a function that generates tiles synchronously. Captures by value, so that scripts that
+/// sample the ground cannot change its data.
 TileMaker TerrainScatter3D::tile_maker() const {
 	return [layers = layer_list_.snapshots(), terrain = ground_snapshot_, builder = at_once_,
 				   ground = HostedGround{ground_, get_instance_id()}](std::span<const WorldTile> tiles,
@@ -281,7 +312,8 @@ TileMaker TerrainScatter3D::tile_maker() const {
 	};
 }
 
-/// Generates tiles on other threads: calls no script and reads nothing of the scene.
+/// Returns a function that generates tiles on any thread, without reading the scene. Runs only
+/// thread-safe ground scripts.
 TileMaker TerrainScatter3D::worker_tile_maker() const {
 	return [layers = layer_list_.snapshots(), terrain = ground_snapshot_, builder = std::make_shared<SharedBuilder>(),
 				   available = ground_.is_valid() && ground_->is_available()](std::span<const WorldTile> tiles,

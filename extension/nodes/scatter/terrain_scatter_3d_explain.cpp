@@ -1,4 +1,5 @@
-// Explains why a layer has an instance at a position or has none, and maps rules over an area, for scripts and the editor.
+// This file explains why a layer has an instance at a position or has none. It also evaluates rules
+// on a grid, for scripts and the editor.
 
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
@@ -26,7 +27,7 @@ namespace thicket {
 
 namespace {
 
-/// Turns a positive verdict of the rules into a refusal, with a one-sentence reason.
+/// Replaces the verdict with a negative one that names the rule and gives a reason in one sentence.
 void refuse(const char *rule, const std::string &why, LayerExplanation &r_explanation) {
 	r_explanation.verdict = {false, rule, why};
 }
@@ -43,13 +44,12 @@ bool draws_nothing(const LayerSnapshot &layer) {
 
 } // namespace
 
-/// The problem that keeps all layers from having any instance, in one sentence; empty if there is none. Calls scripts.
+/// Returns a sentence for the problem that keeps all layers from having instances; empty if there
+/// is none. Runs scripts.
 String TerrainScatter3D::ground_problem() {
 	const Ref<ScatterGround> ground = ground_;
-	PackedStringArray problems;
-	add_ground_problems(ground, problems);
-	if (problems.size() > 0) {
-		return problems.ptr()[0];
+	if (const String problem = problem_of_ground(ground); !problem.is_empty()) {
+		return problem;
 	}
 	return ground->is_available() ? String() : String("The ground is temporarily unavailable.");
 }
@@ -58,7 +58,8 @@ LayerExplainer TerrainScatter3D::layer_explainer() const {
 	return {layer_list_.snapshots(), ground_snapshot_, {ground_, get_instance_id()}, {}};
 }
 
-/// Adds a game's changes to the point, and hand-placed instances near the position.
+/// Adds a game's changes to the explanation: whether the instance was removed, and hand-placed
+/// instances nearby.
 void TerrainScatter3D::explain_changes(const LayerSnapshot &layer, LayerExplanation &r_explanation) const {
 	const Ref<ScatterState> state = get_state();
 	if (state.is_null()) {
@@ -82,7 +83,7 @@ void TerrainScatter3D::explain_changes(const LayerSnapshot &layer, LayerExplanat
 	}
 }
 
-/// Determines whether an existing instance is drawn now, and if not, why.
+/// Determines whether an existing instance is currently drawn, and if not, why.
 void TerrainScatter3D::explain_drawing(const LayerSnapshot &layer, LayerExplanation &r_explanation) const {
 	if (!r_explanation.stands) {
 		return;
@@ -103,21 +104,22 @@ void TerrainScatter3D::explain_drawing(const LayerSnapshot &layer, LayerExplanat
 	}
 	const glm::dvec2 point = r_explanation.rules.point.position;
 	const glm::ivec2 tile = tile_at(layer.range.tile_size, point);
-	const Rect area = tile_rect(layer.range.tile_size, tile);
 	const glm::dvec3 at(point.x, r_explanation.place.y, point.y);
+	const std::int32_t slab = layer.range.in_space() ? slab_at(layer.range.tile_size, at.y) : all_slabs;
+	const TileSpace space = tile_space(layer.range.tile_size, tile, slab);
 	constexpr double infinity = std::numeric_limits<double>::infinity();
-	double beyond = infinity; // Distance beyond a viewer's view distance, in meters.
+	double beyond = infinity; // The smallest distance beyond any view distance, in meters.
 	double away = infinity;
 	const Sight sight = layer.lod.sight();
 	for (const Viewer &viewer : viewers_now().viewers) {
 		const double seen = layer.range.view_distance * viewer.radius_scale;
-		beyond = std::min(beyond, std::sqrt(distance_squared(area, viewer.position)) - seen);
+		const glm::dvec3 from(viewer.position.x, viewer.height, viewer.position.y);
+		beyond = std::min(beyond, std::sqrt(distance_squared(space, from)) - seen);
 		away = std::min(away,
-				sight_distance(glm::distance(point, viewer.position),
-						glm::distance(at, glm::dvec3(viewer.position.x, viewer.height, viewer.position.y)),
+				sight_distance(glm::distance(point, viewer.position), glm::distance(at, from),
 						sight.height_limit(viewer.radius_scale)));
 	}
-	if (display().find(r_explanation.layer, tile) == nullptr) {
+	if (display().find(r_explanation.layer, tile, slab) == nullptr) {
 		if (std::isinf(beyond)) {
 			return hidden("view_distance", "there is no viewer.");
 		}
@@ -138,7 +140,8 @@ void TerrainScatter3D::explain_drawing(const LayerSnapshot &layer, LayerExplanat
 
 TypedArray<ScatterExplanation> TerrainScatter3D::explain_position(const Vector3 &p_position, const Variant &p_layers) {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
-	const glm::dvec3 offset = world_offset_;
+	move_world();
+	const WorldFrame frame = frame_;
 	const TypedArray<ScatterLayer> layers = all_layers();
 	TypedArray<ScatterExplanation> result;
 	std::vector<std::uint32_t> indices;
@@ -146,7 +149,7 @@ TypedArray<ScatterExplanation> TerrainScatter3D::explain_position(const Vector3 
 		ERR_PRINT(String("TerrainScatter3D.explain_position: ") + problem);
 		return result;
 	}
-	const glm::dvec3 place = to_world(p_position, offset);
+	const glm::dvec3 place = to_world(p_position, frame);
 	if (!std::isfinite(place.x) || !std::isfinite(place.z)) {
 		report("TerrainScatter3D.explain_position",
 				{ErrorCode::not_finite, "position", std::isfinite(place.x) ? place.z : place.x});
@@ -165,19 +168,19 @@ TypedArray<ScatterExplanation> TerrainScatter3D::explain_position(const Vector3 
 		const Ref<ScatterLayer> layer = layers[index];
 		explanation.layer_name = layer.is_valid() ? String(layer->get_name()).utf8().get_data() : "";
 		if (!gameplay->alive()) {
-			return TypedArray<ScatterExplanation>(); // A script that was called for the ground has freed the node.
+			return TypedArray<ScatterExplanation>(); // A ground script has freed the node.
 		}
 		if (!problem.empty() || !ready.ok()) {
 			refuse("ground", !problem.empty() ? problem : thicket::describe(ready), explanation);
 		} else {
 			explain_layer(layer, gameplay, explanation);
 		}
-		append(result, ScatterExplanation::of(std::move(explanation), layer, offset));
+		append(result, ScatterExplanation::of(std::move(explanation), layer, frame));
 	}
 	return result;
 }
 
-/// Calls scripts for the ground, which may free this node.
+/// Explains one layer at a position. Samples the ground, so scripts may free this node.
 void TerrainScatter3D::explain_layer(const Ref<ScatterLayer> &p_layer, const std::shared_ptr<ScatterGameplay> &gameplay,
 		LayerExplanation &r_explanation) {
 	LayerExplainer explainer = layer_explainer();
@@ -189,7 +192,7 @@ void TerrainScatter3D::explain_layer(const Ref<ScatterLayer> &p_layer, const std
 				r_explanation);
 	}
 	explainer.shapes = regions_.names_for(all_layers(), r_explanation.layer);
-	const glm::dvec2 place(r_explanation.place.x, r_explanation.place.z);
+	const glm::dvec3 place = r_explanation.place;
 	const Status status = explainer.explain(r_explanation.layer, place, r_explanation);
 	if (!status.ok()) {
 		return refuse("layer", "Cannot be explained: " + thicket::describe(status) + ".", r_explanation);
@@ -200,20 +203,21 @@ void TerrainScatter3D::explain_layer(const Ref<ScatterLayer> &p_layer, const std
 	}
 }
 
-/// Returns one number for each cell of a grid over a rectangle, row by row, for a layer or (null) for the ground alone. Empty, with an
-/// error, if the call is refused.
+/// Returns a number for each cell of a grid over a rectangle, row by row. `p_layer` is null for
+/// values of the ground alone. If the call is refused, prints an error and returns an empty array.
 template <class Ask>
 PackedFloat32Array TerrainScatter3D::map_of(
 		const char *p_method, const Variant *p_layer, const Rect2 &p_rect, const Vector2i &p_size, const Ask &ask) {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
-	const glm::dvec3 offset = world_offset_;
+	move_world();
+	const WorldFrame frame = frame_;
 	std::uint32_t layer = 0;
 	if (p_layer != nullptr && !find_layer_index(p_method, *p_layer, layer)) {
 		return {};
 	}
 	std::vector<glm::dvec2> places;
 	std::vector<float> values;
-	Status status = grid_places(to_world(p_rect, offset), {p_size.x, p_size.y}, places);
+	Status status = grid_places(to_world(p_rect, frame), {p_size.x, p_size.y}, places);
 	if (status.ok()) {
 		status = prepare();
 	}

@@ -1,10 +1,12 @@
-// The properties and simple methods of TerrainScatter3D, as scripts use them.
+// This file contains the properties and simple methods of TerrainScatter3D for scripts.
 
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
 #include "core/base/tile_grid.hpp"
+#include "nodes/common/convert.hpp"
 #include "nodes/common/engine_arrays.hpp"
 #include "nodes/common/property_check.hpp"
+#include "nodes/common/relative_transform.hpp"
 #include "nodes/common/watch.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
 #include "nodes/ground/former_grounds.hpp"
@@ -80,7 +82,7 @@ void TerrainScatter3D::set_ground(const Ref<ScatterGround> &p_ground) {
 	ground_ = ground;
 	ground_snapshot_ = nullptr;
 	if (running_ && ground_.is_valid()) {
-		ground_->enter(this, world_offset_);
+		ground_->enter(this, frame_);
 	}
 	watch_ground(true);
 	mark_ground_dirty();
@@ -121,19 +123,50 @@ void TerrainScatter3D::set_world_offset(const Vector3 &p_offset) {
 		return;
 	}
 	world_offset_ = offset;
-	recentered_ = true;
+	recentered_ = !local_coords_;
 	notice_transform();
-	display().set_world_offset(offset);
-	gameplay()->set_world_offset(offset);
-	if (ground_.is_valid()) {
-		ground_->set_world_offset(this, offset);
-	}
-	if (regions_.mark_all()) {
-		mark_edited(); // Regions that have not moved with the scene have a new position in the world.
+	move_world();
+	if (!local_coords_ && regions_.mark_all()) {
+		// Regions that have not moved with the scene now have a different world position.
+		mark_edited();
 	}
 }
 
-Vector3 TerrainScatter3D::get_world_offset() const { return to_engine(world_offset_, glm::dvec3(0.0)); }
+Vector3 TerrainScatter3D::get_world_offset() const { return to_engine(world_offset_); }
+
+void TerrainScatter3D::set_local_coords(bool p_local) {
+	if (std::exchange(local_coords_, p_local) == p_local) {
+		return;
+	}
+	notice_transform();
+	move_world();
+	update_configuration_warnings();
+	regions_.mark_all();
+	mark_ground_dirty();
+}
+
+Transform3D TerrainScatter3D::transform_of(const Node3D &p_node) const {
+	return local_coords_ && is_inside_tree() ? relative_transform(*this, p_node) : p_node.get_global_transform();
+}
+
+/// Moves everything that is drawn, and all bodies and scenes, to the current place of the world.
+void TerrainScatter3D::move_world() {
+	WorldFrame frame{.offset = world_offset_};
+	if (local_coords_) {
+		const Transform3D transform = is_inside_tree() ? get_global_transform() : Transform3D();
+		frame = is_finite(transform) ? WorldFrame::of_local_space(to_core(transform.basis), to_core(transform.origin))
+									 : frame_;
+	}
+	if (frame == frame_) {
+		return;
+	}
+	frame_ = frame;
+	display().set_world_frame(frame);
+	gameplay()->set_world_frame(frame);
+	if (ground_.is_valid()) {
+		ground_->set_world_frame(this, frame);
+	}
+}
 
 void TerrainScatter3D::set_frame_budget_usec(int64_t p_budget) {
 	if (accept_number(class_name, "frame_budget_usec", static_cast<double>(p_budget), 1.0, 1e6)) {
@@ -202,30 +235,31 @@ Ref<ScatterTile> TerrainScatter3D::get_tile(const Variant &p_layer, const Vector
 	if (!find_layer_index("get_tile", p_layer, layer)) {
 		return memnew(ScatterTile);
 	}
-	while (display().patch_step()) { // The result shows the drawn content, so pending changes are drawn first.
+	while (display().patch_step()) { // Apply pending changes first: the result is the content as drawn.
 	}
 	display().patch();
+	move_world();
 	const std::shared_ptr<const TileDisplay> display(stream_, &stream_->display());
-	return ScatterTile::shown(display, layer, {p_tile.x, p_tile.y}, world_offset_);
+	return ScatterTile::shown(display, layer, {p_tile.x, p_tile.y}, frame_);
 }
 
 Ref<ScatterTile> TerrainScatter3D::build_rect(const Variant &p_layer, const Rect2 &p_rect) {
-	return build(
-			"build_rect", p_layer, [rect = to_world(p_rect, world_offset_)](const LayerSnapshot &) { return rect; });
+	return build("build_rect", p_layer, [rect = to_world(p_rect, frame_)](const LayerSnapshot &) { return rect; });
 }
 
 Ref<ScatterTile> TerrainScatter3D::build_tile(const Variant &p_layer, const Vector2i &p_tile, const Rect2 &p_rect) {
 	return build("build_tile", p_layer, [&](const LayerSnapshot &layer) {
 		const Rect square = tile_rect(layer.range.tile_size, {p_tile.x, p_tile.y});
-		return p_rect == Rect2() ? square : intersection(square, to_world(p_rect, world_offset_));
+		return p_rect == Rect2() ? square : intersection(square, to_world(p_rect, frame_));
 	});
 }
 
-/// The instances in the world rectangle that `rect_of` returns for the layer.
+/// Generates the instances in the world rectangle that `rect_of` returns for the layer.
 Ref<ScatterTile> TerrainScatter3D::build(
 		const char *p_method, const Variant &p_layer, const std::function<Rect(const LayerSnapshot &)> &rect_of) {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
-	const glm::dvec3 offset = world_offset_;
+	move_world();
+	const WorldFrame frame = frame_;
 	std::uint32_t layer = 0;
 	if (!find_layer_index(p_method, p_layer, layer)) {
 		return memnew(ScatterTile);
@@ -242,7 +276,7 @@ Ref<ScatterTile> TerrainScatter3D::build(
 	CompactTile tile;
 	if (status.ok() && gameplay->alive()) {
 		const HostedGround ground{
-				ground_, get_instance_id()}; // A script that is called for the ground may free this node.
+				ground_, get_instance_id()}; // Use a copy, because a script that samples the ground may free this node.
 		const std::shared_ptr<const Terrain> terrain = ground_snapshot_;
 		const std::shared_ptr<AtOnceBuilder> builder = at_once_;
 		TileInstances made;
@@ -253,11 +287,11 @@ Ref<ScatterTile> TerrainScatter3D::build(
 		status = lay_over(*snapshot->settings, rect, state->state(), tile);
 	}
 	report((std::string("TerrainScatter3D.") + p_method).c_str(), status);
-	return status.ok() ? ScatterTile::built(std::move(tile), snapshot->drawing.finest_meshes(), offset)
+	return status.ok() ? ScatterTile::built(std::move(tile), snapshot->drawing.finest_meshes(), frame)
 					   : Ref<ScatterTile>(memnew(ScatterTile));
 }
 
-/// Microseconds of the parts that took any time.
+/// Returns the microseconds of each part that took any time.
 Dictionary TerrainScatter3D::to_dictionary(const FrameTimes &times) {
 	constexpr std::array<const char *, static_cast<std::size_t>(FramePart::count)> names{"follow", "gameplay", "made",
 			"wanted", "ask_ground", "upload", "free", "lod", "divide", "fade", "rings", "recheck", "told", "patched",
@@ -317,7 +351,7 @@ Dictionary TerrainScatter3D::get_draw_stats(Camera3D *p_camera) const {
 			ERR_PRINT("TerrainScatter3D.get_draw_stats: the camera is not in the tree.");
 			return Dictionary();
 		}
-		view = view_of(*p_camera, world_offset_);
+		view = view_of(*p_camera, frame_);
 	}
 	DrawCounter counter(view);
 	display().count_drawn(counter);
@@ -354,6 +388,7 @@ PackedStringArray TerrainScatter3D::get_problems() const {
 		}
 	}
 	add_layer_problems(layers, ground_, has_water, problems);
+	layer_list_.add_host_problems(problems);
 	instance_load_.add_problems(layer_list_.snapshots(), problems);
 	add_uniform_problem(display(), layer_list_.snapshots(), problems);
 	if (const Ref<ScatterState> state = get_state(); state.is_valid()) {
@@ -363,7 +398,11 @@ PackedStringArray TerrainScatter3D::get_problems() const {
 		}
 	}
 	add_viewer_problems(*this, viewers_, stream_->viewer_status(), problems);
-	add_transform_problem(*this, world_offset_, problems);
+	if (local_coords_) {
+		add_local_problems(*this, ground_, problems);
+	} else {
+		add_transform_problem(*this, world_offset_, problems);
+	}
 	return problems;
 }
 

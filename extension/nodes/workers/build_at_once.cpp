@@ -30,22 +30,22 @@ Status ask_at_once(const Terrain *terrain, const HostedGround &ground, std::span
 
 std::unique_ptr<TileBuilder> AtOnceBuilder::take_builder() {
 	if (spare_ != nullptr) {
-		// The memory of the last builder is reused.
+		// Reuses the memory of the previous tile.
 		return std::move(spare_);
 	}
 	return std::make_unique<TileBuilder>(SampleMargins{}, blocks_);
 }
 
-/// Throws std::bad_alloc.
+/// Generates one tile. Throws std::bad_alloc.
 Status AtOnceBuilder::build_in_steps(const LayerSettings &layer, const Terrain *terrain, const HostedGround &ground,
-		const Rect &rect, TileInstances &r_tile) {
+		const TileSpace &space, TileInstances &r_tile) {
 	std::unique_ptr<TileBuilder> builder = take_builder();
 	EngineThreads threads;
 	Status status;
 	if (terrain != nullptr) {
-		status = builder->build(layer, *terrain, rect, r_tile, nullptr, &threads);
+		status = builder->build(layer, *terrain, space, r_tile, nullptr, &threads);
 	} else {
-		status = builder->find_points(layer, rect, nullptr, &threads);
+		status = builder->find_points(layer, space, nullptr, &threads);
 		std::vector<Ground> answers;
 		if (status.ok()) {
 			status = ask_at_once(nullptr, ground, builder->positions(), builder->queries(), answers);
@@ -60,22 +60,22 @@ Status AtOnceBuilder::build_in_steps(const LayerSettings &layer, const Terrain *
 }
 
 Status AtOnceBuilder::build(const LayerSettings &layer, const Terrain *terrain, const HostedGround &ground,
-		const Rect &rect, TileInstances &r_tile) {
-	return guarded("rect", std::max(rect.size().x, rect.size().y),
-			[&] { return build_in_steps(layer, terrain, ground, rect, r_tile); });
+		const TileSpace &space, TileInstances &r_tile) {
+	return guarded("rect", std::max(space.size().x, space.size().y),
+			[&] { return build_in_steps(layer, terrain, ground, space, r_tile); });
 }
 
 Status AtOnceBuilder::build_all(std::span<const TileOrder> orders, const Terrain *terrain, const HostedGround &ground,
 		std::vector<std::shared_ptr<const CompactTile>> &r_tiles) {
 	if (terrain != nullptr && orders.size() > 1) {
-		// All threads share the work, and the tiles are the same.
+		// The tiles do not depend on which threads generate them.
 		EngineThreads threads;
 		return parallel_builder_.build(orders, *terrain, threads, r_tiles);
 	}
 	r_tiles.clear();
 	for (const TileOrder &order : orders) {
 		TileInstances made;
-		if (const Status status = build(*order.layer, terrain, ground, order.rect, made); !status.ok()) {
+		if (const Status status = build(*order.layer, terrain, ground, order.space, made); !status.ok()) {
 			return status;
 		}
 		r_tiles.push_back(std::make_shared<const CompactTile>(made, order.layer));

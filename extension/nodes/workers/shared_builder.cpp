@@ -12,7 +12,7 @@ std::unique_ptr<TileBuilder> SharedBuilder::take() {
 	{
 		const std::lock_guard lock(mutex_);
 		if (!spare_.empty()) {
-			// The memory of an earlier tile is reused.
+			// Reuses the memory of an earlier tile.
 			std::unique_ptr<TileBuilder> builder = std::move(spare_.back());
 			spare_.pop_back();
 			return builder;
@@ -29,10 +29,10 @@ void SharedBuilder::give_back(std::unique_ptr<TileBuilder> builder) {
 }
 
 Status SharedBuilder::build(const TileOrder &order, const Terrain &ground, std::shared_ptr<const CompactTile> &r_tile) {
-	return guarded("rect", std::max(order.rect.size().x, order.rect.size().y), [&] {
+	return guarded("rect", std::max(order.space.size().x, order.space.size().y), [&] {
 		std::unique_ptr<TileBuilder> builder = take();
 		TileInstances made;
-		const Status status = builder->build(*order.layer, ground, order.rect, made);
+		const Status status = builder->build(*order.layer, ground, order.space, made);
 		if (status.ok()) {
 			r_tile = std::make_shared<const CompactTile>(made, order.layer);
 		}

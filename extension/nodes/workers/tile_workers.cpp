@@ -19,13 +19,13 @@ namespace thicket {
 void sort_jobs(std::deque<std::shared_ptr<TileJob>> &r_jobs, std::span<const Viewer> viewers) {
 	std::vector<std::size_t> indices;
 	std::vector<std::shared_ptr<TileJob>> jobs;
-	std::vector<Rect> areas;
+	std::vector<TileSpace> areas;
 	for (std::size_t index = 0; index < r_jobs.size(); ++index) {
 		const std::shared_ptr<TileJob> &job = r_jobs[index];
 		if (!job->unseen && (job->step != TileJob::Step::needs_ground || job->answered == 0)) {
 			indices.push_back(index);
 			jobs.push_back(job);
-			areas.push_back(job->request.rect);
+			areas.push_back(job->request.space);
 		}
 	}
 	std::vector<std::size_t> order;
@@ -45,8 +45,8 @@ TileWorkers::TileWorkers(std::size_t threads) : on_main_thread_(threads == 0) {
 
 TileWorkers::~TileWorkers() { stop(); }
 
-/// Takes the lock if it becomes free within some microseconds. A worker that holds it may wait for a core, and a frame must not
-/// wait for that.
+/// Tries for a few microseconds to take the lock. Does not block: the system may have paused a
+/// worker that holds the lock, and a frame must not wait for that worker.
 bool TileWorkers::lock_soon(std::unique_lock<std::mutex> &r_lock) {
 	constexpr int tries = 200;
 	for (int i = 0; i < tries && !r_lock.owns_lock(); ++i) {
@@ -60,11 +60,13 @@ void TileWorkers::push(std::shared_ptr<TileJob> job) {
 	hand_over();
 }
 
-/// Queues new jobs, immediately or with a later call.
+/// Moves new jobs and unneeded objects to the shared queues. If the lock is taken, a later call
+/// moves them.
 void TileWorkers::hand_over() {
 	std::unique_lock lock(mutex_, std::defer_lock);
 	if (lock_soon(lock)) {
-		// So that a worker allocates no memory to return its result, and an error reaches the caller.
+		// Reserves space so that workers never allocate to return a result. An error here reaches
+		// the caller.
 		const std::size_t jobs = finished_.size() + queue_.size() + incoming_.size() + workers_.size();
 		finished_.reserve(std::max(finished_.capacity(), jobs));
 		queue_.insert(queue_.end(), incoming_.begin(), incoming_.end());
@@ -74,7 +76,7 @@ void TileWorkers::hand_over() {
 		std::ranges::move(uploaded_here_, std::back_inserter(uploaded_));
 		uploaded_here_.clear();
 		waiting_ = queue_.size();
-		// Starting a worker costs some microseconds, too.
+		// Starting a worker takes microseconds as well, so it must be worthwhile.
 		const std::size_t all_unneeded = unneeded_.size() + uploaded_.size();
 		frames_unneeded_ = all_unneeded == 0 ? 0 : frames_unneeded_ + 1;
 		much_unneeded_ = all_unneeded >= 16 || frames_unneeded_ > 60;
@@ -97,7 +99,7 @@ std::vector<std::shared_ptr<TileJob>> TileWorkers::take_finished() {
 	std::vector<std::shared_ptr<TileJob>> taken;
 	std::unique_lock lock(mutex_, std::defer_lock);
 	if (lock_soon(lock)) {
-		taken.reserve(queue_.size() + workers_.size()); // As in `hand_over`.
+		taken.reserve(queue_.size() + workers_.size()); // Reserved for workers; see `hand_over`.
 		taken.swap(finished_);
 	}
 	return taken;
@@ -105,14 +107,14 @@ std::vector<std::shared_ptr<TileJob>> TileWorkers::take_finished() {
 
 void TileWorkers::let_go(std::shared_ptr<const void> unneeded) {
 	if (!on_main_thread_) {
-		// A worker frees it.
+		// A worker frees the object.
 		unneeded_here_.push_back(std::move(unneeded));
 	}
 }
 
 void TileWorkers::take_back(std::vector<MeshUpload> &&uploads) {
 	if (!on_main_thread_) {
-		// A worker frees them, or fills their buffers again.
+		// A worker frees the buffers or reuses them.
 		std::ranges::move(uploads, std::back_inserter(uploaded_here_));
 	}
 }
@@ -135,13 +137,14 @@ void TileWorkers::wake() {
 		if (waiting == 0) {
 			return;
 		}
-		// Does not wait for a worker that has no more jobs and is returning to the pool: that could cost the frame
-		// milliseconds. A different worker takes the job, or this one in the next frame.
+		// Skips workers that have run out of jobs and are just returning to the pool, because
+		// waiting for them could cost the frame milliseconds. A different worker takes the job now,
+		// or this one in the next frame.
 		if (worker->task >= 0 && !pool->is_task_completed(worker->task)) {
 			continue;
 		}
 		if (worker->task >= 0) {
-			pool->wait_for_task_completion(worker->task); // It is completed; this call makes the pool forget the task.
+			pool->wait_for_task_completion(worker->task); // Frees the completed task.
 		}
 		worker->task = pool->add_native_task(&TileWorkers::run, worker.get(), false, "Thicket tiles");
 		--waiting;
@@ -183,10 +186,10 @@ void TileWorkers::work_until(std::chrono::steady_clock::time_point deadline) {
 	hand_in(worker);
 }
 
-/// Passes on the result of a worker. Call it under the lock.
+/// Moves a worker's result to the finished jobs. The caller must hold the lock.
 void TileWorkers::hand_in(Worker &worker) {
 	if (worker.job != nullptr) {
-		finished_.push_back(std::move(worker.job)); // There is room: see `hand_over`.
+		finished_.push_back(std::move(worker.job)); // Does not allocate; see `hand_over`.
 		worker.job = nullptr;
 	}
 }
@@ -220,20 +223,21 @@ void TileWorkers::run(void *p_worker) {
 	} while (worker.owner->work_on_next(worker));
 }
 
-/// Does all possible work for the next job; false if none waits.
+/// Processes the next job as far as possible without the main thread. Returns false if there is
+/// none.
 bool TileWorkers::work_on_next(Worker &worker) {
 	const std::shared_ptr<TileJob> job = next(worker);
 	if (job == nullptr) {
 		return false;
 	}
 	if (job->cancelled) {
-		// The tile is no longer wanted.
+		// The tile is no longer needed.
 		job->status.code = ErrorCode::cancelled;
 		job->step = TileJob::Step::done;
 		return true;
 	}
 	const auto start = std::chrono::steady_clock::now();
-	const Rect &rect = job->request.rect;
+	const Rect &rect = job->request.space;
 	const Status status = guarded("tile", std::max(rect.size().x, rect.size().y), [&] { advance(worker, *job); });
 	if (!status.ok()) {
 		job->status = status;
@@ -250,14 +254,15 @@ void TileWorkers::advance(Worker &worker, TileJob &job) {
 	const LayerSettings &settings = *job.layer->settings;
 	TileBuilder &builder = worker.builder;
 	if (job.terrain != nullptr) {
-		job.status = builder.build(settings, *job.terrain, job.request.rect, worker.tile, &job.cancelled);
+		job.status = builder.build(settings, *job.terrain, job.request.space, worker.tile, &job.cancelled);
 		job.points_computed += builder.sample_stats().computed;
 		finish(worker, job);
 		return;
 	}
-	// Once the ground is known, the points are computed a second time. A script costs more than that, and no job has to
-	// hold a workspace while it waits for the main thread.
-	job.status = builder.find_points(settings, job.request.rect, &job.cancelled);
+	// Without a thread-safe ground, a job passes here twice and computes its points each time.
+	// Computing them twice costs less than the script calls in between, and frees the workspace
+	// while the job waits for the main thread.
+	job.status = builder.find_points(settings, job.request.space, &job.cancelled);
 	job.points_computed += builder.sample_stats().computed;
 	if (job.status.ok() && job.step == TileJob::Step::start) {
 		job.positions.assign(builder.positions().begin(), builder.positions().end());

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <glm/vec3.hpp>
+
+namespace thicket {
+
+/// The relation between the engine's space and a node's world, which contains its points:
+/// world = turn * engine + offset.
+struct WorldFrame {
+	glm::dvec3 offset{0.0}; ///< The world position of the engine's origin, in meters.
+	glm::dmat3 turn{1.0};   ///< A rotation. The identity unless `local` is true.
+	bool local = false;     ///< Whether the world is the node's local space, and moves with the node.
+
+	bool operator==(const WorldFrame &) const = default;
+
+	/// Returns the frame of a node's local space from the node's global transform. Ignores any scale
+	/// of `axes`.
+	static WorldFrame of_local_space(glm::dmat3 axes, glm::dvec3 origin) {
+		axes[0] = glm::normalize(axes[0]);
+		axes[1] = glm::normalize(axes[1] - glm::dot(axes[0], axes[1]) * axes[0]);
+		axes[2] = glm::cross(axes[0], axes[1]);
+		const glm::dmat3 turn = glm::transpose(axes);
+		return {-(turn * origin), turn, true};
+	}
+
+	/// Converts a direction, a basis or a position of the engine to the world, and back.
+	glm::dmat3 turned(const glm::dmat3 &basis) const { return local ? turn * basis : basis; }
+	glm::mat3 turned_back(const glm::mat3 &basis) const {
+		return local ? glm::mat3(glm::transpose(turn) * glm::dmat3(basis)) : basis;
+	}
+	glm::dvec3 to_world(glm::dvec3 position) const { return (local ? turn * position : position) + offset; }
+	glm::dvec3 to_engine(glm::dvec3 position) const {
+		return local ? glm::transpose(turn) * (position - offset) : position - offset;
+	}
+};
+
+} // namespace thicket

@@ -1,0 +1,97 @@
+#include "core/placement/hosts_around.hpp"
+
+#include "core/placement/mesh_choice.hpp"
+
+#include <glm/common.hpp>
+
+#include <array>
+
+namespace thicket {
+
+namespace {
+
+/// Returns the instance at a point, without its mesh. The transform is the one that InstanceWriter
+/// writes, but in doubles and in world space, so that it does not depend on the tile.
+HostInstance instance_at(const LayerSettings &host, std::uint64_t id, glm::dvec2 position, const Ground &ground) {
+	const Placement &placement = host.placement;
+	const glm::dvec3 place(position.x, ground.height, position.y);
+	HostInstance instance{.id = id, .mesh = 0, .position = {}, .basis = glm::dmat3(1.0)};
+	instance.position = host.planet.above(place, placement.height_offset) +
+			placement.offset_along_normal * glm::dvec3(ground.normal);
+	std::array<float, transform_floats> floats{};
+	write_basis(placement, host.set.seed, id, ground.normal, floats, UpField(host.planet, instance.position));
+	for (int row = 0; row < 3; ++row) {
+		for (int column = 0; column < 3; ++column) {
+			instance.basis[column][row] = floats[static_cast<std::size_t>(4 * row + column)];
+		}
+	}
+	return instance;
+}
+
+} // namespace
+
+HostsAround::HostsAround(const LayerSettings &layer, const Rect &rect) {
+	const double distance = sampled_around(layer.set, host_margins.widest);
+	around_ = {rect.min - distance, rect.max + distance};
+}
+
+void HostsAround::add_part(const HostLayer &host, const HostInstance &instance) {
+	const Surface *model = host.models->model(instance.mesh);
+	if (model == nullptr) {
+		return;
+	}
+	const PlacedModels::Part part{model, instance};
+	const Box3 box = PlacedModels::bounds_of(part);
+	if (!is_empty(box) && meet({{box.min.x, box.min.z}, {box.max.x, box.max.z}}, around_)) {
+		parts_.push_back(part);
+		bounds_ = with(bounds_, box);
+	}
+}
+
+Status HostsAround::add(const HostLayer &host, const LayerFilter &filter, std::span<const Ground> ground) {
+	const std::span<const Ground> known = filter.ground_of(ground);
+	const double reach = widest_reach_of(host);
+	const Rect near{around_.min - reach, around_.max + reach};
+	MeshChoice choice;
+	choice.set(host.layer->mesh_weights);
+	for (const std::uint32_t point : filter.standing()) {
+		const glm::dvec2 position = filter.positions()[point];
+		const std::uint64_t id = filter.ids()[point];
+		if (!near.contains(position) || (host.changes != nullptr && host.changes->removed(id))) {
+			continue;
+		}
+		HostInstance instance = instance_at(*host.layer, id, position, known[point]);
+		instance.mesh = choice.mesh_for(host.layer->set.seed, id);
+		add_part(host, instance);
+	}
+	std::vector<HostInstance> placed;
+	if (host.changes != nullptr) {
+		if (const Status status = host.changes->add_placed(near, placed); !status.ok()) {
+			return status;
+		}
+	}
+	for (const HostInstance &instance : placed) {
+		add_part(host, instance);
+	}
+	return {};
+}
+
+Status HostsAround::surface(std::unique_ptr<const Surface> &r_surface) const {
+	double triangles = 0.0;
+	for (const PlacedModels::Part &part : parts_) {
+		triangles += static_cast<double>(part.model->triangle_count());
+	}
+	if (triangles > static_cast<double>(Surface::max_triangles)) {
+		return Status::out_of_range("triangles of surface_layers", triangles, at_most(Surface::max_triangles),
+				"Lower tile_size, or use models with fewer triangles");
+	}
+	// The bounds extend beyond the collected models, because there may be more models outside. The
+	// sampler would otherwise take the border of the collected models for the end of the surface.
+	const double beyond = 1.0 + 0.1 * (around_.max.x - around_.min.x);
+	const Box3 around{{around_.min.x - beyond, bounds_.min.y, around_.min.y - beyond},
+			{around_.max.x + beyond, bounds_.max.y, around_.max.y + beyond}};
+	r_surface = parts_.empty() ? nullptr : std::make_unique<const PlacedModels>(parts_, around);
+	return {};
+}
+
+} // namespace thicket

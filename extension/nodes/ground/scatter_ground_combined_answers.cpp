@@ -1,0 +1,283 @@
+// How ScatterGroundCombined answers queries, from the answers of its parts.
+
+#include "nodes/ground/scatter_ground_combined.hpp"
+
+#include "core/terrain/combined_terrain.hpp"
+#include "nodes/common/property_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// Calls `sample(terrain)` with the current ground of a part that any thread may sample. Without
+/// ground, does nothing.
+template <class Sample>
+Status sample_snapshot(const Ref<ScatterGround> &p_ground, const GroundHost &host, const Sample &sample) {
+	const std::shared_ptr<const Terrain> terrain = p_ground->snapshot(host.id);
+	return terrain != nullptr ? sample(*terrain) : Status();
+}
+
+String name_of_part(std::int64_t index) { return vformat("ScatterGroundCombined.grounds[%d]", index); }
+
+} // namespace
+
+std::shared_ptr<const Terrain> ScatterGroundCombined::make_snapshot(const GroundHost &host) {
+	if (only_on_main_thread()) {
+		return nullptr;
+	}
+	std::vector<CombinedTerrain::Part> terrains;
+	each_part([&](const Part &part) {
+		if (std::shared_ptr<const Terrain> terrain = part.ground->snapshot(host.id)) {
+			terrains.push_back(std::move(terrain));
+		}
+	});
+	if (terrains.empty()) {
+		return nullptr;
+	}
+	auto combined = std::make_shared<CombinedTerrain>();
+	const Status status = combined->set(terrains);
+	report(class_name, status);
+	return status.ok() ? combined : nullptr;
+}
+
+/// Returns the first sentence of a part that is not empty, with the part's index.
+String ScatterGroundCombined::first_sentence(String (ScatterGround::*sentence)(), bool *r_all) {
+	String first;
+	bool all = true;
+	each_part([&](const Part &part) {
+		const String found = (part.ground.ptr()->*sentence)();
+		all = all && !found.is_empty();
+		if (first.is_empty() && !found.is_empty()) {
+			first = name_of_part(part.index) + String(": ") + found;
+		}
+	});
+	if (r_all != nullptr) {
+		*r_all = all;
+	}
+	return first;
+}
+
+/// If only some grounds have a problem, the others can be used.
+String ScatterGroundCombined::find_problem() {
+	if (parts_.empty()) {
+		return "ScatterGroundCombined.grounds is empty: add at least one ScatterGround.";
+	}
+	bool all = false;
+	const String problem = first_sentence(&ScatterGround::problem, &all);
+	return all ? problem : String();
+}
+
+String ScatterGroundCombined::find_remark() {
+	if (const String problem = first_sentence(&ScatterGround::problem); !problem.is_empty()) {
+		return problem;
+	}
+	for (std::int64_t index = 0; index < grounds_.size(); ++index) {
+		const Ref<ScatterGround> ground = grounds_[index];
+		if (ground.is_null()) {
+			return name_of_part(index) +
+					String(" is empty and has no effect. Assign a ScatterGround, or remove the entry.");
+		}
+		const auto part = std::ranges::find(parts_, ground, &Part::ground);
+		if (part == parts_.end() || part->index != index) {
+			return name_of_part(index) +
+					String(" has no effect: the ground is in the list already, or contains this one. Remove the "
+						   "entry.");
+		}
+	}
+	const String conflict = planet_conflict();
+	return conflict.is_empty() ? first_sentence(&ScatterGround::remark) : conflict;
+}
+
+String ScatterGroundCombined::find_stripped() { return first_sentence(&ScatterGround::stripped); }
+
+String ScatterGroundCombined::script_problem(const Status &status) const {
+	String sentence;
+	for (const Part &part : parts_) {
+		sentence = sentence.is_empty() ? part.ground->script_problem(status) : sentence;
+	}
+	return sentence;
+}
+
+bool ScatterGroundCombined::calls_script() const {
+	return std::ranges::any_of(parts_, [](const Part &part) { return part.ground->calls_script(); });
+}
+
+bool ScatterGroundCombined::contains(const ScatterGround *p_other) const {
+	return ScatterGround::contains(p_other) ||
+			std::ranges::any_of(parts_, [p_other](const Part &part) { return part.ground->contains(p_other); });
+}
+
+void ScatterGroundCombined::add_used(SceneUse::List &r_used) {
+	ScatterGround::add_used(r_used);
+	for (const Part &part : parts_) {
+		part.ground->add_used(r_used);
+	}
+}
+
+bool ScatterGroundCombined::has_textures() const {
+	return std::ranges::any_of(parts_, [](const Part &part) { return part.ground->has_textures(); });
+}
+
+Planet ScatterGroundCombined::planet() const {
+	for (const Part &part : Parts(parts_)) {
+		if (const Planet planet = part.ground->planet(); planet.exists()) {
+			return planet;
+		}
+	}
+	return {};
+}
+
+GroundShell ScatterGroundCombined::shell(std::uint64_t host, const Planet &planet) const {
+	GroundShell result;
+	for (const Part &part : Parts(parts_)) {
+		result.add(part.ground->shell(host, planet));
+	}
+	return result;
+}
+
+/// Returns a sentence about a part whose planet differs from that of an earlier part. Empty if
+/// there is no such part.
+String ScatterGroundCombined::planet_conflict() const {
+	const Planet first = planet();
+	for (const Part &part : Parts(parts_)) {
+		if (const Planet other = part.ground->planet(); other.exists() && other != first) {
+			return name_of_part(part.index) +
+					String(" has a different planet_radius or planet_center than an earlier ground, and these have no "
+						   "effect. Use the same values, or a TerrainScatter3D for each planet.");
+		}
+	}
+	return {};
+}
+
+bool ScatterGroundCombined::moves_with_host() const {
+	const Parts parts = parts_;
+	return std::ranges::all_of(parts, [](const Part &part) { return part.ground->moves_with_host(); });
+}
+
+/// If a part must be sampled on the main thread, there is no snapshot, and so there are no
+/// surfaces.
+bool ScatterGroundCombined::has_surfaces() const {
+	bool any = false;
+	bool on_main_thread = false;
+	for (const Part &part : Parts(parts_)) {
+		any = any || part.ground->has_surfaces();
+		on_main_thread = on_main_thread || part.ground->is_main_thread_only();
+	}
+	return any && !on_main_thread;
+}
+
+bool ScatterGroundCombined::only_on_main_thread() {
+	bool any = false;
+	each_part([&any](const Part &part) { any = part.ground->is_main_thread_only() || any; });
+	return any;
+}
+
+bool ScatterGroundCombined::needs_physics_frames() const {
+	return std::ranges::any_of(parts_, [](const Part &part) { return part.ground->needs_physics_frames(); });
+}
+
+std::size_t ScatterGroundCombined::max_positions_per_call() const {
+	std::size_t least = std::numeric_limits<std::size_t>::max();
+	for (const Part &part : Parts(parts_)) {
+		if (part.ground->is_main_thread_only()) {
+			least = std::min(least, part.ground->max_positions_per_call());
+		}
+	}
+	return least;
+}
+
+bool ScatterGroundCombined::is_available() const {
+	return std::ranges::all_of(parts_, [](const Part &part) { return part.ground->is_available(); });
+}
+
+bool ScatterGroundCombined::can_change_unreported() const {
+	return std::ranges::any_of(parts_, [](const Part &part) { return part.ground->rechecks(); });
+}
+
+double ScatterGroundCombined::recheck_tolerance() const {
+	double largest = 0.0;
+	for (const Part &part : parts_) {
+		largest = part.ground->rechecks() ? std::max(largest, part.ground->recheck_tolerance()) : largest;
+	}
+	return largest;
+}
+
+bool ScatterGroundCombined::is_behind() const {
+	return listed() != listed_ ||
+			std::ranges::any_of(parts_, [](const Part &part) { return part.ground->is_behind(); });
+}
+
+bool ScatterGroundCombined::is_pending(std::uint64_t host) const {
+	return std::ranges::any_of(parts_, [host](const Part &part) { return part.ground->is_pending(host); });
+}
+
+GroundFigures ScatterGroundCombined::figures() const {
+	GroundFigures sum;
+	for (const Part &part : parts_) {
+		const GroundFigures figures = part.ground->figures();
+		sum.checks += figures.checks;
+		sum.reads += figures.reads;
+	}
+	return sum;
+}
+
+Status ScatterGroundCombined::sample_for(const GroundHost &host, std::span<const glm::dvec2> positions,
+		const GroundNeeds &needs, std::span<Ground> r_ground) {
+	std::ranges::fill(r_ground, Ground{});
+	Status status;
+	each_part([&](const Part &part) {
+		if (!status.ok()) {
+			return;
+		}
+		std::vector<Ground> ground(positions.size());
+		status = part.ground->is_main_thread_only() ? part.ground->sample_now(host.id, positions, needs, ground)
+													: sample_snapshot(part.ground, host, [&](const Terrain &terrain) {
+														  return terrain.query(positions, needs, ground);
+													  });
+		for (std::size_t i = 0; i < ground.size() && status.ok(); ++i) {
+			CombinedTerrain::raise(ground[i], r_ground[i]);
+		}
+	});
+	return status;
+}
+
+/// The height is unknown where that of a part is unknown.
+Status ScatterGroundCombined::recheck_for(
+		const GroundHost &host, std::span<const glm::dvec2> positions, std::span<std::optional<float>> r_heights) {
+	constexpr float no_ground = std::numeric_limits<float>::quiet_NaN();
+	std::ranges::fill(r_heights, no_ground);
+	Status status;
+	each_part([&](const Part &part) {
+		if (!status.ok()) {
+			return;
+		}
+		std::vector<std::optional<float>> heights(positions.size(), no_ground);
+		if (part.ground->is_main_thread_only()) {
+			status = part.ground->recheck_now(host.id, positions, heights);
+		} else {
+			status = sample_snapshot(part.ground, host, [&](const Terrain &terrain) {
+				std::vector<Ground> ground(positions.size());
+				const Status sampled = terrain.sample_heights(positions, ground);
+				std::ranges::transform(ground, heights.begin(), &Ground::height);
+				return sampled;
+			});
+		}
+		for (std::size_t i = 0; i < heights.size() && status.ok(); ++i) {
+			const bool is_known = heights[i].has_value() && r_heights[i].has_value();
+			if (!is_known) {
+				r_heights[i] = std::nullopt;
+			} else if (std::isnan(*r_heights[i]) || *heights[i] > *r_heights[i]) {
+				r_heights[i] = heights[i];
+			}
+		}
+	});
+	return status;
+}
+
+} // namespace thicket

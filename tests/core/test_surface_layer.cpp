@@ -1,0 +1,290 @@
+// Layers on all surfaces of the ground: levels, slopes beyond the vertical, distances in space, tiles and ids.
+
+#include "core/base/instance_id.hpp"
+#include "core/explain/place_explainer.hpp"
+#include "core/placement/compact_tile.hpp"
+#include "core/placement/tile_builder.hpp"
+#include "core/terrain/flat_terrain.hpp"
+#include "core/terrain/nearest_position.hpp"
+#include "core/terrain/triangle_parts.hpp"
+#include "placement_fixture.hpp"
+#include "surface_fixture.hpp"
+#include "tile_fixture.hpp"
+
+#include <doctest/doctest.h>
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <random>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+using namespace thicket;
+using namespace thicket::test;
+
+namespace {
+
+TriangleParts::Part part_of(const surfaces::Triangles &triangles) {
+	std::vector<glm::dvec3> corners;
+	for (const std::uint32_t index : triangles.indices) {
+		corners.push_back(triangles.vertices[index]);
+	}
+	auto part = std::make_shared<TriangleTerrain>();
+	REQUIRE(part->set(corners, nullptr, Winding::counterclockwise).ok());
+	return part;
+}
+
+TriangleParts ground_of(std::vector<TriangleParts::Part> parts) {
+	TriangleParts ground;
+	REQUIRE(ground.set(parts).ok());
+	return ground;
+}
+
+/// Returns a level square with sides of 40 m at a height, that faces up or down.
+surfaces::Triangles level(double height, bool faces_up = true) {
+	const glm::dvec3 x{1, 0, 0};
+	const glm::dvec3 z{0, 0, 1};
+	return surfaces::square(40.0, 10, {-20, height, -20}, faces_up ? z : x, faces_up ? x : z);
+}
+
+/// Returns a wall of 40 m by 40 m that faces +x.
+surfaces::Triangles wall(double x) { return surfaces::square(40.0, 10, {x, -20, -20}, {0, 1, 0}, {0, 0, 1}); }
+
+LayerSettings layer_on_surfaces(double radius = 1.0) {
+	LayerSettings layer;
+	layer.set = {.seed = 3, .radius = radius, .levels = 1, .layer = 2, .on_surface = true};
+	layer.rules.max_slope_degrees = 180.0;
+	layer.placement.align_to_normal = 1.0;
+	return layer;
+}
+
+constexpr Rect around_origin{{-32.0, -32.0}, {32.0, 32.0}};
+
+struct Placed {
+	glm::dvec3 position;
+	glm::dvec3 up;
+};
+
+std::map<std::uint64_t, Placed> placed_in(const LayerSettings &layer, const Terrain &ground, const Rect &rect) {
+	const TileInstances tile = built(layer, ground, rect);
+	std::map<std::uint64_t, Placed> result;
+	for (const MeshInstances &mesh : tile.meshes) {
+		for (std::size_t i = 0; i < mesh.size(); ++i) {
+			const float *floats = mesh.buffer.data() + i * mesh.stride;
+			const glm::dvec3 up(floats[1], floats[5], floats[9]);
+			CHECK(result.emplace(mesh.ids[i], Placed{world_position(tile, mesh, i), up}).second);
+		}
+	}
+	return result;
+}
+
+std::size_t count_near(const std::map<std::uint64_t, Placed> &placed, double height) {
+	std::size_t count = 0;
+	for (const auto &[id, each] : placed) {
+		count += std::abs(each.position.y - height) < 0.01 ? 1 : 0;
+	}
+	return count;
+}
+
+} // namespace
+
+TEST_CASE("surface layer: every level of the ground has as many instances as it would have alone") {
+	const double density = 0.547 / (3.14159265 * 0.25); // Points per square meter for a radius of 1 m.
+	const TriangleParts ground = ground_of({part_of(level(0.0)), part_of(level(3.0)), part_of(level(9.0))});
+	const auto placed = placed_in(layer_on_surfaces(), ground, around_origin);
+	for (const double height : {0.0, 3.0, 9.0}) {
+		CHECK(static_cast<double>(count_near(placed, height)) > 1600.0 * density * 0.97);
+		CHECK(static_cast<double>(count_near(placed, height)) < 1600.0 * density * 1.06);
+	}
+	LayerSettings top = layer_on_surfaces();
+	top.set.on_surface = false;
+	const auto on_top = placed_in(top, ground, around_origin);
+	CHECK(count_near(on_top, 9.0) == on_top.size());
+}
+
+TEST_CASE("surface layer: slopes from 0 to 180 degrees choose floors, walls and ceilings") {
+	const TriangleParts ground = ground_of({part_of(level(0.0)), part_of(level(8.0, false)), part_of(wall(-5.0))});
+	const auto placed_between = [&](double min, double max) {
+		LayerSettings layer = layer_on_surfaces();
+		layer.rules.min_slope_degrees = min;
+		layer.rules.max_slope_degrees = max;
+		return placed_in(layer, ground, around_origin);
+	};
+	const auto all = placed_between(0.0, 180.0);
+	std::size_t seen = 0;
+	CHECK(placed_between(0.0, 90.0).size() + placed_between(120.0, 180.0).size() == all.size());
+	for (const auto &[min, max, up] : {std::tuple(0.0, 60.0, glm::dvec3(0, 1, 0)),
+				 std::tuple(60.0, 120.0, glm::dvec3(1, 0, 0)), std::tuple(120.0, 180.0, glm::dvec3(0, -1, 0))}) {
+		const auto some = placed_between(min, max);
+		CHECK(some.size() > 900);
+		for (const auto &[id, each] : some) {
+			CHECK(glm::distance(each.up, up) < 1e-6);
+			REQUIRE(all.contains(id));
+			CHECK(all.at(id).position == each.position);
+		}
+		seen += some.size();
+	}
+	CHECK(seen == all.size());
+}
+
+TEST_CASE("surface layer: tiles of any size hold the same instances") {
+	const TriangleParts ground =
+			ground_of({part_of(level(0.0)), part_of(wall(3.3)), part_of(surfaces::sphere(17.0, 12))});
+	const LayerSettings layer = layer_on_surfaces(0.8);
+	const auto whole = placed_in(layer, ground, around_origin);
+	CHECK(whole.size() > 4000);
+	for (const double size : {16.0, 6.4}) {
+		std::map<std::uint64_t, Placed> together;
+		for (double z = -32.0; z < 32.0; z += size) {
+			for (double x = -32.0; x < 32.0; x += size) {
+				for (const auto &[id, each] : placed_in(layer, ground, {{x, z}, {x + size, z + size}})) {
+					CHECK(together.emplace(id, each).second);
+				}
+			}
+		}
+		REQUIRE(together.size() == whole.size());
+		for (const auto &[id, each] : whole) {
+			REQUIRE(together.contains(id));
+			CHECK(glm::distance(together.at(id).position, each.position) < 1e-5);
+			CHECK(together.at(id).up == each.up);
+		}
+	}
+}
+
+TEST_CASE("surface layer: distances to other layers are measured in space") {
+	const TriangleParts ground = ground_of({part_of(level(0.0)), part_of(level(4.0))});
+	auto trees = std::make_shared<LayerSettings>(layer_on_surfaces(5.0));
+	const auto check_spacing = [&](bool trees_on_surface, bool ferns_on_surface, bool in_space) {
+		trees->set.on_surface = trees_on_surface;
+		LayerSettings ferns = layer_on_surfaces();
+		ferns.set.layer = 9;
+		ferns.set.on_surface = ferns_on_surface;
+		ferns.neighbors.push_back({.layer = trees, .distance = 2.0, .curve = nullptr});
+		const auto all_trees = placed_in(*trees, ground, {{-40.0, -40.0}, {40.0, 40.0}});
+		const auto placed = placed_in(ferns, ground, around_origin);
+		ferns.neighbors.clear();
+		const auto free = placed_in(ferns, ground, around_origin);
+		REQUIRE(placed.size() > 500);
+		REQUIRE(placed.size() < free.size());
+		for (const auto &[id, fern] : free) {
+			double nearest = 1e9;
+			for (const auto &[tree_id, tree] : all_trees) {
+				const glm::dvec3 apart = fern.position - tree.position;
+				nearest = std::min(nearest, glm::length(in_space ? apart : glm::dvec3(apart.x, 0.0, apart.z)));
+			}
+			if (std::abs(nearest - 2.0) > 1e-4) {
+				CHECK(placed.contains(id) == (nearest >= 2.0));
+			}
+		}
+	};
+	check_spacing(true, true, true);
+	check_spacing(false, true, true);
+	check_spacing(true, false, true);
+	check_spacing(false, false, false);
+}
+
+TEST_CASE("surface layer: an id names a cell that contains the point, and compact tiles keep it") {
+	const TriangleParts ground = ground_of({part_of(level(-7.0)), part_of(surfaces::sphere(15.0, 12))});
+	const LayerSettings layer = layer_on_surfaces(0.7);
+	const TileInstances tile = built(layer, ground, around_origin);
+	const auto shared = std::make_shared<const LayerSettings>(layer);
+	const CompactTile compact(tile, shared);
+	REQUIRE(tile.meshes.size() == 1);
+	REQUIRE(tile.meshes[0].size() > 4000);
+	std::vector<float> floats(tile.meshes[0].buffer.size());
+	compact.meshes[0].read_all(floats);
+	CHECK(std::equal(floats.begin(), floats.end(), tile.meshes[0].buffer.begin()));
+	for (std::size_t i = 0; i < tile.meshes[0].size(); ++i) {
+		const std::uint64_t id = tile.meshes[0].ids[i];
+		CHECK(compact.meshes[0].id(i) == id);
+		CHECK(unpack(id).layer == 2);
+		const glm::dvec3 position = world_position(tile, tile.meshes[0], i);
+		const Rect cell = cell_rect(layer.set, id);
+		CHECK(cell.min.x <= position.x);
+		CHECK(cell.max.x >= position.x);
+		CHECK(cell.min.y <= position.z);
+		CHECK(cell.max.y >= position.z);
+	}
+}
+
+TEST_CASE("surface layer: ground without surfaces has no instances, and ground beyond the ids is refused") {
+	CHECK(placed_in(layer_on_surfaces(), FlatTerrain(0.0f), around_origin).empty());
+	TileInstances tile;
+	const TriangleParts high = ground_of({part_of(level(6000.0))});
+	Status status = TileBuilder().build(layer_on_surfaces(), high, around_origin, tile);
+	CHECK(status.code == ErrorCode::out_of_range);
+	CHECK(std::string_view(status.property) == "height of the surface");
+	const TriangleParts low = ground_of({part_of(level(0.0))});
+	status = TileBuilder().build(layer_on_surfaces(), low, {{40000.0, 0.0}, {40064.0, 64.0}}, tile);
+	CHECK(status.code == ErrorCode::out_of_range);
+	CHECK(std::string_view(status.property) == "rect");
+}
+
+TEST_CASE("surface layer: an instance that hangs is turned without a mirror image") {
+	Placement placement;
+	placement.align_to_normal = 1.0;
+	std::mt19937 random(5);
+	std::uniform_real_distribution<float> along(-1.0f, 1.0f);
+	for (int i = 0; i < 2000; ++i) {
+		glm::vec3 normal = i == 0 ? glm::vec3(0, -1, 0) : glm::vec3(along(random), along(random), along(random));
+		normal = glm::normalize(normal);
+		for (const double tilt : {0.0, 30.0}) {
+			placement.min_tilt_degrees = placement.max_tilt_degrees = tilt;
+			const Transform transform = transform_of(placement, static_cast<std::uint64_t>(i), normal);
+			CHECK(std::abs(glm::determinant(transform.basis) - 1.0) < 1e-5);
+			CHECK(std::abs(glm::dot(transform.basis[1], glm::dvec3(normal)) - std::cos(tilt * 3.14159265 / 180.0)) <
+					1e-5);
+		}
+	}
+	placement.align_to_normal = 0.5;
+	CHECK(transform_of(placement, 1, {0, -1, 0}).basis[1].y < -0.8);
+}
+
+TEST_CASE("surface layer: positions on any surface are explained, and the verdict is that of the tile") {
+	const TriangleParts ground = ground_of({part_of(level(0.0)), part_of(level(6.0, false)), part_of(wall(-5.0))});
+	LayerSettings layer = layer_on_surfaces();
+	layer.rules.min_slope_degrees = 45.0;
+	layer.rules.density = 0.6;
+	const auto placed = placed_in(layer, ground, around_origin);
+	PlaceExplainer explainer;
+	PlaceExplanation explanation;
+	const auto explain = [&](const glm::dvec3 &place) {
+		REQUIRE(explainer.find(layer, place, ground.surface()).ok());
+		REQUIRE(explainer.explain({}, explanation).ok());
+	};
+	std::mt19937 random(9);
+	std::uniform_real_distribution<double> along(-15.0, 15.0);
+	for (int i = 0; i < 200; ++i) {
+		const glm::dvec3 on_ceiling(along(random), 6.0, along(random));
+		if (std::abs(on_ceiling.x + 5.0) < 0.4) {
+			continue; // The wall is nearer.
+		}
+		explain(on_ceiling + glm::dvec3(0.0, -0.3, 0.0));
+		CHECK(explanation.place.ground.height == doctest::Approx(6.0));
+		CHECK(explanation.place.ground.normal.y == doctest::Approx(-1.0));
+		CHECK(explanation.place.density == doctest::Approx(0.6));
+		CHECK(explanation.distance < layer.set.radius);
+		CHECK(explanation.stands() == placed.contains(explanation.point.id));
+	}
+	explain({3.0, 0.2, 4.0});
+	CHECK(explanation.place.density == 0.0); // The floor is not steep enough.
+	CHECK(explanation.place.ground.height == doctest::Approx(0.0));
+	CHECK(explainer.find(layer, {3.0, 3.0, 4.0}, ground.surface()).code == ErrorCode::missing);
+	CHECK(explainer.find(layer, {3.0, 0.0, 4.0}, nullptr).code == ErrorCode::missing);
+	CHECK(explainer.find(layer, {3.0, std::nan(""), 4.0}, ground.surface()).code == ErrorCode::not_finite);
+}
+
+TEST_CASE("surface layer: the nearest position is on a face, an edge or a corner") {
+	const auto surface = level(0.0).surface();
+	CHECK(glm::distance(nearest_position(*surface, {1.3, 0.7, -2.1}, 1.0).position, {1.3, 0.0, -2.1}) < 1e-12);
+	CHECK(nearest_position(*surface, {1.3, 0.7, -2.1}, 1.0).normal.y == doctest::Approx(1.0));
+	CHECK(glm::distance(nearest_position(*surface, {20.5, 0.3, 3.0}, 1.0).position, {20.0, 0.0, 3.0}) < 1e-12);
+	CHECK(glm::distance(nearest_position(*surface, {20.5, 0.3, 20.5}, 1.0).position, {20.0, 0.0, 20.0}) < 1e-12);
+	CHECK(std::isnan(nearest_position(*surface, {0.0, 1.1, 0.0}, 1.0).position.x));
+}
