@@ -1,5 +1,5 @@
-"""Tiles that an engine writes into a folder, without a driver. A bake from these tiles equals the driver's own bake bit for bit, even if an engine
-was killed or files were damaged in the meantime."""
+"""Tests bakes from a folder into which an engine has written tiles without a driver. Such a bake must be bit-identical
+to a bake by the driver, even if an engine was killed or files were damaged in the meantime."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import psutil
 import pytest
-from bake.world import RECT, USUAL, Baked, bake, baked, environment, ground, kill, wait_for, world  # noqa: F401 (some are fixtures)
+from bake.world import RECT, USUAL, Baked, bake, baked, environment, ground, has_ended, kill, processes_below, wait_for, world  # noqa: F401 (some are fixtures)
 from conftest import REPO, run
 
 sys.path.insert(0, str(REPO / "tools/bake"))
@@ -24,7 +25,7 @@ TILES = 20
 
 @pytest.fixture(scope="module")
 def made(world, tmp_path_factory) -> Path:
-    """The world's tiles in a folder, made by one engine."""
+    """Returns a folder with the tiles of the world, written by one engine."""
     folder = tmp_path_factory.mktemp("made")
     done = make(world, folder)
     assert done.returncode == 0 and f"{TILES} tiles generated, 0 kept" in done.stdout, done.stdout + done.stderr
@@ -42,7 +43,7 @@ def make(project: Path, folder: Path, *further: str, **options) -> subprocess.Co
 
 
 def bake_of(folder: Path, out: Path, *options: str) -> Baked:
-    """A bake from a folder's tiles, which needs neither the project nor an engine."""
+    """Bakes the tiles of a folder, which needs neither the project nor an engine."""
     words = [sys.executable, "-m", "baking", str(folder), str(out), "--workers", "2", *options]
     done = run(words, 120, env={**environment(), "GODOT": "/nowhere"}, cwd=folder)
     return Baked(done.returncode, done.stdout + done.stderr, out)
@@ -61,7 +62,7 @@ def same(one: Baked, other: Baked) -> bool:
 
 
 def test_a_bake_from_a_folder_equals_the_drivers_own(baked, made, tmp_path):
-    """All files are equal, and so is the manifest except for the costs. The models are included."""
+    """Checks that all files are equal, including the models. The manifests must also be equal, except for the costs."""
     moved = shutil.copytree(made, tmp_path / "elsewhere")
     other = bake_of(moved, tmp_path / "out")
     assert other.code == 0 and baked.manifest["digest"] in other.said, other.said
@@ -70,7 +71,7 @@ def test_a_bake_from_a_folder_equals_the_drivers_own(baked, made, tmp_path):
 
 
 def test_shares_add_up_to_the_whole(world, baked, tmp_path):
-    """Two engines generate their shares independently, in two folders that are merged afterwards."""
+    """Checks that two engines can generate their shares independently, in two folders that are then merged."""
     engines = [
         subprocess.Popen(command(world, "scene=res://world.tscn", f"out={tmp_path / str(share)}", *ASKED, f"share={share}/2"), stdout=subprocess.DEVNULL)
         for share in (1, 2)
@@ -84,7 +85,7 @@ def test_shares_add_up_to_the_whole(world, baked, tmp_path):
 
 
 def test_chosen_tiles_and_layers_with_the_default_tile_size(world, tmp_path):
-    """The result equals the driver's own with the same arguments."""
+    """Checks that the result equals the driver's own bake with the same arguments."""
     rect = f"{-RECT[2]},{-RECT[3]},900,700.5"
     done = make(world, tmp_path / "made", f"rect={rect}", "layers=Trees", "tiles=-1,0 0,0")
     assert done.returncode == 0 and "2 tiles generated, 0 kept" in done.stdout, done.stdout + done.stderr
@@ -95,13 +96,19 @@ def test_chosen_tiles_and_layers_with_the_default_tile_size(world, tmp_path):
 
 
 def test_a_killed_engine_only_costs_time(world, baked, tmp_path):
-    """Complete tiles stay. Missing, truncated and damaged tiles are generated again, and no partial file is left."""
+    """Checks that complete tiles are kept, that missing, truncated and damaged tiles are generated again, and that no
+    partial file is left."""
     folder = tmp_path / "made"
     with ground(world, "slow"):
         engine = subprocess.Popen(command(world, "scene=res://world.tscn", f"out={folder}", *ASKED), stdout=subprocess.DEVNULL)
         wait_for(lambda: len(list(folder.glob("tiles/*.rows"))) > 4, "some tiles")
-        kill(engine.pid)
+        # The engine may be a child process of a launcher. If only the launcher were killed, the engine would continue
+        # and finish the tiles.
+        processes = [*processes_below(engine), psutil.Process(engine.pid)]
+        for process in processes:
+            kill(process.pid)
         engine.wait(10)
+        wait_for(lambda: all(map(has_ended, processes)), "the end of the engine")
     whole = sorted(folder.glob("tiles/*.rows"))
     assert 4 < len(whole) < TILES
     cut, bit, none, gone, *left = whole
@@ -144,7 +151,8 @@ def test_failing_tiles_are_reported_and_others_made(world, tmp_path):
 
 
 def test_a_changed_scene_is_noticed(world, made, tmp_path):
-    """A bake refuses a folder whose scene has changed, and a folder with a tile that was copied from a different scene."""
+    """Checks that a folder is refused if the scene has changed, and that a bake refuses a tile that was copied from a
+    different scene."""
     other_world = shutil.copytree(world, tmp_path / "project", symlinks=True)
     scene = other_world / "world.tscn"
     scene.write_text(scene.read_text().replace("max_scale = 2.0", "max_scale = 2.25"))
@@ -163,7 +171,7 @@ def test_a_changed_scene_is_noticed(world, made, tmp_path):
 
 
 def test_a_full_disk_stops_with_an_error(world, made, tmp_path):
-    """A limit on the size of files simulates a full disk."""
+    """Simulates a full disk with a limit on the size of files."""
     largest = max(path.stat().st_size for path in made.glob("tiles/*.rows"))
 
     def little_room():
@@ -222,7 +230,8 @@ def test_options_that_the_folder_fixes_are_refused(made, tmp_path):
 
 
 def test_a_missing_library_is_reported(godot, tmp_path):
-    """On a machine without a library for its processor, the bake prints one sentence with a remedy and no script error."""
+    """Checks that, without a library for the processor, the bake prints one sentence with a remedy and no script
+    error."""
     addon = tmp_path / "addons/thicket"
     shutil.copytree(REPO / "demo_project/addons/thicket", addon, ignore=shutil.ignore_patterns("bin", "*.gdextension*"))
     (tmp_path / "project.godot").write_text('config_version=5\n[application]\nconfig/name="Plain"\n')

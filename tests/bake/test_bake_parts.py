@@ -1,7 +1,9 @@
-"""Tests the parts of a bake separately: the areas of tiles, the messages about a scheduler, the manifest and the files."""
+"""Tests parts of the baker separately: the areas of tiles, the messages about a scheduler, the manifest, and the
+files."""
 
 from __future__ import annotations
 
+import functools
 import json
 import subprocess
 import sys
@@ -24,7 +26,8 @@ from reading.glb import BINARY_CHUNK, MAGIC, GlbError, read_glb  # noqa: E402
 
 
 def test_each_instance_belongs_to_one_area(godot, tmp_path):
-    """Every position in a tile of the game is in exactly one tile of a bake, including edges and positions beyond them."""
+    """Checks that every position in a tile of the game is in exactly one tile of a bake, including edges and positions
+    beyond them."""
     rect = [-1e5 - 17.0, 2e6, 96.5, 81.25]
     sizes = ((32.0, 32.0), (27.0, 20.0), (10.3, 0.7), (64.0, 33.3))
     cases = [json.dumps([rect, size, game_size]) for size, game_size in sizes]
@@ -33,6 +36,14 @@ def test_each_instance_belongs_to_one_area(godot, tmp_path):
     assert len(described) == len(sizes), done.stdout + done.stderr
     for each in described:
         check_areas(rect, TileGrid.of(each), each["parts"], np.random.default_rng(3))
+
+
+def test_a_terminal_gets_one_line_of_progress(monkeypatch, capsys):
+    """Checks that a terminal gets one line that is updated, as `bake.sh` prints it, and that a file gets whole lines."""
+    for terminal, ends in ((True, "\r"), (False, "2 of 2")):
+        monkeypatch.setattr(sys.stdout, "isatty", lambda terminal=terminal: terminal, raising=False)
+        report.Progress(2, functools.partial(print, flush=True)).end(report.Outcome({}, made=2))
+        assert capsys.readouterr().out.startswith(ends)
 
 
 def check_areas(rect: list[float], grid: TileGrid, parts: dict[str, list[dict]], chance: np.random.Generator) -> None:
@@ -55,7 +66,8 @@ def check_areas(rect: list[float], grid: TileGrid, parts: dict[str, list[dict]],
 
 
 def test_processor_time_of_an_engine_that_has_ended_still_counts():
-    """If that time were lost, the tile during which the engine ends would have a negative cost in the manifest."""
+    """Checks that the CPU time of an engine that has exited is not lost. Otherwise, the tile during which it exits
+    would have a negative cost in the manifest."""
     busy = subprocess.Popen([sys.executable, "-c", "while True: pass"])
     time_of = ProcessorTime([psutil.Process(busy.pid)])
     try:
@@ -69,7 +81,7 @@ def test_processor_time_of_an_engine_that_has_ended_still_counts():
 
 
 def test_a_scheduler_without_workers_is_reported(monkeypatch):
-    """The bake also reports when the scheduler has workers again. It reports each change once."""
+    """Checks that the bake reports once when the scheduler has no workers, and once when it has workers again."""
     counts = [2, 0, 0, 3, 3, 0]
     looked = threading.Event()
 
@@ -108,7 +120,8 @@ def test_a_leftover_that_cannot_be_removed_is_reported(tmp_path):
 
 
 def test_an_unusable_manifest_is_reported(tmp_path):
-    """A file that is not a manifest is replaced, and a message reports this. A manifest that lacks an important field is refused."""
+    """Checks that a file that is not a manifest is replaced with a message, and that a manifest with a missing or
+    invalid field is refused."""
     request = driver.BakeRequest(Source(("godot",), "/nowhere", "res://world.tscn"), tmp_path)
     said: list[str] = []
     driver._resume(request, dict(WORLD), said.append)
@@ -151,7 +164,7 @@ def test_a_model_without_json_is_no_binary_gltf():
         read_glb(np.array([MAGIC, 2, 20, 0, BINARY_CHUNK], "<u4").tobytes())
 
 
-# Runs in a separate process with a limit on the size of files.
+# Runs in a separate process, with a limit on the size of files.
 FULL_DISK = """
 import resource, sys
 from pathlib import Path
@@ -186,14 +199,16 @@ for write in (streamed, glb, lambda path, size: write_whole(path, bytes(size))):
 
 
 def test_a_full_disk_keeps_the_old_file(tmp_path):
-    """Applies to the files of a bake and of its readers: the error is a sentence, the old file is unchanged and no other file is left."""
+    """Checks that the error is a sentence, the old file is unchanged, and no other file is left, for files of the baker
+    and the readers."""
     done = run([sys.executable, "-c", FULL_DISK, tmp_path], timeout=60, cwd=REPO)
     sentence = f"Cannot write {tmp_path / 'file'}: File too large. Free space there, or choose a writable folder."
     assert done.stdout.splitlines() == [sentence, "True ['file']"] * 3, done.stdout + done.stderr
 
 
 def test_an_unrelated_error_during_writing_is_passed_on(tmp_path):
-    """An error from other code, such as reading a different file, is not reported as a failure to write this file."""
+    """Checks that an error of other code in the block, such as reading a different file, is not reported as a failure
+    to write this file."""
     path = tmp_path / "file"
     write_whole(path, b"old")
     with pytest.raises(FileNotFoundError, match="missing"), whole_file(path) as file:

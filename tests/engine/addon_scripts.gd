@@ -1,24 +1,31 @@
 extends SceneTree
 ## Checks the add-on's scripts against the library's classes: `godot --headless --path PROJECT --script addon_scripts.gd -- PART`. PART is
-## `compile`, `names` or `renamed`. Prints a line that begins with "WRONG" for each fault. The last line is "addon scripts: N looked at, M wrong".
+## `compile`, `names` or `renamed`. Prints a line that starts with "WRONG" for each error. The last line is
+## "addon scripts: N looked at, M wrong".
 
 const ADDON := "res://addons/thicket/"
 const GATE := ADDON + "library_gate.gd"
-## Variables of scripts that must compile without the library, and the classes of their values. These scripts reach the library's objects by
-## member names, and only through these variables.
+## Variables that hold objects of the library in scripts that must compile without it. These scripts may access members only by name, and
+## only through these variables. Maps each variable to the class of its value.
 const UNTYPED: Dictionary[String, StringName] = {
 	"scatter": &"TerrainScatter3D", "_scatter": &"TerrainScatter3D",
 	"layer": &"ScatterLayer", "_layer": &"ScatterLayer", "found": &"ScatterLayer",
 	"model": &"ScatterModel", "built": &"ScatterTile", "grid": &"ScatterTileGrid", "lod": &"ScatterLod",
 	"_baker": &"ScatterImpostorBaker", "ground": &"ScatterGround", "explanation": &"ScatterExplanation",
 }
-## Variables of scripts that hold objects of Terrain3D or no objects at all, although their members have names of the library's.
+## Variables, by script, that this test does not check. They hold objects of Terrain3D or no objects, but use names that members of the
+## library also have.
 const FOREIGN: Dictionary[String, PackedStringArray] = {
 	"import_instances.gd": ["node", "terrain", "data", "region", "asset", "Object", "look"],
 }
-## Members that scripts behind the gate reach by name because not every object has them: the rect of any class of terrain, and the curve of a path.
-const DYNAMIC: Dictionary[String, PackedStringArray] = {"scene_description.gd": ["rect"], "scene_digest.gd": ["curve"]}
-## Calls that take the name of a member.
+## Members that gated scripts may access by name, because only some of the possible objects have them: the rect of some ground classes,
+## a path's curve, and the members of other plug-ins' terrains.
+const DYNAMIC: Dictionary[String, PackedStringArray] = {
+	"scene_description.gd": ["rect"], "scene_digest.gd": ["curve"],
+	"ground_buttons.gd": ["generate_collisions", "collision_layer", "data", "getHeightAtPosition", "get_internal_transform", "get_data",
+		"get_height", "get_voxel_tool", "is_area_meshed"],
+}
+## A pattern for calls that take a member's name as a string.
 const BY_NAME := "(\\w+|\\])\\)?\\.(?:[gs]et(?:_deferred|_indexed)?|callv?(?:_deferred)?|has_(?:method|signal)|(?:dis)?connect|emit_signal)" \
 		+ "\\(&?\"(\\w+)\""
 const UNDO := "add_(?:do|undo)_(property|method)\\((\\w+), &\"(\\w+)\""
@@ -26,12 +33,12 @@ const STRING_NAME := "&\"([a-z_]\\w*)\""
 const CONSTANT := "&\"([A-Z][A-Z0-9_]+)\""
 const CLASS_NAME := "\"((?:TerrainScatter3D|Scatter|Poisson|Impostor)[A-Z]\\w*|TerrainScatter3D)\""
 const MEMBER := "\\.([a-z_]\\w*)\\b"
-const NO_CLASSES: PackedStringArray = ["ScatterOutput"] ## A node of ProtonScatter.
-## Names that are no members of a class: metadata, theme items, marks on layers, and a script.
+const NO_CLASSES: PackedStringArray = ["ScatterOutput"] ## A node class of ProtonScatter.
+## Names that are not members of any class, such as metadata and theme items.
 const WORDS: PackedStringArray = ["icon", "index", "hidden", "locked", "color", "source", "mono_font", "prop_subsection", "font_color",
 	"h_separation", "script"]
 
-var _own: Dictionary[String, bool] = {} ## The members of the library's classes.
+var _own: Dictionary[String, bool] = {} ## The members of the library's classes, as a set.
 var _constants: Dictionary[String, bool] = {}
 var _looked := 0
 var _wrong := 0
@@ -69,7 +76,7 @@ func _scripts(folder: String) -> PackedStringArray:
 	return result
 
 
-## Returns whether a script is behind the gate, so that it may name the library's classes as types.
+## Returns whether the library gate (library_gate.gd) loads a script. Such a script may use the library's classes as types.
 static func _is_typed(path: String) -> bool:
 	return path.trim_prefix(ADDON).get_slice("/", 0) in _typed_folders()
 
@@ -86,10 +93,10 @@ func _compile(path: String) -> void:
 
 func _check_names(path: String, code: String) -> void:
 	_looked += 1
-	var seen: Dictionary[int, bool] = {} # Start positions of names that a rule has checked.
+	var seen: Dictionary[int, bool] = {} # Start positions of the names that were already checked.
 	for found in RegEx.create_from_string(BY_NAME).search_all(code):
 		seen[found.get_start(2)] = true
-		if found.get_string(1) == "EditorInterface": # Its methods differ between versions of the engine.
+		if found.get_string(1) == "EditorInterface": # Its methods depend on the engine version.
 			_check(ClassDB.class_has_method(&"EditorInterface", found.get_string(2)), path, "EditorInterface has no " + found.get_string(2))
 		elif _is_typed(path):
 			var name := found.get_string(2)
@@ -115,7 +122,7 @@ func _check_names(path: String, code: String) -> void:
 		_check(ClassDB.class_exists(found.get_string(1)) or found.get_string(1) in NO_CLASSES, path, "there is no class " + found.get_string(1))
 
 
-## Checks that the members exist that an untyped script reaches, by name and otherwise.
+## Checks that every member exists that an untyped script accesses through a variable in UNTYPED.
 func _check_untyped(path: String, code: String) -> void:
 	for variable in UNTYPED:
 		var by_name := "\\b%s\\)?\\.(?:get|set|call)\\(&?\"(\\w+)\"" % variable
@@ -124,12 +131,12 @@ func _check_untyped(path: String, code: String) -> void:
 			_check(_class_has(UNTYPED[variable], found.get_string(1)), path, "%s has no %s" % [UNTYPED[variable], found.get_string(1)])
 
 
-## Returns whether a variable of a script is a dictionary, or whether this is the name in a cast to one.
+## Returns whether a script declares a variable as a Dictionary. Also true for "Dictionary" itself, which ends a cast.
 static func _is_dictionary(code: String, variable: String) -> bool:
 	return variable == "Dictionary" or RegEx.create_from_string("\\b%s: Dictionary\\b" % variable).search(code) != null
 
 
-## Returns whether the declared type of a script's variable has a member.
+## Returns whether the declared type of a script's variable, a class or a preloaded script, has a member.
 func _has_member(code: String, variable: String, member: String) -> bool:
 	if variable == "self":
 		return _has_function(code, member)
@@ -154,7 +161,8 @@ static func _has_function(code: String, name: String) -> bool:
 	return RegEx.create_from_string("(?m)^(?:static )?func %s\\(" % name).search(code) != null
 
 
-## Renames each use of a member of the library, one at a time, and compiles. If that compiles, a renamed member would fail only at run time.
+## Renames each use of a library member, one at a time, and compiles the script. Compilation must fail. If it succeeds, the use is untyped,
+## and a renamed member would only fail at run time.
 func _rename_members(path: String) -> void:
 	if not _is_typed(path):
 		return
@@ -164,7 +172,7 @@ func _rename_members(path: String) -> void:
 			_looked += 1
 			var script := GDScript.new()
 			script.source_code = source.insert(found.get_end(), "_renamed")
-			script.take_over_path(path.get_base_dir() + "/renamed_%d.gd" % _looked) # Warning settings depend on the path.
+			script.take_over_path(path.get_base_dir() + "/renamed_%d.gd" % _looked) # The warning settings depend on the path.
 			var line := source.count("\n", 0, found.get_start()) + 1
 			_check(script.reload() != OK, path, "line %d compiles although %s has a different name" % [line, found.get_string(1)])
 
@@ -183,7 +191,7 @@ static func _without_strings(code: String) -> String:
 	return _blanked(code, "()\"(?:[^\"\\\\]|\\\\.)*\"")
 
 
-## Returns a text with blanks in place of all matches of a pattern, except for matches of its first group.
+## Replaces each match of a pattern with spaces, unless the pattern's first group matched.
 static func _blanked(text: String, pattern: String) -> String:
 	var result := ""
 	var end := 0

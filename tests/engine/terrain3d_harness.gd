@@ -1,5 +1,5 @@
 extends "terrain_harness.gd"
-## A double of Terrain3D: its regions, its data and the signals of both, according to its sources (versions 1.0 and 1.1,
+## A test double of Terrain3D with its regions, its data and its signals, modeled on its source (versions 1.0 and 1.1,
 ## src/terrain_3d_data.cpp and src/terrain_3d_region.cpp).
 
 enum { HEIGHT, CONTROL, COLOR, ALL_MAPS }
@@ -63,7 +63,7 @@ class Terrain3DDataDouble extends Object:
 	var regions: Dictionary[Vector2i, Terrain3DRegionDouble] = {}
 	var region_size := 64
 	var vertex_spacing := 1.0
-	var point_calls := 0 ## Calls for single positions.
+	var point_calls := 0 ## The number of queries for single positions.
 
 	func get_regions_active(_copy := false, _deep := false) -> Array[Terrain3DRegionDouble]:
 		var active: Array[Terrain3DRegionDouble] = []
@@ -71,6 +71,10 @@ class Terrain3DDataDouble extends Object:
 			if not regions[at].deleted:
 				active.push_back(regions[at])
 		return active
+
+	## Returns a region, even if it is marked as deleted, or null if it does not exist.
+	func get_region(location: Vector2i) -> Terrain3DRegionDouble:
+		return regions.get(location)
 
 	func add_region(region: Terrain3DRegionDouble, update := true) -> void:
 		region.deleted = false
@@ -145,7 +149,7 @@ class Terrain3DDataDouble extends Object:
 		var first := (Vector2(at.x, at.z) / vertex_spacing).floor()
 		var part := Vector2(at.x, at.z) / vertex_spacing - first
 		var posts: Array[float] = []
-		for corner in 4: # Slightly further, so that rounding does not find the previous post.
+		for corner in 4: # The small offset keeps rounding from selecting the previous post.
 			var post := (first + Vector2(corner % 2, floori(corner / 2.0)) + Vector2.ONE * 1e-3) * vertex_spacing
 			posts.push_back(get_pixel(HEIGHT, Vector3(post.x, 0.0, post.y)))
 		return lerpf(lerpf(posts[0], posts[1], part.x), lerpf(posts[2], posts[3], part.x), part.y)
@@ -169,7 +173,7 @@ class Terrain3DDataDouble extends Object:
 			return Vector3(material.parameters["auto_base_texture"], material.parameters["auto_overlay_texture"], blend)
 		return Vector3(control >> 27 & 31, control >> 22 & 31, (control >> 14 & 255) / 255.0)
 
-	## Returns whether one of the four posts around a position is a hole: the drawn mesh and the collider have none there.
+	## Returns whether one of the four posts around a position is a hole. Terrain3D's mesh and collider have no ground there.
 	func is_open(at: Vector3) -> bool:
 		for corner in 4:
 			if get_control(at + Vector3(corner % 2, 0.0, floori(corner / 2.0)) * vertex_spacing) & HOLE:
@@ -183,9 +187,9 @@ class Terrain3DMaterialDouble extends Resource:
 		"auto_slope": 1.0, "auto_height_reduction": 0.1, "auto_base_texture": 0, "auto_overlay_texture": 1,
 	}
 
-	var with_renderer := true ## Without a renderer it has no shader parameters to query.
+	var with_renderer := true ## If false, the material has no shader parameters to query, as in a headless engine.
 
-	## The saved part of the parameters.
+	## The saved parameters, with StringName keys.
 	var _shader_parameters: Dictionary:
 		get:
 			var saved := {}
@@ -211,9 +215,9 @@ class Terrain3DDouble extends Node3D:
 			if data != null:
 				data.vertex_spacing = value
 	var region_size := 64
-	var late := false ## Makes its data only when `make_data` is called.
+	var late := false ## If true, only `make_data` creates the data.
 
-	## Makes its data when it enters the tree, as Terrain3D does.
+	## Creates the data when the node enters the tree, as Terrain3D does.
 	func _enter_tree() -> void:
 		if not late:
 			make_data()
@@ -233,7 +237,7 @@ class Terrain3DDouble extends Node3D:
 			data.free()
 
 
-## The ground of a Terrain3DDouble as a node of an unknown plug-in, which is queried point by point.
+## Exposes a Terrain3DDouble's ground as a node of an unknown plug-in would, for queries point by point.
 class QueriedNode extends Node3D:
 	var of: Terrain3DDouble
 
@@ -258,7 +262,7 @@ static func fill_region(region: Terrain3DRegionDouble, height := hill) -> void:
 			region.maps[HEIGHT].set_pixel(column, row, Color(height.call(region.location * side + Vector2i(column, row)), 0, 0))
 
 
-## Returns four regions around the origin, not in the tree yet.
+## Returns a double with four regions around the origin. The node is not in the tree yet.
 static func make_terrain3d(spacing := 1.0) -> Terrain3DDouble:
 	var node := Terrain3DDouble.new()
 	node.vertex_spacing = spacing

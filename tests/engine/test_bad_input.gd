@@ -1,7 +1,7 @@
 extends "harness.gd"
-## Bad input causes one error that names property and value. The last valid value stays, and nothing crashes.
+## Tests bad input. It causes one error that names the property and the value. The last valid value is kept, and nothing crashes.
 
-## Returns a wrong number of heights or normals, or values that are not finite.
+## Ground that returns the wrong number of heights or normals, or values that are not finite.
 class BrokenGround extends ScatterGround:
 	var extra := 0
 	var threaded := false
@@ -40,6 +40,23 @@ func refuse(object: Object, property: StringName, value: Variant, word := "got")
 	check_equal(object.get(property), good, assignment + " is ignored")
 
 
+func test_surface_layers() -> void:
+	var layer := make_layer()
+	layer.surface_layers = ["Stones"]
+	check_no_error("a name")
+	var too_many := []
+	too_many.resize(17)
+	too_many.fill("Stones")
+	layer.surface_layers = too_many
+	check_error(["ScatterLayer.surface_layers", "17", "16"], "too many entries")
+	for value: Variant in [null, 2.5, Node]:
+		layer.surface_layers = ["Stones", value]
+		check_error(["ScatterLayer.surface_layers", "Pass a ScatterLayer or its name"], "an entry of %s" % value)
+	layer.surface_layers = [layer]
+	check_error(["ScatterLayer.surface_layers", "circle"], "a layer without a name on itself")
+	check_equal(layer.surface_layers, ["Stones"], "the last valid list is kept")
+
+
 func number(text: String) -> float:
 	return text.to_float() if text.is_valid_float() else INF
 
@@ -50,10 +67,10 @@ func accept(object: Object, property: StringName, value: Variant) -> void:
 	check_equal(object.get(property), value, str(property))
 
 
-## Refuses values of no number or of an absurd size for every number of a resource.
+## Checks that every float property of a resource refuses NAN, infinity and 1e300.
 func check_numbers(resource: Resource, expected: int) -> void:
 	var numbers := 0
-	for property in ClassDB.class_get_property_list(resource.get_class()): # Some are hidden in a new resource.
+	for property in ClassDB.class_get_property_list(resource.get_class()): # Lists the class's properties, because a new resource hides some of them.
 		if property["type"] != TYPE_FLOAT or not property["usage"] & PROPERTY_USAGE_EDITOR:
 			continue
 		numbers += 1
@@ -77,7 +94,7 @@ func test_layer_numbers() -> void:
 	for property in ["density", "align_to_normal"]:
 		refuse(layer, property, 1.5, "must be between 0 and 1, got 1.5. The last valid value is kept")
 		refuse(layer, property, -0.5, "must be between 0 and 1, got -0.5. ")
-	refuse(layer, "max_slope_degrees", 91.0, "must be between 0 and 90, ")
+	refuse(layer, "max_slope_degrees", 181.0, "must be between 0 and 180, ")
 	refuse(layer, "view_distance", -1.0, "must be between 0 and ")
 	refuse(layer, "radius", 1e-7, "must be between 0.001 and ")
 	accept(layer, "density", 0.0)
@@ -214,7 +231,7 @@ func test_wrong_resources() -> void:
 	scatter.set("layers", "not a list of layers")
 	scatter.set("viewers", [3, BoxMesh.new()])
 	await frames(5)
-	errors.take() # The engine may print its own errors; only the state matters here.
+	errors.take() # The engine may print its own errors. Only the state matters here.
 	check(scatter.ground == null or scatter.ground == terrain, "the ground is not a mesh")
 	scatter.ground = terrain
 	scatter.layers = [make_layer()]
@@ -247,7 +264,7 @@ func test_broken_scripts() -> void:
 			ground.threaded = threaded
 			ground.extra = extra
 			var layer := make_layer()
-			layer.align_to_normal = 1.0 # Else no normals are needed.
+			layer.align_to_normal = 1.0 # Otherwise no normals are queried.
 			var scatter := make_scatter([layer], ground, make_viewer())
 			await settle(scatter)
 			check_error(["_get_heights()", "wrong size"], "%+d heights" % extra)

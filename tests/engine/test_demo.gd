@@ -1,11 +1,11 @@
 extends "harness.gd"
-## The demo's forest, streamed along a fixed path. Every instance in the MultiMeshes is checked against the ground, the
-## rules and its neighbors in all tiles. `-- out=FILE` writes the tiles to a file for analysis/tile_digests.
+## Streams the demo's forest along a fixed path, and checks every instance in the multimeshes against the ground, the rules and its
+## neighbors in all tiles. `-- out=FILE` writes the tiles to a file for analysis/tile_digests.
 
 const TileLog := preload("tile_log.gd")
 const GroundModel := preload("ground_model.gd")
 
-## World x and z.
+## Viewer positions as world x and z.
 const PATH: Array[Vector2] = [Vector2(2350.0, 150.0), Vector2(1985.0, -515.0), Vector2(1620.0, -1180.0),
 		Vector2(-6000.0, 9000.0), Vector2(2350.0, 150.0)]
 const EXPECTED_INSTANCES := 100000
@@ -14,7 +14,7 @@ var scatter: TerrainScatter3D
 var ground: GroundModel
 var tile_log := TileLog.new()
 
-## By layer: from a cell of one radius to the x and z of its instances, in double precision.
+## For each layer: {cell with a side of one radius: x and z of its instances, in double precision}.
 var neighbors: Array[Dictionary] = []
 var known: Dictionary = {}
 var count := 0
@@ -37,10 +37,13 @@ func find_scatter(node: Node) -> TerrainScatter3D:
 func load_demo() -> void:
 	var demo := (load(ProjectSettings.get_setting("application/run/main_scene")) as PackedScene).instantiate()
 	scatter = find_scatter(demo)
-	# Only the forest: the demo's own scripts would move the camera and change the settings.
+	# Extracts the forest, because the demo's scripts would move the camera and change the settings.
 	scatter.owner = null
 	scatter.get_parent().remove_child(scatter)
 	demo.free()
+	# The program that generates the same tiles supports no regions. The removed regions are those of the path and of the lake.
+	for region in scatter.find_children("*", "ScatterRegion3D", true, false):
+		region.free()
 	root.add_child(scatter)
 	ground = GroundModel.new(scatter.ground)
 	tile_log.add_terrain(scatter.ground)
@@ -58,7 +61,7 @@ func test_forest_along_a_path() -> void:
 	await frames(1) # The plant meshes are built in the first frame.
 	check_equal(scatter.get_problems(), PackedStringArray(), "warnings of the demo")
 	for layer in scatter.layers:
-		layer.use_colors = false # The program that generates the same tiles has no colors.
+		layer.use_colors = false # analysis/tile_digests generates the same tiles without colors.
 	check(scatter.layers.size() >= 4, "layers of the demo")
 	var again := 0
 	for place in PATH:
@@ -82,7 +85,7 @@ func test_forest_along_a_path() -> void:
 			check(tile_log.save(argument.trim_prefix("out=")), "writing " + argument)
 
 
-## Checks a new tile. For a tile that was visible before, checks that it has not changed, and returns 1.
+## Checks all instances of a new tile and returns 0. For a tile seen before, checks only that it has not changed and returns 1.
 func check_tile(layer: int, tile: Vector2i) -> int:
 	var key := Vector3i(layer, tile.x, tile.y)
 	var digest := scatter.get_tile(scatter.layers[layer], tile).get_digest()
@@ -106,7 +109,7 @@ func check_buffer(index: int, origin: Vector3, buffer: PackedFloat32Array) -> vo
 	var cells := neighbors[index]
 	for at in range(0, buffer.size(), floats_of(layer)):
 		count += 1
-		# In double precision: a Vector3 would round the sum.
+		# Use doubles, because a Vector3 would round the sum.
 		var x := origin.x + buffer[at + 3]
 		var z := origin.z + buffer[at + 11]
 		var height := ground.height(x, z)

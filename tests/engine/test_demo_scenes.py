@@ -1,4 +1,4 @@
-"""Tests the other scenes of the demo: their content, and the pictures that they take."""
+"""Tests the demo's other scenes: their content, and the pictures that they take."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from test_demo import DEMO, TERRAIN, is_a_picture
 from test_demo_terrain import load_script
 
 ENGINE = REPO / "tests/engine"
-SCENES = ["rules", "biomes", "script_terrain", "gameplay"]
+SCENES = ["rules", "biomes", "script_terrain", "surfaces", "gameplay"]
 PASSED = re.compile(r"^thicket engine tests: [1-9]\d* checks, 0 failed$", re.MULTILINE)
 
 
@@ -22,12 +22,12 @@ def test_scene_contains_only_settings(scene):
     path = DEMO / f"{scene}.tscn"
     text = path.read_text()
     assert path.stat().st_size < 100_000
-    assert not re.search(r"MultiMesh|PackedByteArray|_surfaces|transform_array|buffer =", text)
+    assert not re.search(r"MultiMesh|PackedByteArray|\b_surfaces|transform_array|buffer =", text)
 
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_scene_runs_without_a_renderer(godot, imported_demo, scene):
-    """Visits every stop, headless: no warnings, no leaks, and visible instances at each."""
+    """Visits every stop of a scene, headless: no warnings, no leaks, and more than 5,000 instances at each."""
     done = godot(["--verbose", "--path", imported_demo, f"res://{scene}.tscn", "--", "--screenshots"], timeout=300)
     printed = done.stdout + done.stderr
     assert done.returncode == 0 and "demo: done" in done.stdout, printed[-4000:]
@@ -37,7 +37,7 @@ def test_scene_runs_without_a_renderer(godot, imported_demo, scene):
     assert len(instances) >= 3 and min(map(int, instances)) > 5_000, done.stdout
 
 
-@pytest.mark.parametrize("scene", ["rules", "biomes", "script_terrain"])
+@pytest.mark.parametrize("scene", ["rules", "biomes", "script_terrain", "surfaces"])
 def test_content_of_the_scene(godot, imported_demo, scene):
     done = godot(["--verbose", "--path", imported_demo, "--script", ENGINE / f"test_demo_{scene}.gd"], timeout=300)
     printed = done.stdout + done.stderr
@@ -45,7 +45,7 @@ def test_content_of_the_scene(godot, imported_demo, scene):
     assert "leaked" not in printed, printed[-4000:]
 
 
-@pytest.mark.parametrize(("scene", "stop"), [("rules", "valley"), ("biomes", "biomes"), ("script_terrain", "island")])
+@pytest.mark.parametrize(("scene", "stop"), [("rules", "valley"), ("biomes", "biomes"), ("script_terrain", "island"), ("surfaces", "gorge")])
 def test_scene_is_a_picture(godot_xvfb, imported_demo, tmp_path, scene, stop):
     arguments = ["--path", imported_demo, "--resolution", "640x360", f"res://{scene}.tscn", "--"]
     done = godot_xvfb([*arguments, f"--screenshots={tmp_path}", f"--stops={stop}"], timeout=120)
@@ -58,8 +58,8 @@ def test_scene_is_a_picture(godot_xvfb, imported_demo, tmp_path, scene, stop):
 
 
 def test_felled_trees_stay_felled(godot, imported_demo, tmp_path):
-    """In the gameplay scene, one process fells a tree and saves, and a second one loads. The tree is missing from the picture,
-    queries and bodies."""
+    """In the gameplay scene, one process fells a tree and saves. A second process loads the file, and the tree is missing from the
+    rendered tiles, the queries and the bodies."""
     for test in ("test_felled_and_saved", "test_felled_after_a_restart"):
         script = ["--script", ENGINE / "test_demo_gameplay.gd", "--", test, f"file={tmp_path}/felled"]
         done = godot(["--verbose", "--path", imported_demo, *script], timeout=120)
@@ -69,7 +69,7 @@ def test_felled_trees_stay_felled(godot, imported_demo, tmp_path):
 
 
 def test_the_game_takes_pictures(godot_xvfb, imported_demo, tmp_path):
-    """A script presses the keys. Every step has a picture that differs from the previous one."""
+    """Runs the gameplay scene's scripted key presses. Each step's picture differs from the previous one."""
     arguments = ["--path", imported_demo, "--resolution", "640x360", "res://gameplay.tscn", "--"]
     done = godot_xvfb([*arguments, f"--screenshots={tmp_path}"], timeout=400)
     printed = done.stdout + done.stderr
@@ -96,7 +96,7 @@ def test_an_unknown_scene_is_named():
 
 
 def test_the_valley_matches_its_script():
-    """Heights may differ by one step of 2 mm and soils by 1/255, because versions of numpy round the last bit differently."""
+    """Heights may differ by one step of 2 mm, and soils by 1/255, because numpy versions round the last bit differently."""
     valley = load_script("make_valley")
     posts, soil = valley.make()
     stored = np.frombuffer((TERRAIN / "valley.r16").read_bytes(), "<u2").astype(int)
@@ -118,7 +118,7 @@ def test_the_rules_scene_and_the_valley_agree():
     assert text.count(f"rect = Rect2({-valley.SIZE / 2:g}, {-valley.SIZE / 2:g}, {valley.SIZE:g}, {valley.SIZE:g})") == 2
     assert f"min_height = {valley.LOW}\n" in text and f"max_height = {valley.HIGH}\n" in text
     numbers = re.search(r'"points": PackedVector3Array\((.*?)\)', text).group(1).split(",")
-    points = np.array(numbers, float).reshape(-1, 3, 3)[:, 2]  # In, out, position.
+    points = np.array(numbers, float).reshape(-1, 3, 3)[:, 2]  # Each point is stored as in, out and position.
     assert np.array_equal(points[:, [0, 2]], np.array(valley.PATH, float))
     heights = valley.heights(points[:, 0], points[:, 2])
     assert np.abs(points[:, 1] - heights).max() < 0.01, "the path lies on the ground"

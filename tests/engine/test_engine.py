@@ -1,4 +1,4 @@
-"""The extension in the real engine: runs the scripts of tests/engine, and checks the engine's output and exit."""
+"""Runs the scripts in tests/engine with the real engine, and checks its output and exit code."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 
 import pytest
 from conftest import REPO, new_project
+from helpers.height_files import write_height_files
 
 ENGINE = REPO / "tests/engine"
 PASSED = re.compile(r"^thicket engine tests: [1-9]\d* checks, 0 failed$", re.MULTILINE)
@@ -44,7 +45,7 @@ radius = 20.0
 script = ExtResource("1")
 """
 
-# Added to this scene: a floor that only ray casts can find.
+# Floor for the scene above. Only ray casts can find it.
 FLOOR_SHAPE = """[sub_resource type="BoxShape3D" id="floor"]
 size = Vector3(150, 2, 90)
 
@@ -59,7 +60,7 @@ COLLIDER_SCENE = SCENE.replace("ScatterGroundFlat", "ScatterGroundColliders")
 for before, added in ('[node name="Root"', FLOOR_SHAPE), ('[node name="Watcher"', FLOOR):
     COLLIDER_SCENE = COLLIDER_SCENE.replace(before, added + before)
 
-# Runs each example as a user would: nodes in a scene, an editor script with its _run.
+# Runs each example as a user would: adds nodes to a scene and calls _run() of editor scripts.
 EXAMPLES = """extends SceneTree
 
 func _initialize() -> void:
@@ -78,19 +79,19 @@ func _initialize() -> void:
 
 @pytest.fixture(scope="module")
 def project(tmp_path_factory) -> Path:
-    """A new project with the add-on and nothing else."""
+    """Returns a new project that contains only the add-on."""
     return new_project(tmp_path_factory.mktemp("engine"))
 
 
 @pytest.fixture(scope="module")
 def jolt_project(tmp_path_factory) -> Path:
-    """A new project that uses the engine's other physics server."""
+    """Returns a new project that uses Jolt Physics instead of Godot Physics."""
     return new_project(tmp_path_factory.mktemp("jolt"), '[physics]\n3d/physics_engine="Jolt Physics"\n')
 
 
 def without_load_tokens(printed: str) -> str:
-    """The output of an engine with `--verbose`, without its report on leaks if that lists nothing but tokens of threaded loads. The
-    engine sometimes forgets one of those, a RefCounted without references: https://github.com/godotengine/godot/issues/120661."""
+    """Returns the output of an engine with `--verbose`. Removes its leak report if that lists only tokens of threaded loads. The engine
+    sometimes leaks such a token, a RefCounted without references: https://github.com/godotengine/godot/issues/120661."""
     listed = re.findall(r"^Leaked instance: (.*)$", printed, re.MULTILINE)
     if not listed or not all(re.fullmatch(r"RefCounted:\d+ - Reference count: 0", each) for each in listed):
         return printed
@@ -149,10 +150,17 @@ def assert_passed(done, loads_on_threads=False):
         "test_terrain3d_changes",
         "test_hterrain",
         "test_hterrain_changes",
+        "test_plugins",
         "test_terrain_calls",
         "test_ground_needs",
         "test_ground_recheck",
         "test_ground_meshes",
+        "test_ground_shapes",
+        "test_local_coords",
+        "test_surface_layers",
+        "test_planets",
+        "test_layers_on_models",
+        "test_ground_combined",
         "test_ground_heightmaps",
         "test_heightmaps",
         "test_layer_rules",
@@ -185,18 +193,18 @@ def test_script(godot, project, script):
 
 @pytest.fixture(scope="module")
 def threadless_project(tmp_path_factory) -> Path:
-    """A new project for an engine without worker threads, as in most builds for the web."""
+    """Returns a new project without worker threads, as in most web builds of the engine."""
     return new_project(tmp_path_factory.mktemp("threadless"), "[threading]\nworker_pool/max_threads=0\n")
 
 
 @pytest.mark.parametrize("script", ["test_streaming", "test_terrain_calls", "test_state", "test_state_async", "test_ground_follows"])
 def test_without_threads(godot, threadless_project, script):
-    """Without worker threads, the main thread generates the tiles, a few in each frame. The results are unchanged."""
+    """Without worker threads, the main thread generates a few tiles per frame. The results are the same."""
     assert_passed(godot(["--verbose", "--path", threadless_project, "--script", ENGINE / f"{script}.gd"], timeout=600))
 
 
 def test_lack_of_memory_is_reported_and_the_engine_continues(godot, project):
-    """Limits the address space to 3 GB. The engine uses less than one."""
+    """Limits the address space to 3 GB. The engine needs less than 1 GB."""
 
     def with_little_memory():
         resource.setrlimit(resource.RLIMIT_AS, (3 << 30, 3 << 30))
@@ -214,13 +222,18 @@ def test_bodies(godot, request, physics, script):
 
 
 def test_a_model_from_an_asset_pack(godot, tmp_path):
-    """One engine writes the file, the editor imports the file, and a third engine draws the model."""
+    """The first process writes a file, the editor imports it, and a third process draws the model."""
     project = new_project(tmp_path)
     script = ENGINE / "test_imported_model.gd"
     assert_passed(godot(["--path", project, "--script", script, "--", "make"]))
     imported = godot(["--path", project, "--import"], timeout=120)
     assert imported.returncode == 0, imported.stdout + imported.stderr
     assert_passed(godot(["--verbose", "--path", project, "--script", script]))
+
+
+def test_height_files_of_other_programs(godot, project, tmp_path):
+    write_height_files(tmp_path)
+    assert_passed(godot(["--verbose", "--path", project, "--script", ENGINE / "test_height_files.gd", "--", tmp_path]))
 
 
 def test_felled_trees_stay_felled_in_the_next_engine(godot, project, tmp_path):
@@ -230,7 +243,7 @@ def test_felled_trees_stay_felled_in_the_next_engine(godot, project, tmp_path):
 
 
 def test_examples_of_the_class_reference_run(godot, project):
-    """The examples on the page of PoissonSampler: a window, a seamless pattern, and a large domain that is canceled."""
+    """Runs PoissonSampler's examples: a window, a seamless pattern, and a large domain that is canceled."""
     text = ElementTree.parse(REPO / "extension/doc_classes/PoissonSampler.xml").getroot().findtext("description")
     examples = [textwrap.dedent(block) for block in re.findall(r"\[codeblock\]\n(.*?)\[/codeblock\]", text, re.DOTALL)]
     assert len(examples) == 3
@@ -257,7 +270,7 @@ def test_ground_rendered(godot_xvfb, project):
 
 
 def test_look(godot_xvfb, project):
-    """Checks the instances that the renderer draws of each tile. The dummy renderer stores nothing, so this test needs a real renderer."""
+    """Checks the instances that the renderer draws for each tile. Needs a real renderer, because the dummy renderer stores nothing."""
     assert_passed(godot_xvfb(["--path", project, "--script", ENGINE / "test_look.gd"]))
 
 
@@ -270,14 +283,14 @@ RENDERERS = {
 
 @pytest.mark.parametrize("renderer", RENDERERS)
 def test_pictures_of_models(godot_xvfb, project, renderer):
-    """Draws the models with each of the renderers, in software."""
+    """Draws the models with each renderer, in software."""
     arguments = [*RENDERERS[renderer], "--path", project, "--script", ENGINE / "test_model_pictures.gd"]
     assert_passed(godot_xvfb(arguments))
 
 
 @pytest.mark.parametrize("renderer", RENDERERS)
 def test_foliage(godot_xvfb, project, renderer):
-    """The add-on's material in each renderer: it compiles, fades, sways, bends, tints and casts shadows."""
+    """The add-on's material compiles, fades, sways, bends, tints and casts shadows in each renderer."""
     script = ENGINE / "test_foliage.gd"
     assert_passed(godot_xvfb([*RENDERERS[renderer], "--path", project, "--script", script], timeout=120))
 
@@ -291,7 +304,7 @@ def test_cross_fade(godot_xvfb, project, renderer):
 
 @pytest.mark.parametrize("renderer", RENDERERS)
 def test_high_cameras(godot_xvfb, project, renderer):
-    """Instances are visible from high up, for orthogonal cameras, and for cameras that are not viewers."""
+    """Instances are visible to high cameras, to orthogonal cameras, and to cameras that are not viewers."""
     script = ENGINE / "test_high_cameras.gd"
     assert_passed(godot_xvfb([*RENDERERS[renderer], "--path", project, "--script", script], timeout=240))
 
@@ -333,7 +346,7 @@ script = ExtResource("2")
 
 
 def test_foliage_in_the_editor(godot_xvfb, tmp_path):
-    """Wind blows in the editor, without changing any material."""
+    """The editor shows wind without changing any material."""
     project = new_project(tmp_path)  # A separate project, because the editor reopens the scene on its next start.
     (project / "foliage_in_editor.gd").write_text((ENGINE / "foliage_in_editor.gd").read_text())
     (project / "foliage.tscn").write_text(FOLIAGE_SCENE)
@@ -346,7 +359,7 @@ def test_foliage_in_the_editor(godot_xvfb, tmp_path):
 
 
 def test_draw_cells(godot_xvfb, project):
-    """Checks the instances that are drawn of tiles with cells. The division into cells must be invisible in pictures."""
+    """Checks the instances that are drawn for tiles with cells. Pictures must not reveal the division into cells."""
     assert_passed(godot_xvfb(["--verbose", "--path", project, "--script", ENGINE / "test_draw_cells.gd"]))
 
 
@@ -368,20 +381,20 @@ def test_quitting_during_generation(godot, project, frames):
 
 
 def test_loading_in_the_background(godot, project):
-    """The main thread waits for loading threads. A setter that waited for the main thread would cause a deadlock."""
+    """The main thread waits for loading threads, so a setter that waited for the main thread would cause a deadlock."""
     done = godot(["--verbose", "--path", project, "--script", ENGINE / "background_load.gd"], timeout=60)
     assert_passed(done, loads_on_threads=True)
 
 
 @pytest.mark.parametrize("frames", [0, 2, 5, 10])
 def test_quitting_while_a_scene_loads(godot, project, frames):
-    """The engine waits for its loader on exit. The content of the request may leak, because no code has taken the scene."""
+    """The engine waits for its loader on exit. The loaded scene may leak, because no code has retrieved it."""
     done = godot(["--path", project, "--script", ENGINE / "quit_loading.gd", "--", str(frames)], timeout=60)
     assert done.returncode == 0 and "thicket quits while it loads" in done.stdout, done.stdout + done.stderr
 
 
 def test_demo(godot, core_tool, imported_demo, tmp_path):
-    """Streams the demo's forest and checks it. Then the core alone generates the same tiles, bit for bit."""
+    """Streams the demo's forest and checks it. Then the core alone must generate bit-identical tiles."""
     listed = tmp_path / "tiles.txt"
     script = ENGINE / "test_demo.gd"
     assert_passed(godot(["--verbose", "--path", imported_demo, "--script", script, "--", f"out={listed}"], timeout=600))
@@ -402,7 +415,7 @@ def test_demo(godot, core_tool, imported_demo, tmp_path):
 
 @pytest.mark.parametrize(("scene", "least"), [(SCENE, 10_000), (COLLIDER_SCENE, 5_000)], ids=["flat", "colliders"])
 def test_editor_shows_and_reloads(scene, least, godot, project):
-    """In the editor, a scene streams around the editor's camera, and continues after the extension is reloaded."""
+    """In the editor, tiles stream around the editor's camera, and continue to do so after the extension is reloaded."""
     (project / "in_editor.gd").write_text((ENGINE / "in_editor.gd").read_text())
     (project / "scene.tscn").write_text(scene)
     done = godot(["--editor", "--path", project, "scene.tscn", "--quit-after", "20000"], timeout=120)

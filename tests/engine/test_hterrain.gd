@@ -1,5 +1,5 @@
 extends "hterrain_harness.gd"
-## A copy of HTerrain's ground: its heights, holes and textures, without calls for single positions.
+## Tests HTerrain's ground: the library copies its heights, holes and textures instead of querying single positions.
 
 func test_heights() -> void:
 	for format: Image.Format in [Image.FORMAT_RF, Image.FORMAT_RH, Image.FORMAT_RGB8]:
@@ -90,7 +90,7 @@ func test_textures_of_splat_maps() -> void:
 
 func test_textures_by_index() -> void:
 	var node := make_hterrain()
-	node.get_data().add_map(CHANNEL_SPLAT, Image.FORMAT_RGBA8, Color(1.0, 0.0, 0.0, 0.0)) # HTerrain always has this map. It must be ignored.
+	node.get_data().add_map(CHANNEL_SPLAT, Image.FORMAT_RGBA8, Color(1.0, 0.0, 0.0, 0.0)) # HTerrain always has this map. The library must ignore it.
 	node.shader_type = "Array"
 	root.add_child(node)
 	var scatter := make_on(node)
@@ -111,13 +111,13 @@ func test_textures_by_index() -> void:
 	check_equal((await count_on(node, [3, 5, 12, 40])).size(), all, "all textures")
 
 
-## In a game HTerrain keeps textures of the maps that it loaded, and images of heights only.
+## In a game, HTerrain keeps an image of the heights only, and textures of all other maps.
 func test_maps_that_a_game_has_loaded() -> void:
 	var data := HTerrain18Data.new()
 	data.add_map(CHANNEL_COLOR, Image.FORMAT_RGBA8, Color.WHITE).fill_rect(Rect2i(20, 0, 10, 65), Color(1.0, 1.0, 1.0, 0.0))
 	data.add_map(CHANNEL_SPLAT, Image.FORMAT_RGBA8, Color(1.0, 0.0, 0.0, 0.0)).fill_rect(Rect2i(0, 0, 65, 33), Color(0.0, 1.0, 0.0, 0.0))
 	data.add_map(CHANNEL_SPLAT_INDEX, Image.FORMAT_RGB8, Color8(12, 5, 40)).fill_rect(Rect2i(0, 0, 33, 65), Color8(3, 3, 3))
-	data.add_map(CHANNEL_SPLAT_WEIGHT, Image.FORMAT_RGB8, Color8(255, 0, 0)) # PNG files store two channels like this.
+	data.add_map(CHANNEL_SPLAT_WEIGHT, Image.FORMAT_RGB8, Color8(255, 0, 0)) # PNG files store this two-channel map as RGB8.
 	var node := make_hterrain(data)
 	var expected: Array[Dictionary] = []
 	for loaded: bool in [false, true]:
@@ -162,7 +162,7 @@ func test_textures_are_read_only_once() -> void:
 		check_equal(count_in_hole.call(), 0, "moved %d times: instances in the hole" % step)
 	var closed := Image.create_empty(65, 65, false, Image.FORMAT_RGBA8)
 	closed.fill(Color.WHITE)
-	data.textures[CHANNEL_COLOR] = [HTerrainDataDouble.imported(closed)] # As HTerrainData.reload() does.
+	data.textures[CHANNEL_COLOR] = [HTerrainDataDouble.imported(closed)] # Replaces the texture as HTerrainData.reload() does.
 	data.map_changed.emit(CHANNEL_COLOR, 0)
 	await settle(scatter)
 	check(count_in_hole.call() > 50, "the hole is closed")
@@ -173,7 +173,7 @@ func test_maps_without_pixels_are_reported() -> void:
 	data.add_map(CHANNEL_COLOR, Image.FORMAT_RGBA8, Color.WHITE)
 	data.become_loaded()
 	var texture: Texture2D = data.textures[CHANNEL_COLOR][0]
-	data.textures[CHANNEL_COLOR] = [PlaceholderTexture2D.new()] # As in exports for servers.
+	data.textures[CHANNEL_COLOR] = [PlaceholderTexture2D.new()] # Dedicated server exports contain such placeholders.
 	var node := make_hterrain(data)
 	var scatter := make_on(node)
 	await settle(scatter)
@@ -221,3 +221,19 @@ func test_a_tilted_node_is_reported() -> void:
 	node.rotation = Vector3(0.0, 0.5, 0.0)
 	await settle(scatter)
 	check_equal(scatter.get_problems().size(), 0, "upright: %s" % [scatter.get_problems()])
+
+
+func test_layers_grow_on_its_surface() -> void:
+	var node := make_hterrain()
+	node.rotation.y = 0.5
+	var layer := make_layer()
+	layer.on_surfaces = true
+	var scatter := make_on(node, false, layer)
+	await settle(scatter)
+	check_equal(scatter.get_problems().size(), 0, "problems: %s" % scatter.get_problems())
+	var standing := all_transforms(scatter)
+	check(standing.size() > 1500, "%d instances" % standing.size())
+	for at in standing:
+		var height := scatter.ground.get_height(at.origin)
+		if not check(is_nan(height) or absf(height - at.origin.y) < 0.5, "an instance at %s, the ground at %f" % [at.origin, height]):
+			break

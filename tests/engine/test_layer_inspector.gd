@@ -1,5 +1,5 @@
 extends "harness.gd"
-## A layer in the inspector: order, groups and units of the properties, and hidden ones.
+## Tests a layer's properties in the inspector: their order, groups and units, and when they are hidden.
 
 
 func scene_of_a_node() -> PackedScene:
@@ -10,7 +10,7 @@ func scene_of_a_node() -> PackedScene:
 	return scene
 
 
-## Returns the properties that the inspector shows, in its order.
+## Returns the names of the properties that the inspector shows, in its order.
 func shown_properties(object: Object) -> PackedStringArray:
 	var result := PackedStringArray()
 	for property: Dictionary in object.get_property_list():
@@ -29,14 +29,14 @@ func test_important_properties_come_first() -> void:
 	check(first > own.find("scene") and first > own.find("view_distance"), "come last")
 
 
-## Properties that have no effect are hidden but stored, and shown once they have an effect or a value.
+## Properties without effect are hidden but stored. They appear once they have an effect or a value.
 func test_properties_without_effect_are_hidden() -> void:
 	var uses := {
 		"mesh_weights": ["meshes", [BoxMesh.new(), SphereMesh.new()] as Array[Mesh]],
 		"scale_curve": ["max_scale", 2.0], "noise_curve": ["noise", FastNoiseLite.new()],
 		"mask_texture_rect": ["mask_texture", GradientTexture2D.new()], "mask_texture_edge": ["mask_texture", GradientTexture2D.new()],
 		"mask_texture_channel": ["mask_texture", GradientTexture2D.new()], "clump_coverage": ["clump_size", 9.0],
-		"clump_softness": ["clump_size", 9.0], "proximity_distance": ["proximity_layer", "Oaks"],
+		"clump_softness": ["clump_size", 9.0], "surface_layers": ["on_surfaces", true], "proximity_distance": ["proximity_layer", "Oaks"],
 		"proximity_curve": ["proximity_layer", "Oaks"], "color_value": ["use_colors", true], "variation_value": ["use_custom_data", true],
 		"thin_begin": ["thin_density", 0.5], "thin_end": ["thin_density", 0.5], "thin_scale_up": ["thin_density", 0.5],
 		"collision_distance": ["collision_shape", ScatterLayer.COLLISION_BOX], "collision_layer": ["collision_shape", ScatterLayer.COLLISION_BOX],
@@ -61,7 +61,7 @@ func test_properties_without_effect_are_hidden() -> void:
 	check("scale_curve" in shown_properties(bare), "a property with a value is visible even if it has no effect")
 
 
-## The range of a source uses the source's unit.
+## The minimum and the maximum of a value source use the source's unit.
 func test_the_range_of_a_source_has_its_unit() -> void:
 	var units := {
 		ScatterValueSource.SOURCE_HEIGHT: "suffix:m", ScatterValueSource.SOURCE_SLOPE: "degrees", ScatterValueSource.SOURCE_NOISE: "0,1",
@@ -86,7 +86,7 @@ func test_the_range_of_a_source_has_its_unit() -> void:
 	check("noise" in shown_properties(value), "a property with a value is visible even if it has no effect")
 
 
-## Every property is in its group, and every number has a unit.
+## Properties are in the right groups, and angles, lengths and times have a unit.
 func test_groups_and_units() -> void:
 	var group := ""
 	var subgroup := ""
@@ -101,7 +101,7 @@ func test_groups_and_units() -> void:
 			subgroup = name
 			start = property["hint_string"]
 		elif property["usage"] & PROPERTY_USAGE_EDITOR:
-			if not name.begins_with(start) and not start.begins_with(name): # The inspector ends a subgroup by the same rule.
+			if not name.begins_with(start) and not start.begins_with(name): # The inspector uses the same rule to end a subgroup.
 				subgroup = ""
 			places[name] = group + "/" + subgroup
 			var hint: String = property["hint_string"]

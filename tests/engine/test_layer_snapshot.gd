@@ -1,12 +1,12 @@
 extends "collision_harness.gd"
-## Every property of a layer, changed alone, reaches the layer's snapshot and has an effect. A property that was not copied into the
-## snapshot, or that a comparison ignores, has no effect here. A property without a line in `changes` fails, too.
+## Tests that changing any single property of a layer affects its snapshot and has a visible effect. The test fails for properties that the
+## snapshot does not copy or that a comparison ignores, and for properties missing from `changes`.
 
 const OAKS := 0
 const FERNS := 1
 
-## Effects of a property: tiles are regenerated, tiles are drawn differently without being regenerated, different tiles are
-## visible, or bodies, scenes and the hits of rays change.
+## The effects that changing a property can have. The first three are: tiles are regenerated, tiles are redrawn without being regenerated,
+## or different tiles are visible. The remaining ones are changes of bodies, scenes, ray hits and regrowth.
 const MADE := "made"
 const REDRAWN := "redrawn"
 const TILES := "tiles"
@@ -15,9 +15,9 @@ const SCENES := "scenes"
 const HITS := "hits"
 const REGROWN := "regrown"
 
-## A new value for each property, different from that in `make_ferns`, and its effects.
+## For each property: a value that differs from the one in `make_ferns`, followed by the effects of the change.
 var changes := {
-	"radius": [2.5, MADE], "progressive_levels": [2, MADE], "layer_id": [77, MADE], "density": [0.5, MADE],
+	"radius": [2.5, MADE], "progressive_levels": [2, MADE], "layer_id": [77, MADE], "density": [0.5, MADE], "on_surfaces": [true, MADE],
 	"tile_size": [24.0, TILES], "view_distance": [70.0, TILES],
 	"min_height": [-5.0, MADE], "max_height": [50.0, MADE], "height_falloff": [2.0, MADE],
 	"density_over_height": [make_line(Vector2(-9, 0), Vector2(9, 1)), MADE],
@@ -41,7 +41,7 @@ var changes := {
 	"use_colors": [false, MADE], "use_custom_data": [false, MADE],
 	"color_value": [value_of(ScatterValueSource.SOURCE_HEIGHT, to_red()), MADE], "variation_value": [value_of(ScatterValueSource.SOURCE_RANK), MADE],
 	"thin_begin": [5.0, REDRAWN], "thin_end": [60.0, REDRAWN], "thin_density": [0.25, REDRAWN],
-	"thin_scale_up": [true, MADE], # The instances grow, and so do the bounding boxes of the tiles.
+	"thin_scale_up": [true, MADE], # Scaled-up instances also enlarge the bounding boxes of tiles.
 	"material_override": [StandardMaterial3D.new(), REDRAWN],
 	"cast_shadow": [GeometryInstance3D.SHADOW_CASTING_SETTING_OFF, REDRAWN],
 	"gi_mode": [GeometryInstance3D.GI_MODE_DYNAMIC, REDRAWN], "render_layers": [2, REDRAWN],
@@ -50,9 +50,10 @@ var changes := {
 	"instance_radius": [0.3, BODIES, HITS], "instance_height": [1.0, BODIES, HITS], "regrowth_time": [0.05, REGROWN],
 	"collision_shape": [ScatterLayer.COLLISION_BOX, BODIES], "collision_distance": [12.0, BODIES],
 	"collision_layer": [4, BODIES], "collision_mask": [8, BODIES], "physics_material": [slippery(), BODIES],
-	# Only used in place of resources that an export has stripped, see test_stripped.gd.
+	"surface_layers": [["Oaks"]], # Without on_surfaces, this property has no effect. See test_layers_on_models.gd.
+	# These properties are used only in place of resources that an export has stripped. See test_stripped.gd.
 	"convex_hulls": [[PackedVector3Array([Vector3.UP])]], "mask_texture_image": [Image.create_empty(2, 2, false, Image.FORMAT_R8)],
-	"affect_navigation_mesh": [false], # Only used when a navigation mesh is baked, see test_navigation.gd.
+	"affect_navigation_mesh": [false], # This property is used only when a navigation mesh is baked. See test_navigation.gd.
 	"scene": [scene_of(Marker3D.new()), SCENES], "scene_distance": [4.0, SCENES],
 }
 
@@ -70,7 +71,7 @@ func half_mask() -> ScatterMask:
 	return mask
 
 
-## Returns a picture with different channels, so that each is a different mask.
+## Returns a texture whose channels differ, so that each one is a different mask.
 func picture(color: Color) -> ImageTexture:
 	var image := Image.create_empty(2, 2, false, Image.FORMAT_RGB8)
 	image.fill(Color(1.0, 0.75, 0.5))
@@ -97,7 +98,7 @@ func scene_of(node: Node3D) -> PackedScene:
 	return scene
 
 
-## Returns a layer in which every property has an effect.
+## Returns a layer with rules, colors, LODs, bodies and scenes, so that the properties of all of these have an effect.
 func make_ferns() -> ScatterLayer:
 	var layer := make_layer(3.0)
 	layer.resource_name = "Ferns"
@@ -129,7 +130,7 @@ func make_ferns() -> ScatterLayer:
 	return layer
 
 
-## Returns the data of each body of the ferns.
+## Returns the ids, shapes, layers, masks and friction of all bodies, sorted.
 func body_data(scatter: TerrainScatter3D) -> Array:
 	var result := []
 	var found := bodies(scatter)
@@ -162,7 +163,7 @@ func seen(scatter: TerrainScatter3D) -> Dictionary:
 	}
 
 
-## Returns whether a removed instance regrows.
+## Removes an instance and returns whether it regrows within 0.2 s.
 func regrows(scatter: TerrainScatter3D) -> bool:
 	var id := 0
 	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[FERNS]):
@@ -216,7 +217,7 @@ func test_effects_of_every_property() -> void:
 		check(property in stored_properties(), "there is no property %s" % property)
 
 
-## A property that affects the placement does not redraw visible tiles.
+## Changing a placement property does not redraw tiles that are already visible.
 func test_placement_properties_redraw_nothing() -> void:
 	var ferns := make_ferns()
 	var scatter := make_solid([ferns])

@@ -1,11 +1,11 @@
 extends "harness.gd"
-## Baked navigation meshes leave out the instances in their area, loaded or not.
+## Tests that baked navigation meshes exclude the instances in their area, whether their tiles are loaded or not.
 
-const CELL := 0.125  ## Meters.
+const CELL := 0.125  ## The cell size and cell height in meters.
 const AGENT := 0.5   ## The agent's radius in meters.
-const TRUNK := 0.4   ## instance_radius.
-const SIDE := 48.0   ## Side of the ground in meters, centered at the origin.
-const ERROR := 0.2   ## Tolerance in meters for the simplified outline of a baked mesh and the corner of a cell.
+const TRUNK := 0.4   ## The layer's instance_radius in meters.
+const SIDE := 48.0   ## The side of the ground in meters. The ground is centered at the origin.
+const ERROR := 0.2   ## The tolerance in meters for the simplified outline of a baked mesh and the size of its cells.
 
 
 func solid_layer(radius := 5.0) -> ScatterLayer:
@@ -16,7 +16,7 @@ func solid_layer(radius := 5.0) -> ScatterLayer:
 	return layer
 
 
-## Returns a region with a flat ground below it, whose top is at height 0, and without a scatter.
+## Adds a region to the tree, with a flat ground whose top is at height 0.
 func make_region(side := SIDE) -> NavigationRegion3D:
 	var mesh := NavigationMesh.new()
 	mesh.cell_size = CELL
@@ -47,7 +47,7 @@ func make_floor(side: float) -> StaticBody3D:
 	return body
 
 
-## Adds a scatter below the region. Its viewer is far away, so nothing is loaded.
+## Adds a scatter as a child of the region. It ends up without a viewer, so no tiles are loaded.
 func plant(region: NavigationRegion3D, layers: Array[ScatterLayer]) -> TerrainScatter3D:
 	var scatter := make_scatter(layers, ScatterGroundFlat.new(), make_viewer(Vector3(1e5, 0, 0)))
 	scatter.reparent(region, false)
@@ -60,18 +60,21 @@ func bake(region: NavigationRegion3D) -> NavigationMesh:
 	return region.navigation_mesh
 
 
-## Returns the obstructions that a parse finds.
+## Returns the obstructions that parsing the region's source geometry finds.
 func obstructions(region: NavigationRegion3D) -> Array:
 	var data := NavigationMeshSourceGeometryData3D.new()
 	NavigationServer3D.parse_source_geometry_data(region.navigation_mesh, data, region)
 	return data.get_projected_obstructions()
 
 
-## Returns the distance in meters on the map from a position to the nearest polygon of a mesh; 0 on it.
-func clearance(mesh: NavigationMesh, at: Vector2) -> float:
+## Returns the distance on the map, in meters, from a position to the nearest polygon of a mesh. Returns 0 inside a polygon.
+## If `height` is not NAN, only polygons within a meter of that height count.
+func clearance(mesh: NavigationMesh, at: Vector2, height := NAN) -> float:
 	var least := INF
 	var vertices := mesh.get_vertices()
 	for index in mesh.get_polygon_count():
+		if absf(vertices[mesh.get_polygon(index)[0]].y - height) > 1.0:
+			continue
 		var outline := PackedVector2Array()
 		for corner in mesh.get_polygon(index):
 			outline.push_back(Vector2(vertices[corner].x, vertices[corner].z))
@@ -83,8 +86,8 @@ func clearance(mesh: NavigationMesh, at: Vector2) -> float:
 	return least
 
 
-## Checks that the area around every instance is free, by its radius plus the agent's and at most two cells more. Returns the
-## number of instances.
+## Checks that the mesh keeps a distance of the instance's radius plus the agent's radius from every instance, and at most about two cells
+## more. Skips instances near the border. Returns the number of instances that were checked.
 func check_left_out(mesh: NavigationMesh, found: ScatterInstances, context: String, radius := TRUNK, to_mesh := Transform3D.IDENTITY) -> int:
 	var seen := 0
 	for index in found.size():
@@ -119,6 +122,49 @@ func test_a_bake_leaves_out_every_trunk() -> void:
 	check(bake(region).get_vertices() == vertices, "loading makes no difference")
 	scatter.visible = false
 	check(bake(region).get_vertices() == vertices, "neither does visibility")
+
+
+## An instance blocks only the level on which it is placed.
+func test_levels_of_a_layer_on_surfaces() -> void:
+	const UPPER := 6.0
+	var region := make_region()
+	var upper := make_floor(SIDE)
+	upper.position.y += UPPER
+	region.add_child(upper)
+	for body in region.get_children():
+		body.add_to_group(&"levels")
+	var ground := ScatterGroundMeshes.new()
+	ground.group = &"levels"
+	var layer := solid_layer()
+	layer.on_surfaces = true
+	layer.instance_height = 1.0
+	var scatter := plant(region, [layer])
+	scatter.ground = ground
+	await frames(10)
+	var mesh := bake(region)
+	var found := scatter.query_rect(within())
+	var blocked := {0.0: 0, UPPER: 0}
+	var open := {0.0: 0, UPPER: 0}
+	for index in found.size():
+		var at := on_map(found.get_transform(index))
+		if maxf(absf(at.x), absf(at.y)) > SIDE * 0.5 - 2.5:
+			continue
+		var own := snappedf(found.get_position(index).y, UPPER)
+		var other := UPPER - own
+		blocked[own] += int(clearance(mesh, at, own) > TRUNK + AGENT - ERROR)
+		open[other] += int(clearance(mesh, at, other) == 0.0)
+	for height: float in blocked:
+		check(blocked[height] > 30, "at %.0f m, %d instances block the level they stand on" % [height, blocked[height]])
+		check(open[height] > 20, "at %.0f m, the level is open at %d places where an instance stands on the other one" % [height, open[height]])
+	check_equal(blocked[0.0] + blocked[UPPER], checked(found), "every instance blocks its level")
+
+
+func checked(found: ScatterInstances) -> int:
+	var count := 0
+	for index in found.size():
+		var at := on_map(found.get_transform(index))
+		count += int(maxf(absf(at.x), absf(at.y)) <= SIDE * 0.5 - 2.5)
+	return count
 
 
 func test_a_stem_thinner_than_a_cell_is_left_out() -> void:
@@ -171,12 +217,13 @@ func test_scale_tilt_and_height() -> void:
 	var region := make_region()
 	var scatter := plant(region, [layer])
 	scatter.add_instance(scatter.layers[0], Transform3D(Basis.from_scale(Vector3(4, 1, 4)), Vector3(-12, 0, 0)))
-	# It leans towards x: one meter per meter of height.
+	# This instance leans toward x by 45 degrees.
 	scatter.add_instance(scatter.layers[0], Transform3D(Basis(Vector3.BACK, -PI / 4), Vector3(0, 0, 0)))
 	scatter.add_instance(scatter.layers[0], Transform3D(Basis.from_scale(Vector3.ONE * 0.5), Vector3(12, 0, 0)))
-	scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(0, 3, 12)))   # High enough for an agent below,
-	scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(0, -12, -12))) # deep enough for an agent above,
-	scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(12, 1, 12)))  # and in an agent's way.
+	# This instance is above the agents' height.
+	scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(0, 3, 12)))
+	scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(0, -12, -12))) # This instance ends below the agents.
+	scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(12, 1, 12)))  # This instance obstructs agents.
 	var mesh := bake(region)
 	var wide := clearance(mesh, Vector2(-12, 0))
 	check(absf(wide - (4 * TRUNK + AGENT)) < 2 * CELL + ERROR, "scaled: %.3f m" % wide)
@@ -190,7 +237,7 @@ func test_scale_tilt_and_height() -> void:
 	check(clearance(mesh, Vector2(12, 12)) > TRUNK, "an obstacle at head height")
 
 
-## An extreme scale is a mistake, at any position and any number of times.
+## Instances with an extreme scale are ignored and reported, wherever they are and however many there are.
 func test_giant_instances_are_ignored() -> void:
 	var region := make_region()
 	var scatter := plant(region, [solid_layer()])
@@ -204,7 +251,7 @@ func test_giant_instances_are_ignored() -> void:
 	scatter.add_instance(scatter.layers[0], Transform3D(giant, Vector3(50000, 0, 0)))
 	check(obstructions(region).size() == expected, "also with two giants")
 	check_error(["%d and 1 more of layer 0" % first], "two giants")
-	# An instance as large as a rock counts, even if it reaches into the bake from far outside.
+	# An instance as large as a rock is not ignored, even if it reaches into the baked area from far outside.
 	scatter.remove_instances(scatter.state.get_added())
 	scatter.state.clear()
 	check(obstructions(region).size() == expected, "as before")
@@ -347,7 +394,7 @@ func test_nodes_are_added_and_removed_between_bakes() -> void:
 	check(clearance(bake(region), Vector2.ZERO) == 0.0, "nothing is in the way")
 
 
-## A ground that removes its node from the tree and frees it while it is queried.
+## A ground that removes a node from the tree and frees it during a query.
 class FreeingGround extends ScatterGround:
 	var node: TerrainScatter3D
 	var armed := false

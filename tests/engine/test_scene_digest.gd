@@ -1,14 +1,14 @@
 extends "harness.gd"
-## The digest of a scene, by which a bake notices changes: it depends on all properties that affect instances, and on no others.
+## Tests a scene's digest, which a bake uses to detect changes. It depends on all properties that affect instances, and on no others.
 
 const SceneDigest := preload("res://addons/thicket/baking/scene_digest.gd")
 
 const RECT := Rect2(-32.0, -32.0, 64.0, 64.0)
-## Stored properties of every resource.
+## Properties that all resources store.
 const OF_RESOURCES: Array[StringName] = [&"script", &"resource_name", &"resource_path", &"resource_local_to_scene", &"resource_scene_unique_id"]
-## Changed values for properties that need a specific one.
+## New values for properties for which `other_value` cannot derive a valid one.
 const CHANGED: Dictionary[StringName, Variant] = {
-	&"layer_id": 5, &"meshes": [], &"spacing": {"Other": 1.0}, &"proximity_layer": "Other",
+	&"layer_id": 5, &"meshes": [], &"spacing": {"Other": 1.0}, &"proximity_layer": "Other", &"surface_layers": ["Other"],
 	&"ground_textures": [1], &"mesh_weights": [2.0],
 	&"draw_cell_size": 16.0, &"max_scale": 1.5, &"min_scale": 0.5, &"progressive_levels": 2, &"radius": 3.0, &"density": 0.5,
 }
@@ -18,7 +18,7 @@ func layer_part(scatter: TerrainScatter3D) -> String:
 	return SceneDigest.parts_of(scatter, RECT)["layer 0 ()"]
 
 
-## Returns a valid value of a property that differs from its current one.
+## Returns a valid value for a property that differs from its current value.
 func other_value(layer: ScatterLayer, property: Dictionary) -> Variant:
 	var value: Variant = layer.get(property.name)
 	if CHANGED.has(property.name):
@@ -52,8 +52,8 @@ func stored_properties(layer: ScatterLayer) -> Array[Dictionary]:
 		return property.usage & PROPERTY_USAGE_STORAGE and not property.name in OF_RESOURCES)
 
 
-## Checks each property alone: the digest changes exactly if the layer reports that the property affects placement. If it does not, the
-## rows of a tile stay bit-identical.
+## Changes each property alone. The digest must change if and only if affects_placement returns true for the property. If affects_placement
+## returns false, the rows of a tile must remain bit-identical.
 func test_properties_that_affect_placement_change_the_digest() -> void:
 	var layer := make_layer()
 	layer.thin_end = 100.0
@@ -79,7 +79,7 @@ func test_properties_that_affect_placement_change_the_digest() -> void:
 	check(layer.affects_placement(&"of_a_script"), "unknown properties count")
 
 
-## Checks that geometry properties have counterparts in the engine, of the same type, and only affect drawing.
+## Geometry properties have counterparts in the engine with the same type and default, and only affect drawing.
 func test_geometry_properties_match_the_engine() -> void:
 	var layer := make_layer()
 	var instance := MultiMeshInstance3D.new()

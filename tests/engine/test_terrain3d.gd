@@ -1,5 +1,5 @@
 extends "terrain3d_harness.gd"
-## A copy of Terrain3D's ground: its heights, holes, normals and textures, without calls for single positions.
+## Tests Terrain3D's ground: the library copies its heights, holes, normals and textures instead of querying single positions.
 
 func test_heights_holes_and_normals() -> void:
 	for spacing: float in [1.0, 2.5, 0.5]:
@@ -115,7 +115,7 @@ func test_without_the_auto_shader() -> void:
 	check(all_transforms(scatter).size() > 100, "with it, level ground has texture 1")
 
 
-## A server must find the same instances as its clients.
+## Without a renderer, as on a server, the auto shader must produce the same instances.
 func test_the_auto_shader_without_a_renderer() -> void:
 	var found: Array[Dictionary] = []
 	for with_renderer: bool in [true, false]:
@@ -214,3 +214,53 @@ class WrongTerrain3D extends Node3D:
 	func _notification(what: int) -> void:
 		if what == NOTIFICATION_PREDELETE:
 			data.free()
+
+
+func test_layers_grow_on_all_levels_of_a_terrain_and_a_bridge() -> void:
+	var node := make_terrain3d()
+	node.data.set_control(Vector3(20.5, 0.0, 7.5), HOLE)
+	var layer := make_layer()
+	layer.on_surfaces = true
+	var scatter := make_on(node, false, layer)
+	await settle(scatter)
+	check_equal(scatter.get_problems().size(), 0, "problems: %s" % scatter.get_problems())
+	var alone := all_transforms(scatter)
+	check(alone.size() > 1500, "%d instances" % alone.size())
+	check_equal(count_off_mesh(alone, node), 0, "instances off the mesh that is drawn")
+	var bridge := MeshInstance3D.new()
+	var plane := PlaneMesh.new()
+	plane.size = Vector2(30.0, 20.0)
+	bridge.mesh = plane
+	bridge.position.y = 90.0
+	bridge.add_to_group(&"bridge")
+	root.add_child(bridge)
+	var bridges := ScatterGroundMeshes.new()
+	bridges.group = &"bridge"
+	var combined := ScatterGroundCombined.new()
+	combined.grounds = [bridges, scatter.ground]
+	scatter.ground = combined
+	await settle(scatter)
+	var together := all_transforms(scatter)
+	var above := together.filter(func(at: Transform3D) -> bool: return absf(at.origin.y - 90.0) < 1e-3)
+	check(above.size() > 60, "%d instances on the bridge" % above.size())
+	check_equal(together.size() - above.size(), alone.size(), "the terrain below it keeps its instances")
+	layer.on_surfaces = false
+	await settle(scatter)
+	for at in all_transforms(scatter):
+		var below := absf(at.origin.x) < 15.0 and absf(at.origin.z) < 10.0
+		if not check(not below or absf(at.origin.y - 90.0) < 1e-3, "the top layer grows on the bridge: %s" % at.origin):
+			break
+
+
+## Returns the number of instances that are not between the heights of the posts around them, or that are in a hole.
+func count_off_mesh(standing: Array[Transform3D], node: Terrain3DDouble) -> int:
+	var wrong := 0
+	for at in standing:
+		var corner := Vector3(floorf(at.origin.x), 0.0, floorf(at.origin.z)) + Vector3(1e-3, 0.0, 1e-3)
+		var heights: Array[float] = []
+		for index in 4:
+			heights.push_back(node.data.get_pixel(HEIGHT, corner + Vector3(index % 2, 0.0, floori(index / 2.0))))
+		var low: float = heights.min()
+		var high: float = heights.max()
+		wrong += int(node.data.is_open(corner) or at.origin.y < low - 0.01 or at.origin.y > high + 0.01)
+	return wrong

@@ -1,10 +1,10 @@
 extends RefCounted
-## Writes the tiles that a scatter shows to a file. build/.../analysis/tile_digests generates them again without the engine.
+## Writes the tiles that a scatter shows to a file. build/.../analysis/tile_digests regenerates them without the engine.
 
 var _lines: PackedStringArray
 
 
-## Writes a number as its bits, because an exact decimal would be long.
+## Returns a number's bits as an integer, because an exact decimal would be long.
 func _exact(value: float) -> String:
 	var bytes := PackedByteArray()
 	bytes.resize(8)
@@ -25,7 +25,7 @@ func add_terrain(terrain: ScatterGround) -> void:
 func add_layer(index: int, scatter_seed: int, layer: ScatterLayer) -> void:
 	var numbers := [layer.radius, layer.density, layer.min_slope_degrees, layer.max_slope_degrees, layer.slope_falloff_degrees,
 			layer.min_height, layer.max_height, layer.height_falloff, layer.min_yaw_degrees, layer.max_yaw_degrees, layer.min_scale,
-			layer.max_scale, layer.align_to_normal, layer.height_offset]
+			layer.max_scale, layer.align_to_normal, layer.height_offset, layer.clump_size, layer.clump_coverage, layer.clump_softness]
 	for mesh in layer.meshes.size():
 		numbers.push_back(layer.mesh_weights[mesh] if mesh < layer.mesh_weights.size() else 1.0)
 	_lines.push_back("layer %d %d %d %d %s" % [index, scatter_seed, layer.progressive_levels,

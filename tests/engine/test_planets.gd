@@ -1,0 +1,300 @@
+extends "collision_harness.gd"
+## Tests a planet: even density from pole to pole, upright instances, tiles only on the viewer's side, queries, removals, bodies, altitudes,
+## moved planets and invalid settings.
+
+const PLANET := 2000.0
+const SPACING := 2.0
+const DENSITY := 0.547 / (PI * 0.25 * SPACING * SPACING) ## The number of points per square meter of surface.
+const PLACES := [90.0, 75.0, 60.0, 45.0, 30.0, 15.0, 5.0, 0.0, -20.0, -45.0, -70.0, -90.0] ## Degrees of latitude.
+
+
+## Adds a sphere of ground. The distance of its flat facets from the sphere is less than a hundredth of the radius.
+func put_planet(planet_radius: float, center := Vector3.ZERO, segments := 256) -> MeshInstance3D:
+	var mesh := SphereMesh.new()
+	mesh.radius = planet_radius
+	mesh.height = 2.0 * planet_radius
+	mesh.radial_segments = segments
+	@warning_ignore("integer_division")
+	mesh.rings = segments / 2
+	var instance := MeshInstance3D.new()
+	instance.mesh = mesh
+	instance.position = center
+	instance.add_to_group(&"ground")
+	root.add_child(instance)
+	return instance
+
+
+func make_ground(planet_radius: float, center := Vector3.ZERO) -> ScatterGroundMeshes:
+	var ground := ScatterGroundMeshes.new()
+	ground.group = &"ground"
+	ground.planet_radius = planet_radius
+	ground.planet_center = center
+	return ground
+
+
+func make_grower(spacing := SPACING) -> ScatterLayer:
+	var layer := make_layer(spacing)
+	layer.on_surfaces = true
+	layer.tile_size = 64.0
+	layer.view_distance = 100.0
+	return layer
+
+
+func direction(latitude: float) -> Vector3:
+	return Vector3(cos(deg_to_rad(latitude)), sin(deg_to_rad(latitude)), 0.0).rotated(Vector3.UP, 0.3)
+
+
+func clean() -> void:
+	for node in get_nodes_in_group(&"ground"):
+		node.free()
+	await super()
+
+
+## Returns the transforms within `reach` meters of a position.
+func near(standing: Dictionary[int, Transform3D], at: Vector3, reach: float) -> Dictionary[int, Transform3D]:
+	var result: Dictionary[int, Transform3D] = {}
+	for id in standing:
+		if standing[id].origin.distance_to(at) < reach:
+			result[id] = standing[id]
+	return result
+
+
+func test_a_walk_around_a_planet() -> void:
+	put_planet(PLANET)
+	viewer = make_viewer(direction(90.0) * (PLANET + 2.0))
+	var scatter := make_scatter([make_grower()], make_ground(PLANET), viewer)
+	check_equal(scatter.get_problems().size(), 0, "problems: %s" % scatter.get_problems())
+	var all: Array[int] = []
+	var mean := 0.0
+	for latitude: float in PLACES:
+		var foot := direction(latitude) * PLANET
+		viewer.global_position = foot + direction(latitude) * 2.0
+		var before := Time.get_ticks_msec()
+		await settle(scatter)
+		var msec := Time.get_ticks_msec() - before
+		var standing := instances(scatter, 0)
+		var here := near(standing, foot, 50.0)
+		var off := 0.0
+		for id in here:
+			off = maxf(off, here[id].basis.y.angle_to(here[id].origin))
+		var share := here.size() / (DENSITY * PI * 50.0 * 50.0)
+		print("latitude %4.0f: %d of %d within 50 m (%.3f of a plane), off radial %.4f degrees, %d tiles, %d ms" % [
+			latitude, here.size(), standing.size(), share, rad_to_deg(off), scatter.get_stats().tiles, msec])
+		check(absf(share - 1.0) < 0.02, "latitude %.0f: the density is that of a plane, got %.3f of it" % [latitude, share])
+		check(rad_to_deg(off) < 0.001, "latitude %.0f: instances are upright, got %.4f degrees" % [latitude, rad_to_deg(off)])
+		# A disc with a radius of 100 m, plus the tiles at its border.
+		check(standing.size() < 3.0 * DENSITY * PI * 100.0 * 100.0, "latitude %.0f: no far side, got %d instances" % [latitude, standing.size()])
+		# On a plane, 17 tiles of 64 m touch a disc with a radius of 108 m, on average.
+		check(scatter.get_stats().tiles < 17 * 2.5, "latitude %.0f: not many more tiles than on a plane: %d" % [latitude, scatter.get_stats().tiles])
+		mean += share / PLACES.size()
+		all.push_back(standing.size())
+	check(absf(mean - 1.0) < 0.01, "the mean density is that of a plane, got %.4f of it" % mean)
+	check(all.max() < 1.6 * all.min(), "every place costs about the same, got %s instances" % [all])
+	check_equal(scatter.get_stats()["waiting"], 0, "nothing is left to do")
+
+
+func test_queries_felling_and_bodies_are_near_the_walker() -> void:
+	put_planet(PLANET)
+	var layer := make_grower(4.0)
+	layer.collision_shape = ScatterLayer.COLLISION_CYLINDER
+	layer.collision_distance = DISTANCE
+	layer.instance_radius = 0.5
+	layer.instance_height = 3.0
+	viewer = make_viewer()
+	var scatter := make_scatter([layer], make_ground(PLANET), viewer)
+	scatter.state = ScatterState.new()
+	for latitude: float in [0.0, -90.0, 45.0]:
+		var foot := direction(latitude) * PLANET
+		viewer.global_position = foot + direction(latitude) * 2.0
+		await settle(scatter)
+		var expected := near(instances(scatter, 0), foot, 30.0)
+		var found := scatter.query_sphere(foot, 30.0)
+		check_equal(found.ids.size(), expected.size(), "latitude %.0f: a sphere finds the same" % latitude)
+		check(Array(found.ids).all(func(found_id: int) -> bool: return expected.has(found_id)), "latitude %.0f: with the same ids" % latitude)
+		await frames(10)
+		await physics_frame
+		var solid := bodies(scatter, foot)
+		var close := near(instances(scatter, 0), viewer.global_position, DISTANCE)
+		check(close.size() > 30 and close.keys().all(func(close_id: int) -> bool: return solid.has(close_id)), "latitude %.0f: %d bodies for %d near instances" % [
+			latitude, solid.size(), close.size()])
+		var id: int = close.keys()[0]
+		var up := close[id].origin.normalized()
+		var side := up.cross(Vector3(0.3, 0.2, 0.9)).normalized()
+		var hit := cast(close[id].origin + 2.0 * up + 3.0 * side, close[id].origin + 2.0 * up)
+		check(not hit.is_empty() and scatter.get_body_instance(hit["rid"]) == id, "latitude %.0f: the body stands along up" % latitude)
+		var ray := scatter.query_ray(close[id].origin + 10.0 * up, close[id].origin)
+		check(ray != null and ray.id == id, "latitude %.0f: a ray from above meets the instance" % latitude)
+		var nearest := scatter.query_nearest(close[id].origin + 0.1 * up, 10.0)
+		check(nearest != null and nearest.id == id, "latitude %.0f: it is the nearest instance" % latitude)
+		check(scatter.remove_instance(id), "latitude %.0f: it is felled" % latitude)
+		await settle(scatter)
+		check(not instances(scatter, 0).has(id), "latitude %.0f: it is gone" % latitude)
+		var answer := scatter.explain_position(foot + up)[0]
+		check(answer.standing or not str(answer.reason).is_empty(), "latitude %.0f: the place is explained" % latitude)
+
+
+func test_altitudes_slopes_and_offsets() -> void:
+	put_planet(80.0, Vector3(500.0, 20.0, -300.0), 128)
+	put_planet(90.0, Vector3(500.0, 20.0, -300.0), 128)
+	var center := Vector3(500.0, 20.0, -300.0)
+	var layer := make_grower()
+	layer.tile_size = 32.0
+	layer.view_distance = 300.0
+	layer.max_slope_degrees = 10.0
+	layer.height_offset = -0.5
+	viewer = make_viewer(center)
+	var scatter := make_scatter([layer], make_ground(80.0, center), viewer)
+	await settle(scatter)
+	var both := instances(scatter, 0).size()
+	layer.min_height = 5.0
+	await settle(scatter)
+	var standing := instances(scatter, 0)
+	var expected := DENSITY * 4.0 * PI * 90.0 * 90.0
+	check(absf(standing.size() - expected) < 0.02 * expected, "the outer sphere alone: %d, expected about %d" % [standing.size(), expected])
+	check(absf(both - standing.size() - expected * 64.0 / 81.0) < 0.02 * expected, "together with the inner one: %d" % both)
+	var bad := standing.values().filter(func(at: Transform3D) -> bool: return absf(at.origin.distance_to(center) - 89.5) > 0.15)
+	check_equal(bad.size(), 0, "all are sunk by half a meter")
+	layer.min_slope_degrees = 9.0
+	await settle(scatter)
+	check_equal(instances(scatter, 0).size(), 0, "nothing is steep")
+
+
+func test_a_planet_that_is_set_later() -> void:
+	put_planet(100.0, Vector3.ZERO, 128)
+	var layer := make_grower()
+	layer.tile_size = 16.0
+	layer.view_distance = 60.0
+	var ground := make_ground(0.0)
+	viewer = make_viewer(Vector3(101.0, 0.0, 0.0))
+	var scatter := make_scatter([layer], ground, viewer)
+	await settle(scatter)
+	var id: int = near(instances(scatter, 0), Vector3(100.0, 0.0, 0.0), 5.0).keys()[0]
+	check(instances(scatter, 0)[id].basis.y.angle_to(Vector3.UP) < 1e-4, "without a planet, up is world y")
+	ground.planet_radius = 100.0
+	await settle(scatter)
+	check(instances(scatter, 0)[id].basis.y.angle_to(Vector3.RIGHT) < 0.06, "the same instance points away from the center now")
+	var tile := scatter.get_tile(layer, Vector2i(6, 0))
+	check(tile.get_ids(0).size() > 100, "a tile has all cubes of its column")
+	check_equal(tile.get_buffer(0).size(), 12 * tile.get_ids(0).size(), "and a transform for each")
+	check(tile.get_multimeshes(0).size() > 1, "which several multimeshes draw")
+	var moon := put_planet(8.0, Vector3(135.0, 0.0, 0.0), 32)
+	await until(func() -> bool: return near(instances(scatter, 0), moon.position, 9.0).size() > 20, "a moon far above the ground has plants")
+	await settle(scatter)
+	var on_moon := near(instances(scatter, 0), moon.position, 9.0)
+	check(on_moon.values().all(func(at: Transform3D) -> bool: return at.basis.y.angle_to(at.origin) < 1e-3), "which point away from the planet")
+	moon.free()
+	await until(func() -> bool: return near(instances(scatter, 0), Vector3(135.0, 0.0, 0.0), 9.0).is_empty(), "the moon is gone")
+	ground.planet_radius = 0.0
+	await settle(scatter)
+	check(instances(scatter, 0)[id].basis.y.angle_to(Vector3.UP) < 1e-4, "up is world y again")
+
+
+## Returns the largest angle between the up axes of instances and the directions away from a center, in degrees.
+func off_radial(standing: Dictionary[int, Transform3D], center: Vector3) -> float:
+	var off := 0.0
+	for id in standing:
+		off = maxf(off, standing[id].basis.y.angle_to(standing[id].origin - center))
+	return rad_to_deg(off)
+
+
+func test_a_planet_that_spins_and_a_world_that_is_recentered() -> void:
+	var spinner := Node3D.new()
+	spinner.position = Vector3(500.0, 30.0, 0.0)
+	root.add_child(spinner)
+	var planet := put_planet(100.0, Vector3.ZERO, 128)
+	planet.reparent(spinner, false)
+	var layer := make_grower()
+	layer.tile_size = 16.0
+	layer.view_distance = 50.0
+	viewer = make_viewer(spinner.position + Vector3(0.0, -101.0, 0.0))
+	var scatter := make_scatter([layer], make_ground(100.0), viewer)
+	scatter.reparent(spinner, false)
+	scatter.local_coords = true
+	scatter.viewers = [scatter.get_path_to(viewer)]
+	for turn: float in [0.0, 1.0, PI]:
+		spinner.rotation.z = turn
+		await settle(scatter)
+		var found := scatter.query_sphere(viewer.position, 40.0)
+		var below: Dictionary[int, Transform3D] = {}
+		for index in found.size():
+			below[found.get_id(index)] = found.get_transform(index)
+		check(below.size() > 500, "turned by %.1f: %d instances near the viewer" % [turn, below.size()])
+		check(off_radial(below, spinner.position) < 0.01, "turned by %.1f: upright, got %.4f degrees" % [turn, off_radial(below, spinner.position)])
+	scatter.free()
+	spinner.free()
+	planet = put_planet(100.0, Vector3.ZERO, 128)
+	viewer.position = Vector3(0.0, 0.0, 101.0)
+	scatter = make_scatter([layer], make_ground(100.0), viewer)
+	await settle(scatter)
+	var before := near(instances(scatter, 0), Vector3(0.0, 0.0, 100.0), 20.0)
+	var shift := Vector3(3000.0, -200.0, 700.0)
+	planet.position -= shift
+	viewer.position -= shift
+	scatter.world_offset = shift
+	await settle(scatter)
+	var after := near(instances(scatter, 0), Vector3(0.0, 0.0, 100.0) - shift, 20.0)
+	check(before.size() > 200 and before.keys().all(func(id: int) -> bool: return after.has(id)), "the same instances: %d, %d" % [before.size(), after.size()])
+	check(off_radial(after, -shift) < 0.01, "still upright, got %.4f degrees" % off_radial(after, -shift))
+
+
+func test_moss_grows_on_pillars_all_around() -> void:
+	put_planet(100.0, Vector3.ZERO, 128)
+	var pillars := make_grower(30.0)
+	pillars.resource_name = "Pillars"
+	var box := BoxMesh.new()
+	box.size = Vector3(4.0, 60.0, 4.0)
+	pillars.meshes = [box]
+	var moss := make_grower(1.0)
+	moss.surface_layers = ["Pillars"]
+	moss.max_slope_degrees = 20.0
+	for layer: ScatterLayer in [pillars, moss]:
+		layer.tile_size = 32.0
+		layer.view_distance = 60.0
+	viewer = make_viewer()
+	var scatter := make_scatter([pillars, moss], make_ground(100.0), viewer)
+	for latitude: float in [90.0, 0.0, -90.0]:
+		viewer.global_position = direction(latitude) * 120.0
+		await settle(scatter)
+		var grown := instances(scatter, 1)
+		check(grown.size() > 50, "latitude %.0f: %d tufts of moss" % [latitude, grown.size()])
+		var low := grown.values().filter(func(at: Transform3D) -> bool: return absf(at.origin.length() - 130.0) > 0.5)
+		check_equal(low.size(), 0, "latitude %.0f: the moss is on the ends of the pillars" % latitude)
+
+
+func test_problems_and_bad_settings() -> void:
+	put_planet(100.0, Vector3.ZERO, 64)
+	var ground := make_ground(100.0)
+	for bad: float in [-1.0, NAN, INF, 1e9]:
+		ground.planet_radius = bad
+		check_error(["planet_radius", "ScatterGroundMeshes"], "a radius of %s" % bad)
+	ground.planet_center = Vector3(0.0, NAN, 0.0)
+	check_error(["planet_center.y"], "a center that is not finite")
+	check_equal(ground.planet_radius, 100.0, "the radius")
+	check_equal(ground.planet_center, Vector3.ZERO, "the center")
+	var layer := make_grower()
+	layer.tile_size = 16.0
+	layer.view_distance = 300.0
+	var flat := make_layer()
+	viewer = make_viewer(Vector3(0.0, 101.0, 0.0))
+	var scatter := make_scatter([layer, flat], ground, viewer)
+	await settle(scatter)
+	var problems := "\n".join(scatter.get_problems())
+	check("16 x tile_size" in problems and "got 300.0 m" in problems, "the view distance is too long: %s" % problems)
+	check("without on_surfaces, planet_radius has no effect" in problems, "a layer that is not on surfaces: %s" % problems)
+	var other := make_ground(50.0, Vector3(0.0, 3.0, 0.0))
+	var combined := ScatterGroundCombined.new()
+	combined.grounds = [ground, other]
+	scatter.ground = combined
+	scatter.layers = [layer]
+	layer.view_distance = 100.0
+	await settle(scatter)
+	problems = "\n".join(scatter.get_problems())
+	check("different planet_radius" in problems, "two planets in one ground: %s" % problems)
+	other.planet_radius = 0.0
+	check_equal(scatter.get_problems().size(), 0, "one planet: %s" % scatter.get_problems())
+	await settle(scatter)
+	var off := 0.0
+	var standing := instances(scatter, 0)
+	for id in standing:
+		off = maxf(off, standing[id].basis.y.angle_to(standing[id].origin))
+	check(standing.size() > 500 and off < 1e-4, "the planet of a part counts: %d instances, %f off" % [standing.size(), off])
