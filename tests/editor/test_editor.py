@@ -1,4 +1,4 @@
-"""The editor's tools: a designer's steps in the real editor, drawn in software, with pictures in build/editor."""
+"""Tests the editor's tools with a designer's steps in the real editor, with software rendering and pictures in build/editor."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from helpers.editor_project import DEMO, PASSED, PICTURES, add_steps, check_pass
 from helpers.engine_output import complaints
 from PIL import Image
 
-# Where the editor's camera stands when the demo scene is opened for the first time: 45 m from the place that
-# demo_scene.gd calls LOOKED_AT, on the ground there.
+# The editor's camera when the demo scene is opened for the first time: 45 m from the ground at the position LOOKED_AT
+# of demo_scene.gd.
 VIEW = """[editor_states]
 
 3D={
@@ -32,7 +32,7 @@ GROUND = 564.0
 
 
 def new_demo_project(folder: Path) -> Path:
-    """A copy of the demo project, with the plugin that works as a designer would. All files are saved in the copy."""
+    """Copies the demo project and adds the plugin that works as a designer would. All files are saved in the copy."""
     skipped = shutil.ignore_patterns(".godot", "bin", "pictures", "project.godot")
     shutil.copytree(DEMO, folder, dirs_exist_ok=True, ignore=skipped)
     (folder / "addons/thicket/bin").symlink_to(DEMO / "addons/thicket/bin")
@@ -55,7 +55,7 @@ def project(tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def imported(godot, project) -> Path:
-    """The project after the editor has imported its files. Pictures of earlier runs are deleted."""
+    """Returns the project after the editor has imported its files. Deletes pictures of earlier runs."""
     done = godot(["--path", project, "--import"], timeout=120)
     assert not complaints(done.stdout + done.stderr)
     for old in PICTURES.glob("*.png"):
@@ -65,14 +65,14 @@ def imported(godot, project) -> Path:
 
 @pytest.fixture(scope="module")
 def designer(godot_xvfb, imported, project) -> str:
-    """The output while a designer works on the demo scene."""
+    """Returns the editor's output from a designer's work on the demo scene."""
     done = godot_xvfb(["--editor", "--path", project, "--", "demo_scene"], timeout=900)
     return done.stdout + done.stderr
 
 
 def test_a_designers_first_hour(designer):
-    """Creates a node and a layer, paints, undoes, redoes, saves, reopens, uses presets and shapes, and bakes. The checks are in
-    demo_scene.gd."""
+    """Checks a designer's first hour: creates a node and a layer, paints, undoes, redoes, saves, reopens, uses presets
+    and shapes, and bakes. The checks are in demo_scene.gd."""
     check_passed(designer)
 
 
@@ -83,7 +83,8 @@ def plain_project(tmp_path) -> Path:
 
 @pytest.mark.parametrize("script", ["test_bake", "test_scene_files"])
 def test_scripts_of_the_editor(godot, plain_project, script):
-    """Covers the result of a bake, a canceled bake, a refused bake, the brush's ray on the ground, and unwritable files."""
+    """Runs checks of bakes, of canceled and refused bakes, of the brush's ray on the ground, and of unwritable
+    files."""
     link_library(plain_project)
     done = godot(["--verbose", "--path", plain_project, "--script", REPO / f"tests/engine/{script}.gd"], timeout=120)
     printed = done.stdout + done.stderr
@@ -93,22 +94,23 @@ def test_scripts_of_the_editor(godot, plain_project, script):
 
 @pytest.fixture
 def editor_project(plain_project) -> Path:
-    """The plain project with the library and the scripts of the editor tests, and without expensive scenes."""
+    """Returns a plain project with the library and the scripts of the editor tests, without expensive scenes."""
     link_library(plain_project)
     add_steps(plain_project)
     return plain_project
 
 
-@pytest.mark.parametrize("script", ["impostors", "imports", "whole_files"])
+@pytest.mark.parametrize("script", ["impostors", "imports", "whole_files", "heightmap_summary"])
 def test_small_scenes(godot, godot_xvfb, editor_project, script):
-    """Covers impostors from one click, imports of instances, and replaced files. The checks are in these scripts."""
-    run = godot_xvfb if script == "imports" else godot  # Without a renderer, saving a scene prints errors.
+    """Covers baking impostors with one click, importing instances, replacing files, and the inspector of heightmaps. The checks are in these scripts."""
+    run = godot_xvfb if script in ("imports", "heightmap_summary") else godot  # Without a renderer, saving a scene prints errors.
     done = run(["--editor", "--path", editor_project, "--", script], timeout=300)
     check_passed(done.stdout + done.stderr)
 
 
 def test_hand_placed_instances(godot, godot_xvfb, editor_project):
-    """The checks are in hand.gd and use mouse and keys. Then a game finds the hand-placed instances, bit for bit."""
+    """Places instances with mouse and keys. The checks are in hand.gd. Then checks that a game finds bit-identical
+    hand-placed instances."""
     done = godot_xvfb(["--editor", "--path", editor_project, "--", "hand"], timeout=600)
     check_passed(done.stdout + done.stderr)
     played = godot(["--path", editor_project, "--script", "res://tests/hand_in_game.gd"], timeout=120)
@@ -117,14 +119,14 @@ def test_hand_placed_instances(godot, godot_xvfb, editor_project):
 
 
 def test_shapes(godot_xvfb, editor_project):
-    """The checks are in shapes.gd."""
+    """Runs the checks of regions and their handles in shapes.gd."""
     done = godot_xvfb(["--editor", "--path", editor_project, "--", "shapes"], timeout=600)
     check_passed(done.stdout + done.stderr)
 
 
 @pytest.fixture(scope="module")
 def ground_follows(godot_xvfb, tmp_path_factory) -> str:
-    """The output while a designer chooses a ground and moves it."""
+    """Returns the editor's output while a designer chooses a ground and moves it."""
     folder = new_plain_project(tmp_path_factory.mktemp("ground"))
     link_library(folder)
     add_steps(folder)
@@ -133,15 +135,16 @@ def ground_follows(godot_xvfb, tmp_path_factory) -> str:
 
 
 def test_a_ground_can_be_chosen_and_moved(ground_follows):
-    """The checks are in ground_follows.gd. The selection becomes the ground, undo restores every byte, and the scatter follows
-    movements."""
+    """Checks that the selection becomes the ground, that undo restores every byte, and that the scatter follows a
+    moving ground. The checks are in ground_follows.gd."""
     check_passed(ground_follows)
 
 
 def test_terrain_plugins_as_ground(godot_xvfb, editor_project):
-    """The checks are in plugin_ground.gd. They use water, and the test doubles of terrain plug-ins from the engine tests, here in the editor."""
+    """Checks water, and ground from the stand-ins for terrain plug-ins that tests/engine provides, in the editor. The
+    checks are in plugin_ground.gd."""
     (editor_project / "doubles").mkdir()
-    for name in ("harness", "terrain_harness", "terrain3d_harness", "hterrain_harness"):
+    for name in ("harness", "terrain_harness", "terrain3d_harness", "hterrain_harness", "plugins_harness"):
         text = (REPO / f"tests/engine/{name}.gd").read_text(encoding="utf-8")
         (editor_project / f"doubles/{name}.gd").write_text(f"@tool\n{text}", encoding="utf-8")
     done = godot_xvfb(["--editor", "--path", editor_project, "--", "plugin_ground"], timeout=600)
@@ -149,12 +152,12 @@ def test_terrain_plugins_as_ground(godot_xvfb, editor_project):
 
 
 def test_workarounds_for_the_crash_of_a_first_import(godot, plain_project):
-    """Engines up to 4.7 may crash on quitting after a first import with any extension (godot issue 111048). README.md has two
-    workarounds. After the crash everything is imported, so a second import succeeds. And a first import succeeds if the engine
-    already knows the extension."""
+    """Checks the two workarounds in README.md for engines up to 4.7, which may crash when they quit after a first
+    import with any extension (godot issue 111048). Everything is imported before the crash, so a second import
+    succeeds. A first import succeeds if extension_list.cfg already lists the extension."""
     link_library(plain_project)
     project = plain_project / "project.godot"
-    project.write_text(project.read_text().split("[editor_plugins]")[0])  # The plug-in's scripts would delay the end and avoid the crash.
+    project.write_text(project.read_text().split("[editor_plugins]")[0])  # The plugin's scripts would delay quitting and so avoid the crash.
     listed = (plain_project / ".godot/extension_list.cfg").read_text()
     for first in (False, True):
         shutil.rmtree(plain_project / ".godot")
@@ -171,7 +174,7 @@ def test_workarounds_for_the_crash_of_a_first_import(godot, plain_project):
 
 @pytest.fixture(scope="module")
 def why(godot, godot_xvfb, tmp_path_factory) -> str:
-    """The output while a designer queries why a position is empty. The camera is at its position of a first start."""
+    """Returns the editor's output while a designer finds out why a position is empty. The camera is at its initial position."""
     project = new_demo_project(tmp_path_factory.mktemp("why"))
     godot(["--path", project, "--import"], timeout=120)
     done = godot_xvfb(["--editor", "--path", project, "--", "why"], timeout=600)
@@ -179,13 +182,13 @@ def why(godot, godot_xvfb, tmp_path_factory) -> str:
 
 
 def test_why_a_position_is_empty(why):
-    """Covers hovering, pinning and colors. The checks are in why.gd."""
+    """Runs the checks of hovering, pinning and colors in why.gd."""
     check_passed(why)
 
 
 def test_pictures_of_the_ground_colors(why):
-    """Much of the ground is red, where nothing is permitted; green, where the slope is gentle; and blue, where the instances with the lowest ranks
-    are."""
+    """Checks the colors in the pictures: much of the ground is red where nothing is permitted, green where the slope is
+    gentle, and blue where instances have the lowest ranks."""
     shares = {}
     for name in ("why", "why_density", "why_slope", "why_rank"):
         image = np.asarray(Image.open(PICTURES / f"{name}.png").convert("RGB"), np.int16)[150:850, 290:1150]
@@ -202,10 +205,10 @@ def test_pictures_of_the_ground_colors(why):
     + ["loose_states", "clicks", "navigation", "viewports"],
 )
 def test_layers_panel(godot, godot_xvfb, editor_project, script):
-    """Covers the panel with mouse and keys, shared resources of duplicates, confirmations before many more instances are shown,
-    undo of every step to the byte, the toolbar in a narrow window, a node pasted into a different scene, instances placed by
-    scripts, the brush, regions and a radius with clicks only, a navigation mesh, and the instances in each viewport. The checks are
-    in the scripts."""
+    """Runs scripts with the checks of the layers panel: mouse and keys, resources that duplicated and pasted nodes
+    share, and confirmations before many more instances are shown. They also undo every step, byte for byte, and check
+    the toolbar in a narrow window and instances that scripts have placed. Further scripts use the brush, regions and a
+    radius with clicks only, bake a navigation mesh, and check the instances in each viewport."""
     godot(["--path", editor_project, "--import"], timeout=120)
     done = godot_xvfb(["--editor", "--path", editor_project, "--", script], timeout=300)
     check_passed(done.stdout + done.stderr)
@@ -213,7 +216,7 @@ def test_layers_panel(godot, godot_xvfb, editor_project, script):
 
 @pytest.fixture
 def libraryless_project(plain_project) -> Path:
-    """A plain project without the library, with scripts for an editor that lacks it. Removes generated files of the build."""
+    """Returns a plain project without the library, with scripts for an editor that lacks it. The folder `later` contains the library."""
     add_steps(plain_project, ("plugin.cfg", "plugin.gd", "steps.gd", "without_library.gd", "library_later.gd"))
     later = plain_project / "later"
     later.mkdir()
@@ -224,11 +227,11 @@ def libraryless_project(plain_project) -> Path:
 
 
 def test_without_the_library_the_plugin_warns_once(godot, godot_xvfb, libraryless_project):
-    """In a checkout before the first build, one warning has the remedy, and no script fails. The checks are in
-    without_library.gd."""
+    """Checks that, in a checkout before the first build, the plugin prints one warning with a remedy, and no script
+    fails. The checks are in without_library.gd."""
     imported = godot(["--path", libraryless_project, "--import"], timeout=120)
     assert imported.returncode == 0
-    # Only an editor with a window compiles all scripts that it indexes, for the class reference.
+    # Only an editor with a window compiles all scripts that it indexes, to create their class reference.
     done = godot_xvfb(["--editor", "--path", libraryless_project, "--", "without_library"], timeout=300)
     assert (libraryless_project / ".godot/editor/editor_script_doc_cache.res").exists(), done.stdout
     for printed in (imported.stdout + imported.stderr, done.stdout + done.stderr):
@@ -238,7 +241,7 @@ def test_without_the_library_the_plugin_warns_once(godot, godot_xvfb, libraryles
 
 
 def test_a_first_import_finds_the_library(godot, plain_project):
-    """The editor loads the library before the plugin starts, so the plugin must not warn."""
+    """Checks that the plugin does not warn. The editor loads the library before it starts the plugin."""
     link_library(plain_project)
     shutil.rmtree(plain_project / ".godot")
     done = godot(["--path", plain_project, "--import"], timeout=120)
@@ -246,7 +249,8 @@ def test_a_first_import_finds_the_library(godot, plain_project):
 
 
 def test_the_tools_appear_once_the_library_is_loaded(godot, libraryless_project):
-    """The library may be built or copied into the project while the editor is running. The steps are in library_later.gd."""
+    """Checks that the tools appear if the library is built or copied into the project while the editor runs. The steps
+    are in library_later.gd."""
     done = godot(["--editor", "--path", libraryless_project, "--", "library_later"], timeout=200)
     printed = done.stdout + done.stderr
     assert "library later: the tools are there" in printed and "library reloaded: the panel has added a layer" in printed, printed
@@ -258,7 +262,8 @@ def test_the_tools_appear_once_the_library_is_loaded(godot, libraryless_project)
     ["added", "brush", "preset", "gizmos", "region", "neighbors", "region_layers", "dropped", "layer", "inspector", "help"],
 )
 def test_pictures(designer, name):
-    """The editor has drawn its content: the picture has many shades, and none covers most of it."""
+    """Checks that the editor has drawn its contents: the picture must have many shades of gray, none of which covers
+    most of it."""
     image = np.asarray(Image.open(PICTURES / f"{name}.png").convert("L"), np.int16)
     shades = np.bincount(image.ravel(), minlength=256) / image.size
     assert image.shape == (900, 1440)
@@ -266,7 +271,8 @@ def test_pictures(designer, name):
 
 
 def test_picture_of_the_cursor(designer):
-    """The ring of an erasing brush is red. No other picture has as much red."""
+    """Checks that the ring of an erasing brush is red, by comparing the amount of red in its picture with a picture
+    without a brush."""
     reds = {}
     for name in ("added", "brush"):
         image = np.asarray(Image.open(PICTURES / f"{name}.png").convert("RGB"), np.int16)[150:850, 290:1150]

@@ -1,7 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
-## From an empty scene to three species that keep apart on a mesh ground, with the mouse only: nothing is typed, and no script call replaces
-## a click.
+## Starts with an empty scene and adds three species that keep apart on a mesh ground, with the mouse only. The test types nothing, and replaces no
+## click with a script call.
 
 const SCENE := "res://plot.tscn"
 const GROUND := "res://hill.tscn"
@@ -36,7 +36,7 @@ func save_packed(node: Node, path: String) -> void:
 	EditorInterface.get_resource_filesystem().update_file(path)
 
 
-## The designer's starting point: a hill from a modeler, three plants, and an empty scene.
+## Creates the designer's starting point: a hill from a modeling program, three plants, and an empty scene.
 func test_prepare() -> void:
 	var widths: Array[float] = [4.0, 3.0, 0.8]
 	for index in 3:
@@ -77,7 +77,7 @@ func test_first_minute() -> void:
 	await drag_files([GROUND], row_of("Plot"))
 	if not check(root.has_node("Hill"), "the hill is dropped into the scene"):
 		return
-	# Like a click on its name. The editor may still be opening the scenes of the last session.
+	# Has the effect of a click on the panel's name. The call is repeated, because the editor may still be opening scenes of the last session.
 	await until(func() -> bool:
 		addon().make_bottom_panel_item_visible(panel())
 		return panel().is_visible_in_tree(), "the panel is visible")
@@ -90,9 +90,10 @@ func test_first_minute() -> void:
 	await click(middle(button("Use as Ground")))
 	check(scatter.ground != null and scatter.ground.is_class("ScatterGroundMeshes"), "the hill is its ground")
 	await click(row_of("Scatter"))
-	await get_tree().create_timer(0.6).timeout # The panel updates only some times per second.
+	await get_tree().create_timer(0.6).timeout # The panel updates only a few times per second.
 	await drag_files(MODELS, middle(panel().tree))
 	check_equal(scatter.layers.size(), 3, "three species")
+	check(scatter.layers.all(func(layer: Resource) -> bool: return layer.get(&"on_surfaces")), "they grow on every level of the hill's meshes")
 	await settle(scatter)
 	check_equal(_clicks, 4, "clicks, besides two drops")
 	check(scatter.get_problems().is_empty(), "no problems: %s" % scatter.get_problems())
@@ -116,7 +117,7 @@ func test_first_minute() -> void:
 	check(steps == 5 and root.get_child_count() == 0, "five steps of undo lead back to the empty scene: %d" % steps)
 
 
-## The tutorial of the first forest, from a scene that is empty again.
+## Performs the steps of the tutorial "A first forest", again from an empty scene.
 func test_a_preset() -> void:
 	_clicks = 0
 	await drag_files([GROUND], row_of("Plot"))
@@ -144,7 +145,7 @@ func test_a_preset() -> void:
 	await picture("first_preset")
 
 
-## All of them are on the hill, and keep apart within and between species.
+## Checks that all instances are on the hill and keep their distances, both within and between species.
 func check_species(scatter: Node3D) -> void:
 	var all: Array[PackedVector2Array] = []
 	for index in 3:

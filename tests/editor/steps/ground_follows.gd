@@ -1,6 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
-## A click makes the selection the ground, undone and redone byte for byte. Movements are followed in the editor, too.
+## Checks that a click makes the selection the ground, and that undo and redo restore every byte. Also checks that the ground follows moving nodes in
+## the editor.
 
 const SCENE := "res://meadow.tscn"
 const HILL := "res://hill.tscn"
@@ -25,7 +26,7 @@ func button(text: String) -> Button:
 	return null
 
 
-## Clicks a button with the left mouse button, as an event of the window.
+## Clicks a button with the left mouse button, by sending events to its window.
 func click(text: String) -> void:
 	var on := button(text)
 	check(on.is_visible_in_tree() and not on.disabled, "%s can be clicked" % text)
@@ -74,7 +75,7 @@ func save_packed(root: Node, path: String) -> void:
 	root.free()
 
 
-## A scene without groups, as most users have: meshes, a body, an imported hill.
+## Creates a scene without node groups, like most users' scenes: meshes, a body and an imported hill.
 func test_prepare() -> void:
 	var made_hill := Node3D.new()
 	made_hill.name = "Hill"
@@ -188,7 +189,7 @@ func test_more_meshes_join_with_the_scatter_selected() -> void:
 	await settle(scatter)
 
 
-## Moves a mesh like the gizmo does, in steps that are one action in the end.
+## Moves a mesh as the gizmo does: in several steps that end as one action.
 func test_a_moved_mesh_is_followed() -> void:
 	var manager := plugin.get_undo_redo()
 	for step in 8:
@@ -213,7 +214,7 @@ func check_on_rock(context: String) -> void:
 			return absf(at.x - rock.position.x) < 4.01 and absf(at.z - rock.position.z) < 4.01), context + ": none in the air")
 
 
-## With only the scatter selected, the button opens a dialog with the tree.
+## Checks that, if only the scatter is selected, the button opens a dialog with the scene tree.
 func test_pick_in_the_tree() -> void:
 	await undo()
 	await undo()
@@ -270,7 +271,107 @@ func test_use_a_body() -> void:
 	check_equal(saved(), before, "undone, byte for byte")
 
 
-## Moves the editor's camera, and turns it to the middle of the meadow.
+## Returns a GridMap of [param side] x [param side] cells of 2 m, with their upper sides at height 1.
+func grid(side: int) -> GridMap:
+	var made := GridMap.new()
+	made.mesh_library = MeshLibrary.new()
+	made.mesh_library.create_item(0)
+	var block := BoxMesh.new()
+	block.size = Vector3(2.0, 2.0, 2.0)
+	block.material = StandardMaterial3D.new()
+	made.mesh_library.set_item_mesh(0, block)
+	made.cell_size = Vector3(2.0, 2.0, 2.0)
+	made.cell_center_y = false
+	for x in side:
+		for z in side:
+			made.set_cell_item(Vector3i(x, 0, z), 0)
+	return made
+
+
+func test_use_a_grid_map_and_a_csg_node() -> void:
+	check(scatter.get(&"ground") == null, "no ground again")
+	var root := EditorInterface.get_edited_scene_root()
+	add(root, grid(8), "Grid")
+	add(root, CSGCombiner3D.new(), "Carved")
+	var grid_map: GridMap = root.get_node("Grid")
+	var csg: CSGShape3D = root.get_node("Carved")
+	csg.position = Vector3(-10.0, 4.0, -8.0)
+	var block := CSGCylinder3D.new()
+	block.radius = 6.0
+	block.height = 2.0
+	add(csg, block, "Block", root)
+	await frames(3)
+	var before := saved()
+	await select([csg.get_node("Block")])
+	check(not buttons().visible, "a part of a CSG node is not ground by itself")
+	await select([grid_map])
+	check(buttons().visible, "a GridMap can be ground")
+	await click("Use as Ground")
+	var terrain: Resource = scatter.get(&"ground")
+	if not check(terrain != null and terrain.is_class("ScatterGroundMeshes"), "a ground of meshes"):
+		return
+	await select([scatter])
+	await settle(scatter)
+	var heights := instances(scatter, 0).values().map(func(at: Vector3) -> float: return snappedf(at.y, 0.01))
+	check(heights.count(1.5) > 100 and heights.count(1.5) == heights.size(), "%d of %d instances on the GridMap" % [heights.count(1.5), heights.size()])
+	await select([csg])
+	await click("Use as Ground")
+	check(csg.is_in_group(&"meadow_flowers_ground") and grid_map.is_in_group(&"meadow_flowers_ground"), "the CSG node joins the group")
+	check(not csg.get_node("Block").is_in_group(&"meadow_flowers_ground"), "its parts do not")
+	await select([scatter])
+	await settle(scatter)
+	heights = instances(scatter, 0).values().map(func(at: Vector3) -> float: return snappedf(at.y, 0.01))
+	check(heights.count(5.5) > 60, "%d instances on the CSG node" % heights.count(5.5))
+	await picture("ground_grid_and_csg")
+	grid_map.set_cell_item(Vector3i(9, 1, 9), 0)
+	await until(func() -> bool:
+			return instances(scatter, 0).values().any(func(at: Vector3) -> bool: return absf(at.y - 3.5) < 0.01), "a painted cell is followed")
+	grid_map.set_cell_item(Vector3i(9, 1, 9), GridMap.INVALID_CELL_ITEM)
+	await undo()
+	await undo()
+	check(scatter.get(&"ground") == null, "no ground again")
+	check_equal(saved(), before, "undone, byte for byte")
+	grid_map.free()
+	csg.free()
+
+
+func test_meshes_and_bodies_are_added_to_a_ground_of_another_kind() -> void:
+	var flat: Resource = ClassDB.instantiate(&"ScatterGroundFlat")
+	flat.set(&"height", 0.25)
+	scatter.set(&"ground", flat)
+	await select([meadow])
+	check(button("Add to Ground").visible, "the mesh would replace the flat ground, so it can also be added")
+	await select([scatter, rock])
+	var before := saved()
+	await click("Add to Ground")
+	var combined: Resource = scatter.get(&"ground")
+	if not check(combined.is_class("ScatterGroundCombined"), "both are combined"):
+		return
+	check_equal(combined.get(&"grounds").size(), 2, "two grounds")
+	check(combined.get(&"grounds")[0] == flat, "the flat ground is kept")
+	var after := saved()
+	await select([scatter])
+	await settle(scatter)
+	var heights := instances(scatter, 0).values().map(func(at: Vector3) -> float: return snappedf(at.y, 0.01))
+	check(heights.count(2.5) > 30 and heights.count(0.75) > 700, "on the rock and beside it")
+	await select([hill])
+	await click("Add to Ground")
+	check_equal(combined.get(&"grounds").size(), 2, "a second mesh joins the group")
+	check(hill.get_node("Top").is_in_group("meadow_flowers_ground"), "its group")
+	await select([floor_body])
+	await click("Add to Ground")
+	check_equal(combined.get(&"grounds").size(), 3, "a body becomes a third ground")
+	await undo()
+	check_equal(combined.get(&"grounds").size(), 2, "undone")
+	await undo()
+	check_equal(saved(), after, "undone, byte for byte")
+	await undo()
+	check(scatter.get(&"ground") == flat, "the flat ground again")
+	check_equal(saved(), before, "byte for byte")
+	scatter.set(&"ground", null)
+
+
+## Moves the editor's camera and points it at the middle of the meadow.
 func look_from(at: Vector3) -> void:
 	camera().global_position = at
 	camera().look_at(Vector3.ZERO)

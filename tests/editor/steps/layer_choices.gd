@@ -1,11 +1,11 @@
 @tool
 extends "res://tests/steps.gd"
-## Properties that refer to layers offer a list in the inspector. References follow a renamed layer, with undo.
+## Checks that properties that refer to layers offer a list in the inspector, and that renaming a layer updates all references to it, with undo.
 
 var scatter: Node3D
 
 
-## Returns the editor of a property in the inspector.
+## Returns the inspector's editor for a property, or null.
 func property_editor(property: StringName) -> EditorProperty:
 	for editor: EditorProperty in EditorInterface.get_inspector().find_children("*", "EditorProperty", true, false):
 		if editor.get_edited_property() == property:
@@ -25,7 +25,7 @@ func inspect(object: Object) -> void:
 	await frames(2)
 
 
-## Returns the items of a list.
+## Presses an option button and returns the texts of its items.
 func items(button: OptionButton) -> PackedStringArray:
 	button.pressed.emit()
 	var result := PackedStringArray()
@@ -40,7 +40,7 @@ func undo_last(object: Object) -> void:
 	await frames(3)
 
 
-## Tests everything on a scatter with one layer named "Posts". All changes are undone at the end.
+## Runs all checks on a scatter with one layer named "Posts", and finally undoes all changes.
 func choose() -> void:
 	workspace().toolbar.preset_chosen.emit("forest")
 	var names: Array = scatter.layers.map(func(layer: Resource) -> String: return layer.resource_name)
@@ -58,7 +58,7 @@ func choose() -> void:
 	check_equal(fern.proximity_layer, "Spruce", "undone")
 	for property: StringName in [&"color_value", &"variation_value"]:
 		var value: Resource = ClassDB.instantiate(&"ScatterValueSource")
-		value.set(&"source", 5) # Distance.
+		value.set(&"source", 5) # SOURCE_DISTANCE.
 		fern.set(property, value)
 		await inspect(value)
 		choice = property_editor(&"layer").find_children("*", "OptionButton", true, false)[0]
@@ -68,6 +68,16 @@ func choose() -> void:
 		await undo_last(value)
 		check_equal(value.get(&"layer"), "", "undone")
 		fern.set(property, null)
+	fern.set(&"on_surfaces", true)
+	await inspect(fern)
+	var boxes := property_editor(&"surface_layers").find_children("*", "CheckBox", true, false)
+	check_equal(boxes.map(func(box: CheckBox) -> String: return box.text), names.slice(0, names.find("Fern")), "a box for each layer before the ferns")
+	boxes[5].button_pressed = true
+	await frames(3)
+	check_equal(fern.get(&"surface_layers"), ["Stone"], "grows on stones")
+	await undo_last(fern)
+	check_equal(fern.get(&"surface_layers"), [], "undone: grows on the ground")
+	fern.set(&"on_surfaces", false)
 	await inspect(fern)
 	var spacing := property_editor(&"spacing")
 	EditorInterface.get_inspector().ensure_control_visible(spacing)
@@ -117,6 +127,6 @@ func choose() -> void:
 	while scatter.layers.size() > 1 and history(scatter).has_undo():
 		history(scatter).undo()
 	check_equal(scatter.layers.size(), 1, "undone")
-	# Only now, because the editor prints an error when it undoes an action of a freed node.
+	# The region is freed last, because undoing an action of a freed node prints an error.
 	region.queue_free()
 	await frames(2)

@@ -1,7 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
-## Terrain plug-ins as ground in the editor: the doubles of Terrain3D and HTerrain are sculpted like their brushes do, freed and replaced,
-## and the instances follow. Then water rises over the same ground.
+## Tests terrain plug-ins as ground in the editor, with stand-ins for Terrain3D and HTerrain. The tests sculpt the stand-ins as the plug-ins' brushes
+## do, and free and replace them. The instances must follow the ground. Then water rises over the same ground.
 
 const SCENE := "res://plugin_ground.tscn"
 
@@ -10,7 +10,7 @@ var root: Node3D
 var shown: Array[Vector2i] = []
 
 
-## Returns a script with a double, from the copy for the editor.
+## Returns the script of a stand-in for a terrain plug-in, from the copies that run in the editor.
 func double(script: String) -> GDScript:
 	return load("res://doubles/%s.gd" % script)
 
@@ -53,7 +53,7 @@ func test_prepare() -> void:
 	await frames(3)
 
 
-## Takes a picture from above.
+## Moves the camera above the ground and takes a picture.
 func photograph(picture_name: String) -> void:
 	camera().global_position = Vector3(35.0, 50.0, 85.0)
 	camera().look_at(Vector3(0.0, 0.0, 5.0))
@@ -61,7 +61,7 @@ func photograph(picture_name: String) -> void:
 	await picture(picture_name)
 
 
-## Sets a node as the scatter's ground, like the inspector does.
+## Makes a node the scatter's ground in an undoable action, as the inspector does.
 func set_ground(path: NodePath) -> void:
 	var terrain: Resource = ClassDB.instantiate(&"ScatterGroundNode")
 	terrain.set(&"node", path)
@@ -73,13 +73,13 @@ func set_ground(path: NodePath) -> void:
 	await settle(scatter)
 
 
-## Adds a plug-in's node to the scene. It is not saved.
+## Adds a plug-in's node to the scene without an owner, so that it is not saved.
 func put(node: Node3D, node_name: String) -> void:
 	node.name = node_name
 	root.add_child(node)
 
 
-## Draws the ground as a mesh for the picture, in place of the plug-in.
+## Draws the ground as a mesh for the picture, because the stand-in does not draw it.
 func draw_ground(height_at: Callable) -> void:
 	var old := root.get_node_or_null("Drawn")
 	if old != null:
@@ -101,7 +101,7 @@ func draw_ground(height_at: Callable) -> void:
 	root.add_child(drawn)
 
 
-## Checks that all instances are on the current ground. Their middles are 1 m above it.
+## Checks that all instances are on the current ground, with their origins 1 m above it.
 func check_ground(height_at: Callable, context: String) -> void:
 	var stand := instances(scatter, 0)
 	var off := stand.values().filter(func(at: Vector3) -> bool: return not (absf(height_at.call(at) + 1.0 - at.y) < 0.02))
@@ -109,7 +109,7 @@ func check_ground(height_at: Callable, context: String) -> void:
 	check_equal(off.size(), 0, "%s: instances off the ground" % context)
 
 
-## Raises a hill in steps, like a brush does while the mouse moves, and checks which tiles were regenerated.
+## Raises a hill in steps, as a brush does while the mouse moves. Checks that at most a third of the tiles were regenerated.
 func sculpt(raise: Callable, height_at: Callable, context: String) -> void:
 	var all: int = scatter.get_shown_tiles(scatter.layers[0]).size()
 	shown.clear()
@@ -164,7 +164,76 @@ func test_hterrain() -> void:
 		node.get_data().notify_region_change(Rect2i(20, 20, 7, 7), 0), node.ground_at, "ground_hterrain")
 
 
-## Enables water like the inspector does: instances under water are removed, and restored by Ctrl+Z.
+func buttons() -> Control:
+	return workspace().ground_buttons
+
+
+## Selects nodes and presses a button above the 3D view.
+func use_button(text: String, nodes: Array[Node]) -> void:
+	EditorInterface.get_selection().clear()
+	for node in nodes:
+		EditorInterface.get_selection().add_node(node)
+	await frames(3)
+	check(buttons().visible, "%s: the buttons are visible" % text)
+	for found: Button in buttons().find_children("*", "Button", true, false):
+		if found.text == text:
+			check(found.is_visible_in_tree(), "%s can be pressed" % text)
+			found.pressed.emit()
+	await frames(3)
+	EditorInterface.get_selection().clear()
+	await frames(3)
+	await settle(scatter)
+
+
+func test_use_terrains_as_ground() -> void:
+	var before: Resource = scatter.get(&"ground")
+	var plugins := double("plugins_harness")
+	var grid: Node3D = plugins.MTerrainDouble.new()
+	put(grid, "MTerrain")
+	var brush: Node3D = plugins.TerraBrushDouble.new()
+	brush.add_zone(Vector2i.ZERO)
+	put(brush, "TerraBrush")
+	for node: Node3D in [grid, brush]:
+		await use_button("Use as Ground", [scatter, node])
+		var terrain: Resource = scatter.get(&"ground")
+		check(terrain.is_class("ScatterGroundNode") and terrain.get(&"node") == NodePath("../" + str(node.name)), "%s is the ground" % node.name)
+		check(instances(scatter, 0).size() > 500, "%d instances on %s" % [instances(scatter, 0).size(), node.name])
+		check_equal(scatter.get_problems().size(), 0, "%s: problems: %s" % [node.name, scatter.get_problems()])
+		await use_button("Use as Ground", [scatter, node])
+		check(scatter.get(&"ground") == terrain, "%s is the ground already" % node.name)
+		await undo()
+		check(scatter.get(&"ground") == before, "%s: undone" % node.name)
+		await settle(scatter)
+	grid.free()
+	brush.free()
+
+
+func test_use_voxels_as_ground() -> void:
+	var before: Resource = scatter.get(&"ground")
+	var voxels: Node3D = double("plugins_harness").VoxelTerrainDouble.new()
+	voxels.position = Vector3(-32.0, -8.0, -32.0)
+	voxels.collision_layer = 8
+	put(voxels, "Voxels")
+	voxels.generate_collisions = false
+	await use_button("Use as Ground", [scatter, voxels])
+	check(scatter.get(&"ground") == before, "voxels without bodies are not ground")
+	voxels.generate_collisions = true
+	for x in 4:
+		for z in 4:
+			voxels.mesh_block(Vector3i(x, 0, z), 8.0)
+	await use_button("Use as Ground", [scatter, voxels])
+	var terrain: Resource = scatter.get(&"ground")
+	check(terrain.is_class("ScatterGroundColliders"), "a ground of colliders")
+	check_equal(terrain.get(&"collision_mask"), 8, "its rays hit the bodies of the blocks")
+	await until(func() -> bool: return instances(scatter, 0).size() > 500, "instances on the blocks")
+	check(instances(scatter, 0).values().all(func(at: Vector3) -> bool: return absf(at.y - 1.0) < 0.01), "at their height")
+	await undo()
+	check(scatter.get(&"ground") == before, "undone")
+	await settle(scatter)
+	voxels.free()
+
+
+## Enables water as the inspector does. Instances under water must disappear, and Ctrl+Z must restore them.
 func test_water_rises() -> void:
 	var before := instances(scatter, 0)
 	var manager := plugin.get_undo_redo()

@@ -1,6 +1,6 @@
 @tool
 extends "res://addons/thicket/editor/brush/brush_tool.gd"
-## The brush for biomes: paints the map of the scatter's biomes, and shows it. Its button is there while the scatter has biomes.
+## The biome brush, which paints and displays the scatter's biome map. Its button is visible while the scatter has biomes.
 
 const BiomeBrush := preload("res://addons/thicket/editor/brush/biome_brush.gd")
 const BiomeOverlay := preload("res://addons/thicket/editor/brush/biome_overlay.gd")
@@ -10,7 +10,7 @@ const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 const SWATCH := 14
 
 var brush := BiomeBrush.new()
-## Shows the biomes.
+## The overlay that shows the biomes on the ground.
 var overlay := BiomeOverlay.new()
 
 var _biomes := OptionButton.new()
@@ -19,7 +19,7 @@ var _listed: Array = []
 
 func _init() -> void:
 	needs_layer = false
-	_setup("Biomes", &"Bucket", "Biomes: paint which biome lies where, with the left mouse button.")
+	_setup("Biomes", &"Bucket", "Biomes: paint the biome map, with the left mouse button.")
 	button.visible = false
 	_biomes.tooltip_text = "The biome to paint."
 	_biomes.item_selected.connect(redraw_requested.emit.unbind(1))
@@ -28,7 +28,7 @@ func _init() -> void:
 	_radius.value_changed.connect(func(value: float) -> void: brush.radius = value)
 
 
-## Chooses a biome by its index in the map; -1 is land without a biome.
+## Chooses a biome by its index in the map, or land without a biome by -1.
 func choose_biome(index: int) -> void:
 	_biomes.select(_biomes.get_item_index(_id(index)))
 	redraw_requested.emit()
@@ -69,13 +69,13 @@ func _move_stroke(at: Vector2) -> void:
 	brush.move(at)
 
 
-## The map to paint; null if there is none with biomes.
+## Returns the map to paint, or null if there is no map with biomes.
 func _map() -> ScatterBiomeMap:
 	var map := scatter.biomes if is_instance_valid(scatter) else null
 	return map if map != null and not map.biomes.is_empty() else null
 
 
-## The index of the chosen biome; -1 for land without a biome.
+## Returns the index of the chosen biome, or -1 for land without a biome.
 func _index() -> int:
 	return _biomes.get_selected_id() - 1
 

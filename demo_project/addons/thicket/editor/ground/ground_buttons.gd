@@ -1,16 +1,17 @@
 @tool
 extends HBoxContainer
-## Makes the selected nodes the ground of a scatter, and refreshes the ground of a scatter. Visible above the 3D view while a scatter is
-## selected, or a node that can be the ground of the current one.
+## Buttons that make the selected nodes the ground of a scatter or add them to it, and that refresh its ground. They are visible above the 3D view while a
+## scatter is selected, or a node that can be the ground of the current scatter.
 
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
 
-const MESH := &"MeshInstance3D"
+const MESH_CLASSES: Array[StringName] = [&"MeshInstance3D", &"GridMap", &"CSGShape3D"]
 const SCATTER := &"TerrainScatter3D"
 
 var undo_redo: EditorUndoRedoManager
 
 var _use := Controls.button("Use as Ground", &"MeshInstance3D", "")
+var _add := Controls.button("Add to Ground", &"Add", "")
 var _refresh := Controls.button("Refresh Ground", &"Reload",
 		"Read the ground again, for changes that emit no signal. Nodes that move in the scene are followed automatically.")
 var _last: TerrainScatter3D ## The last scatter that was selected.
@@ -19,8 +20,10 @@ var _last: TerrainScatter3D ## The last scatter that was selected.
 func _init(manager: EditorUndoRedoManager) -> void:
 	undo_redo = manager
 	_use.pressed.connect(choose)
+	_add.pressed.connect(choose.bind(true))
 	_refresh.pressed.connect(_on_refresh)
 	add_child(_use)
+	add_child(_add)
 	add_child(_refresh)
 	EditorInterface.get_selection().selection_changed.connect(update)
 	update()
@@ -41,29 +44,67 @@ func update() -> void:
 	var grounds := _grounds_of(selected)
 	visible = scatter != null and not (scatters.is_empty() and grounds.is_empty())
 	_refresh.visible = visible and not scatters.is_empty() and scatter.ground != null
+	_add.visible = visible and _replaces(scatter, grounds)
 	if visible:
-		_use.tooltip_text = "Choose a mesh or a static body as the ground of %s." % scatter.name if grounds.is_empty() \
+		var added := "." if not _add.visible else ", in addition to its present ground. The highest ground counts."
+		_use.tooltip_text = "Choose a mesh, a static body or a terrain as the ground of %s." % scatter.name if grounds.is_empty() \
 				else "Make the selected %s the ground of %s." % [_names(grounds), scatter.name]
+		_add.tooltip_text = _use.tooltip_text.trim_suffix(".") + added
 
 
-## Makes nodes the ground of a scatter, as one undo step: meshes are added to the group of its ground, the layers of bodies to its collision
-## mask. The scatter gets a ground of that kind if it has a different one. Returns the reason if nothing was done, as a sentence; empty on
-## success.
-static func use(scatter: TerrainScatter3D, nodes: Array[Node], manager: EditorUndoRedoManager) -> String:
-	var meshes: Array[Node] = []
-	var bodies: Array[StaticBody3D] = []
-	for node in nodes:
-		if node is StaticBody3D:
-			bodies.append(node)
-		if not node is StaticBody3D or scatter.ground is ScatterGroundMeshes:
-			meshes.append_array(_meshes_of(node))
+## Makes nodes the ground of a scatter, as one undo step. Meshes are added to the group of its ground, and the layers of bodies to the
+## ground's collision mask. If the scatter's ground is of a different kind, it is replaced, or combined with the new one if [param added] is
+## [code]true[/code]. Returns an empty string on success, or the reason why nothing was changed as a sentence.
+static func use(scatter: TerrainScatter3D, nodes: Array[Node], manager: EditorUndoRedoManager, added := false) -> String:
+	var present := _parts(scatter, added)
+	var terrains := nodes.filter(_is_terrain)
+	if not terrains.is_empty():
+		return _use_terrain(scatter, terrains, present, manager, added)
+	var meshes := _chosen_meshes(nodes, present)
+	var bodies := nodes.filter(_has_bodies)
 	if meshes.is_empty() and bodies.is_empty():
-		return "%s cannot be ground: select a StaticBody3D, a MeshInstance3D with a mesh, or a node that has meshes below it." % _names(nodes)
-	return _use_bodies(scatter, bodies, manager) if meshes.is_empty() else _use_meshes(scatter, meshes, manager)
+		return ("%s cannot be ground: select a StaticBody3D, a MeshInstance3D with a mesh, a GridMap, a CSG node, a terrain of a plug-in, or a node " \
+				+ "that has meshes below it.") % _names(nodes)
+	return _use_bodies(scatter, bodies, present, manager, added) if meshes.is_empty() else _use_meshes(scatter, meshes, present, manager, added)
 
 
-static func _use_meshes(scatter: TerrainScatter3D, meshes: Array[Node], manager: EditorUndoRedoManager) -> String:
-	var ground := scatter.ground as ScatterGroundMeshes
+## Returns whether [method use] would replace the ground of a scatter. Without nodes, returns whether it has a ground.
+static func _replaces(scatter: TerrainScatter3D, nodes: Array[Node]) -> bool:
+	var present := _parts(scatter, false)
+	if nodes.any(_is_terrain):
+		return not present.is_empty()
+	var fitting := _first(present, ScatterGroundColliders if _chosen_meshes(nodes, present).is_empty() else ScatterGroundMeshes)
+	return not present.is_empty() and (nodes.is_empty() or fitting == null)
+
+
+## Returns the ground of a scatter in an array, or the grounds that it combines if [param combined] is [code]true[/code].
+static func _parts(scatter: TerrainScatter3D, combined: bool) -> Array[ScatterGround]:
+	var grounds: Array[ScatterGround] = [scatter.ground]
+	if combined and scatter.ground is ScatterGroundCombined:
+		grounds = (scatter.ground as ScatterGroundCombined).grounds
+	return grounds.filter(func(ground: ScatterGround) -> bool: return ground != null)
+
+
+## Returns the first ground of a class; null if there is none.
+static func _first(grounds: Array[ScatterGround], of_class: Variant) -> ScatterGround:
+	for ground in grounds:
+		if is_instance_of(ground, of_class):
+			return ground
+	return null
+
+
+## Returns the meshes that become ground. A static body counts as a collider, unless meshes are ground already.
+static func _chosen_meshes(nodes: Array[Node], present: Array[ScatterGround]) -> Array[Node]:
+	var meshes: Array[Node] = []
+	for node in nodes:
+		if not (_has_bodies(node) or _is_terrain(node)) or node is StaticBody3D and _first(present, ScatterGroundMeshes) != null:
+			meshes.append_array(_meshes_of(node))
+	return meshes
+
+
+static func _use_meshes(
+		scatter: TerrainScatter3D, meshes: Array[Node], present: Array[ScatterGround], manager: EditorUndoRedoManager, added: bool) -> String:
+	var ground := _first(present, ScatterGroundMeshes) as ScatterGroundMeshes
 	var group := ground.group if ground != null else &""
 	var new_group := group if group else StringName(str(scatter.name).to_snake_case() + "_ground")
 	meshes = meshes.filter(func(mesh: Node) -> bool: return not mesh.is_in_group(new_group))
@@ -80,7 +121,7 @@ static func _use_meshes(scatter: TerrainScatter3D, meshes: Array[Node], manager:
 	if ground == null:
 		var made := ScatterGroundMeshes.new()
 		made.group = new_group
-		_replace_ground(scatter, made, manager)
+		_set_ground(scatter, made, manager, added)
 	elif not group:
 		manager.add_do_property(ground, &"group", new_group)
 		manager.add_undo_property(ground, &"group", group)
@@ -88,13 +129,17 @@ static func _use_meshes(scatter: TerrainScatter3D, meshes: Array[Node], manager:
 	return ""
 
 
-static func _use_bodies(scatter: TerrainScatter3D, bodies: Array[StaticBody3D], manager: EditorUndoRedoManager) -> String:
+static func _use_bodies(
+		scatter: TerrainScatter3D, bodies: Array[Node], present: Array[ScatterGround], manager: EditorUndoRedoManager, added: bool) -> String:
 	var layers := 0
 	for body in bodies:
-		layers |= body.collision_layer
+		if _is_voxels(body) and body.get(&"generate_collisions") == false:
+			return "%s has no bodies that rays could hit: set its property generate_collisions." % body.name
+		var layer: int = body.get(&"collision_layer")
+		layers |= layer
 	if layers == 0:
 		return "collision_layer of %s is 0, so no ray can hit it: set at least one layer." % _names(bodies)
-	var ground := scatter.ground as ScatterGroundColliders
+	var ground := _first(present, ScatterGroundColliders) as ScatterGroundColliders
 	var mask := ground.collision_mask if ground != null else 0
 	if ground != null and mask | layers == mask:
 		return "This is already the ground of %s." % scatter.name
@@ -105,27 +150,81 @@ static func _use_bodies(scatter: TerrainScatter3D, bodies: Array[StaticBody3D], 
 	else:
 		var made := ScatterGroundColliders.new()
 		made.collision_mask = layers
-		_replace_ground(scatter, made, manager)
+		_set_ground(scatter, made, manager, added)
 	manager.commit_action()
 	return ""
 
 
-static func _replace_ground(scatter: TerrainScatter3D, ground: ScatterGround, manager: EditorUndoRedoManager) -> void:
-	manager.add_do_property(scatter, &"ground", ground)
+static func _use_terrain(
+		scatter: TerrainScatter3D, terrains: Array[Node], present: Array[ScatterGround], manager: EditorUndoRedoManager, added: bool) -> String:
+	if terrains.size() > 1:
+		return "Several terrains are selected: select one of them, and add the others with Add to Ground."
+	for ground in present:
+		var of_node := ground as ScatterGroundNode
+		if of_node != null and scatter.get_node_or_null(of_node.node) == terrains[0]:
+			return "This is already the ground of %s." % scatter.name
+	manager.create_action("Use as Ground", UndoRedo.MERGE_DISABLE, scatter)
+	var made := ScatterGroundNode.new()
+	made.node = scatter.get_path_to(terrains[0])
+	_set_ground(scatter, made, manager, added)
+	manager.commit_action()
+	return ""
+
+
+## Replaces the ground of a scatter, or combines it with another one.
+static func _set_ground(scatter: TerrainScatter3D, ground: ScatterGround, manager: EditorUndoRedoManager, added: bool) -> void:
+	var combined := scatter.ground as ScatterGroundCombined
+	if added and combined != null:
+		var grounds := combined.grounds.duplicate()
+		manager.add_undo_property(combined, &"grounds", grounds)
+		manager.add_do_property(combined, &"grounds", grounds + ([ground] as Array[ScatterGround]))
+		return
+	if added and scatter.ground != null:
+		combined = ScatterGroundCombined.new()
+		combined.grounds = [scatter.ground, ground]
+	manager.add_do_property(scatter, &"ground", combined if combined != null and added else ground)
 	manager.add_undo_property(scatter, &"ground", scatter.ground)
 
 
-## The meshes of a node and of all nodes below it, except for those of scatters.
+## Returns whether a ScatterGroundNode can use a node: Terrain3D, HTerrain, MTerrain, TerraBrush, or any node with the methods of one of them. A
+## get_height() without an argument does not count, because it is the getter of a property, as in a CSGCylinder3D.
+static func _is_terrain(node: Node) -> bool:
+	var data: Variant = node.get(&"data")
+	return _has_height(node) or data is Object and _has_height(data) or node.has_method(&"getHeightAtPosition") \
+			or node.has_method(&"get_internal_transform") and node.has_method(&"get_data")
+
+
+static func _has_height(object: Object) -> bool:
+	return object.has_method(&"get_height") and object.get_method_argument_count(&"get_height") == 1
+
+
+## Returns whether a node is a terrain of godot_voxel. The terrain's blocks have bodies, but no nodes.
+static func _is_voxels(node: Node) -> bool:
+	return node.has_method(&"get_voxel_tool") and node.has_method(&"is_area_meshed")
+
+
+static func _has_bodies(node: Node) -> bool:
+	return node is StaticBody3D or _is_voxels(node)
+
+
+## Returns the nodes with meshes among a node and those nodes below it that a scene stores. A scatter has none.
 static func _meshes_of(node: Node) -> Array[Node]:
 	if node is TerrainScatter3D:
 		return []
-	var found: Array[Node] = node.find_children("*", MESH, true, false)
-	if node is MeshInstance3D:
-		found.push_front(node)
-	return found.filter(func(mesh: MeshInstance3D) -> bool: return mesh.mesh != null and mesh.owner != null or mesh == node)
+	var found: Array[Node] = [node]
+	for mesh_class in MESH_CLASSES:
+		found.append_array(node.find_children("*", mesh_class, true, false))
+	return found.filter(func(mesh: Node) -> bool: return _has_mesh(mesh) and (mesh.owner != null or mesh == node))
 
 
-## The instanced scenes whose children must become editable, so that the edited scene stores the changes to their nodes.
+## Returns whether a node is ground in the group of a ScatterGroundMeshes. Only the outermost node of a CSG tree is.
+static func _has_mesh(node: Node) -> bool:
+	var instance := node as MeshInstance3D
+	var csg := node as CSGShape3D
+	return instance != null and instance.mesh != null or csg != null and csg.is_root_shape() or node is GridMap
+
+
+## Returns the instanced scenes whose children must become editable, so that the edited scene stores the changes to their nodes.
 static func _closed_instances(nodes: Array[Node]) -> Array[Node]:
 	var root := EditorInterface.get_edited_scene_root()
 	var closed: Array[Node] = []
@@ -138,17 +237,18 @@ static func _closed_instances(nodes: Array[Node]) -> Array[Node]:
 	return closed
 
 
-## Those of these nodes that can be ground.
+## Returns those of the given nodes that can be ground.
 static func _grounds_of(nodes: Array[Node]) -> Array[Node]:
 	return nodes.filter(func(node: Node) -> bool:
-			return node is Node3D and not node is TerrainScatter3D and (node is StaticBody3D or not _meshes_of(node).is_empty()))
+			return node is Node3D and not node is TerrainScatter3D and (_has_bodies(node) or _is_terrain(node) or not _meshes_of(node).is_empty()))
 
 
 static func _names(nodes: Array) -> String:
 	return str((nodes[0] as Node).name) if nodes.size() == 1 else "%d nodes" % nodes.size()
 
 
-## The scatter that is selected, was selected last, or is the only one of the scene; null if there are several or none.
+## Returns the scatter that is selected or was selected last. If there is none, returns the only scatter in the scene, or null if the scene has none
+## or several.
 func _meant() -> TerrainScatter3D:
 	var root := EditorInterface.get_edited_scene_root()
 	if root == null:
@@ -161,24 +261,25 @@ func _meant() -> TerrainScatter3D:
 	return found[0] if found.size() == 1 else null
 
 
-## Makes the selected nodes the ground. If none of them can be ground, opens a dialog with the scene's tree.
-func choose() -> void:
+## Makes the selected nodes the ground, or adds them to the present ground. If none of them can be ground, opens a dialog with the scene's
+## tree.
+func choose(added := false) -> void:
 	var grounds := _grounds_of(EditorInterface.get_selection().get_selected_nodes())
 	if grounds.is_empty():
-		# Any node, because the meshes of an imported scene or of a group are below one that is neither a mesh nor a body.
-		EditorInterface.popup_node_selector(_on_picked, [&"Node3D"])
+		# Offers every Node3D, because the meshes of an imported scene are below a node that is neither a mesh nor a body.
+		EditorInterface.popup_node_selector(_on_picked.bind(added), [&"Node3D"])
 	else:
-		_use_or_tell(grounds)
+		_use_or_tell(grounds, added)
 
 
-func _on_picked(path: NodePath) -> void:
+func _on_picked(path: NodePath, added: bool) -> void:
 	if not path.is_empty():
-		_use_or_tell([EditorInterface.get_edited_scene_root().get_node(path)])
+		_use_or_tell([EditorInterface.get_edited_scene_root().get_node(path)], added)
 
 
-func _use_or_tell(nodes: Array[Node]) -> void:
+func _use_or_tell(nodes: Array[Node], added: bool) -> void:
 	var scatter := _meant()
-	var problem := use(scatter, nodes, undo_redo) if scatter != null else ""
+	var problem := use(scatter, nodes, undo_redo, added) if scatter != null else ""
 	if not problem.is_empty():
 		EditorInterface.get_editor_toaster().push_toast(problem, EditorToaster.SEVERITY_WARNING)
 	update()

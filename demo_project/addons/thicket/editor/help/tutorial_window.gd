@@ -1,6 +1,6 @@
 @tool
 extends AcceptDialog
-## Shows the tutorials, with their pictures, without leaving the editor.
+## The window that shows the tutorials, with their pictures, in the editor.
 
 const Text := preload("res://addons/thicket/editor/help/tutorial_text.gd")
 
@@ -8,12 +8,12 @@ const FOLDER := "res://addons/thicket/tutorials/"
 ## The pages, in the order of the list.
 const PAGES: PackedStringArray = [
 	"first_forest.md", "your_own_tree.md", "paint_and_shapes.md", "game_that_fells.md", "server.md", "saves_and_mods.md", "streaming_world.md",
-	"far_forest.md",
+	"any_surface.md", "far_forest.md",
 ]
 const SIZE := Vector2(900.0, 720.0)
 const LIST_WIDTH := 220.0
 
-## The page that is shown; empty before the first.
+## The current page; empty before the first one is opened.
 var page := ""
 
 var _list := ItemList.new()
@@ -23,7 +23,7 @@ var _text := RichTextLabel.new()
 func _init() -> void:
 	title = "Thicket Tutorials"
 	ok_button_text = "Close"
-	exclusive = false # The user follows the steps beside the window.
+	exclusive = false # The user must be able to use the editor while the window is open.
 	transient = true
 	var box := HSplitContainer.new()
 	_list.item_selected.connect(func(index: int) -> void: open(PAGES[index]))
@@ -44,7 +44,7 @@ func _ready() -> void:
 	_text.add_theme_font_override(&"mono_font", get_theme_font(&"source", &"EditorFonts"))
 
 
-## Shows a page by its file name or path. Any other link is opened in the web browser. Opens the window if it is closed.
+## Shows a page by its file name or path, and opens the window if it is closed. Any other link is opened in the web browser.
 func open(link: String) -> void:
 	var name := link.trim_prefix(FOLDER)
 	var index := PAGES.find(name)
@@ -75,15 +75,15 @@ func _show(markdown: String) -> void:
 	_text.scroll_to_line(0)
 
 
-## A page in Markdown. If its file cannot be read, the page reports that.
+## Returns a page in Markdown. If its file cannot be read, the page reports the error.
 static func _text_of(name: String) -> String:
 	var text := FileAccess.get_file_as_string(FOLDER + name)
 	return text if text else "# %s\n\nCannot read %s: %s. Install all files of the add-on again." % [
 		name, FOLDER + name, error_string(FileAccess.get_open_error())]
 
 
-## Loads the picture from its file, because the engine does not import the folder of the pages. So pictures are not exported
-## with games.
+## Adds a picture, loaded directly from its file. The engine does not import the folder of the pages, so that games do not
+## contain the pictures.
 func _add_picture(file: String) -> void:
 	var image := Image.new()
 	if FileAccess.file_exists(FOLDER + file) and image.load_jpg_from_buffer(FileAccess.get_file_as_bytes(FOLDER + file)) == OK:

@@ -1,6 +1,6 @@
 @tool
 extends Button
-## A button in the inspector of a layer or a model that makes foliage materials from its standard materials.
+## A button in the inspector of a layer or a model. It creates foliage materials from the object's standard materials.
 
 const FoliageMaterials := preload("res://addons/thicket/editor/materials/foliage_materials.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
@@ -9,12 +9,12 @@ var _object: Resource
 var _files: SceneFiles
 
 
-## [param object] is a layer or a model. Hidden if it has no standard material.
+## Creates a button for a layer or a model. The button is hidden if the object has no standard material.
 func _init(object: Resource, files: SceneFiles) -> void:
 	_object = object
 	_files = files
 	text = "Make Foliage Materials"
-	tooltip_text = "Gives the models materials that sway in the wind, let light through leaves and fade: made from their standard materials, and saved beside the scene. Roughness, metal and emission are not used."
+	tooltip_text = "Replaces the models' standard materials with materials that sway in the wind, let light through leaves and fade. They are saved next to the scene. Roughness, metal and emission are not used."
 	visible = _materials().any(func(material: Material) -> bool: return material is BaseMaterial3D)
 	pressed.connect(press)
 

@@ -1,10 +1,12 @@
 @tool
 extends EditorInspectorPlugin
-## Inspector editors for references to layers: they offer the layers of the scatter. Layers and scatters also accept meshes that are dropped on them.
-## Buttons fit a layer to what its meshes are, split packs of models, and make foliage materials. A button above a layer's LODs bakes impostors.
+## Adds controls to the inspector. References to layers can be chosen from the scatter's layers, and layers and scatters accept dropped meshes. Buttons
+## fit a layer to its meshes, split packs of models, and create foliage materials. A button above a layer's LOD fade bakes impostors. A heightmap
+## has a picture and a summary of its heights.
 
 const ChosenLayers := preload("res://addons/thicket/editor/inspector/chosen_layers.gd")
 const FoliageButton := preload("res://addons/thicket/editor/inspector/foliage_button.gd")
+const HeightmapSummary := preload("res://addons/thicket/editor/inspector/heightmap_summary.gd")
 const KindButtons := preload("res://addons/thicket/editor/inspector/kind_buttons.gd")
 const LayerProperty := preload("res://addons/thicket/editor/inspector/layer_property.gd")
 const LayerListProperty := preload("res://addons/thicket/editor/inspector/layer_list_property.gd")
@@ -23,10 +25,13 @@ func _init(files: SceneFiles) -> void:
 
 
 func _can_handle(object: Object) -> bool:
-	return object is ChosenLayers or ["ScatterLayer", "ScatterModel", "ScatterValueSource", "ScatterRegion3D", "TerrainScatter3D"].any(object.is_class)
+	return object is ChosenLayers or ["ScatterLayer", "ScatterModel", "ScatterValueSource", "ScatterRegion3D", "TerrainScatter3D",
+			"ScatterGroundHeightmap"].any(object.is_class)
 
 
 func _parse_begin(object: Object) -> void:
+	if object is ScatterGroundHeightmap:
+		add_custom_control(HeightmapSummary.new(object as ScatterGroundHeightmap))
 	if object is ScatterLayer or object is TerrainScatter3D:
 		add_custom_control(Drop.new(object, _files))
 	if object is ScatterLayer and not (object as ScatterLayer).meshes.is_empty():
@@ -49,7 +54,9 @@ func _parse_property(object: Object, _type: Variant.Type, name: String, _hint: P
 		"spacing":
 			editor = Spacing.new()
 		"layers" when object is ScatterRegion3D:
-			editor = LayerListProperty.new()
+			editor = LayerListProperty.new("All layers")
+		"surface_layers" when object is ScatterLayer:
+			editor = LayerListProperty.new("The ground", true)
 		"lod_fade" when object is ScatterLayer:
 			add_custom_control(Impostors.new(object as ScatterLayer, _files))
 	if editor != null:

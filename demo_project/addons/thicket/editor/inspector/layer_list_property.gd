@@ -1,16 +1,20 @@
 @tool
 extends EditorProperty
-## An inspector editor for a property that refers to any number of layers, with a check box for each. If none is checked, the property refers to all
-## layers.
+## An inspector editor for a property that refers to any number of layers, with a check box for each layer.
 
 const Names := preload("res://addons/thicket/editor/inspector/layer_names.gd")
 
 var _boxes := VBoxContainer.new()
 var _summary := Label.new()
 var _read_only := false
+var _empty: String
+var _before: bool
 
 
-func _init() -> void:
+## [param empty] is the text to display if no layer is checked. If [param before] is true, only layers that come before the edited layer are listed.
+func _init(empty: String, before := false) -> void:
+	_empty = empty
+	_before = before
 	_summary.clip_text = true
 	add_child(_summary)
 	add_child(_boxes)
@@ -29,13 +33,13 @@ func _update_property() -> void:
 		box.queue_free()
 	var meant := values.map(func(value: Variant) -> ScatterLayer: return Names.layer_of(object, value))
 	var titles := PackedStringArray()
-	for layer in Names.others(object):
+	for layer in Names.others(object, _before):
 		_add_box(Names.title(object, layer), layer in meant, _toggle.bind(layer))
 	for index in values.size():
 		titles.append(Names.title(object, values[index]))
 		if meant[index] == null:
 			_add_box(titles[index], true, _remove.bind(values[index]))
-	_summary.text = ", ".join(titles) if values else "All layers"
+	_summary.text = ", ".join(titles) if values else _empty
 
 
 func _add_box(title: String, ticked: bool, on_toggled: Callable) -> void:

@@ -1,10 +1,10 @@
 @tool
 extends EditorProperty
-## An inspector editor for distances to other layers: a row for each layer that has one, and a menu
-## with the others.
+## An inspector editor for distances to other layers. It has a row for each layer with a distance, and
+## a menu to add the other layers.
 
 const Names := preload("res://addons/thicket/editor/inspector/layer_names.gd")
-## The distance of a layer that is added, in meters.
+## The initial distance to an added layer, in meters.
 const FIRST_DISTANCE := 1.0
 
 var _rows := VBoxContainer.new()
@@ -33,7 +33,7 @@ func _set_read_only(read_only: bool) -> void:
 func _update_property() -> void:
 	var object := get_edited_object()
 	var spacing: Dictionary = object.get(get_edited_property())
-	# A row that is being dragged must stay.
+	# Existing rows are updated in place, because a slider that is being dragged must not be freed.
 	if spacing.keys() == _shown and _rows.get_child_count() == spacing.size():
 		for index in _shown.size():
 			(_rows.get_child(index).get_child(0) as EditorSpinSlider).set_value_no_signal(spacing[_shown[index]])
@@ -63,7 +63,7 @@ func _make_row(key: Variant, title: String, meters: float) -> Control:
 	slider.ungrabbed.connect(func() -> void: _set_distance(slider.value, key, false))
 	var remove := Button.new()
 	remove.icon = EditorInterface.get_editor_theme().get_icon(&"Remove", &"EditorIcons")
-	remove.tooltip_text = "Keep no distance to this layer."
+	remove.tooltip_text = "Remove the distance to this layer."
 	remove.disabled = _read_only
 	remove.pressed.connect(_remove.bind(key))
 	var row := HBoxContainer.new()

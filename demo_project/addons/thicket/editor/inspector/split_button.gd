@@ -1,31 +1,31 @@
 @tool
 extends Button
-## Offers to split a layer's only mesh, a scene with several models side by side, into one model for each, as one undo step.
+## A button that splits a layer's only mesh, a scene with several models side by side, into separate models, as one undo step.
 
 const NewLayers := preload("res://addons/thicket/editor/layers/new_layers.gd")
 
-## Two models are side by side if their boxes, seen from above, share at most this part of the smaller one.
+## The maximum overlap of two models that count as side by side, as a share of the area of the smaller box, seen from above.
 const MOST_SHARED := 0.1
 
-static var _known: Dictionary[int, PackedStringArray] = {} ## The parts of scenes, by instance id.
+static var _known: Dictionary[int, PackedStringArray] = {} ## A cache of the parts of scenes, by the instance id of the scene.
 
 var _layer: ScatterLayer
 var _scene: PackedScene
 var _parts: PackedStringArray
 
 
-## Hidden if there is nothing to split.
+## Creates a button for a layer. The button is hidden if there is nothing to split.
 func _init(layer: ScatterLayer) -> void:
 	_layer = layer
 	_scene = _scene_of(layer)
 	_parts = parts_of(_scene) if _scene != null else PackedStringArray()
 	visible = _parts.size() > 1
 	text = "Split into %d Models" % _parts.size()
-	tooltip_text = "The scene contains several models side by side: %s. Makes each of them a mesh of the layer, and fits the layer to them." % ", ".join(_parts)
+	tooltip_text = "The scene contains several models side by side: %s. Makes each model a mesh of the layer, and fits the layer to the models." % ", ".join(_parts)
 	pressed.connect(func() -> void: split(_layer, _scene, _parts, EditorInterface.get_editor_undo_redo()))
 
 
-## The paths of the nodes in a scene that are models side by side; empty if the scene is a single model.
+## Returns the paths of the nodes in a scene that are models side by side. Empty if the scene is a single model.
 static func parts_of(scene: PackedScene) -> PackedStringArray:
 	var id := scene.get_instance_id()
 	if not _known.has(id):
@@ -65,7 +65,7 @@ static func _find_parts(scene: PackedScene) -> PackedStringArray:
 		return found
 	var holder := root
 	var with_meshes := _children_with_meshes(root)
-	while with_meshes.size() == 1 and not with_meshes[0] is MeshInstance3D: # Packs are often below one node, or several.
+	while with_meshes.size() == 1 and not with_meshes[0] is MeshInstance3D: # The models of a pack are often below one or several parent nodes.
 		holder = with_meshes[0]
 		with_meshes = _children_with_meshes(holder)
 	var areas: Array[Rect2] = []
@@ -94,7 +94,7 @@ static func _meshes_in(node: Node) -> Array[Node]:
 	return found.filter(func(mesh: MeshInstance3D) -> bool: return mesh.mesh != null)
 
 
-## The box of a node's meshes in the scene, seen from above.
+## Returns the bounding box of a node's meshes in the scene, as seen from above.
 static func _area_of(node: Node, root: Node) -> Rect2:
 	var box := AABB()
 	for mesh: MeshInstance3D in _meshes_in(node):

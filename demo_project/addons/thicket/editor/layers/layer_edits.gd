@@ -1,6 +1,6 @@
 @tool
 extends RefCounted
-## Changes to a scatter's list of layers, each of them one undo step. Layers keep their ids, and references to deleted layers are removed.
+## Changes a scatter's list of layers. Each change is one undo step. Layers keep their ids, and references to deleted layers are removed.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 const FoliageMaterials := preload("res://addons/thicket/editor/materials/foliage_materials.gd")
@@ -10,8 +10,9 @@ const NewLayers := preload("res://addons/thicket/editor/layers/new_layers.gd")
 const Names := preload("res://addons/thicket/editor/inspector/layer_names.gd")
 
 
-## Adds a layer for each of these meshes, scenes, models and layers at an index. With an index of -1, each is inserted at a fitting
-## position. Scenes of plants get foliage materials, in files beside the edited scene if that has a file. Returns the new layers.
+## Adds a layer for each of these meshes, scenes and models, and each of these layers that is not in the list yet, at an index. If the index is -1,
+## each is inserted at a suitable position. If [param apart] is true, layers without their own files keep distances from the others. If the edited
+## scene has a file, scenes of plants get foliage materials in files next to that file. Returns the new layers.
 static func add(scatter: TerrainScatter3D, resources: Array[Resource], at: int, apart: bool, files: SceneFiles,
 		undo_redo: EditorUndoRedoManager) -> Array[ScatterLayer]:
 	var old := scatter.layers
@@ -22,15 +23,17 @@ static func add(scatter: TerrainScatter3D, resources: Array[Resource], at: int, 
 	var new: Array[ScatterLayer] = old.duplicate()
 	for index in added.size():
 		new.insert(at + index if at >= 0 else NewLayers.place_for(added[index], new), added[index])
+	var own := added.filter(func(layer: ScatterLayer) -> bool: return not Copies.is_file(layer))
+	NewLayers.use_levels(own, scatter.ground)
 	if apart:
-		NewLayers.keep_apart(added.filter(func(layer: ScatterLayer) -> bool: return not Copies.is_file(layer)), new)
+		NewLayers.keep_apart(own, new)
 	_commit("Add Layers", scatter, new, undo_redo, func() -> void:
 		for layer in added:
 			files.add_new_to_undo(_make_foliage(layer), layer, undo_redo))
 	return added
 
 
-## Gives a new layer of plants foliage materials, if there is a place for their files. Returns the materials.
+## Creates foliage materials for a new layer of plants, unless there is no path for their files. Returns the materials.
 static func _make_foliage(layer: ScatterLayer) -> Array[Resource]:
 	var place := SceneFiles.place_of(layer)
 	if place.is_empty() or Copies.is_file(layer) or layer.get_model_kind() == ScatterLayer.KIND_ROCK:
@@ -38,8 +41,8 @@ static func _make_foliage(layer: ScatterLayer) -> Array[Resource]:
 	return FoliageMaterials.new(place).give(layer)
 
 
-## Names the resources for which [method add] added no layer, in a sentence; empty if there are none. [param added] is the result of
-## [method add].
+## Returns a sentence that names the resources for which [method add] has added no layer, or an empty string if there are none.
+## [param added] is the result of [method add].
 static func left_out(resources: Array[Resource], added: Array[ScatterLayer]) -> String:
 	var names := PackedStringArray()
 	for resource in resources:
@@ -54,7 +57,7 @@ static func _draws(layer: ScatterLayer, resource: Resource) -> bool:
 		return entry == resource or entry is ScatterModel and (entry as ScatterModel).scene == resource)
 
 
-## Adds copies of layers after the last of them, with their own masks. Returns the copies.
+## Adds copies of layers, with their own masks, after the last of the layers. Returns the copies, or an empty array on failure.
 static func copy(scatter: TerrainScatter3D, layers: Array[ScatterLayer], apart: bool, files: SceneFiles, scene_path: String,
 		undo_redo: EditorUndoRedoManager) -> Array[ScatterLayer]:
 	var old := scatter.layers
@@ -87,7 +90,7 @@ static func remove(scatter: TerrainScatter3D, layers: Array[ScatterLayer], undo_
 	return _commit("Delete Layers", scatter, new, undo_redo)
 
 
-## Moves layers before the one at an index, and keeps their order. Returns false if they are already there.
+## Moves layers in front of the layer at an index, without changing their order. Returns false if they are already there.
 static func move(scatter: TerrainScatter3D, layers: Array[ScatterLayer], to: int, undo_redo: EditorUndoRedoManager) -> bool:
 	var old := scatter.layers
 	var new: Array[ScatterLayer] = []
@@ -102,7 +105,7 @@ static func move(scatter: TerrainScatter3D, layers: Array[ScatterLayer], to: int
 	return true
 
 
-## Renames a layer to a name that no other layer has. References by name are updated automatically.
+## Renames a layer. A number is added to the name if a different layer has it. References by name are updated automatically.
 static func rename(scatter: TerrainScatter3D, layer: ScatterLayer, name: String, undo_redo: EditorUndoRedoManager) -> void:
 	var others: Array[ScatterLayer] = ScatterLayers.of(scatter).filter(func(other: ScatterLayer) -> bool: return other != layer)
 	var free := Copies.free_name(name.strip_edges(), Copies.names(others))
@@ -120,15 +123,15 @@ static func _commit(title: String, scatter: TerrainScatter3D, new: Array[Scatter
 	var old := scatter.layers
 	var told := PackedStringArray()
 	undo_redo.create_action(title, UndoRedo.MERGE_DISABLE, scatter)
-	# The list is set first, for undo and redo, because it must contain the layers that are referred to.
+	# Undo and redo set the list first, because it must contain the layers to which references are set.
 	undo_redo.add_do_property(scatter, &"layers", new)
 	undo_redo.add_undo_property(scatter, &"layers", old)
 	for layer in new:
 		if layer != null and layer in old:
 			_follow_in_layer(layer, old, new, told, undo_redo)
 		elif layer != null and Copies.is_file(layer) and layer.layer_id == -1:
-			# The list assigns an id, which the layer's file stores. Because of this method call on the layer, the editor writes that file when it
-			# saves the scene.
+			# The layer gets an id when it is added to the list, and its file must store the id. Because of this method call on the layer, the
+			# editor saves that file together with the scene.
 			undo_redo.add_do_method(layer, &"get_layer_id")
 			undo_redo.add_undo_property(layer, &"layer_id", -1)
 	for region: ScatterRegion3D in scatter.find_children("*", "ScatterRegion3D", true, false):
@@ -150,6 +153,12 @@ static func _follow_in_layer(layer: ScatterLayer, old: Array[ScatterLayer], new:
 		else:
 			r_told.append("%s no longer keeps a distance to %s." % [_title(layer, old), _title_of(key, old)])
 	_change(layer, &"spacing", spacing, followed, undo_redo)
+	var hosts := layer.surface_layers
+	var followed_hosts: Array = hosts.map(_next.bind(old, new)).filter(func(next: Variant) -> bool: return next != null)
+	for host: Variant in hosts.filter(func(each: Variant) -> bool: return _next(each, old, new) == null):
+		r_told.append("%s no longer grows on %s." % [_title(layer, old), _title_of(host, old)])
+	if followed_hosts or not hosts: # With an empty list, the layer would grow on the ground instead.
+		_change(layer, &"surface_layers", hosts, followed_hosts, undo_redo)
 	for object in Names.referring([layer]):
 		for property in Names.reference_properties(object):
 			var mentioned: Variant = object.get(property)
@@ -179,7 +188,8 @@ static func _change(object: Object, property: StringName, before: Variant, after
 		undo_redo.add_undo_property(object, property, before)
 
 
-## The same reference to a layer; null if the old list had the layer and the new one does not. A reference to no layer stays.
+## Returns the new value of a reference to a layer: null if the layer was in the old list and is not in the new one. An invalid reference is returned
+## unchanged.
 static func _next(mentioned: Variant, old: Array[ScatterLayer], new: Array[ScatterLayer]) -> Variant:
 	var layer := _meant(mentioned, old)
 	if layer == null:

@@ -1,6 +1,7 @@
 @tool
 extends PanelContainer
-## Accepts scenes, meshes and models from the FileSystem dock: a layer adds them to its meshes, a scatter adds a layer for each.
+## An area in the inspector that accepts scenes, meshes and models from the FileSystem dock. A layer adds them to its meshes; a scatter adds a
+## layer for each.
 
 const HINT_ON_LAYER := "Drop scenes or meshes here"
 const HINT_ON_SCATTER := "Drop scenes or meshes here: a layer for each"
@@ -18,7 +19,7 @@ func _init(object: Object, files: SceneFiles) -> void:
 	var label := Label.new()
 	label.text = HINT_ON_LAYER if object is ScatterLayer else HINT_ON_SCATTER
 	label.horizontal_alignment = HORIZONTAL_ALIGNMENT_CENTER
-	label.autowrap_mode = TextServer.AUTOWRAP_WORD_SMART # The inspector keeps its width, and so the view beside it does.
+	label.autowrap_mode = TextServer.AUTOWRAP_WORD_SMART # Without wrapping, the label would widen the inspector.
 	label.mouse_filter = Control.MOUSE_FILTER_PASS
 	label.modulate.a = 0.7
 	add_child(label)
@@ -32,8 +33,8 @@ func _drop_data(_at: Vector2, data: Variant) -> void:
 	add(_object, taken(data), _files, EditorInterface.get_editor_undo_redo())
 
 
-## Adds the dropped resources to a layer or a scatter, as one undo step. Resources that cannot be drawn are not added, and a toast names
-## them.
+## Adds the dropped resources to a layer or a scatter, as one undo step. A scatter leaves out those that cannot be drawn; a layer adds none if it rejects
+## one of them. A toast names the resources that were not added. A layer that had no meshes also gets the properties that fit them.
 static func add(object: Object, dropped: Array[Resource], files: SceneFiles, undo_redo: EditorUndoRedoManager) -> void:
 	if object is ScatterLayer:
 		_add_to_layer(object as ScatterLayer, dropped, undo_redo)
@@ -42,12 +43,12 @@ static func add(object: Object, dropped: Array[Resource], files: SceneFiles, und
 		_tell(LayerEdits.left_out(dropped, LayerEdits.add(scatter, dropped, scatter.layers.size(), true, files, undo_redo)))
 
 
-## Returns true if all dragged resources can be drawn. [param with_layers] also accepts layers.
+## Returns true if all dragged resources can be drawn. If [param with_layers] is true, layers are accepted as well.
 static func can_take(data: Variant, with_layers := false) -> bool:
 	return not _paths(data, with_layers).is_empty() or _resource(data, with_layers) != null
 
 
-## Returns the dragged resources; empty if [method can_take] returns false.
+## Returns the dragged resources. Empty if [method can_take] returns false.
 static func taken(data: Variant, with_layers := false) -> Array[Resource]:
 	var result: Array[Resource] = []
 	if _resource(data, with_layers) != null:
@@ -68,7 +69,8 @@ static func _add_to_layer(layer: ScatterLayer, dropped: Array[Resource], undo_re
 	var old := layer.meshes
 	var fitted := NewLayers.of_meshes(old + dropped)
 	if fitted == null:
-		_tell(LayerEdits.left_out(dropped, []))
+		var refused := dropped.filter(func(resource: Resource) -> bool: return NewLayers.of_meshes([resource]) == null)
+		_tell(LayerEdits.left_out(refused, []))
 		return
 	undo_redo.create_action("Add Meshes", UndoRedo.MERGE_DISABLE, layer)
 	undo_redo.add_do_property(layer, &"meshes", old + dropped)
@@ -78,7 +80,7 @@ static func _add_to_layer(layer: ScatterLayer, dropped: Array[Resource], undo_re
 	undo_redo.commit_action()
 
 
-## The dragged files, if all of them can be drawn; else none.
+## Returns the paths of the dragged files if all of them can be drawn, and otherwise an empty array.
 static func _paths(data: Variant, with_layers: bool) -> PackedStringArray:
 	if not data is Dictionary or (data as Dictionary).get("type") != "files":
 		return []

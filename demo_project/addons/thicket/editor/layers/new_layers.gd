@@ -1,41 +1,45 @@
 @tool
 extends RefCounted
-## Creates layers for meshes, scenes and models. The layers are named after their files, their values suit the size and the kind of the mesh, and
-## they keep distances to each other.
+## Creates layers for meshes, scenes and models. The layers are named after their files, have settings that suit the size and the kind of the mesh,
+## and keep distances from each other.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 
-## The view distance of a layer, in meters per meter of its radius, with its limits, and the same for the side of its tiles.
+## The view distance of a layer is its radius times [constant VIEW], limited to [constant VIEW_RANGE] in meters. [constant TILE] and
+## [constant TILE_RANGE] define the side of its tiles in the same way, but the side is rounded to a power of two.
 const VIEW := 100.0
 const VIEW_RANGE := Vector2(10.0, 600.0)
 const TILE := 30.0
 const TILE_RANGE := Vector2(8.0, 128.0)
-## A later layer whose radius is less than [constant UNDERGROWTH] times an earlier one's grows beneath the earlier layer. The later layer keeps a
-## distance of [constant TRUNK] times the earlier radius.
+## A later layer grows beneath an earlier one if its radius is less than [constant UNDERGROWTH] times the earlier radius. It then keeps a distance of
+## [constant TRUNK] times the earlier radius.
 const UNDERGROWTH := 0.35
 const TRUNK := 0.2
-## The largest distance to an earlier layer, as a part of that layer's radius. Beyond that, hardly any instance remains: at full density, no position
-## is farther from the earlier layer than its radius.
+## The largest distance to an earlier layer of full density, as a part of that layer's radius. At a larger distance, hardly any instance would remain,
+## because no position is farther than its radius from one of its instances. A lower density of the earlier layer allows a larger distance.
 const ROOM := 0.62
+## The steepest slope in degrees on which new layers on surfaces grow. Walls would otherwise be as densely covered as floors.
+const STEEPEST := 60.0
 
 
-## Creates a layer with these meshes, whose values fit their sizes; null if there is nothing to draw.
+## Creates a layer with these meshes, and with settings that fit their sizes. Returns null if there is nothing to draw, or if the layer
+## rejects one of the meshes.
 static func of_meshes(meshes: Array, kind := ScatterLayer.KIND_AUTOMATIC) -> ScatterLayer:
 	var layer := ScatterLayer.new()
-	for mesh: Variant in meshes: # One by one, because a layer keeps an invalid entry only if its list was empty before.
+	for mesh: Variant in meshes: # Added one by one, because a layer accepts an invalid entry only while its list is empty.
 		layer.meshes = layer.meshes + [mesh]
 	return layer if layer.fit_to_meshes(kind) and layer.meshes.size() == meshes.size() else null
 
 
-## Adds to an undo step that a layer gets the values which fit_to_meshes has set on a different one.
+## Adds to an undo step that [param layer] gets the fitted properties of [param fitted], on which fit_to_meshes was called.
 static func add_fit(layer: ScatterLayer, fitted: ScatterLayer, undo_redo: EditorUndoRedoManager) -> void:
 	for property in layer.get_fitted_properties():
 		undo_redo.add_do_property(layer, property, fitted.get(property))
 		undo_redo.add_undo_property(layer, property, layer.get(property))
 
 
-## Creates a layer for each resource that can be drawn, the widest first, with names that are not taken. Resources that are layers
-## are returned unchanged.
+## Creates a layer for each resource that can be drawn, the widest first, with names that are not in [param taken]. Resources that
+## are layers come first in the result, unchanged.
 static func of_resources(resources: Array[Resource], taken: PackedStringArray) -> Array[ScatterLayer]:
 	var result: Array[ScatterLayer] = []
 	var made: Array[ScatterLayer] = []
@@ -57,7 +61,22 @@ static func of_resources(resources: Array[Resource], taken: PackedStringArray) -
 	return result
 
 
-## The index for a new layer in a list: before the first layer that is less than half as wide, so that small layers avoid large ones.
+## Lets new layers grow on all levels of the ground, such as the floors of a house or the land below a bridge, if the ground contains meshes.
+static func use_levels(new: Array[ScatterLayer], ground: ScatterGround) -> void:
+	if _may_have_levels(ground):
+		for layer in new:
+			layer.on_surfaces = true
+			layer.max_slope_degrees = minf(layer.max_slope_degrees, STEEPEST)
+
+
+static func _may_have_levels(ground: ScatterGround) -> bool:
+	if ground is ScatterGroundCombined:
+		return (ground as ScatterGroundCombined).grounds.any(_may_have_levels)
+	return ground is ScatterGroundMeshes
+
+
+## Returns the index at which to insert a new layer in a list. It is in front of the first layer whose radius is less than half of the new layer's
+## radius, so that small layers avoid large layers.
 static func place_for(layer: ScatterLayer, layers: Array[ScatterLayer]) -> int:
 	for index in layers.size():
 		var other := layers[index]
@@ -66,7 +85,8 @@ static func place_for(layer: ScatterLayer, layers: Array[ScatterLayer]) -> int:
 	return layers.size()
 
 
-## Sets the spacing of new layers to all others of a list, by name. Large layers keep no distance to those that grow beneath them.
+## Sets the spacing of new layers to the other layers of a list that have a name. Among the new layers, only later ones keep a distance from earlier
+## ones. Large layers keep no distance from their undergrowth. A layer has at most [constant ScatterLayer.MAX_NEIGHBORS] distances.
 static func keep_apart(new: Array[ScatterLayer], layers: Array[ScatterLayer]) -> void:
 	var done: Array[ScatterLayer] = []
 	for layer in new:
@@ -83,7 +103,8 @@ static func keep_apart(new: Array[ScatterLayer], layers: Array[ScatterLayer]) ->
 		done.append(layer)
 
 
-## Sets the spacing of later layers to all earlier ones, by name. The distances that the later ones keep to each other stay.
+## Sets the spacing of later layers to the earlier layers that have a name. The distances among the later layers are not changed. A layer has at most
+## [constant ScatterLayer.MAX_NEIGHBORS] distances.
 static func give_way(later: Array[ScatterLayer], earlier: Array[ScatterLayer]) -> void:
 	for layer in later:
 		var spacing := layer.spacing.duplicate()
@@ -94,8 +115,8 @@ static func give_way(later: Array[ScatterLayer], earlier: Array[ScatterLayer]) -
 		layer.spacing = spacing
 
 
-## The distance in meters that a later layer keeps to an earlier one: half the sum of both radii. The distance is less if that would leave no room, or
-## if the later layer is undergrowth. It is 0 if the earlier layer is undergrowth.
+## Returns the distance in meters that a later layer keeps from an earlier layer: half the sum of both radii. The distance is smaller if half the sum
+## would leave no room, or if the later layer is undergrowth. It is 0 if the earlier layer is undergrowth.
 static func distance(earlier: ScatterLayer, later: ScatterLayer) -> float:
 	var wide := earlier.radius
 	var other := later.radius
@@ -119,7 +140,8 @@ static func _fit_view(layer: ScatterLayer) -> void:
 	layer.tile_size = pow(2.0, roundf(log(clampf(radius * TILE, TILE_RANGE.x, TILE_RANGE.y)) / log(2.0)))
 
 
-## New layers of similar width share the ground: the first one gets its share, the second one its share of the rest, and so on.
+## Lowers the densities of layers with similar radii, so that the layers share the ground. The first layer keeps its share, the second layer gets its
+## share of the rest, and so on.
 static func _share_ground(layers: Array[ScatterLayer]) -> void:
 	for index in layers.size():
 		var rest := 1

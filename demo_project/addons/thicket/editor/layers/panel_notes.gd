@@ -1,7 +1,7 @@
 @tool
 extends VBoxContainer
-## Notes about a scatter, one in each row, with a button that fixes the problem: the scatter has no ground, shares resources by accident, or is in a
-## scene that would be gray in the game.
+## Notes about problems of a scatter, one per row, with a button that fixes the problem. The scatter may have no ground, share resources by accident,
+## or be in a scene that would be gray in the game.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
@@ -9,13 +9,13 @@ const Shared := preload("res://addons/thicket/editor/layers/shared_layers.gd")
 const Surroundings := preload("res://addons/thicket/editor/layers/scene_surroundings.gd")
 const UniqueDialog := preload("res://addons/thicket/editor/layers/unique_dialog.gd")
 
-## The user wants to choose a ground.
+## Emitted when the user wants to choose a ground.
 signal ground_wanted
 
 ## The number of updates between two searches for shared resources.
 const SEARCH_EVERY := 6
 
-## Asks how to make the scatter unique.
+## The dialog for making the scatter unique.
 var dialog := UniqueDialog.new()
 
 var _undo_redo: EditorUndoRedoManager
@@ -24,7 +24,7 @@ var _scatter: TerrainScatter3D
 var _ground: HBoxContainer
 var _sharing: HBoxContainer
 var _gray: HBoxContainer
-var _accepted: Dictionary[String, bool] = {} ## Paths of scenes that need no surroundings.
+var _accepted: Dictionary[String, bool] = {} ## The paths of scenes for which the user has hidden the note about surroundings.
 var _shared: Shared.Shared
 var _looks := 0
 
@@ -47,19 +47,19 @@ func _init(undo_redo: EditorUndoRedoManager, files: SceneFiles) -> void:
 	_gray = _row(&"NodeInfo")
 	var surround := Button.new()
 	surround.text = "Add Camera, Sun, Sky and Wind"
-	surround.tooltip_text = "Adds the missing ones to the scene. The camera looks as this view does."
+	surround.tooltip_text = "Adds the missing parts to the scene. The camera gets the position and the direction of this view."
 	surround.pressed.connect(_surround)
 	_gray.add_child(surround)
 	var accept := Button.new()
 	accept.text = "Not Here"
-	accept.tooltip_text = "Hides this note: a different scene has them."
+	accept.tooltip_text = "Hides this note. Use it if a different scene contains these parts."
 	accept.pressed.connect(_accept_gray)
 	_gray.add_child(accept)
 	add_child(dialog)
 	dialog.decided.connect(make_unique)
 
 
-## Updates the notes about a scatter; null for no scatter.
+## Updates the notes about a scatter, which may be null.
 func look(scatter: TerrainScatter3D) -> void:
 	if scatter != _scatter or _looks % SEARCH_EVERY == 0:
 		_shared = Shared.find(scatter) if scatter != null else null
@@ -75,7 +75,7 @@ func look(scatter: TerrainScatter3D) -> void:
 		_label(_sharing).tooltip_text = _shared.tell(scatter.name)
 
 
-## The note on a single layer; empty if there is none.
+## Returns the note about a single layer, or an empty string if there is none.
 func note_on(layer: ScatterLayer) -> String:
 	if _shared == null:
 		return ""
@@ -102,7 +102,7 @@ func make_unique(new_seed: bool, with_files: bool) -> void:
 	look(_scatter)
 
 
-## Once there is something to see: a scatter with a ground and layers.
+## Updates the note about missing surroundings, which requires a scatter with a ground and layers.
 func _look_at_surroundings() -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	_gray.visible = root != null and _scatter != null and _scatter.ground != null and not _scatter.layers.is_empty() and (

@@ -1,13 +1,13 @@
 @tool
 extends RefCounted
-## The parts that a scene needs to be visible in the game: a camera, a light, a sky, and wind for the plants. Adds what is missing.
+## Finds and adds the parts that a scene needs to look right in the game: a camera, a light, a sky, and wind for the plants.
 
 const FoliageWorld := preload("res://addons/thicket/shaders/foliage_world.gd")
 
 const PARTS: PackedStringArray = ["camera", "sun", "sky", "wind"]
 
 
-## The parts that a scene lacks.
+## Returns the parts that a scene lacks.
 static func missing(root: Node) -> PackedStringArray:
 	var nodes: Array[Node] = [root]
 	nodes.append_array(root.find_children("*", "", true, false))
@@ -18,23 +18,28 @@ static func missing(root: Node) -> PackedStringArray:
 	return result
 
 
-## Whether the game would show a gray window: no camera, or neither a light nor a sky.
+## Returns true if the game would show a gray window, because there is no camera, or neither a light nor a sky.
 static func is_gray(root: Node) -> bool:
 	var parts := missing(root)
 	return parts.has("camera") or parts.has("sun") and parts.has("sky")
 
 
-## Adds the missing parts below the root, as one undo step. The camera looks as the editor's view does.
+## Adds the missing parts below the root, as one undo step. The camera gets the transform of the editor's view.
 static func add(root: Node, view: Transform3D, undo_redo: EditorUndoRedoManager) -> void:
 	undo_redo.create_action("Add Camera, Sun, Sky and Wind", UndoRedo.MERGE_DISABLE, root)
 	for part in missing(root):
-		var node := _make(part, view)
+		var node := _make(part, _below(root, view))
 		node.name = part.capitalize()
 		undo_redo.add_do_method(root, &"add_child", node, true)
 		undo_redo.add_do_property(node, &"owner", root)
 		undo_redo.add_do_reference(node)
 		undo_redo.add_undo_method(root, &"remove_child", node)
 	undo_redo.commit_action()
+
+
+## Converts a global transform to the local space of the root, which may be moved or rotated.
+static func _below(root: Node, transform: Transform3D) -> Transform3D:
+	return (root as Node3D).global_transform.affine_inverse() * transform if root is Node3D else transform
 
 
 static func _is_part(node: Node, part: String) -> bool:
@@ -83,7 +88,7 @@ static func _environment() -> Environment:
 	environment.sky = Sky.new()
 	environment.sky.sky_material = material
 	environment.ambient_light_source = Environment.AMBIENT_SOURCE_SKY
-	environment.ambient_light_color = Color(0.75, 0.8, 0.85) # A blue sky alone makes the ground below trees dark and blue.
+	environment.ambient_light_color = Color(0.75, 0.8, 0.85) # With light from the blue sky alone, the ground below trees would be dark and blue.
 	environment.ambient_light_sky_contribution = 0.4
 	environment.ambient_light_energy = 1.7
 	environment.tonemap_mode = Environment.TONE_MAPPER_FILMIC
