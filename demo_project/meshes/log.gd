@@ -1,12 +1,12 @@
 extends RefCounted
-## A fallen trunk, 3.5 m long, half sunk into the ground; driftwood is paler.
+## A fallen trunk, 3.5 m long, half sunk into the ground. Driftwood is paler.
 
 const Builder := preload("res://meshes/mesh_builder.gd")
 const BARKS: Array[Color] = [Color(0.3, 0.23, 0.165), Color(0.58, 0.54, 0.48)]
-const WOOD := Color(0.52, 0.4, 0.26)
+const WOODS: Array[Color] = [Color(0.52, 0.4, 0.26), Color(0.54, 0.49, 0.41)]
 
 
-## Builds the trunk with the number [param variant]; odd ones are driftwood.
+## Builds the trunk. The number [param variant] determines its individual shape. Odd variants are driftwood.
 static func build(variant: int) -> Builder:
 	var bark := BARKS[variant % 2]
 	var builder := Builder.new()
@@ -19,8 +19,8 @@ static func build(variant: int) -> Builder:
 		var to := Vector3(1.8, 0.1, -0.1)
 		builder.tube(from, Vector3(0.1, 0.16, 0.0), 0.27, 0.24, sides, bark, 0)
 		builder.tube(Vector3(0.1, 0.16, 0.0), to, 0.24, 0.17, sides, bark, 0)
-		_end(builder, from, Vector3.LEFT, 0.27, sides)
-		_end(builder, to, Vector3.RIGHT, 0.17, sides)
+		_end(builder, from, Vector3.LEFT, 0.27, sides, WOODS[variant % 2])
+		_end(builder, to, Vector3.RIGHT, 0.17, sides, WOODS[variant % 2])
 		for branch: int in [4, 2, 0][level]:
 			var start := Vector3(-1.0 + 0.75 * branch, 0.25, 0.0)
 			var out := Vector3(1.0, rng.randf_range(0.3, 0.7), rng.randf_range(-1.3, 1.3)).normalized()
@@ -29,12 +29,12 @@ static func build(variant: int) -> Builder:
 	return builder
 
 
-static func _end(builder: Builder, at: Vector3, out: Vector3, radius: float, sides: int) -> void:
-	var middle := builder.vertex(at + out * 0.03, out, WOOD, Builder.OPAQUE_UV)
+static func _end(builder: Builder, at: Vector3, out: Vector3, radius: float, sides: int, wood: Color) -> void:
+	var middle := builder.vertex(at + out * 0.03, out, wood, Builder.OPAQUE_UV)
 	var ring: Array[int] = []
 	for i in sides + 1:
 		var angle := TAU * i / sides
-		ring.append(builder.vertex(at + Vector3(0.0, sin(angle), cos(angle)) * radius, out, WOOD * 0.75, Builder.OPAQUE_UV))
+		ring.append(builder.vertex(at + Vector3(0.0, sin(angle), cos(angle)) * radius, out, wood * 0.75, Builder.OPAQUE_UV))
 	for i in sides:
 		if out.x > 0.0:
 			builder.triangle(middle, ring[i], ring[i + 1])

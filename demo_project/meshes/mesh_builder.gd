@@ -1,18 +1,17 @@
 extends RefCounted
-## Collects the triangles of one plant or stone, LOD by LOD, and builds meshes from them: one for each LOD, or one with all LODs.
+## Collects the triangles of one plant or stone for each LOD. Builds one mesh for each LOD, or one mesh with all LODs.
 ##
-## In one mesh, all LODs share one vertex array and one surface. An LOD is an index list, which the engine selects by distance, also
-## for the instances of a MultiMesh. The vertex data is for the demo's shaders: COLOR.rgb is the albedo (sRGB), UV refers to
-## [code]leaf_atlas.gd[/code].
+## In a mesh with all LODs, the LODs share one vertex array and one surface. Each LOD is an index list, which the engine selects by distance, even for
+## the instances of a MultiMesh. COLOR.rgb of a vertex is the albedo (sRGB), and UV refers to the texture of [code]leaf_atlas.gd[/code].
 
 const Atlas := preload("res://meshes/leaf_atlas.gd")
 
-## The engine draws an LOD where its edge length is below one pixel. This factor converts a distance into the edge length that is one pixel long at
-## this distance, which is the key of an LOD. The factor is for a view 1280 pixels wide and 65 degrees high: twice the tangent of half the horizontal
-## angle, divided by the width.
+## The length, in meters, that appears one pixel long at a distance of one meter. The engine draws an LOD where the LOD's edge length is below one
+## pixel, so a distance times this factor is the key of an LOD. The factor is for a view that is 1280 pixels wide, with a vertical angle of 65
+## degrees: twice the tangent of half the horizontal angle, divided by the width.
 const EDGE_PER_METER := 0.00177
 
-## For surfaces without a texture: stones, blades and petals, and the dark inside of a crown.
+## The UV for surfaces without a texture: stones, blades and petals, and the dark inside of a crown.
 const OPAQUE_UV := Atlas.OPAQUE_UV
 
 ## The brightness of a vertex that is not open to the sky.
@@ -26,13 +25,13 @@ var _levels: Array[PackedInt32Array] = []
 var _distances := PackedFloat32Array()
 
 
-## Starts the next coarser level; the first call starts level 0.
+## Starts the next coarser level. The first call starts level 0.
 func begin_level() -> void:
 	_levels.append(PackedInt32Array())
 
 
-## Adds a vertex and returns its index. [param normal] may have any length. The alpha of [param color] is how open to the sky the
-## vertex is, 0..1: enclosed vertices are darker.
+## Adds a vertex and returns its index. [param normal] may have any length. The alpha of [param color] is how open to the sky the vertex is, from 0 to
+## 1. Enclosed vertices are drawn darker.
 func vertex(position: Vector3, normal: Vector3, color: Color, uv: Vector2) -> int:
 	_vertices.append(position)
 	_normals.append(normal.normalized())
@@ -41,7 +40,7 @@ func vertex(position: Vector3, normal: Vector3, color: Color, uv: Vector2) -> in
 	return _vertices.size() - 1
 
 
-## Adds a triangle of three vertex indices to the current level, clockwise when seen from its front.
+## Adds a triangle of three vertex indices to the current level, in clockwise order as seen from its front.
 func triangle(a: int, b: int, c: int) -> void:
 	var level := _levels[_levels.size() - 1]
 	level.append(a)
@@ -50,14 +49,14 @@ func triangle(a: int, b: int, c: int) -> void:
 	_levels[_levels.size() - 1] = level
 
 
-## Adds the quad a, b, c, d (around its border) to the current level.
+## Adds the quad a, b, c, d to the current level, in the order of its outline.
 func quad(a: int, b: int, c: int, d: int) -> void:
 	triangle(a, b, c)
 	triangle(a, c, d)
 
 
-## Adds a flat leaf card with its own normal direction at the center. [param bulge] bends the corner normals outwards from it (0
-## flat, 1 strongly), so that a crown of cards is lit like a round body.
+## Adds a flat leaf card with a normal at its center. [param bulge] bends the normals of the corners outwards, from 0 (flat) to 1
+## (strongly), so that a crown of cards is lit like a round body.
 func card(center: Vector3, right: Vector3, up: Vector3, normal: Vector3, region: Rect2, color: Color,
 		bulge := 0.45) -> void:
 	var corners: Array[int] = []
@@ -68,8 +67,8 @@ func card(center: Vector3, right: Vector3, up: Vector3, normal: Vector3, region:
 	quad(corners[0], corners[3], corners[2], corners[1])
 
 
-## Adds [param count] upright pictures of a whole crown, crossed at [param bottom], for far away. [param low] and [param high] are the colors at the
-## bottom and at the top.
+## Adds [param count] upright cards with a picture of a whole crown, crossed at [param bottom], for distant LODs. [param low] and [param high] are the
+## colors at the bottom and at the top.
 func crossed(bottom: Vector3, half_width: float, height: float, region: Rect2, low: Color, high: Color, count: int) -> void:
 	for plane in count:
 		var angle := PI * (plane + 0.25) / count
@@ -84,8 +83,8 @@ func crossed(bottom: Vector3, half_width: float, height: float, region: Rect2, l
 		quad(corners[0], corners[3], corners[2], corners[1])
 
 
-## Adds an open tapered tube from [param from] to [param to] with [param sides] sides, as a trunk or branch. [param bark] is the
-## index of its bark in [code]leaf_atlas.gd[/code].
+## Adds an open tapered tube from [param from] to [param to] with [param sides] sides, for a trunk or branch. [param bark] is the index
+## of its bark in [constant Atlas.BARKS].
 func tube(from: Vector3, to: Vector3, from_radius: float, to_radius: float, sides: int, color: Color, bark: int) -> void:
 	var axis := (to - from).normalized()
 	var right := axis.cross(Vector3.FORWARD if absf(axis.z) < 0.9 else Vector3.RIGHT).normalized()
@@ -101,10 +100,10 @@ func tube(from: Vector3, to: Vector3, from_radius: float, to_radius: float, side
 		vertex(to + out * to_radius, out, color, Vector2(u, 0.0))
 	for i in sides:
 		var a := first + 2 * i
-		quad(a, a + 1, a + 3, a + 2)
+		quad(a, a + 2, a + 3, a + 1)
 
 
-## Adds a cone without a base, whose apex is above [param base].
+## Adds a cone without a base surface, whose apex is above [param base].
 func cone(base: Vector3, radius: float, height: float, sides: int, color: Color) -> void:
 	var apex := vertex(base + Vector3.UP * height, Vector3.UP, color, OPAQUE_UV)
 	var first := _vertices.size()
@@ -116,18 +115,35 @@ func cone(base: Vector3, radius: float, height: float, sides: int, color: Color)
 		triangle(apex, first + i, first + (i + 1) % sides)
 
 
-## Sets the distances in meters from which levels 1, 2, ... are drawn; one fewer than the levels.
+## Adds a surface of revolution from [param base] along [param axis]. Each point of [param profile] is a radius and a distance along the axis, and has a color.
+func revolve(base: Vector3, axis: Vector3, profile: PackedVector2Array, colors: PackedColorArray, sides: int) -> void:
+	var right := axis.cross(Vector3.FORWARD if absf(axis.z) < 0.9 else Vector3.RIGHT).normalized()
+	var forward := right.cross(axis)
+	var first := _vertices.size()
+	for point in profile.size():
+		var along := profile[mini(point + 1, profile.size() - 1)] - profile[maxi(point - 1, 0)]
+		for i in sides + 1:
+			var angle := TAU * i / sides
+			var out := right * cos(angle) + forward * sin(angle)
+			vertex(base + out * profile[point].x + axis * profile[point].y, out * along.y - axis * along.x, colors[point], OPAQUE_UV)
+	for point in profile.size() - 1:
+		for i in sides:
+			var a := first + point * (sides + 1) + i
+			quad(a + 1, a + sides + 2, a + sides + 1, a)
+
+
+## Sets the distances in meters from which levels 1, 2, ... are drawn. The number of distances must be one less than the number of levels.
 func end(distances: PackedFloat32Array) -> void:
 	assert(distances.size() == _levels.size() - 1)
 	_distances = distances
 
 
-## The number of levels.
+## Returns the number of levels.
 func level_count() -> int:
 	return _levels.size()
 
 
-## The distance in meters from which a level is drawn.
+## Returns the distance in meters from which a level is drawn.
 func distance(level: int) -> float:
 	return _distances[level - 1] if level > 0 else 0.0
 
@@ -158,8 +174,8 @@ func mesh_of(level: int, material: Material) -> ArrayMesh:
 	return mesh
 
 
-## Writes the levels as one surface, from which the engine selects. The distances are for a width of 1280 pixels and an instance
-## scale of 1. Levels finer than [param finest] are left out, but never the last.
+## Writes the levels to [param mesh] as one surface, with LODs that the engine selects. The distances are for a width of 1280 pixels
+## and an instance scale of 1. Levels finer than [param finest] are left out, except for the last one.
 func commit(mesh: ArrayMesh, finest: int, material: Material) -> void:
 	finest = mini(finest, _levels.size() - 1)
 	var arrays := _arrays()
@@ -182,7 +198,7 @@ func _arrays() -> Array:
 	return arrays
 
 
-## The points and clockwise faces of a unit icosphere.
+## Returns the points and the clockwise faces of a unit icosphere, as an array of both.
 static func icosphere(subdivisions: int) -> Array:
 	var t := (1.0 + sqrt(5.0)) / 2.0
 	var points := PackedVector3Array()

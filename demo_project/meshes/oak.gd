@@ -1,18 +1,18 @@
 extends RefCounted
-## A broadleaf tree of about 16 m: a forked trunk and a crown of leaf sprays, which is round, wide or tall.
+## A broadleaf tree of about 16 m, with a forked trunk and a crown of leaf sprays that is round, wide or tall.
 
 const Builder := preload("res://meshes/mesh_builder.gd")
 const Atlas := preload("res://meshes/leaf_atlas.gd")
 const Crown := preload("res://meshes/leaf_crown.gd")
 const BARK := Color(0.37, 0.3, 0.225)
-const LOW := Color(0.085, 0.15, 0.035)
+const LOW := Color(0.155, 0.24, 0.06)
 const HIGH := Color(0.31, 0.395, 0.115)
-## Width and height of the crown's shapes.
+## The shapes of the crown, as factors for its width and height.
 const SHAPES: Array[Vector2] = [Vector2(1.0, 1.0), Vector2(1.22, 0.86), Vector2(0.84, 1.14)]
 const HEART := Vector3(0.0, 8.6, 0.0)
 
 
-## Builds the tree with the number [param variant].
+## Builds the tree. The number [param variant] determines its individual shape.
 static func build(variant: int) -> Builder:
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 100 + variant
@@ -40,7 +40,7 @@ static func build(variant: int) -> Builder:
 	return builder
 
 
-## The center and radius of the crown's clumps, as Vector4(x, y, z, radius).
+## Returns the center and radius of the crown's clumps, as Vector4(x, y, z, radius).
 static func clumps_of(rng: RandomNumberGenerator, variant: int) -> Array[Vector4]:
 	var result: Array[Vector4] = []
 	var count := 11
@@ -57,7 +57,7 @@ static func clumps_of(rng: RandomNumberGenerator, variant: int) -> Array[Vector4
 	return result
 
 
-## The settings of the crown's leaves.
+## Returns the settings of the crown's leaves.
 static func crown(shape: Vector2, rng: RandomNumberGenerator) -> Crown:
 	var made := Crown.new()
 	made.region = Atlas.BROADLEAF
@@ -86,14 +86,14 @@ static func trunk(builder: Builder, clumps: Array[Vector4], sides: int) -> void:
 		builder.tube(knee, start.lerp(end, 0.9), 0.12, 0.04, 3, BARK * 0.75, 0)
 
 
-## The trunk for far away.
+## Adds the trunk of distant LODs.
 static func _stem(builder: Builder) -> void:
 	builder.tube(Vector3(0.0, -0.8, 0.0), Vector3(0.0, 6.5, 0.0), 0.5, 0.3, 3, BARK, 0)
 
 
-## A crown of crossed pictures, and one that is seen from above.
+## Adds the crown of the farthest LOD: crossed pictures of a crown, and one picture that is seen from above.
 static func _far_crown(builder: Builder, shape: Vector2) -> void:
 	var wide := 5.9 * shape.x
-	builder.crossed(Vector3(0.0, 4.2 * shape.y, 0.0), wide, 11.2 * shape.y, Atlas.CROWN, LOW.lerp(HIGH, 0.3), LOW.lerp(HIGH, 0.75), 3)
+	builder.crossed(Vector3(0.0, 4.2 * shape.y, 0.0), wide, 11.2 * shape.y, Atlas.CROWN, LOW.lerp(HIGH, 0.52), LOW.lerp(HIGH, 1.1), 3)
 	builder.card(Vector3(0.0, 9.6 * shape.y, 0.0), Vector3.RIGHT * wide * 0.8, Vector3.FORWARD * wide * 0.8, Vector3.UP, Atlas.CROWN,
-			LOW.lerp(HIGH, 0.72), 0.7)
+			LOW.lerp(HIGH, 1.07), 0.7)

@@ -1,5 +1,5 @@
 extends RefCounted
-## All plants and stones, by their names. Each script has [code]build(variant)[/code], which returns the builder with all LODs.
+## The scripts of all plants and stones, by name. Each has a function [code]build(variant)[/code], which returns a builder with all LODs.
 
 const Builder := preload("res://meshes/mesh_builder.gd")
 const SCRIPTS := {
@@ -23,9 +23,13 @@ const SCRIPTS := {
 	&"pebbles": preload("res://meshes/pebbles.gd"),
 	&"stump": preload("res://meshes/stump.gd"),
 	&"log": preload("res://meshes/log.gd"),
+	&"moss": preload("res://meshes/moss.gd"),
+	&"ivy": preload("res://meshes/ivy.gd"),
+	&"mushroom": preload("res://meshes/mushroom.gd"),
+	&"stalactite": preload("res://meshes/stalactite.gd"),
 }
 
 
-## Builds one individual of a species, which must be one of [constant SCRIPTS].
+## Builds a variant of a species, which must be a key of [constant SCRIPTS].
 static func build(species: StringName, variant: int) -> Builder:
 	return SCRIPTS[species].build(variant)

@@ -1,17 +1,17 @@
 extends RefCounted
-## A spruce of about 21 m: boughs in a spiral around a straight trunk. Boughs hang and lift their tips, and are longer at the bottom.
+## A spruce of about 21 m, with boughs in a spiral around a straight trunk. Boughs hang with lifted tips, and are longer at the bottom.
 
 const Builder := preload("res://meshes/mesh_builder.gd")
 const Atlas := preload("res://meshes/leaf_atlas.gd")
 const BARK := Color(0.39, 0.27, 0.195)
-const DARK := Color(0.07, 0.115, 0.06, 0.5)
+const DARK := Color(0.09, 0.15, 0.08, 0.6)
 const LOW := Color(0.1, 0.17, 0.09)
 const HIGH := Color(0.26, 0.37, 0.18)
 const HEIGHT := 21.0
 const BARK_KIND := 1
 
 
-## Builds the tree with the number [param variant].
+## Builds the tree. The number [param variant] determines its individual shape.
 static func build(variant: int) -> Builder:
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 300 + variant
@@ -20,24 +20,24 @@ static func build(variant: int) -> Builder:
 	builder.begin_level()
 	_trunk(builder, 7)
 	_boughs(builder, 130, slim, true, rng)
-	_core(builder, 6, slim * 0.3)
+	_core(builder, 6, slim * 0.3, 0.82)
 	builder.begin_level()
 	_trunk(builder, 4)
 	_boughs(builder, 64, slim * 1.02, false, rng)
-	_core(builder, 5, slim * 0.3)
+	_core(builder, 5, slim * 0.3, 0.82)
 	builder.begin_level()
 	_stem(builder)
 	_boughs(builder, 28, slim * 1.06, false, rng)
-	_core(builder, 4, slim * 0.24)
+	_core(builder, 4, slim * 0.24, 0.84)
 	builder.begin_level()
 	_far_tree(builder, slim)
 	builder.end(PackedFloat32Array([32.0, 90.0, 220.0]))
 	return builder
 
 
-## The crown's radius in meters at a height of 0..1 of the tree.
+## Returns the radius of the crown, in meters, at a height that is given as a share of the tree's height.
 static func _radius(height: float) -> float:
-	return 4.7 * pow(1.0 - height, 0.92) * (0.6 + 0.4 * minf(1.0, height / 0.16)) + 0.15
+	return 4.7 * pow(1.0 - height, 0.92) * (0.6 + 0.4 * minf(1.0, height / 0.16)) + 0.3
 
 
 static func _trunk(builder: Builder, sides: int) -> void:
@@ -45,16 +45,17 @@ static func _trunk(builder: Builder, sides: int) -> void:
 	builder.tube(Vector3(0.0, 0.4, 0.0), Vector3(0.0, HEIGHT * 0.9, 0.0), 0.34, 0.05, sides, BARK, BARK_KIND)
 
 
-## The trunk for far away.
+## Adds the trunk of a distant LOD.
 static func _stem(builder: Builder) -> void:
 	builder.tube(Vector3(0.0, -0.8, 0.0), Vector3(0.0, HEIGHT * 0.3, 0.0), 0.4, 0.25, 3, BARK, BARK_KIND)
 
 
-## Adds boughs in a golden-angle spiral, as many to each part of the crown's surface. Whorls at equal heights would look like bands.
+## Adds boughs in a golden-angle spiral. Toward the top, where boughs are small, they are closer together. Boughs at equal heights would look like
+## bands.
 static func _boughs(builder: Builder, count: int, slim: float, bent: bool, rng: RandomNumberGenerator) -> void:
 	var share := 13.0 / sqrt(count)
 	for i in count:
-		var along := 1.0 - sqrt(1.0 - (i + 0.5) / count)
+		var along := 1.0 - pow(1.0 - (i + 0.5) / count, 0.72)
 		var height := lerpf(0.09, 0.975, pow(along, 0.95))
 		var angle := i * 2.39996 + rng.randf_range(-0.3, 0.3)
 		var out := Vector3(cos(angle), 0.0, sin(angle))
@@ -64,15 +65,15 @@ static func _boughs(builder: Builder, count: int, slim: float, bent: bool, rng: 
 	# The leader: two crossed upright twigs at the top.
 	for turn: float in [0.0, PI * 0.5]:
 		var side := Vector3(cos(turn), 0.0, sin(turn))
-		builder.card(Vector3.UP * HEIGHT * 0.965, Vector3.UP * 0.75, side * 0.25, Vector3.UP, Atlas.TWIG, LOW.lerp(HIGH, 0.3), 0.3)
+		builder.card(Vector3.UP * HEIGHT * 0.955, Vector3.UP * 0.85, side * 0.35, Vector3.UP, Atlas.TWIG, LOW.lerp(HIGH, 0.3), 0.3)
 
 
-## Adds one bough: a roof of one or two pairs of quads with hanging sides, visible from the side as well as from above. A young bough leaves the trunk
-## upwards, and an old one hangs with a lifted tip. [param share] is the width of a bough relative to one of the finest LOD.
+## Adds one bough as one or two pairs of quads that form a roof with hanging sides, so that the bough is visible from the side and from above. A young
+## bough grows upwards, and an old one hangs with a lifted tip. [param share] is the width of the bough relative to a bough of the finest LOD.
 static func _bough(builder: Builder, start: Vector3, out: Vector3, reach: float, along: float, share: float, bent: bool,
 		rng: RandomNumberGenerator) -> void:
 	var side := out.cross(Vector3.UP).rotated(out, rng.randf_range(-0.35, 0.35))
-	var width := (reach * 0.2 + 0.26) * share * rng.randf_range(0.8, 1.15)
+	var width := (reach * 0.2 + 0.32) * share * rng.randf_range(0.8, 1.15)
 	var sag := lerpf(-0.4, 0.5, along) * reach * rng.randf_range(0.6, 1.3)
 	var hang := rng.randf_range(0.3, 0.7)
 	var stations: Array[Vector3] = [start, start + out * reach + Vector3.UP * (sag + 0.1 * reach)]
@@ -95,12 +96,12 @@ static func _bough(builder: Builder, start: Vector3, out: Vector3, reach: float,
 		previous = row
 
 
-## Adds a dark cone inside the boughs, which hides the other side of the crown.
-static func _core(builder: Builder, sides: int, slim: float) -> void:
-	builder.cone(Vector3.UP * HEIGHT * 0.12, _radius(0.12) * slim, HEIGHT * 0.8, sides, DARK)
+## Adds a dark cone inside the boughs, which hides the far side of the crown. [param height] is a share of the tree's height.
+static func _core(builder: Builder, sides: int, slim: float, height: float) -> void:
+	builder.cone(Vector3.UP * HEIGHT * 0.12, _radius(0.12) * slim, HEIGHT * height, sides, DARK)
 
 
-## Adds crossed pictures of the tree, and two pieces that are seen from above.
+## Adds the farthest LOD: crossed pictures of the tree, and two cards that are seen from above.
 static func _far_tree(builder: Builder, slim: float) -> void:
 	var wide := 4.9 * slim
 	builder.crossed(Vector3.ZERO, wide, HEIGHT * 1.02, Atlas.CONIFER, LOW.lerp(HIGH, 0.05), LOW.lerp(HIGH, 0.42), 3)
