@@ -1,33 +1,35 @@
 extends RefCounted
-## The fixed path and the stops of the first scene, for runs without user input.
+## The fixed flight path and the camera stops of the first scene, for runs without user input.
 ##
-## Positions are world meters in x and z and meters above the ground in y, so the path follows the terrain.
+## Positions are in meters. x and z are world coordinates, and y is the height above the ground, so the path follows the terrain.
 
-## Meters per second between the first two stops.
+## The speed of the flight in meters per second.
 const SPEED := 100.0
+## The flight's height above the ground in meters.
+const HEIGHT := 280.0
+## World x and z of the flight's start and end. The y component of each vector is z.
+const FROM := Vector2(2350.0, 150.0)
+const TO := Vector2(1620.0, -1180.0)
 
-## The stops: the name, the eye (x, meters above the ground, z), the direction in degrees clockwise from north, and the
-## pitch in degrees, positive for looking up.
+## The stops. Each has a name, the position of the camera ([code]eye[/code]: x, meters above the ground, z), a heading in degrees clockwise from
+## north, and a pitch in degrees, which is positive when looking up. [code]fov[/code], a vertical field of view in degrees, is optional.
+## The sun is low in the west-southwest, at 246 degrees. Most stops look at a right angle to it, so that shadows lie across the view.
 const STOPS: Array[Dictionary] = [
-	{"name": "overview", "eye": Vector3(2350.0, 280.0, 150.0), "heading": 301.0, "pitch": -11.0},
-	{"name": "forest", "eye": Vector3(1620.0, 26.0, -1180.0), "heading": 325.0, "pitch": -3.0},
-	{"name": "walk", "eye": Vector3(418.0, 1.75, -1200.0), "heading": 330.0, "pitch": 1.0},
-	{"name": "ridge", "eye": Vector3(1046.0, 26.0, -2000.0), "heading": 200.0, "pitch": -6.0},
+	{"name": "overview", "eye": Vector3(3080.0, 95.0, 330.0), "heading": 312.0, "pitch": -9.0, "fov": 52.0},
+	{"name": "forest", "eye": Vector3(1420.0, 30.0, -700.0), "heading": 147.0, "pitch": -6.0, "fov": 50.0},
+	{"name": "walk", "eye": Vector3(2347.5, 1.75, 86.0), "heading": 350.0, "pitch": 3.0, "fov": 52.0},
+	{"name": "lake", "eye": Vector3(2838.0, 2.0, 348.0), "heading": 352.0, "pitch": 3.0, "fov": 55.0},
+	{"name": "ridge", "eye": Vector3(-725.0, 5.0, 6095.0), "heading": 318.0, "pitch": -4.0, "fov": 48.0},
 	{"name": "stones", "eye": Vector3(-12552.5, 1.75, 10573.5), "heading": 45.0, "pitch": -7.0},
 	{"name": "tiles", "eye": Vector3(1900.0, 150.0, -700.0), "heading": 318.0, "pitch": -28.0, "tiles": true},
 ]
 
 
-## World x and z (as y) on the straight line between the first two stops after [param seconds].
+## Returns the world x and z of the flight after [param seconds]. The y component of the result is z.
 static func on_the_way(seconds: float) -> Vector2:
-	var from: Vector3 = STOPS[0].eye
-	var to: Vector3 = STOPS[1].eye
-	var start := Vector2(from.x, from.z)
-	return start.move_toward(Vector2(to.x, to.z), SPEED * seconds)
+	return FROM.move_toward(TO, SPEED * seconds)
 
 
-## Seconds from the first stop to the second.
+## Returns the duration of the flight in seconds.
 static func flight_seconds() -> float:
-	var from: Vector3 = STOPS[0].eye
-	var to: Vector3 = STOPS[1].eye
-	return Vector2(from.x, from.z).distance_to(Vector2(to.x, to.z)) / SPEED
+	return FROM.distance_to(TO) / SPEED

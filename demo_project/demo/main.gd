@@ -1,5 +1,5 @@
 extends "res://demo/stage.gd"
-## The first scene: a forest on real terrain, and a flight over it.
+## Shows a forest on real terrain, and a flight over it. This is the first scene of the demo.
 
 const Flight := preload("res://demo/flight.gd")
 
@@ -28,12 +28,11 @@ func flight_seconds() -> float:
 	return Flight.flight_seconds()
 
 
-## Puts the camera at its position in the flight after [param seconds], with the height above the ground of the first
-## stop. It does not turn the camera.
+## Moves the camera to its position in the flight after [param seconds], without rotating it.
 func fly(seconds: float) -> void:
 	var there := Flight.on_the_way(seconds)
 	var height: float = ground.height(there.x, there.y)
-	camera.position = Vector3(there.x, height + float(Flight.STOPS[0].eye.y), there.y)
+	camera.position = Vector3(there.x, height + Flight.HEIGHT, there.y)
 
 
 func own_key(keycode: Key) -> void:

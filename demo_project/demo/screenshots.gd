@@ -1,32 +1,31 @@
 extends Node
-## Visits a scene's stops without user input: writes a screenshot at each, prints the statistics, and quits. If the demo
-## has a flight, it is flown first.
+## Visits a scene's stops without user input, writes a screenshot at each of them, prints the statistics, and quits. If the scene has a flight, the
+## camera first flies along it.
 ##
-## The engine does not draw between the stops, so that a machine with a software renderer streams at full speed.
+## The engine does not draw the 3D world between the stops, so that streaming runs at full speed with a software renderer, too.
 
 const Figures := preload("res://demo/figures.gd")
 
-## Frames per second while streaming.
+## The frame rate during the flight, in frames per second.
 const FLIGHT_FPS := 60
-## A stop that is not idle after this number of seconds has failed.
+## The time after which a stop fails if the scatter has not settled, in seconds.
 const PATIENCE := 120.0
-## Frames to draw before a screenshot, until LODs and shadows settle.
+## The number of frames to draw before a screenshot, so that LODs and shadows settle.
 const SETTLING_FRAMES := 2
 
 ## The demo's root.
 var demo: Node3D
 ## The folder for the screenshots; created if it does not exist. Empty for no screenshots, for runs without a renderer.
 var folder := ""
-## Names of the stops to visit, without the flight. Empty for all stops and the flight.
+## The names of the stops to visit, without the flight. Empty for all stops and the flight.
 var only := PackedStringArray()
 
 var _failed := false
 
 
-## Runs everything and ends the process: 0 on success, 1 otherwise.
+## Runs everything and ends the process with exit code 0 on success, or 1 on failure.
 func run() -> void:
-	# Four pixels for one: this smooths leaves as well as edges, and is much faster than multisampling in a software
-	# renderer.
+	# Supersampling with four samples per pixel smooths leaves as well as edges. In a software renderer, it is much faster than multisampling.
 	get_viewport().msaa_3d = Viewport.MSAA_DISABLED
 	get_viewport().scaling_3d_scale = 2.0
 	if folder != "" and DirAccess.make_dir_recursive_absolute(folder) != OK:
@@ -37,15 +36,16 @@ func run() -> void:
 		if not _failed and (only.is_empty() or only.has(stop.name)):
 			await _visit(stop)
 	print("demo: %s" % ("FAILED" if _failed else "done"))
-	# Restores the default, because otherwise a failing run would hang in a loop that draws nothing.
+	# Restores the default. Otherwise, a failed run would hang in a loop that draws nothing.
 	RenderingServer.render_loop_enabled = true
 	get_tree().quit(1 if _failed else 0)
 
 
-## Streams at full speed from the first stop to the second and prints the cost.
+## Moves along the flight without drawing, and prints the statistics.
 func _fly() -> void:
 	RenderingServer.render_loop_enabled = false
 	demo.place(demo.stops()[0])
+	demo.fly(0.0)
 	await _wait_until_idle()
 	Engine.max_fps = FLIGHT_FPS
 	var figures: Figures = demo.figures
@@ -60,7 +60,7 @@ func _fly() -> void:
 
 
 func _visit(stop: Dictionary) -> void:
-	# Frames go on, but without the 3D world. Without frames, Forward+ and Mobile wait for one at each upload.
+	# Draws frames, but without the 3D world. If no frames were drawn, Forward+ and Mobile would wait for one at each upload.
 	get_viewport().disable_3d = true
 	RenderingServer.render_loop_enabled = true
 	var started := Time.get_ticks_msec()
@@ -88,7 +88,7 @@ func _visit(stop: Dictionary) -> void:
 
 func _wait_until_idle() -> void:
 	var limit := Time.get_ticks_msec() + int(PATIENCE * 1000.0)
-	# The camera has just jumped: the scatter needs a frame to notice.
+	# The scatter notices in the next frame that the camera has jumped.
 	for frame in 3:
 		await get_tree().process_frame
 	while not demo.scatter.is_settled():

@@ -1,11 +1,11 @@
 extends Node3D
-## The base of all scenes of the demo: a scatter, a camera on its ground, an overlay, keys to change the scatter, and a run that takes screenshots without user
-## input. The script of each scene extends this one.
+## The base class of the demo's scenes. It has a scatter, a camera, an overlay, keys that change the scatter, and a run that takes screenshots without
+## user input.
 ##
 ## Arguments after [code]--[/code]: [code]--screenshots[/code] or [code]--screenshots=FOLDER[/code] visits the scene's stops, writes a screenshot at each,
-## prints the statistics and quits. The default folder is build/demo beside the project, with a subfolder for each scene but the first. With --headless, there
-## are no screenshots. [code]--stops=NAME,NAME[/code] visits only these stops. [code]--seed=NUMBER[/code] starts with a different seed. [code]--at=STOP[/code]
-## starts at a stop.
+## prints the statistics and quits. The default folder is build/demo next to the project, with a subfolder for each scene except the first. With --headless, no
+## screenshots are written. [code]--stops=NAME,NAME[/code] visits only these stops. [code]--seed=NUMBER[/code] sets the seed. [code]--at=STOP[/code] starts at a
+## stop.
 
 const Figures := preload("res://demo/figures.gd")
 const Screenshots := preload("res://demo/screenshots.gd")
@@ -13,7 +13,8 @@ const DENSITY_STEP := 0.1
 
 ## The scatter's statistics, collected in every frame.
 var figures := Figures.new()
-## The ground under the camera; it must have [code]height(x, z)[/code]. The scene's own script sets it before this one is ready.
+## The ground under the camera, an object with a method [code]height(x, z)[/code]. A scene's script must set it before calling [method _ready] of this
+## class.
 var ground: RefCounted
 
 var _density := 1.0
@@ -21,6 +22,8 @@ var _densities := PackedFloat64Array()
 
 @onready var scatter: Node3D = $Scatter
 @onready var camera: Camera3D = $Camera
+## The scene's field of view in degrees, for stops without their own.
+@onready var _fov := camera.fov
 @onready var _overlay: CanvasLayer = $Overlay
 @onready var _borders: MeshInstance3D = $TileBorders
 
@@ -74,38 +77,39 @@ func _unhandled_key_input(event: InputEvent) -> void:
 			own_key(key.keycode)
 
 
-## The stops of the screenshot run; the scene starts at the first. See [code]flight.gd[/code] for the fields of a stop. If its [code]tiles[/code] is true, the
-## screenshot shows the tile borders and the statistics.
+## Returns the stops of the screenshot run. The scene starts at the first of them. [code]flight.gd[/code] describes the fields of a stop. If
+## [code]tiles[/code] is true, the screenshot shows the tile borders and the statistics.
 func stops() -> Array[Dictionary]:
 	return []
 
 
-## The layers whose density + and - change.
+## Returns the layers whose density the keys + and - change.
 func layers() -> Array:
 	return scatter.get(&"layers")
 
 
-## The duration of the scene's flight in seconds; 0 for a scene without one.
+## Returns the duration of the scene's flight in seconds, or 0 for a scene without a flight.
 func flight_seconds() -> float:
 	return 0.0
 
 
-## Puts the camera at its position in the flight after [param _seconds].
+## Moves the camera to its position in the flight after [param _seconds].
 func fly(_seconds: float) -> void:
 	pass
 
 
-## Called for a key that is not handled for all scenes.
+## Handles a key that this class does not handle. Overridden by the scenes.
 func own_key(_keycode: Key) -> void:
 	pass
 
 
-## Puts the camera at a stop.
+## Moves the camera to a stop.
 func place(stop: Dictionary) -> void:
 	var eye: Vector3 = stop.eye
 	var height: float = ground.height(eye.x, eye.z)
 	var basis_there := Basis.from_euler(Vector3(deg_to_rad(stop.pitch), -deg_to_rad(stop.heading), 0.0))
 	camera.walking = false
+	camera.fov = stop.get("fov", _fov)
 	camera.transform = Transform3D(basis_there, Vector3(eye.x, eye.y if is_nan(height) else height + eye.y, eye.z))
 
 
@@ -139,7 +143,7 @@ func _take_screenshots(folder: String, only: String) -> void:
 	run.run()
 
 
-## The command-line arguments: --name=value as name and value, --name as name and an empty value.
+## Returns the command-line arguments. For an argument --name=value, the key is name. An argument --name has an empty value.
 static func _arguments() -> Dictionary:
 	var found := {}
 	for argument in OS.get_cmdline_user_args():

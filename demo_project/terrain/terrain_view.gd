@@ -1,33 +1,43 @@
 @tool
 extends Node3D
-## Draws the elevation model around the camera as a quadtree of square patches. Each is the same small grid, which the
-## vertex shader places on the bilinear ground, finer near the camera. Vertices slide from the grid of one level to that of
-## the next.
+## Draws the elevation model around the camera as a quadtree of square patches, which are finer near the camera. All patches use the same small grid,
+## which the vertex shader places on the bilinearly interpolated ground. Where the level of detail changes, the vertices of one level move gradually
+## to those of the next.
 ##
-## Every vertex lies on the bilinear surface. Up to 220 m from the camera, vertices are 5 to 6 m apart. There, triangles
-## differ from the surface by at most 2 cm on 97 % of this map, and by at most 5 cm anywhere, so plants touch the drawn
-## ground. Lines of posts are edges of the grid.
+## Every vertex lies exactly on the interpolated ground. Up to 220 m from the camera, vertices are 5 to 6 m apart. Within that distance, triangles
+## differ from the ground by at most 2 cm on 97 % of this map, and by at most 5 cm anywhere, so plants touch the drawn ground. The edges of the grid
+## follow the rows and columns of posts (height samples).
 
 const Elevation := preload("res://terrain/elevation.gd")
+const GroundCover := preload("res://terrain/ground_cover.gd")
 const NoiseTexture := preload("res://terrain/noise_texture.gd")
+const PathMap := preload("res://terrain/path_map.gd")
 
-## Quads along a patch's side.
+## The number of quads along a patch's side.
 const QUADS := 16
 ## The distance in meters up to which the finest patches are drawn. Each coarser level reaches twice as far.
 const FINEST_RANGE := 300.0
-## The coarsest level: patches of 2^9 posts, wider than the map.
+## The coarsest level. Its patch has 2^9 posts along its side and is wider than the map.
 const TOP_LEVEL := 9
-## The patches are chosen again when the camera has moved this many meters.
+## The distance in meters that the camera must move before patches are chosen again.
 const STEP := 6.0
 
 ## The description that [code]convert_dem.py[/code] writes.
 @export_file("*.json") var description := "res://terrain/jacksboro.json"
-## The ground's material. Its shader gets the elevation textures.
+## The ground's material. The elevation textures are set on it.
 @export var material: ShaderMaterial
+## The scatter on this ground. The material receives the rules of its layers.
+@export var scatter: TerrainScatter3D
+## The names of the layers whose rules the material receives, in the order of its shader's arrays.
+@export var cover: PackedStringArray = ["Oak", "Spruce", "Grass"]
+## A path that the material draws; null for none.
+@export var path: Path3D
 
 ## The ground that is drawn; null until the node is ready.
 var elevation: Elevation
 
+var _cover := GroundCover.new()
+var _path_map: PathMap
 var _heights: ImageTexture
 var _relief: ImageTexture
 var _patch := ArrayMesh.new()
@@ -52,6 +62,8 @@ func _ready() -> void:
 	RenderingServer.material_set_param(rid, &"map_origin", elevation.rect.position)
 	RenderingServer.material_set_param(rid, &"post_spacing", elevation.spacing)
 	RenderingServer.material_set_param(rid, &"finest_range", FINEST_RANGE)
+	_set_cover(rid)
+	_set_path(rid)
 	_fill_grid(_patch, QUADS)
 	_fill_grid(_quarter, QUADS / 2)
 
@@ -74,9 +86,31 @@ func _process(_delta: float) -> void:
 		RenderingServer.instance_set_visible(_instances[i], false)
 
 
-## The number of triangles of the current patches, before culling.
+## Returns the number of triangles of the current patches, before culling.
 func triangle_count() -> int:
 	return _used * QUADS * QUADS * 2
+
+
+func _set_cover(rid: RID) -> void:
+	if scatter == null:
+		return
+	var layers: Array[ScatterLayer] = []
+	for title in cover:
+		for layer: ScatterLayer in scatter.layers:
+			if layer != null and layer.resource_name == title:
+				layers.append(layer)
+	if layers.size() == cover.size():
+		_cover.apply(rid, elevation.rect, layers)
+
+
+func _set_path(rid: RID) -> void:
+	if path == null or path.curve == null or path.curve.point_count < 2:
+		return
+	_path_map = PathMap.new(path)
+	RenderingServer.material_set_param(rid, &"path_map", _path_map.texture.get_rid())
+	RenderingServer.material_set_param(rid, &"path_rect", Vector4(_path_map.rect.position.x, _path_map.rect.position.y,
+			_path_map.rect.size.x, _path_map.rect.size.y))
+	RenderingServer.material_set_param(rid, &"path_reach", PathMap.REACH)
 
 
 func _camera() -> Camera3D:
@@ -85,8 +119,7 @@ func _camera() -> Camera3D:
 	return get_viewport().get_camera_3d()
 
 
-## Draws the square of 2^level posts whose first post is [param post]. If the camera is near, draws its four quarters
-## instead.
+## Draws the square with a side of 2^level posts whose first post is [param post]. If the camera is near, draws the square's four quarters instead.
 func _select(level: int, post: Vector2i) -> void:
 	if level == 0 or not _in_range(level - 1, post, 1 << level):
 		_draw(_patch, level, post, 1 << level)
@@ -127,7 +160,7 @@ func _draw(mesh: ArrayMesh, level: int, post: Vector2i, size: int) -> void:
 	var instance := _instances[_used]
 	_used += 1
 	var box := _box(post, size)
-	# The shader reads the level from the y axis of the basis, because the grid itself is flat.
+	# The grid is flat, so the y axis of the basis has no other use. The shader reads the level from it.
 	var basis := Basis.from_scale(Vector3(box.size.x, level + 1.0, box.size.z))
 	RenderingServer.instance_set_base(instance, mesh.get_rid())
 	RenderingServer.instance_geometry_set_material_override(instance, material.get_rid())
@@ -138,8 +171,8 @@ func _draw(mesh: ArrayMesh, level: int, post: Vector2i, size: int) -> void:
 	RenderingServer.instance_set_visible(instance, true)
 
 
-## Fills a unit square with [param quads] by [param quads] quads, for the shader. UV is the position, UV2.x the number of
-## quads.
+## Fills a unit square with [param quads] by [param quads] quads, for the shader. UV is the position, and UV2.x is the number of
+## quads along a side.
 static func _fill_grid(mesh: ArrayMesh, quads: int) -> void:
 	var vertices := PackedVector3Array()
 	var places := PackedVector2Array()

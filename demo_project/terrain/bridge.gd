@@ -1,0 +1,63 @@
+@tool
+extends "res://terrain/masonry.gd"
+## An old bridge with one arch along x, whose parapets have gaps. The origin is below its middle, at the height of the arch's feet.
+
+const HALF_SPAN := 8.4
+const RISE := 7.2
+## The thickness of the bridge above the arch, and the height of a course of blocks, in meters.
+const CROWN := 1.1
+const COURSE := 0.5
+## The number of blocks along the arch, along each approach, and across the bridge.
+const ARCH := 30
+const APPROACH := 12
+const ACROSS := 9
+const WIDTH := 5.2
+const PARAPET := 2
+const FOOT := 8
+
+
+func counts() -> Vector3i:
+	return Vector3i(ARCH + 2 * APPROACH, FOOT + _deck_courses() + PARAPET, ACROSS)
+
+
+func is_solid(block: Vector3i) -> bool:
+	var most := counts()
+	if block.x < 0 or block.x >= most.x or block.y < 0 or block.y >= most.y or block.z < 0 or block.z >= most.z:
+		return false
+	var courses := FOOT + _deck_courses()
+	if block.y >= courses:
+		var missing := _random(Vector3i(block.x / 3, 0, block.z), 11)
+		var standing := 2 if missing > 0.34 else (1 if missing > 0.18 else 0)
+		return (block.z == 0 or block.z == ACROSS - 1) and block.y - courses < standing
+	if block.y < FOOT and block.x >= APPROACH and block.x < APPROACH + ARCH:
+		return false
+	var above := maxf(_course(block.x, block.y + 1) - _arch(block.x), _course(block.x + 1, block.y + 1) - _arch(block.x + 1))
+	return above > 0.16
+
+
+func corner(block: Vector3i) -> Vector3:
+	return Vector3(_along(block.x), maxf(_course(block.x, block.y), _arch(block.x)), (float(block.z) / ACROSS - 0.5) * WIDTH)
+
+
+func _deck_courses() -> int:
+	return roundi((RISE + CROWN) / COURSE)
+
+
+## Returns the height of a course's lower side. Courses rise toward the middle of the bridge.
+func _course(column: int, course: int) -> float:
+	var hump := 0.9 * (1.0 - smoothstep(0.0, 15.0, absf(_along(column))))
+	return (course - FOOT) * COURSE + hump * clampf(float(course - FOOT) / _deck_courses(), 0.0, 1.0)
+
+
+## Returns the x of a column of corners. Columns are close together where the arch is steep.
+func _along(column: int) -> float:
+	var from_middle := column - APPROACH - ARCH / 2
+	if absi(from_middle) <= ARCH / 2:
+		return HALF_SPAN * sin(PI * 0.5 * from_middle / (ARCH / 2.0))
+	return signf(from_middle) * (HALF_SPAN + 0.8 * (absi(from_middle) - ARCH / 2))
+
+
+## Returns the height of the arch's lower side.
+func _arch(column: int) -> float:
+	var share := _along(column) / HALF_SPAN
+	return RISE * sqrt(maxf(1.0 - share * share, 0.0)) if absf(share) < 0.9999 else -FOOT * COURSE

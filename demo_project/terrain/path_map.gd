@@ -1,0 +1,46 @@
+extends RefCounted
+## A small texture with the distance to a path, for ground whose vertices are too far apart to store it.
+
+## The side of a pixel in meters.
+const PIXEL := 1.0
+## The distance in meters at which the texture is white. Larger distances are also white.
+const REACH := 6.0
+
+## The rectangle that the texture covers, in world meters. Its x is the world's x, and its y is the world's z.
+var rect := Rect2()
+## Distances in meters divided by [constant REACH].
+var texture: ImageTexture
+
+
+func _init(path: Path3D) -> void:
+	var points := path.curve.get_baked_points()
+	for i in points.size():
+		points[i] = path.global_transform * points[i]
+	rect = _around(points)
+	var size := Vector2i((rect.size / PIXEL).ceil())
+	rect.size = Vector2(size) * PIXEL
+	var distances := PackedByteArray()
+	distances.resize(size.x * size.y)
+	distances.fill(255)
+	for point in points:
+		_lower(distances, size, (Vector2(point.x, point.z) - rect.position) / PIXEL)
+	texture = ImageTexture.create_from_image(Image.create_from_data(size.x, size.y, false, Image.FORMAT_L8, distances))
+
+
+## Lowers the distances around [param place], a position in pixels.
+static func _lower(distances: PackedByteArray, size: Vector2i, place: Vector2) -> void:
+	var first := Vector2i(place - Vector2.ONE * REACH / PIXEL).max(Vector2i.ZERO)
+	var last := Vector2i(place + Vector2.ONE * REACH / PIXEL).min(size - Vector2i.ONE)
+	for y in range(first.y, last.y + 1):
+		for x in range(first.x, last.x + 1):
+			var distance := place.distance_to(Vector2(x + 0.5, y + 0.5)) * PIXEL
+			var at := y * size.x + x
+			distances[at] = mini(distances[at], int(distance / REACH * 255.0))
+
+
+## Returns a rectangle that contains all points, with a margin of white pixels on each side.
+static func _around(points: PackedVector3Array) -> Rect2:
+	var found := Rect2(points[0].x, points[0].z, 0.0, 0.0)
+	for point in points:
+		found = found.expand(Vector2(point.x, point.z))
+	return found.grow(REACH + 2.0 * PIXEL)
