@@ -1,32 +1,35 @@
 #!/usr/bin/env bash
-# Installs everything that this machine lacks for building, testing and the demo, and prints each step. If nothing is missing, it
-# changes nothing and uses no network. Run it for everything, or source it and call its parts:
-#   setup_compiler   a C++20 compiler, scons, GLM, doctest, and the sources of Highway
-#   setup_compiler_cache  ccache, for the compilers called afterwards; without it, everything is compiled
-#   setup_baselines  CGAL, for one of the methods that tests and benchmarks compare with
+# Installs everything that is missing for building, testing and running the demo, and prints each step. If nothing is missing, it
+# changes nothing and does not use the network. Run it to install everything, or source it and call its parts:
+#   setup_compiler   a C++20 compiler, scons, GLM, doctest, and the sources of Highway and LodePNG
+#   setup_compiler_cache  ccache, for all later compiler calls; without it, nothing is cached
+#   setup_baselines  CGAL, for one of the baselines in tests and benchmarks
 #   setup_clang      a second compiler, for the tests that compare compilers (skipped without it)
 #   setup_mono       a C# compiler, for the test of the wrappers (skipped without it)
-#   setup_qemu       emulators of other processors, for the tests that compare processors (skipped without them)
+#   setup_qemu       emulators of other CPUs, for the tests that compare CPUs (skipped without them)
 #   setup_python     the Python packages of tests/requirements.txt and of setup_bake, in a virtual environment in the cache folder
 #   setup_bake       Dask and Arrow, for baking worlds, in a virtual environment in the cache folder
 #   setup_wheel      the build tools of the sampler's Python package, and NumPy for its tests, in the cache folder
-#   setup_godot      Godot 4.4 or newer: $GODOT, else one on the PATH, else a Debian root in the cache folder
-# setup_full.sh has the parts that only packing and the long tests need.
+#   setup_godot      Godot 4.4 or newer: $GODOT, otherwise one on the PATH, otherwise a Debian root in the cache folder
+# setup_full.sh has the parts that only packaging and the long tests need.
 # The cache folder is $THICKET_CACHE, or thicket in $XDG_CACHE_HOME or ~/.cache.
 
 setup_repo=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
 source "$setup_repo/tools/find.sh"
 source "$setup_repo/tools/setup_full.sh"
 
-# The Debian release that provides Godot on machines without one. The mirror is the one that the machine uses.
+# The Debian release that Godot is installed from if the machine has none. The packages come from the machine's own
+# mirror.
 godot_suite=forky
 godot_root_packages=godot,xvfb,xauth,libgl1,libegl1,libgl1-mesa-dri,mesa-vulkan-drivers,fonts-dejavu-core
 
-# The release of Highway that we compile on all machines, from Debian's sources. $highway_sha256 is the checksum of the published
-# tarball.
+# The releases of Highway and LodePNG that are compiled on all machines, from the sources of this Debian release. The
+# checksums are those of the published tarballs.
+source_suite=trixie
 highway_version=1.2.0
 highway_sha256=7e0be78b8318e8bdbf6fa545d2ecb4c90f947df03f7aadc42c1967f019e63343
-highway_suite=trixie
+lodepng_version=0.0~git20250402.c45ed79
+lodepng_sha256=c94bdbf911d886c173401a84d0298ef69cbd6b452210a47c0db1f904db4ece7d
 zig_version=0.17.0
 emscripten_suite=trixie
 descriptions_version=0.5.1
@@ -42,9 +45,10 @@ setup_compiler() {
 	has_header doctest/doctest.h || missing+=(doctest-dev)
 	install_packages "to build" "${missing[@]}"
 	setup_core_sources
+	setup_lodepng
 }
 
-# The requirements of the core alone, for any build.
+# Installs the requirements of the sampler only, which any build needs.
 setup_core_sources() {
 	local missing=()
 	command -v "${CXX:-g++}" >/dev/null || missing+=(g++)
@@ -54,32 +58,42 @@ setup_core_sources() {
 }
 
 setup_highway() {
-	local folder partial tar_ball
-	folder=$(cache_folder)/highway-$highway_version
-	[[ ! -f $folder/hwy/highway.h ]] || return 0
+	setup_source highway "Highway" "$highway_version" gz "$highway_sha256" hwy/highway.h
+}
+
+setup_lodepng() {
+	setup_source lodepng "LodePNG" "$lodepng_version" xz "$lodepng_sha256" lodepng.h
+}
+
+# setup_source PACKAGE NAME VERSION COMPRESSION SHA256 HEADER: downloads the sources of a library and unpacks them into the
+# cache folder, unless its header is already there.
+setup_source() {
+	local package=$1 name=$2 version=$3 sha256=$5 header=$6 folder partial tar_ball
+	folder=$(cache_folder)/$package-$version
+	[[ ! -f $folder/$header ]] || return 0
 	if [[ -z $(debian_mirror) ]] || ! command -v apt-get >/dev/null; then
-		say "to build, please put the sources of Highway $highway_version into $folder, so that $folder/hwy/highway.h is there"
+		say "to build, please put the sources of $name $version into $folder, so that $folder/$header is there"
 		return 1
 	fi
-	say "downloading the sources of Highway $highway_version from Debian $highway_suite"
+	say "downloading the sources of $name $version from Debian $source_suite"
 	mkdir -p "$(cache_folder)"
 	partial=$(mktemp --directory "$folder.partial.XXXXXX")
-	tar_ball=$partial/highway_$highway_version.orig.tar.gz
-	if ! apt_of deb-src "$highway_suite" "$partial" --download-only source highway ||
-		! echo "$highway_sha256  $tar_ball" | sha256sum --check --quiet >&2; then
+	tar_ball=$partial/${package}_$version.orig.tar.$4
+	if ! apt_of deb-src "$source_suite" "$partial" --download-only source "$package" ||
+		! echo "$sha256  $tar_ball" | sha256sum --check --quiet >&2; then
 		rm -rf "$partial"
-		say "the sources of Highway could not be downloaded; see the messages above"
+		say "the sources of $name could not be downloaded; see the messages above"
 		return 1
 	fi
-	mkdir "$partial/highway"
-	tar --extract --file "$tar_ball" --directory "$partial/highway" --strip-components=1
+	mkdir "$partial/$package"
+	tar --extract --file "$tar_ball" --directory "$partial/$package" --strip-components=1
 	rm -rf "$folder"
-	mv "$partial/highway" "$folder"
+	mv "$partial/$package" "$folder"
 	rm -rf "$partial"
 }
 
-# apt_of deb|deb-src SUITE FOLDER ARGS...: runs apt-get for one Debian release. FOLDER also holds its package lists, so that the
-# machine's own lists stay unchanged.
+# apt_of deb|deb-src SUITE FOLDER ARGS...: runs apt-get in FOLDER for one Debian release. FOLDER also contains the
+# package lists, so that the machine's own lists stay unchanged.
 apt_of() {
 	local kind=$1 suite=$2 folder=$3
 	shift 3
@@ -91,15 +105,16 @@ apt_of() {
 	(cd "$folder" && apt-get "${from[@]}" update && apt-get "${from[@]}" "$@") >&2
 }
 
-# Shares compiled objects between checkouts: the cache ignores their folders. Not for debuggers, which would open the sources of the
-# checkout that compiled an object first.
+# Shares compiled objects between checkouts, because the cache ignores the folders of checkouts. Do not use this for debugging:
+# debuggers would open the sources of the checkout that first compiled an object.
 setup_compiler_cache() {
 	command -v ccache >/dev/null || install_packages "to share compiled objects" ccache ||
 		say "continuing without a compiler cache; everything will be compiled"
 	[[ -d /usr/lib/ccache ]] || return 0
 	export PATH="/usr/lib/ccache:$PATH" CCACHE_NOHASHDIR=1
 	export CCACHE_DIR=${CCACHE_DIR:-$(cache_folder)/ccache}
-	# All builds of a run with --full: with the default of 5 GB, they would push out each other's objects.
+	# 20 GB holds all builds of tests/run.sh --full. In a cache with the default 5 GB, these builds would evict each other's
+	# objects.
 	export CCACHE_MAXSIZE=${CCACHE_MAXSIZE:-20G}
 }
 
@@ -117,7 +132,7 @@ setup_mono() {
 		say "continuing without a C# compiler; the tests that need it will be skipped"
 }
 
-# The C library is for dynamically linked programs.
+# Installs an emulator of other CPUs, and the C libraries of these CPUs, which dynamically linked programs need.
 setup_qemu() {
 	local missing=()
 	command -v qemu-aarch64 >/dev/null || missing+=(qemu-user)
@@ -158,13 +173,13 @@ setup_wheel() {
 	echo "$wanted" >"$venv/complete"
 }
 
-# has_venv FOLDER WANTED: succeeds if a virtual environment is complete and has the wanted packages.
+# has_venv FOLDER WANTED: succeeds if a virtual environment is complete and was created for the same list of packages.
 has_venv() {
 	[[ -f $1/complete && $(<"$1/complete") == "$2" && -x $1/bin/python ]]
 }
 
-# make_venv PYTHON FOLDER WHY OPTION...: recreates a virtual environment, and installs into it with these options of pip. When it is
-# complete, the caller records its packages in FOLDER/complete.
+# make_venv PYTHON FOLDER WHY OPTION...: recreates a virtual environment, and runs pip install with these options. The
+# caller must then write the list of packages to FOLDER/complete.
 make_venv() {
 	local python=$1 venv=$2 why=$3
 	shift 3
@@ -179,7 +194,7 @@ setup_godot() {
 	local native root missing=()
 	native=$(find_native_godot) || return
 	if [[ -n $native ]]; then
-		# Only needed to draw without a display.
+		# These packages are needed only for rendering without a display.
 		command -v xvfb-run >/dev/null || missing+=(xvfb xauth libgl1-mesa-dri)
 		[[ -n ${DISPLAY:-}${WAYLAND_DISPLAY:-} ]] || install_packages "to draw without a display" "${missing[@]}"
 		return
@@ -199,7 +214,7 @@ setup_godot() {
 	fi
 }
 
-# Prints options of mmdebstrap with this machine's settings of apt for reaching and verifying the mirror.
+# Prints mmdebstrap options that apply this machine's apt settings for reaching and verifying the Debian mirror.
 mirror_options() {
 	apt-config dump | sed -nE 's/^(Acquire::(Check-|Retries|https?::).*[^:] ".*");$/--aptopt=\1/p'
 }
@@ -217,14 +232,15 @@ make_godot_root() {
 	}
 }
 
-# make_debian_root ROOT SUITE PACKAGES: creates a Debian root, which appears at its path only when it is complete.
+# make_debian_root ROOT SUITE PACKAGES: creates a Debian root, which is a folder with a minimal Debian system. The folder gets its
+# final path only when it is complete.
 make_debian_root() {
 	local root=$1 suite=$2 packages=$3 mirror partial aptopts
 	mirror=$(debian_mirror)
 	mkdir -p "$(dirname "$root")"
 	partial=$(mktemp --directory "$root.partial.XXXXXX")
 	mapfile -t aptopts < <(mirror_options)
-	# Extracted by tar, so that the user who installs it owns all files.
+	# tar extracts the root, so that the current user owns all files.
 	if ! mmdebstrap --variant=apt --include="$packages" "${aptopts[@]}" \
 		--dpkgopt='path-exclude=/usr/share/man/*' --dpkgopt='path-exclude=/usr/share/locale/*' \
 		--dpkgopt='path-exclude=/usr/share/doc/*' --dpkgopt='path-include=/usr/share/doc/*/copyright' \
@@ -238,8 +254,8 @@ make_debian_root() {
 	mv "$partial" "$root"
 }
 
-# debian_mirror [FOLDER]: prints the first Debian mirror among the apt sources in /etc/apt, or in FOLDER. Reads both formats, and
-# prints nothing if there is none.
+# debian_mirror [FOLDER]: prints the first Debian mirror among the apt sources in FOLDER (default: /etc/apt). Reads both formats
+# of source files. Prints nothing if there is no Debian mirror.
 debian_mirror() {
 	local folder=${1:-/etc/apt} file
 	for file in "$folder"/sources.list "$folder"/sources.list.d/*.sources "$folder"/sources.list.d/*.list; do
@@ -253,7 +269,7 @@ has_header() {
 	echo "#include <$1>" | "${CXX:-g++}" -std=c++20 -E -x c++ - >/dev/null 2>&1
 }
 
-# install_packages WHY PACKAGE...: installs Debian packages; does nothing for none.
+# install_packages WHY PACKAGE...: installs Debian packages. Does nothing if the list is empty.
 install_packages() {
 	local why=$1 as_root=()
 	shift
@@ -270,7 +286,7 @@ install_packages() {
 		fi
 	fi
 	say "$why, installing $*"
-	# An unrelated source may be unreachable. Only the installation below must succeed.
+	# Ignores failures, because an unrelated package source may be unreachable. Only the installation below must succeed.
 	"${as_root[@]}" apt-get -qq -o Acquire::Retries=3 update >&2 || true
 	"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Acquire::Retries=3 -o Dpkg::Use-Pty=0 \
 		install --no-install-recommends --yes "$@" </dev/null >&2

@@ -18,14 +18,15 @@ inline constexpr const char *ids =
 		R"(uint64 of shape (n,): permanent ids, equal in all rectangles that contain the point: 16 bits of layer, 24 of cell x, 24 of cell y.)";
 
 inline constexpr const char *ranks =
-		R"(uint32 of shape (n,): rank / 2**32 is the share of the set that precedes the point in the progressive order, at least
-0 and below 1. Points with a rank below q * 2**32 are a fraction q of all; with several levels they are well spaced.)";
+		R"(uint32 of shape (n,): rank / 2**32 is the fraction of the set that precedes the point in the progressive order, at least
+0 and below 1. The points with a rank below q * 2**32 are a fraction q of all points. With several levels, these points
+are well spaced.)";
 
 inline constexpr const char *levels =
-		R"(uint32 of shape (n,): 0 for the finest; the points of level l and above form a set with radius radius * 2**l.)";
+		R"(uint32 of shape (n,): 0 for the finest level; the points of level l and above form a set with the minimum distance radius * 2**l.)";
 
 inline constexpr const char *digest =
-		R"(Two 64-bit numbers for comparing points across machines: a digest of positions, ids and levels, and one of ranks.
+		R"(Returns two 64-bit numbers for comparing points across machines: a digest of positions, ids and levels, and one of ranks.
 
 The order of the points does not matter. The engine's own tests use the same digests (tests/golden/core.json).
 
@@ -45,21 +46,21 @@ inline constexpr const char *surface_normals =
 		R"(float64 of shape (n, 3): the unit normal of the face, on the side from which its vertices run counterclockwise.)";
 
 inline constexpr const char *surface_ids =
-		R"(uint64 of shape (n,): permanent ids: 16 bits of layer, and 16 each of the x, y and z of the point's cell, a cube with a side
-of radius / sqrt(3). Cells repeat after 65,536 along each axis.)";
+		R"(uint64 of shape (n,): permanent ids. An id has 16 bits for the layer, and 17, 14 and 17 bits for the x, y and z of the
+point's cell, a cube with a side of radius / sqrt(3). Ids repeat after 131,072 cells along x and z, and after 16,384 along y.)";
 
 inline constexpr const char *surface_faces =
 		R"(uint32 of shape (n,): the face of each point, an index in the argument `faces` of sample_surface().)";
 
 inline constexpr const char *cancel =
-		R"(Cancels calls from other threads: pass it to a call, and cancel it from any thread.
+		R"(Cancels calls from any thread: pass this object to a call, and call its method `cancel` on a different thread.
 
-It stays cancelled: a later call that gets it ends immediately.)";
+The object stays cancelled: a later call that receives it ends immediately.)";
 
 inline constexpr const char *cancel_cancel =
-		R"(Ends the calls that use this object within some milliseconds: they raise Cancelled. Thread-safe.)";
+		R"(Ends the calls that use this object within some milliseconds: they raise Cancelled. May be called on any thread.)";
 
-inline constexpr const char *cancel_cancelled = R"(Whether cancel() was called.)";
+inline constexpr const char *cancel_cancelled = R"(True if cancel() was called.)";
 
 #define THICKET_NUMBERS "collections.abc.Sequence[float] | numpy.typing.NDArray[numpy.floating]"
 #define THICKET_WATCHED \
@@ -70,23 +71,24 @@ inline constexpr const char *sample_type =
 		"layer: int = 0, threads: int = 1, " THICKET_WATCHED ") -> Points";
 
 inline constexpr const char *sample =
-		R"(Returns the points of an infinite Poisson-disk set in a rectangle: no two are closer than the radius, and no point could be added.
+		R"(Returns the points of an infinite Poisson-disk set in a rectangle: no two points are closer than the radius, and no further
+point fits.
 
 Seed, radius, levels and layer determine the set. A point is bit-identical in every rectangle that contains it, on every
-machine and in all versions, so tiles fit together. Takes O(points) time, and releases the interpreter's lock.
+machine and in all versions, so tiles fit together. The call takes O(points) time, and releases the interpreter's lock.
 
 Args:
-    rect: (min_x, min_y, max_x, max_y) in meters, half-open: points p have min <= p < max. Within 2**23 * radius /
-        sqrt(2) meters of the origin. An empty rectangle has no points.
+    rect: (min_x, min_y, max_x, max_y) in meters, half-open: points p have min <= p < max. The rectangle must lie
+        within 2**23 * radius / sqrt(2) meters of the origin. An empty rectangle has no points.
     radius: the minimum distance of two points in meters; 0.001 to 1e6.
-    seed: any 64 bits, signed or not: -1 and 2**64 - 1 are the same seed. Different seeds give unrelated sets.
+    seed: any 64-bit integer, signed or not: -1 and 2**64 - 1 are the same seed. Different seeds produce unrelated sets.
     levels: the levels of the progressive order, 1 to 8. 1 is plain dart throwing, and the fastest.
     layer: 0 to 65535; part of the ids. Different layers are different sets.
-    threads: the number of threads for a rectangle wider than 90 radii, 1 to 256; 0 for one per core. Does not change the points
-        or their order.
+    threads: the number of threads for a rectangle wider than 90 radii, 1 to 256; 0 for one per core. The number does not change
+        the points or their order.
     progress: called with the finished fraction (0 to 1, never decreasing) and the number of points so far, about every
         15 milliseconds, on the calling thread, and with 1 at the end. An exception in it ends the call.
-    cancel: ends the call from another thread.
+    cancel: an object with which a different thread can end the call.
 
 Raises:
     ValueError: an argument is out of range, or there are more than 1e8 points; the message has the argument and its value.
@@ -104,12 +106,12 @@ inline constexpr const char *sample_surface_type =
 #undef THICKET_ARRAY
 
 inline constexpr const char *sample_surface =
-		R"(Returns the points of a Poisson-disk set on triangles in space: no two are closer than the radius in a straight line, and
-no point of the surface could be added.
+		R"(Returns the points of a Poisson-disk set on triangles in space: no two points are closer than the radius in a straight line,
+and no further point of the surface fits.
 
 The points depend on where the surface is, not on how it is divided into triangles, and are even by area in every direction.
 Seed, radius, levels and layer determine the set of a surface. A point is bit-identical in every window that contains it, on
-every machine. Takes O(points + triangles) time, and releases the interpreter's lock. The method is that of Cline, Jeschke,
+every machine. The call takes O(points + triangles) time, and releases the interpreter's lock. The method is that of Cline, Jeschke,
 White, Razdan and Wonka, Dart Throwing on Surfaces (2009), with darts that belong to cells of space.
 
 Args:
@@ -117,7 +119,7 @@ Args:
     faces: integer array of shape (m, 3): for each triangle, the indices of its three vertices. Triangles may lie in any
         arrangement, with any number of sheets above each other.
     radius: the minimum distance of two points in meters; 0.001 to 1e6.
-    seed: any 64 bits, signed or not: -1 and 2**64 - 1 are the same seed.
+    seed: any 64-bit integer, signed or not: -1 and 2**64 - 1 are the same seed.
     window: (min_x, min_y, min_z, max_x, max_y, max_z) in meters, half-open; None for the whole surface.
     levels: the levels of the progressive order, 1 to 8. 1 is plain dart throwing, and the fastest.
     layer: 0 to 65535; part of the ids. Different layers are different sets.
@@ -148,19 +150,19 @@ inline constexpr const char *sample_domain_single = THICKET_DOMAIN("'single']", 
 inline constexpr const char *sample_domain =
 		R"(Fills the rectangle from (0, 0) to (width, height), exclusive, with a Poisson-disk set of its own.
 
-Uses the methods of White, Cline and Egbert, Poisson Disk Point Sets by Hierarchical Dart Throwing (2007). Equal arguments produce
-bit-identical points on every machine. Takes O(points) expected time, and releases the interpreter's lock.
+The methods are those of White, Cline and Egbert, Poisson Disk Point Sets by Hierarchical Dart Throwing (2007). Equal arguments produce
+bit-identical points on every machine. The call takes O(points) expected time, and releases the interpreter's lock.
 
 Args:
     size: (width, height) in meters, positive; at least 4 radii each if toroidal, at most 131072 in single precision.
     radius: the minimum distance of two points in meters; 0.001 to 1e6.
-    seed: any 64 bits, signed or not.
+    seed: any 64-bit integer, signed or not.
     method: 'hierarchical' throws darts at squares that may be uncovered; 'accumulator' has the same distribution, with more memory
         and fewer searches; 'wavefront' spreads from one point and uses the least memory; 'naive' throws darts at the whole
-        domain, for comparison: it is slow and leaves small gaps. The others leave no room for another point.
-    toroidal: whether opposite edges are connected, so that the set repeats without a seam.
-    precision: of coordinates and distances; 'single' takes half the memory, and produces a different set.
-    cell_size: the width of an accelerator cell in radii, up to 1000; 0 for the method's default. Does not change the points.
+        domain, for comparison: it is slow and leaves small gaps. With all other methods, no further point fits.
+    toroidal: True to connect opposite edges, so that the set repeats without a seam.
+    precision: the precision of coordinates and distances; 'single' takes half the memory, and produces a different set.
+    cell_size: the width of an accelerator cell in radii, up to 1000; 0 for the method's default. The width does not change the points.
     darts_each: for 'naive': the number of darts for each base square with side radius / sqrt(2), 1 to 1e6.
     progress, cancel: as in sample().
 
@@ -181,7 +183,7 @@ inline constexpr const char *domain_digest_single =
 		"order='C')]) -> int";
 
 inline constexpr const char *domain_digest =
-		R"(A 64-bit digest of a domain, for comparing it across machines. It includes the positions in their order.
+		R"(Returns a 64-bit digest of a domain, for comparing domains across machines. The digest includes the positions in their order.
 
 positions: an array from sample_domain(), or an equal contiguous array of float32 or float64. Raises TypeError for other types.)";
 

@@ -1,10 +1,11 @@
 extends "bench.gd"
-## Cost of bodies: creates a body for each of several thousand instances around a viewer, for every shape, all at once. Then the viewer
-## moves among several hundred with the default frame budget. Prints rows of a Markdown table.
+## Measures the cost of bodies. Creates bodies for several thousand instances around a viewer at once, for each shape. Then moves
+## the viewer among several hundred bodies with the default frame budget, and the node with several thousand. Prints rows of a
+## Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/collision.gd [-- ROUNDS]
 ##
-## The project's setting selects the physics server. Times are those of the node on the main thread in its frames, including the search for
-## near instances, but without the physics server's own steps. A busy machine lengthens them.
+## The project setting selects the physics server. Times are the node's time on the main thread per frame. They include
+## the search for near instances, but not the physics server's own steps. A busy machine increases them.
 
 const SHAPES := {
 	"capsules": ScatterLayer.COLLISION_CAPSULE,
@@ -12,13 +13,13 @@ const SHAPES := {
 	"boxes": ScatterLayer.COLLISION_BOX,
 	"convex": ScatterLayer.COLLISION_CONVEX,
 }
-const DISTANCE := 80.0 ## Meters.
+const DISTANCE := 80.0 ## Distance in meters within which instances get bodies.
 const DEFAULT_ROUNDS := 9
-const USUAL_BUDGET := 500    ## Microseconds per frame.
-const WHOLE_BUDGET := 100000 ## Enough for all at once.
-const WALK := 5.0            ## Meters per second,
-const DRIVE := 50.0          ## of a car,
-const FLIGHT := 1000.0       ## and faster than in any game.
+const USUAL_BUDGET := 500    ## The default frame budget, in microseconds per frame.
+const WHOLE_BUDGET := 100000 ## Enough for all bodies at once.
+const WALK := 5.0            ## Walking speed in meters per second.
+const DRIVE := 50.0          ## The speed of a car.
+const FLIGHT := 1000.0       ## Faster than in any game.
 const SECONDS := 4.0
 
 var _layer: ScatterLayer
@@ -43,6 +44,8 @@ func run() -> String:
 	for speed: float in [0.0, WALK, DRIVE, FLIGHT]:
 		var frames := await _measure_moving(speed)
 		row("a frame among 920 bodies at %.0f m/s, tiles included, %s" % [speed, physics], frames, "µs")
+	_layer.collision_distance = DISTANCE
+	row("a frame that moves 3 700 bodies with their node, %s" % physics, await _measure_ride(), "µs")
 	return ""
 
 
@@ -65,7 +68,8 @@ func _physics_name() -> String:
 	return "GodotPhysics" if setting == "DEFAULT" else setting
 
 
-## Bodies created and removed per millisecond in each round, all at once. Empty if the bodies do not appear or disappear.
+## Creates and removes all bodies at once in each round. Returns the numbers of bodies created and removed per millisecond of
+## the node's time, one per round. The lists are empty if that takes too long.
 func _measure_shape(shape: ScatterLayer.CollisionShape, rounds: int) -> Array[PackedFloat64Array]:
 	var created: PackedFloat64Array = []
 	var removed: PackedFloat64Array = []
@@ -86,17 +90,36 @@ func _measure_shape(shape: ScatterLayer.CollisionShape, rounds: int) -> Array[Pa
 	return [created, removed]
 
 
-## Microseconds of each frame while the viewer moves.
+## Returns the microseconds of each frame while the viewer moves.
 func _measure_moving(speed: float) -> PackedFloat64Array:
 	_viewer.position = Vector3.ZERO
 	scatter.frame_budget_usec = WHOLE_BUDGET
 	await idle()
 	scatter.frame_budget_usec = USUAL_BUDGET
 	for frame in 3:
-		await process_frame # The stats are those of the previous frame.
+		await process_frame # The stats describe the previous frame.
 	var times: PackedFloat64Array = []
 	for frame in int(SECONDS * 60.0):
 		_viewer.position.x += speed / 60.0
 		await process_frame
 		times.push_back(scatter.get_stats()["frame_usec"])
+	return times
+
+
+## Returns the microseconds of each frame while the node moves with all of its instances and with the viewer.
+func _measure_ride() -> PackedFloat64Array:
+	_viewer.position = Vector3.ZERO
+	scatter.local_coords = true
+	scatter.frame_budget_usec = WHOLE_BUDGET
+	await idle()
+	scatter.frame_budget_usec = USUAL_BUDGET
+	for frame in 3:
+		await process_frame
+	var times: PackedFloat64Array = []
+	for frame in int(SECONDS * 60.0):
+		scatter.position.x += WALK / 60.0
+		_viewer.position = scatter.position
+		await process_frame
+		times.push_back(scatter.get_stats()["frame_usec"])
+	scatter.local_coords = false
 	return times

@@ -1,5 +1,6 @@
-"""The promises of the build and the source tree. Rooms only include rooms above them in the table, the core does not depend on the engine,
-warnings are errors, and the manifest lists the existing binaries."""
+"""Tests the rules of the build and the source tree. A room (a folder of sources) includes only rooms above it in the
+table of rooms, and the core does not depend on the engine. Warnings are errors, and the manifest lists the existing
+binaries."""
 
 from __future__ import annotations
 
@@ -14,7 +15,7 @@ from pathlib import Path
 import pytest
 from conftest import BUILD_DIR, REPO, run
 
-# These are in tools/scons, which conftest adds to the path.
+# These modules are in tools/scons, which conftest adds to sys.path.
 import installed
 import manifest
 import rooms
@@ -30,7 +31,7 @@ SOURCES = sorted(
 
 
 def includes(source: str) -> list[tuple[bool, str]]:
-    """(quoted, included path) for each include of a file in extension/."""
+    """Returns a pair for each include of a file in extension/: whether the path is quoted, and the path."""
     text = (REPO / "extension" / source).read_text(encoding="utf-8")
     return [(match.group(1) == '"', match.group(2)) for match in INCLUDE.finditer(text)]
 
@@ -41,7 +42,7 @@ def room_of(path: str) -> str | None:
 
 @pytest.mark.parametrize("source", SOURCES)
 def test_room_order(source):
-    """A room only includes itself and rooms above it."""
+    """Checks that a source includes only its own room and the rooms that the table permits."""
     room = room_of(source)
     assert room, f"{source} lies in no room of {list(ROOMS)}"
     for quoted, included in includes(source):
@@ -52,7 +53,8 @@ def test_room_order(source):
 
 
 def test_the_table_of_rooms_is_in_order():
-    """The table of rooms has no cycle: each room only lists rooms above it. Every folder is a room."""
+    """Checks that each room lists only rooms above it, so that the table has no cycle, and that every folder is a
+    room."""
     before: list[str] = []
     for room, allowed in ROOMS.items():
         assert all(one in before or any(known.startswith(one + "/") for known in before) for one in allowed), room
@@ -69,7 +71,7 @@ def test_every_permitted_include_is_used(room):
 
 
 def test_the_documents_list_every_room():
-    """README.md lists the rooms in the order of the table, and ARCHITECTURE.md has a line for each."""
+    """Checks that README.md lists the rooms in the order of the table, and that ARCHITECTURE.md has a line for each."""
     readme = (REPO / "README.md").read_text(encoding="utf-8")
     architecture = (REPO / "ARCHITECTURE.md").read_text(encoding="utf-8")
     tree = architecture[architecture.index("\nextension/core/") : architecture.index("\nextension/bindings/")]
@@ -82,7 +84,8 @@ def test_the_documents_list_every_room():
 
 
 def test_includes_have_no_cycle():
-    """No header includes itself indirectly. Repeatedly removes headers that include no remaining header; none must be left."""
+    """Checks that no header includes itself indirectly. Repeatedly removes headers that include none of the remaining
+    ones, until no header is left."""
     left = {source: {name for quoted, name in includes(source) if quoted and name in SOURCES} for source in SOURCES}
     while leaves := [source for source, included in left.items() if not included & left.keys()]:
         for source in leaves:
@@ -105,7 +108,8 @@ def test_headers_are_included_once_and_open_no_namespace(source):
 
 
 def test_core_compiles_on_its_own(tmp_path):
-    """Every header of the core compiles as the first include, with a C++20 compiler that finds no engine header."""
+    """Checks that every header of the core compiles as the first include, with a C++20 compiler that finds no engine
+    headers."""
     headers = [source for source in SOURCES if source.startswith("core/") and source.endswith(".hpp")]
     headers = [header for header in headers if not header.endswith("-inl.hpp")]
     assert headers
@@ -113,7 +117,7 @@ def test_core_compiles_on_its_own(tmp_path):
     def complaint(number: int) -> str:
         unit = f"unit_{number}.cpp"
         (tmp_path / unit).write_text(f'#include "{headers[number]}"\n')
-        # Compiles to an object with a relative path, because a compiler cache stores nothing else.
+        # Compiler caches store a compilation only if the path of the object is relative.
         done = run(["g++", "-std=c++20", "-c", f"-I{REPO}/extension", unit], timeout=120, cwd=tmp_path)
         return f"{headers[number]}:\n{done.stderr[:2000]}" if done.returncode else ""
 
@@ -122,14 +126,14 @@ def test_core_compiles_on_its_own(tmp_path):
     assert not failures, "\n".join(failures)
 
 
-# Functions of the C library with inexact results, which differ between machines; hypot is one of them. Functions that IEEE 754 requires
-# to be exact (sqrt), or that do not round (floor, ldexp, ilogb, nextafter), are the same everywhere.
+# Functions of the C library whose inexact results differ between machines. Functions that IEEE 754 requires to be
+# correctly rounded (sqrt), or that do not round (floor, ldexp, ilogb, nextafter), are the same everywhere.
 INEXACT = """acos acosh asin asinh atan atan2 atanh cbrt cos cosh erf erfc exp exp10 exp2 expm1 hypot j0 j1 jn lgamma log log10
     log1p log2 logb pow sin sincos sinh tan tanh tgamma y0 y1 yn""".split()
 
 
 def test_core_calls_no_inexact_math_function(build_dir):
-    """The core never calls a function of the C library whose result depends on the library in its last bit."""
+    """Checks that the core calls no function whose result differs between C libraries in the last bit."""
     listed = run(["nm", "-u", build_dir / "libthicket_core.a"], timeout=60)
     assert listed.returncode == 0, listed.stderr
     wanted = {words[1] for words in map(str.split, listed.stdout.splitlines()) if len(words) == 2 and words[0] == "U"}
@@ -139,7 +143,8 @@ def test_core_calls_no_inexact_math_function(build_dir):
 
 
 def test_every_test_of_the_core_belongs_to_one_room():
-    """`bash tests/room.sh ROOM` runs each test for one room. The only exceptions are tests of a benchmark, which include no room."""
+    """Checks that `bash tests/room.sh ROOM` runs each test for exactly one room, except tests of a benchmark, which
+    include no room."""
     programs = {room: set(rooms.tests_of(REPO, rooms.PREFIX + room.removeprefix("core/"))[0]) for room in rooms.TESTED}
     everywhere = set.intersection(*programs.values())
     tests = [path.relative_to(REPO).as_posix() for path in sorted((REPO / "tests/core").glob("test_*.cpp"))]
@@ -152,7 +157,7 @@ def test_every_test_of_the_core_belongs_to_one_room():
 
 
 def test_a_room_can_be_tested_alone():
-    """The program of one room runs all of its cases that are not listed as long, and accepts doctest's arguments."""
+    """Checks that room.sh runs the test cases of a room, passes arguments to doctest, and rejects unknown rooms."""
     done = run(["bash", "tests/room.sh", "base", "*", "--no-skipped-summary"], timeout=900, cwd=REPO)
     assert done.returncode == 0 and re.search(r"test cases: +[1-9]\d* \|", done.stdout), done.stdout + done.stderr
     wrong = run(["bash", "tests/room.sh", "cellar"], timeout=120, cwd=REPO)
@@ -161,7 +166,7 @@ def test_a_room_can_be_tested_alone():
 
 @pytest.fixture(scope="module")
 def commands() -> list[dict]:
-    """The compile commands of all sources, from compile_commands.json."""
+    """Returns the compile commands of all sources, from compile_commands.json."""
     done = run(["scons", "-Q", "compiledb"], timeout=300, cwd=REPO)
     assert done.returncode == 0, done.stdout + done.stderr
     again = run(["scons", "-Q", "-q", "compiledb"], timeout=300, cwd=REPO)
@@ -170,7 +175,8 @@ def commands() -> list[dict]:
 
 
 def test_compile_flags(commands):
-    """Our code is compiled with all warnings as errors, and with identical floating-point results everywhere."""
+    """Checks that our code is compiled with all warnings as errors, and with flags that make floating-point results
+    identical everywhere."""
     assert any("extension/core/" in entry["file"] for entry in commands)
     for entry in commands:
         for flag in ("-std=c++20", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-ffp-contract=off"):
@@ -180,17 +186,18 @@ def test_compile_flags(commands):
 
 
 def test_every_source_has_its_command(commands):
-    """compile_commands.json contains each source of the tree once, for editors and clang-tidy."""
+    """Checks that compile_commands.json, which editors and clang-tidy use, contains each source of the tree once."""
     named = [entry["file"] for entry in commands if not entry["file"].startswith("build/")]
     sources = [path for room in ("extension", "tests") for path in (REPO / room).rglob("*.cpp")]
-    # These are only compiled for other systems, by the tests that run them there, or in a separate build (count_steps=yes).
+    # These sources are compiled only for other systems, by the tests that run them there, or in a separate build
+    # (count_steps=yes).
     elsewhere = [REPO / "tests/golden/no_exceptions.cpp", *(REPO / "tests/loader").glob("*.cpp"), *(REPO / "tests/cost").glob("*.cpp")]
     sources = [path for path in sources if path not in elsewhere]
     assert sorted(named) == sorted(path.relative_to(REPO).as_posix() for path in sources)
 
 
 def test_debugger_build():
-    """dev_build=yes compiles with -Og -g3, into a separate folder."""
+    """Checks that dev_build=yes compiles with -Og -g3 into a separate folder."""
     done = run(["scons", "-Q", "-n", "dev_build=yes", "core"], timeout=300, cwd=REPO)
     assert done.returncode == 0 and f"{BUILD_DIR.name}.dev/libthicket_core.a" in done.stdout, done.stdout + done.stderr
     compiled = f"build/{BUILD_DIR.name}.dev/obj/extension/core/base/orientation.o"
@@ -202,7 +209,8 @@ def test_debugger_build():
 
 @pytest.mark.parametrize("room", list(ROOMS))
 def test_sources_that_compile_together(room):
-    """scu_build=yes compiles every source of a room once. Sources that Highway compiles several times are compiled alone."""
+    """Checks that scu_build=yes compiles every source of a room once. Sources that Highway compiles several times must
+    be compiled alone."""
     sources = rooms.sources(str(REPO), room)
     groups = scu.groups(str(REPO), sources)
     assert sorted(path for group in groups for path in group) == sources
@@ -212,7 +220,7 @@ def test_sources_that_compile_together(room):
 
 
 def test_second_build_has_nothing_to_do():
-    """A second build finds everything up to date, whatever the first build did."""
+    """Checks that a second build finds everything up to date."""
     first = run(["scons", "-Q", "-j2"], timeout=1800, cwd=REPO)
     assert first.returncode == 0, first.stdout + first.stderr
     second = run(["scons", "-Q", "-q"], timeout=120, cwd=REPO)
@@ -220,10 +228,10 @@ def test_second_build_has_nothing_to_do():
 
 
 def test_core_needs_no_godot(tmp_path):
-    """Without Godot, the core, tests and benchmarks still build, and a build of the extension reports that Godot is missing."""
+    """Checks that the core, the tests and the benchmarks can be built without Godot."""
     bare = {"PATH": "/usr/bin:/bin", "HOME": str(tmp_path), "THICKET_CACHE": str(tmp_path), "GODOT": "/nowhere/godot"}
-    sources = "highway=%s" % installed.highway_folder()
-    done = run(["scons", "-Q", "-n", sources, "core", "tests", "bench"], timeout=120, cwd=REPO, env=bare)
+    sources = ["highway=%s" % installed.highway_folder(), "lodepng=%s" % installed.lodepng_folder()]
+    done = run(["scons", "-Q", "-n", *sources, "core", "tests", "bench"], timeout=120, cwd=REPO, env=bare)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
@@ -241,6 +249,7 @@ def test_core_needs_no_godot(tmp_path):
         "precision=half",
         "threads=no",
         "highway=/nowhere",
+        "lodepng=/nowhere",
     ],
 )
 def test_wrong_option_is_refused(option):
@@ -265,8 +274,8 @@ def test_impossible_builds_are_refused_with_a_sentence(options, sentence):
 
 
 def test_builds_for_other_systems_use_separate_folders():
-    """A build for a different system shares no folder with builds for this one, and does not go into the demo's add-on. Both precisions
-    share the core's objects."""
+    """Checks that a build for a different system uses its own folder and writes nothing into the demo's add-on. Builds
+    with single and with double precision share the objects of the core."""
     compiler = ["zig=/bin/true", "use_zig=yes"]
     for options, folder in (
         (["platform=windows", "arch=arm64"], "windows.template_debug.arm64.zig"),
@@ -283,7 +292,7 @@ def test_builds_for_other_systems_use_separate_folders():
 
 
 def test_godot_cpp_without_a_library_is_refused(tmp_path):
-    """The error for a folder without a built godot-cpp names the missing library."""
+    """Checks that the error for a folder without a built godot-cpp names the missing library."""
     (tmp_path / "bin").mkdir()
     (tmp_path / "bin/libgodot-cpp.linux.template_release.wasm32.a").touch()
     done = run(["scons", "-Q", "-n", f"godot_cpp={tmp_path}", "extension"], timeout=120, cwd=REPO)
@@ -295,7 +304,7 @@ ADDON = REPO / "demo_project/addons/thicket"
 
 
 def manifest_paths() -> dict[str, str]:
-    """{feature tags: file} in the manifest."""
+    """Returns {feature tags: file} from the manifest."""
     text = (ADDON / "thicket.gdextension").read_text(encoding="utf-8")
     section = text.split("[libraries]")[1].split("\n[")[0]
     return dict(re.findall(r'^(\S+)\s*=\s*"([^"]+)"', section, re.MULTILINE))
@@ -314,7 +323,8 @@ def test_manifest_lists_the_built_binaries():
 
 
 def test_manifest_falls_back_to_the_existing_binary():
-    """A single binary serves all builds of the engine. If there are two, each serves its own build."""
+    """Checks that engines load a single binary for all targets, and that each engine loads its own binary if there are
+    two."""
     debug, release = "libthicket.linux.template_debug.x86_64.so", "libthicket.linux.template_release.x86_64.so"
     alone = "\n".join(manifest.write({debug, "convert.lib", "notes.txt"}, ["ScatterLayer.svg", "ScatterLayer.png"]))
     assert f'linux.release.x86_64 = "bin/{debug}"' in alone
@@ -327,7 +337,8 @@ def test_manifest_falls_back_to_the_existing_binary():
 
 
 def test_manifest_distinguishes_precisions():
-    """Each engine gets the library with its precision. A single library is offered to both, and refuses the wrong engine."""
+    """Checks that each engine loads the library with its own precision. If there is only one library, both kinds of
+    engine try to load it, and it refuses the wrong kind."""
     single, double = "libthicket.linux.template_debug.x86_64.so", "libthicket.linux.template_debug.double.x86_64.so"
     both = "\n".join(manifest.write({single, double}, []))
     for feature in ("debug", "release"):
@@ -339,7 +350,8 @@ def test_manifest_distinguishes_precisions():
 
 
 def test_extension_exports_only_its_entry_point(build_dir):
-    """The binary exports the function that Godot calls, and no symbol that could collide with one of a different library."""
+    """Checks that the binary exports only the function that Godot calls, so that no symbol can collide with one of a
+    different library."""
     for binary in (ADDON / "bin").glob("libthicket.*.so"):
         listed = subprocess.run(["nm", "-D", "--defined-only", binary], capture_output=True, text=True, check=True)
         names = {line.split()[-1].split("@")[0] for line in listed.stdout.splitlines() if line.strip()}
@@ -347,8 +359,8 @@ def test_extension_exports_only_its_entry_point(build_dir):
 
 
 def test_tracked_files_contain_no_machine_names():
-    """Tracked files contain no path of a build machine. The only hosts are those of linked pages and schemas, because the package
-    clients of each machine determine the sources of packages."""
+    """Checks that tracked files contain no path of a build machine. They may name only the hosts of linked pages and
+    schemas, because each machine's package clients determine where packages come from."""
     if shutil.which("git") is None or not (REPO / ".git").exists():
         pytest.skip("no git, or not a git checkout")
     listed = run(["git", "ls-files", "-z"], timeout=60, cwd=REPO)

@@ -1,5 +1,5 @@
-"""Tests the files for users: the zips of tools/package.sh have the right content and no traces of the build machine, and their libraries load on the
-oldest supported systems."""
+"""Tests the release files. The zips of tools/package.sh must have the right content and no traces of the build machine,
+and their libraries must load on the oldest supported systems."""
 
 from __future__ import annotations
 
@@ -23,9 +23,10 @@ import binaries  # noqa: E402 (only on the path above)
 import contents  # noqa: E402
 
 DIST = REPO / "build/dist_test"
-# Debian 10 has glibc 2.28. The Steam runtime and Ubuntu 20.04 have 2.31.
+# The oldest version of glibc that the libraries must support: that of Debian 10. The Steam Runtime and Ubuntu 20.04
+# have 2.31.
 OLDEST_GLIBC = (2, 28)
-# Folders of build machines, and addresses of registries.
+# Matches paths of build machines and addresses of registries.
 OF_THE_MACHINE = re.compile(rb"/(?:home|root|work|tmp|build|usr/include|usr/lib)/(?!dyld|libSystem|libstdc)[\w.-]|ziglang|\.cache/|https?://(?!github\.com/|www\.w3\.org/|www\.apple\.com/DTDs)[\w.]+\.[a-z]")
 
 
@@ -33,8 +34,9 @@ OF_THE_MACHINE = re.compile(rb"/(?:home|root|work|tmp|build|usr/include|usr/lib)
 
 
 def pack(names: list[str], out: Path) -> dict[str, Path]:
-    """{name: zip} from tools/package.sh for these builds."""
-    # There are fourteen builds. One takes 2.5 minutes on two cores, and 8 minutes while two other workers run.
+    """Runs tools/package.sh for these builds, or for all builds if `names` is empty. Returns the path of each zip by
+    its name."""
+    # Each of the fourteen builds takes 2.5 minutes on two cores, or 8 minutes while two other workers are running.
     done = run(["bash", "tools/package.sh", "--out", out, *names], timeout=3 * 3600, cwd=REPO)
     assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
     sums = dict(reversed(line.split()) for line in (out / "SHA256SUMS").read_text().splitlines())
@@ -45,13 +47,13 @@ def pack(names: list[str], out: Path) -> dict[str, Path]:
 
 @pytest.fixture(scope="module")
 def zips() -> dict[str, Path]:
-    """The zips as they are released, with all platforms in both precisions."""
+    """Returns the release zips, with all platforms in both precisions."""
     return pack([], DIST)
 
 
 @pytest.fixture(scope="module")
 def addon(zips, tmp_path_factory) -> Path:
-    """The add-on, unpacked like a user would."""
+    """Returns the add-on, unpacked as a user would do it."""
     folder = tmp_path_factory.mktemp("unpacked")
     with zipfile.ZipFile(zips["thicket"]) as file:
         file.extractall(folder)
@@ -60,14 +62,14 @@ def addon(zips, tmp_path_factory) -> Path:
 
 
 def libraries(addon: Path) -> list[Path]:
-    """All libraries of an add-on, including those in frameworks."""
+    """Returns all libraries of an add-on, including those in frameworks."""
     found = [path for path in (addon / "bin").rglob("*") if path.is_file() and path.suffix in (".so", ".dll", ".wasm")]
     return found + [path / path.stem for path in (addon / "bin").glob("*.framework")]
 
 
 @pytest.mark.full
 def test_content_of_the_zip(addon):
-    """One folder, with everything that the README mentions and nothing of the build."""
+    """Checks that the zip contains all files that users need, and no build files."""
     names = {path.relative_to(addon).as_posix() for path in addon.rglob("*") if path.is_file()}
     for needed in ("plugin.cfg", "thicket.gdextension", "LICENSE", "THIRD_PARTY.txt", "README.md", "CHANGELOG.md", "plugin.gd",
         "editor/.gdignore", "editor/workspace.gd"):
@@ -75,14 +77,14 @@ def test_content_of_the_zip(addon):
     assert any(name.startswith("csharp/") for name in names) and any(name.startswith("tutorials/") for name in names)
     assert not [name for name in names if re.search(r"\.(py|cpp|hpp|o|a|lib|pdb|import\.tmp)$|SConstruct|__pycache__|~$", name)]
     notices = (addon / "THIRD_PARTY.txt").read_text(encoding="utf-8")
-    assert all(word in notices for word in ("Highway", "GLM", "libc++", "Apache License", "MIT"))
+    assert all(word in notices for word in ("Highway", "LodePNG", "GLM", "libc++", "Apache License", "MIT"))
     listed = set(re.findall(r'= "(bin/[^"]+)"', (addon / "thicket.gdextension").read_text(encoding="utf-8")))
     assert listed == {f"bin/{path.name}" for path in (addon / "bin").iterdir()}
 
 
 @pytest.mark.full
 def test_no_traces_of_the_build_machine(addon):
-    """No file of the add-on contains a path, a compiler or a registry of the build machine."""
+    """Checks that no file of the add-on contains a path, a compiler or a registry of the build machine."""
     for path in (each for each in addon.rglob("*") if each.is_file() and each.name != "THIRD_PARTY.txt"):
         found = OF_THE_MACHINE.search(path.read_bytes())
         assert not found, f"{path.name}: {path.read_bytes()[max(0, found.start() - 40) : found.end() + 40]}"
@@ -100,8 +102,8 @@ def test_libraries_are_small_and_stripped(addon):
 
 @pytest.mark.full
 def test_libraries_for_linux_are_hardened_and_need_little(addon):
-    """The libraries load with a glibc from 2018 and include the C++ library. Their relocated data is read-only, and their stack is not
-    executable."""
+    """Checks that the libraries load with a glibc from 2018 and include the C++ library. Relocated data must be
+    read-only, and the stack must not be executable."""
     assert len(list((addon / "bin").glob("*.so"))) == 8
     for path in (addon / "bin").glob("*.so"):
         text = run(["readelf", "--wide", "--dynamic", "--segments", "--version-info", path], timeout=60).stdout
@@ -124,7 +126,8 @@ def exported(command: list[str | Path]) -> set[str]:
 
 @pytest.mark.full
 def test_libraries_for_windows_are_hardened_and_need_little(addon):
-    """Addresses are random, data is not executable, and only libraries that every Windows 10 has are imported."""
+    """Checks that addresses are randomized, that data is not executable, and that the libraries import only libraries
+    that every Windows 10 has."""
     for path in (addon / "bin").glob("*.dll"):
         text = run([binaries.tool("llvm-readobj"), "--file-headers", "--coff-imports", "--coff-exports", path], timeout=60).stdout
         for word in ("DYNAMIC_BASE", "HIGH_ENTROPY_VA", "NX_COMPAT"):
@@ -147,7 +150,7 @@ def test_frameworks_for_macos_hold_both_processors(addon):
 
 @pytest.mark.full
 def test_builds_are_reproducible(zips, tmp_path):
-    """Building one library again in a different folder, and packing again, gives identical zips."""
+    """Checks that building a library in a different folder and packing it produces identical zips."""
     copy = tmp_path / "elsewhere"
     shutil.copytree(REPO, copy, ignore=shutil.ignore_patterns("build", ".godot", "__pycache__"), symlinks=True)
     done = run(["bash", "tools/package.sh", "--out", tmp_path / "again", "linux.x86_64"], timeout=3600, cwd=copy)
@@ -162,7 +165,7 @@ def test_builds_are_reproducible(zips, tmp_path):
 
 
 def compile_loader(compiler: list[str | Path], name: str) -> Path:
-    """The program of tests/loader, compiled for a different system."""
+    """Compiles the program of tests/loader with a compiler for a different system. Returns its path."""
     program = REPO / "build/loader" / name
     program.parent.mkdir(parents=True, exist_ok=True)
     done = run([*compiler, "-std=c++20", "-O1", "-I.", "-Ibuild/engine", *sorted((REPO / "tests/loader").glob("*.cpp")), "-o", program],
@@ -176,7 +179,8 @@ def zig_loader(target: str, *flags: str) -> Path:
 
 
 def registered(program: list[str | Path], library: Path, environment: dict[str, str] | None = None) -> list[str]:
-    """The classes that a library has registered, from the loader's output."""
+    """Loads a library with the loader. Returns the lines that the loader prints, including the registered classes and
+    members."""
     done = run([*program, library, *(["double"] if ".double." in library.name else [])], timeout=300, env=environment)
     assert done.returncode == 0, library.name + done.stdout[-2000:] + done.stderr[-2000:]
     lines = done.stdout.replace("\r", "").splitlines()
@@ -196,8 +200,8 @@ def at_home(addon) -> list[str]:
 
 @pytest.mark.full
 def test_the_library_for_windows_loads(addon, at_home):
-    """All symbols are found, all static objects are created, the classes match those on Linux, and one object of each is created.
-    Then it unloads."""
+    """Checks that the libraries load in wine, register the same classes as on Linux, create one object of each class,
+    and unload."""
     if why := emulators.absence("wine", "Windows", "x86_64"):
         pytest.skip(why)
     program = [*emulators.command("wine", "Windows", "x86_64"), zig_loader("x86_64-windows-gnu")]
@@ -207,7 +211,8 @@ def test_the_library_for_windows_loads(addon, at_home):
 
 @pytest.mark.full
 def test_the_library_for_arm_loads(addon, at_home):
-    """On ARM, the library registers the same classes as on this machine. Runs in an emulator, with the C library of a cross compiler."""
+    """Checks that the ARM libraries register the same classes as those of this machine. They run in an emulator, with
+    the C library of a cross compiler."""
     if not shutil.which("qemu-aarch64"):
         pytest.skip("qemu-user is not installed")
     root = Path("/usr/aarch64-linux-gnu")
@@ -221,8 +226,8 @@ def test_the_library_for_arm_loads(addon, at_home):
 @pytest.mark.full
 @pytest.mark.parametrize("threads", [True, False])
 def test_the_library_for_the_web_loads(addon, at_home, threads):
-    """In WebAssembly, the libraries for both kinds of export templates register the same classes as on this machine. In WebAssembly, a call with a
-    wrong function signature traps."""
+    """Checks that the WebAssembly libraries, for both kinds of export template, register the same classes as those of
+    this machine. WebAssembly traps if a function is called with a wrong signature."""
     if not shutil.which("node"):
         pytest.skip("node is not installed")
     flags = ["-fwasm-exceptions", "-sSUPPORT_LONGJMP=wasm", "-sMAIN_MODULE=1", "-sWASM_BIGINT", "-sNODERAWFS", "-sINITIAL_MEMORY=256MB",
@@ -241,16 +246,16 @@ def test_the_engine_tests_pass_with_the_unpacked_add_on(addon):
 
 @pytest.mark.full
 def test_a_users_project(addon, godot, tmp_path):
-    """The editor opens a new project with the add-on without errors and imports it twice with the same result. It opens the project
-    again after the add-on is deleted."""
+    """Checks that the editor opens and imports a new project with the add-on without errors or warnings. It must also
+    open the project after the add-on has been deleted."""
     project = tmp_path / "project"
     (project / "addons").mkdir(parents=True)
     (project / "project.godot").write_text('config_version=5\n[application]\nconfig/name="A user\'s"\n[editor_plugins]\n'
         'enabled=PackedStringArray("res://addons/thicket/plugin.cfg")\n')  # fmt: skip
     shutil.copytree(addon, project / "addons/thicket")
     complaint = re.compile(r"\b(ERROR|WARNING)\b")
-    # Like a user, the editor runs first. An editor that exits right after it has found an extension for the first time crashes,
-    # with any extension (github.com/godotengine/godot/issues/111048).
+    # Start the editor first, as users do. An import would exit right after finding the extension for the first time,
+    # and Godot then crashes with any extension (github.com/godotengine/godot/issues/111048).
     for arguments in (["--editor", "--quit-after", "200"], ["--import"], ["--import"], ["--editor", "--quit-after", "200"]):
         done = godot(["--path", project, *arguments], timeout=600)
         wrong = [line for line in (done.stdout + done.stderr).splitlines() if complaint.search(line)]
@@ -298,7 +303,8 @@ binary_format/architecture="x86_64"
 
 @pytest.mark.full
 def test_an_exported_game_has_the_same_digests(addon, godot, tmp_path):
-    """A game that was exported with the release template prints the same digests as the editor's engine. It runs headless."""
+    """Checks that a game that was exported with the release template prints the same digests as in the editor's
+    engine."""
     if in_godots_root(["test", "-x", "/usr/bin/godot-template-release"], 60).returncode:
         pytest.skip("no export template is installed")
     project = tmp_path / "project"
@@ -324,7 +330,7 @@ def test_an_exported_game_has_the_same_digests(addon, godot, tmp_path):
 
 @pytest.mark.full
 def test_the_engine_for_arm_runs_the_unpacked_add_on(addon, tmp_path):
-    """Runs scripts of tests/engine about points, tiles, rules and states in the engine for ARM, in an emulator."""
+    """Runs the scripts of tests/engine for points, tiles, rules and states in an engine for ARM, under an emulator."""
     root = CACHE / "godot-root-arm64"
     if not shutil.which("qemu-aarch64") or not (root / "usr/bin/godot").exists():
         pytest.skip("no engine for ARM, or no emulator, is installed")

@@ -1,4 +1,5 @@
-"""Tests that the examples of README and the tutorials run unchanged, and that the commands and folders in README exist."""
+"""Tests that the examples in README.md and the tutorials run unchanged, and that the commands and folders in README.md
+exist."""
 
 from __future__ import annotations
 
@@ -18,7 +19,8 @@ EXAMPLES = [
     for example in re.findall(r"^```gdscript\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
 ]
 
-# Runs each example as if it were pasted into a new project: nodes are added to the scene under a camera, terrains return a height.
+# Runs each example as if a user had pasted it into a new project. Nodes are added to a scene with a camera, and grounds
+# are queried for a height.
 RUNNER = """extends SceneTree
 
 func _initialize() -> void:
@@ -31,7 +33,8 @@ func _initialize() -> void:
 			root.add_child(made)
 			await process_frame
 			for scatter in made.find_children("*", "TerrainScatter3D", true, false):
-				await scatter.settled
+				if not scatter.is_settled(): # It may have settled while another one was awaited.
+					await scatter.settled
 				var ids := 0
 				for tile in scatter.get_shown_tiles(scatter.get_all_layers()[0]):
 					var shown: ScatterTile = scatter.get_tile(scatter.get_all_layers()[0], tile)
@@ -49,7 +52,7 @@ func _initialize() -> void:
 
 @pytest.fixture(scope="module")
 def project(tmp_path_factory) -> Path:
-    """A new project with the add-on and the examples."""
+    """Creates a new project that contains the add-on and the examples."""
     folder = new_project(tmp_path_factory.mktemp("readme"))
     for number, example in enumerate(EXAMPLES):
         (folder / f"example_{number}.gd").write_text(example)
@@ -87,7 +90,7 @@ def test_folders_and_commands_exist():
 
 @pytest.mark.parametrize("page", ["ARCHITECTURE.md", "CONTRIBUTING.md"])
 def test_pages_for_engineers_have_valid_paths(page):
-    """Every path, command and room on the pages exists. Patterns and generated files are exceptions."""
+    """Checks that every path on the pages exists, except patterns and generated files."""
     text = (REPO / page).read_text(encoding="utf-8")
     paths = re.findall(r"(?<![\w/.])((?:extension|tests|tools|demo_project)/[\w/.-]*\w)(?![\w*])", text)
     paths = [path for path in paths if not re.search(r"_$|test_$|addons/thicket/(bin|csharp)|/CLASS|-$", path)]
@@ -97,7 +100,8 @@ def test_pages_for_engineers_have_valid_paths(page):
 
 
 def test_every_part_of_the_addon_is_described():
-    """ARCHITECTURE.md has a line for each folder of the add-on, for each folder of its editor, and for each script beside them."""
+    """Checks that ARCHITECTURE.md describes each folder of the add-on, each folder of its editor, and each script
+    beside them."""
     text = (REPO / "ARCHITECTURE.md").read_text(encoding="utf-8")
     block = text[text.index("## The add-on") :].split("```")[1]
     listed = re.findall(r"^ *(\w+)/? ", block, re.MULTILINE) + re.findall(r"[\w*]+\.gd", block)
@@ -111,7 +115,7 @@ def test_every_part_of_the_addon_is_described():
 
 
 def test_the_table_of_renames_has_every_former_name_in_files():
-    """README's table has exactly the former names that the library still reads."""
+    """Checks that the table in README.md lists exactly the former names that the library still reads."""
     table = TEXT[TEXT.index("## From 0.2 to 0.3") : TEXT.index("## From 0.1 to 0.2")]
     rows = set(re.findall(r"^\| `([\w.]+)` \| `([\w.]+)` \|$", table, re.MULTILINE))
     properties = re.findall(r'\{"(\w+)", "(\w+)", "(\w+)"\}', (REPO / "extension/nodes/common/renames.cpp").read_text(encoding="utf-8"))
@@ -119,5 +123,5 @@ def test_the_table_of_renames_has_every_former_name_in_files():
     assert len(properties) >= 4 and len(grounds) == 7
     expected = {(f"{owner}.{former}", f"{owner}.{current}") for owner, former, current in properties} | set(grounds)
     assert expected <= rows
-    in_scripts = {"FoliageWorld", "ImpostorBaker"}  # Scenes refer to the scripts of these by path.
+    in_scripts = {"FoliageWorld", "ImpostorBaker"}  # Scenes refer to the scripts of these classes by path, so files contain no former name.
     assert {former for former, _ in rows - expected} == in_scripts

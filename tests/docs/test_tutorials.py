@@ -1,5 +1,5 @@
-"""Tests the add-on's tutorials: their links and pictures are valid, their steps work in the editor and over the
-network, and the class reference links to them. tests/docs/test_readme.py runs their examples."""
+"""Tests the add-on's tutorials. Their links and pictures must be valid, their steps must work in the editor and over
+the network, and the class reference must link to them. tests/docs/test_readme.py runs their examples."""
 
 from __future__ import annotations
 
@@ -35,12 +35,13 @@ def title(page: str) -> str:
 def test_the_window_offers_every_page():
     source = (ADDON / "editor/help/tutorial_window.gd").read_text()
     offered = re.findall(r'"(\w+\.md)"', source)
-    assert sorted(offered) == sorted(PAGES) and len(PAGES) == 8
+    assert sorted(offered) == sorted(PAGES) and len(PAGES) == 9
     assert offered[:5] == ["first_forest.md", "your_own_tree.md", "paint_and_shapes.md", "game_that_fells.md", "server.md"]
 
 
 def test_the_class_reference_links_to_every_page():
-    """Links are paths in the add-on, with the page's title. The main node links to all pages."""
+    """Checks that links are paths in the add-on with the title of the page, and that the main node links to all
+    pages."""
     linked: dict[str, set[str]] = {}
     for path in (REPO / "extension/doc_classes").glob("*.xml"):
         for link in ElementTree.parse(path).getroot().iterfind("tutorials/link"):
@@ -85,7 +86,8 @@ def test_readmes_link_to_the_pages():
 
 @pytest.fixture(scope="module")
 def editor(godot, godot_xvfb, tmp_path_factory) -> str:
-    """The output while the steps are performed in the editor, in a project with the add-on and a tree from an asset pack."""
+    """Returns the output of an editor in which the steps are performed, in a project with the add-on and a tree from an
+    asset pack."""
     folder = new_plain_project(tmp_path_factory.mktemp("tutorials"))
     link_library(folder)
     add_steps(folder)
@@ -101,12 +103,12 @@ def editor(godot, godot_xvfb, tmp_path_factory) -> str:
 
 
 def test_steps_in_the_editor(editor):
-    """The checks are in tutorials.gd."""
+    """Checks that all steps succeed. The checks themselves are in tutorials.gd."""
     check_passed(editor)
 
 
-# The server and the players of server.md. A player clicks on some visible trees around a position, waits until the given number is
-# felled, and takes a picture.
+# Runs the server or a player of server.md. A player clicks on visible trees around a position, waits until the given
+# number of trees has been felled, and takes a screenshot.
 PLAYER = """extends SceneTree
 
 func _initialize() -> void:
@@ -155,7 +157,7 @@ func is_seen(game: Node3D, id: int) -> bool:
 
 
 def write_game(folder: Path) -> None:
-    """Writes the script of server.md, with an unused port, and the script of a player."""
+    """Writes the script of server.md, with an unused port, and the script of the player."""
     code = dict(FENCE.findall(PAGES["server.md"]))["gdscript"]
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))
@@ -167,7 +169,8 @@ def write_game(folder: Path) -> None:
 
 
 def test_a_server_and_its_players(tmp_path):
-    """Players' clicks fell trees on the server and for all players. A late player gets all changes. All end with the same digest."""
+    """Checks that clicks of players fell trees on the server and for all players. A late player must receive all
+    changes, and all must end with the same digest."""
     folder = new_project(tmp_path, '[rendering]\nrenderer/rendering_method="gl_compatibility"\n')
     write_game(folder)
     PICTURES.mkdir(parents=True, exist_ok=True)

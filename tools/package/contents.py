@@ -1,4 +1,4 @@
-"""The contents of the zips, apart from the libraries."""
+"""Assembles the contents of the zips, except the libraries."""
 
 import re
 import shutil
@@ -15,12 +15,12 @@ import manifest  # noqa: E402
 
 
 def version():
-    """The version of the add-on. plugin.cfg, where the engine reads it, is its only source."""
+    """Returns the version of the add-on, which plugin.cfg contains."""
     return re.search(r'^version="([^"]+)"$', (ADDON / "plugin.cfg").read_text(encoding="utf-8"), re.MULTILINE).group(1)
 
 
 def tracked(folder):
-    """The files below a folder of the repository that git tracks."""
+    """Returns the files in a folder of the repository that git tracks."""
     listed = subprocess.run(["git", "ls-files", "-z", "--", str(folder)], cwd=REPO, check=True, capture_output=True, text=True)
     return [REPO / name for name in listed.stdout.split("\0") if name and (REPO / name).is_file()]
 
@@ -33,8 +33,8 @@ def copy(paths, root, target):
 
 
 def addon(folder, built):
-    """Assembles the add-on around the libraries in its bin/. `built` is the add-on's folder in one of the builds, which contains
-    generated files."""
+    """Assembles the add-on in `folder`, whose bin/ already contains the libraries. `built` is the add-on's folder in
+    one of the builds, from which generated files are copied."""
     copy(tracked(ADDON), ADDON, folder)
     shutil.copytree(built / "csharp", folder / "csharp", dirs_exist_ok=True)
     minimum = re.search(r'^compatibility_minimum = "([^"]+)"$', (built / "thicket.gdextension").read_text(encoding="utf-8"), re.MULTILINE)
@@ -47,17 +47,18 @@ def addon(folder, built):
 
 
 def demo(folder, addon_folder):
-    """Copies the demo project with the add-on in it."""
+    """Copies the demo project, without its shell scripts, and puts the add-on into it."""
     root = REPO / "demo_project"
     copy([path for path in tracked(root) if not path.is_relative_to(ADDON) and path.suffix != ".sh"], root, folder / "thicket_demo")
     shutil.copytree(addon_folder, folder / "thicket_demo/addons/thicket")
 
 
 def notices():
-    """The licenses of the works that are compiled into the libraries."""
-    highway, zig = Path(installed.highway_folder()), Path(installed.zig_program()).parent
+    """Returns the licenses of all third-party code that is compiled into the libraries."""
+    highway, lodepng, zig = Path(installed.highway_folder()), Path(installed.lodepng_folder()), Path(installed.zig_program()).parent
     works = [
         ("Highway, vectors for every processor (its BSD 3-clause license is chosen)", highway / "LICENSE-BSD3"),
+        ("LodePNG, a reader of PNG files", lodepng / "LICENSE"),
         ("GLM, vectors and matrices", Path("/usr/share/doc/libglm-dev/copyright")),
         ("LLVM libc++, the C++ standard library", zig / "lib/libcxx/LICENSE.TXT"),
         ("LLVM libc++abi and libunwind", zig / "lib/libcxxabi/LICENSE.TXT"),

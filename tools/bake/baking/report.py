@@ -1,4 +1,4 @@
-"""The results of a bake, and their presentation: a line of progress, a map and a report."""
+"""Collects the results of a bake, and presents them as progress messages, a map and a report."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ GROUND = (0.93, 0.92, 0.88)
 
 @dataclass
 class Outcome:
-    """The results of a bake. `failed` has a sentence for each tile that failed, and `stopped` the reason for an early end."""
+    """The results of a bake. `failed` has a sentence for each tile that failed. `stopped` is the reason if the bake
+    ended early."""
 
     manifest: dict
     kept: int = 0
@@ -29,14 +30,14 @@ class Outcome:
     bytes: int = 0
     seconds: float = 0.0
     busy_seconds: float = 0.0
-    core_seconds: float = 0.0  # Processor time of workers and engines.
-    starting: list[float] = field(default_factory=list)  # Startup seconds of each engine.
-    driver_seconds: float = 0.0  # Processor time of this process, including Dask's scheduler unless it runs elsewhere.
+    core_seconds: float = 0.0  # CPU time of workers and engines.
+    starting: list[float] = field(default_factory=list)  # The startup time of each engine in seconds.
+    driver_seconds: float = 0.0  # The CPU time of this process. It includes the Dask scheduler if that runs in this process.
     worker_memory: int = 0
     engine_memory: int = 0
     failed: dict[tuple[int, int], str] = field(default_factory=dict)
     stopped: str = ""
-    unreported: str = ""  # The reason if the report or the map was not written.
+    unreported: str = ""  # The reason why the report or the map could not be written; empty if both were written.
 
     @property
     def driver_seconds_a_tile(self) -> float:
@@ -44,17 +45,18 @@ class Outcome:
 
 
 class Progress:
-    """Prints the progress of a bake: on a terminal in a line that changes, otherwise in a new line every ten seconds."""
+    """Prints the progress of a bake. If `say` is `print` or a partial of it, and the output is a terminal, it updates
+    one line. Otherwise it prints a new line every ten seconds."""
 
     def __init__(self, tiles: int, say: Callable[[str], None]):
         self.tiles = tiles
         self.say = say
         self.start = time.monotonic()
-        self.live = say is print and sys.stdout.isatty()
+        self.live = getattr(say, "func", say) is print and sys.stdout.isatty()
         self.next = self.start
 
     def line(self, outcome: Outcome) -> str:
-        """For example: 12 of 400 tiles, 3.1 a second, 1.2 M instances a second, 2 min left"""
+        """Returns a line such as: 12 of 400 tiles, 3.1 a second, 1.2 M instances a second, 2 min left"""
         passed = max(time.monotonic() - self.start, 1e-3)
         done = outcome.made + outcome.kept + len(outcome.failed)
         left = passed / max(done, 1) * (self.tiles - done)
@@ -65,7 +67,7 @@ class Progress:
         )
 
     def print_if_due(self, outcome: Outcome) -> None:
-        """Prints the progress, if it is time to."""
+        """Prints the progress if enough time has passed since the last time."""
         now = time.monotonic()
         if now < self.next:
             return
@@ -84,8 +86,8 @@ class Progress:
 
 
 class Map:
-    """A plan view of a bake, with x to the right and z down. Each layer has a color, and the layers with the smallest radius are drawn
-    first."""
+    """Draws a bake as seen from above, with x to the right and z down. Each layer has a color. Layers with a small
+    radius are drawn first."""
 
     def __init__(self, rect: tuple[float, float, float, float], pixel: float, layers: list[dict]):
         self.size = (max(1, int(np.ceil(rect[3] / pixel - 1e-9))), max(1, int(np.ceil(rect[2] / pixel - 1e-9))))
@@ -104,7 +106,8 @@ class Map:
         return sorted(range(len(self.layers)), key=lambda index: -self.layers[index]["radius"])
 
     def colors(self) -> list[tuple[float, float, float]]:
-        """Red, green and blue of each layer, 0 to 1. The hues are far apart, and large plants are dark."""
+        """Returns the red, green and blue of each layer, from 0 to 1. The hues differ clearly, and layers with a large
+        radius are dark."""
         order = self._largest_first()
         lightness = np.linspace(0.28, 0.72, max(len(order), 2))
         colors = [(0.0, 0.0, 0.0)] * len(order)
@@ -113,8 +116,8 @@ class Map:
         return colors
 
     def picture(self) -> Image.Image:
-        """The map. An instance is a disc with its layer's radius as its diameter. If pixels are larger, they show the share of
-        ground that such discs cover."""
+        """Draws the map. Each instance is a disc whose diameter is the radius of its layer, at most 25 pixels. A pixel that
+        is larger than the discs shows the share of its ground that the discs cover."""
         image = np.empty((*self.size, 3), np.float32)
         image[:] = GROUND
         for index in reversed(self._largest_first()):
@@ -124,7 +127,7 @@ class Map:
 
     @staticmethod
     def _cover(counts: np.ndarray, width: float) -> np.ndarray:
-        """0 to 1 for each pixel. `width` is the width of an instance in pixels."""
+        """Returns the covered share of each pixel, 0 to 1. `width` is the width of an instance in pixels."""
         cover = np.minimum(counts * np.float32(0.25 * np.pi * width * width), 1.0).astype(np.float32)
         reach = int(min(width, 25.0) / 2.0)
         if reach < 1:
@@ -142,7 +145,8 @@ class Map:
 
 
 def write_report(out: Path, workers: int, outcome: Outcome, picture: Map) -> None:
-    """Writes map.png and report.md beside the manifest. A failure does not end the bake, but sets `unreported`."""
+    """Writes map.png and report.md next to the manifest. If that fails, sets `unreported` instead of raising an
+    exception."""
     try:
         write_whole(out / "report.md", report(workers, outcome, picture).encode())
         with whole_file(out / "map.png") as file:
@@ -152,7 +156,7 @@ def write_report(out: Path, workers: int, outcome: Outcome, picture: Map) -> Non
 
 
 def report(workers: int, outcome: Outcome, picture: Map) -> str:
-    """The report, in Markdown."""
+    """Returns the report in Markdown."""
     manifest = outcome.manifest
     tiles = manifest["tiles"].values()
     rect = manifest["rect"]

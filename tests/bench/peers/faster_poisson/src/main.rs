@@ -1,26 +1,27 @@
-//! Times one sampler of the crate faster_poisson, which the benches compare with. Prints one JSON line for one set.
+//! Times one sampler of the crate faster_poisson, which the benches compare with. Generates one set and prints a JSON
+//! line.
 //!
 //!     faster_poisson NAME POINTS SEED [dump=FILE]
 //!
-//! NAME is faster_poisson_dart, faster_poisson_bridson or faster_poisson_parental. The radius is 1, and the domain a
+//! NAME is faster_poisson_dart, faster_poisson_bridson or faster_poisson_parental. The radius is 1. The domain is a
 //! bounded square whose area times the density of jammed disks is POINTS, as in tests/bench/domain_run.cpp. dump=FILE
 //! writes the set as domain_run does: its count (u64) and its coordinates (f64 x, y), little-endian. The line has the
 //! keys
 //!
 //!     method, points, seconds, size, maximal_claimed, toroidal, precision, version
 //!
-//! `seconds` is the processor time of this process for creating the sampler and running it, after a run for a small
-//! set; `size` is the side of the square.
+//! `seconds` is the CPU time of this process for creating the sampler and running it, after a run for a small set;
+//! `size` is the side of the square.
 //!
-//! Behavior of the crate (version 1.3.0, read from its source, with each set's distances and gaps measured): double
-//! precision, one thread and bounded domains. The radius is the least distance between points, which is correct. No
-//! sampler claims or produces maximal sets: all cover less than 0.49 of the plane (a jammed set 0.547), and leave
-//! positions that are 1.2 to 1.5 radii from every point. All run with the crate's defaults:
-//! - dart: the cells of a grid of width r / sqrt(2), in random order, with six darts at each. Not dart throwing: each
-//!   cell has only one turn, so positions that are hard to hit stay empty.
-//! - bridson: Bridson (2007), 16 candidates whose distance is biased toward the point.
+//! Behavior of the crate (version 1.3.0, read from its source, with the distances and gaps of each set measured): it
+//! uses double precision, one thread and bounded domains. The radius is the minimum distance between points, and
+//! distances are correct. No sampler claims or produces maximal sets. All cover less than 0.49 of the plane (a jammed
+//! set covers 0.547), and leave positions that are 1.2 to 1.5 radii from every point. All run with the crate's defaults:
+//! - dart: visits the cells of a grid of width r / sqrt(2) in random order, with six darts at each. This is not dart
+//!   throwing, because each cell has only one turn, so positions that are hard to hit stay empty.
+//! - bridson: Bridson (2007) with 16 candidates whose distance is biased toward the point.
 //! - parental: the same with 14 candidates, none of them in the part of the ring that the point's own parent covers.
-//!   The crate's default.
+//!   This is the crate's default.
 
 use faster_poisson::{Poisson2D, PoissonBridson2D, PoissonDart2D};
 use std::f64::consts::PI;
@@ -29,7 +30,7 @@ use std::process::ExitCode;
 
 type Points = Vec<[f64; 2]>;
 
-/// Points per unit of area when randomly thrown disks of diameter 1 jam: coverage 0.547070.
+/// Points per unit of area at which randomly thrown disks of diameter 1 jam: coverage 0.547070.
 const JAMMED_DENSITY: f64 = 0.547070 * 4.0 / PI;
 
 const WARM_UP_POINTS: f64 = 1000.0;
@@ -48,7 +49,7 @@ fn sample(name: &str, points: f64, seed: u64) -> Option<Points> {
 	}
 }
 
-/// Processor time that this process has used, in seconds.
+/// Returns the CPU time of this process in seconds.
 fn cpu_seconds() -> f64 {
 	let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
 	// SAFETY: the call writes only the structure that is passed to it.
