@@ -9,11 +9,13 @@ import subprocess
 import sys
 import threading
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import psutil
 import pytest
 from conftest import REPO, new_project, run
+from distributed import Client, LocalCluster
 
 sys.path.insert(0, str(REPO / "tools/bake"))
 from baking import cluster, driver, report, schedule  # noqa: E402 (only on the path above)
@@ -97,6 +99,38 @@ def test_a_scheduler_without_workers_is_reported(monkeypatch):
     with cluster.watched(Scheduler(), "tcp://here:1", said.append):
         assert looked.wait(10.0)
     assert [each.split(":1", 1)[1][:16] for each in said] == [" has no workers:", " has workers: 3.", " has no workers:"]
+
+
+class SlowTile:
+    """Takes the place of `tile.make`. Counts the tiles that are made at the same time."""
+
+    lock = threading.Lock()
+    now = 0
+    most = 0
+
+    @classmethod
+    def make(cls, *_: object, **__: object) -> dict:
+        with cls.lock:
+            cls.now += 1
+            cls.most = max(cls.most, cls.now)
+        time.sleep(0.1)
+        with cls.lock:
+            cls.now -= 1
+        return {"failed": "not made"}
+
+
+def test_workers_that_join_later_get_tiles(monkeypatch, tmp_path):
+    """Checks that a bake that began with one worker hands out more tiles once others have joined."""
+    monkeypatch.setattr(driver.tile, "make", SlowTile.make)
+    tiles = [(column, 0) for column in range(200)]
+    outcome = report.Outcome(dict(WORLD))
+    with LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None) as workers, Client(workers) as client:
+        threading.Timer(0.5, workers.scale, [12]).start()
+        driver._make_all(
+            SimpleNamespace(out=tmp_path), client, 1, tiles, outcome, report.Map((0, 0, 32, 32), 1.0, []), report.Progress(len(tiles), print)
+        )
+    assert len(outcome.failed) == len(tiles)
+    assert SlowTile.most > 7, "a bake for one worker hands out seven tiles"
 
 
 WORLD = {

@@ -156,14 +156,17 @@ def _refuse_tiles_beyond(tiles: Iterable[tuple[int, int]], grid: TileGrid) -> No
 def _make_all(
     plan: tile.Plan, client: Client, workers: int, order: list[tuple[int, int]], outcome: Outcome, picture: Map, progress: Progress
 ) -> None:
-    """Distributes the tiles and collects the results. At any time, about three tiles per worker are handed out.
-    Cancels all of them once a worker reports that no tile can be made."""
+    """Distributes the tiles and collects the results. About three tiles per worker are handed out at any
+    time, also to workers that join later. Cancels all of them once a worker reports that no tile can be made."""
     waiting = iter(order)
     futures = as_completed([], loop=client.loop, with_results=True, raise_errors=False)
     tile_of_key: dict[str, tuple[int, int]] = {}
 
+    def limit() -> int:
+        return 4 + 3 * max(workers, sum(client.nthreads().values()))
+
     def hand_out(count: int) -> None:
-        for _ in range(count):
+        while len(tile_of_key) < count:
             at = next(waiting, None)
             if at is None:
                 return
@@ -171,7 +174,8 @@ def _make_all(
             tile_of_key[future.key] = at
             futures.add(future)
 
-    hand_out(4 + 3 * max(workers, sum(client.nthreads().values())))
+    handed_out = limit()
+    hand_out(handed_out)
     next_manifest = time.monotonic() + 2.0
     for future, result in futures:
         at = tile_of_key.pop(future.key)
@@ -185,7 +189,8 @@ def _make_all(
             start = time.monotonic()
             files.write_manifest(Path(plan.out), outcome.manifest)
             next_manifest = time.monotonic() + max(2.0, (time.monotonic() - start) / MANIFEST_SHARE)
-        hand_out(1)
+            handed_out = limit()  # More workers may have joined.
+        hand_out(handed_out)
     progress.end(outcome)
 
 
