@@ -1,7 +1,7 @@
 extends "queries_harness.gd"
 ## Base class for the thread tests. Runs calls on worker threads, and reads the threading rules that the class reference states.
 
-const ANY := "Any thread may call this method"
+const ANY := "Any number of threads may call this method"
 const MAIN := "Only the main thread may call this method"
 const OWNER := "One thread at a time may call this method"
 
