@@ -72,8 +72,8 @@ def test_examples_run(godot, project):
     assert all(int(count) > 100 for count in re.findall(r"example \d+ shows (\d+)", done.stdout)), printed
     assert re.search(r"example 1 height 1\.91", done.stdout), printed  # 4 sin(0.5) = 1.9177
     assert re.search(r"\d{3,} points; the first is \d+ at", done.stdout), printed
-    assert re.search(r"^\d{3,} oaks; the first stands at \(", done.stdout, re.MULTILINE), printed
-    assert re.search(r"^the ray meets \d+ after \d+\.\d+ m$", done.stdout, re.MULTILINE), printed
+    assert re.search(r"^\d{3,} oaks; the first is at \(", done.stdout, re.MULTILINE), printed
+    assert re.search(r"^the ray hits \d+ after \d+\.\d+ m$", done.stdout, re.MULTILINE), printed
     assert "\nthe same forest: true\n" in done.stdout, printed
     assert re.search(r"^\d{3,} oaks there$", done.stdout, re.MULTILINE), printed
     assert re.search(r"^felled \d+$", done.stdout, re.MULTILINE) and "\nstill cut: true\n" in done.stdout, printed
