@@ -121,7 +121,7 @@ def test_a_killed_engine_only_costs_time(world, baked, tmp_path):
     times = {path: path.stat().st_mtime_ns for path in left}
     again = make(world, folder)
     assert again.returncode == 0, again.stdout + again.stderr
-    assert f"{TILES - len(left)} tiles generated, {len(left)} kept from before, 0 failed" in again.stdout
+    assert f"{TILES - len(left)} tiles generated, {len(left)} already present, 0 failed" in again.stdout
     assert {path: path.stat().st_mtime_ns for path in left} == times and not list(folder.glob("**/.*.part"))
     whole = bake_of(folder, tmp_path / "out")
     assert whole.code == 0 and same(whole, baked), whole.said
@@ -145,7 +145,7 @@ def test_the_bake_reports_missing_and_damaged_tiles(world, baked, made, tmp_path
 def test_failing_tiles_are_reported_and_others_made(world, tmp_path):
     with ground(world, "bad"):
         broken = make(world, tmp_path / "made")
-    assert broken.returncode == 1 and "tile 1,0 failed. Tile" in broken.stderr and "16 tiles generated, 0 kept from before, 4 failed" in broken.stdout, broken.stderr
+    assert broken.returncode == 1 and "tile 1,0 failed. Tile" in broken.stderr and "16 tiles generated, 0 already present, 4 failed" in broken.stdout, broken.stderr
     completed = make(world, tmp_path / "made")
     assert completed.returncode == 0 and "4 tiles generated, 16 kept" in completed.stdout, completed.stdout + completed.stderr
 
@@ -158,7 +158,7 @@ def test_a_changed_scene_is_noticed(world, made, tmp_path):
     scene.write_text(scene.read_text().replace("max_scale = 2.0", "max_scale = 2.25"))
     folder = shutil.copytree(made, tmp_path / "made")
     refused = make(other_world, folder)
-    assert refused.returncode == 2 and "these parts of the scene are not the same: layer 0 (Trees)." in refused.stderr, refused.stderr
+    assert refused.returncode == 2 and "these parts of the scene differ: layer 0 (Trees)." in refused.stderr, refused.stderr
     scene.write_text((world / "world.tscn").read_text().replace("view_distance = ", "view_distance = 1"))
     assert scene.read_text() != (world / "world.tscn").read_text() and make(other_world, folder).returncode == 0, "drawing settings do not matter"
     scene.write_text((world / "world.tscn").read_text().replace("max_scale = 2.0", "max_scale = 2.25"))
@@ -193,7 +193,7 @@ REFUSED_RECT = "rect must be X,Z,WIDTH,DEPTH in meters, with a width and a depth
     ("arguments", "sentence"),
     [
         ([], "out is missing"),
-        (["out=made"], "out must be a folder with its whole path"),
+        (["out=made"], "out must be the absolute path of a folder"),
         (["out=/dev/null/made", *ASKED], "Cannot write /dev/null/made"),
         (["out=/tmp/made", "rect=1,2,3"], "rect must be X,Z,WIDTH,DEPTH"),
         (["out=/tmp/made", "rect=0,0,-5,5"], f"{REFUSED_RECT}, got '0,0,-5,5'"),
@@ -201,16 +201,16 @@ REFUSED_RECT = "rect must be X,Z,WIDTH,DEPTH in meters, with a width and a depth
         (["out=/tmp/made", "tile_size=0.5"], "tile_size must be between 1 and 1000000 meters, got '0.5'"),
         (["out=/tmp/made", *ASKED, "layers=Ferns"], "The scene has no layer 'Ferns'. It has: 0 Trees, 1 Grass"),
         (["out=/tmp/made", *ASKED, "tiles=0,0 9,0"], "tiles has '9,0', which is not in the rectangle: tiles go from -3,-2 to 1,1"),
-        (["out=/tmp/made", *ASKED, "tiles=0,0 here"], "tiles must be pairs of whole numbers I,J with spaces between, got 'here'"),
+        (["out=/tmp/made", *ASKED, "tiles=0,0 here"], "tiles must be pairs of integers I,J separated by spaces, got 'here'"),
         (["out=/tmp/made", *ASKED, "share=3/2"], "share must be K/N"),
-        (["out=/tmp/made", "rect=0,0,1e7,1e7", "tile_size=32"], "97656250000 tiles are more than a bake has, 1000000"),
+        (["out=/tmp/made", "rect=0,0,1e7,1e7", "tile_size=32"], "97656250000 tiles are more than the maximum of 1000000"),
         (["out=/tmp/made"], "The ground does not report its extent: set rect to"),
         (["out=/tmp/made", *ASKED, "node=Nobody", "wait=1"], "In the scene res://world.tscn there is no TerrainScatter3D after 1 s"),
-        (["out=/tmp/made", *ASKED, "wait=-1"], "wait must be a number of seconds, 0 or more, got '-1'"),
-        (["out=/tmp/made", *ASKED, "wait=long"], "wait must be a number of seconds, 0 or more, got 'long'"),
+        (["out=/tmp/made", *ASKED, "wait=-1"], "wait must be at least 0 seconds, got '-1'"),
+        (["out=/tmp/made", *ASKED, "wait=long"], "wait must be at least 0 seconds, got 'long'"),
         (["out=/tmp/made", "rekt=0,0,5,5"], "rekt is '0,0,5,5', which is not an argument"),
         (["out=/tmp/made", "scene=res://none.tscn"], "There is no scene 'res://none.tscn'."),
-        (["connect=1", "token=x"], "connect is '1', and no driver listens"),
+        (["connect=1", "token=x"], "connect is '1', but no driver listens"),
     ],
 )
 def test_invalid_arguments_are_refused_with_a_sentence(world, arguments, sentence):

@@ -293,7 +293,7 @@ def test_a_full_disk_stops_with_an_error(world, baked, tmp_path):
         (["--tile-size", "nan"], "tile_size must be between 1 and 1000000 meters, got 'nan'"),
         (["--rect", "0,0,-5,5"], "rect must be X,Z,WIDTH,DEPTH"),
         (["--rect", "1e11,0,5,5", "--tile-size", "1"], "is too far from the origin for tiles of 1"),
-        (["--rect", "0,0,1e7,1e7"], "97656250000 tiles are more than a bake has, 1000000: choose larger ones (tile size), or bake parts"),
+        (["--rect", "0,0,1e7,1e7"], "97656250000 tiles are more than the maximum of 1000000: choose larger tiles (tile size), or bake parts"),
         (["--scheduler", "tcp://127.0.0.1:1"], "No Dask scheduler answers at tcp://127.0.0.1:1"),
     ],
 )

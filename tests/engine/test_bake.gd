@@ -146,7 +146,7 @@ func test_refusals() -> void:
 		check(not bake.step(1.0), "a refused bake does not continue")
 	for layers: Array in [["larch"], [scatter.layers[0], "larch"], [0], [null], [ScatterLayer.new()]]:
 		check(bake.begin(scatter, Rect2(0, 0, 10, 10), FOLDER, "wood", layers) != OK, "no such layer: %s" % [layers])
-		check("layers has %s" % layers[-1] in bake.problem, bake.problem)
+		check("layers contains %s" % layers[-1] in bake.problem, bake.problem)
 	scatter.ground = null
 	check(bake.begin(scatter, Rect2(0, 0, 10, 10), FOLDER, "wood") != OK and "TerrainScatter3D.ground" in bake.problem, bake.problem)
 

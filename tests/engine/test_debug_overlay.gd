@@ -31,7 +31,7 @@ func test_it_shows_figures_after_its_key_is_pressed() -> void:
 	check(overlay.visible, "visible")
 	var text := "\n".join(overlay.lines)
 	var shown := scatter.get_shown_count(layer)
-	check(shown > 500 and text.contains("Wood: ") and text.contains("0 tiles in work") and text.contains("Larches"), text)
+	check(shown > 500 and text.contains("Wood: ") and text.contains("0 tiles pending") and text.contains("Larches"), text)
 	check(text.replace(",", "").contains("%d instances in %d tiles" % [shown, scatter.get_stats()["tiles"]]), text)
 	check(text.contains("in view: ") and not text.contains("in view: 0 instances"), text)
 	var why: Array = overlay.get(&"_why").rows

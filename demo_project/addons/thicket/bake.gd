@@ -19,9 +19,9 @@ const UNFINISHED := ".bake_unfinished/"
 const MOST_TILES := 100000
 const UNWRITABLE := "Cannot write %s: %s. Check that the folder is writable and the disk has room."
 
-## The error as a sentence; empty if there is none.
+## The error message; empty if there is none.
 var problem := ""
-## The finished share of the bake, from 0 to 1.
+## The progress of the bake, from 0 to 1.
 var progress := 0.0
 ## The number of instances that the current or the last bake has written.
 var instances := 0
@@ -33,7 +33,7 @@ var _rect := Rect2()
 var _folder := ""
 var _name := ""
 var _running := false
-var _nodes: Array[Array] = [] # For each MultiMesh: layer, tile, origin, MultiMesh.
+var _nodes: Array[Array] = [] # One entry per MultiMesh: layer, tile, origin, MultiMesh.
 var _tiles: Array[Vector3i] = [] # The tiles to bake: layer index, tile x, tile y.
 var _next := 0
 var _written: PackedStringArray = []
@@ -56,7 +56,7 @@ func begin(scatter: Node3D, rect: Rect2, folder: String, name: String, layers :=
 	if not _rect.is_finite() or not _rect.has_area():
 		return _refuse(ERR_INVALID_PARAMETER, "The rectangle must be finite and have an area, got %s." % rect)
 	if name.is_empty() or not name.is_valid_filename():
-		return _refuse(ERR_INVALID_PARAMETER, "The name must be a valid file name, without / : ? * and the like, got '%s'." % name)
+		return _refuse(ERR_INVALID_PARAMETER, "The name must be a valid file name, without characters such as / : ? *, got '%s'." % name)
 	if scatter.get(&"ground") == null:
 		return _refuse(ERR_UNCONFIGURED, "%s has no ground: set TerrainScatter3D.ground." % scatter.name)
 	var error := _list_tiles(layers)
@@ -71,9 +71,9 @@ func begin(scatter: Node3D, rect: Rect2, folder: String, name: String, layers :=
 	return OK
 
 
-## Continues the bake for about [param msec] milliseconds, but for at least one tile. The last call also writes the scene and
-## moves all files, however long that takes. Returns true while there is more to do, and false at the end, after
-## [method cancel], and on an error, which sets [member problem].
+## Continues the bake for about [param msec] milliseconds, but for at least one tile. The last call also writes the
+## scene and moves all files, regardless of how long that takes. Returns true while there is more to do. Returns false
+## at the end, after [method cancel], or after an error, which sets [member problem].
 func step(msec: float) -> bool:
 	if not _running:
 		return false
@@ -129,7 +129,7 @@ func _list_tiles(asked: Array) -> Error:
 	for one: Variant in asked:
 		var meant := layers.filter(func(layer: Resource) -> bool: return layer != null and (is_same(one, layer) or str(one) == layer.resource_name))
 		if meant.is_empty():
-			return _refuse(ERR_INVALID_PARAMETER, "layers has %s, which is no layer of %s: pass entries of TerrainScatter3D.layers, or their names." % [
+			return _refuse(ERR_INVALID_PARAMETER, "layers contains %s, which is not a layer of %s: pass entries of TerrainScatter3D.layers, or their names." % [
 				one, _scatter.name])
 		chosen.append(meant[0])
 	for index in layers.size():
@@ -140,10 +140,10 @@ func _list_tiles(asked: Array) -> Error:
 		var touched: Rect2i = grid.call(&"get_tiles_in", bounds)
 		if not touched.has_area():
 			return _refuse(ERR_PARAMETER_RANGE_ERROR,
-					"The rectangle %s is too far from the origin for the tiles of layer %d: raise its tile_size." % [_rect, index])
+					"The rectangle %s is too far from the origin for the tiles of layer %d: increase its tile_size." % [_rect, index])
 		if touched.size.x * touched.size.y > MOST_TILES - _tiles.size():
 			return _refuse(ERR_PARAMETER_RANGE_ERROR,
-					"The rectangle %s has more than %d tiles: bake a smaller one, or raise tile_size of the layers." % [_rect, MOST_TILES])
+					"The rectangle %s has more than %d tiles: bake a smaller one, or increase the tile_size of the layers." % [_rect, MOST_TILES])
 		for y in range(touched.position.y, touched.end.y):
 			for x in range(touched.position.x, touched.end.x):
 				_tiles.append(Vector3i(index, x, y))
@@ -154,7 +154,7 @@ func _bake_tile(tile: Vector3i) -> bool:
 	var layer: Resource = _scatter.get(&"layers")[tile.x]
 	var built: RefCounted = _scatter.call(&"build_tile", layer, Vector2i(tile.y, tile.z), _rect)
 	if built.get_mesh_count() == 0:
-		problem = "Layer %d cannot be baked; the printed error has the reason." % tile.x
+		problem = "Layer %d cannot be baked. See the Output panel for details." % tile.x
 		return false
 	for mesh_index: int in built.get_mesh_count():
 		var buffer: PackedFloat32Array = built.get_buffer(mesh_index)
@@ -206,13 +206,14 @@ func _instance(layer: Resource, tile: Vector3i, origin: Vector3, multimesh: Mult
 	return instance
 
 
-## Returns the part of a file name that identifies a layer: its index, and its name if it has one.
+## Returns the part of a file name that identifies a layer: its index, followed by its name if it has one.
 func _file_part(layer: int) -> String:
 	var name: String = _scatter.get(&"layers")[layer].resource_name.to_snake_case().validate_filename()
 	return "%d_%s" % [layer, name] if not name.is_empty() else str(layer)
 
 
-## Saves a resource in the temporary folder, and sets its path to the final one. So other resources refer to it by the final path.
+## Saves a resource in the temporary folder and sets its path to the final one, so that other resources refer to it by
+## the final path.
 func _save(resource: Resource, file: String) -> bool:
 	var error := WholeFile.save_new(resource, _folder + UNFINISHED + file)
 	resource.set_path_cache(_folder + file)
@@ -251,7 +252,7 @@ func _move_all() -> bool:
 	for file in stale:
 		var error := DirAccess.remove_absolute(_folder + file)
 		if error != OK:
-			push_warning("Cannot remove %s, a file of an earlier bake: %s. Delete it by hand." % [_folder + file, error_string(error)])
+			push_warning("Cannot remove %s, a file of an earlier bake: %s. Delete it manually." % [_folder + file, error_string(error)])
 	for file in _written:
 		if ResourceLoader.has_cached(_folder + file):
 			ResourceLoader.load(_folder + file, "", ResourceLoader.CACHE_MODE_REPLACE)

@@ -1,6 +1,6 @@
 extends RefCounted
-## Bakes the impostors of a layer: one for each of its meshes, as the last LOD, each in its own file. The editor's button uses this
-## class. Scripts can use it, too, with or without a window:
+## Bakes the impostors of a layer: one for each of its meshes, as the last LOD, each in its own file. The editor's
+## button uses this class. Scripts can also use it, with or without a window:
 ## [codeblock]
 ## var bake := preload("res://addons/thicket/bake_impostors.gd").new()
 ## if bake.begin(layer, "res://forest_impostors", "oaks") == OK:
@@ -19,13 +19,14 @@ class Replaced:
 	## The resource that was loaded from the file and is in use; null if there is none.
 	var resource: Resource
 
-## The settings for baking each impostor. Change them before calling [method begin], which replaces their material override with the layer's.
+## The settings for baking each impostor. Change them before calling [method begin], which sets their material override
+## to that of the layer.
 var impostor := Impostor.new()
-## The error as a sentence; empty if there is none.
+## The error message; empty if there is none.
 var problem := ""
-## Warnings about material properties that impostors cannot reproduce, a sentence each.
+## Warnings about material properties that impostors cannot reproduce, one message each.
 var warnings := PackedStringArray()
-## The finished share of the bake, from 0 to 1.
+## The progress of the bake, from 0 to 1.
 var progress := 0.0
 ## The meshes to assign to the layer: one [ScatterModel] for each of its entries, with the impostor as the last LOD. Entries that draw nothing are
 ## unchanged. Available once [method step] has returned false without a [member problem]. New impostors replace the impostors of an earlier bake.
@@ -57,7 +58,7 @@ func begin(layer: Resource, folder: String, name: String) -> Error:
 	baked = []
 	_layer = layer
 	if name.is_empty() or not name.is_valid_filename():
-		return _refuse(ERR_INVALID_PARAMETER, "The name must be a valid file name, without / : ? * and the like, got '%s'." % name)
+		return _refuse(ERR_INVALID_PARAMETER, "The name must be a valid file name, without characters such as / : ? *, got '%s'." % name)
 	_meshes.assign(range((layer.get(&"meshes") as Array).size()).map(_finest))
 	if not _meshes.any(func(mesh: Mesh) -> bool: return mesh != null):
 		return _refuse(ERR_UNCONFIGURED, "The layer has no mesh to bake: add one to ScatterLayer.meshes.")
@@ -70,9 +71,9 @@ func begin(layer: Resource, folder: String, name: String) -> Error:
 	return _begin_next()
 
 
-## Begins the next impostor if the current one is finished. The call is slow only when an impostor has just been finished; otherwise a different
-## thread does the work. Returns true while there is more to do, and false at the end, after [method cancel], and on an error, which sets
-## [member problem].
+## Begins the next impostor if the current one is finished. Only a call that finishes an impostor is slow; otherwise
+## another thread does the work. Returns true while there is more to do. Returns false at the end, after [method
+## cancel], or after an error, which sets [member problem].
 func step() -> bool:
 	if not _running:
 		return false
@@ -97,7 +98,7 @@ func step() -> bool:
 	return false
 
 
-## Stops a bake in progress. Does nothing if none is in progress.
+## Stops a bake in progress. Has no effect if none is in progress.
 func cancel() -> void:
 	if _running:
 		impostor.cancel()
@@ -116,7 +117,7 @@ func _refuse(error: Error, why: String) -> Error:
 	return error
 
 
-## Begins the next impostor, and skips entries without a mesh.
+## Begins the next impostor and skips entries without a mesh.
 func _begin_next() -> Error:
 	while baked.size() < _meshes.size() and _meshes[baked.size()] == null:
 		baked.append(null)

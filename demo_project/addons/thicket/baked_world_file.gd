@@ -1,9 +1,10 @@
 extends RefCounted
 ## A file of a baked world: a JSON object and bytes, preceded by the SHA-256 of both. Reading a file runs no code.
 ##
-## The engine's [ResourceLoader] never loads these files, because it would run scripts that a resource contains. A file begins with 48 bytes:
-## [constant MAGIC], the version (32 bits, little-endian like all numbers), the SHA-256 of everything after the hash (32 bytes), the length of the
-## JSON text, and the size of the uncompressed bytes. The text follows, and then the bytes, compressed with Zstandard.
+## The engine's [ResourceLoader] never loads these files, because it would run scripts that a resource contains. A file
+## begins with 48 bytes: [constant MAGIC], the version (32 bits, little-endian like all numbers), the SHA-256 of
+## everything after the hash (32 bytes), the length of the JSON text, and the size of the uncompressed bytes. The JSON
+## text and the bytes, compressed with Zstandard, follow.
 
 const MAGIC := "THBW"
 const VERSION := 1
@@ -104,7 +105,7 @@ func text(of: Dictionary, field: String) -> String:
 	var value: Variant = of.get(field)
 	if value is String and (value as String).length() <= MOST_CHARACTERS:
 		return value
-	_refuse("%s must be a text of %d characters at most, got %s" % [field, MOST_CHARACTERS, _shown(value)])
+	_refuse("%s must be a string of at most %d characters, got %s" % [field, MOST_CHARACTERS, _shown(value)])
 	return ""
 
 

@@ -13,7 +13,7 @@ const MOST_METERS := 1e12
 var path := ""
 ## A hash of the settings that determine all instances.
 var scene_digest := ""
-## The side of a tile in meters.
+## The edge length of a tile in meters.
 var tile_size := 0.0
 ## The world position of the origin of the baked scene: x, y, z in meters.
 var world_offset := PackedFloat64Array([0.0, 0.0, 0.0])

@@ -10,7 +10,7 @@ var meshes: Array[Mesh] = []
 ## The loaded materials, in the order of the index; null for those that cannot be loaded.
 var materials: Array[Material] = []
 
-var _waiting := PackedStringArray() # The paths of the meshes, followed by those of the materials.
+var _waiting := PackedStringArray() # The paths of the meshes, then those of the materials.
 var _next := 0
 var _mesh_count := 0
 var _on_threads: bool
@@ -24,7 +24,7 @@ func _init(index: Index, on_threads: bool) -> void:
 	_mesh_count = index.meshes.size()
 
 
-## Requests models that are missing, and takes models that the engine has loaded, until [param deadline] (a time of [method Time.get_ticks_usec]).
+## Requests missing models and takes models that the engine has loaded, until [param deadline] (a time of [method Time.get_ticks_usec]).
 ## Takes at least one model, unless its thread has not finished. Returns true once all models are loaded or have been reported as missing.
 func load_step(deadline: int) -> bool:
 	if _on_threads and not _is_requested:

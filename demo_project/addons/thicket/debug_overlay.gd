@@ -3,9 +3,9 @@ extends CanvasLayer
 ## Shows statistics of the scatters in a running game: numbers of instances, milliseconds, draw calls and pending tiles. Also explains why plants do
 ## or do not grow at the center of the screen.
 ##
-## Add it to a scene, and press [member toggle_key] in the game. The overlay is hidden at first, and has no cost while it is hidden. It also works in
-## release builds. If players should not see it, leave it out of them, or set [member toggle_key] to [constant KEY_NONE]. Without the native library, the
-## overlay only reports that it is missing.
+## Add it to a scene and press [member toggle_key] in the game. The overlay is hidden at first and has no cost while it
+## is hidden. It also works in release builds. To hide it from players, leave it out of these builds or set [member
+## toggle_key] to [constant KEY_NONE]. Without the native library, the overlay only reports that it is missing.
 
 const LibraryGate := preload("res://addons/thicket/library_gate.gd")
 const GroundRay := preload("res://addons/thicket/ground_ray.gd")
@@ -60,7 +60,7 @@ func _process(delta: float) -> void:
 		update()
 
 
-## Updates all figures, even if the overlay is hidden.
+## Updates all values, even if the overlay is hidden.
 func update() -> void:
 	lines.clear()
 	_why.rows.clear()
@@ -83,7 +83,7 @@ func _add_scatter(scatter: Node3D) -> void:
 	var in_work: int = stats.waiting + stats.pending + stats.uploading
 	lines.append("")
 	lines.append("%s: %.2f ms on the main thread%s" % [scatter.name, stats.frame_usec / 1000.0, "" if scatter.is_visible_in_tree() else ", hidden"])
-	lines.append("  %s instances in %d tiles, %d tiles in work" % [NumberText.grouped(stats.instances), stats.tiles, in_work])
+	lines.append("  %s instances in %d tiles, %d tiles pending" % [NumberText.grouped(stats.instances), stats.tiles, in_work])
 	lines.append("  in view: %s instances, %s triangles, %d draw calls" % [NumberText.grouped(drawn.instances), NumberText.grouped(drawn.triangles), drawn.draw_calls])
 	lines.append("  %d bodies, %d scenes, %.1f MiB" % [stats.bodies, stats.scenes, stats.instance_bytes / 1048576.0])
 	for each in LibraryGate.layers_of(scatter):
@@ -91,7 +91,7 @@ func _add_scatter(scatter: Node3D) -> void:
 			lines.append("    %s  %s" % [NumberText.grouped(scatter.call(&"get_shown_count", each)).lpad(9), each.resource_name])
 
 
-## Explains the first position on the ground along the view direction, and names the first instance in front of it.
+## Explains the first position on the ground along the view direction and names the first instance in front of it.
 func _explain(scatters: Array[Node]) -> void:
 	var camera := get_viewport().get_camera_3d()
 	if camera == null:

@@ -13,8 +13,9 @@ const HALVINGS := 24
 
 ## Returns the first position, in meters, where the ray enters the ground from above, or [constant Vector3.INF] if there is none within
 ## [constant REACH] and [constant MOST_STEPS]. [param direction] must have a length of 1. Each step is half as long as the ray's height above the
-## ground, between [constant SHORTEST] (or a thousandth of the distance) and [constant LONGEST]. The ray can therefore miss a ridge only if it grazes the ridge and the ground there is steeper than 60 degrees. A call queries the ground
-## some hundred times.
+## ground, between [constant SHORTEST] (or a thousandth of the distance) and [constant LONGEST]. The ray can therefore
+## miss a ridge only if it grazes the ridge and the ground there is steeper than 60 degrees. A call queries the ground
+## several hundred times.
 static func hit(ground: Resource, from: Vector3, direction: Vector3) -> Vector3:
 	var at := 0.0
 	var last := NAN
@@ -33,7 +34,7 @@ static func hit(ground: Resource, from: Vector3, direction: Vector3) -> Vector3:
 	return Vector3.INF
 
 
-## Returns the distance to the ground along a ray in meters, at most 1000, or 100 if the ray hits no ground.
+## Returns the distance to the ground along a ray in meters, at most 1000, or 100 if the ray does not hit the ground.
 static func distance(ground: Resource, from: Vector3, direction: Vector3) -> float:
 	var position := hit(ground, from, direction)
 	return minf(position.distance_to(from), 1000.0) if position.is_finite() else 100.0

@@ -1,9 +1,10 @@
 @tool
 extends RefCounted
-## Converts instances of a scene or a file to hand-placed instances of a scatter. It reads [MultiMeshInstance3D]s (including the output of
-## ProtonScatter and of this add-on's bakes), the scene copies that ProtonScatter creates without instancing, the instances of a Terrain3D,
-## and tables of transforms. Transforms are converted to world space in single precision; those of nodes at the origin keep their exact
-## values. The imported nodes are not changed: hide or free them afterwards.
+## Converts instances of a scene or a file to hand-placed instances of a scatter. It reads [MultiMeshInstance3D]s
+## (including the output of ProtonScatter and of this add-on's bakes), the scene copies that ProtonScatter creates
+## without instancing, the instances of a Terrain3D, and tables of transforms. Transforms are converted to world space
+## in single precision. Those of nodes at the origin keep their exact values. The imported nodes are not changed: hide
+## or free them afterward.
 ##
 ## It also works without the editor:
 ## [codeblock]
@@ -11,7 +12,7 @@ extends RefCounted
 ## ImportInstances.from_node($TerrainScatter3D, null, $OldTrees)
 ## ImportInstances.from_csv($TerrainScatter3D, "Rocks", "res://rocks.csv")
 ## [/codeblock]
-## An import either succeeds completely or changes nothing: an error names the part that cannot be imported.
+## An import either succeeds completely or leaves the scatter unchanged. An error names the part that cannot be imported.
 
 const Table := preload("res://addons/thicket/transform_table.gd")
 
@@ -36,7 +37,7 @@ class Batch:
 		return transforms.size() / FLOATS
 
 
-## The instances of a node or a file, and a sentence for each part that cannot be imported.
+## The instances of a node or a file, and a message for each part that cannot be imported.
 class Reading:
 	var batches: Array[Batch] = []
 	var problems := PackedStringArray()
@@ -47,7 +48,7 @@ class Reading:
 			sum += batch.size()
 		return sum
 
-	## Returns the batch for a mesh with these layer properties, and adds it if necessary.
+	## Returns the batch for a mesh with these layer properties, adding it if necessary.
 	func batch_of(mesh: Resource, name: String, look: Dictionary[StringName, Variant]) -> Batch:
 		for batch in batches:
 			if batch.mesh == mesh and batch.look == look:
@@ -83,7 +84,7 @@ static func read_node(node: Node) -> Reading:
 	_read_below(node, reading)
 	reading.batches = reading.batches.filter(func(batch: Batch) -> bool: return batch.size() > 0)
 	if reading.size() == 0 and reading.problems.is_empty():
-		reading.problems.append(("%s has no instances: no MultiMeshInstance3D, no output of ProtonScatter, no Terrain3D. "
+		reading.problems.append(("%s has no instances: it has no MultiMeshInstance3D, no output of ProtonScatter and no Terrain3D. "
 				+ "Choose a node that has one, or build its instances first.") % node.name)
 	return reading
 
@@ -106,8 +107,8 @@ static func read_csv(path: String) -> Reading:
 	return reading
 
 
-## Places the instances that were read, and adds missing layers. Returns the ids of the instances. On an error, changes nothing and returns
-## no ids.
+## Places the instances that were read and adds missing layers. Returns the IDs of the instances. On an error, leaves
+## the scatter unchanged and returns no IDs.
 static func place(scatter: Node3D, layer: Variant, reading: Reading) -> PackedInt64Array:
 	var before: Array = scatter.get(&"layers")
 	var layers := before.duplicate()
@@ -167,7 +168,7 @@ static func _mesh_index(scatter: Node3D, layer: Variant, mesh: Resource) -> int:
 
 static func _import(scatter: Node3D, layer: Variant, reading: Reading) -> int:
 	if layer == null and reading.batches.any(func(batch: Batch) -> bool: return batch.mesh == null):
-		reading.problems.append("A table names no mesh: set layer to the layer that its instances belong to, by object or name.")
+		reading.problems.append("A table does not name meshes: set layer to the layer for its instances, as an object or a name.")
 	for problem in reading.problems:
 		push_error("Import of instances: " + problem)
 	return place(scatter, layer, reading).size() if reading.problems.is_empty() else 0
@@ -199,8 +200,8 @@ static func _read_multimesh(node: MultiMeshInstance3D, r_reading: Reading) -> vo
 		_append(node, _buffer_of(multimesh), r_reading.batch_of(multimesh.mesh, name, _look_of(node)))
 
 
-## Returns the name for a new layer: the name of the mesh's file, or else of the mesh, or else of the node. A generated name is replaced by the name
-## of the node's parent.
+## Returns the name for a new layer: the name of the mesh's file, otherwise of the mesh, otherwise of the node. A
+## generated name is replaced by the name of the node's parent.
 static func _name_of(mesh: Resource, node: Node) -> String:
 	if not mesh.resource_path.is_empty() and not "::" in mesh.resource_path:
 		return mesh.resource_path.get_file().get_basename()
@@ -228,7 +229,7 @@ static func _buffer_of(multimesh: MultiMesh) -> PackedFloat32Array:
 	var stride := FLOATS + 4 * int(multimesh.use_colors) + 4 * int(multimesh.use_custom_data)
 	var buffer := multimesh.buffer
 	var result := PackedFloat32Array()
-	if buffer.size() < count * stride: # The dummy renderer keeps no buffer.
+	if buffer.size() < count * stride: # The dummy renderer does not keep the buffer.
 		for index in count:
 			_append_transform(multimesh.get_instance_transform(index), result)
 	elif stride == FLOATS:
@@ -280,7 +281,7 @@ static func _read_proton_item(item: Node, r_reading: Reading) -> void:
 	for child in item.get_children():
 		drawn = drawn or child is MultiMeshInstance3D
 		if child is GPUParticles3D:
-			r_reading.problems.append("%s is made of particles, which keep no transforms: set its render mode in ProtonScatter to Use Instancing, and rebuild." % item.name)
+			r_reading.problems.append("%s is made of particles, which do not keep transforms: set its render mode in ProtonScatter to Use Instancing, and rebuild." % item.name)
 			return
 	for child in item.get_children():
 		if drawn:
@@ -294,7 +295,7 @@ static func _read_copy(node: Node3D, item_name: String, r_reading: Reading) -> v
 	if not node.scene_file_path.is_empty():
 		var scene := load(node.scene_file_path) as PackedScene
 		if scene == null:
-			r_reading.problems.append("%s cannot be loaded; the printed error has the reason." % node.scene_file_path)
+			r_reading.problems.append("%s cannot be loaded. See the Output panel for details." % node.scene_file_path)
 			return
 		_append_transform(_space_of(node), r_reading.batch_of(scene, item_name, {}).transforms)
 		return
@@ -314,8 +315,8 @@ static func is_terrain_3d(node: Node) -> bool:
 			and assets is Object and is_instance_valid(assets) and assets.has_method(&"get_mesh_asset")
 
 
-## Reads the instances of a Terrain3D. Each of its regions stores, for each mesh and cell, transforms relative to the region's corner, colors, and a
-## flag for changes.
+## Reads the instances of a Terrain3D. Each of its regions stores transforms relative to the region's corner, colors,
+## and a change flag for each mesh and cell.
 static func _read_terrain_3d(terrain: Node, r_reading: Reading) -> void:
 	var data: Object = terrain.get(&"data")
 	var spacing: Variant = terrain.get(&"vertex_spacing")
@@ -340,7 +341,7 @@ static func _terrain_3d_batch(terrain: Node, mesh_id: int, r_reading: Reading) -
 	var asset: Object = (terrain.get(&"assets") as Object).call(&"get_mesh_asset", mesh_id)
 	var mesh: Mesh = asset.call(&"get_mesh", 0) if asset != null else null
 	if mesh == null:
-		r_reading.problems.append("%s has instances of mesh %d, which its assets do not have: add the mesh, or clear its instances." % [terrain.name, mesh_id])
+		r_reading.problems.append("%s has instances of mesh %d, which its assets do not contain: add the mesh, or clear its instances." % [terrain.name, mesh_id])
 		return null
 	var look: Dictionary[StringName, Variant] = {}
 	if asset.get(&"material_override") != null:

@@ -1,6 +1,7 @@
 extends RefCounted
-## Bakes an octahedral impostor of a model: a mesh of two triangles with its own material, which shows the model from any direction
-## and in the light of the scene. Use it as the last of [member ScatterModel.lods] or [member ScatterModel.far_lods].
+## Bakes an octahedral impostor of a model: a mesh of two triangles with its own material, which shows the model from
+## any direction and in the light of the scene. Use it as the last of [member ScatterModel.lods] or [member
+## ScatterModel.far_lods].
 ##
 ## The bake needs neither an editor nor a renderer, so it also works headless:
 ## [codeblock]
@@ -11,33 +12,33 @@ extends RefCounted
 ## else:
 ##     ResourceSaver.save(far, "res://oak_impostor.res")
 ## [/codeblock]
-## [method bake] blocks until the pictures are rendered, which takes seconds. [method begin] renders them on a different thread.
+## [method bake] blocks until the views are rendered, which takes seconds. [method begin] renders them on another thread.
 
 const Reader := preload("res://addons/thicket/impostor_materials.gd")
 const SHADER := preload("res://addons/thicket/shaders/impostor.gdshader")
 
-## The number of impostor pixels per screen pixel at the switch distance. It is above 1, because mixing pictures loses some sharpness.
+## The number of impostor pixels per screen pixel at the switch distance. It is above 1, because blending views loses some sharpness.
 const DETAIL := 1.75
 
-## The number of pictures along each side of the atlas, from 2 to 32. They show the model from all directions above the ground or, with
-## [member full_sphere], from all directions. More pictures reproduce a model's shape more closely.
+## The number of views along each side of the atlas, from 2 to 32. They show the model from all directions above the
+## ground or, with [member full_sphere], from all directions. More views reproduce a model's shape more closely.
 var frames := 16
-## The side of a picture in pixels: a power of two from 16 to 512. The side of the atlas, [code]frames * frame_size[/code], is at most
-## 8192.
+## The width and height of a view in pixels: a power of two from 16 to 512. The width of the atlas, [code]frames *
+## frame_size[/code], is at most 8192.
 var frame_size := 128
-## The number of samples along each side of a pixel, from 1 to 8. The time grows with the square of this number.
+## The number of samples along each axis of a pixel, from 1 to 8. The time grows with the square of this number.
 var samples := 2
-## If true, the impostor also shows the model from below, for models that float or can be seen from underneath. The same number of
-## pictures then covers more directions.
+## If true, the impostor also shows the model from below, for models that float or can be seen from underneath. The same
+## number of views then covers more directions.
 var full_sphere := false
 ## The material that replaces all materials, like [member ScatterLayer.material_override]; null for none.
 var material_override: Material
 ## Substitutes for materials, the keys of the dictionary. Use them for shaders whose colors cannot be determined without a renderer.
 var stand_ins: Dictionary[Material, BaseMaterial3D] = {}
 
-## The error as a sentence; empty if there is none.
+## The error message; empty if there is none.
 var problem := ""
-## Warnings about material properties that the impostor cannot reproduce, a sentence each.
+## Warnings about material properties that the impostor cannot reproduce, one message each.
 var warnings := PackedStringArray()
 
 var _baker: RefCounted # A ScatterImpostorBaker. The class is not named as a type, because the editor also compiles this script without the library.
@@ -59,7 +60,7 @@ func bake(meshes: Array[Mesh], transforms: Array[Transform3D] = []) -> ArrayMesh
 	return finish()
 
 
-## Reads the meshes, and starts to render their pictures on a different thread. Call [method is_baking] until it returns false, then
+## Reads the meshes and starts to render their views on another thread. Call [method is_baking] until it returns false, then
 ## [method finish]. On failure, returns an error and sets [member problem].
 func begin(meshes: Array[Mesh], transforms: Array[Transform3D] = []) -> Error:
 	cancel()
@@ -82,22 +83,22 @@ func begin(meshes: Array[Mesh], transforms: Array[Transform3D] = []) -> Error:
 			return error
 	warnings = _reader.warnings
 	if _reader.area <= 0.0:
-		return _refuse(ERR_INVALID_DATA, "There are no triangles to bake: meshes must have one with triangles, got %d meshes." % meshes.size())
+		return _refuse(ERR_INVALID_DATA, "There are no triangles to bake: at least one mesh must have triangles, got %d meshes." % meshes.size())
 	_task = WorkerThreadPool.add_task(_baker.bake, false, "Bake an impostor")
 	return OK
 
 
-## Returns true while pictures are being rendered.
+## Returns true while views are being rendered.
 func is_baking() -> bool:
 	return _task >= 0 and not WorkerThreadPool.is_task_completed(_task)
 
 
-## Returns the finished share of the pictures, from 0 to 1.
+## Returns the finished fraction of the views, from 0 to 1.
 func get_progress() -> float:
 	return _baker.get_progress() if _baker != null else 0.0
 
 
-## Waits for the pictures and returns the impostor. On failure, returns null and sets [member problem]. Also returns null if no bake is in
+## Waits for the views and returns the impostor. On failure, returns null and sets [member problem]. Also returns null if no bake is in
 ## progress.
 func finish() -> ArrayMesh:
 	if _task < 0:
@@ -106,12 +107,12 @@ func finish() -> ArrayMesh:
 	_task = -1
 	var albedo: Image = _baker.get_albedo_image()
 	if albedo == null:
-		_refuse(FAILED, "The impostor cannot be baked; the printed error has the reason.")
+		_refuse(FAILED, "The impostor cannot be baked. See the Output panel for details.")
 		return null
 	return _mesh_of(albedo, _baker.get_normal_image())
 
 
-## Stops a bake in progress. Does nothing if none is in progress.
+## Stops a bake in progress. Has no effect if none is in progress.
 func cancel() -> void:
 	if _task >= 0:
 		_baker.cancel()
@@ -149,7 +150,7 @@ func _add(mesh: Mesh, transform: Transform3D) -> Error:
 		var error: Error = _baker.add_surface(look.arrays, transform, look.albedo, look.texture, look.alpha_threshold,
 				look.cull_mode, look.vertex_colors)
 		if error != OK:
-			return _refuse(error, "Surface %d of %s cannot be baked; the printed error has the reason." % [surface, _name_of(mesh)])
+			return _refuse(error, "Surface %d of %s cannot be baked. See the Output panel for details." % [surface, _name_of(mesh)])
 	return OK
 
 
@@ -157,7 +158,7 @@ static func _name_of(mesh: Mesh) -> String:
 	return mesh.resource_path if not mesh.resource_path.is_empty() else "the mesh '%s'" % mesh.resource_name
 
 
-## Builds a quad with the model's bounding box, so that culling hides no visible part. The shader turns the quad to the camera.
+## Builds a quad with the model's bounding box, so that culling does not hide visible parts. The shader turns the quad toward the camera.
 func _mesh_of(albedo: Image, normal: Image) -> ArrayMesh:
 	var box: AABB = _baker.get_box()
 	var arrays := []

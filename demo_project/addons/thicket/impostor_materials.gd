@@ -42,7 +42,7 @@ func read(material: Material, arrays: Array, transform: Transform3D) -> Look:
 	elif known is ShaderMaterial:
 		_read_shader(known as ShaderMaterial, look)
 	elif known != null:
-		_warn("%s is baked white: colors of a %s are not known. Set stand_ins." % [_name_of(known), known.get_class()])
+		_warn("%s is baked white: the colors of a %s are unknown. Set stand_ins." % [_name_of(known), known.get_class()])
 	var size := _area_of(arrays, transform)
 	area += size
 	roughness += size * look.roughness
@@ -110,7 +110,7 @@ func _read_shader(material: ShaderMaterial, look: Look) -> void:
 	var through: Variant = Parameters.value_of(material, [&"backlight"], TYPE_COLOR)
 	look.backlight = through if through != null else look.backlight
 	if color == null and texture == null:
-		_warn("%s is baked white: its shader has no parameter with a usual name of a color or a texture (%s, %s). Set stand_ins."
+		_warn("%s is baked white: its shader has no parameter with a common name for a color or a texture (%s, %s). Set stand_ins."
 				% [_name_of(material), Parameters.COLORS[0], Parameters.TEXTURES[0]])
 
 

@@ -4,9 +4,9 @@ extends RefCounted
 ## which it is not built, in a checkout that is not built yet, or in a game that only shows a baked world.
 ##
 ## Scripts that use the library's classes as types are in the folders [constant TYPED], and [method load_script] loads them. Each of these
-## folders has a [code].gdignore[/code]: the editor compiles every script that it indexes for the class reference, and would print an
-## error for each unknown type. Ignored folders are not exported, so scripts for games are outside of them. Those scripts use no class of
-## the library as a type, and access its objects with the functions below.
+## folders has a [code].gdignore[/code]: the editor compiles every script that it indexes for the class reference, and
+## would print an error for each unknown type. Ignored folders are not exported, so scripts for games are outside of
+## them. Those scripts do not use the library's classes as types. They access its objects with the functions below.
 
 const ADDON := "res://addons/thicket/"
 ## The folders in [constant ADDON] whose scripts need the library, including their subfolders.
@@ -28,7 +28,7 @@ static func load_script(path: String) -> GDScript:
 	return script if script != null and script.can_instantiate() else null
 
 
-## Returns the reason why [method load_script] returned null, and a remedy, as sentences.
+## Returns the reason why [method load_script] returned null, and how to fix it.
 static func problem() -> String:
 	if is_open():
 		return "Thicket's scripts and the loaded native library have different versions. Install all files of one version of the add-on, then restart the engine."

@@ -3,8 +3,8 @@ extends EditorPlugin
 ## Adds Thicket's tools to the editor once the native library is loaded. Without the library, the plugin prints one warning and does not
 ## change the editor.
 ##
-## The editor compiles this script in either case, so the script uses none of the library's classes. [code]editor/workspace.gd[/code] does the
-## work.
+## The editor compiles this script in either case, so the script uses none of the library's classes.
+## [code]editor/workspace.gd[/code] implements the tools.
 
 const LibraryGate := preload("res://addons/thicket/library_gate.gd")
 
@@ -24,7 +24,8 @@ func _exit_tree() -> void:
 		workspace = null
 
 
-## Opens the tools if the library is loaded while the editor runs, after a build or after the whole add-on was copied into the project.
+## Opens the tools if the library is loaded while the editor runs, after a build or after the entire add-on was copied
+## into the project.
 func _process(delta: float) -> void:
 	if workspace != null:
 		workspace.process(delta)

@@ -1,8 +1,9 @@
 extends RefCounted
-## Replaces files of a project atomically. The new content is written to a file next to the old one, which replaces the old one once the disk has
-## stored all of it. After an error, the old file is unchanged. The library does the same for [ScatterState] and [ScatterMask].
+## Replaces files of a project atomically. The new content is written to a file next to the old one. It replaces the old
+## file once the disk has stored all of it. After an error, the old file is unchanged. The library does the same for
+## [ScatterState] and [ScatterMask].
 
-## The number of bytes that are appended to a file to check whether the disk is full. It is larger than a usual disk block.
+## The number of bytes that are appended to a file to check whether the disk is full. It is larger than a typical disk block.
 const PROBE_BYTES := 1 << 14
 ## The signatures at the beginning and at the end of binary files that [ResourceSaver] writes.
 const MARKS: Array[String] = ["RSRC", "RSCC"]

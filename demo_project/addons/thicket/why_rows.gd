@@ -10,7 +10,7 @@ const NO := Color(1.0, 0.6, 0.5)
 const PLAIN := Color(0.92, 0.92, 0.92)
 const DIM := Color(0.92, 0.92, 0.92, 0.65)
 
-## The rows, each an array of a color and a text.
+## The rows, each an array of a color and a string.
 var rows: Array[Array] = []
 
 
@@ -18,7 +18,7 @@ var rows: Array[Array] = []
 ## is null.
 func fill(explanations: Array, chosen: Resource) -> void:
 	rows.clear()
-	# The chosen layer comes first, so that it is never omitted.
+	# The selected layer comes first, so that it is never omitted.
 	var ordered := explanations.filter(func(explanation: RefCounted) -> bool: return explanation.get(&"layer") == chosen)
 	ordered.append_array(explanations.filter(func(explanation: RefCounted) -> bool: return explanation.get(&"layer") != chosen))
 	for index in ordered.size():
@@ -34,7 +34,7 @@ func fill(explanations: Array, chosen: Resource) -> void:
 				rows.append([DIM, "    %s" % explanation.get_rule_sentence(rule)])
 
 
-## Replaces all rows with one sentence.
+## Replaces all rows with one message.
 func tell(sentence: String) -> void:
 	rows = [[PLAIN, sentence]]
 
@@ -45,7 +45,7 @@ func draw(overlay: Control, beside: Vector2, pinned: bool) -> void:
 	var size := ThemeDB.fallback_font_size
 	var shown := rows.duplicate()
 	if pinned:
-		shown.append([DIM, "Pinned: click a different position to move it, or click here to unpin."])
+		shown.append([DIM, "Pinned: click another position to move the pin, or click here to unpin."])
 	var extent := Vector2.ZERO
 	var heights := PackedFloat32Array()
 	for row in shown:

@@ -95,7 +95,7 @@ func test_first_stroke() -> void:
 	for answer: String in ["Cancel", "Only here", "Not here"]:
 		await mouse_click(middle(button("Paint", workspace().toolbar)))
 		await mouse_click(on_screen(Vector3(0.5, 0.0, 0.5)))
-		if not check(dialog.visible, "the first stroke asks, answer %s" % answer):
+		if not check(dialog.visible, "the first stroke opens a dialog, answer %s" % answer):
 			return
 		await settle(scatter)
 		check(instances(scatter, 0) == initial, "nothing was removed")
@@ -283,7 +283,7 @@ func test_a_preset_without_instances() -> void:
 	check(scatter.layers.size() > 4, "the preset's layers: %d" % scatter.layers.size())
 	await settle(scatter)
 	await until(func() -> bool: return not toast_text().is_empty(), "it is reported")
-	check("No instance is visible here of" in toast_text() and "Slope is 0°" in toast_text(), "the reason: " + toast_text())
+	check("No instances are visible here of" in toast_text() and "Slope is 0°" in toast_text(), "the reason: " + toast_text())
 	await get_tree().create_timer(1.0).timeout # Wait until the toast has faded in.
 	await picture("clicks_scree")
 	await undo()

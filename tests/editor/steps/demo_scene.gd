@@ -203,7 +203,7 @@ func ask_first(layer: Resource, at: Vector2, full: Dictionary) -> void:
 	for answer: String in ["dismiss", "erase", "paint"]:
 		workspace().toolbar.paint.choose_mode(0)
 		await stroke([on_ground(at.x, at.y)])
-		check(dialog.visible and layer.mask == null, "the first stroke asks, answer %s" % answer)
+		check(dialog.visible and layer.mask == null, "the first stroke opens a dialog, answer %s" % answer)
 		check("%d visible instances" % full.size() in dialog.dialog_text, "the number of instances that would be removed: %s" % dialog.dialog_text)
 		if answer == "dismiss":
 			await picture("first_stroke", dialog)

@@ -6,9 +6,9 @@ const MAX_TILES := 1_000_000
 ## The number of rows that a tile should not exceed by much. A row takes about 300 bytes of memory in the programs that read it.
 const COMFORTABLE_ROWS := 1.5e6
 
-## The reason why the grid is invalid, as a sentence; empty if it is valid.
+## The reason why the grid is invalid; empty if it is valid.
 var problem := ""
-## The side of a tile in meters.
+## The edge length of a tile in meters.
 var tile_size := 0.0
 ## The first tile, and the number of tiles along x and z.
 var tiles := Rect2i()
@@ -19,7 +19,7 @@ var _layers: Array[Dictionary] = []
 var _grids: Array[ScatterTileGrid] = [] # The grid of the game's tiles for each layer.
 
 
-## Divides [param rect] (x, z, width and depth in meters of the world) into tiles with a side of [param size] meters. Only [code]index[/code] and
+## Divides [param rect] (world x, z, width and depth in meters) into tiles with an edge length of [param size] meters. Only [code]index[/code] and
 ## [code]tile_size[/code] of [param layers] are used. If there are no tiles or too many, sets [member problem].
 func _init(rect: Array, size: float, layers: Array[Dictionary]) -> void:
 	tile_size = size
@@ -30,8 +30,8 @@ func _init(rect: Array, size: float, layers: Array[Dictionary]) -> void:
 	if count == 0:
 		problem = "The rectangle %s is too far from the origin for tiles of %s m: use larger tiles (tile size) or a nearer rectangle." % [rect, tile_size]
 	elif count > MAX_TILES:
-		problem = ("%d tiles are more than a bake has, %d: choose larger ones (tile size), or bake parts of the world, each with a rectangle " \
-				+ "along edges of tiles and into a folder of its own. They are read together like one.") % [count, MAX_TILES]
+		problem = ("%d tiles are more than the maximum of %d: choose larger tiles (tile size), or bake parts of the world, each with a " \
+				+ "rectangle along tile edges and into a separate folder. Readers combine the parts.") % [count, MAX_TILES]
 	if problem:
 		return
 	_edges_x = _edges(grid, tiles.position.x, tiles.size.x, rect[0], rect[0] + rect[2], 0)
@@ -44,7 +44,7 @@ func _init(rect: Array, size: float, layers: Array[Dictionary]) -> void:
 
 
 ## Returns the grid as plain values: [code]tile_size[/code], [code]grid[/code] (first column, first row, number of columns, number of rows), and
-## [code]edges[/code]. The edges are the positions, in meters, of the sides of all columns and of all rows, clipped to the rectangle.
+## [code]edges[/code]. The edges are the positions, in meters, of the borders of all columns and rows, clipped to the rectangle.
 func description() -> Dictionary:
 	return {
 		"tile_size": tile_size, "grid": [tiles.position.x, tiles.position.y, tiles.size.x, tiles.size.y],
@@ -75,9 +75,10 @@ static func _edges(grid: ScatterTileGrid, first: int, count: int, low: float, hi
 	return edges
 
 
-## Returns the default side of a tile in meters. If possible with a side of at most 1,024 m, the tile consists of whole tiles of all layers, whose
-## sides are [param sizes]. The side begins at 256 m or more, and doubles up to 2,048 m while there are more than 4,096 tiles. It does not double if a
-## tile would then have more than [constant COMFORTABLE_ROWS] rows at [param density] instances per square meter.
+## Returns the default edge length of a tile in meters. If possible with at most 1,024 m, the tile consists of whole
+## tiles of all layers, whose edge lengths are [param sizes]. The edge length begins at 256 m or more. It doubles up to
+## 2,048 m while there are more than 4,096 tiles, unless a tile would then have more than [constant COMFORTABLE_ROWS]
+## rows at [param density] instances per square meter.
 static func default_size(rect: Array, sizes: PackedFloat64Array, density: float) -> float:
 	var base := 0.0
 	var common := 1

@@ -1,12 +1,12 @@
 extends RefCounted
-## Generates tiles of a scene as files, from which a different machine can build a bake. This is the [code]out=FOLDER[/code] mode of
-## [code]bake_world.gd[/code], for machines with an engine but without Python. [code]tools/bake/README.md[/code] in Thicket's repository
-## describes how to use the folder. It contains:
+## Generates tiles of a scene as files, from which another machine can build a bake. This is the [code]out=FOLDER[/code]
+## mode of [code]bake_world.gd[/code], for machines with an engine but without Python. [code]tools/bake/README.md[/code]
+## in Thicket's repository describes how to use the folder. It contains:
 ## - [code]world.json[/code]: the description of the scene from [code]scene_description.gd[/code], and the models of the layers;
 ## - [code]models/[/code]: files for the models that have no file in the project;
 ## - [code]tiles/tile_I_J.rows[/code]: messages like those that a driver receives. Each is a JSON object, preceded by its length (32 bits,
 ##   little-endian) and followed by as many bytes as its [code]bytes[/code] field specifies. The first message has the column and row of the
-##   tile, identifies the bake in [code]of[/code], and has the [code]sha256[/code] of everything that follows. Each further message has one
+##   tile, identifies the bake in [code]of[/code], and has the [code]sha256[/code] of everything that follows. Each additional message has one
 ##   game tile, as [code]bake_grid.gd[/code] describes it, with the rows from [method ScatterTile.get_rows].
 ##
 ## Files are moved to their final paths only when they are complete. Complete files are not generated again.
@@ -16,17 +16,18 @@ const ModelFiles := preload("res://addons/thicket/baking/model_files.gd")
 
 const WORLD := "world.json"
 const PART := ".part"
-const UNWRITABLE := "Cannot write %s: %s. Check that the disk has room and the folder may be written, or choose a different out."
+const UNWRITABLE := "Cannot write %s: %s. Check that the disk has room and the folder is writable, or choose another out."
 const SECONDS_A_LINE := 10.0
 const CHUNK_BYTES := 1 << 22
-## The keys whose values must not change when a bake continues in an existing folder. If a value has changed, the error contains the text for its key,
+## The keys whose values must not change when a bake continues in an existing folder. If a value has changed, the error
+## contains the string for its key, the value in the folder and the current value.
 ## the value in the folder and the current value.
 const SAME: Dictionary[String, String] = {
 	"scene": "the scene is different (%s, not %s)", "rect": "the rectangle is different (%s, not %s)",
-	"tile_size": "the size of the tiles is different (%s m, not %s m)", "layers": "the layers are different (%s, not %s)", "parts": "",
+	"tile_size": "the tile size is different (%s m, not %s m)", "layers": "the layers are different (%s, not %s)", "parts": "",
 }
 
-## The error in the arguments, or the reason why no more tiles can be generated, as a sentence; empty if there is none.
+## The error in the arguments, or the reason why no more tiles can be generated, or empty if there is none.
 var problem := ""
 
 var _out := ""
@@ -42,14 +43,14 @@ var _counts := {"made": 0, "kept": 0, "failed": 0}
 func _init(arguments: Dictionary[String, String]) -> void:
 	_out = arguments.get("out", "")
 	if not _out.is_absolute_path():
-		problem = "out must be a folder with its whole path, such as out=/data/baked, got '%s'." % _out
+		problem = "out must be the absolute path of a folder, such as out=/data/baked, got '%s'." % _out
 	_described = SceneDescription.new(arguments)
 	problem = problem if problem else _described.problem
 	if arguments.has("tiles"):
 		for text in arguments.tiles.split(" ", false):
 			var pair := text.split(",")
 			if pair.size() != 2 or not (pair[0].is_valid_int() and pair[1].is_valid_int()):
-				problem = "tiles must be pairs of whole numbers I,J with spaces between, got '%s'." % text
+				problem = "tiles must be pairs of integers I,J separated by spaces, got '%s'." % text
 			else:
 				_tiles.append(PackedInt64Array([pair[0].to_int(), pair[1].to_int()]))
 	if arguments.has("share"):
@@ -76,7 +77,7 @@ func make(scatter: TerrainScatter3D, scene: String) -> int:
 		if Time.get_ticks_msec() >= next_line:
 			next_line = Time.get_ticks_msec() + 1000.0 * SECONDS_A_LINE
 			print("bake_world: %d of %d tiles" % [number / _share[1] + 1, ceili(float(count - _share[0] + 1) / _share[1])])
-	print("bake_world: {made} tiles generated, {kept} kept from before, {failed} failed".format(_counts))
+	print("bake_world: {made} tiles generated, {kept} already present, {failed} failed".format(_counts))
 	return 0 if _counts.failed == 0 else 1
 
 
@@ -117,9 +118,9 @@ func _go_on() -> bool:
 		world["layers"] = _indices(world["layers"])
 	for key in SAME:
 		if before[key] != now[key]:
-			problem = "%s holds tiles of a different bake: %s. Choose a different out, or remove the files in this one." % [
+			problem = "%s contains tiles of another bake: %s. Choose another out, or remove the files in this one." % [
 				_out, SAME[key] % [before[key], now[key]] if key != "parts"
-				else "these parts of the scene are not the same: " + _changed(before.parts, now.parts)]
+				else "these parts of the scene differ: " + _changed(before.parts, now.parts)]
 			return false
 	return true
 
@@ -198,8 +199,8 @@ func _is_whole(path: String, header: Dictionary) -> bool:
 	return found == expected and hashing.finish().hex_encode() == expected.sha256
 
 
-## Writes a file with [param write] and moves it to its path once it is complete. Returns the result of [param write], which is the reason
-## for a failure or an empty string. Sets [member problem] if the file cannot be written.
+## Writes a file with [param write] and moves it to its path once it is complete. Returns the result of [param write],
+## which is the reason for a failure or an empty string. Sets [member problem] if the file cannot be written.
 func _write_whole(path: String, write: Callable) -> String:
 	var partial := path.get_base_dir().path_join("." + path.get_file() + PART)
 	var error := DirAccess.make_dir_recursive_absolute(path.get_base_dir())
@@ -232,7 +233,7 @@ func _store(to: FileAccess, bytes: PackedByteArray) -> String:
 	return ""
 
 
-## Writes all messages of a tile, and then the first message again with the final hash. Returns the reason for a failure, or an empty string.
+## Writes all messages of a tile, then the first message again with the final hash. Returns the reason for a failure, or an empty string.
 func _write_rows(to: FileAccess, scatter: TerrainScatter3D, tile: Vector2i, header: Dictionary) -> String:
 	var hashing := HashingContext.new()
 	hashing.start(HashingContext.HASH_SHA256)
@@ -272,4 +273,4 @@ static func rows_of(scatter: TerrainScatter3D, part: Dictionary) -> PackedByteAr
 
 ## Returns the error to report if a game tile cannot be generated.
 static func cannot_make(part: Dictionary) -> String:
-	return "Tile %d, %d of layer %d cannot be generated; the printed error has the reason." % [part["x"], part["y"], part["layer"]]
+	return "Tile %d, %d of layer %d cannot be generated. See the printed error for details." % [part["x"], part["y"], part["layer"]]

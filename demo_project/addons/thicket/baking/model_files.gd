@@ -1,5 +1,5 @@
 extends RefCounted
-## Determines the models of a layer as paths of files. Meshes with a file in the project are referenced by its path. Resources that are built into a
+## Determines the file paths of a layer's models. Meshes with a file in the project are referenced by its path. Resources that are built into a
 ## scene or created by a script get new files.
 
 const WholeFile := preload("res://addons/thicket/whole_file.gd")
@@ -13,7 +13,7 @@ var models: Array[Dictionary] = []
 var written: Dictionary[String, PackedByteArray] = {}
 ## The path of the material that replaces the materials of all meshes; empty if there is none.
 var material := ""
-## The error as a sentence; empty if there is none.
+## The error message; empty if there is none.
 var problem := ""
 
 var _layer: ScatterLayer
@@ -52,12 +52,12 @@ static func _own_path(resource: Resource) -> String:
 	return "" if "::" in path else path
 
 
-## Returns the model's own name or that of its file, or an empty string if it has neither.
+## Returns the name of the model or of its file, or an empty string if it has neither.
 static func _name_of(model: Resource, path: String) -> String:
 	return model.resource_name if model.resource_name else path.get_file().get_basename()
 
 
-## Returns the resource's own path. If it has none, adds its bytes to [member written] and returns [param file].
+## Returns the resource's path. If it has none, adds its bytes to [member written] and returns [param file].
 func _path_of(resource: Resource, file: String) -> String:
 	var own := _own_path(resource)
 	if own:
@@ -65,11 +65,11 @@ func _path_of(resource: Resource, file: String) -> String:
 	var path := FOLDER.path_join("%d_%s" % [Time.get_ticks_usec(), file.get_file()])
 	var error := WholeFile.save_new(resource, path, ResourceSaver.FLAG_COMPRESS)
 	if error != OK:
-		problem = "Cannot write %s for %s: %s. Check that %s has room and may be written." % [path, file, error_string(error), FOLDER]
+		problem = "Cannot write %s for %s: %s. Check that %s has room and is writable." % [path, file, error_string(error), FOLDER]
 		return ""
 	var bytes := FileAccess.get_file_as_bytes(path)
 	if bytes.is_empty():
-		problem = "Cannot read %s for %s: %s. Check that %s has room and may be read." % [
+		problem = "Cannot read %s for %s: %s. Check that %s has room and is readable." % [
 			path, file, error_string(FileAccess.get_open_error()), FOLDER]
 	written[file] = bytes
 	DirAccess.remove_absolute(path)

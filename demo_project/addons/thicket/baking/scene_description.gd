@@ -4,7 +4,7 @@ extends RefCounted
 const SceneDigest := preload("res://addons/thicket/baking/scene_digest.gd")
 const BakeGrid := preload("res://addons/thicket/baking/bake_grid.gd")
 
-## Why the scene cannot be baked, as a sentence; empty if it can.
+## The reason why the scene cannot be baked; empty if it can.
 var problem := ""
 ## The description as plain values: the scene's seed, hashes and other properties, the requested layers, [code]rect[/code], and the description of the
 ## tiles from [code]bake_grid.gd[/code].
@@ -12,13 +12,13 @@ var values: Dictionary = {}
 ## The tiles; null before [method describe], and if there is a [member problem].
 var grid: BakeGrid
 
-var _rect: Array = [] # x, z, width and depth in meters of the world; empty for the rectangle of the ground.
-var _tile_size := 0.0 # The side of a tile in meters; 0 for a size that fits the layers.
+var _rect: Array = [] # World x, z, width and depth in meters; empty for the rectangle of the ground.
+var _tile_size := 0.0 # The edge length of a tile in meters; 0 for a size that fits the layers.
 var _layers := PackedStringArray() # The names or indices of the layers to bake; empty for all layers.
 
 
-## Reads the request: [code]rect[/code], [code]tile_size[/code] and [code]layers[/code], each a text as on the command line. [method describe]
-## chooses values for missing or empty texts. If a text is invalid, sets [member problem].
+## Reads the request: [code]rect[/code], [code]tile_size[/code] and [code]layers[/code], each a string as on the command
+## line. [method describe] chooses values for missing or empty strings. If a string is invalid, sets [member problem].
 func _init(asked: Dictionary) -> void:
 	if asked.get("rect"):
 		_rect = numbers_in(asked["rect"], ",")
@@ -34,7 +34,7 @@ func _init(asked: Dictionary) -> void:
 		_layers.append(layer.strip_edges())
 
 
-## Returns the numbers in a text, separated by [param between]. Empty if a part of it is not a number.
+## Returns the numbers in a string, separated by [param between]. Empty if a part of it is not a number.
 static func numbers_in(text: String, between: String) -> Array:
 	var parts := Array(text.split(between))
 	if not parts.all(func(part: String) -> bool: return part.is_valid_float()):
@@ -106,7 +106,7 @@ func _chosen(layers: Array[Dictionary]) -> Array[Dictionary]:
 			found = layers.filter(func(layer: Dictionary) -> bool: return layer.name == name)
 		if found.is_empty():
 			var known := layers.map(func(layer: Dictionary) -> String: return ("%d %s" % [layer.index, layer.name]).strip_edges())
-			problem = "The scene has no layer '%s'. It has: %s. Name layers by index or name in layers." % [name, ", ".join(known)]
+			problem = "The scene has no layer '%s'. It has: %s. Set layers to the indices or names of layers." % [name, ", ".join(known)]
 		for layer: Dictionary in found:
 			chosen[layer.index] = true
 	var left := layers.filter(func(layer: Dictionary) -> bool: return chosen.is_empty() or layer.index in chosen)

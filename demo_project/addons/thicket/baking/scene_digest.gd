@@ -4,14 +4,14 @@ extends RefCounted
 ##
 ## The hashes cover the version of the add-on, the node's seed, water and world offset, the instances that its state removes or adds, and
 ## the stored properties of its layers, biomes, regions and ground. They include all resources in these, the files and scripts from which
-## they are loaded, and heights of the ground throughout a rectangle. The look of instances is not included. Data that a script reads from
+## they are loaded, and heights of the ground throughout a rectangle. The appearance of instances is not included. Data that a script reads from
 ## elsewhere is only covered by those heights.
 
-## The number of cells along each side of the rectangle. The height at the center of each cell is hashed.
+## The number of cells along each edge of the rectangle. The height at the center of each cell is hashed.
 const PROBES := 33
 ## The file that contains the version of the add-on.
 const PLUGIN := "res://addons/thicket/plugin.cfg"
-## Resources of which only the class and the path are hashed, because they only determine the look of instances.
+## Resources of which only the class and the path are hashed, because they only determine the appearance of instances.
 const LOOKS: Array[StringName] = [&"Mesh", &"PackedScene", &"ScatterModel", &"Material", &"Shader", &"Shape3D", &"PhysicsMaterial"]
 
 var _hashing: HashingContext
@@ -124,7 +124,7 @@ func _add_object(object: Object) -> void:
 		if property.usage & PROPERTY_USAGE_STORAGE and not _is_left_out(object, property.name):
 			_add_plain(property.name)
 			_add(object.get(property.name))
-			if object is Node and property.type == TYPE_NODE_PATH: # The path that a region follows.
+			if object is Node and property.type == TYPE_NODE_PATH: # The Path3D of a region.
 				_add_object((object as Node).get_node_or_null(object.get(property.name)))
 
 

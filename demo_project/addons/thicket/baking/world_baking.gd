@@ -1,21 +1,23 @@
 extends RefCounted
-## Generates tiles of a scene's [TerrainScatter3D], into a folder or for a driver, which is a different program. This is the
-## implementation of [code]bake_world.gd[/code]. [constant USAGE] lists its arguments. [code]bake_to_folder.gd[/code] describes the
-## folder, from which [code]bake.sh[/code] in Thicket's repository builds a bake. [code]bake.sh[/code] can also act as a driver, which
-## starts as many engines as it needs.
+## Generates tiles of a scene's [TerrainScatter3D], into a folder or for a driver, which is another program. This is the
+## implementation of [code]bake_world.gd[/code]. [constant USAGE] lists its arguments. [code]bake_to_folder.gd[/code]
+## describes the folder, from which [code]bake.sh[/code] in Thicket's repository builds a bake. [code]bake.sh[/code] can
+## also act as a driver, which starts as many engines as it needs.
 ##
-## For a driver, the script connects to a port of this machine, sends the token, and answers requests until the connection ends. Then it
-## exits. A message is a JSON object, preceded by its length (32 bits, little-endian). The [code]bytes[/code] field of an answer is the
-## number of bytes that follow it. The [code]do[/code] field of a request is one of the following:
+## For a driver, the script connects to a port of this machine, sends the token, and answers requests until the
+## connection ends. It then exits. A message is a JSON object, preceded by its length (32 bits, little-endian). The
+## [code]bytes[/code] field of an answer is the number of bytes that follow it. The [code]do[/code] field of a request
+## is one of the following:
 ## - [code]describe[/code]: returns the description from [code]scene_description.gd[/code] for a [code]rect[/code], a
-##   [code]tile_size[/code] and [code]layers[/code], each a text as on the command line. Missing values are chosen automatically;
+##   [code]tile_size[/code] and [code]layers[/code], each a string as on the command line. Missing values are chosen automatically;
 ## - [code]models[/code]: for each of [code]layers[/code], returns new files for models that have no file in the project, and then an
 ##   answer with the models. The last answer is [code]{"end": true}[/code];
 ## - [code]rows[/code]: for each game tile in [code]tile[/code] (an array of column and row), returns an answer as
 ##   [code]bake_grid.gd[/code] describes it, with the rows from [method ScatterTile.get_rows]. The last answer is [code]{"end": true}[/code].
-## If a request fails, the answer has [code]error[/code], a sentence.
+## If a request fails, the answer has [code]error[/code], a message.
 ##
-## The scene is baked as it is as soon as its ground is ready, including the scatter's state at that time. No further frame is processed.
+## The scene is baked in the state that it has when its ground becomes ready, including the state of the scatter. No
+## further frame is processed.
 
 const BakeToFolder := preload("res://addons/thicket/baking/bake_to_folder.gd")
 const SceneDescription := preload("res://addons/thicket/baking/scene_description.gd")
@@ -24,7 +26,7 @@ const ModelFiles := preload("res://addons/thicket/baking/model_files.gd")
 const USAGE := """Makes tiles of a scene's TerrainScatter3D into a folder, of which bake.sh makes a bake on any machine. What is there is not made again.
   godot --headless --path PROJECT --script res://addons/thicket/bake_world.gd -- scene=res://world.tscn out=/FOLDER [ARGUMENT=VALUE ...]
     scene=res://...              the scene
-    out=/FOLDER                  the folder, with its whole path
+    out=/FOLDER                  the absolute path of the folder
     rect=X,Z,WIDTH,DEPTH         what to make, in meters; else all of the ground
     tile_size=METERS             else one that fits the layers
     layers=NAME,NAME             names or indices; else all
@@ -37,10 +39,10 @@ For a driver, in place of out and what follows it: connect=PORT and token=WORD."
 const NO_SCATTER := "is no TerrainScatter3D"
 const NO_GROUND := "is no ground"
 const NOT_SETTLED := "is a scatter that still waits for its ground"
-## The remedies for the problems above.
+## How to fix the problems above.
 const REMEDIES: Dictionary[String, String] = {
 	NO_SCATTER: "Add one, or set node to its path.", NO_GROUND: "Set TerrainScatter3D.ground.",
-	NOT_SETTLED: "Raise wait, or check that the ground has heights.",
+	NOT_SETTLED: "Increase wait, or check that the ground has heights.",
 }
 const FOR_ALL: Array[String] = ["scene", "node", "wait"]
 const FOR_FOLDER: Array[String] = ["out", "rect", "tile_size", "layers", "tiles", "share"]
@@ -68,7 +70,7 @@ func run() -> void:
 	if folder != null:
 		wrong = folder.problem
 	elif not wrong and not await _connect():
-		wrong = "connect is '%s', and no driver listens at this port of this machine. Start the driver first, or use out." % _arguments.connect
+		wrong = "connect is '%s', but no driver listens at this port of this machine. Start the driver first, or use out." % _arguments.connect
 	var problem: String = await _open_scene() if not wrong else ""
 	if folder != null and problem:
 		wrong = problem
@@ -86,16 +88,16 @@ func run() -> void:
 	_tree.quit()
 
 
-## Returns the error in the arguments as a sentence, or an empty string if there is none.
+## Returns the error in the arguments, or an empty string if there is none.
 func _what_is_wrong() -> String:
 	if not (_arguments.has("out") or _arguments.has("connect")):
 		return "out is missing.\n" + USAGE
 	var known := FOR_ALL + (FOR_FOLDER if _arguments.has("out") else FOR_DRIVER)
 	for name in _arguments:
 		if not name in known:
-			return "%s is '%s', which is not an argument. Arguments are: %s." % [name, _arguments[name], ", ".join(known)]
+			return "%s is '%s', which is not an argument. The arguments are: %s." % [name, _arguments[name], ", ".join(known)]
 	if _arguments.has("wait") and not (_arguments["wait"].is_valid_float() and _arguments["wait"].to_float() >= 0.0):
-		return "wait must be a number of seconds, 0 or more, got '%s'." % _arguments["wait"]
+		return "wait must be at least 0 seconds, got '%s'." % _arguments["wait"]
 	return ""
 
 
@@ -111,7 +113,7 @@ func _connect() -> bool:
 	return _send({"token": _arguments.get("token", "")})
 
 
-## Loads the scene and waits for its ground. Returns an error as a sentence, or an empty string if everything is ready.
+## Loads the scene and waits for its ground. Returns an error message, or an empty string if everything is ready.
 func _open_scene() -> String:
 	var path: String = _arguments.get("scene", "")
 	if not ResourceLoader.exists(path, "PackedScene"):
@@ -119,7 +121,7 @@ func _open_scene() -> String:
 	var packed := load(path) as PackedScene
 	var scene := packed.instantiate() if packed != null else null
 	if scene == null:
-		return "The scene %s cannot be loaded; the printed error has the reason." % path
+		return "The scene %s cannot be loaded. See the printed error for details." % path
 	_find_scatter(scene)
 	_tree.root.add_child(scene)
 	_tree.current_scene = scene
@@ -139,7 +141,7 @@ func _open_scene() -> String:
 	return ""
 
 
-## Finds the scatter, and limits its streaming to the tile at its own position. Returns an error if there are several scatters to choose from.
+## Finds the scatter and limits its streaming to the tile at its position. Returns an error if there are several scatters to choose from.
 func _find_scatter(scene: Node) -> String:
 	if _scatter != null:
 		return ""
@@ -152,7 +154,7 @@ func _find_scatter(scene: Node) -> String:
 			found.push_front(scene)
 	if found.size() > 1:
 		var paths := found.map(func(node: Node) -> String: return str(scene.get_path_to(node)))
-		return "The scene has several TerrainScatter3D: choose one by its path (--node, or node), of %s." % ", ".join(paths)
+		return "The scene has several TerrainScatter3D nodes: set node (--node) to the path of one of them: %s." % ", ".join(paths)
 	if found.size() == 1 and found[0] is TerrainScatter3D:
 		_scatter = found[0]
 		_scatter.process_mode = Node.PROCESS_MODE_ALWAYS # The scene may pause the game at the start.

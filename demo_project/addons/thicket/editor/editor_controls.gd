@@ -3,8 +3,8 @@ extends RefCounted
 ## Creates controls for the toolbars of the editor.
 
 
-## Creates a slider for a number. [param limits] are the minimum, the maximum and the step; [param width] is in pixels of an unscaled
-## editor.
+## Creates a slider for a number. [param limits] are the minimum, the maximum and the step. [param width] is in pixels
+## at an editor scale of 1.
 static func slider(label: String, tip: String, limits: Vector3, value: float, suffix: String, width: float) -> EditorSpinSlider:
 	var made := EditorSpinSlider.new()
 	made.label = label

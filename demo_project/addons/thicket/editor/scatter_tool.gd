@@ -1,7 +1,8 @@
 @tool
 extends HBoxContainer
-## The base class of the tools, which handle the left mouse button in the 3D view while a scatter is selected. A tool is a row of settings, which the
-## toolbar shows next to the tool's button while the tool is on. Only one tool is on at a time.
+## The base class of the tools, which handle the left mouse button in the 3D view while a scatter is selected. A tool
+## has a row of settings, which the toolbar shows next to the tool's button while the tool is on. Only one tool is on at
+## a time.
 
 const Marks := preload("res://addons/thicket/editor/layers/layer_marks.gd")
 
@@ -13,15 +14,15 @@ const MINE := EditorPlugin.AFTER_GUI_INPUT_STOP
 
 ## The button that turns the tool on and off. The toolbar contains it.
 var button := Button.new()
-## True for a tool that works on the layer that is chosen in the toolbar.
+## True for a tool that works on the layer that is selected in the toolbar.
 var needs_layer := true
 ## The scatter that the tool works on; null if there is none.
 var scatter: TerrainScatter3D
-## The chosen layer; null if there is none.
+## The selected layer; null if there is none.
 var layer: ScatterLayer
 ## The index of [member layer] in [method TerrainScatter3D.get_all_layers]; -1 if there is none.
 var layer_index := -1
-## All chosen layers, for a tool that works on several. [member layer] is the first of them.
+## All selected layers, for a tool that works on several. [member layer] is the first of them.
 var layers: Array[ScatterLayer] = []
 ## The marks on layers. Tools must not change locked layers.
 var marks: Marks
@@ -47,12 +48,12 @@ func set_on(on: bool) -> void:
 	button.button_pressed = on
 
 
-## Handles input over the view, while the tool is on and has a scatter. Returns [constant MINE] or [constant NOT_MINE].
+## Handles input over the view while the tool is on and has a scatter. Returns [constant MINE] or [constant NOT_MINE].
 func input(_camera: Camera3D, _event: InputEvent) -> int:
 	return NOT_MINE
 
 
-## Draws over the view, while the tool is on and has a scatter.
+## Draws over the view while the tool is on and has a scatter.
 func draw_over(_overlay: Control) -> void:
 	pass
 
@@ -83,12 +84,12 @@ func ground() -> ScatterGround:
 	return scatter.ground if is_instance_valid(scatter) else null
 
 
-## Returns the chosen layers that are not locked, which tools may change.
+## Returns the selected layers that are not locked, which tools may change.
 func unlocked() -> Array[ScatterLayer]:
 	return layers.filter(func(chosen: ScatterLayer) -> bool: return marks == null or not marks.is_locked(chosen))
 
 
-## Returns an empty string if a tool may change at least one of the chosen layers, or the reason why not as a sentence.
+## Returns an empty string if a tool may change at least one of the selected layers, otherwise the reason.
 func lock_problem() -> String:
 	if layers.is_empty() or not unlocked().is_empty():
 		return ""

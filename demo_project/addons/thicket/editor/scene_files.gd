@@ -1,19 +1,19 @@
 @tool
 extends RefCounted
-## Manages the files next to a scene in which tools store their data, such as painted masks and hand-placed instances. The scene itself then
-## contains only settings.
+## Manages the files next to a scene in which tools store their data, such as painted masks and hand-placed instances.
+## The scene itself then contains only settings.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 const WholeFile := preload("res://addons/thicket/whole_file.gd")
 
 const UNWRITABLE := "Cannot write %s: %s. Check that its folder exists and is writable and that the disk has room, then save the scene again."
-const UNREMOVABLE := "Cannot remove %s, which no scene uses: %s. Delete it by hand."
+const UNREMOVABLE := "Cannot remove %s, which no scene uses: %s. Delete it manually."
 
 ## The metadata key under which a resource stores the UID of the scene for which it was created. A UID stays valid when the file or the scene is
 ## renamed or moved.
 const SCENE_UID := "thicket_scene_uid"
 
-## The reason why [method create] failed, as a sentence.
+## The reason why [method create] failed.
 var problem := ""
 
 var _changed: Dictionary[int, WeakRef] = {}
@@ -28,7 +28,7 @@ var _unused: Dictionary[String, String] = {} ## Unused files, each with the scen
 func create(scene_path: String, resource: Resource, owner_name: String, kind: String) -> bool:
 	problem = ""
 	if scene_path.is_empty():
-		problem = "The scene has no file yet. Save the scene first: your changes are stored in a file beside it."
+		problem = "The scene has no file yet. Save the scene first: your changes are stored in a file next to it."
 		return false
 	var path := free_path("%s_%s" % [_place(scene_path, owner_name), kind], "res")
 	resource.remove_meta(SCENE_UID)
@@ -44,8 +44,8 @@ func create(scene_path: String, resource: Resource, owner_name: String, kind: St
 	return true
 
 
-## Returns the beginning of the paths for files of a layer or a model: next to the resource's own file, or else next to the edited scene. Empty if neither
-## has a file.
+## Returns the beginning of the paths for files of a layer or a model: next to the resource's file if it has one,
+## otherwise next to the edited scene. Empty if neither has a file.
 static func place_of(owner: Resource) -> String:
 	var path := owner.resource_path.get_slice("::", 0)
 	if path.is_empty():
@@ -69,7 +69,7 @@ static func free_path(stem: String, extension: String) -> String:
 	return path
 
 
-## Returns the path of the scene for which [method create] has created a resource. Empty if the scene is unknown or does not exist any more.
+## Returns the path of the scene for which [method create] has created a resource. Empty if the scene is unknown or no longer exists.
 static func scene_of(resource: Resource) -> String:
 	var uid := ResourceUID.text_to_id(str(resource.get_meta(SCENE_UID, "")))
 	var path := ResourceUID.get_id_path(uid) if uid != ResourceUID.INVALID_ID and ResourceUID.has_id(uid) else ""
@@ -139,7 +139,7 @@ func drop(resource: Resource, scene_path: String) -> void:
 		_unused[resource.resource_path] = scene_path
 
 
-## Called when a scene was saved. Keeps the files to which it refers, and removes those that it no longer uses.
+## Called when a scene was saved. Keeps the files to which it refers and removes those that it no longer uses.
 func on_scene_saved(scene_path: String) -> void:
 	for path: String in _unsaved.keys():
 		if _unsaved[path] == scene_path:

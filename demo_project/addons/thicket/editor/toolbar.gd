@@ -1,7 +1,7 @@
 @tool
 extends "res://addons/thicket/editor/wrapping_row.gd"
-## The toolbar above the 3D view while a scatter is selected. It has the tools with their settings, the layer on which they work, and buttons
-## for presets, regions, bakes and imports.
+## The toolbar above the 3D view, visible while a scatter is selected. It contains the tools with their settings, the
+## layer on which they work, and buttons for presets, regions, bakes and imports.
 
 const BiomeTool := preload("res://addons/thicket/editor/brush/biome_tool.gd")
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
@@ -79,7 +79,7 @@ func _init(undo_redo: EditorUndoRedoManager, marks: ScatterTool.Marks) -> void:
 	add_child(imports)
 
 
-## Sets the scatter of all tools, which may be null. A different scatter turns the active tool off, so that selecting a node with a click
+## Sets the scatter of all tools, which may be null. Another scatter turns the active tool off, so that selecting a node with a click
 ## does not paint.
 func set_scatter(scatter: TerrainScatter3D) -> void:
 	for tool in tools:
@@ -92,7 +92,7 @@ func set_scatter(scatter: TerrainScatter3D) -> void:
 	update_layers()
 
 
-## Updates the list of layers. Chosen layers that the scatter still has stay chosen. If there are none, the first layer is chosen.
+## Updates the list of layers. Selected layers that the scatter still has stay selected. If there are none, the first layer is selected.
 func update_layers() -> void:
 	_layers.clear()
 	var layers := _scatter_layers()
@@ -106,14 +106,14 @@ func update_layers() -> void:
 	choose_layers(left)
 
 
-## Chooses the layer at an index of [method TerrainScatter3D.get_all_layers], if there is one.
+## Selects the layer at an index of [method TerrainScatter3D.get_all_layers], if there is one.
 func choose_layer(index: int) -> void:
 	var layers := _scatter_layers()
 	if index >= 0 and index < layers.size() and layers[index] != null:
 		choose_layers([layers[index]])
 
 
-## Chooses layers of the scatter. The first is the main one.
+## Selects layers of the scatter. The first is the main one.
 func choose_layers(layers: Array[ScatterLayer]) -> void:
 	var others := layers != chosen
 	chosen = layers

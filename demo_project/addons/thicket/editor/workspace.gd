@@ -29,7 +29,7 @@ const LOOK_SECONDS := 0.25
 
 ## The row above the 3D view, with the tools.
 var toolbar: Toolbar
-## The buttons that set and refresh the ground. They are in the toolbar while it is visible, and otherwise next to it.
+## The buttons that set and refresh the ground. They are in the toolbar while it is visible, otherwise next to it.
 var ground_buttons: GroundButtons
 ## The panel with the layers, the marks on layers, and the preview bar.
 var dock: LayersDock
@@ -154,7 +154,7 @@ func make_visible(visible: bool) -> void:
 		edit(null)
 
 
-## Keeps the panel and the tools on a scatter while a region or a different node below it is selected. Runs after the editor has called
+## Keeps the panel and the tools on a scatter while a region or another node below it is selected. Runs after the editor has called
 ## [method make_visible].
 func _on_selection_changed() -> void:
 	var scatter := _scatter_above_selection()
@@ -177,7 +177,8 @@ func _scatter_above_selection() -> TerrainScatter3D:
 	return node as TerrainScatter3D
 
 
-## When a tool is turned on while a node below the scatter is selected, selects the scatter, because tools get input over the 3D view only then.
+## When a tool is turned on while a node below the scatter is selected, selects the scatter: tools get input over the 3D
+## view only while it is selected.
 func _on_tool_toggled(on: bool) -> void:
 	if on and _holds and is_instance_valid(_scatter):
 		EditorInterface.get_selection().clear()
@@ -247,7 +248,7 @@ func input(camera: Camera3D, event: InputEvent) -> int:
 	return tool.input(camera, event) if tool != null and is_instance_valid(_scatter) else EditorPlugin.AFTER_GUI_INPUT_PASS
 
 
-## Draws the tool that is on over the 3D view.
+## Draws the overlay of the active tool over the 3D view.
 func draw_over(overlay: Control) -> void:
 	var tool := toolbar.active_tool()
 	if tool != null and is_instance_valid(_scatter):

@@ -1,9 +1,9 @@
 @tool
 extends HFlowContainer
-## A row above the 3D view that wraps into several lines if it is too long, like the editor's own row of menus. A single long line would push the
-## docks out of the window.
+## A row above the 3D view that wraps into several lines if it is too long, like the editor's row of menus. A single
+## long line would push the docks out of the window.
 
-## The largest minimum width of the row, in pixels of an unscaled editor. It is less than the width of the editor's own menus.
+## The largest minimum width of the row, in pixels at an editor scale of 1. It is less than the width of the editor's menus.
 const WIDTH := 600.0
 
 

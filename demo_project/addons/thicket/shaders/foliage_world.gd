@@ -20,7 +20,7 @@ const MOST_BODIES := 16
 ## If true, the node also updates the materials of all [TerrainScatter3D]s in the tree: for each layer, those materials in
 ## [method ScatterLayer.get_materials] whose shader includes [code]foliage.gdshaderinc[/code]. It also updates the materials of [MultiMeshInstance3D]s, such
 ## as baked ones. The node collects the materials when a scatter or a [MultiMeshInstance3D] is added. It collects those of scatters again when a
-## scatter is removed, or when a layer or a list of layers changes. A changed shader is noticed only then.
+## scatter is removed, or when a layer or a list of layers changes. A changed shader is detected only then.
 @export var include_scatters := true:
 	set(value):
 		include_scatters = value
@@ -85,7 +85,7 @@ func _process(delta: float) -> void:
 			RenderingServer.material_set_param(material.get_rid(), &"wind_time", _time)
 
 
-## Sets the parameters on the renderer only. In the editor, a parameter that is set on a material would be saved with it. Does nothing if nothing has
+## Sets the parameters on the renderer only. In the editor, a parameter that is set on a material would be saved with it. Has no effect if nothing has
 ## changed, because the editor would redraw otherwise.
 func _show(parameters: Dictionary, delta: float) -> void:
 	if animate_in_editor:
@@ -111,7 +111,7 @@ func _all() -> Array[ShaderMaterial]:
 	return all
 
 
-## Starts or stops watching for scatters that are added and removed, including those already in the tree.
+## Starts or stops watching for added and removed scatters, including those that are already in the tree.
 func _watch_tree(watch: bool) -> void:
 	var tree := get_tree()
 	if tree.node_added.is_connected(_on_node_added) == watch:

@@ -1,7 +1,7 @@
 @tool
 extends ConfirmationDialog
-## The dialog for bakes, in which the user chooses the rectangle, the layers and the folder. It bakes over
-## many frames and shows the progress.
+## The dialog for bakes, in which the user chooses the rectangle, the layers and the folder. It bakes over many frames
+## and shows the progress.
 
 const HandEdits := preload("res://addons/thicket/editor/hand/hand_edits.gd")
 const Job := preload("res://addons/thicket/bake.gd")
@@ -9,10 +9,10 @@ const Replacement := preload("res://addons/thicket/editor/bake/bake_replacement.
 
 ## The time for baking in each frame, in milliseconds.
 const SLICE_MSEC := 20.0
-## The side of the initial rectangle, in meters.
+## The edge length of the initial rectangle, in meters.
 const SIDE := 256.0
 
-## Emitted when the bake has ended: it was written, was canceled, or has failed.
+## Emitted when the bake has ended. [param written] is false if the bake was canceled or has failed.
 signal finished(written: bool)
 ## Emitted when the user wants to draw the rectangle in the view. Pass the result to [method take_drawn].
 signal drawing_requested
@@ -66,7 +66,7 @@ func _init() -> void:
 	_add_row("Folder", folder_row)
 	_add_row("Name", _name)
 	_add_row("Layers", _layers)
-	_replace.text = "Put it into the scene instead of the scatter"
+	_replace.text = "Replace the scatter in the scene"
 	_replace.tooltip_text = "Adds the baked scene below the scatter, and a region that keeps the baked layers out of the rectangle."
 	rows.add_child(_replace)
 	rows.add_child(_bar)
@@ -81,7 +81,7 @@ func _init() -> void:
 	set_process(false)
 
 
-## Opens the dialog for a scatter, and offers a rectangle around a world position.
+## Opens the dialog for a scatter and offers a rectangle around a world position.
 func open(scatter: TerrainScatter3D, around: Vector3) -> void:
 	fill(scatter, Rect2(Vector2(around.x, around.z).round() - Vector2(SIDE, SIDE) * 0.5, Vector2(SIDE, SIDE)))
 	popup_centered()
@@ -147,7 +147,7 @@ func stop() -> void:
 	if is_processing():
 		job.cancel()
 		_set_running(false)
-		_state.text = "Cancelled."
+		_state.text = "Canceled."
 		finished.emit(false)
 
 
@@ -186,7 +186,7 @@ func _rect() -> Rect2:
 	return Rect2(_numbers[0].value, _numbers[1].value, _numbers[2].value, _numbers[3].value)
 
 
-## Returns the layers to bake, whose boxes are checked.
+## Returns the checked layers, which are to be baked.
 func _chosen() -> Array[ScatterLayer]:
 	var chosen: Array[ScatterLayer] = []
 	for box: CheckBox in _layers.get_children():

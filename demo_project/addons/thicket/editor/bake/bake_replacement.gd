@@ -7,20 +7,21 @@ const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 const RegionMenu := preload("res://addons/thicket/editor/regions/region_menu.gd")
 
 
-## Adds the scene at [param scene_path] below the scatter, and a region that excludes the baked layers from [param rect]. Removes hand-placed instances
-## of these layers there, so that nothing is placed twice. The region also affects other layers: a layer that keeps a distance from a baked layer no longer keeps it
-## from the baked instances. Returns an empty string on success, or the reason for the failure as a sentence.
+## Adds the scene at [param scene_path] below the scatter, and a region that excludes the baked layers from [param
+## rect]. Removes hand-placed instances of these layers there, so that nothing is placed twice. The region also affects
+## other layers: a layer that keeps a distance from a baked layer no longer keeps it from the baked instances. Returns
+## an empty string on success, or the reason for the failure.
 static func replace(edits: HandEdits, scatter: TerrainScatter3D, scene_path: String, rect: Rect2, layers: Array[ScatterLayer]) -> String:
 	var packed := ResourceLoader.load(scene_path, "PackedScene", ResourceLoader.CACHE_MODE_REPLACE) as PackedScene
 	if packed == null:
-		return "%s cannot be loaded, so the scatter was not replaced; the Output panel has the reason." % scene_path
+		return "%s cannot be loaded, so the scatter was not replaced. See the Output panel for details." % scene_path
 	var by_hand := _by_hand(scatter, rect, layers)
 	if not by_hand.is_empty() and not edits.begin(scatter, SceneFiles.edited_scene_path()):
 		return edits.problem
 	for id in by_hand:
 		edits.remove(id)
 	var undo := edits.undo_redo
-	undo.create_action("Replace by %s" % scene_path.get_file(), UndoRedo.MERGE_DISABLE, scatter)
+	undo.create_action("Replace with %s" % scene_path.get_file(), UndoRedo.MERGE_DISABLE, scatter)
 	edits.close_into_action()
 	var baked: Node3D = packed.instantiate(PackedScene.GEN_EDIT_STATE_INSTANCE)
 	baked.transform = scatter.global_transform.affine_inverse()
@@ -51,7 +52,7 @@ static func _references(scatter: TerrainScatter3D, chosen: Array[ScatterLayer]) 
 	return references if chosen.size() < layers.size() - layers.count(null) else []
 
 
-## Returns the ids of the chosen layers' hand-placed instances in a rectangle.
+## Returns the IDs of the chosen layers' hand-placed instances in a rectangle.
 static func _by_hand(scatter: TerrainScatter3D, rect: Rect2, chosen: Array[ScatterLayer]) -> PackedInt64Array:
 	var found := PackedInt64Array()
 	var state := scatter.state

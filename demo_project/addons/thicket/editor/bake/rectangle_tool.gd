@@ -1,11 +1,11 @@
 @tool
 extends "res://addons/thicket/editor/scatter_tool.gd"
-## Draws a rectangle of x and z on the ground, by dragging from corner to corner with the left mouse button.
+## The tool with which the user drags a rectangle of x and z on the ground with the left mouse button.
 
 const EditorSnap := preload("res://addons/thicket/editor/editor_snap.gd")
 const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
 
-## Emitted when drawing has ended. [param rect] is in meters, and empty if drawing was canceled.
+## Emitted when drawing has ended. [param rect] is in meters. It is empty if drawing was canceled.
 signal drawn(rect: Rect2)
 
 const HINT := "Drag from corner to corner   Esc cancels"

@@ -1,11 +1,11 @@
 @tool
 extends RefCounted
-## Paints biomes into the image of a biome map. A stroke consists of overlapping discs, and is one undo step.
+## Paints biomes into the image of a biome map. A stroke consists of overlapping discs and is one undo step.
 
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 const StrokePlaces := preload("res://addons/thicket/editor/brush/stroke_places.gd")
 
-## The longer side of a new image, in pixels, and the largest side of any image.
+## The length of the longer side of a new image, in pixels, and the maximum width and height of any image.
 const SIDE := 1024
 const LARGEST := 8192
 ## The minimum number of pixels that a brush radius must span. An image with fewer pixels is enlarged.
@@ -42,8 +42,8 @@ func is_painting() -> bool:
 	return _map != null
 
 
-## Starts a stroke with a disc at world x and z. [param index] is the index of the biome, or -1 for land without a biome. Returns an empty string on
-## success, or the reason for a failure as a sentence.
+## Starts a stroke with a disc at world x and z. [param index] is the index of the biome, or -1 for land without a
+## biome. Returns an empty string on success, or the reason for a failure.
 func begin(scatter: TerrainScatter3D, index: int, scene_path: String, at: Vector2) -> String:
 	finish(null)
 	var map := scatter.biomes
@@ -116,7 +116,7 @@ static func name_of(map: ScatterBiomeMap, index: int) -> String:
 	return map.biomes[index].resource_name if map.biomes[index].resource_name else "Biome %d" % index
 
 
-## Returns an error, as a sentence, if an earlier biome has the same color as this one. Otherwise, and for a map of indices, returns an empty string.
+## Returns an error message if an earlier biome has the same color as this one. Otherwise, and for a map of indices, returns an empty string.
 static func _same_color(map: ScatterBiomeMap, index: int) -> String:
 	if index < 0 or map.map_mode == ScatterBiomeMap.MAP_MODE_INDICES:
 		return ""
@@ -132,7 +132,7 @@ static func _pixel(map: ScatterBiomeMap, index: int) -> Color:
 	return Color(map.biomes[index].color, 1.0) if index >= 0 else Color.TRANSPARENT
 
 
-## Returns the image of the map if it can be painted. Otherwise returns a copy, for example of an imported picture, or a new image.
+## Returns the image of the map if it can be painted. Otherwise, returns a copy, for example of an imported image, or a new image.
 func _paintable(map: ScatterBiomeMap, index: int) -> Image:
 	var image := map.map_image as Image
 	if image == null and map.map_image is Texture2D:

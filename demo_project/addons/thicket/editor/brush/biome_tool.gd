@@ -6,7 +6,7 @@ const BiomeBrush := preload("res://addons/thicket/editor/brush/biome_brush.gd")
 const BiomeOverlay := preload("res://addons/thicket/editor/brush/biome_overlay.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
-## The side of a biome's color in the list, in pixels.
+## The size of a biome's color swatch in the list, in pixels.
 const SWATCH := 14
 
 var brush := BiomeBrush.new()
@@ -19,7 +19,7 @@ var _listed: Array = []
 
 func _init() -> void:
 	needs_layer = false
-	_setup("Biomes", &"Bucket", "Biomes: paint the biome map, with the left mouse button.")
+	_setup("Biomes", &"Bucket", "Biomes: paint the biome map with the left mouse button.")
 	button.visible = false
 	_biomes.tooltip_text = "The biome to paint."
 	_biomes.item_selected.connect(redraw_requested.emit.unbind(1))
@@ -28,7 +28,7 @@ func _init() -> void:
 	_radius.value_changed.connect(func(value: float) -> void: brush.radius = value)
 
 
-## Chooses a biome by its index in the map, or land without a biome by -1.
+## Selects the biome with this index in the map, or land without a biome if it is -1.
 func choose_biome(index: int) -> void:
 	_biomes.select(_biomes.get_item_index(_id(index)))
 	redraw_requested.emit()
@@ -75,7 +75,7 @@ func _map() -> ScatterBiomeMap:
 	return map if map != null and not map.biomes.is_empty() else null
 
 
-## Returns the index of the chosen biome, or -1 for land without a biome.
+## Returns the index of the selected biome, or -1 for land without a biome.
 func _index() -> int:
 	return _biomes.get_selected_id() - 1
 

@@ -1,7 +1,7 @@
 @tool
 extends RefCounted
-## Paints the density of layers. A stroke consists of dabs, which are overlapping round touches of the brush, and is one undo step for all of its
-## layers.
+## Paints the density of layers. A stroke consists of dabs, which are overlapping round marks, and is one undo step for
+## all of its layers.
 
 const MaskStroke := preload("res://addons/thicket/editor/brush/mask_stroke.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
@@ -12,7 +12,7 @@ var mode: ScatterMask.Mode = ScatterMask.MODE_PAINT
 var radius := 8.0
 ## The effect of a single dab at its center, from 0 to 1.
 var strength := 0.5
-## The part of the radius with full strength, from 0 to 1.
+## The fraction of the radius with full strength, from 0 to 1.
 var hardness := 0.5
 ## The manager of the files in which masks are stored.
 var files := SceneFiles.new()
@@ -30,8 +30,9 @@ func is_painting() -> bool:
 	return not _strokes.is_empty()
 
 
-## Starts a stroke on layers of a scatter with a dab at world x and z. A layer without a mask gets one. For painting, the mask is empty, so that the layer
-## grows only where it is painted; for erasing, it is full. Returns an empty string on success, or the reason for a failure as a sentence.
+## Starts a stroke on layers of a scatter with a dab at world x and z. A layer without a mask gets one. For painting,
+## the mask is empty, so that the layer grows only where it is painted; for erasing, it is full. Returns an empty string
+## on success, or the reason for a failure.
 func begin(scatter: TerrainScatter3D, layers: Array[ScatterLayer], scene_path: String, stroke_mode: ScatterMask.Mode,
 		at: Vector2) -> String:
 	finish(null)
@@ -47,7 +48,7 @@ func begin(scatter: TerrainScatter3D, layers: Array[ScatterLayer], scene_path: S
 		elif layer.mask != null:
 			_stroke_of(layer.mask)
 	if _strokes.is_empty():
-		return "Smooth needs a mask, and %s none yet: paint or erase first." % ("these layers have" if layers.size() > 1 else "this layer has")
+		return "Smooth needs a mask, but %s none yet: paint or erase first." % ("these layers have" if layers.size() > 1 else "this layer has")
 	_scatter = scatter
 	_scene_path = scene_path
 	_stroke_mode = stroke_mode
@@ -98,7 +99,7 @@ func restore(mask: ScatterMask, blocks: Dictionary) -> void:
 	files.mark(mask)
 
 
-## Returns the stroke on a mask. Layers may share a mask, which is then painted once.
+## Returns the stroke on a mask. Layers may share a mask, which is then painted only once.
 func _stroke_of(mask: ScatterMask) -> MaskStroke:
 	for stroke in _strokes:
 		if stroke.mask == mask:

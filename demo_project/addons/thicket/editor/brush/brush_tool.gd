@@ -1,6 +1,6 @@
 @tool
 extends "res://addons/thicket/editor/scatter_tool.gd"
-## The base class of the brushes. It draws a ring on the ground, and handles strokes with the left mouse button.
+## The base class of the brushes. It draws a ring on the ground and handles strokes with the left mouse button.
 
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
 const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
@@ -10,7 +10,7 @@ const PaintedOverlay := preload("res://addons/thicket/editor/brush/painted_overl
 const RADIUS_STEP := 1.15
 const NO_GROUND_BELOW := "There is no ground below the brush: paint where the ground is."
 
-## The reason why the last stroke failed, as a sentence; empty if it succeeded.
+## The reason why the last stroke failed; empty if it succeeded.
 var problem := ""
 
 var _cursor := GroundCursor.new()
@@ -55,7 +55,7 @@ func draw_over(overlay: Control) -> void:
 	_cursor.draw_dot(overlay, _color())
 
 
-## Draws additional shapes inside the ring. Overridden by the individual brushes.
+## Draws additional shapes inside the ring. The individual brushes override it.
 func _draw_inside(_overlay: Control) -> void:
 	pass
 
@@ -69,8 +69,8 @@ func _is_painting() -> bool:
 	return false
 
 
-## Begins a stroke at a position on the ground, which is not finite if there is no ground. Returns an empty string on success, or the reason for a
-## failure as a sentence.
+## Begins a stroke at a position on the ground, which is not finite if there is no ground. Returns an empty string on
+## success, or the reason for a failure.
 func _begin_stroke(_at: Vector3, _pressed: InputEventMouseButton) -> String:
 	return ""
 
@@ -80,7 +80,7 @@ func _move_stroke(_at: Vector2) -> void:
 	pass
 
 
-## Returns an error, as a sentence, if there is no ground to paint on. Otherwise returns an empty string.
+## Returns an error message if there is no ground to paint on. Otherwise, returns an empty string.
 func _ground_problem() -> String:
 	return "" if ground() != null else "There is no ground to paint on: set the ground of %s, or press Use as Ground." % scatter.name
 

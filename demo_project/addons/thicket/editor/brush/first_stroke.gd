@@ -1,7 +1,7 @@
 @tool
 extends ConfirmationDialog
-## The dialog for the first stroke with Paint on a layer without a mask. Such a layer already grows everywhere, so the user chooses
-## the effect of the stroke.
+## The dialog for the first Paint stroke on a layer without a mask. Such a layer already grows everywhere, so the user
+## chooses the effect of the stroke.
 
 ## Emitted when the user has chosen a brush mode for the stroke that began at world x and z.
 signal chosen(mode: ScatterMask.Mode, at: Vector2)
@@ -17,7 +17,7 @@ var _at := Vector2.ZERO
 
 
 func _init() -> void:
-	title = "The first stroke on a layer"
+	title = "First Stroke on a Layer"
 	ok_button_text = "Only here"
 	confirmed.connect(_choose.bind(ScatterMask.MODE_PAINT))
 	add_button("Not here", true, "erase")

@@ -1,8 +1,8 @@
 @tool
 extends RefCounted
-## The changes of a brush stroke to one mask, as compressed blocks of pixels before and after the stroke.
+## The changes that a brush stroke makes to one mask, as compressed blocks of pixels before and after the stroke.
 
-## The side of a block in pixels.
+## The edge length of a block in pixels.
 const BLOCK := 64
 
 var mask: ScatterMask
@@ -16,7 +16,7 @@ func _init(painted: ScatterMask) -> void:
 	mask = painted
 
 
-## Adds a dab at world x and z. The other parameters are those of [method ScatterMask.paint].
+## Adds a dab at world x and z. The other parameters have the same meaning as in [method ScatterMask.paint].
 func dab(at: Vector2, radius: float, strength: float, hardness: float, mode: ScatterMask.Mode) -> void:
 	var reach := Vector2(radius, radius)
 	var touched := mask.get_pixel_rect(Rect2(at - reach, 2.0 * reach))

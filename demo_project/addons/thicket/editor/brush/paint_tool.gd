@@ -9,8 +9,8 @@ const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
 const MODE_NAMES: PackedStringArray = ["Paint", "Erase", "Smooth"]
 const MODE_TIPS: PackedStringArray = [
-	"Paint: more of the layer. The first stroke on a layer that grows everywhere opens a dialog with two choices.",
-	"Erase: less of the layer (or hold Ctrl).",
+	"Paint: increase the density of the layer. The first stroke on a layer that grows everywhere opens a dialog with two choices.",
+	"Erase: decrease the density of the layer (or hold Ctrl).",
 	"Smooth: blur the painted density (or hold Shift).",
 ]
 const COLORS: Array[Color] = [Color(0.5, 1.0, 0.45), Color(1.0, 0.45, 0.35), Color(0.45, 0.75, 1.0)]
@@ -27,7 +27,7 @@ var _hardness: EditorSpinSlider
 
 
 func _init() -> void:
-	_setup("Brush", &"Paint", "Brush: paint where the layer grows, with the left mouse button.")
+	_setup("Brush", &"Paint", "Brush: paint where the layer grows with the left mouse button.")
 	var group := ButtonGroup.new()
 	for mode in MODE_NAMES.size():
 		var choice := Button.new()
@@ -42,16 +42,16 @@ func _init() -> void:
 		add_child(choice)
 	_add_radius(brush.radius)
 	_radius.value_changed.connect(func(value: float) -> void: brush.radius = value)
-	_strength = _slider("Strength", "Strength: the change of density by one dab, at its center.", 1.0, 100.0, 1.0, brush.strength * 100.0, "%")
+	_strength = _slider("Strength", "Strength: the change in density at the center of one dab.", 1.0, 100.0, 1.0, brush.strength * 100.0, "%")
 	_strength.value_changed.connect(func(value: float) -> void: brush.strength = value * 0.01)
-	_hardness = _slider("Hardness", "Hardness: the part of the radius with full strength.", 0.0, 100.0, 1.0,
+	_hardness = _slider("Hardness", "Hardness: the fraction of the radius with full strength.", 0.0, 100.0, 1.0,
 			brush.hardness * 100.0, "%")
 	_hardness.value_changed.connect(func(value: float) -> void: brush.hardness = value * 0.01; redraw_requested.emit())
 	first_stroke.chosen.connect(_stroke_once)
 	add_child(first_stroke)
 
 
-## Chooses the mode of the left button.
+## Sets the mode of the left mouse button.
 func choose_mode(mode: ScatterMask.Mode) -> void:
 	_modes[mode].button_pressed = true
 	_on_mode(mode)

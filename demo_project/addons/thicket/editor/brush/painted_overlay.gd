@@ -17,7 +17,7 @@ func watch(painted: Resource) -> void:
 		_painted.connect(_change(), _on_changed)
 
 
-## Draws the resource on the ground around a position. The view is [param away] meters from that position. Does nothing if nothing has changed.
+## Draws the resource on the ground around a position. The view is [param away] meters from that position. Has no effect if nothing has changed.
 func show(scatter: TerrainScatter3D, around: Vector3, away: float) -> void:
 	cover(scatter, around, away, [_painted, _version], _sample)
 	while not is_complete(): # A stroke must be visible immediately.

@@ -6,7 +6,7 @@ extends RefCounted
 const SPACING := 0.25
 
 
-## Returns the positions of the next dabs from the last dab towards a position.
+## Returns the positions of the next dabs from the last dab toward a position.
 static func between(last: Vector2, at: Vector2, radius: float) -> PackedVector2Array:
 	var step := maxf(radius * SPACING, 0.01)
 	var way := at - last

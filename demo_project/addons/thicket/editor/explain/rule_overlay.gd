@@ -1,6 +1,6 @@
 @tool
 extends "res://addons/thicket/editor/ground/ground_overlay.gd"
-## Shows the density, the slope or the rank of a layer as colors on the ground, with a legend.
+## Shows the density or the rank of a layer, or the slope, as colors on the ground with a legend.
 
 enum Kind { NOTHING, DENSITY, SLOPE, RANK }
 
@@ -8,9 +8,9 @@ const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layer
 const NAMES: PackedStringArray = ["Nothing", "Density", "Slope", "Rank"]
 const TIPS: PackedStringArray = [
 	"No colors on the ground.",
-	"The density of the chosen layer by all of its rules: red for none, green for full.",
+	"The density of the selected layer according to all of its rules: red for none, green for full.",
 	"The slope of the ground.",
-	"The order in which the chosen layer is thinned: dark instances are removed last. Each position has the rank of the nearest point of the layer's set.",
+	"The order in which the selected layer is thinned: dark instances are removed last. Each position has the rank of the nearest point of the layer's set.",
 ]
 ## The time for drawing in each frame, in microseconds.
 const BUDGET := 4000
@@ -26,8 +26,9 @@ var _kind := Kind.NOTHING
 var _name := ""
 
 
-## Draws values of the layer at an index, around a position on the ground. The view is [param away] meters from that position. Does nothing
-## if the arguments are the same as last time. [param version] must change when the settings change.
+## Draws values of the layer at an index, around a position on the ground. The view is [param away] meters from that
+## position. Has no effect if the arguments are the same as last time. [param version] must change when the settings
+## change.
 func show(scatter: TerrainScatter3D, kind: Kind, layer: int, around: Vector3, away: float, version: int) -> void:
 	var layers := ScatterLayers.of(scatter)
 	var chosen: ScatterLayer = layers[layer] if layer >= 0 and layer < layers.size() else null

@@ -1,7 +1,7 @@
 @tool
 extends "res://addons/thicket/editor/scatter_tool.gd"
-## Explains why instances are or are not placed at a position. Each layer's result is shown next to the mouse, and a click pins it. The
-## tool can also color the ground by density, slope or rank.
+## Explains why instances are or are not placed at a position. Each layer's result is shown next to the mouse. A click
+## pins it. The tool can also color the ground by density, slope or rank.
 
 const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
 const GroundRay := preload("res://addons/thicket/ground_ray.gd")
@@ -29,8 +29,8 @@ var _camera: Camera3D
 
 
 func _init() -> void:
-	_setup("Why?", &"Help", "Why?: point at the ground to read why each layer is placed there or not; click to pin the text.")
-	_colors.tooltip_text = "Colors on the ground."
+	_setup("Why?", &"Help", "Why?: point at the ground to see why each layer does or does not grow there. Click to pin the text.")
+	_colors.tooltip_text = "Colors to show on the ground."
 	for kind in RuleOverlay.NAMES.size():
 		_colors.add_item(RuleOverlay.NAMES[kind])
 		_colors.get_popup().set_item_tooltip(kind, RuleOverlay.TIPS[kind])
@@ -38,7 +38,7 @@ func _init() -> void:
 	add_child(_colors)
 
 
-## Chooses the colors on the ground.
+## Selects the colors on the ground.
 func choose_colors(kind: RuleOverlay.Kind) -> void:
 	_colors.select(kind)
 	look()
@@ -117,7 +117,7 @@ func _place_of(position: Vector3) -> Vector2:
 	return _cursor.to_overlay(position) if position.is_finite() and not _camera.is_position_behind(position) else Vector2.INF
 
 
-## Updates the explanation and the colors once the scatter has settled after a change of its settings.
+## Updates the explanation and the colors once the scatter has settled after a change to its settings.
 func _notice_changes() -> void:
 	var state: Array = [scatter, ground(), layer_index, scatter.is_settled(), scatter.get_stats().tiles_made]
 	if state == _state:

@@ -1,7 +1,8 @@
 @tool
 extends EditorExportPlugin
-## Stores the data of meshes and textures that a dedicated server needs, because the export of a server replaces meshes and textures with
-## placeholders. The data are convex hulls, and the images of masks, heights and biomes. Each resource selects its own data.
+## Stores the data of meshes and textures that a dedicated server needs, because the export of a server replaces meshes
+## and textures with placeholders. The data consists of convex hulls and of the images of masks, heights and biomes.
+## Each resource selects the data that it needs.
 
 
 func _get_name() -> String:
@@ -12,8 +13,8 @@ func _begin_customize_resources(_platform: EditorExportPlatform, _features: Pack
 	return get_export_preset().is_dedicated_server()
 
 
-## Adds the data of a resource with its own file only when that file ([param path]) is exported. While a different file is exported that contains the
-## resource, the editor may be using the same object, which must not change.
+## Adds the data of a resource with its own file only when that file ([param path]) is exported. While another file that
+## contains the resource is exported, the editor may be using the same object, which must not change.
 func _customize_resource(resource: Resource, path: String) -> Resource:
 	var is_elsewhere := path.is_empty() and resource.resource_path.begins_with("res://") and not "::" in resource.resource_path
 	return resource if not is_elsewhere and _embed(resource) else null

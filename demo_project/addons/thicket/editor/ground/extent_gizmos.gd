@@ -1,6 +1,6 @@
 @tool
 extends EditorNode3DGizmoPlugin
-## Draws the extent of the layers of the selected [code]TerrainScatter3D[/code], as a line around the visible tiles.
+## Draws the extent of the layers of the selected [code]TerrainScatter3D[/code] as a line around the visible tiles.
 
 const GroundLines := preload("res://addons/thicket/editor/ground/ground_lines.gd")
 const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
@@ -46,7 +46,7 @@ func _redraw(gizmo: EditorNode3DGizmo) -> void:
 	gizmo.add_lines(lines.segments, _line)
 
 
-## Adds the sides at which a tile has no neighbor.
+## Adds the edges at which a tile has no neighbor.
 static func _add_edges(edges: Array[PackedVector2Array], tiles: Array, size: float) -> void:
 	var shown := {}
 	for tile: Vector2i in tiles:

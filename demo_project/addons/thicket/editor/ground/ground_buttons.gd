@@ -13,7 +13,7 @@ var undo_redo: EditorUndoRedoManager
 var _use := Controls.button("Use as Ground", &"MeshInstance3D", "")
 var _add := Controls.button("Add to Ground", &"Add", "")
 var _refresh := Controls.button("Refresh Ground", &"Reload",
-		"Read the ground again, for changes that emit no signal. Nodes that move in the scene are followed automatically.")
+		"Read the ground again after changes that emit no signal. Nodes that move in the scene are detected automatically.")
 var _last: TerrainScatter3D ## The last scatter that was selected.
 
 
@@ -46,15 +46,15 @@ func update() -> void:
 	_refresh.visible = visible and not scatters.is_empty() and scatter.ground != null
 	_add.visible = visible and _replaces(scatter, grounds)
 	if visible:
-		var added := "." if not _add.visible else ", in addition to its present ground. The highest ground counts."
+		var added := "." if not _add.visible else ", in addition to its current ground. The highest ground is used."
 		_use.tooltip_text = "Choose a mesh, a static body or a terrain as the ground of %s." % scatter.name if grounds.is_empty() \
 				else "Make the selected %s the ground of %s." % [_names(grounds), scatter.name]
 		_add.tooltip_text = _use.tooltip_text.trim_suffix(".") + added
 
 
-## Makes nodes the ground of a scatter, as one undo step. Meshes are added to the group of its ground, and the layers of bodies to the
-## ground's collision mask. If the scatter's ground is of a different kind, it is replaced, or combined with the new one if [param added] is
-## [code]true[/code]. Returns an empty string on success, or the reason why nothing was changed as a sentence.
+## Makes nodes the ground of a scatter, as one undo step. Meshes are added to the group of its ground, and the layers of
+## bodies to the ground's collision mask. Ground of another kind is replaced, or combined with the new ground if [param
+## added] is [code]true[/code]. Returns an empty string on success, or the reason why nothing was changed.
 static func use(scatter: TerrainScatter3D, nodes: Array[Node], manager: EditorUndoRedoManager, added := false) -> String:
 	var present := _parts(scatter, added)
 	var terrains := nodes.filter(_is_terrain)
@@ -93,7 +93,7 @@ static func _first(grounds: Array[ScatterGround], of_class: Variant) -> ScatterG
 	return null
 
 
-## Returns the meshes that become ground. A static body counts as a collider, unless meshes are ground already.
+## Returns the meshes that become ground. A static body is treated as a collider unless meshes are already ground.
 static func _chosen_meshes(nodes: Array[Node], present: Array[ScatterGround]) -> Array[Node]:
 	var meshes: Array[Node] = []
 	for node in nodes:
@@ -186,8 +186,9 @@ static func _set_ground(scatter: TerrainScatter3D, ground: ScatterGround, manage
 	manager.add_undo_property(scatter, &"ground", scatter.ground)
 
 
-## Returns whether a ScatterGroundNode can use a node: Terrain3D, HTerrain, MTerrain, TerraBrush, or any node with the methods of one of them. A
-## get_height() without an argument does not count, because it is the getter of a property, as in a CSGCylinder3D.
+## Returns whether a ScatterGroundNode can use a node: Terrain3D, HTerrain, MTerrain, TerraBrush, or any node with the
+## methods of one of them. A get_height() without an argument is not sufficient, because it is the getter of a property,
+## as in a CSGCylinder3D.
 static func _is_terrain(node: Node) -> bool:
 	var data: Variant = node.get(&"data")
 	return _has_height(node) or data is Object and _has_height(data) or node.has_method(&"getHeightAtPosition") \
@@ -207,7 +208,7 @@ static func _has_bodies(node: Node) -> bool:
 	return node is StaticBody3D or _is_voxels(node)
 
 
-## Returns the nodes with meshes among a node and those nodes below it that a scene stores. A scatter has none.
+## Returns the nodes with meshes among a node and those of its descendants that a scene stores. A scatter has none.
 static func _meshes_of(node: Node) -> Array[Node]:
 	if node is TerrainScatter3D:
 		return []
@@ -217,7 +218,7 @@ static func _meshes_of(node: Node) -> Array[Node]:
 	return found.filter(func(mesh: Node) -> bool: return _has_mesh(mesh) and (mesh.owner != null or mesh == node))
 
 
-## Returns whether a node is ground in the group of a ScatterGroundMeshes. Only the outermost node of a CSG tree is.
+## Returns whether a node in the group of a ScatterGroundMeshes is ground. In a CSG tree, only the outermost node is ground.
 static func _has_mesh(node: Node) -> bool:
 	var instance := node as MeshInstance3D
 	var csg := node as CSGShape3D
@@ -261,8 +262,8 @@ func _meant() -> TerrainScatter3D:
 	return found[0] if found.size() == 1 else null
 
 
-## Makes the selected nodes the ground, or adds them to the present ground. If none of them can be ground, opens a dialog with the scene's
-## tree.
+## Makes the selected nodes the ground, or adds them to the current ground. If none of them can be ground, opens a
+## dialog with the scene tree.
 func choose(added := false) -> void:
 	var grounds := _grounds_of(EditorInterface.get_selection().get_selected_nodes())
 	if grounds.is_empty():

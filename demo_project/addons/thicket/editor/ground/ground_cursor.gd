@@ -1,6 +1,6 @@
 @tool
 extends RefCounted
-## Finds the position on the ground below the mouse, and draws the shapes of tools over the view.
+## Finds the position on the ground below the mouse and draws the shapes of tools over the view.
 
 const GroundRay := preload("res://addons/thicket/ground_ray.gd")
 
@@ -29,14 +29,14 @@ func aim(camera: Camera3D, position: Vector2, ground: ScatterGround) -> void:
 		on_ground = GroundRay.hit(ground, from, direction)
 
 
-## Clears [member on_ground] until the next [method aim].
+## Clears [member on_ground] until the next call to [method aim].
 func clear() -> void:
 	on_ground = Vector3.INF
 	_camera = null
 
 
 ## Returns true if the mouse was last over the viewport of this overlay. The overlay is a sibling of the viewport's
-## container, or below one.
+## container, or a descendant of such a sibling.
 func is_over(overlay: Control) -> bool:
 	if not is_instance_valid(_camera):
 		return false
@@ -49,12 +49,12 @@ func mouse() -> Vector2:
 	return _mouse
 
 
-## Writes a sentence next to the mouse.
+## Draws a message next to the mouse.
 func say(overlay: Control, sentence: String) -> void:
 	_write(overlay, sentence, _mouse + Vector2(18.0, 24.0), Color(1.0, 0.85, 0.5))
 
 
-## Writes a hint about keys and clicks at the lower edge of the view.
+## Draws a hint about keys and clicks at the lower edge of the view.
 func hint(overlay: Control, sentence: String) -> void:
 	_write(overlay, sentence, Vector2(12.0, overlay.size.y - 14.0), Color(0.9, 0.95, 1.0))
 
@@ -98,7 +98,7 @@ func to_overlay(position: Vector3) -> Vector2:
 	return _camera.unproject_position(position) * _shrink(_camera)
 
 
-## Returns a line between two positions that follows the ground, and is straight where there is no ground.
+## Returns a line between two positions that follows the ground and is straight where there is no ground.
 func along_ground(from: Vector3, to: Vector3, ground: ScatterGround) -> PackedVector3Array:
 	var line := PackedVector3Array()
 	for piece in PIECES + 1:
@@ -110,7 +110,7 @@ func along_ground(from: Vector3, to: Vector3, ground: ScatterGround) -> PackedVe
 	return line
 
 
-## Draws a line through world positions, and leaves out those behind the camera.
+## Draws a line through world positions, except those behind the camera.
 func draw_path(overlay: Control, positions: PackedVector3Array, color: Color, width: float) -> void:
 	var line := PackedVector2Array()
 	for position in positions:

@@ -9,7 +9,7 @@ const LIFT := 0.1
 var ground: ScatterGround
 ## The world height in meters of lines without a ground.
 var level := 0.0
-## The number of ground heights that may still be queried. Once it is 0, further lines are straight from corner to corner.
+## The number of ground heights that may still be queried. Once it is 0, additional lines are straight from corner to corner.
 var budget := 4000
 ## Pairs of end points, in the space of the node.
 var segments := PackedVector3Array()
@@ -33,8 +33,8 @@ static func scatter_of(node: Node) -> TerrainScatter3D:
 	return node as TerrainScatter3D
 
 
-## Returns a material for lines that are visible through everything, and equally opaque whether their node is selected or not. The materials that a
-## gizmo plugin creates are less opaque for unselected nodes.
+## Returns a material for lines that are visible through everything and equally opaque whether their node is selected or
+## not. The materials that a gizmo plugin creates are less opaque for unselected nodes.
 static func material(color: Color) -> StandardMaterial3D:
 	var made := StandardMaterial3D.new()
 	made.shading_mode = BaseMaterial3D.SHADING_MODE_UNSHADED
@@ -45,7 +45,7 @@ static func material(color: Color) -> StandardMaterial3D:
 	return made
 
 
-## Adds a line through world positions (x, z), with a ground height every [param piece] meters or less.
+## Adds a line through world positions (x, z), with a ground height at least every [param piece] meters.
 func add(points: PackedVector2Array, closed: bool, piece: float) -> void:
 	var count := points.size() if closed else points.size() - 1
 	for index in count:

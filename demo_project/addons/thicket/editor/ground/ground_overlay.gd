@@ -1,15 +1,16 @@
 @tool
 extends RefCounted
-## A colored overlay on the ground around a position. It exists only in the renderer, without a node, so it adds nothing to the scene. It
-## is generated in parts, a few in each frame, and replaces the previous overlay when all parts are complete.
+## A colored overlay on the ground around a position. It exists only in the renderer, without a node, so it adds nothing
+## to the scene. It is generated in parts, a few in each frame, and replaces the previous overlay when all parts are
+## complete.
 
-## The number of quads and of parts along a side of the overlay.
+## The number of quads and of parts along an edge of the overlay.
 const QUADS := 48
 const PARTS := 4
 ## The width of the overlay, as a multiple of the distance from the camera, and its limits in meters.
 const WIDTH := 2.0
 const WIDTHS := Vector2(24.0, 1200.0)
-## The height of the overlay above the ground, as a multiple of a quad's side.
+## The height of the overlay above the ground, as a multiple of a quad's edge length.
 const LIFT := 0.04
 
 var _meshes: Array[ArrayMesh] = [ArrayMesh.new(), ArrayMesh.new()] ## The visible mesh, and the mesh that is being generated.
@@ -55,10 +56,11 @@ func is_complete() -> bool:
 	return _waiting.is_empty()
 
 
-## Begins an overlay on the ground of a scatter around a position, with quads of at most [param largest] meters. The view is [param away]
-## meters from that position. Does nothing if the ground, the position and [param version] are the same as last time. [param colors] is
-## called with a rectangle of world x and z, and the number of columns and rows that divide it. It returns a color for the center of each
-## cell, row by row. If it returns an empty array, the overlay is removed.
+## Begins an overlay on the ground of a scatter around a position, with quads of at most [param largest] meters. The
+## view is [param away] meters from that position. Has no effect if the ground, the position and [param version] are the
+## same as last time. [param colors] is called with a rectangle of world x and z and the number of columns and rows that
+## divide it. It returns a color for the center of each cell, row by row. If it returns an empty array, the overlay is
+## removed.
 func cover(scatter: TerrainScatter3D, around: Vector3, away: float, version: Variant, colors: Callable, largest := INF) -> void:
 	var quad := pow(2.0, floorf(log(minf(clampf(away * WIDTH, WIDTHS.x, WIDTHS.y) / QUADS * sqrt(2.0), largest)) / log(2.0)))
 	var middle := Vector2i((Vector2(around.x, around.z) / (quad * 4.0)).round()) * 4

@@ -6,7 +6,7 @@ const EditorSnap := preload("res://addons/thicket/editor/editor_snap.gd")
 const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
 
 const COLOR := Color(0.25, 0.55, 0.95, 0.35)
-## The distance in meters from the center to the sides if no tile is shown.
+## The distance in meters from the center to the edges if no tile is shown.
 const REACH := 100.0
 ## The step, in meters, to which the handle rounds the level if snapping is off.
 const STEP := 0.01

@@ -1,6 +1,7 @@
 @tool
 extends RefCounted
-## Makes the links to tutorials in the class reference work. The editor's help opens only web addresses, but the tutorials are files of the
+## Makes the links to tutorials in the class reference work. The editor's help opens only web addresses, but the
+## tutorials are files of the
 ## add-on, so this class opens them in their own window.
 
 const Tutorials := preload("res://addons/thicket/editor/help/tutorial_window.gd")
@@ -9,7 +10,7 @@ var _window: Tutorials
 var _tabs: Array[Node] = []
 
 
-## Watches all help pages, including those that are opened later.
+## Handles the links on all help pages, including those that are opened later.
 func _init(window: Tutorials) -> void:
 	_window = window
 	_tabs = EditorInterface.get_script_editor().find_children("*", "TabContainer", true, false)
@@ -19,7 +20,7 @@ func _init(window: Tutorials) -> void:
 			_on_page(page)
 
 
-## Stops watching.
+## Stops handling links.
 func leave() -> void:
 	for tabs: Node in _tabs.filter(is_instance_valid):
 		tabs.child_entered_tree.disconnect(_on_page)

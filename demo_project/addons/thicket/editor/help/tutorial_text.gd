@@ -6,10 +6,10 @@ const PICTURE := "^!\\[(?<words>[^\\]]*)\\]\\((?<file>[^)]+)\\)$"
 const ITEM := "^(?<indent> *)(?<mark>-|\\d+\\.) (?<text>.*)$"
 const INLINE := "`(?<code>[^`]+)`|\\*\\*(?<bold>.+?)\\*\\*|\\*(?<italic>[^*]+)\\*|\\[(?<words>[^\\]]+)\\]\\((?<link>[^)]+)\\)"
 
-## The size of a first-level heading in pixels; a second-level heading has three quarters of it.
+## The size of a first-level heading in pixels; a second-level heading has three quarters of this size.
 var heading_size := 28
 
-## The result. Each part is BBCode, or [constant PICTURE_MARK] followed by the file name of a picture.
+## The result. Each part is BBCode, or [constant PICTURE_MARK] followed by the file name of an image.
 var parts := PackedStringArray()
 
 const PICTURE_MARK := "picture:"

@@ -1,6 +1,6 @@
 @tool
 extends AcceptDialog
-## The window that shows the tutorials, with their pictures, in the editor.
+## The window that shows the tutorials with their images in the editor.
 
 const Text := preload("res://addons/thicket/editor/help/tutorial_text.gd")
 
@@ -82,12 +82,12 @@ static func _text_of(name: String) -> String:
 		name, FOLDER + name, error_string(FileAccess.get_open_error())]
 
 
-## Adds a picture, loaded directly from its file. The engine does not import the folder of the pages, so that games do not
-## contain the pictures.
+## Adds an image, loaded directly from its file. The engine does not import the folder of the pages, so exported games
+## do not contain the images.
 func _add_picture(file: String) -> void:
 	var image := Image.new()
 	if FileAccess.file_exists(FOLDER + file) and image.load_jpg_from_buffer(FileAccess.get_file_as_bytes(FOLDER + file)) == OK:
 		_text.add_image(ImageTexture.create_from_image(image), 100, 0, Color.WHITE, INLINE_ALIGNMENT_CENTER, Rect2(), null, false, "", true)
 	else:
-		_text.append_text("The picture %s cannot be read. Install all files of the add-on again." % (FOLDER + file))
+		_text.append_text("The image %s cannot be read. Install all files of the add-on again." % (FOLDER + file))
 	_text.append_text("\n\n")

@@ -1,12 +1,12 @@
 @tool
 extends RefCounted
-## Imports instances as one undo step. The scatter's state, in a file next to the scene, stores the placed instances. A scatter that has no state in a
-## file gets one.
+## Imports instances as one undo step. The scatter's state, in a file next to the scene, stores the placed instances. A
+## scatter without a state in a file gets one.
 
 const ImportInstances := preload("res://addons/thicket/import_instances.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
-## The reason why [method run] failed, as a sentence.
+## The reason why [method run] failed.
 var problem := ""
 
 var _scatter: TerrainScatter3D
@@ -37,7 +37,7 @@ func run(scatter: TerrainScatter3D, layer: Variant, reading: ImportInstances.Rea
 		return 0
 	_ids = ImportInstances.place(scatter, layer, reading)
 	if _ids.is_empty():
-		problem = "None of %d instances was placed in %s; the Output panel has the reason." % [reading.size(), scatter.name]
+		problem = "None of %d instances were placed in %s. See the Output panel for details." % [reading.size(), scatter.name]
 		_drop_state()
 		return 0
 	_layers_after = scatter.layers.duplicate()
@@ -69,8 +69,8 @@ func redo() -> void:
 	_files.mark(_state)
 
 
-## Makes sure that the scatter's state has its own file. Otherwise, writes a copy of the state, or a new state, to a file and assigns it. On failure,
-## returns false and sets [member problem].
+## Ensures that the scatter's state has its own file. If it has none, writes a copy of the state, or a new state, to a
+## file and assigns it. On failure, returns false and sets [member problem].
 func _find_state() -> bool:
 	_state = _state_before
 	if _state != null and not _state.resource_path.is_empty() and not "::" in _state.resource_path:

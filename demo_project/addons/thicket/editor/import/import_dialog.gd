@@ -50,7 +50,7 @@ func _init() -> void:
 	confirmed.connect(start)
 
 
-## Opens the dialog for a scatter, and offers the nodes of the scene.
+## Opens the dialog for a scatter and offers the nodes of the scene.
 func open(scatter: TerrainScatter3D, scene: Node) -> void:
 	fill(scatter, scene)
 	popup_centered()
@@ -65,9 +65,9 @@ func fill(scatter: TerrainScatter3D, scene: Node) -> void:
 	if scene != null:
 		_list(scene, scene)
 	_sources.add_separator()
-	_sources.add_item("A table (CSV)...", _nodes.size())
+	_sources.add_item("Table (CSV)...", _nodes.size())
 	_layers.clear()
-	_layers.add_item("The layer with the same mesh; a new one if there is none", 0)
+	_layers.add_item("Layer with the same mesh (created if missing)", 0)
 	_layers.set_item_metadata(0, BY_MESH)
 	var layers := scatter.layers
 	for index in layers.size():
@@ -78,13 +78,13 @@ func fill(scatter: TerrainScatter3D, scene: Node) -> void:
 	_choose_source()
 
 
-## Chooses a node from the list, for [method start].
+## Selects the node that [method start] imports.
 func choose_node(node: Node) -> void:
 	_sources.select(_nodes.find(node))
 	_choose_source()
 
 
-## Chooses a table, for [method start].
+## Selects the table that [method start] imports.
 func choose_table(path: String) -> void:
 	_table = path
 	var index := _sources.item_count - 1
@@ -93,7 +93,7 @@ func choose_table(path: String) -> void:
 	_read(ImportInstances.read_csv(path))
 
 
-## Chooses a layer by its index, or BY_MESH, for [method start].
+## Selects the layer for [method start] by its index, or BY_MESH.
 func choose_layer(layer_index: int) -> void:
 	for item in _layers.item_count:
 		if _layers.get_item_metadata(item) == layer_index:
@@ -101,7 +101,7 @@ func choose_layer(layer_index: int) -> void:
 	_say()
 
 
-## Returns the text about the import that the dialog shows.
+## Returns the text that the dialog shows about the import.
 func said() -> String:
 	return _said.text
 
@@ -164,7 +164,7 @@ func _say() -> void:
 	var problems := _reading.problems.duplicate()
 	var tables := _reading.batches.any(func(batch: ImportInstances.Batch) -> bool: return batch.mesh == null)
 	if tables and _layer() == null:
-		problems.append("A table names no mesh: choose the layer that its instances belong to.")
+		problems.append("A table does not name meshes: choose the layer for its instances.")
 	get_ok_button().disabled = _reading.size() == 0 or not problems.is_empty()
 	if not problems.is_empty():
 		_said.text = "\n".join(problems)

@@ -1,7 +1,8 @@
 @tool
 extends Resource
-## Represents several layers as one object in the inspector. It has the values of the first layer, and sets a changed value on all layers, as one undo
-## step. The class is a resource, because the editor would deselect the node for other objects.
+## Represents several layers as one object in the inspector. It has the values of the first layer and sets a changed
+## value on all layers, as one undo step. The class is a resource, because the editor would deselect the node for other
+## objects.
 
 const Names := preload("res://addons/thicket/editor/inspector/layer_names.gd")
 ## Properties that are specific to each layer, and therefore hidden.
@@ -24,7 +25,7 @@ func _get_editor_name() -> String:
 	return "%d layers" % layers.size()
 
 
-## Makes the inspector add no undo steps. This class adds them, because it has the former value of each layer.
+## Makes the inspector add no undo steps. This class adds them, because it knows the previous value of each layer.
 func _dont_undo_redo() -> bool:
 	return true
 

@@ -23,7 +23,7 @@ func press() -> void:
 	var place := SceneFiles.place_of(_object)
 	var told := PackedStringArray()
 	if place.is_empty():
-		told.append("The scene has no file yet. Save the scene first: materials go into files beside it.")
+		told.append("The scene has no file yet. Save the scene first: materials are saved next to it.")
 	elif _object is ScatterLayer:
 		told = FoliageMaterials.new(place).convert(_object as ScatterLayer, _files, EditorInterface.get_editor_undo_redo())
 	else:

@@ -1,7 +1,7 @@
 @tool
 extends HBoxContainer
-## The top of a heightmap's inspector: a small picture of the heights, their number, spacing, range and format, or the reason why they cannot
-## be read.
+## The top of a heightmap's inspector: a thumbnail of the heights, their number, spacing, range and format, or the
+## reason why they cannot be read.
 
 const REFRESH_SECONDS := 0.25
 const PICTURE_SIDE := 96.0 ## Pixels of an unscaled editor.

@@ -1,7 +1,7 @@
 @tool
 extends VBoxContainer
-## A button in a layer's inspector. It bakes an impostor of each of the layer's meshes into files next to the scene, and makes it the last
-## LOD of its mesh, as one undo step.
+## A button in a layer's inspector. It bakes an impostor of each of the layer's meshes into files next to the scene.
+## Each impostor becomes the last LOD of its mesh, as one undo step.
 
 const Job := preload("res://addons/thicket/bake_impostors.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
@@ -22,7 +22,7 @@ func _init(layer: ScatterLayer = null, files: SceneFiles = null) -> void:
 	_layer = layer
 	_files = files
 	_button.text = "Bake Impostors"
-	_button.tooltip_text = "Bakes an impostor of each mesh (pictures from all directions, drawn on two triangles) as its last LOD."
+	_button.tooltip_text = "Bakes an impostor of each mesh (views from all directions, drawn on two triangles) as its last LOD."
 	_button.pressed.connect(press)
 	add_child(_button)
 	add_child(_bar)
@@ -37,11 +37,11 @@ func _ready() -> void:
 func press() -> void:
 	if is_processing():
 		job.cancel()
-		_end(false, "Cancelled: no impostor was baked.")
+		_end(false, "Canceled: no impostor was baked.")
 		return
 	var path := SceneFiles.place_of(_layer)
 	if path.is_empty():
-		_end(false, "The scene has no file yet. Save the scene first: impostors go into files beside it.")
+		_end(false, "The scene has no file yet. Save the scene first: impostors are saved next to it.")
 	elif job.begin(_layer, path.get_base_dir(), path.get_file()) != OK:
 		_end(false, job.problem)
 	else:

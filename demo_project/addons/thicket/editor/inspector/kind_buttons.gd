@@ -11,9 +11,9 @@ const KINDS: Dictionary[String, ScatterLayer.ModelKind] = {
 	"Grass": ScatterLayer.KIND_GRASS,
 	"Rock": ScatterLayer.KIND_ROCK,
 }
-const TOOLTIP := "Sets radius, density, clumps, scale, tilt, height offset and the size for the game, so that instances stand as %s."
+const TOOLTIP := "Sets radius, density, clumps, scale, tilt, height offset and the gameplay size, as is usual for %s."
 const MEANINGS: Dictionary[String, String] = {
-	"Auto": "the names and sizes of the meshes suggest",
+	"Auto": "the kind that the names and sizes of the meshes suggest",
 	"Tree": "trees: crowns touch, trunks are nearly upright",
 	"Shrub": "shrubs: thickets with gaps between them",
 	"Grass": "grass or flowers: dense, leaning with the ground",

@@ -1,8 +1,8 @@
 @tool
 extends EditorInspectorPlugin
-## Adds controls to the inspector. References to layers can be chosen from the scatter's layers, and layers and scatters accept dropped meshes. Buttons
-## fit a layer to its meshes, split packs of models, and create foliage materials. A button above a layer's LOD fade bakes impostors. A heightmap
-## has a picture and a summary of its heights.
+## Adds controls to the inspector. References to layers can be chosen from the scatter's layers. Layers and scatters
+## accept dropped meshes. Buttons fit a layer to its meshes, split packs of models, and create foliage materials. A
+## button above a layer's LOD fade bakes impostors. A heightmap has a thumbnail and a summary of its heights.
 
 const ChosenLayers := preload("res://addons/thicket/editor/inspector/chosen_layers.gd")
 const FoliageButton := preload("res://addons/thicket/editor/inspector/foliage_button.gd")

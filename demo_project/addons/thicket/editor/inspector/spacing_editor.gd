@@ -1,7 +1,7 @@
 @tool
 extends EditorProperty
-## An inspector editor for distances to other layers. It has a row for each layer with a distance, and
-## a menu to add the other layers.
+## An inspector editor for distances to other layers. It has a row for each layer with a distance and a menu for adding
+## other layers.
 
 const Names := preload("res://addons/thicket/editor/inspector/layer_names.gd")
 ## The initial distance to an added layer, in meters.

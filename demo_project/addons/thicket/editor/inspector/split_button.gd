@@ -4,7 +4,7 @@ extends Button
 
 const NewLayers := preload("res://addons/thicket/editor/layers/new_layers.gd")
 
-## The maximum overlap of two models that count as side by side, as a share of the area of the smaller box, seen from above.
+## The maximum overlap of two models that count as side by side, as a fraction of the area of the smaller box, seen from above.
 const MOST_SHARED := 0.1
 
 static var _known: Dictionary[int, PackedStringArray] = {} ## A cache of the parts of scenes, by the instance id of the scene.
@@ -21,11 +21,11 @@ func _init(layer: ScatterLayer) -> void:
 	_parts = parts_of(_scene) if _scene != null else PackedStringArray()
 	visible = _parts.size() > 1
 	text = "Split into %d Models" % _parts.size()
-	tooltip_text = "The scene contains several models side by side: %s. Makes each model a mesh of the layer, and fits the layer to the models." % ", ".join(_parts)
+	tooltip_text = "The scene contains several models side by side: %s. Makes each model a mesh of the layer and fits the layer to the models." % ", ".join(_parts)
 	pressed.connect(func() -> void: split(_layer, _scene, _parts, EditorInterface.get_editor_undo_redo()))
 
 
-## Returns the paths of the nodes in a scene that are models side by side. Empty if the scene is a single model.
+## Returns the paths of the nodes that are separate models in a scene. Empty if the scene is a single model.
 static func parts_of(scene: PackedScene) -> PackedStringArray:
 	var id := scene.get_instance_id()
 	if not _known.has(id):
@@ -65,7 +65,7 @@ static func _find_parts(scene: PackedScene) -> PackedStringArray:
 		return found
 	var holder := root
 	var with_meshes := _children_with_meshes(root)
-	while with_meshes.size() == 1 and not with_meshes[0] is MeshInstance3D: # The models of a pack are often below one or several parent nodes.
+	while with_meshes.size() == 1 and not with_meshes[0] is MeshInstance3D: # The models of a pack are often below one or more parent nodes.
 		holder = with_meshes[0]
 		with_meshes = _children_with_meshes(holder)
 	var areas: Array[Rect2] = []

@@ -1,6 +1,6 @@
 @tool
 extends RefCounted
-## Changes a scatter's list of layers. Each change is one undo step. Layers keep their ids, and references to deleted layers are removed.
+## Changes a scatter's list of layers. Each change is one undo step. Layers keep their IDs, and references to deleted layers are removed.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 const FoliageMaterials := preload("res://addons/thicket/editor/materials/foliage_materials.gd")
@@ -10,9 +10,10 @@ const NewLayers := preload("res://addons/thicket/editor/layers/new_layers.gd")
 const Names := preload("res://addons/thicket/editor/inspector/layer_names.gd")
 
 
-## Adds a layer for each of these meshes, scenes and models, and each of these layers that is not in the list yet, at an index. If the index is -1,
-## each is inserted at a suitable position. If [param apart] is true, layers without their own files keep distances from the others. If the edited
-## scene has a file, scenes of plants get foliage materials in files next to that file. Returns the new layers.
+## Adds a layer for each of these meshes, scenes and models, and each of these layers that is not in the list yet, at an
+## index. If the index is -1, each is inserted at a suitable position. If [param apart] is true, layers without their
+## own files keep distances from the others. If the edited scene has a file, scenes of plants get foliage materials in
+## files next to that file. Returns the new layers.
 static func add(scatter: TerrainScatter3D, resources: Array[Resource], at: int, apart: bool, files: SceneFiles,
 		undo_redo: EditorUndoRedoManager) -> Array[ScatterLayer]:
 	var old := scatter.layers
@@ -41,8 +42,8 @@ static func _make_foliage(layer: ScatterLayer) -> Array[Resource]:
 	return FoliageMaterials.new(place).give(layer)
 
 
-## Returns a sentence that names the resources for which [method add] has added no layer, or an empty string if there are none.
-## [param added] is the result of [method add].
+## Returns a message that names the resources for which [method add] has not added a layer, or an empty string if there
+## are none. [param added] is the result of [method add].
 static func left_out(resources: Array[Resource], added: Array[ScatterLayer]) -> String:
 	var names := PackedStringArray()
 	for resource in resources:
@@ -57,7 +58,7 @@ static func _draws(layer: ScatterLayer, resource: Resource) -> bool:
 		return entry == resource or entry is ScatterModel and (entry as ScatterModel).scene == resource)
 
 
-## Adds copies of layers, with their own masks, after the last of the layers. Returns the copies, or an empty array on failure.
+## Adds copies of layers, with copies of their masks, after the last of the layers. Returns the copies, or an empty array on failure.
 static func copy(scatter: TerrainScatter3D, layers: Array[ScatterLayer], apart: bool, files: SceneFiles, scene_path: String,
 		undo_redo: EditorUndoRedoManager) -> Array[ScatterLayer]:
 	var old := scatter.layers
@@ -84,7 +85,7 @@ static func copy(scatter: TerrainScatter3D, layers: Array[ScatterLayer], apart: 
 	return result
 
 
-## Removes layers. Returns the consequences for other layers and regions, as sentences.
+## Removes layers. Returns messages about the effects on other layers and regions.
 static func remove(scatter: TerrainScatter3D, layers: Array[ScatterLayer], undo_redo: EditorUndoRedoManager) -> PackedStringArray:
 	var new: Array[ScatterLayer] = scatter.layers.filter(func(layer: ScatterLayer) -> bool: return not layer in layers)
 	return _commit("Delete Layers", scatter, new, undo_redo)
@@ -105,7 +106,7 @@ static func move(scatter: TerrainScatter3D, layers: Array[ScatterLayer], to: int
 	return true
 
 
-## Renames a layer. A number is added to the name if a different layer has it. References by name are updated automatically.
+## Renames a layer. A number is added to the name if another layer has it. References by name are updated automatically.
 static func rename(scatter: TerrainScatter3D, layer: ScatterLayer, name: String, undo_redo: EditorUndoRedoManager) -> void:
 	var others: Array[ScatterLayer] = ScatterLayers.of(scatter).filter(func(other: ScatterLayer) -> bool: return other != layer)
 	var free := Copies.free_name(name.strip_edges(), Copies.names(others))
@@ -117,7 +118,7 @@ static func rename(scatter: TerrainScatter3D, layer: ScatterLayer, name: String,
 	undo_redo.commit_action()
 
 
-## Sets the scatter's list of layers, and removes references to layers that are no longer in it. Returns the references that were removed, as sentences.
+## Sets the scatter's list of layers and removes references to layers that are no longer in it. Returns a message for each removed reference.
 static func _commit(title: String, scatter: TerrainScatter3D, new: Array[ScatterLayer], undo_redo: EditorUndoRedoManager,
 		more := Callable()) -> PackedStringArray:
 	var old := scatter.layers
@@ -130,7 +131,7 @@ static func _commit(title: String, scatter: TerrainScatter3D, new: Array[Scatter
 		if layer != null and layer in old:
 			_follow_in_layer(layer, old, new, told, undo_redo)
 		elif layer != null and Copies.is_file(layer) and layer.layer_id == -1:
-			# The layer gets an id when it is added to the list, and its file must store the id. Because of this method call on the layer, the
+			# The layer gets an ID when it is added to the list, and its file must store the ID. Because of this method call on the layer, the
 			# editor saves that file together with the scene.
 			undo_redo.add_do_method(layer, &"get_layer_id")
 			undo_redo.add_undo_property(layer, &"layer_id", -1)
@@ -176,7 +177,7 @@ static func _follow_in_region(region: ScatterRegion3D, old: Array[ScatterLayer],
 	if followed.is_empty() and not mentioned.is_empty(): # An empty list would mean all layers.
 		r_told.append("%s no longer applies to any layer." % region.name)
 	elif followed.size() < mentioned.size():
-		r_told.append("%s applies to one layer less." % region.name)
+		r_told.append("%s applies to one layer fewer." % region.name)
 		_change(region, &"layers", mentioned, followed, undo_redo)
 	else:
 		_change(region, &"layers", mentioned, followed, undo_redo)
@@ -188,7 +189,7 @@ static func _change(object: Object, property: StringName, before: Variant, after
 		undo_redo.add_undo_property(object, property, before)
 
 
-## Returns the new value of a reference to a layer: null if the layer was in the old list and is not in the new one. An invalid reference is returned
+## Returns the new value of a reference to a layer: null if the layer was in the old list but is not in the new one. An invalid reference is returned
 ## unchanged.
 static func _next(mentioned: Variant, old: Array[ScatterLayer], new: Array[ScatterLayer]) -> Variant:
 	var layer := _meant(mentioned, old)

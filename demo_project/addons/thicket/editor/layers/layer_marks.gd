@@ -42,7 +42,7 @@ func put(layer: ScatterLayer, name: StringName, value: Variant) -> void:
 func put_undoable(layers: Array[ScatterLayer], name: StringName, value: Variant, scatter: TerrainScatter3D,
 		undo_redo: EditorUndoRedoManager) -> void:
 	var action: Array = ["Mark Layers", UndoRedo.MERGE_DISABLE, scatter, false]
-	if undo_redo.get_method_argument_count(&"create_action") > action.size(): # Since Godot 4.5, the last argument says whether the action marks the scene as unsaved.
+	if undo_redo.get_method_argument_count(&"create_action") > action.size(): # Since Godot 4.5, the last argument specifies whether the action marks the scene as unsaved.
 		action.append(false)
 	undo_redo.create_action.callv(action)
 	for layer in layers:

@@ -1,17 +1,17 @@
 @tool
 extends RefCounted
-## Requests preview pictures of layers, like those in the FileSystem dock.
+## Requests thumbnails of layers, like those in the FileSystem dock.
 
 const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
 
-## Emitted when a picture of a layer is ready.
+## Emitted when the thumbnail of a layer is ready.
 signal made(layer: ScatterLayer, picture: Texture2D)
 
 var _asked: Dictionary[int, int] = {} ## A hash of the resource whose picture was last requested, by the layer's instance id.
 
 
-## Requests a picture of the first mesh, scene or model of a layer, unless this layer's last request was for the same
-## resource. [signal made] is emitted later, unless there is no picture.
+## Requests a thumbnail of the first mesh, scene or model of a layer, unless this layer's last request was for the same
+## resource. [signal made] is emitted later, unless there is no thumbnail.
 func ask(scatter: TerrainScatter3D, layer: ScatterLayer) -> void:
 	var first: Resource = null
 	for mesh: Resource in layer.meshes:
@@ -36,7 +36,7 @@ func _on_preview(_path: String, preview: Texture2D, small: Texture2D, about: Arr
 		_ask_for_drawn(about[1], layer)
 
 
-## Requests a picture of the mesh that is drawn for a scene, because a scene that was never saved in this editor has no picture.
+## Requests a thumbnail of the mesh that is drawn for a scene, because a scene that was never saved in this editor has no thumbnail.
 func _ask_for_drawn(scatter: TerrainScatter3D, layer: ScatterLayer) -> void:
 	if not layer in ScatterLayers.of(scatter):
 		return

@@ -105,11 +105,11 @@ func _on_node_added(node: Node) -> void:
 		_appeared.append(node as TerrainScatter3D)
 
 
-## Shows a toast if a scene was dropped on the scatter's node. The editor adds such a scene as a child, but most often the user wants a layer.
+## Shows a toast if a scene was dropped on the scatter's node. The editor adds such a scene as a child, but the user most likely wants a layer.
 func _tell_of_dropped_scene(node: Node) -> void:
 	if node.get_parent() is TerrainScatter3D and not node.scene_file_path.is_empty() and _is_in_open_scene(node):
 		EditorInterface.get_editor_toaster().push_toast(
-				"%s is a node below %s now. To scatter it, undo and drop its file onto the list in the Scatter panel." % [node.name, node.get_parent().name],
+				"%s is now a node below %s. To scatter it, undo and drop its file onto the list in the Scatter panel." % [node.name, node.get_parent().name],
 				EditorToaster.SEVERITY_WARNING)
 
 

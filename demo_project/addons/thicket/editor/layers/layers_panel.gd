@@ -1,7 +1,7 @@
 @tool
 extends VBoxContainer
-## The panel with the layers of the selected scatter. It shows their names and numbers of visible instances, and has all commands for them.
-## Tools work on the layers that are chosen here.
+## The panel with the layers of the selected scatter. It shows their names and numbers of visible instances and has all
+## commands for them. Tools work on the layers that are selected here.
 
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
 const ChosenLayers := preload("res://addons/thicket/editor/inspector/chosen_layers.gd")
@@ -19,7 +19,7 @@ const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 const Shared := preload("res://addons/thicket/editor/layers/shared_layers.gd")
 const Steps := preload("res://addons/thicket/editor/layers/preview_steps.gd")
 
-## Emitted when the user has chosen layers for tools. The first one is the main layer.
+## Emitted when the user has selected layers for tools. The first one is the main layer.
 signal layers_chosen(layers: Array[ScatterLayer])
 signal preset_chosen(name: String)
 ## Emitted when layers are about to be added.
@@ -102,7 +102,7 @@ func set_scatter(scatter: TerrainScatter3D) -> void:
 ## Selects the rows of layers. Does not emit [signal layers_chosen].
 func choose(layers: Array[ScatterLayer]) -> void:
 	var chosen := tree.chosen_layers()
-	if layers.size() != chosen.size() or not layers.all(chosen.has): # A different order alone changes nothing, so the last clicked row stays current.
+	if layers.size() != chosen.size() or not layers.all(chosen.has): # If only the order differs, the selection is kept, so the last clicked row stays current.
 		tree.choose(layers)
 	_enable()
 
@@ -119,7 +119,7 @@ func look() -> void:
 		tree.show_layers(layers, biomes)
 		_enable()
 	_empty.text = "" if not layers.is_empty() else "Drop meshes, scenes or layers here to add a layer for each." if _scatter != null else (
-			"Select a scatter to see its layers, or make a new one.")
+			"Select a scatter to see its layers, or create a new one.")
 	if not is_visible_in_tree():
 		return
 	notes.look(_scatter)
@@ -134,8 +134,8 @@ func look() -> void:
 	_total.text = "%s visible" % NumberText.grouped(total)
 
 
-## Adds a layer for each of these resources that can be drawn, at an index, and chooses the new layers. If the index is -1, each is inserted at
-## a suitable position.
+## Adds a layer for each of these resources that can be drawn, at an index, and selects the new layers. If the index is
+## -1, each is inserted at a suitable position.
 func add(resources: Array[Resource], at := -1) -> void:
 	if not is_instance_valid(_scatter):
 		return
@@ -152,7 +152,7 @@ func keeps_apart() -> bool:
 	return _apart.button_pressed
 
 
-## Adds copies of the chosen layers, except for layers of biomes.
+## Adds copies of the selected layers, except for layers of biomes.
 func duplicate_chosen() -> void:
 	var chosen := _own_chosen()
 	if chosen.is_empty():
@@ -164,7 +164,7 @@ func duplicate_chosen() -> void:
 		_choose_new(copies)
 
 
-## Deletes the chosen layers, except for layers of biomes.
+## Deletes the selected layers, except for layers of biomes.
 func remove_chosen() -> void:
 	var chosen := _own_chosen()
 	if chosen.is_empty():
@@ -182,11 +182,12 @@ func remove_chosen() -> void:
 		_choose_new([left[clampi(at, 0, left.size() - 1)]] as Array[ScatterLayer])
 
 
-## Adds a scatter to the edited scene, and selects it. The scatter gets an unused seed, and the ground of the scene's first scatter, if any.
+## Adds a scatter to the edited scene and selects it. The scatter gets an unused seed and the ground of the scene's
+## first scatter, if any.
 func add_scatter() -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	if root == null:
-		_tell("No scene is open to add a scatter to. Open a 3D scene first, or add a root node to the empty one.")
+		_tell("No scene is open to which a scatter can be added. Open a 3D scene, or add a root node to the empty one.")
 		return
 	var scatter := TerrainScatter3D.new()
 	scatter.name = "Scatter"
@@ -221,11 +222,11 @@ func _make_head() -> void:
 		popup.add_item(Presets.NAMES[index].capitalize(), Add.FIRST_PRESET + index)
 	popup.id_pressed.connect(_on_add)
 	head.add_child(_add)
-	_copy = _button(head, "Duplicate", &"Duplicate", "Duplicate the chosen layers (Ctrl+D).", duplicate_chosen)
-	_remove = _button(head, "Delete", &"Remove", "Delete the chosen layers (Delete).", remove_chosen)
+	_copy = _button(head, "Duplicate", &"Duplicate", "Duplicate the selected layers (Ctrl+D).", duplicate_chosen)
+	_remove = _button(head, "Delete", &"Remove", "Delete the selected layers (Delete).", remove_chosen)
 	_apart.text = "Keep apart"
 	_apart.button_pressed = true
-	_apart.tooltip_text = "New layers keep a distance to the other layers, calculated from their sizes (ScatterLayer.spacing)."
+	_apart.tooltip_text = "New layers keep a distance from the other layers, calculated from their sizes (ScatterLayer.spacing)."
 	head.add_child(_apart)
 	head.add_spacer(false)
 	head.add_child(_total)
@@ -250,7 +251,7 @@ func _enable() -> void:
 	_remove.disabled = none
 
 
-## Returns the chosen layers, except for layers of biomes. A biome adds and removes its layers itself, and other scatters may share it.
+## Returns the selected layers, except for layers of biomes. A biome adds and removes its layers itself, and other scatters may share it.
 func _own_chosen() -> Array[ScatterLayer]:
 	var result: Array[ScatterLayer] = []
 	if is_instance_valid(_scatter):
@@ -267,7 +268,7 @@ func _show_count(layer: ScatterLayer) -> int:
 		text = "hidden in the editor"
 	elif watch != null:
 		text += " of ~" + PreviewBar.about(watch.estimate())
-		note = "The view shows less than the game: see below the view."
+		note = "The view shows fewer instances than the game. See the bar below the view."
 	tree.show_count(layer, text, note)
 	return count
 
@@ -314,10 +315,10 @@ func _on_file(path: String) -> void:
 	if resource != null:
 		add([resource] as Array[Resource])
 	elif not path.is_empty():
-		_tell("%s cannot be loaded; the Output panel has the reason." % path)
+		_tell("%s cannot be loaded. See the Output panel for details." % path)
 
 
-## Applies a mark to all chosen layers if the clicked layer is one of them, and otherwise only to the clicked layer.
+## Applies a mark to all selected layers if the clicked layer is one of them, otherwise only to the clicked layer.
 func _on_mark(layer: ScatterLayer, mark: StringName) -> void:
 	var layers := tree.chosen_layers()
 	if not layer in layers:

@@ -1,13 +1,13 @@
 @tool
 extends Tree
-## Shows the layers of a scatter as rows with a picture, the name, the number of visible instances, and marks. Actions of the user only emit signals,
-## which other objects handle.
+## Shows the layers of a scatter as rows with a thumbnail, the name, the number of visible instances, and marks. User
+## actions only emit signals, which other objects handle.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 const Marks := preload("res://addons/thicket/editor/layers/layer_marks.gd")
 const MeshDrop := preload("res://addons/thicket/editor/layers/mesh_drop.gd")
 
-## Emitted when the user has chosen rows. The layer that was clicked last comes first, if it is chosen.
+## Emitted when the user has selected rows. The layer that was clicked last comes first, if it is selected.
 signal layers_chosen(layers: Array[ScatterLayer])
 signal layer_renamed(layer: ScatterLayer, name: String)
 ## Emitted when layers were dragged in front of the layer at the index [param to], or to the end if there is no such layer.
@@ -21,7 +21,7 @@ signal mark_pressed(layer: ScatterLayer, mark: StringName)
 enum Column { NAME, COUNT, MARKS }
 const MARKS: Array[StringName] = [Marks.COLOR, Marks.LOCKED, Marks.HIDDEN]
 const DRAGGED := "scatter_layers"
-## Sizes in pixels of an unscaled editor.
+## Sizes in pixels at an editor scale of 1.
 const PICTURE := 26.0
 const COUNT_WIDTH := 170.0
 const MARKS_WIDTH := 100.0
@@ -56,8 +56,8 @@ func _init() -> void:
 	button_clicked.connect(_on_button)
 
 
-## Shows the layers of a scatter. Layers of a biome are below the name of the biome. Layers that were shown before keep their pictures, and
-## chosen layers stay chosen.
+## Shows the layers of a scatter. Layers of a biome are below the name of the biome. Layers that were shown before keep their thumbnails, and
+## selected layers stay selected.
 func show_layers(layers: Array[ScatterLayer], biomes: PackedStringArray) -> void:
 	var chosen := chosen_layers()
 	_layers = layers.duplicate()
@@ -171,7 +171,7 @@ func _add_row(parent: TreeItem, layer: ScatterLayer) -> void:
 	row.set_editable(Column.NAME, true)
 	var side := roundi(PICTURE * EditorInterface.get_editor_scale())
 	row.set_icon_max_width(Column.NAME, side)
-	row.custom_minimum_height = side # Without this, rows would move under the mouse when pictures arrive.
+	row.custom_minimum_height = side # Without this, rows would move under the mouse when thumbnails arrive.
 	row.set_icon(Column.NAME, _pictures.get(layer.get_instance_id(), get_theme_icon(&"MeshInstance3D", &"EditorIcons")))
 	row.set_text_alignment(Column.COUNT, HORIZONTAL_ALIGNMENT_RIGHT)
 	for column: int in [Column.COUNT, Column.MARKS]:
@@ -188,12 +188,12 @@ func _show_marks(row: TreeItem) -> void:
 	var locked := marks.is_locked(layer)
 	row.set_button(Column.MARKS, 0, get_theme_icon(&"GuiGraphNodePort" if color.a > 0.0 else &"ColorPick", &"EditorIcons"))
 	row.set_button_color(Column.MARKS, 0, color if color.a > 0.0 else Color(1.0, 1.0, 1.0, 0.5))
-	row.set_button_tooltip_text(Column.MARKS, 0, "Mark with a color, in the editor only.")
+	row.set_button_tooltip_text(Column.MARKS, 0, "Mark with a color in the editor only.")
 	row.set_button(Column.MARKS, 1, get_theme_icon(&"Lock" if locked else &"Unlock", &"EditorIcons"))
 	row.set_button_color(Column.MARKS, 1, Color(1.0, 1.0, 1.0, 1.0 if locked else 0.5))
-	row.set_button_tooltip_text(Column.MARKS, 1, "Locked: tools do not change it." if locked else "Lock it against tools.")
+	row.set_button_tooltip_text(Column.MARKS, 1, "Locked: tools do not change the layer." if locked else "Lock: prevent tools from changing the layer.")
 	row.set_button(Column.MARKS, 2, get_theme_icon(&"GuiVisibilityHidden" if hidden else &"GuiVisibilityVisible", &"EditorIcons"))
-	row.set_button_tooltip_text(Column.MARKS, 2, "Hidden in the editor; the game shows it." if hidden else "Hide in the editor only.")
+	row.set_button_tooltip_text(Column.MARKS, 2, "Hidden in the editor, but visible in the game." if hidden else "Hide in the editor only.")
 	for column in columns:
 		if color.a > 0.0:
 			row.set_custom_bg_color(column, Color(color, 0.15))
@@ -266,7 +266,7 @@ func _is_own(row: TreeItem) -> bool:
 	return row.get_parent() == get_root() and row.get_metadata(Column.NAME) != null
 
 
-## Returns the index in the scatter's list at which dropped layers are inserted, or -1 if the position is on none of the list's rows.
+## Returns the index in the scatter's list at which dropped layers are inserted, or -1 if the position is not on a row of the list.
 func _place_at(at: Vector2) -> int:
 	var row := get_item_at_position(at)
 	if row == null or not _is_own(row):

@@ -33,8 +33,9 @@ func _drop_data(_at: Vector2, data: Variant) -> void:
 	add(_object, taken(data), _files, EditorInterface.get_editor_undo_redo())
 
 
-## Adds the dropped resources to a layer or a scatter, as one undo step. A scatter leaves out those that cannot be drawn; a layer adds none if it rejects
-## one of them. A toast names the resources that were not added. A layer that had no meshes also gets the properties that fit them.
+## Adds the dropped resources to a layer or a scatter, as one undo step. A scatter leaves out those that cannot be
+## drawn; a layer adds none if it rejects one of them. A toast names the resources that were not added. A layer that had
+## no meshes also gets the properties that fit them.
 static func add(object: Object, dropped: Array[Resource], files: SceneFiles, undo_redo: EditorUndoRedoManager) -> void:
 	if object is ScatterLayer:
 		_add_to_layer(object as ScatterLayer, dropped, undo_redo)
@@ -56,7 +57,7 @@ static func taken(data: Variant, with_layers := false) -> Array[Resource]:
 	for path in _paths(data, with_layers):
 		result.append(load(path))
 		if result[-1] == null:
-			_tell("%s cannot be loaded; the Output panel has the reason." % path)
+			_tell("%s cannot be loaded. See the Output panel for details." % path)
 	return result.filter(func(resource: Resource) -> bool: return resource != null)
 
 
@@ -80,7 +81,7 @@ static func _add_to_layer(layer: ScatterLayer, dropped: Array[Resource], undo_re
 	undo_redo.commit_action()
 
 
-## Returns the paths of the dragged files if all of them can be drawn, and otherwise an empty array.
+## Returns the paths of the dragged files if all of them can be drawn, otherwise an empty array.
 static func _paths(data: Variant, with_layers: bool) -> PackedStringArray:
 	if not data is Dictionary or (data as Dictionary).get("type") != "files":
 		return []

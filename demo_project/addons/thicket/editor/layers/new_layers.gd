@@ -1,12 +1,12 @@
 @tool
 extends RefCounted
-## Creates layers for meshes, scenes and models. The layers are named after their files, have settings that suit the size and the kind of the mesh,
-## and keep distances from each other.
+## Creates layers for meshes, scenes and models. The layers are named after their files, have settings that suit the
+## size and the kind of the mesh, and keep distances from each other.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 
 ## The view distance of a layer is its radius times [constant VIEW], limited to [constant VIEW_RANGE] in meters. [constant TILE] and
-## [constant TILE_RANGE] define the side of its tiles in the same way, but the side is rounded to a power of two.
+## [constant TILE_RANGE] define its tile size in the same way, but the tile size is rounded to a power of two.
 const VIEW := 100.0
 const VIEW_RANGE := Vector2(10.0, 600.0)
 const TILE := 30.0
@@ -15,14 +15,15 @@ const TILE_RANGE := Vector2(8.0, 128.0)
 ## [constant TRUNK] times the earlier radius.
 const UNDERGROWTH := 0.35
 const TRUNK := 0.2
-## The largest distance to an earlier layer of full density, as a part of that layer's radius. At a larger distance, hardly any instance would remain,
-## because no position is farther than its radius from one of its instances. A lower density of the earlier layer allows a larger distance.
+## The largest distance to an earlier layer of full density, as a fraction of that layer's radius. At a larger distance,
+## hardly any instance would remain, because no position is farther than its radius from one of its instances. A lower
+## density of the earlier layer allows a larger distance.
 const ROOM := 0.62
 ## The steepest slope in degrees on which new layers on surfaces grow. Walls would otherwise be as densely covered as floors.
 const STEEPEST := 60.0
 
 
-## Creates a layer with these meshes, and with settings that fit their sizes. Returns null if there is nothing to draw, or if the layer
+## Creates a layer with these meshes and with settings that fit their sizes. Returns null if there is nothing to draw, or if the layer
 ## rejects one of the meshes.
 static func of_meshes(meshes: Array, kind := ScatterLayer.KIND_AUTOMATIC) -> ScatterLayer:
 	var layer := ScatterLayer.new()
@@ -140,8 +141,8 @@ static func _fit_view(layer: ScatterLayer) -> void:
 	layer.tile_size = pow(2.0, roundf(log(clampf(radius * TILE, TILE_RANGE.x, TILE_RANGE.y)) / log(2.0)))
 
 
-## Lowers the densities of layers with similar radii, so that the layers share the ground. The first layer keeps its share, the second layer gets its
-## share of the rest, and so on.
+## Lowers the densities of layers with similar radii, so that the layers share the ground. The first layer keeps its
+## proportion, the second layer gets its proportion of the rest, and so on.
 static func _share_ground(layers: Array[ScatterLayer]) -> void:
 	for index in layers.size():
 		var rest := 1

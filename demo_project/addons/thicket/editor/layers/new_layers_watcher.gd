@@ -1,16 +1,17 @@
 @tool
 extends RefCounted
-## Watches added layers until their instances are placed. Then reports new layers that have no instances or little room, and older layers that have
-## lost instances to the new ones.
+## Watches added layers until their instances are placed. Then reports new layers that have no instances or little room,
+## and older layers that have lost instances to the new ones.
 
 const GroundRay := preload("res://addons/thicket/ground_ray.gd")
 
-## A new layer has little room if at least the share [constant CROWDED] of its points is too close to other layers. The share is measured at
-## [constant POSITIONS] positions, within [constant RADII] times the layer's radius around the point in the center of the view.
+## A new layer has little room if at least the fraction [constant CROWDED] of its points is too close to other layers.
+## The fraction is measured at [constant POSITIONS] positions, within [constant RADII] times the layer's radius around
+## the point in the center of the view.
 const CROWDED := 0.5
 const POSITIONS := 60
 const RADII := 15.0
-## An older layer is reported if less than the share [constant KEPT] of its instances is left, and if it had at least [constant FEW].
+## An older layer is reported if it had at least [constant FEW] instances and less than the fraction [constant KEPT] of them is left.
 const KEPT := 0.7
 const FEW := 20
 
@@ -31,8 +32,8 @@ func note(scatter: TerrainScatter3D) -> void:
 			_before[layer] = scatter.get_shown_count(layer)
 
 
-## Watches the layers that were added since [method note]. The layers of a preset are crowded on purpose, so if [param is_preset] is true, little room is
-## reported only if the scatter had layers before.
+## Watches the layers that were added since the last call to [method note]. The layers of a preset are crowded on
+## purpose, so if [param is_preset] is true, little room is reported only if the scatter had layers before.
 func watch(is_preset := false) -> void:
 	_tells_room = not is_preset or not _before.is_empty()
 	_missing.clear()
@@ -40,7 +41,7 @@ func watch(is_preset := false) -> void:
 	_fresh = _scatter.layers.filter(func(layer: ScatterLayer) -> bool: return layer != null and not _before.has(layer))
 
 
-## Returns true until all new layers were checked.
+## Returns true until all new layers have been checked.
 func is_watching() -> bool:
 	return not _fresh.is_empty()
 
@@ -73,20 +74,19 @@ func _tell_all() -> void:
 	if not missing.is_empty():
 		_tell(_why(missing))
 	var sentences := _sentences + _losses(_scatter.layers)
-	if not sentences.is_empty(): # All sentences share one toast, because several toasts would cover the panel.
-		_tell(" ".join(sentences), "More instances fit if distances in Spacing, or the densities of the other layers, are lower.")
+	if not sentences.is_empty(): # All messages share one toast, because several toasts would cover the panel.
+		_tell(" ".join(sentences), "For more instances, lower the distances in Spacing or the densities of the other layers.")
 
 
-## Returns a sentence for each layer that explains why it has no instance at the center of the
-## view.
+## For each layer, returns a message that explains why it has no instance at the center of the view.
 func _why(missing: Array[ScatterLayer]) -> String:
 	var sentences := PackedStringArray()
 	for explanation in _scatter.explain_position(_looked_at(), missing):
 		sentences.append("%s: %s" % [explanation.layer_name, explanation.reason])
-	return "No instance is visible here of " + " ".join(sentences)
+	return "No instances are visible here of " + " ".join(sentences)
 
 
-## Returns a sentence if at least half of a layer's points are too close to other layers. Otherwise returns an empty array.
+## Returns a message if at least half of a layer's points are too close to other layers. Otherwise, returns an empty array.
 func _crowding(layer: ScatterLayer) -> PackedStringArray:
 	if layer.spacing.is_empty():
 		return []
@@ -106,7 +106,7 @@ func _crowding(layer: ScatterLayer) -> PackedStringArray:
 	return ["%s: %d %% of its points are too close to other layers." % [layer.resource_name, roundi(100.0 * refused / counted)]]
 
 
-## Returns a sentence for each older layer that has lost many instances.
+## Returns a message for each older layer that has lost many instances.
 func _losses(layers: Array[ScatterLayer]) -> PackedStringArray:
 	var parts := PackedStringArray()
 	for layer in _before:

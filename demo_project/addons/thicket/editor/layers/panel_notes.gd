@@ -1,7 +1,7 @@
 @tool
 extends VBoxContainer
-## Notes about problems of a scatter, one per row, with a button that fixes the problem. The scatter may have no ground, share resources by accident,
-## or be in a scene that would be gray in the game.
+## Notes about problems of a scatter, one per row, with a button that fixes the problem. The scatter may have no ground,
+## share resources by accident, or be in a scene that would be gray in the game.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
@@ -33,10 +33,10 @@ func _init(undo_redo: EditorUndoRedoManager, files: SceneFiles) -> void:
 	_undo_redo = undo_redo
 	_files = files
 	_ground = _row(&"NodeWarning")
-	_label(_ground).text = "The scatter has no ground, so nothing is placed."
+	_label(_ground).text = "The scatter has no ground, so no instances are placed."
 	var choose := Button.new()
 	choose.text = "Use as Ground..."
-	choose.tooltip_text = "Choose a mesh or a static body of the scene. Other grounds are in the inspector, under Ground."
+	choose.tooltip_text = "Choose a mesh or a static body of the scene. For other kinds of ground, use the Ground property in the inspector."
 	choose.pressed.connect(ground_wanted.emit)
 	_ground.add_child(choose)
 	_sharing = _row(&"NodeWarning")
@@ -52,7 +52,7 @@ func _init(undo_redo: EditorUndoRedoManager, files: SceneFiles) -> void:
 	_gray.add_child(surround)
 	var accept := Button.new()
 	accept.text = "Not Here"
-	accept.tooltip_text = "Hides this note. Use it if a different scene contains these parts."
+	accept.tooltip_text = "Hides this note. Use it if another scene contains these parts."
 	accept.pressed.connect(_accept_gray)
 	_gray.add_child(accept)
 	add_child(dialog)
@@ -80,8 +80,8 @@ func note_on(layer: ScatterLayer) -> String:
 	if _shared == null:
 		return ""
 	if layer in _shared.files:
-		return "A different scatter also uses the file %s: changes apply to both." % layer.resource_path.get_file()
-	return "A different scatter also has this layer: changes apply to both. Press Make Unique to copy it." if layer in _shared.layers else ""
+		return "Another scatter also uses the file %s: changes apply to both." % layer.resource_path.get_file()
+	return "Another scatter also has this layer: changes apply to both. Press Make Unique to copy it." if layer in _shared.layers else ""
 
 
 ## Opens the dialog.

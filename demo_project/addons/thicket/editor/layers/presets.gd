@@ -15,7 +15,7 @@ static func open(name: String) -> TerrainScatter3D:
 	var scene := load(path) as PackedScene if ResourceLoader.exists(path, "PackedScene") else null
 	var source := scene.instantiate() as TerrainScatter3D if scene != null else null
 	if source == null:
-		push_error("The preset %s cannot be loaded from %s: it must be a scene whose root is a TerrainScatter3D. Presets are: %s. Install all files of the add-on again." % [
+		push_error("The preset %s cannot be loaded from %s: it must be a scene whose root is a TerrainScatter3D. The presets are: %s. Install all files of the add-on again." % [
 			name, path, ", ".join(NAMES)])
 	return source
 
@@ -47,7 +47,7 @@ static func _copied(source: TerrainScatter3D, taken: PackedStringArray) -> Array
 	var copies: Dictionary[Resource, Resource] = {}
 	for layer in source.layers:
 		var copy := Copies.of(layer, copies)
-		copy.layer_id = -1 # The scatter to which the layer is added assigns an id.
+		copy.layer_id = -1 # The scatter to which the layer is added assigns an ID.
 		result.append(copy)
 	_rename(result, taken)
 	return result

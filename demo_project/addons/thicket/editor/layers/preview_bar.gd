@@ -1,7 +1,7 @@
 @tool
 extends PanelContainer
-## The bar below the 3D view. It asks for confirmation before many more instances are shown, and shows a note while
-## the view shows fewer instances than the game.
+## The bar below the 3D view. It asks for confirmation before many more instances are shown, and shows a note while the
+## view shows fewer instances than the game.
 
 const NumberText := preload("res://addons/thicket/number_text.gd")
 const Steps := preload("res://addons/thicket/editor/layers/preview_steps.gd")
@@ -26,7 +26,7 @@ func _init(told: Steps) -> void:
 	_sentence.text_overrun_behavior = TextServer.OVERRUN_TRIM_ELLIPSIS
 	_sentence.mouse_filter = Control.MOUSE_FILTER_PASS
 	row.add_child(_sentence)
-	_show.tooltip_text = "Increase the view in steps until it shows all instances; Stop interrupts it."
+	_show.tooltip_text = "Show more instances in steps until all are visible. Press Stop to interrupt."
 	_show.pressed.connect(_on_show)
 	row.add_child(_show)
 	_keep.tooltip_text = "Only the view is limited: the layer has its new values, and the game shows all instances."

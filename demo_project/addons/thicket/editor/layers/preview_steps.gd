@@ -11,7 +11,7 @@ signal told
 
 enum State { ASKING, KEPT, GROWING }
 
-## The user must confirm an increase by more than this factor if it leads to more than [constant FEW] instances.
+## The user must confirm an increase by more than this factor if it results in more than [constant FEW] instances.
 const MANY := 10.0
 const FEW := 50000.0
 ## The largest factor from one step to the next.
@@ -44,7 +44,7 @@ class Watch:
 	static func density_of(values: Array[float]) -> float:
 		return values[1] * pow(values[2] / values[0], 2.0)
 
-	## Shows the layer in the view with these values, or with its own if [param values] is empty.
+	## Shows the layer in the view with these values, or with the layer's values if [param values] is empty.
 	func show(values: Array[float]) -> void:
 		var stand_in: ScatterLayer = null
 		if not values.is_empty():
@@ -59,7 +59,7 @@ class Watch:
 var _watches: Array[Watch] = []
 
 
-## Returns the layers that the view does not show with their own values. Layers that wait for a confirmation come first.
+## Returns the layers that the view shows with other values than their own. Layers that wait for a confirmation come first.
 func held() -> Array[Watch]:
 	var result := _watches.filter(func(watch: Watch) -> bool: return watch.held)
 	result.sort_custom(func(a: Watch, b: Watch) -> bool: return a.state < b.state)
@@ -89,7 +89,7 @@ func look(scatter: TerrainScatter3D) -> void:
 			_settled(watch)
 
 
-## Increases the number of instances in the view, in steps, until all of them are shown.
+## Increases the number of instances in the view in steps until all of them are shown.
 func grow(watch: Watch) -> void:
 	watch.state = State.GROWING
 	_step(watch)
@@ -101,7 +101,7 @@ func keep(watch: Watch) -> void:
 	told.emit()
 
 
-## Shows all layers with their own values, and stops watching them.
+## Shows all layers with their own values and stops watching them.
 func clear() -> void:
 	for watch: Watch in _watches.duplicate():
 		_forget(watch)
@@ -127,7 +127,7 @@ func _forget(watch: Watch) -> void:
 		told.emit()
 
 
-## Keeps the view as it was, if a change needs a confirmation. Called before the node processes the change, so that it does not generate the new
+## Leaves the view unchanged if a change needs confirmation. Called before the node processes the change, so that it does not generate the new
 ## instances.
 func _on_changed(watch: Watch) -> void:
 	if not is_instance_valid(watch.scatter):
@@ -157,7 +157,7 @@ func _settled(watch: Watch) -> void:
 		watch.count = watch.scatter.get_shown_count(watch.layer)
 
 
-## Takes the next step towards the layer's values; the last step shows the layer itself.
+## Takes the next step toward the layer's values. The last step shows the layer itself.
 func _step(watch: Watch) -> void:
 	var wanted := watch.numbers()
 	var times := Watch.density_of(wanted) / maxf(Watch.density_of(watch.shown), 1e-9)

@@ -1,22 +1,23 @@
 @tool
 extends RefCounted
-## Finds resources that a scatter shares by accident with other scatters, and makes them unique. A duplicated or pasted scatter shares its layers,
-## masks, state and seed with the original. Layers that were saved as files are shared on purpose.
+## Finds resources that a scatter shares by accident with other scatters, and makes them unique. A duplicated or pasted
+## scatter shares its layers, masks, state and seed with the original. Layers that were saved as files are shared on
+## purpose.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
 ## The resources that a scatter shares.
 class Shared:
-	## Layers without their own files that also belong to a different scatter.
+	## Layers without their own files that also belong to another scatter.
 	var layers: Array[ScatterLayer] = []
-	## Layers with their own files that also belong to a different scatter of an open scene.
+	## Layers with their own files that also belong to another scatter of an open scene.
 	var files: Array[ScatterLayer] = []
-	## The files of masks that a different scatter or scene also uses.
+	## The files of masks that another scatter or scene also uses.
 	var masks := PackedStringArray()
-	## True if a different scatter uses the same state.
+	## True if another scatter uses the same state.
 	var state := false
-	## True if that state contains a designer's changes, and not those of a game.
+	## True if that state contains a designer's changes, not those of a game.
 	var by_hand := false
 	## True if the seed is the same, so that the same layers have the same instances.
 	var seed := false
@@ -27,7 +28,7 @@ class Shared:
 	func is_by_accident() -> bool:
 		return not layers.is_empty() or not masks.is_empty() or by_hand
 
-	## Returns a sentence that describes the sharing.
+	## Returns a message that describes the sharing.
 	func tell(name: String) -> String:
 		var parts := PackedStringArray()
 		if not layers.is_empty():
@@ -43,7 +44,7 @@ class Shared:
 		return "%s shares %s with %s%s." % [name, what, ", ".join(others), follows]
 
 
-## Finds the resources that a scatter shares with other scatters of the open scenes, and with scenes whose masks or states it uses.
+## Finds the resources that a scatter shares with other scatters in the open scenes and with scenes whose masks or states it uses.
 static func find(scatter: TerrainScatter3D) -> Shared:
 	var result := Shared.new()
 	var own: Array[ScatterLayer] = scatter.layers.filter(func(layer: ScatterLayer) -> bool: return layer != null)
@@ -93,8 +94,9 @@ static func scatters_of(root: Node) -> Array[TerrainScatter3D]:
 	return result
 
 
-## Creates separate layers, masks and a separate state for a scatter, as one undo step. Sets an unused seed if [param new_seed] is true. Layers with
-## their own files are copied only if [param with_files] is true. Returns an empty string on success, or the reason for a failure as a sentence.
+## Creates separate layers, masks and a separate state for a scatter, as one undo step. Sets an unused seed if [param
+## new_seed] is true. Layers with their own files are copied only if [param with_files] is true. Returns an empty string
+## on success, or the reason for a failure.
 static func make_unique(scatter: TerrainScatter3D, new_seed: bool, with_files: bool, files: SceneFiles, scene_path: String,
 		undo_redo: EditorUndoRedoManager) -> String:
 	var old := scatter.layers
@@ -153,7 +155,7 @@ static func free_seed(scatter: TerrainScatter3D) -> int:
 
 
 ## Copies a state with a designer's changes, into its own file if the original has a file. A state that a game writes is not copied,
-## because many nodes may share it. If [param new_seed] is true, the removed instances do not exist any more, so only hand-placed instances
+## because many nodes may share it. If [param new_seed] is true, the removed instances no longer exist, so only hand-placed instances
 ## are kept. Returns false on failure, with the reason in [code]files.problem[/code].
 static func _copy_state(scatter: TerrainScatter3D, new_seed: bool, files: SceneFiles, scene_path: String,
 		r_made: Array[ScatterState]) -> bool:
@@ -169,7 +171,7 @@ static func _copy_state(scatter: TerrainScatter3D, new_seed: bool, files: SceneF
 	return not Copies.is_file(state) or files.create(scene_path, copy, scatter.name, "state")
 
 
-## Finds masks and states whose files belong to a different scene.
+## Finds masks and states whose files belong to another scene.
 static func _find_files_of_other_scenes(scatter: TerrainScatter3D, own: Array[ScatterLayer], scenes: PackedStringArray,
 		r_shared: Shared) -> void:
 	for layer in own:

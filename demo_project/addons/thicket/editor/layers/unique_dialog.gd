@@ -29,8 +29,7 @@ func _init() -> void:
 	confirmed.connect(func() -> void: decided.emit(_seed.button_pressed, _files.button_pressed))
 
 
-## Opens the dialog with a sentence about the shared resources. [param has_files] is true if any
-## layer has its own file.
+## Opens the dialog with a message about the shared resources. [param has_files] is true if any layer has its own file.
 func ask(sentence: String, has_files: bool) -> void:
 	_text.text = TEXT % sentence
 	_files.visible = has_files

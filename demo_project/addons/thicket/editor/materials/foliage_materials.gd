@@ -1,20 +1,20 @@
 @tool
 extends RefCounted
-## Creates foliage materials, with wind, light through leaves and fade, from the standard materials of models. They are saved next to the scene.
+## Creates foliage materials, with wind, translucent leaves and fade, from the standard materials of models. They are saved next to the scene.
 
 const FOLIAGE := preload("res://addons/thicket/shaders/foliage.gdshader")
 const FOLIAGE_MAPPED := preload("res://addons/thicket/shaders/foliage_mapped.gdshader")
 const WholeFile := preload("res://addons/thicket/whole_file.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
-## How far a plant leans in the wind, and how far its leaves tremble. x is a share of the plant's height, and y is the maximum in meters.
+## How far a plant leans in the wind, and how far its leaves tremble. x is a fraction of the plant's height, and y is the maximum in meters.
 const SWAY := Vector2(0.011, 0.2)
 const FLUTTER := Vector2(0.01, 0.03)
 ## Plants that are lower than [constant BENT] meters bend around characters by up to [constant BEND] times their height, and by at most
 ## [constant BEND] meters.
 const BENT := 2.5
 const BEND := 0.3
-## The share of light that shines through leaves if their material does not specify it.
+## The fraction of light that shines through leaves if their material does not specify it.
 const LEAF_LIGHT := 0.3
 
 var _problem := "" ## The reason why a file could not be written; empty if there is none.
@@ -32,7 +32,7 @@ func _init(place: String) -> void:
 
 
 ## Converts the materials of a layer's models, as one undo step. A scene with materials to convert is replaced by a [ScatterModel] of that scene.
-## Returns messages for the user, one sentence each.
+## Returns messages for the user.
 func convert(layer: ScatterLayer, files: SceneFiles, undo_redo: EditorUndoRedoManager) -> PackedStringArray:
 	var meshes := layer.meshes.map(_convert_entry)
 	return _commit(layer, files, undo_redo, func() -> void:
@@ -106,7 +106,7 @@ func _convert_entry(entry: Variant) -> Variant:
 				var name: String = replaced if replaced != null else model.get_material_name(material)
 				var converted := _converted(material as BaseMaterial3D, name, height)
 				if replacements.get_or_add(name, converted) != converted:
-					_left_out.append("%s has several materials named \"%s\", which are drawn with one now: give them names of their own." % [_title(entry), name])
+					_left_out.append("%s has several materials named \"%s\", which are now drawn with a single material: give each a unique name." % [_title(entry), name])
 	if replacements.is_empty():
 		return entry
 	if entry is PackedScene: # The new model is not in the scene yet, so its changes need no undo.

@@ -1,6 +1,6 @@
 @tool
 extends "res://addons/thicket/editor/scatter_tool.gd"
-## Draws a region by clicking on the ground: the corners of its polygon, or the points of its path.
+## The tool that draws a region. The user clicks the corners of its polygon, or the points of its path, on the ground.
 
 const EditorSnap := preload("res://addons/thicket/editor/editor_snap.gd")
 const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
@@ -19,7 +19,7 @@ const LEAST_AREA := 1e-4
 
 ## The width of a new path in meters.
 const WIDTH := 3.0
-## The length of the curve handles of a path's points, as a share of the distance from the previous to the next point.
+## The length of the curve handles of a path's points, as a fraction of the distance from the previous to the next point.
 const BEND := 1.0 / 6.0
 
 ## The shape to draw: a polygon or a path.
@@ -28,7 +28,7 @@ var shape := ScatterRegion3D.SHAPE_POLYGON
 var exclude := true
 ## The world positions of the corners, or of the points of the path.
 var corners := PackedVector3Array()
-## The reason why the last click did nothing, as a sentence; empty if it succeeded.
+## The reason why the last click had no effect; empty if it succeeded.
 var problem := ""
 
 var _cursor := GroundCursor.new()
@@ -92,8 +92,8 @@ func _on_toggled() -> void:
 	_cursor.clear()
 
 
-## Creates a region from the corners and turns the tool off. If there are too few corners, or if those of a polygon are in a line, sets [member problem]
-## instead.
+## Creates a region from the corners and turns the tool off. If there are too few corners, or if those of a polygon are
+## in a line, sets [member problem] instead.
 func close() -> void:
 	var middle := Vector3.ZERO
 	for corner in corners:

@@ -1,7 +1,7 @@
 @tool
 extends EditorNode3DGizmoPlugin
-## Draws a [ScatterRegion3D]: its shape, its border on the ground, a second line where the falloff ends, and handles for its size. Handles
-## snap like the editor's gizmos. Dragging a face keeps the opposite face in place unless Alt is held.
+## Draws a [ScatterRegion3D]: its shape, its border on the ground, a second line where the falloff ends, and handles for
+## its size. Handles snap like the editor's gizmos. Dragging a face keeps the opposite face in place unless Alt is held.
 
 const EditorSnap := preload("res://addons/thicket/editor/editor_snap.gd")
 const GroundLines := preload("res://addons/thicket/editor/ground/ground_lines.gd")
@@ -155,7 +155,7 @@ static func _on_ground(region: ScatterRegion3D, inwards: float) -> PackedVector3
 	return lines.segments
 
 
-## Returns the positions of the handles in the node's own space, in the order of their ids.
+## Returns the positions of the handles in the node's local space, in the order of their IDs.
 func _handles(region: ScatterRegion3D) -> PackedVector3Array:
 	var positions := PackedVector3Array()
 	match region.shape:
@@ -203,7 +203,7 @@ static func _drag_width(region: ScatterRegion3D, from: Vector3, to: Vector3) -> 
 
 ## Returns the position along an axis through the node's origin at which a ray is nearest to the axis. It is negative on the other side of the origin.
 static func _along(axis: Vector3, from: Vector3, to: Vector3) -> float:
-	# Geometry3D's function for segments is not used, because with distant end points its 32-bit floats are off by centimeters.
+	# Geometry3D's function for segments is not used: with distant end points, its 32-bit floats are off by centimeters.
 	var direction := (to - from).normalized()
 	var cosine := axis.dot(direction)
 	return (axis.dot(from) - cosine * direction.dot(from)) / maxf(1.0 - cosine * cosine, 1e-6)

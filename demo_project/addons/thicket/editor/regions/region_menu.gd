@@ -1,7 +1,7 @@
 @tool
 extends MenuButton
-## The menu that adds a region below the scatter. The region is placed on the ground at the center of the view; a polygon or a path is drawn by clicking
-## its corners.
+## The menu that adds a region below the scatter. The region is placed on the ground at the center of the view. For a
+## polygon or a path, the user clicks its points.
 
 const GroundRay := preload("res://addons/thicket/ground_ray.gd")
 
@@ -9,8 +9,8 @@ const GroundRay := preload("res://addons/thicket/ground_ray.gd")
 signal drawing_requested(shape: ScatterRegion3D.Shape, exclude: bool)
 
 const SHAPE_NAMES: PackedStringArray = ["Box", "Sphere", "Cylinder", "Polygon", "Path"]
-## The smallest and the largest size of a new region in meters. Between these limits, the size is the share [constant PART] of the
-## distance from the camera.
+## The smallest and the largest size of a new region in meters. Between these limits, the size is the fraction [constant
+## PART] of the distance from the camera.
 const SIZES := Vector2(2.0, 200.0)
 const PART := 0.3
 
@@ -20,7 +20,7 @@ var scatter: TerrainScatter3D
 
 func _init() -> void:
 	text = "Region"
-	tooltip_text = "Add a region at the center of the view, which excludes layers or limits them to its area."
+	tooltip_text = "Add a region at the center of the view. It excludes layers or limits them to its area."
 	set_meta(&"icon", &"Add")
 	var popup := get_popup()
 	for exclude: bool in [true, false]:

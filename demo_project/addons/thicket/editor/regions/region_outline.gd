@@ -1,12 +1,12 @@
 @tool
 extends RefCounted
-## Computes the lines of the gizmo of a [ScatterRegion3D]: its shape, and its border on the ground.
+## Computes the lines of the gizmo of a [ScatterRegion3D]: its shape and its border on the ground.
 
 const SIDES := 48
 
 
-## Returns the edges of a box, sphere or cylinder, as pairs of end points in the node's own space. Empty for
-## polygons and paths.
+## Returns the edges of a box, sphere or cylinder, as pairs of end points in the node's local space. Empty for polygons
+## and paths.
 static func body(region: ScatterRegion3D) -> PackedVector3Array:
 	var lines := PackedVector3Array()
 	var radius := region.radius
@@ -34,7 +34,7 @@ static func body(region: ScatterRegion3D) -> PackedVector3Array:
 	return lines
 
 
-## Returns the region's borders as seen from above, moved inwards by [param inwards] meters: closed lines of world x and z.
+## Returns the region's borders as seen from above, moved inward by [param inwards] meters, as closed lines of world x and z.
 static func borders(region: ScatterRegion3D, inwards: float) -> Array[PackedVector2Array]:
 	var result: Array[PackedVector2Array] = []
 	var shape := region.shape
@@ -65,7 +65,7 @@ static func borders(region: ScatterRegion3D, inwards: float) -> Array[PackedVect
 	return result
 
 
-## Returns the points of the path that the region follows, as world x and z. Empty if there is no path.
+## Returns the points of the region's path as world x and z. Empty if there is no path.
 static func path_points(region: ScatterRegion3D) -> PackedVector2Array:
 	var points := PackedVector2Array()
 	var path := path_node(region)
@@ -75,7 +75,7 @@ static func path_points(region: ScatterRegion3D) -> PackedVector2Array:
 	return points
 
 
-## Returns the path that the region follows, or null if there is none.
+## Returns the region's path, or null if there is none.
 static func path_node(region: ScatterRegion3D) -> Path3D:
 	return (region.get_parent() if region.path.is_empty() else region.get_node_or_null(region.path)) as Path3D
 
