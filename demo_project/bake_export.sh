@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Exports a bake, and installs the required programs:
+# Installs the required programs and exports a bake:
 #   bash demo_project/bake_export.sh BAKE godot FOLDER   a world in a project, which ScatterBakedWorld streams without the extension
 #   bash demo_project/bake_export.sh BAKE gltf FOLDER    a .glb for each tile, with EXT_mesh_gpu_instancing
 #   bash demo_project/bake_export.sh BAKE maps FOLDER    a gray PNG for each layer, in plan view
-# Options come last; --help instead of FOLDER lists them, and tools/bake/READERS.md describes all three exports.
+# Options come last; --help instead of FOLDER lists them. tools/bake/READERS.md describes all three exports.
 set -euo pipefail
 repo=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
 source "$repo/tools/setup.sh"

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs missing dependencies, builds the extension, and runs a scene of the demo in a window. Without a display, renders in software
-# from fixed camera positions, writes pictures to build/demo and prints statistics. The first argument is the scene's name, demo by
-# default. The other arguments are passed to the scene; demo/stage.gd describes them:
+# from fixed camera positions, writes screenshots to build/demo and prints statistics. The first argument is the scene's
+# name, demo by default. The other arguments are passed to the scene; demo/stage.gd describes them:
 #   bash demo_project/run.sh --seed=7
 #   bash demo_project/run.sh script_terrain
 set -euo pipefail
@@ -30,8 +30,8 @@ import_demo
 if [[ -n ${DISPLAY:-}${WAYLAND_DISPLAY:-} && -z ${CI:-} ]]; then
 	exec tools/godot --path demo_project "res://$scene.tscn" -- "$@"
 fi
-say "no display: drawing in software, which takes a few minutes"
+say "no display: rendering in software, which takes a few minutes"
 rm -f "$pictures"/*.png
 # The timeout ends a demo that cannot start, because it does not exit on its own.
 timeout 1200 tools/godot --xvfb --path demo_project "res://$scene.tscn" -- --screenshots="$pictures" "$@" </dev/null
-say "the pictures are in ${pictures#"$PWD"/}"
+say "the screenshots are in ${pictures#"$PWD"/}"

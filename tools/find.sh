@@ -26,7 +26,8 @@ wheel_venv() {
 	echo "$(cache_folder)/wheel-python$(wheel_python)"
 }
 
-# Prints the folder of the virtual environment for the tests. The next function prints that of the bake.
+# Prints the folder of the virtual environment for the tests. The next function prints the folder of the bake's
+# environment.
 python_venv() {
 	echo "$(cache_folder)/venv"
 }
@@ -43,8 +44,8 @@ is_new_godot() {
 	((BASH_REMATCH[1] > 4 || (BASH_REMATCH[1] == 4 && BASH_REMATCH[2] >= 4)))
 }
 
-# Prints the path of a Godot 4.4 or newer that runs without a Debian root: $GODOT, or else godot or godot4 on the PATH. Prints
-# nothing if there is none. If $GODOT is set but unusable, fails instead of using a different Godot.
+# Prints the path of a Godot 4.4 or newer that runs without a Debian root: $GODOT, otherwise godot or godot4 on the
+# PATH. Prints nothing if there is none. If $GODOT is set but unusable, fails instead of using another Godot.
 find_native_godot() {
 	local candidate
 	if [[ -n ${GODOT:-} ]]; then
@@ -90,7 +91,7 @@ import_demo() {
 	if [[ -f $stamp && -z $(find "$repo/demo_project" -name .godot -prune -o -newer "$stamp" -print -quit) ]]; then
 		return
 	fi
-	# List the extension in advance. Godot would list a new one only after it has parsed all scripts, and would report
+	# List the extension in advance. Godot would list a new extension only after parsing all scripts, and would report
 	# errors in those that use it.
 	mkdir -p "${stamp%/*}"
 	[[ -f ${stamp%/*}/extension_list.cfg ]] ||

@@ -41,8 +41,8 @@ def sources(*suffixes: str) -> list[Path]:
 
 
 def format_sources(check: bool) -> str:
-    """Formats the sources. With `check`, changes nothing, and returns the lines that formatting would change. Returns
-    "" if there is nothing to report."""
+    """Formats the sources. With `check`, leaves them unchanged and returns the lines that formatting would change. Returns ""
+    if there is nothing to report."""
     command = [tool("clang-format"), *(["--dry-run", "--Werror"] if check else ["-i"])]
     done = subprocess.run([*command, *sources(".c", ".cpp", ".h", ".hpp")], capture_output=True, text=True, cwd=REPO, check=False)
     return done.stderr
@@ -104,7 +104,7 @@ def tidy(everything: bool) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", choices=["format", "tidy"])
-    parser.add_argument("--all", action="store_true", help="tidy: the tests, too")
+    parser.add_argument("--all", action="store_true", help="tidy: also check the tests")
     given = parser.parse_args()
     said = format_sources(check=False) if given.what == "format" else tidy(given.all)
     print(said, end="")

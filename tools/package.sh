@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Builds Thicket for every platform, and packs the release files into build/dist:
+# Builds Thicket for every platform and packs the release files into build/dist:
 #   thicket-VERSION.zip          the add-on: libraries, editor tools, shaders, presets, C# wrappers, licenses
 #   thicket-demo-VERSION.zip     the demo project with the add-on in it
 #   symbols/                     the libraries with their debug symbols, for crash reports
 #   SHA256SUMS                   the checksums of the zips
 # Identical sources produce identical zips. Takes about 20 minutes on two cores. The arguments are names of builds, as in the
-# names of the libraries. Without arguments, all are built:
+# names of the libraries. Without arguments, builds all of them:
 #   bash tools/package.sh linux.x86_64 windows.x86_64.double
 #   bash tools/package.sh --list
 set -euo pipefail

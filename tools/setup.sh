@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Installs everything that is missing for building, testing and running the demo, and prints each step. If nothing is missing, it
-# changes nothing and does not use the network. Run it to install everything, or source it and call its parts:
+# Installs everything that is missing for building, testing and running the demo, and prints each step. If nothing is
+# missing, it installs nothing and does not use the network. Run it to install everything, or source it and call its
+# parts:
 #   setup_compiler   a C++20 compiler, scons, GLM, doctest, and the sources of Highway and LodePNG
 #   setup_compiler_cache  ccache, for all later compiler calls; without it, nothing is cached
 #   setup_baselines  CGAL, for one of the baselines in tests and benchmarks
@@ -18,13 +19,13 @@ setup_repo=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
 source "$setup_repo/tools/find.sh"
 source "$setup_repo/tools/setup_full.sh"
 
-# The Debian release that Godot is installed from if the machine has none. The packages come from the machine's own
-# mirror.
+# The Debian release that Godot is installed from if the machine has none. The packages come from the mirror that the
+# machine uses.
 godot_suite=forky
 godot_root_packages=godot,xvfb,xauth,libgl1,libegl1,libgl1-mesa-dri,mesa-vulkan-drivers,fonts-dejavu-core
 
 # The releases of Highway and LodePNG that are compiled on all machines, from the sources of this Debian release. The
-# checksums are those of the published tarballs.
+# checksums match the published tarballs.
 source_suite=trixie
 highway_version=1.2.0
 highway_sha256=7e0be78b8318e8bdbf6fa545d2ecb4c90f947df03f7aadc42c1967f019e63343
@@ -72,7 +73,7 @@ setup_source() {
 	folder=$(cache_folder)/$package-$version
 	[[ ! -f $folder/$header ]] || return 0
 	if [[ -z $(debian_mirror) ]] || ! command -v apt-get >/dev/null; then
-		say "to build, please put the sources of $name $version into $folder, so that $folder/$header is there"
+		say "to build, please put the sources of $name $version into $folder, so that $folder/$header exists"
 		return 1
 	fi
 	say "downloading the sources of $name $version from Debian $source_suite"
@@ -93,7 +94,7 @@ setup_source() {
 }
 
 # apt_of deb|deb-src SUITE FOLDER ARGS...: runs apt-get in FOLDER for one Debian release. FOLDER also contains the
-# package lists, so that the machine's own lists stay unchanged.
+# package lists, so that the machine's lists stay unchanged.
 apt_of() {
 	local kind=$1 suite=$2 folder=$3
 	shift 3
@@ -113,8 +114,8 @@ setup_compiler_cache() {
 	[[ -d /usr/lib/ccache ]] || return 0
 	export PATH="/usr/lib/ccache:$PATH" CCACHE_NOHASHDIR=1
 	export CCACHE_DIR=${CCACHE_DIR:-$(cache_folder)/ccache}
-	# 20 GB holds all builds of tests/run.sh --full. In a cache with the default 5 GB, these builds would evict each other's
-	# objects.
+	# 20 GB is enough for all builds of tests/run.sh --full. In a cache with the default 5 GB, these builds would evict
+	# each other's objects.
 	export CCACHE_MAXSIZE=${CCACHE_MAXSIZE:-20G}
 }
 
@@ -132,7 +133,7 @@ setup_mono() {
 		say "continuing without a C# compiler; the tests that need it will be skipped"
 }
 
-# Installs an emulator of other CPUs, and the C libraries of these CPUs, which dynamically linked programs need.
+# Installs an emulator of other CPUs and the C libraries of these CPUs, which dynamically linked programs need.
 setup_qemu() {
 	local missing=()
 	command -v qemu-aarch64 >/dev/null || missing+=(qemu-user)
@@ -178,7 +179,7 @@ has_venv() {
 	[[ -f $1/complete && $(<"$1/complete") == "$2" && -x $1/bin/python ]]
 }
 
-# make_venv PYTHON FOLDER WHY OPTION...: recreates a virtual environment, and runs pip install with these options. The
+# make_venv PYTHON FOLDER WHY OPTION...: recreates a virtual environment and runs pip install with these options. The
 # caller must then write the list of packages to FOLDER/complete.
 make_venv() {
 	local python=$1 venv=$2 why=$3
@@ -269,7 +270,7 @@ has_header() {
 	echo "#include <$1>" | "${CXX:-g++}" -std=c++20 -E -x c++ - >/dev/null 2>&1
 }
 
-# install_packages WHY PACKAGE...: installs Debian packages. Does nothing if the list is empty.
+# install_packages WHY PACKAGE...: installs Debian packages. Has no effect if the list is empty.
 install_packages() {
 	local why=$1 as_root=()
 	shift
@@ -303,5 +304,5 @@ if [[ ${BASH_SOURCE[0]} == "$0" ]]; then
 	setup_wheel
 	setup_godot
 	version=$("$setup_repo/tools/godot" --version | tail -n 1)
-	say "nothing is missing, Godot is $version"
+	say "everything is installed; Godot is version $version"
 fi

@@ -32,7 +32,8 @@ setup_coverage() {
 		install_packages "to count how often lines run" llvm libclang-rt-dev
 }
 
-# Installs the compiler for web builds. The Debian release provides a version close to that of the engine's own web builds.
+# Installs the compiler for web builds. The Debian release provides a version close to the one used for the engine's web
+# builds.
 setup_emscripten() {
 	local root missing=()
 	root=$(emscripten_root)
@@ -118,7 +119,7 @@ setup_gltf_validator() {
 	fi
 }
 
-# Installs the export template into the Debian root of Godot, for the test that exports a game. Does nothing without
+# Installs the export template into the Debian root of Godot, for the test that exports a game. Has no effect without
 # that root.
 setup_export_template() {
 	local root partial

@@ -13,12 +13,12 @@ from PIL import Image
 
 WIDTH = 960
 MAX_BYTES = 150_000
-# The gap in pixels between two pictures that are placed side by side.
+# The gap in pixels between two images that are placed side by side.
 GAP = 8
 
 
 def side_by_side(left, right):
-    """Joins two pictures of the same size."""
+    """Joins two images of the same size."""
     both = Image.new("RGB", (left.width * 2 + GAP * left.width * 2 // WIDTH, left.height), "white")
     both.paste(left, (0, 0))
     both.paste(right, (both.width - right.width, 0))

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Regenerates the pictures of the add-on's tutorials. The tests of the tutorials take the screenshots of the editor and the
-# server, and the demo takes those of the game. Everything is rendered in software, which takes two minutes:
+# Regenerates the images of the add-on's tutorials. The tests of the tutorials take the screenshots of the editor and
+# the server, and the demo takes the screenshots of the game. Everything is rendered in software, which takes two
+# minutes:
 #   bash tools/tutorial_pictures.sh
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."

@@ -51,7 +51,7 @@ func raise_water(level: float) -> void:
 	scatter.set(&"water_level", level)
 
 
-## Returns the soils of the valley, with forest floor where the biome map has forest, so that plants and forest floor end at the same border.
+## Returns the soils of the valley, with forest floor where the biome map has forest, so that trees and forest floor end at the same border.
 func _soil(valley: Image) -> Image:
 	var map: Resource = $Scatter.biomes
 	var rect: Rect2 = $Ground.rect

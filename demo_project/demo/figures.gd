@@ -31,8 +31,8 @@ func clear() -> void:
 	_next = 0
 
 
-## Returns a quantile of the time on the main thread, in microseconds: the time that the given share of the frames (0 to 1) did not exceed. Returns 0
-## before the first frame.
+## Returns a quantile of the time on the main thread, in microseconds: the time that the given fraction of the frames (0
+## to 1) did not exceed. Returns 0 before the first frame.
 func quantile(share: float) -> float:
 	if _microseconds.is_empty():
 		return 0.0
@@ -50,11 +50,11 @@ func points_per_second() -> float:
 ## Returns the statistics as a few lines of text.
 func text() -> String:
 	return "\n".join([
-		"%s tiles, %s on the way" % [_last.get("tiles", 0), int(_last.get("waiting", 0)) + int(_last.get("pending",
+		"%s tiles, %s pending" % [_last.get("tiles", 0), int(_last.get("waiting", 0)) + int(_last.get("pending",
 				0))],
 		"%s instances" % grouped(int(_last.get("instances", 0))),
-		"%s points a second and thread" % grouped(int(points_per_second())),
-		"main thread: median %.0f µs, p99 %.0f µs a frame" % [quantile(0.5), quantile(0.99)],
+		"%s points per second and thread" % grouped(int(points_per_second())),
+		"main thread: median %.0f µs, p99 %.0f µs per frame" % [quantile(0.5), quantile(0.99)],
 	])
 
 

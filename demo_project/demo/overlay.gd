@@ -6,7 +6,7 @@ Shift   faster             F   walk or fly
 N B   next, previous seed  + -   more, less of everything
 T   tiles                  H   this help"""
 
-## The help for keys that only this scene has, in one line.
+## The help for keys that only this scene has, on one line.
 @export var own_keys := ""
 
 @onready var _figures: Label = $Panel/Rows/Figures

@@ -11,8 +11,8 @@ const LAWN: Array[Color] = [Color(0.31, 0.37, 0.125), Color(0.37, 0.385, 0.155),
 ## The horizontal direction toward the sun.
 const SUNWARD := Vector3(-0.83, 0.0, 0.557)
 ## The presets, and single models, as stops. [code]colors[/code] are the colors of the ground: below plants, where it is dry, and on steep slopes.
-## [code]near[/code] is the radius of the circle around the camera without tall plants, in meters. [code]glade[/code] is that of a circle without trees, which
-## lies toward the sun, so that the trees at its edge are lit.
+## [code]near[/code] is the radius of the circle around the camera without tall plants, in meters. [code]glade[/code] is
+## the radius of a circle without trees, which lies toward the sun, so that the trees at its edge are lit.
 const STOPS: Array[Dictionary] = [
 	{"name": "forest", "eye": Vector3(30.0, 3.0, 128.0), "heading": 312.0, "pitch": 5.0, "glade": 26.0,
 		"colors": [Color(0.2, 0.25, 0.085), Color(0.25, 0.26, 0.11), Color(0.4, 0.385, 0.35)]},

@@ -2,7 +2,7 @@ extends Node
 ## Visits a scene's stops without user input, writes a screenshot at each of them, prints the statistics, and quits. If the scene has a flight, the
 ## camera first flies along it.
 ##
-## The engine does not draw the 3D world between the stops, so that streaming runs at full speed with a software renderer, too.
+## The engine does not draw the 3D world between the stops, so that streaming runs at full speed even with a software renderer.
 
 const Figures := preload("res://demo/figures.gd")
 
@@ -29,7 +29,7 @@ func run() -> void:
 	get_viewport().msaa_3d = Viewport.MSAA_DISABLED
 	get_viewport().scaling_3d_scale = 2.0
 	if folder != "" and DirAccess.make_dir_recursive_absolute(folder) != OK:
-		_fail("cannot make the folder %s" % folder)
+		_fail("cannot create the folder %s" % folder)
 	if not _failed and only.is_empty() and demo.flight_seconds() > 0.0:
 		await _fly()
 	for stop: Dictionary in demo.stops():
@@ -79,7 +79,7 @@ func _visit(stop: Dictionary) -> void:
 	started = Time.get_ticks_msec()
 	for frame in SETTLING_FRAMES:
 		await RenderingServer.frame_post_draw
-	print("demo: %s: %.1f s a frame" % [stop.name, (Time.get_ticks_msec() - started) / 1000.0 / SETTLING_FRAMES])
+	print("demo: %s: %.1f s per frame" % [stop.name, (Time.get_ticks_msec() - started) / 1000.0 / SETTLING_FRAMES])
 	var image := get_viewport().get_texture().get_image()
 	var path := folder.path_join("%s.png" % stop.name)
 	if image == null or image.is_empty() or image.save_png(path) != OK:
@@ -88,7 +88,7 @@ func _visit(stop: Dictionary) -> void:
 
 func _wait_until_idle() -> void:
 	var limit := Time.get_ticks_msec() + int(PATIENCE * 1000.0)
-	# The scatter notices in the next frame that the camera has jumped.
+	# The scatter detects the camera's jump in the next frame.
 	for frame in 3:
 		await get_tree().process_frame
 	while not demo.scatter.is_settled():

@@ -48,7 +48,7 @@ func _process(_delta: float) -> void:
 	figures.sample(scatter.call(&"get_stats"))
 	var mode := ""
 	if not figures.frozen:
-		mode = ", %s, %d frames a second" % ["walking" if camera.walking else "flying", Engine.get_frames_per_second()]
+		mode = ", %s, %d frames per second" % ["walking" if camera.walking else "flying", Engine.get_frames_per_second()]
 	_overlay.show_figures(figures.text(), "seed %d, density %.0f %%%s" % [scatter.get(&"seed"), _density * 100.0, mode])
 
 
@@ -98,7 +98,7 @@ func fly(_seconds: float) -> void:
 	pass
 
 
-## Handles a key that this class does not handle. Overridden by the scenes.
+## Handles a key that this class does not handle. The scenes override it.
 func own_key(_keycode: Key) -> void:
 	pass
 

@@ -11,7 +11,7 @@ const STOPS: Array[Dictionary] = [
 	{"name": "ruin", "eye": Vector3(-35.5, 15.6, -1.0), "heading": 46.0, "pitch": 6.0, "fov": 58.0},
 	{"name": "planet", "eye": Vector3(0.0, 362.0, 566.0), "heading": 0.0, "pitch": 14.5, "fov": 56.0},
 ]
-## The ambient light in the cave, as a share of the ambient light outside.
+## The ambient light in the cave, as a fraction of the ambient light outside.
 const CAVE_LIGHT := 0.7
 
 var _shape := Shape.new()
@@ -43,7 +43,7 @@ func layers() -> Array:
 	return $Scatter.get(&"layers")
 
 
-## Moves the camera to a stop. The displayed figures are then those of the scatter at this stop.
+## Moves the camera to a stop. The statistics of the scatter at this stop are then displayed.
 func place(stop: Dictionary) -> void:
 	super(stop)
 	camera.position = stop.eye

@@ -21,7 +21,7 @@ func _ready() -> void:
 		var parts := argument.trim_prefix("--").split("=", true, 1)
 		arguments[parts[0]] = parts[-1]
 	get_tree().create_timer(PATIENCE).timeout.connect(_end.bind("no answer within %.0f s" % PATIENCE))
-	multiplayer.server_disconnected.connect(_end.bind("the server has gone"))
+	multiplayer.server_disconnected.connect(_end.bind("the server has disconnected"))
 	var error: Error = session.call(&"join", arguments.address, int(arguments.port))
 	if error != OK:
 		return _end("cannot join: " + error_string(error))

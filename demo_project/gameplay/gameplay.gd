@@ -10,7 +10,7 @@ const SAVED := "user://gameplay.state"
 const HIGHLIGHT := preload("res://shaders/highlight.gdshader")
 ## The angle in radians between the direction in which a tree falls and the direction away from the player, measured to the left.
 const ASIDE := 0.8
-## The distance in meters from the center to the sides of the small map and of the large map, and the side of each map in pixels.
+## The distance in meters from the center to the edges of the small map and of the large map, and the width of each map in pixels.
 const MAP_REACHES: Array[float] = [50.0, 120.0]
 const MAP_SIZES: Array[float] = [260.0, 640.0]
 
@@ -128,7 +128,7 @@ func _enlarge_map(large: bool) -> void:
 	minimap.set_deferred(&"position", Vector2(view.x - side - 16.0, 16.0))
 
 
-## Returns the glow material, with the texture and the wind parameters of a tree's own material.
+## Returns the glow material, with the texture and the wind parameters of a tree's material.
 static func _glow_of(mesh: Mesh) -> ShaderMaterial:
 	var glow := mesh.surface_get_material(0).duplicate() as ShaderMaterial
 	glow.shader = HIGHLIGHT

@@ -1,6 +1,5 @@
 extends Control
-## A map of the instances around the player, drawn from a query. North is up, and each instance is a
-## dot.
+## A map of the instances around the player, drawn from a query. North is up, and each instance is a dot.
 
 ## The color of the dots for each layer name. Instances of other layers are not on the map.
 const COLORS := {
@@ -14,7 +13,7 @@ const FRAME := Color(0.9, 0.93, 0.85, 0.7)
 const PLAYER := Color(1.0, 1.0, 1.0)
 ## The distance in meters that the player walks before the map runs a new query.
 const STEP := 2.0
-## The radius of a dot, as a share of its layer's radius.
+## The radius of a dot, as a fraction of its layer's radius.
 const DOT := 0.42
 ## The smallest radius of a dot in pixels.
 const SMALLEST_DOT := 3.5
@@ -23,7 +22,7 @@ const SMALLEST_DOT := 3.5
 @export var world: TerrainScatter3D
 ## The player, shown at the center.
 @export var player: Node3D
-## The distance from the center to the sides of the map, in meters.
+## The distance from the center to the edges of the map, in meters.
 @export_range(10.0, 500.0, 1.0, "suffix:m") var reach := 60.0:
 	set(value):
 		reach = clampf(value, 10.0, 500.0)
@@ -41,7 +40,7 @@ var _seen := []
 func _process(_delta: float) -> void:
 	if not is_visible_in_tree():
 		return
-	# Comparing the state itself also detects that the game has loaded a different state.
+	# Comparing the state itself also detects that the game has loaded another state.
 	var seen := [world.state, world.state.get_revision()]
 	_stale = _stale or seen != _seen
 	_seen = seen

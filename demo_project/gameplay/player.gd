@@ -1,6 +1,6 @@
 extends CharacterBody3D
-## The player. Walks on the ground of a world, is blocked by its trunks and stones, and finds the
-## tree in the center of the view.
+## The player. Walks on the ground of a world, is blocked by its trunks and stones, and finds the tree in the center of
+## the view.
 
 ## The walking speed in meters per second, and the factor by which Shift makes walking faster.
 const WALK_SPEED := 3.0

@@ -1,6 +1,6 @@
 extends Node
-## A server for the gameplay scene's world, without player, camera and renderer. It generates only the tiles that queries
-## need.
+## A server for the gameplay scene's world, without player, camera and renderer. It generates only the tiles that
+## queries need.
 ##   godot --headless --path demo_project res://gameplay/server.tscn -- --port=4433
 ##
 ## Arguments after [code]--[/code]: [code]--port=NUMBER[/code] sets the port (4433 by default, 0 for a free port), and
@@ -28,7 +28,7 @@ func _ready() -> void:
 	var error: Error = session.call(&"host", port)
 	if error != OK:
 		return _end("cannot listen on port %d: %s" % [port, error_string(error)])
-	multiplayer.peer_connected.connect(func(client: int) -> void: print("server: %d has come" % client))
+	multiplayer.peer_connected.connect(func(client: int) -> void: print("server: %d has joined" % client))
 	multiplayer.peer_disconnected.connect(_on_client_left)
 	print("server: listening on port %d, %d felled" % [session.call(&"port"), world.state.get_removed_count()])
 

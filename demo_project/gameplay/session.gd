@@ -8,7 +8,7 @@ extends Node
 
 ## Emitted with the server's answer to a query. [param question] is the number that [method ask] has returned.
 signal answered(question: int, ids: PackedInt64Array)
-## Emitted when the world matches the server's, for the first time or after a change.
+## Emitted when the world matches the server's world, for the first time or after a change.
 signal synced
 
 ## The largest radius of a query in meters.
@@ -66,7 +66,7 @@ func fell(id: int) -> void:
 
 
 func _begin(peer: ENetMultiplayerPeer) -> void:
-	# Clients send nothing to each other.
+	# Clients do not send messages to each other.
 	(multiplayer as SceneMultiplayer).server_relay = false
 	multiplayer.multiplayer_peer = peer
 
@@ -125,6 +125,6 @@ func _sync(diff: PackedByteArray) -> void:
 		return
 	var error := world.state.apply_diff(diff)
 	if error != OK:
-		push_error("the server's word cannot be applied: %s" % error_string(error))
+		push_error("the server's diff cannot be applied: %s" % error_string(error))
 		return
 	synced.emit()

@@ -1,6 +1,7 @@
 extends Node
-## Plays the game without user input: presses keys and moves the mouse in a fixed sequence, saves screenshots, checks the results, and quits. It stops
-## at the first failed check, and then exits with code 1. The tour reloads the game's scene, so this node is a sibling of the game, not its child.
+## Plays the game without user input: presses keys and moves the mouse in a fixed sequence, saves screenshots, checks
+## the results, and quits. At the first failed check, it stops and exits with code 1. The tour reloads the game's scene,
+## so this node is a sibling of the game, not its child.
 
 ## The time after which a step fails if it has not ended, in seconds.
 const PATIENCE := 60.0
@@ -37,7 +38,7 @@ func _ready() -> void:
 	RenderingServer.render_loop_enabled = false
 	Engine.time_scale = HURRY
 	if folder != "" and DirAccess.make_dir_recursive_absolute(folder) != OK:
-		_check(false, "cannot make the folder %s" % folder)
+		_check(false, "cannot create the folder %s" % folder)
 	_play.call_deferred()
 
 
@@ -61,13 +62,13 @@ func _arrive() -> void:
 ## Walks to the nearest oak.
 func _walk() -> void:
 	var oak: ScatterInstance = _game.world.query_nearest(_game.player.global_position, 60.0, "Oak")
-	if not _check(oak != null, "no oak near"):
+	if not _check(oak != null, "no oak nearby"):
 		return
 	await _walk_to(oak, STAND_BACK)
 
 
 func _look() -> void:
-	_check(_game.player.looked_at != null, "looks at no tree")
+	_check(_game.player.looked_at != null, "the player does not look at a tree")
 	await _picture("look")
 
 
@@ -75,7 +76,7 @@ func _fell() -> void:
 	var id: int = _game.player.looked_at.id
 	_key(KEY_F)
 	await _until(func() -> bool: return not _game.falling.is_empty() and _game.falling[0].angle > 0.75, "it falls")
-	_check(not _game.world.has_instance(id), "%d still stands" % id)
+	_check(not _game.world.has_instance(id), "%d still exists" % id)
 	await _picture("falling")
 
 
@@ -97,7 +98,7 @@ func _fell_more() -> void:
 		await _walk_to(tree, STAND_BACK)
 		_key(KEY_F)
 		await _until(func() -> bool: return not _game.world.has_instance(tree.id), "felled")
-	await _until(func() -> bool: return _game.falling.is_empty(), "all are gone")
+	await _until(func() -> bool: return _game.falling.is_empty(), "all have dissolved")
 
 
 func _map() -> void:
@@ -133,7 +134,7 @@ func _walk_to(tree: ScatterInstance, distance: float) -> void:
 	var root: Vector3 = tree.transform.origin
 	await _walk_towards(root, distance)
 	await _look_at(root + Vector3.UP * 2.4)
-	await _until(func() -> bool: return _game.player.looked_at != null and _game.player.looked_at.id == tree.id, "sees the tree")
+	await _until(func() -> bool: return _game.player.looked_at != null and _game.player.looked_at.id == tree.id, "the player sees the tree")
 
 
 ## Turns to a position and walks until it is within [param distance] meters.
@@ -176,7 +177,7 @@ func _hold(key: Key, pressed: bool) -> void:
 	Input.parse_input_event(event)
 
 
-## Waits until all tiles are visible, and saves a screenshot while the game is paused.
+## Waits until all tiles are visible, then saves a screenshot while the game is paused.
 func _picture(what: String) -> void:
 	await _frames(3)
 	await _until(func() -> bool: return _game.world.is_settled(), "all tiles are visible")

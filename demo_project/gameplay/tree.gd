@@ -7,7 +7,7 @@ const Stump := preload("res://meshes/stump.gd")
 const GRAVITY := 9.81
 ## The angle from the vertical at which the fall begins, in radians.
 const FIRST_LEAN := 0.04
-## The share of its speed that remains when the crown bounces off the ground.
+## The fraction of its speed that remains when the crown bounces off the ground.
 const BOUNCE := 0.22
 ## The angle in radians between the ground and the lying trunk, whose end rests on the crown's branches.
 const CROWN := 0.14
@@ -59,8 +59,8 @@ func fall(direction: Vector3, ground: ScatterGround) -> void:
 func _wear(standing: ShaderMaterial) -> void:
 	_material = standing.duplicate()
 	_material.shader = FELLED
-	# Reads the wind time from the RenderingServer, where the scatter sets it. The value does not change after that, so the wind stops in the falling
-	# tree.
+	# Reads the wind time from the RenderingServer, where the scatter sets it. The value does not change after that, so
+	# the wind stops in the falling tree.
 	_material.set_shader_parameter(&"wind_time", RenderingServer.material_get_param(standing.get_rid(), &"wind_time"))
 	_material.set_shader_parameter(&"rooted", _standing.origin)
 	_material.set_shader_parameter(&"cut_height", Stump.HEIGHT)

@@ -1,6 +1,6 @@
 extends TerrainScatter3D
-## The world that the player, a server and its clients share. It has a seed, layers, and the rules for felling trees. All
-## peers that load this scene have the same ids.
+## The world that the player, a server and its clients share. It has a seed, layers, and the rules for felling trees.
+## All peers that load this scene have the same IDs.
 
 ## The names of the layers that can be felled. The meshes of the stump layer have the same order.
 const TREES: Array[String] = ["Oak", "Spruce"]
@@ -27,7 +27,7 @@ func fell(id: int) -> bool:
 	return true
 
 
-## Returns the number of instances in a rectangle, and a hash of their ids and transforms. Two peers with the same world
+## Returns the number of instances in a rectangle and a hash of their IDs and transforms. Two peers with the same world
 ## have the same fingerprint.
 func fingerprint(rect: Rect2) -> String:
 	var standing := query_rect(rect)

@@ -6,7 +6,7 @@ const LOW := Color(0.15, 0.2, 0.09)
 const HIGH := Color(0.35, 0.41, 0.23)
 
 
-## Builds the cactus with the number [param variant], which is also the number of its arms.
+## Builds the cactus. The number [param variant] is also the number of its arms.
 static func build(variant: int) -> Builder:
 	var builder := Builder.new()
 	for level in 3:

@@ -5,7 +5,7 @@ extends RefCounted
 ## The color is a brightness, which the vertex color tints. Alpha is used with an alpha scissor.
 
 const SIZE := Vector2i(2560, 1024)
-## The side of a leaf's square region in texels.
+## The width of a leaf's square region in texels.
 const CELL := 512
 ## A spray of broad leaves.
 const BROADLEAF := Rect2(0.0, 0.0, 0.2, 0.5)

@@ -4,7 +4,7 @@ extends RefCounted
 
 const Atlas := preload("res://meshes/leaf_atlas.gd")
 const CELL := Atlas.CELL
-## The number of texels by which a column of bark continues beyond its sides. The same number of transparent texels follows, so that mipmaps do not
+## The number of texels by which a column of bark continues beyond its edges. The same number of transparent texels follows, so that mipmaps do not
 ## mix in other regions.
 const MARGIN := 16
 
@@ -101,7 +101,7 @@ func _grain(wide: int) -> PackedByteArray:
 	return fine.get_seamless_image(wide, Atlas.SIZE.y).get_data()
 
 
-## Writes brightness values to a column, and continues them at its sides.
+## Writes brightness values to a column and continues them at its edges.
 func _put_column(column: Rect2, brightness: PackedByteArray) -> void:
 	var wide := int(column.size.x * Atlas.SIZE.x)
 	var drawn := Image.create_from_data(wide, Atlas.SIZE.y, false, Image.FORMAT_L8, brightness)
@@ -112,7 +112,7 @@ func _put_column(column: Rect2, brightness: PackedByteArray) -> void:
 	_image.blit_rect(drawn, Rect2i(0, 0, MARGIN, Atlas.SIZE.y), Vector2i(left + wide, 0))
 
 
-## Clips the following strokes to [param region], and returns its upper left corner in texels.
+## Clips the following strokes to [param region] and returns its upper left corner in texels.
 func _begin(region: Rect2) -> Vector2:
 	_bounds = Rect2i(region.position * Vector2(Atlas.SIZE), region.size * Vector2(Atlas.SIZE))
 	return Vector2(_bounds.position)

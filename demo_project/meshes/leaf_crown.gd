@@ -14,19 +14,19 @@ var heart := Vector3.ZERO
 var radius := 1.0
 ## The heights of the lowest and of the highest leaves, in meters.
 var heights := Vector2(0.0, 1.0)
-## The height of a clump, as a share of its width.
+## The height of a clump, as a fraction of its width.
 var flatness := 1.0
 var random := RandomNumberGenerator.new()
 
 
-## Adds [param count] cards to each clump. A clump is a Vector4 with the center and the radius. [param size] is half the side of a card in meters.
+## Adds [param count] cards to each clump. A clump is a Vector4 with the center and the radius. [param size] is half the width of a card in meters.
 func add(builder: Builder, clumps: Array[Vector4], count: int, size: float) -> void:
 	for clump in clumps:
 		var center := Vector3(clump.x, clump.y, clump.z)
 		var outward := (center - heart).normalized()
 		for i in count:
 			var out := _direction(i, count)
-			# Mirror leaves that would be where the clump touches its neighbors.
+			# Mirrors leaves that would be where the clump touches its neighbors.
 			if out.dot(outward) < -0.35:
 				out = (out - outward * 2.0 * out.dot(outward)).normalized()
 			var away := random.randf_range(0.55, 0.95) if count > 2 else 0.35

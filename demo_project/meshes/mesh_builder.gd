@@ -55,7 +55,7 @@ func quad(a: int, b: int, c: int, d: int) -> void:
 	triangle(a, c, d)
 
 
-## Adds a flat leaf card with a normal at its center. [param bulge] bends the normals of the corners outwards, from 0 (flat) to 1
+## Adds a flat leaf card with a normal at its center. [param bulge] bends the normals of the corners outward, from 0 (flat) to 1
 ## (strongly), so that a crown of cards is lit like a round body.
 func card(center: Vector3, right: Vector3, up: Vector3, normal: Vector3, region: Rect2, color: Color,
 		bulge := 0.45) -> void:
@@ -67,7 +67,7 @@ func card(center: Vector3, right: Vector3, up: Vector3, normal: Vector3, region:
 	quad(corners[0], corners[3], corners[2], corners[1])
 
 
-## Adds [param count] upright cards with a picture of a whole crown, crossed at [param bottom], for distant LODs. [param low] and [param high] are the
+## Adds [param count] upright cards with an image of a whole crown, crossed at [param bottom], for distant LODs. [param low] and [param high] are the
 ## colors at the bottom and at the top.
 func crossed(bottom: Vector3, half_width: float, height: float, region: Rect2, low: Color, high: Color, count: int) -> void:
 	for plane in count:

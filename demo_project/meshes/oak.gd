@@ -80,7 +80,7 @@ static func trunk(builder: Builder, clumps: Array[Vector4], sides: int) -> void:
 		var clump := clumps[i]
 		var end := Vector3(clump.x, clump.y, clump.z)
 		var start := fork + Vector3.UP * (0.35 * i - 0.4)
-		# A branch leaves the trunk steeply and then bends outwards.
+		# A branch leaves the trunk steeply and then bends outward.
 		var knee := start.lerp(end, 0.45) + Vector3.UP * 0.5
 		builder.tube(start, knee, 0.19, 0.12, maxi(3, sides - 3), BARK * 0.8, 0)
 		builder.tube(knee, start.lerp(end, 0.9), 0.12, 0.04, 3, BARK * 0.75, 0)
@@ -91,7 +91,7 @@ static func _stem(builder: Builder) -> void:
 	builder.tube(Vector3(0.0, -0.8, 0.0), Vector3(0.0, 6.5, 0.0), 0.5, 0.3, 3, BARK, 0)
 
 
-## Adds the crown of the farthest LOD: crossed pictures of a crown, and one picture that is seen from above.
+## Adds the crown of the farthest LOD: crossed images of a crown, and one image that is seen from above.
 static func _far_crown(builder: Builder, shape: Vector2) -> void:
 	var wide := 5.9 * shape.x
 	builder.crossed(Vector3(0.0, 4.2 * shape.y, 0.0), wide, 11.2 * shape.y, Atlas.CROWN, LOW.lerp(HIGH, 0.52), LOW.lerp(HIGH, 1.1), 3)

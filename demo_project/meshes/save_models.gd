@@ -1,8 +1,8 @@
 extends SceneTree
 ## Writes the plants and stones of the presets, with their materials and texture, to addons/thicket/presets/plants:
 ##     bash demo_project/meshes/save_models.sh
-## With [code]-- --out=FOLDER[/code], writes only the models, into a different folder of the project. The test of the presets compares those with the
-## models of the add-on.
+## With [code]-- --out=FOLDER[/code], writes only the models, into another folder of the project. The test of the
+## presets compares those models with the models in the add-on.
 
 const Species := preload("res://meshes/species.gd")
 const Atlas := preload("res://meshes/leaf_atlas.gd")

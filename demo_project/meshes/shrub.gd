@@ -13,8 +13,8 @@ static func build(variant: int) -> Builder:
 	return build_of(500 + variant, LOW, HIGH, Vector2(1.0, 1.0), variant)
 
 
-## Builds a shrub with these colors. [param shape] is its width and height, relative to 2.4 m and 1.6 m. Small shrubs have fewer leaves, and coarser LODs
-## at shorter distances.
+## Builds a shrub with these colors. [param shape] is its width and height, relative to 2.4 m and 1.6 m. Small shrubs
+## have fewer leaves and get coarser LODs at shorter distances.
 static func build_of(seed: int, low: Color, high: Color, shape: Vector2, turn: int) -> Builder:
 	var leaves := Crown.new()
 	leaves.random.seed = seed

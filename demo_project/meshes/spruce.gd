@@ -35,7 +35,7 @@ static func build(variant: int) -> Builder:
 	return builder
 
 
-## Returns the radius of the crown, in meters, at a height that is given as a share of the tree's height.
+## Returns the radius of the crown, in meters, at a height that is given as a fraction of the tree's height.
 static func _radius(height: float) -> float:
 	return 4.7 * pow(1.0 - height, 0.92) * (0.6 + 0.4 * minf(1.0, height / 0.16)) + 0.3
 
@@ -69,7 +69,7 @@ static func _boughs(builder: Builder, count: int, slim: float, bent: bool, rng: 
 
 
 ## Adds one bough as one or two pairs of quads that form a roof with hanging sides, so that the bough is visible from the side and from above. A young
-## bough grows upwards, and an old one hangs with a lifted tip. [param share] is the width of the bough relative to a bough of the finest LOD.
+## bough grows upward, and an old one hangs with a lifted tip. [param share] is the width of the bough relative to a bough of the finest LOD.
 static func _bough(builder: Builder, start: Vector3, out: Vector3, reach: float, along: float, share: float, bent: bool,
 		rng: RandomNumberGenerator) -> void:
 	var side := out.cross(Vector3.UP).rotated(out, rng.randf_range(-0.35, 0.35))
@@ -96,12 +96,12 @@ static func _bough(builder: Builder, start: Vector3, out: Vector3, reach: float,
 		previous = row
 
 
-## Adds a dark cone inside the boughs, which hides the far side of the crown. [param height] is a share of the tree's height.
+## Adds a dark cone inside the boughs, which hides the far side of the crown. [param height] is a fraction of the tree's height.
 static func _core(builder: Builder, sides: int, slim: float, height: float) -> void:
 	builder.cone(Vector3.UP * HEIGHT * 0.12, _radius(0.12) * slim, HEIGHT * height, sides, DARK)
 
 
-## Adds the farthest LOD: crossed pictures of the tree, and two cards that are seen from above.
+## Adds the farthest LOD: crossed images of the tree, and two cards that are seen from above.
 static func _far_tree(builder: Builder, slim: float) -> void:
 	var wide := 4.9 * slim
 	builder.crossed(Vector3.ZERO, wide, HEIGHT * 1.02, Atlas.CONIFER, LOW.lerp(HIGH, 0.05), LOW.lerp(HIGH, 0.42), 3)

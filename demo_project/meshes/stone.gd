@@ -15,8 +15,8 @@ static func build(variant: int) -> Builder:
 	return build_of(1300 + variant, SHAPES[variant % SHAPES.size()], LOW, HIGH, 3)
 
 
-## Builds a stone with this size and these colors. [param finest] is the number of subdivisions of its finest LOD. Small stones need fewer subdivisions,
-## and get coarser LODs at shorter distances.
+## Builds a stone with this size and these colors. [param finest] is the number of subdivisions of its finest LOD. Small
+## stones need fewer subdivisions and get coarser LODs at shorter distances.
 static func build_of(seed: int, stretch: Vector3, low: Color, high: Color, finest: int) -> Builder:
 	var builder := Builder.new()
 	for level in 3:

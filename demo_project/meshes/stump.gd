@@ -1,6 +1,6 @@
 extends RefCounted
-## The stump of a felled tree: half a meter of trunk with roots, and pale wood on top. Variant 0 is that of an oak, and
-## variant 1 that of a spruce.
+## The stump of a felled tree: half a meter of trunk with roots, and pale wood on top. Variant 0 is an oak stump, and
+## variant 1 is a spruce stump.
 
 const Builder := preload("res://meshes/mesh_builder.gd")
 ## The height of the cut above the ground in meters.

@@ -8,7 +8,7 @@ const NoiseTexture := preload("res://terrain/noise_texture.gd")
 @export var material: ShaderMaterial
 
 
-## Builds the mesh. Overridden by the scripts that extend this class.
+## Builds the mesh. The scripts that extend this class override it.
 func build() -> ArrayMesh:
 	return null
 

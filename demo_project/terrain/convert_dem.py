@@ -3,12 +3,12 @@
 
 The source is `mpl-data/sample_data/jacksboro_fault_dem.npz` of the PyPI package matplotlib, with elevations from the Shuttle Radar
 Topography Mission (SRTM). They are in the public domain, according to matplotlib pull request 3291, which added the file. The model has
-344 x 403 posts, 3 arc-seconds apart, in the Cumberland Mountains of Tennessee around the Jacksboro fault. Elevations are in whole
+344 x 403 samples, 3 arc-seconds apart, in the Cumberland Mountains of Tennessee around the Jacksboro fault. Elevations are in whole
 meters, from 236 to 1076 m above sea level.
 
 Writes the following files next to this script, bit-identical on every machine:
-- jacksboro.r16   unsigned 16-bit little-endian samples, row by row, rows from north to south, posts from west to east.
-- jacksboro.json  size, meters between posts, extent and the heights of samples 0 and 65535.
+- jacksboro.r16   unsigned 16-bit little-endian samples, row by row, rows from north to south, samples from west to east.
+- jacksboro.json  size, meters between samples, extent and the heights of samples 0 and 65535.
 
 In the world, +x is east, +z is south, y is up, and the map's center is the origin. One sample step is 1/64 m, so every elevation of the
 source is represented exactly: height = min_height + sample / 65535 * (max_height - min_height), where max_height - min_height is
@@ -57,7 +57,7 @@ def convert(source: pathlib.Path) -> tuple[bytes, dict]:
     """Returns the samples and the description of the heightmap for the npz file. Raises ValueError if the data is not as expected."""
     with np.load(source) as dem:
         elevation = dem["elevation"].astype(np.int64)
-        # Despite its name, ymin is the northern border, and the first row is the northernmost. Posts are the centers of
+        # Despite its name, ymin is the northern border, and the first row is the northernmost. Samples are the centers of
         # cells of dx by dy degrees.
         north, south = float(dem["ymin"]), float(dem["ymax"])
         dx, dy = float(dem["dx"]), float(dem["dy"])
@@ -67,7 +67,7 @@ def convert(source: pathlib.Path) -> tuple[bytes, dict]:
     low, high = int(elevation.min()), int(elevation.max())
     samples = (elevation - low) * STEPS_PER_METER
     if samples.max() > 0xFFFF:
-        raise ValueError(f"{high - low} m of relief do not fit 16 bits at {STEPS_PER_METER} steps a meter")
+        raise ValueError(f"{high - low} m of relief do not fit 16 bits at {STEPS_PER_METER} steps per meter")
     per_lon, per_lat = meters_per_degree((north + south) / 2.0)
     # Rounded to 1/256 m, so that the extent and half of it are exact in the single precision of the engine's Rect2.
     post_x, post_z = round(per_lon * dx * 256) / 256, round(per_lat * dy * 256) / 256

@@ -1,11 +1,12 @@
 extends RefCounted
-## The demo's elevation model for drawing and walking. [code]convert_dem.py[/code] has written its posts (the samples of a height grid). Heights
-## between posts are interpolated bilinearly, as in a [ScatterGroundHeightmap] with the same file.
+## The demo's elevation model for drawing and walking, from the height samples ("posts") that
+## [code]convert_dem.py[/code] has written. Heights between posts are interpolated bilinearly, as in a
+## [ScatterGroundHeightmap] with the same file.
 ##
 ## The file is read directly from the project. To export the demo, add [code]*.r16, *.json[/code] to the preset's filter
 ## for non-resource files.
 
-## The side of a block, in posts. For each block, the lowest and highest ground are stored.
+## The edge length of a block, in posts. For each block, the lowest and highest ground are stored.
 const BLOCK := 8
 
 ## The number of columns (west to east) and rows (north to south) of posts.
@@ -25,7 +26,7 @@ var _block_high := PackedFloat32Array()
 func load_description(path: String) -> bool:
 	var parsed: Variant = JSON.parse_string(FileAccess.get_file_as_string(path))
 	if not parsed is Dictionary:
-		push_error("%s: no elevation description" % path)
+		push_error("%s is not a description of an elevation model" % path)
 		return false
 	var description: Dictionary = parsed
 	posts = Vector2i(int(description.columns), int(description.rows))
@@ -34,7 +35,7 @@ func load_description(path: String) -> bool:
 	rect = Rect2(size * -0.5, size)
 	var bytes := FileAccess.get_file_as_bytes(path.get_base_dir().path_join(description.samples))
 	if bytes.size() != posts.x * posts.y * 2:
-		push_error("%s: %d bytes of samples, %d expected" % [path, bytes.size(), posts.x * posts.y * 2])
+		push_error("%s must have %d bytes of samples, got %d" % [path, bytes.size(), posts.x * posts.y * 2])
 		return false
 	_decode(bytes, description.min_height, description.max_height)
 	_bound_blocks()

@@ -6,12 +6,12 @@ extends "res://terrain/built_mesh.gd"
 ## The red channel of a vertex color is how open the vertex is to the sky.
 
 const Shape := preload("res://terrain/gorge_shape.gd")
-## The lowest corner and the size of the space around the gorge, in meters. Sides are multiples of [constant BLOCK].
+## The lowest corner and the size of the space around the gorge, in meters. The size is a multiple of [constant BLOCK].
 const FROM := Vector3i(-52, -4, -76)
 const SIZE := Vector3i(104, 28, 152)
-## The number of cells along a side of a block. A cell is 1 m wide. Blocks that are far from the rock's surface are skipped.
+## The number of cells along an edge of a block. A cell is 1 m wide. Blocks that are far from the rock's surface are skipped.
 const BLOCK := 4
-## Half the side of the land around the gorge, and the length of the land's cells, in meters.
+## Half the width of the land around the gorge, and the length of the land's cells, in meters.
 const LAND := 320
 const LAND_CELL := 8
 const CORNERS: Array[Vector3i] = [

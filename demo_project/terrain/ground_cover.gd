@@ -66,7 +66,7 @@ static func _table(rows: Array[Color]) -> Image:
 	return image
 
 
-## Returns the noise over the map as layers read it: 0.5 plus half of its value. [param pixel] is the side of a pixel in meters.
+## Returns the noise over the map as layers read it: 0.5 plus half of its value. [param pixel] is the width of a pixel in meters.
 static func _map(noise: FastNoiseLite, origin: Vector2, pixel: float) -> Image:
 	if noise == null:
 		var gray := Image.create_empty(1, 1, false, Image.FORMAT_L8)

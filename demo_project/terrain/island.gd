@@ -1,13 +1,13 @@
 @tool
 extends ScatterGround
-## An example of a ground in GDScript: a hilly island with a sinkhole, from a formula. There is no ground beyond the coast
-## and in the sinkhole, so nothing is placed there.
+## An example of a ground in GDScript: a hilly island with a sinkhole, defined by a formula. There is no ground beyond
+## the coast or in the sinkhole, so nothing is placed there.
 
 ## The average distance from the world's origin to the coast in meters.
 @export_range(20.0, 500.0, 1.0, "suffix:m") var coast := 150.0:
 	set(value):
 		coast = value
-		emit_changed()  # Makes the scatter regenerate its tiles, and the terrain mesh rebuild itself.
+		emit_changed()  # Makes the scatter regenerate its tiles and the terrain mesh rebuild itself.
 ## The center of the sinkhole, in meters of world x and z.
 @export var sinkhole := Vector2(44.0, 20.0):
 	set(value):
@@ -28,7 +28,7 @@ func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 	return heights
 
 
-## Returns true, because this ground reads only its own settings. Any number of threads may query it at the same time.
+## Returns true, because this ground reads only its own settings. Any number of threads may query it concurrently.
 func _is_thread_safe() -> bool:
 	return true
 

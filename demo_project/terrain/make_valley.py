@@ -2,9 +2,9 @@
 """Generates the terrain for the demo scenes about rules and biomes: a valley of 768 m with a lake, meadows, woods and a steep scree slope.
 
 Writes the following files next to this script:
-- valley.r16       385 x 385 unsigned 16-bit little-endian posts, 2 m apart, row by row, rows from north to south, posts
-                   from west to east: height = LOW + post / 65535 * (HIGH - LOW) meters. The lake's surface is at 0.
-- valley_soil.png  193 x 193 pixels, 4 m apart: the shares of meadow (red), forest floor (green), rock (blue) and sand (alpha), 0
+- valley.r16       385 x 385 unsigned 16-bit little-endian samples, 2 m apart, row by row, rows from north to south, samples
+                   from west to east: height = LOW + sample / 65535 * (HIGH - LOW) meters. The lake's surface is at 0.
+- valley_soil.png  193 x 193 pixels, 4 m apart: the weights of meadow (red), forest floor (green), rock (blue) and sand (alpha), 0
                    to 255. They add up to 255.
 - valley_biomes.png  48 x 48 pixels, 16 m wide: MEADOW and WOOD, with smooth outlines, which the scatter makes irregular.
 
@@ -96,7 +96,7 @@ def heights(x: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 
 def soils(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Returns the shares of meadow, forest floor, rock and sand along the last axis."""
+    """Returns the weights of meadow, forest floor, rock and sand along the last axis."""
     step = 2.0
     ground = heights(x, z)
     rise_x = (heights(x + step, z) - heights(x - step, z)) / (2.0 * step)
@@ -132,7 +132,7 @@ def grid(posts: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def make() -> tuple[bytes, Image.Image]:
-    """Returns the bytes of the posts, and the image of the soils. Raises ValueError if a height is out of range."""
+    """Returns the bytes of the height samples and the image of the soils. Raises ValueError if a height is out of range."""
     values = np.round((heights(*grid(POSTS)) - LOW) / (HIGH - LOW) * 65535.0)
     if values.min() < 0.0 or values.max() > 65535.0:
         raise ValueError("heights do not fit between LOW and HIGH")

@@ -1,6 +1,6 @@
 @tool
 extends "res://terrain/built_mesh.gd"
-## Builds walls of stone blocks. A script that extends this class defines which blocks exist, and where their corners are.
+## Builds walls of stone blocks. A script that extends this class defines which blocks exist and where their corners are.
 ##
 ## The red channel of a vertex color is how open the vertex is to the sky.
 

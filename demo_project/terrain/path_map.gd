@@ -1,7 +1,7 @@
 extends RefCounted
 ## A small texture with the distance to a path, for ground whose vertices are too far apart to store it.
 
-## The side of a pixel in meters.
+## The width of a pixel in meters.
 const PIXEL := 1.0
 ## The distance in meters at which the texture is white. Larger distances are also white.
 const REACH := 6.0

@@ -6,7 +6,8 @@ const BLOCK := Vector3(0.7, 0.5, 0.55)
 const SIZE := Vector3i(18, 21, 16)
 ## The thickness of the walls, in blocks.
 const THICK := 2
-## The openings in the walls along x and in those along z. Each has its middle, half its width, and the heights of its sill and of its top, in blocks.
+## The openings in the walls along x and in the walls along z. Each has its middle, half its width, and the heights of
+## its sill and of its top, in blocks.
 const ALONG_X: Array[Vector4] = [Vector4(5.5, 1.6, 4.0, 9.0), Vector4(11.5, 2.1, 0.0, 7.0)]
 const ALONG_Z: Array[Vector4] = [Vector4(7.5, 1.6, 4.0, 9.0)]
 

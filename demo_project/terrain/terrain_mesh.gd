@@ -8,7 +8,7 @@ extends MeshInstance3D
 const NoiseTexture := preload("res://terrain/noise_texture.gd")
 ## The largest distance from the path that UV.x can have, in meters.
 const FAR := 16.0
-## The number of bisection steps for finding the edge of the ground on a quad's side.
+## The number of bisection steps for finding the edge of the ground on a quad's edge.
 const HALVINGS := 8
 ## The time in seconds for which a path must stay unchanged before the mesh is rebuilt, so that a drag does not rebuild it at every step.
 const PATH_REST := 0.25
@@ -48,7 +48,7 @@ const WALL_ROWS := 9
 		if path != null:
 			path.curve_changed.connect(_on_path_changed)
 		_request_build()
-## A map of soils that covers [member rect], for a [member material] whose [code]soil_used[/code] is 1: red is the share of meadow, green forest
+## A map of soils that covers [member rect], for a [member material] whose [code]soil_used[/code] is 1: red is the weight of meadow, green forest
 ## floor, blue rock, alpha sand. Null for none.
 @export var soil: Image:
 	set(value):
@@ -65,7 +65,7 @@ var _path_changes := 0
 var _soil_texture: ImageTexture
 var _columns := 0
 var _vertices := PackedVector3Array()
-## For each post (sample of the height grid), 1 if it has ground, and otherwise 0.
+## For each post (height sample), 1 if it has ground, otherwise 0.
 var _solid := PackedByteArray()
 var _indices := PackedInt32Array()
 ## The vertex at the edge of the ground between two posts, by the indices of both.

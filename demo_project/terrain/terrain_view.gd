@@ -1,23 +1,23 @@
 @tool
 extends Node3D
-## Draws the elevation model around the camera as a quadtree of square patches, which are finer near the camera. All patches use the same small grid,
-## which the vertex shader places on the bilinearly interpolated ground. Where the level of detail changes, the vertices of one level move gradually
-## to those of the next.
+## Draws the elevation model around the camera as a quadtree of square patches, which are finer near the camera. All
+## patches use the same small grid. The vertex shader places it on the bilinearly interpolated ground. Where the level
+## of detail changes, the vertices of one level gradually move to the positions of the next level.
 ##
 ## Every vertex lies exactly on the interpolated ground. Up to 220 m from the camera, vertices are 5 to 6 m apart. Within that distance, triangles
 ## differ from the ground by at most 2 cm on 97 % of this map, and by at most 5 cm anywhere, so plants touch the drawn ground. The edges of the grid
-## follow the rows and columns of posts (height samples).
+## follow the rows and columns of height samples.
 
 const Elevation := preload("res://terrain/elevation.gd")
 const GroundCover := preload("res://terrain/ground_cover.gd")
 const NoiseTexture := preload("res://terrain/noise_texture.gd")
 const PathMap := preload("res://terrain/path_map.gd")
 
-## The number of quads along a patch's side.
+## The number of quads along a patch's edge.
 const QUADS := 16
 ## The distance in meters up to which the finest patches are drawn. Each coarser level reaches twice as far.
 const FINEST_RANGE := 300.0
-## The coarsest level. Its patch has 2^9 posts along its side and is wider than the map.
+## The coarsest level. Its patch has 2^9 posts (height samples) along its edge and is wider than the map.
 const TOP_LEVEL := 9
 ## The distance in meters that the camera must move before patches are chosen again.
 const STEP := 6.0
@@ -119,7 +119,8 @@ func _camera() -> Camera3D:
 	return get_viewport().get_camera_3d()
 
 
-## Draws the square with a side of 2^level posts whose first post is [param post]. If the camera is near, draws the square's four quarters instead.
+## Draws the square with an edge length of 2^level posts whose first post is [param post]. If the camera is near, draws
+## the square's four quarters instead.
 func _select(level: int, post: Vector2i) -> void:
 	if level == 0 or not _in_range(level - 1, post, 1 << level):
 		_draw(_patch, level, post, 1 << level)
@@ -172,7 +173,7 @@ func _draw(mesh: ArrayMesh, level: int, post: Vector2i, size: int) -> void:
 
 
 ## Fills a unit square with [param quads] by [param quads] quads, for the shader. UV is the position, and UV2.x is the number of
-## quads along a side.
+## quads along an edge.
 static func _fill_grid(mesh: ArrayMesh, quads: int) -> void:
 	var vertices := PackedVector3Array()
 	var places := PackedVector2Array()

@@ -139,7 +139,7 @@ def test_the_bake_reports_missing_and_damaged_tiles(world, baked, made, tmp_path
     assert len(some.manifest["tiles"]) == TILES - 3 and not some.manifest["complete"]
     assert make(world, folder).returncode == 0
     whole = bake_of(folder, tmp_path / "out")
-    assert whole.code == 0 and "3 of them made now" in whole.said and same(whole, baked), whole.said
+    assert whole.code == 0 and "3 of them generated in this run" in whole.said and same(whole, baked), whole.said
 
 
 def test_failing_tiles_are_reported_and_others_made(world, tmp_path):
@@ -163,11 +163,11 @@ def test_a_changed_scene_is_noticed(world, made, tmp_path):
     assert scene.read_text() != (world / "world.tscn").read_text() and make(other_world, folder).returncode == 0, "drawing settings do not matter"
     scene.write_text((world / "world.tscn").read_text().replace("max_scale = 2.0", "max_scale = 2.25"))
     refused = make(world, folder, "rect=0,0,64,64", "tile_size=32")
-    assert refused.returncode == 2 and "holds tiles of a different bake: the rectangle is different" in refused.stderr, refused.stderr
+    assert refused.returncode == 2 and "contains tiles of another bake: the rectangle is different" in refused.stderr, refused.stderr
     assert make(other_world, tmp_path / "other").returncode == 0
     shutil.copy(tmp_path / "other/tiles/tile_0_0.rows", folder / "tiles/tile_0_0.rows")
     mixed = bake_of(folder, tmp_path / "out")
-    assert mixed.code == 1 and "tile_0_0.rows is damaged or belongs to a different bake" in mixed.said, mixed.said
+    assert mixed.code == 1 and "tile_0_0.rows is damaged or belongs to another bake" in mixed.said, mixed.said
 
 
 def test_a_full_disk_stops_with_an_error(world, made, tmp_path):

@@ -83,7 +83,7 @@ def test_memory_for_maps_is_bounded(bake, tmp_path):
     [
         (["--meters", "0"], "--meters must be above 0 m, got 0.0"),
         (["--meters", "nan"], "--meters must be above 0 m, got nan"),
-        (["--meters", "1e-9"], "but a PNG can have at most"),
+        (["--meters", "1e-9"], "but the width and height of a PNG must be at most"),
         (["--memory", "0.001"], "MB or more for a row of 180 pixels in 2 layers, got 0.001 MB"),
         (["--memory", "-1"], "--memory must be above 0 MB, got -1.0"),
     ],

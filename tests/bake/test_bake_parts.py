@@ -167,7 +167,7 @@ def test_an_unusable_manifest_is_reported(tmp_path):
     with pytest.raises(BakeError, match="manifest.json: rect must be an array of 4 values, got null; restore the manifest of the bake"):
         driver._resume(request, dict(WORLD), said.append)
     (tmp_path / MANIFEST).write_text(json.dumps({"format": FORMAT, "version": VERSION, "scene": "res://world.tscn"}))
-    with pytest.raises(BakeError, match="manifest.json: scene_digest is missing, and must be there"):
+    with pytest.raises(BakeError, match="manifest.json: scene_digest is missing, but is required"):
         driver._resume(request, dict(WORLD), said.append)
 
 
@@ -190,7 +190,7 @@ def test_a_bake_is_refused_before_an_engine_starts(tmp_path, capsys, options, se
 def test_a_forecast_refuses_workers_that_are_not_numbers(tmp_path, capsys):
     with pytest.raises(SystemExit):
         schedule.main([str(tmp_path), "--workers", "1,many"])
-    assert "--workers must be whole numbers separated by commas, such as 1,10,100, got '1,many'" in capsys.readouterr().err
+    assert "--workers must be integers separated by commas, such as 1,10,100, got '1,many'" in capsys.readouterr().err
 
 
 def test_a_model_without_json_is_no_binary_gltf():

@@ -21,7 +21,7 @@ from helpers.engine_output import complaints
 
 
 def test_a_folder_without_a_bake_is_refused(tmp_path):
-    assert f"{tmp_path} is no bake: there is no manifest.json" in refused("maps", tmp_path, tmp_path / "maps")
+    assert f"{tmp_path} is not a bake: it does not contain manifest.json" in refused("maps", tmp_path, tmp_path / "maps")
 
 
 @pytest.mark.parametrize(
@@ -31,9 +31,9 @@ def test_a_folder_without_a_bake_is_refused(tmp_path):
         ({"format": "other"}, "is not the manifest of a bake"),
         ({"rect": [0, 0, -5, 5]}, "rect must be x, z, width and depth in meters, the last two above 0, got -5; restore the manifest of the bake"),
         ({"tile_size": 0}, "tile_size must be a number from 0.001 to 1e+12, got 0"),
-        ({"layers": [{"index": 0}]}, "layers[0].radius is missing, and must be there"),
+        ({"layers": [{"index": 0}]}, "layers[0].radius is missing, but is required"),
         ({"layers": [{"index": 0, "radius": 0, "models": []}]}, "layers[0].radius must be a number from 0.001 to 1e+06, got 0"),
-        ({"tiles": {"0,0": {"file": "../../other", "rows": 1, "digest": "0" * 64}}}, "the file of tile 0,0 lies outside of the bake"),
+        ({"tiles": {"0,0": {"file": "../../other", "rows": 1, "digest": "0" * 64}}}, "the file of tile 0,0 is outside of the bake"),
     ],
 )
 def test_an_invalid_manifest_is_refused(copy, tmp_path, values, says):
@@ -208,7 +208,7 @@ def test_an_unavailable_model_is_named(copy, game):
     layers = manifest_of(copy)["layers"]
     layers[0]["models"][1] = {"path": "res://gone.tscn", "name": "rock"}  # Older manifests contain paths of scenes.
     edit_manifest(copy, layers=layers)
-    assert "res://gone.tscn cannot be loaded: is it in the project?" in refused("godot", copy, game / "without")
+    assert "res://gone.tscn cannot be loaded: check that it is in the project." in refused("godot", copy, game / "without")
     assert not (game / "without/baked_world.baked").exists()
     layers[0]["models"][1]["path"] = "models/gone.res"
     edit_manifest(copy, layers=layers)

@@ -128,7 +128,7 @@ def test_every_reader_verifies_by_default(bake, tmp_path, capsys):
         if writer == "godot":
             edit_layers(bake)
         assert main([str(bake), writer, str(folder), *options]) == 1
-        assert f"tile {TILE} is damaged or belongs to a different bake" in capsys.readouterr().err, writer
+        assert f"tile {TILE} is damaged or belongs to another bake" in capsys.readouterr().err, writer
         assert main([str(bake), writer, str(folder), *options, "--no-verify"]) == 0, capsys.readouterr().err
     assert read(bake, verify=False) is not None
 
@@ -315,7 +315,7 @@ def test_a_folder_of_tiles_with_any_content_results_in_a_sentence(tmp_path):
             plan, manifest, _ = driver._begin(request, AtOnce(), lambda said: None)
             report.Map(plan.rect, plan.pixel, manifest["layers"])
         except BakeError as error:
-            assert str(made) in str(error) and "make the folder again with bake_world.gd" in str(error), (error, content)
+            assert str(made) in str(error) and "create the folder again with bake_world.gd" in str(error), (error, content)
             refused += 1
         except Exception as error:
             raise AssertionError(f"{type(error).__name__} for {content[:3000]!r}") from error
@@ -331,5 +331,5 @@ def test_a_refusal_has_the_field_its_range_and_a_remedy(bake):
     with pytest.raises(BakeError) as refused:
         open_bake(bake)
     said = str(refused.value)
-    assert said.startswith(f"{bake / MANIFEST}: layers[1].models[0].path must be a text of at most 1000 characters"), said
+    assert said.startswith(f"{bake / MANIFEST}: layers[1].models[0].path must be a string of at most 1000 characters"), said
     assert said.endswith("got 5; restore the manifest of the bake, or bake again with --fresh"), said

@@ -212,7 +212,7 @@ def test_damaged_files_are_made_again(world, baked, tmp_path):
     shutil.copy(spoiled.file(whole[0]), spoiled.out / "tiles/tile_9_9.parquet")
     (spoiled.out / "manifest.json").write_text("{\"format\": \"thick")
     again = bake(world, spoiled.out, "--workers", "1")
-    assert again.code == 0 and "4 of them made now" in again.said, again.said
+    assert again.code == 0 and "4 of them generated in this run" in again.said, again.said
     assert again.manifest["digest"] == baked.manifest["digest"]
     assert {name: again.file(name).read_bytes() for name in names} == before
     assert [name for name in names if again.file(name).stat().st_mtime_ns == times[name]] == whole
@@ -224,7 +224,7 @@ def test_a_bake_of_some_tiles_does_not_list_missing_files(world, baked, tmp_path
     gone, asked = sorted(some.manifest["tiles"])[:2]
     some.file(gone).unlink()
     again = bake(world, some.out, "--workers", "1", "--tiles", asked)
-    assert again.code == 0 and "0 of them made now" in again.said, again.said
+    assert again.code == 0 and "0 of them generated in this run" in again.said, again.said
     assert gone not in again.manifest["tiles"] and not again.manifest["complete"] and again.manifest["digest"] is None
 
 
@@ -236,14 +236,14 @@ def test_a_changed_scene_is_refused(world, baked, tmp_path):
     assert text.count("max_scale = 2.0") == 1
     scene.write_text(text.replace("max_scale = 2.0", "max_scale = 2.25"))
     refused = bake(other_world, out, "--workers", "1")
-    assert refused.code == 2 and "has changed since this bake was begun: layer 0 (Trees)." in refused.said, refused.said
+    assert refused.code == 2 and "has changed since this bake was started: layer 0 (Trees)." in refused.said, refused.said
     assert Baked(0, "", out).manifest["digest"] == baked.manifest["digest"], "the bake is unchanged"
     (other_world / "hills.gd").write_text((world / "hills.gd").read_text().replace("6.0 * sin", "6.5 * sin"))
     scene.write_text(text)
     refused = bake(other_world, out, "--workers", "1")
     assert refused.code == 2 and "the ground, the heights of the ground." in refused.said, refused.said
     fresh = bake(other_world, out, "--workers", "1", "--fresh")
-    assert fresh.code == 0 and "20 of them made now" in fresh.said, fresh.said
+    assert fresh.code == 0 and "20 of them generated in this run" in fresh.said, fresh.said
     assert fresh.manifest["digest"] != baked.manifest["digest"]
 
 
@@ -252,7 +252,7 @@ def test_a_second_bake_into_the_folder_is_refused(world, baked, tmp_path):
     with (out / ".lock").open("a+") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         refused = bake(world, out, "--workers", "1")
-        assert refused.code == 2 and "A different bake is using" in refused.said, refused.said
+        assert refused.code == 2 and "Another bake is using" in refused.said, refused.said
     refused = bake(world, out, "--workers", "1", "--rect", "0,0,64,64")
     assert refused.code == 2 and "the rectangle is [-70.0, -50.0, 130.0, 100.0]" in refused.said, refused.said
 
@@ -265,7 +265,7 @@ def test_failing_tiles_are_reported_and_others_made(world, baked, tmp_path):
     assert not broken.manifest["complete"] and broken.manifest["digest"] is None
     assert "## Tiles that failed" in (broken.out / "report.md").read_text()
     completed = bake(world, broken.out, "--workers", "1")
-    assert completed.code == 0 and "4 of them made now" in completed.said, completed.said
+    assert completed.code == 0 and "4 of them generated in this run" in completed.said, completed.said
     assert completed.manifest["digest"] == baked.manifest["digest"]
 
 
@@ -345,7 +345,7 @@ def test_an_interrupt_ends_the_bake_with_a_message(world, baked, tmp_path):
         below = processes_below(driver)
         os.killpg(driver.pid, signal.SIGINT)
         said = driver.communicate(timeout=180)[0]
-    assert driver.returncode == 130 and "interrupted; the same command goes on from here" in said, said
+    assert driver.returncode == 130 and "interrupted; run the same command to continue" in said, said
     assert "Traceback" not in said, said
     wait_for(lambda: all(has_ended(each) for each in below), "the end of all workers and engines")
     known = Baked(0, "", out).manifest["tiles"]

@@ -16,7 +16,7 @@ func run() -> String:
 	if arguments.size() < 4:
 		return "needs FOLDER STOP FRAMES METERS"
 	if DirAccess.make_dir_recursive_absolute(arguments[0]) != OK:
-		return "cannot make the folder %s" % arguments[0]
+		return "cannot create the folder %s" % arguments[0]
 	root.size = SIZE
 	_demo = (load(ProjectSettings.get_setting("application/run/main_scene")) as PackedScene).instantiate()
 	root.add_child(_demo)

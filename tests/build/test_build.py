@@ -161,7 +161,7 @@ def test_a_room_can_be_tested_alone():
     done = run(["bash", "tests/room.sh", "base", "*", "--no-skipped-summary"], timeout=900, cwd=REPO)
     assert done.returncode == 0 and re.search(r"test cases: +[1-9]\d* \|", done.stdout), done.stdout + done.stderr
     wrong = run(["bash", "tests/room.sh", "cellar"], timeout=120, cwd=REPO)
-    assert wrong.returncode != 0 and "no such room; there are base, sampling" in wrong.stderr, wrong.stderr
+    assert wrong.returncode != 0 and "no such room; the rooms are base, sampling" in wrong.stderr, wrong.stderr
 
 
 @pytest.fixture(scope="module")
@@ -262,8 +262,8 @@ def test_wrong_option_is_refused(option):
     ("options", "sentence"),
     [
         (["platform=macos", "arch=universal", "use_zig=yes"], "one architecture at a time"),
-        (["platform=android", "arch=arm64", "use_zig=yes"], "name a compiler that can with CXX"),
-        (["platform=windows", "arch=rv64"], "which platform=windows has"),
+        (["platform=android", "arch=arm64", "use_zig=yes"], "set CXX to a compiler that can"),
+        (["platform=windows", "arch=rv64"], "the architectures of platform=windows"),
         (["use_zig=yes", "zig=/nowhere/zig"], "no zig at /nowhere/zig"),
         (["coverage=yes", "CXX=g++"], "coverage=yes needs clang"),
     ],

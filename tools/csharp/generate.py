@@ -4,7 +4,7 @@ In C#, an object of an extension class has the type of its engine base class: a 
 an object and accesses its properties, methods and signals by name. Its members are typed, have PascalCase names, and have the
 text of the class reference. The build runs this script and puts the files into the add-on.
 
-    python3 tools/csharp/generate.py --out FOLDER PAGE.xml...     writes the files, and removes outdated ones
+    python3 tools/csharp/generate.py --out FOLDER PAGE.xml...     writes the files and removes outdated ones
     python3 tools/csharp/generate.py --list PAGE.xml...           only prints their names"""
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ class Reference:
         self.classes = {root.get("name"): root for root in sorted(roots, key=lambda root: root.get("name"))}
 
     def parent(self, name: str) -> str | None:
-        """Returns the parent class if it also has a wrapper, and otherwise None."""
+        """Returns the parent class if it has a wrapper, otherwise None."""
         parent = self.classes[name].get("inherits")
         return parent if parent in self.classes else None
 
     def engine_base(self, name: str) -> str:
-        """Returns the engine class that represents an object of this class in C#."""
+        """Returns the closest engine base class, which is the type of the object in C#."""
         while name in self.classes:
             name = self.classes[name].get("inherits")
         return "GodotObject" if name == "Object" else name

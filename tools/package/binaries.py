@@ -15,7 +15,7 @@ def tool(name):
     with a version."""
     found = shutil.which(name) or next(filter(None, (shutil.which("%s-%d" % (name, number)) for number in range(30, 13, -1))), None)
     if found is None:
-        raise SystemExit("thicket: no %s: run bash tools/package.sh, which installs LLVM" % name)
+        raise SystemExit("thicket: %s is missing: run bash tools/package.sh, which installs LLVM" % name)
     return found
 
 
@@ -24,7 +24,7 @@ def run(*command):
 
 
 def collect(builds, folder, symbols):
-    """Writes stripped libraries of all builds to `folder`, and copies the originals with symbols to `symbols`.
+    """Writes stripped libraries of all builds to `folder` and copies the originals with symbols to `symbols`.
     Libraries for the web are not stripped, and those for macOS become frameworks. `builds` is a list of pairs (build,
     its folder)."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -50,7 +50,7 @@ def collect(builds, folder, symbols):
 def find(folder, target):
     found = [path for path in folder.glob("libthicket.*.%s.*" % target) if path.suffix in (".so", ".dll", ".dylib", ".wasm")]
     if len(found) != 1:
-        raise SystemExit("thicket: %s holds %d libraries for %s, not one: build it first" % (folder, len(found), target))
+        raise SystemExit("thicket: %s must contain one library for %s, got %d: build it first" % (folder, len(found), target))
     return found[0]
 
 

@@ -47,7 +47,7 @@ def addon(folder, built):
 
 
 def demo(folder, addon_folder):
-    """Copies the demo project, without its shell scripts, and puts the add-on into it."""
+    """Copies the demo project without its shell scripts and puts the add-on into it."""
     root = REPO / "demo_project"
     copy([path for path in tracked(root) if not path.is_relative_to(ADDON) and path.suffix != ".sh"], root, folder / "thicket_demo")
     shutil.copytree(addon_folder, folder / "thicket_demo/addons/thicket")

@@ -19,7 +19,7 @@ DIST = REPO / "build/dist"
 
 @dataclass(frozen=True)
 class Build:
-    """A call of scons that builds libraries for a release."""
+    """A call to scons that builds libraries for a release."""
 
     platform: str
     arch: str
@@ -59,9 +59,9 @@ BUILDS = [
 
 def arguments():
     parser = argparse.ArgumentParser(prog="tools/package.sh", description=__doc__)
-    parser.add_argument("names", nargs="*", help="the builds to make; all by default")
-    parser.add_argument("--list", action="store_true", help="print the names of these builds, and build nothing")
-    parser.add_argument("--built", action="store_true", help="pack the existing builds, and build nothing")
+    parser.add_argument("names", nargs="*", help="the names of the builds; all by default")
+    parser.add_argument("--list", action="store_true", help="print the names of these builds without building them")
+    parser.add_argument("--built", action="store_true", help="pack the existing builds without building again")
     parser.add_argument("--out", type=Path, default=DIST, help="the folder for the zips")
     options = parser.parse_args()
     names = [build.name for build in BUILDS]

@@ -1,5 +1,5 @@
-"""Writes compile_commands.json for editors and clang's tools. SCons' own tool for this would rewrite the file in every
-build, even if nothing has changed."""
+"""Writes compile_commands.json for editors and clang's tools. SCons' tool for this would rewrite the file in every build, even
+if nothing has changed."""
 
 import json
 

@@ -19,8 +19,8 @@ EXACT_ON = {"x86_32": ["-msse2", "-mfpmath=sse"]}
 
 
 def name(env):
-    """Returns the compiler's name: em++ for the web, zig with use_zig=yes, and otherwise the file name of CXX, such as
-    g++, clang++ or cl."""
+    """Returns the compiler's name: em++ for the web, zig with use_zig=yes, otherwise the file name of CXX, such as g++, clang++
+    or cl."""
     if env["platform"] == "web":
         return "em++"
     return "zig" if env["use_zig"] else os.path.basename(env["CXX"])
@@ -138,8 +138,8 @@ def shared_flags(env):
         return
     platform, release = env["platform"], is_release(env)
     if platform in ("linux", "android"):
-        # Templates of the standard library are visible regardless of -fvisibility. The version script hides them, too,
-        # so that only the entry point is exported, and no symbol can clash with one of Godot's.
+        # Templates of the standard library are visible regardless of -fvisibility. The version script also hides these
+        # templates, so that only the entry point is exported and no symbol can clash with one of Godot's.
         exports = env.File("#tools/scons/exports.map")
         env.Append(LINKFLAGS=["-Wl,--no-undefined", "-Wl,--version-script=" + exports.abspath])
         env.Append(LINKFLAGS=["-Wl,-z,relro", "-Wl,-z,now", "-Wl,-z,noexecstack", "-Wl,--build-id=sha1", "-Wl,--gc-sections"])
@@ -150,12 +150,12 @@ def shared_flags(env):
         env.Append(LINKFLAGS=["-Wl,-dead_strip", "-Wl,-install_name,@rpath/${TARGET.file}"])
     if platform == "web":
         env.Append(LINKFLAGS=["-sSIDE_MODULE=2", "-sEXPORTED_FUNCTIONS=_thicket_library_init", "-sWASM_BIGINT"])
-        # emscripten's linker only warns if two objects declare a function differently, but a call of that function
+        # emscripten's linker only warns if two objects declare a function differently, but a call to that function
         # would trap.
         env.Append(LINKFLAGS=["-sSUPPORT_LONGJMP=wasm", "-Wl,--fatal-warnings"])
         return
     if env["use_zig"]:
-        return  # zig links its own C++ library, and creates no unique symbols.
+        return  # zig links its own C++ library and creates no unique symbols.
     gnu = is_gnu(env)
     if gnu:
         # A library with a unique symbol is never unloaded, so a reload would still run the old code.

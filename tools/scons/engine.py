@@ -1,4 +1,4 @@
-"""Provides the bindings for engine code: either the godot-cpp that the user names, or our replacement for godot-cpp.
+"""Provides the bindings for engine code: either the godot-cpp that the user specifies, or our replacement for godot-cpp.
 The replacement is generated from an API description of the oldest supported engine."""
 
 import glob
@@ -19,7 +19,7 @@ def bind(env, out, sources):
 
 def external(env, folder):
     """Uses a godot-cpp, either a built checkout or an installed prefix. Its headers are third-party code, so warnings
-    in them are disabled. Adds its library to env, and returns an empty list. Ends the build if there is no library for
+    in them are disabled. Adds its library to env and returns an empty list. Ends the build if there is no library for
     this target, architecture and precision."""
     folder = os.path.abspath(folder)
     roots = [os.path.join(folder, part) for part in ("include", "gen/include", "gdextension")]
@@ -32,7 +32,7 @@ def external(env, folder):
     fitting = [path for path in archives if env["target"] in path and env["arch"] in path and (".double." in path) == double]
     if not fitting:
         have = ", ".join(os.path.relpath(path, folder) for path in archives) or "none"
-        sys.exit("thicket: godot_cpp=%s holds no library for %s%s %s (found: %s)"
+        sys.exit("thicket: godot_cpp=%s contains no library for %s%s %s (found: %s)"
             % (folder, env["target"], " double" * double, env["arch"], have))  # fmt: skip
     for root in roots:
         if os.path.isdir(root):
@@ -54,9 +54,9 @@ def supports_reload(archive):
 
 
 def stand_in(env, out, sources):
-    """Uses our replacement for godot-cpp: its hand-written part, and the sources generated from the API description.
-    The interface header comes from the engine. The generator lists its files in advance, so that the engine runs only
-    when a target needs them. Returns the objects to link."""
+    """Builds the replacement for godot-cpp from its hand-written part and the sources that are generated from the API
+    description. The interface header comes from the engine. The generator lists its output files in advance, so the engine is
+    started only if a target needs one of those files. Returns the objects to link."""
     root = env.Dir("#").abspath
     generated = env.Dir(out + "/gen").abspath
     generator = [sys.executable, os.path.join(root, BINDINGS, "generate.py"), "--out", generated, "--used", used_api(root)]
@@ -125,13 +125,13 @@ def description(root):
 def only(root, name):
     found = glob.glob(os.path.join(root, "extension/*", name))
     if len(found) != 1:
-        sys.exit("thicket: one %s is needed in extension/, found %d" % (name, len(found)))
+        sys.exit("thicket: extension/ must contain one %s, found %d" % (name, len(found)))
     return found[0]
 
 
 def find(env):
-    """Returns the path and the modification time, as text, of the Godot that provides the API dump. Returns None if
-    there is none."""
+    """Returns the path and the modification time, as text, of the Godot that provides the API dump. Returns None if there is
+    none."""
     script = env.File("#tools/godot").abspath
     answer = subprocess.run([script, "--where"], capture_output=True, text=True, check=False)
     path = answer.stdout.strip()
@@ -139,8 +139,7 @@ def find(env):
 
 
 def dump(env):
-    """Returns the nodes of the two files in which Godot describes its API. They are rewritten when a different Godot is
-    found."""
+    """Returns the nodes of the two files in which Godot describes its API. They are rewritten when another Godot is found."""
     folder = "#build/engine/"
     found = find(env)
 

@@ -30,7 +30,7 @@ def highway(env, out):
 
 
 def lodepng(env, out):
-    """Returns the library's node, and the environment of the code that includes its header."""
+    """Returns the library's node and the environment of the code that includes its header."""
     folder = sources_of(env, "lodepng", "LodePNG", "lodepng.h")
     user = env.Clone()
     user.Append(CPPDEFINES=LODEPNG_OMITTED)
@@ -46,7 +46,7 @@ def sources_of(env, option, name, header):
     folder = os.path.abspath(env[option])
     if not os.path.exists(os.path.join(folder, header)):
         raise SystemExit(
-            "thicket: %s=%s holds no %s: run bash tools/setup.sh, or name the sources of %s %s" % (option, folder, header, name, installed.version(option))
+            "thicket: %s=%s does not contain %s: run bash tools/setup.sh, or specify the sources of %s %s" % (option, folder, header, name, installed.version(option))
         )
     return folder
 
@@ -57,8 +57,8 @@ def include(env, folder):
 
 
 def headers(env):
-    """Makes GLM and doctest visible to zig and to cross compilers, without other headers from the same folder. Other
-    compilers find them by themselves."""
+    """Makes GLM and doctest visible to zig and to cross compilers, without other headers from the same folder. Other compilers
+    find them without help."""
     if env["use_zig"] or not platforms.is_native(env):
         env.Append(CCFLAGS=["-isystem", copied_headers(env.Dir("#build/headers").abspath)])
 
@@ -73,8 +73,8 @@ def copied_headers(folder):
         copied = os.path.join(folder, header)
         if found and not (os.path.exists(copied) and filecmp.cmp(copied, os.path.join(found[0], header))):
             shutil.rmtree(os.path.join(folder, name), ignore_errors=True)
-            # Copy into a temporary folder and rename it, so that a copy is always complete even if several builds run
-            # at once.
+            # Copy into a temporary folder and rename it, so that a copy is always complete, even if several builds run
+            # concurrently.
             with tempfile.TemporaryDirectory(dir=folder) as own:
                 shutil.copytree(os.path.join(found[0], name), os.path.join(own, name))
                 with contextlib.suppress(OSError):

@@ -1,4 +1,4 @@
-"""Determines the file names of the extension, and writes its .gdextension manifest, which lists the existing
+"""Determines the file names of the extension and writes its .gdextension manifest, which lists the existing
 binaries."""
 
 import os
@@ -17,9 +17,9 @@ BINARY = re.compile(
 
 
 def addon_folder(env, out):
-    """Returns the folder into which the extension is built. This is the demo's add-on for an ordinary build for this
-    machine, and otherwise the build folder. Builds with zig and releases are meant for other machines. A plain Godot
-    cannot load a build with sanitizers, and a build with coverage=yes would write its counts into the project."""
+    """Returns the folder into which the extension is built. This is the demo's add-on for an ordinary build for this machine,
+    otherwise the build folder. Builds with zig and releases are meant for other machines. Standard Godot builds cannot load a
+    build with sanitizers, and a build with coverage=yes would write its counts into the project."""
     here = platforms.is_native(env) and not (env["use_zig"] or env["sanitize"] or env["coverage"] or env["ship"])
     return "#" + ADDON if here else out + "/addon"
 
@@ -44,8 +44,7 @@ def manifest(env, addon, binaries):
 
 
 def write_text(target, source, env):
-    """Writes the manifest. The binaries support the engine version for which they were built, and all later
-    versions."""
+    """Writes the manifest. The binaries support the engine version for which they were built and all later versions."""
     text = source[0].get_text_contents().replace("@MINIMUM@", engine.version(source[1].get_text_contents()))
     with open(target[0].abspath, "w", encoding="utf-8") as file:
         file.write(text)
@@ -60,7 +59,7 @@ def write(names, icons):
     several = {platform for platform, _, _, nothreads in kinds if nothreads}
     libraries = []
     for (platform, arch, double, nothreads), built in sorted(kinds.items(), key=str):
-        # If a binary is missing, engines load the next best one: for example, an exported game then runs the debug
+        # If a binary is missing, engines load the next best one. For example, an exported game then runs the debug
         # binary.
         features = {
             "editor": built.get("editor"),
@@ -69,7 +68,7 @@ def write(names, icons):
         }
         tags = [arch] if arch else []
         # If there are binaries of only one precision, the manifest offers them to all engines. In an engine of the
-        # other precision, the binary refuses to load and reports why.
+        # other precision, the binary does not load, and reports why.
         other = (platform, arch, None if double else ".double", nothreads)
         tags += ["double" if double else "single"] if other in kinds else []
         tags += ["nothreads" if nothreads else "threads"] if platform in several else []

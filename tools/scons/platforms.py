@@ -47,17 +47,17 @@ def native_arch():
 
 
 def problem(env):
-    """Returns a sentence that explains why these options are invalid, or None if they are valid."""
+    """Returns a message that explains why these options are invalid, or None if they are valid."""
     platform, arch = env["platform"], env["arch"]
     if platform not in PLATFORMS:
-        return "platform=%s is none of %s" % (platform, ", ".join(PLATFORMS))
+        return "platform must be one of %s, got %s" % (platform, ", ".join(PLATFORMS))
     known = PLATFORMS[platform].archs
     if arch not in known:
-        return "arch=%s is none of %s, which platform=%s has" % (arch, ", ".join(known), platform)
+        return "arch=%s is not one of %s, the architectures of platform=%s" % (arch, ", ".join(known), platform)
     if env["use_zig"] and (platform, arch) == ("macos", "universal"):
-        return "arch=universal: zig makes one architecture at a time; tools/package.sh joins x86_64 and arm64"
+        return "arch=universal: zig builds one architecture at a time; tools/package.sh merges x86_64 and arm64"
     if env["use_zig"] and (platform, arch) not in ZIG_TARGETS:
-        return "use_zig=yes cannot build for platform=%s: name a compiler that can with CXX" % platform
+        return "use_zig=yes cannot build for platform=%s: set CXX to a compiler that can" % platform
     if not env["threads"] and platform != "web":
         return "threads=no is for platform=web only"
     return None
@@ -68,7 +68,7 @@ def zig_target(env):
 
 
 def is_native(env):
-    """Returns whether the platform and the architecture are those of this machine. arch=universal counts as a different
+    """Returns whether the platform and the architecture match this machine. arch=universal is treated as another
     architecture."""
     return (env["platform"], env["arch"]) == (native_platform(), native_arch())
 

@@ -1,4 +1,4 @@
-"""Finds sources, and separates those with a main function from those that programs share."""
+"""Finds sources and separates those with a main function from those that programs share."""
 
 import glob
 import os

@@ -67,7 +67,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 
 
 def sources(root, room):
-    """Returns the sources of a room, relative to root, sorted by name. "nodes" has only the sources that are in no
+    """Returns the sources of a room, relative to root, sorted by name. "nodes" has only the sources that are not in any
     other room."""
     pattern = "extension/%s/" % room + ("*.cpp" if room == "nodes" else "**/*.cpp")
     return programs.find(root, [pattern])
@@ -93,7 +93,7 @@ def tests_of(root, name):
     the last room that it includes, directly or through its fixtures."""
     wanted = "core/" + name[len(PREFIX) :]
     if wanted not in TESTED:
-        raise SystemExit("thicket: %s: no such room; there are %s" % (name, ", ".join(room[5:] for room in TESTED)))
+        raise SystemExit("thicket: %s: no such room; the rooms are %s" % (name, ", ".join(room[5:] for room in TESTED)))
     files, needed = [], set()
     for file in sorted(os.listdir(os.path.join(root, TESTS))):
         if not file.endswith(".cpp"):

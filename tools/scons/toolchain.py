@@ -1,4 +1,4 @@
-"""Defines the options of a build, and configures its environment."""
+"""Defines the options of a build and configures its environment."""
 
 import os
 import sys
@@ -29,7 +29,7 @@ def options():
         EnumVariable("precision", "the engine's precision: double for an engine built with precision=double", "single", allowed_values=("single", "double")),
         BoolVariable("threads", "platform=web: for export templates with threads", True),
         BoolVariable("use_zig", "compile with zig, for this or another platform", False),
-        BoolVariable("scu_build", "compile up to 16 sources together, which makes a whole build faster and a small change slower", False),
+        BoolVariable("scu_build", "compile up to 16 sources together, which makes a full build faster and an incremental build slower", False),
         BoolVariable("ship", "for tools/package.sh: debug and release libraries, with symbols to split off", False),
         (
             "godot_cpp",
@@ -41,11 +41,11 @@ def options():
         ("lodepng", "the sources of LodePNG " + installed.version("lodepng"), installed.lodepng_folder()),
         ("zig", "the program zig, for use_zig=yes", installed.zig_program()),
         ("sanitize", "comma-separated sanitizers: address, undefined, thread", ""),
-        BoolVariable("count_steps", "with g++ on Linux: programs that count their steps (tests/cost), in a build folder of their own", False),
-        BoolVariable("coverage", "with clang: counts how often each line runs, in a build folder of its own", False),
+        BoolVariable("count_steps", "with g++ on Linux: programs that count their steps (tests/cost), in a separate build folder", False),
+        BoolVariable("coverage", "with clang: counts how often each line runs, in a separate build folder", False),
         ("CXX", "the C++ compiler", ""),
-        BoolVariable("dev_build", "for a debugger: -Og -g3, in a build folder of its own", False),
-        BoolVariable("werror", "treat warnings in our own code as errors", True),
+        BoolVariable("dev_build", "for a debugger: -Og -g3, in a separate build folder", False),
+        BoolVariable("werror", "treat warnings in our code as errors", True),
         BoolVariable("compiledb", "write compile_commands.json for editors and clang tools", True),
     )
     return known
@@ -55,7 +55,7 @@ def sanitizers(env):
     names = [name for name in env["sanitize"].split(",") if name]
     for name in names:
         if name not in SANITIZERS:
-            raise SystemExit("thicket: sanitize=%s: %s is none of %s" % (env["sanitize"], name, ", ".join(SANITIZERS)))
+            raise SystemExit("thicket: sanitize=%s: %s is not one of %s" % (env["sanitize"], name, ", ".join(SANITIZERS)))
     return names
 
 
@@ -109,7 +109,7 @@ def configure(env):
             raise SystemExit("thicket: coverage=yes needs clang: add CXX=clang++")
         flags = ["-fprofile-instr-generate", "-fcoverage-mapping"]
         # Source paths are relative to the root, so that checkouts can share a compiler cache. Higher levels than -O1
-        # gain nothing, because counting prevents optimizations.
+        # have no benefit, because counting prevents optimizations.
         env.Append(CCFLAGS=[*flags, "-fcoverage-compilation-dir=.", "-O1"], LINKFLAGS=flags)
         name += ".coverage"
     name += ".dev" if env["dev_build"] else ""

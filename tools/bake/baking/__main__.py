@@ -31,14 +31,14 @@ def main(arguments: list[str]) -> int:
         print(f"bake: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        print("\nbake: interrupted; the same command goes on from here", file=sys.stderr)
+        print("\nbake: interrupted; run the same command to continue", file=sys.stderr)
         return 130
     return _print_summary(request, outcome)
 
 
 def _print_summary(request: BakeRequest, outcome: Outcome) -> int:
     total = sum(tile["rows"] for tile in outcome.manifest["tiles"].values())
-    print(f"{amount(total)} instances in {len(outcome.manifest['tiles'])} tiles, {outcome.made} of them made now in {duration(outcome.seconds)}")
+    print(f"{amount(total)} instances in {len(outcome.manifest['tiles'])} tiles, {outcome.made} of them generated in this run in {duration(outcome.seconds)}")
     if outcome.unreported:
         print(f"bake: {outcome.unreported} The tiles are not affected.", file=sys.stderr)
     else:
@@ -52,22 +52,22 @@ def _print_summary(request: BakeRequest, outcome: Outcome) -> int:
     if outcome.stopped:
         print(f"bake: {outcome.stopped}", file=sys.stderr)
     if outcome.failed or outcome.stopped:
-        print("bake: the same command makes only the missing tiles", file=sys.stderr)
+        print("bake: run the same command to generate only the missing tiles", file=sys.stderr)
         return 1
     return 0
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="bake.sh", description="Bakes the world of a scene: every tile of it as a Parquet file.")
+    parser = argparse.ArgumentParser(prog="bake.sh", description="Bakes the world of a scene into one Parquet file per tile.")
     parser.add_argument("scene", help="the scene, a path or res://...; or a folder of tiles from bake_world.gd")
     parser.add_argument("out", type=Path, help="the folder for the files; an unfinished bake there continues")
-    parser.add_argument("--rect", default="", metavar="X,Z,WIDTH,DEPTH", help="the area to bake, in meters; by default all of the terrain")
-    parser.add_argument("--tile-size", default="", metavar="METERS", help="the side of a tile; by default one that fits the layers")
+    parser.add_argument("--rect", default="", metavar="X,Z,WIDTH,DEPTH", help="the area to bake, in meters; by default the entire ground")
+    parser.add_argument("--tile-size", default="", metavar="METERS", help="the edge length of a tile; by default a length that fits the layers")
     parser.add_argument("--layers", default="", metavar="NAME,NAME", help="names or indices of layers; by default all")
-    parser.add_argument("--tiles", type=_tiles, metavar="'I,J I,J'", help="bake only these tiles; by default all of the rectangle")
+    parser.add_argument("--tiles", type=_tiles, metavar="'I,J I,J'", help="bake only these tiles; by default all tiles in the rectangle")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="the number of worker processes on this machine (%(default)s)")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="use the workers of this Dask scheduler instead")
-    parser.add_argument("--shuffle", type=int, metavar="SEED", help="make the tiles in a random order")
+    parser.add_argument("--shuffle", type=int, metavar="SEED", help="generate the tiles in a random order")
     parser.add_argument("--fresh", action="store_true", help="remove an existing bake in the folder first")
     parser.add_argument("--project", type=Path, default=REPO / "demo_project", help="the project of a res:// path (the demo)")
     parser.add_argument("--node", default="", metavar="PATH", help="the TerrainScatter3D, if the scene has several")
@@ -105,19 +105,19 @@ def _source(chosen: argparse.Namespace) -> Source | MadeTiles:
         return Source((str(REPO / "tools/godot"),), str(project), scene, chosen.node, chosen.wait)
     for option, given in {"--rect": chosen.rect, "--tile-size": chosen.tile_size, "--layers": chosen.layers, "--node": chosen.node}.items():
         if given:
-            raise BakeError(f"{option} is {given}, but the tiles in {folder} already have a fixed value. Leave out {option}, or make a different folder with bake_world.gd.")
+            raise BakeError(f"{option} is {given}, but the tiles in {folder} already have a fixed value. Leave out {option}, or create another folder with bake_world.gd.")
     return made_tiles(folder)
 
 
 def _project_and_scene(scene: str, project: Path) -> tuple[Path, str]:
-    """Returns the project of a scene, and the scene's path in the project."""
+    """Returns the project of a scene and the scene's path in the project."""
     if scene.startswith("res://"):
         if not (project / "project.godot").is_file():
             raise BakeError(f"--project must be a folder with a project.godot, got {project}. Choose the folder of a Godot project.")
         return project.resolve(), scene
     path = Path(scene).resolve()
     if not path.is_file() and (project / scene).is_file():
-        path = (project / scene).resolve()  # demo_project/run.sh accepts such paths, too.
+        path = (project / scene).resolve()  # demo_project/run.sh also accepts such paths.
     if not path.is_file():
         raise BakeError(f"There is no scene {scene}. Specify its path, or res://... with --project.")
     for folder in path.parents:

@@ -18,8 +18,8 @@ from distributed import Client, LocalCluster
 from distributed.core import Status
 
 PACKAGE = Path(__file__).resolve().parent
-# The number of workers that may die while they bake a tile before Dask returns an error for that tile. The driver then
-# counts the tile as failed.
+# The number of workers that may die while they bake a tile before Dask returns an error for that tile. The driver then treats
+# the tile as failed.
 ALLOWED_DEATHS = 10
 # Makes malloc keep a tile's memory for the next tile. Otherwise the system would clear new memory pages for every tile,
 # which takes longer than sorting the rows.
@@ -100,7 +100,7 @@ def watched(client: Client, scheduler: str, say: Callable[[str], None]) -> Itera
         with contextlib.suppress(OSError, TimeoutError):  # The loop that waits for tiles reports such errors.
             workers = len(client.nthreads())
             if there and workers == 0:
-                say(f"The scheduler at {scheduler} has no workers: the bake waits until some connect. Start workers, or interrupt it and run the same command later.")
+                say(f"The scheduler at {scheduler} has no workers: the bake waits for workers to connect. Start workers, or interrupt the bake and run the same command later.")
             elif not there and workers > 0:
                 say(f"The scheduler at {scheduler} has workers: {workers}.")
             there = workers > 0

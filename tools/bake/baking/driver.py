@@ -22,7 +22,7 @@ from .tile_folder import MadeTiles
 
 # The longer side of the map in pixels.
 MAP_PIXELS = 1024
-# The maximum share of time to spend on writing the manifest.
+# The maximum fraction of the time that is spent on writing the manifest.
 MANIFEST_SHARE = 0.05
 
 
@@ -93,7 +93,7 @@ def _begin(request: BakeRequest, client: Client, say: Callable[[str], None]) -> 
     rect, layers, grid = list(map(float, described["rect"])), described["layers"], TileGrid.of(described)
     uneven = [layer["name"] or str(layer["index"]) for layer in layers if grid.tile_size % layer["tile_size"] != 0.0]
     if uneven:
-        say(f"Tiles of {grid.tile_size:g} m cut through tiles of the game, which are then made more than once: {', '.join(uneven)}. Choose a --tile-size that is a multiple of all their sizes.")
+        say(f"Tiles of {grid.tile_size:g} m cut through tiles of the game, which are therefore generated more than once: {', '.join(uneven)}. Choose a --tile-size that is a multiple of all their sizes.")
     plan = tile.Plan(
         source=request.source, asked=request.asked, out=str(request.out), rect=tuple(rect), grid=grid, scene_digest=described["scene_digest"],
         layers={layer["index"]: described["columns"][str(layer["index"])] for layer in layers},
@@ -117,8 +117,8 @@ def _begin(request: BakeRequest, client: Client, say: Callable[[str], None]) -> 
 
 
 def _resume(request: BakeRequest, manifest: dict, say: Callable[[str], None]) -> None:
-    """Reuses the tiles of an earlier bake in the folder, complete or not. With `fresh`, removes that bake instead.
-    Raises BakeError if that bake is of a different world or version. A manifest that cannot be read is ignored."""
+    """Reuses the tiles of an earlier bake in the folder, complete or not. With `fresh`, removes that bake instead. Raises
+    BakeError if that bake is of another world or version. A manifest that cannot be read is ignored."""
     if request.fresh:
         files.empty(request.out)
     try:
@@ -127,20 +127,20 @@ def _resume(request: BakeRequest, manifest: dict, say: Callable[[str], None]) ->
         if (request.out / MANIFEST).exists():
             say(f"{error}. It is replaced; every tile in the folder is checked.")
         return  # Existing tiles can still be reused, because each file identifies its bake.
-    again = f"Bake into a different folder, or start again in {request.out} with --fresh."
+    again = f"Bake into another folder, or start again in {request.out} with --fresh."
     if before.get("version") != VERSION:
-        raise BakeError(f"{request.out} holds a bake of version {before.get('version')}, this is version {VERSION}. {again}")
+        raise BakeError(f"{request.out} contains a bake of version {before.get('version')}, but this is version {VERSION}. {again}")
     check_manifest(before, request.out / MANIFEST)
     if before["scene"] != manifest["scene"]:
-        raise BakeError(f"{request.out} holds a bake of a different scene, {before['scene']}, not {manifest['scene']}. {again}")
-    for key, name in {"rect": "the rectangle", "tile_size": "the size of tiles"}.items():
+        raise BakeError(f"{request.out} contains a bake of another scene, {before['scene']}, not {manifest['scene']}. {again}")
+    for key, name in {"rect": "the rectangle", "tile_size": "the tile size"}.items():
         if before[key] != manifest[key]:
-            raise BakeError(f"{request.out} holds a bake in which {name} is {before[key]}, not {manifest[key]}. {again}")
+            raise BakeError(f"{request.out} contains a bake in which {name} is {before[key]}, not {manifest[key]}. {again}")
     if [layer["index"] for layer in before["layers"]] != [layer["index"] for layer in manifest["layers"]]:
-        raise BakeError(f"{request.out} holds a bake of different layers: {', '.join(str(layer['index']) for layer in before['layers'])}. {again}")
+        raise BakeError(f"{request.out} contains a bake of different layers: {', '.join(str(layer['index']) for layer in before['layers'])}. {again}")
     if before["scene_digest"] != manifest["scene_digest"]:
         parts = tile.changed_parts(before.get("scene_parts", {}), manifest["scene_parts"])
-        raise BakeError(f"The scene {manifest['scene']} has changed since this bake was begun: {parts}. {again}")
+        raise BakeError(f"The scene {manifest['scene']} has changed since this bake was started: {parts}. {again}")
     # Damaged files are detected when their tiles are needed.
     manifest["tiles"] = {name: entry for name, entry in before["tiles"].items() if (request.out / entry["file"]).is_file()}
     manifest["costs"] = before.get("costs")
@@ -157,7 +157,7 @@ def _make_all(
     plan: tile.Plan, client: Client, workers: int, order: list[tuple[int, int]], outcome: Outcome, picture: Map, progress: Progress
 ) -> None:
     """Distributes the tiles and collects the results. About three tiles per worker are handed out at any
-    time, also to workers that join later. Cancels all of them once a worker reports that no tile can be made."""
+    time, also to workers that join later. Cancels all of them once a worker reports that no tile can be generated."""
     waiting = iter(order)
     futures = as_completed([], loop=client.loop, with_results=True, raise_errors=False)
     tile_of_key: dict[str, tuple[int, int]] = {}
@@ -196,7 +196,7 @@ def _make_all(
 
 def _worker_problem(result: object) -> str:
     error = result[1] if isinstance(result, tuple) and len(result) > 1 else result
-    return f"Its workers were killed or failed: {error}. Check their memory, then run the same command: it makes only the missing tiles."
+    return f"Its workers were killed or failed: {error}. Check their memory, then run the same command: it generates only the missing tiles."
 
 
 def _take(at: tuple[int, int], result: dict, outcome: Outcome, picture: Map) -> None:
@@ -223,7 +223,7 @@ def _take(at: tuple[int, int], result: dict, outcome: Outcome, picture: Map) -> 
 
 
 def _keep_costs(outcome: Outcome) -> None:
-    """Stores the costs that do not belong to single tiles in the manifest, if the run has made enough tiles (see
+    """Stores the costs that do not belong to single tiles in the manifest, if the run has generated enough tiles (see
     schedule.py)."""
     if outcome.made >= 10:
         outcome.manifest["costs"] = {

@@ -10,12 +10,12 @@ from collections.abc import Callable, Iterable
 Check = Callable[[object], None]
 
 MAX_CHARACTERS = 1000
-_SHOWN = 80  # The number of characters to print of a value that is refused.
+_SHOWN = 80  # The number of characters to print of an invalid value.
 
 
 class Refused(ValueError):
-    """Raised for a value that is not allowed. The text is a sentence without a period: `layers[0].radius must be a
-    number ..., got null`."""
+    """Raised for a value that is not allowed. The message has no period at its end: `layers[0].radius must be a number ..., got
+    null`."""
 
     def __init__(self, value: object, allowed: str):
         super().__init__()
@@ -34,7 +34,7 @@ class Missing(Refused):
     """Raised if a required field is missing."""
 
     def __str__(self) -> str:
-        return f"{self.path} is missing, and must be there"
+        return f"{self.path} is missing, but is required"
 
 
 def shown(value: object) -> str:
@@ -59,7 +59,7 @@ def number(least: float, most: float, allowed: str = "") -> Check:
 
 
 def whole(least: int, most: int) -> Check:
-    """Returns a check that accepts a whole number in a range."""
+    """Returns a check that accepts an integer in a range."""
     allowed = f"a whole number from {least} to {most}"
 
     def check(value: object) -> None:
@@ -70,9 +70,9 @@ def whole(least: int, most: int) -> Check:
 
 
 def text(pattern: str = "", allowed: str = "", most: int = MAX_CHARACTERS) -> Check:
-    """Returns a check that accepts text of at most `most` characters. The whole text must match the pattern. By default,
+    """Returns a check that accepts a string of at most `most` characters. The whole string must match the pattern. By default,
     it must not contain a zero character or half of a surrogate pair."""
-    allowed = allowed or f"a text of at most {most} characters, none of them a zero or half of a surrogate pair"
+    allowed = allowed or f"a string of at most {most} characters, none of them a zero or half of a surrogate pair"
     form = re.compile(pattern or r"[^\0\ud800-\udfff]*")
 
     def check(value: object) -> None:
@@ -162,5 +162,5 @@ def without_repeats(pairs: list[tuple[str, object]]) -> dict:
     found = dict(pairs)
     if len(found) < len(pairs):
         names = [name for name, _ in pairs]
-        raise ValueError(f"the field {json.dumps(next(name for name in names if names.count(name) > 1))[:_SHOWN]} is there twice")
+        raise ValueError(f"the field {json.dumps(next(name for name in names if names.count(name) > 1))[:_SHOWN]} occurs twice")
     return found

@@ -28,7 +28,7 @@ _ENCODINGS |= {"id": "DELTA_BINARY_PACKED"}
 
 
 class FolderInUse(RuntimeError):
-    """Raised if a different bake is using the folder."""
+    """Raised if another bake is using the folder."""
 
 
 def tile_path(out: Path, tile: tuple[int, int]) -> Path:
@@ -79,9 +79,9 @@ def write_manifest(out: Path, manifest: dict) -> None:
 
 @contextlib.contextmanager
 def locked(out: Path) -> Iterator[None]:
-    """Locks a folder for one bake until the end of the block. Creates the folder if necessary. Raises FolderInUse if a
-    different bake has locked it, and CannotWrite if it is not writable. The lock is also released when the process
-    ends, even if it crashes."""
+    """Locks a folder for one bake until the end of the block. Creates the folder if necessary. Raises FolderInUse if another
+    bake has locked it, and CannotWrite if it is not writable. The lock is also released when the process ends, even if it
+    crashes."""
     try:
         out.mkdir(parents=True, exist_ok=True)
         lock = (out / LOCK).open("a+")
@@ -91,7 +91,7 @@ def locked(out: Path) -> Iterator[None]:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise FolderInUse(f"A different bake is using {out}. Wait for its end, or bake into a different folder.") from None
+            raise FolderInUse(f"Another bake is using {out}. Wait until it has ended, or bake into another folder.") from None
         yield
 
 
@@ -100,7 +100,7 @@ def remove(path: Path) -> None:
     try:
         path.unlink(missing_ok=True)
     except OSError as error:
-        raise CannotWrite(f"Cannot remove {path}: {error.strerror or error}. Make its folder writable, or choose a different one.") from error
+        raise CannotWrite(f"Cannot remove {path}: {error.strerror or error}. Make its folder writable, or choose another one.") from error
 
 
 def sweep(out: Path) -> None:
@@ -119,6 +119,6 @@ def sweep_strays(out: Path, tiles: set[tuple[int, int]]) -> None:
 
 
 def empty(out: Path) -> None:
-    """Removes the manifest, the tiles and the models of a bake, and leaves all other files in its folder."""
+    """Removes the manifest, the tiles and the models of a bake. Keeps all other files in its folder."""
     for path in [out / MANIFEST, *(out / "tiles").glob("tile_*.parquet"), *(out / "models").glob("*.res")]:
         remove(path)

@@ -9,7 +9,7 @@ MANIFEST = "manifest.json"
 
 
 class BakeError(RuntimeError):
-    """Raised if a bake cannot start, continue or be used. The text is a sentence with the reason."""
+    """Raised if a bake cannot start, continue or be used. The message contains the reason."""
 
 
 def name_of(tile: tuple[int, int]) -> str:

@@ -13,10 +13,10 @@ Bounds = tuple[float, float, float, float]  # Min x, min z, max x, max z in worl
 class TileGrid:
     """The grid of a bake's tiles, as bake_grid.gd describes it."""
 
-    tile_size: float  # The side of a tile in meters.
+    tile_size: float  # The edge length of a tile in meters.
     grid: tuple[int, int, int, int]  # First column, first row, number of columns, number of rows.
-    # The positions, in meters, of the edges of the columns, and then of the edges of the rows. The sides of the
-    # rectangle are included.
+    # The positions, in meters, of the edges of the columns, and then of the edges of the rows. The edges of the rectangle are
+    # included.
     edges: tuple[tuple[float, ...], tuple[float, ...]]
 
     @classmethod
@@ -43,7 +43,7 @@ def inside(area: Bounds, bounds: Bounds, x: np.ndarray, z: np.ndarray) -> np.nda
     """Returns a mask of the positions that belong to `area`, or None if all of them do. The positions are those of the
     instances in one of the game's tiles, whose edges are `bounds`. Rounding, or an offset along the normal, can move an
     instance out of its tile. Such an instance belongs to the area that contains the nearest position inside the tile.
-    So if areas cover the plane without overlap, each instance belongs to exactly one area."""
+    If areas cover the plane without overlap, each instance therefore belongs to exactly one area."""
     within = True
     for low, high, first, end, along in ((area[0], area[2], bounds[0], bounds[2], x), (area[1], area[3], bounds[1], bounds[3], z)):
         if low <= first and end <= high:

@@ -1,4 +1,4 @@
-"""Reads manifest.json, and checks all of its fields."""
+"""Reads manifest.json and checks all of its fields."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ _costs = members(
 
 @contextmanager
 def refusing(path: Path, remedy: str) -> Iterator[None]:
-    """Converts a Refused from a check into a BakeError with the file's name and a remedy."""
+    """Converts a Refused from a check into a BakeError with the file's name and instructions."""
     try:
         yield
     except fields.Refused as refused:
@@ -79,18 +79,18 @@ def read_json(path: Path) -> dict:
     except (OSError, ValueError) as error:  # UnicodeDecodeError is a ValueError.
         raise BakeError(f"{path} cannot be read: {error}") from None
     if not isinstance(said, dict):
-        raise BakeError(f"{path} must hold a JSON object")
+        raise BakeError(f"{path} must contain a JSON object")
     return said
 
 
 def read_manifest(folder: Path) -> dict:
-    """Returns the manifest in a folder without checking its version or its other fields. Raises BakeError if it is
-    missing or unreadable, or if its format is not that of a bake."""
+    """Returns the manifest in a folder without checking its version or its other fields. Raises BakeError if it is missing or
+    unreadable, or if it does not have the format of a bake."""
     manifest = folder / MANIFEST
     try:
         said = read_json(manifest)
     except FileNotFoundError:
-        raise BakeError(f"{folder} is no bake: there is no {MANIFEST} in it") from None
+        raise BakeError(f"{folder} is not a bake: it does not contain {MANIFEST}") from None
     if said.get("format") != FORMAT:
         raise BakeError(f"{manifest} is not the manifest of a bake: its format must be {FORMAT}")
     return said
@@ -124,7 +124,7 @@ def _check_sense(said: dict) -> None:
     indices = [layer["index"] for layer in said["layers"]]
     for number, layer in enumerate(said["layers"]):
         if indices.index(layer["index"]) != number:
-            raise fields.Refused(layer["index"], "a different number for each layer").within("index").within(f"[{number}]").within("layers")
+            raise fields.Refused(layer["index"], "a unique number for each layer").within("index").within(f"[{number}]").within("layers")
         for model, entry in enumerate(layer["models"]):
             begins = [level.get("distance", 0.0) for level in entry.get("lods") or []]
             if begins and (begins[0] != 0 or sorted(begins) != begins):

@@ -1,4 +1,4 @@
-"""Collects the results of a bake, and presents them as progress messages, a map and a report."""
+"""Collects the results of a bake and presents them as progress messages, a map and a report."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ GROUND = (0.93, 0.92, 0.88)
 
 @dataclass
 class Outcome:
-    """The results of a bake. `failed` has a sentence for each tile that failed. `stopped` is the reason if the bake
+    """The results of a bake. `failed` has a message for each tile that failed. `stopped` is the reason if the bake
     ended early."""
 
     manifest: dict
@@ -56,14 +56,14 @@ class Progress:
         self.next = self.start
 
     def line(self, outcome: Outcome) -> str:
-        """Returns a line such as: 12 of 400 tiles, 3.1 a second, 1.2 M instances a second, 2 min left"""
+        """Returns a line such as: 12 of 400 tiles, 3.1 per second, 1.2 M instances per second, 2 min left"""
         passed = max(time.monotonic() - self.start, 1e-3)
         done = outcome.made + outcome.kept + len(outcome.failed)
         left = passed / max(done, 1) * (self.tiles - done)
         failed = f", {len(outcome.failed)} failed" if outcome.failed else ""
         return (
-            f"{done} of {self.tiles} tiles{failed}, {done / passed:.1f} a second, "
-            f"{amount(outcome.made_rows / passed)} instances a second, {duration(left)} left"
+            f"{done} of {self.tiles} tiles{failed}, {done / passed:.1f} per second, "
+            f"{amount(outcome.made_rows / passed)} instances per second, {duration(left)} left"
         )
 
     def print_if_due(self, outcome: Outcome) -> None:
@@ -116,8 +116,8 @@ class Map:
         return colors
 
     def picture(self) -> Image.Image:
-        """Draws the map. Each instance is a disc whose diameter is the radius of its layer, at most 25 pixels. A pixel that
-        is larger than the discs shows the share of its ground that the discs cover."""
+        """Draws the map. Each instance is a disc whose diameter is the radius of its layer, at most 25 pixels. A pixel that is
+        larger than the discs shows the fraction of its area that the discs cover."""
         image = np.empty((*self.size, 3), np.float32)
         image[:] = GROUND
         for index in reversed(self._largest_first()):
@@ -127,7 +127,7 @@ class Map:
 
     @staticmethod
     def _cover(counts: np.ndarray, width: float) -> np.ndarray:
-        """Returns the covered share of each pixel, 0 to 1. `width` is the width of an instance in pixels."""
+        """Returns the covered fraction of each pixel, 0 to 1. `width` is the width of an instance in pixels."""
         cover = np.minimum(counts * np.float32(0.25 * np.pi * width * width), 1.0).astype(np.float32)
         reach = int(min(width, 25.0) / 2.0)
         if reach < 1:
@@ -169,12 +169,12 @@ def report(workers: int, outcome: Outcome, picture: Map) -> str:
         f"{total:,} instances in {len(tiles):,} of {manifest['grid'][2] * manifest['grid'][3]:,} tiles of {manifest['tile_size']:g} m, "
         f"{rect[2]:g} m by {rect[3]:g} m from x {rect[0]:g}, z {rect[1]:g}. Seed {manifest['seed']}.",
         "",
-        f"Digest: `{manifest['digest']}`" if manifest["complete"] else "Not complete: baking again makes only the missing tiles.",
+        f"Digest: `{manifest['digest']}`" if manifest["complete"] else "Incomplete: baking again generates only the missing tiles.",
         "",
         *([f"**Stopped:** {outcome.stopped}", ""] if outcome.stopped else []),
         "![Plan view](map.png)",
         "",
-        f"{picture.pixel:.3g} m a pixel; x to the right, z down.",
+        f"{picture.pixel:.3g} m per pixel; x to the right, z down.",
         "",
         "| Layer | Color | Instances |",
         "| --- | --- | ---: |",
@@ -186,7 +186,7 @@ def report(workers: int, outcome: Outcome, picture: Map) -> str:
         "",
         "| This run | |",
         "| --- | ---: |",
-        f"| made, existing, failed | {outcome.made}, {outcome.kept}, {len(outcome.failed)} tiles |",
+        f"|| generated, existing, failed |{outcome.made}, {outcome.kept}, {len(outcome.failed)} tiles |",
         f"| time | {duration(outcome.seconds)} |",
         f"| per second | {outcome.made / seconds:.2f} tiles, {amount(outcome.made_rows / seconds)} instances |",
         f"| requested workers on this machine | {workers} |",
@@ -199,7 +199,7 @@ def report(workers: int, outcome: Outcome, picture: Map) -> str:
     ]
     sheared = sum(tile.get("sheared", 0) for tile in tiles)
     if sheared:
-        lines += ["", f"{sheared} hand-placed instances have a shear, which the files cannot hold."]
+        lines += ["", f"{sheared} hand-placed instances have a shear, which the files cannot store."]
     if outcome.failed:
         lines += ["", "## Tiles that failed", ""]
         lines += [f"- {i},{j}: {why}" for (i, j), why in sorted(outcome.failed.items())]

@@ -20,7 +20,7 @@ class BadRows(ValueError):
 
 
 def parse(data: bytes | bytearray, layer: int, kinds: dict[str, str]) -> tuple[Columns, int]:
-    """Returns the columns in the result of ScatterTile.get_rows and the further columns of SCHEMA, and the number of
+    """Returns the columns in the result of ScatterTile.get_rows and the additional columns of SCHEMA, and the number of
     instances with a shear. `layer` is the layer's index, and `kinds` the result of its ScatterLayer.get_row_columns.
     Raises BadRows if the size does not match."""
     if len(data) < _HEADER_BYTES:
@@ -28,7 +28,7 @@ def parse(data: bytes | bytearray, layer: int, kinds: dict[str, str]) -> tuple[C
     rows, _, sheared, _ = (int(number) for number in np.frombuffer(data, "<u4", 4))
     expected = _HEADER_BYTES + rows * sum(np.dtype(kind).itemsize for kind in kinds.values())
     if len(data) != expected:
-        raise BadRows(f"{len(data)} bytes where {rows} rows have {expected}")
+        raise BadRows(f"{rows} rows must have {expected} bytes, got {len(data)}")
     columns: Columns = {}
     at = _HEADER_BYTES
     for name, kind in kinds.items():

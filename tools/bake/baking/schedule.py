@@ -72,7 +72,7 @@ def larger(costs: Costs, tiles: int, seed: int = 1) -> Costs:
 
 def simulate(costs: Costs, workers: int, cores: int | None = None) -> float:
     """Returns the seconds until the last tile is done. Each worker requests a tile from the driver, waits for its turn
-    and makes the tile. If `cores` is given, the workers and the driver share that many cores. Otherwise each process
+    and generates the tile. If `cores` is given, the workers and the driver share that many cores. Otherwise each process
     has its own core."""
     free = [(costs.start, worker) for worker in range(workers)]  # The times at which workers request their next tiles.
     driver = 0.0  # The time until which the driver is busy.
@@ -110,7 +110,7 @@ def table(costs: Costs, workers: Sequence[int], cores: int | None = None) -> str
     lines = [
         f"{len(costs.tiles):,} tiles of {costs.work / len(costs.tiles):.3g} core-seconds on average, {max(costs.tiles):.3g} at most; "
         f"{costs.start:.3g} s for an engine to start, {1000 * costs.driver:.3g} ms of the driver and {amount(costs.bytes)}B for each tile. "
-        + (f"All share {cores} {'core' if cores == 1 else 'cores'}." if cores is not None else "Every worker and the driver have a core each."),
+        + (f"All share {cores} {'core' if cores == 1 else 'cores'}." if cores is not None else "Each worker and the driver has its own core."),
         "",
         "| Workers | Time | Speedup | Bottleneck | Written per second |",
         "| ---: | ---: | ---: | --- | ---: |",
@@ -130,7 +130,7 @@ def main(arguments: list[str]) -> int:
     chosen = parser.parse_args(arguments)
     counts = chosen.workers.split(",")
     if not all(count.strip().isdecimal() for count in counts):
-        parser.error(f"--workers must be whole numbers separated by commas, such as 1,10,100, got '{chosen.workers}'")
+        parser.error(f"--workers must be integers separated by commas, such as 1,10,100, got '{chosen.workers}'")
     workers = [int(count) for count in counts]
     if min([*workers, *(count for count in (chosen.cores, chosen.tiles) if count is not None)]) < 1:
         parser.error(f"--workers, --cores and --tiles must all be 1 or more, got {chosen.workers}, {chosen.cores} and {chosen.tiles}")

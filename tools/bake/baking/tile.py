@@ -1,4 +1,4 @@
-"""Contains the code of a worker, which makes a tile or reuses the tile's existing file. It runs in Dask's worker
+"""Contains the code of a worker, which generates a tile or reuses the tile's existing file. It runs in Dask's worker
 processes. Each worker thread has its own engine, which it keeps for all tiles."""
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from .grid import TileGrid, inside
 from .tile_engine import EngineGone, Refused, Source, TileEngine
 from .tile_folder import MadeTiles, TileFolder
 
-# The number of attempts, each after the first with a new engine, before a tile fails. An attempt fails if the engine is lost or its rows are
-# damaged.
+# The number of attempts, each after the first with a new engine, before a tile fails. An attempt fails if the engine is lost or
+# its rows are damaged.
 _ATTEMPTS = 3
 
 
 @dataclass(frozen=True)
 class Plan:
-    """The data that a worker needs to make a tile. It determines the content of the tile's file."""
+    """The data that a worker needs to generate a tile. It determines the content of the tile's file."""
 
     source: Source | MadeTiles
     asked: dict[str, str]  # The options with which the scene was described.
@@ -35,10 +35,10 @@ class Plan:
     layers: dict[int, dict[str, str]]  # The columns of each layer's rows (see rows.py), by the layer's index.
     scene_digest: str
     parts: dict[str, str]  # The digests of the scene's parts.
-    pixel: float  # The side of a map pixel in meters.
+    pixel: float  # The width of a map pixel in meters.
 
     def marks(self, tile: tuple[int, int]) -> dict[str, str]:
-        """Returns the metadata of a tile's file. A file with other values belongs to a different tile or bake."""
+        """Returns the metadata of a tile's file. A file with other values belongs to another tile or bake."""
         return {
             "thicket.tile": name_of(tile),
             "thicket.scene_digest": self.scene_digest,
@@ -62,7 +62,7 @@ _engines: list[TileEngine | TileFolder] = []
 
 
 def _engine_of(plan: Plan) -> TileEngine:
-    """Returns this thread's engine with the plan's scene, and starts one if necessary. Raises EngineGone, Refused or
+    """Returns this thread's engine with the plan's scene, starting one if necessary. Raises EngineGone, Refused or
     SceneChanged."""
     if getattr(_own, "key", None) != (plan.source, plan.scene_digest):
         _drop_engine()
@@ -139,11 +139,11 @@ def describe(source: Source | MadeTiles, asked: dict[str, str]) -> dict:
 
 
 def make(plan: Plan, tile: tuple[int, int], entry: dict) -> dict:
-    """Makes a tile's file, unless a valid file exists that has the digests of `entry`, the tile's current entry in the
-    manifest, which may be empty. The result contains the new `entry`, `made` (False if the file existed), `pixels` (see
-    _pixels), `seconds`, `core_seconds` (of this process and the engine), `starting` (the additional seconds to start an
-    engine, if necessary), `bytes` and `memory`. After an error, it contains a sentence instead: `failed` if only this
-    tile cannot be made, `stop` if no other tile can be made either."""
+    """Generates a tile's file, unless a valid file exists that has the digests of `entry`. `entry` is the tile's current entry
+    in the manifest, which may be empty. The result contains the new `entry`, `made` (False if the file existed), `pixels` (see
+    _pixels), `seconds`, `core_seconds` (of this process and the engine), `starting` (the additional seconds to start an engine,
+    if necessary), `bytes` and `memory`. After an error, it contains a message instead: `failed` if only this tile cannot be
+    generated, `stop` if no other tile can be generated either."""
     start = time.perf_counter()
     _own.starting = 0.0
     path = files.tile_path(Path(plan.out), tile)
@@ -182,12 +182,12 @@ def _made(plan: Plan, tile: tuple[int, int]) -> tuple[rows.Columns, int]:
         except (EngineGone, rows.BadRows) as error:
             _drop_engine()  # The engine may have stopped in the middle of a message.
             if attempt == _ATTEMPTS:
-                raise EngineGone(f"{_ATTEMPTS} engines in a row could not make it. {error} Run the same command: it makes only the missing tiles.") from error
+                raise EngineGone(f"{_ATTEMPTS} engines in a row could not generate it. {error} Run the same command: it generates only the missing tiles.") from error
     raise AssertionError
 
 
 def _requested_rows(plan: Plan, tile: tuple[int, int], engine: TileEngine | TileFolder) -> tuple[rows.Columns, int]:
-    """Returns the sorted rows of a tile, and the number of instances with a shear."""
+    """Returns the sorted rows of a tile and the number of instances with a shear."""
     area = plan.grid.area_of(tile)
     parts, sheared = [], 0
     for made, data in engine.rows(tile):

@@ -1,4 +1,4 @@
-"""Starts an engine that makes tiles, and sends it requests over a local connection.
+"""Starts an engine that generates tiles and sends it requests over a local connection.
 demo_project/addons/thicket/baking/world_baking.gd documents the protocol."""
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from pathlib import Path
 import psutil
 
 SCRIPT = "res://addons/thicket/bake_world.gd"
-# The time without an answer after which an engine counts as stuck, in seconds.
+# The time without an answer after which an engine is considered stuck, in seconds.
 ANSWER_TIMEOUT = 900.0
 
 
@@ -43,7 +43,7 @@ class EngineGone(RuntimeError):
 
 
 class Refused(RuntimeError):
-    """Raised if the engine has refused a request. The text is a sentence with the reason."""
+    """Raised if the engine has rejected a request. The message contains the reason."""
 
 
 class ProcessorTime:
@@ -100,11 +100,11 @@ class TileEngine:
                     return self.connection
             except (EngineGone, ValueError):
                 pass
-            self.connection.close()  # The connection was made by a different process on this machine.
+            self.connection.close()  # The connection was made by another process on this machine.
         raise EngineGone(f"The engine did not connect in time, or it crashed: check the project, {self.project}. {self._last_words()}")
 
     def _family(self) -> list[psutil.Process]:
-        """Returns the process that this object has started, and all of its descendants. The engine may be one of
+        """Returns the process that this object has started and all of its descendants. The engine may be one of
         these, because a wrapper may start Godot."""
         try:
             first = psutil.Process(self.process.pid)
@@ -145,13 +145,13 @@ class TileEngine:
         return header, self._take(header["bytes"])
 
     def describe(self, asked: dict[str, str]) -> dict:
-        """Returns the scene's description by scene_description.gd. `asked` has `rect`, `tile_size` and `layers` as
-        text; missing values get defaults. Raises Refused for a scene that cannot be baked, and for a project with a
-        different version of the add-on."""
+        """Returns the scene's description from scene_description.gd. `asked` has `rect`, `tile_size` and `layers` as strings;
+        missing values get defaults. Raises Refused for a scene that cannot be baked, and for a project with another version of
+        the add-on."""
         self._send({"do": "describe", **asked})
         described = self._receive()[0]
         if "columns" not in described:
-            raise Refused("The project has the add-on of a different version of Thicket: copy the add-on of this checkout into the project.")
+            raise Refused("The project has another version of the add-on: copy the add-on of this checkout into the project.")
         return described
 
     def models(self, layers: list[int]) -> tuple[list[dict], dict[str, bytes]]:

@@ -21,7 +21,7 @@ WORLD = "world.json"
 
 @dataclass(frozen=True)
 class MadeTiles:
-    """A folder with tiles, and the res:// path of their scene."""
+    """A folder with tiles and the res:// path of their scene."""
 
     folder: str
     scene: str
@@ -47,13 +47,13 @@ def made_tiles(folder: Path) -> MadeTiles:
 
 
 def _read_world(folder: Path) -> dict:
-    again = "make the folder again with bake_world.gd"
+    again = "create the folder again with bake_world.gd"
     try:
         world = read_json(folder / WORLD)
     except (OSError, BakeError) as error:
         raise BakeError(f"{error}; {again}") from None
     if "columns" not in world:
-        raise BakeError(f"{folder} was made by a different version of Thicket: {again}")
+        raise BakeError(f"{folder} was created by another version of Thicket: {again}")
     with refusing(folder / WORLD, again):
         _world(world)
         _check_sense(world)
@@ -88,29 +88,29 @@ class TileFolder:
             raise Refused(str(error)) from None
 
     def describe(self, asked: dict[str, str]) -> dict:
-        """Returns the description of the scene like TileEngine.describe, with the options for which the tiles were
-        made. Ignores `asked`."""
+        """Returns the description of the scene like TileEngine.describe, with the options for which the tiles were generated.
+        Ignores `asked`."""
         return {key: value for key, value in self.world.items() if key != "models"}
 
     def models(self, layers: list[int]) -> tuple[list[dict], dict[str, bytes]]:
-        """Returns the models like TileEngine.models. The files are those of all layers, whatever `layers` contains."""
+        """Returns the models like TileEngine.models. The result contains the files of all layers, regardless of `layers`."""
         files = {f"models/{path.name}": path.read_bytes() for path in sorted(self.folder.glob("models/*.res"))}
         return [each for each in self.world["models"] if each["index"] in layers], files
 
     def rows(self, tile: tuple[int, int]) -> Iterator[tuple[dict, memoryview]]:
-        """Yields the rows of a tile like TileEngine.rows. Raises Refused if the tile's file is missing, unreadable or
-        damaged, or belongs to a different bake."""
+        """Yields the rows of a tile like TileEngine.rows. Raises Refused if the tile's file is missing, unreadable or damaged,
+        or belongs to another bake."""
         path = self.folder / "tiles" / f"tile_{tile[0]}_{tile[1]}.rows"
         try:
             data = memoryview(path.read_bytes())
         except FileNotFoundError:
-            raise Refused(f"{path} is missing: bake_world.gd has not made it yet.") from None
+            raise Refused(f"{path} is missing: bake_world.gd has not generated it yet.") from None
         except OSError as error:
-            raise Refused(f"{path} cannot be read: {error.strerror}. Make it readable, or make it again with bake_world.gd.") from None
+            raise Refused(f"{path} cannot be read: {error.strerror}. Make it readable, or generate it again with bake_world.gd.") from None
         try:
             yield from self._parts(data, tile)
         except (ValueError, LookupError, struct.error):
-            raise Refused(f"{path} is damaged or belongs to a different bake: bake_world.gd makes it again.") from None
+            raise Refused(f"{path} is damaged or belongs to another bake: generate it again with bake_world.gd.") from None
 
     def _parts(self, data: memoryview, tile: tuple[int, int]) -> Iterator[tuple[dict, memoryview]]:
         header, _, data = _message(data)

@@ -14,8 +14,8 @@ PART = ".part"
 
 
 class CannotWrite(RuntimeError):
-    """Raised if a file could not be written, for example because of a full disk or a read-only folder. The text is a
-    sentence with the reason."""
+    """Raised if a file could not be written, for example because of a full disk or a read-only folder. The message contains the
+    reason."""
 
 
 @contextlib.contextmanager
@@ -38,7 +38,7 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
     except BaseException as error:
         with contextlib.suppress(OSError):
             partial.unlink()
-        # The block may also read different files. An error of these has the name of its own file.
+        # The block may also read other files. An error in one of these names that file.
         if isinstance(error, OSError) and error.filename in (None, str(partial)):
             raise _cannot_write(path, error) from error
         raise

@@ -27,7 +27,7 @@ def main(arguments: list[str]) -> int:
         say(str(error))
         return 1
     except OSError as error:
-        say(f"Cannot read or write {error.filename or chosen.bake}: {error.strerror or error}; check that it exists, has space and is writable")
+        say(f"Cannot read or write {error.filename or chosen.bake}: {error.strerror or error}; check that it exists and is writable and that the disk has room")
         return 1
     except KeyboardInterrupt:
         say("interrupted")

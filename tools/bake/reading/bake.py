@@ -1,4 +1,4 @@
-"""Reads a bake: manifest.json, and the Parquet files of tiles."""
+"""Reads a bake: manifest.json and the Parquet files of tiles."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Layer:
     view_distance: float = 0.0  # The view distance in meters; 0 for unlimited.
     cast_shadow: int = 1
     render_layers: int = 1
-    material: str = ""  # The path of the material that overrides those of the meshes; "" for none.
+    material: str = ""  # The path of the material that overrides the materials of the meshes; "" for none.
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class Bake:
     scene: str
     scene_digest: str
     rect: tuple[float, float, float, float]  # x, z, width and depth in world meters.
-    tile_size: float  # The side of a tile in meters.
+    tile_size: float  # The edge length of a tile in meters.
     world_offset: tuple[float, float, float]
     layers: tuple[Layer, ...]
     tiles: tuple[Tile, ...] = field(repr=False)  # The tiles, sorted by row, then by column.
@@ -113,7 +113,7 @@ def _tile(folder: Path, key: str, entry: dict, is_verified: bool) -> Tile:
     x, z = tile_of_name(key)
     file = (folder / entry["file"]).resolve()
     if not file.is_relative_to(folder):
-        raise BakeError(f"{folder / MANIFEST}: the file of tile {key} lies outside of the bake: {entry['file']}; {REMEDY}")
+        raise BakeError(f"{folder / MANIFEST}: the file of tile {key} is outside of the bake: {entry['file']}; {REMEDY}")
     bounds = entry.get("bounds")
     rows_of_layer = tuple(int(rows) for rows in entry.get("rows_of_layer", []))
     return Tile(x, z, file, int(entry["rows"]), rows_of_layer, entry["digest"], entry.get("sha256", ""), tuple(bounds) if bounds else None, is_verified)
@@ -121,7 +121,7 @@ def _tile(folder: Path, key: str, entry: dict, is_verified: bool) -> Tile:
 
 def open_bake(folder: Path | str, verify: bool = True) -> Bake:
     """Reads the manifest of a bake. An unfinished bake has only the completed tiles. If `verify` is False, tiles are
-    later read without checking their digests. Raises BakeError for a missing bake, for a bake of a different version,
+    later read without checking their digests. Raises BakeError for a missing bake, for a bake of another version,
     and for invalid values."""
     folder = Path(folder).resolve()
     said = read_manifest(folder)
@@ -149,7 +149,7 @@ def _open_tile(tile: Tile) -> pq.ParquetFile:
     if file.metadata.num_rows != tile.rows:
         found = file.metadata.num_rows
         file.close()
-        raise BakeError(f"{tile.file} has {found} rows and the manifest says {tile.rows}; {tile.remedy}")
+        raise BakeError(f"{tile.file} has {found} rows, but the manifest specifies {tile.rows}; {tile.remedy}")
     return file
 
 
@@ -181,7 +181,7 @@ def _numbers(column: pa.Array) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Instances:
-    """The rows of a tile in the file's order, which is by layer, then by id. Each array has one entry per row."""
+    """The rows of a tile in the file's order, which is by layer, then by ID. Each array has one entry per row."""
 
     ids: np.ndarray  # uint64
     layers: np.ndarray  # uint16

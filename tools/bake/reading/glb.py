@@ -18,7 +18,7 @@ TEXTURE_NAMES = "Texture"  # The suffix of the fields in materials and their ext
 
 
 class GlbError(Exception):
-    """Raised if a file is not valid binary glTF. The text is a sentence with the reason."""
+    """Raised if a file is not valid binary glTF. The message contains the reason."""
 
 
 def read_glb(data: bytes) -> tuple[dict, bytes]:
@@ -49,7 +49,7 @@ class Glb:
         return self.json.setdefault(name, [])
 
     def _append(self, data: bytes) -> int:
-        """Appends bytes to the buffer, and returns their offset, a multiple of four."""
+        """Appends bytes to the buffer and returns their offset, a multiple of four."""
         start = self._size
         self._parts += [data, bytes(-len(data) % 4)]
         self._size += len(data) + -len(data) % 4
@@ -71,7 +71,7 @@ class Glb:
         return number
 
     def add_accessor(self, values: np.ndarray, target: int | None = None, is_normalized: bool = False, has_limits: bool = False) -> int:
-        """Appends an array with 1 to 4 columns, and returns the index of its accessor. glTF requires `has_limits` for
+        """Appends an array with 1 to 4 columns and returns the index of its accessor. glTF requires `has_limits` for
         the positions of meshes."""
         values = np.ascontiguousarray(values)
         view = {"buffer": 0, "byteOffset": self._append(values.tobytes()), "byteLength": values.nbytes}
@@ -137,7 +137,7 @@ class Glb:
         for name in names:
             if added[name]:
                 self._list(name).extend(added[name])
-        # Keep only standard extensions. The engine also lists its own extension for nested nodes.
+        # Keep only standard extensions. The engine also lists a nonstandard one for nested nodes.
         for name in (name for name in other.get("extensionsUsed", []) if name.startswith(("KHR_", "EXT_"))):
             self.use_extension(name, name in other.get("extensionsRequired", []))
         return base["meshes"]

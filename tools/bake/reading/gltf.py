@@ -38,7 +38,7 @@ class Models:
         return levels[min(self._lod, len(levels) - 1)].path
 
     def make(self, project: Path) -> None:
-        """Makes the engine export all models. Reports models that cannot be exported, which pyramids then replace."""
+        """Makes the engine export all models. Reports models that cannot be exported and replaces them with pyramids."""
         paths = {self.path(layer, model) for layer in self._bake.layers for model in range(len(layer.models))} - {""}
         with tempfile.TemporaryDirectory(prefix="thicket_") as folder, PipedScript(project, SCRIPT) as engine:
             for number, path in enumerate(sorted(paths)):
@@ -63,7 +63,7 @@ class Models:
         return str(shutil.copyfile(source, folder / source.name))
 
     def add(self, glb: Glb, layer: Layer, model: int) -> int:
-        """Appends a model to a file, and returns the index of its mesh."""
+        """Appends a model to a file and returns the index of its mesh."""
         path = self.path(layer, model)
         if path in self._files:
             return glb.add_meshes(*self._files[path])
@@ -107,7 +107,7 @@ def chosen_tiles(bake: Bake, wanted: list[str]) -> list[Tile]:
     known = {str(tile): tile for tile in bake.tiles}
     for name in wanted:
         if name not in known:
-            raise BakeError(f"--tiles: the bake has no tile {name}; its first is {next(iter(known), 'none')}, in the form I,J")
+            raise BakeError(f"--tiles: the bake has no tile {name}; its first tile is {next(iter(known), 'none')}, in the form I,J")
     return [tile for tile in ([known[name] for name in wanted] or bake.tiles) if tile.rows]
 
 
@@ -121,7 +121,7 @@ def vector(text: str) -> np.ndarray:
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", type=Path, help="the folder for tile_I_J.glb; created if it does not exist")
     parser.add_argument("--tiles", default="", metavar="'I,J I,J'", help="export only these tiles")
-    parser.add_argument("--origin", type=vector, default=np.zeros(3), metavar="X,Y,Z", help="the position in the world that is 0,0,0 in the files, in meters")
+    parser.add_argument("--origin", type=vector, default=np.zeros(3), metavar="X,Y,Z", help="the world position, in meters, of the origin of the files")
     parser.add_argument("--lod", type=int, default=0, metavar="N", help="the level of detail to export, 0 for the finest (0)")
     parser.add_argument("--stand-ins", action="store_true", help="use a pyramid for every model; does not need Godot")
     parser.add_argument("--project", type=Path, default=REPO / "demo_project", help="the Godot project with the models (the demo)")

@@ -1,4 +1,4 @@
-"""Exports a bake to Godot: a file for each tile, and a scene that streams them. See READERS.md."""
+"""Exports a bake to Godot: a file for each tile and a scene that streams them. See READERS.md."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def level_nodes(drawn: Drawn, meshes: Meshes, start: int, number: int) -> list[d
     """Returns the nodes that write_tiles.gd must create for one part of a tile, one for each LOD. They share the buffer
     of `drawn`, which begins at byte `start`.
 
-    The engine measures the distance to the center of a node, but the nearest instance determines the required LOD. So
+    The engine measures the distance to the center of a node, but the nearest instance determines the required LOD. Therefore,
     the distances at which each LOD begins and ends are increased by the reach of the part."""
     layer, levels = drawn.layer, drawn.layer.models[drawn.model].levels
     entry = {
@@ -120,10 +120,10 @@ def project_of(folder: Path) -> Path:
 
 
 def check_folder(bake: Bake, folder: Path) -> None:
-    """Raises BakeError if the folder contains the bake or is inside of it, or if it has content that is not from an
-    earlier export. So an export deletes only earlier exports."""
+    """Raises BakeError if the folder contains the bake or is inside of it, or if it has content that is not from an earlier
+    export. This ensures that an export deletes only earlier exports."""
     if folder == bake.folder or folder.is_relative_to(bake.folder) or bake.folder.is_relative_to(folder):
-        raise BakeError(f"{folder} contains the bake in {bake.folder}, or is inside of it: choose a different folder")
+        raise BakeError(f"{folder} contains the bake in {bake.folder}, or is inside of it: choose another folder")
     if folder.is_dir() and any(folder.iterdir()) and not any((folder / name).is_file() for name in (INDEX, OLD_INDEX, ".unfinished")):
         raise BakeError(f"{folder} has files that are not from an export: choose an empty folder")
 
@@ -135,7 +135,7 @@ def empty(folder: Path) -> None:
 
 
 def write_scenes(bake: Bake, folder: Path, cell: float) -> None:
-    """Writes all tiles that have rows, and then the index and the scene. Replaces an earlier export. The scene is
+    """Writes all tiles that have rows, then the index and the scene. Replaces an earlier export. The scene is
     written last, so an export without it is incomplete."""
     project = project_of(folder)
     check_folder(bake, folder)

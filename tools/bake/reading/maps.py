@@ -22,8 +22,8 @@ from .bake import Bake, Layer, Tile, open_bake, read_batches
 from .say import say
 
 LONGEST = 4096  # The default maximum of a map's longer side in pixels.
-MAX_PIXELS = 2**31 - 1  # The maximum side of a PNG in pixels.
-BATCH = 1 << 18  # The number of rows of a tile to read at once.
+MAX_PIXELS = 2**31 - 1  # The maximum width and height of a PNG in pixels.
+BATCH = 1 << 18  # The number of rows of a tile to read in one call.
 
 
 class GrayPng:
@@ -52,7 +52,7 @@ class GrayPng:
 
 
 def most_in_a_pixel(radius: float, meters: float) -> int:
-    """Returns the maximum number of points in a square of side `meters` if any two of them are at least `radius` apart
+    """Returns the maximum number of points in a square with edges of `meters` if any two of them are at least `radius` apart
     (N. Oler, 1961, An inequality in the geometry of numbers)."""
     share = meters / radius
     return math.floor(2 / math.sqrt(3) * share * share + 2 * share + 1)
@@ -73,13 +73,13 @@ class Map:
         self.left, self.top, width, depth = bake.rect
         self.width, self.height = max(1, math.ceil(width / meters)), max(1, math.ceil(depth / meters))
         if max(self.width, self.height) > MAX_PIXELS:
-            raise BakeError(f"--meters {meters} results in {self.width} x {self.height} pixels, but a PNG can have at most {MAX_PIXELS} a side; choose a larger value")
+            raise BakeError(f"--meters {meters} results in {self.width} x {self.height} pixels, but the width and height of a PNG must be at most {MAX_PIXELS}; choose a larger value")
         self._slots = np.full(1 << 16, -1, np.int64)
         for slot, layer in enumerate(bake.layers):
             self._slots[layer.index] = slot
 
     def columns(self, x: np.ndarray) -> np.ndarray:
-        """Returns the pixel column of each position. Positions slightly outside the rectangle count as its outermost
+        """Returns the pixel column of each position. Positions slightly outside the rectangle belong to its outermost
         pixels."""
         return np.floor((x - self.left) / self.meters).clip(0, self.width - 1).astype(np.int64)
 
@@ -96,7 +96,7 @@ class Map:
         if most < 1:
             raise BakeError(
                 f"--memory must be {row_bytes / 1e6:g} MB or more for a row of {self.width} pixels in {len(self._bake.layers)} layers, "
-                f"got {memory / 1e6:g} MB; raise it, or choose larger --meters"
+                f"got {memory / 1e6:g} MB; increase it, or choose a larger value for --meters"
             )
         for first in range(0, self.height, most):
             band = np.zeros((len(self._bake.layers), min(most, self.height - first), self.width), np.uint32)
@@ -134,7 +134,7 @@ def file_names(layers: tuple[Layer, ...]) -> list[str]:
 
 
 def usual_meters(bake: Bake) -> float:
-    """Returns the default side of a pixel in meters: the smallest number 1, 2, 5, 10, 20, ... with which the longer
+    """Returns the default width of a pixel in meters: the smallest number 1, 2, 5, 10, 20, ... with which the longer
     side of the map has at most LONGEST pixels."""
     wanted = max(1.0, max(bake.rect[2:]) / LONGEST)
     power = 10.0 ** math.floor(math.log10(wanted))
@@ -142,8 +142,8 @@ def usual_meters(bake: Bake) -> float:
 
 
 def write_maps(bake: Bake, folder: Path, meters: float, bits: int, memory: int, progress: Callable[[float], None]) -> None:
-    """Writes a PNG for each layer, and maps.json, which describes their gray values. The PNGs appear only when all of
-    them are complete."""
+    """Writes a PNG for each layer and maps.json, which describes their gray values. The PNGs appear only when all of them are
+    complete."""
     plan = Map(bake, meters)
     grays = [gray_of_one(layer, meters, bits) for layer in bake.layers]
     names, white = file_names(bake.layers), 2**bits - 1
@@ -173,13 +173,13 @@ def write_maps(bake: Bake, folder: Path, meters: float, bits: int, memory: int, 
     write_whole(folder / "maps.json", json.dumps({**about, "height": plan.height, "bits": bits, "maps": described}, indent=1).encode())
     for entry in described:
         if entry["pixels_beyond_white"]:
-            say(f"{entry['file']}: {entry['pixels_beyond_white']} pixels have more instances than the layer's radius allows and are white; use smaller --meters to distinguish them")
+            say(f"{entry['file']}: {entry['pixels_beyond_white']} pixels have more instances than the layer's radius allows and are white; choose a smaller value for --meters to distinguish them")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", type=Path, help="the folder for the maps; created if it does not exist")
-    parser.add_argument("--meters", type=float, help=f"the side of a pixel in meters; by default a round number with which no side has more than {LONGEST} pixels")
-    parser.add_argument("--bits", type=int, choices=(8, 16), default=16, help="bits a pixel (16)")
+    parser.add_argument("--meters", type=float, help=f"the width of a pixel in meters; by default a round number with which the map is at most {LONGEST} pixels wide and high")
+    parser.add_argument("--bits", type=int, choices=(8, 16), default=16, help="bits per pixel (16)")
     parser.add_argument("--memory", type=float, default=256.0, metavar="MB", help="the approximate memory to use (256)")
 
 
@@ -192,4 +192,4 @@ def export(chosen: argparse.Namespace) -> None:
     if not (math.isfinite(chosen.memory) and chosen.memory > 0):
         raise BakeError(f"--memory must be above 0 MB, got {chosen.memory}")
     write_maps(bake, chosen.folder, meters, chosen.bits, int(chosen.memory * 1e6), lambda share: say(f"{share:.0%}"))
-    say(f"wrote {len(bake.layers)} maps to {chosen.folder}, {meters:g} m a pixel")
+    say(f"wrote {len(bake.layers)} maps to {chosen.folder}, {meters:g} m per pixel")

@@ -11,8 +11,8 @@ from .bake import Bake, Instances, Layer, Tile, center_of, groups_of
 
 TRANSFORM_FLOATS = 12
 MORE_FLOATS = 4  # The number of floats of a color or of custom data.
-SMALLEST_CELL = 16.0  # The minimum side of a cell in meters.
-FAR_TILES = 4  # The distance, in tiles, at which a whole tile may appear at once.
+SMALLEST_CELL = 16.0  # The minimum edge length of a cell in meters.
+FAR_TILES = 4  # The distance, in tiles, at which a whole tile may appear in one step.
 
 
 @dataclass(frozen=True)
@@ -53,10 +53,10 @@ def buffer_of(positions: np.ndarray, rotations: np.ndarray, scales: np.ndarray, 
 
 
 def parts_of(bake: Bake, layer: Layer, model: int, cell: float) -> int:
-    """Returns the number of cells along each side of a tile for a model. The number is 1 if nothing changes with
-    distance, or if the model has one LOD that disappears so far away that a whole tile may disappear at once.
-    Otherwise, the side of a cell is about `cell` meters. Cells are smaller if the first change happens at a short
-    distance, so that not all of a dense meadow is drawn with the finest LOD."""
+    """Returns the number of cells along each side of a tile for a model. The number is 1 if nothing changes with distance, or
+    if the model has one LOD that disappears so far away that a whole tile may disappear in one step. Otherwise, the edge length
+    of a cell is about `cell` meters. Cells are smaller if the first change happens at a short distance, so that not all of a
+    dense meadow is drawn with the finest LOD."""
     levels = layer.models[model].levels
     nearest = levels[1].begin if len(levels) > 1 else layer.view_distance
     if nearest <= 0 or (len(levels) == 1 and nearest >= FAR_TILES * bake.tile_size):

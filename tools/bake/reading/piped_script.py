@@ -1,4 +1,4 @@
-"""Runs one of our scripts in a headless Godot, and sends it jobs."""
+"""Runs one of our scripts in a headless Godot and sends it jobs."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ KEPT = 4000  # The maximum length of the quoted engine output, in characters.
 
 class PipedScript:
     """Runs `script`, from the folder SCRIPTS, in `project` until the end of the block. The script handles one job at a
-    time. A job is a dictionary and optional bytes. The script reads both with job_reader.gd, and prints a dictionary as
+    time. A job is a dictionary and optional bytes. The script reads both with job_reader.gd and prints a dictionary as
     the answer."""
 
     def __init__(self, project: Path, script: str, godot: Path = REPO / "tools/godot"):

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from .bake import Tile
 
 _CHUNK = 1 << 20
-# A file that changed within this time, in nanoseconds, counts as unsettled. It may change again without a new time
+# A file that changed within this time, in nanoseconds, is considered unsettled. It may change again without a new time
 # stamp, because time stamps have a resolution of milliseconds.
 _SETTLED_NANOSECONDS = 2 * 10**9
 
@@ -27,7 +27,7 @@ _verified: dict[Path, tuple] = {}
 
 def check(tile: Tile) -> None:
     """Raises BakeError if the digest of a tile's file differs from the manifest. A process checks a file once, and
-    again if it has changed since, or had changed just before. `sha256` in the manifest is the digest of the file's
+    again if it has changed since then or shortly before. `sha256` in the manifest is the digest of the file's
     bytes. Older manifests have only `digest`, which requires reading every row."""
     try:
         status = tile.file.stat()
@@ -40,7 +40,7 @@ def check(tile: Tile) -> None:
     if found != (tile.sha256 or tile.digest):
         what = "SHA-256" if tile.sha256 else "digest of rows"
         raise BakeError(
-            f"tile {tile} is damaged or belongs to a different bake: {tile.file} has the {what} {found}, but the manifest has {tile.sha256 or tile.digest}; "
+            f"tile {tile} is damaged or belongs to another bake: {tile.file} has the {what} {found}, but the manifest has {tile.sha256 or tile.digest}; "
             f"{tile.remedy}, or skip the check with --no-verify"
         )
     if time.time_ns() - max(status.st_mtime_ns, status.st_ctime_ns) > _SETTLED_NANOSECONDS:

@@ -1,7 +1,7 @@
 extends RefCounted
 ## Loads the mesh at a model's path. Bakes refer to meshes. Old bakes may also refer to scenes, whose models only Thicket's library can read.
 
-## A sentence with the reason why the last mesh could not be loaded.
+## The reason why the last mesh could not be loaded.
 var problem := ""
 
 
@@ -13,16 +13,16 @@ func mesh_at(path: String) -> Mesh:
 	if found is PackedScene:
 		return _finest(found, path)
 	if found == null:
-		problem = "%s cannot be loaded: is it in the project?" % path
+		problem = "%s cannot be loaded: check that it is in the project." % path
 	else:
-		problem = "%s is a %s, where a mesh or a scene is expected." % [path, found.get_class()]
+		problem = "%s must be a mesh or a scene, but is a %s." % [path, found.get_class()]
 	return null
 
 
 ## Returns the finest LOD of a scene, which only Thicket's library can read. A project that only displays bakes may lack the library.
 func _finest(scene: PackedScene, path: String) -> Mesh:
 	if not ClassDB.class_exists(&"ScatterModel"):
-		problem = "%s is a scene, which only Thicket's library can read. Install the whole add-on in this project, or bake again: new bakes hold the mesh." % path
+		problem = "%s is a scene, which only Thicket's library can read. Install the whole add-on in this project, or bake again: new bakes contain the mesh." % path
 		return null
 	var model: Resource = ClassDB.instantiate(&"ScatterModel")
 	model.set(&"scene", scene)

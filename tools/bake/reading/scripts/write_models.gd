@@ -39,7 +39,7 @@ func _write(mesh: Mesh, file: String) -> String:
 	return "" if error == OK else "it cannot be written as glTF: %s" % error_string(error)
 
 
-## Converts a shader material to a standard material, because glTF has no shaders. Keeps only vertex colors, and a color and a texture if their
+## Converts a shader material to a standard material, because glTF has no shaders. Keeps only the vertex colors, and a color and a texture if their
 ## parameters have common names.
 func _plain(shaded: ShaderMaterial) -> StandardMaterial3D:
 	var plain := StandardMaterial3D.new()

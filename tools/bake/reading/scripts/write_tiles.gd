@@ -51,12 +51,12 @@ func _take_mesh(job: Dictionary) -> String:
 			return UNWRITABLE % [job.own, error_string(error)]
 		mesh = ResourceLoader.load(job.own, "", ResourceLoader.CACHE_MODE_REPLACE)
 		if mesh == null:
-			return "%s was written and cannot be loaded: export again." % job.own
+			return "%s was written but cannot be loaded: export again." % job.own
 	_meshes.append(mesh)
 	return ""
 
 
-## Copies the surfaces of a procedural mesh, so that a game neither needs its script nor builds it again.
+## Copies the surfaces of a procedural mesh, so that a game does not need its script or build it again.
 func _built(mesh: ArrayMesh) -> ArrayMesh:
 	var plain := ArrayMesh.new()
 	plain.set(&"_surfaces", mesh.get(&"_surfaces"))
@@ -67,9 +67,9 @@ func _built(mesh: ArrayMesh) -> ArrayMesh:
 func _take_material(job: Dictionary) -> String:
 	var material := ResourceLoader.load(job.path) as Material
 	if material == null:
-		return "%s cannot be loaded as a material: is it in the project?" % job.path
+		return "%s cannot be loaded as a material: check that it is in the project." % job.path
 	if not Index.is_in_project(material.resource_path):
-		return "%s is a material inside of another file, which tiles cannot name: save it as a file of its own." % job.path
+		return "%s is a material inside another file, to which tiles cannot refer: save it to a separate file." % job.path
 	_materials.append(material)
 	return ""
 

@@ -66,7 +66,7 @@ func _init() -> void:
 	_add_row("Folder", folder_row)
 	_add_row("Name", _name)
 	_add_row("Layers", _layers)
-	_replace.text = "Replace the scatter in the scene"
+	_replace.text = "Replace these instances in the scene"
 	_replace.tooltip_text = "Adds the baked scene below the scatter, and a region that keeps the baked layers out of the rectangle."
 	rows.add_child(_replace)
 	rows.add_child(_bar)
