@@ -1,4 +1,4 @@
-"""Provides fixtures for all tests. They use the existing build: `bash tests/run.sh` builds first, and then runs pytest
+"""Provides fixtures for all tests. They use the existing build: `bash tests/run.sh` builds first and then runs pytest
 with several workers. This file also defines the order of the tests and their distribution to the workers."""
 
 from __future__ import annotations
@@ -115,8 +115,8 @@ def is_worker(config: pytest.Config) -> bool:
 
 @contextmanager
 def turn(config: pytest.Config, wants_to_be_alone: bool) -> Iterator[None]:
-    """Waits until a test may run beside the tests of other workers or, with `wants_to_be_alone`, until no other test is
-    running."""
+    """Waits until a test may run concurrently with the tests of other workers or, with `wants_to_be_alone`, until no other test
+    is running."""
     if fcntl is None or not is_worker(config):
         yield
         return

@@ -11,7 +11,7 @@ from .estimators import Spectrum, inside, near_pair_directions, pair_correlation
 ALPHA = 1e-3  # A hypothesis is rejected if its p-value is below this number.
 WRONG = 1e-6  # Deliberately wrong sets must have a p-value below this number.
 
-# Fraction of the plane that disks cover once no further disk fits (random sequential adsorption jams).
+# Fraction of the plane that disks cover once no more disk fits (random sequential adsorption jams).
 JAMMED_COVERAGE = 0.547070
 DENSITY = JAMMED_COVERAGE * 4.0 / np.pi  # Number of points per squared radius.
 
@@ -54,7 +54,7 @@ class Measured:
 
     @cached_property
     def _spectral(self) -> tuple[np.ndarray, np.ndarray]:
-        """Returns (rings, anisotropy). The spectra themselves are large, so they are not kept."""
+        """Returns (rings, anisotropy). The spectra themselves are large, so they are not stored."""
         rings, anisotropy = [], []
         for points in self.windows:
             spectrum = Spectrum(points, self.side, round(RING_EDGES[-1] * self.side))

@@ -10,7 +10,7 @@ from scipy import stats
 def _hotelling_p(squared: float, features: int, freedom: int) -> float:
     """Returns the p-value of Hotelling's T^2 with `freedom` degrees of freedom in the covariance."""
     below = freedom - features + 1
-    assert below > 0, "needs more independent sets than features"
+    assert below > 0, "there must be more independent sets than features"
     return float(stats.f.sf(squared * below / (features * freedom), features, below))
 
 

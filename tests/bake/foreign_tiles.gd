@@ -1,5 +1,5 @@
 extends SceneTree
-## Reads malicious files of a baked world, and prints the error with which each was refused. In some files, bits are flipped. In the other files,
+## Reads malicious files of a baked world and prints the error with which each was rejected. In some files, bits are flipped. In the other files,
 ## fields are replaced and the digests match. Arguments: the path of the index, and a folder for the files.
 
 const BakedFile := preload("res://addons/thicket/baked_world_file.gd")
@@ -39,7 +39,7 @@ func _print(what: String, refused: String) -> void:
 	print("case ", JSON.stringify([what, refused]))
 
 
-## Returns the error with which the first tile is refused if its file has these bytes, or an empty string if it is
+## Returns the error with which the first tile is rejected if its file has these bytes, or an empty string if it is
 ## accepted. Leaves the digest in the index unchanged.
 func _refusal_of(bytes: PackedByteArray) -> String:
 	var at := Vector2i(_index.tiles[0], _index.tiles[1])

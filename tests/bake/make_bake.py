@@ -5,7 +5,7 @@ with the Python environment of tools/bake.
 
 The world is far from the origin. It contains a tile without rows, all kinds of models, and instances slightly outside
 their tile. The layer indices have a gap, as if a layer between two others had not been baked. FOLDER/expected.npz
-contains the concatenated columns of all tiles, and the tile of each row."""
+contains the concatenated columns of all tiles and the tile of each row."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def rows_of(x: int, z: int, rng: np.random.Generator) -> dict[str, np.ndarray]:
     turn /= np.linalg.norm(turn, axis=1, keepdims=True)
     scale = np.repeat(rng.uniform(0.5, 2.0, (count, 1)), 3, axis=1)
     if count > 1:
-        scale[1] = -1.5  # A negative scale mirrors the instance, as a designer may do by hand.
+        scale[1] = -1.5  # A negative scale mirrors the instance, as a designer may do manually.
     oak = layer == 0
     return {
         "id": np.arange(count, dtype=np.uint64) + np.uint64((x - FIRST[0]) * 1000 + (z - FIRST[1]) * 10**6),

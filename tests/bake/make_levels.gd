@@ -1,6 +1,6 @@
 extends SceneTree
-## Writes levels.tscn, a scene with a scatter on the surfaces of a floor, of a bridge above it and of a wall. Prints the ids and positions of the
-## instances in the rectangle of the test's bake, as JSON. The layer's tiles are not those of the bake.
+## Writes levels.tscn, a scene with a scatter on the surfaces of a floor, of a bridge above it and of a wall. Prints the IDs and positions of the
+## instances in the rectangle of the test's bake, as JSON. The layer's tiles differ from the tiles of the bake.
 
 
 func _initialize() -> void:

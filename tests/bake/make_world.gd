@@ -1,6 +1,6 @@
 extends SceneTree
 ## Writes world.tscn, a scene with a scatter of trees and grass. The trees have colors, custom data, two meshes, and an offset along the normal that
-## moves some of them off their tiles. The grass keeps a distance from the trees, and its tile size does not divide that of the trees. In the
+## moves some of them off their tiles. The grass keeps a distance from the trees, and its tile size does not divide the tile size of the trees. In the
 ## scatter's state, some trees have been felled and some placed by hand.
 
 const Hills := preload("res://hills.gd")

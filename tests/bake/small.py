@@ -19,7 +19,7 @@ TOOLS = REPO / "tools/bake"
 
 
 def new_game(folder: Path) -> Path:
-    """Creates a project without the extension. It contains only the scripts that stream a world, and the models of the
+    """Creates a project without the extension. It contains only the scripts that stream a world and the models of the
     small bake."""
     scripts = folder / "addons/thicket"
     scripts.mkdir(parents=True)
@@ -65,7 +65,7 @@ def reader(name: str, bake: Path, *arguments: str | Path, timeout: float = 120) 
 
 
 def refused(name: str, bake: Path, *arguments: str | Path) -> str:
-    """Runs a reader that must refuse a bake and must not print a traceback. Returns the error message."""
+    """Runs a reader that must reject a bake and must not print a traceback. Returns the error message."""
     done = reader(name, bake, *arguments)
     assert done.returncode == 1 and "Traceback" not in done.stderr, done.stdout + done.stderr
     return done.stderr
@@ -84,7 +84,7 @@ def select(rows: dict[str, np.ndarray], which: np.ndarray) -> dict[str, np.ndarr
 
 
 def of_tile(rows: dict[str, np.ndarray], tile: list[int], layer: int, model: int) -> dict[str, np.ndarray]:
-    """Returns the rows of a model in a tile, sorted by rank and id."""
+    """Returns the rows of a model in a tile, sorted by rank and ID."""
     here = (rows["tile_x"] == tile[0]) & (rows["tile_z"] == tile[1]) & (rows["layer"] == layer) & (rows["model"] == model)
     found = select(rows, here)
     return select(found, np.lexsort((found["id"], found["rank"])))

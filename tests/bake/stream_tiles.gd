@@ -1,10 +1,10 @@
 extends SceneTree
-## Moves a camera through an exported world, and prints which tiles are visible at each stop. Arguments: the path of the
+## Moves a camera through an exported world and prints which tiles are visible at each stop. Arguments: the path of the
 ## scene, then one for each step:
 ##   X,Z        move there, in meters relative to the engine's origin, and wait until no tile appears or disappears
-##   offset=X   move the engine's origin to this x in the world, together with the camera
+##   offset=X   move the engine's origin to this world x, together with the camera
 ##   far=M      set view_distance
-##   other=PATH assign a different index to the node
+##   other=PATH assign another index to the node
 
 var _world: Node3D
 var _camera := Camera3D.new()

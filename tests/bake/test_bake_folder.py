@@ -1,5 +1,5 @@
 """Tests bakes from a folder into which an engine has written tiles without a driver. Such a bake must be bit-identical
-to a bake by the driver, even if an engine was killed or files were damaged in the meantime."""
+to a bake by the driver, even if an engine was killed or files were damaged before the bake."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def same(one: Baked, other: Baked) -> bool:
     )
 
 
-def test_a_bake_from_a_folder_equals_the_drivers_own(baked, made, tmp_path):
+def test_a_bake_from_a_folder_equals_that_of_the_driver(baked, made, tmp_path):
     """Checks that all files are equal, including the models. The manifests must also be equal, except for the costs."""
     moved = shutil.copytree(made, tmp_path / "elsewhere")
     other = bake_of(moved, tmp_path / "out")
@@ -70,8 +70,8 @@ def test_a_bake_from_a_folder_equals_the_drivers_own(baked, made, tmp_path):
     assert [path.name for path in other.out.glob("models/*")] == [path.name for path in baked.out.glob("models/*")]
 
 
-def test_shares_add_up_to_the_whole(world, baked, tmp_path):
-    """Checks that two engines can generate their shares independently, in two folders that are then merged."""
+def test_parts_add_up_to_the_whole(world, baked, tmp_path):
+    """Checks that two engines can generate their parts independently, in two folders that are then merged."""
     engines = [
         subprocess.Popen(command(world, "scene=res://world.tscn", f"out={tmp_path / str(share)}", *ASKED, f"share={share}/2"), stdout=subprocess.DEVNULL)
         for share in (1, 2)
@@ -85,7 +85,7 @@ def test_shares_add_up_to_the_whole(world, baked, tmp_path):
 
 
 def test_chosen_tiles_and_layers_with_the_default_tile_size(world, tmp_path):
-    """Checks that the result equals the driver's own bake with the same arguments."""
+    """Checks that the result equals the driver's bake with the same arguments."""
     rect = f"{-RECT[2]},{-RECT[3]},900,700.5"
     done = make(world, tmp_path / "made", f"rect={rect}", "layers=Trees", "tiles=-1,0 0,0")
     assert done.returncode == 0 and "2 tiles generated, 0 kept" in done.stdout, done.stdout + done.stderr
@@ -142,7 +142,7 @@ def test_the_bake_reports_missing_and_damaged_tiles(world, baked, made, tmp_path
     assert whole.code == 0 and "3 of them generated in this run" in whole.said and same(whole, baked), whole.said
 
 
-def test_failing_tiles_are_reported_and_others_made(world, tmp_path):
+def test_failing_tiles_are_reported_and_others_generated(world, tmp_path):
     with ground(world, "bad"):
         broken = make(world, tmp_path / "made")
     assert broken.returncode == 1 and "tile 1,0 failed. Tile" in broken.stderr and "16 tiles generated, 0 already present, 4 failed" in broken.stdout, broken.stderr
@@ -150,9 +150,9 @@ def test_failing_tiles_are_reported_and_others_made(world, tmp_path):
     assert completed.returncode == 0 and "4 tiles generated, 16 kept" in completed.stdout, completed.stdout + completed.stderr
 
 
-def test_a_changed_scene_is_noticed(world, made, tmp_path):
-    """Checks that a folder is refused if the scene has changed, and that a bake refuses a tile that was copied from a
-    different scene."""
+def test_a_changed_scene_is_detected(world, made, tmp_path):
+    """Checks that a folder is rejected if the scene has changed, and that a bake rejects a tile that was copied from another
+    scene."""
     other_world = shutil.copytree(world, tmp_path / "project", symlinks=True)
     scene = other_world / "world.tscn"
     scene.write_text(scene.read_text().replace("max_scale = 2.0", "max_scale = 2.25"))
@@ -160,7 +160,7 @@ def test_a_changed_scene_is_noticed(world, made, tmp_path):
     refused = make(other_world, folder)
     assert refused.returncode == 2 and "these parts of the scene differ: layer 0 (Trees)." in refused.stderr, refused.stderr
     scene.write_text((world / "world.tscn").read_text().replace("view_distance = ", "view_distance = 1"))
-    assert scene.read_text() != (world / "world.tscn").read_text() and make(other_world, folder).returncode == 0, "drawing settings do not matter"
+    assert scene.read_text() != (world / "world.tscn").read_text() and make(other_world, folder).returncode == 0, "drawing settings have no effect"
     scene.write_text((world / "world.tscn").read_text().replace("max_scale = 2.0", "max_scale = 2.25"))
     refused = make(world, folder, "rect=0,0,64,64", "tile_size=32")
     assert refused.returncode == 2 and "contains tiles of another bake: the rectangle is different" in refused.stderr, refused.stderr
@@ -213,13 +213,13 @@ REFUSED_RECT = "rect must be X,Z,WIDTH,DEPTH in meters, with a width and a depth
         (["connect=1", "token=x"], "connect is '1', but no driver listens"),
     ],
 )
-def test_invalid_arguments_are_refused_with_a_sentence(world, arguments, sentence):
+def test_invalid_arguments_are_rejected_with_a_message(world, arguments, sentence):
     done = run(command(world, "scene=res://world.tscn", *arguments), 60)
     assert done.returncode == 2 and f"bake_world: {sentence}" in done.stderr, done.stderr
     assert "SCRIPT ERROR" not in done.stderr and not Path("/tmp/made").exists(), done.stderr
 
 
-def test_options_that_the_folder_fixes_are_refused(made, tmp_path):
+def test_options_that_the_folder_determines_are_rejected(made, tmp_path):
     for options, sentence in ((USUAL[:2], "--rect is -70"), (["--layers", "Trees"], "--layers is Trees, but the tiles in")):
         refused = bake_of(made, tmp_path / "out", *options)
         assert refused.code == 2 and sentence in refused.said and "already have a fixed value" in refused.said, refused.said
@@ -230,7 +230,7 @@ def test_options_that_the_folder_fixes_are_refused(made, tmp_path):
 
 
 def test_a_missing_library_is_reported(godot, tmp_path):
-    """Checks that, without a library for the processor, the bake prints one sentence with a remedy and no script
+    """Checks that, without a library for the processor, the bake prints one error with a fix and no script
     error."""
     addon = tmp_path / "addons/thicket"
     shutil.copytree(REPO / "demo_project/addons/thicket", addon, ignore=shutil.ignore_patterns("bin", "*.gdextension*"))

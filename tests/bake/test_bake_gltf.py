@@ -44,7 +44,7 @@ def glbs(bake, game, tmp_path_factory) -> Path:
     return folder
 
 
-def test_gltf_has_every_instance(glbs, expected):
+def test_gltf_contains_every_instance(glbs, expected):
     """Checks that each tile has a node for each layer and model, with all instances. Positions must be exact to 0.01
     mm, rotations to 1e-6, and scales and colors bit for bit."""
     files = sorted(glbs.iterdir())
@@ -71,7 +71,7 @@ def test_gltf_has_every_instance(glbs, expected):
     assert seen == len(expected["id"]) - int(((expected["layer"] == 2) & (expected["model"] == 1)).sum())
 
 
-def test_gltf_has_the_models(glbs):
+def test_gltf_contains_the_models(glbs):
     """Checks that the files contain the engine's meshes with their materials: the cylinder is 6 m high, and the rock
     consists of two boxes."""
     content, binary = parse(next(iter(sorted(glbs.iterdir()))))

@@ -21,7 +21,7 @@ def map_of(folder: Path, name: str) -> tuple[np.ndarray, dict]:
 
 
 def counted(rows: dict[str, np.ndarray], layer: int, meters: float, width: int, height: int) -> np.ndarray:
-    """Returns the number of a layer's instances in each pixel. Instances beyond the border count for the pixels at the
+    """Returns the number of a layer's instances in each pixel. Instances beyond the border belong to the pixels at the
     border."""
     here = rows["layer"] == layer
     columns = ((rows["x"][here] - 3_000_010) // meters).clip(0, width - 1).astype(int)
@@ -33,7 +33,7 @@ def counted(rows: dict[str, np.ndarray], layer: int, meters: float, width: int, 
 
 @pytest.mark.parametrize(("meters", "memory", "size"), [(None, "256", (180, 130)), (7.3, "0.005", (25, 18)), (200.0, "256", (1, 1)), (0.5, "0.05", (360, 260))])
 def test_maps_count_every_instance(bake, expected, tmp_path, meters, memory, size):
-    """Checks that the counts can be computed for any pixel size, whether the map is created at once or in bands of a
+    """Checks that the counts can be computed for any pixel size, whether the map is created as a whole or in bands of a
     few rows."""
     options = [] if meters is None else ["--meters", str(meters)]
     done = reader("maps", bake, tmp_path / "maps", *options, "--memory", memory)
@@ -64,7 +64,7 @@ def test_maps_of_8_bits(bake, expected, tmp_path):
 
 
 def test_memory_for_maps_is_bounded(bake, tmp_path):
-    """Checks that a map with a hundred million pixels, which would need 600 MB at once, takes less than an eighth of
+    """Checks that a map with a hundred million pixels, which would need 600 MB as a whole, takes less than an eighth of
     that memory. The memory of Python and Arrow is not included."""
     script = (
         "import resource, sys; from pathlib import Path; from reading import bake, maps; "
@@ -88,11 +88,11 @@ def test_memory_for_maps_is_bounded(bake, tmp_path):
         (["--memory", "-1"], "--memory must be above 0 MB, got -1.0"),
     ],
 )
-def test_invalid_options_of_maps_are_refused(bake, tmp_path, options, says):
+def test_invalid_options_of_maps_are_rejected(bake, tmp_path, options, says):
     assert says in refused("maps", bake, tmp_path, *options)
 
 
-def test_a_layer_that_is_not_in_the_manifest_is_refused(copy, tmp_path):
+def test_a_layer_that_is_not_in_the_manifest_is_rejected(copy, tmp_path):
     edit_manifest(copy, layers=manifest_of(copy)["layers"][1:])
     for name, options in (("maps", []), ("gltf", ["--stand-ins"])):
         assert "has instances of layer 0" in refused(name, copy, tmp_path / name, *options)

@@ -67,7 +67,7 @@ def check_areas(rect: list[float], grid: TileGrid, parts: dict[str, list[dict]],
         assert np.array_equal(homes, (wanted[0] & wanted[1]).astype(int)), (grid.tile_size, game)
 
 
-def test_processor_time_of_an_engine_that_has_ended_still_counts():
+def test_processor_time_of_an_ended_engine_is_included():
     """Checks that the CPU time of an engine that has exited is not lost. Otherwise, the tile during which it exits
     would have a negative cost in the manifest."""
     busy = subprocess.Popen([sys.executable, "-c", "while True: pass"])
@@ -102,7 +102,7 @@ def test_a_scheduler_without_workers_is_reported(monkeypatch):
 
 
 class SlowTile:
-    """Takes the place of `tile.make`. Counts the tiles that are made at the same time."""
+    """Replaces `tile.make`. Counts the tiles that are generated concurrently."""
 
     lock = threading.Lock()
     now = 0
@@ -154,8 +154,8 @@ def test_a_leftover_that_cannot_be_removed_is_reported(tmp_path):
 
 
 def test_an_unusable_manifest_is_reported(tmp_path):
-    """Checks that a file that is not a manifest is replaced with a message, and that a manifest with a missing or
-    invalid field is refused."""
+    """Checks that a file that is not a manifest is replaced with a message, and that a manifest with a missing or invalid field
+    is rejected."""
     request = driver.BakeRequest(Source(("godot",), "/nowhere", "res://world.tscn"), tmp_path)
     said: list[str] = []
     driver._resume(request, dict(WORLD), said.append)
@@ -179,7 +179,7 @@ def test_an_unusable_manifest_is_reported(tmp_path):
         (["--project", "/nowhere"], "--project must be a folder with a project.godot, got /nowhere"),
     ],
 )
-def test_a_bake_is_refused_before_an_engine_starts(tmp_path, capsys, options, sentence):
+def test_a_bake_is_rejected_before_an_engine_starts(tmp_path, capsys, options, sentence):
     try:
         code = main(["res://world.tscn", str(tmp_path / "out"), *options])
     except SystemExit as ended:
@@ -187,13 +187,13 @@ def test_a_bake_is_refused_before_an_engine_starts(tmp_path, capsys, options, se
     assert code == 2 and sentence in capsys.readouterr().err and not (tmp_path / "out").exists()
 
 
-def test_a_forecast_refuses_workers_that_are_not_numbers(tmp_path, capsys):
+def test_a_forecast_rejects_workers_that_are_not_numbers(tmp_path, capsys):
     with pytest.raises(SystemExit):
         schedule.main([str(tmp_path), "--workers", "1,many"])
     assert "--workers must be integers separated by commas, such as 1,10,100, got '1,many'" in capsys.readouterr().err
 
 
-def test_a_model_without_json_is_no_binary_gltf():
+def test_a_model_without_json_is_not_binary_gltf():
     with pytest.raises(GlbError, match="JSON cannot be read"):
         read_glb(np.array([MAGIC, 2, 20, 0, BINARY_CHUNK], "<u4").tobytes())
 
@@ -233,7 +233,7 @@ for write in (streamed, glb, lambda path, size: write_whole(path, bytes(size))):
 
 
 def test_a_full_disk_keeps_the_old_file(tmp_path):
-    """Checks that the error is a sentence, the old file is unchanged, and no other file is left, for files of the baker
+    """Checks that the error is a readable message, the old file is unchanged, and no other file is left, for files of the baker
     and the readers."""
     done = run([sys.executable, "-c", FULL_DISK, tmp_path], timeout=60, cwd=REPO)
     sentence = f"Cannot write {tmp_path / 'file'}: File too large. Free space there, or choose a writable folder."
@@ -241,8 +241,8 @@ def test_a_full_disk_keeps_the_old_file(tmp_path):
 
 
 def test_an_unrelated_error_during_writing_is_passed_on(tmp_path):
-    """Checks that an error of other code in the block, such as reading a different file, is not reported as a failure
-    to write this file."""
+    """Checks that an error of other code in the block, such as reading another file, is not reported as a failure to write this
+    file."""
     path = tmp_path / "file"
     write_whole(path, b"old")
     with pytest.raises(FileNotFoundError, match="missing"), whole_file(path) as file:

@@ -1,4 +1,4 @@
-"""Tests that the readers of a bake refuse damaged files. Also tests the export of a bake to Godot, and the node that
+"""Tests that the readers of a bake reject damaged files. Also tests the export of a bake to Godot, and the node that
 streams the exported world."""
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from helpers.engine_output import complaints
 # Errors in a bake, for all readers
 
 
-def test_a_folder_without_a_bake_is_refused(tmp_path):
+def test_a_folder_without_a_bake_is_rejected(tmp_path):
     assert f"{tmp_path} is not a bake: it does not contain manifest.json" in refused("maps", tmp_path, tmp_path / "maps")
 
 
@@ -36,13 +36,13 @@ def test_a_folder_without_a_bake_is_refused(tmp_path):
         ({"tiles": {"0,0": {"file": "../../other", "rows": 1, "digest": "0" * 64}}}, "the file of tile 0,0 is outside of the bake"),
     ],
 )
-def test_an_invalid_manifest_is_refused(copy, tmp_path, values, says):
+def test_an_invalid_manifest_is_rejected(copy, tmp_path, values, says):
     edit_manifest(copy, **values)
     assert says in refused("maps", copy, tmp_path / "maps")
 
 
-def test_damaged_tiles_are_refused(copy, tmp_path):
-    """Checks that a missing, truncated or swapped tile is refused, with the name of the file and the command that bakes
+def test_damaged_tiles_are_rejected(copy, tmp_path):
+    """Checks that a missing, truncated or swapped tile is rejected, with the name of the file and the command that bakes
     the tile again."""
     first, second = (copy / f"tiles/tile_{x}_-20002.parquet" for x in (60000, 60001))
     whole = first.read_bytes()
@@ -59,7 +59,7 @@ def test_damaged_tiles_are_refused(copy, tmp_path):
     assert "tile_60001_-20002.parquet is damaged" in refused("gltf", copy, tmp_path / "gltf", "--stand-ins", "--no-verify")
 
 
-def test_an_unwritable_folder_is_refused_by_name(copy, tmp_path):
+def test_an_unwritable_folder_is_rejected_by_name(copy, tmp_path):
     (tmp_path / "file").write_text("mine")
     for writer, options in (("maps", ()), ("gltf", ("--stand-ins",))):
         said = refused(writer, copy, tmp_path / "file", *options)
@@ -132,7 +132,7 @@ def test_exported_tiles_have_every_instance_at_its_baked_position(nodes, expecte
                 cells = np.unique((want[:, [0, 2], 3] > 0) & (name != "Oak_1"), axis=0)
                 assert len(here) == len(cells), "only models that change with distance have cells"
                 for part in np.split(ranks, np.cumsum([len(node["rows"]) for node in here])[:-1]):
-                    assert (np.diff(part) >= 0).all(), "the front of a buffer is the thinned cell"
+                    assert (np.diff(part) >= 0).all(), "a cell is thinned from the end of its buffer"
                 seen += len(rows) if level != "_LOD1" else 0
     empty_models = int(((expected["layer"] == 2) & (expected["model"] == 1)).sum())
     assert empty_models > 0 and seen == len(expected["id"]) - empty_models
@@ -151,8 +151,8 @@ def test_meshes_are_referenced_or_copied_once(nodes, world, bake):
 
 
 def test_levels_of_detail_have_no_gap_and_never_begin_too_early(nodes):
-    """Checks that a level begins where the previous one ends, measured from the same center. No instance nearer than 40
-    m may have the coarse level."""
+    """Checks that a level begins where the previous one ends, measured from the same center. No instance nearer than 40 m may
+    use the coarse level."""
     fine = {(*node["tile"], node["name"][:-5]): node for node in nodes if node["name"].endswith("_LOD0")}
     coarse = {(*node["tile"], node["name"][:-5]): node for node in nodes if node["name"].endswith("_LOD1")}
     assert fine.keys() == coarse.keys() and len(fine) >= 11
@@ -184,8 +184,8 @@ def test_cells_are_smaller_if_levels_change_nearby(godot, copy, game):
 
 
 def test_an_export_only_replaces_an_earlier_export(bake, game, world, tmp_path):
-    """Checks that the export keeps other files, and that it refuses a folder outside a project and a project without
-    the scripts."""
+    """Checks that the export keeps other files, and that it rejects a folder outside a project and a project without the
+    scripts."""
     foreign = game / "mine"
     foreign.mkdir()
     (foreign / "tiles.txt").write_text("mine")
@@ -204,7 +204,7 @@ def test_an_export_only_replaces_an_earlier_export(bake, game, world, tmp_path):
     assert sorted(file.name for file in (again / "tiles").iterdir()) == sorted(file.name for file in (world / "tiles").iterdir())
 
 
-def test_an_unavailable_model_is_named(copy, game):
+def test_an_unavailable_model_is_reported_by_name(copy, game):
     layers = manifest_of(copy)["layers"]
     layers[0]["models"][1] = {"path": "res://gone.tscn", "name": "rock"}  # Older manifests contain paths of scenes.
     edit_manifest(copy, layers=layers)
@@ -229,7 +229,7 @@ def distance(tile: str, place: tuple[float, float]) -> float:
 
 
 @pytest.mark.parametrize("engine", ["godot", "godot_xvfb"])
-def test_tiles_come_and_go_with_the_camera(engine, game, world, bake, request):
+def test_tiles_appear_and_disappear_with_the_camera(engine, game, world, bake, request):
     """Checks that exactly the tiles within the view distance appear, and that tiles disappear when they are a quarter
     of a tile beyond it. The content must match the manifest. Runs with and without a renderer, because files are read
     on threads only with a renderer."""
@@ -256,7 +256,7 @@ def test_tiles_come_and_go_with_the_camera(engine, game, world, bake, request):
 
 
 def test_work_in_a_frame_is_bounded(godot, game, world):
-    """Checks that, with a tiny time budget, one tile is added per frame, however many tiles are ready."""
+    """Checks that, with a tiny time budget, one tile is added per frame, regardless of how many tiles are ready."""
     stops, _ = stops_of(godot, game, "90,-40", "far=200")
     assert stops[1]["most"] == 1 and len(stops[1]["tiles"]) == 11
 

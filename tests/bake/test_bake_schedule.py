@@ -29,7 +29,7 @@ def test_the_driver_serves_one_at_a_time():
     assert schedule.forecast(costs, 10, 1010.0).bound == "tiles"
 
 
-def test_the_bottleneck_of_a_bake_is_named():
+def test_the_bottleneck_of_a_bake_is_reported():
     uneven = Costs([1.0] * 99 + [50.0], start=0.0, driver=0.001, bytes=10)
     assert schedule.forecast(uneven, 100, 149.0).bound == "the longest tile"
     assert schedule.simulate(uneven, 100) >= 50.0
@@ -37,7 +37,7 @@ def test_the_bottleneck_of_a_bake_is_named():
     assert schedule.forecast(slow_start, 100, 130.0).bound == "engines that start"
 
 
-def test_shared_cores_bound_a_bake():
+def test_shared_cores_limit_a_bake():
     """Checks that the driver's work also uses the cores, and that more workers than cores do not make a bake faster."""
     costs = Costs([1.0] * 100, start=2.0, driver=0.1, bytes=10)
     assert schedule.simulate(costs, 2, cores=2) == pytest.approx(2.0 + (100.0 + 10.0) / 2, abs=0.2)
@@ -63,7 +63,7 @@ def test_a_larger_world_costs_as_much_as_its_tiles():
     assert schedule.larger(costs, 10000).tiles == world.tiles
 
 
-def test_a_bake_without_costs_is_refused(tmp_path, capsys):
+def test_a_bake_without_costs_is_rejected(tmp_path, capsys):
     assert schedule.main([str(tmp_path / "none")]) == 2
     (tmp_path / "manifest.json").write_text(json.dumps({"format": FORMAT, "tiles": {"0,0": {"seconds": 1.0, "core_seconds": 1.2}}, "costs": None}))
     assert schedule.main([str(tmp_path)]) == 2

@@ -9,7 +9,7 @@ from bake.world import BAKES, bake
 from conftest import REPO, new_project, run
 
 
-def test_a_bake_has_every_level(tmp_path):
+def test_a_bake_contains_every_level(tmp_path):
     """Checks that a bake has the instances of the running scene on floor, bridge and wall, for two sizes of tiles."""
     project = tmp_path / "project"
     project.mkdir()

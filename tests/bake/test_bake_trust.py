@@ -1,5 +1,5 @@
-"""Tests damaged and untrusted bakes. Each changed bit of a tile must be detected, and an invalid manifest must lead to
-an error message, whatever its content."""
+"""Tests damaged and untrusted bakes. Each changed bit of a tile must be detected, and any invalid manifest must result in an
+error message."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ def test_in_older_bakes_no_undetected_change_affects_an_instance(bake):
 
 
 def test_every_reader_verifies_by_default(bake, tmp_path, capsys):
-    """Checks that a valid file with the right number of rows, but different ones, is accepted only with --no-verify."""
+    """Checks that a valid file with the right number of rows, but with other rows, is accepted only with --no-verify."""
     file = bake / "tiles/tile_60000_-20002.parquet"
     columns = rows.to_columns(files.pq.read_table(file).replace_schema_metadata(None))
     columns["x"] = columns["x"] + 1.0
@@ -142,8 +142,8 @@ def edit_layers(bake: Path) -> None:
 
 
 def test_a_file_is_verified_once_until_it_changes(bake, monkeypatch):
-    """Checks that a file is verified again only if its time or size changes. A recently written file is not remembered,
-    because it could change again within the same clock tick."""
+    """Checks that a file is verified again only if its time or size changes. The result for a recently written file is not
+    remembered, because the file could change again within the same clock tick."""
     file = bake / "tiles/tile_60000_-20002.parquet"
     hashed = []
     digest_of = verify._bytes_digest
@@ -189,7 +189,7 @@ def paths_in(value: object, path: tuple = ()) -> Iterator[tuple]:
 
 def replaced(manifest: dict) -> Iterator[str]:
     """Yields variants of the manifest in which a value is removed, wrapped in a list, or replaced by one of HOSTILE. In
-    some variants, the tile has a different key instead."""
+    some variants, the tile has another key instead."""
     for path in paths_in(manifest):
         for value in (*HOSTILE, "remove", "wrap", *(["rename"] if path[-1] == TILE else [])):
             changed = copy.deepcopy(manifest)
@@ -232,7 +232,7 @@ def spoiled(text: str) -> Iterator[bytes]:
 def said_of(bake: Path, out: Path, capsys) -> list[tuple[int, str]]:
     """Runs each command that reads the manifest. Returns its exit code and output."""
     found = [(main([str(bake), "maps", str(out)]), capsys.readouterr().err)]
-    if found[0][0] == 0:  # If the bake cannot be opened, the same code would refuse the manifest for the other commands.
+    if found[0][0] == 0:  # If the bake cannot be opened, the same code would reject the manifest in the other commands.
         found.append((main([str(bake), "gltf", str(out), "--stand-ins"]), capsys.readouterr().err))
     found.append((schedule.main([str(bake), "--workers", "2"]), capsys.readouterr().err))
     request = driver.BakeRequest(Source(("godot",), "/nowhere", "res://world.tscn"), bake)
@@ -246,8 +246,8 @@ def said_of(bake: Path, out: Path, capsys) -> list[tuple[int, str]]:
 
 
 def check_said(bake: Path, out: Path, content: bytes | str, capsys) -> int:
-    """Returns the number of commands that refuse a manifest. Fails the test if a command raises an unexpected exception
-    or its message is too short."""
+    """Returns the number of commands that reject a manifest. Fails the test if a command raises an unexpected exception or its
+    message is too short."""
     (bake / MANIFEST).write_bytes(content if isinstance(content, bytes) else content.encode("utf-8", "surrogatepass"))
     try:
         found = said_of(bake, out, capsys)
@@ -259,7 +259,7 @@ def check_said(bake: Path, out: Path, content: bytes | str, capsys) -> int:
 
 
 @pytest.mark.parametrize("part", range(2))
-def test_a_manifest_with_any_content_results_in_a_sentence(bake, tmp_path, capsys, part):
+def test_a_manifest_with_any_content_results_in_a_message(bake, tmp_path, capsys, part):
     """Checks thousands of manifests in which a field is missing, of a different type, huge, negative, not a number, or
     nested."""
     good = (bake / MANIFEST).read_text()
@@ -270,7 +270,7 @@ def test_a_manifest_with_any_content_results_in_a_sentence(bake, tmp_path, capsy
     assert len(contents) > 1500 and refused > 0.7 * len(contents), (refused, len(contents))
 
 
-def test_a_damaged_text_results_in_a_sentence(bake, tmp_path, capsys):
+def test_a_damaged_text_results_in_a_message(bake, tmp_path, capsys):
     good = (bake / MANIFEST).read_text()
     (tmp_path / "good.json").write_text(good)
     contents = list(spoiled(good))
@@ -286,7 +286,7 @@ MADE = {
 
 
 class AtOnce:
-    """Replaces a Dask client, and runs submitted functions immediately."""
+    """Replaces a Dask client and runs submitted functions immediately."""
 
     def __init__(self):
         self.value = None
@@ -299,7 +299,7 @@ class AtOnce:
         return self.value
 
 
-def test_a_folder_of_tiles_with_any_content_results_in_a_sentence(tmp_path):
+def test_a_folder_of_tiles_with_any_content_results_in_a_message(tmp_path):
     """Checks folders such as bake_world.gd writes. Reads each folder up to its first tile."""
     made = tmp_path / "made"
     made.mkdir()
@@ -324,7 +324,7 @@ def test_a_folder_of_tiles_with_any_content_results_in_a_sentence(tmp_path):
     assert 0.6 * len(contents) < refused < len(contents)
 
 
-def test_a_refusal_has_the_field_its_range_and_a_remedy(bake):
+def test_an_error_names_the_field_its_range_and_how_to_fix_it(bake):
     manifest = json.loads((bake / MANIFEST).read_text())
     manifest["layers"][1]["models"][0]["path"] = 5
     (bake / MANIFEST).write_text(json.dumps(manifest))

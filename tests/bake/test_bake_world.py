@@ -1,5 +1,5 @@
-"""Tests bakes of a world into files. The files must contain the instances of the running game, whatever the number of
-workers and the order of tiles. A bake must survive killed workers, and detect damaged or changed files."""
+"""Tests bakes of a world into files. The files must contain the instances of the running game, regardless of the number of
+workers and the order of tiles. A bake must survive killed workers and detect damaged or changed files."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def test_manifest_describes_the_bake(baked):
     assert manifest["digest"] in baked.said
 
 
-def test_costs_count_the_engine_too(world, baked):
+def test_costs_include_the_engine(world, baked):
     """Checks that the cost of a tile includes the CPU time of the engine, even if a wrapper script runs the engine."""
     engine = TileEngine(Source((str(REPO / "tools/godot"),), str(world), "res://world.tscn"))
     try:
@@ -100,7 +100,7 @@ def test_files_match_the_manifest(baked):
         assert np.allclose(np.sum(turns**2, axis=0), 1.0, atol=1e-6)
 
 
-def test_digests_follow_from_the_rows(baked):
+def test_digests_depend_only_on_the_rows(baked):
     """Checks that an independent implementation, written from the documentation, computes the same digests."""
     types = {pa.uint64(): "<u8", pa.uint16(): "<u2", pa.uint32(): "<u4", pa.float64(): "<f8", pa.float32(): "<f4"}
     lines = []
@@ -119,7 +119,7 @@ def test_digests_follow_from_the_rows(baked):
 
 
 def rows_of_the_game(world: Path, file: Path) -> dict[tuple, tuple]:
-    """Returns the instances of a running game, keyed by layer and id. Each is a tuple: id, position, rotation, scale,
+    """Returns the instances of a running game, keyed by layer and ID. Each is a tuple: ID, position, rotation, scale,
     rank, the floats of color and custom data, and the model."""
     done = run([REPO / "tools/godot", "--headless", "--path", world, "--script", "game.gd", "--", file], timeout=120)
     assert done.returncode == 0, done.stdout + done.stderr
@@ -141,7 +141,7 @@ def rows_of_the_game(world: Path, file: Path) -> dict[tuple, tuple]:
     return found
 
 
-def test_files_have_the_instances_of_the_game(world, baked, tmp_path):
+def test_files_contain_the_instances_of_the_game(world, baked, tmp_path):
     """Checks that the files contain every instance of the game in the rectangle and no other, bit for bit."""
     shown = rows_of_the_game(world, tmp_path / "rows")
     made = baked.rows()
@@ -163,7 +163,7 @@ def test_files_have_the_instances_of_the_game(world, baked, tmp_path):
     assert not near, "felled trees are in the bake"
 
 
-def test_one_worker_in_a_different_order_makes_the_same(world, baked, tmp_path):
+def test_one_worker_in_a_different_order_generates_the_same_tiles(world, baked, tmp_path):
     other = bake(world, tmp_path / "out", "--workers", "1", "--shuffle", "5")
     assert other.code == 0, other.said
     assert other.manifest["digest"] == baked.manifest["digest"]
@@ -172,15 +172,15 @@ def test_one_worker_in_a_different_order_makes_the_same(world, baked, tmp_path):
     }
 
 
-def test_a_tile_size_that_fits_no_layer_gives_the_same_instances(world, baked, tmp_path):
+def test_a_tile_size_that_fits_no_layer_produces_the_same_instances(world, baked, tmp_path):
     other = bake(world, tmp_path / "out", "--tile-size", "27", "--workers", "2")
     assert other.code == 0 and "cut through tiles of the game" in other.said, other.said
     assert other.rows() == baked.rows()
 
 
 def test_adjacent_bakes_form_one_world(world, baked, tmp_path):
-    """Checks that bakes of adjacent parts, which meet along tile edges, have the same tiles as a bake of the whole. The
-    documented code must read the parts together and compute the digest of the whole."""
+    """Checks that bakes of adjacent parts, which meet along tile edges, have the same tiles as a bake of the whole rectangle.
+    The documented code must read the parts together and compute the digest of the whole."""
     parts = []
     for name, rect in {"west": "-70,-50,70,100", "east": "0,-50,60,100"}.items():
         parts.append(bake(world, tmp_path / name, "--rect", rect, "--workers", "1"))
@@ -194,9 +194,9 @@ def test_adjacent_bakes_form_one_world(world, baked, tmp_path):
     assert together.to_table().sort_by(order).equals(ds.dataset(baked.out / "tiles").to_table().sort_by(order))
 
 
-def test_damaged_files_are_made_again(world, baked, tmp_path):
+def test_damaged_files_are_regenerated(world, baked, tmp_path):
     """Checks that truncated, changed, swapped and missing files are generated again. Valid files must be kept, even
-    though the manifest is damaged as well. Leftovers of a killed bake and tiles of a different bake must be removed."""
+    though the manifest is damaged as well. Leftovers of a killed bake and tiles of another bake must be removed."""
     spoiled = copied(baked, tmp_path / "out")
     names = sorted(spoiled.manifest["tiles"])
     before = {name: spoiled.file(name).read_bytes() for name in names}
@@ -228,7 +228,7 @@ def test_a_bake_of_some_tiles_does_not_list_missing_files(world, baked, tmp_path
     assert gone not in again.manifest["tiles"] and not again.manifest["complete"] and again.manifest["digest"] is None
 
 
-def test_a_changed_scene_is_refused(world, baked, tmp_path):
+def test_a_changed_scene_is_rejected(world, baked, tmp_path):
     other_world = shutil.copytree(world, tmp_path / "project", symlinks=True)
     out = copied(baked, tmp_path / "out").out
     scene = other_world / "world.tscn"
@@ -247,7 +247,7 @@ def test_a_changed_scene_is_refused(world, baked, tmp_path):
     assert fresh.manifest["digest"] != baked.manifest["digest"]
 
 
-def test_a_second_bake_into_the_folder_is_refused(world, baked, tmp_path):
+def test_a_second_bake_into_the_folder_is_rejected(world, baked, tmp_path):
     out = copied(baked, tmp_path / "out").out
     with (out / ".lock").open("a+") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
@@ -257,7 +257,7 @@ def test_a_second_bake_into_the_folder_is_refused(world, baked, tmp_path):
     assert refused.code == 2 and "the rectangle is [-70.0, -50.0, 130.0, 100.0]" in refused.said, refused.said
 
 
-def test_failing_tiles_are_reported_and_others_made(world, baked, tmp_path):
+def test_failing_tiles_are_reported_and_others_generated(world, baked, tmp_path):
     with ground(world, "bad"):
         broken = bake(world, tmp_path / "out", "--workers", "2")
     assert broken.code == 1 and "tile 1,0 failed. Tile" in broken.said and "heights" in broken.said, broken.said
@@ -297,7 +297,7 @@ def test_a_full_disk_stops_with_an_error(world, baked, tmp_path):
         (["--scheduler", "tcp://127.0.0.1:1"], "No Dask scheduler answers at tcp://127.0.0.1:1"),
     ],
 )
-def test_invalid_requests_are_refused_with_a_sentence(world, tmp_path, options, sentence):
+def test_invalid_requests_are_rejected_with_a_message(world, tmp_path, options, sentence):
     refused = bake(world, tmp_path / "out", "--workers", "1", *options)
     assert refused.code == 2 and sentence in refused.said and "Traceback" not in refused.said, refused.said
 

@@ -1,5 +1,4 @@
-"""Tests that ScatterBakedWorld refuses untrusted and damaged files with an error message, and runs no code from
-them."""
+"""Tests that ScatterBakedWorld rejects untrusted and damaged files with an error message and does not run code from them."""
 
 from __future__ import annotations
 
@@ -61,7 +60,7 @@ def errors_of(engine, game: Path, *steps: str) -> tuple[list[dict], list[str], s
 
 
 def test_an_unusable_tile_is_reported_and_the_others_appear(godot, game, hurt):
-    """Tests four tiles: one file is missing, one is not a tile, one is from a different position, and one has a changed
+    """Tests four tiles: one file is missing, one is not a tile, one is from another position, and one has a changed
     bit. Checks that each causes one error with the name of the file, and that the other tiles appear."""
     tiles = hurt / "tiles"
     (tiles / f"{FIRST}.baked").unlink()
@@ -96,10 +95,10 @@ def test_foreign_scripts_do_not_run(engine, game, hurt, request):
     assert "CODE OF THE TILE RUNS" not in printed
     assert sorted(stops[-1]["failed"]) == [[60000, -20002], [60001, -20002]] and len(errors) == 2, printed[-4000:]
     proof = request.getfixturevalue("godot")(["--path", game, "--script", BAKES / "instantiate.gd", "--", "res://evil.tscn"], timeout=60)
-    assert "CODE OF THE TILE RUNS" in proof.stdout, "loading the scene does run its code"
+    assert "CODE OF THE TILE RUNS" in proof.stdout, "loading the scene runs its code"
 
 
-def test_foreign_files_are_refused_for_their_values(godot, game, world, tmp_path):
+def test_foreign_files_are_rejected_for_their_values(godot, game, world, tmp_path):
     """Checks tiles with changed bits, and tiles in which each field is replaced by values of any kind, with matching
     digests as in forged files."""
     done = godot(["--path", game, "--script", BAKES / "foreign_tiles.gd", "--", "res://world/baked_world.baked", tmp_path / "foreign"], timeout=300)

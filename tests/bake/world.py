@@ -83,7 +83,7 @@ class Baked:
         return self.out / self.manifest["tiles"][tile]["file"]
 
     def rows(self) -> dict[tuple, tuple]:
-        """Returns all rows of all tiles, keyed by layer and id."""
+        """Returns all rows of all tiles, keyed by layer and ID."""
         found: dict[tuple, tuple] = {}
         for entry in self.manifest["tiles"].values():
             table = pq.read_table(self.out / entry["file"])
@@ -164,7 +164,7 @@ def wait_for(condition: Callable[[], object], what: str, timeout: float = 60.0) 
     """Waits until the condition is true. Fails the test after `timeout` seconds."""
     deadline = time.monotonic() + timeout
     while not condition():
-        assert time.monotonic() < deadline, f"not there within {timeout} s: {what}"
+        assert time.monotonic() < deadline, f"not true within {timeout} s: {what}"
         time.sleep(0.02)
 
 

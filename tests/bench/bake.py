@@ -2,10 +2,10 @@
 
     bash tests/bench/bake.sh [ROUNDS = 3] [FOLDER]
 
-The bench bakes 64 tiles of the demo (12 million instances) into FOLDER (default: a temporary one) with three setups. These are
+The benchmark bakes 64 tiles of the demo (12 million instances) into FOLDER (default: a temporary one) with three setups. These are
 one worker on one core, two workers on two cores, and one worker on two cores. The setups take turns, and their order
 alternates between rounds. A worker and its engine run concurrently, so a worker with two cores uses more than one of
-them. The fair speedup is therefore that of the second setup over the first, where each worker has one core. Times
+them. The fair speedup is therefore the speedup of the second setup over the first, where each worker has one core. Times
 exclude the start of Dask and the engines. Workers share the cores with the driver. All bakes must have the same digest.
 """
 
@@ -31,7 +31,7 @@ CONTENDERS = ((1, 1), (2, 2), (1, 2))
 
 
 def once(out: Path, workers: int, cores: int) -> None:
-    """Bakes in this process on `cores` cores, and prints the costs."""
+    """Bakes in this process on `cores` cores and prints the costs."""
     os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:cores])
     outcome = bake(BakeRequest(SCENE, out, ASKED, workers=workers, fresh=True), lambda _: None)
     if outcome.failed or outcome.stopped:
@@ -49,7 +49,8 @@ def measured(out: Path, workers: int, cores: int) -> dict:
         raise SystemExit(done.returncode)
     took = json.loads(done.stdout)
     costs = schedule.read_costs(out)
-    # This forecasts a bake with two workers on two cores from the present bake. The forecast excludes the start of engines, like the measured time.
+    # This predicts a bake with two workers on two cores from this bake. The forecast excludes the start of engines, like the
+    # measured time.
     took["foretold"] = schedule.simulate(schedule.Costs(costs.tiles, 0.0, costs.driver, costs.bytes), 2, cores=2)
     return took
 
@@ -65,7 +66,7 @@ def name(workers: int, cores: int) -> str:
 
 def main(rounds: int, folder: Path) -> None:
     if len(os.sched_getaffinity(0)) < 2:
-        raise SystemExit("bake: this takes two cores")
+        raise SystemExit("bake: this benchmark needs two cores")
     took: dict[tuple[int, int], list[dict]] = {contender: [] for contender in CONTENDERS}
     for number in range(rounds):
         for contender in CONTENDERS if number % 2 == 0 else CONTENDERS[::-1]:

@@ -1,5 +1,5 @@
 extends SceneTree
-## The base class of benches that run in the engine. It provides a scatter, prints rows of a Markdown table, and cleans up at
+## The base class of benchmarks that run in the engine. It provides a scatter, prints rows of a Markdown table, and cleans up at
 ## the end.
 
 const PATIENCE_SECONDS := 120.0
@@ -22,7 +22,7 @@ func _begin() -> void:
 	quit(0 if failure == "" else 1)
 
 
-## Runs the bench. Returns an error message, or an empty string.
+## Runs the benchmark. Returns an error message, or an empty string.
 func run() -> String:
 	return "measures nothing"
 
@@ -105,8 +105,8 @@ func parts_text(parts: Dictionary) -> String:
 	return ", ".join(names.map(func(part: String) -> String: return "%s %d" % [part, parts[part]]))
 
 
-## Runs this script in a separate engine with these arguments, and returns the seconds that it prints with
-## `print_seconds`; -1 if it prints none. If `one_core` is true, limits the engine to one core (Linux only).
+## Runs this script in a separate engine with these arguments and returns the seconds that it prints with
+## `print_seconds`; -1 if it does not print any. If `one_core` is true, limits the engine to one core (Linux only).
 func seconds_in_another_engine(user_arguments: Array[String], one_core := false) -> float:
 	var command: Array[String] = [OS.get_executable_path(), "--headless", "--path", ProjectSettings.globalize_path("res://"), "--script",
 		(get_script() as Script).resource_path, "--"]
@@ -123,7 +123,7 @@ func print_seconds(seconds: float) -> void:
 	print("seconds: %.6f" % seconds)
 
 
-## Prints a row for a figure that is counted, not timed.
+## Prints a row for a value that is counted, not timed.
 func exact_row(what: String, value: String) -> void:
 	print("| %s | %s | exact | 1 |" % [what, value])
 

@@ -1,11 +1,11 @@
 extends "bench.gd"
-## Measures the cost of bodies. Creates bodies for several thousand instances around a viewer at once, for each shape. Then moves
+## Measures the cost of bodies. Creates bodies for several thousand instances around a viewer in one step, for each shape. Then moves
 ## the viewer among several hundred bodies with the default frame budget, and the node with several thousand. Prints rows of a
 ## Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/collision.gd [-- ROUNDS]
 ##
 ## The project setting selects the physics server. Times are the node's time on the main thread per frame. They include
-## the search for near instances, but not the physics server's own steps. A busy machine increases them.
+## the search for near instances, but not the steps of the physics server. A busy machine increases them.
 
 const SHAPES := {
 	"capsules": ScatterLayer.COLLISION_CAPSULE,
@@ -68,7 +68,7 @@ func _physics_name() -> String:
 	return "GodotPhysics" if setting == "DEFAULT" else setting
 
 
-## Creates and removes all bodies at once in each round. Returns the numbers of bodies created and removed per millisecond of
+## Creates and removes all bodies in one step in each round. Returns the numbers of bodies created and removed per millisecond of
 ## the node's time, one per round. The lists are empty if that takes too long.
 func _measure_shape(shape: ScatterLayer.CollisionShape, rounds: int) -> Array[PackedFloat64Array]:
 	var created: PackedFloat64Array = []

@@ -1,4 +1,4 @@
-"""Reports the rows of the bench that differ between two commits by more than the machine's noise.
+"""Reports the rows of the benchmarks that differ between two commits by more than the machine's noise.
 
     bash tests/bench/compare.sh BASE [NEW] [--turns 9] [--programs bench_sampler,bench_tile] [--engine gameplay,spikes]
 
@@ -19,7 +19,7 @@ from pathlib import Path
 REPO = Path(__file__).resolve().parents[2]
 PROGRAMS = ("bench_sampler", "bench_tile", "bench_fields", "bench_shapes")
 
-# The significance level: if chance alone decides which commit is faster in a turn, a row counts as moved with at most
+# The significance level: if chance alone decides which commit is faster in a turn, a row is reported as changed with at most
 # this probability.
 CHANCE = 0.01
 # Smaller changes are ignored, because even a different memory layout of the code can cause them.
@@ -29,7 +29,8 @@ ROW = re.compile(r"\| (?P<what>.+?) \| (?P<number>-?[0-9][0-9,]*(?:\.[0-9]+)?)(?
 
 
 def read_rows(printed: str) -> dict[str, tuple[float, str]]:
-    """Returns the median and its unit ("" for none) of each row of a bench, keyed by the row's name. Other lines are ignored."""
+    """Returns the median and its unit ("" for none) of each row of a benchmark, keyed by the row's name. Other lines are
+    ignored."""
     rows = (ROW.fullmatch(line.strip()) for line in printed.splitlines())
     return {row["what"]: (float(row["number"].replace(",", "")), row["unit"].strip()) for row in rows if row}
 
@@ -40,7 +41,7 @@ def more_is_better(unit: str) -> bool:
 
 
 def outliers(turns: int) -> int:
-    """Returns how many of the turns may contradict the rest, or -1 if there are too few turns to decide anything."""
+    """Returns the number of turns that may contradict the rest, or -1 if there are too few turns to decide anything."""
     return max(k for k in range(-1, turns // 2) if 2 * sum(math.comb(turns, i) for i in range(k + 1)) / 2**turns <= CHANCE)
 
 
@@ -97,7 +98,7 @@ def report(changes: list[Change], others: list[str], turns: int) -> str:
 
 
 class Side:
-    """A commit and its built benches."""
+    """A commit and its built benchmarks."""
 
     def __init__(self, commit: str | None, engine: bool):
         self.folder = self.check_out(commit) if commit else REPO
@@ -146,7 +147,7 @@ def main() -> int:
     parser.add_argument("--engine", type=named, default=[])
     asked = parser.parse_args()
     if asked.turns < 1:
-        parser.error(f"--turns is {asked.turns}: 1 is the least")
+        parser.error(f"--turns must be at least 1, got {asked.turns}")
     sides = [Side(asked.base, bool(asked.engine)), Side(asked.new, bool(asked.engine))]
     turns = []
     for turn in range(asked.turns):

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Builds the benches of two commits, runs them alternately, and reports rows that differ by more than the noise (see compare.py):
+# Builds the benchmarks of two commits, runs them alternately, and reports rows that differ by more than the noise (see
+# compare.py):
 #   bash tests/bench/compare.sh HEAD~1
 #   bash tests/bench/compare.sh 1c96ef9 main --turns 12 --programs bench_sampler
 set -euo pipefail

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Reproduces the figures of the paper on which the sampler is based. Builds for release, measures, and writes tables, pictures and
-# a page into build/figures. Also writes the data of the page and pictures into tests/bench/data/figures.json. Takes about an
-# hour, half of it for the sets that fill the memory (--only large). Nothing else should run on the machine in the meantime.
-# Options:
-#   --render        measure nothing; write the page and pictures into build/figures from tests/bench/data, in seconds
+# Reproduces the figures of the paper on which the sampler is based. Builds for release, measures, and writes tables,
+# plots and a page into build/figures. Also writes the data of the page and plots into tests/bench/data/figures.json.
+# Takes about an hour, half of it for the sets that fill the memory (--only large). Nothing else should run on the
+# machine during that time. Options:
+#   --render        measure nothing; write the page and plots into build/figures from tests/bench/data, in seconds
 #   --quick         small sizes, to check that everything works; does not change tests/bench/data
-#   --out DIR       the folder for tables and pictures, instead of build/figures
+#   --out DIR       the folder for tables and plots, instead of build/figures
 #   --only PART     measure only one of speed, sets, memory, large, billion, and keep the other tables. Can be repeated
 #   --minutes N     skip sets that fill the memory (--only large) if one would take longer. Default: an hour
 #   --redraw        measure nothing; draw and write from the existing tables
@@ -19,7 +19,7 @@ source tests/bench/peers/setup.sh
 # was called.
 in_callers_folder() {
 	if [[ -z ${2:-} ]]; then
-		say "$1 needs a folder"
+		say "$1 must be followed by a folder"
 		return 2
 	fi
 	(cd "$from" && realpath --canonicalize-missing -- "$2")
@@ -33,7 +33,7 @@ while (($#)); do
 	--quick) arguments+=("$1") ;;
 	--only)
 		if [[ ! ${2:-} =~ ^(speed|sets|memory|large|billion)$ ]]; then
-			say "--only needs one of speed, sets, memory, large, billion"
+			say "--only must be followed by one of speed, sets, memory, large, billion"
 			exit 2
 		fi
 		arguments+=("$1" "$2")
@@ -41,7 +41,7 @@ while (($#)); do
 		;;
 	--minutes)
 		if [[ ! ${2:-} =~ ^[0-9]+$ ]]; then
-			say "--minutes needs a whole number"
+			say "--minutes must be an integer"
 			exit 2
 		fi
 		arguments+=("$1" "$2")

@@ -14,7 +14,7 @@ var _demo: Node3D
 func run() -> String:
 	var arguments := OS.get_cmdline_user_args()
 	if arguments.size() < 4:
-		return "needs FOLDER STOP FRAMES METERS"
+		return "the arguments must be FOLDER STOP FRAMES METERS"
 	if DirAccess.make_dir_recursive_absolute(arguments[0]) != OK:
 		return "cannot create the folder %s" % arguments[0]
 	root.size = SIZE
@@ -56,6 +56,6 @@ func _fly(folder: String, stop_name: String, count: int, meters: float) -> Strin
 		await process_frame
 		await RenderingServer.frame_post_draw
 		if root.get_texture().get_image().save_png(folder.path_join("%04d.png" % index)) != OK:
-			return "cannot write a picture to %s" % folder
-	print("%d pictures from %s on, %.2f m apart" % [count, stop_name, meters])
+			return "cannot write an image to %s" % folder
+	print("%d images from %s on, %.2f m apart" % [count, stop_name, meters])
 	return ""

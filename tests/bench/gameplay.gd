@@ -105,7 +105,7 @@ func _each(call: Callable) -> float:
 			call.call()) / CALLS
 
 
-## Measures removals one by one, and of all ferns around a position at once. The times include the update of the displayed
+## Measures removals one by one, and of all ferns around a position in one call. The times include the update of the displayed
 ## tiles.
 func _measure_removals(rounds: int) -> void:
 	var single := []

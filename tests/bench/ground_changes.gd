@@ -1,5 +1,5 @@
 extends SceneTree
-## Measures the cost of loaded, replaced or edited ground on the main thread. The figures are the 99th percentile and the maximum
+## Measures the cost of loaded, replaced or edited ground on the main thread. The values are the 99th percentile and the maximum
 ## of the node's time per frame (`frame_usec` in its stats), and the time until all tiles are up to date. Prints rows of a
 ## Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/ground_changes.gd [-- ONLY]

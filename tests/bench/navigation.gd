@@ -4,7 +4,7 @@ extends "bench.gd"
 ##   tools/godot --headless --path demo_project --script tests/bench/navigation.gd [-- ROUNDS]
 ##
 ## Bakes are measured in CPU time. Contenders take turns in each round, and differences are computed within a round. The
-## scatter's own share is to find the trees, to pass them on, and to have the engine read them. It is measured as the
+## scatter's part is to find the trees, to pass them on, and to have the engine read them. It is measured as the
 ## added cost of trees that are above all ground, because these leave no holes. The rest is the engine's cost for a mesh
 ## with so many holes, regardless of their origin. It is compared with the smallest possible holes, of one cell, and
 ## with the same trees as bodies in the scene.

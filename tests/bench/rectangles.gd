@@ -35,7 +35,7 @@ func run() -> String:
 	return ""
 
 
-## Measures in this separate engine, and prints the median of three times.
+## Measures in this separate engine and prints the median of three times.
 func _measure() -> String:
 	var layer := ScatterLayer.new()
 	layer.radius = 1.0

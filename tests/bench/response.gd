@@ -1,12 +1,12 @@
 extends "bench.gd"
 ## Measures the time until a change is visible. Changes the density of one layer with 10^5 visible instances, as a slider does.
-## Measures the time until the tiles near the viewer are regenerated, the time until all tiles are, and the main thread's time per
+## Measures the time until the tiles near the viewer are regenerated, the time until all tiles are regenerated, and the main thread's time per
 ## frame. Then drags the slider for two seconds, with a change in every frame. Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/response.gd [-- ROUNDS]
 ##
 ## Times are wall time at 60 frames per second, from the frame in which the property is set. The time of a frame is the
 ## scatter's time on the main thread, including the comparison of all settings. It also includes waiting: for a core on
-## a busy machine, and for memory pages from the host on a virtual machine. Therefore the bench also prints the CPU time
+## a busy machine, and for memory pages from the host on a virtual machine. Therefore, the benchmark also prints the CPU time
 ## of the whole frame, including the engine, and the waiting time of the longest frame, if the system reports them.
 
 const FRAMES_PER_SECOND := 60

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Builds the benches and the extension for release, runs them, and prints one Markdown table. Takes a quarter of an hour after
-# building, on two otherwise idle cores. Arguments: [rounds = 9] [seconds = 0.25] for the C++ programs, preceded by options:
+# Builds the benchmarks and the extension for release, runs them, and prints one Markdown table. Takes a quarter of an
+# hour after building, on two otherwise idle cores. Arguments: [rounds = 9] [seconds = 0.25] for the C++ programs,
+# preceded by options:
 #   --write        also store the rows in tests/bench/data/speed.json, and write README's tables from them (speed_table.py)
 #   --only A,B     measure only these parts; with --write, keep the rows of the other parts
 # Times are CPU time, and contenders take turns within each round, so that a busy machine affects all equally. Only the times of
@@ -30,7 +31,7 @@ while [[ ${1:-} == --* ]]; do
 done
 for part in ${only//,/ }; do
 	if [[ $parts != *" $part "* ]]; then
-		say "--only needs some of$parts, got $part"
+		say "--only must be followed by some of$parts, got $part"
 		exit 2
 	fi
 done
@@ -66,7 +67,7 @@ wanted() {
 	[[ -z $only || ,$only, == *",$1,"* ]]
 }
 
-# measure PART COMMAND...: runs a part, and prints and stores its rows.
+# measure PART COMMAND...: runs a part and prints and stores its rows.
 measure() {
 	local part=$1
 	shift
@@ -109,6 +110,6 @@ measure workers in_engine workers 5 "$sampler"
 for part in response terrains rectangles gameplay spikes collision navigation import load; do
 	measure "$part" in_engine "$part"
 done
-# This fails with 1 if anything grew, like the soak test. malloc returns free memory immediately, as in test_soak.py.
+# Like the soak test, this fails with 1 if anything grew. malloc returns free memory immediately, as in test_soak.py.
 MALLOC_ARENA_MAX=1 MALLOC_MMAP_THRESHOLD_=131072 MALLOC_TRIM_THRESHOLD_=131072 measure soak in_engine soak 180
 [[ -z $write ]] || python3 tests/bench/speed_table.py --machine "$machine" "$rows"

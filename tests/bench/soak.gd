@@ -1,5 +1,5 @@
 extends SceneTree
-## Simulates hours of play in minutes, and checks that nothing grows. Flies at full speed, teleports, moves the origin, fells and
+## Simulates hours of play in minutes and checks that nothing grows. Flies at full speed, teleports, moves the origin, fells and
 ## plants, queries, saves and loads, while bodies and scenes are added and removed. Prints a line per minute and a verdict. The
 ## exit code is 1 if anything grew or a result was wrong.
 ##   export MALLOC_ARENA_MAX=1 MALLOC_MMAP_THRESHOLD_=131072 MALLOC_TRIM_THRESHOLD_=131072
@@ -164,7 +164,7 @@ func _change(frame: int) -> void:
 		_save_and_load(_done.loads % 2 == 0)
 
 
-## Saves and loads the state through a file or bytes. The loaded state replaces the old one, so nothing changes.
+## Saves and loads the state through a file or bytes. The loaded state replaces the old one, so the world does not change.
 func _save_and_load(by_file: bool) -> void:
 	var digest := _scatter.state.get_digest()
 	var loaded := ScatterState.new()
@@ -201,7 +201,7 @@ func _ask(frame: int) -> void:
 
 func _on_completed(result: ScatterInstances, request: int) -> void:
 	_expect(_requests.erase(request), "a request completes once")
-	_expect(result.size() == result.ids.size(), "an answer has ids")
+	_expect(result.size() == result.ids.size(), "a result has IDs")
 	_done.answers += 1
 
 

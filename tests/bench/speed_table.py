@@ -81,7 +81,7 @@ def read(rows: Path) -> dict[str, list[list[str]]]:
         lines = path.read_text(encoding="utf-8").splitlines()
         parts[path.name] = [[cell.strip() for cell in line.strip("|").split(" | ")] for line in lines]
         if not parts[path.name] or any(len(row) != 4 for row in parts[path.name]):
-            raise SystemExit(f"speed_table: {path} must hold rows of four cells, got {lines[:3]}")
+            raise SystemExit(f"speed_table: {path} must contain rows of four cells, got {lines[:3]}")
     return parts
 
 
@@ -116,7 +116,7 @@ def measured(kept: dict) -> str:
 def put(readme: str, text: str) -> str:
     """Returns README's text with new tables between the marks."""
     if readme.count(BEGIN) != 1 or readme.count(END) != 1:
-        raise SystemExit(f"speed_table: README.md must hold these two lines once each:\n{BEGIN}\n{END}")
+        raise SystemExit(f"speed_table: README.md must contain these two lines once each:\n{BEGIN}\n{END}")
     return re.sub(f"(?<={re.escape(BEGIN)}\n).*(?={re.escape(END)})", lambda _: f"\n{text}\n\n", readme, flags=re.DOTALL)
 
 
@@ -128,7 +128,7 @@ def main() -> None:
     kept = json.loads(KEPT.read_text(encoding="utf-8")) if KEPT.exists() else {}
     if arguments.rows:
         if not arguments.machine:
-            parser.error("--machine must say what the rows were measured on")
+            parser.error("--machine must describe the machine on which the rows were measured")
         kept = keep(kept, read(arguments.rows), arguments.machine, datetime.date.today().isoformat())
         KEPT.write_text(json.dumps(kept, indent="\t", ensure_ascii=False) + "\n", encoding="utf-8")
     README.write_text(put(README.read_text(encoding="utf-8"), tables(kept, SECTIONS)), encoding="utf-8")

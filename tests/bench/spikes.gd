@@ -3,7 +3,7 @@ extends "bench.gd"
 ## come near many instances, a very large number of changes, a jump, and a changed layer. Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/spikes.gd [-- ROUNDS]
 ##
-## The lowest of several rounds counts, because a busy machine makes single frames longer.
+## The lowest of several rounds is used, because a busy machine makes single frames longer.
 
 const DEFAULT_ROUNDS := 3
 const MILLION := 1000000

@@ -14,7 +14,7 @@ The columns are:
 - thousand points per second of CPU time, the median of the rounds;
 - the minimum distance between two points, in radii;
 - the largest distance from a random position on the surface to the nearest point, in radii, which is at most 1 for a maximal set;
-- the share of the surface that disks of half a radius cover (0.547 for random sequential addition on a plane)."""
+- the fraction of the surface that disks of half a radius cover (0.547 for random sequential addition on a plane)."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
 extends "bench.gd"
-## Measures the speed of workers from the request for a tile to buffers that are ready for upload. The figures are points per
+## Measures the speed of workers from the request for a tile to buffers that are ready for upload. The values are points per
 ## second of one worker, on several grounds and with several rules. Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/workers.gd [-- ROUNDS [SAMPLER]]
 ##
-## All sampled points count, even if the rules remove them. Times are the wall time of the workers only. SAMPLER is the
+## All sampled points are counted, even if the rules remove them. Times are the wall time of the workers only. SAMPLER is the
 ## path of `bench_sampler`. If it is given, it measures the sampler alone just before each case, and additional rows
 ## print a worker's speed relative to that.
 

@@ -1,6 +1,5 @@
-"""Tests the rules of the build and the source tree. A room (a folder of sources) includes only rooms above it in the
-table of rooms, and the core does not depend on the engine. Warnings are errors, and the manifest lists the existing
-binaries."""
+"""Tests the rules of the build and the source tree. A room (a folder of sources) includes only rooms above it in the table of
+rooms, and the core does not depend on the engine. Warnings are errors, and the manifest lists the existing binaries."""
 
 from __future__ import annotations
 
@@ -44,7 +43,7 @@ def room_of(path: str) -> str | None:
 def test_room_order(source):
     """Checks that a source includes only its own room and the rooms that the table permits."""
     room = room_of(source)
-    assert room, f"{source} lies in no room of {list(ROOMS)}"
+    assert room, f"{source} is not in a room of {list(ROOMS)}"
     for quoted, included in includes(source):
         if not quoted or "/" not in included:
             continue
@@ -67,7 +66,7 @@ def test_the_table_of_rooms_is_in_order():
 def test_every_permitted_include_is_used(room):
     included = {name for source in SOURCES if room_of(source) == room for quoted, name in includes(source) if quoted}
     unused = [other for other in ROOMS[room] if not any(name.startswith(other + "/") for name in included)]
-    assert not unused, f"{room} includes nothing of {unused}: take these from its row in tools/scons/rooms.py"
+    assert not unused, f"{room} does not include {unused}: remove these from its row in tools/scons/rooms.py"
 
 
 def test_the_documents_list_every_room():
@@ -84,8 +83,8 @@ def test_the_documents_list_every_room():
 
 
 def test_includes_have_no_cycle():
-    """Checks that no header includes itself indirectly. Repeatedly removes headers that include none of the remaining
-    ones, until no header is left."""
+    """Checks that no header includes itself indirectly. Repeatedly removes headers that include none of the remaining headers
+    until none is left."""
     left = {source: {name for quoted, name in includes(source) if quoted and name in SOURCES} for source in SOURCES}
     while leaves := [source for source, included in left.items() if not included & left.keys()]:
         for source in leaves:
@@ -107,7 +106,7 @@ def test_headers_are_included_once_and_open_no_namespace(source):
     assert not re.search(r"^\s*using\s+namespace\s", text, re.MULTILINE), f"{source} opens a namespace in every file that includes it"
 
 
-def test_core_compiles_on_its_own(tmp_path):
+def test_core_compiles_separately(tmp_path):
     """Checks that every header of the core compiles as the first include, with a C++20 compiler that finds no engine
     headers."""
     headers = [source for source in SOURCES if source.startswith("core/") and source.endswith(".hpp")]
@@ -133,11 +132,11 @@ INEXACT = """acos acosh asin asinh atan atan2 atanh cbrt cos cosh erf erfc exp e
 
 
 def test_core_calls_no_inexact_math_function(build_dir):
-    """Checks that the core calls no function whose result differs between C libraries in the last bit."""
+    """Checks that the core does not call functions whose results differ between C libraries in the last bit."""
     listed = run(["nm", "-u", build_dir / "libthicket_core.a"], timeout=60)
     assert listed.returncode == 0, listed.stderr
     wanted = {words[1] for words in map(str.split, listed.stdout.splitlines()) if len(words) == 2 and words[0] == "U"}
-    assert "sqrt" in wanted, "the archive lists no functions of the C library"
+    assert "sqrt" in wanted, "the archive must list functions of the C library"
     inexact = {prefix + name + suffix for name in INEXACT for prefix in ("", "__") for suffix in ("", "f", "l", "_finite")}
     assert not wanted & inexact, f"the core calls {sorted(wanted & inexact)}"
 
@@ -252,7 +251,7 @@ def test_core_needs_no_godot(tmp_path):
         "lodepng=/nowhere",
     ],
 )
-def test_wrong_option_is_refused(option):
+def test_wrong_option_is_rejected(option):
     done = run(["scons", "-Q", "-n", option, "core"], timeout=120, cwd=REPO)
     assert done.returncode != 0
     assert option.split("=")[0] in done.stdout + done.stderr
@@ -268,13 +267,13 @@ def test_wrong_option_is_refused(option):
         (["coverage=yes", "CXX=g++"], "coverage=yes needs clang"),
     ],
 )
-def test_impossible_builds_are_refused_with_a_sentence(options, sentence):
+def test_impossible_builds_are_rejected_with_a_message(options, sentence):
     done = run(["scons", "-Q", "-n", *options, "core"], timeout=120, cwd=REPO)
     assert done.returncode != 0 and sentence in done.stderr, done.stdout + done.stderr
 
 
 def test_builds_for_other_systems_use_separate_folders():
-    """Checks that a build for a different system uses its own folder and writes nothing into the demo's add-on. Builds
+    """Checks that a build for another system uses a separate folder and writes nothing into the demo's add-on. Builds
     with single and with double precision share the objects of the core."""
     compiler = ["zig=/bin/true", "use_zig=yes"]
     for options, folder in (
@@ -291,7 +290,7 @@ def test_builds_for_other_systems_use_separate_folders():
         assert "demo_project/addons/thicket/bin" not in done.stdout
 
 
-def test_godot_cpp_without_a_library_is_refused(tmp_path):
+def test_godot_cpp_without_a_library_is_rejected(tmp_path):
     """Checks that the error for a folder without a built godot-cpp names the missing library."""
     (tmp_path / "bin").mkdir()
     (tmp_path / "bin/libgodot-cpp.linux.template_release.wasm32.a").touch()
@@ -312,7 +311,7 @@ def manifest_paths() -> dict[str, str]:
 
 def test_manifest_lists_the_built_binaries():
     paths = manifest_paths()
-    assert paths, "the manifest names no library"
+    assert paths, "the manifest does not list a library"
     for tags, path in paths.items():
         assert (ADDON / path).is_file(), f"{tags} = {path} does not exist"
     built = {f"bin/{path.name}" for path in (ADDON / "bin").glob("libthicket.*")}
@@ -323,7 +322,7 @@ def test_manifest_lists_the_built_binaries():
 
 
 def test_manifest_falls_back_to_the_existing_binary():
-    """Checks that engines load a single binary for all targets, and that each engine loads its own binary if there are
+    """Checks that engines load a single binary for all targets, and that each engine loads the matching binary if there are
     two."""
     debug, release = "libthicket.linux.template_debug.x86_64.so", "libthicket.linux.template_release.x86_64.so"
     alone = "\n".join(manifest.write({debug, "convert.lib", "notes.txt"}, ["ScatterLayer.svg", "ScatterLayer.png"]))
@@ -337,8 +336,8 @@ def test_manifest_falls_back_to_the_existing_binary():
 
 
 def test_manifest_distinguishes_precisions():
-    """Checks that each engine loads the library with its own precision. If there is only one library, both kinds of
-    engine try to load it, and it refuses the wrong kind."""
+    """Checks that each engine loads the library with the matching precision. If there is only one library, both kinds of engine
+    try to load it, and it does not load into the wrong kind."""
     single, double = "libthicket.linux.template_debug.x86_64.so", "libthicket.linux.template_debug.double.x86_64.so"
     both = "\n".join(manifest.write({single, double}, []))
     for feature in ("debug", "release"):
@@ -350,16 +349,16 @@ def test_manifest_distinguishes_precisions():
 
 
 def test_extension_exports_only_its_entry_point(build_dir):
-    """Checks that the binary exports only the function that Godot calls, so that no symbol can collide with one of a
-    different library."""
+    """Checks that the binary exports only the function that Godot calls, so that no symbol can collide with a symbol of another
+    library."""
     for binary in (ADDON / "bin").glob("libthicket.*.so"):
         listed = subprocess.run(["nm", "-D", "--defined-only", binary], capture_output=True, text=True, check=True)
         names = {line.split()[-1].split("@")[0] for line in listed.stdout.splitlines() if line.strip()}
-        assert names == {"thicket_library_init"}, f"{binary.name} also shows {sorted(names)[:20]}"
+        assert names == {"thicket_library_init"}, f"{binary.name} also exports {sorted(names)[:20]}"
 
 
 def test_tracked_files_contain_no_machine_names():
-    """Checks that tracked files contain no path of a build machine. They may name only the hosts of linked pages and
+    """Checks that tracked files contain no path of a build machine. They may contain only the hosts of linked pages and
     schemas, because each machine's package clients determine where packages come from."""
     if shutil.which("git") is None or not (REPO / ".git").exists():
         pytest.skip("no git, or not a git checkout")

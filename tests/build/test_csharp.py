@@ -59,7 +59,7 @@ def engine_classes(sources: list[str]) -> str:
 
 
 def compile_all(folder: Path, files: list[Path], *more: str):
-    """Compiles a library from the files and from the additional source texts in `more`."""
+    """Compiles a library from the files and from the additional sources in `more`."""
     texts = [path.read_text(encoding="utf-8") for path in files] + list(more)
     (folder / "engine.cs").write_text(engine_classes(texts), encoding="utf-8")
     for number, source in enumerate(more):

@@ -155,7 +155,7 @@ def test_a_difference_is_found(name, tmp_path):
     assert done.stdout.count("\n") == 1, done.stdout
 
 
-def test_harmless_changes_are_no_difference(tmp_path):
+def test_harmless_changes_are_ignored(tmp_path):
     """Checks that the following changes are accepted: a method with a new hash that still supports its old hash, a new
     class between two classes, and an added enum value."""
 
@@ -200,7 +200,7 @@ def describe(api: Path, out: Path, used: Path = USED) -> subprocess.CompletedPro
 
 
 def test_the_description_contains_only_what_is_used(tmp_path):
-    """Checks that describe.py reproduces the description when it reads the description itself. So nothing in it is
+    """Checks that describe.py reproduces the description when it reads the description itself. This shows that nothing in it is
     missing or unused."""
     assert describe(OLDEST, tmp_path / OLDEST.name).returncode == 0
     assert (tmp_path / OLDEST.name).read_text() == OLDEST.read_text()
@@ -211,7 +211,7 @@ def test_the_description_matches_the_release(tmp_path):
     assert (tmp_path / OLDEST.name).read_text() == OLDEST.read_text(), "run describe.py with the 4.4 description"
 
 
-def test_a_different_release_is_not_accepted_as_the_oldest(tmp_path, build_dir):
+def test_another_release_is_not_accepted_as_the_oldest(tmp_path, build_dir):
     version = release(dumped(build_dir))
     done = describe(dumped(build_dir), tmp_path / "description_4.1.json")
     assert done.returncode != 0 and version in done.stderr and "4.1" in done.stderr
@@ -229,7 +229,7 @@ def test_a_different_release_is_not_accepted_as_the_oldest(tmp_path, build_dir):
         ('[classes.PhysicsServer2D]\nmethods = ["body_apply_force"]', ["body_apply_force", "double_hashes"]),
     ],
 )
-def test_missing_api_is_named(addition, words, tmp_path, build_dir):
+def test_missing_api_is_reported_by_name(addition, words, tmp_path, build_dir):
     used = tmp_path / "used.toml"
     used.write_text(USED.read_text() + "\n" + addition + "\n")
     done = describe(dumped(build_dir), tmp_path / f"description_{release(dumped(build_dir))}.json", used)

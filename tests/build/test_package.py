@@ -23,7 +23,7 @@ import binaries  # noqa: E402 (only on the path above)
 import contents  # noqa: E402
 
 DIST = REPO / "build/dist_test"
-# The oldest version of glibc that the libraries must support: that of Debian 10. The Steam Runtime and Ubuntu 20.04
+# The oldest version of glibc that the libraries must support, which is part of Debian 10. The Steam Runtime and Ubuntu 20.04
 # have 2.31.
 OLDEST_GLIBC = (2, 28)
 # Matches paths of build machines and addresses of registries.
@@ -116,7 +116,7 @@ def test_libraries_for_linux_are_hardened_and_need_little(addon):
         assert stack and stack.group(1) == "RW", path.name
         assert "RUNPATH" not in text and "RPATH" not in text
         names = exported(["nm", "-D", "--defined-only", path])
-        assert names == {"thicket_library_init"}, f"{path.name} also shows {sorted(names)[:10]}"
+        assert names == {"thicket_library_init"}, f"{path.name} also exports {sorted(names)[:10]}"
 
 
 def exported(command: list[str | Path]) -> set[str]:
@@ -138,7 +138,7 @@ def test_libraries_for_windows_are_hardened_and_need_little(addon):
 
 
 @pytest.mark.full
-def test_frameworks_for_macos_hold_both_processors(addon):
+def test_frameworks_for_macos_contain_both_architectures(addon):
     for folder in (addon / "bin").glob("*.framework"):
         listed = run([binaries.tool("llvm-lipo"), "-archs", folder / folder.stem], timeout=60)
         assert sorted(listed.stdout.split()) == ["arm64", "x86_64"], listed.stderr
@@ -150,7 +150,7 @@ def test_frameworks_for_macos_hold_both_processors(addon):
 
 @pytest.mark.full
 def test_builds_are_reproducible(zips, tmp_path):
-    """Checks that building a library in a different folder and packing it produces identical zips."""
+    """Checks that building a library in another folder and packing it produces identical zips."""
     copy = tmp_path / "elsewhere"
     shutil.copytree(REPO, copy, ignore=shutil.ignore_patterns("build", ".godot", "__pycache__"), symlinks=True)
     done = run(["bash", "tools/package.sh", "--out", tmp_path / "again", "linux.x86_64"], timeout=3600, cwd=copy)
@@ -165,7 +165,7 @@ def test_builds_are_reproducible(zips, tmp_path):
 
 
 def compile_loader(compiler: list[str | Path], name: str) -> Path:
-    """Compiles the program of tests/loader with a compiler for a different system. Returns its path."""
+    """Compiles the program of tests/loader with a compiler for another system. Returns its path."""
     program = REPO / "build/loader" / name
     program.parent.mkdir(parents=True, exist_ok=True)
     done = run([*compiler, "-std=c++20", "-O1", "-I.", "-Ibuild/engine", *sorted((REPO / "tests/loader").glob("*.cpp")), "-o", program],
@@ -211,7 +211,7 @@ def test_the_library_for_windows_loads(addon, at_home):
 
 @pytest.mark.full
 def test_the_library_for_arm_loads(addon, at_home):
-    """Checks that the ARM libraries register the same classes as those of this machine. They run in an emulator, with
+    """Checks that the ARM libraries register the same classes as the libraries of this machine. They run in an emulator, with
     the C library of a cross compiler."""
     if not shutil.which("qemu-aarch64"):
         pytest.skip("qemu-user is not installed")
@@ -226,7 +226,7 @@ def test_the_library_for_arm_loads(addon, at_home):
 @pytest.mark.full
 @pytest.mark.parametrize("threads", [True, False])
 def test_the_library_for_the_web_loads(addon, at_home, threads):
-    """Checks that the WebAssembly libraries, for both kinds of export template, register the same classes as those of
+    """Checks that the WebAssembly libraries, for both kinds of export template, register the same classes as the libraries of
     this machine. WebAssembly traps if a function is called with a wrong signature."""
     if not shutil.which("node"):
         pytest.skip("node is not installed")

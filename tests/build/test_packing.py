@@ -25,8 +25,7 @@ def test_one_version():
 
 
 def test_a_zip_depends_only_on_its_content(tmp_path):
-    """Checks that file times and the order of writing do not change the bytes of a zip, and that different content
-    does."""
+    """Checks that file times and the order of writing do not affect the bytes of a zip, but that the content does."""
     for number, names in enumerate((["b.txt", "a/c.txt"], ["a/c.txt", "b.txt"])):
         for name in names:
             path = tmp_path / str(number) / name
@@ -39,7 +38,7 @@ def test_a_zip_depends_only_on_its_content(tmp_path):
     assert archive.write(tmp_path / "1", tmp_path / "1.zip").read_bytes() != first
 
 
-def test_every_library_has_its_own_entry():
+def test_every_library_has_a_separate_entry():
     """Checks that the manifest of a complete package lists every library under different feature tags."""
     names = {file for build in package.BUILDS for file in shipped_names(build)}
     text = "\n".join(manifest.write(names, []))
@@ -64,7 +63,7 @@ def shipped_names(build: package.Build) -> list[str]:
     return [f"libthicket.{build.platform}.{target}{rest}" for target in ("template_debug", "template_release")]
 
 
-def test_wrong_names_are_refused():
+def test_wrong_names_are_rejected():
     done = run([sys.executable, REPO / "tools/package/package.py", "amiga.m68k"], timeout=60)
     assert done.returncode == 2 and "no such build: amiga.m68k" in done.stderr and "linux.x86_64" in done.stderr
 

@@ -23,10 +23,10 @@ def test_no_case_fails_on_other_platforms(name):
     options, program, emulator, more = PLATFORMS[name]
     why = emulators.absence(emulator, name, NATIVE)
     if name == NATIVE or platform.system() != "Linux":
-        pytest.skip("this is the machine's own platform, or there are no emulators here")
+        pytest.skip("this is the platform of this machine, or there are no emulators here")
     if why or not ZIG.is_file():
         pytest.skip(why or "zig is not installed")
-    # The compiler is newer than ours, and warns about doctest's macros, so warnings are not errors.
+    # The compiler is newer than ours and warns about doctest's macros, so warnings are not errors.
     build("use_zig=yes", "scu_build=yes", "werror=no", *options, f"build/{program}", timeout=3600)
     command = [*emulators.command(emulator, name, NATIVE), *more, REPO / "build" / program, "--no-intro", f"--test-case-exclude={LONG_CASES}"]
     done = run(command, timeout=3 * 3600, cwd=REPO, env=emulators.environment(emulator))

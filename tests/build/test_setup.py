@@ -40,7 +40,7 @@ def test_versions_of_godot(tmp_path, version, taken):
     assert found.stdout.strip() == (str(godot) if taken else "")
 
 
-def test_the_users_godot_goes_first(tmp_path):
+def test_the_users_godot_takes_priority(tmp_path):
     (tmp_path / "other").mkdir()
     fake_godot(tmp_path, "godot", "4.6.stable")
     mine = fake_godot(tmp_path / "other", "my-godot", "4.5.stable")
@@ -50,8 +50,8 @@ def test_the_users_godot_goes_first(tmp_path):
 
 @pytest.mark.parametrize("version", [None, "4.2.stable"])
 def test_a_wrong_godot_is_an_error(tmp_path, version):
-    """Checks that it is an error if the Godot that the user has specified is missing or too old. The setup must not use
-    a different Godot instead."""
+    """Checks that it is an error if the Godot that the user has specified is missing or too old. The setup must not use another
+    Godot instead."""
     named = tmp_path / "my-godot"
     if version:
         fake_godot(tmp_path, "my-godot", version)
@@ -76,7 +76,7 @@ def test_a_wrong_godot_is_an_error(tmp_path, version):
         ("sources.list.d/a.list", "deb http://five.example/debian-security trixie-security main\n", ""),
     ],
 )
-def test_the_mirror_is_that_of_the_machine(tmp_path, file, text, mirror):
+def test_the_mirror_of_the_machine_is_used(tmp_path, file, text, mirror):
     (tmp_path / "sources.list.d").mkdir()
     (tmp_path / file).write_text(text)
     found = shell(f"debian_mirror '{tmp_path}'")

@@ -1,4 +1,4 @@
-"""Tests the statistics of the sampler's sets against those of maximal sets by naive dart throwing, and against uniform
+"""Tests the statistics of the sampler's sets against maximal sets by naive dart throwing, and against uniform
 distributions.
 
 All seeds are fixed, so every run computes the same values. A hypothesis is rejected if its p-value is below ALPHA. The
@@ -103,8 +103,8 @@ def test_near_pairs_have_no_direction(sampled):
 
 
 class Tally:
-    """Counts of five million points. For each of 48 seeds, it samples a square with a side of 565 cells, about 400
-    radii. The side is a multiple of five cells, so that every phase and class covers the same area."""
+    """Counts of five million points. For each of 48 seeds, it samples a square with an edge length of 565 cells, about 400
+    radii. The edge length is a multiple of five cells, so that every phase and class covers the same area."""
 
     SEEDS = 48
     SIDE = 565 * CELL / RADIUS
@@ -141,12 +141,12 @@ def tally(request) -> Tally:
     return request.getfixturevalue(request.param)
 
 
-def test_coverage_is_that_of_the_jammed_state(plain_tally):
+def test_coverage_matches_the_jammed_state(plain_tally):
     tally = plain_tally
     assert sum(tally.count) >= 5_000_000
     coverage = np.array(tally.count) * np.pi * 0.25 / tally.SIDE**2
     error = coverage.std(ddof=1) / np.sqrt(len(coverage))
-    assert error < 1e-4, "too few points for a conclusion"
+    assert error < 1e-4, "there are too few points for a conclusion"
     z = z_of_mean(coverage, JAMMED_COVERAGE)
     assert abs(z) < 4.0, f"coverage {coverage.mean():.6f} is {z:.1f} standard errors from {JAMMED_COVERAGE}"
 
@@ -154,7 +154,7 @@ def test_coverage_is_that_of_the_jammed_state(plain_tally):
 def test_positions_within_cells_are_uniform(tally):
     expected = 1.0 / tally.PHASES**2
     p = mean_differs_from(np.array(tally.phase)[:, :-1], expected)
-    assert p > ALPHA, f"points prefer some positions within their cells: p = {p:.2g}"
+    assert p > ALPHA, f"some positions within cells are more likely: p = {p:.2g}"
 
 
 def test_no_class_of_cells_is_preferred(tally):
@@ -164,13 +164,14 @@ def test_no_class_of_cells_is_preferred(tally):
 
 
 @pytest.mark.parametrize("levels", range(1, 9))
-def test_prefix_of_rank_q_has_a_share_q_of_the_points(thicket, levels):
+def test_prefix_of_rank_q_has_a_fraction_q_of_the_points(thicket, levels):
     """Checks 40 windows that are 256 radii wide, which is at least twice the coarsest radius."""
     side, seeds = 256.0, 40
     rect = (-side / 2, 0.0, side / 2, side)
     sets = [np.sort(thicket.sample(rect, 1.0, seed, levels=levels).ranks) for seed in range(4001, 4001 + seeds)]
     shares = np.concatenate([[2.0**-10, 2.0**-8, 2.0**-6], np.arange(1, 16) / 16.0])
-    # The surplus is a difference, not a quotient. For correct ranks, its mean is zero, however much the number of points varies.
+    # The surplus is a difference, not a quotient. For correct ranks, its mean is zero, regardless of how much the number of
+    # points varies.
     surplus = np.array([np.searchsorted(ranks, shares * 2.0**32) - shares * len(ranks) for ranks in sets])
     p = mean_differs_from(surplus, 0.0)
     # The test of this guarantee runs eight times, so each test gets an eighth of ALPHA.

@@ -32,7 +32,7 @@ def first(core_tool) -> dict:
     return billion(core_tool, "points=1e6", "gaps=16", "order=rows", "threads=1")
 
 
-def test_a_million_points_keep_every_promise(first):
+def test_a_million_points_fulfill_every_guarantee(first):
     assert set(first) == KEYS
     assert first["broken"] == []
     assert 1_000_000 <= first["points"] < 1_050_000
@@ -58,14 +58,14 @@ def test_a_million_points_keep_every_promise(first):
     ],
     ids=" ".join,
 )
-def test_a_different_order_gives_the_same_set(core_tool, first, arguments):
+def test_a_different_order_produces_the_same_set(core_tool, first, arguments):
     other = billion(core_tool, "points=1e6", "gaps=0", *arguments)
     assert {key: other[key] for key in SAME} == {key: first[key] for key in SAME}
     assert other["resident_bytes"] < RESIDENT_LIMIT
     assert other["gap_tiles"] == 0
 
 
-def test_a_different_seed_gives_a_different_set(core_tool):
+def test_a_different_seed_produces_a_different_set(core_tool):
     one, two = (billion(core_tool, "points=1e5", "gaps=1", f"seed={seed}") for seed in (2**64 - 1, 0))
     assert one["side_cells"] == two["side_cells"] and one["digest"] != two["digest"]
     assert one["gap_tiles"] == one["tiles"]
@@ -79,15 +79,15 @@ def test_memory_does_not_grow_with_the_points(core_tool, first):
     assert first["resident_bytes"] - small["resident_bytes"] < 2_000_000
 
 
-def test_too_much_memory_is_a_broken_promise(core_tool):
-    """Checks that, with many threads and large tiles, the program reports that it has exceeded the memory limit, and
-    the memory that it used."""
+def test_too_much_memory_violates_a_guarantee(core_tool):
+    """Checks that, with many threads and large tiles, the program reports that it has exceeded the memory limit, and how much
+    memory it used."""
     spent = billion(core_tool, "points=3e6", "tile=512", "threads=36", "verify=no", expected=1)
     assert spent["broken"] == ["memory"]
     assert spent["resident_bytes"] >= RESIDENT_LIMIT
 
 
-def test_without_verification_nothing_is_claimed(core_tool):
+def test_without_verification_no_guarantee_is_reported(core_tool):
     bare = billion(core_tool, "points=1e5", "verify=no")
     assert set(bare) == KEYS
     unseen = "least_squared pairs too_close misplaced doubled gap_tiles uncovered changed digest checking_share".split()
@@ -108,7 +108,7 @@ def test_the_source_names_every_key():
     ["points=nan", "points=1e12", "points=999", "points=1e6x", "seed=-1", "seed=", "tile=15", "tile=64.5"]
     + ["order=random", "threads=0", "threads=257", "verify=maybe", "gaps=-1", "color=green", "points", ""],
 )
-def test_wrong_arguments_are_refused(build_dir, argument):
+def test_wrong_arguments_are_rejected(build_dir, argument):
     done = run([build_dir / "bench/billion", argument], timeout=60)
     assert done.returncode == 2
     assert done.stdout == ""
@@ -117,7 +117,7 @@ def test_wrong_arguments_are_refused(build_dir, argument):
 
 
 @pytest.mark.full
-def test_a_hundred_million_points_keep_every_promise(core_tool):
+def test_a_hundred_million_points_fulfill_every_guarantee(core_tool):
     made = [billion(core_tool, "points=1e8", f"order={order}", timeout=3600) for order in ("rows", "shuffled")]
     assert all(one["broken"] == [] and one["points"] > 100_000_000 for one in made), made
     assert made[0]["digest"] == made[1]["digest"]

@@ -1,5 +1,5 @@
-"""Tests the C library with a C11 program that prints points, and checks the guarantees of extension/core/c_api/thicket.h by calling the shared
-library from Python."""
+"""Tests the C library with a C11 program that prints points. Checks the guarantees of extension/core/c_api/thicket.h by calling
+the shared library from Python."""
 
 from __future__ import annotations
 
@@ -195,7 +195,7 @@ def test_points_can_be_read_in_parts(sampler):
     for first, asked, named in ((0, count + 1, "count"), (count + 1, 0, "first"), (1, 2**64 - 1, "count"), (2**64 - 1, 2, "first")):
         given = sampler.library.thicket_read_points(sampler.handle, U64(first), U64(asked), None)
         assert given == code("OUT_OF_RANGE") and sampler.message().startswith(f"{named} must be at most ")
-    assert sampler.count() == count, "a bad request removes no points"
+    assert sampler.count() == count, "an invalid request does not remove points"
 
 
 REFUSED_SETS = [
@@ -212,7 +212,7 @@ REFUSED_SETS = [
 
 
 @pytest.mark.parametrize(("wrong", "name", "sentence"), REFUSED_SETS)
-def test_bad_sets_are_refused(sampler, wrong, name, sentence):
+def test_bad_sets_are_rejected(sampler, wrong, name, sentence):
     assert sampler.sample() == 0
     assert sampler.sample(**wrong) == code(name)
     assert sampler.message().startswith(sentence)
@@ -241,7 +241,7 @@ REFUSED_DOMAINS = [
 
 
 @pytest.mark.parametrize(("wrong", "name", "sentence"), REFUSED_DOMAINS)
-def test_bad_domains_are_refused(sampler, wrong, name, sentence):
+def test_bad_domains_are_rejected(sampler, wrong, name, sentence):
     assert sampler.sample() == 0
     assert sampler.fill(**wrong) == code(name)
     assert sampler.message().startswith(sentence)
@@ -249,7 +249,7 @@ def test_bad_domains_are_refused(sampler, wrong, name, sentence):
     assert sampler.fill() == 0 and sampler.count() > 200
 
 
-def test_missing_arguments_are_named(sampler):
+def test_missing_arguments_are_reported_by_name(sampler):
     library, handle = sampler.library, sampler.handle
     missing = code("MISSING")
     some, count, rect = Set(1, 1.0, 1, 0), U64(77), Rect(0.0, 0.0, 9.0, 9.0)
@@ -260,7 +260,7 @@ def test_missing_arguments_are_named(sampler):
         (lambda: library.thicket_digest(handle, None, None), "r_places is missing"),
     ):
         assert given() == missing and sampler.message() == sentence
-    assert count.value == 77, "an error writes nothing"
+    assert count.value == 77, "after an error, nothing is written"
     assert sampler.fill() == 0
     assert sampler.points(0, 1)[0] == missing and sampler.message() == "a call of thicket_sample before this one is missing"
     assert library.thicket_read_positions(handle, U64(0), U64(1), None) == missing and sampler.message() == "buffer is missing"
@@ -275,8 +275,8 @@ LONG = {"sample": lambda sampler, watch: sampler.sample((0.0, 0.0, 3000.0, 3000.
 
 @pytest.mark.parametrize("work", LONG.values(), ids=LONG)
 def test_a_call_can_be_watched_and_canceled(sampler, work: Callable):
-    """Checks that a call can be canceled by the result of its progress function and from a different thread, and that a
-    nested call is refused."""
+    """Checks that a call can be canceled by the result of its progress function and from another thread, and that a nested call
+    is rejected."""
     seen: list[tuple[float, int]] = []
     inside: list = []
 
@@ -302,7 +302,7 @@ def test_a_call_can_be_watched_and_canceled(sampler, work: Callable):
     assert work(sampler, Watch(PROGRESS(begin), None)) == code("CANCELLED")
     canceller.join()
     sampler.cancel()
-    assert sampler.sample() == 0 and sampler.count() > 200, "a cancel does not affect later calls"
+    assert sampler.sample() == 0 and sampler.count() > 200, "canceling does not affect later calls"
 
 
 def test_progress_ends_at_one(sampler):

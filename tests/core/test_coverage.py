@@ -1,6 +1,6 @@
 """Tests that every line of the extension is executed by at least one test, except the lines in uncovered_core.txt and
-uncovered_nodes.txt. A line that only makes the code faster changes no result, so only this test shows whether it is
-ever reached. A build with coverage=yes counts the executions."""
+uncovered_nodes.txt. A line that only makes the code faster does not affect results, so only this test shows whether it is ever
+reached. A build with coverage=yes counts the executions."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ def llvm(name: str) -> str:
 
 
 def never_run(program: Path, profiles: Path, folder: str) -> dict[str, Counter[str]]:
-    """Returns the lines of the sources in `folder` that no process executed: for each file, the texts of the lines and the number of times that
-    each text occurs."""
+    """Returns the lines of the sources in `folder` that no process executed: for each file, the content of the lines and the
+    number of times that each line occurs."""
     merged = profiles / "merged.profdata"
     done = run([llvm("llvm-profdata"), "merge", "--sparse", "-o", merged, *profiles.glob("*.profraw")], timeout=600)
     assert done.returncode == 0, done.stderr
@@ -68,8 +68,7 @@ def listing(lines: dict[str, Counter[str]]) -> str:
 
 
 def check_covered(program: Path, profiles: Path, folder: str, name: str):
-    """Fails if a line was not executed that is missing from the list `name`. Writes an updated list into the build
-    folder."""
+    """Fails if a line that is missing from the list `name` was not executed. Writes an updated list into the build folder."""
     file = REPO / "tests/core" / name
     listed = file.read_text(encoding="utf-8")
     found, expected = never_run(program, profiles, folder), listed_lines(listed)
@@ -116,7 +115,7 @@ def test_cases_run_every_line_of_the_core(tmp_path):
 
 
 def test_scripts_run_every_line_of_the_nodes(tmp_path):
-    """Checks the lines that the scripts of tests/engine execute. Two scripts are left out because they depend on speed
+    """Checks the lines that the scripts of tests/engine execute. Two scripts are omitted because they depend on speed
     or free memory, which counting affects."""
     build(*OPTIONS, "extension", timeout=3600)
     addon, profiles = tmp_path / "addon", tmp_path / "profiles"

@@ -1,10 +1,10 @@
 """Tests the statistics of the single-domain samplers against maximal sets by naive dart throwing. The reference shares
 no code with the samplers.
 
-Hierarchical dart throwing has the same distribution as naive dart throwing, point by point. So the first part of a set,
-in the order of acceptance, must match naive darts as well. Wavefront sampling fills the domain from a corner, so its
-order differs. These tests detect no difference in its complete sets, which is all that section 4.4 of the paper claims.
-All seeds are fixed."""
+Hierarchical dart throwing has the same distribution as naive dart throwing, point by point. Therefore, the first part of a set,
+in the order of acceptance, must also match naive darts. Wavefront sampling fills the domain from a corner, so its order
+differs. These tests detect no difference in its complete sets, which is all that section 4.4 of the paper claims. All seeds are
+fixed."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def test_near_pairs_have_no_direction(domains, kind):
 @pytest.mark.parametrize("part", [0.3, 0.9])
 @pytest.mark.parametrize("kind", EQUIVALENT, ids="-".join)
 def test_parts_of_sets_agree_with_naive_darts(dart_sets, domain_sets, kind, part):
-    """Checks that the order of acceptance is that of naive darts. At any time, darts must be equally likely everywhere
+    """Checks that the order of acceptance matches naive darts. At any time, darts must be equally likely everywhere
     in the uncovered area, and must not prefer small squares or certain rows."""
     p = means_differ(measured(dart_sets, part).pairs, measured(domain_sets[kind], part).pairs)
     assert p > ALPHA / 4, f"the first {part} of the points differ: p = {p:.2g}"
@@ -116,14 +116,14 @@ def coverage(sets: list[np.ndarray], side: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("kind", [*EQUIVALENT, ("wavefront", "single")], ids="-".join)
-def test_coverage_is_that_of_the_jammed_state(thicket, kind):
+def test_coverage_matches_the_jammed_state(thicket, kind):
     """Checks the coverage of two million points on tori."""
     side, seeds = 300.0, 32
     sets = domains_of(thicket, kind[0], (side, side), FIRST_SEED[kind[1]], seeds, precision=kind[1])
     assert sum(map(len, sets)) >= 2_000_000
     found = coverage(sets, side)
     error = found.std(ddof=1) / np.sqrt(seeds)
-    assert error < 1.5e-4, "too few points for a conclusion"
+    assert error < 1.5e-4, "there are too few points for a conclusion"
     z = z_of_mean(found, JAMMED_COVERAGE)
     assert abs(z) < 4.0, f"coverage {found.mean():.6f} is {z:.1f} standard errors from {JAMMED_COVERAGE}"
 
@@ -144,8 +144,8 @@ def test_naive_darts_approach_the_jammed_state_at_the_known_rate(thicket):
 @pytest.mark.parametrize("method", ["naive", "hierarchical", "wavefront"])
 @pytest.mark.parametrize("torus", [True, False], ids=["torus", "bounded"])
 def test_all_four_sides_have_equal_densities(thicket, method, torus):
-    """Checks that the densities near the four sides of a rectangular domain, as functions of the distance from the
-    side, are equal."""
+    """Checks that the densities near the four edges of a rectangular domain, as functions of the distance from the edge, are
+    equal."""
     size, seeds = np.array([70.0, 41.0]), 96
     edges = np.linspace(0.0, 3.0, 9)
     rows, density = [], []
@@ -154,7 +154,7 @@ def test_all_four_sides_have_equal_densities(thicket, method, torus):
         density.append(len(points) / size.prod())
         for axis, other in ((0, 1), (1, 0)):
             place = points[:, axis]
-            # The corners, where two sides meet, are excluded.
+            # The corners, where two edges meet, are excluded.
             away = np.abs(points[:, other] - 0.5 * size[other]) < 0.5 * size[other] - edges[-1]
             for distance in (place, size[axis] - place):
                 counts, _ = np.histogram(distance[away], bins=edges)
@@ -163,7 +163,7 @@ def test_all_four_sides_have_equal_densities(thicket, method, torus):
     rows = np.array(rows)
     differences = rows[:, 1:] - rows[:, :1]
     p = mean_differs_from(differences.reshape(seeds, -1), 0.0)
-    assert p > ALPHA / 6, f"sides differ: p = {p:.2g}"
+    assert p > ALPHA / 6, f"edges differ: p = {p:.2g}"
     beside = z_of_mean(rows[:, :, 0].mean(axis=1) - density, 0.0)
     # Beyond the border of a bounded domain, no points exclude positions inside, so the density near the border is higher. A seam has points on both
     # sides.

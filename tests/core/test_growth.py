@@ -1,5 +1,5 @@
-"""Tests that the cost of the core's states, masks, regions and meshes is not quadratic in the size of the input,
-whatever the kind of input. tests/cost counts steps instead of seconds, so the load of the machine has no influence."""
+"""Tests that the cost of the core's states, masks, regions and meshes is not quadratic in the size of the input, for all kinds
+of input. tests/cost counts steps instead of seconds, so the load of the machine has no influence."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Tests the Python package, which is built with one command and installed offline into a new environment. Its digests
-must equal those of the core, and its NumPy arrays must not be copies. Other threads must run during calls, calls can be
-canceled, and invalid arguments are refused."""
+"""Tests the Python package, which is built with one command and installed offline into a new environment. Its digests must
+equal the digests of the core, and its NumPy arrays must not be copies. Other threads must run during calls, calls can be
+canceled, and invalid arguments are rejected."""
 
 from __future__ import annotations
 
@@ -101,15 +101,14 @@ def on_faces(vertices: np.ndarray, faces: np.ndarray, count: int) -> np.ndarray:
 
 
 def test_points_on_a_surface(thicket):
-    """Checks that no two points are too close, that no further point would fit, and that each point lies on its
-    face."""
+    """Checks that no two points are too close, that no other point would fit, and that each point lies on its face."""
     vertices, faces = ball(12.0, 24)
     points = thicket.sample_surface(vertices, faces, 1.0, 3, layer=7)
     count = len(points)
     tree = cKDTree(points.positions)
     assert tree.query(points.positions, k=2)[0][:, 1].min() >= 1.0 - 1e-6
     assert tree.query(on_faces(vertices, faces, 100_000))[0].max() <= 1.0 + 1e-4
-    assert 0.52 < count * np.pi / 4 / (4 * np.pi * 12.0**2) < 0.58, "the share that disks of half the radius cover"
+    assert 0.52 < count * np.pi / 4 / (4 * np.pi * 12.0**2) < 0.58, "the fraction that disks of half the radius cover"
     assert len(np.unique(points.ids)) == count and (points.ids >> np.uint64(48) == 7).all()
     corners = vertices[faces[points.faces]]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -236,7 +235,7 @@ GOOD = {
 
 
 @pytest.mark.parametrize(("name", "wrong", "error", "sentence"), REFUSED)
-def test_arguments_that_the_core_refuses_raise(thicket, name, wrong, error, sentence):
+def test_arguments_that_the_core_rejects_raise(thicket, name, wrong, error, sentence):
     with pytest.raises(error) as raised:
         getattr(thicket, name)(**{"radius": 1.0, **GOOD[name], **wrong})
     assert str(raised.value).startswith(sentence)
@@ -265,7 +264,7 @@ print(len(thicket.sample((0, 0, 9, 9), 1.0)) > 40)
     )
 
 
-# Calls of each function that take one or two seconds.
+# Calls to each function that take one or two seconds.
 LONG = {
     "sample": lambda thicket, **watched: thicket.sample((0, 0, 2500, 2500), 1.0, **watched),
     "sample by threads": lambda thicket, **watched: thicket.sample((0, 0, 4000, 2500), 1.0, threads=3, **watched),
@@ -275,9 +274,8 @@ LONG = {
 
 
 @pytest.mark.parametrize("work", LONG.values(), ids=LONG)
-def test_other_threads_run_meanwhile(thicket, work):
-    """Checks that a different thread keeps running during a call. It could not if the call held the global interpreter
-    lock."""
+def test_other_threads_run_during_a_call(thicket, work):
+    """Checks that another thread keeps running during a call. It could not run if the call held the global interpreter lock."""
     ticks: list[float] = []
     end = threading.Event()
 
@@ -307,7 +305,7 @@ def test_progress(thicket, work):
 
 @pytest.mark.parametrize("work", LONG.values(), ids=LONG)
 def test_cancel(thicket, work):
-    """Checks that a call can be canceled from a different thread and before it begins. An exception of the progress
+    """Checks that a call can be canceled from another thread and before it begins. An exception of the progress
     function must end the call and propagate."""
     cancel, begun = thicket.Cancel(), threading.Event()
     canceller = threading.Thread(target=lambda: (begun.wait(), cancel.cancel()))
@@ -348,7 +346,7 @@ def test_threads_agree(thicket):
     assert digests == [SETS[0].digests] * 20
 
 
-def test_a_call_with_several_threads_gives_the_same(thicket):
+def test_a_call_with_several_threads_returns_the_same_points(thicket):
     for one in SETS:
         alone = thicket.sample(one.rect, one.radius, one.seed, levels=one.levels, layer=one.layer)
         for threads in (0, 2, 5):

@@ -100,8 +100,8 @@ def test_pages_for_engineers_have_valid_paths(page):
 
 
 def test_every_part_of_the_addon_is_described():
-    """Checks that ARCHITECTURE.md describes each folder of the add-on, each folder of its editor, and each script
-    beside them."""
+    """Checks that ARCHITECTURE.md describes each folder of the add-on, each folder of its editor, and each script next to
+    them."""
     text = (REPO / "ARCHITECTURE.md").read_text(encoding="utf-8")
     block = text[text.index("## The add-on") :].split("```")[1]
     listed = re.findall(r"^ *(\w+)/? ", block, re.MULTILINE) + re.findall(r"[\w*]+\.gd", block)

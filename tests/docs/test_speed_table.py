@@ -1,5 +1,4 @@
-"""Tests that the speed tables in README.md are those that the benchmarks have written, and that they state how they
-were measured."""
+"""Tests that the speed tables in README.md match the output of the benchmarks and that they state how they were measured."""
 
 import importlib.util
 import json
@@ -25,7 +24,7 @@ def kept():
 
 
 def test_readme_shows_the_stored_rows():
-    """Checks that no value was edited by hand, and that the tables were rewritten after the last change of SECTIONS."""
+    """Checks that no value was edited by hand, and that the tables were rewritten after the last change to SECTIONS."""
     text = (REPO / "README.md").read_text(encoding="utf-8")
     kept = json.loads(speed_table.KEPT.read_text(encoding="utf-8"))
     assert speed_table.put(text, speed_table.tables(kept, speed_table.SECTIONS)) == text
@@ -37,9 +36,9 @@ def test_rows_of_a_folder_are_read(tmp_path):
 
 
 @pytest.mark.parametrize("text", ["", "| half a row | 1 |\n"])
-def test_a_part_without_rows_is_refused(tmp_path, text):
+def test_a_part_without_rows_is_rejected(tmp_path, text):
     (tmp_path / "sampler").write_text(text)
-    with pytest.raises(SystemExit, match="sampler must hold rows of four cells"):
+    with pytest.raises(SystemExit, match="sampler must contain rows of four cells"):
         speed_table.read(tmp_path)
 
 
@@ -69,11 +68,11 @@ def test_a_pattern_without_a_row_is_an_error(kept):
 def test_only_the_tables_change():
     readme = f"before\n{speed_table.BEGIN}\nold\n{speed_table.END}\nafter"
     assert speed_table.put(readme, "new") == f"before\n{speed_table.BEGIN}\n\nnew\n\n{speed_table.END}\nafter"
-    with pytest.raises(SystemExit, match="must hold these two lines"):
+    with pytest.raises(SystemExit, match="must contain these two lines"):
         speed_table.put("no tables here", "new")
 
 
-def test_an_unknown_part_is_refused():
+def test_an_unknown_part_is_rejected():
     done = subprocess.run(["bash", REPO / "tests/bench/run.sh", "--only", "sampler,nothing"], capture_output=True, text=True, check=False)
     assert done.returncode == 2
-    assert "--only needs some of sampler tile" in done.stderr and "got nothing" in done.stderr
+    assert "--only must be followed by some of sampler tile" in done.stderr and "got nothing" in done.stderr

@@ -1,4 +1,4 @@
-"""Tests the add-on's tutorials. Their links and pictures must be valid, their steps must work in the editor and over
+"""Tests the add-on's tutorials. Their links and images must be valid, their steps must work in the editor and over
 the network, and the class reference must link to them. tests/docs/test_readme.py runs their examples."""
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def test_the_class_reference_links_to_every_page():
     assert all("TerrainScatter3D" in classes for classes in linked.values()), linked
 
 
-def test_links_and_pictures_exist():
+def test_links_and_images_exist():
     used = set()
     for page, text in PAGES.items():
         for link in LINK.findall(FENCE.sub("", text)):
@@ -65,8 +65,8 @@ def test_links_and_pictures_exist():
             with Image.open(FOLDER / picture) as image:
                 assert image.format == "JPEG" and image.width == 960, picture
             assert (FOLDER / picture).stat().st_size <= 150_000, picture
-    assert used == {path.name for path in FOLDER.glob("*.jpg")}, "some pictures are not used by any page"
-    assert (FOLDER / ".gdignore").is_file(), "without it, users' projects would import the pictures"
+    assert used == {path.name for path in FOLDER.glob("*.jpg")}, "some images are not used by any page"
+    assert (FOLDER / ".gdignore").is_file(), "without it, users' projects would import the images"
     for page in ("first_forest.md", "your_own_tree.md", "paint_and_shapes.md", "game_that_fells.md", "server.md"):
         assert PICTURE.search(PAGES[page]) and "\n## If it goes wrong\n" in PAGES[page], page
 
@@ -193,4 +193,4 @@ def test_a_server_and_its_players(tmp_path):
         server.end()
     assert len(digests) == 1
     views = [np.asarray(Image.open(PICTURES / f"tutorial_server_{who}.png").convert("L"), np.int16) for who in ("one", "late")]
-    assert views[0].std() > 20 and np.abs(views[0] - views[1]).mean() < 1.0, "both see the same"
+    assert views[0].std() > 20 and np.abs(views[0] - views[1]).mean() < 1.0, "both players see the same trees"

@@ -1,4 +1,5 @@
-"""Tests the editor's tools with a designer's steps in the real editor, with software rendering and pictures in build/editor."""
+"""Tests the editor's tools with a designer's steps in the real editor, with software rendering and screenshots in
+build/editor."""
 
 from __future__ import annotations
 
@@ -55,7 +56,7 @@ def project(tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def imported(godot, project) -> Path:
-    """Returns the project after the editor has imported its files. Deletes pictures of earlier runs."""
+    """Returns the project after the editor has imported its files. Deletes screenshots of earlier runs."""
     done = godot(["--path", project, "--import"], timeout=120)
     assert not complaints(done.stdout + done.stderr)
     for old in PICTURES.glob("*.png"):
@@ -83,8 +84,7 @@ def plain_project(tmp_path) -> Path:
 
 @pytest.mark.parametrize("script", ["test_bake", "test_scene_files"])
 def test_scripts_of_the_editor(godot, plain_project, script):
-    """Runs checks of bakes, of canceled and refused bakes, of the brush's ray on the ground, and of unwritable
-    files."""
+    """Runs checks of bakes, of canceled and rejected bakes, of the brush's ray on the ground, and of unwritable files."""
     link_library(plain_project)
     done = godot(["--verbose", "--path", plain_project, "--script", REPO / f"tests/engine/{script}.gd"], timeout=120)
     printed = done.stdout + done.stderr
@@ -135,14 +135,14 @@ def ground_follows(godot_xvfb, tmp_path_factory) -> str:
 
 
 def test_a_ground_can_be_chosen_and_moved(ground_follows):
-    """Checks that the selection becomes the ground, that undo restores every byte, and that the scatter follows a
-    moving ground. The checks are in ground_follows.gd."""
+    """Checks that the selection becomes the ground, that undo restores every byte, and that the scatter is updated when the
+    ground moves. The checks are in ground_follows.gd."""
     check_passed(ground_follows)
 
 
 def test_terrain_plugins_as_ground(godot_xvfb, editor_project):
-    """Checks water, and ground from the stand-ins for terrain plug-ins that tests/engine provides, in the editor. The
-    checks are in plugin_ground.gd."""
+    """Checks water, and ground from the stand-ins for terrain plug-ins that tests/engine provides, in the editor. The checks
+    are in plugin_ground.gd."""
     (editor_project / "doubles").mkdir()
     for name in ("harness", "terrain_harness", "terrain3d_harness", "hterrain_harness", "plugins_harness"):
         text = (REPO / f"tests/engine/{name}.gd").read_text(encoding="utf-8")
@@ -186,8 +186,8 @@ def test_why_a_position_is_empty(why):
     check_passed(why)
 
 
-def test_pictures_of_the_ground_colors(why):
-    """Checks the colors in the pictures: much of the ground is red where nothing is permitted, green where the slope is
+def test_screenshots_of_the_ground_colors(why):
+    """Checks the colors in the screenshots: much of the ground is red where nothing is permitted, green where the slope is
     gentle, and blue where instances have the lowest ranks."""
     shares = {}
     for name in ("why", "why_density", "why_slope", "why_rank"):
@@ -205,10 +205,10 @@ def test_pictures_of_the_ground_colors(why):
     + ["loose_states", "clicks", "navigation", "viewports"],
 )
 def test_layers_panel(godot, godot_xvfb, editor_project, script):
-    """Runs scripts with the checks of the layers panel: mouse and keys, resources that duplicated and pasted nodes
-    share, and confirmations before many more instances are shown. They also undo every step, byte for byte, and check
-    the toolbar in a narrow window and instances that scripts have placed. Further scripts use the brush, regions and a
-    radius with clicks only, bake a navigation mesh, and check the instances in each viewport."""
+    """Runs scripts with the checks of the layers panel: mouse and keys, resources that duplicated and pasted nodes share, and
+    confirmations before many more instances are shown. They also undo every step, byte for byte, and check the toolbar in a
+    narrow window and instances that scripts have placed. Other scripts use the brush, regions and a radius with clicks only,
+    bake a navigation mesh, and check the instances in each viewport."""
     godot(["--path", editor_project, "--import"], timeout=120)
     done = godot_xvfb(["--editor", "--path", editor_project, "--", script], timeout=300)
     check_passed(done.stdout + done.stderr)
@@ -227,8 +227,8 @@ def libraryless_project(plain_project) -> Path:
 
 
 def test_without_the_library_the_plugin_warns_once(godot, godot_xvfb, libraryless_project):
-    """Checks that, in a checkout before the first build, the plugin prints one warning with a remedy, and no script
-    fails. The checks are in without_library.gd."""
+    """Checks that, in a checkout before the first build, the plugin prints one warning that says how to fix the problem, and no
+    script fails. The checks are in without_library.gd."""
     imported = godot(["--path", libraryless_project, "--import"], timeout=120)
     assert imported.returncode == 0
     # Only an editor with a window compiles all scripts that it indexes, to create their class reference.
@@ -261,17 +261,17 @@ def test_the_tools_appear_once_the_library_is_loaded(godot, libraryless_project)
     "name",
     ["added", "brush", "preset", "gizmos", "region", "neighbors", "region_layers", "dropped", "layer", "inspector", "help"],
 )
-def test_pictures(designer, name):
-    """Checks that the editor has drawn its contents: the picture must have many shades of gray, none of which covers
-    most of it."""
+def test_screenshots(designer, name):
+    """Checks that the editor has drawn its contents: the screenshot must have many shades of gray, none of which covers most of
+    it."""
     image = np.asarray(Image.open(PICTURES / f"{name}.png").convert("L"), np.int16)
     shades = np.bincount(image.ravel(), minlength=256) / image.size
     assert image.shape == (900, 1440)
     assert (shades > 1e-4).sum() > 60 and shades.max() < 0.6
 
 
-def test_picture_of_the_cursor(designer):
-    """Checks that the ring of an erasing brush is red, by comparing the amount of red in its picture with a picture
+def test_screenshot_of_the_cursor(designer):
+    """Checks that the ring of an erasing brush is red, by comparing the amount of red in its screenshot with a screenshot
     without a brush."""
     reds = {}
     for name in ("added", "brush"):

@@ -1,9 +1,9 @@
-"""Failing allocations inside the engine: the library must report each, change nothing and continue.
+"""Failing allocations inside the engine: the library must report each, leave its data unchanged and continue.
 
-tests/allocations/failing_allocations.c, preloaded into the engine, makes allocations fail. Most failures of small allocations crash Godot
-itself, because it writes through the null pointer. The library cannot prevent that, so each crash is attributed by its location. The
-library is responsible if its code crashed or if an exception escaped from it. It is also responsible if the engine crashed in a different
-call than the one whose allocation failed.
+tests/allocations/failing_allocations.c, preloaded into the engine, makes allocations fail. Most failures of small allocations
+crash Godot itself, because it writes through the null pointer. The library cannot prevent that, so each crash is attributed by
+its location. The library is responsible if its code crashed or if an exception escaped from it. It is also responsible if the
+engine crashed in a call other than the one whose allocation failed.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class Outcome:
     number: int
     log: str
     sections: dict[str, list[Frame]] = field(default_factory=dict)
-    end: str = ""  # "end", "crash" or "hang". Empty if the process ended differently.
+    end: str = ""  # "end", "crash" or "hang". Empty if the process ended in another way.
 
     @classmethod
     def read(cls, path: Path) -> Outcome:
@@ -85,7 +85,8 @@ class Outcome:
         if self.end == "end":
             return "went on"
         if self.end == "crash":
-            # If the engine tail-called the C library, its own frame is not on the stack, so compare the library's frames instead.
+            # If the engine tail-called the C library, the engine's frame is not on the stack, so compare the library's frames
+            # instead.
             engine_allocated = not self.sections["failed"][0].ours
             same_call = self.call_into_the_engine("crash") == self.call_into_the_engine("failed")
             return "the engine's" if engine_allocated and same_call else "ours"
@@ -118,7 +119,7 @@ def check(outcomes: list[Outcome], least: int):
     print("allocations that failed: " + ", ".join("%d %s" % (count, kind) for kind, count in kinds.most_common()))
     assert len(outcomes) >= least
     ours = [outcome for outcome in outcomes if outcome.kind == "ours"]
-    assert not ours, "%d of %d are ours\n" % (len(ours), len(outcomes)) + "\n\n".join(map(str, ours[:10]))
+    assert not ours, "%d of %d are caused by the library\n" % (len(ours), len(outcomes)) + "\n\n".join(map(str, ours[:10]))
     results = {outcome.number: re.findall(r"^result: (\d+)$", outcome.log, re.MULTILINE) for outcome in outcomes}
     assert len(results[0]) == 1, outcomes[0]
     silent = [outcome for outcome in outcomes if outcome.kind == "went on" and results[outcome.number] != results[0] and "ERROR" not in outcome.log]
@@ -165,7 +166,7 @@ def test_arrays_of_the_engine_grow_only_through_one_function():
 
 
 def test_failing_large_allocations(godot, preload, tmp_path):
-    """Large allocations fail in calls of many kinds, on all threads."""
+    """Large allocations fail in many kinds of calls, on all threads."""
     script = ENGINE / "test_allocations.gd"
     assert_passed(godot(["--verbose", "--path", new_project(tmp_path), "--script", script], timeout=600, env={**os.environ, "LD_PRELOAD": str(preload)}))
 

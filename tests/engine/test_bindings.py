@@ -64,9 +64,9 @@ def complaints(output: str) -> list[str]:
 
 
 @pytest.mark.parametrize("display", ["godot", "godot_xvfb"])
-def test_scripts_see_our_classes_and_nothing_leaks(display, project, request):
-    """Runs a game that covers all uses from scripts. On exit, the engine must report no leaks in verbose mode. Runs with a renderer too, because
-    only a real one counts its resources."""
+def test_scripts_access_our_classes_and_nothing_leaks(display, project, request):
+    """Runs a game that covers all uses from scripts. On exit, the engine must report no leaks in verbose mode. Also runs with a
+    renderer, because only a real one counts its resources."""
     play = request.getfixturevalue(display)
     done = play(["--verbose", "--path", project, "--script", SCRIPTS / "test_language.gd"])
     assert done.returncode == 0, done.stdout[-6000:] + done.stderr[-2000:]
@@ -126,7 +126,7 @@ def test_reload_keeps_live_nodes(whole_editor):
     assert whole_editor.count("instances: true") == 3
 
 
-def test_class_reference_is_shown_in_the_editor(whole_editor):
+def test_class_reference_is_displayed_in_the_editor(whole_editor):
     pages = dict(re.findall(r"^help (\w+): (.*)$", whole_editor, re.MULTILINE))
     assert sorted(pages) == CLASSES
     for name, page in pages.items():
@@ -180,7 +180,7 @@ def test_class_reference_is_complete(godot, project):
     ours = {name: described(REPO / f"extension/doc_classes/{name}.xml") for name in CLASSES}
     assert {name: sorted(page) for name, page in ours.items()} == {name: sorted(page) for name, page in written.items()}
     listed = {name: (defaults(pages / f"doc_classes/{name}.xml"), defaults(REPO / f"extension/doc_classes/{name}.xml")) for name in CLASSES}
-    listed = {name: both for name, both in listed.items() if both[0]}  # The engine lists no defaults for a class that scripts cannot instantiate.
+    listed = {name: both for name, both in listed.items() if both[0]}  # The engine does not list defaults of classes that scripts cannot instantiate.
     assert len(listed) >= 15 and not {name: both for name, both in listed.items() if both[0] != both[1]}
     texts = {f"{name}: {what}": text or "" for name, page in ours.items() for what, text in page.items()}
     assert not [what for what, text in texts.items() if not text.strip()]
@@ -243,7 +243,7 @@ def compiles(code: str, tmp_path: Path) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.parametrize("code", REFUSED)
-def test_the_stand_in_refuses_what_godot_cpp_refuses(code, tmp_path):
+def test_the_stand_in_rejects_what_godot_cpp_rejects(code, tmp_path):
     """The stand-in rejects code that godot-cpp rejects, so that code written against it also compiles with godot-cpp."""
     accepted = compiles(ACCEPTED, tmp_path)
     assert accepted.returncode == 0, accepted.stderr
@@ -253,8 +253,8 @@ def test_the_stand_in_refuses_what_godot_cpp_refuses(code, tmp_path):
 @pytest.mark.alone  # While this test runs, all tests would load a different extension.
 @pytest.mark.skipif("THICKET_GODOT_CPP" not in os.environ, reason="set THICKET_GODOT_CPP to a built godot-cpp")
 def test_the_same_sources_build_and_run_against_godot_cpp(godot, tmp_path):
-    """All engine tests pass with godot-cpp. So do all language tests except test_wrong_values, because godot-cpp treats a value of the wrong
-    type as null."""
+    """All engine tests pass with godot-cpp. All language tests also pass, except test_wrong_values, because godot-cpp treats a
+    value of the wrong type as null."""
     try:
         done = run(["scons", "-Q", "-j2", "godot_cpp=" + os.environ["THICKET_GODOT_CPP"], "extension"], 3600, cwd=REPO)
         assert done.returncode == 0, done.stdout + done.stderr

@@ -1,4 +1,4 @@
-"""Tests the demo's main scene, and the pictures that it takes on a virtual display."""
+"""Tests the demo's main scene and the screenshots that it takes on a virtual display."""
 
 from __future__ import annotations
 
@@ -64,7 +64,8 @@ def test_plants_are_the_same_on_every_run(godot, imported_demo, tmp_path):
 
 
 def test_models_of_the_presets_are_those_of_the_scripts(godot, imported_demo, tmp_path):
-    """The add-on's models match those that demo_project/meshes builds. If not, run bash demo_project/meshes/save_models.sh."""
+    """The add-on's models match those that demo_project/meshes builds. To fix a difference, run bash
+    demo_project/meshes/save_models.sh."""
     made = tmp_path / "models"
     done = godot(["--headless", "--path", imported_demo, "--script", "res://meshes/save_models.gd", "--", f"--out={made}"], timeout=240)
     assert "models saved" in done.stdout, done.stdout + done.stderr
@@ -192,15 +193,15 @@ func run() -> void:
 		press(KEY_MINUS)
 	await idle()
 	var half := float(scatter.get_stats().instances) / all
-	check(half > 0.45 and half < 0.55, "-: half of the instances, not %.3f" % half)
+	check(half > 0.45 and half < 0.55, "-: half of the instances must be left, not %.3f" % half)
 	for step in 10:
 		press(KEY_MINUS)
 	await idle()
-	check(scatter.get_stats().instances == 0, "-: nothing at density 0")
+	check(scatter.get_stats().instances == 0, "-: no instances at density 0")
 	for step in 12:
 		press(KEY_EQUAL)
 	await idle()
-	check(scatter.get_stats().instances == all, "+: everything again")
+	check(scatter.get_stats().instances == all, "+: all instances again")
 
 	var camera := demo.get_node("Camera") as Camera3D
 	var ground: float = scatter.ground.get_height(camera.position)
@@ -214,7 +215,7 @@ func run() -> void:
 	check(borders.visible and borders.mesh.get_surface_count() == 1, "T: borders of tiles")
 	var help := demo.get_node("Overlay/Panel/Rows/Help") as Label
 	press(KEY_H)
-	check(not help.visible, "H: help away")
+	check(not help.visible, "H: the help is hidden")
 
 	var elevation: RefCounted = demo.get_node("Terrain").elevation
 	var rng := RandomNumberGenerator.new()
@@ -234,7 +235,7 @@ func run() -> void:
 
 
 def test_ground_has_no_holes(godot_xvfb, imported_demo, tmp_path):
-    """Replaces the background with magenta. In views from all over the map, no magenta is visible through the ground."""
+    """Replaces the background with magenta. In views from all over the map, no magenta may be visible through the ground."""
     script = tmp_path / "holes.gd"
     script.write_text(HOLES.replace("OUT", str(tmp_path)))
     done = godot_xvfb(["--path", imported_demo, "--resolution", "480x270", "--script", script], timeout=300)
@@ -291,7 +292,7 @@ func run() -> void:
 
 @pytest.fixture(scope="module")
 def pictures(godot_xvfb, imported_demo) -> dict[str, np.ndarray]:
-    """Returns the pictures of a run on a virtual display, by name: arrays of height by width by RGB, 0 to 255."""
+    """Returns the screenshots of a run on a virtual display, by name: arrays of height by width by RGB, 0 to 255."""
     for old in PICTURES.glob("*.png"):
         old.unlink()
     arguments = ["--path", imported_demo, "--resolution", "1280x720", "--", f"--screenshots={PICTURES}"]
@@ -303,7 +304,8 @@ def pictures(godot_xvfb, imported_demo) -> dict[str, np.ndarray]:
 
 
 def is_a_picture(image: np.ndarray, least_green: float = 0.25) -> str:
-    """Returns why an image does not look like a landscape with at least this fraction of green pixels, or an empty string if it does."""
+    """Returns the reason why an image does not look like a landscape with at least this fraction of green pixels; empty if it
+    does."""
     gray = image.mean(axis=2)
     share, _ = np.histogram(gray, bins=64, range=(0, 256))
     share = share[share > 0] / gray.size
@@ -322,14 +324,14 @@ def is_a_picture(image: np.ndarray, least_green: float = 0.25) -> str:
     return ", ".join(what for what, good in checks.items() if not good)
 
 
-def test_pictures_show_landscapes(pictures):
+def test_screenshots_show_landscapes(pictures):
     assert {"overview", "forest", "walk", "stones", "tiles"} <= pictures.keys()
     for name, image in pictures.items():
         assert image.shape == (720, 1280, 3)
         assert not is_a_picture(image), f"{name}: {is_a_picture(image)}"
 
 
-def test_pictures_have_a_sky(pictures):
+def test_screenshots_have_a_sky(pictures):
     """The upper border is blue, and brighter and smoother than the lower one."""
     for name in ("overview", "forest", "walk", "stones"):
         top, bottom = pictures[name][:60], pictures[name][-160:]
@@ -338,7 +340,7 @@ def test_pictures_have_a_sky(pictures):
         assert top.mean() > bottom.mean() + 15.0, f"{name}: the sky is not brighter than the ground"
 
 
-def test_pictures_differ(pictures):
+def test_screenshots_differ(pictures):
     names = sorted(pictures)
     for i, first in enumerate(names):
         for second in names[i + 1 :]:

@@ -1,4 +1,4 @@
-"""Tests the demo's other scenes: their content, and the pictures that they take."""
+"""Tests the demo's other scenes: their content and the screenshots that they take."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_content_of_the_scene(godot, imported_demo, scene):
 
 
 @pytest.mark.parametrize(("scene", "stop"), [("rules", "valley"), ("biomes", "biomes"), ("script_terrain", "island"), ("surfaces", "gorge")])
-def test_scene_is_a_picture(godot_xvfb, imported_demo, tmp_path, scene, stop):
+def test_screenshot_of_the_scene(godot_xvfb, imported_demo, tmp_path, scene, stop):
     arguments = ["--path", imported_demo, "--resolution", "640x360", f"res://{scene}.tscn", "--"]
     done = godot_xvfb([*arguments, f"--screenshots={tmp_path}", f"--stops={stop}"], timeout=120)
     printed = done.stdout + done.stderr
@@ -68,8 +68,8 @@ def test_felled_trees_stay_felled(godot, imported_demo, tmp_path):
         assert "leaked" not in printed, printed[-4000:]
 
 
-def test_the_game_takes_pictures(godot_xvfb, imported_demo, tmp_path):
-    """Runs the gameplay scene's scripted key presses. Each step's picture differs from the previous one."""
+def test_the_game_takes_screenshots(godot_xvfb, imported_demo, tmp_path):
+    """Runs the gameplay scene's scripted key presses. Each step's screenshot differs from the previous one."""
     arguments = ["--path", imported_demo, "--resolution", "640x360", "res://gameplay.tscn", "--"]
     done = godot_xvfb([*arguments, f"--screenshots={tmp_path}"], timeout=400)
     printed = done.stdout + done.stderr
@@ -87,7 +87,7 @@ def test_the_game_takes_pictures(godot_xvfb, imported_demo, tmp_path):
         before = image
 
 
-def test_an_unknown_scene_is_named():
+def test_an_unknown_scene_is_reported_by_name():
     done = run(["bash", DEMO / "run.sh", "nowhere"], timeout=10)
     assert done.returncode == 2
     assert "no scene 'nowhere'" in done.stderr
@@ -121,4 +121,4 @@ def test_the_rules_scene_and_the_valley_agree():
     points = np.array(numbers, float).reshape(-1, 3, 3)[:, 2]  # Each point is stored as in, out and position.
     assert np.array_equal(points[:, [0, 2]], np.array(valley.PATH, float))
     heights = valley.heights(points[:, 0], points[:, 2])
-    assert np.abs(points[:, 1] - heights).max() < 0.01, "the path lies on the ground"
+    assert np.abs(points[:, 1] - heights).max() < 0.01, "the path must be on the ground"

@@ -30,7 +30,7 @@ def test_heightmap_comes_from_the_elevation_model():
     assert json.loads((TERRAIN / "jacksboro.json").read_text()) == description
 
 
-def test_heightmap_holds_the_elevations_exactly():
+def test_heightmap_contains_the_exact_elevations():
     pytest.importorskip("matplotlib")
     converter = load_script("convert_dem")
     with np.load(converter.find_source()) as dem:
@@ -43,7 +43,7 @@ def test_heightmap_holds_the_elevations_exactly():
 
 
 def test_heightmap_has_the_true_scale():
-    """Compares the post distances with 3 arc-seconds on the ellipsoid, from the usual series for the length of a degree."""
+    """Compares the sample distances with 3 arc-seconds on the ellipsoid, from the usual series for the length of a degree."""
     description = json.loads((TERRAIN / "jacksboro.json").read_text())
     latitude = np.radians((36.73291666666667 + 36.44625) / 2.0)
     degree_z = 111132.92 - 559.82 * np.cos(2 * latitude) + 1.175 * np.cos(4 * latitude)
@@ -57,7 +57,7 @@ def test_heightmap_has_the_true_scale():
         assert struct.unpack("f", struct.pack("f", size / 2.0))[0] == size / 2.0
 
 
-def test_converter_refuses_a_model_that_does_not_fit(tmp_path):
+def test_converter_rejects_a_model_that_does_not_fit(tmp_path):
     converter = load_script("convert_dem")
     corners = {"xmin": -84.0, "xmax": -83.9, "ymin": 36.7, "ymax": 36.4, "dx": 1 / 1200, "dy": 1 / 1200}
     np.savez(tmp_path / "tall.npz", elevation=np.array([[0, 2000]], np.int16), **corners)
@@ -69,8 +69,8 @@ def test_converter_refuses_a_model_that_does_not_fit(tmp_path):
 
 
 def test_drawn_ground_is_close_to_the_bilinear_surface():
-    """Near the camera, terrain_view.gd draws 16 quads between two posts. Their triangles deviate from the bilinear surface by less than
-    5 cm anywhere on the map, and by at most 2 cm on 97 % of it."""
+    """Near the camera, terrain_view.gd draws 16 quads between two height samples. Their triangles deviate from the bilinear
+    surface by less than 5 cm anywhere on the map, and by at most 2 cm on 97 % of it."""
     quads = int(re.search(r"^const QUADS := (\d+)$", (TERRAIN / "terrain_view.gd").read_text(), re.MULTILINE).group(1))
     description = json.loads((TERRAIN / "jacksboro.json").read_text())
     heights = np.fromfile(TERRAIN / "jacksboro.r16", "<u2").reshape(description["rows"], description["columns"]) / 64.0

@@ -1,4 +1,4 @@
-"""Runs the scripts in tests/engine with the real engine, and checks its output and exit code."""
+"""Runs the scripts in tests/engine with the real engine and checks its output and exit code."""
 
 from __future__ import annotations
 
@@ -282,7 +282,7 @@ RENDERERS = {
 
 
 @pytest.mark.parametrize("renderer", RENDERERS)
-def test_pictures_of_models(godot_xvfb, project, renderer):
+def test_screenshots_of_models(godot_xvfb, project, renderer):
     """Draws the models with each renderer, in software."""
     arguments = [*RENDERERS[renderer], "--path", project, "--script", ENGINE / "test_model_pictures.gd"]
     assert_passed(godot_xvfb(arguments))
@@ -347,7 +347,7 @@ script = ExtResource("2")
 
 def test_foliage_in_the_editor(godot_xvfb, tmp_path):
     """The editor shows wind without changing any material."""
-    project = new_project(tmp_path)  # A separate project, because the editor reopens the scene on its next start.
+    project = new_project(tmp_path)  # A separate project, because the editor reopens the scene at the next start.
     (project / "foliage_in_editor.gd").write_text((ENGINE / "foliage_in_editor.gd").read_text())
     (project / "foliage.tscn").write_text(FOLIAGE_SCENE)
     done = godot_xvfb(["--editor", "--path", project, "foliage.tscn", "--quit-after", "20000"], timeout=120)
@@ -359,7 +359,7 @@ def test_foliage_in_the_editor(godot_xvfb, tmp_path):
 
 
 def test_draw_cells(godot_xvfb, project):
-    """Checks the instances that are drawn for tiles with cells. Pictures must not reveal the division into cells."""
+    """Checks the instances that are drawn for tiles with cells. Screenshots must not reveal the division into cells."""
     assert_passed(godot_xvfb(["--verbose", "--path", project, "--script", ENGINE / "test_draw_cells.gd"]))
 
 

@@ -29,8 +29,8 @@ SCRIPTS = ["test_threads", "test_snapshots", "background_load", "test_state_asyn
 
 
 def runtime(folder: Path, names: list[str]) -> str:
-    """Copies the libraries to preload into a folder that is also readable inside Godot's root directory, and returns their paths. The shim
-    comes first, because a sanitizer's own dlopen refuses the flag that the shim removes."""
+    """Copies the libraries to preload into a folder that is also readable inside Godot's root directory and returns their
+    paths. The shim comes first, because a sanitizer's dlopen rejects the flag that the shim removes."""
     shim = folder / "no_deepbind.so"
     done = run(["gcc", "-shared", "-fPIC", "-O1", "-o", shim, REPO / "tests/sanitizers/no_deepbind.c"], timeout=60)
     assert done.returncode == 0, done.stderr

@@ -1,4 +1,4 @@
-"""Flies slowly ahead from some of the demo's stops, and checks frame by frame that nothing pops. Writes the films to
+"""Flies slowly ahead from some of the demo's stops and checks frame by frame that nothing pops. Writes the films to
 build/film."""
 
 from __future__ import annotations
@@ -9,11 +9,11 @@ from conftest import REPO
 from PIL import Image
 
 PICTURES = 20
-# The camera's movement between two pictures. It moves the nearest objects in the pictures by a few pixels.
+# The camera's movement between two frames. It moves the nearest objects in the images by a few pixels.
 METERS = {"overview": 1.0, "forest": 0.25, "ridge": 0.1, "tiles": 0.5}
-BLOCK = 8  # The side of a block in pixels.
-# The maximum change of a block's mean brightness (0 to 1) between two pictures. The movement alone changes it by up to 0.11, because nearby
-# leaves enter and leave a block.
+BLOCK = 8  # The edge length of a block in pixels.
+# The maximum change in a block's mean brightness (0 to 1) between two frames. The movement alone changes it by up to 0.11,
+# because nearby leaves enter and leave a block.
 MOST = 0.16
 
 

@@ -13,8 +13,8 @@ from scipy.ndimage import gaussian_filter
 PICTURES = REPO / "tests/engine/impostor_pictures.gd"
 DIRECTIONS = 16
 SUNS = 2
-# Half of the side, in pixels, of the square around the model's bounding sphere when the impostor replaces the model. The square then covers
-# 128 atlas pixels, at 1.75 per pixel of the picture.
+# Half of the width, in pixels, of the square around the model's bounding sphere when the impostor replaces the model. The
+# square then covers 128 atlas pixels, at 1.75 per screen pixel.
 HALF = round(128 / 1.75 / 2)
 
 

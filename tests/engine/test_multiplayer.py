@@ -1,5 +1,5 @@
-"""Tests several engine processes that share a world over the loopback interface. They only exchange removals and must end with the same
-world."""
+"""Tests several engine processes that share a world over the loopback interface. They exchange only removals and must end with
+the same world."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from helpers.engine_process import processes
 
 
 def test_peers_exchange_removals_and_agree(imported_demo):
-    """A server and two clients fell trees at the same time, including some common ones. A third client joins late. They share only a seed
-    and removals, and end with at least 10^5 bit-identical instances."""
+    """A server and two clients fell trees concurrently, including some common ones. A third client joins late. They share only
+    a seed and removals, and end with at least 10^5 bit-identical instances."""
     script = REPO / "tests/engine/multiplayer.gd"
     with processes() as start:
         server = start("--path", imported_demo, "--script", script, "--", "server")
@@ -37,8 +37,8 @@ def test_peers_exchange_removals_and_agree(imported_demo):
 
 
 def test_the_demo_has_a_server(imported_demo, tmp_path):
-    """Runs server.tscn and client.tscn as their comments document. After a client has felled trees, they are missing for the next client and
-    for a restarted server."""
+    """Runs server.tscn and client.tscn as their comments document. After a client has felled trees, the trees are missing for
+    the next client and for a restarted server."""
     scene = "res://gameplay/{}.tscn"
     state = tmp_path / "state.bin"
     with processes() as start:

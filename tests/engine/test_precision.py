@@ -1,4 +1,4 @@
-"""In an engine with the wrong precision, the library prints an error with a remedy and registers nothing."""
+"""In an engine with the wrong precision, the library prints an error that says how to fix the problem and registers nothing."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import manifest  # From tools/scons, which conftest adds to sys.path.
 ADDON = REPO / "demo_project/addons/thicket"
 DOUBLE = f"libthicket.linux.template_debug.double.{ARCH}.so"
 
-# A fake engine whose vectors consist of reals with the given number of bytes. Otherwise, it can only print.
+# A fake engine whose vectors consist of reals with the given number of bytes. Its only other function prints.
 ENGINE = """#include "nodes/common/precision.hpp"
 #include <cstdio>
 #include <cstdlib>
@@ -38,7 +38,7 @@ int main(int, char **arguments) {
 
 
 @pytest.mark.parametrize("library", ["single", "double"])
-def test_the_wrong_precision_is_refused(library, tmp_path, build_dir):
+def test_the_wrong_precision_is_rejected(library, tmp_path, build_dir):
     """Tests the first check in the library's entry point, with fake engines of both precisions."""
     source, program = tmp_path / "engine.cpp", tmp_path / "engine"
     source.write_text(ENGINE)
@@ -76,7 +76,7 @@ def double_library(tmp_path_factory) -> Iterator[Path]:
 @pytest.mark.full
 @pytest.mark.alone  # While the fixture builds, the add-on that all tests load has a different manifest.
 @pytest.mark.parametrize("mode", ["game", "editor"])
-def test_a_single_engine_refuses_the_double_library(mode, double_library, godot, tmp_path):
+def test_a_single_engine_rejects_the_double_library(mode, double_library, godot, tmp_path):
     project = tmp_path / "project"
     addon = project / "addons/thicket"
     shutil.copytree(ADDON, addon)

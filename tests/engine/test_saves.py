@@ -54,8 +54,8 @@ def test_the_tutorials_save_can_be_loaded_twice(godot, project):
 
 
 def test_scripts_replace_files_through_one_helper():
-    """The add-on's scripts write files through whole_file.gd, which checks for errors that the engine ignores. Only bake_to_folder.gd has
-    its own checks."""
+    """The add-on's scripts write files through whole_file.gd, which checks for errors that the engine ignores. Only
+    bake_to_folder.gd has separate checks."""
     writing = re.compile(r"^[^#\n]*(ResourceSaver\.save\(|FileAccess\.WRITE|\.save_(png|exr|jpg|webp)\()", re.MULTILINE)
     scripts = {path.name for path in ADDON.rglob("*.gd") if writing.search(path.read_text(encoding="utf-8"))}
     assert scripts == {"whole_file.gd", "bake_to_folder.gd"}

@@ -1,4 +1,5 @@
-"""Tests a dedicated server exported with Strip Visuals. Colliders, and layers that read textures, must be the same as in the project."""
+"""Tests a dedicated server exported with Strip Visuals. Colliders and layers that read textures must be the same as in the
+project."""
 
 from __future__ import annotations
 

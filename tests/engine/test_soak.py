@@ -1,4 +1,5 @@
-"""Uses all features at once for 45 seconds, or for 20 minutes with --full. For longer runs, start tests/bench/soak.gd manually."""
+"""Uses all features together for 45 seconds, or for 20 minutes with --full. For longer runs, start tests/bench/soak.gd
+manually."""
 
 from __future__ import annotations
 
@@ -9,8 +10,8 @@ import pytest
 from conftest import REPO
 from helpers.engine_output import complaints
 
-# These variables make glibc use one arena and return free memory immediately. Otherwise, the arenas of threads grow for a quarter of an
-# hour, and adaptive thresholds change memory use by up to 8 %, which would hide leaks.
+# These variables make glibc use one arena and return free memory immediately. Otherwise, the arenas of threads grow for a
+# quarter of an hour, and adaptive thresholds change memory use by up to 8 %. Both would hide leaks.
 GIVES_BACK = {"MALLOC_ARENA_MAX": "1", "MALLOC_MMAP_THRESHOLD_": "131072", "MALLOC_TRIM_THRESHOLD_": "131072"}
 
 

@@ -10,7 +10,7 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
-# Pairs of a processor and a different processor whose programs it also runs.
+# Pairs of a processor and another processor whose programs it also runs.
 RUNS_TOO = {("x86_64", "i386")}
 
 

@@ -1,6 +1,6 @@
 """The matrix of bit-identical results. Builds analysis/golden for several platforms, each with the compilers that exist
-for it and at several optimization levels, and runs it. The program uses every instruction set of the processor, in an
-emulator if the platform is not that of this machine.
+for it and at several optimization levels, and runs it. The program uses every instruction set of the processor. If the platform
+differs from this machine, it runs in an emulator.
 
     bash tests/golden/matrix.sh                    prints it as a Markdown table; installs the required packages
     bash tests/golden/matrix.sh aarch64 wasm       only these platforms
@@ -96,7 +96,7 @@ class Cell:
 
     @property
     def own(self) -> bool:
-        """Returns true if the compiler is that of this machine and uses the machine's include folders."""
+        """Returns true if the compiler belongs to this machine and uses the machine's include folders."""
         return self.native and self.compiler != "zig"
 
 
@@ -138,7 +138,7 @@ class Outcome:
 
 @cache
 def header_folder() -> str:
-    """Returns a folder with the headers of GLM, for compilers that must not see the other headers of the machine."""
+    """Returns a folder with the headers of GLM, for compilers that must not find the other headers of the machine."""
     return libraries.copied_headers(str(REPO / "build/headers"))
 
 
@@ -283,7 +283,7 @@ def table(outcomes: dict[Cell, Outcome]) -> str:
 def main(names: list[str]) -> int:
     known = [each.name for each in PLATFORMS]
     if not set(names) <= set(known):
-        print(f"no such platform: {' '.join(names)}; there are {' '.join(known)}", file=sys.stderr)
+        print(f"no such platform: {' '.join(names)}; the platforms are {' '.join(known)}", file=sys.stderr)
         return 2
     wanted = [cell for cell in cells() if not names or cell.platform.name in names]
     outcomes: dict[Cell, Outcome] = {}

@@ -57,5 +57,5 @@ def add_steps(folder: Path, names: Sequence[str] = ()) -> None:
     (folder / "pictures_of_tests").symlink_to(PICTURES)
     settings = folder / "project.godot"
     text, count = re.subn(r'^(enabled=PackedStringArray\(.*)\)$', r'\1, "res://tests/plugin.cfg")', settings.read_text(), flags=re.MULTILINE)
-    assert count == 1, "the add-on's plugin is switched on"
+    assert count == 1, "the add-on's plugin must be enabled"
     settings.write_text(text)

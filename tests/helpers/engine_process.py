@@ -43,8 +43,8 @@ class Process:
         self._lines.put(None)
 
     def wait_for(self, pattern: str) -> re.Match[str]:
-        """Waits for a further line that matches `pattern`, and returns the match. Fails the test if the process ends or
-        prints nothing for PATIENCE seconds."""
+        """Waits for another line that matches `pattern` and returns the match. Fails the test if the process ends or prints
+        nothing for PATIENCE seconds."""
         while True:
             try:
                 line = self._lines.get(timeout=PATIENCE)
@@ -61,7 +61,7 @@ class Process:
         try:
             assert self._process.wait(timeout=PATIENCE) == 0, self.printed
         except subprocess.TimeoutExpired:
-            pytest.fail(f"still runs after {PATIENCE} s; it printed:\n{self.printed}", pytrace=False)
+            pytest.fail(f"still running after {PATIENCE} s; it printed:\n{self.printed}", pytrace=False)
         while (line := self._lines.get(timeout=PATIENCE)) is not None:
             self.printed += line
         assert not complaints(self.printed), complaints(self.printed)

@@ -16,7 +16,7 @@ def chunk(kind: bytes, data: bytes) -> bytes:
 
 
 def sixteen_bit_png(values: np.ndarray) -> bytes:
-    """A PNG file with 16 bits in each of 2, 3 or 4 channels, which Pillow cannot write."""
+    """Returns a PNG file with 16 bits in each of 2, 3 or 4 channels, which Pillow cannot write."""
     rows, columns, channels = values.shape
     header = struct.pack(">IIBBBBB", columns, rows, 16, {2: 4, 3: 2, 4: 6}[channels], 0, 0, 0)
     data = b"".join(b"\0" + row.astype(">u2").tobytes() for row in values)
@@ -24,7 +24,8 @@ def sixteen_bit_png(values: np.ndarray) -> bytes:
 
 
 def write_height_files(folder: Path) -> None:
-    """Writes files, and files.json: for each file the expected format and, in a second file, the posts as 16-bit integers."""
+    """Writes files, and files.json: for each file the expected format and, in a second file, the height samples as 16-bit
+    integers."""
     random = np.random.default_rng(1)
     listed = []
 

@@ -77,7 +77,7 @@ def test_counts_are_as_in_the_paper(quick):
     assert all(abs(row["z"]) < 4.5 for row in quick.tables["figure5_coverage"] if row["ends"])
 
 
-def test_both_orders_make_the_same_points(quick):
+def test_both_orders_produce_the_same_points(quick):
     rows = quick.tables["billion"]
     assert [row["order"] for row in rows] == list(billion.ORDERS)
     assert len({row["digest"] for row in rows}) == 1
@@ -89,7 +89,7 @@ def shown_pictures(text: str, beside: Path) -> list[Path]:
 
 
 def check_pictures(pictures: list[Path]) -> None:
-    assert len(pictures) >= 2 * 6, pictures  # Each picture has a light and a dark version.
+    assert len(pictures) >= 2 * 6, pictures  # Each plot has a light and a dark version.
     for picture in pictures:
         assert 2_000 < picture.stat().st_size < LARGEST_PICTURE, picture
         if picture.suffix == ".svg":
@@ -98,13 +98,13 @@ def check_pictures(pictures: list[Path]) -> None:
             assert not re.search(r"https?://(?!www\.w3\.org/)", text), picture
 
 
-def test_pictures_of_a_run_exist(quick):
+def test_plots_of_a_run_exist(quick):
     check_pictures(shown_pictures(quick.page, quick.folder))
 
 
 @pytest.fixture(scope="module")
 def rendered(tmp_path_factory) -> Path:
-    """Returns the folder with the page and its pictures, rendered from the committed data."""
+    """Returns the folder with the page and its plots, rendered from the committed data."""
     folder = tmp_path_factory.mktemp("rendered")
     done = run(["bash", BENCH / "figures.sh", "--render", "--out", folder], timeout=300)
     assert done.returncode == 0 and "done" in done.stderr, done.stderr
@@ -144,7 +144,7 @@ def test_committed_data_has_the_columns_of_a_run(quick, tmp_path):
 
 
 def test_a_part_can_be_measured_alone(quick, tmp_path, build_dir):
-    """Checks that measuring one part writes no page in an empty folder, and replaces only its own tables in a complete
+    """Checks that measuring one part writes no page in an empty folder, and replaces only the tables of that part in a complete
     folder."""
     command = ["bash", BENCH / "figures.sh", "--quick", "--programs", build_dir, "--only", "billion", "--out"]
     alone = run([*command, tmp_path], timeout=300)
@@ -158,7 +158,7 @@ def test_a_part_can_be_measured_alone(quick, tmp_path, build_dir):
 
 
 @pytest.mark.parametrize("arguments", [["--fast"], ["--only", "nothing"], ["--out"], ["--programs"]])
-def test_wrong_options_are_refused(arguments):
+def test_wrong_options_are_rejected(arguments):
     done = run(["bash", BENCH / "figures.sh", *arguments], timeout=60)
     assert done.returncode == 2 and arguments[0] in done.stderr, done.stderr
 
@@ -176,7 +176,7 @@ def test_wrong_options_are_refused(arguments):
         ["naive", "double", "1000", "1", "darts=0"],
     ],
 )
-def test_domain_run_refuses_bad_arguments(core_tool, words):
+def test_domain_run_rejects_bad_arguments(core_tool, words):
     done = core_tool("bench/domain_run", *words)
     assert done.returncode == 1 and done.stderr.startswith("domain_run: ") and not done.stdout, done.stderr
 
@@ -199,9 +199,8 @@ def test_domain_run_dumps_the_counted_points(core_tool, tmp_path):
 
 
 def test_limited_memory_is_limited(build_dir):
-    """Checks that a set which is too large for the memory limit is refused, and that it succeeds with a larger limit.
-    The small limit is the memory that the call itself reports, so the test stays valid if the sampler needs less
-    memory."""
+    """Checks that a set that is too large for the memory limit is rejected, and that it succeeds with a larger limit. The small
+    limit is the memory that the call itself reports, so the test stays valid if the sampler needs less memory."""
     programs = Programs(build_dir, peer=lambda *_: [], contenders=[])
     call = ("accumulator", "double", 300_000, 1, "torus", "fill")
     unlimited = programs.domain(*call)[0]

@@ -1,4 +1,4 @@
-"""Tests that the samplers of other projects, with which the benchmarks compare, are installed, called and reported
+"""Tests that the samplers of other projects, which the benchmarks use for comparison, are installed, called and reported
 correctly."""
 
 from __future__ import annotations
@@ -85,6 +85,6 @@ def test_rust_peer(tmp_path, name):
 
 
 @pytest.mark.parametrize("arguments", [[], ["no_such_sampler", "100", "1"], ["scipy_poisson_disk", "100"]])
-def test_a_wrong_call_is_refused(arguments):
+def test_a_wrong_call_is_rejected(arguments):
     done = run([*PYTHON_RUNNER, *arguments], timeout=60)
     assert done.returncode == 2 and done.stderr.startswith("usage:")

@@ -32,13 +32,13 @@ def arguments() -> argparse.Namespace:
         "--only", action="append", choices=list(PARTS), help="measure only this part; keep the others"
     )
     parser.add_argument(
-        "--minutes", type=float, default=FULL.longest_large_run / 60.0, help="make no large set that takes longer"
+        "--minutes", type=float, default=FULL.longest_large_run / 60.0, help="skip large sets that take longer"
     )
     parser.add_argument(
         "--redraw", action="store_true", help="measure nothing, draw from the tables in the folder of the results"
     )
     parser.add_argument(
-        "--render", action="store_true", help="measure nothing, write page and pictures from tests/bench/data"
+        "--render", action="store_true", help="measure nothing, write page and plots from tests/bench/data"
     )
     parser.add_argument("--programs", type=Path, required=True, help="the folder of the build to measure")
     parser.add_argument(
@@ -55,7 +55,7 @@ def read_facts(out: Path) -> dict[str, tables.Row]:
 
 
 def measure(given: argparse.Namespace, out: Path) -> None:
-    """Measures the requested parts, and writes their tables and the facts about the machine."""
+    """Measures the requested parts and writes their tables and the facts about the machine."""
     out.mkdir(parents=True, exist_ok=True)
     folder = given.programs.resolve()
     settings = QUICK if given.quick else replace(FULL, longest_large_run=60.0 * given.minutes)

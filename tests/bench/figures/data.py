@@ -1,5 +1,5 @@
-"""The data of the page and its pictures: a few numbers of each table, in one file that is small enough to be committed.
-A full measurement replaces tests/bench/data/figures.json. The page and pictures can be rendered from it at any time."""
+"""The data of the page and its plots: a few numbers of each table, in one file that is small enough to be committed.
+A full measurement replaces tests/bench/data/figures.json. The page and plots can be rendered from it at any time."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from bench.figures.contenders import CONTENDERS
 from bench.figures.page_text import Tables
 from bench.figures.tables import Row, where
 
-DIGITS = 8  # Significant digits, more than the page and pictures need.
+DIGITS = 8  # Significant digits, more than the page and plots need.
 
 FIGURE6_SHOWN = ("hierarchical", "wavefront")
 
@@ -67,7 +67,7 @@ def _ranges(counts: list[Row]) -> list[Row]:
 
 
 def _differences(radial: list[Row]) -> list[Row]:
-    """Returns the power of each ring, and its difference from that of naive darts in standard errors."""
+    """Returns the power of each ring and its difference from naive darts in standard errors."""
     expected = {row["from"]: row for row in where(radial, source="naive")}
     rows = _columns(radial, "source sets side from to power anisotropy_db")
     for row, whole in zip(rows, radial, strict=True):

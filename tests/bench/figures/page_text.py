@@ -1,4 +1,4 @@
-"""Formats numbers, tables and pictures in Markdown."""
+"""Formats numbers, tables and images in Markdown."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def table(head: Iterable[str], rows: Iterable[Iterable[object]], right: bool = T
 
 
 def picture(folder: str, file: str, describes: str) -> str:
-    """Returns the HTML of a picture in a light and a dark version. The page displays the one that matches its color
+    """Returns the HTML of an image in a light and a dark version. The page displays the one that matches its color
     scheme."""
     stem, _, kind = file.rpartition(".")
     return (

@@ -11,7 +11,7 @@ from bench.figures.spectra import noise_level
 from bench.figures.tables import Row, where
 from bench.figures.theme import Theme
 
-HIGHEST_SHOWN = 2.0  # The maximum power in the pictures.
+HIGHEST_SHOWN = 2.0  # The maximum power in the images.
 
 
 def sets_and_spectra(arrays: dict[str, np.ndarray], theme: Theme) -> Figure:
@@ -39,7 +39,7 @@ def sets_and_spectra(arrays: dict[str, np.ndarray], theme: Theme) -> Figure:
 
 
 def radial(rows: list[Row], theme: Theme) -> Figure:
-    """Plots the mean power, its difference from that of naive darts, and the anisotropy."""
+    """Plots the mean power, its difference from naive darts, and the anisotropy."""
     figure, panels = plt.subplots(
         3, 1, figsize=(9.2, 7.2), layout="constrained", sharex=True, height_ratios=[1.5, 1, 1]
     )

@@ -19,7 +19,7 @@ from bench.figures.tables import Row
 DENSITY = JAMMED_COVERAGE * 4.0 / np.pi  # Points per square radius.
 RINGS = 75
 RINGS_TOGETHER = 5  # Rings to average in the test for equal spectra, which needs more sets than features.
-SHOWN_SIDE = 24.0  # The side of pictures of point sets in radii.
+SHOWN_SIDE = 24.0  # The width of plots of point sets in radii.
 
 
 @dataclass(frozen=True)
@@ -56,8 +56,8 @@ def read_sets(path: Path) -> list[np.ndarray]:
 
 
 def make_sets(programs: Programs, source: Source, side: float, sets: int, seed: int) -> list[np.ndarray]:
-    """Generates sets in domains of at least this side in radii. The side may be slightly larger, because domain_run
-    takes a number of points."""
+    """Generates sets in domains that are at least this wide, in radii. Domains may be slightly wider, because domain_run takes
+    a number of points."""
     with tempfile.TemporaryDirectory() as folder:
         dump = Path(folder) / "sets"
         programs.domain(
@@ -73,7 +73,7 @@ def p_of_equal_means(a: AveragedSpectrum, b: AveragedSpectrum) -> float:
 
 
 def measure_spectra(programs: Programs, settings: Settings) -> tuple[list[Row], list[Row], dict[str, np.ndarray]]:
-    """Returns the radial table, the table of whole spectra and, for the pictures, arrays of the power over the plane
+    """Returns the radial table, the table of whole spectra and, for the plots, arrays of the power over the plane
     and the points of one set, by key."""
     rows: list[Row] = []
     whole: list[Row] = []

@@ -17,7 +17,7 @@ Run = dict[str, object]
 
 
 class Failed(Exception):
-    """A program has failed. The text has its command and the reason."""
+    """A program has failed. The message contains its command and the reason."""
 
 
 def say(*words: object) -> None:

@@ -14,7 +14,7 @@ def half_decades(first: int, last: int) -> list[int]:
 class Settings:
     sizes: list[int]  # For figures 4 and 6.
     most_rounds: int  # The maximum for every contender at every size.
-    least_rounds: int  # The minimum for our own methods, up to the size for which the loss is reported.
+    least_rounds: int  # The minimum for our methods, up to the size for which the loss is reported.
     # The time in seconds per contender and size, which determines the number of rounds between least_rounds and most_rounds.
     contender_seconds: float
     longest_run: float  # Seconds. A contender stops before the size at which one run would take longer.
@@ -26,7 +26,7 @@ class Settings:
     growth_sizes: list[int]  # Set sizes for the memory of wavefront sampling.
 
     spectrum_sets: int  # Number of sets for figure 5.
-    spectrum_side: float  # Side of the windows in radii.
+    spectrum_side: float  # Width of the windows in radii.
     spectrum_modes: int
     coverage_sets: int
     coverage_points: int

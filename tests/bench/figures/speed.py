@@ -14,7 +14,7 @@ from bench.figures.programs import Failed, Programs, Run, say
 from bench.figures.settings import LOSS_TO, Settings
 from bench.figures.tables import Row, where
 
-# The maximum share of free memory that a run may need, extrapolated from the previous size.
+# The maximum fraction of free memory that a run may need, extrapolated from the previous size.
 MEMORY_SHARE = 0.8
 
 # Bytes. Smaller runs reuse memory that previous runs have freed.
@@ -63,7 +63,7 @@ class Series:
         return size / (medians[-1] * falling)
 
     def rounds(self, size: int) -> int:
-        """Returns the number of runs at this size. It is 0 once a run would take too long or too much memory."""
+        """Returns the number of runs at this size. It is 0 once a run would take too much time or memory."""
         seconds = self.seconds_expected(size)
         if seconds > self.settings.longest_run:
             self.ended = f"a run with {size:,} points would take {seconds:.0f} s"
@@ -162,7 +162,7 @@ def summarise(runs: list[Row]) -> list[Row]:
 
 
 def losses(rates: list[Row], from_size: int, to_size: int) -> list[Row]:
-    """Returns the relative loss of points per second of each contender between two sizes: that of the medians, and the
+    """Returns the relative loss of points per second of each contender between two sizes: the loss of the medians, and the
     minimum and maximum over all pairs of rounds."""
     rows = []
     for small in where(rates, asked=from_size):

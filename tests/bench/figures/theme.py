@@ -23,7 +23,7 @@ PALETTE = 48
 
 @dataclass(frozen=True)
 class Theme:
-    """The colors for light or dark pages. `methods` has the colors of our own methods, by name."""
+    """The colors for light or dark pages. `methods` has the colors of our methods, by name."""
 
     suffix: str
     page: str

@@ -1,4 +1,4 @@
-"""Times one sampler of the Python packages that the benches compare with. Generates one set and prints a JSON line.
+"""Times one sampler of the Python packages that the benchmarks compare with. Generates one set and prints a JSON line.
 
     python tests/bench/peers/run_python_peer.py NAME POINTS SEED [dump=FILE]
 
@@ -9,14 +9,14 @@ of jammed disks is POINTS, as in tests/bench/domain_run.cpp. dump=FILE writes th
     method, points, seconds, size, maximal_claimed, toroidal, precision, version
 
 `seconds` is the CPU time of this process for creating and calling the sampler, after a call for a small set. `points`
-counts all returned points, and `size` is the side of the square. Needs the packages in
+counts all returned points, and `size` is the width of the square. Needs the packages in
 tests/bench/peers/requirements.txt.
 
 Behavior of the packages, read from their sources and measured with the versions pinned there:
 
 hdt_sampling 0.2.0: hierarchical dart throwing (White, Cline, Egbert 2007) in Rust, double precision, one thread. The
 radius is the minimum distance between points, and the domain is bounded. Its base squares are r / sqrt(2) wide and do
-not divide the domain evenly. So a strip of up to that width beyond the right and upper edges also gets points: under 1
+not divide the domain evenly. Therefore, a strip of up to that width beyond the right and upper edges also gets points: under 1
 % of them for 10^4 points. The call returns a list of tuples, whose creation is part of its time. It claims maximal
 sets. It stops when a running sum of areas, which accumulates rounding errors, is used up or no longer matches the
 squares. In 7 sets of 10^4 to 10^6 points, one gap of a millionth of the radius remained. Distances are correct.

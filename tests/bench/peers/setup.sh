@@ -1,12 +1,12 @@
-# Installs and builds the samplers of other projects that the benches compare with. tests/bench/figures.sh and surfaces.sh source
-# this file.
+# Installs and builds the samplers of other projects that the benchmarks compare with. tests/bench/figures.sh and
+# surfaces.sh source this file.
 #   setup_peers_python   installs the packages of requirements.txt into a virtual environment in the cache folder
 #   setup_peers_rust     builds build/peers/faster_poisson with the installed cargo, or a newer one if that is too old
 #   peers_python         prints the Python that runs run_python_peer.py
 #   setup_peers_surface  installs the packages of surface_requirements.txt into a virtual environment
 #   peers_surface_python prints the Python that runs surfaces.py
-# Each function prints its actions, and does nothing if everything is installed. If it fails, it prints the reason, and the
-# benches continue without that peer.
+# Each function prints its actions and has no effect if everything is installed. If it fails, it prints the reason, and
+# the benchmarks continue without that peer.
 
 peers_folder=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
 source "$peers_folder/../../../tools/setup.sh"
@@ -72,7 +72,7 @@ is_new_rust() {
 	[[ $1 =~ ^(cargo )?1\.([0-9]+) ]] && ((BASH_REMATCH[2] >= ${peers_least_rust#1.}))
 }
 
-# Prints the name of the Debian package with a new enough cargo, if there is one. Debian 12 has it under a different
+# Prints the name of the Debian package with a new enough cargo, if there is one. Debian 12 has it under another
 # name.
 newest_cargo_package() {
 	local package
