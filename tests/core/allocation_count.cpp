@@ -67,7 +67,7 @@ AllocationLimit::~AllocationLimit() { most_allocations = unlimited; }
 
 bool AllocationLimit::reached() const { return failed; }
 
-// The standard library's array forms call these operators. So do its nothrow forms, but sanitizers
+// The standard library's array forms call these operators. Its nothrow forms also do so, but sanitizers
 // replace those.
 void *operator new(std::size_t size) {
 	return allocate([size] { return plain_memory(size); });

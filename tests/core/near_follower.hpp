@@ -1,4 +1,4 @@
-// Drives a NearQueue as the code for physics bodies does, and checks that each instance enters and
+// Drives a NearQueue as the code for physics bodies does and checks that each instance enters and
 // leaves only once.
 
 #pragma once

@@ -57,7 +57,7 @@ inline StateBytes diff_of(const InstanceState &state, std::uint64_t revision) {
 
 /// Replaces the checksum at the end of bytes that a test has changed.
 inline StateBytes sealed(StateBytes bytes) {
-	// A call of resize() would cause a warning of g++ under the sanitizers.
+	// A call to resize() would cause a warning of g++ under the sanitizers.
 	bytes.erase(bytes.end() - 8, bytes.end());
 	append(bytes, checksum(bytes));
 	return bytes;

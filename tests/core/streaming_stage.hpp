@@ -22,7 +22,7 @@ using Name = std::tuple<std::uint32_t, std::uint32_t, int, int>;
 
 inline Name name_of(const TileKey &key) { return {key.layer, key.grid, key.tile.x, key.tile.y}; }
 
-/// A client that follows the streamer's protocol and checks that the streamer follows it, too.
+/// A client that follows the streamer's protocol and checks that the streamer also follows it.
 class Stage {
 public:
 	TileStreamer streamer;

@@ -43,7 +43,7 @@ struct Triangles {
 	}
 };
 
-/// Returns a square with a corner at `origin` and its sides along two unit vectors, divided into
+/// Returns a square with a corner at `origin` and its edges along two unit vectors, divided into
 /// `count` x `count` quads.
 inline Triangles square(
 		double size, std::uint32_t count, const glm::dvec3 &origin, const glm::dvec3 &along, const glm::dvec3 &across) {

@@ -1,6 +1,6 @@
 // Tests the baselines after Dunbar and Humphreys: the minimum distance and maximality of whole sets
 // on the torus, and the geometry of scalloped sectors, by quadrature. Compares the distribution of
-// the sets with that of an independent dart thrower.
+// the sets with the order of an independent dart thrower.
 
 #include "tests/analysis/baseline_check.hpp"
 #include "tests/analysis/naive_darts.hpp"
@@ -28,7 +28,7 @@ using bench::ScallopedSector;
 
 namespace {
 
-/// The smallest valid side, a side with the narrowest grid cells, and larger sides.
+/// The smallest valid width, a width with the narrowest grid cells, and larger widths.
 constexpr double sides[] = {11.0, 12.0, 17.3, 38.0, 90.0};
 
 BaselineReport check_torus(const std::vector<glm::dvec2> &points, double side, double tolerance) {
@@ -286,7 +286,7 @@ TEST_CASE("baselines: uniform numbers produce uniform positions in a sector") {
 	}
 }
 
-TEST_CASE("baselines: a sum tree finds every weight by its share and ends at exactly 0") {
+TEST_CASE("baselines: a sum tree finds every weight by its fraction and ends at exactly 0") {
 	bench::SumTree tree;
 	const std::size_t count = 1000;
 	tree.reset(count);
@@ -334,7 +334,7 @@ TEST_CASE("baselines: the domain check finds a missing point, an extra point and
 	CHECK(check_torus({}, side, 1e-9).gaps > 0);
 }
 
-TEST_CASE("baselines: the domain check works in the points' own unit and on rectangles") {
+TEST_CASE("baselines: the domain check works in the points' unit and on rectangles") {
 	// In a square lattice with spacing 3, no position is farther than 1.5 sqrt(2) from a point.
 	std::vector<glm::dvec2> points;
 	for (int y = 0; y < 5; ++y) {

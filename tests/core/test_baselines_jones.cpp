@@ -110,7 +110,7 @@ TEST_CASE("jones: darts in a cell are uniform over its free area") {
 	}
 }
 
-TEST_CASE("jones: on tori of any side, points keep their distance and leave no gap") {
+TEST_CASE("jones: on tori of any width, points keep their distance and leave no gap") {
 	for (const double side : {4.0, 4.7, 6.0, 9.99, 25.3, 120.0}) {
 		CAPTURE(side);
 		const std::vector<glm::dvec2> points = sample(side, 11);
@@ -149,7 +149,7 @@ TEST_CASE("jones: the second dart is uniform outside of the first disk") {
 	CHECK(std::abs(static_cast<double>(near) / sets - expected) < 4.0 * error);
 }
 
-TEST_CASE("jones: coverage equals that of dart throwing") {
+TEST_CASE("jones: coverage matches dart throwing") {
 	constexpr double side = 60.0;
 	constexpr int sets = 24;
 	double sum = 0.0;

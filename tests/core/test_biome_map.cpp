@@ -175,7 +175,7 @@ TEST_CASE("biome map: positions that are not finite have no biome") {
 	CHECK(BiomeMap().dominant_at({0.5, 0.5}) == no_biome);
 }
 
-TEST_CASE("biome map: refuses invalid images and borders, and stays unchanged") {
+TEST_CASE("biome map: rejects invalid images and borders, and stays unchanged") {
 	BiomeMap map = map_of(image());
 	const BiomeMap before = map;
 	const Pixels pixels = image();

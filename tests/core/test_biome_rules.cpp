@@ -114,7 +114,7 @@ void check_reach(const LayerSettings &before, const LayerSettings &after, const 
 
 } // namespace
 
-TEST_CASE("a layer's biome: instances exist only in the biome, thinned by the density, and keep their ids") {
+TEST_CASE("a layer's biome: instances exist only in the biome, thinned by the density, and keep their IDs") {
 	LayerSettings layer = grass();
 	const auto all = standing(layer, ground, everything);
 	layer.rules.biome = densities(map_with(2, {}), {1.0F, 0.0F, 0.25F});
@@ -242,7 +242,7 @@ TEST_CASE("water: a falloff thins toward the depth's limit") {
 	CHECK(static_cast<double>(counts[0]) == doctest::Approx(0.5 * half).epsilon(0.15));
 }
 
-TEST_CASE("water: a biome's own level applies where the biome has the greatest weight, also at its border") {
+TEST_CASE("water: a biome's level applies where the biome has the greatest weight, also at its border") {
 	const SharedMap map = map_with(2);
 	const auto water = levels(map, {1.0, no_water, 7.0}, -3.0);
 	for (int i = 0; i < 4000; ++i) {
@@ -253,7 +253,7 @@ TEST_CASE("water: a biome's own level applies where the biome has the greatest w
 	}
 }
 
-TEST_CASE("water: invalid limits of the water depth are refused") {
+TEST_CASE("water: invalid limits of the water depth are rejected") {
 	Rules rules;
 	rules.min_water_depth = 1.0; // The maximum is 0 by default.
 	CHECK(validate(rules).code == ErrorCode::inverted);
@@ -264,7 +264,7 @@ TEST_CASE("water: invalid limits of the water depth are refused") {
 	CHECK(validate(rules).property == std::string("water_depth_falloff"));
 }
 
-TEST_CASE("edits of biomes: a changed pixel, density or biome changes nothing outside of its area") {
+TEST_CASE("edits of biomes: a changed pixel, density or biome has no effect outside of its area") {
 	LayerSettings before = grass();
 	before.rules.edge_feather = 3.0;
 	LayerSettings after = before;

@@ -38,7 +38,7 @@ TEST_CASE("cell choice: a tile is divided evenly into cells nearest to the reque
 	}
 }
 
-TEST_CASE("cell choice: the default size follows the model's size and the instances' density") {
+TEST_CASE("cell choice: the default size depends on the model's size and the instances' density") {
 	CHECK(usual_cell_size(12.0, 1.0) == 32.0);
 	CHECK(usual_cell_size(4.0, 1.0) == 32.0);
 	CHECK(usual_cell_size(16.0, 1.0) == 32.0);
@@ -79,7 +79,7 @@ TEST_CASE("cell choice: a tile without changes inside it is drawn as a whole") {
 	CHECK(division_at(settings, thinning, 171.0, 0) == 1);
 }
 
-TEST_CASE("cell choice: moving to and fro within a tenth of a tile changes nothing twice") {
+TEST_CASE("cell choice: moving back and forth within a tenth of a tile repeats no change") {
 	for (const LodSettings &lod :
 			{LodSettings(), lods({40.0, 150.0}), lods({100.0}), lods({20.0, 21.0, 130.0}), lods({250.0})}) {
 		for (double middle = 0.0; middle < 300.0; middle += 1.0) {

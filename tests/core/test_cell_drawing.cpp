@@ -101,7 +101,7 @@ TEST_CASE("cell drawing: within the margin nothing changes") {
 	CHECK(adapted_margin(plain, {}, {10.0, 20.0}) == std::numeric_limits<double>::infinity());
 }
 
-TEST_CASE("cell drawing: a further LOD draws its own share, but nothing that the limit has removed") {
+TEST_CASE("cell drawing: an additional LOD draws its own fraction, but no instance that the limit has removed") {
 	const std::vector<std::uint32_t> ranks = even_ranks(1024);
 	CellDrawing cell;
 	cell.density = 0.75;

@@ -8,7 +8,7 @@
 
 using namespace thicket;
 
-TEST_CASE("every point lies in the rectangle that its id names, at all levels, near the origin and far away") {
+TEST_CASE("every point is in the rectangle that its ID identifies, at all levels, near the origin and far away") {
 	const std::array<PointSet, 3> sets{{{.seed = 1, .radius = 1.5, .levels = 1},
 			{.seed = 2, .radius = 0.37, .levels = 4, .layer = 9}, {.seed = 3, .radius = 40.0, .levels = 2}}};
 	for (const PointSet &set : sets) {

@@ -56,7 +56,7 @@ double correlation(const ClumpNoise &noise, const std::vector<glm::dvec2> &at, g
 
 } // namespace
 
-TEST_CASE("clumps: clumps cover the requested share of the plane, for every seed") {
+TEST_CASE("clumps: clumps cover the requested fraction of the plane, for every seed") {
 	const auto at = places(40000, 1);
 	for (const std::uint64_t seed : {std::uint64_t{0}, std::uint64_t{1}, ~std::uint64_t{0}}) {
 		for (const double coverage : {0.02, 0.1, 0.25, 0.5, 0.75, 0.9, 0.98}) {
@@ -97,7 +97,7 @@ TEST_CASE("clumps: the noise is uniform, to half a percent at every twentieth") 
 }
 
 TEST_CASE("clumps: the tables that make the noise uniform match the measured noise") {
-	// With 200,000 positions, the standard deviation of a measured share is at most 0.0011.
+	// With 200,000 positions, the standard deviation of a measured fraction is at most 0.0011.
 	using Table = std::array<double, clump_knots>;
 	constexpr Table plane
 #include "core/rules/clump_table.inc"
@@ -255,7 +255,7 @@ TEST_CASE("clumps: a size of 0 disables clumping, and a position that is not fin
 	CHECK(smallest.at({1e9, 1e9}) != smallest.at({1e9 + 0.05, 1e9}));
 }
 
-TEST_CASE("clumps: errors name the refused property") {
+TEST_CASE("clumps: errors name the invalid property") {
 	const auto refuse = [](auto change, ErrorCode code, const char *property, double value) {
 		Clumping bad{.size = 5.0};
 		change(bad);
@@ -306,7 +306,7 @@ TEST_CASE("clumps in space: planes of every direction have the same coverage, an
 	}
 }
 
-TEST_CASE("clumps in space: a wall is not striped, and clumps have the size of those on the plane") {
+TEST_CASE("clumps in space: a wall is not striped, and clumps are as large as on the plane") {
 	// On a wall, the density changes as much in the vertical direction as sideways, and as much as
 	// on the plane.
 	const auto at = places(40000, 9);

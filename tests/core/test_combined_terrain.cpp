@@ -28,7 +28,7 @@ CombinedTerrain combined(const Parts &parts) {
 
 bool same_bits(const Ground &a, const Ground &b) { return std::memcmp(&a, &b, sizeof(Ground)) == 0; }
 
-/// Returns a field of random heights around `height`, in which each tenth post is a hole.
+/// Returns a field of random heights around `height`, in which each tenth sample is a hole.
 std::shared_ptr<Heightfield> random_field(
 		double height, unsigned seed, const Rect &area = {{-20.0, -20.0}, {20.0, 20.0}}) {
 	std::mt19937 random(seed);
@@ -127,7 +127,7 @@ WeightMap channel_weights() {
 
 } // namespace
 
-TEST_CASE("combined terrain: the highest ground counts, and no order, batch or query changes a bit") {
+TEST_CASE("combined terrain: the highest ground is used, and no order, batch or query changes a bit") {
 	Parts parts{random_field(0.0, 1), random_field(1.0, 2, {{-20.0, -5.0}, {5.0, 20.0}}), level_square(1.5),
 			level_square(-1.0, 15.0)};
 	const std::vector<glm::dvec2> positions = random_positions(3000, 4);
@@ -161,7 +161,7 @@ TEST_CASE("combined terrain: the highest ground counts, and no order, batch or q
 	}
 }
 
-TEST_CASE("combined terrain: at the same height, the most level normal and the largest weight count in any order") {
+TEST_CASE("combined terrain: at the same height, the most level normal and the largest weight are used in any order") {
 	const auto constant = [](float height, glm::vec3 normal, float weight) {
 		return std::make_shared<Constant>(Ground{height, normal, weight});
 	};
@@ -181,7 +181,7 @@ TEST_CASE("combined terrain: at the same height, the most level normal and the l
 	}
 }
 
-TEST_CASE("combined terrain: the weight is that of the part that is the ground, and 1 on a part without textures") {
+TEST_CASE("combined terrain: the weight comes from the part that is the ground, and is 1 on a part without textures") {
 	const auto lower = random_field(0.0, 1);
 	lower->set_weights(channel_weights());
 	const auto upper = random_field(0.5, 2);
@@ -243,7 +243,7 @@ TEST_CASE("combined terrain: surfaces with the same bounds are in an order that 
 	}
 }
 
-TEST_CASE("combined terrain: more triangles than indices are refused, without a change") {
+TEST_CASE("combined terrain: more triangles than indices are rejected without a change") {
 	CombinedTerrain terrain = combined({std::make_shared<FlatTerrain>(3.0f)});
 	const Parts parts{std::make_shared<VastTerrain>(), level_square(1.0)};
 	CHECK(terrain.set(parts).code == ErrorCode::out_of_range);

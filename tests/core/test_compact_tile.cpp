@@ -109,7 +109,7 @@ TEST_CASE("compact tile: the memory stays below the documented limit") {
 	}
 }
 
-TEST_CASE("compact tile: an instance is found by its id only") {
+TEST_CASE("compact tile: an instance is found only by its ID") {
 	const LayerSettings layer = rich_layer();
 	const TileInstances tile = built(layer, hills(), tile_of_hills);
 	const std::shared_ptr<const CompactTile> known = kept(layer, tile);

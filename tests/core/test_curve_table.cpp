@@ -122,7 +122,7 @@ TEST_CASE("curve: the widest and the narrowest range work") {
 	CHECK(denormal.at(smallest) == 0.5);
 }
 
-TEST_CASE("curve: errors name the refused property and leave the curve unchanged") {
+TEST_CASE("curve: errors name the invalid property and leave the curve unchanged") {
 	CurveTable table = table_of(1.0, 3.0, {0.25f, 0.75f});
 	const CurveTable before = table;
 	const std::vector<float> good{0.0f, 1.0f};

@@ -85,7 +85,7 @@ StateBytes diff_of_removals(int count, int x = 0) {
 
 } // namespace
 
-TEST_CASE("diff limits: a diff with huge counts is refused before any id is read") {
+TEST_CASE("diff limits: a diff with huge counts is rejected before any ID is read") {
 	for (const std::uint32_t format : {former_state_format, state_format}) {
 		CAPTURE(format);
 		const StateBytes diff = bomb(8'000'000, format);
@@ -112,7 +112,7 @@ TEST_CASE("diff limits: a diff with huge counts is refused before any id is read
 	}
 }
 
-TEST_CASE("diff limits: every kind of id counts, and no list may exceed the limit") {
+TEST_CASE("diff limits: every kind of ID is counted, and no list may exceed the limit") {
 	InstanceState state;
 	for (int i = 0; i < 3; ++i) {
 		state.remove(point_id(1, i, 0));
@@ -159,7 +159,7 @@ TEST_CASE("diff limits: the total number of changes after a diff is limited") {
 			"hand-placed instances must be at most 3 (max_added of diff_limits), got 4");
 }
 
-TEST_CASE("diff limits: data that is too large is refused") {
+TEST_CASE("diff limits: data that is too large is rejected") {
 	InstanceState writer;
 	REQUIRE(writer.set_data(point_id(1, 1, 1), StateBytes(100, 3)).ok());
 	DiffLimits limits;
@@ -169,7 +169,7 @@ TEST_CASE("diff limits: data that is too large is refused") {
 	check_refused({}, diff_of(writer, 0), limits, "data must be at most 99 (max_data_size of diff_limits), got 100");
 }
 
-TEST_CASE("diff limits: the area also applies to layers on surfaces, whose ids divide a cell") {
+TEST_CASE("diff limits: the area also applies to layers on surfaces, whose IDs divide a cell") {
 	DiffLimits limits;
 	limits.area = {{0.0, 0.0}, {100.0, 50.0}};
 	const auto applies = [&](int x) {
@@ -193,7 +193,7 @@ TEST_CASE("diff limits: the area also applies to layers on surfaces, whose ids d
 	CHECK(queued.finish_pending_diff(reported).ok());
 }
 
-TEST_CASE("diff limits: changes outside the permitted area are refused") {
+TEST_CASE("diff limits: changes outside the permitted area are rejected") {
 	DiffLimits limits;
 	limits.area = {{0.0, 0.0}, {100.0, 50.0}}; // Cells are 10 m wide.
 	CHECK(is_applied({}, diff_of_removals(5, 9), limits));
@@ -237,7 +237,7 @@ TEST_CASE("diff limits: replacing the whole state can be forbidden") {
 	CHECK(state.removed(point_id(1, 7, 7)));
 }
 
-TEST_CASE("diff limits: a foreign clock moves this one within the limit, and restores nothing early") {
+TEST_CASE("diff limits: a foreign clock moves this one within the limit and restores no instance early") {
 	for (const std::uint32_t format : {former_state_format, state_format}) {
 		const StateBytes poisoned = bomb(0, format, 1e12);
 		InstanceState state;
@@ -278,7 +278,7 @@ TEST_CASE("diff limits: a foreign clock moves this one within the limit, and res
 	CHECK(follower.time() == 5.0);
 }
 
-TEST_CASE("diff summary: a summary lists a diff's ids by layer and area") {
+TEST_CASE("diff summary: a summary lists a diff's IDs by layer and area") {
 	InstanceState sender;
 	sender.set_origin(99);
 	sender.remove(point_id(1, 3, 4));

@@ -82,7 +82,7 @@ bool receive(InstanceState &r_state, const StateBytes &message, std::uint64_t &r
 
 } // namespace
 
-TEST_CASE("diff order: repeated and late diffs change nothing") {
+TEST_CASE("diff order: repeated and late diffs have no effect") {
 	const Three three;
 	InstanceState peer;
 	Changes changes;
@@ -105,7 +105,7 @@ TEST_CASE("diff order: repeated and late diffs change nothing") {
 	CHECK(bytes_of(peer) == before);
 }
 
-TEST_CASE("diff order: a diff after a lost one is refused, and the error names the missing revision") {
+TEST_CASE("diff order: a diff after a lost one is rejected, and the error names the missing revision") {
 	Three three;
 	InstanceState peer;
 	Changes changes;
@@ -175,7 +175,7 @@ TEST_CASE("diff order: a loaded, cleared or replaced state needs a complete diff
 	CHECK(peer.known_revision(owner_name) == owner.revision());
 }
 
-TEST_CASE("diff order: diffs that a different thread applies are ordered, too") {
+TEST_CASE("diff order: diffs that another thread applies are also ordered") {
 	const Three three;
 	InstanceState peer;
 	queue(peer, three.diffs[0]);

@@ -51,7 +51,7 @@ public:
 
 	void choose(int x) { queue.choose(key_of(x), tiles.at(x).shown, tiles.at(x).wanted); }
 
-	/// Simulates a change of the distance between a tile and the viewers.
+	/// Simulates a change in the distance between a tile and the viewers.
 	void move(int x, double distance, std::uint32_t wanted) {
 		tiles[x].distance = distance;
 		tiles[x].wanted = wanted;
@@ -160,7 +160,7 @@ TEST_CASE("division queue: a tile gives way only to a tile that is much nearer")
 	CHECK(row.begun == std::vector{1, -1, 2});
 }
 
-TEST_CASE("division queue: a refused tile waits again once multimeshes are freed") {
+TEST_CASE("division queue: a rejected tile waits again once multimeshes are freed") {
 	Row row;
 	row.limit = 20;
 	row.add(1, 10.0, 4);
@@ -182,7 +182,7 @@ TEST_CASE("division queue: a refused tile waits again once multimeshes are freed
 	CHECK_MESSAGE(row.queue.has_work({100, 20}), "tile 3 is in cells");
 	row.add(4, 40.0, 4);
 	row.run();
-	CHECK(row.begun.size() == 4); // Tile 4 was refused, and is dropped before there is room.
+	CHECK(row.begun.size() == 4); // Tile 4 was rejected and is dropped before there is room.
 	for (const int x : {3, 4}) {
 		row.queue.remove(key_of(x));
 		row.tiles.erase(x);
@@ -210,7 +210,7 @@ TEST_CASE("division queue: above a lowered limit, the farthest tiles become whol
 	CHECK_FALSE(row.queue.has_work(row.all()));
 }
 
-TEST_CASE("division queue: a cancelled division leaves the queue in order, and may be chosen again") {
+TEST_CASE("division queue: a canceled division leaves the queue in order and may be chosen again") {
 	Row row;
 	row.add(1, 10.0, 4);
 	row.add(2, 20.0, 4);
@@ -240,8 +240,8 @@ TEST_CASE("division queue: a new tile is uploaded in cells if the limits and the
 	CHECK(first(101, true, false) == 1);
 }
 
-TEST_CASE(
-		"division queue: after random moves, the limit holds, no work is left, and no near tile waits for a far tile") {
+TEST_CASE("division queue: after random moves, the limit is respected, no work is left, and no near tile waits for a "
+          "far tile") {
 	std::mt19937 random(7);
 	std::uniform_real_distribution<double> any(0.0, 100.0);
 	Row row;
@@ -269,7 +269,7 @@ TEST_CASE(
 				CHECK(tile.wanted == tile.shown);
 				continue;
 			}
-			// The tile was refused, so it would exceed the limit even if all farther tiles were
+			// The tile was rejected, so it would exceed the limit even if all farther tiles were
 			// whole.
 			std::uint64_t least = std::uint64_t{tile.wanted} * tile.wanted;
 			for (const auto &[y, other] : row.tiles) {

@@ -54,7 +54,7 @@ TEST_CASE("domain check: the signs of exact sums are correct") {
 
 TEST_CASE("domain check: comparisons of distances are exact") {
 	// A 3-4-5 triangle so far from the origin that its coordinates have few fractional bits, and
-	// the adjacent doubles of each side.
+	// the adjacent doubles of each edge.
 	const double far_away = 0x1p50;
 	CHECK(compare_distance({far_away, 0.0}, {far_away + 3.0, 4.0}, no_torus, 5.0) == 0);
 	CHECK(compare_distance({far_away, 0.0}, {far_away + 3.0, std::nextafter(4.0, 0.0)}, no_torus, 5.0) == -1);

@@ -48,7 +48,7 @@ void check_same(const Points<Real> &found, const Points<Real> &expected) {
 
 } // namespace
 
-TEST_CASE_TEMPLATE("domain: equal requests produce equal points, whatever came before", Real, float, double) {
+TEST_CASE_TEMPLATE("domain: equal requests produce equal points, regardless of earlier requests", Real, float, double) {
 	std::mt19937_64 random(3);
 	DomainSampler<Real> used;
 	Points<Real> points;

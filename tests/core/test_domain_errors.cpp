@@ -1,4 +1,4 @@
-// Tests that DomainSampler reports invalid input and a lack of memory, and then changes nothing.
+// Tests that DomainSampler reports invalid input and a lack of memory, and that the results stay unchanged.
 
 #include "allocation_count.hpp"
 #include "domain_cases.hpp"
@@ -22,7 +22,7 @@ using namespace thicket::domain_cases;
 
 namespace {
 
-/// A sampler that has sampled and filled a valid domain. A refused call must leave both results
+/// A sampler that has sampled and filled a valid domain. A rejected call must leave both results
 /// unchanged.
 template <typename Real>
 struct Fixture {
@@ -49,7 +49,7 @@ struct Fixture {
 		refuse_to_run(request, code, property, value);
 	}
 
-	/// Checks that requests that are invalid only in this precision are refused, as `refuse` does.
+	/// Checks that requests that are invalid only in this precision are rejected, as `refuse` does.
 	void refuse_to_run(const DomainRequest &request, ErrorCode code, const std::string &property, double value) {
 		check_refused(sampler.sample(request, points), code, property, value);
 		CHECK(points == before);
@@ -74,7 +74,7 @@ constexpr double inf = infinite_value;
 
 } // namespace
 
-TEST_CASE_TEMPLATE("domain errors: invalid values of radius are refused", Real, float, double) {
+TEST_CASE_TEMPLATE("domain errors: invalid values of radius are rejected", Real, float, double) {
 	Fixture<Real> fixture;
 	const auto refuse = [&](double radius, ErrorCode code) {
 		DomainRequest request = fixture.good;
@@ -93,7 +93,7 @@ TEST_CASE_TEMPLATE("domain errors: invalid values of radius are refused", Real, 
 	}
 }
 
-TEST_CASE_TEMPLATE("domain errors: invalid values of size are refused", Real, float, double) {
+TEST_CASE_TEMPLATE("domain errors: invalid values of size are rejected", Real, float, double) {
 	Fixture<Real> fixture;
 	for (const double bad : {nan_value, inf, -inf}) {
 		refuse_size(fixture, {bad, 10.0}, ErrorCode::not_finite, bad);
@@ -106,7 +106,7 @@ TEST_CASE_TEMPLATE("domain errors: invalid values of size are refused", Real, fl
 	CHECK(describe(validate({.size = {-2.5, 1.0}})) == "size must be positive, got -2.5");
 }
 
-TEST_CASE_TEMPLATE("domain errors: a torus on which a disk would overlap itself is refused", Real, float, double) {
+TEST_CASE_TEMPLATE("domain errors: a torus on which a disk would overlap itself is rejected", Real, float, double) {
 	Fixture<Real> fixture;
 	fixture.good.toroidal = true;
 	fixture.good.radius = 0.5;
@@ -119,7 +119,7 @@ TEST_CASE_TEMPLATE("domain errors: a torus on which a disk would overlap itself 
 	CHECK(validate({.size = {narrow, narrow}, .radius = 0.5, .toroidal = false}).ok());
 }
 
-TEST_CASE("domain errors: a side that is too wide for single precision is refused") {
+TEST_CASE("domain errors: a domain that is too wide for single precision is rejected") {
 	Fixture<float> fixture;
 	DomainRequest request = fixture.good;
 	request.radius = 0.5;
@@ -133,7 +133,7 @@ TEST_CASE("domain errors: a side that is too wide for single precision is refuse
 	check_promises<double>(request, sampled<double>(request));
 }
 
-TEST_CASE_TEMPLATE("domain errors: invalid values of cell_size are refused", Real, float, double) {
+TEST_CASE_TEMPLATE("domain errors: invalid values of cell_size are rejected", Real, float, double) {
 	Fixture<Real> fixture;
 	for (const Method &method : methods) {
 		DomainRequest request = fixture.good;
@@ -149,7 +149,7 @@ TEST_CASE_TEMPLATE("domain errors: invalid values of cell_size are refused", Rea
 	}
 }
 
-TEST_CASE_TEMPLATE("domain errors: invalid values of darts_each are refused", Real, float, double) {
+TEST_CASE_TEMPLATE("domain errors: invalid values of darts_each are rejected", Real, float, double) {
 	Fixture<Real> fixture;
 	DomainRequest request = fixture.good;
 	request.method = DomainMethod::naive;
@@ -164,7 +164,7 @@ TEST_CASE_TEMPLATE("domain errors: invalid values of darts_each are refused", Re
 }
 
 TEST_CASE_TEMPLATE(
-		"domain errors: if any allocation fails, the call reports it and changes nothing", Real, float, double) {
+		"domain errors: if any allocation fails, the call reports it and has no effect", Real, float, double) {
 	Fixture<Real> fixture;
 	for (const Method &method : methods) {
 		CAPTURE(method.name);
@@ -210,7 +210,7 @@ rlim_t address_space() {
 
 constexpr int limits_do_not_hold = 2;
 
-/// Limits this process to 64 MiB more than it uses now, and checks that a huge domain is refused.
+/// Limits this process to 64 MiB more than it uses now, and checks that a huge domain is rejected.
 /// Returns the exit code for the child process. Some emulators accept a limit but do not enforce
 /// it, which `limits_do_not_hold` reports.
 template <typename Real>
@@ -238,7 +238,7 @@ int refuses_in_little_memory(DomainMethod method) {
 
 } // namespace
 
-TEST_CASE_TEMPLATE("domain errors: a domain that is larger than memory is refused", Real, float, double) {
+TEST_CASE_TEMPLATE("domain errors: a domain that is larger than memory is rejected", Real, float, double) {
 	for (const Method &method : methods) {
 		CAPTURE(method.name);
 		std::fflush(nullptr);

@@ -45,7 +45,7 @@ TEST_CASE_TEMPLATE("domain extremes: the smallest possible domains", Real, float
 	}
 }
 
-TEST_CASE("domain extremes: domains with too many points are refused") {
+TEST_CASE("domain extremes: domains with too many points are rejected") {
 	DomainSampler<double> sampler;
 	const std::vector<glm::dvec2> before(3, glm::dvec2(7.0));
 	std::vector<glm::dvec2> points = before;

@@ -153,7 +153,7 @@ TEST_CASE_TEMPLATE(
 	CHECK(fixture.points == fixture.before);
 }
 
-TEST_CASE_TEMPLATE("domain cancel: a flag that a different thread sets ends the call", Real, float, double) {
+TEST_CASE_TEMPLATE("domain cancel: a flag that another thread sets ends the call", Real, float, double) {
 	Fixture<Real> fixture;
 	for (const Method &method : methods) {
 		CAPTURE(method.name);

@@ -97,8 +97,8 @@ TEST_CASE("domain: the distance is exact where it rounds to the radius in single
 }
 
 TEST_CASE_TEMPLATE("domain: points are dense up to a border, and a torus has no border", Real, float, double) {
-	// An error at a border would first change the number of points beside it. On a torus, a seam
-	// has as many points beside it as any other line. The border of a bounded domain has more,
+	// An error at a border would first change the number of points next to it. On a torus, a seam
+	// has as many points next to it as any other line. The border of a bounded domain has more,
 	// because no points lie beyond it.
 	constexpr double side = 120.0;
 	constexpr double strip = 0.5;

@@ -119,7 +119,7 @@ TEST_CASE_TEMPLATE("domain: the width of cells is the requested one, in whole ba
 	}
 }
 
-TEST_CASE_TEMPLATE("domain: a refused call keeps the statistics of the last one", Real, float, double) {
+TEST_CASE_TEMPLATE("domain: a rejected call keeps the statistics of the previous call", Real, float, double) {
 	DomainSampler<Real> sampler;
 	std::vector<glm::vec<2, Real>> points;
 	REQUIRE(sampler.sample(large(DomainMethod::wavefront, true), points).ok());

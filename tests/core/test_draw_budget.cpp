@@ -104,7 +104,7 @@ TEST_CASE("draw budget: quality and hidden layers scale what is drawn") {
 	CHECK(meadow.drawn() == 2500);
 }
 
-TEST_CASE("draw budget: thinning, the share of a look and quality multiply") {
+TEST_CASE("draw budget: thinning, the fraction of a look and quality multiply") {
 	Meadow meadow(1);
 	DrawLimits limits;
 	limits.quality = 0.5;
@@ -144,7 +144,7 @@ TEST_CASE("draw budget: the limit is never exceeded, and soon thins all cells al
 	CHECK(meadow.drawn() == 0);
 }
 
-TEST_CASE("draw budget: the share changes only if the number of instances changes a lot") {
+TEST_CASE("draw budget: the fraction changes only if the number of instances changes a lot") {
 	Meadow meadow(100);
 	meadow.budget.set_limits(limited_to(50000));
 	meadow.frame();
@@ -175,7 +175,7 @@ TEST_CASE("draw budget: a cell that is cut is drawn again in the next frame, onc
 	CellDrawing &first = meadow.cells[0];
 	meadow.draw_all();
 	CHECK(meadow.budget.take_cut().empty());
-	// A third tile is added and removed before the share adapts.
+	// A third tile is added and removed before the fraction adapts.
 	DrawAmounts other;
 	other.drawn = 1500;
 	meadow.budget.add(other);

@@ -22,7 +22,7 @@ DrawCells divided(const CompactMesh &mesh, glm::dvec3 origin, const Rect &rect, 
 	return cells;
 }
 
-/// Returns instances at these positions (x, z), relative to the tile's center. Their ids are 1, 2,
+/// Returns instances at these positions (x, z), relative to the tile's center. Their IDs are 1, 2,
 /// 3, and so on.
 MeshInstances floats_at(const std::vector<glm::vec2> &positions) {
 	MeshInstances mesh;

@@ -1,4 +1,4 @@
-// Tests that an edit changes nothing beyond its reach, and that a layer thins toward its edge.
+// Tests that an edit has no effect beyond its reach, and that a layer thins toward its edge.
 
 #include "core/placement/edge_probes.hpp"
 #include "core/placement/layer_edits.hpp"

@@ -364,7 +364,7 @@ TEST_CASE("every rule: a position is explained by the set's nearest point, as in
 	CHECK(here < 950);
 }
 
-TEST_CASE("every rule: a position that cannot be explained is refused by name") {
+TEST_CASE("every rule: a position that cannot be explained is rejected by name") {
 	const TexturedHills terrain;
 	PlaceExplainer explainer;
 	const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -29,7 +29,7 @@ struct Ids {
 
 } // namespace
 
-TEST_CASE("free id: equal instances get successive ids, at a nearly constant cost") {
+TEST_CASE("free id: equal instances get successive IDs, at a nearly constant cost") {
 	Ids ids;
 	constexpr std::uint64_t first = 0xfffffffffff0; // The numbers wrap around to 0.
 	std::size_t before = 0;
@@ -42,7 +42,7 @@ TEST_CASE("free id: equal instances get successive ids, at a nearly constant cos
 	CHECK(before > 20); // The search does check more than the next id.
 }
 
-TEST_CASE("free id: gaps are used or skipped, and no id is returned twice") {
+TEST_CASE("free id: gaps are used or skipped, and no ID is returned twice") {
 	StateRandom random(51);
 	Ids ids;
 	for (int i = 0; i < 20000; ++i) {
@@ -58,7 +58,7 @@ TEST_CASE("free id: gaps are used or skipped, and no id is returned twice") {
 	}
 }
 
-TEST_CASE("free id: ids in use at all doubled distances restart the search elsewhere") {
+TEST_CASE("free id: IDs in use at all doubled distances restart the search elsewhere") {
 	Ids ids;
 	ids.taken.insert(prefix | 5);
 	for (std::uint64_t step = 1; step < std::uint64_t{1} << 48; step *= 2) {
@@ -72,7 +72,7 @@ TEST_CASE("free id: ids in use at all doubled distances restart the search elsew
 	CHECK(id == std::uint64_t{0xffff} << 48);
 }
 
-TEST_CASE("free id: many equal instances get the same ids together as one by one") {
+TEST_CASE("free id: many equal instances get the same IDs together as one by one") {
 	InstanceState one_by_one;
 	InstanceState together;
 	std::vector<AddedInstance> equal(3000, instance_at(5.0, 7.0));

@@ -21,7 +21,7 @@ using namespace thicket;
 
 namespace {
 
-constexpr int side = 71; // More than two blocks, and no multiple of their side.
+constexpr int side = 71; // More than two blocks, and not a multiple of their width.
 constexpr HeightfieldFrame frame{{side, side - 20}, {{-30.0, 10.0}, {40.0, 160.0}}, -20.0, 80.0};
 
 bool is_absent(const std::array<glm::dvec3, 3> &corners) {
@@ -115,7 +115,7 @@ std::size_t check_surface(const Terrain &terrain, double twist) {
 
 } // namespace
 
-TEST_CASE("grid surface: a heightfield of 16-bit posts has two triangles for each patch, and follows patches") {
+TEST_CASE("grid surface: a heightfield of 16-bit samples has two triangles for each patch and is updated by patches") {
 	std::vector<std::uint16_t> posts(static_cast<std::size_t>(frame.posts.x) * static_cast<std::size_t>(frame.posts.y));
 	std::mt19937 random(8);
 	std::ranges::generate(posts, [&] { return static_cast<std::uint16_t>(random()); });
@@ -133,7 +133,7 @@ TEST_CASE("grid surface: a heightfield of 16-bit posts has two triangles for eac
 	CHECK(before.surface()->triangle(2 * (12 * (frame.posts.x - 1) + 10))[0].y < 79.9);
 }
 
-TEST_CASE("grid surface: float posts in meters or units, without the patches around holes") {
+TEST_CASE("grid surface: float samples in meters or units, without the patches around holes") {
 	const std::size_t count = static_cast<std::size_t>(frame.posts.x) * static_cast<std::size_t>(frame.posts.y);
 	for (const FloatPosts meaning : {FloatPosts::meters, FloatPosts::units}) {
 		const float high = meaning == FloatPosts::meters ? 6.0f : 1.0f;

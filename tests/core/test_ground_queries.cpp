@@ -140,7 +140,7 @@ TEST_CASE("ground: texture weights are queried only for layers with a texture ru
 	CHECK(ground.weighed > 500);
 }
 
-TEST_CASE("ground: once a rule excludes a position, no further rule or source is evaluated") {
+TEST_CASE("ground: once a rule excludes a position, no other rule or source is evaluated") {
 	// Computing the shape's depth rounds; the rules before it do not.
 	LayerSettings layer;
 	layer.rules.min_height = 10.0;

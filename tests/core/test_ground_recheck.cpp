@@ -182,7 +182,7 @@ TEST_CASE("ground recheck: changes are collected for a short time, unless there 
 	CHECK(many.changes.size() >= 32);
 }
 
-TEST_CASE("ground recheck: only changes of tiles that are regenerated anyway are dropped") {
+TEST_CASE("ground recheck: only changes in tiles that are regenerated anyway are dropped") {
 	for (const std::uint32_t held : {0U, 1U}) {
 		Row row(1);
 		row.frame([](glm::dvec2) { return 1.0F; });

@@ -88,7 +88,7 @@ TEST_CASE("height file: a 16-bit PNG keeps all 65,536 heights apart") {
 	}
 }
 
-TEST_CASE("height file: a PNG file that ends anywhere is refused") {
+TEST_CASE("height file: a PNG file that is truncated anywhere is rejected") {
 	for (const bool interlaced : {false, true}) {
 		const Stored file = file_of({{5, 4}, 2, 16, interlaced});
 		for (std::size_t size = 8; size < file.size(); ++size) {
@@ -103,7 +103,7 @@ TEST_CASE("height file: a PNG file that ends anywhere is refused") {
 	}
 }
 
-TEST_CASE("height file: PNG files with too few or too many rows are refused") {
+TEST_CASE("height file: PNG files with too few or too many rows are rejected") {
 	const Layout layout{{16, 16}, 0, 16, false};
 	const Stored rows = png::rows_of(layout, [](glm::ivec2, int) { return 1000u; });
 	Posts posts;
@@ -120,14 +120,14 @@ TEST_CASE("height file: PNG files with too few or too many rows are refused") {
 	CHECK(describe(status).find("is damaged") != std::string::npos);
 }
 
-TEST_CASE("height file: PNG files with a palette are refused") {
+TEST_CASE("height file: PNG files with a palette are rejected") {
 	Posts posts;
 	const Status status = read_png(file_of({{4, 4}, 3, 8, false}), property, posts);
 	check_refused(status, ErrorCode::wrong_type, property, 0.0);
 	CHECK(describe(status).find("palette") != std::string::npos);
 }
 
-TEST_CASE("height file: PNG files of unsuitable size are refused before they are inflated") {
+TEST_CASE("height file: PNG files of unsuitable size are rejected before they are inflated") {
 	Posts posts;
 	check_refused(read_png(file_of({{1, 4}, 0, 8, false}), property, posts), ErrorCode::out_of_range, property, 1);
 	const Stored wide = png::file_of({{32769, 2}, 0, 16, false}, Stored(4));
@@ -179,7 +179,7 @@ TEST_CASE("height file: raw values are little-endian") {
 	CHECK(posts.steps == std::vector<std::uint16_t>{0, 257, 32896, 65535, 771, 1028});
 }
 
-TEST_CASE("height file: raw files that fit no square or no count are refused") {
+TEST_CASE("height file: raw files that fit no square or no count are rejected") {
 	Posts posts;
 	for (const std::size_t size : {0, 1, 2, 10, 22, 4 * 12}) {
 		const Status status = read_raw(Stored(size), {}, property, posts);
@@ -193,7 +193,7 @@ TEST_CASE("height file: raw files that fit no square or no count are refused") {
 	check_refused(read_raw(Stored(22), {{32769, 9}, 0}, property, posts), ErrorCode::out_of_range, "post_count", 32769);
 }
 
-TEST_CASE("height file: TIFF files are refused with a way to convert them") {
+TEST_CASE("height file: TIFF files are rejected with a way to convert them") {
 	for (const std::array<std::uint8_t, 4> &start : {std::array<std::uint8_t, 4>{'I', 'I', '*', 0},
 				 std::array<std::uint8_t, 4>{'M', 'M', 0, '*'}, std::array<std::uint8_t, 4>{'I', 'I', '+', 0}}) {
 		Stored file(32);

@@ -186,7 +186,7 @@ TEST_CASE("hosts: instances are on the models, apart from each other and without
 	CHECK(tested > 400);
 }
 
-TEST_CASE("hosts: tiles of any size hold the same instances, bit for bit") {
+TEST_CASE("hosts: tiles of any size contain the same instances, bit for bit") {
 	const Heightfield ground = hills();
 	const LayerSettings moss = moss_on(boulders());
 	const AllPlaced whole = placed_in(moss, ground, area);
@@ -332,7 +332,7 @@ TEST_CASE("hosts: settings without hosts place nothing, and a layer on hosts mus
 	CHECK(std::string_view(validate(moss).property) == "surface_layers");
 }
 
-TEST_CASE("hosts: on a planet, the height offset moves models sideways, and counts for their reach") {
+TEST_CASE("hosts: on a planet, the height offset moves models sideways and is included in their reach") {
 	LayerSettings host = boulders();
 	host.set.on_surface = true;
 	const double on_plane = reach_of(moss_on(host).hosts[0]);

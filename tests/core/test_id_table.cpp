@@ -39,7 +39,7 @@ void change(Table &r_table, Expected &r_expected, std::mt19937_64 &random, int t
 
 } // namespace
 
-TEST_CASE("id table: tables that share their memory do not see each other's changes") {
+TEST_CASE("id table: tables that share their memory are not affected by each other's changes") {
 	std::mt19937_64 random(1);
 	Table table;
 	Expected expected;

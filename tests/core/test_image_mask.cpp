@@ -88,7 +88,7 @@ TEST_CASE("image mask: bilinear between the centers, clamped at the border or wr
 	}
 }
 
-TEST_CASE("image mask: positions outside follow the edge mode, at all four borders") {
+TEST_CASE("image mask: positions outside use the edge mode, at all four borders") {
 	struct Place {
 		glm::dvec2 position;
 		bool inside;
@@ -194,7 +194,7 @@ TEST_CASE("image mask: a position is bit-identical in any batch") {
 	}
 }
 
-TEST_CASE("image mask: errors name the refused property and leave the mask unchanged") {
+TEST_CASE("image mask: errors name the invalid property and leave the mask unchanged") {
 	ImageMask mask = mask_of(size, pixels, area, MaskEdge::clamp);
 	const ImageMask before = mask;
 	const auto refuse = [&](glm::ivec2 of_size, const Rect &of_area, ErrorCode code, const char *property,

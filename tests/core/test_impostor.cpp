@@ -36,7 +36,7 @@ double coverage(const Impostor &impostor, glm::ivec2 frame) {
 	return sum / (255.0 * side * side);
 }
 
-/// Returns all six sides of a cube, facing outward.
+/// Returns all six faces of a cube, facing outward.
 ImpostorSurface cube(float half) {
 	ImpostorSurface surface;
 	const ImpostorSurface side = square(half, half, red);
@@ -60,7 +60,7 @@ ImpostorSurface cube(float half) {
 } // namespace
 
 TEST_CASE("impostor: a known triangle, seen from its front and not from behind") {
-	// The upper left half of the square from -1 to 1. Its longest side runs from the lower left to
+	// The upper left half of the square from -1 to 1. Its longest edge runs from the lower left to
 	// the upper right.
 	const ImpostorSurface half = triangles({{-1, -1, 0}, {-1, 1, 0}, {1, 1, 0}}, red);
 	const Impostor impostor = baked({half}, three);
@@ -68,7 +68,7 @@ TEST_CASE("impostor: a known triangle, seen from its front and not from behind")
 	CHECK(impostor.max == glm::vec3(1, 1, 0));
 	CHECK(impostor.center == glm::vec3(0));
 	CHECK(impostor.radius == doctest::Approx(std::sqrt(2.0)));
-	// The frame is a square with a side of two radii, so its area is 8.
+	// The frame is a square that is two radii wide, so its area is 8.
 	CHECK(coverage(impostor, from_front) == doctest::Approx(2.0 / 8.0).epsilon(0.01));
 	CHECK(coverage(impostor, from_behind) == 0.0);
 	CHECK(coverage(impostor, from_right) == 0.0);
@@ -90,7 +90,7 @@ TEST_CASE("impostor: a surface is drawn from both sides, or only from the back")
 	CHECK(coverage(back, from_behind) > 0.24);
 }
 
-TEST_CASE("impostor: each side of a cube has the right normal, depth and coverage") {
+TEST_CASE("impostor: each face of a cube has the right normal, depth and coverage") {
 	const Impostor impostor = baked({cube(1.0F)}, three);
 	const auto byte = [](double value) {
 		return static_cast<int>((value * 0.5 + 0.5) * 255.0 + 0.5);
@@ -119,7 +119,7 @@ TEST_CASE("impostor: nearer surfaces hide farther ones, in any drawing order") {
 	CHECK(pixel_of(one, one.normal, from_front, {32, 32})[3] == 170); // A depth of 0.5 m, with a radius of 1.5 m.
 }
 
-TEST_CASE("impostor: pixels with alpha below the threshold are discarded, and coverage follows") {
+TEST_CASE("impostor: pixels with alpha below the threshold are discarded, and coverage is reduced accordingly") {
 	auto texture = std::make_shared<SurfaceTexture>();
 	// The left column is transparent.
 	const std::vector<std::uint8_t> pixels{0, 0, 255, 0, 0, 0, 255, 255, 0, 0, 255, 0, 0, 0, 255, 255};
@@ -157,7 +157,7 @@ TEST_CASE("impostor: vertex colors are linear or in sRGB") {
 	CHECK(std::abs(mixed[2] - 188) <= 2);
 }
 
-TEST_CASE("impostor: mip maps keep the covered share, and frames do not bleed") {
+TEST_CASE("impostor: mipmaps keep the covered fraction, and frames do not bleed") {
 	// Thin bars, which would vanish from mipmaps that are plain averages.
 	std::vector<ImpostorSurface> bars;
 	for (int at = -8; at < 8; ++at) {
@@ -200,7 +200,7 @@ TEST_CASE("impostor: bit-identical on every machine") {
 	CHECK(digest == 2901402152858105231U);
 }
 
-TEST_CASE("impostor: refused input leaves the impostor unchanged") {
+TEST_CASE("impostor: rejected input leaves the impostor unchanged") {
 	Impostor impostor = baked({cube(1.0F)}, three);
 	const std::vector<std::uint8_t> before = impostor.albedo;
 	const std::vector<ImpostorSurface> good{cube(1.0F)};
@@ -233,7 +233,7 @@ TEST_CASE("impostor: refused input leaves the impostor unchanged") {
 	refused(bad, three, ErrorCode::out_of_range, "alpha_threshold", 1.5);
 }
 
-TEST_CASE("impostor: progress is reported after each picture, and the cancel flag ends the call") {
+TEST_CASE("impostor: progress is reported after each frame, and the cancel flag ends the call") {
 	const std::vector<ImpostorSurface> surfaces{cube(1.0F)};
 	std::atomic<bool> cancel = false;
 	double last = 0.0;
@@ -255,7 +255,7 @@ TEST_CASE("impostor: progress is reported after each picture, and the cancel fla
 	CHECK(reported == 4);
 }
 
-TEST_CASE("impostor: map positions have the documented directions and picture axes") {
+TEST_CASE("impostor: map positions have the documented directions and frame axes") {
 	for (const auto span : {OctahedralSpan::hemisphere, OctahedralSpan::sphere}) {
 		for (float v = -1.0F; v <= 1.0F; v += 0.125F) {
 			for (float u = -1.0F; u <= 1.0F; u += 0.125F) {
@@ -287,7 +287,7 @@ TEST_CASE("impostor: a mirroring transform keeps front faces and outward normals
 	CHECK(pixel_of(impostor, impostor.normal, from_front, {32, 32})[2] == 255);
 }
 
-TEST_CASE("impostor: running out of memory changes nothing") {
+TEST_CASE("impostor: running out of memory leaves the impostor unchanged") {
 	std::vector<ImpostorSurface> surfaces{cube(1.0F)};
 	surfaces[0].colors.assign(surfaces[0].positions.size(), red);
 	surfaces[0].material.vertex_colors = VertexColors::linear;

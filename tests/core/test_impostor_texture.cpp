@@ -43,7 +43,7 @@ TEST_CASE("impostor texture: textures repeat, and are interpolated between pixel
 	CHECK(texture.level_for(1e9) == 1);
 }
 
-TEST_CASE("impostor texture: refused input leaves the texture unchanged") {
+TEST_CASE("impostor texture: rejected input leaves the texture unchanged") {
 	SurfaceTexture texture;
 	const std::vector<std::uint8_t> pixels(16, 7);
 	check_refused(texture.set(0, 4, pixels), ErrorCode::out_of_range, "texture", 0);

@@ -30,7 +30,7 @@ std::array<float, 4> alone(const std::uint16_t *first, glm::dvec2 part, const In
 			static_cast<float>(to_unit), static_cast<float>(-gradient_y * to_unit)};
 }
 
-/// Returns random posts with high and low plateaus, cliffs and rough ground.
+/// Returns random height samples with high and low plateaus, cliffs and rough ground.
 std::vector<std::uint16_t> posts_of(std::mt19937 &random) {
 	std::vector<std::uint16_t> posts(side * side);
 	for (std::uint16_t &post : posts) {

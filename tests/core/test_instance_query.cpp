@@ -68,7 +68,7 @@ TEST_CASE("queries: a rectangle returns the same as a scan of all tiles, with a 
 			const glm::dvec2 corner = place + glm::dvec2(between(random, -90.0, 60.0), between(random, -90.0, 60.0));
 			Rect rect{corner, corner + glm::dvec2(between(random, 0.0, 40.0), between(random, 0.0, 40.0))};
 			if (repeat % 3 == 0) {
-				// The sides of the rectangle are borders of the trees' tiles.
+				// The edges of the rectangle are borders of the trees' tiles.
 				rect = tile_rect(64.0, tile_at(64.0, corner));
 			}
 			const QueryFilter filter = random_filter(random);
@@ -158,7 +158,7 @@ TEST_CASE("queries: the nearest instance is the one that a scan of all instances
 	}
 }
 
-TEST_CASE("queries: an id finds its instance, or nothing if there is none") {
+TEST_CASE("queries: an ID finds its instance, or nothing if there is none") {
 	std::mt19937 random(4);
 	for (const glm::dvec2 place : world_places) {
 		Worlds worlds(place, random);
@@ -203,7 +203,7 @@ TEST_CASE("queries: an id finds its instance, or nothing if there is none") {
 	}
 }
 
-TEST_CASE("queries: a removed instance still has a position by its layer's rules, and returns to it") {
+TEST_CASE("queries: a removed instance still has a position according to its layer's rules and returns to it") {
 	World world;
 	const std::vector<QueryLayer> layers = world.query_layers();
 	const auto all = everything_in(world, {{0.0, 0.0}, {50.0, 50.0}});
@@ -230,7 +230,7 @@ TEST_CASE("queries: a removed instance still has a position by its layer's rules
 	CHECK(found.empty());
 }
 
-TEST_CASE("queries: ids of other layers, of missing layers and of empty layers find nothing") {
+TEST_CASE("queries: IDs of other layers, of missing layers and of empty layers find nothing") {
 	World world;
 	const std::vector<QueryLayer> layers = world.query_layers();
 	const InstanceQuery query{layers, world, nullptr};
@@ -248,7 +248,7 @@ TEST_CASE("queries: ids of other layers, of missing layers and of empty layers f
 	CHECK(found.empty());
 }
 
-TEST_CASE("queries: the search for an id ends when it is found, and never starts if it is removed") {
+TEST_CASE("queries: the search for an ID ends when it is found, and never starts if it is removed") {
 	World world;
 	const std::vector<QueryLayer> layers = world.query_layers();
 	InstanceState state;

@@ -1,4 +1,4 @@
-// Tests the input that queries refuse, queries at the limits of the world, and the allocations of
+// Tests the input that queries reject, queries at the limits of the world, and the allocations of
 // queries.
 
 #include "core/query/instance_query.hpp"
@@ -95,7 +95,7 @@ TEST_CASE("queries: the error for invalid input contains its name, and the resul
 	CHECK(world.requests.empty());
 }
 
-TEST_CASE("queries: an invalid layer is refused by its property's name, unless the filter skips it") {
+TEST_CASE("queries: an invalid layer is rejected by its property's name, unless the filter skips it") {
 	World world;
 	const auto refused = [&](const std::function<void(QueryLayer &)> &spoil, ErrorCode code,
 								 const std::string &property, double value) {
@@ -119,7 +119,7 @@ TEST_CASE("queries: an invalid layer is refused by its property's name, unless t
 	refused([](QueryLayer &layer) { layer.max_offset = -0.5; }, ErrorCode::out_of_range, "max_offset", -0.5);
 }
 
-TEST_CASE("queries: a query of too many points is refused before any tile is generated") {
+TEST_CASE("queries: a query of too many points is rejected before any tile is generated") {
 	OneLayer dense(1.0, 50.0);
 	const InstanceQuery query = dense.query();
 	const double limit = InstanceQuery::max_points;
@@ -147,7 +147,7 @@ TEST_CASE("queries: a query of too many points is refused before any tile is gen
 	CHECK(code_of(query.on_ray({}, {1e7, 0.0, 1.0}, {}, hit), "to") == ErrorCode::too_many_points);
 	CHECK(code_of(query.on_ray({}, {1.0, 0.0, 1e7}, {}, hit), "to") == ErrorCode::too_many_points);
 	CHECK(code_of(query.on_ray({}, {1e15, 1.0, -1e15}, {}, hit), "to") == ErrorCode::too_many_points);
-	// Tiles count even if they are empty.
+	// Tiles are counted even if they are empty.
 	OneLayer sparse(1000.0, 0.1);
 	CHECK(code_of(sparse.query().tiles_in_rect({{0.0, 0.0}, {100.0, 100.0}}, {}, tiles), "rect") ==
 			ErrorCode::too_many_points);

@@ -119,7 +119,7 @@ TEST_CASE("queries: the filter is called last, in order, and no more often than 
 	CHECK(found_in(query, glade).empty());
 }
 
-TEST_CASE("queries: at equal distances, the smaller layer and id win") {
+TEST_CASE("queries: at equal distances, the smaller layer and ID win") {
 	World world;
 	const std::vector<QueryLayer> layers = world.query_layers();
 	InstanceState state;

@@ -22,7 +22,7 @@ namespace {
 
 /// Returns the position along a ray, 0 to 1, at which it first touches a cylinder, or 2 if it does
 /// not. The candidates are the start of the ray and its intersections with the caps and the lateral
-/// surface. The result is the first of them that lies in the cylinder, up to rounding.
+/// surface. The result is the first of them that is in the cylinder, up to rounding.
 double first_touch(const PlacedInstance &instance, const InstanceShape &shape, glm::dvec3 from, glm::dvec3 to) {
 	const glm::dmat3 basis(instance.basis);
 	if (std::abs(glm::determinant(basis)) < 1e-12) {

@@ -148,7 +148,7 @@ TEST_CASE("flat instances have finite numbers") {
 	}
 }
 
-TEST_CASE("rows hold every number of a tile, column by column") {
+TEST_CASE("rows contain every number of a tile, column by column") {
 	LayerSettings layer = rich_layer();
 	layer.instance_data.use_custom_data = true;
 	const TileInstances tile = built(layer, hills(), tile_of_hills);

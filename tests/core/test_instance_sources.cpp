@@ -16,7 +16,7 @@
 using namespace thicket;
 using namespace thicket::test;
 
-TEST_CASE("sources: a share is linear between the ends of its range, which may be a step") {
+TEST_CASE("sources: a fraction is linear between the ends of its range, which may be a step") {
 	const InstanceSource range{.kind = SourceKind::height, .min = -10.0, .max = 30.0};
 	CHECK(share_of(range, -1e9) == 0.0f);
 	CHECK(share_of(range, -10.0) == 0.0f);
@@ -29,7 +29,7 @@ TEST_CASE("sources: a share is linear between the ends of its range, which may b
 	CHECK(share_of(step, 5.001) == 1.0f);
 }
 
-TEST_CASE("sources: randomness blends from the share to the random number, within 0 to 1") {
+TEST_CASE("sources: randomness blends from the fraction to the random number, within 0 to 1") {
 	InstanceSource source{.kind = SourceKind::height};
 	CHECK(mixed(source, 0.5f, 0.9) == 0.5);
 	CHECK(mixed(source, unknown_share, 0.9) == 0.9);
@@ -85,7 +85,7 @@ TEST_CASE("sources: rules and sources that use the same neighbor sample it once,
 	CHECK(points_to_sample(layer, 64.0) == doctest::Approx(own + others));
 }
 
-TEST_CASE("sources: unused sources, and those of a neighbor, cost nothing") {
+TEST_CASE("sources: unused sources and the sources of a neighbor cost nothing") {
 	LayerSettings layer = following(source_of(SourceKind::distance), source_of(SourceKind::height));
 	LayerSettings shrubs = rich_layer();
 	shrubs.neighbors = {{std::make_shared<const LayerSettings>(layer), 2.0, nullptr}};
@@ -153,7 +153,7 @@ TEST_CASE("sources: an error of the noise fails the tile") {
 	CHECK(digest(tile) == before);
 }
 
-TEST_CASE("sources: an edit of the layer that a color follows reaches as far as the source's distance") {
+TEST_CASE("sources: an edit of the layer on which a color depends reaches as far as the source's distance") {
 	auto before_oaks = std::make_shared<LayerSettings>(*oaks());
 	const auto shape_at = [](double x) {
 		Shape shape;

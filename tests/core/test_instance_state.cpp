@@ -50,7 +50,7 @@ TEST_CASE("state: a removed instance stays removed until it is restored") {
 	CHECK(state.removed_count() == 0);
 }
 
-TEST_CASE("state: the set of removed ids equals a plain set") {
+TEST_CASE("state: the set of removed IDs equals a plain set") {
 	StateRandom random(1);
 	InstanceState state;
 	std::set<std::uint64_t> expected;
@@ -169,7 +169,7 @@ TEST_CASE("state: a forest that is cut repeatedly regrows in the order of its ti
 	}
 }
 
-TEST_CASE("state: clearing reports every change, and forgets the previous content") {
+TEST_CASE("state: clearing reports every change and forgets the previous content") {
 	InstanceState state;
 	REQUIRE(state.claim(1, 77).ok());
 	state.remove(point_id(1, 2, 3));
@@ -233,7 +233,7 @@ TEST_CASE("state: layers keep their point sets") {
 	CHECK(bytes_of(state) == bytes_of(unknown));
 }
 
-TEST_CASE("state: a diff of ids undoes every change to them, bit for bit") {
+TEST_CASE("state: a diff of IDs undoes every change to them, bit for bit") {
 	StateRandom random(11);
 	for (int trial = 0; trial < 300; ++trial) {
 		InstanceState state;

@@ -1,4 +1,4 @@
-// Tests the serialized form of a state: valid bytes load, all others are refused, and the size is
+// Tests the serialized form of a state: valid bytes load, all others are rejected, and the size is
 // small.
 
 #include "core/state/id_codec.hpp"
@@ -41,7 +41,7 @@ Status load_into_copy(const InstanceState &state, const StateBytes &bytes, State
 	return status;
 }
 
-/// Checks that the bytes are refused as corrupt or as a different version, and that the state does
+/// Checks that the bytes are rejected as corrupt or as another version, and that the state does
 /// not change.
 void check_refused_bytes(const StateBytes &bytes) {
 	static const InstanceState before = small_state();
@@ -51,7 +51,7 @@ void check_refused_bytes(const StateBytes &bytes) {
 	REQUIRE(after == bytes_of(before));
 }
 
-/// Checks that the bytes either load, and are then saved identically, or are refused without
+/// Checks that the bytes either load, and are then saved identically, or are rejected without
 /// changing the state.
 void check_any_bytes(const StateBytes &bytes) {
 	static const InstanceState before = small_state();
@@ -133,7 +133,7 @@ TEST_CASE("state bytes: the format is unchanged") {
 	CHECK(bytes_of(small_state()).size() < 260);
 }
 
-TEST_CASE("state bytes: every damaged byte, every truncation and every extra byte is refused") {
+TEST_CASE("state bytes: every damaged byte, every truncation and every extra byte is rejected") {
 	const StateBytes whole = bytes_of(small_state());
 	for (std::size_t at = 0; at < whole.size(); ++at) {
 		for (int value = 0; value < 256; ++value) {
@@ -157,7 +157,7 @@ TEST_CASE("state bytes: every damaged byte, every truncation and every extra byt
 	CHECK(describe(other.load(bytes, changes)).starts_with("version must be between 1 and 2, got 3"));
 }
 
-TEST_CASE("state bytes: damaged bytes with a valid checksum are refused, or loaded and written back") {
+TEST_CASE("state bytes: damaged bytes with a valid checksum are rejected, or loaded and written back") {
 	const StateBytes whole = bytes_of(small_state());
 	for (std::size_t at = 0; at < whole.size() - 8; ++at) {
 		for (int value = 0; value < 256; ++value) {
@@ -185,7 +185,7 @@ TEST_CASE("state bytes: damaged bytes with a valid checksum are refused, or load
 	}
 }
 
-TEST_CASE("state bytes: contradictory content is refused") {
+TEST_CASE("state bytes: contradictory content is rejected") {
 	constexpr std::uint64_t point = std::uint64_t{1} << 48;
 	constexpr std::uint64_t placed = point | std::uint64_t{1} << 63;
 	StateRecord good;

@@ -104,7 +104,7 @@ TEST_CASE("state exchange: a peer that receives the diffs has the same content")
 	}
 }
 
-TEST_CASE("state exchange: a diff contains only the changed ids") {
+TEST_CASE("state exchange: a diff contains only the changed IDs") {
 	InstanceState server;
 	server.remove(point_id(1, 0, 0));
 	const std::uint64_t known = server.revision();
@@ -163,7 +163,7 @@ TEST_CASE("state exchange: the history of added and removed instances is bounded
 	CHECK(peer.digest() == server.digest());
 }
 
-TEST_CASE("state exchange: a damaged diff is refused and changes nothing") {
+TEST_CASE("state exchange: a damaged diff is rejected and has no effect") {
 	StateRandom random(23);
 	InstanceState server = state_of(random, 60);
 	const StateBytes diff = diff_of(server, 10);
@@ -235,7 +235,7 @@ TEST_CASE("state exchange: merging is commutative, associative and idempotent") 
 	}
 }
 
-TEST_CASE("state exchange: of two removals, the longer one counts") {
+TEST_CASE("state exchange: of two removals, the longer one applies") {
 	const std::uint64_t id = point_id(1, 2, 3);
 	const auto removed_until = [id](double until) {
 		InstanceState state;

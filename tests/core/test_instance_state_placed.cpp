@@ -22,7 +22,7 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 
 } // namespace
 
-TEST_CASE("state: the id of a hand-placed instance is a function of the instance") {
+TEST_CASE("state: the ID of a hand-placed instance is a function of the instance") {
 	StateRandom random(2);
 	InstanceState state;
 	std::set<std::uint64_t> ids;
@@ -92,7 +92,7 @@ TEST_CASE("state: many instances are placed as they would be one by one, or none
 	CHECK(ids.empty());
 }
 
-TEST_CASE("state: an invalid hand-placed instance is refused by its property") {
+TEST_CASE("state: an invalid hand-placed instance is rejected by its property") {
 	InstanceState state;
 	const auto refused = [&state](const AddedInstance &instance, const char *property, ErrorCode code) {
 		std::uint64_t id = 5;
@@ -194,7 +194,7 @@ TEST_CASE("state: hand-placed instances belong to any set of points") {
 	}
 }
 
-TEST_CASE("state: a hand-placed instance that moves keeps its id and its data") {
+TEST_CASE("state: a hand-placed instance that moves keeps its ID and its data") {
 	InstanceState state;
 	const std::uint64_t placed = added_to(state, instance_at(1.0, 2.0));
 	REQUIRE(state.set_data(placed, StateBytes{7}).ok());
@@ -216,8 +216,8 @@ TEST_CASE("state: a hand-placed instance that moves keeps its id and its data") 
 	CHECK(found.empty());
 	REQUIRE(state.added_in(1, {{690.0, -910.0}, {710.0, -890.0}}, found).ok());
 	CHECK(found == std::vector<std::uint64_t>{placed});
-	// An instance placed at the old position gets a different id. Moving an instance to its own
-	// position changes nothing.
+	// An instance placed at the old position gets a different ID. Moving an instance to its current
+	// position has no effect.
 	CHECK(added_to(state, instance_at(1.0, 2.0)) != placed);
 	const std::uint64_t revision = state.revision();
 	changes.clear();

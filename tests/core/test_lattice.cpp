@@ -1,6 +1,6 @@
 // Tests guarantees 2 and 3 of TileSampler exactly, with integer lattice coordinates, for every
 // level of the progressive order. No two points are closer than the radius, even if they are in
-// different tiles. No lattice point is left where a further point would fit.
+// different tiles. No lattice point is left where another point would fit.
 
 #include "tests/analysis/lattice_checks.hpp"
 #include "tilings.hpp"
@@ -18,7 +18,7 @@ using analysis::LatticeReport;
 namespace {
 
 /// Returns the points of this level and all coarser ones, in units of this level's lattice. The
-/// unit is 2^level times that of the finest level, so the same check works for every level.
+/// unit is 2^level times the unit of the finest level, so the same check works for every level.
 std::vector<glm::i64vec2> lattice_points(
 		const PointSet &set, const std::vector<SamplePoint> &points, std::uint32_t level) {
 	const std::uint64_t end = level_rank_end(set.levels, level);
@@ -38,7 +38,7 @@ std::vector<glm::i64vec2> lattice_points(
 	return lattice;
 }
 
-/// Returns the cells of a level whose border of three cells also lies within `region`.
+/// Returns the cells of a level whose border of three cells is also within `region`.
 analysis::CellRect inner_cells(const PointSet &set, const Rect &region, std::uint32_t level) {
 	const double cell = lattice_unit(set) * static_cast<double>(1u << (lattice_bits + level));
 	const glm::dvec2 first = glm::ceil(region.min / cell);
@@ -98,7 +98,7 @@ TEST_CASE("lattice: the check itself finds a missing point and an extra point") 
 		if (!inside(points[i])) {
 			continue;
 		}
-		// Without the point, at least its own lattice point is uncovered, because no other point
+		// Without the point, at least its lattice point is uncovered, because no other point
 		// can be closer than the radius.
 		std::vector<glm::i64vec2> fewer = points;
 		fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(i));
@@ -115,7 +115,7 @@ TEST_CASE("lattice: the check itself finds a missing point and an extra point") 
 TEST_CASE("lattice: the check is exact to single lattice points") {
 	constexpr int bits = 4;
 	const std::int64_t side = 1 << bits;
-	// A point in the corner of every cell. Neighbors are one side apart, which is too close, but
+	// A point in the corner of every cell. Neighbors are one cell width apart, which is too close, but
 	// everything is covered.
 	std::vector<glm::i64vec2> points;
 	for (std::int64_t y = -3; y < 6; ++y) {

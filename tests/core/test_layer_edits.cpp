@@ -114,7 +114,7 @@ TEST_CASE("edits of a mask: the pixels that differ, and the reach of their blend
 	CHECK(area.empty());
 	Rect changed;
 	const std::vector<std::uint8_t> dark(6, 7);
-	// The pixels lie around a corner that four blocks share.
+	// The pixels are around a corner that four blocks share.
 	REQUIRE(after.write({{63, -1}, {66, 1}}, dark, changed).ok());
 	CHECK(before.differs(after, area));
 	CHECK(near(area, {{31.25, -0.75}, {33.25, 0.75}}, 1e-9));
@@ -155,7 +155,7 @@ TEST_CASE("edits of a layer: grown by its edge, and by the distances along chain
 	CHECK(near(own.areas[0], {{-7.0, -7.0}, {7.0, 7.0}}, 0.02));
 	const EditedArea through = search.find(*before, *after);
 	CHECK_FALSE(through.everywhere);
-	REQUIRE(through.areas.size() == 1); // The area that the shorter chain affects lies within that of the longer one.
+	REQUIRE(through.areas.size() == 1); // The area that the shorter chain affects is within the area of the longer one.
 	CHECK(near(through.areas[0], {{-14.0, -14.0}, {14.0, 14.0}}, 0.05));
 	CHECK(through.areas[0].min.x < -14.0);
 	CHECK(search.find(*before, *before).empty());

@@ -123,7 +123,7 @@ TEST_CASE("links: names may refer to no layer, to two layers, or to the layer it
 	CHECK(result[3]->neighbors.size() == 1);
 	CHECK(problems(layers, 1, "\"oak\" refers to the earlier") == 1);
 	CHECK(problems(layers, 2, "") == 3);
-	layers[2].spacing.erase("fern"); // "fern" is the layer's own name.
+	layers[2].spacing.erase("fern"); // "fern" is the name of the layer itself.
 	CHECK(problems(layers, 2, "\"elm\", and no layer") == 2);
 	CHECK(problems(layers, 0, "") == 0);
 	CHECK(problems(layers, 3, "") == 0);
@@ -151,7 +151,7 @@ TEST_CASE("links: layers are found by index and by identity, and the larger of t
 	first.identity = 72;
 	second.index = 3;
 	layers[2].spacing = {{first, 3.0}, {second, 1.0}};
-	CHECK(linked(layers)[2]->neighbors.size() == 1); // Only the proximity remains.
+	CHECK(linked(layers)[2]->neighbors.size() == 1); // Only the proximity is left.
 	CHECK(problems(layers, 2, "which is not in the list") == 2);
 	CHECK(problems(layers, 2, "Layers of different TerrainScatter3D nodes cannot refer to each other") == 2);
 	second.index = 2;
@@ -159,7 +159,7 @@ TEST_CASE("links: layers are found by index and by identity, and the larger of t
 	CHECK(problems(layers, 2, "the layer itself") == 1);
 }
 
-TEST_CASE("links: the layers that colors and variations follow are earlier ones, and no neighbors") {
+TEST_CASE("links: the layers on which colors and variations depend are earlier ones, and not neighbors") {
 	std::vector<NamedLayer> layers{layer_named("oak"), layer_named("fern"), layer_named("moss")};
 	layers[0].color_layer = "moss";
 	layers[1].color_layer = "oak";
@@ -183,7 +183,7 @@ TEST_CASE("links: the layers that colors and variations follow are earlier ones,
 	CHECK(later[1]->instance_data.color.layer == later[0]);
 }
 
-TEST_CASE("links: a missing layer is no neighbor, and a refused one keeps its settings") {
+TEST_CASE("links: a missing layer is not a neighbor, and a rejected one keeps its settings") {
 	std::vector<NamedLayer> layers{layer_named("oak"), layer_named("fern")};
 	NamedLayer &fern = layers[1];
 	fern.spacing = {{"oak", 2.0}};

@@ -88,7 +88,7 @@ TEST_CASE("lod: the instances that remain are enlarged to cover the same area, u
 	CHECK(compensating_scale(settings, 0.25) == 1.0);
 }
 
-TEST_CASE("lod: a limited share follows the wanted share in few steps and never exceeds the limit") {
+TEST_CASE("lod: a limited fraction approaches the requested fraction in few steps and never exceeds the limit") {
 	double share = 1.0;
 	int changes = 0;
 	const auto follow = [&share, &changes](std::uint64_t wanted, std::uint64_t most) {
@@ -98,7 +98,7 @@ TEST_CASE("lod: a limited share follows the wanted share in few steps and never 
 		CHECK(share * static_cast<double>(wanted) <= static_cast<double>(most));
 		CHECK(share >= 0.0);
 		CHECK(share <= 1.0);
-		// The share has settled, so a second call returns the same value.
+		// The fraction has settled, so a second call returns the same value.
 		CHECK(limited_share(share, wanted, most) == share);
 	};
 	for (std::uint64_t wanted = 0; wanted <= 1000000; wanted += 500) {

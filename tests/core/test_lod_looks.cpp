@@ -37,7 +37,7 @@ TEST_CASE("lod looks: consecutive LODs that are drawn alike share one look") {
 	CHECK(LodLooks().count() == 0);
 }
 
-TEST_CASE("lod looks: in a span, each look fades into the next one, and the last may fade out at the end of sight") {
+TEST_CASE("lod looks: in a span, each look fades into the next one, and the last may fade out at the view distance") {
 	const LodLooks looks(settings_of({10.0, 20.0}, 0.1, 50.0), std::vector{soft, soft, soft});
 	const auto fade_of = [&](LodSpan span, std::size_t index) {
 		const LodLooks::Drawn drawn = looks.drawn(span, index);
@@ -52,7 +52,7 @@ TEST_CASE("lod looks: in a span, each look fades into the next one, and the last
 	CHECK(fade_of({2, 2, true}, 0) == LookFade{false, LodEnd::sight});
 }
 
-TEST_CASE("lod looks: a look that is drawn alone fades only at the end of sight, so nothing is missing before it") {
+TEST_CASE("lod looks: a look that is drawn alone fades only at the view distance, so nothing is missing before it") {
 	const LodLooks looks(settings_of({10.0, 20.0}, 0.1, 50.0), std::vector{soft, sharp, soft});
 	CHECK(looks.drawn_alone({0, 1, false}, 0).look == 0);
 	CHECK_FALSE(looks.drawn_alone({0, 1, false}, 0).fade);

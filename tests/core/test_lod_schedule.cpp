@@ -61,7 +61,7 @@ TEST_CASE("lod schedule: a tile has one pending visit, no matter how often it is
 	schedule.move(std::vector<Viewer>{{{4.0, 0.0}}});
 	CHECK(due(schedule) == std::vector{2});
 	schedule.move(std::vector<Viewer>{{{5.0, 0.0}}});
-	CHECK(due(schedule) == std::vector{1}); // Only the last margin counts, which is 5 m.
+	CHECK(due(schedule) == std::vector{1}); // Only the last margin applies, which is 5 m.
 	CHECK(schedule.size() == 0);
 	schedule.add(key_of(1), 0.0);
 	schedule.add(key_of(2), 0.0);
@@ -72,7 +72,7 @@ TEST_CASE("lod schedule: a tile has one pending visit, no matter how often it is
 	CHECK(schedule.settled());
 }
 
-TEST_CASE("lod schedule: distances count from the nearest viewer, in three dimensions up to the height limit") {
+TEST_CASE("lod schedule: distances are measured from the nearest viewer, in three dimensions up to the height limit") {
 	LodSchedule schedule;
 	Sight sight;
 	const auto near = [&](glm::dvec3 min, glm::dvec3 max) {

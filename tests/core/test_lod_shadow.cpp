@@ -1,4 +1,4 @@
-// Tests which levels of detail cast their own shadows.
+// Tests which levels of detail cast shadows.
 
 #include "core/model/lod_shadow.hpp"
 
@@ -36,7 +36,7 @@ TEST_CASE("lod shadows: every LOD of sparse or large instances casts a shadow") 
 TEST_CASE("lod shadows: shadows thinner than a pixel of the shadow map are not cast") {
 	CHECK(casts_shadow({spruce, forest, 2048.0}));
 	CHECK_FALSE(casts_shadow({spruce, forest, 2049.0}));
-	CHECK_FALSE(casts_shadow({{0.1, 6.0, 0.1}, forest, 60.0})); // A pole casts none, whatever its height.
+	CHECK_FALSE(casts_shadow({{0.1, 6.0, 0.1}, forest, 60.0})); // A pole casts none, regardless of its height.
 	CHECK(casts_shadow({{0.1, 0.1, 6.0}, forest, 50.0}));
 	CHECK(casts_shadow({{1.0, 0.0, 1.0}, forest, 500.0})); // A leaf on a pond casts one because it is wide.
 	CHECK_FALSE(casts_shadow({{1.0, 0.0, 1.0}, forest, 513.0}));

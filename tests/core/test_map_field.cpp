@@ -79,7 +79,7 @@ PixelGrid bytes_grid(const std::function<std::array<int, 4>(glm::ivec2)> &value,
 
 } // namespace
 
-TEST_CASE("map field: the surface equals that of a heightfield with the same posts") {
+TEST_CASE("map field: the surface equals the surface of a heightfield with the same samples") {
 	std::vector<float> meters;
 	for (int row = 0; row < posts; ++row) {
 		for (int column = 0; column < posts; ++column) {
@@ -133,7 +133,7 @@ TEST_CASE("map field: maps can be rotated, scaled and moved") {
 	}
 }
 
-TEST_CASE("map field: posts of all formats are read correctly") {
+TEST_CASE("map field: samples of all formats are read correctly") {
 	CHECK(half_to_float(0x0000) == 0.0F);
 	CHECK(half_to_float(0x3c00) == 1.0F);
 	CHECK(half_to_float(0xc500) == -5.0F);
@@ -207,7 +207,7 @@ TEST_CASE("map field: indexed textures are weighed, three per pixel") {
 	CHECK(weight(field_of({}, layers), {5.0, 5.0}, {7}) == 1.0F);
 }
 
-TEST_CASE("map field: an invalid map is refused, and the field stays unchanged") {
+TEST_CASE("map field: an invalid map is rejected, and the field stays unchanged") {
 	MapField field = field_of({}, plain_layers());
 	const MapLayers good = plain_layers();
 	CHECK_FALSE(field.set({}, {}).ok());

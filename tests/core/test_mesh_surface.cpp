@@ -82,7 +82,7 @@ TEST_CASE("mesh surface: flat and quantized positions are read correctly") {
 	flat.positions = MeshSurface::Positions::flat;
 	CHECK(faces_of(flat) == Corners{{0, 1, 0}, {10, 11, 0}, {20, 21, 0}});
 
-	// The fourth number of each vertex is an angle. Normals follow the positions.
+	// The fourth number of each vertex is an angle. The normals come after the positions.
 	const Bytes quantized_bytes =
 			bytes_of<std::uint16_t>({0, 0, 0, 7, 65535, 65535, 65535, 7, 13107, 26214, 39321, 7, 1, 2, 3, 4});
 	MeshSurface quantized = surface_of(triangles, quantized_bytes, 3);
@@ -97,7 +97,7 @@ TEST_CASE("mesh surface: flat and quantized positions are read correctly") {
 	CHECK(faces[2].z == doctest::Approx(18));
 }
 
-TEST_CASE("mesh surface: bytes that do not fit are refused") {
+TEST_CASE("mesh surface: bytes that do not fit are rejected") {
 	using enum MeshSurface::Shape;
 	Corners corners;
 	check_refused(

@@ -119,7 +119,7 @@ TEST_CASE("model size: a name determines the kind of a model") {
 	}
 }
 
-TEST_CASE("model size: copies differ, stand apart and reach into the ground") {
+TEST_CASE("model size: copies differ, have space between them and reach into the ground") {
 	std::vector<Triangle> boulder;
 	add_frustum(boulder, {0, 0, 0}, 1.0, 0.6, 1.5);
 	const ModelSize size = measured(boulder);

@@ -213,7 +213,7 @@ TEST_CASE("near queue: very many centers take turns to be checked, although the 
 	CHECK(frames < 200);
 
 	// Only one center moves. The cells of all other centers are not checked, and the changes around
-	// the moving center are found at once.
+	// the moving center are found immediately.
 	for (int step = 0; step < 20; ++step) {
 		centers[8].x += 1.0;
 		follow(false);
@@ -277,7 +277,7 @@ TEST_CASE("near queue: setting an unchanged distance leaves its layer unchanged,
 	CHECK(entered > 100);
 	CHECK(queue.settled());
 	queue.set_distances(std::array{distance, 0.0});
-	CHECK(queue.settled()); // No further check is needed.
+	CHECK(queue.settled()); // No other check is needed.
 	queue.set_distances(std::array{distance, 9.0});
 	CHECK_FALSE(queue.settled());
 	for (PlacedInstance instance; queue.next_entering(instance);) {
@@ -315,7 +315,7 @@ TEST_CASE("near queue: unknown tiles are reported as missing") {
 	CHECK(flat.world.take_missing().empty());
 }
 
-TEST_CASE("near queue: nothing is checked while the centers rest or move a small step") {
+TEST_CASE("near queue: nothing is checked while the centers do not move or move a small step") {
 	FlatWorld flat; // The world is empty, so every check reports missing tiles.
 	Follower follower;
 	std::vector<glm::dvec3> centers{{5.0, 0.0, 5.0}};

@@ -55,7 +55,7 @@ TEST_CASE("near queue: each due instance is returned once, the nearest first, wh
 	const std::set<std::uint64_t> rest = take_due(10000, last);
 	CHECK(rest == follower.held);
 
-	// Instances that have left in the meantime are no longer due.
+	// Instances that have left since then are no longer due.
 	follower.look(center, flat.world);
 	follower.follow();
 	follower.queue.renew(0);

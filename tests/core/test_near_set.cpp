@@ -23,7 +23,7 @@ PlacedInstance instance_at(std::uint64_t id, glm::dvec3 position) {
 	return instance;
 }
 
-/// Returns instances with the ids 1 to `count`. Instance i is at x = i * apart.
+/// Returns instances with the IDs 1 to `count`. Instance i is at x = i * apart.
 std::vector<PlacedInstance> row(std::uint64_t count, double apart = 1.0) {
 	std::vector<PlacedInstance> result;
 	for (std::uint64_t id = 1; id <= count; ++id) {
@@ -103,7 +103,7 @@ TEST_CASE("near set: both ends of the range are inclusive, in three dimensions")
 	CHECK(ids_of(changes.leave) == Ids{1});
 }
 
-TEST_CASE("near set: a range of 0 holds no instances, and an inverted range uses the enter distance") {
+TEST_CASE("near set: a range of 0 contains no instances, and an inverted range uses the enter distance") {
 	NearSet set;
 	NearChanges changes;
 	const std::vector<glm::dvec3> centers{{1.0, 0.0, 0.0}};
@@ -179,7 +179,7 @@ TEST_CASE("near set: an instance that is placed differently has changed, and nei
 	CHECK(changes.changed.empty());
 }
 
-TEST_CASE("near set: moving to and fro within the hysteresis changes nothing") {
+TEST_CASE("near set: moving back and forth within the hysteresis has no effect") {
 	NearSet set;
 	NearChanges changes;
 	const std::vector<PlacedInstance> standing = row(400, 0.05);

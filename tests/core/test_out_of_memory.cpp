@@ -1,4 +1,4 @@
-// Tests that sampling, rules and tiles return an error that names the refused property, and keep
+// Tests that sampling, rules and tiles return an error that names the invalid property, and keep
 // their previous state, whichever allocation fails.
 
 #include "core/rules/image_mask.hpp"
@@ -58,7 +58,7 @@ std::shared_ptr<const ShapeSet> some_shape_set() {
 }
 
 /// Returns a layer with many kinds of rules: curves, textures, a mask, shapes, an edge feather, and
-/// neighbors that have neighbors. Its sources are a noise and a different layer.
+/// neighbors that have neighbors. Its sources are noise and another layer.
 LayerSettings demanding_layer() {
 	auto curve = std::make_shared<CurveTable>();
 	REQUIRE(curve->set(0.0, 90.0, std::vector<float>{1.0f, 0.5f, 0.9f}).ok());

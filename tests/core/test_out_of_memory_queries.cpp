@@ -1,4 +1,4 @@
-// Tests that queries return an error that names the refused argument, and no partial result,
+// Tests that queries return an error that names the invalid argument and no partial result,
 // whichever allocation fails.
 
 #include "query_fixture.hpp"
@@ -96,7 +96,7 @@ TEST_CASE("out of memory: a query of any kind returns an error and no result, an
 	}
 }
 
-TEST_CASE("out of memory: a query by id returns an error") {
+TEST_CASE("out of memory: a query by ID returns an error") {
 	QueriedWorld queried;
 	const InstanceQuery query = queried.query();
 	for (const std::uint32_t layer : {0u, 1u, 2u}) { // For layer 2, the query samples the point set to find the tile.

@@ -80,7 +80,7 @@ std::vector<std::uint64_t> near_points() {
 
 } // namespace
 
-TEST_CASE("out of memory: a single change of a state is complete or has no effect") {
+TEST_CASE("out of memory: a single change to a state is complete or has no effect") {
 	for (const std::uint64_t seed : {1u, 2u, 3u}) {
 		for (const int disturbances : {0, 40, 300}) {
 			const InstanceState state = some_state(seed, disturbances);
@@ -113,7 +113,7 @@ TEST_CASE("out of memory: a single change of a state is complete or has no effec
 	}
 }
 
-TEST_CASE("out of memory: a state loads, follows and merges completely or not at all") {
+TEST_CASE("out of memory: a state loads, applies diffs and merges completely or not at all") {
 	for (const std::uint64_t seed : {4u, 5u}) {
 		for (const int disturbances : {0, 60, 400}) {
 			InstanceState other = some_state(seed + 100, 200);
@@ -255,7 +255,7 @@ TEST_CASE("out of memory: a visible tile gets its complete overlay or stays unch
 			});
 }
 
-TEST_CASE("out of memory: a near set returns all changes or none, and keeps its instances") {
+TEST_CASE("out of memory: a near set returns all changes or none and keeps its instances") {
 	std::vector<PlacedInstance> standing;
 	for (int i = 0; i < 40; ++i) {
 		standing.push_back({.id = static_cast<std::uint64_t>(i), .position = {i, 0.0, 0.0}});

@@ -158,7 +158,7 @@ TEST_CASE("painted mask: pixels that are read and written back restore the mask"
 	CHECK_FALSE(mask == before);
 }
 
-TEST_CASE("painted mask: writing returns the changed rectangle, and repeating it changes nothing") {
+TEST_CASE("painted mask: writing returns the changed rectangle, and repeating it has no effect") {
 	PaintedMask mask = mask_of(2.0, 0.0);
 	const PixelRect region{{-3, 5}, {4, 9}};
 	Pixels pixels(7 * 4, 0);
@@ -264,7 +264,7 @@ TEST_CASE("painted mask: the last pixels of the plane are like all others, with 
 	CHECK(density(mask, glm::dvec2(-limit - 7.0)) == 0.0f);
 }
 
-TEST_CASE("painted mask: errors name the refused property and leave the mask unchanged") {
+TEST_CASE("painted mask: errors name the invalid property and leave the mask unchanged") {
 	constexpr int limit = PaintedMask::pixel_limit;
 	PaintedMask mask = noisy_mask(1.0, 13);
 	const PaintedMask before = mask;

@@ -93,7 +93,7 @@ TEST_CASE("brush: the rectangle that a dab returns is as small as possible") {
 			if (changed.empty()) {
 				continue;
 			}
-			// On each side of the rectangle, at least one pixel of the outermost line has changed.
+			// On each edge of the rectangle, at least one pixel of the outermost line has changed.
 			const PixelRect region = {
 					glm::ivec2(glm::round(changed.min / size + 0.5)), glm::ivec2(glm::round(changed.max / size - 0.5))};
 			const auto differs = [&](const PixelRect &line) {
@@ -152,7 +152,7 @@ TEST_CASE("brush: strength is full within the hard part, and falls smoothly to 0
 	}
 }
 
-TEST_CASE("brush: a dab moves any value by the same share of the way, up and down") {
+TEST_CASE("brush: a dab moves any value by the same fraction of the way, up and down") {
 	for (const int start : {0, 60, 128, 255}) {
 		PaintedMask mask = mask_of(1.0, start / 255.0);
 		PaintedMask erased = mask;
@@ -189,7 +189,7 @@ TEST_CASE("brush: weak dabs reach their target eventually, except where they wei
 TEST_CASE("brush: smoothing moves pixels to the mean of the window around them") {
 	const PaintedMask before = noisy_mask(1.0, 6);
 	PaintedMask mask = before;
-	// The window is 2 * (20 / 4) + 1 pixels wide, and its mean is that of the unchanged pixels.
+	// The window is 2 * (20 / 4) + 1 pixels wide, and its mean is the mean of the unchanged pixels.
 	paint(mask, {.mode = Mode::smooth, .center = {-60.0, 3.0}, .radius = 20.0, .hardness = 1.0});
 	for (int y = -20; y < 26; y += 3) {
 		for (int x = -81; x < -39; x += 3) {
@@ -245,7 +245,7 @@ TEST_CASE("brush: a dab is the same at any position relative to the blocks") {
 	}
 }
 
-TEST_CASE("brush: errors name the refused property and leave the mask unchanged") {
+TEST_CASE("brush: errors name the invalid property and leave the mask unchanged") {
 	PaintedMask mask = noisy_mask(0.5, 9);
 	const PaintedMask before = mask;
 	const auto refuse = [&](auto change, ErrorCode code, const char *property, double value) {

@@ -48,7 +48,7 @@ Bytes with_block(const Bytes &block) {
 	return sealed(bytes);
 }
 
-/// Checks that the bytes are refused as corrupt, and that the mask does not change.
+/// Checks that the bytes are rejected as corrupt, and that the mask does not change.
 void check_corrupt(const Bytes &bytes) {
 	PaintedMask mask = small_mask();
 	const Status status = mask.from_bytes(bytes);
@@ -122,7 +122,7 @@ TEST_CASE("mask bytes: the format is unchanged") {
 	CHECK(hash.value() == 0x85944171f73967e8);
 }
 
-TEST_CASE("mask bytes: every truncation is refused") {
+TEST_CASE("mask bytes: every truncation is rejected") {
 	const Bytes bytes = small_mask().to_bytes();
 	for (std::size_t size = 0; size < bytes.size(); ++size) {
 		check_corrupt({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)});
@@ -132,7 +132,7 @@ TEST_CASE("mask bytes: every truncation is refused") {
 	check_corrupt(longer);
 }
 
-TEST_CASE("mask bytes: every change of a single byte is refused") {
+TEST_CASE("mask bytes: every change to a single byte is rejected") {
 	PaintedMask mask = mask_of(0.5, 0.0);
 	write(mask, {{64, -128}, {128, -64}}, std::vector<std::uint8_t>(64 * 64, 9));
 	const Bytes bytes = mask.to_bytes();
@@ -162,7 +162,7 @@ TEST_CASE("mask bytes: the error names a later version") {
 	CHECK(mask == small_mask());
 }
 
-TEST_CASE("mask bytes: invalid content with a valid checksum is refused") {
+TEST_CASE("mask bytes: invalid content with a valid checksum is rejected") {
 	const Bytes bytes = small_mask().to_bytes(); // A block of one value at (-2, 1), and a block at (1, -1).
 	constexpr std::size_t uniform_size = 10;
 	REQUIRE(bytes.size() == header + uniform_size + 9 + 64 * 64 + 8);
@@ -220,7 +220,7 @@ TEST_CASE("mask bytes: blocks reach the end of the plane and no farther") {
 	}
 }
 
-TEST_CASE("mask bytes: truncated bytes are refused, even with a valid checksum, unless whole blocks remain") {
+TEST_CASE("mask bytes: truncated bytes are rejected, even with a valid checksum, unless whole blocks remain") {
 	const Bytes bytes = small_mask().to_bytes();
 	const std::size_t content = bytes.size() - 8;
 	for (std::size_t size = 8; size < content; ++size) {

@@ -89,9 +89,9 @@ TEST_CASE("parallel tile builder: tiles equal those of a single builder, in orde
 	CHECK_FALSE(ground.threads().contains(std::this_thread::get_id()));
 }
 
-TEST_CASE("parallel tile builder: the error is that of the first failing tile, and the tiles before it exist") {
+TEST_CASE("parallel tile builder: the error comes from the first failing tile, and the tiles before it exist") {
 	WatchedHills ground;
-	ground.east = 0.0; // The fifth tile fails, and the seventh fails with a different value.
+	ground.east = 0.0; // The fifth tile fails, and the seventh fails with another value.
 	EagerThreads threads;
 	ParallelTileBuilder builder;
 	std::vector<std::shared_ptr<const CompactTile>> tiles;
@@ -130,7 +130,7 @@ TEST_CASE("parallel tile builder: blocks that neighboring tiles share are comput
 	}
 }
 
-TEST_CASE("parallel tile builder: workspaces are kept, except that of a very large tile") {
+TEST_CASE("parallel tile builder: workspaces are kept, except the workspace of a very large tile") {
 	class NoThreads final : public LentThreads {
 	public:
 		std::size_t count() const override { return 0; }

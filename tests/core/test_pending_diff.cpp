@@ -1,4 +1,4 @@
-// Tests that a diff has the same result if it is applied at once or while the state stays in use.
+// Tests that a diff has the same result if it is applied in one call or while the state stays in use.
 
 #include "pending_diff_fixture.hpp"
 
@@ -131,7 +131,7 @@ TEST_CASE("pending diffs: nothing is visible before a diff is finished") {
 	CHECK(diff_of(state, revision) == diff_of(copy_of(state), copy_of(state).revision()));
 }
 
-TEST_CASE("pending diffs: moved instances keep their ids, even if a diff uses the same ones") {
+TEST_CASE("pending diffs: moved instances keep their IDs, even if a diff uses the same ones") {
 	InstanceState state;
 	const std::uint64_t oak = added_to(state, instance_at(1.0, 2.0));
 	const std::uint64_t point = point_id(1, 3, 3);

@@ -1,4 +1,4 @@
-// Tests pending diffs that are refused, canceled or run out of memory, and changes to the state at
+// Tests pending diffs that are rejected, canceled or run out of memory, and changes to the state at
 // the same time.
 
 #include "pending_diff_fixture.hpp"
@@ -12,7 +12,7 @@
 using namespace thicket;
 using namespace thicket::test;
 
-TEST_CASE("pending diffs: an invalid diff changes nothing, and later diffs proceed") {
+TEST_CASE("pending diffs: an invalid diff has no effect, and later diffs proceed") {
 	InstanceState state = some_state(7, 120);
 	InstanceState at_once = copy_of(state);
 	InstanceState other = copy_of(state);
@@ -50,7 +50,7 @@ TEST_CASE("pending diffs: an invalid diff changes nothing, and later diffs proce
 	CHECK(bytes_of(state) == bytes_of(at_once));
 }
 
-TEST_CASE("pending diffs: a diff of a different point set is refused, even if the layer was claimed later") {
+TEST_CASE("pending diffs: a diff of a different point set is rejected, even if the layer was claimed later") {
 	InstanceState other;
 	REQUIRE(other.claim(1, 77).ok());
 	other.remove(point_id(1, 0, 0));
@@ -105,7 +105,7 @@ TEST_CASE("pending diffs: the state changes while another thread works") {
 	}
 }
 
-TEST_CASE("pending diffs: a cancelled diff ends soon and changes nothing") {
+TEST_CASE("pending diffs: a canceled diff ends soon and has no effect") {
 	InstanceState state = some_state(12, 100);
 	const StateBytes before = bytes_of(state);
 	const StateBytes diff = bytes_of(some_state(13, 400));

@@ -128,7 +128,7 @@ TEST_CASE("pixel grid: finds the rectangle of different pixels") {
 	CHECK(other.difference(before) == PixelRect{glm::ivec2(0), glm::ivec2(300)});
 }
 
-TEST_CASE("pixel grid: bytes that do not fit are refused, and the grid stays unchanged") {
+TEST_CASE("pixel grid: bytes that do not fit are rejected, and the grid stays unchanged") {
 	const auto bytes = random_bytes(6);
 	PixelGrid grid = grid_of(bytes);
 	CHECK_FALSE(grid.set({0, 5}, 1, shared(bytes)).ok());

@@ -34,7 +34,7 @@ double yaw_of(const Transform &transform) {
 
 } // namespace
 
-TEST_CASE("placement: the rotation equals that of the library, and is exact at quarter turns") {
+TEST_CASE("placement: the rotation matches the library and is exact at quarter turns") {
 	for (int i = -20000; i <= 20000; ++i) {
 		const double turns = i / 10000.0;
 		const Rotation rotation = rotation_by(turns);
@@ -257,7 +257,7 @@ TEST_CASE("placement: the error for invalid mesh weights contains the value") {
 	CHECK(validate_mesh_weights(huge).ok());
 }
 
-TEST_CASE("placement: points are sorted by rank, then id, for any input order") {
+TEST_CASE("placement: points are sorted by rank, then ID, for any input order") {
 	std::mt19937_64 random(4);
 	std::vector<std::uint64_t> scratch;
 	for (const std::size_t count : {0u, 1u, 2u, 3u, 127u, 128u, 129u, 1000u, 50000u}) {
@@ -278,7 +278,7 @@ TEST_CASE("placement: points are sorted by rank, then id, for any input order") 
 	}
 }
 
-TEST_CASE("placement: a visible prefix holds the ranks below the density") {
+TEST_CASE("placement: a visible prefix contains the ranks below the density") {
 	const std::vector<std::uint32_t> ranks{0, 0x3fffffff, 0x40000000, 0x80000000, 0xffffffff};
 	CHECK(visible_prefix(ranks, 0.0) == 0);
 	CHECK(visible_prefix(ranks, -1.0) == 0);

@@ -21,7 +21,7 @@ HeightfieldFrame frame_of(glm::ivec2 posts) {
 	return {posts, {{-100.0, 50.0}, {-100.0 + posts.x - 1, 50.0 + 2.0 * (posts.y - 1)}}, 10.0, 300.0};
 }
 
-/// Returns random 16-bit posts.
+/// Returns random 16-bit height samples ("posts").
 std::vector<std::uint16_t> random_steps(std::size_t count, unsigned seed) {
 	std::mt19937 random(seed);
 	std::vector<std::uint16_t> steps(count);
@@ -31,7 +31,7 @@ std::vector<std::uint16_t> random_steps(std::size_t count, unsigned seed) {
 	return steps;
 }
 
-/// Returns random posts from 0 to 1. Some of them are holes (NaN).
+/// Returns random samples from 0 to 1. Some of them are holes (NaN).
 std::vector<float> random_units(std::size_t count, unsigned seed) {
 	std::mt19937 random(seed);
 	std::uniform_real_distribution<float> unit(0.0F, 1.0F);
@@ -52,8 +52,8 @@ HeightPosts shared(glm::ivec2 count, const std::vector<Post> &posts, FloatPosts 
 	}
 }
 
-/// Checks that a field of `before`, patched inside `rect` with the posts of `after`, equals a new
-/// field of the patched posts.
+/// Checks that a field of `before`, patched inside `rect` with the samples of `after`, equals a new
+/// field of the patched samples.
 template <typename Post>
 void check_patched(glm::ivec2 count, const std::vector<Post> &before, std::vector<Post> after, const PixelRect &rect,
 		FloatPosts meaning) {
@@ -107,7 +107,7 @@ void check_patched(glm::ivec2 count, const std::vector<Post> &before, std::vecto
 
 } // namespace
 
-TEST_CASE("post grid: a patched field equals the field of the patched posts, bit for bit") {
+TEST_CASE("post grid: a patched field equals the field of the patched samples, bit for bit") {
 	for (const glm::ivec2 count :
 			{glm::ivec2(2, 2), glm::ivec2(5, 131), glm::ivec2(129, 130), glm::ivec2(300, 260), glm::ivec2(257, 257)}) {
 		const auto posts = static_cast<std::size_t>(count.x) * static_cast<std::size_t>(count.y);
@@ -171,7 +171,7 @@ TEST_CASE("post grid: changes are found block by block") {
 	CHECK(changed[1] == PixelRect{{999, 999}, {1000, 1000}});
 }
 
-TEST_CASE("heightfield: a refused patch changes nothing") {
+TEST_CASE("heightfield: a rejected patch has no effect") {
 	const glm::ivec2 count(10, 10);
 	Heightfield field;
 	REQUIRE(field.set_posts(frame_of(count), shared(count, std::vector<float>(100, 0.5F), FloatPosts::units)).ok());
@@ -191,7 +191,7 @@ TEST_CASE("heightfield: a refused patch changes nothing") {
 	CHECK(field.at({-95.0, 60.0}).height != height);
 }
 
-TEST_CASE("heightfield: an error names the column and row of the first refused post") {
+TEST_CASE("heightfield: an error names the column and row of the first invalid sample") {
 	std::vector<float> posts(60, 0.5F);
 	CHECK(find_refused_post(posts, 12, FloatPosts::units).status.ok());
 	posts[31] = -0.01F;
@@ -205,7 +205,7 @@ TEST_CASE("heightfield: an error names the column and row of the first refused p
 	CHECK(meters.post == glm::ivec2(4, 3));
 }
 
-TEST_CASE("heightfield: changed weights count as changes of the ground") {
+TEST_CASE("heightfield: changed weights are treated as changes to the ground") {
 	const glm::ivec2 count(10, 10);
 	const auto posts = shared(count, std::vector<std::uint16_t>(100, 5), FloatPosts::meters);
 	const HeightfieldFrame frame = frame_of(count);

@@ -33,9 +33,9 @@ TEST_CASE("redraw queue: marks meet the tiles of their layer that they overlap o
 	const RedrawQueue::Marks marks = queue.take();
 	CHECK_FALSE(marks.empty());
 	CHECK(marks.meet(0, square(0.0, 0.0, 64.0)));
-	CHECK_MESSAGE(marks.meet(0, square(10.0, 0.0, 64.0)), "an edge counts");
+	CHECK_MESSAGE(marks.meet(0, square(10.0, 0.0, 64.0)), "an edge is included");
 	CHECK(marks.meet(0, square(128.0, 64.0, 64.0)));
-	CHECK_FALSE(marks.meet(0, square(20.0, 20.0, 64.0))); // The tile lies between the two marks.
+	CHECK_FALSE(marks.meet(0, square(20.0, 20.0, 64.0))); // The tile is between the two marks.
 	CHECK_FALSE(marks.meet(0, square(-64.0, 0.0, 64.0)));
 	CHECK(marks.meet(2, square(-64.0, -64.0, 64.0)));
 	CHECK_FALSE(marks.meet(2, square(-320.0, -64.0, 64.0))); // Only layer 0 has changed there.
@@ -80,7 +80,7 @@ TEST_CASE("redraw queue: each tile for later is returned once, sorted by layer a
 	CHECK_FALSE(queue.next_later());
 }
 
-TEST_CASE("redraw queue: clearing forgets marks and tiles, and keeps the version") {
+TEST_CASE("redraw queue: clearing forgets marks and tiles and keeps the version") {
 	RedrawQueue queue;
 	queue.mark_all();
 	queue.begin_later();

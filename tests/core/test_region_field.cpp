@@ -35,7 +35,7 @@ PixelGrid grid_of(const std::function<std::uint32_t(glm::ivec2)> &word_at, int o
 	return grid;
 }
 
-/// The height and the control bits of each post of the world.
+/// The height and the control bits of each sample of the world.
 struct World {
 	std::function<float(glm::ivec2)> height = [](glm::ivec2 post) {
 		return 3.0F * std::sin(0.4F * static_cast<float>(post.x)) + 0.05F * static_cast<float>(post.y * post.y % 61);
@@ -93,7 +93,7 @@ float weight(const RegionField &field, glm::dvec2 position, std::vector<std::int
 
 } // namespace
 
-TEST_CASE("region field: heights are bilinear, without seams between regions, and a missing post is a hole") {
+TEST_CASE("region field: heights are bilinear, without seams between regions, and a missing sample is a hole") {
 	World world;
 	world.control = [](glm::ivec2 post) {
 		return post == glm::ivec2(-3, 4) || post == glm::ivec2(0, 0) ? 4u : 0u;
@@ -117,13 +117,13 @@ TEST_CASE("region field: heights are bilinear, without seams between regions, an
 	}
 	const RegionField field = world.field();
 	CHECK(field.at({5.0, -3.0}).height == world.height({5, -3}));
-	CHECK(std::isnan(field.at({15.5, 3.0}).height)); // There is no post after the last one to interpolate with.
+	CHECK(std::isnan(field.at({15.5, 3.0}).height)); // There is no sample after the last one to interpolate with.
 	for (const double far : {1e9, -1e30, std::numeric_limits<double>::infinity(), std::nan("")}) {
 		CHECK(std::isnan(field.at({far, 0.0}).height));
 	}
 }
 
-TEST_CASE("region field: normals equal Terrain3D's, from the heights of the next posts") {
+TEST_CASE("region field: normals equal Terrain3D's, from the heights of the next samples") {
 	const World world;
 	const double spacing = 2.0;
 	const RegionField field = world.field(spacing);
@@ -151,7 +151,7 @@ TEST_CASE("region field: normals equal Terrain3D's, from the heights of the next
 	}
 }
 
-TEST_CASE("region field: textures of the previous post, painted by hand or by slope and height") {
+TEST_CASE("region field: textures of the previous sample, painted by hand or by slope and height") {
 	World world;
 	world.height = [](glm::ivec2 post) {
 		return static_cast<float>(post.x);
@@ -166,7 +166,7 @@ TEST_CASE("region field: textures of the previous post, painted by hand or by sl
 	CHECK(weight(field, {-2.5, 4.0}, {4, -3}) == 0.0F);
 	CHECK(weight(field, {-0.01, 4.0}, {31}) == doctest::Approx(0.2));
 	CHECK(weight(field, {2.0, -5.0}, {5}) == doctest::Approx(1.0));
-	CHECK(weight(field, {2.0, 5.0}, {8}) == 1.0F); // The post is set to auto, but the auto shader is off.
+	CHECK(weight(field, {2.0, 5.0}, {8}) == 1.0F); // The sample is set to auto, but the auto shader is off.
 	const AutoPaint paint{true, 1, 2, 0.5, 4.0};
 	const RegionField painted = world.field(1.0, paint);
 	const double overlay = 0.5 * 2.0 * (1.0 / std::sqrt(2.0) - 1.0) + 1.0 - 4.0 * 0.01 * 6.25;
@@ -192,7 +192,7 @@ TEST_CASE("region field: a field may be moved in the world, and may have no regi
 	CHECK(empty.regions().empty());
 }
 
-TEST_CASE("region field: invalid regions are refused, and the field stays unchanged") {
+TEST_CASE("region field: invalid regions are rejected, and the field stays unchanged") {
 	const World world;
 	RegionField field = world.field();
 	const auto zero = [](glm::ivec2) {

@@ -37,7 +37,7 @@ PlaceExplanation explained(double at_place, double at_point, double rank) {
 
 } // namespace
 
-TEST_CASE("rule sentences: a range names the value, the required range, and the remaining share") {
+TEST_CASE("rule sentences: a range names the value, the required range, and the remaining fraction") {
 	LayerSettings layer = sloped();
 	const RuleSentence steep = describe({RuleKind::slope, 42.0, 0.0, no_index}, layer, {});
 	CHECK(steep.rule == "slope");

@@ -150,7 +150,7 @@ TEST_CASE("rules: a falloff thins linearly inside its limit, and falloffs multip
 	CHECK(density_on(rules, inclined(0.0, 1e6f)) == 1.0);
 }
 
-TEST_CASE("rules: where both bands overlap, the smaller density counts, and an open limit has no band") {
+TEST_CASE("rules: where both bands overlap, the smaller density applies, and an open limit has no band") {
 	Rules tent;
 	tent.min_height = 0.0;
 	tent.max_height = 10.0;
@@ -210,7 +210,7 @@ TEST_CASE("rules: the product of all densities is a threshold on the rank") {
 	CHECK(stands(0xffffffff, 1.0));
 }
 
-TEST_CASE("rules: thinning by a share removes the same instances as a density of that share") {
+TEST_CASE("rules: thinning by a fraction removes the same instances as a density of that fraction") {
 	std::mt19937_64 random(3);
 	std::uniform_real_distribution<double> unit(0.0, 1.0);
 	for (int i = 0; i < 100000; ++i) {
@@ -230,7 +230,7 @@ TEST_CASE("rules: thinning by a share removes the same instances as a density of
 	CHECK(thinning_rank(5, 1e-9) == 0xffffffff);
 }
 
-TEST_CASE("rules: the densities of a position multiply, and those of a field are clamped to 0 and 1") {
+TEST_CASE("rules: the densities of a position multiply, and the densities of a field are clamped to 0 and 1") {
 	Rules rules;
 	rules.density = 0.5;
 	CHECK(density_at(rules, {1.0, 2.0}) == 0.5);
@@ -355,7 +355,7 @@ TEST_CASE("rules: the error for an invalid setting contains its name and value, 
 	CHECK(ready.rules() == good);
 }
 
-TEST_CASE("rules: an instance's random words differ by seed, id and purpose") {
+TEST_CASE("rules: an instance's random words differ by seed, ID and purpose") {
 	std::set<std::uint32_t> words;
 	for (std::uint64_t s = 0; s < 4; ++s) {
 		for (std::uint64_t id = 0; id < 4; ++id) {

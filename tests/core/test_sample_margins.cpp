@@ -43,7 +43,7 @@ TEST_CASE("sample margins: a margin that has to grow produces the same points") 
 	}
 }
 
-TEST_CASE("sample margins: an area that the widest margin cannot decide is refused by set and position") {
+TEST_CASE("sample margins: an area that the widest margin cannot decide is rejected by set and position") {
 	for (const std::uint32_t levels : {1u, 3u}) {
 		CAPTURE(levels);
 		const PointSet set{.seed = ~std::uint64_t{0}, .radius = 2.5, .levels = levels};
@@ -104,7 +104,7 @@ TEST_CASE("sample margins: queries return the error of a tile that could not be 
 	check_too_wide(
 			query.on_ray({30.0, 50.0, 30.0}, {31.0, -50.0, 31.0}, {.layers = {0}, .accepts = {}}, hit), trees, glade);
 	CHECK(hit.empty());
-	// The tiles of the stones are smaller than the cells of their set. So the query samples the set
+	// The tiles of the stones are smaller than the cells of their set. Therefore, the query samples the set
 	// before it reads any tile.
 	const PointSet &stones = query_layers[2].set;
 	TileSampler sampler;

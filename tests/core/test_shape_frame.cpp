@@ -63,7 +63,7 @@ TEST_CASE("shape frame: scales and axes are separated, to double precision from 
 	}
 }
 
-TEST_CASE("shape frame: a transform other than a rotation with scales is refused") {
+TEST_CASE("shape frame: a transform other than a rotation with scales is rejected") {
 	ShapeFrame frame;
 	frame.scale = glm::dvec3(7.0);
 	const auto refuse = [&frame](const glm::dmat3 &basis) {

@@ -162,7 +162,7 @@ TEST_CASE("outlines: rays through corners count correctly, at all half-integer p
 	}
 }
 
-TEST_CASE("outlines: beside the common edge of two polygons, every position is in exactly one of them") {
+TEST_CASE("outlines: next to the common edge of two polygons, every position is in exactly one of them") {
 	std::mt19937 random(1);
 	std::uniform_real_distribution<double> unit(0.0, 1.0);
 	for (int round = 0; round < 200; ++round) {

@@ -51,7 +51,7 @@ TEST_CASE("shapes: influence grows linearly with depth, from 0 at the border to 
 	CHECK(density_of(set_of({soft}), {0.0, 0.0, 0.0}) == 0.25);
 }
 
-TEST_CASE("shapes: a box rotated by 45 degrees is a diamond, and a leaning one is cut at its own slope") {
+TEST_CASE("shapes: a box rotated by 45 degrees is a diamond, and a leaning one is cut at its slope") {
 	const double half = std::sqrt(0.5);
 	Shape turned = box({0.0, 0.0, 0.0}, {half, 1.0, half});
 	turned.axes = glm::dmat3({half, 0.0, half}, {0.0, 1.0, 0.0}, {-half, 0.0, half});
@@ -259,7 +259,7 @@ TEST_CASE("shapes: near returns the shapes that touch an area, in order, and bou
 	}
 }
 
-TEST_CASE("shapes: moving, adding or removing one changes nothing outside its old and its new bounds") {
+TEST_CASE("shapes: moving, adding or removing one has no effect outside its old and its new bounds") {
 	std::mt19937 random(6);
 	std::uniform_real_distribution<double> unit(-1.0, 1.0);
 	int changed = 0;
@@ -326,7 +326,7 @@ TEST_CASE("shapes: a position that is not finite has a density of 0") {
 	CHECK(set.density({}, {9.0, 0.0, 0.0}) == 1.0);
 }
 
-TEST_CASE("shapes: errors name the refused property, and the set stays unchanged") {
+TEST_CASE("shapes: errors name the invalid property, and the set stays unchanged") {
 	ShapeSet set = set_of({box({0.0, 0.0, 0.0}, {1.0, 1.0, 1.0})});
 	const ShapeSet before = set;
 	const Shape good_box = box({0.0, 0.0, 0.0}, {2.0, 2.0, 2.0});

@@ -87,7 +87,7 @@ TEST_CASE("golden: shapes of all kinds are bit-identical with every compiler and
 	CHECK(digest.value() == 14724566284880518624u);
 }
 
-TEST_CASE("golden: ground from triangles and from posts in meters is bit-identical everywhere") {
+TEST_CASE("golden: ground from triangles and from samples in meters is bit-identical everywhere") {
 	std::mt19937 random(2);
 	std::vector<glm::dvec3> corners;
 	for (int i = 0; i < 900; ++i) {

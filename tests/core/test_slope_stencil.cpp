@@ -52,7 +52,7 @@ TEST_CASE("slope stencil: positions are floats, half a meter away where precisio
 	}
 }
 
-TEST_CASE("slope stencil: beside a hole, the slope is that of the remaining ground") {
+TEST_CASE("slope stencil: next to a hole, the slope comes from the remaining ground") {
 	const SlopeStencil stencil({100.0, -50.0});
 	std::array<float, 4> heights = plane(stencil, 1.0, -1.0);
 	const glm::vec3 whole = stencil.normal(0.0F, heights);

@@ -69,7 +69,7 @@ TEST_CASE("solid: a box has its size and its fronts outside") {
 	CHECK(extent_of(corners) == glm::vec3(1.0F, 1.5F, 2.0F));
 }
 
-TEST_CASE("solid: cylinders, capsules and spheres are closed, and as large as asked for") {
+TEST_CASE("solid: cylinders, capsules and spheres are closed, and as large as requested") {
 	for (const double radius : {0.05, 1.0, 30.0, 2000.0}) {
 		CAPTURE(radius);
 		const double loss = 1.0 - 20.0 / (sides_of(radius) * sides_of(radius)); // Of flat sides, in volume.

@@ -1,5 +1,5 @@
 // Tests the colors and variations of whole tiles that depend on height, slope, noise, rank, or the
-// distance to a different layer.
+// distance to another layer.
 
 #include "core/base/trigonometry.hpp"
 #include "core/base/word_hash.hpp"
@@ -160,7 +160,7 @@ TEST_CASE("sources: purely random values are bit-identical to a layer without so
 	}
 }
 
-TEST_CASE("sources: randomness spreads values evenly over its share of the gradient") {
+TEST_CASE("sources: randomness spreads values evenly over its part of the gradient") {
 	const Heightfield terrain = hills();
 	InstanceSource source = source_of(SourceKind::height);
 	const Look sharp = look_of(built(following(source, {}), terrain, tile_of_hills));

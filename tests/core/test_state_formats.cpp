@@ -63,7 +63,7 @@ TEST_CASE("state formats: a state and a diff of release 0.2.0 load with the same
 	CHECK(state.added(first_oak) == nullptr);
 	CHECK(state.added(second_oak)->position.x == 7.0);
 	CHECK(state.time() == 3.5);
-	// Applying the diff again changes nothing. The state is saved in the current format.
+	// Applying the diff again has no effect. The state is saved in the current format.
 	changes.clear();
 	REQUIRE(state.apply(bytes_from(former_diff), changes).ok());
 	CHECK(changes.empty());
@@ -71,7 +71,7 @@ TEST_CASE("state formats: a state and a diff of release 0.2.0 load with the same
 	CHECK(copy_of(state).digest() == digest_after);
 }
 
-TEST_CASE("state formats: damaged bytes of release 0.2.0 are refused, and loaded ones can be saved") {
+TEST_CASE("state formats: damaged bytes of release 0.2.0 are rejected, and loaded ones can be saved") {
 	for (const std::string_view hex : {former_state, former_diff}) {
 		const StateBytes whole = bytes_from(hex);
 		StateRecord record;

@@ -8,7 +8,7 @@
 
 using namespace thicket;
 
-TEST_CASE("statuses: a sentence names property, allowed range, value and remedy") {
+TEST_CASE("statuses: a message names property, allowed range, value and fix") {
 	const double most = std::numeric_limits<double>::max();
 	CHECK(describe(check_range("density", 1.5, 0.0, 1.0)) == "density must be between 0 and 1, got 1.5");
 	CHECK(describe(check_range("falloff", -1.0, 0.0, most)) == "falloff must be at least 0, got -1");
@@ -34,7 +34,7 @@ TEST_CASE("statuses: the range that is checked is the range that is printed") {
 	CHECK(check_order("max_height", 5.0, inverted.allowed.min).ok());
 }
 
-TEST_CASE("statuses: a view distance beyond the tiles names the limit and the remedy") {
+TEST_CASE("statuses: a view distance beyond the tiles names the limit and the fix") {
 	const Status status = validate(StreamLayer{.tile_size = 16.0, .view_distance = 1500.0});
 	CHECK(describe(status) ==
 			"view_distance must be between 0 and 1024 (64 x tile_size), got 1500. Raise tile_size or lower "

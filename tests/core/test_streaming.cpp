@@ -172,7 +172,7 @@ TEST_CASE("streaming: the largest allowed view distance works") {
 	CHECK(stage.shown.size() < 14000);
 }
 
-TEST_CASE("streaming: a thousand random steps keep every promise, and are reproducible") {
+TEST_CASE("streaming: a thousand random steps fulfill every guarantee and are reproducible") {
 	std::vector<Name> history[2];
 	for (std::vector<Name> &log : history) {
 		std::mt19937_64 random(77);

@@ -52,7 +52,7 @@ TEST_CASE("streaming: an outdated tile stays visible until its successor is read
 	CHECK(stage.changes.empty());
 }
 
-TEST_CASE("streaming: requests that are no longer needed are cancelled, and repeated later") {
+TEST_CASE("streaming: requests that are no longer needed are canceled and repeated later") {
 	Stage stage(two_layers);
 	const std::vector<Viewer> viewers{{{0.0, 0.0}}};
 	stage.update(viewers);
@@ -71,7 +71,7 @@ TEST_CASE("streaming: requests that are no longer needed are cancelled, and repe
 	CHECK(stage.streamer.idle());
 }
 
-TEST_CASE("streaming: with changes in every update, the nearest tiles still follow") {
+TEST_CASE("streaming: with changes in every update, the nearest tiles are still updated") {
 	Stage stage({{10.0, 100.0}});
 	const std::vector<Viewer> viewers{{{5.0, 5.0}}};
 	stage.settle(viewers);
@@ -131,13 +131,13 @@ TEST_CASE("streaming: a new view distance keeps the loaded tiles") {
 	CHECK(std::ranges::includes(
 			stage.shown, before, {}, &std::pair<const Name, TileKey>::first, &std::pair<const Name, TileKey>::first));
 	check_view(stage, layers, viewers);
-	// Setting the same layers again changes nothing.
+	// Setting the same layers again has no effect.
 	REQUIRE(stage.streamer.set_layers(layers).ok());
 	stage.update(viewers);
 	CHECK(stage.changes.empty());
 }
 
-TEST_CASE("streaming: after a change of the tile size, the old tiles stay until new tiles cover them") {
+TEST_CASE("streaming: after a change to the tile size, the old tiles stay until new tiles cover them") {
 	std::vector<StreamLayer> layers = two_layers;
 	Stage stage(layers);
 	const std::vector<Viewer> viewers{{{0.0, 0.0}}};
@@ -229,7 +229,7 @@ TEST_CASE("streaming: clear drops all tiles and keeps the layers") {
 	check_view(stage, two_layers, viewers);
 }
 
-TEST_CASE("streaming: an old tile is dropped if its replacement is cancelled out of sight") {
+TEST_CASE("streaming: an old tile is dropped if its replacement is canceled out of view") {
 	Stage stage({{32.0, 100.0}});
 	std::vector<Viewer> viewers{{{0.0, 0.0}}};
 	stage.settle(viewers);

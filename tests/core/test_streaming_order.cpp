@@ -1,4 +1,4 @@
-// Tests that no far tile becomes visible before a near one, however viewers move and workers are
+// Tests that no far tile becomes visible before a near one, regardless of how viewers move and workers are
 // delayed.
 
 #include "core/streaming/layer_tiles.hpp"
@@ -228,7 +228,7 @@ TEST_CASE("streaming order: at 1000 m/s with slow workers, near tiles keep comin
 	CHECK(longest[1] == 0);
 }
 
-TEST_CASE("streaming order: a ready tile that is no longer requested is refused") {
+TEST_CASE("streaming order: a ready tile that is no longer requested is rejected") {
 	Stage stage({{16.0, 100.0}});
 	stage.update({{{0.0, 0.0}}}, 4);
 	const std::vector<TileRequest> requests = stage.changes.request;

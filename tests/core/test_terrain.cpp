@@ -53,7 +53,7 @@ TEST_CASE("terrain: flat ground is the same everywhere, and missing at infinity"
 	check_refused(flat.sample(positions, ground), ErrorCode::wrong_size, "ground", 2.0);
 }
 
-TEST_CASE("terrain: a heightfield returns each post at its position, including borders") {
+TEST_CASE("terrain: a heightfield returns each sample at its position, including borders") {
 	const auto posts = random_posts(frame.posts, 1);
 	const Heightfield field = field_of(frame, posts);
 	for (int row = 0; row < frame.posts.y; ++row) {
@@ -65,7 +65,7 @@ TEST_CASE("terrain: a heightfield returns each post at its position, including b
 	}
 }
 
-TEST_CASE("terrain: heights are bilinear between posts") {
+TEST_CASE("terrain: heights are bilinear between samples") {
 	const auto posts = random_posts(frame.posts, 2);
 	const Heightfield field = field_of(frame, posts);
 	const auto height = [&](int column, int row) {
@@ -106,7 +106,7 @@ TEST_CASE("terrain: an inclined plane has its true height and normal everywhere,
 	}
 }
 
-TEST_CASE("terrain: normals have unit length, point up and have no seam along the posts") {
+TEST_CASE("terrain: normals have unit length, point up and have no seam along the samples") {
 	const Heightfield field = field_of(frame, random_posts(frame.posts, 4));
 	constexpr double hair = 1e-7;
 	for (double along = 10.5; along < 70.0; along += 0.5) {
@@ -134,7 +134,7 @@ TEST_CASE("terrain: the steepest allowed field still has normals") {
 	}
 }
 
-TEST_CASE("terrain: the normal at a post is that of the central differences") {
+TEST_CASE("terrain: the normal at a sample matches the central differences") {
 	const auto posts = random_posts(frame.posts, 5);
 	const Heightfield field = field_of(frame, posts);
 	const auto height = [&](int column, int row) {
@@ -191,7 +191,7 @@ TEST_CASE("terrain: a field 5,000 km out is as exact as one at the origin") {
 	}
 }
 
-TEST_CASE("terrain: errors name the refused property and leave the heightfield unchanged") {
+TEST_CASE("terrain: errors name the invalid property and leave the heightfield unchanged") {
 	const auto posts = random_posts(frame.posts, 10);
 	Heightfield field = field_of(frame, posts);
 	const Ground before = field.at({3.0, 33.0});
@@ -225,7 +225,7 @@ TEST_CASE("terrain: errors name the refused property and leave the heightfield u
 }
 
 TEST_CASE("terrain: patches computed together are bit-identical to those computed alone") {
-	// With heights from 0 to 65535 m, the value of a post is its height in meters. So the same
+	// With heights from 0 to 65535 m, the value of a sample is its height in meters. Therefore, the same
 	// field in meters, whose patches are computed one by one, must be identical.
 	const HeightfieldFrame frame{{23, 19}, {{-31.0, 7.0}, {100.0, 90.0}}, 0.0, 65535.0};
 	std::mt19937 random(11);

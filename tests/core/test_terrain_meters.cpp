@@ -44,7 +44,7 @@ bool same_bits(const Ground &a, const Ground &b) { return std::memcmp(&a, &b, si
 
 } // namespace
 
-TEST_CASE("terrain: posts in meters keep their height, regardless of the frame's heights") {
+TEST_CASE("terrain: samples in meters keep their height, regardless of the frame's heights") {
 	const auto posts = random_meters(1);
 	HeightfieldFrame other = frame;
 	other.min_height = other.max_height = 5.0;
@@ -55,12 +55,12 @@ TEST_CASE("terrain: posts in meters keep their height, regardless of the frame's
 			CHECK(field.at(place_of(column, row)).height == posts[index_of(column, row)]);
 		}
 	}
-	// A height that is finer than 16-bit posts can represent.
+	// A height that is finer than 16-bit samples can represent.
 	const Heightfield fine = field_of(std::vector<float>(28, 1000.0001f));
 	CHECK(fine.at({0.0, 40.0}).height == 1000.0001f);
 }
 
-TEST_CASE("terrain: 16-bit posts and posts in meters with equal heights are the same ground") {
+TEST_CASE("terrain: 16-bit samples and samples in meters with equal heights are the same ground") {
 	HeightfieldFrame whole = frame; // One step is 1 m, so that both fields have the same numbers.
 	whole.min_height = 0.0;
 	whole.max_height = 65535.0;
@@ -75,7 +75,7 @@ TEST_CASE("terrain: 16-bit posts and posts in meters with equal heights are the 
 			CHECK(same_bits(coarse.at({x, z}), fine.at({x, z})));
 		}
 	}
-	// Setting posts of one kind replaces posts of the other kind.
+	// Setting samples of one kind replaces samples of the other kind.
 	Heightfield both = field_of(random_meters(4));
 	REQUIRE(both.set(frame, steps).ok());
 	CHECK(both.at(place_of(2, 1)).height == doctest::Approx(-100.0 + steps[index_of(2, 1)] * 1310.7 / 65535.0));
@@ -83,7 +83,7 @@ TEST_CASE("terrain: 16-bit posts and posts in meters with equal heights are the 
 	CHECK(both.at(place_of(2, 1)).height == random_meters(3)[index_of(2, 1)]);
 }
 
-TEST_CASE("terrain: there is no ground between four posts only if one of them is missing") {
+TEST_CASE("terrain: there is no ground between four samples only if one of them is missing") {
 	for (int row = 0; row < frame.posts.y; ++row) {
 		for (int column = 0; column < frame.posts.x; ++column) {
 			auto posts = random_meters(4);
@@ -137,13 +137,13 @@ TEST_CASE("terrain: an inclined plane with holes keeps its height and its normal
 	CHECK(places > 400);
 }
 
-TEST_CASE("terrain: normals beside a hole have no seam between the remaining patches") {
+TEST_CASE("terrain: normals next to a hole have no seam between the remaining patches") {
 	auto posts = random_meters(6);
 	posts[index_of(3, 1)] = missing;
 	const Heightfield field = field_of(posts);
 	constexpr double hair = 1e-9;
 	for (double along = 0.01; along < 2.0;
-			along += 0.1) { // The patches of columns 4 and 5 in rows 0 to 2 share posts at the edge of the hole.
+			along += 0.1) { // The patches of columns 4 and 5 in rows 0 to 2 share samples at the edge of the hole.
 		const glm::vec3 before = field.at(place_of(5.0 - hair, along)).normal;
 		CHECK(glm::distance(before, field.at(place_of(5.0 + hair, along)).normal) < 1e-4f);
 	}
@@ -153,7 +153,7 @@ TEST_CASE("terrain: normals beside a hole have no seam between the remaining pat
 	}
 }
 
-TEST_CASE("terrain: errors name the refused posts in meters and leave the field unchanged") {
+TEST_CASE("terrain: errors name the invalid samples in meters and leave the field unchanged") {
 	const auto posts = random_meters(7);
 	Heightfield field = field_of(posts);
 	const Ground before = field.at({3.0, 33.0});

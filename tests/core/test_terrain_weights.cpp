@@ -56,7 +56,7 @@ TEST_CASE("terrain weights: a terrain without weights permits all ground") {
 	CHECK(WeightMap().empty());
 }
 
-TEST_CASE("terrain weights: each channel is a texture, at its own pixels, from the first post to the last") {
+TEST_CASE("terrain weights: each channel is a texture, at its own pixels, from the first height sample to the last") {
 	// 4 x 3 pixels on 60 m x 60 m, so pixels are 20 m and 30 m apart.
 	const Bytes bytes = random_bytes(4 * 3 * 4, 1);
 	const Heightfield field = field_with(map_of({4, 3}, 4, bytes));
@@ -98,7 +98,8 @@ TEST_CASE(
 		}
 		const glm::dvec2 place(-30.0 + 20.0 * (column + x), 10.0 + 30.0 * (row + y));
 		CHECK(std::abs(weight_at(field, place, {1}) - weight[1]) < 1e-6);
-		CHECK(std::abs(weight_at(field, place, {2, 2, 2, 9}) - weight[2]) < 1e-6); // A repeated texture counts once.
+		CHECK(std::abs(weight_at(field, place, {2, 2, 2, 9}) - weight[2]) <
+				1e-6); // A repeated texture is counted once.
 		CHECK(std::abs(weight_at(field, place, {2, 0}) - std::min(1.0, weight[0] + weight[2])) < 1e-6);
 		CHECK(std::abs(weight_at(field, place, {0, 1, 2}) - std::min(1.0, weight[0] + weight[1] + weight[2])) < 1e-6);
 		held += weight[0] + weight[1] + weight[2] > 1.0 ? 1 : 0;
@@ -119,7 +120,7 @@ TEST_CASE("terrain weights: weights are exact on the borders and 0 outside, also
 	}
 }
 
-TEST_CASE("terrain weights: weights change neither height nor normal, and stay when posts are replaced") {
+TEST_CASE("terrain weights: weights change neither height nor normal, and stay when height samples are replaced") {
 	Heightfield field = field_with(map_of({2, 2}, 1, {51, 51, 51, 51}));
 	REQUIRE(field.set_meters(frame, std::vector<float>(15, 42.0f)).ok());
 	Ground ground = field.at({0.0, 40.0});
@@ -132,7 +133,7 @@ TEST_CASE("terrain weights: weights change neither height nor normal, and stay w
 	CHECK(weight_at(field, place, {0}) == 1.0f);
 }
 
-TEST_CASE("terrain weights: errors name the refused property and leave the map unchanged") {
+TEST_CASE("terrain weights: errors name the invalid property and leave the map unchanged") {
 	WeightMap map = map_of({1, 1}, 1, {51});
 	const auto refuse = [&](glm::ivec2 size, int channels, std::size_t bytes, ErrorCode code, const char *property,
 								double value) {

@@ -46,7 +46,7 @@ TEST_CASE("tile: without rules, every point of the set is at its position, on th
 	}
 }
 
-TEST_CASE("tile: instances are sorted by rank and id, and the box contains them") {
+TEST_CASE("tile: instances are sorted by rank and ID, and the box contains them") {
 	const TileInstances tile = built(rich_layer(), hills(), tile_of_hills);
 	CHECK(tile.meshes.size() == 3);
 	CHECK(tile.counts.placed == size_of(tile));

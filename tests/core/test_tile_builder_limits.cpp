@@ -60,7 +60,7 @@ private:
 
 TEST_CASE("tile: there are no instances without ground, and their neighbors are unaffected") {
 	const FunctionTerrain whole([](glm::dvec2) { return Ground{4.0f, {0.0f, 1.0f, 0.0f}}; });
-	// The center and three sides lack ground, each in a different way.
+	// The center and three edges lack ground, each in a different way.
 	const FunctionTerrain pierced([](glm::dvec2 position) {
 		Ground ground{4.0f, {0.0f, 1.0f, 0.0f}};
 		if (glm::length(position - glm::dvec2(32.0)) < 8.0) {

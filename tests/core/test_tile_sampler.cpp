@@ -36,7 +36,7 @@ void check_against_oracle(const PointSet &set, const CellRect &cells) {
 
 } // namespace
 
-TEST_CASE("oracle: the sampler's points are those of a strict-time heap") {
+TEST_CASE("oracle: the sampler's points match a strict-time heap") {
 	std::mt19937_64 random(20070901);
 	for (const std::uint32_t levels : {1u, 2u, 4u}) {
 		CAPTURE(levels);

@@ -19,7 +19,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double inf = std::numeric_limits<double>::infinity();
 constexpr Rect small_rect{{0.0, 0.0}, {20.0, 20.0}};
 
-/// A sampler and the valid result of an earlier call. A refused call must leave the result
+/// A sampler and the valid result of an earlier call. A rejected call must leave the result
 /// unchanged.
 struct Fixture {
 	TileSampler sampler;
@@ -32,7 +32,7 @@ struct Fixture {
 		before = points;
 	}
 
-	/// Checks that a call is refused with this code and property, does not change the points, and
+	/// Checks that a call is rejected with this code and property, does not change the points, and
 	/// leaves the sampler usable.
 	void refuse(const PointSet &set, const Rect &rect, ErrorCode code, const std::string &property) {
 		const Status status = sampler.sample(set, rect, points);
@@ -117,7 +117,7 @@ TEST_CASE_FIXTURE(Fixture, "sampler errors: rectangles with too many points") {
 	refuse_rect({0.0, 0.0}, {5.0e6, 5.0e6}, ErrorCode::too_many_points);
 	refuse(PointSet{.radius = 1e-3}, {{0.0, 0.0}, {20.0, 20.0}}, ErrorCode::too_many_points, "rect");
 	refuse(PointSet{.radius = 1e-3, .levels = 8}, {{0.0, 0.0}, {20.0, 20.0}}, ErrorCode::too_many_points, "rect");
-	// Calls are refused before any work. So ten of them, and as many valid calls by `refuse`, take
+	// Calls are rejected before any work. Therefore, ten of them, and as many valid calls by `refuse`, take
 	// almost no time.
 	CHECK(test::processor_seconds() - start < 5.0);
 }
@@ -210,7 +210,7 @@ TEST_CASE_FIXTURE(Fixture, "sampler: a flag raised during the work cancels soon"
 	}
 }
 
-TEST_CASE_FIXTURE(Fixture, "sampler: reports its progress, and can be cancelled from a report") {
+TEST_CASE_FIXTURE(Fixture, "sampler: reports its progress, and can be canceled from a report") {
 	const Rect wide{{-300.0, 0.0}, {500.0, 400.0}};
 	double last = 0.0;
 	std::uint64_t found = 0;

@@ -26,7 +26,7 @@ std::set<std::pair<int, int>> tiles_without(const TileDisc &disc, const TileDisc
 
 } // namespace
 
-TEST_CASE("tile disc: a disc contains the tiles that touch it, and lists those that a different disc lacks") {
+TEST_CASE("tile disc: a disc contains the tiles that touch it, and lists those that another disc lacks") {
 	std::mt19937_64 random(3);
 	std::uniform_real_distribution<double> unit(-1.0, 1.0);
 	for (int round = 0; round < 60; ++round) {

@@ -82,7 +82,7 @@ TEST_CASE("triangle parts: the most level of equally high parts determines the n
 	}
 }
 
-TEST_CASE("triangle parts: missing, empty and upright parts are no ground, and spans of wrong sizes are refused") {
+TEST_CASE("triangle parts: missing, empty and upright parts are not ground, and spans of wrong sizes are rejected") {
 	CHECK(std::isnan(TriangleParts().at({0.0, 0.0}).height));
 	const auto wall = part_of({{0.0, 0.0, 0.0}, {0.0, 9.0, 0.0}, {0.0, 0.0, 4.0}});
 	const auto floor = part_of({{-5.0, 1.0, -5.0}, {5.0, 1.0, -5.0}, {0.0, 1.0, 5.0}});

@@ -30,7 +30,7 @@ TriangleTerrain terrain_of(const Corners &corners) {
 
 bool hole(const TriangleTerrain &terrain, glm::dvec2 place) { return std::isnan(terrain.at(place).height); }
 
-/// Returns a level square of two triangles at `height`, with sides of twice `half`.
+/// Returns a level square of two triangles at `height`, with edges of twice `half`.
 Corners square(double height, double half, glm::dvec2 center = glm::dvec2(0.0)) {
 	const auto corner = [&](double x, double z) {
 		return glm::dvec3(center.x + x, height, center.y + z);
@@ -44,8 +44,8 @@ Corners operator+(Corners a, const Corners &b) {
 	return a;
 }
 
-/// A surface without gaps: a rotated grid of posts with random heights, and cells with random
-/// diagonals and windings. The displacement of the posts is so small that all cells remain convex.
+/// A surface without gaps: a rotated grid of height samples with random heights, and cells with random
+/// diagonals and windings. The displacement of the samples is so small that all cells remain convex.
 struct Hills {
 	glm::ivec2 cells{0};
 	std::vector<glm::dvec3> posts;
@@ -189,7 +189,7 @@ TEST_CASE("triangles: a mesh has no cracks, and only its own holes") {
 			}
 			for (int z = 1; z < surface.cells.y; ++z) {
 				for (int x = 1; x < surface.cells.x; ++x) {
-					// Positions along the inner edges, from post to post.
+					// Positions along the inner edges, from sample to sample.
 					const glm::dvec3 from = surface.post(x, z);
 					for (const glm::dvec3 to : {surface.post(x - 1, z), surface.post(x, z - 1)}) {
 						for (int i = 0; i < 40; ++i) {
@@ -319,7 +319,7 @@ TEST_CASE("triangles: a hundred thousand side by side, and all of them above one
 	CHECK(terrain_of(tower).at({1.0, 2.0}).height == 49999.0f);
 }
 
-TEST_CASE("triangles: errors name the refused property and leave the terrain unchanged") {
+TEST_CASE("triangles: errors name the invalid property and leave the terrain unchanged") {
 	TriangleTerrain terrain = terrain_of(square(3.0, 1.0));
 	const auto refuse = [&](const Corners &bad, ErrorCode code, const char *property, double value) {
 		check_refused(terrain.set(bad), code, property, value);
@@ -342,7 +342,7 @@ TEST_CASE("triangles: errors name the refused property and leave the terrain unc
 	check_refused(terrain.sample(std::vector<glm::dvec2>(3), ground), ErrorCode::wrong_size, "ground", 2.0);
 }
 
-TEST_CASE("triangles: the error names the first refused corner") {
+TEST_CASE("triangles: the error names the first invalid corner") {
 	std::vector<glm::dvec3> corners(9, glm::dvec3(1.0));
 	CHECK(TriangleTerrain::find_refused_corner(corners) == 9);
 	corners[7].x = -2.0 * TriangleTerrain::max_extent;
@@ -353,7 +353,7 @@ TEST_CASE("triangles: the error names the first refused corner") {
 	CHECK(TriangleTerrain::find_refused_corner(corners) == 3);
 }
 
-TEST_CASE("triangles: a cancelled build changes nothing") {
+TEST_CASE("triangles: a canceled build has no effect") {
 	const std::vector<glm::dvec3> one{{0.0, 1.0, 0.0}, {4.0, 1.0, 0.0}, {0.0, 1.0, 4.0}};
 	TriangleTerrain terrain;
 	REQUIRE(terrain.set(one).ok());
@@ -369,7 +369,7 @@ TEST_CASE("triangles: a cancelled build changes nothing") {
 	CHECK(terrain.at({1.0, 1.0}).height == 5.0F);
 }
 
-TEST_CASE("triangles: triangles beside or below the position are not computed") {
+TEST_CASE("triangles: triangles next to or below the position are not computed") {
 	// Computing these triangles involves only integers. Four triangles form a leaf of the tree.
 	Corners even;
 	for (const double height : {8.0, 9.0, 10.0, 11.0}) {

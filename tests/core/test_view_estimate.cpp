@@ -25,7 +25,7 @@ int tiles_in_view(const StreamLayer &layer, glm::dvec2 viewer) {
 
 } // namespace
 
-TEST_CASE("the area in view is that of the tiles around a viewer, over all its positions") {
+TEST_CASE("the area in view is the area of the tiles around a viewer, over all its positions") {
 	for (const double reach : {0.0, 20.0, 64.0, 200.0}) {
 		const StreamLayer layer{32.0, reach};
 		constexpr int steps = 64;
@@ -38,7 +38,7 @@ TEST_CASE("the area in view is that of the tiles around a viewer, over all its p
 	}
 }
 
-TEST_CASE("expected instances follow the point density, the kept share and the area") {
+TEST_CASE("expected instances follow the point density, the kept fraction and the area") {
 	const StreamLayer layer{32.0, 64.0};
 	const double all = expected_instances(0.2, 1.0, layer);
 	CHECK(all == doctest::Approx(0.2 * view_area(layer)));

@@ -198,7 +198,7 @@ TEST_CASE("windows: tiles at the corners of the world return the same points") {
 	}
 }
 
-TEST_CASE("windows: an id names the layer and the cell in which its point lies") {
+TEST_CASE("windows: an ID identifies the layer and the cell that contains its point") {
 	const PointSet set{.seed = 16, .radius = 3.0, .levels = 1, .layer = 40000};
 	for (const SamplePoint &point : points_at_once(set, {{-200.0, -100.0}, {100.0, 300.0}})) {
 		const InstanceId id = unpack(point.id);

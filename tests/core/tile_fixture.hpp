@@ -81,7 +81,7 @@ inline glm::dvec3 world_position(const TileInstances &tile, const MeshInstances 
 
 using Transforms = std::map<std::uint64_t, std::vector<float>>;
 
-/// Returns the transforms of all instances, keyed by id.
+/// Returns the transforms of all instances, keyed by ID.
 inline Transforms transforms_of(const TileInstances &tile) {
 	Transforms result;
 	for (const MeshInstances &mesh : tile.meshes) {
@@ -106,7 +106,7 @@ inline void check_filtered(const Transforms &all, const Transforms &some) {
 }
 
 /// Checks that tile_of_hills has the digest `expected` on several concurrent threads, both as the
-/// first tile of a builder and after a different tile.
+/// first tile of a builder and after another tile.
 inline void check_on_threads(const LayerSettings &layer, const Terrain &terrain, std::uint64_t expected) {
 	std::array<std::array<std::uint64_t, 2>, 3> digests{};
 	std::vector<std::thread> threads;

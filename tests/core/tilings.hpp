@@ -82,7 +82,7 @@ inline void harvest(const PointSet &set, const Rect &region, const std::vector<R
 	}
 }
 
-/// Returns the points of `region`, collected from the tiles of a tiling and sorted by id. A point
+/// Returns the points of `region`, collected from the tiles of a tiling and sorted by ID. A point
 /// that two tiles return is included twice.
 inline std::vector<SamplePoint> points_through(const PointSet &set, const Rect &region, const Tiling &tiling) {
 	const std::vector<Rect> tiles = tiles_of(tiling, region);
@@ -104,7 +104,7 @@ inline std::vector<SamplePoint> points_through(const PointSet &set, const Rect &
 	return points;
 }
 
-/// Returns the points of `region` from a single call, sorted by id.
+/// Returns the points of `region` from a single call, sorted by ID.
 inline std::vector<SamplePoint> points_at_once(const PointSet &set, const Rect &region) {
 	TileSampler sampler;
 	std::vector<SamplePoint> points;

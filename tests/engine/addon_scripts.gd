@@ -101,10 +101,10 @@ func _check_names(path: String, code: String) -> void:
 		elif _is_typed(path):
 			var name := found.get_string(2)
 			_check(_is_dictionary(code, found.get_string(1)) or name in DYNAMIC.get(path.get_file(), []) or not _own.has(name)
-					and code[found.get_start(2) - 2] != "&", path, "%s is reached by name: use its type" % name)
+					and code[found.get_start(2) - 2] != "&", path, "%s is accessed by name: use its type" % name)
 		elif not found.get_string(1) in UNTYPED:
 			_check(not _own.has(found.get_string(2)) or found.get_string(1) in FOREIGN.get(path.get_file(), []), path,
-					"which class has %s, whose member %s is reached by name? Add it to UNTYPED" % [found.get_string(1), found.get_string(2)])
+					"the class of %s, whose member %s is accessed by name, is unknown: add it to UNTYPED" % [found.get_string(1), found.get_string(2)])
 	for found in RegEx.create_from_string(UNDO).search_all(code):
 		seen[found.get_start(3)] = true
 		_check(_has_member(code, found.get_string(2), found.get_string(3)), path, "%s has no %s" % [found.get_string(2), found.get_string(3)])
@@ -113,7 +113,7 @@ func _check_names(path: String, code: String) -> void:
 			var name := found.get_string(1)
 			_check(seen.has(found.get_start(1)) or _own.has(name) or name in WORDS or _has_function(code, name)
 					or _class_has(&"Resource", name) or ClassDB.class_has_method(&"EditorUndoRedoManager", name), path,
-					"%s is no member of a class of the library" % name)
+					"%s is not a member of a class of the library" % name)
 	else:
 		_check_untyped(path, code)
 	for found in RegEx.create_from_string(CONSTANT).search_all(code):
@@ -174,7 +174,7 @@ func _rename_members(path: String) -> void:
 			script.source_code = source.insert(found.get_end(), "_renamed")
 			script.take_over_path(path.get_base_dir() + "/renamed_%d.gd" % _looked) # The warning settings depend on the path.
 			var line := source.count("\n", 0, found.get_start()) + 1
-			_check(script.reload() != OK, path, "line %d compiles although %s has a different name" % [line, found.get_string(1)])
+			_check(script.reload() != OK, path, "line %d compiles although %s was renamed" % [line, found.get_string(1)])
 
 
 func _check(condition: bool, path: String, message: String) -> void:

@@ -6,7 +6,7 @@ const LAYERS := 12
 const PARTS_TO_READ := 4 ## The parts of each scene that are read one by one: its nodes, and the meshes of three LODs.
 
 
-## Saves a scene whose layers scatter scenes, and returns its path. No part of the scene is in the engine's cache.
+## Saves a scene whose layers scatter scenes and returns its path. No part of the scene is in the engine's cache.
 func save_level() -> String:
 	var level := Node3D.new()
 	var scatter := put(TerrainScatter3D.new(), "Scatter", level, level) as TerrainScatter3D
@@ -135,4 +135,4 @@ func test_models_are_read_under_the_budget_of_a_frame() -> void:
 	var late := make_layer(12.0)
 	late.meshes = [pack(make_tree())]
 	scatter.layers = [late]
-	check(scatter.build_rect(scatter.layers[0], Rect2(0, 0, 64, 64)).get_mesh(0) != null, "build_rect has the mesh at once")
+	check(scatter.build_rect(scatter.layers[0], Rect2(0, 0, 64, 64)).get_mesh(0) != null, "build_rect has the mesh immediately")

@@ -95,7 +95,7 @@ func digests_by_name(scatter: TerrainScatter3D) -> Dictionary:
 	return result
 
 
-## Runs `edit`, waits until the scatter settles, and returns the tiles that appeared meanwhile: {layer name: {tile: true}}.
+## Runs `edit`, waits until the scatter settles, and returns the tiles that appeared during that time: {layer name: {tile: true}}.
 func shown_by(scatter: TerrainScatter3D, edit: Callable) -> Dictionary:
 	var shown := {}
 	var count := func(layer: ScatterLayer, tile: Vector2i) -> void:

@@ -10,7 +10,7 @@ var viewer: Node3D
 ## Adds a demo scene to the tree and makes `viewer` its only viewer.
 func load_scene(path: String) -> void:
 	scene = (load(path) as PackedScene).instantiate()
-	# The scene's own script would move the camera.
+	# The scene's script would move the camera.
 	scene.set_script(null)
 	scatter = scene.get_node("Scatter")
 	terrain = scatter.ground

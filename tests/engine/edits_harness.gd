@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Base class for the tests of edits and of spacing between layers. Its ferns keep away from oaks, on a mound that changes.
+## Base class for the tests of edits and of spacing between layers. Its ferns keep a distance from oaks, on a mound that changes.
 
 const FLOATS := 0.001 # Tolerance in meters for single-precision rounding at these distances.
 const OAK := 0

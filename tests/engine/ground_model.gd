@@ -31,7 +31,7 @@ func height(x: float, z: float) -> float:
 			lerpf(_heights[at + _columns], _heights[at + _columns + 1], along_x), along_z)
 
 
-## Returns the slope in degrees, interpolated from the gradients at the four surrounding posts.
+## Returns the slope in degrees, interpolated from the gradients at the four surrounding samples.
 func slope(x: float, z: float) -> float:
 	var column := clampi(floori((x - _first.x) / _step_x), 0, _columns - 2)
 	var row := clampi(floori((z - _first.y) / _step_z), 0, _rows - 2)

@@ -1,7 +1,7 @@
 extends SceneTree
-## Takes pictures of models and of their impostors, for test_impostors.py: `godot --path PROJECT --script impostor_pictures.gd -- FOLDER`.
+## Takes screenshots of models and of their impostors, for test_impostors.py: `godot --path PROJECT --script impostor_pictures.gd -- FOLDER`.
 ## The camera is at the distance where the impostor replaces the model on a screen with 1080 lines. There are 16 views for each of two sun
-## directions, in files such as FOLDER/tree_s0_d05_model.png. The pictures have twice the usual resolution, so that aliased edges do not
+## directions, in files such as FOLDER/tree_s0_d05_model.png. The screenshots have twice the usual resolution, so that aliased edges do not
 ## affect the comparison.
 
 const Impostor := preload("res://addons/thicket/impostor.gd")

@@ -1,8 +1,8 @@
 extends SceneTree
-## One of several processes that share a world: the server, a client that fells trees at the same time as the others, or a client that joins
+## One of several processes that share a world: the server, a client that fells trees concurrently with the others, or a client that joins
 ## late. test_multiplayer.py starts this script with `-- server`, `-- client PORT NUMBER` or `-- late PORT`.
 ##
-## The server and the two clients each fell one tree per frame: their own share of an area's trees, and a share that all three fell. When
+## The server and the two clients each fell one tree per frame: their own part of an area's trees, and a part that all three fell. When
 ## all of these trees are gone, each process prints a line "result {...}" that describes the area. The server then waits until all clients
 ## have left.
 

@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Base class for the tests that check pictures. They need a renderer, so run them without --headless.
+## Base class for the tests that check screenshots. They need a renderer, so run them without --headless.
 
 
 ## Makes the window small. Returns a camera at (10, 40, 10) that looks straight down.
@@ -13,7 +13,7 @@ func look_down() -> Camera3D:
 	return camera
 
 
-## Returns the fraction (0 to 1) of pixels in the next picture for which `wanted`, a function of a Color, returns true.
+## Returns the fraction (0 to 1) of pixels in the next frame for which `wanted`, a function of a Color, returns true.
 func share_of_pixels(wanted: Callable) -> float:
 	await frames(3)
 	await RenderingServer.frame_post_draw

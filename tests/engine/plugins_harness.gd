@@ -1,18 +1,18 @@
 extends "terrain3d_harness.gd"
-## Test doubles of terrain plug-ins. Names, results and limits are those of the plug-ins' source files, which each class cites.
+## Test doubles of terrain plug-ins. Names, results and limits match the plug-ins' source files, which each class cites.
 
 
-## MTerrain, from gdextension/src/mterrain.h and mgrid.h (December 2025). Its grid has one region per 16 x 16 quads. The posts at the border
+## MTerrain, from gdextension/src/mterrain.h and mgrid.h (December 2025). Its grid has one region per 16 x 16 quads. The height samples at the border
 ## between two regions are stored in the first of them. Outside the grid and in unloaded regions, heights are 0. Holes are NAN. It emits no signals.
 class MTerrainDouble extends Node3D:
-	const QUADS := 16 ## The quads on each side of a region.
-	const REGIONS := 3 ## The regions on each side of the grid.
+	const QUADS := 16 ## The number of quads along each axis of a region.
+	const REGIONS := 3 ## The number of regions along each axis of the grid.
 	const BYTE_UP := Vector3(-1.0 / 255.0, 1.0, -1.0 / 255.0) ## The normal of level ground, from the bytes 127, 255, 127.
 
 	var offset := Vector3(-48.0, 0.0, -40.0)
 	var h_scale := 2.0
 	var grid_created := true
-	var heights := {} ## Heights by post. For posts without an entry, [method shape] returns the height.
+	var heights := {} ## Heights by sample. For samples without an entry, [method shape] returns the height.
 	var loaded: Dictionary[Vector2i, bool] = {}
 	var stray_calls := 0 ## The number of calls that would read memory outside the plug-in's arrays.
 	var on_worker := false
@@ -126,7 +126,7 @@ class TerraBrushDouble extends Node3D:
 	static func shape(x: float, z: float) -> float:
 		return 6.0 + 0.2 * x + 2.0 * sin(0.15 * z)
 
-	## Returns the position of a zone's post relative to the node, in x and z.
+	## Returns the position of a zone's height sample relative to the node, in x and z.
 	func place_of(zone: Vector2i, post: Vector2i) -> Vector2:
 		var step := (zones_size - 1.0) / (image_size() - 1.0)
 		return (zones_size - 1.0) * (Vector2(zone) - Vector2(0.5, 0.5)) + step * Vector2(post)
@@ -142,7 +142,7 @@ class TerraBrushDouble extends Node3D:
 		zones.zones.push_back(zone)
 		return zone
 
-	## Returns the height of the nearest post, as TerraBrush does.
+	## Returns the height of the nearest sample, as TerraBrush does.
 	func getHeightAtPosition(x: float, z: float, use_global: bool) -> float:
 		var base := global_position if use_global else Vector3.ZERO
 		var place := Vector2(x - base.x, z - base.z) + Vector2.ONE * floori(zones_size / 2.0)

@@ -50,7 +50,7 @@ class TileBuffer:
 				origin + Vector3(floats[at + 3], floats[at + 7], floats[at + 11]))
 
 
-## Makes a scatter of leaning trees, and of ferns that are offset from their points and keep away from the trees. Tiles are 32 m wide for
+## Creates a scatter of leaning trees, and of ferns that are offset from their points and keep a distance from the trees. Tiles are 32 m wide for
 ## trees and 24 m for ferns.
 func make_wood(viewer: Node3D) -> TerrainScatter3D:
 	var trees := make_layer(4.0)

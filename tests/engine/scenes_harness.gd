@@ -7,7 +7,7 @@ const DISTANCE := 20.0
 const ENTER := 1.025 * DISTANCE
 const LEAVE := 1.125 * DISTANCE
 
-## The root node of the scenes. Counts the calls of its methods, and runs hooks in them.
+## The root node of the scenes. Counts the calls to its methods and runs hooks in them.
 class Plant extends Node3D:
 	static var made := 0
 	# The hooks by method: _init, _ready, _scatter_shown or _scatter_hidden.

@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Fells trees and saves the state in one process (`-- test_save DIR`). Loads the state in a second process (`-- test_load DIR`), and checks
+## Fells trees and saves the state in one process (`-- test_save DIR`). Loads the state in a second process (`-- test_load DIR`) and checks
 ## that the trees are still felled.
 
 var folder := arguments[1] if arguments.size() > 1 else "user://"

@@ -149,7 +149,7 @@ class Terrain3DDataDouble extends Object:
 		var first := (Vector2(at.x, at.z) / vertex_spacing).floor()
 		var part := Vector2(at.x, at.z) / vertex_spacing - first
 		var posts: Array[float] = []
-		for corner in 4: # The small offset keeps rounding from selecting the previous post.
+		for corner in 4: # The small offset keeps rounding from selecting the previous sample.
 			var post := (first + Vector2(corner % 2, floori(corner / 2.0)) + Vector2.ONE * 1e-3) * vertex_spacing
 			posts.push_back(get_pixel(HEIGHT, Vector3(post.x, 0.0, post.y)))
 		return lerpf(lerpf(posts[0], posts[1], part.x), lerpf(posts[2], posts[3], part.x), part.y)
@@ -173,7 +173,7 @@ class Terrain3DDataDouble extends Object:
 			return Vector3(material.parameters["auto_base_texture"], material.parameters["auto_overlay_texture"], blend)
 		return Vector3(control >> 27 & 31, control >> 22 & 31, (control >> 14 & 255) / 255.0)
 
-	## Returns whether one of the four posts around a position is a hole. Terrain3D's mesh and collider have no ground there.
+	## Returns whether one of the four samples around a position is a hole. Terrain3D's mesh and collider have no ground there.
 	func is_open(at: Vector3) -> bool:
 		for corner in 4:
 			if get_control(at + Vector3(corner % 2, 0.0, floori(corner / 2.0)) * vertex_spacing) & HOLE:

@@ -55,7 +55,7 @@ func shared(all: Dictionary, some: Dictionary) -> Dictionary:
 	return result
 
 
-## Runs `edit`, waits until the scatter settles, and returns the tiles that were shown meanwhile.
+## Runs `edit`, waits until the scatter settles, and returns the tiles that were shown during that time.
 func regenerated_by(scatter: TerrainScatter3D, edit: Callable) -> Array[Vector2i]:
 	var made: Array[Vector2i] = []
 	var note := func(_layer: ScatterLayer, tile: Vector2i) -> void: made.push_back(tile)
@@ -86,5 +86,5 @@ func check_regenerated_under(scatter: TerrainScatter3D, under: Array[Vector2i], 
 	for tile in under:
 		check(made.has(tile) or not shown.has(tile), "%s: tile %s was regenerated" % [context, tile])
 	for tile in made:
-		check(under.has(tile), "%s: tile %s was regenerated for nothing" % [context, tile])
+		check(under.has(tile), "%s: tile %s was regenerated unnecessarily" % [context, tile])
 	check(not made.is_empty() or not any, "%s: %d tiles were regenerated" % [context, made.size()])

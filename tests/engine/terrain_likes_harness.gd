@@ -29,7 +29,7 @@ class Terrain3DLike extends Node3D:
 			data.free()
 
 
-## Behaves like a Terrain3D node whose posts are 4 m apart.
+## Behaves like a Terrain3D node whose samples are 4 m apart.
 class SparseTerrain3DLike extends Terrain3DLike:
 	var vertex_spacing := 4.0
 

@@ -67,7 +67,7 @@ func accept(object: Object, property: StringName, value: Variant) -> void:
 	check_equal(object.get(property), value, str(property))
 
 
-## Checks that every float property of a resource refuses NAN, infinity and 1e300.
+## Checks that every float property of a resource rejects NAN, infinity and 1e300.
 func check_numbers(resource: Resource, expected: int) -> void:
 	var numbers := 0
 	for property in ClassDB.class_get_property_list(resource.get_class()): # Lists the class's properties, because a new resource hides some of them.
@@ -231,7 +231,7 @@ func test_wrong_resources() -> void:
 	scatter.set("layers", "not a list of layers")
 	scatter.set("viewers", [3, BoxMesh.new()])
 	await frames(5)
-	errors.take() # The engine may print its own errors. Only the state matters here.
+	errors.take() # The engine may print other errors. Only the state is checked here.
 	check(scatter.ground == null or scatter.ground == terrain, "the ground is not a mesh")
 	scatter.ground = terrain
 	scatter.layers = [make_layer()]
@@ -323,7 +323,7 @@ func test_heightmap_files() -> void:
 	check(is_nan(terrain.get_height(Vector3.ZERO)), "no height")
 	check_error(["ScatterGroundHeightmap.heightmap_path"], "a missing file")
 	terrain.rect = Rect2(0, 0, 500, 500)
-	check(is_nan(terrain.get_height(Vector3.ZERO)), "no height on a different rect either")
+	check(is_nan(terrain.get_height(Vector3.ZERO)), "no height on another rect either")
 	check_error(["ScatterGroundHeightmap.heightmap_path"], "a file that is still missing")
 	write_posts(11)
 	terrain.heightmap_path = SPOT
@@ -349,8 +349,8 @@ func test_heightmap_images() -> void:
 	var image := Image.create_empty(4, 3, false, Image.FORMAT_RF)
 	image.set_pixel(1, 1, Color(0.5, 0.0, 0.0))
 	terrain.image = image
-	check(absf(terrain.get_height(Vector3(1.0, 0.0, 1.0)) - 150.0) < 0.01, "height at a post")
-	check(absf(terrain.get_height(Vector3(1.5, 0.0, 1.0)) - 125.0) < 0.01, "height between posts")
+	check(absf(terrain.get_height(Vector3(1.0, 0.0, 1.0)) - 150.0) < 0.01, "height at a sample")
+	check(absf(terrain.get_height(Vector3(1.5, 0.0, 1.0)) - 125.0) < 0.01, "height between samples")
 	check(is_nan(terrain.get_height(Vector3(3.1, 0.0, 1.0))), "no height outside")
 	for value: float in [INF, 2.0, -0.5]:
 		var bad := image.duplicate() as Image

@@ -141,9 +141,9 @@ func test_refusals() -> void:
 		[Rect2(0, 0, 0, 10), "wood", "rectangle"], [Rect2(0, 0, NAN, 10), "wood", "rectangle"],
 		[Rect2(0, 0, 10, 10), "", "name"], [Rect2(0, 0, 10, 10), "a/b", "name"], [Rect2(0, 0, 1e6, 1e6), "wood", "tiles"],
 	]:
-		check(bake.begin(scatter, wrong[0], FOLDER, wrong[1]) != OK, "refused: %s" % [wrong])
+		check(bake.begin(scatter, wrong[0], FOLDER, wrong[1]) != OK, "rejected: %s" % [wrong])
 		check(wrong[2] in bake.problem, "the problem names the reason: " + bake.problem)
-		check(not bake.step(1.0), "a refused bake does not continue")
+		check(not bake.step(1.0), "a rejected bake does not continue")
 	for layers: Array in [["larch"], [scatter.layers[0], "larch"], [0], [null], [ScatterLayer.new()]]:
 		check(bake.begin(scatter, Rect2(0, 0, 10, 10), FOLDER, "wood", layers) != OK, "no such layer: %s" % [layers])
 		check("layers contains %s" % layers[-1] in bake.problem, bake.problem)
@@ -203,7 +203,7 @@ func test_leftover_files_are_reported() -> void:
 	world.free()
 
 
-## A ray hits the ground from above, at its first intersection. It hits nothing where there is no ground.
+## A ray hits the ground from above, at its first intersection. It misses where there is no ground.
 func test_rays() -> void:
 	var hills := Hills.new()
 	var random := RandomNumberGenerator.new()
@@ -213,7 +213,7 @@ func test_rays() -> void:
 		var from := Vector3(random.randf_range(-60, 60), random.randf_range(8, 60), random.randf_range(-60, 60))
 		var to := Vector3(random.randf_range(-60, 60), -8.0, random.randf_range(-60, 60))
 		var hit := GroundRay.hit(hills, from, from.direction_to(to))
-		if check(hit.is_finite(), "a ray downwards hits the ground"):
+		if check(hit.is_finite(), "a downward ray hits the ground"):
 			met += int(absf(hit.y - hills.get_height(hit)) < 0.001)
 			for part in 40:
 				var before := from.lerp(hit, part / 40.0)

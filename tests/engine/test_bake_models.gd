@@ -11,7 +11,7 @@ const NAMES: Array[Array] = [
 ]
 
 
-## Saves a scene of parts with these names, and returns it. Each part is a smaller box than the previous one.
+## Saves a scene of parts with these names and returns it. Each part is a smaller box than the previous one.
 func saved_scene(names: Array, file: String) -> PackedScene:
 	var scene := Node3D.new()
 	scene.name = "Model"
@@ -60,7 +60,7 @@ func test_scene_among_the_meshes_has_all_its_levels() -> void:
 	check_equal(baked_lods(layer, 1), lods, "the same LODs for a model of the scene")
 	# Default distances grow with the model's size and double from LOD to LOD.
 	check(lods[1][0] > 4.0 and is_equal_approx(lods[2][0], 2.0 * lods[1][0]), "distances: %s" % [lods])
-	check_equal(ModelFiles.new(layer, 3).models[0].path, "res://oak.tscn", "the entry's own file")
+	check_equal(ModelFiles.new(layer, 3).models[0].path, "res://oak.tscn", "the file of the entry")
 
 
 func test_levels_behind_a_scene_are_among_them() -> void:
@@ -72,7 +72,7 @@ func test_levels_behind_a_scene_are_among_them() -> void:
 	check_equal(drawn_lods(layer, 0).map(func(lod: Array) -> float: return lod[0]), [0.0, 40.0], "with its level")
 	check_equal(ModelFiles.new(layer, 3).models[1].lods, [], "an empty entry draws nothing")
 	check_equal(baked_lods(layer, 2), drawn_lods(layer, 2), "a scene")
-	check_equal(baked_lods(layer, 2).size(), 3, "with the added level after its own")
+	check_equal(baked_lods(layer, 2).size(), 3, "with the added level after its own levels")
 	check_equal(layer.get_mesh_lods(3), [] as Array[ScatterLod], "no such entry")
 	check_error(["get_mesh_lods", "index", 3], "an index beyond the list")
 

@@ -1,13 +1,13 @@
 extends "biomes_harness.gd"
-## Tests biomes: layers grow where the map allows them, and a change of the map regenerates only the affected tiles.
+## Tests biomes: layers grow where the map allows them, and a change to the map regenerates only the affected tiles.
 
 func test_layers_appear_in_their_biomes() -> void:
 	var scatter := make_world(three_biomes(), [named("rock", 6.0)])
 	await settle(scatter)
 	var all := scatter.get_all_layers()
 	check_equal(all.size(), 5, "layers")
-	check_equal(all[0], scatter.layers[0], "the node's own layers come first")
-	check_equal(all[2], scatter.biomes.biomes[1].layers[0], "layers of biomes follow")
+	check_equal(all[0], scatter.layers[0], "the layers of the node come first")
+	check_equal(all[2], scatter.biomes.biomes[1].layers[0], "layers of biomes come after them")
 	var grass := places(scatter, "grass")
 	check(grass.size() > 200 and all_within(grass, func(at: Vector2) -> bool: return at.x < 0 and at.y < 64), "grass")
 	for tree in ["oak", "fern"]:
@@ -261,7 +261,7 @@ func test_lists_changed_in_place() -> void:
 	check(all_within(places(scatter, "lily"), func(at: Vector2) -> bool: return at.x < 0 and at.y < 64), "a layer of the meadow")
 	scatter.layers.push_back(named("boulder"))
 	await settle(scatter)
-	check_equal(index_of(scatter, "boulder"), 1, "layers of the node come before those of biomes")
+	check_equal(index_of(scatter, "boulder"), 1, "layers of the node come before layers of biomes")
 	check(places(scatter, "grass").size() > 100 and places(scatter, "lily").size() > 20, "the other layers stay")
 	scatter.biomes.biomes.push_back(null)
 	scatter.biomes.biomes.remove_at(0)

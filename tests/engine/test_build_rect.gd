@@ -40,9 +40,9 @@ func test_build_rect() -> void:
 		var tile := Vector2i(1, 0)
 		var built := scatter.build_rect(scatter.layers[FERN], tile_rect(scatter, FERN, tile))
 		check_equal(built.get_origin(), scatter.get_tile(scatter.layers[FERN], tile).get_origin(), "origin")
-		check(buffers_of(built) == tile_buffers(scatter, FERN, tile), "buffers are those of the tile")
-		check(ids_of(built) == tile_ids(scatter, FERN, tile), "ids are those of the tile")
-		check_equal(built.get_digest(), scatter.get_tile(scatter.layers[FERN], tile).get_digest(), "the digest is that of the tile")
+		check(buffers_of(built) == tile_buffers(scatter, FERN, tile), "the buffers match the tile")
+		check(ids_of(built) == tile_ids(scatter, FERN, tile), "the IDs match the tile")
+		check_equal(built.get_digest(), scatter.get_tile(scatter.layers[FERN], tile).get_digest(), "the digest matches the tile")
 		check_equal(built.get_mesh_count(), 3, "meshes")
 		for index in 3:
 			check(built.get_mesh(index) == scatter.layers[FERN].meshes[index], "mesh %d" % index)

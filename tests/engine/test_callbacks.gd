@@ -178,7 +178,7 @@ func run_action_in_callback(callback: String, name: String) -> void:
 	for message in errors.take():
 		# The engine refuses to free a node that emits a signal.
 		var refused := name == "free" and LOCKED in message
-		# The node refuses calls without ground or layers, and a state that belongs to a different seed.
+		# The node rejects calls without ground or layers, and a state that belongs to a different seed.
 		var bare := "is missing" in message or "No layer is named" in message or "a different seed" in message
 		check(refused or bare, "%s, %s: the engine printed: %s" % [callback, name, message])
 	Plant.hooks.clear()

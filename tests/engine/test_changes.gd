@@ -142,7 +142,7 @@ func test_a_hand_placed_instance_moves() -> void:
 	scatter.layers[0].collision_shape = ScatterLayer.COLLISION_CYLINDER
 	await settle(scatter)
 	var at := Transform3D(Basis(), Vector3(10.25, 1.5, 12.5))
-	# In a different tile and tilted, with numbers that floats cannot represent exactly.
+	# In another tile and tilted, with numbers that floats cannot represent exactly.
 	var to := Transform3D(Basis.from_euler(Vector3(0.3, 1.1, -0.2)).scaled(Vector3(1.1, 1.7, 0.9)), Vector3(-21.7, 0.1, 23.3))
 	for place in [at, to]:
 		scatter.remove_in_sphere(place.origin, 6.0, scatter.layers[0])
@@ -157,9 +157,9 @@ func test_a_hand_placed_instance_moves() -> void:
 	check(found.transform == to and found.mesh == 1 and found.data == "sown", "it is at the new position, bit for bit, with its mesh and data")
 	check(not (scatter.query_rect(Rect2(10, 12, 1, 1), scatter.layers[0]).ids as PackedInt64Array).has(id), "and no longer at the old one")
 	await frames(2)
-	check(instances(scatter, 0)[id].is_equal_approx(to), "the tiles follow")
+	check(instances(scatter, 0)[id].is_equal_approx(to), "the tiles are updated")
 	await settle(scatter)
-	check_equal([body_at(scatter, at.origin), body_at(scatter, to.origin)], [0, id], "its body follows")
+	check_equal([body_at(scatter, at.origin), body_at(scatter, to.origin)], [0, id], "its body is moved")
 	var loaded := ScatterState.new()
 	check_equal(loaded.from_bytes(scatter.state.to_bytes()), OK, "saved")
 	var other := make_wood(true)
@@ -192,7 +192,7 @@ func test_a_generated_instance_moves() -> void:
 	check(not scatter.has_instance(id) and scatter.state.is_removed(id), "the old instance is removed")
 	var after := scatter.get_instance(moved)
 	check(after.transform == to and after.mesh == before.mesh, "unchanged except for its position")
-	check_equal([after.data, scatter.get_instance_data(id)], [{"age": 3}, null], "its data move, too")
+	check_equal([after.data, scatter.get_instance_data(id)], [{"age": 3}, null], "its data moves with it")
 	scatter.state.advance(100.0)
 	check(scatter.state.is_removed(id), "the old instance does not regrow")
 
@@ -309,8 +309,8 @@ func test_a_state_restores_the_same_world() -> void:
 	other.seed = 8
 	await settle(other)
 	other.state = state
-	check_error(["TerrainScatter3D", "state", "seed"], "a state of a different world")
-	check(other.state == null, "the state is refused")
+	check_error(["TerrainScatter3D", "state", "seed"], "a state of another world")
+	check(other.state == null, "the state is rejected")
 
 
 func test_removed_instances_regrow() -> void:
@@ -323,15 +323,15 @@ func test_removed_instances_regrow() -> void:
 	scatter.remove_instance(oak)
 	scatter.remove_instance(fern)
 	await frames(1)
-	check(not scatter.has_instance(oak), "it does not regrow at once")
+	check(not scatter.has_instance(oak), "it does not regrow immediately")
 	await until(func() -> bool: return scatter.has_instance(oak), "it regrows")
 	check(scatter.state.get_time() >= 0.4, "after the regrowth time")
-	check(instances(scatter, 0).has(oak), "it is visible, too")
+	check(instances(scatter, 0).has(oak), "it is also visible")
 	check(not scatter.has_instance(fern), "a layer without a regrowth time does not regrow")
 	check_equal(signals.take()[-1].slice(0, 3), ["instance_restored", oak, scatter.layers[0]], "a signal reports it")
 
 
-## While a node uses a state, the state's own methods follow the node's rules.
+## While a node uses a state, the methods of the state apply the node's rules.
 func test_changes_through_the_state() -> void:
 	var scatter := make_wood()
 	scatter.layers[0].resource_name = "oak"
@@ -350,7 +350,7 @@ func test_changes_through_the_state() -> void:
 	check_equal(signals.take(), [["instance_removed", standing[0], scatter.layers[0], at]], "with a signal")
 	check(not scatter.has_instance(standing[0]) and not state.remove(standing[0]), "once")
 	check(state.remove(standing[1], 0.0) and state.remove(standing[2], 20.0), "permanently, and for a shorter time")
-	check(not state.remove(standing[0], 80.0), "a removed one gets a different time")
+	check(not state.remove(standing[0], 80.0), "a removed one gets a new time")
 	check(state.set_instance_data(standing[3], "tall") and state.remove(standing[3], 10.0) and state.restore(standing[3]), "restored")
 	check_equal(signals.take().slice(-1)[0].slice(0, 3), ["instance_restored", standing[3], scatter.layers[0]], "with a signal")
 	check_equal(scatter.get_instance_data(standing[3]), "tall", "with its data")

@@ -19,7 +19,7 @@ func test_rays_hit_what_query_ray_hits() -> void:
 			var at := standing[id]
 			if at.origin.length() > DISTANCE:
 				continue
-			# Along the body's own axes, all three shapes are as wide as the cylinder.
+			# Along the body's local axes, all three shapes are as wide as the cylinder.
 			var size := at.basis.get_scale().x
 			for axis: Vector3 in [at.basis.x, -at.basis.x, at.basis.z, -at.basis.z]:
 				var target := at * Vector3(0, 1.5, 0)
@@ -166,7 +166,7 @@ func test_bodies_around_an_interaction_group() -> void:
 	check(bodies(scatter, Vector3(700, 0, 0), 30.0).size() > 20, "bodies around a remaining walker")
 	scatter.interaction_group = &"others"
 	await settle(scatter)
-	check_equal(bodies(scatter, Vector3(700, 0, 0), 30.0).size(), 0, "bodies around nodes of a different group")
+	check_equal(bodies(scatter, Vector3(700, 0, 0), 30.0).size(), 0, "bodies around nodes of another group")
 
 
 func test_the_budget_is_kept() -> void:
@@ -274,7 +274,7 @@ func test_hand_placed_instances_have_bodies() -> void:
 	check(hit and (hit["position"] as Vector3).distance_to(Vector3(1.55, 35.5, 2.5)) < 0.01, "its scale: %s" % hit)
 	check(cast(Vector3(5, 36.2, 2.5), Vector3(1.25, 36.2, 2.5)).is_empty(), "its height")
 	scatter.remove_instance(id)
-	check_equal(bodies(scatter).size(), 0, "the body is removed at once")
+	check_equal(bodies(scatter).size(), 0, "the body is removed immediately")
 
 
 func test_flat_instances_have_no_bodies() -> void:
@@ -318,7 +318,7 @@ func test_property_changes_are_applied() -> void:
 	check(is_equal_approx(PhysicsServer3D.body_get_param(body, PhysicsServer3D.BODY_PARAM_FRICTION), 0.25), "smooth")
 	check(is_equal_approx(PhysicsServer3D.body_get_param(body, PhysicsServer3D.BODY_PARAM_BOUNCE), -0.5), "absorbent")
 	var from := at * Vector3(3, 1.5, 0)
-	check(cast(from, at.origin + Vector3(0, 1.5, 0), 1).is_empty(), "a ray with a different mask")
+	check(cast(from, at.origin + Vector3(0, 1.5, 0), 1).is_empty(), "a ray with another mask")
 	check(not cast(from, at.origin + Vector3(0, 1.5, 0), 1 << 3).is_empty(), "a ray with that mask")
 
 	layer.instance_radius = 0.3
@@ -388,7 +388,7 @@ func test_world_offset_moves_bodies() -> void:
 	var near := before.keys().filter(func(id: int) -> bool: return standing[id].origin.length() < 12.0)
 	check(near.size() > 15, "%d bodies near the viewer" % near.size())
 	for id: int in near:
-		check_equal(hit_id(scatter, standing[id].translated(-scatter.world_offset)), id, "bodies move at once")
+		check_equal(hit_id(scatter, standing[id].translated(-scatter.world_offset)), id, "bodies move immediately")
 	await settle(scatter)
 	var after := bodies(scatter, viewer.position)
 	for id in before:

@@ -34,7 +34,7 @@ func test_shapes_are_shared() -> void:
 		viewer.free()
 
 
-## A pooled body is reused for a different instance before a new one is created.
+## A pooled body is reused for another instance before a new one is created.
 func test_bodies_are_reused() -> void:
 	var scatter := make_solid([make_solid_layer()])
 	var counts: Array[int] = []

@@ -1,9 +1,9 @@
 extends "picture_harness.gd"
 ## Tests cross-fading LODs, seen from the viewer's position, with each of the three renderers.
 
-const FLIGHT := 60       ## The number of pictures per flight.
-const STEP := 0.4        ## The distance in meters between two pictures.
-const MOST_CHANGE := 0.2 ## The limit for the brightness change (0 to 1) of an 8 by 8 block between two pictures.
+const FLIGHT := 60       ## The number of frames per flight.
+const STEP := 0.4        ## The distance in meters between two frames.
+const MOST_CHANGE := 0.2 ## The limit for the brightness change (0 to 1) of an 8 by 8 block between two frames.
 
 var camera: Camera3D
 
@@ -93,7 +93,7 @@ func flight_of(layer: ScatterLayer) -> Array[Image]:
 	return pictures
 
 
-## Returns the largest change of an 8 by 8 block's mean between two successive pictures.
+## Returns the largest change in an 8 by 8 block's mean between two successive frames.
 func largest_change(pictures: Array[Image]) -> float:
 	var largest := 0.0
 	var before: Image = null
@@ -118,7 +118,7 @@ func pixels_that_differ(a: Image, b: Image) -> int:
 	return count
 
 
-## In every picture of a flight, three identical LODs look like one mesh, because nothing is drawn twice or missing.
+## In every frame of a flight, three identical LODs look like one mesh, because nothing is drawn twice or missing.
 func test_every_pixel_is_drawn_once() -> void:
 	stage()
 	var light := material(0.3)

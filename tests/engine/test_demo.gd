@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Streams the demo's forest along a fixed path, and checks every instance in the multimeshes against the ground, the rules and its
+## Streams the demo's forest along a fixed path and checks every instance in the multimeshes against the ground, the rules and its
 ## neighbors in all tiles. `-- out=FILE` writes the tiles to a file for analysis/tile_digests.
 
 const TileLog := preload("tile_log.gd")
@@ -14,7 +14,7 @@ var scatter: TerrainScatter3D
 var ground: GroundModel
 var tile_log := TileLog.new()
 
-## For each layer: {cell with a side of one radius: x and z of its instances, in double precision}.
+## For each layer: {cell that is one radius wide: x and z of its instances, in double precision}.
 var neighbors: Array[Dictionary] = []
 var known: Dictionary = {}
 var count := 0
@@ -41,7 +41,7 @@ func load_demo() -> void:
 	scatter.owner = null
 	scatter.get_parent().remove_child(scatter)
 	demo.free()
-	# The program that generates the same tiles supports no regions. The removed regions are those of the path and of the lake.
+	# The program that generates the same tiles does not support regions. The removed regions belong to the path and the lake.
 	for region in scatter.find_children("*", "ScatterRegion3D", true, false):
 		region.free()
 	root.add_child(scatter)

@@ -66,7 +66,7 @@ func test_the_lake_rises_and_falls() -> void:
 		var left := standing(layer)
 		check(left.size() < before[layer].size() or layer in ["Oak", "Spruce", "Shrub"], "%s retreats" % layer)
 		for id: int in left:
-			# A layer may gain instances where a layer that it keeps away from lost some.
+			# A layer may gain instances where a layer from which it keeps a distance has lost some.
 			check(before[layer].get(id, left[id]) == left[id], "%s: remaining instances do not move" % layer)
 			check(before[layer].has(id) or layer in ["Shrub", "Spruce", "Fern", "Meadow", "Undergrowth"], "%s: nothing new" % layer)
 	scatter.water_level = 0.0
@@ -86,4 +86,4 @@ func test_a_key_raises_the_water() -> void:
 		root.push_input(event)
 		await frames(2)
 		check(is_equal_approx(scatter.water_level, level), "M: the water level is %s" % scatter.water_level)
-		check(is_equal_approx(scene.get_node("Lake").global_position.y, level), "the lake's mesh follows")
+		check(is_equal_approx(scene.get_node("Lake").global_position.y, level), "the lake's mesh is moved")

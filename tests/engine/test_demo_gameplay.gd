@@ -126,7 +126,7 @@ func looked_id() -> int:
 ## Checks that no query finds a tree anymore, and that a stump has replaced it.
 func check_felled(id: int, stood: Transform3D) -> void:
 	await physics_frames(2)
-	check(not world.has_instance(id), "the tree does not exist any more")
+	check(not world.has_instance(id), "the tree no longer exists")
 	check(looked_id() != id, "the player does not look at it")
 	check(not drawn("Oak", id), "it is not drawn")
 	check(touched(stood.origin + Vector3.UP * 1.5) != id, "it has no body")

@@ -1,5 +1,5 @@
 extends "demo_scene_harness.gd"
-## Tests the demo's rule scene: ferns grow only under oaks, and trees keep their distance. The path is bare, and stones lie on steep ground.
+## Tests the demo's rule scene: ferns grow only under oaks, and trees keep their distance. The path is bare, and stones are on steep ground.
 ## Only reeds grow in the lake, at its shore. Moving the clearing changes only instances near it.
 
 const SCENE := "res://rules.tscn"
@@ -83,14 +83,14 @@ func check_path() -> void:
 			if place.x < -20.0 or place.x > 115.0:
 				continue
 			var closest := path.curve.get_closest_point(path.to_local(Vector3(place.x, 0.0, place.z)))
-			# Search again at the curve's height there, because the distance on the map counts, not the distance in space.
+			# Search again at the curve's height there, because the distance on the map is used, not the distance in space.
 			closest = path.curve.get_closest_point(Vector3(place.x, closest.y, place.z))
 			var away := flat(closest).distance_to(flat(place))
 			on_path += int(away < 0.9)
 			beside += int(away > 1.7 and away < 4.0)
 	check(polyline.size() > 100, "a long path")
 	check(on_path == 0, "%d instances on the path" % on_path)
-	check(beside > 200, "%d instances beside the path" % beside)
+	check(beside > 200, "%d instances next to the path" % beside)
 
 
 func check_heights_and_slopes() -> void:

@@ -99,7 +99,7 @@ func test_trees_stand_on_all_sides_of_the_planet() -> void:
 	for id in standing:
 		var from := standing[id].origin - center
 		octants[from.sign()] = octants.get(from.sign(), 0) + 1
-		if not check(absf(from.length() - 59.7) < 0.2 and standing[id].basis.y.angle_to(from) < 0.001, "an oak stands upright on the planet"):
+		if not check(absf(from.length() - 59.7) < 0.2 and standing[id].basis.y.angle_to(from) < 0.001, "an oak is upright on the planet"):
 			break
 	check(octants.size() == 8 and octants.values().min() > 10, "oaks are on all sides: %s" % octants)
 

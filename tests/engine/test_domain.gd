@@ -6,7 +6,7 @@ const DENSITY := 0.547070 / (PI / 4.0)
 const RECT := Rect2(-7.5, 3.25, 60.0, 37.0)
 
 
-## Stores points in cells with sides of one radius, for lookups of neighbors.
+## Stores points in cells that are one radius wide, for lookups of neighbors.
 class Grid:
 	var cells := {}
 	var radius: float
@@ -42,7 +42,7 @@ class Grid:
 
 
 ## Checks that no two points are closer than the radius, and that all are inside the rectangle. If the set is maximal, checks at random
-## positions that no further point would fit.
+## positions that no other point would fit.
 func check_set(points: PackedVector2Array, rect: Rect2, radius: float, period: Vector2, maximal: bool, context: String) -> void:
 	var grid := Grid.new(points, radius, period)
 	# Tolerance for rounding to single precision.
@@ -98,14 +98,14 @@ func test_seeds() -> void:
 		var sampler := make(method)
 		var first := sampler.sample_domain(RECT)
 		check(sampler.sample_domain(RECT) == first, label(method) + ": the same again")
-		check(make(method).sample_domain(RECT) == first, label(method) + ": the same from a different object")
+		check(make(method).sample_domain(RECT) == first, label(method) + ": the same from another object")
 		check(make(method, 2).sample_domain(RECT) != first, label(method) + ": a different seed")
 		check(make(method, -1).sample_domain(RECT) != make(method, 0).sample_domain(RECT), label(method) + ": a negative seed")
 		sampler.radius = 1.5
 		var wider := sampler.sample_domain(RECT)
 		check_count(wider.size(), RECT.get_area() / 1.5 ** 2, 0.1, label(method) + " radius 1.5")
 		sampler.radius = 1.0
-		check(sampler.sample_domain(RECT) == first, label(method) + ": the same after a different radius")
+		check(sampler.sample_domain(RECT) == first, label(method) + ": the same after another radius was used")
 
 
 func test_only_some_properties_change_the_points() -> void:
@@ -114,11 +114,11 @@ func test_only_some_properties_change_the_points() -> void:
 		var origin := Rect2(Vector2.ZERO, RECT.size)
 		var first := sampler.sample_domain(origin)
 		var moved := sampler.sample_domain(RECT)
-		check_equal(moved.size(), first.size(), label(method) + ": as many at a different position")
+		check_equal(moved.size(), first.size(), label(method) + ": as many at another position")
 		var largest := 0.0
 		for index in first.size():
 			largest = maxf(largest, (moved[index] - RECT.position).distance_to(first[index]))
-		check(largest < 1e-4, label(method) + ": the same at a different position, up to rounding: %.9f" % largest)
+		check(largest < 1e-4, label(method) + ": the same at another position, up to rounding: %.9f" % largest)
 		for width: float in [0.5, 3.0, 20.0, 1000.0]:
 			sampler.cell_size = width
 			check(sampler.sample_domain(origin) == first, "%s: the same with cells of %s r" % [label(method), width])
@@ -232,8 +232,8 @@ func test_stats() -> void:
 			check(squares > 8.5 and squares < 10.5, "%s: %.2f squares a point" % [label(method), squares])
 			check(stats["selections"] >= stats["darts"] and stats["list_checks"] >= stats["selections"], "choices: %s" % stats)
 		sampler.sample_domain(Rect2(0, 0, -1, 1))
-		check_error(["PoissonSampler.rect.size", "-1"], "a refused call")
-		check_equal(sampler.get_stats(), stats, "stats after a refused call")
+		check_error(["PoissonSampler.rect.size", "-1"], "a rejected call")
+		check_equal(sampler.get_stats(), stats, "stats after a rejected call")
 
 
 func test_points() -> void:
@@ -243,7 +243,7 @@ func test_points() -> void:
 	var exact := sampler.sample_exact(-7.5, 3.25, 52.5, 40.25)
 	check(points.size() > 1000 and not points.is_empty(), "%d points" % points.size())
 	check(points.ids == exact.ids and points.ranks == exact.ranks, "the same points")
-	check(points.positions == exact.positions, "positions are those in single precision")
+	check(points.positions == exact.positions, "positions match those in single precision")
 	check(points.x.is_empty() and points.y.is_empty(), "double precision only on request")
 	for all: PoissonPoints in [points, exact]:
 		check_equal(all.size(), all.positions.size(), "one position per point")
@@ -284,5 +284,5 @@ func test_points() -> void:
 	check_equal(whole.positions.size(), whole.size(), "positions of a domain")
 	var none := sampler.sample(Rect2(0, 0, -1, 1))
 	errors.take()
-	check(none != null and none.is_empty() and none.positions.is_empty(), "a refused call returns an empty object, not null")
+	check(none != null and none.is_empty() and none.positions.is_empty(), "a rejected call returns an empty object, not null")
 	check(PoissonPoints.new().is_empty(), "a new object is empty")

@@ -1,6 +1,6 @@
 extends "domain_harness.gd"
-## Tests calls of PoissonSampler.sample_domain while it runs: progress, threads, and scripts that fail. Also tests the input that it
-## refuses.
+## Tests calls to PoissonSampler.sample_domain while it runs: progress, threads, and scripts that fail. Also tests input
+## that it rejects.
 
 
 func test_progress() -> void:
@@ -100,7 +100,7 @@ func test_changes_take_effect_in_the_next_call() -> void:
 			sampler.progressive_levels = 2
 			sampler.method = PoissonSampler.METHOD_WAVEFRONT
 			sampler.double_precision = true
-		check(sampler.sample_domain(area, listener.record) == expected, label(method) + ": the points are those of the old properties")
+		check(sampler.sample_domain(area, listener.record) == expected, label(method) + ": the points match the old properties")
 		check(sampler.sample_domain(area).size() < expected.size() / 20.0, label(method) + ": the next call uses the new ones")
 
 
@@ -234,5 +234,5 @@ func test_refused_properties() -> void:
 func test_refused_arguments() -> void:
 	var sampler := PoissonSampler.new()
 	for wrong: Array in [[], [SMALL, Callable(), 3], [SMALL, 3], ["text"]]:
-		check(sampler.callv("sample_domain", wrong) == null, "%s are refused" % [wrong])
+		check(sampler.callv("sample_domain", wrong) == null, "%s are rejected" % [wrong])
 		check_error(["PoissonSampler::sample_domain"], "%s" % [wrong])

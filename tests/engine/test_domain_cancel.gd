@@ -58,7 +58,7 @@ func test_cancel_late() -> void:
 			check_equal(sampler.get_stats()["points"], 0, label(method) + ": no stats")
 
 
-## Cancels from a different thread while the call is running.
+## Cancels from another thread while the call is running.
 func test_cancel_from_another_thread() -> void:
 	for method in METHODS:
 		for reports: int in [1, 3, 8]:

@@ -99,7 +99,7 @@ func test_mesh_and_thinning_depend_on_a_cells_distance() -> void:
 	check_equal(scatter.get_stats()["drawn"], drawn_of_all(scatter), "drawn at half the quality")
 
 
-## Every instance adds the same light wherever it is, so an instance that is drawn twice or not at all changes the picture.
+## Every instance adds the same light wherever it is, so an instance that is drawn twice or not at all changes the image.
 func test_every_frame_draws_each_instance_once() -> void:
 	var material := StandardMaterial3D.new()
 	material.shading_mode = BaseMaterial3D.SHADING_MODE_UNSHADED
@@ -135,7 +135,7 @@ func test_every_frame_draws_each_instance_once() -> void:
 			counts[scatter.get_stats()["multimeshes"]] = true
 			if step % 10 != 9 or scatter.is_settled() or Time.get_ticks_msec() > deadline:
 				break
-	check_equal(differing, 0, "frames with a different picture")
+	check_equal(differing, 0, "frames with a different image")
 	check(counts.size() > 3, "tiles were divided on the way: %s" % [counts.keys()])
 
 

@@ -209,4 +209,4 @@ func test_ground_everywhere() -> void:
 	shown.take()
 	mound.ground_changed.emit(Rect2(0, 0, 10, 10))
 	await settle(scatter)
-	check(shown.take()[FERN].is_empty(), "regenerated tiles after a change of an old ground")
+	check(shown.take()[FERN].is_empty(), "regenerated tiles after a change to an old ground")

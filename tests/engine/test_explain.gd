@@ -2,7 +2,7 @@ extends "rules_harness.gd"
 ## Tests explain_position: the reasons why an instance exists at a position or not. Explanations must match the instances.
 
 
-## Returns a scatter on a hillside with a clearing. The layer uses most rules and keeps away from the trees.
+## Returns a scatter on a hillside with a clearing. The layer uses most rules and keeps a distance from the trees.
 func make_ruled() -> TerrainScatter3D:
 	var trees := make_layer(6.0)
 	trees.resource_name = "Trees"
@@ -67,7 +67,7 @@ func test_explanations_match_the_instances() -> void:
 			standing += 1 if explanation.standing else 0
 			refused += 0 if explanation.allowed else 1
 	check_equal(wrong, 0, "explanations that do not match")
-	check(standing > 300 and standing < 2700 and refused > 300, "%d exist, %d are refused" % [standing, refused])
+	check(standing > 300 and standing < 2700 and refused > 300, "%d exist, %d are rejected" % [standing, refused])
 
 
 ## At a point of the Poisson-disk set, the density exceeds the rank if and only if the instance exists.
@@ -115,7 +115,7 @@ func test_each_rule_can_refuse() -> void:
 			layer.set(property, cases[rule][0][property])
 		scatter.layers = [trees, layer]
 		var explanation := scatter.explain_position(Vector3(80, 0, 20), layer)[0]
-		check_equal(explanation.refused_by, StringName(rule), "the refusing rule: " + explanation.reason)
+		check_equal(explanation.refused_by, StringName(rule), "the rejecting rule: " + explanation.reason)
 		for words: String in cases[rule][1]:
 			check(words in explanation.reason, "%s: '%s' in '%s'" % [rule, words, explanation.reason])
 		var names: Array = range(explanation.get_rule_count()).map(explanation.get_rule_name)
@@ -166,14 +166,14 @@ func test_removals_and_visibility_are_explained() -> void:
 	check("64 m" in far.reason, "the view distance: " + far.reason)
 	scatter.quality = 0.0
 	await settle(scatter)
-	check_equal(scatter.explain_position(Vector3(3, 0, 3))[0].refused_by, &"thinning", "refused because of quality")
+	check_equal(scatter.explain_position(Vector3(3, 0, 3))[0].refused_by, &"thinning", "rejected because of quality")
 	scatter.quality = 1.0
 	await settle(scatter)
 	scatter.hide()
-	check_equal(scatter.explain_position(Vector3(3, 0, 3))[0].refused_by, &"visible", "refused because the node is hidden")
+	check_equal(scatter.explain_position(Vector3(3, 0, 3))[0].refused_by, &"visible", "rejected because the node is hidden")
 	scatter.show()
 	layer.meshes = []
-	check_equal(scatter.explain_position(Vector3(3, 0, 3))[0].refused_by, &"meshes", "refused because there is no mesh")
+	check_equal(scatter.explain_position(Vector3(3, 0, 3))[0].refused_by, &"meshes", "rejected because there is no mesh")
 	layer.meshes = [BoxMesh.new()]
 	layer.density = 0.5
 	await settle(scatter)

@@ -85,7 +85,7 @@ func test_it_compiles_and_has_its_parameters() -> void:
 	look()
 	pane(material({}))
 	var share: float = lit(await picture()).size() / 16384.0
-	check(absf(share - 0.125) < 0.01, "the pane covers an eighth of the picture, not %f" % share)
+	check(absf(share - 0.125) < 0.01, "the pane covers an eighth of the image, not %f" % share)
 
 
 func test_the_tutorials_shader_draws() -> void:
@@ -142,7 +142,7 @@ func test_wind_moves_the_top() -> void:
 	world.set(&"materials", [blowing] as Array[ShaderMaterial])
 	root.add_child(world)
 	var moved := 0
-	for look_number in 20: # Wind varies, so a few pictures may all show lulls.
+	for look_number in 20: # Wind varies, so a few frames may all show lulls.
 		if look_number >= 3 and moved >= 2:
 			break
 		await create_timer(0.3).timeout
@@ -179,7 +179,7 @@ func test_a_body_bends_only_nearby_plants() -> void:
 	var half := func(pixels: Array[Vector2i], left: bool) -> Array:
 		return pixels.filter(func(pixel: Vector2i) -> bool: return (pixel.x < 64) == left)
 	check_equal(half.call(after, false), half.call(before, false), "pixels of the plant far from the body")
-	check(half.call(after, true) != half.call(before, true), "the plant beside the body bends")
+	check(half.call(after, true) != half.call(before, true), "the plant next to the body bends")
 	var right := func(pixels: Array) -> int: return pixels.map(func(pixel: Vector2i) -> int: return pixel.x).max()
 	check(right.call(half.call(after, true)) > right.call(half.call(before, true)), "away from the body")
 
@@ -327,7 +327,7 @@ func test_the_world_node_finds_the_materials_of_scatters() -> void:
 	var scatter := make_scatter([layer, null], ScatterGroundFlat.new(), make_viewer(Vector3.ZERO))
 	var world := world_node()
 	root.add_child(world)
-	check_equal(await blown([near, far, plain]), [true, true, false], "of a model, of an LOD, and one with a different shader")
+	check_equal(await blown([near, far, plain]), [true, true, false], "of a model, of an LOD, and one with another shader")
 
 	var override := material({})
 	layer.material_override = override
@@ -377,6 +377,6 @@ func test_the_world_node_reads_layers_only_after_a_change() -> void:
 	layer.set_block_signals(true)
 	layer.material_override = second
 	layer.set_block_signals(false)
-	check_equal(await blown([first, second]), [true, false], "without a signal, the change is not noticed")
+	check_equal(await blown([first, second]), [true, false], "without a signal, the change is not detected")
 	layer.emit_changed()
-	check_equal(await blown([first, second]), [false, true], "with a signal, it is noticed")
+	check_equal(await blown([first, second]), [false, true], "with a signal, it is detected")

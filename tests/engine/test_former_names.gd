@@ -99,7 +99,7 @@ func test_former_layers_are_drawn_as_before() -> void:
 			check_equal(lods_of(layer), expected[layer.resource_name], "%s: %s" % [context, layer.resource_name])
 		var trees := world.layers[0]
 		check(trees.meshes[4] is BoxMesh and trees.meshes[3] == null, context + ": entries without LODs stay")
-		check((trees.meshes[1] as ScatterModel).scene != null, context + ": the model follows the scene")
+		check((trees.meshes[1] as ScatterModel).scene != null, context + ": the model uses the scene")
 		var sparse: ScatterLod = trees.get_mesh_lods(2)[2]
 		check_equal([sparse.density, sparse.cast_shadow], [0.5, ScatterLod.CAST_SHADOW_DOUBLE_SIDED], context + ": the look of a model's LOD")
 		var model := world.layers[2].meshes[1] as ScatterModel
@@ -117,7 +117,7 @@ func test_former_layers_are_drawn_as_before() -> void:
 		check_equal(world.layers.map(func(layer: ScatterLayer) -> float: return layer.view_distance), [50.0, 70.0, 70.0, 256.0], context + ": view distances")
 		world.layers[1].view_distance = 80.0
 		await process_frame
-		check_equal(world.layers[1].view_distance, 80.0, context + ": a later distance counts")
+		check_equal(world.layers[1].view_distance, 80.0, context + ": a later distance is used")
 		world.layers[1].view_distance = 70.0
 		var digests := range(4).map(func(layer: int) -> int: return world.build_tile(world.layers[layer], Vector2i.ZERO).get_digest())
 		check_equal(digests, DIGESTS, context + ": the instances")
@@ -171,7 +171,7 @@ func test_indices_of_layers_become_names() -> void:
 	scatter.add_child(region)
 	check_no_error("indices alone")
 	await settle(scatter)
-	check_equal(ferns.spacing, {"Oaks": 2.0, layers[1]: 3.0, 3: 4.0, 9: 5.0}, "distances, of which the larger one counts")
+	check_equal(ferns.spacing, {"Oaks": 2.0, layers[1]: 3.0, 3: 4.0, 9: 5.0}, "distances, of which the larger one is used")
 	check_equal([ferns.proximity_layer, ferns.color_value.layer, ferns.variation_value.layer], ["Oaks", "Oaks", "Oaks"], "single references")
 	check_equal(region.layers, ["Ferns", "Oaks", layers[1]], "layers of a region")
 	check_equal(layers[1].proximity_layer, 1, "an index that cannot be replaced stays")

@@ -1,5 +1,5 @@
 extends "terrain_harness.gd"
-## ScatterGroundCombined: the highest of several grounds, all levels for layers on surfaces, changes of one ground, and lists that scripts
+## ScatterGroundCombined: the highest of several grounds, all levels for layers on surfaces, changes to one ground, and lists that scripts
 ## change at any time.
 
 const SIDE := 64.0
@@ -95,7 +95,7 @@ func test_the_top_layer_grows_on_the_highest_ground() -> void:
 	check(counts[0] > 2000 and counts[1] > 120, "on the terrain and on the bridge: %s" % [counts])
 	check_equal(scatter.get_problems().size(), 0, "problems: %s" % scatter.get_problems())
 	check_equal(ground.get_height(Vector3(2.0, 0.0, 3.0)), HEIGHT, "the height of the bridge")
-	check_equal(ground.get_height(Vector3(20.0, 0.0, 3.0)), terrain.get_height(Vector3(20.0, 0.0, 3.0)), "the height beside it")
+	check_equal(ground.get_height(Vector3(20.0, 0.0, 3.0)), terrain.get_height(Vector3(20.0, 0.0, 3.0)), "the height next to it")
 	check(is_nan(ground.get_height(Vector3(200.0, 0.0, 3.0))), "no ground outside")
 	check_equal(ground.get_normal(Vector3(2.0, 0.0, 3.0)), Vector3.UP, "the normal of the bridge")
 	var found := scatter.query_rect(Rect2(-4.0, -4.0, 8.0, 8.0))
@@ -155,7 +155,7 @@ func test_a_moved_mesh_changes_only_its_surroundings() -> void:
 	var before := [instances(scatter, 0), instances(scatter, 1)]
 	await regenerated_by(scatter, func() -> void:
 		bridge.position = Vector3(8.0, HEIGHT, 0.0)
-		await until(func() -> bool: return not scatter.is_settled(), "the ground follows"))
+		await until(func() -> bool: return not scatter.is_settled(), "the ground is updated"))
 	var area := Rect2(-BRIDGE / 2.0, -BRIDGE / 2.0, BRIDGE + 8.0, BRIDGE)
 	for index in 2:
 		var changed := changed_places(before[index], instances(scatter, index))
@@ -167,7 +167,7 @@ func test_a_moved_mesh_changes_only_its_surroundings() -> void:
 		unchanged += int(not Rect2(Vector2(tile) * 16.0, Vector2(16.0, 16.0)).intersects(area.grow(2.0)))
 	var shown := await regenerated_by(scatter, func() -> void:
 		bridge.position = Vector3(0.0, HEIGHT, 0.0)
-		await until(func() -> bool: return not scatter.is_settled(), "the ground follows"))
+		await until(func() -> bool: return not scatter.is_settled(), "the ground is updated"))
 	check(shown.size() <= 2 * scatter.get_shown_tiles(scatter.layers[0]).size() - unchanged, "%d tiles regenerated" % shown.size())
 
 
@@ -204,10 +204,10 @@ func test_grounds_come_and_go() -> void:
 	ground.grounds.append(bridges)
 	await settle(scatter)
 	var together := digests(scatter, 0)
-	check(together != alone, "an appended ground counts")
+	check(together != alone, "an appended ground is used")
 	ground.grounds = [terrain]
 	await settle(scatter)
-	check_equal(digests(scatter, 0), alone, "a removed ground does not")
+	check_equal(digests(scatter, 0), alone, "a removed ground is not used")
 	ground.grounds = [null, bridges, terrain, bridges]
 	await settle(scatter)
 	check_equal(digests(scatter, 0), together, "empty and repeated entries are ignored")
@@ -223,7 +223,7 @@ func test_grounds_come_and_go() -> void:
 	check_equal(digests(scatter, 0), together, "both again")
 	bridges.group = &"nothing"
 	await settle(scatter)
-	check_equal(digests(scatter, 0), alone, "a changed property of a ground counts")
+	check_equal(digests(scatter, 0), alone, "a changed property of a ground has an effect")
 	check("grounds[1]: ScatterGroundMeshes.group" in str(scatter.get_problems()), str(scatter.get_problems()))
 	var explained := scatter.explain_position(Vector3(3.0, 0.0, 3.0))[0]
 	check(not "ScatterGroundMeshes" in str(explained.reason), "the other ground is still explained: %s" % explained.reason)
@@ -247,9 +247,9 @@ func test_cycles_are_refused() -> void:
 	inner.grounds.append(outer)
 	await settle(scatter)
 	check_error(["ScatterGroundCombined.grounds[1]", "contain"], "a cycle by append")
-	check_equal(outer.get_height(Vector3.ZERO), 0.0, "the other ground counts")
+	check_equal(outer.get_height(Vector3.ZERO), 0.0, "the other ground is used")
 	check("grounds[1] has no effect" in str(scatter.get_problems()), str(scatter.get_problems()))
-	inner.grounds.clear() # Else the two would keep each other.
+	inner.grounds.clear() # Otherwise, the two would keep each other alive.
 	await settle(scatter)
 
 
@@ -266,7 +266,7 @@ func test_textures_count_on_the_ground_that_has_them() -> void:
 	var standing := instances(scatter, 0)
 	check(standing.size() > 120, "%d instances on the bridge, which has no textures" % standing.size())
 	for at: Transform3D in standing.values():
-		check(is_on_bridge(at.origin), "none on the terrain, which has a different texture: %s" % at.origin)
+		check(is_on_bridge(at.origin), "none on the terrain, which has another texture: %s" % at.origin)
 	layer.ground_textures = [0]
 	await settle(scatter)
 	check(instances(scatter, 0).size() > 2000, "both, if the terrain has the texture")
@@ -293,7 +293,7 @@ func test_grounds_that_only_the_main_thread_may_sample() -> void:
 		return HEIGHT if is_on_bridge(at) else maxf(terrain.get_height(at), -3.0) if absf(at.x) < SIDE / 2.0 and absf(at.z) < SIDE / 2.0 else -3.0)
 	script.height = 20.0
 	await until(func() -> bool: return instances(scatter, 0).values().any(func(at: Transform3D) -> bool: return at.origin.y == 20.0),
-			"a re-check finds the change of the script")
+			"a re-check finds the change to the script")
 	await settle(scatter)
 	check_heights(scatter, func(_at: Vector3) -> float: return 20.0)
 	ground.grounds = [terrain, ScatterGroundColliders.new()]
@@ -309,7 +309,7 @@ func test_grounds_that_only_the_main_thread_may_sample() -> void:
 	var before := digests(scatter, 0)
 	for frame in 40:
 		await physics_frame
-	check_equal(digests(scatter, 0), before, "a moving body that hides the ground changes nothing")
+	check_equal(digests(scatter, 0), before, "a moving body that hides the ground has no effect")
 	layer.on_surfaces = true
 	await settle(scatter)
 	check("on_surfaces" in str(scatter.get_problems()), "no surfaces: %s" % scatter.get_problems())
@@ -362,11 +362,11 @@ func test_grounds_are_shared_and_used_alone() -> void:
 	scatters[0].free()
 	scatters[3].free()
 	bridge.position.y = 20.0
-	await until(func() -> bool: return digests(scatters[1], 0) != before, "the remaining nodes follow the scene")
+	await until(func() -> bool: return digests(scatters[1], 0) != before, "the remaining nodes are updated with the scene")
 	await settle(scatters[1])
 	await settle(scatters[4])
 	check_equal(combined.get_height(Vector3.ZERO), 20.0, "the new height")
-	check(instances(scatters[4], 0).values().all(func(at: Transform3D) -> bool: return at.origin.y == 20.0), "in the other list, too")
+	check(instances(scatters[4], 0).values().all(func(at: Transform3D) -> bool: return at.origin.y == 20.0), "also in the other list")
 
 
 func test_the_scene_may_be_recentered() -> void:
@@ -430,7 +430,7 @@ func test_signals_of_other_threads_arrive_late() -> void:
 	emit_on_thread.call()
 	ground.grounds = [bridges]
 	await settle(scatter)
-	check_no_error("a signal of a ground that was removed in the meantime")
+	check_no_error("a signal of a ground that has since been removed")
 
 
 func test_a_saved_list_is_the_same() -> void:

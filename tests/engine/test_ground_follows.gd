@@ -1,5 +1,5 @@
 extends "terrain_harness.gd"
-## Tests ground from the scene's nodes. The ground follows them: adding, removing, moving or changing a node regenerates the affected tiles
+## Tests ground from the scene's nodes. The ground tracks them: adding, removing, moving or changing a node regenerates the affected tiles
 ## and no others.
 
 const CROWD := 1000
@@ -138,7 +138,7 @@ func test_a_mesh_moves_rotates_and_changes() -> void:
 	check(farthest_off(scatter, over_rock) < 1e-3, "no instances in the air")
 	await check_regenerated(scatter, [square(Vector2(28.0, 20.0), 5.0 * sqrt(2.0))], "turned",
 			func() -> void: rock.rotation.y = PI / 4.0)
-	check(farthest_off(scatter, over_rock) < 1e-3, "no instances beside the rotated mesh")
+	check(farthest_off(scatter, over_rock) < 1e-3, "no instances next to the rotated mesh")
 	await check_regenerated(scatter, [], "moved and back", func() -> void:
 			rock.position.x += 1.0
 			await frames(2)
@@ -163,7 +163,7 @@ func test_a_mesh_moves_rotates_and_changes() -> void:
 	await check_regenerated(scatter, [square(Vector2(8.0, 20.0), 2.5)], "freed", rock.queue_free)
 
 
-## While a mesh keeps moving, plants follow at a limited rate. They are correct after it stops.
+## While a mesh keeps moving, plants are updated at a limited rate. They are correct after it stops.
 func test_a_mesh_that_keeps_moving() -> void:
 	put_plane(Vector3.ZERO, Vector2(100.0, 100.0))
 	var rock := put_plane(Vector3(-30.0, 2.0, 0.0), Vector2(10.0, 10.0))
@@ -176,7 +176,7 @@ func test_a_mesh_that_keeps_moving() -> void:
 		rock.position.x = -30.0 + 60.0 * (1.0 - (until_msec - Time.get_ticks_msec()) / 1500.0)
 		moves += 1
 		await process_frame
-	check(signals.size() >= 2, "plants follow during the movement: %d signals" % signals.size())
+	check(signals.size() >= 2, "plants are updated during the movement: %d signals" % signals.size())
 	check(signals.size() <= 10 and moves > 20, "fewer signals than the %d frames: %d" % [moves, signals.size()])
 	await settle(scatter)
 	var on_rock := all_transforms(scatter).filter(func(one: Transform3D) -> bool: return one.origin.y > 1.0)
@@ -184,7 +184,7 @@ func test_a_mesh_that_keeps_moving() -> void:
 	check(on_rock.all(func(one: Transform3D) -> bool: return absf(one.origin.x - rock.position.x) < 5.01), "at its final position")
 
 
-## A node checks a limited number of meshes per frame, however many there are, and reads those that have changed.
+## A node checks a limited number of meshes per frame, regardless of how many there are, and reads those that have changed.
 func test_a_thousand_meshes_cost_little_each_frame() -> void:
 	var crowd: Array[MeshInstance3D] = []
 	for index in CROWD:
@@ -251,7 +251,7 @@ func test_bodies_are_followed() -> void:
 	await check_regenerated(scatter, [square(Vector2(28.0, 20.0), 8.0)], "a new shape", func() -> void: collision.shape = slab(10.0))
 	await check_regenerated(scatter, [square(Vector2(28.0, 20.0), 5.0)], "disabled", func() -> void: collision.disabled = true)
 	await check_regenerated(scatter, [square(Vector2(28.0, 20.0), 5.0)], "enabled", func() -> void: collision.disabled = false)
-	await check_regenerated(scatter, [square(Vector2(28.0, 20.0), 5.0)], "on a different collision layer", func() -> void: rock.collision_layer = 2)
+	await check_regenerated(scatter, [square(Vector2(28.0, 20.0), 5.0)], "on another collision layer", func() -> void: rock.collision_layer = 2)
 	await check_regenerated(scatter, [square(Vector2(28.0, 20.0), 5.0)], "on the same collision layer", func() -> void: rock.collision_layer = 1)
 	await check_regenerated(scatter, [square(Vector2(28.0, 20.0), 5.0)], "freed", rock.queue_free)
 	await check_regenerated(scatter, [square(Vector2(0.0, 0.0), 5.0)], "a new one", func() -> void:
@@ -267,7 +267,7 @@ func test_bodies_are_followed() -> void:
 	check(all_transforms(scatter).any(func(one: Transform3D) -> bool: return absf(one.origin.y - 4.0) < 0.01), "on the hills")
 
 
-## Rays hit an animated body at its current position, but the ground does not follow it. Plants at its old position disappear.
+## Rays hit an animated body at its current position, but the ground does not track it. Plants at its old position disappear.
 func test_moving_bodies_are_not_followed() -> void:
 	if ProjectSettings.get_setting("threading/worker_pool/max_threads") == 0:
 		check(true, "not run: the engine's physics crashes without threads when such a body moves")
@@ -285,7 +285,7 @@ func test_moving_bodies_are_not_followed() -> void:
 	var tiles: int = scatter.get_stats()["tiles_made"]
 	await frames(60)
 	check(scatter.is_settled(), "still settled")
-	check_equal(scatter.get_stats()["tiles_made"], tiles, "no further tile is generated")
+	check_equal(scatter.get_stats()["tiles_made"], tiles, "no other tile is generated")
 	made = await regenerated_by(scatter, scatter.refresh_ground)
 	check_equal(made.size(), scatter.get_shown_tiles(scatter.layers[0]).size(), "refresh_ground casts all rays again")
 	var on_it := all_transforms(scatter).filter(func(one: Transform3D) -> bool: return one.origin.y > 1.0)
@@ -317,7 +317,7 @@ func test_refresh_ground_finds_unreported_changes() -> void:
 	PhysicsServer3D.free_rid(shape)
 
 
-## A plant must not be placed on its own scene's body, even if that is on the ground's collision layer.
+## A plant must not be placed on the body of its scene, even if that is on the ground's collision layer.
 func test_bodies_of_scenes_are_not_ground() -> void:
 	put_body(slab(100.0), Vector3(0.0, -1.0, 0.0))
 	var stump := StaticBody3D.new()
@@ -338,7 +338,7 @@ func test_bodies_of_scenes_are_not_ground() -> void:
 	await settle(scatter)
 	check(scatter.get_stats()["scenes"] > 50, "scenes are shown")
 	await create_timer(0.5).timeout
-	check(scatter.is_settled(), "scenes are no change of the ground")
+	check(scatter.is_settled(), "scenes do not change the ground")
 	scatter.regenerate()
 	await settle(scatter)
 	check(farthest_off(scatter, func(_at: Vector3) -> float: return 0.0) < 0.01, "no plant is on top of another")
@@ -385,5 +385,5 @@ func test_recentering_reads_nothing() -> void:
 	check_equal(by_id(scatter).size(), before.size(), "all instances remain")
 	plane.position += Vector3(0.0, 2.0, 0.0)
 	await settle(scatter)
-	check_equal(scatter.get_stats()["ground_reads"], reads, "the ground is followed without reading")
+	check_equal(scatter.get_stats()["ground_reads"], reads, "the ground is moved without reading")
 	check(absf(scatter.ground.get_height(Vector3.ZERO) - 3.0) < 1e-5, "at the new height")

@@ -1,7 +1,7 @@
 extends "terrain_harness.gd"
-## Tests heightmaps that change: only tiles under a change are regenerated, a worker reads large maps, and errors name invalid posts.
+## Tests heightmaps that change: only tiles under a change are regenerated, a worker reads large maps, and errors name invalid height samples.
 
-const SIDE := 257 ## Posts per side, 1 m apart.
+const SIDE := 257 ## Height samples along each axis, 1 m apart.
 
 
 func make_image(side := SIDE, format := Image.FORMAT_RF) -> Image:
@@ -22,7 +22,7 @@ func make_on_map(image: Resource, meters := true) -> TerrainScatter3D:
 	return scatter
 
 
-## Returns the tiles whose ground depends on the posts in a region.
+## Returns the tiles whose ground depends on the samples in a region.
 func tiles_under(region: Rect2i, post_spacing := 1.0) -> Array[Vector2i]:
 	var area := Rect2(Vector2(region.position) - Vector2(2.0, 2.0), Vector2(region.size) + Vector2(3.0, 3.0))
 	area = Rect2(area.position * post_spacing - Vector2(128.0, 128.0), area.size * post_spacing).grow(1.0)
@@ -39,7 +39,7 @@ func check_regenerated(scatter: TerrainScatter3D, region: Rect2i, context: Strin
 	await check_regenerated_under(scatter, under, not under.is_empty(), context, edit)
 
 
-## Checks that all plants are at the heights of an image, which a new heightmap reads with posts 1 m apart.
+## Checks that all plants are at the heights of an image, which a new heightmap reads with samples 1 m apart.
 func check_on(scatter: TerrainScatter3D, image: Image, context: String, scale := 1.0) -> void:
 	var fresh := ScatterGroundHeightmap.new()
 	fresh.heights_in_meters = scatter.ground.heights_in_meters
@@ -63,7 +63,7 @@ func test_setting_the_same_image_again() -> void:
 				scatter.ground.image = image)
 		check_on(scatter, image, "edited, format %d" % format)
 		var made := await regenerated_by(scatter, func() -> void: scatter.ground.image = image.duplicate())
-		check_equal(made.size(), 0, "the same heights in a different image")
+		check_equal(made.size(), 0, "the same heights in another image")
 		scatter.ground.image = image
 		await settle(scatter)
 		await check_regenerated(scatter, Rect2i(130, 128, 2, 3), "refresh_ground, format %d" % format, func() -> void:
@@ -112,14 +112,14 @@ func test_update_region_refuses() -> void:
 	image.set_pixel(131, 122, Color(INF, 0.0, 0.0))
 	scatter.ground.update_region(Rect2i(120, 120, 16, 16))
 	await settle(scatter)
-	check_error(["ScatterGroundHeightmap.image", "column 131", "row 122", "inf", "1000000"], "an infinite post")
+	check_error(["ScatterGroundHeightmap.image", "column 131", "row 122", "inf", "1000000"], "an infinite sample")
 	check_equal(digests(scatter, 0), before, "the instances stay")
 	check("column 131" in "\n".join(scatter.get_problems()), "among the problems")
 	image.set_pixel(131, 122, Color(2.0, 0.0, 0.0))
 	scatter.ground.update_region(Rect2i(120, 120, 16, 16))
 	await settle(scatter)
 	check_equal(scatter.get_problems().size(), 0, "no problem once it is finite")
-	check_on(scatter, image, "the post")
+	check_on(scatter, image, "the sample")
 
 
 ## Large regions are read in steps and take effect after the last step.
@@ -136,7 +136,7 @@ func test_a_large_region_is_read_in_steps() -> void:
 	while signals[0] == 0 and waited < 1000:
 		await process_frame
 		waited += 1
-	check(waited >= 20, "1.6 million posts took %d frames" % waited)
+	check(waited >= 20, "1.6 million samples took %d frames" % waited)
 	check_equal(signals[0], 1, "one signal")
 	scatter.frame_budget_usec = 20000
 	await settle(scatter)
@@ -170,7 +170,7 @@ func test_errors_name_invalid_posts() -> void:
 		image.set_pixel(200, 17, Color(bad[0], 0.0, 0.0))
 		scatter.ground.image = image
 		await settle(scatter)
-		check_error(["ScatterGroundHeightmap.image", "column 200", "row 17", bad[1], "-1000000 to 1000000"], "a post of %s" % bad[0])
+		check_error(["ScatterGroundHeightmap.image", "column 200", "row 17", bad[1], "-1000000 to 1000000"], "a sample of %s" % bad[0])
 		check("column 200" in "\n".join(scatter.get_problems()), "among the problems")
 		check_equal(digests(scatter, 0), before, "the instances stay")
 	scatter.ground.image = good
@@ -182,7 +182,7 @@ func test_errors_name_invalid_posts() -> void:
 	of_file.post_count = Vector2i(3, 2)
 	of_file.heightmap_path = path
 	check(is_nan(of_file.get_height(Vector3(1.0, 0.0, 1.0))), "no ground")
-	check_error(["ScatterGroundHeightmap.heightmap_path", "column 1", "row 1", "1.5", "0 to 1", "heights_in_meters"], "a post of a file")
+	check_error(["ScatterGroundHeightmap.heightmap_path", "column 1", "row 1", "1.5", "0 to 1", "heights_in_meters"], "a sample of a file")
 	DirAccess.remove_absolute(path)
 
 

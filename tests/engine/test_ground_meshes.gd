@@ -1,5 +1,5 @@
 extends "terrain_harness.gd"
-## Tests meshes as ground: every kind of mesh is read within the frame budget or refused with a reason.
+## Tests meshes as ground: every kind of mesh is read within the frame budget or rejected with a reason.
 
 const HALF := 4.0 ## Distance from the middle of a mesh, in meters, within which heights are compared.
 
@@ -174,7 +174,7 @@ func test_faces_are_those_of_the_engine() -> void:
 		if "two bytes" in named:
 			faces = plane(0).get_faces() # Two faces cover the same square.
 		if "vertices only" in named:
-			errors.take() # The engine fails to decode these meshes, and prints errors.
+			errors.take() # The engine fails to decode these meshes and prints errors.
 			faces = zigzag()
 		for index in faces.size():
 			faces[index] = instance.global_transform * faces[index]
@@ -245,7 +245,7 @@ func test_the_old_ground_stays_until_the_new_one_is_built() -> void:
 	check(heads.all(func(one: Transform3D) -> bool: return absf(one.origin.y - 2.0) < 1e-4), "all are on the new ground")
 
 
-## Frames read a node's first ground gradually, but a query reads it at once.
+## Frames read a node's first ground gradually, but a query reads it immediately.
 func test_a_query_reads_the_ground_at_once() -> void:
 	put(plane(10))
 	var scatter := make_on_meshes()
@@ -269,8 +269,8 @@ func test_refresh_ground_reads_the_renderers_data() -> void:
 	mesh.emit_changed()
 	scatter.refresh_ground()
 	await settle(scatter)
-	check_equal(scatter.ground.get_height(Vector3(0.5, 0.0, 0.5)), 4.0, "the ground follows")
-	check(all_transforms(scatter).all(func(one: Transform3D) -> bool: return absf(one.origin.y - 4.0) < 1e-4), "plants follow")
+	check_equal(scatter.ground.get_height(Vector3(0.5, 0.0, 0.5)), 4.0, "the ground is updated")
+	check(all_transforms(scatter).all(func(one: Transform3D) -> bool: return absf(one.origin.y - 4.0) < 1e-4), "plants are updated")
 
 
 func test_a_transform_that_is_not_finite() -> void:
@@ -286,7 +286,7 @@ func test_a_transform_that_is_not_finite() -> void:
 		await create_timer(0.3).timeout
 		if not await settle(scatter):
 			return
-		var messages := Array(errors.take()).filter(func(error: String) -> bool: return "ScatterGroundMeshes" in error) # The engine also prints an error of its own.
+		var messages := Array(errors.take()).filter(func(error: String) -> bool: return "ScatterGroundMeshes" in error) # The engine also prints an error.
 		check(messages.size() == 1 and "\"Broken\"" in messages[0] and "global_transform" in messages[0] and "finite" in messages[0], "a transform of %s: %s" % [bad, messages])
 		await create_timer(0.6).timeout
 		check_no_error("reported once")
@@ -323,7 +323,7 @@ func test_invalid_corners_are_refused() -> void:
 	check_no_error("the same reason is not reported again")
 	far.scale = Vector3.ONE
 	await settle(scatter)
-	check("\"Hole\"" in "\n".join(scatter.get_problems()), "the other mesh is still refused")
+	check("\"Hole\"" in "\n".join(scatter.get_problems()), "the other mesh is still rejected")
 	check(is_finite(scatter.ground.get_height(Vector3(0.5, 0.0, 0.5))), "the mesh that was too large is ground now")
 
 

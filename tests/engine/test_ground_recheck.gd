@@ -3,7 +3,7 @@ extends "terrain_harness.gd"
 
 const MOST_IN_A_FRAME := 16
 
-## Flat ground with a part at a different height, or without ground if `height` is NAN. Emits no signal.
+## Flat ground with a part at another height, or without ground if `height` is NAN. Emits no signal.
 class Silent extends ScatterGround:
 	var part := Rect2()
 	var height := 0.0
@@ -56,7 +56,7 @@ func wrong(scatter: TerrainScatter3D, ground: Object) -> int:
 	return count
 
 
-## Waits until `count` instances exist, all at the right height. Returns the tiles that were regenerated meanwhile.
+## Waits until `count` instances exist, all at the right height. Returns the tiles that were regenerated during that time.
 func regenerated(scatter: TerrainScatter3D, ground: Object, count: int, context: String) -> Array[Vector2i]:
 	var made: Array[Vector2i] = []
 	var note := func(_layer: ScatterLayer, tile: Vector2i) -> void: made.push_back(tile)
@@ -67,7 +67,7 @@ func regenerated(scatter: TerrainScatter3D, ground: Object, count: int, context:
 	return made
 
 
-## Changes a part of a silent ground, and checks that only tiles in this part are regenerated, once each. `all` are the instances on the
+## Changes a part of a silent ground and checks that only tiles in this part are regenerated, once each. `all` are the instances on the
 ## ground.
 func check_silent_change(
 		scatter: TerrainScatter3D, ground: Object, all: Array[Transform3D], part: Rect2, height: float, context: String) -> void:
@@ -121,7 +121,7 @@ func test_regions_that_are_loaded_later() -> void:
 	await until(func() -> bool:
 			return scatter.is_settled() and all_transforms(scatter, 0).all(is_at_height_0) \
 					and all_transforms(scatter, 1).all(is_at_height_0),
-			"all tiles of both layers follow")
+			"all tiles of both layers are updated")
 	made = scatter.get_stats()["tiles_made"] - made
 	check(made >= shown and made <= 2 * shown, "%d tiles regenerated, %d visible" % [made, shown])
 
@@ -141,7 +141,7 @@ func test_unchanged_ground_costs_few_calls_and_no_tile() -> void:
 		var queried := ground.positions_queried
 		await process_frame
 		check(scatter.is_settled(), "settled in frame %d" % frame)
-		check(ground.positions_queried - queried <= MOST_IN_A_FRAME, "%d positions at once" % (ground.positions_queried - queried))
+		check(ground.positions_queried - queried <= MOST_IN_A_FRAME, "%d positions in one frame" % (ground.positions_queried - queried))
 	check(scatter.get_stats()["ground_rechecks"] > rechecks + 50, "the ground is re-checked")
 	check(ground.calls - calls <= 121, "one call per frame")
 	check_equal(scatter.get_stats()["tiles_made"], made, "no tile is generated")
@@ -182,7 +182,7 @@ func test_a_script_that_fails_is_reported_once() -> void:
 	var calls := ground.calls
 	await frames(60)
 	check_error(["_get_heights"], "a wrong number of heights")
-	check_equal(ground.calls, calls + 1, "no further call")
+	check_equal(ground.calls, calls + 1, "no additional call")
 	ground.broken = false
 	ground.emit_changed()
 	await settle(scatter)
@@ -253,7 +253,7 @@ func test_bodies_of_the_physics_server() -> void:
 	await until(func() -> bool:
 			var on_step := all_transforms(scatter).filter(func(one: Transform3D) -> bool: return one.origin.y > 0.5)
 			return not on_step.is_empty() and on_step.all(func(one: Transform3D) -> bool: return absf(one.origin.y - 3.0) < 0.01),
-			"a moved body is followed")
+			"a moved body is detected")
 	for rid: RID in ground + step:
 		PhysicsServer3D.free_rid(rid)
 	await until(func() -> bool: return all_transforms(scatter).is_empty() and scatter.is_settled(), "no instances after the bodies were freed")

@@ -43,7 +43,7 @@ func test_updated_vertices_are_ground_after_refresh_ground() -> void:
 		mesh.emit_changed()
 		scatter.refresh_ground()
 		await settle(scatter)
-		check(absf(terrain.get_height(Vector3(1.0, 0.0, 2.0)) - 5.0) < 1e-3, "compressed %s: the ground follows" % compressed)
+		check(absf(terrain.get_height(Vector3(1.0, 0.0, 2.0)) - 5.0) < 1e-3, "compressed %s: the ground is updated" % compressed)
 		var stand := all_transforms(scatter)
 		check(stand.size() > 300 and stand.all(func(one: Transform3D) -> bool: return absf(one.origin.y - 5.0) < 1e-3),
 				"compressed %s: %d plants on it" % [compressed, stand.size()])
@@ -75,5 +75,5 @@ func test_an_updated_texture_is_ground() -> void:
 					texture.emit_changed())
 		check(made.size() >= 4 and made.size() <= 9, "by region %s: %d tiles were regenerated" % [by_region, made.size()])
 		check_equal(terrain.get_height(Vector3(125.0 - 128.0, 0.0, 124.0 - 128.0)), height, "by region %s: height" % by_region)
-		check(all_transforms(scatter).any(func(one: Transform3D) -> bool: return one.origin.y > height - 0.2), "plants follow")
+		check(all_transforms(scatter).any(func(one: Transform3D) -> bool: return one.origin.y > height - 0.2), "plants are updated")
 	check_no_error("an updated texture")

@@ -1,6 +1,6 @@
 extends "terrain_harness.gd"
 ## Tests ground from the collision shapes of static bodies, from GridMaps and from CSG nodes in the group of a ScatterGroundMeshes. The
-## ground follows when these nodes change.
+## ground is updated when these nodes change.
 
 const RADIUS := 1.0
 const DENSITY := 0.547 / (PI * 0.25) ## The number of points per square meter of surface at a radius of 1 m.
@@ -96,7 +96,7 @@ func test_only_the_top_of_a_body_without_on_surfaces() -> void:
 	await settle(scatter)
 	check_count(scatter, 400.0, "the top")
 	for transform: Transform3D in instances(scatter, 0).values():
-		check(absf(transform.origin.y - 3.0) < 1e-4, "an instance stands on the top, not at %s" % transform.origin)
+		check(absf(transform.origin.y - 3.0) < 1e-4, "an instance must be on the top, not at %s" % transform.origin)
 
 
 func test_shapes_are_followed() -> void:
@@ -120,7 +120,7 @@ func test_shapes_are_followed() -> void:
 	body.position.y = 5.0
 	await settle(scatter)
 	for transform: Transform3D in instances(scatter, 0).values():
-		check(absf(transform.origin.y - 6.0) < 1e-4, "an instance follows the body, not at %s" % transform.origin)
+		check(absf(transform.origin.y - 6.0) < 1e-4, "an instance must move with the body, not be at %s" % transform.origin)
 	body.remove_from_group(&"shapes")
 	await settle(scatter)
 	check_equal(instances(scatter, 0).size(), 0, "instances after the body has left the group")

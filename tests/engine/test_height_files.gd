@@ -9,7 +9,7 @@ func folder() -> String:
 	return arguments[0]
 
 
-## Returns a ground with posts 1 m apart, on which a 16-bit value is a height in meters.
+## Returns a ground with samples 1 m apart, on which a 16-bit value is a height in meters.
 func make_ground(path: String, count: Vector2i) -> ScatterGroundHeightmap:
 	var ground := ScatterGroundHeightmap.new()
 	ground.rect = Rect2(Vector2.ZERO, Vector2(count - Vector2i.ONE))
@@ -73,12 +73,12 @@ func test_refused_files() -> void:
 	write(SPOT, PackedByteArray([0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0]))
 	ground.heightmap_path = SPOT
 	ground.get_height(Vector3.ZERO)
-	var messages := errors.take() # The engine prints its own first.
+	var messages := errors.take() # The engine prints an error first.
 	check("ScatterGroundHeightmap.heightmap_path" in messages[-1] and "cannot read this EXR" in messages[-1], "a bad EXR file: %s" % messages)
 	write(SPOT, PackedByteArray([1, 2, 3]))
 	ground.heightmap_path = SPOT
 	check_equal(ground.get_height(Vector3(1, 0, 1)), 257.0, "the last good ground stays")
-	check_error(["ScatterGroundHeightmap.heightmap_path", "wrong size", "got 3", "post_count", SPOT], "a raw file that is no square")
+	check_error(["ScatterGroundHeightmap.heightmap_path", "wrong size", "got 3", "post_count", SPOT], "a raw file that is not square")
 
 
 func test_exr_files() -> void:
@@ -93,7 +93,7 @@ func test_exr_files() -> void:
 		ground.heights_in_meters = true
 		for y in 7:
 			for x in 9:
-				check_equal(ground.get_height(Vector3(x, 0, y)), image.get_pixel(x, y).r, "format %d, post %d, %d" % [format, x, y])
+				check_equal(ground.get_height(Vector3(x, 0, y)), image.get_pixel(x, y).r, "format %d, sample %d, %d" % [format, x, y])
 		check_equal(ground.get_summary()["format"], "16-bit EXR" if half else "32-bit EXR", "format")
 		check_equal(ground.get_summary()["lowest"], -100.0, "lowest")
 	check_no_error("EXR files")

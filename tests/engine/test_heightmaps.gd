@@ -26,7 +26,7 @@ func test_heightmap_formats() -> void:
 					continue # Skip luminance, which combines all channels.
 				var height := terrain.get_height(Vector3(-10.0 + 10.0 * x, 0.0, 5.0 + 10.0 * y))
 				var expected := 100.0 + 100.0 * (x + 0.5 * y)
-				check(absf(height - expected) < coarse, "format %d, post %d, %d: %f" % [format, x, y, height])
+				check(absf(height - expected) < coarse, "format %d, sample %d, %d: %f" % [format, x, y, height])
 		check(is_finite(terrain.get_height(Vector3(0.0, 0.0, 10.0))), "format %d has ground" % format)
 		check_no_error("format %d" % format)
 
@@ -74,7 +74,7 @@ func test_heightmap_exr() -> void:
 	terrain.image = Image.load_from_file(path)
 	for x in 9:
 		for y in 7:
-			check(absf(terrain.get_height(Vector3(x, 0.0, y)) - (x + 0.5 * y) / 8.0) < 1e-6, "post %d, %d" % [x, y])
+			check(absf(terrain.get_height(Vector3(x, 0.0, y)) - (x + 0.5 * y) / 8.0) < 1e-6, "sample %d, %d" % [x, y])
 	DirAccess.remove_absolute(path)
 
 
@@ -96,7 +96,7 @@ func test_heightmap_raw_depths() -> void:
 		terrain.max_height = 50.0
 		for post in 6:
 			var height := terrain.get_height(Vector3(post % 3, 0.0, post / 3))
-			check(absf(height - 10.0 * post) < 1e-4, "%d bytes, post %d: %f" % [depth, post, height])
+			check(absf(height - 10.0 * post) < 1e-4, "%d bytes, sample %d: %f" % [depth, post, height])
 	DirAccess.remove_absolute(path)
 	var none := ScatterGroundHeightmap.new()
 	none.post_count = Vector2i(3, 4)

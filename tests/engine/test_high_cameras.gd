@@ -1,8 +1,8 @@
 extends "picture_harness.gd"
 ## Tests high cameras and orthogonal cameras, which must see the same as low cameras, with and without fading materials. Tiles, thinning,
-## LODs and fades must use the same distance. The tests compare the fraction of red pixels. All pictures show 80 m of ground vertically.
+## LODs and fades must use the same distance. The tests compare the fraction of red pixels. All images show 80 m of ground vertically.
 
-const TALL := 80.0 ## The height of the visible ground in a picture, in meters.
+const TALL := 80.0 ## The height of the visible ground in an image, in meters.
 
 var camera: Camera3D
 
@@ -94,7 +94,7 @@ func test_high_and_orthogonal_cameras_see_the_same_as_low_ones() -> void:
 		await frames(2)
 
 
-## A camera that is not a viewer also draws a complete picture.
+## A camera that is not a viewer also draws a complete image.
 func test_a_camera_that_is_not_a_viewer_sees_everything() -> void:
 	stage()
 	var shares := {}
@@ -118,7 +118,7 @@ func test_a_camera_that_is_not_a_viewer_sees_everything() -> void:
 		check(absf(shares[true][index] / shares[false][index] - 1.15) < 0.1, "as many red pixels with a material that fades: %s" % shares)
 
 
-## Tiles surround the point on the ground at the center of the picture, whatever the ground's height.
+## Tiles surround the point on the ground at the center of the image, regardless of the ground's height.
 func test_tiles_surround_the_target_of_an_orthogonal_camera() -> void:
 	stage()
 	var terrain := ScatterGroundFlat.new()
@@ -138,7 +138,7 @@ func test_tiles_surround_the_target_of_an_orthogonal_camera() -> void:
 	check(middle.distance_to(Vector2(1000.0, -1000.0)) < layer.tile_size, "the middle of the tiles is %s" % middle)
 
 
-## A small view shows fine LODs and a large one coarse LODs, whatever the camera's distance.
+## A small view shows fine LODs and a large one coarse LODs, regardless of the camera's distance.
 func test_the_size_of_an_orthogonal_view_chooses_lods() -> void:
 	stage()
 	var layer := cubes(false)

@@ -89,7 +89,7 @@ func test_other_data() -> void:
 	await settle(scatter)
 	check_ground(scatter, node, "new data")
 	var made := await regenerated_by(scatter, func() -> void: old.notify_region_change(Rect2i(0, 0, 65, 65), CHANNEL_HEIGHT))
-	check_equal(made.size(), 0, "the old data is not followed")
+	check_equal(made.size(), 0, "changes to the old data are ignored")
 	other.resolution = 129
 	other.maps[CHANNEL_HEIGHT] = [Image.create_empty(129, 129, false, Image.FORMAT_RF)]
 	other.fill()

@@ -291,7 +291,7 @@ func test_terrain_3d() -> void:
 	var before := scatter.state.get_added_count()
 	check_equal(ImportInstances.from_node(scatter, null, terrain), 0, "a missing mesh")
 	check_error(["mesh 2"], "a missing mesh")
-	check_equal(scatter.state.get_added_count(), before, "no further instances")
+	check_equal(scatter.state.get_added_count(), before, "no additional instances")
 
 
 func test_a_moved_world() -> void:

@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Tests impostors without a renderer: baking, saving, refused input, and impostors as LODs of a layer.
+## Tests impostors without a renderer: baking, saving, rejected input, and impostors as LODs of a layer.
 
 const Bake := preload("res://addons/thicket/bake_impostors.gd")
 const Impostor := preload("res://addons/thicket/impostor.gd")
@@ -168,7 +168,7 @@ func test_a_bake_adds_a_last_lod() -> void:
 		check_equal(bake.begin(layer, "user://impostors", "stones"), OK, "a scene, %d" % time)
 		await run_to_end(bake)
 		layer.meshes = bake.meshes
-		check((layer.meshes[0] as ScatterModel).scene == scene, "the model follows the scene")
+		check((layer.meshes[0] as ScatterModel).scene == scene, "the model uses the scene")
 		check_equal(layer.get_mesh_lods(0).map(func(lod: ScatterLod) -> bool: return lod.mesh == bake.baked[0]), [false, true], "LODs of the scene")
 	bake.files.append("user://impostors/stones_impostor_2.res")
 	check_equal(bake.begin(layer, "user://impostors", "a/b"), ERR_INVALID_PARAMETER, "an invalid name")

@@ -1,7 +1,7 @@
 extends "harness.gd"
 ## Tests that points near tile borders are cached for all tiles that need them.
 
-## Runs `make` and returns the number of points computed meanwhile.
+## Runs `make` and returns the number of points computed during the call.
 func points_computed_by(scatter: TerrainScatter3D, make: Callable) -> int:
 	var before: int = scatter.get_stats()["points_computed"]
 	await make.call()

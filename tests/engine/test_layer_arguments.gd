@@ -1,5 +1,5 @@
 extends "queries_harness.gd"
-## Tests methods that take layers. They accept a layer or its name and refuse everything else. Results, signals and predicates contain the
+## Tests methods that take layers. They accept a layer or its name and reject everything else. Results, signals and predicates contain the
 ## layer itself.
 
 const RECT := Rect2(-20, -20, 40, 40)
@@ -97,7 +97,7 @@ func test_methods_take_a_layer_or_its_name() -> void:
 	check_no_error("layers and their names")
 
 
-## Sorts explanations by id, because their order follows the layers that were passed. Any other result is returned unchanged.
+## Sorts explanations by id, because their order depends on the layers that were passed. Any other result is returned unchanged.
 func in_order(found: Variant) -> Variant:
 	if found is Array and not found.is_empty() and found[0] is Array:
 		found.sort_custom(func(a: Array, b: Array) -> bool: return a[1] < b[1])
@@ -112,25 +112,25 @@ func test_methods_refuse_everything_else() -> void:
 	calls["request_sphere"] = func(layers: Variant) -> Array: return no_result(scatter.request_sphere(HERE, 10.0, layers))
 	for method in calls:
 		for wrong in refused():
-			check(not finds(calls[method].call(wrong[0])), "%s finds nothing of %s" % [method, wrong[0]])
+			check(not finds(calls[method].call(wrong[0])), "%s finds no instance of %s" % [method, wrong[0]])
 			check_error(["TerrainScatter3D.%s: " % method, wrong[1]], "%s of %s" % [method, wrong[0]])
 	for method in calls_for_layers(scatter):
 		for wrong in refused():
-			check(not finds(calls[method].call(["trees", wrong[0]])), "%s finds nothing of a list with %s" % [method, wrong[0]])
+			check(not finds(calls[method].call(["trees", wrong[0]])), "%s finds no instance of a list with %s" % [method, wrong[0]])
 			check_error(["TerrainScatter3D.%s: " % method, wrong[1]], "%s of a list with %s" % [method, wrong[0]])
-		check(not finds(calls[method].call(PackedInt32Array([0]))), "%s finds nothing of an array of indices" % method)
+		check(not finds(calls[method].call(PackedInt32Array([0]))), "%s finds no instance of an array of indices" % method)
 		check_error(["TerrainScatter3D.%s: " % method, "not [0]"], "%s of an array of indices" % method)
 	var queries := queries_of(scatter.make_snapshot())
 	for method in queries:
 		check(finds(queries[method].call("ferns")), "a snapshot's %s" % method)
 		for wrong in refused():
-			check(not finds(queries[method].call(wrong[0])), "a snapshot's %s finds nothing of %s" % [method, wrong[0]])
+			check(not finds(queries[method].call(wrong[0])), "a snapshot's %s finds no instance of %s" % [method, wrong[0]])
 			check_error(["ScatterSnapshot.%s: " % method, wrong[1]], "a snapshot's %s of %s" % [method, wrong[0]])
 	await frames(1)
 
 
 func no_result(request: ScatterRequest) -> Array:
-	check(request.is_completed(), "a refused request is completed")
+	check(request.is_completed(), "a rejected request is completed")
 	return Array(request.get_result().ids)
 
 
@@ -149,7 +149,7 @@ func test_results_have_the_layers() -> void:
 		return layer == scatter.layers[0]).ids, scatter.query_rect(RECT, "trees").ids, "a predicate gets the layer")
 	var layers := found.layers
 	layers.clear()
-	check_equal(found.layers.size(), 2, "a script's changes of the list do not matter")
+	check_equal(found.layers.size(), 2, "a script's changes to the list have no effect")
 	# A result keeps its layers after they were removed from the list, and after the node was freed.
 	var fern := scatter.get_instance(found.get_id(found.size() - 1))
 	var ferns := scatter.layers[1]
@@ -161,7 +161,7 @@ func test_results_have_the_layers() -> void:
 
 func test_all_layers() -> void:
 	var scatter := await make_forest()
-	check_equal(scatter.get_all_layers(), scatter.layers, "without biomes, the node's own")
+	check_equal(scatter.get_all_layers(), scatter.layers, "without biomes, the node's layers")
 	scatter.get_all_layers().clear()
 	check_equal(scatter.layers.size(), 2, "a copy")
 	scatter.layers = [scatter.layers[0], null, scatter.layers[1]]
@@ -176,7 +176,7 @@ func test_a_renamed_layer() -> void:
 	var ferns := scatter.query_rect(RECT, "ferns").ids
 	var snapshot := scatter.make_snapshot()
 	scatter.layers[1].resource_name = "bracken"
-	check_equal(scatter.query_rect(RECT, "bracken").ids, ferns, "the new name is valid at once")
+	check_equal(scatter.query_rect(RECT, "bracken").ids, ferns, "the new name is valid immediately")
 	check_equal(scatter.query_rect(RECT, "ferns").size(), 0, "the old one is not")
 	check_error(["No layer is named \"ferns\": the names are \"trees\", \"bracken\""], "the old name")
 	check_equal(snapshot.query_rect(RECT, "ferns").ids, ferns, "a snapshot has the names of its time")

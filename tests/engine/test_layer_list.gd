@@ -61,7 +61,7 @@ func test_deleting_a_layer_moves_no_other() -> void:
 				moved += int(stays and after[layer_name][id] != before[layer_name][id])
 		check(all > 10_000, "%d instances before" % all)
 		check_equal(moved, 0, "moved without " + deleted)
-		# Only grass keeps away from stones. Without spruces, there are more birches and bushes, from which other layers keep away.
+		# Only grass keeps a distance from stones. Without spruces, there are more birches and bushes, from which other layers keep a distance.
 		check(kept > (0.99 if deleted == "Stone" else 0.9) * all, "%d of %d stay without %s" % [kept, all, deleted])
 		scatter.free()
 
@@ -91,7 +91,7 @@ func test_layers_get_ids_when_they_are_added() -> void:
 	check_equal(ids(scatter), [0, -1, 2, 1, 4], "the index if it is free")
 	var last := scatter.layers[4]
 	scatter.layers = [pinned, make_layer(), last]
-	check_equal(ids(scatter), [1, 0, 4], "else the lowest free id; the others keep theirs")
+	check_equal(ids(scatter), [1, 0, 4], "otherwise the lowest free ID; the others keep theirs")
 	scatter.layers = [last, scatter.layers[1], pinned]
 	check_equal(ids(scatter), [4, 0, 1], "reordered")
 	last.layer_id = -1
@@ -150,10 +150,10 @@ func test_changes_of_the_array_take_effect_at_once() -> void:
 	check(scatter.get_shown_tiles(scatter.layers[0]).size() > 4, "they are visible")
 	scatter.layers.append(named("fern", 2.0))
 	await settle(scatter)
-	check(scatter.get_shown_tiles(scatter.layers[1]).size() > 4, "also noticed without a query")
+	check(scatter.get_shown_tiles(scatter.layers[1]).size() > 4, "also detected without a query")
 	var before := standing(scatter, 0)
 	scatter.layers[1].density = 0.5
-	check(not scatter.is_settled(), "changes of an appended layer are noticed")
+	check(not scatter.is_settled(), "changes to an appended layer are detected")
 	await settle(scatter)
 	scatter.layers.reverse()
 	check(standing(scatter, 1) == before, "the same oaks at a new index")
@@ -162,7 +162,7 @@ func test_changes_of_the_array_take_effect_at_once() -> void:
 	check(standing(scatter, 0) == before, "the same oaks alone")
 	await settle(scatter)
 	gone.density = 1.0
-	check(scatter.is_settled(), "changes of a removed layer are ignored")
+	check(scatter.is_settled(), "changes to a removed layer are ignored")
 	scatter.layers.clear()
 	check(standing(scatter, 0).is_empty(), "no instances without layers")
 	check_error(["layers"], "a query without layers")
@@ -183,9 +183,9 @@ func test_references_follow_a_renamed_layer() -> void:
 	var shown_count: Array[int] = [0]
 	scatter.tile_shown.connect(func(_layer: ScatterLayer, _tile: Vector2i) -> void: shown_count[0] += 1)
 	oak.resource_name = "elm"
-	check_equal(fern.spacing.keys(), ["elm", "moss"], "spacing follows, in its order")
+	check_equal(fern.spacing.keys(), ["elm", "moss"], "spacing is updated, in its order")
 	check_equal(fern.spacing.values(), [3.0, 1.0], "with its distances")
-	check_equal(fern.proximity_layer, "elm", "proximity follows")
+	check_equal(fern.proximity_layer, "elm", "proximity is updated")
 	check_equal(scatter.get_problems(), PackedStringArray(), "no problems")
 	await settle(scatter)
 	check(shown_count[0] == 0 and digests(scatter, 1) == shown, "no tile is regenerated")
@@ -196,14 +196,14 @@ func test_references_follow_a_renamed_layer() -> void:
 	check_equal(fern.spacing.keys(), ["fern tree", "moss"], "typed letter by letter, with an empty name and the name of a second layer in between")
 	check_equal(moss.spacing.keys(), ["fern"], "references to the second layer stay")
 	oak.resource_name = "fern"
-	check_equal(fern.spacing.keys(), ["fern tree", "moss"], "references do not follow to a name that is already used")
+	check_equal(fern.spacing.keys(), ["fern tree", "moss"], "references are not updated to a name that is already used")
 	check("the name of an earlier layer" in "".join(scatter.get_problems()), "which is reported")
 	oak.resource_name = "oak"
 	check_equal(fern.spacing.keys(), ["oak", "moss"], "until the name is unique")
 	moss.resource_name = "oak"
 	check_equal(fern.spacing.keys(), ["oak", "moss"], "a second oak")
 	oak.resource_name = "elm"
-	check_equal(fern.spacing, {"oak": 3.0}, "the other layer has the old name, and is meant from now on, with the larger distance")
+	check_equal(fern.spacing, {"oak": 3.0}, "the references now mean the other layer, which has the old name, with the larger distance")
 
 
 ## References to a layer and to its name have the same effect.
@@ -286,7 +286,7 @@ func test_references_in_a_saved_scene() -> void:
 	DirAccess.remove_absolute(path)
 
 
-## While a changed list regenerates tiles, a layer's count contains only its own instances, whatever its index in the list.
+## While a changed list regenerates tiles, a layer's count contains only its own instances, regardless of its index in the list.
 func test_counts_belong_to_their_layers_while_the_list_changes() -> void:
 	var dense := make_layer(3.0)
 	var sparse := make_layer(12.0)

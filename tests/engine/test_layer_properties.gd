@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Tests the properties of a layer: saving and loading, refused values, change signals, and warnings.
+## Tests the properties of a layer: saving and loading, rejected values, change signals, and warnings.
 
 const SPOT := "user://thicket_layer"
 
@@ -175,7 +175,7 @@ func test_refused() -> void:
 	var many := PackedInt32Array()
 	many.resize(257)
 	refuse(layer, "ground_textures", many, ["wrong size", "257"])
-	check_full(layer, "before all refused values")
+	check_full(layer, "before all rejected values")
 
 
 func test_refused_values_of_a_source() -> void:
@@ -198,10 +198,10 @@ func test_refused_spacing() -> void:
 		many[str(index)] = 1.0
 	refuse(layer, "spacing", many, ["wrong size", "17"])
 	layer.set("spacing", {"Oaks": "near"})
-	check_error(["ScatterLayer.spacing", "finite"], "a text is not a number")
+	check_error(["ScatterLayer.spacing", "finite"], "a string is not a number")
 	for bad: Variant in [[1, 2], "text", 5]:
 		layer.set("spacing", bad)
-	check_no_error("values of a different type are never set")
+	check_no_error("values of another type are never set")
 	layer.spacing.set("Oaks", -7.0)
 	check_error(["read-only"], "an edit that bypasses the checks")
 	layer.spacing = {"Oaks": 1000.0, "Stones": 1}
@@ -249,8 +249,8 @@ func test_wrong_resources() -> void:
 	for property: String in sources:
 		var before: Variant = layer.get(property)
 		layer.set(property, BoxMesh.new())
-		check_equal(layer.get(property), before, property + " refuses a mesh")
-	check_no_error("values of a different class are never set")
+		check_equal(layer.get(property), before, property + " rejects a mesh")
+	check_no_error("values of another class are never set")
 
 
 ## Checks that `edit` causes exactly one warning, which contains `words`, on a valid layer. Expects no warning if `words` is empty.

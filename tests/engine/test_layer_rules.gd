@@ -1,5 +1,5 @@
 extends "rules_harness.gd"
-## Tests a layer's rules: each removes instances according to its density and changes nothing else.
+## Tests a layer's rules: each removes instances according to its density and has no other effect.
 
 ## Ground with two textures that blend along x.
 class Textured extends Node3D:
@@ -84,7 +84,7 @@ func test_painted_mask() -> void:
 	await check_rule(scatter, "mask", mask, func(at: Vector3) -> float: return mask.sample(Vector2(at.x, at.z)))
 
 
-## A dab changes only the instances under it, and regenerates only the tiles that it touches. Restoring the pixels undoes the dab.
+## A dab changes only the instances under it and regenerates only the tiles that it touches. Restoring the pixels undoes the dab.
 func test_dabs() -> void:
 	var layer := make_layer()
 	var mask := ScatterMask.new()

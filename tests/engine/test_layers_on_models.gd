@@ -1,6 +1,6 @@
 extends "collision_harness.gd"
 ## Tests layers that grow on the models of other layers, such as moss on boulders. Covers removals, additions, moves, saved states, queries,
-## changes of the models and of the boulders' settings, and invalid settings.
+## changes to the models and to the boulders' settings, and invalid settings.
 
 const STONES := 0
 const MOSS := 1
@@ -183,7 +183,7 @@ func test_moss_follows_the_boulders_settings_and_models() -> void:
 			stones.set(change[0], change[1])
 		await settle(scatter)
 		var moss := instances(scatter, MOSS)
-		check(moss.size() > 500, "moss after a change of %s: %d" % [change[0], moss.size()])
+		check(moss.size() > 500, "moss after a change to %s: %d" % [change[0], moss.size()])
 		check_on(instances(scatter, STONES).values(), moss, change[0])
 	stones.max_scale = 1.0
 	var mesh: SphereMesh = stones.meshes[0]
@@ -224,7 +224,7 @@ func test_references_and_mistakes() -> void:
 	await settle(scatter)
 	stones.resource_name = "Rocks"
 	await settle(scatter)
-	check_equal(moss.surface_layers, ["Rocks"], "the reference follows a new name")
+	check_equal(moss.surface_layers, ["Rocks"], "the reference is updated to the new name")
 	check(instances(scatter, MOSS).size() > 1000, "and so does the moss")
 	moss.surface_layers = [stones]
 	check_equal(moss.surface_layers, ["Rocks"], "a layer is stored by its name")

@@ -102,8 +102,8 @@ func test_leaving_and_reentering_the_tree() -> void:
 	scatter.reparent(other_world)
 	other_world.add_child(Node3D.new())
 	scatter.viewers = [scatter.get_path_to(viewer)]
-	check_equal(scatter.get_stats()["tiles"], 0, "tiles on entering a different world")
-	await until(has_tiles.bind(scatter), "tiles in a different world")
+	check_equal(scatter.get_stats()["tiles"], 0, "tiles on entering another world")
+	await until(has_tiles.bind(scatter), "tiles in another world")
 
 
 func test_changed_in_mid_generation() -> void:

@@ -57,7 +57,7 @@ func check_same(before: Dictionary[int, Transform3D], after: Dictionary[int, Tra
 			worst = maxf(worst, before[id].basis[axis].distance_to(after[id].basis[axis]))
 		worst = maxf(worst, before[id].origin.distance_to(after[id].origin))
 	check_equal(after.size(), before.size(), "%s: number of instances" % context)
-	check(worst < 2e-3, "%s: instances keep their places on the deck, to within %s m" % [context, worst])
+	check(worst < 2e-3, "%s: instances keep their positions on the deck, to within %s m" % [context, worst])
 
 
 func places() -> Array[Transform3D]:
@@ -73,7 +73,7 @@ func test_instances_move_and_turn_with_the_node() -> void:
 	var made: int = scatter.get_stats().tiles_made
 	for place in places():
 		ship.global_transform = place
-		check_same(before, on_deck(scatter), "at once after a move to %s" % place.origin)
+		check_same(before, on_deck(scatter), "immediately after a move to %s" % place.origin)
 		await settle(scatter)
 		check_same(before, on_deck(scatter), "later at %s" % place.origin)
 	await create_timer(0.6).timeout
@@ -111,7 +111,7 @@ func test_queries_take_places_of_the_engine() -> void:
 		ship.global_transform = place
 		var id: int = before.keys()[17]
 		var at := place * before[id].origin
-		check_equal(scatter.query_nearest(at, 5.0).id, id, "the nearest to its own place")
+		check_equal(scatter.query_nearest(at, 5.0).id, id, "the nearest to its position")
 		var above := place * (before[id].origin + Vector3(0.0, 5.0, 0.0))
 		var below := place * (before[id].origin - Vector3(0.0, 5.0, 0.0))
 		check_equal(scatter.query_ray(above, below).id, id, "the first on a ray down the mast")
@@ -119,7 +119,7 @@ func test_queries_take_places_of_the_engine() -> void:
 		for index in near.size():
 			check(near.get_position(index).distance_to(at) <= 3.001, "%d is in the sphere" % near.get_id(index))
 		check(near.size() > 5, "%d are in the sphere" % near.size())
-		check(scatter.get_instance(id).transform.origin.distance_to(at) < 2e-3, "the place of an instance by its id")
+		check(scatter.get_instance(id).transform.origin.distance_to(at) < 2e-3, "the position of an instance by its ID")
 
 
 func test_felled_and_placed_instances_stay_with_the_node() -> void:
@@ -181,7 +181,7 @@ func test_bodies_move_with_the_node() -> void:
 		check(not hit.is_empty() and hit.collider == scatter, "a ray meets the body at %s: %s" % [place.origin, hit])
 
 
-## The node moves in every frame. Bodies that do not fit into the budget of a frame must follow in later frames, including the farthest ones.
+## The node moves in every frame. Bodies that do not fit into the budget of a frame must be moved in later frames, including the farthest ones.
 func test_no_body_stays_behind_a_node_that_moves_in_every_frame() -> void:
 	var scatter := make_ship(ScatterGroundFlat.new())
 	var layer := scatter.layers[0]
@@ -265,5 +265,5 @@ func test_two_nodes_share_a_ground_in_their_own_spaces() -> void:
 	var still := fixed.query_rect(Rect2(-HALF, 2.0 * HALF))
 	check(still.size() > 300, "the other node has %d instances" % still.size())
 	for index in still.size():
-		if not check(absf(still.get_position(index).y - 6.0) < 1e-3, "the other node's instances follow the deck"):
+		if not check(absf(still.get_position(index).y - 6.0) < 1e-3, "the other node's instances move with the deck"):
 			return

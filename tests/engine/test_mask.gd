@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Tests ScatterMask: painting, saved data, undo, refused input, and the signals that layers emit.
+## Tests ScatterMask: painting, saved data, undo, rejected input, and the signals that layers emit.
 
 const SPOT := "user://thicket_mask"
 
@@ -30,7 +30,7 @@ func samples(mask: ScatterMask, center: Vector2, reach: float) -> PackedFloat32A
 	return result
 
 
-## Checks that setting a value causes one error that names the property, and changes nothing.
+## Checks that setting a value causes one error that names the property and has no effect.
 func refuse(mask: ScatterMask, property: StringName, value: Variant, words: Array) -> void:
 	var signals := SignalLog.new(mask)
 	var before: Variant = mask.get(property)

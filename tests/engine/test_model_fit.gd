@@ -20,17 +20,17 @@ func test_fit_to_meshes() -> void:
 	var width := 0.5 * (box.size.x + box.size.z)
 	check(layer.radius > 0.5 * width and layer.radius <= width, "as far apart as the crown is wide: %f of %f" % [layer.radius, width])
 	check(is_equal_approx(layer.instance_height, box.end.y), "as high as the model: %f" % layer.instance_height)
-	check_equal(layer.collision_shape, ScatterLayer.COLLISION_MODEL, "the model's own shapes")
+	check_equal(layer.collision_shape, ScatterLayer.COLLISION_MODEL, "the shapes of the model")
 	check(layer.instance_radius < reach and layer.instance_radius > 1.0, "as thick as the shapes: %f" % layer.instance_radius)
 	layer = ScatterLayer.new()
 	layer.meshes = [box(Vector3(1.0, 0.5, 3.0), null)]
 	layer.fit_to_meshes()
-	check(is_equal_approx(layer.radius, 3.2), "a solid thing lies apart: %f" % layer.radius)
+	check(is_equal_approx(layer.radius, 3.2), "solid objects have space between them: %f" % layer.radius)
 	check_equal(layer.get_model_kind(), ScatterLayer.KIND_ROCK, "it is taken for a rock")
 	check_equal(layer.collision_shape, ScatterLayer.COLLISION_NONE, "a mesh has no shapes")
 
 
-## Instances of a fitted layer vary and are sunk slightly into the ground. A pivot beside the trunk does not increase the radius.
+## Instances of a fitted layer vary and are sunk slightly into the ground. A pivot next to the trunk does not increase the radius.
 func test_a_fitted_layer_looks_natural() -> void:
 	var layer := make_layer(6.0)
 	layer.meshes = [pack(make_tree())]
@@ -72,7 +72,7 @@ func test_kinds_differ() -> void:
 		seen[values] = true
 		check(layer.min_scale < 1.0 and layer.max_scale > 1.0 and layer.max_tilt_degrees > 0.0 and layer.height_offset < 0.0, "kind %d varies: %s" % [kind, values])
 	check_equal(seen.size(), 4, "four kinds")
-	check_equal(layer.get_model_kind(), ScatterLayer.KIND_TREE, "the meshes' own kind stays")
+	check_equal(layer.get_model_kind(), ScatterLayer.KIND_TREE, "the kind of the meshes stays")
 	var before := layer.radius
 	check(not layer.fit_to_meshes(9 as ScatterLayer.ModelKind), "refused")
 	check_error(["ScatterLayer.kind", "between 0 and 4", "got 9"], "an unknown kind")

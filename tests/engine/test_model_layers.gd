@@ -1,5 +1,5 @@
 extends "models_harness.gd"
-## Tests models in a layer's meshes: entries, LODs by distance, bodies, and refused input.
+## Tests models in a layer's meshes: entries, LODs by distance, bodies, and rejected input.
 
 const RADIUS := 6.0
 
@@ -43,9 +43,9 @@ func test_entries() -> void:
 	var layer := make_model_layer([mesh, scene, model, null])
 	check_equal(layer.meshes, [mesh, scene, model, null], "the list reads back")
 	layer.meshes = [mesh, ImageTexture.new()]
-	check_error(["ScatterLayer.meshes[1]", "ImageTexture"], "a resource of a different class")
+	check_error(["ScatterLayer.meshes[1]", "ImageTexture"], "a resource of another class")
 	layer.meshes = ["res://tree.glb"]
-	check_error(["ScatterLayer.meshes[0]", "no resource"], "a text")
+	check_error(["ScatterLayer.meshes[0]", "no resource"], "a string")
 	layer.meshes = [mesh, PackedScene.new()]
 	check_error(["ScatterModel.scene", "it is empty"], "an empty scene")
 	check_equal(layer.meshes, [mesh, scene, model, null], "the old list stays")
@@ -75,7 +75,7 @@ func test_a_list_that_is_changed_in_place() -> void:
 	await settle(scatter)
 	var list := layer.meshes
 	list.append(pack(make_tree()))
-	check(not scatter.is_settled(), "the node notices the change at once")
+	check(not scatter.is_settled(), "the node detects the change immediately")
 	await settle(scatter)
 	var tile := scatter.get_tile(scatter.layers[0], scatter.get_shown_tiles(scatter.layers[0])[0])
 	check_equal(tile.get_mesh_count(), 2, "it draws the added scene")
@@ -86,7 +86,7 @@ func test_a_list_that_is_changed_in_place() -> void:
 	var kept := list.duplicate()
 	list.append(ImageTexture.new())
 	await settle(scatter)
-	check_error(["ScatterLayer.meshes[2]", "ImageTexture"], "a refused change")
+	check_error(["ScatterLayer.meshes[2]", "ImageTexture"], "a rejected change")
 	check_equal(layer.meshes, kept, "the old list is restored")
 	layer.meshes.resize(257)
 	await settle(scatter)
@@ -282,7 +282,7 @@ func test_a_reimported_scene_is_read_again() -> void:
 	ResourceSaver.save(pack(other), "user://oak.tscn")
 	layer.reload_scenes(["user://elm.tscn"])
 	await settle(scatter)
-	check_equal(scatter.get_tile(scatter.layers[0], tile).get_mesh(0).get_surface_count(), 2, "a different file has changed")
+	check_equal(scatter.get_tile(scatter.layers[0], tile).get_mesh(0).get_surface_count(), 2, "another file has changed")
 	layer.reload_scenes(["user://oak.tscn"])
 	await settle(scatter)
 	check_equal(scatter.get_tile(scatter.layers[0], tile).get_mesh(0).get_aabb().size, Vector3.ONE * 3.0, "after the change")

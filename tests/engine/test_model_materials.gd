@@ -39,4 +39,4 @@ func test_the_name_of_a_material_is_its_own_or_that_of_its_file() -> void:
 	ResourceSaver.save(material, "user://moss.tres")
 	check_equal(model.get_material_name(load("user://moss.tres")), "moss", "the file's")
 	material.resource_name = "Fern"
-	check_equal(model.get_material_name(material), "Fern", "its own")
+	check_equal(model.get_material_name(material), "Fern", "its own name")

@@ -22,7 +22,7 @@ func test_one_part_of_a_pack() -> void:
 		var model := ScatterModel.new()
 		model.scene_part = path
 		model.scene = scene
-		check(model.get_aabb().is_equal_approx(boxes[path]), "%s stands at the origin: %s" % [path, model.get_aabb()])
+		check(model.get_aabb().is_equal_approx(boxes[path]), "%s is at the origin: %s" % [path, model.get_aabb()])
 	var model := ScatterModel.new()
 	model.scene = scene
 	check(model.get_aabb().size.x > 40.0, "without a path, the whole scene")

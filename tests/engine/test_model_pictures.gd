@@ -1,5 +1,5 @@
 extends "models_harness.gd"
-## Tests that scattered scenes look like the scenes themselves. Compares pictures of both, so it needs a renderer.
+## Tests that scattered scenes look like the scenes themselves. Compares screenshots of both, so it needs a renderer.
 
 ## The maximum fraction of pixels that may differ, because edges may fall on the other side of a sample.
 const MOST_DIFFERENT := 0.004
@@ -102,7 +102,7 @@ func make_meadow(radius: float, lod_distance: float, shadow: ScatterLod.CastShad
 	return make_scatter([layer], ScatterGroundFlat.new(), camera)
 
 
-## Returns the fraction of the picture that changes with the shadows of the meadow that make_meadow returns.
+## Returns the fraction of the image that changes with the shadows of the meadow that make_meadow returns.
 func shadow_of_meadow(radius: float, lod_distance: float, shadow: ScatterLod.CastShadow,
 		by_layer := GeometryInstance3D.SHADOW_CASTING_SETTING_ON) -> float:
 	var scatter := make_meadow(radius, lod_distance, shadow)
@@ -132,10 +132,10 @@ func test_far_lods_of_a_dense_layer_cast_no_shadow_by_default() -> void:
 			await shadow_of_meadow(0.8, 7.0, by_itself, GeometryInstance3D.SHADOW_CASTING_SETTING_DOUBLE_SIDED),
 	}
 	for kind: String in shadows:
-		check(shadows[kind] > 0.05, "the shadow %s changes %f of the picture" % [kind, shadows[kind]])
+		check(shadows[kind] > 0.05, "the shadow %s changes %f of the image" % [kind, shadows[kind]])
 
 
-## Checks that a scattered scene looks like nodes of that scene at the same transforms. Returns the picture.
+## Checks that a scattered scene looks like nodes of that scene at the same transforms. Returns the screenshot.
 func compare(packed: PackedScene) -> Image:
 	var camera := make_stage()
 	var empty: Image = await take_picture()

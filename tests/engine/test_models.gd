@@ -1,5 +1,5 @@
 extends "models_harness.gd"
-## Tests scenes as models: reading, merging parts into one mesh, LODs, shapes, and refused input.
+## Tests scenes as models: reading, merging parts into one mesh, LODs, shapes, and rejected input.
 
 
 func test_a_scene_is_read_part_by_part() -> void:
@@ -45,7 +45,7 @@ func test_normals_and_tangents_follow_their_parts() -> void:
 		var corner := indices[index]
 		var tangent := Vector3(tangents[4 * corner], tangents[4 * corner + 1], tangents[4 * corner + 2])
 		bent += int(flat.dot(normals[corner]) < 0.999 or absf(tangent.dot(flat)) > 0.01)
-	check_equal(bent, 0, "normals that differ from those of their faces")
+	check_equal(bent, 0, "normals that differ from the normals of their faces")
 
 
 func test_a_single_mesh_is_used_directly() -> void:

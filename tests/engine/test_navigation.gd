@@ -4,7 +4,7 @@ extends "harness.gd"
 const CELL := 0.125  ## The cell size and cell height in meters.
 const AGENT := 0.5   ## The agent's radius in meters.
 const TRUNK := 0.4   ## The layer's instance_radius in meters.
-const SIDE := 48.0   ## The side of the ground in meters. The ground is centered at the origin.
+const SIDE := 48.0   ## The edge length of the ground in meters. The ground is centered at the origin.
 const ERROR := 0.2   ## The tolerance in meters for the simplified outline of a baked mesh and the size of its cells.
 
 
@@ -68,7 +68,7 @@ func obstructions(region: NavigationRegion3D) -> Array:
 
 
 ## Returns the distance on the map, in meters, from a position to the nearest polygon of a mesh. Returns 0 inside a polygon.
-## If `height` is not NAN, only polygons within a meter of that height count.
+## If `height` is not NAN, only polygons within a meter of that height are included.
 func clearance(mesh: NavigationMesh, at: Vector2, height := NAN) -> float:
 	var least := INF
 	var vertices := mesh.get_vertices()
@@ -154,8 +154,8 @@ func test_levels_of_a_layer_on_surfaces() -> void:
 		blocked[own] += int(clearance(mesh, at, own) > TRUNK + AGENT - ERROR)
 		open[other] += int(clearance(mesh, at, other) == 0.0)
 	for height: float in blocked:
-		check(blocked[height] > 30, "at %.0f m, %d instances block the level they stand on" % [height, blocked[height]])
-		check(open[height] > 20, "at %.0f m, the level is open at %d places where an instance stands on the other one" % [height, open[height]])
+		check(blocked[height] > 30, "at %.0f m, %d instances block the level on which they are placed" % [height, blocked[height]])
+		check(open[height] > 20, "at %.0f m, the level is open at %d positions where an instance is on the other level" % [height, open[height]])
 	check_equal(blocked[0.0] + blocked[UPPER], checked(found), "every instance blocks its level")
 
 
@@ -237,7 +237,7 @@ func test_scale_tilt_and_height() -> void:
 	check(clearance(mesh, Vector2(12, 12)) > TRUNK, "an obstacle at head height")
 
 
-## Instances with an extreme scale are ignored and reported, wherever they are and however many there are.
+## Instances with an extreme scale are ignored and reported, regardless of their position and number.
 func test_giant_instances_are_ignored() -> void:
 	var region := make_region()
 	var scatter := plant(region, [solid_layer()])
@@ -256,7 +256,7 @@ func test_giant_instances_are_ignored() -> void:
 	scatter.state.clear()
 	check(obstructions(region).size() == expected, "as before")
 	scatter.add_instance(scatter.layers[0], Transform3D(Basis.from_scale(Vector3(200, 1, 200)), Vector3(90, 0, 0)))
-	check(obstructions(region).size() == expected + 1, "a large instance counts")
+	check(obstructions(region).size() == expected + 1, "a large instance is an obstruction")
 	check(clearance(bake(region), Vector2(20, 0)) > 5.0, "and blocks agents")
 
 
@@ -357,7 +357,7 @@ func test_settings_of_layers() -> void:
 	layer.collision_distance = 0.0
 	check_equal(obstructions(region).size(), all, "without bodies")
 	layer.collision_layer = 4
-	check_equal(obstructions(region).size(), all, "a different physics layer")
+	check_equal(obstructions(region).size(), all, "another physics layer")
 	region.navigation_mesh.geometry_collision_mask = 3
 	check_equal(obstructions(region).size(), 0, "a physics layer that the bake excludes")
 	region.navigation_mesh.geometry_parsed_geometry_type = NavigationMesh.PARSED_GEOMETRY_MESH_INSTANCES
@@ -391,7 +391,7 @@ func test_nodes_are_added_and_removed_between_bakes() -> void:
 	other.ground = null
 	check_equal(obstructions(region).size(), 0, "without a ground")
 	other.free()
-	check(clearance(bake(region), Vector2.ZERO) == 0.0, "nothing is in the way")
+	check(clearance(bake(region), Vector2.ZERO) == 0.0, "there is no obstruction")
 
 
 ## A ground that removes a node from the tree and frees it during a query.

@@ -1,7 +1,7 @@
 extends "edits_harness.gd"
-## Tests layers that refer to each other by name: which layer keeps away from which, and how a change affects the others.
+## Tests layers that refer to each other by name: which layer keeps a distance from which, and how a change affects the others.
 
-## Returns the smallest distance on the map from a layer's instances near the origin to those of a second layer.
+## Returns the smallest distance on the map from a layer's instances near the origin to the instances of a second layer.
 func gap(scatter: TerrainScatter3D, layer: int, other: int) -> float:
 	var least := INF
 	var others := map_positions(scatter, other)
@@ -97,7 +97,7 @@ func test_proximity() -> void:
 		check(distance < 4.0 + FLOATS or position.length() > 60.0, "a fern without an oak, %f m away" % distance)
 		counts[int(distance > 2.0)] += 1
 	# The inner area is a third of the outer area. A linear density averages 3/4 in the inner area and 1/3 in the outer one.
-	check(counts[0] > 50 and counts[1] > 50, "ferns near and further away: %s" % [counts])
+	check(counts[0] > 50 and counts[1] > 50, "ferns near and farther away: %s" % [counts])
 	check(3 * counts[0] > counts[1], "they thin out: %s" % [counts])
 	scatter.layers = [fern, scatter.layers[OAK]]
 	check("before" in "".join(scatter.get_problems()), "a warning for proximity to a later layer")
@@ -115,7 +115,7 @@ func test_names() -> void:
 	scatter.layers[OAK].resource_name = "elm"
 	scatter.layers[FERN].spacing = {"oak": SPACING}
 	await settle(scatter)
-	check(digests(scatter, FERN) != spaced, "no layer to keep away from")
+	check(digests(scatter, FERN) != spaced, "no layer to keep a distance from")
 	scatter.layers[OAK].resource_name = "oak"
 	await settle(scatter)
 	check(digests(scatter, FERN) == spaced, "the oaks are back")
@@ -143,7 +143,7 @@ func test_refused_layers_keep_their_last_valid_state() -> void:
 	check_no_error("reported once")
 	check(digests(scatter, OAK) == before[OAK], "oaks stay")
 	check(digests(scatter, FERN) != before[FERN], "ferns can be edited")
-	check(gap(scatter, FERN, OAK) >= SPACING - FLOATS, "and keep away as before")
+	check(gap(scatter, FERN, OAK) >= SPACING - FLOATS, "and keep the distance as before")
 	mask.paint(area.get_center(), 20.0, 1.0, 1.0, ScatterMask.MODE_PAINT)
 	await settle(scatter)
 	check(digests(scatter, FERN) == before[FERN], "the edit is undone")

@@ -25,7 +25,7 @@ func test_a_small_domain_works_after_one_that_is_too_large() -> void:
 		check(sampler.sample_domain(small) == expected, "the sampler still works")
 
 
-## Checks that the library printed one memory error. The engine may also print its own when an array does not fit.
+## Checks that the library printed one memory error. The engine may also print one when an array does not fit.
 func expect_memory_error(source: String) -> void:
 	var messages: Array = Array(errors.take()).filter(func(message: String) -> bool: return not 'Parameter "mem' in message)
 	check(messages.size() == 1, "one error, got %s" % [messages])

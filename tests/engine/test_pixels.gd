@@ -27,7 +27,7 @@ func make_view() -> TerrainScatter3D:
 	return make_scatter([layer], ScatterGroundFlat.new(), camera)
 
 
-## Returns the fraction of the picture's pixels that have a color, with a tolerance.
+## Returns the fraction of the image's pixels that have a color, with a tolerance.
 func share(color: Color) -> float:
 	return await share_of_pixels(func(pixel: Color) -> bool:
 		return absf(pixel.r - color.r) + absf(pixel.g - color.g) + absf(pixel.b - color.b) < 0.1)
@@ -68,7 +68,7 @@ func test_properties_change_the_picture() -> void:
 	# There are 0.1741 instances per square meter. Each shows its top of 1 m², slightly enlarged by perspective, and a
 	# side.
 	var red: float = await share(RED)
-	check(red > 0.15 and red < 0.35, "%f of the picture is red" % red)
+	check(red > 0.15 and red < 0.35, "%f of the image is red" % red)
 
 	scatter.visible = false
 	check_equal(await share(RED), 0.0, "red of a hidden node")
@@ -109,7 +109,7 @@ func test_properties_change_the_picture() -> void:
 	while await share(GREEN) < 0.9 * red:
 		check(await share(RED) + await share(GREEN) > 0.8 * red, "old tiles stay until new ones are ready")
 		mixed += 1
-	check(mixed > 2, "%d pictures in between" % mixed)
+	check(mixed > 2, "%d frames in between" % mixed)
 	scatter.frame_budget_usec = 20000
 	mesh = BoxMesh.new()
 	mesh.material = plain(RED)
@@ -189,8 +189,8 @@ func test_boxes_of_plants_include_their_sway() -> void:
 	await sways_by.call(5.5, "a stronger wind", foliage(swaying.merged({&"wind_strength": 4.0})))
 	await sways_by.call(0.0, "parameters that move nothing",
 			foliage({&"wind_sway": -1.0, &"wind_flutter": NAN, &"bend_reach": -1.0}))
-	await sways_by.call(0.0, "a different material", plain(RED))
-	await grown_by.call(4.5, "with the layer's own margin", func(layer: ScatterLayer) -> void:
+	await sways_by.call(0.0, "another material", plain(RED))
+	await grown_by.call(4.5, "with the margin of the layer", func(layer: ScatterLayer) -> void:
 		layer.material_override = foliage(swaying)
 		layer.extra_cull_margin = 1.5)
 	await grown_by.call(3.0, "the mesh of an LOD", func(layer: ScatterLayer) -> void:
@@ -288,10 +288,10 @@ func test_a_recenter_a_thousand_kilometers_out_is_invisible() -> void:
 		scatter.world_offset += Vector3(128.0, 0.0, 64.0)
 		await process_frame
 		# In single precision, 700 m from the engine's origin, an edge may fall on the other side of a pixel center.
-		check(difference(await picture(), before) < 0.005, "the picture after recenter %d" % step)
-	check(difference(before, await picture()) < 0.005, "the last picture")
+		check(difference(await picture(), before) < 0.005, "the image after recentering %d" % step)
+	check(difference(before, await picture()) < 0.005, "the last image")
 	camera.position.x += 8.0
-	check(difference(before, await picture()) > 0.05, "a moved camera sees a different picture")
+	check(difference(before, await picture()) > 0.05, "a moved camera sees a different image")
 
 
 ## Must be the last test, because the engine keeps printing errors afterwards.
@@ -321,4 +321,4 @@ func test_a_bake_shows_its_scatter() -> void:
 	check_equal(await share(RED), 0.0, "the scatter is gone")
 	root.add_child((load(bake.scene_path) as PackedScene).instantiate())
 	var after := await share(RED)
-	check(before > 0.15 and absf(after - before) < 0.005, "%.3f of the picture before the bake, %.3f after it" % [before, after])
+	check(before > 0.15 and absf(after - before) < 0.005, "%.3f of the image before the bake, %.3f after it" % [before, after])

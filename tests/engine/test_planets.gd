@@ -80,7 +80,7 @@ func test_a_walk_around_a_planet() -> void:
 		var share := here.size() / (DENSITY * PI * 50.0 * 50.0)
 		print("latitude %4.0f: %d of %d within 50 m (%.3f of a plane), off radial %.4f degrees, %d tiles, %d ms" % [
 			latitude, here.size(), standing.size(), share, rad_to_deg(off), scatter.get_stats().tiles, msec])
-		check(absf(share - 1.0) < 0.02, "latitude %.0f: the density is that of a plane, got %.3f of it" % [latitude, share])
+		check(absf(share - 1.0) < 0.02, "latitude %.0f: the density must match a plane, got %.3f of it" % [latitude, share])
 		check(rad_to_deg(off) < 0.001, "latitude %.0f: instances are upright, got %.4f degrees" % [latitude, rad_to_deg(off)])
 		# A disc with a radius of 100 m, plus the tiles at its border.
 		check(standing.size() < 3.0 * DENSITY * PI * 100.0 * 100.0, "latitude %.0f: no far side, got %d instances" % [latitude, standing.size()])
@@ -88,7 +88,7 @@ func test_a_walk_around_a_planet() -> void:
 		check(scatter.get_stats().tiles < 17 * 2.5, "latitude %.0f: not many more tiles than on a plane: %d" % [latitude, scatter.get_stats().tiles])
 		mean += share / PLACES.size()
 		all.push_back(standing.size())
-	check(absf(mean - 1.0) < 0.01, "the mean density is that of a plane, got %.4f of it" % mean)
+	check(absf(mean - 1.0) < 0.01, "the mean density must match a plane, got %.4f of it" % mean)
 	check(all.max() < 1.6 * all.min(), "every place costs about the same, got %s instances" % [all])
 	check_equal(scatter.get_stats()["waiting"], 0, "nothing is left to do")
 
@@ -121,7 +121,7 @@ func test_queries_felling_and_bodies_are_near_the_walker() -> void:
 		var up := close[id].origin.normalized()
 		var side := up.cross(Vector3(0.3, 0.2, 0.9)).normalized()
 		var hit := cast(close[id].origin + 2.0 * up + 3.0 * side, close[id].origin + 2.0 * up)
-		check(not hit.is_empty() and scatter.get_body_instance(hit["rid"]) == id, "latitude %.0f: the body stands along up" % latitude)
+		check(not hit.is_empty() and scatter.get_body_instance(hit["rid"]) == id, "latitude %.0f: the body points up" % latitude)
 		var ray := scatter.query_ray(close[id].origin + 10.0 * up, close[id].origin)
 		check(ray != null and ray.id == id, "latitude %.0f: a ray from above meets the instance" % latitude)
 		var nearest := scatter.query_nearest(close[id].origin + 0.1 * up, 10.0)
@@ -297,4 +297,4 @@ func test_problems_and_bad_settings() -> void:
 	var standing := instances(scatter, 0)
 	for id in standing:
 		off = maxf(off, standing[id].basis.y.angle_to(standing[id].origin))
-	check(standing.size() > 500 and off < 1e-4, "the planet of a part counts: %d instances, %f off" % [standing.size(), off])
+	check(standing.size() > 500 and off < 1e-4, "the planet of a part is used: %d instances, %f off" % [standing.size(), off])

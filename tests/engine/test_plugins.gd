@@ -64,7 +64,7 @@ func test_mterrain_is_sculpted() -> void:
 			node.heights[Vector2i(x, y)] = 20.0
 	scatter.ground.ground_changed.emit(hill.grow(4.0))
 	await settle(scatter)
-	check(within(scatter, hill.grow(-3.0)).values().all(func(at: Vector3) -> bool: return absf(at.y - 20.0) < 0.01), "at once by the signal")
+	check(within(scatter, hill.grow(-3.0)).values().all(func(at: Vector3) -> bool: return absf(at.y - 20.0) < 0.01), "immediately after the signal")
 
 
 func test_mterrain_loads_regions() -> void:
@@ -125,7 +125,7 @@ func zone_area(node: TerraBrushDouble, zone: Vector2i) -> Rect2:
 	return Rect2(first.x + node.position.x, first.y + node.position.z, node.zones_size - 1.0, node.zones_size - 1.0)
 
 
-## Returns the height that TerraBrush draws. It is interpolated between posts, unlike the result of getHeightAtPosition().
+## Returns the height that TerraBrush draws. It is interpolated between samples, unlike the result of getHeightAtPosition().
 func drawn_height(node: TerraBrushDouble, at: Vector3) -> float:
 	var step := (node.zones_size - 1.0) / (node.image_size() - 1.0)
 	var origin := zone_area(node, Vector2i.ZERO).position
@@ -156,7 +156,7 @@ func test_terrabrush() -> void:
 		for post: Vector2i in [Vector2i(3, 4), Vector2i(20, 0), Vector2i(0, 9)]:
 			var place := node.place_of(Vector2i.ZERO, post) + Vector2(node.position.x, node.position.z)
 			var height: float = scatter.ground.get_height(Vector3(place.x, 0.0, place.y))
-			check(absf(height - node.getHeightAtPosition(place.x, place.y, true)) < 1e-3, "%s: its own height at post %s" % [context, post])
+			check(absf(height - node.getHeightAtPosition(place.x, place.y, true)) < 1e-3, "%s: its own height at sample %s" % [context, post])
 		check_equal(scatter.get_problems().size(), 0, "%s: problems: %s" % [context, scatter.get_problems()])
 		scatter.free()
 		node.free()
@@ -175,7 +175,7 @@ func test_terrabrush_is_edited() -> void:
 				zone.image.set_pixel(x, y, Color(40.0, 0.0, 0.0))
 		await frames(3)
 	var made := await regenerated_by(scatter, sculpt)
-	check(within(scatter, hill).values().all(func(at: Vector3) -> bool: return absf(at.y - 40.0) < 0.01), "a hill is followed without a signal")
+	check(within(scatter, hill).values().all(func(at: Vector3) -> bool: return absf(at.y - 40.0) < 0.01), "a hill is detected without a signal")
 	check(not made.is_empty() and made.size() < all, "%d of %d tiles were regenerated" % [made.size(), all])
 	var nothing := await regenerated_by(scatter, func() -> void: await frames(5))
 	check_equal(nothing.size(), 0, "no tile is regenerated without an edit")
@@ -194,7 +194,7 @@ func test_terrabrush_is_edited() -> void:
 	await regenerated_by(scatter, func() -> void:
 		node.position.y += 10.0
 		await frames(3))
-	check(absf(by_id(scatter).values()[0].y - height - 10.0) < 0.01, "it follows the moved node")
+	check(absf(by_id(scatter).values()[0].y - height - 10.0) < 0.01, "it moves with the node")
 
 
 func test_terrabrush_without_a_terrain() -> void:
@@ -253,7 +253,7 @@ func test_voxel_terrain() -> void:
 	await until(func() -> bool:
 			var on := within(scatter, corner)
 			return not on.is_empty() and on.values().all(func(at: Vector3) -> bool: return absf(at.y - 3.0) < 0.01),
-			"an edited block is followed")
+			"an edited block is detected")
 	node.mesh_block(Vector3i(0, 0, 0), 0.0)
 	await until(func() -> bool: return within(scatter, corner).is_empty(), "a block that is dug away has no instances")
 	node.mesh_block(Vector3i(4, 0, 0), 8.0)
@@ -359,4 +359,4 @@ func test_far_regions_are_released() -> void:
 	for x in 4:
 		unload(node, row[x].location)
 	await settle(scatter)
-	check(within(scatter, Rect2(-128.0, 0.0, 120.0, 64.0)).is_empty(), "regions of a different directory are gone")
+	check(within(scatter, Rect2(-128.0, 0.0, 120.0, 64.0)).is_empty(), "regions of another directory are gone")

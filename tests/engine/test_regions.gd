@@ -1,5 +1,5 @@
 extends "regions_harness.gd"
-## Tests ScatterRegion3D: shapes, reactions to changes, refused values, problems, and adding and removing regions.
+## Tests ScatterRegion3D: shapes, reactions to changes, rejected values, problems, and adding and removing regions.
 
 
 func test_shapes() -> void:
@@ -107,7 +107,7 @@ func test_layers_by_name() -> void:
 		check_equal(digests(scatter, layer) == before[layer], layer == 0, "layer %d is unchanged" % layer)
 	var excluded := [digests(scatter, 0), digests(scatter, 1), digests(scatter, 2)]
 	scatter.layers[1].resource_name = "other"
-	check_equal(region.layers, ["other", "layer 2"], "the region follows a renamed layer")
+	check_equal(region.layers, ["other", "layer 2"], "the region refers to the renamed layer")
 	for names: Array in [region.layers, [scatter.layers[1], scatter.layers[2]], [&"other", scatter.layers[2]]]:
 		region.layers = names
 		await settle(scatter)
@@ -123,7 +123,7 @@ func test_layers_by_name() -> void:
 	check_equal(region.layers, ["other"], "the old list stays")
 	region.layers = ["layer 1", 5, "layer 2"]
 	await settle(scatter)
-	check(digests(scatter, 1) == before[1], "a layer with a different name")
+	check(digests(scatter, 1) == before[1], "a layer with another name")
 	check_equal(region.get_problems().size(), 2, "problems with unknown layers")
 	check("\"layer 1\"" in region.get_problems()[0] and "5" in region.get_problems()[1], "they are listed: %s" % region.get_problems())
 	region.layers = []
@@ -143,7 +143,7 @@ func test_hidden_regions() -> void:
 	between.add_child(region)
 	await settle(scatter)
 	var with_region := digests(scatter, 0)
-	check(with_region != before, "a region further down in the tree counts")
+	check(with_region != before, "a region deeper in the tree is used")
 	for node: Node3D in [region, between]:
 		node.hide()
 		await settle(scatter)
@@ -184,7 +184,7 @@ func test_adding_and_removing_regions() -> void:
 	await settle(scatter)
 	await settle(other)
 	check(digests(scatter, 0) == before, "the region moved away")
-	check(digests(other, 0) == with_region, "below a different scatter")
+	check(digests(other, 0) == with_region, "below another scatter")
 	other.remove_child(region)
 	other.free()
 	check_equal(region.get_problems().size(), 0, "no problems outside of the tree")

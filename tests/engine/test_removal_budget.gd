@@ -1,5 +1,5 @@
 extends "collision_harness.gd"
-## Tests that bodies, scenes and multimeshes are removed over several frames, whatever the reason. Bodies near the viewer are removed first.
+## Tests that bodies, scenes and multimeshes are removed over several frames, regardless of the reason. Bodies near the viewer are removed first.
 
 ## The maximum number of bodies that one step removes. With a budget of 1 µs, a frame does one step.
 const MOST_IN_A_STEP := 16
@@ -160,7 +160,7 @@ func place_of(body: RID) -> Vector3:
 	return (PhysicsServer3D.body_get_state(body, PhysicsServer3D.BODY_STATE_TRANSFORM) as Transform3D).origin
 
 
-## After an origin shift, bodies near the viewer are correct at once. None is missing, and none remains at its old position.
+## After an origin shift, bodies near the viewer are immediately correct. None is missing, and none remains at its old position.
 func test_world_offset() -> void:
 	var scatter := await make_dense([make_dense_layer()])
 	var standing := bodies(scatter)

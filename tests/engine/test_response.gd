@@ -26,7 +26,7 @@ func make_wide_scatter(layer: ScatterLayer) -> TerrainScatter3D:
 	return scatter
 
 
-## Calls `change` once per frame for `steps` frames, and records the largest number of pending tiles.
+## Calls `change` once per frame for `steps` frames and records the largest number of pending tiles.
 func drag(scatter: TerrainScatter3D, change: Callable, steps: int) -> void:
 	seen.clear()
 	most_pending = 0
@@ -123,6 +123,6 @@ func test_tiles_of_replaced_layers_are_dropped() -> void:
 	await settle(scatter)
 	var fresh := make_scatter([other], ScatterGroundFlat.new(), make_viewer())
 	await settle(fresh)
-	check_equal(digests(scatter, 0), digests(fresh, 0), "the tiles are those of the last layer")
+	check_equal(digests(scatter, 0), digests(fresh, 0), "the tiles match the last layer")
 	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
 		check_equal(tile_ids(scatter, 0, tile).size(), 2, "meshes of tile %s" % tile)

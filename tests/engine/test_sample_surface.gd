@@ -65,7 +65,7 @@ func test_windows_divide_a_surface() -> void:
 		for y in 2:
 			var corner := Vector3(100 + 7 * (x - 1), 20 + 7 * (y - 1), -37)
 			for id in sampler.sample_surface(make_sphere(6.0), place, AABB(corner, Vector3(7, 7, 14))).ids:
-				check(not found.has(id), "each point lies in one window")
+				check(not found.has(id), "each point is in one window")
 				found[id] = true
 	check_equal(found.size(), whole.size(), "windows together have all points")
 	for id in whole.ids:
@@ -84,23 +84,23 @@ func test_a_face_leads_back_to_its_triangle() -> void:
 	for index in points.size():
 		var first := 3 * points.faces[index]
 		var plane := Plane(faces[first], faces[first + 1], faces[first + 2])
-		check(absf(plane.distance_to(points.positions[index])) < 1e-4, "the point lies on its face")
+		check(absf(plane.distance_to(points.positions[index])) < 1e-4, "the point is on its face")
 
 
 func test_bad_input_is_refused() -> void:
 	var sampler := make_sampler()
 	check(sampler.sample_surface(null).is_empty(), "no mesh, no points")
-	check_error(["mesh"], "a refused call")
+	check_error(["mesh"], "a rejected call")
 	var lines := ArrayMesh.new()
 	var arrays := []
 	arrays.resize(Mesh.ARRAY_MAX)
 	arrays[Mesh.ARRAY_VERTEX] = PackedVector3Array([Vector3.ZERO, Vector3.RIGHT])
 	lines.add_surface_from_arrays(Mesh.PRIMITIVE_LINES, arrays)
 	check(sampler.sample_surface(lines).is_empty(), "no points on lines")
-	check_error(["PRIMITIVE_TRIANGLES"], "a refused call")
+	check_error(["PRIMITIVE_TRIANGLES"], "a rejected call")
 	check(sampler.sample_faces([Vector3.ZERO, Vector3.RIGHT]).is_empty(), "no points on a part of a triangle")
-	check_error(["indices"], "a refused call")
+	check_error(["indices"], "a rejected call")
 	check(sampler.sample_faces([Vector3.ZERO, Vector3.RIGHT, Vector3(0, NAN, 1)]).is_empty(), "no points without a position")
-	check_error(["vertices"], "a refused call")
+	check_error(["vertices"], "a rejected call")
 	check(sampler.sample_surface(make_sphere(1.0), Transform3D(), AABB(Vector3.ZERO, -Vector3.ONE)).is_empty(), "no points in a negative box")
-	check_error(["window"], "a refused call")
+	check_error(["window"], "a rejected call")

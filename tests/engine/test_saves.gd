@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Tests the files of ScatterState and ScatterMask: saving and loading as in a game, refused files, and failures that leave the old data
+## Tests the files of ScatterState and ScatterMask: saving and loading as in a game, rejected files, and failures that leave the old data
 ## unchanged. test_saves.py tests full disks.
 
 const FOLDER := "user://saves"
@@ -184,7 +184,7 @@ func refuse_loading(bytes: Variant, error: Error, words: Array, context: String)
 func test_other_files_are_refused() -> void:
 	make_folder()
 	refuse_loading(null, ERR_FILE_NOT_FOUND, ["no such file", "file_exists"], "no file")
-	for damage: Array in [[PackedByteArray(), "an empty file"], ["a list of trees".to_utf8_buffer(), "a text"]]:
+	for damage: Array in [[PackedByteArray(), "an empty file"], ["a list of trees".to_utf8_buffer(), "a text file"]]:
 		refuse_loading(damage[0], ERR_FILE_CORRUPT, ["damaged"], damage[1])
 	for ending: String in [".res", ".tres"]:
 		for flags: int in [0, ResourceSaver.FLAG_COMPRESS]:
@@ -216,10 +216,10 @@ func refuse_loading_of_a_state(bytes: PackedByteArray, context: String) -> void:
 	var before := state.to_bytes()
 	check(state.load_from_file(PATH) in [ERR_FILE_CORRUPT, ERR_INVALID_DATA], context)
 	check_error(["ScatterState.load_from_file: cannot load " + PATH], context)
-	check_equal(state.to_bytes(), before, context + " changes nothing")
+	check_equal(state.to_bytes(), before, context + " leaves the state unchanged")
 
 
-## A state that belongs to a different seed is refused. The error names the file.
+## A state that belongs to a different seed is rejected. The error names the file.
 func test_files_of_a_different_world_are_refused() -> void:
 	make_folder()
 	var bytes: Array[PackedByteArray] = []
@@ -232,8 +232,8 @@ func test_files_of_a_different_world_are_refused() -> void:
 		scatters.push_back(scatter)
 		bytes.push_back(scatter.state.to_bytes())
 	check_equal(scatters[0].state.save_to_file(PATH), OK, "saved")
-	check_equal(scatters[1].state.load_from_file(PATH), ERR_INVALID_DATA, "a state of a different world")
-	check_error(["cannot load " + PATH, "a different seed"], "a state of a different world")
+	check_equal(scatters[1].state.load_from_file(PATH), ERR_INVALID_DATA, "a state of another world")
+	check_error(["cannot load " + PATH, "a different seed"], "a state of another world")
 	check_equal(scatters[1].state.to_bytes(), bytes[1], "nothing has changed")
 
 

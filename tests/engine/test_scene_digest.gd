@@ -76,7 +76,7 @@ func test_properties_that_affect_placement_change_the_digest() -> void:
 		errors.take()
 	check(placement > 40 and properties.size() - placement > 20, "%d of %d properties" % [placement, properties.size()])
 	check(not layer.affects_placement(&"regrowth_time") and layer.affects_placement(&"tile_size"), "examples of both")
-	check(layer.affects_placement(&"of_a_script"), "unknown properties count")
+	check(layer.affects_placement(&"of_a_script"), "unknown properties affect placement")
 
 
 ## Geometry properties have counterparts in the engine with the same type and default, and only affect drawing.

@@ -53,7 +53,7 @@ func test_a_scene_has_its_instances_transform() -> void:
 	scatter.position = Vector3(9, 9, 9)
 	await frames(2)
 	var id: int = near["ids"][0]
-	check(scatter.get_scene(id).global_transform.is_equal_approx(scatter.get_instance(id).transform), "it does not follow the node")
+	check(scatter.get_scene(id).global_transform.is_equal_approx(scatter.get_instance(id).transform), "it does not move with the node")
 	scatter.set_instance_data(id, {"age": 70})
 	viewer.position.x = 1000.0
 	await settle(scatter)
@@ -133,7 +133,7 @@ func test_pool() -> void:
 	await settle(scatter)
 	var at_once: int = scatter.get_stats()["scenes"]
 	check_equal(Plant.made, at_once, "made")
-	check(at_once > 100, "more than the pool holds")
+	check(at_once > 100, "more than the pool can contain")
 	viewer.position.x = 500.0
 	await settle(scatter)
 	check(Plant.made <= 2 * at_once, "some are reused")
@@ -152,7 +152,7 @@ func test_pool() -> void:
 	check(often > 5, "reused many times: %d" % often)
 	layer.scene = pack(Plant.new())
 	await settle(scatter)
-	check_equal(scatter.get_stats()["scenes_pooled"], 0, "scenes of a different kind are freed")
+	check_equal(scatter.get_stats()["scenes_pooled"], 0, "scenes of another kind are freed")
 	check(Plant.made > made + 1 and scatter.get_stats()["scenes"] > 0, "and new ones are created")
 	layer.scene = null
 	await settle(scatter)
@@ -179,7 +179,7 @@ func test_regenerated_tiles_keep_their_scenes() -> void:
 	await settle(scatter)
 	check_equal(scenes_of(scatter), before, "still the same scenes")
 	for id in before:
-		check(before[id].global_transform.is_equal_approx(scatter.get_instance(id).transform), "the scene follows its instance")
+		check(before[id].global_transform.is_equal_approx(scatter.get_instance(id).transform), "the scene moves with its instance")
 		if before[id].global_transform != before[id].ready_at:
 			break
 	check(hidden.is_empty(), "none was hidden")
@@ -201,7 +201,7 @@ func test_recentered() -> void:
 	viewer.global_position -= shift
 	scatter.world_offset = shift
 	for id in before:
-		check(before[id].global_position.distance_to(places[id] - shift) < 1e-3, "moved at once")
+		check(before[id].global_position.distance_to(places[id] - shift) < 1e-3, "moved immediately")
 	await settle(scatter)
 	check_equal(scenes_of(scatter), before, "the same scenes")
 	check(hidden.is_empty() and shown.size() == shown_ids, "none was shown or hidden")

@@ -56,7 +56,7 @@ func test_removing_and_taking_scenes() -> void:
 	var everything := everything_of(scatter)
 	var scene: Plant = scatter.get_scene(near[0])
 	check(scatter.remove_instance(near[0]), "removed")
-	check(scatter.get_scene(near[0]) == null, "hidden at once")
+	check(scatter.get_scene(near[0]) == null, "hidden immediately")
 	await process_frame
 	check(not scene.is_inside_tree() and scene.times_hidden == 1 and hidden[near[0]] == 1, "back in the pool")
 	everything.erase(near[0])
@@ -80,7 +80,7 @@ func test_removing_and_taking_scenes() -> void:
 		for frame in 3:
 			await process_frame
 			check_once(scatter, everything, "after taking")
-		check_equal((taken[turn] as Plant).times_hidden, 0, "no call of _scatter_hidden")
+		check_equal((taken[turn] as Plant).times_hidden, 0, "no call to _scatter_hidden")
 		check(not hidden.has(id), "no signal")
 
 	var kept := scatter.take_scene(near[3])  # Take the scene but keep the instance.
@@ -114,7 +114,7 @@ func test_hand_placed() -> void:
 	check(scene != null and scene.global_transform.is_equal_approx(at), "a scene at its position")
 	check(not drawn(scatter).has(id), "no mesh")
 	scatter.remove_instance(id)
-	check(scatter.get_scene(id) == null, "removed at once")
+	check(scatter.get_scene(id) == null, "removed immediately")
 	await process_frame
 	check(not drawn(scatter).has(id), "no mesh either")
 

@@ -114,7 +114,7 @@ func test_requests_from_other_threads() -> void:
 		threads.push_back(thread)
 	for thread in threads:
 		for request: ScatterRequest in thread.wait_to_finish():
-			check(not request.is_completed() and request.get_result().is_empty(), "not completed at once")
+			check(not request.is_completed() and request.get_result().is_empty(), "not completed immediately")
 			requests.push_back(request)
 	layers[0] = "no such layer"
 	var signal_count: Array[int] = [0]
@@ -138,7 +138,7 @@ func test_failed_and_canceled_requests() -> void:
 		return [mine, mine.cancel(), mine.cancel()])
 	check_equal(canceled.slice(1), [true, false], "canceled on the thread of the request")
 	var later := scatter.request_sphere(Vector3(3000, 0, 0), 50.0)
-	check_equal(on_thread(later.cancel), true, "canceled on a different thread")
+	check_equal(on_thread(later.cancel), true, "canceled on another thread")
 	var signal_count: Array[int] = [0]
 	later.completed.connect(func(found: ScatterInstances) -> void: signal_count[0] += 1 + found.size())
 	await frames(5)

@@ -231,7 +231,7 @@ func test_references() -> void:
 		await settle(scatter)
 		check(digests(scatter, FERN) == followed, "the same for %s" % [reference])
 	oak.resource_name = "elm"
-	check_equal([fern.color_value.layer, fern.variation_value.layer], ["elm", "elm"], "the reference follows a renamed layer")
+	check_equal([fern.color_value.layer, fern.variation_value.layer], ["elm", "elm"], "the reference refers to the renamed layer")
 	check_equal(scatter.get_problems(), PackedStringArray(), "no problems")
 	for bad: Variant in [2.5, BoxMesh.new()]:
 		fern.color_value.layer = bad
@@ -330,7 +330,7 @@ func test_a_shared_value() -> void:
 	await settle(scatter)
 	var variations := seen(scatter, 0).values().all(func(one: Seen) -> bool:
 		return absf(one.custom.r - clampf((one.place.y + 3.0) / 23.0, 0.0, 1.0)) < 0.0015)
-	check(variations, "the variation still follows")
+	check(variations, "the variation is still updated")
 
 
 ## A curve remaps the value, both of a source and of random numbers. Editing the curve takes effect.

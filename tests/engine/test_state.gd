@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Tests ScatterState: changes, signals, diffs for peers, files, and refused input.
+## Tests ScatterState: changes, signals, diffs for peers, files, and rejected input.
 
 const LAYER := 3
 
@@ -141,14 +141,14 @@ func test_peers_follow_by_diffs() -> void:
 	check_equal(Array(emitted[0] as PackedInt64Array).size(), 2, "two ids")
 	check_same(client, server, "the peer")
 	client.apply_diff(diff)
-	check_equal(signals.take(), [], "the same diff again changes nothing")
+	check_equal(signals.take(), [], "the same diff has no effect the second time")
 	var other := ScatterState.new()
 	other.remove(point(-50))
 	check_equal(client.merge(other), OK, "merged")
 	check_equal(signals.take(), [PackedInt64Array([point(-50)]), "changed"], "the merged change")
 	check_equal(client.merge(null), ERR_INVALID_DATA, "no state")
 	check_error(["ScatterState.merge: other is missing"], "no state")
-	# A server that has loaded a state has no earlier revisions. So it sends the whole state, which replaces the client's.
+	# A server that has loaded a state has no earlier revisions, so it sends the whole state, which replaces the client's state.
 	server.from_bytes(make_state(3).to_bytes())
 	client.apply_diff(server.diff_since(known))
 	check_same(client, server, "after the server has loaded")
@@ -192,11 +192,11 @@ func refuse(state: ScatterState, bytes: PackedByteArray, context: String) -> voi
 	var before := state.to_bytes()
 	var revision := state.get_revision()
 	var signals := SignalLog.new(state)
-	check(state.from_bytes(bytes) in [ERR_FILE_CORRUPT, ERR_INVALID_DATA], context + " is refused")
+	check(state.from_bytes(bytes) in [ERR_FILE_CORRUPT, ERR_INVALID_DATA], context + " is rejected")
 	check_error(["ScatterState.from_bytes: "], context)
-	check(state.apply_diff(bytes) in [ERR_FILE_CORRUPT, ERR_INVALID_DATA], context + " is refused as a diff")
+	check(state.apply_diff(bytes) in [ERR_FILE_CORRUPT, ERR_INVALID_DATA], context + " is rejected as a diff")
 	check_error(["ScatterState.apply_diff: "], context)
-	check(state.to_bytes() == before and state.get_revision() == revision and signals.take().is_empty(), context + " changes nothing")
+	check(state.to_bytes() == before and state.get_revision() == revision and signals.take().is_empty(), context + " leaves the state unchanged")
 
 
 func test_damaged_bytes_are_refused() -> void:
@@ -231,16 +231,16 @@ func test_a_damaged_file_leaves_the_running_state() -> void:
 	check_error(["ScatterState.from_bytes: data"], "a damaged file")
 	check_equal(loaded.get_removed_count(), 0, "nothing was loaded")
 	check(scatter.state == state and state.is_removed(id) and not scatter.has_instance(id), "the running state is unchanged")
-	# A state of a different seed is refused here, and accepted by a node with that seed.
+	# A state of a different seed is rejected here and accepted by a node with that seed.
 	var bytes := state.to_bytes()
 	var elsewhere := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	elsewhere.seed = 8
 	await settle(elsewhere)
 	elsewhere.remove_instance(elsewhere.query_nearest(Vector3.ZERO, 50.0).id)
-	check_equal(state.from_bytes(elsewhere.state.to_bytes()), ERR_INVALID_DATA, "a state of a different world")
-	check_error(["ScatterState.from_bytes: layer", "a different seed"], "a state of a different world")
-	check_equal(state.merge(elsewhere.state), ERR_INVALID_DATA, "a state of a different world")
-	check_error(["ScatterState.merge: layer", "a different seed"], "a state of a different world")
+	check_equal(state.from_bytes(elsewhere.state.to_bytes()), ERR_INVALID_DATA, "a state of another world")
+	check_error(["ScatterState.from_bytes: layer", "a different seed"], "a state of another world")
+	check_equal(state.merge(elsewhere.state), ERR_INVALID_DATA, "a state of another world")
+	check_error(["ScatterState.merge: layer", "a different seed"], "a state of another world")
 	check_equal(digests(scatter, 0), shown, "the visible tiles")
 	state.clear()
 	check(scatter.has_instance(id), "the instance is back")

@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Tests diffs that a thread applies: the result, the state in the meantime, and callbacks that change the state.
+## Tests diffs that a thread applies: the result, the state during the call, and callbacks that change the state.
 
 const LAYER := 5 << 48
 const MANY := 200_000
@@ -38,9 +38,9 @@ func test_a_diff_is_applied_later_and_completely() -> void:
 	state.apply_diff_async(removals(MANY), func(error: Error) -> void:
 		signals.push_back("callback")
 		note(error))
-	check_equal(state.get_removed_count(), 0, "no change at once")
+	check_equal(state.get_removed_count(), 0, "no immediate change")
 	check_equal(state.get_revision(), 0, "no new revision either")
-	check(state.remove(LAYER | 7), "a change in the meantime")
+	check(state.remove(LAYER | 7), "a change during the call")
 	check(state.remove(3), "and a second one")
 	var seen := {}
 	while results.is_empty():
@@ -172,7 +172,7 @@ func test_reading_in_the_meantime() -> void:
 	check_equal(peer.get_digest(), digest, "diff_since")
 	await wait_for_callbacks(1)
 	peer.apply_diff(state.diff_since(revision))
-	check_equal(peer.get_digest(), state.get_digest(), "a peer that has read in the meantime gets the rest")
+	check_equal(peer.get_digest(), state.get_digest(), "a peer that has read during the call gets the rest")
 
 
 func test_callbacks_may_do_anything() -> void:
@@ -182,7 +182,7 @@ func test_callbacks_may_do_anything() -> void:
 		held.clear()
 		note(error))
 	await wait_for_callbacks(1)
-	# The callback calls further methods, including synchronous ones.
+	# The callback calls other methods, including synchronous ones.
 	var state := ScatterState.new()
 	state.apply_diff_async(removals(100), func(_error: Error) -> void:
 		state.apply_diff_async(removals(50, 1000), func(error: Error) -> void:
@@ -265,7 +265,7 @@ func test_nodes_follow() -> void:
 	var added := nodes[1].add_instance(nodes[1].layers[0], Transform3D(Basis(), Vector3(1.0, 0.0, 1.0)))
 	await wait_for_callbacks(1)
 	server.remove(standing[3])
-	check(not nodes[1].has_instance(standing[0]) and not nodes[0].has_instance(standing[3]), "queries are up to date at once")
+	check(not nodes[1].has_instance(standing[0]) and not nodes[0].has_instance(standing[3]), "queries are up to date immediately")
 	check(nodes[0].has_instance(standing[1]) and nodes[0].has_instance(added), "remaining instances")
 	for node in nodes:
 		await settle(node)
@@ -283,7 +283,7 @@ func test_nodes_follow() -> void:
 		check_equal(node.get_stats()["bodies"], fresh.get_stats()["bodies"], "bodies")
 
 
-## A diff of a different point set is refused, even if the state is assigned to a node only after the call.
+## A diff of a different point set is rejected, even if the state is assigned to a node only after the call.
 func test_a_diff_of_other_points() -> void:
 	var layer := make_layer(1.0)
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())

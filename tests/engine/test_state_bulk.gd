@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Tests very many changes at once. Queries are up to date immediately. Tiles, bodies, scenes and signals follow over several frames.
+## Tests very many changes in one call. Queries are up to date immediately. Tiles, bodies, scenes and signals are updated over several frames.
 
 
 func make_wood(viewer: Node3D, collide := true) -> TerrainScatter3D:
@@ -33,14 +33,14 @@ func test_many_changes_at_once() -> void:
 	scatter.instance_removed.connect(func(id: int, _layer: ScatterLayer, _at: Transform3D) -> void: reported_ids[id] = true)
 	var diff := server.diff_since(0)
 	check_equal(scatter.state.apply_diff(diff), OK, "the diff")
-	check_equal(scatter.state.get_digest(), server.get_digest(), "the state is up to date at once")
+	check_equal(scatter.state.get_digest(), server.get_digest(), "the state is up to date immediately")
 	var left: PackedInt64Array = scatter.query_rect(Rect2(-60, -60, 120, 120)).ids
 	check_equal(left.size(), standing.size() / 2, "so are queries")
 	check(not scatter.has_instance(standing[0]) and scatter.has_instance(standing[1]), "also by id")
 	check(reported_ids.size() < 5000, "%d signals in one call" % reported_ids.size())
-	# Direct calls emit their signals at once.
+	# Direct calls emit their signals immediately.
 	check(scatter.remove_instance(standing[1]), "by hand")
-	check(reported_ids.has(standing[1]), "reported at once")
+	check(reported_ids.has(standing[1]), "reported immediately")
 	check(scatter.restore_instance(standing[2]), "restored before its removal was reported")
 	scatter.frame_budget_usec = 1000
 	var longest := 0
@@ -76,13 +76,13 @@ func test_clearing_restores_everything() -> void:
 	await settle(scatter)
 	check(digests(scatter, 0) != before, "the tiles have changed")
 	scatter.state.clear()
-	check_equal(scatter.query_rect(Rect2(-60, -60, 120, 120)).ids, standing, "all are back at once")
+	check_equal(scatter.query_rect(Rect2(-60, -60, 120, 120)).ids, standing, "all are back immediately")
 	await settle(scatter)
 	check_equal(digests(scatter, 0), before, "the tiles are the same as before")
 	check_equal(scatter.get_stats()["bodies"], bodies, "the bodies, too")
 
 
-## With very many changes, tiles follow over several frames, but only tiles near the changes are updated.
+## With very many changes, tiles are updated over several frames, but only tiles near the changes are updated.
 func test_many_changes_in_a_few_areas() -> void:
 	var viewer := make_viewer()
 	var scatter := make_wood(viewer, false)
@@ -131,7 +131,7 @@ func test_a_whole_state_is_read_on_a_thread() -> void:
 	scatter.state = whole
 	check_equal(scatter.state.get_digest(), server.get_digest(), "the same state")
 	@warning_ignore("integer_division")
-	check_equal(scatter.query_rect(Rect2(-60, -60, 120, 120)).ids.size(), standing.size() / 2, "queries are up to date at once")
+	check_equal(scatter.query_rect(Rect2(-60, -60, 120, 120)).ids.size(), standing.size() / 2, "queries are up to date immediately")
 	await settle(scatter)
 	check(scatter.remove_instance(standing[1]), "remaining instances can be removed")
 

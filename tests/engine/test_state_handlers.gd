@@ -68,10 +68,10 @@ func test_nested_removals_emit_signals_in_order() -> void:
 		depth[0] += 1
 		depth[1] = maxi(depth[1], depth[0])
 		events.push_back(["removed", id])
-		check(not scatter.has_instance(id), "removed at once")
+		check(not scatter.has_instance(id), "removed immediately")
 		var next := ids.find(id) + 1
 		if next < ids.size():
-			check(scatter.remove_instance(ids[next]) and not scatter.has_instance(ids[next]), "the next one is removed at once")
+			check(scatter.remove_instance(ids[next]) and not scatter.has_instance(ids[next]), "the next one is removed immediately")
 		depth[0] -= 1)
 	scatter.state.instances_changed.connect(func(changed: PackedInt64Array) -> void:
 		events.push_back(["changed", changed[0]]))

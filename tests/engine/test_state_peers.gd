@@ -54,7 +54,7 @@ func test_order() -> void:
 	check_equal(client.get_digest(), server.get_digest(), "the same")
 	client.restore(point(0))
 	check_equal(client.apply_diff(diffs[0]), OK, "a late diff")
-	check_equal(client.get_removed_count(), 2, "a late diff changes nothing")
+	check_equal(client.get_removed_count(), 2, "a late diff has no effect")
 	check_equal(client.apply_diff(server.diff_of([point(0)])), OK, "an authoritative diff")
 	check_equal(client.get_digest(), server.get_digest(), "corrects a wrong prediction")
 	check_equal(client.get_missing_since(PackedByteArray([1, 2])), -1, "not a diff")
@@ -111,7 +111,7 @@ func test_limits() -> void:
 	state.restore(point(0))
 	check_equal(state.get_removed_count(), 3, "nothing else has changed")
 	check_equal(state.to_bytes(), before, "byte for byte")
-	# Limits can be saved with a scene. Their properties refuse values that are out of range.
+	# Limits can be saved with a scene. Their properties reject values that are out of range.
 	limits.max_changes = -1
 	check_error(["ScatterDiffLimits.max_changes must be between 0"], "a count")
 	limits.area = Rect2(0.0, 0.0, NAN, 1.0)

@@ -188,7 +188,7 @@ func test_mesh_weights() -> void:
 			counts[mesh] += ids[mesh].size()
 	var total: float = counts[0] + counts[1] + counts[2]
 	for mesh in 3:
-		check(absf(counts[mesh] / total - [0.25, 0.5, 0.25][mesh]) < 0.02, "shares are %s" % [counts])
+		check(absf(counts[mesh] / total - [0.25, 0.5, 0.25][mesh]) < 0.02, "fractions are %s" % [counts])
 
 
 func test_density_is_a_prefix() -> void:
@@ -258,7 +258,7 @@ func test_tile_size_may_change() -> void:
 	fresh_layer.tile_size = 25.0
 	var fresh := make_scatter([fresh_layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(fresh)
-	check_equal(digests(scatter, 0), digests(fresh, 0), "after a change of tile size")
+	check_equal(digests(scatter, 0), digests(fresh, 0), "after a change to the tile size")
 
 
 func test_layers_do_not_share_random_numbers() -> void:
@@ -335,7 +335,7 @@ func test_grounds_can_be_queried_by_scripts() -> void:
 	check_equal(leaning.get_normal(Vector3(1.0, 0.0, 1.0)), Vector3.ZERO, "normal in a hole")
 	var slope := Vector3(-1.0, 1.0, 0.0)
 	check(slope.angle_to(Cliff.new().get_normal(Vector3(-9.0, 0.0, 0.0))) < 0.001, "normal on a slope")
-	check(slope.angle_to(Cliff.new().get_normal(Vector3(-0.1, 0.0, 0.0))) < 0.001, "normal beside a hole")
+	check(slope.angle_to(Cliff.new().get_normal(Vector3(-0.1, 0.0, 0.0))) < 0.001, "normal next to a hole")
 	check(is_nan(ScatterGround.new().get_height(Vector3.ZERO)), "no height without a script")
 
 

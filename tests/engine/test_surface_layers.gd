@@ -1,5 +1,5 @@
 extends "collision_harness.gd"
-## Tests layers that grow on all surfaces of meshes: levels, walls and ceilings. Covers pictures, queries, bodies, removals, saved states,
+## Tests layers that grow on all surfaces of meshes: levels, walls and ceilings. Covers screenshots, queries, bodies, removals, saved states,
 ## and ground that changes.
 
 const RADIUS := 1.0
@@ -109,7 +109,7 @@ func test_noise_is_three_dimensional_on_a_wall() -> void:
 	var noise := FastNoiseLite.new()
 	noise.frequency = 0.1
 	layer.noise = noise
-	# The density is 1 where the noise is positive, and otherwise 0.
+	# The density is 1 where the noise is positive, otherwise 0.
 	var step := Curve.new()
 	step.min_domain = -1.0
 	step.add_point(Vector2(-1.0, 0.0))
@@ -123,7 +123,7 @@ func test_noise_is_three_dimensional_on_a_wall() -> void:
 	layer.noise = null
 	await settle(scatter)
 	var all := instances(scatter, 0)
-	check(standing.size() > 100 and all.size() > standing.size() + 100, "%d of %d instances follow the noise" % [standing.size(), all.size()])
+	check(standing.size() > 100 and all.size() > standing.size() + 100, "%d of %d instances are where the noise permits them" % [standing.size(), all.size()])
 	for id in all:
 		var at := all[id].origin
 		var value := noise.get_noise_3d(at.x, at.y, at.z)

@@ -252,7 +252,7 @@ func test_layers_grow_on_all_levels_of_a_terrain_and_a_bridge() -> void:
 			break
 
 
-## Returns the number of instances that are not between the heights of the posts around them, or that are in a hole.
+## Returns the number of instances that are not between the heights of the samples around them, or that are in a hole.
 func count_off_mesh(standing: Array[Transform3D], node: Terrain3DDouble) -> int:
 	var wrong := 0
 	for at in standing:

@@ -1,7 +1,7 @@
 extends "terrain3d_harness.gd"
 ## Tests Terrain3D's ground while it is in use: edits of all kinds, and nodes that are added later, removed or replaced.
 
-## Returns the 32 m tiles that a change of the posts in a rectangle affects. Posts are 1 m apart.
+## Returns the 32 m tiles that a change to the height samples in a rectangle affects. Samples are 1 m apart.
 func tiles_of(rect: Rect2) -> Array[Vector2i]:
 	var tiles: Array[Vector2i] = []
 	var grown := rect.grow(3.5)
@@ -178,7 +178,7 @@ func test_get_problems_does_not_hide_a_new_node() -> void:
 	var node := make_terrain3d()
 	node.name = "Ground"
 	root.add_child(node)
-	check_equal(scatter.get_problems().size(), 0, "found at once")
+	check_equal(scatter.get_problems().size(), 0, "found immediately")
 	await settle(scatter)
 	await settle(scatter)
 	check_ground(scatter, node, "found by get_problems")

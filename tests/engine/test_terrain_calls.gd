@@ -185,7 +185,7 @@ func test_a_scatter_whose_ground_is_released_in_a_call() -> void:
 						"layers":
 							holder.layers = []
 						"free later":
-							holder.queue_free() # The engine would use the freed node if its own notification freed it at once.
+							holder.queue_free() # The engine would use the freed node if its own notification freed it immediately.
 						"leave":
 							if holder.is_inside_tree():
 								root.remove_child(holder)

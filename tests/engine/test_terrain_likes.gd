@@ -37,7 +37,7 @@ func test_edits_of_sparse_terrain3d_like() -> void:
 	var rects: Array[Rect2] = []
 	scatter.ground.ground_changed.connect(func(rect: Rect2) -> void: rects.push_back(rect))
 	node.data.maps_edited.emit(AABB(Vector3(1.0, -5.0, 2.0), Vector3(3.0, 50.0, 4.0)))
-	check_equal(rects, [Rect2(-7.0, -6.0, 19.0, 20.0)] as Array[Rect2], "the edited area and two posts around it")
+	check_equal(rects, [Rect2(-7.0, -6.0, 19.0, 20.0)] as Array[Rect2], "the edited area and two samples around it")
 	var count := digests(scatter, 0).size()
 	node.data.lift = 3.0
 	var made := await regenerated_by(scatter, func() -> void: node.data.maps_changed.emit())
@@ -61,7 +61,7 @@ func test_textures_of_terrain3d_like() -> void:
 		errors.take()
 	check_equal(counts[3], 0, "instances on a texture that does not occur")
 	check(counts[2] > counts[0] and counts[0] > counts[1] and counts[1] > 100, "instances by texture: %s" % [counts])
-	# The overlay has a weight of 0.25 on the left and of 1 on the right. The density must follow it.
+	# The overlay has a weight of 0.25 on the left and of 1 on the right. The density must match it.
 	check(absf(counts[0] - (0.25 * 0.5 + 0.5) * counts[2]) < 0.06 * counts[2], "a quarter on the left: %s" % [counts])
 
 
@@ -99,7 +99,7 @@ func test_hterrain_like() -> void:
 	node.position.y = 50.0
 	node.transform_changed.emit(node.get_internal_transform())
 	await settle(slow)
-	check(all_transforms(slow)[0].origin.y > stand[0].origin.y + 40.0, "it follows the moved node")
+	check(all_transforms(slow)[0].origin.y > stand[0].origin.y + 40.0, "it moves with the node")
 
 
 func test_later_hterrain_like() -> void:

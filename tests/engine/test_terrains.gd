@@ -64,7 +64,7 @@ func test_noise_as_ground() -> void:
 	var before := digests(scatter, 0)
 	(terrain.noise as FastNoiseLite).frequency = 0.05
 	await settle(scatter)
-	check(digests(scatter, 0) != before, "an edited noise has an effect")
+	check(digests(scatter, 0) != before, "an edited Noise resource has an effect")
 	(terrain.noise as FastNoiseLite).frequency = 0.02
 	await settle(scatter)
 	check_equal(digests(scatter, 0), before, "the old noise restores the old instances")
@@ -75,7 +75,7 @@ func test_noise_as_ground() -> void:
 	var old: Noise = terrain.noise
 	terrain.noise = null
 	await settle(scatter)
-	check_equal(scatter.get_stats()["tiles"], 0, "tiles without a noise")
+	check_equal(scatter.get_stats()["tiles"], 0, "tiles without noise")
 	check("ScatterGroundNoise.noise" in "\n".join(scatter.get_problems()), "a warning without noise")
 	terrain.noise = old
 	await settle(scatter)
@@ -145,7 +145,7 @@ func test_grounds_without_textures() -> void:
 		check(not warns.call(terrain), "no warning for %s without textures in the layer" % terrain)
 		layer.ground_textures = PackedInt32Array([0])
 		check_equal(warns.call(terrain), not (terrain is Textured or terrain == weighed_map), "a warning for %s" % terrain)
-	check(not warns.call(null), "without a ground there is a different warning")
+	check(not warns.call(null), "without a ground there is another warning")
 
 
 func make_collider(shape: Shape3D, at: Transform3D, layers := 1) -> void:

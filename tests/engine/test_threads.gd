@@ -45,7 +45,7 @@ func make_objects(in_scene: bool) -> Array[Object]:
 	return objects
 
 
-## Calls every method of a class on a worker thread. Returns the names of the methods that refused the call because of the thread.
+## Calls every method of a class on a worker thread. Returns the names of the methods that rejected the call because of the thread.
 func refused_methods(object: Object, type: String) -> PackedStringArray:
 	var calls: Array[Dictionary] = []
 	for method in ClassDB.class_get_method_list(type, true):
@@ -78,7 +78,7 @@ func own_classes(object: Object) -> PackedStringArray:
 	return types
 
 
-## Every method allows or refuses calls as the class reference states, whether the scene uses its object or not.
+## Every method allows or rejects calls as the class reference states, whether the scene uses its object or not.
 func test_every_method_follows_its_documented_rule() -> void:
 	var pages := read_pages()
 	for in_scene: bool in [true, false]:
@@ -104,7 +104,7 @@ func check_rules(object: Object, type: String, page: Dictionary, in_scene: bool)
 		else:
 			check(ANY in rule or MAIN in rule or OWNER in rule, "%s.%s: its page states a rule" % [type, name])
 		var expected := MAIN in rule or (in_scene and ("only the main thread" in rule))
-		check_equal(refused.has(name), expected, "%s.%s refused, %s" % [type, name, "in the scene" if in_scene else "outside"])
+		check_equal(refused.has(name), expected, "%s.%s rejected, %s" % [type, name, "in the scene" if in_scene else "outside"])
 
 
 func test_results_may_be_read_on_any_thread() -> void:
@@ -157,7 +157,7 @@ func test_errors_name_the_rule_and_the_remedy() -> void:
 	check_equal(on_thread(func() -> Error: return state.from_bytes(PackedByteArray())), ERR_BUSY, "an error code")
 	errors.take()
 	scatter.state = null
-	check_equal(on_thread(func() -> bool: return state.remove(5)), true, "a state that the scene does not use any more")
+	check_equal(on_thread(func() -> bool: return state.remove(5)), true, "a state that the scene no longer uses")
 
 
 func test_resources_of_a_layer_in_use() -> void:
@@ -217,7 +217,7 @@ func test_threads_that_call_objects_in_use() -> void:
 	check_equal(layer.density, 1.0, "the layer is unchanged")
 
 
-## Several threads use an object that no scene uses. Each call either succeeds or is refused.
+## Several threads use an object that no scene uses. Each call either succeeds or is rejected.
 func test_threads_that_share_an_unused_object() -> void:
 	var state := ScatterState.new()
 	var mask := ScatterMask.new()
@@ -315,5 +315,5 @@ func test_changes_reported_by_a_thread() -> void:
 	check_no_error("a signal on a worker thread")
 	await settle(scatter)
 	var after := tile_buffers(scatter, 0, Vector2i.ZERO)
-	check(before != after, "the ground follows")
+	check(before != after, "the ground is updated")
 	check_equal(after, buffers_of(scatter.build_tile(scatter.layers[0], Vector2i.ZERO)), "and its instances, too")

@@ -136,7 +136,7 @@ func test_a_teleport_unsettles_in_the_same_frame() -> void:
 	check(Vector2i(0, 0) in scatter.get_shown_tiles(scatter.layers[0]), "the tiles appear when it continues")
 
 
-## `settled` follows even changes that take only one frame. Otherwise, a caller that awaits the signal would wait forever.
+## `settled` is emitted even after changes that take only one frame. Otherwise, a caller that awaits the signal would wait forever.
 func test_settled_follows_each_change() -> void:
 	var viewer := make_viewer()
 	var layer := make_layer()
@@ -248,7 +248,7 @@ func test_bad_radius_scales() -> void:
 	for bad: float in [NAN, INF, -1.0, 2e6]:
 		scatter.viewer_distance_scales = PackedFloat32Array([1.0, bad])
 		check_error(["TerrainScatter3D", "viewer_distance_scales[1]"], "a scale of %f" % bad)
-		check_equal(scatter.viewer_distance_scales, PackedFloat32Array([0.0, 2.0]), "scales after a refused value")
+		check_equal(scatter.viewer_distance_scales, PackedFloat32Array([0.0, 2.0]), "scales after a rejected value")
 
 
 func test_split_screen_shows_the_tiles_of_both_viewers() -> void:

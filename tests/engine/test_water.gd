@@ -67,7 +67,7 @@ func test_layers_keep_to_their_depth_and_follow_the_level() -> void:
 		check_heights(scatter, "lilies", level - 2.0, level - 0.5)
 		check_heights(scatter, "kelp", -10.0, level - 3.0)
 		var shown := places(scatter, "reeds")
-		check(all_within(shown, func(at: Vector2) -> bool: return absf(at.x / 10 - level + 0.25) < 0.76), "visible reeds follow the level")
+		check(all_within(shown, func(at: Vector2) -> bool: return absf(at.x / 10 - level + 0.25) < 0.76), "visible reeds are near the water level")
 
 
 func test_remaining_instances_keep_their_ids() -> void:
@@ -145,7 +145,7 @@ func test_bad_input() -> void:
 	check_equal(places(scatter, "grass"), grass, "the instances stay")
 
 
-## Explanations include the rules for biomes and water, with their values, and name the rule that refuses an instance.
+## Explanations include the rules for biomes and water, with their values, and name the rule that rejects an instance.
 func test_water_and_biomes_are_explained() -> void:
 	var map := three_biomes()
 	var scatter := make_world(map)

@@ -237,7 +237,7 @@ func test_ground_in_the_scene_moves_along() -> void:
 	check_equal(after.size(), before.size(), "instances on ground that moved along")
 	for id in before:
 		if not after.has(id) or after[id].origin.distance_to(before[id].origin - shift) > 2e-3:
-			check(false, "an instance is at a different position: %s" % before[id].origin)
+			check(false, "an instance has moved: %s" % before[id].origin)
 			break
 
 
@@ -344,7 +344,7 @@ func test_bodies_move_along() -> void:
 
 
 func test_the_largest_distance_for_a_radius() -> void:
-	# Base squares with sides of r / sqrt 2 are numbered from -2^23, so a radius of 2 m ends at about 11,863 km.
+	# Base squares with edges of r / sqrt 2 are numbered from -2^23, so a radius of 2 m ends at about 11,863 km.
 	var edge := 8388608.0 * 2.0 / sqrt(2.0)
 	var viewer := make_viewer()
 	var scatter := make_scatter([make_rock()], ScatterGroundFlat.new(), viewer)
@@ -365,4 +365,4 @@ func test_bad_values() -> void:
 	check_error(["TerrainScatter3D", "world_offset"], "not a number")
 	scatter.world_offset = Vector3(0.0, 2e12, 0.0)
 	check_error(["TerrainScatter3D", "world_offset"], "too far")
-	check_equal(scatter.world_offset, Vector3.ZERO, "refused values have no effect")
+	check_equal(scatter.world_offset, Vector3.ZERO, "rejected values have no effect")

@@ -50,12 +50,12 @@ func take_kinds() -> PackedStringArray:
 ## Checks that errors were printed since the last check, and that each contains at least one of these words.
 func check_only_errors(words: Array, context: String) -> void:
 	var kinds := take_kinds()
-	check(not kinds.is_empty(), context + ": refused")
+	check(not kinds.is_empty(), context + ": rejected")
 	for message in kinds:
 		check(words.any(func(word: String) -> bool: return word in message), "%s: %s" % [context, message])
 
 
-## Reads the class reference. Returns {class: {method: description}}, with the class's own description under "".
+## Reads the class reference. Returns {class: {method: description}}, with the description of the class under "".
 func read_pages() -> Dictionary[String, Dictionary]:
 	var pages: Dictionary[String, Dictionary] = {}
 	var folder := (get_script() as Script).resource_path.get_base_dir().path_join("../../extension/doc_classes")

@@ -1,5 +1,5 @@
 extends RefCounted
-## Takes a picture of a tutorial's game. Replaces its plain cylinders with a preset's trees, and adds ground and sky.
+## Takes a screenshot of a tutorial's game. Replaces its plain cylinders with a preset's trees, and adds ground and sky.
 
 const SIZE := Vector2i(800, 600)
 
@@ -14,7 +14,7 @@ static func take(game: Node3D, scatter: TerrainScatter3D, file: String) -> void:
 	scatter.layers[0].max_yaw_degrees = 360.0
 	scatter.layers[0].view_distance = 250.0
 	for material: ShaderMaterial in scatter.layers[0].get_materials():
-		material.set_shader_parameter(&"wind_strength", 0.0) # Without wind, two pictures are identical.
+		material.set_shader_parameter(&"wind_strength", 0.0) # Without wind, two screenshots are identical.
 	preset.free()
 	var ground := MeshInstance3D.new()
 	ground.mesh = PlaneMesh.new()

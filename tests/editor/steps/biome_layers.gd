@@ -1,7 +1,8 @@
 @tool
 extends "res://tests/steps.gd"
-## Tests biome layers in the panel and with the brush. The panel lists the layers of a biome below the biome's name. Like the scatter's own layers,
-## they can be selected, hidden, painted and undone. They can be added and removed only in their biome.
+## Tests biome layers in the panel and with the brush. The panel lists the layers of a biome below the biome's name.
+## Like the layers of the scatter itself, they can be selected, hidden, painted and undone. They can be added and
+## removed only in their biome.
 
 const SCENE := "res://valley.tscn"
 
@@ -77,7 +78,7 @@ func test_layers_of_biomes_are_listed() -> void:
 	await look()
 	var titles: Array = tree().rows().map(func(row: TreeItem) -> String: return row.get_text(0))
 	check_equal(titles, ["Rock", "Grass", "Reed", "Willow"], "one row per layer")
-	check_equal(tree().row_of(layer("Rock")).get_parent(), tree().get_root(), "the scatter's own layer has no parent row")
+	check_equal(tree().row_of(layer("Rock")).get_parent(), tree().get_root(), "the layer of the scatter itself has no parent row")
 	for pair: Array in [["Grass", "Meadow"], ["Reed", "Swamp"], ["Willow", "Swamp"]]:
 		var row: TreeItem = tree().row_of(layer(pair[0]))
 		check_equal(row.get_parent().get_text(0), pair[1], pair[0] + " is below its biome")
@@ -122,9 +123,9 @@ func test_a_layer_of_a_biome_is_painted() -> void:
 	check_equal(paint.problem, "", "the stroke is painted")
 	check(layer("Reed").mask != null and layer("Willow").mask == null and layer("Rock").mask == null, "only on this layer")
 	await settle(scatter)
-	check_equal(scatter.query_rect(Rect2(0.0, -3.0, 8.0, 6.0), layer("Reed")).size(), 0, "no reed remains there")
+	check_equal(scatter.query_rect(Rect2(0.0, -3.0, 8.0, 6.0), layer("Reed")).size(), 0, "no reed is left there")
 	var after := saved_files()
-	check(after != before and after.size() == before.size() + 1, "the mask is a file beside the scene: %s" % [after.keys()])
+	check(after != before and after.size() == before.size() + 1, "the mask is a file next to the scene: %s" % [after.keys()])
 	await undo()
 	check_same(saved_files(), before, "undone")
 	await redo()
@@ -149,13 +150,13 @@ func test_a_biome_is_painted() -> void:
 	check_equal(map.get_biome_at(Vector2(-40.0, 0.0)), map.biomes[0], "meadow around it")
 	await settle(scatter)
 	var inside := Rect2(-15.0, -3.0, 6.0, 6.0)
-	check_equal(scatter.query_rect(inside, layer("Grass")).size(), 0, "no grass remains there")
+	check_equal(scatter.query_rect(inside, layer("Grass")).size(), 0, "no grass is left there")
 	check(scatter.query_rect(inside, layer("Reed")).size() > 3, "reed grows there")
 	await look()
 	check(tool.overlay.is_shown(), "the biomes are shown")
 	await picture("biome_painted")
 	var after := saved_files()
-	check_equal(after.size(), before.size() + 1, "the map's image is a file beside the scene: %s" % [after.keys()])
+	check_equal(after.size(), before.size() + 1, "the map's image is a file next to the scene: %s" % [after.keys()])
 	await undo()
 	check_same(saved_files(), before, "undone")
 	check_equal(map.get_biome_at(Vector2(-12.0, 0.0)), map.biomes[0], "meadow again")
@@ -169,7 +170,7 @@ func test_a_biome_is_painted() -> void:
 	await undo()
 	check_same(saved_files(), after, "undone, pixel by pixel")
 	map.biomes[1].color = Color.LIME
-	check("Meadow and Swamp have the same color" in tool.brush.begin(scatter, 1, SCENE, Vector2.ZERO), "equal colors are refused")
+	check("Meadow and Swamp have the same color" in tool.brush.begin(scatter, 1, SCENE, Vector2.ZERO), "equal colors are rejected")
 	map.biomes[1].color = Color.RED
 	check("The map ends here" in tool.brush.begin(scatter, 0, SCENE, Vector2(300.0, 0.0)), "so is land outside the map")
 	tool.set_on(false)
@@ -219,6 +220,6 @@ func test_a_biome_is_replaced() -> void:
 	await settle(scatter)
 	await look()
 	var titles: Array = tree().rows().map(func(row: TreeItem) -> String: return row.get_text(0))
-	check_equal(titles, ["Rock", "Grass", "Thistle"], "the rows follow")
+	check_equal(titles, ["Rock", "Grass", "Thistle"], "the rows are updated")
 	check_equal(tree().row_of(layer("Thistle")).get_parent().get_text(0), "Dry Bed", "below its name")
 	check_equal(workspace().toolbar.chosen, [layer("Rock")] as Array[ScatterLayer], "the tools have an existing layer")

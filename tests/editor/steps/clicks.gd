@@ -108,7 +108,7 @@ func test_first_stroke() -> void:
 		var near := left.values().filter(func(at: Vector3) -> bool: return Vector2(at.x, at.z).distance_to(Vector2(0.5, 0.5)) < 1.0).size()
 		match answer:
 			"Cancel":
-				check(left == initial, "nothing is changed")
+				check(left == initial, "the instances are unchanged")
 			"Only here":
 				check(near > 3 and left.size() < 60, "%d remain, %d of them where it was painted" % [left.size(), near])
 			"Not here":
@@ -151,12 +151,12 @@ func test_a_stroke_that_cannot_be_painted() -> void:
 	await settle(scatter)
 
 
-## Checks that selecting a different node turns the brush off, and that the editor then handles clicks in the view again.
+## Checks that selecting another node turns the brush off, and that the editor then handles clicks in the view again.
 func test_putting_the_brush_away() -> void:
 	await mouse_click(middle(button("Brush", workspace().toolbar)))
 	check(workspace().toolbar.paint.is_on(), "the brush is on")
 	await mouse_click(row_of("Lamp"))
-	check(not workspace().toolbar.paint.is_on(), "selecting a different node puts it away")
+	check(not workspace().toolbar.paint.is_on(), "selecting another node turns it off")
 	await mouse_click(row_of("Scatter"))
 	await settle(scatter)
 	check(not workspace().toolbar.paint.is_on(), "it does not come back by itself")
@@ -191,7 +191,7 @@ func test_a_stroke_on_two_layers() -> void:
 	await mouse_click(middle(button("Brush", workspace().toolbar)))
 
 
-## Adds an excluding region from the menu and drags one of its sides by the handle.
+## Adds an excluding region from the menu and drags one of its faces by the handle.
 func test_a_region() -> void:
 	await settle(scatter)
 	var before := saved()
@@ -222,7 +222,7 @@ func test_a_region() -> void:
 	await drag_in_view(handle, handle + Vector3(0.6, 0.0, 0.0))
 	check_equal(history(scatter).get_version(), version + 1, "dragging the handle is one step")
 	check(absf(region.size.x - size.x - 0.6) < 0.15 and region.size.y == size.y, "wider by the dragged distance: %s, was %s" % [region.size, size])
-	check(region.to_global(Vector3(-0.5 * region.size.x, 0.0, 0.0)).distance_to(across) < 1e-3, "the opposite side stays")
+	check(region.to_global(Vector3(-0.5 * region.size.x, 0.0, 0.0)).distance_to(across) < 1e-3, "the opposite face stays")
 	check_equal(selected(), [region] as Array[Node], "the region stays selected")
 	await picture("clicks_handle")
 	await undo()

@@ -21,7 +21,7 @@ func on_ground(x: float, z: float) -> Vector3:
 	return Vector3(x, ground.get_height(Vector3(x, 0.0, z)), z)
 
 
-## Shows or hides the demo's own forest and shadows, which take seconds per frame with software rendering.
+## Shows or hides the demo's forest and shadows, which take seconds per frame with software rendering.
 func set_costly(shown: bool) -> void:
 	EditorInterface.get_edited_scene_root().get_node("Scatter").visible = shown
 	EditorInterface.get_edited_scene_root().get_node("Sun").shadow_enabled = shown
@@ -95,7 +95,7 @@ func test_add() -> void:
 	check(before.size() > 1000, "instances around the editor's camera: %d" % before.size())
 
 
-## Checks that an erasing stroke is one undo step and changes nothing beyond its radius.
+## Checks that an erasing stroke is one undo step and has no effect beyond its radius.
 func test_stroke() -> void:
 	workspace().toolbar.paint.set_on(true)
 	workspace().toolbar.paint.set_brush(6.0, 1.0, 0.8)
@@ -121,7 +121,7 @@ func test_stroke() -> void:
 			farthest = maxf(farthest, at.distance_to(nearest))
 		else:
 			check(painted[id] == before[id], "remaining instances do not move")
-	check(farthest > 4.0 and farthest < 6.0 + 2.0, "erased up to %.2f m beside the stroke" % farthest)
+	check(farthest > 4.0 and farthest < 6.0 + 2.0, "erased up to %.2f m from the stroke" % farthest)
 	check(painted.keys().all(func(id: int) -> bool: return before.has(id)), "no new instances")
 	check(FileAccess.file_exists(MASK), "the mask has a file")
 
@@ -230,7 +230,7 @@ func ask_first(layer: Resource, at: Vector2, full: Dictionary) -> void:
 			await settle(scatter)
 
 
-## Checks that a stroke that cannot be painted shows the reason and consumes the mouse button. Selecting a different node turns the brush off.
+## Checks that a stroke that cannot be painted shows the reason and consumes the mouse button. Selecting another node turns the brush off.
 func test_a_stroke_that_cannot_be_painted() -> void:
 	workspace().toolbar.paint.set_on(true)
 	await frames(2)

@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/steps.gd"
-## Starts with an empty scene and adds three species that keep apart on a mesh ground, with the mouse only. The test types nothing, and replaces no
+## Starts with an empty scene and adds three species that keep distances on a mesh ground, with the mouse only. The test types nothing and replaces no
 ## click with a script call.
 
 const SCENE := "res://plot.tscn"
@@ -95,7 +95,7 @@ func test_first_minute() -> void:
 	check_equal(scatter.layers.size(), 3, "three species")
 	check(scatter.layers.all(func(layer: Resource) -> bool: return layer.get(&"on_surfaces")), "they grow on every level of the hill's meshes")
 	await settle(scatter)
-	check_equal(_clicks, 4, "clicks, besides two drops")
+	check_equal(_clicks, 4, "clicks, in addition to two drops")
 	check(scatter.get_problems().is_empty(), "no problems: %s" % scatter.get_problems())
 	check_species(scatter)
 	await get_tree().create_timer(0.6).timeout
@@ -138,7 +138,7 @@ func test_a_preset() -> void:
 	await get_tree().create_timer(0.6).timeout
 	await click(middle(button("Add Camera, Sun, Sky and Wind")))
 	await settle(scatter)
-	check_equal(_clicks, 7, "clicks, besides one drop")
+	check_equal(_clicks, 7, "clicks, in addition to one drop")
 	check(scatter.layers.size() > 3 and scatter.get_problems().is_empty(), "a forest without problems: %s" % scatter.get_problems())
 	for layer: Resource in scatter.layers:
 		check(scatter.get_shown_count(layer) > 0, "%s: %d instances" % [layer.resource_name, scatter.get_shown_count(layer)])

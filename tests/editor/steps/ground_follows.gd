@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/steps.gd"
-## Checks that a click makes the selection the ground, and that undo and redo restore every byte. Also checks that the ground follows moving nodes in
+## Checks that a click makes the selection the ground, and that undo and redo restore every byte. Also checks that the ground tracks moving nodes in
 ## the editor.
 
 const SCENE := "res://meadow.tscn"
@@ -259,7 +259,7 @@ func test_use_a_body() -> void:
 	check(instances(scatter, 0).values().all(func(at: Vector3) -> bool: return absf(at.y + 4.5) < 0.01), "at the height of the floor")
 	floor_body.position.y = -3.0
 	await settle(scatter)
-	check(instances(scatter, 0).values().all(func(at: Vector3) -> bool: return absf(at.y + 1.5) < 0.01), "a moved body is followed")
+	check(instances(scatter, 0).values().all(func(at: Vector3) -> bool: return absf(at.y + 1.5) < 0.01), "a moved body is detected")
 	var made := [0]
 	scatter.tile_shown.connect(func(_layer: Resource, _tile: Vector2i) -> void: made[0] += 1)
 	await click("Refresh Ground")
@@ -271,7 +271,7 @@ func test_use_a_body() -> void:
 	check_equal(saved(), before, "undone, byte for byte")
 
 
-## Returns a GridMap of [param side] x [param side] cells of 2 m, with their upper sides at height 1.
+## Returns a GridMap of [param side] x [param side] cells of 2 m, with their upper faces at height 1.
 func grid(side: int) -> GridMap:
 	var made := GridMap.new()
 	made.mesh_library = MeshLibrary.new()
@@ -325,7 +325,7 @@ func test_use_a_grid_map_and_a_csg_node() -> void:
 	await picture("ground_grid_and_csg")
 	grid_map.set_cell_item(Vector3i(9, 1, 9), 0)
 	await until(func() -> bool:
-			return instances(scatter, 0).values().any(func(at: Vector3) -> bool: return absf(at.y - 3.5) < 0.01), "a painted cell is followed")
+			return instances(scatter, 0).values().any(func(at: Vector3) -> bool: return absf(at.y - 3.5) < 0.01), "a painted cell is detected")
 	grid_map.set_cell_item(Vector3i(9, 1, 9), GridMap.INVALID_CELL_ITEM)
 	await undo()
 	await undo()
@@ -353,7 +353,7 @@ func test_meshes_and_bodies_are_added_to_a_ground_of_another_kind() -> void:
 	await select([scatter])
 	await settle(scatter)
 	var heights := instances(scatter, 0).values().map(func(at: Vector3) -> float: return snappedf(at.y, 0.01))
-	check(heights.count(2.5) > 30 and heights.count(0.75) > 700, "on the rock and beside it")
+	check(heights.count(2.5) > 30 and heights.count(0.75) > 700, "on the rock and next to it")
 	await select([hill])
 	await click("Add to Ground")
 	check_equal(combined.get(&"grounds").size(), 2, "a second mesh joins the group")

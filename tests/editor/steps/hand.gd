@@ -82,7 +82,7 @@ func test_prepare() -> void:
 	EditorInterface.set_main_screen_editor("3D")
 	await select_scatter()
 	await settle(scatter)
-	# The editor adds its own data when it first saves a file. Later saves do not change the file.
+	# The editor adds data when it first saves a file. Later saves do not change the file.
 	EditorInterface.save_scene()
 	hand = workspace().toolbar.hand
 	surface().grab_focus()
@@ -115,7 +115,7 @@ func test_plant() -> void:
 	check(scatter.get(&"state") == null and not FileAccess.file_exists(STATE), "undone, including its file")
 	check(not scatter.has_instance(id), "the instance is gone")
 	hand.look()
-	check_equal(hand.selected, 0, "it is not selected any more")
+	check_equal(hand.selected, 0, "it is no longer selected")
 	EditorInterface.save_scene()
 	check(bytes(SCENE) == scene, "the scene is unchanged, byte for byte")
 	await redo()
@@ -128,7 +128,7 @@ func test_plant() -> void:
 	check(saved.get_added() == PackedInt64Array([id]) and saved.copy_at_runtime, "the file contains the instance")
 
 
-## Moves, rotates and scales an instance with the mouse and then with keys. The id must not change, and undo must revert each step byte for byte.
+## Moves, rotates and scales an instance with the mouse and then with keys. The ID must not change, and undo must revert each step byte for byte.
 func test_move_rotate_scale() -> void:
 	var id := placed()[0]
 	var state := bytes(STATE)
@@ -187,14 +187,14 @@ func test_move_rotate_scale() -> void:
 	check(transform_of(id) == last, "redone bit for bit")
 
 
-## Checks that a drag canceled with Escape changes nothing, and that the Delete key deletes the instance, not the node.
+## Checks that a drag canceled with Escape has no effect, and that the Delete key deletes the instance, not the node.
 func test_cancel_and_delete() -> void:
 	var id := placed()[0]
 	await key(KEY_ESCAPE)
 	var placed_at := transform_of(id)
 	var steps := version()
 	await drag_mouse(on_screen(placed_at.origin), on_screen(placed_at.origin + Vector3(0.8, 0.0, 0.0)), false, false)
-	check(transform_of(id) != placed_at, "it follows the mouse")
+	check(transform_of(id) != placed_at, "it moves with the mouse")
 	await key(KEY_ESCAPE)
 	check(transform_of(id) == placed_at and version() == steps, "canceled")
 	await press(on_screen(placed_at.origin), false)
@@ -208,7 +208,7 @@ func test_cancel_and_delete() -> void:
 	check(transform_of(id) == placed_at, "undone")
 
 
-## Checks that a generated instance can be moved and deleted like a hand-placed one. Undo restores it with its own id.
+## Checks that a generated instance can be moved and deleted like a hand-placed one. Undo restores it with its original ID.
 func test_generated_instances() -> void:
 	workspace().toolbar.choose_layer(1)
 	await settle(scatter)
@@ -262,7 +262,7 @@ func test_on_a_ramp() -> void:
 	check(scatter.get_problems().is_empty(), "and causes no problem: %s" % scatter.get_problems())
 
 
-## Checks that an action that is not possible shows the reason, consumes the mouse button and changes nothing.
+## Checks that an action that is not possible shows the reason, consumes the mouse button and has no other effect.
 func test_actions_that_are_not_possible() -> void:
 	hand.planting.choose(false, false, false, false)
 	var all := placed()
@@ -298,7 +298,7 @@ func test_saved_for_the_game() -> void:
 		noted[id] = transform_of(id)
 	check_equal(noted.size(), 3, "three hand-placed instances")
 	FileAccess.open("res://noted.bin", FileAccess.WRITE).store_var([noted, scatter.state.get_removed(), scatter.state.get_digest()])
-	# Instantiate the scene in a different scene. The file of that scene must contain nothing of the state.
+	# Instantiate the scene in another scene. The file of that scene must not contain any part of the state.
 	var outer := Node3D.new()
 	outer.name = "Outer"
 	var inner: Node = (load(SCENE) as PackedScene).instantiate(PackedScene.GEN_EDIT_STATE_INSTANCE)

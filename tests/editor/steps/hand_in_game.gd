@@ -44,7 +44,7 @@ func _initialize() -> void:
 	var grown: int = first.add_instance(first.layers[0], Transform3D(Basis(), Vector3(4.0, 0.0, 4.0)))
 	check(second.has_instance(planted) and not second.has_instance(grown), "changes of one game do not affect the other")
 	var saved: PackedByteArray = first.state.diff_since(designed, false)
-	check(saved.size() < 200, "a game's own changes need few bytes: %d" % saved.size())
+	check(saved.size() < 200, "a game's changes need few bytes: %d" % saved.size())
 	first.get_parent().free()
 	var again := await settled((load(SCENE) as PackedScene).instantiate())
 	check(again.has_instance(planted), "the reloaded scene is unchanged")

@@ -1,6 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
-## The inspector of a heightmap shows its size, spacing, range and format, a picture, and why it cannot be read. No node uses the heightmap.
+## The inspector of a heightmap shows its size, spacing, range and format, a thumbnail, and the reason why it cannot be
+## read. No node uses the heightmap.
 
 const PATH := "res://heights.png"
 
@@ -28,7 +29,7 @@ func test_summary() -> void:
 	await until(func() -> bool: return "5 × 4" in _said(), "a summary")
 	check_equal(_said(), "5 × 4 heights, 8-bit PNG\n2.5 × 2.0 m apart\nLowest 100.0 m, highest 500.0 m", "the summary")
 	var texture := (_inspector_parts("TextureRect")[0] as TextureRect).texture
-	check_equal(texture.get_image().get_size(), Vector2i(5, 4), "the picture")
+	check_equal(texture.get_image().get_size(), Vector2i(5, 4), "the thumbnail")
 	await picture("heightmap_summary")
 	ground.set(&"max_height", 1000.0)
 	await until(func() -> bool: return "highest 1000.0 m" in _said(), "a new range")

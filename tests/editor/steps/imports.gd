@@ -35,7 +35,7 @@ func _make_scene() -> Node3D:
 	root.free()
 	ResourceSaver.save(packed, SCENE)
 	var opened := await open(SCENE)
-	EditorInterface.save_scene() # Saves the scene in the editor's own format.
+	EditorInterface.save_scene() # Saves the scene in the editor's format.
 	_scene_before = FileAccess.get_file_as_string(SCENE)
 	return opened.get_node(^"Scatter")
 

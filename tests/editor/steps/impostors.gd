@@ -39,7 +39,7 @@ func test_one_click() -> void:
 	var job: RefCounted = button.job
 	await until(func() -> bool: return job.progress == 1.0 or not job.problem.is_empty(), "baked")
 	check_equal(job.problem, "", "problem")
-	check_equal(job.files, PackedStringArray(["res://wood_old_oaks_impostor_0.res"]), "beside the scene")
+	check_equal(job.files, PackedStringArray(["res://wood_old_oaks_impostor_0.res"]), "next to the scene")
 	var lods: Array = layer.call(&"get_mesh_lods", 0)
 	check_equal(lods.size(), 2, "the mesh's LODs")
 	check_equal(lods[1].get(&"mesh").resource_path, "res://wood_old_oaks_impostor_0.res", "the layer refers to the file")

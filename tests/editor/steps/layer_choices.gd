@@ -64,7 +64,7 @@ func choose() -> void:
 		choice = property_editor(&"layer").find_children("*", "OptionButton", true, false)[0]
 		check_equal(items(choice), PackedStringArray(["None", "Posts", "Spruce", "Oak", "Birch", "Bush", "Stone", "Deadwood"]), "layers before the ferns")
 		choice.item_selected.emit(1)
-		check_equal(value.get(&"layer"), "Posts", property + " follows a layer")
+		check_equal(value.get(&"layer"), "Posts", property + " refers to a layer")
 		await undo_last(value)
 		check_equal(value.get(&"layer"), "", "undone")
 		fern.set(property, null)
@@ -117,7 +117,7 @@ func choose() -> void:
 	undo_redo.add_do_property(spruce, &"resource_name", "Fir")
 	undo_redo.add_undo_property(spruce, &"resource_name", "Spruce")
 	undo_redo.commit_action()
-	check_equal([fern.proximity_layer, region.layers], ["Fir", ["Fir", "Birch"]], "all references follow a renamed layer")
+	check_equal([fern.proximity_layer, region.layers], ["Fir", ["Fir", "Birch"]], "all references refer to the renamed layer")
 	check(fern.spacing.has("Fir") and scatter.get_problems().is_empty(), "no problems: %s" % scatter.get_problems())
 	history(scatter).undo()
 	check_equal([fern.proximity_layer, region.layers], ["Spruce", ["Spruce", "Birch"]], "and back")

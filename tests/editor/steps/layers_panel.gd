@@ -36,7 +36,7 @@ func button(text: String) -> Button:
 	return null
 
 
-## Undoes and redoes the last step, and compares the saved files with those before and after that step.
+## Undoes and redoes the last step and compares the saved files with those before and after that step.
 func check_undo(before: Dictionary, context: String) -> void:
 	var after := saved_files()
 	check(after != before, context + " changes the saved files")
@@ -119,7 +119,7 @@ func test_first_minute() -> void:
 	EditorInterface.get_selection().add_node(scatter)
 	EditorInterface.edit_node(scatter)
 	await wait_for_panel()
-	check(not panel().notes._ground.visible, "the panel does not report it any more")
+	check(not panel().notes._ground.visible, "the panel no longer reports it")
 	await drag_files(MODELS, middle(tree()))
 	check_equal(names(), PackedStringArray(["Old Oak", "Young Pine", "Fern"]), "a layer for each file, the widest first")
 	check_equal(tree().chosen_layers(), scatter.layers, "all of them are chosen")
@@ -178,7 +178,7 @@ func test_choosing() -> void:
 	check(is_instance_valid(workspace()._scatter) and panel()._scatter == scatter, "the scatter is still the edited one")
 	workspace().toolbar.choose_layer(2)
 	await frames(2)
-	check_equal(tree().chosen_layers(), [layer("Fern")] as Array[ScatterLayer], "the panel follows the toolbar's choice")
+	check_equal(tree().chosen_layers(), [layer("Fern")] as Array[ScatterLayer], "the panel is updated with the toolbar's selection")
 	await mouse_click(await name_at(layer("Old Oak")), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
 	await frames(2)
 	check_equal(workspace().toolbar.chosen, [layer("Old Oak"), layer("Fern")] as Array[ScatterLayer], "Ctrl and a click choose one more layer")
@@ -225,7 +225,7 @@ func test_marks() -> void:
 	check_equal(drawn, scatter.get_shown_count(scatter.layers[0]) + scatter.get_shown_count(scatter.layers[1]), "it is not drawn")
 	check(scatter.get_shown_count(scatter.layers[2]) > 100, "its instances still exist")
 	await wait_for_panel()
-	check_equal(tree().row_of(layer("Fern")).get_text(1), "hidden in the editor", "the row says where")
+	check_equal(tree().row_of(layer("Fern")).get_text(1), "hidden in the editor", "the row reports where")
 	await mouse_click(await mark_at(layer("Young Pine"), 1))
 	check(workspace().dock.marks.is_locked(layer("Young Pine")), "the lock locks")
 	panel()._colored = [layer("Old Oak")]
@@ -286,7 +286,7 @@ func test_copies() -> void:
 	var before := saved_files()
 	await mouse_click(await name_at(layer("Old Oak")))
 	await key(KEY_D, KEY_MASK_CTRL)
-	check_equal(names(), PackedStringArray(["Old Oak", "Old Oak 2", "Young Pine", "Fern"]), "a copy beside it")
+	check_equal(names(), PackedStringArray(["Old Oak", "Old Oak 2", "Young Pine", "Fern"]), "a copy next to it")
 	await settle(scatter)
 	check(layer("Old Oak 2").layer_id != layer("Old Oak").layer_id, "with a new id")
 	check_equal(layer("Old Oak 2").meshes, layer("Old Oak").meshes, "with the same mesh")

@@ -70,7 +70,7 @@ func test_changes_by_a_script() -> void:
 	var before := FileAccess.get_file_as_bytes(SCENE)
 	EditorInterface.mark_scene_as_unsaved()
 	await save_with_keys()
-	check(FileAccess.get_file_as_bytes(SCENE) == before and files("res://").count("clearing_scatter_state_2.res") == 0, "saving again changes nothing")
+	check(FileAccess.get_file_as_bytes(SCENE) == before and files("res://").count("clearing_scatter_state_2.res") == 0, "saving again has no effect")
 	add_instances(1, 5.0)
 	EditorInterface.mark_scene_as_unsaved()
 	await save_with_keys()
@@ -99,7 +99,7 @@ func test_a_state_in_the_scene() -> void:
 	check_equal(root.get_node("Scatter").state.resource_path, "res://older_scatter_state.res", "the state is moved to a file")
 
 
-## Tests a new scene, which has no path before it is saved. Until then, there is no place for the state's file.
+## Tests a new scene, which has no path before it is saved. Until then, there is no folder for the state's file.
 func test_a_new_scene() -> void:
 	if not EditorInterface.has_method(&"add_root_node"): # add_root_node exists since Godot 4.5.
 		return

@@ -64,7 +64,7 @@ func drop() -> void:
 	check(instances(scatter, before.size()).size() > 100, "there are pines")
 	var mesh: Mesh = scatter.get_tile(layer, scatter.get_shown_tiles(layer)[0]).get_mesh(0)
 	check_equal(mesh.get_surface_count(), 2, "trunk and crown are in one mesh")
-	check_equal(files_of(layer), FOLIAGE_FILES, "with foliage materials in files beside the scene")
+	check_equal(files_of(layer), FOLIAGE_FILES, "with foliage materials in files next to the scene")
 	await picture("dropped")
 	history(scatter).undo()
 	check(not FOLIAGE_FILES.any(FileAccess.file_exists), "undone, with the files")
@@ -129,9 +129,9 @@ func make_foliage(layer: Resource) -> void:
 	check_equal(model.scene, packed, "which refers to it")
 	check_equal(model.replacement_materials.keys(), ["Trunk", "Crown"], "both materials are replaced")
 	var files := files_of(layer)
-	check_equal(files, ["res://demo_pine_trunk_2.tres", "res://demo_pine_crown_2.tres"], "files beside the scene, with free names")
+	check_equal(files, ["res://demo_pine_trunk_2.tres", "res://demo_pine_crown_2.tres"], "files next to the scene, with unused names")
 	check(layer.get_materials()[0].get_shader_parameter(&"sway_height") > 3.0, "it sways by its height")
-	check(inspector_button("Make Foliage Materials") == null or await foliage_is_done(layer), "nothing is left to convert")
+	check(inspector_button("Make Foliage Materials") == null or await foliage_is_done(layer), "no material is left to convert")
 	await picture("foliage")
 	await undo_last(layer)
 	check_equal(layer.meshes[0], packed, "undone")
@@ -141,7 +141,7 @@ func make_foliage(layer: Resource) -> void:
 	layer.meshes = dropped
 
 
-## Checks a mesh that is not in a scene: its own material is replaced, and the normal map is kept.
+## Checks a mesh that is not in a scene: its material is replaced, and the normal map is kept.
 func make_foliage_of_a_mesh(layer: Resource) -> void:
 	var bark := StandardMaterial3D.new()
 	bark.resource_name = "Bark"
@@ -162,7 +162,7 @@ func make_foliage_of_a_mesh(layer: Resource) -> void:
 	check_equal(mesh.material, bark, "undone")
 
 
-## Clicks the button in a model's own inspector. If a replacement is a standard material, it is converted, and its key in the list is kept.
+## Clicks the button in the inspector of a model. If a replacement is a standard material, it is converted, and its key in the list is kept.
 func make_foliage_of_a_model(model: Resource) -> void:
 	var own := StandardMaterial3D.new()
 	own.resource_name = "Own"

@@ -99,8 +99,8 @@ func test_make_unique() -> void:
 	await wait_for_panel()
 	check(not panel().notes._sharing.visible, "no unintended sharing remains")
 	for index in 2:
-		check(not pasted.layers[index] in original.layers, "layer %d is its own" % index)
-	check_equal(pasted.layers[0].mask.resource_path, "res://garden_apple_mask.res", "the mask is beside its scene")
+		check(not pasted.layers[index] in original.layers, "layer %d is not shared" % index)
+	check_equal(pasted.layers[0].mask.resource_path, "res://garden_apple_mask.res", "the mask is next to its scene")
 	check_equal(pasted.state.resource_path, "res://garden_trees_state.res", "the state, too")
 	check_equal(pasted.layers[2], original.layers[2], "a layer in a file stays shared")
 	var after := saved_files()
@@ -146,5 +146,5 @@ func test_reopening() -> void:
 	for layer: Resource in pasted.layers:
 		layer.mask = null
 	await wait_for_panel()
-	check_equal(panel().notes._shared.tell(pasted.name), "Trees shares its state with orchard.tscn.", "a shared state alone is reported, too")
+	check_equal(panel().notes._shared.tell(pasted.name), "Trees shares its state with orchard.tscn.", "a shared state alone is also reported")
 	check(panel().notes._sharing.visible, "in the panel")

@@ -12,7 +12,7 @@ var failures := 0
 func _enter_tree() -> void:
 	if OS.get_cmdline_user_args().is_empty():
 		return
-	# Software rendering of the editor is slow, so the editor draws only when a picture is taken.
+	# Software rendering of the editor is slow, so the editor draws only when a screenshot is taken.
 	RenderingServer.render_loop_enabled = false
 	# Before the editor emits this signal, it finishes its first scan, lays out its docks, and draws and hides panels.
 	EditorInterface.get_resource_filesystem().sources_changed.connect(_run.unbind(1), CONNECT_ONE_SHOT | CONNECT_DEFERRED)

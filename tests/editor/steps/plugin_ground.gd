@@ -1,7 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
 ## Tests terrain plug-ins as ground in the editor, with stand-ins for Terrain3D and HTerrain. The tests sculpt the stand-ins as the plug-ins' brushes
-## do, and free and replace them. The instances must follow the ground. Then water rises over the same ground.
+## do, and free and replace them. The instances must stay on the ground. Then water rises over the same ground.
 
 const SCENE := "res://plugin_ground.tscn"
 
@@ -53,7 +53,7 @@ func test_prepare() -> void:
 	await frames(3)
 
 
-## Moves the camera above the ground and takes a picture.
+## Moves the camera above the ground and takes a screenshot.
 func photograph(picture_name: String) -> void:
 	camera().global_position = Vector3(35.0, 50.0, 85.0)
 	camera().look_at(Vector3(0.0, 0.0, 5.0))
@@ -79,7 +79,7 @@ func put(node: Node3D, node_name: String) -> void:
 	root.add_child(node)
 
 
-## Draws the ground as a mesh for the picture, because the stand-in does not draw it.
+## Draws the ground as a mesh for the screenshot, because the stand-in does not draw it.
 func draw_ground(height_at: Callable) -> void:
 	var old := root.get_node_or_null("Drawn")
 	if old != null:

@@ -12,7 +12,7 @@ func on_ground(x: float, z: float) -> Vector3:
 	return Vector3(x, scatter.ground.get_height(Vector3(x, 0.0, z)), z)
 
 
-## Adds regions of all shapes under the scatter, and drags their handles, with undo.
+## Adds regions of all shapes under the scatter and drags their handles, with undo.
 func drag_all() -> void:
 	var regions: Array[Node3D] = []
 	for shape in 5:

@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/steps.gd"
-## Tests regions that are added with a button or outlined with clicks, and handles that snap and keep the opposite side in place. Also tests a bake
+## Tests regions that are added with a button or outlined with clicks, and handles that snap and keep the opposite face in place. Also tests a bake
 ## whose rectangle is drawn in the view, and which replaces the scatter there. Each of these actions is one undo step.
 
 const SCENE := "res://park.tscn"
@@ -74,7 +74,7 @@ func test_buttons() -> void:
 				return
 			check(region.global_position.distance_to(middle) < 0.1, "in the middle of the view: %s" % region.global_position)
 			check(workspace().toolbar.visible and workspace().dock.panel.tree.row_of(scatter.layers[0]) != null, "the tools and the panel stay")
-			check(region.owner == root and EditorInterface.get_selection().get_selected_nodes() == [region], "it belongs to the scene, and is selected")
+			check(region.owner == root and EditorInterface.get_selection().get_selected_nodes() == [region], "it belongs to the scene and is selected")
 			var problems: PackedStringArray = scatter.get_problems() # Moving the scatter away from the origin causes one problem.
 			check(problems.size() == 1 and "global_transform" in problems[0], "no other problems: %s" % problems)
 			await undo()
@@ -236,7 +236,7 @@ func test_handles_keep_the_opposite_side() -> void:
 		hold(KEY_ALT, true)
 		drag_handle(region, handle, outwards * 1.5)
 		hold(KEY_ALT, false)
-		check(absf(region.size[axis] - 3.0) < 0.03 and region.transform == start, "with Alt, both sides move: %s" % region.size)
+		check(absf(region.size[axis] - 3.0) < 0.03 and region.transform == start, "with Alt, both faces move: %s" % region.size)
 		await undo()
 	hold(KEY_CTRL, true)
 	await frames(2)

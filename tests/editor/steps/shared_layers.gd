@@ -25,7 +25,7 @@ func make_layer(title: String, radius: float, view: float) -> Resource:
 	return layer
 
 
-## Opens a scene with grass, with trees that keep away from the layer named "Grass", and with moss, a layer in a file.
+## Opens a scene with grass, with trees that keep a distance from the layer named "Grass", and with moss, a layer in a file.
 func make_scene() -> void:
 	var new_root := Node3D.new()
 	new_root.name = "Glade"
@@ -92,7 +92,7 @@ func test_a_duplicate_is_reported() -> void:
 	edits.commit("Plant")
 	scatter.remove_instance(scatter.query_rect(Rect2(20.0, 20.0, 10.0, 10.0), scatter.layers[0]).ids[0])
 	saved_files()
-	check(not panel().notes._sharing.visible, "a single scatter shares nothing")
+	check(not panel().notes._sharing.visible, "a single scatter does not share resources")
 	duplicate_scatter()
 	await wait_for_panel()
 	await select(other)
@@ -113,7 +113,7 @@ func test_make_unique() -> void:
 	await wait_for_panel()
 	check(not panel().notes._sharing.visible, "no unintended sharing remains")
 	for index in 2:
-		check(other.layers[index] != scatter.layers[index], "layer %d is its own" % index)
+		check(other.layers[index] != scatter.layers[index], "layer %d is not shared" % index)
 		check_equal(other.layers[index].resource_name, scatter.layers[index].resource_name, "with the same name")
 		check_equal(other.layers[index].layer_id, scatter.layers[index].layer_id, "and the same id")
 	check_equal(other.layers[2], scatter.layers[2], "a layer in a file stays shared")

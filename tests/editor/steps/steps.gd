@@ -1,6 +1,6 @@
 @tool
 extends Node
-## The base class for the editor tests, with functions for checks, waiting, mouse and keys, and pictures.
+## The base class for the editor tests, with functions for checks, waiting, mouse and keys, and screenshots.
 
 const PATIENCE_MSEC := 60000
 
@@ -355,7 +355,7 @@ func instances(scatter: Node3D, layer: int) -> Dictionary:
 	return result
 
 
-## Saves a picture of the editor's main window, or of another window, in build/editor. Does nothing without a display.
+## Saves a screenshot of the editor's main window, or of another window, in build/editor. Has no effect without a display.
 func picture(picture_name: String, window := get_window()) -> void:
 	if DisplayServer.get_name() == "headless":
 		return

@@ -112,13 +112,13 @@ func test_the_view_keeps_its_width() -> void:
 	region.free()
 
 
-## Checks that, for other nodes, only the ground buttons are visible, beside the editor's own tools.
+## Checks that, for other nodes, only the ground buttons are visible, next to the editor's tools.
 func test_a_different_node() -> void:
 	var ground: Control = workspace().ground_buttons
 	var in_toolbar := ground.get_parent()
 	await select(root.get_node("Mesh"))
 	check(not workspace().toolbar.visible and ground.is_visible_in_tree(), "the ground's buttons stay for a mesh")
-	check(in_toolbar == workspace().toolbar and ground.get_parent() == workspace().toolbar.get_parent(), "beside the toolbar")
+	check(in_toolbar == workspace().toolbar and ground.get_parent() == workspace().toolbar.get_parent(), "next to the toolbar")
 	check_equal((ground.get_parent().get_parent() as Control).size_flags_horizontal, Control.SIZE_FILL, "in a panel of their width")
 	await select(root.get_node("Scatter"))
 	check(ground.get_parent() == in_toolbar and ground.is_visible_in_tree(), "they return to the toolbar")

@@ -1,14 +1,14 @@
 @tool
 extends "res://tests/steps.gd"
-## The base class for the tutorial tests, with scenes that have a ground, buttons, and pictures for the pages. Before these tests, tutorial_tree.gd
+## The base class for the tutorial tests, with scenes that have a ground, buttons, and screenshots for the pages. Before these tests, tutorial_tree.gd
 ## must have written res://pack/oak.glb.
 
 const LayersPanel := preload("res://addons/thicket/editor/layers/layers_panel.gd")
 const OAK := "res://pack/oak.glb"
 const SIZE := Vector2i(1280, 800)
-## The window size, in pixels, for pictures of the view with all its tools.
+## The window size, in pixels, for screenshots of the view with all its tools.
 const WIDE := Vector2i(1720, 1060)
-## The width of a page's pictures in pixels.
+## The width of a page's screenshots in pixels.
 const WIDTH := 960
 const STATE := """[editor_states]
 
@@ -118,7 +118,7 @@ func open_at(path: String, place: Vector3, away: float, down: float, around: flo
 	await frames(3)
 
 
-## Takes a picture for a page, either of the whole editor or of the 3D view with its toolbar.
+## Takes a screenshot for a page, either of the whole editor or of the 3D view with its toolbar.
 func page_picture(title: String, of_view := false) -> void:
 	await picture(title)
 	var file := "res://pictures_of_tests/%s.png" % title

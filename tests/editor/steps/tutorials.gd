@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/tutorial_scenes.gd"
-## Follows the tutorials' steps as a reader would and takes the pictures for their pages. Also tests the window that shows the pages, and
+## Follows the tutorials' steps as a reader would and takes the screenshots for their pages. Also tests the window that shows the pages, and
 ## the links to them in the editor's help.
 
 const FOLDER := "res://addons/thicket/tutorials/"
@@ -28,7 +28,7 @@ func test_first_forest() -> void:
 	await settle(scatter)
 	await wait_for_panel()
 	check(scatter.get_problems().is_empty(), "no problems: %s" % scatter.get_problems())
-	await until(func() -> bool: return not workspace()._new_layers.is_watching(), "all new layers were looked at")
+	await until(func() -> bool: return not workspace()._new_layers.is_watching(), "all new layers were checked")
 	check_equal(toast_text(), "", "a preset alone is not said to have little room")
 	await hide_handles()
 	await page_picture("tutorial_first_forest")
@@ -79,13 +79,13 @@ func test_paint_and_shapes() -> void:
 	await open_at("res://wood.tscn", Vector3(0.0, 3.0, 0.0), 62.0, 0.3, 0.6)
 	var wood := FileAccess.get_file_as_string("res://wood.tscn")
 	var park := FileAccess.open("res://park.tscn", FileAccess.WRITE)
-	park.store_string(RegEx.create_from_string(" uid=\"uid://\\w+\"").sub(wood, "")) # Removes the first uid, which is the scene's own.
+	park.store_string(RegEx.create_from_string(" uid=\"uid://\\w+\"").sub(wood, "")) # Removes the first uid, which belongs to the scene.
 	park.close()
 	await open_at("res://park.tscn", Vector3(0.0, 0.0, 2.0), 72.0, 1.05, 0.6)
 	get_window().size = WIDE
 	addon().hide_bottom_panel()
 	scatter = root.get_node("Scatter")
-	for title: String in ["Spruce", "Birch"]: # Makes the wood denser, for a better picture.
+	for title: String in ["Spruce", "Birch"]: # Makes the wood denser, for a better screenshot.
 		layer(title).clump_size = 0.0
 		layer(title).density = 1.0
 	await select(scatter)
@@ -137,7 +137,7 @@ func add_regions() -> void:
 	check_equal(count_in(Vector2(4.0, -4.0), 2.5, ["Spruce", "Birch"]), 0, "no trees in it")
 
 
-## Paints ferns with "Only here", and then undoes it.
+## Paints ferns with "Only here" and then undoes it.
 func paint_first_stroke() -> void:
 	var toolbar: Node = workspace().toolbar
 	toolbar.paint.set_on(true)
@@ -202,7 +202,7 @@ func tutorial_text() -> RichTextLabel:
 	return texts_of(workspace().tutorials)[0]
 
 
-## Checks that the window shows every page completely: its text without markup, its pictures, and links to other pages.
+## Checks that the window shows every page completely: its text without markup, its images, and links to other pages.
 func test_the_window() -> void:
 	var tutorials: Window = workspace().tutorials
 	for page: String in tutorials.PAGES:
@@ -222,7 +222,7 @@ func test_the_window() -> void:
 	tutorials.open("first_forest.md")
 	check(tutorials.visible, "it is open")
 	tutorial_text().meta_clicked.emit("your_own_tree.md")
-	check_equal(tutorials.page, "your_own_tree.md", "a link leads to a different page")
+	check_equal(tutorials.page, "your_own_tree.md", "a link leads to another page")
 	tutorials.open("first_forest.md")
 	await wait_for_panel()
 	await picture("tutorial_window", tutorials)

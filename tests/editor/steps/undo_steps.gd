@@ -1,7 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
 ## Checks that each change that the plugin makes to a scene is one undo step. Undo and redo must restore the saved scene and the files next to it,
-## byte for byte. Tests each step alone, then all of them one by one, and then all at once.
+## byte for byte. Tests each step alone, then all of them one by one, and then all together.
 
 const BakeReplacement := preload("res://addons/thicket/editor/bake/bake_replacement.gd")
 const GroundButtons := preload("res://addons/thicket/editor/ground/ground_buttons.gd")
@@ -125,7 +125,7 @@ func test_open() -> void:
 	EditorInterface.set_main_screen_editor("3D")
 	await select(scatter)
 	await settle(scatter)
-	# The editor adds its own data when it first saves a file. Later saves do not change the files.
+	# The editor adds data when it first saves a file. Later saves do not change the files.
 	saved_files()
 	_saved.append(saved_files())
 
@@ -300,7 +300,7 @@ func test_nodes() -> void:
 	await step("A body as its ground", func() -> void: GroundButtons.use(root.get_child(-1), [root.get_node("Floor")] as Array[Node], manager))
 
 
-## Undoes and redoes all steps, and checks the saved files after each.
+## Undoes and redoes all steps and checks the saved files after each.
 func test_all_one_by_one() -> void:
 	for index in range(_names.size() - 1, -1, -1):
 		await undo()
@@ -310,7 +310,7 @@ func test_all_one_by_one() -> void:
 		check_same(saved_files(), _saved[index + 1], _names[index] + ", redone after all earlier steps")
 
 
-## Undoes and redoes all steps, and checks the saved files only at both ends.
+## Undoes and redoes all steps and checks the saved files only at both ends.
 func test_all_at_once() -> void:
 	for title in _names:
 		await undo()

@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/steps.gd"
-## Tests the editor's 3D viewports: the orthogonal views along the axes, and a second viewport with a different view. Also checks that the Scene dock
+## Tests the editor's 3D viewports: the orthogonal views along the axes, and a second viewport with another view. Also checks that the Scene dock
 ## marks a moved node.
 
 const SCENE := "res://yard.tscn"

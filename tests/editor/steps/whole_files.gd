@@ -43,7 +43,7 @@ func test_replaced_files_keep_their_ids() -> void:
 			check(load(path) == mask, "the loaded resource stays")
 			await frames(3)
 		var bytes := FileAccess.get_file_as_bytes(path)
-		check_equal(WholeFile.save(make_mask(9.0), path), OK, "replaced by a different mask")
+		check_equal(WholeFile.save(make_mask(9.0), path), OK, "replaced by another mask")
 		check_equal(WholeFile.store(path, bytes), OK, "restored, as undo does")
 		check(FileAccess.get_file_as_bytes(path) == bytes, "the bytes")
 		check_whole(path, id, mask, "restored " + path)

@@ -19,7 +19,7 @@ func make_layer(layer_name: String, radius: float, size: Vector3) -> Resource:
 	return layer
 
 
-## Makes three layers on the demo's ground, with trees only on gentle slopes. Hides the demo's own forest, which software rendering draws slowly.
+## Makes three layers on the demo's ground, with trees only on gentle slopes. Hides the demo's forest, which software rendering draws slowly.
 func make_scatter() -> void:
 	var root := await open(SCENE)
 	root.get_node(^"Scatter").visible = false
@@ -99,7 +99,7 @@ func test_hover() -> void:
 			check(line in rows(), "'%s' is among %s" % [line, rows()])
 			answers["%s %s" % [sign, explanation.layer_name]] = true
 	check(answers.size() >= 4, "different positions have different explanations: %s" % [answers.keys()])
-	check(rows().any(func(row: String) -> bool: return "Slope is" in row), "the rules of the chosen layer are listed: %s" % [rows()])
+	check(rows().any(func(row: String) -> bool: return "Slope is" in row), "the rules of the selected layer are listed: %s" % [rows()])
 	await picture("why")
 
 
@@ -115,7 +115,7 @@ func test_pin() -> void:
 	check_equal(rows(), pinned, "it stays when the mouse leaves")
 	check(EditorInterface.get_selection().get_selected_nodes() == [scatter], "the selection stays")
 	scatter.layers[0].max_slope_degrees = 0.01
-	await until(func() -> bool: return rows().any(func(row: String) -> bool: return "0° to 0.01°" in row), "it follows the settings")
+	await until(func() -> bool: return rows().any(func(row: String) -> bool: return "0° to 0.01°" in row), "it is updated with the settings")
 	scatter.layers[0].max_slope_degrees = 18.0
 	await settle(scatter)
 	await picture("why_pinned")
@@ -133,10 +133,10 @@ func test_colors() -> void:
 	await until(tool().overlay.is_complete, "densities again")
 	var version: int = tool()._version
 	scatter.layers[0].density = 0.3
-	await until(func() -> bool: return tool()._version > version and tool().overlay.is_complete(), "colors follow the settings")
+	await until(func() -> bool: return tool()._version > version and tool().overlay.is_complete(), "colors are updated with the settings")
 	workspace().toolbar.choose_layer(2)
 	tool().look()
-	check(not tool().overlay.is_complete(), "colors follow the chosen layer")
+	check(not tool().overlay.is_complete(), "colors are updated with the selected layer")
 	tool().choose_colors(0)
 	check(not tool().overlay.is_shown(), "no colors")
 	tool().choose_colors(2)

@@ -102,7 +102,7 @@ func preview() -> void:
 		while frames < 30 and Time.get_ticks_msec() < deadline:
 			await get_tree().process_frame
 			frames = frames + 1 if scatter.call("is_settled") else 0
-			if limit == 5000: # With the later limits, the instances drawn for the previous limit would count.
+			if limit == 5000: # With the later limits, the instances drawn for the previous limit would be included.
 				most = maxi(most, scatter.call("get_stats")["drawn"])
 		var stats: Dictionary = scatter.call("get_stats")
 		print("preview of %d: %d drawn of %d, at most %d, %d uploads" % [limit, stats["drawn"], stats["instances"], most,

@@ -6,7 +6,7 @@ const OURS: PackedStringArray = [
 	"ScatterGroundHeightmap", "TerrainScatter3D",
 ]
 
-## Properties whose default of zero means that they are unset. Their setters refuse zero.
+## Properties whose default of zero means that they are unset. Their setters reject zero.
 const UNSET: PackedStringArray = ["ScatterGroundHeightmap.post_count"]
 
 
@@ -140,7 +140,7 @@ func test_overrides() -> void:
 				check_equal(method["return"]["type"], TYPE_PACKED_FLOAT32_ARRAY, "typed result")
 	check(&"_get_heights" in virtuals and &"_get_normals" in virtuals, "the editor offers the overrides")
 	errors.take()
-	check(is_nan(Wrong.new().get_height(Vector3.ZERO)), "a result of a wrong type is no ground")
+	check(is_nan(Wrong.new().get_height(Vector3.ZERO)), "a result of a wrong type means no ground")
 	check_error(["_get_heights"], "an error")
 
 
@@ -220,7 +220,7 @@ func test_default_arguments() -> void:
 	check_equal(sampler.call("sample_domain_exact", 0.0, 0.0, 9.0, 9.0)["x"].size(), points.size(), "four of five arguments")
 
 
-## Many threads make their first calls at once, so the lazy lookups in the bindings race.
+## Many threads make their first calls concurrently, so the lazy lookups in the bindings race.
 func test_threads() -> void:
 	var results: Array = []
 	results.resize(16)
