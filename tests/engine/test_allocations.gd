@@ -96,7 +96,7 @@ func test_samplers() -> void:
 
 ## If a change runs out of memory, the next frame retries it. The test uses 100 layers so that lists of layers are large allocations.
 ## Tiles that cannot be generated are reported and remain unchanged.
-func test_changes_of_layers() -> void:
+func test_changes_to_layers() -> void:
 	var layers: Array[ScatterLayer] = []
 	for index in 100:
 		layers.push_back(make_layer(12.0))

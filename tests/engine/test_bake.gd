@@ -133,7 +133,7 @@ func test_cancel_and_again() -> void:
 	check_equal((load(SCENE) as PackedScene).get_state().get_node_count(), 1 + 3, "nodes in the smaller scene")
 
 
-func test_refusals() -> void:
+func test_rejections() -> void:
 	var scatter := wood()
 	await settle(scatter)
 	var bake := Bake.new()

@@ -270,7 +270,7 @@ func test_lists_changed_in_place() -> void:
 	check(places(scatter, "reed").size() > 20, "the swamp stays")
 
 
-func test_bad_input_changes_nothing() -> void:
+func test_bad_input_has_no_effect() -> void:
 	var scatter := make_world(three_biomes())
 	await settle(scatter)
 	var before := digests_by_name(scatter)

@@ -56,7 +56,7 @@ func test_build_rect() -> void:
 		scatter.free()
 
 
-func test_build_rect_refuses() -> void:
+func test_build_rect_rejects() -> void:
 	var layers: Array[ScatterLayer] = [make_layer(), null]
 	var scatter := make_scatter(layers, ScatterGroundFlat.new(), make_viewer())
 	for rect: Rect2 in [Rect2(0, 0, -5, 5), Rect2(0, 0, NAN, 5), Rect2(0, 0, 1e6, 1e6)]:
@@ -133,7 +133,7 @@ func test_rows() -> void:
 	check(true, "all rows are correct")
 
 
-func test_build_tile_refuses() -> void:
+func test_build_tile_rejects() -> void:
 	var layers: Array[ScatterLayer] = [make_layer(), null]
 	var scatter := make_scatter(layers, ScatterGroundFlat.new(), make_viewer())
 	check_equal(scatter.build_tile(scatter.layers[0], Vector2i(1 << 30, 0)).get_mesh_count(), 0, "meshes beyond the end of the world")

@@ -37,7 +37,7 @@ func stats_uploads(scatter: TerrainScatter3D) -> int:
 	return scatter.get_stats()["uploads"]
 
 
-func test_removal_is_immediate_and_changes_nothing_else() -> void:
+func test_removal_is_immediate_and_has_no_other_effect() -> void:
 	var scatter := make_wood()
 	await settle(scatter)
 	var signals := SignalLog.new(scatter)

@@ -257,7 +257,7 @@ func test_a_mesh_with_its_own_custom_data_does_not_fade() -> void:
 	check(drawn.has(mesh.get_rid()), "the mesh itself")
 
 
-func test_a_bad_fade_is_refused() -> void:
+func test_a_bad_fade_is_rejected() -> void:
 	var layer := make_layer()
 	layer.lod_fade = 0.3
 	for bad: float in [-0.1, 0.6, NAN, INF]:

@@ -108,7 +108,7 @@ func check_heights_and_slopes() -> void:
 	check(gentlest > 21.9, "scree on ground of %f degrees" % gentlest)
 
 
-func test_a_moving_clearing_changes_nothing_else() -> void:
+func test_a_moving_clearing_has_no_other_effect() -> void:
 	load_scene(SCENE)
 	standing = {}
 	var clearing := scene.get_node("Scatter/Clearing") as Node3D
@@ -163,7 +163,7 @@ func test_a_key_starts_and_stops_the_clearing() -> void:
 	check_equal(clearing.global_position, rest, "M again: the clearing stops")
 
 
-func test_the_drawn_path_follows_the_curve() -> void:
+func test_the_drawn_path_matches_the_curve() -> void:
 	load_scene(SCENE)
 	await frames(3)
 	var drawn := scene.get_node("Ground") as MeshInstance3D

@@ -7,7 +7,7 @@ const SCENE := "res://script_terrain.tscn"
 const PLACES: Array[Vector2] = [Vector2(44.0, 20.0), Vector2(-60.0, 110.0), Vector2(1600.0, 0.0)]
 
 
-func test_plants_stand_on_the_formula() -> void:
+func test_plants_are_on_the_surface_of_the_formula() -> void:
 	load_scene(SCENE)
 	var count := 0
 	var worst := 0.0

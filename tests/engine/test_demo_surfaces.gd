@@ -87,7 +87,7 @@ func test_ivy_grows_on_the_walls_of_the_ruin() -> void:
 	check(inside > 10, "%d mats of ivy are on the inner sides" % inside)
 
 
-func test_trees_stand_on_all_sides_of_the_planet() -> void:
+func test_trees_grow_on_all_sides_of_the_planet() -> void:
 	load_scene(SCENE)
 	scatter = scene.get_node("PlanetScatter")
 	scatter.viewers = [scatter.get_path_to(viewer)]

@@ -108,7 +108,7 @@ func test_seeds() -> void:
 		check(sampler.sample_domain(RECT) == first, label(method) + ": the same after another radius was used")
 
 
-func test_only_some_properties_change_the_points() -> void:
+func test_only_some_properties_affect_the_points() -> void:
 	for method in SINGLE:
 		var sampler := make(method)
 		var origin := Rect2(Vector2.ZERO, RECT.size)

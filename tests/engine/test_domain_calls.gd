@@ -180,7 +180,7 @@ func refuse(sampler: PoissonSampler, rect: Rect2, words: Array) -> void:
 	check_error(words, context + ", exact")
 
 
-func test_refused_rectangles() -> void:
+func test_rejected_rectangles() -> void:
 	for method in METHODS:
 		var sampler := make(method)
 		var expected := sampler.sample_domain(SMALL)
@@ -212,7 +212,7 @@ func test_wide_domains_of_double_precision() -> void:
 	check(sampler.sample_domain_exact(0.0, 0.0, 131200.0, 0.5).x.size() > 60000, "131200 radii")
 
 
-func test_refused_properties() -> void:
+func test_rejected_properties() -> void:
 	var sampler := PoissonSampler.new()
 	check_equal(sampler.method, PoissonSampler.METHOD_TILES, "the default")
 	sampler.method = PoissonSampler.METHOD_ACCUMULATOR
@@ -231,7 +231,7 @@ func test_refused_properties() -> void:
 	check_equal(ClassDB.class_get_enum_constants("PoissonSampler", "Method").size(), 5, "methods")
 
 
-func test_refused_arguments() -> void:
+func test_rejected_arguments() -> void:
 	var sampler := PoissonSampler.new()
 	for wrong: Array in [[], [SMALL, Callable(), 3], [SMALL, 3], ["text"]]:
 		check(sampler.callv("sample_domain", wrong) == null, "%s are rejected" % [wrong])

@@ -102,7 +102,7 @@ func test_reports_are_frequent() -> void:
 
 ## Cancels so early that the call is still allocating memory and creating squares. The canceling thread cannot detect whether the
 ## call has started, so it cancels repeatedly.
-func test_cancel_at_once() -> void:
+func test_immediate_cancel() -> void:
 	for method in METHODS:
 		for delay: int in [0, 10, 60, 250]:
 			check_promise("%s after %d ms" % [label(method), delay],

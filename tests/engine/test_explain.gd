@@ -86,7 +86,7 @@ func test_explanations_of_points_match_the_instances() -> void:
 	check(shown > 5, "%d are visible" % shown)
 
 
-func test_each_rule_can_refuse() -> void:
+func test_each_rule_can_reject() -> void:
 	var noise := FastNoiseLite.new()
 	var black := ImageTexture.create_from_image(Image.create_empty(4, 4, false, Image.FORMAT_L8))
 	var mask := ScatterMask.new()

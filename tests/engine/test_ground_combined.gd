@@ -171,7 +171,7 @@ func test_a_moved_mesh_changes_only_its_surroundings() -> void:
 	check(shown.size() <= 2 * scatter.get_shown_tiles(scatter.layers[0]).size() - unchanged, "%d tiles regenerated" % shown.size())
 
 
-func test_the_order_does_not_matter() -> void:
+func test_the_order_has_no_effect() -> void:
 	put_bridge()
 	put_bridge(0.4)
 	var flat := ScatterGroundFlat.new()
@@ -193,7 +193,7 @@ func test_the_order_does_not_matter() -> void:
 	check_equal([digests(scatter, 0), digests(scatter, 1)], expected, "nested")
 
 
-func test_grounds_come_and_go() -> void:
+func test_grounds_are_added_and_removed() -> void:
 	put_bridge()
 	var terrain := make_terrain()
 	var bridges := make_bridges()
@@ -233,7 +233,7 @@ func test_grounds_come_and_go() -> void:
 	check("ScatterGroundMeshes" in str(explained.reason), "without a usable ground, its problem is: %s" % explained.reason)
 
 
-func test_cycles_are_refused() -> void:
+func test_cycles_are_rejected() -> void:
 	var flat := ScatterGroundFlat.new()
 	var inner := combine([flat])
 	var outer := combine([inner])
@@ -253,7 +253,7 @@ func test_cycles_are_refused() -> void:
 	await settle(scatter)
 
 
-func test_textures_count_on_the_ground_that_has_them() -> void:
+func test_textures_apply_to_the_ground_that_has_them() -> void:
 	put_bridge()
 	var terrain := make_terrain()
 	var weights := Image.create_empty(2, 2, false, Image.FORMAT_RG8)

@@ -232,7 +232,7 @@ func test_refresh_ground_reads_in_portions() -> void:
 	check(most <= LOOKS, "at most %d in a frame" % most)
 
 
-func test_bodies_are_followed() -> void:
+func test_moved_bodies_are_detected() -> void:
 	put_body(slab(100.0), Vector3(0.0, -1.0, 0.0)) # Its top is at height 0.
 	var rock := put_body(slab(10.0), Vector3(-20.0, 1.0, -12.0))
 	var rocks := [rock] # A lambda captures local variables by value.
@@ -268,7 +268,7 @@ func test_bodies_are_followed() -> void:
 
 
 ## Rays hit an animated body at its current position, but the ground does not track it. Plants at its old position disappear.
-func test_moving_bodies_are_not_followed() -> void:
+func test_moving_bodies_are_not_tracked() -> void:
 	if ProjectSettings.get_setting("threading/worker_pool/max_threads") == 0:
 		check(true, "not run: the engine's physics crashes without threads when such a body moves")
 		return

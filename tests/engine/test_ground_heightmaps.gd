@@ -103,7 +103,7 @@ func test_update_region() -> void:
 	check_no_error("regions")
 
 
-func test_update_region_refuses() -> void:
+func test_update_region_rejects() -> void:
 	var scatter := await make_on_map(make_image())
 	scatter.ground.update_region(Rect2i(10, 10, 0, 5))
 	check_error(["ScatterGroundHeightmap.update_region", "positive", "(0, 5)"], "no area")
@@ -161,7 +161,7 @@ func test_a_worker_reads() -> void:
 	check(all_transforms(scatter).all(func(one: Transform3D) -> bool: return absf(one.origin.y - 7.0) < 1e-4), "plants are on the new map")
 
 
-func test_errors_name_invalid_posts() -> void:
+func test_errors_name_invalid_samples() -> void:
 	var good := make_image()
 	var scatter := await make_on_map(good)
 	var before := digests(scatter, 0)

@@ -161,7 +161,7 @@ func top_of(faces: PackedVector3Array, at: Vector2) -> float:
 
 
 ## The library reads the same faces as the engine's TriangleMesh, which Mesh.get_faces returns.
-func test_faces_are_those_of_the_engine() -> void:
+func test_faces_match_the_engine() -> void:
 	var scatter := make_on_meshes()
 	for named: String in odd_meshes():
 		var mesh := odd_meshes()[named]
@@ -246,7 +246,7 @@ func test_the_old_ground_stays_until_the_new_one_is_built() -> void:
 
 
 ## Frames read a node's first ground gradually, but a query reads it immediately.
-func test_a_query_reads_the_ground_at_once() -> void:
+func test_a_query_reads_the_ground_immediately() -> void:
 	put(plane(10))
 	var scatter := make_on_meshes()
 	check(scatter.query_rect(Rect2(-HALF, -HALF, 2.0 * HALF, 2.0 * HALF)).size() > 20, "instances in the node's first frame")
@@ -297,7 +297,7 @@ func test_a_transform_that_is_not_finite() -> void:
 		check_equal(scatter.get_problems().size(), 0, "no problems with a finite transform")
 
 
-func test_invalid_corners_are_refused() -> void:
+func test_invalid_corners_are_rejected() -> void:
 	put(plane(0), Vector3(20.0, 0.0, 0.0))
 	var vertices := zigzag(6)
 	vertices[4].y = NAN

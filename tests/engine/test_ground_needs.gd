@@ -223,7 +223,7 @@ func test_a_height_that_means_no_ground() -> void:
 		node.free()
 
 
-func test_wrong_limits_are_refused() -> void:
+func test_wrong_limits_are_rejected() -> void:
 	var terrain := ScatterGroundNode.new()
 	terrain.bounds = Rect2(1.0, 2.0, 3.0, 4.0)
 	terrain.bounds = Rect2(0.0, 0.0, -1.0, 5.0)

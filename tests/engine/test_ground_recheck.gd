@@ -260,7 +260,7 @@ func test_bodies_of_the_physics_server() -> void:
 
 
 ## Moving bodies hide the ground below them from rays, but regenerate nothing.
-func test_moving_bodies_change_nothing() -> void:
+func test_moving_bodies_have_no_effect() -> void:
 	var ground := serve_slab(Vector3(0.0, -1.0, 0.0), 60.0)
 	var scatter := await make_on_bodies()
 	var made: int = scatter.get_stats()["tiles_made"]

@@ -99,7 +99,7 @@ func test_only_the_top_of_a_body_without_on_surfaces() -> void:
 		check(absf(transform.origin.y - 3.0) < 1e-4, "an instance must be on the top, not at %s" % transform.origin)
 
 
-func test_shapes_are_followed() -> void:
+func test_changed_shapes_are_detected() -> void:
 	var body := put_body(box_shape(Vector3(16, 2, 16)))
 	var scatter := make_growing(false)
 	await settle(scatter)
@@ -126,7 +126,7 @@ func test_shapes_are_followed() -> void:
 	check_equal(instances(scatter, 0).size(), 0, "instances after the body has left the group")
 
 
-func test_a_shape_without_triangles_is_refused_with_its_name() -> void:
+func test_a_shape_without_triangles_is_rejected_with_its_name() -> void:
 	put_body(box_shape(Vector3(16, 2, 16)))
 	var scatter := make_growing()
 	await settle(scatter)
@@ -148,7 +148,7 @@ func make_library() -> MeshLibrary:
 	return library
 
 
-func test_the_cells_of_a_grid_are_ground_and_followed() -> void:
+func test_the_cells_of_a_grid_are_ground_and_changes_are_detected() -> void:
 	var grid := GridMap.new()
 	grid.mesh_library = make_library()
 	grid.cell_size = Vector3(4, 4, 4)
@@ -175,7 +175,7 @@ func test_the_cells_of_a_grid_are_ground_and_followed() -> void:
 	check_equal(instances(scatter, 0).size(), 0, "instances on an empty grid")
 
 
-func test_csg_is_ground_and_followed() -> void:
+func test_csg_is_ground_and_changes_are_detected() -> void:
 	var solid := CSGBox3D.new()
 	solid.size = Vector3(20, 2, 20)
 	var hole := CSGBox3D.new()

@@ -54,7 +54,7 @@ func test_png_files() -> void:
 	check_no_error("PNG files")
 
 
-func test_refused_files() -> void:
+func test_rejected_files() -> void:
 	var ground := make_ground(folder().path_join("ramp.png"), Vector2i(256, 256))
 	check_equal(ground.get_height(Vector3(1, 0, 1)), 257.0, "a good file")
 	for file: Array in [["palette.png", "palette"], ["truncated.png", "ends too early"], ["ramp.tif", "gdal_translate"], ["none.png", "exists"]]:

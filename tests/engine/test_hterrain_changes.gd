@@ -172,7 +172,7 @@ func test_it_is_freed_and_edited_while_workers_generate_tiles() -> void:
 		check_no_error("round %d" % round)
 
 
-func test_a_recenter_that_it_follows_regenerates_nothing() -> void:
+func test_a_recenter_with_the_node_regenerates_nothing() -> void:
 	var node := make_hterrain()
 	var viewer := make_viewer()
 	root.add_child(node)

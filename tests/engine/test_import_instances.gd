@@ -3,7 +3,7 @@ extends "import_harness.gd"
 ## nothing.
 
 
-func test_add_instances_equals_many_calls_of_add_instance() -> void:
+func test_add_instances_equals_many_calls_to_add_instance() -> void:
 	var layer := make_layer()
 	layer.density = 0.0
 	layer.meshes = [BoxMesh.new(), SphereMesh.new()]
@@ -118,7 +118,7 @@ func test_multimeshes() -> void:
 	check_equal(again.layers.size(), 1, "no new layer")
 
 
-func test_failed_imports_change_nothing() -> void:
+func test_failed_imports_have_no_effect() -> void:
 	var layer := make_layer()
 	var scatter := make_bare([layer])
 	var top := Node3D.new()

@@ -57,7 +57,7 @@ func test_tables() -> void:
 	check(wrong == 0, "%d of 500 are not exact" % wrong)
 
 
-func test_bad_tables_change_nothing() -> void:
+func test_bad_tables_have_no_effect() -> void:
 	var scatter := make_bare([make_layer()])
 	for bad: Array in [
 			["1,2,3\n1,b,3\n4,5,6", ["line 2", "position_y", "'b'"]], ["x,y,z\n1,2", ["line 2", "2 values", "3"]],

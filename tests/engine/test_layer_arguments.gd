@@ -104,7 +104,7 @@ func in_order(found: Variant) -> Variant:
 	return found
 
 
-func test_methods_refuse_everything_else() -> void:
+func test_methods_reject_everything_else() -> void:
 	var scatter := await make_forest()
 	var calls := calls_for_a_layer(scatter)
 	calls.merge(calls_for_layers(scatter))

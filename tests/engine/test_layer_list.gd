@@ -139,7 +139,7 @@ func test_ids_are_saved_with_the_scene() -> void:
 	DirAccess.remove_absolute(path)
 
 
-func test_changes_of_the_array_take_effect_at_once() -> void:
+func test_changes_to_the_array_take_effect_immediately() -> void:
 	var scatter := make_scatter([], ScatterGroundFlat.new(), make_viewer())
 	await frames(2)
 	scatter.layers.append(named("oak"))
@@ -170,7 +170,7 @@ func test_changes_of_the_array_take_effect_at_once() -> void:
 	check(shown_tiles(scatter, 0).is_empty(), "no visible tiles")
 
 
-func test_references_follow_a_renamed_layer() -> void:
+func test_references_to_a_renamed_layer_are_updated() -> void:
 	var oak := named("oak")
 	var fern := named("fern", 2.0)
 	var moss := named("moss", 1.0)
@@ -241,7 +241,7 @@ func test_spacing_and_proximity_by_any_reference() -> void:
 		scatter.free()
 
 
-func test_refused_references() -> void:
+func test_rejected_references() -> void:
 	var a := make_layer()
 	var b := make_layer()
 	var c := make_layer()

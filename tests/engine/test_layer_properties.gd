@@ -140,7 +140,7 @@ func refuse(layer: ScatterLayer, property: StringName, value: Variant, words := 
 	check_equal(changes[0], 0, "no signal")
 
 
-func test_refused() -> void:
+func test_rejected() -> void:
 	var layer := full_layer()
 	refuse(layer, "clump_size", 0.05, ["range", "0.05"])
 	for property: String in ["clump_coverage", "clump_softness"]:
@@ -178,7 +178,7 @@ func test_refused() -> void:
 	check_full(layer, "before all rejected values")
 
 
-func test_refused_values_of_a_source() -> void:
+func test_rejected_values_of_a_source() -> void:
 	var value := ScatterValueSource.new()
 	for refused: Array in [["source", [-1, 6, 1 << 40]], ["min_value", [NAN, INF, 1000001.0]], ["max_value", [NAN, -INF, -1000001.0]],
 			["randomness", [-0.1, 1.1, NAN]], ["layer", [2.5, BoxMesh.new()]]]:
@@ -189,7 +189,7 @@ func test_refused_values_of_a_source() -> void:
 			check_equal(value.get(refused[0]), before, "%s is unchanged" % refused[0])
 
 
-func test_refused_spacing() -> void:
+func test_rejected_spacing() -> void:
 	var layer := full_layer()
 	for meters: float in [NAN, INF, 0.0, -1.0, 1000.5]:
 		refuse(layer, "spacing", {"Oaks": 2.0, "Firs": meters} as Dictionary[String, float])

@@ -172,7 +172,7 @@ func test_boulders_that_a_game_places_and_moves() -> void:
 	check_equal(instances(scatter, MOSS).size(), 0, "removed")
 
 
-func test_moss_follows_the_boulders_settings_and_models() -> void:
+func test_moss_depends_on_the_boulders_settings_and_models() -> void:
 	var scatter := make_mossy()
 	var stones := scatter.layers[STONES]
 	await settle(scatter)

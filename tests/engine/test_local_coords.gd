@@ -138,7 +138,7 @@ func test_felled_and_placed_instances_stay_with_the_node() -> void:
 			"a placed instance moved with the ship: %s" % after.get(added))
 
 
-func test_regions_below_the_node_keep_their_place_on_it() -> void:
+func test_regions_below_the_node_keep_their_position_on_it() -> void:
 	var scatter := make_ship()
 	var region := ScatterRegion3D.new()
 	region.shape = ScatterRegion3D.SHAPE_BOX
@@ -251,7 +251,7 @@ func test_turning_it_on_and_off() -> void:
 		check(global.get_transform(index).origin.distance_to(local[global.get_id(index)].origin) < 2e-3, "an instance is at its place in the world")
 
 
-func test_two_nodes_share_a_ground_in_their_own_spaces() -> void:
+func test_two_nodes_share_a_ground_in_their_local_spaces() -> void:
 	var scatter := make_ship()
 	var fixed := make_scatter([make_layer(1.0)], scatter.ground, make_viewer())
 	await settle(scatter)

@@ -94,7 +94,7 @@ func check_detail(scatter: TerrainScatter3D, layer: ScatterLayer, buffers: Dicti
 	return seen
 
 
-func test_meshes_and_thinning_follow_the_distance() -> void:
+func test_meshes_and_thinning_depend_on_the_distance() -> void:
 	var layer := make_detailed_layer()
 	var viewer := make_viewer(Vector3(3.0, 2.0, 5.0))
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)

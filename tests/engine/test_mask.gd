@@ -87,7 +87,7 @@ func test_modes() -> void:
 	check_equal(signals.areas.size(), 0, "no signal")
 
 
-func test_refused_dabs() -> void:
+func test_rejected_dabs() -> void:
 	var mask := blank(0.0)
 	mask.paint(Vector2(3, 3), 4.0)
 	var data := mask.data
@@ -125,7 +125,7 @@ func test_undo_and_redo() -> void:
 	check_equal(signals.areas.size(), 2, "no signal")
 
 
-func test_refused_pixels() -> void:
+func test_rejected_pixels() -> void:
 	var mask := blank(0.0)
 	mask.paint(Vector2.ZERO, 10.0)
 	var data := mask.data

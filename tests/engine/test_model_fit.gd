@@ -80,7 +80,7 @@ func test_kinds_differ() -> void:
 
 
 ## Names take priority over shapes. A low-poly pack's bushes are as closed as rocks, and its trees as small as shrubs.
-func test_names_say_the_kind() -> void:
+func test_names_determine_the_kind() -> void:
 	var closed := box(Vector3(1.0, 0.8, 1.0), null)
 	var layer := ScatterLayer.new()
 	layer.meshes = [closed]

@@ -22,7 +22,7 @@ func test_a_scene_is_read_part_by_part() -> void:
 	check(model.lods[1].distance == 0.0 and size > 4.0, "the distance is not set")
 
 
-func test_normals_and_tangents_follow_their_parts() -> void:
+func test_normals_and_tangents_rotate_with_their_parts() -> void:
 	var scene := Node3D.new()
 	var material := material_of(LEAF)
 	var at := Transform3D(Basis(Vector3(1, 2, 0.5).normalized(), 1.1).scaled(Vector3(1.0, 3.0, 0.5)), Vector3(1, 0, 2))
@@ -94,7 +94,7 @@ func test_lods_from_names_and_ranges() -> void:
 	check_equal(model.lods.map(func(lod: ScatterLod) -> float: return lod.distance), [0.0, 25.0], "from ranges")
 
 
-func test_lods_for_the_engines_own_choice_are_kept() -> void:
+func test_lods_that_the_engine_selects_are_kept() -> void:
 	var fine := SphereMesh.new()
 	var importer := ImporterMesh.new()
 	for material in 2:

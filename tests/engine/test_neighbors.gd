@@ -129,7 +129,7 @@ func test_names() -> void:
 	check(digests(scatter, FERN) != spaced, "a missing layer")
 
 
-func test_refused_layers_keep_their_last_valid_state() -> void:
+func test_rejected_layers_keep_their_last_valid_state() -> void:
 	var scatter := make_scatter(make_forest(), ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var before := [digests(scatter, OAK), digests(scatter, FERN)]

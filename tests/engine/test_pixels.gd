@@ -61,7 +61,7 @@ func test_instance_shader_parameters_of_a_scene() -> void:
 	check_equal(scatter.get_problems(), PackedStringArray(), "the renderer has room for all parameters")
 
 
-func test_properties_change_the_picture() -> void:
+func test_properties_change_the_image() -> void:
 	var scatter := make_view()
 	await settle(scatter)
 	var layer := scatter.layers[0] as ScatterLayer

@@ -73,7 +73,7 @@ func triangles(lod: ScatterLod) -> int:
 
 
 ## Scenes of version 0.2 contain meshes with a script that stores only a kind of plant.
-func test_meshes_of_former_presets_show_the_present_models() -> void:
+func test_meshes_of_former_presets_show_the_current_models() -> void:
 	var script: GDScript = load(FOLDER + "preset_mesh.gd")
 	for kind: String in script.MODELS:
 		var mesh := ArrayMesh.new()

@@ -172,7 +172,7 @@ func test_very_many_instances() -> void:
 
 
 ## Dense grass, thinned with distance, is the add-on's main use and must not cause a warning.
-func test_dense_grass_is_no_problem() -> void:
+func test_dense_grass_is_not_a_problem() -> void:
 	var grass := make_grass(0.2)
 	grass.thin_density = 0.2
 	grass.thin_end = 128.0

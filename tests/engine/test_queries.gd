@@ -221,7 +221,7 @@ func test_layers_by_name_and_reference() -> void:
 	check_error(["TerrainScatter3D.add_instance", "\"oaks\""], "a missing layer")
 
 
-func test_invalid_queries_are_refused() -> void:
+func test_invalid_queries_are_rejected() -> void:
 	var scatter := make_wood(make_viewer())
 	for rect: Rect2 in [Rect2(0, 0, -5, 5), Rect2(0, NAN, 5, 5), Rect2(0, 0, INF, 5), Rect2(-1e6, -1e6, 2e6, 2e6)]:
 		check(scatter.query_rect(rect).is_empty(), "nothing in %s" % rect)

@@ -267,7 +267,7 @@ func test_saved_and_loaded() -> void:
 	check(digests(copy, 0) == digests(scatter, 0), "the same instances")
 
 
-func test_refused_values() -> void:
+func test_rejected_values() -> void:
 	var region := ScatterRegion3D.new()
 	for property: String in ["falloff", "radius", "height", "width"]:
 		for value: float in [NAN, INF, -1.0, 1e9]:

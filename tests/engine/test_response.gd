@@ -36,7 +36,7 @@ func drag(scatter: TerrainScatter3D, change: Callable, steps: int) -> void:
 		most_pending = maxi(most_pending, scatter.get_stats()["pending"])
 
 
-func test_tiles_follow_a_dragged_slider_without_a_queue() -> void:
+func test_tiles_are_updated_while_a_slider_is_dragged_without_a_queue() -> void:
 	var layer := make_layer(1.0)
 	var scatter := make_wide_scatter(layer)
 	await settle(scatter)

@@ -43,7 +43,7 @@ func test_a_sphere_is_covered_evenly() -> void:
 	check_equal(points.faces.size(), points.size(), "each point has a face")
 
 
-func test_faces_give_the_same_points_as_their_mesh() -> void:
+func test_faces_produce_the_same_points_as_their_mesh() -> void:
 	var mesh := make_sphere(5.0)
 	var points := make_sampler().sample_surface(mesh)
 	var arrays := mesh.surface_get_arrays(0)
@@ -87,7 +87,7 @@ func test_a_face_leads_back_to_its_triangle() -> void:
 		check(absf(plane.distance_to(points.positions[index])) < 1e-4, "the point is on its face")
 
 
-func test_bad_input_is_refused() -> void:
+func test_bad_input_is_rejected() -> void:
 	var sampler := make_sampler()
 	check(sampler.sample_surface(null).is_empty(), "no mesh, no points")
 	check_error(["mesh"], "a rejected call")

@@ -181,7 +181,7 @@ func refuse_loading(bytes: Variant, error: Error, words: Array, context: String)
 	check(mask.data == painted and emitted.is_empty(), context + " does not change the mask")
 
 
-func test_other_files_are_refused() -> void:
+func test_other_files_are_rejected() -> void:
 	make_folder()
 	refuse_loading(null, ERR_FILE_NOT_FOUND, ["no such file", "file_exists"], "no file")
 	for damage: Array in [[PackedByteArray(), "an empty file"], ["a list of trees".to_utf8_buffer(), "a text file"]]:
@@ -200,7 +200,7 @@ func test_other_files_are_refused() -> void:
 	check_error([PATH, "of a different kind"], "a state is not a mask")
 
 
-func test_damaged_files_are_refused() -> void:
+func test_damaged_files_are_rejected() -> void:
 	make_folder()
 	var whole := make_state(8).to_bytes()
 	for at in range(0, whole.size(), 5):
@@ -220,7 +220,7 @@ func refuse_loading_of_a_state(bytes: PackedByteArray, context: String) -> void:
 
 
 ## A state that belongs to a different seed is rejected. The error names the file.
-func test_files_of_a_different_world_are_refused() -> void:
+func test_files_of_another_world_are_rejected() -> void:
 	make_folder()
 	var bytes: Array[PackedByteArray] = []
 	var scatters: Array[TerrainScatter3D] = []

@@ -63,7 +63,7 @@ func test_a_snapshot_returns_what_the_node_did() -> void:
 	check(expected != next, "the snapshots differ")
 
 
-func test_a_snapshot_refuses_as_the_node_does() -> void:
+func test_a_snapshot_rejects_as_the_node_does() -> void:
 	var scatter := make_wood(make_viewer())
 	await settle(scatter)
 	var snapshot := scatter.make_snapshot()

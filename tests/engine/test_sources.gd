@@ -115,7 +115,7 @@ func test_sources_of_the_ground_and_of_ranks() -> void:
 	check_shares(seen(scatter, 0), func(one: Seen) -> float: return (one.custom.b - 0.25) / 0.75, "rank", 1e-3)
 
 
-func test_a_noise() -> void:
+func test_noise() -> void:
 	var layer := make_colored()
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	set_source(layer, ScatterValueSource.SOURCE_NOISE, 0.3, 0.7)

@@ -124,7 +124,7 @@ func test_times() -> void:
 	check(not state.remove(0) and not state.remove(-77), "no instances")
 
 
-func test_peers_follow_by_diffs() -> void:
+func test_peers_are_updated_by_diffs() -> void:
 	var server := make_state()
 	var client := ScatterState.new()
 	check_equal(client.apply_diff(server.diff_since(0)), OK, "a complete diff")
@@ -199,7 +199,7 @@ func refuse(state: ScatterState, bytes: PackedByteArray, context: String) -> voi
 	check(state.to_bytes() == before and state.get_revision() == revision and signals.take().is_empty(), context + " leaves the state unchanged")
 
 
-func test_damaged_bytes_are_refused() -> void:
+func test_damaged_bytes_are_rejected() -> void:
 	var state := make_state(5)
 	var bytes := make_state(8).to_bytes()
 	for at in bytes.size():

@@ -58,7 +58,7 @@ func test_a_diff_is_applied_later_and_completely() -> void:
 	await until(func() -> bool: return state.get_removed_count() == MANY + 4, "without a callback")
 
 
-func test_changes_in_the_meantime_are_applied_after_it() -> void:
+func test_changes_during_the_call_are_applied_after_it() -> void:
 	var server := ScatterState.new()
 	for index in 50:
 		server.remove(LAYER | index, 100.0 if index % 2 else 0.0)
@@ -103,7 +103,7 @@ func test_several_diffs_are_applied_in_order() -> void:
 	check_equal(peer.get_digest(), server.get_digest(), "the diffs that it returns")
 
 
-func test_a_bad_diff_changes_nothing() -> void:
+func test_a_bad_diff_has_no_effect() -> void:
 	var state := ScatterState.new()
 	state.remove(LAYER | 1)
 	var before := state.to_bytes()
@@ -157,7 +157,7 @@ func test_methods_that_replace_everything_wait_for_it() -> void:
 
 
 ## Until a pending diff is applied, reading and saving return the state without the diff.
-func test_reading_in_the_meantime() -> void:
+func test_reading_during_the_call() -> void:
 	var state := ScatterState.new()
 	state.remove(9)
 	var bytes := state.to_bytes()
@@ -221,7 +221,7 @@ func test_callbacks_that_cannot_be_called() -> void:
 	check("callback must take (error: Error)" in messages[-1], str(messages))
 
 
-func test_states_freed_in_the_meantime() -> void:
+func test_states_freed_during_the_call() -> void:
 	var diff := removals(MANY)
 	for round in 12:
 		var state := ScatterState.new()
@@ -235,7 +235,7 @@ func test_states_freed_in_the_meantime() -> void:
 	check(results.size() < 24, "%d callbacks of freed states" % results.size())
 
 
-func test_nodes_follow() -> void:
+func test_nodes_are_updated() -> void:
 	var viewer := make_viewer()
 	var layer := make_layer(0.5)
 	layer.view_distance = 60.0

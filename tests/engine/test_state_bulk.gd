@@ -22,7 +22,7 @@ func remove_many(scatter: TerrainScatter3D, standing: PackedInt64Array, far: int
 	return server
 
 
-func test_many_changes_at_once() -> void:
+func test_many_changes_in_one_call() -> void:
 	var viewer := make_viewer()
 	var scatter := make_wood(viewer)
 	scatter.state = ScatterState.new()

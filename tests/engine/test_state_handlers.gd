@@ -35,7 +35,7 @@ func test_a_handler_releases_the_last_reference_to_a_state() -> void:
 	check(held.is_empty(), "the state is freed")
 
 
-func test_each_second_counts_once() -> void:
+func test_each_second_is_counted_once() -> void:
 	var scatter := make_wood()
 	var other := make_wood()
 	await settle(scatter)

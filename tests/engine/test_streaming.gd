@@ -22,7 +22,7 @@ func test_view_is_covered_and_counted() -> void:
 	check(absf(coverage - 0.547) < 0.01, "coverage is %f" % coverage)
 
 
-func test_tiles_follow_the_viewer() -> void:
+func test_tiles_move_with_the_viewer() -> void:
 	var hidden := []
 	var viewer := make_viewer()
 	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), viewer)
@@ -227,7 +227,7 @@ func test_a_change_keeps_old_tiles_until_new_ones_are_ready() -> void:
 	check_equal(scatter.get_stats()["tiles_made"], made, "tiles generated for a new shadow setting")
 
 
-func test_a_mesh_that_grows_is_noticed() -> void:
+func test_a_mesh_that_grows_is_detected() -> void:
 	var mesh := BoxMesh.new()
 	var layer := make_layer()
 	layer.meshes = [mesh, mesh]

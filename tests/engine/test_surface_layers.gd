@@ -74,7 +74,7 @@ func test_every_level_of_a_house_has_plants() -> void:
 	check_equal(between(standing, 5.9, 6.1).size(), standing.size(), "without on_surfaces, only the top has plants")
 
 
-func test_slopes_choose_walls_and_ceilings_and_instances_follow_them() -> void:
+func test_slopes_select_walls_and_ceilings_and_instances_align_to_them() -> void:
 	put_square(0.0)
 	put_square(30.0, 180.0)
 	put_square(15.0, 90.0)

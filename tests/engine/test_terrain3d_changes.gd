@@ -224,7 +224,7 @@ func test_it_is_freed_and_edited_while_workers_generate_tiles() -> void:
 		check_no_error("round %d" % round)
 
 
-func test_a_recenter_that_it_does_not_follow() -> void:
+func test_a_recenter_without_the_node() -> void:
 	var node := make_terrain3d()
 	var scatter := make_on(node)
 	await settle(scatter)

@@ -65,7 +65,7 @@ func test_an_inner_call_does_not_end_the_outer_one() -> void:
 
 
 ## While this thread calls one node, removing a second node must still wait until workers have finished their calls to it.
-func test_a_call_of_one_object_does_not_count_for_a_second_one() -> void:
+func test_a_call_to_one_object_does_not_affect_a_second_one() -> void:
 	for round in 6:
 		var slow := Slow.new()
 		var working := make_on(slow, true)

@@ -87,7 +87,7 @@ func test_noise_does_not_depend_on_tiles() -> void:
 	await check_tiling(make_hills(), "noise")
 
 
-func test_noise_refuses_invalid_values() -> void:
+func test_noise_rejects_invalid_values() -> void:
 	var terrain := make_hills()
 	for property: String in ["amplitude", "base_height"]:
 		for value: float in [NAN, INF, 1e9, -2e6]:
@@ -226,7 +226,7 @@ func test_rays_are_limited_per_physics_frame() -> void:
 	check(passed >= 0.9 * sampled / 100.0, "%d points took %d physics frames" % [sampled, passed])
 
 
-func test_colliders_refuse_invalid_values() -> void:
+func test_colliders_reject_invalid_values() -> void:
 	make_colliders()
 	var terrain := ScatterGroundColliders.new()
 	for wrong: Array in [["collision_mask", -1], ["collision_mask", 1 << 32], ["rays_per_frame", 0],

@@ -143,7 +143,7 @@ func test_internal_methods_are_harmless() -> void:
 			check(not (object as TerrainScatter3D).get_stats().is_empty(), "the node still works")
 
 
-func test_errors_name_the_rule_and_the_remedy() -> void:
+func test_errors_name_the_rule_and_the_fix() -> void:
 	var scatter := make_wood(make_viewer())
 	var state := ScatterState.new()
 	scatter.state = state

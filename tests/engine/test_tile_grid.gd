@@ -31,7 +31,7 @@ func test_tiles_share_their_edges() -> void:
 	check_equal(grid_of(10.0).get_tiles_in([0.0, 0.0, 0.0, 10.0]), Rect2i(), "an empty area contains no tiles")
 
 
-func test_invalid_arguments_are_refused() -> void:
+func test_invalid_arguments_are_rejected() -> void:
 	var grid := grid_of(2.0)
 	grid.tile_size = 0.01
 	check_error(["ScatterTileGrid", "tile_size", 0.01], "an invalid size")

@@ -137,7 +137,7 @@ func test_a_teleport_unsettles_in_the_same_frame() -> void:
 
 
 ## `settled` is emitted even after changes that take only one frame. Otherwise, a caller that awaits the signal would wait forever.
-func test_settled_follows_each_change() -> void:
+func test_settled_is_emitted_after_each_change() -> void:
 	var viewer := make_viewer()
 	var layer := make_layer()
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)

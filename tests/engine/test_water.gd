@@ -56,7 +56,7 @@ func test_without_water_nothing_changes() -> void:
 	check(scatter.get_problems().is_empty(), "no problems: %s" % scatter.get_problems())
 
 
-func test_layers_keep_to_their_depth_and_follow_the_level() -> void:
+func test_layers_stay_within_their_depth_when_the_level_changes() -> void:
 	var scatter := make_shore()
 	scatter.water_enabled = true
 	for level: float in [0.0, 2.0, -4.0]:
@@ -81,7 +81,7 @@ func test_remaining_instances_keep_their_ids() -> void:
 	check(left.keys().all(func(id: int) -> bool: return dry[id] == left[id]), "none moved")
 
 
-func test_a_falloff_thins_towards_the_limit() -> void:
+func test_a_falloff_thins_toward_the_limit() -> void:
 	var scatter := make_shore()
 	scatter.water_enabled = true
 	var grass := scatter.layers[0]

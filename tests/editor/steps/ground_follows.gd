@@ -190,7 +190,7 @@ func test_more_meshes_join_with_the_scatter_selected() -> void:
 
 
 ## Moves a mesh as the gizmo does: in several steps that end as one action.
-func test_a_moved_mesh_is_followed() -> void:
+func test_a_moved_mesh_is_detected() -> void:
 	var manager := plugin.get_undo_redo()
 	for step in 8:
 		rock.position.x = 8.0 - 2.0 * step

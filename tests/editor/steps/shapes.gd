@@ -210,7 +210,7 @@ func hold(keycode: Key, pressed: bool) -> void:
 	Input.flush_buffered_events()
 
 
-func test_handles_keep_the_opposite_side() -> void:
+func test_handles_keep_the_opposite_face() -> void:
 	var region: Node3D = ClassDB.instantiate(&"ScatterRegion3D")
 	region.size = Vector3(2.0, 2.0, 2.0)
 	scatter.add_child(region)

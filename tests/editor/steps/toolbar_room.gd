@@ -113,7 +113,7 @@ func test_the_view_keeps_its_width() -> void:
 
 
 ## Checks that, for other nodes, only the ground buttons are visible, next to the editor's tools.
-func test_a_different_node() -> void:
+func test_another_node() -> void:
 	var ground: Control = workspace().ground_buttons
 	var in_toolbar := ground.get_parent()
 	await select(root.get_node("Mesh"))

@@ -311,7 +311,7 @@ func test_all_one_by_one() -> void:
 
 
 ## Undoes and redoes all steps and checks the saved files only at both ends.
-func test_all_at_once() -> void:
+func test_all_together() -> void:
 	for title in _names:
 		await undo()
 	check_same(saved_files(), _saved[0], "all steps are undone")
