@@ -48,7 +48,7 @@ inline AddedInstance golden_instance(GoldenRandom &random, std::uint16_t layer, 
 	return instance;
 }
 
-/// Makes one random call that changes the state. It uses few ids, so that several calls often
+/// Makes one random call that changes the state. It uses few IDs, so that several calls often
 /// change the same instance.
 template <typename Require>
 void change(InstanceState &r_state, GoldenRandom &random, Require require) {

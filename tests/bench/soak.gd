@@ -7,7 +7,7 @@ extends SceneTree
 ## (without these variables, the amount of free memory that glibc keeps varies; see test_soak.py)
 ##
 ## The simulation consists of rounds. At the end of each round, the state is cleared, the viewer is at the origin and
-## all requests are finished, so that figures are comparable. The first quarter of the time warms up. Afterwards, the
+## all requests are finished, so that figures are comparable. The first quarter of the time warms up. Afterward, the
 ## resident set may deviate from its median by 5 %. The numbers of nodes, orphans, objects and bodies must stay
 ## constant, and must return to their initial values after everything is freed.
 

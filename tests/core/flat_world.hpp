@@ -56,7 +56,7 @@ struct FlatWorld {
 		}
 	}
 
-	/// Returns the ids of all instances within `radius` meters of a position.
+	/// Returns the IDs of all instances within `radius` meters of a position.
 	std::set<std::uint64_t> within(glm::dvec3 center, double radius) const {
 		std::vector<PlacedInstance> found;
 		CHECK(world.ask_known([&](const InstanceQuery &query) {

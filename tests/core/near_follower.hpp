@@ -17,7 +17,7 @@ namespace thicket::test {
 
 inline constexpr double distance = 20.0;
 
-/// Tracks the ids of all near instances from the changes that the queue reports.
+/// Tracks the IDs of all near instances from the changes that the queue reports.
 struct Follower {
 	NearQueue queue;
 	std::set<std::uint64_t> held;

@@ -26,7 +26,7 @@ inline std::uint64_t near_point(StateRandom &random) {
 	return point_id(static_cast<std::uint16_t>(random() % layer_count * 16000), near(), near());
 }
 
-/// Returns random calls whose arguments do not depend on the state. They use few ids. The ids in
+/// Returns random calls whose arguments do not depend on the state. They use few IDs. The IDs in
 /// `placed` belong to hand-placed instances.
 inline Calls some_calls(StateRandom &random, const std::vector<std::uint64_t> &placed, int count) {
 	Calls calls;

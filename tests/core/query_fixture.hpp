@@ -136,7 +136,7 @@ private:
 };
 
 /// Returns the generated instances of all tiles that touch `area`, except the removed ones, and all
-/// hand-placed instances, sorted by layer and id. Leaves out the layer that queries skip. The
+/// hand-placed instances, sorted by layer and ID. Leaves out the layer that queries skip. The
 /// function reads the tiles' buffers, not their compact copies.
 inline std::vector<PlacedInstance> everything_in(World &world, const Rect &area, const InstanceState *state = nullptr) {
 	std::vector<PlacedInstance> all;

@@ -18,7 +18,7 @@ using StateRandom = std::mt19937_64;
 
 inline std::uint64_t point_id(std::uint16_t layer, int x, int y) { return pack({layer, {x, y}}); }
 
-/// Returns the id of a random point among all cells of a layer.
+/// Returns the ID of a random point among all cells of a layer.
 inline std::uint64_t any_point(StateRandom &random, std::uint16_t layer) {
 	return std::uint64_t{layer} << 48 | random() >> 16;
 }
@@ -63,7 +63,7 @@ inline StateBytes sealed(StateBytes bytes) {
 	return bytes;
 }
 
-/// Makes one random call that changes the state. It uses few ids, so that several calls often
+/// Makes one random call that changes the state. It uses few IDs, so that several calls often
 /// change the same instance.
 inline void disturb(InstanceState &r_state, StateRandom &random) {
 	const auto near = [&random] {

@@ -200,7 +200,7 @@ std::vector<SamplePoint> points_of(const PointSet &set, const Rect &rect) {
 	return points;
 }
 
-/// Returns the thinning ranks of all instances, by id.
+/// Returns the thinning ranks of all instances, by ID.
 std::map<std::uint64_t, std::uint32_t> ranks_of(const TileInstances &tile) {
 	std::map<std::uint64_t, std::uint32_t> ranks;
 	for (const MeshInstances &mesh : tile.meshes) {

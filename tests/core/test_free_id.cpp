@@ -1,4 +1,4 @@
-// Tests the ids of hand-placed instances, and how many ids are checked to find a free one.
+// Tests the IDs of hand-placed instances, and how many IDs are checked to find a free one.
 
 #include "core/state/free_id.hpp"
 #include "state_fixture.hpp"
@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint64_t prefix = std::uint64_t{0x8001} << 48;
 
-/// The ids in use, and the number of ids that were checked.
+/// The IDs in use, and the number of IDs that were checked.
 struct Ids {
 	std::set<std::uint64_t> taken;
 	std::size_t looks = 0;
@@ -39,7 +39,7 @@ TEST_CASE("free id: equal instances get successive IDs, at a nearly constant cos
 		REQUIRE(ids.looks <= 2 + 2 * 17);
 		before = std::max(before, ids.looks);
 	}
-	CHECK(before > 20); // The search does check more than the next id.
+	CHECK(before > 20); // The search does check more than the next ID.
 }
 
 TEST_CASE("free id: gaps are used or skipped, and no ID is returned twice") {
@@ -66,7 +66,7 @@ TEST_CASE("free id: IDs in use at all doubled distances restart the search elsew
 	}
 	ids.take(5);
 	CHECK(ids.looks < 100);
-	// The id with all bits set is never used.
+	// The ID with all bits set is never used.
 	Ids last;
 	const std::uint64_t id = free_id(std::uint64_t{0xffff} << 48, 0xffffffffffff, [](std::uint64_t) { return false; });
 	CHECK(id == std::uint64_t{0xffff} << 48);
@@ -88,7 +88,7 @@ TEST_CASE("free id: many equal instances get the same IDs together as one by one
 	REQUIRE(together.add_all(equal, ids, changes).ok());
 	CHECK(ids == expected);
 	CHECK(std::set<std::uint64_t>(ids.begin(), ids.end()).size() == ids.size());
-	// As for every instance without equals, the first id is the same as in release 0.2.0.
+	// As for every instance without equals, the first ID is the same as in release 0.2.0.
 	AddedInstance oak = instance_at(1.5, -2.5, 4);
 	oak.mesh = 2;
 	oak.basis[0][1] = 0.25f;

@@ -184,7 +184,7 @@ TEST_CASE("queries: an ID finds its instance, or nothing if there is none") {
 		for (const PlacedInstance &each : worlds.all) {
 			standing.insert(each.id);
 		}
-		// The ids of adjacent cells, many of which have no instance.
+		// The IDs of adjacent cells, many of which have no instance.
 		int empty = 0;
 		for (std::size_t i = 0; i < worlds.all.size(); i += worlds.all.size() / 80) {
 			const glm::dvec2 off = glm::dvec2(worlds.all[i].position.x, worlds.all[i].position.z) - place;

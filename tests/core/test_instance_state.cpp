@@ -200,7 +200,7 @@ TEST_CASE("state: layers keep their point sets") {
 
 	InstanceState state;
 	REQUIRE(state.claim(1, 10).ok());
-	REQUIRE(state.claim(1, 20).ok()); // The state contains no ids yet, so the stamp may change.
+	REQUIRE(state.claim(1, 20).ok()); // The state contains no IDs yet, so the stamp may change.
 	state.remove(point_id(1, 0, 0));
 	CHECK(state.claim(1, 20).ok());
 	const Status status = state.claim(1, 30);

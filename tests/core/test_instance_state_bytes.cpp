@@ -258,7 +258,7 @@ TEST_CASE("state bytes: a million removals take less than 4 MB, wherever they ar
 	std::vector<std::uint64_t> ids(1000000);
 	std::ranges::generate(ids, [&random] { return any_point(random, 300); });
 	CHECK(bytes_of_removals(ids) < 3760000);
-	// The worst case: the gaps between ids are as large as possible and slightly irregular.
+	// The worst case: the gaps between IDs are as large as possible and slightly irregular.
 	for (std::size_t at = 0; at < ids.size(); ++at) {
 		ids[at] = at * 281474976 + at % 20;
 	}

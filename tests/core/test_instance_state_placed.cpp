@@ -40,7 +40,7 @@ TEST_CASE("state: the ID of a hand-placed instance is a function of the instance
 	const std::uint64_t id = added_to(state, oak);
 	CHECK(added_to(peer, instance_at(4.5, 0.0)) == id);
 	CHECK(!std::signbit(peer.added(id)->position.z));
-	// An equal instance gets the next free id. Removing the first one frees its id.
+	// An equal instance gets the next free ID. Removing the first one frees its ID.
 	CHECK(added_to(peer, oak) == id + 1);
 	CHECK(peer.remove(id));
 	CHECK_FALSE(peer.remove(id));
@@ -48,7 +48,7 @@ TEST_CASE("state: the ID of a hand-placed instance is a function of the instance
 	CHECK(added_to(peer, oak) == id);
 	CHECK(peer.added_ids() == std::vector<std::uint64_t>{id, id + 1});
 	CHECK(peer.added_ids(2).empty());
-	// The id must be the same in all versions and on all machines.
+	// The ID must be the same in all versions and on all machines.
 	CHECK(id == 0x8001a05597e0f7bb);
 }
 
@@ -56,7 +56,7 @@ TEST_CASE("state: many instances are placed as they would be one by one, or none
 	std::vector<AddedInstance> all;
 	for (int i = 0; i < 3000; ++i) {
 		all.push_back(instance_at(
-				// Many instances are equal, so their ids are successive.
+				// Many instances are equal, so their IDs are successive.
 				i % 700, -0.0, static_cast<std::uint16_t>(i % 3)));
 	}
 	InstanceState one_by_one;

@@ -254,7 +254,7 @@ TEST_CASE("near set: random walks, removals and moves match brute force") {
 				instance_at(id * 0x9e3779b97f4a7c15ULL, {anywhere(random), 0.1 * step(random), anywhere(random)}));
 	}
 	std::vector<glm::dvec3> centers(3);
-	std::map<std::uint64_t, glm::dvec3> held; // The positions of held instances by id.
+	std::map<std::uint64_t, glm::dvec3> held; // The positions of held instances by ID.
 	const NearRange range{12.0, 15.0};
 	for (int frame = 0; frame < 400; ++frame) {
 		for (glm::dvec3 &center : centers) {

@@ -69,7 +69,7 @@ void fail_change(const std::string &refused, std::uint64_t seed, int disturbance
 			});
 }
 
-/// Returns the ids of points, some of which are removed in the states.
+/// Returns the IDs of points, some of which are removed in the states.
 std::vector<std::uint64_t> near_points() {
 	std::vector<std::uint64_t> ids;
 	for (int i = -6; i < 6; ++i) {

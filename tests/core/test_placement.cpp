@@ -106,7 +106,7 @@ TEST_CASE("placement: yaw is uniform over its range and positive in the engine's
 	for (std::uint64_t id = 0; id < tries; ++id) {
 		++counts[static_cast<std::size_t>(yaw_of(transform_of({}, id)) / 360.0 * bins) % bins];
 	}
-	// With 31 degrees of freedom, chi-squared exceeds 70 with a probability of 1 in 10,000. The ids
+	// With 31 degrees of freedom, chi-squared exceeds 70 with a probability of 1 in 10,000. The IDs
 	// are fixed.
 	constexpr double expected = tries / double{bins};
 	double chi_squared = 0.0;

@@ -46,7 +46,7 @@ Look look_of(const TileInstances &tile) {
 	return result;
 }
 
-/// Returns the positions of a set's points, keyed by id, in double precision.
+/// Returns the positions of a set's points, keyed by ID, in double precision.
 std::map<std::uint64_t, glm::dvec2> points_of(const PointSet &set, const Rect &rect) {
 	TileSampler sampler;
 	std::vector<SamplePoint> points;

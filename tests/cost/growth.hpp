@@ -23,7 +23,7 @@ public:
 	/// positions, along lines, at random, on a spiral, or on a grid.
 	Points points(std::size_t count) const;
 
-	/// Returns distinct ids of points.
+	/// Returns distinct IDs of points.
 	std::vector<std::uint64_t> ids(std::size_t count) const;
 
 	const char *name() const;

@@ -83,7 +83,7 @@ func middle(instance: ScatterInstance, height := 1.5) -> Vector3:
 	return instance.transform * Vector3(0, height, 0)
 
 
-## Casts a ray through the middle of an instance and returns the id of the instance that it hits, or 0.
+## Casts a ray through the middle of an instance and returns the ID of the instance that it hits, or 0.
 func hit_id(scatter: TerrainScatter3D, at: Transform3D) -> int:
 	var across := at.basis.x.normalized() * 1.5 * at.basis.get_scale().x
 	var middle_of := at * Vector3(0, 1.5, 0)

@@ -39,7 +39,7 @@ func make_mesh(detail: int) -> Mesh:
 	return mesh
 
 
-## Fills the disk to the last byte with the file `filler`. Does nothing if the path is empty, which means that the file size is limited
+## Fills the disk to the last byte with the file `filler`. Has no effect if the path is empty, which means that the file size is limited
 ## instead.
 func fill() -> void:
 	if filler.is_empty():

@@ -225,7 +225,7 @@ func buffers_of(tile: ScatterTile) -> Array:
 	return range(tile.get_mesh_count()).map(tile.get_buffer)
 
 
-## Returns a tile's instance ids, one array per mesh.
+## Returns a tile's instance IDs, one array per mesh.
 func ids_of(tile: ScatterTile) -> Array:
 	return range(tile.get_mesh_count()).map(tile.get_ids)
 

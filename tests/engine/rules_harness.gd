@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Base class for the tests of a layer's rules. Provides a ground with many heights and slopes, and the instances on it by id.
+## Base class for the tests of a layer's rules. Provides a ground with many heights and slopes, and the instances on it by ID.
 
 const SIDE := 65
 

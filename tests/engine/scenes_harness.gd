@@ -44,8 +44,8 @@ class Plant extends Node3D:
 			hooks[place].call(self)
 
 
-var shown: Dictionary[int, int] = {}  # How often a scene was shown, by instance id.
-var hidden: Dictionary[int, int] = {}  # How often a scene was hidden, by instance id.
+var shown: Dictionary[int, int] = {}  # How often a scene was shown, by instance ID.
+var hidden: Dictionary[int, int] = {}  # How often a scene was hidden, by instance ID.
 var standing_scenes: Dictionary[int, Node3D] = {}
 var viewer: Node3D
 
@@ -90,7 +90,7 @@ func make_garden(layers: Array[ScatterLayer], at := Vector3.ZERO) -> TerrainScat
 	return scatter
 
 
-## Returns the ids of the instances drawn in the visible tiles, as a set.
+## Returns the IDs of the instances drawn in the visible tiles, as a set.
 func drawn(scatter: TerrainScatter3D, layer := 0) -> Dictionary[int, bool]:
 	var ids: Dictionary[int, bool] = {}
 	for tile in shown_tiles(scatter, layer):
@@ -105,7 +105,7 @@ func drawn(scatter: TerrainScatter3D, layer := 0) -> Dictionary[int, bool]:
 	return ids
 
 
-## Returns the scenes in the tree by instance id.
+## Returns the scenes in the tree by instance ID.
 func scenes_of(scatter: TerrainScatter3D) -> Dictionary[int, Node3D]:
 	var found: Dictionary[int, Node3D] = {}
 	for child in scatter.get_children(true):
@@ -114,7 +114,7 @@ func scenes_of(scatter: TerrainScatter3D) -> Dictionary[int, Node3D]:
 	return found
 
 
-## Returns the ids of all instances that are drawn or have a scene.
+## Returns the IDs of all instances that are drawn or have a scene.
 func everything_of(scatter: TerrainScatter3D) -> Dictionary[int, bool]:
 	var ids := drawn(scatter)
 	for id in scenes_of(scatter):

@@ -314,7 +314,7 @@ func test_scenes_with_biomes_are_small_and_save_identically() -> void:
 	scatter.viewers = []
 	var before := places_in(scatter, "fern", Rect2(0, 0, 60, 60))
 	scatter.name = "Scatter"
-	var id_of_file := RegEx.create_from_string("1_[a-z0-9]{5}") # The engine generates new ids on each save.
+	var id_of_file := RegEx.create_from_string("1_[a-z0-9]{5}") # The engine generates new IDs on each save.
 	var files: PackedStringArray = []
 	for round in 2:
 		var scene := PackedScene.new()

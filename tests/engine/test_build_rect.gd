@@ -97,7 +97,7 @@ func test_build_tile() -> void:
 	check_no_error("tiles")
 
 
-## Rows contain what queries return: the same ids, world positions, meshes and rotations.
+## Rows contain what queries return: the same IDs, world positions, meshes and rotations.
 func test_rows() -> void:
 	var scatter := make_scatter(make_forest(), Mound.new(), make_viewer())
 	scatter.world_offset = Vector3(1024.0, 0.0, 0.0)

@@ -111,7 +111,7 @@ func a_diff(count: int) -> PackedByteArray:
 	for id in ids.slice(0, count):
 		server.remove(id)
 	for index in maxi(0, count - ids.size()):
-		server.remove(index << 3) # The first layer's id is 0.
+		server.remove(index << 3) # The first layer's ID is 0.
 	return server.diff_since(0)
 
 

@@ -24,7 +24,7 @@ func make_wood(two_meshes := false) -> TerrainScatter3D:
 	return make_scatter([oak, fern], ScatterGroundFlat.new(), make_viewer())
 
 
-## Returns the id of the visible instance nearest to a position.
+## Returns the ID of the visible instance nearest to a position.
 func id_near(standing: Dictionary[int, Transform3D], place: Vector3) -> int:
 	var best := 0
 	for id in standing:
@@ -130,7 +130,7 @@ func test_hand_placed_instances() -> void:
 	check(scatter.add_instance(scatter.layers[0], at, 1) == id, "when placed again, it has the same id")
 
 
-## Returns the id of the instance whose body a vertical ray hits above a position, or 0.
+## Returns the ID of the instance whose body a vertical ray hits above a position, or 0.
 func body_at(scatter: TerrainScatter3D, place: Vector3) -> int:
 	var ray := PhysicsRayQueryParameters3D.create(place + Vector3(0.0, 20.0, 0.0), place)
 	var hit := root.world_3d.direct_space_state.intersect_ray(ray)
@@ -197,7 +197,7 @@ func test_a_generated_instance_moves() -> void:
 	check(scatter.state.is_removed(id), "the old instance does not regrow")
 
 
-## A diff of the affected ids can undo and redo any change.
+## A diff of the affected IDs can undo and redo any change.
 func test_undo_and_redo_by_diffs() -> void:
 	var scatter := make_wood()
 	await settle(scatter)
@@ -363,7 +363,7 @@ func test_changes_through_the_state() -> void:
 	var planted := scatter.add_instance("oak", Transform3D(Basis(), Vector3(4, 0, 4)))
 	check_equal(state.get_added("oak"), PackedInt64Array([planted]), "hand-placed ones by the layer's name")
 	check(state.remove(planted) and not scatter.has_instance(planted), "a hand-placed one is removed")
-	# While the node is outside the tree, the state changes any id without checking it.
+	# While the node is outside the tree, the state changes any ID without checking it.
 	root.remove_child(scatter)
 	check(state.remove(missing), "any id")
 	scatter.free()

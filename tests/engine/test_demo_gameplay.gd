@@ -50,7 +50,7 @@ func stand_before(trunk: Vector3) -> void:
 	await physics_frames(3)
 
 
-## Returns the id of the instance that a physics ray from the player's eyes to a position hits, or 0.
+## Returns the ID of the instance that a physics ray from the player's eyes to a position hits, or 0.
 func touched(place: Vector3) -> int:
 	var ray := PhysicsRayQueryParameters3D.create(player.eyes.global_position, place, 1)
 	var hit := world.get_world_3d().direct_space_state.intersect_ray(ray)
@@ -118,7 +118,7 @@ func fell(oak: ScatterInstance) -> void:
 	check(scene.angle > 0.9, "at %f radians" % scene.angle)
 
 
-## Returns the id of the tree that the player looks at, or 0.
+## Returns the ID of the tree that the player looks at, or 0.
 func looked_id() -> int:
 	return player.looked_at.id if player.looked_at != null else 0
 

@@ -9,7 +9,7 @@ func test_add_instances_equals_many_calls_to_add_instance() -> void:
 	layer.meshes = [BoxMesh.new(), SphereMesh.new()]
 	var scatter := make_bare([layer])
 	var all := some_transforms(3000)
-	all[5] = all[4] # With equal transforms, the second instance gets the next free id.
+	all[5] = all[4] # With equal transforms, the second instance gets the next free ID.
 	var meshes := PackedInt32Array()
 	for index in all.size():
 		meshes.push_back(index % 2)

@@ -97,7 +97,7 @@ func test_methods_take_a_layer_or_its_name() -> void:
 	check_no_error("layers and their names")
 
 
-## Sorts explanations by id, because their order depends on the layers that were passed. Any other result is returned unchanged.
+## Sorts explanations by ID, because their order depends on the layers that were passed. Any other result is returned unchanged.
 func in_order(found: Variant) -> Variant:
 	if found is Array and not found.is_empty() and found[0] is Array:
 		found.sort_custom(func(a: Array, b: Array) -> bool: return a[1] < b[1])

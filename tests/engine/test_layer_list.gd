@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Tests a node's list of layers: edits, the ids that layers keep during edits, and references between layers.
+## Tests a node's list of layers: edits, the IDs that layers keep during edits, and references between layers.
 
 const AREA := Rect2(-40.0, -40.0, 80.0, 80.0)
 

@@ -130,7 +130,7 @@ func make_ferns() -> ScatterLayer:
 	return layer
 
 
-## Returns the ids, shapes, layers, masks and friction of all bodies, sorted.
+## Returns the IDs, shapes, layers, masks and friction of all bodies, sorted.
 func body_data(scatter: TerrainScatter3D) -> Array:
 	var result := []
 	var found := bodies(scatter)

@@ -65,7 +65,7 @@ func nearest_to(standing: Dictionary[int, Transform3D], place: Vector3) -> int:
 	return best
 
 
-## Returns the ids of `standing` within a distance of a position.
+## Returns the IDs of `standing` within a distance of a position.
 func near(standing: Dictionary[int, Transform3D], place: Vector3, distance: float) -> Array[int]:
 	var result: Array[int] = []
 	for id in standing:

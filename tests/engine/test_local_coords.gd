@@ -39,7 +39,7 @@ func clean() -> void:
 	await super()
 
 
-## Returns the transforms of all instances in the ship's space, by id, as queries find them.
+## Returns the transforms of all instances in the ship's space, by ID, as queries find them.
 func on_deck(scatter: TerrainScatter3D) -> Dictionary[int, Transform3D]:
 	var found := scatter.query_rect(Rect2(-2.0 * HALF, 4.0 * HALF))
 	var result: Dictionary[int, Transform3D] = {}

@@ -294,7 +294,7 @@ func test_a_recenter_a_thousand_kilometers_out_is_invisible() -> void:
 	check(difference(before, await picture()) > 0.05, "a moved camera sees a different image")
 
 
-## Must be the last test, because the engine keeps printing errors afterwards.
+## Must be the last test, because the engine keeps printing errors afterward.
 func test_the_limit_of_instance_uniforms_is_a_problem() -> void:
 	var scatter := make_tinted_view()
 	scatter.layers[0].tile_size = 4.0

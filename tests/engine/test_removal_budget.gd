@@ -32,7 +32,7 @@ func make_dense(layers: Array[ScatterLayer]) -> TerrainScatter3D:
 
 
 ## Calls `change` and checks the removals. No frame may remove more bodies than one step does, and the nearest bodies must be removed first.
-## If `wanted` new bodies replace them, the order is not checked, because the new bodies have the same ids.
+## If `wanted` new bodies replace them, the order is not checked, because the new bodies have the same IDs.
 func check_removal(scatter: TerrainScatter3D, context: String, change: Callable, wanted := 0) -> void:
 	var standing := bodies(scatter)
 	var places: Dictionary[int, float] = {}

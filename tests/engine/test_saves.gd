@@ -7,7 +7,7 @@ const PATH := FOLDER + "/forest.state"
 const PART := PATH + ".part"
 
 
-## Returns the id of the point in a cell (x, y) of layer 3.
+## Returns the ID of the point in a cell (x, y) of layer 3.
 func point(x: int, y := 0) -> int:
 	return 3 << 48 | (x + (1 << 23)) << 24 | (y + (1 << 23))
 

@@ -11,7 +11,7 @@ func note(error: Error) -> void:
 	results.push_back(error)
 
 
-## Returns a diff with `count` removals of consecutive ids in a layer, starting at `first`.
+## Returns a diff with `count` removals of consecutive IDs in a layer, starting at `first`.
 func removals(count: int, first := 0) -> PackedByteArray:
 	var state := ScatterState.new()
 	for index in count:

@@ -6,7 +6,7 @@ func make_wood() -> TerrainScatter3D:
 	return make_scatter([make_layer(3.0), make_layer(1.5)], ScatterGroundFlat.new(), make_viewer())
 
 
-## Returns the ids of the first layer's instances near the origin.
+## Returns the IDs of the first layer's instances near the origin.
 func near_ids(scatter: TerrainScatter3D, radius := 20.0) -> PackedInt64Array:
 	return scatter.query_sphere(Vector3.ZERO, radius, scatter.layers[0]).ids
 

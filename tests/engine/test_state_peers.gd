@@ -4,7 +4,7 @@ extends "harness.gd"
 const LAYER := 3
 
 
-## Returns the id of the point in a cell (x, y) of the test's layer.
+## Returns the ID of the point in a cell (x, y) of the test's layer.
 func point(x: int, y := 0) -> int:
 	return LAYER << 48 | (x + (1 << 23)) << 24 | (y + (1 << 23))
 

@@ -44,7 +44,7 @@ InstanceState copy_of(const InstanceState &state) {
 	return copy;
 }
 
-/// Returns one of few ids in most cases, so that several calls often use the same id.
+/// Returns one of few IDs in most cases, so that several calls often use the same ID.
 std::uint64_t read_id(Bytes &r_bytes, const InstanceState &state) {
 	if (r_bytes.chance(8)) {
 		return r_bytes.raw<std::uint64_t>();

@@ -22,7 +22,7 @@
 namespace thicket::bench::billion {
 
 /// Identifies a set of points regardless of their order. A digest consists of two sums, modulo
-/// 2^64, of differently keyed hashes of each point's id, lattice position and rank.
+/// 2^64, of differently keyed hashes of each point's ID, lattice position and rank.
 struct Digest {
 	std::uint64_t high = 0;
 	std::uint64_t low = 0;
@@ -49,7 +49,7 @@ struct Findings {
 	/// Number of pairs of points whose distance was computed, each counted once.
 	std::uint64_t pairs = 0;
 	std::uint64_t too_close = 0; ///< Number of pairs of points that are closer than the radius.
-	/// Number of points that are outside their tile or off the lattice, or have the id of a
+	/// Number of points that are outside their tile or off the lattice, or have the ID of a
 	/// different cell.
 	std::uint64_t misplaced = 0;
 	std::uint64_t doubled = 0; ///< Number of points in a cell that already has one.

@@ -26,7 +26,7 @@ inline std::vector<SimdTarget> simd_targets() {
 	return targets;
 }
 
-/// During the lifetime of this object, every dispatch of this process uses one target. Afterwards,
+/// During the lifetime of this object, every dispatch of this process uses one target. Afterward,
 /// the best target is used again. Use it on one thread only.
 class ForcedTarget {
 public:

@@ -274,7 +274,7 @@ func _show_count(layer: ScatterLayer) -> int:
 
 
 func _choose_new(layers: Array[ScatterLayer]) -> void:
-	if get_viewport().gui_is_dragging(): # The user is still dropping files, whose rows are added afterwards.
+	if get_viewport().gui_is_dragging(): # The user is still dropping files, whose rows are added afterward.
 		get_tree().process_frame.connect(_choose_new.bind(layers), CONNECT_ONE_SHOT)
 		return
 	look()
