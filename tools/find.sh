@@ -1,5 +1,5 @@
 # Finds programs and folders. tools/godot and tools/setup.sh source this file. A Debian root is a folder with a minimal Debian
-# system, in which a program runs that the machine's own system does not provide.
+# system, in which a program runs that the machine's system does not provide.
 
 # Prints the path of the folder for everything that is installed once and shared by all checkouts.
 cache_folder() {

@@ -2,7 +2,7 @@ extends RefCounted
 ## Sets the rules and colors of a scatter's layers on the ground's shader, so that distant ground has the colors of the plants that grow there. The
 ## rules are defined only once, in the layers.
 
-## The number of pixels along each side of the noise texture. On a map of 32 km, a pixel is 62 m wide.
+## The width and height of the noise texture in pixels. On a map of 32 km, a pixel is 62 m wide.
 const NOISE_PIXELS := 512
 ## The number of noise values for which a row of the color table has a color.
 const TABLE_PIXELS := 64
@@ -14,7 +14,7 @@ var _colors: ImageTexture
 
 
 ## Sets the rules and colors of [param layers] on a ground material, in the order of the shader's arrays. [param rect] is the map in world x and z. All layers
-## must take their colors from one noise, or at random.
+## must take their colors from one Noise resource, or at random.
 func apply(material: RID, rect: Rect2, layers: Array[ScatterLayer]) -> void:
 	var slopes: Array[Vector3] = []
 	var heights: Array[Vector3] = []

@@ -30,7 +30,7 @@ var warnings := PackedStringArray()
 var progress := 0.0
 ## The meshes to assign to the layer: one [ScatterModel] for each of its entries, with the impostor as the last LOD. Entries that draw nothing are
 ## unchanged. Available once [method step] has returned false without a [member problem]. New impostors replace the impostors of an earlier bake.
-## The layer's own models stay unchanged, because other layers may use them.
+## The models of the layer stay unchanged, because other layers may use them.
 var meshes := []
 ## The impostors of [member meshes]; null for entries that draw nothing.
 var baked: Array[Mesh] = []

@@ -84,7 +84,7 @@ func _add_all() -> void:
 	node.name = "Tile_%d_%d" % [_tile.x, _tile.y]
 	if file.numbers(header, "tile", 2) != PackedFloat64Array([_tile.x, _tile.y]) or file.text(header, "scene_digest") != _scene_digest \
 			or file.whole(header, "instances", 0, 0x7fffffff) != _instances:
-		file.problem = "it belongs to a different tile or bake"
+		file.problem = "it belongs to another tile or bake"
 	var entries := file.list(header, "nodes", TYPE_DICTIONARY)
 	if entries.size() > MOST_NODES:
 		file.problem = "nodes must have %d entries at most, got %d" % [MOST_NODES, entries.size()]

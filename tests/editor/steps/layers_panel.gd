@@ -389,7 +389,7 @@ func test_losses() -> void:
 	await drag_files(["res://giant.res"], middle(tree()))
 	check_equal(names()[0], "Giant", "the widest is first")
 	await settle(scatter)
-	var left := "Old Oak: %d of %d instances are left beside the new layers." % [scatter.get_shown_count(layer("Old Oak")), oaks]
+	var left := "Old Oak: %d of %d instances are left among the new layers." % [scatter.get_shown_count(layer("Old Oak")), oaks]
 	check(await until(func() -> bool: return left in toast_text(), "losses are reported"), "%s in %s" % [left, toast_text()])
 	await undo()
 

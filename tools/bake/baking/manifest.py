@@ -97,7 +97,7 @@ def read_manifest(folder: Path) -> dict:
 
 
 def check_manifest(said: dict, manifest: Path) -> None:
-    """Raises BakeError if the manifest has a different version, or for the first field that is missing or invalid."""
+    """Raises BakeError if the manifest has another version, or for the first field that is missing or invalid."""
     version = said.get("version")
     if type(version) is not int or version != VERSION:
         raise BakeError(f"{manifest}: version must be {VERSION}, got {fields.shown(version)}; bake again with this version of Thicket")

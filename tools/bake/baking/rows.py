@@ -53,7 +53,7 @@ def _add_further(columns: Columns, rows: int) -> None:
 
 
 def joined(parts: list[Columns]) -> Columns:
-    """Returns all rows of the parts, sorted by layer, then by id."""
+    """Returns all rows of the parts, sorted by layer, then by ID."""
     if not parts:
         empty = to_columns(SCHEMA.empty_table())
         return {name: empty[name] for name in [*SCHEMA.names, "has_color", "has_custom"]}

@@ -33,7 +33,7 @@ class MadeTiles:
 _layer = members({"index": whole(0, 0xFFFF), "name": text(), "radius": number(*RADII), "tile_size": LENGTH}, ["index", "name", "radius", "tile_size"])
 _models = members({"index": whole(0, 0xFFFF), "models": items(members({})), "material": text()}, ["index", "models", "material"])
 _checks = {
-    "scene": text(), "scene_digest": text(), "thicket": text(), "seed": text("-?[0-9]{1,20}", "a whole number in a text"), "problems": items(text(most=1 << 20)),
+    "scene": text(), "scene_digest": text(), "thicket": text(), "seed": text("-?[0-9]{1,20}", "an integer in a string"), "problems": items(text(most=1 << 20)),
     "parts": mapping(text(), text(), 1 << 20), "rect": RECT, "tile_size": LENGTH, "world_offset": items(METERS, 3, 3),
     "layers": items(_layer, 1, 0x10000), "models": items(_models), "grid": items(whole(-(2**31), 2**31 - 1), 4, 4),
     "edges": items(items(METERS, 2, MAX_TILES + 1), 2, 2), "columns": mapping(text(), mapping(text(), text(), 100), 0x10000),

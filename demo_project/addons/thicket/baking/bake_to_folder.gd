@@ -33,7 +33,7 @@ var problem := ""
 var _out := ""
 var _described: SceneDescription
 var _tiles: Array[PackedInt64Array] = [] ## The requested columns and rows; empty for all tiles.
-var _share := PackedInt64Array([1, 1]) ## Which share of the tiles to generate, from 1, and the number of shares.
+var _share := PackedInt64Array([1, 1]) ## The part of the tiles to generate, from 1, and the number of parts.
 var _world := {}
 var _stored := 0 ## The number of bytes already stored in the current file.
 var _counts := {"made": 0, "kept": 0, "failed": 0}

@@ -23,19 +23,19 @@ const BakeToFolder := preload("res://addons/thicket/baking/bake_to_folder.gd")
 const SceneDescription := preload("res://addons/thicket/baking/scene_description.gd")
 const ModelFiles := preload("res://addons/thicket/baking/model_files.gd")
 
-const USAGE := """Makes tiles of a scene's TerrainScatter3D into a folder, of which bake.sh makes a bake on any machine. What is there is not made again.
+const USAGE := """Generates tiles of a scene's TerrainScatter3D into a folder, from which bake.sh builds a bake on any machine. Existing tiles are kept.
   godot --headless --path PROJECT --script res://addons/thicket/bake_world.gd -- scene=res://world.tscn out=/FOLDER [ARGUMENT=VALUE ...]
     scene=res://...              the scene
     out=/FOLDER                  the absolute path of the folder
-    rect=X,Z,WIDTH,DEPTH         what to make, in meters; else all of the ground
-    tile_size=METERS             else one that fits the layers
-    layers=NAME,NAME             names or indices; else all
-    tiles='I,J I,J'              these tiles alone; else all of the rectangle
-    share=K/N                    of N shares of the tiles the K-th: for N of these at a time, each with another K
-    node=PATH                    the TerrainScatter3D, where the scene has several
-    wait=SECONDS                 for the scene's ground to be there (120)
-Ends with 0 if all tiles are there that were asked for, 1 if some are not, 2 if it could not begin.
-For a driver, in place of out and what follows it: connect=PORT and token=WORD."""
+    rect=X,Z,WIDTH,DEPTH         the area to bake, in meters; by default the entire ground
+    tile_size=METERS             the edge length of a tile; by default a length that fits the layers
+    layers=NAME,NAME             names or indices of layers; by default all
+    tiles='I,J I,J'              generate only these tiles; by default all tiles in the rectangle
+    share=K/N                    generate part K of the tiles in N parts, for N engines that run in parallel
+    node=PATH                    the TerrainScatter3D, if the scene has several
+    wait=SECONDS                 the maximum time to wait for the scene's ground (120)
+The exit code is 0 if all requested tiles exist, 1 if some are missing, and 2 if the script could not begin.
+For a driver, use these arguments instead of out and those after it: connect=PORT and token=WORD."""
 const NO_SCATTER := "is no TerrainScatter3D"
 const NO_GROUND := "is no ground"
 const NOT_SETTLED := "is a scatter that still waits for its ground"

@@ -7,11 +7,11 @@ extends ConfirmationDialog
 signal chosen(mode: ScatterMask.Mode, at: Vector2)
 
 const TEXT := "%s grows wherever its rules permit, so there is nothing to add.\n
-Only here: it grows where you paint, and nowhere else. %s
-Not here: it stays, and you take it away where you paint."
+Only here: the layer grows only where you paint. %s
+Not here: the layer stays, except where you paint."
 const TEXT_OF_MANY := "%s grow wherever their rules permit, so there is nothing to add.\n
-Only here: they grow where you paint, and nowhere else. %s
-Not here: they stay, and you take them away where you paint."
+Only here: the layers grow only where you paint. %s
+Not here: the layers stay, except where you paint."
 
 var _at := Vector2.ZERO
 

@@ -3,7 +3,7 @@ extends "res://addons/thicket/editor/ground/ground_overlay.gd"
 ## The base class of overlays that show a painted resource while its brush is on.
 
 var _painted: Resource
-var _version := 0 ## Increases with each change of the resource.
+var _version := 0 ## Increases with each change to the resource.
 
 
 ## Sets the resource to show, or null for none.

@@ -23,7 +23,7 @@ var _cursor := GroundCursor.new()
 var _colors := OptionButton.new()
 var _asked_at := 0
 var _explained := Vector3.INF
-var _version := 0 ## Increases with each change of the settings.
+var _version := 0 ## Increases with each change to the settings.
 var _state: Array = []
 var _camera: Camera3D
 

@@ -19,7 +19,7 @@ var _instance := RID()
 var _scatter: TerrainScatter3D
 var _ground: ScatterGround
 var _middle := Vector2i.ZERO ## The center of the overlay, in quads.
-var _quad := 0.0 ## The side of a quad, in meters.
+var _quad := 0.0 ## The edge length of a quad, in meters.
 var _asked: Array = [] ## All values that determine the overlay; empty if there is none.
 var _colors: Callable
 var _waiting: Array[Vector2i] = [] ## The parts that are still to be generated.

@@ -4,12 +4,12 @@ extends HBoxContainer
 ## reason why they cannot be read.
 
 const REFRESH_SECONDS := 0.25
-const PICTURE_SIDE := 96.0 ## Pixels of an unscaled editor.
+const PICTURE_SIDE := 96.0 ## In pixels at an editor scale of 1.
 
 var _ground: ScatterGroundHeightmap
 var _picture := TextureRect.new()
 var _text := Label.new()
-var _shown := PackedByteArray() ## The pixels of the picture.
+var _shown := PackedByteArray() ## The pixels of the thumbnail.
 var _since_refresh := 0.0
 
 

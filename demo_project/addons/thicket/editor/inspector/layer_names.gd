@@ -1,6 +1,6 @@
 @tool
 extends RefCounted
-## Finds the layers that an object of the edited scene can refer to, which are those of its scatter.
+## Finds the layers to which an object of the edited scene can refer, which are the layers of its scatter.
 
 const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
 

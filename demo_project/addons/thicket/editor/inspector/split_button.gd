@@ -4,10 +4,10 @@ extends Button
 
 const NewLayers := preload("res://addons/thicket/editor/layers/new_layers.gd")
 
-## The maximum overlap of two models that count as side by side, as a fraction of the area of the smaller box, seen from above.
+## The maximum overlap of two models that are considered side by side, as a fraction of the area of the smaller box, seen from above.
 const MOST_SHARED := 0.1
 
-static var _known: Dictionary[int, PackedStringArray] = {} ## A cache of the parts of scenes, by the instance id of the scene.
+static var _known: Dictionary[int, PackedStringArray] = {} ## A cache of the parts of scenes, by the instance ID of the scene.
 
 var _layer: ScatterLayer
 var _scene: PackedScene

@@ -12,7 +12,7 @@ const HIDDEN := &"hidden"
 const LOCKED := &"locked"
 const COLOR := &"color"
 
-var _notes: Dictionary[int, Dictionary] = {} ## The marks of each layer, by the layer's instance id.
+var _notes: Dictionary[int, Dictionary] = {} ## The marks of each layer, by the layer's instance ID.
 
 
 func is_hidden(layer: ScatterLayer) -> bool:

@@ -7,7 +7,7 @@ const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layer
 ## Emitted when the thumbnail of a layer is ready.
 signal made(layer: ScatterLayer, picture: Texture2D)
 
-var _asked: Dictionary[int, int] = {} ## A hash of the resource whose picture was last requested, by the layer's instance id.
+var _asked: Dictionary[int, int] = {} ## A hash of the resource whose thumbnail was last requested, by the layer's instance ID.
 
 
 ## Requests a thumbnail of the first mesh, scene or model of a layer, unless this layer's last request was for the same

@@ -261,7 +261,7 @@ func _drop_data(at: Vector2, data: Variant) -> void:
 		resources_dropped.emit(MeshDrop.taken(data, true), to)
 
 
-## Returns true for the row of a layer in the scatter's own list.
+## Returns true for the row of a layer in the scatter's list, not in a biome.
 func _is_own(row: TreeItem) -> bool:
 	return row.get_parent() == get_root() and row.get_metadata(Column.NAME) != null
 

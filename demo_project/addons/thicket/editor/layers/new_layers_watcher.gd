@@ -16,7 +16,7 @@ const KEPT := 0.7
 const FEW := 20
 
 var _scatter: TerrainScatter3D
-var _fresh: Array[ScatterLayer] = [] ## The new layers that were not checked yet.
+var _fresh: Array[ScatterLayer] = [] ## The new layers that have not been checked yet.
 var _tells_room := true
 var _missing: Array[ScatterLayer] = [] ## The checked new layers without instances.
 var _sentences := PackedStringArray()
@@ -111,7 +111,7 @@ func _losses(layers: Array[ScatterLayer]) -> PackedStringArray:
 	var parts := PackedStringArray()
 	for layer in _before:
 		if layer in layers and _before[layer] >= FEW and _scatter.get_shown_count(layer) < KEPT * _before[layer]:
-			parts.append("%s: %d of %d instances are left beside the new layers." % [layer.resource_name, _scatter.get_shown_count(layer), _before[layer]])
+			parts.append("%s: %d of %d instances are left among the new layers." % [layer.resource_name, _scatter.get_shown_count(layer), _before[layer]])
 	return parts
 
 

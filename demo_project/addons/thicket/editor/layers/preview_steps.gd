@@ -1,6 +1,6 @@
 @tool
 extends RefCounted
-## Delays large changes of the view. If a change would display more than ten times as many instances of a layer, and more than 50,000, the view
+## Delays large changes to the view. If a change would display more than ten times as many instances of a layer, and more than 50,000, the view
 ## keeps the layer's old values until the user confirms. The number of instances then grows in steps, which the user can stop. The layer itself has
 ## its new values immediately, and the game uses them.
 
@@ -59,7 +59,7 @@ class Watch:
 var _watches: Array[Watch] = []
 
 
-## Returns the layers that the view shows with other values than their own. Layers that wait for a confirmation come first.
+## Returns the layers that the view shows with values other than their own. Layers that wait for a confirmation come first.
 func held() -> Array[Watch]:
 	var result := _watches.filter(func(watch: Watch) -> bool: return watch.held)
 	result.sort_custom(func(a: Watch, b: Watch) -> bool: return a.state < b.state)

@@ -11,13 +11,13 @@ static func of(scatter: TerrainScatter3D) -> Array[ScatterLayer]:
 	return scatter.layers if scatter.biomes == null else scatter.get_all_layers()
 
 
-## Returns those of the layers that are in the scatter's own list, which the panel can change.
+## Returns those of the layers that are in the scatter's list, which the panel can change.
 static func own(scatter: TerrainScatter3D, layers: Array[ScatterLayer]) -> Array[ScatterLayer]:
 	var listed := scatter.layers
 	return layers.filter(func(layer: ScatterLayer) -> bool: return layer in listed)
 
 
-## Returns the name of the first biome that contains a layer, or an empty string for a layer of the scatter's own list.
+## Returns the name of the first biome that contains a layer, or an empty string for a layer in the scatter's list.
 static func biome_name(scatter: TerrainScatter3D, layer: ScatterLayer) -> String:
 	var map := scatter.biomes
 	if map == null or layer in scatter.layers:

@@ -17,7 +17,7 @@ class Shared:
 	var masks := PackedStringArray()
 	## True if another scatter uses the same state.
 	var state := false
-	## True if that state contains a designer's changes, not those of a game.
+	## True if that state contains a designer's changes, not a game's changes.
 	var by_hand := false
 	## True if the seed is the same, so that the same layers have the same instances.
 	var seed := false
@@ -190,7 +190,7 @@ static func _find_files_of_other_scenes(scatter: TerrainScatter3D, own: Array[Sc
 		_add_scene(keeper, scenes, r_shared)
 
 
-## Returns the path, without its extension, of the scene for which a file was created. Empty if it is the scatter's own scene or if there is none.
+## Returns the path, without its extension, of the scene for which a file was created. Empty if it is the scene of the scatter or if there is none.
 ## Files without this information are named after their scene.
 static func _other_scene_of(resource: Resource, scatter: TerrainScatter3D) -> String:
 	var stem := resource.resource_path.get_basename()

@@ -6,7 +6,7 @@ extends ConfirmationDialog
 signal decided(new_seed: bool, with_files: bool)
 
 const TEXT := "%s
-It gets layers, painted masks and hand-placed instances of its own; masks and instances go into files beside the scene."
+It gets separate layers, painted masks and hand-placed instances. Masks and instances are saved in files next to the scene."
 
 var _text := Label.new()
 var _seed := CheckBox.new()
