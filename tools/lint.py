@@ -105,10 +105,10 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", choices=["format", "tidy"])
     parser.add_argument("--all", action="store_true", help="tidy: also check the tests")
-    given = parser.parse_args()
-    said = format_sources(check=False) if given.what == "format" else tidy(given.all)
-    print(said, end="")
-    return int(bool(said))
+    arguments = parser.parse_args()
+    report = format_sources(check=False) if arguments.what == "format" else tidy(arguments.all)
+    print(report, end="")
+    return int(bool(report))
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ var falling: Array[Node3D] = []
 @onready var minimap: Control = $Hud/Minimap
 @onready var _highlight: MeshInstance3D = $Highlight
 @onready var _looking: Label = $Hud/Looking
-@onready var _said: Label = $Hud/Panel/Rows/Said
+@onready var _message: Label = $Hud/Panel/Rows/Said
 @onready var _help: Label = $Hud/Panel/Rows/Help
 
 
@@ -93,26 +93,26 @@ func fell() -> void:
 	falling.append(scene)
 	scene.tree_exited.connect(func() -> void: falling.erase(scene))
 	player.looked_at = null
-	_say("felled %d" % tree.id)
+	_show_message("felled %d" % tree.id)
 
 
 ## Saves only the game's changes.
 func save() -> void:
 	var error := world.state.save_to_file(SAVED)
-	_say("saved" if error == OK else "not saved: " + error_string(error))
+	_show_message("saved" if error == OK else "not saved: " + error_string(error))
 
 
 ## Restores the world from the last save.
 func load_saved() -> void:
 	if not FileAccess.file_exists(SAVED):
-		_say("nothing to load")
+		_show_message("nothing to load")
 		return
 	var error := world.state.load_from_file(SAVED)
-	_say("loaded" if error == OK else "not loaded: " + error_string(error))
+	_show_message("loaded" if error == OK else "not loaded: " + error_string(error))
 
 
-func _say(what: String) -> void:
-	_said.text = "%s\n%d felled, %d stumps" % [what, world.state.get_removed_count(), world.state.get_added_count()]
+func _show_message(what: String) -> void:
+	_message.text = "%s\n%d felled, %d stumps" % [what, world.state.get_removed_count(), world.state.get_added_count()]
 
 
 func _on_scene_shown(id: int, scene: Node3D) -> void:

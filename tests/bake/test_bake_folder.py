@@ -65,7 +65,7 @@ def test_a_bake_from_a_folder_equals_that_of_the_driver(baked, made, tmp_path):
     """Checks that all files are equal, including the models. The manifests must also be equal, except for the costs."""
     moved = shutil.copytree(made, tmp_path / "elsewhere")
     other = bake_of(moved, tmp_path / "out")
-    assert other.code == 0 and baked.manifest["digest"] in other.said, other.said
+    assert other.code == 0 and baked.manifest["digest"] in other.output, other.output
     assert other.manifest["complete"] and len(other.manifest["tiles"]) == TILES and same(other, baked)
     assert [path.name for path in other.out.glob("models/*")] == [path.name for path in baked.out.glob("models/*")]
 
@@ -81,7 +81,7 @@ def test_parts_add_up_to_the_whole(world, baked, tmp_path):
     assert counts == [TILES // 2, TILES // 2]
     shutil.copytree(tmp_path / "1", tmp_path / "2", dirs_exist_ok=True)
     whole = bake_of(tmp_path / "2", tmp_path / "out")
-    assert whole.code == 0 and same(whole, baked), whole.said
+    assert whole.code == 0 and same(whole, baked), whole.output
 
 
 def test_chosen_tiles_and_layers_with_the_default_tile_size(world, tmp_path):
@@ -91,7 +91,7 @@ def test_chosen_tiles_and_layers_with_the_default_tile_size(world, tmp_path):
     assert done.returncode == 0 and "2 tiles generated, 0 kept" in done.stdout, done.stdout + done.stderr
     theirs = bake_of(tmp_path / "made", tmp_path / "theirs", "--tiles", "-1,0 0,0")
     ours = bake(world, tmp_path / "ours", "--workers", "1", "--layers", "0", "--tiles", "-1,0 0,0", "--rect", rect, "--tile-size", "256")
-    assert theirs.code == 0 and ours.code == 0, theirs.said + ours.said
+    assert theirs.code == 0 and ours.code == 0, theirs.output + ours.output
     assert theirs.manifest["tile_size"] == 256.0 and same(theirs, ours) and not theirs.manifest["complete"]
 
 
@@ -124,7 +124,7 @@ def test_a_killed_engine_only_costs_time(world, baked, tmp_path):
     assert f"{TILES - len(left)} tiles generated, {len(left)} already present, 0 failed" in again.stdout
     assert {path: path.stat().st_mtime_ns for path in left} == times and not list(folder.glob("**/.*.part"))
     whole = bake_of(folder, tmp_path / "out")
-    assert whole.code == 0 and same(whole, baked), whole.said
+    assert whole.code == 0 and same(whole, baked), whole.output
 
 
 def test_the_bake_reports_missing_and_damaged_tiles(world, baked, made, tmp_path):
@@ -134,12 +134,12 @@ def test_the_bake_reports_missing_and_damaged_tiles(world, baked, made, tmp_path
     damaged.write_bytes(damaged.read_bytes()[:-1])
     shutil.copy(folder / "tiles/tile_-1_0.rows", folder / "tiles/tile_-2_0.rows")
     some = bake_of(folder, tmp_path / "out")
-    assert some.code == 1 and "tile_0_0.rows is missing" in some.said, some.said
-    assert "tile_1_0.rows is damaged" in some.said and "tile_-2_0.rows is damaged" in some.said, some.said
+    assert some.code == 1 and "tile_0_0.rows is missing" in some.output, some.output
+    assert "tile_1_0.rows is damaged" in some.output and "tile_-2_0.rows is damaged" in some.output, some.output
     assert len(some.manifest["tiles"]) == TILES - 3 and not some.manifest["complete"]
     assert make(world, folder).returncode == 0
     whole = bake_of(folder, tmp_path / "out")
-    assert whole.code == 0 and "3 of them generated in this run" in whole.said and same(whole, baked), whole.said
+    assert whole.code == 0 and "3 of them generated in this run" in whole.output and same(whole, baked), whole.output
 
 
 def test_failing_tiles_are_reported_and_others_generated(world, tmp_path):
@@ -167,7 +167,7 @@ def test_a_changed_scene_is_detected(world, made, tmp_path):
     assert make(other_world, tmp_path / "other").returncode == 0
     shutil.copy(tmp_path / "other/tiles/tile_0_0.rows", folder / "tiles/tile_0_0.rows")
     mixed = bake_of(folder, tmp_path / "out")
-    assert mixed.code == 1 and "tile_0_0.rows is damaged or belongs to another bake" in mixed.said, mixed.said
+    assert mixed.code == 1 and "tile_0_0.rows is damaged or belongs to another bake" in mixed.output, mixed.output
 
 
 def test_a_full_disk_stops_with_an_error(world, made, tmp_path):
@@ -222,11 +222,11 @@ def test_invalid_arguments_are_rejected_with_a_message(world, arguments, sentenc
 def test_options_that_the_folder_determines_are_rejected(made, tmp_path):
     for options, sentence in ((USUAL[:2], "--rect is -70"), (["--layers", "Trees"], "--layers is Trees, but the tiles in")):
         refused = bake_of(made, tmp_path / "out", *options)
-        assert refused.code == 2 and sentence in refused.said and "already have a fixed value" in refused.said, refused.said
+        assert refused.code == 2 and sentence in refused.output and "already have a fixed value" in refused.output, refused.output
     spoiled = shutil.copytree(made, tmp_path / "made")
     (spoiled / tile_folder.WORLD).write_text("{")
     refused = bake_of(spoiled, tmp_path / "out")
-    assert refused.code == 2 and "world.json cannot be read" in refused.said and "Traceback" not in refused.said, refused.said
+    assert refused.code == 2 and "world.json cannot be read" in refused.output and "Traceback" not in refused.output, refused.output
 
 
 def test_a_missing_library_is_reported(godot, tmp_path):

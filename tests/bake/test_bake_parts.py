@@ -95,10 +95,10 @@ def test_a_scheduler_without_workers_is_reported(monkeypatch):
             return {f"worker {number}": 1 for number in range(counts.pop(0))}
 
     monkeypatch.setattr(cluster, "CHECK_SECONDS", 0.01)
-    said: list[str] = []
-    with cluster.watched(Scheduler(), "tcp://here:1", said.append):
+    output: list[str] = []
+    with cluster.watched(Scheduler(), "tcp://here:1", output.append):
         assert looked.wait(10.0)
-    assert [each.split(":1", 1)[1][:16] for each in said] == [" has no workers:", " has workers: 3.", " has no workers:"]
+    assert [each.split(":1", 1)[1][:16] for each in output] == [" has no workers:", " has workers: 3.", " has no workers:"]
 
 
 class SlowTile:
@@ -157,18 +157,18 @@ def test_an_unusable_manifest_is_reported(tmp_path):
     """Checks that a file that is not a manifest is replaced with a message, and that a manifest with a missing or invalid field
     is rejected."""
     request = driver.BakeRequest(Source(("godot",), "/nowhere", "res://world.tscn"), tmp_path)
-    said: list[str] = []
-    driver._resume(request, dict(WORLD), said.append)
-    assert not said, "a new folder has no manifest"
+    output: list[str] = []
+    driver._resume(request, dict(WORLD), output.append)
+    assert not output, "a new folder has no manifest"
     (tmp_path / MANIFEST).write_text("{")
-    driver._resume(request, dict(WORLD), said.append)
-    assert len(said) == 1 and str(tmp_path / MANIFEST) in said[0] and "replaced" in said[0], said
+    driver._resume(request, dict(WORLD), output.append)
+    assert len(output) == 1 and str(tmp_path / MANIFEST) in output[0] and "replaced" in output[0], output
     (tmp_path / MANIFEST).write_text(json.dumps({**WORLD, "format": FORMAT, "version": VERSION, "rect": None}))
     with pytest.raises(BakeError, match="manifest.json: rect must be an array of 4 values, got null; restore the manifest of the bake"):
-        driver._resume(request, dict(WORLD), said.append)
+        driver._resume(request, dict(WORLD), output.append)
     (tmp_path / MANIFEST).write_text(json.dumps({"format": FORMAT, "version": VERSION, "scene": "res://world.tscn"}))
     with pytest.raises(BakeError, match="manifest.json: scene_digest is missing, but is required"):
-        driver._resume(request, dict(WORLD), said.append)
+        driver._resume(request, dict(WORLD), output.append)
 
 
 @pytest.mark.parametrize(

@@ -48,9 +48,9 @@ def test_damaged_tiles_are_rejected(copy, tmp_path):
     whole = first.read_bytes()
     for damage in (lambda: first.unlink(), lambda: first.write_bytes(whole[: len(whole) // 2]), lambda: shutil.copy(copy / "tiles/tile_60002_-20001.parquet", first)):
         damage()
-        said = refused("maps", copy, tmp_path / "maps")
-        assert "tile_60000_-20002.parquet" in said or "tile 60000,-20002 cannot be read" in said, said
-        assert "bake that tile again: run the command of the bake with --tiles 60000,-20002" in said
+        output = refused("maps", copy, tmp_path / "maps")
+        assert "tile_60000_-20002.parquet" in output or "tile 60000,-20002 cannot be read" in output, output
+        assert "bake that tile again: run the command of the bake with --tiles 60000,-20002" in output
     first.write_bytes(whole)
     broken = bytearray(second.read_bytes())
     broken[100:2000] = bytes(1900)
@@ -62,8 +62,8 @@ def test_damaged_tiles_are_rejected(copy, tmp_path):
 def test_an_unwritable_folder_is_rejected_by_name(copy, tmp_path):
     (tmp_path / "file").write_text("mine")
     for writer, options in (("maps", ()), ("gltf", ("--stand-ins",))):
-        said = refused(writer, copy, tmp_path / "file", *options)
-        assert f"Cannot read or write {tmp_path / 'file'}" in said, said
+        output = refused(writer, copy, tmp_path / "file", *options)
+        assert f"Cannot read or write {tmp_path / 'file'}" in output, output
 
 
 def test_the_command_prints_its_usage(bake):

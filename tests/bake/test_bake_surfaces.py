@@ -27,7 +27,7 @@ def test_a_bake_contains_every_level(tmp_path):
     for size in ("16", "32"):
         # The options that come later replace the rectangle and tile size of the other tests.
         baked = bake(project, tmp_path / size, "--rect", "-32,-32,64,64", "--tile-size", size)
-        assert baked.code == 0, baked.said
+        assert baked.code == 0, baked.output
         rows = baked.rows()
         assert {id for _, id in rows} == set(expected)
         for (_, id), row in rows.items():

@@ -88,8 +88,8 @@ def test_each_changed_bit_of_a_tile_is_detected(bake):
         file.write_bytes(changed)
         with pytest.raises(BakeError) as refused:
             read(bake)
-        said = str(refused.value)
-        assert f"tile {TILE} is damaged" in said and str(file) in said and wanted in said and f"--tiles {TILE}" in said and "--no-verify" in said
+        output = str(refused.value)
+        assert f"tile {TILE} is damaged" in output and str(file) in output and wanted in output and f"--tiles {TILE}" in output and "--no-verify" in output
 
 
 def test_in_older_bakes_no_undetected_change_affects_an_instance(bake):
@@ -253,8 +253,8 @@ def check_said(bake: Path, out: Path, content: bytes | str, capsys) -> int:
         found = said_of(bake, out, capsys)
     except Exception as error:
         raise AssertionError(f"{type(error).__name__} for {content[:3000]!r}") from error
-    for code, said in found:
-        assert code == 0 or (code in (1, 2) and len(said) > 20 and (str(bake) in said or "tile " in said or "--" in said)), (code, said, content)
+    for code, output in found:
+        assert code == 0 or (code in (1, 2) and len(output) > 20 and (str(bake) in output or "tile " in output or "--" in output)), (code, output, content)
     return sum(code != 0 for code, _ in found)
 
 
@@ -312,7 +312,7 @@ def test_a_folder_of_tiles_with_any_content_results_in_a_message(tmp_path):
         out.mkdir()
         try:
             request = driver.BakeRequest(tile_folder.made_tiles(made), out)
-            plan, manifest, _ = driver._begin(request, AtOnce(), lambda said: None)
+            plan, manifest, _ = driver._begin(request, AtOnce(), lambda output: None)
             report.Map(plan.rect, plan.pixel, manifest["layers"])
         except BakeError as error:
             assert str(made) in str(error) and "create the folder again with bake_world.gd" in str(error), (error, content)
@@ -330,6 +330,6 @@ def test_an_error_names_the_field_its_range_and_how_to_fix_it(bake):
     (bake / MANIFEST).write_text(json.dumps(manifest))
     with pytest.raises(BakeError) as refused:
         open_bake(bake)
-    said = str(refused.value)
-    assert said.startswith(f"{bake / MANIFEST}: layers[1].models[0].path must be a string of at most 1000 characters"), said
-    assert said.endswith("got 5; restore the manifest of the bake, or bake again with --fresh"), said
+    output = str(refused.value)
+    assert output.startswith(f"{bake / MANIFEST}: layers[1].models[0].path must be a string of at most 1000 characters"), output
+    assert output.endswith("got 5; restore the manifest of the bake, or bake again with --fresh"), output

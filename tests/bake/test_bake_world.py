@@ -53,7 +53,7 @@ def test_manifest_describes_the_bake(baked):
     assert len(manifest["tiles"]) == 20
     report = (baked.out / "report.md").read_text()
     assert manifest["digest"] in report and "0 Trees" in report and (baked.out / "map.png").stat().st_size > 1000
-    assert manifest["digest"] in baked.said
+    assert manifest["digest"] in baked.output
 
 
 def test_costs_include_the_engine(world, baked):
@@ -165,7 +165,7 @@ def test_files_contain_the_instances_of_the_game(world, baked, tmp_path):
 
 def test_one_worker_in_a_different_order_generates_the_same_tiles(world, baked, tmp_path):
     other = bake(world, tmp_path / "out", "--workers", "1", "--shuffle", "5")
-    assert other.code == 0, other.said
+    assert other.code == 0, other.output
     assert other.manifest["digest"] == baked.manifest["digest"]
     assert {name: entry["digest"] for name, entry in other.manifest["tiles"].items()} == {
         name: entry["digest"] for name, entry in baked.manifest["tiles"].items()
@@ -174,7 +174,7 @@ def test_one_worker_in_a_different_order_generates_the_same_tiles(world, baked, 
 
 def test_a_tile_size_that_fits_no_layer_produces_the_same_instances(world, baked, tmp_path):
     other = bake(world, tmp_path / "out", "--tile-size", "27", "--workers", "2")
-    assert other.code == 0 and "cut through tiles of the game" in other.said, other.said
+    assert other.code == 0 and "cut through tiles of the game" in other.output, other.output
     assert other.rows() == baked.rows()
 
 
@@ -184,7 +184,7 @@ def test_adjacent_bakes_form_one_world(world, baked, tmp_path):
     parts = []
     for name, rect in {"west": "-70,-50,70,100", "east": "0,-50,60,100"}.items():
         parts.append(bake(world, tmp_path / name, "--rect", rect, "--workers", "1"))
-        assert parts[-1].code == 0, parts[-1].said
+        assert parts[-1].code == 0, parts[-1].output
     assert [len(part.manifest["tiles"]) for part in parts] == [12, 8]
     tiles = {name: tile for part in parts for name, tile in part.manifest["tiles"].items()}
     assert {name: tile["digest"] for name, tile in tiles.items()} == {name: tile["digest"] for name, tile in baked.manifest["tiles"].items()}
@@ -212,7 +212,7 @@ def test_damaged_files_are_regenerated(world, baked, tmp_path):
     shutil.copy(spoiled.file(whole[0]), spoiled.out / "tiles/tile_9_9.parquet")
     (spoiled.out / "manifest.json").write_text("{\"format\": \"thick")
     again = bake(world, spoiled.out, "--workers", "1")
-    assert again.code == 0 and "4 of them generated in this run" in again.said, again.said
+    assert again.code == 0 and "4 of them generated in this run" in again.output, again.output
     assert again.manifest["digest"] == baked.manifest["digest"]
     assert {name: again.file(name).read_bytes() for name in names} == before
     assert [name for name in names if again.file(name).stat().st_mtime_ns == times[name]] == whole
@@ -224,7 +224,7 @@ def test_a_bake_of_some_tiles_does_not_list_missing_files(world, baked, tmp_path
     gone, asked = sorted(some.manifest["tiles"])[:2]
     some.file(gone).unlink()
     again = bake(world, some.out, "--workers", "1", "--tiles", asked)
-    assert again.code == 0 and "0 of them generated in this run" in again.said, again.said
+    assert again.code == 0 and "0 of them generated in this run" in again.output, again.output
     assert gone not in again.manifest["tiles"] and not again.manifest["complete"] and again.manifest["digest"] is None
 
 
@@ -236,14 +236,14 @@ def test_a_changed_scene_is_rejected(world, baked, tmp_path):
     assert text.count("max_scale = 2.0") == 1
     scene.write_text(text.replace("max_scale = 2.0", "max_scale = 2.25"))
     refused = bake(other_world, out, "--workers", "1")
-    assert refused.code == 2 and "has changed since this bake was started: layer 0 (Trees)." in refused.said, refused.said
+    assert refused.code == 2 and "has changed since this bake was started: layer 0 (Trees)." in refused.output, refused.output
     assert Baked(0, "", out).manifest["digest"] == baked.manifest["digest"], "the bake is unchanged"
     (other_world / "hills.gd").write_text((world / "hills.gd").read_text().replace("6.0 * sin", "6.5 * sin"))
     scene.write_text(text)
     refused = bake(other_world, out, "--workers", "1")
-    assert refused.code == 2 and "the ground, the heights of the ground." in refused.said, refused.said
+    assert refused.code == 2 and "the ground, the heights of the ground." in refused.output, refused.output
     fresh = bake(other_world, out, "--workers", "1", "--fresh")
-    assert fresh.code == 0 and "20 of them generated in this run" in fresh.said, fresh.said
+    assert fresh.code == 0 and "20 of them generated in this run" in fresh.output, fresh.output
     assert fresh.manifest["digest"] != baked.manifest["digest"]
 
 
@@ -252,20 +252,20 @@ def test_a_second_bake_into_the_folder_is_rejected(world, baked, tmp_path):
     with (out / ".lock").open("a+") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         refused = bake(world, out, "--workers", "1")
-        assert refused.code == 2 and "Another bake is using" in refused.said, refused.said
+        assert refused.code == 2 and "Another bake is using" in refused.output, refused.output
     refused = bake(world, out, "--workers", "1", "--rect", "0,0,64,64")
-    assert refused.code == 2 and "the rectangle is [-70.0, -50.0, 130.0, 100.0]" in refused.said, refused.said
+    assert refused.code == 2 and "the rectangle is [-70.0, -50.0, 130.0, 100.0]" in refused.output, refused.output
 
 
 def test_failing_tiles_are_reported_and_others_generated(world, baked, tmp_path):
     with ground(world, "bad"):
         broken = bake(world, tmp_path / "out", "--workers", "2")
-    assert broken.code == 1 and "tile 1,0 failed. Tile" in broken.said and "heights" in broken.said, broken.said
+    assert broken.code == 1 and "tile 1,0 failed. Tile" in broken.output and "heights" in broken.output, broken.output
     assert set(broken.manifest["tiles"]) == {name for name in baked.manifest["tiles"] if not name.startswith("1,")}
     assert not broken.manifest["complete"] and broken.manifest["digest"] is None
     assert "## Tiles that failed" in (broken.out / "report.md").read_text()
     completed = bake(world, broken.out, "--workers", "1")
-    assert completed.code == 0 and "4 of them generated in this run" in completed.said, completed.said
+    assert completed.code == 0 and "4 of them generated in this run" in completed.output, completed.output
     assert completed.manifest["digest"] == baked.manifest["digest"]
 
 
@@ -277,10 +277,10 @@ def test_a_full_disk_stops_with_an_error(world, baked, tmp_path):
         resource.setrlimit(resource.RLIMIT_FSIZE, (largest - 1, largest - 1))
 
     stopped = bake(world, tmp_path / "out", "--workers", "1", preexec_fn=little_room)
-    assert stopped.code == 1 and "Cannot write" in stopped.said and "File too large" in stopped.said, stopped.said
+    assert stopped.code == 1 and "Cannot write" in stopped.output and "File too large" in stopped.output, stopped.output
     assert not list(stopped.out.glob("**/*.part")) and not stopped.manifest["complete"]
     again = bake(world, stopped.out, "--workers", "1")
-    assert again.code == 0 and again.manifest["digest"] == baked.manifest["digest"], again.said
+    assert again.code == 0 and again.manifest["digest"] == baked.manifest["digest"], again.output
 
 
 @pytest.mark.parametrize(
@@ -299,7 +299,7 @@ def test_a_full_disk_stops_with_an_error(world, baked, tmp_path):
 )
 def test_invalid_requests_are_rejected_with_a_message(world, tmp_path, options, sentence):
     refused = bake(world, tmp_path / "out", "--workers", "1", *options)
-    assert refused.code == 2 and sentence in refused.said and "Traceback" not in refused.said, refused.said
+    assert refused.code == 2 and sentence in refused.output and "Traceback" not in refused.output, refused.output
 
 
 def survive(world: Path, out: Path, digest: str, victim: str, seconds: float | None = None) -> None:
@@ -319,15 +319,15 @@ def survive(world: Path, out: Path, digest: str, victim: str, seconds: float | N
             assert seconds is not None or (victims[victim] and driver.poll() is None and len(list(out.glob("tiles/*.parquet"))) < 16)
             for each in victims[victim]:
                 kill(each.pid)
-            said = driver.communicate(timeout=360)[0]
+            output = driver.communicate(timeout=360)[0]
             if victim == "driver":
                 wait_for(lambda: all(has_ended(each) for each in below), "the end of all workers and engines")
             else:
-                assert driver.returncode == 0, said
+                assert driver.returncode == 0, output
         finally:
             driver.kill()
     after = bake(world, out, "--workers", "2")
-    assert after.code == 0 and after.manifest["digest"] == digest, after.said
+    assert after.code == 0 and after.manifest["digest"] == digest, after.output
     assert not list(out.glob("**/*.part"))
 
 
@@ -344,9 +344,9 @@ def test_an_interrupt_ends_the_bake_with_a_message(world, baked, tmp_path):
         wait_for(lambda: len(list(out.glob("tiles/*.parquet"))) > 3, "some tiles")
         below = processes_below(driver)
         os.killpg(driver.pid, signal.SIGINT)
-        said = driver.communicate(timeout=180)[0]
-    assert driver.returncode == 130 and "interrupted; run the same command to continue" in said, said
-    assert "Traceback" not in said, said
+        output = driver.communicate(timeout=180)[0]
+    assert driver.returncode == 130 and "interrupted; run the same command to continue" in output, output
+    assert "Traceback" not in output, output
     wait_for(lambda: all(has_ended(each) for each in below), "the end of all workers and engines")
     known = Baked(0, "", out).manifest["tiles"]
     assert 0 < len(known) < 20 and not list(out.glob("**/*.part"))
@@ -380,6 +380,6 @@ def test_workers_of_an_existing_cluster(world, baked, tmp_path):
         first = driver.stdout.readline()
         assert f"The scheduler at {address} has no workers: the bake waits" in first
         start("distributed.cli.dask_worker", address, "--nworkers", "1", "--nthreads", "2", "--no-dashboard")
-        said = driver.communicate(timeout=360)[0]
-        assert driver.returncode == 0 and baked.manifest["digest"] in said, said
+        output = driver.communicate(timeout=360)[0]
+        assert driver.returncode == 0 and baked.manifest["digest"] in output, output
         assert not [each for each in psutil.process_iter(["name", "cmdline"]) if is_engine_of(each, world)]

@@ -71,7 +71,7 @@ class Baked:
     """The exit code, the output and the folder of a bake."""
 
     code: int
-    said: str
+    output: str
     out: Path
 
     @property
@@ -177,5 +177,5 @@ def world(tmp_path_factory) -> Path:
 def baked(world, tmp_path_factory) -> Baked:
     """Returns the world, baked by two workers."""
     done = bake(world, tmp_path_factory.mktemp("baked"), "--workers", "2")
-    assert done.code == 0, done.said
+    assert done.code == 0, done.output
     return done

@@ -145,18 +145,18 @@ def main() -> int:
     parser.add_argument("--turns", type=int, default=9)
     parser.add_argument("--programs", type=named, default=list(PROGRAMS))
     parser.add_argument("--engine", type=named, default=[])
-    asked = parser.parse_args()
-    if asked.turns < 1:
-        parser.error(f"--turns must be at least 1, got {asked.turns}")
-    sides = [Side(asked.base, bool(asked.engine)), Side(asked.new, bool(asked.engine))]
+    arguments = parser.parse_args()
+    if arguments.turns < 1:
+        parser.error(f"--turns must be at least 1, got {arguments.turns}")
+    sides = [Side(arguments.base, bool(arguments.engine)), Side(arguments.new, bool(arguments.engine))]
     turns = []
-    for turn in range(asked.turns):
-        print(f"compare: turn {turn + 1} of {asked.turns}", file=sys.stderr)
+    for turn in range(arguments.turns):
+        print(f"compare: turn {turn + 1} of {arguments.turns}", file=sys.stderr)
         order = (0, 1) if turn % 2 == 0 else (1, 0)
-        measured = {side: sides[side].measure(asked.programs, asked.engine) for side in order}
+        measured = {side: sides[side].measure(arguments.programs, arguments.engine) for side in order}
         turns.append((measured[0], measured[1]))
     changes, others = compare_all(turns)
-    print(report(changes, others, asked.turns))
+    print(report(changes, others, arguments.turns))
     return 1 if any(change.worse for change in changes) else 0
 
 

@@ -14,8 +14,8 @@ import lint  # noqa: E402 (only on the path above)
 
 
 def test_sources_are_formatted():
-    said = lint.format_sources(check=True)
-    assert not said, f"{said[:4000]}\nto fix it, run: {sys.executable} tools/lint.py format"
+    output = lint.format_sources(check=True)
+    assert not output, f"{output[:4000]}\nto fix it, run: {sys.executable} tools/lint.py format"
 
 
 def test_type_names_are_unique():
@@ -41,11 +41,11 @@ def database():
 def test_clang_tidy_finds_nothing_in_the_extension(database):
     """Checks with clang-tidy. Only files that have changed since they were last clean are checked. The first run takes
     several minutes."""
-    said = lint.tidy(everything=False)
-    assert not said, said[:8000]
+    output = lint.tidy(everything=False)
+    assert not output, output[:8000]
 
 
 @pytest.mark.full
 def test_clang_tidy_finds_nothing_anywhere(database):
-    said = lint.tidy(everything=True)
-    assert not said, said[:8000]
+    output = lint.tidy(everything=True)
+    assert not output, output[:8000]

@@ -54,9 +54,9 @@ def test_a_missing_rust_is_reported(tmp_path):
     for name in ("cargo", "apt-cache"):
         (tmp_path / name).write_text("#!/bin/sh\nexit 1\n")
         (tmp_path / name).chmod(0o755)
-    said = shell("setup_peers_rust || echo going on", PATH=f"{tmp_path}:/usr/bin:/bin")
-    assert said.returncode == 0 and said.stdout == "going on\n"
-    assert said.stderr.count("\n") == 1 and "1.85" in said.stderr
+    output = shell("setup_peers_rust || echo going on", PATH=f"{tmp_path}:/usr/bin:/bin")
+    assert output.returncode == 0 and output.stdout == "going on\n"
+    assert output.stderr.count("\n") == 1 and "1.85" in output.stderr
 
 
 def check_line_and_set(command: list, name: str, dump: Path):

@@ -11,7 +11,7 @@ func _inspector_parts(kind: String) -> Array[Node]:
 		return part.get_parent().get_script() != null and part.get_parent().get_script().resource_path.ends_with("heightmap_summary.gd"))
 
 
-func _said() -> String:
+func _summary_text() -> String:
 	var labels := _inspector_parts("Label")
 	return (labels[0] as Label).text if labels.size() == 1 else ""
 
@@ -26,12 +26,12 @@ func test_summary() -> void:
 	ground.set(&"rect", Rect2(0, 0, 10, 6))
 	ground.set(&"max_height", 500.0)
 	EditorInterface.edit_resource(ground)
-	await until(func() -> bool: return "5 × 4" in _said(), "a summary")
-	check_equal(_said(), "5 × 4 heights, 8-bit PNG\n2.5 × 2.0 m apart\nLowest 100.0 m, highest 500.0 m", "the summary")
+	await until(func() -> bool: return "5 × 4" in _summary_text(), "a summary")
+	check_equal(_summary_text(), "5 × 4 heights, 8-bit PNG\n2.5 × 2.0 m apart\nLowest 100.0 m, highest 500.0 m", "the summary")
 	var texture := (_inspector_parts("TextureRect")[0] as TextureRect).texture
 	check_equal(texture.get_image().get_size(), Vector2i(5, 4), "the thumbnail")
 	await picture("heightmap_summary")
 	ground.set(&"max_height", 1000.0)
-	await until(func() -> bool: return "highest 1000.0 m" in _said(), "a new range")
+	await until(func() -> bool: return "highest 1000.0 m" in _summary_text(), "a new range")
 	EditorInterface.edit_resource(null)
 	DirAccess.remove_absolute(PATH)

@@ -203,7 +203,7 @@ func import_from(source: Variant, layer_index: int) -> void:
 		dialog.choose_table(source)
 	dialog.choose_layer(layer_index)
 	dialog.start()
-	check(dialog.imported > 0, "imported: " + dialog.said())
+	check(dialog.imported > 0, "imported: " + dialog.message())
 
 
 func test_instances() -> void:

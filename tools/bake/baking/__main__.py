@@ -92,7 +92,7 @@ def _request(chosen: argparse.Namespace) -> BakeRequest:
         raise BakeError(f"--wait must be between 0 and {MAX_WAIT:g} seconds, got {chosen.wait:g}. Choose a value in that range.")
     return BakeRequest(
         source=_source(chosen),
-        asked={"rect": chosen.rect, "tile_size": chosen.tile_size, "layers": chosen.layers},
+        requested={"rect": chosen.rect, "tile_size": chosen.tile_size, "layers": chosen.layers},
         out=chosen.out.resolve(), tiles=chosen.tiles,
         workers=chosen.workers, scheduler=chosen.scheduler, shuffle=chosen.shuffle, fresh=chosen.fresh,
     )  # fmt: skip

@@ -32,7 +32,7 @@ class BakeRequest:
 
     source: Source | MadeTiles
     out: Path
-    asked: dict[str, str] = field(default_factory=dict)  # rect, tile_size and layers, in the format of scene_description.gd.
+    requested: dict[str, str] = field(default_factory=dict)  # rect, tile_size and layers, in the format of scene_description.gd.
     tiles: list[tuple[int, int]] | None = None  # The tiles to bake; None for all tiles that overlap the rectangle.
     workers: int = 1
     scheduler: str | None = None
@@ -85,7 +85,7 @@ def _bake(request: BakeRequest, client: Client, say: Callable[[str], None]) -> O
 def _begin(request: BakeRequest, client: Client, say: Callable[[str], None]) -> tuple[tile.Plan, dict, float]:
     """Returns the plan, the manifest (which is already on disk), and the startup time of an engine in seconds."""
     try:
-        described = client.submit(tile.describe, request.source, request.asked, pure=False).result()
+        described = client.submit(tile.describe, request.source, request.requested, pure=False).result()
     except (EngineGone, Refused) as error:
         raise BakeError(str(error)) from error
     for problem in described["problems"]:
@@ -95,7 +95,7 @@ def _begin(request: BakeRequest, client: Client, say: Callable[[str], None]) -> 
     if uneven:
         say(f"Tiles of {grid.tile_size:g} m cut through tiles of the game, which are therefore generated more than once: {', '.join(uneven)}. Choose a --tile-size that is a multiple of all their sizes.")
     plan = tile.Plan(
-        source=request.source, asked=request.asked, out=str(request.out), rect=tuple(rect), grid=grid, scene_digest=described["scene_digest"],
+        source=request.source, requested=request.requested, out=str(request.out), rect=tuple(rect), grid=grid, scene_digest=described["scene_digest"],
         layers={layer["index"]: described["columns"][str(layer["index"])] for layer in layers},
         parts=described["parts"], pixel=max(rect[2], rect[3]) / MAP_PIXELS,
     )  # fmt: skip

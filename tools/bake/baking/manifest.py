@@ -71,16 +71,16 @@ def read_json(path: Path) -> dict:
     """Returns the JSON object in a file. Raises FileNotFoundError if there is no file. Raises BakeError for an
     unreadable file, for any other content, and for an object that has the same field twice."""
     try:
-        said = json.loads(path.read_bytes().decode(), object_pairs_hook=fields.without_repeats)
+        content = json.loads(path.read_bytes().decode(), object_pairs_hook=fields.without_repeats)
     except FileNotFoundError:
         raise
     except RecursionError:
         raise BakeError(f"{path} cannot be read: its values are nested too deeply") from None
     except (OSError, ValueError) as error:  # UnicodeDecodeError is a ValueError.
         raise BakeError(f"{path} cannot be read: {error}") from None
-    if not isinstance(said, dict):
+    if not isinstance(content, dict):
         raise BakeError(f"{path} must contain a JSON object")
-    return said
+    return content
 
 
 def read_manifest(folder: Path) -> dict:
@@ -88,28 +88,28 @@ def read_manifest(folder: Path) -> dict:
     unreadable, or if it does not have the format of a bake."""
     manifest = folder / MANIFEST
     try:
-        said = read_json(manifest)
+        content = read_json(manifest)
     except FileNotFoundError:
         raise BakeError(f"{folder} is not a bake: it does not contain {MANIFEST}") from None
-    if said.get("format") != FORMAT:
+    if content.get("format") != FORMAT:
         raise BakeError(f"{manifest} is not the manifest of a bake: its format must be {FORMAT}")
-    return said
+    return content
 
 
-def check_manifest(said: dict, manifest: Path) -> None:
+def check_manifest(content: dict, manifest: Path) -> None:
     """Raises BakeError if the manifest has another version, or for the first field that is missing or invalid."""
-    version = said.get("version")
+    version = content.get("version")
     if type(version) is not int or version != VERSION:
         raise BakeError(f"{manifest}: version must be {VERSION}, got {fields.shown(version)}; bake again with this version of Thicket")
     with refusing(manifest, REMEDY):
-        _manifest(said)
-        _check_sense(said)
+        _manifest(content)
+        _check_sense(content)
 
 
-def check_costs(said: dict, manifest: Path) -> None:
+def check_costs(content: dict, manifest: Path) -> None:
     """Raises BakeError like check_manifest, but checks only the fields that a forecast reads."""
     with refusing(manifest, REMEDY):
-        _costs(said)
+        _costs(content)
 
 
 def check_rect(rect: list) -> None:
@@ -118,11 +118,11 @@ def check_rect(rect: list) -> None:
         raise fields.Refused(min(rect[2:]), "x, z, width and depth in meters, the last two above 0").within("rect")
 
 
-def _check_sense(said: dict) -> None:
+def _check_sense(content: dict) -> None:
     """Checks conditions that involve several values."""
-    check_rect(said["rect"])
-    indices = [layer["index"] for layer in said["layers"]]
-    for number, layer in enumerate(said["layers"]):
+    check_rect(content["rect"])
+    indices = [layer["index"] for layer in content["layers"]]
+    for number, layer in enumerate(content["layers"]):
         if indices.index(layer["index"]) != number:
             raise fields.Refused(layer["index"], "a unique number for each layer").within("index").within(f"[{number}]").within("layers")
         for model, entry in enumerate(layer["models"]):
@@ -130,7 +130,7 @@ def _check_sense(said: dict) -> None:
             if begins and (begins[0] != 0 or sorted(begins) != begins):
                 name = f"layers[{number}].models[{model}].lods"
                 raise fields.Refused(next((begin for begin in begins if begin), 0), "levels of which the first begins at 0 m and the others are sorted by distance").within(name)
-    for name, tile in said["tiles"].items():
+    for name, tile in content["tiles"].items():
         if max(map(abs, tile_of_name(name))) >= 2**31:
             raise fields.Refused(name, "two whole numbers I,J below 2147483648 as the key").within(f"[{json.dumps(name)}]").within("tiles")
         bounds = tile.get("bounds")

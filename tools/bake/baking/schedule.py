@@ -78,8 +78,8 @@ def simulate(costs: Costs, workers: int, cores: int | None = None) -> float:
     driver = 0.0  # The time until which the driver is busy.
     last = 0.0
     for seconds in costs.tiles:
-        asked, worker = heapq.heappop(free)
-        driver = max(driver, asked) + costs.driver
+        requested, worker = heapq.heappop(free)
+        driver = max(driver, requested) + costs.driver
         done = driver + seconds
         last = max(last, done)
         heapq.heappush(free, (done, worker))

@@ -28,7 +28,7 @@ class Plan:
     """The data that a worker needs to generate a tile. It determines the content of the tile's file."""
 
     source: Source | MadeTiles
-    asked: dict[str, str]  # The options with which the scene was described.
+    requested: dict[str, str]  # The options with which the scene was described.
     out: str
     rect: tuple[float, float, float, float]  # The baked rectangle: x, z, width and depth in world meters.
     grid: TileGrid
@@ -68,7 +68,7 @@ def _engine_of(plan: Plan) -> TileEngine:
         _drop_engine()
         begun = time.perf_counter()
         _own.engine = _started(plan.source)
-        described = _own.engine.describe(plan.asked)
+        described = _own.engine.describe(plan.requested)
         _own.starting = getattr(_own, "starting", 0.0) + time.perf_counter() - begun
         if described["scene_digest"] != plan.scene_digest:
             raise SceneChanged(
@@ -124,14 +124,14 @@ def close_engines() -> None:
 atexit.register(close_engines)
 
 
-def describe(source: Source | MadeTiles, asked: dict[str, str]) -> dict:
+def describe(source: Source | MadeTiles, requested: dict[str, str]) -> dict:
     """Returns the result of TileEngine.describe, with the result of TileEngine.models added as `models` and `files`,
     and the engine's startup time in seconds as `starting`. Starts a new engine, so that it reads the current state of
     the scene."""
     _drop_engine()
     begun = time.perf_counter()
     _own.engine = _started(source)
-    described = _own.engine.describe(asked)
+    described = _own.engine.describe(requested)
     described["starting"] = time.perf_counter() - begun
     described["models"], described["files"] = _own.engine.models([layer["index"] for layer in described["layers"]])
     _begin_to_count((source, described["scene_digest"]))

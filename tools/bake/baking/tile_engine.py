@@ -144,11 +144,11 @@ class TileEngine:
             raise Refused(f"{header['error']} {self._last_words() if 'printed' in header['error'] else ''}".strip())
         return header, self._take(header["bytes"])
 
-    def describe(self, asked: dict[str, str]) -> dict:
-        """Returns the scene's description from scene_description.gd. `asked` has `rect`, `tile_size` and `layers` as strings;
+    def describe(self, requested: dict[str, str]) -> dict:
+        """Returns the scene's description from scene_description.gd. `requested` has `rect`, `tile_size` and `layers` as strings;
         missing values get defaults. Raises Refused for a scene that cannot be baked, and for a project with another version of
         the add-on."""
-        self._send({"do": "describe", **asked})
+        self._send({"do": "describe", **requested})
         described = self._receive()[0]
         if "columns" not in described:
             raise Refused("The project has another version of the add-on: copy the add-on of this checkout into the project.")

@@ -87,9 +87,9 @@ class TileFolder:
         except BakeError as error:  # The file was valid when the bake started.
             raise Refused(str(error)) from None
 
-    def describe(self, asked: dict[str, str]) -> dict:
+    def describe(self, requested: dict[str, str]) -> dict:
         """Returns the description of the scene like TileEngine.describe, with the options for which the tiles were generated.
-        Ignores `asked`."""
+        Ignores `requested`."""
         return {key: value for key, value in self.world.items() if key != "models"}
 
     def models(self, layers: list[int]) -> tuple[list[dict], dict[str, bytes]]:

@@ -50,7 +50,7 @@ var _help_links: HelpLinks
 var _loose_states: LooseStates
 var _server_export := ServerExport.new()
 var _scatter: TerrainScatter3D
-var _holds := false ## True while a node below the scatter is selected instead of the scatter.
+var _keeps_scatter := false ## True while a node below the scatter is selected instead of the scatter.
 var _shown: Array = []
 var _tiles := 0
 var _since_look := 0.0
@@ -159,11 +159,11 @@ func make_visible(visible: bool) -> void:
 func _on_selection_changed() -> void:
 	var scatter := _scatter_above_selection()
 	if scatter != null:
-		_holds = true
+		_keeps_scatter = true
 		make_visible(true)
 		edit(scatter)
-	elif _holds:
-		_holds = false
+	elif _keeps_scatter:
+		_keeps_scatter = false
 		if not EditorInterface.get_selection().get_selected_nodes().any(handles):
 			make_visible(false)
 
@@ -180,7 +180,7 @@ func _scatter_above_selection() -> TerrainScatter3D:
 ## When a tool is turned on while a node below the scatter is selected, selects the scatter: tools get input over the 3D
 ## view only while it is selected.
 func _on_tool_toggled(on: bool) -> void:
-	if on and _holds and is_instance_valid(_scatter):
+	if on and _keeps_scatter and is_instance_valid(_scatter):
 		EditorInterface.get_selection().clear()
 		EditorInterface.get_selection().add_node(_scatter)
 		EditorInterface.edit_node(_scatter)

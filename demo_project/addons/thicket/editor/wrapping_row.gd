@@ -14,7 +14,7 @@ func _init() -> void:
 func _notification(what: int) -> void:
 	match what:
 		NOTIFICATION_SORT_CHILDREN:
-			_ask_for_width.call_deferred()
+			_request_width.call_deferred()
 		NOTIFICATION_VISIBILITY_CHANGED, NOTIFICATION_ENTER_TREE:
 			_stretch(visible)
 		NOTIFICATION_EXIT_TREE:
@@ -22,7 +22,7 @@ func _notification(what: int) -> void:
 
 
 ## Sets the minimum width to the full length of the row, up to [constant WIDTH].
-func _ask_for_width() -> void:
+func _request_width() -> void:
 	var length := 0.0
 	for child: Node in get_children():
 		var control := child as Control

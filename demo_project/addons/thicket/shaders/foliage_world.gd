@@ -207,9 +207,9 @@ func _bodies() -> Array:
 		var eye := camera.global_position
 		places.sort_custom(func(a: Vector3, b: Vector3) -> bool:
 			return a.distance_squared_to(eye) < b.distance_squared_to(eye))
-	var told: Array[Vector4] = []
-	told.resize(MOST_BODIES)
+	var packed: Array[Vector4] = []
+	packed.resize(MOST_BODIES)
 	var count := mini(places.size(), MOST_BODIES)
 	for index in count:
-		told[index] = Vector4(places[index].x, places[index].y, places[index].z, body_radius)
-	return [count, PackedVector4Array(told)]
+		packed[index] = Vector4(places[index].x, places[index].y, places[index].z, body_radius)
+	return [count, PackedVector4Array(packed)]

@@ -85,7 +85,7 @@ func look() -> void:
 	if not is_on() or not is_instance_valid(scatter) or not scatter.is_inside_tree():
 		overlay.hide()
 		return
-	_notice_changes()
+	_update_after_changes()
 	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
 	if _colors.selected == RuleOverlay.Kind.NOTHING or ground() == null:
 		overlay.hide()
@@ -118,7 +118,7 @@ func _place_of(position: Vector3) -> Vector2:
 
 
 ## Updates the explanation and the colors once the scatter has settled after a change to its settings.
-func _notice_changes() -> void:
+func _update_after_changes() -> void:
 	var state: Array = [scatter, ground(), layer_index, scatter.is_settled(), scatter.get_stats().tiles_made]
 	if state == _state:
 		return

@@ -40,7 +40,7 @@ func update() -> void:
 	var scatters := selected.filter(func(node: Node) -> bool: return node is TerrainScatter3D)
 	if not scatters.is_empty():
 		_last = scatters[0]
-	var scatter := _meant()
+	var scatter := _current_scatter()
 	var grounds := _grounds_of(selected)
 	visible = scatter != null and not (scatters.is_empty() and grounds.is_empty())
 	_refresh.visible = visible and not scatters.is_empty() and scatter.ground != null
@@ -250,7 +250,7 @@ static func _names(nodes: Array) -> String:
 
 ## Returns the scatter that is selected or was selected last. If there is none, returns the only scatter in the scene, or null if the scene has none
 ## or several.
-func _meant() -> TerrainScatter3D:
+func _current_scatter() -> TerrainScatter3D:
 	var root := EditorInterface.get_edited_scene_root()
 	if root == null:
 		return null
@@ -279,7 +279,7 @@ func _on_picked(path: NodePath, added: bool) -> void:
 
 
 func _use_or_tell(nodes: Array[Node], added: bool) -> void:
-	var scatter := _meant()
+	var scatter := _current_scatter()
 	var problem := use(scatter, nodes, undo_redo, added) if scatter != null else ""
 	if not problem.is_empty():
 		EditorInterface.get_editor_toaster().push_toast(problem, EditorToaster.SEVERITY_WARNING)
@@ -287,6 +287,6 @@ func _use_or_tell(nodes: Array[Node], added: bool) -> void:
 
 
 func _on_refresh() -> void:
-	var scatter := _meant()
+	var scatter := _current_scatter()
 	if scatter != null:
 		scatter.refresh_ground()

@@ -20,7 +20,7 @@ var _scatter: TerrainScatter3D
 var _ground: ScatterGround
 var _middle := Vector2i.ZERO ## The center of the overlay, in quads.
 var _quad := 0.0 ## The edge length of a quad, in meters.
-var _asked: Array = [] ## All values that determine the overlay; empty if there is none.
+var _request: Array = [] ## All values that determine the overlay; empty if there is none.
 var _colors: Callable
 var _waiting: Array[Vector2i] = [] ## The parts that are still to be generated.
 
@@ -40,7 +40,7 @@ func _notification(what: int) -> void:
 
 ## Removes the overlay.
 func hide() -> void:
-	_asked = []
+	_request = []
 	_ground = null
 	_waiting.clear()
 	_take_off()
@@ -48,7 +48,7 @@ func hide() -> void:
 
 ## Returns true if an overlay is shown or being generated.
 func is_shown() -> bool:
-	return not _asked.is_empty()
+	return not _request.is_empty()
 
 
 ## Returns true if no overlay is being generated.
@@ -64,10 +64,10 @@ func is_complete() -> bool:
 func cover(scatter: TerrainScatter3D, around: Vector3, away: float, version: Variant, colors: Callable, largest := INF) -> void:
 	var quad := pow(2.0, floorf(log(minf(clampf(away * WIDTH, WIDTHS.x, WIDTHS.y) / QUADS * sqrt(2.0), largest)) / log(2.0)))
 	var middle := Vector2i((Vector2(around.x, around.z) / (quad * 4.0)).round()) * 4
-	var asked := [scatter, scatter.ground, middle, quad, version]
-	if asked == _asked:
+	var request := [scatter, scatter.ground, middle, quad, version]
+	if request == _request:
 		return
-	_asked = asked
+	_request = request
 	_scatter = scatter
 	_ground = scatter.ground
 	_middle = middle

@@ -21,7 +21,7 @@ var _reading: ImportInstances.Reading
 var _form := GridContainer.new()
 var _sources := OptionButton.new()
 var _layers := OptionButton.new()
-var _said := Label.new()
+var _message := Label.new()
 var _tables := EditorFileDialog.new()
 var _nodes: Array[Node] = []
 var _table := ""
@@ -38,10 +38,10 @@ func _init() -> void:
 	_add_row("From", _sources)
 	_sources.item_selected.connect(func(_index: int) -> void: _choose_source())
 	_add_row("Layer", _layers)
-	_layers.item_selected.connect(func(_index: int) -> void: _say())
-	_said.autowrap_mode = TextServer.AUTOWRAP_WORD_SMART
-	_said.custom_minimum_size = Vector2(420.0, 72.0)
-	rows.add_child(_said)
+	_layers.item_selected.connect(func(_index: int) -> void: _update_message())
+	_message.autowrap_mode = TextServer.AUTOWRAP_WORD_SMART
+	_message.custom_minimum_size = Vector2(420.0, 72.0)
+	rows.add_child(_message)
 	_tables.file_mode = EditorFileDialog.FILE_MODE_OPEN_FILE
 	_tables.access = EditorFileDialog.ACCESS_FILESYSTEM
 	_tables.add_filter("*.csv, *.tsv, *.txt", "Tables of transforms")
@@ -98,12 +98,12 @@ func choose_layer(layer_index: int) -> void:
 	for item in _layers.item_count:
 		if _layers.get_item_metadata(item) == layer_index:
 			_layers.select(item)
-	_say()
+	_update_message()
 
 
 ## Returns the text that the dialog shows about the import.
-func said() -> String:
-	return _said.text
+func message() -> String:
+	return _message.text
 
 
 ## Imports with the settings of the form.
@@ -114,7 +114,7 @@ func start() -> void:
 	var action := ImportAction.new()
 	imported = action.run(_scatter, _layer(), _reading, files, SceneFiles.edited_scene_path(), undo_redo)
 	if imported == 0:
-		_said.text = action.problem
+		_message.text = action.problem
 		return
 	hide()
 
@@ -156,24 +156,24 @@ func _choose_source() -> void:
 
 func _read(reading: ImportInstances.Reading) -> void:
 	_reading = reading
-	_say()
+	_update_message()
 
 
 ## Shows the instances that will be imported, or the reason why they cannot be.
-func _say() -> void:
+func _update_message() -> void:
 	var problems := _reading.problems.duplicate()
 	var tables := _reading.batches.any(func(batch: ImportInstances.Batch) -> bool: return batch.mesh == null)
 	if tables and _layer() == null:
 		problems.append("A table does not name meshes: choose the layer for its instances.")
 	get_ok_button().disabled = _reading.size() == 0 or not problems.is_empty()
 	if not problems.is_empty():
-		_said.text = "\n".join(problems)
+		_message.text = "\n".join(problems)
 	elif _reading.size() == 0:
-		_said.text = "Choose a node or a table to import."
+		_message.text = "Choose a node or a table to import."
 	else:
 		var parts := PackedStringArray()
 		for batch: ImportInstances.Batch in _reading.batches.slice(0, 5):
 			parts.append("%d %s" % [batch.size(), batch.name])
 		var rest := "" if _reading.batches.size() <= 5 else " and %d more" % (_reading.batches.size() - 5)
-		_said.text = "%d instances: %s%s. The source is not changed; hide it after the import." % [
+		_message.text = "%d instances: %s%s. The source is not changed; hide it after the import." % [
 			_reading.size(), ", ".join(parts), rest]

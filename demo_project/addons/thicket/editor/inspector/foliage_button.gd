@@ -21,15 +21,15 @@ func _init(object: Resource, files: SceneFiles) -> void:
 
 func press() -> void:
 	var place := SceneFiles.place_of(_object)
-	var told := PackedStringArray()
+	var messages := PackedStringArray()
 	if place.is_empty():
-		told.append("The scene has no file yet. Save the scene first: materials are saved next to it.")
+		messages.append("The scene has no file yet. Save the scene first: materials are saved next to it.")
 	elif _object is ScatterLayer:
-		told = FoliageMaterials.new(place).convert(_object as ScatterLayer, _files, EditorInterface.get_editor_undo_redo())
+		messages = FoliageMaterials.new(place).convert(_object as ScatterLayer, _files, EditorInterface.get_editor_undo_redo())
 	else:
-		told = FoliageMaterials.new(place).convert_model(_object as ScatterModel, _files, EditorInterface.get_editor_undo_redo())
-	if not told.is_empty():
-		EditorInterface.get_editor_toaster().push_toast(" ".join(told), EditorToaster.SEVERITY_WARNING)
+		messages = FoliageMaterials.new(place).convert_model(_object as ScatterModel, _files, EditorInterface.get_editor_undo_redo())
+	if not messages.is_empty():
+		EditorInterface.get_editor_toaster().push_toast(" ".join(messages), EditorToaster.SEVERITY_WARNING)
 
 
 func _materials() -> Array[Material]:

@@ -122,28 +122,28 @@ static func rename(scatter: TerrainScatter3D, layer: ScatterLayer, name: String,
 static func _commit(title: String, scatter: TerrainScatter3D, new: Array[ScatterLayer], undo_redo: EditorUndoRedoManager,
 		more := Callable()) -> PackedStringArray:
 	var old := scatter.layers
-	var told := PackedStringArray()
+	var messages := PackedStringArray()
 	undo_redo.create_action(title, UndoRedo.MERGE_DISABLE, scatter)
 	# Undo and redo set the list first, because it must contain the layers to which references are set.
 	undo_redo.add_do_property(scatter, &"layers", new)
 	undo_redo.add_undo_property(scatter, &"layers", old)
 	for layer in new:
 		if layer != null and layer in old:
-			_follow_in_layer(layer, old, new, told, undo_redo)
+			_update_layer_references(layer, old, new, messages, undo_redo)
 		elif layer != null and Copies.is_file(layer) and layer.layer_id == -1:
 			# The layer gets an ID when it is added to the list, and its file must store the ID. Because of this method call on the layer, the
 			# editor saves that file together with the scene.
 			undo_redo.add_do_method(layer, &"get_layer_id")
 			undo_redo.add_undo_property(layer, &"layer_id", -1)
 	for region: ScatterRegion3D in scatter.find_children("*", "ScatterRegion3D", true, false):
-		_follow_in_region(region, old, new, told, undo_redo)
+		_update_region_references(region, old, new, messages, undo_redo)
 	if more.is_valid():
 		more.call()
 	undo_redo.commit_action()
-	return told
+	return messages
 
 
-static func _follow_in_layer(layer: ScatterLayer, old: Array[ScatterLayer], new: Array[ScatterLayer], r_told: PackedStringArray,
+static func _update_layer_references(layer: ScatterLayer, old: Array[ScatterLayer], new: Array[ScatterLayer], r_messages: PackedStringArray,
 		undo_redo: EditorUndoRedoManager) -> void:
 	var spacing := layer.spacing
 	var followed := {}
@@ -152,12 +152,12 @@ static func _follow_in_layer(layer: ScatterLayer, old: Array[ScatterLayer], new:
 		if next != null:
 			followed[next] = spacing[key]
 		else:
-			r_told.append("%s no longer keeps a distance to %s." % [_title(layer, old), _title_of(key, old)])
+			r_messages.append("%s no longer keeps a distance to %s." % [_title(layer, old), _title_of(key, old)])
 	_change(layer, &"spacing", spacing, followed, undo_redo)
 	var hosts := layer.surface_layers
 	var followed_hosts: Array = hosts.map(_next.bind(old, new)).filter(func(next: Variant) -> bool: return next != null)
 	for host: Variant in hosts.filter(func(each: Variant) -> bool: return _next(each, old, new) == null):
-		r_told.append("%s no longer grows on %s." % [_title(layer, old), _title_of(host, old)])
+		r_messages.append("%s no longer grows on %s." % [_title(layer, old), _title_of(host, old)])
 	if followed_hosts or not hosts: # With an empty list, the layer would grow on the ground instead.
 		_change(layer, &"surface_layers", hosts, followed_hosts, undo_redo)
 	for object in Names.referring([layer]):
@@ -166,18 +166,18 @@ static func _follow_in_layer(layer: ScatterLayer, old: Array[ScatterLayer], new:
 			var next: Variant = _next(mentioned, old, new)
 			if next == null:
 				var name := property if object == layer else ("color_value." if object == layer.color_value else "variation_value.") + property
-				r_told.append("%s no longer has a %s: it was %s." % [_title(layer, old), name, _title_of(mentioned, old)])
+				r_messages.append("%s no longer has a %s: it was %s." % [_title(layer, old), name, _title_of(mentioned, old)])
 			_change(object, property, mentioned, next if next != null else "", undo_redo)
 
 
-static func _follow_in_region(region: ScatterRegion3D, old: Array[ScatterLayer], new: Array[ScatterLayer], r_told: PackedStringArray,
+static func _update_region_references(region: ScatterRegion3D, old: Array[ScatterLayer], new: Array[ScatterLayer], r_messages: PackedStringArray,
 		undo_redo: EditorUndoRedoManager) -> void:
 	var mentioned := region.layers
 	var followed: Array = mentioned.map(_next.bind(old, new)).filter(func(next: Variant) -> bool: return next != null)
 	if followed.is_empty() and not mentioned.is_empty(): # An empty list would mean all layers.
-		r_told.append("%s no longer applies to any layer." % region.name)
+		r_messages.append("%s no longer applies to any layer." % region.name)
 	elif followed.size() < mentioned.size():
-		r_told.append("%s applies to one layer fewer." % region.name)
+		r_messages.append("%s applies to one layer fewer." % region.name)
 		_change(region, &"layers", mentioned, followed, undo_redo)
 	else:
 		_change(region, &"layers", mentioned, followed, undo_redo)
@@ -192,13 +192,13 @@ static func _change(object: Object, property: StringName, before: Variant, after
 ## Returns the new value of a reference to a layer: null if the layer was in the old list but is not in the new one. An invalid reference is returned
 ## unchanged.
 static func _next(mentioned: Variant, old: Array[ScatterLayer], new: Array[ScatterLayer]) -> Variant:
-	var layer := _meant(mentioned, old)
+	var layer := _referenced_layer(mentioned, old)
 	if layer == null:
 		return mentioned
 	return mentioned if new.has(layer) or (mentioned is String and Copies.names(new).has(mentioned)) else null
 
 
-static func _meant(mentioned: Variant, layers: Array[ScatterLayer]) -> ScatterLayer:
+static func _referenced_layer(mentioned: Variant, layers: Array[ScatterLayer]) -> ScatterLayer:
 	if mentioned is Resource:
 		return mentioned if layers.has(mentioned) else null
 	for layer in layers:
@@ -208,7 +208,7 @@ static func _meant(mentioned: Variant, layers: Array[ScatterLayer]) -> ScatterLa
 
 
 static func _title_of(mentioned: Variant, layers: Array[ScatterLayer]) -> String:
-	return _title(_meant(mentioned, layers), layers)
+	return _title(_referenced_layer(mentioned, layers), layers)
 
 
 static func _title(layer: ScatterLayer, layers: Array[ScatterLayer]) -> String:

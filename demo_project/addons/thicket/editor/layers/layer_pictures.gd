@@ -7,7 +7,7 @@ const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layer
 ## Emitted when the thumbnail of a layer is ready.
 signal made(layer: ScatterLayer, picture: Texture2D)
 
-var _asked: Dictionary[int, int] = {} ## A hash of the resource whose thumbnail was last requested, by the layer's instance ID.
+var _requested: Dictionary[int, int] = {} ## A hash of the resource whose thumbnail was last requested, by the layer's instance ID.
 
 
 ## Requests a thumbnail of the first mesh, scene or model of a layer, unless this layer's last request was for the same
@@ -17,9 +17,9 @@ func ask(scatter: TerrainScatter3D, layer: ScatterLayer) -> void:
 	for mesh: Resource in layer.meshes:
 		first = first if first != null else mesh
 	var of := hash([first.get_instance_id() if first != null else 0])
-	if _asked.get(layer.get_instance_id(), 0) == of or first == null:
+	if _requested.get(layer.get_instance_id(), 0) == of or first == null:
 		return
-	_asked[layer.get_instance_id()] = of
+	_requested[layer.get_instance_id()] = of
 	var previewer := EditorInterface.get_resource_previewer()
 	if first is Mesh:
 		previewer.queue_edited_resource_preview(first, self, &"_on_preview", [layer, scatter])
@@ -33,11 +33,11 @@ func _on_preview(_path: String, preview: Texture2D, small: Texture2D, about: Arr
 	if picture != null:
 		made.emit(layer, picture)
 	elif about.size() > 2 and is_instance_valid(about[1]):
-		_ask_for_drawn(about[1], layer)
+		_request_drawn(about[1], layer)
 
 
 ## Requests a thumbnail of the mesh that is drawn for a scene, because a scene that was never saved in this editor has no thumbnail.
-func _ask_for_drawn(scatter: TerrainScatter3D, layer: ScatterLayer) -> void:
+func _request_drawn(scatter: TerrainScatter3D, layer: ScatterLayer) -> void:
 	if not layer in ScatterLayers.of(scatter):
 		return
 	for tile in scatter.get_shown_tiles(layer):
@@ -46,4 +46,4 @@ func _ask_for_drawn(scatter: TerrainScatter3D, layer: ScatterLayer) -> void:
 			EditorInterface.get_resource_previewer().queue_edited_resource_preview(
 					shown.get_mesh(0), self, &"_on_preview", [layer, scatter])
 			return
-	_asked.erase(layer.get_instance_id()) # There are no tiles yet, so a later call must try again.
+	_requested.erase(layer.get_instance_id()) # There are no tiles yet, so a later call must try again.

@@ -142,7 +142,7 @@ func add(resources: Array[Resource], at := -1) -> void:
 	adding.emit()
 	var new := LayerEdits.add(_scatter, resources, at, keeps_apart(), _files, _undo_redo)
 	added.emit()
-	_tell(LayerEdits.left_out(resources, new))
+	_show_toast(LayerEdits.left_out(resources, new))
 	if not new.is_empty():
 		_choose_new(new)
 
@@ -159,7 +159,7 @@ func duplicate_chosen() -> void:
 		return
 	var copies := LayerEdits.copy(_scatter, chosen, keeps_apart(), _files, SceneFiles.edited_scene_path(), _undo_redo)
 	if copies.is_empty():
-		_tell(_files.problem)
+		_show_toast(_files.problem)
 	else:
 		_choose_new(copies)
 
@@ -170,9 +170,9 @@ func remove_chosen() -> void:
 	if chosen.is_empty():
 		return
 	var at := _scatter.layers.find(chosen[0])
-	var told := LayerEdits.remove(_scatter, chosen, _undo_redo)
-	if not told.is_empty():
-		_tell(" ".join(told))
+	var messages := LayerEdits.remove(_scatter, chosen, _undo_redo)
+	if not messages.is_empty():
+		_show_toast(" ".join(messages))
 	look()
 	# The inspector must not keep a deleted layer.
 	var left := _scatter.layers
@@ -187,7 +187,7 @@ func remove_chosen() -> void:
 func add_scatter() -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	if root == null:
-		_tell("No scene is open to which a scatter can be added. Open a 3D scene, or add a root node to the empty one.")
+		_show_toast("No scene is open to which a scatter can be added. Open a 3D scene, or add a root node to the empty one.")
 		return
 	var scatter := TerrainScatter3D.new()
 	scatter.name = "Scatter"
@@ -315,7 +315,7 @@ func _on_file(path: String) -> void:
 	if resource != null:
 		add([resource] as Array[Resource])
 	elif not path.is_empty():
-		_tell("%s cannot be loaded. See the Output panel for details." % path)
+		_show_toast("%s cannot be loaded. See the Output panel for details." % path)
 
 
 ## Applies a mark to all selected layers if the clicked layer is one of them, otherwise only to the clicked layer.
@@ -354,6 +354,6 @@ func _on_tree_input(event: InputEvent) -> void:
 	tree.accept_event()
 
 
-static func _tell(sentence: String) -> void:
+static func _show_toast(sentence: String) -> void:
 	if not sentence.is_empty():
 		EditorInterface.get_editor_toaster().push_toast(sentence, EditorToaster.SEVERITY_WARNING)

@@ -31,7 +31,7 @@ var marks: Marks
 var _layers: Array[ScatterLayer] = []
 var _pictures: Dictionary[int, Texture2D] = {} ## The pictures of layers, by the layer's instance id.
 var _selecting := false
-var _asked := false
+var _is_emitting := false
 var _clicked: ScatterLayer
 
 
@@ -212,13 +212,13 @@ func _on_multi_selected(row: TreeItem, _column: int, selected: bool) -> void:
 		return
 	if selected:
 		_clicked = layer_of(row)
-	if not _asked: # One click may select and deselect several rows, but the signal is emitted only once.
-		_asked = true
+	if not _is_emitting: # One click may select and deselect several rows, but the signal is emitted only once.
+		_is_emitting = true
 		_tell_chosen.call_deferred()
 
 
 func _tell_chosen() -> void:
-	_asked = false
+	_is_emitting = false
 	var chosen := chosen_layers()
 	if chosen.has(_clicked):
 		chosen.erase(_clicked)

@@ -41,7 +41,7 @@ static func add(object: Object, dropped: Array[Resource], files: SceneFiles, und
 		_add_to_layer(object as ScatterLayer, dropped, undo_redo)
 	else:
 		var scatter := object as TerrainScatter3D
-		_tell(LayerEdits.left_out(dropped, LayerEdits.add(scatter, dropped, scatter.layers.size(), true, files, undo_redo)))
+		_show_toast(LayerEdits.left_out(dropped, LayerEdits.add(scatter, dropped, scatter.layers.size(), true, files, undo_redo)))
 
 
 ## Returns true if all dragged resources can be drawn. If [param with_layers] is true, layers are accepted as well.
@@ -57,11 +57,11 @@ static func taken(data: Variant, with_layers := false) -> Array[Resource]:
 	for path in _paths(data, with_layers):
 		result.append(load(path))
 		if result[-1] == null:
-			_tell("%s cannot be loaded. See the Output panel for details." % path)
+			_show_toast("%s cannot be loaded. See the Output panel for details." % path)
 	return result.filter(func(resource: Resource) -> bool: return resource != null)
 
 
-static func _tell(sentence: String) -> void:
+static func _show_toast(sentence: String) -> void:
 	if not sentence.is_empty():
 		EditorInterface.get_editor_toaster().push_toast(sentence, EditorToaster.SEVERITY_WARNING)
 
@@ -71,7 +71,7 @@ static func _add_to_layer(layer: ScatterLayer, dropped: Array[Resource], undo_re
 	var fitted := NewLayers.of_meshes(old + dropped)
 	if fitted == null:
 		var refused := dropped.filter(func(resource: Resource) -> bool: return NewLayers.of_meshes([resource]) == null)
-		_tell(LayerEdits.left_out(refused, []))
+		_show_toast(LayerEdits.left_out(refused, []))
 		return
 	undo_redo.create_action("Add Meshes", UndoRedo.MERGE_DISABLE, layer)
 	undo_redo.add_do_property(layer, &"meshes", old + dropped)

@@ -72,16 +72,16 @@ func look() -> void:
 func _tell_all() -> void:
 	var missing := _missing.filter(func(layer: ScatterLayer) -> bool: return layer in _scatter.layers)
 	if not missing.is_empty():
-		_tell(_why(missing))
+		_show_toast(_why(missing))
 	var sentences := _sentences + _losses(_scatter.layers)
 	if not sentences.is_empty(): # All messages share one toast, because several toasts would cover the panel.
-		_tell(" ".join(sentences), "For more instances, lower the distances in Spacing or the densities of the other layers.")
+		_show_toast(" ".join(sentences), "For more instances, lower the distances in Spacing or the densities of the other layers.")
 
 
 ## For each layer, returns a message that explains why it has no instance at the center of the view.
 func _why(missing: Array[ScatterLayer]) -> String:
 	var sentences := PackedStringArray()
-	for explanation in _scatter.explain_position(_looked_at(), missing):
+	for explanation in _scatter.explain_position(_view_center(), missing):
 		sentences.append("%s: %s" % [explanation.layer_name, explanation.reason])
 	return "No instances are visible here of " + " ".join(sentences)
 
@@ -90,7 +90,7 @@ func _why(missing: Array[ScatterLayer]) -> String:
 func _crowding(layer: ScatterLayer) -> PackedStringArray:
 	if layer.spacing.is_empty():
 		return []
-	var center := _looked_at()
+	var center := _view_center()
 	var refused := 0
 	var counted := 0
 	for index in POSITIONS:
@@ -116,10 +116,10 @@ func _losses(layers: Array[ScatterLayer]) -> PackedStringArray:
 
 
 ## Returns the position on the ground at the center of the view.
-func _looked_at() -> Vector3:
+func _view_center() -> Vector3:
 	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
 	return camera.global_position - camera.global_basis.z * GroundRay.distance(_scatter.ground, camera.global_position, -camera.global_basis.z)
 
 
-static func _tell(sentence: String, remedy := "") -> void:
-	EditorInterface.get_editor_toaster().push_toast(sentence, EditorToaster.SEVERITY_WARNING, "%s\n%s" % [sentence, remedy] if remedy else "")
+static func _show_toast(sentence: String, fix := "") -> void:
+	EditorInterface.get_editor_toaster().push_toast(sentence, EditorToaster.SEVERITY_WARNING, "%s\n%s" % [sentence, fix] if fix else "")

@@ -68,7 +68,7 @@ func look(scatter: TerrainScatter3D) -> void:
 	_scatter = scatter
 	_ground.visible = scatter != null and scatter.ground == null
 	_sharing.visible = _shared != null and _shared.is_by_accident()
-	_look_at_surroundings()
+	_update_surroundings_note()
 	visible = _ground.visible or _sharing.visible or _gray.visible
 	if _sharing.visible:
 		_label(_sharing).text = _shared.tell(scatter.name)
@@ -103,7 +103,7 @@ func make_unique(new_seed: bool, with_files: bool) -> void:
 
 
 ## Updates the note about missing surroundings, which requires a scatter with a ground and layers.
-func _look_at_surroundings() -> void:
+func _update_surroundings_note() -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	_gray.visible = root != null and _scatter != null and _scatter.ground != null and not _scatter.layers.is_empty() and (
 			not _accepted.has(root.scene_file_path)) and Surroundings.is_gray(root)

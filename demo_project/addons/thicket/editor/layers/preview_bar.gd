@@ -9,23 +9,23 @@ const Steps := preload("res://addons/thicket/editor/layers/preview_steps.gd")
 var steps: Steps
 
 var _watch: Steps.Watch
-var _sentence := Label.new()
+var _message := Label.new()
 var _icon := TextureRect.new()
 var _show := Button.new()
 var _keep := Button.new()
 
 
-func _init(told: Steps) -> void:
-	steps = told
+func _init(preview_steps: Steps) -> void:
+	steps = preview_steps
 	steps.told.connect(update)
 	var row := HBoxContainer.new()
 	add_child(row)
 	_icon.stretch_mode = TextureRect.STRETCH_KEEP_CENTERED
 	row.add_child(_icon)
-	_sentence.size_flags_horizontal = SIZE_EXPAND_FILL
-	_sentence.text_overrun_behavior = TextServer.OVERRUN_TRIM_ELLIPSIS
-	_sentence.mouse_filter = Control.MOUSE_FILTER_PASS
-	row.add_child(_sentence)
+	_message.size_flags_horizontal = SIZE_EXPAND_FILL
+	_message.text_overrun_behavior = TextServer.OVERRUN_TRIM_ELLIPSIS
+	_message.mouse_filter = Control.MOUSE_FILTER_PASS
+	row.add_child(_message)
 	_show.tooltip_text = "Show more instances in steps until all are visible. Press Stop to interrupt."
 	_show.pressed.connect(_on_show)
 	row.add_child(_show)
@@ -47,12 +47,12 @@ func update() -> void:
 	var all := about(_watch.estimate())
 	match _watch.state:
 		Steps.State.ASKING:
-			_sentence.text = "%s would show about %s instances instead of %s." % [title, all, now]
+			_message.text = "%s would show about %s instances instead of %s." % [title, all, now]
 		Steps.State.KEPT:
-			_sentence.text = "The view shows %s of about %s instances of %s; the game shows all." % [now, all, title]
+			_message.text = "The view shows %s of about %s instances of %s; the game shows all." % [now, all, title]
 		Steps.State.GROWING:
-			_sentence.text = "%s: %s of about %s instances visible." % [title, now, all]
-	_sentence.tooltip_text = _sentence.text
+			_message.text = "%s: %s of about %s instances visible." % [title, now, all]
+	_message.tooltip_text = _message.text
 	_show.text = "Show Them" if _watch.state == Steps.State.ASKING else "Show All"
 	_show.visible = _watch.state != Steps.State.GROWING
 	_keep.text = "Stop" if _watch.state == Steps.State.GROWING else "Keep %s" % now
