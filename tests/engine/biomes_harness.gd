@@ -57,7 +57,7 @@ func index_of(scatter: TerrainScatter3D, layer_name: String) -> int:
 			func(layer: ScatterLayer) -> bool: return layer != null and layer.resource_name == layer_name)
 
 
-## Returns {id: map position (world x and z)} for a layer's visible instances.
+## Returns {ID: map position (world x and z)} for a layer's visible instances.
 func places(scatter: TerrainScatter3D, layer: String) -> Dictionary[int, Vector2]:
 	var result: Dictionary[int, Vector2] = {}
 	for tile: Vector2i in scatter.get_shown_tiles(layer):

@@ -35,7 +35,7 @@ func cast(from: Vector3, to: Vector3, mask := 0xffffffff) -> Dictionary:
 	return space().intersect_ray(PhysicsRayQueryParameters3D.create(from, to, mask))
 
 
-## Returns {instance id: body} for all bodies within `reach` meters of a position.
+## Returns {instance ID: body} for all bodies within `reach` meters of a position.
 func bodies(scatter: TerrainScatter3D, at := Vector3.ZERO, reach := 200.0) -> Dictionary[int, RID]:
 	var sphere := SphereShape3D.new()
 	sphere.radius = reach

@@ -288,7 +288,7 @@ func transforms(scatter: TerrainScatter3D, layer: int, tile: Vector2i) -> Array[
 	return result
 
 
-## Returns {id: world transform} for all visible instances of a layer, read from the RenderingServer.
+## Returns {ID: world transform} for all visible instances of a layer, read from the RenderingServer.
 func instances(scatter: TerrainScatter3D, layer: int) -> Dictionary[int, Transform3D]:
 	var result: Dictionary[int, Transform3D] = {}
 	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[layer]):
@@ -296,7 +296,7 @@ func instances(scatter: TerrainScatter3D, layer: int) -> Dictionary[int, Transfo
 		for part: PackedInt64Array in tile_ids(scatter, layer, tile):
 			ids.append_array(part)
 		var standing := transforms(scatter, layer, tile)
-		check(ids.size() == standing.size(), "one id for each transform")
+		check(ids.size() == standing.size(), "one ID for each transform")
 		for index in ids.size():
 			result[ids[index]] = standing[index]
 	check(result.size() == _sum_of_ids(scatter, layer), "no id occurs twice")

@@ -23,7 +23,7 @@ func scatter_on_hillside(layer: ScatterLayer) -> TerrainScatter3D:
 	return make_scatter([layer], hillside(), make_viewer(Vector3(0, 0, 20)))
 
 
-## Returns the visible instances of a layer, as {id: [world transform, the floats that follow the transform in the buffer]}.
+## Returns the visible instances of a layer, as {ID: [world transform, the floats that follow the transform in the buffer]}.
 func instances(scatter: TerrainScatter3D, layer := 0) -> Dictionary:
 	var result := {}
 	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[layer]):

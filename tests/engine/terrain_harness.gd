@@ -8,7 +8,7 @@ func all_transforms(scatter: TerrainScatter3D, layer := 0) -> Array[Transform3D]
 	return result
 
 
-## Returns {id: position} for all instances of a layer, to compare scatters with different tile sizes. Positions are snapped to 2 mm.
+## Returns {ID: position} for all instances of a layer, to compare scatters with different tile sizes. Positions are snapped to 2 mm.
 ## Buffers store them relative to a tile's center, so rounding depends on the tile.
 func by_id(scatter: TerrainScatter3D, layer := 0) -> Dictionary:
 	var result := {}

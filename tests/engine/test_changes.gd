@@ -111,7 +111,7 @@ func test_hand_placed_instances() -> void:
 	var before := digests(scatter, 0)
 	var at := Transform3D(Basis.from_euler(Vector3(0.1, 2.0, 0.0)).scaled(Vector3.ONE * 1.5), Vector3(10.25, 1.5, 12.5))
 	var id := scatter.add_instance(scatter.layers[0], at, 1)
-	check(id < 0, "its id is negative")
+	check(id < 0, "its ID is negative")
 	check_equal(signals.take(), [["instance_added", id, scatter.layers[0], at]], "one signal")
 	check(instances(scatter, 0)[id].is_equal_approx(at), "it is visible where it was placed")
 	check_equal((tile_ids(scatter, 0, Vector2i(0, 0))[1] as PackedInt64Array)[0], id, "it is the first of its mesh")
@@ -166,7 +166,7 @@ func test_a_hand_placed_instance_moves() -> void:
 	await settle(other)
 	other.state = loaded
 	check(other.get_instance(id).transform == to, "and loaded, bit for bit")
-	check_equal(scatter.set_instance_transform(id - 1, to), 0, "an id without an instance")
+	check_equal(scatter.set_instance_transform(id - 1, to), 0, "an ID without an instance")
 	check_equal(scatter.set_instance_transform(id, Transform3D(Basis(), Vector3(0, INF, 0))), 0, "an invalid position")
 	check_error(["set_instance_transform", "position"], "a position that is not finite")
 	check(scatter.get_instance(id).transform == to, "it does not move")

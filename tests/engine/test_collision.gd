@@ -221,7 +221,7 @@ func test_removal_and_restoration() -> void:
 	check(scatter.remove_instance(id), "removed")
 	check_equal(hit_id(scatter, at), 0, "no body in the same frame")
 	check(not bodies(scatter).has(id), "no body")
-	check_equal(scatter.get_body_instance(rid), id, "the id of a removed body is still known")
+	check_equal(scatter.get_body_instance(rid), id, "the ID of a removed body is still known")
 	await settle(scatter)
 	check_equal(hit_id(scatter, at), 0, "no body later")
 
@@ -350,7 +350,7 @@ func test_changed_and_reordered_layers() -> void:
 	await settle(scatter)
 	var after := bodies(scatter).keys()
 	after.sort()
-	check_equal(after, before, "ids that have bodies")
+	check_equal(after, before, "IDs that have bodies")
 	scatter.layers = [a]
 	await settle(scatter)
 	for id in bodies(scatter):

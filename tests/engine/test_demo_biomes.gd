@@ -11,7 +11,7 @@ const OWN: PackedStringArray = ["Boulders", "Reeds"]
 const ROUNDING := 0.002
 
 
-## Returns {id: position} for a layer's instances in a part of the valley.
+## Returns {ID: position} for a layer's instances in a part of the valley.
 func standing(layer: String, rect := AROUND) -> Dictionary:
 	var found := scatter.query_rect(rect, layer)
 	var result := {}

@@ -8,7 +8,7 @@ const PLACES: Array[Vector2] = [Vector2(-125.0, 30.0), Vector2(62.0, 5.0), Vecto
 ## The tolerance in meters for positions that were rounded to floats in a buffer.
 const ROUNDING := 0.002
 
-## The instances that were found, as {layer name: {id: position as a Vector3}}.
+## The instances that were found, as {layer name: {ID: position as a Vector3}}.
 var standing := {}
 
 

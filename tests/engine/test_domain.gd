@@ -273,7 +273,7 @@ func test_points() -> void:
 	var ranks := many.ranks
 	for array: Variant in [all_ids, all_ranks, ids, ranks]:
 		array.sort()
-	check(ids == all_ids and ranks == all_ranks, "ids and ranks of many")
+	check(ids == all_ids and ranks == all_ranks, "IDs and ranks of many")
 	var copy := points.ids
 	copy[0] = 1
 	check(points.ids[0] != 1 and points.get_id(0) != 1, "arrays are copies")

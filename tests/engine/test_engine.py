@@ -124,7 +124,7 @@ def assert_passed(done, loads_on_threads=False):
         "test_scene_digest",
         "test_tile_grid",
         "test_scenes",
-        "test_scenes_meddled",
+        "test_scenes_misuse",
         "test_lifetime",
         "test_domain",
         "test_sample_surface",

@@ -113,7 +113,7 @@ func test_update_region_rejects() -> void:
 	scatter.ground.update_region(Rect2i(120, 120, 16, 16))
 	await settle(scatter)
 	check_error(["ScatterGroundHeightmap.image", "column 131", "row 122", "inf", "1000000"], "an infinite sample")
-	check_equal(digests(scatter, 0), before, "the instances stay")
+	check_equal(digests(scatter, 0), before, "the instances do not change")
 	check("column 131" in "\n".join(scatter.get_problems()), "among the problems")
 	image.set_pixel(131, 122, Color(2.0, 0.0, 0.0))
 	scatter.ground.update_region(Rect2i(120, 120, 16, 16))
@@ -172,7 +172,7 @@ func test_errors_name_invalid_samples() -> void:
 		await settle(scatter)
 		check_error(["ScatterGroundHeightmap.image", "column 200", "row 17", bad[1], "-1000000 to 1000000"], "a sample of %s" % bad[0])
 		check("column 200" in "\n".join(scatter.get_problems()), "among the problems")
-		check_equal(digests(scatter, 0), before, "the instances stay")
+		check_equal(digests(scatter, 0), before, "the instances do not change")
 	scatter.ground.image = good
 	await settle(scatter)
 	check_equal(scatter.get_problems().size(), 0, "no problems with a valid map")

@@ -291,7 +291,7 @@ func test_a_transform_that_is_not_finite() -> void:
 		await create_timer(0.6).timeout
 		check_no_error("reported once")
 		check("\"Broken\"" in "\n".join(scatter.get_problems()), "among the problems")
-		check_equal(scatter.get_shown_count(scatter.layers[0]), shown, "the instances stay")
+		check_equal(scatter.get_shown_count(scatter.layers[0]), shown, "the instances do not change")
 		instance.global_transform = Transform3D()
 		await settle(scatter)
 		check_equal(scatter.get_problems().size(), 0, "no problems with a finite transform")

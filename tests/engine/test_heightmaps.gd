@@ -55,7 +55,7 @@ func test_heightmap_in_meters_with_holes() -> void:
 		terrain.image = bad
 		await settle(scatter)
 		check_error(["ScatterGroundHeightmap."], "a height of %s" % value)
-		check_equal(digests(scatter, 0), before, "the instances stay")
+		check_equal(digests(scatter, 0), before, "the instances do not change")
 	terrain.image = ImageTexture.create_from_image(image)
 	await settle(scatter)
 	check_equal(digests(scatter, 0), before, "the same with a texture")

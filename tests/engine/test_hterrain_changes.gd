@@ -124,7 +124,7 @@ func test_data_comes_later() -> void:
 	await frames(2)
 	await settle(scatter)
 	check_error(["HTerrain", "has no data yet"], "no data again")
-	check_equal(by_id(scatter), before, "the instances stay")
+	check_equal(by_id(scatter), before, "the instances do not change")
 
 
 func test_it_is_added_late_and_replaced() -> void:

@@ -1,6 +1,5 @@
 extends "import_harness.gd"
-## Tests imports of existing instances as hand-placed ones. Transforms are exact, and an import either succeeds completely or changes
-## nothing.
+## Tests imports of existing instances as hand-placed ones. Transforms are exact, and a failed import does not change the scatter.
 
 
 func test_add_instances_equals_many_calls_to_add_instance() -> void:
@@ -22,7 +21,7 @@ func test_add_instances_equals_many_calls_to_add_instance() -> void:
 	for index in all.size():
 		var id := other.add_instance(other.layers[0], all[index], meshes[index])
 		if id != ids[index]:
-			check(false, "the id of %d" % index)
+			check(false, "the ID of %d" % index)
 	check_equal(scatter.state.to_bytes(), other.state.to_bytes(), "the same state, byte for byte")
 	check_placed(scatter, 0, all, "exact")
 	check_equal(scatter.get_instance(ids[7]).mesh, 1, "its mesh")
@@ -35,7 +34,7 @@ func test_add_instances_equals_many_calls_to_add_instance() -> void:
 	check_equal(scatter.remove_instances(some), ids.slice(0, 2000), "existing instances are removed")
 	check_placed(scatter, 0, all.slice(2000), "the others stay")
 	var again := scatter.add_instances(scatter.layers[0], floats_of_transforms(all.slice(0, 2000)), meshes.slice(0, 2000))
-	check_equal(again, ids.slice(0, 2000), "the same ids again")
+	check_equal(again, ids.slice(0, 2000), "the same IDs again")
 	var by_rule := make_layer()
 	var mixed := make_bare([by_rule])
 	var point := mixed.query_rect(Rect2(0, 0, 20, 20)).get_id(0)

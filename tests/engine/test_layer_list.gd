@@ -4,7 +4,7 @@ extends "harness.gd"
 const AREA := Rect2(-40.0, -40.0, 80.0, 80.0)
 
 
-## Returns {id: position} for the layer's instances in AREA.
+## Returns {ID: position} for the layer's instances in AREA.
 func standing(scatter: TerrainScatter3D, layer: int) -> Dictionary[int, Vector3]:
 	var found: Variant = scatter.query_rect(AREA, scatter.layers[layer] if layer < scatter.layers.size() else [] as Variant)
 	var result: Dictionary[int, Vector3] = {}
@@ -96,9 +96,9 @@ func test_layers_get_ids_when_they_are_added() -> void:
 	check_equal(ids(scatter), [4, 0, 1], "reordered")
 	last.layer_id = -1
 	check_equal(last.layer_id, 2, "reset: the lowest free id")
-	check(not "layer_id" in "".join(scatter.get_problems()), "no id is used twice")
+	check(not "layer_id" in "".join(scatter.get_problems()), "no ID is used twice")
 	last.layer_id = 1
-	check("layer_id" in "".join(scatter.get_problems()), "an id that is used twice is reported")
+	check("layer_id" in "".join(scatter.get_problems()), "an ID that is used twice is reported")
 	var other := TerrainScatter3D.new()
 	other.layers = [pinned, scatter.layers[1]]
 	check_equal(ids(other), [1, 0], "a layer that two nodes share keeps its id")

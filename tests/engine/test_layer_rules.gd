@@ -195,7 +195,7 @@ func test_textures_too_large() -> void:
 	layer.mask_texture = ImageTexture.create_from_image(Image.create_empty(16385, 1, false, Image.FORMAT_L8))
 	await settle(scatter)
 	check_error(["layers[0]: ScatterLayer.mask_texture must be between", "16385"], "too many pixels")
-	check(instances(scatter) == before, "the instances stay")
+	check(instances(scatter) == before, "the instances do not change")
 	check("mask_texture" in "\n".join(scatter.get_problems()), "a warning")
 	layer.mask_texture = ImageTexture.create_from_image(Image.create_empty(16384, 1, false, Image.FORMAT_L8))
 	await settle(scatter)

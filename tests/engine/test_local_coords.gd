@@ -100,10 +100,10 @@ func test_tiles_are_drawn_at_the_place_of_the_node() -> void:
 					var expected := known[ids[index]].origin
 					var got := ship.global_transform.affine_inverse() * (shown.get_origin() + ship.global_basis * at)
 					drawn += 1 if got.distance_to(expected) < 2e-3 else 0
-		check_equal(drawn, known.size(), "instances drawn at their places")
+		check_equal(drawn, known.size(), "instances drawn at their positions")
 
 
-func test_queries_take_places_of_the_engine() -> void:
+func test_queries_take_engine_positions() -> void:
 	var scatter := make_ship()
 	await settle(scatter)
 	var before := on_deck(scatter)
@@ -214,14 +214,14 @@ func test_no_body_stays_behind_a_node_that_moves_in_every_frame() -> void:
 		worst = maxf(worst, behind)
 		if placed[id].length() < 3.0:
 			near = maxf(near, behind)
-	check(near < 0.01, "bodies at the viewer are at their places, to within %s m" % near)
+	check(near < 0.01, "bodies at the viewer are at their positions, to within %s m" % near)
 	check(worst < 0.75 * sailed, "after %s m, no body is more than %s m behind" % [sailed, worst])
 	for rid in felled:
 		check(PhysicsServer3D.body_get_space(rid) == RID(), "the body of a felled instance leaves the space while the ship sails")
 	await settle(scatter)
 	for id in rids:
 		var at: Transform3D = PhysicsServer3D.body_get_state(rids[id], PhysicsServer3D.BODY_STATE_TRANSFORM)
-		if not check(absf(placed[id].x + sailed - at.origin.x) < 0.01, "at rest, all bodies are at their places"):
+		if not check(absf(placed[id].x + sailed - at.origin.x) < 0.01, "at rest, all bodies are at their positions"):
 			return
 
 

@@ -111,7 +111,7 @@ func test_mterrain_creates_its_grid_later() -> void:
 	await frames(3)
 	await settle(scatter)
 	check_error(["MTerrain"], "the grid is removed")
-	check_equal(by_id(scatter), before, "the instances stay without a grid")
+	check_equal(by_id(scatter), before, "the instances do not change without a grid")
 	node.offset.x += 16.0
 	node.grid_created = true
 	await frames(3)

@@ -91,9 +91,9 @@ func test_no_ground() -> void:
 	await check_removal(scatter, "no ground", func() -> void: scatter.ground = null)
 
 
-func test_one_layer_less() -> void:
+func test_a_removed_layer() -> void:
 	var scatter := await make_dense([make_layer(), make_dense_layer()])
-	await check_removal(scatter, "one layer less", func() -> void: scatter.layers = [scatter.layers[0]])
+	await check_removal(scatter, "a removed layer", func() -> void: scatter.layers = [scatter.layers[0]])
 
 
 func test_a_state_with_many_removals() -> void:

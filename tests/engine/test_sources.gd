@@ -277,7 +277,7 @@ func test_invalid_ranges() -> void:
 	scatter.layers[OAK].view_distance = 5.0
 	await settle(scatter)
 	check_error(["layers[1]: ScatterLayer.color_value.max_value", "points"], "too many oaks in that distance")
-	check(digests(scatter, FERN) == before, "the instances stay")
+	check(digests(scatter, FERN) == before, "the instances do not change")
 	scatter.layers[OAK].radius = 9.0
 	fern.color_value.max_value = 8.0
 	await settle(scatter)

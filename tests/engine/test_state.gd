@@ -102,7 +102,7 @@ func test_data_can_be_any_value() -> void:
 	check_error(["ScatterState.set_instance_data: data"], "an object")
 	for id: int in [0, -5]:
 		check(not state.set_instance_data(id, 1), "no instance has the id %d" % id)
-		check_error(["ScatterState.set_instance_data: id is missing"], "id %d" % id)
+		check_error(["ScatterState.set_instance_data: id is missing"], "ID %d" % id)
 
 
 func test_times() -> void:

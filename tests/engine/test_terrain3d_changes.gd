@@ -192,7 +192,7 @@ func test_it_leaves_and_reenters_the_tree() -> void:
 	root.remove_child(node)
 	await settle(scatter)
 	check_error(["ScatterGroundNode.node"], "gone")
-	check_equal(by_id(scatter), before, "the instances stay")
+	check_equal(by_id(scatter), before, "the instances do not change")
 	node.data.set_height(Vector3(3.5, 0.0, 3.5), 12.0)
 	root.add_child(node)
 	await settle(scatter)

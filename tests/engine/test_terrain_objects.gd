@@ -141,7 +141,7 @@ func test_wrong_objects() -> void:
 	terrain.node = ^"../Plain"
 	await settle(scatter)
 	check_error(["ScatterGroundNode.node", "Plain"], "a node without heights after a valid one")
-	check_equal(digests(scatter, 0), before, "the instances stay")
+	check_equal(digests(scatter, 0), before, "the instances do not change")
 	for thread_safe: bool in [false, true]:
 		for answer: Variant in ["high", null, Vector3.ONE, plain]:
 			var wrong := Wrong.new()

@@ -119,7 +119,7 @@ func test_weights_of_scripts() -> void:
 		terrain.extra = 3
 		await settle(scatter)
 		check_error(["_get_weights()", "wrong size"], "three weights too many")
-		check_equal(digests(scatter, 0), before, "the instances stay")
+		check_equal(digests(scatter, 0), before, "the instances do not change")
 	check_equal(found[0], found[1], "the same on the main thread and on workers")
 
 
@@ -242,7 +242,7 @@ func test_colliders_reject_invalid_values() -> void:
 	terrain.ray_bottom = 2000.0
 	await settle(scatter)
 	check_error(["ScatterGroundColliders.ray_bottom", "2000"], "a bottom above the top")
-	check_equal(digests(scatter, 0), before, "the instances stay")
+	check_equal(digests(scatter, 0), before, "the instances do not change")
 	check("ray_bottom" in "\n".join(scatter.get_problems()), "a warning")
 	terrain.ray_bottom = -1000.0
 	await settle(scatter)

@@ -142,7 +142,7 @@ func test_bad_input() -> void:
 	scatter.layers[0].min_water_depth = 1.0
 	await settle(scatter)
 	check_error(["layers[0]: ScatterLayer.max_water_depth", 0], "a minimum above the maximum")
-	check_equal(places(scatter, "grass"), grass, "the instances stay")
+	check_equal(places(scatter, "grass"), grass, "the instances do not change")
 
 
 ## Explanations include the rules for biomes and water, with their values, and name the rule that rejects an instance.

@@ -44,7 +44,7 @@ func undo_last(object: Object) -> void:
 func choose() -> void:
 	workspace().toolbar.preset_chosen.emit("forest")
 	var names: Array = scatter.layers.map(func(layer: Resource) -> String: return layer.resource_name)
-	check_equal(scatter.layers.map(func(layer: Resource) -> int: return layer.layer_id), [0, 1, 2, 3, 4, 5, 6, 7, 8], "ids of all layers")
+	check_equal(scatter.layers.map(func(layer: Resource) -> int: return layer.layer_id), [0, 1, 2, 3, 4, 5, 6, 7, 8], "IDs of all layers")
 	var fern: Resource = scatter.layers[names.find("Fern")]
 	fern.proximity_layer = "Spruce"
 	fern.spacing = {"Spruce": 0.7, "Birch": 0.7, "Bush": 1.0}

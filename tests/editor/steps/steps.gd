@@ -339,7 +339,7 @@ func digests(scatter: Node3D, layer: int) -> Dictionary:
 	return result
 
 
-## Returns {id: world position} for a layer's visible instances.
+## Returns {ID: world position} for a layer's visible instances.
 func instances(scatter: Node3D, layer: int) -> Dictionary:
 	var result := {}
 	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[layer]):

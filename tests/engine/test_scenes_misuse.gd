@@ -101,7 +101,7 @@ func test_removing_and_taking_scenes() -> void:
 	check(scatter.get_scene(near[1]) != null, "a restored instance has a scene")
 	everything[near[1]] = true
 	check_once(scatter, everything, "finally")
-	check(scatter.take_scene(0) == null and scatter.get_scene(-5) == null, "no such id")
+	check(scatter.take_scene(0) == null and scatter.get_scene(-5) == null, "no such ID")
 
 
 func test_hand_placed() -> void:
