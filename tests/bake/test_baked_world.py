@@ -72,7 +72,7 @@ def test_an_unusable_tile_is_reported_and_the_others_appear(godot, game, hurt):
     stops, errors, _ = errors_of(godot, game, "far=200", "far=201")
     reasons = {
         "60000, -20002": "cannot be read: it cannot be opened", "60001, -20002": "it is not a file of a baked world",
-        "60002, -20000": "is not the file that the index names", "60003, -20001": "it is damaged: its SHA-256 is",
+        "60002, -20000": "is not the file that the index names", "60003, -20001": "it is damaged: its SHA-256 must be",
     }  # fmt: skip
     for name, why in reasons.items():
         (line,) = [line for line in errors if f"({name})" in line]

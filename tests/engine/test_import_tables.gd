@@ -60,8 +60,8 @@ func test_tables() -> void:
 func test_bad_tables_have_no_effect() -> void:
 	var scatter := make_bare([make_layer()])
 	for bad: Array in [
-			["1,2,3\n1,b,3\n4,5,6", ["line 2", "position_y", "'b'"]], ["x,y,z\n1,2", ["line 2", "2 values", "3"]],
-			["1,2\n", ["line 1", "2 columns"]], ["x,y,roation_x,z\n1,2,3,4", ["line 1", "'roation_x'"]], ["x,y\n1,2", ["line 1", "position_z"]],
+			["1,2,3\n1,b,3\n4,5,6", ["line 2", "position_y", "'b'"]], ["x,y,z\n1,2", ["line 2", "values must be 3", "got 2"]],
+			["1,2\n", ["line 1", "columns must be 3, 6", "got 2"]], ["x,y,roation_x,z\n1,2,3,4", ["line 1", "'roation_x'"]], ["x,y\n1,2", ["line 1", "position_z"]],
 			["x,y,z,x\n1,2,3,4", ["line 1", "'x'", "twice"]], ["1,2,3\n\n1,2,1e40", ["line 3", "position_z", "10^9"]],
 			["1,2,nan\n", ["line 1", "'nan'"]], ["1,b,3\n4,5,6", ["line 1", "position_y", "'b'"]], ["\n", ["no transforms"]],
 			["x,y,z", ["no transforms"]],

@@ -65,7 +65,7 @@ func read(path: String) -> bool:
 		return _refuse("its version must be %d, got %d" % [VERSION, bytes.decode_u32(4)])
 	digest = _sha256(bytes, _HASHED_FROM)
 	if digest_in(bytes) != digest:
-		return _refuse("it is damaged: its SHA-256 is %s, and it must be %s" % [digest.hex_encode(), digest_in(bytes).hex_encode()])
+		return _refuse("it is damaged: its SHA-256 must be %s, got %s" % [digest_in(bytes).hex_encode(), digest.hex_encode()])
 	return _unpack(bytes)
 
 

@@ -49,7 +49,7 @@ func read() -> void:
 	if not _file.read(_path):
 		problem = "%s cannot be read: %s" % [_path, _file.problem]
 	elif _file.digest != _digest:
-		problem = "%s is not the file that the index names: its SHA-256 is %s, and it must be %s" % [_path, _file.digest.hex_encode(), _digest.hex_encode()]
+		problem = "%s is not the file that the index names: its SHA-256 must be %s, got %s" % [_path, _digest.hex_encode(), _file.digest.hex_encode()]
 
 
 ## Builds [member node] from the content that [method read] has read, unless there is a [member problem] or the work was canceled. Sets

@@ -78,7 +78,7 @@ func _take_first(line: String, number: int) -> bool:
 	elif COUNTS.has(fields.size()):
 		_take_count(fields.size())
 	else:
-		problems.append("line %d: got %d columns, but the number must be 3, 6, 7, 9 or 12" % [number, fields.size()])
+		problems.append("line %d: the number of columns must be 3, 6, 7, 9 or 12, got %d" % [number, fields.size()])
 	return header
 
 
@@ -124,7 +124,7 @@ func _values_of(line: String, number: int) -> PackedFloat64Array:
 func _values_one_by_one(line: String, number: int) -> PackedFloat64Array:
 	var fields := _fields(line)
 	if fields.size() != _columns.size():
-		problems.append("line %d: got %d values, but the number must be %d" % [number, fields.size(), _columns.size()])
+		problems.append("line %d: the number of values must be %d, got %d" % [number, _columns.size(), fields.size()])
 		return PackedFloat64Array()
 	var values := PackedFloat64Array()
 	for index in fields.size():

@@ -21,7 +21,6 @@ const SECONDS_A_LINE := 10.0
 const CHUNK_BYTES := 1 << 22
 ## The keys whose values must not change when a bake continues in an existing folder. If a value has changed, the error
 ## contains the string for its key, the value in the folder and the current value.
-## the value in the folder and the current value.
 const SAME: Dictionary[String, String] = {
 	"scene": "the scene is different (%s, not %s)", "rect": "the rectangle is different (%s, not %s)",
 	"tile_size": "the tile size is different (%s m, not %s m)", "layers": "the layers are different (%s, not %s)", "parts": "",

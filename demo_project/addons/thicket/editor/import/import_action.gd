@@ -37,7 +37,7 @@ func run(scatter: TerrainScatter3D, layer: Variant, reading: ImportInstances.Rea
 		return 0
 	_ids = ImportInstances.place(scatter, layer, reading)
 	if _ids.is_empty():
-		problem = "None of %d instances were placed in %s. See the Output panel for details." % [reading.size(), scatter.name]
+		problem = "None of the %d instances were placed in %s. See the Output panel for details." % [reading.size(), scatter.name]
 		_drop_state()
 		return 0
 	_layers_after = scatter.layers.duplicate()

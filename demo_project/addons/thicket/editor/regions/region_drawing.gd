@@ -114,7 +114,7 @@ func _polygon(middle: Vector3) -> ScatterRegion3D:
 		polygon.append(Vector2(corner.x, corner.z))
 		area += 0.5 * polygon[index].cross(Vector2(corners[index - 1].x - middle.x, corners[index - 1].z - middle.z))
 	if corners.size() < 3 or absf(area) < LEAST_AREA:
-		problem = "A region needs at least three corners, not in a line, got %d. Click more of them." % corners.size()
+		problem = "A region needs at least three corners that are not in a line, got %d. Click more corners." % corners.size()
 		return null
 	var region := RegionMenu.make(shape, exclude)
 	region.polygon = polygon
@@ -124,7 +124,7 @@ func _polygon(middle: Vector3) -> ScatterRegion3D:
 ## Returns a region along a smooth path through the points, with a Path3D below it. Returns null and sets [member problem] on failure.
 func _path(middle: Vector3) -> ScatterRegion3D:
 	if corners.size() < 2:
-		problem = "A path needs at least two points, got %d. Click more of them." % corners.size()
+		problem = "A path needs at least two points, got %d. Click more points." % corners.size()
 		return null
 	var region := RegionMenu.make(shape, exclude)
 	var path := Path3D.new()
