@@ -107,8 +107,8 @@ def test_libraries_for_linux_are_hardened_and_need_little(addon):
     assert len(list((addon / "bin").glob("*.so"))) == 8
     for path in (addon / "bin").glob("*.so"):
         text = run(["readelf", "--wide", "--dynamic", "--segments", "--version-info", path], timeout=60).stdout
-        asked = {tuple(map(int, version.split("."))) for version in re.findall(r"GLIBC_(\d+\.\d+)", text)}
-        assert asked and max(tuple(version) for version in asked) <= OLDEST_GLIBC, f"{path.name} needs {max(asked)}"
+        required = {tuple(map(int, version.split("."))) for version in re.findall(r"GLIBC_(\d+\.\d+)", text)}
+        assert required and max(tuple(version) for version in required) <= OLDEST_GLIBC, f"{path.name} needs {max(required)}"
         needed = re.findall(r"\(NEEDED\)\s+Shared library: \[([^\]]+)\]", text)
         assert all(re.match(r"(libc|libm|libpthread|libdl|ld-linux[\w-]*)\.so", name) for name in needed), needed
         assert "GNU_RELRO" in text and re.search(r"FLAGS_1.*NOW|BIND_NOW", text), path.name
@@ -132,8 +132,8 @@ def test_libraries_for_windows_are_hardened_and_need_little(addon):
         text = run([binaries.tool("llvm-readobj"), "--file-headers", "--coff-imports", "--coff-exports", path], timeout=60).stdout
         for word in ("DYNAMIC_BASE", "HIGH_ENTROPY_VA", "NX_COMPAT"):
             assert word in text, f"{path.name}: {word}"
-        asked = set(re.findall(r"^Import \{\n  Name: (\S+)", text, re.MULTILINE))
-        assert asked and all(re.match(r"(?i)api-ms-win-crt-|kernel32\.dll|ntdll\.dll", name) for name in asked), asked
+        required = set(re.findall(r"^Import \{\n  Name: (\S+)", text, re.MULTILINE))
+        assert required and all(re.match(r"(?i)api-ms-win-crt-|kernel32\.dll|ntdll\.dll", name) for name in required), required
         assert re.findall(r"^Export \{\n(?:.*\n)*?  Name: (\S+)", text, re.MULTILINE) == ["thicket_library_init"]
 
 

@@ -91,7 +91,7 @@ analysis::DomainReport report_on(const DomainRequest &request, const std::vector
 
 /// Checks that a set keeps guarantees 1 to 3 of DomainSampler, but not its coverage for the naive method.
 template <typename Real>
-void check_promises(const DomainRequest &request, const std::vector<glm::vec<2, Real>> &points) {
+void check_guarantees(const DomainRequest &request, const std::vector<glm::vec<2, Real>> &points) {
 	const analysis::DomainReport report = report_on<Real>(request, points);
 	CHECK(report.points > 0);
 	CHECK(report.outside == 0);

@@ -210,7 +210,7 @@ TEST_CASE("combined terrain: the weight comes from the part that is the ground, 
 	}
 }
 
-TEST_CASE("combined terrain: the surfaces of all parts, in any order the same triangles") {
+TEST_CASE("combined terrain: the surfaces of all parts give the same triangles in any order") {
 	const CombinedTerrain::Part bridge = level_square(6.0);
 	const CombinedTerrain::Part field = random_field(0.0, 1);
 	const CombinedTerrain::Part flat = std::make_shared<FlatTerrain>(2.0f);

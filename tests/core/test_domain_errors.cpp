@@ -130,7 +130,7 @@ TEST_CASE("domain errors: a domain that is too wide for single precision is reje
 		fixture.refuse_to_run(request, ErrorCode::out_of_range, "size", wide);
 	}
 	// In double precision, the domain is valid.
-	check_promises<double>(request, sampled<double>(request));
+	check_guarantees<double>(request, sampled<double>(request));
 }
 
 TEST_CASE_TEMPLATE("domain errors: invalid values of cell_size are rejected", Real, float, double) {

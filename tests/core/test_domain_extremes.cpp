@@ -17,7 +17,7 @@ TEST_CASE_TEMPLATE("domain extremes: strips flatter than the precision, along ea
 			for (const glm::dvec2 radii : {glm::dvec2(300.0, flat), glm::dvec2(flat, 300.0)}) {
 				const DomainRequest request = request_of({"", radii, 0.7, false}, method.method, 3);
 				const std::vector<glm::vec<2, Real>> points = sampled<Real>(request);
-				check_promises<Real>(request, points);
+				check_guarantees<Real>(request, points);
 				// In one dimension, randomly parked cars of length 1 fill 0.7476 of a street (Renyi
 				// 1958).
 				const double density = static_cast<double>(points.size()) / 300.0;
@@ -39,7 +39,7 @@ TEST_CASE_TEMPLATE("domain extremes: the smallest possible domains", Real, float
 			for (const double radius : {1e-3, 1.0, 1e6}) {
 				DomainRequest request = request_of({"", {1.0, 1.0}, radius, false}, method.method, 2);
 				request.size = glm::min(size, 30.0 * radius);
-				check_promises<Real>(request, sampled<Real>(request));
+				check_guarantees<Real>(request, sampled<Real>(request));
 			}
 		}
 	}

@@ -248,7 +248,7 @@ TEST_CASE("queries: IDs of other layers, of missing layers and of empty layers f
 	CHECK(found.empty());
 }
 
-TEST_CASE("queries: the search for an ID ends when it is found, and never starts if it is removed") {
+TEST_CASE("queries: a search by ID ends at the instance, and never starts for a removed one") {
 	World world;
 	const std::vector<QueryLayer> layers = world.query_layers();
 	InstanceState state;

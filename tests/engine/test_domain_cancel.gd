@@ -15,7 +15,7 @@ func test_cancel_from_progress() -> void:
 		for precise: bool in [false, true]:
 			var sampler := make(method)
 			sampler.double_precision = precise
-			check_promise(label(method), func() -> int:
+			check_cancellation(label(method), func() -> int:
 				var listener := Listener.new()
 				listener.on_report = func(_fraction: float) -> void: sampler.cancel()
 				var points := sampler.sample_domain(HUGE, listener.record)
@@ -28,7 +28,7 @@ func test_cancel_from_progress() -> void:
 
 
 ## Checks that `measure`, which returns microseconds, stays below CANCEL_USEC in at least one attempt. Retries for several rounds.
-func check_promise(context: String, measure: Callable) -> void:
+func check_cancellation(context: String, measure: Callable) -> void:
 	var all: Array[PackedInt64Array] = []
 	for round in ROUNDS:
 		var times: PackedInt64Array = []
@@ -62,7 +62,7 @@ func test_cancel_late() -> void:
 func test_cancel_from_another_thread() -> void:
 	for method in METHODS:
 		for reports: int in [1, 3, 8]:
-			check_promise("%s on a thread, at report %d" % [label(method), reports], func() -> int:
+			check_cancellation("%s on a thread, at report %d" % [label(method), reports], func() -> int:
 				var sampler := make(method)
 				var listener := Listener.new()
 				var thread := Thread.new()
@@ -83,7 +83,7 @@ func test_cancel_from_another_thread() -> void:
 ## memory. The system takes a thousand times longer to provide new memory than to access memory in use.
 func test_reports_are_frequent() -> void:
 	for method in METHODS:
-		check_promise(label(method) + " without reports", func() -> int:
+		check_cancellation(label(method) + " without reports", func() -> int:
 			var sampler := make(method)
 			var listener := Listener.new()
 			var reports: Array[int] = [0]
@@ -105,7 +105,7 @@ func test_reports_are_frequent() -> void:
 func test_immediate_cancel() -> void:
 	for method in METHODS:
 		for delay: int in [0, 10, 60, 250]:
-			check_promise("%s after %d ms" % [label(method), delay],
+			check_cancellation("%s after %d ms" % [label(method), delay],
 					func() -> int: return cancel_after(make(method), delay))
 			check_no_error(label(method) + " canceled")
 
@@ -129,7 +129,7 @@ func cancel_after(sampler: PoissonSampler, delay: int) -> int:
 
 
 func test_canceled_windows() -> void:
-	check_promise("sample", func() -> int:
+	check_cancellation("sample", func() -> int:
 		var sampler := PoissonSampler.new()
 		var thread := Thread.new()
 		thread.start(func() -> PoissonPoints: return sampler.sample(HUGE))

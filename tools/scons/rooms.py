@@ -83,7 +83,7 @@ def reached_from(room):
     return [each for each in ROOMS if each in found]
 
 
-def asked_for(targets):
+def requested(targets):
     """Returns the targets that are test programs of a single room: core_tests_rules, core_tests_query, ..."""
     return [name for name in targets if name.startswith(PREFIX)]
 

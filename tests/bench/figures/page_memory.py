@@ -113,7 +113,7 @@ BILLION_ROWS = {
     "standard errors from the jammed coverage": lambda row: f"{row['coverage_z']:+.2f}",
     "tiles checked for gaps, uncovered lattice points": lambda row: f"{row['gap_tiles']:,}, {row['uncovered']}",
     "digest of the set": lambda row: f"`{row['digest']}`",
-    "all promises kept": lambda row: verdict(not row["broken"]) + (f": {row['broken']}" if row["broken"] else ""),
+    "all guarantees hold": lambda row: verdict(not row["broken"]) + (f": {row['broken']}" if row["broken"] else ""),
 }
 
 

@@ -14,7 +14,7 @@ TEST_CASE_TEMPLATE("domain: distance, coverage and bounds on domains of all shap
 			CAPTURE(shape.name);
 			for (std::uint64_t seed = 1; seed <= 3; ++seed) {
 				const DomainRequest request = request_of(shape, method.method, seed);
-				check_promises<Real>(request, sampled<Real>(request));
+				check_guarantees<Real>(request, sampled<Real>(request));
 			}
 		}
 	}
@@ -41,7 +41,7 @@ TEST_CASE_TEMPLATE("domain: all counts of base squares and groups along each axi
 				for (const double y : sides) {
 					CAPTURE(y);
 					const DomainRequest request = request_of({"", {x, y}, 0.75, torus}, method.method, 5);
-					check_promises<Real>(request, sampled<Real>(request));
+					check_guarantees<Real>(request, sampled<Real>(request));
 				}
 			}
 		}
@@ -66,7 +66,7 @@ TEST_CASE_TEMPLATE("domain: a width of ten thousand radii", Real, float, double)
 			CAPTURE(torus);
 			for (const glm::dvec2 radii : {glm::dvec2(10'000.0, 5.3), glm::dvec2(5.3, 10'000.0)}) {
 				const DomainRequest request = request_of({"", radii, 1.3, torus}, method.method, 7);
-				check_promises<Real>(request, sampled<Real>(request));
+				check_guarantees<Real>(request, sampled<Real>(request));
 			}
 		}
 	}
@@ -76,7 +76,7 @@ TEST_CASE("domain: the largest width in single precision") {
 	for (const Method &method : maximal_methods) {
 		CAPTURE(method.name);
 		const DomainRequest request = request_of({"", {1.1, max_single_radii}, 1.0, false}, method.method, 8);
-		check_promises<float>(request, sampled<float>(request));
+		check_guarantees<float>(request, sampled<float>(request));
 	}
 }
 
@@ -91,7 +91,7 @@ TEST_CASE("domain: the distance is exact where it rounds to the radius in single
 			CAPTURE(torus);
 			DomainRequest request = request_of({"", {40'000.0, 4.1}, radius, torus}, method.method, 12);
 			request.darts_each = 4.0;
-			check_promises<float>(request, sampled<float>(request));
+			check_guarantees<float>(request, sampled<float>(request));
 		}
 	}
 }
