@@ -117,7 +117,7 @@ TEST_CASE("division queue: a tile whose division is right again stops waiting") 
 	CHECK_FALSE(row.queue.has_work(row.all()));
 }
 
-TEST_CASE("division queue: farther tiles give way, the farthest first, and are not divided again") {
+TEST_CASE("division queue: farther tiles yield, the farthest first, and are not divided again") {
 	Row row;
 	row.limit = 40;
 	row.add(5, 50.0, 4);
@@ -139,7 +139,7 @@ TEST_CASE("division queue: farther tiles give way, the farthest first, and are n
 	CHECK(row.begun == std::vector{-5, 2});
 }
 
-TEST_CASE("division queue: a tile gives way only to a tile that is much nearer") {
+TEST_CASE("division queue: a tile yields only to a tile that is much nearer") {
 	Row row;
 	row.limit = 18;
 	row.add(1, 109.0, 4);
@@ -241,7 +241,7 @@ TEST_CASE("division queue: a new tile is uploaded in cells if the limits and the
 }
 
 TEST_CASE("division queue: after random moves, the limit is respected, no work is left, and no near tile waits for a "
-          "far tile") {
+		  "far tile") {
 	std::mt19937 random(7);
 	std::uniform_real_distribution<double> any(0.0, 100.0);
 	Row row;

@@ -148,7 +148,7 @@ func test_build_tile_rejects() -> void:
 	await frames(1)
 
 
-## Worker threads share the work on a large rectangle. If a single thread did all of it, the ground would wait in vain.
+## Worker threads share the work on a large rectangle. If a single thread did all of it, the ground would wait until its timeout.
 func test_build_rect_uses_workers() -> void:
 	var layers: Array[ScatterLayer] = [make_layer(0.5)]
 	var single_threaded := RendezvousGround.new()

@@ -248,12 +248,12 @@ func test_points() -> void:
 	for all: PoissonPoints in [points, exact]:
 		check_equal(all.size(), all.positions.size(), "one position per point")
 		for index: int in [0, 1, all.size() - 1]:
-			check_equal(all.get_id(index), all.ids[index], "id %d" % index)
+			check_equal(all.get_id(index), all.ids[index], "ID %d" % index)
 			check_equal(all.get_position(index), all.positions[index], "position %d" % index)
 			check_equal(all.get_rank(index), all.ranks[index], "rank %d" % index)
 		for index: int in [-1, all.size(), 1 << 40]:
-			check_equal(all.get_id(index), 0, "no id %d" % index)
-			check_error(["PoissonPoints.index must be between 0 and"], "id %d" % index)
+			check_equal(all.get_id(index), 0, "no ID %d" % index)
+			check_error(["PoissonPoints.index must be between 0 and"], "ID %d" % index)
 			check_equal(all.get_position(index), Vector2.ZERO, "no position %d" % index)
 			check_error(["PoissonPoints.index must be between 0 and"], "position %d" % index)
 			check_equal(all.get_rank(index), 0.0, "no rank %d" % index)

@@ -1,5 +1,5 @@
 extends "collision_harness.gd"
-## Instances that move and turn with their node: drawn, queried, felled, with bodies, scenes and regions, without regeneration.
+## Instances that move and rotate with their node: drawn, queried, felled, with bodies, scenes and regions, without regeneration.
 
 const HALF := Vector2(20.0, 10.0) ## Half the size of the deck, in meters.
 

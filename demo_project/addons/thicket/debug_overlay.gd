@@ -108,7 +108,7 @@ func _explain(scatters: Array[Node]) -> void:
 		_why.fill(scatter.call(&"explain_position", hit), null)
 		var met: Variant = scatter.call(&"query_ray", from, hit)
 		if met != null:
-			_why.rows.push_front([WhyRows.PLAIN, "%s, id %d, at %.1f m" % [met.layer.resource_name, met.id, met.distance]])
+			_why.rows.push_front([WhyRows.PLAIN, "%s, ID %d, at %.1f m" % [met.layer.resource_name, met.id, met.distance]])
 
 
 func _on_visibility_changed() -> void:

@@ -35,7 +35,7 @@ func fill(explanations: Array, chosen: Resource) -> void:
 
 
 ## Replaces all rows with one message.
-func tell(sentence: String) -> void:
+func show_message(sentence: String) -> void:
 	rows = [[PLAIN, sentence]]
 
 

@@ -94,7 +94,7 @@ func test_a_layer_of_a_biome_is_chosen_and_hidden() -> void:
 	await frames(2)
 	check_equal(workspace().toolbar.chosen, [layer("Reed")] as Array[ScatterLayer], "a click chooses it for the tools")
 	check_equal(workspace().toolbar.paint.layer, layer("Reed"), "for the brush, too")
-	check_equal(scatter.get_all_layers()[workspace().toolbar.paint.layer_index], layer("Reed"), "the scatter knows it by this index")
+	check_equal(scatter.get_all_layers()[workspace().toolbar.paint.layer_index], layer("Reed"), "the scatter has it at this index")
 	check(workspace().dock.panel._remove.disabled and workspace().dock.panel._copy.disabled, "layers of biomes cannot be removed or copied")
 	await key(KEY_DELETE)
 	check(layer("Reed") != null, "the key does not delete it")

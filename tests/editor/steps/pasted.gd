@@ -84,7 +84,7 @@ func test_paste() -> void:
 	await select(pasted)
 	await settle(pasted)
 	check(panel().notes._sharing.is_visible_in_tree(), "the panel reports shared resources")
-	check_equal(panel().notes._shared.tell(pasted.name), "Trees shares its layers, its painted masks, its state and its seed with"
+	check_equal(panel().notes._shared.describe(pasted.name), "Trees shares its layers, its painted masks, its state and its seed with"
 			+ " Trees of orchard.tscn: both show the same instances.", "text of the report")
 	check(panel().notes.note_on(pasted.layers[2]).contains("moss.tres"), "a layer in a file has a note in its row only")
 	await picture("pasted")
@@ -134,7 +134,7 @@ func test_reopening() -> void:
 	pasted = (await open(TO)).get_node("Trees")
 	await select(pasted)
 	check(panel().notes._sharing.is_visible_in_tree(), "reported again")
-	check_equal(panel().notes._shared.tell(pasted.name), "Trees shares its painted masks and its state with orchard.tscn.", "text of the report")
+	check_equal(panel().notes._shared.describe(pasted.name), "Trees shares its painted masks and its state with orchard.tscn.", "text of the report")
 	var mask: Resource = pasted.layers[0].mask
 	var path := mask.resource_path
 	check_equal(DirAccess.rename_absolute(path, "res://old_paint.res"), OK, "the mask's file is renamed")
@@ -146,5 +146,5 @@ func test_reopening() -> void:
 	for layer: Resource in pasted.layers:
 		layer.mask = null
 	await wait_for_panel()
-	check_equal(panel().notes._shared.tell(pasted.name), "Trees shares its state with orchard.tscn.", "a shared state alone is also reported")
+	check_equal(panel().notes._shared.describe(pasted.name), "Trees shares its state with orchard.tscn.", "a shared state alone is also reported")
 	check(panel().notes._sharing.visible, "in the panel")

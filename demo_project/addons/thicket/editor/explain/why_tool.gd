@@ -134,9 +134,9 @@ func _explain(at: Vector3, at_once: bool) -> void:
 	_asked_at = Time.get_ticks_msec()
 	_explained = at
 	if ground() == null:
-		panel.tell("There is no ground: set the ground of %s, or press Use as Ground." % scatter.name)
+		panel.show_message("There is no ground: set the ground of %s, or press Use as Ground." % scatter.name)
 	elif ScatterLayers.of(scatter).is_empty():
-		panel.tell("There is nothing to explain: add a layer to %s in the Scatter panel." % scatter.name)
+		panel.show_message("There is nothing to explain: add a layer to %s in the Scatter panel." % scatter.name)
 	elif not at.is_finite():
 		panel.rows.clear()
 	else:

@@ -74,7 +74,7 @@ func look() -> void:
 			var shared := Shared.find(scatter)
 			if shared.is_by_accident():
 				EditorInterface.get_editor_toaster().push_toast(
-						shared.tell(scatter.name) + " The Scatter panel makes it unique.", EditorToaster.SEVERITY_WARNING)
+						shared.describe(scatter.name) + " The Scatter panel makes it unique.", EditorToaster.SEVERITY_WARNING)
 	_appeared.clear()
 
 

@@ -261,7 +261,7 @@ func _own_chosen() -> Array[ScatterLayer]:
 
 func _show_count(layer: ScatterLayer) -> int:
 	var count := _scatter.get_shown_count(layer)
-	var watch := _steps.held_of(_scatter, layer)
+	var watch := _steps.limited_of(_scatter, layer)
 	var text := NumberText.grouped(count)
 	var note := notes.note_on(layer)
 	if _marks.is_hidden(layer):

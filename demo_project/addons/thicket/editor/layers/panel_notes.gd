@@ -71,8 +71,8 @@ func look(scatter: TerrainScatter3D) -> void:
 	_update_surroundings_note()
 	visible = _ground.visible or _sharing.visible or _gray.visible
 	if _sharing.visible:
-		_label(_sharing).text = _shared.tell(scatter.name)
-		_label(_sharing).tooltip_text = _shared.tell(scatter.name)
+		_label(_sharing).text = _shared.describe(scatter.name)
+		_label(_sharing).tooltip_text = _shared.describe(scatter.name)
 
 
 ## Returns the note about a single layer, or an empty string if there is none.
@@ -89,7 +89,7 @@ func ask_to_make_unique() -> void:
 	if is_instance_valid(_scatter) and _shared != null:
 		var has_files := _scatter.layers.any(
 				func(layer: ScatterLayer) -> bool: return layer != null and Copies.is_file(layer))
-		dialog.ask(_shared.tell(_scatter.name), has_files)
+		dialog.ask(_shared.describe(_scatter.name), has_files)
 
 
 func make_unique(new_seed: bool, with_files: bool) -> void:

@@ -17,7 +17,7 @@ var _keep := Button.new()
 
 func _init(preview_steps: Steps) -> void:
 	steps = preview_steps
-	steps.told.connect(update)
+	steps.limits_changed.connect(update)
 	var row := HBoxContainer.new()
 	add_child(row)
 	_icon.stretch_mode = TextureRect.STRETCH_KEEP_CENTERED
@@ -37,8 +37,8 @@ func _init(preview_steps: Steps) -> void:
 
 ## Updates the text and the buttons.
 func update() -> void:
-	var held := steps.held()
-	_watch = held[0] if not held.is_empty() else null
+	var limited := steps.limited()
+	_watch = limited[0] if not limited.is_empty() else null
 	visible = _watch != null
 	if _watch == null:
 		return

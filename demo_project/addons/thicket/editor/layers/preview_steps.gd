@@ -6,8 +6,8 @@ extends RefCounted
 
 const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
 
-## Emitted when the result of [method held] has changed.
-signal told
+## Emitted when the result of [method limited] has changed.
+signal limits_changed
 
 enum State { ASKING, KEPT, GROWING }
 
@@ -23,14 +23,14 @@ class Watch:
 	var layer: ScatterLayer
 	var state := State.KEPT
 	## True while the view differs from the layer.
-	var held := false
+	var is_limited := false
 	## The values with which the view shows the layer, and the resulting number of instances.
 	var shown: Array[float] = []
 	var count := 0.0
-	var heard: Callable ## Called with this object when the layer changes.
+	var callback: Callable ## Called with this object when the layer changes.
 
-	func hear() -> void:
-		heard.call(self)
+	func notify() -> void:
+		callback.call(self)
 
 	## Returns the values that determine a layer's number of instances: radius, density and view distance.
 	func numbers() -> Array[float]:
@@ -52,7 +52,7 @@ class Watch:
 			stand_in.radius = values[0]
 			stand_in.density = values[1]
 			stand_in.view_distance = values[2]
-		held = stand_in != null
+		is_limited = stand_in != null
 		scatter._set_preview_stand_in(layer, stand_in)
 
 
@@ -60,16 +60,16 @@ var _watches: Array[Watch] = []
 
 
 ## Returns the layers that the view shows with values other than their own. Layers that wait for a confirmation come first.
-func held() -> Array[Watch]:
-	var result := _watches.filter(func(watch: Watch) -> bool: return watch.held)
+func limited() -> Array[Watch]:
+	var result := _watches.filter(func(watch: Watch) -> bool: return watch.is_limited)
 	result.sort_custom(func(a: Watch, b: Watch) -> bool: return a.state < b.state)
 	return result
 
 
 ## Returns the watch of one layer, or null if the view shows that layer with its own values.
-func held_of(scatter: TerrainScatter3D, layer: ScatterLayer) -> Watch:
+func limited_of(scatter: TerrainScatter3D, layer: ScatterLayer) -> Watch:
 	for watch in _watches:
-		if watch.held and watch.scatter == scatter and watch.layer == layer:
+		if watch.is_limited and watch.scatter == scatter and watch.layer == layer:
 			return watch
 	return null
 
@@ -98,7 +98,7 @@ func grow(watch: Watch) -> void:
 ## Keeps the current view.
 func keep(watch: Watch) -> void:
 	watch.state = State.KEPT
-	told.emit()
+	limits_changed.emit()
 
 
 ## Shows all layers with their own values and stops watching them.
@@ -113,18 +113,18 @@ func _begin(scatter: TerrainScatter3D, layer: ScatterLayer) -> void:
 	watch.layer = layer
 	watch.shown = watch.numbers()
 	watch.count = scatter.get_shown_count(layer)
-	watch.heard = _on_changed
-	layer.changed.connect(watch.hear)
+	watch.callback = _on_changed
+	layer.changed.connect(watch.notify)
 	_watches.append(watch)
 
 
 func _forget(watch: Watch) -> void:
-	watch.layer.changed.disconnect(watch.hear)
+	watch.layer.changed.disconnect(watch.notify)
 	_watches.erase(watch)
-	if watch.held:
+	if watch.is_limited:
 		if is_instance_valid(watch.scatter):
 			watch.show([])
-		told.emit()
+		limits_changed.emit()
 
 
 ## Leaves the view unchanged if a change needs confirmation. Called before the node processes the change, so that it does not generate the new
@@ -134,23 +134,23 @@ func _on_changed(watch: Watch) -> void:
 		return
 	var estimate := watch.estimate()
 	if estimate <= maxf(MANY * watch.count, FEW):
-		if watch.held:
+		if watch.is_limited:
 			watch.show([])
-			told.emit()
-	elif watch.held and watch.state == State.GROWING:
+			limits_changed.emit()
+	elif watch.is_limited and watch.state == State.GROWING:
 		_step(watch)
 	else:
-		if not watch.held:
+		if not watch.is_limited:
 			watch.state = State.ASKING
 		watch.show(watch.shown)
-		told.emit()
+		limits_changed.emit()
 
 
 func _settled(watch: Watch) -> void:
-	if watch.held and watch.state == State.GROWING:
+	if watch.is_limited and watch.state == State.GROWING:
 		watch.count = watch.scatter.get_shown_count(watch.layer)
 		_step(watch)
-	elif watch.held:
+	elif watch.is_limited:
 		watch.count = watch.scatter.get_shown_count(watch.layer)
 	else:
 		watch.shown = watch.numbers()
@@ -168,4 +168,4 @@ func _step(watch: Watch) -> void:
 		for index in wanted.size():
 			watch.shown[index] = maxf(watch.shown[index], 1e-3) * pow(maxf(wanted[index], 1e-3) / maxf(watch.shown[index], 1e-3), part)
 		watch.show(watch.shown)
-	told.emit()
+	limits_changed.emit()

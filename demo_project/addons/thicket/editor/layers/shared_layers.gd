@@ -29,7 +29,7 @@ class Shared:
 		return not layers.is_empty() or not masks.is_empty() or by_hand
 
 	## Returns a message that describes the sharing.
-	func tell(name: String) -> String:
+	func describe(name: String) -> String:
 		var parts := PackedStringArray()
 		if not layers.is_empty():
 			parts.append("its layers")
