@@ -117,7 +117,7 @@ func _refuse(error: Error, why: String) -> Error:
 	return error
 
 
-func _list_tiles(asked: Array) -> Error:
+func _list_tiles(requested: Array) -> Error:
 	# Convert the rectangle to world x and z in double precision, because tiles use these coordinates.
 	var offset: Vector3 = _scatter.get(&"world_offset")
 	var low := [_rect.position.x + offset.x, _rect.position.y + offset.z]
@@ -126,12 +126,12 @@ func _list_tiles(asked: Array) -> Error:
 	var layers: Array = _scatter.get(&"layers")
 	_tiles.clear()
 	var chosen: Array[Resource] = []
-	for one: Variant in asked:
-		var meant := layers.filter(func(layer: Resource) -> bool: return layer != null and (is_same(one, layer) or str(one) == layer.resource_name))
-		if meant.is_empty():
+	for one: Variant in requested:
+		var found := layers.filter(func(layer: Resource) -> bool: return layer != null and (is_same(one, layer) or str(one) == layer.resource_name))
+		if found.is_empty():
 			return _refuse(ERR_INVALID_PARAMETER, "layers contains %s, which is not a layer of %s: pass entries of TerrainScatter3D.layers, or their names." % [
 				one, _scatter.name])
-		chosen.append(meant[0])
+		chosen.append(found[0])
 	for index in layers.size():
 		var layer: Resource = layers[index]
 		if layer == null or not (chosen.is_empty() or chosen.has(layer)):

@@ -29,7 +29,7 @@ func test_first_forest() -> void:
 	await wait_for_panel()
 	check(scatter.get_problems().is_empty(), "no problems: %s" % scatter.get_problems())
 	await until(func() -> bool: return not workspace()._new_layers.is_watching(), "all new layers were checked")
-	check_equal(toast_text(), "", "a preset alone is not said to have little room")
+	check_equal(toast_text(), "", "a preset alone shows no message about little room")
 	await hide_handles()
 	await page_picture("tutorial_first_forest")
 	check_equal(EditorInterface.save_scene(), OK, "saved")

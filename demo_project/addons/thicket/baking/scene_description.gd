@@ -19,17 +19,17 @@ var _layers := PackedStringArray() # The names or indices of the layers to bake;
 
 ## Reads the request: [code]rect[/code], [code]tile_size[/code] and [code]layers[/code], each a string as on the command
 ## line. [method describe] chooses values for missing or empty strings. If a string is invalid, sets [member problem].
-func _init(asked: Dictionary) -> void:
-	if asked.get("rect"):
-		_rect = numbers_in(asked["rect"], ",")
+func _init(request: Dictionary) -> void:
+	if request.get("rect"):
+		_rect = numbers_in(request["rect"], ",")
 		if _rect.size() != 4 or _rect[2] <= 0.0 or _rect[3] <= 0.0 or _rect.any(func(number: float) -> bool: return absf(number) >= 1e12):
-			problem = "rect must be X,Z,WIDTH,DEPTH in meters, with a width and a depth above 0 and all below 1e12, got '%s'." % asked["rect"]
-	if asked.get("tile_size"):
-		var text: String = asked["tile_size"]
+			problem = "rect must be X,Z,WIDTH,DEPTH in meters, with a width and a depth above 0 and all below 1e12, got '%s'." % request["rect"]
+	if request.get("tile_size"):
+		var text: String = request["tile_size"]
 		_tile_size = text.to_float() if text.is_valid_float() else 0.0
 		if not (_tile_size >= 1.0 and _tile_size <= 1e6):
 			problem = "tile_size must be between 1 and 1000000 meters, got '%s'." % text
-	var layers: String = asked.get("layers", "")
+	var layers: String = request.get("layers", "")
 	for layer in layers.split(",", false):
 		_layers.append(layer.strip_edges())
 

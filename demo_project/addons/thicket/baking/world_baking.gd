@@ -200,8 +200,8 @@ func _answer(problem: String) -> bool:
 	return _send({"error": "'%s' is not a request: do must be describe, models or rows." % message})
 
 
-func _send_description(asked: Dictionary) -> bool:
-	_described = SceneDescription.new(asked)
+func _send_description(request: Dictionary) -> bool:
+	_described = SceneDescription.new(request)
 	var fine := _described.problem.is_empty() and _described.describe(_scatter)
 	return _send(_described.values if fine else {"error": _described.problem})
 
