@@ -9,7 +9,9 @@ extends SceneTree
 var _world: Node3D
 var _camera := Camera3D.new()
 var _most := 0 # The largest number of tiles that appeared in one frame.
+var _most_removed := 0
 var _came := 0
+var _removed := 0
 var _failed: Array[Vector2i] = []
 
 
@@ -18,6 +20,7 @@ func _initialize() -> void:
 	var arguments := OS.get_cmdline_user_args()
 	_world = (load(arguments[0]) as PackedScene).instantiate()
 	_world.tile_shown.connect(func(_tile: Vector2i) -> void: _came += 1)
+	_world.tile_freed.connect(func(_tile: Vector2i) -> void: _removed += 1)
 	_world.tile_failed.connect(func(tile: Vector2i) -> void: _failed.append(tile))
 	_world.frame_budget_usec = 1
 	_world.view_distance = 30.0
@@ -44,10 +47,13 @@ func _initialize() -> void:
 
 func _settle() -> void:
 	_most = 0
+	_most_removed = 0
 	for frame in 600:
 		_came = 0
+		_removed = 0
 		await process_frame
 		_most = maxi(_most, _came)
+		_most_removed = maxi(_most_removed, _removed)
 		if frame > 2 and _world.is_settled():
 			return
 	print("stream: never settled")
@@ -64,6 +70,6 @@ func _tell() -> void:
 		for child: MultiMeshInstance3D in node.get_children():
 			drawn += child.multimesh.instance_count if not "_LOD1" in child.name else 0
 	print("stop ", JSON.stringify({
-		"tiles": tiles, "instances": _world.get_instance_count(), "drawn": drawn, "places": places, "most": _most,
+		"tiles": tiles, "instances": _world.get_instance_count(), "drawn": drawn, "places": places, "most": _most, "most_removed": _most_removed,
 		"failed": _failed.map(func(tile: Vector2i) -> Array: return [tile.x, tile.y]), "children": _world.get_child_count(),
 	}))

@@ -256,9 +256,11 @@ def test_tiles_appear_and_disappear_with_the_camera(engine, game, world, bake, r
 
 
 def test_work_in_a_frame_is_bounded(godot, game, world):
-    """Checks that, with a tiny time budget, one tile is added per frame, regardless of how many tiles are ready."""
-    stops, _ = stops_of(godot, game, "90,-40", "far=200")
+    """Checks that, with a tiny time budget, one tile is added per frame, regardless of how many tiles are ready, and one
+    is removed, regardless of how many are too far away."""
+    stops, _ = stops_of(godot, game, "90,-40", "far=200", "5000,0")
     assert stops[1]["most"] == 1 and len(stops[1]["tiles"]) == 11
+    assert stops[2]["most_removed"] == 1 and not stops[2]["tiles"]
 
 
 def test_the_world_moves_with_the_origin(godot, game, world):

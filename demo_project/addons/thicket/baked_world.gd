@@ -4,8 +4,8 @@ extends Node3D
 ## exists.
 ##
 ## [code]bash demo_project/bake_export.sh OUT godot FOLDER[/code] writes the tiles of a bake, and a scene [code]baked_world.scn[/code] with a node of
-## this class. Files are read on threads. Adding tiles takes at most [member frame_budget_usec] of each frame, or longer if a single tile takes
-## longer. Baked instances cannot change: for rules, felling and queries, use [code]TerrainScatter3D[/code].
+## this class. Files are read on threads. Adding and removing tiles takes at most [member frame_budget_usec] of each frame, or longer if a single
+## tile takes longer. Baked instances cannot change: for rules, felling and queries, use [code]TerrainScatter3D[/code].
 ##
 ## The index and the tiles are plain data. Reading them runs no code, so the files may come from players. The index contains the SHA-256 of each tile,
 ## and a tile with a different hash is not shown. Meshes and materials are loaded only from the game's own files in [code]res://[/code].
@@ -43,7 +43,8 @@ const OUTDATED := "ScatterBakedWorld.index names %s, which an earlier version ex
 			return
 		view_distance = value
 		_is_stale = true
-## The time in each frame for loading models and adding tiles, in microseconds. If tiles are ready, at least one of them is added in each frame.
+## The time in each frame for loading models, adding tiles and removing tiles, in microseconds. If tiles are ready or too far away, at least one of them
+## is added, and one removed, in each frame.
 @export_range(100, 20000, 100, "suffix:µs") var frame_budget_usec := 2000
 ## The node around which tiles are shown; if null, the current camera of the viewport.
 @export var viewer: Node3D
@@ -64,6 +65,7 @@ var _shown: Dictionary[Vector2i, Node3D] = {}
 var _loading: Dictionary[Vector2i, Tile] = {}
 var _failed: Dictionary[Vector2i, bool] = {}
 var _wanted: Array[Vector2i] = [] # Tiles that are neither shown nor being read, the nearest last.
+var _far: Array[Vector2i] = [] # Shown tiles that are too far away, and not yet removed.
 # Most web builds have no threads.
 var _has_threads: bool = OS.has_feature("threads") and ProjectSettings.get_setting("threading/worker_pool/max_threads", -1) != 0
 # Without a display, the engine uses a dummy renderer, for which multimeshes must not be built on several threads.
@@ -94,6 +96,7 @@ func _process(_delta: float) -> void:
 	if _is_stale or here.distance_to(_looked_from) > _index.tile_size / 16.0:
 		_look_around(here)
 	var deadline := Time.get_ticks_usec() + frame_budget_usec
+	_remove_far(deadline)
 	# Signal handlers may have changed the index in the meantime.
 	if _index != null and _has_models(deadline):
 		_request()
@@ -118,10 +121,10 @@ func get_instance_count() -> int:
 	return sum
 
 
-## Returns true if all tiles within [member view_distance] are shown, except for those that cannot be loaded. Returns false if there is no valid
-## [member index_file].
+## Returns true if all tiles within [member view_distance] are shown, except for those that cannot be loaded, and no tile is left to remove. Returns
+## false if there is no valid [member index_file].
 func is_settled() -> bool:
-	return _index != null and not _is_stale and _wanted.is_empty() and _loading.is_empty()
+	return _index != null and not _is_stale and _wanted.is_empty() and _loading.is_empty() and _far.is_empty()
 
 
 func _viewer() -> Node3D:
@@ -165,12 +168,10 @@ func _distance(tile: Vector2i, here: Vector2) -> float:
 func _look_around(here: Vector2) -> void:
 	_is_stale = false
 	_looked_from = here
-	var gone: Array[Vector2i] = []
-	for tile: Vector2i in _shown.keys():
+	_far.clear()
+	for tile in _shown:
 		if _distance(tile, here) > view_distance + _index.tile_size / 4.0:
-			gone.append(tile)
-			_shown[tile].queue_free()
-			_shown.erase(tile)
+			_far.append(tile)
 	_wanted.clear()
 	var distances: Dictionary[Vector2i, float] = {}
 	for tile in _tiles_near(here):
@@ -179,8 +180,18 @@ func _look_around(here: Vector2) -> void:
 			if distances[tile] <= view_distance:
 				_wanted.append(tile)
 	_wanted.sort_custom(func(a: Vector2i, b: Vector2i) -> bool: return distances[a] > distances[b])
-	for tile in gone:
+
+
+## Removes tiles that are too far away, until the deadline.
+func _remove_far(deadline: int) -> void:
+	while not _far.is_empty():
+		var tile: Vector2i = _far.pop_back()
+		var node := _shown[tile]
+		_shown.erase(tile)
+		node.free()
 		tile_freed.emit(tile)
+		if Time.get_ticks_usec() >= deadline:
+			return
 
 
 func _tiles_near(here: Vector2) -> Array[Vector2i]:
@@ -278,3 +289,4 @@ func _drop_all() -> void:
 	_models = null
 	_shown.clear()
 	_wanted.clear()
+	_far.clear()
