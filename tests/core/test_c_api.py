@@ -289,7 +289,7 @@ def test_a_call_can_be_watched_and_canceled(sampler, work: Callable):
     assert work(sampler, Watch(PROGRESS(progress), 4711)) == code("CANCELLED")
     assert "was cancelled" in sampler.message() and sampler.count() == 0
     assert len(seen) == 5 and seen == sorted(seen) and seen[-1][0] < 0.9
-    assert inside == [code("BUSY"), "a different call of this sampler is running", 0, 4711]
+    assert inside == [code("BUSY"), "another call to this sampler is running", 0, 4711]
 
     begun = threading.Event()
 

@@ -197,7 +197,7 @@ const char *thicket_message(const thicket_sampler *sampler) noexcept {
 	if (sampler == nullptr) {
 		return "sampler is missing";
 	}
-	return sampler->busy.load(std::memory_order_acquire) ? "a different call of this sampler is running"
+	return sampler->busy.load(std::memory_order_acquire) ? "another call to this sampler is running"
 														 : sampler->message.data();
 }
 
