@@ -84,7 +84,7 @@ void terminate(ModuleInitializationLevel) { drop_main_thread_calls(); }
 
 extern "C" {
 
-/// Initializes the library. This is its entry point, whose name thicket.gdextension contains.
+/// The library's entry point; thicket.gdextension contains its name.
 GDExtensionBool GDE_EXPORT thicket_library_init(GDExtensionInterfaceGetProcAddress p_get_proc_address,
 		GDExtensionClassLibraryPtr p_library, GDExtensionInitialization *r_initialization) {
 	if (!thicket::fits_precision(p_get_proc_address)) {

@@ -5,7 +5,7 @@
 namespace thicket {
 
 /// Registers our classes with the engine. The engine calls this once per initialization level; only
-/// the scene level has an effect.
+/// the call for the scene level has an effect.
 void initialize(godot::ModuleInitializationLevel p_level);
 
 /// Drops queued main-thread calls. The engine calls this once per level, in reverse order, when it

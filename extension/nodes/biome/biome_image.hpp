@@ -43,7 +43,7 @@ struct ColorPixels {
 ColorPixels color_pixels(const godot::Ref<godot::Image> &p_image);
 
 /// Returns the biome of each pixel, or no_biome. In color mode, picks the entry of `colors` with
-/// the smallest distance, and the first of several that are equally near. In index mode, accepts
+/// the smallest distance, or the first of several that are equally near. In index mode, accepts
 /// indices below `count`. Uses only integer arithmetic, so results are the same on every machine.
 std::vector<std::uint8_t> biomes_of(
 		const ColorPixels &pixels, BiomePixels mode, std::span<const BiomeColor> colors, std::size_t count);

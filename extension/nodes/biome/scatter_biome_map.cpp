@@ -198,7 +198,7 @@ Status ScatterBiomeMap::make(BiomeMap &r_map) {
 
 void ScatterBiomeMap::refresh() {
 	if (!std::exchange(outdated_, false)) {
-		// Nothing has changed since the map was created.
+		// The map is up to date.
 		return;
 	}
 	const auto next = std::make_shared<BiomeMap>();
@@ -300,7 +300,7 @@ PackedStringArray ScatterBiomeMap::problems(const TypedArray<ScatterLayer> &p_ow
 		result.push_back("ScatterBiomeMap.biomes is empty: add a ScatterBiome.");
 	}
 	if (static_cast<std::size_t>(biomes_.size()) > max_biomes) {
-		result.push_back(vformat("ScatterBiomeMap.biomes has %d entries: only the first %d count.", biomes_.size(),
+		result.push_back(vformat("ScatterBiomeMap.biomes has %d entries: only the first %d are used.", biomes_.size(),
 				static_cast<int64_t>(max_biomes)));
 	}
 	const bool given = image_.is_valid();

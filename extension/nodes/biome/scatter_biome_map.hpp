@@ -15,8 +15,8 @@
 
 namespace thicket {
 
-/// A list of biomes and an image that defines the area of each: a Godot resource for BiomeMap.
-/// Several nodes may share one.
+/// A list of biomes and an image that defines the area of each. This is the Godot resource for
+/// BiomeMap. Several nodes may share one.
 ///
 /// Emits `changed` when a setter changes it, and when its image or one of its biomes emits
 /// `changed`. Scripts share the array of biomes and the biomes' arrays of layers. If they modify an
@@ -40,7 +40,7 @@ public:
 		MAP_EDGE_CLAMP,
 	};
 
-	/// Sets the biomes, at most max_biomes. A null entry counts as no biome, but keeps its index.
+	/// Sets the biomes, at most max_biomes. A null entry means no biome, but keeps its index.
 	void set_biomes(const godot::TypedArray<ScatterBiome> &p_biomes);
 	godot::TypedArray<ScatterBiome> get_biomes() const { return biomes_; }
 
@@ -54,7 +54,7 @@ public:
 	bool embed_stripped_data();
 
 	/// Sets the area that the image covers, in world meters; its y is the world's z. Positions are
-	/// within +-1e9, sides from 0.001 to 1e9.
+	/// within +-1e9, sizes from 0.001 to 1e9.
 	void set_map_rect(const godot::Rect2 &p_rect);
 	godot::Rect2 get_map_rect() const { return rect_; }
 
@@ -77,11 +77,11 @@ public:
 	int64_t get_border_seed() const { return static_cast<int64_t>(borders_.seed); }
 
 	/// Returns the biome with the largest weight at a world position (x, z). Returns null where
-	/// land without a biome has the largest weight.
+	/// areas without a biome have the largest weight.
 	godot::Ref<ScatterBiome> get_biome_at(const godot::Vector2 &p_position);
 
 	/// Returns the weight of each biome at a world position (x, z), 0 to 1. If the sum is below 1,
-	/// the remainder is land without a biome.
+	/// the remainder has no biome.
 	godot::PackedFloat32Array get_weights_at(const godot::Vector2 &p_position);
 
 	/// Calls `take` with the array of layers of each biome.
@@ -114,17 +114,17 @@ public:
 	PerBiome<float> densities_of(const godot::Ref<ScatterLayer> &p_layer) const;
 
 	/// Returns the water level in each biome, in world meters or no_water. `node_level` is the
-	/// node's own level, which biomes may inherit.
+	/// level of the node, which biomes may inherit.
 	PerBiome<double> water_levels(double node_level) const;
 
 	/// Returns true if any biome has its own water level.
 	bool has_own_water() const;
 
-	/// Returns a sentence about the missing biomes if an export has stripped the image; otherwise
-	/// empty.
+	/// Returns a warning about the missing biomes if an export has stripped the image; otherwise an
+	/// empty string.
 	godot::String stripped_problem() const;
 
-	/// Returns a sentence for each likely mistake, for the editor's warnings. `p_own` contains the
+	/// Returns a message for each likely mistake, for the editor's warnings. `p_own` contains the
 	/// node's own layers.
 	godot::PackedStringArray problems(const godot::TypedArray<ScatterLayer> &p_own);
 

@@ -1,4 +1,4 @@
-// This file prepares a biome map for a dedicated server export, which replaces textures with
+// This file prepares biome maps for dedicated server exports, which replace textures with
 // placeholders.
 
 #include "nodes/biome/scatter_biome_map.hpp"

@@ -34,7 +34,7 @@ namespace thicket {
 constexpr std::int64_t script_id(std::uint64_t id) { return static_cast<std::int64_t>(id); }
 constexpr std::uint64_t core_id(std::int64_t id) { return static_cast<std::uint64_t>(id); }
 
-// These functions convert only the type. The numbers stay the same except for rounding.
+// These functions convert only the type. The numbers are unchanged except for rounding.
 godot::Vector2 to_engine(glm::dvec2 vector);
 godot::Vector3 to_engine(glm::vec3 vector);
 godot::Vector3 to_engine(glm::dvec3 vector);
@@ -51,7 +51,7 @@ bool is_finite(const godot::Transform3D &p_transform);
 // Conversions between engine space and world space.
 
 glm::dvec3 to_world(const godot::Vector3 &p_position, const WorldFrame &frame);
-/// With local coordinates, a rectangle is already in the world.
+/// With local coordinates, a rectangle is already in world space.
 Rect to_world(const godot::Rect2 &p_rect, const WorldFrame &frame);
 godot::Vector3 to_engine(glm::dvec3 position, const WorldFrame &frame);
 godot::Transform3D to_engine(const glm::mat3 &basis, glm::dvec3 position, const WorldFrame &frame);

@@ -13,24 +13,24 @@ namespace thicket {
 
 // If an allocation fails, the engine's arrays only log an error and keep their size. The functions
 // here throw std::bad_alloc instead, which guarded calls catch (guard.hpp).
-// tests/engine/test_allocations.py forbids all other ways to resize, write or append to an array of
-// the engine.
+// tests/engine/test_allocations.py forbids all other ways to resize, write or append to an engine
+// array.
 
 /// Returns the elements of a packed array for writing. No other array may share its memory, so use
 /// `resized_copy` first for an array that the engine has returned. Otherwise the engine copies the
-/// memory implicitly, and crashes if the allocation fails. Godot 4.4 would even write to the shared
+/// memory implicitly and crashes if the allocation fails. Godot 4.4 even writes to the shared
 /// memory.
 template <class Packed>
 auto writable(Packed &r_array) {
 	const std::int64_t size = r_array.size();
-	auto *first = size > 0 ? r_array.ptrw() : nullptr; // Called once: it enters the engine.
+	auto *first = size > 0 ? r_array.ptrw() : nullptr; // Called only once, because it calls the engine.
 	if (size > 0 && first == nullptr) {
 		throw std::bad_alloc();
 	}
 	return std::span(first, static_cast<std::size_t>(size));
 }
 
-/// Resizes a packed array whose memory is not shared, and returns its elements for writing. New
+/// Resizes a packed array whose memory is not shared and returns its elements for writing. New
 /// elements are 0.
 template <class Packed>
 auto resize(Packed &r_array, std::int64_t size) {

@@ -22,7 +22,7 @@
 
 namespace thicket {
 
-/// Prints an error for a call that an exception has ended, with the method (`Class.method`), its
+/// Prints an error for a call that ended with an exception: the method (`Class.method`), its
 /// arguments and the reason. Call it inside a catch block.
 void report_failed_call(const char *method, std::span<const godot::Variant> arguments) noexcept;
 
@@ -46,7 +46,7 @@ template <typename C, typename R, typename... Args>
 struct MemberFunction<R (C::*)(Args...)> {
 	using Class = C;
 
-	/// The method that is bound in place of `method`. It has the same signature, and calls `method`
+	/// The method that is bound in place of `method`. It has the same signature and calls `method`
 	/// inside a guard that catches exceptions. THICKET_GUARDED_METHODS defines it.
 	template <auto method>
 	static constexpr R (C::*entry)(Args...) = &C::template guarded_entry<method, R, Args...>;
@@ -89,7 +89,7 @@ struct RefTarget<godot::Ref<T>> {
 	using Type = T;
 };
 
-/// Returns the result of a refused call: a default value, such as 0 or an empty array.
+/// Returns the result of a rejected call: a default value, such as 0 or an empty array.
 template <typename R>
 R refused_result(godot::Error error) {
 	if constexpr (std::is_same_v<R, godot::Error>) {
@@ -158,8 +158,8 @@ void bind_guarded(const Definition &p_definition, const Defaults &...p_defaults)
 } // namespace thicket
 
 /// Required, after GDCLASS, in each class whose methods are bound with bind_guarded. Sets the
-/// default thread rule, and adds the guarded methods that the engine calls. The guarded methods are
-/// members of the class because godot-cpp can bind nothing else. A class with any rule other than
+/// default thread rule and adds the guarded methods that the engine calls. The guarded methods are
+/// members of the class because godot-cpp can only bind members. A class with any rule other than
 /// ThreadUse::any must also derive from ThreadGuarded.
 #define THICKET_GUARDED_METHODS(m_use) \
 	template <typename> \

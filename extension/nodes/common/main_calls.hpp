@@ -7,9 +7,9 @@
 
 namespace thicket {
 
-/// Queues a call of a bound method for the main thread; `method` has the form `Class.method`.
+/// Queues a call to a bound method for the main thread; `method` has the form `Class.method`.
 /// Queued calls run in order in the next frame of any TerrainScatter3D. Calls whose object has been
-/// freed by then are dropped. Any thread may call it.
+/// freed by then are dropped. Any thread may call this function.
 void call_on_main_thread(
 		const godot::Object *p_object, const char *method, std::span<const godot::Variant> arguments) noexcept;
 

@@ -35,13 +35,13 @@ NumberProperty(const char *, Number Values::*, Rest...) -> NumberProperty<Values
 bool accept_number(const char *owner, const char *property, double value, double min, double max);
 
 /// Prints a status as a Godot error that begins with `owner`. Prints nothing if the status is ok or
-/// cancelled.
+/// canceled.
 void report(const char *owner, const Status &status);
 
 /// Converts a status to the Error that a bound method returns.
 godot::Error error_of(const Status &status);
 
-/// Returns the sentence that `report` prints.
+/// Returns the message that `report` prints.
 godot::String sentence(const char *owner, const Status &status);
 
 } // namespace thicket

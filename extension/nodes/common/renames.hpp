@@ -15,11 +15,11 @@ bool set_renamed(godot::Object *p_object, const godot::StringName &p_name, const
 void warn_of_rename(const char *p_former, const char *p_current);
 
 /// Warns like warn_of_rename, but for a name without a direct replacement. `p_change` is the part
-/// of the sentence between the name and "since version 0.3".
+/// of the message between the name and "since version 0.3".
 void warn_of_change(const char *p_former, const char *p_change);
 
 /// Warns, once per name, that a property of release 0.2 no longer has an effect. `p_remedy` is the
-/// end of the warning: a sentence without its period.
+/// end of the warning: a sentence without its period that explains how to fix the file.
 void warn_of_removal(const char *p_former, const char *p_remedy);
 
 } // namespace thicket

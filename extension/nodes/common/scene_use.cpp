@@ -13,8 +13,8 @@ void SceneUse::replace(List list) {
 	for (const List::Use &use : list.uses_) {
 		if (!use.guard->enter_scene()) {
 			ERR_PRINT(vformat(
-					"A node in the scene tree uses a %s whose call on a different thread has been running for a "
-					"second. Let the call return before you set the object on the node.",
+					"A node in the scene tree uses a %s while another thread has been running one of its methods for a "
+					"second. Let the method return before you assign the object to the node.",
 					use.object->get_class()));
 		}
 	}

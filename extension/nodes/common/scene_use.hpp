@@ -40,7 +40,7 @@ public:
 	SceneUse &operator=(const SceneUse &) = delete;
 
 	/// Marks these objects as used, and unmarks those of the previous call. If another thread is
-	/// inside a method of one of them, waits for it to leave, and prints an error after one second.
+	/// inside a method of one of them, waits for it to leave and prints an error after one second.
 	/// Call it only on the main thread.
 	void replace(List list);
 

@@ -9,8 +9,8 @@
 namespace thicket {
 
 /// Calls `p_method` of `p_of`, an object or Callable from a script. Returns GDEXTENSION_CALL_OK, or
-/// the reason why the call was not possible; Callable::call and Object::call do not report this.
-/// May run any script code.
+/// the reason why the call was not possible; Callable::call and Object::call do not report this
+/// reason. May run any script code.
 inline GDExtensionCallErrorType call_script(godot::Variant &p_of, const godot::StringName &p_method,
 		godot::Variant &r_result, const std::same_as<godot::Variant> auto &...p_arguments) {
 	std::array<const godot::Variant *, sizeof...(p_arguments)> arguments{&p_arguments...};

@@ -10,8 +10,8 @@ namespace thicket {
 /// meshes and textures with these placeholders when it strips visuals.
 bool is_stripped(const godot::Ref<godot::Resource> &p_resource);
 
-/// Returns a sentence for a node's warnings, which names the property whose resource was stripped,
-/// the consequence, and the remedy.
+/// Returns a configuration warning that names the property with the stripped resource, the
+/// consequence, and the fix.
 godot::String stripped_problem(const godot::String &p_property, const godot::String &p_consequence);
 
 } // namespace thicket

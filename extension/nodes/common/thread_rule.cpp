@@ -30,7 +30,7 @@ ThreadGuard::~ThreadGuard() {
 }
 
 bool ThreadGuard::enter_scene() {
-	scene_uses_.fetch_add(1); // From now on, other threads are refused.
+	scene_uses_.fetch_add(1); // From now on, calls on other threads are rejected.
 	bool written = false;
 	if (calls_.load() == 0 || ThreadTurn::held_by_this_thread(*this, written)) {
 		return true;
@@ -154,7 +154,7 @@ void ThreadTurn::report() const {
 			remedy = "Use call_deferred(), or an object that no node in the tree uses.";
 			break;
 		case Refusal::busy:
-			problem = "called while a different thread runs a call of the same object; only one thread at a time may "
+			problem = "called while another thread runs a method of the same object; only one thread at a time may "
 					  "use it.";
 			remedy = "Use one object per thread, or lock a Mutex around the calls.";
 			break;

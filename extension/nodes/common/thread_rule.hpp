@@ -10,19 +10,19 @@
 namespace thicket {
 
 enum class ThreadUse : std::uint8_t {
-	/// Any thread may call the method, and several may do so at once.
+	/// Any number of threads may call the method concurrently.
 	any,
 
 	/// Only the main thread may call the method.
 	main,
 
 	/// Any thread may call the method, but only one at a time. Several threads may run const
-	/// methods at once. While the scene tree uses the object, only the main thread may call it. So
-	/// a loader thread can fill an object before it is in use, and no thread modifies objects that
-	/// the main thread reads every frame.
+	/// methods concurrently. While the scene tree uses the object, only the main thread may call
+	/// the method. A loader thread can therefore fill an object before it is in use, and no thread
+	/// modifies objects that the main thread reads every frame.
 	owner,
 
-	/// Like `owner`, but a refused call is queued for the next frame on the main thread. Signal
+	/// Like `owner`, but a rejected call is queued for the next frame on the main thread. Signal
 	/// handlers use this rule, because any thread may emit a signal.
 	relayed,
 };
@@ -32,8 +32,7 @@ struct ThreadRule {
 			use(allowed), remedy(instead) {} // NOLINT: as an argument
 
 	ThreadUse use;
-	/// A sentence for the error message that suggests an alternative. Null selects the default
-	/// sentence.
+	/// The part of the error message that suggests an alternative. Null selects the default text.
 	const char *remedy;
 };
 
@@ -54,7 +53,7 @@ public:
 	ThreadGuard(const ThreadGuard &) = delete;
 	ThreadGuard &operator=(const ThreadGuard &) = delete;
 
-	/// Marks the object as used by the scene tree, until the matching call of `leave_scene`. If
+	/// Marks the object as used by the scene tree until the matching call to `leave_scene`. If
 	/// another thread is inside one of the object's methods, waits up to one second for it to
 	/// leave. Returns false if it does not.
 	bool enter_scene();
@@ -67,7 +66,7 @@ private:
 	static constexpr std::int32_t writing = -1;
 
 	std::atomic<std::int32_t> scene_uses_ = 0;
-	/// The number of calls of const methods in progress, or `writing` for a call of any other
+	/// The number of calls to const methods in progress, or `writing` during a call to any other
 	/// method.
 	std::atomic<std::int32_t> calls_ = 0;
 };
@@ -86,8 +85,8 @@ private:
 	mutable ThreadGuard thread_guard_;
 };
 
-/// The scope of one call of a bound method. Checks the thread rule when it begins. Callbacks of the
-/// method may call other methods of the object, and may free it.
+/// The scope of one call to a bound method. Checks the thread rule when it begins. Callbacks of the
+/// method may call other methods of the object and may free it.
 class ThreadTurn {
 public:
 	/// `guard` is null if all methods of the class have the rule `any`. `reads` is true for const
@@ -99,7 +98,7 @@ public:
 
 	bool granted() const { return refusal_ == Refusal::none; }
 
-	/// Prints why the call was refused and how to fix it.
+	/// Prints why the call was rejected and how to fix it.
 	void report() const;
 
 private:

@@ -7,7 +7,7 @@
 
 namespace thicket {
 
-/// Returns whether the engine has worker threads. Web builds may have none, and projects can
+/// Returns true if the engine has worker threads. Web builds may have none, and projects can
 /// disable them.
 bool has_threads();
 
@@ -16,7 +16,7 @@ bool has_threads();
 void remember_main_thread();
 
 /// Returns true on the engine's main thread. Takes a few nanoseconds. Does not call the engine,
-/// because such a call could allocate memory for a wrapper object.
+/// because that could allocate memory for a wrapper object.
 bool on_main_thread() noexcept;
 
 /// Returns the number of worker threads to use in addition to the calling thread, 0 to 8.

@@ -10,7 +10,7 @@
 
 namespace thicket {
 
-/// Runs one piece of work at a time on the engine's WorkerThreadPool, or immediately if there are
+/// Runs one piece of work at a time on the engine's WorkerThreadPool, or synchronously if there are
 /// no worker threads. `Work` needs a member `run(const std::atomic<bool> *cancel)` that does not
 /// throw. Call all methods on the main thread.
 template <class Work>
@@ -41,7 +41,7 @@ public:
 	bool busy() const { return busy_; }
 
 	/// Returns true exactly once, when the work is done and `take` may be called. If `wait` is
-	/// true, first waits for the work. Returns false if the task is idle or was cancelled.
+	/// true, first waits for the work. Returns false if the task is idle or was canceled.
 	bool finish(bool wait) {
 		godot::WorkerThreadPool *pool = godot::WorkerThreadPool::get_singleton();
 		if (!busy_ || (task_ >= 0 && !wait && !pool->is_task_completed(task_))) {

@@ -23,8 +23,8 @@ struct LayerExplainer {
 	HostedGround ground;
 	std::vector<std::string> shapes; ///< The names of the shapes of the layer to explain next.
 
-	/// Explains the rules of a layer (by index) at a world position, and at that point of the layer
-	/// which is nearest to the position. If PlaceExplainer or the ground fails, returns its error.
+	/// Explains the rules of a layer (by index) at a world position, and at the point of the layer
+	/// that is nearest to the position. If PlaceExplainer or the ground fails, returns its error.
 	/// Throws std::bad_alloc.
 	Status explain(std::uint32_t layer, const glm::dvec3 &place, LayerExplanation &r_explanation) const;
 

@@ -27,7 +27,7 @@ struct LayerExplanation {
 	glm::dvec3 place{0.0}; ///< The explained position in world meters, on the ground if there is any.
 
 	/// The result of the rules, if they were evaluated. `sentences` has one entry for each factor
-	/// at the position.
+	/// at that position.
 	PlaceExplanation rules;
 	std::vector<RuleSentence> sentences;
 	RuleVerdict verdict; ///< The outcome of the rules and of everything else that may prevent an instance.
@@ -36,7 +36,7 @@ struct LayerExplanation {
 };
 
 /// A LayerExplanation for scripts, as of the time of the call. If a rule index is out of range,
-/// methods print an error and return a default value. Any thread may call all methods.
+/// methods print an error and return a default value. Any thread may call any method.
 class ScatterExplanation : public godot::RefCounted {
 	GDCLASS(ScatterExplanation, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)

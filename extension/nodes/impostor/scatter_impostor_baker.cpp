@@ -114,8 +114,8 @@ Error ScatterImpostorBaker::add_surface(const Array &p_arrays, const Transform3D
 	return error_of(status.code);
 }
 
-/// Returns the pixels of an image, read only once. If they cannot be read, prints an error and
-/// returns null.
+/// Returns the pixels of an image, which is read only once. If it cannot be read, prints an error
+/// and returns null.
 std::shared_ptr<const SurfaceTexture> ScatterImpostorBaker::texture_of(const Ref<Image> &p_image) {
 	const std::lock_guard lock(mutex_);
 	std::shared_ptr<const SurfaceTexture> &known = textures_[p_image->get_instance_id()];
@@ -141,7 +141,7 @@ Error ScatterImpostorBaker::bake() {
 	if (busy_.exchange(true)) {
 		return ERR_BUSY;
 	}
-	// Keeps the baker alive if a script releases it in the meantime.
+	// Keeps the baker alive if a script releases it during the bake.
 	const Ref<ScatterImpostorBaker> kept(this);
 	cancelled_ = false;
 	progress_ = 0.0;

@@ -23,7 +23,7 @@ namespace thicket {
 
 /// Renders views of triangles from all directions on the CPU: the core's bake_impostor for scripts.
 /// The addon's impostor.gd creates a mesh with a material from the views. Any thread may call any
-/// method. A bake uses the surfaces and settings that were set when it began.
+/// method. A bake uses the surfaces and settings at the time it began.
 class ScatterImpostorBaker : public godot::RefCounted {
 	GDCLASS(ScatterImpostorBaker, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
@@ -46,7 +46,7 @@ public:
 	};
 
 	// These setters set the ImpostorSettings. A value that would make the settings invalid prints
-	// an error and changes nothing.
+	// an error and leaves them unchanged.
 	void set_frames(int64_t p_frames);
 	int64_t get_frames() const;
 	void set_frame_size(int64_t p_frame_size);
@@ -58,7 +58,7 @@ public:
 
 	/// Adds the triangles of a surface. `p_arrays` are as returned by Mesh.surface_get_arrays;
 	/// `p_transform` is applied to them. `p_albedo` is in sRGB, as in the engine's materials.
-	/// Prints an error, adds nothing and returns ERR_INVALID_DATA if ImpostorSurface::check refuses
+	/// Prints an error, adds nothing and returns ERR_INVALID_DATA if ImpostorSurface::check rejects
 	/// the data, if an array has the wrong type, or if the image cannot be read.
 	godot::Error add_surface(const godot::Array &p_arrays, const godot::Transform3D &p_transform,
 			const godot::Color &p_albedo, const godot::Ref<godot::Image> &p_texture, double p_alpha_threshold,

@@ -17,9 +17,9 @@ struct BodyPart {
 	enum class Kind : std::uint8_t { box, sphere, capsule, cylinder, convex };
 
 	Kind kind = Kind::box;
-	/// The extents of the shape along its own axes, in meters. Unused for a convex shape.
+	/// The extents of the shape along its local axes, in meters. Unused for a convex shape.
 	glm::vec3 size{0.0f};
-	glm::mat3 rotation{1.0f};       ///< The rotation from the shape's own axes to the model's.
+	glm::mat3 rotation{1.0f};       ///< The rotation from the shape's local axes to the model's.
 	glm::vec3 origin{0.0f};         ///< The center of the shape in the model's space.
 	std::vector<glm::vec3> corners; ///< The corners of a convex shape, in the model's space.
 
@@ -30,8 +30,8 @@ struct BodyPart {
 std::optional<BodyPart> body_part(const ModelShape &shape);
 
 /// Returns a part as it is in an instance that is scaled along the model's axes. Scales the part's
-/// size and position, and keeps its axes right-handed even if the scale is negative. Capsules and
-/// cylinders stay round: their radius follows the larger of the two horizontal scales.
+/// size and position and keeps its axes right-handed even if the scale is negative. Capsules and
+/// cylinders stay round: their radius uses the larger of the two horizontal scales.
 BodyPart scaled(const BodyPart &part, glm::vec3 scale);
 
 } // namespace thicket

@@ -246,7 +246,7 @@ void blend(const MeshPart &part, int32_t index, Array &r_arrays) {
 	}
 }
 
-/// Reads one surface of a part, and transforms it to the model's space.
+/// Reads one surface of a part and transforms it to the model's space.
 Surface surface_of(const MeshPart &part, int32_t index) {
 	Surface result;
 	const Dictionary stored = RenderingServer::get_singleton()->mesh_get_surface(part.mesh->get_rid(), index);
@@ -366,7 +366,7 @@ Ref<Mesh> merged_placeholder(std::span<const MeshPart> parts) {
 
 Ref<Mesh> merged_mesh(std::span<const MeshPart> parts) {
 	if (parts.size() == 1 && is_as_it_is(parts.front()) && parts.front().mesh->get_surface_count() > 0) {
-		// Return the mesh itself, because a copy would look identical.
+		// Return the mesh itself; a copy would look identical.
 		return parts.front().mesh;
 	}
 	std::vector<Surface> surfaces;

@@ -46,7 +46,7 @@ bool same(const Variant &p_a, const Variant &p_b) {
 	return p_a.get_type() == p_b.get_type() && static_cast<String>(p_a) == static_cast<String>(p_b);
 }
 
-/// Returns whether a part may be drawn with a value other than `p_value`.
+/// Returns true if a part may be drawn with a value other than `p_value`.
 bool differs(const PartLook &part, const StringName &p_name, const Variant &p_value) {
 	const Variant *own = find(part.parameters, p_name);
 	const std::string name = String(p_name).utf8().get_data();

@@ -29,19 +29,20 @@ struct PartLook {
 /// Returns the names of all instance shader parameters that a scene or its nested scenes set.
 std::set<std::string> instance_parameters_of(const godot::Ref<godot::PackedScene> &p_scene);
 
-/// Reads the look of a node. `names` is the result of instance_parameters_of for its scene.
+/// Reads the appearance of a node. `names` is the result of instance_parameters_of for its scene.
 PartLook look_of(const godot::MeshInstance3D &node, const std::set<std::string> &names);
 
-/// Returns the name of a material as a key of ScatterModel.replacement_materials: its resource
-/// name, or otherwise the name of its file. Returns an empty string if it has neither.
+/// Returns the name of a material as a key of ScatterModel.replacement_materials: its resource name
+/// or, if it has none, the name of its file. Returns an empty string if it has neither.
 godot::String material_name(const godot::Ref<godot::Material> &p_material);
 
 /// Returns the material that replaces a surface's material, found by its name in `p_replacements`.
-/// If there is none, returns `p_material`, which is null if the surface's own material is drawn.
+/// If there is none, returns `p_material`, which is null if the mesh's material for the surface is
+/// drawn.
 godot::Ref<godot::Material> drawn_material(const godot::Ref<godot::Material> &p_material,
 		const godot::Ref<godot::Mesh> &p_mesh, int32_t p_surface, const godot::Dictionary &p_replacements);
 
-/// Sets the look of an LOD, whose parts are drawn as one instance. If the parts differ in a
+/// Sets the appearance of an LOD, whose parts are drawn as one instance. If the parts differ in a
 /// setting, uses the first value for all of them and adds a remark.
 void join_looks(std::span<const PartLook *const> parts, ScatterLod &r_lod, godot::PackedStringArray &r_remarks);
 

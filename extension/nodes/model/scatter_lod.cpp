@@ -15,8 +15,8 @@ constexpr double farthest = 1e6; ///< The maximum distance in meters. Equals max
 
 } // namespace
 
-/// Replaces a mesh, and watches the new mesh instead of the old one. If the other property has the
-/// same old mesh, the old mesh stays watched.
+/// Replaces a mesh and watches the new one instead of the old one. The old mesh stays watched if
+/// the other mesh property still uses it.
 void ScatterLod::replace(Ref<Mesh> &r_own, const Ref<Mesh> &p_mesh) {
 	if (r_own == p_mesh) {
 		return;

@@ -21,11 +21,11 @@ using ShaderParameters = std::vector<std::pair<godot::StringName, godot::Variant
 
 /// The renderer settings for all instances of an LOD, independent of the mesh.
 struct LodLook {
-	double density = 1.0; ///< The share of instances to draw, 0 to 1.
+	double density = 1.0; ///< The fraction of instances to draw, 0 to 1.
 	/// The transparency, 0 to 1, like GeometryInstance3D.transparency.
 	double transparency = 0.0;
-	/// The values of the instance uniforms. Null if there are none. The object never changes; a
-	/// change replaces it.
+	/// The values of the instance uniforms. Null if there are none. The object is immutable;
+	/// changes replace it.
 	std::shared_ptr<const ShaderParameters> parameters;
 
 	friend bool operator==(const LodLook &, const LodLook &) = default;
@@ -64,7 +64,7 @@ public:
 	void set_shadow_mesh(const godot::Ref<godot::Mesh> &p_mesh);
 	godot::Ref<godot::Mesh> get_shadow_mesh() const { return shadow_mesh_; }
 
-	/// Sets the share of instances to draw with this LOD, 0 to 1.
+	/// Sets the fraction of instances to draw with this LOD, 0 to 1.
 	void set_density(double p_density);
 	double get_density() const { return look_.density; }
 

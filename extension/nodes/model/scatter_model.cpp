@@ -56,7 +56,7 @@ bool accept_count(const char *p_property, const TypedArray<ScatterLod> &p_lods) 
 	return fits;
 }
 
-/// Appends an LOD, with all defaults resolved. A null mesh stands for the mesh of the previous LOD.
+/// Appends an LOD with all defaults resolved. A null mesh means the mesh of the previous LOD.
 void add_drawn(const Ref<ScatterLod> &p_lod, std::vector<DrawnLod> &r_lods) {
 	const Ref<Mesh> mesh = p_lod->get_mesh().is_valid() ? p_lod->get_mesh() : r_lods.back().mesh;
 	double distance = 0.0;
@@ -68,7 +68,7 @@ void add_drawn(const Ref<ScatterLod> &p_lod, std::vector<DrawnLod> &r_lods) {
 }
 
 void refuse(const Ref<PackedScene> &p_scene, const String &p_problem) {
-	ERR_PRINT(vformat("ScatterModel.scene: %s is refused: %s.", name_of(p_scene), p_problem));
+	ERR_PRINT(vformat("ScatterModel.scene: %s is invalid: %s.", name_of(p_scene), p_problem));
 }
 
 } // namespace
@@ -128,7 +128,7 @@ void ScatterModel::set_replacement_materials(const Dictionary &p_materials) {
 	read_again();
 }
 
-/// Schedules the scene to be read again, because the settings for reading it have changed.
+/// Schedules the scene to be reread, because the settings for reading it have changed.
 void ScatterModel::read_again() {
 	if (scene_.is_valid()) {
 		unread_ = scene_;
@@ -151,7 +151,7 @@ bool ScatterModel::read_step() {
 		const Mark stepping(stepping_);
 		more = reader->step();
 	}
-	if (!more && reader == reader_) { // If the reader differs, a script has set a different scene.
+	if (!more && reader == reader_) { // If the reader differs, a script has set another scene.
 		finish_reading(reader->take());
 	}
 	return true;
@@ -219,7 +219,7 @@ bool ScatterModel::reload() {
 	const Ref<PackedScene> scene = scene_;
 	while (reader.step()) {}
 	if (!(scene == scene_)) {
-		return true; // A script in the scene has set a different scene.
+		return true; // A script in the scene has set another scene.
 	}
 	unread_ = Ref<PackedScene>();
 	reader_ = nullptr;
@@ -354,8 +354,8 @@ AABB ScatterModel::get_aabb() {
 	return box;
 }
 
-/// Makes the properties that are read from the scene read-only, and does not save them, because the
-/// scene contains them.
+/// Makes the properties that are read from the scene read-only and excludes them from saving,
+/// because the scene contains them.
 void ScatterModel::_validate_property(PropertyInfo &p_property) const {
 	for (const char *name : read_properties) {
 		if (scene_.is_valid() && p_property.name == StringName(name)) {

@@ -33,8 +33,8 @@ struct DrawnLod {
 };
 
 /// A model to draw at each instance. It consists of LODs, each with one mesh and its materials, and
-/// of collision shapes. Both are read from a scene or set by hand. The model emits `changed`
-/// whenever its content changes.
+/// of collision shapes. Both are read from a scene or set by hand. The model emits `changed` when
+/// its content changes.
 ///
 /// Any thread may set properties, as the engine's loader does, because setters only store the
 /// scene. The main thread reads the scene when the model is first needed: a node reads it in steps
@@ -46,12 +46,12 @@ class ScatterModel : public godot::Resource, public ThreadGuarded {
 
 public:
 	/// Sets the scene to read LODs and shapes from. Setting an empty scene prints an error and
-	/// changes nothing.
+	/// leaves the model unchanged.
 	///
 	/// The main thread reads the scene when the model is first needed. If that fails, it prints an
-	/// error, keeps the model's content, and resets the property to the scene that the content was
-	/// read from. A model without content keeps the new scene, so that saving does not lose it.
-	/// Setting null keeps the current content, which can then be edited.
+	/// error, keeps the model's content, and resets the property to the scene of that content. A
+	/// model without content keeps the new scene so that saving does not lose it. Setting null
+	/// keeps the current content, which can then be edited.
 	void set_scene(const godot::Ref<godot::PackedScene> &p_scene);
 	godot::Ref<godot::PackedScene> get_scene() const { return scene_; }
 
@@ -62,7 +62,7 @@ public:
 
 	/// Sets materials that replace those of the scene, keyed by the names of the replaced materials
 	/// (see material_name). The dictionary is copied, and the copy is read-only. A wrong key or
-	/// value prints an error and changes nothing.
+	/// value prints an error and leaves the materials unchanged.
 	void set_replacement_materials(const godot::Dictionary &p_materials);
 	godot::Dictionary get_replacement_materials() const { return replacement_materials_; }
 
@@ -76,20 +76,20 @@ public:
 	/// change anything, including this model.
 	bool read_step();
 
-	/// Sets the LODs, finest first, at most max_model_lods. Null entries are skipped. Prints an
-	/// error and changes nothing while the model has a scene.
+	/// Sets the LODs, finest first, at most max_model_lods. Null entries are skipped. While the
+	/// model has a scene, prints an error and leaves the LODs unchanged.
 	void set_lods(const godot::TypedArray<ScatterLod> &p_lods);
 	godot::TypedArray<ScatterLod> get_lods();
 
 	/// Sets LODs in addition to `lods`, at most max_model_lods. They are sorted among `lods` by
-	/// distance. Null entries, and entries without a mesh, are skipped. The scene does not replace
+	/// distance. Null entries and entries without a mesh are skipped. The scene does not replace
 	/// them, so they can add an impostor to a model that has a scene.
 	void set_far_lods(const godot::TypedArray<ScatterLod> &p_lods);
 	godot::TypedArray<ScatterLod> get_far_lods() const { return far_lods_; }
 
-	/// Sets the collision shapes (boxes, spheres, capsules, cylinders and convex polygons), and
-	/// their transforms in the model's space. A shape without a transform is at the origin. Prints
-	/// an error and changes nothing while the model has a scene.
+	/// Sets the collision shapes (boxes, spheres, capsules, cylinders and convex polygons) and
+	/// their transforms in the model's space. A shape without a transform is at the origin. While
+	/// the model has a scene, prints an error and leaves the shapes unchanged.
 	void set_shapes(const godot::TypedArray<godot::Shape3D> &p_shapes);
 	godot::TypedArray<godot::Shape3D> get_shapes();
 	void set_shape_transforms(const godot::TypedArray<godot::Transform3D> &p_transforms);
@@ -105,16 +105,16 @@ public:
 	/// Returns the bounding box of all LODs.
 	godot::AABB get_aabb();
 
-	/// Returns one sentence for each part of the scene that is drawn differently or omitted.
+	/// Returns one message for each part of the scene that is drawn differently or omitted.
 	godot::PackedStringArray get_problems();
 
 	/// Adds the LODs, which the main thread reads along with the model, to `r_used`.
 	void add_used(SceneUse::List &r_used) const;
 
-	/// These methods return the content that is already read. `drawn_lods` returns the LODs with
-	/// their distances, or none if no LOD has a mesh. `problem` returns the reason why the last
-	/// scene could not be read, as the end of a sentence that begins with the scene, or an empty
-	/// string if it was read.
+	/// These methods return the content that has already been read. `drawn_lods` returns the LODs
+	/// with their distances, or none if no LOD has a mesh. `problem` returns the reason why the
+	/// last scene could not be read, as the end of a sentence that begins with the scene, or an
+	/// empty string if it was read.
 	std::vector<DrawnLod> drawn_lods() const;
 	std::vector<ModelShape> model_shapes() const;
 	const godot::PackedStringArray &remarks() const { return remarks_; }

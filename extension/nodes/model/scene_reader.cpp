@@ -61,7 +61,7 @@ Transform3D combined(const Transform3D &p_outer, const Transform3D &p_inner) {
 
 std::string text_of(const StringName &p_name) { return String(p_name).utf8().get_data(); }
 
-/// Walks over the nodes of a scene and collects its content. Continues after a problem, and keeps
+/// Walks over the nodes of a scene and collects its content. Continues after a problem and keeps
 /// the first one.
 class Walk {
 public:
@@ -119,9 +119,9 @@ void Walk::visit(Node *p_node, const Above &above, bool is_root) {
 	}
 }
 
-/// Returns false, and records a problem, if a transform is flat.
+/// Returns false and records a problem if a transform is flat.
 bool Walk::accept(Node *p_node, const Transform3D &p_transform) {
-	constexpr double flat = 1e-9; // Relative to the volume of a cube with the longest side.
+	constexpr double flat = 1e-9; // Relative to the volume of a cube of the greatest extent.
 	const glm::dmat3 basis = to_core(p_transform.basis);
 	const double side = largest_scale(basis);
 	const double volume = glm::determinant(basis);
@@ -239,7 +239,7 @@ Ref<ScatterLod> made_lod(const std::vector<ScenePart> &parts, const ModelLod &lo
 	return result;
 }
 
-/// Sets the look of an LOD from its visible parts. Parts that only cast shadows are ignored.
+/// Sets the appearance of an LOD from its visible parts. Parts that only cast shadows are ignored.
 void join(Walk &r_walk, const std::vector<std::size_t> &parts, ScatterLod &r_lod) {
 	std::vector<const PartLook *> looks;
 	for (const std::size_t part : parts) {

@@ -28,7 +28,7 @@ struct SceneReading {
 	godot::String problem;
 	std::vector<godot::Ref<ScatterLod>> lods; ///< At least one. Each has a mesh.
 	std::vector<ModelShape> shapes;
-	/// One sentence for each part of the scene that is drawn differently or omitted.
+	/// One message for each part of the scene that is drawn differently or omitted.
 	godot::PackedStringArray remarks;
 };
 
@@ -38,14 +38,14 @@ inline constexpr std::size_t max_model_parts = 256;
 inline constexpr const char *empty_scene = "it is empty, or cannot be instantiated";
 
 /// Reads all visible MeshInstance3Ds and all CollisionShape3Ds of a scene as a model. Positions are
-/// relative to the root, whose own transform is ignored.
+/// relative to the root, whose transform is ignored.
 ///
 /// If a path is given, reads only that node and its descendants, and moves them horizontally to the
 /// origin. Their rotation, scale and height stay. If an artist moved the vertices instead of the
 /// node, their bounding box may not contain the origin. The reader then moves the center of the box
 /// to the origin.
 ///
-/// Works in steps, which a caller may spread over frames. Use it only on the main thread, because
+/// Works in steps that a caller may spread over frames. Use it only on the main thread, because
 /// reading a mesh waits for the renderer.
 class SceneReader {
 public:
@@ -58,10 +58,10 @@ public:
 	SceneReader(const SceneReader &) = delete;
 	SceneReader &operator=(const SceneReader &) = delete;
 
-	/// Reads the next part. The first step reads the nodes, and each further step reads the meshes
-	/// of one LOD. The first step instantiates the scene and frees it without adding it to the
-	/// tree, so scripts in the scene run only during instantiation. Returns false if everything was
-	/// already read.
+	/// Reads the next part. The first step reads the nodes, and each following step reads the
+	/// meshes of one LOD. The first step instantiates the scene and frees it without adding it to
+	/// the tree, so scripts in the scene run only during instantiation. Returns false if everything
+	/// was already read.
 	bool step();
 
 	/// Returns what was read. Call it only after `step` has returned false.

@@ -23,9 +23,9 @@ namespace {
 
 constexpr double rank_scale = 1.0 / 4294967296.0;
 
-/// Processes the points in parts, and shares the parts with the engine's worker threads if there
-/// are many. Most of the time is spent in page faults: the system maps new memory one page at a
-/// time.
+/// Processes the points in parts. If there are many, distributes the parts among the engine's
+/// worker threads. Most of the time is spent in page faults: the system maps new memory one page at
+/// a time.
 template <class Work>
 void for_each_part(std::size_t size, const Work &work) {
 	constexpr std::size_t part = 1 << 14;

@@ -30,7 +30,7 @@ class PoissonPoints : public godot::RefCounted {
 public:
 	static constexpr const char *class_name = "PoissonPoints";
 
-	/// Creates the result of a refused call: no points.
+	/// Creates the result of a rejected call: no points.
 	static godot::Ref<PoissonPoints> make_empty() { return memnew(PoissonPoints); }
 
 	/// Copies points. Stores their positions in double precision if `exact` is true, otherwise in

@@ -16,9 +16,8 @@ PoissonSampler::Turn::Turn(PoissonSampler *p_sampler, const char *p_method) :
 	if (granted_) {
 		p_sampler->cancelled_ = false;
 	} else {
-		ERR_PRINT(
-				vformat("%s.%s() called while a different call of the same object is running; use one object for each",
-						class_name, p_method));
+		ERR_PRINT(vformat("%s.%s() called while another call to the same object is running; use one object for each",
+				class_name, p_method));
 	}
 }
 

@@ -27,10 +27,10 @@
 namespace thicket {
 
 /// The script API of the samplers. Returns the points of one infinite Poisson-disk set in a
-/// rectangle, fills whole domains by a method of White, Cline and Egbert (2007), or covers
-/// surfaces. Runs one call at a time: a second call, whether from a different thread or from a
-/// progress callable, prints an error and returns nothing. Separate objects are independent, and
-/// equal settings produce bit-identical results.
+/// rectangle, fills whole domains with a method of White, Cline and Egbert (2007), or covers
+/// surfaces. Runs one call at a time: a second call, from another thread or from a progress
+/// callable, prints an error and returns nothing. Separate objects are independent, and equal
+/// settings produce bit-identical results.
 class PoissonSampler : public godot::RefCounted, public ThreadGuarded {
 	GDCLASS(PoissonSampler, godot::RefCounted)
 	THICKET_GUARDED_METHODS(owner)
@@ -38,7 +38,8 @@ class PoissonSampler : public godot::RefCounted, public ThreadGuarded {
 public:
 	static constexpr const char *class_name = "PoissonSampler";
 
-	/// How `sample_domain` fills a rectangle. All methods but the first correspond to DomainMethod.
+	/// The method that `sample_domain` uses to fill a rectangle. All methods except the first
+	/// correspond to DomainMethod.
 	enum Method : std::int64_t {
 		METHOD_TILES, ///< A window of the infinite set, with the same points as `sample`.
 		METHOD_NAIVE,
@@ -68,7 +69,7 @@ public:
 	Method get_method() const;
 
 	/// Sets DomainRequest::toroidal: whether the points also keep their distance across opposite
-	/// edges. With METHOD_TILES, `sample_domain` refuses true.
+	/// edges. With METHOD_TILES, `sample_domain` rejects true.
 	void set_toroidal(bool p_toroidal);
 	bool is_toroidal() const;
 
@@ -83,7 +84,7 @@ public:
 	double get_cell_size() const;
 
 	/// Returns the points of the infinite set in a half-open rectangle in meters, with positions in
-	/// single precision. If the rectangle is refused, prints an error and returns no points. Never
+	/// single precision. If the rectangle is invalid, prints an error and returns no points. Never
 	/// returns null.
 	godot::Ref<PoissonPoints> sample(const godot::Rect2 &p_rect);
 
@@ -93,18 +94,18 @@ public:
 
 	/// Fills a rectangle in meters with one set, using `method`. Adds the rectangle's corner to the
 	/// core's positions and rounds the sum once to single precision, down if it would reach the far
-	/// edge. Calls `p_progress` as described at ScriptProgress. If DomainRequest or PointSet rules
-	/// out the request, prints an error and returns no points. Also returns none if the call is
-	/// cancelled.
+	/// edge. Calls `p_progress` as described at ScriptProgress. If DomainRequest or PointSet
+	/// rejects the request, prints an error and returns no points. Also returns none if the call is
+	/// canceled.
 	godot::PackedVector2Array sample_domain(const godot::Rect2 &p_rect, const godot::Callable &p_progress);
 
 	/// Fills a rectangle like `sample_domain`, for the rectangle [min, max). The points have
-	/// positions in double precision, and neither IDs nor ranks.
+	/// positions in double precision but neither IDs nor ranks.
 	godot::Ref<PoissonPoints> sample_domain_exact(
 			double p_min_x, double p_min_y, double p_max_x, double p_max_y, const godot::Callable &p_progress);
 
 	/// Returns points on the triangles of a mesh after `p_transform`, in meters. Only returns those
-	/// in the half-open window, unless the window is AABB(). If the call is refused, prints an
+	/// in the half-open window, unless the window is AABB(). If the call is invalid, prints an
 	/// error and returns no points. Never returns null.
 	godot::Ref<PoissonSurfacePoints> sample_surface(
 			const godot::Ref<godot::Mesh> &p_mesh, const godot::Transform3D &p_transform, const godot::AABB &p_window);
@@ -115,8 +116,8 @@ public:
 			const godot::PackedVector3Array &p_faces, const godot::AABB &p_window);
 
 	/// Ends the call in progress within 50 milliseconds, plus the time that the system takes to
-	/// free a large workspace. That call then returns no points. May be called from any thread and
-	/// from a progress callable. Does not affect later calls.
+	/// free a large workspace. That call then returns no points. Any thread and any progress
+	/// callable may call this method. Does not affect later calls.
 	void cancel();
 
 	/// Returns the statistics of the last completed `sample_domain` or `sample_domain_exact`; see
@@ -127,8 +128,8 @@ protected:
 	static void _bind_methods();
 
 private:
-	/// One call in progress. The call is refused if the sampler is already running a call. Keeps
-	/// the sampler alive even if scripts release it in the meantime.
+	/// One call in progress. The call is rejected if the sampler is already running another one.
+	/// Keeps the sampler alive even if scripts release it during the call.
 	class Turn {
 	public:
 		Turn(PoissonSampler *p_sampler, const char *p_method);
@@ -154,8 +155,8 @@ private:
 	DomainRequest domain_request(const glm::dvec2 &p_size) const;
 	void report_domain(const DomainRequest &p_request, Status p_status) const;
 
-	/// Fills the domain and passes the points to the writer. If the request is refused or
-	/// cancelled, the writer ends up empty.
+	/// Fills the domain and passes the points to the writer. If the request is rejected or
+	/// canceled, the writer ends up empty.
 	template <typename Writer>
 	void write_domain(const Turn &p_turn, const Rect &p_rect, const glm::dvec2 &p_size,
 			const godot::Callable &p_progress, Writer &r_writer);

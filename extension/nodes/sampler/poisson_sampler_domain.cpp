@@ -77,7 +77,7 @@ private:
 	double *next_y_ = nullptr;
 };
 
-/// Writes `position_of(point)` for each point, and checks for cancellation between pieces.
+/// Writes `position_of(point)` for each point and checks for cancellation between batches.
 template <typename Points, typename PositionOf, typename Writer>
 Status write(const Points &points, const PositionOf &position_of, const Progress &progress, Writer &r_writer) {
 	constexpr std::size_t piece = 1 << 20;
@@ -109,17 +109,17 @@ Status write_set(const DomainRequest &request, const glm::dvec2 &min, const Prog
 	return write(points, [&](const glm::vec<2, Real> &point) { return min + glm::dvec2(point); }, progress, r_writer);
 }
 
-/// Returns the remedy to print for script authors after the core has refused a size; empty for
-/// other errors.
+/// Returns the advice to print for script authors if the core has rejected a size; empty for other
+/// errors.
 String remedy(const DomainRequest &request, const Status &status) {
 	if (status.code != ErrorCode::out_of_range) {
 		return String();
 	}
 	if (request.toroidal && status.value < min_torus_radii * request.radius) {
-		return vformat(
-				"; a toroidal domain measures at least %d radii on each axis", static_cast<int64_t>(min_torus_radii));
+		return vformat("; a toroidal domain must measure at least %d radii on each axis",
+				static_cast<int64_t>(min_torus_radii));
 	}
-	return vformat("; in single precision a domain measures at most %d radii: set double_precision",
+	return vformat("; in single precision, a domain may measure at most %d radii: set double_precision",
 			static_cast<int64_t>(max_single_radii));
 }
 
@@ -138,7 +138,7 @@ DomainRequest PoissonSampler::domain_request(const glm::dvec2 &p_size) const {
 	return request;
 }
 
-// Prints an error in the script's terms: the core refuses a `size`, but scripts pass a rectangle.
+// Prints an error in the script's terms: the core rejects a `size`, but scripts pass a rectangle.
 void PoissonSampler::report_domain(const DomainRequest &p_request, Status p_status) const {
 	if (std::string_view(p_status.property) != "size" || p_status.code == ErrorCode::cancelled) {
 		report(class_name, p_status);

@@ -23,7 +23,7 @@ Status no_triangles() {
 	return Status::missing("mesh", "Pass a mesh with a surface of triangles (Mesh.PRIMITIVE_TRIANGLES)");
 }
 
-/// Returns whether a surface consists of triangles. Only ArrayMesh can have surfaces of other
+/// Returns true if a surface consists of triangles. Only ArrayMesh can have surfaces of other
 /// primitives.
 bool has_triangles(Mesh &r_mesh, int32_t surface) {
 	const StringName primitive("surface_get_primitive_type");
@@ -38,7 +38,8 @@ struct PoissonSampler::Faces {
 	std::vector<glm::dvec3> vertices;
 	std::vector<std::uint32_t> indices;
 
-	/// Does not check the indices, because Surface::create refuses an index without a vertex.
+	/// Appends the triangles, transformed. Does not check indices, because Surface::create rejects
+	/// those that are out of range.
 	void append(
 			const PackedVector3Array &p_positions, const PackedInt32Array &p_corners, const Transform3D &p_transform) {
 		const auto first = static_cast<std::uint32_t>(vertices.size());

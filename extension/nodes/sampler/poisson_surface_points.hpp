@@ -25,7 +25,7 @@ class PoissonSurfacePoints : public godot::RefCounted {
 public:
 	static constexpr const char *class_name = "PoissonSurfacePoints";
 
-	/// Creates the result of a refused call: no points.
+	/// Creates the result of a rejected call: no points.
 	static godot::Ref<PoissonSurfacePoints> make_empty() { return memnew(PoissonSurfacePoints); }
 
 	/// Copies points. Their normals are on the side that the engine treats as the front, from which

@@ -45,8 +45,8 @@ void ScriptProgress::call(double p_fraction, std::uint64_t p_points) {
 	Variant result;
 	if (call_script(callable_, "call", result, fraction, points) != GDEXTENSION_CALL_OK) {
 		wanted_ = false;
-		const std::string problem =
-				std::string(owner_) + ".progress cannot be called with (fraction: float, points: int), or no longer";
+		const std::string problem = std::string(owner_) +
+				".progress cannot be called with (fraction: float, points: int), or cannot be called anymore";
 		ERR_PRINT(String(problem.c_str()));
 	}
 }

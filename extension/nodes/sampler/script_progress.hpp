@@ -12,9 +12,9 @@
 namespace thicket {
 
 /// Reports the progress of a call to a script. The callable receives a fraction from 0 to 1 that
-/// never decreases, and the number of points found so far. The callable runs on the calling thread,
-/// at most once every 15 milliseconds. If it cannot be called, prints one error and continues
-/// without reports.
+/// never decreases, and the number of points found so far. It runs on the calling thread, at most
+/// once every 15 milliseconds. If it cannot be called, prints one error and continues without
+/// reports.
 class ScriptProgress {
 public:
 	/// Creates reports for `p_callable`. Error messages name `p_owner`. An empty callable receives

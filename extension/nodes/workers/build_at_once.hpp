@@ -19,8 +19,8 @@
 namespace thicket {
 
 /// Samples the ground at `positions` immediately, on the main thread. Uses `terrain`, a thread-safe
-/// snapshot of `ground`. If it is null, samples `ground` itself, whose script may do anything in
-/// the meantime. Replaces `r_answers`. Throws std::bad_alloc.
+/// snapshot of `ground`. If it is null, samples `ground` itself, whose script may do anything
+/// during the call. Replaces `r_answers`. Throws std::bad_alloc.
 Status ask_at_once(const Terrain *terrain, const HostedGround &ground, std::span<const glm::dvec2> positions,
 		std::span<const GroundQuery> queries, std::vector<Ground> &r_answers);
 
@@ -34,7 +34,7 @@ public:
 			TileInstances &r_tile);
 
 	/// Generates several tiles, in parallel if `terrain` is not null. Replaces `r_tiles`. After an
-	/// error, tiles that were not generated are null, or missing at the end. Returns the error of
+	/// error, tiles that were not generated are null or missing at the end. Returns the error of
 	/// the first tile that failed.
 	Status build_all(std::span<const TileOrder> orders, const Terrain *terrain, const HostedGround &ground,
 			std::vector<std::shared_ptr<const CompactTile>> &r_tiles);

@@ -33,7 +33,7 @@ PackedFloat32Array SpareBuffers::take(std::size_t floats) {
 	PackedFloat32Array buffer;
 	if (!buffers_.empty()) {
 		// Reuses memory that the renderer has already read.
-		buffer = std::move(buffers_.back()); // The most recent one.
+		buffer = std::move(buffers_.back()); // The most recently used one.
 		buffers_.pop_back();
 		reused_.fetch_add(1, std::memory_order_relaxed);
 	}

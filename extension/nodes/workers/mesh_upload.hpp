@@ -22,19 +22,19 @@ struct MeshUpload {
 /// `margin` meters on all sides for the meshes themselves.
 godot::AABB box_around(glm::vec3 min, glm::vec3 max, float margin);
 
-/// Keeps uploaded buffers for reuse, because allocating and clearing new ones is slower. For use by
-/// one thread at a time.
+/// Keeps uploaded buffers for reuse, because allocating and clearing new ones is slower. Only one
+/// thread at a time may use it.
 class SpareBuffers {
 public:
 	SpareBuffers() { buffers_.reserve(most); }
 
-	/// Keeps buffers up to the limits below, and frees the others. Allocates no memory.
+	/// Keeps buffers up to the limits below and frees the others. Allocates no memory.
 	void keep(std::vector<MeshUpload> &&uploads);
 
 	/// Returns a buffer of this size with unspecified content. Throws std::bad_alloc.
 	godot::PackedFloat32Array take(std::size_t floats);
 
-	/// Returns the number of buffers that `take` has reused. Any thread may call it.
+	/// Returns the number of buffers that `take` has reused. Any thread may call this method.
 	std::uint64_t reused() const { return reused_.load(std::memory_order_relaxed); }
 
 private:

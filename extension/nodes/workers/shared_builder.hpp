@@ -14,11 +14,11 @@
 
 namespace thicket {
 
-/// Generates tiles on the threads of its callers, several at a time. Caches the points around
-/// tiles, and a few workspaces, for later calls.
+/// Generates tiles on the threads of its callers, several at a time. Caches the points around tiles
+/// and a few workspaces for later calls.
 class SharedBuilder {
 public:
-	/// Generates one tile. Any thread may call it.
+	/// Generates one tile. Any thread may call this method.
 	Status build(const TileOrder &order, const Terrain &ground, std::shared_ptr<const CompactTile> &r_tile);
 
 private:

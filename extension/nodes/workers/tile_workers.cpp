@@ -46,7 +46,7 @@ TileWorkers::TileWorkers(std::size_t threads) : on_main_thread_(threads == 0) {
 TileWorkers::~TileWorkers() { stop(); }
 
 /// Tries for a few microseconds to take the lock. Does not block: the system may have paused a
-/// worker that holds the lock, and a frame must not wait for that worker.
+/// worker that holds the lock, and the frame must not wait for it.
 bool TileWorkers::lock_soon(std::unique_lock<std::mutex> &r_lock) {
 	constexpr int tries = 200;
 	for (int i = 0; i < tries && !r_lock.owns_lock(); ++i) {
@@ -138,8 +138,8 @@ void TileWorkers::wake() {
 			return;
 		}
 		// Skips workers that have run out of jobs and are just returning to the pool, because
-		// waiting for them could cost the frame milliseconds. A different worker takes the job now,
-		// or this one in the next frame.
+		// waiting for them could cost the frame milliseconds. Another worker takes the job now, or
+		// this one takes it in the next frame.
 		if (worker->task >= 0 && !pool->is_task_completed(worker->task)) {
 			continue;
 		}
@@ -259,7 +259,7 @@ void TileWorkers::advance(Worker &worker, TileJob &job) {
 		finish(worker, job);
 		return;
 	}
-	// Without a thread-safe ground, a job passes here twice and computes its points each time.
+	// Without a thread-safe ground, a job gets here twice and computes its points each time.
 	// Computing them twice costs less than the script calls in between, and frees the workspace
 	// while the job waits for the main thread.
 	job.status = builder.find_points(settings, job.request.space, &job.cancelled);

@@ -18,7 +18,7 @@ namespace thicket {
 
 /// The state of one tile from its request to its upload. Owned by one thread at a time.
 struct TileJob {
-	/// The progress of the job.
+	/// The next step of the job.
 	enum class Step : std::uint8_t {
 		start,        ///< Nothing is done yet.
 		needs_ground, ///< The main thread must sample `positions` and fill `ground`.
@@ -55,7 +55,7 @@ struct TileJob {
 	/// True if the tile is generated for queries, not for display. Only the main thread uses this
 	/// flag and `stale`.
 	bool unseen = false;
-	bool stale = false; ///< True if its input was edited after it was started.
+	bool stale = false; ///< True if the job's input was edited after the job was started.
 
 	std::atomic<bool> cancelled = false; ///< The main thread may set this at any time.
 };
@@ -75,8 +75,8 @@ public:
 	TileWorkers(const TileWorkers &) = delete;
 	TileWorkers &operator=(const TileWorkers &) = delete;
 
-	/// Queues a job. Jobs are processed in the order in which they were pushed, or of the last
-	/// `sort`.
+	/// Queues a job. Jobs are processed in the order of `push`, or in the order set by the last
+	/// call to `sort`.
 	void push(std::shared_ptr<TileJob> job);
 
 	/// Sorts the waiting jobs; see sort_jobs. Returns false without sorting if a worker holds the
@@ -84,7 +84,7 @@ public:
 	bool sort(std::span<const Viewer> viewers);
 
 	/// Removes and returns the jobs that are done or need ground, in the order of completion,
-	/// including cancelled ones. Never blocks: if a worker holds the lock, returns the jobs in a
+	/// including canceled ones. Never blocks: if a worker holds the lock, returns the jobs in a
 	/// later frame. Call this every frame, because it also starts workers for waiting jobs.
 	std::vector<std::shared_ptr<TileJob>> take_finished();
 
@@ -104,7 +104,7 @@ public:
 
 	/// Generates tiles until the deadline if there are no worker threads, but at least one tile if
 	/// any are queued. With worker threads, does nothing. A script that is called for heights must
-	/// not cause a nested call of this function.
+	/// not cause a nested call to this function.
 	void work_until(std::chrono::steady_clock::time_point deadline);
 
 	/// Cancels all jobs and waits until no worker uses any of their data. Takes a few milliseconds,
