@@ -144,7 +144,7 @@ func test_tiny_radius_for_the_tile() -> void:
 	var before := digests(scatter, 0)
 	layer.radius = 0.002
 	await settle(scatter)
-	check_error(["layers[0]: ScatterLayer.tile_size must be at most", "points a tile", "got 32"], "a tile of 10^8 points")
+	check_error(["layers[0]: ScatterLayer.tile_size must be at most", "points per tile", "got 32"], "a tile of 10^8 points")
 	check_equal(digests(scatter, 0), before, "instances after a tiny radius")
 	layer.radius = 2.0
 	await settle(scatter)

@@ -69,8 +69,9 @@ bool CellDrawer::draw_cell(
 	return whole;
 }
 
-/// Returns the look of the cell's first visual. If every wanted LOD has a visual, this is the look
-/// of the first wanted LOD. Otherwise it is the look of the one LOD that is drawn without a fade.
+/// Returns the MeshLook that the cell's first visual draws: the one of the first required LOD if
+/// every required LOD has a visual, otherwise the one of the single LOD that is drawn without a
+/// fade.
 const MeshLook &CellDrawer::first_look(
 		const Drawing &drawing, const DisplayedTile::Part &part, const DisplayedTile::Cell &cell) {
 	const LodSpan &span = cell.drawing.span;
@@ -82,8 +83,8 @@ const MeshLook &CellDrawer::first_look(
 	return complete ? drawing.chain->look(span, 0) : drawing.chain->only_look(span, lod);
 }
 
-/// Applies the looks of the wanted LODs to the visuals of a cell, and releases visuals that are no
-/// longer wanted. `ranks` are the ranks of the cell's instances.
+/// Assigns the required LODs to the visuals of a cell and releases visuals that are no longer
+/// required. `ranks` are the ranks of the cell's instances.
 void CellDrawer::show_lods(const Drawing &drawing, std::span<const std::uint32_t> ranks,
 		const DisplayedTile::Part &part, DisplayedTile::Cell &r_cell) {
 	const LodSpan &span = r_cell.drawing.span;

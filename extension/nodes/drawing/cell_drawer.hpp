@@ -14,10 +14,10 @@
 
 namespace thicket {
 
-/// Draws the cells of tiles: the square parts, each culled on its own, into which near tiles are
-/// divided. Applies the LODs and instance counts that the core chooses to the visuals of the cells.
-/// Where LODs cross-fade, a cell has one visual per LOD, and the shaders divide the pixels between
-/// them. Use it only on the main thread.
+/// Draws the cells of tiles: the square parts into which near tiles are divided and which are
+/// culled separately. Applies the LODs and instance counts that the core chooses to the visuals of
+/// the cells. Where LODs cross-fade, a cell has one visual per LOD, and the shaders divide the
+/// pixels between them. Use it only on the main thread.
 class CellDrawer {
 public:
 	/// The parts of a TileDisplay that the drawer needs. They must outlive the drawer.
@@ -42,8 +42,8 @@ public:
 	/// Returns false if the limit on the instances of all tiles thins this tile.
 	bool draw(const TileKey &key, DisplayedTile &r_tile, double &r_margin);
 
-	/// Returns true if a cell of the tile lacks a visual for an LOD, and the draw budget permits
-	/// one more.
+	/// Returns true if a cell of the tile lacks a visual for an LOD and the draw budget permits one
+	/// more.
 	bool lacks_visuals(const TileKey &key, const DisplayedTile &tile) const;
 
 	/// Uploads some of the tile's missing visuals. Returns false if some are still missing; the
@@ -51,12 +51,12 @@ public:
 	bool add_visuals(const TileKey &key, DisplayedTile &r_tile);
 
 	/// Uploads some visuals for the tile's new division into cells, whose parts are still hidden.
-	/// All visuals exist before the division becomes visible, so none pops in later. Returns false
-	/// if some are still missing.
+	/// All visuals exist before the division becomes visible, so that none pops in later. Returns
+	/// false if some are still missing.
 	bool add_visuals(const TileKey &key, const DisplayedTile &tile, std::span<DisplayedTile::Part> r_parts);
 
-	/// Returns how often an LOD was chosen for a cell or a whole tile since the last `reset_count`.
-	/// Counts each mesh separately.
+	/// Returns the number of times that an LOD was chosen for a cell or a whole tile since the last
+	/// call to `reset_count`. Counts each mesh separately.
 	std::uint64_t draw_count() const { return draw_count_; }
 	void reset_count() { draw_count_ = 0; }
 
@@ -65,7 +65,7 @@ private:
 	struct Drawing {
 		std::uint32_t layer; ///< The index of the layer that the tile belongs to.
 		const LodSettings &lod;
-		/// The LOD chain of the mesh. Null if the chain is incomplete, or if its looks differ from
+		/// The LOD chain of the mesh. Null if the chain is incomplete, or if its LODs differ from
 		/// those that the tile is drawn with.
 		const LodChain *chain;
 

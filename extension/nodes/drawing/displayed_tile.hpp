@@ -56,11 +56,11 @@ struct DisplayedTile {
 		std::vector<Cell> cells;
 		/// The division of `shown` into cells; empty if the tile is drawn as a whole.
 		DrawCells division;
-		/// When each cell must be updated. Used only if the tile is divided into cells.
+		/// The schedule for updating cells. Used only if the tile is divided into cells.
 		CellVisits visits;
 		/// The mesh, followed by its coarser LODs; empty if there is no mesh.
 		std::vector<MeshLook> lods;
-		/// The instances to draw: the tile's own, or a copy with a game's changes.
+		/// The instances to draw: those of `tile`, or a copy with a game's changes.
 		std::shared_ptr<const CompactMesh> shown;
 
 		/// Returns the number of cells that the part has once all are uploaded.
@@ -86,7 +86,7 @@ struct DisplayedTile {
 	std::vector<float> mesh_reach;
 	TileSpace space;
 	std::vector<Part> parts;
-	/// The number of cells along each side; 1 if the tile is drawn as a whole.
+	/// The number of cells along each edge; 1 if the tile is drawn as a whole.
 	std::uint32_t across = 1;
 
 	/// The bounds of all drawn instances, relative to the tile's origin. If nothing is drawn, `min`
@@ -115,7 +115,7 @@ struct DisplayedTile {
 	DrawAmounts amounts() const;
 
 	/// `multimesh_count` returns the current number of multimeshes of all cells. `most_multimeshes`
-	/// returns the largest possible number if the tile had `across_then` cells along each side.
+	/// returns the largest possible number if the tile had `across_then` cells along each edge.
 	std::size_t multimesh_count() const;
 	std::size_t most_multimeshes(std::uint32_t across_then) const;
 };

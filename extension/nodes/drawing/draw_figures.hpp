@@ -25,7 +25,7 @@ struct DrawFigures {
 	std::uint64_t draw_calls = 0;
 };
 
-/// Adds up the figures of everything that is drawn, or only of the part that may be visible in a
+/// Adds up the statistics of everything that is drawn, or only of the part that may be visible in a
 /// view.
 class DrawCounter {
 public:

@@ -8,8 +8,8 @@
 
 namespace thicket {
 
-/// The current layers by index. Each change of a layer's drawing settings gives the layer a new
-/// version. A tile that was drawn with a different version must be updated.
+/// The current layers by index. Each change to a layer's drawing settings gives the layer a new
+/// version. A tile that was drawn with another version must be updated.
 class DrawnLayers {
 public:
 	/// Replaces the layers. Returns true if the drawing settings of any layer have changed.

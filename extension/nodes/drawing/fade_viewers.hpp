@@ -40,7 +40,7 @@ public:
 	void set_layers(std::span<const SharedSnapshot> layers);
 
 	/// Sets the node's viewers for this frame. If `viewers` is empty, the previous viewers stay in
-	/// effect, because their tiles also stay. `camera` is the camera's position in the engine's
+	/// effect, because their tiles stay too. `camera` is the camera's position in the engine's
 	/// space.
 	void set_viewers(std::span<const FadeViewer> viewers, glm::vec3 camera);
 

@@ -16,14 +16,14 @@ public:
 	/// Discards the results of `measure`. Call it when the settings or the ground have changed.
 	void forget() { shares_.clear(); }
 
-	/// Measures the share of its points that each layer's rules keep. Call it while all tiles are
-	/// displayed.
+	/// Measures the fraction of each layer's points that its rules keep. Call it while all tiles
+	/// are displayed.
 	void measure(const TileDisplay &display, std::span<const SharedSnapshot> layers);
 
 	void add_problems(std::span<const SharedSnapshot> layers, godot::PackedStringArray &r_problems) const;
 
 private:
-	/// The kept share of each layer's points, 0 to 1. Empty until measured.
+	/// The fraction of each layer's points that its rules keep, 0 to 1. Empty until measured.
 	std::vector<double> shares_;
 };
 

@@ -6,7 +6,7 @@ namespace thicket {
 
 namespace {
 
-/// The maximum number of visuals that one step hides. Hiding so many takes tens of microseconds.
+/// The maximum number of visuals that one step hides, which takes tens of microseconds.
 constexpr std::size_t hidden_per_step = 16;
 
 } // namespace

@@ -17,11 +17,11 @@ class LeavingVisuals {
 public:
 	void add(TileVisual visual) { visuals_.push_back(std::move(visual)); }
 
-	/// Allocates memory in advance, so that the next `count` calls of `add` cannot throw.
+	/// Allocates memory in advance, so that the next `count` calls to `add` cannot throw.
 	void reserve(std::size_t count) { visuals_.reserve(visuals_.size() + count); }
 
-	/// Hides some visuals or, if all are hidden, frees one. In this order, no removed tile stays
-	/// visible while others are freed. Returns false if no visual is left.
+	/// Hides some visuals or, if all are hidden, frees one. Because of this order, no removed tile
+	/// stays visible while others are freed. Returns false if no visual is left.
 	bool free_step();
 
 	std::size_t size() const { return visuals_.size(); }

@@ -11,12 +11,12 @@
 
 namespace thicket {
 
-/// Returns the look of each LOD of one mesh of a layer, finest first.
+/// Returns the MeshLook of each LOD of one mesh of a layer, finest first.
 std::vector<MeshLook> lods_of(const LayerDrawing &drawing, std::size_t mesh);
 
 /// The LODs of one mesh of a layer. Each has fading variants: copies of its mesh that appear or
 /// disappear gradually over a range of distances. Consecutive LODs that are drawn identically share
-/// one look.
+/// one MeshLook (a "look" below).
 class LodChain {
 public:
 	LodChain(const LayerDrawing &drawing, const LodSettings &lod, std::size_t mesh);

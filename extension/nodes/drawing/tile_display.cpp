@@ -55,7 +55,7 @@ void TileDisplay::begin(TileUpload &r_upload, bool others_wait) const {
 	const TileJob &job = *r_upload.job;
 	const TileKey &key = job.request.key;
 	DisplayedTile &tile = r_upload.tile;
-	// A tile that could not be generated counts as empty.
+	// A tile that could not be generated is treated as empty.
 	tile.tile = job.tile != nullptr ? job.tile : nothing;
 	tile.settings = job.layer->settings;
 	tile.owner = job.layer->links.identity;
@@ -111,7 +111,7 @@ void TileDisplay::upload_some(TileUpload &r_upload, bool others_wait) {
 	const std::size_t mesh = tile.parts.size() - 1;
 	const bool own = part.division.empty() && part.shown.get() == &job.tile->meshes[mesh];
 	if (layer == nullptr) {
-		part.lods.clear(); // The layer was removed in the meantime, so it is not drawn.
+		part.lods.clear(); // The layer has been removed since then, so it is not drawn.
 	} else if (own && r_upload.has_open_part()) {
 		// The worker has already prepared this buffer.
 		part.cells.push_back(uploader_.make_cell(tile, part, layer->drawing, job.uploads[mesh]));
@@ -125,7 +125,7 @@ void TileDisplay::show(TileUpload upload) {
 	if (divisions_.is_current(key)) {
 		cancel_division();
 	}
-	redraws_.reserve_mark(); // Nothing must throw while the tile is not counted.
+	redraws_.reserve_mark(); // Nothing may throw while the tile is not counted.
 	DisplayedTile &tile = tiles_[key];
 	leaving_.reserve(tile.multimesh_count());
 	budget_.remove(tile.amounts());

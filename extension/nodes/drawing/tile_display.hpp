@@ -38,8 +38,8 @@ public:
 	TileDisplay &operator=(const TileDisplay &) = delete;
 
 	/// Sets a game's changes (the overlay), or null for none. The changes apply to all tiles that
-	/// are uploaded from now on. Displayed tiles change only in areas that `mark` or `mark_later`
-	/// has marked. The state must outlive the display.
+	/// are uploaded afterward. Displayed tiles change only in areas that `mark` or `mark_later` has
+	/// marked. The state must outlive the display.
 	void set_state(const InstanceState *state) { state_ = state; }
 
 	/// Hides an instance while other code draws it, or displays it again. `area` must contain the
@@ -64,7 +64,7 @@ public:
 	bool patch_step();
 	bool has_patches() const { return redraws_.has_later(); }
 
-	/// Sets the RenderingServer scenario of new tiles, and the node that they belong to.
+	/// Sets the RenderingServer scenario of new tiles and the node that they belong to.
 	void set_scenario(const godot::RID &scenario, std::uint64_t node_id) { uploader_.set_scenario(scenario, node_id); }
 
 	/// Sets the world position of the engine's origin, in meters. Moves all tiles immediately.
@@ -92,7 +92,7 @@ public:
 	/// Continues to change how one tile is divided into cells. Uploads some of the new cells while
 	/// they are still hidden. Once all are uploaded, shows them and hides the cells that they
 	/// replace, so that no frame draws an instance twice or not at all. Returns false if no tile
-	/// needs a different division.
+	/// needs another division.
 	bool divide_step();
 
 	/// Returns true if the division of a tile is changing or must change.
@@ -103,12 +103,12 @@ public:
 	bool fade_step();
 	bool has_fades() const { return !to_fade_.empty() || !drawer_.fades().is_made(); }
 
-	/// Returns true if `lod_step`, `divide_step` and `fade_step` have nothing to do, and no removed
+	/// Returns true if `lod_step`, `divide_step` and `fade_step` have nothing to do and no removed
 	/// tile is still visible.
 	bool settled() const;
 
 	/// Uploads the next part of an incomplete tile. If `others_wait` is true, a tile that replaces
-	/// no other tile is uploaded as a whole, and divided later.
+	/// no other tile is uploaded as a whole and divided later.
 	void upload_some(TileUpload &r_upload, bool others_wait);
 
 	/// Displays a complete tile in place of the previous one with its key, if any.
@@ -128,7 +128,7 @@ public:
 	/// Removes all tiles. `free_step` hides their content and then frees it step by step.
 	void retire();
 
-	/// Returns the number of visuals of removed tiles that are not freed yet.
+	/// Returns the number of visuals of removed tiles that have not been freed yet.
 	std::size_t leaving_count() const { return leaving_.size(); }
 
 	/// Frees everything immediately.
@@ -159,7 +159,7 @@ public:
 	/// Returns the number of instances that are drawn if in view, after all limits.
 	std::uint64_t drawn_count() const { return budget_.amounts().drawn; }
 
-	/// Returns the share of a layer's instances that is drawn at a distance in meters from a
+	/// Returns the fraction of a layer's instances that is drawn at a distance in meters from a
 	/// viewer, after all limits: 0 to 1.
 	double drawn_share(const LodSettings &lod, double distance) const { return budget_.drawn_share(lod, distance); }
 
@@ -177,12 +177,12 @@ public:
 	/// cleared.
 	std::uint64_t upload_count() const { return uploader_.upload_count(); }
 
-	/// Returns how many tiles were updated, without an upload, because their layer's drawing
-	/// settings had changed.
+	/// Returns the number of tiles that were updated, without an upload, because their layer's
+	/// drawing settings had changed.
 	std::uint64_t redrawn_count() const { return redrawn_count_; }
 
-	/// Returns how often an LOD was chosen by distance for a cell or a whole tile. Counts each mesh
-	/// separately.
+	/// Returns the number of times that an LOD was chosen by distance for a cell or a whole tile.
+	/// Counts each mesh separately.
 	std::uint64_t lod_look_count() const { return drawer_.draw_count(); }
 
 private:

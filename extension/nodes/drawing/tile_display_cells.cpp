@@ -10,8 +10,8 @@ using namespace godot;
 
 namespace thicket {
 
-/// Returns the wanted division of a tile. `shown` is its current division; 0 if it is not displayed
-/// yet.
+/// Returns the required division of a tile. `shown` is its current division; 0 if it is not
+/// displayed yet.
 std::uint32_t TileDisplay::division_of(const TileKey &key, const DisplayedTile &tile, std::uint32_t shown) const {
 	const LayerSnapshot *layer = layers_.find(key.layer);
 	return layer != nullptr && tile.draws_anything()

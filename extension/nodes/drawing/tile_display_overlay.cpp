@@ -104,7 +104,7 @@ bool TileDisplay::patch_step() {
 	return false;
 }
 
-/// Applies the overlay to a tile. The caller must update the counts, and the LODs by distance. If
+/// Applies the overlay to a tile. The caller must update the counts and the LODs by distance. If
 /// memory is insufficient, the tile stays unchanged and is marked again.
 void TileDisplay::patch(const TileKey &key, DisplayedTile &r_tile) {
 	bool patched = false;
@@ -142,7 +142,7 @@ bool TileDisplay::patch_parts(const TileKey &key, DisplayedTile &r_tile) {
 }
 
 /// Displays the new instances of a mesh. Uploads only changed cells. If memory is insufficient,
-/// changes nothing and returns false.
+/// leaves the part unchanged and returns false.
 bool TileDisplay::patch_part(const DisplayedTile &tile, std::size_t mesh, const LayerSnapshot *layer,
 		DisplayedTile::Part &r_part, std::shared_ptr<const CompactMesh> shown) {
 	DisplayedTile::Part next;

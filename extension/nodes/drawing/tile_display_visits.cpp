@@ -1,5 +1,5 @@
-// This file updates displayed tiles when viewers move or limits change, and determines which tiles
-// to update, and when.
+// This file updates displayed tiles when viewers move or limits change. It determines which tiles
+// to update and when.
 
 #include "nodes/drawing/tile_display.hpp"
 

@@ -16,7 +16,7 @@ namespace thicket {
 /// on the main thread.
 class TileUploader {
 public:
-	/// Sets the RenderingServer scenario of new visuals, and the node that they belong to.
+	/// Sets the RenderingServer scenario of new visuals and the node that they belong to.
 	void set_scenario(const godot::RID &scenario, std::uint64_t node_id);
 
 	/// Sets the world position of the engine's origin, in meters, for new visuals.
@@ -24,7 +24,7 @@ public:
 	const WorldFrame &world_frame() const { return context_.frame; }
 
 	/// Prepares a part of a tile for the upload of its cells. `across` is their number along each
-	/// side. Returns false if memory is insufficient.
+	/// edge. Returns false if memory is insufficient.
 	static bool begin_part(const DisplayedTile &tile, std::shared_ptr<const CompactMesh> shown,
 			std::vector<MeshLook> lods, std::uint32_t across, DisplayedTile::Part &r_part);
 

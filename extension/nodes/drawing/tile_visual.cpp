@@ -126,7 +126,7 @@ void TileVisual::free() {
 }
 
 void TileVisual::apply(const LayerDrawing &drawing) {
-	// Lists every member, so that a new one does not compile until it is handled here.
+	// Lists every member, so that adding one fails to compile until it is handled here.
 	const auto &[meshes, lod_meshes, surfaces, boxes, mesh_reach, cell_size, material, cast_shadow, gi_mode,
 			render_layers, lod_bias, margin] = drawing;
 	RenderingServer *server = RenderingServer::get_singleton();
@@ -150,8 +150,8 @@ void TileVisual::apply(const LayerDrawing &drawing) {
 	apply_shadows();
 }
 
-/// Applies the shadow settings. If a different mesh casts the shadow, that mesh casts shadows only,
-/// and the drawn mesh casts none.
+/// Applies the shadow settings. If another mesh casts the shadow, that mesh casts shadows only, and
+/// the drawn mesh casts none.
 void TileVisual::apply_shadows() {
 	RenderingServer *server = RenderingServer::get_singleton();
 	const std::int64_t setting = MeshShadow{{}, look_shadow_}.setting_in(layer_shadow_);

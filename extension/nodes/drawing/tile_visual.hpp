@@ -23,12 +23,12 @@ struct VisualContext {
 	std::uint64_t node_id = 0;
 };
 
-/// Returns true if one of these looks has a separate mesh for its shadow.
+/// Returns true if any of these has a separate mesh for its shadow.
 bool casts_by_other_meshes(std::span<const MeshLook> looks);
 
 /// Draws the instances of one mesh in a tile or one of its cells. Owns a multimesh and an instance
-/// of the RenderingServer. If a different mesh casts the shadow, owns a second pair, whose
-/// multimesh has the same buffer content.
+/// of the RenderingServer. If another mesh casts the shadow, owns a second pair whose multimesh has
+/// the same buffer content.
 ///
 /// Keeps its mesh and material alive even if the layer has released them, because an outdated tile
 /// is drawn until its replacement is ready. The instance is positioned at the tile's center,
@@ -48,11 +48,11 @@ public:
 	void apply(const LayerDrawing &drawing);
 	void set_visible(bool visible);
 
-	/// Replaces the instances. The renderer draws all of them until `set_drawn` is called. Throws
-	/// nothing.
+	/// Replaces the instances. The renderer draws all of them until `set_drawn` is called. Does not
+	/// throw.
 	void set_instances(const MeshUpload &upload);
 
-	// The following methods upload nothing. If the value is unchanged, the method does nothing.
+	// The following methods upload nothing. They have no effect if the value is unchanged.
 
 	/// Sets the world position of the engine's origin, in meters. The visual keeps its position in
 	/// the world.
@@ -110,7 +110,7 @@ private:
 	godot::Ref<godot::Material> material_;
 	std::size_t drawn_ = 0;
 	float scale_ = 1.0F;
-	glm::dvec3 origin_{0.0}; ///< World meters.
+	glm::dvec3 origin_{0.0}; ///< In world meters.
 	WorldFrame frame_;
 };
 

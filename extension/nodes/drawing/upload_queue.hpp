@@ -37,7 +37,7 @@ class UploadQueue {
 public:
 	enum class State : std::uint8_t {
 		idle,      ///< There is no current tile.
-		uploading, ///< Parts of the current tile are not uploaded yet.
+		uploading, ///< Parts of the current tile have not been uploaded yet.
 		complete,  ///< The current tile is uploaded and must be taken or put back.
 	};
 
@@ -57,10 +57,10 @@ public:
 	/// Returns the current tile and leaves the queue idle.
 	TileUpload take();
 
-	/// Returns the current tile to the queue, with the parts that are already uploaded.
+	/// Returns the current tile to the queue, along with the parts that have been uploaded.
 	void put_back();
 
-	/// Removes the waiting or current tile with this ticket, and returns it. Returns nothing if
+	/// Removes the waiting or current tile with this ticket and returns it. Returns nothing if
 	/// there is no such tile.
 	std::optional<TileUpload> remove(std::uint64_t ticket);
 

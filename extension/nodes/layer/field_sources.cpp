@@ -83,7 +83,7 @@ std::shared_ptr<const CurveTable> curve_table(const Ref<Curve> &p_curve) {
 	std::array<float, curve_stretches + 1> samples{};
 	for (std::size_t i = 0; i < samples.size(); ++i) {
 		const double share = static_cast<double>(i) / static_cast<double>(curve_stretches);
-		// The last sample is exactly at the end of the domain, without a rounding error.
+		// The last sample is exactly at the end of the domain, without rounding error.
 		const double offset = i == curve_stretches ? max : min + share * (max - min);
 		samples[i] = held(static_cast<float>(p_curve->sample(static_cast<float>(offset))), 1.0F);
 	}

@@ -20,12 +20,12 @@ namespace thicket {
 /// These functions copy resources for workers, which must not use the engine's resources. Call them
 /// on the main thread. Their results never change.
 
-/// The number of segments in a curve's table. Values are exact at the ends of each segment, and
-/// interpolated linearly in between.
+/// The number of segments in a curve's table. Values are exact at the ends of each segment and
+/// linearly interpolated in between.
 inline constexpr std::size_t curve_stretches = 512;
 
-/// Samples a curve over its own domain, and clamps the values to 0 to 1. Returns null if the curve
-/// is null or has no points, or if its domain is empty.
+/// Samples a curve over its domain and clamps the values to the range 0 to 1. Returns null if the
+/// curve is null or has no points, or if its domain is empty.
 std::shared_ptr<const CurveTable> curve_table(const godot::Ref<godot::Curve> &p_curve);
 
 /// Samples the colors of a gradient from its start to its end in equal steps. Returns null for a
@@ -53,9 +53,10 @@ struct ChannelPixels {
 	std::vector<std::uint8_t> values;
 };
 
-/// Reads one channel of an image in any format that the engine can convert. Clamps values to 0 to 1
-/// before they are scaled to 0 to 255. Luminance is the Rec. 709 luminance of the channels, which
-/// are taken as linear. For an image with only a red channel, luminance is the red value.
+/// Reads one channel of an image in any format that the engine can convert. Clamps values to the
+/// range 0 to 1 before they are scaled to 0 to 255. Luminance is the Rec. 709 luminance of the
+/// channels, which are assumed to be linear. For an image with only a red channel, luminance is the
+/// red value.
 ChannelPixels channel_pixels(const godot::Ref<godot::Image> &p_image, ImageChannel channel);
 
 } // namespace thicket

@@ -20,7 +20,7 @@ namespace thicket {
 
 namespace {
 
-/// The distance in meters that replaces 0. A distance of 0 would be chosen from the model's size.
+/// The distance in meters that replaces 0, because 0 selects a distance from the model's size.
 constexpr double least_distance = 1e-3;
 
 Ref<ScatterLod> lod_of(const Ref<Mesh> &p_mesh, double p_distance) {

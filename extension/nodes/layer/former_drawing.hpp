@@ -16,8 +16,8 @@ namespace thicket {
 /// properties in a file may have any order.
 class FormerLods {
 public:
-	/// Stores the value of one of these properties, and warns once. Returns false for any other
-	/// name. Any thread may call it.
+	/// Stores the value of one of these properties and warns once. Returns false for any other
+	/// name. Any thread may call this method.
 	bool set(const godot::StringName &p_name, const godot::Variant &p_value);
 
 	bool empty() const { return distances_.size() == 0 && meshes_.is_empty(); }
@@ -26,8 +26,8 @@ public:
 	bool known(std::size_t entries) const;
 
 	/// Returns a copy of the list in which a ScatterModel replaces each entry that has stored LODs.
-	/// The model has the entry's own LODs and the stored ones. Skips incomplete rows, as release
-	/// 0.2 did.
+	/// The model has the entry's LODs and the stored ones. Skips incomplete rows, as release 0.2
+	/// did.
 	godot::Array added_to(const godot::Array &p_entries) const;
 
 private:
@@ -40,12 +40,12 @@ private:
 /// layer is first used, because a file may set view_distance later.
 class FormerVisibility {
 public:
-	/// Stores the value of one of these properties, and warns once. Returns false for any other
-	/// name. Any thread may call it.
+	/// Stores the value of one of these properties and warns once. Returns false for any other
+	/// name. Any thread may call this method.
 	bool set(const godot::StringName &p_name, const godot::Variant &p_value);
 
-	/// Limits a view distance (meters) by the stored visibility_range_end, and discards that value.
-	/// So a view distance that is set later is not limited.
+	/// Limits a view distance (meters) by the stored visibility_range_end and discards that value,
+	/// so a view distance that is set later is not limited.
 	double limited(double view_distance);
 
 private:

@@ -44,7 +44,7 @@ bool is_number(const Variant &p_value) {
 /// Returns the value of a uniform in a material, or its default. Negative values become 0.
 double parameter(const ShaderMaterial &material, const Variant &p_default, const StringName &p_name) {
 	const Variant own = material.get_shader_parameter(p_name);
-	// This order of the arguments turns NAN into 0.
+	// This order of arguments turns NAN into 0.
 	return std::max(0.0, static_cast<double>(is_number(own) ? own : p_default));
 }
 
@@ -83,7 +83,7 @@ std::vector<Ref<Material>> materials_of(const LayerDrawing &drawing) {
 		}
 	};
 	add_all([](const MeshLook &look) { return look.mesh; });
-	// Shadow materials follow all others.
+	// Shadow materials come after all others.
 	add_all([](const MeshLook &look) { return look.shadow.mesh; });
 	return materials;
 }

@@ -11,8 +11,8 @@
 namespace thicket {
 
 /// Returns the materials that a layer is drawn with, without duplicates or nulls. If there is a
-/// material override, returns only that. Otherwise returns those of all surfaces of its meshes,
-/// their LODs and their shadow meshes.
+/// material override, returns only the override. Otherwise returns those of all surfaces of its
+/// meshes, their LODs and their shadow meshes.
 std::vector<godot::Ref<godot::Material>> materials_of(const LayerDrawing &drawing);
 
 /// Returns the materials of all layers whose shader has a uniform with this name and type, in the
@@ -20,18 +20,18 @@ std::vector<godot::Ref<godot::Material>> materials_of(const LayerDrawing &drawin
 std::vector<godot::Ref<godot::Material>> materials_with(
 		std::span<const SharedSnapshot> layers, const char *p_uniform, godot::Variant::Type p_type);
 
-/// Returns true if any of the shaders declares an instance uniform, or includes the add-on's
+/// Returns true if any of the shaders declares an instance uniform or includes the add-on's
 /// scatter_scale.gdshaderinc.
 bool use_instance_uniforms(std::span<const godot::Ref<godot::Material>> materials);
 
 /// Returns the largest distance in world meters by which any of the materials may move a vertex, at
-/// most max_cull_margin. Only materials with the uniforms of foliage.gdshaderinc count. For such a
+/// most max_cull_margin. Ignores materials without the uniforms of foliage.gdshaderinc. For such a
 /// material, the distance is max(wind_sway, 0) * strength + max(wind_flutter, 0) * strength +
 /// max(bend_reach, 0).
 ///
-/// The strength is 2 or the material's own wind_strength, whichever is larger, because a
+/// The strength is 2 or the material's wind_strength, whichever is larger, because a
 /// ScatterFoliageWorld may set any value up to 2 at any time. A parameter that is not set has the
-/// shader's default. Without a renderer the defaults are unknown, so the result is 0.
+/// shader's default. Without a renderer, the defaults are unknown, so the result is 0.
 double sway_reach(std::span<const godot::Ref<godot::Material>> materials);
 inline constexpr double max_cull_margin = 16384.0; ///< The maximum of extra_cull_margin in meters.
 

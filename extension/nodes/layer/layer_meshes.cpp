@@ -20,7 +20,7 @@ namespace thicket {
 
 namespace {
 
-/// Converts an LOD of a model to the look of its mesh. A null LOD draws nothing.
+/// Converts an LOD of a model to a MeshLook. A null LOD draws nothing.
 MeshLook look_of(const DrawnLod *lod) {
 	return lod != nullptr ? MeshLook{lod->mesh, {lod->shadow, lod->cast_shadow}, lod->look} : MeshLook();
 }
@@ -93,7 +93,7 @@ bool LayerMeshes::take(const Array &p_entries) {
 			const String kind = object != nullptr ? object->get_class() : String("no resource");
 			// A Variant of type OBJECT can be null.
 			if (object != nullptr || entry.get_type() != Variant::OBJECT) {
-				ERR_PRINT(vformat("ScatterLayer.meshes[%d] is %s: it takes a Mesh, a PackedScene or a ScatterModel.",
+				ERR_PRINT(vformat("ScatterLayer.meshes[%d] is %s: it must be a Mesh, a PackedScene or a ScatterModel.",
 						index, kind));
 				return false;
 			}
@@ -111,7 +111,7 @@ Ref<ScatterModel> LayerMeshes::model_of(const Ref<PackedScene> &p_scene) const {
 		return entry.model.is_valid() && entry.resource.ptr() == static_cast<const Resource *>(p_scene.ptr());
 	});
 	if (known != taken_.end()) {
-		// Keep what is already read.
+		// Keep everything that has already been read.
 		return known->model;
 	}
 	Ref<ScatterModel> model(memnew(ScatterModel));
@@ -222,8 +222,8 @@ void LayerMeshes::add_problems(PackedStringArray &r_problems) const {
 			const Ref<Mesh> mesh = taken_[entry].resource;
 			if (mesh.is_valid() && mesh->get_surface_count() == 0 && !is_stripped(mesh)) {
 				r_problems.push_back(
-						vformat("ScatterLayer.meshes[%d] has no surfaces, so nothing is drawn of it. Give the mesh at "
-								"least 1 surface, or choose a different mesh.",
+						vformat("ScatterLayer.meshes[%d] has no surfaces, so it is not drawn. Give the mesh at "
+								"least 1 surface, or choose another mesh.",
 								static_cast<int64_t>(entry)));
 			}
 			continue;

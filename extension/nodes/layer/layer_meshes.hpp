@@ -16,21 +16,21 @@ namespace thicket {
 /// The entries of ScatterLayer.meshes. Each is a Mesh, a PackedScene, a ScatterModel or null.
 class LayerMeshes {
 public:
-	/// Replaces the list without reading any mesh or scene. Any thread may call it. If an entry has
-	/// a different type or is an empty scene, prints an error, changes nothing and returns false.
-	/// There is one exception: if the list was empty, as when a layer is loaded, an empty scene
-	/// stays in the list, so that saving does not lose it.
+	/// Replaces the list without reading any mesh or scene. Any thread may call this method. If an
+	/// entry has another type or is an empty scene, prints an error, leaves the list unchanged and
+	/// returns false. There is one exception: if the list was empty, as when a layer is loaded, an
+	/// empty scene stays in the list so that saving does not lose it.
 	bool set_entries(const godot::Array &p_entries);
 
-	/// Returns true if scripts, which share the list, have changed it in place since the last
-	/// `set_entries` or `take_changes`.
+	/// Returns true if scripts, which share the list, have changed it in place since the last call
+	/// to `set_entries` or `take_changes`.
 	bool differs() const;
 
-	/// Applies changes that scripts have made in place. If they are refused as in `set_entries`,
+	/// Applies changes that scripts have made in place. If they are invalid (see `set_entries`),
 	/// prints an error and returns false.
 	bool take_changes() { return take(entries_); }
 
-	/// Discards changes that scripts have made in place. From now on, scripts get a new list with
+	/// Discards changes that scripts have made in place. From then on, scripts get a new list with
 	/// the last accepted entries.
 	void restore();
 
@@ -49,17 +49,17 @@ public:
 	/// Rereads the scenes whose files are among these paths. Returns true if there are any.
 	bool reload(const godot::PackedStringArray &p_paths);
 
-	/// Returns true if any entry that is already read has a mesh.
+	/// Returns true if any entry that has been read has a mesh.
 	bool has_mesh() const;
 
-	/// Sets the distances at which any entry changes its LOD, and the meshes to draw, in one row
-	/// per distance. Only the first max_lods distances are used.
+	/// Sets the distances at which any entry changes its LOD, and the meshes to draw, one row per
+	/// distance. Only the first max_lods distances are used.
 	void draw(LayerDrawing &r_drawing, LodSettings &r_lod) const;
 
 	/// Returns the collision shapes of each entry. Meshes have none.
 	std::vector<std::vector<BodyPart>> bodies() const;
 
-	/// Adds one sentence for each likely mistake to `r_problems`.
+	/// Adds one message for each likely mistake to `r_problems`.
 	void add_problems(godot::PackedStringArray &r_problems) const;
 
 	/// Returns the model of an entry: the entry itself, or the model created from its scene.
@@ -69,8 +69,8 @@ public:
 	/// Returns the entry as it was set; null for an empty entry.
 	godot::Ref<godot::Resource> resource(std::size_t entry) const { return taken_[entry].resource; }
 
-	/// Returns the mesh of an entry's finest LOD. Returns null if the entry has none, or if its
-	/// scene is not read yet.
+	/// Returns the mesh of an entry's finest LOD. Returns null if the entry has none or if its
+	/// scene has not been read yet.
 	godot::Ref<godot::Mesh> mesh(std::size_t entry) const;
 
 private:

@@ -15,7 +15,7 @@ namespace {
 std::string text_of(const String &p_name) { return p_name.utf8().get_data(); }
 
 /// Returns the uses of all properties by name. The map changes only while the class is registered,
-/// so any thread may read it afterwards.
+/// so any thread may read it afterward.
 std::map<std::string, PropertyUse> &property_uses() {
 	static std::map<std::string, PropertyUse> uses;
 	return uses;

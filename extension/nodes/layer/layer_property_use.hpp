@@ -14,8 +14,8 @@ enum class PropertyUse : std::uint8_t {
 	gameplay,  ///< How games interact with instances, for example collision.
 };
 
-/// Adds a property of ScatterLayer to ClassDB, and records its use. All properties of ScatterLayer
-/// must be added through this function.
+/// Adds a property of ScatterLayer to ClassDB and records its use. All properties of ScatterLayer
+/// must be added with this function.
 void add_layer_property(PropertyUse use, const godot::PropertyInfo &p_info, const godot::StringName &p_setter,
 		const godot::StringName &p_getter);
 

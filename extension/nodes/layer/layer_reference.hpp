@@ -19,8 +19,8 @@
 namespace thicket {
 
 /// Finds the layer that a script has passed, as a ScatterLayer or by name (a String or StringName).
-/// If several layers share a name, finds the first one. An empty name refers to no layer. An index
-/// is refused, because it may refer to a different layer after the list changes.
+/// If several layers share a name, finds the first one. An empty name refers to no layer. Indices
+/// are rejected, because they may refer to another layer after the list changes.
 ///
 /// Sets `r_index` and returns an empty string. If the value refers to no layer, leaves `r_index`
 /// unchanged and returns an error message with the value and the allowed values.
@@ -28,9 +28,8 @@ godot::String find_layer(
 		const godot::TypedArray<ScatterLayer> &p_layers, const godot::Variant &p_reference, std::uint32_t &r_index);
 
 /// Finds several layers from one reference, or from an Array or PackedStringArray of references.
-/// Adds each layer to `r_indices` once, in the order of the references. An empty array stands for
-/// all layers, and adds nothing. Null is refused, because it is usually a variable that was never
-/// set.
+/// Adds each layer to `r_indices` once, in the order of the references. An empty array means all
+/// layers and adds nothing. Null is rejected, because it is usually a variable that was never set.
 godot::String find_layers(const godot::TypedArray<ScatterLayer> &p_layers, const godot::Variant &p_references,
 		std::vector<std::uint32_t> &r_indices);
 
@@ -72,19 +71,19 @@ private:
 
 using SharedLayers = std::shared_ptr<const ListedLayers>;
 
-// These overloads may be called on any thread.
+// Any thread may call these overloads.
 godot::String find_layer(const ListedLayers &p_layers, const godot::Variant &p_reference, std::uint32_t &r_index);
 godot::String find_layers(
 		const ListedLayers &p_layers, const godot::Variant &p_references, std::vector<std::uint32_t> &r_indices);
 
 /// Converts a reference to the form in which properties save it: the name of the layer or, if it
-/// has none, the layer itself. So no scene stores a named layer twice. An index stays an index
-/// until the node with the list of layers replaces it (see `naming_layers`). Returns null if the
-/// value cannot refer to a layer.
+/// has none, the layer itself. As a result, no scene stores a named layer twice. An index stays an
+/// index until the node with the list of layers replaces it (see `naming_layers`). Returns null if
+/// the value cannot refer to a layer.
 godot::Variant stored_reference(const godot::Variant &p_reference);
 
 /// Returns the stored form of a reference for a property of the resource `p_holder`. If the value
-/// cannot refer to a layer, prints an error that names the property and returns null. Also refuses
+/// cannot refer to a layer, prints an error that names the property and returns null. Also rejects
 /// an unnamed layer that itself stores `p_holder`, because no scene could store such a cycle.
 godot::Variant accept_reference(
 		const char *p_property, const godot::Variant &p_reference, const godot::Resource *p_holder);
@@ -94,11 +93,12 @@ godot::Variant accept_reference(
 ReferenceChange renaming_layer(const godot::String &p_from, const godot::String &p_to);
 
 /// Returns a change that replaces each index with a reference to the layer at that index, and warns
-/// once per property. Release 0.2 stored references as indices. An index out of range stays.
+/// once per property. Release 0.2 stored references as indices. An index out of range stays
+/// unchanged.
 ReferenceChange naming_layers(const godot::TypedArray<ScatterLayer> &p_layers);
 
 /// Returns the new form of a stored reference of `p_holder`. The result is empty if the reference
-/// stays unchanged, which is also the case if the holder cannot store the new form (see
+/// stays unchanged, for example because the holder cannot store the new form (see
 /// accept_reference).
 std::optional<godot::Variant> changed_reference(const ReferenceChange &change, const char *p_property,
 		const godot::Variant &p_stored, const godot::Resource *p_holder);
@@ -107,8 +107,8 @@ std::optional<godot::Variant> changed_reference(const ReferenceChange &change, c
 /// layers that have been named since are referred to by name.
 godot::Array current_references(const godot::Array &p_stored);
 
-/// Returns a list of stored references after a change of each of them; empty if none changes. The
-/// function `change` returns the new form of a reference; empty to keep the old one.
+/// Returns a list of stored references with a change applied to each of them; empty if none
+/// changes. The function `change` returns the new form of a reference; empty to keep the old one.
 std::optional<godot::Array> changed_references(const godot::Array &p_stored,
 		const std::function<std::optional<godot::Variant>(const godot::Variant &)> &change);
 

@@ -45,7 +45,7 @@ struct MeshShadow {
 	friend bool operator==(const MeshShadow &, const MeshShadow &) = default;
 };
 
-/// A mesh and how it is drawn.
+/// A mesh and the settings to draw it with.
 struct MeshLook {
 	godot::Ref<godot::Mesh> mesh;
 	MeshShadow shadow;
@@ -70,11 +70,11 @@ struct LayerDrawing {
 	std::vector<MeshLook> lod_meshes;
 
 	/// The material IDs and vertex counts of the surfaces of all meshes that can fade. A difference
-	/// shows that a resource has changed, even if it is the same object.
+	/// means that a resource has changed, even if it is the same object.
 	std::vector<std::uint64_t> surfaces;
 
-	/// The bounding box of each mesh when the snapshot was created. A different box means that the
-	/// mesh has changed, even if it is the same resource.
+	/// The bounding box of each mesh when the snapshot was created. If the box differs, the mesh
+	/// has changed, even if it is the same resource.
 	std::vector<godot::AABB> boxes;
 
 	/// The reach of each mesh: the distance in meters, at scale 1, from its origin to its farthest
@@ -82,8 +82,8 @@ struct LayerDrawing {
 	/// enlarge instances.
 	std::vector<float> mesh_reach;
 
-	/// The side of a cell in meters. 0 chooses a size that fits the models; LayerSnapshot::cells
-	/// has the result.
+	/// The edge length of a cell in meters. 0 selects a size that fits the models;
+	/// LayerSnapshot::cells has the result.
 	double draw_cell_size = 0.0;
 
 	/// The material that replaces all others. Null if the meshes keep their materials.
@@ -126,8 +126,8 @@ struct LayerCollision {
 	double distance = 40.0;
 	std::int64_t layer = 1; ///< The bit mask CollisionObject3D.collision_layer.
 	std::int64_t mask = 1;
-	double friction = 1.0; ///< The friction. A negative value stands for a rough PhysicsMaterial.
-	double bounce = 0.0;   ///< The bounce. A negative value stands for an absorbent PhysicsMaterial.
+	double friction = 1.0; ///< The friction. A negative value means a rough PhysicsMaterial.
+	double bounce = 0.0;   ///< The bounce. A negative value means an absorbent PhysicsMaterial.
 	/// True if navigation meshes are baked around colliding instances.
 	bool affects_navigation = true;
 	/// The shapes of each entry's model, if `shape` is `model`.
@@ -160,7 +160,7 @@ struct LayerGameplay {
 
 /// All settings of a ScatterLayer at one moment. The stream, the display, the workers, queries, and
 /// the rings of bodies and scenes use the snapshot instead of the layer. It never changes once it
-/// is shared, so the layer may be edited or freed in the meantime.
+/// is shared, so the layer may be edited or freed while the snapshot is in use.
 ///
 /// Worker threads may read only `settings` and `drawing.mesh_reach`. The engine's resources belong
 /// to the main thread, which must also be the last to release a snapshot.

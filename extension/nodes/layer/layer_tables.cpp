@@ -32,7 +32,7 @@ void LayerTables::refresh(const MaskFrame &frame, double proximity_distance) {
 
 void LayerTables::refresh_noise() {
 	if (noise_source == used_source_ && noise_curve == used_curve_) {
-		// Keep the field while its sources are unchanged, because a new one regenerates tiles.
+		// Keep the field while its sources are unchanged, because a new field regenerates tiles.
 		return;
 	}
 	used_source_ = noise_source;

@@ -28,7 +28,7 @@ struct TextureSource {
 };
 
 /// Replaces a table after it was rebuilt from a resource. If the new table is equal, keeps the old
-/// object, because settings compare tables by pointer, and a different pointer regenerates tiles.
+/// object: settings compare tables by pointer, so a new pointer would regenerate tiles.
 template <class Made>
 void replace(Made &r_old, Made fresh) {
 	r_old = std::move(fresh);

@@ -20,8 +20,8 @@ bool LayerWatch::differs(const TypedArray<ScatterLayer> &p_layers) const {
 	});
 }
 
-/// Applies changes that scripts have made to the layers' meshes in place. Layers emit `changed`
-/// then, so scripts may run and change anything.
+/// Applies changes that scripts have made to the layers' meshes in place. The layers then emit
+/// `changed`, so scripts may run and change anything.
 void LayerWatch::take_mesh_changes() const {
 	const std::vector<Seen> layers = seen_;
 	for (const Seen &seen : layers) {

@@ -19,34 +19,34 @@ struct LayerRename {
 	godot::String to;
 };
 
-/// Detects changes of a node's list of layers. Scripts share the array with the node, so they can
-/// add and remove layers without calling a setter. Therefore the node checks the list in every
-/// frame, and before it answers a query. Use it only on the main thread.
+/// Detects changes to a node's list of layers. Scripts share the array with the node, so they can
+/// add and remove layers without calling a setter. The node therefore checks the list every frame
+/// and before it answers a query. Use it only on the main thread.
 class LayerWatch {
 public:
 	/// Creates a watch for a node. `look` connects the methods `_mark_dirty` and
 	/// `_mark_area_edited(rect)` of `node` to the signals of the layers.
 	explicit LayerWatch(godot::Object *node) : node_(node) {}
 
-	/// Returns true if the list has changed since the last `look`, or if a script has changed the
-	/// meshes of a layer in place.
+	/// Returns true if the list has changed since the last call to `look`, or if a script has
+	/// changed the meshes of a layer in place.
 	bool differs(const godot::TypedArray<ScatterLayer> &p_layers) const;
 
 	/// Reads the list. Connects to new layers, disconnects from removed ones, and applies changes
-	/// that scripts have made to the layers' meshes. Returns whether the list differs from that of
-	/// the last call.
+	/// that scripts have made to the layers' meshes. Returns true if the list differs from the list
+	/// of the last call.
 	///
 	/// Assigns an ID to each layer whose layer_id is -1, if the list has changed or `p_give` is
 	/// true. The ID is the layer's index if no other layer has that ID, otherwise the lowest unused
 	/// ID. Biomes add and remove the layers from index `own_count` on. These get IDs that no layer
-	/// has ever had, so that a layer that returns still has a unique ID. A layer emits `changed`
-	/// when it gets an ID.
+	/// has ever had, so that a layer that is added again still has a unique ID. A layer emits
+	/// `changed` when it gets an ID.
 	bool look(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t own_count, bool p_give);
 
 	/// Returns the layers that were renamed since the last call, whose references must change.
-	/// Skips a new name that is empty or that a different layer has, because users may still be
-	/// typing it. Skips an old name that a different layer has, because references then refer to
-	/// that layer.
+	/// Skips a new name that is empty or that another layer has, because the user may still be
+	/// typing it. Skips an old name that another layer has, because references then refer to that
+	/// layer.
 	std::vector<LayerRename> follow_names();
 
 	/// Applies a change to the references of all layers in the list.

@@ -17,7 +17,7 @@ namespace thicket {
 
 namespace {
 
-/// Finds out whether meshes can fade. Caches the result of each material, because meshes share
+/// Determines whether meshes can fade. Caches the result for each material, because meshes share
 /// materials.
 class FadeFinder {
 public:

@@ -4,9 +4,9 @@
 
 namespace thicket {
 
-/// Sets for each drawn mesh whether it can fade. A mesh can fade if all its materials have shaders
-/// that include scatter_fade.gdshaderinc, none of them has turned off the parameter
-/// scatter_cross_fade, and the mesh does not use CUSTOM3.
+/// Sets MeshLook::fades of each drawn mesh. A mesh can fade if all its materials have shaders that
+/// include scatter_fade.gdshaderinc, none of them disables the parameter scatter_cross_fade, and
+/// the mesh does not use CUSTOM3.
 void add_fades(LayerDrawing &r_drawing);
 
 } // namespace thicket

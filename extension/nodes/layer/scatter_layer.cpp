@@ -1,4 +1,4 @@
-// This file validates layers, and contains the properties at the top and at the end of a layer's
+// This file validates layers and contains the properties at the top and at the end of a layer's
 // inspector.
 
 #include "core/base/check.hpp"
@@ -48,7 +48,7 @@ Status ScatterLayer::check() {
 	static_assert(max_tile_points == 4e6, "the note below names it");
 	const double largest = std::sqrt(max_tile_points / point_density(whole.set));
 	return first_failure(
-			check_range("tile_size", range_.tile_size, at_most(largest, "4 million points a tile at this radius"),
+			check_range("tile_size", range_.tile_size, at_most(largest, "4 million points per tile at this radius"),
 					"Lower tile_size or raise radius"),
 			validate(range_));
 }

@@ -34,15 +34,15 @@
 
 namespace thicket {
 
-/// The properties of a ScatterLayer that belong to no part of its snapshot.
+/// The properties of a ScatterLayer that do not belong to any part of its snapshot.
 struct LayerIdentity {
 	std::int64_t layer_id = -1; ///< -1 until a node assigns an ID.
 };
 
 class ScatterLayer;
 
-/// A property that is a resource, as NumberProperty is a number. `make` converts the resource to a
-/// table when a snapshot first needs it. The table is stored in `member`, in one of the parts that
+/// A property that is a resource (compare NumberProperty). `make` converts the resource to a table
+/// when a snapshot first needs it. The table is stored in `member`, in one of the parts that
 /// ScatterLayer::part returns. The resource has the class of `make`'s argument.
 template <class Values, class Made, class T>
 struct ResourceProperty {
@@ -80,14 +80,14 @@ SwitchProperty(const char *, const char *, bool Values::*) -> SwitchProperty<Val
 /// A species or family of plants or rocks: its placement rules, meshes, and drawing and gameplay
 /// settings. Contains settings only.
 ///
-/// A setter refuses a value that is not finite or out of range. It prints one error that names the
-/// property and the value, and keeps the old value. A minimum above its maximum is reported only
-/// when the layer is used, so that both can be set in any order. Until it is fixed, existing
-/// instances stay.
+/// A setter rejects a value that is not finite or is out of range. It prints one error that names
+/// the property and the value, and keeps the old value. A minimum above its maximum is reported
+/// only when the layer is used, so that both can be set in any order. Existing instances stay until
+/// it is fixed.
 ///
-/// Every setter emits `changed`, and the layer also emits it when one of its resources does. Only
-/// painting on the mask emits `area_changed` instead, with a world rectangle that contains all
-/// changes of the mask.
+/// Every setter emits `changed`, and the layer also emits it when one of its resources does.
+/// Painting on the mask emits `area_changed` instead, with a world rectangle that contains all
+/// changes to the mask.
 class ScatterLayer : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterLayer, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
@@ -160,7 +160,7 @@ public:
 	void mask_area_changed(const godot::Rect2 &p_rect);
 
 	/// Sets the area that the mask texture covers, in world meters. The rectangle's y is the
-	/// world's z. Each side is at least 0.001.
+	/// world's z. Width and height are at least 0.001.
 	void set_mask_texture_rect(const godot::Rect2 &p_rect);
 	godot::Rect2 get_mask_texture_rect() const;
 	void set_mask_texture_channel(MaskChannel p_channel);
@@ -181,7 +181,7 @@ public:
 	godot::Dictionary get_spacing() const;
 
 	/// Sets the layer whose instances determine the density of this one: a ScatterLayer, its name
-	/// or its index. Null or "" stands for no layer.
+	/// or its index. Null or "" means no layer.
 	void set_proximity_layer(const godot::Variant &p_layer);
 	godot::Variant get_proximity_layer() const;
 
@@ -193,13 +193,13 @@ public:
 	bool has_surface_layers() const { return !links_.surface_layers.empty(); }
 
 	/// Sets the meshes, scenes and models to draw at the points. Null entries draw nothing.
-	/// LayerMeshes::set_entries describes which entries are refused.
+	/// LayerMeshes::set_entries describes which entries are invalid.
 	void set_meshes(const godot::Array &p_meshes);
 	godot::Array get_meshes() const;
 
-	/// `meshes_differ` returns whether a script has changed the list that `get_meshes` returned,
-	/// because scripts share that list. `take_mesh_changes` applies the change like `set_meshes`,
-	/// or restores the previous list if the change is refused.
+	/// `meshes_differ` returns true if a script has changed the list that `get_meshes` returned,
+	/// which scripts share. `take_mesh_changes` applies the change like `set_meshes`, or restores
+	/// the previous list if the change is invalid.
 	bool meshes_differ() const { return meshes_.differs(); }
 	void take_mesh_changes();
 	void meshes_changed();
@@ -208,16 +208,16 @@ public:
 	std::uint64_t mesh_version() const { return mesh_version_; }
 
 	/// Reads the next part of the scenes and models in `meshes` (see LayerMeshes). Snapshots only
-	/// contain the parts that are already read.
+	/// contain the parts that have already been read.
 	bool read_step();
 
 	/// Rereads those scenes in `meshes` whose files are among these paths. Call it when the files
 	/// have changed.
 	void reload_scenes(const godot::PackedStringArray &p_paths);
 
-	/// Sets the properties that follow from the size and kind of `meshes` (see
-	/// get_fitted_properties and fit_of). Sets collision_shape only if a model has shapes. If there
-	/// are no meshes, sets nothing and returns false.
+	/// Sets the properties that depend on the size and kind of `meshes` (see get_fitted_properties
+	/// and fit_of). Sets collision_shape only if a model has shapes. Returns false without setting
+	/// anything if there are no meshes.
 	bool fit_to_meshes(ModelKind p_kind = KIND_AUTOMATIC);
 
 	/// Returns the kind that the name or size of the widest mesh suggests; KIND_AUTOMATIC if there
@@ -227,7 +227,7 @@ public:
 	/// Returns the names of the properties that fit_to_meshes sets.
 	godot::PackedStringArray get_fitted_properties() const;
 
-	/// Sets the relative frequency of each mesh, 0 to 1e6. Missing entries count as 1.
+	/// Sets the relative frequency of each mesh, 0 to 1e6. Missing entries are treated as 1.
 	void set_mesh_weights(const godot::PackedFloat32Array &p_weights);
 	godot::PackedFloat32Array get_mesh_weights() const;
 
@@ -315,7 +315,7 @@ public:
 	/// Returns the property `layer_id`; -1 if it is not set.
 	std::int64_t own_id() const { return identity_.layer_id; }
 
-	/// Returns an error for settings that the core refuses, and for tiles of more than
+	/// Returns an error for settings that the core rejects, and for tiles of more than
 	/// max_tile_points points.
 	Status check();
 

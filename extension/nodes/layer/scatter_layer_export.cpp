@@ -1,5 +1,5 @@
-// This file stores the data that a layer needs after a dedicated server export, which replaces
-// meshes and textures with placeholders.
+// This file stores the data that a layer needs after a dedicated server export has replaced meshes
+// and textures with placeholders.
 
 #include "nodes/common/convert.hpp"
 #include "nodes/common/engine_arrays.hpp"

@@ -1,4 +1,4 @@
-// This file sets properties that follow from the size and kind of a layer's meshes: trees, shrubs,
+// This file sets properties that depend on the size and kind of a layer's meshes: trees, shrubs,
 // grass or rocks.
 
 #include "core/model/model_fit.hpp"

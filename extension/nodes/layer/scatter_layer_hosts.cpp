@@ -48,7 +48,7 @@ void ScatterLayer::add_host_problems(PackedStringArray &r_problems) const {
 	}
 	if (!settings_.set.on_surface) {
 		r_problems.push_back(
-				"ScatterLayer.surface_layers has no effect while on_surfaces is off: turn on_surfaces on, or clear "
+				"ScatterLayer.surface_layers has no effect while on_surfaces is off: enable on_surfaces, or clear "
 				"surface_layers.");
 	}
 	for (const LayerReference &reference : links_.surface_layers) {

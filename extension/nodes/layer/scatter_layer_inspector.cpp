@@ -1,5 +1,5 @@
-// This file hides properties of a layer in the inspector that do not apply. Their values are still
-// stored.
+// This file hides properties of a layer that do not apply from the inspector. Their values are
+// still stored.
 
 #include "nodes/layer/scatter_layer.hpp"
 

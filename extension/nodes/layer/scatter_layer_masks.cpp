@@ -1,4 +1,4 @@
-// This file contains the masks of a layer: a painted one and a texture.
+// This file contains the properties of ScatterLayer for its masks: a painted mask and a texture.
 
 #include "nodes/layer/scatter_layer_properties.hpp"
 
@@ -18,7 +18,7 @@ constexpr NumberProperty mask_texture_edge{
 
 } // namespace
 
-// Watches the mask. Painting emits `area_changed`, and changes of the whole mask emit `changed`.
+// Watches the mask. Painting emits `area_changed`; changes to the whole mask emit `changed`.
 void ScatterLayer::watch_mask(bool p_watch) {
 	watch(mask_.ptr(), "changed", this, "emit_changed", p_watch);
 	watch(mask_.ptr(), "area_changed", this, "_mask_area_changed", p_watch);

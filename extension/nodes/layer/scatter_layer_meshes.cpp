@@ -69,8 +69,8 @@ void ScatterLayer::take_mesh_changes() {
 	}
 }
 
-/// Watches all meshes and models. A larger mesh needs larger bounds of its tiles, and layers may
-/// grow on its triangles.
+/// Watches all meshes and models. Tiles of a larger mesh need larger bounds, and layers may grow on
+/// its triangles.
 void ScatterLayer::watch_meshes(bool p_watch) {
 	for (Object *source : meshes_.sources()) {
 		watch(source, "changed", this, "_meshes_changed", p_watch);
@@ -91,7 +91,7 @@ bool ScatterLayer::read_step() {
 }
 
 /// Reads all models immediately. On threads other than the main thread, reads nothing; only the
-/// parts that are already read are then available.
+/// parts that have already been read are then available.
 void ScatterLayer::read_models() {
 	convert_former_lods(true);
 	if (meshes_.differs()) {
@@ -120,7 +120,7 @@ PackedFloat32Array ScatterLayer::get_mesh_weights() const { return mesh_weights_
 void ScatterLayer::bind_meshes() {
 	bind_guarded<&ScatterLayer::set_meshes>(D_METHOD("set_meshes", "meshes"));
 	bind_guarded<&ScatterLayer::get_meshes>(D_METHOD("get_meshes"));
-	// A hint string can name several element classes, a typed array only one. So scripts see an
+	// A hint string can name several element classes, but a typed array only one, so scripts see an
 	// untyped array.
 	add_layer_property(PropertyUse::placement,
 			PropertyInfo(Variant::ARRAY, "meshes", PROPERTY_HINT_TYPE_STRING,

@@ -10,7 +10,7 @@ namespace thicket {
 
 namespace {
 
-/// Returns true if a curve has the default domain, which is seldom correct for the property's unit.
+/// Returns true if a curve has the default domain, which is rarely correct for the property's unit.
 bool as_made(const Ref<Curve> &p_curve) {
 	return p_curve->get_min_domain() == 0.0F && p_curve->get_max_domain() == 1.0F;
 }
@@ -31,8 +31,8 @@ void add_curve_problem(const char *p_name, const Ref<Curve> &p_curve, const std:
 		r_problems.push_back(name + String(" is 0 everywhere: nothing is placed."));
 	}
 	if (as_made(p_curve)) {
-		r_problems.push_back(name + String(" still has the default domain of 0 to 1, but it is read from ") + p_domain +
-				String(": set Min Domain and Max Domain."));
+		r_problems.push_back(name + String(" still has the default domain of 0 to 1, but it is sampled from ") +
+				p_domain + String(": set Min Domain and Max Domain."));
 	}
 }
 
@@ -47,7 +47,7 @@ void ScatterLayer::add_number_problems(PackedStringArray &r_problems) const {
 	}
 	const double points = point_density(settings_.set) * range_.tile_size * range_.tile_size;
 	if (settings_.rules.edge_feather > 0.0 && points * static_cast<double>(edge_probes) > max_tile_points) {
-		r_problems.push_back("ScatterLayer.edge_feather reads the ground at " +
+		r_problems.push_back("ScatterLayer.edge_feather samples the ground at " +
 				String::num_int64(static_cast<int64_t>(edge_probes)) +
 				" positions around each point, which is slow in tiles with this many points: lower tile_size.");
 	}
@@ -61,7 +61,7 @@ void ScatterLayer::add_curve_problems(PackedStringArray &r_problems) const {
 	add_curve_problem(
 			"noise_curve", resource("noise_curve"), tables_.noise_curve, "the noise, from -1 to 1", r_problems);
 	if (resource("noise_curve").is_valid() && resource("noise").is_null()) {
-		r_problems.push_back("ScatterLayer.noise_curve is not used without a noise.");
+		r_problems.push_back("ScatterLayer.noise_curve is not used without noise.");
 	}
 	if (const Ref<Curve> scale_curve = resource("scale_curve");
 			scale_curve.is_valid() && scale_curve->get_point_count() == 0) {
@@ -99,7 +99,7 @@ void ScatterLayer::add_neighbor_problems(PackedStringArray &r_problems) const {
 void ScatterLayer::add_mesh_problems(PackedStringArray &r_problems) const {
 	meshes_.add_problems(r_problems);
 	if (mesh_weights_.size() > static_cast<int64_t>(meshes_.size())) {
-		r_problems.push_back("ScatterLayer.mesh_weights has more entries than meshes; the rest is not used.");
+		r_problems.push_back("ScatterLayer.mesh_weights has more entries than meshes; the rest is ignored.");
 	}
 }
 

@@ -1,5 +1,5 @@
-// This file contains the properties of ScatterLayer in the group Rules, which decide which points
-// of a layer's set get an instance.
+// This file contains the properties of ScatterLayer in the group Rules, which determine the points
+// of a layer's set that get an instance.
 
 #include "nodes/layer/scatter_layer_properties.hpp"
 

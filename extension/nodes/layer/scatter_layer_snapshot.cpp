@@ -1,5 +1,4 @@
-// This file creates a snapshot of a layer from the values of its properties, and from its resources
-// and lists.
+// This file creates a snapshot of a layer from its properties, resources and lists.
 
 #include "core/model/lod_shadow.hpp"
 #include "nodes/common/convert.hpp"
@@ -45,9 +44,9 @@ void add_boxes(const LodSettings &lod, LayerDrawing &r_drawing) {
 	}
 }
 
-/// Turns off the shadows of those LODs for which they are not worth drawing (see casts_shadow).
-/// Affects only LODs without a shadow setting, in layers with the default setting. An LOD with its
-/// own shadow mesh keeps its shadow.
+/// Disables shadows of LODs for which they are not worth drawing (see casts_shadow). Affects only
+/// LODs without a shadow setting, in layers with the default setting. An LOD with a shadow mesh of
+/// its own keeps its shadow.
 void leave_out_shadows(const LayerSettings &settings, const LodSettings &lod, LayerDrawing &r_drawing) {
 	const double density = point_density(settings.set) * settings.rules.density;
 	for (std::size_t index = 0; index < r_drawing.lod_meshes.size(); ++index) {

@@ -47,8 +47,8 @@ PropertyInfo value_property(const char *p_name) {
 	return PropertyInfo(Variant::OBJECT, p_name, PROPERTY_HINT_RESOURCE_TYPE, ScatterValueSource::class_name);
 }
 
-/// Returns the settings of a value without those that its source does not use. Changes of unused
-/// settings then regenerate nothing.
+/// Returns the settings of a value without those that its source does not use, so that changes to
+/// unused settings regenerate nothing.
 InstanceSource used(const Ref<ScatterValueSource> &p_value, bool is_used) {
 	if (!is_used || p_value.is_null()) {
 		return {};
@@ -100,11 +100,11 @@ private:
 		}
 	}
 
-	/// Reports the default range of 0 to 1, which is seldom correct for the unit of the source.
+	/// Reports the default range of 0 to 1, which is rarely correct for the unit of the source.
 	void add_as_made(SourceKind kind, const char *p_unit) {
 		if (source_.kind == kind && source_.min == 0.0 && source_.max == 1.0) {
-			problems_.push_back(name_ + String(" goes over 0 to 1 ") + p_unit +
-					String(", as it is made: set its min_value and max_value."));
+			problems_.push_back(name_ + String(" still has the default range of 0 to 1 ") + p_unit +
+					String(": set its min_value and max_value."));
 		}
 	}
 
@@ -164,7 +164,8 @@ void ScatterLayer::set_variation_value(const Ref<ScatterValueSource> &p_value) {
 /// false for any other name.
 bool ScatterLayer::set_former_value(const StringName &p_name, const Variant &p_value) {
 	for (const FormerValue &value : former_values) {
-		// Build no string before this check, because the engine calls this for every property.
+		// Do not build a string before this check, because the engine calls this for every
+		// property.
 		if (p_name == StringName(value.former)) {
 			const char *current = value.is_color ? "color_value" : "variation_value";
 			const std::string owner = "ScatterLayer.";

@@ -104,7 +104,7 @@ void ScatterMask::set_data(const PackedByteArray &p_data) {
 Status ScatterMask::take(std::span<const std::uint8_t> bytes) {
 	const Status status = mask_.from_bytes(bytes);
 	if (status.ok()) {
-		// The bytes store the background in steps of 1/255, and the scene stores it more precisely.
+		// The bytes store the background in steps of 1/255; the scene stores it more precisely.
 		if (std::lround(255.0 * background_) != std::lround(255.0 * mask_.background())) {
 			background_ = mask_.background();
 		}

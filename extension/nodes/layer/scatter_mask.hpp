@@ -15,7 +15,7 @@
 namespace thicket {
 
 /// A density painted over the whole plane: the core's PaintedMask as a Resource. Several layers may
-/// share one.
+/// share a mask.
 ///
 /// `paint` and `set_pixels` emit `area_changed` with the changed rectangle. All other changes emit
 /// `changed`.
@@ -33,9 +33,9 @@ public:
 		MODE_SMOOTH,
 	};
 
-	/// Sets the size of a pixel in meters, PaintedMask::min_pixel_size to max_pixel_size. Prints an
-	/// error and changes nothing while anything is painted, because the mask would have to be
-	/// resampled, which cannot be undone. The same applies to `set_background`.
+	/// Sets the size of a pixel in meters, PaintedMask::min_pixel_size to max_pixel_size. While
+	/// anything is painted, prints an error and leaves the size unchanged, because the mask would
+	/// have to be resampled, which cannot be undone. The same applies to `set_background`.
 	void set_pixel_size(double p_size);
 	double get_pixel_size() const;
 
@@ -44,8 +44,8 @@ public:
 	double get_background() const;
 
 	/// Sets the whole content: the painted pixels, the pixel size and the background, in the format
-	/// of PaintedMask::to_bytes. An empty array stands for a blank mask. Setting corrupt bytes
-	/// prints one error and changes nothing.
+	/// of PaintedMask::to_bytes. An empty array means a blank mask. Setting corrupt bytes prints
+	/// one error and leaves the mask unchanged.
 	void set_data(const godot::PackedByteArray &p_data);
 	godot::PackedByteArray get_data() const;
 
@@ -54,16 +54,16 @@ public:
 	godot::Error save_to_file(const godot::String &p_path) const;
 
 	/// Replaces the whole mask with a file from save_to_file. On failure, prints an error and
-	/// changes nothing.
+	/// leaves the mask unchanged.
 	godot::Error load_from_file(const godot::String &p_path);
 
 	/// Paints one dab of a Brush. Returns a world rectangle (x, z) in meters that contains all
-	/// changes. The rectangle is empty if nothing has changed or a value was refused.
+	/// changes. The rectangle is empty if nothing has changed or a value is invalid.
 	godot::Rect2 paint(
 			const godot::Vector2 &p_center, double p_radius, double p_strength, double p_hardness, Mode p_mode);
 
 	/// Returns pixels row by row, one byte each, 0 to 255. Returns none if the rectangle is empty
-	/// or refused.
+	/// or invalid.
 	godot::PackedByteArray get_pixels(const godot::Rect2i &p_rect) const;
 
 	/// Writes pixels in the format of `get_pixels`. Like `paint`, returns a world rectangle that
@@ -94,7 +94,8 @@ private:
 	bool accept_while_blank(const char *p_property, double p_value) const;
 	void reset(double p_pixel_size, double p_background);
 
-	/// Replaces the whole mask with the content of the bytes. If they are refused, changes nothing.
+	/// Replaces the whole mask with the content of the bytes. If they are invalid, leaves the mask
+	/// unchanged.
 	Status take(std::span<const std::uint8_t> bytes);
 	godot::Rect2 announce(const Status &status, const Rect &changed);
 

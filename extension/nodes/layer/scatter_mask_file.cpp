@@ -1,4 +1,4 @@
-// This file saves a ScatterMask to a file, and loads it.
+// This file contains the methods of ScatterMask that save and load files.
 
 #include "nodes/common/convert.hpp"
 #include "nodes/common/file_replace.hpp"

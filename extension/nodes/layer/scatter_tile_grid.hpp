@@ -10,16 +10,15 @@
 
 namespace thicket {
 
-/// A grid of square tiles in the world, for scripts. Corresponds to core/base/tile_grid.hpp, in
-/// double precision. Bounds are arrays of min x, min z, max x and max z in meters; they are
-/// half-open.
+/// A grid of square tiles in the world, for scripts. This is core/base/tile_grid.hpp in double
+/// precision. Bounds are arrays of min x, min z, max x and max z in meters; they are half-open.
 class ScatterTileGrid : public godot::RefCounted, public ThreadGuarded {
 	GDCLASS(ScatterTileGrid, godot::RefCounted)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	/// Sets the side of a tile in meters, 0.1 to 1e6. Any other value prints an error and changes
-	/// nothing.
+	/// Sets the edge length of a tile in meters, 0.1 to 1e6. Any other value prints an error and is
+	/// ignored.
 	void set_tile_size(double p_size);
 	double get_tile_size() const { return tile_size_; }
 
@@ -32,7 +31,7 @@ public:
 
 	/// Returns the tiles that overlap the bounds: the first tile, and the counts along x and z.
 	/// Empty bounds overlap no tiles. If the bounds are not four numbers, or if get_tile_at would
-	/// refuse one of them, prints an error and returns no tiles.
+	/// reject one of them, prints an error and returns no tiles.
 	godot::Rect2i get_tiles_in(const godot::PackedFloat64Array &p_bounds) const;
 
 	static constexpr const char *class_name = "ScatterTileGrid";

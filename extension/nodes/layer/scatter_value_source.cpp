@@ -58,7 +58,7 @@ void ScatterValueSource::set_randomness(double p_randomness) {
 	set_number("randomness", p_randomness, 0.0, 1.0, values_.randomness);
 }
 
-/// Sets a resource. `p_changed` is the method to call whenever the resource changes.
+/// Sets a resource. `p_changed` is the method to call when the resource changes.
 template <class T>
 void ScatterValueSource::set_content(const Ref<T> &p_content, const char *p_changed, Ref<T> &r_own) {
 	if (r_own == p_content) {

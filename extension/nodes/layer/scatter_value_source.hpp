@@ -17,8 +17,8 @@
 
 namespace thicket {
 
-/// The source of an instance's color or variation, as a number from 0 to 1. Layers may share it.
-/// Emits `changed` when a property is set, and when its noise, gradient or curve changes.
+/// The source of an instance's color or variation, as a number from 0 to 1. Layers may share a
+/// source. Emits `changed` when a property is set, and when its noise, gradient or curve changes.
 class ScatterValueSource : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterValueSource, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
@@ -44,7 +44,7 @@ public:
 	void set_max_value(double p_value);
 	double get_max_value() const { return values_.max; }
 
-	/// Sets the random share of the number, 0 to 1.
+	/// Sets the random fraction of the number, 0 to 1.
 	void set_randomness(double p_randomness);
 	double get_randomness() const { return values_.randomness; }
 
@@ -52,13 +52,13 @@ public:
 	void set_noise(const godot::Ref<godot::Noise> &p_noise);
 	godot::Ref<godot::Noise> get_noise() const { return noise_; }
 
-	/// Sets the layer for SOURCE_DISTANCE: a ScatterLayer or its name. Null or "" stands for no
-	/// layer. A layer that has a name is stored by name.
+	/// Sets the layer for SOURCE_DISTANCE: a ScatterLayer or its name. Null or "" means no layer. A
+	/// layer that has a name is stored by name.
 	void set_layer(const godot::Variant &p_layer);
 	godot::Variant get_layer() const;
 
-	/// Sets the colors for the numbers from 0 to 1. Null stands for white. The gradient has no
-	/// effect on a variation.
+	/// Sets the colors for the numbers from 0 to 1. Null means white. The gradient has no effect on
+	/// a variation.
 	void set_gradient(const godot::Ref<godot::Gradient> &p_gradient);
 	godot::Ref<godot::Gradient> get_gradient() const { return gradient_; }
 

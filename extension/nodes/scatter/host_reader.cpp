@@ -63,7 +63,7 @@ std::shared_ptr<const HostModels> HostReader::read(const LayerDrawing &drawing, 
 							"remove the layer from surface_layers of the others.");
 	}
 	if (models_ == nullptr || !same_models(*models_, *models)) {
-		// Unchanged models keep their address, so that nothing is regenerated.
+		// Unchanged models keep their address so that nothing is regenerated.
 		models_ = std::move(models);
 	}
 	return models_;
@@ -89,7 +89,7 @@ std::shared_ptr<const Surface> HostReader::read_mesh(const Ref<Mesh> &p_mesh, st
 	const String name = "ScatterLayer.meshes[" + String::num_int64(static_cast<int64_t>(index)) + "]";
 	if (status.ok() && corners.size() / 3 > max_triangles) {
 		problems_.push_back(
-				vformat("nothing grows on %s: it has %d triangles, and a mesh on which layers grow may have "
+				vformat("nothing grows on %s: it has %d triangles, but a mesh on which layers grow may have at most "
 						"%d. Use a mesh with fewer triangles.",
 						name, static_cast<int64_t>(corners.size() / 3), static_cast<int64_t>(max_triangles)));
 		return nullptr;

@@ -23,10 +23,10 @@ public:
 	/// before, returns the same object.
 	std::shared_ptr<const HostModels> read(const LayerDrawing &drawing, std::uint64_t version);
 
-	/// Returns a sentence for each reason why nothing can grow on a mesh, or on any mesh.
+	/// Returns a message for each reason why nothing can grow on a mesh, or on any mesh.
 	const godot::PackedStringArray &problems() const { return problems_; }
 
-	/// The maximum number of triangles of a mesh. Nothing grows on a mesh with more.
+	/// The maximum number of triangles of a mesh. Nothing grows on larger meshes.
 	static constexpr std::size_t max_triangles = 100'000;
 
 private:

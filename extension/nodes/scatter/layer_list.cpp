@@ -19,13 +19,13 @@ namespace {
 template <class Values>
 std::shared_ptr<const Values> kept(const std::shared_ptr<const Values> &before, Values now) {
 	if (before != nullptr && *before == now) {
-		// Keeping the object regenerates nothing.
+		// Nothing has to be regenerated for the same object.
 		return before;
 	}
 	return std::make_shared<const Values>(std::move(now));
 }
 
-/// Returns the area in which a layer's tiles are outdated after a change of its settings or the
+/// Returns the area in which a layer's tiles are outdated after a change to its settings or the
 /// ground.
 EditedArea outdated_area(const SharedSnapshot &before, const SharedSnapshot &now, const EditedArea &ground_change,
 		EditSearch &r_search) {
@@ -41,8 +41,8 @@ EditedArea outdated_area(const SharedSnapshot &before, const SharedSnapshot &now
 	return area;
 }
 
-/// Names the property whose distance is too large. Call it for a layer whose own points fit the
-/// limit, but not together with the points of other layers around a tile.
+/// Names the property whose distance is too large. Call it for a layer that exceeds the limit only
+/// because of the points of other layers around a tile.
 const char *far_looking_property(const LayerSettings &layer, double tile_size) {
 	LayerSettings plain = layer;
 	plain.instance_data = {};
@@ -85,7 +85,7 @@ Status LayerList::read(Entry &r_entry, const Ref<ScatterLayer> &p_layer, std::ui
 	return status;
 }
 
-/// Adds the data that comes from outside the layer: shapes, biomes, water and the planet.
+/// Adds the data that does not come from the layer: shapes, biomes, water and the planet.
 void LayerList::add_world(std::size_t index, const NodeLayers &layers, const LayerWorld &world) {
 	LayerSnapshot &layer = *entries_[index].unlinked;
 	const SharedSnapshot was = before(index);
@@ -117,8 +117,8 @@ void LayerList::add_world(std::size_t index, const NodeLayers &layers, const Lay
 	layer.settings = settings;
 }
 
-/// Creates the water levels. With biomes, creates them even if there is no water. A later change of
-/// one biome's water then affects only the area of that biome.
+/// Creates the water levels. With biomes, creates them even if there is no water, so that a later
+/// change to one biome's water affects only the area of that biome.
 void LayerList::find_water(const LayerWorld &world) {
 	if (world.biomes.is_valid()) {
 		water_ = kept(water_, WaterLevels(world.biomes->map(), world.biomes->water_levels(world.water_level)));

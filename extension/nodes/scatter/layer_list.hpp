@@ -38,7 +38,7 @@ struct LayerWorld {
 	const LayerPreviews &previews;  ///< The layers that the editor displays in place of others.
 	Planet planet;                  ///< The planet that the ground forms, if any.
 	GroundShell shell;              ///< Contains all ground around the planet's center.
-	const StateEdits &state_edits;  ///< The changes of instances since the last update.
+	const StateEdits &state_edits;  ///< The changes to instances since the last update.
 	godot::Ref<ScatterState> state; ///< The game's changes; null if there are none.
 };
 
@@ -48,19 +48,18 @@ class LayerList {
 public:
 	/// Reads the current layers and returns, for each layer, the area in which its tiles are
 	/// outdated. `ground_change` is the area in which the ground has changed since the last update.
-	/// If a layer has invalid settings, prints an error once and keeps using its last valid
-	/// settings.
+	/// If a layer has invalid settings, prints an error once and keeps its last valid settings.
 	std::vector<EditedArea> update(const NodeLayers &layers, const LayerWorld &world, const EditedArea &ground_change);
 
 	/// Returns the snapshots by layer index; null for an empty entry. A snapshot stays the same
 	/// object until its layer changes.
 	const std::vector<SharedSnapshot> &snapshots() const { return snapshots_; }
 
-	/// Return true if other layers grow on the models of this layer, or of any layer.
+	/// These methods return true if other layers grow on the models of this layer, or of any layer.
 	bool is_host(std::size_t index) const { return index < entries_.size() && entries_[index].host != nullptr; }
 	bool has_hosts() const;
 
-	/// Adds a sentence for each reason why nothing can grow on a host or one of its meshes.
+	/// Adds a message for each reason why nothing can grow on a host or one of its meshes.
 	void add_host_problems(godot::PackedStringArray &r_problems) const;
 
 	/// Discards everything, so that the next update treats all layers as new.

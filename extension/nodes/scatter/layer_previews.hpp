@@ -19,7 +19,7 @@ public:
 	/// are placed.
 	void set_hidden(const godot::TypedArray<ScatterLayer> &p_layers);
 
-	/// Displays `p_stand_in` instead of a layer. If null, displays the layer itself again.
+	/// Displays `p_stand_in` instead of a layer; null restores the layer.
 	void set_stand_in(const godot::Ref<ScatterLayer> &p_layer, const godot::Ref<ScatterLayer> &p_stand_in);
 
 	/// Returns whether each of these layers is hidden, by index. Returns an empty list if no layer
@@ -30,7 +30,7 @@ public:
 	godot::Ref<ScatterLayer> shown(const godot::Ref<ScatterLayer> &p_layer) const;
 
 private:
-	// Keyed by instance ID, so that removed layers are not kept alive.
+	// Instance IDs, so that removed layers are not kept alive.
 	std::set<std::uint64_t> hidden_;
 	std::map<std::uint64_t, godot::Ref<ScatterLayer>> stand_ins_;
 };

@@ -10,12 +10,12 @@
 
 namespace thicket {
 
-/// Lists all layers of a node: its own, followed by those of its biomes without duplicates. Use it
-/// only on the main thread.
+/// Lists all layers of a node: its own layers, followed by those of its biomes without duplicates.
+/// Use it only on the main thread.
 ///
 /// The node's own layers have the same index as in the node's list. Layers of biomes have higher
-/// indices, which stay the same while other layers of biomes are added or removed. So those changes
-/// regenerate no tiles of the remaining layers.
+/// indices, which stay the same while other layers of biomes are added or removed. Such changes
+/// therefore regenerate no tiles of the remaining layers.
 class NodeLayers {
 public:
 	/// Reads the current layers. `biomes` may be null.

@@ -36,13 +36,13 @@ void add_problems_of(ScatterLayer &layer, const String &p_where, const Ref<Scatt
 		r_problems.push_back(p_where +
 				String("nothing is placed: on_surfaces requires the triangles of the ground, and a ") +
 				p_ground->get_class() +
-				String(" has none here. Use meshes, a heightmap, Terrain3D or HTerrain, or turn on_surfaces off."));
+				String(" has none here. Use meshes, a heightmap, Terrain3D or HTerrain, or disable on_surfaces."));
 	}
 	const bool on_planet = is_usable && p_ground->planet().exists();
 	if (on_planet && !layer.is_on_surfaces()) {
 		r_problems.push_back(p_where +
 				String("grows only on the top of the planet, as seen along world y: without on_surfaces, planet_radius "
-					   "has no effect. Turn ScatterLayer.on_surfaces on."));
+					   "has no effect. Enable ScatterLayer.on_surfaces."));
 	}
 	const double limit = max_view_tiles_in_space * layer.range().tile_size;
 	if (on_planet && layer.is_on_surfaces() && layer.range().view_distance > limit) {
@@ -82,7 +82,7 @@ bool is_displaced(const Node3D &node, glm::dvec3 offset) {
 	const Transform3D transform = node.get_global_transform();
 	const glm::dvec3 away = to_core(transform.origin) + offset;
 	const double tolerance = position_tolerance + position_share * glm::length(offset);
-	// A game that recenters its world may also move this node, which is not a displacement.
+	// A game that recenters its world may also move this node; that is not a displacement.
 	const bool is_moved = glm::length(to_core(transform.origin)) > position_tolerance && glm::length(away) > tolerance;
 	return is_moved || !is_identity(to_core(transform.basis));
 }
@@ -112,7 +112,7 @@ void add_local_problems(const Node3D &node, const Ref<ScatterGround> &p_ground, 
 	if (p_ground.is_valid() && !p_ground->moves_with_host()) {
 		r_problems.push_back(String("TerrainScatter3D.ground: a ") + p_ground->get_class() +
 				String(" does not move with the node, as local_coords requires. Use a ScatterGroundMeshes with the "
-					   "meshes or bodies of the moving object, or turn local_coords off."));
+					   "meshes or bodies of the moving object, or disable local_coords."));
 	}
 }
 
@@ -143,7 +143,7 @@ void add_viewer_problems(
 
 String problem_of_ground(const Ref<ScatterGround> &p_ground) {
 	if (p_ground.is_null()) {
-		return "No ground: set TerrainScatter3D.ground to a ScatterGround to show anything.";
+		return "No ground: set TerrainScatter3D.ground to a ScatterGround to display anything.";
 	}
 	const String stripped = p_ground->stripped();
 	return stripped.is_empty() ? p_ground->problem() : stripped;
@@ -176,7 +176,7 @@ void add_layer_problems(const TypedArray<ScatterLayer> &p_layers, const Ref<Scat
 		const String where = "Layer " + String::num_int64(index) + ": ";
 		const Ref<ScatterLayer> layer = p_layers[index];
 		if (layer.is_null()) {
-			r_problems.push_back(where + String("empty, shows nothing."));
+			r_problems.push_back(where + String("empty, so it displays nothing."));
 			continue;
 		}
 		add_problems_of(*layer.ptr(), where, p_ground, has_water, r_problems);
@@ -186,8 +186,8 @@ void add_layer_problems(const TypedArray<ScatterLayer> &p_layers, const Ref<Scat
 		const int64_t id = layer->own_id();
 		if (!ids.insert(id >= 0 ? id : index).second) {
 			r_problems.push_back(where +
-					String("has the layer_id of a different layer: both use the same random numbers and "
-						   "ids. Set one of them to -1 for a new id."));
+					String("has the layer_id of another layer: both use the same random numbers and "
+						   "IDs. Set one of them to -1 to assign a new ID."));
 		}
 	}
 }

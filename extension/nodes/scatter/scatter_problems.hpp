@@ -17,23 +17,24 @@
 
 namespace thicket {
 
-/// Returns a sentence that explains why a ground cannot be used; empty if it can. Null is no ground.
+/// Returns a message that explains why a ground cannot be used; empty if it can. Null is reported
+/// as a missing ground.
 godot::String problem_of_ground(const godot::Ref<ScatterGround> &p_ground);
 
-/// These functions add a sentence for each problem with a node's ground or layers. `p_layers` must
+/// These functions add a message for each problem with a node's ground or layers. `p_layers` must
 /// be in order of priority. `has_water` is true if the node or a biome has water.
 void add_ground_problems(const godot::Ref<ScatterGround> &p_terrain, godot::PackedStringArray &r_problems);
 void add_layer_problems(const godot::TypedArray<ScatterLayer> &p_layers, const godot::Ref<ScatterGround> &p_terrain,
 		bool has_water, godot::PackedStringArray &r_problems);
 
 /// Returns true if the global transform of a node in the tree is not the identity, because
-/// instances do not follow it. `offset` is the world position of the engine's origin. A translation
-/// by -`offset` does not count, because a node that has moved with a recentered scene still matches
-/// its instances.
+/// instances do not move with the node. `offset` is the world position of the engine's origin.
+/// Accepts a translation by -`offset`, because a node that has moved with a recentered scene still
+/// matches its instances.
 bool is_displaced(const godot::Node3D &node, glm::dvec3 offset);
 void add_transform_problem(const godot::Node3D &node, glm::dvec3 offset, godot::PackedStringArray &r_problems);
 
-/// Adds the problems of a node with local coordinates: its scale, and a ground that does not move
+/// Adds the problems of a node with local coordinates: its scale and a ground that does not move
 /// with it.
 void add_local_problems(
 		const godot::Node3D &node, const godot::Ref<ScatterGround> &p_ground, godot::PackedStringArray &r_problems);
@@ -43,13 +44,13 @@ void add_local_problems(
 void add_viewer_problems(const godot::Node3D &node, const ViewerSettings &viewers, const Status &refused,
 		godot::PackedStringArray &r_problems);
 
-/// Adds a sentence if more multimeshes with instance uniforms are displayed than the Compatibility
-/// renderer supports. The renderer prints an error for each additional one, and draws it with the
+/// Adds a message if more multimeshes with instance uniforms are displayed than the Compatibility
+/// renderer supports. The renderer prints an error for each additional one and draws it with the
 /// default values of its shader.
 void add_uniform_problem(
 		const TileDisplay &display, std::span<const SharedSnapshot> layers, godot::PackedStringArray &r_problems);
 
-/// Returns a sentence for each feature that does not work because an export has stripped its
+/// Returns a message for each feature that does not work because an export has stripped its
 /// resource. `biomes` may be null.
 godot::PackedStringArray stripped_problems(const godot::TypedArray<ScatterLayer> &p_layers,
 		const godot::Ref<ScatterGround> &p_terrain, const ScatterBiomeMap *biomes);

@@ -17,9 +17,9 @@ namespace thicket {
 
 namespace {
 
-/// The number of tiles in progress per worker is chosen, within the limits below, so that they take
-/// a worker this long. More would delay the nearest tiles after a viewer turns or a setting
-/// changes. Fewer could leave workers idle between two frames.
+/// The number of tiles in progress per worker is chosen, within the limits below, so that a worker
+/// needs this long for them. More tiles would delay the nearest ones after a viewer turns or a
+/// setting changes. Fewer could leave workers idle between two frames.
 constexpr std::uint64_t worker_lead_microseconds = 30'000;
 constexpr std::size_t min_jobs_per_worker = 8;
 constexpr std::size_t max_jobs_per_worker = 64;
@@ -28,7 +28,7 @@ constexpr std::size_t max_jobs_per_worker = 64;
 constexpr double sort_distance = 4.0;
 
 /// Returns true if two versions of a layer have the same points and meshes. A tile of the old
-/// version may then be shown until the new one is ready.
+/// version may then stay visible until the new one is ready.
 bool interchangeable(const SharedSnapshot &a, const SharedSnapshot &b) {
 	if (a == nullptr || b == nullptr) {
 		return a == b;
@@ -37,7 +37,7 @@ bool interchangeable(const SharedSnapshot &a, const SharedSnapshot &b) {
 }
 
 /// Returns the tile size and view distance of a layer. An empty layer gets huge tiles and no view
-/// distance, so that it requests almost none.
+/// distance, so that it requests almost no tiles.
 StreamLayer range_of(const SharedSnapshot &layer) { return layer != nullptr ? layer->range : StreamLayer{1e6, 0.0}; }
 
 WorldTile world_tile(const TileKey &key) { return {key.layer, key.tile, key.slab}; }
@@ -66,8 +66,8 @@ void ScatterStream::set_layers(
 	for (const SharedSnapshot &layer : layers) {
 		ranges.push_back(range_of(layer));
 	}
-	// Allocate before changing the streamer. If memory runs out here, the stream and the streamer
-	// both keep the old layers.
+	// Allocate before changing the streamer. If this runs out of memory, the stream and the
+	// streamer both keep the old layers.
 	std::vector<SharedSnapshot> next = layers;
 	failures_.reserve(layers.size());
 	const Status status = streamer_.set_layers(ranges);
@@ -106,7 +106,7 @@ void ScatterStream::set_layers(
 	}
 }
 
-/// Completes a request without a new tile: the visible tile with its key stays.
+/// Completes a request without a new tile, because the visible tile with its key stays.
 void ScatterStream::keep_shown(const TileRequest &request) {
 	streamer_.finish(request);
 	recheck_.keep(request.key);
@@ -149,7 +149,7 @@ std::size_t ScatterStream::jobs_per_worker() const {
 }
 
 /// Accepts the viewers that are in range, so that tiles are still streamed around them. Skips the
-/// others, and reports the first error once.
+/// others and reports the first error once.
 void ScatterStream::accept(std::span<const Viewer> viewers) {
 	const Status before = std::exchange(viewer_status_, Status());
 	viewers_.clear();
@@ -316,7 +316,7 @@ void ScatterStream::settle(const std::shared_ptr<TileJob> &job) {
 void ScatterStream::settle_unseen(const std::shared_ptr<TileJob> &job) {
 	std::erase(jobs_, job);
 	if (!job->status.ok() && !job->stale && ground_.source.is_available()) {
-		// A tile that cannot be generated counts as empty until an edit invalidates it.
+		// A tile that cannot be generated is treated as empty until an edit invalidates it.
 		world_.keep(world_tile(job->request.key), std::make_shared<const CompactTile>());
 	}
 }

@@ -61,8 +61,8 @@ public:
 	/// `world` must outlive the stream.
 	explicit ScatterStream(InstanceWorld &world);
 
-	/// Sets the rings, the objects that keep bodies and scenes near viewers. The rings share the
-	/// budget of the frame.
+	/// Sets the rings, which are the objects that keep bodies and scenes near viewers. The rings
+	/// share the frame budget.
 	void set_rings(std::vector<NearRing *> rings) { rings_ = std::move(rings); }
 
 	/// Replaces the layers and the ground. Regenerates layer i in the area `outdated[i]`; old tiles
@@ -72,7 +72,7 @@ public:
 
 	/// Does the work of one frame, such as requesting missing tiles and uploading finished ones,
 	/// until `budget` microseconds are spent. Does at least one step even without any budget.
-	/// Without viewers, keeps all tiles, and still generates tiles for queries. Returns false if a
+	/// Without viewers, keeps all tiles and still generates tiles for queries. Returns false if a
 	/// script that samples the ground has freed this object. Throws std::bad_alloc if memory runs
 	/// out; the following frames then repeat the lost work.
 	[[nodiscard]] bool frame(std::span<const Viewer> viewers, std::uint64_t budget);
@@ -82,18 +82,18 @@ public:
 	void physics_frame();
 
 	/// Waits for the workers and immediately removes all tiles and bodies. The stream may be used
-	/// again afterwards.
+	/// again afterward.
 	void stop();
 
 	/// Waits for the workers and discards all work. Tiles stay visible until `dissolve_until` hides
 	/// and frees them in steps.
 	void retire();
 
-	/// Removes bodies, and hides and frees removed tiles, until `deadline`. Does at least one step.
+	/// Removes bodies and hides and frees removed tiles until `deadline`. Does at least one step.
 	void dissolve_until(std::chrono::steady_clock::time_point deadline);
 
 	/// Returns the tiles that were shown or hidden since the last call, in order. A regenerated
-	/// tile is reported as shown again, without being reported as hidden.
+	/// tile is reported as shown again but not as hidden.
 	std::vector<TileEvent> take_events();
 
 	/// Returns positions, in world meters, where re-checks since the last call have found
@@ -104,15 +104,15 @@ public:
 	/// rings have no work left.
 	bool idle() const;
 
-	/// Returns true if a frame with these viewers and limits would neither request different tiles
-	/// nor redraw any because of the limits. Without viewers, always true.
+	/// Returns true if a frame with these viewers and limits would neither request other tiles nor
+	/// redraw any because of the limits. Without viewers, always returns true.
 	bool follows(std::span<const Viewer> viewers, const DrawLimits &limits) const;
 
 	/// Returns the error of the first viewer whose position is out of range; ok if there is none.
 	/// The other viewers are unaffected.
 	const Status &viewer_status() const { return viewer_status_; }
 
-	/// Returns a sentence for each error that has kept tiles from being generated. An error is kept
+	/// Returns a message for each error that has kept tiles from being generated. An error is kept
 	/// until its layer or the ground changes.
 	godot::PackedStringArray failures() const;
 
@@ -132,7 +132,8 @@ public:
 	std::size_t upload_queue_size() const { return uploads_.size(); }
 	const StreamFigures &figures() const { return figures_; }
 
-	/// Returns how many objects and buffers workers have received to free; see TileWorkers::freed.
+	/// Returns the number of objects and buffers that workers have received to free; see
+	/// TileWorkers::freed.
 	std::uint64_t freed_by_workers() const { return workers_.freed(); }
 
 	/// Returns the number of buffers that workers have reused; see TileWorkers::reused.
@@ -145,7 +146,7 @@ private:
 	/// The kinds of work that share the time of a frame.
 	enum class Step : std::uint8_t {
 		ask_ground, ///< Samples the ground of a tile on the main thread.
-		upload,     ///< Uploads a part of a tile, and shows the tile after the last part.
+		upload,     ///< Uploads a part of a tile and shows the tile after the last part.
 		free,       ///< Hides and frees removed tiles.
 		lod,        ///< Redraws some tiles to match their distances.
 		divide,     ///< Divides a tile into cells, or draws it as a whole again.
@@ -190,7 +191,7 @@ private:
 	static FramePart part_of(Step step);
 	bool work_until(Clock::time_point deadline);
 
-	/// Expires with this object, so that the stream can detect whether a script has freed it.
+	/// Expires with this object, so that the stream can detect that a script has freed it.
 	std::shared_ptr<const char> life_ = std::make_shared<const char>('\0');
 	InstanceWorld &world_;
 	FrameTimes times_;

@@ -12,7 +12,7 @@ using namespace godot;
 
 namespace thicket {
 
-/// Prints the error of a tile, unless its layer or ground is outdated, or the layer already has an
+/// Prints the error of a tile unless its layer or ground is outdated or the layer already has an
 /// error.
 void ScatterStream::report_once(const TileJob &job) {
 	const std::uint32_t index = job.request.key.layer;

@@ -33,8 +33,8 @@ bool ScatterStream::rechecks() const {
 	return ground.is_valid() && ground->rechecks();
 }
 
-/// Adds this frame's share of time for re-checks. Call it once per frame. If reading a height takes
-/// longer than allowed, as in a slow script, the following frames read none.
+/// Adds this frame's portion of the time for re-checks. Call it once per frame. If reading a height
+/// takes longer than allowed, as in a slow script, the following frames read none.
 void ScatterStream::allow_recheck(Clock::duration budget) {
 	const Clock::duration share = budget / budget_parts;
 	recheck_left_ = std::min(recheck_left_ + share, saved_frames * share);
@@ -49,7 +49,7 @@ bool ScatterStream::recheck_step() {
 	return recheck_heights(heights_per_frame) > 0;
 }
 
-/// Reads the ground at a few positions and returns their number. Sampling the ground may run a
+/// Samples the ground at a few positions and returns their number. Sampling the ground may run a
 /// script, which may even free this object.
 std::size_t ScatterStream::recheck_heights(std::size_t most) {
 	recheck_due_ = false;

@@ -21,8 +21,8 @@ constexpr std::uint32_t uploads_before_divide = 32;
 /// Until a fade is prepared, its LODs switch abruptly.
 constexpr std::uint32_t uploads_before_fade = 8;
 
-/// Updates the average time of a step. Caps outliers, because otherwise a single step during which
-/// the thread was preempted would delay the stream for many frames.
+/// Updates the average time of a step. Caps outliers; otherwise a single step during which the
+/// thread was preempted would delay the stream for many frames.
 std::chrono::steady_clock::duration smoothed(
 		std::chrono::steady_clock::duration usual, std::chrono::steady_clock::duration step) {
 	const auto believed = std::min(step, 4 * usual + std::chrono::microseconds(1));
@@ -32,8 +32,8 @@ std::chrono::steady_clock::duration smoothed(
 } // namespace
 
 /// Samples the ground of the first waiting tile at up to `most` positions. Returns the number of
-/// positions, but at least 1 for a tile that was processed. Returns 0 if no tile waits, or if a
-/// script has changed the stream.
+/// positions; at least 1 if a tile was processed. Returns 0 if no tile waits, or if a script has
+/// changed the stream.
 std::size_t ScatterStream::ground_step(std::size_t most) {
 	if (ask_ground_.empty() || most == 0) {
 		return 0;
@@ -84,7 +84,7 @@ void ScatterStream::physics_frame() {
 	}
 }
 
-/// Uploads a part of the next tile, and shows the tile after its last part. Tiles are completed one
+/// Uploads a part of the next tile and shows the tile after its last part. Tiles are completed one
 /// by one, so that no far tile appears before a near one.
 bool ScatterStream::upload_step() {
 	if (uploads_.state() == UploadQueue::State::idle) {

@@ -61,7 +61,7 @@ Ref<ScatterTile> ScatterTile::shown(const std::shared_ptr<const TileDisplay> &di
 	return result;
 }
 
-/// Takes the merged instances of the cubes in a column. They are copies, so later changes of the
+/// Takes the merged instances of the cubes in a column. They are copies, so later changes to the
 /// display do not affect them.
 void ScatterTile::merge(std::span<const DisplayedTile *const> column) {
 	const auto tile = std::make_shared<CompactTile>();

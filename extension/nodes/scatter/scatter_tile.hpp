@@ -26,7 +26,7 @@
 
 namespace thicket {
 
-/// The instances in a rectangle of the world, grouped by mesh. The rectangle is a visible tile, or
+/// The instances in a rectangle of the world, grouped by mesh. The rectangle is a visible tile or
 /// was built for the caller. For an invalid mesh index, methods print an error and return a default
 /// value.
 class ScatterTile : public godot::RefCounted, public ThreadGuarded {
@@ -34,7 +34,7 @@ class ScatterTile : public godot::RefCounted, public ThreadGuarded {
 	THICKET_GUARDED_METHODS(any)
 
 public:
-	/// Creates the result of a refused call: no meshes and no instances.
+	/// Creates the result of a rejected call: no meshes and no instances.
 	static godot::Ref<ScatterTile> make_empty() { return memnew(ScatterTile); }
 
 	/// Creates the result for a built tile. `frame` is the world position of the engine's origin

@@ -27,8 +27,8 @@ constexpr int32_t editor_viewports = 4;
 /// field of view of 75 degrees.
 constexpr double size_per_distance = 1.5347;
 
-/// Returns the cameras of the editor's visible 3D viewports. If none is visible, as while the
-/// script editor is open, returns the first one.
+/// Returns the cameras of the editor's visible 3D viewports. If none is visible, for example while
+/// the script editor is open, returns the first one.
 std::vector<Camera3D *> editor_cameras() {
 	std::vector<Camera3D *> cameras;
 	for (int32_t index = 0; index < editor_viewports; ++index) {

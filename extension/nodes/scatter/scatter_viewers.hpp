@@ -42,8 +42,7 @@ struct FoundViewers {
 };
 
 /// Finds the viewers of `node`, which must be in the tree. `frame` is the world position of the
-/// engine's origin in meters. Skips viewers that are not in the tree, and viewers whose x or z is
-/// not finite.
+/// engine's origin in meters. Skips viewers that are not in the tree or whose x or z is not finite.
 ///
 /// An orthogonal camera shows objects at the same size regardless of distance. Its viewer is
 /// therefore placed above the point at which the camera is aimed. A perspective camera at that

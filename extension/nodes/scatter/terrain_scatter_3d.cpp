@@ -1,4 +1,4 @@
-// This file contains the life cycle of TerrainScatter3D, and its work in each frame.
+// This file contains the life cycle of TerrainScatter3D and its work in each frame.
 
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
@@ -24,7 +24,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Detects, after scripts have run, whether a node was freed or has left its world. Only accesses
+/// Detects, after scripts have run, whether a node was freed or has left its world. Accesses only
 /// objects that outlive the node.
 class Presence {
 public:
@@ -319,8 +319,8 @@ String TerrainScatter3D::layer_problem(const Variant &p_reference) const {
 	return find_stored_layer(all_layers(), p_reference, index);
 }
 
-/// Applies settings that have changed in this frame. Returns an error if there is nothing to query.
-/// Runs scripts.
+/// Applies settings that changed in this frame. Returns an error if there is nothing to query. Runs
+/// scripts.
 Status TerrainScatter3D::prepare() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	move_world();

@@ -43,9 +43,9 @@
 
 namespace thicket {
 
-/// Streams layers of instances onto a ground, around viewers, in the editor as well as in a game.
-/// Instances are placed in world space, so the node's transform does not move them. Instances are
-/// never saved.
+/// Streams layers of instances onto a ground around viewers, in the editor and in games. Instances
+/// are placed in world space, so the node's transform does not move them. Instances are never
+/// saved.
 ///
 /// The node itself only has properties and signals. Its ScatterStream generates and draws tiles,
 /// and its ScatterGameplay answers queries and stores changes. Methods hold shared references to
@@ -64,8 +64,8 @@ public:
 	void set_seed(int64_t p_seed);
 	int64_t get_seed() const { return seed_; }
 
-	/// Sets the layers. A null entry draws nothing, but keeps its index. Scripts share the array,
-	/// so they may modify it in place.
+	/// Sets the layers. A null entry draws nothing but keeps its index. Scripts share the array, so
+	/// they may modify it in place.
 	void set_layers(const godot::TypedArray<ScatterLayer> &p_layers);
 	godot::TypedArray<ScatterLayer> get_layers() const { return layers_; }
 
@@ -103,23 +103,23 @@ public:
 	godot::PackedFloat32Array get_viewer_distance_scales() const { return viewers_.distance_scales; }
 
 	/// Sets the world position of the engine's origin in meters: world = engine + world_offset.
-	/// Each coordinate is within +-1e12. Changing it regenerates and uploads nothing. All positions
-	/// in the node's API are in the engine's space.
+	/// Each coordinate is within +-1e12. Changing it does not regenerate or upload anything. All
+	/// positions in the node's API are in the engine's space.
 	void set_world_offset(const godot::Vector3 &p_offset);
 	godot::Vector3 get_world_offset() const;
 
-	/// If true, the world is the node's local space: instances move with the node. `world_offset` is
-	/// then ignored.
+	/// Sets whether the world is the node's local space, so that instances move with the node.
+	/// `world_offset` is then ignored.
 	void set_local_coords(bool p_local);
 	bool is_local_coords() const { return local_coords_; }
 
-	/// The node's time budget on the main thread per frame, in microseconds, 1 to 1e6.
+	/// Sets the node's time budget on the main thread per frame, in microseconds, 1 to 1e6.
 	void set_frame_budget_usec(int64_t p_budget);
 	int64_t get_frame_budget_usec() const { return frame_budget_usec_; }
 
 	/// Sets the fraction of the instances in each tile that is drawn, 0 to 1. The drawn instances
 	/// are those that layers with a density multiplied by this fraction would have. Changing it
-	/// regenerates and uploads nothing.
+	/// does not regenerate or upload anything.
 	void set_quality(double p_quality);
 	double get_quality() const { return quality_; }
 
@@ -134,7 +134,7 @@ public:
 	void set_max_multimeshes(int64_t p_count);
 	int64_t get_max_multimeshes() const { return max_multimeshes_; }
 
-	/// Sets a group of Node3Ds around which bodies and scenes are created, as around viewers.
+	/// Sets a group of Node3Ds. Bodies and scenes are created around them as around viewers.
 	void set_interaction_group(const godot::StringName &p_group) { interaction_group_ = p_group; }
 	godot::StringName get_interaction_group() const { return interaction_group_; }
 
@@ -145,7 +145,7 @@ public:
 	/// the ground cannot detect where it has changed, regenerates all tiles.
 	void refresh_ground();
 
-	/// Returns true if all required tiles are visible, and bodies, scenes and changes are up to
+	/// Returns true if all required tiles are visible and bodies, scenes and changes are up to
 	/// date.
 	bool is_settled() const;
 	godot::Dictionary get_stats() const;
@@ -154,8 +154,8 @@ public:
 	/// counts only those that the camera may see.
 	godot::Dictionary get_draw_stats(godot::Camera3D *p_camera) const;
 
-	/// Returns a sentence for each problem that keeps the node from displaying its layers
-	/// correctly. The editor shows them as configuration warnings. May run scripts.
+	/// Returns a message for each problem that keeps the node from displaying its layers correctly.
+	/// The editor shows them as configuration warnings. May run scripts.
 	godot::PackedStringArray get_problems() const;
 	godot::PackedStringArray _get_configuration_warnings() const override {
 		return guarded_call("TerrainScatter3D._get_configuration_warnings", [this] { return get_problems(); });
@@ -177,13 +177,13 @@ public:
 	godot::Ref<ScatterTile> get_tile(const godot::Variant &p_layer, const godot::Vector2i &p_tile);
 
 	/// Generates the instances in a half-open rectangle of the engine's x and z, immediately on the
-	/// main thread. If the layer does not exist or the rectangle is refused, prints an error and
+	/// main thread. If the layer does not exist or the rectangle is invalid, prints an error and
 	/// returns an empty tile.
 	godot::Ref<ScatterTile> build_rect(const godot::Variant &p_layer, const godot::Rect2 &p_rect);
 
-	/// Generates a tile of the layer, whether or not it is visible. For a visible tile, the result
-	/// is bit-identical to that of `get_tile`. Unless `p_rect` is Rect2(), clips the tile to this
-	/// rectangle in the engine's space. Adjacent clipped tiles still share their edges.
+	/// Generates a tile of the layer even if it is not visible. For a visible tile, the result is
+	/// bit-identical to the result of `get_tile`. Unless `p_rect` is Rect2(), clips the tile to
+	/// this rectangle in the engine's space. Adjacent clipped tiles still share their edges.
 	godot::Ref<ScatterTile> build_tile(
 			const godot::Variant &p_layer, const godot::Vector2i &p_tile, const godot::Rect2 &p_rect);
 
@@ -197,7 +197,7 @@ public:
 
 	/// These methods return values at the cell centers of a grid over a rectangle, row by row.
 	/// Densities after the layer's rules are 0 to 1. Slopes of the ground are in degrees, NAN
-	/// without ground. Ranks, 0 to 1, are those of the nearest points of the layer's set.
+	/// without ground. Ranks are the ranks, 0 to 1, of the nearest points of the layer's set.
 	godot::PackedFloat32Array get_density_map(
 			const godot::Variant &p_layer, const godot::Rect2 &p_rect, const godot::Vector2i &p_size);
 	godot::PackedFloat32Array get_slope_map(const godot::Rect2 &p_rect, const godot::Vector2i &p_size);
@@ -399,7 +399,7 @@ private:
 	int64_t max_multimeshes_ = 8192;
 	glm::dvec3 world_offset_{0.0}; ///< The property.
 	bool local_coords_ = false;
-	WorldFrame frame_; ///< The frame in use. Follows from the two members above and the transform.
+	WorldFrame frame_; ///< The frame in use, derived from the two members above and the transform.
 
 	Host host_{*this};
 	std::shared_ptr<ScatterGameplay> gameplay_ = std::make_shared<ScatterGameplay>(host_);
@@ -414,15 +414,15 @@ private:
 	FadeViewers fade_viewers_;
 	WindTime wind_time_;
 	RegionRegister regions_;
-	/// The layers before the last change, until the signals for tiles that it has hidden are
-	/// emitted.
+	/// The layers before the last change. Kept until the signals for tiles that the change has
+	/// hidden are emitted.
 	SharedLayers former_layers_;
-	/// The names of the layers by index. A change means that regions must update their warnings.
+	/// The names of the layers by index. If they change, regions must update their warnings.
 	godot::PackedStringArray layer_names_;
 	std::shared_ptr<const Terrain> ground_snapshot_;
 	/// The area in which the ground has changed since `ground_snapshot_` was taken.
 	EditedArea ground_change_{.everywhere = true, .areas = {}};
-	/// The changes since the last update of the layers to instances on whose models other layers
+	/// The changes, since the last update of the layers, to instances on whose models other layers
 	/// grow.
 	StateEdits state_edits_;
 	std::chrono::steady_clock::duration frame_time_{0}; ///< The main-thread time of the last frame.

@@ -13,7 +13,7 @@ namespace thicket {
 namespace {
 
 constexpr ThreadRule answered_by_snapshot{
-		ThreadUse::main, "Use a ScatterSnapshot of make_snapshot(), or request_rect() and request_sphere()."};
+		ThreadUse::main, "Use a ScatterSnapshot from make_snapshot(), or request_rect() and request_sphere()."};
 constexpr ThreadRule frame{
 		ThreadUse::main, "Set process_thread_group of the node and its parents to Inherit or Main Thread."};
 

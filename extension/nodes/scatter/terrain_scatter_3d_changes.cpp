@@ -1,4 +1,4 @@
-// This file applies changes of settings, layers, ground and regions to a TerrainScatter3D, starting
+// This file applies changes to settings, layers, ground and regions of a TerrainScatter3D, starting
 // in the next frame.
 
 #include "nodes/scatter/terrain_scatter_3d.hpp"
@@ -27,8 +27,8 @@ namespace {
 /// distance over which slopes compare heights.
 constexpr double slope_margin = 1.0;
 
-/// Expands a single changed position by this many meters, because an empty rectangle counts as
-/// unchanged.
+/// Expands a single changed position by this many meters, because an empty rectangle means no
+/// change.
 constexpr double point_margin = 1e-3;
 
 /// Converts a rectangle. Returns the whole world if it is empty or not finite.
@@ -147,8 +147,8 @@ void TerrainScatter3D::use_resources() {
 	used_.replace(std::move(used));
 }
 
-/// Checks for changes that scripts have made to the shared lists of layers and biomes without a
-/// setter.
+/// Checks for changes that scripts have made to the shared lists of layers and biomes without
+/// calling a setter.
 void TerrainScatter3D::notice_layers() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	if (const Ref<ScatterBiomeMap> biomes = biomes_; biomes.is_valid()) {
@@ -187,7 +187,7 @@ void TerrainScatter3D::mark_ground_edited(const Rect2 &p_rect) {
 	mark_edited();
 }
 
-/// Regenerates the tile where a re-check has found a change. Other tiles are re-checked themselves.
+/// Regenerates the tile where a re-check has found a change. Other tiles have their own re-checks.
 void TerrainScatter3D::mark_ground_changed(glm::dvec2 position) {
 	ground_change_.add({position, position}, point_margin);
 	mark_edited();
@@ -233,8 +233,8 @@ void TerrainScatter3D::apply_changes() {
 	const EditedArea ground_change = pending ? EditedArea() : std::exchange(ground_change_, {});
 	std::shared_ptr<const Terrain> former;
 	if (!ground_change.empty() && ground.is_valid()) {
-		// This call and `change_references` below may run scripts, so check afterwards that the
-		// node still exists.
+		// This call and `change_references` below may run scripts, so check afterward that the node
+		// still exists.
 		std::shared_ptr<const Terrain> terrain = ground->snapshot(get_instance_id());
 		if (!gameplay->alive() || !(ground == ground_)) {
 			return;
@@ -324,8 +324,8 @@ TileMaker TerrainScatter3D::worker_tile_maker() const {
 		}
 		if (terrain == nullptr) {
 			return Status::missing("thread_safe_ground",
-					"The ground can be sampled on the main thread only (a script that is not thread-safe, or "
-					"colliders), so the snapshot has only the tiles that were loaded when it was made. Use "
+					"The ground can only be sampled on the main thread (a script that is not thread-safe, or "
+					"colliders), so the snapshot contains only the tiles that were loaded when it was created. Use "
 					"request_rect() or request_sphere()");
 		}
 		std::vector<TileOrder> orders;

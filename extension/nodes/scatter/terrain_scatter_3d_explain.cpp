@@ -1,5 +1,5 @@
-// This file explains why a layer has an instance at a position or has none. It also evaluates rules
-// on a grid, for scripts and the editor.
+// This file explains why a layer has or does not have an instance at a position. It also evaluates
+// rules on a grid, for scripts and the editor.
 
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
@@ -27,13 +27,13 @@ namespace thicket {
 
 namespace {
 
-/// Replaces the verdict with a negative one that names the rule and gives a reason in one sentence.
+/// Replaces the verdict with a negative one that names the rule and the reason.
 void refuse(const char *rule, const std::string &why, LayerExplanation &r_explanation) {
 	r_explanation.verdict = {false, rule, why};
 }
 
 std::string but_not_drawn(const LayerExplanation &explanation, const std::string &why) {
-	return "Stands " + distance_text(explanation.rules.distance) + ", but is not drawn: " + why;
+	return "Placed " + distance_text(explanation.rules.distance) + ", but not drawn: " + why;
 }
 
 bool draws_nothing(const LayerSnapshot &layer) {
@@ -44,7 +44,7 @@ bool draws_nothing(const LayerSnapshot &layer) {
 
 } // namespace
 
-/// Returns a sentence for the problem that keeps all layers from having instances; empty if there
+/// Returns a message about the problem that keeps all layers from having instances; empty if there
 /// is none. Runs scripts.
 String TerrainScatter3D::ground_problem() {
 	const Ref<ScatterGround> ground = ground_;
@@ -188,7 +188,7 @@ void TerrainScatter3D::explain_layer(const Ref<ScatterLayer> &p_layer, const std
 			r_explanation.layer < explainer.layers.size() ? explainer.layers[r_explanation.layer] : nullptr;
 	if (layer == nullptr) {
 		return refuse("layer",
-				p_layer.is_null() ? "The entry in the list of layers is empty." : "The layer's settings are refused.",
+				p_layer.is_null() ? "The entry in the list of layers is empty." : "The layer's settings are invalid.",
 				r_explanation);
 	}
 	explainer.shapes = regions_.names_for(all_layers(), r_explanation.layer);
@@ -204,7 +204,7 @@ void TerrainScatter3D::explain_layer(const Ref<ScatterLayer> &p_layer, const std
 }
 
 /// Returns a number for each cell of a grid over a rectangle, row by row. `p_layer` is null for
-/// values of the ground alone. If the call is refused, prints an error and returns an empty array.
+/// values of the ground alone. If the call is invalid, prints an error and returns an empty array.
 template <class Ask>
 PackedFloat32Array TerrainScatter3D::map_of(
 		const char *p_method, const Variant *p_layer, const Rect2 &p_rect, const Vector2i &p_size, const Ask &ask) {

@@ -14,8 +14,8 @@ using namespace godot;
 
 namespace thicket {
 
-/// Reads the models of the layers until `deadline`, but at least a part of one. Returns false if
-/// some are still unread, or if a script in a model has freed the node.
+/// Reads the models of the layers until `deadline`, but at least part of one. Returns false if some
+/// are still unread or if a script in a model has freed the node.
 bool TerrainScatter3D::read_models(std::chrono::steady_clock::time_point deadline) const {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	const TypedArray<ScatterLayer> layers = all_layers();
@@ -31,14 +31,14 @@ bool TerrainScatter3D::read_models(std::chrono::steady_clock::time_point deadlin
 	return true;
 }
 
-/// Reads models if there is a ground, and returns whether all models are read. Without a ground
+/// Reads models if there is a ground. Returns true if all models have been read. Without a ground
 /// nothing is drawn, so no model is needed.
 bool TerrainScatter3D::models_are_read(std::chrono::steady_clock::time_point deadline) const {
 	return ground_.is_null() || read_models(deadline);
 }
 
-/// Prints a warning about stripped resources on a dedicated server, which has no other way to show
-/// the warning.
+/// Prints a warning about stripped resources on a dedicated server, which has no other way to
+/// display it.
 void TerrainScatter3D::warn_of_stripped() {
 	static const bool on_server = OS::get_singleton()->has_feature("dedicated_server");
 	if (!on_server || warned_of_stripped_) {
@@ -48,7 +48,7 @@ void TerrainScatter3D::warn_of_stripped() {
 	const PackedStringArray problems = stripped_problems(all_layers(), ground_, biomes_.ptr());
 	if (gameplay->alive() && problems.size() > 0) {
 		warned_of_stripped_ = true;
-		WARN_PRINT(vformat("TerrainScatter3D \"%s\": %s (One of %d such problems; get_problems() returns all.)",
+		WARN_PRINT(vformat("TerrainScatter3D \"%s\": %s (One of %d such problems; get_problems() returns all of them.)",
 				get_name(), problems[0], problems.size()));
 	}
 }

@@ -127,7 +127,7 @@ void TerrainScatter3D::set_world_offset(const Vector3 &p_offset) {
 	notice_transform();
 	move_world();
 	if (!local_coords_ && regions_.mark_all()) {
-		// Regions that have not moved with the scene now have a different world position.
+		// Regions that have not moved with the scene now have another world position.
 		mark_edited();
 	}
 }
@@ -149,7 +149,7 @@ Transform3D TerrainScatter3D::transform_of(const Node3D &p_node) const {
 	return local_coords_ && is_inside_tree() ? relative_transform(*this, p_node) : p_node.get_global_transform();
 }
 
-/// Moves everything that is drawn, and all bodies and scenes, to the current place of the world.
+/// Moves everything that is drawn, and all bodies and scenes, to the current position of the world.
 void TerrainScatter3D::move_world() {
 	WorldFrame frame{.offset = world_offset_};
 	if (local_coords_) {
@@ -394,7 +394,7 @@ PackedStringArray TerrainScatter3D::get_problems() const {
 	if (const Ref<ScatterState> state = get_state(); state.is_valid()) {
 		if (const Status status = gameplay_->check_state(*state.ptr()); !status.ok()) {
 			problems.push_back(
-					sentence("TerrainScatter3D", status) + String(": its removals apply to different instances."));
+					sentence("TerrainScatter3D", status) + String(": its removals apply to other instances."));
 		}
 	}
 	add_viewer_problems(*this, viewers_, stream_->viewer_status(), problems);
