@@ -19,7 +19,8 @@ namespace {
 /// may be near the viewers.
 constexpr std::size_t most_frames = 8;
 
-/// Two world frames count as equal here if they differ by at most this many meters at every viewer.
+/// Two world frames are treated as equal here if they differ by at most this many meters at every
+/// viewer.
 constexpr double same_frame_reach = 4.0;
 
 /// The search for bodies near the viewers is repeated after one of the searched positions has moved
@@ -109,8 +110,8 @@ bool CollisionRing::step() {
 	return shapes_.free_some() || tidied;
 }
 
-/// Removes the bodies of removed instances first, because a player must not run into them. Bodies
-/// that are merely out of range can wait.
+/// Removes the bodies of removed instances first, because players must not collide with them.
+/// Bodies that are merely out of range can wait.
 bool CollisionRing::remove_some() {
 	int count = 0;
 	Leaving leaving;
@@ -139,7 +140,7 @@ bool CollisionRing::renew_some() {
 
 /// Moves the next bodies of the round to the current world frame. A round visits every body once.
 /// It does not restart when the world moves again, so it reaches every body even if the world moves
-/// in every frame. Returns false at the end of a round.
+/// every frame. Returns false at the end of a round.
 bool CollisionRing::move_some() {
 	int count = 0;
 	for (; count < most_per_step && next_to_move_ < placed_.size(); ++count, ++next_to_move_) {
@@ -155,7 +156,7 @@ bool CollisionRing::move_some() {
 		frames_before_.push_back(std::exchange(round_frame_, world_frame_));
 		next_to_move_ = 0;
 	}
-	return false; // Lets `step` tidy up between two rounds.
+	return false; // Lets `step` tidy up between rounds.
 }
 
 /// Applies the layer's current settings and the current world frame to the body of an instance.
@@ -179,7 +180,7 @@ void CollisionRing::renew(std::uint32_t index, std::uint64_t id) {
 	}
 }
 
-/// Creates the body of an instance, and removes its previous body, if any.
+/// Creates the body of an instance and removes its previous body, if any.
 void CollisionRing::stand(const PlacedInstance &instance) {
 	fall(instance.layer, instance.id);
 	Layer &layer = layers_[instance.layer];
@@ -238,8 +239,8 @@ void CollisionRing::fall(std::uint32_t layer, std::uint64_t id) {
 	}
 }
 
-/// Removes the body of an instance, unless the queue has since found the instance in a different
-/// cell. The instance then has a new body at a different position.
+/// Removes the body of an instance, unless the queue has since found the instance in another cell.
+/// The instance then has a new body at another position.
 void CollisionRing::leave(const Leaving &leaving) {
 	const auto &bodies = layers_[leaving.layer].bodies;
 	const auto found = bodies.find(leaving.id);
@@ -299,7 +300,7 @@ void CollisionRing::set_world_frame(const WorldFrame &frame) {
 	if (frames_before_.size() > most_frames) {
 		frames_before_.erase(frames_before_.begin());
 	}
-	// After a jump, the bodies must move in the order of their distances.
+	// After a jump, the bodies must move in order of distance.
 	const bool jumps = moves_by(moved_reach, world_frame_, frame, centers);
 	world_frame_ = frame;
 	std::vector<glm::dvec3> positions(centers.begin(), centers.end());
@@ -326,7 +327,7 @@ void CollisionRing::set_world_frame(const WorldFrame &frame) {
 }
 
 /// Finds the bodies near the positions, which are moved immediately. The search costs more than the
-/// moves. So its result is reused for a few frames, unless a position changes too much.
+/// moves, so its result is reused for a few frames unless a position changes too much.
 void CollisionRing::find_nearest(std::span<const glm::dvec3> positions) {
 	constexpr std::uint64_t kept_frames = 8;
 	if (frame_ < found_at_ + kept_frames && same_within(kept_reach, positions, found_around_)) {
@@ -339,7 +340,7 @@ void CollisionRing::find_nearest(std::span<const glm::dvec3> positions) {
 
 RID CollisionRing::take_body() {
 	if (pool_.size() > still_in_space_ && rested(pool_.front())) {
-		// Reuse the body that was removed the longest time ago.
+		// Reuse the body that was removed first.
 		const RID body = pool_.front().rid;
 		pool_.pop_front();
 		return body;

@@ -23,8 +23,8 @@ struct CollisionLayer {
 	struct Settings {
 		std::int64_t layer = 1;
 		std::int64_t mask = 1;
-		double friction = 1.0; ///< The friction. A negative value stands for a rough PhysicsMaterial.
-		double bounce = 0.0;   ///< The bounce. A negative value stands for an absorbent PhysicsMaterial.
+		double friction = 1.0; ///< The friction. A negative value means a rough PhysicsMaterial.
+		double bounce = 0.0;   ///< The bounce. A negative value means an absorbent PhysicsMaterial.
 
 		friend bool operator==(const Settings &, const Settings &) = default;
 	} settings;
@@ -36,16 +36,16 @@ CollisionLayer collision_of(const LayerSnapshot *layer);
 /// Keeps a static PhysicsServer3D body for each instance near a viewer or a moving body. In
 /// collision results, `collider` is the node, and the body's RID identifies the instance.
 ///
-/// A removed body loses its shapes immediately, so nothing collides with it any more. It leaves the
+/// A removed body loses its shapes immediately, so nothing collides with it anymore. It leaves the
 /// physics space in the next frame or later. The delay lets the physics server notify areas and
 /// bodies even if a signal handler removed the body. No instance reuses the body for `rest_frames`
 /// after its removal. Until it is reused, its RID identifies the previous instance.
 ///
-/// Each call of `step` updates a few bodies, those nearest to the viewers first. It does so after a
-/// new seed, different shapes, a new world frame, or disabled collision. `drop`, `drop_if`, `clear`
-/// and a change of the space act immediately, and so does `set_world_frame` for bodies near the
-/// viewers. If the world moves in every frame, bodies farther away are moved in rounds. Each lags
-/// behind by at most one round.
+/// Changes to the seed, the shapes or the world frame, and disabling collision, take effect
+/// gradually: each call to `step` updates a few bodies, those nearest to the viewers first. `drop`,
+/// `drop_if`, `clear` and a change of the space take effect immediately, and so does
+/// `set_world_frame` for bodies near the viewers. If the world moves every frame, bodies farther
+/// away are moved in rounds. Each lags behind by at most one round.
 class CollisionRing : public NearRing {
 public:
 	CollisionRing() = default;
@@ -53,8 +53,8 @@ public:
 	CollisionRing &operator=(const CollisionRing &) = delete;
 	~CollisionRing() override { clear(); }
 
-	/// Sets the physics space of the bodies, and the object that collisions report. If either is
-	/// different, frees all bodies.
+	/// Sets the physics space of the bodies, and the object that collisions report. If either
+	/// differs from the current one, frees all bodies.
 	void set_space(const godot::RID &space, std::uint64_t node_id);
 
 	/// Sets the layers by their indices. `step` updates the bodies.
@@ -95,15 +95,15 @@ public:
 	static constexpr double moved_reach = 16.0;
 
 private:
-	/// The body of an instance. The body has neither a RID nor shapes if the mesh has no volume or
-	/// the instance is flat.
+	/// The body of an instance. It has neither a RID nor shapes if the mesh has no volume or the
+	/// instance is flat.
 	struct Body {
 		PlacedInstance instance;
 		godot::RID rid;
 		std::vector<CollisionShapes::Placed> shapes;
 		glm::mat3 rotation{1.0f};
 		WorldFrame frame; ///< The world frame of the body's current transform.
-		/// The version of the layer's settings that the body has.
+		/// The version of the layer's settings that was applied to the body.
 		std::uint64_t settings_version = 0;
 		std::uint64_t shape_version = 0;
 		std::size_t slot = 0; ///< The index in `placed_`, if the body has a RID.

@@ -19,7 +19,7 @@ namespace {
 /// The minimum number of points that can enclose a volume.
 constexpr std::size_t min_corners = 4;
 
-/// The range of a shape's sides that physics engines can handle, in meters.
+/// The range of shape dimensions that physics engines can handle, in meters.
 constexpr float min_side = 1e-3F;
 constexpr float max_side = 1e5F;
 
@@ -123,7 +123,7 @@ void CollisionShapes::add_part(const BodyPart &part, const BodyFit &fit, std::ve
 	}
 	const BodyPart stands = thicket::scaled(part, scale);
 	const glm::vec3 size{side(stands.size.x), side(stands.size.y), side(stands.size.z)};
-	// The height of a capsule is at least its diameter. At that height, it is a sphere.
+	// The height of a capsule is at least its diameter; at that height, it is a sphere.
 	const float height = part.kind == BodyPart::Kind::capsule ? std::max(size.x, size.y) : size.y;
 	r_shapes.push_back({take({part.kind, 0, size.x, height, size.z}, none), stands.rotation, stands.origin});
 }

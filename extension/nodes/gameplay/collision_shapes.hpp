@@ -25,7 +25,7 @@ struct ShapeSource {
 	InstanceShape cylinder;
 	/// The meshes for convex shapes. A null mesh has no shape.
 	std::vector<godot::Ref<godot::Mesh>> meshes;
-	/// The bounding box of each mesh. A different box means that the mesh has changed.
+	/// The bounding box of each mesh. If the box differs, the mesh has changed.
 	std::vector<godot::AABB> boxes;
 	/// The body parts of each mesh's model, if the models provide the shapes.
 	std::vector<std::vector<BodyPart>> parts;
@@ -66,7 +66,7 @@ public:
 	CollisionShapes &operator=(const CollisionShapes &) = delete;
 	~CollisionShapes() { clear(); }
 
-	/// Returns the shapes of an instance, and increments their user counts. The result is empty if
+	/// Returns the shapes of an instance and increments their user counts. The result is empty if
 	/// there is nothing to collide with. Pass it to `give_back` when the body is removed.
 	std::vector<Placed> take(const ShapeSource &source, std::uint32_t mesh, const BodyFit &fit);
 	void give_back(const std::vector<Placed> &shapes);
@@ -80,7 +80,7 @@ public:
 
 	/// The maximum number of unused shapes to keep.
 	static constexpr std::size_t max_idle = 256;
-	/// The maximum number of shapes that one call of `free_some` frees.
+	/// The maximum number of shapes that one call to `free_some` frees.
 	static constexpr int freed_at_once = 16;
 
 private:
@@ -99,7 +99,7 @@ private:
 	void add_part(const BodyPart &part, const BodyFit &fit, std::vector<Placed> &r_shapes);
 
 	std::map<Key, Shape> shapes_;
-	/// Shapes without users; those without users for the longest time come first. May also contain
+	/// Shapes without users, in the order in which they lost their last user. May also contain
 	/// shapes that have users again.
 	std::deque<Shape *> idle_list_;
 	std::map<std::uint64_t, Corners> corners_; ///< The corners of each mesh, keyed by its object ID.

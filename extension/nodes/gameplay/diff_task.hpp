@@ -36,7 +36,7 @@ public:
 	/// memory.
 	bool can_work() const { return diff != nullptr && diff->can_work(); }
 
-	/// Processes the diff in the pool, then defers a call of `p_owner`'s method `_finish_diffs`.
+	/// Processes the diff in the pool, then defers a call to `p_owner`'s method `_finish_diffs`.
 	/// Call `start` only once, and only if `can_work` is true.
 	void start(godot::Object *p_owner);
 	bool done() const { return done_.load(std::memory_order_acquire); }
@@ -48,15 +48,15 @@ public:
 	/// Discards the result. May wait a few milliseconds for the thread that processes the diff.
 	void cancel();
 
-	/// Calls the callback with `error`, if there is a callback, and releases it. The callback is a
-	/// script, which may change or free anything.
+	/// Calls the callback, if there is one, with `error` and releases it. The callback is a script,
+	/// which may change or free anything.
 	void tell(godot::Error error);
 
 	/// Returns the pool's task ID to a caller that will wait for the task itself. Returns -1 if
 	/// there is no task, or if the ID was already taken.
 	std::int64_t take_task() { return std::exchange(task_, -1); }
 
-	/// The processed diff. Null if memory was insufficient; `refused` then has the error.
+	/// The processed diff. Null if memory was insufficient; `refused` is then the error.
 	std::shared_ptr<PendingDiff> diff;
 	Status refused;
 	godot::PackedInt64Array ids; ///< The instance IDs of all changes, once the diff is processed.
@@ -84,8 +84,8 @@ public:
 	Leavings(const Leavings &) = delete;
 	Leavings &operator=(const Leavings &) = delete;
 
-	/// Frees the objects once nothing else holds them. Frees them immediately if the pool has no
-	/// threads.
+	/// Frees the objects once nothing else references them. Frees them immediately if the pool has
+	/// no threads.
 	void let_go(std::vector<std::shared_ptr<const void>> unneeded);
 
 	/// Releases a pool task once it has ended. Ignores -1.

@@ -20,19 +20,19 @@
 
 namespace thicket {
 
-/// Convert transforms between the world's space and the engine's, as in convert.hpp. `frame` is
-/// the world position of the engine's origin, in meters.
+/// These functions convert transforms between world space and engine space, as in convert.hpp.
+/// `frame` is the world position of the engine's origin, in meters.
 godot::Transform3D to_engine(const PlacedInstance &instance, const WorldFrame &frame);
 AddedInstance to_added(const godot::Transform3D &p_transform, const WorldFrame &frame);
 
 /// Converts a script's predicate, (id: int, layer: ScatterLayer, transform: Transform3D) -> bool,
 /// to QueryFilter::accepts. Returns an empty function for a null predicate. `layers` are the layers
 /// of the queried instances. If a call fails or does not return a bool, the predicate prints one
-/// error, which names `method` (`Class.method`), and rejects all further instances.
+/// error, which names `method` (`Class.method`), and rejects all remaining instances.
 std::function<bool(const PlacedInstance &)> to_predicate(
 		std::string method, const godot::Callable &p_predicate, const WorldFrame &frame, SharedLayers layers);
 
-/// Decodes a script's value that a state stores as bytes. Returns null for no bytes.
+/// Decodes a script value that a state stores as bytes. Returns null for no bytes.
 godot::Variant decoded(std::span<const std::uint8_t> bytes);
 
 } // namespace thicket

@@ -32,8 +32,8 @@ struct Parser {
 	RID rid;
 	std::vector<Entry> nodes;
 
-	/// Sets the parser's callback to the method of the first node, or to none if the list is empty.
-	/// If `later` is true, defers this, because the engine is running the current callback.
+	/// Sets the parser's callback to the method of the first node, or removes it if the list is
+	/// empty. If `later` is true, defers this, because the engine is running the current callback.
 	void call_first(bool later) const {
 		NavigationServer3D *server = NavigationServer3D::get_singleton();
 		const Callable callback = nodes.empty() ? Callable() : Callable(nodes.front().node, nodes.front().method);
@@ -66,7 +66,7 @@ void hand_on(const NavigationParse *from, const Ref<NavigationMesh> &p_mesh,
 		const auto here = [&entry](const Entry &other) {
 			return other.parse == entry.parse;
 		};
-		// A script may have removed the node in the meantime.
+		// A script may have removed the node since then.
 		if (std::ranges::any_of(shared_parser().nodes, here)) {
 			entry.node->call(entry.method, p_mesh, p_geometry, p_node);
 		}
@@ -100,8 +100,8 @@ int visits_of(const Node *node, const TypedArray<Node> &group) {
 }
 
 /// Returns the transform from the engine's space to the bake's space. The engine does not expose
-/// this transform, but applies it to faces. So this function adds probe faces, reads them back and
-/// removes them. Returns the identity if the probe faces cannot be read.
+/// this transform, but applies it to faces. This function therefore adds probe faces, reads them
+/// back and removes them. Returns the identity if the probe faces cannot be read.
 Transform3D space_of(NavigationMeshSourceGeometryData3D &r_geometry) {
 	const PackedFloat32Array vertices = r_geometry.get_vertices();
 	const PackedInt32Array indices = r_geometry.get_indices();
@@ -167,7 +167,7 @@ void NavigationParse::stop() {
 	}
 }
 
-/// Starts to follow a parse, and determines the last node that the engine will visit. The engine
+/// Starts to track a parse and determines the last node that the engine will visit. The engine
 /// visits nodes depth first, or visits a group in tree order.
 void NavigationParse::begin(
 		const NavigationMesh &mesh, NavigationMeshSourceGeometryData3D &r_geometry, const Node &first) {

@@ -32,14 +32,14 @@ struct NavigationBake {
 	glm::dvec3 max{-1.0};
 };
 
-/// Finds out when the engine has parsed all source geometry of a navigation mesh, so that a node
-/// can add its instances. The engine calls a parser for each node of the region, in order, and
-/// bakes immediately after the last one. Instances can only be queried after all ground geometry is
-/// parsed. Therefore they are added at the last node, wherever the TerrainScatter3D is in the tree.
-/// Use it only on the main thread.
+/// Detects when the engine has parsed all source geometry of a navigation mesh, so that a node can
+/// add its instances. The engine calls a parser for each node of the region, in order, and bakes
+/// immediately after the last one. Instances can only be queried after all ground geometry is
+/// parsed. Therefore they are added at the last node, regardless of the TerrainScatter3D's position
+/// in the tree. Use it only on the main thread.
 ///
 /// All nodes share one parser, which is never freed. The engine iterates over a copy of its list of
-/// parsers, so it might call a freed parser, or miss a new one. The engine calls the first
+/// parsers, so it might call a freed parser or miss a new one. The engine calls the first
 /// registered node, which forwards the call to the others.
 class NavigationParse {
 public:
@@ -59,7 +59,7 @@ public:
 			const godot::Ref<godot::NavigationMeshSourceGeometryData3D> &p_geometry, const godot::Node *p_node,
 			const godot::Node *p_own, NavigationBake &r_bake);
 
-	/// Sets whether scripts run inside a call of `visit`. The engine is then using the parser's
+	/// Sets whether scripts run inside a call to `visit`. The engine is then using the parser's
 	/// callback, so `stop` defers replacing it.
 	void set_busy(bool busy) { busy_ = busy; }
 

@@ -12,8 +12,8 @@ namespace thicket {
 
 /// Limits on how diffs (changes as bytes, from peers) may change a ScatterState. The defaults of a
 /// new object suit a server that receives diffs from players. A state without limits uses the
-/// defaults of DiffLimits, which suit a client that follows its server. Setting a property to a
-/// value out of its range prints an error and changes nothing.
+/// defaults of DiffLimits, which suit a client that receives its server's diffs. Setting a property
+/// to a value out of range prints an error and leaves the property unchanged.
 class ScatterDiffLimits : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterDiffLimits, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
@@ -32,7 +32,7 @@ public:
 	int64_t get_max_data_size() const { return static_cast<int64_t>(limits_.max_data_size); }
 
 	/// Sets the area in which diffs may change instances, in world meters. All numbers must be
-	/// finite. A rectangle without an area sets no limit.
+	/// finite. A rectangle without an area disables this limit.
 	void set_area(const godot::Rect2 &p_area);
 	godot::Rect2 get_area() const { return area_; }
 

@@ -46,7 +46,7 @@ void ScatterGameplay::stop() {
 }
 
 void ScatterGameplay::clear() {
-	// Signals are emitted only for instances in loaded tiles, and now no tile is loaded.
+	// Signals are emitted only for instances in loaded tiles, and no tile is loaded now.
 	backlog_.clear();
 	give_up_requests();
 	collision_.clear();

@@ -41,15 +41,15 @@ public:
 	/// Returns the node, which is the parent of scenes and emits the signals.
 	virtual godot::Node3D *node() = 0;
 
-	/// Applies the settings that have changed in this frame. Returns an error if there is nothing
-	/// to query. May run scripts.
+	/// Applies the settings that changed in this frame. Returns an error if there is nothing to
+	/// query. May run scripts.
 	virtual Status prepare() = 0;
 
 	/// Calls `set_world_frame` if the node has moved the world since the last frame.
 	virtual void move_world() = 0;
 
 	/// Returns a function that generates tiles from the current layers and ground. Any number of
-	/// threads may call it at once. Call `prepare` first.
+	/// threads may call it concurrently. Call `prepare` first.
 	virtual TileMaker make_worker_maker() = 0;
 
 	/// Sets the changes that the display applies from now on; null for none.
@@ -63,11 +63,11 @@ public:
 	virtual void redraw_later(std::uint32_t layer, const Rect &area) = 0;
 	virtual void redraw_all_later() = 0;
 
-	/// Frees a large object on a different thread.
+	/// Frees a large object on another thread.
 	virtual void let_go(std::shared_ptr<const void> unneeded) = 0;
 	virtual void set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden) = 0;
 
-	/// Schedules a call of ScatterGameplay::recycle_scenes before this frame is drawn and before
+	/// Schedules a call to ScatterGameplay::recycle_scenes before this frame is drawn and before
 	/// the next physics step.
 	virtual void recycle_soon() = 0;
 
@@ -80,14 +80,13 @@ protected:
 
 struct NavigationBake;
 
-/// Implements the queries and changes that a game makes with a TerrainScatter3D, and manages the
-/// bodies and scenes near viewers. Use it only on the main thread, except for methods that permit
-/// any thread.
+/// Implements a TerrainScatter3D's queries and changes for games, and manages the bodies and scenes
+/// near viewers. Use it only on the main thread, except for methods that permit any thread.
 ///
 /// Many methods run scripts: predicates, grounds, signal handlers and scenes. A script may change
-/// or free anything, so every caller must keep its own shared pointer to this object. After every
-/// call that runs scripts, the caller must check whether the node was freed (`alive`) or has left
-/// the tree (`run`). The script may also have replaced layers, state and tiles.
+/// or free anything, so every caller must hold a shared pointer to this object. After every call
+/// that runs scripts, the caller must check whether the node was freed (`alive`) or has left the
+/// tree (`run`). The script may also have replaced layers, state and tiles.
 class ScatterGameplay final : public StateListener, public std::enable_shared_from_this<ScatterGameplay> {
 public:
 	explicit ScatterGameplay(GameplayHost &host);
@@ -95,7 +94,8 @@ public:
 
 	// Events of the node.
 
-	/// Makes this object never access the node again. Call it when the node is freed.
+	/// Detaches this object from the node, which it never accesses again. Call it when the node is
+	/// freed.
 	void detach();
 	bool alive() const { return host_ != nullptr; }
 
@@ -109,8 +109,8 @@ public:
 	/// Returns a number that changes whenever the node enters or leaves a world.
 	std::uint64_t run() const { return run_; }
 
-	/// Removes everything at once: frees bodies and scenes, discards tiles, and completes requests
-	/// without an answer.
+	/// Removes everything immediately: frees bodies and scenes, discards tiles, and completes
+	/// requests without an answer.
 	void clear();
 
 	/// Removes everything from a node that stays in the tree without layers or a ground. Bodies and
@@ -142,8 +142,8 @@ public:
 	/// Sets the positions (world meters) around which bodies and scenes are placed.
 	void look_around(std::span<const glm::dvec3> centers);
 
-	/// Processes the requests and cancellations from other threads since the last frame. Runs
-	/// scripts.
+	/// Processes the requests and cancellations that other threads have made since the last frame.
+	/// Runs scripts.
 	void take_requests();
 
 	/// Answers the requests whose tiles are ready. Runs no scripts.
@@ -168,19 +168,19 @@ public:
 
 	static std::string name_of(const char *p_method) { return std::string("TerrainScatter3D.") + p_method; }
 
-	/// Prepares a query, and returns the layers. Returns null if the node was freed. If there is
+	/// Prepares a query and returns the layers. Returns null if the node was freed. If there is
 	/// nothing to query, prints an error and returns null. Runs scripts.
 	SharedLayers prepare(const char *p_method);
 	godot::String find_queried(const godot::Variant &p_layers, std::vector<std::uint32_t> &r_indices) const {
 		return find_layers(*listed_, p_layers, r_indices);
 	}
 
-	/// Runs a query, and generates missing tiles for it. Keeps the state alive in the meantime.
-	/// Call `prepare` first. On failure, prints an error and returns false.
+	/// Runs a query and generates missing tiles for it. Keeps the state alive during the call. Call
+	/// `prepare` first. On failure, prints an error and returns false.
 	bool ask(const char *p_method, const AskedQuery &query);
 
 	// Queries. For `p_layers`, see find_layers. A predicate receives (id, layer, transform) and
-	// returns whether to include that instance. A refused query prints an error and returns an
+	// returns whether to include that instance. An invalid query prints an error and returns an
 	// empty result.
 
 	godot::Ref<ScatterInstances> query_rect(
@@ -210,12 +210,12 @@ public:
 	void add_obstructions(const NavigationBake &bake);
 
 	// Changes. These methods return false or 0 if the instance does not exist, if it is already in
-	// the requested state, or if the change is refused.
+	// the requested state, or if the change is rejected.
 
 	void set_state(const godot::Ref<ScatterState> &p_state);
 	godot::Ref<ScatterState> get_state() const { return state_; }
 
-	/// Returns an error if the state's IDs refer to points of a different set.
+	/// Returns an error if the state's IDs refer to another point set.
 	Status check_state(const ScatterState &state) const;
 	bool remove_instance(int64_t p_id);
 	bool restore_instance(int64_t p_id);
@@ -242,15 +242,15 @@ public:
 	void tell_changes(const SharedChanges &changes) override;
 
 	/// The maximum number of instance changes that one call completes. After larger changes,
-	/// signals, drawing and scenes follow over the next frames.
+	/// signals, drawing and scenes are spread over the next frames.
 	static constexpr std::size_t most_at_once = 1024;
 
 	/// The maximum number of removed or moved instances whose bodies and scenes a call removes
-	/// before it returns. The rest follow step by step.
+	/// before it returns. The rest are removed step by step.
 	static constexpr std::size_t most_dropped_at_once = 128;
 
 private:
-	/// A sphere in the engine's space, not the world's.
+	/// A sphere in engine space, not world space.
 	struct SphereInScene {
 		godot::Vector3 center;
 		double radius = 0.0;
@@ -332,7 +332,7 @@ private:
 	godot::Ref<ScatterState> state_;
 	std::deque<Untold> backlog_;
 	/// The instances that this node is currently removing or restoring, in the order of their
-	/// signals. Without those whose signals are already emitted.
+	/// signals. Excludes those whose signals have been emitted.
 	std::span<const PlacedInstance> changing_;
 
 	std::mutex wanted_mutex_;

@@ -1,5 +1,5 @@
-// This file contains the methods of ScatterGameplay that add instances, or remove many instances at
-// a time.
+// This file contains the methods of ScatterGameplay that add instances or remove many instances in
+// one call.
 
 #include "nodes/gameplay/scatter_gameplay.hpp"
 
@@ -92,12 +92,12 @@ PackedInt64Array ScatterGameplay::add_instances(
 	const bool one_mesh = p_meshes.size() == 0;
 	if (floats % transform_size != 0) {
 		report("TerrainScatter3D.add_instances",
-				Status::wrong_size("transforms", floats, at_least(0, "12 floats an instance")));
+				Status::wrong_size("transforms", floats, at_least(0, "12 floats per instance")));
 		return {};
 	}
 	if (!one_mesh && p_meshes.size() != static_cast<int64_t>(count)) {
 		report("TerrainScatter3D.add_instances",
-				Status::wrong_size("meshes", p_meshes.size(), exactly(count, "one an instance, or none")));
+				Status::wrong_size("meshes", p_meshes.size(), exactly(count, "one per instance, or none")));
 		return {};
 	}
 	std::uint32_t layer = 0;

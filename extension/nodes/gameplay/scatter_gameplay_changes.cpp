@@ -1,4 +1,4 @@
-// This file contains the methods of ScatterGameplay that change instances, and emits the signals of
+// This file contains the methods of ScatterGameplay that change instances and emit the signals of
 // these changes.
 
 #include "nodes/common/editor.hpp"
@@ -111,18 +111,18 @@ void ScatterGameplay::set_state(const Ref<ScatterState> &p_state) {
 	}
 }
 
-/// Binds the state to the point sets of all layers. The state then refuses changes that were made
+/// Binds the state to the point sets of all layers. The state then rejects changes that were made
 /// for other point sets.
 void ScatterGameplay::claim_layers() {
 	for (std::uint32_t layer = 0; state_.is_valid() && layer < world_.layers().size(); ++layer) {
 		if (world_.layers()[layer].wanted) {
-			static_cast<void>(claim(layer)); // A refusal is displayed as a problem of the node.
+			static_cast<void>(claim(layer)); // An error is displayed as a problem of the node.
 		}
 	}
 }
 
 /// Binds the state to a layer's point set. Creates a state if there is none yet. Returns an error
-/// if the state already belongs to a different point set.
+/// if the state already belongs to another point set.
 Status ScatterGameplay::claim(std::uint32_t layer) {
 	if (state_.is_null()) {
 		set_state(Ref<ScatterState>(memnew(ScatterState)));
@@ -307,7 +307,7 @@ void ScatterGameplay::tell_changes(const SharedChanges &changes) {
 	const Ref<ScatterState> state = state_;
 	for (std::size_t at = 0; at < changes->size(); ++at) {
 		if (!alive() || !(state_ == state)) {
-			return; // A signal handler has freed the node or set a different state.
+			return; // A signal handler has freed the node or set another state.
 		}
 		if (const InstanceChange *change = changes->at(at)) {
 			tell(*change);
@@ -315,7 +315,7 @@ void ScatterGameplay::tell_changes(const SharedChanges &changes) {
 	}
 }
 
-/// Returns false for a change that was undone or replaced by a later one that is already reported.
+/// Returns false for a change that was undone or replaced by a later change that has been reported.
 bool ScatterGameplay::still_true(const InstanceChange &change) const {
 	switch (change.kind) {
 		case InstanceChangeKind::removed: return stands_no_longer(change.id);

@@ -1,5 +1,5 @@
-// This file adds all instances in a baked area to the source geometry of a navigation mesh, whether
-// their tiles are loaded or not.
+// This file adds all instances in a baked area to the source geometry of a navigation mesh, even if
+// their tiles are not loaded.
 
 #include "nodes/gameplay/scatter_gameplay.hpp"
 
@@ -50,7 +50,7 @@ bool obstructs(const LayerSnapshot *layer, const NavigationBake &bake) {
 			(!bake.collision_mask || (collision.layer & *bake.collision_mask) != 0);
 }
 
-/// Returns whether an obstruction intersects the baked box.
+/// Returns true if an obstruction intersects the baked box.
 bool meets(const NavigationBake &bake, const Obstruction &obstruction) {
 	glm::dvec2 min = obstruction.outline.front();
 	glm::dvec2 max = min;
@@ -78,7 +78,8 @@ std::vector<std::uint64_t> hand_placed(const InstanceState &state, std::uint16_t
 		const InstanceShape &shape, const NavigationAgent &agent) {
 	const double reach = obstruction_reach(shape, state.max_added_scale(layer), agent);
 	if (reach > max_obstruction_reach) {
-		// At least one instance is too large. Return all, so that it is found wherever it is.
+		// At least one instance is too large. Return all, so that it is found regardless of its
+		// position.
 		return state.added_ids(layer);
 	}
 	std::vector<std::uint64_t> ids;

@@ -1,4 +1,4 @@
-// This file contains the query methods of ScatterGameplay. They find instances in loaded tiles, and
+// This file contains the query methods of ScatterGameplay. They find instances in loaded tiles and
 // generate the other tiles that they need.
 
 #include "nodes/gameplay/scatter_gameplay.hpp"
@@ -113,7 +113,7 @@ Ref<ScatterRequest> ScatterGameplay::request(Wanted wanted) {
 		open_request(wanted);
 	} else {
 		if (wanted.layers.get_type() == Variant::ARRAY) {
-			// Scripts share arrays by reference, and may change this one later.
+			// Scripts share arrays by reference and may change this one later.
 			wanted.layers = copied(wanted.layers);
 		}
 		const std::lock_guard lock(wanted_mutex_);

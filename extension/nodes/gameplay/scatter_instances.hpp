@@ -26,13 +26,13 @@
 namespace thicket {
 
 /// The instances that a query has found, as they were at the time of the query. If an index is out
-/// of range, methods print an error and return a default value. Any thread may call all methods.
+/// of range, methods print an error and return a default value. Any thread may call any method.
 class ScatterInstances : public godot::RefCounted {
 	GDCLASS(ScatterInstances, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
 
 public:
-	/// Creates the result of a refused query.
+	/// Creates the result of a rejected query.
 	static godot::Ref<ScatterInstances> make_empty() { return memnew(ScatterInstances); }
 
 	/// `frame` relates the engine's space to the world. It is subtracted from all
@@ -83,7 +83,7 @@ private:
 	mutable std::optional<godot::PackedFloat32Array> transforms_;
 };
 
-/// One instance, as it was at the time of the query. Any thread may call all methods.
+/// One instance, as it was at the time of the query. Any thread may call any method.
 class ScatterInstance : public godot::RefCounted {
 	GDCLASS(ScatterInstance, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)

@@ -20,8 +20,8 @@ namespace thicket {
 
 namespace {
 
-/// Encodes a value as bytes, none for null. Returns false for an object, and for a value of more
-/// than `far_too_large` bytes.
+/// Encodes a value as bytes; null becomes no bytes. Returns false for an object and for a value of
+/// more than `far_too_large` bytes.
 bool encode(const Variant &p_value, PackedByteArray &r_bytes) {
 	constexpr int64_t far_too_large = 1 << 24;
 	r_bytes = PackedByteArray();

@@ -26,7 +26,7 @@
 
 namespace thicket {
 
-/// The changes that one call has made.
+/// The changes that one call made.
 using SharedChanges = std::shared_ptr<const StateChanges>;
 
 class ScatterState;
@@ -35,18 +35,18 @@ class ScatterState;
 /// time. All other values are times on the state's clock, or 0 for never.
 constexpr double regrowth_of_layer = -1.0;
 
-/// A node that uses a ScatterState. The state notifies the node of every change, and delegates
-/// changes of instances whose layers the node displays.
+/// A node that uses a ScatterState. The state notifies the node of every change and delegates
+/// changes to instances whose layers the node displays.
 class StateListener {
 public:
 	virtual ~StateListener() = default;
 
 	/// Returns true if the node displays the layer of this instance. The state then delegates
-	/// changes of the instance to the node, which can check whether the instance exists.
+	/// changes to the instance to the node, which can check whether the instance exists.
 	virtual bool displays(std::uint64_t id) const = 0;
 
-	// These methods make a change in the same way as the node's own methods, and return whether
-	// anything has changed. `state` must be the node's state. They run scripts.
+	// These methods do the same as the node's public methods. They return true if anything changed.
+	// `state` must be the node's state. They may run user scripts.
 	virtual bool remove_from(const ScatterState *state, std::uint64_t id, double until) = 0;
 	virtual bool restore_in(const ScatterState *state, std::uint64_t id) = 0;
 	virtual bool set_data_in(const ScatterState *state, std::uint64_t id, const godot::Variant &p_data) = 0;
@@ -58,8 +58,8 @@ public:
 	/// returns. Runs no scripts.
 	virtual void state_changed(const SharedChanges &changes) = 0;
 
-	/// Notifies scripts of `changes`. The state calls this after all earlier changes are reported
-	/// and their signal handlers have returned. Scripts may change or free anything.
+	/// Notifies scripts of `changes`. The state calls this after all earlier changes have been
+	/// reported and their signal handlers have returned. Scripts may change or free anything.
 	virtual void tell_changes(const SharedChanges &changes) = 0;
 
 protected:
@@ -75,30 +75,30 @@ struct Removal {
 };
 
 /// A game's changes to a scattered world: removed and hand-placed instances, and instance data. Can
-/// be saved as a resource or file, and sent to peers as bytes.
+/// be saved as a resource or file and sent to peers as bytes.
 class ScatterState : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterState, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	/// Assigns a random, unique origin number. Other states that apply diffs of this state identify
-	/// it by that number.
+	/// Assigns a random, unique origin ID. Other states that apply diffs of this state identify it
+	/// by that ID.
 	ScatterState();
 	~ScatterState() override;
 
-	// Changes of an instance. If a node in the tree displays the instance's layer, the node makes
-	// the change in the same way as its own methods. Otherwise the state records the change for the
-	// ID, whether such an instance exists or not.
+	// These methods change an instance. If a node in the tree displays the instance's layer, the
+	// node makes the change as if one of its methods were called. Otherwise the state records the
+	// change for the ID, even if no such instance exists.
 
 	/// Removes an instance; see InstanceState::remove. `until` is the time in seconds when the
-	/// instance grows again, on the clock of get_time, 0 to max_state_time. 0 means never; so does
-	/// regrowth_of_layer if there is no node. Returns false for an ID of 0.
+	/// instance grows again, on the clock of get_time, 0 to max_state_time. 0 means never, and so
+	/// does regrowth_of_layer if there is no node. Returns false for an ID of 0.
 	bool remove(int64_t p_id, double p_until = regrowth_of_layer);
 	bool restore(int64_t p_id);
 
 	/// Sets the data of an instance: any Variant except an object, of at most max_instance_data
 	/// bytes. Null deletes the data. Objects inside the value become numbers. If the data are
-	/// refused, prints an error and returns false.
+	/// invalid, prints an error and returns false.
 	bool set_instance_data(int64_t p_id, const godot::Variant &p_data);
 
 	bool is_removed(int64_t p_id) const;
@@ -111,8 +111,8 @@ public:
 	int64_t get_removed_count() const;
 	int64_t get_added_count() const;
 
-	/// Replaces all content with bytes from to_bytes. On failure, prints an error and changes
-	/// nothing.
+	/// Replaces all content with bytes from to_bytes. On failure, prints an error and leaves the
+	/// state unchanged.
 	godot::Error from_bytes(const godot::PackedByteArray &p_bytes);
 	godot::PackedByteArray to_bytes() const;
 
@@ -120,8 +120,8 @@ public:
 	/// leaves the old file unchanged.
 	godot::Error save_to_file(const godot::String &p_path) const;
 
-	/// Replaces all content with a file from save_to_file. On failure, prints an error and changes
-	/// nothing.
+	/// Replaces all content with a file from save_to_file. On failure, prints an error and leaves
+	/// the state unchanged.
 	godot::Error load_from_file(const godot::String &p_path);
 
 	/// Creates a diff for a peer whose copy of this state has the revision `p_revision`. Set
@@ -149,8 +149,8 @@ public:
 	/// error that apply_diff would return.
 	godot::Dictionary inspect_diff(const godot::PackedByteArray &p_diff) const;
 
-	/// These methods return the numbers by which diffs identify states; see InstanceState::origin
-	/// and known_revision.
+	/// These methods return the IDs by which diffs identify states; see InstanceState::origin and
+	/// known_revision.
 	int64_t get_origin() const;
 	int64_t get_known_revision(int64_t p_origin) const;
 
@@ -200,14 +200,14 @@ public:
 	Status add(const AddedInstance &instance, std::uint64_t &r_id);
 
 	/// Adds hand-placed instances; see InstanceState::add_all. Reports the changes after all
-	/// instances are placed.
+	/// instances have been placed.
 	Status add_all(std::span<const AddedInstance> instances, std::vector<std::uint64_t> &r_ids);
 
 	/// Moves an instance; see InstanceState::move.
 	Status move(std::uint64_t id, const AddedInstance &instance, std::uint64_t &r_id);
 
-	/// Removes all instances, then reports the changes. Returns the IDs of the instances that were
-	/// not removed already.
+	/// Removes all instances, then reports the changes. Returns the IDs of the instances that had
+	/// not been removed already.
 	std::vector<std::uint64_t> remove_all(std::span<const Removal> removals);
 	Status claim(std::uint16_t layer, std::uint64_t stamp, double cell_side, std::int32_t cells_together) {
 		return state_.claim(layer, stamp, cell_side, cells_together);
@@ -225,7 +225,7 @@ private:
 	/// Returns the limits for diffs from peers.
 	DiffLimits limits() const { return diff_limits_.is_valid() ? diff_limits_->limits() : DiffLimits(); }
 
-	/// Changes that listeners have applied, but that scripts have not been notified of yet.
+	/// Changes that listeners have applied but scripts have not been notified of yet.
 	struct Untold {
 		SharedChanges changes; ///< The changes; null if there are none.
 		/// The diff that made the changes. Null for changes that were made immediately.
@@ -234,15 +234,15 @@ private:
 	};
 
 	/// Updates the listeners, lets them notify scripts, and emits `instances_changed(ids)` and
-	/// `changed`. Changes that signal handlers make are queued and reported afterwards, in order,
-	/// to avoid recursion.
+	/// `changed`. Changes that signal handlers make are queued and reported afterward, in order, to
+	/// avoid recursion.
 	void tell(std::vector<InstanceChange> changes);
 	void follow(Untold untold);
 	void tell_untold();
 	void tell_now(const Untold &untold);
 	std::vector<std::shared_ptr<StateListener>> listeners() const;
 
-	/// Returns the node that makes changes of an instance for this state; null if there is none.
+	/// Returns the node that makes changes to an instance for this state; null if there is none.
 	std::shared_ptr<StateListener> node_for(std::uint64_t id) const;
 
 	godot::PackedInt64Array ids_of(const char *p_method, const godot::Variant &p_layers,
@@ -254,7 +254,7 @@ private:
 	godot::Ref<ScatterLayer> layer_with_id(std::uint16_t layer_id) const;
 	godot::TypedArray<ScatterLayer> layers_of_nodes() const;
 
-	/// Starts to process the first diff in the queue, if there is one. If it cannot be processed,
+	/// Starts processing the first diff in the queue, if there is one. If it cannot be processed,
 	/// schedules `finish_diffs`, which reports its error.
 	void start_diff();
 	void finish_first_diff();
@@ -263,7 +263,7 @@ private:
 	/// notifies scripts.
 	void finish_diffs();
 
-	/// Waits for all diffs and applies them. The next call of `tell` notifies scripts of the
+	/// Waits for all diffs and applies them. The next call to `tell` notifies scripts of the
 	/// changes.
 	void wait_for_diffs();
 
@@ -271,13 +271,13 @@ private:
 	godot::Ref<ScatterDiffLimits> diff_limits_;
 	std::vector<std::weak_ptr<StateListener>> listeners_;
 	std::deque<Untold> untold_;
-	/// The diffs whose callbacks were not called yet, in the order of the calls. Only the first is
-	/// in progress.
+	/// The diffs whose callbacks have not been called yet, in the order in which they were queued.
+	/// Only the first is in progress.
 	std::deque<std::shared_ptr<DiffTask>> diffs_;
 	Leavings leavings_;
 	bool telling_ = false;
 	bool copy_at_runtime_ = false;
-	bool warned_ = false; ///< True if warn_if_cached has printed its warning.
+	bool warned_ = false; ///< True once warn_if_cached has printed its warning.
 	/// The signal's name, which is stored because creating a StringName costs as much as removing
 	/// an instance.
 	const godot::StringName instances_changed_ = "instances_changed";

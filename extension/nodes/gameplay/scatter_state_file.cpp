@@ -1,5 +1,5 @@
-// This file saves a ScatterState to a file, loads it, and warns about states in the engine's
-// resource cache.
+// This file contains the methods of ScatterState that save and load files and warn about states in
+// the engine's resource cache.
 
 #include "nodes/common/convert.hpp"
 #include "nodes/common/file_replace.hpp"
@@ -40,9 +40,9 @@ void ScatterState::warn_if_cached() {
 	}
 	warned_ = true;
 	WARN_PRINT(vformat(
-			"TerrainScatter3D.state: load() keeps %s in memory, and returns this same state again, with all that the "
-			"game changes. For saved games call ScatterState.save_to_file() and load_from_file(). For what a designer "
-			"has placed set ScatterState.copy_at_runtime, so that each node gets a copy.",
+			"TerrainScatter3D.state: load() caches %s and returns this same state again, including all changes by the "
+			"game. For saved games, call ScatterState.save_to_file() and load_from_file(). For instances placed by a "
+			"designer, set ScatterState.copy_at_runtime, so that each node gets a copy.",
 			path));
 }
 

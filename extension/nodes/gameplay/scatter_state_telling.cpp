@@ -1,5 +1,5 @@
-// This file notifies listeners and scripts of changes of a ScatterState, and applies diffs on a
-// thread.
+// This file contains the methods of ScatterState that notify listeners and scripts of changes, and
+// those that apply diffs on a thread.
 
 #include "nodes/common/convert.hpp"
 #include "nodes/common/engine_arrays.hpp"

@@ -1,4 +1,4 @@
-// This file contains the part of SceneRing that follows the viewers and the world.
+// This file contains the part of SceneRing that tracks the viewers and the world.
 // scene_ring_nodes.cpp manages the nodes.
 
 #include "nodes/gameplay/scene_ring.hpp"
@@ -67,7 +67,7 @@ bool SceneRing::step() {
 	}
 	PlacedInstance instance;
 	if (queue_.next_changed(instance)) {
-		move(instance); // The mesh stays hidden in the meantime.
+		move(instance); // The mesh stays hidden during the move.
 		return true;
 	}
 	for (Leaving leaving; queue_.next_leaving(leaving);) {
@@ -105,8 +105,8 @@ bool SceneRing::leave_gone() {
 	return false;
 }
 
-/// Removes the scene of an instance, unless the queue has since found the instance in a different
-/// cell. The instance then keeps its scene at the new position.
+/// Removes the scene of an instance, unless the queue has since found the instance in another cell.
+/// The instance then keeps its scene at the new position.
 bool SceneRing::leave(const Leaving &leaving) {
 	const auto found = shown_.find({leaving.id, leaving.layer});
 	return found != shown_.end() && found->second.instance.position == leaving.position &&

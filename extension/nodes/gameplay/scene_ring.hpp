@@ -50,18 +50,18 @@ struct SceneHost {
 	std::function<godot::Ref<ScatterLayer>(std::uint32_t index)> layer_at;
 	std::function<godot::Variant(std::uint64_t id)> data_of;
 	std::function<void(SceneEvent event, std::uint64_t id, godot::Node3D *scene)> tell;
-	/// Schedules a call of `recycle` before this frame is drawn and before the next physics step.
+	/// Schedules a call to `recycle` before this frame is drawn and before the next physics step.
 	std::function<void()> recycle_later;
 };
 
 /// Replaces meshes near viewers with scenes. Every nearby instance gets a scene, even if distance
-/// thinning hides its mesh. A mesh is hidden in the frame in which its scene is added, and drawn
+/// thinning hides its mesh. A mesh is hidden in the frame in which its scene is added and drawn
 /// again when the scene is removed. Unneeded scenes are kept in a pool.
 ///
 /// Many methods run scripts, which may remove instances, free or take a scene, or free the node.
-/// The caller must keep the ring alive in the meantime, and must call `forget_host` when the node
+/// The caller must keep the ring alive during these calls and must call `forget_host` when the node
 /// is freed. If a script frees, takes or reparents a scene, the mesh is drawn again. The instance
-/// gets a new scene only after it was out of range.
+/// gets a new scene only after it has been out of range.
 class SceneRing : public NearRing {
 public:
 	explicit SceneRing(SceneHost host);
@@ -71,8 +71,8 @@ public:
 	/// scenes are removed step by step, nearest first.
 	void set_layers(std::vector<SceneLayer> layers);
 
-	/// Makes the ring never access the node again. Call it when the node is freed, along with its
-	/// children.
+	/// Detaches the ring from the node, which it never accesses again. Call it when the node is
+	/// freed along with its children.
 	void forget_host() { life_ = nullptr; }
 
 	/// Sets the positions around which scenes replace meshes. If there are no centers, all scenes
@@ -90,16 +90,16 @@ public:
 	void recycle();
 	static constexpr int recycled_at_once = 128;
 
-	/// Detects scenes that scripts have freed or reparented. Call it after a child of the node was
-	/// added or removed.
+	/// Detects scenes that scripts have freed or reparented. Call it after a child of the node has
+	/// been added or removed.
 	void children_changed();
 
 	/// Returns the scene of an instance; null if there is none.
 	godot::Node3D *find(std::uint64_t id) const;
 
-	/// Passes the ownership of an instance's scene to the caller. Returns null if there is none.
-	/// The scene of a dropped instance can be taken until `recycle`. The scene stays in the tree.
-	/// The mesh is drawn again unless the instance is removed.
+	/// Transfers ownership of an instance's scene to the caller. Returns null if there is none. The
+	/// scene of a dropped instance can be taken until `recycle`. The scene stays in the tree. The
+	/// mesh is drawn again unless the instance is removed.
 	godot::Node3D *take(std::uint64_t id);
 
 	std::size_t shown_count() const { return shown_.size(); }
@@ -119,12 +119,12 @@ private:
 		PlacedInstance instance;
 		godot::Ref<godot::PackedScene> scene;
 		NodeHandle node;
-		bool top_level = false; ///< The scene's own value of Node3D.top_level.
+		bool top_level = false; ///< The value of Node3D.top_level in the scene.
 	};
 
 	struct Layer {
 		SceneLayer is;
-		bool refused = false; ///< True if the scene cannot be used. The error is already printed.
+		bool refused = false; ///< True if the scene cannot be used. The error has been printed.
 
 		double distance() const { return is.scene.is_valid() && !refused ? is.distance : 0.0; }
 	};

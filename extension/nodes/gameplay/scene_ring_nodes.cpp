@@ -1,5 +1,5 @@
-// This file contains the part of SceneRing that manages the nodes. Every call that may run a script
-// is followed by a check whether the ring still exists.
+// This file contains the part of SceneRing that manages the nodes. After every call that may run a
+// script, it checks that the ring still exists.
 
 #include "nodes/gameplay/scene_ring.hpp"
 

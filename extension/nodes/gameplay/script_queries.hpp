@@ -28,15 +28,15 @@
 
 namespace thicket {
 
-/// The parameters that all kinds of queries have.
+/// The parameters that all kinds of queries share.
 struct QueryWish {
 	const char *method;
 	const godot::Variant &layers;
 	const godot::Callable &predicate;
 };
 
-/// Creates the filter of a query from its layers and its predicate. Returns the list that the layer
-/// indices of the result refer to. If the query is refused, prints an error and returns null.
+/// Creates the filter of a query from its layers and predicate. Returns the list that the layer
+/// indices of the result refer to. If the query is invalid, prints an error and returns null.
 template <class Asker>
 SharedLayers open_query(Asker &asker, const QueryWish &wish, QueryFilter &r_filter) {
 	const WorldFrame frame = asker.world_frame();

@@ -5,8 +5,7 @@
 namespace thicket {
 
 /// Lets any number of threads call an object, and lets one thread wait until no other thread is
-/// inside such a call. Recursive: a thread that is inside this gate or a different one may enter
-/// again.
+/// inside such a call. Recursive: a thread that is inside this gate or another one may enter again.
 class CallGate {
 public:
 	/// Keeps the current thread inside the gate during its lifetime. Use it only as a local
@@ -36,9 +35,9 @@ public:
 		static inline thread_local const Inside *innermost_ = nullptr;
 	};
 
-	/// Waits until no other thread is inside the gate, and runs `act`. Other threads that enter
-	/// wait until `act` returns. If the calling thread is inside the gate, it leaves temporarily,
-	/// so it does not wait for itself.
+	/// Waits until no other thread is inside the gate and runs `act`. Other threads that enter wait
+	/// until `act` returns. If the calling thread is inside the gate, it leaves temporarily so that
+	/// it does not wait for itself.
 	template <class Act>
 	void alone(Act act) const {
 		const bool inside = is_inside();

@@ -9,8 +9,8 @@ namespace thicket {
 
 namespace {
 
-/// The maximum number of separate areas. Beyond this number, handling separate areas costs the
-/// receiver more than regenerating the tiles between them.
+/// The maximum number of separate areas. Beyond this number, separate areas cost the receiver more
+/// than regenerating the tiles between them.
 constexpr std::size_t most_areas = 64;
 
 } // namespace

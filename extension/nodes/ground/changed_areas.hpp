@@ -9,8 +9,8 @@ namespace thicket {
 /// Returns the smallest rectangle that contains `a` and `b`.
 Rect around(const Rect &a, const Rect &b);
 
-/// Adds an area of changed ground in meters to `r_areas`. Merges areas that touch, and all of them
-/// if there are too many. Ignores an empty area.
+/// Adds an area of changed ground in meters to `r_areas`. Merges areas that touch; if there are too
+/// many, merges all of them. Ignores an empty area.
 void add_changed_area(std::vector<Rect> &r_areas, const Rect &area);
 
 } // namespace thicket

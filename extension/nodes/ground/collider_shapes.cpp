@@ -43,8 +43,8 @@ std::optional<AABB> around_array(const PackedVector3Array &points, std::size_t &
 	return around_points({points.ptr(), static_cast<std::size_t>(points.size())});
 }
 
-/// Returns the bounds of a heightmap shape. Its posts are one meter apart and centered on the
-/// origin.
+/// Returns the bounds of a heightmap shape. Its height samples are one meter apart and centered on
+/// the origin.
 std::optional<AABB> around_map(const HeightMapShape3D &map, std::size_t &r_points) {
 	const PackedFloat32Array heights = map.get_map_data();
 	const std::span<const float> posts(heights.ptr(), static_cast<std::size_t>(heights.size()));

@@ -21,7 +21,7 @@ namespace {
 
 constexpr const char *file_property = "heightmap_path";
 
-/// Returns the bytes per post that the extension of a raw file specifies, or 0.
+/// Returns the bytes per height sample that the extension of a raw file specifies, or 0.
 int bytes_per_post_of(const String &p_path) {
 	const String extension = p_path.get_extension().to_lower();
 	if (extension == "r8") {
@@ -34,7 +34,7 @@ int bytes_per_post_of(const String &p_path) {
 }
 
 Status refused_unreadable(const String &p_path) {
-	// The export of an imported file contains only the resource that was made from it.
+	// The export of an imported file contains only the imported resource.
 	return Status::missing(file_property,
 			ResourceLoader::get_singleton()->exists(p_path)
 					? "The exported game contains only the imported image: in the Import dock, set the file to Keep "
@@ -51,7 +51,7 @@ Status read_exr(const PackedByteArray &bytes, Posts &r_posts) {
 	const Variant error = image->call("load_exr_from_buffer", bytes);
 	if (static_cast<std::int64_t>(error) != OK || !has_content(image)) {
 		return {ErrorCode::corrupt, file_property, 0.0, {}, {},
-				"The engine cannot read this EXR file: save it with a single part and 16-bit or 32-bit floats"};
+				"The engine cannot read this EXR file: save it as a single part with 16-bit or 32-bit floats"};
 	}
 	const Status read = read_posts(image, file_property, r_posts);
 	r_posts.format = image->get_format() >= Image::FORMAT_RH ? "16-bit EXR" : "32-bit EXR";

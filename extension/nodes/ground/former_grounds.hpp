@@ -12,7 +12,7 @@ void register_former_grounds();
 
 /// Converts a ground of release 0.2 to the current class, with the same properties; returns any
 /// other ground unchanged. The new ground takes over the resource path, so that saving the file
-/// stores the current class. Any thread may call it.
+/// stores the current class. Any thread may call this function.
 godot::Ref<ScatterGround> current_ground(const godot::Ref<ScatterGround> &p_ground);
 
 } // namespace thicket

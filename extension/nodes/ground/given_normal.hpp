@@ -13,7 +13,7 @@
 namespace thicket {
 
 /// Normalizes and stores a normal that a script or another node has returned. A normal that is zero
-/// or not finite means that there is no ground, so sets the height to NAN instead.
+/// or not finite means that there is no ground; in that case, sets the height to NAN instead.
 inline void take_normal(const godot::Vector3 &p_given, Ground &r_ground) {
 	const glm::vec3 normal{p_given.x, p_given.y, p_given.z};
 	const float length = std::sqrt(glm::dot(normal, normal));

@@ -25,9 +25,9 @@ struct GroundChanges {
 	void add(const GroundChanges &other);
 };
 
-/// An edit of a part of a terrain's image.
+/// An edit to part of a terrain's image.
 struct MapEdit {
-	std::int64_t map = 0;   ///< The plug-in's number for this kind of image.
+	std::int64_t map = 0;   ///< The plug-in's ID of this kind of image.
 	std::int64_t index = 0; ///< The image's index within its kind; negative for all images of the kind.
 	godot::Rect2i rect;     ///< The edited part of the image in pixels.
 };
@@ -56,8 +56,8 @@ public:
 	/// Describes the copied ground for the inspector.
 	virtual godot::String description() const = 0;
 
-	/// Returns a remark for users that completes a sentence beginning with the node's name, such as
-	/// "has no regions". Returns an empty string if there is none.
+	/// Returns a remark for users that is the end of a sentence beginning with the node's name,
+	/// such as "has no regions". Returns an empty string if there is none.
 	virtual godot::String remark() const = 0;
 
 	/// Returns the areas in which this ground differs from `before`. `shift` is how far the
@@ -71,8 +71,8 @@ public:
 		return nullptr;
 	}
 
-	/// Returns true if the node's ground may differ from this copy although no signal reported a
-	/// change. Called every frame. May run scripts.
+	/// Returns true if the node's ground may differ from this copy even though no signal has
+	/// reported a change. Called every frame. May run scripts.
 	virtual bool is_outdated(const godot::Variant & /*p_node*/) const { return false; }
 
 protected:
@@ -83,7 +83,7 @@ protected:
 struct CopyAttempt {
 	GroundPlugin plugin = GroundPlugin::none; ///< The plug-in that provides the node.
 	std::shared_ptr<const GroundCopy> copy;   ///< The copied ground. Null if copying failed; see `refusal`.
-	/// The reason for the failure. Completes a sentence that begins with the node.
+	/// The reason for the failure, as the end of a sentence that begins with the node.
 	godot::String refusal;
 	/// The object that contains the plug-in's images and emits its signals.
 	godot::Variant data;

@@ -41,12 +41,13 @@ namespace thicket {
 
 namespace {
 
-/// The minimum time between two comparisons of a GridMap's cells. Comparisons also take at most
-/// 1/200 of the time.
+/// The minimum time between two comparisons of a GridMap's cells. Comparisons also use at most
+/// 1/200 of the total time.
 constexpr std::chrono::milliseconds shortest_interval(100);
 constexpr int cells_share = 200;
 
-// These classes are engine modules, which a custom engine may lack. So their methods are called by name.
+// These classes are in engine modules, which a custom engine may lack, so their methods are called
+// by name.
 bool is_grid(const Node &node) { return node.is_class("GridMap"); }
 bool is_csg(const Node &node) { return node.is_class("CSGShape3D"); }
 
@@ -98,8 +99,8 @@ std::vector<glm::vec3> hull_of(const PackedVector3Array &points) {
 	return corners;
 }
 
-/// Returns the triangles of a heightmap shape. Its posts are one meter apart and centered on the
-/// origin. A post of NAN is a hole.
+/// Returns the triangles of a heightmap shape. Its height samples are one meter apart and centered
+/// on the origin. A sample of NAN is a hole.
 std::vector<glm::vec3> faces_of(const HeightMapShape3D &map) {
 	const PackedFloat32Array posts = map.get_map_data();
 	const std::int64_t width = map.get_map_width();
@@ -183,7 +184,7 @@ std::uint64_t digest_of(const Node &grid) {
 	for (const int32_t number : std::span(cells.ptr(), static_cast<std::size_t>(cells.size()))) {
 		mix(digest, static_cast<std::uint32_t>(number));
 	}
-	return digest | 1u; // Never 0, which means that there is no source.
+	return digest | 1u; // Never 0, because 0 means that there is no source.
 }
 
 } // namespace

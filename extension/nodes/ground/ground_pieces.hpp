@@ -40,8 +40,8 @@ public:
 	/// static bodies that `list` has found.
 	std::int64_t count(godot::Node *p_host, const godot::StringName &p_group) const;
 
-	/// Where nodes count as ground, and the node whose local space their transforms are in. If
-	/// `space` is null, transforms are global.
+	/// The group and World3D whose nodes are ground, and the node whose local space their
+	/// transforms are in. If `space` is null, transforms are global.
 	struct Sight {
 		godot::StringName group;
 		godot::Ref<godot::World3D> world;

@@ -15,10 +15,10 @@ namespace thicket {
 
 namespace {
 
-/// The time without a change after which a node counts as at rest.
+/// The time without a change after which a node is considered at rest.
 constexpr std::chrono::milliseconds rest_time(100);
 
-/// The interval at which the ground follows nodes that do not come to rest.
+/// The interval at which the ground is updated for nodes that do not come to rest.
 constexpr std::chrono::milliseconds longest_wait(400);
 
 /// The number of physics frames after which a body has certainly reached the position of its node.
@@ -163,7 +163,7 @@ void GroundWatch::touch(std::uint64_t id, bool moves) {
 	found->second.rests = false;
 }
 
-/// Records that a check has found no change of a node.
+/// Records that a check has found no change to a node.
 void GroundWatch::rest(std::uint64_t id) {
 	const auto found = changed_.find(id);
 	if (found != changed_.end()) {

@@ -22,22 +22,21 @@ namespace thicket {
 /// The part of a ground node's state that can be checked without reading triangles.
 struct GroundSight {
 	godot::Transform3D frame; ///< The global transform.
-	/// The ID of the object with the shape, such as a mesh; 0 if the node is not ground.
+	/// The ID of the object that defines the shape, such as a mesh; 0 if the node is not ground.
 	std::uint64_t source = 0;
 	/// The source's version, which increases with each change that the source reports.
 	std::uint64_t version = 0;
 
-	/// If neither node is ground, ignores the other members. Transforms that are not finite count
-	/// as equal. Otherwise such a node would always count as changed, because NAN differs from
-	/// itself.
+	/// If neither node is ground, ignores the other members. Treats transforms that are not finite
+	/// as equal; otherwise such a node would always seem changed, because NAN differs from itself.
 	bool operator==(const GroundSight &other) const {
 		const bool alike = frame == other.frame || !(is_finite(frame) || is_finite(other.frame));
 		return source == other.source && (source == 0 || (version == other.version && alike));
 	}
 };
 
-/// Returns true if both states describe the same ground in world space. Each has its own world
-/// position of the engine's origin. Tolerates the rounding errors that moving a scene causes.
+/// Returns true if both states describe the same ground in world space. Each state has its own
+/// world position of the engine's origin. Tolerates the rounding errors that moving a scene causes.
 bool same_in_world(const GroundSight &a, glm::dvec3 offset_a, const GroundSight &b, glm::dvec3 offset_b);
 
 /// Detects nodes whose ground has changed by polling a limited number of them per frame, in turn.
@@ -53,11 +52,11 @@ public:
 	/// ID as an argument. The owner must pass that ID to `source_changed`.
 	GroundWatch(godot::Object *p_owner, const godot::StringName &p_method) : owner_(p_owner), method_(p_method) {}
 
-	/// Starts to watch a node. If `changed` is true, its ground counts as changed. Does nothing if
-	/// the node is already watched.
+	/// Starts to watch a node. If `changed` is true, marks it as changed. Does nothing if the node
+	/// is already watched.
 	void add(std::uint64_t id, const godot::Variant &p_node, const Look &look, bool changed);
 
-	/// Stops watching a node. If it was ground, it counts as changed; see `take_changed`.
+	/// Stops watching a node. If it was ground, marks it as changed; see `take_changed`.
 	void remove(std::uint64_t id);
 
 	/// Stops watching all nodes and disconnects from all sources.
@@ -71,8 +70,8 @@ public:
 	/// Checks the next nodes, up to nodes_per_frame. Returns their number.
 	std::size_t look(const Look &look);
 
-	/// Records that a source has changed. Nodes with this source count as changed at their next
-	/// check. Ignores unknown sources.
+	/// Records that a source has changed. Nodes with this source are marked as changed at their
+	/// next check. Ignores unknown sources.
 	void source_changed(std::uint64_t source);
 	std::uint64_t version(std::uint64_t source) const;
 
@@ -84,8 +83,8 @@ public:
 
 	/// Returns the changed nodes that are due, including removed ones. Added and removed nodes are
 	/// due after two physics frames. A node that was moved or reshaped is due once it is at rest,
-	/// but at the latest after a while: so the ground follows a node that is being dragged, but not
-	/// in every frame. Such a node is returned again later.
+	/// or after a maximum delay. The ground is therefore updated while a node is being dragged, but
+	/// not in every frame. Such a node is returned again later.
 	std::set<std::uint64_t> take_changed();
 
 	/// Discards all detected changes.
@@ -107,13 +106,13 @@ private:
 		std::size_t users = 0;
 	};
 
-	/// The change of a node that was not yet taken.
+	/// A change of a node that has not been taken yet.
 	struct Change {
 		Clock::time_point first;
 		Clock::time_point last;
 		std::uint64_t frame = 0; ///< The physics frame of the last change.
-		bool moves = false;      ///< Whether the node may go on changing: false if it was added or removed.
-		bool rests = false;      ///< True if a check has found no further change.
+		bool moves = false;      ///< True if the node may keep changing; false if it was added or removed.
+		bool rests = false;      ///< True if a check has found no additional change.
 	};
 
 	void use(std::uint64_t id, godot::Object *p_source);
@@ -126,7 +125,7 @@ private:
 	std::map<std::uint64_t, Entry> entries_; ///< The watched nodes, keyed by their IDs.
 	std::map<std::uint64_t, Source> sources_;
 	std::map<std::uint64_t, Change> changed_;
-	std::uint64_t next_ = 0;     ///< Checks continue at this ID, or at the next larger one.
+	std::uint64_t next_ = 0;     ///< Checks continue at this ID or at the next larger one.
 	std::uint64_t versions_ = 0; ///< The last version that was assigned to a source.
 };
 

@@ -18,15 +18,15 @@ namespace thicket {
 /// The settings of a ScatterGroundHeightmap for a worker. The images share the memory of the
 /// originals until either is written to.
 struct HeightmapSources {
-	bool are_read = false; ///< If false, reuses the posts and weights of `before`.
+	bool are_read = false; ///< If false, reuses the height samples and weights of `before`.
 	godot::Ref<godot::Image> image;
 	bool has_image = false; ///< If true, `image` takes priority over `path`.
 	godot::String path;
 	glm::ivec2 post_count{0}; ///< The columns and rows of a raw file, or (0, 0).
 	godot::Ref<godot::Image> weight_image;
 	bool has_weight_image = false;
-	HeightfieldFrame frame; ///< Everything except the number of posts.
-	bool in_meters = false; ///< True if float posts are heights in meters.
+	HeightfieldFrame frame; ///< Everything except the number of height samples.
+	bool in_meters = false; ///< True if float samples are heights in meters.
 };
 
 /// Builds a heightfield and finds the areas in which it has changed. Any thread may use it.
@@ -36,7 +36,7 @@ struct HeightmapWork {
 	bool summarizes = false;                   ///< If true, also builds `summary`.
 
 	Status status;
-	glm::ivec2 refused_post{-1};              ///< Column and row; negative if no post was refused.
+	glm::ivec2 refused_post{-1};              ///< Column and row; negative if no height sample was rejected.
 	std::shared_ptr<const Heightfield> field; ///< Null after an error.
 	std::shared_ptr<const HeightSummary> summary;
 	const char *format = ""; ///< See Posts::format; empty if the sources were not read.

@@ -29,7 +29,7 @@ namespace thicket {
 
 namespace {
 
-// HTerrain's numbers for kinds of maps.
+// HTerrain's IDs for kinds of maps.
 constexpr int height_map = 0;
 constexpr int splat_map = 2;
 constexpr int color_map = 3;
@@ -38,7 +38,7 @@ constexpr int splat_weight_map = 7;
 
 constexpr int max_splats = 16;
 
-/// The number of posts in each direction that affect the ground at a position, because of
+/// The number of height samples in each direction that affect the ground at a position, because of
 /// interpolation and slopes.
 constexpr int posts_around = 2;
 
@@ -119,7 +119,7 @@ private:
 };
 
 /// Returns true if the map has the same transform in the world. A node that has moved with the
-/// engine's origin counts as unmoved, except for float rounding.
+/// engine's origin is considered unmoved. Tolerates float rounding.
 bool HTerrainCopy::same_place(const HTerrainCopy &before, glm::dvec3 shift) const {
 	MapPlace mine = field_.place();
 	const MapPlace &other = before.field_.place();
@@ -328,7 +328,7 @@ CopyAttempt copy_hterrain(const Variant &p_node, const GroundCopy *before) {
 	read_textures(p_node, attempt.data, images, layers);
 	const Variant transform = result_of(p_node, "get_internal_transform");
 	if (transform.get_type() != Variant::TRANSFORM3D) {
-		attempt.refusal = "has a get_internal_transform() that gives no Transform3D";
+		attempt.refusal = "has a get_internal_transform() that does not return a Transform3D";
 		return attempt;
 	}
 	const Transform3D to_world = transform;

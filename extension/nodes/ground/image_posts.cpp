@@ -40,8 +40,8 @@ bool holds_floats(Image::Format format) {
 	}
 }
 
-/// Returns the number of color channels of a format, without those that a conversion to RGBA would
-/// add.
+/// Returns the number of color channels of a format, not counting those that a conversion to RGBA
+/// would add.
 int channels_of(Image::Format format) {
 	switch (format) {
 		case Image::FORMAT_L8:

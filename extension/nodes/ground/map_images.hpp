@@ -8,7 +8,7 @@
 
 namespace thicket {
 
-/// Reads the images of an HTerrain node's maps. The node's data contains images in the editor, and
+/// Reads the images of an HTerrain node's maps. The node's data contains images in the editor and
 /// for maps that a script has created. In a game, all other loaded maps except heights are
 /// textures, whose pixels must be read back from the renderer. Imported textures never change, so
 /// their pixels are kept for the next copy.
@@ -21,8 +21,8 @@ public:
 		return images;
 	}
 
-	/// Reads the pixels of a map. `kind` is the plug-in's number for the kind of map. Returns null
-	/// if there are none. Runs scripts.
+	/// Reads the pixels of a map. `kind` is the plug-in's ID of the kind of map. Returns null if
+	/// there are none. Runs scripts.
 	godot::Ref<godot::Image> read(const godot::Variant &p_data, int kind, int index);
 
 	/// Returns true if the pixels of a map were not available, as for textures in a dedicated

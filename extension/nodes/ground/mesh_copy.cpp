@@ -110,7 +110,7 @@ void MeshReader::cancel() {
 	next_ = 0;
 }
 
-/// Copies a surface in the renderer's own format.
+/// Copies a surface in the renderer's format.
 MeshCopy::Surface MeshReader::read_stored(const Mesh &p_mesh, std::int32_t surface) {
 	const Dictionary stored = RenderingServer::get_singleton()->mesh_get_surface(p_mesh.get_rid(), surface);
 	MeshCopy::Surface read;

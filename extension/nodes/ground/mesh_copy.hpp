@@ -23,7 +23,8 @@ namespace thicket {
 /// worker. Shares the renderer's memory unless the data was read back from a GPU.
 class MeshCopy {
 public:
-	/// Appends three corners per triangle, in the node's local space. Any thread may call it.
+	/// Appends three corners per triangle, in the node's local space. Any thread may call this
+	/// method.
 	Status append_faces(std::vector<glm::vec3> &r_corners) const;
 
 private:
@@ -35,7 +36,7 @@ private:
 		godot::PackedByteArray indices;
 	};
 
-	/// The surfaces of a mesh, and its copies; see GroundPiece::frames.
+	/// The surfaces of a mesh and its copies; see GroundPiece::frames.
 	struct Piece {
 		std::vector<Surface> surfaces;
 		std::vector<godot::Transform3D> frames;
@@ -45,7 +46,7 @@ private:
 };
 
 /// Copies the meshes of a ground node, one surface per step. Use it only on the main thread. On
-/// other threads, a call of the renderer waits for the next frame, and would never return while the
+/// other threads, a call to the renderer waits for the next frame and would never return while the
 /// main thread waits for that thread.
 ///
 /// Reads the renderer's data instead of calling Mesh.get_faces, which builds and keeps a search

@@ -112,7 +112,7 @@ void MeshWork::build_readings(const std::atomic<bool> *cancel) {
 	}
 }
 
-/// Updates a world's ground with the built meshes. Refused meshes keep their previous ground.
+/// Updates a world's ground with the built meshes. Rejected meshes keep their previous ground.
 void MeshWork::update(GroundWorld &r_world) const {
 	r_world.changes.clear();
 	r_world.status = guarded("parts", static_cast<double>(r_world.parts->size()), [&] {

@@ -19,9 +19,9 @@
 
 namespace thicket {
 
-/// What the world of a host is relative to: to the engine's origin, or to the host itself.
+/// The reference frame of a host's world: the engine's origin or the host itself.
 struct GroundSpace {
-	glm::dvec3 offset{0.0}; ///< The engine's origin in the world; zero for local coordinates.
+	glm::dvec3 offset{0.0}; ///< The position of the engine's origin in the world; zero for local coordinates.
 	std::uint64_t host = 0; ///< The ID of a host with local coordinates; otherwise 0.
 
 	bool operator==(const GroundSpace &) const = default;
@@ -52,12 +52,12 @@ struct MeshReading {
 	Planet planet;
 
 	Status status;
-	/// The refused corner in world space, if a corner is the reason for the error.
+	/// The invalid corner in world space, if a corner is the reason for the error.
 	glm::dvec3 refused_corner{0.0};
-	/// The result. Null before `build`, and if the mesh was refused.
+	/// The result. Null before `build`, and if the mesh was rejected.
 	std::shared_ptr<const GroundMesh> part;
 
-	/// Builds `part` from the triangles of `copy` in local space. Any thread may call it.
+	/// Builds `part` from the triangles of `copy` in local space. Any thread may call this method.
 	void build(std::span<const glm::vec3> faces, const std::atomic<bool> *cancel);
 };
 
@@ -71,7 +71,7 @@ struct GroundWorld {
 	Status status;
 };
 
-/// The work for a worker: builds the ground of meshes, and updates the worlds that contain them.
+/// The work for a worker: builds the ground of meshes and updates the worlds that contain them.
 struct MeshWork {
 	std::vector<MeshReading> readings;
 	std::vector<std::uint64_t> gone; ///< IDs of instances that are no longer ground.

@@ -92,7 +92,7 @@ bool ObjectGround::take_map(const Variant &p_object) {
 void ObjectGround::take_post_grid() {
 	if (is_post_grid(source_)) {
 		posts_ = std::make_shared<PostGridArea>(PostGridArea::of(source_));
-		has_normal_ = false; // get_normal() of MTerrain is imprecise, and crashes at the border.
+		has_normal_ = false; // get_normal() of MTerrain is imprecise and crashes at the border.
 	}
 }
 

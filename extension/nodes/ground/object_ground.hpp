@@ -23,7 +23,7 @@ struct GroundLimits {
 	/// The area that has ground, in world x and z; empty for no limit. Half-open, like
 	/// Rect2.has_point.
 	Rect bounds;
-	std::optional<float> no_ground; ///< A height that stands for "no ground".
+	std::optional<float> no_ground; ///< A height that means "no ground".
 };
 
 /// Ground from the methods of a Godot object of any class, either:
@@ -31,7 +31,7 @@ struct GroundLimits {
 ///   property `data`, in global space, with NAN where there is no ground (Terrain3D:
 ///   `data.get_height`), or
 /// - `get_data().get_interpolated_height_at(Vector3)` in map space, with
-///   `get_data().get_resolution()` and the object's own `get_internal_transform()` (HTerrain; see
+///   `get_data().get_resolution()` and the object's `get_internal_transform()` (HTerrain; see
 ///   TerrainMap for its holes and textures), or
 /// - the methods of MTerrain; see PostGridArea.
 ///
@@ -52,9 +52,9 @@ public:
 	/// no effect on a map, which keeps the offset at which it was found.
 	void set_offset(glm::dvec3 offset);
 
-	/// Samples the ground; see Terrain::sample. Any thread may call it if the object's methods are
-	/// thread-safe. If a method fails or returns a value of a wrong type, returns an error that
-	/// names the method.
+	/// Samples the ground; see Terrain::sample. Any thread may call this method if the object's
+	/// methods are thread-safe. If one of them fails or returns a value of the wrong type, returns
+	/// an error that names it.
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
 	Status sample_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
 	Status weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
@@ -65,13 +65,13 @@ public:
 	bool knows(glm::dvec2 position) const;
 
 	/// Returns true if the methods must be called on the main thread, regardless of
-	/// ScatterGroundNode.thread_safe. This is so for MTerrain, which frees the heights of regions
+	/// ScatterGroundNode.thread_safe. This is true for MTerrain, which frees the heights of regions
 	/// on its own threads.
 	bool needs_main_thread() const { return posts_ != nullptr; }
 
-	/// Refuses later calls, and waits until other threads have finished their current calls, at
-	/// most a few dozen positions each. Call this before the object is freed. A method of the
-	/// object may itself cause this call; it then does not wait for its own thread.
+	/// Makes later calls fail, and waits until other threads have finished their current calls, at
+	/// most a few dozen positions each. Call this before the object is freed. If a method of the
+	/// object causes this call, it does not wait for the calling thread.
 	void close();
 	bool is_open() const { return open_; }
 

@@ -50,7 +50,7 @@ PostGridArea PostGridArea::of(const Variant &p_node) {
 }
 
 bool PostGridArea::contains(glm::dvec2 position) const {
-	// At the far sides, MTerrain would read the heights of posts beyond the last ones.
+	// At the far edges, MTerrain would read heights beyond the last samples.
 	return position.x >= rect.position.x && position.y >= rect.position.y &&
 			position.x < rect.position.x + rect.size.x && position.y < rect.position.y + rect.size.y;
 }
@@ -58,8 +58,8 @@ bool PostGridArea::contains(glm::dvec2 position) const {
 bool PostGridArea::is_loaded(const Variant &p_node, glm::dvec2 position) const {
 	const glm::dvec2 from_first = (position - glm::dvec2(rect.position.x, rect.position.y)) / spacing;
 	const glm::ivec2 first = glm::clamp(glm::ivec2(from_first), glm::ivec2(0), last_post - 1);
-	// The posts at the border between two regions are stored in the first one. The square between
-	// four posts may therefore need both regions, so two opposite posts are checked.
+	// The height samples at the border between two regions are stored in the first one. The square
+	// between four samples may therefore need both regions, so two opposite samples are checked.
 	for (const glm::ivec2 post : {first, first + 1}) {
 		const Variant normal = result_of(p_node, "get_normal_by_pixel", {post.x, post.y});
 		if (normal.get_type() == Variant::VECTOR3 && static_cast<Vector3>(normal) == normal_of_nothing) {

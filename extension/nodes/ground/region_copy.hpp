@@ -24,15 +24,16 @@ public:
 protected:
 	/// `origin` is the position of the first corner of region (0, 0) in the engine's space.
 	/// `unloaded` lists the regions of the previous copy that the plug-in has unloaded since. Their
-	/// absence does not count as a change.
+	/// absence is not treated as a change.
 	RegionCopy(RegionField field, glm::dvec3 origin, std::vector<glm::ivec2> unloaded) :
 			field_(std::move(field)), origin_(origin), unloaded_(std::move(unloaded)) {}
 
 	const std::vector<glm::ivec2> &unloaded() const { return unloaded_; }
 
 private:
-	/// Returns the area in which the ground depends on the posts in a rectangle of a region. It
-	/// extends beyond the rectangle, because interpolation and slopes use neighboring posts.
+	/// Returns the area in which the ground depends on the height samples in a rectangle of a
+	/// region. It extends beyond the rectangle, because interpolation and slopes use neighboring
+	/// samples.
 	godot::Rect2 area_of(glm::ivec2 location, const PixelRect &rect) const;
 	void add_changes(const FieldRegion &mine, const FieldRegion *theirs, GroundChanges &r_changes) const;
 

@@ -119,7 +119,7 @@ String ScatterGround::find_problem() {
 	if (GDVIRTUAL_IS_OVERRIDDEN(_get_heights)) {
 		return {};
 	}
-	return "ScatterGround has no ground of its own: use one of the classes that inherit from it, or extend it "
+	return "ScatterGround provides no ground: use one of the classes that inherit from it, or extend it "
 		   "with a script (a @tool script to see it in the editor) that has _get_heights().";
 }
 

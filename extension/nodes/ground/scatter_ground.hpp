@@ -46,13 +46,13 @@ struct GroundHost {
 	/// The world position of the engine's origin in meters: world = engine + offset. Zero for local
 	/// coordinates.
 	glm::dvec3 offset{0.0};
-	bool local = false; ///< Whether the world is the node's local space; see WorldFrame.
+	bool local = false; ///< True if the world is the node's local space; see WorldFrame.
 
-	/// Returns the frame for ScatterGround::enter and set_world_frame. Lacks the rotation.
+	/// Returns the frame for ScatterGround::enter and set_world_frame, without the rotation.
 	WorldFrame frame() const { return {.offset = offset, .local = local}; }
 };
 
-/// Statistics of the work that a ground does to follow the scene.
+/// Statistics of the work that a ground does to track the scene.
 struct GroundFigures {
 	std::size_t checks = 0; ///< Nodes checked in the last frame.
 	/// Meshes or shapes that were read since the ground was created.
@@ -62,8 +62,8 @@ struct GroundFigures {
 /// The ground on which layers are placed. Use one of the derived classes, or extend this class with
 /// a script that implements `_get_heights`.
 ///
-/// All public methods may run a script, which may do anything, even release the ground. The methods
-/// keep the ground alive until they return.
+/// All public methods may run a script, which may do anything, even release the ground. They keep
+/// the ground alive until they return.
 class ScatterGround : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterGround, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
@@ -75,26 +75,26 @@ public:
 	/// use it. Returns null if there is no ground, or if only the main thread may sample it.
 	std::shared_ptr<const Terrain> snapshot(std::uint64_t host);
 
-	/// Returns a sentence that explains why this ground cannot be used; empty if it can.
+	/// Returns a message that explains why this ground cannot be used; empty if it can.
 	godot::String problem();
 
-	/// Returns a sentence with a warning about a usable ground; empty if there is none.
+	/// Returns a warning about a usable ground; empty if there is none.
 	godot::String remark();
 
-	/// A sentence about the script method that caused the error `status`; empty if no script caused
-	/// it. Any thread.
+	/// Returns a message about the script method that caused the error `status`; empty if no script
+	/// caused it. Any thread may call this method.
 	virtual godot::String script_problem(const Status &status) const { return answers_.sentence(status); }
 
-	/// True if sampling a snapshot calls a script, which may do anything.
+	/// Returns true if sampling a snapshot calls a script, which may do anything.
 	virtual bool calls_script() const { return get_class() == godot::String(class_name); }
 
-	/// True if this is the other ground, or consists of it and other grounds.
+	/// Returns true if this is the other ground, or combines it with other grounds.
 	virtual bool contains(const ScatterGround *p_other) const { return p_other == this; }
 
 	/// Adds all resources that the main thread reads every frame while a node uses this ground.
 	virtual void add_used(SceneUse::List &r_used) { r_used.add(godot::Ref<ScatterGround>(this)); }
 
-	/// Returns a sentence about a feature that does not work because an export has stripped its
+	/// Returns a message about a feature that does not work because an export has stripped its
 	/// resource; empty if nothing was stripped.
 	godot::String stripped();
 
@@ -102,7 +102,7 @@ public:
 	/// textures grow everywhere.
 	virtual bool has_textures() const;
 
-	/// Returns whether layers can grow on all its surfaces, not only on its top.
+	/// Returns true if layers can grow on all its surfaces, not only on its top.
 	virtual bool has_surfaces() const { return false; }
 
 	/// Returns the planet that the ground forms, in world coordinates. By default, there is none.
@@ -120,11 +120,11 @@ public:
 	/// Returns true if `sample_now` may only be called in physics frames.
 	virtual bool needs_physics_frames() const { return false; }
 
-	/// Returns the maximum number of positions per call of `sample_now` and per physics frame.
+	/// Returns the maximum number of positions per call to `sample_now` and per physics frame.
 	virtual std::size_t max_positions_per_call() const;
 
 	/// Returns false while the source of the ground is temporarily missing. Tiles stay unchanged
-	/// meanwhile.
+	/// during that time.
 	virtual bool is_available() const { return true; }
 
 	/// Samples the ground data in `needs` at world `positions`, for the host with this ID, on the
@@ -145,8 +145,8 @@ public:
 	Status recheck_now(
 			std::uint64_t host, std::span<const glm::dvec2> positions, std::span<std::optional<float>> r_heights);
 
-	/// Returns the tolerance of re-checks in meters. Ground whose height has changed by less counts
-	/// as unchanged, because regenerating tiles for such small changes is not worthwhile.
+	/// Returns the tolerance of re-checks in meters. Smaller changes in height are ignored, because
+	/// they do not justify regenerating tiles.
 	virtual double recheck_tolerance() const { return 0.01; }
 
 	/// Registers and unregisters a node in the tree that uses this ground. Each `enter` needs a
@@ -159,7 +159,7 @@ public:
 	/// ground stays fixed in the world.
 	void set_world_frame(const godot::Node3D *p_host, const WorldFrame &frame);
 
-	/// Whether the ground moves with a host that has local coordinates.
+	/// Returns true if the ground moves with a host that has local coordinates.
 	virtual bool moves_with_host() const { return true; }
 
 	/// Makes ground that caches its source search for it again. Call it when the ground may have
@@ -167,23 +167,23 @@ public:
 	virtual void look_again() {}
 
 	/// Checks ground from scene nodes for changes, and emits signals for them. Call it in every
-	/// frame of every host. Does at least one step of work per frame, and starts no further steps
-	/// after `deadline`.
+	/// frame of every host. Does at least one step of work per frame and starts no more steps after
+	/// `deadline`.
 	void follow_scene(std::chrono::steady_clock::time_point deadline);
 
-	/// Returns true while known changes are not yet applied to the ground.
+	/// Returns true while known changes have not been applied to the ground yet.
 	virtual bool is_behind() const { return false; }
 
 	/// Returns true while new ground is being read, so that `snapshot` returns null or the previous
 	/// ground. After that, the ground may have changed everywhere.
 	virtual bool is_pending(std::uint64_t /*host*/) const { return false; }
 
-	/// Completes the reading of the ground synchronously. Emits signals.
+	/// Finishes reading the ground synchronously. Emits signals.
 	virtual void finish_reading() {}
 
 	virtual GroundFigures figures() const { return {}; }
 
-	/// Starts to reread all ground over the next frames, and emits signals where it has changed.
+	/// Starts rereading all ground over the next frames, which emits signals where it has changed.
 	/// Returns false if this ground cannot do that; the caller must then assume that it has changed
 	/// everywhere.
 	bool read_again();
@@ -224,11 +224,11 @@ protected:
 
 	/// Does the work of `follow_scene`, at most once per frame.
 	virtual void follow() {}
-	/// Starts to reread all ground for `read_again`. Returns false if this ground cannot do that.
+	/// Starts rereading all ground for `read_again`. Returns false if this ground cannot do that.
 	virtual bool distrust() { return false; }
 
-	/// Returns true if hosts move relative to each other, so that each must hear of the moves of a host
-	/// with local coordinates.
+	/// Returns true if hosts move relative to each other, so that each must be notified when a host
+	/// with local coordinates moves.
 	virtual bool is_shared() const { return hosts_.size() > 1; }
 
 	/// Called after a host's offset has changed, or after a host with local coordinates has moved

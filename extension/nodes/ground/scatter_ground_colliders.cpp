@@ -25,11 +25,12 @@ namespace thicket {
 namespace {
 
 /// The distance inside a body at which the next ray starts after a ray has hit a body that is not
-/// ground. The first number is in meters, the second is relative to the height of the hit.
+/// ground. The first number is in meters; the second is relative to the height of the hit.
 constexpr real_t into_body = 1e-3F;
 constexpr real_t into_high_body = 1e-6F;
 
-/// The maximum number of bodies to skip at a position. With more, there is no ground.
+/// The maximum number of bodies to skip at a position. If there are more, the position has no
+/// ground.
 constexpr int max_bodies = 64;
 
 /// The precision of a hit, as a fraction of the ray's length.
@@ -82,7 +83,7 @@ private:
 	}
 
 	/// Returns true if the body of a hit does not move. Moving bodies such as characters and
-	/// vehicles do not count as ground in re-checks.
+	/// vehicles are not ground in re-checks.
 	bool rests(const Dictionary &hit) const {
 		const Object *collider = hit[collider_key_];
 		if (const auto *body = Object::cast_to<PhysicsBody3D>(collider)) {
@@ -150,8 +151,7 @@ String ScatterGroundColliders::find_problem() {
 	if (const Status status = check(); !status.ok()) {
 		return sentence(class_name, status);
 	}
-	return collision_mask_ != 0 ? String()
-								: "ScatterGroundColliders.collision_mask is empty: no body counts as ground.";
+	return collision_mask_ != 0 ? String() : "ScatterGroundColliders.collision_mask is empty: no body is ground.";
 }
 
 Status ScatterGroundColliders::check() const {

@@ -22,7 +22,7 @@ namespace thicket {
 
 /// Ground from the colliders of the scene, found by rays from above. Rays can only be cast in
 /// physics frames, a limited number per frame. If a shape of a static body is added, removed, moved
-/// or changed, the ground follows within about half a second.
+/// or changed, the ground is updated within about half a second.
 class ScatterGroundColliders : public ScatterGround {
 	GDCLASS(ScatterGroundColliders, ScatterGround)
 	THICKET_GUARDED_METHODS(owner)

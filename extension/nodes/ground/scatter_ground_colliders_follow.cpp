@@ -1,5 +1,5 @@
-// This file makes ScatterGroundColliders follow the scene. It finds the shapes of static bodies,
-// checks them in turn, and reports changes.
+// This file contains the part of ScatterGroundColliders that tracks the scene. It finds the shapes
+// of static bodies, checks them in turn, and reports changes.
 
 #include "nodes/ground/scatter_ground_colliders.hpp"
 
@@ -30,20 +30,20 @@ namespace {
 /// The number of scene nodes to visit per frame until all have been visited.
 constexpr int visits_per_frame = 512;
 
-/// The number of shape points to read per frame, but at least one shape. Takes less than a
-/// millisecond.
+/// The number of shape points to read per frame, which takes less than a millisecond. At least one
+/// shape is read.
 constexpr std::size_t points_per_frame = 100'000;
 
-/// Returns the root of the nodes that may be ground. Excludes the editor's own nodes, thousands of
-/// which are in the tree.
+/// Returns the root of the nodes that may be ground. Excludes the editor's own nodes; the tree
+/// contains thousands of them.
 Node *root_of_scene(SceneTree &tree) { return in_editor() ? tree.get_edited_scene_root() : tree.get_root(); }
 
 } // namespace
 
 bool ScatterGroundColliders::is_in_scene() const { return first_node() != nullptr && first_node()->is_inside_tree(); }
 
-/// Returns true for shapes of static bodies. Rays also hit moving bodies, but instances do not
-/// follow those when they move.
+/// Returns true for shapes of static bodies. Rays also hit moving bodies, but instances are not
+/// updated when those move.
 bool ScatterGroundColliders::follows(const Node *p_node) const {
 	const auto *shape = Object::cast_to<CollisionShape3D>(p_node);
 	const Node *body = shape != nullptr ? shape->get_parent() : nullptr;
@@ -77,7 +77,7 @@ void ScatterGroundColliders::hosts_changed(bool first) {
 /// Re-checks all shapes, because the scene may or may not have moved with the origin.
 void ScatterGroundColliders::offset_changed(const GroundHost &) { watch_.touch_all(false); }
 
-/// Discards all shapes and finds them again, without reporting changes.
+/// Discards all shapes and finds them again without reporting changes.
 void ScatterGroundColliders::start_over() {
 	watch(tree_.get_validated_object(), "node_added", this, "_node_added", false);
 	tree_ = Variant();

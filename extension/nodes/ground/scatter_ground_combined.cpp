@@ -17,12 +17,12 @@ namespace thicket {
 
 namespace {
 
-/// Guards the parts of all combinations while they are searched for cycles, because two threads could
-/// set two combinations as parts of each other.
+/// Guards the parts of all combinations while they are searched for cycles, because two threads
+/// could make two combinations parts of each other.
 Mutex parts_mutex;
 
 String cycle_problem(std::int64_t index) {
-	return vformat("ScatterGroundCombined.grounds[%d] must not be or contain this ground itself. Assign a different "
+	return vformat("ScatterGroundCombined.grounds[%d] must not be or contain this ground itself. Assign another "
 				   "ScatterGround.",
 			index);
 }
@@ -101,7 +101,7 @@ std::optional<ScatterGroundCombined::Use> ScatterGroundCombined::next_to_leave()
 	return found != uses_.end() ? std::optional(*found) : std::nullopt;
 }
 
-/// Finds a host to register with a part. Returns its index in `hosts`.
+/// Finds the next host to register with a part. Returns its index in `hosts`.
 std::optional<std::size_t> ScatterGroundCombined::next_to_enter(Use &r_use) const {
 	for (std::size_t host = 0; host < hosts().size(); ++host) {
 		for (const Part &part : parts_) {
@@ -114,7 +114,7 @@ std::optional<std::size_t> ScatterGroundCombined::next_to_enter(Use &r_use) cons
 	return std::nullopt;
 }
 
-/// Registers all hosts with all parts, and unregisters former ones. Each call emits signals, whose
+/// Registers all hosts with all parts and unregisters former ones. Each call emits signals, whose
 /// handlers may change the parts and the hosts.
 void ScatterGroundCombined::update_uses() {
 	const Ref<ScatterGround> held(this);
@@ -146,8 +146,8 @@ bool ScatterGroundCombined::distrust() {
 	return all;
 }
 
-/// A node that uses this ground calls this for each signal. Other parts than the one that emitted it
-/// need not search for their sources.
+/// A node that uses this ground calls this for each signal. Only the part that emitted the signal
+/// has to search for its source.
 void ScatterGroundCombined::look_again() {
 	const Ref<ScatterGround> teller = teller_;
 	each_part([&teller](const Part &part) {

@@ -15,9 +15,9 @@
 
 namespace thicket {
 
-/// Several grounds above each other, whose order does not matter: the highest one counts at each
-/// position. Registers its hosts with all of them, and passes on their signals. The grounds may also
-/// be used by themselves, or in several combinations.
+/// Several grounds above each other, in any order: at each position, the highest one is used.
+/// Registers its hosts with all of them and forwards their signals. The grounds may also be used by
+/// themselves, or in several combinations.
 class ScatterGroundCombined : public ScatterGround {
 	GDCLASS(ScatterGroundCombined, ScatterGround)
 	THICKET_GUARDED_METHODS(owner)
@@ -25,7 +25,7 @@ class ScatterGroundCombined : public ScatterGround {
 public:
 	static constexpr const char *class_name = "ScatterGroundCombined";
 
-	/// Entries may be null, which are ignored. Refuses a list with a ground that contains this one.
+	/// Ignores null entries. Rejects a list with a ground that contains this one.
 	void set_grounds(const godot::TypedArray<ScatterGround> &p_grounds);
 	godot::TypedArray<ScatterGround> get_grounds() const;
 
@@ -70,7 +70,7 @@ protected:
 private:
 	/// An accepted entry of the list.
 	struct Part {
-		std::int64_t index = 0; ///< In the list.
+		std::int64_t index = 0; ///< The index in the list.
 		godot::Ref<ScatterGround> ground;
 	};
 	using Parts = std::vector<Part>;
@@ -108,12 +108,12 @@ private:
 	void part_ground_changed(const godot::Rect2 &p_rect, int64_t p_ground);
 
 	godot::TypedArray<ScatterGround> grounds_;
-	/// The instance ids of `grounds_` when the parts were last determined. Scripts may change the list
-	/// without a setter.
+	/// The instance IDs of `grounds_` when the parts were last determined. Scripts may change the
+	/// list without a setter.
 	std::vector<std::uint64_t> listed_;
-	Parts parts_; ///< Without empty, repeated and refused entries.
+	Parts parts_; ///< The entries that are neither empty, nor duplicates, nor rejected.
 	std::vector<Use> uses_;
-	/// The part whose signal is being passed on.
+	/// The part whose signal is being forwarded.
 	godot::Ref<ScatterGround> teller_;
 };
 

@@ -1,4 +1,4 @@
-// How ScatterGroundCombined answers queries, from the answers of its parts.
+// This file contains the methods of ScatterGroundCombined that combine the results of its parts.
 
 #include "nodes/ground/scatter_ground_combined.hpp"
 
@@ -15,8 +15,8 @@ namespace thicket {
 
 namespace {
 
-/// Calls `sample(terrain)` with the current ground of a part that any thread may sample. Without
-/// ground, does nothing.
+/// Calls `sample(terrain)` with the current ground of a part that any thread may sample. Does
+/// nothing if there is no ground.
 template <class Sample>
 Status sample_snapshot(const Ref<ScatterGround> &p_ground, const GroundHost &host, const Sample &sample) {
 	const std::shared_ptr<const Terrain> terrain = p_ground->snapshot(host.id);
@@ -46,7 +46,7 @@ std::shared_ptr<const Terrain> ScatterGroundCombined::make_snapshot(const Ground
 	return status.ok() ? combined : nullptr;
 }
 
-/// Returns the first sentence of a part that is not empty, with the part's index.
+/// Returns the first message of a part that is not empty, with the part's index.
 String ScatterGroundCombined::first_sentence(String (ScatterGround::*sentence)(), bool *r_all) {
 	String first;
 	bool all = true;
@@ -86,7 +86,7 @@ String ScatterGroundCombined::find_remark() {
 		const auto part = std::ranges::find(parts_, ground, &Part::ground);
 		if (part == parts_.end() || part->index != index) {
 			return name_of_part(index) +
-					String(" has no effect: the ground is in the list already, or contains this one. Remove the "
+					String(" has no effect: the ground is already in the list, or contains this one. Remove the "
 						   "entry.");
 		}
 	}
@@ -141,8 +141,8 @@ GroundShell ScatterGroundCombined::shell(std::uint64_t host, const Planet &plane
 	return result;
 }
 
-/// Returns a sentence about a part whose planet differs from that of an earlier part. Empty if
-/// there is no such part.
+/// Returns a message about a part whose planet differs from that of an earlier part. Empty if there
+/// is no such part.
 String ScatterGroundCombined::planet_conflict() const {
 	const Planet first = planet();
 	for (const Part &part : Parts(parts_)) {
@@ -247,7 +247,7 @@ Status ScatterGroundCombined::sample_for(const GroundHost &host, std::span<const
 	return status;
 }
 
-/// The height is unknown where that of a part is unknown.
+/// The height is unknown where the height of any part is unknown.
 Status ScatterGroundCombined::recheck_for(
 		const GroundHost &host, std::span<const glm::dvec2> positions, std::span<std::optional<float>> r_heights) {
 	constexpr float no_ground = std::numeric_limits<float>::quiet_NaN();

@@ -68,7 +68,7 @@ void ScatterGroundHeightmap::image_changed() {
 }
 
 void ScatterGroundHeightmap::set_heightmap_path(const String &p_path) {
-	// The inspector sets the ID of an imported file, which is lost when its import is turned off.
+	// The inspector sets the UID of an imported file, which is lost if its import is disabled.
 	ResourceUID *ids = ResourceUID::get_singleton();
 	const std::int64_t id = p_path.begins_with("uid://") ? ids->text_to_id(p_path) : 0;
 	heightmap_path_ = id > 0 && ids->has_id(id) ? ids->get_id_path(id) : p_path;
@@ -90,8 +90,8 @@ void ScatterGroundHeightmap::set_post_count(const Vector2i &p_count) {
 
 Vector2i ScatterGroundHeightmap::get_post_count() const { return post_count_; }
 
-// Replaces an image and watches the new one. Both properties may have the same image, which is
-// watched until neither has it.
+// Replaces an image and watches the new one. If both properties have the same image, it is watched
+// until neither uses it.
 void ScatterGroundHeightmap::exchange_image(
 		Ref<Resource> &r_image, const Ref<Resource> &p_next, const Ref<Resource> &p_other) {
 	if (r_image != p_other) {

@@ -33,14 +33,15 @@ public:
 	bool has_textures() const override { return weight_image_.is_valid(); }
 	bool has_surfaces() const override { return true; }
 
-	/// A PNG or EXR file, or a raw file of little-endian posts in row-major order, without a header.
-	/// The size of a raw file determines whether posts are 8-bit or 16-bit integers or 32-bit
-	/// floats. Ignored if there is an image. A `uid://` is replaced with the path of its file.
+	/// Sets a PNG or EXR file, or a raw file of little-endian height samples ("posts") in row-major
+	/// order without a header. The size of a raw file determines whether samples are 8-bit or
+	/// 16-bit integers or 32-bit floats. The file is ignored if there is an image. A `uid://` is
+	/// replaced with the path of its file.
 	void set_heightmap_path(const godot::String &p_path);
 	godot::String get_heightmap_path() const;
 
-	/// The columns and rows of a raw file, 2 to 32768 each, or (0, 0) for a square. PNG and EXR
-	/// files and images have their own size.
+	/// Sets the columns and rows of a raw file, 2 to 32768 each, or (0, 0) for a square. PNG and
+	/// EXR files and images specify their own size.
 	void set_post_count(const godot::Vector2i &p_count);
 	godot::Vector2i get_post_count() const;
 
@@ -49,7 +50,7 @@ public:
 	void set_image(const godot::Ref<godot::Resource> &p_image);
 	godot::Ref<godot::Resource> get_image() const;
 
-	/// Sets whether float posts are heights in meters. Otherwise they range from 0 at the minimum
+	/// Sets whether float samples are heights in meters. Otherwise they range from 0 at the minimum
 	/// height to 1 at the maximum height, like all other formats. NAN is a hole in both cases.
 	void set_heights_in_meters(bool p_meters);
 	bool is_heights_in_meters() const;
@@ -63,23 +64,24 @@ public:
 	/// Returns false if there are no textures with pixels.
 	bool embed_stripped_data();
 
-	/// Sets the area from the first post to the last in world meters; its y is the world's z.
+	/// Sets the area from the first height sample to the last in world meters; its y is the world's
+	/// z.
 	void set_rect(const godot::Rect2 &p_rect);
 	godot::Rect2 get_rect() const;
 
-	/// These setters set the world heights in meters of the lowest and highest possible post value,
-	/// within +-1e6.
+	/// These setters set the world heights in meters of the lowest and highest possible sample
+	/// value, within +-1e6.
 	void set_min_height(double p_height);
 	double get_min_height() const;
 	void set_max_height(double p_height);
 	double get_max_height() const;
 
-	/// Rereads the posts in a rectangle of `image`, in pixels. Ignores the part outside the image.
-	/// Call it only on the main thread.
+	/// Rereads the height samples in a rectangle of `image`, in pixels. Ignores the part outside
+	/// the image. Call it only on the main thread.
 	void update_region(const godot::Rect2i &p_region);
 
-	/// The size, spacing, range and format of the current ground, a small picture, and the problem
-	/// that keeps the ground from matching the properties. Does not wait for a worker.
+	/// Returns the size, spacing, range and format of the current ground, a thumbnail, and the
+	/// problem that keeps the ground from matching the properties. Does not wait for a worker.
 	godot::Dictionary get_summary();
 
 	bool is_behind() const override { return field_stale_ || task_.busy() || !regions_.empty(); }
@@ -119,7 +121,7 @@ private:
 
 	std::shared_ptr<const Heightfield> field_;
 	const char *format_ = "";                      ///< The format of the source of `field_`; see Posts::format.
-	std::shared_ptr<const HeightSummary> summary_; ///< Of `field_`; null if it was not summarized.
+	std::shared_ptr<const HeightSummary> summary_; ///< The summary of `field_`; null if there is none.
 	godot::String problem_;                        ///< Why `field_` does not match the settings; empty if it does.
 	bool sources_stale_ = true;
 	/// True if `field_` is outdated and no worker is rebuilding it.
@@ -127,7 +129,7 @@ private:
 	WorkerTask<HeightmapWork> task_;
 
 	std::vector<PixelRect> regions_; ///< Regions of the image to reread.
-	/// A copy of `field_` with the regions that were already reread; null if there are none.
+	/// A copy of `field_` with the regions that have been reread; null if there are none.
 	std::shared_ptr<Heightfield> draft_;
 	std::vector<Rect> draft_changes_;
 };

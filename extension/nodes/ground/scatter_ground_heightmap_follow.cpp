@@ -1,5 +1,6 @@
 // This file applies changes to a ScatterGroundHeightmap. A worker rereads the ground and finds the
-// changed areas. The main thread rereads small regions in between. Signals report changed ground.
+// changed areas. Between these jobs, the main thread rereads small regions. Signals report changed
+// ground.
 
 #include "nodes/ground/scatter_ground_heightmap.hpp"
 
@@ -27,10 +28,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// The number of posts of a region to read per step. Reading so many takes about 0.2 ms.
+/// The number of height samples of a region to read per step, which takes about 0.2 ms.
 constexpr int posts_per_step = 1 << 15;
 
-/// The time that a summary without a host may spend on regions to reread.
+/// The time that a summary without a host may spend on rereading regions.
 constexpr std::chrono::milliseconds summary_time{2};
 
 } // namespace
@@ -50,7 +51,7 @@ void ScatterGroundHeightmap::finish_reading() {
 		patch_regions(Clock::time_point::max());
 	}
 	// Run at most two rounds, because a worker may still be reading the previous settings. Settings
-	// that signal handlers change in the meantime are read later.
+	// that signal handlers change during this loop are read later.
 	for (int round = 0; round < 2 && (field_stale_ || task_.busy()); ++round) {
 		if (!task_.busy()) {
 			start(true);
@@ -60,7 +61,7 @@ void ScatterGroundHeightmap::finish_reading() {
 		}
 	}
 	if (!task_.busy() && !regions_.empty() && !sources_stale_) {
-		patch_regions(Clock::time_point::max()); // Regions that waited for the worker.
+		patch_regions(Clock::time_point::max()); // Patches the regions that waited for the worker.
 	}
 }
 
@@ -155,8 +156,8 @@ void ScatterGroundHeightmap::patch_regions(Clock::time_point deadline) {
 	}
 }
 
-/// Rereads a band of rows. Returns false if its posts cannot be used. If the image has a different
-/// size or format now, schedules a complete reread.
+/// Rereads a band of rows. Returns false if its height samples cannot be used. If the size or
+/// format of the image has changed, schedules a complete reread.
 bool ScatterGroundHeightmap::patch_band(const PixelRect &band) {
 	const Ref<Image> image = image_;
 	Posts posts;
@@ -201,7 +202,7 @@ void ScatterGroundHeightmap::emit_changes(const std::vector<Rect> &areas, bool e
 Dictionary ScatterGroundHeightmap::get_summary() {
 	const Ref<ScatterGround> held(this); // A signal handler may release it.
 	if (image_.is_valid() || !heightmap_path_.is_empty()) {
-		follow_scene(Clock::now() + summary_time); // Without a host, nothing else lets a worker read.
+		follow_scene(Clock::now() + summary_time); // Without a host, nothing else starts a worker.
 	}
 	Dictionary result;
 	result["problem"] = find_problem();
@@ -229,7 +230,7 @@ Dictionary ScatterGroundHeightmap::get_summary() {
 }
 
 void ScatterGroundHeightmap::set_problem(const String &p_problem) {
-	// Do not print an error for a stripped image, because a node's warning reports it.
+	// A stripped image needs no error, because a node's warning reports it.
 	if (!p_problem.is_empty() && !is_stripped(image_)) {
 		ERR_PRINT(p_problem);
 	}
@@ -239,7 +240,7 @@ void ScatterGroundHeightmap::set_problem(const String &p_problem) {
 	}
 }
 
-/// Returns a sentence about an error. `path` is the file that was read, if any.
+/// Returns a message about an error. `path` is the file that was read, if any.
 String ScatterGroundHeightmap::sentence_of(const Status &status, glm::ivec2 refused_post, const String &path) const {
 	const char *property = image_.is_valid() ? "image" : "heightmap_path";
 	const String file = image_.is_valid() || path.is_empty() ? String() : " (" + path + ")";
@@ -248,7 +249,8 @@ String ScatterGroundHeightmap::sentence_of(const Status &status, glm::ivec2 refu
 				? vformat("must be from %d to %d m", static_cast<std::int64_t>(-max_heightfield_height),
 						  static_cast<std::int64_t>(max_heightfield_height))
 				: String("must be from 0 to 1, or heights_in_meters be set");
-		return vformat("%s.%s: the post in column %d of row %d %s (NAN for a hole), got %s. The ground is unchanged.",
+		return vformat("%s.%s: the height sample in column %d of row %d %s (NAN for a hole), got %s. The "
+					   "ground is unchanged.",
 					   class_name, property, refused_post.x, refused_post.y, limits, status.value) +
 				file;
 	}

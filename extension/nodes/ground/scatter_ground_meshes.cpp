@@ -38,7 +38,7 @@ String ScatterGroundMeshes::find_problem() {
 	return {};
 }
 
-/// Describes the first refused instance, and adds the number of others.
+/// Describes the first rejected instance and adds the number of others.
 String ScatterGroundMeshes::find_remark() {
 	if (refusals_.empty()) {
 		return {};
@@ -55,7 +55,7 @@ String ScatterGroundMeshes::find_stripped() {
 	};
 	if (is_in_scene() && std::ranges::any_of(members_.list(first_node(), group_), has_stripped_mesh)) {
 		return stripped_problem(
-				vformat("A mesh in the group \"%s\" of ScatterGroundMeshes", group_), "it is no ground");
+				vformat("A mesh in the group \"%s\" of ScatterGroundMeshes", group_), "it is not ground");
 	}
 	return {};
 }
@@ -63,7 +63,8 @@ String ScatterGroundMeshes::find_stripped() {
 bool ScatterGroundMeshes::is_in_scene() const { return first_node() != nullptr && first_node()->is_inside_tree(); }
 
 GroundWatch::Look ScatterGroundMeshes::look() {
-	// Nodes at rest in the space of the only host are at rest for it. Other hosts see them move.
+	// For a single host with local coordinates, only movement relative to the host matters. Other
+	// hosts would see such nodes move.
 	const GroundHost &host = hosts().front();
 	const Node3D *space = hosts().size() == 1 && host.local ? host.node : nullptr;
 	const GroundMembers::Sight from{group_, host.node->get_world_3d(), space};
@@ -72,8 +73,8 @@ GroundWatch::Look ScatterGroundMeshes::look() {
 	};
 }
 
-/// Watches the current members of the group and unwatches former ones. If `changed` is true, new
-/// members count as changed.
+/// Watches the current members of the group and unwatches former ones. If `changed` is true, marks
+/// new members as changed.
 void ScatterGroundMeshes::list_members(bool changed) {
 	std::set<std::uint64_t> found;
 	for (const Variant &node : members_.list(first_node(), group_)) {
@@ -151,7 +152,7 @@ void ScatterGroundMeshes::set_group(const StringName &p_group) {
 
 StringName ScatterGroundMeshes::get_group() const { return group_; }
 
-/// The shell of a mesh that was read for a different planet is unknown, and so is unlimited.
+/// The shell of a mesh that was read for another planet is unknown, so it is treated as unlimited.
 GroundShell ScatterGroundMeshes::shell(std::uint64_t host, const Planet &planet) const {
 	GroundShell result;
 	const auto world = worlds_.find(host);

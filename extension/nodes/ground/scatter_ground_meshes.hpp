@@ -21,8 +21,8 @@
 namespace thicket {
 
 /// Ground from the meshes and collision shapes of a group of nodes (see GroundMembers). The meshes
-/// are first read when a node needs the ground. From then on, if a node is added, removed, moved or
-/// changed, the ground follows within about half a second. The main thread copies mesh data from
+/// are first read when a node needs the ground. After that, if a node is added, removed, moved or
+/// changed, the ground is updated within about half a second. The main thread copies mesh data from
 /// the renderer in steps, and a worker builds the ground from the copies. The previous ground
 /// remains in use until then.
 class ScatterGroundMeshes : public ScatterGround {
@@ -37,7 +37,7 @@ public:
 	void set_group(const godot::StringName &p_group);
 	godot::StringName get_group() const;
 
-	/// Rereads all meshes synchronously, and emits signals where meshes were added, removed, moved
+	/// Rereads all meshes synchronously and emits signals where meshes were added, removed, moved
 	/// or changed.
 	void refresh();
 
@@ -72,7 +72,7 @@ protected:
 	bool distrust() override;
 
 private:
-	/// A mesh that was just read for an instance.
+	/// A mesh that has just been read for an instance.
 	struct FreshCopy {
 		std::uint64_t id = 0;
 		std::uint64_t version = 0;
@@ -110,7 +110,7 @@ private:
 	/// The ground of the first host, for callers without a host.
 	std::shared_ptr<const TriangleParts> last_;
 	bool stale_ = true; ///< True if the group must be reread completely.
-	/// True from the listing of the group until all of it is built.
+	/// True from the time the group is listed until all of its ground is built.
 	bool reading_all_ = false;
 	int64_t listed_ = 0; ///< The result of GroundMembers::count() when the group was last listed.
 

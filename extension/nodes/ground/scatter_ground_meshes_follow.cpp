@@ -1,5 +1,5 @@
-// This file makes ScatterGroundMeshes follow the scene. It detects changes, copies the meshes in
-// steps, lets a worker build the ground, and emits signals for changed areas.
+// This file contains the part of ScatterGroundMeshes that tracks the scene. It detects changes,
+// copies the meshes in steps, lets a worker build the ground, and emits signals for changed areas.
 
 #include "nodes/ground/scatter_ground_meshes.hpp"
 
@@ -29,7 +29,7 @@ String name_of(const Variant &p_node) {
 	return node != nullptr ? String(node->get_name()) : String("?");
 }
 
-/// Describes why a mesh was refused, with the name of its node and a remedy.
+/// Explains why a mesh was rejected, with the name of its node and how to fix it.
 String refusal_of(const String &p_name, const MeshReading &reading) {
 	const bool misplaced = std::string_view(reading.status.property) == "corners" &&
 			(reading.status.code == ErrorCode::not_finite || reading.status.code == ErrorCode::out_of_range);
@@ -45,7 +45,7 @@ String refusal_of(const String &p_name, const MeshReading &reading) {
 	}
 	return vformat("%s: the mesh of \"%s\" cannot be ground: ", ScatterGroundMeshes::class_name, p_name) +
 			String(describe(reading.status).c_str()) +
-			vformat(". It may have %d triangles, and indices of its own vertices only. Fix the mesh, or divide it.",
+			vformat(". It may have at most %d triangles and only indices of its own vertices. Fix or divide the mesh.",
 					static_cast<std::int64_t>(TriangleTerrain::max_triangles)) +
 			remedy;
 }
@@ -110,7 +110,7 @@ void ScatterGroundMeshes::finish_reading() {
 		return std::ranges::any_of(hosts(), [this](const GroundHost &host) { return is_pending(host.id); });
 	};
 	// Run at most two rounds, because the meshes that are being built may belong to a previous
-	// group. Groups that signal handlers set in the meantime are read in the next frame.
+	// group. Groups that signal handlers set during this loop are read in the next frame.
 	for (int round = 0; round < 2 && pending(); ++round) {
 		if (builder_.finish(true)) {
 			take_built();
@@ -124,7 +124,7 @@ void ScatterGroundMeshes::finish_reading() {
 	}
 }
 
-/// Lists the group and queues all of it for reading.
+/// Lists the group and queues all its members for reading.
 void ScatterGroundMeshes::begin() {
 	builder_.finish(true);
 	stale_ = false;
@@ -200,7 +200,7 @@ bool ScatterGroundMeshes::lacks_ground() const {
 }
 
 /// Starts a worker that builds everything that was read. If `wait` is true, first reads all queued
-/// instances, and builds synchronously.
+/// instances, then builds synchronously.
 void ScatterGroundMeshes::build(bool wait) {
 	while (wait && !queue_.empty()) {
 		if (reader_.busy()) {
@@ -226,8 +226,8 @@ void ScatterGroundMeshes::build(bool wait) {
 	}
 }
 
-/// Plans the work for the last instance of the queue and removes it, unless its mesh must be read
-/// first.
+/// Removes the last instance from the queue and records its work. If its mesh must be read first,
+/// puts the instance back.
 void ScatterGroundMeshes::plan_next() {
 	const std::uint64_t id = queue_.back();
 	queue_.pop_back(); // Remove the instance first, because `plan` may run scripts.
@@ -236,8 +236,8 @@ void ScatterGroundMeshes::plan_next() {
 	}
 }
 
-/// Records the work for an instance in all worlds in which it has changed. Returns false if its
-/// mesh must be read first.
+/// Records the work for an instance in every world (see GroundWorld) in which it has changed.
+/// Returns false if its mesh must be read first.
 bool ScatterGroundMeshes::plan(std::uint64_t id) {
 	const Variant *watched = watch_.node(id);
 	const Variant node = watched != nullptr ? *watched : Variant();
@@ -289,8 +289,8 @@ bool ScatterGroundMeshes::plan(std::uint64_t id) {
 	return true;
 }
 
-/// Returns the sight of a node with its transform in a host's space. `sight` may be in a different
-/// one.
+/// Returns the sight of a node with its transform in a host's space. `sight` may be in another
+/// host's space.
 GroundSight ScatterGroundMeshes::seen_from(const GroundSpace &space, std::uint64_t id, const GroundSight &sight) const {
 	GroundSight seen = sight;
 	const auto host = std::ranges::find(hosts(), space.host, &GroundHost::id);
@@ -355,8 +355,8 @@ void ScatterGroundMeshes::take_built() {
 		world = *built;
 		world.before = nullptr;
 		if (world.ground == nullptr) {
-			// Use empty ground after an error, which was printed, because there is nothing to wait
-			// for.
+			// After an error, which has been printed, use empty ground, because there is nothing to
+			// wait for.
 			world.ground = std::make_shared<TriangleParts>();
 		}
 	}
@@ -366,7 +366,7 @@ void ScatterGroundMeshes::take_built() {
 	tell(areas, was_empty);
 }
 
-/// Updates the list of refused meshes.
+/// Updates the list of rejected meshes.
 void ScatterGroundMeshes::take_refusals(const MeshWork &work) {
 	for (const MeshReading &reading : work.readings) {
 		const Variant *node = watch_.node(reading.id);
@@ -381,7 +381,7 @@ void ScatterGroundMeshes::take_refusals(const MeshWork &work) {
 void ScatterGroundMeshes::refuse(std::uint64_t id, const String &p_why) {
 	String &why = refusals_[id];
 	if (why == p_why) {
-		// The same error was already printed, so do not repeat it.
+		// The same error has already been printed.
 		return;
 	}
 	why = p_why;

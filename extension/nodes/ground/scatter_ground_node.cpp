@@ -88,8 +88,8 @@ Status ScatterGroundNode::recheck_for(
 }
 
 /// Finds the node and determines its kind of ground. May run the node's script, which may do
-/// anything, such as change the path, free the node or the host, or request the ground. If the
-/// script has invalidated the result, the next call searches again.
+/// anything, such as changing the path, freeing the node or the host, or requesting the ground. If
+/// the script has invalidated the result, the next call searches again.
 void ScatterGroundNode::find() {
 	const Node3D *from = first_node();
 	if (finding_ || from == nullptr || !from->is_inside_tree()) {
@@ -141,9 +141,10 @@ void ScatterGroundNode::take(const Found &found) {
 	} else if (usable) {
 		give(found.ground);
 		if (found.attempt.plugin != GroundPlugin::none) {
-			remark_ = vformat("ScatterGroundNode.node: \"%s\" is like %s, but %s. So its ground is not copied; it is "
-							  "queried position by position, which is slow.",
-					node_, String(name_of(found.attempt.plugin)), found.attempt.refusal);
+			remark_ =
+					vformat("ScatterGroundNode.node: \"%s\" is like %s, but %s. Its ground is therefore not copied but "
+							"queried position by position, which is slow.",
+							node_, String(name_of(found.attempt.plugin)), found.attempt.refusal);
 		}
 	}
 	if (usable && !was_usable && missed_ && !told_) {
@@ -154,7 +155,7 @@ void ScatterGroundNode::take(const Found &found) {
 	const String recognized = !usable ? String()
 			: copied                  ? copy_->description()
 									  : vformat("%s, queried position by position", target->get_class());
-	// Also follow an unusable node, because it may become usable later.
+	// Also watch an unusable node, because it may become usable later.
 	if (target != nullptr) {
 		const bool asked = usable && !copied;
 		follow_node(target, asked ? ground_->source() : found.attempt.data.get_validated_object());
@@ -163,7 +164,7 @@ void ScatterGroundNode::take(const Found &found) {
 }
 
 /// Returns how far the engine's origin has moved in the world, given the previous offsets of the
-/// hosts. Returns nothing if the hosts have moved differently.
+/// hosts. Returns nothing if the hosts have moved by different distances.
 std::optional<glm::dvec3> ScatterGroundNode::shift_since(std::span<const glm::dvec3> before) const {
 	if (before.size() != offsets_.size()) {
 		return glm::dvec3(0.0); // Hosts were added or removed, and will request the ground.
@@ -176,8 +177,8 @@ std::optional<glm::dvec3> ScatterGroundNode::shift_since(std::span<const glm::dv
 	return shift;
 }
 
-/// Stores a new copy. Records the changes since the last one, unless hosts were already notified
-/// that everything has changed.
+/// Stores a new copy. Records the changes since the last copy, unless hosts have already been
+/// notified that everything has changed.
 void ScatterGroundNode::take_copy(const Found &found) {
 	const std::shared_ptr<const GroundCopy> before = std::exchange(copy_, found.attempt.copy);
 	ground_ = nullptr;

@@ -38,14 +38,15 @@ public:
 	void set_node(const godot::NodePath &p_node);
 	godot::NodePath get_node() const;
 
-	/// Sets whether any thread may call the node's methods, and several threads at once. Has no
-	/// effect if the ground is copied.
+	/// Sets whether any number of threads may call the node's methods concurrently. Has no effect
+	/// if the ground is copied.
 	void set_thread_safe(bool p_thread_safe);
 	bool is_thread_safe() const;
 
 	/// Limits the ground to a rectangle of the world's x and z, in meters. The node is not called
-	/// for positions outside. An empty rectangle sets no limit. A rectangle that is not finite or
-	/// has a negative size prints an error and is ignored. Has no effect if the ground is copied.
+	/// for positions outside. An empty rectangle disables the limit. A rectangle that is not finite
+	/// or has a negative size prints an error and is ignored. Has no effect if the ground is
+	/// copied.
 	void set_bounds(const godot::Rect2 &p_bounds);
 	godot::Rect2 get_bounds() const;
 
@@ -102,7 +103,7 @@ private:
 	void set_recognized(const godot::String &p_recognized);
 	void close();
 
-	// These methods follow the node; see scatter_ground_node_follow.cpp.
+	// These methods track the node; see scatter_ground_node_follow.cpp.
 	void follow_node(godot::Node *p_target, godot::Object *p_source);
 	void unfollow_node();
 	void connect_signals(bool p_connect);
@@ -142,13 +143,13 @@ private:
 	bool stale_ = true;    ///< True if the node must be searched for.
 	bool finding_ = false; ///< True during a search, which may run the node's script.
 	bool telling_ = false; ///< True while this object emits `ground_changed`.
-	/// True if all users were notified since the last search that the ground has changed
+	/// True if, since the last search, all users have been notified that the ground has changed
 	/// everywhere.
 	bool told_ = false;
 	bool missed_ = false;        ///< True if a host requested the ground while there was none.
 	bool edited_ = false;        ///< True if the ground must be copied again.
 	std::vector<MapEdit> edits_; ///< Reported edits of known areas.
-	GroundChanges changes_;      ///< Changes for which signals are still to be emitted.
+	GroundChanges changes_;      ///< Changes whose signals have not been emitted yet.
 	GroundGlance glance_;        ///< The state of the node when it was last examined.
 
 	godot::String problem_;

@@ -1,5 +1,5 @@
-// This file makes ScatterGroundNode follow its node, through signals, and by polling every frame
-// for changes that emit no signal.
+// This file contains the part of ScatterGroundNode that tracks its node through signals and, for
+// changes that emit none, by polling every frame.
 
 #include "nodes/ground/scatter_ground_node.hpp"
 
@@ -18,11 +18,12 @@ namespace thicket {
 
 namespace {
 
-/// The distance in posts up to which posts affect the ground at a position, because of
+/// The number of height samples in each direction that affect the ground at a position, because of
 /// interpolation and slopes.
 constexpr real_t posts_around = 2;
 
-/// The maximum number of areas to report. With more areas, everything counts as changed.
+/// The maximum number of areas to report. If there are more, the ground is reported as changed
+/// everywhere.
 constexpr std::size_t max_areas = 256;
 
 Rect2 grown(const Rect2 &rect, real_t by) {
@@ -61,7 +62,7 @@ void ScatterGroundNode::connect_signals(bool p_connect) {
 	if (!asked || map || !p_connect) {
 		set(source, "region_changed", "_map_edited");
 	}
-	// The node is copied, or may be once it has all required data.
+	// The node is copied, or may be copied once it has all required data.
 	if (!asked || !p_connect) {
 		for (const char *const signal : {"transform_changed", "material_changed"}) {
 			set(node, signal, "_source_edited");
@@ -132,8 +133,8 @@ void ScatterGroundNode::node_gone() {
 
 void ScatterGroundNode::node_moved(const Transform3D &) { change(); }
 
-/// Emits `ground_changed` for an area in the engine's space, once for each world position that it
-/// has among the hosts.
+/// Emits `ground_changed` for an area in the engine's space, once for each distinct world position
+/// that the hosts give it.
 void ScatterGroundNode::emit_area(const Rect2 &p_rect) {
 	std::vector<glm::dvec2> corners;
 	for (const GroundHost &host : hosts()) {
@@ -165,7 +166,7 @@ void ScatterGroundNode::maps_changed() {
 	}
 }
 
-/// Handles an edit of the map. HTerrain up to version 1.8 passes x, z, width, depth and the kind of
+/// Handles an edit to the map. HTerrain up to version 1.8 passes x, z, width, depth and the kind of
 /// map. Later versions pass a Rect2i, the kind of map and the index of the map.
 void ScatterGroundNode::map_edited(const Variant &p_x, const Variant &p_z, const Variant &p_width,
 		const Variant &p_depth, const Variant &p_channel) {
@@ -195,8 +196,8 @@ void ScatterGroundNode::map_edited(const Variant &p_x, const Variant &p_z, const
 	}
 }
 
-/// Records that a copied ground may have changed. `poll` copies it again and compares, at most once
-/// per frame.
+/// Records that a copied ground may have changed. `poll` copies it again and compares the copies,
+/// at most once per frame.
 void ScatterGroundNode::source_edited(const Variant &, const Variant &) { edited_ = true; }
 
 /// Detects nodes that were added, removed or replaced without a signal, and processes reported

@@ -15,8 +15,8 @@ namespace thicket {
 
 namespace {
 
-/// Ground from a private copy of a noise. Reading does not modify the noise, so any thread may use
-/// it.
+/// Ground from a private copy of a Noise resource. Sampling does not modify the copy, so any thread
+/// may use it.
 class NoiseGround : public Terrain {
 public:
 	NoiseGround(const Ref<Noise> &p_noise, double p_amplitude, double p_base) :

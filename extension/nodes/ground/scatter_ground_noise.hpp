@@ -7,7 +7,8 @@
 
 namespace thicket {
 
-/// Infinite hills from a Noise. Workers use a copy of the noise, so it may be edited at any time.
+/// Infinite hills from a Noise resource. Workers use a copy, so the resource may be edited at any
+/// time.
 class ScatterGroundNoise : public ScatterGround {
 	GDCLASS(ScatterGroundNoise, ScatterGround)
 	THICKET_GUARDED_METHODS(owner)

@@ -89,7 +89,7 @@ Status ScriptAnswers::check(Object *p_owner, const ScriptMethod &method, GDExten
 	}
 	const bool is_array = size >= 0 || p_answer.get_type() == Variant::NIL;
 	const Status status = is_array
-			? Status::wrong_size(method.result, std::max<std::int64_t>(size, 0), exactly(count, "one a position"))
+			? Status::wrong_size(method.result, std::max<std::int64_t>(size, 0), exactly(count, "one per position"))
 			: Status::missing(method.elements, "Return one element for each position");
 	const String text = script_name(p_owner) + String(": ") + String(method.name) + String("() ") +
 			in_words(error, p_answer, size, count) + String(". It must return ") + String(method.expected) +

@@ -21,11 +21,11 @@ struct ScriptMethod {
 	godot::Variant::Type element_type; ///< FLOAT also accepts integers.
 };
 
-/// Calls the methods of a ground script, checks their results, and describes the last refused
-/// result in a sentence. Any thread may use it.
+/// Calls the methods of a ground script, checks their results, and describes the last rejected
+/// result in a message. Any thread may use this class.
 class ScriptAnswers {
 public:
-	/// Calls a method of `p_owner`, which must return `count` elements. If the result is refused,
+	/// Calls a method of `p_owner`, which must return `count` elements. If the result is invalid,
 	/// returns an error and clears `r_answer`.
 	template <class Packed>
 	Status call(godot::Object *p_owner, const ScriptMethod &method, std::int64_t count, Packed &r_answer,
@@ -39,8 +39,8 @@ public:
 		return status;
 	}
 
-	/// Returns a sentence with the script, the method, the actual and the expected result, and the
-	/// remedy. Returns an empty string unless `status` is from the last refusal.
+	/// Returns a message with the script, the method, the actual and the expected result, and how
+	/// to fix it. Returns an empty string unless `status` is from the last rejected result.
 	godot::String sentence(const Status &status) const;
 
 private:

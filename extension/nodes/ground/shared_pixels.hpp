@@ -14,8 +14,8 @@ godot::Ref<godot::Image> image_in(const godot::Variant &p_value);
 /// the image has a different number of bytes per pixel.
 bool share_pixels(const godot::Ref<godot::Image> &p_image, int pixel_bytes, PixelGrid &r_pixels);
 
-/// Shares pixels like `share_pixels`, but converts a copy if the image has a different format.
-/// Returns false if the engine cannot convert the image.
+/// Shares pixels like `share_pixels`, but converts a copy if the image has another format. Returns
+/// false if the engine cannot convert the image.
 bool share_pixels_as(
 		const godot::Ref<godot::Image> &p_image, godot::Image::Format format, int pixel_bytes, PixelGrid &r_pixels);
 

@@ -1,6 +1,7 @@
 // This file copies the ground of TerraBrush (github.com/spimort/TerraBrush), in the versions that
-// are written in C++. TerraBrush computes the positions of its posts in src/misc/zone_utils.cpp,
-// and draws them in demo/addons/terrabrush/Resources/Shaders/zones_shader_include.gdshaderinc.
+// are written in C++. TerraBrush computes the positions of its height samples in
+// src/misc/zone_utils.cpp and draws them in
+// demo/addons/terrabrush/Resources/Shaders/zones_shader_include.gdshaderinc.
 
 #include "nodes/common/convert.hpp"
 #include "nodes/ground/region_copy.hpp"
@@ -38,10 +39,10 @@ struct Pixel {
 	float hole;
 };
 
-/// The values that determine the positions of posts.
+/// The values that determine the positions of height samples.
 struct Layout {
 	int zone_side = 0; ///< TerraBrush.zonesSize: neighboring zones begin zone_side - 1 meters apart.
-	int posts = 0;     ///< The number of posts on each side of a zone, both ends included.
+	int posts = 0;     ///< The number of height samples along each edge of a zone, including both ends.
 	glm::dvec3 center{0.0};
 
 	double spacing() const { return (zone_side - 1.0) / (posts - 1.0); }
@@ -50,7 +51,7 @@ struct Layout {
 };
 
 /// The pixels of a zone, shared with its image. TerraBrush copies the bytes before it edits them,
-/// so a zone whose pointer is the same has not changed.
+/// so a zone with the same pointer has not changed.
 struct Zone {
 	PackedByteArray bytes;
 
@@ -132,8 +133,8 @@ bool TerraBrushCopy::is_outdated(const Variant &p_node) const {
 	return !read_zones(p_node, layout, zones, refusal) || layout != layout_ || zones != zones_;
 }
 
-/// The zones, up to four, that have posts in a region. If a post is at the border of several zones,
-/// its height comes from the zone that begins there, or else from one that ends there.
+/// The zones, up to four, that have height samples in a region. The height of a sample on the
+/// border of several zones comes from the zone that begins there, or else from one that ends there.
 class ZonesOfRegion {
 public:
 	ZonesOfRegion(const Zones &zones, int posts, Location region) : posts_(posts) {
@@ -143,7 +144,7 @@ public:
 		}
 	}
 
-	/// Returns the height of a post, or NAN if the post is a hole or is in no zone.
+	/// Returns the height of a sample, or NAN if the sample is a hole or is in no zone.
 	float height(int column, int row) const {
 		for (int i = 0; i < 4; ++i) {
 			const Pixel *pixels = pixels_[static_cast<std::size_t>(i)];
@@ -163,8 +164,8 @@ private:
 	std::array<const Pixel *, 4> pixels_{};
 };
 
-/// Creates the region at a location. On each side, a region has one post less than a zone, because
-/// the last posts of a zone belong to the next region.
+/// Creates the region at a location. Along each edge, a region has one height sample less than a
+/// zone, because the last samples of a zone belong to the next region.
 FieldRegion make_region(const Zones &zones, const Layout &layout, Location location) {
 	const int side = layout.posts - 1;
 	const ZonesOfRegion drawn(zones, layout.posts, location);
@@ -191,8 +192,8 @@ bool is_same_zone(const Zones &a, const Zones &b, Location location) {
 	return in_a == a.end() || in_b == b.end() ? (in_a == a.end()) == (in_b == b.end()) : in_a->second == in_b->second;
 }
 
-/// Creates all regions that contain posts of the zones. Reuses regions of `before` if all of their
-/// zones are unchanged. `before` may be null.
+/// Creates all regions that contain height samples of the zones. Reuses regions of `before` if all
+/// of their zones are unchanged. `before` may be null.
 std::vector<FieldRegion> make_regions(const Zones &zones, const Layout &layout, const TerraBrushCopy *before) {
 	std::map<Location, bool> reached; // For each region, true if it can be reused.
 	for (const auto &[location, zone] : zones) {

@@ -59,7 +59,7 @@ private:
 bool read_region(const Variant &p_region, FieldRegion &r_region, String &r_refusal) {
 	const Variant location = result_of(p_region, "get_location");
 	if (location.get_type() != Variant::VECTOR2I) {
-		r_refusal = "has regions without a get_location() that gives a Vector2i";
+		r_refusal = "has regions without a get_location() that returns a Vector2i";
 		return false;
 	}
 	const Vector2i at = location;
@@ -78,13 +78,13 @@ bool read_region(const Variant &p_region, FieldRegion &r_region, String &r_refus
 			read("get_control_map", "control map", r_region.controls);
 }
 
-/// Reads the parameters of the auto shader as `Terrain3DData.get_texture_id` does. The auto shader
-/// counts as disabled if the material lacks them.
+/// Reads the parameters of the auto shader as `Terrain3DData.get_texture_id` does. If the material
+/// lacks them, the auto shader is treated as disabled.
 AutoPaint read_paint(const Variant &p_node) {
 	AutoPaint paint;
 	const Variant material = result_of(p_node, "get_material");
 	Variant enabled;
-	// Since version 1.1, and before.
+	// The name since version 1.1, then the older name.
 	for (const char *const method : {"get_auto_shader_enabled", "get_auto_shader"}) {
 		if (enabled.get_type() != Variant::BOOL && has_method(material, method)) {
 			enabled = result_of(material, method);
@@ -106,7 +106,7 @@ AutoPaint read_paint(const Variant &p_node) {
 		const double given = is_number(value) ? static_cast<double>(value) : otherwise;
 		return std::isfinite(given) ? given : otherwise;
 	};
-	// The defaults are those of the shader: src/shaders/auto_shader.glsl.
+	// The defaults match the shader: src/shaders/auto_shader.glsl.
 	paint.enabled = true;
 	paint.slope = number("auto_slope", paint.slope);
 	paint.height_reduction = number("auto_height_reduction", 0.1);
@@ -118,7 +118,7 @@ AutoPaint read_paint(const Variant &p_node) {
 bool read_regions(const Variant &p_data, std::vector<FieldRegion> &r_regions, String &r_refusal) {
 	const Variant result = result_of(p_data, "get_regions_active");
 	if (result.get_type() != Variant::ARRAY) {
-		r_refusal = "has data whose get_regions_active() gives no Array";
+		r_refusal = "has data whose get_regions_active() does not return an Array";
 		return false;
 	}
 	const Array active = result;
@@ -133,7 +133,7 @@ bool read_regions(const Variant &p_data, std::vector<FieldRegion> &r_regions, St
 }
 
 /// Returns true if the node may load and unload regions while the game runs. No released version of
-/// Terrain3D does this. The method names are those of the proposals 675, 1004, 1006 and 1020 at
+/// Terrain3D does this. The method names come from proposals 675, 1004, 1006 and 1020 at
 /// github.com/TokisanGames/Terrain3D.
 bool streams_regions(const Variant &p_data) {
 	for (const char *const method : {"is_streaming", "get_enable_streaming"}) {
@@ -146,8 +146,8 @@ bool streams_regions(const Variant &p_data) {
 }
 
 /// Returns true if a region that is no longer active was unloaded, not removed. A removed region
-/// stays in the data, marked as deleted, until the terrain is saved. Proposal 675 also marks unloaded
-/// regions as deleted, so with it, every inactive region counts as unloaded.
+/// stays in the data, marked as deleted, until the terrain is saved. Proposal 675 also marks
+/// unloaded regions as deleted, so there every inactive region is treated as unloaded.
 bool is_unloaded(const Variant &p_data, glm::ivec2 location) {
 	constexpr std::int64_t state_unloaded = 1;
 	const Variant at = Vector2i(location.x, location.y);

@@ -19,7 +19,7 @@ namespace thicket {
 
 namespace {
 
-// HTerrain's numbers for kinds of maps.
+// HTerrain's IDs for kinds of maps.
 constexpr int splat_map = 2;
 constexpr int color_map = 3;
 

@@ -20,7 +20,8 @@ namespace thicket {
 /// textures. The map is upright: it may be moved and scaled, but only rotated about the vertical
 /// axis. Any thread may use the copy.
 struct TerrainMap {
-	/// Transforms from map space, whose unit in x and z is one post, to the engine's space.
+	/// The transform from map space, whose unit in x and z is the distance between height samples,
+	/// to the engine's space.
 	godot::Transform3D to_world;
 	double last_post = 0.0; ///< The map extends from 0 to this value in x and z.
 	/// Holes are where the fourth channel is below one half. Empty if there are no holes.
@@ -29,8 +30,8 @@ struct TerrainMap {
 	/// weight of 1 everywhere.
 	std::vector<WeightMap> splats;
 
-	/// Returns true if TerrainMap contains maps of the kind with this HTerrain number. Returns
-	/// false for heights.
+	/// Returns true if TerrainMap contains maps of the kind with this HTerrain ID. Returns false
+	/// for heights.
 	static bool copies(std::int64_t map);
 
 	/// Transforms a position of the engine's x and z to map space.

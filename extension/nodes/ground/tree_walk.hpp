@@ -10,7 +10,7 @@
 namespace thicket {
 
 /// Iterates over a node and all its descendants, across several frames if necessary. May or may not
-/// visit nodes that are added or removed in the meantime.
+/// visit nodes that are added or removed during the iteration.
 class TreeWalk {
 public:
 	/// Starts a new iteration at `p_root`.
