@@ -22,8 +22,7 @@ bool begins_with(Bytes bytes, std::string_view signature) {
 					[](char expected, std::uint8_t byte) { return static_cast<std::uint8_t>(expected) == byte; });
 }
 
-/// Returns the side of the square that has this area, or 0 if there is none among the permitted
-/// sides.
+/// Returns the edge length of the square with this area, or 0 if it is not a permitted length.
 int side_of_square(std::uint64_t area) {
 	if (area > std::uint64_t{max_heightfield_posts} * max_heightfield_posts) {
 		return 0;
@@ -40,7 +39,7 @@ int side_of_square(std::uint64_t area) {
 /// Completes a layout without a count from the size of the file. The count remains 0 if no square
 /// fits.
 RawLayout square_of(std::uint64_t size, int bytes_per_post) {
-	// A square of integers of 16 bits has an area that fits neither of the others.
+	// The size of a square of 16-bit integers fits neither of the other types.
 	for (const int each : {2, 4, 1}) {
 		const bool allowed = bytes_per_post == 0 || bytes_per_post == each;
 		const int side = allowed && size % static_cast<std::uint64_t>(each) == 0
@@ -105,7 +104,7 @@ Status read_raw(Bytes bytes, const RawLayout &layout, const char *property, Post
 	RawLayout found = layout;
 	if (layout.count == glm::ivec2(0)) {
 		found = square_of(bytes.size(), layout.bytes_per_post);
-		if (is_tiff) { // The size may be that of a square by chance.
+		if (is_tiff) { // The size may match a square by chance.
 			return refused_tiff(property);
 		}
 		if (found.count.x == 0) {

@@ -1,4 +1,4 @@
-// LodePNG reads the file and leaves the pixels in the file's own format. They are converted here,
+// LodePNG reads the file and leaves the pixels in the format of the file. They are converted here,
 // because LodePNG would mix the channels of a color image.
 
 #include "core/base/guard.hpp"
@@ -46,12 +46,12 @@ Status status_of(unsigned error, const char *property) {
 	return {ErrorCode::corrupt, property, 0.0, {}, {}, "The PNG file is damaged: save or copy it again"};
 }
 
-/// Refuses files that have no heights, or whose pixels cannot all be in the file.
+/// Rejects files that have no heights or are too small to contain all their pixels.
 Status check_header(glm::uvec2 size, const LodePNGColorMode &color, std::size_t bytes, const char *property) {
 	for (const unsigned side : {size.x, size.y}) {
 		if (side < min_heightfield_posts || side > max_heightfield_posts) {
 			return Status::out_of_range(property, side,
-					between(min_heightfield_posts, max_heightfield_posts, "pixels along a side of the PNG file"),
+					between(min_heightfield_posts, max_heightfield_posts, "pixels along an edge of the PNG file"),
 					"Scale or crop the image");
 		}
 	}
@@ -111,8 +111,8 @@ Status read(std::span<const std::uint8_t> bytes, const char *property, Posts &r_
 	const unsigned bits = color.bitdepth;
 	const unsigned channels = lodepng_get_channels(&color);
 	const std::uint64_t count = std::uint64_t{size.x} * size.y;
-	// Each row of a pass may have an incomplete byte, and has one for its filter. All passes together
-	// have up to twice as many rows.
+	// Each row of a pass may have an incomplete byte and has one byte for its filter. All passes
+	// together have up to twice as many rows.
 	const std::uint64_t inflated = count * bits * channels / 8 + std::uint64_t{size.y} * 4 + 64;
 	state.decoder.zlibsettings.max_output_size =
 			static_cast<std::size_t>(std::min<std::uint64_t>(inflated, std::numeric_limits<std::size_t>::max()));

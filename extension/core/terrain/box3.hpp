@@ -8,7 +8,7 @@
 
 namespace thicket {
 
-/// A box in world meters. Windows are half-open, bounds are closed.
+/// A box in world meters. Windows are half-open; bounds are closed.
 struct Box3 {
 	glm::dvec3 min{0.0};
 	glm::dvec3 max{0.0};
@@ -18,10 +18,10 @@ struct Box3 {
 inline constexpr Box3 no_box{
 		glm::dvec3(std::numeric_limits<double>::infinity()), glm::dvec3(-std::numeric_limits<double>::infinity())};
 
-/// True for `no_box`.
+/// Returns true for `no_box`.
 inline bool is_empty(const Box3 &box) { return box.min.x > box.max.x; }
 
-/// The bounds of a box and a position.
+/// Returns the bounds of a box and a position.
 inline Box3 with(const Box3 &box, const glm::dvec3 &position) {
 	return {glm::min(box.min, position), glm::max(box.max, position)};
 }

@@ -11,7 +11,7 @@
 
 namespace thicket {
 
-/// Finds the boxes that touch a box, by a bounding volume hierarchy. The tree never changes.
+/// Finds the boxes that touch a box, using a bounding volume hierarchy. Immutable.
 class BoxTree {
 public:
 	BoxTree() = default;
@@ -27,7 +27,7 @@ public:
 	const Box3 &bounds() const { return bounds_; }
 
 	/// Calls `visit` with the index of each box that touches `box`, and of a few boxes that do not,
-	/// in the tree's order.
+	/// in tree order.
 	template <class Visit>
 	void find(const Box3 &box, Visit visit) const {
 		BvhStack<Bvh::Node> left;

@@ -12,13 +12,13 @@
 
 namespace thicket {
 
-inline constexpr int changed_block_side = 128; ///< Side of the compared blocks, in elements.
+inline constexpr int changed_block_side = 128; ///< Edge length of the compared blocks, in elements.
 
 /// Compares two grids of the same size block by block. For each block with differences, appends the
 /// smallest rectangle around them to `r_rects`. The first block starts at (0, 0). The last block of
 /// a row or column may be one element larger. `bytes_a(column, row)` and `bytes_b` return the bytes
-/// of an element and of those that follow it in the same row of a block, `element_bytes` each.
-/// Compares bytes, so a NAN equals itself. Throws std::bad_alloc.
+/// of an element and of the elements after it in the same row of a block, `element_bytes` each.
+/// Compares bytes, so that NAN equals itself. Throws std::bad_alloc.
 template <class BytesA, class BytesB>
 void add_changed_blocks(glm::ivec2 size, std::size_t element_bytes, const BytesA &bytes_a, const BytesB &bytes_b,
 		std::vector<PixelRect> &r_rects) {

@@ -12,31 +12,32 @@
 
 namespace thicket {
 
-/// Several terrains above each other: at each position, the highest ground counts. The order of the
-/// terrains does not matter, bit for bit. Immutable after `set`.
+/// Several terrains above each other: at each position, the highest ground is used. Results do not
+/// depend on the order of the terrains, bit for bit. Immutable after `set`.
 class CombinedTerrain final : public Terrain {
 public:
 	using Part = std::shared_ptr<const Terrain>;
 
-	/// A part that occurs several times counts once. No part may be null. Refuses parts whose surfaces
-	/// have more than Surface::max_triangles triangles together. A failed call changes nothing.
+	/// Repeated parts are ignored. No part may be null. Returns an error if the surfaces of all
+	/// parts together have more than Surface::max_triangles triangles. A failed call leaves the
+	/// terrain unchanged.
 	Status set(std::span<const Part> parts);
 
 	/// See Terrain::sample(). If several parts have exactly the same height, see raise().
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
 	Status sample_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
 
-	/// See Terrain::weigh(). Only the part that is the ground counts. So ground of a part without
+	/// See Terrain::weigh(). Only the part that is the ground is used, so ground of a part without
 	/// textures has a weight of 1, even above a part with textures.
 	Status weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
 			std::span<Ground> r_ground) const override;
 
-	/// The surfaces of all parts that have one. Null if there are none.
+	/// Returns the surfaces of all parts that have one; null if there are none.
 	const Surface *surface() const override { return surface_.get(); }
 
-	/// Replaces `r_top` with `ground` if that is higher. At the same height, chooses the normal with the
-	/// largest y, then x, then z, and the larger weight. The order of calls does not matter, not even
-	/// for the sign of zero.
+	/// Replaces `r_top` with `ground` if that is higher. At the same height, chooses the normal
+	/// with the largest y, then x, then z, and the larger weight. The result does not depend on the
+	/// order of calls, not even in the sign of zero.
 	static void raise(const Ground &ground, Ground &r_top);
 
 private:

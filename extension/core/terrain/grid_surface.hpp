@@ -18,22 +18,23 @@
 
 namespace thicket {
 
-/// A rectangle in units of posts.
+/// A rectangle in units of height samples.
 struct PostRange {
 	glm::dvec2 min;
 	glm::dvec2 max;
 };
 
-/// The triangles of a grid of posts: two for each patch of four posts, with a common edge from the
-/// second post of a row to the first post of the next row. They face up. The corners are read from
-/// the posts, so the surface needs little memory. Patches without ground have no triangles.
+/// The triangles of a grid of height samples: two for each patch of four samples, with a common
+/// edge from the second sample of a row to the first sample of the next row. They face up. The
+/// corners are read from the samples, so the surface needs little memory. Patches without ground
+/// have no triangles.
 ///
-/// `Grid` describes the posts:
+/// `Grid` describes the height samples:
 /// - `glm::ivec2 patches() const` returns the columns and rows of patches;
-/// - `bool heights(glm::ivec2 patch, std::array<double, 4> &r_heights) const` reads the world heights of
-///   a patch's posts, row by row, or returns false if the patch has no ground;
-/// - `glm::dvec2 place(glm::ivec2 post) const` returns the world's x and z of a post;
-/// - `PostRange range(const Box3 &box) const` returns a box in units of posts;
+/// - `bool heights(glm::ivec2 patch, std::array<double, 4> &r_heights) const` reads the world
+///   heights of a patch's samples, row by row, or returns false if the patch has no ground;
+/// - `glm::dvec2 place(glm::ivec2 post) const` returns the world x and z of a height sample;
+/// - `PostRange range(const Box3 &box) const` returns a box in units of height samples;
 /// - `bool mirrored` is true if the world's x and z have the opposite orientation to columns and rows.
 template <class Grid>
 class GridSurface final : public Surface {
@@ -64,7 +65,7 @@ public:
 		if (!touch(known.bounds, box)) {
 			return;
 		}
-		// A box may be infinite, but the bounds are not.
+		// A box may be infinite; the bounds are not.
 		const auto &[first, last] =
 				patches_in({glm::max(box.min, known.bounds.min), glm::min(box.max, known.bounds.max)});
 		for (glm::ivec2 patch = first; patch.y <= last.y; ++patch.y) {
@@ -99,7 +100,7 @@ private:
 				static_cast<std::size_t>(patch.x / block_side);
 	}
 
-	/// Reads all posts, for the first search.
+	/// Reads all height samples, for the first search.
 	const Layout &layout() const {
 		return layout_.get([this] {
 			Layout made;

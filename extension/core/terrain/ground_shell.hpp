@@ -24,7 +24,7 @@ struct GroundShell {
 	}
 
 	/// Extends the shell by a triangle, whose corners are relative to the center. A triangle
-	/// without an area has no effect, because it is no ground.
+	/// without an area has no effect, because it is not ground.
 	void add(const glm::dvec3 &a, const glm::dvec3 &b, const glm::dvec3 &c) {
 		const glm::dvec3 normal = glm::cross(b - a, c - a);
 		const double squared = glm::dot(normal, normal);

@@ -33,15 +33,15 @@ Status check(const HeightfieldFrame &frame, std::size_t posts) {
 	return {};
 }
 
-/// Converts a post from units to meters. The result is rounded to float, to match posts that are
-/// stored in meters.
+/// Converts a height sample from units to meters. The result is rounded to float, to match samples
+/// that are stored in meters.
 float height_of_unit(const HeightfieldFrame &frame, float post) {
 	return static_cast<float>(frame.min_height + (frame.max_height - frame.min_height) * post);
 }
 
 } // namespace
 
-/// The posts of a field as a grid of triangles.
+/// The height samples of a field as a grid of triangles.
 struct Heightfield::Grid {
 	HeightfieldFrame frame;
 	HeightPosts posts;
@@ -159,7 +159,7 @@ Status Heightfield::set_posts(const HeightfieldFrame &frame, const HeightPosts &
 	});
 }
 
-/// Requires the members that define the heights of posts.
+/// Requires that the members that define heights are set.
 void Heightfield::take(HeightPosts posts) {
 	surface_ = std::make_shared<const GridSurface<Grid>>(Grid{frame_, posts, base_, meters_per_step_});
 	posts_ = std::move(posts);
@@ -207,7 +207,8 @@ Status Heightfield::patch(const PixelRect &rect, std::span<const float> posts) {
 	});
 }
 
-/// A post affects the heights of the adjacent patches, and slopes one post farther.
+/// A height sample affects the heights of the adjacent patches, and slopes up to one sample
+/// farther.
 Rect Heightfield::area_of(const PixelRect &rect) const {
 	constexpr int reach = 2;
 	const glm::dvec2 first = glm::max(rect.min - reach, glm::ivec2(0));
@@ -275,7 +276,7 @@ double Heightfield::post_height(glm::ivec2 post) const {
 	return posts_.meaning == FloatPosts::meters ? value : height_of_unit(frame_, value);
 }
 
-/// Samples 16-bit posts, which have no holes.
+/// Samples ground from 16-bit height samples, which have no holes.
 void Heightfield::sample_posts(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
 	InnerPatches patches;
 	const auto whole = [](std::uint16_t post) {
@@ -299,7 +300,7 @@ void Heightfield::sample_posts(std::span<const glm::dvec2> positions, std::span<
 			r_ground[i] = ground_in_area(posts_.steps, whole, positions[i]);
 			continue;
 		}
-		// Most patches are not at the border. These are computed many at a time.
+		// Most patches are not at the border, and these are computed many at a time.
 		const PostGrid<std::uint16_t>::Window window = posts_.steps.window(patch.first);
 		patches.add(window.first, window.stride, patch.part, i);
 		if (patches.full()) {
@@ -342,8 +343,8 @@ bool Heightfield::in_area(glm::dvec2 position) const {
 	return position.x >= min.x && position.x <= max.x && position.y >= min.y && position.y <= max.y;
 }
 
-/// Returns the ground at a position inside the area. `height_of` converts a post to a height, in
-/// steps or in meters.
+/// Returns the ground at a position inside the area. `height_of` converts a height sample to a
+/// height, in steps or in meters.
 template <typename Post, class HeightOf>
 Ground Heightfield::ground_in_area(const PostGrid<Post> &posts, const HeightOf &height_of, glm::dvec2 position) const {
 	const auto &[corner, part] = patch_at(position);
@@ -359,7 +360,7 @@ Ground Heightfield::ground_in_area(const PostGrid<Post> &posts, const HeightOf &
 	};
 	SmoothPatch patch;
 	if (is_inner_patch(frame_.posts, corner)) {
-		// Away from the border, the offsets of the posts around a patch are constant.
+		// Away from the border, the offsets of the height samples around a patch are constant.
 		patch = smooth_patch<may_be_missing>(inner_line, inner_line, part, from_first);
 	} else {
 		patch = smooth_patch<may_be_missing>(frame_.posts, corner, part, from_corner);

@@ -21,8 +21,8 @@ using PatchWords = hn::RebindToUnsigned<PatchDoubles>;
 using PatchFloats = hn::Rebind<float, PatchDoubles>;
 using PatchD = hn::VFromD<PatchDoubles>;
 
-/// Extracts one of the four posts in each word as a double. The conversion is exact, because a
-/// double can represent 2^52 plus the post.
+/// Extracts one of the four height samples in each word as a double. The conversion is exact,
+/// because a double can represent 2^52 plus the sample.
 template <int column>
 HWY_INLINE PatchD post(hn::VFromD<PatchWords> row) {
 	constexpr int shift = 16 * (std::endian::native == std::endian::little ? column : 3 - column);

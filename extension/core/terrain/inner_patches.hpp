@@ -9,23 +9,24 @@
 
 namespace thicket {
 
-/// Computes heights and normals in patches that are not at the border of a grid of 16-bit posts,
-/// many at a time with vectors. The code uses the same operations as smooth_patch in the same
-/// order, so the results are bit-identical.
+/// Computes heights and normals in patches that are not at the border of a grid of 16-bit height
+/// samples, many at a time with vectors. The code uses the same operations as smooth_patch in the
+/// same order, so the results are bit-identical.
 struct InnerPatches {
 	static constexpr std::size_t most = 32;
 	static constexpr std::size_t rows = 4; ///< The row before the patch, its two rows, and the row after it.
 
-	/// The conversion of stored 16-bit samples to heights in meters: height = base + post * scale.
+	/// The conversion of stored 16-bit samples to heights in meters: height = base + sample *
+	/// scale.
 	struct Heights {
 		double base = 0.0;
 		double scale = 1.0;
 		glm::dvec2 posts_per_meter{1.0};
 	};
 
-	/// Adds a position in the patch whose first post is at `first`. Rows are `stride` posts apart.
-	/// `part` is the fraction of the way to the patch's far corner on each axis. `number` is for
-	/// the caller's use.
+	/// Adds a position in the patch whose first height sample is at `first`. Rows are `stride`
+	/// samples apart. `part` is the fraction of the way to the patch's far corner on each axis.
+	/// `number` is for the caller's use.
 	void add(const std::uint16_t *first, std::ptrdiff_t stride, glm::dvec2 part, std::size_t number) {
 		const std::uint16_t *row = first - stride - 1;
 		for (std::size_t i = 0; i < rows; ++i, row += stride) {
@@ -43,7 +44,7 @@ struct InnerPatches {
 
 	std::size_t count = 0;
 	std::array<std::size_t, most> numbers{};                               ///< The `number` of each patch.
-	alignas(64) std::array<std::array<std::uint64_t, most>, rows> posts{}; ///< Four adjacent posts in each word.
+	alignas(64) std::array<std::array<std::uint64_t, most>, rows> posts{}; ///< Four adjacent samples in each word.
 	alignas(64) std::array<double, most> x{};
 	alignas(64) std::array<double, most> y{};
 

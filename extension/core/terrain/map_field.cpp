@@ -67,7 +67,7 @@ std::vector<unsigned> channels_of(std::span<const std::int32_t> textures, std::s
 	return channels;
 }
 
-/// Interpolates between the values of the four posts of a patch.
+/// Interpolates between the values of the four height samples of a patch.
 template <class ValueOf>
 double interpolated(glm::ivec2 patch, glm::dvec2 part, ValueOf value_of) {
 	return bilinear(value_of(patch.x, patch.y), value_of(patch.x + 1, patch.y), value_of(patch.x, patch.y + 1),
@@ -97,7 +97,7 @@ MapField MapField::at_offset(glm::dvec3 offset) const {
 	return field;
 }
 
-/// The posts of the map as a grid of triangles.
+/// The height samples of the map as a grid of triangles.
 struct MapField::Grid {
 	MapPlace frame;
 	glm::dmat2 to_map;

@@ -14,7 +14,7 @@ namespace thicket {
 /// A surface of a mesh, in the byte format of Godot's renderer: first the positions, then all other
 /// attributes.
 struct MeshSurface {
-	/// The way in which vertices form triangles. Points and lines have the shape `none`.
+	/// How vertices form triangles. Points and lines have the shape `none`.
 	enum class Shape : std::uint8_t { none, triangles, strip };
 
 	/// The storage format of positions. All formats are little-endian, like all platforms that
@@ -28,7 +28,7 @@ struct MeshSurface {
 	Shape shape = Shape::none;
 	Positions positions = Positions::floats;
 	std::size_t vertex_count = 0;
-	std::size_t index_count = 0;              ///< 0 if vertices are used in their order.
+	std::size_t index_count = 0;              ///< 0 if vertices are used in order.
 	std::span<const std::uint8_t> vertices{}; ///< May be longer than the positions require.
 	std::span<const std::uint8_t> indices{};  ///< Indices of two or four bytes each.
 	glm::vec3 box_corner{0.0F};               ///< The minimum corner of the box of quantized positions.
@@ -42,8 +42,8 @@ struct MeshSurface {
 };
 
 /// Appends three corners per triangle, in the surface's order. These are the faces of Godot's
-/// TriangleMesh, without its rounding to 0.1 mm. Returns an error if there are too few bytes, or if
-/// an index refers to no vertex; the contents of `r_corners` are then unspecified.
+/// TriangleMesh, without its rounding to 0.1 mm. Returns an error if there are too few bytes or if
+/// an index does not refer to a vertex; the contents of `r_corners` are then unspecified.
 Status append_faces(const MeshSurface &surface, std::vector<glm::vec3> &r_corners);
 
 } // namespace thicket

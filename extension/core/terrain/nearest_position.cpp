@@ -18,8 +18,8 @@ glm::dvec3 nearest_on_edge(const glm::dvec3 &from, const glm::dvec3 &to, const g
 	return squared > 0.0 ? from + along * glm::clamp(glm::dot(place - from, along) / squared, 0.0, 1.0) : from;
 }
 
-/// Returns the foot of the perpendicular if it is inside of all edges, and otherwise the nearest
-/// position on an edge.
+/// Returns the foot of the perpendicular if it is inside all edges, otherwise the nearest position
+/// on an edge.
 glm::dvec3 nearest_on_triangle(
 		const std::array<glm::dvec3, 3> &corners, const glm::dvec3 &cross, const glm::dvec3 &place) {
 	const glm::dvec3 foot = place - cross * (glm::dot(place - corners[0], cross) / glm::dot(cross, cross));
@@ -49,7 +49,7 @@ SurfacePosition nearest_position(const Surface &surface, const glm::dvec3 &place
 	for (const std::uint32_t index : triangles) {
 		const glm::dvec3 cross = surface.cross(index);
 		if (!(glm::dot(cross, cross) > 0.0)) {
-			continue; // The triangle's corners are on one line.
+			continue; // The triangle's corners are collinear.
 		}
 		const glm::dvec3 nearest = nearest_on_triangle(surface.triangle(index), cross, place);
 		if (const double away = glm::distance(nearest, place); away <= least) {

@@ -133,7 +133,7 @@ PixelRect PixelGrid::difference(const PixelGrid &other) const {
 			const bool known = inside.min.x >= rect.min.x && inside.min.y >= rect.min.y && inside.max.x <= rect.max.x &&
 					inside.max.y <= rect.max.y;
 			if (known) {
-				// The block lies inside the rectangle, so it cannot extend it.
+				// The block lies inside the rectangle and cannot extend it.
 				continue;
 			}
 			if (same_block(other, block)) {

@@ -13,30 +13,30 @@
 
 namespace thicket {
 
-/// Bytes that a different object owns. They neither move nor change while `owner` exists.
+/// Bytes that another object owns. They neither move nor change while `owner` exists.
 struct SharedBytes {
 	std::shared_ptr<const void> owner;
 	std::span<const std::uint8_t> bytes;
 };
 
-/// Refers to the pixels of an image that a different object owns, without copying them. Patching
-/// copies only the affected blocks. Copies of a grid share memory, and patching one copy does not
-/// affect the other copies. Copies can be used on different threads.
+/// Refers to the pixels of an image that another object owns, without copying them. Patching copies
+/// only the affected blocks. Copies of a grid share memory, but patching one copy does not affect
+/// the others. Different threads may use different copies.
 class PixelGrid {
 public:
 	static constexpr int max_side = 1 << 15; ///< Maximum number of pixels along x and y.
 	static constexpr int max_pixel_bytes = 16;
-	static constexpr int block_side = 128; ///< Side, in pixels, of the blocks that patching copies.
+	static constexpr int block_side = 128; ///< Edge length, in pixels, of the blocks that patching copies.
 
-	/// Sets size.x * size.y pixels of `pixel_bytes` bytes each, row by row. A side must have 1 to
-	/// max_side pixels, and a pixel 1 to max_pixel_bytes bytes. `bytes` may be longer, as for
-	/// images with mipmaps. A failed call changes nothing.
+	/// Sets size.x * size.y pixels of `pixel_bytes` bytes each, row by row. Width and height must
+	/// be 1 to max_side pixels, and a pixel must have 1 to max_pixel_bytes bytes. `bytes` may be
+	/// longer, as for images with mipmaps. A failed call leaves the grid unchanged.
 	Status set(glm::ivec2 size, int pixel_bytes, SharedBytes bytes);
 
 	/// Replaces the pixels of a rectangle with those of `image`, which has the size and format of
 	/// the whole grid. The pixels are copied, together with the rest of the blocks that the
-	/// rectangle touches. Returns an error, and changes nothing, if the rectangle is empty or not
-	/// inside the grid, or if there are too few bytes.
+	/// rectangle touches. Returns an error and leaves the grid unchanged if the rectangle is empty
+	/// or not inside the grid, or if there are too few bytes.
 	Status patch(const PixelRect &rect, std::span<const std::uint8_t> image);
 
 	/// Returns true if no pixels were set.
@@ -57,7 +57,7 @@ public:
 	bool same_memory(const PixelGrid &other) const;
 
 	/// Returns the smallest rectangle that contains all pixels that differ. The rectangle is empty
-	/// if all pixels are equal, and it is the whole grid if the sizes differ. Shared memory is not
+	/// if all pixels are equal, and covers the whole grid if the sizes differ. Shared memory is not
 	/// compared.
 	PixelRect difference(const PixelGrid &other) const;
 

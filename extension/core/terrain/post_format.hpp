@@ -7,7 +7,7 @@
 
 namespace thicket {
 
-/// The storage format of height map posts. Floats have the byte order of the machine.
+/// The storage format of the samples of a height map. Floats have the byte order of the machine.
 enum class PostFormat : std::uint8_t {
 	float32, ///< Heights in meters as 32-bit floats.
 	float16, ///< Heights in meters as 16-bit floats (IEEE 754 binary16).
@@ -34,7 +34,7 @@ constexpr float half_to_float(std::uint16_t half) {
 	return negative ? -value : value;
 }
 
-/// Reads the height of a post, in meters, from its bytes_of(format) bytes.
+/// Reads a height sample, in meters, from its bytes_of(format) bytes.
 inline double post_height(const std::uint8_t *bytes, PostFormat format) {
 	switch (format) {
 		case PostFormat::float32: {

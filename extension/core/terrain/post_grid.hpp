@@ -16,32 +16,33 @@
 
 namespace thicket {
 
-/// A grid of posts, in row order. Copies share memory, and changing one copy does not affect the
-/// other copies. A change copies only the blocks that it touches, so its cost does not depend on
-/// the size of the grid. Copies can be used on different threads.
+/// A grid of height samples, in row order. Copies share memory, but changing one copy does not
+/// affect the others. A change copies only the blocks that it touches, so its cost does not depend
+/// on the size of the grid. Different threads may use different copies.
 template <typename Post>
 class PostGrid {
 public:
-	static constexpr int block_side = changed_block_side; ///< Side of a block, in patches between posts.
+	static constexpr int block_side = changed_block_side; ///< Edge length of a block, in patches.
 
 	PostGrid() = default;
 
-	/// Creates a grid. `posts` must have count.x * count.y posts, with at least 2 along each side.
+	/// Creates a grid. `posts` must have count.x * count.y height samples, with at least 2 along
+	/// each edge.
 	PostGrid(glm::ivec2 count, std::shared_ptr<const std::vector<Post>> posts) :
 			count_(count), base_(std::move(posts)) {}
 
 	bool empty() const { return base_ == nullptr; }
 	glm::ivec2 count() const { return count_; }
 
-	/// Access to the posts around a patch. On both axes, these are its two posts, the post before
-	/// them and the post after them, if they exist.
+	/// Accesses the height samples around a patch. On both axes, these are its two samples, the
+	/// sample before them and the sample after them, if they exist.
 	struct Window {
-		const Post *first; ///< The first of the patch's four posts.
+		const Post *first; ///< The first of the patch's four height samples.
 		std::ptrdiff_t stride;
 	};
 
-	/// Returns the window around the patch whose first post is `patch`, from 0 to count() - 2. The
-	/// window is valid until the grid changes.
+	/// Returns the window around the patch whose first height sample is `patch`, from 0 to count()
+	/// - 2. The window is valid until the grid changes.
 	Window window(glm::ivec2 patch) const {
 		if (blocks_.empty()) {
 			return base_window(patch);
@@ -56,7 +57,7 @@ public:
 		return near.first[(post.y - patch.y) * near.stride + (post.x - patch.x)];
 	}
 
-	/// Returns all posts, row by row. Throws std::bad_alloc.
+	/// Returns all height samples, row by row. Throws std::bad_alloc.
 	std::vector<Post> flattened() const {
 		if (blocks_.empty()) {
 			return *base_;
@@ -71,13 +72,13 @@ public:
 		return posts;
 	}
 
-	/// Replaces the posts of a rectangle inside the grid; `posts` lists them row by row. Throws
-	/// std::bad_alloc, with the grid unchanged.
+	/// Replaces the height samples of a rectangle inside the grid; `posts` lists them row by row.
+	/// Throws std::bad_alloc, with the grid unchanged.
 	void patch(const PixelRect &rect, std::span<const Post> posts) {
 		auto blocks = blocks_;
 		const glm::ivec2 count = block_count();
 		blocks.resize(static_cast<std::size_t>(count.x) * static_cast<std::size_t>(count.y));
-		// Blocks also store the posts around their patches, so they overlap.
+		// Blocks also store the height samples around their patches, so they overlap.
 		const glm::ivec2 first = glm::max((rect.min - 2) / block_side, glm::ivec2(0));
 		const glm::ivec2 last = glm::min(rect.max / block_side, count - 1);
 		for (glm::ivec2 block = first; block.y <= last.y; ++block.y) {
@@ -88,7 +89,7 @@ public:
 		blocks_ = std::move(blocks);
 	}
 
-	/// Appends the rectangles in which a grid of the same size has different posts; see
+	/// Appends the rectangles in which the height samples of a grid of the same size differ; see
 	/// add_changed_blocks().
 	void add_changes(const PostGrid &other, std::vector<PixelRect> &r_rects) const {
 		const auto bytes_of = [](const PostGrid &grid) {
@@ -104,8 +105,8 @@ public:
 	}
 
 private:
-	/// Number of posts along a side of a block: those of its patches, plus one before and one
-	/// after.
+	/// Number of height samples along an edge of a block: those of its patches, plus one before and
+	/// one after.
 	static constexpr int block_posts = block_side + 3;
 	static constexpr std::ptrdiff_t block_stride = block_posts;
 	using Block = std::vector<Post>;
@@ -126,7 +127,7 @@ private:
 		return {base_->data() + patch.y * stride + patch.x, stride};
 	}
 
-	/// Returns a copy of a block, in which the posts inside `rect` are replaced.
+	/// Returns a copy of a block, in which the height samples inside `rect` are replaced.
 	std::shared_ptr<const Block> patched(glm::ivec2 block, const PixelRect &rect, std::span<const Post> posts) const {
 		const glm::ivec2 corner = block * block_side - 1;
 		const glm::ivec2 from = glm::max(corner, glm::ivec2(0));

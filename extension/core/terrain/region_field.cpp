@@ -19,7 +19,7 @@ namespace thicket {
 
 namespace {
 
-/// Maximum absolute post index.
+/// Maximum absolute index of a height sample.
 constexpr double max_post = static_cast<double>(RegionField::max_location) * PixelGrid::max_side;
 
 // Bits of a control value.
@@ -58,8 +58,8 @@ Status check(const FieldRegion &region, int side) {
 			check_range("location of a region", region.location.y, -limit, limit - 1));
 }
 
-/// Returns the height difference from a post to the next. If there is no next post, returns
-/// `within`, the difference within the patch.
+/// Returns the height difference from a height sample to the next. If there is no next sample,
+/// returns `within`, the difference within the patch.
 double rise(double post, double next, double within) {
 	const double difference = next - post;
 	return std::isfinite(difference) ? difference : within;
@@ -126,7 +126,7 @@ RegionField RegionField::at_offset(glm::dvec3 offset) const {
 /// The patches that begin in a region.
 struct RegionField::Grid {
 	std::shared_ptr<const RegionField> field;
-	glm::ivec2 first; ///< The index of the region's first post.
+	glm::ivec2 first; ///< The index of the region's first height sample.
 	static constexpr bool mirrored = false;
 
 	glm::ivec2 patches() const { return glm::ivec2(field->side_); }
@@ -193,7 +193,7 @@ RegionField::Post RegionField::post_at(glm::ivec2 post) const {
 			!region->controls.empty() && (word_at(region->controls, inside) & hole_bit) != 0};
 }
 
-/// Reads the world heights of the posts of a patch, row by row. Returns false if it has no ground.
+/// Reads the world heights of a patch's samples, row by row. Returns false if it has no ground.
 bool RegionField::heights_of(glm::ivec2 first, std::array<double, 4> &r_heights) const {
 	bool found = true;
 	for (int i = 0; i < 4 && found; ++i) {
@@ -216,7 +216,8 @@ Ground RegionField::ground_at(glm::dvec2 position) const {
 		return {};
 	}
 	const glm::ivec2 first = place.post;
-	// The four posts of the patch and the posts after them: 3 x 3 posts, without the last.
+	// The four height samples of the patch and the samples after them: 3 x 3 samples, without the
+	// last.
 	constexpr std::array<glm::ivec2, 8> steps{{{0, 0}, {1, 0}, {2, 0}, {0, 1}, {1, 1}, {2, 1}, {0, 2}, {1, 2}}};
 	std::array<Post, 8> posts{};
 	const glm::ivec2 location{divided_down(first.x, side_), divided_down(first.y, side_)};

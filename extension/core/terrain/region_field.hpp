@@ -24,43 +24,44 @@ struct AutoPaint {
 	int overlay = 0; ///< The texture of level ground.
 	/// The rate at which the base texture replaces the overlay as the slope increases.
 	double slope = 1.0;
-	double height_reduction = 0.0; ///< Decrease of the overlay's share per 100 m of height.
+	double height_reduction = 0.0; ///< Decrease of the overlay's weight per 100 m of height.
 
 	bool operator==(const AutoPaint &) const = default;
 };
 
-/// A square region of Terrain3D: a float height and 32 control bits per post.
+/// A square region of Terrain3D: a grid of float heights, each with 32 control bits.
 struct FieldRegion {
-	glm::ivec2 location{0}; ///< In units of regions: the index of the first post is location * side.
-	PixelGrid heights;      ///< Heights, 4 bytes per post.
-	PixelGrid controls; ///< Control bits, 4 bytes per post. If empty, there are no holes, and texture 0 is everywhere.
+	glm::ivec2 location{0}; ///< In units of regions: the index of the first height sample is location * side.
+	PixelGrid heights;      ///< Heights, 4 bytes per height sample.
+	PixelGrid controls;     ///< Control bits, 4 bytes per sample. If empty: no holes, and texture 0 everywhere.
 };
 
-/// The ground of Terrain3D: square regions of posts at any locations, without seams between them.
-/// It follows Terrain3D 1.0 and 1.1 (Terrain3DData::get_height, get_normal and get_texture_id in
-/// src/terrain_3d_data.cpp, and the control bits in src/terrain_3d_util.h):
-/// - Between four posts, heights are interpolated bilinearly. If a post belongs to no region or is
-///   not finite, the patches around it have no ground.
-/// - A hole at a post also removes the patches around it, as in the drawn mesh and the collider.
-///   (`get_height` itself omits only the patch after the post.)
-/// - Normals use the height differences to the next post. If that post does not exist, they use the
-///   difference within the patch.
+/// The ground of Terrain3D: square regions of height samples at any locations, without seams
+/// between them. It implements the behavior of Terrain3D 1.0 and 1.1 (Terrain3DData::get_height,
+/// get_normal and get_texture_id in src/terrain_3d_data.cpp, and the control bits in
+/// src/terrain_3d_util.h):
+/// - Between four height samples, heights are interpolated bilinearly. If a sample belongs to no
+///   region or is not finite, the patches around it have no ground.
+/// - A hole at a height sample also removes the patches around it, as in the drawn mesh and the
+///   collider. (`get_height` itself omits only the patch after the sample.)
+/// - Normals use the height differences to the next height sample. If that sample does not exist,
+///   they use the difference within the patch.
 ///
-/// A field is a snapshot that does not change after `set` and can be read from any thread.
+/// A field is a snapshot that does not change after `set`, and any thread may read it.
 class RegionField final : public Terrain {
 public:
 	static constexpr int max_location = 1 << 12; ///< Locations are in [-max_location, max_location).
 	static constexpr int default_side = 256;     ///< Terrain3D's default, for terrain without regions.
-	static constexpr double min_spacing = 1e-3;  ///< Minimum distance between posts in meters.
-	static constexpr double max_spacing = 1e4;   ///< Maximum distance between posts in meters.
+	static constexpr double min_spacing = 1e-3;  ///< Minimum distance between height samples in meters.
+	static constexpr double max_spacing = 1e4;   ///< Maximum distance between height samples in meters.
 	/// Maximum number of locations in the rectangle around all regions.
 	static constexpr std::size_t max_table = 1u << 20u;
 
-	/// Sets the regions. `side` is in posts, 2 to PixelGrid::max_side, and `spacing` in meters,
-	/// min_spacing to max_spacing. All maps must have `side` x `side` pixels; control maps may be
-	/// empty. Locations must be different, in range, and within a rectangle of max_table locations.
-	/// Otherwise, the function returns an error and changes nothing. Without regions, there is no
-	/// ground.
+	/// Sets the regions. `side` is in height samples, 2 to PixelGrid::max_side, and `spacing` in
+	/// meters, min_spacing to max_spacing. All maps must have `side` x `side` pixels; control maps
+	/// may be empty. Locations must be distinct, in range, and within a rectangle of max_table
+	/// locations. Otherwise, the function returns an error and leaves the field unchanged. Without
+	/// regions, there is no ground.
 	Status set(int side, double spacing, std::vector<FieldRegion> regions, const AutoPaint &paint);
 
 	/// Returns a copy of the field with its origin at `offset`, in world meters. The copy shares
@@ -69,13 +70,13 @@ public:
 
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
 
-	/// See Terrain::weigh(). The texture numbers are those of Terrain3D, at the post before the
-	/// position.
+	/// See Terrain::weigh(). The texture numbers are the Terrain3D IDs at the height sample before
+	/// the position.
 	Status weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
 			std::span<Ground> r_ground) const override;
 
-	/// Two triangles for each patch, as in Heightfield. Null without regions, or if the indices of
-	/// triangles would exceed Surface::max_triangles.
+	/// Returns two triangles per patch, as in Heightfield. Returns null if there are no regions or
+	/// if the indices of triangles would exceed Surface::max_triangles.
 	const Surface *surface() const override { return surface_.get(); }
 
 	int side() const { return side_; }
@@ -96,10 +97,10 @@ private:
 		std::vector<std::int32_t> table; ///< Index of the region at each location, row by row; -1 if none.
 	};
 
-	/// A position, in units of posts.
+	/// A position, in units of height samples.
 	struct Place {
-		glm::ivec2 post; ///< The post before the position on both axes.
-		glm::dvec2 part; ///< Fraction of the way to the next post, in [0, 1).
+		glm::ivec2 post; ///< The height sample before the position on both axes.
+		glm::dvec2 part; ///< Fraction of the way to the next height sample, in [0, 1).
 	};
 
 	struct Post {

@@ -11,7 +11,7 @@ namespace thicket {
 /// Computes the slope at a position by central differences, for ground sources that return only
 /// heights and take positions as floats. All coordinates are rounded to floats, so height
 /// differences are divided by the exact distance between the queried positions. Far from the
-/// origin, where floats are coarse, the positions are farther apart, so that slopes stay correct.
+/// origin, where floats are coarse, the positions are farther apart so that slopes stay correct.
 class SlopeStencil {
 public:
 	/// Chooses the positions around `position`, which is in world meters and must be finite.
@@ -27,7 +27,7 @@ public:
 
 	/// Returns the unit normal, y up, from the height at the center and the heights at positions(),
 	/// in the same order. If a neighbor's height is not finite, the difference is one-sided. If
-	/// both on an axis are not finite, the slope along that axis is 0.
+	/// neither neighbor on an axis has a finite height, the slope along that axis is 0.
 	glm::vec3 normal(float here, std::span<const float, 4> around) const;
 
 private:

@@ -11,23 +11,23 @@
 
 namespace thicket {
 
-/// The height at a position on a grid of posts, and the gradient per post along x and y. Both are
-/// in the unit of the posts.
+/// The height at a position on a grid of height samples, and the gradient per grid step along x and
+/// y. Both are in the unit of the samples.
 struct SmoothPatch {
 	double height;
 	glm::dvec2 gradient;
 };
 
-/// The indices of four posts in a line around a patch, clamped to the grid: the post before the
-/// patch, its two posts, and the post after it. A line also contains the factors that convert
-/// differences between the neighbors of a post to gradients per post.
+/// The indices of four height samples in a line around a patch, clamped to the grid: the sample
+/// before the patch, its two samples, and the sample after it. A line also contains the factors
+/// that convert differences between the neighbors of a sample to gradients per grid step.
 struct PostLine {
 	std::array<int, 4> index;
 	double first_weight;
 	double second_weight;
 
-	/// Returns the line around the patch between the posts `patch` and `patch` + 1, in a line of
-	/// `posts` posts.
+	/// Returns the line around the patch between the height samples `patch` and `patch` + 1, in a
+	/// line of `posts` samples.
 	static constexpr PostLine about(int patch, int posts) {
 		const int before = std::max(patch - 1, 0);
 		const int behind = std::min(patch + 2, posts - 1);
@@ -35,8 +35,9 @@ struct PostLine {
 	}
 };
 
-/// Returns the gradient per post at `post`, from its two neighbors. If posts may be missing (NAN),
-/// the difference next to a missing one is one-sided, as at the border.
+/// Returns the gradient per grid step at the height sample `post`, from its two neighbors. If
+/// samples may be missing (NAN), the difference next to a missing one is one-sided, as at the
+/// border.
 template <bool may_be_missing>
 double post_gradient(double behind, double before, double post, double weight) {
 	if constexpr (may_be_missing) {
@@ -50,14 +51,15 @@ double post_gradient(double behind, double before, double post, double weight) {
 	return (behind - before) * weight;
 }
 
-/// Computes the surface between four posts. The heights are interpolated bilinearly, and so are the
-/// gradients at the four posts. The gradients are central differences (one-sided at the border of
-/// the grid). `post(column, row)` returns a double for indices of the two lines. `part` is the
-/// fraction of the way from the first post to the opposite one on each axis, 0 to 1. If posts may
-/// be missing and one of the four is NAN, the height is NAN and the gradient is meaningless.
+/// Computes the surface between four height samples. The heights are interpolated bilinearly, and
+/// so are the gradients at the four samples. The gradients are central differences (one-sided at
+/// the border of the grid). `post(column, row)` returns a double for indices of the two lines.
+/// `part` is the fraction of the way from the first sample to the opposite one on each axis, 0 to
+/// 1. If samples may be missing and one of the four is NAN, the height is NAN and the gradient is
+/// meaningless.
 template <bool may_be_missing, class Post>
 SmoothPatch smooth_patch(const PostLine &across, const PostLine &along, glm::dvec2 part, const Post &post) {
-	// Returns one of the 4 x 4 posts around the patch. The corners are never read.
+	// Returns one of the 4 x 4 height samples around the patch. The corners are never read.
 	const auto near = [&](std::size_t i, std::size_t j) -> double {
 		return post(across.index[i], along.index[j]);
 	};
@@ -88,7 +90,8 @@ SmoothPatch smooth_patch(const PostLine &across, const PostLine &along, glm::dve
 	return {height, {between(rise_x), between(rise_y)}};
 }
 
-/// Computes the surface in the patch whose first post is `patch`, in a grid of `posts` posts.
+/// Computes the surface in the patch whose first height sample is `patch`, in a grid of `posts`
+/// samples.
 template <bool may_be_missing, class Post>
 SmoothPatch smooth_patch(glm::ivec2 posts, glm::ivec2 patch, glm::dvec2 part, const Post &post) {
 	return smooth_patch<may_be_missing>(
@@ -96,7 +99,7 @@ SmoothPatch smooth_patch(glm::ivec2 posts, glm::ivec2 patch, glm::dvec2 part, co
 }
 
 /// Returns true if a patch does not touch the border of a grid. `inner_line`, relative to the
-/// patch's first post, is then valid on both axes.
+/// patch's first height sample, is then valid on both axes.
 constexpr bool is_inner_patch(glm::ivec2 posts, glm::ivec2 patch) {
 	return patch.x >= 1 && patch.y >= 1 && patch.x + 2 < posts.x && patch.y + 2 < posts.y;
 }

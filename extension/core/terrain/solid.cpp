@@ -19,7 +19,7 @@ constexpr int most_sides = 512;
 
 /// Returns the points of a quarter of the unit circle from (1, 0) to (0, 1), both included, in
 /// `steps` steps of equal angles. `steps` must be a power of two. Only halves angles, because
-/// std::sin may return other bits on other machines.
+/// results of std::sin may differ between machines.
 std::vector<glm::dvec2> quarter_circle(int steps) {
 	std::vector<glm::dvec2> points{{1.0, 0.0}, {0.0, 1.0}};
 	while (static_cast<int>(points.size()) <= steps) {
@@ -56,8 +56,8 @@ void append(const glm::dvec3 &a, const glm::dvec3 &b, const glm::dvec3 &c, std::
 }
 
 /// Appends a solid of revolution about the y axis. `profile` lists distances from the axis (x) and
-/// heights (y) in meters, from the top of the axis to its bottom. Round sides become flat ones; see
-/// sides_of().
+/// heights (y) in meters, from the top of the axis to its bottom. Round sides are approximated by
+/// flat ones; see sides_of().
 void append_revolved(std::span<const glm::dvec2> profile, std::vector<glm::vec3> &r_corners) {
 	double radius = 0.0;
 	for (const glm::dvec2 &at : profile) {
@@ -123,7 +123,7 @@ void append_capsule(double radius, double height, std::vector<glm::vec3> &r_corn
 
 int sides_of(double radius) {
 	int sides = fewest_sides;
-	// The sagitta of a side is about radius * 4.93 / sides^2.
+	// The sagitta of a flat side is about radius * 4.93 / sides^2.
 	while (sides < most_sides && radius * 4.94 > sagitta * sides * sides) {
 		sides *= 2;
 	}

@@ -6,9 +6,9 @@
 
 namespace thicket {
 
-// Triangles of simple solids that are centered on the origin, as three corners each. Seen from
-// outside, the corners run clockwise, like those of the engine's meshes. All functions throw
-// std::bad_alloc.
+// Functions for triangles of simple solids that are centered on the origin, with three corners
+// each. Seen from outside, the corners run clockwise, like those of the engine's meshes. All
+// functions throw std::bad_alloc.
 
 /// Appends the 12 triangles of a box with edges of `size` meters.
 void append_box(const glm::dvec3 &size, std::vector<glm::vec3> &r_corners);

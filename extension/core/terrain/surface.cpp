@@ -88,8 +88,8 @@ bool comes_before(const Surface &a, const Surface &b) {
 	return false;
 }
 
-/// Several surfaces. Their triangles are numbered one part after the other, in an order that does not
-/// depend on the order of the arguments, because the first of two coincident triangles counts.
+/// Several surfaces. Their triangles are numbered one part after the other, in an order that does
+/// not depend on the order of the arguments, because the first of two coincident triangles is used.
 class JoinedSurface final : public Surface {
 public:
 	explicit JoinedSurface(std::vector<Part> parts) : parts_(std::move(parts)) {
@@ -134,7 +134,7 @@ private:
 		}
 	};
 
-	/// Computed for the first search, because the bounds of a large part take time.
+	/// Computed for the first search, because computing the bounds of a large part takes time.
 	const Numbered &numbers() const {
 		return numbered_.get([this] {
 			Numbered numbered;

@@ -16,7 +16,7 @@
 namespace thicket {
 
 /// A triangle mesh in world meters: closed or open, with any number of sheets above each other. A
-/// surface never changes, so threads may share it.
+/// surface is immutable, so threads may share it.
 class Surface {
 public:
 	virtual ~Surface() = default;
@@ -29,23 +29,23 @@ public:
 	static Status create(std::vector<glm::dvec3> vertices, std::vector<std::uint32_t> indices,
 			std::shared_ptr<const Surface> &r_surface);
 
-	/// The triangles of several parts. The order of the parts does not matter. No part is null, and
-	/// together they have at most max_triangles triangles.
+	/// Returns the triangles of several parts, in any order. No part may be null, and together they
+	/// may have at most max_triangles triangles.
 	using Part = std::shared_ptr<const Surface>;
 	static std::shared_ptr<const Surface> of_parts(std::span<const Part> parts);
 
-	/// The number of indices of triangles.
+	/// Returns the number of indices of triangles.
 	virtual std::size_t triangle_count() const = 0;
 
-	/// The corners. Seen from the front, they run counterclockwise. Indices without a triangle, as in
-	/// the holes of a grid, return three equal corners.
+	/// Returns the corners. Seen from the front, they run counterclockwise. Indices without a
+	/// triangle, as in the holes of a grid, return three equal corners.
 	virtual std::array<glm::dvec3, 3> triangle(std::uint32_t index) const = 0;
 
 	/// Returns the bounds of all triangles, or `no_box` if there are none.
 	virtual const Box3 &bounds() const = 0;
 
 	/// Replaces `r_triangles` with the indices of the triangles that touch `box`, in ascending
-	/// order. Triangles of which only the bounds touch `box` may be included.
+	/// order. May include triangles whose bounds touch `box` but which do not touch it themselves.
 	virtual void find(const Box3 &box, std::vector<std::uint32_t> &r_triangles) const = 0;
 
 	Box3 triangle_bounds(std::uint32_t index) const;
@@ -54,7 +54,7 @@ public:
 	/// length is twice the area.
 	glm::dvec3 cross(std::uint32_t index) const;
 	double triangle_area(std::uint32_t index) const; ///< Returns the area in square meters.
-	double area() const;                             ///< Square meters. Takes O(n) time.
+	double area() const;                             ///< Returns the area in square meters. Takes O(n) time.
 
 	static constexpr std::size_t max_triangles = std::numeric_limits<std::uint32_t>::max();
 

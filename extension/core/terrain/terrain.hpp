@@ -13,13 +13,13 @@ namespace thicket {
 
 class Surface;
 
-/// The ground at a position: the height in world meters, and the unit normal, y up. A height of NAN
+/// The ground at a position: the height in world meters and the unit normal, y up. A height of NAN
 /// means that there is no ground (outside the terrain, in a hole, or in water that a source
 /// excludes).
 struct Ground {
 	float height = std::numeric_limits<float>::quiet_NaN();
 	glm::vec3 normal{0.0f, 1.0f, 0.0f};
-	float weight = 1.0f; ///< Share of the queried textures, 0 to 1; see Terrain::weigh().
+	float weight = 1.0f; ///< Weight of the queried textures, 0 to 1; see Terrain::weigh().
 };
 
 /// The ground properties that a caller needs in addition to the height. Sources compute only these
@@ -27,18 +27,18 @@ struct Ground {
 struct GroundNeeds {
 	/// Textures to weigh; see Terrain::weigh(). If empty, the weight stays 1.
 	std::span<const std::int32_t> textures;
-	bool normals = true; ///< False if no rule and no placement reads normals.
+	bool normals = true; ///< False if neither rules nor placement use normals.
 };
 
 /// The interface of ground sources, for many positions at a time. An implementation must be a pure
-/// function of the position: repeated queries, in any batch, must return the same bits. Otherwise,
-/// separately generated tiles would not match.
+/// function of the position: repeated queries, in any batch, must return bit-identical results.
+/// Otherwise, separately generated tiles would not match.
 class Terrain {
 public:
 	virtual ~Terrain() = default;
 
 	/// Writes the ground at `positions[i]` (world meters, the engine's x and z) to `r_ground[i]`.
-	/// The spans must have equal length. A position without ground, or that is not finite, gets a
+	/// The spans must have equal length. A position that has no ground or is not finite gets a
 	/// height of NAN and is not an error. Several threads may call this function concurrently, so
 	/// an implementation must not store per-call state in the object.
 	virtual Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const = 0;
@@ -51,23 +51,23 @@ public:
 		return sample(positions, r_ground);
 	}
 
-	/// Writes the share of `textures` at `positions[i]`, 0 to 1, to `r_ground[i].weight`. The
-	/// source defines the texture numbers, for example texture layers or channels of a weight map.
-	/// `positions` and `r_ground` must have equal length. The function is called after `sample`,
-	/// with the same rules for threads and positions. A terrain without textures leaves the weight
-	/// at 1, which permits all ground.
+	/// Writes the total weight of `textures` at `positions[i]`, 0 to 1, to `r_ground[i].weight`.
+	/// The source defines the texture numbers, for example texture layers or channels of a weight
+	/// map. `positions` and `r_ground` must have equal length. The function is called after
+	/// `sample`, with the same rules for threads and positions. A terrain without textures leaves
+	/// all weights at 1, so it permits plants everywhere.
 	virtual Status weigh([[maybe_unused]] std::span<const glm::dvec2> positions,
 			[[maybe_unused]] std::span<const std::int32_t> textures,
 			[[maybe_unused]] std::span<Ground> r_ground) const {
 		return {};
 	}
 
-	/// Returns all surfaces of the ground, for layers that do not only grow on its top. The result
-	/// is null for a terrain that only has heights. It is valid as long as the terrain, and on any
-	/// thread.
+	/// Returns all surfaces of the ground, for layers that also grow on walls and undersides.
+	/// Returns null for a terrain that only has heights. The pointer is valid for the terrain's
+	/// lifetime, and any thread may use it.
 	virtual const Surface *surface() const { return nullptr; }
 
-	/// Queries the height, and only those other properties that `needs` lists.
+	/// Queries the height and the properties that `needs` selects.
 	Status query(std::span<const glm::dvec2> positions, const GroundNeeds &needs, std::span<Ground> r_ground) const {
 		Status status;
 		if (needs.normals) {

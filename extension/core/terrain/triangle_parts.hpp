@@ -14,18 +14,18 @@
 namespace thicket {
 
 /// The topmost surface of many meshes. Each mesh has its own TriangleTerrain, so that one mesh can
-/// be replaced without rebuilding the trees of all meshes. The object does not change after `set`.
+/// be replaced without rebuilding the trees of all meshes. Immutable after `set`.
 class TriangleParts final : public Terrain {
 public:
 	using Part = std::shared_ptr<const TriangleTerrain>;
 
 	/// Builds a bounding volume hierarchy over the parts, in O(n log n) time for n parts,
-	/// regardless of their sizes. No part may be null. A failed call changes nothing.
+	/// regardless of their sizes. No part may be null. A failed call leaves the object unchanged.
 	Status set(std::span<const Part> parts);
 
-	/// Writes the ground as TriangleTerrain::sample() does, for the triangles of all parts. If
-	/// several parts have exactly the same height, the normal with the largest y is chosen, then
-	/// the largest x, then the largest z. The order of the parts does not matter.
+	/// Writes the ground like TriangleTerrain::sample(), for the triangles of all parts. If several
+	/// parts have exactly the same height, the normal with the largest y is chosen, then the
+	/// largest x, then the largest z. The result does not depend on the order of the parts.
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
 
 	/// Returns all triangles of all parts.

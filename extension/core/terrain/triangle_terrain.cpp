@@ -213,7 +213,7 @@ bool TriangleTerrain::find_top(glm::dvec2 position, double least, Top &r_top) co
 		if (tree_.has_second(node)) {
 			Bvh::Node second = tree_.second(node);
 			if (boxes_[tree_.index_of(second)].top > boxes_[tree_.index_of(first)].top) {
-				// The higher child is visited first, because it may make a visit to the other one
+				// The higher child is visited first, because that may make visiting the other one
 				// unnecessary.
 				std::swap(first, second);
 			}
@@ -228,7 +228,7 @@ bool TriangleTerrain::find_top(glm::dvec2 position, double least, Top &r_top) co
 	return true;
 }
 
-/// Replaces `r_hit` by the triangle if the triangle covers `position` and is higher there.
+/// Replaces `r_hit` with the triangle if the triangle covers `position` and is higher there.
 void TriangleTerrain::meet(const Triangle &triangle, glm::dvec2 position, Hit &r_hit) {
 	const auto &[a, b, c] = triangle.corners;
 	// The weight of a corner is the area of the triangle between the position and the other two

@@ -24,16 +24,16 @@ namespace thicket {
 enum class Winding : std::uint8_t { clockwise, counterclockwise };
 
 /// The topmost surface of triangle meshes: at each position, the highest triangle is the ground.
-/// Triangles that face down also count; their normals are flipped upwards. Vertical triangles are
-/// only part of `surface_of`. The object does not change after `set`.
+/// Triangles that face down are ground, too; their normals are flipped upward. Vertical triangles
+/// are only part of `surface_of`. Immutable after `set`.
 class TriangleTerrain final : public Terrain {
 public:
 	/// Sets the triangles. `corners` has three world positions per triangle, in meters, with any
 	/// winding. All must be finite and within max_extent of the origin on each axis, and there may
 	/// be at most max_triangles triangles. The function builds a bounding volume hierarchy in O(n
 	/// log n) time and O(n) memory, regardless of the sizes of the triangles. After `cancel` is
-	/// set, it returns ErrorCode::cancelled within about 100 ms. A failed call changes nothing.
-	/// `winding` matters only for `surface_of`.
+	/// set, it returns ErrorCode::cancelled within about 100 ms. A failed call leaves the object
+	/// unchanged. `winding` matters only for `surface_of`.
 	Status set(std::span<const glm::dvec3> corners, const std::atomic<bool> *cancel = nullptr,
 			Winding winding = Winding::clockwise);
 
@@ -41,14 +41,14 @@ public:
 	/// search builds a tree, on the thread that searches.
 	static std::shared_ptr<const Surface> surface_of(std::shared_ptr<const TriangleTerrain> terrain);
 
-	/// Returns the index of the first corner whose position is an error in `set`, or the number of
-	/// corners if there is none.
+	/// Returns the index of the first corner that `set` rejects, or the number of corners if there
+	/// is none.
 	static std::size_t find_refused_corner(std::span<const glm::dvec3> corners);
 
 	/// See Terrain::sample(). A position on an edge or a corner belongs to all adjacent triangles.
 	/// This test is exact (see orientation()), so a mesh without gaps produces ground without gaps.
-	/// Among equally high triangles, the first one in `corners` determines the normal. The height
-	/// is exact up to float rounding.
+	/// Among triangles of equal height, the first one in `corners` determines the normal. The
+	/// height is exact up to float rounding.
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
 
 	/// The ground at a position, with its unrounded height in meters.

@@ -15,8 +15,8 @@ constexpr std::size_t fine_steps = 16;
 constexpr int refinements = 2;
 constexpr double least_slope = 0.17; ///< About the sine of 10 degrees.
 
-/// Divides the range `within` of a ray into `steps` equal parts, and returns the first part in
-/// which the ray enters the ground.
+/// Divides the range `within` of a ray into `steps` equal parts and returns the first part in which
+/// the ray enters the ground.
 template <std::size_t steps>
 std::optional<std::pair<double, double>> entry(
 		const Terrain &terrain, glm::dvec3 from, glm::dvec3 direction, std::pair<double, double> within) {

@@ -22,7 +22,7 @@ struct ParallelView {
 };
 
 /// Returns the focus of an orthogonal camera: the point at which its axis meets the ground. If
-/// `terrain` is null, or the axis misses its ground, a horizontal plane at the height `level`
+/// `terrain` is null or the axis misses its ground, a horizontal plane at the height `level`
 /// (meters) replaces the ground. If the axis is less than 10 degrees below the horizon, or also
 /// misses the plane, the focus is at `usual_depth`.
 glm::dvec3 view_focus(const ParallelView &view, const Terrain *terrain, double level);

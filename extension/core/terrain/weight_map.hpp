@@ -13,7 +13,7 @@
 
 namespace thicket {
 
-/// The shares of up to four ground textures: an image with up to four 8-bit channels. Positions in
+/// The weights of up to four ground textures: an image with up to four 8-bit channels. Positions in
 /// the map are not in meters: the first column and row are at 0 and the last ones at 1, at any
 /// resolution. Copies of a map share memory.
 class WeightMap {
@@ -22,8 +22,8 @@ public:
 	static constexpr int max_channels = 4;
 
 	/// Copies `weights`, row by row, with the channels of a pixel adjacent, one byte each. 255 is a
-	/// share of 1. A side must have 1 to max_side pixels, and a pixel 1 to max_channels channels. A
-	/// failed call changes nothing.
+	/// weight of 1. Width and height must be 1 to max_side pixels, and a pixel must have 1 to
+	/// max_channels channels. A failed call leaves the map unchanged.
 	Status set(glm::ivec2 size, int channels, std::span<const std::uint8_t> weights);
 
 	/// Returns true if no weights were set.
