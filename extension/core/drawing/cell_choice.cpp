@@ -78,9 +78,9 @@ double division_margin(const CellSettings &cells, const LodSettings &lod, double
 	if (cells.most_across < 2 || (lod.lod_distances.empty() && !thins)) {
 		return std::numeric_limits<double>::infinity();
 	}
-	// Tiles are drawn as a whole beyond the smaller of two distances. Beyond the first, even the
-	// largest cell, half a tile, is smaller than necessary. Beyond the second, neither the mesh nor
-	// the thinning changes.
+	// Tiles are drawn as a whole beyond the smaller of two distances. Beyond the first distance,
+	// even the largest cell (half a tile) is smaller than necessary. Beyond the second, neither the
+	// mesh nor the thinning changes.
 	const double too_small = 0.5 / cell_per_distance * cells.tile_size;
 	const double last_change =
 			std::max(lod.lod_distances.empty() ? 0.0 : lod.lod_distances.back(), thins ? lod.thin_end : 0.0);

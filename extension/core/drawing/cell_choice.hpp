@@ -10,30 +10,30 @@ namespace thicket {
 /// Settings for dividing the tiles of a layer into cells for drawing.
 struct CellSettings {
 	double tile_size = 64.0; ///< Width of a tile in meters.
-	/// Maximum number of cells along a side of a tile; 1 if tiles are never divided.
+	/// Maximum number of cells along an edge of a tile; 1 if tiles are never divided.
 	std::uint32_t most_across = 1;
 
 	friend bool operator==(const CellSettings &, const CellSettings &) = default;
 };
 
-/// Returns how many cells along a side of a tile have about the size `cell_size`, 1 to
-/// max_cells_across. Sizes are in meters. The result is 1 for a cell size that is 0 or less, NAN,
-/// or not smaller than the tile.
+/// Returns the number of cells along an edge of a tile, 1 to max_cells_across, for which a cell has
+/// about the size `cell_size`. Sizes are in meters. The result is 1 for a cell size that is 0 or
+/// less, NAN, or not smaller than the tile.
 std::uint32_t cells_across(double tile_size, double cell_size);
 
 /// Returns the default cell size in meters for a layer that does not set one. `reach` is the
 /// distance in meters from a model's origin to its farthest corner, and `density` the number of
 /// instances of a model per square meter. The size is 32 m for a reach of 4 to 16 m, down to 24 m
-/// for smaller models, and twice the reach for larger ones. It is increased if a cell would
-/// otherwise contain fewer than `fewest_in_cell` instances.
+/// for smaller models, and twice the reach for larger ones. It is larger if a cell would otherwise
+/// contain fewer than `fewest_in_cell` instances.
 double usual_cell_size(double reach, double density);
 inline constexpr double fewest_in_cell = 16.0;
 
-/// Returns the number of cells along a side of a tile whose box is `distance` meters from the
+/// Returns the number of cells along an edge of a tile whose box is `distance` meters from the
 /// nearest viewer, or 1 if the tile is drawn as a whole. A tile is divided only if its mesh or
-/// thinning changes between its near and its far end. The cells become larger with the distance of
-/// the first such change: the smallest size that the settings allow is doubled while it is less
-/// than a quarter of that distance.
+/// thinning changes between its near and its far end. Cells grow with the distance of the first
+/// such change: the smallest size that the settings allow is doubled while it is less than a
+/// quarter of that distance.
 ///
 /// `shown` is the current division, or 0 for a tile that is not displayed. The current division is
 /// kept until the distance is a tenth of the tile's size past the point of change, so that a viewer
@@ -41,7 +41,7 @@ inline constexpr double fewest_in_cell = 16.0;
 std::uint32_t division_at(const CellSettings &cells, const LodSettings &lod, double distance, std::uint32_t shown);
 
 /// Returns the distance in meters, above 0, by which a viewer may move before `division_at` must be
-/// called again. The result is infinite if the division is always 1. A change of the division may
+/// called again. The result is infinite if the division is always 1. A change in the division may
 /// be delayed by up to an eighth of a tile.
 double division_margin(const CellSettings &cells, const LodSettings &lod, double distance);
 

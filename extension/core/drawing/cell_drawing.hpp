@@ -21,19 +21,19 @@ struct CellDrawing {
 };
 
 /// Updates LODs, scale and thinning of a cell for its distance from the viewers. `steps` has one
-/// entry per LOD, or none if no LOD of the mesh fades; only one LOD is then drawn at a time. The
-/// cell's previous values provide the hysteresis.
+/// entry per LOD. If it is empty, no LOD of the mesh fades, and only one LOD is drawn at a time.
+/// The cell's previous values provide the hysteresis.
 void adapt(const LodSettings &settings, std::span<const LodStep> steps, const DistanceRange &distance,
 		CellDrawing &r_cell);
 
-/// Returns how far the distances may change, in meters, without changing the result of `adapt`: 0
-/// or more, or infinity if it never changes.
+/// Returns the change in distance, in meters, that does not affect the result of `adapt`: 0 or
+/// more, or infinity if the result never changes.
 double adapted_margin(const LodSettings &settings, std::span<const LodStep> steps, const DistanceRange &distance);
 
 /// Returns the number of instances that an additional LOD of a cell draws. `first_share` and
-/// `share` are the fractions, 0 to 1, that the first LOD and this LOD draw by their own settings.
-/// If max_instances thins the first LOD, this LOD draws no more instances than the first.
-/// Otherwise, a cross-fade would show instances that are removed afterwards. `ranks` are the ranks
+/// `share` are the fractions, 0 to 1, that the first LOD and this LOD draw according to their
+/// settings. If max_instances thins the first LOD, this LOD draws no more instances than the first.
+/// Otherwise, a cross-fade would show instances that are removed afterward. `ranks` are the ranks
 /// of the cell's instances, ascending.
 std::size_t drawn_by_other(
 		std::span<const std::uint32_t> ranks, double first_share, double share, const CellDrawing &cell);

@@ -35,13 +35,13 @@ private:
 	std::vector<double> due_;
 };
 
-/// Returns the distance in meters that viewers may move until a tile must be visited again.
+/// Returns the distance in meters that viewers may move before a tile must be visited again.
 /// `margin` is the distance until the first cell is due, and `division_margin` the distance until
 /// the division may change. `cell_size` is in meters, or 0 for a tile that is drawn as a whole. In
-/// a tile with many cells, some cell is always close to a change. A divided tile therefore waits
-/// for at least an eighth of the cell size, unless its division may change earlier. The result is
-/// above 0, so that a tile is not visited endlessly while a viewer is exactly at the distance of a
-/// change.
+/// a tile with many cells, some cell is always close to a change. For a divided tile, the result is
+/// therefore at least an eighth of the cell size, unless its division may change earlier. The
+/// result is above 0, so that a tile is not visited endlessly while a viewer is exactly at the
+/// distance of a change.
 inline double visit_margin(double margin, double cell_size, double division_margin) {
 	constexpr double least = 1e-3;
 	constexpr double least_of_cell = 1.0 / 8.0;

@@ -35,9 +35,8 @@ TileKey DivisionQueue::nearest_waiting(const Tiles &tiles) const {
 	return *nearest;
 }
 
-/// Begins the division of a waiting tile, or first the merging of a farther tile to free
-/// multimeshes for it. Returns false, and removes the tile from the queue, if it must stay as it
-/// is.
+/// Begins the division of a waiting tile, or first merges a farther tile to free multimeshes for
+/// it. If the tile must stay as it is, removes it from the queue and returns false.
 bool DivisionQueue::begin_with(const TileKey &key, const Tiles &tiles, Multimeshes all) {
 	const std::uint32_t shown = tiles.shown(key);
 	const std::uint32_t across = tiles.wanted(key);

@@ -21,8 +21,8 @@ inline constexpr double gives_way = 1.1;
 ///  (1) The waiting tile nearest to a viewer is divided first.
 ///  (2) No division begins that could exceed the limit. If enough multimeshes can be freed by
 ///      merging divided tiles that are farther away by the factor `gives_way`, these tiles are
-///      merged first, farthest first. Otherwise they stay divided, and the waiting tile is refused.
-///  (3) A refused tile is considered again once multimeshes have been freed.
+///      merged first, farthest first. Otherwise they stay divided, and the waiting tile is postponed.
+///  (3) A postponed tile is considered again once multimeshes have been freed.
 ///  (4) While more multimeshes exist than the limit allows, the farthest divided tile is merged
 ///      before anything else.
 ///  (5) If tiles and viewers do not change, the queue eventually has no more work.
@@ -37,13 +37,13 @@ public:
 		virtual double distance(const TileKey &key) const = 0;
 
 		/// `shown` returns the current division of a tile, and `wanted` the division for its
-		/// distance. A division is the number of cells along a side; 1 if the tile is drawn as a
+		/// distance. A division is the number of cells along an edge; 1 if the tile is drawn as a
 		/// whole.
 		virtual std::uint32_t shown(const TileKey &key) const = 0;
 		virtual std::uint32_t wanted(const TileKey &key) const = 0;
 
 		/// `multimeshes` returns a tile's current number of multimeshes. `most_multimeshes` returns
-		/// the maximum number with `across` cells along a side.
+		/// the maximum number with `across` cells along an edge.
 		virtual std::uint64_t multimeshes(const TileKey &key) const = 0;
 		virtual std::uint64_t most_multimeshes(const TileKey &key, std::uint32_t across) const = 0;
 	};
@@ -59,11 +59,11 @@ public:
 		std::uint32_t across = 1;
 	};
 
-	/// Returns the division for a tile that is not uploaded yet: `wanted` or 1. `then` includes the
-	/// tile's own multimeshes. The tile is divided from the start only if `then` does not exceed
-	/// the limit. In addition, the tile must replace a visible one, or no other tile may be waiting
-	/// for its upload. If these conditions are not met, the tile can be divided later, once it is
-	/// visible.
+	/// Returns the division for a tile that has not been uploaded yet: `wanted` or 1. `then`
+	/// includes the multimeshes of the tile. The tile is divided from the start only if `then` does
+	/// not exceed the limit. In addition, the tile must replace a visible one, or no other tile may
+	/// be waiting to be uploaded. If these conditions are not met, the tile can be divided later,
+	/// once it is visible.
 	static std::uint32_t first_division(
 			std::uint32_t wanted, Multimeshes then, bool replaces_visible_tile, bool others_wait);
 
@@ -83,7 +83,7 @@ public:
 	/// Reports that the current division is now visible.
 	void finish();
 
-	/// Cancels the current division. The tile is queued again only by another call of `choose`.
+	/// Cancels the current division. Only another call to `choose` queues the tile again.
 	void cancel() { current_.reset(); }
 
 	/// Reports that a tile is visible with this division, for example because it was divided from
@@ -93,7 +93,7 @@ public:
 	/// Removes a tile. Its division must not be the current one.
 	void remove(const TileKey &key);
 
-	/// Reports that multimeshes were freed, and queues the refused tiles again.
+	/// Reports that multimeshes were freed and queues the postponed tiles again.
 	void room_gained(const Tiles &tiles);
 
 	/// Returns true if there is a current division, or if `begin` may find one.
@@ -113,7 +113,7 @@ private:
 
 	std::optional<Division> current_;
 	std::set<TileKey, TileKeyOrder> waiting_;
-	std::set<TileKey, TileKeyOrder> refused_; ///< Tiles that were refused because of the limit.
+	std::set<TileKey, TileKeyOrder> refused_; ///< Tiles that were postponed because of the limit.
 	std::set<TileKey, TileKeyOrder> divided_; ///< Visible tiles that are divided.
 };
 

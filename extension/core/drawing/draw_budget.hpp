@@ -65,16 +65,17 @@ public:
 	/// changed; `draw` must then be called again for every cell.
 	bool begin_frame();
 
-	/// Add the amounts of a tile that has become visible, and remove the amounts of a tile that was
-	/// removed. For a changed tile, call `remove` with the old amounts and `add` with the new ones.
+	/// These functions add the amounts of a tile that has become visible and remove those of a tile
+	/// that was removed. For a changed tile, call `remove` with the old amounts and `add` with the
+	/// new ones.
 	void add(const DrawAmounts &amounts) { amounts_ += amounts; }
 	void remove(const DrawAmounts &amounts) { amounts_ -= amounts; }
 	const DrawAmounts &amounts() const { return amounts_; }
 
 	/// Computes the density and counts of a cell of a visible tile. Call this function after
 	/// `adapt`. `look_share` is the fraction of instances, 0 to 1, that the cell's first LOD draws
-	/// by its own settings. `ranks` are the ranks of the cell's instances, ascending. Returns false
-	/// if the limit thins the cell more than other cells.
+	/// according to its settings. `ranks` are the ranks of the cell's instances, ascending. Returns
+	/// false if the limit thins the cell more than other cells.
 	bool draw(std::uint32_t layer, double look_share, std::span<const std::uint32_t> ranks, CellDrawing &r_cell);
 
 	/// Returns the fraction, 0 to 1, of a layer's instances that is drawn at a distance in meters

@@ -56,7 +56,7 @@ void add_cells(const CompactMesh &mesh, glm::dvec3 origin, const Rect &rect, std
 	}
 	r_cells.order.resize(mesh.size());
 	r_cells.ranks.resize(mesh.size());
-	// Each entry is now the begin of its cell. The loop advances it to the cell's end.
+	// Each entry is now the beginning of its cell. The loop advances it to the cell's end.
 	for (std::size_t i = 0; i < mesh.size(); ++i) {
 		const std::uint32_t at = ends[numbers[i]]++;
 		r_cells.order[at] = static_cast<std::uint32_t>(i);

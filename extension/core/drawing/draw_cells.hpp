@@ -15,11 +15,11 @@
 
 namespace thicket {
 
-inline constexpr std::uint32_t max_cells_across = 16; ///< Maximum number of cells along a side of a tile.
+inline constexpr std::uint32_t max_cells_across = 16; ///< Maximum number of cells along an edge of a tile.
 
 /// A cell: the instances of one mesh in a square part of a tile.
 struct DrawCell {
-	std::uint32_t number = 0; ///< Row by row: z * (cells along a side) + x.
+	std::uint32_t number = 0; ///< Row by row: z * (cells along an edge) + x.
 	std::uint32_t begin = 0;  ///< The cell's range in DrawCells::order; `end` is exclusive.
 	std::uint32_t end = 0;
 	/// Bounds of the instances' positions relative to the tile's origin, without the extent of the
@@ -40,7 +40,7 @@ struct DrawCells {
 
 	bool empty() const { return cells.empty(); }
 
-	/// Returns the used memory in bytes, without this object itself.
+	/// Returns the memory in bytes that the members use, without this object itself.
 	std::size_t bytes() const {
 		return (order.capacity() + ranks.capacity()) * sizeof(std::uint32_t) + cells.capacity() * sizeof(DrawCell);
 	}
@@ -55,12 +55,12 @@ struct DrawCells {
 /// Divides a tile's instances of one mesh into `across` by `across` cells; `across` is clamped to
 /// the range from 1 to max_cells_across. The cells are half-open squares that depend only on the
 /// tile's rectangle, so they form a fixed lattice in the world. Instances outside the rectangle,
-/// where their layer's offset may put them, belong to the nearest cell. Takes O(instances + cells)
+/// where the layer's offset may put them, belong to the nearest cell. Takes O(instances + cells)
 /// time. If memory runs out, `r_cells` is empty.
 Status divide(const CompactMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across, DrawCells &r_cells);
 
-/// Writes the floats of the instances in `order`, one after the other. `r_buffer` must have
-/// mesh.stride() floats per instance.
+/// Writes the floats of the instances in the order of `order`. `r_buffer` must have mesh.stride()
+/// floats per instance.
 void gather(const CompactMesh &mesh, std::span<const std::uint32_t> order, std::span<float> r_buffer);
 
 /// The inverse of `gather`: writes the floats of a cell to their positions in the tile's buffer.
@@ -75,8 +75,8 @@ struct CellReuse {
 	bool unchanged = false; ///< True if both cells have bit-identical instances in the same order.
 };
 
-/// Finds the reusable old cell for each cell in `cells`. Both divisions must be of the same tile,
-/// with the same number of cells along a side. Takes O(instances + cells) time.
+/// Finds the reusable old cell for each cell in `cells`. Both divisions must belong to the same
+/// tile and have the same number of cells along an edge. Takes O(instances + cells) time.
 std::vector<CellReuse> reuse_cells(
 		const CompactMesh &mesh_before, const DrawCells &cells_before, const CompactMesh &mesh, const DrawCells &cells);
 

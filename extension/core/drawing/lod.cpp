@@ -67,8 +67,8 @@ double compensating_scale(const LodSettings &settings, double share) {
 }
 
 double limited_share(double share, std::uint64_t wanted, std::uint64_t most) {
-	constexpr double filled = 0.9;     // Fraction of the limit that is used after a change of the share.
-	constexpr double too_little = 0.7; // The share is raised below this fraction of the limit.
+	constexpr double filled = 0.9;     // Fraction of the limit that is used after a change of `share`.
+	constexpr double too_little = 0.7; // `share` is raised below this fraction of the limit.
 	const auto all = static_cast<double>(wanted);
 	const auto limit = static_cast<double>(most);
 	const bool keep = share * all <= limit && (share >= 1.0 || share * all >= too_little * limit);

@@ -40,8 +40,8 @@ struct LodSettings {
 	/// stays the same.
 	bool scale_compensation = false;
 
-	/// The fraction of a distance over which a mesh fades into the next one, or the last mesh fades
-	/// out before `sight_end`. The fade ends at that distance. 0 means an abrupt change.
+	/// The fraction of a distance over which a mesh fades into the next one, or over which the last
+	/// mesh fades out before `sight_end`. The fade ends at that distance. 0 means an abrupt change.
 	double fade = usual_lod_fade;
 	double sight_end = 0.0; ///< Distance in meters beyond which nothing is drawn; 0 for no limit.
 	bool in_space = false;  ///< See Sight::in_space.
@@ -62,7 +62,7 @@ Status validate(const LodSettings &settings);
 std::size_t lod_at(const LodSettings &settings, double distance, std::size_t shown);
 
 /// Returns the fraction of instances that is drawn at a distance, 0 to 1. The fraction falls in
-/// `thin_steps` steps, so that a tile does not change with every movement of a viewer.
+/// `thin_steps` steps, so that a tile does not change whenever a viewer moves.
 double thinned_density(const LodSettings &settings, double distance);
 inline constexpr double thin_steps = 64.0;
 
@@ -75,9 +75,9 @@ double compensating_scale(const LodSettings &settings, double share);
 /// fewer than allowed. A new fraction uses 90 % of the limit.
 double limited_share(double share, std::uint64_t wanted, std::uint64_t most);
 
-/// Returns how far the distance may change, in either direction, without changing the result of any
-/// function above. The result is in meters, 0 or more, or infinity if no result depends on the
-/// distance.
+/// Returns the change in distance, in either direction, that does not affect the result of any
+/// function above. The return value is in meters, 0 or more, or infinity if no result depends on
+/// the distance.
 double distance_margin(const LodSettings &settings, double distance);
 
 } // namespace thicket

@@ -10,8 +10,7 @@
 
 namespace thicket {
 
-/// The way in which a look (see `LodLooks`) fades at the near and far ends of its range of
-/// distances.
+/// How a look (see `LodLooks`) fades at the near and far ends of its range of distances.
 struct LookFade {
 	bool comes = false; ///< True if the look fades in at the near end and replaces the previous one.
 	LodEnd end = LodEnd::stays;
@@ -23,7 +22,7 @@ struct LookFade {
 };
 
 /// A look is a run of consecutive LODs that are drawn identically. Looks replace each other with
-/// distance. This class determines which looks are drawn for a span of LODs, and how each of them
+/// distance. This class determines which looks are drawn for a span of LODs and how each of them
 /// fades.
 class LodLooks {
 public:

@@ -15,8 +15,8 @@
 
 namespace thicket {
 
-/// Schedules visits to tiles. During a visit, the caller updates a tile's LODs. A visit is due once
-/// a viewer may have moved farther than the tile's margin. The schedule contains at most one visit
+/// Schedules visits to tiles, during which the caller updates a tile's LODs. A visit is due once a
+/// viewer may have moved farther than the tile's margin. The schedule contains at most one visit
 /// per tile. The class only makes decisions, like TileStreamer.
 class LodSchedule {
 public:

@@ -24,7 +24,7 @@ struct LodStep {
 struct LodSpan {
 	std::size_t first = 0;
 	std::size_t last = 0;
-	bool ends = false; ///< True if some instances fade out at the end of sight.
+	bool ends = false; ///< True if some instances fade out at `sight_end`.
 
 	friend bool operator==(const LodSpan &, const LodSpan &) = default;
 };
@@ -38,18 +38,18 @@ struct LodSpan {
 LodSpan lod_span(const LodSettings &settings, std::span<const LodStep> steps, const DistanceRange &distance,
 		const LodSpan &shown);
 
-/// Returns how far the distances may change, in meters, without changing the result of lod_span: 0
-/// or more, or infinity if it never changes.
+/// Returns the change in distance, in meters, that does not affect the result of lod_span: 0 or
+/// more, or infinity if the result never changes.
 double span_margin(const LodSettings &settings, std::span<const LodStep> steps, const DistanceRange &distance);
 
 /// The range of distances in which a mesh is visible, in the layout of scatter_fade.gdshaderinc.
 /// The fade-in ends at x meters, and the fade-out at |y| meters. The component y is negative if the
-/// mesh fades out at the end of sight. The component z is the fraction of these distances over
-/// which the mesh fades, and w is the height limit of sight_distance.
+/// mesh fades out at the end of the view distance. The component z is the fraction of these
+/// distances over which the mesh fades, and w is the height limit of sight_distance.
 using FadeRange = glm::vec4;
 
-/// The event at the far end of a mesh's range: nothing happens, the next mesh replaces the mesh, or
-/// sight ends.
+/// The event at the far end of a mesh's range: none, the next mesh replaces the mesh, or the view
+/// distance ends.
 enum class LodEnd : std::uint8_t { stays, next, sight };
 
 /// Returns the fade range of the mesh in the steps `first` to `last`, which must all have this

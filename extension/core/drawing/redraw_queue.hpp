@@ -16,11 +16,11 @@ namespace thicket {
 /// makes decisions, like TileStreamer.
 ///
 /// Guarantees:
-///  (1) Each mark applies to exactly one `take`, and to all tiles that it touches, whether they
-///      became visible before or after it.
+///  (1) Each mark applies to exactly one `take` and to all tiles that it touches, even if they
+///      became visible after it.
 ///  (2) An upload that began before a change has a lower `version` than one that began after it.
-///  (3) Tiles queued for later are returned in TileKeyOrder, each once, however often they were
-///      queued.
+///  (3) Tiles queued for later are returned in TileKeyOrder, each once, even if they were queued
+///      several times.
 class RedrawQueue {
 public:
 	/// The areas returned by `take`.
@@ -63,7 +63,7 @@ public:
 	/// visible.
 	std::optional<TileKey> next_later();
 
-	/// Returns the number of the last change. It increases in `begin_later`, and in every `take`
+	/// Returns the number of the last change. It increases in `begin_later` and in every `take`
 	/// that returns marks.
 	std::uint64_t version() const { return version_; }
 

@@ -4,8 +4,8 @@
 
 namespace thicket {
 
-/// Sorts tiles by layer, then coordinates, then grid. Of two tiles with the same coordinates, the
-/// one with the newer grid, and therefore the current tile size, comes first.
+/// Sorts tiles by layer, then coordinates, then grid. For the same coordinates, the tile with the
+/// newer grid, and therefore the current tile size, comes first.
 struct TileKeyOrder {
 	bool operator()(const TileKey &a, const TileKey &b) const {
 		if (a.layer != b.layer) {

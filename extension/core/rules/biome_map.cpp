@@ -16,14 +16,14 @@ namespace thicket {
 
 namespace {
 
-/// Side length of a block in pixels.
+/// Edge length of a block in pixels.
 constexpr int block = 8;
 
-/// Coordinate in meters up to which clamped border pixels extend. No world reaches that far.
+/// Coordinate in meters up to which clamped border pixels extend. No world is that large.
 constexpr double beyond = 1e12;
 
 /// Tap offsets in units of the border width: the Hammersley set of 16 points. The points cover the
-/// square evenly, and no two share a coordinate. A straight border along an axis is therefore
+/// square evenly, and no two points share a coordinate, so a straight border along an axis is
 /// resolved into 16 equal steps.
 constexpr std::array<glm::dvec2, biome_taps> tap_offsets = [] {
 	std::array<glm::dvec2, biome_taps> offsets{};

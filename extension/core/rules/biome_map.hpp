@@ -63,7 +63,7 @@ using BiomeTaps = std::array<std::uint8_t, biome_taps>;
 
 /// The biome at every position: an image of biome indices over a rectangle of the world, with
 /// softened and bent borders. A pure function of the position, bit-identical on all platforms. The
-/// map does not change after `set`, so threads may share it.
+/// map is immutable after `set`, so threads may share it.
 class BiomeMap {
 public:
 	/// Creates a map without biomes.
@@ -101,7 +101,7 @@ public:
 	friend bool operator==(const BiomeMap &, const BiomeMap &);
 
 private:
-	/// For each biome of the old map, the biomes of this map that have the same value.
+	/// For each biome of the old map, the biomes of this map with the same value.
 	using SameValue = PerBiome<BiomeSet>;
 
 	/// A range of pixels. `max` is exclusive.
@@ -131,7 +131,7 @@ private:
 	BiomeBorders borders_;
 	/// Distance in meters, per axis, from a position to the farthest pixel that may affect it.
 	double reach_ = 0.0;
-	std::array<ClumpNoise, 4> noise_{};                 ///< One large and one small noise per axis.
+	std::array<ClumpNoise, 4> noise_{};                 ///< One coarse and one fine noise per axis.
 	std::vector<BiomeSet> blocks_{biome_bit(no_biome)}; ///< The biomes in each block of pixels, row by row.
 };
 

@@ -79,7 +79,7 @@ bool WaterLevels::find_edits(const WaterLevels &before, std::vector<Rect> &r_are
 	if (map == nullptr) {
 		return levels_ == before.levels_;
 	}
-	// A uniform level can be compared on the map of the other object.
+	// A uniform level can be compared using the map of the other object.
 	return map->find_edits(before.map_ != nullptr ? *before.map_ : *map, before.levels_, levels_, r_areas);
 }
 

@@ -21,11 +21,11 @@ public:
 	/// At a position that is not finite, returns the density of no_biome.
 	Status sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const override;
 
-	/// Returns true if the density is 0 everywhere in `rect`, so that sampling can be skipped. The
-	/// result may be false although the density is 0.
+	/// Returns true if the density is 0 everywhere in `rect`, so that sampling can be skipped. May
+	/// return false even if the density is 0.
 	bool none_in(const Rect &rect) const { return (map_->biomes_in(rect) & open_) == 0; }
 
-	/// Finds the changes of the density; see BiomeMap::find_edits.
+	/// Finds changes in the density; see BiomeMap::find_edits.
 	bool find_edits(const BiomeDensity &before, std::vector<Rect> &r_areas) const {
 		return map_->find_edits(*before.map_, before.densities_, densities_, r_areas);
 	}
@@ -44,7 +44,7 @@ private:
 /// The water level where there is no water: infinitely far below any ground.
 inline constexpr double no_water = -std::numeric_limits<double>::infinity();
 
-/// The height of the water surface at each position, whether or not the ground lies below it.
+/// The height of the water surface at each position, even if the ground is above it.
 class WaterLevels {
 public:
 	/// Creates the same level everywhere. `level` is in world meters, finite or no_water.
@@ -57,7 +57,7 @@ public:
 	/// Returns the level in world meters, or no_water.
 	double at(glm::dvec2 position) const;
 
-	/// Finds the changes of the levels; see BiomeMap::find_edits.
+	/// Finds changes in the levels; see BiomeMap::find_edits.
 	bool find_edits(const WaterLevels &before, std::vector<Rect> &r_areas) const;
 
 	friend bool operator==(const WaterLevels &, const WaterLevels &) = default;

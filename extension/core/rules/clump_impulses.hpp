@@ -12,16 +12,16 @@
 
 namespace thicket {
 
-/// Radius of an impulse (see clump_impulses) in cells. Only impulses in the 4 x 4 cells around a
-/// position can reach the position, or in space, those in the 4 x 4 x 4 cells around it.
+/// Radius of an impulse (see clump_impulses) in cells. Only impulses in the 4 x 4 cells (in space,
+/// 4 x 4 x 4 cells) around a position can reach it.
 inline constexpr double impulse_reach = 1.5;
 
 /// Number of knots of the clump tables per unit of the noise value. The first knot is at 0.
 inline constexpr double clump_knots_per_unit = 16.0;
 inline constexpr std::size_t clump_knots = 54;
 
-/// Convert the lowest 16 bits: clump_unit to (0, 1), and clump_either_side to (-1, 1), symmetric
-/// about 0.
+/// These functions convert the lowest 16 bits: clump_unit to (0, 1), and clump_either_side to (-1,
+/// 1), symmetric about 0.
 inline double clump_unit(std::uint64_t bits) { return (static_cast<double>(bits & 0xffff) + 0.5) * 0x1p-16; }
 inline double clump_either_side(std::uint64_t bits) { return (static_cast<double>(bits & 0xffff) - 32767.5) * 0x1p-15; }
 

@@ -11,8 +11,8 @@ namespace thicket {
 inline constexpr std::size_t max_curve_samples = 4096;
 
 /// A density as a function of one number, such as the height in meters. The table stores evenly
-/// spaced samples, between which it interpolates linearly. It does not change after `set`, so
-/// threads may share it.
+/// spaced samples, between which it interpolates linearly. It is immutable after `set`, so threads
+/// may share it.
 class CurveTable {
 public:
 	CurveTable() = default; ///< Creates a curve that is 1 everywhere.

@@ -22,8 +22,8 @@ struct Places {
 };
 
 /// A density over the plane, such as an image or a painted mask, or in space, such as noise. It
-/// must be a pure function of the position: a query returns the same bits in any batch and on any
-/// thread. Otherwise, separately generated tiles would not match at their borders.
+/// must be a pure function of the position: a query returns bit-identical results in any batch and
+/// on any thread. Otherwise, separately generated tiles would not match at their borders.
 class DensityField {
 public:
 	virtual ~DensityField() = default;
@@ -40,7 +40,7 @@ public:
 		return sample(positions, r_density);
 	}
 
-	/// Calls the function of the two above that is meant for these places.
+	/// Calls one of the two functions above, depending on `places`.
 	Status sample_at(const Places &places, std::span<float> r_density) const {
 		return places.in_space() ? sample_in_space(places.positions, places.heights, r_density)
 								 : sample(places.positions, r_density);

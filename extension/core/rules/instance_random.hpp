@@ -22,7 +22,7 @@ constexpr std::uint64_t placement_key(std::uint64_t seed) {
 }
 
 /// Returns four random 32-bit words for an instance. They depend only on the set's seed, the packed
-/// id and the purpose, so they never change.
+/// ID and the purpose, so they never change.
 constexpr std::array<std::uint32_t, 4> instance_random(std::uint64_t seed, std::uint64_t id, Draw draw) {
 	const std::uint64_t key = placement_key(seed);
 	return philox4x32(

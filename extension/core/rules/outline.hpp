@@ -11,18 +11,18 @@
 
 namespace thicket {
 
-/// A polyline prepared for position queries by a binary bounding volume hierarchy over its
+/// A polyline prepared for position queries, with a binary bounding volume hierarchy over its
 /// consecutive edges. Building it takes O(n) time and memory. A query visits about log n nodes if
 /// consecutive points are close together, as on a drawn line, and all edges in the worst case. All
 /// lengths are in meters.
 class Outline {
 public:
-	/// Sets the polyline. `points` has at least one point; all are finite. If `closed` is true, an
-	/// edge from the last point to the first is added.
+	/// Sets the polyline. `points` must not be empty, and all must be finite. If `closed` is true,
+	/// an edge from the last point to the first is added.
 	void set(std::span<const glm::dvec2> points, bool closed);
 
 	/// Returns true if `position` is inside the closed outline by the even-odd rule. Edges and
-	/// corners count as outside.
+	/// corners are outside.
 	bool contains(glm::dvec2 position) const;
 
 	/// Returns the distance in meters from `position` to the nearest edge, or `limit` if that is

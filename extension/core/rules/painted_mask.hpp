@@ -19,9 +19,9 @@ namespace thicket {
 
 struct Brush {
 	enum class Mode : std::uint8_t {
-		paint,  ///< Raises the density towards 1.
-		erase,  ///< Lowers the density towards 0.
-		smooth, ///< Moves the density towards the mean of its surroundings.
+		paint,  ///< Raises the density toward 1.
+		erase,  ///< Lowers the density toward 0.
+		smooth, ///< Moves the density toward the mean of its surroundings.
 	};
 
 	Mode mode = Mode::paint;
@@ -82,7 +82,7 @@ public:
 	std::vector<std::uint8_t> to_bytes() const;
 
 	/// Loads the output of `to_bytes`. Truncated, corrupt or foreign data and data of a later
-	/// version are errors, and the mask is then unchanged. Loading takes at most about 20 bytes of
+	/// version are errors that leave the mask unchanged. Loading takes at most about 20 bytes of
 	/// memory per input byte.
 	Status from_bytes(std::span<const std::uint8_t> bytes);
 
@@ -97,7 +97,7 @@ public:
 	/// blocks until either mask is painted. The cost of `differs` depends on this number.
 	std::size_t blocks_apart(const PaintedMask &other) const;
 
-	/// True if the pixel size and all densities are equal.
+	/// Returns true if the pixel size and all densities are equal.
 	friend bool operator==(const PaintedMask &, const PaintedMask &);
 
 	static constexpr int block_side = 64;

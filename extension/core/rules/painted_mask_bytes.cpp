@@ -74,8 +74,8 @@ private:
 		return block;
 	}
 
-	/// Returns one shared block for all blocks with only this value. Without sharing, each would
-	/// take 400 times as much memory as its encoding.
+	/// Returns one shared block for all blocks with only this value. Without sharing, each block
+	/// would take 400 times as much memory as its encoding.
 	std::shared_ptr<const Block> uniform(std::uint8_t value) {
 		if (uniform_[value]) {
 			// Blocks never change, so all uses of a value can share one block.

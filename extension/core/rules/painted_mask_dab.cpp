@@ -60,7 +60,8 @@ std::uint8_t moved(std::uint8_t value, int aim, double weight) {
 /// texture mapping", 1984).
 class Means {
 public:
-	/// Prepares windows with a side of 2 * reach + 1 pixels, centered on the pixels of `region`.
+	/// Prepares windows of 2 * reach + 1 pixels in width and height, centered on the pixels of
+	/// `region`.
 	template <typename Reader>
 	Means(Reader reader, const PixelRect &region, int reach) : min_(region.min - reach), reach_(reach) {
 		const glm::ivec2 size = region.max - region.min + 2 * reach;

@@ -8,7 +8,7 @@
 
 namespace thicket {
 
-/// Base-2 logarithm of a block's side in pixels.
+/// Base-2 logarithm of a block's edge length in pixels.
 inline constexpr int block_bits = 6;
 static_assert(1 << block_bits == PaintedMask::block_side);
 
@@ -35,8 +35,8 @@ inline bool is_uniform(std::span<const std::uint8_t> pixels) {
 	return std::ranges::all_of(pixels, [&](std::uint8_t pixel) { return pixel == pixels.front(); });
 }
 
-/// Reads pixels of a mask, which must not change meanwhile. The reader caches the last block,
-/// because neighboring pixels are usually in the same block.
+/// Reads pixels of a mask, which must not change during the reader's lifetime. The reader caches
+/// the last block, because neighboring pixels are usually in the same block.
 class PaintedMask::Reader {
 public:
 	explicit Reader(const PaintedMask &mask) : mask_(mask), block_(mask.find({0, 0})) {}

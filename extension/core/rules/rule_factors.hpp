@@ -39,7 +39,7 @@ struct RuleFactor {
 	RuleKind rule = RuleKind::density;
 
 	/// The input of the rule: a height, depth or distance in meters, a slope in degrees, or the
-	/// rule's own density. For an edge feather, the fraction of the surroundings where the layer
+	/// rule's density itself. For an edge feather, the fraction of the surroundings where the layer
 	/// can grow. NAN if there is no input, for example without ground.
 	double value = std::numeric_limits<double>::quiet_NaN();
 

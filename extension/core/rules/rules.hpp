@@ -19,20 +19,20 @@
 
 namespace thicket {
 
-/// In meters. A height limit at or beyond this value, of either sign, has no effect.
+/// Height limits at or beyond this value in meters, of either sign, have no effect.
 inline constexpr double unlimited_height = 1e6;
 
-/// The rules that decide which points of a set become instances. Each rule is a pure function of
-/// one point and the ground under it. A rule can only remove that point: it neither moves a point
-/// nor affects other points. By default, every point on the ground is kept.
+/// The rules that determine the points of a set that become instances. Each rule is a pure function
+/// of one point and the ground under it. A rule can only remove its point: it neither moves the
+/// point nor affects other points. By default, every point on the ground is kept.
 ///
 /// Every rule returns a density from 0 to 1. The densities are multiplied, and a point becomes an
-/// instance if its rank is below the product. The points with the lowest ranks are kept, which are
+/// instance if its rank is below the product. The points with the lowest ranks are kept; these are
 /// well spaced at every density.
 ///
 /// Limits are hard: no instance is placed outside them. A falloff thins the layer inside a limit:
 /// the density falls linearly from 1, one falloff away from the limit, to 0 at the limit. Where the
-/// falloffs of both limits overlap, the smaller density counts. A limit without effect (0 and 90
+/// falloffs of both limits overlap, the smaller density is used. A limit without effect (0 and 90
 /// degrees, 180 on surfaces, unlimited_height) has no falloff either.
 struct Rules {
 	double density = 1.0; ///< Fraction of the points to keep, 0 to 1.
@@ -55,11 +55,11 @@ struct Rules {
 	std::shared_ptr<const CurveTable> slope_curve{};  ///< Density over slope in degrees. Null if there is none.
 	std::vector<std::shared_ptr<const DensityField>> fields{}; ///< Densities over the plane. No entry is null.
 	Clumping clumping{};
-	/// The ground textures on which the layer grows (see Terrain::weigh). Their share at a position
-	/// is a density. If the list is empty, the layer grows on any ground.
+	/// The ground textures on which the layer grows (see Terrain::weigh). Their total weight at a
+	/// position is a density. If the list is empty, the layer grows on any ground.
 	std::vector<std::int32_t> ground_textures{};
 
-	/// Distance in meters over which the layer thins towards the edge of the area that the other
+	/// Distance in meters over which the layer thins toward the edge of the area that the other
 	/// rules permit, 0 to max_edge_feather. It costs edge_probes additional ground queries per
 	/// point; see placement/edge_probes.hpp.
 	double edge_feather = 0.0;
@@ -91,8 +91,8 @@ inline bool is_ground(const Ground &ground, GroundSides sides = GroundSides::top
 			std::isfinite(ground.normal.z) && (ground.normal.y > 0.0f || sides == GroundSides::all);
 }
 
-/// Rules prepared for evaluation at many points. They do not change after `set`, so threads may
-/// share one object.
+/// Rules prepared for evaluation at many points. Immutable after `set`, so threads may share one
+/// object.
 class PreparedRules {
 public:
 	/// Prepares `rules` for the set with this seed. If `validate` returns an error, this object is
@@ -120,7 +120,8 @@ public:
 
 	/// Returns the product of the rules that depend on the ground at a position: limits, curves,
 	/// textures, water depth. The product is 0 without ground (see is_ground). `record` receives
-	/// the factors of all rules that have an effect, or only that of the ground if there is none.
+	/// the factors of all rules that have an effect, or only the factor of the ground if there is
+	/// none.
 	template <class Record = NoRecord>
 	double ground_density(const Ground &ground, glm::dvec2 position, const Record &record = {}) const {
 		if (!Record::complete && slope_alone_) {

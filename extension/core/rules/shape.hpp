@@ -32,8 +32,8 @@ struct Shape {
 	/// the ground plane (its shadow). The depth inside the shape is then the distance to the
 	/// shadow's border, so the height of a flat box does not limit it.
 	bool ignore_height = false;
-	/// Distance in meters inside the border over which the effect grows to its full strength. 0 is
-	/// a sharp border.
+	/// Distance in meters inside the border over which the effect grows to its full strength. 0
+	/// means a sharp border.
 	double falloff = 0.0;
 	glm::dvec3 center{0.0}; ///< Used by boxes, spheres and cylinders.
 	/// Axes of boxes and cylinders: orthonormal, as columns. Mirrored axes define the same shape.
@@ -47,7 +47,7 @@ struct Shape {
 };
 
 inline constexpr std::size_t max_outline_points = 1 << 16;
-/// Meters, of either sign. Limits coordinates, sizes and falloff.
+/// Limit of coordinates (of either sign), sizes and falloff, in meters.
 inline constexpr double max_shape_coordinate = 1e9;
 
 /// Returns an error for values that are not finite or outside the ranges above, and for axes that

@@ -36,8 +36,8 @@ void add_areas(const Shape &shape, std::vector<Rect> &r_areas) {
 
 /// Adds the areas of shapes that are in only one of the two sets. Throws std::bad_alloc.
 void add_differences(std::span<const Shape> old_shapes, std::span<const Shape> new_shapes, std::vector<Rect> &r_areas) {
-	// Equal shapes of the two sets are matched one to one. The search starts at the same index, at
-	// which most shapes have stayed.
+	// Equal shapes of the two sets are matched one to one. The search starts at the same index,
+	// because most shapes keep their index.
 	std::vector<bool> kept(old_shapes.size(), false);
 	for (std::size_t i = 0; i < new_shapes.size(); ++i) {
 		std::size_t found = old_shapes.size();

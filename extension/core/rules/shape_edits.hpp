@@ -15,9 +15,9 @@ Status add_touched(const Shape &shape, std::vector<Rect> &r_areas);
 inline constexpr std::size_t max_path_pieces = 64;
 
 /// Appends rectangles outside which two sets have the same density. Either set may be null. The
-/// rectangles cover the shapes that are in only one of the sets; the order of shapes does not
-/// matter. The function returns false and appends nothing if memory runs out, or if the density may
-/// differ anywhere because the first including shape was added or the last one removed.
+/// rectangles cover the shapes that are in only one of the sets, regardless of their order. The
+/// function returns false and appends nothing if memory runs out. It does the same if the density
+/// may differ anywhere, because the first including shape was added or the last one removed.
 bool find_shape_edits(const ShapeSet *before, const ShapeSet *after, std::vector<Rect> &r_areas);
 
 } // namespace thicket

@@ -25,7 +25,7 @@ Status take_apart(const glm::dmat3 &basis, ShapeFrame &r_frame) {
 			std::abs(glm::dot(axes[1], axes[2]))});
 	if (!(shear <= max_shape_shear)) {
 		return Status::out_of_range(
-				"shear", shear, at_most(max_shape_shear), "Scale a turned parent by the same factor on all axes");
+				"shear", shear, at_most(max_shape_shear), "Scale a rotated parent by the same factor on all axes");
 	}
 	// The axes are made orthonormal by the Gram-Schmidt process. It starts with the up axis, so
 	// that an upright shape stays upright.

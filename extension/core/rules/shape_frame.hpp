@@ -13,8 +13,8 @@ struct ShapeFrame {
 	glm::dvec3 scale{1.0}; ///< Scale factor along each axis, above 0.
 };
 
-/// Two axes of a basis are perpendicular enough if the magnitude of the cosine of their angle is at
-/// most this number. The basis is then accepted as a rotation with scale.
+/// A basis is accepted as a rotation with scale if the cosine of the angle between any two axes is
+/// at most this number in magnitude.
 inline constexpr double max_shape_shear = 1e-3;
 
 /// Decomposes a basis, whose columns are the transformed axes, into rotation and scale. The

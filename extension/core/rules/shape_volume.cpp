@@ -16,7 +16,7 @@ double length(glm::dvec2 a) { return std::sqrt(dot(a, a)); }
 glm::dvec3 unit(glm::dvec3 a) { return a / std::sqrt(dot(a, a)); }
 
 /// Makes axes that are orthonormal to 1e-6 orthonormal to double precision (Gram-Schmidt). The
-/// engine's axes are floats, with which the border of a large shape would be off by meters.
+/// engine's axes are floats, which would displace the border of a large shape by meters.
 glm::dmat3 orthonormal(const glm::dmat3 &axes) {
 	const glm::dvec3 y = unit(axes[1]); // The up axis comes first, because a cylinder uses only this axis.
 	const glm::dvec3 x = unit(axes[0] - y * dot(axes[0], y));
@@ -24,7 +24,7 @@ glm::dmat3 orthonormal(const glm::dmat3 &axes) {
 	return {x, y, unit(z - x * dot(z, x))};
 }
 
-/// A cylinder counts as upright if the sine of its tilt is at most this value. The error of its
+/// A cylinder is treated as upright if the sine of its tilt is at most this value. The error of its
 /// shadow is then at most half the square of this value.
 constexpr double least_lean = 1e-7;
 

@@ -19,7 +19,7 @@ public:
 	explicit ShapeVolume(const Shape &shape);
 
 	/// Returns the distance in meters from `position` (world meters) to the border, or to the
-	/// border of the shadow if height is ignored. Outside, the result is 0 or less, and not a
+	/// border of the shadow if height is ignored. Outside, the result is 0 or less and is not a
 	/// distance. It is exact up to rounding; for the shadow of a leaning cylinder, it is accurate
 	/// to 1e-12 of the cylinder's size.
 	double depth(glm::dvec3 position) const;

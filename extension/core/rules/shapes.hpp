@@ -29,8 +29,7 @@ struct ShapeEffect {
 	std::uint32_t decisive() const { return excluded > 0.0 && excluded >= 1.0 - included ? excluding : including; }
 };
 
-/// The shapes that apply to one layer. The set does not change after `set`, so threads may share
-/// it.
+/// The shapes that apply to one layer. Immutable after `set`, so threads may share it.
 ///
 /// A shape's influence is 0 outside and on its border. Inside, it grows linearly to 1 over
 /// `falloff` meters of depth; with a falloff of 0 it is 1 everywhere inside. The layer's density is
@@ -50,20 +49,20 @@ public:
 	bool includes() const { return includes_; }
 
 	/// Replaces `r_near` with the indices of the shapes that may have an effect in `area`, borders
-	/// included, in ascending order. Including shapes that are not in the list still count: where
-	/// none is near, `density` is 0.
+	/// included, in ascending order. Including shapes that are not in the list still have an
+	/// effect: where none is near, `density` is 0.
 	Status near(const Rect &area, std::vector<std::uint32_t> &r_near) const;
 
 	/// Returns the factor of the shapes, 0 to 1, at a position on the ground (world meters, y up).
 	/// `near` is the result of `near()` for any area that contains the position. The factor is 0 if
-	/// the position is not finite. It is bit-identical on all platforms, because the square root is
-	/// the only libm function in the computation.
+	/// the position is not finite. The result is bit-identical on all platforms, because the square
+	/// root is the only libm function that is used.
 	double density(std::span<const std::uint32_t> near, glm::dvec3 position) const {
 		return effect(near, position).density();
 	}
 
-	/// Returns the effect of the shapes at a position, and the shapes that cause it. The arguments
-	/// are those of `density`.
+	/// Returns the effect of the shapes at a position, and the shapes that cause it. Takes the same
+	/// arguments as `density`.
 	ShapeEffect effect(std::span<const std::uint32_t> near, glm::dvec3 position) const;
 
 	friend bool operator==(const ShapeSet &a, const ShapeSet &b) { return a.shapes_ == b.shapes_; }
