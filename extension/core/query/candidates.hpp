@@ -15,8 +15,8 @@ struct Candidate {
 };
 
 /// The candidates found so far in a search for the first instance. The filter's `accepts` is called
-/// in the order of `at`, layer and id, and only for candidates that come before everything not yet
-/// searched.
+/// in the order of `at`, layer and ID, and only for candidates that come before everything that has
+/// not been searched yet.
 class Candidates {
 public:
 	explicit Candidates(const QueryFilter &filter) : filter_(filter) {}
@@ -30,7 +30,7 @@ public:
 	/// must not be below `until`. Returns true if the answer was found.
 	bool settle(double until);
 
-	/// Returns the answer. Call this function only after `settle` returned true.
+	/// Returns the answer. Call this function only after `settle` has returned true.
 	const Candidate &answer() const { return waiting_.back(); }
 
 private:

@@ -17,7 +17,7 @@ namespace {
 
 using Ref = FoundInstances::Ref;
 
-/// The bounds of the cells of some points, given by ids.
+/// The bounds of the cells of some points, given by IDs.
 struct CellBounds {
 	glm::ivec2 low{std::numeric_limits<int>::max()};
 	glm::ivec2 high{std::numeric_limits<int>::min()};

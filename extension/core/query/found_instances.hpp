@@ -14,8 +14,8 @@
 namespace thicket {
 
 /// The result of a query, in the query's order. It keeps references to the tiles of the instances,
-/// so later changes of the world do not affect it. A PlacedInstance is assembled only on access.
-/// Most callers only read ids and positions, and complete instances would take five times the
+/// so later changes to the world do not affect it. A PlacedInstance is assembled only on access.
+/// Most callers only read IDs and positions, and complete instances would take five times the
 /// memory.
 class FoundInstances {
 public:
@@ -23,7 +23,7 @@ public:
 	bool empty() const { return refs_.empty(); }
 	void clear();
 
-	// Return properties of the instance at index `i`.
+	// These methods return properties of the instance at index `i`.
 	std::uint64_t id(std::size_t i) const { return refs_[i].id; }
 	std::uint32_t layer(std::size_t i) const;
 	std::uint32_t mesh(std::size_t i) const;
@@ -35,7 +35,7 @@ public:
 
 	// The functions below are for queries only. They throw std::bad_alloc.
 
-	/// Refers to an instance: its part, and its index in that part.
+	/// Refers to an instance: its part and its index in that part.
 	struct Ref {
 		std::uint64_t id = 0;
 		std::uint32_t part = 0;
@@ -49,7 +49,7 @@ public:
 	void add(const Ref &ref) { refs_.push_back(ref); }
 	void add(const PlacedInstance &by_hand);
 
-	/// Sorts the instances from index `first` on by id. All of them must be generated instances of
+	/// Sorts the instances from index `first` on by ID. All of them must be generated instances of
 	/// one layer. Sorting takes O(n) time if they are close together, as in a typical query, and
 	/// otherwise O(n log n).
 	void sort_from(std::size_t first);

@@ -62,7 +62,7 @@ public:
 
 	/// Finds or generates a tile: all instances that the rules permit, including removed ones but
 	/// not hand-placed ones. If the tile is not available now, sets `r_tile` to null, without an
-	/// error. The tile then counts as empty.
+	/// error. The tile is then treated as empty.
 	virtual Status find_tile(const WorldTile &tile, std::shared_ptr<const CompactTile> &r_tile) = 0;
 
 	/// Replaces `r_tiles` with the given tiles, in order. Returns the error of the first tile that
@@ -81,7 +81,7 @@ struct QueryFilter {
 	std::vector<std::uint32_t> layers; ///< Indices in InstanceQuery::layers; empty for all layers.
 
 	/// An additional condition, called only for instances that meet all other conditions, in the
-	/// order of ids or distance. If empty, all instances pass.
+	/// order of IDs or distance. If empty, all instances pass.
 	std::function<bool(const PlacedInstance &)> accepts;
 };
 
@@ -105,20 +105,20 @@ struct NearestInstance {
 /// Coordinates and distances may be up to 1e15 meters. Larger values and values that are not finite
 /// are errors that name the parameter. Wanted layers with invalid settings are errors, too. After
 /// any error, including one of the tile source, the result is empty. Tiles that are not entirely
-/// within the cells of a set count as empty.
+/// within the cells of a set are treated as empty.
 struct InstanceQuery {
 	/// The maximum number of points in the tiles that one query may search, estimated from the
-	/// density of the sets. A tile counts as at least 16 points. A larger query is refused as
-	/// `too_many_points`, with the name of the parameter that makes it large: rect, radius, to or
-	/// max_distance.
+	/// density of the sets. Each tile is counted as at least 16 points. A larger query returns
+	/// ErrorCode::too_many_points with the name of the parameter that makes it large: rect, radius,
+	/// to or max_distance.
 	static constexpr double max_points = 4e6;
 
 	std::span<const QueryLayer> layers;
 	TileSource &tiles;
 	const InstanceState *state = nullptr; ///< Null if nothing was changed.
-	SampleMargins margins{};              ///< The sampling margins used when `by_id` samples the point set itself.
+	SampleMargins margins{};              ///< The sampling margins that `by_id` uses when it samples the point set.
 
-	/// Finds instances whose origin is in `rect` (world meters), ordered by layer, then id. `rect`
+	/// Finds instances whose origin is in `rect` (world meters), ordered by layer, then ID. `rect`
 	/// may have a limited range of heights. Replaces `r_found`. A rectangle that is inverted or not
 	/// finite is an error that names `rect`. A layer that does not exist is an error that names
 	/// `layer`.
@@ -126,14 +126,14 @@ struct InstanceQuery {
 	Status in_rect(const TileSpace &rect, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const;
 
 	/// Finds instances whose origin is within `radius` meters (0 or more) of `center` in 3D,
-	/// ordered by layer, then id. Replaces `r_found`.
+	/// ordered by layer, then ID. Replaces `r_found`.
 	Status in_sphere(glm::dvec3 center, double radius, const QueryFilter &filter, FoundInstances &r_found) const;
 	Status in_sphere(
 			glm::dvec3 center, double radius, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const;
 
 	/// Finds the first instance whose cylinder (InstanceShape, transformed with the instance) is
 	/// hit by the ray from `from` to `to`. If several are at the same distance, the one with the
-	/// smallest (layer, id) is found. A ray that starts inside a cylinder hits it at distance 0.
+	/// smallest (layer, ID) is found. A ray that starts inside a cylinder hits it at distance 0.
 	/// Replaces `r_hit` with one entry, or none.
 	Status on_ray(glm::dvec3 from, glm::dvec3 to, const QueryFilter &filter, std::vector<RayHit> &r_hit) const;
 
@@ -142,17 +142,17 @@ struct InstanceQuery {
 	Status nearest(glm::dvec3 position, double max_distance, const QueryFilter &filter,
 			std::vector<NearestInstance> &r_found) const;
 
-	/// Finds the instance with this id, if it is placed. Replaces `r_found` with one entry, or
-	/// none. The query reads at most four tiles. If the cell of the id touches more, it samples the
+	/// Finds the instance with this ID, if it is placed. Replaces `r_found` with one entry, or
+	/// none. The query reads at most four tiles. If the cell of the ID touches more, it samples the
 	/// point set to find the right one.
 	Status by_id(std::uint64_t id, std::vector<PlacedInstance> &r_found) const;
 
-	/// Finds the instance with this id even if it was removed, as the rules of its layer would
+	/// Finds the instance with this ID even if it was removed, as the rules of its layer would
 	/// place it.
 	Status by_id_even_removed(std::uint64_t id, std::vector<PlacedInstance> &r_found) const;
 
-	/// List the tiles that a query with the same arguments reads, so that they can be generated
-	/// first. They are ordered by layer, and by distance within a layer.
+	/// These functions list the tiles that a query with the same arguments reads, so that they can
+	/// be generated first. The tiles are ordered by layer and, within a layer, by distance.
 	using Tile = WorldTile;
 	Status tiles_in_rect(const TileSpace &rect, const QueryFilter &filter, std::vector<Tile> &r_tiles) const;
 	Status tiles_in_sphere(

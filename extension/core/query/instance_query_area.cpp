@@ -30,15 +30,15 @@ Status check_sphere(glm::dvec3 center, double radius) {
 	return first_failure(check_position("center", center), check_range("radius", radius, 0.0, max_query_coordinate));
 }
 
-/// Collects the instances in an area, layer by layer, ordered by id. `inside(position)` returns
-/// whether a position is in the area.
+/// Collects the instances in an area, layer by layer, ordered by ID. `inside(position)` returns
+/// true if a position is in the area.
 template <class Inside>
 class Gathering {
 public:
 	Gathering(const InstanceQuery &query, const QueryFilter &filter, const Inside &inside) :
 			query_(query), filter_(filter), inside_(inside) {}
 
-	/// Adds the generated instances in `tiles`, which must all be of one layer.
+	/// Adds the generated instances in `tiles`, which must all belong to one layer.
 	Status add(std::span<const InstanceQuery::Tile> tiles, FoundInstances &r_found) {
 		if (tiles.empty()) {
 			return {};
@@ -60,8 +60,8 @@ public:
 		return {};
 	}
 
-	/// Adds hand-placed instances. Call this function after `add`, because their ids are greater
-	/// than all other ids of their layer.
+	/// Adds hand-placed instances. Call this function after `add`, because their IDs are greater
+	/// than all other IDs of their layer.
 	void add_hand_placed(std::uint32_t index, const Rect &rect, FoundInstances &r_found) {
 		for_hand_placed(query_, index, rect, [&](std::uint64_t id, const AddedInstance &added) {
 			if (!inside_(added.position)) {

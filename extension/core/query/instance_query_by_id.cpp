@@ -59,7 +59,7 @@ TileWindow::Slabs slabs_of(const QueryLayer &layer, std::uint64_t id) {
 	return TileWindow(layer).touching(heights.bottom, heights.top);
 }
 
-/// Adds the instance with this id if the tile contains it.
+/// Adds the instance with this ID if the tile contains it.
 void add_from(const CompactTile &content, std::uint64_t id, std::uint32_t index, std::vector<PlacedInstance> &r_found) {
 	for (std::uint32_t mesh = 0; mesh < content.meshes.size() && r_found.empty(); ++mesh) {
 		const CompactMesh &instances = content.meshes[mesh];

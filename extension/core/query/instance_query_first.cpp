@@ -24,7 +24,7 @@ constexpr double never = std::numeric_limits<double>::infinity();
 /// Defines the order of a heap with the first tile on top.
 bool farther(const SearchTile &a, const SearchTile &b) { return a.from > b.from; }
 
-/// Finds the first instance in `tiles`, and empties that list. `scan(layer, content, candidates)`
+/// Finds the first instance in `tiles` and empties that list. `scan(layer, content, candidates)`
 /// adds the candidates of a tile.
 template <class Scan>
 Status search(const InstanceQuery &query, std::vector<SearchTile> &tiles, Candidates &candidates, const Scan &scan,

@@ -34,7 +34,7 @@ double rounding_of(const Ray &ray);
 /// at this scale, including rounding.
 double cylinder_reach(const InstanceShape &shape, double scale);
 
-/// Tests whether positions are within `reach` meters of a ray. The test may also accept positions
+/// Tests whether positions are within `reach` meters of a ray. The test may accept positions
 /// slightly farther away.
 class ReachTest {
 public:

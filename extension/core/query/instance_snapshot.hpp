@@ -17,7 +17,7 @@ namespace thicket {
 
 /// A snapshot of a world, for concurrent queries on any number of threads. Queries return the
 /// results that the world would have returned when the snapshot was taken. The snapshot keeps the
-/// tiles that were known then, and generates others on the thread of the query.
+/// tiles that were known then and generates others on the thread of the query.
 class InstanceSnapshot {
 public:
 	/// Copies `world`. `state` is a copy of the world's state (InstanceState::share), or empty if

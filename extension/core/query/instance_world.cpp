@@ -91,7 +91,7 @@ std::vector<std::shared_ptr<const CompactTile>> InstanceWorld::take_forgotten() 
 	return std::exchange(forgotten_, {});
 }
 
-/// Checks a few more tiles for being idle. Checking all of them in one frame would delay it.
+/// Checks whether a few more tiles are idle. Checking all of them in one frame would delay it.
 void InstanceWorld::look_for_idle() {
 	constexpr std::size_t most_at_once = 128;
 	auto next = tiles_.lower_bound(*look_from_);

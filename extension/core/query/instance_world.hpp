@@ -60,8 +60,8 @@ public:
 	/// least recently used first.
 	void keep(const WorldTile &tile, std::shared_ptr<const CompactTile> instances);
 
-	/// Returns the tiles dropped since the last call, so that the caller can free their memory on a
-	/// different thread.
+	/// Returns the tiles dropped since the last call, so that the caller can free their memory on
+	/// another thread.
 	std::vector<std::shared_ptr<const CompactTile>> take_forgotten();
 
 	/// Returns all known tiles that are not outdated, ascending by key.
@@ -76,7 +76,7 @@ public:
 	void touch();
 
 	/// Returns false only if `known_in` returns the same result for this rectangle as at `version`.
-	/// For old versions, the result may be true although nothing has changed.
+	/// For old versions, may return true even if nothing has changed.
 	bool changed_since(std::uint64_t version, std::uint32_t layer, const Rect &rect) const;
 
 	std::span<const QueryLayer> layers() const { return layers_; }
@@ -102,7 +102,7 @@ public:
 		return query(InstanceQuery{layers, source, state_});
 	}
 
-	/// Runs a query that uses known tiles only. Unknown tiles count as empty.
+	/// Runs a query that uses known tiles only. Unknown tiles are treated as empty.
 	template <class Query>
 	Status ask_known(Query &&query) const {
 		KnownSource source(*this);
@@ -157,7 +157,7 @@ private:
 
 	using Key = WorldTileKey;
 
-	/// A version whose only change is that a tile was added.
+	/// A version in which the only change was an added tile.
 	struct TileChange {
 		std::uint64_t version = 0;
 		std::uint32_t layer = 0;

@@ -29,7 +29,7 @@ private:
 	virtual void keep(const WorldTile &tile, const std::shared_ptr<const CompactTile> &made) = 0;
 };
 
-/// Returns the size of a tile, for limiting memory: the number of its instances, plus one, because
+/// Returns the size of a tile, for limiting memory: the number of its instances plus one, because
 /// an empty tile takes memory, too.
 std::size_t kept_size(const CompactTile &tile);
 

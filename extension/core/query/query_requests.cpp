@@ -38,8 +38,8 @@ void QueryRequests::renumber(std::span<const std::uint32_t> current) {
 	}
 }
 
-/// Returns true if all tiles of a request are known, and requests the missing ones. This is called
-/// in every frame, because layers and tile sizes may change.
+/// Returns true if all tiles of a request are known; otherwise requests the missing ones. This is
+/// called every frame, because layers and tile sizes may change.
 bool QueryRequests::gather(const InstanceWorld &world, Open &r_open) {
 	std::vector<InstanceQuery::Tile> tiles;
 	const Status status = world.ask_known([&](const InstanceQuery &query) { return tiles_of(query, r_open, tiles); });

@@ -13,7 +13,7 @@
 
 namespace thicket {
 
-/// Asynchronous queries, whose missing tiles are generated elsewhere over several frames. Use this
+/// Asynchronous queries. Their missing tiles are generated elsewhere over several frames. Use this
 /// class on one thread only.
 class QueryRequests {
 public:
@@ -35,7 +35,7 @@ public:
 	/// Cancels a request. Returns false if it does not exist or was already answered.
 	bool cancel(std::int64_t request);
 
-	/// Records missing tiles in the world, and returns the answers that are complete, in the order
+	/// Records missing tiles in the world and returns the answers that are complete, in the order
 	/// of their requests. Call this function once per frame.
 	std::vector<Answer> frame(const InstanceWorld &world);
 

@@ -37,7 +37,7 @@ private:
 };
 
 /// Calls `visit(id, added)` for each hand-placed instance of a layer in a half-open rectangle, in
-/// ascending order of ids. Instances that an earlier call of `visit` has removed from the state are
+/// ascending order of IDs. Instances that an earlier call to `visit` has removed from the state are
 /// skipped.
 template <class Visit>
 void for_hand_placed(const InstanceQuery &query, std::uint32_t layer, const Rect &rect, const Visit &visit) {

@@ -25,15 +25,15 @@ struct Near {
 	std::int32_t slab;
 };
 
-/// Appends the tiles of one layer, and adds the number of their points to `r_points`.
+/// Appends the tiles of one layer and adds the number of their points to `r_points`.
 Status add_tiles(std::uint32_t index, const QueryLayer &layer, const QueryArea &area,
 		std::vector<InstanceQuery::Tile> &r_tiles, double &r_points) {
 	const TileWindow window(layer);
 	const TileSpace near_space = area.space.grown(window.stray());
 	const TileRange range = window.touching(near_space);
 	const TileWindow::Slabs slabs = window.touching(near_space.bottom, near_space.top);
-	// A circle or a ball touches more than half of the tiles in its bounds, so this check refuses no
-	// request that the exact check below would accept.
+	// A circle or a ball touches more than half of the tiles in its bounds, so this check rejects
+	// no request that the exact check below would accept.
 	const double most = r_points + range.count() * slabs.count() * window.tile_points();
 	if (most > 2.0 * InstanceQuery::max_points) {
 		return Status::too_many_points(area.property, most, InstanceQuery::max_points, smaller_area);

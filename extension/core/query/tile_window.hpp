@@ -55,7 +55,7 @@ public:
 	/// the surface touches only some of the cubes.
 	double tile_points() const { return tile_points_; }
 
-	/// The minimum number of points that a tile counts as, even if it is empty.
+	/// The minimum number of points to assume for a tile, even if it is empty.
 	static constexpr double fewest_points = 16.0;
 
 private:
@@ -86,13 +86,14 @@ struct QueryArea {
 	const char *property = "rect"; ///< Parameter that the error names if the area is too large.
 	TileSpace space;
 	glm::dvec3 center{0.0};
-	/// Tiles farther than this from the center are excluded. Meters.
+	/// Tiles farther than this from the center, in meters, are excluded.
 	double radius = std::numeric_limits<double>::infinity();
 };
 
 /// Finds the tiles of some layers that may contain instances whose origin is in an area. The tiles
-/// are ordered by layer, and by distance from the area's center within a layer. Replaces `r_tiles`.
-/// More than InstanceQuery::max_points in all tiles together are an error; `r_tiles` is then empty.
+/// are ordered by layer and, within a layer, by distance from the area's center. Replaces
+/// `r_tiles`. More than InstanceQuery::max_points in all tiles together are an error; `r_tiles` is
+/// then empty.
 Status find_tiles(std::span<const QueryLayer> layers, std::span<const std::uint32_t> indices, const QueryArea &area,
 		std::vector<InstanceQuery::Tile> &r_tiles);
 

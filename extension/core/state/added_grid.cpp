@@ -7,7 +7,7 @@ namespace thicket {
 
 /// Returns an entry that sorts before all instances in the square that contains `position`.
 AddedGrid::Entry AddedGrid::corner_of(std::uint16_t layer, glm::dvec2 position) {
-	constexpr double side = 64.0; // Side of a square in meters.
+	constexpr double side = 64.0; // Edge length of a square in meters.
 	const glm::ivec2 square = tile_at(side, position);
 	return {layer, square.x, square.y, 0};
 }

@@ -10,15 +10,14 @@
 
 namespace thicket {
 
-/// A spatial index of hand-placed instances, by layer and by square of the plane. The squares have
-/// sides of 64 m.
+/// A spatial index of hand-placed instances, by layer and by 64 m square of the plane.
 class AddedGrid {
 public:
-	/// `insert` and `erase` take the layer from the id.
+	/// `insert` and `erase` take the layer from the ID.
 	void insert(std::uint64_t id, glm::dvec2 position);
 	void erase(std::uint64_t id, glm::dvec2 position) noexcept;
 
-	/// Moves an id from `r_from` into this grid without allocating memory.
+	/// Moves an ID from `r_from` into this grid without allocating memory.
 	void take(AddedGrid &r_from, std::uint64_t id, glm::dvec2 position) noexcept;
 
 	/// Calls `use(id)` for each instance of a layer in the squares that touch `rect`, in any order.

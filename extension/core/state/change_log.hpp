@@ -8,11 +8,11 @@
 
 namespace thicket {
 
-/// Records which id changed at each revision. An id may have several entries until the log is
+/// Records which ID changed at each revision. An ID may have several entries until the log is
 /// compacted. An entry takes 16 bytes.
 class ChangeLog {
 public:
-	/// Records the change of an id. Revisions must increase. The log contains at least the last
+	/// Records a change to an ID. Revisions must increase. The log contains at least the last
 	/// `held` changes, and never fewer than the last 65536. If memory runs out, the log discards
 	/// all changes.
 	void note(std::uint64_t revision, std::uint64_t id, std::size_t held) noexcept;
@@ -23,7 +23,7 @@ public:
 	/// Returns true if the log contains all changes after `revision`.
 	bool knows(std::uint64_t revision) const { return revision >= start_; }
 
-	/// Returns the ids that changed after `revision`, without duplicates, in ascending order.
+	/// Returns the IDs that changed after `revision`, without duplicates, in ascending order.
 	std::vector<std::uint64_t> since(std::uint64_t revision) const;
 
 	/// Appends the changes that `other` recorded after `revision`, and adds `raise` to their
@@ -32,8 +32,8 @@ public:
 	void append(const ChangeLog &other, std::uint64_t revision, std::uint64_t raise);
 
 	/// Compacts this log before `later` is appended, so that `append` and `note` need not compact
-	/// it. Changes of ids that occur in `later` are discarded, and the oldest changes beyond the
-	/// capacity for a state of `held` ids. The time is proportional to the size of both logs.
+	/// it. Discards changes of IDs that occur in `later`, and the oldest changes beyond the
+	/// capacity for a state of `held` IDs. The time is proportional to the size of both logs.
 	void make_way_for(const ChangeLog &later, std::size_t held);
 
 	std::size_t size() const { return size_; }
@@ -63,7 +63,7 @@ private:
 	template <typename Use>
 	void for_each_after(std::uint64_t revision, const Use &use) const;
 
-	/// Compacts the log to the last entry of each id, without ids that occur in `later`. Compaction
+	/// Compacts the log to the last entry of each ID, without IDs that occur in `later`. Compaction
 	/// stops after the block in which it reaches `most` entries.
 	void compact(std::size_t most, const ChangeLog *later = nullptr);
 

@@ -11,9 +11,9 @@ namespace thicket {
 inline constexpr std::size_t max_instance_data = 65536; ///< Maximum bytes of data per instance.
 
 /// Limits on what a diff may change in the state that receives it. The defaults suit a client that
-/// follows its server.
+/// receives its server's diffs.
 struct DiffLimits {
-	std::uint64_t max_changes = std::uint64_t{1} << 21; ///< Maximum number of ids in one diff.
+	std::uint64_t max_changes = std::uint64_t{1} << 21; ///< Maximum number of IDs in one diff.
 	/// Maximum number of entries in the receiving state after the diff: removed points, hand-placed
 	/// instances and data.
 	std::uint64_t max_total_changes = std::uint64_t{1} << 24;
@@ -29,8 +29,8 @@ struct DiffLimits {
 	static DiffLimits none();
 };
 
-// The functions below return ErrorCode::not_allowed for a refusal, except that `missing_before`
-// returns ErrorCode::out_of_order.
+// The errors of the functions below have the code ErrorCode::not_allowed, except that
+// `missing_before` returns ErrorCode::out_of_order.
 
 /// Returns an error for a `value` above `most`. `what` and `limit` are string literals that name
 /// the value and its limit.

@@ -30,9 +30,9 @@ struct DiffSummary {
 	bool replaces_everything = false;
 	double time = 0.0; ///< The sender's clock.
 	StateOrigin origin;
-	/// Number of ids. For a refused diff in format 1, it counts only the removed points.
+	/// Number of IDs. For a rejected diff in format 1, it counts only the removed points.
 	std::uint64_t changes = 0;
-	std::map<std::uint16_t, Layer> layers; ///< Empty if the diff was refused.
+	std::map<std::uint16_t, Layer> layers; ///< Empty if the diff was rejected.
 };
 
 } // namespace thicket

@@ -7,11 +7,11 @@
 
 namespace thicket {
 
-/// Returns the id for a new hand-placed instance, among the 2^48 ids that begin with `prefix`:
-/// `first` if it is free, otherwise a free id that follows a taken one. If the taken ids after
-/// `first` have no gap, the result is the next free id. It depends only on the set of taken ids.
-/// The search doubles its step until an id is free, then bisects, so that any number of equal
-/// instances takes at most 100 calls of `taken(id)`.
+/// Returns the ID for a new hand-placed instance, among the 2^48 IDs that begin with `prefix`:
+/// `first` if it is free, otherwise a free ID that follows a taken one. If the taken IDs after
+/// `first` have no gap, the result is the next free ID. It depends only on the set of taken IDs.
+/// The search doubles its step until an ID is free, then bisects, so that any number of equal
+/// instances takes at most 100 calls to `taken(id)`.
 template <typename Taken>
 std::uint64_t free_id(std::uint64_t prefix, std::uint64_t first, const Taken &taken) {
 	constexpr std::uint64_t no_id = ~std::uint64_t{0};

@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t block_size = 128;
 /// Number of bits that store a block's parameter, or the width of a gap written in full.
 constexpr int width_bits = 6;
-constexpr std::uint64_t full_mark = 16; ///< This number of 1 bits in a row marks a gap that is written in full.
+constexpr std::uint64_t full_mark = 16; ///< This number of consecutive 1 bits marks a gap that is written in full.
 
 constexpr std::uint64_t axis_mask = 0xffffff;
 

@@ -10,20 +10,19 @@
 
 namespace thicket {
 
-/// Converts an id to a code with the bits of its cell interleaved (Morton order), so that points
-/// close to each other mostly have codes close to each other. The bits above the cell are
-/// unchanged.
+/// Converts an ID to a code with the bits of its cell interleaved (Morton order), so that nearby
+/// points usually have nearby codes. The bits above the cell are unchanged.
 std::uint64_t code_of(std::uint64_t id);
 
-/// Converts a code back to its id.
+/// Converts a code back to its ID.
 std::uint64_t id_of(std::uint64_t code);
 
 /// Appends a list of strictly ascending numbers to `r_bytes`. The gaps between them are encoded
-/// with Golomb-Rice coding in blocks of 128, each with its own best parameter (R. F. Rice, "Some
+/// with Golomb-Rice coding in blocks of 128, each with its optimal parameter (R. F. Rice, "Some
 /// practical universal noiseless coding techniques", 1979). In a list of a million random 48-bit
-/// numbers, each takes 30 bits; numbers close to each other take a few bits. The same list always
-/// produces the same bytes. Any thread may set `cancel` to stop early; the output is then invalid.
-/// `cancel` may be null.
+/// numbers, each takes 30 bits; nearby numbers take a few bits. The same list always produces the
+/// same bytes. Any thread may set `cancel` to stop early; the output is then invalid. `cancel` may
+/// be null.
 void append_ascending(std::span<const std::uint64_t> numbers, std::vector<std::uint8_t> &r_bytes,
 		const std::atomic<bool> *cancel = nullptr);
 

@@ -14,29 +14,29 @@
 
 namespace thicket {
 
-/// Returns the salt for hashes of ids. It differs in each run, so that an attacker cannot choose
-/// colliding ids.
+/// Returns the salt for hashes of IDs. It differs in each run, so that an attacker cannot choose
+/// colliding IDs.
 std::uint64_t salt_of_this_run();
 
-/// Returns a new table id, unique within this run.
+/// Returns a new table ID, unique within this run.
 std::uint64_t new_table_owner();
 
-/// A hash set of ids, each with an optional value (`Value()` if it has none). The order of ids
+/// A hash set of IDs, each with an optional value (`Value()` if it has none). The order of IDs
 /// differs from run to run.
 ///
 /// A small table has one shard; a large one is split by hash into 256 shards, so that no operation
-/// on a single id takes long. Each shard uses open addressing with linear probing: 8 bytes per
-/// slot, plus a value once any id of the shard has one. At most three of four slots are occupied.
+/// on a single ID takes long. Each shard uses open addressing with linear probing: 8 bytes per
+/// slot, plus a value once any ID of the shard has one. At most three of four slots are occupied.
 /// Tables can share their shards (`share`); a table copies a shared shard before it changes it.
 template <typename Value>
 class IdTable {
 public:
-	/// A value that is not a valid id.
+	/// A value that is not a valid ID.
 	static constexpr std::uint64_t none = ~std::uint64_t{0};
 
 	static constexpr std::size_t shard_count = 256;
 
-	/// The number of ids to be inserted: in total, and per shard.
+	/// The number of IDs to be inserted: in total, and per shard.
 	struct NewIds {
 		std::array<std::uint32_t, shard_count> by_shard{};
 		std::uint32_t all = 0;
@@ -47,7 +47,7 @@ public:
 	IdTable &operator=(IdTable &&) noexcept = default;
 
 	/// Returns a copy that shares this table's memory, in microseconds. Both tables then copy a
-	/// shard before they first change it, so they can be used on different threads.
+	/// shard before they first change it, so different threads may use them.
 	IdTable share() {
 		IdTable other(*this);
 		owner_ = new_table_owner();
@@ -56,7 +56,7 @@ public:
 
 	bool contains(std::uint64_t id) const {
 		if (size_ == 0) {
-			// No id is in the table. The check is faster than hashing.
+			// The table is empty. This check is faster than hashing.
 			return false;
 		}
 		const std::uint64_t hash = hash_of(id);
@@ -67,7 +67,7 @@ public:
 	/// Returns the value of `id`, or `Value()` if it has none or is not in the table.
 	const Value &value(std::uint64_t id) const {
 		if (valued_ == 0) {
-			// No id of the shard has a value.
+			// No ID of the shard has a value.
 			return nothing_;
 		}
 		const std::uint64_t hash = hash_of(id);
@@ -79,9 +79,9 @@ public:
 		return shard->ids[slot] == id ? shard->values[slot] : nothing_;
 	}
 
-	/// Allocates the memory for changing an id, and for a value if `valued`, so that the next
-	/// `insert` or `erase` of the id allocates none. `r_new_ids` accumulates the new ids of a
-	/// batch; it is null for a single id.
+	/// Allocates the memory for changing an ID, and for a value if `valued`, so that the next
+	/// `insert` or `erase` of the ID allocates none. `r_new_ids` accumulates the new IDs of a
+	/// batch; it is null for a single ID.
 	void make_room(std::uint64_t id, bool is_new, bool valued, NewIds *r_new_ids) {
 		const std::uint64_t hash = hash_of(id);
 		std::size_t in_shard = is_new ? 1 : 0;
@@ -103,7 +103,7 @@ public:
 		}
 	}
 
-	/// Allocates memory for about `more` new ids, whose hashes are not known yet. In rare cases a
+	/// Allocates memory for about `more` new IDs, whose hashes are not known yet. In rare cases a
 	/// shard must still grow later.
 	void expect(std::size_t more) {
 		const std::size_t mean = more / shard_count;
@@ -119,7 +119,7 @@ public:
 		}
 	}
 
-	/// Adds `id`, or sets the value of an existing one. Returns true if the id is new. `id` must
+	/// Adds `id`, or sets the value of an existing one. Returns true if the ID is new. `id` must
 	/// not be `none`.
 	bool insert(std::uint64_t id, Value value = Value()) {
 		const std::uint64_t hash = hash_of(id);
@@ -156,7 +156,7 @@ public:
 	}
 
 	/// Releases memory if less than an eighth of the slots is occupied. If the smaller arrays
-	/// cannot be allocated, nothing changes.
+	/// cannot be allocated, leaves the table unchanged.
 	void shrink() noexcept {
 		if (slots_ > least_slots && 8 * size_ < slots_) {
 			static_cast<void>(guarded("ids", static_cast<double>(slots_), [this] { shrink_all(); }));
@@ -165,10 +165,10 @@ public:
 
 	std::size_t size() const { return size_; }
 
-	/// Returns the number of ids that have a value.
+	/// Returns the number of IDs that have a value.
 	std::size_t valued() const { return valued_; }
 
-	/// Calls `use(id, value)` for each id, in unspecified order.
+	/// Calls `use(id, value)` for each ID, in unspecified order.
 	template <typename Use>
 	void for_each(Use &&use) const {
 		for (const std::shared_ptr<Shard> &shard : shards_) {
@@ -186,7 +186,7 @@ private:
 	static constexpr int shard_shift = 56;
 	static inline const Value nothing_{};
 
-	/// The ids of a shard, for lookup. A default view is empty.
+	/// The IDs of a shard, for lookup. A default view is empty.
 	struct View {
 		/// Returns the slot of `id` or, if it is missing, the free slot for inserting it.
 		std::size_t slot_of(std::uint64_t id, std::uint64_t hash) const {
@@ -211,7 +211,7 @@ private:
 		std::size_t size = 0;
 		std::size_t valued = 0;
 		std::vector<std::uint64_t> ids; ///< The size is a power of two. Free slots are `none`.
-		std::vector<Value> values;      ///< By slot. Empty until an id of the shard has a value.
+		std::vector<Value> values;      ///< By slot. Empty until an ID of the shard has a value.
 	};
 
 	IdTable(const IdTable &other) :
@@ -239,7 +239,7 @@ private:
 		return *r_shard;
 	}
 
-	/// Allocates memory for `more` new ids in a shard.
+	/// Allocates memory for `more` new IDs in a shard.
 	void grow(std::size_t index, std::size_t more, bool valued) {
 		Shard &r_shard = own(index);
 		std::size_t slots = r_shard.ids.size();
@@ -253,7 +253,7 @@ private:
 		}
 	}
 
-	/// Redistributes all ids over `mask` + 1 shards.
+	/// Redistributes all IDs over `mask` + 1 shards.
 	void spread(std::size_t mask) {
 		IdTable other;
 		other.mask_ = mask;
@@ -265,7 +265,7 @@ private:
 		const bool is_value = !(value == Value());
 		if (r_shard.values.empty()) {
 			if (!is_value) {
-				// No id of the shard has a value, so none is stored.
+				// No ID of the shard has a value, so none is stored.
 				return;
 			}
 			r_shard.values.resize(r_shard.ids.size());
@@ -277,7 +277,7 @@ private:
 		r_shard.values[slot] = std::move(value);
 	}
 
-	/// Frees a slot. Displaced ids are moved back into the gap, so that linear probing still finds
+	/// Frees a slot. Displaced IDs are moved back into the gap, so that linear probing still finds
 	/// them.
 	void close(Shard &r_shard, std::size_t hole) {
 		std::vector<std::uint64_t> &ids = r_shard.ids;

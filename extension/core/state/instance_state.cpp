@@ -32,7 +32,7 @@ std::uint64_t hash_of(const AddedInstance &instance) {
 	return split_mix(hash.value()) & id_cell_mask;
 }
 
-/// Returns the id for a new instance, whose zeros must be unsigned.
+/// Returns the ID for a new instance, whose zeros must be unsigned.
 template <typename Taken>
 std::uint64_t id_for(const AddedInstance &placed, const Taken &taken) {
 	return free_id(added_bit | std::uint64_t{placed.layer} << id_layer_shift, hash_of(placed), taken);
@@ -40,7 +40,7 @@ std::uint64_t id_for(const AddedInstance &placed, const Taken &taken) {
 
 bool is_of(std::uint64_t id, int layer) { return layer < 0 || layer_of(id) == layer; }
 
-/// Returns the ids of one layer, or of all layers if `layer` is negative, in ascending order.
+/// Returns the IDs of one layer, or of all layers if `layer` is negative, in ascending order.
 template <typename Table>
 std::vector<std::uint64_t> ids_of_layer(const Table &table, int layer) {
 	std::vector<std::uint64_t> ids;
@@ -164,7 +164,7 @@ void InstanceState::release_claims() {
 		return StateStep{.kind = Kind::release_claims};
 	};
 	// If memory for the step runs out, the result of a pending diff keeps the claims. The only
-	// effect is that some layers still refuse other stamps.
+	// effect is that some layers still reject other stamps.
 	static_cast<void>(Journal::noting(journal_.get(), "layers", 0.0, step, [] { return Status(); }));
 	for (auto &[number, layer] : content_->layers) {
 		layer.claimed = false;

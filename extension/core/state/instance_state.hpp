@@ -22,19 +22,19 @@ namespace thicket {
 /// practically never do. A stamp is never 0.
 std::uint64_t stamp_of(const PointSet &set);
 
-/// Returns true for the id of a hand-placed instance. Such an id has the highest bit set, so it is
+/// Returns true for the ID of a hand-placed instance. Such an ID has the highest bit set, so it is
 /// negative in a script. The next 15 bits are the layer, at the same position as in a packed
-/// InstanceId, so layers in a state are limited to max_state_layer. An id with all bits set is
+/// InstanceId, so layers in a state are limited to max_state_layer. An ID with all bits set is
 /// invalid.
 constexpr bool is_added(std::uint64_t id) { return id >> 63 != 0; }
 
-/// Returns the layer of any id, hand-placed or not.
+/// Returns the layer of any ID, hand-placed or not.
 constexpr std::uint16_t layer_of(std::uint64_t id) { return static_cast<std::uint16_t>(id >> id_layer_shift & 0x7fff); }
 
 inline constexpr std::uint16_t max_state_layer = 0x7fff;
 inline constexpr double max_state_time = 1e12; ///< Maximum of the clock in seconds.
 
-/// An instance that was placed by hand. A state replaces each -0 in it by 0.
+/// An instance that was placed by hand. A state replaces each -0 in it with 0.
 struct AddedInstance {
 	std::uint16_t layer = 0;  ///< Layer of the instance, 0 to max_state_layer.
 	std::uint8_t mesh = 0;    ///< Index in the layer's meshes. If it is out of range, the first mesh is drawn.
@@ -46,7 +46,7 @@ struct AddedInstance {
 
 inline constexpr double max_added_coordinate = 1e9;
 
-/// The way in which an instance has changed.
+/// How an instance has changed.
 enum class InstanceChangeKind : std::uint8_t {
 	/// A point of the set or a hand-placed instance was removed. For a hand-placed instance,
 	/// `added` is its former content.
@@ -80,24 +80,24 @@ struct StateChange {
 	operator bool() const { return changed; } // NOLINT: most callers need only this.
 };
 
-/// The differences from the generated world: removed ids, hand-placed instances, and data attached
-/// to either. A clock lets removed points grow again after a time. Only these differences are
-/// saved, so a world with a million felled trees takes a few megabytes.
+/// The differences from the generated world: removed IDs, hand-placed instances, and data attached
+/// to either. A clock lets removed points grow again later. Only these differences are saved, so a
+/// world with a million felled trees takes a few megabytes.
 ///
-/// Every change has a revision number, so that a peer can be sent only the changes that are new to
-/// it. Revisions belong to this object and are not saved. Changes before the last `load` or `clear`
-/// are forgotten. The log keeps only the latest changes: at least as many as the state has entries,
-/// and at least 65536. A peer that requests older changes receives the whole state. Use a state on
-/// one thread only.
+/// Every change has a revision number, so that a peer needs to receive only the changes that are
+/// new to it. Revisions belong to this object and are not saved. Changes before the last `load` or
+/// `clear` are forgotten. The log keeps only the latest changes: at least as many as the state has
+/// entries, and at least 65536. A peer that requests older changes receives the whole state. Use a
+/// state on one thread only.
 ///
-/// Each layer has a stamp that identifies its point set (see `claim`), because ids of points are
-/// meaningless in a different set. Hand-placed instances are valid with any set.
+/// Each layer has a stamp that identifies its point set (see `claim`), because IDs of points are
+/// meaningless in any other set. Hand-placed instances are valid with any set.
 ///
 /// Other states have limited control of the clock: a partial diff can only advance it, by at most
 /// DiffLimits::max_clock_advance.
 ///
-/// There are two ways to transfer changes between states. A state that follows an authority applies
-/// the authority's diffs in order (`apply`). States without an authority are merged in any order
+/// There are two ways to transfer changes between states. A state with an authority applies the
+/// authority's diffs in order (`apply`). States without an authority are merged in any order
 /// (`merge`, `merge_diff`).
 ///
 /// If memory runs out, a call reports it in its status. The state and the lists that the call
@@ -117,7 +117,7 @@ public:
 	/// layer without removed points.
 	bool removed(std::uint64_t id) const;
 
-	/// Returns the hand-placed instance with this id, or null if there is none. The pointer is
+	/// Returns the hand-placed instance with this ID, or null if there is none. The pointer is
 	/// valid until the next change.
 	const AddedInstance *added(std::uint64_t id) const;
 
@@ -125,7 +125,7 @@ public:
 	/// is valid until the next change.
 	std::span<const std::uint8_t> data(std::uint64_t id) const;
 
-	/// Appends the ids of all hand-placed instances of a layer in the half-open `rect` (world
+	/// Appends the IDs of all hand-placed instances of a layer in the half-open `rect` (world
 	/// meters), in ascending order. The cost depends only on the number of instances nearby.
 	Status added_in(std::uint16_t layer, const Rect &rect, std::vector<std::uint64_t> &r_ids) const;
 
@@ -134,7 +134,8 @@ public:
 	/// a position. It may be too large after instances were removed. Takes O(1) time.
 	double max_added_scale(std::uint16_t layer) const;
 
-	/// Return ids in ascending order, of one layer, or of all layers if `layer` is negative.
+	/// These methods return IDs in ascending order, of one layer, or of all layers if `layer` is
+	/// negative.
 	std::vector<std::uint64_t> removed_ids(int layer = -1) const;
 	std::vector<std::uint64_t> added_ids(int layer = -1) const;
 	std::vector<std::uint64_t> data_ids(int layer = -1) const;
@@ -151,9 +152,9 @@ public:
 	/// Returns the state's clock in seconds.
 	double time() const;
 
-	/// Sets the name that identifies this state to the states that apply its diffs. It should be a
-	/// random number, different for every state. 0, the default, means no name: diffs are then
-	/// unordered. The name is not saved.
+	/// Sets the number, called the name, that identifies this state to the states that apply its
+	/// diffs. It should be random and different for every state. 0, the default, means no name:
+	/// diffs are then unordered. The name is not saved.
 	void set_origin(std::uint64_t name);
 	std::uint64_t origin() const;
 
@@ -163,21 +164,21 @@ public:
 	std::uint64_t known_revision(std::uint64_t origin) const;
 
 	/// Sets the stamp of a layer, which identifies its point set (see stamp_of). From then on,
-	/// points with a different stamp are refused for this layer. A layer above max_state_layer, and
-	/// a layer that already has points with a different stamp, are errors that name `layer`.
-	/// `cell_side` is the width in meters of the cells that ids contain, or 0 if unknown. Limits
+	/// points with a different stamp are rejected for this layer. A layer above max_state_layer,
+	/// and a layer that already has points with a different stamp, are errors that name `layer`.
+	/// `cell_side` is the width in meters of the cells that IDs contain, or 0 if unknown. Limits
 	/// and summaries of diffs need it to locate points. On each axis, `cells_together` consecutive
 	/// cells, a power of two, denote the same position (see id_cell_side for surfaces).
 	Status claim(std::uint16_t layer, std::uint64_t stamp, double cell_side = 0.0, std::int32_t cells_together = 1);
 
-	/// Releases all claims. Layers without content lose their stamps, so that the state accepts a
-	/// different world.
+	/// Releases all claims. Layers without content lose their stamps, so that the state accepts
+	/// another world.
 	void release_claims();
 
 	/// Returns the stamp of a layer, or 0 if it has none.
 	std::uint64_t stamp(std::uint16_t layer) const;
 
-	/// Returns true if `claim` would refuse this stamp because the layer has points with a
+	/// Returns true if `claim` would reject this stamp because the layer has points with a
 	/// different one.
 	bool is_foreign(std::uint16_t layer, std::uint64_t stamp) const;
 
@@ -187,26 +188,26 @@ public:
 	/// is still applied.
 	StateChange remove(std::uint64_t id, double until = 0.0);
 
-	/// Undoes the removal of a point of the set. Nothing changes if the point is not removed.
+	/// Undoes the removal of a point of the set. Has no effect if the point is not removed.
 	StateChange restore(std::uint64_t id);
 
-	/// Places an instance by hand. Its id is a function of its content, so that peers that place
-	/// the same instance get the same id. If that id is taken, the instance gets a free one (see
+	/// Places an instance by hand. Its ID is a function of its content, so that peers that place
+	/// the same instance get the same ID. If that ID is taken, the instance gets a free one (see
 	/// free_id). A field outside the ranges of AddedInstance is an error that names the field; the
 	/// state is then unchanged.
 	Status add(const AddedInstance &instance, std::uint64_t &r_id);
 
-	/// Places all of the instances or, if one is refused, none. The ids are the same as with
-	/// repeated calls of `add`. Replaces `r_ids` with the ids, in the order of the instances. After
-	/// a refusal, the size of `r_ids` is the index of the refused instance. The changes are
-	/// appended to `r_changes`.
+	/// Places all of the instances or, if one is invalid, none. The IDs are the same as with
+	/// repeated calls to `add`. Replaces `r_ids` with the IDs, in the order of the instances. If an
+	/// instance is invalid, the size of `r_ids` is its index. The changes are appended to
+	/// `r_changes`.
 	Status add_all(std::span<const AddedInstance> instances, std::vector<std::uint64_t> &r_ids,
 			std::vector<InstanceChange> &r_changes);
 
 	/// Replaces an instance with `instance`, usually at a new position, and keeps its data. A
-	/// hand-placed instance keeps its id. A point of the set is removed permanently and replaced by
-	/// a hand-placed instance. `r_id` becomes the id after the move. The same values as in `add`
-	/// are errors. An id of a different layer, a hand-placed instance that does not exist, and a
+	/// hand-placed instance keeps its ID. A point of the set is removed permanently and replaced by
+	/// a hand-placed instance. `r_id` becomes the ID after the move. The same values as in `add`
+	/// are errors. An ID of another layer, a hand-placed instance that does not exist, and a
 	/// removed point are errors that name `id`. After an error, the state is unchanged. The changes
 	/// are appended to `r_changes`.
 	Status move(std::uint64_t id, const AddedInstance &instance, std::uint64_t &r_id,
@@ -218,7 +219,7 @@ public:
 	Status set_data(std::uint64_t id, std::span<const std::uint8_t> bytes);
 
 	/// Advances the clock by `seconds`, to at most max_state_time, and restores the points that are
-	/// due by then. If `seconds` is 0 or less, nothing happens. The changes are appended to
+	/// due by then. Has no effect if `seconds` is 0 or less. The changes are appended to
 	/// `r_changes`.
 	Status advance(double seconds, std::vector<InstanceChange> &r_changes);
 
@@ -238,23 +239,23 @@ public:
 	Status load(std::span<const std::uint8_t> bytes, std::vector<InstanceChange> &r_changes);
 
 	/// Replaces `r_bytes` with a diff for `apply`: the changes since a revision of this state,
-	/// including restored ids. If the log does not reach back that far, the diff contains the whole
+	/// including restored IDs. If the log does not reach back that far, the diff contains the whole
 	/// state. If this state has a name and `ordered` is true, the diff contains the name and both
 	/// revisions.
 	Status diff_since(std::uint64_t revision, std::vector<std::uint8_t> &r_bytes, bool ordered = true) const;
 
-	/// Replaces `r_bytes` with a diff of the current content of some ids. Applying the diff later
+	/// Replaces `r_bytes` with a diff of the current content of some IDs. Applying the diff later
 	/// restores that content, which makes undo steps possible.
 	Status diff_of(std::span<const std::uint64_t> ids, std::vector<std::uint8_t> &r_bytes) const;
 
-	/// Applies the output of another state's `diff_since`. The ids in the diff take over their
-	/// content from that state; all other ids are unchanged. A diff that contains the whole state,
+	/// Applies the output of another state's `diff_since`. The IDs in the diff take over their
+	/// content from that state; all other IDs are unchanged. A diff that contains the whole state,
 	/// and the output of `save`, replace everything, including the clock. Damaged bytes and foreign
 	/// stamps are errors, as in `load`. Diffs that exceed the limits return ErrorCode::not_allowed.
 	///
 	/// Diffs of a named state are applied in order. A diff that ends at or before the last known
 	/// revision is late or repeated and has no effect. A diff that begins after the last known
-	/// revision is refused (ErrorCode::out_of_order), because earlier diffs are missing.
+	/// revision is rejected (ErrorCode::out_of_order), because earlier diffs are missing.
 	Status apply(
 			std::span<const std::uint8_t> bytes, std::vector<InstanceChange> &r_changes, const DiffLimits &limits = {});
 
@@ -263,7 +264,7 @@ public:
 	/// header. Bytes without a valid header are an error.
 	Status missing_before(std::span<const std::uint8_t> bytes, bool &r_missing, std::uint64_t &r_since) const;
 
-	/// Summarizes a diff without changing anything. Bytes that are not a diff, and diffs that are
+	/// Summarizes a diff without changing the state. Bytes that are not a diff, and diffs that are
 	/// too large for `limits`, are errors. After an error, `r_summary` contains only the numbers
 	/// from the header.
 	Status inspect(std::span<const std::uint8_t> bytes, DiffSummary &r_summary, const DiffLimits &limits = {}) const;
@@ -272,8 +273,8 @@ public:
 	/// queue_diff, PendingDiff::work and finish_pending_diff. The first step takes microseconds.
 	/// `bytes` must outlive `r_diff`. Until a diff is finished, it has no effect on any query. The
 	/// final result is the same as if `apply` had been called when the diff was queued: changes
-	/// made in the meantime are repeated after it. Hand-placed instances keep their ids. While any
-	/// diff is pending, do not call `apply`, `merge`, `merge_diff`, `load` or `clear`.
+	/// made in between are repeated after it. Hand-placed instances keep their IDs. While any diff
+	/// is pending, do not call `apply`, `merge`, `merge_diff`, `load` or `clear`.
 	Status queue_diff(
 			std::span<const std::uint8_t> bytes, std::shared_ptr<PendingDiff> &r_diff, const DiffLimits &limits = {});
 
@@ -283,8 +284,8 @@ public:
 
 	/// Takes over the result of PendingDiff::work for the first queued diff, which must exist. The
 	/// cost depends on the changes made since it was queued, not on the size of the diff. Replaces
-	/// `r_changes`. The same diffs as in `apply` are errors, and a diff that contradicts a stamp
-	/// claimed in the meantime; the diff then has no effect.
+	/// `r_changes`. The same diffs as in `apply` are errors, and so is a diff that contradicts a
+	/// stamp claimed since it was queued. After an error, the diff has no effect.
 	Status finish_pending_diff(StateChanges &r_changes);
 
 	/// Merges the content of another state into this one. A point that either state has removed is
@@ -294,9 +295,9 @@ public:
 	/// points that are due by then are restored.
 	///
 	/// The order and number of merges do not matter: states that merged the same changes have the
-	/// same content. An undone change therefore comes back from a state that still contains it: the
-	/// removal of a restored point, a deleted hand-placed instance, or deleted data. Stamps that
-	/// differ from this state's are errors that name `layer`.
+	/// same content. Merging therefore restores an undone change from a state that still contains
+	/// it: the removal of a restored point, a deleted hand-placed instance, or deleted data. Stamps
+	/// that differ from this state's are errors that name `layer`.
 	Status merge(const InstanceState &other, std::vector<InstanceChange> &r_changes);
 
 	/// Merges the content of a diff or a saved state. Diffs may arrive in any order, repeatedly, or

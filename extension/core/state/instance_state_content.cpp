@@ -133,7 +133,7 @@ void InstanceState::Content::shrink() noexcept {
 	data.shrink();
 }
 
-/// Allocates the memory that `change` needs for one id, except for the memory that `make_room`
+/// Allocates the memory that `change` needs for one ID, except for the memory that `make_room`
 /// allocates for the whole batch.
 void InstanceState::Content::plan(std::uint64_t id, const Entry &to, Room &r_room) {
 	bool data_stay = true;

@@ -80,8 +80,8 @@ struct InstanceState::Content {
 	bool logging = true;      ///< False while changes are made that the log will not keep.
 	double time = 0.0;
 	bool whole = true; ///< False from `share` until `complete`.
-	/// Once the flag is set, no further changes are made, because the result will be discarded. May
-	/// be null.
+	/// Once the flag is set, no more changes are made, because the result will be discarded. May be
+	/// null.
 	const std::atomic<bool> *cancel = nullptr;
 
 	std::size_t size() const { return removed.size() + added.size() + data.size(); }
@@ -90,7 +90,7 @@ struct InstanceState::Content {
 	std::span<const std::uint8_t> bytes_of(std::uint64_t id) const;
 	const AddedInstance *instance_of(std::uint64_t id) const;
 
-	/// Returns the entry of `id` after `instance` is placed now. The instance's data is kept.
+	/// Returns the entry of `id` after `instance` is placed now. Keeps the instance's data.
 	Entry placed_as(std::uint64_t id, const AddedInstance &instance) const;
 
 	/// Returns the time to record for a write that replaces one made at the time `former`. The
@@ -100,7 +100,7 @@ struct InstanceState::Content {
 
 	/// Returns a copy that shares memory with this content, in microseconds. Both contents copy
 	/// memory before they change it. The copy's log is empty. The copy is incomplete until
-	/// `complete` is called, which may happen on a different thread.
+	/// `complete` is called, which may happen on another thread.
 	std::unique_ptr<Content> share();
 
 	/// Builds the parts that `share` does not copy. Throws std::bad_alloc.
@@ -111,7 +111,7 @@ struct InstanceState::Content {
 	/// `r_log` is the log of `other` up to the revision `at`; the call consumes it.
 	void take_history(const Content &other, ChangeLog &r_log, std::uint64_t at, std::uint64_t first_note) noexcept;
 
-	/// The number of new ids in each table.
+	/// The number of new IDs in each table.
 	struct NewIds {
 		IdTable<double>::NewIds removed;
 		IdTable<SharedInstance>::NewIds added;
@@ -126,13 +126,13 @@ struct InstanceState::Content {
 		AddedGrid grid;
 		std::size_t changes = 0;   ///< Number of changes to report.
 		std::size_t due = 0;       ///< Number of points that will grow again.
-		NewIds *new_ids = nullptr; ///< Number of new ids in each table; null for a single id.
+		NewIds *new_ids = nullptr; ///< Number of new IDs in each table; null for a single ID.
 	};
 
-	/// Sets ids to the given entries and appends the resulting changes. If memory runs out, throws
-	/// std::bad_alloc and changes nothing. `each(use)` must call `use(id, entry)` once for every
-	/// id. `each` is called twice: first to determine the memory needed, then to make the changes.
-	/// The second call must not allocate memory.
+	/// Sets IDs to the given entries and appends the resulting changes. If memory runs out, throws
+	/// std::bad_alloc and leaves the content unchanged. `each(use)` must call `use(id, entry)` once
+	/// for every ID. `each` is called twice: first to determine the memory needed, then to make the
+	/// changes. The second call must not allocate memory.
 	template <typename Each>
 	void change_all(const Each &each, std::vector<InstanceChange> &r_changes) {
 		NewIds new_ids;
@@ -152,7 +152,7 @@ struct InstanceState::Content {
 		shrink();
 	}
 
-	/// Sets a single id to an entry. `asked_for` and `value` are the name and the size that an
+	/// Sets a single ID to an entry. `asked_for` and `value` are the name and the size that an
 	/// out-of-memory error reports.
 	StateChange change_one(std::uint64_t id, const Entry &to, const char *asked_for, double value);
 
@@ -169,7 +169,7 @@ struct InstanceState::Content {
 	}
 
 	/// Moves the clock to a later time and restores the points due by then. If memory runs out,
-	/// throws std::bad_alloc and changes nothing.
+	/// throws std::bad_alloc and leaves the content unchanged.
 	void move_clock(double to, std::vector<InstanceChange> &r_changes);
 
 	/// Returns an error that names `layer` for a record whose points have a different stamp than
@@ -177,10 +177,10 @@ struct InstanceState::Content {
 	/// layers that have points.
 	Status check_stamps(const StateRecord &record, bool replaced) const;
 
-	/// Returns all ids with any content, in ascending order.
+	/// Returns all IDs with any content, in ascending order.
 	std::vector<std::uint64_t> all_ids() const;
 
-	/// Returns a record with the content of `ids`. For a `whole` record, these must be all ids.
+	/// Returns a record with the content of `ids`. For a `whole` record, these must be all IDs.
 	StateRecord record_of(std::vector<std::uint64_t> ids, bool whole) const;
 	StateRecord whole_record() const { return record_of(all_ids(), true); }
 
@@ -189,7 +189,8 @@ struct InstanceState::Content {
 	bool find_cell(std::uint64_t id, Rect &r_cell) const;
 
 	/// Merges a record; see InstanceState::merge. If `clock` is later than the state's clock, the
-	/// state's clock advances to it. If memory runs out, throws std::bad_alloc and changes nothing.
+	/// state's clock advances to it. If memory runs out, throws std::bad_alloc and leaves the
+	/// content unchanged.
 	Status take_in(
 			const StateRecord &record, double clock, const DiffLimits &limits, std::vector<InstanceChange> &r_changes);
 
@@ -220,7 +221,7 @@ struct InstanceState::Content {
 
 	/// Takes over the content and the stamps of a record. A whole record replaces everything except
 	/// the clock. Content that exceeds the limits is an error. If memory runs out, throws
-	/// std::bad_alloc and changes nothing.
+	/// std::bad_alloc and leaves the content unchanged.
 	Status follow(const StateRecord &record, const DiffLimits &limits, std::vector<InstanceChange> &r_changes);
 
 	/// Takes over a whole record without limits, along with its clock, and clears the log. The
@@ -240,7 +241,7 @@ private:
 	bool plan_added(std::uint64_t id, const Entry &to, Room &r_room);
 	void make_room(const Room &room, std::vector<InstanceChange> &r_changes);
 
-	// Call the functions below after all memory was allocated.
+	// Call the functions below only after all memory has been allocated.
 	void change(std::uint64_t id, const Entry &to, Room &r_room, std::vector<InstanceChange> &r_changes) noexcept;
 	void change_removed(std::uint64_t id, const Entry &to, std::vector<InstanceChange> &r_changes);
 	void change_added(std::uint64_t id, const Entry &to, Room &r_room, std::vector<InstanceChange> &r_changes);

@@ -31,7 +31,7 @@ Status InstanceState::merge_diff(
 	});
 }
 
-/// Merges the current content of an id with its content in the other state. Each part of the result
+/// Merges the current content of an ID with its content in the other state. Each part of the result
 /// is the maximum of both parts in a total order, so that the order of merges does not matter.
 StateRecord::Entry InstanceState::Content::joined(std::uint64_t id, const Entry &theirs, double clock) const {
 	Entry both = entry(id);
@@ -73,7 +73,7 @@ Status InstanceState::Content::take_in(
 		}
 	});
 	std::ranges::sort(grown);
-	grown.erase(std::unique(grown.begin(), grown.end()), grown.end()); // The heap may contain an id twice.
+	grown.erase(std::unique(grown.begin(), grown.end()), grown.end()); // The heap may contain an ID twice.
 	const auto each = [&](const auto &use) {
 		for (const std::uint64_t id : grown) {
 			Entry to = entry(id);
@@ -112,7 +112,7 @@ Status InstanceState::Content::check_place(std::uint64_t id, const Entry &to, co
 }
 
 Status InstanceState::Content::check_held(std::size_t held, std::size_t placed, const DiffLimits &limits) const {
-	// If the state already exceeds a limit, only an increase is refused.
+	// If the state already exceeds a limit, only an increase is an error.
 	Status status;
 	if (held > size()) {
 		status = check_limit("total changes", held, limits.max_total_changes, "max_total_changes of diff_limits");

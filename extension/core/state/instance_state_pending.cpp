@@ -13,7 +13,7 @@ namespace {
 
 using Kind = StateStep::Kind;
 
-/// Appends the changes to report for an id whose content changes from `from` to `to`.
+/// Appends the changes to report for an ID whose content changes from `from` to `to`.
 void add_difference(std::uint64_t id, const StateRecord::Entry &from, const StateRecord::Entry &to,
 		std::vector<InstanceChange> &r_changes) {
 	const auto same = [](const AddedInstance *left, const AddedInstance *right) {
@@ -158,7 +158,7 @@ Status InstanceState::take_over(PendingDiff &diff, StateChanges &r_changes) {
 				return status;
 			}
 			for (const InstanceChange &change : changes) {
-				step.restored.push_back(change.id); // The diffs queued after this one need these ids.
+				step.restored.push_back(change.id); // The diffs queued after this one need these IDs.
 			}
 			changes.clear();
 			add_ids(step, touched);
@@ -181,7 +181,7 @@ Status InstanceState::take_over(PendingDiff &diff, StateChanges &r_changes) {
 	return {};
 }
 
-/// Drops the first pending diff without effect, and prepares the content for the next diff.
+/// Drops the first pending diff without effect and prepares the content for the next diff.
 void InstanceState::pass_over(PendingDiff &diff) {
 	if (journal_->diffs.size() < 2) {
 		return;

@@ -7,8 +7,8 @@
 
 namespace thicket {
 
-/// The last known revision of each sender of diffs. Only the 256 most recently set senders are
-/// kept, so that unknown senders cannot exhaust memory.
+/// The last known revision of each sender of diffs. Keeps only the 256 most recently set senders,
+/// so that unknown senders cannot exhaust memory.
 class KnownRevisions {
 public:
 	static constexpr std::size_t most = 256;

@@ -16,7 +16,7 @@ namespace thicket {
 /// InstanceState::queue_diff.
 class PendingDiff {
 public:
-	/// Creates a diff that is not queued yet. `bytes` must outlive this object.
+	/// Creates a diff that has not been queued yet. `bytes` must outlive this object.
 	PendingDiff(std::span<const std::uint8_t> bytes, const DiffLimits &limits) : bytes_(bytes), limits_(limits) {}
 
 	/// Returns true if `work` may be called. The result is false until all diffs queued earlier are
@@ -24,15 +24,15 @@ public:
 	bool can_work() const { return base_.has_value(); }
 
 	/// Applies the diff to the copy, which is the slow part. Call this function once, on any
-	/// thread. The state's own thread may keep using the state.
+	/// thread. The thread of the state may keep using the state.
 	void work();
 
 	/// Returns the changes found by `work`, valid if the state has not changed since. Call this
 	/// function only on the thread that called `work`.
 	const StateChanges &changes() const { return changes_; }
 
-	/// Makes `work` return within a few milliseconds with an invalid result. May be called from any
-	/// thread.
+	/// Makes `work` return within a few milliseconds with an invalid result. Any thread may call
+	/// this method.
 	void cancel() { cancel_ = true; }
 
 private:

@@ -13,7 +13,7 @@ namespace thicket {
 struct StateChanges {
 	std::vector<InstanceChange> list;
 
-	/// Ids that other calls changed while a diff was pending. For these ids, `instead` is reported,
+	/// IDs that other calls changed while a diff was pending. For these IDs, `instead` is reported,
 	/// and their changes in `list` are not.
 	std::vector<std::uint64_t> overruled; ///< Ids in ascending order.
 	std::vector<InstanceChange> instead;

@@ -10,19 +10,19 @@
 #include <cmath>
 #include <cstddef>
 
-// Format 2. Numbers are little-endian; a count is written in 7 bits a byte, the lowest first, with
-// the highest bit set in all bytes but its last. A list is written as in id_codec.hpp; ids in it
-// are codes:
+// Format 2. Numbers are little-endian; a count is written with 7 bits per byte, the lowest first,
+// and the highest bit set in all bytes except the last. A list is written as in id_codec.hpp; IDs
+// in it are codes:
 //   "TSTA", u32 format;
-//   u8 kind: bit 0 for some ids instead of a whole state, bit 1 for a named sender;
+//   u8 kind: bit 0 for some IDs instead of a whole state, bit 1 for a named sender;
 //   f64 clock in seconds;
-//   only for a named sender: u64 name, count: its revision; for some ids also count: the number of revisions covered;
+//   only for a named sender: u64 name, count: its revision; for some IDs also count: the number of revisions covered;
 //   count of layers; for each, ascending: count: the layer, u64 stamp;
 //   six counts: the sizes of the lists that follow;
 //   list of removed points, list of the indices in it of those that grow again, f64 time of each of these;
-//   list of points that are not removed, list of hand-placed ids that were deleted;
-//   list of hand-placed ids; for each: u8 mesh, 3 f64 position, 9 f32 basis, column by column, f64 time of placing;
-//   list of ids with data; for each: count of its bytes, the bytes, f64 time of setting;
+//   list of points that are not removed, list of hand-placed IDs that were deleted;
+//   list of hand-placed IDs; for each: u8 mesh, 3 f64 position, 9 f32 basis, column by column, f64 time of placing;
+//   list of IDs with data; for each: count of its bytes, the bytes, f64 time of setting;
 //   u64 FNV-1a of all bytes before it.
 // Format 1 has only kinds 0 and 1, no sender, and no times of placing and setting. Its number of
 // layers is stored minus one in a u16, or as 0xffff for none. A layer is a u16, each list is
@@ -198,7 +198,7 @@ private:
 
 	bool take_list(StateHeader::List list, StateRecord::Codes &r_list) {
 		const std::uint64_t size = is_former() ? bytes_.take<std::uint32_t>() : header_.sizes[list];
-		// On the web, std::size_t has 32 bits, so a larger size can only be damage.
+		// On the web, std::size_t has 32 bits, so a larger size means that the bytes are corrupt.
 		const auto count = static_cast<std::size_t>(size);
 		return bytes_.good() &&
 				allows(check_limit("changes", size, limits_.max_changes, "max_changes of diff_limits")) &&
@@ -348,7 +348,7 @@ Status take_header(ByteReader &r_bytes, StateHeader &r_header) {
 	for (std::uint64_t &r_size : r_header.sizes) {
 		r_size = take_count(r_bytes);
 		if (!r_bytes.good() || r_size > 8 * r_bytes.rest().size()) {
-			return corrupt; // A size above this limit is impossible, because each id takes at least one bit.
+			return corrupt; // A size above this limit is impossible, because each ID takes at least one bit.
 		}
 	}
 	return {};

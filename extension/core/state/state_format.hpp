@@ -29,13 +29,13 @@ struct StateHeader {
 	/// Sizes of the lists. For the former format, only the first size is set here.
 	std::array<std::uint64_t, list_count> sizes{};
 
-	/// Returns the number of ids in the record. In the former format, it counts only the removed
+	/// Returns the number of IDs in the record. In the former format, it counts only the removed
 	/// points.
 	std::uint64_t named() const { return sizes[removed] + sizes[standing] + sizes[gone] + sizes[added]; }
 };
 
-/// Replaces `r_bytes` with the serialized record. The output is invalid if `cancel` is set
-/// meanwhile.
+/// Replaces `r_bytes` with the serialized record. The output is invalid if `cancel` is set during
+/// the call.
 void write(const StateRecord &record, std::vector<std::uint8_t> &r_bytes, const std::atomic<bool> *cancel = nullptr,
 		std::uint32_t format = state_format);
 
@@ -43,7 +43,7 @@ void write(const StateRecord &record, std::vector<std::uint8_t> &r_bytes, const 
 Status read_header(std::span<const std::uint8_t> bytes, StateHeader &r_header);
 
 /// Reads a serialized state. Only bytes that `write` would reproduce exactly are accepted. `limits`
-/// are checked before more ids or data are read than they permit. A replacement that they do not
+/// are checked before more IDs or data are read than they permit. A replacement that they do not
 /// allow is an error. After an error, the content of the record is unspecified. After `cancel` is
 /// set, the function fails within a few milliseconds.
 Status read(std::span<const std::uint8_t> bytes, StateRecord &r_record, const DiffLimits &limits = DiffLimits::none(),

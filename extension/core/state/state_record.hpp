@@ -22,12 +22,12 @@ struct StateOrigin {
 	friend bool operator==(const StateOrigin &, const StateOrigin &) = default;
 };
 
-/// The decoded content of a serialized state or diff: the content of all ids or of some. Ids are
+/// The decoded content of a serialized state or diff: the content of all IDs or of some. IDs are
 /// stored as codes (see code_of), and all lists are in ascending order of the codes.
 struct StateRecord {
 	using Codes = std::vector<std::uint64_t>;
 
-	/// The content of one id.
+	/// The content of one ID.
 	struct Entry {
 		bool removed = false;
 		double until = 0.0;                      ///< Clock time when the point grows again; 0 for never.
@@ -37,7 +37,7 @@ struct StateRecord {
 		double data_at = 0.0; ///< Clock time when the data was set.
 	};
 
-	bool whole = true; ///< If true, ids that are not listed are as generated; otherwise they keep their content.
+	bool whole = true; ///< If true, IDs that are not listed are as generated; otherwise they keep their content.
 	double time = 0.0;
 	StateOrigin origin;
 
@@ -47,30 +47,30 @@ struct StateRecord {
 	Codes standing; ///< Points that are not removed. In a whole state, only those with data.
 	Codes gone;     ///< Hand-placed instances that no longer exist. Empty in a whole state.
 	Codes added;
-	std::vector<AddedInstance> instances; ///< One entry for each id in `added`.
-	std::vector<double> placed_at;        ///< Clock times, one for each id in `added`.
+	std::vector<AddedInstance> instances; ///< One entry for each ID in `added`.
+	std::vector<double> placed_at;        ///< Clock times, one for each ID in `added`.
 
 	/// Ids in `removed`, `standing` and `added` that have data.
 	Codes with_data;
-	std::vector<std::vector<std::uint8_t>> data; ///< One entry for each id in `with_data`.
-	std::vector<double> data_at;                 ///< Clock times, one for each id in `with_data`.
+	std::vector<std::vector<std::uint8_t>> data; ///< One entry for each ID in `with_data`.
+	std::vector<double> data_at;                 ///< Clock times, one for each ID in `with_data`.
 
-	/// The stamp of each layer that has ids in the record; 0 if the layer has no stamp.
+	/// The stamp of each layer that has IDs in the record; 0 if the layer has no stamp.
 	std::map<std::uint16_t, std::uint64_t> stamps;
 
-	/// Returns the layers of all ids, with stamps of 0.
+	/// Returns the layers of all IDs, with stamps of 0.
 	std::map<std::uint16_t, std::uint64_t> layers() const;
 
 	/// Returns true if the record contains points of a layer.
 	bool holds_points(std::uint16_t layer) const;
 
-	/// Returns true if the record contains an id.
+	/// Returns true if the record contains an ID.
 	bool names(std::uint64_t id) const;
 
-	/// Returns the number of ids in the record.
+	/// Returns the number of IDs in the record.
 	std::size_t size() const { return removed.size() + standing.size() + gone.size() + added.size(); }
 
-	/// Calls `use(id, entry)` for each id.
+	/// Calls `use(id, entry)` for each ID.
 	template <typename Use>
 	void for_each(Use &&use) const {
 		auto next_until = until.begin();
@@ -100,8 +100,8 @@ private:
 	void add_data(std::uint64_t code, Entry &r_entry) const;
 };
 
-/// Returns true if each id is in exactly one of the lists for its kind, only listed ids have data,
-/// and exactly the layers of these ids have stamps.
+/// Returns true if each ID is in exactly one of the lists for its kind, only listed IDs have data,
+/// and exactly the layers of these IDs have stamps.
 bool is_consistent(const StateRecord &record);
 
 /// Returns an error for a value outside the ranges of AddedInstance. The error names the field.

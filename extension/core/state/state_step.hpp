@@ -21,7 +21,7 @@ struct StateStep {
 
 	Kind kind = Kind::remove;
 	std::uint64_t id = 0;
-	std::uint64_t to = 0; ///< For `move`, the id after the move. For `claim`, the stamp.
+	std::uint64_t to = 0; ///< For `move`, the ID after the move. For `claim`, the stamp.
 	/// For `remove`, the clock time of regrowth. For `advance`, the seconds. For `claim`, the cell
 	/// width in meters.
 	double number = 0.0;
