@@ -16,7 +16,7 @@ TEST_CASE("statuses: a message names property, allowed range, value and fix") {
 			"count must be at most 1048576 (entries), got 1000000000. Remove some");
 	CHECK(describe(check_range("angle", std::numeric_limits<double>::infinity(), -90.0, 90.0)) ==
 			"angle must be finite, between -90 and 90, got inf");
-	CHECK(describe(Status::wrong_size("pixels", 3, exactly(4))) == "pixels has the wrong size, must be 4, got 3");
+	CHECK(describe(Status::wrong_size("pixels", 3, exactly(4))) == "pixels has the wrong size: it must be 4, got 3");
 	CHECK(describe(Status::missing("terrain", "Set one")) == "terrain is missing. Set one");
 	CHECK(describe(Status::too_many_points("rect", 6.5e9, 1e8, "Ask for less")) ==
 			"rect requires too many points, got 6500000000; at most 100000000 are allowed in one call. Ask for less");
@@ -37,6 +37,6 @@ TEST_CASE("statuses: the range that is checked is the range that is printed") {
 TEST_CASE("statuses: a view distance beyond the tiles names the limit and the fix") {
 	const Status status = validate(StreamLayer{.tile_size = 16.0, .view_distance = 1500.0});
 	CHECK(describe(status) ==
-			"view_distance must be between 0 and 1024 (64 x tile_size), got 1500. Raise tile_size or lower "
+			"view_distance must be between 0 and 1024 (64 x tile_size), got 1500. Increase tile_size or lower "
 			"view_distance");
 }

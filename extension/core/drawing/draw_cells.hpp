@@ -31,7 +31,7 @@ struct DrawCell {
 };
 
 /// The instances of one mesh in a tile, divided into cells for drawing. Each instance is in exactly
-/// one cell. Within a cell, instances keep the tile's order by (thinning rank, id). Thinning draws
+/// one cell. Within a cell, instances keep the tile's order by (thinning rank, ID). Thinning draws
 /// the first instances of this order, both for a whole tile and for each cell.
 struct DrawCells {
 	std::vector<std::uint32_t> order; ///< Indices of the tile's instances, grouped by cell.

@@ -36,7 +36,7 @@ Status DensityProbe::Workspace::find(const LayerSettings &layer, std::span<const
 	}
 	TileSpace space(rect);
 	if (!on_surface.empty()) {
-		// Other layers on surfaces need to be sampled only near these heights. A whole column may
+		// Other layers on surfaces only need to be sampled near these heights. A whole column may
 		// extend through a planet.
 		const auto [lowest, highest] = std::ranges::minmax_element(on_surface, {}, &Ground::height);
 		constexpr double rounding = 0.01; // Meters; heights are floats.

@@ -21,9 +21,9 @@ inline constexpr double max_probed_points = 4e6;
 
 /// Evaluates the density of a layer's rules at arbitrary positions. The probe runs the same code as
 /// tile generation: a point of the set at such a position would become an instance if its rank were
-/// below the density. A probe works in two steps, because the ground may need to be queried on a
-/// different thread: call `find`, query the ground at `positions()`, then call `look`. Probes can
-/// be reused, like a TileBuilder, and each thread needs its own.
+/// below the density. A probe works in two steps, because the ground may have to be queried on
+/// another thread: call `find`, query the ground at `positions()`, then call `look`. Probes can be
+/// reused, like a TileBuilder, and each thread needs its own.
 class DensityProbe {
 public:
 	explicit DensityProbe(const SampleMargins &margins = {});
@@ -31,7 +31,7 @@ public:
 	DensityProbe(DensityProbe &&) noexcept;
 	DensityProbe &operator=(DensityProbe &&) noexcept;
 
-	/// Prepares a probe of a layer at some positions (world meters), and finds the points of other
+	/// Prepares a probe of a layer at some positions (world meters) and finds the points of other
 	/// layers on which its rules depend there. The search covers the bounding rectangle of the
 	/// positions, so these should be close together. Returns an error for an invalid layer, an
 	/// empty list, and positions that are not finite. If the search would find more than
@@ -42,19 +42,19 @@ public:
 	Status find(const LayerSettings &layer, std::span<const glm::dvec2> places, bool explains = false,
 			const Surface *surface = nullptr, std::span<const Ground> on_surface = {});
 
-	/// Return the positions at which `look` needs the ground, and the queries that group these
-	/// positions. Both lists are valid from `find` until its next call.
+	/// These functions return the positions at which `look` needs the ground, and the queries that
+	/// group these positions. Both lists are valid until the next call to `find`.
 	std::span<const glm::dvec2> positions() const;
 	std::span<const GroundQuery> queries() const;
 
 	/// Evaluates the rules with the ground at all positions. The functions below can be called
-	/// afterwards. A wrong number of entries is an error that names `ground`. A call without a
+	/// afterward. A wrong number of entries is an error that names `ground`. A call without a
 	/// successful `find` is an error that names `places`.
 	Status look(std::span<const Ground> ground);
 
-	/// Return the ground at one position, the density there (0 to 1), and all factors of the
-	/// density (see product_of). `place` is the index of the position in the call of `find`. A
-	/// successful `look` is required. `factors_at` replaces the content of `r_factors`.
+	/// These functions return the ground at one position, the density there (0 to 1), and all
+	/// factors of the density (see product_of). `place` is the index of the position in the call to
+	/// `find`. A successful `look` is required. `factors_at` replaces the content of `r_factors`.
 	const Ground &ground_at(std::size_t place) const;
 	double density_at(std::size_t place) const;
 	Status factors_at(std::size_t place, std::vector<RuleFactor> &r_factors) const;

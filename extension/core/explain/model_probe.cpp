@@ -6,8 +6,8 @@ namespace thicket {
 
 namespace {
 
-/// Models are found for the points in a cube around the position. This is half the side of the
-/// cube, in radii of the layer's set.
+/// Models are found for the points in a cube around the position. This is half the edge length of
+/// the cube, in radii of the layer's set.
 constexpr double radii_around = 4.0;
 
 } // namespace

@@ -18,8 +18,8 @@ public:
 	/// hosted. `surface` is the surface of the ground, or null if there is none.
 	Status find(const LayerSettings &layer, const glm::dvec3 &place, const Surface *surface);
 
-	/// Return the positions at which `models` needs the ground, and the queries for these
-	/// positions.
+	/// These functions return the positions at which `models` needs the ground, and the queries for
+	/// these positions.
 	std::span<const glm::dvec2> positions() const { return positions_; }
 	std::span<const GroundQuery> queries() const { return queries_; }
 

@@ -20,7 +20,7 @@ struct RuledPlace {
 	std::vector<RuleFactor> factors;
 };
 
-/// The reasons why a layer has an instance at a position, or has none.
+/// The reasons why a layer has or does not have an instance at a position.
 struct PlaceExplanation {
 	RuledPlace place;
 
@@ -47,7 +47,7 @@ public:
 	/// layer is on surfaces, explains the position on `surface` that is nearest to `place` instead.
 	/// That position must not be farther from `place` than the set's radius. Positions that are not
 	/// finite or outside the set's cells return an error, as do the layers that DensityProbe
-	/// refuses. If the layer is hosted, the position is explained on `models`, the result of
+	/// rejects. If the layer is hosted, the position is explained on `models`, the result of
 	/// ModelProbe, instead of `surface`. A layer on surfaces whose surface is null returns an
 	/// error.
 	Status find(const LayerSettings &layer, const glm::dvec3 &place, const Surface *surface = nullptr,

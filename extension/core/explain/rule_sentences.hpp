@@ -30,8 +30,8 @@ struct RuleSentence {
 /// Describes a factor. It must come from an evaluation of `layer`.
 RuleSentence describe(const RuleFactor &factor, const LayerSettings &layer, const RuleNames &names);
 
-/// The answer to the question whether and why the rules place an instance of the layer at a
-/// position. It does not consider a game's changes.
+/// Whether and why the rules place an instance of the layer at a position. Does not consider a
+/// game's changes.
 struct RuleVerdict {
 	bool yes = false; ///< True if an instance is allowed at the position and the nearest point is kept.
 	/// The rule that prevents an instance, or "rank" if the density excludes the point. Empty if
@@ -43,8 +43,8 @@ struct RuleVerdict {
 RuleVerdict judge(const PlaceExplanation &explanation, const LayerSettings &layer, const RuleNames &names);
 
 /// Formats a number for a sentence with at most two decimal places, fewer for large numbers, and no
-/// trailing zeros. Adds decimal places if the text would otherwise equal that of a different number
-/// `other`.
+/// trailing zeros. Adds decimal places if the result would otherwise be the same as for a different
+/// number `other`.
 std::string number_text(double number, double other = std::numeric_limits<double>::quiet_NaN());
 
 /// Returns, for example, "1.2 m away", or "here" if the distance is less than a centimeter.

@@ -18,7 +18,7 @@ namespace {
 constexpr double min_body_scale = 1e-4;
 constexpr double max_body_scale = 1e4;
 
-/// An instance counts as flat if a shear leaves less than this share of an axis.
+/// An instance is treated as flat if a shear leaves less than this fraction of an axis.
 constexpr double flat = 1e-4;
 
 /// body_scale_step ^ max_scale_step is just above max_body_scale.

@@ -21,11 +21,11 @@ public:
 	const InstanceState &state() const { return state_; }
 
 	/// Prepares the state for InstanceState::added_in. Call this function before that one. After a
-	/// success, later calls do nothing.
+	/// success, later calls have no effect.
 	Status complete() const;
 
 private:
-	mutable InstanceState state_; ///< Only `complete` changes it, and only data that no query but added_in() reads.
+	mutable InstanceState state_; ///< Only `complete` changes it, and only data that no query except added_in() reads.
 	mutable Mutex mutex_;
 	mutable bool complete_ = false; ///< Guarded by `mutex_`.
 };

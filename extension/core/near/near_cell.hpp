@@ -19,7 +19,7 @@ namespace thicket {
 struct Leaving {
 	std::uint32_t layer = 0;
 	std::uint64_t id = 0;
-	/// The position at which the instance is held. If the instance has since moved into a different
+	/// The position at which the instance is held. If the instance has since moved into another
 	/// cell, that cell holds it, and the caller must not free it.
 	glm::dvec3 position{0.0};
 };
@@ -42,7 +42,7 @@ double squared_to(glm::dvec3 position, std::span<const glm::dvec3> centers);
 /// if there are no centers.
 double squared_to_cell(const Rect &cell, std::span<const glm::dvec3> centers);
 
-/// Returns true if the number of centers is unchanged, and each is within `slack` meters of its old
+/// Returns true if the number of centers is unchanged and each is within `slack` meters of its old
 /// position.
 bool same_within(double slack, std::span<const glm::dvec3> now, std::span<const glm::dvec3> then);
 
@@ -76,7 +76,7 @@ public:
 	bool due() const { return frames_ >= look_frames; }
 
 	/// Finds the instances that must enter and leave in the half-open square `of`. Returns the cost
-	/// of the check, as a number of instances. `r_standing` is scratch space. If memory runs out,
+	/// of the check as a number of instances. `r_standing` is scratch space. If memory runs out,
 	/// the cell stays outdated.
 	std::size_t look(std::uint32_t layer, const Rect &of, const NearRange &range, const InstanceWorld &world,
 			const NearVersion &now, std::vector<PlacedInstance> &r_standing);
@@ -110,8 +110,8 @@ public:
 		return changes_.leave.size() - left_ + changes_.changed.size() - changed_ + changes_.enter.size() - entered_;
 	}
 
-	/// `away_entering` returns the squared distance of the next instance to enter, and
-	/// `away_leaving` that of the next one to leave.
+	/// `away_entering` and `away_leaving` return the squared distance of the next instance to enter
+	/// or to leave.
 	double away_entering() const { return away_[entered_]; }
 	double away_leaving() const { return changes_.leave[left_].distance_squared; }
 

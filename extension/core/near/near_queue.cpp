@@ -12,7 +12,7 @@ namespace thicket {
 
 namespace {
 
-/// Minimum side of a cell, in meters. Smaller cells would be numerous and nearly empty.
+/// Minimum edge length of a cell in meters. Smaller cells would be numerous and nearly empty.
 constexpr double least_side = 4.0;
 
 /// Returns false for a center at which no instance can be placed: NAN, or too far from the origin.

@@ -45,8 +45,8 @@ public:
 	/// repeatedly.
 	static constexpr double leave_share = 1.125;
 
-	/// After this many checked instances, a frame checks no more cells. This takes about a quarter
-	/// of a millisecond.
+	/// After checking this many instances, which takes about a quarter of a millisecond, a frame
+	/// checks no more cells.
 	static constexpr std::size_t max_looked = 1024;
 
 	static constexpr int most_waiting = 32;
@@ -55,8 +55,8 @@ public:
 	/// process more.
 	static constexpr std::size_t max_found = 256;
 
-	/// The distance at which instances leave, as a number of cell sides. Small cells keep the check
-	/// of a single cell a small part of a frame's work.
+	/// The distance at which instances leave, as a multiple of the cell size. Small cells keep the
+	/// check of a single cell a small part of a frame's work.
 	static constexpr double cells_in_reach = 2.0;
 
 	/// Sets the distance of each layer in meters; 0 disables the layer. Before you remove a layer,
@@ -64,28 +64,28 @@ public:
 	void set_distances(std::span<const double> distances);
 
 	/// Finds the instances that must enter and leave. It checks only cells in which the world has
-	/// changed, or whose centers have moved far enough. Call this function every frame. The queue
+	/// changed or whose centers have moved far enough. Call this function every frame. The queue
 	/// keeps a pointer to the world until `forget_world` is called.
 	void look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world);
 
-	/// Takes the nearest instance that was removed, or whose layer is disabled. Returns false if
+	/// Takes the nearest instance that was removed or whose layer is disabled. Returns false if
 	/// there is none.
 	bool next_gone(Leaving &r_leaving);
 
 	/// Takes an instance that was removed or is too far away. Each cell returns the removed
-	/// instances first, and then the farthest ones. Returns false if there is none.
+	/// instances first, then the farthest ones. Returns false if there is none.
 	bool next_leaving(Leaving &r_leaving);
 
 	/// Takes a held instance whose position, basis, mesh or layer has changed. The queue then holds
 	/// it in its new state. Returns false if there is none.
 	bool next_changed(PlacedInstance &r_instance);
 
-	/// Takes the nearest instance that must enter, and marks it as held. Returns false if there is
+	/// Takes the nearest instance that must enter and marks it as held. Returns false if there is
 	/// none.
 	bool next_entering(PlacedInstance &r_instance);
 
-	/// Marks all held instances of a layer to be rebuilt. `next_due` returns them, no matter what
-	/// moves or changes in the meantime.
+	/// Marks all held instances of a layer to be rebuilt. `next_due` returns them, regardless of
+	/// movements and changes in between.
 	void renew(std::uint32_t layer);
 
 	/// Takes the nearest instance that `renew` has marked, measured from the centers at the last
@@ -100,11 +100,11 @@ public:
 	/// Returns the centers of the last `look_around`.
 	std::span<const glm::dvec3> centers() const { return centers_; }
 
-	/// Returns true if no changes are pending, and the world has not changed since the last check
-	/// of any cell.
+	/// Returns true if no changes are pending and the world has not changed since the last check of
+	/// any cell.
 	bool settled() const;
 
-	/// Returns true if no center has moved far enough since `look_around` to make further instances
+	/// Returns true if no center has moved far enough since `look_around` to make any instance
 	/// enter or leave.
 	bool follows(std::span<const glm::dvec3> centers) const;
 
@@ -126,7 +126,7 @@ private:
 
 	struct Layer {
 		double distance = 0.0;
-		double side = 0.0; ///< Side of a cell in meters.
+		double side = 0.0; ///< Edge length of a cell in meters.
 		std::map<Key, NearCell> cells;
 		bool stale = true;               ///< True if the near cells must be recomputed.
 		std::vector<glm::dvec3> centers; ///< The centers at the last computation.
@@ -188,7 +188,7 @@ class NearRing {
 public:
 	virtual ~NearRing() = default;
 
-	/// Finds instances that need a body or a scene, or need one no longer. Call this function once
+	/// Finds instances that need a body or a scene, or no longer need one. Call this function once
 	/// per frame with the centers (world meters) and the current world. It is cheap while no center
 	/// moves and world.version() is unchanged.
 	virtual void look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world) = 0;

@@ -1,5 +1,6 @@
-// The part of NearQueue that returns held instances to be rebuilt, nearest first, a few at a time.
-// Lists are built for one cell at a time, because a frame has no time for all held instances.
+// This file contains the part of NearQueue that returns held instances to be rebuilt, nearest
+// first, a few at a time. Lists are built for one cell at a time, because a frame has no time for
+// all held instances.
 
 #include "core/near/near_queue.hpp"
 

@@ -53,7 +53,7 @@ class NearSet {
 public:
 	/// Replaces `r_changes` with the difference between held and near instances. `standing` must
 	/// contain all instances within range.leave of a center. It may also contain farther ones and
-	/// duplicates, in any order. Instances at equal distances are ordered by id. If memory runs
+	/// duplicates, in any order. Instances at equal distances are ordered by ID. If memory runs
 	/// out, the function returns false and clears `r_changes`.
 	bool look(std::span<const glm::dvec3> centers, const NearRange &range, std::span<const PlacedInstance> standing,
 			NearChanges &r_changes);
@@ -80,8 +80,8 @@ public:
 	void clear() { held_.clear(); }
 
 	/// Tolerances for the position, in meters, and the basis entries of a held instance. Beyond
-	/// these, the instance counts as changed. A regenerated tile may have a different origin, which
-	/// changes positions by less than this, through rounding.
+	/// these, the instance is treated as changed. A regenerated tile may have another origin; the
+	/// resulting rounding changes positions by less than this.
 	static constexpr double same_position = 1e-3;
 	static constexpr float same_basis = 1e-4f;
 

@@ -12,8 +12,8 @@ namespace thicket {
 
 namespace {
 
-/// Steeper slopes are treated as this one, in degrees, so that ground falls by less than four times
-/// the horizontal distance.
+/// Steeper slopes are treated as this slope, in degrees, so that ground falls by less than four
+/// times the horizontal distance.
 constexpr double steepest = 75.0;
 
 constexpr int few_corners = 8;
@@ -21,7 +21,7 @@ constexpr int many_corners = 12;
 
 constexpr double degrees_in_turn = 360.0;
 
-/// Distance from the center of a cell to a corner, in cell sides.
+/// Distance from the center of a cell to a corner, as a multiple of the cell size.
 constexpr double half_diagonal = 0.7071067811865476;
 
 Rotation towards(double corner, int corners) { return rotation_by(corner / corners); }
@@ -36,7 +36,7 @@ int corners_around(double radius, const NavigationAgent &agent) {
 	return around(radius, few_corners) - radius <= 0.5 * agent.cell_size ? few_corners : many_corners;
 }
 
-/// Returns how many meters the steepest walkable ground rises over a horizontal distance.
+/// Returns the rise, in meters, of the steepest walkable ground over a horizontal distance.
 double rise(double way, const NavigationAgent &agent) {
 	const Rotation slope = rotation_by(std::clamp(agent.max_slope, 0.0, steepest) / degrees_in_turn);
 	return way * slope.sine / slope.cosine;

@@ -27,10 +27,10 @@ struct Obstruction {
 
 /// Computes the space that an instance blocks for walking, in the coordinate space of `basis` and
 /// `foot`, in meters with y up. The obstruction covers every cell that the instance's cylinder
-/// touches, as seen from above. If the cylinder leans, only its part up to the agent's height
-/// counts.
+/// touches, as seen from above. If the cylinder leans, only its part up to the agent's height is
+/// used.
 ///
-/// A cell counts as soon as the cylinder touches it, as in the bake of a mesh. Otherwise, a stem
+/// A cell is covered as soon as the cylinder touches it, as when a mesh is baked. Otherwise, a stem
 /// thinner than a cell could be lost between two cells. The outline is therefore 0.7 cells wider
 /// than the cylinder. At its corners, it is wider by up to half a cell or 4 % of its radius,
 /// whichever is more. The prism extends down far enough for ground that falls away from the

@@ -58,7 +58,7 @@ std::vector<std::uint32_t> standing_of(const CompactMesh &mesh, const Overlay &o
 	return standing;
 }
 
-/// Returns the ids of the instances that were added in a tile and are not hidden, for each mesh.
+/// Returns the IDs of the instances that were added in a tile and are not hidden, for each mesh.
 std::vector<Ids> added_by_mesh(
 		std::size_t meshes, const LayerSettings &layer, const TileSpace &space, const Overlay &overlay) {
 	std::vector<Ids> result(meshes);

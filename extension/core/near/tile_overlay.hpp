@@ -17,14 +17,14 @@ namespace thicket {
 /// changes.
 struct Overlay {
 	const InstanceState *state = nullptr;
-	/// Ids of instances that are displayed by other means. Null if there are none.
+	/// IDs of instances that are displayed by other means. Null if there are none.
 	const std::unordered_set<std::uint64_t> *hidden = nullptr;
 };
 
 using OverlaidMeshes = std::vector<std::shared_ptr<const CompactMesh>>;
 
 /// Replaces `r_meshes` with the instances to draw for each mesh of a tile. The hand-placed
-/// instances in the tile's `space` come first, sorted by id. The generated ones follow in their
+/// instances in the tile's `space` come first, sorted by ID. The generated ones follow in their
 /// original order, bit-identical, without those that are removed or hidden. Hand-placed instances
 /// have thinning rank 0, so only a density of 0 removes them. Their color inputs come from
 /// shares_by_hand(). A mesh without changes is shared with the tile, not copied. If memory runs

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t probes_per_visit = 2;
 
-/// Maximum number of tiles that one call visits, due or not.
+/// Maximum number of tiles that one call visits, including tiles that are not due.
 constexpr std::size_t max_looks = 64;
 
 /// At this number of changes, `take_changes` stops waiting for more.

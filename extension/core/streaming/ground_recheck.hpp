@@ -15,7 +15,7 @@
 
 namespace thicket {
 
-/// Detects unreported changes of the ground under visible tiles. It checks the tiles in turn: it
+/// Detects unreported changes to the ground under visible tiles. It checks the tiles in turn and
 /// compares a few heights of each tile with those from which the tile was generated. The class only
 /// makes decisions: the caller reads the ground and the clock. Times are in seconds from any
 /// starting point. Methods that add entries throw std::bad_alloc.
@@ -29,8 +29,8 @@ public:
 
 	/// Reports that the visible tiles of a layer that touch `area` are about to be regenerated.
 	/// They are not checked until the next `show` or, for a tile that turns out unchanged, until
-	/// `keep`. The changes found in `area` for this layer are discarded, because the caller is
-	/// already handling them.
+	/// `keep`. Changes found in `area` for this layer are discarded, because the caller is already
+	/// handling them.
 	void hold(std::uint32_t layer, const Rect &area);
 	void keep(const TileKey &key);
 

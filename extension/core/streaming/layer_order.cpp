@@ -1,4 +1,4 @@
-// The order in which the tiles of a layer are requested and shown.
+// This file determines the order in which the tiles of a layer are requested and shown.
 
 #include "core/base/guard.hpp"
 #include "core/base/tile_grid.hpp"
@@ -29,7 +29,7 @@ void LayerTiles::add_to_queues(std::uint32_t slot) {
 	}
 }
 
-/// Queues a tile to be requested again. If memory runs out, the next call of `look` rebuilds the
+/// Queues a tile to be requested again. If memory runs out, the next call to `look` rebuilds the
 /// queues.
 void LayerTiles::queue_up(std::uint32_t slot) noexcept {
 	const Status status = guarded("tiles", 1.0, [&] { add_to_queues(slot); });

@@ -196,14 +196,14 @@ double LayerTiles::view_of(const Viewer &viewer) const {
 }
 
 /// Returns the position from which distances to this layer's tiles are measured. The viewer's
-/// height counts only if the tiles are cubes.
+/// height is used only if the tiles are cubes.
 glm::dvec3 LayerTiles::place_of(const Viewer &viewer) const {
 	return {viewer.position.x, settings_.in_space() ? viewer.height : 0.0, viewer.position.y};
 }
 
 /// Returns true if a viewer still has the view distance that `sight` recorded and is within the
 /// slack of the recorded position. `viewer` is null for a removed viewer; the function then returns
-/// true if `sight` was already cleared.
+/// true if `sight` has already been cleared.
 bool LayerTiles::is_where(const Sight &sight, const Viewer *viewer) const {
 	if (viewer == nullptr) {
 		return sight.seen < 0.0;
@@ -220,7 +220,7 @@ bool LayerTiles::follows(std::span<const Viewer> viewers) const {
 
 /// Updates a viewer's position, view and keep range. `viewer` is null if it was removed.
 void LayerTiles::move(Sight &sight, const TrackedViewer *viewer) {
-	sort(sight); // Limits the size of a queue that was not sorted since the last move.
+	sort(sight); // Limits the size of a queue that has not been sorted since the last move.
 	std::swap(sight.view, sight.old_view);
 	std::swap(sight.keep, sight.old_keep);
 	sight.moved = true;
@@ -258,7 +258,7 @@ void LayerTiles::enter(Sight &sight) {
 
 void LayerTiles::leave(const Sight &sight, StreamChanges &r_changes) {
 	sight.old_view.visit_without(sight.view, [&](glm::ivec3 at) {
-		// A tile that was not started yet is not needed outside the view.
+		// A tile that has not been started yet is not needed outside the view.
 		const std::uint32_t slot = tiles_.find(at);
 		if (slot != TileTable::none && !tiles_[slot].begun() && !seen(at)) {
 			erase(slot);
@@ -298,7 +298,7 @@ void LayerTiles::cancel(std::uint32_t slot, StreamChanges &r_changes) {
 	if (tiles_[slot].ticket == 0) {
 		return;
 	}
-	// If memory runs out, the caller continues the work in vain; its answer is refused.
+	// If memory runs out, the caller continues the work in vain: its answer will be rejected.
 	static_cast<void>(guarded("cancel", 1.0, [&] { r_changes.cancel.push_back(request_of(slot)); }));
 	forget_made(slot);
 	change(slot, [](StreamedTile &tile) {

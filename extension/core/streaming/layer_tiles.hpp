@@ -25,23 +25,22 @@ inline constexpr double slack_tiles = 0.125;
 /// A tile, once requested, is kept up to this many view distances plus one tile.
 inline constexpr double keep_factor = 1.1;
 
-/// Once a call of LayerTiles::look has found this number of new tiles, it leaves the remaining
+/// Once a call to LayerTiles::look has found this number of new tiles, it leaves the remaining
 /// viewers to the next call. If many viewers teleport, several calls are needed.
 inline constexpr std::size_t max_new = 1500;
 
-/// A viewer, and the distance it has traveled.
+/// A viewer and the distance that it has traveled.
 struct TrackedViewer {
 	Viewer now;
 	double flown = 0.0;     ///< Meters traveled in steps that were not jumps.
 	double jumped_at = 0.0; ///< Value of `flown` after the last jump.
 
-	/// Returns how many meters the viewer has traveled since `flown` had the value `then`, or 0 if
-	/// the viewer has jumped since.
+	/// Returns the distance in meters that the viewer has traveled since `flown` had the value
+	/// `then`, or 0 if the viewer has jumped since.
 	double flown_since(double then) const { return then >= jumped_at ? flown - then : 0.0; }
 };
 
-/// The tiles of one layer and their states, as a part of TileStreamer. See TileStreamer for the
-/// terms.
+/// The tiles of one layer and their states. Part of TileStreamer, which defines the terms.
 class LayerTiles {
 public:
 	/// A tile and its squared distance to a viewer.
@@ -90,7 +89,7 @@ public:
 	/// starts over.
 	bool look(std::span<const TrackedViewer> viewers, std::size_t &r_new, StreamChanges &r_changes);
 
-	/// Returns true if the last call of `look` left viewers to the next one. No tile may be shown
+	/// Returns true if the last call to `look` left viewers to the next one. No tile may be shown
 	/// until then.
 	bool behind() const { return behind_; }
 
@@ -124,12 +123,12 @@ public:
 	bool finish(const TileRequest &request);
 
 private:
-	/// A viewer's view and queue as of the last call of `look`.
+	/// A viewer's view and queue as of the last call to `look`.
 	struct Sight {
 		glm::dvec3 position{0.0}; ///< See place_of().
 		/// View distance in meters, including the slack. Negative for a new or removed viewer.
 		double seen = -1.0;
-		bool moved = false; ///< True if the viewer has moved and `leave` was not called yet.
+		bool moved = false; ///< True if the viewer has moved and `leave` has not been called since.
 		TileBall view;
 		TileBall keep;
 		TileBall old_view;
@@ -181,10 +180,10 @@ private:
 	StreamCounts counts_; ///< Counts of tiles, without retired ones.
 	TileTable tiles_;
 	std::vector<Sight> sights_;   ///< One entry per viewer.
-	std::size_t first_sight_ = 0; ///< The viewer with which the next call of `look` starts.
+	std::size_t first_sight_ = 0; ///< The viewer with which the next call to `look` starts.
 	bool behind_ = false;
 	bool torn_ = false;               ///< True after memory ran out, because the queues may then be incomplete.
-	bool sweeping_ = false;           ///< True if all tiles must be checked once every viewer was handled.
+	bool sweeping_ = false;           ///< True if all tiles must be checked once every viewer has been handled.
 	std::vector<std::uint32_t> made_; ///< Slots of ready tiles.
 	std::vector<Retired> retired_;
 };

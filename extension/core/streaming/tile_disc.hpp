@@ -9,7 +9,7 @@
 namespace thicket {
 
 /// The tiles that touch a disc, stored as a span of columns per row. A disc takes little memory and
-/// is quickly compared with another one.
+/// can be compared with another one quickly.
 class TileDisc {
 public:
 	/// Sets the tiles: those of size `tile_size` that are at most `reach` meters (0 or more) from

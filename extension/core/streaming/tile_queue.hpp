@@ -140,7 +140,7 @@ private:
 
 	std::vector<Entry> near_;  ///< Sorted entries. The order is reliable up to `reach_squared`.
 	std::vector<Entry> far_;   ///< Unsorted entries, with their last measured distances.
-	std::vector<Entry> fresh_; ///< Entries that are not measured yet.
+	std::vector<Entry> fresh_; ///< Entries that have not been measured yet.
 	std::array<std::size_t, 2> cursors_{};
 	std::size_t far_sorted_ = 0; ///< Number of far entries at the last full sort.
 	double far_from_ = 0.0;      ///< Distance in meters of the nearest far entry at the last full sort.

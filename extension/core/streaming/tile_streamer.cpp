@@ -44,7 +44,7 @@ Status validate(const StreamLayer &layer) {
 			check_range("view_distance", layer.view_distance,
 					between(0.0, layer.most_view_tiles() * layer.tile_size,
 							layer.in_space() ? "16 x tile_size on a planet" : "64 x tile_size"),
-					"Raise tile_size or lower view_distance"));
+					"Increase tile_size or lower view_distance"));
 }
 
 bool StreamLayer::may_have_ground(const TileSpace &space) const {
@@ -64,7 +64,7 @@ bool StreamLayer::may_have_ground(const TileSpace &space) const {
 struct TileStreamer::State {
 	std::vector<LayerTiles> layers;
 	std::vector<TrackedViewer> viewers;
-	bool outdated = true;  ///< True if some layers were not checked for all viewers yet.
+	bool outdated = true;  ///< True if some layers have not been checked for all viewers yet.
 	bool answered = false; ///< True if a tile was finished since the last check of retired tiles.
 	StreamChanges backlog; ///< Changes recorded between updates.
 	std::uint32_t last_grid = 0;
@@ -102,7 +102,7 @@ void TileStreamer::State::make_room(std::size_t layer_count) {
 }
 
 /// Updates the viewers' positions. Viewers are matched by index; if their number has changed, all
-/// of them count as having jumped.
+/// of them are treated as having jumped.
 void TileStreamer::State::track(std::span<const Viewer> now) {
 	double farthest = 0.0;
 	for (const TrackedViewer &viewer : viewers) {

@@ -61,9 +61,8 @@ inline double StreamLayer::most_view_tiles() const { return in_space() ? max_vie
 /// Returns an error for settings outside the ranges of StreamLayer.
 Status validate(const StreamLayer &layer);
 
-/// If a viewer moves more than this distance in meters between two updates, the movement counts as
-/// a jump; otherwise the viewer has flown. The limit corresponds to 1,000 m/s at 20 frames per
-/// second.
+/// If a viewer moves more than this distance in meters between two updates, the movement is a jump;
+/// otherwise the viewer has flown. The limit corresponds to 1,000 m/s at 20 frames per second.
 inline constexpr double max_flight_step = 50.0;
 
 /// A viewer around which tiles are streamed.
@@ -99,7 +98,7 @@ struct TileRequest {
 
 /// The actions that the caller must take after an update, in this order.
 struct StreamChanges {
-	/// Pending requests that are no longer needed. Their answers will be refused.
+	/// Pending requests that are no longer needed. Their answers will be rejected.
 	std::vector<TileRequest> cancel;
 	std::vector<TileKey> drop;        ///< Visible tiles to remove.
 	std::vector<TileRequest> request; ///< Tiles to generate, most urgent first.
@@ -147,7 +146,7 @@ public:
 
 	/// Replaces the layers, which are matched to the old ones by index. A new view distance keeps
 	/// all tiles, a new tile size starts a new grid for that layer, and the tiles of a removed
-	/// layer are dropped. After invalid settings or if memory runs out, nothing changes.
+	/// layer are dropped. If settings are invalid or memory runs out, leaves all layers unchanged.
 	Status set_layers(std::span<const StreamLayer> layers);
 
 	/// Marks all visible and pending tiles of a layer as outdated, so that they are requested
@@ -168,12 +167,12 @@ public:
 	Status check(const Viewer &viewer) const;
 
 	/// Computes the changes for any number of viewers and replaces `r_changes` with them. At most
-	/// `max_pending` tiles are pending at a time; further ones wait. Without viewers, all tiles are
-	/// dropped. If `check` returns an error for a viewer, `update` returns it and changes nothing.
-	/// An update costs little while viewers stay within an eighth of a tile. After
+	/// `max_pending` tiles are pending at a time; the others wait. Without viewers, all tiles are
+	/// dropped. If `check` returns an error for a viewer, `update` returns it and has no effect. An
+	/// update costs little while viewers stay within an eighth of a tile. After
 	/// ErrorCode::out_of_memory, `r_changes` contains a partial result, which the caller applies as
 	/// usual; the next update completes it. Entries of `cancel` may then be missing, but answers to
-	/// these requests are still refused.
+	/// these requests are still rejected.
 	Status update(std::span<const Viewer> viewers, std::size_t max_pending, StreamChanges &r_changes);
 
 	/// Reports that the tile of a request was generated and is ready to be shown. Returns false if
@@ -196,7 +195,7 @@ public:
 	bool finish(const TileRequest &request);
 
 	/// Clears all tiles without reporting them as dropped, for a caller that has cleared its
-	/// display itself. The layers remain. Answers to earlier requests will be refused.
+	/// display itself. The layers remain. Answers to earlier requests will be rejected.
 	void clear();
 
 	StreamCounts counts() const;
@@ -205,7 +204,7 @@ public:
 	bool idle() const;
 
 	/// Returns true if the viewers still match the last update: their number is the same, and none
-	/// of them has moved or changed its scale enough to need different tiles. An update for these
+	/// of them has moved or changed its scale enough to need other tiles. An update for these
 	/// viewers would not change the result of `idle`.
 	bool follows(std::span<const Viewer> viewers) const;
 

@@ -33,7 +33,7 @@ public:
 	/// Returns the slot of a tile, or `none` if it is not in the table.
 	std::uint32_t find(glm::ivec3 at) const;
 
-	/// Returns the slot of a tile, and adds the tile if it is missing. If memory runs out, throws
+	/// Returns the slot of a tile and adds the tile if it is missing. If memory runs out, throws
 	/// std::bad_alloc and adds nothing.
 	std::uint32_t find_or_add(glm::ivec3 at);
 	void erase(std::uint32_t slot) noexcept;
