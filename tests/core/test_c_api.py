@@ -205,7 +205,7 @@ REFUSED_SETS = [
     ({"levels": 0}, "OUT_OF_RANGE", "levels must be between 1 and 8, got 0"),
     ({"levels": 9}, "OUT_OF_RANGE", "levels must be between 1 and 8, got 9"),
     ({"rect": (0.0, 0.0, float("inf"), 1.0)}, "NOT_FINITE", "rect must be finite, got inf"),
-    ({"rect": (0.0, 0.0, -3.0, 1.0)}, "INVERTED", "rect ends before it starts, got -3"),
+    ({"rect": (0.0, 0.0, -3.0, 1.0)}, "INVERTED", "rect has its end before its start, got -3"),
     ({"rect": (0.0, 0.0, 1e9, 1.0)}, "OUT_OF_RANGE", "rect must be between -5931641.6 and 5931641.6, got 1000000000"),
     ({"rect": (0.0, 0.0, 1e5, 1e5)}, "TOO_MANY_POINTS", "rect requires too many points, got "),
 ]

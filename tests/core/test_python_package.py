@@ -200,7 +200,7 @@ REFUSED = [
     ("sample", {"radius": -1.0}, ValueError, "radius must be positive, got -1"),
     ("sample", {"radius": float("nan")}, ValueError, "radius must be finite, got nan"),
     ("sample", {"rect": (0, 0, float("inf"), 1)}, ValueError, "rect must be finite, got inf"),
-    ("sample", {"rect": (0, 0, 1, -2)}, ValueError, "rect ends before it starts, got -2"),
+    ("sample", {"rect": (0, 0, 1, -2)}, ValueError, "rect has its end before its start, got -2"),
     ("sample", {"rect": (0, 0, 1e9, 1)}, ValueError, "rect must be between -5931641.6 and 5931641.6, got 1000000000"),
     ("sample", {"rect": (0, 0, 1e5, 1e5)}, ValueError, "rect requires too many points, got 69"),
     ("sample", {"rect": (0, 0, 1)}, TypeError, "rect must be four numbers, (min_x, min_y, max_x, max_y), got (0, 0, 1)"),
@@ -224,7 +224,7 @@ REFUSED = [
     ("sample_surface", {"faces": np.array([[0, 1, -1]])}, ValueError, "faces must have indices of vertices, 0 to 2, got -1"),
     ("sample_surface", {"vertices": np.array([[0, 0, 0], [1, 0, 0], [0, np.nan, 0]])}, ValueError, "vertices must be finite, got nan"),
     ("sample_surface", {"window": (0, 0, 0)}, TypeError, "window must be six numbers, (min_x, min_y, min_z, max_x, max_y, max_z), got (0, 0, 0)"),
-    ("sample_surface", {"window": (0, 0, 0, 1, -1, 1)}, ValueError, "window ends before it starts, got -1"),
+    ("sample_surface", {"window": (0, 0, 0, 1, -1, 1)}, ValueError, "window has its end before its start, got -1"),
     ("sample_surface", {"vertices": np.zeros((3, 2))}, TypeError, "sample_surface(): incompatible function arguments"),
 ]
 GOOD = {

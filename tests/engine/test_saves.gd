@@ -185,7 +185,7 @@ func test_other_files_are_rejected() -> void:
 	make_folder()
 	refuse_loading(null, ERR_FILE_NOT_FOUND, ["no such file", "file_exists"], "no file")
 	for damage: Array in [[PackedByteArray(), "an empty file"], ["a list of trees".to_utf8_buffer(), "a text file"]]:
-		refuse_loading(damage[0], ERR_FILE_CORRUPT, ["damaged"], damage[1])
+		refuse_loading(damage[0], ERR_FILE_CORRUPT, ["truncated, corrupt"], damage[1])
 	for ending: String in [".res", ".tres"]:
 		for flags: int in [0, ResourceSaver.FLAG_COMPRESS]:
 			ResourceSaver.save(make_state(), FOLDER + "/old" + ending, flags)
@@ -194,10 +194,10 @@ func test_other_files_are_rejected() -> void:
 	check_equal(make_mask().save_to_file(PATH), OK, "a mask")
 	var state := make_state()
 	check_equal(state.load_from_file(PATH), ERR_FILE_CORRUPT, "a mask is not a state")
-	check_error([PATH, "of a different kind"], "a mask is not a state")
+	check_error([PATH, "in another format"], "a mask is not a state")
 	check_equal(make_state().save_to_file(PATH), OK, "a state")
 	check_equal(make_mask().load_from_file(PATH), ERR_FILE_CORRUPT, "a state is not a mask")
-	check_error([PATH, "of a different kind"], "a state is not a mask")
+	check_error([PATH, "in another format"], "a state is not a mask")
 
 
 func test_damaged_files_are_rejected() -> void:

@@ -209,7 +209,7 @@ func test_damaged_bytes_are_rejected() -> void:
 		refuse(state, bytes.slice(0, at), "the first %d bytes" % at)
 	refuse(state, (var_to_bytes([1, 2, 3])), "unrelated bytes")
 	check_equal(state.from_bytes(state.diff_since(2)), ERR_FILE_CORRUPT, "a diff is not a state")
-	check_error(["ScatterState.from_bytes: data", "damaged"], "a diff")
+	check_error(["ScatterState.from_bytes: data", "truncated, corrupt"], "a diff")
 	state.data = bytes.slice(0, 30)
 	check_error(["ScatterState.from_bytes: data"], "the property")
 

@@ -54,8 +54,8 @@ public:
 	std::size_t begin(Node node) const { return static_cast<std::size_t>(node.index) * (leaf_size << node.level); }
 	std::size_t end(Node node) const { return std::min(begin(node) + (leaf_size << node.level), count_); }
 
-	/// Return the two children of a node above the leaves. The last node of a level may lack the
-	/// second child.
+	/// These functions return the two children of a node above the leaves. The last node of a level
+	/// may lack the second child.
 	Node first(Node node) const { return {node.level - 1, node.index * 2}; }
 	Node second(Node node) const { return {node.level - 1, node.index * 2 + 1}; }
 	bool has_second(Node node) const { return node.index * 2 + 1 < nodes(node.level - 1); }

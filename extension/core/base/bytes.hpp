@@ -30,7 +30,7 @@ void append(std::vector<std::uint8_t> &r_bytes, Number number) {
 }
 
 /// Reads little-endian numbers from the front of a byte string. A read past the end returns 0.
-/// After such a read, `good` returns false, and all further reads return 0.
+/// After such a read, `good` returns false and all subsequent reads return 0.
 class ByteReader {
 public:
 	explicit ByteReader(std::span<const std::uint8_t> bytes) : rest_(bytes) {}
@@ -59,7 +59,7 @@ public:
 	bool good() const { return good_; }
 	bool at_end() const { return rest_.empty(); }
 
-	/// Returns the bytes that were not read yet.
+	/// Returns the bytes that have not been read yet.
 	std::span<const std::uint8_t> rest() const { return rest_; }
 
 private:

@@ -32,11 +32,11 @@ inline Status check_positive(const char *property, double value) {
 	return {};
 }
 
-/// Remedies that several modules share, for Status::remedy.
+/// Values of Status::remedy that several modules share.
 inline constexpr const char *negative_size = "Use a size that is not negative";
-inline constexpr const char *newer_version = "A different version of Thicket wrote it: update this one";
+inline constexpr const char *newer_version = "A newer version of Thicket wrote it: update this one";
 
-/// Returns an error if the end of a range is before its start. The status names the end,
+/// Returns an error if the maximum of a range is below its minimum. The status names the maximum,
 /// `max_property`.
 inline Status check_order(const char *max_property, double min, double max) {
 	if (max < min) {

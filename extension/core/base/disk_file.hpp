@@ -26,7 +26,7 @@ bool can_be_replaced(const std::string &path);
 /// its permissions to the file `path` (not on Windows). Returns false on failure.
 bool sync_file(const std::string &path, const std::string &replaced);
 
-/// Atomically replaces the file `to` by the file `from`, and waits until the change is written to
+/// Atomically replaces the file `to` with the file `from` and waits until the change is written to
 /// the disk. If the function returns false, both files are unchanged.
 bool move_over(const std::string &from, const std::string &to);
 

@@ -3,10 +3,10 @@
 #include <cfloat>
 #include <limits>
 
-/// The core computes the same bits on every machine because it uses only IEEE 754 additions,
+/// The core's results are bit-identical on every machine because it uses only IEEE 754 additions,
 /// multiplications, divisions and square roots, each rounded once. Include this file wherever
-/// decisions depend on such results. It stops the build on compiler settings that would change
-/// results. It cannot detect contraction (a missing -ffp-contract=off), but the golden tests do.
+/// decisions depend on such results. It fails the build under compiler settings that would change
+/// results. It cannot detect a missing -ffp-contract=off; the golden tests do.
 
 #ifdef __FAST_MATH__
 #error "Thicket's core must not be compiled with -ffast-math: its results would depend on the compiler"

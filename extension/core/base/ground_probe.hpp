@@ -8,7 +8,7 @@
 namespace thicket {
 
 /// A world position in meters, with the height of the ground when it was last queried. Tiles store
-/// probes to find out later whether the ground has changed.
+/// probes to detect later whether the ground has changed.
 struct GroundProbe {
 	glm::dvec2 position{0.0};
 	float height = std::numeric_limits<float>::quiet_NaN(); ///< Meters, or NAN if there is no ground.

@@ -10,12 +10,12 @@ namespace thicket {
 /// cell_limit) on both axes. See `InstanceId`.
 inline constexpr std::int32_t cell_limit = 1 << 23;
 
-/// Number of the lowest bit of the layer in an id. The bits below it identify an instance within
+/// Number of the lowest bit of the layer in an ID. The bits below it identify an instance within
 /// its layer.
 inline constexpr int id_layer_shift = 48;
 inline constexpr std::uint64_t id_cell_mask = (std::uint64_t{1} << id_layer_shift) - 1;
 
-/// The id of a point on a surface (see core/surface) encodes a cell in space. The cell's x and z
+/// The ID of a point on a surface (see core/surface) encodes a cell in space. The cell's x and z
 /// are in [-surface_id_extent, surface_id_extent), and its y is in [-surface_id_height,
 /// surface_id_height). Each of the two components of the packed cell contains surface_id_step_bits
 /// bits of y.
@@ -25,8 +25,8 @@ inline constexpr std::int32_t surface_id_extent = cell_limit / surface_id_steps;
 inline constexpr std::int32_t surface_id_height = surface_id_steps * surface_id_steps / 2;
 
 /// Identifies a point by its layer and its base square. Base squares have a diagonal of one radius
-/// and cover the plane as a grid. A base square contains at most one point of a set, so the id
-/// identifies the point permanently, no matter which tiles are loaded. A packed id has 16 bits for
+/// and cover the plane as a grid. A base square contains at most one point of a set, so the ID
+/// identifies the point permanently, regardless of the loaded tiles. A packed ID has 16 bits for
 /// the layer, 24 for the cell's x and 24 for its y.
 struct InstanceId {
 	std::uint16_t layer = 0;

@@ -2,8 +2,8 @@
 
 // The instruction sets for which Highway, the vector library, compiles our code: all sets that the
 // processor may support, and emulated vectors. With emulated vectors, tests can verify that real
-// vectors return the same bits. Include this file before Highway, so that all files use the same
-// sets.
+// vectors return bit-identical results. Include this file before Highway, so that all files use the
+// same sets.
 
 // Highway disables emulated vectors for compilers that miscompile a 16-bit multiplication. Our code
 // does not use that multiplication, and tests compare the bits of all code paths. Emulated vectors

@@ -74,13 +74,13 @@ double exact_orientation(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
 } // namespace
 
 double orientation(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
-	constexpr double rounding = 3.3306690738754716e-16; // The relative error bound (3 + 16 e) e, e = 2^-53.
+	constexpr double rounding = 3.3306690738754716e-16; // Relative error bound: (3 + 16 e) e with e = 2^-53.
 	constexpr double doubt = rounding * (1 << 26);
 	const double left = (a.x - c.x) * (b.y - c.y);
 	const double right = (a.y - c.y) * (b.x - c.x);
 	const double quick = left - right;
 	if (std::abs(quick) > doubt * (std::abs(left) + std::abs(right))) {
-		// If the value is this far from 0, rounding cannot have changed its sign.
+		// The value is so far from 0 that rounding cannot have changed its sign.
 		return quick;
 	}
 	return exact_orientation(a, b, c);

@@ -5,7 +5,7 @@
 namespace thicket {
 
 /// Returns twice the signed area of the triangle a, b, c. It is positive if the triangle turns from
-/// x towards y. The sign is exact, and 0 means that the points are collinear. The relative error of
+/// x toward y. The sign is exact, and 0 means that the points are collinear. The relative error of
 /// the value is at most 2^-26, even for very narrow triangles. The magnitude of each coordinate
 /// must be 0 or between 1e-100 and 1e100.
 ///

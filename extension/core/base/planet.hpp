@@ -18,7 +18,7 @@ struct Planet {
 
 	bool exists() const { return radius > 0.0; }
 
-	/// Return the lowest and the highest world y of instances.
+	/// These functions return the lowest and the highest world y of instances.
 	double bottom() const { return center.y - radii_around * radius; }
 	double top() const { return center.y + radii_around * radius; }
 

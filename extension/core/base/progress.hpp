@@ -7,7 +7,7 @@
 namespace thicket {
 
 /// Returns true if any thread has set the flag. A null pointer means that the call cannot be
-/// cancelled.
+/// canceled.
 inline bool is_cancelled(const std::atomic<bool> *cancel) {
 	return cancel != nullptr && cancel->load(std::memory_order_relaxed);
 }
@@ -18,8 +18,8 @@ struct Progress {
 	/// documents how soon it ends.
 	const std::atomic<bool> *cancel = nullptr;
 	/// Called on the calling thread at least every few milliseconds. `fraction` is the finished
-	/// share of the work (0 to 1, never decreasing), and `points` the number of points generated so
-	/// far. May set `cancel`. Must not throw.
+	/// fraction of the work (0 to 1, never decreasing), and `points` the number of points generated
+	/// so far. May set `cancel`. Must not throw.
 	std::function<void(double fraction, std::uint64_t points)> report;
 
 	bool cancelled() const { return is_cancelled(cancel); }

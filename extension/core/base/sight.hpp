@@ -13,15 +13,15 @@ namespace thicket {
 struct Sight {
 	double end = 0.0;  ///< Distance in meters beyond which nothing is drawn; 0 means no limit.
 	double fade = 0.0; ///< Length of the fade-out before `end`, as a fraction of `end`; 0 for an abrupt end.
-	/// True for layers on planets. Height differences then count without a limit, so the sight
-	/// distance is the distance in space.
+	/// True for layers on planets. Height differences then have no limit, so the sight distance is
+	/// the distance in space.
 	bool in_space = false;
 
-	/// Returns how many meters farther than `end` a viewer sees whose Viewer::radius_scale is
-	/// `scale`. The result is negative for a scale below 1.
+	/// Returns the distance in meters beyond `end` up to which a viewer with the
+	/// Viewer::radius_scale `scale` sees. The result is negative for a scale below 1.
 	double beyond(double scale) const { return (scale - 1.0) * end; }
 
-	/// Returns how much of a height difference counts for the sight distance, in meters, for a
+	/// Returns the maximum height difference, in meters, that affects the sight distance of a
 	/// viewer with this scale. The limit is the distance at which the fade-out starts, so height
 	/// alone never hides an instance.
 	double height_limit(double scale) const {

@@ -36,17 +36,17 @@ std::string text_of(const AllowedRange &allowed) {
 std::string demand(ErrorCode code, const std::string &allowed) {
 	const bool known = !allowed.empty();
 	switch (code) {
-		case ErrorCode::none: return "is fine";
+		case ErrorCode::none: return "is valid";
 		case ErrorCode::not_finite: return known ? "must be finite, " + allowed : "must be finite";
 		case ErrorCode::not_positive: return "must be positive";
 		case ErrorCode::out_of_range: return known ? "must be " + allowed : "is out of range";
-		case ErrorCode::inverted: return known ? "must be " + allowed : "ends before it starts";
+		case ErrorCode::inverted: return known ? "must be " + allowed : "has its end before its start";
 		case ErrorCode::too_many_points: return "requires too many points";
 		case ErrorCode::missing: return "is missing";
 		case ErrorCode::wrong_type: return "has the wrong type";
-		case ErrorCode::wrong_size: return known ? "has the wrong size, must be " + allowed : "has the wrong size";
+		case ErrorCode::wrong_size: return known ? "has the wrong size: it must be " + allowed : "has the wrong size";
 		case ErrorCode::out_of_memory: return "needs more memory than is available";
-		case ErrorCode::corrupt: return "is truncated, damaged or of a different kind";
+		case ErrorCode::corrupt: return "is truncated, corrupt or in another format";
 		case ErrorCode::foreign: return "belongs to a different seed, radius or number of levels";
 		case ErrorCode::not_allowed: return known ? "must be " + allowed : "is missing";
 		case ErrorCode::out_of_order: return known ? "must be " + allowed : "is out of order";
@@ -56,14 +56,14 @@ std::string demand(ErrorCode code, const std::string &allowed) {
 	return "is invalid";
 }
 
-/// Returns the default remedy, for a status without a specific one.
+/// Returns the default explanation of how to fix an error, for a status without a specific one.
 const char *usual_remedy(ErrorCode code) {
 	switch (code) {
 		case ErrorCode::too_many_points: return "Make the area smaller or the radius larger";
 		case ErrorCode::out_of_memory: return "Request less in one call, or free memory";
-		case ErrorCode::corrupt: return "Use an undamaged copy that this version wrote";
+		case ErrorCode::corrupt: return "Use an intact copy that this version wrote";
 		case ErrorCode::foreign: return "Restore the values that it belongs to, or start with a new state";
-		case ErrorCode::margin_too_wide: return "Choose a different seed, and report this one as a bug";
+		case ErrorCode::margin_too_wide: return "Choose a different seed, and report this seed as a bug";
 		default: return "";
 	}
 }

@@ -17,11 +17,11 @@ enum class ErrorCode : std::uint8_t {
 	inverted,        ///< The end of a range lies before its start.
 	too_many_points, ///< The request would generate more points than one call may return.
 	missing,         ///< A required object or buffer is null.
-	wrong_type,      ///< A script returned a value of a different type.
+	wrong_type,      ///< A script returned a value of the wrong type.
 	wrong_size,      ///< A buffer or an image has the wrong size.
 	out_of_memory,   ///< The machine does not have enough memory for the request.
-	corrupt,         ///< Stored bytes are truncated, damaged or of a different kind.
-	foreign,         ///< Instance ids belong to a different point set.
+	corrupt,         ///< Stored bytes are truncated, corrupt or in another format.
+	foreign,         ///< Instance IDs belong to another point set.
 	not_allowed,     ///< The data exceeds the receiver's limits, or cannot be checked against them.
 	/// The data begins after the end of the data received so far, so a part in between is missing.
 	out_of_order,
@@ -70,18 +70,18 @@ constexpr AllowedRange exactly(Number number, const char *note = "") {
 
 /// The outcome of a public call of the core. Such calls do not throw (see core/base/guard.hpp), and
 /// a failed call leaves its object unchanged. Two kinds of functions cannot return a status:
-/// constructors, and functions that return their result by value (a list of ids, a digest). If
-/// memory runs out, these throw std::bad_alloc and change nothing.
+/// constructors, and functions that return their result by value (a list of IDs, a digest). If
+/// memory runs out, these throw std::bad_alloc and have no effect.
 struct [[nodiscard]] Status {
 	ErrorCode code = ErrorCode::none;
-	const char *property = ""; ///< The property that was refused; a string literal.
-	double value = 0.0;        ///< The refused value.
+	const char *property = ""; ///< The rejected property; a string literal.
+	double value = 0.0;        ///< The rejected value.
 	PointSetSite site{};       ///< The affected position, for errors that depend on one.
 	/// Known for out_of_range, wrong_size, too_many_points, not_finite, inverted, not_allowed and
 	/// out_of_order.
 	AllowedRange allowed{};
-	/// The remedy for the error, as a sentence without its period; a string literal. If it is
-	/// empty, `describe` uses the default remedy for the code.
+	/// How to fix the error, as a sentence without its period; a string literal. If it is empty,
+	/// `describe` uses the default for the code.
 	const char *remedy = "";
 
 	constexpr bool ok() const { return code == ErrorCode::none; }
@@ -114,9 +114,9 @@ struct [[nodiscard]] Status {
 };
 
 /// Returns a message for a log or an editor warning. One sentence contains the property, value,
-/// allowed range and site, if they are known; another contains the remedy. The message has no final
-/// period, for example "view_distance must be between 0 and 1024 (64 x tile_size), got 1500. Lower
-/// it or raise tile_size".
+/// allowed range and site, if they are known; another explains how to fix the error. The message
+/// has no final period, for example "view_distance must be between 0 and 1024 (64 x tile_size), got
+/// 1500. Lower it or raise tile_size".
 std::string describe(const Status &status);
 
 } // namespace thicket

@@ -2,9 +2,9 @@
 
 #include <glm/vec3.hpp>
 
-// Trigonometric functions that return the same bits on every machine. Rounding in the C library's
-// sine, cosine and arctangent differs between machines. These functions use only additions,
-// multiplications, divisions and square roots, whose rounding IEEE 754 defines exactly.
+// Trigonometric functions whose results are bit-identical on every machine. Rounding in the C
+// library's sine, cosine and arctangent differs between machines. These functions use only
+// additions, multiplications, divisions and square roots, whose rounding IEEE 754 defines exactly.
 
 namespace thicket {
 

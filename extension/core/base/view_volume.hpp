@@ -13,8 +13,8 @@ namespace thicket {
 struct DistanceRange {
 	double near = 0.0;
 	double far = 0.0;
-	/// `far` minus the number of meters by which the viewer sees farther than usual. It is compared
-	/// with Sight::end.
+	/// `far` minus the distance in meters by which the viewer sees farther than usual. It is
+	/// compared with Sight::end.
 	double sight = 0.0;
 
 	DistanceRange() = default;
@@ -50,7 +50,7 @@ public:
 	}
 
 	/// Returns false if a box lies entirely outside one of the planes. Renderers cull in the same
-	/// way. A box near an edge of the volume may count as visible although it is not.
+	/// way. A box near an edge of the volume may be reported as visible even if it is not.
 	bool touches(glm::dvec3 min, glm::dvec3 max) const {
 		for (const Plane &plane : planes_) {
 			const glm::dvec3 inmost{plane.normal.x > 0.0 ? max.x : min.x, plane.normal.y > 0.0 ? max.y : min.y,

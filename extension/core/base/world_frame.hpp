@@ -12,7 +12,7 @@ namespace thicket {
 struct WorldFrame {
 	glm::dvec3 offset{0.0}; ///< The world position of the engine's origin, in meters.
 	glm::dmat3 turn{1.0};   ///< A rotation. The identity unless `local` is true.
-	bool local = false;     ///< Whether the world is the node's local space, and moves with the node.
+	bool local = false;     ///< True if the world is the node's local space and moves with the node.
 
 	bool operator==(const WorldFrame &) const = default;
 

@@ -64,7 +64,7 @@ void tell(thicket_sampler &r_sampler, const char *text) {
 	r_sampler.message[length] = '\0';
 }
 
-/// Runs a call of a sampler. Returns THICKET_BUSY while another call is in progress.
+/// Runs a call to a sampler. Returns THICKET_BUSY while another call is in progress.
 /// `work(sampler)` returns a Status. For domains, `request` improves the error message; otherwise
 /// it is null.
 template <typename Work>
@@ -88,7 +88,7 @@ thicket_code call(thicket_sampler *sampler, const Work &work, const thicket::Dom
 	return code_of(status.code);
 }
 
-/// Returns the sampler's points as a list of `Point`. Replaces a list of a different type.
+/// Returns the sampler's points as a list of `Point`. Replaces a list of another type.
 template <typename Point>
 std::vector<Point> &held_as(thicket_sampler &r_sampler) {
 	if (auto *known = std::get_if<std::vector<Point>>(&r_sampler.held)) {
@@ -157,7 +157,7 @@ thicket::DomainRequest request_of(const thicket_domain &domain) {
 	return request;
 }
 
-/// Checks that the sampler has the points [first, first + count), and that `buffer` is not null if
+/// Checks that the sampler has the points [first, first + count) and that `buffer` is not null if
 /// it is needed.
 Status check_part(const thicket_sampler &sampler, std::uint64_t first, std::uint64_t count, const void *buffer) {
 	const std::uint64_t held = count_of(sampler);

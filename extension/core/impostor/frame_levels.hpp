@@ -12,7 +12,7 @@ namespace thicket {
 struct FramePixel {
 	glm::vec3 color{0.0F}; ///< Linear RGB color.
 	glm::vec3 normal{0.0F};
-	float depth = 0.0F;    ///< Distance towards the viewer, in bounding-sphere radii.
+	float depth = 0.0F;    ///< Distance toward the viewer, in bounding-sphere radii.
 	float coverage = 0.0F; ///< Covered fraction of the pixel, 0 to 1.
 };
 

@@ -146,7 +146,7 @@ void FrameRaster::shade(const ImpostorSurface &surface, std::span<const glm::vec
 	const glm::vec3 normal = surface.normals.empty()
 			? triangle.flat_normal
 			: unit_vector(mixed(std::span(surface.normals), triangle.vertices, weights));
-	// The depth is clamped, because rounding could otherwise make the sample count as empty.
+	// The depth is clamped, because rounding could otherwise make the sample appear empty.
 	r_sample = {std::max(depth, -1.0F), glm::vec3(color), triangle.shows_back ? -normal : normal};
 }
 

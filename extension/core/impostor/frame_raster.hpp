@@ -16,7 +16,7 @@ namespace thicket {
 
 /// A sample: one point of a frame at which the surface is evaluated.
 struct FrameSample {
-	float depth = -2.0F; ///< Distance towards the viewer in radii, -1 to 1; below -1 if the sample is empty.
+	float depth = -2.0F; ///< Distance toward the viewer in radii, -1 to 1; below -1 if the sample is empty.
 	glm::vec3 color{0.0F};
 	glm::vec3 normal{0.0F};
 
@@ -27,8 +27,8 @@ struct FrameSample {
 struct FrameView {
 	PictureAxes axes;
 	glm::vec3 center{0.0F};
-	float radius = 1.0F; ///< Half of the side in meters; above 0, and large enough to enclose all triangles.
-	/// Samples along each side of a pixel. Mipmap levels are chosen per pixel, as in the engine.
+	float radius = 1.0F; ///< Half of the width in meters; above 0, and large enough to enclose all triangles.
+	/// Samples along each edge of a pixel. Mipmap levels are chosen per pixel, as in the engine.
 	int samples = 1;
 };
 
@@ -51,7 +51,7 @@ public:
 	std::span<const FrameSample> samples() const { return samples_; }
 
 private:
-	/// A vertex in the frame, in units of 1/256 of a sample. The origin is the frame's left top
+	/// A vertex in the frame, in units of 1/256 of a sample. The origin is the frame's top left
 	/// corner.
 	struct Corner {
 		std::int64_t x = 0;

@@ -21,7 +21,7 @@ Histogram alphas_of(std::span<const std::uint8_t> rgba) {
 	return counts;
 }
 
-/// Returns the alpha threshold that a given share of all pixels reaches, as nearly as possible.
+/// Returns the alpha threshold that a given fraction of all pixels reaches, as closely as possible.
 std::size_t threshold_for(const Histogram &counts, std::size_t pixels, double share) {
 	const double wanted = share * static_cast<double>(pixels);
 	double reached = 0.0;

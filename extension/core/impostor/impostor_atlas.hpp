@@ -21,7 +21,7 @@ public:
 	void put(int column, int row, const FrameLevels &frame);
 
 	/// Generates the levels in which frames are smaller than a pixel, and adjusts the coverage of
-	/// all levels to that of the finest one. Call this function after all frames are written.
+	/// all levels to match the finest one. Call this function after all frames are written.
 	void finish();
 
 	std::vector<std::uint8_t> &albedo() { return albedo_; }

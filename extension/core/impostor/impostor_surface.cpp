@@ -19,7 +19,7 @@ constexpr double farthest_vertex = 1e6; // Maximum absolute coordinate of a vert
 template <class Vector>
 Status check_vectors(const char *property, std::span<const Vector> vectors, std::size_t count, double largest) {
 	if (!vectors.empty() && vectors.size() != count) {
-		return Status::wrong_size(property, vectors.size(), exactly(count, "one a vertex"));
+		return Status::wrong_size(property, vectors.size(), exactly(count, "one per vertex"));
 	}
 	for (const Vector &vector : vectors) {
 		for (int axis = 0; axis < Vector::length(); ++axis) {
@@ -54,7 +54,7 @@ void ImpostorSurface::transform(const glm::mat3 &basis, glm::vec3 offset) {
 
 Status ImpostorSurface::check() const {
 	if (indices.size() % 3 != 0) {
-		return Status::wrong_size("indices", indices.size(), at_least(0, "three a triangle"));
+		return Status::wrong_size("indices", indices.size(), at_least(0, "three per triangle"));
 	}
 	for (const std::uint32_t index : indices) {
 		if (index >= positions.size()) {

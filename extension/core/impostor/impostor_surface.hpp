@@ -49,11 +49,11 @@ struct ImpostorSurface {
 	ImpostorMaterial material;
 
 	/// Transforms positions and normals by a basis and an offset. If the basis mirrors, also
-	/// reverses the winding of the triangles, so that front faces remain front faces.
+	/// reverses the winding of the triangles so that front faces remain front faces.
 	void transform(const glm::mat3 &basis, glm::vec3 offset);
 
 	/// Returns an error if a number is not finite or out of range, if the lists have different
-	/// sizes, or if an index refers to no vertex.
+	/// sizes, or if an index does not refer to a vertex.
 	Status check() const;
 };
 

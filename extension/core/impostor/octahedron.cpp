@@ -8,8 +8,8 @@ namespace thicket {
 
 namespace {
 
-/// If the squared length of a direction's horizontal part is below this, the direction counts as
-/// vertical.
+/// If the squared length of a direction's horizontal part is below this, the direction is treated
+/// as vertical.
 constexpr float least_horizontal = 1e-6F;
 
 float signed_one(float value) { return value < 0.0F ? -1.0F : 1.0F; }

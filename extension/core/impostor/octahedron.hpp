@@ -24,7 +24,7 @@ struct PictureAxes {
 	glm::vec3 toward; ///< Points to the viewer.
 };
 
-/// Returns the axes for a unit direction towards the viewer. `up` is as close to y as possible. If
+/// Returns the axes for a unit direction toward the viewer. `up` is as close to y as possible. If
 /// the viewer is exactly above or below, `right` is the x axis.
 PictureAxes picture_axes(glm::vec3 toward);
 

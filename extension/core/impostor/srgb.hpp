@@ -5,11 +5,11 @@
 
 namespace thicket {
 
-/// The sRGB transfer curve (IEC 61966-2-1) for bytes. Returns the same bits on every machine,
+/// The sRGB transfer curve (IEC 61966-2-1) for bytes. Results are bit-identical on every machine,
 /// because it avoids the C library's power functions, whose rounding differs between machines.
 class SrgbCurve {
 public:
-	/// Returns the shared instance, which the first call creates. May be called on any thread.
+	/// Returns the shared instance, which the first call creates. Any thread may call it.
 	static const SrgbCurve &get();
 
 	/// Converts a stored byte to a linear value, 0 to 1, within 1e-6 of the true value.

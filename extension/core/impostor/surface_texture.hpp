@@ -15,11 +15,12 @@ namespace thicket {
 inline constexpr int max_texture_side = 1 << 14; ///< Maximum width and height in pixels.
 
 /// The albedo texture of a surface: sRGB colors with alpha, repeated in both directions. Its
-/// mipmaps average the stored bytes, as in the engine. A texture does not change after `set`.
+/// mipmaps average the stored bytes, as in the engine. A texture is immutable after `set`.
 class SurfaceTexture {
 public:
 	/// Copies the pixels of `rgba`, row by row, with four bytes per pixel, and computes the
-	/// mipmaps. Each side must be 1 to max_texture_side. A failed call changes nothing.
+	/// mipmaps. Width and height must be 1 to max_texture_side. A failed call leaves the texture
+	/// unchanged.
 	Status set(int width, int height, std::span<const std::uint8_t> rgba);
 
 	/// Returns the coarsest mipmap level whose pixels are at most as large as `area`, in pixels of
@@ -28,7 +29,7 @@ public:
 
 	/// Returns the linear color and alpha at texture coordinates, which are 0 to 1 over the image
 	/// with v down. The function interpolates between the pixel centers of the level. Coordinates
-	/// that are not finite count as 0.
+	/// that are not finite are treated as 0.
 	glm::vec4 sample(glm::vec2 uv, int level) const;
 
 	glm::ivec2 size() const { return {levels_.front().width, levels_.front().height}; }

@@ -11,9 +11,9 @@ struct LodCaster {
 	double distance = 0.0;         ///< Distance in meters from which the LOD is drawn.
 };
 
-/// Number of instances per square meter from which a layer counts as dense.
+/// Number of instances per square meter from which a layer is considered dense.
 inline constexpr double dense_layer = 1.0;
-inline constexpr double small_plant = 2.0; ///< Longest side in meters below which a model counts as small.
+inline constexpr double small_plant = 2.0; ///< Longest side in meters below which a model is considered small.
 /// Distance up to which small models in dense layers cast shadows, in multiples of their longest
 /// side.
 inline constexpr double near_in_sizes = 10.0;
@@ -24,16 +24,16 @@ inline constexpr double shadow_sight = 512.0;
 ///
 /// Small, dense plants such as grass hide each other's shadows at a distance. An LOD of such a
 /// layer therefore casts no shadow if it begins at `near_in_sizes` times the longest side or
-/// farther. In other layers, each LOD casts the shadow of its own mesh, which costs less for
-/// coarser meshes.
+/// farther. In other layers, each LOD casts the shadow of its mesh, which costs less for coarser
+/// meshes.
 ///
 /// No LOD casts a shadow if, where it begins, the shadow is narrower than a pixel of the shadow
 /// map. The shadow is assumed to be as wide as the second longest side of the box, for any
 /// direction of the sun. The width of a pixel is the distance divided by `shadow_sight`. The map of
-/// a directional light has 4096 pixels on each side, and the farthest of its four splits gets 2048
+/// a directional light is 4096 pixels wide and high, and the farthest of its four splits gets 2048
 /// of them. That split must cover about four times the distance.
 ///
-/// The result is also true if a size is NAN or negative.
+/// Also returns true if a size is NAN or negative.
 bool casts_shadow(const LodCaster &lod);
 
 } // namespace thicket

@@ -55,7 +55,7 @@ struct ModelLod {
 std::vector<ModelLod> model_lods(std::span<const PartRange> parts);
 
 /// Returns the default distance in meters from which the LOD at index `lod` is drawn, which is 0
-/// for the first LOD. `size` is the diagonal of the model's bounding box in meters. Each further
+/// for the first LOD. `size` is the diagonal of the model's bounding box in meters. Each following
 /// LOD begins at twice the distance of the LOD before it, because the model appears half as large
 /// there.
 double usual_lod_distance(double size, std::size_t lod);

@@ -317,7 +317,7 @@ void InstanceState::put_for(
 
 Status InstanceState::set_data(std::uint64_t id, std::span<const std::uint8_t> bytes) {
 	if (bytes.size() > max_instance_data) {
-		return Status::wrong_size("data", bytes.size(), at_most(max_instance_data, "bytes an instance"));
+		return Status::wrong_size("data", bytes.size(), at_most(max_instance_data, "bytes per instance"));
 	}
 	Content::Entry to = content_->entry(id);
 	if (is_added(id) && to.instance == nullptr) {
