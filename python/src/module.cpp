@@ -34,7 +34,7 @@ namespace thicket::python {
 
 namespace {
 
-/// The points of a set. Arrays are views into `points`, and keep this object alive.
+/// The points of a set. Arrays are views into `points` and keep this object alive.
 template <typename Point>
 struct PointList {
 	std::vector<Point> points;

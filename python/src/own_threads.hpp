@@ -11,7 +11,7 @@
 
 namespace thicket::python {
 
-/// Threads for one call. They run only code of the core, and never take the interpreter's lock.
+/// Threads for one call. They run only code of the core and never take the interpreter's lock.
 class OwnThreads : public LentThreads {
 public:
 	/// Creates a set of `count` threads in addition to the calling one.
@@ -22,7 +22,7 @@ public:
 
 	std::size_t count() const override { return count_; }
 
-	/// If the system cannot start more threads, the existing ones do all of the work.
+	/// If the system cannot start more threads, the existing ones do all the work.
 	void run(const std::function<void(std::size_t index)> &work) override {
 		std::vector<std::jthread> threads; // The destructor waits for all of them.
 		try {

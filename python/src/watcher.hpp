@@ -13,7 +13,7 @@
 
 namespace thicket::python {
 
-/// Cancels calls on any thread. An object that was cancelled stays cancelled.
+/// Cancels calls on any thread. An object that was canceled stays canceled.
 class Cancel {
 public:
 	void cancel() { cancelled_.store(true, std::memory_order_relaxed); }
@@ -35,7 +35,7 @@ private:
 
 /// Watches one call that runs without the interpreter's lock. About every 15 milliseconds, it takes
 /// the lock to call the progress function and to check for Ctrl+C. If either raises an exception,
-/// or if the Cancel is cancelled, it ends the call.
+/// or if the Cancel is canceled, it ends the call.
 class Watcher {
 public:
 	/// Creates a watcher. `callback` is a callable or None, and `cancel` may be null. The caller
@@ -46,8 +46,8 @@ public:
 	Progress progress();
 
 	/// Raises the exception of the progress function, or Cancelled. For any other error, raises
-	/// ValueError or MemoryError with the core's `sentence`. If there is no error, reports to the
-	/// progress function that all `points` are done, and passes on its exception.
+	/// ValueError or MemoryError with the core's message `sentence`. If there is no error, reports
+	/// to the progress function that all `points` are done, and passes on its exception.
 	void finish(const Status &status, const std::string &sentence, std::uint64_t points);
 
 private:

@@ -76,7 +76,7 @@ EngineMethod::EngineMethod(const char *p_class, const char *p_name, GDExtensionI
 
 bool EngineMethod::check() const {
 	if (!method_) {
-		ERR_PRINT(vformat("This engine has no %s.%s() of the form that the extension was built for.", class_, name_));
+		ERR_PRINT(vformat("This engine has no %s.%s() with the signature that the extension expects.", class_, name_));
 	}
 	return method_ != nullptr;
 }

@@ -138,7 +138,7 @@ void release_wrappers() {
 Wrapped::Wrapped() {
 	_owner = std::exchange(internal::next_owner, nullptr);
 	if (!_owner) {
-		std::fputs("The engine makes its objects, and ours: C++ cannot.\n", stderr);
+		std::fputs("The engine creates its objects and ours; C++ code cannot.\n", stderr);
 		std::abort();
 	}
 }

@@ -8,7 +8,7 @@
 
 namespace godot {
 
-/// A counted reference to a RefCounted object, which is freed together with its last reference.
+/// A counted reference to a RefCounted object, which is freed along with its last reference.
 template <typename T>
 class Ref {
 public:
@@ -39,7 +39,7 @@ public:
 	bool operator==(const Ref &p_other) const { return object_ == p_other.object_; }
 	operator Variant() const { return Variant(static_cast<const Object *>(object_)); }
 
-	/// Returns a Ref that takes over a reference which the engine has already counted.
+	/// Returns a Ref that takes over a reference that the engine has already counted.
 	static Ref _adopt(T *p_object) {
 		Ref result;
 		result.object_ = p_object;

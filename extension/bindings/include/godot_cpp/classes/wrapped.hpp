@@ -35,7 +35,7 @@ protected:
 	Wrapped();
 	virtual ~Wrapped() = default;
 
-	/// These hooks do nothing. Our classes may override them, with the same signatures as in
+	/// These hooks do nothing. Our classes may override them with the same signatures as in
 	/// godot-cpp.
 	static void _bind_methods() {}
 	void _notification(int) {}
@@ -63,7 +63,7 @@ public:
 	/// it.
 	static GodotObject *new_object(const StringName &p_engine_class);
 	/// Sets the object that the next Wrapped on this thread will wrap. The constructor of Wrapped
-	/// takes no arguments, so that derived classes need not pass them on.
+	/// takes no arguments, so derived classes need not pass any.
 	static void expect(GodotObject *p_owner);
 	/// Connects a complete wrapper to the object that it wraps. `p_extension_class` is null for
 	/// engine classes.
@@ -89,7 +89,8 @@ public: \
 	} \
 	static const ::godot::StringName &get_class_static() { return _class_name().get(); }
 
-/// Declares what the bindings need of a class. Must be at the top of each of our classes.
+/// Declares the members that the bindings need in a class. Must be at the top of each of our
+/// classes.
 #define GDCLASS(m_class, m_inherits) \
 	GDCLASS_COMMON(m_class, m_inherits) \
 	static constexpr bool _is_engine_class = false; \

@@ -7,7 +7,7 @@
 
 namespace godot::internal {
 
-/// Converts the values to the engine's representation, and calls `p_call` with an array of pointers
+/// Converts the values to the engine's representation and calls `p_call` with an array of pointers
 /// to them.
 template <typename Call, typename... Args>
 void with_pointers(const Call &p_call, const Args &...p_args) {

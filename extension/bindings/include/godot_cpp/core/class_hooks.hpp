@@ -128,7 +128,7 @@ public:
 	static constexpr GDExtensionInstanceBindingCallbacks callbacks{create_binding, free_binding, reference_binding};
 
 private:
-	/// Creates a T for an engine object, without connecting the two.
+	/// Creates a T for an engine object without connecting the two.
 	static T *instance(void *p_owner) {
 		Access::expect(p_owner);
 		try {

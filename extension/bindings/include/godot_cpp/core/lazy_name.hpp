@@ -9,7 +9,7 @@ namespace godot::internal {
 
 /// A StringName that is created on first use. The name is released when the library is unloaded,
 /// because the engine reports leaked names. Later uses create the name again, because some systems
-/// keep an unloaded library in memory. Any thread may use it.
+/// keep an unloaded library in memory. Any thread may use a LazyName.
 class LazyName {
 public:
 	constexpr explicit LazyName(const char *p_text) : text_(p_text) {}

@@ -27,7 +27,7 @@ struct BuiltinFunctions {
 
 extern BuiltinFunctions builtin_functions[GDEXTENSION_VARIANT_TYPE_VARIANT_MAX];
 
-/// Fills `builtin_functions`. Requires a previous call of load_interface().
+/// Fills `builtin_functions`. Requires a previous call to load_interface().
 void load_builtin_functions();
 
 /// A value whose representation only the engine knows. All such types can be moved bytewise.

@@ -12,7 +12,7 @@ namespace godot::internal {
 bool has_script_method(GodotObject *p_owner, const StringName &p_name);
 
 /// Calls a method of the object's script (`object_call_script_method`). Returns false if the method
-/// does not exist, or if it cannot be called with these arguments.
+/// does not exist or cannot be called with these arguments.
 bool call_script_method(GodotObject *p_owner, const StringName &p_name, const Variant *const *p_args,
 		std::size_t p_count, Variant &r_result);
 

@@ -134,7 +134,7 @@ private:
 
 namespace godot {
 
-/// Replaces the placeholders in a text (%d, %s, ...), by the same rules as GDScript.
+/// Replaces the placeholders in a string (%d, %s, ...) by the same rules as GDScript.
 template <typename... Args>
 String vformat(const String &p_text, const Args &...p_args) {
 	Array values;
