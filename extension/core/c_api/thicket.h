@@ -9,7 +9,7 @@
  *   in every release. With thicket_digest, two machines can verify that they agree.
  * - Lengths and positions are in meters, in double precision. A seed may be any 64-bit number.
  * - A sampler belongs to the caller that created it and serves one call at a time. A second call, from
- *   a different thread or from a progress function, fails with THICKET_BUSY. Only thicket_cancel may
+ *   another thread or from a progress function, fails with THICKET_BUSY. Only thicket_cancel may
  *   be called at any time and from any thread. Samplers are independent of each other: use one per
  *   thread.
  * - A sampler keeps the points of its last call until the next call that generates points. Points are
@@ -23,8 +23,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The version of this header: major * 1000 + minor. A new major version requires that programs are
- * recompiled, and perhaps changed. */
+/* The version of this header: major * 1000 + minor. Programs must be recompiled, and
+ * perhaps changed, for a new major version. */
 #define THICKET_C_VERSION 1000
 
 #if defined(__GNUC__) && !defined(_WIN32)
@@ -52,7 +52,7 @@ typedef enum thicket_code {
 	THICKET_OUT_OF_MEMORY = 7,   /* The machine does not have enough memory for the request. */
 	THICKET_MARGIN_TOO_WIDE = 8, /* Even the widest margin does not decide a point; see the message. Never observed. */
 	THICKET_CANCELLED = 9,       /* thicket_cancel or the progress function ended the call. */
-	THICKET_BUSY = 10,           /* A call of this sampler is in progress. */
+	THICKET_BUSY = 10,           /* A call to this sampler is in progress. */
 	THICKET_FAILED = 11          /* Any other error; see the message. */
 } thicket_code;
 
@@ -61,7 +61,7 @@ typedef struct thicket_set {
 	uint64_t seed;   /* A different seed produces an unrelated set. */
 	double radius;   /* Meters, 0.001 to 1e6. */
 	uint32_t levels; /* Levels of the progressive order, 1 to 8. 1 is plain dart throwing and the fastest. */
-	uint16_t layer;  /* Stored in the ids. A different layer produces an unrelated set. */
+	uint16_t layer;  /* Stored in the IDs. A different layer produces an unrelated set. */
 } thicket_set;
 
 /* A half-open rectangle in meters. It contains p if min <= p < max on both axes, so rectangles that share
@@ -73,9 +73,9 @@ typedef struct thicket_rect {
 
 /* A point of a set. */
 typedef struct thicket_point {
-	double x, y;    /* World meters, as exact far from the origin as near it. */
+	double x, y;    /* World meters, with the same accuracy at any distance from the origin. */
 	uint64_t id;    /* The same in every rectangle: 16 bits for the layer, 24 for cell x, 24 for cell y. */
-	uint32_t rank;  /* rank / 2^32 is the share of the set that comes first in the progressive order. */
+	uint32_t rank;  /* rank / 2^32 is the fraction of the set that precedes the point in the progressive order. */
 	uint32_t level; /* 0 is the finest. The points of level l and above form a set of radius r * 2^l. */
 } thicket_point;
 
@@ -107,30 +107,30 @@ typedef struct thicket_domain {
 } thicket_domain;
 
 /* Monitors a call. The function `progress` is called on the calling thread, every few milliseconds. It may
- * be NULL. `fraction` is the finished share of the work (0 to 1, never decreasing), and `points` the number of points
- * generated so far. If `progress` returns a value other than 0, the call ends with THICKET_CANCELLED.
+ * be NULL. `fraction` is the finished fraction of the work (0 to 1, never decreasing), and `points` is the
+ * number of points generated so far. If `progress` returns a value other than 0, the call ends with THICKET_CANCELLED.
  * `progress` must not throw. */
 typedef struct thicket_watch {
 	int (*progress)(void *user, double fraction, uint64_t points);
 	void *user; /* Passed to `progress` unchanged. */
 } thicket_watch;
 
-/* A sampler generates points, and keeps the points of its last call. */
+/* A sampler generates points and keeps the points of its last call. */
 typedef struct thicket_sampler thicket_sampler;
 
 /* Returns THICKET_C_VERSION of the library. Its major version, version / 1000, must equal that of the
- * header. May be called from any thread. */
+ * header. Any thread may call this function. */
 THICKET_API uint32_t thicket_c_version(void) THICKET_NOEXCEPT;
 
-/* Returns a new sampler, or NULL if memory runs out. May be called from any thread. */
+/* Returns a new sampler, or NULL if memory runs out. Any thread may call this function. */
 THICKET_API thicket_sampler *thicket_sampler_new(void) THICKET_NOEXCEPT;
 
-/* Frees a sampler and its memory. `sampler` may be NULL. No call of the sampler may be in progress. */
+/* Frees a sampler and its memory. `sampler` may be NULL. No call to the sampler may be in progress. */
 THICKET_API void thicket_sampler_free(thicket_sampler *sampler) THICKET_NOEXCEPT;
 
-/* Returns a sentence that describes why the last call failed, such as "radius must be positive, got -1",
- * or "" if it succeeded. Never returns NULL. The text is valid until the next call with this sampler. If a
- * call is in progress or `sampler` is NULL, the sentence says so. */
+/* Returns a message that explains why the last call failed, such as "radius must be positive, got -1",
+ * or "" if it succeeded. Never returns NULL. The string is valid until the next call with this sampler. If a
+ * call is in progress or `sampler` is NULL, the message says so. */
 THICKET_API const char *thicket_message(const thicket_sampler *sampler) THICKET_NOEXCEPT;
 
 /* Generates the points of a set in a rectangle, in an order that depends only on the arguments. Returns the
@@ -139,8 +139,8 @@ THICKET_API const char *thicket_message(const thicket_sampler *sampler) THICKET_
 THICKET_API thicket_code thicket_sample(thicket_sampler *sampler, const thicket_set *set, const thicket_rect *rect,
 		const thicket_watch *watch, uint64_t *r_count) THICKET_NOEXCEPT;
 
-/* Fills a whole domain with at most 1e9 points, in the order of their acceptance. The points have no ids,
- * ranks or levels. Takes expected O(points) time. The arguments are otherwise those of thicket_sample. */
+/* Fills a whole domain with at most 1e9 points, in the order of their acceptance. The points have no IDs,
+ * ranks or levels. Takes O(points) expected time. The other arguments are the same as for thicket_sample. */
 THICKET_API thicket_code thicket_sample_domain(thicket_sampler *sampler, const thicket_domain *domain,
 		const thicket_watch *watch, uint64_t *r_count) THICKET_NOEXCEPT;
 
@@ -153,22 +153,22 @@ THICKET_API uint64_t thicket_count(const thicket_sampler *sampler) THICKET_NOEXC
 THICKET_API thicket_code thicket_read_points(
 		thicket_sampler *sampler, uint64_t first, uint64_t count, thicket_point *r_points) THICKET_NOEXCEPT;
 
-/* Copies only the positions of `count` points: 2 * count numbers, x, y, x, y, ... The points may also be those
- * of thicket_sample_domain. The rest is as in thicket_read_points. */
+/* Copies only the positions of `count` points: 2 * count numbers, x, y, x, y, ... Also works for the points
+ * of thicket_sample_domain. Otherwise like thicket_read_points. */
 THICKET_API thicket_code thicket_read_positions(
 		thicket_sampler *sampler, uint64_t first, uint64_t count, double *r_xy) THICKET_NOEXCEPT;
 
 /* Computes digests of the points in the sampler, so that two machines can verify that they have equal
- * points. `r_places` receives the digest of the ids, positions and levels. It is independent of the order
+ * points. `r_places` receives the digest of the IDs, positions and levels. It is independent of the order
  * of the points after thicket_sample, but depends on the order after thicket_sample_domain. `r_ranks`
  * receives the digest of the ranks, which newer versions may change, or 0 after thicket_sample_domain.
  * `r_ranks` may be NULL. */
 THICKET_API thicket_code thicket_digest(
 		thicket_sampler *sampler, uint64_t *r_places, uint64_t *r_ranks) THICKET_NOEXCEPT;
 
-/* Cancels the call of this sampler that is in progress. The call ends within 50 milliseconds, plus the time
- * that the system takes to free its memory. Calls that have not started yet are not affected. May be called
- * from any thread. `sampler` may be NULL. */
+/* Cancels the call to this sampler that is in progress. The call ends within 50 milliseconds, plus the time
+ * that the system takes to free its memory. Calls that have not started yet are not affected. Any thread
+ * may call this function. `sampler` may be NULL. */
 THICKET_API void thicket_cancel(thicket_sampler *sampler) THICKET_NOEXCEPT;
 
 #ifdef __cplusplus
