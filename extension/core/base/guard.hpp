@@ -10,9 +10,9 @@
 namespace thicket {
 
 /// The exception boundary of the core: every public function that allocates memory does its work
-/// inside this call. `guarded` runs `work`, which returns a Status or nothing. If memory runs out,
-/// or a request exceeds the maximum size of a container, it returns ErrorCode::out_of_memory with
-/// `asked_for` as the property (a string literal) and with `value`.
+/// inside this call. `guarded` runs `work`, which returns a Status or nothing. If memory runs out
+/// or a request exceeds the maximum size of a container, it returns ErrorCode::out_of_memory. The
+/// status has `asked_for` as its property (a string literal) and `value` as its value.
 ///
 /// `work` must allocate all its memory before it changes anything that outlives the call, so that a
 /// failure leaves everything unchanged. Functions with stronger guarantees document them.
@@ -42,7 +42,7 @@ Status guarded_answer(const char *asked_for, double value, Answer &r_answer, Wor
 }
 
 /// The inverse of `guarded`, for code in the core that calls a guarded function but cannot return a
-/// status. Throws std::bad_alloc if the call ran out of memory. The caller's own guard catches the
+/// status. Throws std::bad_alloc if the call ran out of memory. The guard of the caller catches the
 /// exception.
 inline void throw_if_out_of_memory(const Status &status) {
 	if (status.code == ErrorCode::out_of_memory) {

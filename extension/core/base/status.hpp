@@ -68,10 +68,10 @@ constexpr AllowedRange exactly(Number number, const char *note = "") {
 	return between(number, number, note);
 }
 
-/// The outcome of a public call of the core. Such calls do not throw (see core/base/guard.hpp), and
-/// a failed call leaves its object unchanged. Two kinds of functions cannot return a status:
-/// constructors, and functions that return their result by value (a list of IDs, a digest). If
-/// memory runs out, these throw std::bad_alloc and have no effect.
+/// The outcome of a call to a public function of the core. Such calls do not throw (see
+/// core/base/guard.hpp), and a failed call leaves its object unchanged. Two kinds of functions
+/// cannot return a status: constructors, and functions that return their result by value (a list of
+/// IDs, a digest). If memory runs out, these throw std::bad_alloc and have no effect.
 struct [[nodiscard]] Status {
 	ErrorCode code = ErrorCode::none;
 	const char *property = ""; ///< The rejected property; a string literal.

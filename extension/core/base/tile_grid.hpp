@@ -65,7 +65,7 @@ inline constexpr std::int32_t all_slabs = std::numeric_limits<std::int32_t>::min
 /// bit-identical.
 TileSpace tile_space(double tile_size, glm::ivec2 tile, std::int32_t slab = all_slabs);
 
-/// Returns the slab that contains a height. The conditions are those of tile_at().
+/// Returns the slab that contains a height. The conditions of tile_at() apply.
 std::int32_t slab_at(double tile_size, double height);
 
 /// Returns the tiles that overlap a half-open rectangle, or an empty range for an empty rectangle.

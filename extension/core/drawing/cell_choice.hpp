@@ -29,15 +29,15 @@ std::uint32_t cells_across(double tile_size, double cell_size);
 double usual_cell_size(double reach, double density);
 inline constexpr double fewest_in_cell = 16.0;
 
-/// Returns the number of cells along an edge of a tile whose box is `distance` meters from the
-/// nearest viewer, or 1 if the tile is drawn as a whole. A tile is divided only if its mesh or
-/// thinning changes between its near and its far end. Cells grow with the distance of the first
-/// such change: the smallest size that the settings allow is doubled while it is less than a
-/// quarter of that distance.
+/// Returns the number of cells along an edge of a tile, or 1 if the tile is drawn as a whole.
+/// `distance` is the distance in meters from the nearest viewer to the tile's box. A tile is
+/// divided only if its mesh or thinning changes between its near and its far end. Cells grow with
+/// the distance of the first such change. The smallest size that the settings allow is doubled
+/// while it is less than a quarter of that distance.
 ///
 /// `shown` is the current division, or 0 for a tile that is not displayed. The current division is
-/// kept until the distance is a tenth of the tile's size past the point of change, so that a viewer
-/// moving back and forth causes no uploads.
+/// kept until the distance is a tenth of the tile's size past the point of change. A viewer that
+/// moves back and forth therefore causes no uploads.
 std::uint32_t division_at(const CellSettings &cells, const LodSettings &lod, double distance, std::uint32_t shown);
 
 /// Returns the distance in meters, above 0, by which a viewer may move before `division_at` must be

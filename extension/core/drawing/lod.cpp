@@ -67,7 +67,7 @@ double compensating_scale(const LodSettings &settings, double share) {
 }
 
 double limited_share(double share, std::uint64_t wanted, std::uint64_t most) {
-	constexpr double filled = 0.9;     // Fraction of the limit that is used after a change of `share`.
+	constexpr double filled = 0.9;     // Fraction of the limit that is used after `share` has changed.
 	constexpr double too_little = 0.7; // `share` is raised below this fraction of the limit.
 	const auto all = static_cast<double>(wanted);
 	const auto limit = static_cast<double>(most);

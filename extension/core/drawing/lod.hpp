@@ -57,7 +57,7 @@ Status validate(const LodSettings &settings);
 
 /// Returns the index of the mesh for a distance: 0 for the finest mesh, or i if the distance is at
 /// least lod_distances[i - 1]. `shown` is the currently displayed mesh, or 0 if there is none. A
-/// finer mesh replaces it only 5 % below the distance of the change, so that the mesh does not
+/// finer mesh replaces it only 5 % below the distance of the change. The mesh therefore does not
 /// flicker while a viewer moves back and forth.
 std::size_t lod_at(const LodSettings &settings, double distance, std::size_t shown);
 

@@ -14,8 +14,8 @@ namespace {
 
 glm::dvec3 position_of(const Viewer &viewer) { return {viewer.position.x, viewer.height, viewer.position.y}; }
 
-/// Meters per frame. A larger movement counts as a jump, because it would degrade the precision of
-/// the accumulated sum.
+/// Meters per frame. A larger movement is treated as a jump, because it would degrade the precision
+/// of the accumulated sum.
 constexpr double farthest_step = 1e7;
 
 double length(glm::dvec3 v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }

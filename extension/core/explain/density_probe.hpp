@@ -20,9 +20,9 @@ namespace thicket {
 inline constexpr double max_probed_points = 4e6;
 
 /// Evaluates the density of a layer's rules at arbitrary positions. The probe runs the same code as
-/// tile generation: a point of the set at such a position would become an instance if its rank were
+/// tile generation. A point of the set at such a position would become an instance if its rank were
 /// below the density. A probe works in two steps, because the ground may have to be queried on
-/// another thread: call `find`, query the ground at `positions()`, then call `look`. Probes can be
+/// another thread. Call `find`, query the ground at `positions()`, then call `look`. Probes can be
 /// reused, like a TileBuilder, and each thread needs its own.
 class DensityProbe {
 public:

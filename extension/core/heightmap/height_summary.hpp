@@ -16,8 +16,8 @@ struct HeightSummary {
 	double lowest; ///< World meters; NAN if all height samples are holes. The same applies to `highest`.
 	double highest;
 	glm::ivec2 thumbnail_size{0}; ///< Columns and rows, up to max_thumbnail_side each.
-	/// Two bytes per pixel, row by row: the gray value, from 0 at the lowest to 255 at the highest
-	/// height sample, and the opacity, which is 0 for a hole and otherwise 255.
+	/// Two bytes per pixel, row by row: the gray value and the opacity. The gray value is 0 for the
+	/// lowest height sample and 255 for the highest. The opacity is 0 for a hole and otherwise 255.
 	std::vector<std::uint8_t> thumbnail;
 };
 

@@ -26,8 +26,8 @@ struct BodyFit {
 };
 
 /// Decomposes the basis of an instance into rotation and scale. A sheared basis keeps its up axis.
-/// Returns false if the basis is flat along an axis, or if a scale is not between 1e-4 and 1e4,
-/// because nothing can collide with such an instance. The result is the same on every machine.
+/// Returns false if the basis is flat along an axis or if a scale is not between 1e-4 and 1e4;
+/// nothing can collide with such an instance. The result is the same on every machine.
 bool fit_body(const glm::mat3 &basis, BodyFit &r_fit);
 
 /// Reduces `points` to at most `most` of them, without changing their order. `most` must be at

@@ -64,8 +64,8 @@ public:
 	/// Counts the frames since the last check.
 	void begin_frame() { ++frames_; }
 
-	/// Returns true if the cell must be checked: a center has moved by more than `slack` meters,
-	/// centers were added or removed, or the world has changed since the last check.
+	/// Returns true if the cell must be checked, because a center has moved by more than `slack`
+	/// meters, centers were added or removed, or the world has changed.
 	bool outdated(double slack, const NearVersion &now) const;
 
 	/// Returns the number of frames since the last check.

@@ -33,7 +33,7 @@ struct Obstruction {
 /// A cell is covered as soon as the cylinder touches it, as when a mesh is baked. Otherwise, a stem
 /// thinner than a cell could be lost between two cells. The outline is therefore 0.7 cells wider
 /// than the cylinder. At its corners, it is wider by up to half a cell or 4 % of its radius,
-/// whichever is more. The prism extends down far enough for ground that falls away from the
+/// whichever is larger. The prism extends down far enough for ground that falls away from the
 /// cylinder, and for an agent whose head would hit the cylinder.
 ///
 /// The obstruction excludes the agent's radius, because the bake adds it. Returns false if the

@@ -15,8 +15,8 @@ struct Candidate {
 };
 
 /// The candidates found so far in a search for the first instance. The filter's `accepts` is called
-/// in the order of `at`, layer and ID, and only for candidates that come before everything that has
-/// not been searched yet.
+/// in the order of `at`, layer and ID. It is called only for candidates that come before everything
+/// that has not been searched yet.
 class Candidates {
 public:
 	explicit Candidates(const QueryFilter &filter) : filter_(filter) {}

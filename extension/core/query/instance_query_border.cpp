@@ -1,5 +1,5 @@
-// The public functions of InstanceQuery. If memory runs out, they return an empty result and a
-// status that names the request.
+// This file contains the public functions of InstanceQuery. If memory runs out, they return an
+// empty result and a status that names the request.
 
 #include "core/base/guard.hpp"
 #include "core/query/instance_query.hpp"

@@ -32,7 +32,7 @@ public:
 	Status add(const InstanceWorld &world, const std::variant<Rect, Sphere> &area, const QueryFilter &filter,
 			std::int64_t &r_request);
 
-	/// Cancels a request. Returns false if it does not exist or was already answered.
+	/// Cancels a request. Returns false if it does not exist or has already been answered.
 	bool cancel(std::int64_t request);
 
 	/// Records missing tiles in the world and returns the answers that are complete, in the order

@@ -1,4 +1,4 @@
-// Finds the differences between two states of a painted mask.
+// This file finds the differences between two states of a painted mask.
 
 #include "core/rules/painted_mask.hpp"
 

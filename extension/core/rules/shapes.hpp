@@ -24,8 +24,8 @@ struct ShapeEffect {
 
 	double density() const { return included * (1.0 - excluded); }
 
-	/// Returns the index of the shape with the greatest effect: the excluding one if `excluded` is
-	/// above 0 and at least 1 - `included`, otherwise the including one.
+	/// Returns the index of the shape with the greatest effect. This is the excluding one if
+	/// `excluded` is above 0 and at least 1 - `included`, otherwise the including one.
 	std::uint32_t decisive() const { return excluded > 0.0 && excluded >= 1.0 - included ? excluding : including; }
 };
 

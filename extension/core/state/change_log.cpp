@@ -67,7 +67,7 @@ void ChangeLog::for_each_after(std::uint64_t revision, const Use &use) const {
 	}
 }
 
-/// Compaction works from the last entry to the first, and frees each old block as soon as its
+/// Compaction works from the last entry to the first and frees each old block as soon as its
 /// entries are copied.
 void ChangeLog::compact(std::size_t most, const ChangeLog *later) {
 	IdSet seen;

@@ -26,7 +26,7 @@ public:
 	/// Returns the IDs that changed after `revision`, without duplicates, in ascending order.
 	std::vector<std::uint64_t> since(std::uint64_t revision) const;
 
-	/// Appends the changes that `other` recorded after `revision`, and adds `raise` to their
+	/// Appends the changes that `other` recorded after `revision` and adds `raise` to their
 	/// revisions. The resulting revisions must be later than all changes in this log. The call is
 	/// cheap even for millions of changes, because logs share their blocks.
 	void append(const ChangeLog &other, std::uint64_t revision, std::uint64_t raise);

@@ -184,8 +184,8 @@ public:
 
 	/// Removes an instance, permanently or, if `until` is above 0 and at most max_state_time, until
 	/// the clock reaches it. A hand-placed instance is deleted along with its data, and `until` is
-	/// ignored. Returns false if the instance does not exist or was already removed; a new `until`
-	/// is still applied.
+	/// ignored. Returns false if the instance does not exist or has already been removed; a new
+	/// `until` is still applied.
 	StateChange remove(std::uint64_t id, double until = 0.0);
 
 	/// Undoes the removal of a point of the set. Has no effect if the point is not removed.
@@ -290,9 +290,9 @@ public:
 
 	/// Merges the content of another state into this one. A point that either state has removed is
 	/// removed, for the longer time. A hand-placed instance in either state is kept. If the data or
-	/// content of an instance differ, the last write wins, by the clock of the state that wrote it;
-	/// at equal times, the greater bytes or numbers win. The later of the two clocks is kept, and
-	/// points that are due by then are restored.
+	/// content of an instance differ, the last write wins, according to the clock of the state that
+	/// wrote it. At equal times, the greater bytes or numbers win. The later of the two clocks is
+	/// kept, and points that are due by then are restored.
 	///
 	/// The order and number of merges do not matter: states that merged the same changes have the
 	/// same content. Merging therefore restores an undone change from a state that still contains

@@ -1,4 +1,4 @@
-// Exchanges content between an InstanceState and other states.
+// This file exchanges content between an InstanceState and other states.
 
 #include "core/state/instance_state_content.hpp"
 

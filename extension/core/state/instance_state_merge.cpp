@@ -1,4 +1,4 @@
-// Merges states without an authority, and checks changes from other states against limits.
+// This file merges states without an authority and checks changes from other states against limits.
 
 #include "core/base/guard.hpp"
 #include "core/base/instance_id.hpp"

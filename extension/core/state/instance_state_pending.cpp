@@ -1,4 +1,4 @@
-// Applies diffs on a worker thread and takes over the results.
+// This file applies diffs on a worker thread and takes over the results.
 
 #include "core/base/guard.hpp"
 #include "core/state/instance_state_content.hpp"

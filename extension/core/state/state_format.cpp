@@ -10,7 +10,7 @@
 #include <cmath>
 #include <cstddef>
 
-// Format 2. Numbers are little-endian; a count is written with 7 bits per byte, the lowest first,
+// Format 2. Numbers are little-endian. A count is written with 7 bits per byte, the lowest first,
 // and the highest bit set in all bytes except the last. A list is written as in id_codec.hpp; IDs
 // in it are codes:
 //   "TSTA", u32 format;

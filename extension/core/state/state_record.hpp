@@ -50,7 +50,7 @@ struct StateRecord {
 	std::vector<AddedInstance> instances; ///< One entry for each ID in `added`.
 	std::vector<double> placed_at;        ///< Clock times, one for each ID in `added`.
 
-	/// Ids in `removed`, `standing` and `added` that have data.
+	/// IDs in `removed`, `standing` and `added` that have data.
 	Codes with_data;
 	std::vector<std::vector<std::uint8_t>> data; ///< One entry for each ID in `with_data`.
 	std::vector<double> data_at;                 ///< Clock times, one for each ID in `with_data`.
@@ -100,8 +100,8 @@ private:
 	void add_data(std::uint64_t code, Entry &r_entry) const;
 };
 
-/// Returns true if each ID is in exactly one of the lists for its kind, only listed IDs have data,
-/// and exactly the layers of these IDs have stamps.
+/// Returns true if the record is consistent: each ID is in exactly one of the lists for its kind,
+/// only listed IDs have data, and exactly their layers have stamps.
 bool is_consistent(const StateRecord &record);
 
 /// Returns an error for a value outside the ranges of AddedInstance. The error names the field.

@@ -136,7 +136,7 @@ std::optional<LayerTiles::Candidate> LayerTiles::next_ready(std::size_t viewer, 
 		}
 		const double squared = distance_squared(space(tile.at), place_of(tracked.now));
 		if (nearest && squared >= nearest->distance_squared) {
-			// A nearer tile was already found.
+			// A nearer tile has already been found.
 			continue;
 		}
 		if (is_turn(viewer, tracked, tile, squared)) {

@@ -115,12 +115,12 @@ struct StreamCounts {
 };
 
 /// Decides which tiles to generate, show and drop around the viewers. The class only makes
-/// decisions, and is independent of clocks, threads and Godot. The same sequence of calls produces
+/// decisions and is independent of clocks, threads and Godot. The same sequence of calls produces
 /// the same results.
 ///
 /// Guarantees:
 ///  (1) After an update, every tile within a viewer's view distance is waiting, pending or shown.
-///      If more than a thousand tiles are added at once (a teleport, new viewers), this may take
+///      If more than a thousand tiles are added together (a teleport, new viewers), this may take
 ///      several updates; `idle` is false until then.
 ///  (2) A requested tile is never requested again before it is answered, canceled or dropped.
 ///  (3) Viewers take turns. On its turn, a viewer requests the waiting tile of any layer that is
@@ -134,7 +134,7 @@ struct StreamCounts {
 ///      the nearest missing tile of the same layer that this viewer sees, plus one tile. For the
 ///      viewer that requested the tile, the limit also includes the distance flown since the
 ///      request, unless that viewer has jumped. A tile that replaces a visible one is not delayed.
-///  (7) A ready tile that waits to be shown does not delay other tiles: it does not count towards
+///  (7) A ready tile that waits to be shown does not delay other tiles: it does not count toward
 ///      `max_pending`. A tile that cannot be generated no longer blocks other tiles once the caller
 ///      reports it with `finish`.
 class TileStreamer {
@@ -145,14 +145,14 @@ public:
 	TileStreamer &operator=(TileStreamer &&) noexcept;
 
 	/// Replaces the layers, which are matched to the old ones by index. A new view distance keeps
-	/// all tiles, a new tile size starts a new grid for that layer, and the tiles of a removed
+	/// all tiles, and a new tile size starts a new grid for that layer. The tiles of a removed
 	/// layer are dropped. If settings are invalid or memory runs out, leaves all layers unchanged.
 	Status set_layers(std::span<const StreamLayer> layers);
 
 	/// Marks all visible and pending tiles of a layer as outdated, so that they are requested
-	/// again. Pending tiles are shown when they arrive and requested again only then, so that tiles
-	/// still appear during frequent changes, such as while a user drags a slider. A layer that does
-	/// not exist is ignored.
+	/// again. Pending tiles are shown when they arrive and requested again only then. Tiles
+	/// therefore still appear during frequent changes, such as while a user drags a slider. A layer
+	/// that does not exist is ignored.
 	void invalidate(std::uint32_t layer);
 
 	/// Marks only the tiles that touch `area` (world meters) as outdated.
@@ -188,10 +188,10 @@ public:
 	/// `next_ready` and showing the tile. Returns false if memory runs out.
 	bool may_show(const TileRequest &request);
 
-	/// Completes a request. Call this function when the tile is about to be shown, or if it could
-	/// not be generated; the tile is then empty until it is invalidated. Returns true if the caller
-	/// must show the tile and replace any tile with the same key. Returns false if the tile is no
-	/// longer needed; the caller must then discard it.
+	/// Completes a request. Call this function when the tile is about to be shown or if it could
+	/// not be generated. In the latter case, the tile is empty until it is invalidated. Returns
+	/// true if the caller must show the tile and replace any tile with the same key. Returns false
+	/// if the tile is no longer needed; the caller must then discard it.
 	bool finish(const TileRequest &request);
 
 	/// Clears all tiles without reporting them as dropped, for a caller that has cleared its
@@ -203,9 +203,9 @@ public:
 	/// Returns true if no work is left: all wanted tiles are shown and up to date.
 	bool idle() const;
 
-	/// Returns true if the viewers still match the last update: their number is the same, and none
-	/// of them has moved or changed its scale enough to need other tiles. An update for these
-	/// viewers would not change the result of `idle`.
+	/// Returns true if the viewers still match the last update. Their number must be the same, and
+	/// none of them may have moved or changed its scale enough to need other tiles. An update for
+	/// these viewers would not change the result of `idle`.
 	bool follows(std::span<const Viewer> viewers) const;
 
 private:

@@ -24,8 +24,8 @@ struct PostRange {
 	glm::dvec2 max;
 };
 
-/// The triangles of a grid of height samples: two for each patch of four samples, with a common
-/// edge from the second sample of a row to the first sample of the next row. They face up. The
+/// The triangles of a grid of height samples: two for each patch of four samples. Their common edge
+/// runs from the second sample of a row to the first sample of the next row. They face up. The
 /// corners are read from the samples, so the surface needs little memory. Patches without ground
 /// have no triangles.
 ///
@@ -131,7 +131,7 @@ private:
 	}
 
 	/// Returns the first and the last patch of a rectangle that contains all patches that touch the
-	/// box, with one more around them for rounding errors.
+	/// box, plus one patch on each side for rounding errors.
 	std::array<glm::ivec2, 2> patches_in(const Box3 &box) const {
 		const PostRange range = grid_.range(box);
 		const auto within = [](double at, int patches) {

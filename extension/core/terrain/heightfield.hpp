@@ -74,7 +74,7 @@ RefusedPost find_refused_post(std::span<const float> posts, int columns, FloatPo
 ///
 /// Normals are smooth: the gradients at the four height samples, from central differences
 /// (one-sided at the border), are interpolated bilinearly. The gradient of the bilinear patch
-/// itself would jump at each line of samples, and a forest that is limited by a slope rule would
+/// itself would jump at each line of samples. A forest that is limited by a slope rule would then
 /// have straight edges. On an inclined plane, both gradients are equal.
 ///
 /// A height sample of NAN is a hole: there is no ground between four samples if one of them is NAN.

@@ -44,9 +44,8 @@ struct MapLayers {
 /// The ground of HTerrain 1.8 and later. It implements get_interpolated_height_at of
 /// hterrain_data.gd and the maps of the shaders simple4, multisplat16 and array. Between four
 /// height samples, heights and the edges of holes are interpolated bilinearly. Normals are smooth,
-/// as in Heightfield; HTerrain bakes its own normals from the same differences. The border of the
-/// map has ground. A field is a snapshot that does not change after `set`, and any thread may read
-/// it.
+/// as in Heightfield; HTerrain bakes normals from the same differences. The border of the map has
+/// ground. A field is a snapshot that does not change after `set`, and any thread may read it.
 class MapField final : public Terrain {
 public:
 	static constexpr double min_area = 1e-6; ///< Minimum area between four height samples in square meters.

@@ -9,7 +9,7 @@ namespace thicket {
 /// A position on a surface.
 struct SurfacePosition {
 	glm::dvec3 position;
-	glm::dvec3 normal; ///< Of unit length, on the front of the triangle.
+	glm::dvec3 normal; ///< The unit normal on the front of the triangle.
 };
 
 /// Returns the position on a surface that is nearest to `place`. If no surface is within `distance`

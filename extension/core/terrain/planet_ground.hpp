@@ -7,7 +7,7 @@
 
 namespace thicket {
 
-/// Converts ground from world space to the frame of a planet: the height becomes the altitude, and
+/// Converts ground from world space to the frame of a planet. The height becomes the altitude, and
 /// the slope of the normal becomes relative to the direction away from the center. `position` is
 /// the ground's world x and z.
 inline Ground on_planet(const Planet &planet, glm::dvec2 position, const Ground &ground) {

@@ -18,9 +18,9 @@ struct SmoothPatch {
 	glm::dvec2 gradient;
 };
 
-/// The indices of four height samples in a line around a patch, clamped to the grid: the sample
-/// before the patch, its two samples, and the sample after it. A line also contains the factors
-/// that convert differences between the neighbors of a sample to gradients per grid step.
+/// The indices, clamped to the grid, of four height samples in a line around a patch: one before
+/// the patch, its two samples, and one after it. A line also contains the factors that convert
+/// differences between the neighbors of a sample to gradients per grid step.
 struct PostLine {
 	std::array<int, 4> index;
 	double first_weight;

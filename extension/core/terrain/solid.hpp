@@ -20,8 +20,8 @@ void append_cylinder(double radius, double height, std::vector<glm::vec3> &r_cor
 /// so a height of twice the radius is a sphere.
 void append_capsule(double radius, double height, std::vector<glm::vec3> &r_corners);
 
-/// Returns the number of flat sides that represent a circle of `radius` meters: a power of two from
-/// 16 to 512, so that no side is more than 5 mm inside circles of up to 265 m.
+/// Returns the number of flat sides that represent a circle of `radius` meters, a power of two from
+/// 16 to 512. For circles of up to 265 m, no side is more than 5 mm inside the circle.
 int sides_of(double radius);
 
 } // namespace thicket

@@ -88,8 +88,8 @@ bool comes_before(const Surface &a, const Surface &b) {
 	return false;
 }
 
-/// Several surfaces. Their triangles are numbered one part after the other, in an order that does
-/// not depend on the order of the arguments, because the first of two coincident triangles is used.
+/// Several surfaces. Their triangles are numbered one part after the other. The numbers do not
+/// depend on the order of the arguments, because the first of two coincident triangles is used.
 class JoinedSurface final : public Surface {
 public:
 	explicit JoinedSurface(std::vector<Part> parts) : parts_(std::move(parts)) {

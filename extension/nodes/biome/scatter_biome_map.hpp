@@ -125,7 +125,7 @@ public:
 	godot::String stripped_problem() const;
 
 	/// Returns a message for each likely mistake, for the editor's warnings. `p_own` contains the
-	/// node's own layers.
+	/// layers of the node's list.
 	godot::PackedStringArray problems(const godot::TypedArray<ScatterLayer> &p_own);
 
 protected:

@@ -4,12 +4,11 @@
 
 namespace thicket {
 
-/// Returns true for the path of a resource that has its own file, and false for a resource that is
-/// built into a scene or other file.
+/// Returns true for the path of a resource that has its own file. Returns false for a resource that
+/// is built into a scene or another file.
 inline bool is_own_file(const godot::String &p_path) { return !p_path.is_empty() && !p_path.contains("::"); }
 
-/// Returns the name of a resource's own file without folder and extension; empty if it has no own
-/// file.
+/// Returns the name of a resource's file without folder and extension; empty if it has no own file.
 inline godot::String name_of_file(const godot::String &p_path) {
 	return is_own_file(p_path) ? p_path.get_file().get_basename() : godot::String();
 }

@@ -69,9 +69,9 @@ bool CellDrawer::draw_cell(
 	return whole;
 }
 
-/// Returns the MeshLook that the cell's first visual draws: the one of the first required LOD if
-/// every required LOD has a visual, otherwise the one of the single LOD that is drawn without a
-/// fade.
+/// Returns the MeshLook that the cell's first visual draws. If every required LOD has a visual,
+/// this is the MeshLook of the first one. Otherwise it is the MeshLook of the single LOD that is
+/// drawn without a fade.
 const MeshLook &CellDrawer::first_look(
 		const Drawing &drawing, const DisplayedTile::Part &part, const DisplayedTile::Cell &cell) {
 	const LodSpan &span = cell.drawing.span;

@@ -14,8 +14,8 @@ namespace {
 
 bool same_look(const MeshLook &a, const MeshLook &b) { return a.same_meshes(b) && a.look == b.look; }
 
-/// Returns a mesh for each of the ranges: a copy that fades, or the original mesh if the range is
-/// `no_fade` or no copy can be created.
+/// Returns a mesh for each range: a copy that fades, or the original mesh if the range is `no_fade`
+/// or no copy can be created.
 std::vector<Ref<Mesh>> faded(const Ref<Mesh> &mesh, std::span<const FadeRange> ranges) {
 	std::vector<FadeRange> needed;
 	std::ranges::copy_if(ranges, std::back_inserter(needed), [](const FadeRange &range) { return range != no_fade; });

@@ -10,7 +10,7 @@ using namespace godot;
 
 namespace thicket {
 
-/// Returns the required division of a tile. `shown` is its current division; 0 if it is not
+/// Returns the required division of a tile. `shown` is its current division; 0 if it has not been
 /// displayed yet.
 std::uint32_t TileDisplay::division_of(const TileKey &key, const DisplayedTile &tile, std::uint32_t shown) const {
 	const LayerSnapshot *layer = layers_.find(key.layer);

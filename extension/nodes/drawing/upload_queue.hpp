@@ -26,7 +26,7 @@ struct TileUpload {
 	bool is_begun() const { return tile.tile != nullptr; }
 	bool is_complete() const { return is_begun() && tile.parts.size() >= shown.size() && !has_open_part(); }
 
-	/// Returns true if the last part has cells that are not uploaded yet.
+	/// Returns true if the last part has cells that have not been uploaded yet.
 	bool has_open_part() const { return !tile.parts.empty() && tile.parts.back().is_open(); }
 };
 

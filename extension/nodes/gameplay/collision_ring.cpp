@@ -352,7 +352,7 @@ RID CollisionRing::take_body() {
 	return body;
 }
 
-/// Takes bodies that were removed in earlier frames out of the space, and frees those that exceed
+/// Takes bodies that were removed in earlier frames out of the space and frees those that exceed
 /// the pool's size.
 bool CollisionRing::tidy_some() {
 	PhysicsServer3D *server = PhysicsServer3D::get_singleton();

@@ -41,9 +41,9 @@ CollisionLayer collision_of(const LayerSnapshot *layer);
 /// bodies even if a signal handler removed the body. No instance reuses the body for `rest_frames`
 /// after its removal. Until it is reused, its RID identifies the previous instance.
 ///
-/// Changes to the seed, the shapes or the world frame, and disabling collision, take effect
-/// gradually: each call to `step` updates a few bodies, those nearest to the viewers first. `drop`,
-/// `drop_if`, `clear` and a change of the space take effect immediately, and so does
+/// Changes to the seed, the shapes, the world frame or the collision settings take effect
+/// gradually. Each call to `step` updates a few bodies, those nearest to the viewers first. `drop`,
+/// `drop_if`, `clear` and changes of the space take effect immediately, and so does
 /// `set_world_frame` for bodies near the viewers. If the world moves every frame, bodies farther
 /// away are moved in rounds. Each lags behind by at most one round.
 class CollisionRing : public NearRing {

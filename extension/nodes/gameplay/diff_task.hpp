@@ -53,7 +53,7 @@ public:
 	void tell(godot::Error error);
 
 	/// Returns the pool's task ID to a caller that will wait for the task itself. Returns -1 if
-	/// there is no task, or if the ID was already taken.
+	/// there is no task or if the ID has already been taken.
 	std::int64_t take_task() { return std::exchange(task_, -1); }
 
 	/// The processed diff. Null if memory was insufficient; `refused` is then the error.

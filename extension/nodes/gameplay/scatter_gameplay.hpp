@@ -149,7 +149,7 @@ public:
 	/// Answers the requests whose tiles are ready. Runs no scripts.
 	void answer_requests();
 
-	/// Applies the predicates of finished requests to their answers, and emits their signals. Runs
+	/// Applies the predicates of finished requests to their answers and emits their signals. Runs
 	/// scripts.
 	void complete_requests();
 

@@ -368,7 +368,7 @@ const StringName &ScatterGameplay::Signals::of(InstanceChangeKind kind) const {
 }
 
 /// Emits the signal of a change if the placement of the instance is known. Otherwise emits nothing:
-/// generating tiles for the changes of peers would take too long. Runs scripts.
+/// generating tiles for changes from peers would take too long. Runs scripts.
 void ScatterGameplay::tell(const InstanceChange &change) {
 	const std::int64_t index = change.kind != InstanceChangeKind::left ? layer_index_of(change.id) : -1;
 	if (index < 0) {

@@ -24,7 +24,7 @@ Ref<ScatterInstances> ScatterRequest::get_result() const {
 	return result_.is_valid() ? result_ : ScatterInstances::make_empty();
 }
 
-/// Stores the result. Returns false if the request was already completed.
+/// Stores the result. Returns false if the request has already been completed.
 bool ScatterRequest::finish(const Ref<ScatterInstances> &p_result, bool p_canceled) {
 	const std::lock_guard lock(mutex_);
 	if (std::exchange(completed_, true)) {

@@ -24,7 +24,7 @@ public:
 	/// Returns the found instances; empty until the request is completed.
 	godot::Ref<ScatterInstances> get_result() const;
 
-	/// Completes the request without an answer. Returns false if it was already completed.
+	/// Completes the request without an answer. Returns false if it has already been completed.
 	bool cancel();
 
 	// Only nodes call the following functions.

@@ -28,7 +28,7 @@ namespace thicket {
 using AskedQuery = std::function<Status(const InstanceQuery &query)>;
 
 /// The world of a TerrainScatter3D at one moment, unaffected by later changes. Any number of
-/// threads may query it concurrently. The methods correspond to those of the node.
+/// threads may query it concurrently. The methods match those of the node.
 class ScatterSnapshot : public godot::RefCounted {
 	GDCLASS(ScatterSnapshot, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)

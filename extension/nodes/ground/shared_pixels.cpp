@@ -28,7 +28,7 @@ bool share_pixels(const Ref<Image> &p_image, int pixel_bytes, PixelGrid &r_pixel
 
 bool share_pixels_as(const Ref<Image> &p_image, Image::Format format, int pixel_bytes, PixelGrid &r_pixels) {
 	if (p_image->get_format() == format) {
-		// No conversion is necessary, so share the image's own memory.
+		// No conversion is necessary, so share the memory of the image.
 		return share_pixels(p_image, pixel_bytes, r_pixels);
 	}
 	const Ref<Image> image = p_image->duplicate();

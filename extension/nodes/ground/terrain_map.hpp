@@ -49,7 +49,7 @@ struct TerrainMap {
 	godot::Rect2 world_rect(const godot::Rect2 &p_part) const;
 };
 
-// A script may implement an object's methods, and may even free the object. Objects are therefore
+// A script may implement an object's methods and may even free the object. Objects are therefore
 // stored in a Variant, which detects freed objects and keeps reference-counted ones alive.
 
 /// Returns true if an object has a method. Returns false if the value is not an object or the

@@ -57,9 +57,9 @@ public:
 	bool is_full_sphere() const;
 
 	/// Adds the triangles of a surface. `p_arrays` are as returned by Mesh.surface_get_arrays;
-	/// `p_transform` is applied to them. `p_albedo` is in sRGB, as in the engine's materials.
-	/// Prints an error, adds nothing and returns ERR_INVALID_DATA if ImpostorSurface::check rejects
-	/// the data, if an array has the wrong type, or if the image cannot be read.
+	/// `p_transform` is applied to them. `p_albedo` is in sRGB, as in the engine's materials. If
+	/// ImpostorSurface::check rejects the data, an array has the wrong type or the image cannot be
+	/// read, prints an error, adds nothing and returns ERR_INVALID_DATA.
 	godot::Error add_surface(const godot::Array &p_arrays, const godot::Transform3D &p_transform,
 			const godot::Color &p_albedo, const godot::Ref<godot::Image> &p_texture, double p_alpha_threshold,
 			CullMode p_cull_mode, VertexColorMode p_vertex_colors);
@@ -98,7 +98,7 @@ private:
 	mutable std::mutex mutex_; ///< Guards all following members except the atomic ones.
 	ImpostorSettings settings_;
 	std::vector<ImpostorSurface> surfaces_;
-	/// The textures that were already read, keyed by the image's object ID.
+	/// The textures that have been read, keyed by the image's object ID.
 	std::map<std::uint64_t, std::shared_ptr<const SurfaceTexture>> textures_;
 	Impostor impostor_;
 

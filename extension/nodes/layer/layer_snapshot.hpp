@@ -31,7 +31,7 @@ struct MeshShadow {
 	std::int64_t setting = -1; ///< A GeometryInstance3D.ShadowCastingSetting, or one of the values below.
 
 	static constexpr std::int64_t as_layer = -1; ///< The layer's setting.
-	/// Off if the layer's setting is "on" (its default); otherwise the layer's setting.
+	/// Off if the layer's setting is "On" (the default); otherwise the layer's setting.
 	static constexpr std::int64_t as_layer_unless_on = -2;
 
 	/// Returns the effective setting in a layer with `layer_setting`.

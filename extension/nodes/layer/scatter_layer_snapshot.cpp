@@ -45,8 +45,8 @@ void add_boxes(const LodSettings &lod, LayerDrawing &r_drawing) {
 }
 
 /// Disables shadows of LODs for which they are not worth drawing (see casts_shadow). Affects only
-/// LODs without a shadow setting, in layers with the default setting. An LOD with a shadow mesh of
-/// its own keeps its shadow.
+/// LODs without a shadow setting, in layers with the default setting. An LOD with a separate shadow
+/// mesh keeps its shadow.
 void leave_out_shadows(const LayerSettings &settings, const LodSettings &lod, LayerDrawing &r_drawing) {
 	const double density = point_density(settings.set) * settings.rules.density;
 	for (std::size_t index = 0; index < r_drawing.lod_meshes.size(); ++index) {

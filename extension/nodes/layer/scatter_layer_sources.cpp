@@ -70,8 +70,8 @@ public:
 			name_("ScatterLayer." + String(p_name)), source_(value.current()), problems_(r_problems),
 			has_noise_(value.get_noise().is_valid()), has_layer_(!core_reference(value.stored_layer()).empty()) {}
 
-	/// Adds the problems of the value. `p_unused` explains why the value has no effect, and is
-	/// empty if it has an effect.
+	/// Adds the problems of the value. `p_unused` explains why the value has no effect; it is empty
+	/// if the value has an effect.
 	void add(const String &p_unused) {
 		if (!p_unused.is_empty()) {
 			problems_.push_back(name_ + String(" ") + p_unused);

@@ -71,7 +71,7 @@ public:
 		return material_name(p_material);
 	}
 
-	/// Reads the next part of a scene that is not fully read yet. Returns false if there was
+	/// Reads the next part of a scene that has not been read completely. Returns false if there was
 	/// nothing to read. Call it only on the main thread. Runs scripts in the scene, which may
 	/// change anything, including this model.
 	bool read_step();
@@ -113,8 +113,8 @@ public:
 
 	/// These methods return the content that has already been read. `drawn_lods` returns the LODs
 	/// with their distances, or none if no LOD has a mesh. `problem` returns the reason why the
-	/// last scene could not be read, as the end of a sentence that begins with the scene, or an
-	/// empty string if it was read.
+	/// last scene could not be read, as the end of a sentence that begins with the scene. It
+	/// returns an empty string if the scene was read.
 	std::vector<DrawnLod> drawn_lods() const;
 	std::vector<ModelShape> model_shapes() const;
 	const godot::PackedStringArray &remarks() const { return remarks_; }

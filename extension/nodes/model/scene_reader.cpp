@@ -338,7 +338,7 @@ struct SceneReader::Progress {
 	String part;
 	bool walked = false;
 	Walk walk;
-	std::vector<ModelLod> lods; ///< The meshes of the first `merged` LODs are already read.
+	std::vector<ModelLod> lods; ///< The meshes of the first `merged` LODs have been read.
 	std::size_t merged = 0;
 	SceneReading result;
 };

@@ -61,7 +61,7 @@ public:
 	/// Reads the next part. The first step reads the nodes, and each following step reads the
 	/// meshes of one LOD. The first step instantiates the scene and frees it without adding it to
 	/// the tree, so scripts in the scene run only during instantiation. Returns false if everything
-	/// was already read.
+	/// has been read.
 	bool step();
 
 	/// Returns what was read. Call it only after `step` has returned false.

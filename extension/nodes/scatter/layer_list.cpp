@@ -117,8 +117,8 @@ void LayerList::add_world(std::size_t index, const NodeLayers &layers, const Lay
 	layer.settings = settings;
 }
 
-/// Creates the water levels. With biomes, creates them even if there is no water, so that a later
-/// change to one biome's water affects only the area of that biome.
+/// Creates the water levels. With biomes, creates them even if there is no water. A later change to
+/// one biome's water then affects only the area of that biome.
 void LayerList::find_water(const LayerWorld &world) {
 	if (world.biomes.is_valid()) {
 		water_ = kept(water_, WaterLevels(world.biomes->map(), world.biomes->water_levels(world.water_level)));

@@ -21,8 +21,8 @@ public:
 	/// Reads the current layers. `biomes` may be null.
 	void update(const godot::TypedArray<ScatterLayer> &p_own, const ScatterBiomeMap *biomes);
 
-	/// Returns the layers by index; null for an unused index. Without layers of biomes, this is the
-	/// node's own array.
+	/// Returns the layers by index; null for an unused index. If there are no layers of biomes,
+	/// this is the node's own array.
 	const godot::TypedArray<ScatterLayer> &by_index() const { return by_index_; }
 
 	/// Returns the indices in order of priority, the highest first. The order of the layers depends

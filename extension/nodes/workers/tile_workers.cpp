@@ -260,7 +260,7 @@ void TileWorkers::advance(Worker &worker, TileJob &job) {
 		return;
 	}
 	// Without a thread-safe ground, a job gets here twice and computes its points each time.
-	// Computing them twice costs less than the script calls in between, and frees the workspace
+	// Computing them twice costs less than the script calls in between and frees the workspace
 	// while the job waits for the main thread.
 	job.status = builder.find_points(settings, job.request.space, &job.cancelled);
 	job.points_computed += builder.sample_stats().computed;
