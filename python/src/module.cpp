@@ -359,13 +359,13 @@ void bind_functions(nb::module_ &module) {
 
 NB_MODULE(_core, module) {
 	using namespace thicket::python;
-	module.doc() = "The samplers of Thicket's core; import thicket, which has the same names.";
+	module.doc() = "The samplers of Thicket's core. Import thicket instead, which exports the same names.";
 	nb::class_<Cancel>(module, "Cancel", doc::cancel)
 			.def(nb::init<>())
 			.def("cancel", &Cancel::cancel, doc::cancel_cancel)
 			.def_prop_ro("cancelled", &Cancel::cancelled, doc::cancel_cancelled);
 	nb::exception<Cancelled>(module, "Cancelled", PyExc_RuntimeError).attr("__doc__") =
-			"A call was ended by its Cancel.";
+			"Raised when a Cancel has ended a call.";
 	bind_points(module);
 	bind_functions(module);
 }

@@ -262,7 +262,7 @@ def test_missing_arguments_are_reported_by_name(sampler):
         assert given() == missing and sampler.message() == sentence
     assert count.value == 77, "after an error, nothing is written"
     assert sampler.fill() == 0
-    assert sampler.points(0, 1)[0] == missing and sampler.message() == "a call of thicket_sample before this one is missing"
+    assert sampler.points(0, 1)[0] == missing and sampler.message() == "a previous call to thicket_sample is missing"
     assert library.thicket_read_positions(handle, U64(0), U64(1), None) == missing and sampler.message() == "buffer is missing"
     assert library.thicket_sample(None, None, None, None, None) == missing
     assert library.thicket_message(None) == b"sampler is missing" and library.thicket_count(None) == 0

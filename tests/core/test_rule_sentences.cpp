@@ -95,7 +95,7 @@ TEST_CASE("rule sentences: the reason is one rule, or the rank, or none") {
 	const RuleVerdict late = judge(explained(0.5, 0.25, 0.75), layer, {});
 	CHECK(late.rule == "rank");
 	CHECK(late.reason ==
-			"Left out by the density: the nearest point of the set, 1.5 m away, has rank 0.75, and the density there "
+			"Excluded by the density: the nearest point of the set, 1.5 m away, has rank 0.75, and the density there "
 			"is 0.25. "
 			"The painted "
 			"mask leaves 25 % here.");

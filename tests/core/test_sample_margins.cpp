@@ -57,7 +57,7 @@ TEST_CASE("sample margins: an area that the widest margin cannot decide is rejec
 		const std::string text = describe(status);
 		CAPTURE(text);
 		CHECK(text.starts_with(
-				"rect needs a wider margin of cells than is allowed, got 0 (seed 18446744073709551615, radius "
+				"rect requires a wider margin of cells than is allowed, got 0 (seed 18446744073709551615, radius "
 				"2.5, position ("));
 		CHECK(text.find(")). Choose a different seed") != std::string::npos);
 	}

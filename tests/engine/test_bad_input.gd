@@ -53,7 +53,7 @@ func test_surface_layers() -> void:
 		layer.surface_layers = ["Stones", value]
 		check_error(["ScatterLayer.surface_layers", "Pass a ScatterLayer or its name"], "an entry of %s" % value)
 	layer.surface_layers = [layer]
-	check_error(["ScatterLayer.surface_layers", "circle"], "a layer without a name on itself")
+	check_error(["ScatterLayer.surface_layers", "cycle"], "a layer without a name on itself")
 	check_equal(layer.surface_layers, ["Stones"], "the last valid list is kept")
 
 

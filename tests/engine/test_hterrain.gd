@@ -187,7 +187,7 @@ func test_maps_without_pixels_are_reported() -> void:
 
 func test_errors_name_invalid_maps() -> void:
 	var wrong: Dictionary[String, Callable] = {
-		"another format": func(data: HTerrainDataDouble) -> void:
+		"format other than": func(data: HTerrainDataDouble) -> void:
 			data.maps[CHANNEL_HEIGHT][0] = Image.create_empty(65, 65, false, Image.FORMAT_RGBAF),
 		"33 x 33 pixels": func(data: HTerrainDataDouble) -> void:
 			data.maps[CHANNEL_HEIGHT][0] = Image.create_empty(33, 33, false, Image.FORMAT_RF),

@@ -255,7 +255,7 @@ func test_rejected_references() -> void:
 	a.spacing = {b: 1.0}
 	b.proximity_layer = c
 	c.spacing = {a: 2.0}
-	check_error(["ScatterLayer.spacing", "circle"], "layers without names in a circle")
+	check_error(["ScatterLayer.spacing", "cycle"], "layers without names in a cycle")
 	c.proximity_layer = c
 	check_error(["ScatterLayer.proximity_layer", "circle"], "a nameless layer that refers to itself")
 	b.resource_name = "b"

@@ -345,7 +345,7 @@ func test_warnings_of_sources() -> void:
 		layer.use_custom_data = true
 		layer.variation_value = value_of(ScatterValueSource.SOURCE_RANK), "")
 	check_warning(func(layer: ScatterLayer) -> void:
-		follow(layer, ScatterValueSource.SOURCE_HEIGHT, -5.0), "color_value.max_value must be at least 0 (where its range begins), got -5")
+		follow(layer, ScatterValueSource.SOURCE_HEIGHT, -5.0), "color_value.max_value must be at least 0 (the start of its range), got -5")
 
 
 func test_warnings() -> void:

@@ -122,7 +122,7 @@ func test_files_that_cannot_be_written() -> void:
 	refuse_saving("", ERR_FILE_BAD_PATH, ["path is empty", "user://"], "no path")
 	refuse_saving(FOLDER + "/none/forest.state", ERR_FILE_NOT_FOUND, ["folder is missing", "make_dir_recursive_absolute"], "no folder")
 	DirAccess.make_dir_absolute(FOLDER + "/folder")
-	refuse_saving(FOLDER + "/folder", ERR_FILE_NO_PERMISSION, ["is not a file", "different path"], "a folder")
+	refuse_saving(FOLDER + "/folder", ERR_FILE_NO_PERMISSION, ["is not a file", "another path"], "a folder")
 	check(DirAccess.dir_exists_absolute(FOLDER + "/folder"), "the folder still exists")
 	DirAccess.remove_absolute(FOLDER + "/folder")
 	make_state(4).save_to_file(PATH)
@@ -190,7 +190,7 @@ func test_other_files_are_rejected() -> void:
 		for flags: int in [0, ResourceSaver.FLAG_COMPRESS]:
 			ResourceSaver.save(make_state(), FOLDER + "/old" + ending, flags)
 			refuse_loading(FileAccess.get_file_as_bytes(FOLDER + "/old" + ending), ERR_FILE_UNRECOGNIZED,
-					["is a resource of Godot", "ResourceLoader", "save_to_file()"], ending)
+					["is a Godot resource", "ResourceLoader", "save_to_file()"], ending)
 	check_equal(make_mask().save_to_file(PATH), OK, "a mask")
 	var state := make_state()
 	check_equal(state.load_from_file(PATH), ERR_FILE_CORRUPT, "a mask is not a state")

@@ -253,7 +253,7 @@ func test_references() -> void:
 	oak.color_value = ScatterValueSource.new()
 	oak.color_value.layer = fern
 	fern.variation_value.layer = oak
-	check_error(["ScatterValueSource.layer", "circle"], "layers without names in a circle")
+	check_error(["ScatterValueSource.layer", "cycle"], "layers without names in a cycle")
 	fern.variation_value = oak.color_value
 	check_error(["ScatterLayer.variation_value", "circle"], "a value with the layer itself")
 	fern.proximity_layer = oak

@@ -185,7 +185,7 @@ func test_a_transform_is_a_problem() -> void:
 	check_equal(scatter.get_problems(), PackedStringArray(), "problems of a node at the origin")
 	var transforms: Dictionary[String, Transform3D] = {
 		"moved": Transform3D(Basis(), Vector3(10.0, 0.0, 0.0)),
-		"turned": Transform3D(Basis(Vector3.UP, 0.5), Vector3.ZERO),
+		"rotated": Transform3D(Basis(Vector3.UP, 0.5), Vector3.ZERO),
 		"scaled": Transform3D(Basis().scaled(Vector3.ONE * 2.0), Vector3.ZERO),
 	}
 	for kind in transforms:

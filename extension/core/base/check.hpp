@@ -40,8 +40,8 @@ inline constexpr const char *newer_version = "A newer version of Thicket wrote i
 /// `max_property`.
 inline Status check_order(const char *max_property, double min, double max) {
 	if (max < min) {
-		return {ErrorCode::inverted, max_property, max, {}, at_least(min, "where its range begins"),
-				"Raise it, or lower the number before it"};
+		return {ErrorCode::inverted, max_property, max, {}, at_least(min, "the start of its range"),
+				"Increase it, or lower the start of the range"};
 	}
 	return {};
 }

@@ -50,7 +50,7 @@ std::string demand(ErrorCode code, const std::string &allowed) {
 		case ErrorCode::foreign: return "belongs to a different seed, radius or number of levels";
 		case ErrorCode::not_allowed: return known ? "must be " + allowed : "is missing";
 		case ErrorCode::out_of_order: return known ? "must be " + allowed : "is out of order";
-		case ErrorCode::margin_too_wide: return "needs a wider margin of cells than is allowed";
+		case ErrorCode::margin_too_wide: return "requires a wider margin of cells than is allowed";
 		case ErrorCode::cancelled: return "was cancelled";
 	}
 	return "is invalid";

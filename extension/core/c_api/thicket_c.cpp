@@ -247,7 +247,7 @@ thicket_code thicket_read_points(
 	return call(sampler, [&](thicket_sampler &own) -> Status {
 		const auto *points = std::get_if<std::vector<SamplePoint>>(&own.held);
 		if (points == nullptr) {
-			return {ErrorCode::missing, "a call of thicket_sample before this one", 0.0};
+			return {ErrorCode::missing, "a previous call to thicket_sample", 0.0};
 		}
 		if (const Status status = check_part(own, first, count, r_points); !status.ok()) {
 			return status;

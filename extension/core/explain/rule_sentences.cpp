@@ -155,7 +155,7 @@ std::string edge_sentence(const RuleFactor &factor, const Rules &rules) {
 std::string rank_text(const PlaceExplanation &explanation, const LayerSettings &layer, const RuleNames &names) {
 	const double density = explanation.at_point.density;
 	const double rank = explanation.point.rank * 0x1p-32;
-	std::string text = "Left out by the density: the nearest point of the set, " + distance_text(explanation.distance) +
+	std::string text = "Excluded by the density: the nearest point of the set, " + distance_text(explanation.distance) +
 			", has rank " + number_text(rank, density) + ", and the density there is " + number_text(density, rank) +
 			".";
 	if (const RuleFactor *least = strictest(explanation.at_point.factors); least != nullptr) {

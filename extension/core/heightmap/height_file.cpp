@@ -109,7 +109,7 @@ Status read_raw(Bytes bytes, const RawLayout &layout, const char *property, Post
 		}
 		if (found.count.x == 0) {
 			return Status::wrong_size(property, bytes.size(), AllowedRange(),
-					"No square has this number of bytes with 1, 2 or 4 for each height: set post_count, or use a PNG "
+					"No square has this number of bytes at 1, 2 or 4 bytes per height: set post_count, or use a PNG "
 					"or EXR file");
 		}
 	} else {
@@ -123,7 +123,7 @@ Status read_raw(Bytes bytes, const RawLayout &layout, const char *property, Post
 		if (each != 1 && each != 2 && each != 4) {
 			return is_tiff ? refused_tiff(property)
 						   : Status::wrong_size(property, bytes.size(),
-									 between(count, 4 * count, "bytes: 1, 2 or 4 for each of post_count"));
+									 between(count, 4 * count, "bytes: 1, 2 or 4 per height of post_count"));
 		}
 		found.bytes_per_post = static_cast<int>(each);
 	}

@@ -15,7 +15,7 @@ Status take_apart(const glm::dmat3 &basis, ShapeFrame &r_frame) {
 			return {ErrorCode::not_finite, "scale", length};
 		}
 		if (length <= 0.0) {
-			return {ErrorCode::not_positive, "scale", length, {}, {}, "Scale no axis to 0"};
+			return {ErrorCode::not_positive, "scale", length, {}, {}, "Do not scale any axis to 0"};
 		}
 		frame.scale[axis] = length;
 		frame.axes[axis] /= length;

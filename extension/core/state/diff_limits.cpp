@@ -6,7 +6,7 @@ namespace thicket {
 
 namespace {
 
-constexpr const char *raise_limit = "Refuse the sender, or raise that limit in diff_limits";
+constexpr const char *raise_limit = "Reject the sender, or raise that limit in diff_limits";
 constexpr const char *claim_first =
 		"Assign the state to a TerrainScatter3D with that layer first, or clear the area of diff_limits";
 constexpr const char *ask_for_earlier =
@@ -55,7 +55,7 @@ Status unknown_cells(std::uint16_t layer) {
 
 Status missing_before(std::uint64_t base, std::uint64_t known) {
 	Status status = Status::out_of_range(
-			"base_revision", base, at_most(known, "the last one known of its sender"), ask_for_earlier);
+			"base_revision", base, at_most(known, "the last revision received from its sender"), ask_for_earlier);
 	status.code = ErrorCode::out_of_order;
 	return status;
 }

@@ -287,7 +287,7 @@ void ScatterBiomeMap::add_layer_problems(const TypedArray<ScatterLayer> &p_own, 
 		each_layers([&](const TypedArray<ScatterLayer> &p_layers) { in_biome = in_biome || is_in(layer, p_layers); });
 		if (layer.is_valid() && in_biome) {
 			r_problems.push_back(vformat(
-					"Layer %d: is also in a biome, but is placed everywhere. Remove it from one of the two lists.",
+					"Layer %d is also in a biome, but is placed everywhere. Remove it from one of the two lists.",
 					index));
 		}
 	}

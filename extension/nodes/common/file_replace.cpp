@@ -70,7 +70,7 @@ Error replace_file(const char *p_method, const String &p_path, const PackedByteA
 	}
 	if (!can_be_replaced(path)) {
 		return failed(
-				"the path is not a file, or the file is read-only. Choose a different path, or make the file writable",
+				"the path is not a file, or the file is read-only. Choose another path, or make the file writable",
 				ERR_FILE_NO_PERMISSION);
 	}
 	const std::string partial = path + ".part";
@@ -78,12 +78,12 @@ Error replace_file(const char *p_method, const String &p_path, const PackedByteA
 	const Error error = store(beside, p_bytes);
 	if (error != OK && error != ERR_FILE_CANT_WRITE) {
 		return failed("its folder is missing or read-only. Create the folder with "
-					  "DirAccess.make_dir_recursive_absolute(), or choose a different one",
+					  "DirAccess.make_dir_recursive_absolute(), or choose another folder",
 				error);
 	}
 	const char *why = nullptr;
 	if (error != OK || !sync_file(partial, path)) {
-		why = "the disk is full or has failed. Free space there, or choose a different disk. The old file is unchanged";
+		why = "the disk is full or has failed. Free space there, or choose another disk. The old file is unchanged";
 	} else if (!(has_disk ? move_over(partial, path)
 						  : DirAccess::rename_absolute(beside, String::utf8(path.c_str())) == OK)) {
 		why = "the new file cannot replace it. Close programs that have it open. The old file is unchanged";
@@ -111,8 +111,8 @@ Error load_saved_file(const char *p_method, const String &p_path,
 	}
 	if (is_resource_file(bytes)) {
 		return failed(
-				"it is a resource of Godot, and load_from_file() reads files of save_to_file() only. If you trust it, "
-				"load it with ResourceLoader once, and save it with save_to_file()",
+				"it is a Godot resource, but load_from_file() reads only files from save_to_file(). If you trust it, "
+				"load it with ResourceLoader once and save it with save_to_file()",
 				ERR_FILE_UNRECOGNIZED);
 	}
 	const Status status = load(span_of(bytes));

@@ -40,7 +40,7 @@ bool fits_precision(GDExtensionInterfaceGetProcAddress p_get_proc_address) {
 		return true;
 	}
 	const std::string engine = precision_name(real_size);
-	const std::string sentence = "This library of Thicket was compiled for engines with " +
+	const std::string sentence = "This Thicket library was compiled for engines with " +
 			precision_name(sizeof(Vector3::x)) + " precision, and this engine has " + engine +
 			" precision: add the library that `scons precision=" + engine + " extension` builds.";
 	const auto print = find<GDExtensionInterfacePrintError>(p_get_proc_address, "print_error");

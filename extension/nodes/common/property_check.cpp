@@ -10,7 +10,7 @@ namespace thicket {
 
 bool accept_number(const char *owner, const char *property, double value, double min, double max) {
 	const Status status =
-			check_range(property, value, between(min, max), "The last valid value is kept; set one in this range");
+			check_range(property, value, between(min, max), "The last valid value is kept; set a value in this range");
 	report(owner, status);
 	return status.ok();
 }

@@ -26,7 +26,7 @@ Ref<ScatterSnapshot> ScatterSnapshot::of(
 SharedLayers ScatterSnapshot::prepare(const char *p_method) const {
 	if (snapshot_ == nullptr) {
 		report(name_of(p_method).c_str(),
-				Status::missing("world", "Make the snapshot of a node that has a ground and layers"));
+				Status::missing("world", "Create the snapshot from a node that has a ground and layers"));
 	}
 	return layers_;
 }

@@ -130,7 +130,7 @@ bool ScatterState::set_instance_data(int64_t p_id, const Variant &p_data) {
 bool ScatterState::set_data_by_id(std::uint64_t id, const Variant &p_data) {
 	PackedByteArray bytes;
 	const std::uint64_t revision = state_.revision();
-	Status status{ErrorCode::corrupt, "data", 0.0, {}, {}, "Use values that var_to_bytes() encodes, no objects"};
+	Status status{ErrorCode::corrupt, "data", 0.0, {}, {}, "Use values that var_to_bytes() can encode, not objects"};
 	if (id == 0) {
 		status = Status::missing("id", "Pass the id of an instance, which is never 0");
 	} else if (encode(p_data, bytes)) {

@@ -98,8 +98,9 @@ public:
 			return "has a color map or texture maps without pixels, so its holes or textures are not known: import "
 				   "these maps as Image, or keep them in the export.";
 		}
-		return tilted_ ? String("is tilted: its ground is right only where it is turned about the vertical alone.")
-					   : String();
+		return tilted_
+				? String("is tilted: its ground is correct only if the node is rotated about the vertical axis alone.")
+				: String();
 	}
 
 	GroundChanges changes_since(const GroundCopy &before, glm::dvec3 shift) const override;
@@ -247,7 +248,7 @@ bool read_heights(const Variant &p_data, MapImages &images, MapLayers &r_layers,
 	}
 	const std::optional<PostFormat> format = post_format(heights->get_format());
 	if (!format || !share_pixels(heights, bytes_of(*format), r_layers.heights)) {
-		r_refusal = vformat("has a height map of another format than RF, RH and RGB8 (Image.Format %d)",
+		r_refusal = vformat("has a height map in a format other than RF, RH and RGB8 (Image.Format %d)",
 				static_cast<int64_t>(heights->get_format()));
 		return false;
 	}

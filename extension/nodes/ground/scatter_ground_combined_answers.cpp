@@ -148,7 +148,7 @@ String ScatterGroundCombined::planet_conflict() const {
 	for (const Part &part : Parts(parts_)) {
 		if (const Planet other = part.ground->planet(); other.exists() && other != first) {
 			return name_of_part(part.index) +
-					String(" has a different planet_radius or planet_center than an earlier ground, and these have no "
+					String(" has a different planet_radius or planet_center than an earlier ground, so these have no "
 						   "effect. Use the same values, or a TerrainScatter3D for each planet.");
 		}
 	}

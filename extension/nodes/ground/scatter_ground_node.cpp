@@ -238,7 +238,8 @@ String ScatterGroundNode::problem_of(const Found &found, bool in_tree, bool usab
 				node_);
 	}
 	if (thicket::has_method(found.target, "get_voxel_tool")) {
-		return vformat("ScatterGroundNode.node: \"%s\" (%s) has voxels and no heights. Use a ScatterGroundColliders.",
+		return vformat(
+				"ScatterGroundNode.node: \"%s\" (%s) has voxels instead of heights. Use a ScatterGroundColliders.",
 				node_, found.target.get_validated_object()->get_class());
 	}
 	return vformat("ScatterGroundNode.node: \"%s\" (%s) has no get_height(), nor data with get_height(), nor "

@@ -94,7 +94,7 @@ bool read_zones(const Variant &p_node, Layout &r_layout, Zones &r_zones, String 
 	const Variant center = result_of(p_node, "get_global_position");
 	const Variant listed = result_of(result_of(p_node, "get_terrainZones"), "get_zones");
 	if (!is_number(side) || static_cast<double>(side) < 2.0 || center.get_type() != Variant::VECTOR3) {
-		r_refusal = "has no zonesSize of 2 or more";
+		r_refusal = "has no zonesSize of at least 2";
 		return false;
 	}
 	if (listed.get_type() != Variant::ARRAY) {

@@ -69,7 +69,7 @@ bool read_region(const Variant &p_region, FieldRegion &r_region, String &r_refus
 		if (image.is_null()) {
 			r_refusal = vformat("has no %s for its region at %s", String(what), location);
 		} else if (image->get_format() != Image::FORMAT_RF || !share_pixels(image, post_bytes, r_pixels)) {
-			r_refusal = vformat("has a %s of another format than RF for its region at %s (Image.Format %d)",
+			r_refusal = vformat("has a %s in a format other than RF for its region at %s (Image.Format %d)",
 					String(what), location, static_cast<int64_t>(image->get_format()));
 		}
 		return r_refusal.is_empty();
@@ -202,7 +202,7 @@ CopyAttempt copy_terrain3d(const Variant &p_node, const GroundCopy *before) {
 	node = p_node.get_validated_object(); // A script may have freed the node.
 	const Variant spacing = node != nullptr ? node->get("vertex_spacing") : Variant();
 	if (!is_number(spacing)) {
-		attempt.refusal = "has no number as its vertex_spacing";
+		attempt.refusal = "has a vertex_spacing that is not a number";
 		return attempt;
 	}
 	std::vector<FieldRegion> regions;

@@ -77,8 +77,9 @@ template <class Layers>
 String find_in(const Layers &p_layers, const Variant &p_reference, std::uint32_t &r_index) {
 	switch (p_reference.get_type()) {
 		case Variant::INT:
-			return vformat("Pass a ScatterLayer or its name, not the index %s: TerrainScatter3D.get_all_layers() has "
-						   "the layers.",
+			return vformat(
+					"Pass a ScatterLayer or its name, not the index %s: TerrainScatter3D.get_all_layers() returns "
+					"the layers.",
 					p_reference);
 		case Variant::STRING:
 		case Variant::STRING_NAME: return find_name(p_layers, p_reference, r_index);

@@ -116,7 +116,7 @@ std::optional<godot::Array> changed_references(const godot::Array &p_stored,
 LayerReference core_reference(const godot::Variant &p_stored);
 
 inline constexpr const char *layers_in_circle =
-		"Layers without names may not refer to each other in a circle, which no scene could store: give them names.";
+		"Layers without names must not refer to each other in a cycle, which no scene could store: give them names.";
 
 /// Returns the error message for a value that cannot refer to a layer.
 godot::String no_reference(const godot::Variant &p_value);

@@ -100,7 +100,7 @@ Ref<Material> drawn_material(
 void join_looks(std::span<const PartLook *const> parts, ScatterLod &r_lod, PackedStringArray &r_remarks) {
 	const auto remark = [&r_remarks](const PartLook &part, const String &p_what) {
 		r_remarks.push_back(
-				vformat("\"%s\" has a different %s than other parts of its LOD: all are drawn with one, that of "
+				vformat("\"%s\" has a different %s than other parts of its LOD: all are drawn with the value of "
 						"the first part that has one.",
 						part.name, p_what));
 	};

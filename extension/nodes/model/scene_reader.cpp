@@ -190,7 +190,7 @@ void Walk::add_shape(CollisionShape3D *p_node, const Above &above) {
 			// The engine's shapes cannot be mirrored, but all except convex polygons are symmetric.
 			if (kind == String("ConvexPolygonShape3D")) {
 				remark(vformat("\"%s\" is left out: a convex polygon cannot have a negative scale. Apply its transform "
-							   "where the model is made.",
+							   "in the modeling tool.",
 						p_node->get_name()));
 				return;
 			}

@@ -93,7 +93,7 @@ void add_transform_problem(const Node3D &node, glm::dvec3 offset, PackedStringAr
 	}
 	const Transform3D transform = node.get_global_transform();
 	const bool is_moved_only = is_identity(to_core(transform.basis));
-	const String value = is_moved_only ? vformat("is moved to %s", transform.origin) : String("is turned or scaled");
+	const String value = is_moved_only ? vformat("is moved to %s", transform.origin) : String("is rotated or scaled");
 	r_problems.push_back(vformat("TerrainScatter3D.global_transform %s and has no effect: instances keep their "
 								 "positions in the world, while "
 								 "ScatterRegion3Ds below the node move with it. Reset the transforms of the node and "
@@ -107,7 +107,7 @@ void add_local_problems(const Node3D &node, const Ref<ScatterGround> &p_ground, 
 	if (!is_identity(WorldFrame::of_local_space(axes, glm::dvec3(0.0)).turn * axes)) {
 		r_problems.push_back(
 				"TerrainScatter3D.global_transform is scaled, skewed or mirrored. With local_coords, "
-				"instances only move and turn with the node. Reset the scales of the node and its parents.");
+				"instances only move and rotate with the node. Reset the scales of the node and its parents.");
 	}
 	if (p_ground.is_valid() && !p_ground->moves_with_host()) {
 		r_problems.push_back(String("TerrainScatter3D.ground: a ") + p_ground->get_class() +
