@@ -257,10 +257,10 @@ func test_rejected_references() -> void:
 	c.spacing = {a: 2.0}
 	check_error(["ScatterLayer.spacing", "cycle"], "layers without names in a cycle")
 	c.proximity_layer = c
-	check_error(["ScatterLayer.proximity_layer", "circle"], "a nameless layer that refers to itself")
+	check_error(["ScatterLayer.proximity_layer", "cycle"], "a nameless layer that refers to itself")
 	b.resource_name = "b"
 	c.spacing = {a: 2.0}
-	check_error(["circle"], "the circle stays until its reference is stored again")
+	check_error(["cycle"], "the cycle stays until its reference is stored again")
 	a.spacing = a.spacing
 	c.spacing = {a: 2.0}
 	check_no_error("names cause no circle")

@@ -255,9 +255,9 @@ func test_references() -> void:
 	fern.variation_value.layer = oak
 	check_error(["ScatterValueSource.layer", "cycle"], "layers without names in a cycle")
 	fern.variation_value = oak.color_value
-	check_error(["ScatterLayer.variation_value", "circle"], "a value with the layer itself")
+	check_error(["ScatterLayer.variation_value", "cycle"], "a value with the layer itself")
 	fern.proximity_layer = oak
-	check_error(["ScatterLayer.proximity_layer", "circle"], "a circle through a value")
+	check_error(["ScatterLayer.proximity_layer", "cycle"], "a cycle through a value")
 
 
 func test_invalid_ranges() -> void:
