@@ -75,11 +75,12 @@ double exact_orientation(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
 
 double orientation(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
 	constexpr double rounding = 3.3306690738754716e-16; // Relative error bound: (3 + 16 e) e with e = 2^-53.
-	constexpr double doubt = rounding * (1 << 26);
+	// Above this threshold, the relative error of the result is at most 2^-26.
+	constexpr double exact_threshold = rounding * (1 << 26);
 	const double left = (a.x - c.x) * (b.y - c.y);
 	const double right = (a.y - c.y) * (b.x - c.x);
 	const double quick = left - right;
-	if (std::abs(quick) > doubt * (std::abs(left) + std::abs(right))) {
+	if (std::abs(quick) > exact_threshold * (std::abs(left) + std::abs(right))) {
 		// The value is so far from 0 that rounding cannot have changed its sign.
 		return quick;
 	}

@@ -33,7 +33,7 @@ std::string text_of(const AllowedRange &allowed) {
 
 /// Returns the violated requirement, without the value. `allowed` is the text for the allowed
 /// range, or empty if no range is known.
-std::string demand(ErrorCode code, const std::string &allowed) {
+std::string requirement_text(ErrorCode code, const std::string &allowed) {
 	const bool known = !allowed.empty();
 	switch (code) {
 		case ErrorCode::none: return "is valid";
@@ -57,7 +57,7 @@ std::string demand(ErrorCode code, const std::string &allowed) {
 }
 
 /// Returns the default explanation of how to fix an error, for a status without a specific one.
-const char *usual_remedy(ErrorCode code) {
+const char *default_fix(ErrorCode code) {
 	switch (code) {
 		case ErrorCode::too_many_points: return "Make the area smaller or the radius larger";
 		case ErrorCode::out_of_memory: return "Request less in one call, or free memory";
@@ -85,7 +85,7 @@ bool has_value(const Status &status) {
 std::string describe(const Status &status) {
 	std::string text = status.property;
 	text += ' ';
-	text += demand(status.code, text_of(status.allowed));
+	text += requirement_text(status.code, text_of(status.allowed));
 	if (has_value(status)) {
 		text += ", got ";
 		text += as_text(status.value);
@@ -97,7 +97,7 @@ std::string describe(const Status &status) {
 		text += " (seed " + std::to_string(site.seed) + ", radius " + as_text(site.radius) + ", position (" +
 				as_text(site.position.x) + ", " + as_text(site.position.y) + "))";
 	}
-	if (const char *remedy = *status.remedy != '\0' ? status.remedy : usual_remedy(status.code); *remedy != '\0') {
+	if (const char *remedy = *status.remedy != '\0' ? status.remedy : default_fix(status.code); *remedy != '\0') {
 		text += ". ";
 		text += remedy;
 	}

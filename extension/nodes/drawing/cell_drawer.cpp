@@ -63,7 +63,7 @@ bool CellDrawer::draw_cell(
 	DisplayedTile::Cell &cell = r_part.cells[cell_index];
 	const std::span<const std::uint32_t> ranks = r_part.ranks_of(cell_index);
 	adapt(drawing.lod, drawing.steps(), distance, cell.drawing);
-	const double look_share = first_look(drawing, r_part, cell).look.density;
+	const double look_share = first_variant(drawing, r_part, cell).look.density;
 	const bool whole = display_.budget.draw(drawing.layer, look_share, ranks, cell.drawing);
 	show_lods(drawing, ranks, r_part, cell);
 	return whole;
@@ -72,15 +72,15 @@ bool CellDrawer::draw_cell(
 /// Returns the MeshLook that the cell's first visual draws. If every required LOD has a visual,
 /// this is the MeshLook of the first one. Otherwise it is the MeshLook of the single LOD that is
 /// drawn without a fade.
-const MeshLook &CellDrawer::first_look(
+const MeshLook &CellDrawer::first_variant(
 		const Drawing &drawing, const DisplayedTile::Part &part, const DisplayedTile::Cell &cell) {
 	const LodSpan &span = cell.drawing.span;
 	const std::size_t lod = cell.drawing.lod;
 	if (drawing.chain == nullptr) {
 		return part.lods[std::min(lod, part.lods.size() - 1)];
 	}
-	const bool complete = cell.others.size() >= drawing.looks_beyond_first(span);
-	return complete ? drawing.chain->look(span, 0) : drawing.chain->only_look(span, lod);
+	const bool complete = cell.others.size() >= drawing.extra_variants(span);
+	return complete ? drawing.chain->look(span, 0) : drawing.chain->single_variant(span, lod);
 }
 
 /// Assigns the required LODs to the visuals of a cell and releases visuals that are no longer
@@ -88,14 +88,14 @@ const MeshLook &CellDrawer::first_look(
 void CellDrawer::show_lods(const Drawing &drawing, std::span<const std::uint32_t> ranks,
 		const DisplayedTile::Part &part, DisplayedTile::Cell &r_cell) {
 	const LodSpan &span = r_cell.drawing.span;
-	const std::size_t others = drawing.looks_beyond_first(span);
+	const std::size_t others = drawing.extra_variants(span);
 	while (r_cell.others.size() > others) {
 		r_cell.others.back().set_visible(false);
 		display_.leaving.add(std::move(r_cell.others.back()));
 		r_cell.others.pop_back();
 		display_.budget.remove(multimeshes_only(part.multimeshes_of_a_cell()));
 	}
-	const MeshLook &first = first_look(drawing, part, r_cell);
+	const MeshLook &first = first_variant(drawing, part, r_cell);
 	r_cell.visual.set_look(first);
 	r_cell.visual.set_scale(r_cell.drawing.scale);
 	r_cell.visual.set_drawn(r_cell.drawing.drawn);
@@ -114,7 +114,7 @@ void CellDrawer::show_lods(const Drawing &drawing, std::span<const std::uint32_t
 
 /// Returns the number of visuals that a cell needs in addition to its first one.
 std::size_t CellDrawer::wanted_others(const Drawing &drawing, const DisplayedTile::Cell &cell) {
-	return cell.drawing.density > 0.0 ? drawing.looks_beyond_first(cell.drawing.span) : 0;
+	return cell.drawing.density > 0.0 ? drawing.extra_variants(cell.drawing.span) : 0;
 }
 
 bool CellDrawer::lacks_visuals(const TileKey &key, const DisplayedTile &tile) const {
@@ -165,7 +165,7 @@ bool CellDrawer::add_visuals(const TileKey &key, const DisplayedTile &tile, std:
 			LodSpan &span = cell.drawing.span;
 			const DistanceRange distance = distances_to(tile, cell.min, cell.max, drawing.lod);
 			span = lod_span(drawing.lod, drawing.steps(), distance, span);
-			while (cell.others.size() < drawing.looks_beyond_first(span)) {
+			while (cell.others.size() < drawing.extra_variants(span)) {
 				if (step.is_full()) {
 					return false;
 				}

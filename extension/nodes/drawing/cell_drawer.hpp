@@ -72,8 +72,8 @@ private:
 		std::span<const LodStep> steps() const {
 			return chain != nullptr ? chain->steps() : std::span<const LodStep>();
 		}
-		std::size_t looks_beyond_first(const LodSpan &span) const {
-			return chain != nullptr ? chain->looks_beyond_first(span) : 0;
+		std::size_t extra_variants(const LodSpan &span) const {
+			return chain != nullptr ? chain->extra_variants(span) : 0;
 		}
 	};
 	Drawing drawing_of(const TileKey &key, const DisplayedTile &tile, std::size_t mesh) const;
@@ -83,7 +83,7 @@ private:
 			const Drawing &drawing, const DistanceRange &distance, DisplayedTile::Part &r_part, std::size_t cell);
 	void show_lods(const Drawing &drawing, std::span<const std::uint32_t> ranks, const DisplayedTile::Part &part,
 			DisplayedTile::Cell &r_cell);
-	static const MeshLook &first_look(
+	static const MeshLook &first_variant(
 			const Drawing &drawing, const DisplayedTile::Part &part, const DisplayedTile::Cell &cell);
 	static std::size_t wanted_others(const Drawing &drawing, const DisplayedTile::Cell &cell);
 

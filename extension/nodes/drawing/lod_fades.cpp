@@ -103,7 +103,7 @@ const MeshLook &LodChain::look(const LodSpan &span, std::size_t index) const {
 	return mesh_of(looks_.drawn(span, index));
 }
 
-const MeshLook &LodChain::only_look(const LodSpan &span, std::size_t lod) const {
+const MeshLook &LodChain::single_variant(const LodSpan &span, std::size_t lod) const {
 	return mesh_of(looks_.drawn_alone(span, lod));
 }
 

@@ -24,7 +24,7 @@ public:
 	/// Returns one step per LOD.
 	std::span<const LodStep> steps() const { return looks_.steps(); }
 
-	/// Returns true once all fading variants exist. Call `look` and `only_look` only then.
+	/// Returns true once all fading variants exist. Call `look` and `single_variant` only then.
 	bool is_made() const { return made_ == meshes_.size(); }
 
 	/// Creates the fading variants of the next look. Reuses those of the chain `before` if it has
@@ -36,13 +36,13 @@ public:
 	bool is_of(std::span<const MeshLook> lods) const;
 
 	/// Returns the number of looks in a span of LODs, minus one.
-	std::size_t looks_beyond_first(const LodSpan &span) const { return looks_.beyond_first(span); }
+	std::size_t extra_variants(const LodSpan &span) const { return looks_.beyond_first(span); }
 
 	/// Returns one of the looks of a span. Index 0 is the look of its first LOD.
 	const MeshLook &look(const LodSpan &span, std::size_t index) const;
 
 	/// Returns the look of one LOD that is drawn alone, in place of the whole span.
-	const MeshLook &only_look(const LodSpan &span, std::size_t lod) const;
+	const MeshLook &single_variant(const LodSpan &span, std::size_t lod) const;
 
 private:
 	struct Meshes {

@@ -127,7 +127,7 @@ void ScatterGameplay::work_until(std::chrono::steady_clock::time_point deadline)
 			break;
 		}
 	}
-	tell_backlog(deadline);
+	emit_backlog(deadline);
 }
 
 void ScatterGameplay::recycle_scenes() { scenes_.recycle(); }

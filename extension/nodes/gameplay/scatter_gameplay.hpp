@@ -239,7 +239,7 @@ public:
 	bool set_data_in(const ScatterState *state, std::uint64_t id, const godot::Variant &p_data) override;
 	SharedLayers layers() const override { return listed_; }
 	void state_changed(const SharedChanges &changes) override;
-	void tell_changes(const SharedChanges &changes) override;
+	void notify_changes(const SharedChanges &changes) override;
 
 	/// The maximum number of instance changes that one call completes. After larger changes,
 	/// signals, drawing and scenes are spread over the next frames.
@@ -280,7 +280,7 @@ private:
 	};
 
 	/// Changes whose signals are emitted over several frames.
-	struct Untold {
+	struct Unreported {
 		SharedChanges changes;
 		std::size_t told = 0;
 	};
@@ -318,7 +318,7 @@ private:
 	void redraw_later(const StateChanges &changes);
 	const PlacedInstance *find_changing(std::uint64_t id);
 	void tell(const InstanceChange &change);
-	void tell_backlog(std::chrono::steady_clock::time_point deadline);
+	void emit_backlog(std::chrono::steady_clock::time_point deadline);
 	bool still_true(const InstanceChange &change) const;
 
 	const Signals signals_;
@@ -330,7 +330,7 @@ private:
 	SharedLayers listed_ = std::make_shared<const ListedLayers>(godot::TypedArray<ScatterLayer>());
 	InstanceWorld world_;
 	godot::Ref<ScatterState> state_;
-	std::deque<Untold> backlog_;
+	std::deque<Unreported> backlog_;
 	/// The instances that this node is currently removing or restoring, in the order of their
 	/// signals. Excludes those whose signals have been emitted.
 	std::span<const PlacedInstance> changing_;

@@ -23,7 +23,7 @@ namespace thicket {
 namespace {
 
 /// The number of signals that are emitted before the time is checked again.
-constexpr std::size_t told_in_a_row = 16;
+constexpr std::size_t signals_in_a_row = 16;
 
 /// Sets a variable until the end of the scope, even if the scope ends with an exception.
 template <typename T>
@@ -92,8 +92,8 @@ void ScatterGameplay::set_state(const Ref<ScatterState> &p_state) {
 	if (state_.is_valid()) {
 		state_->add_listener(shared_from_this());
 	}
-	for (const Untold &untold : backlog_) {
-		host_->let_go(untold.changes);
+	for (const Unreported &unreported : backlog_) {
+		host_->let_go(unreported.changes);
 	}
 	backlog_.clear();
 	claim_layers();
@@ -299,7 +299,7 @@ void ScatterGameplay::redraw_later(const StateChanges &changes) {
 	}
 }
 
-void ScatterGameplay::tell_changes(const SharedChanges &changes) {
+void ScatterGameplay::notify_changes(const SharedChanges &changes) {
 	if (running_ && changes->size() > most_at_once) {
 		backlog_.push_back({changes, 0});
 		return;
@@ -328,7 +328,7 @@ bool ScatterGameplay::still_true(const InstanceChange &change) const {
 	return false;
 }
 
-void ScatterGameplay::tell_backlog(std::chrono::steady_clock::time_point deadline) {
+void ScatterGameplay::emit_backlog(std::chrono::steady_clock::time_point deadline) {
 	for (std::size_t told = 1; alive() && running_ && !backlog_.empty(); ++told) {
 		const SharedChanges changes = backlog_.front().changes;
 		const InstanceChange *change = changes->at(backlog_.front().told++);
@@ -339,7 +339,7 @@ void ScatterGameplay::tell_backlog(std::chrono::steady_clock::time_point deadlin
 		if (change != nullptr && still_true(*change)) {
 			tell(*change);
 		}
-		if (told % told_in_a_row == 0 && std::chrono::steady_clock::now() >= deadline) {
+		if (told % signals_in_a_row == 0 && std::chrono::steady_clock::now() >= deadline) {
 			return;
 		}
 	}

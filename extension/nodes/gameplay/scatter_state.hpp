@@ -60,7 +60,7 @@ public:
 
 	/// Notifies scripts of `changes`. The state calls this after all earlier changes have been
 	/// reported and their signal handlers have returned. Scripts may change or free anything.
-	virtual void tell_changes(const SharedChanges &changes) = 0;
+	virtual void notify_changes(const SharedChanges &changes) = 0;
 
 protected:
 	StateListener() = default;
@@ -226,7 +226,7 @@ private:
 	DiffLimits limits() const { return diff_limits_.is_valid() ? diff_limits_->limits() : DiffLimits(); }
 
 	/// Changes that listeners have applied but scripts have not been notified of yet.
-	struct Untold {
+	struct Unreported {
 		SharedChanges changes; ///< The changes; null if there are none.
 		/// The diff that made the changes. Null for changes that were made immediately.
 		std::shared_ptr<DiffTask> diff;
@@ -237,9 +237,9 @@ private:
 	/// `changed`. Changes that signal handlers make are queued and reported afterward, in order, to
 	/// avoid recursion.
 	void tell(std::vector<InstanceChange> changes);
-	void follow(Untold untold);
-	void tell_untold();
-	void tell_now(const Untold &untold);
+	void follow(Unreported unreported);
+	void notify_scripts();
+	void tell_now(const Unreported &unreported);
 	std::vector<std::shared_ptr<StateListener>> listeners() const;
 
 	/// Returns the node that makes changes to an instance for this state; null if there is none.
@@ -270,7 +270,7 @@ private:
 	InstanceState state_;
 	godot::Ref<ScatterDiffLimits> diff_limits_;
 	std::vector<std::weak_ptr<StateListener>> listeners_;
-	std::deque<Untold> untold_;
+	std::deque<Unreported> unreported_;
 	/// The diffs whose callbacks have not been called yet, in the order in which they were queued.
 	/// Only the first is in progress.
 	std::deque<std::shared_ptr<DiffTask>> diffs_;

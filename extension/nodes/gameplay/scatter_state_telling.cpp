@@ -50,30 +50,30 @@ void ScatterState::tell(std::vector<InstanceChange> changes) {
 		shared->list = std::move(changes);
 		follow({shared, nullptr});
 	}
-	tell_untold();
+	notify_scripts();
 }
 
-void ScatterState::follow(Untold untold) {
-	if (untold.changes != nullptr) {
+void ScatterState::follow(Unreported unreported) {
+	if (unreported.changes != nullptr) {
 		// state_changed() runs no scripts, so the list cannot change during the loop.
 		for (const std::weak_ptr<StateListener> &listener : listeners_) {
 			if (const std::shared_ptr<StateListener> held = listener.lock()) {
-				held->state_changed(untold.changes);
+				held->state_changed(unreported.changes);
 			}
 		}
 	}
-	untold_.push_back(std::move(untold));
+	unreported_.push_back(std::move(unreported));
 }
 
-void ScatterState::tell_untold() {
-	if (telling_ || untold_.empty()) {
+void ScatterState::notify_scripts() {
+	if (telling_ || unreported_.empty()) {
 		return; // Called by a signal handler. The outer call reports this change, too.
 	}
 	const Ref<ScatterState> self(this); // A handler may release the last other reference.
 	telling_ = true;
-	while (!untold_.empty()) {
-		Untold next = std::move(untold_.front());
-		untold_.pop_front();
+	while (!unreported_.empty()) {
+		Unreported next = std::move(unreported_.front());
+		unreported_.pop_front();
 		tell_now(next);
 		if (next.diff != nullptr || next.changes->size() > many_changes) {
 			// Free them on a thread, to avoid a hitch.
@@ -83,28 +83,28 @@ void ScatterState::tell_untold() {
 	telling_ = false;
 }
 
-void ScatterState::tell_now(const Untold &untold) {
-	if (untold.changes != nullptr) {
+void ScatterState::tell_now(const Unreported &unreported) {
+	if (unreported.changes != nullptr) {
 		for (const std::shared_ptr<StateListener> &listener : listeners()) {
 			const auto same = [&listener](const std::weak_ptr<StateListener> &other) {
 				return !other.owner_before(listener) && !listener.owner_before(other);
 			};
 			if (std::ranges::any_of(listeners_, same)) { // A signal handler may have removed the listener.
-				listener->tell_changes(untold.changes);
+				listener->notify_changes(unreported.changes);
 			}
 		}
-		const StateChanges &changes = *untold.changes;
-		if (untold.diff == nullptr) {
+		const StateChanges &changes = *unreported.changes;
+		if (unreported.diff == nullptr) {
 			emit_signal(instances_changed_, ids_of_changes(changes.list));
 		} else {
 			// The diff's thread has already listed all other IDs.
-			add_ids(changes.instead, untold.diff->ids);
-			emit_signal(instances_changed_, untold.diff->ids);
+			add_ids(changes.instead, unreported.diff->ids);
+			emit_signal(instances_changed_, unreported.diff->ids);
 		}
 		emit_changed();
 	}
-	if (untold.diff != nullptr) {
-		untold.diff->tell(untold.error);
+	if (unreported.diff != nullptr) {
+		unreported.diff->tell(unreported.error);
 	}
 }
 
@@ -163,7 +163,7 @@ void ScatterState::finish_diffs() {
 	if (!first.can_work() || first.done()) {
 		finish_first_diff();
 		start_diff();
-		tell_untold();
+		notify_scripts();
 	}
 }
 
