@@ -30,8 +30,8 @@ struct RuleSentence {
 /// Describes a factor. It must come from an evaluation of `layer`.
 RuleSentence describe(const RuleFactor &factor, const LayerSettings &layer, const RuleNames &names);
 
-/// Whether and why the rules place an instance of the layer at a position. Does not consider a
-/// game's changes.
+/// The decision of the rules on whether to place an instance of the layer at a position, and the
+/// reason. Ignores a game's changes.
 struct RuleVerdict {
 	bool yes = false; ///< True if an instance is allowed at the position and the nearest point is kept.
 	/// The rule that prevents an instance, or "rank" if the density excludes the point. Empty if

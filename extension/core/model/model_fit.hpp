@@ -36,8 +36,8 @@ struct ModelFit {
 	double max_scale = 1.0;
 	double max_tilt_degrees = 0.0;
 	double align_to_normal = 0.0;
-	/// Meters, 0 or less. Sinks the base into the ground so far that upright models show no gap on
-	/// slopes of up to 25 degrees.
+	/// Meters, 0 or less. Sinks the base into the ground far enough that upright models show no gap
+	/// on slopes of up to 25 degrees.
 	double height_offset = 0.0;
 	double clump_size = 0.0; ///< Meters; 0 for no clumps.
 	double clump_coverage = 0.5;

@@ -55,7 +55,7 @@ inline constexpr double max_border_noise_size = 1e5;
 /// Returns an error for values that are not finite or outside the ranges above.
 Status validate(const BiomeBorders &borders);
 
-/// Number of taps, which are positions around a queried position at which the map is sampled. A
+/// Number of taps. A tap is a position near a queried position at which the map is sampled. A
 /// biome's weight is the fraction of the taps that lie in it, so the weights of all biomes and
 /// no_biome add up to 1.
 inline constexpr std::size_t biome_taps = 16;

@@ -23,8 +23,7 @@ enum class ShapeKind : std::uint8_t {
 	path,
 };
 
-/// A region in which a layer is included, or from which it is excluded. Lengths are in world
-/// meters.
+/// A region that includes or excludes a layer. Lengths are in world meters.
 struct Shape {
 	ShapeKind kind = ShapeKind::box;
 	bool exclude = false;

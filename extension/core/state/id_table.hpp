@@ -46,7 +46,7 @@ public:
 	IdTable(IdTable &&) noexcept = default;
 	IdTable &operator=(IdTable &&) noexcept = default;
 
-	/// Returns a copy that shares this table's memory, in microseconds. Both tables then copy a
+	/// Returns a copy that shares this table's memory. Takes microseconds. Both tables then copy a
 	/// shard before they first change it, so different threads may use them.
 	IdTable share() {
 		IdTable other(*this);

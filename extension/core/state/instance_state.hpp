@@ -308,7 +308,7 @@ public:
 	Status merge_diff(
 			std::span<const std::uint8_t> bytes, std::vector<InstanceChange> &r_changes, const DiffLimits &limits = {});
 
-	/// Returns a copy that shares this state's memory, in microseconds. Both states copy memory
+	/// Returns a copy that shares this state's memory. Takes microseconds. Both states copy memory
 	/// before they change it, so another thread may read the copy. The copy has no log of earlier
 	/// changes. Call `complete` on it, on any thread, before `added_in` and before any change.
 	InstanceState share();

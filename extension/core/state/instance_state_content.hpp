@@ -98,7 +98,7 @@ struct InstanceState::Content {
 	/// `former`.
 	double time_of_write(double former) const;
 
-	/// Returns a copy that shares memory with this content, in microseconds. Both contents copy
+	/// Returns a copy that shares memory with this content. Takes microseconds. Both contents copy
 	/// memory before they change it. The copy's log is empty. The copy is incomplete until
 	/// `complete` is called, which may happen on another thread.
 	std::unique_ptr<Content> share();

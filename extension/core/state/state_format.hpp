@@ -39,7 +39,8 @@ struct StateHeader {
 void write(const StateRecord &record, std::vector<std::uint8_t> &r_bytes, const std::atomic<bool> *cancel = nullptr,
 		std::uint32_t format = state_format);
 
-/// Reads the header of a serialized state, in microseconds. The remaining bytes are not checked.
+/// Reads the header of a serialized state, which takes microseconds. The remaining bytes are not
+/// checked.
 Status read_header(std::span<const std::uint8_t> bytes, StateHeader &r_header);
 
 /// Reads a serialized state. Only bytes that `write` would reproduce exactly are accepted. `limits`

@@ -140,8 +140,8 @@ void LayerTiles::begin_anew() {
 	sweeping_ = true;
 }
 
-/// Releases tiles outside every viewer's keep range, which is the range of distances within which
-/// tiles are kept. Outdated tiles within that range are queued.
+/// Releases tiles outside every viewer's keep range, the range of distances in which tiles are
+/// kept. Outdated tiles within that range are queued.
 void LayerTiles::leave_all(StreamChanges &r_changes) {
 	for (std::uint32_t slot = 0; slot < tiles_.slots().size(); ++slot) {
 		const StreamedTile &tile = tiles_[slot];

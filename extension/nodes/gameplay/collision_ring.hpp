@@ -95,7 +95,7 @@ public:
 	static constexpr double moved_reach = 16.0;
 
 private:
-	/// The body of an instance. It has neither a RID nor shapes if the mesh has no volume or the
+	/// The body of an instance. It has no RID and no shapes if the mesh has no volume or the
 	/// instance is flat.
 	struct Body {
 		PlacedInstance instance;

@@ -280,7 +280,7 @@ void ScatterGameplay::state_changed(const SharedChanges &changes) {
 /// Redraws all tiles that may contain the changes, over the next frames.
 void ScatterGameplay::redraw_later(const StateChanges &changes) {
 	if (changes.size() > most_at_once * 16) {
-		// Finding the areas of so many changes takes longer than checking all tiles.
+		// Finding the areas of this many changes takes longer than checking all tiles.
 		host_->redraw_all_later();
 		return;
 	}

@@ -35,9 +35,9 @@ public:
 	/// Creates the result of a rejected query.
 	static godot::Ref<ScatterInstances> make_empty() { return memnew(ScatterInstances); }
 
-	/// `frame` relates the engine's space to the world. It is subtracted from all
-	/// positions that scripts receive. The layer indices of the instances refer to `layers`, which
-	/// may be null if there are no instances.
+	/// `frame` relates the engine's space to the world. It converts all positions that scripts
+	/// receive. The layer indices of the instances refer to `layers`, which may be null if there
+	/// are no instances.
 	static godot::Ref<ScatterInstances> of(FoundInstances found, const WorldFrame &frame, SharedLayers layers);
 
 	int64_t size() const { return static_cast<int64_t>(found_.size()); }

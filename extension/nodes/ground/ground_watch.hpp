@@ -39,9 +39,9 @@ struct GroundSight {
 /// world position of the engine's origin. Tolerates the rounding errors that moving a scene causes.
 bool same_in_world(const GroundSight &a, glm::dvec3 offset_a, const GroundSight &b, glm::dvec3 offset_b);
 
-/// Detects nodes whose ground has changed by polling a limited number of them per frame, in turn.
-/// Polling is necessary because the engine emits no usable signal when another node moves. Use it
-/// only on the main thread.
+/// Detects nodes whose ground has changed by polling a limited number of them per frame, one after
+/// another. Polling is necessary because the engine emits no usable signal when another node moves.
+/// Use it only on the main thread.
 class GroundWatch {
 public:
 	/// Returns a node's current state without the version. Sets `r_source` to the source, or leaves
@@ -52,7 +52,7 @@ public:
 	/// ID as an argument. The owner must pass that ID to `source_changed`.
 	GroundWatch(godot::Object *p_owner, const godot::StringName &p_method) : owner_(p_owner), method_(p_method) {}
 
-	/// Starts to watch a node. If `changed` is true, marks it as changed. Does nothing if the node
+	/// Starts watching a node. If `changed` is true, marks it as changed. Does nothing if the node
 	/// is already watched.
 	void add(std::uint64_t id, const godot::Variant &p_node, const Look &look, bool changed);
 

@@ -53,7 +53,7 @@ private:
 /// tree that some changes do not update.
 class MeshReader {
 public:
-	/// Starts to read a node's pieces. `source` and `version` identify the state of the pieces.
+	/// Starts reading a node's pieces. `source` and `version` identify the state of the pieces.
 	void start(std::vector<GroundPiece> pieces, std::uint64_t source, std::uint64_t version);
 
 	bool busy() const { return copy_ != nullptr; }

@@ -129,7 +129,7 @@ public:
 
 	/// Samples the ground data in `needs` at world `positions`, for the host with this ID, on the
 	/// main thread. `r_ground` must have the size of `positions`. A NAN height means that there is
-	/// no ground. Returns an error if a script returns a wrong number of heights, normals or
+	/// no ground. Returns an error if a script returns the wrong number of heights, normals or
 	/// weights.
 	Status sample_now(std::uint64_t host, std::span<const glm::dvec2> positions, const GroundNeeds &needs,
 			std::span<Ground> r_ground);
@@ -166,7 +166,7 @@ public:
 	/// changed without a signal.
 	virtual void look_again() {}
 
-	/// Checks ground from scene nodes for changes, and emits signals for them. Call it in every
+	/// Checks ground from scene nodes for changes and emits signals for them. Call it in every
 	/// frame of every host. Does at least one step of work per frame and starts no more steps after
 	/// `deadline`.
 	void follow_scene(std::chrono::steady_clock::time_point deadline);

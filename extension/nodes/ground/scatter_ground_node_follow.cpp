@@ -133,8 +133,8 @@ void ScatterGroundNode::node_gone() {
 
 void ScatterGroundNode::node_moved(const Transform3D &) { change(); }
 
-/// Emits `ground_changed` for an area in the engine's space, once for each distinct world position
-/// that the hosts give it.
+/// Emits `ground_changed` for an area in the engine's space, once for each world position that it
+/// has among the hosts.
 void ScatterGroundNode::emit_area(const Rect2 &p_rect) {
 	std::vector<glm::dvec2> corners;
 	for (const GroundHost &host : hosts()) {

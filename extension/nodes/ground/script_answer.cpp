@@ -75,7 +75,7 @@ String in_words(GDExtensionCallErrorType error, const Variant &p_answer, std::in
 		return String("returned ") + String::num_int64(size) + String(" elements for ") + String::num_int64(count) +
 				String(" positions");
 	}
-	return p_answer.get_type() >= Variant::ARRAY ? String("returned an array with elements of a wrong type")
+	return p_answer.get_type() >= Variant::ARRAY ? String("returned an array with elements of the wrong type")
 												 : vformat("returned \"%s\"", p_answer);
 }
 

@@ -11,8 +11,8 @@ namespace thicket {
 
 /// The nodes of a scene that have the methods of the terrains in godot_voxel
 /// (github.com/Zylann/godot_voxel). The blocks of these terrains have physics bodies but no nodes,
-/// and exist only near a VoxelViewer. If a ray hits no body, the ground may therefore just not be
-/// loaded yet. All positions are in the engine's space.
+/// and exist only near a VoxelViewer. If a ray hits no body, the ground may therefore simply not
+/// have been loaded yet. All positions are in the engine's space.
 class VoxelVolumes {
 public:
 	/// Returns true if a node has these methods, regardless of its class.

@@ -36,7 +36,7 @@ public:
 
 	static constexpr const char *class_name = "ScatterTileGrid";
 
-	/// The limit of tile coordinates, in tiles from the origin. The count of a row from
+	/// The limit of tile coordinates, in tiles from the origin. The number of tiles in a row from
 	/// -max_coordinate to max_coordinate fits in an int.
 	static constexpr double max_coordinate = max_tile_coordinate / 2;
 

@@ -128,8 +128,8 @@ protected:
 	void _validate_property(godot::PropertyInfo &p_property) const;
 
 private:
-	/// Whether each property was set by hand after `unread_` was set. Reading that scene does not
-	/// replace such properties.
+	/// For each property, true if it was set by hand after `unread_` was set. Reading that scene
+	/// does not replace such properties.
 	struct HandSet {
 		bool lods = false;
 		bool shapes = false;

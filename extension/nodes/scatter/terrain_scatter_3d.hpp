@@ -129,8 +129,8 @@ public:
 	int64_t get_preview_instances() const { return preview_instances_; }
 
 	/// Sets the maximum number of visible multimeshes, 0 to 1e6. When it is reached, no more tiles
-	/// are divided into cells, and the farthest tiles are drawn as a whole again first. Undivided
-	/// tiles are displayed even beyond the limit.
+	/// are divided into cells, and divided tiles are drawn as a whole again, farthest first.
+	/// Undivided tiles are displayed even beyond the limit.
 	void set_max_multimeshes(int64_t p_count);
 	int64_t get_max_multimeshes() const { return max_multimeshes_; }
 
