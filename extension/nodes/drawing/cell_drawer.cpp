@@ -49,7 +49,7 @@ bool CellDrawer::draw(const TileKey &key, DisplayedTile &r_tile, double &r_margi
 		};
 		if (in_cells) {
 			const double traveled = display_.schedule.traveled();
-			r_margin = std::min(r_margin, part.visits.visit(part.cells.size(), traveled, r_tile.look_at_all, draw));
+			r_margin = std::min(r_margin, part.visits.visit(part.cells.size(), traveled, r_tile.check_all_cells, draw));
 		} else if (!part.cells.empty()) {
 			r_margin = std::min(r_margin, draw(0));
 		}

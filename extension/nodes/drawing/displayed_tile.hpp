@@ -96,7 +96,7 @@ struct DisplayedTile {
 	/// The layer's version in DrawnLayers when the tile was last drawn.
 	std::uint64_t drawing_version = 0;
 	/// True if the next update must check all cells, not only those that are due.
-	bool look_at_all = true;
+	bool check_all_cells = true;
 	bool to_fade = false; ///< True while the tile needs more visuals to cross-fade LODs.
 
 	float reach_of(std::size_t mesh) const { return mesh < mesh_reach.size() ? mesh_reach[mesh] : 0.0F; }

@@ -86,7 +86,7 @@ void TileDisplay::finish_division(DisplayedTile &r_tile) {
 		leave(std::move(next[mesh].cells));
 	}
 	r_tile.across = across;
-	r_tile.look_at_all = true;
+	r_tile.check_all_cells = true;
 	r_tile.set_lod(lod);
 	divisions_.finish();
 	budget_.add(r_tile.amounts());

@@ -124,7 +124,7 @@ bool TileDisplay::patch_parts(const TileKey &key, DisplayedTile &r_tile) {
 	if (divisions_.is_current(key)) {
 		cancel_division(); // The uploads of the division are outdated.
 	}
-	r_tile.look_at_all = true;
+	r_tile.check_all_cells = true;
 	for (std::size_t mesh = 0; mesh < shown.size(); ++mesh) {
 		DisplayedTile::Part &part = r_tile.parts[mesh];
 		if (part.shown == shown[mesh] || same(*part.shown, *shown[mesh])) {

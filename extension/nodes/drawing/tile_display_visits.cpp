@@ -41,7 +41,7 @@ void TileDisplay::set_viewers(std::span<const Viewer> viewers) {
 	}
 	for (const TileKey &key : budget_.take_cut()) {
 		if (const auto found = tiles_.find(key); found != tiles_.end()) {
-			found->second.look_at_all = true;
+			found->second.check_all_cells = true;
 			schedule_.add(key, 0.0);
 		}
 	}
@@ -51,7 +51,7 @@ void TileDisplay::visit_all() {
 	schedule_.clear();
 	budget_.take_cut(); // All tiles are visited below, including the cut ones.
 	for (auto &[key, tile] : tiles_) {
-		tile.look_at_all = true;
+		tile.check_all_cells = true;
 		schedule_.add(key, 0.0);
 	}
 }
@@ -120,7 +120,7 @@ void TileDisplay::refine(const TileKey &key, DisplayedTile &r_tile) {
 	if (!drawer_.draw(key, r_tile, margin)) {
 		budget_.note_cut(key);
 	}
-	r_tile.look_at_all = false;
+	r_tile.check_all_cells = false;
 	if (drawer_.lacks_visuals(key, r_tile) && !std::exchange(r_tile.to_fade, true)) {
 		to_fade_.push_back(key);
 	}

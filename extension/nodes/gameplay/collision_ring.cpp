@@ -100,7 +100,7 @@ bool CollisionRing::step() {
 	PlacedInstance instance;
 	const bool entered = queue_.next_entering(instance);
 	if (entered) {
-		stand(instance);
+		create_body(instance);
 	}
 	if (removed || renewed || entered) {
 		return true;
@@ -130,7 +130,7 @@ bool CollisionRing::renew_some() {
 	int count = 0;
 	PlacedInstance instance;
 	for (; count < most_per_step && queue_.next_changed(instance); ++count) {
-		stand(instance);
+		create_body(instance);
 	}
 	for (; count < most_per_step && queue_.next_due(instance); ++count) {
 		renew(instance.layer, instance.id);
@@ -168,7 +168,7 @@ void CollisionRing::renew(std::uint32_t index, std::uint64_t id) {
 	}
 	Body &body = found->second;
 	if (body.shape_version != layer.shape_version) {
-		stand(PlacedInstance(body.instance));
+		create_body(PlacedInstance(body.instance));
 		return;
 	}
 	if (body.settings_version != layer.settings_version && body.rid.is_valid()) {
@@ -181,7 +181,7 @@ void CollisionRing::renew(std::uint32_t index, std::uint64_t id) {
 }
 
 /// Creates the body of an instance and removes its previous body, if any.
-void CollisionRing::stand(const PlacedInstance &instance) {
+void CollisionRing::create_body(const PlacedInstance &instance) {
 	fall(instance.layer, instance.id);
 	Layer &layer = layers_[instance.layer];
 	Body &body = layer.bodies[instance.id];

@@ -122,7 +122,7 @@ private:
 		std::unordered_map<std::uint64_t, Body> bodies; ///< The bodies of the layer's instances, keyed by instance ID.
 	};
 
-	void stand(const PlacedInstance &instance);
+	void create_body(const PlacedInstance &instance);
 	void fall(std::uint32_t layer, std::uint64_t id);
 	void leave(const Leaving &leaving);
 	bool remove_some();

@@ -100,13 +100,13 @@ void DiffTask::tell(Error error) {
 	}
 }
 
-Leavings::~Leavings() {
+DeferredFree::~DeferredFree() {
 	for (const std::int64_t task : tasks_) {
 		WorkerThreadPool::get_singleton()->wait_for_task_completion(task);
 	}
 }
 
-void Leavings::forget_those_that_ended() {
+void DeferredFree::forget_those_that_ended() {
 	WorkerThreadPool *pool = WorkerThreadPool::get_singleton();
 	std::erase_if(tasks_, [pool](std::int64_t task) {
 		if (!pool->is_task_completed(task)) {
@@ -119,13 +119,13 @@ void Leavings::forget_those_that_ended() {
 	});
 }
 
-void Leavings::forget(std::int64_t task) {
+void DeferredFree::forget(std::int64_t task) {
 	if (task >= 0) {
 		tasks_.push_back(task);
 	}
 }
 
-void Leavings::let_go(Unneeded unneeded) {
+void DeferredFree::let_go(Unneeded unneeded) {
 	if (!has_threads()) {
 		return;
 	}

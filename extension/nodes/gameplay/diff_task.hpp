@@ -77,12 +77,12 @@ private:
 
 /// Frees large objects on the engine's WorkerThreadPool, because freeing a hundred megabytes would
 /// exceed the frame budget. Use it only on the main thread.
-class Leavings {
+class DeferredFree {
 public:
-	Leavings() = default;
-	~Leavings();
-	Leavings(const Leavings &) = delete;
-	Leavings &operator=(const Leavings &) = delete;
+	DeferredFree() = default;
+	~DeferredFree();
+	DeferredFree(const DeferredFree &) = delete;
+	DeferredFree &operator=(const DeferredFree &) = delete;
 
 	/// Frees the objects once nothing else references them. Frees them immediately if the pool has
 	/// no threads.

@@ -38,7 +38,7 @@ bool ScatterRequest::finish(const Ref<ScatterInstances> &p_result, bool p_cancel
 bool ScatterRequest::cancel() {
 	const bool first = finish({}, true);
 	if (first) {
-		tell_later(); // The node detects the cancellation in its next frame.
+		report_later(); // The node detects the cancellation in its next frame.
 	}
 	return first;
 }
@@ -51,11 +51,11 @@ void ScatterRequest::complete(const Ref<ScatterInstances> &p_result) {
 
 void ScatterRequest::give_up() {
 	if (finish({}, false)) {
-		tell_later();
+		report_later();
 	}
 }
 
-void ScatterRequest::tell_later() {
+void ScatterRequest::report_later() {
 	// Pass the request to the call, to keep it alive. A script that awaits the signal does not.
 	call_deferred("_tell", Ref<ScatterRequest>(this));
 }

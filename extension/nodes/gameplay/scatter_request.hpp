@@ -42,7 +42,7 @@ protected:
 
 private:
 	bool finish(const godot::Ref<ScatterInstances> &p_result, bool p_canceled);
-	void tell_later();
+	void report_later();
 	void tell(const godot::Ref<ScatterRequest> &p_self);
 
 	mutable std::mutex mutex_; ///< Guards the following members.

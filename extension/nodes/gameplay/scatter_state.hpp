@@ -239,7 +239,7 @@ private:
 	void tell(std::vector<InstanceChange> changes);
 	void follow(Unreported unreported);
 	void notify_scripts();
-	void tell_now(const Unreported &unreported);
+	void report_now(const Unreported &unreported);
 	std::vector<std::shared_ptr<StateListener>> listeners() const;
 
 	/// Returns the node that makes changes to an instance for this state; null if there is none.
@@ -274,8 +274,8 @@ private:
 	/// The diffs whose callbacks have not been called yet, in the order in which they were queued.
 	/// Only the first is in progress.
 	std::deque<std::shared_ptr<DiffTask>> diffs_;
-	Leavings leavings_;
-	bool telling_ = false;
+	DeferredFree deferred_free_;
+	bool notifying_ = false;
 	bool copy_at_runtime_ = false;
 	bool warned_ = false; ///< True once warn_if_cached has printed its warning.
 	/// The signal's name, which is stored because creating a StringName costs as much as removing

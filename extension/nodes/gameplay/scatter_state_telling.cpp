@@ -66,24 +66,24 @@ void ScatterState::follow(Unreported unreported) {
 }
 
 void ScatterState::notify_scripts() {
-	if (telling_ || unreported_.empty()) {
+	if (notifying_ || unreported_.empty()) {
 		return; // Called by a signal handler. The outer call reports this change, too.
 	}
 	const Ref<ScatterState> self(this); // A handler may release the last other reference.
-	telling_ = true;
+	notifying_ = true;
 	while (!unreported_.empty()) {
 		Unreported next = std::move(unreported_.front());
 		unreported_.pop_front();
-		tell_now(next);
+		report_now(next);
 		if (next.diff != nullptr || next.changes->size() > many_changes) {
 			// Free them on a thread, to avoid a hitch.
-			leavings_.let_go({std::move(next.changes), std::move(next.diff)});
+			deferred_free_.let_go({std::move(next.changes), std::move(next.diff)});
 		}
 	}
-	telling_ = false;
+	notifying_ = false;
 }
 
-void ScatterState::tell_now(const Unreported &unreported) {
+void ScatterState::report_now(const Unreported &unreported) {
 	if (unreported.changes != nullptr) {
 		for (const std::shared_ptr<StateListener> &listener : listeners()) {
 			const auto same = [&listener](const std::weak_ptr<StateListener> &other) {
@@ -148,7 +148,7 @@ void ScatterState::start_diff() {
 void ScatterState::finish_first_diff() {
 	const std::shared_ptr<DiffTask> first = std::move(diffs_.front());
 	diffs_.pop_front();
-	leavings_.forget(first->take_task());
+	deferred_free_.forget(first->take_task());
 	const auto changes = std::make_shared<StateChanges>();
 	const Status status = first->diff != nullptr ? state_.finish_pending_diff(*changes) : first->refused;
 	const Error error = told("apply_diff_async", status);

@@ -45,24 +45,24 @@ CopyAttempt copy_ground(const Variant &p_node, const GroundCopy *before) {
 	return attempt;
 }
 
-GroundGlance glance_at(const Variant &p_node, bool deep) {
-	GroundGlance glance;
-	glance.node = id_of(p_node);
-	glance.extent = is_post_grid(p_node) ? PostGridArea::of(p_node).rect : Rect2();
-	if (glance.node == 0 || !deep) {
-		return glance;
+GroundFingerprint fingerprint_of(const Variant &p_node, bool deep) {
+	GroundFingerprint fingerprint;
+	fingerprint.node = id_of(p_node);
+	fingerprint.extent = is_post_grid(p_node) ? PostGridArea::of(p_node).rect : Rect2();
+	if (fingerprint.node == 0 || !deep) {
+		return fingerprint;
 	}
 	if (has_method(p_node, "get_data") && has_method(p_node, "get_internal_transform")) {
-		glance.data = id_of(result_of(p_node, "get_data"));
-		glance.indexed = uses_indexed_textures(p_node);
+		fingerprint.data = id_of(result_of(p_node, "get_data"));
+		fingerprint.indexed = uses_indexed_textures(p_node);
 	} else if (has_method(p_node, "get_terrainZones")) {
-		glance.data = id_of(result_of(p_node, "get_terrainZones"));
+		fingerprint.data = id_of(result_of(p_node, "get_terrainZones"));
 	} else {
-		glance.data = id_of(property_of(p_node, "data"));
+		fingerprint.data = id_of(property_of(p_node, "data"));
 		const Variant spacing = property_of(p_node, "vertex_spacing");
-		glance.spacing = is_number(spacing) ? static_cast<double>(spacing) : 0.0;
+		fingerprint.spacing = is_number(spacing) ? static_cast<double>(spacing) : 0.0;
 	}
-	return glance;
+	return fingerprint;
 }
 
 } // namespace thicket

@@ -102,7 +102,7 @@ CopyAttempt copy_hterrain(const godot::Variant &p_node, const GroundCopy *before
 bool uses_indexed_textures(const godot::Variant &p_node);
 
 /// Values that are cheap to read. If any of them differs, the node's ground may have changed.
-struct GroundGlance {
+struct GroundFingerprint {
 	std::uint64_t node = 0;
 	/// The ID of the object that contains the ground, if it is not the node itself.
 	std::uint64_t data = 0;
@@ -111,11 +111,10 @@ struct GroundGlance {
 	/// MTerrain: the area of the ground in the engine's x and z; empty if there is no ground yet.
 	godot::Rect2 extent;
 
-	bool operator==(const GroundGlance &) const = default;
+	bool operator==(const GroundFingerprint &) const = default;
 };
 
-/// Reads the values of a GroundGlance. Unless `deep` is true, reads only the node's ID and runs no
-/// scripts.
-GroundGlance glance_at(const godot::Variant &p_node, bool deep);
+/// Reads a GroundFingerprint. Unless `deep` is true, reads only the node's ID and runs no scripts.
+GroundFingerprint fingerprint_of(const godot::Variant &p_node, bool deep);
 
 } // namespace thicket

@@ -164,7 +164,7 @@ public:
 
 	/// Makes ground that caches its source search for it again. Call it when the ground may have
 	/// changed without a signal.
-	virtual void look_again() {}
+	virtual void search_again() {}
 
 	/// Checks ground from scene nodes for changes and emits signals for them. Call it in every
 	/// frame of every host. Does at least one step of work per frame and starts no more steps after

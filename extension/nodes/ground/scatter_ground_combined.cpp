@@ -148,11 +148,11 @@ bool ScatterGroundCombined::distrust() {
 
 /// A node that uses this ground calls this for each signal. Only the part that emitted the signal
 /// has to search for its source.
-void ScatterGroundCombined::look_again() {
-	const Ref<ScatterGround> teller = teller_;
-	each_part([&teller](const Part &part) {
-		if (teller.is_null() || teller == part.ground) {
-			part.ground->look_again();
+void ScatterGroundCombined::search_again() {
+	const Ref<ScatterGround> emitter = emitter_;
+	each_part([&emitter](const Part &part) {
+		if (emitter.is_null() || emitter == part.ground) {
+			part.ground->search_again();
 		}
 	});
 }
@@ -172,9 +172,9 @@ void ScatterGroundCombined::part_ground_changed(const Rect2 &p_rect, int64_t p_g
 	if (found == parts_.end()) {
 		return; // A call from another thread, which was delayed.
 	}
-	const Ref<ScatterGround> outer = std::exchange(teller_, found->ground);
+	const Ref<ScatterGround> outer = std::exchange(emitter_, found->ground);
 	emit_ground_changed(p_rect);
-	teller_ = outer;
+	emitter_ = outer;
 }
 
 void ScatterGroundCombined::_bind_methods() {

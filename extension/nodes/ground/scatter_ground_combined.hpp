@@ -43,7 +43,7 @@ public:
 	std::size_t max_positions_per_call() const override;
 	bool is_available() const override;
 	double recheck_tolerance() const override;
-	void look_again() override;
+	void search_again() override;
 	bool is_behind() const override;
 	bool is_pending(std::uint64_t host) const override;
 	void finish_reading() override;
@@ -114,7 +114,7 @@ private:
 	Parts parts_; ///< The entries that are neither empty, nor duplicates, nor rejected.
 	std::vector<Use> uses_;
 	/// The part whose signal is being forwarded.
-	godot::Ref<ScatterGround> teller_;
+	godot::Ref<ScatterGround> emitter_;
 };
 
 } // namespace thicket

@@ -118,7 +118,7 @@ ScatterGroundNode::Found ScatterGroundNode::look() const {
 		if (found.attempt.copy == nullptr) {
 			found.ground = ObjectGround::of(found.target, limits());
 		}
-		found.glance = glance_at(found.target, found.ground == nullptr || found.ground->source() == nullptr);
+		found.fingerprint = fingerprint_of(found.target, found.ground == nullptr || found.ground->source() == nullptr);
 	}
 	return found;
 }
@@ -131,7 +131,7 @@ void ScatterGroundNode::take(const Found &found) {
 	const bool was_usable = is_available();
 	problem_ = problem_of(found, in_tree, usable);
 	remark_ = String();
-	glance_ = found.glance;
+	fingerprint_ = found.fingerprint;
 	if (!usable || copied || followed_node_.get_validated_object() != target) {
 		close();
 	}
@@ -147,11 +147,11 @@ void ScatterGroundNode::take(const Found &found) {
 							node_, String(name_of(found.attempt.plugin)), found.attempt.refusal);
 		}
 	}
-	if (usable && !was_usable && missed_ && !told_) {
+	if (usable && !was_usable && missed_ && !notified_) {
 		changes_.everywhere = true;
 	}
 	missed_ = missed_ && !usable;
-	told_ = false;
+	notified_ = false;
 	const String recognized = !usable ? String()
 			: copied                  ? copy_->description()
 									  : vformat("%s, queried position by position", target->get_class());
@@ -187,7 +187,7 @@ void ScatterGroundNode::take_copy(const Found &found) {
 		grounds_[host.id] = copy_->at_offset(host.offset);
 	}
 	const std::vector<glm::dvec3> offsets = std::exchange(offsets_, host_offsets());
-	if (before != nullptr && !told_) {
+	if (before != nullptr && !notified_) {
 		const std::optional<glm::dvec3> shift = shift_since(offsets);
 		changes_.everywhere = changes_.everywhere || !shift;
 		changes_.add(copy_->changes_since(*before, shift.value_or(glm::dvec3(0.0))));

@@ -31,7 +31,7 @@ public:
 	bool has_textures() const override;
 	bool has_surfaces() const override { return copy_ != nullptr; }
 	bool is_available() const override;
-	void look_again() override { stale_ = stale_ || !telling_; }
+	void search_again() override { stale_ = stale_ || !emitting_; }
 
 	/// Sets the path of the node, relative to the TerrainScatter3D that uses this ground, or to the
 	/// first one if there are several.
@@ -83,7 +83,7 @@ private:
 		godot::Variant target;
 		CopyAttempt attempt;
 		std::shared_ptr<ObjectGround> ground;
-		GroundGlance glance;
+		GroundFingerprint fingerprint;
 	};
 
 	/// An object that a host has received. Tiles in progress may still use it.
@@ -140,17 +140,17 @@ private:
 	std::vector<glm::dvec3> offsets_;
 	std::vector<Given> given_; ///< All objects of the node that must be closed.
 
-	bool stale_ = true;    ///< True if the node must be searched for.
-	bool finding_ = false; ///< True during a search, which may run the node's script.
-	bool telling_ = false; ///< True while this object emits `ground_changed`.
+	bool stale_ = true;     ///< True if the node must be searched for.
+	bool finding_ = false;  ///< True during a search, which may run the node's script.
+	bool emitting_ = false; ///< True while this object emits `ground_changed`.
 	/// True if, since the last search, all users have been notified that the ground has changed
 	/// everywhere.
-	bool told_ = false;
-	bool missed_ = false;        ///< True if a host requested the ground while there was none.
-	bool edited_ = false;        ///< True if the ground must be copied again.
-	std::vector<MapEdit> edits_; ///< Reported edits of known areas.
-	GroundChanges changes_;      ///< Changes whose signals have not been emitted yet.
-	GroundGlance glance_;        ///< The state of the node when it was last examined.
+	bool notified_ = false;
+	bool missed_ = false;           ///< True if a host requested the ground while there was none.
+	bool edited_ = false;           ///< True if the ground must be copied again.
+	std::vector<MapEdit> edits_;    ///< Reported edits of known areas.
+	GroundChanges changes_;         ///< Changes whose signals have not been emitted yet.
+	GroundFingerprint fingerprint_; ///< The state of the node when it was last examined.
 
 	godot::String problem_;
 	godot::String reported_; ///< The last printed problem.

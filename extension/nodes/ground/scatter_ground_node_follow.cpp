@@ -121,7 +121,7 @@ void ScatterGroundNode::offset_changed(const GroundHost &host) {
 
 void ScatterGroundNode::change() {
 	stale_ = true;
-	told_ = true;
+	notified_ = true;
 	changes_ = {};
 	emit_changed();
 }
@@ -144,11 +144,11 @@ void ScatterGroundNode::emit_area(const Rect2 &p_rect) {
 		}
 	}
 	const Ref<ScatterGround> held(this); // A signal handler may release the ground.
-	const bool told_before = std::exchange(telling_, true);
+	const bool emitting_before = std::exchange(emitting_, true);
 	for (const glm::dvec2 corner : corners) {
 		emit_ground_changed(Rect2(to_engine(corner), p_rect.size));
 	}
-	telling_ = told_before;
+	emitting_ = emitting_before;
 }
 
 void ScatterGroundNode::area_edited(const AABB &p_area) {
@@ -210,13 +210,13 @@ void ScatterGroundNode::poll() {
 	}
 	finding_ = true;
 	const Variant target(String(node_).is_empty() ? nullptr : from->get_node_or_null(node_));
-	const GroundGlance glance = glance_at(target, copy_ != nullptr || !is_available());
+	const GroundFingerprint fingerprint = fingerprint_of(target, copy_ != nullptr || !is_available());
 	finding_ = false;
 	if (stale_) {
 		return;
 	}
-	if (!(glance == glance_)) {
-		glance_ = glance;
+	if (!(fingerprint == fingerprint_)) {
+		fingerprint_ = fingerprint;
 		change();
 		return;
 	}
@@ -238,7 +238,7 @@ void ScatterGroundNode::poll() {
 void ScatterGroundNode::copy_again() {
 	Found found;
 	found.target = followed_node_;
-	found.glance = glance_;
+	found.fingerprint = fingerprint_;
 	const std::vector<MapEdit> edits = std::exchange(edits_, {});
 	finding_ = true;
 	if (!edited_) {

@@ -41,7 +41,7 @@ bool LayerWatch::lists_differ(const TypedArray<ScatterLayer> &p_layers) const {
 	return !same;
 }
 
-bool LayerWatch::look(const TypedArray<ScatterLayer> &p_layers, std::size_t own_count, bool p_give) {
+bool LayerWatch::look(const TypedArray<ScatterLayer> &p_layers, std::size_t own_count, bool p_assign) {
 	const bool changed = lists_differ(p_layers);
 	if (changed) {
 		const std::vector<Seen> before = seen_;
@@ -58,8 +58,8 @@ bool LayerWatch::look(const TypedArray<ScatterLayer> &p_layers, std::size_t own_
 		listen(true);
 	}
 	take_mesh_changes();
-	if (changed || p_give) {
-		give_ids(own_count);
+	if (changed || p_assign) {
+		assign_ids(own_count);
 	}
 	return changed;
 }
@@ -71,7 +71,7 @@ void LayerWatch::listen(bool p_listen) const {
 	}
 }
 
-void LayerWatch::give_ids(std::size_t own_count) {
+void LayerWatch::assign_ids(std::size_t own_count) {
 	if (std::exchange(giving_ids_, true)) {
 		return; // A recursive call: a layer has emitted `changed` because of its new ID.
 	}

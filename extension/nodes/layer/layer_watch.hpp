@@ -36,12 +36,12 @@ public:
 	/// that scripts have made to the layers' meshes. Returns true if the list differs from the list
 	/// of the last call.
 	///
-	/// Assigns an ID to each layer whose layer_id is -1, if the list has changed or `p_give` is
+	/// Assigns an ID to each layer whose layer_id is -1, if the list has changed or `p_assign` is
 	/// true. The ID is the layer's index if no other layer has that ID, otherwise the lowest unused
 	/// ID. Biomes add and remove the layers from index `own_count` on. These get IDs that no layer
 	/// has ever had, so that a layer that is added again still has a unique ID. A layer emits
 	/// `changed` when it gets an ID.
-	bool look(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t own_count, bool p_give);
+	bool look(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t own_count, bool p_assign);
 
 	/// Returns the layers that were renamed since the last call, whose references must change.
 	/// Skips a new name that is empty or that another layer has, because the user may still be
@@ -62,7 +62,7 @@ private:
 	void take_mesh_changes() const;
 	bool is_taken(const godot::String &p_name, const Seen &by_other_than) const;
 	void listen(bool p_listen) const;
-	void give_ids(std::size_t own_count);
+	void assign_ids(std::size_t own_count);
 
 	godot::Object *node_;
 	std::vector<Seen> seen_;

@@ -84,9 +84,9 @@ void TerrainScatter3D::mark_dirty() {
 	const TypedArray<ScatterLayer> layers = all_layers();
 	// Undo may keep a node outside the tree. Such a node must not assign IDs to layers that other
 	// nodes share.
-	const bool gives = is_inside_tree() || !was_inside_;
+	const bool assigns = is_inside_tree() || !was_inside_;
 	// Assigning an ID emits a signal, so scripts may free this node.
-	watch->look(layers, node_layers_.own_count(), gives);
+	watch->look(layers, node_layers_.own_count(), assigns);
 	const std::vector<LayerRename> renames = gameplay->alive() ? watch->follow_names() : std::vector<LayerRename>();
 	if (!gameplay->alive()) {
 		return;
@@ -166,7 +166,7 @@ void TerrainScatter3D::mark_ground_dirty() {
 
 void TerrainScatter3D::regenerate() {
 	if (ground_.is_valid()) {
-		ground_->look_again();
+		ground_->search_again();
 	}
 	mark_ground_dirty();
 }
@@ -179,7 +179,7 @@ void TerrainScatter3D::refresh_ground() {
 
 void TerrainScatter3D::mark_ground_edited(const Rect2 &p_rect) {
 	if (ground_.is_valid()) {
-		ground_->look_again();
+		ground_->search_again();
 	}
 	const Rect rect = world_rect(p_rect);
 	ground_change_.everywhere = ground_change_.everywhere || !rect.finite();
