@@ -16,7 +16,7 @@ namespace thicket {
 
 namespace {
 
-Status rule(const DensityProbe &probe, std::size_t place, RuledPlace &r_place) {
+Status rule(const DensityProbe &probe, std::size_t place, RuleResult &r_place) {
 	r_place.ground = probe.ground_at(place);
 	const Status status = probe.factors_at(place, r_place.factors);
 	r_place.density = product_of(r_place.factors);

@@ -13,7 +13,7 @@
 namespace thicket {
 
 /// The results of a layer's rules at one position.
-struct RuledPlace {
+struct RuleResult {
 	Ground ground;
 	double density = 0.0; ///< The product of all factors, 0 to 1.
 	/// The factors of all rules with an effect, in the order of evaluation.
@@ -22,14 +22,14 @@ struct RuledPlace {
 
 /// The reasons why a layer has or does not have an instance at a position.
 struct PlaceExplanation {
-	RuledPlace place;
+	RuleResult place;
 
 	/// The point of the layer's set that is nearest to the position: in the plane, or in space for
 	/// a layer on surfaces. It is always closer than the set's radius. An instance can be at the
 	/// position only if the rules keep this point.
 	SamplePoint point{};
 	double distance = 0.0; ///< Distance from the position to the point, in meters.
-	RuledPlace at_point;
+	RuleResult at_point;
 
 	/// Returns true if the rules allow an instance at the position itself.
 	bool allowed() const { return place.density > 0.0; }

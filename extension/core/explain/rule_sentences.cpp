@@ -227,7 +227,7 @@ RuleSentence describe(const RuleFactor &factor, const LayerSettings &layer, cons
 }
 
 RuleVerdict judge(const PlaceExplanation &explanation, const LayerSettings &layer, const RuleNames &names) {
-	const auto refused_by = [&](const RuledPlace &place) {
+	const auto refused_by = [&](const RuleResult &place) {
 		const RuleFactor *least = strictest(place.factors);
 		return least != nullptr ? describe(*least, layer, names) : RuleSentence{.rule = "density", .sentence = ""};
 	};

@@ -29,7 +29,7 @@
 namespace thicket {
 
 /// The parameters that all kinds of queries share.
-struct QueryWish {
+struct QueryParameters {
 	const char *method;
 	const godot::Variant &layers;
 	const godot::Callable &predicate;
@@ -38,17 +38,17 @@ struct QueryWish {
 /// Creates the filter of a query from its layers and predicate. Returns the list that the layer
 /// indices of the result refer to. If the query is invalid, prints an error and returns null.
 template <class Asker>
-SharedLayers open_query(Asker &asker, const QueryWish &wish, QueryFilter &r_filter) {
+SharedLayers open_query(Asker &asker, const QueryParameters &parameters, QueryFilter &r_filter) {
 	const WorldFrame frame = asker.world_frame();
-	const SharedLayers layers = asker.prepare(wish.method);
+	const SharedLayers layers = asker.prepare(parameters.method);
 	if (layers == nullptr) {
 		return nullptr;
 	}
-	if (const godot::String problem = asker.find_queried(wish.layers, r_filter.layers); !problem.is_empty()) {
-		ERR_PRINT(godot::String(asker.name_of(wish.method).c_str()) + godot::String(": ") + problem);
+	if (const godot::String problem = asker.find_queried(parameters.layers, r_filter.layers); !problem.is_empty()) {
+		ERR_PRINT(godot::String(asker.name_of(parameters.method).c_str()) + godot::String(": ") + problem);
 		return nullptr;
 	}
-	r_filter.accepts = to_predicate(asker.name_of(wish.method), wish.predicate, frame, layers);
+	r_filter.accepts = to_predicate(asker.name_of(parameters.method), parameters.predicate, frame, layers);
 	return layers;
 }
 
@@ -59,26 +59,27 @@ struct AnsweredInstances {
 };
 
 template <class Asker>
-godot::Ref<ScatterInstances> answer_rect(Asker &asker, const QueryWish &wish, const godot::Rect2 &p_rect) {
+godot::Ref<ScatterInstances> answer_rect(Asker &asker, const QueryParameters &parameters, const godot::Rect2 &p_rect) {
 	const WorldFrame frame = asker.world_frame();
 	QueryFilter filter;
 	FoundInstances found;
-	SharedLayers layers = open_query(asker, wish, filter);
+	SharedLayers layers = open_query(asker, parameters, filter);
 	if (layers != nullptr) {
-		asker.ask(wish.method,
+		asker.ask(parameters.method,
 				[&](const InstanceQuery &query) { return query.in_rect(to_world(p_rect, frame), filter, found); });
 	}
 	return ScatterInstances::of(std::move(found), frame, std::move(layers));
 }
 
 template <class Asker>
-AnsweredInstances find_in_sphere(Asker &asker, const QueryWish &wish, const godot::Vector3 &p_center, double p_radius) {
+AnsweredInstances find_in_sphere(
+		Asker &asker, const QueryParameters &parameters, const godot::Vector3 &p_center, double p_radius) {
 	const glm::dvec3 center = to_world(p_center, asker.world_frame());
 	QueryFilter filter;
 	AnsweredInstances answer;
-	answer.layers = open_query(asker, wish, filter);
+	answer.layers = open_query(asker, parameters, filter);
 	if (answer.layers != nullptr) {
-		asker.ask(wish.method,
+		asker.ask(parameters.method,
 				[&](const InstanceQuery &query) { return query.in_sphere(center, p_radius, filter, answer.found); });
 	}
 	return answer;
@@ -86,23 +87,23 @@ AnsweredInstances find_in_sphere(Asker &asker, const QueryWish &wish, const godo
 
 template <class Asker>
 godot::Ref<ScatterInstances> answer_sphere(
-		Asker &asker, const QueryWish &wish, const godot::Vector3 &p_center, double p_radius) {
+		Asker &asker, const QueryParameters &parameters, const godot::Vector3 &p_center, double p_radius) {
 	const WorldFrame frame = asker.world_frame();
-	AnsweredInstances answer = find_in_sphere(asker, wish, p_center, p_radius);
+	AnsweredInstances answer = find_in_sphere(asker, parameters, p_center, p_radius);
 	return ScatterInstances::of(std::move(answer.found), frame, std::move(answer.layers));
 }
 
 template <class Asker>
 godot::Ref<ScatterInstance> answer_ray(
-		Asker &asker, const QueryWish &wish, const godot::Vector3 &p_from, const godot::Vector3 &p_to) {
+		Asker &asker, const QueryParameters &parameters, const godot::Vector3 &p_from, const godot::Vector3 &p_to) {
 	const WorldFrame frame = asker.world_frame();
 	const glm::dvec3 from = to_world(p_from, frame);
 	const glm::dvec3 to = to_world(p_to, frame);
 	QueryFilter filter;
 	std::vector<RayHit> hits;
-	const SharedLayers layers = open_query(asker, wish, filter);
+	const SharedLayers layers = open_query(asker, parameters, filter);
 	if (layers != nullptr) {
-		asker.ask(wish.method, [&](const InstanceQuery &query) { return query.on_ray(from, to, filter, hits); });
+		asker.ask(parameters.method, [&](const InstanceQuery &query) { return query.on_ray(from, to, filter, hits); });
 	}
 	if (hits.empty()) {
 		return {};
@@ -116,14 +117,14 @@ godot::Ref<ScatterInstance> answer_ray(
 
 template <class Asker>
 godot::Ref<ScatterInstance> answer_nearest(
-		Asker &asker, const QueryWish &wish, const godot::Vector3 &p_position, double p_max_distance) {
+		Asker &asker, const QueryParameters &parameters, const godot::Vector3 &p_position, double p_max_distance) {
 	const WorldFrame frame = asker.world_frame();
 	const glm::dvec3 position = to_world(p_position, frame);
 	QueryFilter filter;
 	std::vector<NearestInstance> found;
-	const SharedLayers layers = open_query(asker, wish, filter);
+	const SharedLayers layers = open_query(asker, parameters, filter);
 	if (layers != nullptr) {
-		asker.ask(wish.method,
+		asker.ask(parameters.method,
 				[&](const InstanceQuery &query) { return query.nearest(position, p_max_distance, filter, found); });
 	}
 	if (found.empty()) {

@@ -405,7 +405,7 @@ private:
 	std::shared_ptr<ScatterGameplay> gameplay_ = std::make_shared<ScatterGameplay>(host_);
 	std::shared_ptr<ScatterStream> stream_ = std::make_shared<ScatterStream>(gameplay_->world());
 	NavigationParse navigation_;
-	std::shared_ptr<AtOnceBuilder> at_once_ = std::make_shared<AtOnceBuilder>();
+	std::shared_ptr<SynchronousBuilder> at_once_ = std::make_shared<SynchronousBuilder>();
 	LayerList layer_list_;
 	InstanceLoad instance_load_;
 	SceneUse used_;                   ///< The resources in use while the node is in the tree.

@@ -278,7 +278,7 @@ Ref<ScatterTile> TerrainScatter3D::build(
 		const HostedGround ground{
 				ground_, get_instance_id()}; // Use a copy, because a script that samples the ground may free this node.
 		const std::shared_ptr<const Terrain> terrain = ground_snapshot_;
-		const std::shared_ptr<AtOnceBuilder> builder = at_once_;
+		const std::shared_ptr<SynchronousBuilder> builder = at_once_;
 		TileInstances made;
 		status = builder->build(*snapshot->settings, terrain.get(), ground, rect, made);
 		tile = CompactTile(made, snapshot->settings);

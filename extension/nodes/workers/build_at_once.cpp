@@ -28,7 +28,7 @@ Status ask_at_once(const Terrain *terrain, const HostedGround &ground, std::span
 	return {};
 }
 
-std::unique_ptr<TileBuilder> AtOnceBuilder::take_builder() {
+std::unique_ptr<TileBuilder> SynchronousBuilder::take_builder() {
 	if (spare_ != nullptr) {
 		// Reuses the memory of the previous tile.
 		return std::move(spare_);
@@ -37,8 +37,8 @@ std::unique_ptr<TileBuilder> AtOnceBuilder::take_builder() {
 }
 
 /// Generates one tile. Throws std::bad_alloc.
-Status AtOnceBuilder::build_in_steps(const LayerSettings &layer, const Terrain *terrain, const HostedGround &ground,
-		const TileSpace &space, TileInstances &r_tile) {
+Status SynchronousBuilder::build_in_steps(const LayerSettings &layer, const Terrain *terrain,
+		const HostedGround &ground, const TileSpace &space, TileInstances &r_tile) {
 	std::unique_ptr<TileBuilder> builder = take_builder();
 	EngineThreads threads;
 	Status status;
@@ -59,14 +59,14 @@ Status AtOnceBuilder::build_in_steps(const LayerSettings &layer, const Terrain *
 	return status;
 }
 
-Status AtOnceBuilder::build(const LayerSettings &layer, const Terrain *terrain, const HostedGround &ground,
+Status SynchronousBuilder::build(const LayerSettings &layer, const Terrain *terrain, const HostedGround &ground,
 		const TileSpace &space, TileInstances &r_tile) {
 	return guarded("rect", std::max(space.size().x, space.size().y),
 			[&] { return build_in_steps(layer, terrain, ground, space, r_tile); });
 }
 
-Status AtOnceBuilder::build_all(std::span<const TileOrder> orders, const Terrain *terrain, const HostedGround &ground,
-		std::vector<std::shared_ptr<const CompactTile>> &r_tiles) {
+Status SynchronousBuilder::build_all(std::span<const TileOrder> orders, const Terrain *terrain,
+		const HostedGround &ground, std::vector<std::shared_ptr<const CompactTile>> &r_tiles) {
 	if (terrain != nullptr && orders.size() > 1) {
 		// The tiles do not depend on which threads generate them.
 		EngineThreads threads;

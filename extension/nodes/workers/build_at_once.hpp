@@ -26,7 +26,7 @@ Status ask_at_once(const Terrain *terrain, const HostedGround &ground, std::span
 
 /// Generates tiles synchronously on the main thread, with the help of worker threads for large
 /// rectangles. Keeps its workspace and the points around a tile to speed up the next one.
-class AtOnceBuilder {
+class SynchronousBuilder {
 public:
 	/// Generates one tile. Samples the ground as ask_at_once does. If a script samples the ground,
 	/// that script may call this function again.

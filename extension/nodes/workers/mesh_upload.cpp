@@ -14,7 +14,7 @@ AABB box_around(glm::vec3 min, glm::vec3 max, float margin) {
 	return AABB(to_engine(min - margin), to_engine(max - min + 2.0F * margin));
 }
 
-void SpareBuffers::keep(std::vector<MeshUpload> &&uploads) {
+void BufferPool::keep(std::vector<MeshUpload> &&uploads) {
 	std::int64_t floats = 0;
 	for (const PackedFloat32Array &buffer : buffers_) {
 		floats += buffer.size();
@@ -29,7 +29,7 @@ void SpareBuffers::keep(std::vector<MeshUpload> &&uploads) {
 	uploads.clear();
 }
 
-PackedFloat32Array SpareBuffers::take(std::size_t floats) {
+PackedFloat32Array BufferPool::take(std::size_t floats) {
 	PackedFloat32Array buffer;
 	if (!buffers_.empty()) {
 		// Reuses memory that the renderer has already read.
@@ -41,7 +41,7 @@ PackedFloat32Array SpareBuffers::take(std::size_t floats) {
 	return buffer;
 }
 
-MeshUpload to_upload(const MeshInstances &mesh, float reach, SpareBuffers &r_spare) {
+MeshUpload to_upload(const MeshInstances &mesh, float reach, BufferPool &r_spare) {
 	MeshUpload upload;
 	upload.aabb = box_around(mesh.min, mesh.max, reach * mesh.max_scale);
 	upload.buffer = r_spare.take(mesh.buffer.size());

@@ -24,9 +24,9 @@ godot::AABB box_around(glm::vec3 min, glm::vec3 max, float margin);
 
 /// Keeps uploaded buffers for reuse, because allocating and clearing new ones is slower. Only one
 /// thread at a time may use it.
-class SpareBuffers {
+class BufferPool {
 public:
-	SpareBuffers() { buffers_.reserve(most); }
+	BufferPool() { buffers_.reserve(most); }
 
 	/// Keeps buffers up to the limits below and frees the others. Allocates no memory.
 	void keep(std::vector<MeshUpload> &&uploads);
@@ -48,7 +48,7 @@ private:
 
 /// Converts instances for upload. `reach` is the distance in meters from the mesh's origin to its
 /// farthest vertex, at scale 1.
-MeshUpload to_upload(const MeshInstances &mesh, float reach, SpareBuffers &r_spare);
+MeshUpload to_upload(const MeshInstances &mesh, float reach, BufferPool &r_spare);
 MeshUpload to_upload(const CompactMesh &mesh, float reach);
 
 } // namespace thicket

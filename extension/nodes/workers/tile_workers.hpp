@@ -121,7 +121,7 @@ private:
 		TileWorkers *owner = nullptr;
 		TileBuilder builder;
 		TileInstances tile;
-		SpareBuffers spare;
+		BufferPool spare;
 		std::shared_ptr<TileJob> job; ///< The job in progress, guarded by mutex_.
 		std::int64_t task = -1;       ///< The pool's task ID; -1 if none. Used only on the main thread.
 	};
