@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/base/lent_threads.hpp"
+#include "core/base/caller_threads.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -12,7 +12,7 @@
 namespace thicket::python {
 
 /// Threads for one call. They run only code of the core and never take the interpreter's lock.
-class OwnThreads : public LentThreads {
+class OwnThreads : public CallerThreads {
 public:
 	/// Creates a set of `count` threads in addition to the calling one.
 	explicit OwnThreads(std::size_t count) : count_(count) {}

@@ -154,7 +154,7 @@ inline std::uint64_t digest_walk(const std::vector<PlacedInstance> &standing, gl
 	for (int step = -4; step <= 4; ++step) {
 		const std::vector<glm::dvec3> centers{place + glm::dvec3(step * 11.3, 0.0, step * 7.1), place};
 		near.look(centers, {30.0, 40.0}, standing, changes);
-		for (const NearLeaving &leaving : changes.leave) {
+		for (const NearRelease &leaving : changes.leave) {
 			hash.add(leaving.id);
 			near.release(leaving.id);
 		}

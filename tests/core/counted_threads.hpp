@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/base/lent_threads.hpp"
+#include "core/base/caller_threads.hpp"
 
 #include <atomic>
 #include <cstddef>
@@ -11,7 +11,7 @@
 namespace thicket::test {
 
 /// Worker threads for tests. `runs` counts the calls of `run`.
-class CountedThreads final : public LentThreads {
+class CountedThreads final : public CallerThreads {
 public:
 	explicit CountedThreads(std::size_t count) : count_(count) {}
 

@@ -59,7 +59,7 @@ struct FlatWorld {
 	/// Returns the IDs of all instances within `radius` meters of a position.
 	std::set<std::uint64_t> within(glm::dvec3 center, double radius) const {
 		std::vector<PlacedInstance> found;
-		CHECK(world.ask_known([&](const InstanceQuery &query) {
+		CHECK(world.query_known([&](const InstanceQuery &query) {
 					   return query.in_sphere(center, radius, {}, found);
 				   }).ok());
 		std::set<std::uint64_t> ids;

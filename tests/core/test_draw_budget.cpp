@@ -50,7 +50,7 @@ public:
 	bool draw(std::size_t at) {
 		const bool whole = budget.draw(layer, 1.0, ranks_, cells[at]);
 		if (!whole) {
-			budget.note_cut(key_of(static_cast<int>(at)));
+			budget.record_cut(key_of(static_cast<int>(at)));
 		}
 		return whole;
 	}
@@ -186,8 +186,8 @@ TEST_CASE("draw budget: a cell that is cut is drawn again in the next frame, onc
 	meadow.frame();
 	CHECK(first.drawn == in_cell);
 	CHECK(meadow.budget.take_cut().empty());
-	meadow.budget.note_cut(key_of(3));
-	meadow.budget.note_cut(key_of(3));
+	meadow.budget.record_cut(key_of(3));
+	meadow.budget.record_cut(key_of(3));
 	CHECK(meadow.budget.take_cut().size() == 1);
 }
 
@@ -233,7 +233,7 @@ TEST_CASE("draw budget: the amounts of a tile are added and removed together") {
 	CHECK(budget.max_multimeshes() == 5);
 	CHECK(budget.has_room_for(2));
 	CHECK_FALSE(budget.has_room_for(3));
-	budget.note_cut(key_of(1));
+	budget.record_cut(key_of(1));
 	budget.clear();
 	CHECK(budget.amounts() == DrawAmounts());
 	CHECK(budget.take_cut().empty());

@@ -189,7 +189,7 @@ bool near(const std::pair<glm::ivec3, std::uint32_t> &a, const std::pair<glm::iv
 /// Returns the ground that a probe or an explainer queries.
 std::vector<Ground> ground_for(const auto &asker, const Terrain &terrain) {
 	std::vector<Ground> ground(asker.positions().size());
-	REQUIRE(ask_ground(terrain, asker.positions(), asker.queries(), ground).ok());
+	REQUIRE(query_ground(terrain, asker.positions(), asker.queries(), ground).ok());
 	return ground;
 }
 
@@ -242,7 +242,7 @@ std::size_t check_factors(const LayerSettings &layer, const Terrain &terrain) {
 		const double density = product_of(factors);
 		REQUIRE(density == probe.density_at(i));
 		const auto found = standing.find(points[i].id);
-		REQUIRE(stands(points[i].rank, density) == (found != standing.end()));
+		REQUIRE(is_placed(points[i].rank, density) == (found != standing.end()));
 		if (found != standing.end()) {
 			REQUIRE(thinning_rank(points[i].rank, density) == found->second);
 			continue;
@@ -355,10 +355,10 @@ TEST_CASE("every rule: a position is explained by the set's nearest point, as in
 		REQUIRE(explanation.point == *nearest);
 		REQUIRE(explanation.distance == doctest::Approx(glm::distance(nearest->position, place)));
 		REQUIRE(explanation.distance <= layer.set.radius);
-		REQUIRE(explanation.stands() == standing.contains(nearest->id));
+		REQUIRE(explanation.is_placed() == standing.contains(nearest->id));
 		REQUIRE(explanation.place.density == product_of(explanation.place.factors));
 		REQUIRE(explanation.place.ground.height == terrain.at(place).height);
-		here += explanation.stands() ? 1 : 0;
+		here += explanation.is_placed() ? 1 : 0;
 	}
 	CHECK(here > 50);
 	CHECK(here < 950);

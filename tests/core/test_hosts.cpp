@@ -302,7 +302,7 @@ TEST_CASE("hosts: the steps of a builder and its threads return the same tile") 
 	TileBuilder builder;
 	REQUIRE(builder.find_points(moss, area).ok());
 	std::vector<Ground> heights(builder.positions().size());
-	REQUIRE(ask_ground(ground, builder.positions(), builder.queries(), heights).ok());
+	REQUIRE(query_ground(ground, builder.positions(), builder.queries(), heights).ok());
 	for (int i = 0; i < 2; ++i) {
 		TileInstances tile;
 		REQUIRE(builder.place(heights, tile).ok());

@@ -30,12 +30,12 @@ struct Worlds {
 		REQUIRE(all.size() > 5000);
 	}
 
-	/// Calls `ask(query)` with both sources, then clears the tiles that `cold` has generated.
+	/// Calls `answer(query)` with both sources, then clears the tiles that `cold` has generated.
 	template <class Ask>
 	void each(const Ask &ask) {
 		const std::vector<QueryLayer> layers = warm.query_layers();
-		ask(InstanceQuery{layers, warm, &state});
-		ask(InstanceQuery{layers, cold, &state});
+		answer(InstanceQuery{layers, warm, &state});
+		answer(InstanceQuery{layers, cold, &state});
 		cold.forget();
 	}
 };

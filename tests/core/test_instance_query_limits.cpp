@@ -46,7 +46,7 @@ TEST_CASE("queries: the error for invalid input contains its name, and the resul
 	const auto refused = [&](const std::function<Status(std::vector<PlacedInstance> &)> &ask, ErrorCode code,
 								 const std::string &property, double value) {
 		std::vector<PlacedInstance> found = old;
-		check_refused(ask(found), code, property, value);
+		check_refused(answer(found), code, property, value);
 		CHECK(found.empty());
 	};
 	const auto rect = [&](double a, double b, double c, double d) {
@@ -238,7 +238,7 @@ TEST_CASE("queries: instances need no allocation each") {
 	REQUIRE(found.size() > 10000);
 	const auto allocated_by = [](const auto &ask) {
 		const std::size_t before = allocation_count();
-		REQUIRE(ask().ok());
+		REQUIRE(answer().ok());
 		return allocation_count() - before;
 	};
 	CHECK(allocated_by([&] { return query.in_rect(glade, {}, found); }) < 80);

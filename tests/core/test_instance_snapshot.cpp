@@ -23,7 +23,7 @@ using Tiles = std::vector<std::shared_ptr<const CompactTile>>;
 
 std::vector<std::uint64_t> ids_in(const InstanceSnapshot &snapshot, const Rect &rect) {
 	std::vector<PlacedInstance> found;
-	CHECK(snapshot.ask([&](const InstanceQuery &query) { return query.in_rect(rect, {}, found); }).ok());
+	CHECK(snapshot.answer([&](const InstanceQuery &query) { return query.in_rect(rect, {}, found); }).ok());
 	std::vector<std::uint64_t> ids;
 	for (const PlacedInstance &instance : found) {
 		ids.push_back(instance.id);
@@ -55,7 +55,7 @@ TEST_CASE("instance snapshot: threads get the results of the snapshot while the 
 	std::vector<PlacedInstance> standing;
 	const auto ask_world = [&] {
 		std::vector<PlacedInstance> found;
-		CHECK(flat.world.ask([&](const InstanceQuery &query) { return query.in_rect(rect, {}, found); }).ok());
+		CHECK(flat.world.answer([&](const InstanceQuery &query) { return query.in_rect(rect, {}, found); }).ok());
 		return found;
 	};
 	standing = ask_world();
@@ -75,7 +75,7 @@ TEST_CASE("instance snapshot: threads get the results of the snapshot while the 
 			for (int round = 0; round < 20; ++round) {
 				std::vector<PlacedInstance> found;
 				const Status status =
-						snapshot.ask([&](const InstanceQuery &query) { return query.in_rect(rect, {}, found); });
+						snapshot.answer([&](const InstanceQuery &query) { return query.in_rect(rect, {}, found); });
 				wrong += status.ok() && found.size() == expected ? 0 : 1;
 			}
 		});
@@ -121,9 +121,9 @@ TEST_CASE("instance snapshot: only queries that need an unavailable tile fail") 
 	std::vector<PlacedInstance> found;
 	const auto ask = [&](double from) {
 		const Rect rect{{from, 0.4 * size}, {from + 1.0, 0.6 * size}};
-		return snapshot.ask([&](const InstanceQuery &query) { return query.in_rect(rect, {}, found); });
+		return snapshot.answer([&](const InstanceQuery &query) { return query.in_rect(rect, {}, found); });
 	};
-	CHECK(ask(0.5 * size).ok());
-	CHECK(ask(1.5 * size).code == ErrorCode::missing);
+	CHECK(answer(0.5 * size).ok());
+	CHECK(answer(1.5 * size).code == ErrorCode::missing);
 	CHECK(found.empty());
 }

@@ -110,7 +110,7 @@ TEST_CASE("instance world: the missing tiles of a query are generated together, 
 	std::vector<PlacedInstance> first;
 	std::vector<PlacedInstance> second;
 	for (std::vector<PlacedInstance> *found : {&first, &second}) {
-		CHECK(flat.world.ask([&](const InstanceQuery &query) {
+		CHECK(flat.world.answer([&](const InstanceQuery &query) {
 							return query.in_sphere({0.0, 0.0, 0.0}, 20.0, {}, *found);
 						})
 						.ok());
@@ -136,18 +136,18 @@ TEST_CASE("instance world: a tile that was generated while the layers changed is
 			});
 	const auto ask = [&flat] {
 		std::vector<PlacedInstance> found;
-		CHECK(flat.world.ask([&](const InstanceQuery &query) {
+		CHECK(flat.world.answer([&](const InstanceQuery &query) {
 							return query.in_rect({{4.0, 4.0}, {8.0, 8.0}}, {}, found);
 						})
 						.ok());
 		CHECK(found.size() > 1);
 	};
-	ask();
+	answer();
 	CHECK(made == 1);
 	meddle = false;
-	ask();
+	answer();
 	CHECK(made == 2);
-	ask();
+	answer();
 	CHECK(made == 2);
 }
 

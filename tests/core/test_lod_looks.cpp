@@ -28,10 +28,10 @@ TEST_CASE("lod looks: consecutive LODs that are drawn alike share one look") {
 	const LodLooks looks(settings_of({10.0, 20.0, 30.0, 40.0}), std::vector{soft, again, soft, again, again});
 	CHECK(looks.count() == 2);
 	CHECK(looks.steps().size() == 5);
-	CHECK(looks.look_of(0) == 0);
-	CHECK(looks.look_of(1) == 0);
-	CHECK(looks.look_of(2) == 1);
-	CHECK(looks.look_of(9) == 1); // A tile may still display an LOD that its layer no longer has.
+	CHECK(looks.appearance_of(0) == 0);
+	CHECK(looks.appearance_of(1) == 0);
+	CHECK(looks.appearance_of(2) == 1);
+	CHECK(looks.appearance_of(9) == 1); // A tile may still display an LOD that its layer no longer has.
 	CHECK(looks.beyond_first({0, 1, false}) == 0);
 	CHECK(looks.beyond_first({1, 3, false}) == 1);
 	CHECK(LodLooks().count() == 0);

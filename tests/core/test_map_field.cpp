@@ -50,7 +50,7 @@ PixelGrid float_heights(const std::function<float(glm::ivec2)> &height = post_at
 	});
 }
 
-MapField field_of(const MapPlace &place, const MapLayers &layers) {
+MapField field_of(const MapTransform &place, const MapLayers &layers) {
 	MapField field;
 	const Status status = field.set(place, layers);
 	INFO(describe(status));
@@ -88,7 +88,7 @@ TEST_CASE("map field: the surface equals the surface of a heightfield with the s
 	}
 	Heightfield expected;
 	REQUIRE(expected.set_meters({glm::ivec2(posts), {{-32.0, 10.0}, {32.0, 138.0}}}, meters).ok());
-	MapPlace place;
+	MapTransform place;
 	place.to_world = glm::dmat2(2.0, 0.0, 0.0, 4.0);
 	place.origin = {-32.0, 0.0, 10.0};
 	const MapField field = field_of(place, plain_layers());
@@ -112,7 +112,7 @@ TEST_CASE("map field: the surface equals the surface of a heightfield with the s
 }
 
 TEST_CASE("map field: maps can be rotated, scaled and moved") {
-	MapPlace place;
+	MapTransform place;
 	const double turn = 0.6;
 	place.to_world =
 			glm::dmat2(2.0 * std::cos(turn), -2.0 * std::sin(turn), 3.0 * std::sin(turn), 3.0 * std::cos(turn));
@@ -211,10 +211,10 @@ TEST_CASE("map field: an invalid map is rejected, and the field stays unchanged"
 	MapField field = field_of({}, plain_layers());
 	const MapLayers good = plain_layers();
 	CHECK_FALSE(field.set({}, {}).ok());
-	MapPlace flat;
+	MapTransform flat;
 	flat.to_world = glm::dmat2(1.0, 0.0, 2.0, 0.0);
 	CHECK_FALSE(field.set(flat, good).ok());
-	MapPlace nowhere;
+	MapTransform nowhere;
 	nowhere.origin.y = std::nan("");
 	CHECK_FALSE(field.set(nowhere, good).ok());
 	const PixelGrid small = grid_of(4, [](glm::ivec2, std::uint8_t *) {}, 8);

@@ -44,12 +44,12 @@ TEST_CASE("model probe: the instances on a model are explained, and so are posit
 	const auto explain = [&](const glm::dvec3 &place, PlaceExplanation &r_explanation) {
 		REQUIRE(probe.find(moss, place, nullptr).ok());
 		heights.assign(probe.positions().size(), Ground{});
-		REQUIRE(ask_ground(ground, probe.positions(), probe.queries(), heights).ok());
+		REQUIRE(query_ground(ground, probe.positions(), probe.queries(), heights).ok());
 		REQUIRE(probe.models(heights, models).ok());
 		Status status = explainer.find(moss, place, nullptr, models.get());
 		if (status.ok()) {
 			heights.assign(explainer.positions().size(), Ground{});
-			REQUIRE(ask_ground(ground, explainer.positions(), explainer.queries(), heights).ok());
+			REQUIRE(query_ground(ground, explainer.positions(), explainer.queries(), heights).ok());
 			status = explainer.explain(heights, r_explanation);
 		}
 		return status;
@@ -58,7 +58,7 @@ TEST_CASE("model probe: the instances on a model are explained, and so are posit
 		PlaceExplanation explanation;
 		REQUIRE(explain(world_position(tile, tile.meshes[0], i), explanation).ok());
 		CHECK(explanation.point.id == tile.meshes[0].ids[i]);
-		CHECK(explanation.stands());
+		CHECK(explanation.is_placed());
 	}
 	PlaceExplanation explanation;
 	const glm::dvec3 first = world_position(tile, tile.meshes[0], 0);

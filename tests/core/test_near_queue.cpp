@@ -65,7 +65,7 @@ TEST_CASE("near queue: a removed instance leaves, and one that is placed differe
 	flat.world.touch();
 	CHECK_FALSE(follower.queue.settled());
 	follower.look({}, flat.world);
-	Leaving gone;
+	HeldRelease gone;
 	REQUIRE(follower.queue.next_gone(gone));
 	CHECK(gone.id == felled);
 	follower.held.erase(felled);
@@ -112,7 +112,7 @@ TEST_CASE("near queue: if very many instances are removed, the nearest leave fir
 		for (int frame = 0; frame < NearQueue::most_waiting && !queue.settled(); ++frame) {
 			look();
 			double last = 0.0;
-			for (Leaving leaving; queue.next_gone(leaving); ++gone) {
+			for (HeldRelease leaving; queue.next_gone(leaving); ++gone) {
 				REQUIRE(held.contains(leaving.id));
 				CHECK(leaving.position == held[leaving.id]);
 				const double away = glm::distance(leaving.position, center);
@@ -243,7 +243,7 @@ TEST_CASE("near queue: a new distance keeps the near instances") {
 		std::size_t entered = 0;
 		for (int frame = 0; frame < 10; ++frame) {
 			follower.look(center, flat.world);
-			for (Leaving leaving; follower.queue.next_leaving(leaving);) {
+			for (HeldRelease leaving; follower.queue.next_leaving(leaving);) {
 				CHECK(left.insert(leaving.id).second);
 			}
 			for (PlacedInstance instance; follower.queue.next_entering(instance); ++entered) {
@@ -283,7 +283,7 @@ TEST_CASE("near queue: setting an unchanged distance leaves its layer unchanged,
 	for (PlacedInstance instance; queue.next_entering(instance);) {
 		CHECK(false);
 	}
-	Leaving leaving;
+	HeldRelease leaving;
 	for (int frame = 0; frame < 3; ++frame) {
 		queue.look_around(centers, flat.world);
 		CHECK_FALSE(queue.next_leaving(leaving));

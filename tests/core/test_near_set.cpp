@@ -40,9 +40,9 @@ std::vector<std::uint64_t> ids_of(const std::vector<PlacedInstance> &instances) 
 	return result;
 }
 
-std::vector<std::uint64_t> ids_of(const std::vector<NearLeaving> &leaving) {
+std::vector<std::uint64_t> ids_of(const std::vector<NearRelease> &leaving) {
 	std::vector<std::uint64_t> result;
-	for (const NearLeaving &each : leaving) {
+	for (const NearRelease &each : leaving) {
 		result.push_back(each.id);
 	}
 	return result;
@@ -50,7 +50,7 @@ std::vector<std::uint64_t> ids_of(const std::vector<NearLeaving> &leaving) {
 
 /// Applies all changes that a check returned.
 void follow(NearSet &set, const NearChanges &changes) {
-	for (const NearLeaving &leaving : changes.leave) {
+	for (const NearRelease &leaving : changes.leave) {
 		CHECK(set.holds(leaving.id));
 		set.release(leaving.id);
 	}

@@ -21,7 +21,7 @@ using namespace thicket::test;
 namespace {
 
 /// Two threads that complete all available work before the calling thread begins its part.
-class EagerThreads final : public LentThreads {
+class EagerThreads final : public CallerThreads {
 public:
 	std::size_t count() const override { return 2; }
 	void run(const std::function<void(std::size_t index)> &work) override {
@@ -131,7 +131,7 @@ TEST_CASE("parallel tile builder: blocks that neighboring tiles share are comput
 }
 
 TEST_CASE("parallel tile builder: workspaces are kept, except the workspace of a very large tile") {
-	class NoThreads final : public LentThreads {
+	class NoThreads final : public CallerThreads {
 	public:
 		std::size_t count() const override { return 0; }
 		void run(const std::function<void(std::size_t index)> &work) override { work(0); }

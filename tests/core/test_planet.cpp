@@ -280,8 +280,8 @@ TEST_CASE("planet: the neighbors of an explained position are sampled near it") 
 		const glm::dvec3 away = glm::normalize(glm::dvec3(along(random), along(random), along(random)));
 		REQUIRE(explainer.find(layer, center + 20.0 * away, ground.surface()).ok());
 		REQUIRE(explainer.explain({}, explanation).ok());
-		CHECK(explanation.stands() == placed.contains(explanation.point.id));
-		standing += explanation.stands() ? 1 : 0;
+		CHECK(explanation.is_placed() == placed.contains(explanation.point.id));
+		standing += explanation.is_placed() ? 1 : 0;
 	}
 	CHECK(standing > 30);
 	CHECK(standing < 100);

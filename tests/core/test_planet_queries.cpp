@@ -76,7 +76,7 @@ struct PlanetWorld {
 
 	std::vector<PlacedInstance> all() {
 		std::vector<PlacedInstance> found;
-		REQUIRE(world.ask([&](const InstanceQuery &query) {
+		REQUIRE(world.answer([&](const InstanceQuery &query) {
 						 return query.in_rect(Rect{{-70.0, -70.0}, {70.0, 70.0}}, {}, found);
 					 }).ok());
 		return found;
@@ -101,7 +101,7 @@ TEST_CASE("planet queries: spheres, rectangles, the nearest instance and ids, fr
 	for (const glm::dvec3 &place : places()) {
 		PlanetWorld fresh;
 		std::vector<PlacedInstance> found;
-		REQUIRE(fresh.world.ask([&](const InstanceQuery &query) { return query.in_sphere(place, 12.0, {}, found); })
+		REQUIRE(fresh.world.answer([&](const InstanceQuery &query) { return query.in_sphere(place, 12.0, {}, found); })
 						.ok());
 		std::set<std::uint64_t> expected;
 		const PlacedInstance *nearest = nullptr;
@@ -119,16 +119,16 @@ TEST_CASE("planet queries: spheres, rectangles, the nearest instance and ids, fr
 		}
 		CHECK(fresh.made < 40); // No tiles on the far side or high above the ground are generated.
 		std::vector<NearestInstance> first;
-		REQUIRE(fresh.world.ask([&](const InstanceQuery &query) { return query.nearest(place, 12.0, {}, first); })
+		REQUIRE(fresh.world.answer([&](const InstanceQuery &query) { return query.nearest(place, 12.0, {}, first); })
 						.ok());
 		REQUIRE(first.size() == 1);
 		CHECK(first[0].instance.id == nearest->id);
 		std::vector<PlacedInstance> same;
-		REQUIRE(fresh.world.ask([&](const InstanceQuery &query) { return query.by_id(nearest->id, same); }).ok());
+		REQUIRE(fresh.world.answer([&](const InstanceQuery &query) { return query.by_id(nearest->id, same); }).ok());
 		REQUIRE(same.size() == 1);
 		CHECK(glm::distance(same[0].position, nearest->position) < 1e-4);
 		fresh.state.remove(nearest->id);
-		REQUIRE(fresh.world.ask([&](const InstanceQuery &query) { return query.nearest(place, 12.0, {}, first); })
+		REQUIRE(fresh.world.answer([&](const InstanceQuery &query) { return query.nearest(place, 12.0, {}, first); })
 						.ok());
 		CHECK(first[0].instance.id != nearest->id);
 	}
@@ -153,7 +153,9 @@ TEST_CASE("planet queries: rays hit what stands on them") {
 		const glm::dvec3 from = all[i].position + 30.0 * up;
 		std::vector<RayHit> hit;
 		REQUIRE(fresh.world
-						.ask([&](const InstanceQuery &query) { return query.on_ray(from, all[i].position, {}, hit); })
+						.answer([&](const InstanceQuery &query) {
+							return query.on_ray(from, all[i].position, {}, hit);
+						})
 						.ok());
 		REQUIRE(hit.size() == 1);
 		CHECK(hit[0].distance <= 28.01);
@@ -162,7 +164,7 @@ TEST_CASE("planet queries: rays hit what stands on them") {
 	// This ray passes through the whole planet.
 	std::vector<RayHit> hit;
 	const glm::dvec3 start = all.front().position + 2.5 * glm::normalize(all.front().position);
-	REQUIRE(fresh.world.ask([&](const InstanceQuery &query) { return query.on_ray(start, -2.0 * start, {}, hit); })
+	REQUIRE(fresh.world.answer([&](const InstanceQuery &query) { return query.on_ray(start, -2.0 * start, {}, hit); })
 					.ok());
 	CHECK(hit.size() == 1);
 }

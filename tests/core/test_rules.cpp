@@ -193,8 +193,8 @@ TEST_CASE("rules: narrowing any limit only removes instances") {
 		for (int i = 0; i < 2000; ++i) {
 			const Ground ground = inclined(90.0 * unit(random), static_cast<float>(250.0 * unit(random) - 125.0));
 			const auto rank = static_cast<std::uint32_t>(random());
-			const bool passes_wide = stands(rank, wide.density * a.ground_density(ground, {}));
-			const bool passes_narrow = stands(rank, narrow.density * b.ground_density(ground, {}));
+			const bool passes_wide = is_placed(rank, wide.density * a.ground_density(ground, {}));
+			const bool passes_narrow = is_placed(rank, narrow.density * b.ground_density(ground, {}));
 			CHECK_FALSE((passes_narrow && !passes_wide));
 			lost += passes_wide && !passes_narrow ? 1 : 0;
 		}
@@ -203,11 +203,11 @@ TEST_CASE("rules: narrowing any limit only removes instances") {
 }
 
 TEST_CASE("rules: the product of all densities is a threshold on the rank") {
-	CHECK(stands(0, 0.25));
-	CHECK(stands(0x3fffffff, 0.25));
-	CHECK_FALSE(stands(0x40000000, 0.25));
-	CHECK_FALSE(stands(0, 0.0));
-	CHECK(stands(0xffffffff, 1.0));
+	CHECK(is_placed(0, 0.25));
+	CHECK(is_placed(0x3fffffff, 0.25));
+	CHECK_FALSE(is_placed(0x40000000, 0.25));
+	CHECK_FALSE(is_placed(0, 0.0));
+	CHECK(is_placed(0xffffffff, 1.0));
 }
 
 TEST_CASE("rules: thinning by a fraction removes the same instances as a density of that fraction") {
@@ -217,11 +217,11 @@ TEST_CASE("rules: thinning by a fraction removes the same instances as a density
 		const double density = unit(random);
 		const double share = unit(random);
 		const auto rank = static_cast<std::uint32_t>(random());
-		if (stands(rank, density)) {
+		if (is_placed(rank, density)) {
 			const std::uint32_t thinned = thinning_rank(rank, density);
 			CHECK(thinned >= rank);
 			if (std::abs(thinned - share * 0x1p32) > 2.0) { // Closer ranks depend on rounding.
-				CHECK((thinned < share * 0x1p32) == stands(rank, density * share));
+				CHECK((thinned < share * 0x1p32) == is_placed(rank, density * share));
 			}
 		}
 	}

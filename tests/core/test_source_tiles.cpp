@@ -34,7 +34,7 @@ struct Seen {
 
 using Look = std::map<std::uint64_t, Seen>;
 
-Look look_of(const TileInstances &tile) {
+Look appearance_of(const TileInstances &tile) {
 	Look result;
 	for (const MeshInstances &mesh : tile.meshes) {
 		REQUIRE(mesh.stride == 20);
@@ -110,7 +110,7 @@ TEST_CASE("sources: colors and variations match each source's value at the insta
 		const InstanceSource color = source_of(kinds[i]);
 		const InstanceSource variation = source_of(kinds[(i + 2) % kinds.size()]);
 		CAPTURE(i);
-		const Look look = look_of(built(following(color, variation), terrain, tile_of_hills));
+		const Look look = appearance_of(built(following(color, variation), terrain, tile_of_hills));
 		CHECK(look.size() > 500);
 		std::size_t first = 0;
 		std::size_t between = 0;
@@ -163,9 +163,9 @@ TEST_CASE("sources: purely random values are bit-identical to a layer without so
 TEST_CASE("sources: randomness spreads values evenly over its part of the gradient") {
 	const Heightfield terrain = hills();
 	InstanceSource source = source_of(SourceKind::height);
-	const Look sharp = look_of(built(following(source, {}), terrain, tile_of_hills));
+	const Look sharp = appearance_of(built(following(source, {}), terrain, tile_of_hills));
 	source.randomness = 0.2;
-	const Look spread = look_of(built(following(source, {}), terrain, tile_of_hills));
+	const Look spread = appearance_of(built(following(source, {}), terrain, tile_of_hills));
 	double sum = 0.0;
 	for (const auto &[id, seen] : spread) {
 		const double apart =
@@ -185,14 +185,14 @@ TEST_CASE("sources: tiles of any size and order, and threads, produce the same v
 		color.randomness = 0.3;
 		const LayerSettings layer = following(color, source_of(kinds[(i + 1) % kinds.size()]));
 		const TileInstances tile = built(layer, terrain, tile_of_hills);
-		const Look whole = look_of(tile);
+		const Look whole = appearance_of(tile);
 		for (const glm::dvec2 size : {glm::dvec2(128.0, 11.0), glm::dvec2(23.5, 40.0)}) {
 			Look together;
 			for (double y = tile_of_hills.max.y; y > tile_of_hills.min.y; y -= size.y) {
 				for (double x = tile_of_hills.min.x; x < tile_of_hills.max.x; x += size.x) {
 					const Rect part{{x, std::max(y - size.y, tile_of_hills.min.y)},
 							{std::min(x + size.x, tile_of_hills.max.x), y}};
-					together.merge(look_of(built(layer, terrain, part)));
+					together.merge(appearance_of(built(layer, terrain, part)));
 				}
 			}
 			CHECK(together == whole);
@@ -208,11 +208,11 @@ TEST_CASE("sources: the other layer yields to its own neighbors first, which cha
 	auto kept_away = std::make_shared<LayerSettings>(*oaks());
 	kept_away->neighbors = {{stones, 4.0, nullptr}};
 	InstanceSource source = source_of(SourceKind::distance);
-	const Look free = look_of(built(following(source, {}), terrain, tile_of_hills));
+	const Look free = appearance_of(built(following(source, {}), terrain, tile_of_hills));
 	source.layer = kept_away;
 	const LayerSettings layer = following(source, {});
 	CHECK(reach(layer) == farthest + 4.0);
-	const Look look = look_of(built(layer, terrain, tile_of_hills));
+	const Look look = appearance_of(built(layer, terrain, tile_of_hills));
 	CHECK(look != free);
 	const std::vector<glm::dvec2> standing = places(*kept_away, terrain, grown(tile_of_hills, 2.0 * farthest));
 	CHECK(standing.size() < places(*oaks(), terrain, grown(tile_of_hills, 2.0 * farthest)).size());
@@ -220,7 +220,7 @@ TEST_CASE("sources: the other layer yields to its own neighbors first, which cha
 	Look together;
 	for (double y = tile_of_hills.min.y; y < tile_of_hills.max.y; y += 16.0) {
 		const Rect part{{tile_of_hills.min.x, y}, {tile_of_hills.max.x, y + 16.0}};
-		together.merge(look_of(built(layer, terrain, part)));
+		together.merge(appearance_of(built(layer, terrain, part)));
 	}
 	CHECK(together == look);
 	for (const auto &[id, seen] : look) {

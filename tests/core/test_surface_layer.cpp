@@ -270,7 +270,7 @@ TEST_CASE("surface layer: positions on any surface are explained, and the verdic
 		CHECK(explanation.place.ground.normal.y == doctest::Approx(-1.0));
 		CHECK(explanation.place.density == doctest::Approx(0.6));
 		CHECK(explanation.distance < layer.set.radius);
-		CHECK(explanation.stands() == placed.contains(explanation.point.id));
+		CHECK(explanation.is_placed() == placed.contains(explanation.point.id));
 	}
 	explain({3.0, 0.2, 4.0});
 	CHECK(explanation.place.density == 0.0); // The floor is not steep enough.

@@ -23,7 +23,7 @@ using Threads = test::CountedThreads;
 
 /// Simulates two threads on the calling thread. Their work runs before the caller's part, after it,
 /// or never.
-class OneByOne final : public LentThreads {
+class OneByOne final : public CallerThreads {
 public:
 	enum class Others { first, last, never };
 

@@ -41,7 +41,7 @@ TEST_CASE("golden: ground, rules and transforms are bit-identical with every com
 			const Ground ground = field.at(position);
 			const std::uint64_t id = pack({7, {column - 50, row * 1000}});
 			const std::uint32_t rank = instance_random(20070901, id, Draw::mesh)[0];
-			if (stands(rank, rules.ground_density(ground, {}))) {
+			if (is_placed(rank, rules.ground_density(ground, {}))) {
 				const glm::vec3 local(
 						static_cast<float>(position.x + 600.0), ground.height, static_cast<float>(position.y - 2475.0));
 				std::array<float, transform_floats> transform{};

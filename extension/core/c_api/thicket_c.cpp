@@ -58,7 +58,7 @@ thicket_code code_of(ErrorCode code) {
 	}
 }
 
-void tell(thicket_sampler &r_sampler, const char *text) {
+void notify(thicket_sampler &r_sampler, const char *text) {
 	const std::size_t length = std::min(std::strlen(text), r_sampler.message.size() - 1);
 	std::memcpy(r_sampler.message.data(), text, length);
 	r_sampler.message[length] = '\0';
@@ -76,12 +76,13 @@ thicket_code call(thicket_sampler *sampler, const Work &work, const thicket::Dom
 		return THICKET_BUSY;
 	}
 	const Status status = thicket::guarded("sampler", 0.0, [&] { return work(*sampler); });
-	tell(*sampler, "");
+	notify(*sampler, "");
 	if (!status.ok()) {
-		const Status told = thicket::guarded("message", 0.0,
-				[&] { tell(*sampler, (request != nullptr ? describe(*request, status) : describe(status)).c_str()); });
+		const Status told = thicket::guarded("message", 0.0, [&] {
+			notify(*sampler, (request != nullptr ? describe(*request, status) : describe(status)).c_str());
+		});
 		if (!told.ok()) {
-			tell(*sampler, "there is not enough memory for an error message");
+			notify(*sampler, "there is not enough memory for an error message");
 		}
 	}
 	sampler->busy.store(false, std::memory_order_release);

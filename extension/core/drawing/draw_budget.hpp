@@ -85,7 +85,7 @@ public:
 	}
 
 	/// Records a tile with a cell for which `draw` returned false.
-	void note_cut(const TileKey &key) { cut_.insert(key); }
+	void record_cut(const TileKey &key) { cut_.insert(key); }
 
 	/// Returns and clears the recorded tiles.
 	std::set<TileKey, TileKeyOrder> take_cut();

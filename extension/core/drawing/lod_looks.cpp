@@ -16,7 +16,7 @@ LodLooks::LodLooks(const LodSettings &settings, std::span<const LodStep> steps) 
 	}
 }
 
-std::size_t LodLooks::look_of(std::size_t lod) const { return look_of_[std::min(lod, look_of_.size() - 1)]; }
+std::size_t LodLooks::appearance_of(std::size_t lod) const { return look_of_[std::min(lod, look_of_.size() - 1)]; }
 
 bool LodLooks::fades() const { return settings_.fade > 0.0 && std::ranges::any_of(steps_, &LodStep::fades); }
 
@@ -44,7 +44,7 @@ LodLooks::Drawn LodLooks::drawn(const LodSpan &span, std::size_t index) const {
 }
 
 LodLooks::Drawn LodLooks::drawn_alone(const LodSpan &span, std::size_t lod) const {
-	const std::size_t look = look_of(lod);
+	const std::size_t look = appearance_of(lod);
 	const bool fades = looks_[look].fades && span.ends;
 	return {look, fades ? std::optional(LookFade{false, LodEnd::sight}) : std::nullopt};
 }

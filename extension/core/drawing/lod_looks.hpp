@@ -36,7 +36,7 @@ public:
 	std::size_t count() const { return looks_.size(); }
 
 	/// Returns the index of the look of an LOD. LODs beyond the last have the last look.
-	std::size_t look_of(std::size_t lod) const;
+	std::size_t appearance_of(std::size_t lod) const;
 
 	/// Returns true if any look can fade.
 	bool fades() const;

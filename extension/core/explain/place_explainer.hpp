@@ -36,7 +36,7 @@ struct PlaceExplanation {
 
 	/// Returns true if the rules keep the point. The point is then an instance, unless a game has
 	/// removed it.
-	bool stands() const { return thicket::stands(point.rank, at_point.density); }
+	bool is_placed() const { return thicket::is_placed(point.rank, at_point.density); }
 };
 
 /// Explains the rules' results at positions, with the same code that generates tiles. It works in

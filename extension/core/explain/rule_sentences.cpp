@@ -235,7 +235,7 @@ RuleVerdict judge(const PlaceExplanation &explanation, const LayerSettings &laye
 		const RuleSentence no = refused_by(explanation.place);
 		return {false, no.rule, no.sentence};
 	}
-	if (explanation.stands()) {
+	if (explanation.is_placed()) {
 		return {true, "", "Placed " + distance_text(explanation.distance) + "."};
 	}
 	if (explanation.at_point.density > 0.0) {

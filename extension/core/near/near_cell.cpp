@@ -99,8 +99,8 @@ void NearCell::follow(std::uint32_t layer, const Rect &of, const InstanceWorld &
 	}
 }
 
-NearLeaving NearCell::take_leaving() {
-	const NearLeaving leaving = changes_.leave[left_++];
+NearRelease NearCell::take_leaving() {
+	const NearRelease leaving = changes_.leave[left_++];
 	near_.release(leaving.id);
 	return leaving;
 }

@@ -16,7 +16,7 @@ namespace thicket {
 
 /// A held instance that must be released. An instance is held while it has a node or a body near a
 /// center; see `NearQueue`.
-struct Leaving {
+struct HeldRelease {
 	std::uint32_t layer = 0;
 	std::uint64_t id = 0;
 	/// The position at which the instance is held. If the instance has since moved into another
@@ -117,7 +117,7 @@ public:
 
 	// The `take` functions return the next instance and update the held ones; see
 	// NearQueue::next_leaving(). Call them only if such an instance exists.
-	NearLeaving take_leaving();
+	NearRelease take_leaving();
 	PlacedInstance take_changed();
 	PlacedInstance take_entering();
 

@@ -118,7 +118,7 @@ void NearQueue::look_around(std::span<const glm::dvec3> centers, const InstanceW
 		}
 		find_outdated(index);
 	}
-	look_at_nearest();
+	check_nearest();
 	for (std::uint32_t index = 0; index < layers_.size(); ++index) {
 		for (auto &[key, cell] : layers_[index].cells) {
 			if (cell.fresh(version()) && cell.any_change()) {
@@ -128,7 +128,7 @@ void NearQueue::look_around(std::span<const glm::dvec3> centers, const InstanceW
 	}
 }
 
-void NearQueue::look_at_nearest() {
+void NearQueue::check_nearest() {
 	std::ranges::stable_sort(outdated_, {}, &Visit::order);
 	for (const Visit &visit : outdated_) {
 		const auto &[due, in_time, place] = visit.order;
@@ -194,9 +194,9 @@ const Visit *first_of(const std::vector<Visit> &visits, bool (NearCell::*any)() 
 }
 
 template <class Visit>
-bool take_leaving(const Visit *visit, Leaving &r_leaving) {
+bool take_leaving(const Visit *visit, HeldRelease &r_leaving) {
 	if (visit != nullptr) {
-		const NearLeaving leaving = visit->cell->take_leaving();
+		const NearRelease leaving = visit->cell->take_leaving();
 		r_leaving = {visit->layer, leaving.id, leaving.position};
 	}
 	return visit != nullptr;
@@ -204,11 +204,11 @@ bool take_leaving(const Visit *visit, Leaving &r_leaving) {
 
 } // namespace
 
-bool NearQueue::next_gone(Leaving &r_leaving) {
+bool NearQueue::next_gone(HeldRelease &r_leaving) {
 	return take_leaving(nearest_of(ready_, &NearCell::any_gone, &NearCell::away_leaving), r_leaving);
 }
 
-bool NearQueue::next_leaving(Leaving &r_leaving) {
+bool NearQueue::next_leaving(HeldRelease &r_leaving) {
 	return take_leaving(first_of(ready_, &NearCell::any_leaving), r_leaving);
 }
 

@@ -70,11 +70,11 @@ public:
 
 	/// Takes the nearest instance that was removed or whose layer is disabled. Returns false if
 	/// there is none.
-	bool next_gone(Leaving &r_leaving);
+	bool next_gone(HeldRelease &r_leaving);
 
 	/// Takes an instance that was removed or is too far away. Each cell returns the removed
 	/// instances first, then the farthest ones. Returns false if there is none.
-	bool next_leaving(Leaving &r_leaving);
+	bool next_leaving(HeldRelease &r_leaving);
 
 	/// Takes a held instance whose position, basis, mesh or layer has changed. The queue then holds
 	/// it in its new state. Returns false if there is none.
@@ -159,7 +159,7 @@ private:
 
 	NearVersion version() const { return {world_->version(), changes_}; }
 	void find_outdated(std::uint32_t layer);
-	void look_at_nearest();
+	void check_nearest();
 	void look(const Visit &visit);
 
 	static bool farther(const Renewal &a, const Renewal &b) { return a.away > b.away; }

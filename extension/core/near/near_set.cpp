@@ -23,7 +23,7 @@ double distance_squared(std::span<const glm::dvec3> centers, glm::dvec3 position
 
 } // namespace
 
-bool NearSet::Held::stands_as(const PlacedInstance &instance) const {
+bool NearSet::Held::is_placed_as(const PlacedInstance &instance) const {
 	const glm::dvec3 moved = instance.position - position;
 	if (layer != instance.layer || mesh != instance.mesh ||
 			!(glm::dot(moved, moved) <= same_position * same_position)) {
@@ -114,7 +114,7 @@ void NearSet::find_changes(std::span<const glm::dvec3> centers, const NearRange 
 		const PlacedInstance &instance = standing[i];
 		const auto held = held_.find(instance.id);
 		const bool is_held = held != held_.end();
-		if (is_held && held->second.stands_as(instance)) {
+		if (is_held && held->second.is_placed_as(instance)) {
 			held->second.seen = looks_;
 			continue;
 		}
@@ -138,16 +138,16 @@ void NearSet::find_changes(std::span<const glm::dvec3> centers, const NearRange 
 		}
 		const bool near = held.is_near(centers, leave * leave);
 		if (!ever || !near || held.seen != looks_) {
-			const NearLeaving leaving{id, held.position, distance_squared(centers, held.position)};
+			const NearRelease leaving{id, held.position, distance_squared(centers, held.position)};
 			(near || !ever ? r_changes.leave : leaving_).push_back(leaving);
 		}
 	}
 	r_changes.gone = r_changes.leave.size();
-	const auto nearer = [](const NearLeaving &a, const NearLeaving &b) {
+	const auto nearer = [](const NearRelease &a, const NearRelease &b) {
 		return a.distance_squared != b.distance_squared ? a.distance_squared < b.distance_squared : a.id < b.id;
 	};
 	std::sort(r_changes.leave.begin(), r_changes.leave.end(), nearer);
-	std::sort(leaving_.begin(), leaving_.end(), [&nearer](const NearLeaving &a, const NearLeaving &b) {
+	std::sort(leaving_.begin(), leaving_.end(), [&nearer](const NearRelease &a, const NearRelease &b) {
 		return a.distance_squared != b.distance_squared ? nearer(b, a) : a.id < b.id;
 	});
 	r_changes.leave.insert(r_changes.leave.end(), leaving_.begin(), leaving_.end());

@@ -21,12 +21,12 @@ struct NearRange {
 };
 
 /// A held instance that must be released. See `NearSet`.
-struct NearLeaving {
+struct NearRelease {
 	std::uint64_t id = 0;
 	glm::dvec3 position{0.0};      ///< The position at which the instance is held.
 	double distance_squared = 0.0; ///< Squared distance to the nearest center.
 
-	friend bool operator==(const NearLeaving &, const NearLeaving &) = default;
+	friend bool operator==(const NearRelease &, const NearRelease &) = default;
 };
 
 /// The difference between the instances that are held and those that should be held. Each instance
@@ -40,7 +40,7 @@ struct NearChanges {
 	/// instances. They come first, nearest first, because a player must not collide with an
 	/// instance that no longer exists. Instances that are merely too far away follow, farthest
 	/// first.
-	std::vector<NearLeaving> leave;
+	std::vector<NearRelease> leave;
 	std::size_t gone = 0;
 
 	void clear();
@@ -96,7 +96,7 @@ private:
 		std::size_t center = 0;    ///< Index of a center to which the instance was near.
 
 		bool is_near(std::span<const glm::dvec3> centers, double reach_squared);
-		bool stands_as(const PlacedInstance &instance) const;
+		bool is_placed_as(const PlacedInstance &instance) const;
 	};
 
 	void find_changes(std::span<const glm::dvec3> centers, const NearRange &range,
@@ -117,7 +117,7 @@ private:
 	std::uint64_t looks_ = 0;
 	std::vector<Distant> entering_;
 	std::vector<Distant> changed_;
-	std::vector<NearLeaving> leaving_;
+	std::vector<NearRelease> leaving_;
 };
 
 } // namespace thicket

@@ -13,7 +13,7 @@ constexpr std::size_t positions_per_call = 2048;
 
 } // namespace
 
-Status ask_ground(const Terrain &terrain, std::span<const glm::dvec2> positions, std::span<const GroundQuery> queries,
+Status query_ground(const Terrain &terrain, std::span<const glm::dvec2> positions, std::span<const GroundQuery> queries,
 		std::span<Ground> r_ground, const std::atomic<bool> *cancel) {
 	for (const GroundQuery &query : queries) {
 		for (std::size_t done = 0; done < query.count; done += positions_per_call) {

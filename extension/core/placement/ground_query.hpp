@@ -24,7 +24,7 @@ struct GroundQuery {
 /// positions. `r_ground` has one entry for each position; entries that no query contains stay
 /// unchanged. Returns the first error of the terrain. Once `cancel` is set, returns
 /// ErrorCode::cancelled before the next batch. Exceptions of the terrain are passed on.
-Status ask_ground(const Terrain &terrain, std::span<const glm::dvec2> positions, std::span<const GroundQuery> queries,
+Status query_ground(const Terrain &terrain, std::span<const glm::dvec2> positions, std::span<const GroundQuery> queries,
 		std::span<Ground> r_ground, const std::atomic<bool> *cancel = nullptr);
 
 } // namespace thicket

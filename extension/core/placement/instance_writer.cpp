@@ -26,7 +26,7 @@ constexpr int rank_class_shift = 20;
 constexpr std::size_t parts_each = 2;
 
 /// Adds a point that becomes an instance to a batch.
-void add_point(const LayerSettings &layer, const StandingPoints &points, std::uint32_t point, glm::dvec3 origin,
+void add_point(const LayerSettings &layer, const PlacedPoints &points, std::uint32_t point, glm::dvec3 origin,
 		TransformBatch &r_batch) {
 	const Ground &ground = points.ground[point];
 	const glm::dvec2 at = points.positions[point];
@@ -36,7 +36,7 @@ void add_point(const LayerSettings &layer, const StandingPoints &points, std::ui
 }
 
 /// Writes instance `in_batch` of a batch, for the point in `key`, to index `at` of its mesh.
-void write_instance(const LayerSettings &layer, const StandingPoints &points, std::uint64_t key,
+void write_instance(const LayerSettings &layer, const PlacedPoints &points, std::uint64_t key,
 		const TransformBatch &batch, std::size_t in_batch, std::size_t at, MeshInstances &r_mesh,
 		InstanceBounds &r_bounds) {
 	const auto rank = static_cast<std::uint32_t>(key >> 32);
@@ -62,7 +62,7 @@ void write_instance(const LayerSettings &layer, const StandingPoints &points, st
 } // namespace
 
 /// Assigns each part a range of ranks with about the same number of points.
-void InstanceWriter::divide(const StandingPoints &points, std::size_t parts) {
+void InstanceWriter::divide(const PlacedPoints &points, std::size_t parts) {
 	constexpr std::uint64_t end_of_ranks = std::uint64_t{1} << 32;
 	parts_.resize(parts);
 	if (parts == 1) {
@@ -90,7 +90,7 @@ void InstanceWriter::divide(const StandingPoints &points, std::size_t parts) {
 }
 
 /// Sorts the instances of a part, and assigns each of them a mesh.
-void InstanceWriter::sort(const LayerSettings &layer, const StandingPoints &points, Part &r_part) const {
+void InstanceWriter::sort(const LayerSettings &layer, const PlacedPoints &points, Part &r_part) const {
 	r_part.order.clear();
 	r_part.order.reserve(points.standing.size() / parts_.size());
 	for (std::size_t i = 0; i < points.standing.size(); ++i) {
@@ -131,7 +131,7 @@ void InstanceWriter::make_room(const InstanceData &data, std::vector<MeshInstanc
 	}
 }
 
-Status InstanceWriter::write_part(const LayerSettings &layer, const StandingPoints &points, Part &r_part,
+Status InstanceWriter::write_part(const LayerSettings &layer, const PlacedPoints &points, Part &r_part,
 		TileInstances &r_tile, const std::atomic<bool> *cancel) const {
 	TransformBatch batch;
 	const UpField up(layer.planet, r_tile.origin);
@@ -155,8 +155,8 @@ Status InstanceWriter::write_part(const LayerSettings &layer, const StandingPoin
 	return {};
 }
 
-Status InstanceWriter::write(const LayerSettings &layer, const StandingPoints &points, glm::dvec3 origin,
-		TileInstances &r_tile, const std::atomic<bool> *cancel, LentThreads *threads) {
+Status InstanceWriter::write(const LayerSettings &layer, const PlacedPoints &points, glm::dvec3 origin,
+		TileInstances &r_tile, const std::atomic<bool> *cancel, CallerThreads *threads) {
 	mesh_choice_.set(layer.mesh_weights);
 	const std::size_t helpers = threads != nullptr ? threads->count() : 0;
 	divide(points, helpers > 0 ? parts_each * (helpers + 1) : 1);

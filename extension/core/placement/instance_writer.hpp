@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/base/lent_threads.hpp"
+#include "core/base/caller_threads.hpp"
 #include "core/placement/layer.hpp"
 #include "core/placement/mesh_choice.hpp"
 #include "core/placement/tile_instances.hpp"
@@ -23,7 +23,7 @@ namespace thicket {
 
 /// The points of a tile. `standing` contains the indices of the points that become instances, and
 /// `thinning_ranks` has one entry for each of these. All other lists have one entry for each point.
-struct StandingPoints {
+struct PlacedPoints {
 	std::span<const glm::dvec2> positions; ///< Positions of the points in world meters.
 	std::span<const Ground> ground;
 	std::span<const std::uint64_t> ids;
@@ -61,8 +61,8 @@ public:
 	/// set, clears the meshes and returns ErrorCode::cancelled. If memory runs out, throws
 	/// std::bad_alloc and leaves the tile unchanged. If `threads` is not null, they share the work.
 	/// They do not affect the result.
-	Status write(const LayerSettings &layer, const StandingPoints &points, glm::dvec3 origin, TileInstances &r_tile,
-			const std::atomic<bool> *cancel, LentThreads *threads = nullptr);
+	Status write(const LayerSettings &layer, const PlacedPoints &points, glm::dvec3 origin, TileInstances &r_tile,
+			const std::atomic<bool> *cancel, CallerThreads *threads = nullptr);
 
 private:
 	/// The instances in a range of ranks. The parts are in order, and each thread takes the next
@@ -79,10 +79,10 @@ private:
 		std::vector<InstanceBounds> bounds; ///< Bounds of the part's instances, by mesh.
 	};
 
-	void divide(const StandingPoints &points, std::size_t parts);
-	void sort(const LayerSettings &layer, const StandingPoints &points, Part &r_part) const;
+	void divide(const PlacedPoints &points, std::size_t parts);
+	void sort(const LayerSettings &layer, const PlacedPoints &points, Part &r_part) const;
 	void make_room(const InstanceData &data, std::vector<MeshInstances> &r_meshes);
-	Status write_part(const LayerSettings &layer, const StandingPoints &points, Part &r_part, TileInstances &r_tile,
+	Status write_part(const LayerSettings &layer, const PlacedPoints &points, Part &r_part, TileInstances &r_tile,
 			const std::atomic<bool> *cancel) const;
 
 	MeshChoice mesh_choice_;

@@ -32,7 +32,7 @@ void LayerFilter::set(const LayerSettings &layer, std::span<const LayerFilter *c
 }
 
 Status LayerFilter::sample(
-		const PointSource &source, const TileSpace &window, const std::atomic<bool> *cancel, LentThreads *threads) {
+		const PointSource &source, const TileSpace &window, const std::atomic<bool> *cancel, CallerThreads *threads) {
 	window_ = window;
 	on_surface_ = layer_->set.on_surface;
 	points_.clear();
@@ -45,7 +45,7 @@ Status LayerFilter::sample(
 			return status;
 		}
 	}
-	if (const Status status = ask_position(); !status.ok()) {
+	if (const Status status = query_position(); !status.ok()) {
 		return status;
 	}
 	keep_points(false);
@@ -112,7 +112,7 @@ Status LayerFilter::take(std::span<const glm::dvec2> places, const Rect &window,
 		point.normal = on_surface[i].normal;
 		surface_points_.push_back(point);
 	}
-	if (const Status status = ask_position(); !status.ok()) {
+	if (const Status status = query_position(); !status.ok()) {
 		return status;
 	}
 	keep_points(true);
@@ -120,7 +120,7 @@ Status LayerFilter::take(std::span<const glm::dvec2> places, const Rect &window,
 }
 
 /// Evaluates the position rules at all points.
-Status LayerFilter::ask_position() {
+Status LayerFilter::query_position() {
 	sampled_ = points_.size();
 	sampled_positions_.resize(sampled_);
 	sampled_densities_.resize(sampled_);
@@ -155,7 +155,7 @@ void LayerFilter::keep_points(bool all) {
 			const SurfacePoint &point = surface_points_[i];
 			surface_ground_[kept] = {sampled_heights_[i], glm::vec3(point.normal)};
 		}
-		kept += all || stands(points_[i].rank, sampled_densities_[i]) ? 1 : 0;
+		kept += all || is_placed(points_[i].rank, sampled_densities_[i]) ? 1 : 0;
 	}
 	resize(kept);
 }
@@ -197,7 +197,7 @@ void LayerFilter::add_queries(
 		return;
 	}
 	const std::vector<std::int32_t> &textures = layer_->rules.ground_textures;
-	const bool slope = rules_.look_at_slope();
+	const bool slope = rules_.needs_slope();
 	if (slope || !normals || probes_.empty()) {
 		r_queries.push_back({r_positions.size(), position_count(), {textures, slope || normals}});
 	} else {
@@ -258,7 +258,7 @@ double LayerFilter::product(std::size_t point, std::span<const Ground> ground, c
 		return density; // The density is 0, and the remaining rules need ground.
 	}
 	const auto goes_on = [&] {
-		return Record::complete || stands(ranks_[point], density);
+		return Record::complete || is_placed(ranks_[point], density);
 	};
 	if (goes_on()) {
 		density *= rules_.shape_density(near_shapes_, positions_[point], here, record);
@@ -308,7 +308,7 @@ Status LayerFilter::filter(std::span<const Ground> ground, const std::atomic<boo
 					looks_further ? density_at(point, ground) : density_alone(point, own_ground[point], NoRecord());
 			standing_[standing] = static_cast<std::uint32_t>(point);
 			thinning_ranks_[standing] = thinning_rank(ranks_[point], density);
-			standing += stands(ranks_[point], density) ? 1 : 0;
+			standing += is_placed(ranks_[point], density) ? 1 : 0;
 		}
 	}
 	standing_.resize(standing);

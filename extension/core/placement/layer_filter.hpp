@@ -38,8 +38,8 @@ public:
 
 	/// Finds the points in `window` that pass the rules that depend only on the position. Returns
 	/// ErrorCode::cancelled if `cancel` is set.
-	Status sample(
-			const PointSource &source, const TileSpace &window, const std::atomic<bool> *cancel, LentThreads *threads);
+	Status sample(const PointSource &source, const TileSpace &window, const std::atomic<bool> *cancel,
+			CallerThreads *threads);
 
 	/// Prepares a layer that grows on the models of its hosts. The layer has no points until
 	/// `sample` is called. Call `sample` once the hosts are filtered, before `filter`.
@@ -98,7 +98,7 @@ public:
 
 private:
 	Status sample_surface(const PointSource &source, const std::atomic<bool> *cancel);
-	Status ask_position();
+	Status query_position();
 	void keep_points(bool all);
 	Status look_around();
 	Status open_probes();

@@ -8,7 +8,7 @@
 
 namespace thicket {
 
-Status ParallelTileBuilder::build(std::span<const TileOrder> orders, const Terrain &terrain, LentThreads &threads,
+Status ParallelTileBuilder::build(std::span<const TileOrder> orders, const Terrain &terrain, CallerThreads &threads,
 		std::vector<std::shared_ptr<const CompactTile>> &r_tiles) {
 	std::vector<Status> statuses;
 	const auto all = static_cast<double>(orders.size());

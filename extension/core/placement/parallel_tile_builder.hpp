@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/base/lent_threads.hpp"
+#include "core/base/caller_threads.hpp"
 #include "core/base/status.hpp"
 #include "core/base/tile_grid.hpp"
 #include "core/placement/compact_tile.hpp"
@@ -29,7 +29,7 @@ public:
 	/// Replaces `r_tiles` with the generated tiles, in the order of `orders`. Each tile is
 	/// identical to the result of TileBuilder. Returns the error of the first tile that failed. The
 	/// entries of failed tiles are null. After an error, those of other tiles may be null, too.
-	Status build(std::span<const TileOrder> orders, const Terrain &terrain, LentThreads &threads,
+	Status build(std::span<const TileOrder> orders, const Terrain &terrain, CallerThreads &threads,
 			std::vector<std::shared_ptr<const CompactTile>> &r_tiles);
 
 	/// Returns the total of SampleStats::computed for the tiles' own layers so far. Points that

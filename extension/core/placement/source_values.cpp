@@ -20,7 +20,7 @@ constexpr std::size_t values_per_check = 512;
 } // namespace
 
 /// Returns the heights of the kept points in world meters. They are valid until the next call.
-std::span<const float> SourceValues::heights_of(const StandingPoints &points, std::span<const std::uint32_t> standing) {
+std::span<const float> SourceValues::heights_of(const PlacedPoints &points, std::span<const std::uint32_t> standing) {
 	heights_.resize(standing.size());
 	std::transform(standing.begin(), standing.end(), heights_.begin(),
 			[&](std::uint32_t point) { return points.ground[point].height; });
@@ -28,7 +28,7 @@ std::span<const float> SourceValues::heights_of(const StandingPoints &points, st
 }
 
 /// Evaluates the source at the kept points from index `first` on, one for each entry of `r_values`.
-Status SourceValues::measure(const InstanceSource &source, const TileFilter &filter, const StandingPoints &points,
+Status SourceValues::measure(const InstanceSource &source, const TileFilter &filter, const PlacedPoints &points,
 		std::size_t first, std::span<double> r_values) {
 	const auto standing = points.standing.subspan(first, r_values.size());
 	const auto each = [&](const auto &value_of) {
@@ -75,7 +75,7 @@ Status SourceValues::measure(const InstanceSource &source, const TileFilter &fil
 	return {};
 }
 
-Status SourceValues::find(const InstanceSource &source, const TileFilter &filter, const StandingPoints &points,
+Status SourceValues::find(const InstanceSource &source, const TileFilter &filter, const PlacedPoints &points,
 		const std::atomic<bool> *cancel, std::vector<float> &r_shares) {
 	r_shares.resize(points.positions.size());
 	for (std::size_t first = 0; first < points.standing.size(); first += values_per_check) {
@@ -93,7 +93,7 @@ Status SourceValues::find(const InstanceSource &source, const TileFilter &filter
 	return {};
 }
 
-Status SourceValues::find(const TileFilter &filter, StandingPoints &r_points, const std::atomic<bool> *cancel) {
+Status SourceValues::find(const TileFilter &filter, PlacedPoints &r_points, const std::atomic<bool> *cancel) {
 	const InstanceData &data = filter.own().settings().instance_data;
 	Status status;
 	if (data.color_is_known()) {

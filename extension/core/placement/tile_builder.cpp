@@ -72,13 +72,13 @@ struct TileBuilder::Workspace {
 	SampleStats stats;          ///< Statistics of the last sampling.
 
 	Status find_points(const LayerSettings &layer, const TileSpace &space, const Surface *surface,
-			const std::atomic<bool> *cancel, LentThreads *threads);
+			const std::atomic<bool> *cancel, CallerThreads *threads);
 	Status place(std::span<const Ground> known, TileInstances &r_tile, const std::atomic<bool> *cancel);
 	void gather_positions();
 	void add_origin_probes();
 	glm::dvec3 origin(std::span<const Ground> known) const;
 	Status build_together(const LayerSettings &layer, const Terrain &terrain, const TileSpace &space,
-			const PieceGrid &grid, TileInstances &r_tile, const std::atomic<bool> *cancel, LentThreads &threads);
+			const PieceGrid &grid, TileInstances &r_tile, const std::atomic<bool> *cancel, CallerThreads &threads);
 };
 
 /// Adds the positions from which the height of the tile's origin is computed. A tile with a limited
@@ -112,7 +112,7 @@ void TileBuilder::Workspace::gather_positions() {
 /// Runs all steps on all threads.
 Status TileBuilder::Workspace::build_together(const LayerSettings &layer, const Terrain &terrain,
 		const TileSpace &p_space, const PieceGrid &grid, TileInstances &r_tile, const std::atomic<bool> *cancel,
-		LentThreads &threads) {
+		CallerThreads &threads) {
 	found = false;
 	space = p_space;
 	probes.clear();
@@ -121,7 +121,7 @@ Status TileBuilder::Workspace::build_together(const LayerSettings &layer, const 
 	add_origin_probes();
 	ground.assign(positions.size(), Ground{});
 	TilePieces pieces(margins, cache);
-	Status status = ask_ground(terrain, positions, queries, ground, cancel);
+	Status status = query_ground(terrain, positions, queries, ground, cancel);
 	if (status.ok()) {
 		status = pieces.find(layer, terrain, grid, cancel, threads);
 	}
@@ -138,7 +138,7 @@ Status TileBuilder::Workspace::build_together(const LayerSettings &layer, const 
 }
 
 Status TileBuilder::Workspace::find_points(const LayerSettings &layer, const TileSpace &p_space, const Surface *surface,
-		const std::atomic<bool> *cancel, LentThreads *threads) {
+		const std::atomic<bool> *cancel, CallerThreads *threads) {
 	found = false;
 	filter.set(layer);
 	const Status status = filter.sample(p_space, surface, cancel, threads);
@@ -160,7 +160,7 @@ Status TileBuilder::Workspace::place(
 	}
 	stats = filter.sample_stats();
 	const LayerFilter &own = filter.own();
-	StandingPoints points{own.positions(), filter.own_ground(known), own.ids(), own.standing(), own.thinning_ranks()};
+	PlacedPoints points{own.positions(), filter.own_ground(known), own.ids(), own.standing(), own.thinning_ranks()};
 	if (!own.settings().set.on_surface) {
 		choose_probes(points.positions, points.ground, probes);
 	}
@@ -181,7 +181,7 @@ TileBuilder::TileBuilder(TileBuilder &&) noexcept = default;
 TileBuilder &TileBuilder::operator=(TileBuilder &&) noexcept = default;
 
 Status TileBuilder::build(const LayerSettings &layer, const Terrain &terrain, const TileSpace &space,
-		TileInstances &r_tile, const std::atomic<bool> *cancel, LentThreads *threads) {
+		TileInstances &r_tile, const std::atomic<bool> *cancel, CallerThreads *threads) {
 	if (const Status status = validate(layer); !status.ok()) {
 		return status;
 	}
@@ -197,13 +197,13 @@ Status TileBuilder::build(const LayerSettings &layer, const Terrain &terrain, co
 	}
 	const Status status = guarded("ground", static_cast<double>(workspace_->positions.size()), [&] {
 		workspace_->ground.assign(workspace_->positions.size(), Ground{});
-		return ask_ground(terrain, workspace_->positions, workspace_->queries, workspace_->ground, cancel);
+		return query_ground(terrain, workspace_->positions, workspace_->queries, workspace_->ground, cancel);
 	});
 	return status.ok() ? place(workspace_->ground, r_tile, cancel) : status;
 }
 
 Status TileBuilder::find_points(const LayerSettings &layer, const TileSpace &space, const std::atomic<bool> *cancel,
-		LentThreads *threads, const Surface *surface) {
+		CallerThreads *threads, const Surface *surface) {
 	if (const Status status = validate(layer); !status.ok()) {
 		return status;
 	}

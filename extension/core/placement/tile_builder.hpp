@@ -51,14 +51,14 @@ public:
 	/// If `threads` is not null, they share the work for a large rectangle (see TilePieces). They
 	/// do not affect the result.
 	Status build(const LayerSettings &layer, const Terrain &terrain, const TileSpace &space, TileInstances &r_tile,
-			const std::atomic<bool> *cancel = nullptr, LentThreads *threads = nullptr);
+			const std::atomic<bool> *cancel = nullptr, CallerThreads *threads = nullptr);
 
 	/// Performs the first step of `build`: finds the points that pass the rules that depend only on
 	/// the position, such as masks and noise. After an error during sampling, `place` is refused.
 	/// If `threads` is not null, they share the sampling of a large rectangle. Layers on surfaces
 	/// have points only if the `surface` of the ground is given.
 	Status find_points(const LayerSettings &layer, const TileSpace &space, const std::atomic<bool> *cancel = nullptr,
-			LentThreads *threads = nullptr, const Surface *surface = nullptr);
+			CallerThreads *threads = nullptr, const Surface *surface = nullptr);
 
 	/// Returns the positions at which `place` needs the ground: the points of the layer and of its
 	/// neighbors, and a few positions for the origin of a tile that covers all heights. If a layer

@@ -1,6 +1,6 @@
 #include "core/placement/tile_filter.hpp"
 
-#include "core/placement/hosts_around.hpp"
+#include "core/placement/host_collector.hpp"
 
 #include <array>
 
@@ -30,7 +30,7 @@ TileSpace TileFilter::window_of(std::size_t index) const {
 }
 
 Status TileFilter::sample_layer(
-		std::size_t index, const Surface *surface, const std::atomic<bool> *cancel, LentThreads *threads) {
+		std::size_t index, const Surface *surface, const std::atomic<bool> *cancel, CallerThreads *threads) {
 	LayerFilter &each = *layers_[index];
 	stats_ = {};
 	if (each.settings().hosted) {
@@ -51,7 +51,7 @@ Status TileFilter::sample_layer(
 Status TileFilter::models_around(
 		std::size_t index, std::span<const Ground> ground, std::unique_ptr<const Surface> &r_surface) const {
 	const LayerSettings &settings = layer(index).settings();
-	HostsAround hosts(settings, window_of(index));
+	HostCollector hosts(settings, window_of(index));
 	for (const HostLayer &host : settings.hosts) {
 		const std::size_t at = graph_.index_of(host.layer.get());
 		if (const Status status = hosts.add(host, layer(at), ground_at(at, ground)); !status.ok()) {
@@ -75,7 +75,7 @@ Status TileFilter::sample_on_hosts(std::size_t index, std::span<const Ground> gr
 }
 
 Status TileFilter::sample(
-		const TileSpace &space, const Surface *surface, const std::atomic<bool> *cancel, LentThreads *threads) {
+		const TileSpace &space, const Surface *surface, const std::atomic<bool> *cancel, CallerThreads *threads) {
 	space_ = space;
 	for (std::size_t i = 0; i < size(); ++i) {
 		if (const Status status = sample_layer(i, surface, cancel, threads); !status.ok()) {

@@ -28,7 +28,7 @@ public:
 	/// TileSampler::sample. Layers on the models of hosts are sampled by `filter` instead, because
 	/// it first determines the instances of the hosts.
 	Status sample(const TileSpace &space, const Surface *surface, const std::atomic<bool> *cancel,
-			LentThreads *threads = nullptr);
+			CallerThreads *threads = nullptr);
 
 	/// Evaluates the layer at arbitrary positions (see LayerFilter::take) and samples the other
 	/// layers around them. This call replaces `sample`. `space` must contain all positions.
@@ -75,7 +75,7 @@ public:
 private:
 	TileSpace window_of(std::size_t index) const;
 	Status sample_layer(
-			std::size_t index, const Surface *surface, const std::atomic<bool> *cancel, LentThreads *threads);
+			std::size_t index, const Surface *surface, const std::atomic<bool> *cancel, CallerThreads *threads);
 	Status models_around(
 			std::size_t index, std::span<const Ground> ground, std::unique_ptr<const Surface> &r_surface) const;
 	Status sample_on_hosts(std::size_t index, std::span<const Ground> ground, const std::atomic<bool> *cancel);

@@ -72,7 +72,7 @@ Status TilePieces::Worker::find(
 	queries.clear();
 	filter.add_queries(positions, queries);
 	ground.assign(positions.size(), Ground{});
-	Status status = ask_ground(terrain, positions, queries, ground, cancel);
+	Status status = query_ground(terrain, positions, queries, ground, cancel);
 	if (status.ok()) {
 		status = filter.filter(ground, cancel);
 	}
@@ -80,7 +80,7 @@ Status TilePieces::Worker::find(
 		return status;
 	}
 	const LayerFilter &own = filter.own();
-	StandingPoints points{own.positions(), filter.own_ground(ground), own.ids(), own.standing(), own.thinning_ranks()};
+	PlacedPoints points{own.positions(), filter.own_ground(ground), own.ids(), own.standing(), own.thinning_ranks()};
 	status = shares.find(filter, points, cancel);
 	const auto choose = [&](const auto &from, auto &r_to) {
 		r_to.reserve(from.empty() ? 0 : points.standing.size());
@@ -138,7 +138,7 @@ void TilePieces::gather(Found &r_found) {
 }
 
 Status TilePieces::find(const LayerSettings &layer, const Terrain &terrain, const PieceGrid &grid,
-		const std::atomic<bool> *cancel, LentThreads &threads) {
+		const std::atomic<bool> *cancel, CallerThreads &threads) {
 	const std::size_t count = grid.count();
 	std::vector<Status> statuses(count);
 	found_.clear();
@@ -175,7 +175,7 @@ Status TilePieces::find(const LayerSettings &layer, const Terrain &terrain, cons
 	return {};
 }
 
-StandingPoints TilePieces::points() const {
+PlacedPoints TilePieces::points() const {
 	return {positions_, ground_, ids_, standing_, thinning_ranks_, color_shares_, variation_shares_};
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/base/lent_threads.hpp"
+#include "core/base/caller_threads.hpp"
 #include "core/base/status.hpp"
 #include "core/base/tile_grid.hpp"
 #include "core/base/unfilled.hpp"
@@ -50,10 +50,10 @@ public:
 	/// Finds the points. The settings must be valid. Returns the error of the first piece that
 	/// failed. Throws std::bad_alloc.
 	Status find(const LayerSettings &layer, const Terrain &terrain, const PieceGrid &grid,
-			const std::atomic<bool> *cancel, LentThreads &threads);
+			const std::atomic<bool> *cancel, CallerThreads &threads);
 
 	/// Returns the points that were found. All of them become instances.
-	StandingPoints points() const;
+	PlacedPoints points() const;
 	const TileCounts &counts() const { return counts_; }
 
 	/// Returns the sampling statistics of the layer itself.

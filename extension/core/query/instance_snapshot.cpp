@@ -41,7 +41,7 @@ void InstanceSnapshot::keep(const WorldTile &tile, const Tile &made) const {
 		made_instances_ = 0;
 	}
 	if (made_.emplace(key_of(tile), made).second) {
-		made_instances_ += kept_size(*made);
+		made_instances_ += cached_size(*made);
 	}
 }
 

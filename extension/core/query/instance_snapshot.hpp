@@ -25,9 +25,9 @@ public:
 	/// that need this tile fail.
 	InstanceSnapshot(const InstanceWorld &world, std::optional<InstanceState> state, TileMaker maker);
 
-	/// Runs a query, as InstanceWorld::ask does.
+	/// Runs a query, as InstanceWorld::answer does.
 	template <class Query>
-	Status ask(Query &&query) const {
+	Status answer(Query &&query) const {
 		Source source(*this);
 		const Status status = complete_state();
 		return status.ok() ? query(InstanceQuery{layers_, source, state()}) : status;
@@ -44,7 +44,7 @@ public:
 private:
 	using Tile = std::shared_ptr<const CompactTile>;
 
-	class Source : public MakingTileSource {
+	class Source : public GeneratingTileSource {
 	public:
 		explicit Source(const InstanceSnapshot &snapshot) : snapshot_(snapshot) {}
 

@@ -66,7 +66,7 @@ void InstanceWorld::clear() {
 }
 
 void InstanceWorld::keep(const WorldTile &tile, std::shared_ptr<const CompactTile> instances) {
-	const std::size_t size = kept_size(*instances);
+	const std::size_t size = cached_size(*instances);
 	kept_since_looking_ += size;
 	tiles_.insert_or_assign(key_of(tile), Entry{std::move(instances), size, ++uses_});
 	if (tile.layer < layers_.size() && new_tiles_.size() < most_new_tiles) {
@@ -81,7 +81,7 @@ void InstanceWorld::keep(const WorldTile &tile, std::shared_ptr<const CompactTil
 		look_from_ = tiles_.begin()->first;
 	}
 	if (look_from_) {
-		look_for_idle();
+		find_idle();
 	} else {
 		forget_some();
 	}
@@ -92,7 +92,7 @@ std::vector<std::shared_ptr<const CompactTile>> InstanceWorld::take_forgotten() 
 }
 
 /// Checks whether a few more tiles are idle. Checking all of them in one frame would delay it.
-void InstanceWorld::look_for_idle() {
+void InstanceWorld::find_idle() {
 	constexpr std::size_t most_at_once = 128;
 	auto next = tiles_.lower_bound(*look_from_);
 	for (std::size_t i = 0; i < most_at_once && next != tiles_.end(); ++i, ++next) {

@@ -2,7 +2,7 @@
 
 #include "core/placement/layer_edits.hpp"
 #include "core/query/instance_query.hpp"
-#include "core/query/making_tile_source.hpp"
+#include "core/query/generating_tile_source.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -96,7 +96,7 @@ public:
 	/// Runs a query that may generate missing tiles, on this thread. The caller must keep the world
 	/// alive during the call, because a script that provides the ground may run arbitrary code.
 	template <class Query>
-	Status ask(Query &&query) {
+	Status answer(Query &&query) {
 		const std::vector<QueryLayer> layers = layers_;
 		MakingSource source(*this);
 		return query(InstanceQuery{layers, source, state_});
@@ -104,7 +104,7 @@ public:
 
 	/// Runs a query that uses known tiles only. Unknown tiles are treated as empty.
 	template <class Query>
-	Status ask_known(Query &&query) const {
+	Status query_known(Query &&query) const {
 		KnownSource source(*this);
 		return query(InstanceQuery{layers_, source, state_});
 	}
@@ -139,7 +139,7 @@ private:
 		const InstanceWorld &world_;
 	};
 
-	class MakingSource : public MakingTileSource {
+	class MakingSource : public GeneratingTileSource {
 	public:
 		explicit MakingSource(InstanceWorld &world) : world_(world) {}
 
@@ -165,7 +165,7 @@ private:
 	};
 	static constexpr std::size_t most_new_tiles = 256;
 
-	void look_for_idle();
+	void find_idle();
 	void forget_some();
 
 	std::vector<QueryLayer> layers_;

@@ -18,7 +18,7 @@ Status QueryRequests::add(const InstanceWorld &world, const std::variant<Rect, S
 		std::int64_t &r_request) {
 	Open open{last_ + 1, area, filter, {}};
 	std::vector<InstanceQuery::Tile> tiles;
-	const Status status = world.ask_known([&](const InstanceQuery &query) { return tiles_of(query, open, tiles); });
+	const Status status = world.query_known([&](const InstanceQuery &query) { return tiles_of(query, open, tiles); });
 	if (status.ok()) {
 		r_request = ++last_;
 		open_.push_back(std::move(open));
@@ -42,7 +42,7 @@ void QueryRequests::renumber(std::span<const std::uint32_t> current) {
 /// called every frame, because layers and tile sizes may change.
 bool QueryRequests::gather(const InstanceWorld &world, Open &r_open) {
 	std::vector<InstanceQuery::Tile> tiles;
-	const Status status = world.ask_known([&](const InstanceQuery &query) { return tiles_of(query, r_open, tiles); });
+	const Status status = world.query_known([&](const InstanceQuery &query) { return tiles_of(query, r_open, tiles); });
 	r_open.held.clear();
 	bool complete = true;
 	for (std::size_t i = 0; status.ok() && i < tiles.size(); ++i) {
@@ -65,7 +65,7 @@ std::vector<QueryRequests::Answer> QueryRequests::frame(const InstanceWorld &wor
 		}
 		Answer &answer = answers.emplace_back();
 		answer.request = open.request;
-		const Status status = world.ask_known([&](const InstanceQuery &query) {
+		const Status status = world.query_known([&](const InstanceQuery &query) {
 			if (const Rect *rect = std::get_if<Rect>(&open.area)) {
 				return query.in_rect(*rect, open.filter, answer.found);
 			}

@@ -102,7 +102,7 @@ public:
 	const Rules &rules() const { return rules_; }
 
 	/// Returns true if any rule depends on the slope of the ground.
-	bool look_at_slope() const { return !slope_.open() || rules_.slope_curve != nullptr; }
+	bool needs_slope() const { return !slope_.open() || rules_.slope_curve != nullptr; }
 
 	/// Writes to `r_densities` the product of the rules that depend only on the position: density,
 	/// fields, mask, biome, clumping. These rules can be evaluated before the ground is queried.
@@ -162,7 +162,7 @@ private:
 
 /// Returns true if a point becomes an instance: its rank, as a fraction of 2^32, must be below the
 /// product of all densities. A product of 1 keeps all points, and 0 keeps none.
-constexpr bool stands(std::uint32_t rank, double density) { return rank < density * 0x1p32; }
+constexpr bool is_placed(std::uint32_t rank, double density) { return rank < density * 0x1p32; }
 
 /// Returns the instance's position in the order in which its layer is thinned: its rank divided by
 /// its density. The instances below q * 2^32 are those that would be placed if every density were

@@ -150,12 +150,12 @@ struct TileSampler::Workspace {
 	std::vector<std::unique_ptr<Workspace>> others; ///< One workspace per lent thread, kept to reuse memory.
 
 	Status sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points, const Progress &progress,
-			LentThreads *threads);
+			CallerThreads *threads);
 	Status sample_block(const PointSet &set, const Rect &rect, const CellRect &block, const std::atomic<bool> *cancel,
 			std::vector<SamplePoint> &r_points);
 	bool take_settled(const PointSet &set, const Rect &rect, const CellRect &cells, const std::atomic<bool> *cancel,
 			std::vector<SamplePoint> &r_points);
-	Status sample_together(const PointSet &set, const Rect &rect, const BlockRange &range, LentThreads &threads,
+	Status sample_together(const PointSet &set, const Rect &rect, const BlockRange &range, CallerThreads &threads,
 			std::vector<SamplePoint> &r_points, const Progress &progress);
 	void collect(const PointSet &set, const Rect &rect, const CellRect &block, std::vector<SamplePoint> &r_points);
 	void count();
@@ -243,7 +243,7 @@ bool TileSampler::Workspace::take_settled(const PointSet &set, const Rect &rect,
 /// Samples a few blocks per worker, appends their points in order, and repeats. Working in such
 /// batches keeps the number of points that are stored twice small.
 Status TileSampler::Workspace::sample_together(const PointSet &set, const Rect &rect, const BlockRange &range,
-		LentThreads &threads, std::vector<SamplePoint> &r_points, const Progress &progress) {
+		CallerThreads &threads, std::vector<SamplePoint> &r_points, const Progress &progress) {
 	constexpr std::size_t blocks_each = 16;
 	while (others.size() < threads.count()) {
 		others.push_back(std::make_unique<Workspace>(margins));
@@ -256,7 +256,7 @@ Status TileSampler::Workspace::sample_together(const PointSet &set, const Rect &
 	std::vector<Ended> ended(others.size() + 1);
 	Shared shared;
 	std::int64_t told = 0;
-	const auto tell = [&](std::int64_t done, std::uint64_t points) {
+	const auto notify = [&](std::int64_t done, std::uint64_t points) {
 		if (progress.report && done > told) {
 			told = done;
 			progress.report(static_cast<double>(done) / static_cast<double>(range.count()), points);
@@ -278,7 +278,7 @@ Status TileSampler::Workspace::sample_together(const PointSet &set, const Rect &
 					shared.points += part.size();
 					const std::int64_t done = ++shared.done;
 					if (index == 0 && status.ok()) {
-						tell(done, shared.points);
+						notify(done, shared.points);
 					}
 				}
 				return status;
@@ -298,7 +298,7 @@ Status TileSampler::Workspace::sample_together(const PointSet &set, const Rect &
 			const std::vector<SamplePoint> &part = parts[static_cast<std::size_t>(block - first)];
 			r_points.insert(r_points.end(), part.begin(), part.end());
 		}
-		tell(shared.end, r_points.size());
+		notify(shared.end, r_points.size());
 	}
 	for (const std::unique_ptr<Workspace> &other : others) {
 		stats.add(other->stats);
@@ -308,7 +308,7 @@ Status TileSampler::Workspace::sample_together(const PointSet &set, const Rect &
 
 /// Samples a rectangle. The arguments must be valid. Throws std::bad_alloc.
 Status TileSampler::Workspace::sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
-		const Progress &progress, LentThreads *threads) {
+		const Progress &progress, CallerThreads *threads) {
 	// Allocates once for all points, because growing the vector during a large call would delay a
 	// cancellation.
 	r_points.reserve(static_cast<std::size_t>(enough_points(set, rect)));
@@ -361,7 +361,7 @@ TileSampler &TileSampler::operator=(TileSampler &&) noexcept = default;
 const SampleStats &TileSampler::stats() const { return workspace_->stats; }
 
 Status TileSampler::sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
-		const Progress &progress, LentThreads *threads) {
+		const Progress &progress, CallerThreads *threads) {
 	Status status = validate(set);
 	if (status.ok()) {
 		status = validate_rect(set, rect);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/base/lent_threads.hpp"
+#include "core/base/caller_threads.hpp"
 #include "core/base/progress.hpp"
 #include "core/base/rect.hpp"
 #include "core/sampling/point_set.hpp"
@@ -66,7 +66,7 @@ public:
 	/// If `threads` is not null, its threads share a rectangle that spans several blocks. A block
 	/// is 128 cells, or 90 radii, wide. The result is the same.
 	Status sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
-			const Progress &progress = {}, LentThreads *threads = nullptr);
+			const Progress &progress = {}, CallerThreads *threads = nullptr);
 
 	const SampleStats &stats() const;
 

@@ -17,7 +17,7 @@ using IdSet = IdTable<bool>;
 
 } // namespace
 
-void ChangeLog::note(std::uint64_t revision, std::uint64_t id, std::size_t held) noexcept {
+void ChangeLog::record(std::uint64_t revision, std::uint64_t id, std::size_t held) noexcept {
 	const Status status = guarded("changes", static_cast<double>(held), [&] {
 		push({revision, id});
 		if (size_ > 2 * std::max(compacted_, held) + always_kept) {

@@ -15,7 +15,7 @@ public:
 	/// Records a change to an ID. Revisions must increase. The log contains at least the last
 	/// `held` changes, and never fewer than the last 65536. If memory runs out, the log discards
 	/// all changes.
-	void note(std::uint64_t revision, std::uint64_t id, std::size_t held) noexcept;
+	void record(std::uint64_t revision, std::uint64_t id, std::size_t held) noexcept;
 
 	/// Clears the log, which then starts after `revision`.
 	void start_at(std::uint64_t revision) noexcept;

@@ -256,7 +256,7 @@ Status InstanceState::add_all(std::span<const AddedInstance> instances, std::vec
 		}
 		Journal::Noting noting(journal_.get());
 		for (std::size_t at = 0; at < placed.size(); ++at) {
-			noting.note([&] { return step_of(r_ids[at], placed[at]); });
+			noting.record([&] { return step_of(r_ids[at], placed[at]); });
 		}
 		const auto each = [&](const auto &use) {
 			for (std::size_t at = 0; at < placed.size(); ++at) {
@@ -283,7 +283,7 @@ Status InstanceState::move(
 			by_hand ? id : id_for(placed, [this](std::uint64_t any) { return content_->added.contains(any); });
 	Journal::Noting noting(journal_.get());
 	const Status status = guarded("instance", 1.0, [&] {
-		noting.note([&] {
+		noting.record([&] {
 			StateStep step = step_of(id, placed);
 			step.kind = Kind::move;
 			step.to = to;
@@ -342,7 +342,7 @@ Status InstanceState::advance(double seconds, std::vector<InstanceChange> &r_cha
 	const double to = std::min(content_->time + seconds, max_state_time);
 	Journal::Noting noting(journal_.get());
 	const Status status = guarded("seconds", seconds, [&] {
-		noting.note([&] { return StateStep{.kind = Kind::advance, .number = seconds}; });
+		noting.record([&] { return StateStep{.kind = Kind::advance, .number = seconds}; });
 		if (StateStep *step = noting.last()) {
 			content_->for_each_due(to, [step](std::uint64_t id) { step->restored.push_back(id); });
 		}

@@ -221,10 +221,10 @@ void InstanceState::Content::change_removed(std::uint64_t id, const Entry &to, s
 	if (to.removed && (!was || removed.value(id) != to.until)) {
 		removed.insert(id, to.until);
 		plan_return(id, to.until);
-		note(id);
+		record(id);
 	} else if (!to.removed && was) {
 		removed.erase(id);
-		note(id);
+		record(id);
 	}
 	if (was == to.removed) {
 		return;
@@ -242,7 +242,7 @@ void InstanceState::Content::change_added(
 	if (was ? to != nullptr && *to == own->instance : to == nullptr) {
 		if (was && own->at != entry.placed_at) {
 			added.insert(id, std::move(r_room.added.find(id)->second));
-			note(id);
+			record(id);
 		}
 		return;
 	}
@@ -256,7 +256,7 @@ void InstanceState::Content::change_added(
 	} else {
 		data.erase(id);
 	}
-	note(id);
+	record(id);
 }
 
 void InstanceState::Content::place(std::uint64_t id, Room &r_room) {
@@ -287,7 +287,7 @@ void InstanceState::Content::change_data(
 	if (was ? std::ranges::equal(own->bytes, to) : to.empty()) {
 		if (was && own->at != entry.data_at) {
 			data.insert(id, std::move(r_room.data.find(id)->second));
-			note(id);
+			record(id);
 		}
 		return;
 	}
@@ -299,15 +299,15 @@ void InstanceState::Content::change_data(
 	} else {
 		data.insert(id, std::move(r_room.data.find(id)->second));
 	}
-	note(id);
+	record(id);
 	const AddedInstance *placed = instance_of(id);
 	r_changes.push_back({id, InstanceChangeKind::data, placed != nullptr ? *placed : AddedInstance()});
 }
 
-void InstanceState::Content::note(std::uint64_t id) {
+void InstanceState::Content::record(std::uint64_t id) {
 	++revision;
 	if (logging) {
-		log.note(revision, id, size());
+		log.record(revision, id, size());
 	}
 }
 

@@ -250,7 +250,7 @@ private:
 	AddedInstance take_away(std::uint64_t id);
 	void plan_return(std::uint64_t id, double until);
 	void gather_due();
-	void note(std::uint64_t id);
+	void record(std::uint64_t id);
 	void add_to(StateRecord &r_record, std::uint64_t code) const;
 };
 

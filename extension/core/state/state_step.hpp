@@ -51,7 +51,7 @@ struct InstanceState::Journal {
 
 		/// Records the step that `make()` returns. Throws std::bad_alloc.
 		template <typename Make>
-		void note(const Make &make) {
+		void record(const Make &make) {
 			if (journal_ != nullptr) {
 				journal_->steps.push_back(make());
 			}
@@ -74,7 +74,7 @@ struct InstanceState::Journal {
 		Noting noting(journal);
 		Status status;
 		if (journal != nullptr) {
-			status = guarded(asked_for, value, [&] { noting.note(make); });
+			status = guarded(asked_for, value, [&] { noting.record(make); });
 		}
 		status = status.ok() ? work() : status;
 		noting.keep_if(status.ok());

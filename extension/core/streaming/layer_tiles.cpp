@@ -124,7 +124,7 @@ bool LayerTiles::look(std::span<const TrackedViewer> viewers, std::size_t &r_new
 		begin_anew();
 	}
 	torn_ = true; // Reset when this function completes.
-	const bool looked = look_at_all(viewers, r_new, r_changes);
+	const bool looked = check_all(viewers, r_new, r_changes);
 	if (sweeping_ && !behind_) {
 		leave_all(r_changes);
 		sweeping_ = false;
@@ -155,7 +155,7 @@ void LayerTiles::leave_all(StreamChanges &r_changes) {
 	}
 }
 
-bool LayerTiles::look_at_all(std::span<const TrackedViewer> viewers, std::size_t &r_new, StreamChanges &r_changes) {
+bool LayerTiles::check_all(std::span<const TrackedViewer> viewers, std::size_t &r_new, StreamChanges &r_changes) {
 	const std::size_t count = std::max(sights_.size(), viewers.size());
 	sights_.resize(count);
 	bool looked = false;

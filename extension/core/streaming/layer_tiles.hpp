@@ -167,7 +167,7 @@ private:
 	void cancel(std::uint32_t slot, StreamChanges &r_changes);
 	void release(std::uint32_t slot, StreamChanges &r_changes);
 	bool is_missing_under(const TileSpace &under) const;
-	bool look_at_all(std::span<const TrackedViewer> viewers, std::size_t &r_new, StreamChanges &r_changes);
+	bool check_all(std::span<const TrackedViewer> viewers, std::size_t &r_new, StreamChanges &r_changes);
 	void begin_anew();
 	void leave_all(StreamChanges &r_changes);
 	std::uint32_t find_pending(const TileRequest &request) const;

@@ -46,7 +46,7 @@ Status check(const MapLayers &layers) {
 	return status;
 }
 
-Status check(const MapPlace &place) {
+Status check(const MapTransform &place) {
 	const double area = std::abs(glm::determinant(place.to_world));
 	return first_failure(check_range("area between posts", area, MapField::min_area, 1e12),
 			check_range("x of the map", place.origin.x, -1e12, 1e12),
@@ -76,7 +76,7 @@ double interpolated(glm::ivec2 patch, glm::dvec2 part, ValueOf value_of) {
 
 } // namespace
 
-Status MapField::set(const MapPlace &place, const MapLayers &layers) {
+Status MapField::set(const MapTransform &place, const MapLayers &layers) {
 	if (const Status status = first_failure(check(place), check(layers)); !status.ok()) {
 		return status;
 	}
@@ -99,7 +99,7 @@ MapField MapField::at_offset(glm::dvec3 offset) const {
 
 /// The height samples of the map as a grid of triangles.
 struct MapField::Grid {
-	MapPlace frame;
+	MapTransform frame;
 	glm::dmat2 to_map;
 	PixelGrid posts;
 	PixelGrid colors;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/base/lent_threads.hpp"
+#include "core/base/caller_threads.hpp"
 
 #include <cstddef>
 #include <functional>
@@ -23,7 +23,7 @@ bool on_main_thread() noexcept;
 std::size_t spare_thread_count();
 
 /// Lends threads of the engine's WorkerThreadPool to the core. Usable on any thread.
-class EngineThreads final : public LentThreads {
+class EngineThreads final : public CallerThreads {
 public:
 	std::size_t count() const override { return count_; }
 	void run(const std::function<void(std::size_t index)> &work) override;

@@ -69,10 +69,10 @@ bool CellDrawer::draw_cell(
 	return whole;
 }
 
-/// Returns the MeshLook that the cell's first visual draws. If every required LOD has a visual,
-/// this is the MeshLook of the first one. Otherwise it is the MeshLook of the single LOD that is
+/// Returns the MeshAppearance that the cell's first visual draws. If every required LOD has a visual,
+/// this is the MeshAppearance of the first one. Otherwise it is the MeshAppearance of the single LOD that is
 /// drawn without a fade.
-const MeshLook &CellDrawer::first_variant(
+const MeshAppearance &CellDrawer::first_variant(
 		const Drawing &drawing, const DisplayedTile::Part &part, const DisplayedTile::Cell &cell) {
 	const LodSpan &span = cell.drawing.span;
 	const std::size_t lod = cell.drawing.lod;
@@ -95,7 +95,7 @@ void CellDrawer::show_lods(const Drawing &drawing, std::span<const std::uint32_t
 		r_cell.others.pop_back();
 		display_.budget.remove(multimeshes_only(part.multimeshes_of_a_cell()));
 	}
-	const MeshLook &first = first_variant(drawing, part, r_cell);
+	const MeshAppearance &first = first_variant(drawing, part, r_cell);
 	r_cell.visual.set_look(first);
 	r_cell.visual.set_scale(r_cell.drawing.scale);
 	r_cell.visual.set_drawn(r_cell.drawing.drawn);
@@ -103,7 +103,7 @@ void CellDrawer::show_lods(const Drawing &drawing, std::span<const std::uint32_t
 	for (std::size_t index = 0; index < r_cell.others.size(); ++index) {
 		TileVisual &other = r_cell.others[index];
 		if (complete) {
-			const MeshLook &look = drawing.chain->look(span, index + 1);
+			const MeshAppearance &look = drawing.chain->look(span, index + 1);
 			other.set_look(look);
 			other.set_drawn(drawn_by_other(ranks, first.look.density, look.look.density, r_cell.drawing));
 		}

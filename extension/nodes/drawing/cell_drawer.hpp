@@ -83,7 +83,7 @@ private:
 			const Drawing &drawing, const DistanceRange &distance, DisplayedTile::Part &r_part, std::size_t cell);
 	void show_lods(const Drawing &drawing, std::span<const std::uint32_t> ranks, const DisplayedTile::Part &part,
 			DisplayedTile::Cell &r_cell);
-	static const MeshLook &first_variant(
+	static const MeshAppearance &first_variant(
 			const Drawing &drawing, const DisplayedTile::Part &part, const DisplayedTile::Cell &cell);
 	static std::size_t wanted_others(const Drawing &drawing, const DisplayedTile::Cell &cell);
 

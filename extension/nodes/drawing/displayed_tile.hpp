@@ -59,7 +59,7 @@ struct DisplayedTile {
 		/// The schedule for updating cells. Used only if the tile is divided into cells.
 		CellVisits visits;
 		/// The mesh, followed by its coarser LODs; empty if there is no mesh.
-		std::vector<MeshLook> lods;
+		std::vector<MeshAppearance> lods;
 		/// The instances to draw: those of `tile`, or a copy with a game's changes.
 		std::shared_ptr<const CompactMesh> shown;
 

@@ -12,7 +12,7 @@ namespace thicket {
 
 namespace {
 
-bool same_look(const MeshLook &a, const MeshLook &b) { return a.same_meshes(b) && a.look == b.look; }
+bool same_look(const MeshAppearance &a, const MeshAppearance &b) { return a.same_meshes(b) && a.look == b.look; }
 
 /// Returns a mesh for each range: a copy that fades, or the original mesh if the range is `no_fade`
 /// or no copy can be created.
@@ -31,10 +31,10 @@ std::vector<Ref<Mesh>> faded(const Ref<Mesh> &mesh, std::span<const FadeRange> r
 
 } // namespace
 
-std::vector<MeshLook> lods_of(const LayerDrawing &drawing, std::size_t mesh) {
-	std::vector<MeshLook> lods{drawing.meshes[mesh]};
+std::vector<MeshAppearance> lods_of(const LayerDrawing &drawing, std::size_t mesh) {
+	std::vector<MeshAppearance> lods{drawing.meshes[mesh]};
 	for (std::size_t at = mesh; at < drawing.lod_meshes.size(); at += drawing.meshes.size()) {
-		const MeshLook &next = drawing.lod_meshes[at];
+		const MeshAppearance &next = drawing.lod_meshes[at];
 		lods.push_back(next.mesh.is_valid() ? next : lods.back());
 	}
 	return lods;
@@ -46,7 +46,7 @@ LodChain::LodChain(const LayerDrawing &drawing, const LodSettings &lod, std::siz
 		return;
 	}
 	std::vector<LodStep> steps;
-	for (const MeshLook &look : lods_of(drawing, mesh)) {
+	for (const MeshAppearance &look : lods_of(drawing, mesh)) {
 		const bool same = !meshes_.empty() && same_look(look, meshes_.back().plain);
 		steps.push_back({same, look.fades});
 		if (!same) {
@@ -60,7 +60,7 @@ LodChain::LodChain(const LayerDrawing &drawing, const LodSettings &lod, std::siz
 void LodChain::make_next(const LodChain *before) {
 	auto &[plain, variants] = meshes_[made_];
 	const std::array<FadeRange, LookFade::count> ranges = looks_.ranges(made_);
-	const std::array<MeshLook, LookFade::count> *known = nullptr;
+	const std::array<MeshAppearance, LookFade::count> *known = nullptr;
 	if (before != nullptr && before->is_made() && before->surfaces_ == surfaces_) {
 		for (std::size_t look = 0; known == nullptr && look < before->meshes_.size(); ++look) {
 			const Meshes &other = before->meshes_[look];
@@ -82,28 +82,28 @@ void LodChain::make_next(const LodChain *before) {
 	++made_;
 }
 
-bool LodChain::is_of(std::span<const MeshLook> lods) const {
+bool LodChain::is_of(std::span<const MeshAppearance> lods) const {
 	if (lods.size() != looks_.steps().size()) {
 		return false;
 	}
 	for (std::size_t lod = 0; lod < lods.size(); ++lod) {
-		if (!same_look(lods[lod], meshes_[looks_.look_of(lod)].plain)) {
+		if (!same_look(lods[lod], meshes_[looks_.appearance_of(lod)].plain)) {
 			return false;
 		}
 	}
 	return true;
 }
 
-const MeshLook &LodChain::mesh_of(const LodLooks::Drawn &drawn) const {
+const MeshAppearance &LodChain::mesh_of(const LodLooks::Drawn &drawn) const {
 	const Meshes &meshes = meshes_[drawn.look];
 	return drawn.fade ? meshes.faded[drawn.fade->index()] : meshes.plain;
 }
 
-const MeshLook &LodChain::look(const LodSpan &span, std::size_t index) const {
+const MeshAppearance &LodChain::look(const LodSpan &span, std::size_t index) const {
 	return mesh_of(looks_.drawn(span, index));
 }
 
-const MeshLook &LodChain::single_variant(const LodSpan &span, std::size_t lod) const {
+const MeshAppearance &LodChain::single_variant(const LodSpan &span, std::size_t lod) const {
 	return mesh_of(looks_.drawn_alone(span, lod));
 }
 

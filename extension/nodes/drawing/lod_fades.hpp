@@ -11,12 +11,12 @@
 
 namespace thicket {
 
-/// Returns the MeshLook of each LOD of one mesh of a layer, finest first.
-std::vector<MeshLook> lods_of(const LayerDrawing &drawing, std::size_t mesh);
+/// Returns the MeshAppearance of each LOD of one mesh of a layer, finest first.
+std::vector<MeshAppearance> lods_of(const LayerDrawing &drawing, std::size_t mesh);
 
 /// The LODs of one mesh of a layer. Each has fading variants: copies of its mesh that appear or
 /// disappear gradually over a range of distances. Consecutive LODs that are drawn identically share
-/// one MeshLook (a "look" below).
+/// one MeshAppearance (a "look" below).
 class LodChain {
 public:
 	LodChain(const LayerDrawing &drawing, const LodSettings &lod, std::size_t mesh);
@@ -33,23 +33,23 @@ public:
 	void make_next(const LodChain *before);
 
 	/// Returns true if this chain belongs to `lods`, the LODs of a part of a tile.
-	bool is_of(std::span<const MeshLook> lods) const;
+	bool is_of(std::span<const MeshAppearance> lods) const;
 
 	/// Returns the number of looks in a span of LODs in addition to the first one.
 	std::size_t extra_variants(const LodSpan &span) const { return looks_.beyond_first(span); }
 
 	/// Returns one of the looks of a span. Index 0 is the look of its first LOD.
-	const MeshLook &look(const LodSpan &span, std::size_t index) const;
+	const MeshAppearance &look(const LodSpan &span, std::size_t index) const;
 
 	/// Returns the look of one LOD that is drawn alone, in place of the whole span.
-	const MeshLook &single_variant(const LodSpan &span, std::size_t lod) const;
+	const MeshAppearance &single_variant(const LodSpan &span, std::size_t lod) const;
 
 private:
 	struct Meshes {
-		MeshLook plain;
-		std::array<MeshLook, LookFade::count> faded; ///< Indexed by LookFade::index.
+		MeshAppearance plain;
+		std::array<MeshAppearance, LookFade::count> faded; ///< Indexed by LookFade::index.
 	};
-	const MeshLook &mesh_of(const LodLooks::Drawn &drawn) const;
+	const MeshAppearance &mesh_of(const LodLooks::Drawn &drawn) const;
 
 	/// The value of LayerDrawing::surfaces for which the chain was created. If the current value
 	/// differs, a mesh has changed.

@@ -11,8 +11,9 @@ namespace thicket {
 namespace {
 
 /// Returns the LODs of a mesh as its layer defines them; empty for a mesh that is not drawn.
-std::vector<MeshLook> drawn_lods(const LayerSnapshot *layer, std::size_t mesh) {
-	return layer != nullptr && layer->drawing.draws(mesh) ? lods_of(layer->drawing, mesh) : std::vector<MeshLook>();
+std::vector<MeshAppearance> drawn_lods(const LayerSnapshot *layer, std::size_t mesh) {
+	return layer != nullptr && layer->drawing.draws(mesh) ? lods_of(layer->drawing, mesh)
+														  : std::vector<MeshAppearance>();
 }
 
 } // namespace

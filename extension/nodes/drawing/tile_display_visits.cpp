@@ -118,7 +118,7 @@ void TileDisplay::refine(const TileKey &key, DisplayedTile &r_tile) {
 	const DistanceRange distance = distances_to(key.layer, r_tile);
 	double margin = 0.0;
 	if (!drawer_.draw(key, r_tile, margin)) {
-		budget_.note_cut(key);
+		budget_.record_cut(key);
 	}
 	r_tile.check_all_cells = false;
 	if (drawer_.lacks_visuals(key, r_tile) && !std::exchange(r_tile.to_fade, true)) {

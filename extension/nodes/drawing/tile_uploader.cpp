@@ -15,7 +15,7 @@ void TileUploader::set_scenario(const RID &scenario, std::uint64_t node_id) {
 }
 
 bool TileUploader::begin_part(const DisplayedTile &tile, std::shared_ptr<const CompactMesh> shown,
-		std::vector<MeshLook> lods, std::uint32_t across, DisplayedTile::Part &r_part) {
+		std::vector<MeshAppearance> lods, std::uint32_t across, DisplayedTile::Part &r_part) {
 	r_part.shown = std::move(shown);
 	r_part.lods = std::move(lods);
 	if (across == 1 || r_part.lods.empty()) {

@@ -26,7 +26,7 @@ public:
 	/// Prepares a part of a tile for the upload of its cells. `across` is their number along each
 	/// edge. Returns false if memory is insufficient.
 	static bool begin_part(const DisplayedTile &tile, std::shared_ptr<const CompactMesh> shown,
-			std::vector<MeshLook> lods, std::uint32_t across, DisplayedTile::Part &r_part);
+			std::vector<MeshAppearance> lods, std::uint32_t across, DisplayedTile::Part &r_part);
 
 	DisplayedTile::Cell make_cell(const DisplayedTile &tile, const DisplayedTile::Part &part,
 			const LayerDrawing &drawing, const MeshUpload &upload);

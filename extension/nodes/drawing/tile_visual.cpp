@@ -28,14 +28,14 @@ constexpr auto everything = std::numeric_limits<std::size_t>::max();
 
 } // namespace
 
-bool casts_by_other_meshes(std::span<const MeshLook> looks) {
-	return std::ranges::any_of(looks, [](const MeshLook &look) { return look.shadow.mesh.is_valid(); });
+bool casts_by_other_meshes(std::span<const MeshAppearance> looks) {
+	return std::ranges::any_of(looks, [](const MeshAppearance &look) { return look.shadow.mesh.is_valid(); });
 }
 
-TileVisual::TileVisual(const VisualContext &context, const InstanceData &data, std::span<const MeshLook> looks,
+TileVisual::TileVisual(const VisualContext &context, const InstanceData &data, std::span<const MeshAppearance> looks,
 		const MeshUpload &upload) : data_(data) {
 	RenderingServer *server = RenderingServer::get_singleton();
-	const MeshLook &look = looks.front();
+	const MeshAppearance &look = looks.front();
 	drawn_by_ = {server->multimesh_create(), RID(), look.mesh};
 	if (casts_by_other_meshes(looks)) {
 		shadow_by_ = {server->multimesh_create(), RID(), look.shadow.mesh.is_valid() ? look.shadow.mesh : look.mesh};
@@ -197,7 +197,7 @@ void TileVisual::set_mesh(const Ref<Mesh> &mesh, Handle &r_handle) {
 	r_handle.mesh = mesh; // Assign last, as for the material in `apply`.
 }
 
-void TileVisual::set_look(const MeshLook &look) {
+void TileVisual::set_look(const MeshAppearance &look) {
 	set_mesh(look.mesh, drawn_by_);
 	const bool casts_apart = look.shadow.mesh.is_valid() && shadow_by_.multimesh.is_valid();
 	if (casts_apart) {
@@ -211,7 +211,7 @@ void TileVisual::set_look(const MeshLook &look) {
 	}
 }
 
-void TileVisual::apply_look(const LodLook &look) {
+void TileVisual::apply_look(const LodAppearance &look) {
 	if (look == look_) {
 		return;
 	}

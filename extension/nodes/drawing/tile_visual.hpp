@@ -24,7 +24,7 @@ struct VisualContext {
 };
 
 /// Returns true if any of these has a separate mesh for its shadow.
-bool casts_by_other_meshes(std::span<const MeshLook> looks);
+bool casts_by_other_meshes(std::span<const MeshAppearance> looks);
 
 /// Draws the instances of one mesh in a tile or one of its cells. Owns a multimesh and an instance
 /// of the RenderingServer. If another mesh casts the shadow, owns a second pair whose multimesh has
@@ -38,7 +38,7 @@ class TileVisual {
 public:
 	/// Creates a hidden visual that draws the first of `looks`, which lists all looks that the
 	/// visual may ever have. `data` determines the number of floats per instance in the buffer.
-	TileVisual(const VisualContext &context, const InstanceData &data, std::span<const MeshLook> looks,
+	TileVisual(const VisualContext &context, const InstanceData &data, std::span<const MeshAppearance> looks,
 			const MeshUpload &upload);
 	~TileVisual();
 	TileVisual(TileVisual &&other) noexcept;
@@ -57,7 +57,7 @@ public:
 	/// Sets the world position of the engine's origin, in meters. The visual keeps its position in
 	/// the world.
 	void set_frame(const WorldFrame &frame);
-	void set_look(const MeshLook &look);
+	void set_look(const MeshAppearance &look);
 
 	/// Draws the first `count` instances.
 	void set_drawn(std::size_t count);
@@ -94,7 +94,7 @@ private:
 	void allocate(int64_t instances);
 	void set_mesh(const godot::Ref<godot::Mesh> &mesh, Handle &r_handle);
 	void apply_shadows();
-	void apply_look(const LodLook &look);
+	void apply_look(const LodAppearance &look);
 
 	InstanceData data_;
 	int64_t instances_ = 0;
@@ -104,7 +104,7 @@ private:
 	Handle shadow_by_;
 	std::int64_t layer_shadow_ = 1; ///< The layer's GeometryInstance3D.ShadowCastingSetting.
 	std::int64_t look_shadow_ = -1; ///< The shadow setting of the look, as in MeshShadow.
-	LodLook look_;                  ///< The current look in the renderer.
+	LodAppearance look_;            ///< The current look in the renderer.
 	bool casts_apart_ = false;      ///< True if the current look has a separate shadow mesh.
 	bool visible_ = false;
 	godot::Ref<godot::Material> material_;

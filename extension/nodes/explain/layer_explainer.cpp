@@ -43,7 +43,7 @@ Status LayerExplainer::find_models(
 	std::vector<Ground> answers;
 	Status status = probe.find(layer, place, surface_of(terrain.get()));
 	if (status.ok()) {
-		status = ask_at_once(terrain.get(), ground, probe.positions(), probe.queries(), answers);
+		status = query_synchronously(terrain.get(), ground, probe.positions(), probe.queries(), answers);
 	}
 	return status.ok() ? probe.models(answers, r_models) : status;
 }
@@ -58,7 +58,7 @@ Status LayerExplainer::explain(std::uint32_t layer, const glm::dvec3 &place, Lay
 		status = explainer.find(settings, place, surface_of(terrain.get()), models.get());
 	}
 	if (status.ok()) {
-		status = ask_at_once(terrain.get(), ground, explainer.positions(), explainer.queries(), answers);
+		status = query_synchronously(terrain.get(), ground, explainer.positions(), explainer.queries(), answers);
 	}
 	if (status.ok()) {
 		status = explainer.explain(answers, r_explanation.rules);
@@ -71,7 +71,7 @@ Status LayerExplainer::explain(std::uint32_t layer, const glm::dvec3 &place, Lay
 		r_explanation.sentences.push_back(describe(factor, settings, names));
 	}
 	r_explanation.verdict = judge(r_explanation.rules, settings, names);
-	r_explanation.stands = r_explanation.rules.stands();
+	r_explanation.stands = r_explanation.rules.is_placed();
 	if (std::isfinite(r_explanation.rules.place.ground.height)) {
 		r_explanation.place.y = double{r_explanation.rules.place.ground.height};
 	}
@@ -84,7 +84,7 @@ Status LayerExplainer::densities(
 	std::vector<Ground> answers;
 	Status status = probe.find(*layers[layer]->settings, places, false, surface_of(terrain.get()));
 	if (status.ok()) {
-		status = ask_at_once(terrain.get(), ground, probe.positions(), probe.queries(), answers);
+		status = query_synchronously(terrain.get(), ground, probe.positions(), probe.queries(), answers);
 	}
 	if (status.ok()) {
 		status = probe.look(answers);
@@ -99,7 +99,7 @@ Status LayerExplainer::densities(
 Status LayerExplainer::slopes(std::span<const glm::dvec2> places, std::vector<float> &r_slopes) const {
 	std::vector<Ground> answers;
 	const std::array<GroundQuery, 1> query{{{0, places.size(), {}}}};
-	const Status status = ask_at_once(terrain.get(), ground, places, query, answers);
+	const Status status = query_synchronously(terrain.get(), ground, places, query, answers);
 	r_slopes.clear();
 	for (std::size_t place = 0; status.ok() && place < places.size(); ++place) {
 		r_slopes.push_back(ground_slope(answers[place]));

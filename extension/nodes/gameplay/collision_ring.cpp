@@ -114,7 +114,7 @@ bool CollisionRing::step() {
 /// Bodies that are merely out of range can wait.
 bool CollisionRing::remove_some() {
 	int count = 0;
-	Leaving leaving;
+	HeldRelease leaving;
 	for (; count < most_per_step && queue_.next_gone(leaving); ++count) {
 		leave(leaving);
 	}
@@ -241,7 +241,7 @@ void CollisionRing::fall(std::uint32_t layer, std::uint64_t id) {
 
 /// Removes the body of an instance, unless the queue has since found the instance in another cell.
 /// The instance then has a new body at another position.
-void CollisionRing::leave(const Leaving &leaving) {
+void CollisionRing::leave(const HeldRelease &leaving) {
 	const auto &bodies = layers_[leaving.layer].bodies;
 	const auto found = bodies.find(leaving.id);
 	if (found != bodies.end() && found->second.instance.position == leaving.position) {

@@ -124,7 +124,7 @@ private:
 
 	void create_body(const PlacedInstance &instance);
 	void fall(std::uint32_t layer, std::uint64_t id);
-	void leave(const Leaving &leaving);
+	void leave(const HeldRelease &leaving);
 	bool remove_some();
 	bool renew_some();
 	bool move_some();

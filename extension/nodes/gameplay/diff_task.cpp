@@ -87,7 +87,7 @@ void DiffTask::cancel() {
 	}
 }
 
-void DiffTask::tell(Error error) {
+void DiffTask::notify(Error error) {
 	Variant callback = std::exchange(callback_, Variant());
 	if (callback.get_type() == Variant::NIL) {
 		return;

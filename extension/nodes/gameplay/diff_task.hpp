@@ -50,7 +50,7 @@ public:
 
 	/// Calls the callback, if there is one, with `error` and releases it. The callback is a script,
 	/// which may change or free anything.
-	void tell(godot::Error error);
+	void notify(godot::Error error);
 
 	/// Returns the pool's task ID to a caller that will wait for the task itself. Returns -1 if
 	/// there is no task or if the ID has already been taken.

@@ -147,7 +147,7 @@ SceneHost ScatterGameplay::scene_host() {
 	host.data_of = [this](std::uint64_t id) {
 		return get_instance_data(script_id(id));
 	};
-	host.tell = [this](SceneEvent event, std::uint64_t id, Node3D *scene) {
+	host.notify = [this](SceneEvent event, std::uint64_t id, Node3D *scene) {
 		if (alive()) {
 			host_->node()->emit_signal(
 					event == SceneEvent::shown ? "scene_shown" : "scene_hidden", script_id(id), scene);

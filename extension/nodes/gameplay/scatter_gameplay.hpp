@@ -177,7 +177,7 @@ public:
 
 	/// Runs a query and generates missing tiles for it. Keeps the state alive during the call. Call
 	/// `prepare` first. On failure, prints an error and returns false.
-	bool ask(const char *p_method, const AskedQuery &query);
+	bool answer(const char *p_method, const AskedQuery &query);
 
 	// Queries. For `p_layers`, see find_layers. A predicate receives (id, layer, transform) and
 	// returns whether to include that instance. An invalid query prints an error and returns an
@@ -314,10 +314,10 @@ private:
 	Status claim(std::uint32_t layer);
 	std::int64_t layer_index_of(std::uint64_t id) const;
 	Rect area_of(std::uint64_t id, glm::dvec3 position, std::uint32_t layer) const;
-	bool stands_no_longer(std::uint64_t id) const;
+	bool is_no_longer_placed(std::uint64_t id) const;
 	void redraw_later(const StateChanges &changes);
 	const PlacedInstance *find_changing(std::uint64_t id);
-	void tell(const InstanceChange &change);
+	void notify(const InstanceChange &change);
 	void emit_backlog(std::chrono::steady_clock::time_point deadline);
 	bool still_true(const InstanceChange &change) const;
 

@@ -143,7 +143,7 @@ PackedInt64Array ScatterGameplay::remove_instances(const PackedInt64Array &p_ids
 		}
 		return {};
 	};
-	report("TerrainScatter3D.remove_instances", world_.ask(find_all));
+	report("TerrainScatter3D.remove_instances", world_.answer(find_all));
 	return packed_ids(remove_all(standing));
 }
 

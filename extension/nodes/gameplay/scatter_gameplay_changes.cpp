@@ -105,7 +105,7 @@ void ScatterGameplay::set_state(const Ref<ScatterState> &p_state) {
 		host_->redraw_all_later(); // Bodies and scenes are also updated step by step.
 	} else if (running_ && changes > 0) {
 		for (NearRing *ring : rings_) {
-			ring->drop_if([this](std::uint64_t id) { return stands_no_longer(id); });
+			ring->drop_if([this](std::uint64_t id) { return is_no_longer_placed(id); });
 		}
 		host_->redraw_all();
 	}
@@ -247,7 +247,7 @@ Variant ScatterGameplay::get_instance_data(int64_t p_id) const {
 	return state_.is_valid() ? state_->get_instance_data(p_id) : Variant();
 }
 
-bool ScatterGameplay::stands_no_longer(std::uint64_t id) const {
+bool ScatterGameplay::is_no_longer_placed(std::uint64_t id) const {
 	const InstanceState *state = world_.state();
 	return is_added(id) ? state == nullptr || state->added(id) == nullptr : state != nullptr && state->removed(id);
 }
@@ -310,7 +310,7 @@ void ScatterGameplay::notify_changes(const SharedChanges &changes) {
 			return; // A signal handler has freed the node or set another state.
 		}
 		if (const InstanceChange *change = changes->at(at)) {
-			tell(*change);
+			notify(*change);
 		}
 	}
 }
@@ -318,10 +318,10 @@ void ScatterGameplay::notify_changes(const SharedChanges &changes) {
 /// Returns false for a change that was undone or replaced by a later change that has been reported.
 bool ScatterGameplay::still_true(const InstanceChange &change) const {
 	switch (change.kind) {
-		case InstanceChangeKind::removed: return stands_no_longer(change.id);
+		case InstanceChangeKind::removed: return is_no_longer_placed(change.id);
 		case InstanceChangeKind::restored:
 		case InstanceChangeKind::added:
-		case InstanceChangeKind::moved: return !stands_no_longer(change.id);
+		case InstanceChangeKind::moved: return !is_no_longer_placed(change.id);
 		case InstanceChangeKind::left: return false;
 		case InstanceChangeKind::data: return true;
 	}
@@ -337,7 +337,7 @@ void ScatterGameplay::emit_backlog(std::chrono::steady_clock::time_point deadlin
 			backlog_.pop_front();
 		}
 		if (change != nullptr && still_true(*change)) {
-			tell(*change);
+			notify(*change);
 		}
 		if (told % signals_in_a_row == 0 && std::chrono::steady_clock::now() >= deadline) {
 			return;
@@ -369,7 +369,7 @@ const StringName &ScatterGameplay::Signals::of(InstanceChangeKind kind) const {
 
 /// Emits the signal of a change if the placement of the instance is known. Otherwise emits nothing:
 /// generating tiles for changes from peers would take too long. Runs scripts.
-void ScatterGameplay::tell(const InstanceChange &change) {
+void ScatterGameplay::notify(const InstanceChange &change) {
 	const std::int64_t index = change.kind != InstanceChangeKind::left ? layer_index_of(change.id) : -1;
 	if (index < 0) {
 		return;
@@ -382,7 +382,7 @@ void ScatterGameplay::tell(const InstanceChange &change) {
 		transform = to_engine(*changing, world_frame());
 	} else {
 		std::vector<PlacedInstance> found;
-		const Status status = world_.ask_known(
+		const Status status = world_.query_known(
 				[&](const InstanceQuery &query) { return query.by_id_even_removed(change.id, found); });
 		if (!status.ok() || found.empty()) {
 			return;

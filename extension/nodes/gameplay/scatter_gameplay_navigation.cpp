@@ -143,7 +143,7 @@ void ScatterGameplay::add_obstructions(
 	const Rect rect = grown(area, obstruction_reach(shape, queried.max_scale, bake.agent));
 	const QueryFilter filter{.layers = {layer}, .accepts = {}};
 	std::vector<PlacedInstance> found;
-	const Status status = world_.ask([&](const InstanceQuery &query) { return query.in_rect(rect, filter, found); });
+	const Status status = world_.answer([&](const InstanceQuery &query) { return query.in_rect(rect, filter, found); });
 	if (!status.ok() && status.code != ErrorCode::cancelled) {
 		ERR_PRINT(String(("TerrainScatter3D: a navigation mesh is baked without the instances of layer " +
 				std::to_string(layer) + ": " + describe(status) +

@@ -38,9 +38,9 @@ SharedLayers ScatterGameplay::prepare(const char *p_method) {
 	return status.ok() && alive() ? listed_ : nullptr;
 }
 
-bool ScatterGameplay::ask(const char *p_method, const AskedQuery &query) {
+bool ScatterGameplay::answer(const char *p_method, const AskedQuery &query) {
 	const Ref<ScatterState> state = state_;
-	const Status status = world_.ask(query);
+	const Status status = world_.answer(query);
 	report_query(p_method, status);
 	return status.ok();
 }
@@ -84,7 +84,7 @@ Ref<ScatterSnapshot> ScatterGameplay::make_snapshot() {
 std::vector<PlacedInstance> ScatterGameplay::find_by_id(const char *p_method, int64_t p_id, bool even_removed) {
 	std::vector<PlacedInstance> found;
 	if (prepare(p_method) != nullptr) {
-		ask(p_method, [&](const InstanceQuery &query) {
+		answer(p_method, [&](const InstanceQuery &query) {
 			return even_removed ? query.by_id_even_removed(core_id(p_id), found) : query.by_id(core_id(p_id), found);
 		});
 	}

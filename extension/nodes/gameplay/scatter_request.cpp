@@ -45,7 +45,7 @@ bool ScatterRequest::cancel() {
 
 void ScatterRequest::complete(const Ref<ScatterInstances> &p_result) {
 	if (finish(p_result, false)) {
-		tell(this);
+		notify(this);
 	}
 }
 
@@ -60,7 +60,7 @@ void ScatterRequest::report_later() {
 	call_deferred("_tell", Ref<ScatterRequest>(this));
 }
 
-void ScatterRequest::tell(const Ref<ScatterRequest> &) { emit_signal("completed", get_result()); }
+void ScatterRequest::notify(const Ref<ScatterRequest> &) { emit_signal("completed", get_result()); }
 
 void ScatterRequest::_bind_methods() {
 	using Self = ScatterRequest;
@@ -68,7 +68,7 @@ void ScatterRequest::_bind_methods() {
 	bind_guarded<&Self::is_canceled>(D_METHOD("is_canceled"));
 	bind_guarded<&Self::get_result>(D_METHOD("get_result"));
 	bind_guarded<&Self::cancel>(D_METHOD("cancel"));
-	bind_guarded<&Self::tell>(ThreadUse::relayed, D_METHOD("_tell", "request"));
+	bind_guarded<&Self::notify>(ThreadUse::relayed, D_METHOD("_tell", "request"));
 	ADD_SIGNAL(MethodInfo(
 			"completed", PropertyInfo(Variant::OBJECT, "result", PROPERTY_HINT_RESOURCE_TYPE, "ScatterInstances")));
 }

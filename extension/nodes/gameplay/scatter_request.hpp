@@ -43,7 +43,7 @@ protected:
 private:
 	bool finish(const godot::Ref<ScatterInstances> &p_result, bool p_canceled);
 	void report_later();
-	void tell(const godot::Ref<ScatterRequest> &p_self);
+	void notify(const godot::Ref<ScatterRequest> &p_self);
 
 	mutable std::mutex mutex_; ///< Guards the following members.
 	godot::Ref<ScatterInstances> result_;

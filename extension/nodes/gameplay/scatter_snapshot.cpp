@@ -31,10 +31,10 @@ SharedLayers ScatterSnapshot::prepare(const char *p_method) const {
 	return layers_;
 }
 
-bool ScatterSnapshot::ask(const char *p_method, const AskedQuery &query) const {
+bool ScatterSnapshot::answer(const char *p_method, const AskedQuery &query) const {
 	// Hold the snapshot, because a predicate may release this object.
 	const std::shared_ptr<const InstanceSnapshot> held = snapshot_;
-	const Status status = held->ask(query);
+	const Status status = held->answer(query);
 	report(name_of(p_method).c_str(), status);
 	return status.ok();
 }
@@ -68,7 +68,7 @@ Ref<ScatterInstance> ScatterSnapshot::get_instance(int64_t p_id) const {
 bool ScatterSnapshot::has_instance(int64_t p_id) const {
 	std::vector<PlacedInstance> found;
 	return prepare("has_instance") != nullptr &&
-			ask("has_instance", [&](const InstanceQuery &query) { return query.by_id(core_id(p_id), found); }) &&
+			answer("has_instance", [&](const InstanceQuery &query) { return query.by_id(core_id(p_id), found); }) &&
 			!found.empty();
 }
 

@@ -60,7 +60,7 @@ public:
 	godot::String find_queried(const godot::Variant &p_layers, std::vector<std::uint32_t> &r_indices) const {
 		return find_layers(*layers_, p_layers, r_indices);
 	}
-	bool ask(const char *p_method, const AskedQuery &query) const;
+	bool answer(const char *p_method, const AskedQuery &query) const;
 
 protected:
 	static void _bind_methods();

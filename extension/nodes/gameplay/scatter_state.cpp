@@ -76,7 +76,7 @@ std::vector<std::uint64_t> ScatterState::remove_all(std::span<const Removal> rem
 			ids.push_back(id);
 		}
 	}
-	tell(std::move(changes));
+	notify(std::move(changes));
 	return ids;
 }
 
@@ -91,7 +91,7 @@ bool ScatterState::restore_by_id(std::uint64_t id) {
 	const StateChange restored = state_.restore(id);
 	told("restore", restored.status);
 	if (restored) {
-		tell({change});
+		notify({change});
 	}
 	return restored.changed;
 }
@@ -102,7 +102,7 @@ Status ScatterState::add(const AddedInstance &instance, std::uint64_t &r_id) {
 	const Status status = state_.add(instance, r_id);
 	if (status.ok()) {
 		const InstanceChange change{r_id, InstanceChangeKind::added, *state_.added(r_id)};
-		tell({change});
+		notify({change});
 	}
 	return status;
 }
@@ -110,14 +110,14 @@ Status ScatterState::add(const AddedInstance &instance, std::uint64_t &r_id) {
 Status ScatterState::add_all(std::span<const AddedInstance> instances, std::vector<std::uint64_t> &r_ids) {
 	std::vector<InstanceChange> changes;
 	const Status status = state_.add_all(instances, r_ids, changes);
-	tell(std::move(changes));
+	notify(std::move(changes));
 	return status;
 }
 
 Status ScatterState::move(std::uint64_t id, const AddedInstance &instance, std::uint64_t &r_id) {
 	std::vector<InstanceChange> changes;
 	const Status status = state_.move(id, instance, r_id, changes);
-	tell(std::move(changes));
+	notify(std::move(changes));
 	return status;
 }
 
@@ -146,7 +146,7 @@ bool ScatterState::set_data_by_id(std::uint64_t id, const Variant &p_data) {
 	if (const AddedInstance *added = state_.added(id)) {
 		change.added = *added;
 	}
-	tell({change});
+	notify({change});
 	return true;
 }
 
@@ -248,7 +248,7 @@ Error ScatterState::from_bytes(const PackedByteArray &p_bytes) {
 	wait_for_diffs();
 	std::vector<InstanceChange> changes;
 	const Error error = told("from_bytes", state_.load(span_of(p_bytes), changes));
-	tell(std::move(changes));
+	notify(std::move(changes));
 	return error;
 }
 
@@ -273,7 +273,7 @@ Error ScatterState::apply_diff(const PackedByteArray &p_diff) {
 	wait_for_diffs();
 	std::vector<InstanceChange> changes;
 	const Error error = told("apply_diff", state_.apply(span_of(p_diff), changes, limits()));
-	tell(std::move(changes));
+	notify(std::move(changes));
 	return error;
 }
 
@@ -284,7 +284,7 @@ Error ScatterState::merge(const Ref<ScatterState> &p_other) {
 	wait_for_diffs();
 	std::vector<InstanceChange> changes;
 	const Error error = told("merge", state_.merge(p_other->state_, changes));
-	tell(std::move(changes));
+	notify(std::move(changes));
 	return error;
 }
 
@@ -292,7 +292,7 @@ void ScatterState::clear() {
 	wait_for_diffs();
 	std::vector<InstanceChange> changes;
 	told("clear", state_.clear(changes));
-	tell(std::move(changes));
+	notify(std::move(changes));
 }
 
 int64_t ScatterState::get_revision() const { return static_cast<int64_t>(state_.revision()); }
@@ -304,7 +304,7 @@ double ScatterState::get_time() const { return state_.time(); }
 void ScatterState::advance(double p_seconds) {
 	std::vector<InstanceChange> changes;
 	told("advance", state_.advance(p_seconds, changes));
-	tell(std::move(changes));
+	notify(std::move(changes));
 }
 
 void ScatterState::advance_in_frame(double seconds, std::uint64_t frame) {

@@ -236,7 +236,7 @@ private:
 	/// Updates the listeners, lets them notify scripts, and emits `instances_changed(ids)` and
 	/// `changed`. Changes that signal handlers make are queued and reported afterward, in order, to
 	/// avoid recursion.
-	void tell(std::vector<InstanceChange> changes);
+	void notify(std::vector<InstanceChange> changes);
 	void follow(Unreported unreported);
 	void notify_scripts();
 	void report_now(const Unreported &unreported);

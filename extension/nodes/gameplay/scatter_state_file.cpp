@@ -29,7 +29,7 @@ Error ScatterState::load_from_file(const String &p_path) {
 				wait_for_diffs();
 				return state_.load(bytes, changes);
 			});
-	tell(std::move(changes));
+	notify(std::move(changes));
 	return error;
 }
 

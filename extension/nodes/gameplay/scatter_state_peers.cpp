@@ -60,7 +60,7 @@ Error ScatterState::merge_diff(const PackedByteArray &p_diff) {
 	wait_for_diffs();
 	std::vector<InstanceChange> changes;
 	const Error error = told("merge_diff", state_.merge_diff(span_of(p_diff), changes, limits()));
-	tell(std::move(changes));
+	notify(std::move(changes));
 	return error;
 }
 

@@ -70,7 +70,7 @@ bool SceneRing::step() {
 		move(instance); // The mesh stays hidden during the move.
 		return true;
 	}
-	for (Leaving leaving; queue_.next_leaving(leaving);) {
+	for (HeldRelease leaving; queue_.next_leaving(leaving);) {
 		if (leave(leaving)) {
 			return true;
 		}
@@ -97,7 +97,7 @@ bool SceneRing::leave_outdated() {
 }
 
 bool SceneRing::leave_gone() {
-	for (Leaving leaving; queue_.next_gone(leaving);) {
+	for (HeldRelease leaving; queue_.next_gone(leaving);) {
 		if (leave(leaving)) {
 			return true;
 		}
@@ -107,7 +107,7 @@ bool SceneRing::leave_gone() {
 
 /// Removes the scene of an instance, unless the queue has since found the instance in another cell.
 /// The instance then keeps its scene at the new position.
-bool SceneRing::leave(const Leaving &leaving) {
+bool SceneRing::leave(const HeldRelease &leaving) {
 	const auto found = shown_.find({leaving.id, leaving.layer});
 	return found != shown_.end() && found->second.instance.position == leaving.position &&
 			leave(Key{leaving.id, leaving.layer});

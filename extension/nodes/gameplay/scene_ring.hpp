@@ -49,7 +49,7 @@ struct SceneHost {
 	std::function<void(const PlacedInstance &instance, bool hidden)> hide_mesh;
 	std::function<godot::Ref<ScatterLayer>(std::uint32_t index)> layer_at;
 	std::function<godot::Variant(std::uint64_t id)> data_of;
-	std::function<void(SceneEvent event, std::uint64_t id, godot::Node3D *scene)> tell;
+	std::function<void(SceneEvent event, std::uint64_t id, godot::Node3D *scene)> notify;
 	/// Schedules a call to `recycle` before this frame is drawn and before the next physics step.
 	std::function<void()> recycle_later;
 };
@@ -132,7 +132,7 @@ private:
 	void update_distances();
 	void move(const PlacedInstance &instance);
 	bool leave(const Key &key);
-	bool leave(const Leaving &leaving);
+	bool leave(const HeldRelease &leaving);
 	bool leave_gone();
 	bool leave_outdated();
 	void enter(const PlacedInstance &instance);
@@ -143,7 +143,7 @@ private:
 	void refuse(Layer &layer);
 	void show(const PlacedInstance &instance, const godot::Ref<godot::PackedScene> &scene, godot::Node3D *node);
 	void put_last_back();
-	void tell(SceneEvent event, const Shown &shown);
+	void notify(SceneEvent event, const Shown &shown);
 	void take_out(godot::Node3D *node);
 
 	SceneHost host_;

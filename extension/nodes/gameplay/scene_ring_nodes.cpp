@@ -64,7 +64,7 @@ void SceneRing::show(const PlacedInstance &instance, const Ref<PackedScene> &sce
 		move_node(shown);
 	}
 	if (ours(shown)) {
-		tell(SceneEvent::shown, shown);
+		notify(SceneEvent::shown, shown);
 	}
 }
 
@@ -80,9 +80,9 @@ void SceneRing::move(const PlacedInstance &instance) {
 	move_node(shown);
 }
 
-void SceneRing::tell(SceneEvent event, const Shown &shown) {
+void SceneRing::notify(SceneEvent event, const Shown &shown) {
 	const std::weak_ptr<const void> alive = life_;
-	const auto listener = host_.tell; // Use a copy, because the call may free the ring.
+	const auto listener = host_.notify; // Use a copy, because the call may free the ring.
 	const auto id = static_cast<int64_t>(shown.instance.id);
 	Node3D *node = shown.node.get();
 	if (event == SceneEvent::hidden && node != nullptr && node->has_method("_scatter_hidden")) {
@@ -123,7 +123,7 @@ void SceneRing::put_last_back() {
 	const std::weak_ptr<const void> alive = life_;
 	const Shown shown = leaving_.back();
 	if (ours(shown)) {
-		tell(SceneEvent::hidden, shown);
+		notify(SceneEvent::hidden, shown);
 	}
 	if (alive.expired()) {
 		return;

@@ -6,7 +6,7 @@
 //   const WorldFrame &world_frame() const;
 //   SharedLayers prepare(method);        // null, with an error, if there is nothing to query
 //   String find_queried(layers, std::vector<std::uint32_t> &r_indices);  // see find_layers
-//   bool ask(method, query);  // calls query(const InstanceQuery &); false, with an error
+//   bool answer(method, query);  // calls query(const InstanceQuery &); false, with an error
 //   Variant get_instance_data(int64_t id) const;
 // Predicates are scripts, which may free anything, so the caller must keep the asker alive during
 // these calls.
@@ -65,7 +65,7 @@ godot::Ref<ScatterInstances> answer_rect(Asker &asker, const QueryParameters &pa
 	FoundInstances found;
 	SharedLayers layers = open_query(asker, parameters, filter);
 	if (layers != nullptr) {
-		asker.ask(parameters.method,
+		asker.answer(parameters.method,
 				[&](const InstanceQuery &query) { return query.in_rect(to_world(p_rect, frame), filter, found); });
 	}
 	return ScatterInstances::of(std::move(found), frame, std::move(layers));
@@ -79,7 +79,7 @@ AnsweredInstances find_in_sphere(
 	AnsweredInstances answer;
 	answer.layers = open_query(asker, parameters, filter);
 	if (answer.layers != nullptr) {
-		asker.ask(parameters.method,
+		asker.answer(parameters.method,
 				[&](const InstanceQuery &query) { return query.in_sphere(center, p_radius, filter, answer.found); });
 	}
 	return answer;
@@ -103,7 +103,8 @@ godot::Ref<ScatterInstance> answer_ray(
 	std::vector<RayHit> hits;
 	const SharedLayers layers = open_query(asker, parameters, filter);
 	if (layers != nullptr) {
-		asker.ask(parameters.method, [&](const InstanceQuery &query) { return query.on_ray(from, to, filter, hits); });
+		asker.answer(
+				parameters.method, [&](const InstanceQuery &query) { return query.on_ray(from, to, filter, hits); });
 	}
 	if (hits.empty()) {
 		return {};
@@ -124,7 +125,7 @@ godot::Ref<ScatterInstance> answer_nearest(
 	std::vector<NearestInstance> found;
 	const SharedLayers layers = open_query(asker, parameters, filter);
 	if (layers != nullptr) {
-		asker.ask(parameters.method,
+		asker.answer(parameters.method,
 				[&](const InstanceQuery &query) { return query.nearest(position, p_max_distance, filter, found); });
 	}
 	if (found.empty()) {
@@ -142,7 +143,7 @@ godot::Ref<ScatterInstance> answer_id(Asker &asker, const char *method, int64_t 
 	std::vector<PlacedInstance> found;
 	const SharedLayers layers = asker.prepare(method);
 	if (layers != nullptr) {
-		asker.ask(method, [&](const InstanceQuery &query) { return query.by_id(core_id(p_id), found); });
+		asker.answer(method, [&](const InstanceQuery &query) { return query.by_id(core_id(p_id), found); });
 	}
 	return found.empty()
 			? godot::Ref<ScatterInstance>()

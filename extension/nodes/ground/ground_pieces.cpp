@@ -238,7 +238,7 @@ std::uint64_t GroundMembers::cells_of(const Node &grid) {
 	return cells.digest;
 }
 
-GroundSight GroundMembers::look(const Variant &p_node, const Sight &from, Object *&r_source) {
+GroundNodeState GroundMembers::look(const Variant &p_node, const Sight &from, Object *&r_source) {
 	const auto *node = Object::cast_to<Node3D>(p_node.get_validated_object());
 	if (node == nullptr || !node->is_inside_tree() || !(node->get_world_3d() == from.world)) {
 		return {};
@@ -249,7 +249,7 @@ GroundSight GroundMembers::look(const Variant &p_node, const Sight &from, Object
 		return {};
 	}
 	const bool local = from.space != nullptr && from.space->is_inside_tree();
-	GroundSight sight{local ? relative_transform(*from.space, *node) : node->get_global_transform(), 0, 0};
+	GroundNodeState sight{local ? relative_transform(*from.space, *node) : node->get_global_transform(), 0, 0};
 	if (is_grid(*node)) {
 		sight.source = cells_of(*node);
 		return sight;

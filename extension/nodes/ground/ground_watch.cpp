@@ -29,7 +29,7 @@ constexpr double lost = 1.0 / (1 << 21);
 
 } // namespace
 
-bool same_in_world(const GroundSight &a, glm::dvec3 offset_a, const GroundSight &b, glm::dvec3 offset_b) {
+bool same_in_world(const GroundNodeState &a, glm::dvec3 offset_a, const GroundNodeState &b, glm::dvec3 offset_b) {
 	if (offset_a == offset_b) {
 		return a == b;
 	}
@@ -55,7 +55,7 @@ void GroundWatch::add(std::uint64_t id, const Variant &p_node, const Look &look,
 		return;
 	}
 	Object *source = nullptr;
-	GroundSight &seen = found->second.seen;
+	GroundNodeState &seen = found->second.seen;
 	seen = look(p_node, source);
 	use(seen.source, source);
 	seen.version = version(seen.source);
@@ -104,7 +104,7 @@ std::size_t GroundWatch::look(const Look &look) {
 		at = at != entries_.end() ? at : entries_.begin();
 		auto &[id, entry] = *at;
 		Object *source = nullptr;
-		GroundSight now = look(entry.node, source);
+		GroundNodeState now = look(entry.node, source);
 		now.version = version(now.source);
 		if (now == entry.seen) {
 			rest(id);

@@ -20,7 +20,7 @@
 namespace thicket {
 
 /// The part of a ground node's state that can be checked without reading triangles.
-struct GroundSight {
+struct GroundNodeState {
 	godot::Transform3D frame; ///< The global transform.
 	/// The ID of the object that defines the shape, such as a mesh; 0 if the node is not ground.
 	std::uint64_t source = 0;
@@ -29,7 +29,7 @@ struct GroundSight {
 
 	/// If neither node is ground, ignores the other members. Treats transforms that are not finite
 	/// as equal; otherwise such a node would always seem changed, because NAN differs from itself.
-	bool operator==(const GroundSight &other) const {
+	bool operator==(const GroundNodeState &other) const {
 		const bool alike = frame == other.frame || !(is_finite(frame) || is_finite(other.frame));
 		return source == other.source && (source == 0 || (version == other.version && alike));
 	}
@@ -37,7 +37,7 @@ struct GroundSight {
 
 /// Returns true if both states describe the same ground in world space. Each state has its own
 /// world position of the engine's origin. Tolerates the rounding errors that moving a scene causes.
-bool same_in_world(const GroundSight &a, glm::dvec3 offset_a, const GroundSight &b, glm::dvec3 offset_b);
+bool same_in_world(const GroundNodeState &a, glm::dvec3 offset_a, const GroundNodeState &b, glm::dvec3 offset_b);
 
 /// Detects nodes whose ground has changed by polling a limited number of them per frame, one after
 /// another. Polling is necessary because the engine emits no usable signal when another node moves.
@@ -46,7 +46,7 @@ class GroundWatch {
 public:
 	/// Returns a node's current state without the version. Sets `r_source` to the source, or leaves
 	/// it null.
-	using Look = std::function<GroundSight(const godot::Variant &p_node, godot::Object *&r_source)>;
+	using Look = std::function<GroundNodeState(const godot::Variant &p_node, godot::Object *&r_source)>;
 
 	/// Connects the `changed` signal of each source to `p_method` of `p_owner`, with the source's
 	/// ID as an argument. The owner must pass that ID to `source_changed`.
@@ -97,7 +97,7 @@ private:
 
 	struct Entry {
 		godot::Variant node;
-		GroundSight seen;
+		GroundNodeState seen;
 	};
 
 	struct Source {

@@ -51,9 +51,9 @@ std::optional<PostFormat> post_format(Image::Format format) {
 	}
 }
 
-MapPlace place_of(const Transform3D &p_transform) {
+MapTransform place_of(const Transform3D &p_transform) {
 	const Vector3 *rows = p_transform.basis.rows;
-	MapPlace place;
+	MapTransform place;
 	place.to_world = glm::dmat2(rows[0].x, rows[2].x, rows[0].z, rows[2].z);
 	place.origin = to_core(p_transform.origin);
 	place.height_scale = rows[1].y;
@@ -122,8 +122,8 @@ private:
 /// Returns true if the map has the same transform in the world. A node that has moved with the
 /// engine's origin is considered unmoved. Tolerates float rounding.
 bool HTerrainCopy::same_place(const HTerrainCopy &before, glm::dvec3 shift) const {
-	MapPlace mine = field_.place();
-	const MapPlace &other = before.field_.place();
+	MapTransform mine = field_.place();
+	const MapTransform &other = before.field_.place();
 	const double far = std::max(glm::length(mine.origin), glm::length(other.origin));
 	if (!(glm::length(mine.origin + shift - other.origin) <= 4.0 * far * std::numeric_limits<float>::epsilon())) {
 		return false;
@@ -133,7 +133,7 @@ bool HTerrainCopy::same_place(const HTerrainCopy &before, glm::dvec3 shift) cons
 }
 
 Rect2 HTerrainCopy::area_of(const PixelRect &rect) const {
-	const MapPlace &place = field_.place();
+	const MapTransform &place = field_.place();
 	glm::dvec2 min{std::numeric_limits<double>::max()};
 	glm::dvec2 max{std::numeric_limits<double>::lowest()};
 	for (int corner = 0; corner < 4; ++corner) {

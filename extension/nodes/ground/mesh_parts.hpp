@@ -29,7 +29,7 @@ struct GroundSpace {
 
 /// The ground of a mesh instance, at its world position when it was read.
 struct GroundMesh {
-	GroundSight sight;        ///< With the transform in `space`, without its offset.
+	GroundNodeState sight;    ///< With the transform in `space`, without its offset.
 	GroundSpace space;        ///< The space when the mesh was read.
 	std::uint64_t digest = 0; ///< A digest of the triangles in world space.
 	TriangleParts::Part ground;
@@ -44,7 +44,7 @@ using GroundMeshes = std::map<std::uint64_t, std::shared_ptr<const GroundMesh>>;
 /// A mesh instance whose mesh was read but whose ground is not yet built.
 struct MeshReading {
 	std::uint64_t id = 0; ///< The MeshInstance3D's ID.
-	GroundSight sight;
+	GroundNodeState sight;
 	GroundSpace space;
 	std::shared_ptr<const MeshCopy> copy;
 	/// The previous ground, which is reused if its triangles are unchanged. May be null.

@@ -61,16 +61,16 @@ public:
 
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
 		const Status status = sample_heights(positions, r_ground);
-		return status.ok() ? script_->ask_slopes(positions, r_ground) : status;
+		return status.ok() ? script_->query_slopes(positions, r_ground) : status;
 	}
 
 	Status sample_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
-		return script_->ask_heights(positions, r_ground);
+		return script_->query_heights(positions, r_ground);
 	}
 
 	Status weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
 			std::span<Ground> r_ground) const override {
-		return script_->ask_weights(positions, textures, r_ground);
+		return script_->query_weights(positions, textures, r_ground);
 	}
 
 private:
@@ -140,7 +140,7 @@ Status ScatterGround::sample_for(const GroundHost &, std::span<const glm::dvec2>
 	return ScriptGround(Ref<ScatterGround>(this)).query(positions, needs, r_ground);
 }
 
-Status ScatterGround::ask_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) {
+Status ScatterGround::query_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) {
 	PackedFloat32Array heights;
 	const Status status =
 			answers_.call(this, heights_method, count_of(positions), heights, Variant(packed_vectors(positions)));
@@ -155,16 +155,16 @@ Status ScatterGround::ask_heights(std::span<const glm::dvec2> positions, std::sp
 	return {};
 }
 
-Status ScatterGround::ask_slopes(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) {
+Status ScatterGround::query_slopes(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) {
 	const std::vector<std::size_t> found = with_ground(r_ground);
 	if (found.empty()) {
 		return {};
 	}
-	return GDVIRTUAL_IS_OVERRIDDEN(_get_normals) ? ask_normals(positions, found, r_ground)
+	return GDVIRTUAL_IS_OVERRIDDEN(_get_normals) ? query_normals(positions, found, r_ground)
 												 : difference_normals(positions, found, r_ground);
 }
 
-Status ScatterGround::ask_weights(
+Status ScatterGround::query_weights(
 		std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures, std::span<Ground> r_ground) {
 	const std::vector<std::size_t> found = with_ground(r_ground);
 	if (found.empty() || !GDVIRTUAL_IS_OVERRIDDEN(_get_weights)) {
@@ -185,7 +185,7 @@ Status ScatterGround::ask_weights(
 	return {};
 }
 
-Status ScatterGround::ask_normals(
+Status ScatterGround::query_normals(
 		std::span<const glm::dvec2> positions, std::span<const std::size_t> found, std::span<Ground> r_ground) {
 	PackedVector3Array normals;
 	const std::vector<glm::dvec2> grounded = picked(positions, found);

@@ -257,11 +257,11 @@ private:
 	GroundHost find_host(std::uint64_t id) const;
 	// These methods call a script. They request normals and weights only where there is ground;
 	// `found` contains the indices of these positions.
-	Status ask_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground);
-	Status ask_slopes(std::span<const glm::dvec2> positions, std::span<Ground> r_ground);
-	Status ask_weights(
+	Status query_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground);
+	Status query_slopes(std::span<const glm::dvec2> positions, std::span<Ground> r_ground);
+	Status query_weights(
 			std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures, std::span<Ground> r_ground);
-	Status ask_normals(
+	Status query_normals(
 			std::span<const glm::dvec2> positions, std::span<const std::size_t> found, std::span<Ground> r_ground);
 	Status difference_normals(
 			std::span<const glm::dvec2> positions, std::span<const std::size_t> found, std::span<Ground> r_ground);

@@ -77,7 +77,7 @@ protected:
 private:
 	/// The last reported state of a shape.
 	struct Placed {
-		GroundSight sight;
+		GroundNodeState sight;
 		std::optional<godot::AABB> bounds; ///< The bounds in local space; empty if the shape is unbounded.
 	};
 
@@ -92,7 +92,7 @@ private:
 	void update_some();
 	void update(std::uint64_t id);
 	void add_area(const Placed &placed, glm::dvec3 offset);
-	void tell();
+	void notify();
 	void source_changed(int64_t p_source);
 	void node_added(godot::Node *p_node);
 

@@ -55,16 +55,16 @@ GroundWatch::Look ScatterGroundColliders::look() const {
 	return [mask = collision_mask_, world = first_node()->get_world_3d()](const Variant &p_node, Object *&r_source) {
 		const auto *node = Object::cast_to<CollisionShape3D>(p_node.get_validated_object());
 		if (node == nullptr || !node->is_inside_tree() || node->is_disabled()) {
-			return GroundSight{};
+			return GroundNodeState{};
 		}
 		const auto *body = Object::cast_to<StaticBody3D>(node->get_parent());
 		const Ref<Shape3D> shape = node->get_shape();
 		if (body == nullptr || shape.is_null() || (body->get_collision_layer() & mask) == 0 ||
 				!(node->get_world_3d() == world)) {
-			return GroundSight{};
+			return GroundNodeState{};
 		}
 		r_source = shape.ptr();
-		return GroundSight{node->get_global_transform(), shape->get_instance_id()};
+		return GroundNodeState{node->get_global_transform(), shape->get_instance_id()};
 	};
 }
 
@@ -154,7 +154,7 @@ void ScatterGroundColliders::node_added(Node *p_node) {
 std::optional<ScatterGroundColliders::Placed> ScatterGroundColliders::measure(std::uint64_t id, const Placed *before) {
 	const Variant *node = watch_.node(id);
 	Object *source = nullptr;
-	GroundSight sight = node != nullptr ? look()(*node, source) : GroundSight{};
+	GroundNodeState sight = node != nullptr ? look()(*node, source) : GroundNodeState{};
 	if (sight.source == 0) {
 		return std::nullopt;
 	}
@@ -182,7 +182,7 @@ void ScatterGroundColliders::update_some() {
 	}
 	if (queue_.empty()) {
 		offsets_ = std::exchange(next_offsets_, {});
-		tell();
+		notify();
 	}
 }
 
@@ -225,7 +225,7 @@ void ScatterGroundColliders::add_area(const Placed &placed, glm::dvec3 offset) {
 	}
 }
 
-void ScatterGroundColliders::tell() {
+void ScatterGroundColliders::notify() {
 	const Ref<ScatterGround> held(this); // A signal handler may release the ground.
 	const std::vector<Rect> areas = std::exchange(areas_, {});
 	if (std::exchange(everywhere_, false)) {

@@ -123,7 +123,7 @@ bool ScatterGroundMeshes::is_empty() const {
 
 /// Emits signals for areas of changed ground. If the ground has become empty or is no longer empty,
 /// also emits `changed`, because that affects warnings.
-void ScatterGroundMeshes::tell(const std::vector<Rect> &areas, bool was_empty) {
+void ScatterGroundMeshes::notify(const std::vector<Rect> &areas, bool was_empty) {
 	const Ref<ScatterGround> held(this); // A signal handler may release the ground.
 	const bool turned = was_empty != is_empty();
 	for (const Rect &area : areas) {

@@ -89,8 +89,8 @@ private:
 	void read_some(std::chrono::steady_clock::time_point deadline);
 	void plan_next();
 	bool plan(std::uint64_t id);
-	std::vector<MeshReading> readings_of(std::uint64_t id, const GroundSight &sight) const;
-	GroundSight seen_from(const GroundSpace &space, std::uint64_t id, const GroundSight &sight) const;
+	std::vector<MeshReading> readings_of(std::uint64_t id, const GroundNodeState &sight) const;
+	GroundNodeState seen_from(const GroundSpace &space, std::uint64_t id, const GroundNodeState &sight) const;
 	void read_step();
 	bool lacks_ground() const;
 	void build(bool wait);
@@ -98,7 +98,7 @@ private:
 	void take_refusals(const MeshWork &work);
 	void refuse(std::uint64_t id, const godot::String &p_why);
 	void forget_work();
-	void tell(const std::vector<Rect> &areas, bool was_empty);
+	void notify(const std::vector<Rect> &areas, bool was_empty);
 	bool is_empty() const;
 	void source_changed(int64_t p_source);
 

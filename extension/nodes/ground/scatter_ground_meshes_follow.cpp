@@ -242,7 +242,7 @@ bool ScatterGroundMeshes::plan(std::uint64_t id) {
 	const Variant *watched = watch_.node(id);
 	const Variant node = watched != nullptr ? *watched : Variant();
 	Object *source = nullptr;
-	GroundSight sight = look()(node, source);
+	GroundNodeState sight = look()(node, source);
 	if (sight.source == 0) {
 		gone_.push_back(id);
 		refusals_.erase(id);
@@ -291,8 +291,9 @@ bool ScatterGroundMeshes::plan(std::uint64_t id) {
 
 /// Returns the sight of a node with its transform in a host's space. `sight` may be in another
 /// host's space.
-GroundSight ScatterGroundMeshes::seen_from(const GroundSpace &space, std::uint64_t id, const GroundSight &sight) const {
-	GroundSight seen = sight;
+GroundNodeState ScatterGroundMeshes::seen_from(
+		const GroundSpace &space, std::uint64_t id, const GroundNodeState &sight) const {
+	GroundNodeState seen = sight;
 	const auto host = std::ranges::find(hosts(), space.host, &GroundHost::id);
 	const Variant *watched = watch_.node(id);
 	const auto *node = watched != nullptr ? Object::cast_to<Node3D>(watched->get_validated_object()) : nullptr;
@@ -304,13 +305,13 @@ GroundSight ScatterGroundMeshes::seen_from(const GroundSpace &space, std::uint64
 	return seen;
 }
 
-std::vector<MeshReading> ScatterGroundMeshes::readings_of(std::uint64_t id, const GroundSight &sight) const {
+std::vector<MeshReading> ScatterGroundMeshes::readings_of(std::uint64_t id, const GroundNodeState &sight) const {
 	std::vector<MeshReading> added;
 	for (const auto &[host, world] : worlds_) {
 		const auto part = world.parts->find(id);
 		const std::shared_ptr<const GroundMesh> before = part != world.parts->end() ? part->second : nullptr;
 		const bool begun = std::ranges::find(added, world.space, &MeshReading::space) != added.end();
-		const GroundSight seen = seen_from(world.space, id, sight);
+		const GroundNodeState seen = seen_from(world.space, id, sight);
 		const bool same = before != nullptr && before->planet == planet_ && before->space.host == world.space.host &&
 				same_in_world(before->sight, before->space.offset, seen, world.space.offset);
 		if (!begun && !same) {
@@ -363,7 +364,7 @@ void ScatterGroundMeshes::take_built() {
 	std::erase_if(copies_, [](const auto &copy) { return copy.second.second.expired(); });
 	last_ = !hosts().empty() && worlds_.contains(hosts().front().id) ? worlds_[hosts().front().id].ground : last_;
 	take_refusals(work);
-	tell(areas, was_empty);
+	notify(areas, was_empty);
 }
 
 /// Updates the list of rejected meshes.

@@ -119,7 +119,7 @@ private:
 	void source_edited(const godot::Variant &p_first, const godot::Variant &p_second);
 	void poll();
 	void copy_again();
-	void tell();
+	void notify();
 	std::vector<glm::dvec3> host_offsets() const;
 	std::optional<glm::dvec3> shift_since(std::span<const glm::dvec3> before) const;
 

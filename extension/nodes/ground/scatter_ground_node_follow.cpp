@@ -232,7 +232,7 @@ void ScatterGroundNode::poll() {
 		change(); // The node may now have the data that it lacked before.
 		return;
 	}
-	tell();
+	notify();
 }
 
 void ScatterGroundNode::copy_again() {
@@ -258,7 +258,7 @@ void ScatterGroundNode::copy_again() {
 	}
 }
 
-void ScatterGroundNode::tell() {
+void ScatterGroundNode::notify() {
 	const GroundChanges changes = std::exchange(changes_, {});
 	if (changes.everywhere || changes.areas.size() > max_areas) {
 		emit_changed();

@@ -20,9 +20,9 @@ namespace thicket {
 
 namespace {
 
-/// Converts an LOD of a model to a MeshLook. A null LOD draws nothing.
-MeshLook look_of(const DrawnLod *lod) {
-	return lod != nullptr ? MeshLook{lod->mesh, {lod->shadow, lod->cast_shadow}, lod->look} : MeshLook();
+/// Converts an LOD of a model to a MeshAppearance. A null LOD draws nothing.
+MeshAppearance appearance_of(const DrawnLod *lod) {
+	return lod != nullptr ? MeshAppearance{lod->mesh, {lod->shadow, lod->cast_shadow}, lod->look} : MeshAppearance();
 }
 
 /// Adds a distance, and a row with the LOD of each entry that begins there. Entries without such an
@@ -43,7 +43,7 @@ void add_row(
 		return;
 	}
 	r_lod.lod_distances.push_back(distance);
-	std::ranges::transform(row, std::back_inserter(r_drawing.lod_meshes), look_of);
+	std::ranges::transform(row, std::back_inserter(r_drawing.lod_meshes), appearance_of);
 }
 
 String nothing_to_draw(std::size_t entry, const Ref<PackedScene> &p_scene, const String &p_problem) {
@@ -184,7 +184,7 @@ void LayerMeshes::draw(LayerDrawing &r_drawing, LodSettings &r_lod) const {
 	std::set<double> distances;
 	for (std::size_t entry = 0; entry < size(); ++entry) {
 		lods.push_back(lods_of(entry));
-		r_drawing.meshes.push_back(look_of(lods.back().empty() ? nullptr : lods.back().data()));
+		r_drawing.meshes.push_back(appearance_of(lods.back().empty() ? nullptr : lods.back().data()));
 		for (std::size_t lod = 1; lod < lods.back().size(); ++lod) {
 			distances.insert(lods.back()[lod].distance);
 		}

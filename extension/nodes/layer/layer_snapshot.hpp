@@ -46,28 +46,28 @@ struct MeshShadow {
 };
 
 /// A mesh and the settings to draw it with.
-struct MeshLook {
+struct MeshAppearance {
 	godot::Ref<godot::Mesh> mesh;
 	MeshShadow shadow;
-	LodLook look;
+	LodAppearance look;
 	bool fades = false; ///< True if the mesh can fade; see add_fades.
 
 	/// Returns true if both have the same mesh and shadow. Their `look` (density, transparency and
 	/// shader parameters) may differ.
-	bool same_meshes(const MeshLook &other) const { return mesh == other.mesh && shadow == other.shadow; }
+	bool same_meshes(const MeshAppearance &other) const { return mesh == other.mesh && shadow == other.shadow; }
 
-	friend bool operator==(const MeshLook &, const MeshLook &) = default;
+	friend bool operator==(const MeshAppearance &, const MeshAppearance &) = default;
 };
 
 /// The meshes of a layer's instances, and the renderer settings to draw them with. Integers are
 /// values of the engine's enumerations.
 struct LayerDrawing {
 	/// The finest mesh of each entry of the layer's `meshes`. A null mesh draws nothing.
-	std::vector<MeshLook> meshes;
+	std::vector<MeshAppearance> meshes;
 
 	/// One row per LOD distance, with an element for each of `meshes`. A null mesh means that the
 	/// next finer LOD is drawn.
-	std::vector<MeshLook> lod_meshes;
+	std::vector<MeshAppearance> lod_meshes;
 
 	/// The material IDs and vertex counts of the surfaces of all meshes that can fade. A difference
 	/// means that a resource has changed, even if it is the same object.
@@ -102,14 +102,14 @@ struct LayerDrawing {
 
 	/// Returns true if both draw the same meshes, so that existing tiles can be drawn with either.
 	bool same_meshes(const LayerDrawing &other) const {
-		return std::ranges::equal(meshes, other.meshes, &MeshLook::same_meshes) &&
-				std::ranges::equal(lod_meshes, other.lod_meshes, &MeshLook::same_meshes);
+		return std::ranges::equal(meshes, other.meshes, &MeshAppearance::same_meshes) &&
+				std::ranges::equal(lod_meshes, other.lod_meshes, &MeshAppearance::same_meshes);
 	}
 
 	/// Returns the finest mesh of each entry; null for an entry that draws nothing.
 	std::vector<godot::Ref<godot::Mesh>> finest_meshes() const {
 		std::vector<godot::Ref<godot::Mesh>> result;
-		std::ranges::transform(meshes, std::back_inserter(result), &MeshLook::mesh);
+		std::ranges::transform(meshes, std::back_inserter(result), &MeshAppearance::mesh);
 		return result;
 	}
 

@@ -81,8 +81,8 @@ bool FadeFinder::fades(const Ref<Mesh> &mesh) {
 
 void add_fades(LayerDrawing &r_drawing) {
 	FadeFinder finder(r_drawing.material_override);
-	for (std::vector<MeshLook> *looks : {&r_drawing.meshes, &r_drawing.lod_meshes}) {
-		for (MeshLook &look : *looks) {
+	for (std::vector<MeshAppearance> *looks : {&r_drawing.meshes, &r_drawing.lod_meshes}) {
+		for (MeshAppearance &look : *looks) {
 			look.fades = finder.fades(look.mesh);
 		}
 	}

@@ -45,7 +45,7 @@ TypedArray<ScatterLod> ScatterLayer::get_mesh_lods(int64_t p_index) {
 	LayerDrawing drawing;
 	LodSettings lod;
 	meshes.draw(drawing, lod);
-	const auto add = [&](double distance, const MeshLook &drawn) {
+	const auto add = [&](double distance, const MeshAppearance &drawn) {
 		if (drawn.mesh.is_valid()) {
 			const Ref<ScatterLod> made(memnew(ScatterLod));
 			made->set_mesh(drawn.mesh);

@@ -26,12 +26,12 @@ float reach_of(const AABB &box) {
 
 AABB box_of(const Ref<Mesh> &mesh) { return mesh.is_valid() ? mesh->get_aabb() : AABB(); }
 
-float reach_of(const MeshLook &look) {
+float reach_of(const MeshAppearance &look) {
 	return std::max(reach_of(box_of(look.mesh)), reach_of(box_of(look.shadow.mesh)));
 }
 
 void add_boxes(const LodSettings &lod, LayerDrawing &r_drawing) {
-	for (const MeshLook &look : r_drawing.meshes) {
+	for (const MeshAppearance &look : r_drawing.meshes) {
 		r_drawing.boxes.push_back(box_of(look.mesh));
 		r_drawing.mesh_reach.push_back(reach_of(look));
 	}

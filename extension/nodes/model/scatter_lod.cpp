@@ -65,7 +65,7 @@ void ScatterLod::set_instance_shader_parameters(const Dictionary &p_parameters) 
 	emit_changed();
 }
 
-void ScatterLod::set_look(const LodLook &look) {
+void ScatterLod::set_look(const LodAppearance &look) {
 	if (!(look == look_)) {
 		look_ = look;
 		emit_changed();

@@ -20,7 +20,7 @@ namespace thicket {
 using ShaderParameters = std::vector<std::pair<godot::StringName, godot::Variant>>;
 
 /// The renderer settings for all instances of an LOD, independent of the mesh.
-struct LodLook {
+struct LodAppearance {
 	double density = 1.0; ///< The fraction of instances to draw, 0 to 1.
 	/// The transparency, 0 to 1, like GeometryInstance3D.transparency.
 	double transparency = 0.0;
@@ -28,7 +28,7 @@ struct LodLook {
 	/// changes replace it.
 	std::shared_ptr<const ShaderParameters> parameters;
 
-	friend bool operator==(const LodLook &, const LodLook &) = default;
+	friend bool operator==(const LodAppearance &, const LodAppearance &) = default;
 };
 
 /// An LOD of a ScatterModel: the mesh and settings to draw it with from a certain distance. Emits
@@ -76,8 +76,8 @@ public:
 	void set_instance_shader_parameters(const godot::Dictionary &p_parameters);
 	godot::Dictionary get_instance_shader_parameters() const;
 
-	void set_look(const LodLook &look);
-	const LodLook &look() const { return look_; }
+	void set_look(const LodAppearance &look);
+	const LodAppearance &look() const { return look_; }
 
 	static constexpr const char *class_name = "ScatterLod";
 
@@ -90,7 +90,7 @@ private:
 	godot::Ref<godot::Mesh> mesh_;
 	godot::Ref<godot::Mesh> shadow_mesh_;
 	double distance_ = 0.0;
-	LodLook look_;
+	LodAppearance look_;
 	CastShadow cast_shadow_ = CAST_SHADOW_LAYER;
 };
 

@@ -2,7 +2,7 @@
 
 #include "nodes/common/guard.hpp"
 #include "nodes/common/scene_use.hpp"
-#include "nodes/model/part_look.hpp"
+#include "nodes/model/part_appearance.hpp"
 #include "nodes/model/scatter_lod.hpp"
 #include "nodes/model/scene_reader.hpp"
 
@@ -27,7 +27,7 @@ struct DrawnLod {
 	godot::Ref<godot::Mesh> mesh;   ///< The mesh; never null.
 	godot::Ref<godot::Mesh> shadow; ///< The mesh that casts the shadow. Null if `mesh` casts it.
 	std::int64_t cast_shadow = -1;  ///< A value of ScatterLod::CastShadow.
-	LodLook look;
+	LodAppearance look;
 
 	friend bool operator==(const DrawnLod &, const DrawnLod &) = default;
 };

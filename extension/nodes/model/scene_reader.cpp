@@ -6,7 +6,7 @@
 #include "nodes/common/convert.hpp"
 #include "nodes/common/stripped.hpp"
 #include "nodes/model/mesh_merge.hpp"
-#include "nodes/model/part_look.hpp"
+#include "nodes/model/part_appearance.hpp"
 
 #include <godot_cpp/classes/collision_shape3d.hpp>
 #include <godot_cpp/classes/geometry_instance3d.hpp>
@@ -43,7 +43,7 @@ struct ScenePart {
 	MeshPart part;
 	PartRange range;
 	int64_t cast_shadow = shadow_on;
-	PartLook look;
+	PartAppearance look;
 };
 
 /// Values that a node passes to its children.
@@ -159,7 +159,7 @@ void Walk::add_mesh(MeshInstance3D *p_node, const Above &above, const LodName &n
 	}
 	ScenePart part;
 	part.part = {mesh, above.transform, {}, p_node->get_material_overlay(), blend_weights_of(*p_node)};
-	part.look = look_of(*p_node, parameter_names);
+	part.look = appearance_of(*p_node, parameter_names);
 	const Ref<Material> over_all = p_node->get_material_override();
 	for (int32_t surface = 0; surface < mesh->get_surface_count(); ++surface) {
 		const Ref<Material> own = over_all.is_valid() ? over_all : p_node->get_surface_override_material(surface);
@@ -241,7 +241,7 @@ Ref<ScatterLod> made_lod(const std::vector<ScenePart> &parts, const ModelLod &lo
 
 /// Sets the appearance of an LOD from its visible parts. Parts that only cast shadows are ignored.
 void join(Walk &r_walk, const std::vector<std::size_t> &parts, ScatterLod &r_lod) {
-	std::vector<const PartLook *> looks;
+	std::vector<const PartAppearance *> looks;
 	for (const std::size_t part : parts) {
 		if (r_walk.parts[part].cast_shadow != shadows_only) {
 			looks.push_back(&r_walk.parts[part].look);

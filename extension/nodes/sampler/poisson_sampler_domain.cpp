@@ -227,16 +227,16 @@ Ref<PoissonPoints> PoissonSampler::sample_domain_exact(
 
 Dictionary PoissonSampler::get_stats() const {
 	Dictionary result;
-	const auto tell = [&result](const char *name, std::uint64_t value) {
+	const auto notify = [&result](const char *name, std::uint64_t value) {
 		result[name] = static_cast<int64_t>(value);
 	};
-	tell("points", stats_.points);
-	tell("darts", stats_.darts);
-	tell("squares", stats_.squares);
-	tell("selections", stats_.selections);
-	tell("list_checks", stats_.list_checks);
-	tell("discarded", stats_.discarded);
-	tell("workspace_bytes", stats_.workspace_bytes());
+	notify("points", stats_.points);
+	notify("darts", stats_.darts);
+	notify("squares", stats_.squares);
+	notify("selections", stats_.selections);
+	notify("list_checks", stats_.list_checks);
+	notify("discarded", stats_.discarded);
+	notify("workspace_bytes", stats_.workspace_bytes());
 	return result;
 }
 

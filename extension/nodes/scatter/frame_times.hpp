@@ -13,7 +13,7 @@ enum class FramePart : std::uint8_t {
 	gameplay,   ///< Advancing the state's clock, and finding viewers and nearby instances.
 	made,       ///< Taking finished tiles from the workers.
 	wanted,     ///< Requesting and dropping tiles as viewers move.
-	ask_ground, ///< This part and the following ones up to `recheck` are in the order of ScatterStream::Step.
+	query_ground, ///< This part and the following ones up to `recheck` are in the order of ScatterStream::Step.
 	upload,
 	free,
 	lod,

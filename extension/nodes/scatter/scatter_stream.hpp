@@ -145,7 +145,7 @@ private:
 
 	/// The kinds of work that share the time of a frame.
 	enum class Step : std::uint8_t {
-		ask_ground, ///< Samples the ground of a tile on the main thread.
+		query_ground, ///< Samples the ground of a tile on the main thread.
 		upload,     ///< Uploads a part of a tile and shows the tile after the last part.
 		free,       ///< Hides and frees removed tiles.
 		lod,        ///< Redraws some tiles to match their distances.
@@ -224,7 +224,7 @@ private:
 	bool failures_changed_ = false;
 	StreamFigures figures_;
 	std::array<Clock::duration, step_kinds> usual_step_{}; ///< The average time of each Step.
-	Step next_step_ = Step::ask_ground;
+	Step next_step_ = Step::query_ground;
 	std::uint32_t uploads_since_divide_ = 0;
 	std::uint32_t uploads_since_fade_ = 0;
 	/// The average time that a worker needs for a tile. The initial value is a guess.

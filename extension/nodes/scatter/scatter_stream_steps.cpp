@@ -156,12 +156,12 @@ ScatterStream::Step ScatterStream::after(Step step) {
 }
 
 FramePart ScatterStream::part_of(Step step) {
-	return static_cast<FramePart>(static_cast<std::size_t>(FramePart::ask_ground) + static_cast<std::size_t>(step));
+	return static_cast<FramePart>(static_cast<std::size_t>(FramePart::query_ground) + static_cast<std::size_t>(step));
 }
 
 bool ScatterStream::do_step(Step step) {
 	switch (step) {
-		case Step::ask_ground: return ground_step(positions_at_once(false)) > 0;
+		case Step::query_ground: return ground_step(positions_at_once(false)) > 0;
 		case Step::upload: return upload_step();
 		case Step::free: return display_.free_step();
 		case Step::lod: return display_.lod_step();

@@ -56,7 +56,7 @@ void TerrainScatter3D::notified(int p_what) {
 	switch (p_what) {
 		case NOTIFICATION_ENTER_WORLD: start(); break;
 		case NOTIFICATION_EXIT_WORLD: stop(); break;
-		case NOTIFICATION_TRANSFORM_CHANGED: notice_transform(); break;
+		case NOTIFICATION_TRANSFORM_CHANGED: check_transform(); break;
 		case NOTIFICATION_VISIBILITY_CHANGED: display().set_visible(is_visible_in_tree()); break;
 		case NOTIFICATION_CHILD_ORDER_CHANGED: gameplay()->scenes().children_changed(); break;
 		// Deferred, because a script that runs in it may free the node. The engine accesses a node
@@ -95,13 +95,13 @@ void TerrainScatter3D::start() {
 			ground_->enter(this, frame_);
 		}
 	}
-	notice_transform();
+	check_transform();
 	state_edits_.everywhere = true; // The state may have changed while the node was outside the tree.
 	mark_ground_dirty();
 }
 
 /// Updates the warning that the node's transform has no effect.
-void TerrainScatter3D::notice_transform() {
+void TerrainScatter3D::check_transform() {
 	const bool now = !local_coords_ && is_displaced(*this, world_offset_);
 	if (std::exchange(displaced_, now) != now) {
 		update_configuration_warnings();
@@ -152,7 +152,7 @@ void TerrainScatter3D::process_frame() {
 	if (regions_.paths_changed()) {
 		mark_edited();
 	}
-	notice_layers();
+	check_layers();
 	if (here && dirty_ && models_are_read(start + std::chrono::microseconds(frame_budget_usec_)) && here) {
 		refresh();
 	}
@@ -256,7 +256,7 @@ void TerrainScatter3D::emit_events() {
 	const bool settled = is_settled();
 	if (settled && !std::exchange(was_settled_, settled)) {
 		instance_load_.measure(display(), layer_list_.snapshots());
-		notice_load();
+		check_load();
 		emit_signal("settled");
 	} else {
 		was_settled_ = settled;
@@ -328,7 +328,7 @@ Status TerrainScatter3D::prepare() {
 		ground->finish_reading(); // Emits signals, so scripts may free this node.
 	}
 	if (gameplay->alive()) {
-		notice_layers();
+		check_layers();
 	}
 	if (gameplay->alive() && (dirty_ || waits_for_ground()) && models_are_read(Clock::time_point::max())) {
 		refresh();

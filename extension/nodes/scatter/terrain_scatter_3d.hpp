@@ -323,8 +323,8 @@ private:
 
 	void start();
 	void stop();
-	void notice_transform();
-	void notice_load();
+	void check_transform();
+	void check_load();
 	void process_frame();
 	void work(std::chrono::steady_clock::time_point start);
 	void dissolve(std::chrono::steady_clock::time_point start);
@@ -337,7 +337,7 @@ private:
 	void refresh();
 	void apply_changes();
 	bool waits_for_ground() const;
-	void notice_layers();
+	void check_layers();
 	void mark_edited();
 	void change_references(const ReferenceChange &change);
 	void mark_instances_changed(std::uint32_t layer, const Rect &area);
@@ -376,9 +376,9 @@ private:
 			LayerExplanation &r_explanation);
 	void explain_changes(const LayerSnapshot &layer, LayerExplanation &r_explanation) const;
 	void explain_drawing(const LayerSnapshot &layer, LayerExplanation &r_explanation) const;
-	template <class Ask>
+	template <class Evaluate>
 	godot::PackedFloat32Array map_of(const char *p_method, const godot::Variant *p_layer, const godot::Rect2 &p_rect,
-			const godot::Vector2i &p_size, const Ask &ask);
+			const godot::Vector2i &p_size, const Evaluate &evaluate);
 	godot::Ref<ScatterTile> build(const char *p_method, const godot::Variant &p_layer,
 			const std::function<Rect(const LayerSnapshot &)> &rect_of);
 	bool find_layer_index(const char *p_method, const godot::Variant &p_layer, std::uint32_t &r_index) const;

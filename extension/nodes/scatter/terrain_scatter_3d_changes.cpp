@@ -149,7 +149,7 @@ void TerrainScatter3D::use_resources() {
 
 /// Checks for changes that scripts have made to the shared lists of layers and biomes without
 /// calling a setter.
-void TerrainScatter3D::notice_layers() {
+void TerrainScatter3D::check_layers() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	if (const Ref<ScatterBiomeMap> biomes = biomes_; biomes.is_valid()) {
 		biomes->notice(); // Emits signals, so scripts may free this node.
@@ -271,7 +271,7 @@ void TerrainScatter3D::apply_changes() {
 	fade_viewers_.set_layers(layer_list_.snapshots());
 	wind_time_.set_layers(layer_list_.snapshots());
 	instance_load_.forget();
-	notice_load();
+	check_load();
 	if (former != nullptr && former != ground_snapshot_) {
 		stream->let_go(std::move(former));
 	}

@@ -38,7 +38,7 @@ std::string but_not_drawn(const LayerExplanation &explanation, const std::string
 
 bool draws_nothing(const LayerSnapshot &layer) {
 	const bool meshes =
-			std::ranges::any_of(layer.drawing.meshes, [](const MeshLook &look) { return look.mesh.is_valid(); });
+			std::ranges::any_of(layer.drawing.meshes, [](const MeshAppearance &look) { return look.mesh.is_valid(); });
 	return !meshes && layer.gameplay.scene.scene.is_null();
 }
 
@@ -130,7 +130,7 @@ void TerrainScatter3D::explain_drawing(const LayerSnapshot &layer, LayerExplanat
 				: hidden("loading", "its tile is still being generated.");
 	}
 	const std::uint32_t rank = thinning_rank(r_explanation.rules.point.rank, r_explanation.rules.at_point.density);
-	if (const double share = display().drawn_share(layer.lod, away); !thicket::stands(rank, share)) {
+	if (const double share = display().drawn_share(layer.lod, away); !thicket::is_placed(rank, share)) {
 		return hidden("thinning",
 				"of the layer " + number_text(100.0 * share) +
 						" % is drawn so far away (thinning with distance, quality, preview_instances).");
@@ -205,9 +205,9 @@ void TerrainScatter3D::explain_layer(const Ref<ScatterLayer> &p_layer, const std
 
 /// Returns a number for each cell of a grid over a rectangle, row by row. `p_layer` is null for
 /// values of the ground alone. If the call is invalid, prints an error and returns an empty array.
-template <class Ask>
-PackedFloat32Array TerrainScatter3D::map_of(
-		const char *p_method, const Variant *p_layer, const Rect2 &p_rect, const Vector2i &p_size, const Ask &ask) {
+template <class Evaluate>
+PackedFloat32Array TerrainScatter3D::map_of(const char *p_method, const Variant *p_layer, const Rect2 &p_rect,
+		const Vector2i &p_size, const Evaluate &evaluate) {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	move_world();
 	const WorldFrame frame = frame_;
@@ -226,7 +226,7 @@ PackedFloat32Array TerrainScatter3D::map_of(
 		const bool known = layer < explainer.layers.size() && explainer.layers[layer] != nullptr;
 		status = !explainer.ground.is_available() ? Status::missing("ground", "Set TerrainScatter3D.ground")
 				: p_layer != nullptr && !known    ? refused_layer()
-												  : ask(explainer, layer, places, values);
+												  : evaluate(explainer, layer, places, values);
 	}
 	report((std::string("TerrainScatter3D.") + p_method).c_str(), status);
 	if (!status.ok()) {

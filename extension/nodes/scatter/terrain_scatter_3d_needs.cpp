@@ -54,7 +54,7 @@ void TerrainScatter3D::warn_of_stripped() {
 }
 
 /// Updates the warning about layers with too many instances.
-void TerrainScatter3D::notice_load() {
+void TerrainScatter3D::check_load() {
 	PackedStringArray problems;
 	instance_load_.add_problems(layer_list_.snapshots(), problems);
 	if (std::exchange(load_problems_, problems.size()) != problems.size()) {

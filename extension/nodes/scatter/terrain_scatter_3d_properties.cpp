@@ -124,7 +124,7 @@ void TerrainScatter3D::set_world_offset(const Vector3 &p_offset) {
 	}
 	world_offset_ = offset;
 	recentered_ = !local_coords_;
-	notice_transform();
+	check_transform();
 	move_world();
 	if (!local_coords_ && regions_.mark_all()) {
 		// Regions that have not moved with the scene now have another world position.
@@ -138,7 +138,7 @@ void TerrainScatter3D::set_local_coords(bool p_local) {
 	if (std::exchange(local_coords_, p_local) == p_local) {
 		return;
 	}
-	notice_transform();
+	check_transform();
 	move_world();
 	update_configuration_warnings();
 	regions_.mark_all();
@@ -294,7 +294,7 @@ Ref<ScatterTile> TerrainScatter3D::build(
 /// Returns the microseconds of each part that took any time.
 Dictionary TerrainScatter3D::to_dictionary(const FrameTimes &times) {
 	constexpr std::array<const char *, static_cast<std::size_t>(FramePart::count)> names{"follow", "gameplay", "made",
-			"wanted", "ask_ground", "upload", "free", "lod", "divide", "fade", "rings", "recheck", "told", "patched",
+			"wanted", "query_ground", "upload", "free", "lod", "divide", "fade", "rings", "recheck", "told", "patched",
 			"signals"};
 	Dictionary parts;
 	for (std::size_t part = 0; part < names.size(); ++part) {

@@ -12,11 +12,11 @@
 
 namespace thicket {
 
-Status ask_at_once(const Terrain *terrain, const HostedGround &ground, std::span<const glm::dvec2> positions,
+Status query_synchronously(const Terrain *terrain, const HostedGround &ground, std::span<const glm::dvec2> positions,
 		std::span<const GroundQuery> queries, std::vector<Ground> &r_answers) {
 	r_answers.assign(positions.size(), Ground{});
 	if (terrain != nullptr) {
-		return ask_ground(*terrain, positions, queries, r_answers);
+		return query_ground(*terrain, positions, queries, r_answers);
 	}
 	for (const GroundQuery &query : queries) {
 		const Status status = ground.sample_now(positions.subspan(query.first, query.count), query.needs,
@@ -48,7 +48,7 @@ Status SynchronousBuilder::build_in_steps(const LayerSettings &layer, const Terr
 		status = builder->find_points(layer, space, nullptr, &threads);
 		std::vector<Ground> answers;
 		if (status.ok()) {
-			status = ask_at_once(nullptr, ground, builder->positions(), builder->queries(), answers);
+			status = query_synchronously(nullptr, ground, builder->positions(), builder->queries(), answers);
 		}
 		status = status.ok() ? builder->place(answers, r_tile) : status;
 	}

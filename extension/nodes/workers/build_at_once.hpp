@@ -21,7 +21,7 @@ namespace thicket {
 /// Samples the ground at `positions` immediately, on the main thread. Uses `terrain`, a thread-safe
 /// snapshot of `ground`. If it is null, samples `ground` itself, whose script may do anything
 /// during the call. Replaces `r_answers`. Throws std::bad_alloc.
-Status ask_at_once(const Terrain *terrain, const HostedGround &ground, std::span<const glm::dvec2> positions,
+Status query_synchronously(const Terrain *terrain, const HostedGround &ground, std::span<const glm::dvec2> positions,
 		std::span<const GroundQuery> queries, std::vector<Ground> &r_answers);
 
 /// Generates tiles synchronously on the main thread, with the help of worker threads for large

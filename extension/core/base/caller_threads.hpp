@@ -6,9 +6,9 @@
 namespace thicket {
 
 /// Threads that a caller lends to a call. The core itself never starts threads.
-class LentThreads {
+class CallerThreads {
 public:
-	virtual ~LentThreads() = default;
+	virtual ~CallerThreads() = default;
 
 	/// Returns the number of threads that are available in addition to the calling thread.
 	virtual std::size_t count() const = 0;
@@ -19,9 +19,9 @@ public:
 	virtual void run(const std::function<void(std::size_t index)> &work) = 0;
 
 protected:
-	LentThreads() = default;
-	LentThreads(const LentThreads &) = default;
-	LentThreads &operator=(const LentThreads &) = default;
+	CallerThreads() = default;
+	CallerThreads(const CallerThreads &) = default;
+	CallerThreads &operator=(const CallerThreads &) = default;
 };
 
 } // namespace thicket

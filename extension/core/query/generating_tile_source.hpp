@@ -13,7 +13,7 @@
 namespace thicket {
 
 /// A tile source that returns known tiles and generates all missing tiles of a call in one batch.
-class MakingTileSource : public TileSource {
+class GeneratingTileSource : public TileSource {
 public:
 	Status find_tile(const WorldTile &tile, std::shared_ptr<const CompactTile> &r_tile) final;
 	Status find_tiles(std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles) final;
@@ -31,6 +31,6 @@ private:
 
 /// Returns the size of a tile, for limiting memory: the number of its instances plus one, because
 /// an empty tile takes memory, too.
-std::size_t kept_size(const CompactTile &tile);
+std::size_t cached_size(const CompactTile &tile);
 
 } // namespace thicket

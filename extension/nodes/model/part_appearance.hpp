@@ -19,7 +19,7 @@
 namespace thicket {
 
 /// The appearance of one part of a scene, without its mesh.
-struct PartLook {
+struct PartAppearance {
 	godot::String name; ///< The name of the part's node, for remarks.
 	double transparency = 0.0;
 	ShaderParameters parameters; ///< The instance shader parameters that the node sets.
@@ -30,7 +30,7 @@ struct PartLook {
 std::set<std::string> instance_parameters_of(const godot::Ref<godot::PackedScene> &p_scene);
 
 /// Reads the appearance of a node. `names` is the result of instance_parameters_of for its scene.
-PartLook look_of(const godot::MeshInstance3D &node, const std::set<std::string> &names);
+PartAppearance appearance_of(const godot::MeshInstance3D &node, const std::set<std::string> &names);
 
 /// Returns the name of a material as a key of ScatterModel.replacement_materials: its resource name
 /// or, if it has none, the name of its file. Returns an empty string if it has neither.
@@ -44,6 +44,6 @@ godot::Ref<godot::Material> drawn_material(const godot::Ref<godot::Material> &p_
 
 /// Sets the appearance of an LOD, whose parts are drawn as one instance. If the parts differ in a
 /// setting, uses the first value for all of them and adds a remark.
-void join_looks(std::span<const PartLook *const> parts, ScatterLod &r_lod, godot::PackedStringArray &r_remarks);
+void join_looks(std::span<const PartAppearance *const> parts, ScatterLod &r_lod, godot::PackedStringArray &r_remarks);
 
 } // namespace thicket

@@ -1,4 +1,4 @@
-#include "nodes/model/part_look.hpp"
+#include "nodes/model/part_appearance.hpp"
 #include "nodes/common/resource_file.hpp"
 
 #include <godot_cpp/classes/scene_state.hpp>
@@ -47,7 +47,7 @@ bool same(const Variant &p_a, const Variant &p_b) {
 }
 
 /// Returns true if a part may be drawn with a value other than `p_value`.
-bool differs(const PartLook &part, const StringName &p_name, const Variant &p_value) {
+bool differs(const PartAppearance &part, const StringName &p_name, const Variant &p_value) {
 	const Variant *own = find(part.parameters, p_name);
 	const std::string name = String(p_name).utf8().get_data();
 	const std::string code = part.shaders.utf8().get_data();
@@ -62,8 +62,8 @@ std::set<std::string> instance_parameters_of(const Ref<PackedScene> &p_scene) {
 	return names;
 }
 
-PartLook look_of(const MeshInstance3D &node, const std::set<std::string> &names) {
-	PartLook look{node.get_name(), node.get_transparency(), {},
+PartAppearance appearance_of(const MeshInstance3D &node, const std::set<std::string> &names) {
+	PartAppearance look{node.get_name(), node.get_transparency(), {},
 			names.empty() ? String() : code_of(node.get_material_override())};
 	const Ref<Mesh> mesh = node.get_mesh();
 	for (int32_t surface = 0; !names.empty() && surface < mesh->get_surface_count(); ++surface) {
@@ -97,18 +97,18 @@ Ref<Material> drawn_material(
 	return replaced.is_valid() && replacement.is_valid() ? replacement : p_material;
 }
 
-void join_looks(std::span<const PartLook *const> parts, ScatterLod &r_lod, PackedStringArray &r_remarks) {
-	const auto remark = [&r_remarks](const PartLook &part, const String &p_what) {
+void join_looks(std::span<const PartAppearance *const> parts, ScatterLod &r_lod, PackedStringArray &r_remarks) {
+	const auto remark = [&r_remarks](const PartAppearance &part, const String &p_what) {
 		r_remarks.push_back(
 				vformat("\"%s\" has a different %s than other parts of its LOD: all are drawn with the value of "
 						"the first part that has one.",
 						part.name, p_what));
 	};
-	const PartLook &first = *parts.front();
+	const PartAppearance &first = *parts.front();
 	r_lod.set_transparency(first.transparency);
 	Dictionary joined;
 	ShaderParameters all;
-	for (const PartLook *part : parts) {
+	for (const PartAppearance *part : parts) {
 		if (part->transparency != first.transparency) {
 			remark(*part, "transparency");
 		}
@@ -120,7 +120,7 @@ void join_looks(std::span<const PartLook *const> parts, ScatterLod &r_lod, Packe
 		}
 	}
 	for (const auto &[name, value] : all) {
-		for (const PartLook *part : parts) {
+		for (const PartAppearance *part : parts) {
 			if (differs(*part, name, value)) {
 				remark(*part, vformat("instance shader parameter \"%s\"", String(name)));
 			}

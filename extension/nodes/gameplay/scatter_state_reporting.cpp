@@ -44,7 +44,7 @@ std::vector<std::shared_ptr<StateListener>> ScatterState::listeners() const {
 	return result;
 }
 
-void ScatterState::tell(std::vector<InstanceChange> changes) {
+void ScatterState::notify(std::vector<InstanceChange> changes) {
 	if (!changes.empty()) {
 		const auto shared = std::make_shared<StateChanges>();
 		shared->list = std::move(changes);
@@ -104,7 +104,7 @@ void ScatterState::report_now(const Unreported &unreported) {
 		emit_changed();
 	}
 	if (unreported.diff != nullptr) {
-		unreported.diff->tell(unreported.error);
+		unreported.diff->notify(unreported.error);
 	}
 }
 

@@ -1,4 +1,4 @@
-#include "core/placement/hosts_around.hpp"
+#include "core/placement/host_collector.hpp"
 
 #include "core/placement/mesh_choice.hpp"
 
@@ -30,12 +30,12 @@ HostInstance instance_at(const LayerSettings &host, std::uint64_t id, glm::dvec2
 
 } // namespace
 
-HostsAround::HostsAround(const LayerSettings &layer, const Rect &rect) {
+HostCollector::HostCollector(const LayerSettings &layer, const Rect &rect) {
 	const double distance = sampled_around(layer.set, host_margins.widest);
 	around_ = {rect.min - distance, rect.max + distance};
 }
 
-void HostsAround::add_part(const HostLayer &host, const HostInstance &instance) {
+void HostCollector::add_part(const HostLayer &host, const HostInstance &instance) {
 	const Surface *model = host.models->model(instance.mesh);
 	if (model == nullptr) {
 		return;
@@ -48,7 +48,7 @@ void HostsAround::add_part(const HostLayer &host, const HostInstance &instance) 
 	}
 }
 
-Status HostsAround::add(const HostLayer &host, const LayerFilter &filter, std::span<const Ground> ground) {
+Status HostCollector::add(const HostLayer &host, const LayerFilter &filter, std::span<const Ground> ground) {
 	const std::span<const Ground> known = filter.ground_of(ground);
 	const double reach = widest_reach_of(host);
 	const Rect near{around_.min - reach, around_.max + reach};
@@ -76,7 +76,7 @@ Status HostsAround::add(const HostLayer &host, const LayerFilter &filter, std::s
 	return {};
 }
 
-Status HostsAround::surface(std::unique_ptr<const Surface> &r_surface) const {
+Status HostCollector::surface(std::unique_ptr<const Surface> &r_surface) const {
 	double triangles = 0.0;
 	for (const PlacedModels::Part &part : parts_) {
 		triangles += static_cast<double>(part.model->triangle_count());

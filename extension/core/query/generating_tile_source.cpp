@@ -1,17 +1,17 @@
-#include "core/query/making_tile_source.hpp"
+#include "core/query/generating_tile_source.hpp"
 
 #include <utility>
 
 namespace thicket {
 
-Status MakingTileSource::find_tile(const WorldTile &tile, std::shared_ptr<const CompactTile> &r_tile) {
+Status GeneratingTileSource::find_tile(const WorldTile &tile, std::shared_ptr<const CompactTile> &r_tile) {
 	std::vector<std::shared_ptr<const CompactTile>> tiles;
 	const Status status = find_tiles({&tile, 1}, tiles);
 	r_tile = tiles.empty() ? nullptr : tiles.front();
 	return status;
 }
 
-Status MakingTileSource::find_tiles(
+Status GeneratingTileSource::find_tiles(
 		std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles) {
 	std::vector<WorldTile> missing;
 	std::vector<std::size_t> missed; // Indices of the missing tiles in `tiles`.
@@ -39,7 +39,7 @@ Status MakingTileSource::find_tiles(
 	return status;
 }
 
-std::size_t kept_size(const CompactTile &tile) {
+std::size_t cached_size(const CompactTile &tile) {
 	std::size_t size = 1;
 	for (const CompactMesh &mesh : tile.meshes) {
 		size += mesh.size();
