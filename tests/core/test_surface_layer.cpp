@@ -16,11 +16,14 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <random>
+#include <span>
 #include <string_view>
 #include <tuple>
 #include <vector>
@@ -287,4 +290,144 @@ TEST_CASE("surface layer: the nearest position is on a face, an edge or a corner
 	CHECK(glm::distance(nearest_position(*surface, {20.5, 0.3, 3.0}, 1.0).position, {20.0, 0.0, 3.0}) < 1e-12);
 	CHECK(glm::distance(nearest_position(*surface, {20.5, 0.3, 20.5}, 1.0).position, {20.0, 0.0, 20.0}) < 1e-12);
 	CHECK(std::isnan(nearest_position(*surface, {0.0, 1.1, 0.0}, 1.0).position.x));
+}
+
+namespace {
+
+/// Returns the layer of the tests below, with an edge feather of 4 m.
+LayerSettings feathered() {
+	LayerSettings layer = layer_on_surfaces();
+	layer.rules.edge_feather = 4.0;
+	return layer;
+}
+
+/// Compares a layer with the same layer without an edge feather. Checks that the feather thins the
+/// layer towards an edge from which `inside` returns the distance in meters, and nowhere else.
+void check_thinning(const LayerSettings &layer, const Terrain &ground, const auto &inside) {
+	LayerSettings plain = layer;
+	plain.rules.edge_feather = 0.0;
+	const auto thinned = placed_in(layer, ground, around_origin);
+	std::array<int, 3> all{}; // In the outer and in the inner half of the feather, and beyond it.
+	std::array<int, 3> kept{};
+	for (const auto &[id, each] : placed_in(plain, ground, around_origin)) {
+		const double depth = inside(each.position);
+		const std::size_t band = depth > 4.0 ? 2 : depth > 2.0 ? 1 : 0;
+		++all[band];
+		kept[band] += thinned.contains(id) ? 1 : 0;
+	}
+	CHECK(all[0] > 100);
+	CHECK(all[2] > 100);
+	CHECK(kept[2] == all[2]);
+	CHECK(kept[0] < 0.4 * all[0]);
+	CHECK(kept[1] > 0.5 * all[1]);
+	CHECK(kept[1] < all[1]);
+}
+
+double to_border(double a, double b) { return 20.0 - std::max(std::abs(a), std::abs(b)); }
+
+} // namespace
+
+TEST_CASE("surface layer: an edge feather thins towards the border of a floor, a wall and a ceiling") {
+	check_thinning(
+			feathered(), ground_of({part_of(level(2.0))}), [](const glm::dvec3 &at) { return to_border(at.x, at.z); });
+	check_thinning(feathered(), ground_of({part_of(level(2.0, false))}),
+			[](const glm::dvec3 &at) { return to_border(at.x, at.z); });
+	check_thinning(
+			feathered(), ground_of({part_of(wall(3.0))}), [](const glm::dvec3 &at) { return to_border(at.y, at.z); });
+}
+
+TEST_CASE("surface layer: an edge feather thins towards a region, a steep face and a limit of height") {
+	LayerSettings layer = feathered();
+	auto shapes = std::make_shared<ShapeSet>();
+	Shape box;
+	box.exclude = true;
+	box.center = {3.0, 0.0, 0.0};
+	box.half_size = {1.0, 5.0, 1000.0};
+	REQUIRE(shapes->set({box}).ok());
+	layer.rules.shapes = shapes;
+	const auto to_box_or_border = [](const glm::dvec3 &at) {
+		return std::min(std::abs(at.x - 3.0) - 1.0, to_border(at.x, at.z));
+	};
+	check_thinning(layer, ground_of({part_of(level(0.0))}), to_box_or_border);
+	layer.rules.shapes = nullptr;
+	layer.rules.max_height = 4.0;
+	check_thinning(layer, ground_of({part_of(wall(3.0))}),
+			[](const glm::dvec3 &at) { return std::min(4.0 - at.y, to_border(at.y, at.z)); });
+	// A floor that meets a wall ends there.
+	layer = feathered();
+	layer.rules.max_slope_degrees = 45.0;
+	const surfaces::Triangles half = surfaces::square(40.0, 10, {-20, 0, -20}, {0, 0, 1}, {1, 0, 0});
+	check_thinning(layer,
+			ground_of({part_of(half), part_of(surfaces::square(9.0, 3, {20, 0, -20}, {0, 0, 1}, {0, 1, 0}))}),
+			[](const glm::dvec3 &at) { return to_border(at.x, at.z); });
+}
+
+TEST_CASE("surface layer: an edge feather leaves closed surfaces whole, and tiles have the same instances") {
+	const TriangleParts ground = ground_of({part_of(surfaces::sphere(15.0, 24)), part_of(level(-8.0))});
+	const LayerSettings layer = feathered();
+	LayerSettings plain = layer;
+	plain.rules.edge_feather = 0.0;
+	const auto whole = placed_in(layer, ground, around_origin);
+	for (const auto &[id, each] : placed_in(plain, ground, around_origin)) {
+		CHECK((std::abs(each.position.y + 8.0) < 0.01 || whole.contains(id)));
+	}
+	std::size_t together = 0;
+	for (double z = -32.0; z < 32.0; z += 8.0) {
+		for (double x = -32.0; x < 32.0; x += 8.0) {
+			for (const auto &[id, each] : placed_in(layer, ground, {{x, z}, {x + 8.0, z + 8.0}})) {
+				CHECK(whole.contains(id));
+				++together;
+			}
+		}
+	}
+	CHECK(together == whole.size());
+}
+
+TEST_CASE("surface layer: an explanation contains the edge feather, and a change of the ground reaches as far") {
+	const TriangleParts ground = ground_of({part_of(wall(-5.0))});
+	const LayerSettings layer = feathered();
+	PlaceExplainer explainer;
+	PlaceExplanation explanation;
+	const auto share_at = [&](const glm::dvec3 &place) {
+		REQUIRE(explainer.find(layer, place, ground.surface()).ok());
+		REQUIRE(explainer.explain({}, explanation).ok());
+		const auto factor = std::ranges::find(explanation.place.factors, RuleKind::edge_feather, &RuleFactor::rule);
+		REQUIRE(factor != explanation.place.factors.end());
+		return factor->value;
+	};
+	CHECK(share_at({-5.0, 0.0, 0.0}) == 1.0);
+	CHECK(share_at({-5.0, 18.5, 0.0}) < 1.0);
+	CHECK(share_at({-5.0, 18.5, 0.0}) > 0.5);
+	LayerSettings plain = layer;
+	plain.rules.edge_feather = 0.0;
+	CHECK(reach(layer) == doctest::Approx(reach(plain) + 4.0 * std::sqrt(2.0)));
+}
+
+namespace {
+
+/// A density of 1 that cancels the work when it is evaluated.
+class Canceling final : public DensityField {
+public:
+	explicit Canceling(std::atomic<bool> &cancel) : cancel_(&cancel) {}
+
+	Status sample(std::span<const glm::dvec2> /*positions*/, std::span<float> r_density) const override {
+		*cancel_ = true;
+		std::ranges::fill(r_density, 1.0f);
+		return {};
+	}
+
+private:
+	std::atomic<bool> *cancel_;
+};
+
+} // namespace
+
+TEST_CASE("surface layer: the search for edges can be canceled") {
+	const TriangleParts ground = ground_of({part_of(level(0.0))});
+	std::atomic<bool> cancel = false;
+	LayerSettings layer = feathered();
+	layer.rules.fields = {std::make_shared<Canceling>(cancel)};
+	TileBuilder builder;
+	CHECK(builder.find_points(layer, around_origin, &cancel, nullptr, ground.surface()).code == ErrorCode::cancelled);
+	CHECK(builder.positions().empty());
 }

@@ -234,5 +234,30 @@ func test_ground_without_triangles_is_reported() -> void:
 	check_equal(instances(scatter, 0).size(), 0, "nothing grows")
 	var problems := scatter.get_problems()
 	check(problems.size() == 1 and "on_surfaces" in problems[0] and "ScatterGroundFlat" in problems[0], str(problems))
+
+
+func test_an_edge_feather_thins_walls_and_floors_towards_their_borders() -> void:
+	put_square(0.0)
+	put_square(20.0, 90.0)
+	var layer := make_grower()
+	layer.max_slope_degrees = 180.0
+	var scatter := make_growing([layer])
+	await settle(scatter)
+	var before := instances(scatter, 0)
 	layer.edge_feather = 3.0
-	check("edge_feather" in str(scatter.get_problems()), "a rule without effect is reported: %s" % scatter.get_problems())
+	check_equal(scatter.get_problems().size(), 0, "no problem: %s" % scatter.get_problems())
+	await settle(scatter)
+	var after := instances(scatter, 0)
+	var outer := Vector2i.ZERO # The number of instances before and after, near the borders.
+	for id in before:
+		var at := before[id].origin
+		var along := at.z if at.y < 1.0 else at.y - 20.0
+		var depth := 0.5 * SIZE - maxf(absf(at.x), absf(along))
+		if depth > 3.1:
+			check(after.has(id), "an instance in the middle stays: %s" % at)
+		elif depth < 1.5:
+			outer += Vector2i(1, int(after.has(id)))
+	check(outer.x > 20 and outer.y < 0.4 * outer.x, "near the borders, %d of %d instances are left" % [outer.y, outer.x])
+	var middle: int = after.keys().filter(func(id: int) -> bool: return after[id].origin.y > 15.0)[0]
+	var answer := scatter.explain_position(after[middle].origin)[0]
+	check(answer.standing, "the explanation agrees: %s" % answer.reason)

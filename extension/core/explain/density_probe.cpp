@@ -13,7 +13,7 @@ struct DensityProbe::Workspace {
 	explicit Workspace(const SampleMargins &margins) : filter(margins) {}
 
 	Status find(const LayerSettings &layer, std::span<const glm::dvec2> places, std::span<const Ground> on_surface,
-			const Rect &rect, bool explains, const Surface *surface);
+			const Rect &rect, bool explains, const Surface *surface, const Surface *grown);
 
 	TileFilter filter;
 	bool found = false;
@@ -25,7 +25,8 @@ struct DensityProbe::Workspace {
 };
 
 Status DensityProbe::Workspace::find(const LayerSettings &layer, std::span<const glm::dvec2> places,
-		std::span<const Ground> on_surface, const Rect &rect, bool explains, const Surface *surface) {
+		std::span<const Ground> on_surface, const Rect &rect, bool explains, const Surface *surface,
+		const Surface *grown) {
 	LayerSettings rules = layer;
 	// Layers on which colors depend take time to evaluate and do not affect the density.
 	rules.instance_data = {};
@@ -42,7 +43,7 @@ Status DensityProbe::Workspace::find(const LayerSettings &layer, std::span<const
 		constexpr double rounding = 0.01; // Meters; heights are floats.
 		space = {rect, lowest->height - rounding, highest->height + rounding};
 	}
-	if (const Status status = filter.sample_around(places, on_surface, space, surface); !status.ok()) {
+	if (const Status status = filter.sample_around(places, on_surface, space, surface, grown); !status.ok()) {
 		return status;
 	}
 	positions.clear();
@@ -62,7 +63,7 @@ DensityProbe::DensityProbe(DensityProbe &&) noexcept = default;
 DensityProbe &DensityProbe::operator=(DensityProbe &&) noexcept = default;
 
 Status DensityProbe::find(const LayerSettings &layer, std::span<const glm::dvec2> places, bool explains,
-		const Surface *surface, std::span<const Ground> on_surface) {
+		const Surface *surface, std::span<const Ground> on_surface, const Surface *grown) {
 	workspace_->found = false;
 	if (const Status status = validate(layer); !status.ok()) {
 		return status;
@@ -75,7 +76,7 @@ Status DensityProbe::find(const LayerSettings &layer, std::span<const glm::dvec2
 		return {ErrorCode::not_finite, "places", rect.min.x};
 	}
 	return guarded("places", static_cast<double>(places.size()),
-			[&] { return workspace_->find(layer, places, on_surface, rect, explains, surface); });
+			[&] { return workspace_->find(layer, places, on_surface, rect, explains, surface, grown); });
 }
 
 std::span<const glm::dvec2> DensityProbe::positions() const { return workspace_->positions; }

@@ -38,9 +38,10 @@ public:
 	/// max_probed_points, the error names `rect`. If `explains` is true, the queries include the
 	/// ground's normals even if the rules do not need them. `surface` is the surface of the ground;
 	/// without it, layers on surfaces have no points. The positions are on the top of the ground,
-	/// unless `on_surface` contains the ground at each of them.
+	/// unless `on_surface` contains the ground at each of them. `grown` is then the surface on which
+	/// the layer grows; without it, the probe ignores the edge feather.
 	Status find(const LayerSettings &layer, std::span<const glm::dvec2> places, bool explains = false,
-			const Surface *surface = nullptr, std::span<const Ground> on_surface = {});
+			const Surface *surface = nullptr, std::span<const Ground> on_surface = {}, const Surface *grown = nullptr);
 
 	/// These functions return the positions at which `look` needs the ground, and the queries that
 	/// group these positions. Both lists are valid until the next call to `find`.

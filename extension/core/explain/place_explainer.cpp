@@ -95,7 +95,7 @@ Status PlaceExplainer::find_on_surface(
 	const std::array<glm::dvec2, 2> places{glm::dvec2(here.position.x, here.position.z), position};
 	const std::array<Ground, 2> ground{Ground{static_cast<float>(here.position.y), glm::vec3(here.normal)},
 			Ground{static_cast<float>(nearest->position.y), glm::vec3(nearest->normal)}};
-	return probe_.find(layer, places, true, ground_surface, ground);
+	return probe_.find(layer, places, true, ground_surface, ground, &grown);
 }
 
 Status PlaceExplainer::explain(std::span<const Ground> ground, PlaceExplanation &r_explanation) {

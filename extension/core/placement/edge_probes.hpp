@@ -28,6 +28,13 @@ constexpr std::array<glm::dvec2, edge_probes> edge_probe_offsets() {
 	return offsets;
 }
 
+/// Returns the largest distance in meters at which an edge feather reads the ground around a point. On
+/// a surface, a probe may be as far above or below the tangent plane as it is away in this plane.
+constexpr double edge_reach(double edge_feather, bool on_surface) {
+	constexpr double diagonal = 1.4142135623730951; // Square root of 2.
+	return on_surface ? diagonal * edge_feather : edge_feather;
+}
+
 /// Returns the density at a point if the layer is allowed at `allowed` of its probes. The density
 /// is 0 if the layer is allowed at half of them or fewer, as on a straight edge. From there, it
 /// rises linearly to 1 if the layer is allowed at all of them.

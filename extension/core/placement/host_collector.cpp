@@ -31,7 +31,7 @@ HostInstance instance_at(const LayerSettings &host, std::uint64_t id, glm::dvec2
 } // namespace
 
 HostCollector::HostCollector(const LayerSettings &layer, const Rect &rect) {
-	const double distance = sampled_around(layer.set, host_margins.widest);
+	const double distance = host_distance(layer, 0.0);
 	around_ = {rect.min - distance, rect.max + distance};
 }
 

@@ -1,6 +1,7 @@
 #include "core/placement/layer.hpp"
 
 #include "core/base/check.hpp"
+#include "core/placement/edge_probes.hpp"
 #include "core/placement/layer_graph.hpp"
 #include "core/placement/mesh_choice.hpp"
 #include "core/surface/surface_sampler.hpp"
@@ -63,7 +64,7 @@ SurfaceFaces permitted_faces(const LayerSettings &layer) {
 }
 
 double host_distance(const LayerSettings &layer, double reach) {
-	return sampled_around(layer.set, host_margins.widest) + reach;
+	return std::max(sampled_around(layer.set, host_margins.widest), edge_reach(layer.rules.edge_feather, true)) + reach;
 }
 
 double reach(const LayerSettings &layer) {
@@ -72,7 +73,8 @@ double reach(const LayerSettings &layer) {
 	for (const LayerGraph::Node &node : graph.nodes()) {
 		const PointSet &set = node.layer->set;
 		const double chain = set.on_surface ? surface_chain_reach * set.radius : 0.0;
-		farthest = std::max(farthest, node.margin + node.layer->rules.edge_feather + chain);
+		const double edge = edge_reach(node.layer->rules.edge_feather, set.on_surface);
+		farthest = std::max(farthest, node.margin + edge + chain);
 	}
 	return farthest;
 }

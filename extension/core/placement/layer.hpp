@@ -89,8 +89,8 @@ double host_distance(const LayerSettings &layer, double reach);
 
 /// Returns the largest distance in meters at which a change of the ground, a mask or a shape may
 /// affect an instance of a valid layer. The instance may be affected through a chain of layers. The
-/// distances along such a chain are added up. Each layer adds its edge feather and, on surfaces,
-/// the reach of a chain of darts. The result is the maximum over all chains.
+/// distances along such a chain are added up. Each layer adds the reach of its edge feather and, on
+/// surfaces, the reach of a chain of darts. The result is the maximum over all chains.
 double reach(const LayerSettings &layer);
 
 /// Returns the approximate number of points that are sampled to generate a square tile of

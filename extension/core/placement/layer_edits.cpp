@@ -1,6 +1,7 @@
 #include "core/placement/layer_edits.hpp"
 
 #include "core/base/guard.hpp"
+#include "core/placement/edge_probes.hpp"
 #include "core/rules/shape_edits.hpp"
 
 #include <algorithm>
@@ -64,7 +65,9 @@ bool minds_water(const Rules &rules) {
 }
 
 /// Returns the area of edits to the layer's own mask, shapes, biomes and water.
-EditedArea own_edits(const Rules &before, const Rules &after) {
+EditedArea own_edits(const LayerSettings &layer_before, const LayerSettings &layer_after) {
+	const Rules &before = layer_before.rules;
+	const Rules &after = layer_after.rules;
 	std::vector<Rect> areas;
 	EditedArea result;
 	result.everywhere = !find_shape_edits(before.shapes.get(), after.shapes.get(), areas) ||
@@ -72,7 +75,7 @@ EditedArea own_edits(const Rules &before, const Rules &after) {
 			!find_biome_edits(before.biome.get(), after.biome.get(), areas) ||
 			(minds_water(after) && !find_biome_edits(before.water.get(), after.water.get(), areas));
 	for (const Rect &area : areas) {
-		result.add(area, after.edge_feather);
+		result.add(area, edge_reach(after.edge_feather, layer_after.set.on_surface));
 	}
 	return result;
 }
@@ -143,7 +146,7 @@ const EditedArea &EditSearch::find_standing(const LayerSettings &before, const L
 	EditedArea area;
 	area.everywhere = !same_rules(before, after) || before.neighbors.size() != after.neighbors.size();
 	if (!area.everywhere) {
-		area.add(own_edits(before.rules, after.rules));
+		area.add(own_edits(before, after));
 		for (std::size_t i = 0; i < after.neighbors.size(); ++i) {
 			const Neighbor &was = before.neighbors[i];
 			const Neighbor &is = after.neighbors[i];

@@ -19,6 +19,9 @@ namespace {
 /// millisecond.
 constexpr std::size_t points_per_check = 2048;
 
+/// The same for points on surfaces with an edge feather, whose probes are searched one by one.
+constexpr std::size_t surface_points_per_check = 16;
+
 constexpr std::array<glm::dvec2, edge_probes> probe_offsets = edge_probe_offsets();
 
 } // namespace
@@ -49,7 +52,7 @@ Status LayerFilter::sample(
 		return status;
 	}
 	keep_points(false);
-	return look_around();
+	return look_around(source.surface, cancel);
 }
 
 void LayerFilter::wait_for_hosts(const TileSpace &window) {
@@ -98,7 +101,8 @@ Status LayerFilter::sample_surface(const PointSource &source, const std::atomic<
 	return sampled;
 }
 
-Status LayerFilter::take(std::span<const glm::dvec2> places, const Rect &window, std::span<const Ground> on_surface) {
+Status LayerFilter::take(std::span<const glm::dvec2> places, const Rect &window, std::span<const Ground> on_surface,
+		const Surface *grown) {
 	window_ = window;
 	on_surface_ = !on_surface.empty();
 	points_.clear();
@@ -116,7 +120,7 @@ Status LayerFilter::take(std::span<const glm::dvec2> places, const Rect &window,
 		return status;
 	}
 	keep_points(true);
-	return look_around();
+	return look_around(grown, nullptr);
 }
 
 /// Evaluates the position rules at all points.
@@ -160,31 +164,60 @@ void LayerFilter::keep_points(bool all) {
 	resize(kept);
 }
 
-Status LayerFilter::look_around() {
+Status LayerFilter::look_around(const Surface *grown, const std::atomic<bool> *cancel) {
 	near_shapes_.clear();
 	if (const ShapeSet *shapes = rules_.rules().shapes.get()) {
 		// Probes may be outside the window.
-		const double around = rules_.rules().edge_feather;
+		const double around = edge_reach(rules_.rules().edge_feather, on_surface_);
 		throw_if_out_of_memory(shapes->near({window_.min - around, window_.max + around}, near_shapes_));
 	}
-	return open_probes();
+	probes_.clear();
+	probe_heights_.clear();
+	probe_ground_.clear();
+	probe_open_.clear();
+	if (!(rules_.rules().edge_feather > 0.0)) {
+		return {};
+	}
+	const Status status = find_probes(grown, cancel);
+	return status.ok() ? open_probes() : status;
 }
 
-Status LayerFilter::open_probes() {
-	probes_.clear();
-	probe_open_.clear();
-	const double feather = rules_.rules().edge_feather;
-	if (feather <= 0.0 || layer_->set.on_surface) {
-		// Next to a point, a surface has no single ground.
-		return {};
+Status LayerFilter::find_probes(const Surface *grown, const std::atomic<bool> *cancel) {
+	if (on_surface_) {
+		return grown != nullptr ? find_probes_on(*grown, cancel) : Status();
 	}
 	for (const glm::dvec2 position : positions_) {
 		for (const glm::dvec2 offset : probe_offsets) {
-			probes_.push_back(position + feather * offset);
+			probes_.push_back(position + rules_.rules().edge_feather * offset);
 		}
 	}
+	return {};
+}
+
+/// Finds the probes around the points on a surface, and the ground at each probe.
+Status LayerFilter::find_probes_on(const Surface &grown, const std::atomic<bool> *cancel) {
+	std::array<SurfaceProbe, edge_probes> around{};
+	for (std::size_t point = 0; point < positions_.size(); ++point) {
+		if (point % surface_points_per_check == 0 && is_cancelled(cancel)) {
+			return {ErrorCode::cancelled, "tile", 0.0};
+		}
+		const Ground &ground = surface_ground_[point];
+		surface_probes_.find(grown, {positions_[point].x, ground.height, positions_[point].y}, ground.normal,
+				rules_.rules().edge_feather, around);
+		for (const SurfaceProbe &probe : around) {
+			const auto height = static_cast<float>(probe.position.y);
+			probes_.emplace_back(probe.position.x, probe.position.z);
+			probe_heights_.push_back(height);
+			probe_ground_.push_back(probe.on_surface ? Ground{height, glm::vec3(probe.normal)} : Ground());
+		}
+	}
+	return {};
+}
+
+/// Evaluates the position rules at the probes.
+Status LayerFilter::open_probes() {
 	sampled_densities_.resize(probes_.size());
-	const Status status = rules_.place_densities({probes_}, sampled_densities_, scratch_);
+	const Status status = rules_.place_densities({probes_, probe_heights_}, sampled_densities_, scratch_);
 	probe_open_.resize(probes_.size());
 	std::transform(sampled_densities_.begin(), sampled_densities_.end(), probe_open_.begin(),
 			[](double density) { return density > 0.0; });
@@ -210,7 +243,9 @@ void LayerFilter::add_queries(
 }
 
 bool LayerFilter::probe_allows(std::size_t probe, const Ground &ground) const {
-	return probe_open_[probe] != 0 && rules_.allow(ground, probes_[probe]) &&
+	const Planet &planet = layer_->planet;
+	const Ground seen = planet.exists() ? on_planet(planet, probes_[probe], ground) : ground;
+	return probe_open_[probe] != 0 && rules_.allow(seen, probes_[probe]) &&
 			rules_.shape_density(near_shapes_, probes_[probe], ground) > 0.0;
 }
 
@@ -267,7 +302,9 @@ double LayerFilter::product(std::size_t point, std::span<const Ground> ground, c
 		density *= neighbor_density(i, point, here, record);
 	}
 	if (!probe_open_.empty() && goes_on()) {
-		density *= edge_density_at(point, ground.subspan(positions_.size()), record);
+		const std::span<const Ground> around =
+				on_surface_ ? std::span<const Ground>(probe_ground_) : ground.subspan(positions_.size());
+		density *= edge_density_at(point, around, record);
 	}
 	return density;
 }

@@ -6,6 +6,7 @@
 #include "core/placement/layer.hpp"
 #include "core/placement/layer_graph.hpp"
 #include "core/placement/point_grid.hpp"
+#include "core/placement/surface_probes.hpp"
 #include "core/rules/rules.hpp"
 #include "core/sampling/tile_sampler.hpp"
 #include "core/surface/surface_sampler.hpp"
@@ -47,14 +48,15 @@ public:
 
 	/// Evaluates the rules at arbitrary positions in `window`. This call replaces `sample`. All
 	/// positions become points, with their indices as ids and with rank 0. If the positions are on
-	/// surfaces, `on_surface` contains the ground at each of them. If it is empty, the positions
-	/// are on the top of the ground.
-	Status take(std::span<const glm::dvec2> places, const Rect &window, std::span<const Ground> on_surface = {});
+	/// surfaces, `on_surface` contains the ground at each of them, and `grown` is the surface on which
+	/// the layer grows. If `on_surface` is empty, the positions are on the top of the ground.
+	Status take(std::span<const glm::dvec2> places, const Rect &window, std::span<const Ground> on_surface = {},
+			const Surface *grown = nullptr);
 
 	/// Appends the positions at which `filter` needs the ground, and their queries. These are the
 	/// positions of the points and, with an edge feather, edge_probes positions for each point.
 	/// Normals are queried if the layer has a slope rule. If `normals` is true, they are always
-	/// queried at the points. The ground of points on surfaces is already known.
+	/// queried at the points. The ground of points on surfaces and of their probes is already known.
 	void add_queries(bool normals, std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const;
 	std::size_t position_count() const { return on_surface_ ? 0 : positions_.size() + probe_open_.size(); }
 
@@ -100,7 +102,9 @@ private:
 	Status sample_surface(const PointSource &source, const std::atomic<bool> *cancel);
 	Status query_position();
 	void keep_points(bool all);
-	Status look_around();
+	Status look_around(const Surface *grown, const std::atomic<bool> *cancel);
+	Status find_probes(const Surface *grown, const std::atomic<bool> *cancel);
+	Status find_probes_on(const Surface &grown, const std::atomic<bool> *cancel);
 	Status open_probes();
 	bool probe_allows(std::size_t probe, const Ground &ground) const;
 	template <class Record>
@@ -127,6 +131,8 @@ private:
 	UnfilledVector<std::uint32_t> ranks_;
 	UnfilledVector<double> densities_;     ///< Product of the position rules for each point.
 	std::vector<glm::dvec2> probes_;       ///< edge_probes positions for each point, or empty.
+	std::vector<float> probe_heights_;     ///< World meters, as for sampled_heights_.
+	std::vector<Ground> probe_ground_;     ///< The ground at each probe on surfaces.
 	std::vector<std::uint8_t> probe_open_; ///< For each probe, 1 if the position rules allow it, otherwise 0.
 	std::vector<std::uint32_t> near_shapes_;
 
@@ -142,6 +148,7 @@ private:
 	std::vector<float> sampled_heights_; ///< World meters; empty unless the points are on surfaces.
 	UnfilledVector<double> sampled_densities_;
 	std::vector<float> scratch_;
+	SurfaceProbes surface_probes_;
 };
 
 } // namespace thicket

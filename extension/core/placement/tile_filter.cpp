@@ -86,14 +86,14 @@ Status TileFilter::sample(
 }
 
 Status TileFilter::sample_around(std::span<const glm::dvec2> places, std::span<const Ground> on_surface,
-		const TileSpace &space, const Surface *surface) {
+		const TileSpace &space, const Surface *surface, const Surface *grown) {
 	space_ = space;
 	for (std::size_t i = 0; i + 1 < size(); ++i) {
 		if (const Status status = sample_layer(i, surface, nullptr, nullptr); !status.ok()) {
 			return status;
 		}
 	}
-	return layers_[size() - 1]->take(places, space, on_surface);
+	return layers_[size() - 1]->take(places, space, on_surface, grown);
 }
 
 double TileFilter::points_around(const Rect &rect) const {

@@ -31,9 +31,10 @@ public:
 			CallerThreads *threads = nullptr);
 
 	/// Evaluates the layer at arbitrary positions (see LayerFilter::take) and samples the other
-	/// layers around them. This call replaces `sample`. `space` must contain all positions.
+	/// layers around them. This call replaces `sample`. `space` must contain all positions. `grown` is
+	/// the surface on which the layer itself grows, if the positions are on surfaces.
 	Status sample_around(std::span<const glm::dvec2> places, std::span<const Ground> on_surface, const TileSpace &space,
-			const Surface *surface);
+			const Surface *surface, const Surface *grown);
 
 	/// Returns the approximate number of points of other layers that `sample_around` samples.
 	double points_around(const Rect &rect) const;

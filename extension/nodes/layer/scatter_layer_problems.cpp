@@ -42,9 +42,6 @@ void ScatterLayer::add_number_problems(PackedStringArray &r_problems) const {
 	if (settings_.rules.clumping.size > 0.0 && settings_.rules.clumping.coverage <= 0.0) {
 		r_problems.push_back("ScatterLayer.clump_coverage is 0: nothing is placed.");
 	}
-	if (settings_.rules.edge_feather > 0.0 && settings_.set.on_surface) {
-		r_problems.push_back("ScatterLayer.edge_feather has no effect while on_surfaces is on: set it to 0.");
-	}
 	const double points = point_density(settings_.set) * range_.tile_size * range_.tile_size;
 	if (settings_.rules.edge_feather > 0.0 && points * static_cast<double>(edge_probes) > max_tile_points) {
 		r_problems.push_back("ScatterLayer.edge_feather samples the ground at " +

@@ -1,0 +1,47 @@
+#include "core/placement/surface_probes.hpp"
+
+#include "core/terrain/surface_line.hpp"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace thicket {
+
+namespace {
+
+constexpr std::array<glm::dvec2, edge_probes> probe_offsets = edge_probe_offsets();
+
+} // namespace
+
+void SurfaceProbes::find(const Surface &surface, const glm::dvec3 &position, const glm::dvec3 &normal,
+		double edge_feather, std::span<SurfaceProbe, edge_probes> r_probes) {
+	const glm::dvec3 up = glm::normalize(normal);
+	// The axis that is farther from the normal is the first one, so level ground uses x and z.
+	const glm::dvec3 start = std::abs(up.x) < 0.9 ? glm::dvec3(1.0, 0.0, 0.0) : glm::dvec3(0.0, 0.0, 1.0);
+	const glm::dvec3 along = glm::normalize(start - up * glm::dot(up, start));
+	const glm::dvec3 across = glm::cross(along, up);
+	for (std::size_t i = 0; i < r_probes.size(); ++i) {
+		const glm::dvec2 offset = edge_feather * probe_offsets[i];
+		const double far = std::sqrt(offset.x * offset.x + offset.y * offset.y);
+		const glm::dvec3 place = position + offset.x * along + offset.y * across;
+		const glm::dvec3 top = place + far * up;
+		const glm::dvec3 bottom = place - far * up;
+		surface.find({glm::min(top, bottom), glm::max(top, bottom)}, triangles_);
+		r_probes[i] = {place, glm::dvec3(0.0), false};
+		double least = far;
+		for (const std::uint32_t index : triangles_) {
+			const double distance = distance_along(surface.triangle(index), place, up);
+			if (std::abs(distance) < least) {
+				least = std::abs(distance);
+				r_probes[i] = {place + distance * up, glm::normalize(surface.cross(index)), true};
+			}
+		}
+	}
+}
+
+} // namespace thicket
