@@ -212,4 +212,8 @@ TEST_CASE("sources: hand-placed instances get the values of their position") {
 	CHECK(shares(SourceKind::slope) == unknown_share);
 	CHECK(shares(SourceKind::distance) == unknown_share);
 	CHECK(shares(SourceKind::random) == unknown_share);
+	const InstanceData by_height = following(source_of(SourceKind::height), {}).instance_data;
+	const Planet planet{{1.0, 2.0, 3.0}, 100.0};
+	CHECK(shares_by_hand(by_height, {1.0, 2.0, -142.0}, true, planet).color == 0.5f);
+	CHECK(shares_by_hand(by_height, {-144.0, 2.0, 3.0}, true, planet).color == 0.5f);
 }

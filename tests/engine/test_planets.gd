@@ -261,6 +261,26 @@ func test_moss_grows_on_pillars_all_around() -> void:
 		check_equal(low.size(), 0, "latitude %.0f: the moss is on the ends of the pillars" % latitude)
 
 
+func test_hand_placed_instances_have_an_altitude() -> void:
+	put_planet(100.0, Vector3.ZERO, 64)
+	var layer := make_grower(4.0)
+	layer.use_colors = true
+	layer.color_value = ScatterValueSource.new()
+	layer.color_value.source = ScatterValueSource.SOURCE_HEIGHT
+	layer.color_value.max_value = 20.0
+	layer.color_value.gradient = Gradient.new() # From black to white.
+	viewer = make_viewer(Vector3(101.0, 0.0, 0.0))
+	var scatter := make_scatter([layer], make_ground(100.0), viewer)
+	scatter.state = ScatterState.new()
+	await settle(scatter)
+	for up: Vector3 in [Vector3.RIGHT, Vector3.DOWN, Vector3(0.6, 0.0, -0.8)]:
+		var id := scatter.add_instance(layer, Transform3D(Basis(), up * 105.0))
+		var tile := scatter.build_rect(layer, Rect2(up.x * 105.0 - 1.0, up.z * 105.0 - 1.0, 2.0, 2.0))
+		var index := tile.get_ids(0).find(id)
+		if check(index >= 0, "the instance at %s is in the tile" % up):
+			check(absf(tile.get_buffer(0)[16 * index + 12] - 0.25) < 0.005, "at %s, an altitude of 5 of 20 m: %f" % [up, tile.get_buffer(0)[16 * index + 12]])
+
+
 func test_problems_and_bad_settings() -> void:
 	put_planet(100.0, Vector3.ZERO, 64)
 	var ground := make_ground(100.0)

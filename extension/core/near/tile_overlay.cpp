@@ -29,7 +29,7 @@ void write_added(const AddedInstance &added, std::uint64_t id, const LayerSettin
 	}
 	write_instance_data(layer.instance_data, layer.set.seed, id, 0, largest_scale(added.basis),
 			floats.subspan(transform_floats),
-			shares_by_hand(layer.instance_data, added.position, layer.set.on_surface));
+			shares_by_hand(layer.instance_data, added.position, layer.set.on_surface, layer.planet));
 	r_mesh.ids[at] = id;
 	r_mesh.ranks[at] = 0;
 	r_mesh.max_scale = std::max(r_mesh.max_scale, largest_scale(added.basis));

@@ -63,13 +63,13 @@ std::array<const InstanceSource *, 2> distance_sources(const InstanceData &data)
 	return {looking(data.color, data.color_is_known()), looking(data.variation, data.variation_is_known())};
 }
 
-InstanceShares shares_by_hand(const InstanceData &data, glm::dvec3 position, bool on_surface) {
+InstanceShares shares_by_hand(const InstanceData &data, glm::dvec3 position, bool on_surface, const Planet &planet) {
 	InstanceShares shares;
 	if (data.color_is_known()) {
-		shares.color = share_by_hand(data.color, position, on_surface);
+		shares.color = share_by_hand(data.color, position, on_surface, planet);
 	}
 	if (data.variation_is_known()) {
-		shares.variation = share_by_hand(data.variation, position, on_surface);
+		shares.variation = share_by_hand(data.variation, position, on_surface, planet);
 	}
 	return shares;
 }

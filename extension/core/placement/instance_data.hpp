@@ -69,7 +69,8 @@ struct InstanceShares {
 };
 
 /// Returns the shares of a hand-placed instance; see share_by_hand.
-InstanceShares shares_by_hand(const InstanceData &data, glm::dvec3 position, bool on_surface);
+InstanceShares shares_by_hand(
+		const InstanceData &data, glm::dvec3 position, bool on_surface, const Planet &planet = {});
 
 /// Returns an error for a color table that is empty, too large, or has numbers out of range, and
 /// for invalid sources that are in use.

@@ -37,13 +37,13 @@ float share_of(const InstanceSource &source, double value) {
 	return value > source.min ? static_cast<float>((value - source.min) / (source.max - source.min)) : 0.0f;
 }
 
-float share_by_hand(const InstanceSource &source, glm::dvec3 position, bool on_surface) {
+float share_by_hand(const InstanceSource &source, glm::dvec3 position, bool on_surface, const Planet &planet) {
 	const glm::dvec2 place{position.x, position.z};
 	const auto height = static_cast<float>(position.y);
 	const Places places{{&place, 1}, {&height, on_surface ? std::size_t{1} : 0}};
 	float density = 0.0f;
 	switch (source.kind) {
-		case SourceKind::height: return share_of(source, position.y);
+		case SourceKind::height: return share_of(source, planet.exists() ? planet.altitude(position) : position.y);
 		case SourceKind::rank: return share_of(source, 0.0);
 		case SourceKind::noise:
 			return source.noise != nullptr && source.noise->sample_at(places, {&density, 1}).ok()

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/planet.hpp"
 #include "core/base/status.hpp"
 #include "core/rules/curve_table.hpp"
 #include "core/rules/density_field.hpp"
@@ -16,7 +17,7 @@ struct LayerSettings;
 /// The quantity that determines a number of an instance's appearance. Scenes store these values.
 enum class SourceKind : std::uint8_t {
 	random,
-	height,   ///< Height of the ground, in world meters.
+	height,   ///< Height of the ground in world meters, or its altitude on a planet.
 	slope,    ///< Slope of the ground, in degrees.
 	noise,    ///< A noise field over the plane, clamped to 0 to 1.
 	rank,     ///< The thinning rank, 0 to 1.
@@ -73,10 +74,10 @@ Status validate(const InstanceSource &source, const SourceNames &names);
 /// Returns the share of `value` in the source's range, 0 to 1.
 float share_of(const InstanceSource &source, double value);
 
-/// Returns the share of a hand-placed instance. The instance's own world y serves as the height of
-/// the ground, and 0 as its rank. Slopes and distances are unknown. `on_surface` is the layer's
-/// PointSet::on_surface. If it is true, noise also depends on the height.
-float share_by_hand(const InstanceSource &source, glm::dvec3 position, bool on_surface);
+/// Returns the share of a hand-placed instance. The instance's own world y, or its altitude on
+/// `planet`, serves as the height of the ground, and 0 as its rank. Slopes and distances are unknown.
+/// `on_surface` is the layer's PointSet::on_surface. If it is true, noise also depends on world y.
+float share_by_hand(const InstanceSource &source, glm::dvec3 position, bool on_surface, const Planet &planet = {});
 
 /// Combines `share` (0 to 1 or unknown_share) with the instance's `random` number (0 to 1), and
 /// applies the source's curve. The result is 0 to 1.
