@@ -171,3 +171,31 @@ TEST_CASE("draw cells: a cell that had no instances is new") {
 	CHECK(cells[2].before == 0U);
 	CHECK(cells[2].unchanged);
 }
+
+TEST_CASE("draw cells: the cubes of a planet are divided along the two axes that are nearest to the ground") {
+	const Planet planet{{10.0, 20.0, 30.0}, 1000.0};
+	const auto axes_at = [&planet](const glm::dvec3 &direction) {
+		const glm::dvec3 at = planet.center + 1000.0 * direction;
+		return cell_axes({{{at.x - 8.0, at.z - 8.0}, {at.x + 8.0, at.z + 8.0}}, at.y - 8.0, at.y + 8.0}, planet);
+	};
+	for (const double side : {-1.0, 1.0}) {
+		CHECK(axes_at({0.1, side, 0.3}) == CellAxes{.column = 0, .row = 2});
+		CHECK(axes_at({side, 0.9, 0.3}) == CellAxes{.column = 1, .row = 2});
+		CHECK(axes_at({0.1, 0.5, side}) == CellAxes{.column = 0, .row = 1});
+	}
+	CHECK(cell_axes(tile_of_hills, planet) == CellAxes{});
+	CHECK(cell_axes({tile_of_hills, -8.0, 8.0}, Planet()) == CellAxes{});
+
+	const TileSpace cube({{0.0, 0.0}, {8.0, 8.0}}, 16.0, 24.0);
+	MeshInstances floats = floats_at({{-3.0f, -3.0f}, {-3.0f, 3.0f}, {-3.0f, -3.0f}, {-3.0f, 3.0f}});
+	for (std::size_t i = 0; i < floats.size(); ++i) {
+		floats.floats_of(i)[7] = i < 2 ? -3.0f : 3.0f; // World y.
+	}
+	const CompactMesh mesh(floats, nullptr, {});
+	DrawCells cells;
+	REQUIRE(divide(mesh, {4.0, 20.0, 4.0}, cube, 2, cells, {.column = 1, .row = 2}).ok());
+	CHECK(numbers_of(cells, 4) == std::vector<std::uint32_t>{0, 2, 1, 3});
+	REQUIRE(divide(mesh, {4.0, 20.0, 4.0}, cube, 2, cells, {.column = 0, .row = 1}).ok());
+	CHECK(numbers_of(cells, 4) == std::vector<std::uint32_t>{0, 0, 2, 2});
+	CHECK(cells.cells.back().min.y == 3.0f);
+}

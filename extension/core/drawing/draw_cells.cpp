@@ -20,18 +20,33 @@ std::uint32_t cell_along(double position, double edge, double cell_size, std::ui
 	return static_cast<std::uint32_t>(std::clamp(cell, 0.0, static_cast<double>(across - 1)));
 }
 
-/// Returns the cell number of each instance. All functions below may throw std::bad_alloc.
-std::vector<std::uint16_t> cell_numbers(
-		const CompactMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across) {
-	const glm::dvec2 edge = rect.min - glm::dvec2(origin.x, origin.z);
-	const glm::dvec2 cell_size = rect.size() / static_cast<double>(across);
-	std::vector<std::uint16_t> numbers(mesh.size());
-	for (std::size_t i = 0; i < mesh.size(); ++i) {
-		const glm::vec3 &position = mesh.positions()[i];
-		const std::uint32_t x = cell_along(double{position.x}, edge.x, cell_size.x, across);
-		const std::uint32_t z = cell_along(double{position.z}, edge.y, cell_size.y, across);
-		numbers[i] = static_cast<std::uint16_t>(z * across + x);
+/// A square lattice of cells in a tile.
+struct Lattice {
+	glm::dvec3 edge; ///< The lower corner of the tile, relative to its origin.
+	glm::dvec3 cell_size;
+	std::uint32_t across;
+	CellAxes axes;
+
+	Lattice(const TileSpace &space, const glm::dvec3 &origin, std::uint32_t p_across, const CellAxes &p_axes) :
+			edge(glm::dvec3(space.min.x, space.bottom, space.min.y) - origin),
+			cell_size(glm::dvec3(space.size().x, space.top - space.bottom, space.size().y) /
+					static_cast<double>(p_across)),
+			across(p_across), axes(p_axes) {}
+
+	std::uint32_t along(const glm::vec3 &position, int axis) const {
+		return cell_along(double{position[axis]}, edge[axis], cell_size[axis], across);
 	}
+
+	std::uint16_t number(const glm::vec3 &position) const {
+		return static_cast<std::uint16_t>(along(position, axes.row) * across + along(position, axes.column));
+	}
+};
+
+/// Returns the cell number of each instance. All functions below may throw std::bad_alloc.
+std::vector<std::uint16_t> cell_numbers(const CompactMesh &mesh, const Lattice &lattice) {
+	std::vector<std::uint16_t> numbers(mesh.size());
+	std::ranges::transform(mesh.positions(), numbers.begin(),
+			[&lattice](const glm::vec3 &position) { return lattice.number(position); });
 	return numbers;
 }
 
@@ -43,8 +58,9 @@ void measure(const CompactMesh &mesh, std::span<const std::uint32_t> order, Draw
 	}
 }
 
-void add_cells(const CompactMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across, DrawCells &r_cells) {
-	const std::vector<std::uint16_t> numbers = cell_numbers(mesh, origin, rect, across);
+void add_cells(const CompactMesh &mesh, const Lattice &lattice, DrawCells &r_cells) {
+	const std::uint32_t across = lattice.across;
+	const std::vector<std::uint16_t> numbers = cell_numbers(mesh, lattice);
 	// The cells are filled by a counting sort. First, ends[number + 1] counts the instances of a
 	// cell.
 	std::vector<std::uint32_t> ends(std::size_t{across} * across + 1);
@@ -75,12 +91,25 @@ void add_cells(const CompactMesh &mesh, glm::dvec3 origin, const Rect &rect, std
 
 } // namespace
 
-Status divide(const CompactMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across, DrawCells &r_cells) {
+CellAxes cell_axes(const TileSpace &space, const Planet &planet) {
+	if (!planet.exists() || space.covers_all_heights()) {
+		return {};
+	}
+	const glm::dvec2 middle = space.center();
+	const glm::dvec3 up = glm::abs(glm::dvec3(middle.x, 0.5 * (space.bottom + space.top), middle.y) - planet.center);
+	if (up.y >= up.x && up.y >= up.z) {
+		return {};
+	}
+	return up.x >= up.z ? CellAxes{.column = 1, .row = 2} : CellAxes{.column = 0, .row = 1};
+}
+
+Status divide(const CompactMesh &mesh, glm::dvec3 origin, const TileSpace &space, std::uint32_t across,
+		DrawCells &r_cells, const CellAxes &axes) {
 	r_cells = {};
-	const std::uint32_t allowed = std::clamp(across, std::uint32_t{1}, max_cells_across);
+	const Lattice lattice(space, origin, std::clamp(across, std::uint32_t{1}, max_cells_across), axes);
 	DrawCells cells;
-	const Status status = guarded(
-			"instances", static_cast<double>(mesh.size()), [&] { add_cells(mesh, origin, rect, allowed, cells); });
+	const Status status =
+			guarded("instances", static_cast<double>(mesh.size()), [&] { add_cells(mesh, lattice, cells); });
 	if (status.ok()) {
 		r_cells = std::move(cells);
 	}

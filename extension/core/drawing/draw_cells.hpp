@@ -1,7 +1,8 @@
 #pragma once
 
-#include "core/base/rect.hpp"
+#include "core/base/planet.hpp"
 #include "core/base/status.hpp"
+#include "core/base/tile_grid.hpp"
 #include "core/placement/compact_tile.hpp"
 
 #include <glm/vec2.hpp>
@@ -17,9 +18,22 @@ namespace thicket {
 
 inline constexpr std::uint32_t max_cells_across = 16; ///< Maximum number of cells along an edge of a tile.
 
+/// The two world axes along which a tile is divided: 0 is x, 1 is y and 2 is z.
+struct CellAxes {
+	int column = 0;
+	int row = 2;
+
+	friend bool operator==(const CellAxes &, const CellAxes &) = default;
+};
+
+/// Returns the axes for a tile. The cubic tiles of planets are divided along the two axes that are
+/// nearest to the ground, so that their cells are not slices of it. All other tiles are divided along
+/// x and z.
+CellAxes cell_axes(const TileSpace &space, const Planet &planet);
+
 /// A cell: the instances of one mesh in a square part of a tile.
 struct DrawCell {
-	std::uint32_t number = 0; ///< Row by row: z * (cells along an edge) + x.
+	std::uint32_t number = 0; ///< Row by row: row * (cells along an edge) + column.
 	std::uint32_t begin = 0;  ///< The cell's range in DrawCells::order; `end` is exclusive.
 	std::uint32_t end = 0;
 	/// Bounds of the instances' positions relative to the tile's origin, without the extent of the
@@ -54,10 +68,11 @@ struct DrawCells {
 
 /// Divides a tile's instances of one mesh into `across` by `across` cells; `across` is clamped to
 /// the range from 1 to max_cells_across. The cells are half-open squares that depend only on the
-/// tile's rectangle, so they form a fixed lattice in the world. Instances outside the rectangle,
-/// where the layer's offset may put them, belong to the nearest cell. Takes O(instances + cells)
-/// time. If memory runs out, `r_cells` is empty.
-Status divide(const CompactMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across, DrawCells &r_cells);
+/// tile's space, so they form a fixed lattice in the world. Instances outside the space, where their
+/// layer's offset may put them, belong to the nearest cell. `space` must be limited along `axes`.
+/// Takes O(instances + cells) time. If memory runs out, `r_cells` is empty.
+Status divide(const CompactMesh &mesh, glm::dvec3 origin, const TileSpace &space, std::uint32_t across,
+		DrawCells &r_cells, const CellAxes &axes = {});
 
 /// Writes the floats of the instances in the order of `order`. `r_buffer` must have mesh.stride()
 /// floats per instance.

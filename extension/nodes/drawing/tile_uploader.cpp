@@ -21,7 +21,8 @@ bool TileUploader::begin_part(const DisplayedTile &tile, std::shared_ptr<const C
 	if (across == 1 || r_part.lods.empty()) {
 		return true;
 	}
-	const Status status = divide(*r_part.shown, tile.tile->origin, tile.space, across, r_part.division);
+	const CellAxes axes = cell_axes(tile.space, tile.settings->planet);
+	const Status status = divide(*r_part.shown, tile.tile->origin, tile.space, across, r_part.division, axes);
 	report("TerrainScatter3D", status);
 	return status.ok();
 }
