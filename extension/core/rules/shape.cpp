@@ -1,7 +1,10 @@
 #include "core/rules/shape.hpp"
 
 #include "core/base/check.hpp"
+#include "core/rules/planet_map.hpp"
 #include "core/rules/shape_volume.hpp"
+
+#include <glm/matrix.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +14,9 @@ namespace thicket {
 namespace {
 
 constexpr double axes_tolerance = 1e-6;
+
+/// Limit for half the width of a path on a planet, in radii of the planet.
+constexpr double widest_path = 0.5;
 
 Status check_coordinate(const char *property, double value) {
 	return check_range(property, value, -max_shape_coordinate, max_shape_coordinate);
@@ -73,6 +79,99 @@ Status check_kind(const Shape &shape) {
 	return Status::out_of_range("kind", static_cast<int>(shape.kind), between(0, static_cast<int>(ShapeKind::path)));
 }
 
+/// Returns an error for a place on a planet's map that is too far from the map's middle.
+Status check_on_map(const Shape &shape) {
+	const PlanetMap map(shape.planet, shape.center);
+	for (const glm::dvec2 place : shape.outline) {
+		if (!map.contains(place)) {
+			return Status::out_of_range("distance of the outline from its middle",
+					std::sqrt(place.x * place.x + place.y * place.y) / shape.planet.radius,
+					at_most(PlanetMap::radii_across, "radii of the planet, on its map"), "Divide the region in two");
+		}
+	}
+	return shape.kind == ShapeKind::path
+			? check_range("half_width", shape.half_size.x, 0.0, widest_path * shape.planet.radius)
+			: Status{};
+}
+
+Status check_planet(const Shape &shape) {
+	const Planet &planet = shape.planet;
+	if (!planet.exists()) {
+		return {};
+	}
+	const Status status = first_failure(check_coordinate("planet_radius", planet.radius),
+			check_coordinate("planet_center", planet.center.x), check_coordinate("planet_center", planet.center.y),
+			check_coordinate("planet_center", planet.center.z), check_coordinate("center", shape.center.x),
+			check_coordinate("center", shape.center.y), check_coordinate("center", shape.center.z));
+	if (!status.ok()) {
+		return status;
+	}
+	if (shape.center == planet.center) {
+		return {ErrorCode::not_positive, "distance from the planet's center", 0.0, {}, {},
+				"Move the region to the ground, or turn ignore_height off"};
+	}
+	return check_on_map(shape);
+}
+
+/// Returns the world rectangle of all directions from the planet's center whose angle from `axis` has
+/// at least this cosine, up to Planet::radii_around radii from the center.
+Rect cone(const Planet &planet, const glm::dvec3 &axis, double cosine) {
+	const double sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
+	// Returns the largest part of such a direction along a unit vector, or 0 if all parts are negative.
+	const auto farthest = [&](double along) {
+		const double across = std::sqrt(std::max(0.0, 1.0 - along * along));
+		return along >= cosine ? 1.0 : std::max(0.0, along * cosine + across * sine);
+	};
+	const double reach = Planet::radii_around * planet.radius;
+	const glm::dvec2 center(planet.center.x, planet.center.z);
+	return {center - reach * glm::dvec2(farthest(-axis.x), farthest(-axis.z)),
+			center + reach * glm::dvec2(farthest(axis.x), farthest(axis.z))};
+}
+
+Rect with(const Rect &a, const Rect &b) {
+	return {{std::min(a.min.x, b.min.x), std::min(a.min.y, b.min.y)},
+			{std::max(a.max.x, b.max.x), std::max(a.max.y, b.max.y)}};
+}
+
+/// Returns a lower bound of the cosine of an angle in radians.
+double least_cosine(double angle) { return angle < 2.0 ? 1.0 - 0.5 * angle * angle : -1.0; }
+
+/// Returns the bounds of a path on a planet, as those of its edges.
+Rect path_bounds(const Shape &shape, const PlanetMap &map) {
+	// At the border of the map, a length on the map may differ by this factor from its start to its
+	// end. The arc of a chord is at most half of pi times as long.
+	constexpr double longest = 4.0 * 1.6;
+	const std::vector<glm::dvec2> &line = shape.outline;
+	Rect result = cone(shape.planet, map.direction(line.front()), 1.0);
+	for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+		const glm::dvec2 edge = line[i + 1] - line[i];
+		const double length = 0.5 * std::sqrt(edge.x * edge.x + edge.y * edge.y) + longest * shape.half_size.x;
+		const glm::dvec3 middle = map.direction(0.5 * (line[i] + line[i + 1]));
+		result = with(result, cone(shape.planet, middle, least_cosine(length / shape.planet.radius)));
+	}
+	return result;
+}
+
+Rect planet_bounds(const Shape &shape) {
+	const PlanetMap map(shape.planet, shape.center);
+	if (shape.kind == ShapeKind::path) {
+		return path_bounds(shape, map);
+	}
+	double cosine = 1.0;
+	if (shape.kind == ShapeKind::polygon) {
+		for (const glm::dvec2 corner : shape.outline) {
+			const double scale = map.scale(corner);
+			cosine = std::min(cosine, (2.0 - scale) / scale);
+		}
+	} else {
+		const glm::dvec2 reach = ShapeVolume(turned_upright(shape, map)).reach();
+		const double sine = std::sqrt(reach.x * reach.x + reach.y * reach.y) / map.middle_distance();
+		cosine = sine < 1.0 ? std::sqrt(1.0 - sine * sine) : 0.0;
+	}
+	constexpr double hair = 1e-9;
+	return cone(shape.planet, map.axes()[1], cosine - hair);
+}
+
 Rect around(const std::vector<glm::dvec2> &points) {
 	Rect result{points.front(), points.front()};
 	for (const glm::dvec2 point : points) {
@@ -83,6 +182,9 @@ Rect around(const std::vector<glm::dvec2> &points) {
 }
 
 Rect tight_bounds(const Shape &shape) {
+	if (shape.planet.exists()) {
+		return planet_bounds(shape);
+	}
 	if (shape.kind == ShapeKind::polygon || shape.kind == ShapeKind::path) {
 		const Rect points = around(shape.outline);
 		const double reach = shape.kind == ShapeKind::path ? shape.half_size.x : 0.0;
@@ -96,7 +198,16 @@ Rect tight_bounds(const Shape &shape) {
 } // namespace
 
 Status validate(const Shape &shape) {
-	return first_failure(check_range("falloff", shape.falloff, 0.0, max_shape_coordinate), check_kind(shape));
+	return first_failure(
+			check_range("falloff", shape.falloff, 0.0, max_shape_coordinate), check_kind(shape), check_planet(shape));
+}
+
+Shape turned_upright(const Shape &shape, const PlanetMap &map) {
+	Shape turned = shape;
+	turned.center = glm::dvec3(0.0);
+	turned.axes = glm::transpose(map.axes()) * shape.axes;
+	turned.planet = {};
+	return turned;
 }
 
 Rect bounds(const Shape &shape) {

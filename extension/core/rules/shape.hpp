@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/planet.hpp"
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
 
@@ -34,13 +35,19 @@ struct Shape {
 	/// Distance in meters inside the border over which the effect grows to its full strength. 0
 	/// means a sharp border.
 	double falloff = 0.0;
-	glm::dvec3 center{0.0}; ///< Used by boxes, spheres and cylinders.
+	/// Used by boxes, spheres and cylinders, and by all shapes with a planet.
+	glm::dvec3 center{0.0};
 	/// Axes of boxes and cylinders: orthonormal, as columns. Mirrored axes define the same shape.
 	glm::dmat3 axes{1.0};
 	glm::dvec3 half_size{0.0}; ///< Meters. The components that the kind uses are above 0.
-	/// World x and z. Polygon: 3 or more corners, closed automatically. Path: 2 or more points,
-	/// open. Points may repeat, and edges may cross or overlap.
+	/// World x and z or, with a planet, places on a PlanetMap around `center`. Polygon: 3 or more
+	/// corners, closed automatically. Path: 2 or more points, open. Points may repeat, and edges may
+	/// cross or overlap.
 	std::vector<glm::dvec2> outline;
+	/// The planet that defines "at any height" for a polygon, a path, or a shape that ignores height;
+	/// none elsewhere. The shape then covers all positions above and below it, along the direction
+	/// away from the planet's center, up to Planet::radii_around radii from the center.
+	Planet planet{};
 
 	friend bool operator==(const Shape &, const Shape &) = default;
 };
@@ -49,10 +56,22 @@ inline constexpr std::size_t max_outline_points = 1 << 16;
 /// Limit of coordinates (of either sign), sizes and falloff, in meters.
 inline constexpr double max_shape_coordinate = 1e9;
 
+/// Returns true if a shape acts at any height.
+inline bool acts_at_any_height(const Shape &shape) {
+	return shape.ignore_height || shape.kind == ShapeKind::polygon || shape.kind == ShapeKind::path;
+}
+
 /// Returns an error for values that are not finite or outside the ranges above, and for axes that
 /// are not orthonormal to 1e-6. Only the fields that the kind uses are checked. The status names a
-/// component of half_size as "half_size" (box), "radius", "half_height" or "half_width" (path).
+/// component of half_size as "half_size" (box), "radius", "half_height" or "half_width" (path). With a
+/// planet, `center` must not be the planet's center, and an outline must be on the PlanetMap.
 Status validate(const Shape &shape);
+
+class PlanetMap;
+
+/// Returns a box, sphere or cylinder that ignores height in the space of PlanetMap::at_middle, without
+/// its planet. `map` is the map around the shape's center.
+Shape turned_upright(const Shape &shape, const PlanetMap &map);
 
 /// Returns the world rectangle outside which a valid shape has no effect. The rectangle includes
 /// the border and a small margin for rounding (10^-12 of the coordinates).

@@ -31,11 +31,16 @@ Status ShapeSet::set(std::vector<Shape> shapes) {
 	return guarded("shapes", static_cast<double>(shapes.size()), [&] {
 		std::vector<Prepared> prepared(shapes.size());
 		for (std::size_t i = 0; i < shapes.size(); ++i) {
-			prepared[i].bounds = bounds(shapes[i]);
-			if (flat(shapes[i])) {
-				prepared[i].outline.set(shapes[i].outline, shapes[i].kind == ShapeKind::polygon);
+			const Shape &shape = shapes[i];
+			prepared[i].bounds = bounds(shape);
+			if (shape.planet.exists()) {
+				prepared[i].map = PlanetMap(shape.planet, shape.center);
+			}
+			if (flat(shape)) {
+				prepared[i].outline.set(shape.outline, shape.kind == ShapeKind::polygon);
 			} else {
-				prepared[i].volume = ShapeVolume(shapes[i]);
+				const PlanetMap &map = prepared[i].map;
+				prepared[i].volume = ShapeVolume(map.exists() ? turned_upright(shape, map) : shape);
 			}
 		}
 		includes_ = std::ranges::any_of(shapes, [](const Shape &shape) { return !shape.exclude; });
@@ -78,26 +83,42 @@ ShapeEffect ShapeSet::effect(std::span<const std::uint32_t> near, glm::dvec3 pos
 	return effect;
 }
 
+/// Returns the influence of a box, sphere or cylinder.
+double ShapeSet::volume_influence(std::uint32_t index, glm::dvec3 position) const {
+	const Prepared &prepared = prepared_[index];
+	if (!prepared.map.exists()) {
+		return influence_at(prepared.volume.depth(position), shapes_[index].falloff);
+	}
+	const glm::dvec3 upright = prepared.map.at_middle(position);
+	// A shadow has no effect on the other side of the planet.
+	return upright.y > 0.0 ? influence_at(prepared.volume.depth(upright), shapes_[index].falloff) : 0.0;
+}
+
 double ShapeSet::influence(std::uint32_t index, glm::dvec3 position) const {
 	const Shape &shape = shapes_[index];
 	const Prepared &prepared = prepared_[index];
-	const glm::dvec2 from_above(position.x, position.z);
-	if (!prepared.bounds.contains(from_above)) {
+	if (!prepared.bounds.contains({position.x, position.z})) {
 		// Outside its bounds, a shape has no effect.
 		return 0.0;
 	}
+	if (!flat(shape)) {
+		return volume_influence(index, position);
+	}
+	const PlanetMap &map = prepared.map;
+	const glm::dvec2 from_above = map.exists() ? map.at(position) : glm::dvec2(position.x, position.z);
+	if (map.exists() && !map.contains(from_above)) {
+		return 0.0;
+	}
+	const double scale = map.exists() ? map.scale(from_above) : 1.0;
+	const double falloff = scale * shape.falloff;
 	if (shape.kind == ShapeKind::polygon) {
 		if (!prepared.outline.contains(from_above)) {
 			return 0.0;
 		}
-		return shape.falloff > 0.0 ? influence_at(prepared.outline.distance(from_above, shape.falloff), shape.falloff)
-								   : 1.0;
+		return falloff > 0.0 ? influence_at(prepared.outline.distance(from_above, falloff), falloff) : 1.0;
 	}
-	if (shape.kind == ShapeKind::path) {
-		const double half_width = shape.half_size.x;
-		return influence_at(half_width - prepared.outline.distance(from_above, half_width), shape.falloff);
-	}
-	return influence_at(prepared.volume.depth(position), shape.falloff);
+	const double half_width = scale * shape.half_size.x;
+	return influence_at(half_width - prepared.outline.distance(from_above, half_width), falloff);
 }
 
 } // namespace thicket

@@ -3,6 +3,7 @@
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
 #include "core/rules/outline.hpp"
+#include "core/rules/planet_map.hpp"
 #include "core/rules/rule_factors.hpp"
 #include "core/rules/shape.hpp"
 #include "core/rules/shape_volume.hpp"
@@ -73,9 +74,11 @@ private:
 		Rect bounds;
 		ShapeVolume volume;
 		Outline outline;
+		PlanetMap map; ///< Exists if the shape has a planet.
 	};
 
 	double influence(std::uint32_t index, glm::dvec3 position) const;
+	double volume_influence(std::uint32_t index, glm::dvec3 position) const;
 
 	std::vector<Shape> shapes_;
 	std::vector<Prepared> prepared_; ///< One entry per shape.

@@ -1,5 +1,6 @@
 #include "nodes/region/scatter_region_3d.hpp"
 
+#include "core/rules/planet_map.hpp"
 #include "core/rules/polyline.hpp"
 #include "core/rules/shape_frame.hpp"
 #include "nodes/common/convert.hpp"
@@ -19,10 +20,13 @@ namespace {
 /// The tolerance, in meters, for simplifying the baked points of a path's curve.
 constexpr double path_tolerance = 0.01;
 
-/// Transforms a position from a node's local space to global space and returns its x and z.
-glm::dvec2 on_plane(const Transform3D &frame, glm::dvec3 position) {
-	const glm::dvec3 world = to_core(frame.basis) * position + to_core(frame.origin);
-	return {world.x, world.z};
+/// Returns the mean of positions, which must not be empty.
+glm::dvec3 mean_of(const std::vector<glm::dvec3> &positions) {
+	glm::dvec3 sum(0.0);
+	for (const glm::dvec3 &position : positions) {
+		sum += position;
+	}
+	return sum / static_cast<double>(positions.size());
 }
 
 } // namespace
@@ -126,27 +130,53 @@ bool ScatterRegion3D::path_changed() {
 	return !same;
 }
 
-std::vector<glm::dvec2> ScatterRegion3D::polygon_outline() const {
-	std::vector<glm::dvec2> outline;
-	const Transform3D frame = transform_of(*this);
-	for (const Vector2 &corner : polygon_) {
-		outline.push_back(on_plane(frame, {corner.x, 0.0, corner.y}));
-	}
-	return outline;
+/// Converts a position from the space of a frame (see transform_of) to the host's world.
+glm::dvec3 ScatterRegion3D::to_world(const Transform3D &frame, glm::dvec3 position) const {
+	const glm::dvec3 placed = to_core(frame.basis) * position + to_core(frame.origin);
+	const bool offset = host_ != nullptr && !host_->world_frame().local;
+	return offset ? placed + host_->world_frame().offset : placed;
 }
 
-std::vector<glm::dvec2> ScatterRegion3D::path_outline() const {
-	std::vector<glm::dvec2> outline;
+std::vector<glm::dvec3> ScatterRegion3D::polygon_corners() const {
+	std::vector<glm::dvec3> corners;
+	const Transform3D frame = transform_of(*this);
+	for (const Vector2 &corner : polygon_) {
+		corners.push_back(to_world(frame, {corner.x, 0.0, corner.y}));
+	}
+	return corners;
+}
+
+std::vector<glm::dvec3> ScatterRegion3D::path_points() const {
+	std::vector<glm::dvec3> points;
 	const Path3D *path = followed_path();
 	const Ref<Curve3D> curve = path != nullptr ? path->get_curve() : Ref<Curve3D>();
 	if (curve.is_null()) {
-		return outline;
+		return points;
 	}
 	const Transform3D frame = transform_of(*path);
 	for (const Vector3 &point : curve->get_baked_points()) {
-		outline.push_back(on_plane(frame, to_core(point)));
+		points.push_back(to_world(frame, to_core(point)));
 	}
-	return simplified(outline, path_tolerance);
+	return points;
+}
+
+/// Sets the outline of a polygon or a path, and on a planet also the middle of the outline.
+void ScatterRegion3D::build_outline(const Planet &planet, thicket::Shape &r_shape) const {
+	const std::vector<glm::dvec3> points = shape_ == SHAPE_POLYGON ? polygon_corners() : path_points();
+	if (points.empty()) {
+		return;
+	}
+	PlanetMap map;
+	if (planet.exists()) {
+		r_shape.center = mean_of(points);
+		map = PlanetMap(planet, r_shape.center);
+	}
+	for (const glm::dvec3 &point : points) {
+		r_shape.outline.push_back(map.exists() ? map.at(point) : glm::dvec2(point.x, point.z));
+	}
+	if (shape_ == SHAPE_PATH) {
+		r_shape.outline = simplified(r_shape.outline, path_tolerance);
+	}
 }
 
 Status ScatterRegion3D::build_solid(thicket::Shape &r_shape) const {
@@ -155,7 +185,7 @@ Status ScatterRegion3D::build_solid(thicket::Shape &r_shape) const {
 	if (const Status status = take_apart(to_core(transform.basis), frame); !status.ok()) {
 		return status;
 	}
-	r_shape.center = to_core(transform.origin);
+	r_shape.center = to_world(transform, glm::dvec3(0.0));
 	r_shape.axes = frame.axes;
 	const glm::dvec3 scale = frame.scale;
 	if (shape_ == SHAPE_BOX) {
@@ -175,22 +205,13 @@ Status ScatterRegion3D::build(thicket::Shape &r_shape) const {
 	r_shape.exclude = exclude_;
 	r_shape.ignore_height = ignore_height_;
 	r_shape.falloff = numbers_.falloff;
-	if (shape_ == SHAPE_POLYGON) {
-		r_shape.kind = ShapeKind::polygon;
-		r_shape.outline = polygon_outline();
-	} else if (shape_ == SHAPE_PATH) {
-		r_shape.kind = ShapeKind::path;
-		r_shape.outline = path_outline();
-		r_shape.half_size.x = 0.5 * numbers_.width;
+	r_shape.planet = is_flat() || ignore_height_ ? planet() : Planet();
+	if (is_flat()) {
+		r_shape.kind = shape_ == SHAPE_POLYGON ? ShapeKind::polygon : ShapeKind::path;
+		r_shape.half_size.x = shape_ == SHAPE_PATH ? 0.5 * numbers_.width : 0.0;
+		build_outline(r_shape.planet, r_shape);
 	} else if (const Status status = build_solid(r_shape); !status.ok()) {
 		return status;
-	}
-	if (host_ != nullptr) {
-		const glm::dvec3 offset = host_->world_frame().local ? glm::dvec3(0.0) : host_->world_frame().offset;
-		r_shape.center += is_flat() ? glm::dvec3(0.0) : offset;
-		for (glm::dvec2 &point : r_shape.outline) {
-			point += glm::dvec2(offset.x, offset.z);
-		}
 	}
 	const bool unfinished = (shape_ == SHAPE_POLYGON && r_shape.outline.size() < 3) ||
 			(shape_ == SHAPE_PATH && r_shape.outline.size() < 2);

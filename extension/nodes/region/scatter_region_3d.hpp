@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/planet.hpp"
 #include "core/base/world_frame.hpp"
 #include "core/rules/shapes.hpp"
 #include "nodes/common/guard.hpp"
@@ -38,6 +39,9 @@ public:
 
 	/// The relation between the engine's space and the host's world.
 	virtual const WorldFrame &world_frame() const = 0;
+
+	/// Returns the planet that the host's ground forms, in the host's world.
+	virtual Planet planet() const = 0;
 
 	/// Returns the transform of a node in the tree: in the host's local space if the world is that
 	/// space, otherwise the global one.
@@ -148,10 +152,14 @@ private:
 	/// Returns ErrorCode::missing for an outline with too few points.
 	Status build(thicket::Shape &r_shape) const;
 	Status build_solid(thicket::Shape &r_shape) const;
-	std::vector<glm::dvec2> polygon_outline() const;
-	std::vector<glm::dvec2> path_outline() const;
+	Planet planet() const { return host_ != nullptr ? host_->planet() : Planet(); }
+	glm::dvec3 to_world(const godot::Transform3D &frame, glm::dvec3 position) const;
+	std::vector<glm::dvec3> polygon_corners() const;
+	std::vector<glm::dvec3> path_points() const;
+	void build_outline(const Planet &planet, thicket::Shape &r_shape) const;
 	godot::Path3D *followed_path() const;
 	void add_outline_problems(godot::PackedStringArray &r_problems) const;
+	void add_planet_problems(godot::PackedStringArray &r_problems) const;
 	template <const NumberProperty<RegionSizes, double> &property>
 	static void bind_number();
 

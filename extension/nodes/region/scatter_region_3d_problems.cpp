@@ -7,6 +7,8 @@
 
 #include <godot_cpp/core/object.hpp>
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <cmath>
 
@@ -15,6 +17,9 @@ using namespace godot;
 namespace thicket {
 
 namespace {
+
+/// The least cosine of the angle between a polygon's normal and up: 60 degrees.
+constexpr double least_upright = 0.5;
 
 constexpr bool differ(double a, double b) { return std::abs(a - b) > 1e-4 * std::max(a, b); }
 
@@ -29,8 +34,27 @@ void ScatterRegion3D::add_outline_problems(PackedStringArray &r_problems) const 
 	}
 	if (cast_to<Path3D>(path_.is_empty() ? get_parent() : get_node_or_null(path_)) == nullptr) {
 		r_problems.push_back("No path: set ScatterRegion3D.path to a Path3D, or make the region a child of one.");
-	} else if (is_inside_tree() && path_outline().size() < 2) {
+	} else if (is_inside_tree() && path_points().size() < 2) {
 		r_problems.push_back("The Path3D's curve has fewer than 2 points: the region has no effect.");
+	}
+}
+
+/// Adds the problems of a region that acts at any height on a planet.
+void ScatterRegion3D::add_planet_problems(PackedStringArray &r_problems) const {
+	thicket::Shape shape;
+	const Status status = build(shape);
+	if (!shape.planet.exists() || status.code == ErrorCode::missing) {
+		return;
+	}
+	if (!status.ok()) {
+		r_problems.push_back("The region has no effect: " + sentence(class_name, status) + ".");
+	} else if (shape_ == SHAPE_POLYGON) {
+		const glm::dvec3 normal = glm::normalize(to_core(transform_of(*this).basis)[1]);
+		if (std::abs(glm::dot(normal, shape.planet.up_at(shape.center))) < least_upright) {
+			r_problems.push_back(
+					"ScatterRegion3D.polygon stands on its edge on the planet: turn the node so that its y "
+					"axis points away from the planet's center.");
+		}
 	}
 }
 
@@ -50,6 +74,7 @@ PackedStringArray ScatterRegion3D::get_problems() const {
 		}
 	}
 	if (is_flat()) {
+		add_planet_problems(problems);
 		return problems;
 	}
 	ShapeFrame frame;
@@ -60,6 +85,9 @@ PackedStringArray ScatterRegion3D::get_problems() const {
 	} else if ((shape_ != SHAPE_BOX && differ(scale.x, scale.z)) ||
 			(shape_ == SHAPE_SPHERE && differ(scale.x, scale.y))) {
 		problems.push_back("The node's scale is not the same along all axes: the radius uses the largest.");
+	}
+	if (status.ok()) {
+		add_planet_problems(problems);
 	}
 	return problems;
 }

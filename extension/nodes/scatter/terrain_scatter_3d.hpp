@@ -277,6 +277,7 @@ public:
 	void region_changed(const ScatterRegion3D *p_region) override;
 	godot::String layer_problem(const godot::Variant &p_reference) const override;
 	const WorldFrame &world_frame() const override { return frame_; }
+	Planet planet() const override { return ground_.is_valid() ? ground_->planet() : Planet(); }
 	godot::Transform3D transform_of(const godot::Node3D &p_node) const override;
 
 protected:
@@ -414,6 +415,7 @@ private:
 	FadeViewers fade_viewers_;
 	WindTime wind_time_;
 	RegionRegister regions_;
+	Planet region_planet_; ///< The planet for which the regions were last read.
 	/// The layers before the last change. Kept until the signals for tiles that the change has
 	/// hidden are emitted.
 	SharedLayers former_layers_;

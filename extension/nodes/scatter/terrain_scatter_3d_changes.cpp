@@ -249,6 +249,9 @@ void TerrainScatter3D::apply_changes() {
 	if (!gameplay->alive() || !(ground == ground_)) {
 		return;
 	}
+	if (const Planet now = planet(); std::exchange(region_planet_, now) != now) {
+		regions_.mark_all();
+	}
 	regions_.update(std::exchange(recentered_, false));
 	warn_of_stripped();
 	if (!gameplay->alive()) {
@@ -284,7 +287,7 @@ bool TerrainScatter3D::waits_for_ground() const {
 
 LayerWorld TerrainScatter3D::layer_world(const StateEdits &state_edits) {
 	static const LayerPreviews none;
-	const Planet planet = ground_.is_valid() ? ground_->planet() : Planet();
+	const Planet planet = this->planet();
 	const GroundShell shell =
 			planet.exists() ? ground_->shell(get_instance_id(), planet).widened() : GroundShell::everywhere();
 	return {static_cast<std::uint64_t>(seed_), water_enabled_ ? water_level_ : no_water, biomes_, regions_,

@@ -1,0 +1,58 @@
+#include "core/rules/planet_map.hpp"
+
+#include <glm/geometric.hpp>
+
+#include <cmath>
+
+namespace thicket {
+
+namespace {
+
+/// Directions that are nearly opposite of the middle, for which this number exceeds the denominator of
+/// the projection, have no exact place.
+constexpr double least_share = 1e-6;
+
+double length(const glm::dvec3 &v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
+
+} // namespace
+
+PlanetMap::PlanetMap(const Planet &planet, const glm::dvec3 &middle) :
+		planet_(planet), distance_(length(middle - planet.center)) {
+	const glm::dvec3 up = planet.up_at(middle);
+	// At the top of a planet, the axes are those of the world.
+	const glm::dvec3 start = std::abs(up.x) < 0.9 ? glm::dvec3(1.0, 0.0, 0.0) : glm::dvec3(0.0, 0.0, 1.0);
+	const glm::dvec3 across = start - up * glm::dot(up, start);
+	const glm::dvec3 x = across / length(across);
+	axes_ = {x, up, glm::cross(x, up)};
+}
+
+glm::dvec2 PlanetMap::at(const glm::dvec3 &position) const {
+	const glm::dvec3 up = planet_.up_at(position);
+	const double share = 1.0 + glm::dot(up, axes_[1]);
+	if (!(share > least_share)) {
+		return {2.0 * radii_across * planet_.radius, 0.0}; // Any place that is not on the map.
+	}
+	return 2.0 * planet_.radius / share * glm::dvec2(glm::dot(up, axes_[0]), glm::dot(up, axes_[2]));
+}
+
+glm::dvec3 PlanetMap::direction(glm::dvec2 place) const {
+	const glm::dvec2 tangent = place / (2.0 * planet_.radius); // Of half the angle from the middle.
+	const double squared = tangent.x * tangent.x + tangent.y * tangent.y;
+	return (2.0 * (tangent.x * axes_[0] + tangent.y * axes_[2]) + (1.0 - squared) * axes_[1]) / (1.0 + squared);
+}
+
+double PlanetMap::scale(glm::dvec2 place) const {
+	return 1.0 + (place.x * place.x + place.y * place.y) / (4.0 * planet_.radius * planet_.radius);
+}
+
+bool PlanetMap::contains(glm::dvec2 place) const {
+	const double farthest = radii_across * planet_.radius;
+	return place.x * place.x + place.y * place.y <= farthest * farthest;
+}
+
+glm::dvec3 PlanetMap::at_middle(const glm::dvec3 &position) const {
+	const glm::dvec3 up = planet_.up_at(position);
+	return distance_ * glm::dvec3(glm::dot(up, axes_[0]), glm::dot(up, axes_[1]), glm::dot(up, axes_[2]));
+}
+
+} // namespace thicket
