@@ -6,6 +6,7 @@
 
 #include "tests/analysis/golden_fields.hpp"
 #include "tests/analysis/golden_layers.hpp"
+#include "tests/analysis/golden_planets.hpp"
 #include "tests/analysis/golden_queries.hpp"
 #include "tests/analysis/golden_states.hpp"
 #include "tests/analysis/golden_surfaces.hpp"
@@ -101,16 +102,20 @@ void digest_domain(const DomainCase &one, const char *precision, Digests &r_dige
 	r_digests.emplace_back(std::string("domain, ") + one.name + ", " + precision, digest(points));
 }
 
+std::uint64_t digest_filled(const TileInstances &tile) {
+	if (tile.counts.placed < 50) {
+		fail("a tile is nearly empty");
+	}
+	return digest(tile);
+}
+
 std::uint64_t digest_tile(TileBuilder &builder, const LayerSettings &layer, glm::dvec2 corner) {
 	static const Heightfield near_hills = bench::Hills::at(glm::dvec2(-5000.0, -3000.0));
 	static const Heightfield far_hills = bench::Hills::at(glm::dvec2(5.0e6, 5.0e6));
 	TileInstances tile;
 	const Heightfield &hills = corner.x > 1e6 ? far_hills : near_hills;
 	require(builder.build(layer, hills, {corner, corner + 200.0}, tile));
-	if (tile.counts.placed < 50) {
-		fail("a tile is nearly empty");
-	}
-	return digest(tile);
+	return digest_filled(tile);
 }
 
 Digests all_digests() {
@@ -134,7 +139,7 @@ Digests all_digests() {
 	for (const auto &more : {analysis::field_digests(require), analysis::state_digests(require),
 				 analysis::query_digests("queries", {-50.0, 400.0}, require),
 				 analysis::query_digests("queries, 5 000 km out", {5.0e6 + 2500.0, 5.0e6 + 3400.0}, require),
-				 analysis::surface_digests(require)}) {
+				 analysis::surface_digests(require), analysis::planet_digests(require, digest_filled)}) {
 		digests.insert(digests.end(), more.begin(), more.end());
 	}
 	return digests;
