@@ -118,6 +118,12 @@ def test_hand_placed_instances(godot, godot_xvfb, editor_project):
     assert "hand in game: 0 failed" in printed and not complaints(printed), printed
 
 
+def test_hand_placed_instances_on_a_planet(godot_xvfb, editor_project):
+    """Places instances on the side of a planet with mouse and keys. The checks are in hand_planet.gd."""
+    done = godot_xvfb(["--editor", "--path", editor_project, "--", "hand_planet"], timeout=300)
+    check_passed(done.stdout + done.stderr)
+
+
 def test_shapes(godot_xvfb, editor_project):
     """Runs the checks of regions and their handles in shapes.gd."""
     done = godot_xvfb(["--editor", "--path", editor_project, "--", "shapes"], timeout=600)

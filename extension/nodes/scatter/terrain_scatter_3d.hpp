@@ -31,6 +31,7 @@
 #include <godot_cpp/variant/packed_float32_array.hpp>
 #include <godot_cpp/variant/packed_int64_array.hpp>
 #include <godot_cpp/variant/packed_string_array.hpp>
+#include <godot_cpp/variant/packed_vector3_array.hpp>
 #include <godot_cpp/variant/rect2.hpp>
 #include <godot_cpp/variant/transform3d.hpp>
 #include <godot_cpp/variant/typed_array.hpp>
@@ -189,6 +190,12 @@ public:
 
 	// These methods explain why a layer has an instance at a position, or has none. Call them only
 	// on the main thread.
+
+	/// Used by the editor's tools. `up_at` returns the up direction at a position. `hit_surface`
+	/// returns the first position at which a line enters a surface of the ground, and the normal
+	/// there, or an empty array if there is none.
+	godot::Vector3 up_at(const godot::Vector3 &p_position);
+	godot::PackedVector3Array hit_surface(const godot::Vector3 &p_from, const godot::Vector3 &p_to);
 
 	/// Explains the x and z of a position for each of `p_layers` (see find_layers). If a layer does
 	/// not exist or the position is not finite, prints an error and returns an empty array.

@@ -5,6 +5,7 @@
 
 #include "core/base/tile_grid.hpp"
 #include "core/explain/place_grid.hpp"
+#include "core/terrain/surface_line.hpp"
 #include "nodes/common/convert.hpp"
 #include "nodes/common/engine_arrays.hpp"
 #include "nodes/common/property_check.hpp"
@@ -15,6 +16,7 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -201,6 +203,33 @@ void TerrainScatter3D::explain_layer(const Ref<ScatterLayer> &p_layer, const std
 		explain_changes(*layer, r_explanation);
 		explain_drawing(*layer, r_explanation);
 	}
+}
+
+Vector3 TerrainScatter3D::up_at(const Vector3 &p_position) {
+	const Planet now = planet();
+	if (!now.exists()) {
+		return {0.0F, 1.0F, 0.0F};
+	}
+	move_world();
+	const glm::dvec3 place = to_world(p_position, frame_);
+	return to_engine(frame_.to_engine(place + now.up_at(place)) - frame_.to_engine(place));
+}
+
+PackedVector3Array TerrainScatter3D::hit_surface(const Vector3 &p_from, const Vector3 &p_to) {
+	move_world();
+	const std::shared_ptr<const Terrain> terrain = ground_snapshot_;
+	const Surface *surface = terrain != nullptr ? terrain->surface() : nullptr;
+	if (surface == nullptr) {
+		return {};
+	}
+	const SurfacePosition hit = first_on_line(*surface, to_world(p_from, frame_), to_world(p_to, frame_));
+	if (!std::isfinite(hit.position.x)) {
+		return {};
+	}
+	const glm::dvec3 position = frame_.to_engine(hit.position);
+	const std::array<glm::dvec3, 2> vectors{position, frame_.to_engine(hit.position + hit.normal) - position};
+	return packed<PackedVector3Array>(
+			std::span<const glm::dvec3>(vectors), [](const glm::dvec3 &vector) { return to_engine(vector); });
 }
 
 /// Returns a number for each cell of a grid over a rectangle, row by row. `p_layer` is null for

@@ -3,7 +3,10 @@ extends RefCounted
 ## Finds the position on the ground below the mouse and draws the shapes of tools over the view.
 
 const GroundRay := preload("res://addons/thicket/ground_ray.gd")
+const SurfacePlace := preload("res://addons/thicket/editor/ground/surface_place.gd")
 
+## The length of the ray on a planet, in meters.
+const REACH := 20000.0
 const SIDES := 64
 const PIECES := 24
 
@@ -17,15 +20,19 @@ var _camera: Camera3D
 var _mouse := Vector2.ZERO
 
 
-## Sets [member on_ground] to the ground below a position in the camera's viewport, in pixels. [param ground] may be null.
-func aim(camera: Camera3D, position: Vector2, ground: ScatterGround) -> void:
+## Sets [member on_ground] to the ground below a position in the camera's viewport, in pixels. [param ground] may be null. On a planet, all sides
+## of the ground count if [param scatter] is set, otherwise only its top.
+func aim(camera: Camera3D, position: Vector2, ground: ScatterGround, scatter: TerrainScatter3D = null) -> void:
 	_camera = camera
 	_mouse = position
 	on_ground = Vector3.INF
 	position /= _shrink(camera)
 	from = camera.project_ray_origin(position)
 	direction = camera.project_ray_normal(position)
-	if ground != null:
+	if ground != null and scatter != null and SurfacePlace.is_planet(ground):
+		var met := SurfacePlace.hit(scatter, from, from + direction * REACH)
+		on_ground = met[0] if not met.is_empty() else Vector3.INF
+	elif ground != null:
 		on_ground = GroundRay.hit(ground, from, direction)
 
 

@@ -3,6 +3,7 @@ extends HBoxContainer
 ## The hand tool's settings for planting and moving instances: snapping, alignment with slopes, random values, and the mesh.
 
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
+const SurfacePlace := preload("res://addons/thicket/editor/ground/surface_place.gd")
 
 ## Emitted when the settings of the next instance have changed.
 signal changed
@@ -38,7 +39,7 @@ func _init() -> void:
 	_snap.tooltip_text = "Snap positions to the grid and rotations to steps; hold Ctrl to invert."
 	_snap.toggled.connect(func(_on: bool) -> void: changed.emit())
 	add_child(_snap)
-	_grid = Controls.slider("Grid", "The step of the grid in meters, along x and z.", Vector3(0.05, 64.0, 0.05), 1.0, "m", 88.0)
+	_grid = Controls.slider("Grid", "The step of the grid in meters, along x and z. Planets have no grid.", Vector3(0.05, 64.0, 0.05), 1.0, "m", 88.0)
 	add_child(_grid)
 	_degrees = Controls.slider("Turn", "The rotation step in degrees (key R; Shift+R rotates back).", Vector3(1.0, 180.0, 1.0), 15.0, "°", 88.0)
 	add_child(_degrees)
@@ -133,23 +134,41 @@ func snapped_size(basis: Basis, factor: float, with_control: bool) -> float:
 	return snappedf(size * factor, 0.1) / size if snaps(with_control) and size > 0.0 else factor
 
 
-## Returns the transform of an instance that is planted at a position on the ground.
-func transform_at(place: Vector3, ground: ScatterGround, with_control: bool) -> Transform3D:
-	var at := _on_grid(place, ground, with_control)
-	var up := _up(at, ground)
-	var basis := Basis(Quaternion(Vector3.UP, up)) * Basis(Vector3.UP, _yaw)
-	at += Vector3.UP * _layer.height_offset + up * _layer.offset_along_normal
+## Returns the transform of an instance that is planted at a position on the ground of a scatter.
+func transform_at(place: Vector3, scatter: TerrainScatter3D, with_control: bool) -> Transform3D:
+	var is_planet := SurfacePlace.is_planet(scatter.ground)
+	var at := place if is_planet else _on_grid(place, scatter.ground, with_control)
+	var up := _up_on_planet(at, scatter) if is_planet else _up(at, scatter.ground)
+	var basis := SurfacePlace.upright(up) * Basis(Vector3.UP, _yaw)
+	at += SurfacePlace.up_at(scatter, at) * _layer.height_offset + up * _layer.offset_along_normal
 	return Transform3D(basis * Basis.from_scale(Vector3.ONE * _size), at)
 
 
-## Returns the transform of an instance that is moved to the x and z of a position. The instance keeps its height above the ground.
-func moved(from: Transform3D, place: Vector3, ground: ScatterGround, with_control: bool) -> Transform3D:
+## Returns the transform of an instance that is moved to the ground straight above or below a position. The instance keeps its height above the
+## ground.
+func moved(from: Transform3D, place: Vector3, scatter: TerrainScatter3D, with_control: bool) -> Transform3D:
+	var ground := scatter.ground
+	if SurfacePlace.is_planet(ground):
+		return _moved_on_planet(from, place, scatter)
 	var to := _on_grid(place, ground, with_control)
 	var below := ground.get_height(from.origin)
 	var height := ground.get_height(to)
 	to.y = from.origin.y if is_nan(below) or is_nan(height) else height + from.origin.y - below
 	var lean := Quaternion(_up(from.origin, ground), _up(to, ground)) if _is_way(Way.ALIGN) else Quaternion.IDENTITY
 	return Transform3D(Basis(lean) * from.basis if lean != Quaternion.IDENTITY else from.basis, to)
+
+
+## Returns the transform of an instance that is moved on a planet. It rotates with the up direction.
+func _moved_on_planet(from: Transform3D, place: Vector3, scatter: TerrainScatter3D) -> Transform3D:
+	var below := SurfacePlace.at(scatter, from.origin)
+	var found := SurfacePlace.at(scatter, place)
+	if below.is_empty() or found.is_empty():
+		return from
+	var up := SurfacePlace.up_at(scatter, from.origin)
+	var up_there := SurfacePlace.up_at(scatter, found[0])
+	var to := found[0] + up_there * (from.origin - below[0]).dot(up)
+	var turn := Quaternion(below[1], found[1]) if _is_way(Way.ALIGN) else Quaternion(up, up_there)
+	return Transform3D(Basis(turn) * from.basis, to)
 
 
 func _on_grid(place: Vector3, ground: ScatterGround, with_control: bool) -> Vector3:
@@ -167,6 +186,11 @@ func _up(at: Vector3, ground: ScatterGround) -> Vector3:
 		return Vector3.UP
 	var normal := ground.get_normal(at)
 	return normal.normalized() if normal.is_finite() and normal.y > 0.0 else Vector3.UP
+
+
+func _up_on_planet(at: Vector3, scatter: TerrainScatter3D) -> Vector3:
+	var found := SurfacePlace.at(scatter, at) if _is_way(Way.ALIGN) else PackedVector3Array()
+	return found[1] if not found.is_empty() else SurfacePlace.up_at(scatter, at)
 
 
 func _is_way(way: Way) -> bool:

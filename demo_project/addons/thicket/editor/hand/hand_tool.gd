@@ -8,6 +8,7 @@ const HandFrame := preload("res://addons/thicket/editor/hand/hand_frame.gd")
 const HandPlanting := preload("res://addons/thicket/editor/hand/hand_planting.gd")
 const InstanceGhost := preload("res://addons/thicket/editor/hand/instance_ghost.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
+const SurfacePlace := preload("res://addons/thicket/editor/ground/surface_place.gd")
 
 const SIZE_STEP := 1.1
 const LEAST_SIZE := 0.01
@@ -57,7 +58,7 @@ func input(camera: Camera3D, event: InputEvent) -> int:
 		return NOT_MINE
 	var mouse := event as InputEventMouse
 	_mouse = mouse.position
-	_cursor.aim(camera, mouse.position, ground())
+	_cursor.aim(camera, mouse.position, ground(), scatter)
 	redraw_requested.emit()
 	if mouse is InputEventMouseMotion:
 		if _pressed:
@@ -170,7 +171,7 @@ func _press(mouse: InputEventMouseButton) -> String:
 	_pressed_at = _mouse
 	_start.transform = _frame.transform
 	_start.box = _frame.box
-	_grabbed = _on_plane(_start.transform.origin, Vector3.UP, _cursor.on_ground)
+	_grabbed = _on_plane(_start.transform.origin, SurfacePlace.up_at(scatter, _start.transform.origin), _cursor.on_ground)
 	return ""
 
 
@@ -179,7 +180,7 @@ func _plant(with_control: bool) -> String:
 		return "There is no ground below the mouse: click where the ground is."
 	if not edits.begin(scatter, SceneFiles.edited_scene_path()):
 		return edits.problem
-	var id := edits.add(layer, planting.transform_at(_cursor.on_ground, ground(), with_control), planting.mesh)
+	var id := edits.add(layer, planting.transform_at(_cursor.on_ground, scatter, with_control), planting.mesh)
 	edits.commit("Plant %s" % layer.resource_name)
 	if id == 0:
 		return "No instance of %s was planted; the Output panel has the reason." % layer.resource_name
@@ -211,8 +212,9 @@ func _drag(mouse: InputEventMouse) -> void:
 		_:
 			if not _grabbed.is_finite():
 				return
-			var way := (_on_plane(_grabbed, Vector3.UP, _grabbed) - _grabbed).limit_length(REACH)
-			to = planting.moved(to, to.origin + way, ground(), mouse.ctrl_pressed)
+			var up := SurfacePlace.up_at(scatter, _grabbed)
+			var way := (_on_plane(_grabbed, up, _grabbed) - _grabbed).limit_length(REACH)
+			to = planting.moved(to, to.origin + way, scatter, mouse.ctrl_pressed)
 	_change(to)
 
 
@@ -289,7 +291,7 @@ func _show_ghost() -> void:
 	var free := _hovered == 0 and not _pressed and _obstacle().is_empty() and _cursor.on_ground.is_finite()
 	if free and planting.mesh < _meshes.size():
 		var with_control := Input.is_key_pressed(KEY_CTRL)
-		_ghost.show(scatter, _meshes[planting.mesh], planting.transform_at(_cursor.on_ground, ground(), with_control))
+		_ghost.show(scatter, _meshes[planting.mesh], planting.transform_at(_cursor.on_ground, scatter, with_control))
 	else:
 		_ghost.hide()
 
