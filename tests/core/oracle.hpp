@@ -3,13 +3,16 @@
 #include "core/base/instance_id.hpp"
 #include "core/sampling/dart.hpp"
 #include "core/sampling/level_grid.hpp"
+#include "core/sampling/obstacles.hpp"
 #include "core/sampling/rank.hpp"
 
 #include <glm/common.hpp>
 
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <queue>
+#include <span>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -33,11 +36,14 @@ inline constexpr std::int32_t margin = 34;
 /// shares only the definition of the darts (dart.hpp) with the sampler.
 class StrictTimeHeap {
 public:
-	StrictTimeHeap(const PointSet &set, std::uint32_t level, const CellRect &cells, const Points &coarser) :
-			source_(DartSource::of(set, level)), set_(set), level_(level), cells_(cells) {
+	StrictTimeHeap(const PointSet &set, std::uint32_t level, const CellRect &cells, const Points &coarser,
+			std::span<const Obstacle> obstacles) :
+			source_(DartSource::of(set, level)), set_(set), level_(level), cells_(cells), obstacles_(obstacles) {
 		for (const auto &[cell, point] : coarser) {
 			const glm::i64vec2 lattice = point.lattice * std::int64_t{2};
-			points_[cell_of(lattice)] = {lattice, point.rank};
+			if (!obstructed(lattice)) {
+				points_[cell_of(lattice)] = {lattice, point.rank};
+			}
 		}
 	}
 
@@ -83,6 +89,18 @@ private:
 		return false;
 	}
 
+	/// Returns true if the square between two lattice points lies in a single obstacle.
+	bool obstructed(glm::i64vec2 low, glm::i64vec2 high) const {
+		const double unit = lattice_unit(set_);
+		const glm::dvec2 from = glm::dvec2(low) * unit;
+		const glm::dvec2 to = glm::dvec2(high) * unit;
+		return std::ranges::any_of(obstacles_, [&](const Obstacle &each) {
+			const glm::dvec2 apart = glm::max(glm::abs(from - each.center), glm::abs(to - each.center));
+			return apart.x * apart.x + apart.y * apart.y < each.radius * each.radius;
+		});
+	}
+	bool obstructed(glm::i64vec2 lattice) const { return obstructed(lattice, lattice); }
+
 	void handle(glm::ivec2 cell, DartKey dart) {
 		if (points_.contains({cell.x, cell.y})) {
 			return;
@@ -91,7 +109,9 @@ private:
 		const auto distance2 = [](glm::i64vec2 d) {
 			return d.x * d.x + d.y * d.y;
 		};
-		if (!any_point_near(cell, [&](glm::i64vec2 other) { return distance2(other - lattice) < radius_squared; })) {
+		if (!obstructed(lattice) && !any_point_near(cell, [&](glm::i64vec2 other) {
+				return distance2(other - lattice) < radius_squared;
+			})) {
 			points_[{cell.x, cell.y}] = {lattice, rank_of(set_.levels, level_, dart_time(dart))};
 			return;
 		}
@@ -108,7 +128,7 @@ private:
 			const bool covered = any_point_near(cell, [&](glm::i64vec2 other) {
 				return distance2(glm::max(glm::abs(low - other), glm::abs(high - other))) < radius_squared;
 			});
-			if (!covered) {
+			if (!covered && !obstructed(low, high)) {
 				push(cell, child_dart(dart, child));
 			}
 		}
@@ -118,19 +138,21 @@ private:
 	PointSet set_;
 	std::uint32_t level_;
 	CellRect cells_;
+	std::span<const Obstacle> obstacles_;
 	Points points_;
 	std::priority_queue<Event, std::vector<Event>, std::greater<>> events_;
 };
 
 /// Returns the points of `level` in `cells` and in a margin around them. The points in the margin
-/// may be wrong.
-inline Points points(const PointSet &set, const CellRect &cells, std::uint32_t level = 0) {
+/// may be wrong. Obstacles apply to the finest level.
+inline Points points(
+		const PointSet &set, const CellRect &cells, std::span<const Obstacle> obstacles = {}, std::uint32_t level = 0) {
 	const CellRect domain = cells.grown(margin);
 	Points coarser;
 	if (level + 1 < set.levels) {
-		coarser = points(set, {(domain.min >> 1) - 2, (domain.max >> 1) + 2}, level + 1);
+		coarser = points(set, {(domain.min >> 1) - 2, (domain.max >> 1) + 2}, {}, level + 1);
 	}
-	return StrictTimeHeap(set, level, domain, coarser).run();
+	return StrictTimeHeap(set, level, domain, coarser, obstacles).run();
 }
 
 } // namespace thicket::oracle

@@ -6,6 +6,7 @@ namespace thicket {
 
 void BlockSampler::prepare(const PointSet &set, RankFunction rank) {
 	levels_ = set.levels;
+	unit_ = lattice_unit(set);
 	if (grids_.size() < levels_) {
 		grids_.resize(levels_);
 	}
@@ -19,8 +20,10 @@ void BlockSampler::prepare(const PointSet &set, RankFunction rank) {
 	}
 }
 
-ResolveResult BlockSampler::resolve(const CellRect &block, const std::atomic<bool> *cancel) {
-	margin_ = margins_.first;
+ResolveResult BlockSampler::resolve(
+		const CellRect &block, const std::atomic<bool> *cancel, const Obstacles *obstacles) {
+	margin_ = obstacles != nullptr ? obstacles->margin : margins_.first;
+	const std::int32_t widest = obstacles != nullptr ? obstacles->margin : margins_.widest;
 	for (retries_ = 0;; ++retries_) {
 		const std::span<LevelGrid> levels(grids_.data(), levels_);
 		CellRect needed = block;
@@ -30,11 +33,16 @@ ResolveResult BlockSampler::resolve(const CellRect &block, const std::atomic<boo
 			grid.reset(needed.grown(grid.level == 0 ? margin_ : margin_ + margin_ / 8));
 			needed = coarse_cells_around(needed);
 		}
+		LevelGrid &finest = levels.front();
+		if (obstacles != nullptr) {
+			obstacle_grid_.set(finest, unit_, obstacles->disks);
+		}
+		finest.obstacles = obstacles != nullptr ? &obstacle_grid_ : nullptr;
 		const ResolveResult result = resolve_block(levels, block, cancel);
-		if (result != ResolveResult::margin_too_small || margin_ >= margins_.widest) {
+		if (result != ResolveResult::margin_too_small || margin_ >= widest) {
 			return result;
 		}
-		margin_ = std::min(std::max(2 * margin_, 1), margins_.widest);
+		margin_ = std::min(std::max(2 * margin_, 1), widest);
 	}
 }
 

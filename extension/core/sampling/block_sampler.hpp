@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/sampling/obstacle_grid.hpp"
+#include "core/sampling/obstacles.hpp"
 #include "core/sampling/resolver.hpp"
 
 #include <cstddef>
@@ -18,13 +20,15 @@ public:
 	void prepare(const PointSet &set, RankFunction rank);
 
 	/// Decides all cells of `block`. If the result is not ResolveResult::done, the contents of the
-	/// grids are invalid. `cancel` may be null.
-	ResolveResult resolve(const CellRect &block, const std::atomic<bool> *cancel);
+	/// grids are invalid. `cancel` and `obstacles` may be null. With obstacles, the margin is theirs,
+	/// and it is never widened. Throws std::bad_alloc.
+	ResolveResult resolve(const CellRect &block, const std::atomic<bool> *cancel, const Obstacles *obstacles = nullptr);
 
 	/// Returns the grid of the finest level. Only the cells of the last block are valid.
 	const LevelGrid &finest() const { return grids_.front(); }
 	std::span<const LevelGrid> levels() const { return {grids_.data(), levels_}; }
 	std::uint32_t retries() const { return retries_; }
+	std::size_t obstacle_bytes() const { return obstacle_grid_.bytes(); }
 
 	/// Valid after ResolveResult::margin_too_small: the margin of the finest level in cells, and
 	/// the center of the undecided cell in units of finest cells.
@@ -38,6 +42,8 @@ private:
 	/// memory.
 	std::vector<LevelGrid> grids_;
 	std::size_t levels_ = 0;
+	double unit_ = 1.0; ///< The lattice unit of the finest level in meters.
+	ObstacleGrid obstacle_grid_;
 	std::uint32_t retries_ = 0;
 };
 

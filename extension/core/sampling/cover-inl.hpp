@@ -191,7 +191,7 @@ public:
 		const std::uint32_t reach = far + half + half / 2;
 		squares_[count_] = {around.first, static_cast<std::int32_t>(half) - around.x,
 				static_cast<std::int32_t>(half) - around.y,
-				points_near(grid, around, static_cast<std::int32_t>(reach * reach)), child_level};
+				points_near(grid, around, static_cast<std::int32_t>(reach * reach)), child_level, cell, origin};
 		++count_;
 	}
 
@@ -233,6 +233,12 @@ public:
 				hn::Store(rows[part], du, rows_ + 8 * i + part * hn::MaxLanes(di));
 			}
 		}
+		if (HWY_UNLIKELY(grid.obstacles != nullptr)) {
+			for (std::uint32_t i = 0; i < count_; ++i) {
+				const int part_bits = std::max(lattice_bits - static_cast<int>(squares_[i].child_level) - 2, 0);
+				grid.obstacles->add_covered_parts(grid, squares_[i].cell, squares_[i].origin, part_bits, rows_ + 8 * i);
+			}
+		}
 		for (std::uint32_t i = 0; i < count_; ++i) {
 			found(i,
 					covered(rows_ + 8 * i, std::max(lattice_bits - static_cast<int>(squares_[i].child_level) - 2, 0),
@@ -247,6 +253,8 @@ private:
 		std::int32_t y;
 		std::uint32_t near;
 		std::uint32_t child_level;
+		std::uint32_t cell;
+		CellPosition origin;
 	};
 
 	static HWY_INLINE std::uint32_t covered(const std::uint32_t *rows, int part_bits, std::uint32_t half) {

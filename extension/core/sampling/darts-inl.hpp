@@ -8,6 +8,7 @@
 #endif
 
 #include "core/sampling/level_grid.hpp"
+#include "core/sampling/obstacle_grid.hpp"
 
 #include <glm/common.hpp>
 #include <hwy/highway.h>
@@ -152,6 +153,17 @@ HWY_INLINE void throw_first_darts(LevelGrid &grid, std::int32_t y, std::int32_t 
 	}
 }
 
+/// Closes the sub-squares that obstacles cover. Closed cells throw no dart.
+inline void close_obstructed(LevelGrid &grid) {
+	for (std::int32_t y = grid.cells.min.y; y < grid.cells.max.y; ++y) {
+		const std::uint32_t first = grid.index_of({grid.cells.min.x, y});
+		for (std::uint32_t cell = first; cell < first + static_cast<std::uint32_t>(grid.cells.size().x); ++cell) {
+			grid.open[cell] = grid.obstacles->open(cell);
+			grid.time[cell] = grid.open[cell] == 0 ? time_never : grid.time[cell];
+		}
+	}
+}
+
 /// Clears a grid and throws the first darts of its cells that lie in `wanted`. The times of border
 /// cells stay unknown.
 HWY_INLINE void start_grid(LevelGrid &grid, const CellRect &wanted) {
@@ -166,6 +178,9 @@ HWY_INLINE void start_grid(LevelGrid &grid, const CellRect &wanted) {
 		const std::uint32_t index = grid.index_of({grid.cells.min.x, y});
 		std::fill_n(grid.open.data() + index, grid.cells.size().x, LevelGrid::all_open);
 		std::fill_n(grid.time.data() + index, grid.cells.size().x, time_unthrown);
+	}
+	if (grid.obstacles != nullptr) {
+		close_obstructed(grid);
 	}
 	for (std::int32_t y = thrown.min.y; y < thrown.max.y; ++y) {
 		throw_first_darts(grid, y, thrown.min.x, thrown.max.x);

@@ -30,6 +30,8 @@ constexpr CellRect coarse_cells_around(const CellRect &cells) {
 	return {(cells.min >> 1) - 1, ((cells.max - 1) >> 1) + 2};
 }
 
+class ObstacleGrid;
+
 /// Maps an accepted dart to its rank in the progressive order.
 using RankFunction = std::uint32_t (*)(std::uint32_t levels, std::uint32_t level, TimeKey time);
 
@@ -79,6 +81,7 @@ struct LevelGrid {
 	/// The grid of the next coarser level, whose points are also points of this level. Null for the
 	/// coarsest level.
 	LevelGrid *coarser = nullptr;
+	const ObstacleGrid *obstacles = nullptr; ///< Null for coarser levels, and for a set without obstacles.
 
 	CellRect cells;           ///< The cells without the border.
 	std::uint32_t stride = 0; ///< Offset from one row to the next, in cells.

@@ -93,8 +93,10 @@ HWY_INLINE void hand_down(const LevelGrid &coarse, glm::ivec2 cell, LevelGrid &g
 		return;
 	}
 	const std::uint32_t index = grid.index_of(target);
-	if (grid.point[index] == LevelGrid::no_point) {
-		place_point(grid, index, (x & cell_mask) | (y & cell_mask) << lattice_bits, coarse.dart[source]);
+	const CellPosition inside = (x & cell_mask) | (y & cell_mask) << lattice_bits;
+	if (grid.point[index] == LevelGrid::no_point &&
+			(grid.obstacles == nullptr || !grid.obstacles->covers(grid, index, inside))) {
+		place_point(grid, index, inside, coarse.dart[source]);
 	}
 }
 
@@ -198,15 +200,31 @@ HWY_INLINE bool wait(LevelGrid &grid, std::uint32_t cell, TimeKey until) {
 	return true;
 }
 
+/// Moves the cells whose dart falls on an obstacle to the covered ones.
+HWY_NOINLINE void reject_obstructed(const LevelGrid &grid, Work &work) {
+	const std::uint32_t count = work.open.count;
+	work.open.count = 0;
+	for (std::uint32_t i = 0; i < count; ++i) {
+		const Item item = work.open.items[i];
+		const std::uint32_t cell = cell_of(item);
+		const bool is_covered = grid.obstacles->covers(grid, cell, dart_position(grid.dart[cell]));
+		work.covered.add_if(item, is_covered);
+		work.open.add_if(item, !is_covered);
+	}
+}
+
 /// Decides one dart of each cell of `work`. The decisions are independent. A dart is accepted only
 /// if all other cells that its disk reaches have later darts. It is rejected only because of an
-/// accepted point. Blocked cells, and the cells that block them, are added to grid.wanted. Cells
+/// accepted point or an obstacle. Blocked cells, and the cells that block them, are added to grid.wanted. Cells
 /// whose next dart is due stay in `work`. Returns false if the result could depend on a dart
 /// outside the grid.
 template <bool from_list>
 HWY_NOINLINE bool decide(LevelGrid *levels, std::uint32_t level, Work &work) {
 	LevelGrid &grid = levels[level];
 	Group accepted, blocked;
+	if (HWY_UNLIKELY(grid.obstacles != nullptr)) {
+		reject_obstructed(grid, work);
+	}
 	if (grid.coarser != nullptr && !make_ready(levels, level, work.open)) {
 		return false;
 	}

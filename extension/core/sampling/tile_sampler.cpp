@@ -149,6 +149,9 @@ struct TileSampler::Workspace {
 	SampleStats stats;
 	std::vector<std::unique_ptr<Workspace>> others; ///< One workspace per lent thread, kept to reuse memory.
 
+	/// The obstacles of the current call; null if there are none.
+	const Obstacles *obstacles = nullptr;
+
 	Status sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points, const Progress &progress,
 			CallerThreads *threads);
 	Status sample_block(const PointSet &set, const Rect &rect, const CellRect &block, const std::atomic<bool> *cancel,
@@ -183,7 +186,7 @@ void TileSampler::Workspace::collect(
 
 void TileSampler::Workspace::count() {
 	stats.retries += blocks.retries();
-	stats.workspace_bytes = 0;
+	stats.workspace_bytes = blocks.obstacle_bytes();
 	for (const LevelGrid &grid : blocks.levels()) {
 		const glm::ivec2 size = grid.cells.size();
 		stats.computed += grid.accepted;
@@ -202,7 +205,7 @@ Status TileSampler::Workspace::too_wide(const PointSet &set) const {
 /// Appends the points of a block.
 Status TileSampler::Workspace::sample_block(const PointSet &set, const Rect &rect, const CellRect &block,
 		const std::atomic<bool> *cancel, std::vector<SamplePoint> &r_points) {
-	switch (blocks.resolve(block, cancel)) {
+	switch (blocks.resolve(block, cancel, obstacles)) {
 		case ResolveResult::done: break;
 		case ResolveResult::cancelled: return {ErrorCode::cancelled, "sample", 0.0};
 		case ResolveResult::margin_too_small: return too_wide(set);
@@ -217,7 +220,8 @@ Status TileSampler::Workspace::sample_block(const PointSet &set, const Rect &rec
 bool TileSampler::Workspace::take_settled(const PointSet &set, const Rect &rect, const CellRect &cells,
 		const std::atomic<bool> *cancel, std::vector<SamplePoint> &r_points) {
 	const glm::ivec2 size = cells.size();
-	if (cache == nullptr || std::min(size.x, size.y) <= 0 ||
+	// Cached blocks belong to sets without obstacles.
+	if (cache == nullptr || obstacles != nullptr || std::min(size.x, size.y) <= 0 ||
 			std::max(size.x, size.y) > BlockCache::widest_window(set.levels)) {
 		return false;
 	}
@@ -250,6 +254,7 @@ Status TileSampler::Workspace::sample_together(const PointSet &set, const Rect &
 	}
 	for (const std::unique_ptr<Workspace> &other : others) {
 		other->blocks.prepare(set, rank_of);
+		other->obstacles = obstacles;
 		other->stats = {};
 	}
 	std::vector<std::vector<SamplePoint>> parts(blocks_each * (others.size() + 1));
@@ -361,7 +366,7 @@ TileSampler &TileSampler::operator=(TileSampler &&) noexcept = default;
 const SampleStats &TileSampler::stats() const { return workspace_->stats; }
 
 Status TileSampler::sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
-		const Progress &progress, CallerThreads *threads) {
+		const Progress &progress, CallerThreads *threads, const Obstacles *obstacles) {
 	Status status = validate(set);
 	if (status.ok()) {
 		status = validate_rect(set, rect);
@@ -369,6 +374,7 @@ Status TileSampler::sample(const PointSet &set, const Rect &rect, std::vector<Sa
 	if (!status.ok()) {
 		return status;
 	}
+	workspace_->obstacles = obstacles;
 	status = guarded("rect", enough_points(set, rect) * sizeof(SamplePoint),
 			[&] { return workspace_->sample(set, rect, r_points, progress, threads); });
 	if (status.code == ErrorCode::out_of_memory) {

@@ -3,6 +3,7 @@
 #include "core/base/caller_threads.hpp"
 #include "core/base/progress.hpp"
 #include "core/base/rect.hpp"
+#include "core/sampling/obstacles.hpp"
 #include "core/sampling/point_set.hpp"
 
 #include <cstddef>
@@ -65,8 +66,13 @@ public:
 	///
 	/// If `threads` is not null, its threads share a rectangle that spans several blocks. A block
 	/// is 128 cells, or 90 radii, wide. The result is the same.
+	///
+	/// If `obstacles` is not null, the set is filled: it is maximal outside of the obstacles. Ids and
+	/// the radius stay the same. The margin is then that of the obstacles. If it is too narrow, the
+	/// call fails with ErrorCode::margin_too_wide, and the caller can provide the obstacles of a wider
+	/// area. Filled sets do not use the cache.
 	Status sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
-			const Progress &progress = {}, CallerThreads *threads = nullptr);
+			const Progress &progress = {}, CallerThreads *threads = nullptr, const Obstacles *obstacles = nullptr);
 
 	const SampleStats &stats() const;
 

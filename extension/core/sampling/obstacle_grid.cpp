@@ -1,0 +1,213 @@
+#include "core/sampling/obstacle_grid.hpp"
+
+#include "core/base/floating_point.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace thicket {
+
+namespace {
+
+/// Distances are shortened by this many lattice units, so that rounding never makes a covered part
+/// too large.
+constexpr double slack = 0.01;
+
+constexpr double side = cell_size;
+constexpr double sub_side = 1 << sub_bits;
+
+/// A range of columns: [from, to).
+struct Range {
+	std::int32_t from = 0;
+	std::int32_t to = 0;
+};
+
+/// Return a value rounded down or up, and limited to [0, last]. They need no call of a library.
+std::int32_t floor_within(double value, std::int32_t last) {
+	return static_cast<std::int32_t>(std::clamp(value, 0.0, static_cast<double>(last)));
+}
+std::int32_t ceil_within(double value, std::int32_t last) {
+	const std::int32_t below = floor_within(value, last);
+	return below < last && static_cast<double>(below) < value ? below + 1 : below;
+}
+
+/// Returns the squares of a row that a disk covers as a whole. The row spans the lattice units [y, y
+/// + width), relative to the same origin as the disk. There are `count` squares of this width.
+Range covered_squares(const ObstacleGrid::Disk &disk, double y, double width, std::int32_t count) {
+	const double last = width - 1.0;
+	const double apart = std::max(std::abs(y - disk.center.y), std::abs(y + last - disk.center.y)) + slack;
+	if (apart >= disk.radius) {
+		return {};
+	}
+	const double half = std::sqrt(disk.radius * disk.radius - apart * apart) - slack;
+	const Range range{ceil_within((disk.center.x - half) / width, count),
+			floor_within((disk.center.x + half + 1.0) / width, count)};
+	return range.from < range.to ? range : Range{};
+}
+
+/// Returns the cells of a row that a disk may reach.
+Range reached_cells(const ObstacleGrid::Disk &disk, double y, std::int32_t count) {
+	const double gap = std::max({0.0, y - disk.center.y, disk.center.y - (y + side - 1.0)}) - slack;
+	const double radius = disk.radius + slack;
+	if (gap >= radius) {
+		return {};
+	}
+	const double half = (gap > 0.0 ? std::sqrt(radius * radius - gap * gap) : radius) + slack;
+	return {floor_within((disk.center.x - half) / side, count),
+			floor_within((disk.center.x + half) / side + 1.0, count)};
+}
+
+/// Returns a mask of the bits [from, to) of a byte.
+std::uint32_t bits_between(std::int32_t from, std::int32_t to) {
+	const std::int32_t first = std::clamp(from, 0, 8);
+	const std::int32_t end = std::clamp(to, 0, 8);
+	return first < end ? (0xffu << first & 0xffu) & (0xffu >> (8 - end)) : 0;
+}
+
+} // namespace
+
+double fill_distance(const PointSet &set, std::int32_t cells) {
+	// The rectangle may begin anywhere in its first cell. One more cell covers rounding.
+	return (cells + 2) * set.radius / std::numbers::sqrt2;
+}
+
+void ObstacleGrid::set(const LevelGrid &grid, double unit, std::span<const Obstacle> obstacles) {
+	unit_ = unit;
+	obstacles_ = obstacles;
+	const glm::dvec2 corner = glm::dvec2(grid.cells.min) * side;
+	disks_.clear();
+	for (const Obstacle &obstacle : obstacles) {
+		disks_.push_back({obstacle.center / unit - corner, obstacle.radius / unit});
+	}
+	const std::size_t count =
+			std::size_t{grid.stride} * static_cast<std::size_t>(grid.cells.size().y + 2 * LevelGrid::border);
+	open_.assign(count, LevelGrid::all_open);
+	first_.assign(count, 0);
+	entries_.clear();
+	cover_whole_cells(grid);
+	cover_parts(grid);
+}
+
+/// Closes the cells that a single obstacle covers. Large obstacles cover many cells, so only the ends
+/// of each row are visited.
+void ObstacleGrid::cover_whole_cells(const LevelGrid &grid) {
+	const glm::ivec2 size = grid.cells.size();
+	const auto width = static_cast<std::size_t>(size.x) + 1;
+	steps_.assign(width * static_cast<std::size_t>(size.y), 0);
+	for (const Disk &disk : disks_) {
+		const std::int32_t last = floor_within((disk.center.y + disk.radius) / side + 1.0, size.y);
+		for (std::int32_t y = floor_within((disk.center.y - disk.radius) / side, size.y); y < last; ++y) {
+			const Range covered = covered_squares(disk, y * side, side, size.x);
+			std::int32_t *row = steps_.data() + static_cast<std::size_t>(y) * width;
+			++row[covered.from];
+			--row[covered.to];
+		}
+	}
+	for (std::int32_t y = 0; y < size.y; ++y) {
+		const std::int32_t *row = steps_.data() + static_cast<std::size_t>(y) * width;
+		const std::uint32_t first = grid.index_of(grid.cells.min + glm::ivec2(0, y));
+		std::int32_t covering = 0;
+		for (std::int32_t x = 0; x < size.x; ++x) {
+			covering += row[x];
+			open_[first + static_cast<std::uint32_t>(x)] = covering > 0 ? 0 : LevelGrid::all_open;
+		}
+	}
+}
+
+/// Lists the obstacles of the other cells, and closes the sub-squares that they cover.
+void ObstacleGrid::cover_parts(const LevelGrid &grid) {
+	const std::int32_t rows = grid.cells.size().y;
+	for (std::uint32_t obstacle = 0; obstacle < disks_.size(); ++obstacle) {
+		const Disk &disk = disks_[obstacle];
+		const std::int32_t last = floor_within((disk.center.y + disk.radius + 1.0) / side + 1.0, rows);
+		for (std::int32_t y = floor_within((disk.center.y - disk.radius - 1.0) / side, rows); y < last; ++y) {
+			add_entries(grid, obstacle, y);
+		}
+	}
+}
+
+/// Adds an obstacle to the cells of a row that it reaches.
+void ObstacleGrid::add_entries(const LevelGrid &grid, std::uint32_t obstacle, std::int32_t y) {
+	const Disk &disk = disks_[obstacle];
+	const std::int32_t columns = grid.cells.size().x;
+	const Range reached = reached_cells(disk, y * side, columns);
+	if (reached.from >= reached.to) {
+		return;
+	}
+	const Range whole = covered_squares(disk, y * side, side, columns);
+	std::array<Range, 8> covered;
+	for (std::int32_t row = 0; row < 8; ++row) {
+		covered[static_cast<std::size_t>(row)] =
+				covered_squares(disk, y * side + row * sub_side, sub_side, 8 * columns);
+	}
+	const std::uint32_t first = grid.index_of(grid.cells.min + glm::ivec2(0, y));
+	for (std::int32_t x = reached.from; x < reached.to; ++x) {
+		if (whole.from <= x && x < whole.to) {
+			x = whole.to - 1;
+			continue;
+		}
+		const std::uint32_t cell = first + static_cast<std::uint32_t>(x);
+		if (open_[cell] == 0) {
+			continue;
+		}
+		std::uint64_t parts = 0;
+		for (std::uint32_t row = 0; row < 8; ++row) {
+			parts |= std::uint64_t{bits_between(covered[row].from - 8 * x, covered[row].to - 8 * x)} << 8 * row;
+		}
+		open_[cell] &= ~parts;
+		entries_.push_back({obstacle, first_[cell]});
+		first_[cell] = static_cast<std::uint32_t>(entries_.size());
+	}
+}
+
+bool ObstacleGrid::covers(const LevelGrid &grid, std::uint32_t cell, CellPosition position) const {
+	if ((open_[cell] >> sub_square_of(position) & 1) == 0) {
+		return true;
+	}
+	if (first_[cell] == 0) {
+		return false;
+	}
+	const glm::ivec2 corner = grid.cell_of(cell);
+	const auto world = [this](std::int32_t first, std::uint32_t inside) {
+		return static_cast<double>(std::int64_t{first} * cell_size + inside) * unit_;
+	};
+	// The same expressions as for the distances between instances of layers, so that both agree on
+	// every bit.
+	const glm::dvec2 place(world(corner.x, position_x(position)), world(corner.y, position_y(position)));
+	for (std::uint32_t at = first_[cell]; at != 0; at = entries_[at - 1].next) {
+		const Obstacle &obstacle = obstacles_[entries_[at - 1].obstacle];
+		const glm::dvec2 apart = obstacle.center - place;
+		if (apart.x * apart.x + apart.y * apart.y < obstacle.radius * obstacle.radius) {
+			return true;
+		}
+	}
+	return false;
+}
+
+void ObstacleGrid::add_covered_parts(
+		const LevelGrid &grid, std::uint32_t cell, CellPosition origin, int part_bits, std::uint32_t *r_rows) const {
+	if (first_[cell] == 0) {
+		return;
+	}
+	const double width = 1 << part_bits;
+	const glm::dvec2 corner =
+			glm::dvec2(grid.cell_of(cell) - grid.cells.min) * side + glm::dvec2(position_x(origin), position_y(origin));
+	for (std::uint32_t at = first_[cell]; at != 0; at = entries_[at - 1].next) {
+		const Disk &disk = disks_[entries_[at - 1].obstacle];
+		const Disk here{disk.center - corner, disk.radius};
+		for (std::int32_t row = 0; row < 8; ++row) {
+			const Range covered = covered_squares(here, row * width, width, 8);
+			r_rows[row] |= bits_between(covered.from, covered.to);
+		}
+	}
+}
+
+std::size_t ObstacleGrid::bytes() const {
+	return disks_.capacity() * sizeof(Disk) + open_.capacity() * sizeof(std::uint64_t) +
+			first_.capacity() * sizeof(std::uint32_t) + entries_.capacity() * sizeof(Entry) +
+			steps_.capacity() * sizeof(std::int32_t);
+}
+
+} // namespace thicket
