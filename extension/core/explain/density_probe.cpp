@@ -13,10 +13,13 @@ struct DensityProbe::Workspace {
 	explicit Workspace(const SampleMargins &margins) : filter(margins) {}
 
 	Status find(const LayerSettings &layer, std::span<const glm::dvec2> places, std::span<const Ground> on_surface,
-			const Rect &rect, bool explains, const Surface *surface, const Surface *grown);
+			const Rect &rect, const Surface *surface, const Surface *grown);
+	void gather_positions();
+	Status check_ground(std::span<const Ground> known) const;
 
 	TileFilter filter;
 	bool found = false;
+	bool explains = false; ///< True if the queries must include normals.
 	std::vector<glm::dvec2> positions;
 	std::vector<GroundQuery> queries;
 	std::vector<Ground> ground;
@@ -25,8 +28,7 @@ struct DensityProbe::Workspace {
 };
 
 Status DensityProbe::Workspace::find(const LayerSettings &layer, std::span<const glm::dvec2> places,
-		std::span<const Ground> on_surface, const Rect &rect, bool explains, const Surface *surface,
-		const Surface *grown) {
+		std::span<const Ground> on_surface, const Rect &rect, const Surface *surface, const Surface *grown) {
 	LayerSettings rules = layer;
 	// Layers on which colors depend take time to evaluate and do not affect the density.
 	rules.instance_data = {};
@@ -46,6 +48,12 @@ Status DensityProbe::Workspace::find(const LayerSettings &layer, std::span<const
 	if (const Status status = filter.sample_around(places, on_surface, space, surface, grown); !status.ok()) {
 		return status;
 	}
+	gather_positions();
+	found = true;
+	return {};
+}
+
+void DensityProbe::Workspace::gather_positions() {
 	positions.clear();
 	queries.clear();
 	filter.add_queries(positions, queries);
@@ -53,8 +61,15 @@ Status DensityProbe::Workspace::find(const LayerSettings &layer, std::span<const
 		// Explanations include the slope, which needs the normal.
 		query.needs.normals = query.needs.normals || explains;
 	}
-	found = true;
-	return {};
+}
+
+/// Returns an error unless `known` is the ground at the positions.
+Status DensityProbe::Workspace::check_ground(std::span<const Ground> known) const {
+	if (!found) {
+		return {ErrorCode::missing, "places", 0.0};
+	}
+	return known.size() != positions.size() ? Status::wrong_size("ground", known.size(), exactly(positions.size()))
+											: Status();
 }
 
 DensityProbe::DensityProbe(const SampleMargins &margins) : workspace_(std::make_unique<Workspace>(margins)) {}
@@ -75,8 +90,23 @@ Status DensityProbe::find(const LayerSettings &layer, std::span<const glm::dvec2
 	if (!rect.finite()) {
 		return {ErrorCode::not_finite, "places", rect.min.x};
 	}
+	workspace_->explains = explains;
 	return guarded("places", static_cast<double>(places.size()),
-			[&] { return workspace_->find(layer, places, on_surface, rect, explains, surface, grown); });
+			[&] { return workspace_->find(layer, places, on_surface, rect, surface, grown); });
+}
+
+bool DensityProbe::is_complete() const { return workspace_->filter.is_complete(); }
+
+Status DensityProbe::find_further(std::span<const Ground> ground) {
+	if (const Status status = workspace_->check_ground(ground); !status.ok()) {
+		return status;
+	}
+	return guarded("ground", static_cast<double>(ground.size()), [&] {
+		const Status status = workspace_->filter.sample_further(ground);
+		workspace_->gather_positions();
+		workspace_->found = status.ok();
+		return status;
+	});
 }
 
 std::span<const glm::dvec2> DensityProbe::positions() const { return workspace_->positions; }
@@ -84,16 +114,17 @@ std::span<const glm::dvec2> DensityProbe::positions() const { return workspace_-
 std::span<const GroundQuery> DensityProbe::queries() const { return workspace_->queries; }
 
 Status DensityProbe::look(std::span<const Ground> ground) {
-	if (!workspace_->found) {
-		return {ErrorCode::missing, "places", 0.0};
+	Status status = workspace_->check_ground(ground);
+	if (status.ok() && !is_complete()) {
+		status = {ErrorCode::missing, "places", 0.0};
 	}
-	if (ground.size() != workspace_->positions.size()) {
-		return Status::wrong_size("ground", ground.size(), exactly(workspace_->positions.size()));
+	if (!status.ok()) {
+		return status;
 	}
 	return guarded("ground", static_cast<double>(ground.size()), [&] {
 		Workspace &work = *workspace_;
 		work.ground.assign(ground.begin(), ground.end());
-		work.own_ground = std::span<const Ground>(work.ground).last(work.filter.own().position_count());
+		work.own_ground = work.filter.all_own_ground(work.ground);
 		return work.filter.filter_neighbors(work.ground);
 	});
 }

@@ -22,8 +22,9 @@ inline constexpr double max_probed_points = 4e6;
 /// Evaluates the density of a layer's rules at arbitrary positions. The probe runs the same code as
 /// tile generation. A point of the set at such a position would become an instance if its rank were
 /// below the density. A probe works in two steps, because the ground may have to be queried on
-/// another thread. Call `find`, query the ground at `positions()`, then call `look`. Probes can be
-/// reused, like a TileBuilder, and each thread needs its own.
+/// another thread. Call `find`, query the ground at `positions()`, then call `look`. If other layers
+/// fill gaps, call `find_further` until is_complete(), as for TileBuilder. Probes can be reused, like
+/// a TileBuilder, and each thread needs its own.
 class DensityProbe {
 public:
 	explicit DensityProbe(const SampleMargins &margins = {});
@@ -43,8 +44,12 @@ public:
 	Status find(const LayerSettings &layer, std::span<const glm::dvec2> places, bool explains = false,
 			const Surface *surface = nullptr, std::span<const Ground> on_surface = {}, const Surface *grown = nullptr);
 
-	/// These functions return the positions at which `look` needs the ground, and the queries that
-	/// group these positions. Both lists are valid until the next call to `find`.
+	/// Continue `find` with the ground at positions(); see TileBuilder::find_further.
+	bool is_complete() const;
+	Status find_further(std::span<const Ground> ground);
+
+	/// These functions return the positions at which the next call needs the ground, and the queries
+	/// that group these positions. Both lists are valid until that call.
 	std::span<const glm::dvec2> positions() const;
 	std::span<const GroundQuery> queries() const;
 

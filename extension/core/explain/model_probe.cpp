@@ -14,24 +14,43 @@ constexpr double radii_around = 4.0;
 
 Status ModelProbe::find(const LayerSettings &layer, const glm::dvec3 &place, const Surface *surface) {
 	return guarded("place", place.x, [&] {
-		positions_.clear();
-		queries_.clear();
 		filter_.set(layer);
 		const glm::dvec2 center(place.x, place.z);
 		const double around = radii_around * layer.set.radius;
 		// A whole column may extend through a planet.
 		const TileSpace space({center - around, center + around}, place.y - around, place.y + around);
 		const Status status = filter_.sample(space, surface, nullptr);
-		if (status.ok()) {
-			filter_.add_queries(positions_, queries_);
-		}
+		gather_positions();
+		return status;
+	});
+}
+
+void ModelProbe::gather_positions() {
+	positions_.clear();
+	queries_.clear();
+	filter_.add_queries(positions_, queries_);
+}
+
+/// Returns an error unless `ground` is the ground at the positions.
+Status ModelProbe::check_ground(std::span<const Ground> ground) const {
+	return ground.size() != positions_.size() ? Status::wrong_size("ground", ground.size(), exactly(positions_.size()))
+											  : Status();
+}
+
+Status ModelProbe::find_further(std::span<const Ground> ground) {
+	if (const Status status = check_ground(ground); !status.ok()) {
+		return status;
+	}
+	return guarded("ground", static_cast<double>(ground.size()), [&] {
+		const Status status = filter_.sample_further(ground);
+		gather_positions();
 		return status;
 	});
 }
 
 Status ModelProbe::models(std::span<const Ground> ground, std::unique_ptr<const Surface> &r_models) {
-	if (ground.size() != positions_.size()) {
-		return Status::wrong_size("ground", ground.size(), exactly(positions_.size()));
+	if (const Status status = check_ground(ground); !status.ok()) {
+		return status;
 	}
 	return guarded("ground", static_cast<double>(ground.size()), [&] {
 		const Status status = filter_.filter_neighbors(ground);

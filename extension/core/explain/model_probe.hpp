@@ -18,8 +18,12 @@ public:
 	/// hosted. `surface` is the surface of the ground, or null if there is none.
 	Status find(const LayerSettings &layer, const glm::dvec3 &place, const Surface *surface);
 
-	/// These functions return the positions at which `models` needs the ground, and the queries for
-	/// these positions.
+	/// Continue `find` with the ground at positions(); see TileBuilder::find_further.
+	bool is_complete() const { return filter_.is_complete(); }
+	Status find_further(std::span<const Ground> ground);
+
+	/// These functions return the positions at which the next call needs the ground, and the queries
+	/// for these positions.
 	std::span<const glm::dvec2> positions() const { return positions_; }
 	std::span<const GroundQuery> queries() const { return queries_; }
 
@@ -28,6 +32,9 @@ public:
 	Status models(std::span<const Ground> ground, std::unique_ptr<const Surface> &r_models);
 
 private:
+	Status check_ground(std::span<const Ground> ground) const;
+	void gather_positions();
+
 	TileFilter filter_{SampleMargins()};
 	std::vector<glm::dvec2> positions_;
 	std::vector<GroundQuery> queries_;

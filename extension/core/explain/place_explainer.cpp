@@ -1,10 +1,12 @@
 #include "core/explain/place_explainer.hpp"
 
 #include "core/base/guard.hpp"
-#include "core/sampling/nearest_points.hpp"
+#include "core/base/instance_id.hpp"
+#include "core/sampling/dart.hpp"
 #include "core/surface/surface_sampler.hpp"
 #include "core/terrain/nearest_position.hpp"
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -50,12 +52,39 @@ Status PlaceExplainer::find(
 }
 
 Status PlaceExplainer::find_on_top(const LayerSettings &layer, glm::dvec2 place, const Surface *surface) {
-	if (const Status status = nearest_points(sampler_, layer.set, {&place, 1}, point_); !status.ok()) {
-		return status;
+	const Status status = points_.find(layer, {&place, 1});
+	place_ = place;
+	surface_ = surface;
+	if (!status.ok() || points_.is_complete()) {
+		return status.ok() ? probe_on_top(layer) : status;
 	}
-	distance_ = glm::distance(place, point_.front().position);
-	const std::array<glm::dvec2, 2> places{place, point_.front().position};
-	return probe_.find(layer, places, true, surface);
+	return guarded("place", place.x, [&] {
+		layer_ = layer;
+		return Status();
+	});
+}
+
+/// Prepares the probe, once the point is known.
+Status PlaceExplainer::probe_on_top(const LayerSettings &layer) {
+	point_.assign(points_.points().begin(), points_.points().end());
+	has_point_ = std::isfinite(point_.front().position.x);
+	if (!has_point_) {
+		// No other point lies in the position's cell, because it would be nearer than the radius.
+		const double cell = lattice_unit(layer.set) * cell_size;
+		point_.front().position = place_;
+		point_.front().id = pack({layer.set.layer, glm::ivec2(glm::floor(place_ / cell))});
+	}
+	distance_ = glm::distance(place_, point_.front().position);
+	const std::array<glm::dvec2, 2> places{place_, point_.front().position};
+	return probe_.find(layer, places, true, surface_);
+}
+
+Status PlaceExplainer::find_further(std::span<const Ground> ground) {
+	if (points_.is_complete()) {
+		return probe_.find_further(ground);
+	}
+	const Status status = points_.find_further(ground);
+	return status.ok() && points_.is_complete() ? probe_on_top(layer_) : status;
 }
 
 /// Prepares the explanation of a position on `grown`, the surface on which the layer grows.
@@ -63,6 +92,8 @@ Status PlaceExplainer::find_on_top(const LayerSettings &layer, glm::dvec2 place,
 /// none.
 Status PlaceExplainer::find_on_surface(
 		const LayerSettings &layer, const glm::dvec3 &place, const Surface &grown, const Surface *ground_surface) {
+	points_.clear();
+	has_point_ = true;
 	const double radius = layer.set.radius;
 	const SurfacePosition here = nearest_position(grown, place, radius);
 	if (!(glm::distance(here.position, place) <= radius)) {
@@ -109,6 +140,7 @@ Status PlaceExplainer::explain(std::span<const Ground> ground, PlaceExplanation 
 	if (status.ok()) {
 		r_explanation.point = point_.front();
 		r_explanation.distance = distance_;
+		r_explanation.has_point = has_point_;
 	}
 	return status;
 }

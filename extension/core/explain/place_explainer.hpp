@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/explain/density_probe.hpp"
+#include "core/explain/point_probe.hpp"
 #include "core/rules/rule_factors.hpp"
 
 #include <glm/vec2.hpp>
@@ -30,13 +31,17 @@ struct PlaceExplanation {
 	SamplePoint point{};
 	double distance = 0.0; ///< Distance from the position to the point, in meters.
 	RuleResult at_point;
+	/// False if there is no point within the radius, because the layer fills gaps and the position
+	/// is too near to a neighbor's instance. `point` is then the position itself, with the id of its
+	/// cell.
+	bool has_point = true;
 
 	/// Returns true if the rules allow an instance at the position itself.
 	bool allowed() const { return place.density > 0.0; }
 
 	/// Returns true if the rules keep the point. The point is then an instance, unless a game has
 	/// removed it.
-	bool is_placed() const { return thicket::is_placed(point.rank, at_point.density); }
+	bool is_placed() const { return has_point && thicket::is_placed(point.rank, at_point.density); }
 };
 
 /// Explains the rules' results at positions, with the same code that generates tiles. It works in
@@ -53,8 +58,16 @@ public:
 	Status find(const LayerSettings &layer, const glm::dvec3 &place, const Surface *surface = nullptr,
 			const Surface *models = nullptr);
 
-	std::span<const glm::dvec2> positions() const { return probe_.positions(); }
-	std::span<const GroundQuery> queries() const { return probe_.queries(); }
+	/// Continue `find` with the ground at positions(); see TileBuilder::find_further.
+	bool is_complete() const { return points_.is_complete() && probe_.is_complete(); }
+	Status find_further(std::span<const Ground> ground);
+
+	std::span<const glm::dvec2> positions() const {
+		return points_.is_complete() ? probe_.positions() : points_.positions();
+	}
+	std::span<const GroundQuery> queries() const {
+		return points_.is_complete() ? probe_.queries() : points_.queries();
+	}
 
 	/// Completes the explanation. Call this function after `find`, with the ground at all
 	/// positions. After an error, the content of `r_explanation` is unspecified.
@@ -65,7 +78,13 @@ private:
 	Status find_on_surface(
 			const LayerSettings &layer, const glm::dvec3 &place, const Surface &grown, const Surface *ground_surface);
 
-	TileSampler sampler_;
+	Status probe_on_top(const LayerSettings &layer);
+
+	PointProbe points_;
+	LayerSettings layer_; ///< The layer to explain on the top of the ground.
+	glm::dvec2 place_{0.0};
+	const Surface *surface_ = nullptr;
+	bool has_point_ = true;
 	DensityProbe probe_;
 	double distance_ = 0.0;
 	std::vector<SamplePoint> point_; ///< Contains only the nearest point.

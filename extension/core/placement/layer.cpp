@@ -46,6 +46,15 @@ Status validate(const LayerSettings &layer) {
 	return status;
 }
 
+bool fills_around(const LayerSettings &layer, const Neighbor &neighbor) {
+	return layer.spacing_fills && neighbor.curve == nullptr && !distance_in_space(layer, *neighbor.layer);
+}
+
+bool fills(const LayerSettings &layer) {
+	return std::ranges::any_of(
+			layer.neighbors, [&layer](const Neighbor &neighbor) { return fills_around(layer, neighbor); });
+}
+
 bool follows_normals(const LayerSettings &layer) {
 	const Placement &placement = layer.placement;
 	const InstanceData &data = layer.instance_data;
@@ -69,7 +78,7 @@ double host_distance(const LayerSettings &layer, double reach) {
 
 double reach(const LayerSettings &layer) {
 	double farthest = 0.0;
-	const LayerGraph graph(layer);
+	const LayerGraph graph(layer, fill_chain_cells);
 	for (const LayerGraph::Node &node : graph.nodes()) {
 		const PointSet &set = node.layer->set;
 		const double chain = set.on_surface ? surface_chain_reach * set.radius : 0.0;

@@ -8,7 +8,9 @@
 #include "core/rules/rules.hpp"
 #include "core/sampling/point_set.hpp"
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -53,6 +55,10 @@ struct LayerSettings {
 	std::vector<float> mesh_weights;
 	/// Spacing and proximity rules with layers that come before this one.
 	std::vector<Neighbor> neighbors;
+	/// True if the layer fills the gaps that its spacing leaves. The instances of spacing neighbors
+	/// then exist before the layer's own points (see Obstacles), so that all remaining gaps get
+	/// points. If false, spacing removes points, and the other points stay where they are.
+	bool spacing_fills = false;
 	/// The planet on which the layer grows, if any. Requires PointSet::on_surface. On a planet,
 	/// slopes are relative to the direction away from the center, heights are altitudes, and
 	/// upright instances point away from the center.
@@ -68,6 +74,23 @@ struct LayerSettings {
 
 /// Returns an error if any setting of the layer, or of a layer on which it depends, is invalid.
 Status validate(const LayerSettings &layer);
+
+/// Returns true if a layer fills around a neighbor. It does not if either layer is on surfaces, or if
+/// the rule is a proximity.
+bool fills_around(const LayerSettings &layer, const Neighbor &neighbor);
+
+/// Returns true if the layer's points depend on the instances of a neighbor; see
+/// LayerSettings::spacing_fills.
+bool fills(const LayerSettings &layer);
+
+/// The longest chain of darts, in cells, that occurred in any measurement. A change of an obstacle
+/// moves no point that is farther away.
+inline constexpr std::int32_t fill_chain_cells = 19;
+
+/// The margins of a filled layer, in cells: the first one, and wider ones for the few tiles in which
+/// a chain of darts leaves it. The neighbors are sampled in the same margin, which costs more than
+/// the margin itself. So the first one is narrower than that of other layers.
+inline constexpr std::array<std::int32_t, 3> fill_margins{12, 24, 48};
 
 /// Returns true if the transform or appearance of instances depends on the normal of the ground.
 bool follows_normals(const LayerSettings &layer);
@@ -90,7 +113,8 @@ double host_distance(const LayerSettings &layer, double reach);
 /// Returns the largest distance in meters at which a change of the ground, a mask or a shape may
 /// affect an instance of a valid layer. The instance may be affected through a chain of layers. The
 /// distances along such a chain are added up. Each layer adds the reach of its edge feather and, on
-/// surfaces, the reach of a chain of darts. The result is the maximum over all chains.
+/// surfaces or if it fills gaps, the reach of a chain of darts. The result is the maximum over all
+/// chains.
 double reach(const LayerSettings &layer);
 
 /// Returns the approximate number of points that are sampled to generate a square tile of

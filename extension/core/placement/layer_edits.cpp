@@ -3,6 +3,7 @@
 #include "core/base/guard.hpp"
 #include "core/placement/edge_probes.hpp"
 #include "core/rules/shape_edits.hpp"
+#include "core/sampling/obstacles.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -28,7 +29,8 @@ bool same_rules(const LayerSettings &a, const LayerSettings &b) {
 		result.water = nullptr;
 		return result;
 	};
-	return a.set == b.set && a.planet == b.planet && without_edits(a.rules) == without_edits(b.rules);
+	return a.set == b.set && a.spacing_fills == b.spacing_fills && a.planet == b.planet &&
+			without_edits(a.rules) == without_edits(b.rules);
 }
 
 /// Returns true if the settings for the appearance of instances are equal, except for the layers of
@@ -151,7 +153,8 @@ const EditedArea &EditSearch::find_standing(const LayerSettings &before, const L
 			const Neighbor &was = before.neighbors[i];
 			const Neighbor &is = after.neighbors[i];
 			area.everywhere = area.everywhere || was.distance != is.distance || was.curve != is.curve;
-			area.add(find_standing(*was.layer, *is.layer), is.distance);
+			const double chain = fills_around(after, is) ? fill_distance(after.set, fill_chain_cells) : 0.0;
+			area.add(find_standing(*was.layer, *is.layer), is.distance + chain);
 		}
 	}
 	area.add(find_host_edits(before, after));

@@ -41,9 +41,9 @@ Status LayerFilter::sample(
 	points_.clear();
 	surface_points_.clear();
 	if (!rules_.closed_in(window)) { // If the rules let no point pass, none needs to be sampled.
-		const Status status = on_surface_
-				? sample_surface(source, cancel)
-				: source.plane.sample(layer_->set, window, points_, {.cancel = cancel, .report = {}}, threads);
+		const Status status = on_surface_ ? sample_surface(source, cancel)
+										  : source.plane.sample(layer_->set, window, points_,
+													{.cancel = cancel, .report = {}}, threads, source.obstacles);
 		if (!status.ok()) {
 			return status;
 		}
@@ -55,9 +55,9 @@ Status LayerFilter::sample(
 	return look_around(source.surface, cancel);
 }
 
-void LayerFilter::wait_for_hosts(const TileSpace &window) {
+void LayerFilter::wait_for_others(const TileSpace &window) {
 	window_ = window;
-	on_surface_ = true;
+	on_surface_ = layer_->set.on_surface;
 	sampled_ = 0;
 	keep_points(true);
 	standing_.clear();

@@ -25,7 +25,8 @@ namespace thicket {
 struct PointSource {
 	TileSampler &plane;
 	SurfaceSampler &surfaces;
-	const Surface *surface = nullptr; ///< The surface of the ground. If null, layers on surfaces have no points.
+	const Surface *surface = nullptr;     ///< The surface of the ground. If null, layers on surfaces have no points.
+	const Obstacles *obstacles = nullptr; ///< For a layer that fills gaps, the instances of its neighbors.
 };
 
 /// Determines which points of one layer become instances in a window: call `sample`, query the
@@ -42,9 +43,10 @@ public:
 	Status sample(const PointSource &source, const TileSpace &window, const std::atomic<bool> *cancel,
 			CallerThreads *threads);
 
-	/// Prepares a layer that grows on the models of its hosts. The layer has no points until
-	/// `sample` is called. Call `sample` once the hosts are filtered, before `filter`.
-	void wait_for_hosts(const TileSpace &window);
+	/// Prepares a layer whose points depend on the instances of other layers: on its hosts, or on
+	/// neighbors around which it fills. The layer has no points until `sample` is called. Call
+	/// `sample` once the other layers are filtered, before `filter`.
+	void wait_for_others(const TileSpace &window);
 
 	/// Evaluates the rules at arbitrary positions in `window`. This call replaces `sample`. All
 	/// positions become points, with their indices as ids and with rank 0. If the positions are on
@@ -93,6 +95,7 @@ public:
 	std::size_t sampled() const { return sampled_; }
 	std::span<const glm::dvec2> positions() const { return positions_; }
 	std::span<const std::uint64_t> ids() const { return ids_; }
+	std::span<const std::uint32_t> ranks() const { return ranks_; }
 
 	/// Return the indices of the kept points, ascending, and their thinning ranks.
 	std::span<const std::uint32_t> standing() const { return standing_; }

@@ -1,6 +1,7 @@
 #include "core/placement/layer_graph.hpp"
 
 #include "core/base/check.hpp"
+#include "core/sampling/obstacles.hpp"
 
 #include <algorithm>
 #include <array>
@@ -32,7 +33,7 @@ Status too_deep(std::size_t depth) {
 
 } // namespace
 
-LayerGraph::LayerGraph(const LayerSettings &layer) {
+LayerGraph::LayerGraph(const LayerSettings &layer, std::int32_t fill_margin) : fill_margin_(fill_margin) {
 	add(layer, 0);
 	if (status_.ok()) {
 		find_margins();
@@ -117,6 +118,9 @@ void LayerGraph::find_margins() {
 		}
 		for (const Neighbor &neighbor : node.layer->neighbors) {
 			look(neighbor.layer.get(), neighbor.distance);
+			if (fills_around(*node.layer, neighbor)) {
+				extend(neighbor.layer.get(), neighbor.distance + fill_distance(node.layer->set, fill_margin_));
+			}
 		}
 		for (const InstanceSource *source : distance_sources_at(*node.layer, node.depth)) {
 			if (source != nullptr) {

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 namespace thicket {
@@ -30,7 +31,8 @@ public:
 		std::size_t depth = 0; ///< Number of steps on the longest path to this layer.
 	};
 
-	explicit LayerGraph(const LayerSettings &layer);
+	/// `fill_margin` is the margin in cells with which filled layers are sampled.
+	explicit LayerGraph(const LayerSettings &layer, std::int32_t fill_margin = fill_margins.front());
 
 	/// Returns an error if the graph could not be built because of an invalid neighbor or distance,
 	/// too many layers, or too long a path.
@@ -48,6 +50,7 @@ private:
 	void add_hosts(const LayerSettings &layer, std::size_t depth);
 	void find_margins();
 
+	std::int32_t fill_margin_;
 	Status status_;
 	std::array<Node, max_graph_layers> nodes_;
 	std::size_t size_ = 0;

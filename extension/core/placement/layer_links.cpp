@@ -114,6 +114,38 @@ std::string unknown_layer_note(const LayerReference &reference) {
 			"Layers of different TerrainScatter3D nodes cannot refer to each other: move both layers into one node.";
 }
 
+/// Appends a text if the layer at `index` cannot fill gaps around all layers from which it keeps a
+/// distance.
+void add_fill_problems(Links layers, std::size_t index, std::vector<std::string> &r_problems) {
+	const LayerLinks &layer = *layers[index];
+	if (!layer.spacing_fills) {
+		return;
+	}
+	if (layer.on_surface) {
+		r_problems.push_back("spacing_fills has no effect while on_surfaces is on: only layers that grow on the ground "
+							 "as seen from above fill gaps. Turn one of them off.");
+		return;
+	}
+	const std::vector<Found> found = find_all(layers);
+	bool has_spacing = false;
+	for (std::size_t i = 0; i < index; ++i) {
+		const double distance = std::max(asked_spacing(found[index], i), asked_spacing(found[i], index));
+		if (layers[i] == nullptr || distance <= 0.0) {
+			continue;
+		}
+		has_spacing = true;
+		if (layers[i]->on_surface) {
+			const std::string name =
+					layers[i]->name.empty() ? "layer " + std::to_string(i) : '"' + layers[i]->name + '"';
+			r_problems.push_back("spacing_fills has no effect around " + name +
+					", which is on_surfaces: there, spacing only removes instances.");
+		}
+	}
+	if (!has_spacing) {
+		r_problems.push_back("spacing_fills has no effect: it needs a spacing to a layer that is earlier in the list.");
+	}
+}
+
 } // namespace
 
 std::set<std::size_t> hosts_in(Links layers) {
@@ -142,6 +174,8 @@ std::vector<LinkedLayer> link_layers(
 		LayerSettings settings = *layers[i].settings;
 		const std::span<const LinkedLayer> earlier = std::span(result).first(i);
 		settings.neighbors = neighbors(links, found, i, earlier);
+		settings.spacing_fills = links[i]->spacing_fills;
+		settings.spacing_fills = fills(settings); // A switch without an effect regenerates nothing.
 		settings.hosted = settings.set.on_surface && !links[i]->surface_layers.empty();
 		settings.hosts = settings.hosted ? hosts(layers, found[i], earlier) : std::vector<HostLayer>();
 		settings.instance_data.color.layer = layer_at(earlier, found[i].color_layer);
@@ -188,6 +222,7 @@ std::vector<std::string> name_problems(Links layers, std::size_t index) {
 			problems.push_back(start + ", which is not before this layer in the list: it has no effect.");
 		}
 	};
+	add_fill_problems(layers, index, problems);
 	check_earlier("proximity_layer", layer.proximity_layer);
 	check_earlier("color_value.layer", layer.color_layer);
 	check_earlier("variation_value.layer", layer.variation_layer);

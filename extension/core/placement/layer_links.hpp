@@ -41,6 +41,8 @@ struct LayerLinks {
 	/// Minimum distances in meters from other layers; 0 for no spacing. If both layers of a pair
 	/// set a distance, the larger one applies. The layer that comes later in the list gives way.
 	std::map<LayerReference, double> spacing;
+	bool spacing_fills = false; ///< See LayerSettings::spacing_fills. Without spacing, it has no effect.
+	bool on_surface = false;    ///< PointSet::on_surface of the layer.
 
 	/// The layer near whose instances this one is placed; empty if there is none. It must be
 	/// earlier in the list to have an effect.
@@ -103,7 +105,7 @@ std::string free_layer_name(std::string_view name, std::span<const std::string> 
 
 /// Describes likely mistakes in a layer's name and references, one text for each. The mistakes are
 /// references to unknown layers, spacing from the layer itself, a name that an earlier layer has,
-/// and proximity or source layers that are not earlier in the list. `layers[index]` must not be
+/// proximity or source layers that are not earlier in the list, and a layer that cannot fill gaps. `layers[index]` must not be
 /// null; other entries may be.
 std::vector<std::string> name_problems(std::span<const LayerLinks *const> layers, std::size_t index);
 

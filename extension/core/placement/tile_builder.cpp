@@ -60,7 +60,7 @@ struct TileBuilder::Workspace {
 	SourceValues shares;
 	InstanceWriter writer;
 
-	// True after a successful `find_points`.
+	// True after a successful `find_points` or `find_further`.
 	bool found = false;
 	TileSpace space;
 	/// Positions of all layers, followed by those for the tile's origin.
@@ -73,6 +73,8 @@ struct TileBuilder::Workspace {
 
 	Status find_points(const LayerSettings &layer, const TileSpace &space, const Surface *surface,
 			const std::atomic<bool> *cancel, CallerThreads *threads);
+	Status find_further(std::span<const Ground> known, const std::atomic<bool> *cancel, CallerThreads *threads);
+	Status check_ground(std::span<const Ground> known) const;
 	Status place(std::span<const Ground> known, TileInstances &r_tile, const std::atomic<bool> *cancel);
 	void gather_positions();
 	void add_origin_probes();
@@ -106,7 +108,9 @@ void TileBuilder::Workspace::gather_positions() {
 	positions.clear();
 	queries.clear();
 	filter.add_queries(positions, queries);
-	add_origin_probes();
+	if (filter.is_complete()) {
+		add_origin_probes();
+	}
 }
 
 /// Runs all steps on all threads.
@@ -152,6 +156,27 @@ Status TileBuilder::Workspace::find_points(const LayerSettings &layer, const Til
 	return {};
 }
 
+Status TileBuilder::Workspace::find_further(
+		std::span<const Ground> known, const std::atomic<bool> *cancel, CallerThreads *threads) {
+	found = false;
+	const Status status = filter.sample_further(known, cancel, threads);
+	stats = filter.sample_stats();
+	if (status.ok()) {
+		gather_positions();
+		found = true;
+	}
+	return status;
+}
+
+/// Returns an error unless `known` is the ground at the positions.
+Status TileBuilder::Workspace::check_ground(std::span<const Ground> known) const {
+	if (!found) {
+		return {ErrorCode::missing, "points", 0.0};
+	}
+	return known.size() != positions.size() ? Status::wrong_size("ground", known.size(), exactly(positions.size()))
+											: Status();
+}
+
 Status TileBuilder::Workspace::place(
 		std::span<const Ground> known, TileInstances &r_tile, const std::atomic<bool> *cancel) {
 	probes.clear();
@@ -195,11 +220,21 @@ Status TileBuilder::build(const LayerSettings &layer, const Terrain &terrain, co
 	if (const Status status = find_points(layer, space, cancel, threads, terrain.surface()); !status.ok()) {
 		return status;
 	}
-	const Status status = guarded("ground", static_cast<double>(workspace_->positions.size()), [&] {
-		workspace_->ground.assign(workspace_->positions.size(), Ground{});
-		return query_ground(terrain, workspace_->positions, workspace_->queries, workspace_->ground, cancel);
-	});
-	return status.ok() ? place(workspace_->ground, r_tile, cancel) : status;
+	while (true) {
+		const Status status = guarded("ground", static_cast<double>(workspace_->positions.size()), [&] {
+			workspace_->ground.assign(workspace_->positions.size(), Ground{});
+			return query_ground(terrain, workspace_->positions, workspace_->queries, workspace_->ground, cancel);
+		});
+		if (!status.ok()) {
+			return status;
+		}
+		if (is_complete()) {
+			return place(workspace_->ground, r_tile, cancel);
+		}
+		if (const Status further = find_further(workspace_->ground, cancel, threads); !further.ok()) {
+			return further;
+		}
+	}
 }
 
 Status TileBuilder::find_points(const LayerSettings &layer, const TileSpace &space, const std::atomic<bool> *cancel,
@@ -211,16 +246,28 @@ Status TileBuilder::find_points(const LayerSettings &layer, const TileSpace &spa
 			[&] { return workspace_->find_points(layer, space, surface, cancel, threads); });
 }
 
+bool TileBuilder::is_complete() const { return workspace_->filter.is_complete(); }
+
+Status TileBuilder::find_further(
+		std::span<const Ground> ground, const std::atomic<bool> *cancel, CallerThreads *threads) {
+	if (const Status status = workspace_->check_ground(ground); !status.ok()) {
+		return status;
+	}
+	return guarded("tile", std::max(workspace_->space.size().x, workspace_->space.size().y),
+			[&] { return workspace_->find_further(ground, cancel, threads); });
+}
+
 std::span<const glm::dvec2> TileBuilder::positions() const { return workspace_->positions; }
 
 std::span<const GroundQuery> TileBuilder::queries() const { return workspace_->queries; }
 
 Status TileBuilder::place(std::span<const Ground> ground, TileInstances &r_tile, const std::atomic<bool> *cancel) {
-	if (!workspace_->found) {
-		return {ErrorCode::missing, "points", 0.0};
+	Status status = workspace_->check_ground(ground);
+	if (status.ok() && !is_complete()) {
+		status = {ErrorCode::missing, "points", 0.0};
 	}
-	if (ground.size() != workspace_->positions.size()) {
-		return Status::wrong_size("ground", ground.size(), exactly(workspace_->positions.size()));
+	if (!status.ok()) {
+		return status;
 	}
 	return guarded("tile", std::max(workspace_->space.size().x, workspace_->space.size().y),
 			[&] { return workspace_->place(ground, r_tile, cancel); });

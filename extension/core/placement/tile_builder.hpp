@@ -28,7 +28,9 @@ namespace thicket {
 ///
 /// `build` does everything in one call. If a terrain can be queried only on a certain thread, split
 /// the work. Call `find_points` on a worker thread, query the ground at `positions()` on the
-/// terrain's thread, then call `place` on a worker thread.
+/// terrain's thread, then call `place` on a worker thread. Layers that fill gaps need the ground in
+/// several steps: while `is_complete` is false, call `find_further` with the ground instead, and
+/// query the new `positions()`.
 class TileBuilder {
 public:
 	/// After a tile with more points than this, callers should discard the builder to free its
@@ -60,10 +62,19 @@ public:
 	Status find_points(const LayerSettings &layer, const TileSpace &space, const std::atomic<bool> *cancel = nullptr,
 			CallerThreads *threads = nullptr, const Surface *surface = nullptr);
 
-	/// Returns the positions at which `place` needs the ground: the points of the layer and of its
-	/// neighbors, and a few positions for the origin of a tile that covers all heights. If a layer
-	/// has an edge feather, the list also contains the edge probes around each of its points. It is
-	/// valid after `find_points` until the next call.
+	/// Returns true if `place` can be called with the ground at positions(). If false, `find_further`
+	/// must be called first.
+	bool is_complete() const;
+
+	/// Performs a further part of the first step, with the ground at positions(), and replaces
+	/// positions() and queries(). Errors are as in `find_points` and `place`.
+	Status find_further(
+			std::span<const Ground> ground, const std::atomic<bool> *cancel = nullptr, CallerThreads *threads = nullptr);
+
+	/// Returns the positions at which the next call needs the ground: the points of the layer and of
+	/// its neighbors, and a few positions for the origin of a tile that covers all heights. If a
+	/// layer has an edge feather, the list also contains the edge probes around each of its points.
+	/// It is valid after `find_points` or `find_further` until the next call.
 	std::span<const glm::dvec2> positions() const;
 
 	/// Returns the ranges of positions for which the same properties of the ground are needed. They
@@ -72,8 +83,8 @@ public:
 
 	/// Performs the second step of `build`: filters the points from `find_points` and places
 	/// instances. `ground[i]` is the ground at `positions()[i]`. A wrong number of entries is an
-	/// error that names `ground`. A call without a successful `find_points` is an error that names
-	/// `points`. May be called repeatedly. Other errors are as in `build`.
+	/// error that names `ground`. A call without a successful `find_points`, or before is_complete()
+	/// is true, is an error that names `points`. May be called repeatedly. Other errors are as in `build`.
 	Status place(std::span<const Ground> ground, TileInstances &r_tile, const std::atomic<bool> *cancel = nullptr);
 
 	/// Returns some of the layer's own positions, distributed over the tile, with the heights from

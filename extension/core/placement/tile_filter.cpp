@@ -2,13 +2,14 @@
 
 #include "core/placement/host_collector.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace thicket {
 
 void TileFilter::set(const LayerSettings &layer) {
 	layer_ = layer;
-	graph_ = LayerGraph(layer_);
+	set_fill_margin(0);
 	while (layers_.size() < size()) {
 		layers_.push_back(std::make_unique<LayerFilter>());
 	}
@@ -22,6 +23,11 @@ void TileFilter::set(const LayerSettings &layer) {
 	}
 }
 
+void TileFilter::set_fill_margin(std::size_t attempt) {
+	attempt_ = attempt;
+	graph_ = LayerGraph(layer_, fill_margins[attempt]);
+}
+
 /// Returns the space in which a layer is sampled. Its margin is expanded by 0.1 %, so that
 /// rounding far from the origin excludes no point within the distance.
 TileSpace TileFilter::window_of(std::size_t index) const {
@@ -29,15 +35,17 @@ TileSpace TileFilter::window_of(std::size_t index) const {
 	return space_.grown(margin);
 }
 
-Status TileFilter::sample_layer(
-		std::size_t index, const Surface *surface, const std::atomic<bool> *cancel, CallerThreads *threads) {
+Status TileFilter::sample_layer(std::size_t index, const std::atomic<bool> *cancel, CallerThreads *threads) {
 	LayerFilter &each = *layers_[index];
 	stats_ = {};
-	if (each.settings().hosted) {
-		each.wait_for_hosts(window_of(index));
+	const bool is_filled = fills(each.settings());
+	if (each.settings().hosted || is_filled) {
+		each.wait_for_others(window_of(index));
+		progress_[index] = is_filled ? Progress::waiting : Progress::sampled;
 		return {};
 	}
-	const Status status = each.sample({sampler_, surface_sampler_, surface}, window_of(index), cancel, threads);
+	progress_[index] = Progress::sampled;
+	const Status status = each.sample({sampler_, surface_sampler_, surface_}, window_of(index), cancel, threads);
 	if (!each.settings().set.on_surface) {
 		stats_ = sampler_.stats();
 	} else {
@@ -74,26 +82,122 @@ Status TileFilter::sample_on_hosts(std::size_t index, std::span<const Ground> gr
 	return status;
 }
 
-Status TileFilter::sample(
-		const TileSpace &space, const Surface *surface, const std::atomic<bool> *cancel, CallerThreads *threads) {
-	space_ = space;
+/// Samples a layer that fills gaps. Its neighbors must already be filtered.
+Status TileFilter::sample_filled(std::size_t index, const std::atomic<bool> *cancel, CallerThreads *threads) {
+	const LayerSettings &settings = layer(index).settings();
+	const TileSpace window = window_of(index);
+	const double around = fill_distance(settings.set, fill_margins[attempt_]);
+	obstacles_.clear();
+	for (const Neighbor &neighbor : settings.neighbors) {
+		if (fills_around(settings, neighbor)) {
+			const Rect near = window.grown(1.001 * (around + neighbor.distance));
+			for (const std::uint32_t point : layer_of(neighbor.layer.get()).standing()) {
+				const glm::dvec2 position = layer_of(neighbor.layer.get()).positions()[point];
+				if (near.contains(position)) {
+					obstacles_.push_back({position, neighbor.distance});
+				}
+			}
+		}
+	}
+	const Obstacles obstacles{obstacles_, fill_margins[attempt_]};
+	const Status status =
+			layers_[index]->sample({sampler_, surface_sampler_, surface_, &obstacles}, window, cancel, threads);
+	progress_[index] = Progress::sampled;
+	step_of_[index] = step_;
+	stats_ = sampler_.stats();
+	return status;
+}
+
+/// Starts the first step, which samples all layers whose points do not depend on other instances.
+Status TileFilter::start(const std::atomic<bool> *cancel, CallerThreads *threads) {
+	step_ = 0;
+	earlier_ground_.clear();
+	progress_.assign(size(), Progress::waiting);
+	step_of_.assign(size(), 0);
 	for (std::size_t i = 0; i < size(); ++i) {
-		if (const Status status = sample_layer(i, surface, cancel, threads); !status.ok()) {
+		if (takes_own_ && i + 1 == size()) {
+			progress_[i] = Progress::sampled;
+		} else if (const Status status = sample_layer(i, cancel, threads); !status.ok()) {
 			return status;
 		}
 	}
 	return {};
 }
 
+Status TileFilter::sample(
+		const TileSpace &space, const Surface *surface, const std::atomic<bool> *cancel, CallerThreads *threads) {
+	space_ = space;
+	surface_ = surface;
+	takes_own_ = false;
+	set_fill_margin(0);
+	return start(cancel, threads);
+}
+
 Status TileFilter::sample_around(std::span<const glm::dvec2> places, std::span<const Ground> on_surface,
 		const TileSpace &space, const Surface *surface, const Surface *grown) {
 	space_ = space;
+	surface_ = surface;
+	takes_own_ = true;
+	set_fill_margin(0);
+	const Status status = start(nullptr, nullptr);
+	return status.ok() ? layers_[size() - 1]->take(places, space, on_surface, grown) : status;
+}
+
+bool TileFilter::is_complete() const { return std::ranges::find(progress_, Progress::waiting) == progress_.end(); }
+
+/// Returns true if all layers are filtered on whose instances a layer's own instances depend.
+bool TileFilter::is_ready(std::size_t index) const {
+	const LayerSettings &settings = layer(index).settings();
+	const auto is_filtered = [this](const auto &other) {
+		return progress_[graph_.index_of(other.layer.get())] == Progress::filtered;
+	};
+	return std::ranges::all_of(settings.neighbors, is_filtered) && std::ranges::all_of(settings.hosts, is_filtered);
+}
+
+Status TileFilter::sample_further(
+		std::span<const Ground> ground, const std::atomic<bool> *cancel, CallerThreads *threads) {
 	for (std::size_t i = 0; i + 1 < size(); ++i) {
-		if (const Status status = sample_layer(i, surface, nullptr, nullptr); !status.ok()) {
+		if (progress_[i] == Progress::sampled && is_ready(i)) {
+			if (const Status status = filter_neighbor(i, ground, cancel); !status.ok()) {
+				return status;
+			}
+			progress_[i] = Progress::filtered;
+		}
+	}
+	earlier_ground_.emplace_back(ground.begin(), ground.end());
+	++step_;
+	for (std::size_t i = 0; i < size(); ++i) {
+		if (progress_[i] != Progress::waiting || !is_ready(i)) {
+			continue;
+		}
+		const Status status = sample_filled(i, cancel, threads);
+		if (status.code == ErrorCode::margin_too_wide && attempt_ + 1 < fill_margins.size()) {
+			set_fill_margin(attempt_ + 1);
+			return start(cancel, threads);
+		}
+		if (!status.ok()) {
 			return status;
 		}
 	}
-	return layers_[size() - 1]->take(places, space, on_surface, grown);
+	return {};
+}
+
+Status TileFilter::complete(const Terrain &terrain, std::vector<glm::dvec2> &r_positions,
+		std::vector<GroundQuery> &r_queries, std::vector<Ground> &r_ground, const std::atomic<bool> *cancel) {
+	while (true) {
+		r_positions.clear();
+		r_queries.clear();
+		add_queries(r_positions, r_queries);
+		r_ground.assign(r_positions.size(), Ground{});
+		Status status = query_ground(terrain, r_positions, r_queries, r_ground, cancel);
+		if (!status.ok() || is_complete()) {
+			return status;
+		}
+		status = sample_further(r_ground, cancel);
+		if (!status.ok()) {
+			return status;
+		}
+	}
 }
 
 double TileFilter::points_around(const Rect &rect) const {
@@ -107,18 +211,23 @@ double TileFilter::points_around(const Rect &rect) const {
 
 void TileFilter::add_queries(std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const {
 	for (std::size_t i = 0; i < size(); ++i) {
+		if (progress_[i] == Progress::waiting || step_of_[i] != step_) {
+			continue;
+		}
 		const bool placed = i + 1 == size() && follows_normals(layer_);
 		layer(i).add_queries(placed, r_positions, r_queries);
 	}
 }
 
-/// Returns the part of `ground` at the positions of a layer.
+/// Returns the ground at the positions of a layer. `ground` is the ground of the current step.
 std::span<const Ground> TileFilter::ground_at(std::size_t index, std::span<const Ground> ground) const {
 	std::size_t first = 0;
 	for (std::size_t i = 0; i < index; ++i) {
-		first += layer(i).position_count();
+		first += step_of_[i] == step_of_[index] ? layer(i).position_count() : 0;
 	}
-	return ground.subspan(first, layer(index).position_count());
+	const std::span<const Ground> of_step =
+			step_of_[index] < step_ ? std::span<const Ground>(earlier_ground_[step_of_[index]]) : ground;
+	return of_step.subspan(first, layer(index).position_count());
 }
 
 std::span<const Ground> TileFilter::own_ground(std::span<const Ground> ground) const {
@@ -134,12 +243,23 @@ Status TileFilter::filter_layer(std::size_t index, std::span<const Ground> groun
 	return layers_[index]->filter(ground_at(index, ground), cancel);
 }
 
+/// Filters a layer on which others depend, and indexes its instances.
+Status TileFilter::filter_neighbor(std::size_t index, std::span<const Ground> ground, const std::atomic<bool> *cancel) {
+	const Status status = filter_layer(index, ground, cancel);
+	if (status.ok()) {
+		layers_[index]->index_standing(graph_.nodes()[index], ground_at(index, ground));
+	}
+	return status;
+}
+
 Status TileFilter::filter_neighbors(std::span<const Ground> ground, const std::atomic<bool> *cancel) {
 	for (std::size_t i = 0; i + 1 < size(); ++i) {
-		if (const Status status = filter_layer(i, ground, cancel); !status.ok()) {
+		if (progress_[i] == Progress::filtered) {
+			continue;
+		}
+		if (const Status status = filter_neighbor(i, ground, cancel); !status.ok()) {
 			return status;
 		}
-		layers_[i]->index_standing(graph_.nodes()[i], ground_at(i, ground));
 	}
 	return {};
 }

@@ -5,6 +5,7 @@
 #include "core/placement/layer_graph.hpp"
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <utility>
@@ -15,6 +16,11 @@ namespace thicket {
 /// Determines which points of a layer become instances in a tile. It first samples and filters
 /// the layers on which this layer depends, directly or indirectly, each once, in the order of the
 /// LayerGraph. A filter reuses its memory.
+///
+/// Layers that fill gaps need the instances of their neighbors before they can be sampled, and these
+/// need the ground. The work therefore has steps: call `sample`, query the ground at the positions of
+/// `add_queries`, and call `sample_further` with it until `is_complete` is true. Then call `filter`
+/// with the ground of the last step. Without such layers, the first step is the last one.
 class TileFilter {
 public:
 	explicit TileFilter(const SampleMargins &margins, std::shared_ptr<BlockCache> cache = nullptr) :
@@ -24,9 +30,10 @@ public:
 	void set(const LayerSettings &layer);
 
 	/// Samples all layers, each in `space` expanded by its margin. `surface` is the surface of the
-	/// ground. If it is null, layers on surfaces have no points. For `threads`, see
-	/// TileSampler::sample. Layers on the models of hosts are sampled by `filter` instead, because
-	/// it first determines the instances of the hosts.
+	/// ground. If it is null, layers on surfaces have no points. It must outlive all steps. For
+	/// `threads`, see TileSampler::sample. Layers on the models of hosts are sampled by `filter`
+	/// instead, because it first determines the instances of the hosts. Layers that fill gaps are
+	/// sampled by `sample_further`.
 	Status sample(const TileSpace &space, const Surface *surface, const std::atomic<bool> *cancel,
 			CallerThreads *threads = nullptr);
 
@@ -36,17 +43,36 @@ public:
 	Status sample_around(std::span<const glm::dvec2> places, std::span<const Ground> on_surface, const TileSpace &space,
 			const Surface *surface, const Surface *grown);
 
+	/// Returns true if all layers are sampled, so that `filter` can be called.
+	bool is_complete() const;
+
+	/// Samples the next layers that fill gaps. `ground` contains the ground at the positions of this
+	/// step. If the margin of a layer turns out to be too narrow, the first step starts again with a
+	/// wider margin.
+	Status sample_further(
+			std::span<const Ground> ground, const std::atomic<bool> *cancel = nullptr, CallerThreads *threads = nullptr);
+
+	/// Performs all steps except `filter`, and replaces the lists. `r_ground` is the ground of the
+	/// last step. Exceptions of the terrain are passed on.
+	Status complete(const Terrain &terrain, std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries,
+			std::vector<Ground> &r_ground, const std::atomic<bool> *cancel);
+
 	/// Returns the approximate number of points of other layers that `sample_around` samples.
 	double points_around(const Rect &rect) const;
 
-	/// Appends the positions at which `filter` needs the ground, layer by layer in the order of the
+	/// Appends the positions at which this step needs the ground, layer by layer in the order of the
 	/// graph, and their queries.
 	void add_queries(std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const;
 
 	/// Returns the ground at the points of the layer itself. `ground` is the same as for `filter`.
 	std::span<const Ground> own_ground(std::span<const Ground> ground) const;
 
-	/// Filters all layers. `ground` contains the ground at the positions from add_queries.
+	/// Returns the ground at all positions of the layer itself, including its edge probes.
+	std::span<const Ground> all_own_ground(std::span<const Ground> ground) const {
+		return ground_at(size() - 1, ground);
+	}
+
+	/// Filters all layers. `ground` contains the ground at the positions of the last step.
 	Status filter(std::span<const Ground> ground, const std::atomic<bool> *cancel);
 
 	/// Filters the layers on which the layer itself depends, with the same `ground`.
@@ -74,9 +100,16 @@ public:
 	const SampleStats &sample_stats() const { return stats_; }
 
 private:
+	/// How far the work on a layer is.
+	enum class Progress : std::uint8_t { waiting, sampled, filtered };
+
+	bool is_ready(std::size_t index) const;
+	Status start(const std::atomic<bool> *cancel, CallerThreads *threads);
+	Status sample_filled(std::size_t index, const std::atomic<bool> *cancel, CallerThreads *threads);
+	Status filter_neighbor(std::size_t index, std::span<const Ground> ground, const std::atomic<bool> *cancel);
+	void set_fill_margin(std::size_t attempt);
 	TileSpace window_of(std::size_t index) const;
-	Status sample_layer(
-			std::size_t index, const Surface *surface, const std::atomic<bool> *cancel, CallerThreads *threads);
+	Status sample_layer(std::size_t index, const std::atomic<bool> *cancel, CallerThreads *threads);
 	Status models_around(
 			std::size_t index, std::span<const Ground> ground, std::unique_ptr<const Surface> &r_surface) const;
 	Status sample_on_hosts(std::size_t index, std::span<const Ground> ground, const std::atomic<bool> *cancel);
@@ -91,6 +124,14 @@ private:
 	SurfaceSampler surface_sampler_;
 	SurfaceSampler host_sampler_; ///< For layers on the models of hosts.
 	TileSpace space_;             ///< The space of the last call of `sample` or `sample_around`.
+	const Surface *surface_ = nullptr;
+	bool takes_own_ = false;  ///< True after `sample_around`: the layer itself has its positions already.
+	std::size_t attempt_ = 0; ///< Index of the current margin in fill_margins.
+	std::size_t step_ = 0;
+	std::vector<Progress> progress_;                  ///< For each layer.
+	std::vector<std::size_t> step_of_;                ///< For each layer, the step in which its ground is queried.
+	std::vector<std::vector<Ground>> earlier_ground_; ///< The ground of all steps before the current one.
+	std::vector<Obstacle> obstacles_;
 	SampleStats stats_;
 };
 

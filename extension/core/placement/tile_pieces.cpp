@@ -68,11 +68,7 @@ Status TilePieces::Worker::find(
 	if (const Status status = filter.sample(piece, terrain.surface(), cancel); !status.ok()) {
 		return status;
 	}
-	positions.clear();
-	queries.clear();
-	filter.add_queries(positions, queries);
-	ground.assign(positions.size(), Ground{});
-	Status status = query_ground(terrain, positions, queries, ground, cancel);
+	Status status = filter.complete(terrain, positions, queries, ground, cancel);
 	if (status.ok()) {
 		status = filter.filter(ground, cancel);
 	}

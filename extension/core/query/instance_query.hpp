@@ -30,8 +30,10 @@ struct InstanceShape {
 
 /// The properties of a layer that queries need.
 struct QueryLayer {
-	bool wanted = true;      ///< If false, queries skip this layer.
-	PointSet set;            ///< set.layer is at most max_state_layer.
+	bool wanted = true; ///< If false, queries skip this layer.
+	PointSet set;       ///< set.layer is at most max_state_layer.
+	/// True if the layer fills gaps, so that the set alone does not determine its points.
+	bool fills = false;
 	double tile_size = 64.0; ///< Size of the source's tiles in meters, 0.01 to 1e15.
 	InstanceShape shape;
 	double max_scale = 1.0; ///< Upper bound for the scale of generated instances, 0 to 1e4.

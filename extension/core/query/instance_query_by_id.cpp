@@ -20,6 +20,10 @@ namespace {
 /// point's position.
 constexpr double most_tiles = 4.0;
 
+/// The set does not have the positions of a layer that fills gaps, so all tiles must be read, up to
+/// this number.
+constexpr double most_filled_tiles = 1024.0;
+
 /// Finds the tile that contains a point, for a layer whose tiles are smaller than the set's cells.
 /// The range is empty if the set has no such point.
 Status find_tile_of_point(const QueryLayer &layer, std::uint64_t id, const SampleMargins &margins, TileRange &r_tiles) {
@@ -43,7 +47,11 @@ Status find_tile_of_point(const QueryLayer &layer, std::uint64_t id, const Sampl
 /// Finds the tiles that may contain the instance of a point.
 Status find_tiles_of(const QueryLayer &layer, std::uint64_t id, const SampleMargins &margins, TileRange &r_tiles) {
 	r_tiles = TileWindow(layer).touching(cell_rect(layer.set, id));
-	if (r_tiles.count() > most_tiles) {
+	if (layer.fills && r_tiles.count() > most_filled_tiles) {
+		return Status::out_of_range("tiles of the id's cell", r_tiles.count(), at_most(most_filled_tiles),
+				"Increase tile_size, or turn off spacing_fills");
+	}
+	if (r_tiles.count() > most_tiles && !layer.fills) {
 		// Reading this many tiles would take longer than sampling the set.
 		return find_tile_of_point(layer, id, margins, r_tiles);
 	}

@@ -32,10 +32,10 @@ public:
 		}
 	}
 
-	/// Returns the point nearest to `place`. There must be a point within a radius of it.
+	/// Returns the point nearest to `place`, or no_point if there is none within a bucket's width.
 	const SamplePoint &nearest(glm::dvec2 place) const {
-		double squared = std::numeric_limits<double>::infinity();
-		std::size_t best = 0;
+		double squared = side_ * side_;
+		std::size_t best = none;
 		const std::ptrdiff_t x = column(place.x - area_.min.x, across_);
 		const std::ptrdiff_t y = column(place.y - area_.min.y, down_);
 		for (std::ptrdiff_t row = std::max<std::ptrdiff_t>(y - 1, 0); row <= std::min(y + 1, down_ - 1); ++row) {
@@ -43,14 +43,14 @@ public:
 				for (std::size_t i = first_[static_cast<std::size_t>(row * across_ + at)]; i != none; i = next_[i]) {
 					const glm::dvec2 apart = points_[i].position - place;
 					const double found = glm::dot(apart, apart);
-					if (found < squared || (found == squared && points_[i].id < points_[best].id)) {
+					if (found < squared || (found == squared && best != none && points_[i].id < points_[best].id)) {
 						squared = found;
 						best = i;
 					}
 				}
 			}
 		}
-		return points_[best];
+		return best != none ? points_[best] : no_point;
 	}
 
 private:
@@ -74,27 +74,25 @@ private:
 	std::vector<std::size_t> next_;  ///< Index of the next point in the same bucket.
 };
 
+/// Returns the distance within which the nearest point of a position lies: the radius, and 0.1 % to
+/// allow for rounding.
+double reach_of_point(const PointSet &set) { return 1.001 * set.radius; }
+
 Status find(TileSampler &sampler, const PointSet &set, std::span<const glm::dvec2> places,
 		std::vector<SamplePoint> &r_points) {
-	Rect area = enclosing_rect(places);
+	const Rect area = enclosing_rect(places);
 	if (!area.finite()) {
 		return {ErrorCode::not_finite, "places", std::isfinite(area.min.x) ? area.min.y : area.min.x};
 	}
-	const glm::dvec2 reach(1.001 * set.radius); // Adds 0.1 % to allow for rounding.
-	area = {area.min - reach, area.max + reach};
 	std::vector<SamplePoint> points;
-	if (const Status status = sampler.sample(set, area, points); !status.ok()) {
+	if (const Status status = sampler.sample(set, point_area(set, area), points); !status.ok()) {
 		return status;
 	}
 	if (points.empty()) {
 		return {ErrorCode::out_of_range, "places", places.front().x, {}, {},
 				"Move closer to the origin: the set ends there"};
 	}
-	const Buckets buckets(points, area, reach.x);
-	r_points.reserve(places.size());
-	for (const glm::dvec2 place : places) {
-		r_points.push_back(buckets.nearest(place));
-	}
+	nearest_among(points, set, places, r_points);
 	return {};
 }
 
@@ -109,6 +107,25 @@ Rect enclosing_rect(std::span<const glm::dvec2> places) {
 		rect = {glm::min(rect.min, place), glm::max(rect.max, place)};
 	}
 	return rect;
+}
+
+Rect point_area(const PointSet &set, const Rect &area) {
+	const double reach = reach_of_point(set);
+	return {area.min - reach, area.max + reach};
+}
+
+void nearest_among(const std::vector<SamplePoint> &points, const PointSet &set, std::span<const glm::dvec2> places,
+		std::vector<SamplePoint> &r_points) {
+	r_points.clear();
+	if (places.empty()) {
+		// Without positions, there is no area.
+		return;
+	}
+	const Buckets buckets(points, point_area(set, enclosing_rect(places)), reach_of_point(set));
+	r_points.reserve(places.size());
+	for (const glm::dvec2 place : places) {
+		r_points.push_back(buckets.nearest(place));
+	}
 }
 
 Status nearest_points(TileSampler &sampler, const PointSet &set, std::span<const glm::dvec2> places,

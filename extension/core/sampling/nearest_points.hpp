@@ -7,6 +7,7 @@
 
 #include <glm/vec2.hpp>
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,20 @@ namespace thicket {
 /// If a position is not finite, the rectangle is not finite either. There must be at least one
 /// position.
 Rect enclosing_rect(std::span<const glm::dvec2> places);
+
+/// Stands for no point in the results of nearest_among. Its rank is the last one.
+inline constexpr SamplePoint no_point{
+		.position = glm::dvec2(std::numeric_limits<double>::infinity()), .id = 0, .rank = ~0u, .level = 0};
+
+/// Returns the area in which the nearest points of all positions of `area` lie.
+Rect point_area(const PointSet &set, const Rect &area);
+
+/// Finds the point among `points` that is nearest to each position, or no_point if none is nearer
+/// than the radius of `set`. All points must lie in the point_area of the positions. If two points are
+/// equally near, the one with the smaller id is found. Replaces the contents of `r_points`. Throws
+/// std::bad_alloc.
+void nearest_among(const std::vector<SamplePoint> &points, const PointSet &set, std::span<const glm::dvec2> places,
+		std::vector<SamplePoint> &r_points);
 
 /// Finds the point of `set` that is nearest to each position (world meters). It is always closer
 /// than the radius, because otherwise another point would fit. If two points are equally near, the

@@ -1,0 +1,65 @@
+#include "core/explain/point_probe.hpp"
+
+#include "core/base/guard.hpp"
+#include "core/explain/density_probe.hpp"
+#include "core/sampling/rank.hpp"
+
+namespace thicket {
+
+Status PointProbe::find(const LayerSettings &layer, std::span<const glm::dvec2> places) {
+	fills_ = fills(layer);
+	positions_.clear();
+	queries_.clear();
+	if (!fills_) {
+		return nearest_points(sampler_, layer.set, places, points_);
+	}
+	const Rect area = enclosing_rect(places);
+	if (!area.finite()) {
+		return {ErrorCode::not_finite, "places", area.min.x};
+	}
+	return guarded("places", static_cast<double>(places.size()), [&] {
+		set_ = layer.set;
+		places_.assign(places.begin(), places.end());
+		LayerSettings points; // The layer without its own rules.
+		points.set = layer.set;
+		points.neighbors = layer.neighbors;
+		points.spacing_fills = true;
+		filter_.set(points);
+		const Rect around = point_area(set_, area);
+		if (const double count = filter_.points_around(around); count > max_probed_points) {
+			return Status::too_many_points("rect", count, max_probed_points);
+		}
+		const Status status = filter_.sample(around, nullptr, nullptr);
+		return status.ok() ? gather() : status;
+	});
+}
+
+Status PointProbe::find_further(std::span<const Ground> ground) {
+	if (ground.size() != positions_.size()) {
+		return Status::wrong_size("ground", ground.size(), exactly(positions_.size()));
+	}
+	return guarded("ground", static_cast<double>(ground.size()), [&] {
+		const Status status = filter_.sample_further(ground);
+		return status.ok() ? gather() : status;
+	});
+}
+
+/// Collects the positions of the next step, or the points after the last one.
+Status PointProbe::gather() {
+	positions_.clear();
+	queries_.clear();
+	if (!filter_.is_complete()) {
+		filter_.add_queries(positions_, queries_);
+		return {};
+	}
+	const LayerFilter &own = filter_.own();
+	std::vector<SamplePoint> all;
+	for (std::size_t i = 0; i < own.positions().size(); ++i) {
+		const std::uint32_t rank = own.ranks()[i];
+		all.push_back({own.positions()[i], own.ids()[i], rank, level_of_rank(set_.levels, rank)});
+	}
+	nearest_among(all, set_, places_, points_);
+	return {};
+}
+
+} // namespace thicket
