@@ -115,7 +115,7 @@ func test_groups_and_units() -> void:
 	for expected: Array in [["radius", "/"], ["density", "/"], ["meshes", "/"], ["mesh_weights", "/"], ["density_over_height", "Rules/Height"],
 			["slope_falloff_degrees", "Rules/Slope"], ["ground_textures", "Rules/Ground"], ["noise_curve", "Rules/Noise"],
 			["mask", "Rules/Mask"], ["mask_texture_edge", "Rules/Mask"], ["clump_size", "Rules/Clumping"],
-			["edge_feather", "Rules/Edge"], ["spacing", "Other Layers/"], ["proximity_curve", "Other Layers/Proximity"],
+			["edge_feather", "Rules/Edge"], ["spacing", "Other Layers/"], ["spacing_fills", "Other Layers/"], ["proximity_curve", "Other Layers/Proximity"],
 			["scale_curve", "Placement/"], ["offset_along_normal", "Placement/"], ["use_colors", "Drawing/"],
 			["color_value", "Drawing/"], ["use_custom_data", "Drawing/"], ["variation_value", "Drawing/"],
 			["instance_radius", "Gameplay/"], ["regrowth_time", "Gameplay/"], ["collision_shape", "Gameplay/Collision"],

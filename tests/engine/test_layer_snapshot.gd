@@ -50,6 +50,7 @@ var changes := {
 	"instance_radius": [0.3, BODIES, HITS], "instance_height": [1.0, BODIES, HITS], "regrowth_time": [0.05, REGROWN],
 	"collision_shape": [ScatterLayer.COLLISION_BOX, BODIES], "collision_distance": [12.0, BODIES],
 	"collision_layer": [4, BODIES], "collision_mask": [8, BODIES], "physics_material": [slippery(), BODIES],
+	"spacing_fills": [true], # Without spacing, this property has no effect. See test_neighbors.gd.
 	"surface_layers": [["Oaks"]], # Without on_surfaces, this property has no effect. See test_layers_on_models.gd.
 	# These properties are used only in place of resources that an export has stripped. See test_stripped.gd.
 	"convex_hulls": [[PackedVector3Array([Vector3.UP])]], "mask_texture_image": [Image.create_empty(2, 2, false, Image.FORMAT_R8)],

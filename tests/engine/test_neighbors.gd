@@ -161,3 +161,86 @@ func test_rejected_layers_keep_their_last_valid_state() -> void:
 	await settle(scatter)
 	check_no_error("valid settings")
 	check([digests(scatter, OAK), digests(scatter, FERN)] == before, "everything is as before")
+
+
+## Returns two species of trees of one radius. The second one keeps its distance from the first.
+func make_species(fills: bool) -> Array[ScatterLayer]:
+	var oaks := named_layer("oak", 31, 4.0)
+	oaks.density = 0.5
+	var birches := named_layer("birch", 32, 4.0)
+	birches.spacing = {"oak": 4.0}
+	birches.spacing_fills = fills
+	for layer: ScatterLayer in [oaks, birches]:
+		layer.tile_size = 32.0
+		layer.view_distance = 80.0
+	return [oaks, birches]
+
+
+func test_filled_species_are_as_dense_as_one() -> void:
+	var scatter := make_scatter(make_species(false), Mound.new(), make_viewer())
+	await settle(scatter)
+	var thinned := instances(scatter, 1)
+	var oaks := instances(scatter, 0)
+	scatter.layers[1].spacing_fills = true
+	await settle(scatter)
+	var filled := instances(scatter, 1)
+	check(filled.size() > 1.6 * thinned.size(), "%d birches fill, %d do not" % [filled.size(), thinned.size()])
+	check(gap(scatter, 1, 0) >= 4.0 - FLOATS, "distance to oaks: %f" % gap(scatter, 1, 0))
+	check_equal(instances(scatter, 0) == oaks, true, "the oaks stay")
+	check_equal(scatter.get_problems(), PackedStringArray(), "problems")
+	scatter.layers[1].spacing_fills = false
+	await settle(scatter)
+	check_equal(instances(scatter, 1) == thinned, true, "the birches without filling")
+
+
+## A game's removals must move nothing, or everything would jump when a tree is felled.
+func test_filled_species_stay_when_a_game_fells_trees() -> void:
+	var scatter := make_scatter(make_species(true), Mound.new(), make_viewer())
+	await settle(scatter)
+	var birches := instances(scatter, 1)
+	var felled := 0
+	for id: int in instances(scatter, 0).keys().slice(0, 40):
+		felled += int(scatter.remove_instance(id))
+	check_equal(felled, 40, "felled oaks")
+	await settle(scatter)
+	check_equal(instances(scatter, 1) == birches, true, "the birches")
+	var found := scatter.query_rect(Rect2(-30, -30, 60, 60), [scatter.layers[1]]).ids
+	check(found.size() > 50, "queries find birches: %d" % found.size())
+	for id in found:
+		check(birches.has(id), "a query finds only visible birches")
+
+
+func test_filled_species_are_explained() -> void:
+	var scatter := make_scatter(make_species(true), Mound.new(), make_viewer())
+	await settle(scatter)
+	var random := RandomNumberGenerator.new()
+	random.seed = 3
+	var standing := 0
+	var kept_away := 0
+	for index in 400:
+		var place := Vector3(random.randf_range(-40, 40), 0.0, random.randf_range(-40, 40))
+		var birch: ScatterExplanation = scatter.explain_position(place, [scatter.layers[1]])[0]
+		check_equal(birch.standing, scatter.has_instance(birch.id), "the explanation matches the instance at %s" % place)
+		standing += int(birch.standing)
+		kept_away += int(birch.refused_by == "spacing")
+		check(birch.allowed == (birch.refused_by != "spacing"), "only spacing refuses: %s" % birch.reason)
+	check(standing > 50 and kept_away > 50, "%d positions have a birch, %d are too near to an oak" % [standing, kept_away])
+
+
+func test_problems_of_layers_that_cannot_fill() -> void:
+	var species := make_species(true)
+	species[0].spacing_fills = true
+	var scatter := make_scatter(species, Mound.new(), make_viewer())
+	await settle(scatter)
+	check("Layer 0: spacing_fills has no effect: it needs a spacing to a layer that is earlier in the list." in scatter.get_problems(),
+			"without an earlier layer: %s" % scatter.get_problems())
+	species[0].spacing_fills = false
+	species[1].on_surfaces = true
+	var problems := "\n".join(scatter.get_problems())
+	check("spacing_fills has no effect while on_surfaces is on" in problems, "on surfaces: %s" % problems)
+	species[1].on_surfaces = false
+	species[0].on_surfaces = true
+	problems = "\n".join(scatter.get_problems())
+	check('spacing_fills has no effect around "oak", which is on_surfaces' in problems, "around a layer on surfaces: %s" % problems)
+	species[0].on_surfaces = false
+	check_equal(scatter.get_problems(), PackedStringArray(), "no problems are left")

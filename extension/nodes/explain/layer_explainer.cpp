@@ -3,6 +3,7 @@
 #include "core/explain/density_probe.hpp"
 #include "core/explain/model_probe.hpp"
 #include "core/explain/place_grid.hpp"
+#include "core/explain/point_probe.hpp"
 #include "core/sampling/nearest_points.hpp"
 #include "nodes/workers/build_at_once.hpp"
 
@@ -43,7 +44,7 @@ Status LayerExplainer::find_models(
 	std::vector<Ground> answers;
 	Status status = probe.find(layer, place, surface_of(terrain.get()));
 	if (status.ok()) {
-		status = query_synchronously(terrain.get(), ground, probe.positions(), probe.queries(), answers);
+		status = ask_in_steps(terrain.get(), ground, probe, answers);
 	}
 	return status.ok() ? probe.models(answers, r_models) : status;
 }
@@ -58,7 +59,7 @@ Status LayerExplainer::explain(std::uint32_t layer, const glm::dvec3 &place, Lay
 		status = explainer.find(settings, place, surface_of(terrain.get()), models.get());
 	}
 	if (status.ok()) {
-		status = query_synchronously(terrain.get(), ground, explainer.positions(), explainer.queries(), answers);
+		status = ask_in_steps(terrain.get(), ground, explainer, answers);
 	}
 	if (status.ok()) {
 		status = explainer.explain(answers, r_explanation.rules);
@@ -84,7 +85,7 @@ Status LayerExplainer::densities(
 	std::vector<Ground> answers;
 	Status status = probe.find(*layers[layer]->settings, places, false, surface_of(terrain.get()));
 	if (status.ok()) {
-		status = query_synchronously(terrain.get(), ground, probe.positions(), probe.queries(), answers);
+		status = ask_in_steps(terrain.get(), ground, probe, answers);
 	}
 	if (status.ok()) {
 		status = probe.look(answers);
@@ -115,12 +116,15 @@ Status LayerExplainer::ranks(
 	if (const double count = sides.x * sides.y * point_density(set); count > max_probed_points) {
 		return Status::too_many_points("rect", count, max_probed_points);
 	}
-	TileSampler sampler;
-	std::vector<SamplePoint> points;
-	const Status status = nearest_points(sampler, set, places, points);
+	PointProbe probe;
+	std::vector<Ground> answers;
+	Status status = probe.find(*layers[layer]->settings, places);
+	if (status.ok()) {
+		status = ask_in_steps(terrain.get(), ground, probe, answers);
+	}
 	r_ranks.clear();
-	for (const SamplePoint &point : points) {
-		r_ranks.push_back(static_cast<float>(point.rank * 0x1p-32));
+	for (std::size_t place = 0; status.ok() && place < places.size(); ++place) {
+		r_ranks.push_back(static_cast<float>(probe.points()[place].rank * 0x1p-32));
 	}
 	return status;
 }

@@ -21,6 +21,7 @@ constexpr double min_distance = 1e-3; ///< The minimum distance between layers, 
 
 constexpr NumberProperty proximity_distance{"proximity_distance", &LayerLinks::proximity_distance, min_distance,
 		max_neighbor_distance, PROPERTY_HINT_RANGE, "0.1,200,0.01,or_less,or_greater,exp,suffix:m"};
+constexpr SwitchProperty spacing_fills{"spacing_fills", "is_spacing_filling", &LayerLinks::spacing_fills};
 constexpr ResourceProperty proximity_curve{"proximity_curve", &LayerLinks::proximity_curve, curve_table};
 
 double number_of(const Variant &p_value) {
@@ -144,6 +145,7 @@ void ScatterLayer::bind_neighbors() {
 	bind_guarded<&ScatterLayer::get_spacing>(D_METHOD("get_spacing"));
 	add_layer_property(
 			PropertyUse::placement, PropertyInfo(Variant::DICTIONARY, "spacing"), "set_spacing", "get_spacing");
+	bind_switch<spacing_fills>();
 	ADD_SUBGROUP("Proximity", "proximity_");
 	bind_guarded<&ScatterLayer::set_proximity_layer>(D_METHOD("set_proximity_layer", "layer"));
 	bind_guarded<&ScatterLayer::get_proximity_layer>(D_METHOD("get_proximity_layer"));

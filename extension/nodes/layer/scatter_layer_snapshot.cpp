@@ -162,6 +162,7 @@ LayerLinks ScatterLayer::links() {
 	}
 	result.name = get_name().utf8().get_data();
 	result.identity = get_instance_id();
+	result.on_surface = settings_.set.on_surface;
 	if (result.proximity_curve == nullptr) {
 		result.proximity_curve = tables_.proximity_line;
 	}
@@ -192,6 +193,7 @@ QueryLayer query_layer(const LayerSnapshot *layer) {
 	if (layer != nullptr) {
 		const LayerSettings &settings = *layer->settings;
 		result.set = settings.set;
+		result.fills = fills(settings);
 		result.tile_size = layer->range.tile_size;
 		result.shape = {layer->gameplay.instance_radius, layer->gameplay.instance_height};
 		result.max_scale = settings.placement.max_scale;

@@ -47,7 +47,8 @@ const char *far_looking_property(const LayerSettings &layer, double tile_size) {
 	LayerSettings plain = layer;
 	plain.instance_data = {};
 	if (points_to_sample(plain, tile_size) > ScatterLayer::max_tile_points) {
-		return "spacing";
+		plain.spacing_fills = false;
+		return points_to_sample(plain, tile_size) > ScatterLayer::max_tile_points ? "spacing" : "spacing_fills";
 	}
 	const auto [color, variation] = distance_sources(layer.instance_data);
 	const bool by_color = color != nullptr && (variation == nullptr || color->max >= variation->max);
@@ -210,7 +211,7 @@ std::vector<LinkedLayer> LayerList::link(const NodeLayers &node_layers, const La
 		const double points = points_to_sample(layer, tile_size);
 		return points > ScatterLayer::max_tile_points
 				? Status::too_many_points(far_looking_property(layer, tile_size), points, ScatterLayer::max_tile_points,
-						  "Lower tile_size or this distance, or raise the radius")
+						  "Lower tile_size or this distance, raise the radius, or turn off spacing_fills")
 				: Status{};
 	};
 	add_hosts(node_layers, world, layers);

@@ -24,6 +24,21 @@ namespace thicket {
 Status query_synchronously(const Terrain *terrain, const HostedGround &ground, std::span<const glm::dvec2> positions,
 		std::span<const GroundQuery> queries, std::vector<Ground> &r_answers);
 
+/// Samples the ground for all steps of an object such as TileBuilder or DensityProbe, after its first
+/// one. Replaces `r_answers` with the ground of the last step. Throws std::bad_alloc.
+template <class Steps>
+Status ask_in_steps(
+		const Terrain *terrain, const HostedGround &ground, Steps &r_steps, std::vector<Ground> &r_answers) {
+	Status status = query_synchronously(terrain, ground, r_steps.positions(), r_steps.queries(), r_answers);
+	while (status.ok() && !r_steps.is_complete()) {
+		status = r_steps.find_further(r_answers);
+		if (status.ok()) {
+			status = query_synchronously(terrain, ground, r_steps.positions(), r_steps.queries(), r_answers);
+		}
+	}
+	return status;
+}
+
 /// Generates tiles synchronously on the main thread, with the help of worker threads for large
 /// rectangles. Keeps its workspace and the points around a tile to speed up the next one.
 class SynchronousBuilder {

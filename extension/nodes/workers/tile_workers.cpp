@@ -259,12 +259,30 @@ void TileWorkers::advance(Worker &worker, TileJob &job) {
 		finish(worker, job);
 		return;
 	}
-	// Without a thread-safe ground, a job gets here twice and computes its points each time.
-	// Computing them twice costs less than the script calls in between and frees the workspace
+	// Without a thread-safe ground, a job gets here at least twice and computes its points each
+	// time. Computing them twice costs less than the script calls in between and frees the workspace
 	// while the job waits for the main thread.
 	job.status = builder.find_points(settings, job.request.space, &job.cancelled);
 	job.points_computed += builder.sample_stats().computed;
-	if (job.status.ok() && job.step == TileJob::Step::start) {
+	if (job.step == TileJob::Step::has_ground) {
+		job.earlier_ground.push_back(std::move(job.ground));
+	}
+	for (const std::vector<Ground> &ground : job.earlier_ground) {
+		if (job.status.ok() && builder.is_complete()) {
+			job.status = builder.place(ground, worker.tile, &job.cancelled);
+			finish(worker, job);
+			return;
+		}
+		if (job.status.ok()) {
+			job.status = builder.find_further(ground, &job.cancelled);
+			job.points_computed += builder.sample_stats().computed;
+		}
+	}
+	if (!job.status.ok()) {
+		finish(worker, job);
+	} else {
+		job.answered = 0;
+		job.parts.clear();
 		job.positions.assign(builder.positions().begin(), builder.positions().end());
 		for (const GroundQuery &query : builder.queries()) {
 			const std::span<const std::int32_t> textures = query.needs.textures;
@@ -272,12 +290,7 @@ void TileWorkers::advance(Worker &worker, TileJob &job) {
 		}
 		job.ground.resize(job.positions.size());
 		job.step = TileJob::Step::needs_ground;
-		return;
 	}
-	if (job.status.ok()) {
-		job.status = builder.place(job.ground, worker.tile, &job.cancelled);
-	}
-	finish(worker, job);
 }
 
 void TileWorkers::finish(Worker &worker, TileJob &job) {
@@ -285,6 +298,7 @@ void TileWorkers::finish(Worker &worker, TileJob &job) {
 	job.positions = {};
 	job.parts = {};
 	job.ground = {};
+	job.earlier_ground = {};
 	if (!job.status.ok()) {
 		return;
 	}

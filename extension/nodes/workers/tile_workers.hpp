@@ -41,6 +41,8 @@ struct TileJob {
 	std::vector<glm::dvec2> positions;
 	std::vector<Part> parts;
 	std::vector<Ground> ground;
+	/// The ground of earlier steps; see TileBuilder::find_further.
+	std::vector<std::vector<Ground>> earlier_ground;
 	std::size_t answered = 0; ///< The number of entries of `ground` that are filled.
 
 	Status status;

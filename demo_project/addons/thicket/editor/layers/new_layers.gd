@@ -19,6 +19,8 @@ const TRUNK := 0.2
 ## hardly any instance would remain, because no position is farther than its radius from one of its instances. A lower
 ## density of the earlier layer allows a larger distance.
 const ROOM := 0.62
+## A new layer fills the gaps between earlier layers whose radius differs from its own by at most this factor.
+const SIMILAR := 0.5
 ## The steepest slope in degrees on which new layers on surfaces grow. Walls would otherwise be as densely covered as floors.
 const STEEPEST := 60.0
 
@@ -87,11 +89,14 @@ static func place_for(layer: ScatterLayer, layers: Array[ScatterLayer]) -> int:
 
 
 ## Sets the spacing of new layers to the other layers of a list that have a name. Among the new layers, only later ones keep a distance from earlier
-## ones. Large layers keep no distance from their undergrowth. A layer has at most [constant ScatterLayer.MAX_NEIGHBORS] distances.
+## ones. Large layers keep no distance from their undergrowth. A layer has at most [constant ScatterLayer.MAX_NEIGHBORS] distances. It fills the gaps
+## between earlier layers of similar size. Others would gain few instances from that, or would make their own undergrowth slow to generate.
 static func keep_apart(new: Array[ScatterLayer], layers: Array[ScatterLayer]) -> void:
 	var done: Array[ScatterLayer] = []
 	for layer in new:
 		var spacing := layer.spacing.duplicate()
+		var similar := 0
+		var different := 0
 		for other in layers:
 			var later := new.has(other) and not done.has(other)
 			if other == null or other == layer or other.resource_name.is_empty() or later or spacing.size() >= ScatterLayer.MAX_NEIGHBORS:
@@ -100,7 +105,11 @@ static func keep_apart(new: Array[ScatterLayer], layers: Array[ScatterLayer]) ->
 			var meters := distance(layer if is_first else other, other if is_first else layer)
 			if meters > 0.0:
 				spacing[other.resource_name] = meters
+				var both := minf(layer.radius, other.radius) / maxf(layer.radius, other.radius)
+				similar += int(not is_first and both >= SIMILAR)
+				different += int(not is_first and both < SIMILAR)
 		layer.spacing = spacing
+		layer.spacing_fills = similar > 0 and different == 0 and not layer.on_surfaces
 		done.append(layer)
 
 
