@@ -2,6 +2,8 @@
 
 #include "core/base/floating_point.hpp"
 
+#include <glm/common.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,6 +18,7 @@ namespace {
 constexpr double slack = 0.01;
 
 constexpr double side = cell_size;
+constexpr double per_side = 1.0 / side;
 constexpr double sub_side = 1 << sub_bits;
 
 /// A range of columns: [from, to).
@@ -34,7 +37,8 @@ std::int32_t ceil_within(double value, std::int32_t last) {
 }
 
 /// Returns the squares of a row that a disk covers as a whole. The row spans the lattice units [y, y
-/// + width), relative to the same origin as the disk. There are `count` squares of this width.
+/// + width), relative to the same origin as the disk. There are `count` squares of this width, which
+/// is a power of two.
 Range covered_squares(const ObstacleGrid::Disk &disk, double y, double width, std::int32_t count) {
 	const double last = width - 1.0;
 	const double apart = std::max(std::abs(y - disk.center.y), std::abs(y + last - disk.center.y)) + slack;
@@ -42,8 +46,9 @@ Range covered_squares(const ObstacleGrid::Disk &disk, double y, double width, st
 		return {};
 	}
 	const double half = std::sqrt(disk.radius * disk.radius - apart * apart) - slack;
-	const Range range{ceil_within((disk.center.x - half) / width, count),
-			floor_within((disk.center.x + half + 1.0) / width, count)};
+	const double share = 1.0 / width; // A product with it is exact, and faster than a quotient.
+	const Range range{ceil_within((disk.center.x - half) * share, count),
+			floor_within((disk.center.x + half + 1.0) * share, count)};
 	return range.from < range.to ? range : Range{};
 }
 
@@ -55,8 +60,8 @@ Range reached_cells(const ObstacleGrid::Disk &disk, double y, std::int32_t count
 		return {};
 	}
 	const double half = (gap > 0.0 ? std::sqrt(radius * radius - gap * gap) : radius) + slack;
-	return {floor_within((disk.center.x - half) / side, count),
-			floor_within((disk.center.x + half) / side + 1.0, count)};
+	return {floor_within((disk.center.x - half) * per_side, count),
+			floor_within((disk.center.x + half) * per_side + 1.0, count)};
 }
 
 /// Returns a mask of the bits [from, to) of a byte.
@@ -97,8 +102,8 @@ void ObstacleGrid::cover_whole_cells(const LevelGrid &grid) {
 	const auto width = static_cast<std::size_t>(size.x) + 1;
 	steps_.assign(width * static_cast<std::size_t>(size.y), 0);
 	for (const Disk &disk : disks_) {
-		const std::int32_t last = floor_within((disk.center.y + disk.radius) / side + 1.0, size.y);
-		for (std::int32_t y = floor_within((disk.center.y - disk.radius) / side, size.y); y < last; ++y) {
+		const std::int32_t last = floor_within((disk.center.y + disk.radius) * per_side + 1.0, size.y);
+		for (std::int32_t y = floor_within((disk.center.y - disk.radius) * per_side, size.y); y < last; ++y) {
 			const Range covered = covered_squares(disk, y * side, side, size.x);
 			std::int32_t *row = steps_.data() + static_cast<std::size_t>(y) * width;
 			++row[covered.from];
@@ -121,8 +126,8 @@ void ObstacleGrid::cover_parts(const LevelGrid &grid) {
 	const std::int32_t rows = grid.cells.size().y;
 	for (std::uint32_t obstacle = 0; obstacle < disks_.size(); ++obstacle) {
 		const Disk &disk = disks_[obstacle];
-		const std::int32_t last = floor_within((disk.center.y + disk.radius + 1.0) / side + 1.0, rows);
-		for (std::int32_t y = floor_within((disk.center.y - disk.radius - 1.0) / side, rows); y < last; ++y) {
+		const std::int32_t last = floor_within((disk.center.y + disk.radius + 1.0) * per_side + 1.0, rows);
+		for (std::int32_t y = floor_within((disk.center.y - disk.radius - 1.0) * per_side, rows); y < last; ++y) {
 			add_entries(grid, obstacle, y);
 		}
 	}
@@ -157,7 +162,7 @@ void ObstacleGrid::add_entries(const LevelGrid &grid, std::uint32_t obstacle, st
 			parts |= std::uint64_t{bits_between(covered[row].from - 8 * x, covered[row].to - 8 * x)} << 8 * row;
 		}
 		open_[cell] &= ~parts;
-		entries_.push_back({obstacle, first_[cell]});
+		entries_.push_back({disk.center - glm::dvec2(x, y) * side, obstacle, first_[cell]});
 		first_[cell] = static_cast<std::uint32_t>(entries_.size());
 	}
 }
@@ -169,34 +174,46 @@ bool ObstacleGrid::covers(const LevelGrid &grid, std::uint32_t cell, CellPositio
 	if (first_[cell] == 0) {
 		return false;
 	}
-	const glm::ivec2 corner = grid.cell_of(cell);
-	const auto world = [this](std::int32_t first, std::uint32_t inside) {
-		return static_cast<double>(std::int64_t{first} * cell_size + inside) * unit_;
-	};
-	// The same expressions as for the distances between instances of layers, so that both agree on
-	// every bit.
-	const glm::dvec2 place(world(corner.x, position_x(position)), world(corner.y, position_y(position)));
+	const glm::dvec2 inside(position_x(position), position_y(position));
 	for (std::uint32_t at = first_[cell]; at != 0; at = entries_[at - 1].next) {
-		const Obstacle &obstacle = obstacles_[entries_[at - 1].obstacle];
-		const glm::dvec2 apart = obstacle.center - place;
-		if (apart.x * apart.x + apart.y * apart.y < obstacle.radius * obstacle.radius) {
+		const Entry &entry = entries_[at - 1];
+		const glm::dvec2 apart = entry.center - inside;
+		const double squared = apart.x * apart.x + apart.y * apart.y;
+		const double radius = disks_[entry.obstacle].radius;
+		if (squared < (radius - slack) * (radius - slack) && radius > slack) {
+			return true;
+		}
+		if (squared <= (radius + slack) * (radius + slack) && covers_exactly(grid, cell, position, entry.obstacle)) {
 			return true;
 		}
 	}
 	return false;
 }
 
+/// Compares the distance to an obstacle with the same expressions as for the distances between
+/// instances of layers, so that both agree on every bit.
+bool ObstacleGrid::covers_exactly(
+		const LevelGrid &grid, std::uint32_t cell, CellPosition position, std::uint32_t obstacle) const {
+	const glm::ivec2 corner = grid.cell_of(cell);
+	const auto world = [this](std::int32_t first, std::uint32_t inside) {
+		return static_cast<double>(std::int64_t{first} * cell_size + inside) * unit_;
+	};
+	const glm::dvec2 place(world(corner.x, position_x(position)), world(corner.y, position_y(position)));
+	const Obstacle &each = obstacles_[obstacle];
+	const glm::dvec2 apart = each.center - place;
+	return apart.x * apart.x + apart.y * apart.y < each.radius * each.radius;
+}
+
 void ObstacleGrid::add_covered_parts(
-		const LevelGrid &grid, std::uint32_t cell, CellPosition origin, int part_bits, std::uint32_t *r_rows) const {
-	if (first_[cell] == 0) {
-		return;
-	}
+		std::uint32_t cell, CellPosition origin, int part_bits, std::uint32_t *r_rows) const {
 	const double width = 1 << part_bits;
-	const glm::dvec2 corner =
-			glm::dvec2(grid.cell_of(cell) - grid.cells.min) * side + glm::dvec2(position_x(origin), position_y(origin));
+	const glm::dvec2 corner(position_x(origin), position_y(origin));
 	for (std::uint32_t at = first_[cell]; at != 0; at = entries_[at - 1].next) {
-		const Disk &disk = disks_[entries_[at - 1].obstacle];
-		const Disk here{disk.center - corner, disk.radius};
+		const Disk here{entries_[at - 1].center - corner, disks_[entries_[at - 1].obstacle].radius};
+		const glm::dvec2 gap = glm::max(glm::max(-here.center, here.center - 8.0 * width), 0.0);
+		if (gap.x * gap.x + gap.y * gap.y >= here.radius * here.radius) {
+			continue;
+		}
 		for (std::int32_t row = 0; row < 8; ++row) {
 			const Range covered = covered_squares(here, row * width, width, 8);
 			r_rows[row] |= bits_between(covered.from, covered.to);

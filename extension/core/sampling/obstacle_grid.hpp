@@ -36,8 +36,7 @@ public:
 	/// Adds the parts of a square that a single obstacle covers to `r_rows`, 8 rows of one bit per
 	/// part. A part is 2^part_bits lattice units wide. `origin` is the lower corner of the square in
 	/// `cell`.
-	void add_covered_parts(
-			const LevelGrid &grid, std::uint32_t cell, CellPosition origin, int part_bits, std::uint32_t *r_rows) const;
+	void add_covered_parts(std::uint32_t cell, CellPosition origin, int part_bits, std::uint32_t *r_rows) const;
 
 	std::size_t bytes() const;
 
@@ -45,10 +44,12 @@ private:
 	/// An entry in the list of a cell's obstacles. The list omits obstacles that do not reach the
 	/// cell. It is empty if a single obstacle covers the whole cell.
 	struct Entry {
+		glm::dvec2 center; ///< In lattice units, relative to the corner of the cell.
 		std::uint32_t obstacle;
 		std::uint32_t next; ///< Index of the next entry plus 1, or 0.
 	};
 
+	bool covers_exactly(const LevelGrid &grid, std::uint32_t cell, CellPosition position, std::uint32_t obstacle) const;
 	void cover_whole_cells(const LevelGrid &grid);
 	void cover_parts(const LevelGrid &grid);
 	void add_entries(const LevelGrid &grid, std::uint32_t obstacle, std::int32_t y);
