@@ -81,4 +81,19 @@ inline LayerSettings undergrowth(glm::dvec2 corner) {
 	return layer;
 }
 
+/// Returns a layer that fills the gaps between shrubs, which fill those of the forest.
+inline LayerSettings filling_ferns() {
+	auto shrubs = std::make_shared<LayerSettings>();
+	shrubs->set = {.seed = 8, .radius = 2.0, .levels = 3, .layer = 5};
+	shrubs->rules.density = 0.6;
+	shrubs->neighbors = {{std::make_shared<LayerSettings>(forest()), 2.5, nullptr}};
+	shrubs->spacing_fills = true;
+
+	LayerSettings layer = forest();
+	layer.set = {.seed = 8, .radius = 1.0, .levels = 2, .layer = 6};
+	layer.neighbors = {{shrubs, 0.9, nullptr}, {shrubs->neighbors[0].layer, 1.1, nullptr}};
+	layer.spacing_fills = true;
+	return layer;
+}
+
 } // namespace thicket::analysis

@@ -49,6 +49,18 @@ LayerSettings spaced() {
 	return layer;
 }
 
+/// Returns a species that keeps `distance` from an earlier one, whose density is `density`.
+LayerSettings second_species(double earlier_radius, double density, double radius, double distance) {
+	auto earlier = std::make_shared<LayerSettings>(meadow(1));
+	earlier->set.radius = earlier_radius;
+	earlier->rules.density = density;
+	LayerSettings layer = meadow(1);
+	layer.set.layer = 3;
+	layer.set.radius = radius;
+	layer.neighbors = {{earlier, distance, nullptr}};
+	return layer;
+}
+
 /// Returns a meadow that thins toward its edge.
 LayerSettings feathered() {
 	LayerSettings layer = meadow(1);
@@ -109,6 +121,34 @@ void compare(const std::string &name, const LayerSettings &layer, const Heightfi
 	print_count(name + ": instances per point", instances / points_seen, "");
 }
 
+/// Compares the time for tiles of a layer that fills gaps with the time for tiles of the same layer
+/// that does not.
+void compare_fill(
+		const std::string &name, const LayerSettings &thinned, const Heightfield &hills, const Effort &effort) {
+	LayerSettings filled = thinned;
+	filled.spacing_fills = true;
+	TileBuilder builder;
+	TileInstances tile;
+	Series times;
+	double placed[2] = {};
+	for (int round = 0; round < effort.rounds; ++round) {
+		double tiles_per_second[2] = {};
+		for (const bool fills : {false, true}) {
+			Walk walk{.index = 7 * round};
+			int count = 0;
+			tiles_per_second[fills] = rate(effort.seconds, [&] {
+				require(builder.build(fills ? filled : thinned, hills, walk.next(thinned.set.radius), tile));
+				// Both count the same first tiles, because the number of tiles differs.
+				placed[fills] += count++ == 0 ? static_cast<double>(tile.counts.placed) : 0.0;
+				return 1;
+			});
+		}
+		times.add(tiles_per_second[0] / tiles_per_second[1]);
+	}
+	print_row(name + ": filled over not filled", times, 1.0, " times the time");
+	print_count(name + ": instances, filled over not filled", placed[1] / placed[0], "");
+}
+
 } // namespace
 } // namespace thicket::bench
 
@@ -123,6 +163,12 @@ int main(int argument_count, char **arguments) {
 		compare("meadow" + suffix, meadow(levels), hills, effort);
 	}
 	compare("spaced from a forest, a third of its radius", spaced(), hills, effort);
+	compare_fill(
+			"species of 4 m, 4 m from one of 4 m and density 0.5", second_species(4.0, 0.5, 4.0, 4.0), hills, effort);
+	compare_fill("species of 2 m, 2 m from one of 4 m", second_species(4.0, 1.0, 2.0, 2.0), hills, effort);
+	compare_fill("species of 2 m, 3 m from one of 8 m", second_species(8.0, 1.0, 2.0, 3.0), hills, effort);
+	compare_fill(
+			"species of 4 m, 1 m from one of 2 m and density 0.5", second_species(2.0, 0.5, 4.0, 1.0), hills, effort);
 	compare("meadow with edge_feather", feathered(), hills, effort);
 	compare("meadow of random colors", colored(SourceKind::random), hills, effort);
 	compare("meadow of colors over slope", colored(SourceKind::slope, 45.0), hills, effort);
