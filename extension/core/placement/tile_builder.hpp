@@ -68,8 +68,8 @@ public:
 
 	/// Performs a further part of the first step, with the ground at positions(), and replaces
 	/// positions() and queries(). Errors are as in `find_points` and `place`.
-	Status find_further(
-			std::span<const Ground> ground, const std::atomic<bool> *cancel = nullptr, CallerThreads *threads = nullptr);
+	Status find_further(std::span<const Ground> ground, const std::atomic<bool> *cancel = nullptr,
+			CallerThreads *threads = nullptr);
 
 	/// Returns the positions at which the next call needs the ground: the points of the layer and of
 	/// its neighbors, and a few positions for the origin of a tile that covers all heights. If a

@@ -49,8 +49,8 @@ public:
 	/// Samples the next layers that fill gaps. `ground` contains the ground at the positions of this
 	/// step. If the margin of a layer turns out to be too narrow, the first step starts again with a
 	/// wider margin.
-	Status sample_further(
-			std::span<const Ground> ground, const std::atomic<bool> *cancel = nullptr, CallerThreads *threads = nullptr);
+	Status sample_further(std::span<const Ground> ground, const std::atomic<bool> *cancel = nullptr,
+			CallerThreads *threads = nullptr);
 
 	/// Performs all steps except `filter`, and replaces the lists. `r_ground` is the ground of the
 	/// last step. Exceptions of the terrain are passed on.

@@ -146,13 +146,13 @@ private:
 	/// The kinds of work that share the time of a frame.
 	enum class Step : std::uint8_t {
 		query_ground, ///< Samples the ground of a tile on the main thread.
-		upload,     ///< Uploads a part of a tile and shows the tile after the last part.
-		free,       ///< Hides and frees removed tiles.
-		lod,        ///< Redraws some tiles to match their distances.
-		divide,     ///< Divides a tile into cells, or draws it as a whole again.
-		fade,       ///< Prepares LODs that will fade in.
-		rings,      ///< Adds and removes bodies.
-		recheck,    ///< Compares a few ground heights with those of visible tiles.
+		upload,       ///< Uploads a part of a tile and shows the tile after the last part.
+		free,         ///< Hides and frees removed tiles.
+		lod,          ///< Redraws some tiles to match their distances.
+		divide,       ///< Divides a tile into cells, or draws it as a whole again.
+		fade,         ///< Prepares LODs that will fade in.
+		rings,        ///< Adds and removes bodies.
+		recheck,      ///< Compares a few ground heights with those of visible tiles.
 	};
 	static constexpr std::size_t step_kinds = 8;
 
