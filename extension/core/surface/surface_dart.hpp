@@ -17,24 +17,30 @@
 
 namespace thicket {
 
-/// Cells are cubes with a side of radius / sqrt(3), so that a cell contains at most one point.
-/// Positions are whole units, 2^surface_bits per side of a cell. The squared radius is therefore
-/// exactly 3 * 4^surface_bits units^2.
+/// Cells are cubes with a side of one radius. Positions are whole units, 2^surface_bits per side of
+/// a cell.
 inline constexpr int surface_bits = 20;
 inline constexpr std::int32_t surface_cell_size = 1 << surface_bits;
-inline constexpr std::int64_t surface_radius_squared = std::int64_t{3} << (2 * surface_bits);
+inline constexpr std::int64_t surface_radius_squared = std::int64_t{1} << (2 * surface_bits);
 
-/// Columns (see SurfaceLine) can be split until they are squares with a side of 2^(surface_bits -
+/// A column of depth d (see SurfaceLine) is searched by lines through the whole column until the time
+/// surface_split_time * 4^d, and then separately in its four quarters, so that parts that are
+/// covered cost no more time. Columns deeper than surface_patch_depth are split as soon as a line
+/// fails.
+inline constexpr double surface_split_time = 2.0;
+inline constexpr int surface_patch_depth = 3;
+
+/// Columns can be split until they are squares with a side of 2^(surface_bits -
 /// surface_depth) units. Lines pass through the centers of these smallest squares.
 inline constexpr int surface_depth = 16;
 
 /// Number of cells by which the ball around a point can extend beyond the point's cell, in each
 /// direction.
-inline constexpr std::int32_t surface_reach = 2;
+inline constexpr std::int32_t surface_reach = 1;
 
 /// The time of a dart. Each cell and axis has an exponential clock, and earlier darts take
 /// priority. A time is the bit pattern of a positive double, which sorts like the number, with its
-/// low nine bits replaced by the tag of the cell and axis. Cells at most two apart on each axis
+/// low nine bits replaced by the tag of the cell and axis. Cells that darts of one cell can affect
 /// have different tags, so their darts never have equal times.
 using SurfaceTime = std::uint64_t;
 inline constexpr SurfaceTime surface_tag_bits = 511;
@@ -139,23 +145,32 @@ struct SurfaceSource {
 };
 static_assert(max_levels <= 1u << 14, "the level must leave the two bits of the axis free");
 
-/// Returns the first line of a part of the column of `parent`. The part's clock starts at the time
-/// of `parent`, which produced no point. A part is 2^-halvings times as wide as the column. Parts
-/// are numbered by u, then v.
-inline SurfaceLine part_line(const SurfaceLine &parent, std::uint32_t part, int halvings, double rate) {
-	SurfaceLine next = parent;
-	next.hash = split_mix(parent.hash + (part + 1) * split_mix_gamma);
-	next.depth = static_cast<std::uint8_t>(parent.depth + halvings);
-	const std::uint32_t width = (1u << surface_depth) >> next.depth;
-	const std::uint32_t u = part & ((1u << halvings) - 1);
-	const std::uint32_t v = part >> halvings;
-	next.corner = {static_cast<std::uint16_t>(parent.corner[0] + u * width),
-			static_cast<std::uint16_t>(parent.corner[1] + v * width)};
+/// Returns the next line through the same column.
+inline SurfaceLine later_line(const SurfaceLine &line, double rate) {
+	SurfaceLine next = line;
+	next.hash = split_mix(line.hash + split_mix_gamma);
 	const double wait = static_cast<double>(exponential(static_cast<std::uint32_t>(next.hash >> 32))) *
 			static_cast<double>(std::uint64_t{1} << (2 * next.depth));
-	next.time = surface_time(std::bit_cast<double>(parent.time) + wait / rate,
-			static_cast<std::uint32_t>(parent.time & surface_tag_bits));
+	next.time = surface_time(
+			std::bit_cast<double>(line.time) + wait / rate, static_cast<std::uint32_t>(line.time & surface_tag_bits));
 	return next;
+}
+
+/// Returns `line` with its column replaced by a quarter of it. Quarters are numbered by u, then v.
+constexpr SurfaceLine quarter_of(SurfaceLine line, std::uint32_t quarter) {
+	++line.depth;
+	const std::uint32_t width = (1u << surface_depth) >> line.depth;
+	line.corner[0] = static_cast<std::uint16_t>(line.corner[0] + (quarter & 1) * width);
+	line.corner[1] = static_cast<std::uint16_t>(line.corner[1] + (quarter >> 1) * width);
+	return line;
+}
+
+/// Returns the first line of a quarter of a line's column. The quarter's clock starts at the time
+/// of `parent`.
+inline SurfaceLine quarter_line(const SurfaceLine &parent, std::uint32_t quarter, double rate) {
+	SurfaceLine from = quarter_of(parent, quarter);
+	from.hash += quarter * split_mix_gamma;
+	return later_line(from, rate);
 }
 
 } // namespace thicket

@@ -14,10 +14,6 @@ constexpr double cell_width = surface_cell_size;
 
 std::int32_t cell_at(double units) { return static_cast<std::int32_t>(std::floor(units / cell_width)); }
 
-/// Returns true if, for an x offset of +-2 cells, a ball centered in one cell can reach a cell at
-/// this y and z offset.
-constexpr bool in_reach(std::int32_t y, std::int32_t z) { return y * y < 4 || z * z < 4; }
-
 } // namespace
 
 CellBox CellBox::common(const CellBox &other) const { return {glm::max(min, other.min), glm::min(max, other.max)}; }
@@ -123,7 +119,7 @@ void SurfaceGrid::number_cells() {
 void SurfaceGrid::append_neighbors(std::uint32_t number, std::vector<std::uint32_t> &r_cells) const {
 	constexpr std::uint32_t side = 2 * surface_reach + 1;
 	const glm::ivec3 &center = cells_[number];
-	// In a row, the bits of the five cells from x - 2 to x + 2 start at this bit.
+	// In a row, the bits of the three cells from x - 1 to x + 1 start at this bit.
 	const int shift = center.x & 63;
 	const auto column = static_cast<std::size_t>(center.x >> 6);
 	std::size_t end = r_cells.size();
@@ -135,12 +131,11 @@ void SurfaceGrid::append_neighbors(std::uint32_t number, std::vector<std::uint32
 			const std::size_t left = row * words_ + column;
 			// Two shifts append the bits of the second word. A single shift would be by 64 bits if
 			// `shift` is 0, which is undefined.
-			const std::uint64_t five = bits_[left] >> shift | bits_[left + 1] << 1 << (63 - shift);
-			const std::uint64_t found = five & (in_reach(y, z) ? 0b11111u : 0b01110u);
-			// Cells in a row have consecutive numbers. All five numbers are written, because the
+			const std::uint64_t found = (bits_[left] >> shift | bits_[left + 1] << 1 << (63 - shift)) & 0b111u;
+			// Cells in a row have consecutive numbers. All three numbers are written, because the
 			// end of a loop over only the found cells would be mispredicted. The next row
 			// overwrites the rest.
-			const int place = shift + std::countr_zero(found | 0b10000u);
+			const int place = shift + std::countr_zero(found | 0b100u);
 			const std::uint32_t first =
 					rank(left + static_cast<std::size_t>(place >> 6), std::uint64_t{1} << (place & 63));
 			for (std::uint32_t each = 0; each < side; ++each) {

@@ -24,26 +24,37 @@ void SurfaceLines::add(List &r_list, const SurfaceLine &line) {
 	}
 }
 
-SurfaceLine SurfaceLines::take_first(List &r_list) {
-	const List taken = r_list;
-	const SurfaceLine line = first(taken);
-	r_list = entries_[taken].next;
-	free(taken);
+void SurfaceLines::replace_first(List &r_list, const SurfaceLine &line) {
+	entries_[r_list].line = line;
+	sort(r_list);
+}
+
+void SurfaceLines::drop_first(List &r_list) {
+	const List dropped = r_list;
+	r_list = entries_[dropped].next;
+	free(dropped);
+	sort(r_list);
+}
+
+void SurfaceLines::sort(List &r_list) {
+	if (r_list == empty) {
+		return;
+	}
 	List before_earliest = empty;
-	List earliest = r_list;
-	for (List before = r_list; before != empty; before = entries_[before].next) {
-		const List at = entries_[before].next;
-		if (at != empty && first(at).time < first(earliest).time) {
+	SurfaceTime earliest = first(r_list).time;
+	for (List before = r_list; entries_[before].next != empty; before = entries_[before].next) {
+		const SurfaceTime time = first(entries_[before].next).time;
+		if (time < earliest) {
+			earliest = time;
 			before_earliest = before;
-			earliest = at;
 		}
 	}
 	if (before_earliest != empty) {
-		entries_[before_earliest].next = entries_[earliest].next;
-		entries_[earliest].next = r_list;
-		r_list = earliest;
+		const List moved = entries_[before_earliest].next;
+		entries_[before_earliest].next = entries_[moved].next;
+		entries_[moved].next = r_list;
+		r_list = moved;
 	}
-	return line;
 }
 
 void SurfaceLines::drop(List &r_list) {

@@ -21,7 +21,8 @@ public:
 
 	const SurfaceLine &first(List list) const { return entries_[list].line; }
 	void add(List &r_list, const SurfaceLine &line);
-	SurfaceLine take_first(List &r_list);
+	void replace_first(List &r_list, const SurfaceLine &line);
+	void drop_first(List &r_list);
 	void drop(List &r_list);
 
 	std::size_t bytes() const { return entries_.capacity() * sizeof(Entry); }
@@ -32,6 +33,8 @@ private:
 		List next;
 	};
 	void free(List entry);
+	/// Moves the earliest line to the front of a list of which only the first line may be out of order.
+	void sort(List &r_list);
 
 	std::vector<Entry> entries_;
 	List unused_ = empty;

@@ -9,14 +9,14 @@
 namespace thicket {
 
 /// Approximates a cell's surface as a height field over one of the cell's faces: a plane, and an
-/// upper bound for the surface's distance from the plane. The patch determines which of 4 x 4
+/// upper bound for the surface's distance from the plane. The patch determines which of 8 x 8
 /// columns may still need darts. A column that it reports as covered is always covered, but not the
 /// other way round. Lengths are in cell widths, relative to the cell's lower corner.
 class SurfacePatch {
 public:
 	/// Base-2 logarithm of a column's width in units. In results, columns have one bit each,
 	/// numbered by u, then v.
-	static constexpr int shift = surface_bits - 2;
+	static constexpr int shift = surface_bits - surface_patch_depth;
 
 	explicit SurfacePatch(int axis) : axis_(axis) {}
 
@@ -25,11 +25,11 @@ public:
 	void add(const SurfaceTriangle &triangle, const glm::dvec3 &low);
 
 	/// Returns the columns that the surface may enter, one bit each.
-	std::uint32_t entered() const;
+	std::uint64_t entered() const;
 
 	/// Returns the columns that the surface may enter and that the ball around `point` does not
 	/// cover, one bit each.
-	std::uint32_t open_beside(const glm::vec3 &point) const;
+	std::uint64_t open_beside(const glm::vec3 &point) const;
 
 	/// The approximating plane.
 	struct Plane {
@@ -39,6 +39,8 @@ public:
 		/// Largest distance, in a column, of the surface from the plane's height at the column's
 		/// center.
 		float reach = -1e3f;
+		/// Largest distance of the surface from the plane, along the axis.
+		float thickness = 0.0f;
 	};
 
 private:

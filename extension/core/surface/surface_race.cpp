@@ -13,23 +13,28 @@ namespace thicket {
 
 namespace {
 
-/// The smallest integer whose square is at least the squared radius, in units. Positions that
-/// differ by at least this on one axis are not within the radius.
-constexpr std::int32_t radius_units = 1816187;
-static_assert(std::int64_t{radius_units} * radius_units >= surface_radius_squared &&
-		std::int64_t{radius_units - 1} * (radius_units - 1) < surface_radius_squared);
-
-/// Returns the bits in `Cell::open` of a line's column: all 16 for a whole cell, otherwise the bit
-/// of the column that contains it.
-constexpr std::uint64_t columns_of(const SurfaceLine &line) {
-	const std::uint64_t bits = line.depth == 0 ? 0xffff : 1;
-	return bits << (line.axis * 16 + (line.low_u() >> SurfacePatch::shift) + 4 * (line.low_v() >> SurfacePatch::shift));
+/// Returns the bit in `Face::open` of the column at (u, v).
+constexpr std::uint64_t column_at(std::int32_t u, std::int32_t v) {
+	return std::uint64_t{1} << ((u >> SurfacePatch::shift) + ((v >> SurfacePatch::shift) << surface_patch_depth));
 }
 
-std::uint64_t column_of(const SurfaceLine &line, const SurfaceLine::Course &course) {
-	return std::uint64_t{1} << (line.axis * 16 + (course.u >> SurfacePatch::shift) +
-				   4 * (course.v >> SurfacePatch::shift));
+/// Returns the bits in `Face::open` of the columns inside a line's column, or that contain it.
+constexpr std::uint64_t columns_in(const SurfaceLine &line) {
+	constexpr std::array<std::uint64_t, surface_patch_depth> widths{~std::uint64_t{0}, 0x0f0f0f0f, 0x0303};
+	return (line.depth < surface_patch_depth ? widths[line.depth] : 1) * column_at(line.low_u(), line.low_v());
 }
+
+/// Returns the bit in `Face::open` of the column through which a line passes.
+std::uint64_t column_of(const SurfaceLine &line) {
+	if (line.depth >= surface_patch_depth) {
+		return column_at(line.low_u(), line.low_v());
+	}
+	const SurfaceLine::Course course = line.course();
+	return column_at(course.u, course.v);
+}
+
+/// Number of cells that are decided together.
+constexpr std::size_t group_size = 1024;
 
 std::int64_t squared(const glm::ivec3 &offset) {
 	return std::int64_t{offset.x} * offset.x + std::int64_t{offset.y} * offset.y + std::int64_t{offset.z} * offset.z;
@@ -58,7 +63,7 @@ void SurfaceRace::start(const SurfaceSource &source, std::uint32_t level, const 
 	grid_.build(box, triangles, extra_);
 	times_.assign(grid_.count(), surface_time_unthrown);
 	cells_.assign(grid_.count(), Cell());
-	patches_.clear();
+	faces_.clear();
 	points_.clear();
 	lines_.clear();
 	neighbors_.clear();
@@ -71,37 +76,49 @@ void SurfaceRace::start(const SurfaceSource &source, std::uint32_t level, const 
 }
 
 bool SurfaceRace::decide(const CellBox &wanted, const std::atomic<bool> *cancel) {
-	// All wanted cells throw their first lines before any dart is decided. Otherwise, a dart would
-	// wait for one nearby cell after the other.
 	pending_.clear();
 	for (std::uint32_t number = 0; number < grid_.count(); ++number) {
 		if (times_[number] == surface_time_unthrown && wanted.contains(grid_.cell(number) + grid_.box().min)) {
-			throw_first(number);
 			pending_.push_back(number);
 		}
-		if ((number & 1023u) == 0 && is_cancelled(cancel)) {
+	}
+	// The cells are decided in groups, so that the memory of a group stays in the processor's cache.
+	// All cells of a group and of the next one throw their first lines before any dart of the group
+	// is decided. Otherwise, a dart would wait for one nearby cell after the other.
+	std::span<std::uint32_t> left(pending_);
+	std::span<std::uint32_t> group;
+	do {
+		const std::span<std::uint32_t> next = left.first(std::min(left.size(), group_size));
+		left = left.subspan(next.size());
+		for (const std::uint32_t number : next) {
+			if (times_[number] == surface_time_unthrown) {
+				throw_first(number);
+			}
+		}
+		if (is_cancelled(cancel) || !decide_group(group)) {
 			return false;
 		}
-	}
+		group = next;
+	} while (!group.empty());
+	return true;
+}
+
+bool SurfaceRace::decide_group(std::span<std::uint32_t> group) {
 	// End times of the passes. Early darts are decided first. Their points cover most of the
 	// columns of later darts, which are then never visited.
-	constexpr std::array passes{0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 32.0, std::numeric_limits<double>::infinity()};
+	constexpr std::array passes{0.75, 1.5, 3.0, 6.0, 12.0, 24.0, 96.0, std::numeric_limits<double>::infinity()};
 	for (const double pass : passes) {
 		const auto until = std::bit_cast<SurfaceTime>(pass);
 		std::size_t kept = 0;
-		for (std::size_t place = 0; place < pending_.size(); ++place) {
-			const std::uint32_t number = pending_[place];
+		for (const std::uint32_t number : group) {
 			if (times_[number] <= until && !settle(number, until)) {
 				return false;
 			}
 			if (times_[number] != surface_time_never) {
-				pending_[kept++] = number;
-			}
-			if ((place & 1023u) == 0 && is_cancelled(cancel)) {
-				return false;
+				group[kept++] = number;
 			}
 		}
-		pending_.resize(kept);
+		group = group.first(kept);
 	}
 	return true;
 }
@@ -149,34 +166,46 @@ SurfaceSearch SurfaceRace::search_in(std::uint32_t number) const {
 void SurfaceRace::prepare(std::uint32_t number) {
 	Cell &cell = cells_[number];
 	cell.search = search_in(number);
-	cell.patches = static_cast<std::uint32_t>(patches_.size());
+	cell.faces = static_cast<std::uint32_t>(faces_.size());
 	const glm::dvec3 low(grid_.cell(number) * surface_cell_size);
+	std::uint64_t open = 0;
 	for (int axis = cell.search.first_axis(); axis <= cell.search.last_axis(); ++axis) {
 		SurfacePatch patch(axis);
 		for (const std::uint32_t index : grid_.triangles_in(number)) {
 			patch.add(triangles_[index], low);
 		}
-		cell.open |= std::uint64_t{patch.entered()} << (axis * 16);
-		patches_.push_back(patch);
+		faces_.push_back({patch, patch.entered()});
+		open |= faces_.back().open;
 	}
-	if (cell.open == 0) {
+	if (open == 0) {
 		finish(number);
 	}
 }
 
+std::span<SurfaceRace::Face> SurfaceRace::faces_of(const Cell &cell) {
+	const int count = cell.search.last_axis() - cell.search.first_axis() + 1;
+	return std::span(faces_).subspan(cell.faces, static_cast<std::size_t>(count));
+}
+
+SurfaceRace::Face &SurfaceRace::face_of(const Cell &cell, const SurfaceLine &line) {
+	return faces_[cell.faces + static_cast<std::uint32_t>(line.axis - cell.search.first_axis())];
+}
+
 void SurfaceRace::throw_first(std::uint32_t number) {
-	if (cells_[number].patches == none) {
+	if (cells_[number].faces == none) {
 		prepare(number);
 	}
-	Cell &cell = cells_[number];
-	if (cell.open == 0) {
+	if (times_[number] == surface_time_never) {
 		return;
 	}
 	++counts_.cells;
-	for (int axis = cell.search.first_axis(); axis <= cell.search.last_axis(); ++axis) {
-		if ((cell.open >> (axis * 16) & 0xffff) != 0) {
+	Cell &cell = cells_[number];
+	int axis = cell.search.first_axis();
+	for (const Face &face : faces_of(cell)) {
+		if (face.open != 0) {
 			lines_.add(cell.lines, source_.first(grid_.cell(number) + grid_.box().min, axis, cell.search.rate()));
 		}
+		++axis;
 	}
 	show_next(number);
 }
@@ -184,30 +213,35 @@ void SurfaceRace::throw_first(std::uint32_t number) {
 std::uint32_t SurfaceRace::step(std::uint32_t number) {
 	const SurfaceLine line = lines_.first(cells_[number].lines);
 	const SurfaceLine::Course course = line.course();
-	if ((cells_[number].open & column_of(line, course)) != 0) {
-		find_hits(number, line, course);
-		const auto [side_u, side_v] = axes_across(line.axis);
-		for (const Hit &hit : hits_) {
-			glm::ivec3 position = grid_.cell(number) * surface_cell_size;
-			position[line.axis] += hit.along;
-			position[side_u] += course.u;
-			position[side_v] += course.v;
-			std::uint32_t blocker = none;
-			switch (judge(number, line.time, position, blocker)) {
-				case Fate::accepted:
-					accept(number, position, triangles_[hit.triangle].index, line.time, level_);
-					return none;
-				case Fate::waits: return blocker;
-				case Fate::unknown:
-					is_undecided_ = true;
-					undecided_ = (glm::i64vec3(grid_.box().min) << std::int64_t{surface_bits}) + glm::i64vec3(position);
-					return none;
-				case Fate::rejected: ++counts_.hits; break;
-			}
+	find_hits(number, line, course);
+	const auto [side_u, side_v] = axes_across(line.axis);
+	bool is_accepted = false;
+	for (const Hit &hit : hits_) {
+		glm::ivec3 position = grid_.cell(number) * surface_cell_size;
+		position[line.axis] += hit.along;
+		position[side_u] += course.u;
+		position[side_v] += course.v;
+		std::uint32_t blocker = none;
+		const Fate fate = judge(number, line.time, position, blocker);
+		if (fate == Fate::waits) {
+			return blocker;
 		}
+		if (fate == Fate::unknown) {
+			is_undecided_ = true;
+			undecided_ = (glm::i64vec3(grid_.box().min) << std::int64_t{surface_bits}) + glm::i64vec3(position);
+			return none;
+		}
+		if (fate == Fate::accepted) {
+			accept(number, position, triangles_[hit.triangle].index, line.time, level_);
+			is_accepted = true;
+			break; // The other hits are within the radius.
+		}
+		++counts_.hits;
 	}
-	++counts_.lines;
-	split(number);
+	counts_.lines += is_accepted ? 0 : 1;
+	if (times_[number] != surface_time_never) {
+		advance(number);
+	}
 	return none;
 }
 
@@ -260,8 +294,8 @@ bool SurfaceRace::is_near_open_face(const glm::ivec3 &position) const {
 	const glm::ivec3 size = grid_.box().size() * surface_cell_size;
 	const auto is_near = [&](int axis) {
 		const auto side = static_cast<std::size_t>(axis);
-		return (open_faces_.lower[side] && position[axis] < radius_units) ||
-				(open_faces_.upper[side] && position[axis] >= size[axis] - radius_units);
+		return (open_faces_.lower[side] && position[axis] < surface_cell_size) ||
+				(open_faces_.upper[side] && position[axis] >= size[axis] - surface_cell_size);
 	};
 	return is_near(0) || is_near(1) || is_near(2);
 }
@@ -269,12 +303,15 @@ bool SurfaceRace::is_near_open_face(const glm::ivec3 &position) const {
 void SurfaceRace::accept(std::uint32_t number, const glm::ivec3 &position, std::uint32_t triangle, SurfaceTime time,
 		std::uint32_t level) {
 	++counts_.accepted;
-	finish(number);
-	cells_[number].point = static_cast<std::uint32_t>(points_.size());
-	points_.push_back({position, triangle, level, time});
+	points_.push_back({position, triangle, level, time, cells_[number].point});
+	cells_[number].point = static_cast<std::uint32_t>(points_.size() - 1);
 	for (const std::uint32_t near : neighbors_of(number)) {
-		if (times_[near] != surface_time_never) {
-			cover(position, near);
+		if (times_[near] == surface_time_never) {
+			continue;
+		}
+		cover(position, near);
+		if (near != number && is_next_closed(near)) {
+			show_next(near);
 		}
 	}
 }
@@ -284,19 +321,18 @@ void SurfaceRace::cover(const glm::ivec3 &position, std::uint32_t number) {
 	if (squared(gap(position, low)) >= surface_radius_squared) {
 		return;
 	}
-	if (cells_[number].patches == none) {
+	if (cells_[number].faces == none) {
 		prepare(number);
 	}
 	Cell &cell = cells_[number];
 	constexpr float width = 1.0f / static_cast<float>(surface_cell_size);
 	const glm::vec3 point = glm::vec3(position - low) * width;
 	std::uint64_t open = 0;
-	std::uint32_t patch = cell.patches;
-	for (int axis = cell.search.first_axis(); axis <= cell.search.last_axis(); ++axis) {
-		open |= std::uint64_t{patches_[patch++].open_beside(point)} << (axis * 16);
+	for (Face &face : faces_of(cell)) {
+		face.open &= face.patch.open_beside(point);
+		open |= face.open;
 	}
-	cell.open &= open;
-	if (cell.open == 0) {
+	if (open == 0) {
 		finish(number);
 		return;
 	}
@@ -304,34 +340,70 @@ void SurfaceRace::cover(const glm::ivec3 &position, std::uint32_t number) {
 	cell.near = static_cast<std::uint32_t>(near_.size() - 1);
 }
 
+bool SurfaceRace::is_next_closed(std::uint32_t number) {
+	const Cell &cell = cells_[number];
+	if (cell.lines == SurfaceLines::empty) {
+		return false;
+	}
+	const SurfaceLine &next = lines_.first(cell.lines);
+	return (face_of(cell, next).open & column_of(next)) == 0;
+}
+
 void SurfaceRace::finish(std::uint32_t number) {
 	lines_.drop(cells_[number].lines);
-	cells_[number].open = 0;
 	times_[number] = surface_time_never;
 }
 
-void SurfaceRace::split(std::uint32_t number) {
+void SurfaceRace::show_next(std::uint32_t number) {
 	Cell &cell = cells_[number];
-	const SurfaceLine line = lines_.take_first(cell.lines);
-	// A whole cell is split into the columns of `Cell::open`, any other column into quarters.
-	std::uint32_t open = 0;
-	if (line.depth == 0) {
-		open = static_cast<std::uint32_t>(cell.open >> (line.axis * 16)) & 0xffffu;
-	} else if (line.depth < surface_depth) {
-		open = open_quarters(number, line);
-	}
-	for (std::uint32_t part = 0; open != 0; ++part, open >>= 1) {
-		if ((open & 1) != 0) {
-			lines_.add(cell.lines, part_line(line, part, line.depth == 0 ? 2 : 1, cell.search.rate()));
+	while (cell.lines != SurfaceLines::empty) {
+		if (!is_next_closed(number)) {
+			times_[number] = lines_.first(cell.lines).time;
+			return;
 		}
+		replace_next(number);
 	}
+	finish(number);
+}
+
+void SurfaceRace::advance(std::uint32_t number) {
+	replace_next(number);
 	show_next(number);
 }
 
-std::uint32_t SurfaceRace::open_quarters(std::uint32_t number, const SurfaceLine &line) const {
-	if ((cells_[number].open & columns_of(line)) == 0) {
-		return 0;
+void SurfaceRace::replace_next(std::uint32_t number) {
+	Cell &cell = cells_[number];
+	SurfaceLine line = lines_.first(cell.lines);
+	const double rate = cell.search.rate();
+	const std::uint64_t open = face_of(cell, line).open & columns_in(line);
+	std::uint32_t quarters = 0;
+	if (open != 0 && line.depth < surface_patch_depth) {
+		const SurfaceLine later = later_line(line, rate);
+		const auto end = std::bit_cast<SurfaceTime>(surface_split_time * static_cast<double>(1u << (2 * line.depth)));
+		if (later.time < end) {
+			lines_.replace_first(cell.lines, later);
+			return;
+		}
+		// A column whose first line is later than `end` is split at that line.
+		line.time = std::max(line.time, end | (line.time & surface_tag_bits));
+		line.hash = later.hash;
+		for (std::uint32_t quarter = 0; quarter < 4; ++quarter) {
+			quarters |= std::uint32_t{(open & columns_in(quarter_of(line, quarter))) != 0} << quarter;
+		}
+	} else if (open != 0 && line.depth < surface_depth) {
+		quarters = open_quarters(number, line);
 	}
+	if (quarters == 0) {
+		lines_.drop_first(cell.lines);
+		return;
+	}
+	lines_.replace_first(cell.lines, quarter_line(line, static_cast<std::uint32_t>(std::countr_zero(quarters)), rate));
+	for (quarters &= quarters - 1; quarters != 0; quarters &= quarters - 1) {
+		lines_.add(cell.lines, quarter_line(line, static_cast<std::uint32_t>(std::countr_zero(quarters)), rate));
+	}
+}
+
+std::uint32_t SurfaceRace::open_quarters(std::uint32_t number, const SurfaceLine &line) {
 	const int axis = line.axis;
 	const glm::ivec3 low = grid_.cell(number) * surface_cell_size;
 	const auto [side_u, side_v] = axes_across(axis);
@@ -375,19 +447,6 @@ bool SurfaceRace::is_covered(std::uint32_t number, const glm::ivec3 &from, const
 	return false;
 }
 
-void SurfaceRace::show_next(std::uint32_t number) {
-	Cell &cell = cells_[number];
-	while (cell.lines != SurfaceLines::empty) {
-		const SurfaceLine &first = lines_.first(cell.lines);
-		if ((cell.open & columns_of(first)) != 0) {
-			times_[number] = first.time;
-			return;
-		}
-		lines_.take_first(cell.lines);
-	}
-	finish(number);
-}
-
 std::span<const std::uint32_t> SurfaceRace::neighbors_of(std::uint32_t number) {
 	Cell &cell = cells_[number];
 	if (cell.neighbors == none) {
@@ -401,15 +460,18 @@ std::span<const std::uint32_t> SurfaceRace::neighbors_of(std::uint32_t number) {
 void SurfaceRace::append_points(const CellBox &wanted, std::vector<SurfaceDart> &r_points) const {
 	const glm::i64vec3 origin = glm::i64vec3(grid_.box().min) << std::int64_t{surface_bits};
 	for (std::uint32_t number = 0; number < grid_.count(); ++number) {
-		if (cells_[number].point != none && wanted.contains(grid_.cell(number) + grid_.box().min)) {
-			const Point &point = points_[cells_[number].point];
+		if (cells_[number].point == none || !wanted.contains(grid_.cell(number) + grid_.box().min)) {
+			continue;
+		}
+		for (std::uint32_t index = cells_[number].point; index != none; index = points_[index].previous) {
+			const Point &point = points_[index];
 			r_points.push_back({origin + glm::i64vec3(point.position), point.time, point.level, point.triangle});
 		}
 	}
 }
 
 std::size_t SurfaceRace::bytes() const {
-	return grid_.bytes() + patches_.capacity() * sizeof(SurfacePatch) + near_.capacity() * sizeof(Near) +
+	return grid_.bytes() + faces_.capacity() * sizeof(Face) + near_.capacity() * sizeof(Near) +
 			pending_.capacity() * sizeof(std::uint32_t) + cells_.capacity() * sizeof(Cell) +
 			points_.capacity() * sizeof(Point) + lines_.bytes() + times_.capacity() * sizeof(SurfaceTime) +
 			neighbors_.capacity() * sizeof(std::uint32_t);

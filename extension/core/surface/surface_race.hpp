@@ -51,7 +51,8 @@ public:
 	/// depends on cells outside the box. In the second case, `undecided` is not null.
 	bool decide(const CellBox &wanted, const std::atomic<bool> *cancel);
 
-	/// Appends the points in the cells of `wanted`, ordered by z, then y, then x.
+	/// Appends the points in the cells of `wanted`, ordered by cell (z, then
+	/// y, then x) and time, the latest first.
 	void append_points(const CellBox &wanted, std::vector<SurfaceDart> &r_points) const;
 
 	/// Returns the position of a dart that depends on cells outside the box, in units relative to
@@ -65,24 +66,29 @@ private:
 	static constexpr std::uint32_t none = SurfaceGrid::none;
 
 	struct Cell {
-		/// For each axis, 16 bits for the columns that the surface may enter and that are not known
-		/// to be covered.
-		std::uint64_t open = 0;
 		SurfaceLines::List lines = SurfaceLines::empty;
-		/// Index in `patches_` of the first patch; none before `prepare`. There is one patch for
-		/// each searched axis.
-		std::uint32_t patches = none;
+		/// Index in `faces_` of the first face; none before `prepare`. There is one face for each
+		/// searched axis.
+		std::uint32_t faces = none;
 		std::uint32_t neighbors = none; ///< Index in `neighbors_` of the first neighbor.
 		std::uint32_t neighbor_count = 0;
-		std::uint32_t point = none; ///< Index of the cell's point in `points_`.
+		std::uint32_t point = none; ///< Index in `points_` of the cell's last point.
 		std::uint32_t near = none;  ///< Index in `near_` of the first list entry.
 		SurfaceSearch search;
+	};
+	/// A cell's surface, seen along an axis.
+	struct Face {
+		SurfacePatch patch;
+		/// The columns that the surface may enter and that are not known to be covered, one bit
+		/// each.
+		std::uint64_t open;
 	};
 	struct Point {
 		glm::ivec3 position; ///< Position in units relative to the box.
 		std::uint32_t triangle;
 		std::uint32_t level;
 		SurfaceTime time;
+		std::uint32_t previous; ///< Index of the cell's previous point.
 	};
 	/// A list entry: a point whose ball reaches the cell.
 	struct Near {
@@ -99,6 +105,8 @@ private:
 	};
 	enum class Fate : std::uint8_t { accepted, rejected, waits, unknown };
 
+	/// Decides all darts in a group of cells. The function reorders the group.
+	bool decide_group(std::span<std::uint32_t> group);
 	bool settle(std::uint32_t number, SurfaceTime until);
 	/// Determines a cell's search axes and the columns that the surface may enter.
 	void prepare(std::uint32_t number);
@@ -111,12 +119,20 @@ private:
 	Fate judge(std::uint32_t number, SurfaceTime time, const glm::ivec3 &position, std::uint32_t &r_blocker);
 	void accept(std::uint32_t number, const glm::ivec3 &position, std::uint32_t triangle, SurfaceTime time,
 			std::uint32_t level);
+	/// Marks the columns of a cell that the ball around a new point covers.
 	void cover(const glm::ivec3 &position, std::uint32_t number);
+	std::span<Face> faces_of(const Cell &cell);
+	Face &face_of(const Cell &cell, const SurfaceLine &line);
+	/// Returns true if the column of the cell's next line is covered or empty.
+	bool is_next_closed(std::uint32_t number);
 	void finish(std::uint32_t number);
-	void split(std::uint32_t number);
+	/// Replaces the cell's next line by the lines that follow it.
+	void replace_next(std::uint32_t number);
+	/// Replaces the cell's next line and shows the one that follows.
+	void advance(std::uint32_t number);
 	/// Returns the quarters of a line's column that the surface may enter and no point's ball is
 	/// known to cover, one bit each.
-	std::uint32_t open_quarters(std::uint32_t number, const SurfaceLine &line) const;
+	std::uint32_t open_quarters(std::uint32_t number, const SurfaceLine &line);
 	/// Returns true if the ball of a single point covers the box from `from` to `to`.
 	bool is_covered(std::uint32_t number, const glm::ivec3 &from, const glm::ivec3 &to) const;
 	void show_next(std::uint32_t number);
@@ -131,9 +147,9 @@ private:
 	std::vector<glm::ivec3> extra_;
 	/// Time of each cell's next line; surface_time_never once the cell is decided.
 	std::vector<SurfaceTime> times_;
-	std::vector<std::uint32_t> pending_; ///< Numbers of the wanted cells that are not decided yet.
+	std::vector<std::uint32_t> pending_; ///< Numbers of the wanted cells.
 	std::vector<Cell> cells_;
-	std::vector<SurfacePatch> patches_;
+	std::vector<Face> faces_;
 	std::vector<Point> points_;
 	SurfaceLines lines_;
 	std::vector<std::uint32_t> neighbors_;

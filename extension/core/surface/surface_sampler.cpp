@@ -31,6 +31,10 @@ constexpr std::int32_t surface_cell_limit = 1 << 30;
 
 constexpr double sqrt_3 = 1.7320508075688772;
 
+/// Returns the width in cells of a margin that is given in cubes of ids, which are radius / sqrt(3)
+/// wide. The result is rounded up.
+constexpr std::int32_t margin_in_cells(std::int32_t margin) { return (7 * margin + 11) / 12; }
+
 double level_unit(const PointSet &set, std::uint32_t level) {
 	return surface_unit(set) * static_cast<double>(1u << level);
 }
@@ -60,10 +64,16 @@ CellBox coarse_cells_around(const CellBox &cells) {
 
 glm::ivec3 dart_cell(const SurfaceDart &dart) { return glm::ivec3(dart.position >> std::int64_t{surface_bits}); }
 
+/// Returns the cell of a dart's id. These cells are cubes with a side of radius / sqrt(3), so that
+/// none contains two points.
+glm::ivec3 id_cell(const SurfaceDart &dart) {
+	return glm::ivec3(glm::floor(glm::dvec3(dart.position) * (sqrt_3 / surface_cell_size)));
+}
+
 std::uint32_t rank_of(const PointSet &set, const SurfaceDart &dart) {
 	// The time is converted to that on the plane, where clocks have a rate of 1 for an area of
-	// radius^2 / 2 instead of radius^2 / 3.
-	const double time = std::bit_cast<double>(dart.time) * 1.5;
+	// radius^2 / 2 instead of radius^2.
+	const double time = std::bit_cast<double>(dart.time) * 0.5;
 	return thicket::rank_of(set.levels, dart.level, std::bit_cast<TimeKey>(static_cast<float>(time)));
 }
 
@@ -131,14 +141,15 @@ std::uint64_t surface_id(std::uint16_t layer, const glm::ivec3 &cell) {
 	return pack({layer, {with_height(cell.x, height >> surface_id_step_bits), with_height(cell.z, height)}});
 }
 
-double surface_unit(const PointSet &set) { return set.radius / (sqrt_3 * surface_cell_size); }
+double surface_unit(const PointSet &set) { return set.radius / surface_cell_size; }
 
 /// Adds up the margins of all levels, because each level requests its darts from the next coarser
 /// one. Each margin is extended by the reach of a dart and by the rounding to whole cells.
 double sampled_around(const PointSet &set, std::int32_t widest_margin) {
-	constexpr std::int32_t rounding = 3;
+	constexpr std::int32_t rounding = 1;
 	const double levels = static_cast<double>((1U << set.levels) - 1U);
-	return levels * level_unit(set, 0) * surface_cell_size * (widest_margin + surface_reach + rounding);
+	return levels * level_unit(set, 0) * surface_cell_size *
+			(margin_in_cells(widest_margin) + surface_reach + rounding);
 }
 
 struct SurfaceSampler::Workspace {
@@ -255,7 +266,8 @@ Status SurfaceSampler::Workspace::decide(
 		const Call &call, std::uint32_t number, const CellBox &wanted, std::vector<SurfaceDart> &r_points) {
 	const CellBox bounds = cells_around(call.surface.bounds(), level_unit(call.set, number));
 	Level &level = levels[number];
-	for (std::int32_t margin = margins.first;; margin = std::min(2 * margin, margins.widest)) {
+	const std::int32_t widest = margin_in_cells(margins.widest);
+	for (std::int32_t margin = margin_in_cells(margins.first);; margin = std::min(2 * margin, widest)) {
 		const CellBox box = wanted.grown(margin).common(bounds);
 		if (box.is_empty()) {
 			return {};
@@ -285,7 +297,7 @@ Status SurfaceSampler::Workspace::decide(
 		if (undecided == nullptr) {
 			return {ErrorCode::cancelled, "window"};
 		}
-		if (margin == margins.widest) {
+		if (margin == widest) {
 			const glm::dvec3 place = glm::dvec3(*undecided) * level_unit(call.set, number);
 			return {ErrorCode::margin_too_wide, "window", static_cast<double>(margin),
 					{call.set.seed, call.set.radius, {place.x, place.z}}};
@@ -333,7 +345,7 @@ void SurfaceSampler::Workspace::collect(const Call &call) {
 			continue;
 		}
 		call.points.push_back({position, glm::normalize(call.surface.cross(dart.triangle)),
-				surface_id(call.set.layer, dart_cell(dart)), rank_of(call.set, dart), dart.level, dart.triangle});
+				surface_id(call.set.layer, id_cell(dart)), rank_of(call.set, dart), dart.level, dart.triangle});
 	}
 	stats.kept = call.points.size();
 }

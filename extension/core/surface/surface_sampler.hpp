@@ -14,7 +14,7 @@
 namespace thicket {
 
 struct SurfacePoint {
-	glm::dvec3 position; ///< World meters. The position is on the surface, up to rounding (radius / 1.8 million).
+	glm::dvec3 position; ///< World meters. The position is on the surface, up to rounding (radius / 1 million).
 	glm::dvec3 normal;   ///< Unit normal on the side from which the triangle's corners are counterclockwise.
 	std::uint64_t id;    ///< Id of the point; see surface_id().
 	std::uint32_t rank;  ///< Rank of the point; see SamplePoint::rank.
@@ -24,13 +24,13 @@ struct SurfacePoint {
 	friend bool operator==(const SurfacePoint &, const SurfacePoint &) = default;
 };
 
-/// Packs a layer and a cell into an InstanceId: 16 bits for the layer, 17 each for the cell's x and
-/// z, and 14 for its y. Such ids sort and compress like those of the plane. They repeat every
-/// 131,072 cells on x and z, and every 16,384 cells on y (75.7 km and 9.5 km for a radius of one
+/// Packs a layer and a cube with a side of radius / sqrt(3) into an InstanceId: 16 bits for the layer, 17 each for
+/// the cube's x and z, and 14 for its y. Such ids sort and compress like those of the plane. They repeat
+/// every 131,072 cubes on x and z, and every 16,384 cubes on y (75.7 km and 9.5 km for a radius of one
 /// meter).
 std::uint64_t surface_id(std::uint16_t layer, const glm::ivec3 &cell);
 
-/// Returns the length of a lattice unit in meters: radius / (sqrt(3) * 2^20).
+/// Returns the length of a lattice unit in meters: radius / 2^20.
 double surface_unit(const PointSet &set);
 
 /// Returns how far around a window, in meters, a SurfaceSampler reads the surface if
@@ -57,7 +57,7 @@ struct SurfaceStats {
 ///      window does.
 ///  (2) No two points are closer than the radius, exactly, on the lattice.
 ///  (3) The set is maximal: no further point would fit anywhere on the surface. This is exact on a
-///      grid of lines radius / 113,000 apart.
+///      grid of lines radius / 65,536 apart.
 ///  (4) With levels = 1, the set is distributed like naive dart throwing run to its end, uniform by
 ///      area in every direction.
 ///  (5) Points depend on the shape of the surface, not on its division into triangles, up to

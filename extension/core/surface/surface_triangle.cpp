@@ -66,7 +66,7 @@ bool side(const glm::dvec3 &from, const glm::dvec3 &to, int side_u, int side_v, 
 SurfaceSearch search_for(const glm::dvec3 &least_steepness) {
 	// A single plane always reaches the last value, because one component of its normal is at least
 	// 1 / sqrt(3). The y axis is tried first, because most ground is not steep.
-	for (const float kept : {0.95f, 0.85f, 0.7f, 0.55f}) {
+	for (const float kept : {0.95f, 0.85f, 0.7f, 0.55f, 0.4f}) {
 		for (const std::uint8_t axis : {std::uint8_t{1}, std::uint8_t{0}, std::uint8_t{2}}) {
 			if (at(least_steepness, axis) >= static_cast<double>(kept)) {
 				return {axis, kept};
