@@ -88,24 +88,30 @@ constexpr double steepest = 8.0;
 /// a surface that only touches the cell's edge.
 constexpr float rounding = 4e-6f;
 
+/// A distance that is larger than any in a cell.
+constexpr float unbounded = 1e3f;
+
 /// Half the width of the part of a column through which lines pass, in cell widths.
 constexpr auto half = static_cast<float>(half_of_lines(cell_width / 8.0) / cell_width);
 
 } // namespace
 
-void SurfacePatch::add(const SurfaceTriangle &triangle, const glm::dvec3 &low) {
+bool SurfacePatch::add(const SurfaceTriangle &triangle, const glm::dvec3 &low, float tolerance) {
 	const auto [side_u, side_v] = axes_across(axis_);
 	const double along = at(triangle.normal, axis_);
 	if (along == 0.0) {
-		return; // No line along the axis hits the triangle.
+		return true; // No line along the axis hits the triangle.
 	}
 	const double u = -at(triangle.normal, side_u) / along;
 	const double v = -at(triangle.normal, side_v) / along;
 	if (std::abs(u) + std::abs(v) > steepest) {
+		if (!is_empty_ && tolerance < unbounded) {
+			return false;
+		}
 		is_empty_ = false;
-		plane_.reach = 1e3f;
-		plane_.thickness = 1e3f;
-		return;
+		plane_.reach = unbounded;
+		plane_.thickness = unbounded;
+		return true;
 	}
 	const glm::dvec3 offset = low - triangle.corners[0];
 	const double units = u * at(offset, side_u) + v * at(offset, side_v) - at(offset, axis_);
@@ -115,7 +121,7 @@ void SurfacePatch::add(const SurfaceTriangle &triangle, const glm::dvec3 &low) {
 	if (is_empty_) {
 		is_empty_ = false;
 		plane_ = {height, slope_u, slope_v, (std::abs(slope_u) + std::abs(slope_v)) * half + rounding, rounding};
-		return;
+		return true;
 	}
 	// The distance between two planes over the face is largest at one of its corners.
 	const float at_0 = height - plane_.height;
@@ -123,9 +129,32 @@ void SurfacePatch::add(const SurfaceTriangle &triangle, const glm::dvec3 &low) {
 	const float more_v = slope_v - plane_.slope_v;
 	const float apart = std::max(
 			{std::abs(at_0), std::abs(at_0 + more_u), std::abs(at_0 + more_v), std::abs(at_0 + more_u + more_v)});
+	if (apart > tolerance) {
+		return false;
+	}
 	plane_.thickness = std::max(plane_.thickness, apart + 2.0f * rounding);
 	plane_.reach = std::max(
 			plane_.reach, (std::abs(plane_.slope_u) + std::abs(plane_.slope_v)) * half + apart + 2.0f * rounding);
+	return true;
+}
+
+std::uint64_t SurfacePatch::columns_over(const SurfaceTriangle &triangle, int axis, const glm::dvec3 &low) {
+	if (at(triangle.normal, axis) == 0.0) {
+		return 0;
+	}
+	constexpr int side = 1 << surface_patch_depth;
+	constexpr double width = cell_width / side;
+	const auto [side_u, side_v] = axes_across(axis);
+	const SurfaceOutline outline(triangle, axis);
+	std::uint64_t columns = 0;
+	for (int v = 0; v < side; ++v) {
+		for (int u = 0; u < side; ++u) {
+			const bool meets = outline.meets(
+					at(low, side_u) + (u + 0.5) * width, at(low, side_v) + (v + 0.5) * width, half_of_lines(width));
+			columns |= std::uint64_t{meets} << (u + side * v);
+		}
+	}
+	return columns;
 }
 
 std::uint64_t SurfacePatch::entered() const {

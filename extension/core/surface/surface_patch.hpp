@@ -8,8 +8,8 @@
 
 namespace thicket {
 
-/// Approximates a cell's surface as a height field over one of the cell's faces: a plane, and an
-/// upper bound for the surface's distance from the plane. The patch determines which of 8 x 8
+/// Approximates a part of a cell's surface as a height field over one of the cell's faces: a plane,
+/// and an upper bound for the surface's distance from the plane. The patch determines which of 8 x 8
 /// columns may still need darts. A column that it reports as covered is always covered, but not the
 /// other way round. Lengths are in cell widths, relative to the cell's lower corner.
 class SurfacePatch {
@@ -20,9 +20,15 @@ public:
 
 	explicit SurfacePatch(int axis) : axis_(axis) {}
 
-	/// Extends the approximation to include a triangle. The triangle and `low`, the cell's lower
-	/// corner, are in units.
-	void add(const SurfaceTriangle &triangle, const glm::dvec3 &low);
+	int axis() const { return axis_; }
+
+	/// Extends the approximation to include a triangle. Returns false, and changes nothing, if the
+	/// triangle's plane differs from the patch's by more than `tolerance` in the cell. The triangle
+	/// and `low`, the cell's lower corner, are in units.
+	bool add(const SurfaceTriangle &triangle, const glm::dvec3 &low, float tolerance);
+
+	/// Returns the columns in which lines along an axis may hit a triangle, one bit each.
+	static std::uint64_t columns_over(const SurfaceTriangle &triangle, int axis, const glm::dvec3 &low);
 
 	/// Returns the columns that the surface may enter, one bit each.
 	std::uint64_t entered() const;

@@ -33,6 +33,12 @@ std::uint64_t column_of(const SurfaceLine &line) {
 	return column_at(course.u, course.v);
 }
 
+/// A cell's surface is divided into faces that differ from a plane by at most this many cell widths.
+constexpr float face_tolerance = 0.12f;
+
+/// Most faces of a cell for each axis. The last one approximates all remaining triangles.
+constexpr std::size_t most_faces = 4;
+
 /// Number of cells that are decided together.
 constexpr std::size_t group_size = 1024;
 
@@ -167,28 +173,59 @@ void SurfaceRace::prepare(std::uint32_t number) {
 	Cell &cell = cells_[number];
 	cell.search = search_in(number);
 	cell.faces = static_cast<std::uint32_t>(faces_.size());
-	const glm::dvec3 low(grid_.cell(number) * surface_cell_size);
 	std::uint64_t open = 0;
 	for (int axis = cell.search.first_axis(); axis <= cell.search.last_axis(); ++axis) {
-		SurfacePatch patch(axis);
-		for (const std::uint32_t index : grid_.triangles_in(number)) {
-			patch.add(triangles_[index], low);
-		}
-		faces_.push_back({patch, patch.entered()});
-		open |= faces_.back().open;
+		add_faces(number, axis);
+	}
+	cell.face_count = static_cast<std::uint32_t>(faces_.size()) - cell.faces;
+	for (const Face &face : faces_of(cell)) {
+		open |= face.open;
 	}
 	if (open == 0) {
 		finish(number);
 	}
 }
 
-std::span<SurfaceRace::Face> SurfaceRace::faces_of(const Cell &cell) {
-	const int count = cell.search.last_axis() - cell.search.first_axis() + 1;
-	return std::span(faces_).subspan(cell.faces, static_cast<std::size_t>(count));
+void SurfaceRace::add_faces(std::uint32_t number, int axis) {
+	const glm::dvec3 low(grid_.cell(number) * surface_cell_size);
+	const std::size_t begin = faces_.size();
+	const std::span<const std::uint32_t> inside = grid_.triangles_in(number);
+	face_of_triangle_.clear();
+	for (const std::uint32_t index : inside) {
+		std::size_t face = begin;
+		while (face < faces_.size() && !faces_[face].patch.add(triangles_[index], low, face_tolerance)) {
+			++face;
+		}
+		if (face == faces_.size()) {
+			if (face - begin < most_faces) {
+				faces_.push_back({SurfacePatch(axis), 0});
+			} else {
+				--face;
+			}
+			faces_[face].patch.add(triangles_[index], low, std::numeric_limits<float>::infinity());
+		}
+		face_of_triangle_.push_back(static_cast<std::uint32_t>(face));
+	}
+	const bool is_divided = faces_.size() - begin > 1;
+	for (std::size_t place = 0; place < inside.size() && is_divided; ++place) {
+		faces_[face_of_triangle_[place]].open |= SurfacePatch::columns_over(triangles_[inside[place]], axis, low);
+	}
+	for (std::size_t face = begin; face < faces_.size(); ++face) {
+		const std::uint64_t entered = faces_[face].patch.entered();
+		faces_[face].open = is_divided ? entered & faces_[face].open : entered;
+	}
 }
 
-SurfaceRace::Face &SurfaceRace::face_of(const Cell &cell, const SurfaceLine &line) {
-	return faces_[cell.faces + static_cast<std::uint32_t>(line.axis - cell.search.first_axis())];
+std::span<SurfaceRace::Face> SurfaceRace::faces_of(const Cell &cell) {
+	return std::span(faces_).subspan(cell.faces, cell.face_count);
+}
+
+std::uint64_t SurfaceRace::open_along(const Cell &cell, int axis) {
+	std::uint64_t open = 0;
+	for (const Face &face : faces_of(cell)) {
+		open |= face.patch.axis() == axis ? face.open : 0;
+	}
+	return open;
 }
 
 void SurfaceRace::throw_first(std::uint32_t number) {
@@ -200,12 +237,10 @@ void SurfaceRace::throw_first(std::uint32_t number) {
 	}
 	++counts_.cells;
 	Cell &cell = cells_[number];
-	int axis = cell.search.first_axis();
-	for (const Face &face : faces_of(cell)) {
-		if (face.open != 0) {
+	for (int axis = cell.search.first_axis(); axis <= cell.search.last_axis(); ++axis) {
+		if (open_along(cell, axis) != 0) {
 			lines_.add(cell.lines, source_.first(grid_.cell(number) + grid_.box().min, axis, cell.search.rate()));
 		}
-		++axis;
 	}
 	show_next(number);
 }
@@ -329,7 +364,9 @@ void SurfaceRace::cover(const glm::ivec3 &position, std::uint32_t number) {
 	const glm::vec3 point = glm::vec3(position - low) * width;
 	std::uint64_t open = 0;
 	for (Face &face : faces_of(cell)) {
-		face.open &= face.patch.open_beside(point);
+		if (face.open != 0) {
+			face.open &= face.patch.open_beside(point);
+		}
 		open |= face.open;
 	}
 	if (open == 0) {
@@ -346,7 +383,7 @@ bool SurfaceRace::is_next_closed(std::uint32_t number) {
 		return false;
 	}
 	const SurfaceLine &next = lines_.first(cell.lines);
-	return (face_of(cell, next).open & column_of(next)) == 0;
+	return (open_along(cell, next.axis) & column_of(next)) == 0;
 }
 
 void SurfaceRace::finish(std::uint32_t number) {
@@ -375,7 +412,7 @@ void SurfaceRace::replace_next(std::uint32_t number) {
 	Cell &cell = cells_[number];
 	SurfaceLine line = lines_.first(cell.lines);
 	const double rate = cell.search.rate();
-	const std::uint64_t open = face_of(cell, line).open & columns_in(line);
+	const std::uint64_t open = open_along(cell, line.axis) & columns_in(line);
 	std::uint32_t quarters = 0;
 	if (open != 0 && line.depth < surface_patch_depth) {
 		const SurfaceLine later = later_line(line, rate);

@@ -67,16 +67,17 @@ private:
 
 	struct Cell {
 		SurfaceLines::List lines = SurfaceLines::empty;
-		/// Index in `faces_` of the first face; none before `prepare`. There is one face for each
-		/// searched axis.
+		/// Index in `faces_` of the first face; none before `prepare`. There are one or more faces
+		/// for each searched axis.
 		std::uint32_t faces = none;
+		std::uint32_t face_count = 0;
 		std::uint32_t neighbors = none; ///< Index in `neighbors_` of the first neighbor.
 		std::uint32_t neighbor_count = 0;
 		std::uint32_t point = none; ///< Index in `points_` of the cell's last point.
 		std::uint32_t near = none;  ///< Index in `near_` of the first list entry.
 		SurfaceSearch search;
 	};
-	/// A cell's surface, seen along an axis.
+	/// A part of a cell's surface that is nearly a plane, seen along an axis.
 	struct Face {
 		SurfacePatch patch;
 		/// The columns that the surface may enter and that are not known to be covered, one bit
@@ -110,6 +111,8 @@ private:
 	bool settle(std::uint32_t number, SurfaceTime until);
 	/// Determines a cell's search axes and the columns that the surface may enter.
 	void prepare(std::uint32_t number);
+	/// Divides a cell's surface into faces, and determines their columns.
+	void add_faces(std::uint32_t number, int axis);
 	SurfaceSearch search_in(std::uint32_t number) const;
 	void throw_first(std::uint32_t number);
 	/// Decides the cell's next line and returns `none`. If a different cell must first be decided
@@ -122,7 +125,8 @@ private:
 	/// Marks the columns of a cell that the ball around a new point covers.
 	void cover(const glm::ivec3 &position, std::uint32_t number);
 	std::span<Face> faces_of(const Cell &cell);
-	Face &face_of(const Cell &cell, const SurfaceLine &line);
+	/// Returns the columns along an axis that may still need darts.
+	std::uint64_t open_along(const Cell &cell, int axis);
 	/// Returns true if the column of the cell's next line is covered or empty.
 	bool is_next_closed(std::uint32_t number);
 	void finish(std::uint32_t number);
@@ -150,6 +154,7 @@ private:
 	std::vector<std::uint32_t> pending_; ///< Numbers of the wanted cells.
 	std::vector<Cell> cells_;
 	std::vector<Face> faces_;
+	std::vector<std::uint32_t> face_of_triangle_;
 	std::vector<Point> points_;
 	SurfaceLines lines_;
 	std::vector<std::uint32_t> neighbors_;

@@ -24,10 +24,10 @@ struct SurfacePoint {
 	friend bool operator==(const SurfacePoint &, const SurfacePoint &) = default;
 };
 
-/// Packs a layer and a cube with a side of radius / sqrt(3) into an InstanceId: 16 bits for the layer, 17 each for
-/// the cube's x and z, and 14 for its y. Such ids sort and compress like those of the plane. They repeat
-/// every 131,072 cubes on x and z, and every 16,384 cubes on y (75.7 km and 9.5 km for a radius of one
-/// meter).
+/// Packs a layer and a cube with a side of radius / sqrt(3) into an InstanceId: 16 bits for the
+/// layer, 17 each for the cube's x and z, and 14 for its y. Such ids sort and compress like those of
+/// the plane. They repeat every 131,072 cubes on x and z, and every 16,384 cubes on y (75.7 km and
+/// 9.5 km for a radius of one meter).
 std::uint64_t surface_id(std::uint16_t layer, const glm::ivec3 &cell);
 
 /// Returns the length of a lattice unit in meters: radius / 2^20.
