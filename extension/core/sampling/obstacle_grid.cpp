@@ -3,6 +3,7 @@
 #include "core/base/floating_point.hpp"
 
 #include <glm/common.hpp>
+#include <hwy/highway.h>
 
 #include <algorithm>
 #include <array>
@@ -12,6 +13,8 @@
 namespace thicket {
 
 namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
 
 /// Distances are shortened by this many lattice units, so that rounding never makes a covered part
 /// too large.
@@ -69,6 +72,51 @@ std::uint32_t bits_between(std::int32_t from, std::int32_t to) {
 	const std::int32_t first = std::clamp(from, 0, 8);
 	const std::int32_t end = std::clamp(to, 0, 8);
 	return first < end ? (0xffu << first & 0xffu) & (0xffu >> (8 - end)) : 0;
+}
+
+/// The sub-squares of this many cells in a row fit in a word.
+constexpr std::int32_t cells_in_word = 8;
+
+/// Up to this radius in lattice units, floats are exact enough.
+constexpr double float_radius = 1e5;
+
+/// Returns the squares that a disk covers in 8 rows of 64 squares, one bit each. The squares are
+/// `width` lattice units wide. The disk is relative to the lower corner of the first square. Its
+/// radius is at most float_radius, and it reaches a square. The floats never make the result too
+/// large.
+std::array<std::uint64_t, 8> covered_words(const ObstacleGrid::Disk &disk, double width) {
+	const hn::FixedTag<float, 4> d;
+	const hn::RebindToSigned<decltype(d)> di;
+	const auto set = [d](double value) {
+		return hn::Set(d, static_cast<float>(value));
+	};
+	const double rounding = slack + 1e-6 * disk.radius; // At least three times the error of the floats.
+	const auto radius = set(disk.radius - rounding);
+	const auto zero = hn::Zero(d);
+	const auto most = set(8.0 * cells_in_word);
+	alignas(16) std::int32_t from[8];
+	alignas(16) std::int32_t to[8];
+	for (std::size_t row = 0; row < 8; row += 4) {
+		const auto low = hn::MulAdd(hn::Iota(d, static_cast<float>(row)), set(width), set(-disk.center.y));
+		const auto apart = hn::Max(hn::Neg(low), hn::Add(low, set(width - 1.0)));
+		const auto rest = hn::Mul(hn::Sub(radius, apart), hn::Add(radius, apart));
+		const auto half = hn::Sub(hn::Sqrt(hn::Max(rest, zero)), set(rounding));
+		const auto share = set(1.0 / width);
+		const auto begin = hn::Min(hn::Max(hn::Mul(hn::Sub(set(disk.center.x), half), share), zero), most);
+		const auto end = hn::Min(hn::Max(hn::Mul(hn::Add(set(disk.center.x + 1.0), half), share), zero), most);
+		const auto below = hn::ConvertTo(di, begin);
+		const auto is_part = hn::RebindMask(di, hn::Lt(hn::ConvertTo(d, below), begin));
+		hn::Store(hn::IfThenElse(is_part, hn::Add(below, hn::Set(di, 1)), below), di, from + row);
+		// A row that the disk does not reach covers nothing.
+		hn::Store(hn::IfThenElseZero(hn::RebindMask(di, hn::Gt(rest, zero)), hn::ConvertTo(di, end)), di, to + row);
+	}
+	std::array<std::uint64_t, 8> words{};
+	for (std::size_t row = 0; row < 8; ++row) {
+		if (from[row] < to[row]) {
+			words[row] = ~std::uint64_t{0} << from[row] & ~std::uint64_t{0} >> (64 - to[row]);
+		}
+	}
+	return words;
 }
 
 } // namespace
@@ -141,29 +189,42 @@ void ObstacleGrid::add_entries(const LevelGrid &grid, std::uint32_t obstacle, st
 	if (reached.from >= reached.to) {
 		return;
 	}
+	const std::uint32_t first = grid.index_of(grid.cells.min + glm::ivec2(0, y));
+	const auto add = [&](std::int32_t x, std::uint64_t parts) {
+		const std::uint32_t cell = first + static_cast<std::uint32_t>(x);
+		if (open_[cell] != 0) {
+			open_[cell] &= ~parts;
+			entries_.push_back({disk.center - glm::dvec2(x, y) * side, obstacle, first_[cell]});
+			first_[cell] = static_cast<std::uint32_t>(entries_.size());
+		}
+	};
+	if (reached.to - reached.from <= cells_in_word && disk.radius <= float_radius) {
+		const auto rows = covered_words({disk.center - glm::dvec2(reached.from, y) * side, disk.radius}, sub_side);
+		for (std::int32_t x = reached.from; x < reached.to; ++x) {
+			std::uint64_t parts = 0;
+			for (std::uint32_t row = 0; row < 8; ++row) {
+				parts |= (rows[row] >> 8 * (x - reached.from) & 0xff) << 8 * row;
+			}
+			add(x, parts);
+		}
+		return;
+	}
 	const Range whole = covered_squares(disk, y * side, side, columns);
 	std::array<Range, 8> covered;
 	for (std::int32_t row = 0; row < 8; ++row) {
 		covered[static_cast<std::size_t>(row)] =
 				covered_squares(disk, y * side + row * sub_side, sub_side, 8 * columns);
 	}
-	const std::uint32_t first = grid.index_of(grid.cells.min + glm::ivec2(0, y));
 	for (std::int32_t x = reached.from; x < reached.to; ++x) {
 		if (whole.from <= x && x < whole.to) {
 			x = whole.to - 1;
-			continue;
-		}
-		const std::uint32_t cell = first + static_cast<std::uint32_t>(x);
-		if (open_[cell] == 0) {
 			continue;
 		}
 		std::uint64_t parts = 0;
 		for (std::uint32_t row = 0; row < 8; ++row) {
 			parts |= std::uint64_t{bits_between(covered[row].from - 8 * x, covered[row].to - 8 * x)} << 8 * row;
 		}
-		open_[cell] &= ~parts;
-		entries_.push_back({disk.center - glm::dvec2(x, y) * side, obstacle, first_[cell]});
-		first_[cell] = static_cast<std::uint32_t>(entries_.size());
+		add(x, parts);
 	}
 }
 
@@ -212,6 +273,13 @@ void ObstacleGrid::add_covered_parts(
 		const Disk here{entries_[at - 1].center - corner, disks_[entries_[at - 1].obstacle].radius};
 		const glm::dvec2 gap = glm::max(glm::max(-here.center, here.center - 8.0 * width), 0.0);
 		if (gap.x * gap.x + gap.y * gap.y >= here.radius * here.radius) {
+			continue;
+		}
+		if (here.radius <= float_radius) {
+			const auto words = covered_words(here, width);
+			for (std::uint32_t row = 0; row < 8; ++row) {
+				r_rows[row] |= static_cast<std::uint32_t>(words[row] & 0xff);
+			}
 			continue;
 		}
 		for (std::int32_t row = 0; row < 8; ++row) {
