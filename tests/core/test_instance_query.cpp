@@ -31,8 +31,8 @@ struct Worlds {
 	}
 
 	/// Calls `answer(query)` with both sources, then clears the tiles that `cold` has generated.
-	template <class Ask>
-	void each(const Ask &ask) {
+	template <class Answer>
+	void each(const Answer &answer) {
 		const std::vector<QueryLayer> layers = warm.query_layers();
 		answer(InstanceQuery{layers, warm, &state});
 		answer(InstanceQuery{layers, cold, &state});

@@ -43,7 +43,7 @@ TEST_CASE("queries: the error for invalid input contains its name, and the resul
 	std::vector<QueryLayer> layers = world.query_layers();
 	const InstanceQuery query{layers, world, nullptr};
 	const std::vector<PlacedInstance> old(3);
-	const auto refused = [&](const std::function<Status(std::vector<PlacedInstance> &)> &ask, ErrorCode code,
+	const auto refused = [&](const std::function<Status(std::vector<PlacedInstance> &)> &answer, ErrorCode code,
 								 const std::string &property, double value) {
 		std::vector<PlacedInstance> found = old;
 		check_refused(answer(found), code, property, value);
@@ -236,7 +236,7 @@ TEST_CASE("queries: instances need no allocation each") {
 	std::vector<RayHit> hit;
 	REQUIRE(query.in_rect(glade, {}, found).ok());
 	REQUIRE(found.size() > 10000);
-	const auto allocated_by = [](const auto &ask) {
+	const auto allocated_by = [](const auto &answer) {
 		const std::size_t before = allocation_count();
 		REQUIRE(answer().ok());
 		return allocation_count() - before;

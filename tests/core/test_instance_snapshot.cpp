@@ -119,7 +119,7 @@ TEST_CASE("instance snapshot: only queries that need an unavailable tile fail") 
 	});
 	const double size = flat.world.layers()[0].tile_size;
 	std::vector<PlacedInstance> found;
-	const auto ask = [&](double from) {
+	const auto answer = [&](double from) {
 		const Rect rect{{from, 0.4 * size}, {from + 1.0, 0.6 * size}};
 		return snapshot.answer([&](const InstanceQuery &query) { return query.in_rect(rect, {}, found); });
 	};

@@ -134,7 +134,7 @@ TEST_CASE("instance world: a tile that was generated while the layers changed is
 				}
 				return {};
 			});
-	const auto ask = [&flat] {
+	const auto answer = [&flat] {
 		std::vector<PlacedInstance> found;
 		CHECK(flat.world.answer([&](const InstanceQuery &query) {
 							return query.in_rect({{4.0, 4.0}, {8.0, 8.0}}, {}, found);
