@@ -31,16 +31,16 @@ func run() -> String:
 		whole.push_back([])
 	for round in rounds:
 		for kind in BODIES + 1:
-			_measure(NONE, [], []) # Gives all contenders the same start: earlier work may leave free memory for the first one.
+			_measure(NONE, [], []) # A run that is not counted: memory that earlier work has freed would favor the first kind.
 			_measure(kind, parse[kind], whole[kind])
 	row("navigation: parsing with %d trees" % trees, parse[TREES], "ms", 2)
 	row("navigation: time that the trees add to the bake", _added(whole, TREES), "ms", 2)
-	row("navigation: the scatter's own share of it, without holes", _added(whole, ABOVE), "ms", 2)
-	row("navigation: time that as many holes of one cell add", _added(whole, CELLS), "ms", 2)
-	row("navigation: time that the trees add as bodies of the scene", _added(whole, BODIES), "ms", 2)
+	row("navigation: Thicket's fraction of it, without holes", _added(whole, ABOVE), "ms", 2)
+	row("navigation: time added by the same number of one-cell holes", _added(whole, CELLS), "ms", 2)
+	row("navigation: time added by the same trees as bodies in the scene", _added(whole, BODIES), "ms", 2)
 	_bodies.free()
 	_region.queue_free()
-	return "" if trees > 1250 and trees < 1350 else "%d trees, not some 1,300" % trees
+	return "" if trees > 1250 and trees < 1350 else "there must be 1,251 to 1,349 trees, got %d" % trees
 
 
 func _make_scene() -> void:

@@ -68,7 +68,7 @@ def test_links_and_images_exist():
     assert used == {path.name for path in FOLDER.glob("*.jpg")}, "some images are not used by any page"
     assert (FOLDER / ".gdignore").is_file(), "without it, users' projects would import the images"
     for page in ("first_forest.md", "your_own_tree.md", "paint_and_shapes.md", "game_that_fells.md", "server.md"):
-        assert PICTURE.search(PAGES[page]) and "\n## If it goes wrong\n" in PAGES[page], page
+        assert PICTURE.search(PAGES[page]) and "\n## Troubleshooting\n" in PAGES[page], page
 
 
 def test_readmes_link_to_the_pages():

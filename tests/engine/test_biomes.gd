@@ -45,7 +45,7 @@ func test_layers_of_biomes_are_accepted_everywhere() -> void:
 	check(all_within(places(scatter, "oak"), func(at: Vector2) -> bool: return at.distance_to(Vector2(20, 20)) >= 20), "a region excludes oaks")
 
 
-func test_replacing_a_biome_by_one_assignment() -> void:
+func test_assigning_a_biome_replaces_its_layers() -> void:
 	var scatter := make_world(three_biomes())
 	await settle(scatter)
 	var before := digests_by_name(scatter)
@@ -54,15 +54,15 @@ func test_replacing_a_biome_by_one_assignment() -> void:
 	var shown := await shown_by(scatter, func() -> void: scatter.biomes.biomes[1] = burnt)
 	check(not shown.has("grass") and not shown.has("reed"), "tiles of other biomes are not regenerated: %s" % [shown.keys()])
 	var after := digests_by_name(scatter)
-	check_equal([after["grass"], after["reed"]], [before["grass"], before["reed"]], "their instances are unchanged")
-	check_equal([index_of(scatter, "grass"), index_of(scatter, "reed")], indices, "their indices are unchanged")
+	check_equal([after["grass"], after["reed"]], [before["grass"], before["reed"]], "instances in the other biomes are unchanged")
+	check_equal([index_of(scatter, "grass"), index_of(scatter, "reed")], indices, "indices of the other biomes' layers are unchanged")
 	check(not after.has("oak") and not after.has("fern"), "the old layers are gone")
 	for layer in ["stump", "ash", "nettle"]:
 		var found := places(scatter, layer)
 		check(found.size() > 50 and all_within(found, func(at: Vector2) -> bool: return at.x >= 0 and at.y < 64), layer)
 	var fresh := make_world(scatter.biomes)
 	await settle(fresh)
-	check_equal(digests_by_name(fresh), after, "a new node with this map shows the same")
+	check_equal(digests_by_name(fresh), after, "a new node with this map generates the same tiles")
 
 
 func test_a_restored_biome_is_unchanged() -> void:

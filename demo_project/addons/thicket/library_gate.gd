@@ -32,16 +32,16 @@ static func load_script(path: String) -> GDScript:
 static func problem() -> String:
 	if is_open():
 		return "Thicket's scripts and the loaded native library have different versions. Install all files of one version of the add-on, then restart the engine."
-	return "Thicket's tools are off: no native library for %s.%s is loaded. Install a release of the add-on that has one in %sbin, or " % [
+	return "Thicket's tools are disabled: no native library for %s.%s is loaded. Install a release of the add-on that includes one in %sbin, or " % [
 			OS.get_name().to_lower(), Engine.get_architecture_name(), ADDON] + "build it with \"scons extension\"."
 
 
-## Returns true for a [code]TerrainScatter3D[/code].
+## Returns true if [param node] is a [code]TerrainScatter3D[/code].
 static func is_scatter(node: Node) -> bool:
 	return node.is_class(SCATTER)
 
 
-## Returns the layers of a [code]TerrainScatter3D[/code], those of its biomes last; null for empty entries.
+## Returns the layers of a [code]TerrainScatter3D[/code], followed by the layers of its biomes. Empty entries are null.
 static func layers_of(scatter: Node) -> Array[Resource]:
 	var result: Array[Resource] = []
 	result.assign(scatter.call(&"get_all_layers"))

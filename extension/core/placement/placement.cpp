@@ -34,7 +34,7 @@ glm::dvec3 up_axis(glm::vec3 normal, double align, const glm::dvec3 &upright) {
 }
 
 /// Applies the shortest rotation from the world's up axis to `up` to the vector (x, 0, z). `up`
-/// must not point down steeply.
+/// must not point nearly straight down.
 glm::dvec3 tilted_up(glm::dvec3 up, double x, double z) {
 	const double toward = up.x * x + up.z * z;
 	const double share = toward / (1.0 + up.y);

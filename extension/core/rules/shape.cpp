@@ -108,16 +108,17 @@ Status check_planet(const Shape &shape) {
 	}
 	if (shape.center == planet.center) {
 		return {ErrorCode::not_positive, "distance from the planet's center", 0.0, {}, {},
-				"Move the region to the ground, or turn ignore_height off"};
+				"Move the region to the ground, or disable ignore_height"};
 	}
 	return check_on_map(shape);
 }
 
-/// Returns the world rectangle of all directions from the planet's center whose angle from `axis` has
-/// at least this cosine, up to Planet::radii_around radii from the center.
+/// Returns the world rectangle of all directions from the planet's center whose angle to `axis` has a
+/// cosine of at least `cosine`, up to Planet::radii_around radii from the center.
 Rect cone(const Planet &planet, const glm::dvec3 &axis, double cosine) {
 	const double sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
-	// Returns the largest part of such a direction along a unit vector, or 0 if all parts are negative.
+	// Returns the largest component of these directions along a unit vector, or 0 if all are negative.
+	// `along` is the component of the unit vector along `axis`.
 	const auto farthest = [&](double along) {
 		const double across = std::sqrt(std::max(0.0, 1.0 - along * along));
 		return along >= cosine ? 1.0 : std::max(0.0, along * cosine + across * sine);

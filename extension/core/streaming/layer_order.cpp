@@ -112,8 +112,8 @@ double LayerTiles::first_missing(Sight &sight) {
 	return entry != nullptr ? std::sqrt(entry->distance_squared) : std::numeric_limits<double>::infinity();
 }
 
-/// Returns true if a ready tile is close enough to this viewer to be shown now. A tile that
-/// replaces a visible one may always be shown.
+/// Returns true if a ready tile may be shown now: no tile that this viewer still lacks is much
+/// nearer. A tile that replaces a visible one may always be shown.
 bool LayerTiles::is_turn(
 		std::size_t viewer, const TrackedViewer &tracked, const StreamedTile &tile, double distance_squared) {
 	if (tile.shown) {

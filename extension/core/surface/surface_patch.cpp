@@ -80,15 +80,15 @@ namespace {
 
 constexpr double cell_width = surface_cell_size;
 
-/// Largest slope for which a plane is used. A steeper one crosses the cell within an eighth of its
-/// width, which is one column.
+/// Largest slope for which a plane is used. A steeper plane rises through the whole cell within an
+/// eighth of the cell's width, which is one column.
 constexpr double steepest = 8.0;
 
-/// This is more than the rounding error of all heights, but less than the distance from any line to
-/// a surface that only touches the cell's edge.
+/// Larger than the rounding error of any height, but smaller than the distance from any line to a
+/// surface that only touches the cell's edge.
 constexpr float rounding = 4e-6f;
 
-/// A distance that is larger than any in a cell.
+/// Larger than any distance within a cell.
 constexpr float unbounded = 1e3f;
 
 /// Half the width of the part of a column through which lines pass, in cell widths.

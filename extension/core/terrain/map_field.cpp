@@ -48,10 +48,10 @@ Status check(const MapLayers &layers) {
 
 Status check(const MapTransform &place) {
 	const double area = std::abs(glm::determinant(place.to_world));
-	return first_failure(check_range("area between posts", area, MapField::min_area, 1e12),
-			check_range("x of the map", place.origin.x, -1e12, 1e12),
-			check_range("height of the map", place.origin.y, -1e12, 1e12),
-			check_range("z of the map", place.origin.z, -1e12, 1e12),
+	return first_failure(check_range("area per height sample", area, MapField::min_area, 1e12),
+			check_range("x of the map's origin", place.origin.x, -1e12, 1e12),
+			check_range("y of the map's origin", place.origin.y, -1e12, 1e12),
+			check_range("z of the map's origin", place.origin.z, -1e12, 1e12),
 			check_range("height scale of the map", place.height_scale, -1e6, 1e6));
 }
 

@@ -13,13 +13,13 @@ namespace thicket {
 namespace {
 
 /// The number of a layer's instances around a viewer above which the node gets a configuration
-/// warning. This number of instances takes about 140 to 200 MB. For comparison, dense grass with a
+/// warning. That many instances use about 140 to 200 MB. For comparison, dense grass with a
 /// radius of 0.2 m and a view distance of 128 m has 1.2 million. No layer of the presets or the
 /// demo has more than 0.5 million.
 constexpr double many_instances = 2e6;
 
-/// The main memory that one instance takes, in bytes, as reported by get_stats(). Does not include
-/// its floats in the renderer.
+/// Main memory per instance in bytes, as reported by get_stats(), excluding its data in the
+/// renderer.
 constexpr double kept_bytes = 20.0;
 
 double expected_in_view(const LayerSnapshot &layer) {

@@ -28,7 +28,8 @@ void add_curve_problem(const char *p_name, const Ref<Curve> &p_curve, const std:
 		return;
 	}
 	if (table->largest() <= 0.0) {
-		r_problems.push_back(name + String(" is 0 everywhere: nothing is placed."));
+		r_problems.push_back(name +
+				String(" is 0 everywhere, so nothing is placed. Raise a point of the curve, or remove the curve."));
 	}
 	if (as_made(p_curve)) {
 		r_problems.push_back(name + String(" still has the default domain of 0 to 1, but it is sampled from ") +
@@ -40,7 +41,8 @@ void add_curve_problem(const char *p_name, const Ref<Curve> &p_curve, const std:
 
 void ScatterLayer::add_number_problems(PackedStringArray &r_problems) const {
 	if (settings_.rules.clumping.size > 0.0 && settings_.rules.clumping.coverage <= 0.0) {
-		r_problems.push_back("ScatterLayer.clump_coverage is 0: nothing is placed.");
+		r_problems.push_back(
+				"ScatterLayer.clump_coverage is 0, so nothing is placed. Increase it, or set clump_size to 0.");
 	}
 	const double points = point_density(settings_.set) * range_.tile_size * range_.tile_size;
 	if (settings_.rules.edge_feather > 0.0 && points * static_cast<double>(edge_probes) > max_tile_points) {
@@ -58,7 +60,8 @@ void ScatterLayer::add_curve_problems(PackedStringArray &r_problems) const {
 	add_curve_problem(
 			"noise_curve", resource("noise_curve"), tables_.noise_curve, "the noise, from -1 to 1", r_problems);
 	if (resource("noise_curve").is_valid() && resource("noise").is_null()) {
-		r_problems.push_back("ScatterLayer.noise_curve is not used without noise.");
+		r_problems.push_back(
+				"ScatterLayer.noise_curve has no effect because noise is empty. Set noise, or remove noise_curve.");
 	}
 	if (const Ref<Curve> scale_curve = resource("scale_curve");
 			scale_curve.is_valid() && scale_curve->get_point_count() == 0) {

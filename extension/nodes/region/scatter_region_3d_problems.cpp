@@ -18,7 +18,8 @@ namespace thicket {
 
 namespace {
 
-/// The least cosine of the angle between a polygon's normal and up: 60 degrees.
+/// The smallest allowed cosine of the angle between a polygon's normal and the up direction (60
+/// degrees).
 constexpr double least_upright = 0.5;
 
 constexpr bool differ(double a, double b) { return std::abs(a - b) > 1e-4 * std::max(a, b); }
@@ -27,7 +28,8 @@ constexpr bool differ(double a, double b) { return std::abs(a - b) > 1e-4 * std:
 
 void ScatterRegion3D::add_outline_problems(PackedStringArray &r_problems) const {
 	if (shape_ == SHAPE_POLYGON && polygon_.size() < 3) {
-		r_problems.push_back("ScatterRegion3D.polygon has fewer than 3 corners: the region has no effect.");
+		r_problems.push_back(
+				"ScatterRegion3D.polygon has fewer than 3 corners, so the region has no effect. Add corners.");
 	}
 	if (shape_ != SHAPE_PATH) {
 		return;
@@ -35,11 +37,12 @@ void ScatterRegion3D::add_outline_problems(PackedStringArray &r_problems) const 
 	if (cast_to<Path3D>(path_.is_empty() ? get_parent() : get_node_or_null(path_)) == nullptr) {
 		r_problems.push_back("No path: set ScatterRegion3D.path to a Path3D, or make the region a child of one.");
 	} else if (is_inside_tree() && path_points().size() < 2) {
-		r_problems.push_back("The Path3D's curve has fewer than 2 points: the region has no effect.");
+		r_problems.push_back(
+				"The Path3D's curve has fewer than 2 points, so the region has no effect. Add points to the curve.");
 	}
 }
 
-/// Adds the problems of a region that acts at any height on a planet.
+/// Adds the problems of a region on a planet that ignores height.
 void ScatterRegion3D::add_planet_problems(PackedStringArray &r_problems) const {
 	thicket::Shape shape;
 	const Status status = build(shape);

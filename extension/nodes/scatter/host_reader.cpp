@@ -60,7 +60,7 @@ std::shared_ptr<const HostModels> HostReader::read(const LayerDrawing &drawing, 
 	auto models = std::make_shared<const HostModels>(std::move(surfaces));
 	if (models->radius() == 0.0 && problems_.size() == 0) {
 		problems_.push_back("nothing grows on this layer: its meshes have no triangles. Add a mesh with triangles, or "
-							"remove the layer from surface_layers of the others.");
+							"remove this layer from the surface_layers of other layers.");
 	}
 	if (models_ == nullptr || !same_models(*models_, *models)) {
 		// Unchanged models keep their address so that nothing is regenerated.

@@ -26,7 +26,7 @@ func _initialize() -> void:
 	var noted: Array = FileAccess.open("res://noted.bin", FileAccess.READ).get_var()
 	var first := await settled((load(SCENE) as PackedScene).instantiate())
 	var second := await settled((load(SCENE) as PackedScene).instantiate())
-	check(first.state.get_digest() == noted[2], "the designer's state")
+	check(first.state.get_digest() == noted[2], "the loaded state is the one that the designer saved")
 	var drawn := {}
 	for layer in 2:
 		for tile: Vector2i in first.get_shown_tiles(first.layers[layer]):
@@ -37,14 +37,14 @@ func _initialize() -> void:
 		check(drawn.has(id), "%d is drawn" % id)
 	for id: int in noted[1]:
 		check(not first.has_instance(id) and not drawn.has(id), "%d was deleted" % id)
-	# Each instance of the scene has its own copy of the state, even the instance that the next game loads.
+	# Each instance of the scene has its own copy of the state, even one that is loaded later.
 	var planted: int = noted[0].keys()[0]
 	var designed: int = first.state.get_revision()
 	first.remove_instance(planted)
 	var grown: int = first.add_instance(first.layers[0], Transform3D(Basis(), Vector3(4.0, 0.0, 4.0)))
-	check(second.has_instance(planted) and not second.has_instance(grown), "changes of one game do not affect the other")
+	check(second.has_instance(planted) and not second.has_instance(grown), "changes to one instance of the scene do not affect the other")
 	var saved: PackedByteArray = first.state.diff_since(designed, false)
-	check(saved.size() < 200, "a game's changes need few bytes: %d" % saved.size())
+	check(saved.size() < 200, "the diff of a game's changes takes less than 200 bytes: %d" % saved.size())
 	first.get_parent().free()
 	var again := await settled((load(SCENE) as PackedScene).instantiate())
 	check(again.has_instance(planted), "the reloaded scene is unchanged")

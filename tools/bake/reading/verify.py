@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from .bake import Tile
 
 _CHUNK = 1 << 20
-# A file that changed within this time, in nanoseconds, is considered unsettled. It may change again without a new time
-# stamp, because time stamps have a resolution of milliseconds.
+# A file that changed less than this many nanoseconds ago is not remembered as verified: it may change again without a new
+# timestamp, because timestamps have a resolution of milliseconds.
 _SETTLED_NANOSECONDS = 2 * 10**9
 
 # The identity, size and times of each verified file, and its expected digest, keyed by path.
@@ -26,8 +26,8 @@ _verified: dict[Path, tuple] = {}
 
 
 def check(tile: Tile) -> None:
-    """Raises BakeError if the digest of a tile's file differs from the manifest. A process checks a file once, and
-    again if it has changed since then or shortly before. `sha256` in the manifest is the digest of the file's
+    """Raises BakeError if the digest of a tile's file differs from the manifest. Each process checks a file once. It
+    checks the file again if it has changed since, or had changed shortly before. `sha256` in the manifest is the digest of the file's
     bytes. Older manifests have only `digest`, which requires reading every row."""
     try:
         status = tile.file.stat()

@@ -18,7 +18,7 @@ const COLORS: Array[Color] = [Color(0.5, 1.0, 0.45), Color(1.0, 0.45, 0.35), Col
 var brush := Brush.new()
 ## The dialog for the first stroke on a layer without a mask.
 var first_stroke := FirstStroke.new()
-## The overlay that shows the mask of the chosen layer on the ground.
+## The overlay that shows the mask of the selected layer on the ground.
 var mask_overlay := MaskOverlay.new()
 
 var _modes: Array[Button] = []
@@ -27,7 +27,7 @@ var _hardness: EditorSpinSlider
 
 
 func _init() -> void:
-	_setup("Brush", &"Paint", "Brush: paint where the layer grows with the left mouse button.")
+	_setup("Brush", &"Paint", "Brush: use the left mouse button to paint where the layer grows.")
 	var group := ButtonGroup.new()
 	for mode in MODE_NAMES.size():
 		var choice := Button.new()
