@@ -41,7 +41,7 @@ All arrays are read-only views into one block of memory without copies. Each arr
 every array belongs to the same point.)";
 
 inline constexpr const char *surface_positions =
-		R"(float64 of shape (n, 3): the position of each point in meters, on the surface up to rounding (radius / 1 million).)";
+		R"(float64 of shape (n, 3): the position of each point in meters, less than radius / 500,000 from its face.)";
 
 inline constexpr const char *surface_normals =
 		R"(float64 of shape (n, 3): the unit normal of the face, on the side from which its vertices run counterclockwise.)";

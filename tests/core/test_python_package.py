@@ -113,7 +113,7 @@ def test_points_on_a_surface(thicket):
     corners = vertices[faces[points.faces]]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     assert np.abs(points.normals - normals / np.linalg.norm(normals, axis=1, keepdims=True)).max() < 1e-9
-    assert np.abs(((points.positions - corners[:, 0]) * points.normals).sum(axis=1)).max() < 1e-6
+    assert np.abs(((points.positions - corners[:, 0]) * points.normals).sum(axis=1)).max() < 2e-6
     assert ((points.positions * points.normals).sum(axis=1) > 11.0).all(), "normals point outward"
 
 

@@ -14,7 +14,7 @@
 namespace thicket {
 
 struct SurfacePoint {
-	glm::dvec3 position; ///< World meters. The position is on the surface, up to rounding (radius / 1 million).
+	glm::dvec3 position; ///< World meters. Less than radius / 500,000 from the surface, by rounding.
 	glm::dvec3 normal;   ///< Unit normal on the side from which the triangle's corners are counterclockwise.
 	std::uint64_t id;    ///< Id of the point; see surface_id().
 	std::uint32_t rank;  ///< Rank of the point; see SamplePoint::rank.
