@@ -28,7 +28,7 @@ def made(world, tmp_path_factory) -> Path:
     """Returns a folder with the tiles of the world, written by one engine."""
     folder = tmp_path_factory.mktemp("made")
     done = make(world, folder)
-    assert done.returncode == 0 and f"{TILES} tiles generated, 0 kept" in done.stdout, done.stdout + done.stderr
+    assert done.returncode == 0 and f"{TILES} tiles generated, 0 already present" in done.stdout, done.stdout + done.stderr
     return folder
 
 
@@ -88,7 +88,7 @@ def test_chosen_tiles_and_layers_with_the_default_tile_size(world, tmp_path):
     """Checks that the result equals the driver's bake with the same arguments."""
     rect = f"{-RECT[2]},{-RECT[3]},900,700.5"
     done = make(world, tmp_path / "made", f"rect={rect}", "layers=Trees", "tiles=-1,0 0,0")
-    assert done.returncode == 0 and "2 tiles generated, 0 kept" in done.stdout, done.stdout + done.stderr
+    assert done.returncode == 0 and "2 tiles generated, 0 already present" in done.stdout, done.stdout + done.stderr
     theirs = bake_of(tmp_path / "made", tmp_path / "theirs", "--tiles", "-1,0 0,0")
     ours = bake(world, tmp_path / "ours", "--workers", "1", "--layers", "0", "--tiles", "-1,0 0,0", "--rect", rect, "--tile-size", "256")
     assert theirs.code == 0 and ours.code == 0, theirs.output + ours.output
@@ -147,7 +147,7 @@ def test_failing_tiles_are_reported_and_others_generated(world, tmp_path):
         broken = make(world, tmp_path / "made")
     assert broken.returncode == 1 and "tile 1,0 failed. Tile" in broken.stderr and "16 tiles generated, 0 already present, 4 failed" in broken.stdout, broken.stderr
     completed = make(world, tmp_path / "made")
-    assert completed.returncode == 0 and "4 tiles generated, 16 kept" in completed.stdout, completed.stdout + completed.stderr
+    assert completed.returncode == 0 and "4 tiles generated, 16 already present" in completed.stdout, completed.stdout + completed.stderr
 
 
 def test_a_changed_scene_is_detected(world, made, tmp_path):
