@@ -355,7 +355,7 @@ func test_warnings() -> void:
 	check_warning(func(layer: ScatterLayer) -> void: layer.density_over_slope = zero, "density_over_slope is 0 everywhere")
 	check_warning(func(layer: ScatterLayer) -> void: layer.density_over_slope = Curve.new(), "density_over_slope has no points")
 	check_warning(func(layer: ScatterLayer) -> void: layer.density_over_height = make_line(Vector2(0, 0), Vector2(1, 1)), "meters of height")
-	check_warning(func(layer: ScatterLayer) -> void: layer.noise_curve = make_line(Vector2(-1, 0), Vector2(1, 1)), "without noise")
+	check_warning(func(layer: ScatterLayer) -> void: layer.noise_curve = make_line(Vector2(-1, 0), Vector2(1, 1)), "noise is empty")
 	check_warning(func(layer: ScatterLayer) -> void: layer.noise = FastNoiseLite.new(), "")
 	check_warning(func(layer: ScatterLayer) -> void: layer.mask = ScatterMask.new(), "mask has no effect")
 	check_warning(func(layer: ScatterLayer) -> void:
