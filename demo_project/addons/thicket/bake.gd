@@ -127,11 +127,11 @@ func _list_tiles(requested: Array) -> Error:
 	_tiles.clear()
 	var chosen: Array[Resource] = []
 	for one: Variant in requested:
-		var found := layers.filter(func(layer: Resource) -> bool: return layer != null and (is_same(one, layer) or str(one) == layer.resource_name))
-		if found.is_empty():
+		var matching := layers.filter(func(layer: Resource) -> bool: return layer != null and (is_same(one, layer) or str(one) == layer.resource_name))
+		if matching.is_empty():
 			return _refuse(ERR_INVALID_PARAMETER, "layers contains %s, which is not a layer of %s: pass entries of TerrainScatter3D.layers, or their names." % [
 				one, _scatter.name])
-		chosen.append(found[0])
+		chosen.append(matching[0])
 	for index in layers.size():
 		var layer: Resource = layers[index]
 		if layer == null or not (chosen.is_empty() or chosen.has(layer)):
