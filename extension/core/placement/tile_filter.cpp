@@ -9,7 +9,8 @@ namespace thicket {
 
 void TileFilter::set(const LayerSettings &layer) {
 	layer_ = layer;
-	set_fill_margin(0);
+	attempt_ = 0;
+	graph_ = LayerGraph(layer_, fill_margins[0]);
 	while (layers_.size() < size()) {
 		layers_.push_back(std::make_unique<LayerFilter>());
 	}
@@ -24,8 +25,10 @@ void TileFilter::set(const LayerSettings &layer) {
 }
 
 void TileFilter::set_fill_margin(std::size_t attempt) {
-	attempt_ = attempt;
-	graph_ = LayerGraph(layer_, fill_margins[attempt]);
+	if (attempt != attempt_) {
+		attempt_ = attempt;
+		graph_ = LayerGraph(layer_, fill_margins[attempt]);
+	}
 }
 
 /// Returns the space in which a layer is sampled. Its margin is expanded by 0.1 %, so that
