@@ -52,13 +52,6 @@ func make_scene(path: String) -> void:
 	ResourceSaver.save(packed, path)
 
 
-func select_scatter() -> void:
-	EditorInterface.get_selection().clear()
-	EditorInterface.get_selection().add_node(scatter)
-	EditorInterface.edit_node(scatter)
-	await frames(3)
-
-
 func bytes(path: String) -> PackedByteArray:
 	return FileAccess.get_file_as_bytes(path) if FileAccess.file_exists(path) else PackedByteArray()
 
@@ -80,18 +73,11 @@ func test_prepare() -> void:
 	make_scene(SCENE)
 	scatter = (await open(SCENE)).get_node("Rocks")
 	EditorInterface.set_main_screen_editor("3D")
-	await select_scatter()
+	await select_node(scatter)
 	await settle(scatter)
 	# The editor adds data when it first saves a file. Later saves do not change the file.
 	EditorInterface.save_scene()
-	hand = workspace().toolbar.hand
-	surface().grab_focus()
-	hand.set_on(true)
-	workspace().toolbar.choose_layer(0)
-	hand.planting.choose(false, false, false, false)
-	hand.look()
-	# Wait for the layout, because the tool adds a row to the toolbar.
-	await frames(3)
+	hand = await turn_on_hand()
 
 
 ## Checks that a click plants an instance in one undo step. The first instance creates the file.
@@ -324,7 +310,7 @@ func test_closed_without_saving() -> void:
 		return
 	make_scene("res://lost.tscn")
 	scatter = (await open("res://lost.tscn")).get_node("Rocks")
-	await select_scatter()
+	await select_node(scatter)
 	await settle(scatter)
 	hand.set_on(true)
 	workspace().toolbar.choose_layer(0)

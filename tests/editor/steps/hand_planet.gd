@@ -81,18 +81,9 @@ func test_prepare() -> void:
 	scatter = (await open(SCENE)).get_node("Rocks")
 	layer = scatter.layers[0]
 	EditorInterface.set_main_screen_editor("3D")
-	EditorInterface.get_selection().clear()
-	EditorInterface.get_selection().add_node(scatter)
-	EditorInterface.edit_node(scatter)
-	await frames(3)
+	await select_node(scatter)
 	await settle(scatter)
-	hand = workspace().toolbar.hand
-	surface().grab_focus()
-	hand.set_on(true)
-	workspace().toolbar.choose_layer(0)
-	hand.planting.choose(false, false, false, false)
-	hand.look()
-	await frames(3)
+	hand = await turn_on_hand()
 
 
 func test_plant_and_move() -> void:

@@ -37,13 +37,6 @@ func make_scene() -> void:
 	ResourceSaver.save(packed, SCENE)
 
 
-func select_scatter() -> void:
-	EditorInterface.get_selection().clear()
-	EditorInterface.get_selection().add_node(scatter)
-	EditorInterface.edit_node(scatter)
-	await frames(3)
-
-
 func scene_bytes() -> PackedByteArray:
 	EditorInterface.save_scene()
 	return FileAccess.get_file_as_bytes(SCENE)
@@ -58,7 +51,7 @@ func test_buttons() -> void:
 	root = await open(SCENE)
 	scatter = root.get_node("Posts")
 	EditorInterface.set_main_screen_editor("3D")
-	await select_scatter()
+	await select_node(scatter)
 	await settle(scatter)
 	var before := scene_bytes()
 	var menu: Node = workspace().toolbar.regions
@@ -84,7 +77,7 @@ func test_buttons() -> void:
 			if shape == 4:
 				check(regions()[0].get_node("Path3D").owner == root, "with its path")
 			await undo()
-			await select_scatter()
+			await select_node(scatter)
 	check(scene_bytes() == before, "the scene is unchanged, byte for byte")
 
 
@@ -127,7 +120,7 @@ func test_a_path_by_clicks() -> void:
 	await undo()
 	await settle(scatter)
 	check(scene_bytes() == before, "undone, byte for byte")
-	await select_scatter()
+	await select_node(scatter)
 
 
 func test_a_polygon_by_clicks() -> void:
@@ -167,7 +160,7 @@ func test_a_polygon_by_clicks() -> void:
 	await undo()
 	await settle(scatter)
 	check(instances(scatter, 0) == full and scene_bytes() == before, "undone, byte for byte")
-	await select_scatter()
+	await select_node(scatter)
 	# A double-click, or a click on the first corner, closes the polygon. Escape cancels it.
 	for way: String in ["double", "first", "escape"]:
 		surface().grab_focus()
@@ -186,7 +179,7 @@ func test_a_polygon_by_clicks() -> void:
 		if way != "escape":
 			check(not regions()[0].exclude, "the region includes")
 			await undo()
-		await select_scatter()
+		await select_node(scatter)
 
 
 ## Drags a region's handle to a position in the space that the region has at the start of the drag.
@@ -253,7 +246,7 @@ func test_handles_keep_the_opposite_face() -> void:
 			"a cylinder keeps its bottom: %s" % region.height)
 	await undo()
 	region.free()
-	await select_scatter()
+	await select_node(scatter)
 
 
 ## Draws the rectangle of a bake in the view. The bake must replace the scatter there, so that no instance exists twice.

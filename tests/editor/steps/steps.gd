@@ -75,6 +75,14 @@ func open(path: String) -> Node:
 	return EditorInterface.get_edited_scene_root()
 
 
+## Selects only this node, as a click in the scene tree does.
+func select_node(node: Node) -> void:
+	EditorInterface.get_selection().clear()
+	EditorInterface.get_selection().add_node(node)
+	EditorInterface.edit_node(node)
+	await frames(3)
+
+
 ## Returns the add-on's plugin, or null.
 func addon() -> EditorPlugin:
 	for found in get_tree().root.find_children("*", "EditorPlugin", true, false):
@@ -86,6 +94,19 @@ func addon() -> EditorPlugin:
 ## Returns the plugin's workspace with its tools, panel and dialogs. Null without the library.
 func workspace() -> RefCounted:
 	return addon().workspace
+
+
+## Turns on the hand tool for the first layer of the selected scatter, without variation, and returns the tool.
+func turn_on_hand() -> Node:
+	var hand: Node = workspace().toolbar.hand
+	surface().grab_focus()
+	hand.set_on(true)
+	workspace().toolbar.choose_layer(0)
+	hand.planting.choose(false, false, false, false)
+	hand.look()
+	# Wait for the layout, because the tool adds a row to the toolbar.
+	await frames(3)
+	return hand
 
 
 func camera() -> Camera3D:

@@ -76,10 +76,7 @@ func rows() -> Array:
 func test_hover() -> void:
 	await make_scatter()
 	EditorInterface.set_main_screen_editor("3D")
-	EditorInterface.get_selection().clear()
-	EditorInterface.get_selection().add_node(scatter)
-	EditorInterface.edit_node(scatter)
-	await frames(3)
+	await select_node(scatter)
 	addon().hide_bottom_panel() # Enlarges the 3D view.
 	await settle(scatter)
 	tool().set_on(true)
