@@ -1,5 +1,6 @@
 #include "core/placement/surface_probes.hpp"
 
+#include "core/base/tangent_axes.hpp"
 #include "core/terrain/surface_line.hpp"
 
 #include <glm/common.hpp>
@@ -21,10 +22,7 @@ constexpr std::array<glm::dvec2, edge_probes> probe_offsets = edge_probe_offsets
 void SurfaceProbes::find(const Surface &surface, const glm::dvec3 &position, const glm::dvec3 &normal,
 		double edge_feather, std::span<SurfaceProbe, edge_probes> r_probes) {
 	const glm::dvec3 up = glm::normalize(normal);
-	// The axis that is farther from the normal is the first one, so level ground uses x and z.
-	const glm::dvec3 start = std::abs(up.x) < 0.9 ? glm::dvec3(1.0, 0.0, 0.0) : glm::dvec3(0.0, 0.0, 1.0);
-	const glm::dvec3 along = glm::normalize(start - up * glm::dot(up, start));
-	const glm::dvec3 across = glm::cross(along, up);
+	const auto [along, across] = tangent_axes(up);
 	for (std::size_t i = 0; i < r_probes.size(); ++i) {
 		const glm::dvec2 offset = edge_feather * probe_offsets[i];
 		const double far = std::sqrt(offset.x * offset.x + offset.y * offset.y);

@@ -1,8 +1,8 @@
 #include "core/rules/planet_map.hpp"
 
-#include <glm/geometric.hpp>
+#include "core/base/tangent_axes.hpp"
 
-#include <cmath>
+#include <glm/geometric.hpp>
 
 namespace thicket {
 
@@ -12,18 +12,13 @@ namespace {
 /// the projection, have no exact place.
 constexpr double least_share = 1e-6;
 
-double length(const glm::dvec3 &v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
-
 } // namespace
 
 PlanetMap::PlanetMap(const Planet &planet, const glm::dvec3 &middle) :
-		planet_(planet), distance_(length(middle - planet.center)) {
+		planet_(planet), distance_(glm::length(middle - planet.center)) {
 	const glm::dvec3 up = planet.up_at(middle);
-	// At the top of a planet, the axes are those of the world.
-	const glm::dvec3 start = std::abs(up.x) < 0.9 ? glm::dvec3(1.0, 0.0, 0.0) : glm::dvec3(0.0, 0.0, 1.0);
-	const glm::dvec3 across = start - up * glm::dot(up, start);
-	const glm::dvec3 x = across / length(across);
-	axes_ = {x, up, glm::cross(x, up)};
+	const TangentAxes tangent = tangent_axes(up);
+	axes_ = {tangent.along, up, tangent.across};
 }
 
 glm::dvec2 PlanetMap::at(const glm::dvec3 &position) const {
