@@ -68,8 +68,7 @@ Status DensityProbe::Workspace::check_ground(std::span<const Ground> known) cons
 	if (!found) {
 		return {ErrorCode::missing, "places", 0.0};
 	}
-	return known.size() != positions.size() ? Status::wrong_size("ground", known.size(), exactly(positions.size()))
-											: Status();
+	return thicket::check_ground(known, positions.size());
 }
 
 DensityProbe::DensityProbe(const SampleMargins &margins) : workspace_(std::make_unique<Workspace>(margins)) {}

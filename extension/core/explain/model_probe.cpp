@@ -31,14 +31,8 @@ void ModelProbe::gather_positions() {
 	filter_.add_queries(positions_, queries_);
 }
 
-/// Returns an error unless `ground` is the ground at the positions.
-Status ModelProbe::check_ground(std::span<const Ground> ground) const {
-	return ground.size() != positions_.size() ? Status::wrong_size("ground", ground.size(), exactly(positions_.size()))
-											  : Status();
-}
-
 Status ModelProbe::find_further(std::span<const Ground> ground) {
-	if (const Status status = check_ground(ground); !status.ok()) {
+	if (const Status status = check_ground(ground, positions_.size()); !status.ok()) {
 		return status;
 	}
 	return guarded("ground", static_cast<double>(ground.size()), [&] {
@@ -49,7 +43,7 @@ Status ModelProbe::find_further(std::span<const Ground> ground) {
 }
 
 Status ModelProbe::models(std::span<const Ground> ground, std::unique_ptr<const Surface> &r_models) {
-	if (const Status status = check_ground(ground); !status.ok()) {
+	if (const Status status = check_ground(ground, positions_.size()); !status.ok()) {
 		return status;
 	}
 	return guarded("ground", static_cast<double>(ground.size()), [&] {

@@ -32,7 +32,6 @@ public:
 	Status models(std::span<const Ground> ground, std::unique_ptr<const Surface> &r_models);
 
 private:
-	Status check_ground(std::span<const Ground> ground) const;
 	void gather_positions();
 
 	TileFilter filter_{SampleMargins()};

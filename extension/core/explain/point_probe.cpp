@@ -35,8 +35,8 @@ Status PointProbe::find(const LayerSettings &layer, std::span<const glm::dvec2> 
 }
 
 Status PointProbe::find_further(std::span<const Ground> ground) {
-	if (ground.size() != positions_.size()) {
-		return Status::wrong_size("ground", ground.size(), exactly(positions_.size()));
+	if (const Status status = check_ground(ground, positions_.size()); !status.ok()) {
+		return status;
 	}
 	return guarded("ground", static_cast<double>(ground.size()), [&] {
 		const Status status = filter_.sample_further(ground);

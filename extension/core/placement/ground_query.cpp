@@ -31,4 +31,8 @@ Status query_ground(const Terrain &terrain, std::span<const glm::dvec2> position
 	return {};
 }
 
+Status check_ground(std::span<const Ground> ground, std::size_t count) {
+	return ground.size() != count ? Status::wrong_size("ground", ground.size(), exactly(count)) : Status();
+}
+
 } // namespace thicket

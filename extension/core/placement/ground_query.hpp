@@ -27,4 +27,7 @@ struct GroundQuery {
 Status query_ground(const Terrain &terrain, std::span<const glm::dvec2> positions, std::span<const GroundQuery> queries,
 		std::span<Ground> r_ground, const std::atomic<bool> *cancel = nullptr);
 
+/// Returns an error unless `ground` has one entry for each of `count` positions.
+Status check_ground(std::span<const Ground> ground, std::size_t count);
+
 } // namespace thicket

@@ -173,8 +173,7 @@ Status TileBuilder::Workspace::check_ground(std::span<const Ground> known) const
 	if (!found) {
 		return {ErrorCode::missing, "points", 0.0};
 	}
-	return known.size() != positions.size() ? Status::wrong_size("ground", known.size(), exactly(positions.size()))
-											: Status();
+	return thicket::check_ground(known, positions.size());
 }
 
 Status TileBuilder::Workspace::place(
