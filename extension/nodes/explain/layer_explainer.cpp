@@ -44,7 +44,7 @@ Status LayerExplainer::find_models(
 	std::vector<Ground> answers;
 	Status status = probe.find(layer, place, surface_of(terrain.get()));
 	if (status.ok()) {
-		status = ask_in_steps(terrain.get(), ground, probe, answers);
+		status = query_in_steps(terrain.get(), ground, probe, answers);
 	}
 	return status.ok() ? probe.models(answers, r_models) : status;
 }
@@ -59,7 +59,7 @@ Status LayerExplainer::explain(std::uint32_t layer, const glm::dvec3 &place, Lay
 		status = explainer.find(settings, place, surface_of(terrain.get()), models.get());
 	}
 	if (status.ok()) {
-		status = ask_in_steps(terrain.get(), ground, explainer, answers);
+		status = query_in_steps(terrain.get(), ground, explainer, answers);
 	}
 	if (status.ok()) {
 		status = explainer.explain(answers, r_explanation.rules);
@@ -85,7 +85,7 @@ Status LayerExplainer::densities(
 	std::vector<Ground> answers;
 	Status status = probe.find(*layers[layer]->settings, places, false, surface_of(terrain.get()));
 	if (status.ok()) {
-		status = ask_in_steps(terrain.get(), ground, probe, answers);
+		status = query_in_steps(terrain.get(), ground, probe, answers);
 	}
 	if (status.ok()) {
 		status = probe.look(answers);
@@ -120,7 +120,7 @@ Status LayerExplainer::ranks(
 	std::vector<Ground> answers;
 	Status status = probe.find(*layers[layer]->settings, places);
 	if (status.ok()) {
-		status = ask_in_steps(terrain.get(), ground, probe, answers);
+		status = query_in_steps(terrain.get(), ground, probe, answers);
 	}
 	r_ranks.clear();
 	for (std::size_t place = 0; status.ok() && place < places.size(); ++place) {

@@ -48,7 +48,7 @@ Status SynchronousBuilder::build_in_steps(const LayerSettings &layer, const Terr
 		status = builder->find_points(layer, space, nullptr, &threads);
 		std::vector<Ground> answers;
 		if (status.ok()) {
-			status = ask_in_steps(nullptr, ground, *builder, answers);
+			status = query_in_steps(nullptr, ground, *builder, answers);
 		}
 		status = status.ok() ? builder->place(answers, r_tile) : status;
 	}

@@ -27,7 +27,7 @@ Status query_synchronously(const Terrain *terrain, const HostedGround &ground, s
 /// Samples the ground for all steps of an object such as TileBuilder or DensityProbe, after its first
 /// one. Replaces `r_answers` with the ground of the last step. Throws std::bad_alloc.
 template <class Steps>
-Status ask_in_steps(
+Status query_in_steps(
 		const Terrain *terrain, const HostedGround &ground, Steps &r_steps, std::vector<Ground> &r_answers) {
 	Status status = query_synchronously(terrain, ground, r_steps.positions(), r_steps.queries(), r_answers);
 	while (status.ok() && !r_steps.is_complete()) {
@@ -43,7 +43,7 @@ Status ask_in_steps(
 /// rectangles. Keeps its workspace and the points around a tile to speed up the next one.
 class SynchronousBuilder {
 public:
-	/// Generates one tile. Samples the ground as ask_at_once does. If a script samples the ground,
+	/// Generates one tile. Samples the ground as query_synchronously does. If a script samples the ground,
 	/// that script may call this function again.
 	Status build(const LayerSettings &layer, const Terrain *terrain, const HostedGround &ground, const TileSpace &space,
 			TileInstances &r_tile);
