@@ -66,16 +66,16 @@ Status PlaceExplainer::find_on_top(const LayerSettings &layer, glm::dvec2 place,
 
 /// Prepares the probe, once the point is known.
 Status PlaceExplainer::probe_on_top(const LayerSettings &layer) {
-	point_.assign(points_.points().begin(), points_.points().end());
-	has_point_ = std::isfinite(point_.front().position.x);
+	point_ = points_.points().front();
+	has_point_ = std::isfinite(point_.position.x);
 	if (!has_point_) {
 		// No other point lies in the position's cell, because it would be nearer than the radius.
 		const double cell = lattice_unit(layer.set) * cell_size;
-		point_.front().position = place_;
-		point_.front().id = pack({layer.set.layer, glm::ivec2(glm::floor(place_ / cell))});
+		point_.position = place_;
+		point_.id = pack({layer.set.layer, glm::ivec2(glm::floor(place_ / cell))});
 	}
-	distance_ = glm::distance(place_, point_.front().position);
-	const std::array<glm::dvec2, 2> places{place_, point_.front().position};
+	distance_ = glm::distance(place_, point_.position);
+	const std::array<glm::dvec2, 2> places{place_, point_.position};
 	return probe_.find(layer, places, true, surface_);
 }
 
@@ -121,7 +121,7 @@ Status PlaceExplainer::find_on_surface(
 		return Status::missing("points of the set", "Explain a position on a larger surface");
 	}
 	const glm::dvec2 position(nearest->position.x, nearest->position.z);
-	point_ = {{position, nearest->id, nearest->rank, nearest->level}};
+	point_ = {position, nearest->id, nearest->rank, nearest->level};
 	distance_ = glm::distance(nearest->position, here.position);
 	const std::array<glm::dvec2, 2> places{glm::dvec2(here.position.x, here.position.z), position};
 	const std::array<Ground, 2> ground{Ground{static_cast<float>(here.position.y), glm::vec3(here.normal)},
@@ -138,7 +138,7 @@ Status PlaceExplainer::explain(std::span<const Ground> ground, PlaceExplanation 
 		status = rule(probe_, 1, r_explanation.at_point);
 	}
 	if (status.ok()) {
-		r_explanation.point = point_.front();
+		r_explanation.point = point_;
 		r_explanation.distance = distance_;
 		r_explanation.has_point = has_point_;
 	}

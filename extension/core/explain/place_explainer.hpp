@@ -87,7 +87,7 @@ private:
 	bool has_point_ = true;
 	DensityProbe probe_;
 	double distance_ = 0.0;
-	std::vector<SamplePoint> point_; ///< Contains only the nearest point.
+	SamplePoint point_{}; ///< The nearest point.
 };
 
 } // namespace thicket
