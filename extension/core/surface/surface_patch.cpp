@@ -15,9 +15,9 @@ namespace thicket::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Returns the columns that a ball leaves open. The result determines only which work can be
+// Returns those of `columns` that a ball leaves open. The result determines only which work can be
 // skipped, so its rounding does not affect the points.
-std::uint64_t open_columns(const SurfacePatch::Plane &plane, float u, float v, float along) {
+std::uint64_t open_columns(const SurfacePatch::Plane &plane, float u, float v, float along, std::uint64_t columns) {
 	constexpr std::size_t side = 8;
 	const hn::CappedTag<float, side> d;
 	constexpr float width = 1.0f / side;
@@ -46,6 +46,9 @@ std::uint64_t open_columns(const SurfacePatch::Plane &plane, float u, float v, f
 		const auto square_u = hn::Mul(far_u, far_u);
 		const auto height_u = hn::Add(hn::Set(d, plane.height), hn::Mul(hn::Set(d, plane.slope_u), middle_u));
 		for (std::size_t row = 0; row < side; ++row) {
+			if ((columns >> (row * side) & 0xff) == 0) {
+				continue;
+			}
 			const float to_v = middles[row] - v;
 			const float far_v = std::abs(to_v) + width / 2.0f;
 			const auto height = hn::Add(height_u, hn::Set(d, plane.slope_v * middles[row]));
@@ -65,7 +68,7 @@ std::uint64_t open_columns(const SurfacePatch::Plane &plane, float u, float v, f
 			open |= std::uint64_t{bits[0]} << (row * side + first);
 		}
 	}
-	return open;
+	return open & columns;
 }
 
 } // namespace thicket::HWY_NAMESPACE
@@ -159,13 +162,13 @@ std::uint64_t SurfacePatch::columns_over(const SurfaceTriangle &triangle, int ax
 
 std::uint64_t SurfacePatch::entered() const {
 	// The ball is so far away that it covers nothing.
-	return open_beside(glm::vec3(1e3f));
+	return open_beside(glm::vec3(1e3f), ~std::uint64_t{0});
 }
 
-std::uint64_t SurfacePatch::open_beside(const glm::vec3 &point) const {
+std::uint64_t SurfacePatch::open_beside(const glm::vec3 &point, std::uint64_t columns) const {
 	const auto [side_u, side_v] = axes_across(axis_);
 	const float *sides = glm::value_ptr(point);
-	return HWY_DYNAMIC_DISPATCH(open_columns)(plane_, sides[side_u], sides[side_v], sides[axis_]);
+	return HWY_DYNAMIC_DISPATCH(open_columns)(plane_, sides[side_u], sides[side_v], sides[axis_], columns);
 }
 
 } // namespace thicket

@@ -33,9 +33,9 @@ public:
 	/// Returns the columns that the surface may enter, one bit each.
 	std::uint64_t entered() const;
 
-	/// Returns the columns that the surface may enter and that the ball around `point` does not
-	/// cover, one bit each.
-	std::uint64_t open_beside(const glm::vec3 &point) const;
+	/// Returns those of `columns` that the surface may enter and that the ball around `point` does
+	/// not cover, one bit each.
+	std::uint64_t open_beside(const glm::vec3 &point, std::uint64_t columns) const;
 
 	/// The approximating plane.
 	struct Plane {

@@ -344,17 +344,16 @@ void SurfaceRace::accept(std::uint32_t number, const glm::ivec3 &position, std::
 		if (times_[near] == surface_time_never) {
 			continue;
 		}
-		cover(position, near);
-		if (near != number && is_next_closed(near)) {
+		if (cover(position, near) && near != number && is_next_closed(near)) {
 			show_next(near);
 		}
 	}
 }
 
-void SurfaceRace::cover(const glm::ivec3 &position, std::uint32_t number) {
+bool SurfaceRace::cover(const glm::ivec3 &position, std::uint32_t number) {
 	const glm::ivec3 low = grid_.cell(number) * surface_cell_size;
 	if (squared(gap(position, low)) >= surface_radius_squared) {
-		return;
+		return false;
 	}
 	if (cells_[number].faces == none) {
 		prepare(number);
@@ -365,16 +364,17 @@ void SurfaceRace::cover(const glm::ivec3 &position, std::uint32_t number) {
 	std::uint64_t open = 0;
 	for (Face &face : faces_of(cell)) {
 		if (face.open != 0) {
-			face.open &= face.patch.open_beside(point);
+			face.open = face.patch.open_beside(point, face.open);
 		}
 		open |= face.open;
 	}
 	if (open == 0) {
 		finish(number);
-		return;
+		return true;
 	}
 	near_.push_back({position, cell.near});
 	cell.near = static_cast<std::uint32_t>(near_.size() - 1);
+	return true;
 }
 
 bool SurfaceRace::is_next_closed(std::uint32_t number) {
@@ -415,11 +415,14 @@ void SurfaceRace::replace_next(std::uint32_t number) {
 	const std::uint64_t open = open_along(cell, line.axis) & columns_in(line);
 	std::uint32_t quarters = 0;
 	if (open != 0 && line.depth < surface_patch_depth) {
-		const SurfaceLine later = later_line(line, rate);
 		const auto end = std::bit_cast<SurfaceTime>(surface_split_time * static_cast<double>(1u << (2 * line.depth)));
-		if (later.time < end) {
-			lines_.replace_first(cell.lines, later);
-			return;
+		SurfaceLine later = later_line(line, rate);
+		for (; later.time < end; later = later_line(line, rate)) {
+			if ((open & column_of(later)) != 0) {
+				lines_.replace_first(cell.lines, later);
+				return;
+			}
+			line = later;
 		}
 		// A column whose first line is later than `end` is split at that line.
 		line.time = std::max(line.time, end | (line.time & surface_tag_bits));

@@ -122,8 +122,9 @@ private:
 	Fate judge(std::uint32_t number, SurfaceTime time, const glm::ivec3 &position, std::uint32_t &r_blocker);
 	void accept(std::uint32_t number, const glm::ivec3 &position, std::uint32_t triangle, SurfaceTime time,
 			std::uint32_t level);
-	/// Marks the columns of a cell that the ball around a new point covers.
-	void cover(const glm::ivec3 &position, std::uint32_t number);
+	/// Marks the columns of a cell that the ball around a new point covers. Returns true if the ball
+	/// reaches the cell.
+	bool cover(const glm::ivec3 &position, std::uint32_t number);
 	std::span<Face> faces_of(const Cell &cell);
 	/// Returns the columns along an axis that may still need darts.
 	std::uint64_t open_along(const Cell &cell, int axis);

@@ -15,6 +15,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <utility>
 
 namespace thicket {
@@ -23,7 +24,7 @@ namespace {
 
 /// Largest side, in cells, of a block that is decided as a whole. Its margin is small in
 /// comparison, and its grid still fits in the cache.
-constexpr std::int32_t widest_block = 128;
+constexpr std::int32_t widest_block = 256;
 
 /// Cells are in [-surface_cell_limit, surface_cell_limit) on each axis, so that doubles represent
 /// all positions in units exactly.
@@ -175,8 +176,7 @@ struct SurfaceSampler::Workspace {
 	SurfaceStats stats;
 
 	Status run(const Call &call);
-	Status divide(
-			const Call &call, const CellBox &cells, std::span<const std::uint32_t> triangles, double begin, double end);
+	Status divide(const Call &call, const CellBox &cells, std::span<const Box3> triangles, double begin, double end);
 	Status decide(const Call &call, std::uint32_t number, const CellBox &wanted, std::vector<SurfaceDart> &r_points);
 	bool race(const Call &call, std::uint32_t number, const CellBox &wanted, const CellBox &box, const CellBox &bounds);
 	void collect(const Call &call);
@@ -212,13 +212,17 @@ Status SurfaceSampler::Workspace::run(const Call &call) {
 		return {};
 	}
 	const double unit = level_unit(call.set, 0);
-	return divide(call, cells_around({all.min - unit, all.max + unit}, unit), triangles, 0.0, 1.0);
+	std::vector<Box3> boxes;
+	boxes.reserve(triangles.size());
+	std::ranges::transform(triangles, std::back_inserter(boxes),
+			[&](std::uint32_t index) { return call.surface.triangle_bounds(index); });
+	return divide(call, cells_around({all.min - unit, all.max + unit}, unit), boxes, 0.0, 1.0);
 }
 
 /// Recursively halves a box of cells until it is small enough to be decided as a whole. Parts
-/// without triangles are skipped.
+/// without triangles are skipped; `triangles` are the bounds of those in the box.
 Status SurfaceSampler::Workspace::divide(
-		const Call &call, const CellBox &cells, std::span<const std::uint32_t> triangles, double begin, double end) {
+		const Call &call, const CellBox &cells, std::span<const Box3> triangles, double begin, double end) {
 	if (call.progress.cancelled()) {
 		return {ErrorCode::cancelled, "window"};
 	}
@@ -239,16 +243,13 @@ Status SurfaceSampler::Workspace::divide(
 	std::array<CellBox, 2> halves{cells, cells};
 	halves[0].max[longest] = halves[1].min[longest] = cells.min[longest] + size[longest] / 2;
 	double done = begin;
-	std::vector<std::uint32_t> inside;
+	std::vector<Box3> inside;
 	for (const CellBox &half : halves) {
 		const Box3 box = world_box(half, level_unit(call.set, 0));
 		inside.clear();
-		for (const std::uint32_t index : triangles) {
-			const Box3 bounds = call.surface.triangle_bounds(index);
-			if (bounds.min[longest] <= box.max[longest] && bounds.max[longest] >= box.min[longest]) {
-				inside.push_back(index);
-			}
-		}
+		std::ranges::copy_if(triangles, std::back_inserter(inside), [&](const Box3 &bounds) {
+			return bounds.min[longest] <= box.max[longest] && bounds.max[longest] >= box.min[longest];
+		});
 		const double share = half.min == cells.min ? 0.5 : 1.0;
 		const double until = begin + (end - begin) * share;
 		if (!inside.empty()) {

@@ -3,6 +3,7 @@
 #include "core/base/bvh_order.hpp"
 
 #include <algorithm>
+#include <bit>
 
 namespace thicket {
 
@@ -32,6 +33,30 @@ BoxTree::BoxTree(std::span<const Box3> boxes) : tree_(boxes.size()) {
 	});
 	if (!tree_.empty()) {
 		bounds_ = node_bounds_[tree_.index_of(tree_.root())];
+	}
+}
+
+void BoxTree::sort_distinct(std::vector<std::uint32_t> &r_numbers) {
+	if (r_numbers.empty()) {
+		return;
+	}
+	const auto [least, most] = std::ranges::minmax(r_numbers);
+	const std::size_t words = (most - least) / 64 + std::size_t{1};
+	if (words > r_numbers.size()) {
+		std::ranges::sort(r_numbers);
+		return;
+	}
+	// Dense numbers are marked in a row of bits, which is then read in order.
+	std::vector<std::uint64_t> bits(words);
+	for (const std::uint32_t number : r_numbers) {
+		bits[(number - least) / 64] |= std::uint64_t{1} << ((number - least) % 64);
+	}
+	std::size_t end = 0;
+	for (std::size_t word = 0; word < words; ++word) {
+		for (std::uint64_t left = bits[word]; left != 0; left &= left - 1) {
+			r_numbers[end++] = least + static_cast<std::uint32_t>(word * 64) +
+					static_cast<std::uint32_t>(std::countr_zero(left));
+		}
 	}
 }
 

@@ -3,7 +3,6 @@
 #include "core/base/bvh.hpp"
 #include "core/terrain/box3.hpp"
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -61,10 +60,13 @@ public:
 				r_items.push_back(item);
 			}
 		});
-		std::ranges::sort(r_items);
+		sort_distinct(r_items);
 	}
 
 private:
+	/// Sorts numbers that are all different.
+	static void sort_distinct(std::vector<std::uint32_t> &r_numbers);
+
 	template <class BoundsOf>
 	static std::vector<Box3> boxes_of(std::size_t count, BoundsOf bounds_of) {
 		std::vector<Box3> boxes(count);
