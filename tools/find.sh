@@ -26,12 +26,12 @@ wheel_venv() {
 	echo "$(cache_folder)/wheel-python$(wheel_python)"
 }
 
-# Prints the folder of the virtual environment for the tests. The next function prints the folder of the bake's
-# environment.
+# Prints the folder of the virtual environment for the tests.
 python_venv() {
 	echo "$(cache_folder)/venv"
 }
 
+# Prints the folder of the virtual environment for world bakes.
 bake_venv() {
 	echo "$(cache_folder)/bake-venv"
 }
@@ -83,7 +83,7 @@ enter_root() {
 	enter+=(--chdir "$PWD")
 }
 
-# Makes Godot import new files of the demo project, because Godot does not import files when it only runs the project.
+# Imports new files of the demo project, because Godot does not import files when it only runs a project.
 import_demo() {
 	local repo stamp
 	repo=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)

@@ -106,7 +106,7 @@ apt_of() {
 	(cd "$folder" && apt-get "${from[@]}" update && apt-get "${from[@]}" "$@") >&2
 }
 
-# Shares compiled objects between checkouts, because the cache ignores the folders of checkouts. Do not use this for debugging:
+# Makes checkouts share compiled objects: the cache ignores the paths of checkouts. Do not use this for debugging, because
 # debuggers would open the sources of the checkout that first compiled an object.
 setup_compiler_cache() {
 	command -v ccache >/dev/null || install_packages "to share compiled objects" ccache ||
@@ -287,7 +287,7 @@ install_packages() {
 		fi
 	fi
 	say "$why, installing $*"
-	# Ignores failures, because an unrelated package source may be unreachable. Only the installation below must succeed.
+	# Ignore failures, because an unrelated package source may be unreachable. Only the installation below must succeed.
 	"${as_root[@]}" apt-get -qq -o Acquire::Retries=3 update >&2 || true
 	"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Acquire::Retries=3 -o Dpkg::Use-Pty=0 \
 		install --no-install-recommends --yes "$@" </dev/null >&2

@@ -15,7 +15,8 @@ inline constexpr const char *positions =
 		R"(float64 of shape (n, 2): x and y of each point in meters, with the same accuracy at any distance from the origin.)";
 
 inline constexpr const char *ids =
-		R"(uint64 of shape (n,): permanent IDs, equal in all rectangles that contain the point: 16 bits of layer, 24 of cell x, 24 of cell y.)";
+		R"(uint64 of shape (n,): permanent IDs, the same in all rectangles. An ID has 16 bits for the layer, and 24 bits each for the x and y of
+the point's cell.)";
 
 inline constexpr const char *ranks =
 		R"(uint32 of shape (n,): rank / 2**32 is the fraction of the set that precedes the point in the progressive order, at least
@@ -72,8 +73,8 @@ inline constexpr const char *sample_type =
 		"layer: int = 0, threads: int = 1, " THICKET_WATCHED ") -> Points";
 
 inline constexpr const char *sample =
-		R"(Returns the points of an infinite Poisson-disk set in a rectangle: no two points are closer than the radius, and no further
-point fits.
+		R"(Returns the points of an infinite Poisson-disk set in a rectangle: no two points are closer than the radius, and no
+additional point fits.
 
 Seed, radius, levels and layer determine the set. A point is bit-identical in every rectangle that contains it, on every
 machine and in all versions, so tiles fit together. The call takes O(points) time and releases the interpreter's lock.
@@ -107,13 +108,14 @@ inline constexpr const char *sample_surface_type =
 #undef THICKET_ARRAY
 
 inline constexpr const char *sample_surface =
-		R"(Returns the points of a Poisson-disk set on triangles in space: no two points are closer than the radius in a straight line,
-and no further point of the surface fits.
+		R"(Returns the points of a Poisson-disk set on triangles in 3D space: no two points are closer than the radius in a straight line,
+and no additional point fits on the surface.
 
-The points depend on where the surface is, not on how it is divided into triangles, and are even by area in every direction.
+The points depend on the position and shape of the surface, but not on how it is divided into triangles. They are distributed
+evenly by area, regardless of the direction in which a triangle faces.
 Seed, radius, levels and layer determine the set of a surface. A point is bit-identical in every window that contains it, on
 every machine. The call takes O(points + triangles) time and releases the interpreter's lock. The method is Dart Throwing on Surfaces
-(Cline, Jeschke, White, Razdan and Wonka, 2009), with darts that belong to cells of space.
+(Cline, Jeschke, White, Razdan and Wonka, 2009), with darts that belong to cells of 3D space instead of triangles.
 
 Args:
     vertices: array of shape (n, 3), in meters; converted to float64.
@@ -160,7 +162,7 @@ Args:
     seed: any 64-bit integer, signed or not.
     method: 'hierarchical' throws darts at squares that may be uncovered; 'accumulator' has the same distribution, with more memory
         and fewer searches; 'wavefront' spreads from one point and uses the least memory; 'naive' throws darts at the whole
-        domain, for comparison: it is slow and leaves small gaps. With all other methods, no further point fits.
+        domain, for comparison: it is slow and leaves small gaps. With all other methods, no additional point fits.
     toroidal: True to connect opposite edges, so that the set repeats without a seam.
     precision: the precision of coordinates and distances; 'single' takes half the memory and produces a different set.
     cell_size: the width of an accelerator cell in radii, up to 1000; 0 for the method's default. The width does not change the points.
@@ -184,7 +186,7 @@ inline constexpr const char *domain_digest_single =
 		"order='C')]) -> int";
 
 inline constexpr const char *domain_digest =
-		R"(Returns a 64-bit digest of a domain, for comparing domains across machines. The digest includes the positions in their order.
+		R"(Returns a 64-bit digest of a domain, for comparing domains across machines. The digest depends on the positions and their order.
 
 positions: an array from sample_domain(), or an equal contiguous array of float32 or float64. Raises TypeError for other types.)";
 

@@ -1,4 +1,4 @@
-// The module thicket._core: the samplers of the core for Python. It only converts arguments and results.
+// The module thicket._core makes the samplers of the core available to Python. It only converts arguments and results.
 
 #include "docs.hpp"
 #include "own_threads.hpp"
@@ -84,8 +84,8 @@ nb::object array_of(std::vector<glm::vec<2, Real>> &&list) {
 	return nb::cast(Positions<Real>(first, {count, 2}, owner));
 }
 
-[[noreturn]] void refuse(const std::string &sentence) {
-	PyErr_SetString(PyExc_ValueError, sentence.c_str());
+[[noreturn]] void refuse(const std::string &message) {
+	PyErr_SetString(PyExc_ValueError, message.c_str());
 	throw nb::python_error();
 }
 
@@ -128,8 +128,8 @@ std::uint64_t seed_of(nb::handle number) {
 	return large;
 }
 
-/// Lends a sampler whose memory is already allocated: the one that this thread used before, unless
-/// a call is using it.
+/// Lends the sampler that this thread used before, whose memory is already allocated. Lends a new
+/// one if there is none or a call is using it.
 class Lease {
 public:
 	Lease() : sampler_(std::move(spare())) {

@@ -17,7 +17,7 @@ public:
 	/// Creates a set of `count` threads in addition to the calling one.
 	explicit OwnThreads(std::size_t count) : count_(count) {}
 
-	/// Returns the number of cores without the one that the calling thread uses.
+	/// Returns the number of cores minus one for the calling thread.
 	static std::size_t spare() { return std::max(std::thread::hardware_concurrency(), 1u) - 1; }
 
 	std::size_t count() const override { return count_; }

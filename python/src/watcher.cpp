@@ -12,13 +12,13 @@ namespace {
 /// The intervals between calls to the interpreter, with and without a progress function. Taking the
 /// interpreter's lock is slow if another thread runs: Python hands the lock over only every 5
 /// milliseconds.
-constexpr std::chrono::milliseconds pause_told{15};
-constexpr std::chrono::milliseconds pause_untold{100};
+constexpr std::chrono::milliseconds pause_with_progress{15};
+constexpr std::chrono::milliseconds pause_without_progress{100};
 
 } // namespace
 
 Watcher::Watcher(nb::object callback, const Cancel *cancel) :
-		callback_(std::move(callback)), cancel_(cancel), due_(Clock::now() + pause_told) {
+		callback_(std::move(callback)), cancel_(cancel), due_(Clock::now() + pause_with_progress) {
 	if (cancel_ != nullptr && cancel_->cancelled()) {
 		ended_.store(true, std::memory_order_relaxed);
 	}
@@ -41,33 +41,33 @@ void Watcher::update(double fraction, std::uint64_t points) {
 			throw nb::python_error();
 		}
 		fraction_ = std::max(fraction_, fraction);
-		tell(fraction_, points);
+		report(fraction_, points);
 	} catch (...) {
 		raised_ = std::current_exception();
 		ended_.store(true, std::memory_order_relaxed);
 	}
-	due_ = Clock::now() + (callback_.is_none() ? pause_untold : pause_told);
+	due_ = Clock::now() + (callback_.is_none() ? pause_without_progress : pause_with_progress);
 }
 
-void Watcher::tell(double fraction, std::uint64_t points) {
+void Watcher::report(double fraction, std::uint64_t points) {
 	if (!callback_.is_none()) {
 		callback_(fraction, points);
 	}
 }
 
-void Watcher::finish(const Status &status, const std::string &sentence, std::uint64_t points) {
+void Watcher::finish(const Status &status, const std::string &message, std::uint64_t points) {
 	if (raised_) {
 		std::rethrow_exception(std::exchange(raised_, nullptr));
 	}
 	if (status.code == ErrorCode::cancelled) {
-		throw Cancelled(sentence);
+		throw Cancelled(message);
 	}
 	if (!status.ok()) {
 		PyErr_SetString(
-				status.code == ErrorCode::out_of_memory ? PyExc_MemoryError : PyExc_ValueError, sentence.c_str());
+				status.code == ErrorCode::out_of_memory ? PyExc_MemoryError : PyExc_ValueError, message.c_str());
 		throw nb::python_error();
 	}
-	tell(1.0, points);
+	report(1.0, points);
 }
 
 } // namespace thicket::python

@@ -46,15 +46,15 @@ public:
 	Progress progress();
 
 	/// Raises the exception of the progress function, or Cancelled. For any other error, raises
-	/// ValueError or MemoryError with the core's message `sentence`. If there is no error, reports
+	/// ValueError or MemoryError with `message`, which the core wrote. If there is no error, reports
 	/// to the progress function that all `points` are done, and passes on its exception.
-	void finish(const Status &status, const std::string &sentence, std::uint64_t points);
+	void finish(const Status &status, const std::string &message, std::uint64_t points);
 
 private:
 	using Clock = std::chrono::steady_clock;
 
 	void update(double fraction, std::uint64_t points);
-	void tell(double fraction, std::uint64_t points);
+	void report(double fraction, std::uint64_t points);
 
 	nanobind::object callback_;
 	const Cancel *cancel_;

@@ -1,8 +1,8 @@
 """Exact Poisson-disk point sets, infinite and bounded, as NumPy arrays.
 
-sample() returns a window of an infinite set. The seed and the radius determine this set. sample_domain() fills a rectangle with a set of
-its own. sample_surface() returns a set on the triangles of any surface in space.
-Lengths are in meters. All functions are thread-safe, and release the GIL while they work.
+sample() returns a window of an infinite set, which the seed, the radius, the number of levels and the layer determine. sample_domain()
+fills a rectangle with a separate set. sample_surface() returns a set on the triangles of any surface in 3D space.
+Lengths are in meters. All functions are thread-safe and release the GIL while they work.
 """
 
 from importlib.metadata import version as _version

@@ -1,8 +1,8 @@
 """Generates C# wrappers for the classes of the extension from its class reference (extension/doc_classes/*.xml).
 
 In C#, an object of an extension class has the type of its engine base class: a ScatterLayer is a Resource. A wrapper holds such
-an object and accesses its properties, methods and signals by name. Its members are typed, have PascalCase names, and have the
-text of the class reference. The build runs this script and puts the files into the add-on.
+an object and accesses its properties, methods and signals by name. The wrapper's members are typed, have PascalCase names, and
+are documented with the text of the class reference. The build runs this script and puts the files into the add-on.
 
     python3 tools/csharp/generate.py --out FOLDER PAGE.xml...     writes the files and removes outdated ones
     python3 tools/csharp/generate.py --list PAGE.xml...           only prints their names"""

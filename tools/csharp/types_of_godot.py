@@ -69,7 +69,7 @@ def camel(name: str) -> str:
 
 
 def members_of_enum(names: list[str]) -> dict[str, str]:
-    """Maps the names of an enum's values to C# names. Omits the words with which all names begin."""
+    """Maps the names of an enum's values to C# names. Omits the words that all names have in common at the start."""
     words = [name.split("_") for name in names]
     same = 0
     while len(words) > 1 and all(len(one) > same + 1 and one[same] == words[0][same] for one in words):

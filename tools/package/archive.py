@@ -16,7 +16,7 @@ def write(folder, path):
         for source in sorted(each for each in folder.rglob("*") if each.is_file()):
             info = zipfile.ZipInfo(source.relative_to(folder).as_posix(), TIME)
             info.compress_type = zipfile.ZIP_DEFLATED
-            info.create_system = 3  # 3 stands for Unix, and makes unzip restore file modes.
+            info.create_system = 3  # Unix, so that unzip restores file modes.
             mode = 0o755 if os.access(source, os.X_OK) else 0o644
             info.external_attr = (stat.S_IFREG | mode) << 16
             file.writestr(info, source.read_bytes())

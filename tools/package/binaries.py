@@ -55,8 +55,8 @@ def find(folder, target):
 
 
 def framework(target, precision, libraries, folder):
-    """Writes a framework with one library for all CPUs, as macOS requires. The linker has already signed each part with
-    an ad hoc signature. macOS then runs the library, but users who download it must allow it once."""
+    """Writes a framework with one library for all CPUs, as macOS requires. The linker has already added an ad hoc
+    signature to each part. macOS therefore runs the library, but users who download it must allow it once."""
     name = "libthicket.macos." + target + (".double" if precision == "double" else "")
     inside = folder / (name + ".framework")
     (inside / "Resources").mkdir(parents=True, exist_ok=True)

@@ -104,8 +104,8 @@ def configure_gnu(env, release):
         env.Append(CCFLAGS=["-g1"])
 
 
-# Rooms whose code is large and whose speed does not matter, because it runs when a property is set, a scene is read or a
-# script calls it, and not in every frame.
+# Rooms whose code is large and whose speed does not matter, because it does not run in every frame, but only when a
+# property is set, a scene is read or a script calls it.
 OPTIMIZED_FOR_SIZE = ["nodes/biome", "nodes/explain", "nodes/impostor", "nodes/layer", "nodes/model", "nodes/region", "nodes/sampler"]
 
 

@@ -46,8 +46,8 @@ def external(env, folder):
 
 def supports_reload(archive):
     """Returns whether a godot-cpp was built with use_hot_reload=yes. Code linked with it must be compiled with the same
-    setting, because both share a thread-local record whose size depends on it (a different record before godot-cpp
-    4.5)."""
+    setting, because both share a thread-local record whose size depends on the setting. (Before godot-cpp 4.5, this was
+    another record.)"""
     listed = subprocess.run(["nm", "-S", archive], capture_output=True, text=True, check=False).stdout
     sizes = re.findall(r"^[0-9a-f]+ ([0-9a-f]+) \w _ZZN5godot7Wrapped19_get_construct_infoEvE4info$", listed, re.MULTILINE)
     return any(int(size, 16) > 16 for size in sizes) or "5godot7Wrapped17recreate_instanceE" in listed

@@ -1,4 +1,4 @@
-"""Defines the platforms for which Thicket is built, with godot-cpp's names and the compilers' names for them."""
+"""Defines the platforms for which Thicket is built, with the names that godot-cpp and the compilers use for them."""
 
 import platform as host
 from dataclasses import dataclass

@@ -57,7 +57,7 @@ ROOMS = {
 CORE = [room for room in ROOMS if room.startswith("core/")]
 NODES = [room for room in ROOMS if room.split("/")[0] == "nodes"]
 
-# Parts of rooms that have separate tests.
+# Subfolders of rooms that have separate tests.
 PARTS = {"core/domain": "core/sampling/domain"}
 TESTED = ["core/base", "core/sampling", *PARTS, *CORE[2:]]
 

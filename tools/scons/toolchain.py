@@ -25,8 +25,8 @@ def options():
     known.AddVariables(
         EnumVariable("target", "the kind of build", "template_debug", allowed_values=TARGETS),
         ("platform", "the system to build for: " + ", ".join(platforms.PLATFORMS), platforms.native_platform()),
-        ("arch", "its processor; by default this machine's, or wasm32 for the web", ""),
-        EnumVariable("precision", "the engine's precision: double for an engine built with precision=double", "single", allowed_values=("single", "double")),
+        ("arch", "the processor architecture to build for; by default this machine's, or wasm32 for the web", ""),
+        EnumVariable("precision", "the precision of the engine, which must have been built with the same value", "single", allowed_values=("single", "double")),
         BoolVariable("threads", "platform=web: for export templates with threads", True),
         BoolVariable("use_zig", "compile with zig, for this or another platform", False),
         BoolVariable("scu_build", "compile up to 16 sources together, which makes a full build faster and an incremental build slower", False),
@@ -131,5 +131,5 @@ def configure(env):
 def program_flags(env):
     """Adds the additional flags for the extension, tests and benchmarks. Only builds with sanitizers have any."""
     if sanitizers(env):
-        # Optimizing code with sanitizers takes longer than it saves, so only the core keeps its optimization level.
+        # With sanitizers, optimizing takes longer than it saves at run time, so only the core keeps its optimization level.
         env.Append(CCFLAGS=["-O1"])

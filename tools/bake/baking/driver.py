@@ -41,7 +41,7 @@ class BakeRequest:
 
 
 def bake(request: BakeRequest, say: Callable[[str], None] = print) -> Outcome:
-    """Starts a bake, or continues an earlier one. Returns its outcome, also if tiles failed or the bake stopped early.
+    """Starts a bake, or continues an earlier one. Returns its outcome, even if tiles failed or the bake stopped early.
     Raises BakeError if it cannot start."""
     try:
         with files.locked(request.out):
@@ -156,8 +156,8 @@ def _refuse_tiles_beyond(tiles: Iterable[tuple[int, int]], grid: TileGrid) -> No
 def _make_all(
     plan: tile.Plan, client: Client, workers: int, order: list[tuple[int, int]], outcome: Outcome, picture: Map, progress: Progress
 ) -> None:
-    """Distributes the tiles and collects the results. About three tiles per worker are handed out at any
-    time, also to workers that join later. Cancels all of them once a worker reports that no tile can be generated."""
+    """Distributes the tiles and collects the results. About three tiles per worker are in progress at any time; workers
+    that join later are included. Cancels all tiles once a worker reports that no tile can be generated."""
     waiting = iter(order)
     futures = as_completed([], loop=client.loop, with_results=True, raise_errors=False)
     tile_of_key: dict[str, tuple[int, int]] = {}

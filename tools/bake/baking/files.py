@@ -111,7 +111,7 @@ def sweep(out: Path) -> None:
 
 
 def sweep_strays(out: Path, tiles: set[tuple[int, int]]) -> None:
-    """Removes the files of all tiles that are not in `tiles`. They were left by a bake whose manifest is missing."""
+    """Removes the files of all tiles that are not in `tiles`. Such files remain from a bake whose manifest is missing."""
     names = {tile_path(out, tile).name for tile in tiles}
     for path in (out / "tiles").glob("tile_*.parquet"):
         if path.name not in names:

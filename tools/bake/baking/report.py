@@ -67,7 +67,7 @@ class Progress:
         )
 
     def print_if_due(self, outcome: Outcome) -> None:
-        """Prints the progress if enough time has passed since the last time."""
+        """Prints the progress if enough time has passed since it was last printed."""
         now = time.monotonic()
         if now < self.next:
             return
@@ -86,8 +86,8 @@ class Progress:
 
 
 class Map:
-    """Draws a bake as seen from above, with x to the right and z down. Each layer has a color. Layers with a small
-    radius are drawn first."""
+    """Draws a bake as seen from above, with x to the right and z down. Each layer has a color. Layers with a large
+    radius are drawn on top of those with a small one."""
 
     def __init__(self, rect: tuple[float, float, float, float], pixel: float, layers: list[dict]):
         self.size = (max(1, int(np.ceil(rect[3] / pixel - 1e-9))), max(1, int(np.ceil(rect[2] / pixel - 1e-9))))
@@ -186,7 +186,7 @@ def report(workers: int, outcome: Outcome, picture: Map) -> str:
         "",
         "| This run | |",
         "| --- | ---: |",
-        f"|| generated, existing, failed |{outcome.made}, {outcome.kept}, {len(outcome.failed)} tiles |",
+        f"| generated, existing, failed | {outcome.made}, {outcome.kept}, {len(outcome.failed)} tiles |",
         f"| time | {duration(outcome.seconds)} |",
         f"| per second | {outcome.made / seconds:.2f} tiles, {amount(outcome.made_rows / seconds)} instances |",
         f"| requested workers on this machine | {workers} |",

@@ -72,8 +72,8 @@ def larger(costs: Costs, tiles: int, seed: int = 1) -> Costs:
 
 def simulate(costs: Costs, workers: int, cores: int | None = None) -> float:
     """Returns the seconds until the last tile is done. Each worker requests a tile from the driver, waits for its turn
-    and generates the tile. If `cores` is given, the workers and the driver share that many cores. Otherwise each process
-    has its own core."""
+    and generates the tile. If `cores` is given, the workers and the driver share that many cores. Otherwise each worker
+    and the driver has a separate core."""
     free = [(costs.start, worker) for worker in range(workers)]  # The times at which workers request their next tiles.
     driver = 0.0  # The time until which the driver is busy.
     last = 0.0

@@ -1,5 +1,5 @@
-"""Contains the code of a worker, which generates a tile or reuses the tile's existing file. It runs in Dask's worker
-processes. Each worker thread has its own engine, which it keeps for all tiles."""
+"""Runs in Dask's worker processes. Generates a tile, or reuses the tile's existing file. Each worker thread has a
+separate engine, which it keeps for all tiles."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from .grid import TileGrid, inside
 from .tile_engine import EngineGone, Refused, Source, TileEngine
 from .tile_folder import MadeTiles, TileFolder
 
-# The number of attempts, each after the first with a new engine, before a tile fails. An attempt fails if the engine is lost or
-# its rows are damaged.
+# The number of attempts before a tile fails. An attempt fails if the engine is lost or its rows are damaged; the next
+# attempt uses a new engine.
 _ATTEMPTS = 3
 
 
@@ -56,7 +56,7 @@ def changed_parts(before: dict[str, str], now: dict[str, str]) -> str:
     return ", ".join(part for part in {**before, **now} if before.get(part) != now.get(part)) or "no named part"
 
 
-# Each thread of this process has its own engine, and the key of the scene that the engine was started with.
+# Each thread of this process has a separate engine, and the key of the scene with which that engine was started.
 _own = threading.local()
 _engines: list[TileEngine | TileFolder] = []
 

@@ -24,9 +24,9 @@ ANSWER_TIMEOUT = 900.0
 
 @dataclass(frozen=True)
 class Source:
-    """The parameters of an engine. `godot` is the command that runs Godot, `project` a folder, `scene` a res:// path,
-    and `node` the path of the scatter in the scene (empty if there is only one). `wait` is the maximum time in seconds
-    until the ground is available."""
+    """The parameters of an engine. `godot` is the command that runs Godot, `project` is a folder, and `scene` is a
+    res:// path. `node` is the path of the TerrainScatter3D in the scene, or empty if there is only one. `wait` is the
+    maximum time in seconds until the ground is available."""
 
     godot: tuple[str, ...]
     project: str
@@ -169,8 +169,8 @@ class TileEngine:
                 found.append(header)
 
     def rows(self, tile: tuple[int, int]) -> Iterator[tuple[dict, bytearray]]:
-        """Yields each of the game's tiles that overlap a tile of the bake: its `layer`, `bounds` (see grid.py) and so
-        on, and its rows (see ScatterTile.get_rows). The tiles belong to the last described scene."""
+        """Yields, for each of the game's tiles that overlaps a tile of the bake, a header with `layer`, `bounds` (see
+        grid.py) and other values, and the rows (see ScatterTile.get_rows). The tiles belong to the last described scene."""
         self._send({"do": "rows", "tile": tile})
         while True:
             part, data = self._receive()

@@ -1,5 +1,5 @@
-"""Reads tiles from a folder into which an engine has written them, on a machine without a driver. Replaces the engine
-in a bake. demo_project/addons/thicket/baking/bake_to_folder.gd describes the content of the folder."""
+"""Reads tiles from a folder that an engine has written on a machine without a driver. In a bake, the folder replaces
+the engine. demo_project/addons/thicket/baking/bake_to_folder.gd describes the content of the folder."""
 
 from __future__ import annotations
 

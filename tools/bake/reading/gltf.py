@@ -38,7 +38,7 @@ class Models:
         return levels[min(self._lod, len(levels) - 1)].path
 
     def make(self, project: Path) -> None:
-        """Makes the engine export all models. Reports models that cannot be exported and replaces them with pyramids."""
+        """Exports all models with the engine. Reports models that cannot be exported and replaces them with pyramids."""
         paths = {self.path(layer, model) for layer in self._bake.layers for model in range(len(layer.models))} - {""}
         with tempfile.TemporaryDirectory(prefix="thicket_") as folder, PipedScript(project, SCRIPT) as engine:
             for number, path in enumerate(sorted(paths)):

@@ -27,8 +27,8 @@ _verified: dict[Path, tuple] = {}
 
 def check(tile: Tile) -> None:
     """Raises BakeError if the digest of a tile's file differs from the manifest. Each process checks a file once. It
-    checks the file again if it has changed since, or had changed shortly before. `sha256` in the manifest is the digest of the file's
-    bytes. Older manifests have only `digest`, which requires reading every row."""
+    re-checks the file if the file has changed since, or had changed shortly before the check. `sha256` in the manifest
+    is the digest of the file's bytes. Older manifests have only `digest`, which requires reading every row."""
     try:
         status = tile.file.stat()
         seen = (status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns, status.st_ctime_ns, tile.sha256 or tile.digest)

@@ -1,6 +1,6 @@
 extends RefCounted
-## Reads jobs from the standard input in the format of piped_script.py. A job is the length of a JSON text in 4 bytes,
-## the text, which encodes a dictionary, and as many bytes as its "bytes" field specifies.
+## Reads jobs from the standard input in the format of piped_script.py. A job consists of the length of a JSON string in
+## 4 bytes, the string, which encodes a dictionary, and as many bytes as the dictionary's "bytes" field specifies.
 
 const ANSWER := "thicket answer "
 const MOST_AT_ONCE := 1 << 20

@@ -56,7 +56,7 @@ func _take_mesh(job: Dictionary) -> String:
 	return ""
 
 
-## Copies the surfaces of a procedural mesh, so that a game does not need its script or build it again.
+## Returns a copy of a procedural mesh without its script, so that a game needs neither the script nor the time to rebuild the mesh.
 func _built(mesh: ArrayMesh) -> ArrayMesh:
 	var plain := ArrayMesh.new()
 	plain.set(&"_surfaces", mesh.get(&"_surfaces"))
