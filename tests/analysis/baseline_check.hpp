@@ -42,8 +42,8 @@ struct BaselineReport {
 /// one point, with the tolerance added to the radius. It is a gap if its center is more than one
 /// radius from every point. Any other square is split. A square narrower than the tolerance is
 /// always either covered or a gap, so the recursion ends. Without gaps, every position has a point
-/// within 1 + tolerance radii. With a gap, the set is missing a point. The running time grows with
-/// the number of points and the logarithm of the tolerance.
+/// within 1 + tolerance radii. With a gap, the set is missing a point. The running time is
+/// proportional to the number of points and to the logarithm of 1 / tolerance.
 class BaselineCheck {
 public:
 	static BaselineReport run(std::span<const glm::dvec2> points, const CheckedDomain &domain) {

@@ -1,5 +1,5 @@
-"""Estimators on a window of a point set. Every function takes positions (n, 2) in radii, with the window at [0, side) x [0, side). Some functions
-need a border of points around the window."""
+"""Estimates statistics of a point set from a window. Every function takes positions (n, 2) in radii, with the window at [0, side) x [0, side). Some
+functions need a border of points around the window."""
 
 from __future__ import annotations
 

@@ -83,8 +83,8 @@ void require(const Status &status) {
 	}
 }
 
-/// The digest does not depend on the order of the points, which may change. The ranks have their
-/// own digest, because improved rank tables may change them.
+/// The digest does not depend on the order of the points, which may change. The ranks have a
+/// separate digest, because improved rank tables may change them.
 void digest_points(TileSampler &sampler, const Case &one, Digests &r_digests) {
 	std::vector<SamplePoint> points;
 	require(sampler.sample(one.set, one.rect, points));

@@ -81,7 +81,7 @@ inline LayerSettings undergrowth(glm::dvec2 corner) {
 	return layer;
 }
 
-/// Returns a layer that fills the gaps between shrubs, which fill those of the forest.
+/// Returns a layer of ferns that fills the gaps between shrubs, which fill the gaps in the forest.
 inline LayerSettings filling_ferns() {
 	auto shrubs = std::make_shared<LayerSettings>();
 	shrubs->set = {.seed = 8, .radius = 2.0, .levels = 3, .layer = 5};

@@ -18,7 +18,7 @@
 
 namespace thicket::analysis {
 
-/// A ground that consists of a surface only. Layers on surfaces do not query anything else.
+/// A ground that consists only of a surface. Layers on surfaces query nothing else.
 class GoldenPlanet final : public Terrain {
 public:
 	explicit GoldenPlanet(std::shared_ptr<const Surface> surface) : surface_(std::move(surface)) {}

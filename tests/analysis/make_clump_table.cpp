@@ -92,6 +92,7 @@ int main(int argument_count, char **arguments) {
 		return EXIT_FAILURE;
 	}
 	print_table(kind == "space", million_places);
-	std::printf("// maxima: one for each square of %.4f cells on a side\n", distance_of_maxima(kind == "space"));
+	std::printf(
+			"// maxima: one for each square with an edge length of %.4f cells\n", distance_of_maxima(kind == "space"));
 	return EXIT_SUCCESS;
 }

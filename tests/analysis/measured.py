@@ -24,7 +24,7 @@ FEATURES = ["density", "pairs", "rings", "anisotropy"]
 
 
 class Measured:
-    """One row of features for each set and estimator. `windows` have positions in radii, with the window at [0, side) x [0, side) and a
+    """Computes one row of features for each set and estimator. `windows` have positions in radii, with the window at [0, side) x [0, side) and a
     border of at least 5 radii around it."""
 
     def __init__(self, windows: list[np.ndarray], side: float):

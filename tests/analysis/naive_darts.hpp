@@ -20,9 +20,9 @@ inline constexpr std::uint64_t max_progressive_levels = 16;
 /// It first throws darts at the whole domain. Then it keeps a list of equal squares that covers all
 /// uncovered positions, and throws darts uniformly at those squares. After each batch, it splits
 /// every square in four and drops the parts that lie within the disk of one point. A dart outside
-/// the listed squares would be rejected anyway. HeldRelease it out changes no probability, so the
-/// accepted darts are distributed as in naive dart throwing. The process ends when the list is
-/// empty, or after 40 splits of the squares.
+/// the listed squares would be rejected anyway. Skipping such darts does not change the probability
+/// of any accepted dart, so the set is distributed as in naive dart throwing. The process ends when
+/// the list is empty, or after 40 splits of the squares.
 class NaiveDarts {
 public:
 	/// Returns the phase of the grid cell with the center `middle`, for `run_in_phases`.

@@ -25,7 +25,7 @@ public:
 
 	std::string word() {
 		if (next_ == words_.size()) {
-			std::fprintf(stderr, "references: too few arguments, see the head of references.cpp\n");
+			std::fprintf(stderr, "references: too few arguments; see the comment at the top of references.cpp\n");
 			std::exit(EXIT_FAILURE);
 		}
 		return words_[next_++];

@@ -2,11 +2,11 @@
 
     bash tests/bench/bake.sh [ROUNDS = 3] [FOLDER]
 
-The benchmark bakes 64 tiles of the demo (12 million instances) into FOLDER (default: a temporary one) with three setups. These are
-one worker on one core, two workers on two cores, and one worker on two cores. The setups take turns, and their order
-alternates between rounds. A worker and its engine run concurrently, so a worker with two cores uses more than one of
-them. The fair speedup is therefore the speedup of the second setup over the first, where each worker has one core. Times
-exclude the start of Dask and the engines. Workers share the cores with the driver. All bakes must have the same digest.
+The benchmark bakes 64 tiles of the demo (12 million instances) into FOLDER (default: a temporary one) with three setups: one
+worker on one core, two workers on two cores, and one worker on two cores. The setups take turns, and their order
+alternates between rounds. A worker and its engine run concurrently, so one worker with two cores uses more than one of
+them. For a fair speedup, compare the second setup with the first: in both, each worker has one core. Times exclude the
+start of Dask and the engines. Workers share the cores with the driver. All bakes must have the same digest.
 """
 
 from __future__ import annotations
@@ -49,8 +49,8 @@ def measured(out: Path, workers: int, cores: int) -> dict:
         raise SystemExit(done.returncode)
     took = json.loads(done.stdout)
     costs = schedule.read_costs(out)
-    # This predicts a bake with two workers on two cores from this bake. The forecast excludes the start of engines, like the
-    # measured time.
+    # The prediction for two workers on two cores, computed from the costs of this bake. Like the measured time, it excludes the
+    # start of engines.
     took["foretold"] = schedule.simulate(schedule.Costs(costs.tiles, 0.0, costs.driver, costs.bytes), 2, cores=2)
     return took
 

@@ -1,10 +1,10 @@
 // Measures the speed of the tile sampler and of Bridson's method in one run, in points per second
-// of CPU time. The bench covers several tile sizes and levels, each instruction set, and the slowest
-// tiles. It prints rows of a Markdown table.
+// of CPU time. Covers several tile sizes and levels, each instruction set, and the slowest tiles.
+// Prints rows of a Markdown table.
 //   bench_sampler [rounds = 9] [seconds a measurement = 0.25]
 //   bench_sampler ROUNDS SECONDS counts  only the margin's overhead and the workspace, in half a
 //                                        minute
-//   bench_sampler ROUNDS SECONDS alone   only tiles of 64 r, for benches that compare with the
+//   bench_sampler ROUNDS SECONDS alone   only tiles of 64 r, for benchmarks that compare with the
 //                                        sampler
 
 #include "tests/bench/common/bridson.hpp"

@@ -29,8 +29,8 @@
 //       Tiles checked for gaps, lattice points that no point covers, and tiles whose points differed
 //       when they were sampled as part of a larger rectangle.
 //   coverage, coverage_error, coverage_reference, coverage_z
-//       The share of the plane that disks of diameter r cover, its standard error from `blocks`
-//       blocks of equal area, the reference, and the difference from it in standard errors.
+//       The fraction of the plane that disks of diameter r cover, its standard error from blocks of
+//       equal area, the reference, and the difference from the reference in standard errors.
 //   coverage_lattice_loss
 //       The reduction of the coverage by the lattice, measured on coarser lattices.
 //   digest

@@ -1,7 +1,7 @@
 extends "bench.gd"
-## Measures the cost of bodies. Creates bodies for several thousand instances around a viewer in one step, for each shape. Then moves
-## the viewer among several hundred bodies with the default frame budget, and the node with several thousand. Prints rows of a
-## Markdown table.
+## Measures the cost of bodies. For each shape, creates bodies for several thousand instances around a viewer in one step. Then moves
+## the viewer among several hundred bodies with the default frame budget. Finally, moves the node with several thousand bodies. Prints
+## rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/collision.gd [-- ROUNDS]
 ##
 ## The project setting selects the physics server. Times are the node's time on the main thread per frame. They include
@@ -16,7 +16,7 @@ const SHAPES := {
 const DISTANCE := 80.0 ## Distance in meters within which instances get bodies.
 const DEFAULT_ROUNDS := 9
 const USUAL_BUDGET := 500    ## The default frame budget, in microseconds per frame.
-const WHOLE_BUDGET := 100000 ## Enough for all bodies at once.
+const WHOLE_BUDGET := 100000 ## Enough microseconds for all bodies in one frame.
 const WALK := 5.0            ## Walking speed in meters per second.
 const DRIVE := 50.0          ## The speed of a car.
 const FLIGHT := 1000.0       ## Faster than in any game.

@@ -2,7 +2,7 @@
 
     bash tests/bench/compare.sh BASE [NEW] [--turns 9] [--programs bench_sampler,bench_tile] [--engine gameplay,spikes]
 
-BASE and NEW are commits. NEW defaults to the working folder. Both are built for release in separate folders in
+BASE and NEW are commits. NEW defaults to the working tree. Both are built for release in separate folders in
 build/compare, then run alternately, so that a slow minute of the machine affects both. Exits with 1 if a row became
 worse.
 """

@@ -297,7 +297,8 @@ void read_option(const std::string &text, Request &r_request) {
 
 Request read(const std::vector<std::string> &words) {
 	if (words.size() < 4) {
-		fail("usage: domain_run METHOD single|double POINTS SEED [options], see the head of domain_run.cpp");
+		fail("usage: domain_run METHOD single|double POINTS SEED [options]; see the comment at the top of "
+		     "domain_run.cpp");
 	}
 	Request request;
 	request.method = words[0];
@@ -324,7 +325,7 @@ int main(int argument_count, char **arguments) {
 		fail(request.method + " has no " + request.precision + " precision");
 	}
 	if (!method.is_domain && (request.toroidal || request.fill || request.cell > 0.0)) {
-		fail(request.method + " knows no torus, fill or cell");
+		fail(request.method + " does not support torus, fill or cell");
 	}
 	const std::size_t resident_before = peak_resident_bytes();
 	for (std::uint64_t set = 0; set < request.sets; ++set, ++request.seed) {

@@ -1,5 +1,5 @@
 extends "bench.gd"
-## Records a slow flight over the demo frame by frame, for films and to find popping. Needs a renderer:
+## Records a slow flight over the demo as one image per frame, for films and to find LODs that pop. Needs a renderer:
 ##   tools/godot --xvfb --path demo_project --script tests/bench/film.gd -- FOLDER STOP FRAMES METERS
 ##
 ## The camera moves METERS ahead per frame, at the stop's height above the ground, without wind. Once the flight has

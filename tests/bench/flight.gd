@@ -3,7 +3,7 @@ extends "bench.gd"
 ## spacing, while the viewer flies over the demo's ground. Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/flight.gd [-- SECONDS]
 ##
-## The viewer follows the wall clock, so a late frame has more to do.
+## The viewer's position depends on the wall clock, so there is more to do in a frame after a slow one.
 
 const SPEEDS: Array[float] = [100.0, 1000.0] ## Speeds of the viewer in meters per second.
 const FRAMES_PER_SECOND := 60

@@ -1,6 +1,6 @@
 extends "bench.gd"
 ## Measures the time to import 100,000 instances from a MultiMesh at the origin, from a rotated one, and from a table of
-## positions, rotations and scales. Also measures the time to remove them all. Prints rows of a Markdown table.
+## positions, rotations and scales. Also measures the time to remove all of these instances. Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/import.gd [-- ROUNDS]
 
 const ImportInstances := preload("res://addons/thicket/import_instances.gd")

@@ -19,7 +19,7 @@ func run() -> String:
 				arguments.push_back("bare")
 			var seconds := seconds_in_another_engine(arguments)
 			if seconds < 0.0:
-				return "a started engine printed no time"
+				return "an engine that was started printed no time"
 			(with if scattered else without).push_back(seconds)
 	row("from the engine's start to the first tile of the demo, headless", with, "s", 2)
 	row("from the engine's start to the scene's second frame, without the scatter", without, "s", 2)

@@ -3,16 +3,16 @@ extends "bench.gd"
 ## Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/navigation.gd [-- ROUNDS]
 ##
-## Bakes are measured in CPU time. Contenders take turns in each round, and differences are computed within a round. The
-## scatter's part is to find the trees, to pass them on, and to have the engine read them. It is measured as the
-## added cost of trees that are above all ground, because these leave no holes. The rest is the engine's cost for a mesh
-## with so many holes, regardless of their origin. It is compared with the smallest possible holes, of one cell, and
-## with the same trees as bodies in the scene.
+## Bakes are measured in CPU time. Contenders take turns in each round, and differences are computed within a round.
+## Thicket's part of the cost is to find the trees and to pass them to the engine, which reads them. It is measured as the
+## added cost of trees that are above all ground, because these leave no holes. The remaining cost is the engine's, for a
+## mesh with so many holes, regardless of their origin. It is compared with the cost of the smallest possible holes, of one
+## cell, and of the same trees as bodies in the scene.
 
 enum { NONE, TREES, ABOVE, CELLS, BODIES }
 
 const DEFAULT_ROUNDS := 9
-const SIDE := 180.0 ## Side of the baked area in meters.
+const SIDE := 180.0 ## Edge length of the baked area in meters.
 
 var _layer := ScatterLayer.new()
 var _region := NavigationRegion3D.new()

@@ -21,7 +21,7 @@ var _layer: ScatterLayer
 var _viewer := Node3D.new()
 var _near: Array[Vector2i] = []
 var _missing := {} ## The tiles that have not been regenerated since the last change.
-var _seen := {}    ## The number of times that each tile was shown.
+var _seen := {}    ## How many times each tile was shown.
 var _frames: PackedFloat64Array ## The scatter's microseconds on the main thread in each frame.
 var _processor_frames: PackedFloat64Array ## The main thread's CPU time in microseconds in each frame, including the engine's work.
 var _processor_usec := 0

@@ -9,7 +9,7 @@ extends SceneTree
 ## The simulation consists of rounds. At the end of each round, the state is cleared, the viewer is at the origin and
 ## all requests are finished, so that figures are comparable. The first quarter of the time warms up. Afterward, the
 ## resident set may deviate from its median by 5 %. The numbers of nodes, orphans, objects and bodies must stay
-## constant, and must return to their initial values after everything is freed.
+## constant. After everything is freed, the numbers of nodes, orphans and bodies must return to their initial values.
 
 const DEFAULT_SECONDS := 1200.0
 const SECONDS_A_LINE := 60.0

@@ -69,7 +69,7 @@ SECTIONS = {
         "collision * created *",
         "navigation: parsing *",
         "navigation: time that the trees add to the bake",
-        "navigation: time that the trees add as bodies of the scene",
+        "navigation: time * trees* as bodies *",
     ],
 }
 

@@ -4,7 +4,7 @@ extends SceneTree
 ##   tools/godot --headless --path demo_project --script tests/bench/streaming.gd [-- SECONDS]
 ##   tools/godot --xvfb ...     the same with a software renderer, whose uploads are copies by the CPU
 ##
-## The viewer follows the wall clock, so a late frame has more to do. The renderer draws nothing, because software
+## The viewer's position depends on the wall clock, so there is more to do in a frame after a slow one. The renderer draws nothing, because software
 ## rendering would dominate the measurement. It still receives buffers, which is the main thread's cost of an upload.
 
 const SPEED := 100.0

@@ -4,8 +4,8 @@ extends SceneTree
 ##   tools/godot --headless --path demo_project --script tests/bench/terrains.gd [-- ROUNDS]
 ##
 ## Contenders take turns in each round, and ratios are computed within a round, so that a busy machine affects all
-## equally. The plug-ins are the test doubles. Their queries of single positions run in GDScript, so Terrain3D's real
-## methods are faster.
+## equally. The plug-ins are replaced with test doubles, whose queries of single positions run in GDScript. Terrain3D's real
+## methods are therefore faster.
 
 const Terrain3D := preload("../engine/terrain3d_harness.gd")
 const HTerrain := preload("../engine/hterrain_harness.gd")

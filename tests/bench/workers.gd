@@ -4,8 +4,8 @@ extends "bench.gd"
 ##   tools/godot --headless --path demo_project --script tests/bench/workers.gd [-- ROUNDS [SAMPLER]]
 ##
 ## All sampled points are counted, even if the rules remove them. Times are the wall time of the workers only. SAMPLER is the
-## path of `bench_sampler`. If it is given, it measures the sampler alone just before each case, and additional rows
-## print a worker's speed relative to that.
+## path of `bench_sampler`. If it is given, that program measures the sampler alone just before each case, and additional
+## rows print a worker's speed relative to the sampler alone.
 
 const DEFAULT_ROUNDS := 5
 const SECONDS_ALONE := "0.5"

@@ -1,5 +1,5 @@
-"""Tests the rules of the build and the source tree. A room (a folder of sources) includes only rooms above it in the table of
-rooms, and the core does not depend on the engine. Warnings are errors, and the manifest lists the existing binaries."""
+"""Tests the rules of the build and the source tree. A room (a folder of sources) may include only rooms above it in the table of
+rooms, and the core must not depend on the engine. Warnings must be errors, and the manifest must list the existing binaries."""
 
 from __future__ import annotations
 
@@ -142,8 +142,8 @@ def test_core_calls_no_inexact_math_function(build_dir):
 
 
 def test_every_test_of_the_core_belongs_to_one_room():
-    """Checks that `bash tests/room.sh ROOM` runs each test for exactly one room, except tests of a benchmark, which
-    include no room."""
+    """Checks that each test of the core belongs to exactly one room, for which `bash tests/room.sh ROOM` runs it. Tests of a
+    benchmark are an exception, because they include no room."""
     programs = {room: set(rooms.tests_of(REPO, rooms.PREFIX + room.removeprefix("core/"))[0]) for room in rooms.TESTED}
     everywhere = set.intersection(*programs.values())
     tests = [path.relative_to(REPO).as_posix() for path in sorted((REPO / "tests/core").glob("test_*.cpp"))]

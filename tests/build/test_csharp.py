@@ -1,5 +1,5 @@
 """Compiles the C# wrappers of the add-on and the C# example of README.md without an engine. No package registry offers
-Godot with .NET, so Debian's mono compiler compiles them against tests/csharp/GodotStub.cs."""
+Godot with .NET, so Debian's Mono compiler compiles them against tests/csharp/GodotStub.cs."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ STUB = REPO / "tests/csharp/GodotStub.cs"
 sys.path.insert(0, str(GENERATOR.parent))
 import types_of_godot  # noqa: E402 (only on the path above)
 
-pytestmark = pytest.mark.skipif(shutil.which("mcs") is None, reason="no mono compiler (mcs) here")
+pytestmark = pytest.mark.skipif(shutil.which("mcs") is None, reason="the Mono compiler (mcs) is not installed")
 
 
 def generated(folder: Path) -> list[Path]:

@@ -53,7 +53,7 @@ def zips() -> dict[str, Path]:
 
 @pytest.fixture(scope="module")
 def addon(zips, tmp_path_factory) -> Path:
-    """Returns the add-on, unpacked as a user would do it."""
+    """Returns the folder of the add-on, unpacked from the zip as a user would unpack it."""
     folder = tmp_path_factory.mktemp("unpacked")
     with zipfile.ZipFile(zips["thicket"]) as file:
         file.extractall(folder)

@@ -1,4 +1,4 @@
-"""Tests that the setup finds existing programs, rejects versions that are too old, and does not use the network if
+"""Tests that tools/setup.sh finds existing programs, rejects versions that are too old, and does not use the network if
 everything is installed."""
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from conftest import REPO, run
 
 
 def shell(script: str, **environment: str):
-    """Runs a line of shell script with the functions of tools/setup.sh and additional environment variables."""
+    """Runs a shell command with the functions of tools/setup.sh and additional environment variables."""
     changed = {**os.environ, **environment}
     return run(["bash", "-euo", "pipefail", "-c", f"source tools/setup.sh; {script}"], timeout=60, cwd=REPO, env=changed)
 

@@ -2,7 +2,7 @@
 // measured in steps instead of time. Four times the input must take at most six times the steps.
 // For a cost of n log n, the factor stays below five; for a quadratic cost, it reaches sixteen.
 //   growth [ROUNDS = 3] [SEED = 1]      rounds of all cases, each with a new seed
-//   growth - SEED [CASE]                the seed of a failure, with figures; all cases or one of them
+//   growth - SEED [CASE]                repeats a failure with its seed and prints the steps of all cases, or of one
 
 #include "tests/cost/growth.hpp"
 

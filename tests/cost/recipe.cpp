@@ -78,7 +78,7 @@ Points fixed_places() {
 
 void need(const Status &status) {
 	if (!status.ok()) {
-		std::fprintf(stderr, "growth: an input was refused: %s\n", describe(status).c_str());
+		std::fprintf(stderr, "growth: an input was rejected: %s\n", describe(status).c_str());
 		std::abort();
 	}
 }

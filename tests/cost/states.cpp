@@ -255,21 +255,21 @@ std::uint64_t queue_many_diffs(const Recipe &recipe, std::size_t count) {
 constexpr std::array cases = {
 		Case{"state: place all", place_all},
 		Case{"state: place each", place_each},
-		Case{"state: take away, place again", take_away_and_place_again},
+		Case{"state: delete placed, place again", take_away_and_place_again},
 		Case{"state: move each", move_each},
 		Case{"state: remove each", remove_each},
 		Case{"state: remove and restore", remove_and_restore},
-		Case{"state: all grow at once", grow_at_once},
-		Case{"state: one after the other grows", grow_one_by_one},
-		Case{"state: growth is put off", postpone},
+		Case{"state: all grow back simultaneously", grow_at_once},
+		Case{"state: grow back one by one", grow_one_by_one},
+		Case{"state: regrowth is postponed", postpone},
 		Case{"state: data of each", write_data},
 		Case{"state: save and load", save_and_load},
 		Case{"state: apply diffs", apply_diffs},
 		Case{"state: send each change", send_each_change},
 		Case{"state: undo", take_back},
 		Case{"state: merge", merge_two},
-		Case{"state: work beside a diff", work_beside_a_diff},
-		Case{"state: many diffs under way", queue_many_diffs},
+		Case{"state: changes while a diff is applied", work_beside_a_diff},
+		Case{"state: many pending diffs", queue_many_diffs},
 };
 
 } // namespace

@@ -19,9 +19,9 @@ __attribute__((no_sanitize_coverage)) std::uint64_t steps() { return made; }
 
 } // namespace thicket::cost
 
-// The compiler inserts a call of the first function into every basic block
-// (-fsanitize-coverage=trace-pc). All other functions wrap functions of the C library, which has no
-// such calls (the linker option --wrap).
+// The compiler inserts a call to the first function into every basic block
+// (-fsanitize-coverage=trace-pc). The other functions wrap functions of the C library (the linker
+// option --wrap), because the C library contains no such calls.
 extern "C" {
 
 __attribute__((no_sanitize_coverage)) void __sanitizer_cov_trace_pc() { ++made; }

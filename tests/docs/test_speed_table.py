@@ -1,4 +1,4 @@
-"""Tests that the speed tables in README.md match the output of the benchmarks and that they state how they were measured."""
+"""Tests that the speed tables in README.md match the stored results of the benchmarks and state how they were measured."""
 
 import importlib.util
 import json

@@ -1,4 +1,4 @@
-// Samples random domains with all methods. The sampler must either refuse a request or return a set
+// Samples random domains with all methods. The sampler must either reject a request or return a set
 // that keeps its promises.
 
 #include "tests/analysis/domain_check.hpp"
@@ -52,7 +52,7 @@ void check_points(const DomainRequest &request, const std::vector<glm::vec<2, Re
 			{request.size, request.radius, request.toroidal, tolerance}, maximal);
 	promise(report.points > 0, "no domain is empty");
 	promise(report.outside == 0, "a point lies in its domain");
-	promise(report.too_close == 0, "points keep their distance");
+	promise(report.too_close == 0, "points keep the minimum distance");
 	promise(report.uncovered == 0, "no gap is left");
 }
 
@@ -83,15 +83,15 @@ void sample_one(const DomainRequest &request) {
 	const Status status =
 			sampler.sample(request, points, {.cancel = is_small(request) ? nullptr : &raised, .report = {}});
 	if (status.ok()) {
-		promise(validate(request).ok(), "a bad request is refused");
+		promise(validate(request).ok(), "a bad request is rejected");
 		promise(sampler.stats().points == points.size(), "points are counted");
 		check_points<Real>(request, points);
 		check_twin<Real>(request, points);
 	} else {
-		promise(points == before, "a failed call changes nothing");
+		promise(points == before, "a failed call has no effect");
 		promise(status.code == ErrorCode::cancelled || describe(status).find(status.property) == 0,
 				"an error names the property");
-		promise(validate(request).ok() || validate(request).code == status.code, "a bad request is refused as such");
+		promise(validate(request).ok() || validate(request).code == status.code, "a bad request is rejected as such");
 	}
 }
 

@@ -1,5 +1,5 @@
 // Reads random bytes, and damaged PNG files with valid checksums, as a height map. Each must either
-// be refused or have as many posts as it specifies.
+// be rejected or have as many posts as it specifies.
 
 #include "tests/core/png_writer.hpp"
 #include "tests/fuzz/bytes.hpp"
@@ -19,7 +19,7 @@ using png::Stored;
 
 void check(const Status &status, const Posts &posts) {
 	if (!status.ok()) {
-		promise(posts.count.x == 0 && posts.steps.empty() && posts.floats.empty(), "a refused file changes nothing");
+		promise(posts.count.x == 0 && posts.steps.empty() && posts.floats.empty(), "a rejected file has no effect");
 		promise(describe(status).starts_with(status.property), "an error names the property");
 		return;
 	}

@@ -1,4 +1,4 @@
-// Loads random bytes as a painted mask, and paints random dabs. Each must either be refused or
+// Loads random bytes as a painted mask, and paints random dabs. Each must either be rejected or
 // leave a consistent mask.
 
 #include "tests/fuzz/bytes.hpp"
@@ -20,7 +20,7 @@ using fuzz::promise;
 using Pixels = std::vector<std::uint8_t>;
 
 void check_refusal(const Status &status, const PaintedMask &mask, const PaintedMask &before) {
-	promise(mask == before, "a refused call changes nothing");
+	promise(mask == before, "a rejected call has no effect");
 	promise(describe(status).find(status.property) == 0, "an error names the property");
 }
 
@@ -140,13 +140,13 @@ void copy_region(PaintedMask &r_mask, Bytes &r_bytes) {
 	}
 	Rect changed;
 	promise(r_mask.write(region, pixels, changed).ok() && changed.empty() && r_mask == before,
-			"writing back the pixels changes nothing");
+			"writing back the same pixels has no effect");
 	if (r_bytes.chance(2)) {
 		std::ranges::fill(pixels, r_bytes.raw<std::uint8_t>());
 		promise(r_mask.write(region, pixels, changed).ok(), "a region that can be read can be written");
 	} else {
 		pixels.push_back(0);
-		promise(r_mask.write(region, pixels, changed).code == ErrorCode::wrong_size, "an extra byte is refused");
+		promise(r_mask.write(region, pixels, changed).code == ErrorCode::wrong_size, "an extra byte is rejected");
 	}
 }
 

@@ -1,4 +1,4 @@
-// Samples random point sets and rectangles. The sampler must either refuse a call or return points
+// Samples random point sets and rectangles. The sampler must either reject a call or return points
 // that keep its promises.
 
 #include "tests/fuzz/bytes.hpp"
@@ -44,24 +44,24 @@ void check_points(const PointSet &set, const Rect &rect, const std::vector<Sampl
 	std::map<std::pair<int, int>, glm::i64vec2> cells;
 	for (const SamplePoint &point : points) {
 		promise(rect.contains(point.position), "a point lies in its rectangle");
-		promise(point.level < set.levels, "a level is one of the set's");
+		promise(point.level < set.levels, "a point has one of the levels of its set");
 		promise((point.rank < level_rank_end(set.levels, point.level)), "a rank belongs to its level");
 		const InstanceId id = unpack(point.id);
-		promise(id.layer == set.layer, "an id names the layer");
+		promise(id.layer == set.layer, "an ID contains the layer");
 		const glm::i64vec2 lattice = lattice_position(set, point);
 		promise(lattice.x >> lattice_bits == id.cell.x && lattice.y >> lattice_bits == id.cell.y,
-				"an id names the cell");
+				"an ID contains the cell");
 		for (int y = -2; y <= 2; ++y) {
 			for (int x = -2; x <= 2; ++x) {
 				const auto near = cells.find({id.cell.x + x, id.cell.y + y});
 				if (near != cells.end()) {
 					const glm::i64vec2 offset = near->second - lattice;
 					promise(offset.x * offset.x + offset.y * offset.y >= std::int64_t{2} << (2 * lattice_bits),
-							"points keep their distance");
+							"points keep the minimum distance");
 				}
 			}
 		}
-		promise(cells.emplace(std::pair(id.cell.x, id.cell.y), lattice).second, "a cell holds one point");
+		promise(cells.emplace(std::pair(id.cell.x, id.cell.y), lattice).second, "a cell contains at most one point");
 	}
 }
 
@@ -87,7 +87,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
 		promise(TileSampler().sample(set, rect, again).ok() && again == points,
 				"the same call returns the same points");
 	} else if (status.code != ErrorCode::cancelled) {
-		promise(points == before, "a refused call changes nothing");
+		promise(points == before, "a rejected call has no effect");
 		promise(describe(status).find(status.property) == 0, "an error names the property");
 	}
 	return 0;

@@ -94,7 +94,7 @@ void check_shapes(Bytes &r_bytes) {
 		}
 		const double density = density_of(set, place);
 		promise(density >= 0.0 && density <= 1.0, "a density is between 0 and 1");
-		promise(density == set.density(every, place), "shapes that are not near change nothing");
+		promise(density == set.density(every, place), "shapes that are not near have no effect");
 		for (Shape shape : shapes) {
 			shape.exclude = false;
 			ShapeSet alone;

@@ -88,7 +88,7 @@ void change(InstanceState &r_state, Bytes &r_bytes) {
 	switch (r_bytes.below(6)) {
 		case 0: {
 			const bool was = is_added(id) ? r_state.added(id) == nullptr : r_state.removed(id);
-			promise(r_state.remove(id, r_bytes.number(0.0, 50.0)) != was, "a removal removes");
+			promise(r_state.remove(id, r_bytes.number(0.0, 50.0)) != was, "the first removal of an instance succeeds");
 			promise(is_added(id) ? r_state.added(id) == nullptr : r_state.removed(id),
 					"a removed instance stays removed");
 			break;
@@ -104,7 +104,7 @@ void change(InstanceState &r_state, Bytes &r_bytes) {
 			if (status.ok()) {
 				check_place(r_state, placed);
 			} else {
-				promise(r_state.revision() == revision, "a refused instance changes nothing");
+				promise(r_state.revision() == revision, "a rejected instance has no effect");
 				promise(describe(status).find(status.property) == 0, "an error names the property");
 			}
 			break;
@@ -165,7 +165,7 @@ DiffLimits read_limits(Bytes &r_bytes) {
 	return limits;
 }
 
-/// Applies and merges a diff with limits. A refused diff must change nothing. An accepted diff must
+/// Applies and merges a diff with limits. A rejected diff must change nothing. An accepted diff must
 /// respect the limits, and applying it again must have no effect.
 void feed_within(const InstanceState &state, const Stored &stored, const DiffLimits &limits) {
 	for (const bool joining : {false, true}) {
@@ -177,7 +177,7 @@ void feed_within(const InstanceState &state, const Stored &stored, const DiffLim
 		DiffSummary summary;
 		const bool seen = fed.inspect(stored, summary, limits).ok();
 		if (!give(changes).ok()) {
-			promise(saved(fed) == saved(state) && changes.empty(), "a refused diff changes nothing");
+			promise(saved(fed) == saved(state) && changes.empty(), "a rejected diff has no effect");
 			continue;
 		}
 		promise(seen && summary.changes <= limits.max_changes, "an accepted diff can be inspected");
@@ -188,12 +188,12 @@ void feed_within(const InstanceState &state, const Stored &stored, const DiffLim
 		const Stored after = saved(copy_of(fed));
 		const double time = fed.time();
 		changes.clear();
-		promise(give(changes).ok() && (changes.empty() || fed.time() > time), "a repeated diff changes nothing");
+		promise(give(changes).ok() && (changes.empty() || fed.time() > time), "a repeated diff has no effect");
 		promise(limits.max_clock_advance > 0.0 || saved(fed) == after, "a repeated diff leaves equal bytes");
 	}
 }
 
-/// Loads the bytes into a state and applies them. Refused bytes must change nothing. A state that
+/// Loads the bytes into a state and applies them. Rejected bytes must change nothing. A state that
 /// loads must be saved identically.
 void feed(const InstanceState &state, const Stored &stored) {
 	InstanceState fed = copy_of(state);
@@ -205,7 +205,7 @@ void feed(const InstanceState &state, const Stored &stored) {
 		promise(!is_as_saved || saved(fed) == stored, "loaded bytes are written back identically");
 		copy_of(fed);
 	} else {
-		promise(saved(fed) == saved(state) && changes.empty(), "a refused state changes nothing");
+		promise(saved(fed) == saved(state) && changes.empty(), "a rejected state has no effect");
 	}
 	fed = copy_of(state);
 	changes.clear();
@@ -213,9 +213,9 @@ void feed(const InstanceState &state, const Stored &stored) {
 		const Stored after = saved(copy_of(fed));
 		changes.clear();
 		promise(fed.apply(stored, changes).ok() && changes.empty() && saved(fed) == after,
-				"a repeated diff changes nothing");
+				"a repeated diff has no effect");
 	} else {
-		promise(saved(fed) == saved(state) && changes.empty(), "a refused diff changes nothing");
+		promise(saved(fed) == saved(state) && changes.empty(), "a rejected diff has no effect");
 	}
 }
 

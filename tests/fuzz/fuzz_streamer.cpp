@@ -1,4 +1,4 @@
-// Calls a streamer with random sequences of layers, viewers and results. It must either refuse a
+// Calls a streamer with random sequences of layers, viewers and results. It must either reject a
 // call or stay consistent.
 
 #include "tests/fuzz/bytes.hpp"
@@ -72,7 +72,7 @@ void update(TileStreamer &streamer, Bytes &r_bytes, Books &r_books) {
 		promise(counts.pending == r_books.pending.size(), "pending tiles are counted");
 		promise(counts.shown == r_books.shown.size(), "shown tiles are counted");
 	} else {
-		promise(changes.empty(), "a refused update changes nothing");
+		promise(changes.empty(), "a rejected update has no effect");
 	}
 }
 

@@ -1,4 +1,4 @@
-// Builds tiles from random heightfields and layers. Each must either be refused or produce a tile
+// Builds tiles from random heightfields and layers. Each must either be rejected or produce a tile
 // that an engine can display.
 
 #include "tests/fuzz/bytes.hpp"
@@ -42,7 +42,7 @@ Heightfield read_field(Bytes &r_bytes) {
 	}
 	const HeightfieldFrame before = field.frame();
 	if (!field.set(frame, posts).ok()) {
-		promise(field.frame().posts == before.posts, "a refused field changes nothing");
+		promise(field.frame().posts == before.posts, "a rejected field has no effect");
 	}
 	return field;
 }
@@ -67,7 +67,7 @@ void check_field(const Heightfield &field, Bytes &r_bytes) {
 				"a height lies between the lowest and the highest");
 		const glm::vec3 normal = ground[i].normal;
 		const float length = normal.x * normal.x + normal.y * normal.y + normal.z * normal.z;
-		promise(normal.y >= 0.0f && std::abs(length - 1.0f) < 1e-4f, "a normal points up and has length 1");
+		promise(normal.y >= 0.0f && std::abs(length - 1.0f) < 1e-4f, "a normal points up and has a length of 1");
 	}
 }
 
@@ -85,7 +85,7 @@ void read_surroundings(LayerSettings &r_layer, Bytes &r_bytes) {
 	}
 }
 
-/// Adds random rules for biomes and water. If the map is refused, the layer has no biomes.
+/// Adds random rules for biomes and water. If the map is rejected, the layer has no biomes.
 void read_biomes(LayerSettings &r_layer, Bytes &r_bytes) {
 	r_layer.rules.min_water_depth = r_bytes.chance(2) ? -unlimited_height : r_bytes.number(-100.0, 0.0);
 	r_layer.rules.max_water_depth = r_bytes.number(0.0, 100.0);
@@ -173,7 +173,7 @@ void check_tile(const LayerSettings &layer, const TileInstances &tile) {
 				"transforms are finite");
 		for (std::size_t i = 0; layer.instance_data.use_custom_data && i < mesh.size(); ++i) {
 			const float variation = mesh.buffer[(i + 1) * stride - 4];
-			promise(variation >= 0.0f && variation <= 1.0f, "a variation is 0 to 1");
+			promise(variation >= 0.0f && variation <= 1.0f, "a variation is between 0 and 1");
 		}
 	}
 	promise(placed == tile.counts.placed && tile.counts.placed <= tile.counts.dense &&
@@ -203,7 +203,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
 		promise(TileBuilder().build(layer, field, rect, again).ok() && digest(tile) == digest(again),
 				"the same call produces the same tile");
 	} else if (status.code != ErrorCode::cancelled) {
-		promise(tile.meshes.empty(), "a refused call changes nothing");
+		promise(tile.meshes.empty(), "a rejected call has no effect");
 		promise(describe(status).find(status.property) == 0, "an error names the property");
 	}
 	return 0;

@@ -1,4 +1,4 @@
-"""Writes height maps as other programs do: Pillow's PNG files of all color types, and 16-bit colors."""
+"""Writes height maps as other programs do: PNG files of all color types that Pillow writes, and files with 16-bit colors."""
 
 from __future__ import annotations
 

@@ -216,7 +216,7 @@ void free_binding(GDExtensionObjectPtr object, void *library) {
 	}
 }
 
-/// Casts succeed only to the class as which the object was created.
+/// A cast succeeds only to the class with which the object was created.
 GDExtensionObjectPtr cast_to(GDExtensionConstObjectPtr object, void *tag) {
 	auto *const target = static_cast<Object *>(const_cast<void *>(object));
 	return target->engine_class == *static_cast<std::string *>(tag) ? target : nullptr;

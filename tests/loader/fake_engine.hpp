@@ -1,8 +1,8 @@
 #pragma once
 
-// The part of the GDExtension interface that a library needs to load, register its classes, create
-// one object of each, and unload. Strings have content and objects have a class name, but the
-// engine's methods do nothing.
+// Implements the part of the GDExtension interface that a library needs to load, register its
+// classes, create one object of each, and unload. Strings have content and objects have a class
+// name, but the engine's methods do nothing.
 
 #include <gdextension_interface.h>
 

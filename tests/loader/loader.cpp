@@ -70,7 +70,7 @@ int run(void *library) {
 	GDExtensionInitialization steps{};
 	static int token = 0;
 	if (!enter(get_proc_address, &token, &steps)) {
-		return fail(record().errors.empty() ? "its entry refused" : record().errors.front());
+		return fail(record().errors.empty() ? "its entry point failed" : record().errors.front());
 	}
 	const int first = steps.minimum_initialization_level;
 	for (int level = first; level < GDEXTENSION_INITIALIZATION_EDITOR; ++level) {

@@ -144,8 +144,8 @@ def test_committed_data_has_the_columns_of_a_run(quick, tmp_path):
 
 
 def test_a_part_can_be_measured_alone(quick, tmp_path, build_dir):
-    """Checks that measuring one part writes no page in an empty folder, and replaces only the tables of that part in a complete
-    folder."""
+    """Checks that measuring one part writes no page into an empty folder. In a complete folder, it must replace only the tables of
+    that part."""
     command = ["bash", BENCH / "figures.sh", "--quick", "--programs", build_dir, "--only", "billion", "--out"]
     alone = run([*command, tmp_path], timeout=300)
     assert alone.returncode == 0 and "no page yet: speed, sets, memory, large" in alone.stderr, alone.stderr

@@ -22,8 +22,7 @@ KEYS = {"method", "points", "seconds", "size", "maximal_claimed", "toroidal", "p
 
 
 def shell(script: str, **environment: str):
-    """Runs a line of shell script with the functions that install the peers and with additional environment
-    variables."""
+    """Runs a shell command with the functions that install the peers and with additional environment variables."""
     changed = {**os.environ, **environment}
     return run(
         ["bash", "-euo", "pipefail", "-c", f"source tests/bench/peers/setup.sh; {script}"],

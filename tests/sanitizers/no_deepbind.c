@@ -1,5 +1,5 @@
-/* Preloaded into Godot for a sanitized build of the extension. The engine loads libraries with RTLD_DEEPBIND. A library then calls the
- * C library's malloc and pthread functions instead of the sanitizer's, so this removes the flag. */
+/* Preloaded into Godot for a sanitized build of the extension. The engine loads libraries with RTLD_DEEPBIND. With this flag, a library
+ * would call the C library's malloc and pthread functions instead of the sanitizer's. This wrapper of dlopen removes the flag. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 

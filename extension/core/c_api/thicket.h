@@ -50,13 +50,14 @@ typedef enum thicket_code {
 	THICKET_TOO_MANY_POINTS = 5, /* More points than one call may generate. */
 	THICKET_MISSING = 6,         /* An argument is NULL, or the sampler has no such points. */
 	THICKET_OUT_OF_MEMORY = 7,   /* The machine does not have enough memory for the request. */
-	THICKET_MARGIN_TOO_WIDE = 8, /* Even the widest margin does not decide a point; see the message. Never observed. */
-	THICKET_CANCELLED = 9,       /* thicket_cancel or the progress function ended the call. */
-	THICKET_BUSY = 10,           /* A call to this sampler is in progress. */
-	THICKET_FAILED = 11          /* Any other error; see the message. */
+	THICKET_MARGIN_TOO_WIDE =
+			8, /* Even the widest margin is too narrow to decide a point; see the message. Never observed. */
+	THICKET_CANCELLED = 9, /* thicket_cancel or the progress function ended the call. */
+	THICKET_BUSY = 10,     /* A call to this sampler is in progress. */
+	THICKET_FAILED = 11    /* Any other error; see the message. */
 } thicket_code;
 
-/* Identifies one infinite point set. No two points of the set are closer than the radius, and no further point fits. */
+/* Identifies one infinite point set. No two points of the set are closer than the radius, and no additional point fits. */
 typedef struct thicket_set {
 	uint64_t seed;   /* A different seed produces an unrelated set. */
 	double radius;   /* Meters, 0.001 to 1e6. */
@@ -80,7 +81,7 @@ typedef struct thicket_point {
 } thicket_point;
 
 /* The method for filling a whole domain (White, Cline and Egbert, "Poisson Disk Point Sets by
- * Hierarchical Dart Throwing", 2007). With all methods except the naive one, no further point fits, to
+ * Hierarchical Dart Throwing", 2007). With all methods except the naive one, no additional point fits, to
  * within the floating-point precision. */
 typedef enum thicket_method {
 	THICKET_NAIVE = 1,        /* Throws darts anywhere in the domain. For comparison: slow, and leaves small gaps. */
@@ -98,7 +99,7 @@ typedef struct thicket_domain {
 	double radius;     /* Meters, 0.001 to 1e6. */
 	double cell_size;  /* Width of an acceleration grid cell in radii, up to 1000; 0 for the default. */
 	double darts_each; /* Only for THICKET_NAIVE: darts per base square, 1 to 1e6; 0 for 100. */
-	uint64_t seed;     /* Any number. */
+	uint64_t seed;     /* Any number. A different seed produces an unrelated set. */
 	int32_t method;    /* A thicket_method. */
 	int32_t toroidal;  /* 1 to join opposite edges, so that the set repeats seamlessly; otherwise 0. */
 	/* 1 for float coordinates and distances, which need half the memory and produce a different set;
@@ -130,7 +131,7 @@ THICKET_API void thicket_sampler_free(thicket_sampler *sampler) THICKET_NOEXCEPT
 
 /* Returns a message that explains why the last call failed, such as "radius must be positive, got -1",
  * or "" if it succeeded. Never returns NULL. The string is valid until the next call with this sampler. If a
- * call is in progress or `sampler` is NULL, the message says so. */
+ * call is in progress or `sampler` is NULL, the message states this. */
 THICKET_API const char *thicket_message(const thicket_sampler *sampler) THICKET_NOEXCEPT;
 
 /* Generates the points of a set in a rectangle, in an order that depends only on the arguments. Returns the

@@ -50,8 +50,8 @@ public:
 private:
 	static constexpr double distance = 1.0 + 1e-9;
 	static constexpr double turn = 2.0 * std::numbers::pi;
-	/// Number of cells in each direction that are searched. A disk that covers a part of a circle
-	/// is at most 2 * `distance` away.
+	/// Number of cells to search in each direction. A disk that covers a part of a circle is at most
+	/// 2 * `distance` away.
 	static constexpr int reach = 1;
 
 	/// Half the angle of a circle that the disk of a point on the circle covers.

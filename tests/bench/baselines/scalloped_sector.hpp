@@ -75,8 +75,8 @@ struct ScallopedSector {
 		area = area_until(to, near_to, far_to);
 	}
 
-	/// Returns the area from `from` to a different ray of the sector, which meets the arcs at the
-	/// distances `near_at` and `far_at`.
+	/// Returns the area from the ray `from` to the ray `ray`, which meets the arcs at the distances
+	/// `near_at` and `far_at`.
 	double area_until(glm::dvec2 ray, double near_at, double far_at) const {
 		const double straight =
 				0.5 * cross(from, ray) * (far_from * (far_at - near_at) + near_at * (far_from - near_from));

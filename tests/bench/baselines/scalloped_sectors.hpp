@@ -25,15 +25,16 @@ namespace thicket::bench {
 ///
 /// Each point owns the part of that region that is closer than 2 to it but not to an earlier point,
 /// as a list of scalloped sectors. For each dart, a tree chooses a point in proportion to its area,
-/// then one of its sectors is chosen, then a position in the sector. So every dart is accepted. Its
-/// disk is then removed from the sectors of the points around it. The method takes O(N log N) time.
+/// then one of its sectors is chosen, then a position in the sector. Every dart is therefore
+/// accepted. Its disk is then removed from the sectors of the points around it. The method takes
+/// O(N log N) time.
 ///
 /// The minimum distance is exact. A dart that rounding brings closer than 1 to a point is thrown
 /// again at the same sector, and a sector in which too many darts fail is removed. An object of
 /// this class keeps its memory between calls.
 class ScallopedSectors {
 public:
-	/// The measured share of the torus that disks of half the radius cover. It is 0.0017 less than
+	/// The measured fraction of the torus that disks of half the radius cover. It is 0.0017 less than
 	/// with darts at the whole domain, because the set grows from one point. Positions near its
 	/// edge are filled before other positions are open.
 	static constexpr double coverage = 0.5454;
@@ -58,7 +59,7 @@ public:
 	}
 
 private:
-	/// The maximum number of points per unit of area, which is that of a hexagonal lattice.
+	/// The maximum number of points per unit of area, reached by a hexagonal lattice.
 	static constexpr double densest = 2.0 / std::numbers::sqrt3;
 	/// Number of cells in each direction that are searched. Disks of radius 2 that intersect have
 	/// centers at most 4 apart.

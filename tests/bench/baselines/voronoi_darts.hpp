@@ -28,8 +28,8 @@ namespace thicket::bench {
 /// Jones, "Efficient generation of Poisson-disk sampling patterns" (2006), on the torus [0,
 /// side)^2, in double precision. The method maintains the Voronoi diagram of the growing set, and
 /// the area of every cell outside its own disk. Each dart chooses a cell with a probability
-/// proportional to that area, and then a uniform position in that part of the cell. So it is
-/// uniform over all free positions. The sets are therefore maximal, and have the distribution of
+/// proportional to that area, and then a uniform position in that part of the cell. Darts are
+/// therefore uniform over all free positions, and the sets are maximal and have the distribution of
 /// dart throwing. The method takes O(n log n) time and about 200 bytes per point.
 ///
 /// The diagram is CGAL's periodic Delaunay triangulation, which finds a new dart's triangle in a

@@ -45,9 +45,8 @@ inline bool is_drawn(std::uint64_t tile, std::uint64_t key, std::uint64_t every)
 /// Each thread needs its own.
 class GapCheck {
 public:
-	/// Checks the tile that was last passed to `tile.take`, whose points had this digest. The
-	/// points around the tile are queried from `source`, which must also return the tile's own
-	/// points again.
+	/// Checks the tile that was last passed to `tile.take`, whose points had this digest. `source`
+	/// returns the points around the tile, and must return the tile's points again.
 	Status take(const TileCheck &tile, const Digest &digest, const TileSource &source, GapFindings &r_found) {
 		const CellRect &cells = tile.tile();
 		if (const Status status = source(world_rect(cells.grown(border)), around_); !status.ok()) {

@@ -15,10 +15,10 @@
 
 namespace thicket::bench::billion {
 
-/// The share of the plane that disks of diameter r cover after naive dart throwing until no dart
+/// The fraction of the plane that disks of diameter r cover after naive dart throwing until no dart
 /// fits. Zhang and Torquato measured it without extrapolation in "Precise algorithm to generate
 /// random sequential addition of hard hyperspheres at saturation" (Phys. Rev. E 88, 053312, 2013):
-/// 0.5470735 +- 0.0000028. Thicket's other programs use 0.547070, too.
+/// 0.5470735 +- 0.0000028. Thicket's other programs also use 0.547070.
 inline constexpr double jammed_coverage = 0.547070;
 
 /// Sets on a lattice cover less than those in the plane, because no dart can hit a gap between
@@ -74,7 +74,7 @@ struct Region {
 		return static_cast<std::uint32_t>(block.y * blocks_per_side + block.x);
 	}
 
-	/// Returns the share of an area of `cells` cells that `points` disks of diameter r cover.
+	/// Returns the fraction of an area of `cells` cells that `points` disks of diameter r cover.
 	static double coverage(double points, double cells) { return points / cells * (std::numbers::pi / 2.0); }
 };
 

@@ -27,8 +27,8 @@ public:
 	explicit Seams(const Region &region) : region_(region), done_(region.tiles()) {}
 
 	/// Stores a finished tile's rim, and returns the rims of the neighbors that were finished
-	/// earlier. So each pair of neighbors is compared once. If the tile was already finished, the
-	/// repetition is counted and the result is empty.
+	/// earlier, so that each pair of neighbors is compared once. If the tile was already finished,
+	/// the repetition is counted and the result is empty.
 	std::vector<std::shared_ptr<const Rim>> finish(glm::ivec2 place, Rim &&rim) {
 		auto shared = std::make_shared<const Rim>(std::move(rim));
 		std::vector<std::shared_ptr<const Rim>> earlier;

@@ -7,7 +7,7 @@
 
 namespace thicket::bench {
 
-/// The extent of a bench's measurements, from its two optional arguments.
+/// The extent of a benchmark's measurements, from its two optional arguments.
 struct Effort {
 	int rounds = 9;        ///< Number of rounds, at least 1.
 	double seconds = 0.25; ///< The minimum CPU time of each measurement; above 0.
@@ -30,7 +30,7 @@ inline Effort effort_of(int argument_count, char **arguments) {
 	return effort;
 }
 
-/// Prints `status` and ends the program if it is an error. For the setup of benches.
+/// If `status` is an error, prints it and ends the program. For the setup of benchmarks.
 inline void require(const Status &status) {
 	if (!status.ok()) {
 		std::fprintf(stderr, "bench: %s\n", describe(status).c_str());

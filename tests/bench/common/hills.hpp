@@ -7,9 +7,9 @@
 
 namespace thicket::bench {
 
-/// A heightfield of hills with 512 x 384 posts, 20 m apart and 0 to 800 m high. They are six
-/// octaves of value noise, computed with integers, so that every machine and compiler produces the
-/// same posts. Slopes are mostly below 45 degrees.
+/// A heightfield of hills with 512 x 384 height samples (posts), 20 m apart and 0 to 800 m high.
+/// The heights are six octaves of value noise, computed with integers, so that every machine and
+/// compiler produces the same heights. Slopes are mostly below 45 degrees.
 class Hills {
 public:
 	static constexpr int columns = 512;

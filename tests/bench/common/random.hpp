@@ -15,9 +15,9 @@ inline std::uint64_t split_mix(std::uint64_t &state) {
 	return z ^ (z >> 31);
 }
 
-/// xoroshiro128+ (Blackman and Vigna 2018). It is one of the fastest generators with good high
-/// bits, so that random numbers do not slow down the baselines. It has nothing in common with the
-/// hashes of the sampler under test.
+/// xoroshiro128+ (Blackman and Vigna 2018), one of the fastest generators with good high bits, so
+/// random numbers hardly slow down the baselines. It has nothing in common with the hashes of the
+/// sampler under test.
 class Xoroshiro {
 public:
 	explicit Xoroshiro(std::uint64_t seed) : low_(split_mix(seed)), high_(split_mix(seed)) {}

@@ -55,6 +55,6 @@ class LargeSet:
 
 LARGE_SETS = [LargeSet(95e6, 2 * GIB, 2 * GIB, cell=10), LargeSet(750e6, 32 * GIB, 24 * GIB, cell=2.8)]
 
-# Fraction of the plane that disks cover once no further disk fits. This number is not from the paper. Random sequential adsorption of disks is naive
-# dart throwing until no dart fits.
+# Fraction of the plane that disks cover once no additional disk fits. This number is not from the paper, but from random sequential adsorption of
+# disks, which is naive dart throwing until no dart fits.
 JAMMED_COVERAGE = 0.547070

@@ -32,8 +32,8 @@ def memory_available() -> float:
 
 def touch_memory(size: float) -> None:
     """Allocates this many bytes, at most half of the free memory, writes to every page and frees them. In a virtual machine, the first access to a
-    page may wait for the host, which must not count for a contender. Afterwards, only the guest system must map the pages. Huge pages are
-    requested if available, because a system takes them from different memory than small pages, and touched huge pages can also provide small ones."""
+    page may wait for the host, and no contender's time must include this. Later accesses only need the guest system. Huge pages are requested if
+    available: a system takes them from other memory than small pages, and touched huge pages can also provide small ones."""
     size = int(min(size, 0.5 * memory_available()))
     if size >= TOUCHED_FROM:
         with mmap.mmap(-1, size) as memory:

@@ -1,4 +1,4 @@
-"""Times one sampler of the Python packages that the benchmarks compare with. Generates one set and prints a JSON line.
+"""Times one sampler of the Python packages with which the benchmarks compare. Generates one set and prints a JSON line.
 
     python tests/bench/peers/run_python_peer.py NAME POINTS SEED [dump=FILE]
 
@@ -25,7 +25,7 @@ scipy.stats.qmc.PoissonDisk 1.17.1: Bridson (2007) in Python and NumPy, one thre
 two radii around a point (its defaults: "volume", 30 candidates), and each point is tried once. The radius is the
 minimum distance between points, and the domain is bounded. `fill_space` neither claims nor produces maximal sets:
 coverage 0.47, gaps of 1.29 radii. The grid of earlier points is in single precision, so distances are correct up to
-that rounding. It has a thousandth to a hundredth of the speed of compiled code, so sets above 10^5 points take hours.
+that rounding. It is a hundred to a thousand times as slow as compiled code, so sets above 10^5 points take hours.
 """
 
 from __future__ import annotations

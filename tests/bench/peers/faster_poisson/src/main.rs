@@ -1,4 +1,4 @@
-//! Times one sampler of the crate faster_poisson, which the benches compare with. Generates one set and prints a JSON
+//! Times one sampler of the crate faster_poisson, with which the benchmarks compare. Generates one set and prints a JSON
 //! line.
 //!
 //!     faster_poisson NAME POINTS SEED [dump=FILE]
@@ -11,7 +11,7 @@
 //!     method, points, seconds, size, maximal_claimed, toroidal, precision, version
 //!
 //! `seconds` is the CPU time of this process for creating the sampler and running it, after a run for a small set;
-//! `size` is the side of the square.
+//! `size` is the edge length of the square.
 //!
 //! Behavior of the crate (version 1.3.0, read from its source, with the distances and gaps of each set measured): it
 //! uses double precision, one thread and bounded domains. The radius is the minimum distance between points, and
