@@ -24,7 +24,7 @@ func _begin() -> void:
 
 ## Runs the benchmark. Returns an error message, or an empty string.
 func run() -> String:
-	return "measures nothing"
+	return "the benchmark does not override run()"
 
 
 ## Returns the first argument, or [param usual] if there is none.
@@ -60,7 +60,7 @@ func idle() -> String:
 	await process_frame
 	while not scatter.is_settled():
 		if Time.get_ticks_msec() > limit:
-			return "not idle after %.0f s" % PATIENCE_SECONDS
+			return "some tiles were not visible after %.0f s" % PATIENCE_SECONDS
 		await process_frame
 	return ""
 

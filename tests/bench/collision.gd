@@ -36,7 +36,7 @@ func run() -> String:
 	for title: String in SHAPES:
 		var rates := await _measure_shape(SHAPES[title], rounds)
 		if rates.is_empty():
-			return "bodies did not appear"
+			return "the bodies were not created in time"
 		row("collision %s created per millisecond, %s, 3 700 at once" % [title, physics], rates[0])
 		row("collision %s removed per millisecond, %s" % [title, physics], rates[1])
 	_layer.collision_shape = ScatterLayer.COLLISION_CYLINDER

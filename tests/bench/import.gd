@@ -32,7 +32,7 @@ func run() -> String:
 			seconds.push_back(time_of(_import.bind(sources[what])) / 1e6)
 			var ids := scatter.state.get_added()
 			if ids.size() != COUNT:
-				return "%s: %d were imported" % [what, ids.size()]
+				return "%s: expected %d imported instances, got %d" % [what, COUNT, ids.size()]
 			removed.push_back(time_of(scatter.remove_instances.bind(ids)) / 1e6)
 		row("import of 100,000 instances of %s" % what, seconds, "s", 2)
 	row("100,000 hand-placed instances removed", removed, "s", 2)

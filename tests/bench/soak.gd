@@ -68,7 +68,7 @@ func _run() -> void:
 	if _failure == "":
 		_judge()
 	await _free_world()
-	_compare("after all was freed", _count(), at_first, ["nodes", "orphans", "bodies"])
+	_compare("after everything was freed", _count(), at_first, ["nodes", "orphans", "bodies"])
 	print("soak: %s" % ("passed" if _failure == "" else "FAILED: " + _failure))
 	quit(0 if _failure == "" else 1)
 
@@ -169,11 +169,11 @@ func _save_and_load(by_file: bool) -> void:
 	var digest := _scatter.state.get_digest()
 	var loaded := ScatterState.new()
 	if by_file:
-		_expect(ResourceSaver.save(_scatter.state, SAVED) == OK, "the state is saved")
+		_expect(ResourceSaver.save(_scatter.state, SAVED) == OK, "the state can be saved")
 		loaded = ResourceLoader.load(SAVED, "", ResourceLoader.CACHE_MODE_IGNORE) as ScatterState
 	else:
-		_expect(loaded.from_bytes(_scatter.state.to_bytes()) == OK, "the state's bytes are read")
-	_expect(loaded != null and loaded.get_digest() == digest, "a loaded state is the saved one")
+		_expect(loaded.from_bytes(_scatter.state.to_bytes()) == OK, "the state's bytes can be read")
+	_expect(loaded != null and loaded.get_digest() == digest, "a loaded state equals the saved one")
 	_scatter.state = loaded
 	_done.loads += 1
 
@@ -183,7 +183,7 @@ func _ask(frame: int) -> void:
 	if frame % 11 == 0:
 		var near := _scatter.query_sphere(here, 40.0)
 		_expect(near.ids.size() == near.positions.size() and near.transforms.size() == 12 * near.ids.size(),
-				"an answer's arrays are equally long")
+				"all arrays of a query result have the same length")
 		_done.answers += 1
 	if frame % 13 == 0:
 		var nearest := _scatter.query_nearest(here, 100.0, _scatter.layers[0], func(_id: int, _layer: ScatterLayer, at: Transform3D) -> bool:
@@ -201,7 +201,7 @@ func _ask(frame: int) -> void:
 
 func _on_completed(result: ScatterInstances, request: int) -> void:
 	_expect(_requests.erase(request), "a request completes once")
-	_expect(result.size() == result.ids.size(), "a result has IDs")
+	_expect(result.size() == result.ids.size(), "a result has an ID for each instance")
 	_done.answers += 1
 
 
@@ -236,7 +236,7 @@ func _go_home() -> void:
 	var limit := Time.get_ticks_msec() + int(PATIENCE_SECONDS * 1000.0)
 	await create_timer(0.1).timeout
 	while _failure == "" and not (_scatter.is_settled() and _requests.is_empty()):
-		_expect(Time.get_ticks_msec() < limit, "idle and answered within %.0f s" % PATIENCE_SECONDS)
+		_expect(Time.get_ticks_msec() < limit, "all tiles are visible and all requests completed within %.0f s" % PATIENCE_SECONDS)
 		await process_frame
 	# Only a few bodies and scenes appear per frame, so the loop waits for them.
 	for frame in 60:
@@ -284,7 +284,7 @@ func _judge() -> void:
 	sorted.sort()
 	var median := float(sorted[sorted.size() / 2])
 	_expect(_most(resident) < median * (1.0 + FLAT) and _least(resident) > median * (1.0 - FLAT),
-			"a flat resident set, not one from " + range_of)
+			"the resident set stays near its median, got " + range_of)
 	print("| soak: resident set at rest, after the warm-up | %.1f MB | %s | %d |" % [
 		median / 1e6, range_of, _samples.size()])
 
@@ -299,7 +299,7 @@ static func _most(values: PackedInt64Array) -> float:
 
 func _compare(when: String, got: Dictionary, expected: Dictionary, keys: Array[String]) -> void:
 	for key in keys:
-		_expect(got[key] == expected[key], "as many %s %s: %d, not %d" % [key, when, got[key], expected[key]])
+		_expect(got[key] == expected[key], "the number of %s %s is %d, expected %d" % [key, when, got[key], expected[key]])
 
 
 func _line(elapsed: float) -> String:
