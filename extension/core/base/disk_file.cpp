@@ -107,7 +107,7 @@ bool move_over(const std::string &from, const std::string &to) {
 	const std::string folder = to.substr(0, to.rfind('/') + 1);
 	const int opened = open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_CLOEXEC);
 	if (opened >= 0) {
-		// Some systems cannot sync folders. The file has been moved even so.
+		// Failure is ignored, because some systems cannot sync folders and the file is already moved.
 		static_cast<void>(fsync(opened));
 		close(opened);
 	}

@@ -7,7 +7,7 @@
 
 namespace thicket {
 
-/// A world position in meters, with the height of the ground when it was last queried. Tiles store
+/// A world position in meters, with the ground height that was last queried there. Tiles store
 /// probes to detect later whether the ground has changed.
 struct GroundProbe {
 	glm::dvec2 position{0.0};

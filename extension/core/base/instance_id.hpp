@@ -6,8 +6,8 @@
 
 namespace thicket {
 
-/// Every base square of a layer has integer coordinates, the cell. They are in [-cell_limit,
-/// cell_limit) on both axes. See `InstanceId`.
+/// The cell of a base square is its integer coordinates in the layer's grid. Both are in
+/// [-cell_limit, cell_limit). See `InstanceId`.
 inline constexpr std::int32_t cell_limit = 1 << 23;
 
 /// Number of the lowest bit of the layer in an ID. The bits below it identify an instance within

@@ -33,8 +33,7 @@ struct Planet {
 	}
 	glm::dvec3 up_at(const glm::dvec3 &position) const { return up(position - center); }
 
-	/// Returns the position that is `offset` meters above another one. Without a planet, up is world
-	/// y.
+	/// Returns the position `offset` meters above `position`. Without a planet, up is world y.
 	glm::dvec3 above(const glm::dvec3 &position, double offset) const {
 		return exists() ? position + offset * up_at(position) : glm::dvec3(position.x, position.y + offset, position.z);
 	}

@@ -22,8 +22,8 @@ glm::ivec2 tile_at(double tile_size, glm::dvec2 position) {
 }
 
 Rect tile_rect(double tile_size, glm::ivec2 tile) {
-	// Multiplying, instead of adding tile_size, makes the end of a tile and the start of the next
-	// one the same expression.
+	// The end is a product, not the start plus tile_size, so that it is bit-identical to the start
+	// of the next tile.
 	return {glm::dvec2(tile) * tile_size, glm::dvec2(tile + 1) * tile_size};
 }
 

@@ -8,8 +8,8 @@
 
 namespace thicket {
 
-/// The sight distances, in meters, of the nearest and the farthest point of a box from its nearest
-/// viewer; see sight_distance().
+/// The sight distances, in meters, from the nearest viewer to the nearest and the farthest point of
+/// a box; see sight_distance().
 struct DistanceRange {
 	double near = 0.0;
 	double far = 0.0;

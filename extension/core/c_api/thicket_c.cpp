@@ -93,7 +93,7 @@ thicket_code call(thicket_sampler *sampler, const Work &work, const thicket::Dom
 template <typename Point>
 std::vector<Point> &held_as(thicket_sampler &r_sampler) {
 	if (auto *known = std::get_if<std::vector<Point>>(&r_sampler.held)) {
-		// The list is kept to reuse its memory; the caller clears it.
+		// The list is returned as it is to reuse its memory; the caller clears it.
 		return *known;
 	}
 	return r_sampler.held.emplace<std::vector<Point>>();

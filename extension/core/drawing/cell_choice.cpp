@@ -14,7 +14,7 @@ namespace {
 
 /// Smallest cell size, as a fraction of the distance of a change.
 constexpr double cell_per_distance = 0.25;
-/// Distance past the point of change at which a division changes, in tile sizes.
+/// Distance past the point of change at which the division actually changes, in tile sizes.
 constexpr double hysteresis = 0.1;
 constexpr double look_again = 0.125; ///< Minimum result of division_margin, in tile sizes.
 

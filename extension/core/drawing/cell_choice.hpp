@@ -36,7 +36,7 @@ inline constexpr double fewest_in_cell = 16.0;
 /// while it is less than a quarter of that distance.
 ///
 /// `shown` is the current division, or 0 for a tile that is not displayed. The current division is
-/// kept until the distance is a tenth of the tile's size past the point of change. A viewer that
+/// kept until the distance passes the point of change by a tenth of the tile size. A viewer that
 /// moves back and forth therefore causes no uploads.
 std::uint32_t division_at(const CellSettings &cells, const LodSettings &lod, double distance, std::uint32_t shown);
 

@@ -14,20 +14,20 @@ struct CellDrawing {
 	std::size_t lod = 0;  ///< LOD that is drawn alone until all LODs of `span` have a visual.
 	float scale = 1.0F;   ///< Scale factor that compensates for thinning; see compensating_scale.
 	double thinned = 1.0; ///< Fraction that remains after thinning by distance, 0 to 1.
-	/// Fraction that remains after thinning, quality and max_instances, for every LOD, 0 to 1.
+	/// Fraction that remains in every LOD after thinning, quality and max_instances, 0 to 1.
 	double density = 1.0;
 	std::size_t drawn = 0;    ///< Number of instances that the first LOD draws.
 	std::uint64_t wanted = 0; ///< Number of instances that the first LOD would draw without max_instances.
 };
 
-/// Updates LODs, scale and thinning of a cell for its distance from the viewers. `steps` has one
+/// Updates a cell's LODs, scale and thinning for its distance from the viewers. `steps` has one
 /// entry per LOD. If it is empty, no LOD of the mesh fades, and only one LOD is drawn at a time.
 /// The cell's previous values provide the hysteresis.
 void adapt(const LodSettings &settings, std::span<const LodStep> steps, const DistanceRange &distance,
 		CellDrawing &r_cell);
 
-/// Returns the change in distance, in meters, that does not affect the result of `adapt`: 0 or
-/// more, or infinity if the result never changes.
+/// Returns how far the distance may change, in meters, without affecting the result of `adapt`. The
+/// value is at least 0, or infinity if the result never changes.
 double adapted_margin(const LodSettings &settings, std::span<const LodStep> steps, const DistanceRange &distance);
 
 /// Returns the number of instances that an additional LOD of a cell draws. `first_share` and

@@ -31,7 +31,7 @@ struct DrawLimits {
 	friend bool operator==(const DrawLimits &, const DrawLimits &) = default;
 };
 
-/// The contribution of a visible tile to the total amounts.
+/// The amounts that a visible tile contributes to the totals.
 struct DrawAmounts {
 	std::uint64_t instances = 0; ///< All instances, drawn or not.
 	std::uint64_t bytes = 0;     ///< Main memory used by the instances.
@@ -102,7 +102,7 @@ private:
 	DrawLimits limits_; ///< The limits that apply in this frame.
 	DrawLimits next_limits_;
 	DrawAmounts amounts_;
-	/// Fraction of the wanted instances that is drawn, so that max_instances is not exceeded.
+	/// Fraction of the wanted instances that are drawn, which keeps them within max_instances.
 	double share_ = 1.0;
 	std::set<TileKey, TileKeyOrder> cut_;
 };

@@ -68,14 +68,14 @@ struct DrawCells {
 
 /// Divides a tile's instances of one mesh into `across` by `across` cells; `across` is clamped to
 /// the range from 1 to max_cells_across. The cells are half-open squares that depend only on the
-/// tile's space, so they form a fixed lattice in the world. Instances outside the space, where their
-/// layer's offset may put them, belong to the nearest cell. `space` must be limited along `axes`.
+/// tile's space, so they form a fixed lattice in the world. An instance that its layer's offset
+/// moves outside the space belongs to the nearest cell. `space` must be bounded along `axes`.
 /// Takes O(instances + cells) time. If memory runs out, `r_cells` is empty.
 Status divide(const CompactMesh &mesh, glm::dvec3 origin, const TileSpace &space, std::uint32_t across,
 		DrawCells &r_cells, const CellAxes &axes = {});
 
-/// Writes the floats of the instances in the order of `order`. `r_buffer` must have mesh.stride()
-/// floats per instance.
+/// Writes the floats of the instances at the indices `order`, in this order. `r_buffer` must have
+/// mesh.stride() floats per index.
 void gather(const CompactMesh &mesh, std::span<const std::uint32_t> order, std::span<float> r_buffer);
 
 /// The inverse of `gather`: writes the floats of a cell to their positions in the tile's buffer.

@@ -75,9 +75,9 @@ double compensating_scale(const LodSettings &settings, double share);
 /// fewer than allowed. A new fraction uses 90 % of the limit.
 double limited_share(double share, std::uint64_t wanted, std::uint64_t most);
 
-/// Returns the change in distance, in either direction, that does not affect the result of any
-/// function above. The return value is in meters, 0 or more, or infinity if no result depends on
-/// the distance.
+/// Returns how far the distance may change in either direction, in meters, without affecting the
+/// result of any function above. The value is at least 0, or infinity if no result depends on the
+/// distance.
 double distance_margin(const LodSettings &settings, double distance);
 
 } // namespace thicket

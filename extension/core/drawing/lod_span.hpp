@@ -38,8 +38,8 @@ struct LodSpan {
 LodSpan lod_span(const LodSettings &settings, std::span<const LodStep> steps, const DistanceRange &distance,
 		const LodSpan &shown);
 
-/// Returns the change in distance, in meters, that does not affect the result of lod_span: 0 or
-/// more, or infinity if the result never changes.
+/// Returns how far the distance may change, in meters, without affecting the result of lod_span. The
+/// value is at least 0, or infinity if the result never changes.
 double span_margin(const LodSettings &settings, std::span<const LodStep> steps, const DistanceRange &distance);
 
 /// The range of distances in which a mesh is visible, in the layout of scatter_fade.gdshaderinc.
@@ -48,8 +48,8 @@ double span_margin(const LodSettings &settings, std::span<const LodStep> steps, 
 /// distances over which the mesh fades, and w is the height limit of sight_distance.
 using FadeRange = glm::vec4;
 
-/// The event at the far end of a mesh's range: none, the next mesh replaces the mesh, or the view
-/// distance ends.
+/// The transition at the far end of a mesh's range: none (`stays`), a fade into the next mesh, or a
+/// fade-out at the view distance (`sight`).
 enum class LodEnd : std::uint8_t { stays, next, sight };
 
 /// Returns the fade range of the mesh in the steps `first` to `last`, which must all have this

@@ -39,8 +39,8 @@ Status DensityProbe::Workspace::find(const LayerSettings &layer, std::span<const
 	}
 	TileSpace space(rect);
 	if (!on_surface.empty()) {
-		// Other layers on surfaces only need to be sampled near these heights. A whole column may
-		// extend through a planet.
+		// Other layers on surfaces only need to be sampled near these heights. A column of unlimited
+		// height could extend through a planet.
 		const auto [lowest, highest] = std::ranges::minmax_element(on_surface, {}, &Ground::height);
 		constexpr double rounding = 0.01; // Meters; heights are floats.
 		space = {rect, lowest->height - rounding, highest->height + rounding};

@@ -19,8 +19,8 @@ namespace thicket {
 /// their sets.
 inline constexpr double max_probed_points = 4e6;
 
-/// Evaluates the density of a layer's rules at arbitrary positions. The probe runs the same code as
-/// tile generation. A point of the set at such a position would become an instance if its rank were
+/// Evaluates the density of a layer's rules at arbitrary positions, with the same code as tile
+/// generation. A point of the set at such a position would become an instance if its rank were
 /// below the density. A probe works in two steps, because the ground may have to be queried on
 /// another thread. Call `find`, query the ground at `positions()`, then call `look`. If other layers
 /// fill gaps, call `find_further` until is_complete(), as for TileBuilder. Probes can be reused, like

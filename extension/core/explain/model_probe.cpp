@@ -17,7 +17,7 @@ Status ModelProbe::find(const LayerSettings &layer, const glm::dvec3 &place, con
 		filter_.set(layer);
 		const glm::dvec2 center(place.x, place.z);
 		const double around = radii_around * layer.set.radius;
-		// A whole column may extend through a planet.
+		// The height is limited, because a column of unlimited height could extend through a planet.
 		const TileSpace space({center - around, center + around}, place.y - around, place.y + around);
 		const Status status = filter_.sample(space, surface, nullptr);
 		gather_positions();

@@ -28,7 +28,7 @@ public:
 	std::span<const GroundQuery> queries() const { return queries_; }
 
 	/// Sets `r_models` to the surface of the models, or to null if there are none. The models in
-	/// the settings must outlive it. `ground` contains the ground at all positions().
+	/// the settings must outlive this surface. `ground` contains the ground at all positions().
 	Status models(std::span<const Ground> ground, std::unique_ptr<const Surface> &r_models);
 
 private:

@@ -26,8 +26,8 @@ struct PlaceExplanation {
 	RuleResult place;
 
 	/// The point of the layer's set that is nearest to the position: in the plane, or in space for
-	/// a layer on surfaces. It is always closer than the set's radius. An instance can be at the
-	/// position only if the rules keep this point.
+	/// a layer on surfaces. It is always closer than the set's radius. An instance can be placed
+	/// here only if the rules keep this point.
 	SamplePoint point{};
 	double distance = 0.0; ///< Distance from the position to the point, in meters.
 	RuleResult at_point;
@@ -44,8 +44,8 @@ struct PlaceExplanation {
 	bool is_placed() const { return has_point && thicket::is_placed(point.rank, at_point.density); }
 };
 
-/// Explains the rules' results at positions, with the same code that generates tiles. It works in
-/// two steps, like DensityProbe.
+/// Explains the results of a layer's rules at a position, with the same code that generates tiles.
+/// The work has two steps, as for DensityProbe.
 class PlaceExplainer {
 public:
 	/// Prepares the explanation of a position in world meters, on the top of the ground. If the

@@ -16,11 +16,11 @@ namespace thicket {
 /// the ground at positions() until is_complete() is true, then read points().
 class PointProbe {
 public:
-	/// The layer must be valid, and not on surfaces. The positions (world meters) should be close
-	/// together. Errors are those of nearest_points and of TileBuilder.
+	/// Begins a search. The layer must be valid and must not be on surfaces. The positions (world
+	/// meters) should be close together. Returns the errors of nearest_points and TileBuilder.
 	Status find(const LayerSettings &layer, std::span<const glm::dvec2> places);
 
-	/// Forgets the last call.
+	/// Discards the last search.
 	void clear() { fills_ = false; }
 
 	bool is_complete() const { return !fills_ || filter_.is_complete(); }

@@ -36,8 +36,7 @@ int side_of_square(std::uint64_t area) {
 	return side >= min_heightfield_posts && found * found == area ? side : 0;
 }
 
-/// Completes a layout without a count from the size of the file. The count remains 0 if no square
-/// fits.
+/// Derives the layout of a square from the size of a file. The count is 0 if no square fits.
 RawLayout square_of(std::uint64_t size, int bytes_per_post) {
 	// The size of a square of 16-bit integers fits neither of the other types.
 	for (const int each : {2, 4, 1}) {

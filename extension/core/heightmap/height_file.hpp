@@ -24,7 +24,7 @@ struct RawLayout {
 	int bytes_per_post = 0;
 };
 
-/// Reads the height samples of a raw file. If the size of a square fits 8-bit integers and floats,
+/// Reads the height samples of a raw file. If a square fits both as 8-bit integers and as floats,
 /// reads floats. Errors name `property`, which must be a string literal.
 Status read_raw(std::span<const std::uint8_t> bytes, const RawLayout &layout, const char *property, Posts &r_posts);
 

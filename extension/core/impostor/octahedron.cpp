@@ -8,8 +8,7 @@ namespace thicket {
 
 namespace {
 
-/// If the squared length of a direction's horizontal part is below this, the direction is treated
-/// as vertical.
+/// A direction is treated as vertical if its horizontal part has a squared length below this.
 constexpr float least_horizontal = 1e-6F;
 
 float signed_one(float value) { return value < 0.0F ? -1.0F : 1.0F; }

@@ -30,8 +30,8 @@ inline constexpr double shadow_sight = 512.0;
 /// No LOD casts a shadow if, where it begins, the shadow is narrower than a pixel of the shadow
 /// map. The shadow is assumed to be as wide as the second longest side of the box, for any
 /// direction of the sun. The width of a pixel is the distance divided by `shadow_sight`. The map of
-/// a directional light is 4096 pixels wide and high, and the farthest of its four splits gets 2048
-/// of them. That split must cover about four times the distance.
+/// a directional light is 4096 pixels wide and high, and the farthest of its four splits is 2048
+/// pixels wide and high. That split must cover about four times the distance.
 ///
 /// Also returns true if a size is NAN or negative.
 bool casts_shadow(const LodCaster &lod);

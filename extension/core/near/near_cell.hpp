@@ -28,7 +28,7 @@ struct HeldRelease {
 /// result.
 struct NearVersion {
 	std::uint64_t world = 0; ///< InstanceWorld::version of the world.
-	/// Increases with other changes that invalidate results: new distances, released instances.
+	/// Increases with all other changes that invalidate results: new distances, released instances.
 	std::uint64_t queue = 0;
 
 	friend bool operator==(const NearVersion &, const NearVersion &) = default;
@@ -48,7 +48,7 @@ bool same_within(double slack, std::span<const glm::dvec3> now, std::span<const 
 
 /// The near instances of one layer in one cell of a square grid; see `NearQueue` for the terms. A
 /// cell is small enough to be checked in a single step. Centers that are far from each other have
-/// separate regions of cells, which are checked one after another.
+/// separate groups of cells around them.
 class NearCell {
 public:
 	/// A cell is due for a new check after this many frames, because requests for missing tiles

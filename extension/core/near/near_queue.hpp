@@ -51,8 +51,8 @@ public:
 
 	static constexpr int most_waiting = 32;
 
-	/// A cell is not checked while nearer cells have this many pending changes. A frame cannot
-	/// process more.
+	/// A cell is not checked while nearer cells have this many pending changes, because a frame
+	/// cannot process more.
 	static constexpr std::size_t max_found = 256;
 
 	/// The distance at which instances leave, as a multiple of the cell size. Small cells keep the

@@ -36,8 +36,8 @@ struct NearChanges {
 	/// Held instances whose position, basis, mesh or layer has changed; nearest first.
 	std::vector<PlacedInstance> changed;
 
-	/// The first `gone` entries are instances that were removed or, for a range of 0, all
-	/// instances. They come first, nearest first, because a player must not collide with an
+	/// The first `gone` entries are the removed instances, or all instances for a range of 0. They
+	/// are sorted nearest first and precede all others, because a player must not collide with an
 	/// instance that no longer exists. Instances that are merely too far away follow, farthest
 	/// first.
 	std::vector<NearRelease> leave;

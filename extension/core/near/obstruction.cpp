@@ -12,8 +12,8 @@ namespace thicket {
 
 namespace {
 
-/// Steeper slopes are treated as this slope, in degrees, so that ground falls by less than four
-/// times the horizontal distance.
+/// Maximum slope used, in degrees. It ensures that ground falls by less than four times the
+/// horizontal distance.
 constexpr double steepest = 75.0;
 
 constexpr int few_corners = 8;

@@ -32,7 +32,7 @@ struct Obstruction {
 ///
 /// A cell is covered as soon as the cylinder touches it, as when a mesh is baked. Otherwise, a stem
 /// thinner than a cell could be lost between two cells. The outline is therefore 0.7 cells wider
-/// than the cylinder. At its corners, it is wider by up to half a cell or 4 % of its radius,
+/// than the cylinder. Its corners extend farther by up to half a cell or 4 % of its radius,
 /// whichever is larger. The prism extends down far enough for ground that falls away from the
 /// cylinder, and for an agent whose head would hit the cylinder.
 ///

@@ -35,7 +35,8 @@ void write_added(const AddedInstance &added, std::uint64_t id, const LayerSettin
 	r_mesh.max_scale = std::max(r_mesh.max_scale, largest_scale(added.basis));
 }
 
-/// Returns a mesh with the added instances, followed by the `standing` ones of `mesh`.
+/// Returns a mesh with the added instances, followed by the instances of `mesh` at the indices
+/// `standing`.
 std::shared_ptr<const CompactMesh> rebuilt(const CompactMesh &mesh, const LayerSettings &layer, glm::dvec3 origin,
 		const Overlay &overlay, const Ids &added_ids, std::span<const std::uint32_t> standing) {
 	MeshInstances added;

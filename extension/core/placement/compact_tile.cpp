@@ -21,8 +21,8 @@ glm::vec3 position_of(const MeshInstances &mesh, std::size_t i) {
 	return {floats[3], floats[7], floats[11]};
 }
 
-/// Without alignment, a normal affects only the signs of zeros in the transform, through the signs
-/// of its x and z.
+/// Returns false for upright layers: there, only the signs of a normal's x and z matter, because
+/// they determine the signs of zeros in the transform.
 bool needs_normals(const LayerSettings &settings) { return settings.placement.align_to_normal != 0.0; }
 
 std::size_t bytes_of(const auto &values) { return values.capacity() * sizeof(values[0]); }
@@ -152,8 +152,8 @@ std::size_t CompactMesh::find(std::uint64_t id) const {
 	if (const auto found = std::ranges::find(ids_, id); found != ids_.end()) {
 		return static_cast<std::size_t>(found - ids_.begin());
 	}
-	// An id that is not in this mesh either has an offset out of range here or is not found by the
-	// search below.
+	// For an id that is not in this mesh, either these offsets are out of range or the search below
+	// finds nothing.
 	const std::uint64_t from_first = id - first_id_;
 	const std::uint64_t x = from_first >> 24;
 	const std::uint64_t y = from_first & 0xffffff;

@@ -28,8 +28,9 @@ constexpr std::array<glm::dvec2, edge_probes> edge_probe_offsets() {
 	return offsets;
 }
 
-/// Returns the largest distance in meters at which an edge feather reads the ground around a point. On
-/// a surface, a probe may be as far above or below the tangent plane as it is away in this plane.
+/// Returns the largest distance, in meters, at which an edge feather samples the ground around a
+/// point. On a surface, a probe's distance from the tangent plane may be as large as its distance
+/// within this plane.
 constexpr double edge_reach(double edge_feather, bool on_surface) {
 	constexpr double diagonal = 1.4142135623730951; // Square root of 2.
 	return on_surface ? diagonal * edge_feather : edge_feather;

@@ -8,7 +8,7 @@ namespace thicket {
 
 namespace {
 
-/// Maximum number of positions per call of Terrain::query.
+/// Maximum number of positions per call to Terrain::query.
 constexpr std::size_t positions_per_call = 2048;
 
 } // namespace

@@ -20,10 +20,10 @@ struct GroundQuery {
 	GroundNeeds needs;
 };
 
-/// Queries the ground at those of `positions` that `queries` contain, in batches of up to 2,048
-/// positions. `r_ground` has one entry for each position; entries that no query contains stay
-/// unchanged. Returns the first error of the terrain. Once `cancel` is set, returns
-/// ErrorCode::cancelled before the next batch. Exceptions of the terrain are passed on.
+/// Queries the ground at the positions that `queries` cover, in batches of up to 2,048 positions.
+/// `r_ground` has one entry for each position; entries outside all queries stay unchanged. Returns
+/// the first error of the terrain. Once `cancel` is set, returns ErrorCode::cancelled before the
+/// next batch. Exceptions thrown by the terrain propagate.
 Status query_ground(const Terrain &terrain, std::span<const glm::dvec2> positions, std::span<const GroundQuery> queries,
 		std::span<Ground> r_ground, const std::atomic<bool> *cancel = nullptr);
 

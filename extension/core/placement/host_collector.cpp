@@ -10,8 +10,8 @@ namespace thicket {
 
 namespace {
 
-/// Returns the instance at a point, without its mesh. The transform is the one that InstanceWriter
-/// writes, but in doubles and in world space, so that it does not depend on the tile.
+/// Returns the instance at a point, without its mesh. The transform equals the one from
+/// InstanceWriter, but is in doubles and in world space, so that it does not depend on the tile.
 HostInstance instance_at(const LayerSettings &host, std::uint64_t id, glm::dvec2 position, const Ground &ground) {
 	const Placement &placement = host.placement;
 	const glm::dvec3 place(position.x, ground.height, position.y);
@@ -85,8 +85,9 @@ Status HostCollector::surface(std::unique_ptr<const Surface> &r_surface) const {
 		return Status::out_of_range("triangles of surface_layers", triangles, at_most(Surface::max_triangles),
 				"Lower tile_size, or use models with fewer triangles");
 	}
-	// The bounds extend beyond the collected models, because there may be more models outside. The
-	// sampler would otherwise take the border of the collected models for the end of the surface.
+	// The bounds extend beyond the collected models, because there may be more models outside.
+	// Otherwise, the sampler would treat the border of the collected models as the end of the
+	// surface.
 	const double beyond = 1.0 + 0.1 * (around_.max.x - around_.min.x);
 	const Box3 around{{around_.min.x - beyond, bounds_.min.y, around_.min.y - beyond},
 			{around_.max.x + beyond, bounds_.max.y, around_.max.y + beyond}};

@@ -10,14 +10,14 @@
 namespace thicket {
 
 /// Collects the instances of a layer's hosts around a rectangle into the surface on which the layer
-/// grows. Instances that the surfaces of two rectangles share have the same order in both.
+/// grows. Instances that occur in the surfaces of two rectangles have the same order in both.
 class HostCollector {
 public:
 	/// `rect` is the rectangle in which the layer is sampled.
 	HostCollector(const LayerSettings &layer, const Rect &rect);
 
 	/// Adds the instances of one host. Call this function for each host, in the order of
-	/// LayerSettings::hosts. `filter` is the host's filter, after a call of LayerFilter::filter
+	/// LayerSettings::hosts. `filter` is the host's filter, after a call to LayerFilter::filter
 	/// with the same `ground`.
 	Status add(const HostLayer &host, const LayerFilter &filter, std::span<const Ground> ground);
 

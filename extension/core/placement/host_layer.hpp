@@ -77,8 +77,8 @@ struct HostLayer {
 };
 
 /// Returns an upper bound, in meters, for the horizontal distance from a point of the host's set to
-/// the triangles of the instance that is generated there. The height offset counts only on a planet,
-/// because it moves instances straight up elsewhere.
+/// the triangles of the instance that is generated there. The height offset matters only on a
+/// planet, because elsewhere it moves instances straight up.
 double reach_of(const HostLayer &host);
 
 /// Returns the same bound for all instances of the host, including hand-placed ones. The distance

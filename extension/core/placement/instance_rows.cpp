@@ -178,8 +178,8 @@ TurnAndScale turn_and_scale(std::span<const float, transform_floats> transform) 
 	}
 	result.sheared = std::max({std::abs(glm::dot(basis[0], basis[1])), std::abs(glm::dot(basis[0], basis[2])),
 							 std::abs(glm::dot(basis[1], basis[2]))}) > shear_limit;
-	// The basis is made orthonormal as in Godot: x keeps its direction, and y stays in the plane of
-	// x and y. If x and y are parallel, the rotation remains the identity.
+	// Orthonormalizes the basis as Godot does: x keeps its direction, and y stays in the plane of x
+	// and y. If x and y are parallel, the rotation remains the identity.
 	const glm::dvec3 y = basis[1] - basis[0] * glm::dot(basis[0], basis[1]);
 	const double length = glm::length(y);
 	if (length > same_scale) {

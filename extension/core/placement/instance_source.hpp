@@ -74,8 +74,8 @@ Status validate(const InstanceSource &source, const SourceNames &names);
 /// Returns the share of `value` in the source's range, 0 to 1.
 float share_of(const InstanceSource &source, double value);
 
-/// Returns the share of a hand-placed instance. The instance's own world y, or its altitude on
-/// `planet`, serves as the height of the ground, and 0 as its rank. Slopes and distances are unknown.
+/// Returns the share of a hand-placed instance. The instance's world y, or its altitude on
+/// `planet`, is used as the height of the ground, and 0 as its rank. Slopes and distances are unknown.
 /// `on_surface` is the layer's PointSet::on_surface. If it is true, noise also depends on world y.
 float share_by_hand(const InstanceSource &source, glm::dvec3 position, bool on_surface, const Planet &planet = {});
 

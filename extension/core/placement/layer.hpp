@@ -75,29 +75,29 @@ struct LayerSettings {
 /// Returns an error if any setting of the layer, or of a layer on which it depends, is invalid.
 Status validate(const LayerSettings &layer);
 
-/// Returns true if a layer fills around a neighbor. It does not if either layer is on surfaces, or if
-/// the rule is a proximity.
+/// Returns true if a layer fills the gaps around a neighbor. Returns false if either layer is on
+/// surfaces, or for a proximity rule.
 bool fills_around(const LayerSettings &layer, const Neighbor &neighbor);
 
 /// Returns true if the layer's points depend on the instances of a neighbor; see
 /// LayerSettings::spacing_fills.
 bool fills(const LayerSettings &layer);
 
-/// The longest chain of darts, in cells, that occurred in any measurement. A change of an obstacle
-/// moves no point that is farther away.
+/// The longest chain of darts, in cells, that occurred in any measurement. A changed obstacle moves
+/// no point that is farther away.
 inline constexpr std::int32_t fill_chain_cells = 19;
 
 /// The margins of a filled layer, in cells: the first one, and wider ones for the few tiles in which
-/// a chain of darts leaves it. The neighbors are sampled in the same margin, which costs more than
-/// the margin itself. So the first one is narrower than that of other layers.
+/// a chain of darts leaves it. The first one is narrower than for other layers, because the
+/// neighbors must be sampled in the same margin, which is expensive.
 inline constexpr std::array<std::int32_t, 3> fill_margins{12, 24, 48};
 
 /// Returns true if the transform or appearance of instances depends on the normal of the ground.
 bool follows_normals(const LayerSettings &layer);
 
-/// The longest distance, in radii of the set, from a change of a surface to a point that changes as
-/// a result. Points on surfaces are accepted one after another, and each may affect the next ones
-/// (a chain of darts). No longer chain occurred in any measurement.
+/// The longest distance, in radii of the set, from a changed part of a surface to a point that
+/// changes as a result. Points on surfaces are accepted one after another, and each may affect the
+/// next ones (a chain of darts). No longer chain occurred in any measurement.
 inline constexpr double surface_chain_reach = 13.0;
 
 /// The margins of the sampler for layers on the models of hosts. Around a tile, models are placed
@@ -110,11 +110,10 @@ inline constexpr SampleMargins host_margins{.first = 16, .widest = 32};
 /// the host.
 double host_distance(const LayerSettings &layer, double reach);
 
-/// Returns the largest distance in meters at which a change of the ground, a mask or a shape may
-/// affect an instance of a valid layer. The instance may be affected through a chain of layers. The
-/// distances along such a chain are added up. Each layer adds the reach of its edge feather and, on
-/// surfaces or if it fills gaps, the reach of a chain of darts. The result is the maximum over all
-/// chains.
+/// Returns the largest distance in meters at which a change to the ground, a mask or a shape may
+/// affect an instance of a valid layer. A change may affect the instance through a chain of layers,
+/// along which distances add up. Each layer adds the reach of its edge feather and, on surfaces or
+/// if it fills gaps, the reach of a chain of darts. The result is the maximum over all chains.
 double reach(const LayerSettings &layer);
 
 /// Returns the approximate number of points that are sampled to generate a square tile of
@@ -123,7 +122,7 @@ double reach(const LayerSettings &layer);
 double points_to_sample(const LayerSettings &layer, double tile_size);
 
 /// Returns the faces of a surface that the slope limits permit. The result changes only when a
-/// limit crosses 90 degrees. Other changes of the limits therefore move no points. On a planet, the
+/// limit crosses 90 degrees. Other changes to the limits therefore move no points. On a planet, the
 /// up direction differs between positions, so all faces are permitted.
 SurfaceFaces permitted_faces(const LayerSettings &layer);
 

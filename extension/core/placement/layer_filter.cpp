@@ -19,7 +19,8 @@ namespace {
 /// millisecond.
 constexpr std::size_t points_per_check = 2048;
 
-/// The same for points on surfaces with an edge feather, whose probes are searched one by one.
+/// The same number for points on surfaces with an edge feather, whose probes are searched one by
+/// one.
 constexpr std::size_t surface_points_per_check = 16;
 
 constexpr std::array<glm::dvec2, edge_probes> probe_offsets = edge_probe_offsets();
@@ -73,7 +74,7 @@ Status LayerFilter::sample_surface(const PointSource &source, const std::atomic<
 	}
 	const PointSet &set = layer_->set;
 	const Box3 &bounds = source.surface->bounds();
-	// Farther from the origin, ids would repeat.
+	// Beyond these limits, ids would repeat.
 	const double extent = set_extent(set);
 	const double height = extent / surface_id_extent * surface_id_height;
 	const Status status = first_failure(check_range("rect", window_.min.x, -extent, extent),

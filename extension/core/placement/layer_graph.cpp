@@ -19,8 +19,8 @@ Status check(const Neighbor &neighbor) {
 			check_range("neighbor distance", neighbor.distance, 0.0, max_neighbor_distance));
 }
 
-/// Returns the sources of a layer that depend on distances to other layers. For layers at a greater
-/// depth, the result is empty, because their appearance does not matter.
+/// Returns the sources of a layer that depend on distances to other layers. Both are null at a depth
+/// above 0, because only the appearance of the layer itself matters.
 std::array<const InstanceSource *, 2> distance_sources_at(const LayerSettings &layer, std::size_t depth) {
 	return depth == 0 ? distance_sources(layer.instance_data) : std::array<const InstanceSource *, 2>{};
 }
@@ -93,8 +93,8 @@ void LayerGraph::add_hosts(const LayerSettings &layer, std::size_t depth) {
 	}
 }
 
-/// The loop works backwards from the layer itself, because all layers that depend on a layer come
-/// after it.
+/// Computes the margins backward from the layer itself, because all layers that depend on a layer
+/// come after it.
 void LayerGraph::find_margins() {
 	for (std::size_t at = size_; at-- > 0;) {
 		const Node &node = nodes_[at];

@@ -98,7 +98,7 @@ std::vector<HostLayer> hosts(
 	return result;
 }
 
-/// Returns the text for a referenced layer in a warning.
+/// Returns the name that a warning uses for a referenced layer.
 std::string quoted(const LayerReference &reference) {
 	if (!reference.name.empty()) {
 		return '"' + reference.name + '"';
@@ -114,8 +114,8 @@ std::string unknown_layer_note(const LayerReference &reference) {
 			"Layers of different TerrainScatter3D nodes cannot refer to each other: move both layers into one node.";
 }
 
-/// Appends a text if the layer at `index` cannot fill gaps around all layers from which it keeps a
-/// distance.
+/// Appends a warning if the layer at `index` cannot fill gaps around all layers from which it keeps
+/// a distance.
 void add_fill_problems(Links layers, std::size_t index, std::vector<std::string> &r_problems) {
 	const LayerLinks &layer = *layers[index];
 	if (!layer.spacing_fills) {

@@ -33,7 +33,7 @@ struct LayerReference {
 	friend auto operator<=>(const LayerReference &, const LayerReference &) = default;
 };
 
-/// A layer's own name and identity, and its references to other layers.
+/// A layer's name and identity, and its references to other layers.
 struct LayerLinks {
 	std::string name;           ///< Empty if the layer has no name.
 	std::uint64_t identity = 0; ///< A number unique to this layer; 0 if it has none.
@@ -80,10 +80,10 @@ using SharedLayer = std::shared_ptr<const LayerSettings>;
 struct LinkedLayer {
 	/// Settings with neighbors and source layers; null if there is no layer at this index.
 	SharedLayer settings;
-	Status status; ///< The error of new settings that were refused. The layer then kept its previous ones.
+	Status status; ///< The error of new settings that were rejected. The layer then keeps its previous ones.
 };
 
-/// An additional check that may refuse a layer. It receives the settings with neighbors, and the
+/// An additional check that may reject a layer. It receives the settings with neighbors, and the
 /// index in the list.
 using LayerCheck = std::function<Status(const LayerSettings &layer, std::size_t index)>;
 
@@ -103,10 +103,10 @@ std::vector<LinkedLayer> link_layers(
 /// 2 on, as in "Oak 2".
 std::string free_layer_name(std::string_view name, std::span<const std::string> taken);
 
-/// Describes likely mistakes in a layer's name and references, one text for each. The mistakes are
-/// references to unknown layers, spacing from the layer itself, a name that an earlier layer has,
-/// proximity or source layers that are not earlier in the list, and a layer that cannot fill gaps. `layers[index]` must not be
-/// null; other entries may be.
+/// Describes likely mistakes in a layer's name and references, one string for each. The mistakes are
+/// references to unknown layers, spacing from the layer itself, and a name that an earlier layer
+/// has. They also include proximity or source layers that are not earlier in the list, and a layer
+/// that cannot fill gaps. `layers[index]` must not be null; other entries may be.
 std::vector<std::string> name_problems(std::span<const LayerLinks *const> layers, std::size_t index);
 
 } // namespace thicket

@@ -32,8 +32,8 @@ public:
 	Status build(std::span<const TileOrder> orders, const Terrain &terrain, CallerThreads &threads,
 			std::vector<std::shared_ptr<const CompactTile>> &r_tiles);
 
-	/// Returns the total of SampleStats::computed for the tiles' own layers so far. Points that
-	/// tiles share through the block cache are counted once.
+	/// Returns the total of SampleStats::computed so far, without points of other layers on which
+	/// the tiles' layers depend. Points that tiles share through the block cache are counted once.
 	std::uint64_t points_computed() const { return points_computed_; }
 
 private:

@@ -65,7 +65,7 @@ std::array<glm::dvec3, 3> PlacedModels::Placed::triangle(std::uint32_t index) co
 		corner = position + basis * corner;
 	}
 	if (mirrored) {
-		std::swap(corners[1], corners[2]); // Mirroring would otherwise turn the front to the back.
+		std::swap(corners[1], corners[2]); // Mirroring would otherwise swap front and back.
 	}
 	return corners;
 }

@@ -25,8 +25,8 @@ public:
 		HostInstance instance;
 	};
 
-	/// Returns bounds that contain all triangles of a part, or `no_box` if it has none. A part whose
-	/// basis has no inverse counts as having none.
+	/// Returns bounds that contain all triangles of a part, or `no_box` if it has none or its basis
+	/// has no inverse.
 	static Box3 bounds_of(const Part &part);
 
 	/// Takes the parts in the order in which their triangles are numbered. Together, they must have

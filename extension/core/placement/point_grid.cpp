@@ -63,7 +63,7 @@ void PointGrid<Point>::set(std::span<const Point> points, const Rect &area, doub
 		end += begin;
 		begin = end;
 	}
-	// Each cell is filled from its end, so that every entry finally is the begin of its cell.
+	// Each cell is filled from its end, so that every entry finally is the beginning of its cell.
 	points_.resize(points.size());
 	for (const Point &point : points) {
 		points_[--begin_[index(point)]] = point;
@@ -84,8 +84,8 @@ double PointGrid<Point>::nearest_in_row(const Point &position, int y, int first,
 }
 
 /// Returns the minimum of `nearest` and the squared distances to the points in the cells from
-/// `first` to `last`. The search goes outwards in rings, and stops once no further ring can contain
-/// a nearer point.
+/// `first` to `last`. The search proceeds outward in rings, and stops once no remaining ring can
+/// contain a nearer point.
 template <class Point>
 double PointGrid<Point>::nearest_outwards(
 		const Point &position, glm::ivec2 first, glm::ivec2 last, double nearest) const {
@@ -96,7 +96,7 @@ double PointGrid<Point>::nearest_outwards(
 		// One more cell is subtracted to cover rounding.
 		const double beyond = static_cast<double>(ring - 2) / cells_per_meter_;
 		if (ring > 2 && beyond * beyond >= nearest) {
-			// No further ring can contain a nearer point.
+			// No remaining ring can contain a nearer point.
 			break;
 		}
 		const glm::ivec2 low = glm::max(own - ring, first);

@@ -45,7 +45,7 @@ public:
 	TileBuilder &operator=(TileBuilder &&) noexcept;
 
 	/// Replaces `r_tile` with the instances in `space` (world meters). Rectangles that
-	/// TileSampler::sample refuses are errors here, too. The result depends only on the arguments,
+	/// TileSampler::sample rejects are errors here, too. The result depends only on the arguments,
 	/// bit for bit. After an error, `r_tile` is unchanged. About a millisecond after `cancel` is
 	/// set, the call returns ErrorCode::cancelled; `r_tile` is then valid but its content is
 	/// unspecified.
@@ -56,9 +56,9 @@ public:
 			const std::atomic<bool> *cancel = nullptr, CallerThreads *threads = nullptr);
 
 	/// Performs the first step of `build`: finds the points that pass the rules that depend only on
-	/// the position, such as masks and noise. After an error during sampling, `place` is refused.
-	/// If `threads` is not null, they share the sampling of a large rectangle. Layers on surfaces
-	/// have points only if the `surface` of the ground is given.
+	/// the position, such as masks and noise. After an error during sampling, `place` fails. If
+	/// `threads` is not null, they share the sampling of a large rectangle. Layers on surfaces have
+	/// points only if `surface`, the surface of the ground, is not null.
 	Status find_points(const LayerSettings &layer, const TileSpace &space, const std::atomic<bool> *cancel = nullptr,
 			CallerThreads *threads = nullptr, const Surface *surface = nullptr);
 
@@ -66,8 +66,8 @@ public:
 	/// must be called first.
 	bool is_complete() const;
 
-	/// Performs a further part of the first step, with the ground at positions(), and replaces
-	/// positions() and queries(). Errors are as in `find_points` and `place`.
+	/// Continues the first step with the ground at positions(), and replaces positions() and
+	/// queries(). Errors are as in `find_points` and `place`.
 	Status find_further(std::span<const Ground> ground, const std::atomic<bool> *cancel = nullptr,
 			CallerThreads *threads = nullptr);
 

@@ -35,7 +35,7 @@ void put(Values &r_values, Target &r_target, std::size_t first) {
 } // namespace
 
 PieceGrid::PieceGrid(const TileSpace &space, const LayerGraph &graph) : space_(space) {
-	// A rectangle that the sampler will refuse is not divided, so that the sampler reports the
+	// A rectangle that the sampler will reject is not divided, so that the sampler reports the
 	// error.
 	if (graph.nodes().empty() || !space.finite() || space.empty() || points_in(space, graph) > max_points_per_call) {
 		return;

@@ -1,5 +1,6 @@
-// Performs the computation of write_basis in placement.cpp, and writes the position, for as many
-// instances at a time as a vector has doubles. This file is included once for each instruction set.
+// A vectorized version of write_basis in placement.cpp that also writes the position. It processes
+// as many instances at a time as a vector has doubles. This file is included once for each
+// instruction set.
 //
 // The code uses the same operations as placement.cpp in the same order, without fused
 // multiply-adds, so that the results are bit-identical. Keep both in sync.
@@ -108,8 +109,8 @@ HWY_INLINE D cosine_small(D square) {
 /// Performs rotation_by() on vectors.
 HWY_INLINE Turn rotation_by(D turns) {
 	const D quarters = hn::Mul(turns, set(4.0));
-	// Rounds to the nearest integer, and adds 8 to make the number positive; this does not change
-	// the quarter.
+	// Rounds to the nearest integer, and adds 8 to make the number positive. Adding 8 does not
+	// change the quarter, because 8 is a multiple of 4.
 	const D nearest = hn::Floor(hn::Add(quarters, set(8.5)));
 	const D rest = hn::Mul(hn::Sub(quarters, hn::Sub(nearest, set(8.0))), set(std::numbers::pi / 2.0));
 	const D square = hn::Mul(rest, rest);
@@ -134,7 +135,7 @@ HWY_INLINE Vector tilted_up(const Vector &up, D x, D z) {
 HWY_INLINE Vector tilted(const Vector &up, D x, D z) {
 	const auto hangs = hn::Lt(up.y, set(overhang));
 	if (hn::AllFalse(Doubles(), hangs)) {
-		// All ground that is seen from above leads here.
+		// This is always the case for ground that is seen from above.
 		return tilted_up(up, x, z);
 	}
 	const Vector mirrored{up.x, hn::IfThenElse(hangs, hn::Neg(up.y), up.y), hn::IfThenElse(hangs, hn::Neg(up.z), up.z)};

@@ -20,8 +20,8 @@ namespace {
 /// point's position.
 constexpr double most_tiles = 4.0;
 
-/// The set does not have the positions of a layer that fills gaps, so all tiles must be read, up to
-/// this number.
+/// Maximum number of tiles to read for a layer that fills gaps. All tiles of the cell must be read,
+/// because the set alone does not determine the layer's points.
 constexpr double most_filled_tiles = 1024.0;
 
 /// Finds the tile that contains a point, for a layer whose tiles are smaller than the set's cells.

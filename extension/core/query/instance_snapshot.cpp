@@ -10,8 +10,8 @@ InstanceSnapshot::InstanceSnapshot(const InstanceWorld &world, std::optional<Ins
 		layers_(world.layers().begin(), world.layers().end()), known_(world.known_tiles()), maker_(std::move(maker)),
 		state_(std::move(state)) {}
 
-/// Completes the shared state. The first query calls this, not the constructor, because completing
-/// is slow for many hand-placed instances.
+/// Completes the shared state. The first query calls this function instead of the constructor,
+/// because completing the state is slow for many hand-placed instances.
 Status InstanceSnapshot::complete_state() const {
 	const std::lock_guard lock(mutex_);
 	if (!complete_ && state_.has_value()) {

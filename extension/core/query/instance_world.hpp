@@ -75,8 +75,8 @@ public:
 	std::uint64_t version() const { return version_; }
 	void touch();
 
-	/// Returns false only if `known_in` returns the same result for this rectangle as at `version`.
-	/// For old versions, may return true even if nothing has changed.
+	/// Returns false only if `known_in` returns the same result for this rectangle as it did at
+	/// `version`. For old versions, may return true even if nothing has changed.
 	bool changed_since(std::uint64_t version, std::uint32_t layer, const Rect &rect) const;
 
 	std::span<const QueryLayer> layers() const { return layers_; }

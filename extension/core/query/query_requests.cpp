@@ -54,7 +54,7 @@ bool QueryRequests::gather(const InstanceWorld &world, Open &r_open) {
 			complete = false;
 		}
 	}
-	return complete; // If layers have changed so that the request is now invalid, its answer is empty.
+	return complete; // If changed layers have made the request invalid, its answer is empty.
 }
 
 std::vector<QueryRequests::Answer> QueryRequests::frame(const InstanceWorld &world) {

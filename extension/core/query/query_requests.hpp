@@ -27,8 +27,8 @@ public:
 		FoundInstances found;
 	};
 
-	/// Starts a request. Sets `r_request` to a number above 0 that identifies the request. The same
-	/// values as in InstanceQuery are errors.
+	/// Starts a request. Sets `r_request` to a number above 0 that identifies the request. Values
+	/// that InstanceQuery rejects are errors.
 	Status add(const InstanceWorld &world, const std::variant<Rect, Sphere> &area, const QueryFilter &filter,
 			std::int64_t &r_request);
 

@@ -26,7 +26,7 @@ public:
 		if (rows.empty()) {
 			return {};
 		}
-		// The ray passes at least one tile in every row, except outside the cells of the set.
+		// The ray crosses at least one tile in every row, except outside the cells of the set.
 		if (const double most = points_ + (1.0 + rows.last.y - rows.first.y) * window.tile_points();
 				most > InstanceQuery::max_points) {
 			return Status::too_many_points("to", most, InstanceQuery::max_points, shorter_ray);

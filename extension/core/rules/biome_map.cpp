@@ -19,7 +19,7 @@ namespace {
 /// Edge length of a block in pixels.
 constexpr int block = 8;
 
-/// Coordinate in meters up to which clamped border pixels extend. No world is that large.
+/// The coordinate, in meters, up to which clamped border pixels extend. No world is that large.
 constexpr double beyond = 1e12;
 
 /// Tap offsets in units of the border width: the Hammersley set of 16 points. The points cover the

@@ -16,8 +16,8 @@ namespace thicket {
 
 namespace {
 
-/// Edge length in cells of a square that contains one maximum of the noise on average. Applies to
-/// the noise on the plane and to a plane through the noise in space. Measured by make_clump_table.
+/// The edge length, in cells, of a square that contains one maximum of the noise on average: for
+/// noise on the plane, and on a plane through noise in space. Measured by make_clump_table.
 constexpr double cells_per_clump = 2.1747;
 constexpr double cells_per_clump_in_space = 2.1074;
 

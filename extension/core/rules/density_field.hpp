@@ -33,7 +33,7 @@ public:
 	/// threads may call the function concurrently.
 	virtual Status sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const = 0;
 
-	/// Does the same for positions on surfaces. `heights[i]` is the world height of `positions[i]`
+	/// Like `sample`, for positions on surfaces. `heights[i]` is the world height of `positions[i]`
 	/// in meters. By default, the density does not depend on the height.
 	virtual Status sample_in_space(std::span<const glm::dvec2> positions,
 			[[maybe_unused]] std::span<const float> heights, std::span<float> r_density) const {

@@ -84,7 +84,7 @@ double ImageMask::at(glm::dvec2 position) const {
 	glm::dvec2 part = (position - area_.min) / area_.size();
 	if (repeat) {
 		if (!std::isfinite(part.x) || !std::isfinite(part.y)) {
-			return 0.0; // The position is too far away to compute the position within the image.
+			return 0.0; // So far away, doubles cannot resolve the position within the image.
 		}
 		part -= glm::dvec2(std::floor(part.x), std::floor(part.y));
 	}

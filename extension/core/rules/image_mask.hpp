@@ -29,7 +29,7 @@ public:
 	/// axes. Any other value is an error and leaves the mask unchanged.
 	Status set(glm::ivec2 size, std::span<const std::uint8_t> pixels, const Rect &area, MaskEdge edge);
 
-	/// For a position that is not finite, the density is 0 in any edge mode.
+	/// At a position that is not finite, the density is 0 for every MaskEdge.
 	Status sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const override;
 
 	friend bool operator==(const ImageMask &, const ImageMask &);

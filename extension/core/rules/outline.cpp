@@ -21,7 +21,7 @@ enum class Side : std::uint8_t {
 /// lower end and excludes its upper end, so that a ray through a corner counts the correct number
 /// of crossings.
 Side side(glm::dvec2 a, glm::dvec2 b, glm::dvec2 position) {
-	// The ends are sorted, so that the two directions of the same edge always agree.
+	// The ends are sorted, so that both directions of an edge produce the same result.
 	if (b.y < a.y || (b.y == a.y && b.x < a.x)) {
 		std::swap(a, b);
 	}

@@ -131,8 +131,9 @@ Rect PaintedMask::Edit::changed_area() const {
 		return {};
 	}
 	// A pixel affects positions up to the centers of its neighbors, where its bilinear weight is 0.
-	// The start may be rounded: every position before it is also outside in exact arithmetic. The
-	// end is moved up by one ulp if a position there would round back into a changed pixel's reach.
+	// Rounding the start is harmless, because every position before it is also outside in exact
+	// arithmetic. The end is moved up by one ulp if a position there would round back into a
+	// changed pixel's reach.
 	const double size = mask_.pixel_size_;
 	const auto end = [size](int pixel) {
 		const double edge = pixel + 0.5;

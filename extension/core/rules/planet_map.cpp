@@ -8,8 +8,8 @@ namespace thicket {
 
 namespace {
 
-/// Directions that are nearly opposite of the middle, for which this number exceeds the denominator of
-/// the projection, have no exact place.
+/// Minimum denominator of the projection. Directions below it are nearly opposite the middle, and
+/// have no exact place.
 constexpr double least_share = 1e-6;
 
 } // namespace
@@ -25,13 +25,13 @@ glm::dvec2 PlanetMap::at(const glm::dvec3 &position) const {
 	const glm::dvec3 up = planet_.up_at(position);
 	const double share = 1.0 + glm::dot(up, axes_[1]);
 	if (!(share > least_share)) {
-		return {2.0 * radii_across * planet_.radius, 0.0}; // Any place that is not on the map.
+		return {2.0 * radii_across * planet_.radius, 0.0}; // An arbitrary place outside the map.
 	}
 	return 2.0 * planet_.radius / share * glm::dvec2(glm::dot(up, axes_[0]), glm::dot(up, axes_[2]));
 }
 
 glm::dvec3 PlanetMap::direction(glm::dvec2 place) const {
-	const glm::dvec2 tangent = place / (2.0 * planet_.radius); // Of half the angle from the middle.
+	const glm::dvec2 tangent = place / (2.0 * planet_.radius); // The tangent of half the angle from the middle.
 	const double squared = tangent.x * tangent.x + tangent.y * tangent.y;
 	return (2.0 * (tangent.x * axes_[0] + tangent.y * axes_[2]) + (1.0 - squared) * axes_[1]) / (1.0 + squared);
 }

@@ -8,17 +8,17 @@
 
 namespace thicket {
 
-/// A flat map of a planet around one of its directions, the middle: the stereographic projection of
-/// a sphere with the planet's radius. The map preserves angles, and lengths near the middle. All
-/// positions with the same up direction have the same place on the map. Results are bit-identical on
-/// every machine.
+/// A flat map of a planet: the stereographic projection of a sphere with the planet's radius. The
+/// center of the map is called the middle, and points on the map are called places. The map
+/// preserves angles everywhere, and lengths near the middle. All positions with the same up
+/// direction have the same place. Results are bit-identical on every machine.
 class PlanetMap {
 public:
 	/// Places farther from the middle than this many radii of the planet are not on the map. The
 	/// limit is 150 degrees from the middle.
 	static constexpr double radii_across = 7.4641016151377544;
 
-	/// Creates the map of no planet.
+	/// Creates a map without a planet.
 	PlanetMap() = default;
 
 	/// Creates a map whose middle is the up direction at `middle` (world meters), which must not be
@@ -33,20 +33,20 @@ public:
 	/// Returns the up direction at a place.
 	glm::dvec3 direction(glm::dvec2 place) const;
 
-	/// Returns the length on the map, at a place, of one meter on the sphere. It is 1 in the middle.
+	/// Returns the map's scale at a place: the length on the map of one meter on the sphere. The
+	/// scale is 1 in the middle.
 	double scale(glm::dvec2 place) const;
 
 	bool contains(glm::dvec2 place) const;
 
-	/// Moves a position along its up direction to the distance at which the middle was given from the
-	/// center, and returns the result relative to the center. The y axis of the result is the up
-	/// direction of the middle.
+	/// Moves a position along its up direction to middle_distance(), and returns the result relative
+	/// to the planet's center. The y axis of the result is the up direction of the middle.
 	glm::dvec3 at_middle(const glm::dvec3 &position) const;
 
 	/// Returns the x axis of the map, the up direction of the middle, and the z axis of the map.
 	const glm::dmat3 &axes() const { return axes_; }
 
-	/// Returns the distance in meters from the center at which the middle was given.
+	/// Returns the distance in meters from the planet's center to the constructor's `middle`.
 	double middle_distance() const { return distance_; }
 
 private:
