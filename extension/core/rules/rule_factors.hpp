@@ -50,9 +50,9 @@ struct RuleFactor {
 	std::uint32_t index = no_index;
 };
 
-/// A recorder receives each factor during the evaluation of rules. The evaluation uses the
-/// recorder's return value. NoRecord, which generates tiles, stores nothing, so the compiler
-/// removes it.
+/// A recorder receives each factor during the evaluation of rules, and the evaluation uses the
+/// recorder's return value. Tile generation uses NoRecord, which stores nothing, so that the
+/// compiler removes it.
 struct NoRecord {
 	/// True if all factors must be evaluated, even after one of them was 0.
 	static constexpr bool complete = false;

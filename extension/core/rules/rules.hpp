@@ -36,7 +36,8 @@ inline constexpr double unlimited_height = 1e6;
 /// degrees, 180 on surfaces, unlimited_height) has no falloff either.
 struct Rules {
 	double density = 1.0; ///< Fraction of the points to keep, 0 to 1.
-	/// Angle between the normal and straight up in degrees: 0 for a floor, 90 for a wall, 180 for a ceiling, which only surfaces have.
+	/// Angle in degrees between the normal and straight up: 0 for a floor, 90 for a wall, 180 for a
+	/// ceiling. Only surfaces have angles above 90.
 	double min_slope_degrees = 0.0;
 	double max_slope_degrees = 90.0;
 	double slope_falloff_degrees = 0.0;    ///< Degrees, 0 to 90. 0 is a sharp limit.

@@ -137,10 +137,10 @@ Rect with(const Rect &a, const Rect &b) {
 /// Returns a lower bound of the cosine of an angle in radians.
 double least_cosine(double angle) { return angle < 2.0 ? 1.0 - 0.5 * angle * angle : -1.0; }
 
-/// Returns the bounds of a path on a planet, as those of its edges.
+/// Returns the bounds of a path on a planet, which are the bounds of its edges.
 Rect path_bounds(const Shape &shape, const PlanetMap &map) {
-	// At the border of the map, a length on the map may differ by this factor from its start to its
-	// end. The arc of a chord is at most half of pi times as long.
+	// At the border of the map, the scale may differ by this factor between the ends of an edge. An
+	// arc is at most pi / 2 times as long as its chord.
 	constexpr double longest = 4.0 * 1.6;
 	const std::vector<glm::dvec2> &line = shape.outline;
 	Rect result = cone(shape.planet, map.direction(line.front()), 1.0);

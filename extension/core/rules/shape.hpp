@@ -45,7 +45,7 @@ struct Shape {
 	/// cross or overlap.
 	std::vector<glm::dvec2> outline;
 	/// The planet that defines "at any height" for a polygon, a path, or a shape that ignores height;
-	/// none elsewhere. The shape then covers all positions above and below it, along the direction
+	/// otherwise none. The shape then covers all positions above and below it, along the direction
 	/// away from the planet's center, up to Planet::radii_around radii from the center.
 	Planet planet{};
 
@@ -69,8 +69,8 @@ Status validate(const Shape &shape);
 
 class PlanetMap;
 
-/// Returns a box, sphere or cylinder that ignores height in the space of PlanetMap::at_middle, without
-/// its planet. `map` is the map around the shape's center.
+/// Transforms a box, sphere or cylinder that ignores height to the space of PlanetMap::at_middle, and
+/// removes its planet. `map` is the map around the shape's center.
 Shape turned_upright(const Shape &shape, const PlanetMap &map);
 
 /// Returns the world rectangle outside which a valid shape has no effect. The rectangle includes

@@ -8,8 +8,8 @@
 namespace thicket {
 
 /// Appends world rectangles outside which a valid shape has no effect: its bounds or, for a path,
-/// the bounds of up to max_path_pieces pieces. With pieces, a long road does not cover all the land
-/// that it encloses. If memory runs out, the function fails and appends nothing.
+/// the bounds of up to max_path_pieces pieces. The pieces of a winding road cover far less land
+/// than its bounds. If memory runs out, the function fails and appends nothing.
 Status add_touched(const Shape &shape, std::vector<Rect> &r_areas);
 
 inline constexpr std::size_t max_path_pieces = 64;

@@ -27,8 +27,8 @@ Status take_apart(const glm::dmat3 &basis, ShapeFrame &r_frame) {
 		return Status::out_of_range(
 				"shear", shear, at_most(max_shape_shear), "Scale a rotated parent by the same factor on all axes");
 	}
-	// The axes are made orthonormal by the Gram-Schmidt process. It starts with the up axis, so
-	// that an upright shape stays upright.
+	// Orthonormalizes the axes (Gram-Schmidt), starting with the up axis, so that an upright shape
+	// stays upright.
 	axes[0] = glm::normalize(axes[0] - glm::dot(axes[0], axes[1]) * axes[1]);
 	const glm::dvec3 across = glm::cross(axes[0], axes[1]);
 	axes[2] = glm::dot(across, axes[2]) < 0.0 ? -across : across;

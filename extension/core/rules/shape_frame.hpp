@@ -18,8 +18,8 @@ struct ShapeFrame {
 inline constexpr double max_shape_shear = 1e-3;
 
 /// Decomposes a basis, whose columns are the transformed axes, into rotation and scale. The
-/// function makes the axes orthonormal to double precision, because a scene stores them as floats.
-/// Values that are not finite, an axis of length 0, and a shear above max_shape_shear are errors.
+/// resulting axes are orthonormal to double precision, although a scene stores them as floats.
+/// Values that are not finite, an axis of length 0, and a shear above max_shape_shear are errors;
 /// `r_frame` is then unchanged.
 Status take_apart(const glm::dmat3 &basis, ShapeFrame &r_frame);
 

@@ -15,8 +15,9 @@ double length(glm::dvec2 a) { return std::sqrt(dot(a, a)); }
 
 glm::dvec3 unit(glm::dvec3 a) { return a / std::sqrt(dot(a, a)); }
 
-/// Makes axes that are orthonormal to 1e-6 orthonormal to double precision (Gram-Schmidt). The
-/// engine's axes are floats, which would displace the border of a large shape by meters.
+/// Orthonormalizes axes to double precision (Gram-Schmidt). They must already be orthonormal to
+/// 1e-6. The rounding of the engine's axes, which are floats, would displace the border of a large
+/// shape by meters.
 glm::dmat3 orthonormal(const glm::dmat3 &axes) {
 	const glm::dvec3 y = unit(axes[1]); // The up axis comes first, because a cylinder uses only this axis.
 	const glm::dvec3 x = unit(axes[0] - y * dot(axes[0], y));

@@ -130,7 +130,7 @@ SettledWindow::SettledWindow(BlockCache &cache, const PointSet &set, const CellR
 
 SettledWindow::~SettledWindow() {
 	if (std::ranges::none_of(slots_, &Slot::claimed)) {
-		// If there is nothing to release, the lock is not needed.
+		// There is nothing to release, so the lock is not needed.
 		return;
 	}
 	const std::lock_guard lock(cache_.mutex_);

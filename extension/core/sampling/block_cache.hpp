@@ -130,8 +130,8 @@ public:
 	SettledWindow(const SettledWindow &) = delete;
 	SettledWindow &operator=(const SettledWindow &) = delete;
 
-	/// Returns true if the caller should take the points from blocks. The result is false if a
-	/// different caller is computing one of the blocks. It is also false if this window is the
+	/// Returns true if the caller should take the points from blocks. The result is false if
+	/// another caller is computing one of the blocks. It is also false if this window is the
 	/// first to touch a block, and no block next to it is present or being computed.
 	bool served() const { return served_; }
 

@@ -20,8 +20,8 @@ public:
 	void prepare(const PointSet &set, RankFunction rank);
 
 	/// Decides all cells of `block`. If the result is not ResolveResult::done, the contents of the
-	/// grids are invalid. `cancel` and `obstacles` may be null. With obstacles, the margin is theirs,
-	/// and it is never widened. Throws std::bad_alloc.
+	/// grids are invalid. `cancel` and `obstacles` may be null. With obstacles, the margin is
+	/// determined by them and is never widened. Throws std::bad_alloc.
 	ResolveResult resolve(const CellRect &block, const std::atomic<bool> *cancel, const Obstacles *obstacles = nullptr);
 
 	/// Returns the grid of the finest level. Only the cells of the last block are valid.

@@ -178,7 +178,7 @@ HWY_INLINE void cover_of(const Neighborhood &around, Cover &r_cover) {
 
 /// Finds the covered children of many squares at quadtree level 3 or deeper. Each square is divided
 /// into parts, 8 x 8 where the lattice allows. A part is covered if it lies within a single disk.
-/// Without this test, slivers between overlapping disks would be split many times.
+/// Without this test, squares in slivers between overlapping disks would be split many times.
 template <std::uint32_t room>
 class DeepCover {
 public:

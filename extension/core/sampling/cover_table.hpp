@@ -7,11 +7,11 @@
 
 namespace thicket {
 
-/// Half the width of a point's disk in each row of sub-squares. The width counts only where all
-/// lattice points of the row lie within the radius, which is the farthest-corner test of section
-/// 3.2 of the paper (White, Cline and Egbert, 2007). It is stored as whole sub-squares and 256ths,
-/// both rounded down. The rows of the table are indexed by the height of the point within its own
-/// row of sub-squares, rounded so that no width is too large.
+/// Half the width of a point's disk in each row of sub-squares. Within this width, all lattice
+/// points of the row lie within the radius, which is the farthest-corner test of section 3.2 of the
+/// paper (White, Cline and Egbert, 2007). The half width is stored as whole sub-squares and 256ths,
+/// both rounded down. The table is indexed by the height of the point within its row of
+/// sub-squares, rounded so that no width is too large.
 struct CoverTable {
 	static constexpr std::int32_t heights = 128;
 	static constexpr std::int32_t height_bits = sub_bits - 7;

@@ -24,8 +24,8 @@ struct CellRect {
 	friend constexpr bool operator==(const CellRect &, const CellRect &) = default;
 };
 
-/// Returns the cells of the next coarser level whose points can be within that level's radius of the
-/// given cells.
+/// Returns the cells of the next coarser level whose points can be within that level's radius of
+/// `cells`.
 constexpr CellRect coarse_cells_around(const CellRect &cells) {
 	return {(cells.min >> 1) - 1, ((cells.max - 1) >> 1) + 2};
 }
@@ -60,7 +60,7 @@ struct LevelGrid {
 	/// The reason why the resolver visits a cell again.
 	enum Listing : std::uint8_t {
 		unlisted,
-		requested, ///< The cell is in `wanted`, because its dart blocks a dart of a different cell.
+		requested, ///< The cell is in `wanted`, because its dart blocks a dart of another cell.
 		in_region, ///< The cell belongs to the region that is being decided.
 	};
 

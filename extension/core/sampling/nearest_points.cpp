@@ -74,8 +74,8 @@ private:
 	std::vector<std::size_t> next_;  ///< Index of the next point in the same bucket.
 };
 
-/// Returns the distance within which the nearest point of a position lies: the radius, and 0.1 % to
-/// allow for rounding.
+/// Returns the maximum distance from a position to its nearest point: the radius, plus 0.1 % for
+/// rounding.
 double reach_of_point(const PointSet &set) { return 1.001 * set.radius; }
 
 Status find(TileSampler &sampler, const PointSet &set, std::span<const glm::dvec2> places,
@@ -118,7 +118,6 @@ void nearest_among(const std::vector<SamplePoint> &points, const PointSet &set, 
 		std::vector<SamplePoint> &r_points) {
 	r_points.clear();
 	if (places.empty()) {
-		// Without positions, there is no area.
 		return;
 	}
 	const Buckets buckets(points, point_area(set, enclosing_rect(places)), reach_of_point(set));

@@ -18,11 +18,11 @@ namespace thicket {
 /// position.
 Rect enclosing_rect(std::span<const glm::dvec2> places);
 
-/// Stands for no point in the results of nearest_among. Its rank is the last one.
+/// Means "no point" in the results of nearest_among. Its rank is the highest possible one.
 inline constexpr SamplePoint no_point{
 		.position = glm::dvec2(std::numeric_limits<double>::infinity()), .id = 0, .rank = ~0u, .level = 0};
 
-/// Returns the area in which the nearest points of all positions of `area` lie.
+/// Returns an area that contains the nearest points of all positions in `area`.
 Rect point_area(const PointSet &set, const Rect &area);
 
 /// Finds the point among `points` that is nearest to each position, or no_point if none is nearer

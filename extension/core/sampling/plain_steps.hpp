@@ -19,7 +19,7 @@ namespace thicket {
 /// The result of checking the neighborhood of a dart.
 struct Verdict {
 	bool conflict; ///< An accepted point lies within the radius of the dart.
-	bool blocked;  ///< A different cell that the dart's disk reaches has an earlier dart.
+	bool blocked;  ///< Another cell that the dart's disk reaches has an earlier dart.
 };
 
 namespace plain {

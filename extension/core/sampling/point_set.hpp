@@ -40,8 +40,8 @@ inline constexpr std::uint32_t max_levels = 8;
 inline constexpr double max_points_per_call = 1e8;
 
 /// Width of the margin that the sampler computes around a block of cells in order to decide the
-/// block's points. A dart may depend on earlier darts nearby, which depend on further ones: a
-/// chain. The points do not depend on the width of the margin.
+/// block's points. A dart may depend on earlier darts nearby, which depend on even earlier ones.
+/// These darts form a chain. The points do not depend on the width of the margin.
 struct SampleMargins {
 	/// Initial margin in cells. A cell is radius / sqrt(2) wide. Nearly every chain of dependent
 	/// darts stays within this margin; the benchmarks in tests/bench count the exceptions.

@@ -200,7 +200,7 @@ HWY_INLINE bool wait(LevelGrid &grid, std::uint32_t cell, TimeKey until) {
 	return true;
 }
 
-/// Moves the cells whose dart falls on an obstacle to the covered ones.
+/// Moves the cells whose dart falls on an obstacle to `work.covered`.
 HWY_NOINLINE void reject_obstructed(const LevelGrid &grid, Work &work) {
 	const std::uint32_t count = work.open.count;
 	work.open.count = 0;
@@ -215,9 +215,9 @@ HWY_NOINLINE void reject_obstructed(const LevelGrid &grid, Work &work) {
 
 /// Decides one dart of each cell of `work`. The decisions are independent. A dart is accepted only
 /// if all other cells that its disk reaches have later darts. It is rejected only because of an
-/// accepted point or an obstacle. Blocked cells, and the cells that block them, are added to grid.wanted. Cells
-/// whose next dart is due stay in `work`. Returns false if the result could depend on a dart
-/// outside the grid.
+/// accepted point or an obstacle. Blocked cells, and the cells that block them, are added to
+/// grid.wanted. Cells whose next dart is due stay in `work`. Returns false if the result could
+/// depend on a dart outside the grid.
 template <bool from_list>
 HWY_NOINLINE bool decide(LevelGrid *levels, std::uint32_t level, Work &work) {
 	LevelGrid &grid = levels[level];
@@ -268,9 +268,9 @@ HWY_NOINLINE bool decide(LevelGrid *levels, std::uint32_t level, Work &work) {
 
 /// Sorts the cells of grid.round, starting at `next`, as many as fit into `r_work`. Returns the
 /// index after the last sorted cell. Decided cells are dropped. Cells whose requester has been
-/// decided in the meantime are dropped, too, because its chain is no longer needed. Cells that are
-/// still blocked wait for the next round. The outcomes are unpredictable, so the loop does not
-/// branch on them.
+/// decided since then are dropped, too, because its chain is no longer needed. Cells that are still
+/// blocked wait for the next round. The outcomes are unpredictable, so the loop does not branch on
+/// them.
 HWY_INLINE std::size_t sort_wanted(LevelGrid &grid, std::size_t next, Work &r_work) {
 	LevelGrid::Wanted blocked[Group::most];
 	std::size_t count = 0;

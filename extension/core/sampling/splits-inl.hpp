@@ -99,7 +99,7 @@ HWY_INLINE void find_open_children(LevelGrid &grid, Group &cells, Splits &r_spli
 }
 
 /// Splits the squares of the cells' rejected darts and sets the next dart of each cell, if there is
-/// one. Replaces `r_work` with the cells whose next dart is due, too.
+/// one. Replaces `r_work` with the cells whose next dart is also due.
 HWY_INLINE void split_squares(LevelGrid &grid, Group &cells, Work &r_work) {
 	Splits &splits = grid.splits;
 	Group spent;

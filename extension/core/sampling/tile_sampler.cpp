@@ -236,7 +236,7 @@ bool TileSampler::Workspace::take_settled(const PointSet &set, const Rect &rect,
 		count();
 		window.settle(blocks.finest());
 	}
-	// Sampling directly would return the same points.
+	// These are the points that direct sampling would return.
 	const double unit = lattice_unit(set);
 	window.for_each([&](glm::ivec2 cell, const SettledBlock::Point &each) {
 		add_point(set, rect, unit, cell, each.offset, each.rank, r_points);

@@ -25,7 +25,7 @@ struct SampleStats {
 	std::uint32_t retries = 0;       ///< Number of extra attempts at blocks, each with a wider margin.
 	std::size_t workspace_bytes = 0; ///< Memory of the grids of all levels, in bytes.
 
-	/// Adds the statistics that a different worker collected during the same call.
+	/// Adds the statistics that another worker collected during the same call.
 	void add(const SampleStats &other);
 };
 
@@ -67,10 +67,10 @@ public:
 	/// If `threads` is not null, its threads share a rectangle that spans several blocks. A block
 	/// is 128 cells, or 90 radii, wide. The result is the same.
 	///
-	/// If `obstacles` is not null, the set is filled: it is maximal outside of the obstacles. Ids and
-	/// the radius stay the same. The margin is then that of the obstacles. If it is too narrow, the
-	/// call fails with ErrorCode::margin_too_wide, and the caller can provide the obstacles of a wider
-	/// area. Filled sets do not use the cache.
+	/// If `obstacles` is not null, the set is filled: it is maximal outside the obstacles. Ids and
+	/// the radius stay the same, and the obstacles determine the margin. If it is too narrow, the
+	/// call fails with ErrorCode::margin_too_wide; the caller can then provide the obstacles of a
+	/// wider area. Filled sets do not use the cache.
 	Status sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
 			const Progress &progress = {}, CallerThreads *threads = nullptr, const Obstacles *obstacles = nullptr);
 

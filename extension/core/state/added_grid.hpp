@@ -53,7 +53,7 @@ private:
 	static Entry corner_of(std::uint16_t layer, glm::dvec2 position);
 	static Entry entry_of(std::uint64_t id, glm::dvec2 position);
 
-	std::set<Entry> entries_; ///< The container is a set because `take` can move the nodes of a set between grids.
+	std::set<Entry> entries_; ///< A set, because `take` can move its nodes between grids without allocating.
 };
 
 } // namespace thicket

@@ -32,7 +32,7 @@ public:
 	void append(const ChangeLog &other, std::uint64_t revision, std::uint64_t raise);
 
 	/// Compacts this log before `later` is appended, so that `append` and `note` need not compact
-	/// it. Discards changes of IDs that occur in `later`, and the oldest changes beyond the
+	/// it. Discards changes to IDs that occur in `later`, and the oldest changes beyond the
 	/// capacity for a state of `held` IDs. The time is proportional to the size of both logs.
 	void make_way_for(const ChangeLog &later, std::size_t held);
 

@@ -23,7 +23,7 @@ HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
 
 /// Stores points by cell. Each cell has a fixed capacity, chosen so that it nearly always suffices;
-/// further points go to an overflow map (section 4.3 of the paper, see DomainMethod). Large cells
+/// excess points go to an overflow map (section 4.3 of the paper, see DomainMethod). Large cells
 /// keep their points sorted by y, so that a lookup reads only some of them. Points fill a cell
 /// evenly, so the lookup starts its search at an estimated index.
 template <typename Real>
@@ -78,7 +78,7 @@ public:
 	}
 
 	/// Returns a range of a sorted cell that includes all its points with y in [low, high), and
-	/// perhaps further points, but no overflowing points. The heights are as in `add`.
+	/// perhaps other points, but no points in the overflow map. The heights are as in `add`.
 	Part part(std::size_t cell, Real low, Real high, double low_height, double high_height) const {
 		const Real *ys = coordinates(cell) + capacity_;
 		const std::size_t count = counts_[cell];
@@ -95,7 +95,7 @@ public:
 	}
 
 	/// Prefetches the cells from `first` to `last`. The function is inlined, because a compiler may
-	/// discard calls to a function that only prefetches.
+	/// remove calls to a function that only prefetches.
 	HWY_INLINE void fetch(std::size_t first, std::size_t last) const {
 		fetch_line_by_line(coordinates(first), coordinates(last + 1));
 	}

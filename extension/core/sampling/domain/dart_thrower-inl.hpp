@@ -34,7 +34,7 @@ namespace thicket::HWY_NAMESPACE {
 /// Squares are chosen at random across the domain, so in a large domain each choice would wait for
 /// memory. The thrower therefore draws the random bits of later choices in advance. It prefetches
 /// the data that they will probably need: first the list entry, then the cells around the square.
-/// Each choice is made again when its turn comes, so prefetching never affects the result. A
+/// Each choice is repeated when its turn comes, so prefetching never affects the result. A
 /// prefetch must resolve the address of its page before later instructions can retire. Many
 /// prefetches are therefore started together, so that their address lookups overlap.
 ///

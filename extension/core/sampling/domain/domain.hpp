@@ -57,8 +57,8 @@ inline constexpr double max_single_radii = 131072.0;
 /// Returns an error if a field of the request is out of range.
 Status validate(const DomainRequest &request);
 
-/// Returns a sentence that describes why a request was refused, like describe() in
-/// core/base/status.hpp. If the size is out of range, the sentence contains the limit.
+/// Returns a message that explains why a request was rejected, like describe() in
+/// core/base/status.hpp. If the size is out of range, the message contains the limit.
 std::string describe(const DomainRequest &request, const Status &status);
 
 /// Returns the approximate number of points of a maximal set: the density of a jammed set times the

@@ -37,7 +37,7 @@ struct DomainStats {
 ///
 /// Guarantees for each method:
 ///  (1) no two points are closer than the radius, exactly, in the returned coordinates;
-///  (2) no further point fits, to within the precision of `Real` (except for `naive`);
+///  (2) no additional point fits, to within the precision of `Real` (except for `naive`);
 ///  (3) every point lies in the half-open domain;
 ///  (4) equal requests return bit-identical points on every machine, for any `cell_size`;
 ///  (5) the points are distributed like those of naive dart throwing, but for `wavefront` only
@@ -64,8 +64,8 @@ public:
 	Status fill(const DomainRequest &request, const Progress &progress = {});
 
 	/// Passes the points of the last `fill` to `visitor`, cell by cell. Both spans always have the
-	/// same size. After a failed `fill` or a call of `sample`, there are no points to pass. Calls
-	/// that validation refused have no effect.
+	/// same size. After a failed `fill` or a call to `sample`, there are no points to pass. However,
+	/// a call with an invalid request leaves the points unchanged.
 	void visit(const std::function<void(std::span<const Real> x, std::span<const Real> y)> &visitor) const;
 
 	const DomainStats &stats() const;

@@ -67,7 +67,7 @@ public:
 	HWY_INLINE void prefetch(glm::uvec2 square) const { __builtin_prefetch(&lines_[index_of(square / width_)]); }
 
 	/// Returns the points that may lie within a radius of a part of a base square. The result is
-	/// valid until the next call of a non-const method.
+	/// valid until the next call to a non-const method.
 	RoundedNear<LineCells> near(glm::uvec2 square, const CenteredSquare<double> &part) {
 		const glm::uvec2 cell = square / width_;
 		const std::size_t index = index_of(cell);
@@ -118,7 +118,7 @@ private:
 	glm::uvec2 block_; ///< Base-2 logarithm of a block's size in cells, on each axis.
 	std::size_t blocks_across_;
 	double radius_ = frame_.reach.x * frame_.base.x;
-	/// The distance that a line's points may lie outside its cell, plus a few rounding steps. A
+	/// The distance by which a line's points may lie outside its cell, plus a few rounding steps. A
 	/// line is the cache line of a cell.
 	double rim_ = radius_ * (1.0 + 0x1p-12);
 	RoundedScale scale_;

@@ -81,7 +81,7 @@ public:
 	}
 
 	/// Returns the points that may lie within a radius of a part of a base square. The result is
-	/// valid until the next call of a non-const method.
+	/// valid until the next call to a non-const method.
 	Near<Real> near(glm::uvec2 square, const CenteredSquare<Real> &part) {
 		const CenteredSquare<Real> box{part.x, part.y, static_cast<Real>(radius_ + margin_) + part.half_x,
 				static_cast<Real>(radius_ + margin_) + part.half_y};

@@ -77,7 +77,7 @@ HWY_INLINE hn::Vec<Steps> load_steps(const std::uint16_t *coordinates) {
 }
 
 /// Returns true if squared(x, y), in squared steps, is below the limit for any point. If the
-/// rounded points are inconclusive, the result is that of exactly().
+/// rounded points are inconclusive, returns the result of exactly().
 template <class Cells, class Squared, class Exactly>
 HWY_INLINE bool any_below(const RoundedNear<Cells> &near, Squared &&squared, Exactly &&exactly) {
 	const Steps d;

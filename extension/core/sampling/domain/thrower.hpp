@@ -16,7 +16,7 @@ namespace thicket {
 template <typename Real>
 using PointVisitor = std::function<void(std::span<const Real> x, std::span<const Real> y)>;
 
-/// Runs one method of filling a domain over one domain, once.
+/// Fills one domain by one method. Each object is used for a single run.
 template <typename Real>
 class Thrower {
 public:
