@@ -211,7 +211,7 @@ TEST_CASE("Without memory for a block, a window fails or is sampled directly, an
 			[](const Job &job) { CHECK(job.points.empty()); }, [&](const Job &job) { CHECK(job.points == expected); });
 }
 
-TEST_CASE("Whole tiles are the same with cached blocks, also if layers depend on each other") {
+TEST_CASE("Whole tiles are the same with cached blocks, even if layers depend on each other") {
 	LayerSettings trees = rich_layer();
 	trees.set = {.seed = 3, .radius = 6.0, .layer = 1};
 	LayerSettings plants = rich_layer();

@@ -114,7 +114,7 @@ TEST_CASE("lod span: a mesh is drawn for every instance within its distances") {
 	}
 }
 
-TEST_CASE("lod span: within the margin nothing changes, and moving to and fro causes no change") {
+TEST_CASE("lod span: within the margin nothing changes, and moving back and forth causes no change") {
 	const LodSettings settings = settings_of({20.0, 40.0}, 0.1, 80.0);
 	const std::vector<LodStep> steps(3, soft);
 	std::mt19937 random(7);

@@ -87,7 +87,7 @@ TEST_CASE("neighbors: spacing removes only instances that are too near, also acr
 	}
 }
 
-TEST_CASE("neighbors: only instances count, not points that their own rules removed") {
+TEST_CASE("neighbors: only instances have an effect, not points that the neighbor's rules removed") {
 	const Heightfield terrain = hills();
 	const auto oaks = layer_of(0, 6.0);
 	oaks->rules.max_slope_degrees = 20.0;

@@ -107,7 +107,7 @@ TEST_CASE("obstruction: a leaning cylinder obstructs only up to the height of an
 	}
 }
 
-TEST_CASE("obstruction: flat or non-finite instances obstruct nothing") {
+TEST_CASE("obstruction: flat or non-finite instances cause no obstruction") {
 	Obstruction obstruction;
 	CHECK_FALSE(obstruct(glm::dmat3(0.0), glm::dvec3(0.0), {0.5, 2.0}, agent, obstruction));
 	glm::dmat3 broken(1.0);

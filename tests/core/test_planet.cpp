@@ -185,7 +185,7 @@ TEST_CASE("planet: upright instances point away from the center, everywhere") {
 	}
 }
 
-TEST_CASE("planet: slopes and heights are those that somebody standing there sees") {
+TEST_CASE("planet: slopes and heights are relative to the local up direction") {
 	const TriangleParts ground = spheres({20.0, 24.0});
 	const auto count = [&](double min_slope, double max_slope, double min_height, double max_height) {
 		LayerSettings layer = layer_on_planet(1.0);

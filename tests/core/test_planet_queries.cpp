@@ -144,7 +144,7 @@ TEST_CASE("planet queries: heights of cells that ids encode") {
 	}
 }
 
-TEST_CASE("planet queries: rays hit what stands on them") {
+TEST_CASE("planet queries: rays hit instances on planets") {
 	PlanetWorld planet;
 	const std::vector<PlacedInstance> all = planet.all();
 	PlanetWorld fresh;

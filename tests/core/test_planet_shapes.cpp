@@ -138,7 +138,7 @@ TEST_CASE("planet shapes: polygons and paths that are rotated about the center c
 	}
 }
 
-TEST_CASE("planet shapes: a path has the same width along its whole way around a planet") {
+TEST_CASE("planet shapes: a path around a planet has the same width everywhere") {
 	std::mt19937 random(6);
 	for (int i = 0; i < 50; ++i) {
 		const glm::dmat3 axes = random_axes(random);
@@ -209,7 +209,7 @@ TEST_CASE("planet shapes: the bounds and the edited areas contain everything tha
 	}
 }
 
-TEST_CASE("planet shapes: shapes without a direction of up, and outlines around the planet, are refused") {
+TEST_CASE("planet shapes: shapes without an up direction, and outlines around the planet, are rejected") {
 	Shape shape = placed(cylinder(5.0, 5.0), {1, 0, 0});
 	CHECK(validate(shape).ok());
 	shape.center = planet.center;

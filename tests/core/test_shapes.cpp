@@ -207,7 +207,7 @@ TEST_CASE("shapes: the strongest including shape times the remainder of the stro
 	CHECK(density_of(set_of({wide, hole}), {0.0, 0.0, 0.0}) == 0.0);
 }
 
-TEST_CASE("shapes: if the only including shape is far, nothing is included; an excluding one alone has no effect") {
+TEST_CASE("shapes: nothing is included far from the only including shape; a far excluding shape has no effect") {
 	Shape far = box({1e6, 0.0, 0.0}, {10.0, 10.0, 10.0});
 	const Rect here{{-50.0, -50.0}, {50.0, 50.0}};
 	std::vector<std::uint32_t> near{7};

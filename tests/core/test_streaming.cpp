@@ -66,7 +66,7 @@ TEST_CASE("streaming: a few tiles at a time are requested, nearest to the viewer
 	CHECK_FALSE(stage.streamer.idle());
 }
 
-TEST_CASE("streaming: going back and forth loads nothing twice") {
+TEST_CASE("streaming: moving back and forth loads no tile twice") {
 	const std::vector<StreamLayer> layers{{32.0, 200.0}};
 	Stage stage(layers);
 	stage.settle({{{0.0, 0.0}}});

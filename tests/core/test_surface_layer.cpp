@@ -216,7 +216,7 @@ TEST_CASE("surface layer: an id names a cell that contains the point, and compac
 	}
 }
 
-TEST_CASE("surface layer: ground without surfaces has no instances, and ground beyond the ids is refused") {
+TEST_CASE("surface layer: ground without surfaces has no instances, and ground beyond the range of ids is rejected") {
 	CHECK(placed_in(layer_on_surfaces(), FlatTerrain(0.0f), around_origin).empty());
 	TileInstances tile;
 	const TriangleParts high = ground_of({part_of(level(6000.0))});

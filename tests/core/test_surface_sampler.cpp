@@ -268,7 +268,7 @@ TEST_CASE("surfaces: windows of any size return the same points, each once") {
 	}
 }
 
-TEST_CASE("surfaces: windows onto hills return the points of the whole, for many seeds") {
+TEST_CASE("surfaces: windows of hills return the points of the whole surface, for many seeds") {
 	Triangles hills = square(80.0, 20, {0, 0, 0}, {1, 0, 0}, {0, 0, 1});
 	for (glm::dvec3 &vertex : hills.vertices) {
 		vertex.y = 8.0 * std::sin(vertex.x / 6.5) * std::cos(vertex.z / 6.5);
@@ -423,7 +423,7 @@ TEST_CASE("surfaces: a hole changes nothing far from it") {
 			after, [&](const SurfacePoint &point) { return glm::distance(point.position, middle) > 2.0; }));
 }
 
-TEST_CASE("surfaces: every level is a maximal set of its own") {
+TEST_CASE("surfaces: every level is a maximal set") {
 	const PointSet set{.seed = 51, .levels = 3};
 	const Triangles triangles = facing({1, 2, 1}, 80.0, 20);
 	const std::vector<SurfacePoint> points = all_points(set, *triangles.surface());
@@ -450,7 +450,7 @@ TEST_CASE("surfaces: every level is a maximal set of its own") {
 	}
 }
 
-TEST_CASE("surfaces: invalid input is refused and changes nothing") {
+TEST_CASE("surfaces: invalid input is rejected and has no effect") {
 	const double nan = std::numeric_limits<double>::quiet_NaN();
 	std::shared_ptr<const Surface> made = sphere(3.0, 10).surface();
 	const std::shared_ptr<const Surface> before = made;

@@ -57,7 +57,7 @@ enum class InstanceChangeKind : std::uint8_t {
 	/// its `moved` change.
 	left,
 	moved, ///< The instance of the previous `left` change has moved; `added` is its new content.
-	data,  ///< The data of the instance have changed.
+	data,  ///< The data of the instance has changed.
 };
 
 class PendingDiff;
@@ -84,8 +84,8 @@ struct StateChange {
 /// to either. A clock lets removed points grow again later. Only these differences are saved, so a
 /// world with a million felled trees takes a few megabytes.
 ///
-/// Every change has a revision number, so that a peer needs to receive only the changes that are
-/// new to it. Revisions belong to this object and are not saved. Changes before the last `load` or
+/// Every change has a revision number, so that a peer needs to receive only the changes that it
+/// lacks. Revisions belong to this object and are not saved. Changes before the last `load` or
 /// `clear` are forgotten. The log keeps only the latest changes: at least as many as the state has
 /// entries, and at least 65536. A peer that requests older changes receives the whole state. Use a
 /// state on one thread only.

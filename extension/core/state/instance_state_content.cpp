@@ -148,7 +148,7 @@ void InstanceState::Content::plan(std::uint64_t id, const Entry &to, Room &r_roo
 	const bool same = was ? std::ranges::equal(own->bytes, to.data) : to.data.empty();
 	const bool later = same && was && own->at != to.data_at;
 	if (same && was == holds && !later) {
-		// Data that stays the same needs no memory.
+		// Unchanged data needs no memory.
 		return;
 	}
 	data.make_room(id, !holds && !to.data.empty(), !to.data.empty(),

@@ -215,7 +215,7 @@ Status InstanceState::Content::follow(
 	}
 	make_room_for_stamps(record);
 	if (record.removed.size() > removed.size()) {
-		// Grows the table once, instead of several times while IDs are inserted.
+		// Grows the table only once, not several times while IDs are inserted.
 		removed.expect(record.removed.size() - removed.size());
 	}
 	change_all(each, r_changes);

@@ -138,8 +138,8 @@ Status InstanceState::finish_pending_diff(StateChanges &r_changes) {
 	return status;
 }
 
-/// Repeats the calls made since the diff was queued on top of its result, which then becomes the
-/// content of this state.
+/// Takes the diff's result and repeats on it the calls made since the diff was queued. The result
+/// then becomes the content of this state.
 Status InstanceState::take_over(PendingDiff &diff, StateChanges &r_changes) {
 	InstanceState &next = *diff.next_;
 	const std::shared_ptr<PendingDiff> second = journal_->diffs.size() > 1 ? journal_->diffs[1] : nullptr;
@@ -181,7 +181,7 @@ Status InstanceState::take_over(PendingDiff &diff, StateChanges &r_changes) {
 	return {};
 }
 
-/// Drops the first pending diff without effect and prepares the content for the next diff.
+/// Discards the first pending diff without applying it, and prepares the content for the next diff.
 void InstanceState::pass_over(PendingDiff &diff) {
 	if (journal_->diffs.size() < 2) {
 		return;

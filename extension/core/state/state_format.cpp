@@ -58,8 +58,8 @@ void append_count(std::uint64_t count, std::vector<std::uint8_t> &r_bytes) {
 	r_bytes.push_back(static_cast<std::uint8_t>(count));
 }
 
-/// Reads a count. A count with superfluous bytes is accepted here. `read` returns an error for it
-/// later, because `write` would use fewer bytes.
+/// Reads a count. Accepts a count with superfluous bytes, which `read` rejects later, because
+/// `write` would use fewer bytes.
 std::uint64_t take_count(ByteReader &r_bytes) {
 	std::uint64_t count = 0;
 	std::uint8_t byte = 0x80;
@@ -185,7 +185,7 @@ public:
 				bytes_.at_end();
 	}
 
-	/// Returns the error for the limit that was exceeded, or ok if none was.
+	/// Returns the error for the exceeded limit, or ok if no limit was exceeded.
 	const Status &refused() const { return refused_; }
 
 private:

@@ -127,7 +127,7 @@ bool LayerTiles::is_turn(
 std::optional<LayerTiles::Candidate> LayerTiles::next_ready(std::size_t viewer, const TrackedViewer &tracked) {
 	std::optional<Candidate> nearest;
 	if (behind_ || viewer >= sights_.size()) {
-		return nearest; // Nearer tiles may not be known yet.
+		return nearest; // Nearer tiles may not have been found yet.
 	}
 	for (const std::uint32_t slot : made_) {
 		const StreamedTile &tile = tiles_[slot];

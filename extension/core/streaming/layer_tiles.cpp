@@ -298,7 +298,7 @@ void LayerTiles::cancel(std::uint32_t slot, StreamChanges &r_changes) {
 	if (tiles_[slot].ticket == 0) {
 		return;
 	}
-	// If memory runs out, the caller continues the work in vain: its answer will be rejected.
+	// If memory runs out, the caller is not notified and finishes work whose answer is rejected.
 	static_cast<void>(guarded("cancel", 1.0, [&] { r_changes.cancel.push_back(request_of(slot)); }));
 	forget_made(slot);
 	change(slot, [](StreamedTile &tile) {
@@ -327,7 +327,7 @@ bool LayerTiles::is_missing_under(const TileSpace &under) const {
 	const glm::ivec2 last = tile_at(settings_.tile_size, under.max);
 	const double tiles = (static_cast<double>(last.x) - first.x + 1.0) * (static_cast<double>(last.y) - first.y + 1.0);
 	if (settings_.in_space() || tiles > static_cast<double>(tiles_.size())) {
-		// This is faster if the table has fewer tiles than `under` touches.
+		// Searches the table for cubes, and if it has fewer tiles than `under` touches.
 		return std::ranges::any_of(tiles_.slots(), is_missing);
 	}
 	for (int y = first.y; y <= last.y; ++y) {

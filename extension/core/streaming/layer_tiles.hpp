@@ -26,7 +26,7 @@ inline constexpr double slack_tiles = 0.125;
 inline constexpr double keep_factor = 1.1;
 
 /// Once a call to LayerTiles::look has found this number of new tiles, it leaves the remaining
-/// viewers to the next call. If many viewers teleport, several calls are needed.
+/// viewers to the next call. After many viewers teleport, several calls are needed.
 inline constexpr std::size_t max_new = 1500;
 
 /// A viewer and the distance that it has traveled.

@@ -77,8 +77,8 @@ struct Viewer {
 };
 
 /// Identifies a tile of a layer. When the tile size of a layer changes, the layer gets a new,
-/// unique `grid` number. Tiles of the old and the new size are visible together for a while, and so
-/// have different keys.
+/// unique `grid` number. Tiles of the old and the new size are visible together for a while, so they
+/// need different keys.
 struct TileKey {
 	std::uint32_t layer = 0;
 	std::uint32_t grid = 0;
@@ -151,7 +151,7 @@ public:
 
 	/// Marks all visible and pending tiles of a layer as outdated, so that they are requested
 	/// again. Pending tiles are shown when they arrive and requested again only then. Tiles
-	/// therefore still appear during frequent changes, such as while a user drags a slider. A layer
+	/// therefore still appear during frequent changes, for example while a user drags a slider. A layer
 	/// that does not exist is ignored.
 	void invalidate(std::uint32_t layer);
 

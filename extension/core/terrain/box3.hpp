@@ -21,12 +21,12 @@ inline constexpr Box3 no_box{
 /// Returns true for `no_box`.
 inline bool is_empty(const Box3 &box) { return box.min.x > box.max.x; }
 
-/// Returns the bounds of a box and a position.
+/// Returns the smallest box that contains a box and a position.
 inline Box3 with(const Box3 &box, const glm::dvec3 &position) {
 	return {glm::min(box.min, position), glm::max(box.max, position)};
 }
 
-/// Returns the bounds of two boxes.
+/// Returns the smallest box that contains two boxes.
 inline Box3 with(const Box3 &a, const Box3 &b) { return {glm::min(a.min, b.min), glm::max(a.max, b.max)}; }
 
 /// Returns true if two closed boxes have a common position.

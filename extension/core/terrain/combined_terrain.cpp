@@ -131,7 +131,7 @@ Status CombinedTerrain::weigh(std::span<const glm::dvec2> positions, std::span<c
 	});
 }
 
-/// Weighs a group of positions. The parts that are the ground are those with its height.
+/// Weighs a group of positions. A part is the ground where its height is that of the ground.
 Status CombinedTerrain::weigh_some(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
 		std::span<Ground> r_ground) const {
 	constexpr float unknown = -1.0F;

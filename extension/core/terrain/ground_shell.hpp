@@ -42,7 +42,7 @@ struct GroundShell {
 		add({least, std::max({glm::length(a), glm::length(b), glm::length(c)})});
 	}
 
-	/// Returns a wider shell, rounded to multiples of `step`, so that most small edits of the
+	/// Returns a wider shell, rounded to multiples of `step`, so that most small edits to the
 	/// ground do not change it.
 	GroundShell widened() const {
 		constexpr double step = 16.0;     // Meters.

@@ -107,7 +107,7 @@ RefusedPost find_refused_post(std::span<const float> posts, int columns, FloatPo
 	const float min = units ? 0.0F : static_cast<float>(-max_heightfield_height);
 	const float max = units ? 1.0F : static_cast<float>(max_heightfield_height);
 	const auto is_refused = [=](float post) {
-		return post < min || post > max; // The result is false for NAN, which is a hole.
+		return post < min || post > max; // False for NAN, which is a hole.
 	};
 	const auto found = std::ranges::find_if(posts, is_refused);
 	if (found == posts.end()) {
@@ -159,7 +159,7 @@ Status Heightfield::set_posts(const HeightfieldFrame &frame, const HeightPosts &
 	});
 }
 
-/// Requires that the members that define heights are set.
+/// Stores the samples and rebuilds the surface. The members that define heights must be set.
 void Heightfield::take(HeightPosts posts) {
 	surface_ = std::make_shared<const GridSurface<Grid>>(Grid{frame_, posts, base_, meters_per_step_});
 	posts_ = std::move(posts);
@@ -300,7 +300,7 @@ void Heightfield::sample_posts(std::span<const glm::dvec2> positions, std::span<
 			r_ground[i] = ground_in_area(posts_.steps, whole, positions[i]);
 			continue;
 		}
-		// Most patches are not at the border, and these are computed many at a time.
+		// Patches that are not at the border, which are most patches, are computed many at a time.
 		const PostGrid<std::uint16_t>::Window window = posts_.steps.window(patch.first);
 		patches.add(window.first, window.stride, patch.part, i);
 		if (patches.full()) {

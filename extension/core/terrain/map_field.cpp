@@ -141,7 +141,7 @@ bool MapField::find_patch(glm::dvec2 position, glm::ivec2 &r_patch, glm::dvec2 &
 	const glm::dvec2 at = to_map_ * (position - glm::dvec2(place_.origin.x, place_.origin.z));
 	const glm::dvec2 last(posts() - 1);
 	if (!(at.x >= 0.0 && at.y >= 0.0 && at.x <= last.x && at.y <= last.y)) {
-		return false; // NAN fails the comparison, too.
+		return false; // Also returned for NAN, because the comparison is then false.
 	}
 	r_patch = {std::min(static_cast<int>(at.x), posts().x - 2), std::min(static_cast<int>(at.y), posts().y - 2)};
 	r_part = at - glm::dvec2(r_patch);

@@ -175,7 +175,7 @@ const FieldRegion *RegionField::region_at(glm::ivec2 location) const {
 bool RegionField::find_place(glm::dvec2 position, Place &r_place) const {
 	const glm::dvec2 posts = (position - glm::dvec2(offset_.x, offset_.z)) / spacing_;
 	if (!(std::abs(posts.x) < max_post && std::abs(posts.y) < max_post)) {
-		return false; // NAN fails the comparison, too.
+		return false; // Also returned for NAN, because the comparison is then false.
 	}
 	const glm::dvec2 before = glm::floor(posts);
 	r_place = {glm::ivec2(before), posts - before};

@@ -24,7 +24,7 @@ double step_at(double coordinate) {
 	return std::max(usual_step, 4.0 * std::abs(coordinate) * std::numeric_limits<float>::epsilon());
 }
 
-/// Returns the slope at the middle one of three heights in a line.
+/// Returns the slope at the middle of three heights in a line.
 double rise(double before, double here, double behind, double run_before, double run_behind) {
 	if (std::isfinite(before) && std::isfinite(behind)) {
 		return (behind - before) / (run_before + run_behind);

@@ -18,8 +18,8 @@ constexpr int fewest_sides = 16;
 constexpr int most_sides = 512;
 
 /// Returns the points of a quarter of the unit circle from (1, 0) to (0, 1), both included, in
-/// `steps` steps of equal angles. `steps` must be a power of two. Only halves angles, because
-/// results of std::sin may differ between machines.
+/// `steps` steps of equal angles. `steps` must be a power of two. The function only bisects angles,
+/// because results of std::sin may differ between machines.
 std::vector<glm::dvec2> quarter_circle(int steps) {
 	std::vector<glm::dvec2> points{{1.0, 0.0}, {0.0, 1.0}};
 	while (static_cast<int>(points.size()) <= steps) {

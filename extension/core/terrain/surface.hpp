@@ -34,7 +34,7 @@ public:
 	using Part = std::shared_ptr<const Surface>;
 	static std::shared_ptr<const Surface> of_parts(std::span<const Part> parts);
 
-	/// Returns the number of indices of triangles.
+	/// Returns the number of triangle indices, including indices without a triangle.
 	virtual std::size_t triangle_count() const = 0;
 
 	/// Returns the corners. Seen from the front, they run counterclockwise. Indices without a

@@ -66,7 +66,7 @@ SurfacePosition first_on_line(const Surface &surface, const glm::dvec3 &from, co
 	if (!(length > 0.0) || !std::isfinite(length) || is_empty(surface.bounds())) {
 		return result;
 	}
-	const glm::dvec3 back = (from - to) / length; // Fronts face against the line.
+	const glm::dvec3 back = (from - to) / length; // The line meets only triangles whose fronts face this way.
 	const Part inside = part_inside(surface.bounds(), from, to);
 	double nearest = length;
 	std::vector<std::uint32_t> triangles;

@@ -213,8 +213,7 @@ bool TriangleTerrain::find_top(glm::dvec2 position, double least, Top &r_top) co
 		if (tree_.has_second(node)) {
 			Bvh::Node second = tree_.second(node);
 			if (boxes_[tree_.index_of(second)].top > boxes_[tree_.index_of(first)].top) {
-				// The higher child is visited first, because that may make visiting the other one
-				// unnecessary.
+				// The higher child is visited first, because the other child may then be skipped.
 				std::swap(first, second);
 			}
 			push(second);
