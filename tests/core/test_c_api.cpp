@@ -89,7 +89,7 @@ TEST_CASE("out of memory, the C library names the property") {
 	const Sampler sampler(thicket_sampler_new(), thicket_sampler_free);
 	REQUIRE(sampler);
 	{
-		// Only the first allocation fails, which is the one for the points.
+		// Only the first allocation fails, which is for the points.
 		const AllocationLimit limit(0, AllocationLimit::Fails::one);
 		REQUIRE(thicket_sample(sampler.get(), &some_set, &some_rect, nullptr, nullptr) == THICKET_OUT_OF_MEMORY);
 	}

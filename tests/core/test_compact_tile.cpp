@@ -159,7 +159,7 @@ TEST_CASE("compact tile: a subset appended to other instances has the same insta
 	for (std::size_t i = 0; i < standing.size(); ++i) {
 		CHECK(some.same(first.size() + i, base, standing[i]));
 	}
-	// A subset of that subset, whose first instances are still uncompressed.
+	// A subset of the previous subset, whose first instances are still uncompressed.
 	const std::vector<std::uint32_t> fewer{1, 2, 5};
 	const CompactMesh rest(handmade({3}), some, fewer);
 	CHECK(rest.same(1, some, 1));

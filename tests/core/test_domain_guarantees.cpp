@@ -1,5 +1,5 @@
 // Tests guarantees 1 to 3 of DomainSampler on all kinds of domains. No pair is closer than the
-// radius, also across the seams of a torus. The sets are maximal up to the floating-point
+// radius, even across the seams of a torus. The sets are maximal up to the floating-point
 // precision. All points lie within the domain.
 
 #include "domain_cases.hpp"

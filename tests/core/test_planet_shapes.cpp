@@ -188,7 +188,7 @@ TEST_CASE("planet shapes: the bounds and the edited areas contain everything tha
 		shape.exclude = true;
 		const ShapeSet excluding = set_of({shape});
 		REQUIRE(find_shape_edits(nullptr, &excluding, areas));
-		// Without the planet, the shape in the frame of the map has exact bounds of its own.
+		// Without the planet, the shape in the frame of the map has exact bounds.
 		const PlanetMap map(planet, shape.center);
 		const bool flat = i % 4 < 2;
 		Shape on_map = flat ? shape : turned_upright(shape, map);

@@ -66,7 +66,7 @@ TEST_CASE("state join: of two data, the later ones win, or the greater bytes at 
 	set(same, id, {1, 0});
 	CHECK(joined(same, late).data(id).size() == 2);
 	CHECK(joined(late, same).data(id).size() == 2);
-	// A write that replaces known data counts as later, even if the writer's clock is behind.
+	// A write that replaces known data is treated as later, even if the writer's clock is behind.
 	InstanceState behind = joined(state_at(5.0), early);
 	set(behind, id, {3});
 	CHECK(joined(early, behind).data(id)[0] == 3);

@@ -226,7 +226,7 @@ TEST_CASE("surfaces: with faces that point up, the underside of a thin bridge ta
 	CHECK(of_bridge(SurfaceFaces::up) == alone(top));
 	CHECK(of_bridge(SurfaceFaces::down) == alone(underside));
 	CHECK(2 * of_bridge(SurfaceFaces::all).size() < 3 * alone(top).size());
-	// A wall counts as vertical, whichever way rounding tilts it.
+	// A wall is treated as vertical, whichever way rounding tilts it.
 	for (const double tilt : {-1e-7, 0.0, 1e-7}) {
 		const Triangles wall = square(12.0, 4, glm::dvec3(0.0), glm::normalize(glm::dvec3(0.0, 1.0, tilt)), x);
 		set.faces = SurfaceFaces::up;
