@@ -115,7 +115,7 @@ def test_gltf_without_the_engine(copy, game, tmp_path):
     for node in content["nodes"][1:]:
         attributes = content["meshes"][node["mesh"]]["primitives"][0]["attributes"]
         counts[node["name"]] = content["accessors"][attributes["POSITION"]]["count"]
-    assert counts["Oak_0"] == 24 and counts["Oak_1"] == 18, "the far box, and a pyramid"
+    assert counts["Oak_0"] == 24 and counts["Oak_1"] == 18, "24 instances of the far box, and 18 of a pyramid"
 
 
 @pytest.mark.full

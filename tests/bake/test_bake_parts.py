@@ -130,7 +130,7 @@ def test_workers_that_join_later_get_tiles(monkeypatch, tmp_path):
             SimpleNamespace(out=tmp_path), client, 1, tiles, outcome, report.Map((0, 0, 32, 32), 1.0, []), report.Progress(len(tiles), print)
         )
     assert len(outcome.failed) == len(tiles)
-    assert SlowTile.most > 7, "a bake for one worker hands out seven tiles"
+    assert SlowTile.most > 7, "more than the seven tiles that a bake with one worker hands out at a time"
 
 
 WORLD = {

@@ -62,20 +62,20 @@ func test_whole_tiles() -> void:
 	check_equal(bake.begin(scatter, Rect2(-32, -64, 96, 64), FOLDER, "wood", [scatter.layers[0]]), OK, "begun")
 	await run_to_end(bake)
 	check_equal(bake.problem, "", "no problem")
-	check_equal(bake.progress, 1.0, "the bake is complete")
+	check_equal(bake.progress, 1.0, "the progress of a complete bake")
 	var scene := (load(SCENE) as PackedScene).instantiate()
-	check_equal(scene.get_child_count(), 3 * 2 * 2, "a node for each tile and mesh")
+	check_equal(scene.get_child_count(), 3 * 2 * 2, "nodes: one for each tile and mesh")
 	var seen: Dictionary[Mesh, int] = {}
 	for node: MultiMeshInstance3D in scene.get_children():
 		var tile := Vector2i((Vector2(node.position.x, node.position.z) / 32.0).floor())
 		var mesh := 1 if node.multimesh.mesh is CylinderMesh else 0
-		check_equal(node.position, scatter.get_tile(scatter.layers[0], tile).get_origin(), "the origin of the tile")
-		check(node.multimesh.buffer == tile_buffers(scatter, 0, tile)[mesh], "the instances of tile %s" % tile)
-		check(node.multimesh.use_colors and not node.multimesh.use_custom_data, "colors, no custom data")
+		check_equal(node.position, scatter.get_tile(scatter.layers[0], tile).get_origin(), "the node is at the tile's origin")
+		check(node.multimesh.buffer == tile_buffers(scatter, 0, tile)[mesh], "the buffer equals the one of tile %s" % tile)
+		check(node.multimesh.use_colors and not node.multimesh.use_custom_data, "the multimesh has colors and no custom data")
 		check_equal(node.cast_shadow, GeometryInstance3D.SHADOW_CASTING_SETTING_OFF, "the layer's shadows")
 		check_equal(node.layers, 5, "the layer's render layers")
 		seen[node.multimesh.mesh] = mesh
-	check_equal(seen.size(), 2, "two meshes in all")
+	check_equal(seen.size(), 2, "different meshes in the scene")
 	check(seen.keys().any(func(mesh: Mesh) -> bool: return mesh.resource_path == "res://cone.res"), "a mesh with a file keeps it")
 	check_equal(all_files().size(), 12 + 1 + 1, "multimeshes, a mesh, the scene: %s" % all_files())
 	scene.free()
@@ -98,7 +98,7 @@ func test_parts_of_tiles() -> void:
 				var stride := 16 if layer == 0 else 12
 				for at in range(0, buffer.size(), stride):
 					expected += int(rect.has_point(Vector2(origin.x + buffer[at + 3], origin.z + buffer[at + 11])))
-	check(expected > 100 and bake.instances == expected, "%d instances of %d" % [bake.instances, expected])
+	check(expected > 100 and bake.instances == expected, "%d instances in the bake, %d expected" % [bake.instances, expected])
 
 
 ## A canceled bake leaves existing files unchanged. A second bake replaces the first and removes the files that it no longer needs.
@@ -128,9 +128,9 @@ func test_cancel_and_again() -> void:
 		check_equal(FileAccess.get_md5(FOLDER.path_join(file)), first[file], file)
 	bake.begin(scatter, Rect2(0, 0, 32, 32), FOLDER, "wood")
 	await run_to_end(bake)
-	check(all_files().has("wood_of_mine.res"), "other files stay")
+	check(all_files().has("wood_of_mine.res"), "files that do not belong to the bake are kept")
 	check_equal(all_files().size(), 2 + 1 + 1 + 1 + 1 + 1, "fewer files: %s" % all_files())
-	check_equal((load(SCENE) as PackedScene).get_state().get_node_count(), 1 + 3, "nodes in the smaller scene")
+	check_equal((load(SCENE) as PackedScene).get_state().get_node_count(), 1 + 3, "nodes in the second, smaller scene")
 
 
 func test_rejections() -> void:
@@ -185,7 +185,7 @@ func test_leftover_files_are_reported() -> void:
 	bake.begin(scatter, Rect2(0, 0, 16, 16), FOLDER, "wood")
 	await run_to_end(bake)
 	check_equal(bake.problem, "", "the bake succeeds")
-	check_error([kept, "Delete it"], "the file that stays")
+	check_error([kept, "Delete it"], "the file that cannot be deleted")
 	DirAccess.remove_absolute(kept.path_join("mine"))
 	DirAccess.remove_absolute(kept)
 	var index := preload("res://addons/thicket/baked_world_index.gd").new()
@@ -217,9 +217,9 @@ func test_rays() -> void:
 			met += int(absf(hit.y - hills.get_height(hit)) < 0.001)
 			for part in 40:
 				var before := from.lerp(hit, part / 40.0)
-				check(before.y > hills.get_height(before) - 0.05, "it does not pass through the ground before")
-	check_equal(met, 200, "hits are on the ground")
+				check(before.y > hills.get_height(before) - 0.05, "the ray does not pass through the ground before the hit")
+	check_equal(met, 200, "rays that hit the ground")
 	check(not GroundRay.hit(hills, Vector3(0, 10, 0), Vector3.UP).is_finite(), "no hit in the sky")
 	check(not GroundRay.hit(hills, Vector3(300, 10, 0), Vector3.DOWN).is_finite(), "no hit where there is no ground")
 	var over_hole := GroundRay.hit(hills, Vector3(260, 60, 0), Vector3(-1, -0.5, 0).normalized())
-	check(over_hole.is_finite() and over_hole.x < 200.0, "it hits the ground behind a hole: %s" % over_hole)
+	check(over_hole.is_finite() and over_hole.x < 200.0, "a ray through a hole hits the ground behind it: %s" % over_hole)

@@ -35,7 +35,7 @@ func baked_lods(layer: ScatterLayer, entry: int) -> Array:
 	check_equal(files.problem, "", "no problem")
 	var result := []
 	for lod: Dictionary in files.models[entry].lods:
-		check(not lod.path.is_empty(), "a level has a file")
+		check(not lod.path.is_empty(), "every LOD has a file")
 		if lod.path.begins_with("res://"):
 			result.append([lod.distance, (load(lod.path) as Mesh).get_aabb().size])
 		else:
@@ -55,7 +55,7 @@ func test_scene_among_the_meshes_has_all_its_levels() -> void:
 	var layer := make_layer()
 	layer.meshes = [scene, model_of(scene)]
 	var lods := baked_lods(layer, 0)
-	check_equal(lods.size(), 3, "levels of the scene")
+	check_equal(lods.size(), 3, "LODs of the scene")
 	check_equal(lods, drawn_lods(layer, 0), "the manifest lists the LODs that are drawn")
 	check_equal(baked_lods(layer, 1), lods, "the same LODs for a model of the scene")
 	# Default distances grow with the model's size and double from LOD to LOD.
@@ -69,10 +69,10 @@ func test_levels_behind_a_scene_are_among_them() -> void:
 	var scene := saved_scene(["Oak_LOD0", "Oak_LOD1"], "res://oak.tscn")
 	layer.meshes = with_lods([SphereMesh.new(), null, scene], [[far, null, null], [null, null, far]], [40.0, 500.0])
 	check_equal(baked_lods(layer, 0), drawn_lods(layer, 0), "a mesh")
-	check_equal(drawn_lods(layer, 0).map(func(lod: Array) -> float: return lod[0]), [0.0, 40.0], "with its level")
+	check_equal(drawn_lods(layer, 0).map(func(lod: Array) -> float: return lod[0]), [0.0, 40.0], "the empty entry has its own added LOD")
 	check_equal(ModelFiles.new(layer, 3).models[1].lods, [], "an empty entry draws nothing")
 	check_equal(baked_lods(layer, 2), drawn_lods(layer, 2), "a scene")
-	check_equal(baked_lods(layer, 2).size(), 3, "with the added level after its own levels")
+	check_equal(baked_lods(layer, 2).size(), 3, "the scene has the added LOD after its own LODs")
 	check_equal(layer.get_mesh_lods(3), [] as Array[ScatterLod], "no such entry")
 	check_error(["get_mesh_lods", "index", 3], "an index beyond the list")
 
@@ -83,8 +83,8 @@ func test_reader_finds_the_finest_level_by_the_extensions_names() -> void:
 		var model := model_of(saved_scene(NAMES[index], file))
 		var read: Mesh = ReadModels.new().mesh_at(file)
 		if check(read != null, "%s can be read" % [NAMES[index]]):
-			check_equal(read.get_aabb(), model.get_mesh().get_aabb(), "the finest level of %s" % [NAMES[index]])
-			check_equal(read.get_faces().size(), model.get_mesh().get_faces().size(), "the parts of that level of %s" % [NAMES[index]])
+			check_equal(read.get_aabb(), model.get_mesh().get_aabb(), "the bounds of the finest LOD of %s" % [NAMES[index]])
+			check_equal(read.get_faces().size(), model.get_mesh().get_faces().size(), "the triangles of all parts of the finest LOD of %s" % [NAMES[index]])
 	var empty := pack(Node3D.new())
 	ResourceSaver.save(empty, "res://empty.tscn")
 	var models := ReadModels.new()

@@ -27,9 +27,9 @@ func test_layers_of_biomes_are_accepted_everywhere() -> void:
 	var fern := scatter.biomes.biomes[1].layers[1]
 	var found := scatter.query_rect(Rect2(0, 0, 30, 30), fern)
 	check(found.size() > 10, "found: %d" % found.size())
-	check_equal(found.layers, [fern], "all are ferns")
+	check_equal(found.layers, [fern], "all instances found are ferns")
 	check_equal(content_of(scatter.query_rect(Rect2(0, 0, 30, 30), "fern")), content_of(found), "by name")
-	check_equal(scatter.query_rect(Rect2(-40, 0, 30, 30), fern).size(), 0, "none in the meadow")
+	check_equal(scatter.query_rect(Rect2(-40, 0, 30, 30), fern).size(), 0, "ferns in the meadow")
 	check(scatter.remove_instance(found.ids[0]), "removed")
 	check(not scatter.has_instance(found.ids[0]), "gone")
 	check(scatter.add_instance("reed", Transform3D(Basis(), Vector3(5, 0, 5))) != 0, "planted")
@@ -76,14 +76,14 @@ func test_a_restored_biome_is_unchanged() -> void:
 	check(ids[2] not in [ids[0], ids[1]], "a new layer has a new id: %s" % [ids])
 	scatter.biomes.biomes[1] = forest
 	await settle(scatter)
-	check_equal(digests_by_name(scatter), before, "all as before")
+	check_equal(digests_by_name(scatter), before, "the tiles after the biome was restored")
 	var map := scatter.biomes
 	scatter.biomes = null
 	await settle(scatter)
-	check_equal(scatter.get_all_layers().size(), 0, "no layers without biomes")
+	check_equal(scatter.get_all_layers().size(), 0, "layers of a map without biomes")
 	scatter.biomes = map
 	await settle(scatter)
-	check_equal(digests_by_name(scatter), before, "all as before, again")
+	check_equal(digests_by_name(scatter), before, "the tiles after the map was restored")
 
 
 func test_a_pixel_changes_only_its_surroundings() -> void:
@@ -115,12 +115,12 @@ func test_a_texture_as_map() -> void:
 	var texture := ImageTexture.create_from_image(scatter.biomes.map_image)
 	scatter.biomes.map_image = null
 	await settle(scatter)
-	check("first biome is everywhere" in scatter.get_problems()[0], "without an image: %s" % scatter.get_problems())
-	check(places(scatter, "grass").values().any(func(at: Vector2) -> bool: return at.x > 0), "the first biome everywhere")
-	check_equal(places(scatter, "oak").size(), 0, "no second biome")
+	check("first biome is everywhere" in scatter.get_problems()[0], "get_problems reports the missing image: %s" % scatter.get_problems())
+	check(places(scatter, "grass").values().any(func(at: Vector2) -> bool: return at.x > 0), "grass of the first biome also grows outside its area")
+	check_equal(places(scatter, "oak").size(), 0, "oaks of the second biome")
 	scatter.biomes.map_image = texture
 	await settle(scatter)
-	check_equal(digests_by_name(scatter), before, "the same with a texture")
+	check_equal(digests_by_name(scatter), before, "tiles with a texture as the map")
 
 
 func test_indices_as_map() -> void:
@@ -135,12 +135,12 @@ func test_indices_as_map() -> void:
 	for biome in scatter.biomes.biomes:
 		biome.color = Color.WHITE
 	await settle(scatter)
-	check_equal(digests_by_name(scatter), before, "the same with indices")
+	check_equal(digests_by_name(scatter), before, "tiles with a map of indices")
 	image.fill_rect(Rect2i(0, 0, 32, PIXELS), Color8(200, 0, 0))
 	image.emit_changed()
 	await settle(scatter)
-	check_equal(places(scatter, "grass").size(), 0, "no biome has that index")
-	check(scatter.biomes.get_biome_at(Vector2(-20, 0)) == null, "no biome there")
+	check_equal(places(scatter, "grass").size(), 0, "grass where no biome has the pixel's index")
+	check(scatter.biomes.get_biome_at(Vector2(-20, 0)) == null, "get_biome_at returns null there")
 
 
 func test_border_noise() -> void:
@@ -206,10 +206,10 @@ func test_queries_beyond_the_visible_area_respect_biomes() -> void:
 	var far := Rect2(2000, -900, 60, 60)
 	check_equal(scatter.query_rect(far, "grass").size(), 0, "no meadow on this side")
 	var found := scatter.query_rect(far, "fern")
-	check_equal(found.size(), places_in(scatter, "fern", far).size(), "the forest continues")
+	check_equal(found.size(), places_in(scatter, "fern", far).size(), "ferns found beyond the visible area")
 	check(found.size() > 100, "ferns: %d" % found.size())
 	map.map_edge = ScatterBiomeMap.MAP_EDGE_NOTHING
-	check_equal(scatter.query_rect(far, "fern").size(), 0, "no biome beyond the map")
+	check_equal(scatter.query_rect(far, "fern").size(), 0, "ferns beyond the map")
 
 
 func test_spacing_across_biomes() -> void:
@@ -222,7 +222,7 @@ func test_spacing_across_biomes() -> void:
 	var near := 0
 	for at: Vector2 in places(scatter, "oak").values():
 		near += int(grass.any(func(other: Vector2) -> bool: return other.distance_to(at) < 4.0 - 1e-3))
-	check_equal(near, 0, "no oak is too near to grass")
+	check_equal(near, 0, "oaks that are too close to grass")
 	check(scatter.get_problems().is_empty(), "no problems: %s" % scatter.get_problems())
 
 
@@ -236,15 +236,15 @@ func test_one_layer_in_several_biomes() -> void:
 	var scatter := make_world(map)
 	await settle(scatter)
 	check_equal(scatter.get_all_layers().size(), 2, "one layer, once")
-	check_equal(places_in(scatter, "shared", Rect2(-50, -50, 100, 100)), everywhere, "no seam between the biomes")
+	check_equal(places_in(scatter, "shared", Rect2(-50, -50, 100, 100)), everywhere, "positions of a layer that is in both biomes")
 	map.biomes[1].density = 0.5
 	await settle(scatter)
 	var right := places_in(scatter, "shared", Rect2(20, -50, 30, 100)).size()
 	var left := places_in(scatter, "shared", Rect2(-50, -50, 30, 100)).size()
-	check(right < 0.7 * left and right > 0.3 * left, "thinner in one biome: %d and %d" % [right, left])
+	check(right < 0.7 * left and right > 0.3 * left, "the biome with a lower density has fewer instances: %d and %d" % [right, left])
 	scatter.layers = [shared]
 	await settle(scatter)
-	check("is also in a biome" in str(scatter.get_problems()), "a problem: %s" % scatter.get_problems())
+	check("is also in a biome" in str(scatter.get_problems()), "get_problems reports the layer: %s" % scatter.get_problems())
 	check_equal(places_in(scatter, "shared", Rect2(-50, -50, 100, 100)), everywhere, "a layer of the node is not limited to biomes")
 
 
@@ -254,20 +254,20 @@ func test_lists_changed_in_place() -> void:
 	var swamp := scatter.biomes.biomes[2]
 	swamp.layers.push_back(named("lily"))
 	await settle(scatter)
-	check(all_within(places(scatter, "lily"), func(at: Vector2) -> bool: return at.y >= 64), "a layer of the swamp")
+	check(all_within(places(scatter, "lily"), func(at: Vector2) -> bool: return at.y >= 64), "lilies grow only in the swamp")
 	var lily := swamp.layers.pop_back() as ScatterLayer
 	scatter.biomes.biomes[0].layers.push_back(lily)
 	await settle(scatter)
-	check(all_within(places(scatter, "lily"), func(at: Vector2) -> bool: return at.x < 0 and at.y < 64), "a layer of the meadow")
+	check(all_within(places(scatter, "lily"), func(at: Vector2) -> bool: return at.x < 0 and at.y < 64), "lilies grow only in the meadow")
 	scatter.layers.push_back(named("boulder"))
 	await settle(scatter)
 	check_equal(index_of(scatter, "boulder"), 1, "layers of the node come before layers of biomes")
-	check(places(scatter, "grass").size() > 100 and places(scatter, "lily").size() > 20, "the other layers stay")
+	check(places(scatter, "grass").size() > 100 and places(scatter, "lily").size() > 20, "the other layers keep their instances")
 	scatter.biomes.biomes.push_back(null)
 	scatter.biomes.biomes.remove_at(0)
 	await settle(scatter)
 	check_equal([index_of(scatter, "grass"), index_of(scatter, "lily")], [-1, -1], "layers disappear with their biome")
-	check(places(scatter, "reed").size() > 20, "the swamp stays")
+	check(places(scatter, "reed").size() > 20, "the swamp keeps its reeds")
 
 
 func test_bad_input_has_no_effect() -> void:
@@ -295,7 +295,7 @@ func test_bad_input_has_no_effect() -> void:
 	map.map_image = wide
 	await settle(scatter)
 	check_error(["ScatterBiomeMap", "map_image", 8193], "an image that is too large")
-	check_equal(digests_by_name(scatter), before, "all as before")
+	check_equal(digests_by_name(scatter), before, "tiles after the invalid input")
 	check("8193" in str(scatter.get_problems()), "a problem: %s" % scatter.get_problems())
 	map.biomes[1].color = MEADOW
 	map.map_image = make_image()
@@ -327,7 +327,7 @@ func test_scenes_with_biomes_are_small_and_save_identically() -> void:
 		root.add_child(scatter)
 	check(files[0] == files[1], "both saves have the same bytes")
 	check(files[0].length() < 6000, "small: %d characters" % files[0].length())
-	check_equal(places_in(scatter, "fern", Rect2(0, 0, 60, 60)), before, "the same ferns")
+	check_equal(places_in(scatter, "fern", Rect2(0, 0, 60, 60)), before, "ferns after loading")
 
 
 func test_handlers_may_free_the_node() -> void:
@@ -338,7 +338,7 @@ func test_handlers_may_free_the_node() -> void:
 		scatter.free(), CONNECT_ONE_SHOT)
 	map.biomes[1] = null
 	await frames(3)
-	check(not is_instance_valid(scatter) or was_kept_from_being_freed(), "freed by the signal handler")
+	check(not is_instance_valid(scatter) or was_kept_from_being_freed(), "the signal handler has freed the node")
 	var other := make_world(map)
 	check(other.query_rect(Rect2(-30, -30, 20, 20), "grass").size() > 0, "the map still works")
 
@@ -368,6 +368,6 @@ func test_an_image_is_read_when_it_emits_changed() -> void:
 	var before := map.get_biome_at(Vector2(36.0, 36.0))
 	map.map_image.fill_rect(Rect2i(0, 0, 100, 100), MEADOW)
 	map.border_width = 3.0
-	check_equal(map.get_biome_at(Vector2(36.0, 36.0)), before, "the old biome until the image emits changed")
+	check_equal(map.get_biome_at(Vector2(36.0, 36.0)), before, "the biome before the image emits changed")
 	map.map_image.emit_changed()
-	check(map.get_biome_at(Vector2(36.0, 36.0)) != before, "the new biome afterwards")
+	check(map.get_biome_at(Vector2(36.0, 36.0)) != before, "the biome changes once the image has emitted changed")

@@ -46,7 +46,7 @@ func test_removal_is_immediate_and_has_no_other_effect() -> void:
 	var uploads := stats_uploads(scatter)
 	var id := id_near(before, Vector3(5, 0, 7))
 	check(scatter.has_instance(id), "it exists")
-	check(scatter.remove_instance(id), "it can be removed")
+	check(scatter.remove_instance(id), "remove_instance removes it")
 	check_equal(signals.take(), [["instance_removed", id, scatter.layers[0], before[id]]], "one signal")
 	check(not scatter.has_instance(id) and scatter.get_instance(id) == null, "queries in the same frame do not find it")
 	var after := instances(scatter, 0)
@@ -59,13 +59,13 @@ func test_removal_is_immediate_and_has_no_other_effect() -> void:
 		var now := digests(scatter, layer)
 		for other: Vector2i in now:
 			check(layer == 0 and other == tile or now[other] == all_digests[layer][other], "tile %s of layer %d" % [other, layer])
-	check(not scatter.remove_instance(id), "it cannot be removed twice")
+	check(not scatter.remove_instance(id), "a second removal returns false")
 	await frames(3)
 	check(instances(scatter, 0) == before, "it stays removed")
-	check(scatter.restore_instance(id), "it can be restored")
+	check(scatter.restore_instance(id), "restore_instance restores it")
 	check_equal(signals.take().size(), 1, "signals of restoring")
 	check(digests(scatter, 0) == all_digests[0], "the tiles are bit-identical to those before")
-	check(not scatter.restore_instance(id), "it cannot be restored twice")
+	check(not scatter.restore_instance(id), "a second restoration returns false")
 
 
 func test_tiles_update_at_the_end_of_the_frame() -> void:
@@ -77,7 +77,7 @@ func test_tiles_update_at_the_end_of_the_frame() -> void:
 	var expected := 0
 	for id in standing:
 		expected += 1 if standing[id].origin.distance_to(Vector3(16, 0, 16)) <= 10.0 else 0
-	check(removed.size() == expected and expected > 50, "all within the sphere: %d of %d" % [removed.size(), expected])
+	check(removed.size() == expected and expected > 50, "%d of %d instances within the sphere are removed" % [removed.size(), expected])
 	check_equal(stats_uploads(scatter), uploads, "uploads before the end of the frame")
 	await frames(1)
 	check_equal(stats_uploads(scatter) - uploads, 1, "one upload for a tile, regardless of the number of removals")
@@ -92,7 +92,7 @@ func test_a_removed_instance_stays_removed_when_its_tile_returns() -> void:
 	var viewer: Node3D = scatter.get_node(scatter.viewers[0])
 	viewer.global_position.x = 1000.0
 	await settle(scatter)
-	check(not digests(scatter, 0).has(Vector2i(-1, 0)), "the tile is dropped")
+	check(not digests(scatter, 0).has(Vector2i(-1, 0)), "the tile is no longer loaded")
 	check(not scatter.has_instance(id), "queries do not find it without a loaded tile")
 	viewer.global_position.x = 0.0
 	await settle(scatter)
@@ -124,7 +124,7 @@ func test_hand_placed_instances() -> void:
 	viewer.global_position.x = 0.0
 	await settle(scatter)
 	check(instances(scatter, 0)[id].is_equal_approx(at), "it returns with its tile")
-	check(scatter.remove_instance(id), "it can be removed")
+	check(scatter.remove_instance(id), "remove_instance removes it")
 	check(digests(scatter, 0) == before, "the tiles are bit-identical to those before")
 	check(not scatter.has_instance(id) and not scatter.restore_instance(id), "it cannot be restored")
 	check(scatter.add_instance(scatter.layers[0], at, 1) == id, "when placed again, it has the same id")
@@ -155,7 +155,7 @@ func test_a_hand_placed_instance_moves() -> void:
 	check_equal(signals.take(), [["instance_moved", id, scatter.layers[0], to]], "one signal")
 	var found := scatter.get_instance(id)
 	check(found.transform == to and found.mesh == 1 and found.data == "sown", "it is at the new position, bit for bit, with its mesh and data")
-	check(not (scatter.query_rect(Rect2(10, 12, 1, 1), scatter.layers[0]).ids as PackedInt64Array).has(id), "and no longer at the old one")
+	check(not (scatter.query_rect(Rect2(10, 12, 1, 1), scatter.layers[0]).ids as PackedInt64Array).has(id), "a query at the old position does not find it")
 	await frames(2)
 	check(instances(scatter, 0)[id].is_equal_approx(to), "the tiles are updated")
 	await settle(scatter)
@@ -165,11 +165,11 @@ func test_a_hand_placed_instance_moves() -> void:
 	var other := make_wood(true)
 	await settle(other)
 	other.state = loaded
-	check(other.get_instance(id).transform == to, "and loaded, bit for bit")
+	check(other.get_instance(id).transform == to, "another node loads its new position, bit for bit")
 	check_equal(scatter.set_instance_transform(id - 1, to), 0, "an ID without an instance")
 	check_equal(scatter.set_instance_transform(id, Transform3D(Basis(), Vector3(0, INF, 0))), 0, "an invalid position")
 	check_error(["set_instance_transform", "position"], "a position that is not finite")
-	check(scatter.get_instance(id).transform == to, "it does not move")
+	check(scatter.get_instance(id).transform == to, "invalid calls do not move it")
 
 
 func test_a_generated_instance_moves() -> void:
@@ -188,7 +188,7 @@ func test_a_generated_instance_moves() -> void:
 	check_equal(batches.size(), 1, "one signal for all changes")
 	var names := signals.take().map(func(event: Array) -> Array: return [event[0], event[1]])
 	check_equal(names.slice(0, 2), [["instance_added", moved], ["instance_data_changed", moved]], "signals of the new instance")
-	check_equal(names.slice(2), [["instance_removed", id], ["instance_data_changed", id]], "and of the old one")
+	check_equal(names.slice(2), [["instance_removed", id], ["instance_data_changed", id]], "signals of the old instance")
 	check(not scatter.has_instance(id) and scatter.state.is_removed(id), "the old instance is removed")
 	var after := scatter.get_instance(moved)
 	check(after.transform == to and after.mesh == before.mesh, "unchanged except for its position")
@@ -222,7 +222,7 @@ func test_undo_and_redo_by_diffs() -> void:
 		var after := state.diff_of(ids)
 		var changed := state.to_bytes()
 		for again in 2:
-			check_equal(state.apply_diff(ScatterState.new().diff_of(ids)), OK, "removes what did not exist before")
+			check_equal(state.apply_diff(ScatterState.new().diff_of(ids)), OK, "a diff that undoes the change can be applied")
 			check_equal(state.apply_diff(before), OK, "undo")
 			check(state.to_bytes() == bytes, "step %d is undone, byte for byte" % index)
 			check_equal(state.apply_diff(after), OK, "redo")
@@ -259,7 +259,7 @@ func test_build_rect_includes_changes() -> void:
 	var id := scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(4, 0, 4)))
 	scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(40, 0, 4)))
 	var ids: PackedInt64Array = scatter.build_rect(scatter.layers[0], rect).get_ids(0)
-	check(not ids.has(gone) and ids[0] == id and ids.size() == full.get_ids(0).size(), "without the removed instance, with the added one")
+	check(not ids.has(gone) and ids[0] == id and ids.size() == full.get_ids(0).size(), "the tile lacks the removed instance and contains the added one")
 	scatter.remove_instance(id)
 	scatter.restore_instance(gone)
 	check_equal(scatter.build_rect(scatter.layers[0], rect).get_digest(), full.get_digest(), "bit-identical to the first result")
@@ -282,14 +282,14 @@ func test_data() -> void:
 	var signals := SignalLog.new(scatter)
 	var id := id_near(instances(scatter, 0), Vector3.ZERO)
 	check(scatter.get_instance_data(id) == null, "no data at first")
-	check(scatter.set_instance_data(id, {"name": "Old oak", "age": 312}), "it can be set")
+	check(scatter.set_instance_data(id, {"name": "Old oak", "age": 312}), "set_instance_data sets the data")
 	check_equal(signals.take().size(), 1, "signals")
-	check_equal(scatter.get_instance_data(id), {"name": "Old oak", "age": 312}, "it can be read")
-	check_equal(scatter.get_instance(id).data, {"name": "Old oak", "age": 312}, "the instance has it")
+	check_equal(scatter.get_instance_data(id), {"name": "Old oak", "age": 312}, "the data that get_instance_data returns")
+	check_equal(scatter.get_instance(id).data, {"name": "Old oak", "age": 312}, "the data of the instance")
 	scatter.remove_instance(id)
 	check_equal(scatter.get_instance_data(id), {"name": "Old oak", "age": 312}, "a removed instance keeps its data")
 	scatter.set_instance_data(id, null)
-	check(scatter.get_instance_data(id) == null, "it can be deleted")
+	check(scatter.get_instance_data(id) == null, "setting null deletes the data")
 
 
 func test_a_state_restores_the_same_world() -> void:
@@ -299,17 +299,17 @@ func test_a_state_restores_the_same_world() -> void:
 	scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(1, 2, 3)))
 	var changed := [digests(scatter, 0), digests(scatter, 1)]
 	var state := ScatterState.new()
-	check_equal(state.from_bytes(scatter.state.to_bytes()), OK, "bytes of the state")
+	check_equal(state.from_bytes(scatter.state.to_bytes()), OK, "the state can be loaded from its bytes")
 	var other := make_wood()
 	other.state = state
 	await settle(other)
-	check([digests(other, 0), digests(other, 1)] == changed, "the same tiles, bit for bit")
+	check([digests(other, 0), digests(other, 1)] == changed, "a node with the loaded state has bit-identical tiles")
 	other.state = null
-	check(instances(other, 0).size() > instances(scatter, 0).size(), "without the state, everything returns")
+	check(instances(other, 0).size() > instances(scatter, 0).size(), "without the state, the removed instances return")
 	other.seed = 8
 	await settle(other)
 	other.state = state
-	check_error(["TerrainScatter3D", "state", "seed"], "a state of another world")
+	check_error(["TerrainScatter3D", "state", "seed"], "a state with a different seed")
 	check(other.state == null, "the state is rejected")
 
 
@@ -325,7 +325,7 @@ func test_removed_instances_regrow() -> void:
 	await frames(1)
 	check(not scatter.has_instance(oak), "it does not regrow immediately")
 	await until(func() -> bool: return scatter.has_instance(oak), "it regrows")
-	check(scatter.state.get_time() >= 0.4, "after the regrowth time")
+	check(scatter.state.get_time() >= 0.4, "it regrows no earlier than the regrowth time")
 	check(instances(scatter, 0).has(oak), "it is also visible")
 	check(not scatter.has_instance(fern), "a layer without a regrowth time does not regrow")
 	check_equal(signals.take()[-1].slice(0, 3), ["instance_restored", oak, scatter.layers[0]], "a signal reports it")
@@ -343,31 +343,31 @@ func test_changes_through_the_state() -> void:
 	var missing := standing[0] ^ (1 << 40)
 	var signals := SignalLog.new(scatter)
 	check(not scatter.has_instance(missing), "no such instance")
-	check(not state.remove(missing) and not state.set_instance_data(missing, 1) and not state.restore(missing), "it cannot be changed")
+	check(not state.remove(missing) and not state.set_instance_data(missing, 1) and not state.restore(missing), "the state's methods reject an ID without an instance")
 	check_equal([state.get_revision(), signals.take().size()], [0, 0], "changes")
 	var at := scatter.get_instance(standing[0]).transform
-	check(state.remove(standing[0]), "an existing one is removed")
-	check_equal(signals.take(), [["instance_removed", standing[0], scatter.layers[0], at]], "with a signal")
-	check(not scatter.has_instance(standing[0]) and not state.remove(standing[0]), "once")
-	check(state.remove(standing[1], 0.0) and state.remove(standing[2], 20.0), "permanently, and for a shorter time")
-	check(not state.remove(standing[0], 80.0), "a removed one gets a new time")
+	check(state.remove(standing[0]), "an existing instance is removed")
+	check_equal(signals.take(), [["instance_removed", standing[0], scatter.layers[0], at]], "signals of the removal")
+	check(not scatter.has_instance(standing[0]) and not state.remove(standing[0]), "a second removal returns false")
+	check(state.remove(standing[1], 0.0) and state.remove(standing[2], 20.0), "one instance is removed permanently, another for a shorter time")
+	check(not state.remove(standing[0], 80.0), "removing it again sets a new time, but returns false")
 	check(state.set_instance_data(standing[3], "tall") and state.remove(standing[3], 10.0) and state.restore(standing[3]), "restored")
-	check_equal(signals.take().slice(-1)[0].slice(0, 3), ["instance_restored", standing[3], scatter.layers[0]], "with a signal")
-	check_equal(scatter.get_instance_data(standing[3]), "tall", "with its data")
-	check_equal(state.get_removed("oak"), state.get_removed(), "removed ones by the layer's name")
-	check_equal(state.get_removed(scatter.layers[1]), PackedInt64Array(), "none of the other layer")
+	check_equal(signals.take().slice(-1)[0].slice(0, 3), ["instance_restored", standing[3], scatter.layers[0]], "the signal of the restoration")
+	check_equal(scatter.get_instance_data(standing[3]), "tall", "the data of the restored instance")
+	check_equal(state.get_removed("oak"), state.get_removed(), "removed instances by the layer's name")
+	check_equal(state.get_removed(scatter.layers[1]), PackedInt64Array(), "removed instances of the other layer")
 	state.advance(21.0)
-	check(scatter.has_instance(standing[2]) and not scatter.has_instance(standing[0]), "the shorter time has passed")
+	check(scatter.has_instance(standing[2]) and not scatter.has_instance(standing[0]), "only the instance with the shorter time has regrown")
 	state.advance(60.0)
-	check(scatter.has_instance(standing[0]) and not scatter.has_instance(standing[1]), "only the permanent removal is left")
+	check(scatter.has_instance(standing[0]) and not scatter.has_instance(standing[1]), "only the permanently removed instance is still missing")
 	var planted := scatter.add_instance("oak", Transform3D(Basis(), Vector3(4, 0, 4)))
-	check_equal(state.get_added("oak"), PackedInt64Array([planted]), "hand-placed ones by the layer's name")
-	check(state.remove(planted) and not scatter.has_instance(planted), "a hand-placed one is removed")
+	check_equal(state.get_added("oak"), PackedInt64Array([planted]), "hand-placed instances by the layer's name")
+	check(state.remove(planted) and not scatter.has_instance(planted), "a hand-placed instance is removed")
 	# While the node is outside the tree, the state changes any ID without checking it.
 	root.remove_child(scatter)
 	check(state.remove(missing), "any id")
 	scatter.free()
-	check(state.restore(missing) and state.get_removed_count() == 1, "also after the node was freed")
+	check(state.restore(missing) and state.get_removed_count() == 1, "the state restores any ID after the node was freed")
 
 
 func test_bad_input() -> void:

@@ -39,7 +39,7 @@ func test_rays_hit_what_query_ray_hits() -> void:
 			# Casts down onto the center of the top.
 			var top := at * Vector3(0, 3.0, 0)
 			var above := cast(top + at.basis.y.normalized() * 0.5, at.origin)
-			if check(not above.is_empty(), "hit from above"):
+			if check(not above.is_empty(), "a ray from above hits the top"):
 				var apart := (above["position"] as Vector3).distance_to(top)
 				check(apart < SIZE_ERROR * 3.0 * size + 2e-3, "shape %d: top %.4f m apart" % [shape, apart])
 		check(seen > 100, "%d rays hit their instance" % seen)
@@ -105,7 +105,7 @@ func test_convex_bodies_match_their_meshes() -> void:
 		var at: Transform3D = instance["transform"]
 		if at.origin.length() < DISTANCE and instance["mesh"] == 0:
 			var hit := cast(at * Vector3(0.0, 3.0, 0.4), at * Vector3(0.0, -0.3, 0.4))
-			check(hit and (hit["position"] as Vector3).distance_to(at * Vector3(0, 1.0, 0.4)) < 0.04, "a taller mesh")
+			check(hit and (hit["position"] as Vector3).distance_to(at * Vector3(0, 1.0, 0.4)) < 0.04, "a ray hits the body of a taller mesh at its surface")
 
 
 func test_only_nearby_instances_have_bodies() -> void:
@@ -140,7 +140,7 @@ func test_small_movements_keep_bodies() -> void:
 	await settle(scatter)
 	var after := bodies(scatter)
 	for id in before:
-		check(after.get(id, RID()) == before[id], "the same body")
+		check(after.get(id, RID()) == before[id], "the instance keeps its body")
 
 
 func test_bodies_around_an_interaction_group() -> void:
@@ -307,7 +307,7 @@ func test_property_changes_are_applied() -> void:
 	material.bounce = 0.5
 	layer.physics_material = material
 	await frames(2)
-	check(bodies(scatter)[id] == body, "the same body")
+	check(bodies(scatter)[id] == body, "the instance keeps its body")
 	check_equal(PhysicsServer3D.body_get_collision_layer(body), 1 << 31 | 1 << 3, "layer")
 	check_equal(PhysicsServer3D.body_get_collision_mask(body), 0, "mask")
 	check(is_equal_approx(PhysicsServer3D.body_get_param(body, PhysicsServer3D.BODY_PARAM_FRICTION), -0.25), "rough")
@@ -371,7 +371,7 @@ func test_ground_that_moves() -> void:
 	var before := bodies(scatter).size()
 	ground.height = 2.5
 	await settle(scatter)
-	check(absi(bodies(scatter).size() - before) < 20, "about as many as before")
+	check(absi(bodies(scatter).size() - before) < 20, "the number of bodies changes by less than 20")
 	for id in bodies(scatter):
 		var hit := cast(scatter.get_instance(id).transform * Vector3(1.0, 2.9, 0.0),
 				scatter.get_instance(id).transform * Vector3(0.0, 2.9, 0.0))
@@ -392,7 +392,7 @@ func test_world_offset_moves_bodies() -> void:
 	await settle(scatter)
 	var after := bodies(scatter, viewer.position)
 	for id in before:
-		check(after.get(id, RID()) == before[id], "the same body")
+		check(after.get(id, RID()) == before[id], "the instance keeps its body")
 	scatter.world_offset = Vector3.ZERO
 	viewer.position = Vector3.ZERO
 	await settle(scatter)

@@ -47,8 +47,8 @@ func test_a_character_walks_into_an_instance() -> void:
 	await physics_frames(2)
 	var hit := walker.move_and_collide(Vector3(-1.5, 0, 0))
 	if check(hit != null, "stopped"):
-		check(hit.get_collider() == scatter, "by the scatter")
-		check_equal(scatter.get_body_instance(hit.get_collider_rid()), instance["id"], "by that instance")
+		check(hit.get_collider() == scatter, "the collider is the scatter")
+		check_equal(scatter.get_body_instance(hit.get_collider_rid()), instance["id"], "the collider's body belongs to the instance")
 		var away := on_map(walker.transform).distance_to(on_map(instance["transform"]))
 		check(absf(away - 0.9) < 0.03, "it stops %f m away" % away)
 	scatter.remove_instance(instance["id"])
@@ -65,7 +65,7 @@ func test_a_ball_hits_an_instance() -> void:
 		check(body == scatter, "the scatter is the body")
 		hit_ids.push_back(scatter.get_body_instance(rid)))
 	await physics_frames(30)
-	check_equal(hit_ids, PackedInt64Array([instance["id"]]), "the instance that was hit")
+	check_equal(hit_ids, PackedInt64Array([instance["id"]]), "the instances that the ball hit")
 	check(ball.position.x > (instance["transform"] as Transform3D).origin.x + 0.7, "the ball did not pass through")
 
 
@@ -114,7 +114,7 @@ func test_an_area_removes_all_instances_in_it() -> void:
 	area.position.y += 0.01 # Godot Physics checks static bodies only after the area has moved.
 	await physics_frames(10)
 	check_equal(entered.size(), 2 * felled.size(), "restored instances enter and are removed again")
-	check_equal(exited.size(), 2 * felled.size(), "and exit again")
+	check_equal(exited.size(), 2 * felled.size(), "restored instances exit when they are removed again")
 
 
 func test_restored_and_removed_in_one_frame() -> void:

@@ -170,7 +170,7 @@ func test_instances_fade_at_the_view_distance() -> void:
 	check(lit[60.0] < 0.8 * lit[0.0], "they fade gradually: %s" % lit)
 	check(lit[80.0] < 0.5 * lit[0.0] and lit[80.0] < lit[60.0], "they fade gradually: %s" % lit)
 	check(lit[88.0] < 0.25 * lit[0.0] and lit[88.0] < lit[80.0], "almost invisible: %s" % lit)
-	check(lit[60.0] > 0 and lit[80.0] > 0, "but still visible: %s" % lit)
+	check(lit[60.0] > 0 and lit[80.0] > 0, "they are still visible within the view distance: %s" % lit)
 	check_equal(lit[110.0], 0, "pixels beyond the view distance")
 
 
@@ -195,14 +195,14 @@ func test_only_fading_lods_are_drawn_twice() -> void:
 			layer.lod_fade = 0.2
 			await settle(scatter)
 			var again: int = scatter.get_stats()["multimeshes"] - counts[kind]
-			check(absi(again) <= 8, "with it they return, except for %d at the limits" % again)
+			check(absi(again) <= 8, "with a fade the second multimeshes return, except for %d at the limits of a fade" % again)
 			scatter.max_multimeshes = 30
 			await settle(scatter)
 			check(scatter.get_stats()["multimeshes"] <= 30, "never more than max_multimeshes")
 		scatter.queue_free()
 		await frames(2)
 	check(counts["fades"] > counts["unsupported"] + 8, "more multimeshes with a fade: %s" % counts)
-	check(counts["fades"] < 2 * counts["unsupported"], "but not everywhere: %s" % counts)
+	check(counts["fades"] < 2 * counts["unsupported"], "cells without a fade have no second multimesh: %s" % counts)
 	check_equal(counts["disabled"], counts["unsupported"], "multimeshes if scatter_cross_fade is off")
 	check_equal(counts["no fade"], counts["unsupported"], "multimeshes with lod_fade 0")
 
@@ -225,14 +225,14 @@ func test_changes_reach_both_lods() -> void:
 	check_equal(after.get_data().count(0), after.get_data().size(), "dark pixels after all were removed")
 	scatter.state.clear()
 	await settle(scatter)
-	check(pixels_that_differ(await picture(), before) <= 4, "all are back")
+	check(pixels_that_differ(await picture(), before) <= 4, "the image is the same after all were restored")
 	scatter.visible = false
 	await frames(2)
 	var hidden := await picture()
 	check_equal(hidden.get_data().count(0), hidden.get_data().size(), "dark pixels of a hidden node")
 	scatter.visible = true
 	await frames(2)
-	check(pixels_that_differ(await picture(), before) <= 4, "all are visible again")
+	check(pixels_that_differ(await picture(), before) <= 4, "the image is the same once the node is visible again")
 
 
 ## A mesh that uses CUSTOM3 for its own data gets no copy that fades.

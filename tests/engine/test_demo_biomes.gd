@@ -32,12 +32,12 @@ func test_each_biome_has_its_plants() -> void:
 		var mixed := 0
 		for layer: String in [MEADOW, WOOD][biome]:
 			var places := standing(layer)
-			check(places.size() > 10, "%d of %s" % [places.size(), layer])
+			check(places.size() > 10, "%d instances of %s" % [places.size(), layer])
 			for place: Vector3 in places.values():
 				var weight: float = scatter.biomes.get_weights_at(Vector2(place.x, place.z))[biome]
 				check(weight > 0.0, "%s at %s, outside its biome" % [layer, place])
 				mixed += int(weight < 1.0)
-		check(mixed > 50, "they mix at the border: %d" % mixed)
+		check(mixed > 50, "plants of several biomes mix at the border: %d" % mixed)
 	var straight := 0
 	var image: Image = scatter.biomes.map_image
 	for step in 200:
@@ -61,7 +61,7 @@ func test_the_lake_rises_and_falls() -> void:
 			check(deepest <= -0.2 + ROUNDING, "%s at a depth of %.2f m with the lake at %.1f" % [layer, deepest, level])
 		var depths: Array = standing("Reeds").values().map(depth_at)
 		check(depths.min() >= -0.35 - ROUNDING and depths.max() <= 0.45 + ROUNDING, "reeds from %s to %s" % [depths.min(), depths.max()])
-		check(depths.min() < 0.0 and depths.max() > 0.2, "on both sides of the shore")
+		check(depths.min() < 0.0 and depths.max() > 0.2, "reeds grow on both sides of the shore")
 	for layer in MEADOW + WOOD:
 		var left := standing(layer)
 		check(left.size() < before[layer].size() or layer in ["Oak", "Spruce", "Shrub"], "%s retreats" % layer)

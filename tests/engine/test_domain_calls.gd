@@ -46,7 +46,7 @@ func test_one_call_at_a_time() -> void:
 				results.push_back(sampler.sample_exact(0.0, 0.0, 5.0, 5.0).x.size())
 				results.push_back(sampler.sample_domain_exact(0.0, 0.0, 5.0, 5.0).y.size())
 		check(sampler.sample_domain(area, listener.record) == expected, label(method) + ": the call continues")
-		check_equal(results, [0, 0, 0, 0], label(method) + ": calls during the call")
+		check_equal(results, [0, 0, 0, 0], label(method) + ": points returned by calls during the call")
 		var messages := "\n".join(errors.take())
 		for name: String in ["sample", "sample_domain", "sample_exact", "sample_domain_exact"]:
 			check("PoissonSampler.%s() called while another call" % name in messages, "'%s' in: %s" % [name, messages])
@@ -63,7 +63,7 @@ func test_one_thread_at_a_time() -> void:
 	check_equal(sampler.sample_domain(SMALL).size(), 0, "a call from a second thread")
 	check_error(["PoissonSampler.sample_domain()", "another thread"], "a call from a second thread")
 	check(thread.wait_to_finish() == expected, "the points of the first call")
-	check(sampler.sample_domain(SMALL).size() > 300, "a call after that")
+	check(sampler.sample_domain(SMALL).size() > 300, "a call after the first one has returned")
 
 
 func test_many_threads_on_one_sampler() -> void:
@@ -130,7 +130,7 @@ func test_progress_callbacks_that_fail() -> void:
 			var nothing: Node = null
 			nothing.name = "fails"
 		check(sampler.sample_domain(area, failing) == expected, label(method) + ": all points, script failed")
-		check(errors.take().size() > 0, label(method) + ": and the engine printed an error")
+		check(errors.take().size() > 0, label(method) + ": the engine printed an error")
 
 
 ## A sampler continues if the listener is freed after the first report.
@@ -227,7 +227,7 @@ func test_rejected_properties() -> void:
 		sampler.cell_size = bad
 		check_error(["PoissonSampler.cell_size must be finite, between 0 and 1000, got %s" % bad], "cells of %s" % bad)
 	check_equal(sampler.method, PoissonSampler.METHOD_ACCUMULATOR, "the method stays")
-	check_equal(sampler.cell_size, 2.5, "and so does the cell size")
+	check_equal(sampler.cell_size, 2.5, "the cell size stays")
 	check_equal(ClassDB.class_get_enum_constants("PoissonSampler", "Method").size(), 5, "methods")
 
 

@@ -14,7 +14,7 @@ func test_near_tiles_are_in_cells_and_far_tiles_whole() -> void:
 		var in_cells := tiles_in_cells(scatter)
 		check(corner in in_cells, "the viewer's tile %s is in cells: %s" % [corner, in_cells])
 		check(not Vector2i(-1 - corner.x, -1 - corner.y) in in_cells, "the opposite tile is whole: %s" % [in_cells])
-		check(in_cells.size() < 6, "few are in cells: %s" % [in_cells])
+		check(in_cells.size() < 6, "few tiles are in cells: %s" % [in_cells])
 		check_equal(island_digests(scatter), exact, "the renderer's buffers")
 		check_equal(scatter.get_stats()["multimeshes"], multimesh_count(scatter), "multimeshes in the stats")
 		check_equal(scatter.get_stats()["drawn"], drawn_of_all(scatter), "drawn instances in the stats")
@@ -58,7 +58,7 @@ func test_cells_draw_exactly_their_instances() -> void:
 		check(seen.size() > 12, "cells of mesh %d: %d" % [mesh, seen.size()])
 	var far := scatter.get_tile(scatter.layers[0], Vector2i(-2, -2))
 	check_equal(far.get_multimeshes(0), [far.get_multimesh(0)] as Array[RID], "a far tile has one multimesh")
-	check(far.get_multimesh(0).is_valid(), "and it is valid")
+	check(far.get_multimesh(0).is_valid(), "the multimesh of a far tile is valid")
 	check_equal(scatter.get_tile(scatter.layers[0], Vector2i(100, 0)).get_mesh_count(), 0, "a missing tile")
 	scatter.get_tile(scatter.layers[0], Vector2i.ZERO).get_multimeshes(2)
 	check_error(["get_multimeshes", "index", "2"], "an index beyond the list")
@@ -178,7 +178,7 @@ func test_a_change_uploads_only_its_cell() -> void:
 	var added := scatter.add_instance(scatter.layers[0], Transform3D(Basis(), places[0] + origin), 0)
 	await frames(2)
 	check(added in tile_ids(scatter, 0, Vector2i.ZERO)[0], "a hand-placed instance is drawn")
-	check_equal(multimeshes_of(scatter, Vector2i.ZERO)[0].size(), multimeshes[0].size(), "the cell is back")
+	check_equal(multimeshes_of(scatter, Vector2i.ZERO)[0].size(), multimeshes[0].size(), "the cell has a multimesh again")
 	check_equal(scatter.get_stats()["drawn"], drawn_of_all(scatter), "drawn")
 
 
@@ -217,7 +217,7 @@ func test_max_multimeshes_prefers_near_tiles() -> void:
 func check_nearest_in_cells(scatter: TerrainScatter3D, nearest: Vector2i) -> void:
 	var in_cells := tiles_in_cells(scatter)
 	check(nearest in in_cells and in_cells.size() < 4, "%s is in cells, and few others are: %s" % [nearest, in_cells])
-	check(multimeshes_of(scatter, nearest)[0].size() > 12, "its cells are small")
+	check(multimeshes_of(scatter, nearest)[0].size() > 12, "the nearest tile has many small cells")
 
 
 func test_settings_of_cells() -> void:

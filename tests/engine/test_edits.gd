@@ -178,8 +178,8 @@ func test_a_new_tile_size_keeps_the_instances() -> void:
 	for id in before:
 		if on_map(before[id]).length() < 60.0:
 			both += 1
-			check(after.has(id) and after[id].origin.distance_to(before[id].origin) < FLOATS, "the same fern")
-	check(both > 500, "%d ferns in both" % both)
+			check(after.has(id) and after[id].origin.distance_to(before[id].origin) < FLOATS, "the fern is at the same position with another tile size")
+	check(both > 500, "%d ferns are in the tiles of both sizes" % both)
 	scatter.layers[FERN].tile_size = 32.0
 	await settle(scatter)
 	await frames(5)

@@ -385,7 +385,7 @@ func test_warnings() -> void:
 	check_warning(func(layer: ScatterLayer) -> void: layer.spacing = {0: 2.0}, "the layer itself")
 	check_warning(func(layer: ScatterLayer) -> void: layer.spacing = {7: 2.0}, "layer 7, which is not in the list")
 	check_warning(func(layer: ScatterLayer) -> void: layer.proximity_curve = make_line(Vector2(0, 1), Vector2(9, 0)), "names no layer")
-	check_warning(func(layer: ScatterLayer) -> void: layer.scale_curve = make_line(Vector2(0, 0), Vector2(1, 1)), "scale_curve is not used")
+	check_warning(func(layer: ScatterLayer) -> void: layer.scale_curve = make_line(Vector2(0, 0), Vector2(1, 1)), "scale_curve has no effect")
 	check_warning(func(layer: ScatterLayer) -> void: layer.max_tilt_degrees = 20.0, "")
 	check_gameplay_warnings()
 	check_warning(func(layer: ScatterLayer) -> void: layer.min_tilt_degrees = 20.0, "max_tilt_degrees must be at least 20")

@@ -92,12 +92,12 @@ func test_moss_grows_on_boulders() -> void:
 	check_equal(scatter.get_problems().size(), 0, "problems: %s" % scatter.get_problems())
 	var ray := scatter.query_ray(stone.origin + Vector3(0.0, 9.0, 0.0), stone.origin, "Moss")
 	check(ray != null and on_stone.has(ray.id), "a ray meets the moss on the boulder")
-	check_equal(scatter.query_sphere(stone.origin, RADIUS + 0.01, "Moss").ids.size(), on_stone.size(), "a query finds all of it")
+	check_equal(scatter.query_sphere(stone.origin, RADIUS + 0.01, "Moss").ids.size(), on_stone.size(), "instances of moss that a query finds on the boulder")
 	scatter.layers[MOSS].max_slope_degrees = 45.0
 	await settle(scatter)
 	moss = instances(scatter, MOSS)
 	check_on(stones.values(), moss, "with a slope rule")
-	check(moss.values().all(func(at: Transform3D) -> bool: return at.basis.y.y > 0.7), "only on top")
+	check(moss.values().all(func(at: Transform3D) -> bool: return at.basis.y.y > 0.7), "a slope rule permits moss only on top of boulders")
 
 
 func test_felled_boulders_take_their_moss_along() -> void:
@@ -113,12 +113,12 @@ func test_felled_boulders_take_their_moss_along() -> void:
 	check_equal(instances(scatter, MOSS).size(), before.size() - 1, "one less")
 	var made: int = scatter.get_stats()["tiles_made"]
 	check(scatter.remove_instance(felled), "a boulder is removed")
-	check_equal(scatter.query_sphere(place, RADIUS + 0.01, "Moss").ids.size(), 0, "a query right after finds no moss on it")
+	check_equal(scatter.query_sphere(place, RADIUS + 0.01, "Moss").ids.size(), 0, "moss that a query finds immediately after the removal")
 	var start := Time.get_ticks_msec()
-	await until(func() -> bool: return near(instances(scatter, MOSS), place, RADIUS + 0.01).is_empty(), "the moss is gone")
-	check(Time.get_ticks_msec() - start < 1000, "within a second: %d ms" % (Time.get_ticks_msec() - start))
+	await until(func() -> bool: return near(instances(scatter, MOSS), place, RADIUS + 0.01).is_empty(), "the moss disappears")
+	check(Time.get_ticks_msec() - start < 1000, "the moss disappears within a second: %d ms" % (Time.get_ticks_msec() - start))
 	await settle(scatter)
-	check(scatter.get_stats()["tiles_made"] - made <= 9, "only near tiles are regenerated: %d" % (scatter.get_stats()["tiles_made"] - made))
+	check(scatter.get_stats()["tiles_made"] - made <= 9, "only tiles near the boulder are regenerated: %d" % (scatter.get_stats()["tiles_made"] - made))
 	var after := instances(scatter, MOSS)
 	for id in before:
 		if before[id].origin.distance_to(place) > RADIUS + 13.0 * 0.25 and not check(after.has(id), "moss on other boulders stays"):
@@ -128,13 +128,13 @@ func test_felled_boulders_take_their_moss_along() -> void:
 	await settle(scatter)
 	after = instances(scatter, MOSS)
 	before.erase(single)
-	check_equal(after, before, "the same moss is back, except the single one")
+	check_equal(after, before, "moss after the boulder was restored, without the removed single instance")
 	scatter.state = ScatterState.new()
 	await settle(scatter)
-	check(instances(scatter, MOSS).has(single), "a new state has all")
+	check(instances(scatter, MOSS).has(single), "a new state restores the single instance")
 	check_equal(scatter.state.from_bytes(saved), OK, "loaded")
 	await settle(scatter)
-	check(near(instances(scatter, MOSS), place, RADIUS + 0.01).is_empty(), "the saved state has no moss there")
+	check(near(instances(scatter, MOSS), place, RADIUS + 0.01).is_empty(), "with the saved state, no moss grows at the removed boulder")
 
 
 func test_the_first_change_regenerates_only_near_tiles() -> void:
@@ -165,7 +165,7 @@ func test_boulders_that_a_game_places_and_moves() -> void:
 	id = scatter.set_instance_transform(id, at)
 	await settle(scatter)
 	var moved := instances(scatter, MOSS)
-	check(absf(moved.size() - moss.size()) < 0.1 * moss.size(), "as much on the moved boulder: %d" % moved.size())
+	check(absf(moved.size() - moss.size()) < 0.1 * moss.size(), "about as much moss is on the moved boulder: %d" % moved.size())
 	check_on([at], moved, "on a moved boulder")
 	scatter.remove_instance(id)
 	await settle(scatter)
@@ -193,10 +193,10 @@ func test_moss_depends_on_the_boulders_settings_and_models() -> void:
 	var ids := instances(scatter, MOSS)
 	var half := instances(scatter, STONES).values().map(func(at: Transform3D) -> Transform3D: return at.scaled_local(Vector3.ONE * 0.5))
 	check_on(half, ids, "smaller models")
-	check(ids.size() > 200, "on smaller models: %d" % ids.size())
+	check(ids.size() > 200, "instances of moss on smaller models: %d" % ids.size())
 	scatter.layers = [scatter.layers[MOSS]] as Array[ScatterLayer]
 	await settle(scatter)
-	check_equal(instances(scatter, 0).size(), 0, "without the boulders, there is no moss")
+	check_equal(instances(scatter, 0).size(), 0, "instances of a layer whose boulders are missing")
 	check("Stones" in str(scatter.get_problems()), "a missing layer is reported: %s" % scatter.get_problems())
 
 
@@ -211,10 +211,10 @@ func test_the_result_does_not_depend_on_tiles() -> void:
 	whole.sort()
 	parts.sort()
 	check(whole.size() > 500, "%d found" % whole.size())
-	check_equal(parts, whole, "the same in smaller tiles")
+	check_equal(parts, whole, "instances in smaller tiles")
 	var snapshot := scatter.make_snapshot()
 	scatter.remove_instance(nearest_to(instances(scatter, STONES), Vector3.ZERO))
-	check_equal(snapshot.query_rect(area, "Moss").ids.size(), whole.size(), "a snapshot keeps its boulders")
+	check_equal(snapshot.query_rect(area, "Moss").ids.size(), whole.size(), "instances that a query of the snapshot finds")
 
 
 func test_references_and_mistakes() -> void:
@@ -225,7 +225,7 @@ func test_references_and_mistakes() -> void:
 	stones.resource_name = "Rocks"
 	await settle(scatter)
 	check_equal(moss.surface_layers, ["Rocks"], "the reference is updated to the new name")
-	check(instances(scatter, MOSS).size() > 1000, "and so does the moss")
+	check(instances(scatter, MOSS).size() > 1000, "the moss still grows after the layer was renamed")
 	moss.surface_layers = [stones]
 	check_equal(moss.surface_layers, ["Rocks"], "a layer is stored by its name")
 	check(moss.surface_layers.is_read_only(), "the list is read-only")
@@ -245,7 +245,7 @@ func test_references_and_mistakes() -> void:
 	huge.radial_segments = 400
 	stones.meshes = [huge]
 	await settle(scatter)
-	check_equal(instances(scatter, MOSS).size(), 0, "too many triangles")
+	check_equal(instances(scatter, MOSS).size(), 0, "instances on a model with too many triangles")
 	check("100000" in str(scatter.get_problems()), str(scatter.get_problems()))
 	scatter.layers = [moss, stones] as Array[ScatterLayer]
 	check("not before this layer" in str(scatter.get_problems()), str(scatter.get_problems()))
@@ -263,7 +263,7 @@ func test_positions_on_models_are_explained() -> void:
 	for id in near(standing, stone, RADIUS + 0.01).slice(0, 20):
 		var found := scatter.explain_position(standing[id].origin, "Moss")[0]
 		check(found.standing and found.id == id, "the moss at %s: %s" % [standing[id].origin, found.reason])
-		check(found.position.distance_to(standing[id].origin) < 0.01, "the explanation is about the model")
+		check(found.position.distance_to(standing[id].origin) < 0.01, "the explained position is on the model")
 	var below := scatter.explain_position(stone + Vector3(0.0, -RADIUS, 0.0), "Moss")[0]
 	check(not below.standing and "slope" in str(below.reason).to_lower(), "the lower side is too steep: %s" % below.reason)
 	var away := scatter.explain_position(stone + Vector3(0.0, RADIUS + 1.0, 0.0), "Moss")[0]
@@ -287,4 +287,4 @@ func test_mushrooms_on_logs_on_stones() -> void:
 	check(near(standing, stones[felled].origin, RADIUS + 0.45).size() > 50, "mushrooms near a boulder")
 	scatter.remove_instance(felled)
 	await settle(scatter)
-	check_equal(near(instances(scatter, 2), stones[felled].origin, RADIUS + 0.45).size(), 0, "the mushrooms go with the boulder")
+	check_equal(near(instances(scatter, 2), stones[felled].origin, RADIUS + 0.45).size(), 0, "mushrooms that stay after the boulder was removed")

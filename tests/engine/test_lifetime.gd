@@ -51,7 +51,7 @@ func test_freed_in_mid_generation() -> void:
 		var scatter := make_busy(grounds()[round % 3])
 		@warning_ignore("integer_division")
 		await frames(round / 3)
-		check(round < 3 or not scatter.is_settled(), "still working after %d frames" % (round / 3.0))
+		check(round < 3 or not scatter.is_settled(), "tiles are still being generated after %d frames" % (round / 3.0))
 		if round % 2:
 			scatter.free()
 		else:
@@ -166,7 +166,7 @@ func test_viewer_freed_and_teleported() -> void:
 		await process_frame
 	viewer.free()
 	await frames(10)
-	check(not scatter.is_settled(), "it waits for a viewer")
+	check(not scatter.is_settled(), "without a viewer, the node does not settle")
 	scatter.viewers = [scatter.get_path_to(make_viewer())]
 	await until(has_tiles.bind(scatter), "it continues")
 
@@ -231,7 +231,7 @@ func test_change_of_scene_in_mid_generation() -> void:
 		await frames(2 + round)
 		check(current_scene is TerrainScatter3D, "the scene is running")
 		check(current_scene.get_child_count() == 1, "the scene does not contain the visible instances")
-		check(not current_scene.is_settled(), "it is working")
+		check(not current_scene.is_settled(), "the new scene is still generating tiles")
 	unload_current_scene()
 	await frames(3)
 
@@ -278,7 +278,7 @@ func test_workers_free_unneeded_memory() -> void:
 	while scatter.get_stats()["worker_frees"] < wanted and Time.get_ticks_msec() < limit:
 		await process_frame
 	var freed: int = scatter.get_stats()["worker_frees"]
-	check(freed >= wanted, "freed on workers: %d, for %d tiles" % [freed, tiles])
+	check(freed >= wanted, "workers freed %d tiles and buffers, for %d tiles" % [freed, tiles])
 
 
 func test_workers_reuse_uploaded_buffers() -> void:

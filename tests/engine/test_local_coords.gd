@@ -69,7 +69,7 @@ func test_instances_move_and_turn_with_the_node() -> void:
 	var scatter := make_ship()
 	await settle(scatter)
 	var before := on_deck(scatter)
-	check(before.size() > 300, "the deck is full: %d" % before.size())
+	check(before.size() > 300, "the deck has more than 300 instances: %d" % before.size())
 	var made: int = scatter.get_stats().tiles_made
 	for place in places():
 		ship.global_transform = place
@@ -82,7 +82,7 @@ func test_instances_move_and_turn_with_the_node() -> void:
 	check_equal(scatter.get_problems().size(), 0, "problems: %s" % scatter.get_problems())
 
 
-func test_tiles_are_drawn_at_the_place_of_the_node() -> void:
+func test_tiles_are_drawn_at_the_position_of_the_node() -> void:
 	var scatter := make_ship()
 	await settle(scatter)
 	for place in places():
@@ -111,14 +111,14 @@ func test_queries_take_engine_positions() -> void:
 		ship.global_transform = place
 		var id: int = before.keys()[17]
 		var at := place * before[id].origin
-		check_equal(scatter.query_nearest(at, 5.0).id, id, "the nearest to its position")
+		check_equal(scatter.query_nearest(at, 5.0).id, id, "the instance nearest to the position")
 		var above := place * (before[id].origin + Vector3(0.0, 5.0, 0.0))
 		var below := place * (before[id].origin - Vector3(0.0, 5.0, 0.0))
-		check_equal(scatter.query_ray(above, below).id, id, "the first on a ray down the mast")
+		check_equal(scatter.query_ray(above, below).id, id, "the first instance that a ray down the mast hits")
 		var near := scatter.query_sphere(at, 3.0)
 		for index in near.size():
-			check(near.get_position(index).distance_to(at) <= 3.001, "%d is in the sphere" % near.get_id(index))
-		check(near.size() > 5, "%d are in the sphere" % near.size())
+			check(near.get_position(index).distance_to(at) <= 3.001, "instance %d is in the sphere" % near.get_id(index))
+		check(near.size() > 5, "%d instances are in the sphere" % near.size())
 		check(scatter.get_instance(id).transform.origin.distance_to(at) < 2e-3, "the position of an instance by its ID")
 
 
@@ -146,12 +146,12 @@ func test_regions_below_the_node_keep_their_position_on_it() -> void:
 	scatter.add_child(region)
 	await settle(scatter)
 	var before := on_deck(scatter)
-	check(before.values().all(func(at: Transform3D) -> bool: return absf(at.origin.x) > 4.9 or absf(at.origin.z) > 4.9), "the region is empty")
+	check(before.values().all(func(at: Transform3D) -> bool: return absf(at.origin.x) > 4.9 or absf(at.origin.z) > 4.9), "no instances are in the region")
 	var made: int = scatter.get_stats().tiles_made
 	for place in places():
 		ship.global_transform = place
 		await settle(scatter)
-		check_same(before, on_deck(scatter), "with a region")
+		check_same(before, on_deck(scatter), "after the ship moved with a region")
 	check_equal(scatter.get_stats().tiles_made, made, "tiles made while the region moved with the ship")
 
 
@@ -248,7 +248,7 @@ func test_turning_it_on_and_off() -> void:
 	var global := scatter.query_rect(Rect2(-2.0 * HALF, 4.0 * HALF))
 	check_equal(global.size(), local.size(), "the same points of the world's set")
 	for index in global.size():
-		check(global.get_transform(index).origin.distance_to(local[global.get_id(index)].origin) < 2e-3, "an instance is at its place in the world")
+		check(global.get_transform(index).origin.distance_to(local[global.get_id(index)].origin) < 2e-3, "an instance has the same position in the world without local_coords")
 
 
 func test_two_nodes_share_a_ground_in_their_local_spaces() -> void:
@@ -261,7 +261,7 @@ func test_two_nodes_share_a_ground_in_their_local_spaces() -> void:
 	await create_timer(0.6).timeout
 	await settle(scatter)
 	await settle(fixed)
-	check_same(before, on_deck(scatter), "the node that moves")
+	check_same(before, on_deck(scatter), "the instances of the node that moves")
 	var still := fixed.query_rect(Rect2(-HALF, 2.0 * HALF))
 	check(still.size() > 300, "the other node has %d instances" % still.size())
 	for index in still.size():

@@ -173,11 +173,11 @@ func test_new_tiles_have_the_current_quality() -> void:
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	scatter.quality = 0.0
 	await settle(scatter)
-	check_equal(drawn_of_all(scatter), 0, "drawn at quality 0")
+	check_equal(drawn_of_all(scatter), 0, "instances drawn at quality 0")
 	viewer.global_position.x = 1000.0
 	await settle(scatter)
-	check_equal(drawn_of_all(scatter), 0, "drawn at a new position at quality 0")
-	check(scatter.get_stats()["instances"] > 1000, "there are instances")
+	check_equal(drawn_of_all(scatter), 0, "instances drawn at a new position at quality 0")
+	check(scatter.get_stats()["instances"] > 1000, "the visible tiles contain instances")
 
 
 func test_colors_and_custom_data() -> void:
@@ -213,7 +213,7 @@ func test_colors_and_custom_data() -> void:
 		check(last_rank > 0.9 and last_rank <= 1.0, "the last rank of tile %s is %f" % [tile, last_rank])
 	check_equal(counts.size(), 2, "colors")
 	check(absf(counts.get(Color(1.0, 0.0, 0.0), 0) / float(total) - 0.25) < 0.03, "a quarter is red: %s" % counts)
-	check(Color(0.0, 0.5, 1.0, 0.25) in counts, "the second color with its alpha")
+	check(Color(0.0, 0.5, 1.0, 0.25) in counts, "instances have the second color with its alpha")
 	check((sums / total).distance_to(Vector2(0.5, 0.5)) < 0.03, "mean of variation and phase: %s" % (sums / total))
 	# This renderer stores colors and custom data in half precision. The data of a built tile, which was never uploaded, must match.
 	var built := scatter.build_rect(scatter.layers[0], Rect2(0.0, 0.0, 32.0, 32.0))
@@ -222,7 +222,7 @@ func test_colors_and_custom_data() -> void:
 	var before := transforms_of(scatter, 20)
 	gradient.set_color(0, Color(0.0, 1.0, 0.0))
 	await settle(scatter)
-	check(Color(0.0, 1.0, 0.0) in colors_of(scatter), "the gradient's new color")
+	check(Color(0.0, 1.0, 0.0) in colors_of(scatter), "instances have the gradient's new color")
 	layer.use_colors = false
 	layer.use_custom_data = false
 	await settle(scatter)
@@ -282,7 +282,7 @@ func test_the_shader_includes() -> void:
 	await settle(scatter)
 	await frames(4)
 	var compensated: float = await share_of_blue()
-	check(compensated > 1.3 * thinned, "twice as large they cover %f, %f before" % [compensated, thinned])
+	check(compensated > 1.3 * thinned, "at twice the size they cover %f, at normal size %f" % [compensated, thinned])
 
 
 func share_of_blue() -> float:

@@ -49,7 +49,7 @@ func test_new_masks() -> void:
 		check_equal(mask.sample(at), 1.0, "density")
 	mask.background = 0.5
 	check_equal(mask.background, 0.5, "the value reads back exactly")
-	check(absf(mask.sample(Vector2(7, 7)) - 0.5) <= 0.501 / 255.0, "a background between steps")
+	check(absf(mask.sample(Vector2(7, 7)) - 0.5) <= 0.501 / 255.0, "a background between two of the 255 steps is rounded")
 	check_equal(mask.sample(Vector2(NAN, 0)), 0.0, "density at an invalid position")
 
 
@@ -61,29 +61,29 @@ func test_paint() -> void:
 			var rect := mask.paint(center, 12.0, 1.0, 0.75)
 			check_equal(signals.areas, [rect] as Array[Rect2], "one signal with the returned rectangle")
 			check_equal(signals.changes, 0, "a dab does not emit changed")
-			check_equal(mask.sample(center), 1.0, "full in the middle")
-			check_equal(mask.sample(center + Vector2(9.0 - 1.5 * pixel_size, 0)), 1.0, "full up to the hardness")
-			check_equal(mask.sample(center + Vector2(12.1 + pixel_size, 0)), 0.0, "nothing beyond the rim")
+			check_equal(mask.sample(center), 1.0, "density in the middle of the dab")
+			check_equal(mask.sample(center + Vector2(9.0 - 1.5 * pixel_size, 0)), 1.0, "density within the dab's hardness")
+			check_equal(mask.sample(center + Vector2(12.1 + pixel_size, 0)), 0.0, "density beyond the dab's rim")
 			for away: Vector2 in [Vector2(-0.01, 0), Vector2(0, -0.01)]:
-				check_equal(mask.sample(rect.position + away * pixel_size), 0.0, "nothing outside the rectangle")
-			check(Rect2(center - Vector2(12, 12), Vector2(24, 24)).grow(2.0 * pixel_size).encloses(rect), "%s is close" % rect)
+				check_equal(mask.sample(rect.position + away * pixel_size), 0.0, "density outside the returned rectangle")
+			check(Rect2(center - Vector2(12, 12), Vector2(24, 24)).grow(2.0 * pixel_size).encloses(rect), "%s fits the dab to within two pixels" % rect)
 
 
 func test_modes() -> void:
 	var mask := blank(0.0)
 	mask.paint(Vector2.ZERO, 20.0)
 	mask.paint(Vector2.ZERO, 5.0, 1.0, 1.0, ScatterMask.MODE_ERASE)
-	check_equal(mask.sample(Vector2.ZERO), 0.0, "erased in the middle")
-	check_equal(mask.sample(Vector2(8, 0)), 1.0, "painted around it")
+	check_equal(mask.sample(Vector2.ZERO), 0.0, "density in the erased middle")
+	check_equal(mask.sample(Vector2(8, 0)), 1.0, "density around the erased middle")
 	var sharp := absf(mask.sample(Vector2(3, 0)) - mask.sample(Vector2(7, 0)))
 	for stroke in 5:
 		mask.paint(Vector2(5, 0), 8.0, 1.0, 1.0, ScatterMask.MODE_SMOOTH)
-	check(absf(mask.sample(Vector2(3, 0)) - mask.sample(Vector2(7, 0))) < sharp, "smoothed at the border")
+	check(absf(mask.sample(Vector2(3, 0)) - mask.sample(Vector2(7, 0))) < sharp, "smoothing reduces the step at the border")
 	var weak := blank(0.0)
 	weak.paint(Vector2.ZERO, 10.0, 0.25)
-	check(absf(weak.sample(Vector2.ZERO) - 0.25) < 0.01, "a quarter of the way: %s" % weak.sample(Vector2.ZERO))
+	check(absf(weak.sample(Vector2.ZERO) - 0.25) < 0.01, "a strength of a quarter paints a quarter: %s" % weak.sample(Vector2.ZERO))
 	var signals := SignalLog.new(mask)
-	check_equal(blank(0.0).paint(Vector2.ZERO, 5.0, 1.0, 0.5, ScatterMask.MODE_ERASE), Rect2(), "nothing to erase")
+	check_equal(blank(0.0).paint(Vector2.ZERO, 5.0, 1.0, 0.5, ScatterMask.MODE_ERASE), Rect2(), "the changed rectangle if there is nothing to erase")
 	check_equal(signals.areas.size(), 0, "no signal")
 
 
@@ -114,14 +114,14 @@ func test_undo_and_redo() -> void:
 	var painted := mask.get_pixels(pixels)
 	check(before != after, "painted")
 	var signals := SignalLog.new(mask)
-	check_equal(signals.areas, [] as Array[Rect2], "no signal yet")
+	check_equal(signals.areas, [] as Array[Rect2], "area_changed signals before the undo")
 	var rect := mask.set_pixels(pixels, kept)
 	check_equal(signals.areas, [rect] as Array[Rect2], "undo reports its area")
 	check(Rect2(45, -35, 20, 20).grow(1.0).encloses(rect), "%s contains the dab" % rect)
 	check_equal(samples(mask, Vector2(50, -25), 40.0), before, "undone")
 	mask.set_pixels(pixels, painted)
 	check_equal(samples(mask, Vector2(50, -25), 40.0), after, "redone")
-	check_equal(mask.set_pixels(pixels, painted), Rect2(), "nothing left to change")
+	check_equal(mask.set_pixels(pixels, painted), Rect2(), "the changed rectangle if the pixels are equal already")
 	check_equal(signals.areas.size(), 2, "no signal")
 
 
@@ -158,9 +158,9 @@ func test_pixel_size_and_background() -> void:
 	var signals := SignalLog.new(mask)
 	mask.pixel_size = 2.0
 	mask.background = 1.0
-	check_equal(signals.changes, 2, "a signal for each change")
+	check_equal(signals.changes, 2, "changed signals, one for each change")
 	mask.background = 1.0
-	check_equal(signals.changes, 2, "no signal without a change")
+	check_equal(signals.changes, 2, "changed signals after setting the same values")
 	mask.paint(Vector2.ZERO, 10.0, 1.0, 0.5, ScatterMask.MODE_ERASE)
 	refuse(mask, "pixel_size", 4.0, ["painted", "clear"])
 	refuse(mask, "background", 0.5, ["painted", "clear"])
@@ -169,11 +169,11 @@ func test_pixel_size_and_background() -> void:
 	check_no_error("the same values again")
 	mask.clear()
 	check_equal(signals.changes, 3, "cleared")
-	check_equal(mask.sample(Vector2.ZERO), 1.0, "nothing is painted after clear")
+	check_equal(mask.sample(Vector2.ZERO), 1.0, "density after clear")
 	mask.pixel_size = 4.0
-	check_equal(mask.pixel_size, 4.0, "can be changed again")
+	check_equal(mask.pixel_size, 4.0, "pixel_size after clear can be changed again")
 	mask.clear()
-	check_equal(signals.changes, 4, "no signal if there is nothing to clear")
+	check_equal(signals.changes, 4, "changed signals after clearing an empty mask")
 
 
 func test_stored_bytes() -> void:
@@ -184,10 +184,10 @@ func test_stored_bytes() -> void:
 	var other := ScatterMask.new()
 	var signals := SignalLog.new(other)
 	other.data = mask.data
-	check_equal(signals.changes, 1, "one changed signal")
-	check_equal(other.data, mask.data, "the same bytes")
+	check_equal(signals.changes, 1, "changed signals")
+	check_equal(other.data, mask.data, "the copy's data")
 	check_equal([other.pixel_size, other.get_pixels(Rect2i(0, 0, 1, 1))], [0.5, mask.get_pixels(Rect2i(0, 0, 1, 1))], "pixel size and background are included")
-	check_equal(samples(other, Vector2(-300, 77), 40.0), seen, "the same densities")
+	check_equal(samples(other, Vector2(-300, 77), 40.0), seen, "the copy's densities")
 	var good := mask.data
 	for broken: PackedByteArray in [good.slice(0, good.size() / 2), good.slice(1), "nonsense".to_utf8_buffer(), PackedByteArray([0])]:
 		refuse(other, "data", broken, [])
@@ -195,7 +195,7 @@ func test_stored_bytes() -> void:
 		var flipped := good.duplicate()
 		flipped[at] ^= 0x10
 		refuse(other, "data", flipped, [])
-	check_equal(samples(other, Vector2(-300, 77), 40.0), seen, "the last valid state")
+	check_equal(samples(other, Vector2(-300, 77), 40.0), seen, "densities after invalid data")
 	other.data = PackedByteArray()
 	check_no_error("no bytes")
 	check_equal([other.data, other.pixel_size], [PackedByteArray(), 0.5], "nothing is painted, the pixel size stays")
@@ -222,7 +222,7 @@ func test_files() -> void:
 	var copy: ScatterMask = mask.duplicate()
 	check_equal(samples(copy, Vector2(50, 60), 40.0), seen, "densities of a copy")
 	copy.paint(Vector2(50, 60), 25.0, 1.0, 1.0, ScatterMask.MODE_ERASE)
-	check_equal(samples(mask, Vector2(50, 60), 40.0), seen, "the copy is independent")
+	check_equal(samples(mask, Vector2(50, 60), 40.0), seen, "densities of the original after painting the copy")
 	check(samples(copy, Vector2(50, 60), 40.0) != seen, "painting changes the copy")
 
 

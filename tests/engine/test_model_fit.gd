@@ -10,24 +10,24 @@ func layer_box(layer: ScatterLayer) -> AABB:
 
 func test_fit_to_meshes() -> void:
 	var layer := ScatterLayer.new()
-	check(not layer.fit_to_meshes(), "without meshes, nothing fits")
-	check_equal(layer.get_model_kind(), ScatterLayer.KIND_AUTOMATIC, "nor is there a kind")
-	check_equal(layer.radius, 2.0, "nothing is changed")
+	check(not layer.fit_to_meshes(), "fit_to_meshes returns false without meshes")
+	check_equal(layer.get_model_kind(), ScatterLayer.KIND_AUTOMATIC, "the kind of a layer without meshes")
+	check_equal(layer.radius, 2.0, "the radius is unchanged without meshes")
 	layer.meshes = [pack(make_tree())]
 	layer.fit_to_meshes()
 	var box := layer_box(layer)
 	var reach := maxf(maxf(-box.position.x, box.end.x), maxf(-box.position.z, box.end.z))
 	var width := 0.5 * (box.size.x + box.size.z)
-	check(layer.radius > 0.5 * width and layer.radius <= width, "as far apart as the crown is wide: %f of %f" % [layer.radius, width])
-	check(is_equal_approx(layer.instance_height, box.end.y), "as high as the model: %f" % layer.instance_height)
-	check_equal(layer.collision_shape, ScatterLayer.COLLISION_MODEL, "the shapes of the model")
-	check(layer.instance_radius < reach and layer.instance_radius > 1.0, "as thick as the shapes: %f" % layer.instance_radius)
+	check(layer.radius > 0.5 * width and layer.radius <= width, "the radius is at most the crown's width: %f of %f" % [layer.radius, width])
+	check(is_equal_approx(layer.instance_height, box.end.y), "the instances are as high as the model: %f" % layer.instance_height)
+	check_equal(layer.collision_shape, ScatterLayer.COLLISION_MODEL, "a layer of models with shapes uses them")
+	check(layer.instance_radius < reach and layer.instance_radius > 1.0, "instance_radius is smaller than the crown: %f" % layer.instance_radius)
 	layer = ScatterLayer.new()
 	layer.meshes = [box(Vector3(1.0, 0.5, 3.0), null)]
 	layer.fit_to_meshes()
 	check(is_equal_approx(layer.radius, 3.2), "solid objects have space between them: %f" % layer.radius)
-	check_equal(layer.get_model_kind(), ScatterLayer.KIND_ROCK, "it is taken for a rock")
-	check_equal(layer.collision_shape, ScatterLayer.COLLISION_NONE, "a mesh has no shapes")
+	check_equal(layer.get_model_kind(), ScatterLayer.KIND_ROCK, "the kind of a solid mesh")
+	check_equal(layer.collision_shape, ScatterLayer.COLLISION_NONE, "the collision shape of a layer of meshes")
 
 
 ## Instances of a fitted layer vary and are sunk slightly into the ground. A pivot next to the trunk does not increase the radius.
@@ -43,10 +43,10 @@ func test_a_fitted_layer_looks_natural() -> void:
 	for transform: Transform3D in instances(scatter, 0).values():
 		scales.append(transform.basis.get_scale().y)
 		leans += int(transform.basis.y.normalized().y < 0.9999)
-		check(transform.origin.y < 0.0, "its foot is in the ground: %s" % transform.origin)
+		check(transform.origin.y < 0.0, "the instance's origin is below the ground: %s" % transform.origin)
 	scales.sort()
-	check(scales.size() > 50 and scales[0] < 0.85 and scales[-1] > 1.15, "from small to large: %s" % scales.slice(0, 3))
-	check(leans > scales.size() / 2, "%d of %d lean" % [leans, scales.size()])
+	check(scales.size() > 50 and scales[0] < 0.85 and scales[-1] > 1.15, "the scales range from below 0.85 to above 1.15: %s" % scales.slice(0, 3))
+	check(leans > scales.size() / 2, "%d of %d instances lean" % [leans, scales.size()])
 
 	var moved := Node3D.new()
 	var tree := make_tree()
@@ -72,11 +72,11 @@ func test_kinds_differ() -> void:
 		seen[values] = true
 		check(layer.min_scale < 1.0 and layer.max_scale > 1.0 and layer.max_tilt_degrees > 0.0 and layer.height_offset < 0.0, "kind %d varies: %s" % [kind, values])
 	check_equal(seen.size(), 4, "four kinds")
-	check_equal(layer.get_model_kind(), ScatterLayer.KIND_TREE, "the kind of the meshes stays")
+	check_equal(layer.get_model_kind(), ScatterLayer.KIND_TREE, "the detected kind does not depend on the requested one")
 	var before := layer.radius
 	check(not layer.fit_to_meshes(9 as ScatterLayer.ModelKind), "refused")
 	check_error(["ScatterLayer.kind", "between 0 and 4", "got 9"], "an unknown kind")
-	check_equal(layer.radius, before, "nothing is changed")
+	check_equal(layer.radius, before, "the radius after an unknown kind")
 
 
 ## Names take priority over shapes. A low-poly pack's bushes are as closed as rocks, and its trees as small as shrubs.
@@ -84,15 +84,15 @@ func test_names_determine_the_kind() -> void:
 	var closed := box(Vector3(1.0, 0.8, 1.0), null)
 	var layer := ScatterLayer.new()
 	layer.meshes = [closed]
-	check_equal(layer.get_model_kind(), ScatterLayer.KIND_ROCK, "without a name, by its shape")
+	check_equal(layer.get_model_kind(), ScatterLayer.KIND_ROCK, "without a name, the shape determines the kind")
 	closed.resource_name = "Bush_1"
-	check_equal(layer.get_model_kind(), ScatterLayer.KIND_SHRUB, "by the mesh's name")
+	check_equal(layer.get_model_kind(), ScatterLayer.KIND_SHRUB, "the mesh's name determines the kind")
 	layer.fit_to_meshes()
-	check(is_equal_approx(layer.radius, 1.0), "fitted as a shrub: %f" % layer.radius)
+	check(is_equal_approx(layer.radius, 1.0), "the radius is fitted for a shrub: %f" % layer.radius)
 	closed.take_over_path("res://tree_small.res")
-	check_equal(layer.get_model_kind(), ScatterLayer.KIND_TREE, "by its file first")
+	check_equal(layer.get_model_kind(), ScatterLayer.KIND_TREE, "the file's name takes priority over the mesh's name")
 	closed.take_over_path("res://pines.tscn::1")
-	check_equal(layer.get_model_kind(), ScatterLayer.KIND_SHRUB, "but not by the file that it is a part of")
+	check_equal(layer.get_model_kind(), ScatterLayer.KIND_SHRUB, "the name of a file that contains a built-in mesh is ignored")
 	var pack_of_models := Node3D.new()
 	for title: String in ["Oak", "Boulder"]:
 		put_mesh(box(Vector3.ONE, null), title, pack_of_models, pack_of_models, Transform3D())
@@ -100,9 +100,9 @@ func test_names_determine_the_kind() -> void:
 	model.scene = pack(pack_of_models)
 	model.scene.take_over_path("res://plants/ferns.glb")
 	layer.meshes = [model]
-	check_equal(layer.get_model_kind(), ScatterLayer.KIND_GRASS, "by its scene's file")
+	check_equal(layer.get_model_kind(), ScatterLayer.KIND_GRASS, "the name of the scene's file determines the kind")
 	model.scene_part = "Boulder"
-	check_equal(layer.get_model_kind(), ScatterLayer.KIND_ROCK, "by its part of a scene")
+	check_equal(layer.get_model_kind(), ScatterLayer.KIND_ROCK, "the name of the scene's part determines the kind")
 
 
 class EmptyMesh:
@@ -121,4 +121,4 @@ class EmptyMesh:
 func test_a_mesh_without_arrays_has_the_size_of_its_box() -> void:
 	var layer := ScatterLayer.new()
 	layer.meshes = [EmptyMesh.new()]
-	check(layer.fit_to_meshes(ScatterLayer.KIND_SHRUB) and is_equal_approx(layer.radius, 2.0), "as wide as its box: %f" % layer.radius)
+	check(layer.fit_to_meshes(ScatterLayer.KIND_SHRUB) and is_equal_approx(layer.radius, 2.0), "the radius equals the width of the mesh's box: %f" % layer.radius)

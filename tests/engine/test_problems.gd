@@ -206,7 +206,7 @@ func test_settings_that_place_or_color_nothing() -> void:
 	layer.max_scale = 2.0
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	for case: Array in [
-		["scale_curve", Curve.new(), "ScatterLayer.scale_curve has no points: it is not used. Add points, or clear it."],
+		["scale_curve", Curve.new(), "ScatterLayer.scale_curve has no points, so it is not used. Add points, or clear it."],
 		["color_value", colorless, "ScatterLayer.color_value has a gradient without points: all instances are black. Add points"],
 	]:
 		var good: Variant = layer.get(case[0])

@@ -35,7 +35,7 @@ const OUTDATED := "ScatterBakedWorld.index names %s, which an earlier version ex
 		index_file = value
 		_look_up()
 ## The horizontal distance from the camera within which tiles are shown, in meters. A tile is removed when it is farther away than this distance plus a
-## quarter of its side.
+## quarter of the tile's edge length.
 @export_range(0.0, 100000.0, 1.0, "or_greater", "suffix:m") var view_distance := 512.0:
 	set(value):
 		if not (value >= 0.0 and value < 1e6):

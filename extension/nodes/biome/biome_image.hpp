@@ -17,7 +17,7 @@ namespace thicket {
 enum class BiomePixels : std::uint8_t {
 	/// The biome with the nearest color; none if the pixel's alpha is below 128 of 255.
 	colors,
-	/// The biome whose index is the red channel's value; none if the index is not used.
+	/// The biome whose index is the red channel's value; none if no biome has that index.
 	indices,
 };
 

@@ -309,7 +309,7 @@ PackedStringArray ScatterBiomeMap::problems(const TypedArray<ScatterLayer> &p_ow
 	} else if (const String stripped = stripped_problem(); !stripped.is_empty()) {
 		result.push_back(stripped);
 	} else if (given && pixels_.size.x == 0) {
-		result.push_back("ScatterBiomeMap.map_image is empty: there is no biome anywhere.");
+		result.push_back("ScatterBiomeMap.map_image is empty: set an image that has pixels.");
 	} else if (!given && biomes_.size() > 1) {
 		result.push_back("ScatterBiomeMap.map_image is not set: the first biome is everywhere.");
 	}

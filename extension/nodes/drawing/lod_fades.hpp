@@ -35,7 +35,7 @@ public:
 	/// Returns true if this chain belongs to `lods`, the LODs of a part of a tile.
 	bool is_of(std::span<const MeshAppearance> lods) const;
 
-	/// Returns the number of looks in a span of LODs in addition to the first one.
+	/// Returns how many looks a span of LODs has beyond the first one.
 	std::size_t extra_variants(const LodSpan &span) const { return looks_.beyond_first(span); }
 
 	/// Returns one of the looks of a span. Index 0 is the look of its first LOD.

@@ -53,7 +53,7 @@ void ScatterLayer::add_host_problems(PackedStringArray &r_problems) const {
 	}
 	for (const LayerReference &reference : links_.surface_layers) {
 		if (reference.empty()) {
-			r_problems.push_back("ScatterLayer.surface_layers has an entry without a layer's name.");
+			r_problems.push_back("ScatterLayer.surface_layers has an entry without a layer's name. Remove the entry.");
 		}
 	}
 }

@@ -24,7 +24,7 @@ void add_curve_problem(const char *p_name, const Ref<Curve> &p_curve, const std:
 	}
 	const String name = "ScatterLayer." + String(p_name);
 	if (table == nullptr) {
-		r_problems.push_back(name + String(" has no points: it is not used."));
+		r_problems.push_back(name + String(" has no points, so it is not used. Add points, or clear it."));
 		return;
 	}
 	if (table->largest() <= 0.0) {
@@ -65,16 +65,17 @@ void ScatterLayer::add_curve_problems(PackedStringArray &r_problems) const {
 	}
 	if (const Ref<Curve> scale_curve = resource("scale_curve");
 			scale_curve.is_valid() && scale_curve->get_point_count() == 0) {
-		r_problems.push_back("ScatterLayer.scale_curve has no points: it is not used. Add points, or clear it.");
+		r_problems.push_back("ScatterLayer.scale_curve has no points, so it is not used. Add points, or clear it.");
 	}
 	if (resource("scale_curve").is_valid() && settings_.placement.min_scale == settings_.placement.max_scale) {
-		r_problems.push_back("ScatterLayer.scale_curve is not used while min_scale and max_scale are the same.");
+		r_problems.push_back("ScatterLayer.scale_curve has no effect because min_scale equals max_scale.");
 	}
 }
 
 void ScatterLayer::add_mask_problems(PackedStringArray &r_problems) const {
 	if (mask_.is_valid() && mask_->blank() && mask_->get_background() >= 1.0) {
-		r_problems.push_back("ScatterLayer.mask has no effect: it is not painted, and its background is 1.");
+		r_problems.push_back(
+				"ScatterLayer.mask has no effect: it is blank with a background of 1. Paint it, or clear it.");
 	}
 	if (mask_.is_valid() && mask_->blank() && mask_->get_background() <= 0.0) {
 		r_problems.push_back("Nothing is placed: ScatterLayer.mask is not painted, and its background is 0.");
@@ -86,13 +87,13 @@ void ScatterLayer::add_mask_problems(PackedStringArray &r_problems) const {
 
 void ScatterLayer::add_neighbor_problems(PackedStringArray &r_problems) const {
 	if (links_.spacing.count(LayerReference()) > 0) {
-		r_problems.push_back("ScatterLayer.spacing has an entry without a layer's name.");
+		r_problems.push_back("ScatterLayer.spacing has an entry without a layer's name. Remove the entry.");
 	}
 	if (!links_.proximity_layer.empty()) {
 		add_curve_problem("proximity_curve", resource("proximity_curve"), links_.proximity_curve, "meters of distance",
 				r_problems);
 	} else if (resource("proximity_curve").is_valid()) {
-		r_problems.push_back("ScatterLayer.proximity_curve is not used: proximity_layer names no layer.");
+		r_problems.push_back("ScatterLayer.proximity_curve is not used: proximity_layer names no layer. Set one.");
 	}
 }
 

@@ -68,7 +68,7 @@ PackedStringArray ScatterRegion3D::get_problems() const {
 		return problems;
 	}
 	if (host_ == nullptr) {
-		problems.push_back("The region has no effect: it belongs below a TerrainScatter3D, at any depth.");
+		problems.push_back("The region has no effect: move it below a TerrainScatter3D, at any depth.");
 	} else {
 		for (int64_t i = 0; i < layers_.size(); ++i) {
 			if (const String problem = host_->layer_problem(layers_[i]); !problem.is_empty()) {

@@ -140,11 +140,11 @@ func test_reopening() -> void:
 	check_equal(DirAccess.rename_absolute(path, "res://old_paint.res"), OK, "the mask's file is renamed")
 	mask.take_over_path("res://old_paint.res")
 	await wait_for_panel()
-	check(panel().notes._shared.masks.has("res://old_paint.res"), "and still known to belong to the other scene: %s" % [panel().notes._shared.masks])
+	check(panel().notes._shared.masks.has("res://old_paint.res"), "the renamed mask is still known to belong to the other scene: %s" % [panel().notes._shared.masks])
 	DirAccess.rename_absolute("res://old_paint.res", path)
 	mask.take_over_path(path)
 	for layer: Resource in pasted.layers:
 		layer.mask = null
 	await wait_for_panel()
 	check_equal(panel().notes._shared.describe(pasted.name), "Trees shares its state with orchard.tscn.", "a shared state alone is also reported")
-	check(panel().notes._sharing.visible, "in the panel")
+	check(panel().notes._sharing.visible, "the panel shows the report")

@@ -140,14 +140,14 @@ func test_terrain3d() -> void:
 				node.data.set_height(Vector3(10.5 + x, 0.0, 10.5 + z), height)
 		node.data.height_maps_changed.emit()
 		node.data.maps_edited.emit(AABB(Vector3(4.0, -50.0, 4.0), Vector3(14.0, 100.0, 14.0))), height_at, "ground_terrain3d")
-	check(instances(scatter, 0).values().any(func(at: Vector3) -> bool: return absf(at.y - 13.0) < 0.02), "some are on the new hill")
+	check(instances(scatter, 0).values().any(func(at: Vector3) -> bool: return absf(at.y - 13.0) < 0.02), "some instances are on the new hill")
 	node.free()
 	await until(func() -> bool: return "Terrain3D" in "\n".join(scatter.get_problems()), "a freed node is reported")
 	var other: Node3D = double("terrain3d_harness").make_terrain3d()
 	put(other, "Terrain3D")
 	await until(func() -> bool: return scatter.get_problems().is_empty(), "a new node with the same name is found")
 	await settle(scatter)
-	check_ground(other.data.height_at, "with the new node")
+	check_ground(other.data.height_at, "after the node was replaced")
 
 
 func test_hterrain() -> void:
@@ -200,7 +200,7 @@ func test_use_terrains_as_ground() -> void:
 		check(instances(scatter, 0).size() > 500, "%d instances on %s" % [instances(scatter, 0).size(), node.name])
 		check_equal(scatter.get_problems().size(), 0, "%s: problems: %s" % [node.name, scatter.get_problems()])
 		await use_button("Use as Ground", [scatter, node])
-		check(scatter.get(&"ground") == terrain, "%s is the ground already" % node.name)
+		check(scatter.get(&"ground") == terrain, "pressing the button again keeps the ground of %s" % node.name)
 		await undo()
 		check(scatter.get(&"ground") == before, "%s: undone" % node.name)
 		await settle(scatter)
@@ -223,10 +223,10 @@ func test_use_voxels_as_ground() -> void:
 			voxels.mesh_block(Vector3i(x, 0, z), 8.0)
 	await use_button("Use as Ground", [scatter, voxels])
 	var terrain: Resource = scatter.get(&"ground")
-	check(terrain.is_class("ScatterGroundColliders"), "a ground of colliders")
+	check(terrain.is_class("ScatterGroundColliders"), "the ground samples colliders")
 	check_equal(terrain.get(&"collision_mask"), 8, "its rays hit the bodies of the blocks")
-	await until(func() -> bool: return instances(scatter, 0).size() > 500, "instances on the blocks")
-	check(instances(scatter, 0).values().all(func(at: Vector3) -> bool: return absf(at.y - 1.0) < 0.01), "at their height")
+	await until(func() -> bool: return instances(scatter, 0).size() > 500, "instances appear on the blocks")
+	check(instances(scatter, 0).values().all(func(at: Vector3) -> bool: return absf(at.y - 1.0) < 0.01), "all instances are on top of the blocks")
 	await undo()
 	check(scatter.get(&"ground") == before, "undone")
 	await settle(scatter)
@@ -244,11 +244,11 @@ func test_water_rises() -> void:
 	manager.commit_action()
 	await settle(scatter)
 	var dry := instances(scatter, 0)
-	check(dry.size() > 200 and dry.size() < before.size() - 200, "%d of %d remain" % [dry.size(), before.size()])
+	check(dry.size() > 200 and dry.size() < before.size() - 200, "%d of %d instances remain" % [dry.size(), before.size()])
 	check(dry.values().all(func(at: Vector3) -> bool: return at.y - 1.0 > 3.99), "all of them are above the water")
 	for id: int in dry:
 		if dry[id] != before[id]:
-			check(false, "none of them has moved")
+			check(false, "the remaining instances have not moved")
 			break
 	var lake := MeshInstance3D.new()
 	lake.mesh = PlaneMesh.new()

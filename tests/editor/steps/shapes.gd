@@ -63,11 +63,11 @@ func test_buttons() -> void:
 			await frames(2)
 			check_equal(history(scatter).get_version(), steps + 1, "shape %d is one step" % shape)
 			var region: Node3D = regions()[0] if regions().size() == 1 else null
-			if not check(region != null and region.shape == shape and region.exclude == exclude, "a region of shape %d" % shape):
+			if not check(region != null and region.shape == shape and region.exclude == exclude, "the button adds a region of shape %d" % shape):
 				return
-			check(region.global_position.distance_to(middle) < 0.1, "in the middle of the view: %s" % region.global_position)
+			check(region.global_position.distance_to(middle) < 0.1, "the region is in the middle of the view: %s" % region.global_position)
 			check(workspace().toolbar.visible and workspace().dock.panel.tree.row_of(scatter.layers[0]) != null, "the tools and the panel stay")
-			check(region.owner == root and EditorInterface.get_selection().get_selected_nodes() == [region], "it belongs to the scene and is selected")
+			check(region.owner == root and EditorInterface.get_selection().get_selected_nodes() == [region], "the region belongs to the scene and is selected")
 			var problems: PackedStringArray = scatter.get_problems() # Moving the scatter away from the origin causes one problem.
 			check(problems.size() == 1 and "global_transform" in problems[0], "no other problems: %s" % problems)
 			await undo()
@@ -75,7 +75,7 @@ func test_buttons() -> void:
 			await redo()
 			check(regions().size() == 1 and regions()[0].owner == root, "redone")
 			if shape == 4:
-				check(regions()[0].get_node("Path3D").owner == root, "with its path")
+				check(regions()[0].get_node("Path3D").owner == root, "the region's Path3D belongs to the scene")
 			await undo()
 			await select_node(scatter)
 	check(scene_bytes() == before, "the scene is unchanged, byte for byte")
@@ -97,7 +97,7 @@ func test_a_path_by_clicks() -> void:
 	await picture("path")
 	await key(KEY_ENTER)
 	await frames(2)
-	if not check(regions().size() == 1 and not tool.is_on(), "a region, and the tool is off"):
+	if not check(regions().size() == 1 and not tool.is_on(), "Enter adds a region and turns the tool off"):
 		return
 	var region: Node3D = regions()[0]
 	var path: Path3D = region.get_node("Path3D")
@@ -109,17 +109,17 @@ func test_a_path_by_clicks() -> void:
 	await settle(scatter)
 	check(not instances(scatter, 0).values().any(func(at: Vector3) -> bool:
 		return path.curve.get_closest_point(path.global_transform.affine_inverse() * at).distance_to(path.global_transform.affine_inverse() * at) < 0.2),
-			"no instances on it")
+			"no instances are on the path")
 	region.width = tool.WIDTH
 	await picture("path_done")
 	workspace().toolbar.hand.button.button_pressed = true
 	await frames(3)
 	check_equal(EditorInterface.get_selection().get_selected_nodes(), [scatter] as Array[Node], "a tool selects the scatter")
-	check(workspace().toolbar.hand.is_on(), "and is on")
+	check(workspace().toolbar.hand.is_on(), "the tool is on")
 	workspace().toolbar.hand.set_on(false)
 	await undo()
 	await settle(scatter)
-	check(scene_bytes() == before, "undone, byte for byte")
+	check(scene_bytes() == before, "undo restores the saved scene, byte for byte")
 	await select_node(scatter)
 
 
@@ -155,11 +155,11 @@ func test_a_polygon_by_clicks() -> void:
 		check(at.distance_to(corners[index]) < 0.05, "corner %d at %s" % [index, at])
 	await settle(scatter)
 	var left := instances(scatter, 0)
-	check(left.size() < full.size() and not left.values().any(func(at: Vector3) -> bool: return at.length() < 0.7), "no instances in it")
+	check(left.size() < full.size() and not left.values().any(func(at: Vector3) -> bool: return at.length() < 0.7), "no instances are in the polygon")
 	await picture("polygon_done")
 	await undo()
 	await settle(scatter)
-	check(instances(scatter, 0) == full and scene_bytes() == before, "undone, byte for byte")
+	check(instances(scatter, 0) == full and scene_bytes() == before, "undo restores the instances and the saved scene")
 	await select_node(scatter)
 	# A double-click, or a click on the first corner, closes the polygon. Escape cancels it.
 	for way: String in ["double", "first", "escape"]:
@@ -177,7 +177,7 @@ func test_a_polygon_by_clicks() -> void:
 		check_equal(regions().size(), 0 if way == "escape" else 1, way)
 		check(not tool.is_on(), "the tool is off after: %s" % way)
 		if way != "escape":
-			check(not regions()[0].exclude, "the region includes")
+			check(not regions()[0].exclude, "the region includes instead of excluding")
 			await undo()
 		await select_node(scatter)
 
@@ -272,7 +272,7 @@ func test_bake_and_replace() -> void:
 	await picture("rectangle")
 	await press(on_screen(Vector3(1.1, 0.0, 1.06)), false)
 	await frames(2)
-	check(dialog.visible and not tool.is_on(), "the dialog is back")
+	check(dialog.visible and not tool.is_on(), "the dialog is visible again")
 	var rect := Rect2(-1.0, -1.0, 2.0, 2.0)
 	check_equal(dialog._rect(), rect, "the rectangle")
 	dialog.choose_replacing(true)
@@ -281,7 +281,7 @@ func test_bake_and_replace() -> void:
 	var posts := instances(scatter, 0)
 	var twigs := instances(scatter, 1)
 	var expected := posts.values().filter(func(at: Vector3) -> bool: return rect.has_point(Vector2(at.x, at.z)))
-	check(expected.any(func(at: Vector3) -> bool: return at.distance_to(Vector3(0.3, 0.0, 0.3)) < 1e-4), "one of them is hand-placed")
+	check(expected.any(func(at: Vector3) -> bool: return at.distance_to(Vector3(0.3, 0.0, 0.3)) < 1e-4), "one of the instances is hand-placed")
 	var steps := history(scatter).get_version()
 	dialog.start()
 	await until(func() -> bool: return not dialog.is_processing(), "baked")
@@ -296,18 +296,18 @@ func test_bake_and_replace() -> void:
 	for child: MultiMeshInstance3D in baked.get_children():
 		for index in child.multimesh.instance_count:
 			found.append(child.global_transform * child.multimesh.get_instance_transform(index).origin)
-	check_equal(found.size(), expected.size(), "as many as before")
+	check_equal(found.size(), expected.size(), "instances in the baked scene")
 	for at: Vector3 in expected:
 		check(found.any(func(other: Vector3) -> bool: return other.distance_to(at) < 1e-3), "%s is baked" % at)
 	await settle(scatter)
 	check(not scatter.has_instance(inside), "the hand-placed instance does not exist twice")
-	check(instances(scatter, 0).size() == posts.size() - expected.size(), "neither do the generated ones")
+	check(instances(scatter, 0).size() == posts.size() - expected.size(), "the baked instances are no longer generated")
 	check(instances(scatter, 1) == twigs, "the other layer is unchanged")
 	await picture("replaced")
 	await undo()
 	await settle(scatter)
 	check(instances(scatter, 0) == posts, "undone")
-	check(scene_bytes() == before and FileAccess.get_file_as_bytes(state_file) == state, "byte for byte")
+	check(scene_bytes() == before and FileAccess.get_file_as_bytes(state_file) == state, "undo restores the scene and the state, byte for byte")
 	await redo()
 	await settle(scatter)
 	check(instances(scatter, 0).size() == posts.size() - expected.size() and scatter.has_node("Posts"), "redone")

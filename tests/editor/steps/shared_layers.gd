@@ -98,7 +98,7 @@ func test_a_duplicate_is_reported() -> void:
 	await select(other)
 	check(panel().notes._sharing.is_visible_in_tree(), "the panel reports shared resources")
 	var report: String = panel().notes._shared.describe(other.name)
-	check_equal(report, "Scatter2 shares its layers, its state and its seed with Scatter: both show the same instances.", "reported")
+	check_equal(report, "Scatter2 shares its layers, its state and its seed with Scatter: both show the same instances.", "the text of the report")
 	check(panel().notes.note_on(other.layers[2]).contains("shared_moss.tres"), "a layer in a file has a note in its row only")
 	await picture("panel_shared")
 
@@ -114,29 +114,29 @@ func test_make_unique() -> void:
 	check(not panel().notes._sharing.visible, "no unintended sharing remains")
 	for index in 2:
 		check(other.layers[index] != scatter.layers[index], "layer %d is not shared" % index)
-		check_equal(other.layers[index].resource_name, scatter.layers[index].resource_name, "with the same name")
-		check_equal(other.layers[index].layer_id, scatter.layers[index].layer_id, "and the same id")
+		check_equal(other.layers[index].resource_name, scatter.layers[index].resource_name, "the copy's name")
+		check_equal(other.layers[index].layer_id, scatter.layers[index].layer_id, "the copy's layer_id")
 	check_equal(other.layers[2], scatter.layers[2], "a layer in a file stays shared")
-	check(other.seed != scatter.seed, "a new seed")
+	check(other.seed != scatter.seed, "the copy has a new seed")
 	check_equal(other.layers[0].mask.resource_path, "res://glade_grass_mask_2.res", "the mask has a new file")
-	check(other.layers[0].mask.sample(Vector2.ZERO) == 0.0, "with the same pixels")
+	check(other.layers[0].mask.sample(Vector2.ZERO) == 0.0, "the new mask has the same pixels")
 	check_equal(other.state.resource_path, "res://glade_scatter_2_state.res", "the state has a new file")
 	check_equal([other.state.get_added_count(), other.state.get_removed_count()], [1, 0], "hand-placed instances stay with any seed, removals do not")
-	check_equal([scatter.state.get_added_count(), scatter.state.get_removed_count()], [1, 1], "the original keeps both")
+	check_equal([scatter.state.get_added_count(), scatter.state.get_removed_count()], [1, 1], "the original keeps its placed and removed instances")
 	scatter.layers[1].radius = 9.0
-	check(other.layers[1].radius == 5.0, "a change affects only one of them")
+	check(other.layers[1].radius == 5.0, "a change to the original does not affect the copy")
 	scatter.layers[1].radius = 5.0
 	var after := saved_files()
-	check(after.has("glade_grass_mask_2.res") and not before.has("glade_grass_mask_2.res"), "one more file")
+	check(after.has("glade_grass_mask_2.res") and not before.has("glade_grass_mask_2.res"), "saving adds the new mask's file")
 	await undo()
-	check_equal(other.layers, scatter.layers, "undone")
+	check_equal(other.layers, scatter.layers, "undo shares the layers again")
 	check_equal(other.state, scatter.state, "the state, too")
 	check_same(saved_files(), before, "undone")
 	await redo()
 	check_same(saved_files(), after, "redone")
 	await undo()
 	await undo()
-	check(not other.is_inside_tree(), "duplicating is undone, too")
+	check(not other.is_inside_tree(), "undo also removes the duplicate")
 
 
 ## Checks that a layer that is saved in its own file may be shared without a report.
@@ -181,13 +181,13 @@ func test_far_more() -> void:
 	check_equal(grass.radius, 2.0, "undone")
 	check(not bar.visible and instances(scatter, 0) == ids, "the question is hidden")
 	await redo()
-	check(bar.visible, "redone, the question is shown again")
+	check(bar.visible, "redo shows the question again")
 	await mouse_click(bar._keep.get_global_transform_with_canvas() * (bar._keep.size * 0.5))
 	await wait_for_panel()
-	check(bar.visible and not bar._keep.visible and scatter.get_shown_count(scatter.layers[0]) == before, "the old view is kept")
+	check(bar.visible and not bar._keep.visible and scatter.get_shown_count(scatter.layers[0]) == before, "Keep leaves the old instances visible")
 	grass.radius = 0.5
 	await wait_for_panel()
-	check(bar.visible, "with a smaller change, there are still far more")
+	check(bar.visible, "a smaller change still needs a confirmation")
 	await mouse_click(bar._show.get_global_transform_with_canvas() * (bar._show.size * 0.5))
 	var counts: Array[int] = []
 	await until(func() -> bool:
@@ -196,8 +196,8 @@ func test_far_more() -> void:
 			counts.append(count)
 		return not bar.visible, "all are shown")
 	await settle(scatter)
-	check(scatter.get_shown_count(scatter.layers[0]) > 14 * before, "finally all are shown: %d of %d" % [scatter.get_shown_count(scatter.layers[0]), before])
-	check(counts.any(func(count: int) -> bool: return count > 2 * before and count < 6 * before), "step by step: %s" % [counts])
+	check(scatter.get_shown_count(scatter.layers[0]) > 14 * before, "all instances are visible in the end: %d, before the change %d" % [scatter.get_shown_count(scatter.layers[0]), before])
+	check(counts.any(func(count: int) -> bool: return count > 2 * before and count < 6 * before), "instances appear step by step: %s" % [counts])
 
 
 ## Checks that the user can stop the display of more instances, and that a change that shows only slightly more instances needs no confirmation.
@@ -209,11 +209,11 @@ func test_stop() -> void:
 	await wait_for_panel()
 	var before: int = scatter.get_shown_count(scatter.layers[1])
 	trees.radius = 4.0
-	check(not bar.visible, "no question for somewhat more")
+	check(not bar.visible, "slightly more instances need no confirmation")
 	await settle(scatter)
 	await wait_for_panel()
 	trees.radius = 0.25
-	check(bar.visible, "a question for far more")
+	check(bar.visible, "far more instances need a confirmation")
 	bar._show.pressed.emit()
 	bar._keep.pressed.emit()
 	await settle(scatter)

@@ -38,7 +38,7 @@ func check_whole(context: String) -> void:
 			check(not before.intersects(control.get_global_rect().abs()), "%s: %s does not overlap the previous control" % [context, control])
 			before = control.get_global_rect()
 			before.size = (before.size - Vector2.ONE).max(Vector2.ZERO)
-	check(EditorInterface.get_editor_main_screen().get_global_rect().grow(1.0).encloses(bar.get_global_rect()), context + ": in the view")
+	check(EditorInterface.get_editor_main_screen().get_global_rect().grow(1.0).encloses(bar.get_global_rect()), context + ": the toolbar is inside the view")
 
 
 func lines() -> int:
@@ -77,7 +77,7 @@ func test_narrow() -> void:
 		check(minimum_width() <= alone + 40.0, "%s: the view needs %d pixels, without a scatter %d" % [name, minimum_width(), alone])
 		var inspector := EditorInterface.get_inspector().get_global_rect()
 		check(Rect2(Vector2.ZERO, NARROW).encloses(inspector), "%s: the inspector is in the window: %s" % [name, inspector])
-		check(lines() > 1, name + ": in several lines")
+		check(lines() > 1, name + ": the toolbar has several lines")
 		check_whole(name)
 	workspace().toolbar.paint.set_on(true)
 	await frames(8)
@@ -118,8 +118,8 @@ func test_another_node() -> void:
 	var in_toolbar := ground.get_parent()
 	await select(root.get_node("Mesh"))
 	check(not workspace().toolbar.visible and ground.is_visible_in_tree(), "the ground's buttons stay for a mesh")
-	check(in_toolbar == workspace().toolbar and ground.get_parent() == workspace().toolbar.get_parent(), "next to the toolbar")
-	check_equal((ground.get_parent().get_parent() as Control).size_flags_horizontal, Control.SIZE_FILL, "in a panel of their width")
+	check(in_toolbar == workspace().toolbar and ground.get_parent() == workspace().toolbar.get_parent(), "the ground's buttons are next to the toolbar")
+	check_equal((ground.get_parent().get_parent() as Control).size_flags_horizontal, Control.SIZE_FILL, "the panel of the buttons is as wide as the buttons")
 	await select(root.get_node("Scatter"))
 	check(ground.get_parent() == in_toolbar and ground.is_visible_in_tree(), "they return to the toolbar")
 	await resize(Vector2i(1440, 900))

@@ -15,13 +15,13 @@ func test_first_forest() -> void:
 	panel()._on_add(panel().Add.FIRST_PRESET)
 	await settle(scatter)
 	await wait_for_panel()
-	check_equal(scatter.layers.size(), 8, "six kinds of plants, stones and deadwood")
+	check_equal(scatter.layers.size(), 8, "layers of the preset: six kinds of plants, stones and deadwood")
 	for each: Resource in scatter.layers:
-		check(scatter.get_shown_count(each) > 10, "%d of %s" % [scatter.get_shown_count(each), each.resource_name])
+		check(scatter.get_shown_count(each) > 10, "%d instances of %s" % [scatter.get_shown_count(each), each.resource_name])
 	var before: int = scatter.get_shown_count(scatter.layers[0])
 	layer("Spruce").max_slope_degrees = 12.0
 	await settle(scatter)
-	check(scatter.get_shown_count(scatter.layers[0]) < before, "a rule removes some: %d of %d" % [scatter.get_shown_count(scatter.layers[0]), before])
+	check(scatter.get_shown_count(scatter.layers[0]) < before, "a rule leaves fewer instances: %d of %d" % [scatter.get_shown_count(scatter.layers[0]), before])
 	layer("Spruce").max_slope_degrees = 35.0
 	panel().choose([layer("Spruce")] as Array[ScatterLayer])
 	EditorInterface.inspect_object(layer("Spruce"), "", true)
@@ -46,15 +46,15 @@ func test_your_own_tree() -> void:
 	var oak := layer("Oak")
 	if oak == null:
 		return
-	check(oak.radius > 6.0 and oak.radius < 14.0, "as far apart as it is wide: %s m" % oak.radius)
+	check(oak.radius > 6.0 and oak.radius < 14.0, "the trees are as far apart as their crowns are wide: %s m" % oak.radius)
 	var model: Resource = ClassDB.instantiate(&"ScatterModel")
 	model.scene = load(OAK)
-	check_equal(model.lods.size(), 3, "with its LODs")
-	check_equal(oak.collision_shape, ClassDB.class_get_integer_constant(&"ScatterLayer", &"COLLISION_MODEL"), "it uses the model's shape")
+	check_equal(model.lods.size(), 3, "LODs of the imported model")
+	check_equal(oak.collision_shape, ClassDB.class_get_integer_constant(&"ScatterLayer", &"COLLISION_MODEL"), "the layer uses the model's collision shape")
 	var materials: Array = oak.get_materials()
 	var files := materials.map(func(material: Material) -> String: return material.resource_path.get_file())
 	files.sort()
-	check_equal(files, ["own_oak_bark.tres", "own_oak_leaves.tres"], "the foliage materials, on all LODs")
+	check_equal(files, ["own_oak_bark.tres", "own_oak_leaves.tres"], "files of the foliage materials on all LODs")
 	for material: ShaderMaterial in materials:
 		material.set_shader_parameter(&"albedo", Color.WHITE)
 		material.set_shader_parameter(&"albedo_texture", load("res://pack/oak.png"))
@@ -134,7 +134,7 @@ func add_regions() -> void:
 	check(scatter.has_node("WithoutPolygon"), "a polygon")
 	await select(scatter)
 	await settle(scatter)
-	check_equal(count_in(Vector2(4.0, -4.0), 2.5, ["Spruce", "Birch"]), 0, "no trees in it")
+	check_equal(count_in(Vector2(4.0, -4.0), 2.5, ["Spruce", "Birch"]), 0, "trees in the clearing")
 
 
 ## Paints ferns with "Only here" and then undoes it.
@@ -156,8 +156,8 @@ func paint_first_stroke() -> void:
 	question.hide()
 	await stroke(places)
 	await settle(scatter)
-	check(layer("Fern").mask != null and count_in(Vector2(40.0, 40.0), 15.0, ["Fern"]) == 0, "ferns only here")
-	check(count_in(Vector2(places[2].x, places[2].z), 4.0, ["Fern"]) > 3, "ferns on the painted area")
+	check(layer("Fern").mask != null and count_in(Vector2(40.0, 40.0), 15.0, ["Fern"]) == 0, "no ferns grow outside the painted area")
+	check(count_in(Vector2(places[2].x, places[2].z), 4.0, ["Fern"]) > 3, "ferns grow on the painted area")
 	while history(scatter).has_undo() and layer("Fern").mask != null:
 		history(scatter).undo()
 	await settle(scatter)
@@ -174,8 +174,8 @@ func erase_a_lane() -> void:
 		places.append(on_ground(-34.0 + 4.0 * step, 6.0 - 1.2 * step + 6.0 * sin(0.6 * step)))
 	await stroke(places)
 	await settle(scatter)
-	check_equal(count_in(Vector2(places[4].x, places[4].z), 3.0, ["Spruce", "Birch"]), 0, "a lane")
-	check_equal(count_in(Vector2(-16.0, -10.0), 7.0, ["Spruce", "Birch"]), 0, "and the clearing")
+	check_equal(count_in(Vector2(places[4].x, places[4].z), 3.0, ["Spruce", "Birch"]), 0, "trees on the painted lane")
+	check_equal(count_in(Vector2(-16.0, -10.0), 7.0, ["Spruce", "Birch"]), 0, "trees in the clearing after painting the lane")
 	await wait_for_panel()
 
 
@@ -218,9 +218,9 @@ func test_the_window() -> void:
 				check(shown.contains(line.strip_edges()), "%s shows its code: %s" % [page, line])
 	var menus := get_tree().root.find_children("*", "PopupMenu", true, false).filter(func(menu: PopupMenu) -> bool:
 		return range(menu.item_count).any(func(index: int) -> bool: return menu.get_item_text(index) == "Thicket Tutorials..."))
-	check_equal(menus.size(), 1, "one menu opens it")
+	check_equal(menus.size(), 1, "menus that open the window")
 	tutorials.open("first_forest.md")
-	check(tutorials.visible, "it is open")
+	check(tutorials.visible, "the window is open")
 	tutorial_text().meta_clicked.emit("your_own_tree.md")
 	check_equal(tutorials.page, "your_own_tree.md", "a link leads to another page")
 	tutorials.open("first_forest.md")
@@ -254,6 +254,6 @@ func test_links_in_the_help() -> void:
 	workspace().tutorials.page = ""
 	await mouse_click(text.get_global_transform_with_canvas() * at)
 	check_equal(workspace().tutorials.page, "paint_and_shapes.md", "a click opens the page")
-	check(workspace().tutorials.visible, "in its window")
+	check(workspace().tutorials.visible, "the tutorial window is visible")
 	workspace().tutorials.hide()
 	EditorInterface.set_main_screen_editor("3D")
