@@ -154,7 +154,7 @@ func test_removals_and_visibility_are_explained() -> void:
 	check_equal([there.refused_by, there.standing, there.shown], [&"", true, true], there.reason)
 	check("Placed" in there.reason and "m away" in there.reason, there.reason)
 	var here := scatter.explain_position(there.point_position)[0]
-	check_equal(here.reason, "Placed here.", "at the point itself")
+	check_equal(here.reason, "Placed here.", "the reason at the point")
 	scatter.remove_instance(there.id)
 	var gone := scatter.explain_position(Vector3(3, 0, 3))[0]
 	check_equal([gone.refused_by, gone.standing, gone.allowed], [&"state", false, true], gone.reason)
@@ -193,7 +193,7 @@ func test_missing_layers_and_grounds() -> void:
 	for bad: Vector3 in [Vector3(NAN, 0, 0), Vector3(0, 0, INF)]:
 		check_equal(scatter.explain_position(bad).size(), 0, "explanations for %s" % bad)
 		check_error(["explain_position", "position must be finite"], "a position of %s" % bad)
-	check_equal(scatter.explain_position(Vector3(0, NAN, 0)).size(), 1, "the height does not matter")
+	check_equal(scatter.explain_position(Vector3(0, NAN, 0)).size(), 1, "explanations for a position whose height is NAN")
 	check_equal(scatter.explain_position(Vector3.ZERO, "Oaks").size(), 0, "explanations for a missing layer")
 	check_error(["explain_position", "Oaks"], "a missing layer")
 	var far := scatter.explain_position(Vector3(1e12, 0, 0))[0]
@@ -208,7 +208,7 @@ func test_missing_layers_and_grounds() -> void:
 	check_equal([groundless.refused_by, "No ground" in groundless.reason], [&"ground", true], groundless.reason)
 	scatter.ground = ScatterGroundHeightmap.new()
 	check_equal(scatter.explain_position(Vector3.ZERO)[0].refused_by, &"ground", "a ground without heights")
-	check_error(["heightmap_path"], "which is reported once")
+	check_error(["heightmap_path"], "a ground whose file is missing")
 	var outsider := TerrainScatter3D.new()
 	outsider.layers = [layer]
 	outsider.ground = ScatterGroundFlat.new()

@@ -81,7 +81,7 @@ func test_it_compiles_and_has_its_parameters() -> void:
 		names.append(parameter.name)
 	for wanted: String in ["wind_strength", "wind_sway", "wind_flutter", "bend_reach", "bend_bodies", "ground_strength",
 			"backlight", "scatter_cross_fade"]:
-		check(wanted in names, "%s among %s" % [wanted, names])
+		check(wanted in names, "the parameter %s is among %s" % [wanted, names])
 	look()
 	pane(material({}))
 	var share: float = lit(await picture()).size() / 16384.0
@@ -148,8 +148,8 @@ func test_wind_moves_the_top() -> void:
 		await create_timer(0.3).timeout
 		var now: Array[Vector2i] = lit(await picture())
 		moved = maxi(moved, absi(now[0].x - before[0].x))
-		check(absi(now[-1].x - before[-1].x) <= 1, "the foot does not move")
-	check(moved >= 2, "the top moves by %d pixels" % moved)
+		check(absi(now[-1].x - before[-1].x) <= 1, "the foot of the plant does not move")
+	check(moved >= 2, "the top of the plant moves by %d pixels" % moved)
 
 
 ## The editor draws only after changes. A shader that uses TIME would cause one in every frame.
@@ -181,7 +181,7 @@ func test_a_body_bends_only_nearby_plants() -> void:
 	check_equal(half.call(after, false), half.call(before, false), "pixels of the plant far from the body")
 	check(half.call(after, true) != half.call(before, true), "the plant next to the body bends")
 	var right := func(pixels: Array) -> int: return pixels.map(func(pixel: Vector2i) -> int: return pixel.x).max()
-	check(right.call(half.call(after, true)) > right.call(half.call(before, true)), "away from the body")
+	check(right.call(half.call(after, true)) > right.call(half.call(before, true)), "the plant bends away from the body")
 
 
 func test_tint_takes_the_grounds_color_at_the_foot() -> void:
@@ -191,7 +191,7 @@ func test_tint_takes_the_grounds_color_at_the_foot() -> void:
 	var foot := image.get_pixel(64, 94)
 	var top := image.get_pixel(64, 40)
 	check(foot.r > 2.0 * foot.g and foot.r > 0.2, "the foot is red: %s" % foot)
-	check(absf(top.r - top.g) < 0.02 and top.g > 0.2, "the top is not: %s" % top)
+	check(absf(top.r - top.g) < 0.02 and top.g > 0.2, "the top is not red: %s" % top)
 
 
 func test_colors_are_the_same_in_all_renderers() -> void:
@@ -288,7 +288,7 @@ func test_the_world_node_finds_multimeshes() -> void:
 	baked.multimesh.mesh = bush(own)
 	root.add_child(baked)
 	check_equal(await blown([own]), [true], "the wind of a baked plant")
-	check(RenderingServer.material_get_param(own.get_rid(), &"wind_time") > 0.0, "and its time")
+	check(RenderingServer.material_get_param(own.get_rid(), &"wind_time") > 0.0, "the world node sets the time of a baked plant")
 
 
 func world_node() -> Node:
@@ -327,34 +327,34 @@ func test_the_world_node_finds_the_materials_of_scatters() -> void:
 	var scatter := make_scatter([layer, null], ScatterGroundFlat.new(), make_viewer(Vector3.ZERO))
 	var world := world_node()
 	root.add_child(world)
-	check_equal(await blown([near, far, plain]), [true, true, false], "of a model, of an LOD, and one with another shader")
+	check_equal(await blown([near, far, plain]), [true, true, false], "wind of materials of a model, of an LOD, and with another shader")
 
 	var override := material({})
 	layer.material_override = override
-	check_equal(await blown([near, far, override]), [false, false, true], "with an override, only that is drawn")
+	check_equal(await blown([near, far, override]), [false, false, true], "wind if a material override replaces the others")
 	layer.material_override = null
 	lod.mesh = bush(override)
-	check_equal(await blown([near, far, override]), [false, true, true], "with a new mesh in the model")
+	check_equal(await blown([near, far, override]), [false, true, true], "wind after the model got a new mesh")
 
 	var late := material({})
 	var other := make_layer(3.0)
 	other.meshes = [bush(late)]
 	scatter.layers.append(other)
-	check_equal(await blown([override, late]), [true, true], "a layer appended by a script")
+	check_equal(await blown([override, late]), [true, true], "wind after a script appended a layer")
 	world.set(&"include_scatters", false)
 	check_equal(await blown([override, late]), [false, false], "with include_scatters off")
 	check(not layer.changed.is_connected(world.get(&"_on_layer_changed") as Callable), "it is disconnected from all layers")
 	world.set(&"include_scatters", true)
-	check_equal(await blown([override, late]), [true, true], "with include_scatters on again")
+	check_equal(await blown([override, late]), [true, true], "wind after include_scatters was enabled again")
 	root.remove_child(scatter)
-	check_equal(await blown([override, late]), [false, false], "with the scatter outside of the tree")
+	check_equal(await blown([override, late]), [false, false], "wind with the scatter outside of the tree")
 	root.add_child(scatter)
-	check_equal(await blown([override, late]), [true, true], "with the scatter back in the tree")
+	check_equal(await blown([override, late]), [true, true], "wind with the scatter back in the tree")
 	root.remove_child(world)
-	check_equal(await blown([override, late]), [false, false], "with the world outside of the tree")
+	check_equal(await blown([override, late]), [false, false], "wind with the world node outside of the tree")
 	scatter.free()
 	root.add_child(world)
-	check_equal(await blown([override, late]), [false, false], "with a scatter that was freed in between")
+	check_equal(await blown([override, late]), [false, false], "wind after the scatter was freed")
 
 
 func test_the_world_node_finds_the_materials_of_presets() -> void:

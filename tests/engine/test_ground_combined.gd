@@ -95,11 +95,11 @@ func test_the_top_layer_grows_on_the_highest_ground() -> void:
 	check(counts[0] > 2000 and counts[1] > 120, "on the terrain and on the bridge: %s" % [counts])
 	check_equal(scatter.get_problems().size(), 0, "problems: %s" % scatter.get_problems())
 	check_equal(ground.get_height(Vector3(2.0, 0.0, 3.0)), HEIGHT, "the height of the bridge")
-	check_equal(ground.get_height(Vector3(20.0, 0.0, 3.0)), terrain.get_height(Vector3(20.0, 0.0, 3.0)), "the height next to it")
+	check_equal(ground.get_height(Vector3(20.0, 0.0, 3.0)), terrain.get_height(Vector3(20.0, 0.0, 3.0)), "the height next to the bridge")
 	check(is_nan(ground.get_height(Vector3(200.0, 0.0, 3.0))), "no ground outside")
 	check_equal(ground.get_normal(Vector3(2.0, 0.0, 3.0)), Vector3.UP, "the normal of the bridge")
 	var found := scatter.query_rect(Rect2(-4.0, -4.0, 8.0, 8.0))
-	check(found.ids.size() > 20, "a query finds those on the bridge")
+	check(found.ids.size() > 20, "a query finds the instances on the bridge")
 	for position in found.positions:
 		check_equal(position.y, HEIGHT, "its height")
 
@@ -266,10 +266,10 @@ func test_textures_apply_to_the_ground_that_has_them() -> void:
 	var standing := instances(scatter, 0)
 	check(standing.size() > 120, "%d instances on the bridge, which has no textures" % standing.size())
 	for at: Transform3D in standing.values():
-		check(is_on_bridge(at.origin), "none on the terrain, which has another texture: %s" % at.origin)
+		check(is_on_bridge(at.origin), "no instance is on the terrain, which has another texture: %s" % at.origin)
 	layer.ground_textures = [0]
 	await settle(scatter)
-	check(instances(scatter, 0).size() > 2000, "both, if the terrain has the texture")
+	check(instances(scatter, 0).size() > 2000, "instances are on both grounds if the terrain has the texture")
 	check_equal(scatter.get_problems().size(), 0, "problems: %s" % scatter.get_problems())
 
 
@@ -337,13 +337,13 @@ func test_a_missing_node_leaves_everything_unchanged() -> void:
 	check_heights(scatter, func(at: Vector3) -> float: return HEIGHT if is_on_bridge(at) else 2.0)
 	root.remove_child(node)
 	await frames(5)
-	check_equal(digests(scatter, 0), before, "without the node, instances stay")
+	check_equal(digests(scatter, 0), before, "the tiles without the node")
 	check("grounds[0]: ScatterGroundNode.node" in str(scatter.get_problems()), str(scatter.get_problems()))
 	errors.take()
 	root.add_child(node)
 	scatter.regenerate()
 	await settle(scatter)
-	check_equal(digests(scatter, 0), before, "with the node, they are the same")
+	check_equal(digests(scatter, 0), before, "the tiles after the node has returned")
 
 
 func test_grounds_are_shared_and_used_alone() -> void:
@@ -357,7 +357,7 @@ func test_grounds_are_shared_and_used_alone() -> void:
 	for scatter in scatters:
 		await settle(scatter)
 	check_equal(digests(scatters[0], 0), digests(scatters[1], 0), "two nodes with one ground")
-	check_equal(digests(scatters[3], 0), digests(scatters[4], 0), "alone and in a list")
+	check_equal(digests(scatters[3], 0), digests(scatters[4], 0), "a ground alone and in a list")
 	var before := digests(scatters[0], 0)
 	scatters[0].free()
 	scatters[3].free()
@@ -366,7 +366,7 @@ func test_grounds_are_shared_and_used_alone() -> void:
 	await settle(scatters[1])
 	await settle(scatters[4])
 	check_equal(combined.get_height(Vector3.ZERO), 20.0, "the new height")
-	check(instances(scatters[4], 0).values().all(func(at: Transform3D) -> bool: return at.origin.y == 20.0), "also in the other list")
+	check(instances(scatters[4], 0).values().all(func(at: Transform3D) -> bool: return at.origin.y == 20.0), "the other list also uses the new height")
 
 
 func test_the_scene_may_be_recentered() -> void:
@@ -379,7 +379,7 @@ func test_the_scene_may_be_recentered() -> void:
 	scatter.world_offset = Vector3(100.0, 0.0, 50.0)
 	await frames(40)
 	await settle(scatter)
-	check_equal(instances(scatter, 0).keys().size(), before.keys().size(), "the same instances")
+	check_equal(instances(scatter, 0).keys().size(), before.keys().size(), "instances after the scene was recentered")
 
 
 func test_scripts_may_do_anything_in_signals_and_callbacks() -> void:

@@ -78,8 +78,8 @@ func test_a_list_that_is_changed_in_place() -> void:
 	check(not scatter.is_settled(), "the node detects the change immediately")
 	await settle(scatter)
 	var tile := scatter.get_tile(scatter.layers[0], scatter.get_shown_tiles(scatter.layers[0])[0])
-	check_equal(tile.get_mesh_count(), 2, "it draws the added scene")
-	check_equal(tile.get_mesh(1).get_surface_count(), 2, "it reads the added scene")
+	check_equal(tile.get_mesh_count(), 2, "the tile also draws the added scene")
+	check_equal(tile.get_mesh(1).get_surface_count(), 2, "the mesh has both surfaces of the added scene")
 	list[0] = null
 	await settle(scatter)
 	check(scatter.get_tile(scatter.layers[0], scatter.get_shown_tiles(scatter.layers[0])[0]).get_mesh(0) == null, "the removed entry is not drawn")
@@ -106,7 +106,7 @@ func test_entries_that_cannot_be_drawn() -> void:
 	layer.meshes = [BoxMesh.new(), hollow]
 	check_no_error("setting an entry reads nothing")
 	await settle(scatter)
-	check_error(["ScatterModel.scene", "no visible MeshInstance3D"], "the node reads it")
+	check_error(["ScatterModel.scene", "no visible MeshInstance3D"], "the node reports the entry when it reads the scene")
 	check_equal(layer.meshes[1], hollow, "the entry stays in the list")
 	check(scatter.get_tile(scatter.layers[0], scatter.get_shown_tiles(scatter.layers[0])[0]).get_mesh(1) == null, "the entry draws nothing")
 	layer.density = 0.5
@@ -159,7 +159,7 @@ func test_lods_of_models_and_of_meshes_together() -> void:
 			if multimesh.is_valid():
 				seen[[entry, RenderingServer.multimesh_get_mesh(multimesh)]] = true
 	if DisplayServer.get_name() != "headless": # The headless renderer does not store multimeshes.
-		check_equal(seen.size(), 5, "two meshes of the first entry, three of the second")
+		check_equal(seen.size(), 5, "meshes: two of the first entry, three of the second")
 	check_no_error("LODs")
 
 
@@ -220,7 +220,7 @@ func test_far_lods() -> void:
 	var layer := make_model_layer([model])
 	model.far_lods = [null, make_lod(null, 10.0), make_lod(far, 40.0)]
 	check_equal(model.lods.size(), 3, "the scene's LODs")
-	check_equal(layer.get_mesh_lods(0).filter(func(lod: ScatterLod) -> bool: return lod.mesh == far).size(), 1, "and one behind them")
+	check_equal(layer.get_mesh_lods(0).filter(func(lod: ScatterLod) -> bool: return lod.mesh == far).size(), 1, "LODs of the layer with the far mesh")
 	layer.tile_size = 16.0
 	layer.view_distance = 90.0
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
@@ -253,7 +253,7 @@ func test_changes_and_bakes() -> void:
 	check_equal(scatter.get_tile(scatter.layers[0], tile).get_mesh(0).get_surface_count(), 2, "the added tree is complete")
 	check(scatter.restore_instance(id) and scatter.remove_instance(added), "both changes are undone")
 	await settle(scatter)
-	check_equal(scatter.get_tile(scatter.layers[0], tile).get_digest(), digest, "bit for bit")
+	check_equal(scatter.get_tile(scatter.layers[0], tile).get_digest(), digest, "the tile's digest after both changes were undone")
 	var bake: RefCounted = load("res://addons/thicket/bake.gd").new()
 	check_equal(bake.begin(scatter, Rect2(0, 0, 32, 32), "res://baked", "models"), OK, "started")
 	while bake.step(100.0):
@@ -262,7 +262,7 @@ func test_changes_and_bakes() -> void:
 	var scene := (load("res://baked/models.tscn") as PackedScene).instantiate()
 	var surfaces := scene.get_children().map(func(node: MultiMeshInstance3D) -> int: return node.multimesh.mesh.get_surface_count())
 	surfaces.sort()
-	check_equal(surfaces, [1, 2], "the box, and the whole tree")
+	check_equal(surfaces, [1, 2], "surfaces of the baked box and the baked tree")
 	scene.free()
 
 
@@ -276,16 +276,16 @@ func test_a_reimported_scene_is_read_again() -> void:
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var tile: Vector2i = scatter.get_shown_tiles(scatter.layers[0])[0]
-	check_equal(scatter.get_tile(scatter.layers[0], tile).get_mesh(0).get_surface_count(), 2, "before the change")
+	check_equal(scatter.get_tile(scatter.layers[0], tile).get_mesh(0).get_surface_count(), 2, "surfaces before the scene is reimported")
 	var other := Node3D.new()
 	put_mesh(box_of(Vector3.ONE * 3.0), "Block", other, other)
 	ResourceSaver.save(pack(other), "user://oak.tscn")
 	layer.reload_scenes(["user://elm.tscn"])
 	await settle(scatter)
-	check_equal(scatter.get_tile(scatter.layers[0], tile).get_mesh(0).get_surface_count(), 2, "another file has changed")
+	check_equal(scatter.get_tile(scatter.layers[0], tile).get_mesh(0).get_surface_count(), 2, "surfaces after another file has changed")
 	layer.reload_scenes(["user://oak.tscn"])
 	await settle(scatter)
-	check_equal(scatter.get_tile(scatter.layers[0], tile).get_mesh(0).get_aabb().size, Vector3.ONE * 3.0, "after the change")
+	check_equal(scatter.get_tile(scatter.layers[0], tile).get_mesh(0).get_aabb().size, Vector3.ONE * 3.0, "the model's size after the scene was reimported")
 
 
 ## A scene's root node that runs an action when it is instantiated.
@@ -315,7 +315,7 @@ func test_scripts_in_a_scene_run_while_it_is_read() -> void:
 	layer.meshes = [acting]
 	check_equal(layer.meshes, [acting], "setting the list runs no script")
 	await settle(scatter)
-	check_equal(layer.meshes, [], "the script's change wins")
+	check_equal(layer.meshes, [], "the change that the script made while the scene was read is kept")
 	for action: Callable in [func() -> void: scatter.free(), func() -> void: root.remove_child(scatter)]:
 		ActingNode.action = action
 		layer.reload_scenes([""]) # This call reads nothing, because no file matches.
@@ -332,6 +332,6 @@ func test_scripts_in_a_scene_run_while_it_is_read() -> void:
 		check(model.get_mesh() == null, "a model has no mesh while it is read")
 		model.scene = tree
 	model.scene = acting
-	check_equal(model.get_mesh().get_surface_count(), 2, "a scene that is set in between wins")
+	check_equal(model.get_mesh().get_surface_count(), 2, "surfaces of the scene that a script set while another one was read")
 	check_equal(model.scene, tree, "the property has the new scene")
 	ActingNode.action = Callable()

@@ -32,11 +32,11 @@ func test_materials_are_replaced_by_name() -> void:
 	check_equal(model.get_mesh(0).surface_get_material(1), leaves, "the scene's material is back")
 
 
-func test_the_name_of_a_material_is_its_own_or_that_of_its_file() -> void:
+func test_a_material_is_named_by_its_resource_name_or_its_file() -> void:
 	var model := ScatterModel.new()
 	var material := material_of(LEAF)
 	check_equal([model.get_material_name(null), model.get_material_name(material)], ["", ""], "no name")
 	ResourceSaver.save(material, "user://moss.tres")
 	check_equal(model.get_material_name(load("user://moss.tres")), "moss", "the file's")
 	material.resource_name = "Fern"
-	check_equal(model.get_material_name(material), "Fern", "its own name")
+	check_equal(model.get_material_name(material), "Fern", "the resource name of the material")

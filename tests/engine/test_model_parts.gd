@@ -25,16 +25,16 @@ func test_one_part_of_a_pack() -> void:
 		check(model.get_aabb().is_equal_approx(boxes[path]), "%s is at the origin: %s" % [path, model.get_aabb()])
 	var model := ScatterModel.new()
 	model.scene = scene
-	check(model.get_aabb().size.x > 40.0, "without a path, the whole scene")
+	check(model.get_aabb().size.x > 40.0, "without a path, the model is the whole scene")
 	var mesh := model.get_mesh(0)
 	model.scene_part = "Missing"
 	check_equal(model.get_mesh(0), mesh, "the content stays")
 	check_error(["ScatterModel.scene", "no node \"Missing\"", "scene_part"], "a path without a node")
-	check_equal(model.scene_part, "", "the path of the content returns")
+	check_equal(model.scene_part, "", "scene_part is restored to the last valid path")
 	model.scene_part = "Moved"
 	ResourceSaver.save(model, "user://part.tres")
 	var loaded := ResourceLoader.load("user://part.tres", "", ResourceLoader.CACHE_MODE_IGNORE) as ScatterModel
-	check(loaded.get_aabb().is_equal_approx(boxes["Moved"]), "saved and loaded: %s" % loaded.get_aabb())
+	check(loaded.get_aabb().is_equal_approx(boxes["Moved"]), "the saved and loaded model has the same bounds: %s" % loaded.get_aabb())
 
 
 ## Asset packs often contain parts that are mirror images of other parts.
@@ -58,8 +58,8 @@ func test_mirrored_parts_are_drawn() -> void:
 		shape.owner = scene
 	var model := ScatterModel.new()
 	model.scene = pack(scene)
-	check_equal(model.shapes.size(), 1, "the box collides")
-	check(model.shape_transforms[0].basis.determinant() > 0.0 and is_equal_approx(model.shape_transforms[0].basis.get_scale().z, 2.0), "with its size: %s" % model.shape_transforms[0])
+	check_equal(model.shapes.size(), 1, "shapes of the model: only the box")
+	check(model.shape_transforms[0].basis.determinant() > 0.0 and is_equal_approx(model.shape_transforms[0].basis.get_scale().z, 2.0), "the shape is not mirrored and keeps its scale: %s" % model.shape_transforms[0])
 	check(model.get_problems().size() == 1 and "\"Hull\" is left out" in model.get_problems()[0], "the hull is left out: %s" % model.get_problems())
 	var drawn := model.get_mesh(0)
 	check_equal(drawn.get_faces().size(), 2 * lopsided.get_faces().size(), "both parts")

@@ -176,7 +176,7 @@ func test_weights_of_blend_shapes_are_drawn() -> void:
 	var model := ScatterModel.new()
 	model.scene = pack(scene)
 	var box := model.get_mesh().get_aabb()
-	check(box.position.is_equal_approx(Vector3(-0.75, 1.0, -1.0)), "moved by both shapes: %s" % box)
+	check(box.position.is_equal_approx(Vector3(-0.75, 1.0, -1.0)), "both blend shapes move the plate: %s" % box)
 	check((box.size - Vector3(2.0, 0.0, 2.0)).length() < 0.001, "the size does not change: %s" % box)
 	for normal: Vector3 in model.get_mesh().surface_get_arrays(0)[Mesh.ARRAY_NORMAL]:
 		check(normal.distance_to(Vector3.UP) < 0.001, "a normal: %s" % normal)
@@ -191,9 +191,9 @@ func test_overlays_are_drawn() -> void:
 	model.scene = pack(scene)
 	var mesh := model.get_mesh()
 	var over := range(mesh.get_surface_count()).filter(func(surface: int) -> bool: return mesh.surface_get_material(surface) == glow)
-	if check(over.size() == 1, "one surface has the overlay"):
+	if check(over.size() == 1, "exactly one surface has the overlay"):
 		var heights := Array(mesh.surface_get_arrays(over[0])[Mesh.ARRAY_VERTEX]).map(func(at: Vector3) -> float: return at.y)
-		check_equal(heights.max(), 0.5, "on the part with the overlay")
+		check_equal(heights.max(), 0.5, "the overlay is on the part that has it")
 
 
 func tinted(name: String) -> ShaderMaterial:
@@ -238,7 +238,7 @@ func test_invalid_scenes_do_not_change_the_model() -> void:
 	model.scene = null
 	check_equal(model.get_mesh(0), meshes[0], "without a scene, the model keeps its LODs")
 	model.lods = [model.lods[2]]
-	check_equal(model.lods.size(), 1, "they can be edited now")
+	check_equal(model.lods.size(), 1, "without a scene, the LODs can be edited")
 	model.lods[0].distance = -1.0
 	check_error(["ScatterLod.distance", "-1"], "a negative distance")
 
@@ -294,7 +294,7 @@ func test_saved_models_contain_no_copy_of_their_scene() -> void:
 	ResourceSaver.save(model, "user://tree_model.tres")
 	loaded = ResourceLoader.load("user://tree_model.tres", "", ResourceLoader.CACHE_MODE_IGNORE) as ScatterModel
 	check_equal(loaded.lods.size(), 3, "without a scene, LODs are saved")
-	check(is_close(sorted_faces(faces_of(loaded.get_mesh(1))), sorted_faces(faces_of(model.get_mesh(1)))), "with their meshes")
+	check(is_close(sorted_faces(faces_of(loaded.get_mesh(1))), sorted_faces(faces_of(model.get_mesh(1)))), "the saved LODs have the same meshes")
 
 
 func test_a_changed_file_is_read_again() -> void:
@@ -308,10 +308,10 @@ func test_a_changed_file_is_read_again() -> void:
 	put_mesh(box(Vector3(9, 1, 1), null), "Log", other, other)
 	ResourceSaver.save(pack(other), "user://changing.tscn")
 	check(model.reload(), "it reloads")
-	check_equal(model.get_aabb().size, Vector3(9, 1, 1), "the new content")
+	check_equal(model.get_aabb().size, Vector3(9, 1, 1), "the model's size after the file has changed")
 	check_equal(changes[0], 1, "one signal")
 	var nothing := Node3D.new()
 	ResourceSaver.save(pack(nothing), "user://changing.tscn")
 	check(not model.reload(), "a file with nothing to draw")
 	check_error(["ScatterModel.scene", "changing.tscn", "no visible MeshInstance3D"], "reload")
-	check_equal(model.get_aabb().size, Vector3(9, 1, 1), "the old content stays")
+	check_equal(model.get_aabb().size, Vector3(9, 1, 1), "the model's size after a failed reload")

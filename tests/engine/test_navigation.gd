@@ -109,7 +109,7 @@ func test_a_bake_leaves_out_every_trunk() -> void:
 	var region := make_region()
 	var scatter := plant(region, [solid_layer()])
 	var before := bake(region)
-	check(scatter.get_shown_tiles(scatter.layers[0]).is_empty(), "nothing is loaded")
+	check(scatter.get_shown_tiles(scatter.layers[0]).is_empty(), "no tiles are loaded")
 	var found := scatter.query_rect(within())
 	var seen := check_left_out(before, found, "unloaded")
 	check(seen > 40, "%d trunks" % seen)
@@ -119,9 +119,9 @@ func test_a_bake_leaves_out_every_trunk() -> void:
 	await settle(scatter)
 	check(not scatter.get_shown_tiles(scatter.layers[0]).is_empty(), "loaded")
 	var vertices := before.get_vertices()
-	check(bake(region).get_vertices() == vertices, "loading makes no difference")
+	check(bake(region).get_vertices() == vertices, "loaded tiles do not change the baked mesh")
 	scatter.visible = false
-	check(bake(region).get_vertices() == vertices, "neither does visibility")
+	check(bake(region).get_vertices() == vertices, "hiding the node does not change the baked mesh")
 
 
 ## An instance blocks only the level on which it is placed.
@@ -184,14 +184,14 @@ func test_paths_avoid_instances() -> void:
 	var from := Vector3(-SIDE / 2 + 1, 0, -SIDE / 2 + 1)
 	await until(func() -> bool: return NavigationServer3D.map_get_path(map, from, -from, true).size() > 2, "a path exists")
 	var path := NavigationServer3D.map_get_path(map, from, -from, true)
-	check(path[-1].distance_to(-from) < 1.0, "it reaches its end: %s" % path[-1])
+	check(path[-1].distance_to(-from) < 1.0, "the path reaches its end: %s" % path[-1])
 	var least := INF
 	for index in found.size():
 		for step in range(1, path.size()):
 			var nearest := Geometry3D.get_closest_point_to_segment(found.get_position(index), path[step - 1], path[step])
 			least = minf(least, Vector2(nearest.x - found.get_position(index).x, nearest.z - found.get_position(index).z).length())
-	check(least > TRUNK + AGENT - ERROR, "it keeps a distance of %.3f m" % least)
-	check(least < 4.0, "and passes close to trees")
+	check(least > TRUNK + AGENT - ERROR, "the path keeps a distance of %.3f m from trunks" % least)
+	check(least < 4.0, "the path passes close to trees")
 
 
 func test_changes_by_a_game() -> void:
@@ -201,11 +201,11 @@ func test_changes_by_a_game() -> void:
 	var gone := on_map(found.get_transform(0))
 	check(clearance(bake(region), gone) > TRUNK, "the tree is an obstacle")
 	scatter.remove_instance(found.get_id(0))
-	check(clearance(bake(region), gone) == 0.0, "a removed tree is not")
+	check(clearance(bake(region), gone) == 0.0, "a removed tree is not an obstacle")
 	scatter.restore_instance(found.get_id(0))
-	check(clearance(bake(region), gone) > TRUNK, "a restored tree is")
+	check(clearance(bake(region), gone) > TRUNK, "a restored tree is an obstacle")
 	var id := scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(gone.x + 1.5, 0, gone.y)))
-	check(clearance(bake(region), gone + Vector2(1.5, 0)) > TRUNK, "placed by hand")
+	check(clearance(bake(region), gone + Vector2(1.5, 0)) > TRUNK, "a hand-placed tree is an obstacle")
 	scatter.remove_instance(id)
 	check(clearance(bake(region), gone + Vector2(1.7, 0)) == 0.0, "and removed")
 
@@ -246,10 +246,10 @@ func test_giant_instances_are_ignored() -> void:
 	check(expected > 40, "%d trunks" % expected)
 	var giant := Basis.from_scale(Vector3.ONE * 1e6)
 	var first := scatter.add_instance(scatter.layers[0], Transform3D(giant, Vector3(3, 0, 2)))
-	check(obstructions(region).size() == expected, "all others are obstructions")
+	check(obstructions(region).size() == expected, "all instances except the giant are obstructions")
 	check_error(["hand-placed instance %d of layer 0" % first, "1000 m", "smaller scale"], "one giant")
 	scatter.add_instance(scatter.layers[0], Transform3D(giant, Vector3(50000, 0, 0)))
-	check(obstructions(region).size() == expected, "also with two giants")
+	check(obstructions(region).size() == expected, "all instances except both giants are obstructions")
 	check_error(["%d and 1 more of layer 0" % first], "two giants")
 	# An instance as large as a rock is not ignored, even if it reaches into the baked area from far outside.
 	scatter.remove_instances(scatter.state.get_added())
@@ -257,7 +257,7 @@ func test_giant_instances_are_ignored() -> void:
 	check(obstructions(region).size() == expected, "as before")
 	scatter.add_instance(scatter.layers[0], Transform3D(Basis.from_scale(Vector3(200, 1, 200)), Vector3(90, 0, 0)))
 	check(obstructions(region).size() == expected + 1, "a large instance is an obstruction")
-	check(clearance(bake(region), Vector2(20, 0)) > 5.0, "and blocks agents")
+	check(clearance(bake(region), Vector2(20, 0)) > 5.0, "a large instance blocks agents")
 
 
 func test_slopes() -> void:
@@ -293,25 +293,25 @@ func test_only_instances_in_the_baked_area_count() -> void:
 	var stands := scatter.query_rect(within()).size()
 	check(all >= stands and all < stands * 1.5, "%d obstructions for %d instances on the ground" % [all, stands])
 	region.move_child(scatter, 0)
-	check_equal(obstructions(region).size(), all, "as first child, before the ground")
+	check_equal(obstructions(region).size(), all, "obstructions if the scatter comes before the ground")
 	var below := Node3D.new()
 	region.add_child(below)
 	below.add_child(Node.new())
-	check_equal(obstructions(region).size(), all, "with nodes after the scatter")
+	check_equal(obstructions(region).size(), all, "obstructions if other nodes come after the scatter")
 	region.navigation_mesh.filter_baking_aabb = AABB(Vector3(-5, -1, -5), Vector3(10, 4, 10))
 	var some := obstructions(region).size()
-	check(some > 0 and some <= scatter.query_rect(within(13)).size(), "%d in the box" % some)
+	check(some > 0 and some <= scatter.query_rect(within(13)).size(), "%d obstructions are in the box" % some)
 	region.navigation_mesh.filter_baking_aabb_offset = Vector3(3e4, 0, 0)
 	var far := obstructions(region).size()
-	check(far > 0 and far < 20, "%d in a box far from the ground" % far)
+	check(far > 0 and far < 20, "%d obstructions are in a box far from the ground" % far)
 	region.navigation_mesh.filter_baking_aabb_offset = Vector3(0, 50, 0)
-	check_equal(obstructions(region).size(), 0, "none in a box above the trees")
+	check_equal(obstructions(region).size(), 0, "obstructions in a box above the trees")
 	region.navigation_mesh.filter_baking_aabb = AABB()
 	region.get_node(^"Floor").free()
-	check_equal(obstructions(region).size(), 0, "none without ground: the bake is never unlimited")
+	check_equal(obstructions(region).size(), 0, "obstructions without ground, where the baked area would be unlimited")
 	region.add_child(make_floor(1e5))
-	check_equal(obstructions(region).size(), 0, "none if there are too many")
-	check_error(["TerrainScatter3D", "navigation", "rect"], "which is reported")
+	check_equal(obstructions(region).size(), 0, "obstructions in an area with too many instances")
+	check_error(["TerrainScatter3D", "navigation", "rect"], "an area with too many instances")
 
 
 func test_source_geometry_modes() -> void:
@@ -320,21 +320,21 @@ func test_source_geometry_modes() -> void:
 	var all := obstructions(region).size()
 	var mesh := region.navigation_mesh
 	scatter.reparent(root, false)
-	check_equal(obstructions(region).size(), 0, "outside of the region")
+	check_equal(obstructions(region).size(), 0, "obstructions of a scatter outside of the region")
 	mesh.geometry_source_geometry_mode = NavigationMesh.SOURCE_GEOMETRY_GROUPS_EXPLICIT
 	mesh.geometry_source_group_name = "walls"
 	region.get_node(^"Floor").add_to_group("walls")
-	check_equal(obstructions(region).size(), 0, "not in the group")
+	check_equal(obstructions(region).size(), 0, "obstructions of a scatter that is not in the group")
 	scatter.add_to_group("walls")
-	check_equal(obstructions(region).size(), all, "in the group")
+	check_equal(obstructions(region).size(), all, "obstructions of a scatter in the group")
 	mesh.geometry_source_geometry_mode = NavigationMesh.SOURCE_GEOMETRY_GROUPS_WITH_CHILDREN
-	check_equal(obstructions(region).size(), all, "in the group, with children")
+	check_equal(obstructions(region).size(), all, "obstructions of a scatter in the group, in the mode with children")
 	scatter.remove_from_group("walls")
 	region.add_to_group("walls")
 	scatter.reparent(region, false)
-	check_equal(obstructions(region).size(), all, "below a node in the group")
+	check_equal(obstructions(region).size(), all, "obstructions of a scatter below a node in the group")
 	scatter.add_to_group("walls")
-	check_equal(obstructions(region).size(), all, "both in the group: only once")
+	check_equal(obstructions(region).size(), all, "obstructions if the scatter and its parent are in the group")
 	scatter.remove_from_group("walls")
 	region.get_node(^"Floor").remove_from_group("walls")
 	region.position = Vector3(7, 0, -3)
@@ -352,14 +352,14 @@ func test_settings_of_layers() -> void:
 	var all := obstructions(region).size()
 	check(all > 40 and all < 150, "only trees: %d" % all)
 	layer.affect_navigation_mesh = false
-	check_equal(obstructions(region).size(), 0, "affect_navigation_mesh is off")
+	check_equal(obstructions(region).size(), 0, "obstructions of a layer with affect_navigation_mesh disabled")
 	layer.affect_navigation_mesh = true
 	layer.collision_distance = 0.0
 	check_equal(obstructions(region).size(), all, "without bodies")
 	layer.collision_layer = 4
-	check_equal(obstructions(region).size(), all, "another physics layer")
+	check_equal(obstructions(region).size(), all, "obstructions of a layer on another physics layer")
 	region.navigation_mesh.geometry_collision_mask = 3
-	check_equal(obstructions(region).size(), 0, "a physics layer that the bake excludes")
+	check_equal(obstructions(region).size(), 0, "obstructions on a physics layer that the bake excludes")
 	region.navigation_mesh.geometry_parsed_geometry_type = NavigationMesh.PARSED_GEOMETRY_MESH_INSTANCES
 	region.navigation_mesh.filter_baking_aabb = AABB(Vector3(-24, -1, -24), Vector3(48, 4, 48))
 	check_equal(obstructions(region).size(), all, "the mask has no effect on mesh instances")
@@ -380,18 +380,18 @@ func test_nodes_are_added_and_removed_between_bakes() -> void:
 	var both := obstructions(region).size()
 	region.remove_child(other)
 	var one := obstructions(region).size()
-	check(one > 0 and one < both, "one of two remains: %d of %d" % [one, both])
+	check(one > 0 and one < both, "one of the two nodes still has obstructions: %d of %d" % [one, both])
 	region.add_child(other)
 	check_equal(obstructions(region).size(), both, "both again")
 	scatter.free()
-	check_equal(obstructions(region).size(), both - one, "one is freed")
+	check_equal(obstructions(region).size(), both - one, "obstructions after one node was freed")
 	other.layers = []
 	check_equal(obstructions(region).size(), 0, "without layers")
 	other.layers = [solid_layer()]
 	other.ground = null
-	check_equal(obstructions(region).size(), 0, "without a ground")
+	check_equal(obstructions(region).size(), 0, "obstructions without a ground")
 	other.free()
-	check(clearance(bake(region), Vector2.ZERO) == 0.0, "there is no obstruction")
+	check(clearance(bake(region), Vector2.ZERO) == 0.0, "the baked mesh has no hole")
 
 
 ## A ground that removes a node from the tree and frees it during a query.
@@ -415,7 +415,7 @@ func test_a_script_may_free_the_node_in_a_bake() -> void:
 	var freeing := FreeingGround.new()
 	scatter.ground = freeing
 	var all := obstructions(region).size()
-	check(all > 40, "the ground answers")
+	check(all > 40, "the scatter has more than 40 obstructions")
 	scatter.regenerate()
 	freeing.node = scatter
 	freeing.armed = true

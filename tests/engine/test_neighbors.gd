@@ -98,11 +98,11 @@ func test_proximity() -> void:
 		counts[int(distance > 2.0)] += 1
 	# The inner area is a third of the outer area. A linear density averages 3/4 in the inner area and 1/3 in the outer one.
 	check(counts[0] > 50 and counts[1] > 50, "ferns near and farther away: %s" % [counts])
-	check(3 * counts[0] > counts[1], "they thin out: %s" % [counts])
+	check(3 * counts[0] > counts[1], "ferns thin out with the distance: %s" % [counts])
 	scatter.layers = [fern, scatter.layers[OAK]]
 	check("before" in "".join(scatter.get_problems()), "a warning for proximity to a later layer")
 	await settle(scatter)
-	check(map_positions(scatter, 0).size() > 1000, "it has no effect")
+	check(map_positions(scatter, 0).size() > 1000, "proximity to a later layer has no effect")
 
 
 func test_names() -> void:
@@ -115,18 +115,18 @@ func test_names() -> void:
 	scatter.layers[OAK].resource_name = "elm"
 	scatter.layers[FERN].spacing = {"oak": SPACING}
 	await settle(scatter)
-	check(digests(scatter, FERN) != spaced, "no layer to keep a distance from")
+	check(digests(scatter, FERN) != spaced, "ferns change if spacing names no layer")
 	scatter.layers[OAK].resource_name = "oak"
 	await settle(scatter)
-	check(digests(scatter, FERN) == spaced, "the oaks are back")
+	check(digests(scatter, FERN) == spaced, "ferns are the same once the oaks have their name again")
 	scatter.layers[FERN].resource_name = "oak"
 	check("the name of an earlier layer" in "".join(scatter.get_problems()), "two layers with the same name")
 	await settle(scatter)
-	check(digests(scatter, FERN) == spaced, "the first one is used")
+	check(digests(scatter, FERN) == spaced, "of two layers with the same name, the first one is used")
 	scatter.layers[FERN].resource_name = "fern"
 	scatter.layers = [null, scatter.layers[FERN]]
 	await settle(scatter)
-	check(digests(scatter, FERN) != spaced, "a missing layer")
+	check(digests(scatter, FERN) != spaced, "ferns change if the layer is missing")
 
 
 func test_rejected_layers_keep_their_last_valid_state() -> void:
@@ -143,10 +143,10 @@ func test_rejected_layers_keep_their_last_valid_state() -> void:
 	check_no_error("reported once")
 	check(digests(scatter, OAK) == before[OAK], "oaks stay")
 	check(digests(scatter, FERN) != before[FERN], "ferns can be edited")
-	check(gap(scatter, FERN, OAK) >= SPACING - FLOATS, "and keep the distance as before")
+	check(gap(scatter, FERN, OAK) >= SPACING - FLOATS, "ferns keep their distance from the last valid oaks")
 	mask.paint(area.get_center(), 20.0, 1.0, 1.0, ScatterMask.MODE_PAINT)
 	await settle(scatter)
-	check(digests(scatter, FERN) == before[FERN], "the edit is undone")
+	check(digests(scatter, FERN) == before[FERN], "ferns are the same after the edit is undone")
 	scatter.layers[OAK].max_slope_degrees = 90.0
 	scatter.layers[OAK].min_slope_degrees = 0.0
 	scatter.layers[OAK].radius = 0.5
@@ -160,7 +160,7 @@ func test_rejected_layers_keep_their_last_valid_state() -> void:
 	scatter.layers[FERN].tile_size = 32.0
 	await settle(scatter)
 	check_no_error("valid settings")
-	check([digests(scatter, OAK), digests(scatter, FERN)] == before, "everything is as before")
+	check([digests(scatter, OAK), digests(scatter, FERN)] == before, "both layers keep their instances")
 
 
 ## Returns two species of trees of one radius. The second one keeps its distance from the first.
@@ -186,7 +186,7 @@ func test_filled_species_are_as_dense_as_one() -> void:
 	var filled := instances(scatter, 1)
 	check(filled.size() > 1.6 * thinned.size(), "%d birches fill, %d do not" % [filled.size(), thinned.size()])
 	check(gap(scatter, 1, 0) >= 4.0 - FLOATS, "distance to oaks: %f" % gap(scatter, 1, 0))
-	check_equal(instances(scatter, 0) == oaks, true, "the oaks stay")
+	check_equal(instances(scatter, 0) == oaks, true, "spacing_fills leaves the oaks unchanged")
 	check_equal(scatter.get_problems(), PackedStringArray(), "problems")
 	scatter.layers[1].spacing_fills = false
 	await settle(scatter)

@@ -62,7 +62,7 @@ func check_removal(scatter: TerrainScatter3D, context: String, change: Callable,
 	check(most > 0 and most <= MOST_IN_A_STEP, "%s: %d bodies in one frame" % [context, most])
 	scatter.frame_budget_usec = 20000
 	await settle(scatter)
-	check(scatter.get_stats()["bodies"] >= wanted, "%s: %d bodies finally" % [context, scatter.get_stats()["bodies"]])
+	check(scatter.get_stats()["bodies"] >= wanted, "%s: %d bodies in the end" % [context, scatter.get_stats()["bodies"]])
 	if wanted == 0:
 		check_equal(bodies(scatter).size(), 0, context + ": bodies finally")
 	scatter.free()
@@ -188,12 +188,12 @@ func test_world_offset() -> void:
 		check(now_moved - moved <= MOST_IN_A_STEP, "%d bodies moved in a frame" % (now_moved - moved))
 		moved = now_moved
 	check(moved < standing.size(), "not all bodies have moved yet")
-	check(not scatter.is_settled(), "not settled yet")
+	check(not scatter.is_settled(), "the node is not settled while bodies remain to be moved")
 	scatter.frame_budget_usec = 20000
 	await settle(scatter)
 	for id in standing:
-		check(place_of(standing[id]).is_equal_approx(before[id] - shift), "finally all bodies have moved")
-	check_equal(scatter.get_stats()["bodies"], standing.size(), "the same bodies")
+		check(place_of(standing[id]).is_equal_approx(before[id] - shift), "all bodies have moved in the end")
+	check_equal(scatter.get_stats()["bodies"], standing.size(), "bodies after the origin shift")
 
 
 func test_unused_scenes_are_freed_over_frames() -> void:

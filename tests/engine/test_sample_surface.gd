@@ -37,7 +37,7 @@ func test_a_sphere_is_covered_evenly() -> void:
 	for index in points.size():
 		below += int(points.positions[index].y < 0.0)
 		check(points.normals[index].dot(points.positions[index].normalized()) > 0.99, "normals point to the outside")
-	check(absf(below - 0.5 * points.size()) < 0.05 * points.size(), "%d of %d below the middle" % [below, points.size()])
+	check(absf(below - 0.5 * points.size()) < 0.05 * points.size(), "%d of %d points are below the middle" % [below, points.size()])
 	check_equal(points.ids.size(), points.size(), "each point has an id")
 	check_equal(points.ranks.size(), points.size(), "each point has a rank")
 	check_equal(points.faces.size(), points.size(), "each point has a face")
@@ -65,9 +65,9 @@ func test_windows_divide_a_surface() -> void:
 		for y in 2:
 			var corner := Vector3(100 + 7 * (x - 1), 20 + 7 * (y - 1), -37)
 			for id in sampler.sample_surface(make_sphere(6.0), place, AABB(corner, Vector3(7, 7, 14))).ids:
-				check(not found.has(id), "each point is in one window")
+				check(not found.has(id), "each point is in only one window")
 				found[id] = true
-	check_equal(found.size(), whole.size(), "windows together have all points")
+	check_equal(found.size(), whole.size(), "points of all windows together")
 	for id in whole.ids:
 		check(found.has(id), "the point %d is in a window" % id)
 

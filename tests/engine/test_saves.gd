@@ -56,9 +56,9 @@ func test_loading_twice_restores_the_saved_state() -> void:
 		check_equal(scatter.state.load_from_file(PATH), OK, "loaded")
 		check_equal(scatter.state.get_removed(), felled, "load number %d" % (time + 1))
 		await settle(scatter)
-		check_equal(digests(scatter, 0), shown, "the visible tiles")
+		check_equal(digests(scatter, 0), shown, "the visible tiles after loading")
 		scatter.remove_in_sphere(Vector3.ZERO, 30.0)
-		check(scatter.state.get_removed_count() > felled.size(), "more are removed")
+		check(scatter.state.get_removed_count() > felled.size(), "more instances are removed before the next load")
 	check_equal(files_there(), ["forest.state"], "no other file is left")
 
 
@@ -77,8 +77,8 @@ func test_the_file_contains_the_bytes() -> void:
 	var blank := ScatterState.new()
 	check_equal(blank.save_to_file(PATH), OK, "a blank state is saved")
 	var filled := make_state()
-	check_equal(filled.load_from_file(PATH), OK, "it is loaded")
-	check_equal(filled.get_digest(), blank.get_digest(), "it replaces one with content")
+	check_equal(filled.load_from_file(PATH), OK, "the blank state is loaded")
+	check_equal(filled.get_digest(), blank.get_digest(), "the blank state replaces the content of the other")
 
 
 func test_loading_emits_signals() -> void:
@@ -106,7 +106,7 @@ func test_a_pending_diff_is_not_saved() -> void:
 	state.apply_diff_async(make_state(60).diff_since(0), func(error: Error) -> void: results.push_back(error))
 	check_equal(state.load_from_file(PATH), OK, "loaded during the work")
 	check_equal(state.to_bytes(), before, "the saved state without the diff")
-	await until(func() -> bool: return results == [OK, OK], "the callback is called, too")
+	await until(func() -> bool: return results == [OK, OK], "both callbacks are called")
 	check_equal(state.to_bytes(), before, "nothing changes afterwards")
 
 
@@ -130,12 +130,12 @@ func test_files_that_cannot_be_written() -> void:
 	DirAccess.make_dir_absolute(PART) # This folder blocks the path of the temporary file.
 	check(make_state().save_to_file(PATH) != OK, "the path is blocked")
 	check_error(["ScatterState.save_to_file: cannot write " + PATH], "the path is blocked")
-	check_equal(FileAccess.get_file_as_bytes(PATH), before, "the old file")
+	check_equal(FileAccess.get_file_as_bytes(PATH), before, "the content of the old file")
 	DirAccess.remove_absolute(PART)
 	if FileAccess.set_unix_permissions(PATH, FileAccess.UNIX_READ_OWNER) == OK and FileAccess.open(PATH, FileAccess.READ_WRITE) == null:
 		# Root is not checked, because root can write read-only files anyway.
 		refuse_saving(PATH, ERR_FILE_NO_PERMISSION, ["may not be written"], "read-only")
-	check_equal(FileAccess.get_file_as_bytes(PATH), before, "the old file")
+	check_equal(FileAccess.get_file_as_bytes(PATH), before, "the content of the old file")
 
 
 ## Saving never replaces a device, even as root.
@@ -234,7 +234,7 @@ func test_files_of_another_world_are_rejected() -> void:
 	check_equal(scatters[0].state.save_to_file(PATH), OK, "saved")
 	check_equal(scatters[1].state.load_from_file(PATH), ERR_INVALID_DATA, "a state of another world")
 	check_error(["cannot load " + PATH, "a different seed"], "a state of another world")
-	check_equal(scatters[1].state.to_bytes(), bytes[1], "nothing has changed")
+	check_equal(scatters[1].state.to_bytes(), bytes[1], "the state after the rejected file")
 
 
 func test_masks() -> void:
@@ -250,7 +250,7 @@ func test_masks() -> void:
 		loaded.changed.connect(func() -> void: emitted.push_back(true))
 		check_equal(loaded.load_from_file(path), OK, "loaded")
 		check_equal(emitted.size(), 1, "one signal")
-		check_equal([loaded.pixel_size, loaded.background, loaded.data], [mask.pixel_size, mask.background, mask.data], "the same mask")
+		check_equal([loaded.pixel_size, loaded.background, loaded.data], [mask.pixel_size, mask.background, mask.data], "the loaded mask")
 	check_equal(files_there(), ["lanes.mask"], "no other file is left")
 
 

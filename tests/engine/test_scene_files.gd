@@ -24,7 +24,7 @@ func test_failed_writes_are_repeated() -> void:
 	check(FileAccess.file_exists(PATH), "the file is written when the folder exists")
 	DirAccess.remove_absolute(PATH)
 	files.save()
-	check(not FileAccess.file_exists(PATH), "and only once")
+	check(not FileAccess.file_exists(PATH), "the file is not written a second time")
 
 
 func test_a_preset_that_is_missing_is_reported() -> void:

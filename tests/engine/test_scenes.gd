@@ -27,7 +27,7 @@ func test_swap_at_the_distance() -> void:
 				check(false, "step %d: %d at %f m has %s" % [step, ids[index], away, scatter.get_scene(ids[index])])
 				return
 		check_equal(scatter.get_stats()["scenes"], near.size(), "scenes")
-	check(shown_ids.values().max() == 2 and shown_ids.size() > 200, "the walk goes back and forth: %d" % shown_ids.size())
+	check(shown_ids.values().max() == 2 and shown_ids.size() > 200, "the walk shows some scenes twice: %d scenes" % shown_ids.size())
 	check_equal(shown, shown_ids, "shown scenes")
 	for id in shown:
 		check_equal(hidden.get(id, 0), shown[id] - (1 if near.has(id) else 0), "hidden scenes")
@@ -42,14 +42,14 @@ func test_a_scene_has_its_instances_transform() -> void:
 	var near := scatter.query_sphere(Vector3.ZERO, 10.0)
 	for id: int in near["ids"]:
 		var scene: Plant = scatter.get_scene(id)
-		if not check(scene != null and scene.get_parent() == scatter, "a child for %d" % id):
+		if not check(scene != null and scene.get_parent() == scatter, "the scatter has a child for instance %d" % id):
 			continue
 		var expected: Transform3D = scatter.get_instance(id).transform
 		check(scene.global_transform.is_equal_approx(expected), "%s is at %s" % [scene.global_transform, expected])
 		check_equal(scene.layer, scatter.layers[1], "layer")
 		check_equal(scene.data, null, "data")
 	check(near["ids"].size() > 50, "many scenes")
-	check_equal(scatter.get_child_count(), 0, "all are internal")
+	check_equal(scatter.get_child_count(), 0, "children that are not internal")
 	scatter.position = Vector3(9, 9, 9)
 	await frames(2)
 	var id: int = near["ids"][0]
@@ -57,7 +57,7 @@ func test_a_scene_has_its_instances_transform() -> void:
 	scatter.set_instance_data(id, {"age": 70})
 	viewer.position.x = 1000.0
 	await settle(scatter)
-	check(scatter.get_scene(id) == null, "out of range")
+	check(scatter.get_scene(id) == null, "an instance out of range has no scene")
 	viewer.position.x = 0.0
 	await settle(scatter)
 	check_equal((scatter.get_scene(id) as Plant).data, {"age": 70}, "data of the instance")
@@ -120,11 +120,11 @@ func test_budget_and_order() -> void:
 	while before_frame < 0 or not scatter.is_settled():
 		before_frame = shown.size() + hidden.size()
 		await process_frame
-		check(shown.size() + hidden.size() - before_frame <= 1, "one per frame")
+		check(shown.size() + hidden.size() - before_frame <= 1, "at most one scene is shown or hidden per frame")
 	check(order.size() > 50, "%d scenes were shown" % order.size())
 	for index in range(1, order.size()):
 		var before := places[order[index - 1]].distance_to(viewer.position)
-		check(places[order[index]].distance_to(viewer.position) >= before - 1e-3, "the nearest first")
+		check(places[order[index]].distance_to(viewer.position) >= before - 1e-3, "the nearest scenes are shown first")
 
 
 func test_pool() -> void:
@@ -136,10 +136,10 @@ func test_pool() -> void:
 	check(at_once > 100, "more than the pool can contain")
 	viewer.position.x = 500.0
 	await settle(scatter)
-	check(Plant.made <= 2 * at_once, "some are reused")
+	check(Plant.made <= 2 * at_once, "some scenes are reused")
 	layer.scene_distance = 3.0
 	await settle(scatter)
-	check_equal(scatter.get_stats()["scenes_pooled"], 64, "the pool is full")
+	check_equal(scatter.get_stats()["scenes_pooled"], 64, "scenes in the full pool")
 	var made := Plant.made
 	var often := 0
 	for step in 20:
@@ -147,13 +147,13 @@ func test_pool() -> void:
 		await settle(scatter)
 		for plant: Plant in scenes_of(scatter).values():
 			often = maxi(often, plant.times_shown)
-			check_equal(plant.times_hidden, plant.times_shown - 1, "one call each time")
+			check_equal(plant.times_hidden, plant.times_shown - 1, "a visible scene was hidden once less often than it was shown")
 	check_equal(Plant.made, made, "nothing is created while the pool has scenes")
-	check(often > 5, "reused many times: %d" % often)
+	check(often > 5, "a scene is reused many times: %d" % often)
 	layer.scene = pack(Plant.new())
 	await settle(scatter)
 	check_equal(scatter.get_stats()["scenes_pooled"], 0, "scenes of another kind are freed")
-	check(Plant.made > made + 1 and scatter.get_stats()["scenes"] > 0, "and new ones are created")
+	check(Plant.made > made + 1 and scatter.get_stats()["scenes"] > 0, "scenes of the new kind are created")
 	layer.scene = null
 	await settle(scatter)
 	check_equal(scatter.get_stats()["scenes"], 0, "no scene")
@@ -173,7 +173,7 @@ func test_regenerated_tiles_keep_their_scenes() -> void:
 		check_once(scatter, everything, "regenerated")
 	await settle(scatter)
 	check_equal(scenes_of(scatter), before, "the same scenes")
-	check(hidden.is_empty(), "none was hidden")
+	check(hidden.is_empty(), "no scene was hidden")
 	layer.min_scale = 1.0  # This property changes every instance but moves none.
 	layer.max_scale = 1.0
 	await settle(scatter)
@@ -182,7 +182,7 @@ func test_regenerated_tiles_keep_their_scenes() -> void:
 		check(before[id].global_transform.is_equal_approx(scatter.get_instance(id).transform), "the scene moves with its instance")
 		if before[id].global_transform != before[id].ready_at:
 			break
-	check(hidden.is_empty(), "none was hidden")
+	check(hidden.is_empty(), "no scene was hidden")
 	layer.density = 0.5
 	await settle(scatter)
 	check(not hidden.is_empty() and shown.size() == before.size(), "scenes of removed instances are hidden")
@@ -204,12 +204,12 @@ func test_recentered() -> void:
 		check(before[id].global_position.distance_to(places[id] - shift) < 1e-3, "moved immediately")
 	await settle(scatter)
 	check_equal(scenes_of(scatter), before, "the same scenes")
-	check(hidden.is_empty() and shown.size() == shown_ids, "none was shown or hidden")
+	check(hidden.is_empty() and shown.size() == shown_ids, "no scene was shown or hidden")
 	viewer.global_position.x += 30.0
 	await settle(scatter)
 	check(shown.size() > shown_ids, "new scenes are shown")
 	for id in standing_scenes:
-		check(standing_scenes[id].global_transform.is_equal_approx(scatter.get_instance(id).transform), "at its instance")
+		check(standing_scenes[id].global_transform.is_equal_approx(scatter.get_instance(id).transform), "the scene is at its instance")
 	check_once(scatter, everything_of(scatter), "at a new position")
 
 

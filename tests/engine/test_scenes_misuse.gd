@@ -55,10 +55,10 @@ func test_removing_and_taking_scenes() -> void:
 	var near: PackedInt64Array = scatter.query_sphere(Vector3.ZERO, 15.0).ids
 	var everything := everything_of(scatter)
 	var scene: Plant = scatter.get_scene(near[0])
-	check(scatter.remove_instance(near[0]), "removed")
+	check(scatter.remove_instance(near[0]), "remove_instance removes an instance with a scene")
 	check(scatter.get_scene(near[0]) == null, "hidden immediately")
 	await process_frame
-	check(not scene.is_inside_tree() and scene.times_hidden == 1 and hidden[near[0]] == 1, "back in the pool")
+	check(not scene.is_inside_tree() and scene.times_hidden == 1 and hidden[near[0]] == 1, "the scene of a removed instance is back in the pool")
 	everything.erase(near[0])
 	check_once(scatter, everything, "after the removal")
 
@@ -71,23 +71,23 @@ func test_removing_and_taking_scenes() -> void:
 		taken.push_back(scatter.take_scene(id))
 		if turn == 0:
 			scatter.remove_instance(id)
-		check(taken[turn] is Plant and taken[turn].is_inside_tree(), "in the tree")
+		check(taken[turn] is Plant and taken[turn].is_inside_tree(), "a scene that was taken is still in the tree")
 		check(scatter.take_scene(id) == null and scatter.get_scene(id) == null, "only once")
 		taken[turn].reparent(root)
-		check(taken[turn].global_transform.is_equal_approx(before), "it does not move")
-		check(not taken[turn].top_level, "it is an ordinary node")
+		check(taken[turn].global_transform.is_equal_approx(before), "a scene that was taken does not move")
+		check(not taken[turn].top_level, "a scene that was taken is no longer top_level")
 		everything.erase(id)
 		for frame in 3:
 			await process_frame
 			check_once(scatter, everything, "after taking")
-		check_equal((taken[turn] as Plant).times_hidden, 0, "no call to _scatter_hidden")
+		check_equal((taken[turn] as Plant).times_hidden, 0, "calls to _scatter_hidden of a scene that was taken")
 		check(not hidden.has(id), "no signal")
 
 	var kept := scatter.take_scene(near[3])  # Take the scene but keep the instance.
 	standing_scenes.erase(near[3])
 	for frame in 3:
 		await process_frame
-		check(drawn(scatter).has(near[3]) and scatter.get_scene(near[3]) == null, "its mesh is back")
+		check(drawn(scatter).has(near[3]) and scatter.get_scene(near[3]) == null, "the mesh is drawn again after the scene was taken")
 	kept.free()
 	viewer.position.x = 200.0
 	await settle(scatter)
@@ -98,7 +98,7 @@ func test_removing_and_taking_scenes() -> void:
 	scatter.restore_instance(near[1])
 	standing_scenes.erase(near[1])
 	await settle(scatter)
-	check(scatter.get_scene(near[1]) != null, "a restored instance has a scene")
+	check(scatter.get_scene(near[1]) != null, "a restored instance gets a scene")
 	everything[near[1]] = true
 	check_once(scatter, everything, "finally")
 	check(scatter.take_scene(0) == null and scatter.get_scene(-5) == null, "no such ID")
@@ -116,7 +116,7 @@ func test_hand_placed() -> void:
 	scatter.remove_instance(id)
 	check(scatter.get_scene(id) == null, "removed immediately")
 	await process_frame
-	check(not drawn(scatter).has(id), "no mesh either")
+	check(not drawn(scatter).has(id), "a removed hand-placed instance has no mesh")
 
 
 func test_bad_scenes() -> void:
@@ -163,7 +163,7 @@ func test_scenes_that_free_themselves() -> void:
 		await process_frame
 		check_once(scatter, everything, "after scenes were removed")
 		for index in 4:
-			check(drawn(scatter).has(ids[index]), "its mesh is back")
+			check(drawn(scatter).has(ids[index]), "the mesh of a freed scene is drawn again")
 	viewer.position.x += 500.0
 	Plant.hooks[&"_scatter_shown"] = func(plant: Plant) -> void: plant.queue_free()
 	await settle(scatter)

@@ -57,7 +57,7 @@ func test_a_snapshot_returns_what_the_node_did() -> void:
 		scatter.query_sphere(Vector3.ZERO, 100.0)
 		scatter.remove_in_sphere(Vector3(frame * 10.0, 0, 0), 3.0)
 	for index in threads.size():
-		check_equal(threads[index].wait_to_finish(), [expected, next][index % 2], "on thread %d" % index)
+		check_equal(threads[index].wait_to_finish(), [expected, next][index % 2], "results of the snapshot on thread %d" % index)
 	scatter.free()
 	check_equal(answers_of(snapshots[0], layers, ids), expected, "after the node was freed")
 	check(expected != next, "the snapshots differ")
@@ -122,8 +122,8 @@ func test_requests_from_other_threads() -> void:
 		request.completed.connect(func(found: ScatterInstances) -> void: signal_count[0] += int(found.size() > 0))
 	await until(func() -> bool: return requests.all(func(request: ScatterRequest) -> bool: return request.is_completed()), "all requests are completed")
 	check_equal(signal_count[0], 8, "signals with a result")
-	check_equal(requests[0].get_result().ids, scatter.query_rect(rect, "trees").ids, "the same as a query")
-	check_equal(requests[1].get_result().ids, scatter.query_sphere(Vector3(0, 0, 300), 30.0).ids, "the same as a query")
+	check_equal(requests[0].get_result().ids, scatter.query_rect(rect, "trees").ids, "IDs of a rectangle, requested and queried")
+	check_equal(requests[1].get_result().ids, scatter.query_sphere(Vector3(0, 0, 300), 30.0).ids, "IDs of a sphere, requested and queried")
 
 
 func test_failed_and_canceled_requests() -> void:
@@ -132,17 +132,17 @@ func test_failed_and_canceled_requests() -> void:
 	var request: ScatterRequest = on_thread(func() -> ScatterRequest: return scatter.request_rect(Rect2(0, 0, 9, 9), "bushes"))
 	await until(request.is_completed, "a missing layer")
 	check_error(["TerrainScatter3D.request_rect", "bushes"], "a missing layer")
-	check_equal(request.get_result().size(), 0, "an empty result")
+	check_equal(request.get_result().size(), 0, "instances in the result of a failed request")
 	var canceled: Array = on_thread(func() -> Array:
 		var mine := scatter.request_sphere(Vector3(2000, 0, 0), 50.0)
 		return [mine, mine.cancel(), mine.cancel()])
-	check_equal(canceled.slice(1), [true, false], "canceled on the thread of the request")
+	check_equal(canceled.slice(1), [true, false], "cancel on the thread of the request returns true only once")
 	var later := scatter.request_sphere(Vector3(3000, 0, 0), 50.0)
-	check_equal(on_thread(later.cancel), true, "canceled on another thread")
+	check_equal(on_thread(later.cancel), true, "cancel on another thread returns true")
 	var signal_count: Array[int] = [0]
 	later.completed.connect(func(found: ScatterInstances) -> void: signal_count[0] += 1 + found.size())
 	await frames(5)
-	check(later.is_canceled() and later.is_completed() and (canceled[0] as ScatterRequest).is_completed(), "both are completed")
+	check(later.is_canceled() and later.is_completed() and (canceled[0] as ScatterRequest).is_completed(), "canceled requests are completed")
 	check_equal(signal_count[0], 1, "one signal with an empty result")
 	var left: ScatterRequest = on_thread(func() -> ScatterRequest: return scatter.request_sphere(Vector3(4000, 0, 0), 50.0))
 	root.remove_child(scatter)

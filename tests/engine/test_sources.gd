@@ -78,8 +78,8 @@ func check_shares(all: Dictionary[int, Seen], share: Callable, context: String, 
 		least = minf(least, expected)
 		most = maxf(most, expected)
 	check(all.size() > 300, "%s: %d instances" % [context, all.size()])
-	check(worst <= slack, "%s: off by %f" % [context, worst])
-	check(least < 0.1 and most > 0.9, "%s: from %f to %f" % [context, least, most])
+	check(worst <= slack, "%s: the largest error is %f" % [context, worst])
+	check(least < 0.1 and most > 0.9, "%s: the values range from %f to %f" % [context, least, most])
 
 
 func set_source(layer: ScatterLayer, source: ScatterValueSource.Source, from: float, to: float) -> void:
@@ -121,7 +121,7 @@ func test_noise() -> void:
 	set_source(layer, ScatterValueSource.SOURCE_NOISE, 0.3, 0.7)
 	await settle(scatter)
 	var random := seen(scatter, 0)
-	check("there is no noise" in "\n".join(scatter.get_problems()), "a warning: %s" % scatter.get_problems())
+	check("there is no noise" in "\n".join(scatter.get_problems()), "get_problems reports the missing noise: %s" % scatter.get_problems())
 	var noise := FastNoiseLite.new()
 	noise.frequency = 0.03
 	layer.color_value.noise = noise
@@ -134,7 +134,7 @@ func test_noise() -> void:
 	var before := digests(scatter, 0)
 	noise.frequency = 0.05
 	await settle(scatter)
-	check_shares(seen(scatter, 0), share, "the same noise, edited", 1e-4)
+	check_shares(seen(scatter, 0), share, "after an edit of the noise", 1e-4)
 	check(digests(scatter, 0) != before, "new colors")
 	layer.color_value.noise = null
 	layer.variation_value.noise = null
@@ -184,7 +184,7 @@ func test_the_distance_to_a_second_layer() -> void:
 				break
 		check(built.size() > 40, "%d instances in the window" % built.size())
 		scatter.free()
-	check(all_digests[0] == all_digests[1], "the same tiles for both kinds of ground")
+	check(all_digests[0] == all_digests[1], "both kinds of ground have the same tiles")
 
 
 func test_an_edit_of_the_second_layer_stays_local() -> void:
@@ -229,7 +229,7 @@ func test_references() -> void:
 		fern.color_value.layer = reference
 		fern.variation_value.layer = reference
 		await settle(scatter)
-		check(digests(scatter, FERN) == followed, "the same for %s" % [reference])
+		check(digests(scatter, FERN) == followed, "tiles are the same with the reference %s" % [reference])
 	oak.resource_name = "elm"
 	check_equal([fern.color_value.layer, fern.variation_value.layer], ["elm", "elm"], "the reference refers to the renamed layer")
 	check_equal(scatter.get_problems(), PackedStringArray(), "no problems")
@@ -241,12 +241,12 @@ func test_references() -> void:
 	check_equal(fern.color_value.layer, "elm", "the old reference stays")
 	fern.color_value.layer = null
 	check_equal(fern.color_value.layer, "", "no layer")
-	check("color_value.source is Distance, but names no layer" in "\n".join(scatter.get_problems()), "a warning")
+	check("color_value.source is Distance, but names no layer" in "\n".join(scatter.get_problems()), "get_problems reports the missing layer")
 	scatter.layers = [fern, oak]
 	var problems := "\n".join(scatter.get_problems())
-	check("variation_value.layer is \"elm\", which is not before" in problems, "a second warning: %s" % problems)
+	check("variation_value.layer is \"elm\", which is not before" in problems, "get_problems reports a layer that is not before this one: %s" % problems)
 	fern.color_value.layer = "ash"
-	check("color_value.layer is \"ash\", and no layer has that name" in "\n".join(scatter.get_problems()), "a third warning")
+	check("color_value.layer is \"ash\", and no layer has that name" in "\n".join(scatter.get_problems()), "get_problems reports a name that no layer has")
 	fern.resource_name = ""
 	fern.color_value.layer = ""
 	oak.resource_name = ""
@@ -270,7 +270,7 @@ func test_invalid_ranges() -> void:
 	check_error(["layers[1]: ScatterLayer.color_value.max_value", "0.5"], "the end before the start")
 	fern.color_value.max_value = 1001.0
 	await settle(scatter)
-	check_error(["layers[1]: ScatterLayer.color_value.max_value must be between", "1001"], "too far")
+	check_error(["layers[1]: ScatterLayer.color_value.max_value must be between", "1001"], "a distance above the maximum")
 	fern.color_value.max_value = 900.0
 	scatter.layers[OAK].radius = 0.25
 	scatter.layers[OAK].tile_size = 10.0
@@ -281,7 +281,7 @@ func test_invalid_ranges() -> void:
 	scatter.layers[OAK].radius = 9.0
 	fern.color_value.max_value = 8.0
 	await settle(scatter)
-	check(digests(scatter, FERN) == before, "the same with valid values")
+	check(digests(scatter, FERN) == before, "the instances are the same after valid values are restored")
 	check_no_error("no error")
 
 
@@ -330,7 +330,7 @@ func test_a_shared_value() -> void:
 	await settle(scatter)
 	var variations := seen(scatter, 0).values().all(func(one: Seen) -> bool:
 		return absf(one.custom.r - clampf((one.place.y + 3.0) / 23.0, 0.0, 1.0)) < 0.0015)
-	check(variations, "the variation is still updated")
+	check(variations, "a change to the shared value still updates the variation")
 
 
 ## A curve remaps the value, both of a source and of random numbers. Editing the curve takes effect.
@@ -371,5 +371,5 @@ func test_some_randomness() -> void:
 	for one: Seen in seen(scatter, 0).values():
 		offsets.push_back(one.color - 0.75 * clampf((one.place.y + 3.0) / 23.0, 0.0, 1.0))
 	offsets.sort()
-	check(offsets[0] > -STEP and offsets[-1] < 0.25 + STEP, "within a quarter: %f to %f" % [offsets[0], offsets[-1]])
+	check(offsets[0] > -STEP and offsets[-1] < 0.25 + STEP, "offsets stay between 0 and a quarter: %f to %f" % [offsets[0], offsets[-1]])
 	check(absf(offsets[offsets.size() / 2] - 0.125) < 0.02, "uniform: %f" % offsets[offsets.size() / 2])

@@ -48,13 +48,13 @@ func test_changes_emit_signals() -> void:
 	var signals := SignalLog.new(state)
 	check(state.remove(point(5)), "removed")
 	check_equal(signals.take(), [PackedInt64Array([point(5)]), "changed"], "the ids, then changed")
-	check(state.is_removed(point(5)) and not state.is_removed(point(6)), "only this instance")
+	check(state.is_removed(point(5)) and not state.is_removed(point(6)), "only the instance with this ID is removed")
 	check(not state.remove(point(5)), "only once")
-	check(not state.restore(point(6)), "nothing to restore")
+	check(not state.restore(point(6)), "restore returns false if the instance is not removed")
 	check(state.set_instance_data(point(6), "x"), "data")
-	check_equal(signals.take(), [PackedInt64Array([point(6)]), "changed"], "data are reported")
-	check(state.set_instance_data(point(6), "x"), "the same data")
-	check_equal(signals.take(), [], "nothing has changed")
+	check_equal(signals.take(), [PackedInt64Array([point(6)]), "changed"], "signals of a change to the data")
+	check(state.set_instance_data(point(6), "x"), "setting the same data succeeds")
+	check_equal(signals.take(), [], "signals after setting the same data")
 	check(state.restore(point(5)), "restored")
 	signals.take()
 	state.clear()
@@ -67,12 +67,12 @@ func test_ids_by_layer() -> void:
 	check_equal(state.get_removed_count(), 20, "removed")
 	var layer := make_layer()
 	layer.layer_id = LAYER
-	check_equal(state.get_removed(layer), state.get_removed(), "all belong to one layer")
+	check_equal(state.get_removed(layer), state.get_removed(), "removed instances of the only layer")
 	var other := make_layer()
 	for id: int in [0, 4, 32767]:
 		other.layer_id = id
-		check(state.get_removed(other).is_empty() and state.get_added(other).is_empty(), "none of layer %d" % id)
-	check_equal(state.get_removed([other, layer, layer]), state.get_removed(), "two layers, one of them twice")
+		check(state.get_removed(other).is_empty() and state.get_added(other).is_empty(), "no instance belongs to layer %d" % id)
+	check_equal(state.get_removed([other, layer, layer]), state.get_removed(), "removed instances of two layers, one of them listed twice")
 	for wrong: Array in [[LAYER, "not the index %d" % LAYER], ["oaks", "No layer is named \"oaks\""], [null, "<null>"],
 			[[layer, "oaks"], "\"oaks\""], [make_layer(), "without a layer_id"]]:
 		check_equal(state.get_removed(wrong[0]), PackedInt64Array(), "no layer %s" % [wrong[0]])
@@ -88,16 +88,16 @@ func test_data_can_be_any_value() -> void:
 	var state := ScatterState.new()
 	for value: Variant in [true, 7, 2.5, "text", Vector3(1, 2, 3), [1, [2, 3]], {"a": {"b": PackedByteArray([1, 2])}}, &"name"]:
 		check(state.set_instance_data(point(0), value), "%s can be stored" % [value])
-		check_equal(state.get_instance_data(point(0)), value, "it reads back")
+		check_equal(state.get_instance_data(point(0)), value, "the data after it was set")
 	check(state.set_instance_data(point(0), null) and state.get_instance_data(point(0)) == null, "null stores nothing")
-	check_equal(state.get_digest(), ScatterState.new().get_digest(), "no trace is left")
+	check_equal(state.get_digest(), ScatterState.new().get_digest(), "the digest after the data was deleted")
 	var large := PackedByteArray()
 	large.resize(65536 - 8)
-	check(state.set_instance_data(point(0), large), "the maximum size")
+	check(state.set_instance_data(point(0), large), "data of the maximum size can be stored")
 	large.resize(65536)
 	check(not state.set_instance_data(point(0), large), "too large")
 	check_error(["ScatterState.set_instance_data: data", "wrong size", "65544"], "too large")
-	check_equal((state.get_instance_data(point(0)) as PackedByteArray).size(), 65536 - 8, "the data before that")
+	check_equal((state.get_instance_data(point(0)) as PackedByteArray).size(), 65536 - 8, "the last valid data")
 	check(not state.set_instance_data(point(0), RefCounted.new()), "an object")
 	check_error(["ScatterState.set_instance_data: data"], "an object")
 	for id: int in [0, -5]:
@@ -113,10 +113,10 @@ func test_times() -> void:
 	state.advance(9.0)
 	check_equal(signals.take(), [], "too early")
 	state.advance(1.0)
-	check_equal(signals.take(), [PackedInt64Array([point(0)]), "changed"], "it has regrown")
-	check_equal(state.get_removed(), PackedInt64Array([point(1)]), "the second one has not")
+	check_equal(signals.take(), [PackedInt64Array([point(0)]), "changed"], "signals of the regrowth")
+	check_equal(state.get_removed(), PackedInt64Array([point(1)]), "the instance that is still removed")
 	for wrong: float in [NAN, -2.0, 2e12]:
-		check(not state.remove(point(2), wrong), "removed until %f" % wrong)
+		check(not state.remove(point(2), wrong), "an invalid time of %f is rejected" % wrong)
 		check_error(["ScatterState.remove: until"], "until %f" % wrong)
 	for wrong: float in [NAN, -1.0, 0.0]:
 		state.advance(wrong)
@@ -163,13 +163,13 @@ func test_files() -> void:
 			check_same(loaded, state, ending)
 			DirAccess.remove_absolute(_spot + ending)
 		check_same(state.duplicate(), state, "a copy")
-		check_same(state.duplicate(true), state, "a deep copy")
+		check_same(state.duplicate(true), state, "the deep copy")
 	var blank := ScatterState.new()
 	check_equal(blank.data, PackedByteArray(), "a blank state stores nothing")
 	blank.data = make_state().data
-	check_same(blank, make_state(), "set by its property")
+	check_same(blank, make_state(), "a state whose data property was set")
 	blank.data = PackedByteArray()
-	check_equal(blank.get_removed_count(), 0, "no bytes mean no changes")
+	check_equal(blank.get_removed_count(), 0, "removed instances after data was set to an empty array")
 
 
 func test_a_million_removals_take_less_than_4_mb() -> void:
@@ -229,7 +229,7 @@ func test_a_damaged_file_leaves_the_running_state() -> void:
 	file.close()
 	var loaded := ResourceLoader.load(_spot + ".res", "", ResourceLoader.CACHE_MODE_IGNORE) as ScatterState
 	check_error(["ScatterState.from_bytes: data"], "a damaged file")
-	check_equal(loaded.get_removed_count(), 0, "nothing was loaded")
+	check_equal(loaded.get_removed_count(), 0, "removed instances after the damaged file")
 	check(scatter.state == state and state.is_removed(id) and not scatter.has_instance(id), "the running state is unchanged")
 	# A state of a different seed is rejected here and accepted by a node with that seed.
 	var bytes := state.to_bytes()
@@ -243,8 +243,8 @@ func test_a_damaged_file_leaves_the_running_state() -> void:
 	check_error(["ScatterState.merge: layer", "a different seed"], "a state of another world")
 	check_equal(digests(scatter, 0), shown, "the visible tiles")
 	state.clear()
-	check(scatter.has_instance(id), "the instance is back")
-	check_equal(state.from_bytes(bytes), OK, "its own state")
+	check(scatter.has_instance(id), "after a reset of the state, the instance exists again")
+	check_equal(state.from_bytes(bytes), OK, "the node's state can be loaded again")
 	check(not scatter.has_instance(id), "the instance is removed again")
 	check_equal(digests(scatter, 0), shown, "the visible tiles")
 	DirAccess.remove_absolute(_spot + ".res")

@@ -38,10 +38,10 @@ func test_a_diff_is_applied_later_and_completely() -> void:
 	state.apply_diff_async(removals(MANY), func(error: Error) -> void:
 		signals.push_back("callback")
 		note(error))
-	check_equal(state.get_removed_count(), 0, "no immediate change")
-	check_equal(state.get_revision(), 0, "no new revision either")
-	check(state.remove(LAYER | 7), "a change during the call")
-	check(state.remove(3), "and a second one")
+	check_equal(state.get_removed_count(), 0, "removed instances immediately after the call")
+	check_equal(state.get_revision(), 0, "the revision immediately after the call")
+	check(state.remove(LAYER | 7), "an instance can be removed while the diff is pending")
+	check(state.remove(3), "a second instance can be removed while the diff is pending")
 	var seen := {}
 	while results.is_empty():
 		seen[state.get_removed_count()] = true
@@ -53,9 +53,9 @@ func test_a_diff_is_applied_later_and_completely() -> void:
 	var at_once := ScatterState.new()
 	at_once.apply_diff(removals(MANY))
 	at_once.remove(3)
-	check_equal(state.to_bytes(), at_once.to_bytes(), "the same as apply_diff")
+	check_equal(state.to_bytes(), at_once.to_bytes(), "the state equals the result of apply_diff")
 	state.apply_diff_async(removals(3, MANY))
-	await until(func() -> bool: return state.get_removed_count() == MANY + 4, "without a callback")
+	await until(func() -> bool: return state.get_removed_count() == MANY + 4, "a diff without a callback is applied")
 
 
 func test_changes_during_the_call_are_applied_after_it() -> void:
@@ -73,12 +73,12 @@ func test_changes_during_the_call_are_applied_after_it() -> void:
 		state.set_instance_data(LAYER | 5, "mine")
 		state.set_instance_data(LAYER | 70, "mine, too")
 		state.advance(30.0)
-	check_equal(states[1].get_time(), 30.0, "the time continues")
+	check_equal(states[1].get_time(), 30.0, "the time set while the diff was pending")
 	await wait_for_callbacks(1)
-	check_equal(states[1].to_bytes(), states[0].to_bytes(), "the same as apply_diff")
+	check_equal(states[1].to_bytes(), states[0].to_bytes(), "the state equals the result of apply_diff")
 	check(not states[1].is_removed(LAYER | 3) and not states[1].is_removed(LAYER | 4), "restored, and regrown")
 	check_equal(states[1].get_instance_data(LAYER | 5), "mine", "data")
-	check_equal(states[1].get_instance_data(LAYER | 6), 6, "data of the diff")
+	check_equal(states[1].get_instance_data(LAYER | 6), 6, "the data in the diff")
 
 
 func test_several_diffs_are_applied_in_order() -> void:
@@ -121,7 +121,7 @@ func test_a_bad_diff_has_no_effect() -> void:
 	state.restore(LAYER | 0)
 	for index in range(2, 20):
 		state.restore(LAYER | index)
-	check_equal(state.to_bytes(), before, "only the valid diff is applied")
+	check_equal(state.to_bytes(), before, "the state after the invalid diffs")
 
 
 func test_the_array_may_be_changed_after_the_call() -> void:
@@ -130,7 +130,7 @@ func test_the_array_may_be_changed_after_the_call() -> void:
 	state.apply_diff_async(diff, note)
 	diff.fill(0)
 	await wait_for_callbacks(1)
-	check_equal(results, [OK] as Array[Error], "the bytes at the time of the call")
+	check_equal(results, [OK] as Array[Error], "the result for the bytes at the time of the call")
 
 
 func test_methods_that_replace_everything_wait_for_it() -> void:
@@ -152,7 +152,7 @@ func test_methods_that_replace_everything_wait_for_it() -> void:
 		check_equal(state.get_removed_count(), case[2], case[0])
 		check_equal(results.size(), 2, "%s: both callbacks" % case[0])
 		await frames(5)
-		check_equal(results.size(), 2, "%s: no second call" % case[0])
+		check_equal(results.size(), 2, "%s: calls of the callback" % case[0])
 		check_equal(state.get_removed_count(), case[2], case[0])
 
 
@@ -202,7 +202,7 @@ func test_callbacks_may_do_anything() -> void:
 			state.clear())
 	state.apply_diff_async(removals(9, 100), note)
 	await wait_for_callbacks(5)
-	check_equal(state.get_removed_count(), 0, "cleared by a handler")
+	check_equal(state.get_removed_count(), 0, "removed instances after a handler cleared the state")
 
 
 func test_callbacks_that_cannot_be_called() -> void:
@@ -313,4 +313,4 @@ func test_copied_states_do_not_share_pending_diffs() -> void:
 	check(scatter.state != state, "a copy")
 	await wait_for_callbacks(1)
 	check_equal(state.get_removed_count(), 100, "applied")
-	check_equal(scatter.state.get_removed_count(), 0, "not to the copy")
+	check_equal(scatter.state.get_removed_count(), 0, "removed instances in the copy")

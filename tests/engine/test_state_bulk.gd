@@ -35,8 +35,8 @@ func test_many_changes_in_one_call() -> void:
 	check_equal(scatter.state.apply_diff(diff), OK, "the diff")
 	check_equal(scatter.state.get_digest(), server.get_digest(), "the state is up to date immediately")
 	var left: PackedInt64Array = scatter.query_rect(Rect2(-60, -60, 120, 120)).ids
-	check_equal(left.size(), standing.size() / 2, "so are queries")
-	check(not scatter.has_instance(standing[0]) and scatter.has_instance(standing[1]), "also by id")
+	check_equal(left.size(), standing.size() / 2, "instances that a query finds immediately")
+	check(not scatter.has_instance(standing[0]) and scatter.has_instance(standing[1]), "has_instance is up to date immediately")
 	check(reported_ids.size() < 5000, "%d signals in one call" % reported_ids.size())
 	# Direct calls emit their signals immediately.
 	check(scatter.remove_instance(standing[1]), "by hand")
@@ -52,7 +52,7 @@ func test_many_changes_in_one_call() -> void:
 		if not check(waited < 20000, "still not settled") :
 			break
 	print("very many changes: %d frames, the longest %d us" % [waited, longest])
-	check(waited > 2, "over several frames")
+	check(waited > 2, "the changes take several frames")
 	check(not reported_ids.has(standing[2]), "a restored instance is not reported as removed")
 	for index in range(4, standing.size(), 2):
 		if not reported_ids.has(standing[index]):
@@ -76,7 +76,7 @@ func test_clearing_restores_everything() -> void:
 	await settle(scatter)
 	check(digests(scatter, 0) != before, "the tiles have changed")
 	scatter.state.clear()
-	check_equal(scatter.query_rect(Rect2(-60, -60, 120, 120)).ids, standing, "all are back immediately")
+	check_equal(scatter.query_rect(Rect2(-60, -60, 120, 120)).ids, standing, "instances that a query finds immediately after clear")
 	await settle(scatter)
 	check_equal(digests(scatter, 0), before, "the tiles are the same as before")
 	check_equal(scatter.get_stats()["bodies"], bodies, "the bodies, too")
@@ -126,10 +126,10 @@ func test_a_whole_state_is_read_on_a_thread() -> void:
 	while not WorkerThreadPool.is_task_completed(task):
 		await process_frame
 	WorkerThreadPool.wait_for_task_completion(task)
-	check(thread_ids[0] != OS.get_main_thread_id(), "on a worker thread")
+	check(thread_ids[0] != OS.get_main_thread_id(), "the state is read on a worker thread")
 	check_equal(thread_ids[1], OK, "the bytes")
 	scatter.state = whole
-	check_equal(scatter.state.get_digest(), server.get_digest(), "the same state")
+	check_equal(scatter.state.get_digest(), server.get_digest(), "the node's state equals the state that was read")
 	@warning_ignore("integer_division")
 	check_equal(scatter.query_rect(Rect2(-60, -60, 120, 120)).ids.size(), standing.size() / 2, "queries are up to date immediately")
 	await settle(scatter)
@@ -147,7 +147,7 @@ func test_changes_outside_of_the_tree() -> void:
 	root.remove_child(scatter)
 	check(not scatter.has_instance(standing[0]), "queries work outside of the tree")
 	scatter.state.clear()
-	check(scatter.has_instance(standing[0]), "also after the restoration")
+	check(scatter.has_instance(standing[0]), "the query finds a restored instance outside of the tree")
 	root.add_child(scatter)
 	await settle(scatter)
 	var fresh := make_wood(viewer, false)

@@ -71,7 +71,7 @@ func test_nested_removals_emit_signals_in_order() -> void:
 		check(not scatter.has_instance(id), "removed immediately")
 		var next := ids.find(id) + 1
 		if next < ids.size():
-			check(scatter.remove_instance(ids[next]) and not scatter.has_instance(ids[next]), "the next one is removed immediately")
+			check(scatter.remove_instance(ids[next]) and not scatter.has_instance(ids[next]), "the handler removes the next instance immediately")
 		depth[0] -= 1)
 	scatter.state.instances_changed.connect(func(changed: PackedInt64Array) -> void:
 		events.push_back(["changed", changed[0]]))
@@ -95,4 +95,4 @@ func test_nested_restorations_emit_signals_afterwards() -> void:
 	scatter.instance_restored.connect(func(_id: int, _layer: ScatterLayer, _at: Transform3D) -> void: events.push_back("restored"))
 	scatter.remove_instance(id)
 	check_equal(events, PackedStringArray(["removed", "handled", "restored"]), "events")
-	check(scatter.has_instance(id), "it is back")
+	check(scatter.has_instance(id), "the restored instance exists")

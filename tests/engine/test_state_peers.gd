@@ -42,11 +42,11 @@ func test_order() -> void:
 		var known := server.get_revision()
 		server.remove(point(x))
 		diffs.push_back(server.diff_since(known))
-	check_equal(client.get_missing_since(diffs[0]), -1, "the first can be applied")
-	check_equal(client.get_missing_since(diffs[1]), 0, "the second cannot")
+	check_equal(client.get_missing_since(diffs[0]), -1, "the missing revision for the first diff")
+	check_equal(client.get_missing_since(diffs[1]), 0, "the missing revision for the second diff")
 	check_equal(client.apply_diff(diffs[1]), ERR_UNAVAILABLE, "a diff is missing")
 	check_error(["ScatterState.apply_diff: base_revision must be at most 0", "got 1", "get_missing_since"], "a diff is missing")
-	check_equal(client.get_removed_count(), 0, "nothing has changed")
+	check_equal(client.get_removed_count(), 0, "removed instances after the rejected diff")
 	check_equal(client.apply_diff(diffs[0]), OK, "in order")
 	check_equal(client.get_known_revision(server.get_origin()), 1, "the known revision")
 	check_equal(client.get_missing_since(diffs[2]), 1, "the revision to request")
@@ -56,7 +56,7 @@ func test_order() -> void:
 	check_equal(client.apply_diff(diffs[0]), OK, "a late diff")
 	check_equal(client.get_removed_count(), 2, "a late diff has no effect")
 	check_equal(client.apply_diff(server.diff_of([point(0)])), OK, "an authoritative diff")
-	check_equal(client.get_digest(), server.get_digest(), "corrects a wrong prediction")
+	check_equal(client.get_digest(), server.get_digest(), "the digest after an authoritative diff corrected a wrong prediction")
 	check_equal(client.get_missing_since(PackedByteArray([1, 2])), -1, "not a diff")
 	check_error(["ScatterState.get_missing_since: data"], "not a diff")
 	client.clear()
@@ -78,7 +78,7 @@ func test_order_of_diffs_on_threads() -> void:
 	client.apply_diff_async(server.diff_since(known), note)
 	while errors.size() < 3:
 		await process_frame
-	check_equal(errors, [ERR_UNAVAILABLE, OK, OK], "only in order")
+	check_equal(errors, [ERR_UNAVAILABLE, OK, OK], "the results of diffs out of order, then in order")
 	check_error(["ScatterState.apply_diff_async: base_revision"], "the first")
 	check_equal(client.get_digest(), server.get_digest(), "the same")
 
@@ -86,7 +86,7 @@ func test_order_of_diffs_on_threads() -> void:
 func test_limits() -> void:
 	var limits := ScatterDiffLimits.new()
 	check_equal([limits.max_changes, limits.max_total_changes, limits.max_added, limits.max_data_size, limits.allow_replacement, limits.max_clock_advance],
-		[65536, 1_000_000, 65536, 4096, false, 0.0], "for a server")
+		[65536, 1_000_000, 65536, 4096, false, 0.0], "the limits for a server")
 	var state := removals(3, 1000)
 	var before := state.to_bytes()
 	var large := oversized_diff(8_000_000)
@@ -109,8 +109,8 @@ func test_limits() -> void:
 	check_equal(state.apply_diff(ahead.diff_since(0)), OK, "a diff with a later time")
 	check_equal(state.get_time(), 0.0, "the time does not change")
 	state.restore(point(0))
-	check_equal(state.get_removed_count(), 3, "nothing else has changed")
-	check_equal(state.to_bytes(), before, "byte for byte")
+	check_equal(state.get_removed_count(), 3, "removed instances after the rejected diffs")
+	check_equal(state.to_bytes(), before, "the state's bytes after the rejected diffs")
 	# Limits can be saved with a scene. Their properties reject values that are out of range.
 	limits.max_changes = -1
 	check_error(["ScatterDiffLimits.max_changes must be between 0"], "a count")
@@ -146,7 +146,7 @@ func test_area() -> void:
 	scatter.state.diff_limits = limits
 	await settle(scatter)
 	check_equal(scatter.state.apply_diff(wishes.diff_since(0)), OK, "within the area")
-	check(not scatter.has_instance(near), "it is removed")
+	check(not scatter.has_instance(near), "the instance in the area is removed")
 	var seen: Dictionary = scatter.state.inspect_diff(wishes.diff_since(0)).layers[0]
 	check_equal([seen.layer, seen.layer_id], [scatter.layers[0], near >> 48], "its layer")
 	var bounds: Rect2 = seen.bounds
@@ -183,10 +183,10 @@ func test_merged_states_are_equal() -> void:
 	b.set_instance_data(point(1), "late")
 	var a_before := a.to_bytes()
 	check_equal([a.merge(b), b.merge_diff(a_before)], [OK, OK], "merged")
-	check_equal(a.get_digest(), b.get_digest(), "both are equal")
+	check_equal(a.get_digest(), b.get_digest(), "the digests of both merged states")
 	check_equal([a.get_instance_data(point(1)), b.get_instance_data(point(1))], ["late", "late"], "the last write wins")
-	check_equal(a.get_removed_count(), 8, "all removals of both")
-	check_equal(a.merge_diff(b.diff_since(b.get_revision())), OK, "in any order")
+	check_equal(a.get_removed_count(), 8, "removed instances of both states together")
+	check_equal(a.merge_diff(b.diff_since(b.get_revision())), OK, "a diff can be merged in any order")
 
 
 func test_many_equal_instances() -> void:

@@ -79,7 +79,7 @@ func test_the_order_of_tiles_has_no_effect() -> void:
 	var straight := digests(direct, 0)
 	for tile: Vector2i in straight:
 		check_equal(walked.get(tile), straight[tile], "tile %s" % tile)
-	check(straight.size() > 10, "there are tiles to compare")
+	check(straight.size() > 10, "more than 10 tiles are compared")
 
 
 func test_spacing_across_tile_borders() -> void:
@@ -100,7 +100,7 @@ func test_spacing_across_tile_borders() -> void:
 					closest = minf(closest, at.distance_to(other))
 		grid.get_or_add(cell, []).push_back(at)
 		count += 1
-	check(count > 2000, "there are instances to compare: %d" % count)
+	check(count > 2000, "more than 2000 instances are compared: %d" % count)
 	check(closest >= 1.9999, "the closest two are %f apart" % closest)
 	check(closest < 2.1, "the closest two are %f apart, so the check sees neighbors" % closest)
 
@@ -117,8 +117,8 @@ func test_script_ground_on_the_main_thread() -> void:
 		worst = maxf(worst, absf(transform.origin.y - Hills.height(at)))
 		var normal := Vector3(-0.5 * cos(at.x * 0.05), 1.0, 0.4 * sin(at.y * 0.08)).normalized()
 		lean = maxf(lean, normal.angle_to(transform.basis.y))
-	check(worst < 0.01, "off the ground by %f m" % worst)
-	check(lean < 0.02, "off the normal by %f rad" % lean)
+	check(worst < 0.01, "an instance is %f m off the ground" % worst)
+	check(lean < 0.02, "an instance is %f rad off the normal" % lean)
 
 
 func test_script_ground_on_workers_is_the_same() -> void:
@@ -322,7 +322,7 @@ func test_pausing_stops_the_stream() -> void:
 	check(Vector2i(0, 0) in scatter.get_shown_tiles(scatter.layers[0]), "a paused stream keeps its tiles")
 	paused = false
 	await settle(scatter)
-	check(Vector2i(15, 0) in scatter.get_shown_tiles(scatter.layers[0]), "and continues afterwards")
+	check(Vector2i(15, 0) in scatter.get_shown_tiles(scatter.layers[0]), "the stream continues after the pause")
 
 
 func test_grounds_can_be_queried_by_scripts() -> void:
