@@ -70,7 +70,7 @@ func test_whole_tiles() -> void:
 		var tile := Vector2i((Vector2(node.position.x, node.position.z) / 32.0).floor())
 		var mesh := 1 if node.multimesh.mesh is CylinderMesh else 0
 		check_equal(node.position, scatter.get_tile(scatter.layers[0], tile).get_origin(), "the node is at the tile's origin")
-		check(node.multimesh.buffer == tile_buffers(scatter, 0, tile)[mesh], "the buffer equals the one of tile %s" % tile)
+		check(node.multimesh.buffer == tile_buffers(scatter, 0, tile)[mesh], "the buffer matches tile %s" % tile)
 		check(node.multimesh.use_colors and not node.multimesh.use_custom_data, "the multimesh has colors and no custom data")
 		check_equal(node.cast_shadow, GeometryInstance3D.SHADOW_CASTING_SETTING_OFF, "the layer's shadows")
 		check_equal(node.layers, 5, "the layer's render layers")

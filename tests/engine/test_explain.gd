@@ -208,7 +208,7 @@ func test_missing_layers_and_grounds() -> void:
 	check_equal([groundless.refused_by, "No ground" in groundless.reason], [&"ground", true], groundless.reason)
 	scatter.ground = ScatterGroundHeightmap.new()
 	check_equal(scatter.explain_position(Vector3.ZERO)[0].refused_by, &"ground", "a ground without heights")
-	check_error(["heightmap_path"], "a ground whose file is missing")
+	check_error(["heightmap_path"], "a heightmap without an image or a file")
 	var outsider := TerrainScatter3D.new()
 	outsider.layers = [layer]
 	outsider.ground = ScatterGroundFlat.new()

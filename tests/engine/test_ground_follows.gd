@@ -381,9 +381,9 @@ func test_recentering_reads_nothing() -> void:
 			scatter.world_offset = shift
 			plane.position -= shift
 			viewer.position -= shift)
-	check_equal(scatter.get_stats()["ground_reads"], reads, "the ground moves along")
+	check_equal(scatter.get_stats()["ground_reads"], reads, "meshes read after the scene was recentered")
 	check_equal(by_id(scatter).size(), before.size(), "all instances remain")
 	plane.position += Vector3(0.0, 2.0, 0.0)
 	await settle(scatter)
 	check_equal(scatter.get_stats()["ground_reads"], reads, "the ground is moved without reading")
-	check(absf(scatter.ground.get_height(Vector3.ZERO) - 3.0) < 1e-5, "at the new height")
+	check(absf(scatter.ground.get_height(Vector3.ZERO) - 3.0) < 1e-5, "the ground is at the new height")

@@ -114,7 +114,7 @@ func test_update_region_rejects() -> void:
 	await settle(scatter)
 	check_error(["ScatterGroundHeightmap.image", "column 131", "row 122", "inf", "1000000"], "an infinite sample")
 	check_equal(digests(scatter, 0), before, "the instances do not change")
-	check("column 131" in "\n".join(scatter.get_problems()), "among the problems")
+	check("column 131" in "\n".join(scatter.get_problems()), "get_problems names the sample")
 	image.set_pixel(131, 122, Color(2.0, 0.0, 0.0))
 	scatter.ground.update_region(Rect2i(120, 120, 16, 16))
 	await settle(scatter)
@@ -171,7 +171,7 @@ func test_errors_name_invalid_samples() -> void:
 		scatter.ground.image = image
 		await settle(scatter)
 		check_error(["ScatterGroundHeightmap.image", "column 200", "row 17", bad[1], "-1000000 to 1000000"], "a sample of %s" % bad[0])
-		check("column 200" in "\n".join(scatter.get_problems()), "among the problems")
+		check("column 200" in "\n".join(scatter.get_problems()), "get_problems names the sample")
 		check_equal(digests(scatter, 0), before, "the instances do not change")
 	scatter.ground.image = good
 	await settle(scatter)
@@ -196,8 +196,8 @@ func test_weights_that_change() -> void:
 	weights.fill_rect(Rect2i(34, 33, 3, 2), Color(0.0, 1.0, 0.0, 0.0))
 	var made := await regenerated_by(scatter, func() -> void: scatter.ground.weight_image = weights)
 	var under := tiles_under(Rect2i(33 * 4, 32 * 4, 4 * 4 + 1, 3 * 4 + 1))
-	check(not made.is_empty() and made.all(func(tile: Vector2i) -> bool: return under.has(tile)), "under the painted pixels: %s" % [made])
-	check(not all_transforms(scatter).any(func(one: Transform3D) -> bool: return Rect2(9.0, 5.0, 6.0, 2.0).has_point(Vector2(one.origin.x, one.origin.z))), "nothing grows there")
+	check(not made.is_empty() and made.all(func(tile: Vector2i) -> bool: return under.has(tile)), "only tiles under the painted pixels are regenerated: %s" % [made])
+	check(not all_transforms(scatter).any(func(one: Transform3D) -> bool: return Rect2(9.0, 5.0, 6.0, 2.0).has_point(Vector2(one.origin.x, one.origin.z))), "nothing grows under the painted pixels")
 
 
 ## Properties that change while a worker reads, or while regions are pending, take effect eventually.

@@ -242,7 +242,7 @@ func test_the_old_ground_stays_until_the_new_one_is_built() -> void:
 	await settle(scatter)
 	check(least > shown / 2, "at least %d of %d instances at any time" % [least, shown])
 	var heads := all_transforms(scatter)
-	check(heads.all(func(one: Transform3D) -> bool: return absf(one.origin.y - 2.0) < 1e-4), "all are on the new ground")
+	check(heads.all(func(one: Transform3D) -> bool: return absf(one.origin.y - 2.0) < 1e-4), "all instances are on the new ground")
 
 
 ## Frames read a node's first ground gradually, but a query reads it immediately.
@@ -290,7 +290,7 @@ func test_a_transform_that_is_not_finite() -> void:
 		check(messages.size() == 1 and "\"Broken\"" in messages[0] and "global_transform" in messages[0] and "finite" in messages[0], "a transform of %s: %s" % [bad, messages])
 		await create_timer(0.6).timeout
 		check_no_error("reported once")
-		check("\"Broken\"" in "\n".join(scatter.get_problems()), "among the problems")
+		check("\"Broken\"" in "\n".join(scatter.get_problems()), "get_problems names the node")
 		check_equal(scatter.get_shown_count(scatter.layers[0]), shown, "the instances do not change")
 		instance.global_transform = Transform3D()
 		await settle(scatter)

@@ -135,7 +135,7 @@ func test_a_node_is_called_only_for_needed_data() -> void:
 			check(scatter.get_stats()["instances"] > 1000, context + ": instances")
 			check_equal(node.data.normals > 1000, bool(needs & 1), context + ": normals")
 			check_equal(node.data.textures > 1000, bool(needs & 2), context + ": textures")
-			check_equal(node.data.above_nothing, 0, context + ": only heights where there is no ground")
+			check_equal(node.data.above_nothing, 0, context + ": calls for normals or textures where there is no ground")
 			var normals := node.data.normals
 			check(scatter.ground.get_height(Vector3(10.0, 0.0, 10.0)) > 0.0, context + ": a height")
 			scatter.get_density_map(scatter.layers[0], Rect2(-16, -16, 32, 32), Vector2i(8, 8))
@@ -156,7 +156,7 @@ func test_a_script_is_called_only_for_needed_data() -> void:
 			check(scatter.get_stats()["instances"] > 1000, context + ": instances")
 			check_equal(terrain.normals > 1000, bool(needs & 1), context + ": normals")
 			check_equal(terrain.weights > 1000, bool(needs & 2), context + ": weights")
-			check_equal(terrain.above_nothing, 0, context + ": only heights where there is no ground")
+			check_equal(terrain.above_nothing, 0, context + ": calls for normals or textures where there is no ground")
 			scatter.free()
 
 
@@ -189,7 +189,7 @@ func test_no_call_outside_of_bounds() -> void:
 			check(stand.size() > 500, context + ": instances inside")
 			check(stand.all(func(one: Transform3D) -> bool: return CountingData.covers(one.origin)), context + ": none outside")
 			check(is_nan(scatter.ground.get_height(offset + Vector3(30.0, 0.0, 0.0))), context + ": no height outside")
-			check_equal(node.data.outside, 0, context + ": no call for that height")
+			check_equal(node.data.outside, 0, context + ": calls outside of the bounds")
 			scatter.free()
 			node.free()
 		var heights := HeightsOnly.new()
@@ -197,7 +197,7 @@ func test_no_call_outside_of_bounds() -> void:
 		(scatter.ground as ScatterGroundNode).bounds = Rect2(-20.0, -20.0, 40.0, 40.0)
 		await settle(scatter)
 		check(heights.heights > 1000, "heights")
-		check_equal(heights.outside, 0, "slopes are measured inside")
+		check_equal(heights.outside, 0, "calls outside of the bounds to measure slopes")
 		scatter.free()
 		heights.free()
 
@@ -213,8 +213,8 @@ func test_a_height_that_means_no_ground() -> void:
 		terrain.no_ground_enabled = true
 		await settle(scatter)
 		check_equal(count_at(scatter, 0.0), 0, "no instances at height 0")
-		check(all_transforms(scatter).size() > 500, "the others remain")
-		check_equal(node.data.above_nothing, 0, "only heights where there is no ground")
+		check(all_transforms(scatter).size() > 500, "instances at other heights remain")
+		check_equal(node.data.above_nothing, 0, "calls for normals or textures where there is no ground")
 		check(is_nan(terrain.get_height(Vector3.ZERO)), "no height")
 		terrain.no_ground_height = 5.0
 		await settle(scatter)

@@ -25,7 +25,7 @@ func test_updated_vertices_are_ground_after_refresh_ground() -> void:
 		layer.tile_size = 8.0
 		var scatter := make_scatter([layer], terrain, make_viewer())
 		await settle(scatter)
-		check(all_transforms(scatter).all(func(one: Transform3D) -> bool: return absf(one.origin.y) < 1e-4), "flat at first")
+		check(all_transforms(scatter).all(func(one: Transform3D) -> bool: return absf(one.origin.y) < 1e-4), "all instances are at height 0 at first")
 		check(mesh.get_faces().size() > 0, "the engine caches its faces from now on")
 		var raised := PackedByteArray()
 		for vertex in 4:

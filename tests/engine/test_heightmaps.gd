@@ -58,7 +58,7 @@ func test_heightmap_in_meters_with_holes() -> void:
 		check_equal(digests(scatter, 0), before, "the instances do not change")
 	terrain.image = ImageTexture.create_from_image(image)
 	await settle(scatter)
-	check_equal(digests(scatter, 0), before, "the same with a texture")
+	check_equal(digests(scatter, 0), before, "tiles with a texture instead of an image")
 	terrain.heights_in_meters = false
 	await settle(scatter)
 	check_error(["ScatterGroundHeightmap.image", "-250"], "meters read as 0 to 1")
@@ -126,9 +126,9 @@ func test_heightmap_weights() -> void:
 			var left := all_transforms(scatter).filter(func(one: Transform3D) -> bool: return one.origin.x < 0.0).size()
 			check(left > 0.7 * counts[1], "texture 0 is on the left: %d of %d" % [left, counts[1]])
 		scatter.free()
-	check_equal(counts[3], counts[0], "both textures cover everything")
+	check_equal(counts[3], counts[0], "instances on both textures together")
 	for half: int in counts.slice(1, 3):
-		check(absf(half - 0.5 * counts[0]) < 0.1 * counts[0], "each covers half: %s" % [counts])
+		check(absf(half - 0.5 * counts[0]) < 0.1 * counts[0], "each texture covers half of the ground: %s" % [counts])
 	check_equal(counts.slice(4), [0, 0] as Array[int], "textures that do not occur")
 	terrain.weight_image = Image.new()
 	check_error(["ScatterGroundHeightmap.weight_image", "wrong size"], "an empty image")

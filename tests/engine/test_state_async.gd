@@ -73,7 +73,7 @@ func test_changes_during_the_call_are_applied_after_it() -> void:
 		state.set_instance_data(LAYER | 5, "mine")
 		state.set_instance_data(LAYER | 70, "mine, too")
 		state.advance(30.0)
-	check_equal(states[1].get_time(), 30.0, "the time set while the diff was pending")
+	check_equal(states[1].get_time(), 30.0, "the time that was added while the diff was pending")
 	await wait_for_callbacks(1)
 	check_equal(states[1].to_bytes(), states[0].to_bytes(), "the state equals the result of apply_diff")
 	check(not states[1].is_removed(LAYER | 3) and not states[1].is_removed(LAYER | 4), "restored, and regrown")

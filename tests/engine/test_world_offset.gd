@@ -36,7 +36,7 @@ func test_a_recenter_moves_instances_and_regenerates_nothing() -> void:
 	check_equal(scatter.world_offset, shift, "the property")
 	var at_once := instances(scatter, 0)
 	await frames(20)
-	check(scatter.is_settled(), "no work to do")
+	check(scatter.is_settled(), "a recenter leaves no work to do")
 	check_equal(scatter.get_stats()["tiles_made"], stats["tiles_made"], "tiles generated for a recenter")
 	check_equal(scatter.get_stats()["uploads"], stats["uploads"], "uploads for a recenter")
 	check_equal(events.size(), 0, "tiles that were shown or hidden")
@@ -130,7 +130,7 @@ func test_tiles_are_bit_identical_at_any_offset() -> void:
 	var expected := digests(here, 0)
 	for tile: Vector2i in expected:
 		check_equal(got.get(tile), expected[tile], "tile %s" % tile)
-	check(expected.size() > 10, "there are tiles to compare")
+	check(expected.size() > 10, "more than 10 tiles are compared")
 
 
 func test_queries_and_changes_use_the_engines_space() -> void:
@@ -166,7 +166,7 @@ func test_queries_and_changes_use_the_engines_space() -> void:
 	await frames(3)
 	check(not scatter.has_instance(nearest["id"]), "still removed")
 	var seen: Transform3D = scatter.get_instance(planted).transform
-	check(seen.origin.distance_to(Vector3(1.0, 0.0, 2.0) - shift) < 1e-3, "added at %s" % seen.origin)
+	check(seen.origin.distance_to(Vector3(1.0, 0.0, 2.0) - shift) < 1e-3, "the added instance is at %s" % seen.origin)
 	check(instances(scatter, 0)[planted].origin.distance_to(seen.origin) < 1e-3, "drawn there")
 
 
@@ -210,7 +210,7 @@ func test_regions_that_move_along_are_no_edit() -> void:
 	made = scatter.get_stats()["tiles_made"]
 	scatter.world_offset += Vector3(64.0, 0.0, 0.0) # The scene does not move along.
 	await settle(scatter)
-	check(scatter.get_stats()["tiles_made"] > made, "so is a region that does not move along")
+	check(scatter.get_stats()["tiles_made"] > made, "a region that does not move with the origin is an edit")
 
 
 func test_ground_in_the_scene_moves_along() -> void:
