@@ -76,16 +76,17 @@ Ref<PackedScene> ScatterLayer::get_scene() const { return scene_; }
 
 void ScatterLayer::add_gameplay_problems(PackedStringArray &r_problems) const {
 	if (scene_.is_valid() && gameplay_.scene.distance <= 0.0) {
-		r_problems.push_back("ScatterLayer.scene is not used: scene_distance is 0.");
+		r_problems.push_back("ScatterLayer.scene is not used: scene_distance is 0. Increase it, or clear scene.");
 	}
 	if (gameplay_.collision.shape == BodyShape::none) {
 		if (physics_material_.is_valid()) {
-			r_problems.push_back("ScatterLayer.physics_material is not used: collision_shape is None.");
+			r_problems.push_back(
+					"ScatterLayer.physics_material is not used: collision_shape is None. Set a shape, or clear it.");
 		}
 		return;
 	}
 	if (gameplay_.collision.distance <= 0.0 && !gameplay_.collision.affects_navigation) {
-		r_problems.push_back("ScatterLayer.collision_shape is not used: collision_distance is 0.");
+		r_problems.push_back("ScatterLayer.collision_shape is not used: collision_distance is 0. Increase it.");
 	}
 	if (gameplay_.collision.layer == 0 && gameplay_.collision.mask == 0) {
 		r_problems.push_back(

@@ -78,7 +78,7 @@ void ScatterLayer::add_mask_problems(PackedStringArray &r_problems) const {
 				"ScatterLayer.mask has no effect: it is blank with a background of 1. Paint it, or clear it.");
 	}
 	if (mask_.is_valid() && mask_->blank() && mask_->get_background() <= 0.0) {
-		r_problems.push_back("Nothing is placed: ScatterLayer.mask is not painted, and its background is 0.");
+		r_problems.push_back("Nothing is placed: ScatterLayer.mask is not painted, and its background is 0. Paint it.");
 	}
 	if (tables_.image_missing && !is_stripped(tables_.mask_texture.texture)) {
 		r_problems.push_back("Nothing is placed: ScatterLayer.mask_texture has no readable image.");
