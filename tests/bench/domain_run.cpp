@@ -298,7 +298,7 @@ void read_option(const std::string &text, Request &r_request) {
 Request read(const std::vector<std::string> &words) {
 	if (words.size() < 4) {
 		fail("usage: domain_run METHOD single|double POINTS SEED [options]; see the comment at the top of "
-		     "domain_run.cpp");
+			 "domain_run.cpp");
 	}
 	Request request;
 	request.method = words[0];

@@ -286,9 +286,9 @@ TEST_CASE("clumps in space: planes of every direction have the same coverage, an
 			{glm::dvec3(0.0, 0.0, 1.0), glm::dvec3(0.0, 1.0, 0.0)},
 			{glm::dvec3(0.6, 0.8, 0.0), glm::dvec3(0.48, -0.36, 0.8)},
 	}};
-	for (const auto &[u, v] : planes) {
+	for (const auto &plane : planes) {
 		const auto on_plane = [&](glm::dvec2 place) {
-			return place.x * u + place.y * v + glm::dvec3(3.0, 5.0, 7.0);
+			return place.x * plane[0] + place.y * plane[1] + glm::dvec3(3.0, 5.0, 7.0);
 		};
 		for (const double coverage : {0.1, 0.5, 0.9}) {
 			const ClumpNoise noise = noise_of({10.0, coverage, 0.0}, 11);

@@ -281,17 +281,17 @@ TEST_CASE("hosts: rules, neighbors and hosts of hosts") {
 	const Rect small{{-8.0, 20.0}, {8.0, 36.0}};
 	const AllPlaced on_moss = placed_in(flies, ground, small);
 	CHECK(on_moss.size() > 100);
-	for (const auto &[id, each] : on_moss) {
-		CHECK(std::ranges::any_of(tops, [&each](const auto &cap) {
-			return std::abs(glm::distance(cap.second.position, each.position) - 0.15) < 0.01;
+	for (const auto &fly : on_moss) {
+		CHECK(std::ranges::any_of(tops, [&fly](const auto &cap) {
+			return std::abs(glm::distance(cap.second.position, fly.second.position) - 0.15) < 0.01;
 		}));
 	}
 	LayerSettings apart = moss;
 	apart.set.layer = 9;
 	apart.neighbors = {{.layer = caps, .distance = 0.3, .curve = nullptr}};
-	for (const auto &[id, each] : placed_in(apart, ground, small)) {
-		CHECK(std::ranges::none_of(
-				tops, [&each](const auto &cap) { return glm::distance(cap.second.position, each.position) < 0.2999; }));
+	for (const auto &fly : placed_in(apart, ground, small)) {
+		CHECK(std::ranges::none_of(tops,
+				[&fly](const auto &cap) { return glm::distance(cap.second.position, fly.second.position) < 0.2999; }));
 	}
 }
 

@@ -107,7 +107,7 @@ TEST_CASE("model size: size and enclosed volume determine the kind of a model") 
 
 TEST_CASE("model size: a name determines the kind of a model") {
 	using Named = std::pair<const char *, std::optional<ModelKind>>;
-	for (const auto &[name, kind] : {Named("Pine_2b", ModelKind::tree), Named("BirchTree_Autumn_3", ModelKind::tree),
+	for (const Named &named : {Named("Pine_2b", ModelKind::tree), Named("BirchTree_Autumn_3", ModelKind::tree),
 				 Named("DEAD TREES 04", ModelKind::tree), Named("Bush_1_A_Color1", ModelKind::shrub),
 				 Named("flower-bushes", ModelKind::shrub), Named("CactusFlowers", ModelKind::grass),
 				 Named("moss.001", ModelKind::grass), Named("Grasses", ModelKind::grass),
@@ -115,7 +115,7 @@ TEST_CASE("model size: a name determines the kind of a model") {
 				 Named("tree_stump", ModelKind::rock), Named("WoodLog", ModelKind::rock),
 				 Named("Fountain", std::nullopt), Named("street", std::nullopt), Named("catalogs", std::nullopt),
 				 Named("b\xC3\xA4ume", std::nullopt), Named("42", std::nullopt), Named("", std::nullopt)}) {
-		CHECK_MESSAGE(kind_named(name) == kind, name);
+		CHECK_MESSAGE(kind_named(named.first) == named.second, named.first);
 	}
 }
 

@@ -54,8 +54,8 @@ void BoxTree::sort_distinct(std::vector<std::uint32_t> &r_numbers) {
 	std::size_t end = 0;
 	for (std::size_t word = 0; word < words; ++word) {
 		for (std::uint64_t left = bits[word]; left != 0; left &= left - 1) {
-			r_numbers[end++] = least + static_cast<std::uint32_t>(word * 64) +
-					static_cast<std::uint32_t>(std::countr_zero(left));
+			r_numbers[end++] =
+					least + static_cast<std::uint32_t>(word * 64) + static_cast<std::uint32_t>(std::countr_zero(left));
 		}
 	}
 }

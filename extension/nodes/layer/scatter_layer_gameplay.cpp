@@ -81,7 +81,7 @@ void ScatterLayer::add_gameplay_problems(PackedStringArray &r_problems) const {
 	if (gameplay_.collision.shape == BodyShape::none) {
 		if (physics_material_.is_valid()) {
 			r_problems.push_back("ScatterLayer.physics_material is not used: collision_shape is None. Choose a shape, "
-			                     "or clear physics_material.");
+								 "or clear physics_material.");
 		}
 		return;
 	}
