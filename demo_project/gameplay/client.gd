@@ -7,6 +7,7 @@ extends Node
 ## default), [code]--at=X,Z[/code] in meters, [code]--fell=COUNT[/code].
 
 const DEFAULT_PORT := 4433
+## The radius in meters within which the client queries trees.
 const REACH := 60.0
 ## The maximum duration of the run in seconds.
 const PATIENCE := 30.0

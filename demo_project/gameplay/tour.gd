@@ -3,13 +3,13 @@ extends Node
 ## the results, and quits. At the first failed check, it stops and exits with code 1. The tour reloads the game's scene,
 ## so this node is a sibling of the game, not its child.
 
-## The time after which a step fails if it has not ended, in seconds.
+## The time in seconds after which an unfinished step fails.
 const PATIENCE := 60.0
-## The speed of time between screenshots, as a factor.
+## The factor by which game time runs faster between screenshots.
 const HURRY := 4.0
 ## The number of frames to draw before a screenshot, so that shadows settle.
 const SETTLING_FRAMES := 2
-## The distances from a tree and from a stump at which to stop, in meters.
+## The distances in meters from a tree and from a stump at which the player stops.
 const STAND_BACK := 7.0
 const STAND_NEAR := 3.2
 
@@ -75,13 +75,13 @@ func _look() -> void:
 func _fell() -> void:
 	var id: int = _game.player.looked_at.id
 	_key(KEY_F)
-	await _until(func() -> bool: return not _game.falling.is_empty() and _game.falling[0].angle > 0.75, "it falls")
+	await _until(func() -> bool: return not _game.falling.is_empty() and _game.falling[0].angle > 0.75, "the tree falls")
 	_check(not _game.world.has_instance(id), "%d still exists" % id)
 	await _picture("falling")
 
 
 func _wait_for_the_stump() -> void:
-	await _until(func() -> bool: return _game.falling.is_empty(), "it has dissolved")
+	await _until(func() -> bool: return _game.falling.is_empty(), "the fallen tree dissolves")
 	var stump: ScatterInstance = _game.world.query_nearest(_game.player.global_position, 60.0, "Stump")
 	if _check(stump != null, "no stump"):
 		await _walk_towards(stump.transform.origin, STAND_NEAR)
@@ -97,8 +97,8 @@ func _fell_more() -> void:
 			return
 		await _walk_to(tree, STAND_BACK)
 		_key(KEY_F)
-		await _until(func() -> bool: return not _game.world.has_instance(tree.id), "felled")
-	await _until(func() -> bool: return _game.falling.is_empty(), "all have dissolved")
+		await _until(func() -> bool: return not _game.world.has_instance(tree.id), "the tree is felled")
+	await _until(func() -> bool: return _game.falling.is_empty(), "all fallen trees dissolve")
 
 
 func _map() -> void:
@@ -112,7 +112,7 @@ func _save_and_reload() -> void:
 	var here: Transform3D = _game.player.global_transform
 	var felled: PackedInt64Array = _game.world.state.get_removed()
 	var digest: int = _game.world.state.get_digest()
-	_check(felled.size() == 4, "%d felled" % felled.size())
+	_check(felled.size() == 4, "expected 4 felled trees, got %d" % felled.size())
 	_key(KEY_F5)
 	await _frames(2)
 	get_tree().reload_current_scene()
@@ -120,12 +120,12 @@ func _save_and_reload() -> void:
 	_game = get_tree().current_scene
 	_game.player.global_transform = here
 	_key(KEY_H)
-	_check(_game.world.has_instance(felled[0]), "after a restart, every tree exists again")
+	_check(_game.world.has_instance(felled[0]), "a felled tree is still missing after a restart")
 	_key(KEY_F9)
 	await _frames(2)
 	for id in felled:
-		_check(not _game.world.has_instance(id), "%d is felled after loading" % id)
-	_check(_game.world.state.get_digest() == digest, "the same state after loading")
+		_check(not _game.world.has_instance(id), "%d exists after loading, although it was felled" % id)
+	_check(_game.world.state.get_digest() == digest, "the state differs after loading")
 	await _picture("loaded")
 
 
@@ -141,7 +141,7 @@ func _walk_to(tree: ScatterInstance, distance: float) -> void:
 func _walk_towards(place: Vector3, distance: float) -> void:
 	await _look_at(place + Vector3.UP * 1.6)
 	_hold(KEY_W, true)
-	await _until(func() -> bool: return _flat_distance(place) < distance, "walks there")
+	await _until(func() -> bool: return _flat_distance(place) < distance, "the player reaches the position")
 	_hold(KEY_W, false)
 
 

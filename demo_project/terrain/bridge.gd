@@ -2,6 +2,7 @@
 extends "res://terrain/masonry.gd"
 ## An old bridge with one arch along x, whose parapets have gaps. The origin is below its middle, at the height of the arch's feet.
 
+## Half the width of the arch's opening, and its height, in meters.
 const HALF_SPAN := 8.4
 const RISE := 7.2
 ## The thickness of the bridge above the arch, and the height of a course of blocks, in meters.
@@ -11,7 +12,9 @@ const COURSE := 0.5
 const ARCH := 30
 const APPROACH := 12
 const ACROSS := 9
+## The width of the bridge in meters.
 const WIDTH := 5.2
+## The height of the parapets, and the height of the abutments below the arch's feet, in courses.
 const PARAPET := 2
 const FOOT := 8
 
@@ -43,13 +46,13 @@ func _deck_courses() -> int:
 	return roundi((RISE + CROWN) / COURSE)
 
 
-## Returns the height of a course's lower side. Courses rise toward the middle of the bridge.
+## Returns the height of the bottom of a course in meters. Courses rise toward the middle of the bridge.
 func _course(column: int, course: int) -> float:
 	var hump := 0.9 * (1.0 - smoothstep(0.0, 15.0, absf(_along(column))))
 	return (course - FOOT) * COURSE + hump * clampf(float(course - FOOT) / _deck_courses(), 0.0, 1.0)
 
 
-## Returns the x of a column of corners. Columns are close together where the arch is steep.
+## Returns the x of a column of corners in meters. Columns are close together where the arch is steep.
 func _along(column: int) -> float:
 	var from_middle := column - APPROACH - ARCH / 2
 	if absi(from_middle) <= ARCH / 2:
@@ -57,7 +60,7 @@ func _along(column: int) -> float:
 	return signf(from_middle) * (HALF_SPAN + 0.8 * (absi(from_middle) - ARCH / 2))
 
 
-## Returns the height of the arch's lower side.
+## Returns the height of the arch's underside in meters.
 func _arch(column: int) -> float:
 	var share := _along(column) / HALF_SPAN
 	return RISE * sqrt(maxf(1.0 - share * share, 0.0)) if absf(share) < 0.9999 else -FOOT * COURSE

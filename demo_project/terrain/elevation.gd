@@ -55,7 +55,7 @@ func height(x: float, z: float) -> float:
 	return lerpf(north, south, place.y - j)
 
 
-## Returns the lowest and highest ground between the posts [param from] and [param to], extended to whole blocks.
+## Returns the lowest and highest height in meters between the posts [param from] and [param to], extended to whole blocks.
 func bounds(from: Vector2i, to: Vector2i) -> Vector2:
 	var low := INF
 	var high := -INF

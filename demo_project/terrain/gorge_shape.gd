@@ -31,7 +31,7 @@ func middle(z: float) -> float:
 	return 6.0 * sin(z * 0.05)
 
 
-## Returns the height of the land without the gorge.
+## Returns the height of the land without the gorge, in meters.
 func plateau(x: float, z: float) -> float:
 	var away := Vector2(x, z).length()
 	var wild := 1.0
@@ -41,7 +41,7 @@ func plateau(x: float, z: float) -> float:
 	return TOP + wild * (1.0 + 5.0 * noise) + 34.0 * smoothstep(70.0, 280.0, away) * (0.75 + noise)
 
 
-## Returns the height of the gorge's bed.
+## Returns the height of the gorge's bed, in meters.
 func bed(x: float, z: float) -> float:
 	var aside := absf(x - middle(z))
 	var noise := _rough.get_noise_2d(x, z)

@@ -16,12 +16,12 @@ func counts() -> Vector3i:
 	return Vector3i.ZERO
 
 
-## Returns true if there is a block.
+## Returns true if a block exists at this index.
 func is_solid(_block: Vector3i) -> bool:
 	return false
 
 
-## Returns the position of a block's lowest corner.
+## Returns the position of a block's lowest corner in meters.
 func corner(_block: Vector3i) -> Vector3:
 	return Vector3.ZERO
 

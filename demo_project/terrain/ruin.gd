@@ -2,6 +2,7 @@
 extends "res://terrain/masonry.gd"
 ## The walls of a ruined hall without a roof. The origin is the northwest corner of its floor.
 
+## The size of a block in meters, and the size of the hall in blocks.
 const BLOCK := Vector3(0.7, 0.5, 0.55)
 const SIZE := Vector3i(18, 21, 16)
 ## The thickness of the walls, in blocks.
@@ -52,7 +53,7 @@ func corner(block: Vector3i) -> Vector3:
 	return Vector3(block) * BLOCK - Vector3.UP * BLOCK.y
 
 
-## Returns the number of blocks on top of each other. The northern corners are the highest.
+## Returns the height of the wall in blocks. The northern corners are the highest.
 func _height(x: int, z: int) -> float:
 	var south := float(z) / SIZE.z
 	return 14.0 - 6.0 * south + 3.0 * absf(x * 2.0 / SIZE.x - 1.0) + 8.0 * _broken.get_noise_2d(x, z) + 1.2 * _random(Vector3i(x / 2, 0, z / 2), 3)

@@ -1,6 +1,6 @@
 @tool
 extends RefCounted
-## Gives scripts that must compile without the native library access to scripts that need it. The library may be missing on a platform for
+## Loads scripts that need the native library, for scripts that must compile without it. The library may be missing on a platform for
 ## which it is not built, in a checkout that is not built yet, or in a game that only shows a baked world.
 ##
 ## Scripts that use the library's classes as types are in the folders [constant TYPED], and [method load_script] loads them. Each of these

@@ -311,7 +311,7 @@ PackedStringArray ScatterBiomeMap::problems(const TypedArray<ScatterLayer> &p_ow
 	} else if (given && pixels_.size.x == 0) {
 		result.push_back("ScatterBiomeMap.map_image is empty: set an image that has pixels.");
 	} else if (!given && biomes_.size() > 1) {
-		result.push_back("ScatterBiomeMap.map_image is not set: the first biome is everywhere.");
+		result.push_back("ScatterBiomeMap.map_image is not set, so the first biome is everywhere. Set an image.");
 	}
 	if (given && mode_ == BiomePixels::colors) {
 		add_color_problems(result);

@@ -35,8 +35,7 @@ bool ScatterExplanation::check_index(const char *p_method, int64_t p_index) cons
 	const bool there = p_index >= 0 && p_index < get_rule_count();
 	if (!there) {
 		report((std::string("ScatterExplanation.") + p_method).c_str(),
-				Status::out_of_range(
-						"index", p_index, between(0, get_rule_count() - 1, "get_rule_count() counts them")));
+				Status::out_of_range("index", p_index, between(0, get_rule_count() - 1, "see get_rule_count()")));
 	}
 	return there;
 }

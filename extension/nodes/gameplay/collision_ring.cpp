@@ -340,7 +340,7 @@ void CollisionRing::find_nearest(std::span<const glm::dvec3> positions) {
 
 RID CollisionRing::take_body() {
 	if (pool_.size() > still_in_space_ && rested(pool_.front())) {
-		// Reuse the body that was removed first.
+		// Reuse the body that was removed the longest time ago.
 		const RID body = pool_.front().rid;
 		pool_.pop_front();
 		return body;

@@ -20,7 +20,7 @@ namespace thicket {
 
 namespace {
 
-/// A node that adds geometry to parses, and its method to call.
+/// A node that adds geometry during parses, and the method to call on it.
 struct Entry {
 	const NavigationParse *parse = nullptr;
 	Node3D *node = nullptr;
@@ -55,7 +55,7 @@ Parser &shared_parser() {
 /// A distance in meters, large enough to recover a region's axes precisely from floats.
 constexpr real_t far_away = 1 << 20;
 
-/// Forwards a call from the first node to all others. Does nothing for any other node.
+/// Forwards a call of the first node to all other nodes. Does nothing if `from` is another node.
 void hand_on(const NavigationParse *from, const Ref<NavigationMesh> &p_mesh,
 		const Ref<NavigationMeshSourceGeometryData3D> &p_geometry, const Node *p_node) {
 	const std::vector<Entry> nodes = shared_parser().nodes;

@@ -25,7 +25,8 @@ namespace {
 /// The number of signals that are emitted before the time is checked again.
 constexpr std::size_t signals_in_a_row = 16;
 
-/// Sets a variable until the end of the scope, even if the scope ends with an exception.
+/// Sets a variable and restores its previous value at the end of the scope, even after an
+/// exception.
 template <typename T>
 class Meanwhile {
 public:

@@ -147,7 +147,7 @@ void ScatterGameplay::add_obstructions(
 	if (!status.ok() && status.code != ErrorCode::cancelled) {
 		ERR_PRINT(String(("TerrainScatter3D: a navigation mesh is baked without the instances of layer " +
 				std::to_string(layer) + ": " + describe(status) +
-				". Set its filter_baking_aabb to the area that it needs.")
+				". Set the mesh's filter_baking_aabb to the area to bake.")
 						.c_str()));
 	}
 	Obstruction obstruction;

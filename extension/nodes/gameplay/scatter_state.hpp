@@ -263,7 +263,7 @@ private:
 	/// notifies scripts.
 	void finish_diffs();
 
-	/// Waits for all diffs and applies them. The next call to `tell` notifies scripts of the
+	/// Waits for all diffs and applies them. The next call to `notify` notifies scripts of the
 	/// changes.
 	void wait_for_diffs();
 

@@ -42,7 +42,8 @@ enum class SceneEvent : std::uint8_t {
 	hidden,
 };
 
-/// The services that a SceneRing needs from its node. `tell` runs scripts, which may free the node.
+/// The services that a SceneRing needs from its node. `notify` runs scripts, which may free the
+/// node.
 struct SceneHost {
 	godot::Node3D *parent = nullptr;
 	/// Hides or shows the mesh of an instance. Takes effect when this frame is drawn.

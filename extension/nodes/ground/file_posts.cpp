@@ -62,7 +62,7 @@ Status read_exr(const PackedByteArray &bytes, Posts &r_posts) {
 
 Status read_file_posts(const String &p_path, glm::ivec2 post_count, Posts &r_posts) {
 	if (p_path.is_empty()) {
-		return Status::missing(file_property, "Set it or image");
+		return Status::missing(file_property, "Set heightmap_path or image");
 	}
 	const PackedByteArray file = FileAccess::get_file_as_bytes(p_path);
 	if (file.is_empty()) {

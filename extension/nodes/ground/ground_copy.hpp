@@ -56,8 +56,8 @@ public:
 	/// Describes the copied ground for the inspector.
 	virtual godot::String description() const = 0;
 
-	/// Returns a remark for users that is the end of a sentence beginning with the node's name,
-	/// such as "has no regions". Returns an empty string if there is none.
+	/// Returns a remark for users. It completes a sentence that begins with the node's name, for
+	/// example "has no regions". Returns an empty string if there is none.
 	virtual godot::String remark() const = 0;
 
 	/// Returns the areas in which this ground differs from `before`. `shift` is how far the
@@ -83,7 +83,7 @@ protected:
 struct CopyAttempt {
 	GroundPlugin plugin = GroundPlugin::none; ///< The plug-in that provides the node.
 	std::shared_ptr<const GroundCopy> copy;   ///< The copied ground. Null if copying failed; see `refusal`.
-	/// The reason for the failure, as the end of a sentence that begins with the node.
+	/// The reason for the failure. It completes a sentence that begins with the node's name.
 	godot::String refusal;
 	/// The object that contains the plug-in's images and emits its signals.
 	godot::Variant data;

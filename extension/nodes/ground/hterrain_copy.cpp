@@ -99,7 +99,7 @@ public:
 				   "these maps as Image, or keep them in the export.";
 		}
 		return tilted_
-				? String("is tilted: its ground is correct only if the node is rotated about the vertical axis alone.")
+				? String("is tilted, so its copied ground is wrong. Rotate the node about the vertical axis only.")
 				: String();
 	}
 

@@ -29,7 +29,7 @@ struct GroundSpace {
 
 /// The ground of a mesh instance, at its world position when it was read.
 struct GroundMesh {
-	GroundNodeState sight;    ///< With the transform in `space`, without its offset.
+	GroundNodeState sight;    ///< The node's state. Its transform is in `space`, without the offset.
 	GroundSpace space;        ///< The space when the mesh was read.
 	std::uint64_t digest = 0; ///< A digest of the triangles in world space.
 	TriangleParts::Part ground;

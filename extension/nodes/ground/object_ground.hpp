@@ -66,7 +66,7 @@ public:
 
 	/// Returns true if the methods must be called on the main thread, regardless of
 	/// ScatterGroundNode.thread_safe. This is true for MTerrain, which frees the heights of regions
-	/// on threads of its own.
+	/// on its own threads.
 	bool needs_main_thread() const { return posts_ != nullptr; }
 
 	/// Makes later calls fail, and waits until other threads have finished their current calls, at

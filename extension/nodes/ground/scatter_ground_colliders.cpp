@@ -43,8 +43,8 @@ constexpr Status no_space =
 /// not ground themselves.
 class Plumb {
 public:
-	/// Creates a plumb. `p_top` and `p_bottom` are world heights. `offset` is the world position of
-	/// the engine's origin.
+	/// `p_top` and `p_bottom` are world heights in meters. `offset` is the world position of the
+	/// engine's origin.
 	Plumb(PhysicsDirectSpaceState3D *p_space, double p_top, double p_bottom, int64_t p_mask, glm::dvec3 offset) :
 			space_(p_space), offset_(offset), top_(static_cast<real_t>(p_top - offset.y)),
 			bottom_(static_cast<real_t>(p_bottom - offset.y)),
@@ -151,7 +151,8 @@ String ScatterGroundColliders::find_problem() {
 	if (const Status status = check(); !status.ok()) {
 		return sentence(class_name, status);
 	}
-	return collision_mask_ != 0 ? String() : "ScatterGroundColliders.collision_mask is empty: no body is ground.";
+	return collision_mask_ != 0 ? String()
+								: "ScatterGroundColliders.collision_mask is 0, so no body is ground. Select a layer.";
 }
 
 Status ScatterGroundColliders::check() const {

@@ -35,7 +35,7 @@ std::shared_ptr<const Terrain> ScatterGroundHeightmap::make_snapshot(const Groun
 
 String ScatterGroundHeightmap::find_problem() {
 	if (image_.is_null() && heightmap_path_.is_empty()) {
-		return sentence(class_name, Status::missing("heightmap_path", "Set it or image"));
+		return sentence(class_name, Status::missing("heightmap_path", "Set heightmap_path or image"));
 	}
 	return problem_;
 }

@@ -248,7 +248,7 @@ String ScatterGroundHeightmap::sentence_of(const Status &status, glm::ivec2 refu
 		const String limits = heights_in_meters_
 				? vformat("must be from %d to %d m", static_cast<std::int64_t>(-max_heightfield_height),
 						  static_cast<std::int64_t>(max_heightfield_height))
-				: String("must be from 0 to 1, or heights_in_meters be set");
+				: String("must be from 0 to 1 unless heights_in_meters is set");
 		return vformat("%s.%s: the height sample in column %d of row %d %s (NAN for a hole), got %s. The "
 					   "ground is unchanged.",
 					   class_name, property, refused_post.x, refused_post.y, limits, status.value) +

@@ -289,8 +289,8 @@ bool ScatterGroundMeshes::plan(std::uint64_t id) {
 	return true;
 }
 
-/// Returns the sight of a node with its transform in a host's space. `sight` may be in another
-/// host's space.
+/// Returns the state of a node with its transform in a host's space. The transform of `sight` may
+/// be in another host's space.
 GroundNodeState ScatterGroundMeshes::seen_from(
 		const GroundSpace &space, std::uint64_t id, const GroundNodeState &sight) const {
 	GroundNodeState seen = sight;

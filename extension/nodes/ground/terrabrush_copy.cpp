@@ -114,8 +114,8 @@ bool read_zones(const Variant &p_node, Layout &r_layout, Zones &r_zones, String 
 		if (image->get_format() != Image::FORMAT_RGF || posts != r_layout.posts || image->get_height() != posts ||
 				posts < 3) {
 			r_refusal = vformat(
-					"has a heightmap for its zone at %s that is not square, of another size than the others, or "
-					"of another format than RGF",
+					"has a heightmap for its zone at %s that is not square, differs in size from the others, or "
+					"does not have the format RGF",
 					location);
 			return false;
 		}

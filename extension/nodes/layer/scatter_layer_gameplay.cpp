@@ -90,21 +90,23 @@ void ScatterLayer::add_gameplay_problems(PackedStringArray &r_problems) const {
 	}
 	if (gameplay_.collision.layer == 0 && gameplay_.collision.mask == 0) {
 		r_problems.push_back(
-				"ScatterLayer.collision_shape collides with nothing: collision_layer and collision_mask are 0.");
+				"ScatterLayer.collision_shape collides with nothing: set collision_layer or collision_mask.");
 	}
 	if (gameplay_.collision.shape == BodyShape::capsule &&
 			gameplay_.instance_height < 2.0 * gameplay_.instance_radius) {
 		r_problems.push_back("ScatterLayer.instance_height is below two times instance_radius, the minimum height of a "
-							 "capsule.");
+							 "capsule. Increase instance_height.");
 	}
 	if (gameplay_.collision.shape == BodyShape::convex) {
 		if (!meshes_.has_mesh()) {
-			r_problems.push_back("ScatterLayer.collision_shape is Convex, but the layer has no mesh to build it from.");
+			r_problems.push_back(
+					"ScatterLayer.collision_shape is Convex, but the layer has no mesh to build it from. Add one.");
 		}
 	}
 	const std::vector<std::vector<BodyPart>> bodies = meshes_.bodies();
 	if (gameplay_.collision.shape == BodyShape::model && std::ranges::all_of(bodies, &std::vector<BodyPart>::empty)) {
-		r_problems.push_back("ScatterLayer.collision_shape is Model, but no model among the meshes has shapes.");
+		r_problems.push_back(
+				"ScatterLayer.collision_shape is Model, but no model in meshes has shapes. Choose another shape.");
 	}
 }
 

@@ -66,10 +66,10 @@ TypedArray<ScatterLod> ScatterLayer::get_mesh_lods(int64_t p_index) {
 
 void ScatterLayer::add_lod_problems(PackedStringArray &r_problems) const {
 	if (lod_.thin_density >= 1.0 && lod_.thin_end > 0.0) {
-		r_problems.push_back("ScatterLayer.thin_end is not used: thin_density is 1, so nothing is thinned.");
+		r_problems.push_back("ScatterLayer.thin_end is not used: thin_density is 1. Lower thin_density.");
 	}
 	if (lod_.scale_compensation && lod_.thin_density >= 1.0) {
-		r_problems.push_back("ScatterLayer.thin_scale_up is not used: thin_density is 1.");
+		r_problems.push_back("ScatterLayer.thin_scale_up is not used: thin_density is 1. Lower thin_density.");
 	}
 }
 

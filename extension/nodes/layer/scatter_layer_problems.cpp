@@ -11,7 +11,7 @@ namespace thicket {
 namespace {
 
 /// Returns true if a curve has the default domain, which is rarely correct for the property's unit.
-bool as_made(const Ref<Curve> &p_curve) {
+bool has_default_domain(const Ref<Curve> &p_curve) {
 	return p_curve->get_min_domain() == 0.0F && p_curve->get_max_domain() == 1.0F;
 }
 
@@ -31,7 +31,7 @@ void add_curve_problem(const char *p_name, const Ref<Curve> &p_curve, const std:
 		r_problems.push_back(name +
 				String(" is 0 everywhere, so nothing is placed. Raise a point of the curve, or remove the curve."));
 	}
-	if (as_made(p_curve)) {
+	if (has_default_domain(p_curve)) {
 		r_problems.push_back(name + String(" still has the default domain of 0 to 1, but it is sampled from ") +
 				p_domain + String(": set Min Domain and Max Domain."));
 	}
@@ -68,7 +68,7 @@ void ScatterLayer::add_curve_problems(PackedStringArray &r_problems) const {
 		r_problems.push_back("ScatterLayer.scale_curve has no points, so it is not used. Add points, or clear it.");
 	}
 	if (resource("scale_curve").is_valid() && settings_.placement.min_scale == settings_.placement.max_scale) {
-		r_problems.push_back("ScatterLayer.scale_curve has no effect because min_scale equals max_scale.");
+		r_problems.push_back("ScatterLayer.scale_curve has no effect because min_scale equals max_scale. Change one.");
 	}
 }
 
@@ -81,7 +81,8 @@ void ScatterLayer::add_mask_problems(PackedStringArray &r_problems) const {
 		r_problems.push_back("Nothing is placed: ScatterLayer.mask is not painted, and its background is 0. Paint it.");
 	}
 	if (tables_.image_missing && !is_stripped(tables_.mask_texture.texture)) {
-		r_problems.push_back("Nothing is placed: ScatterLayer.mask_texture has no readable image.");
+		r_problems.push_back(
+				"Nothing is placed: ScatterLayer.mask_texture has no readable image. Use another texture.");
 	}
 }
 
@@ -100,7 +101,7 @@ void ScatterLayer::add_neighbor_problems(PackedStringArray &r_problems) const {
 void ScatterLayer::add_mesh_problems(PackedStringArray &r_problems) const {
 	meshes_.add_problems(r_problems);
 	if (mesh_weights_.size() > static_cast<int64_t>(meshes_.size())) {
-		r_problems.push_back("ScatterLayer.mesh_weights has more entries than meshes; the rest is ignored.");
+		r_problems.push_back("ScatterLayer.mesh_weights has more entries than meshes. Remove the unused entries.");
 	}
 }
 

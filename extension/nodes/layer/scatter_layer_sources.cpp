@@ -80,16 +80,18 @@ public:
 		add_unused(".noise", has_noise_, SourceKind::noise, "Noise");
 		add_unused(".layer", has_layer_, SourceKind::distance, "Distance");
 		if (source_.kind == SourceKind::noise && !has_noise_) {
-			problems_.push_back(name_ + String(".source is Noise, but there is no noise: it is random."));
+			problems_.push_back(
+					name_ + String(".source is Noise, but there is no noise, so the value is random. Set noise."));
 		}
 		if (source_.kind == SourceKind::distance && !has_layer_) {
-			problems_.push_back(name_ + String(".source is Distance, but names no layer: it is random."));
+			problems_.push_back(
+					name_ + String(".source is Distance, but names no layer, so the value is random. Set layer."));
 		}
 		if (source_.kind != SourceKind::random && source_.randomness >= 1.0) {
-			problems_.push_back(name_ + String(".source has no effect: the randomness is 1."));
+			problems_.push_back(name_ + String(".source has no effect: the randomness is 1. Lower randomness."));
 		}
-		add_as_made(SourceKind::height, "meters of height");
-		add_as_made(SourceKind::slope, "degrees of slope");
+		add_default_range(SourceKind::height, "meters of height");
+		add_default_range(SourceKind::slope, "degrees of slope");
 	}
 
 private:
@@ -101,7 +103,7 @@ private:
 	}
 
 	/// Reports the default range of 0 to 1, which is rarely correct for the unit of the source.
-	void add_as_made(SourceKind kind, const char *p_unit) {
+	void add_default_range(SourceKind kind, const char *p_unit) {
 		if (source_.kind == kind && source_.min == 0.0 && source_.max == 1.0) {
 			problems_.push_back(name_ + String(" still has the default range of 0 to 1 ") + p_unit +
 					String(": set its min_value and max_value."));

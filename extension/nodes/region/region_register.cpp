@@ -104,7 +104,7 @@ std::shared_ptr<const ShapeSet> RegionRegister::set_for(const TypedArray<Scatter
 		return last;
 	}
 	if (is_same(last)) {
-		// Returning the same set regenerates no tile.
+		// The set is unchanged, so no tile is regenerated.
 		return last;
 	}
 	if (const auto shared = std::ranges::find_if(sets_, is_same); shared != sets_.end()) {

@@ -47,8 +47,8 @@ public:
 	/// space, otherwise the global one.
 	virtual godot::Transform3D transform_of(const godot::Node3D &p_node) const = 0;
 
-	/// Explains in a sentence why a reference (see stored_reference) matches none of the host's
-	/// layers; empty if it matches one.
+	/// Returns a message if a reference (see stored_reference) matches none of the host's layers;
+	/// otherwise an empty string.
 	virtual godot::String layer_problem(const godot::Variant &p_reference) const = 0;
 };
 
@@ -80,8 +80,8 @@ public:
 
 	ScatterRegion3D();
 
-	// All setters refuse values that are out of range or not finite: they print an error that
-	// names the property, and keep the old value.
+	// If a value is out of range or not finite, every setter prints an error that names the
+	// property and keeps the old value.
 	void set_shape(Shape p_shape);
 	Shape get_shape() const { return shape_; }
 
@@ -101,7 +101,8 @@ public:
 	void set_ignore_height(bool p_ignore);
 	bool is_ignoring_height() const { return ignore_height_; }
 
-	/// Sets the sides of the box in meters before scaling by the node, each 0.001 to 1e6.
+	/// Sets the edge lengths of the box in meters, each 0.001 to 1e6, before the node's scale is
+	/// applied.
 	void set_size(const godot::Vector3 &p_size);
 	godot::Vector3 get_size() const { return size_; }
 
@@ -121,15 +122,15 @@ public:
 	double get_number() const;
 
 	/// Returns the region's shape in the world. Returns nothing if the region is hidden, not in the
-	/// tree or incomplete, or if the core refuses the shape. Prints an error for a refused shape,
-	/// once until the reason changes.
+	/// tree or incomplete, or if the core rejects the shape. Prints an error for a rejected shape,
+	/// but only once until the reason changes.
 	std::optional<thicket::Shape> world_shape();
 
 	/// Returns true if the Path3D of a SHAPE_PATH region was replaced, moved or changed since the
 	/// last call.
 	bool path_changed();
 
-	/// Returns a sentence for each problem that keeps the region from having its likely intended
+	/// Returns a message for each problem that keeps the region from having its likely intended
 	/// effect. The editor shows them as configuration warnings.
 	godot::PackedStringArray get_problems() const;
 	godot::PackedStringArray _get_configuration_warnings() const override {

@@ -1,5 +1,4 @@
-// This file describes the problems of a region in sentences for the editor's configuration
-// warnings.
+// This file describes the problems of a region for the editor's configuration warnings.
 
 #include "core/rules/shape_frame.hpp"
 #include "nodes/common/convert.hpp"
@@ -54,9 +53,8 @@ void ScatterRegion3D::add_planet_problems(PackedStringArray &r_problems) const {
 	} else if (shape_ == SHAPE_POLYGON) {
 		const glm::dvec3 normal = glm::normalize(to_core(transform_of(*this).basis)[1]);
 		if (std::abs(glm::dot(normal, shape.planet.up_at(shape.center))) < least_upright) {
-			r_problems.push_back(
-					"ScatterRegion3D.polygon stands on its edge on the planet: turn the node so that its y "
-					"axis points away from the planet's center.");
+			r_problems.push_back("ScatterRegion3D.polygon is too steep on the planet (over 60 degrees). Rotate "
+								 "the node so that its y axis points away from the planet's center.");
 		}
 	}
 }
@@ -87,7 +85,8 @@ PackedStringArray ScatterRegion3D::get_problems() const {
 		problems.push_back("The region has no effect: " + sentence(class_name, status) + ".");
 	} else if ((shape_ != SHAPE_BOX && differ(scale.x, scale.z)) ||
 			(shape_ == SHAPE_SPHERE && differ(scale.x, scale.y))) {
-		problems.push_back("The node's scale is not the same along all axes: the radius uses the largest.");
+		problems.push_back(
+				"The node's scale differs between axes, so the radius uses the largest. Use a uniform scale.");
 	}
 	if (status.ok()) {
 		add_planet_problems(problems);

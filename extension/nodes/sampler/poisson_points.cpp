@@ -89,7 +89,7 @@ void PoissonPoints::fill(std::span<const SamplePoint> points, bool exact) {
 
 bool PoissonPoints::has(int64_t p_index) const {
 	if (p_index < 0 || p_index >= size_) {
-		report(class_name, Status::out_of_range("index", p_index, between(0, size_ - 1, "size() counts them")));
+		report(class_name, Status::out_of_range("index", p_index, between(0, size_ - 1, "see size()")));
 		return false;
 	}
 	return true;

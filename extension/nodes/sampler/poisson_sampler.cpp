@@ -16,7 +16,8 @@ PoissonSampler::Turn::Turn(PoissonSampler *p_sampler, const char *p_method) :
 	if (granted_) {
 		p_sampler->cancelled_ = false;
 	} else {
-		ERR_PRINT(vformat("%s.%s() called while another call to the same object is running; use one object for each",
+		ERR_PRINT(vformat(
+				"%s.%s() was called during another call to the same object. Use a separate object for each call.",
 				class_name, p_method));
 	}
 }

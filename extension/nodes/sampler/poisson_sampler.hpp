@@ -104,7 +104,7 @@ public:
 	godot::Ref<PoissonPoints> sample_domain_exact(
 			double p_min_x, double p_min_y, double p_max_x, double p_max_y, const godot::Callable &p_progress);
 
-	/// Returns points on the triangles of a mesh after `p_transform`, in meters. Only returns those
+	/// Returns points on the triangles of a mesh after `p_transform`, in meters. Returns only those
 	/// in the half-open window, unless the window is AABB(). If the call is invalid, prints an
 	/// error and returns no points. Never returns null.
 	godot::Ref<PoissonSurfacePoints> sample_surface(

@@ -213,8 +213,8 @@ void add_uniform_problem(
 	}
 	if (multimeshes > room) {
 		r_problems.push_back(vformat(
-				"%d multimeshes have shaders with instance uniforms, and the Compatibility renderer has room for %d: "
-				"the others are drawn with the defaults. Increase ScatterLayer.tile_size, lower "
+				"%d multimeshes have shaders with instance uniforms, but the Compatibility renderer supports only %d: "
+				"the others use default values. Increase ScatterLayer.tile_size, lower "
 				"ScatterLayer.view_distance, or use shaders without instance uniforms.",
 				static_cast<int64_t>(multimeshes), static_cast<int64_t>(room)));
 	}

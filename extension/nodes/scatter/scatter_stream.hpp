@@ -89,7 +89,7 @@ public:
 	/// and frees them in steps.
 	void retire();
 
-	/// Removes bodies and hides and frees removed tiles until `deadline`. Does at least one step.
+	/// Removes bodies, and hides and frees removed tiles, until `deadline`. Does at least one step.
 	void dissolve_until(std::chrono::steady_clock::time_point deadline);
 
 	/// Returns the tiles that were shown or hidden since the last call, in order. A regenerated

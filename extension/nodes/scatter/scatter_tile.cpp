@@ -104,8 +104,7 @@ bool ScatterTile::is_empty() const {
 const ScatterTile::Part *ScatterTile::find(const char *p_method, int64_t p_index) const {
 	if (p_index < 0 || p_index >= get_mesh_count()) {
 		report((std::string("ScatterTile.") + p_method).c_str(),
-				Status::out_of_range(
-						"index", p_index, between(0, get_mesh_count() - 1, "get_mesh_count() counts them")));
+				Status::out_of_range("index", p_index, between(0, get_mesh_count() - 1, "see get_mesh_count()")));
 		return nullptr;
 	}
 	return &parts_[static_cast<std::size_t>(p_index)];

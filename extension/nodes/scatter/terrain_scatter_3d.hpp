@@ -269,7 +269,7 @@ public:
 	godot::Variant get_instance_data(int64_t p_id) const { return gameplay_->get_instance_data(p_id); }
 
 	/// Returns the ID of the instance that a PhysicsServer3D body belongs to, or 0. A removed body
-	/// still maps to its last instance for a few frames.
+	/// still maps to its last instance until it is reused; see CollisionRing::rest_frames.
 	int64_t get_body_instance(const godot::RID &p_body) const;
 
 	/// Returns the scene that replaces an instance, or null.

@@ -134,8 +134,8 @@ void TerrainScatter3D::explain_drawing(const LayerSnapshot &layer, LayerExplanat
 	const std::uint32_t rank = thinning_rank(r_explanation.rules.point.rank, r_explanation.rules.at_point.density);
 	if (const double share = display().drawn_share(layer.lod, away); !thicket::is_placed(rank, share)) {
 		return hidden("thinning",
-				"of the layer " + number_text(100.0 * share) +
-						" % is drawn so far away (thinning with distance, quality, preview_instances).");
+				"of the layer, only " + number_text(100.0 * share) +
+						" % is drawn at this distance (thinning with distance, quality, preview_instances).");
 	}
 	r_explanation.shown = true;
 }

@@ -3,10 +3,9 @@ class_name ScatterFoliageWorld
 extends Node3D
 ## Updates wind and moving bodies in materials whose shader includes [code]foliage.gdshaderinc[/code].
 ##
-## A scene needs only one of these nodes. The node works in the editor and in exported games, and needs no project setting.
-## In the editor, it does not change the materials, so nothing is saved with them. Plants do not move there unless
-## [member animate_in_editor] is on. Bodies have an effect only in games. Without the native library, the node still
-## updates [member materials]. For that reason, it uses none of the library's classes as a type.
+## A scene needs only one of these nodes. The node works in the editor and in exported games, and needs no project setting. In the editor, it does not
+## change the materials, so nothing is saved with them. Plants do not move there unless [member animate_in_editor] is true. Bodies have an effect only
+## in games. Without the native library, the node still updates [member materials]. For that reason, it uses none of the library's classes as a type.
 ##
 ## @tutorial(Your own tree): res://addons/thicket/tutorials/your_own_tree.md
 
@@ -32,7 +31,7 @@ const MOST_BODIES := 16
 @export var wind_direction := Vector2(1.0, 0.35)
 ## If true, plants also move in the editor. The editor then redraws continuously, which keeps a processor core and the graphics card busy.
 @export var animate_in_editor := false
-## The group of the [Node3D]s that bend plants. If there are more than 16, the nearest to the camera are used.
+## The group of the [Node3D]s that bend plants. If there are more than 16, the ones nearest to the camera are used.
 @export var bodies_group := &"scatter_interaction"
 ## The radius of each body in meters.
 @export_range(0.0, 10.0) var body_radius := 0.6

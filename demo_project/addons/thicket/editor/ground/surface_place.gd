@@ -1,6 +1,6 @@
 @tool
 extends RefCounted
-## Positions on the surface of a scatter's ground. On a planet, up is away from its center, and heights as seen from above do not exist.
+## Positions on the surface of a scatter's ground. On a planet, up is the direction away from its center, and x and z do not determine a height.
 
 ## The distance above and below a position in which the ground is searched, in meters.
 const REACH := 500.0

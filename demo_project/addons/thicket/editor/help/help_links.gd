@@ -2,7 +2,7 @@
 extends RefCounted
 ## Makes the links to tutorials in the class reference work. The editor's help opens only web addresses, but the
 ## tutorials are files of the
-## add-on, so this class opens them in their own window.
+## add-on, so this class opens them in a separate window.
 
 const Tutorials := preload("res://addons/thicket/editor/help/tutorial_window.gd")
 

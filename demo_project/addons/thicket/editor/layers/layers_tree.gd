@@ -29,7 +29,7 @@ const MARKS_WIDTH := 100.0
 var marks: Marks
 
 var _layers: Array[ScatterLayer] = []
-var _pictures: Dictionary[int, Texture2D] = {} ## The pictures of layers, by the layer's instance id.
+var _pictures: Dictionary[int, Texture2D] = {} ## The thumbnails of layers, by the layer's instance ID.
 var _selecting := false
 var _is_emitting := false
 var _clicked: ScatterLayer

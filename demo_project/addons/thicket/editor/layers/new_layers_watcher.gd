@@ -17,7 +17,7 @@ const FEW := 20
 
 var _scatter: TerrainScatter3D
 var _fresh: Array[ScatterLayer] = [] ## The new layers that have not been checked yet.
-var _tells_room := true
+var _reports_crowding := true
 var _missing: Array[ScatterLayer] = [] ## The checked new layers without instances.
 var _sentences := PackedStringArray()
 var _before: Dictionary[ScatterLayer, int] = {} ## The numbers of visible instances of older layers.
@@ -35,7 +35,7 @@ func note(scatter: TerrainScatter3D) -> void:
 ## Watches the layers that were added since the last call to [method note]. The layers of a preset are crowded on
 ## purpose, so if [param is_preset] is true, little room is reported only if the scatter had layers before.
 func watch(is_preset := false) -> void:
-	_tells_room = not is_preset or not _before.is_empty()
+	_reports_crowding = not is_preset or not _before.is_empty()
 	_missing.clear()
 	_sentences.clear()
 	_fresh = _scatter.layers.filter(func(layer: ScatterLayer) -> bool: return layer != null and not _before.has(layer))
@@ -63,7 +63,7 @@ func look() -> void:
 	if layer in _scatter.layers:
 		if _scatter.get_shown_count(layer) == 0:
 			_missing.append(layer)
-		elif _tells_room:
+		elif _reports_crowding:
 			_sentences.append_array(_crowding(layer))
 	if _fresh.is_empty():
 		_tell_all()

@@ -1,7 +1,7 @@
 @tool
 extends VBoxContainer
 ## Notes about problems of a scatter, one per row, with a button that fixes the problem. The scatter may have no ground,
-## share resources by accident, or be in a scene that would be gray in the game.
+## share resources by accident, or be in a scene that would appear gray in the game.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
