@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Installs missing dependencies, builds the extension, and bakes the world of a scene into Parquet files, one for each tile, with a map
-# and a report. Continues an unfinished bake in the folder. tools/bake/README.md describes the files and the options; --help lists them:
+# Installs missing dependencies, builds the extension, and bakes the world of a scene. Writes a Parquet file for each
+# tile, a map and a report. Continues an unfinished bake in the folder. tools/bake/README.md describes the files and the
+# options; --help lists them:
 #   bash demo_project/bake.sh demo.tscn out/ --rect -512,-512,1024,1024
 #   bash demo_project/bake.sh ~/game/world.tscn out/ --workers 8
 #   bash demo_project/bake.sh tiles/ out/     uses tiles that bake_world.gd has generated, and needs no engine

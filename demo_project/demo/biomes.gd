@@ -51,7 +51,7 @@ func raise_water(level: float) -> void:
 	scatter.set(&"water_level", level)
 
 
-## Returns the soils of the valley, with forest floor where the biome map has forest, so that trees and forest floor end at the same border.
+## Returns the soils of the valley, with forest floor where the biome map has forest. Trees and forest floor then end at the same border.
 func _soil(valley: Image) -> Image:
 	var map: Resource = $Scatter.biomes
 	var rect: Rect2 = $Ground.rect
@@ -59,8 +59,8 @@ func _soil(valley: Image) -> Image:
 	for y in drawn.get_height():
 		for x in drawn.get_width():
 			var at := rect.position + rect.size * Vector2(x, y) / Vector2(drawn.get_size() - Vector2i.ONE)
-			var share := drawn.get_pixel(x, y)
-			var plants := share.r + share.g
+			var weights := drawn.get_pixel(x, y)
+			var plants := weights.r + weights.g
 			var wood: float = map.get_weights_at(at)[1]
-			drawn.set_pixel(x, y, Color(plants * (1.0 - wood), plants * wood, share.b, share.a))
+			drawn.set_pixel(x, y, Color(plants * (1.0 - wood), plants * wood, weights.b, weights.a))
 	return drawn

@@ -31,14 +31,14 @@ func clear() -> void:
 	_next = 0
 
 
-## Returns a quantile of the time on the main thread, in microseconds: the time that the given fraction of the frames (0
-## to 1) did not exceed. Returns 0 before the first frame.
-func quantile(share: float) -> float:
+## Returns a quantile of the time on the main thread, in microseconds. The given [param fraction] of the frames, from 0 to 1, did not exceed this
+## time. Returns 0 before the first frame.
+func quantile(fraction: float) -> float:
 	if _microseconds.is_empty():
 		return 0.0
 	var sorted := _microseconds.duplicate()
 	sorted.sort()
-	return sorted[clampi(ceili(share * sorted.size()) - 1, 0, sorted.size() - 1)]
+	return sorted[clampi(ceili(fraction * sorted.size()) - 1, 0, sorted.size() - 1)]
 
 
 ## Returns the number of points that one worker samples per second, averaged over all tiles since the start. Returns 0 before the first tile.

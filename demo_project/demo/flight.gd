@@ -11,9 +11,9 @@ const HEIGHT := 280.0
 const FROM := Vector2(2350.0, 150.0)
 const TO := Vector2(1620.0, -1180.0)
 
-## The stops. Each has a name, the position of the camera ([code]eye[/code]: x, meters above the ground, z), a heading in degrees clockwise from
-## north, and a pitch in degrees, which is positive when looking up. [code]fov[/code], a vertical field of view in degrees, is optional.
-## The sun is low in the west-southwest, at 246 degrees. Most stops look at a right angle to it, so that shadows lie across the view.
+## The stops. Each has a name, the position of the camera ([code]eye[/code]: x, meters above the ground, z), a heading and a pitch. The heading is in
+## degrees clockwise from north. The pitch is in degrees and positive when looking up. [code]fov[/code], a vertical field of view in degrees, is
+## optional. The sun is low in the west-southwest, at 246 degrees. Most stops look at a right angle to it, so that shadows lie across the view.
 const STOPS: Array[Dictionary] = [
 	{"name": "overview", "eye": Vector3(3080.0, 95.0, 330.0), "heading": 312.0, "pitch": -9.0, "fov": 52.0},
 	{"name": "forest", "eye": Vector3(1420.0, 30.0, -700.0), "heading": 147.0, "pitch": -6.0, "fov": 50.0},

@@ -51,7 +51,7 @@ func place(stop: Dictionary) -> void:
 		move_clearing(stop.clearing)
 
 
-## Moves the clearing on its path. [param share] is 0 at the start of the path and 1 at its end, where the clearing turns back.
-func move_clearing(share: float) -> void:
-	var there := WAY[0].lerp(WAY[1], share)
+## Moves the clearing on its path. [param progress] is 0 at the start of the path and 1 at its end, where the clearing turns back.
+func move_clearing(progress: float) -> void:
+	var there := WAY[0].lerp(WAY[1], progress)
 	_clearing.global_position = Vector3(there.x, _clearing.global_position.y, there.y)

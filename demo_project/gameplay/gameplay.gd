@@ -10,7 +10,7 @@ const SAVED := "user://gameplay.state"
 const HIGHLIGHT := preload("res://shaders/highlight.gdshader")
 ## The angle in radians between the direction in which a tree falls and the direction away from the player, measured to the left.
 const ASIDE := 0.8
-## The distance in meters from the center to the edges of the small map and of the large map, and the width of each map in pixels.
+## For the small and the large map: the distance in meters from the center to the edges, and the width in pixels.
 const MAP_REACHES: Array[float] = [50.0, 120.0]
 const MAP_SIZES: Array[float] = [260.0, 640.0]
 

@@ -7,8 +7,8 @@ extends RefCounted
 const Atlas := preload("res://meshes/leaf_atlas.gd")
 
 ## The length, in meters, that appears one pixel long at a distance of one meter. The engine draws an LOD where the LOD's edge length is below one
-## pixel, so a distance times this factor is the key of an LOD. The factor is for a view that is 1280 pixels wide, with a vertical angle of 65
-## degrees: twice the tangent of half the horizontal angle, divided by the width.
+## pixel. The key of an LOD is therefore its distance times this factor. The factor is for a view that is 1280 pixels wide, with a vertical angle of
+## 65 degrees. It is twice the tangent of half the horizontal angle, divided by the width.
 const EDGE_PER_METER := 0.00177
 
 ## The UV for surfaces without a texture: stones, blades and petals, and the dark inside of a crown.

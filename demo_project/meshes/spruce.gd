@@ -53,7 +53,7 @@ static func _stem(builder: Builder) -> void:
 ## Adds boughs in a golden-angle spiral. Toward the top, where boughs are small, they are closer together. Boughs at equal heights would look like
 ## bands.
 static func _boughs(builder: Builder, count: int, slim: float, bent: bool, rng: RandomNumberGenerator) -> void:
-	var share := 13.0 / sqrt(count)
+	var scale := 13.0 / sqrt(count)
 	for i in count:
 		var along := 1.0 - pow(1.0 - (i + 0.5) / count, 0.72)
 		var height := lerpf(0.09, 0.975, pow(along, 0.95))
@@ -61,19 +61,19 @@ static func _boughs(builder: Builder, count: int, slim: float, bent: bool, rng: 
 		var out := Vector3(cos(angle), 0.0, sin(angle))
 		var reach := _radius(height) * slim * rng.randf_range(0.75, 1.12)
 		var start := Vector3.UP * HEIGHT * (height + rng.randf_range(-0.012, 0.012))
-		_bough(builder, start, out, reach, along, share, bent, rng)
+		_bough(builder, start, out, reach, along, scale, bent, rng)
 	# The leader: two crossed upright twigs at the top.
 	for turn: float in [0.0, PI * 0.5]:
 		var side := Vector3(cos(turn), 0.0, sin(turn))
 		builder.card(Vector3.UP * HEIGHT * 0.955, Vector3.UP * 0.85, side * 0.35, Vector3.UP, Atlas.TWIG, LOW.lerp(HIGH, 0.3), 0.3)
 
 
-## Adds one bough as one or two pairs of quads that form a roof with hanging sides, so that the bough is visible from the side and from above. A young
-## bough grows upward, and an old one hangs with a lifted tip. [param share] is the width of the bough relative to a bough of the finest LOD.
-static func _bough(builder: Builder, start: Vector3, out: Vector3, reach: float, along: float, share: float, bent: bool,
+## Adds one bough as one or two pairs of quads. They form a roof with hanging sides, which is visible from the side and from above. A young
+## bough grows upward, and an old one hangs with a lifted tip. [param scale] is the width of the bough relative to a bough of the finest LOD.
+static func _bough(builder: Builder, start: Vector3, out: Vector3, reach: float, along: float, scale: float, bent: bool,
 		rng: RandomNumberGenerator) -> void:
 	var side := out.cross(Vector3.UP).rotated(out, rng.randf_range(-0.35, 0.35))
-	var width := (reach * 0.2 + 0.32) * share * rng.randf_range(0.8, 1.15)
+	var width := (reach * 0.2 + 0.32) * scale * rng.randf_range(0.8, 1.15)
 	var sag := lerpf(-0.4, 0.5, along) * reach * rng.randf_range(0.6, 1.3)
 	var hang := rng.randf_range(0.3, 0.7)
 	var stations: Array[Vector3] = [start, start + out * reach + Vector3.UP * (sag + 0.1 * reach)]

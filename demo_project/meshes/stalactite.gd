@@ -30,8 +30,8 @@ static func _cone(builder: Builder, base: Vector3, axis: Vector3, length: float,
 	var profile := PackedVector2Array()
 	var colors := PackedColorArray()
 	for ring in rings + 1:
-		var share := float(ring) / rings
-		var bulge := 1.0 + 0.13 * sin(share * 17.0 + phase) + 0.7 * (1.0 - share) ** 6
-		profile.append(Vector2(radius * (1.0 - share) ** 0.8 * bulge, lerpf(-1.0, length, share)))
-		colors.append(LOW.lerp(HIGH, 0.25 + 0.6 * share + 0.15 * sin(share * 23.0 + phase)))
+		var height := float(ring) / rings
+		var bulge := 1.0 + 0.13 * sin(height * 17.0 + phase) + 0.7 * (1.0 - height) ** 6
+		profile.append(Vector2(radius * (1.0 - height) ** 0.8 * bulge, lerpf(-1.0, length, height)))
+		colors.append(LOW.lerp(HIGH, 0.25 + 0.6 * height + 0.15 * sin(height * 23.0 + phase)))
 	builder.revolve(base, axis, profile, colors, sides)

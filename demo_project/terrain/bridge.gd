@@ -62,5 +62,5 @@ func _along(column: int) -> float:
 
 ## Returns the height of the arch's underside in meters.
 func _arch(column: int) -> float:
-	var share := _along(column) / HALF_SPAN
-	return RISE * sqrt(maxf(1.0 - share * share, 0.0)) if absf(share) < 0.9999 else -FOOT * COURSE
+	var fraction := _along(column) / HALF_SPAN
+	return RISE * sqrt(maxf(1.0 - fraction * fraction, 0.0)) if absf(fraction) < 0.9999 else -FOOT * COURSE

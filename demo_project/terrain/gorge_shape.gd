@@ -1,6 +1,6 @@
 extends RefCounted
-## Defines the rock of the surfaces scene by a formula: a plateau, a gorge with a brook, and a tunnel with a collapsed roof in its east wall.
-## [method air] returns the approximate distance to the rock, which is negative inside the rock.
+## Defines the rock of the surfaces scene by a formula. A plateau has a gorge with a brook, and the gorge's east wall has a tunnel with a collapsed
+## roof. [method air] returns the approximate distance to the rock, which is negative inside the rock.
 
 ## The height of the plateau around the bridge, in meters.
 const TOP := 14.0
@@ -76,19 +76,19 @@ func air(at: Vector3, roughness := 1.0) -> float:
 ## Returns how open a point on the rock is, from 0 in a cave to 1 below the open sky.
 func openness(at: Vector3, out: Vector3) -> float:
 	var sky := (out + Vector3.UP).normalized()
-	var share := 0.0
+	var visible := 0.0
 	for step: float in [1.2, 3.0, 6.5]:
-		share += clampf(air(at + out * step, 0.0) / step, 0.0, 1.0) + clampf(air(at + sky * step * 1.6, 0.0) / step, 0.0, 1.0)
-	return share / 6.0
+		visible += clampf(air(at + out * step, 0.0) / step, 0.0, 1.0) + clampf(air(at + sky * step * 1.6, 0.0) / step, 0.0, 1.0)
+	return visible / 6.0
 
 
 ## Returns how far a point is inside the tunnel, from 0 outside to 1 at its middle.
 func inside(at: Vector3) -> float:
-	var share := 0.0
+	var depth := 0.0
 	for i in TUNNEL.size() - 1:
 		var nearest := Geometry3D.get_closest_point_to_segment(at, TUNNEL[i], TUNNEL[i + 1])
-		share = maxf(share, 1.0 - smoothstep(4.0, 7.0, nearest.distance_to(at)))
-	return share * smoothstep(11.0, 20.0, absf(at.x - middle(at.z)))
+		depth = maxf(depth, 1.0 - smoothstep(4.0, 7.0, nearest.distance_to(at)))
+	return depth * smoothstep(11.0, 20.0, absf(at.x - middle(at.z)))
 
 
 static func _smooth_max(a: float, b: float, width: float) -> float:

@@ -1,5 +1,5 @@
 extends RefCounted
-## Sets the rules and colors of a scatter's layers on the ground's shader, so that distant ground has the colors of the plants that grow there. The
+## Sets the rules and colors of a scatter's layers on the ground's shader. Distant ground then has the colors of the plants that grow there. The
 ## rules are defined only once, in the layers.
 
 ## The width and height of the noise texture in pixels. On a map of 32 km, a pixel is 62 m wide.
@@ -7,7 +7,7 @@ const NOISE_PIXELS := 512
 ## The number of noise values for which a row of the color table has a color.
 const TABLE_PIXELS := 64
 ## The number of random values over which each color of the table is averaged.
-const SHARES := 8
+const SAMPLES := 8
 
 var _noise: ImageTexture
 var _colors: ImageTexture
@@ -48,14 +48,14 @@ static func _row(source: ScatterValueSource) -> Array[Color]:
 	var row: Array[Color] = []
 	for i in TABLE_PIXELS:
 		var sum := Color(0.0, 0.0, 0.0)
-		for k in SHARES:
-			var random := (k + 0.5) / SHARES
-			var share := random
+		for k in SAMPLES:
+			var random := (k + 0.5) / SAMPLES
+			var value := random
 			if source != null and source.source == ScatterValueSource.SOURCE_NOISE:
-				share = clampf(inverse_lerp(source.min_value, source.max_value, i / (TABLE_PIXELS - 1.0)), 0.0, 1.0)
-				share = lerpf(share, random, source.randomness)
-			sum += source.gradient.sample(share) if source != null and source.gradient != null else Color.WHITE
-		row.append(sum / SHARES)
+				value = clampf(inverse_lerp(source.min_value, source.max_value, i / (TABLE_PIXELS - 1.0)), 0.0, 1.0)
+				value = lerpf(value, random, source.randomness)
+			sum += source.gradient.sample(value) if source != null and source.gradient != null else Color.WHITE
+		row.append(sum / SAMPLES)
 	return row
 
 

@@ -109,9 +109,9 @@ def soils(x: np.ndarray, z: np.ndarray) -> np.ndarray:
     wood = smooth(-3.0, 3.0, open_land + 24.0 * rough(x, z, 50.0, 60) + 2.0 * groves)
     rock = smooth(24.0, 31.0, slope + 3.0 * noise(x, z, 9.0, 80))
     sand = smooth(0.75, 0.3, ground + 0.25 * noise(x, z, 12.0, 90))
-    shares = np.stack([(1.0 - rock) * (1.0 - sand) * (1.0 - wood), (1.0 - rock) * (1.0 - sand) * wood,
-                       rock * (1.0 - sand), sand], axis=-1)
-    return shares
+    weights = np.stack([(1.0 - rock) * (1.0 - sand) * (1.0 - wood), (1.0 - rock) * (1.0 - sand) * wood,
+                        rock * (1.0 - sand), sand], axis=-1)
+    return weights
 
 
 def biomes() -> Image.Image:
@@ -136,8 +136,8 @@ def make() -> tuple[bytes, Image.Image]:
     values = np.round((heights(*grid(POSTS)) - LOW) / (HIGH - LOW) * 65535.0)
     if values.min() < 0.0 or values.max() > 65535.0:
         raise ValueError("heights do not fit between LOW and HIGH")
-    shares = soils(*grid(SOIL_POSTS))
-    return values.astype("<u2").tobytes(), Image.fromarray(np.round(shares * 255.0).astype(np.uint8), "RGBA")
+    weights = soils(*grid(SOIL_POSTS))
+    return values.astype("<u2").tobytes(), Image.fromarray(np.round(weights * 255.0).astype(np.uint8), "RGBA")
 
 
 def main() -> None:

@@ -10,7 +10,7 @@ const NoiseTexture := preload("res://terrain/noise_texture.gd")
 const FAR := 16.0
 ## The number of bisection steps for finding the edge of the ground on a quad's edge.
 const HALVINGS := 8
-## The time in seconds for which a path must stay unchanged before the mesh is rebuilt, so that a drag does not rebuild it at every step.
+## The time in seconds for which a path must stay unchanged before the mesh is rebuilt. It avoids a rebuild at every step of a drag.
 const PATH_REST := 0.25
 ## The number of rows of quads from the top of a wall to its foot.
 const WALL_ROWS := 9
@@ -48,8 +48,8 @@ const WALL_ROWS := 9
 		if path != null:
 			path.curve_changed.connect(_on_path_changed)
 		_request_build()
-## A map of soils that covers [member rect], for a [member material] whose [code]soil_used[/code] is 1: red is the weight of meadow, green forest
-## floor, blue rock, alpha sand. Null for none.
+## A map of soils that covers [member rect], for a [member material] whose [code]soil_used[/code] is 1. Its channels are the weights of meadow (red),
+## forest floor (green), rock (blue) and sand (alpha). Null for none.
 @export var soil: Image:
 	set(value):
 		soil = value

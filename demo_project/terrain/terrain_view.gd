@@ -5,8 +5,8 @@ extends Node3D
 ## of detail changes, the vertices of one level gradually move to the positions of the next level.
 ##
 ## Every vertex lies exactly on the interpolated ground. Up to 220 m from the camera, vertices are 5 to 6 m apart. Within that distance, triangles
-## differ from the ground by at most 2 cm on 97 % of this map, and by at most 5 cm anywhere, so plants touch the drawn ground. The edges of the grid
-## follow the rows and columns of height samples.
+## differ from the ground by at most 2 cm on 97 % of this map, and by at most 5 cm anywhere. Plants therefore touch the drawn ground. The edges of the
+## grid follow the rows and columns of height samples.
 
 const Elevation := preload("res://terrain/elevation.gd")
 const GroundCover := preload("res://terrain/ground_cover.gd")

@@ -1,6 +1,6 @@
 extends RefCounted
-## Bakes the instances in a rectangle to Godot resources: a [MultiMesh] for each layer, mesh and tile, and the meshes that have
-## no file of their own. It also writes a scene with a [MultiMeshInstance3D] for each [MultiMesh], at the center of its tile.
+## Bakes the instances in a rectangle to Godot resources: a [MultiMesh] for each layer, mesh and tile. Saves built-in meshes to files. It also writes
+## a scene with a [MultiMeshInstance3D] for each [MultiMesh], at the center of its tile.
 ##
 ## Use it for scatter that never changes, and for tools that read scenes. It also works without the editor:
 ## [codeblock]
@@ -8,9 +8,8 @@ extends RefCounted
 ## if bake.begin($TerrainScatter3D, Rect2(0, 0, 512, 512), "res://baked", "valley") == OK:
 ##     while bake.step(20.0):
 ##         await get_tree().process_frame
-## [/codeblock]
-## All files are first written to a temporary folder and moved to their final paths at the end, so canceling leaves the
-## previous files unchanged.
+## [/codeblock] All files are first written to a temporary folder and moved to their final paths at the end. Canceling therefore leaves the previous
+## files unchanged.
 
 const WholeFile := preload("res://addons/thicket/whole_file.gd")
 
@@ -212,8 +211,7 @@ func _file_part(layer: int) -> String:
 	return "%d_%s" % [layer, name] if not name.is_empty() else str(layer)
 
 
-## Saves a resource in the temporary folder and sets its path to the final one, so that other resources refer to it by
-## the final path.
+## Saves a resource in the temporary folder. Sets its path to the final one, by which other resources refer to it.
 func _save(resource: Resource, file: String) -> bool:
 	var error := WholeFile.save_new(resource, _folder + UNFINISHED + file)
 	resource.set_path_cache(_folder + file)

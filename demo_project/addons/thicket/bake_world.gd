@@ -5,11 +5,9 @@ extends SceneTree
 ## [codeblock]
 ## godot --headless --path PROJECT --script res://addons/thicket/bake_world.gd -- scene=res://world.tscn out=/FOLDER rect=-512,-512,1024,1024
 ## godot --headless --path PROJECT --script res://addons/thicket/bake_world.gd -- scene=res://world.tscn connect=PORT token=WORD
-## [/codeblock]
-## Without arguments, the script prints a list of its arguments. It exits with code 2 if it cannot begin: the native
-## library is missing, an argument is invalid, the folder or the scene cannot be used, or the driver cannot be reached.
-## Errors in the scene are sent to the driver as answers instead. With a folder, the exit code is 1 if requested tiles
-## are missing at the end.
+## [/codeblock] Without arguments, the script prints a list of its arguments. It exits with code 2 if it cannot begin, for example because the native
+## library is missing, an argument is invalid, or the driver cannot be reached. Errors in the scene are sent to the driver as answers instead. With a
+## folder, the exit code is 1 if requested tiles are missing at the end.
 
 const LibraryGate := preload("res://addons/thicket/library_gate.gd")
 

@@ -97,7 +97,7 @@ func _process(_delta: float) -> void:
 		_look_around(here)
 	var deadline := Time.get_ticks_usec() + frame_budget_usec
 	_remove_far(deadline)
-	# Signal handlers may have changed the index in the meantime.
+	# Handlers of tile_freed may have changed the index.
 	if _index != null and _has_models(deadline):
 		_request()
 		_take(deadline)
@@ -245,7 +245,7 @@ func _take(deadline: int) -> void:
 			return
 
 
-## Waits until a tile's thread task has ended. Performs the steps on this thread that cannot run on other threads.
+## Waits until a tile's thread task has ended. Runs the steps that cannot run on other threads on this thread.
 func _finish(tile: Tile) -> void:
 	if _has_threads:
 		WorkerThreadPool.wait_for_task_completion(tile.task)

@@ -1,10 +1,9 @@
 @tool
 extends RefCounted
-## Converts instances of a scene or a file to hand-placed instances of a scatter. It reads [MultiMeshInstance3D]s
-## (including the output of ProtonScatter and of this add-on's bakes), the scene copies that ProtonScatter creates
-## without instancing, the instances of a Terrain3D, and tables of transforms. Transforms are converted to world space
-## in single precision. Those of nodes at the origin keep their exact values. The imported nodes are not changed: hide
-## or free them afterward.
+## Converts instances of a scene or a file to hand-placed instances of a scatter. It reads [MultiMeshInstance3D]s, including the output of
+## ProtonScatter and of this add-on's bakes. It also reads the scene copies that ProtonScatter creates without instancing, the instances of a
+## Terrain3D, and tables of transforms. Transforms are converted to world space in single precision. Those of nodes at the origin keep their exact
+## values. The imported nodes are not changed: hide or free them afterward.
 ##
 ## It also works without the editor:
 ## [codeblock]
@@ -61,10 +60,9 @@ class Reading:
 		return batch
 
 
-## Imports the instances of a node and of all nodes below it into [param layer], a [ScatterLayer] or its name. Instances whose mesh the layer
-## does not have get its first mesh. If [param layer] is [code]null[/code], the instances of each mesh are added to the layer that has the mesh
-## and the same material override, or to a new layer if there is none. Returns the number of placed instances. On failure, prints errors and
-## returns 0.
+## Imports the instances of a node and of all nodes below it into [param layer], a [ScatterLayer] or its name. Instances whose mesh the layer does not
+## have get its first mesh. If [param layer] is [code]null[/code], the instances of each mesh are added to the layer that has the mesh and the same
+## material override. If there is none, a new layer is created. Returns the number of placed instances. On failure, prints errors and returns 0.
 static func from_node(scatter: Node3D, layer: Variant, node: Node) -> int:
 	return _import(scatter, layer, read_node(node))
 

@@ -1,7 +1,6 @@
 extends RefCounted
-## Bakes an octahedral impostor of a model: a mesh of two triangles with its own material, which shows the model from
-## any direction and in the light of the scene. Use it as the last of [member ScatterModel.lods] or [member
-## ScatterModel.far_lods].
+## Bakes an octahedral impostor of a model: a mesh of two triangles with a material that shows the model from any direction and in the scene's light.
+## Use it as the last of [member ScatterModel.lods] or [member ScatterModel.far_lods].
 ##
 ## The bake needs neither an editor nor a renderer, so it also works headless:
 ## [codeblock]

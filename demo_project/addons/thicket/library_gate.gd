@@ -1,12 +1,12 @@
 @tool
 extends RefCounted
-## Loads scripts that need the native library, for scripts that must compile without it. The library may be missing on a platform for
-## which it is not built, in a checkout that is not built yet, or in a game that only shows a baked world.
+## Loads scripts that need the native library, for scripts that must compile without it. The library may be missing on an unsupported platform, in a
+## checkout that is not built yet, or in a game that only shows a baked world.
 ##
-## Scripts that use the library's classes as types are in the folders [constant TYPED], and [method load_script] loads them. Each of these
-## folders has a [code].gdignore[/code]: the editor compiles every script that it indexes for the class reference, and
-## would print an error for each unknown type. Ignored folders are not exported, so scripts for games are outside of
-## them. Those scripts do not use the library's classes as types. They access its objects with the functions below.
+## Scripts that use the library's classes as types are in the folders [constant TYPED], and [method load_script] loads them. Each of these folders has
+## a [code].gdignore[/code]. Otherwise the editor would compile their scripts for the class reference and print an error for each unknown type.
+## Ignored folders are not exported, so scripts for games are outside of them. Those scripts do not use the library's classes as types. They access
+## its objects with the functions below.
 
 const ADDON := "res://addons/thicket/"
 ## The folders in [constant ADDON] whose scripts need the library, including their subfolders.

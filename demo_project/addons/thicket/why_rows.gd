@@ -1,7 +1,7 @@
 @tool
 extends RefCounted
-## Creates the text of the Why tool and of the debug overlay: for each layer, a line that explains why the layer does or does not have an instance at
-## a position. Games without the native library may contain this script, so it uses none of the library's classes as a type.
+## Creates the text of the Why tool and of the debug overlay. For each layer, a line explains why the layer has or lacks an instance at a position.
+## Games without the native library may contain this script, so it uses none of the library's classes as a type.
 
 const MOST_LINES := 12
 const WIDTH := 560.0

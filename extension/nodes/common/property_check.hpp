@@ -23,7 +23,7 @@ struct NumberProperty {
 	godot::PropertyHint hint = godot::PROPERTY_HINT_NONE;
 	const char *hint_string = "";
 	/// The smallest accepted value other than 0, for a property whose `min` is 0 and means "none".
-	/// 0 if every value from `min` on is accepted.
+	/// If this is 0, every value from `min` on is accepted.
 	Limit least = 0;
 };
 

@@ -163,8 +163,8 @@ public:
 	/// viewer, after all limits: 0 to 1.
 	double drawn_share(const LodSettings &lod, double distance) const { return budget_.drawn_share(lod, distance); }
 
-	/// Returns the number of multimeshes: one for each mesh of a tile that is drawn as a whole,
-	/// more if the tile is divided into cells.
+	/// Returns the number of multimeshes. There is one for each mesh of a tile that is drawn as a
+	/// whole. A tile that is divided into cells has more.
 	std::uint64_t multimesh_count() const { return budget_.amounts().multimeshes; }
 
 	/// Returns the typical height (world y) of the instances in meters; 0 if there are none.

@@ -209,8 +209,8 @@ public:
 	/// mesh, if their layers affect navigation. Runs scripts.
 	void add_obstructions(const NavigationBake &bake);
 
-	// Changes. These methods return false or 0 if the instance does not exist, if it is already in
-	// the requested state, or if the change is rejected.
+	// Changes. These methods return false or 0 if the instance does not exist or already is in the
+	// requested state, or if the change is rejected.
 
 	void set_state(const godot::Ref<ScatterState> &p_state);
 	godot::Ref<ScatterState> get_state() const { return state_; }

@@ -91,8 +91,8 @@ public:
 	// change for the ID, even if no such instance exists.
 
 	/// Removes an instance; see InstanceState::remove. `until` is the time in seconds when the
-	/// instance grows again, on the clock of get_time, 0 to max_state_time. 0 means never, and so
-	/// does regrowth_of_layer if there is no node. Returns false for an ID of 0.
+	/// instance grows again, on the clock of get_time, 0 to max_state_time; 0 means never. Without
+	/// a node, regrowth_of_layer means never as well. Returns false for an ID of 0.
 	bool remove(int64_t p_id, double p_until = regrowth_of_layer);
 	bool restore(int64_t p_id);
 

@@ -20,8 +20,8 @@ namespace thicket {
 
 namespace {
 
-/// Returns a nonzero number that no other state has, in this or any other run: a hash of a random
-/// number per run and a counter.
+/// Returns a nonzero number that no other state has, in this or any other run. It is a hash of a
+/// random number per run and a counter.
 std::uint64_t new_origin() {
 	static const std::uint64_t run = [] {
 		std::random_device device;

@@ -20,8 +20,8 @@ bool share_pixels_as(
 		const godot::Ref<godot::Image> &p_image, godot::Image::Format format, int pixel_bytes, PixelGrid &r_pixels);
 
 /// Copies a part of an image into `r_pixels`, which then no longer shares memory with any image.
-/// Returns false if the size of the image differs, if it has fewer bytes per pixel, or if the part
-/// is empty or not inside the image.
+/// Returns false if the image has another size or fewer bytes per pixel, or if the part is empty or
+/// not inside the image.
 bool patch_pixels(const godot::Ref<godot::Image> &p_image, const PixelRect &rect, PixelGrid &r_pixels);
 
 } // namespace thicket

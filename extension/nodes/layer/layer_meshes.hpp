@@ -18,8 +18,8 @@ class LayerMeshes {
 public:
 	/// Replaces the list without reading any mesh or scene. Any thread may call this method. If an
 	/// entry has another type or is an empty scene, prints an error, leaves the list unchanged and
-	/// returns false. There is one exception: if the list was empty, as when a layer is loaded, an
-	/// empty scene is kept so that saving does not lose it.
+	/// returns false. There is one exception: if the list was empty, as when a layer is loaded,
+	/// keeps an empty scene. Saving then does not lose the scene.
 	bool set_entries(const godot::Array &p_entries);
 
 	/// Returns true if scripts, which share the list, have changed it in place since the last call

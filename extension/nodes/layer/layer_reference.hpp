@@ -103,8 +103,8 @@ ReferenceChange naming_layers(const godot::TypedArray<ScatterLayer> &p_layers);
 std::optional<godot::Variant> changed_reference(const ReferenceChange &change, const char *p_property,
 		const godot::Variant &p_stored, const godot::Resource *p_holder);
 
-/// Returns the value of a property with a list of stored references: a read-only copy that refers
-/// to layers by name if they have been named since.
+/// Returns the value of a property with a list of stored references. It is a read-only copy that
+/// refers by name to layers that have been named since.
 godot::Array current_references(const godot::Array &p_stored);
 
 /// Returns a list of stored references with a change applied to each of them; empty if none

@@ -29,7 +29,7 @@ public:
 	explicit LayerWatch(godot::Object *node) : node_(node) {}
 
 	/// Returns true if the list has changed since the last call to `look`, or if a script has
-	/// changed the meshes of a layer in place.
+	/// modified a layer's meshes in place.
 	bool differs(const godot::TypedArray<ScatterLayer> &p_layers) const;
 
 	/// Reads the list. Connects to new layers, disconnects from removed ones, and applies changes

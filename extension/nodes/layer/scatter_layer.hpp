@@ -281,9 +281,9 @@ public:
 	/// applies.
 	double get_point_density() const;
 
-	/// Stores the data that the layer needs if an export strips its meshes and mask texture: the
-	/// corners of each mesh's convex hull and the texture's image. The data is only used in place
-	/// of stripped resources. Returns false if there is nothing to store.
+	/// Stores the data that the layer needs if an export strips its meshes and mask texture. The
+	/// data is the corners of each mesh's convex hull and the texture's image. The data is only
+	/// used in place of stripped resources. Returns false if there is nothing to store.
 	bool embed_stripped_data();
 	void set_convex_hulls(const godot::Array &p_hulls);
 	godot::Array get_convex_hulls() const;

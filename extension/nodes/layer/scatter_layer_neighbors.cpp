@@ -120,7 +120,7 @@ void ScatterLayer::change_references(const ReferenceChange &change) {
 	for (int64_t i = 0; i < references.size(); ++i) {
 		const auto changed = changed_reference(change, "ScatterLayer.spacing", references[i], this);
 		const Variant reference = stored_reference(changed ? *changed : references[i]);
-		// If the new name is already in the Dictionary, the larger distance counts. fmax ignores
+		// If the new name is already in the Dictionary, the larger distance is used. fmax ignores
 		// NAN, the value for a missing number.
 		now[reference] = std::fmax(number_of(now[reference]), number_of(spacing[references[i]]));
 		any = any || changed.has_value();

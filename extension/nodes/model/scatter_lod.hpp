@@ -52,8 +52,9 @@ public:
 	void set_mesh(const godot::Ref<godot::Mesh> &p_mesh);
 	godot::Ref<godot::Mesh> get_mesh() const { return mesh_; }
 
-	/// Sets the distance from a viewer in meters at which this LOD begins, 0 to max_lod_distance. 0
-	/// chooses a distance from the size of the model. The first LOD of a model always begins at 0.
+	/// Sets the distance from a viewer in meters at which this LOD begins, 0 to max_lod_distance.
+	/// If it is 0, the size of the model determines the distance. The first LOD of a model always
+	/// begins at 0.
 	void set_distance(double p_distance);
 	double get_distance() const { return distance_; }
 

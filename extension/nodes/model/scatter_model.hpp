@@ -37,7 +37,7 @@ struct DrawnLod {
 /// its content changes.
 ///
 /// Any thread may set properties, as the engine's loader does, because setters only store the
-/// scene. The main thread reads the scene when the model is first needed: a node reads it in steps
+/// scene. The main thread reads the scene when the model is first needed. A node reads it in steps
 /// (`read_step`), and a getter reads all of it immediately. On other threads, getters return what
 /// has been read so far.
 class ScatterModel : public godot::Resource, public ThreadGuarded {

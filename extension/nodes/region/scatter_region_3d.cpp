@@ -160,7 +160,7 @@ std::vector<glm::dvec3> ScatterRegion3D::path_points() const {
 	return points;
 }
 
-/// Sets the outline of a polygon or a path, and on a planet also the middle of the outline.
+/// Sets the outline of a polygon or a path and, on a planet, the center of the outline.
 void ScatterRegion3D::build_outline(const Planet &planet, thicket::Shape &r_shape) const {
 	const std::vector<glm::dvec3> points = shape_ == SHAPE_POLYGON ? polygon_corners() : path_points();
 	if (points.empty()) {

@@ -27,8 +27,8 @@
 namespace thicket {
 
 /// The script API of the samplers. Returns the points of one infinite Poisson-disk set in a
-/// rectangle, fills whole domains with a method of White, Cline and Egbert (2007), or covers
-/// surfaces. Runs one call at a time: a second call, from another thread or from a progress
+/// rectangle. Can also fill whole domains with a method of White, Cline and Egbert (2007), and
+/// cover surfaces. Runs one call at a time: a second call, from another thread or from a progress
 /// callable, prints an error and returns nothing. Separate objects are independent, and equal
 /// settings produce bit-identical results.
 class PoissonSampler : public godot::RefCounted, public ThreadGuarded {

@@ -82,7 +82,8 @@ bool is_displaced(const Node3D &node, glm::dvec3 offset) {
 	const Transform3D transform = node.get_global_transform();
 	const glm::dvec3 away = to_core(transform.origin) + offset;
 	const double tolerance = position_tolerance + position_share * glm::length(offset);
-	// A game that recenters its world may also move this node; that is not a displacement.
+	// A game that recenters its world may move this node along with it, which is not a
+	// displacement.
 	const bool is_moved = glm::length(to_core(transform.origin)) > position_tolerance && glm::length(away) > tolerance;
 	return is_moved || !is_identity(to_core(transform.basis));
 }

@@ -53,8 +53,8 @@ FoundViewers find_viewers(
 /// Returns true if a node in the tree can be a viewer, because its global x and z are finite.
 bool has_place(const godot::Node3D &viewer);
 
-/// Returns the viewers of a node without `paths`: the current camera of the node's viewport or, in
-/// the editor, the camera of each visible 3D viewport.
+/// Returns the viewers of a node without `paths`. In a game, this is the current camera of the
+/// node's viewport; in the editor, the camera of each visible 3D viewport.
 std::vector<godot::Camera3D *> active_cameras(const godot::Node3D &node);
 
 /// The world positions around which bodies and scenes are created: the viewers, and all Node3Ds in

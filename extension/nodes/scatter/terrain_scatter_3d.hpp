@@ -193,7 +193,7 @@ public:
 
 	/// Used by the editor's tools. `up_at` returns the up direction at a position. `hit_surface`
 	/// returns the first position at which a line enters a surface of the ground, and the normal
-	/// there, or an empty array if there is none.
+	/// there. If there is none, it returns an empty array.
 	godot::Vector3 up_at(const godot::Vector3 &p_position);
 	godot::PackedVector3Array hit_surface(const godot::Vector3 &p_from, const godot::Vector3 &p_to);
 

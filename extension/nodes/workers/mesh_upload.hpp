@@ -18,8 +18,8 @@ struct MeshUpload {
 	godot::AABB aabb; ///< The bounds of all instances, relative to the tile's origin.
 };
 
-/// Returns the bounds of meshes whose origins lie in the box from `min` to `max`, extended by
-/// `margin` meters on all sides for the meshes themselves.
+/// Returns the bounds of meshes whose origins lie in the box from `min` to `max`. Extends the box
+/// by `margin` meters on all sides to include the meshes.
 godot::AABB box_around(glm::vec3 min, glm::vec3 max, float margin);
 
 /// Keeps uploaded buffers for reuse, because allocating and clearing new ones is slower. Only one

@@ -283,7 +283,7 @@ func test_a_preset_without_instances() -> void:
 	check(scatter.layers.size() > 4, "the preset's layers: %d" % scatter.layers.size())
 	await settle(scatter)
 	await until(func() -> bool: return not toast_text().is_empty(), "it is reported")
-	check("No instances are visible here of" in toast_text() and "Slope is 0°" in toast_text(), "the reason: " + toast_text())
+	check("No instances are visible here." in toast_text() and "Slope is 0°" in toast_text(), "the reason: " + toast_text())
 	await get_tree().create_timer(1.0).timeout # Wait until the toast has faded in.
 	await picture("clicks_scree")
 	await undo()

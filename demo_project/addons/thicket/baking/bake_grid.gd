@@ -75,10 +75,9 @@ static func _edges(grid: ScatterTileGrid, first: int, count: int, low: float, hi
 	return edges
 
 
-## Returns the default edge length of a tile in meters. If possible with at most 1,024 m, the tile consists of whole
-## tiles of all layers, whose edge lengths are [param sizes]. The edge length begins at 256 m or more. It doubles up to
-## 2,048 m while there are more than 4,096 tiles, unless a tile would then have more than [constant COMFORTABLE_ROWS]
-## rows at [param density] instances per square meter.
+## Returns the default edge length of a tile in meters. If possible with at most 1,024 m, the tile consists of whole tiles of all layers, whose edge
+## lengths are [param sizes]. The edge length begins at 256 m or more. It doubles, up to 2,048 m, while there are more than 4,096 tiles. It stops
+## doubling if a tile would have more than [constant COMFORTABLE_ROWS] rows at [param density] instances per square meter.
 static func default_size(rect: Array, sizes: PackedFloat64Array, density: float) -> float:
 	var base := 0.0
 	var common := 1

@@ -60,8 +60,8 @@ func _init(arguments: Dictionary[String, String]) -> void:
 			_share = PackedInt64Array(share)
 
 
-## Generates the missing tiles and returns the exit code: 0 if all requested tiles exist, 1 if tiles failed or could not be written, 2 if
-## the bake could not start.
+## Generates the missing tiles and returns the exit code. 0 means that all requested tiles exist, 1 that tiles failed or could not be written, and 2
+## that the bake could not start.
 func make(scatter: TerrainScatter3D, scene: String) -> int:
 	if not _describe(scatter, scene) or not _go_on() or not _begin(scatter):
 		printerr("bake_world: ", problem)

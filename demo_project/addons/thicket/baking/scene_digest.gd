@@ -2,10 +2,10 @@ extends RefCounted
 ## Hashes everything that determines a scene's instances, part by part. A bake that continues after an interruption compares the
 ## hashes to find out which parts of the scene have changed.
 ##
-## The hashes cover the version of the add-on, the node's seed, water and world offset, the instances that its state removes or adds, and
-## the stored properties of its layers, biomes, regions and ground. They include all resources in these, the files and scripts from which
-## they are loaded, and heights of the ground throughout a rectangle. The appearance of instances is not included. Data that a script reads from
-## elsewhere is only covered by those heights.
+## The hashes cover the version of the add-on, the node's seed, water and world offset, and the instances that its state removes or adds. They cover
+## the stored properties of the node's layers, biomes, regions and ground. They include all resources in these, the files and scripts from which they
+## are loaded, and heights of the ground throughout a rectangle. The appearance of instances is not included. Data that a script reads from elsewhere
+## is only covered by those heights.
 
 ## The number of cells along each edge of the rectangle. The height at the center of each cell is hashed.
 const PROBES := 33

@@ -44,8 +44,8 @@ func create(scene_path: String, resource: Resource, owner_name: String, kind: St
 	return true
 
 
-## Returns the beginning of the paths for files of a layer or a model: next to the resource's file if it has one,
-## otherwise next to the edited scene. Empty if neither has a file.
+## Returns the beginning of the paths for files of a layer or a model. The files are next to the resource's file if it has one, otherwise next to the
+## edited scene. Empty if neither has a file.
 static func place_of(owner: Resource) -> String:
 	var path := owner.resource_path.get_slice("::", 0)
 	if path.is_empty():

@@ -168,7 +168,7 @@ func _on_selection_changed() -> void:
 			make_visible(false)
 
 
-## Returns the scatter above the selected node, or null if there is none, if several nodes are selected, or if the node itself is a scatter.
+## Returns the scatter above the selected node. Returns null if there is none, if several nodes are selected, or if the node is a scatter itself.
 func _scatter_above_selection() -> TerrainScatter3D:
 	var selected := EditorInterface.get_selection().get_selected_nodes()
 	var node: Node = selected[0].get_parent() if selected.size() == 1 and not handles(selected[0]) else null
@@ -177,8 +177,7 @@ func _scatter_above_selection() -> TerrainScatter3D:
 	return node as TerrainScatter3D
 
 
-## When a tool is turned on while a node below the scatter is selected, selects the scatter: tools get input over the 3D
-## view only while it is selected.
+## If a tool is turned on while a node below the scatter is selected, selects the scatter. Tools get input over the 3D view only while it is selected.
 func _on_tool_toggled(on: bool) -> void:
 	if on and _keeps_scatter and is_instance_valid(_scatter):
 		EditorInterface.get_selection().clear()

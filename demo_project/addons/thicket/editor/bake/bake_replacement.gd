@@ -7,10 +7,9 @@ const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 const RegionMenu := preload("res://addons/thicket/editor/regions/region_menu.gd")
 
 
-## Adds the scene at [param scene_path] below the scatter, and a region that excludes the baked layers from [param
-## rect]. Removes hand-placed instances of these layers there, so that nothing is placed twice. The region also affects
-## other layers: a layer that keeps a distance from a baked layer no longer keeps it from the baked instances. Returns
-## an empty string on success, or the reason for the failure.
+## Adds the scene at [param scene_path] below the scatter, and a region that excludes the baked layers from [param rect]. Removes hand-placed
+## instances of these layers there, so that nothing is placed twice. This affects other layers, too: a layer that keeps a distance from a baked layer
+## no longer keeps it from the baked instances. Returns an empty string on success, or the reason for the failure.
 static func replace(edits: HandEdits, scatter: TerrainScatter3D, scene_path: String, rect: Rect2, layers: Array[ScatterLayer]) -> String:
 	var packed := ResourceLoader.load(scene_path, "PackedScene", ResourceLoader.CACHE_MODE_REPLACE) as PackedScene
 	if packed == null:

@@ -10,7 +10,7 @@ const SIDES: Array[Vector2i] = [Vector2i.UP, Vector2i.RIGHT, Vector2i.DOWN, Vect
 ## The largest number of ground heights to query for one drawing, for all layers together.
 const MOST_HEIGHTS := 2000
 
-## The selected scatter, the only one that is drawn.
+## The selected scatter. The extents of other scatters are not drawn.
 var scatter: TerrainScatter3D
 
 var _line := GroundLines.material(Color(COLOR, 0.6))

@@ -12,7 +12,7 @@ const REACH := 100.0
 const STEP := 0.01
 
 var undo_redo: EditorUndoRedoManager
-## The selected scatter, the only one whose water is drawn.
+## The selected scatter. The water of other scatters is not drawn.
 var scatter: TerrainScatter3D
 
 var _material := StandardMaterial3D.new()

@@ -5,8 +5,8 @@ extends RefCounted
 const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
 
 
-## Returns the [TerrainScatter3D] of an object, or null if there is none. For a region, it is the nearest one above in the tree. For a layer or
-## a value source, it is the first one in the edited scene that has the layer, or a layer that uses the source.
+## Returns the [TerrainScatter3D] of an object, or null if there is none. For a region, it is the nearest one above in the tree. For a layer or a
+## value source, it is the first one in the edited scene that has the layer or uses the source.
 static func scatter_of(object: Object) -> TerrainScatter3D:
 	if object is Node:
 		var node: Node = object

@@ -10,10 +10,9 @@ const NewLayers := preload("res://addons/thicket/editor/layers/new_layers.gd")
 const Names := preload("res://addons/thicket/editor/inspector/layer_names.gd")
 
 
-## Adds a layer for each of these meshes, scenes and models, and each of these layers that is not in the list yet, at an
-## index. If the index is -1, each is inserted at a suitable position. If [param apart] is true, layers without their
-## own files keep distances from the others. If the edited scene has a file, scenes of plants get foliage materials in
-## files next to that file. Returns the new layers.
+## Adds a layer at an index for each of these meshes, scenes and models. Also inserts the layers among them that are not in the list yet. If the index
+## is -1, each is inserted at a suitable position. If [param apart] is true, layers without their own files keep distances from the others. If the
+## edited scene has a file, scenes of plants get foliage materials in files next to that file. Returns the new layers.
 static func add(scatter: TerrainScatter3D, resources: Array[Resource], at: int, apart: bool, files: SceneFiles,
 		undo_redo: EditorUndoRedoManager) -> Array[ScatterLayer]:
 	var old := scatter.layers
@@ -189,8 +188,7 @@ static func _change(object: Object, property: StringName, before: Variant, after
 		undo_redo.add_undo_property(object, property, before)
 
 
-## Returns the new value of a reference to a layer: null if the layer was in the old list but is not in the new one. An invalid reference is returned
-## unchanged.
+## Returns the new value of a reference to a layer, which is null if the layer is only in the old list. Returns an invalid reference unchanged.
 static func _next(mentioned: Variant, old: Array[ScatterLayer], new: Array[ScatterLayer]) -> Variant:
 	var layer := _referenced_layer(mentioned, old)
 	if layer == null:

@@ -266,7 +266,7 @@ func _is_own(row: TreeItem) -> bool:
 	return row.get_parent() == get_root() and row.get_metadata(Column.NAME) != null
 
 
-## Returns the index in the scatter's list at which dropped layers are inserted, or -1 if the position is not on a row of the list.
+## Returns the index in the scatter's list at which to insert dropped layers, or -1 if the position is not on a row of that list.
 func _place_at(at: Vector2) -> int:
 	var row := get_item_at_position(at)
 	if row == null or not _is_own(row):

@@ -19,7 +19,7 @@ const TRUNK := 0.2
 ## hardly any instance would remain, because no position is farther than its radius from one of its instances. A lower
 ## density of the earlier layer allows a larger distance.
 const ROOM := 0.62
-## A new layer fills the gaps between earlier layers whose radius differs from its own by at most this factor.
+## Two layers have similar radii if the smaller radius is at least this fraction of the larger one.
 const SIMILAR := 0.5
 ## The steepest slope in degrees on which new layers on surfaces grow. Walls would otherwise be as densely covered as floors.
 const STEEPEST := 60.0
@@ -64,7 +64,7 @@ static func of_resources(resources: Array[Resource], taken: PackedStringArray) -
 	return result
 
 
-## Lets new layers grow on all levels of the ground, such as the floors of a house or the land below a bridge, if the ground contains meshes.
+## If the ground contains meshes, lets new layers grow on all its levels, such as the floors of a house or the land below a bridge.
 static func use_levels(new: Array[ScatterLayer], ground: ScatterGround) -> void:
 	if _may_have_levels(ground):
 		for layer in new:
@@ -79,7 +79,7 @@ static func _may_have_levels(ground: ScatterGround) -> bool:
 
 
 ## Returns the index at which to insert a new layer in a list. It is in front of the first layer whose radius is less than half of the new layer's
-## radius, so that small layers avoid large layers.
+## radius. As a result, small layers avoid large ones.
 static func place_for(layer: ScatterLayer, layers: Array[ScatterLayer]) -> int:
 	for index in layers.size():
 		var other := layers[index]
@@ -90,7 +90,7 @@ static func place_for(layer: ScatterLayer, layers: Array[ScatterLayer]) -> int:
 
 ## Sets the spacing of new layers to the other layers of a list that have a name. Among the new layers, only later ones keep a distance from earlier
 ## ones. Large layers keep no distance from their undergrowth. A layer has at most [constant ScatterLayer.MAX_NEIGHBORS] distances. It fills the gaps
-## between earlier layers of similar size. Others would gain few instances from that, or would make their own undergrowth slow to generate.
+## between earlier layers only if all of them have similar radii. Otherwise it would gain few instances, or its undergrowth would be slow to generate.
 static func keep_apart(new: Array[ScatterLayer], layers: Array[ScatterLayer]) -> void:
 	var done: Array[ScatterLayer] = []
 	for layer in new:

@@ -66,10 +66,10 @@ func look() -> void:
 		elif _reports_crowding:
 			_sentences.append_array(_crowding(layer))
 	if _fresh.is_empty():
-		_tell_all()
+		_report_all()
 
 
-func _tell_all() -> void:
+func _report_all() -> void:
 	var missing := _missing.filter(func(layer: ScatterLayer) -> bool: return layer in _scatter.layers)
 	if not missing.is_empty():
 		_show_toast(_why(missing))
@@ -83,10 +83,11 @@ func _why(missing: Array[ScatterLayer]) -> String:
 	var sentences := PackedStringArray()
 	for explanation in _scatter.explain_position(_view_center(), missing):
 		sentences.append("%s: %s" % [explanation.layer_name, explanation.reason])
-	return "No instances are visible here of " + " ".join(sentences)
+	return "No instances are visible here. " + " ".join(sentences)
 
 
-## Returns a message if at least half of a layer's points are too close to other layers. Otherwise, returns an empty array.
+## Returns an array with one message if at least the fraction [constant CROWDED] of a layer's points is too close to other layers. Otherwise, returns
+## an empty array.
 func _crowding(layer: ScatterLayer) -> PackedStringArray:
 	if layer.spacing.is_empty():
 		return []

@@ -1,8 +1,8 @@
 @tool
 extends RefCounted
-## Delays large changes to the view. If a change would display more than ten times as many instances of a layer, and more than 50,000, the view
-## keeps the layer's old values until the user confirms. The number of instances then grows in steps, which the user can stop. The layer itself has
-## its new values immediately, and the game uses them.
+## Delays large changes to the view. A change is large if it would display more than ten times as many instances of a layer, and more than 50,000. The
+## view then keeps the layer's old values until the user confirms. The number of instances then grows in steps, which the user can stop. The layer
+## itself has its new values immediately, and the game uses them.
 
 const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
 

@@ -1,6 +1,6 @@
 @tool
 extends RefCounted
-## Finds and adds the parts that a scene needs to look right in the game: a camera, a light, a sky, and wind for the plants.
+## Finds and adds missing parts that a scene needs to look right in the game: a camera, a light, a sky and wind.
 
 const FoliageWorld := preload("res://addons/thicket/shaders/foliage_world.gd")
 
