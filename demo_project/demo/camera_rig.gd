@@ -31,18 +31,18 @@ func _unhandled_input(event: InputEvent) -> void:
 
 
 func _process(delta: float) -> void:
-	var wish := Vector3(
+	var direction := Vector3(
 		_axis(KEY_A, KEY_D) + _axis(KEY_LEFT, KEY_RIGHT), _axis(KEY_Q, KEY_E), _axis(KEY_W, KEY_S) + _axis(KEY_UP,
 				KEY_DOWN))
-	if wish == Vector3.ZERO:
+	if direction == Vector3.ZERO:
 		return
 	var fast := FAST if Input.is_physical_key_pressed(KEY_SHIFT) else 1.0
 	if walking:
-		var step := Basis(Vector3.UP, rotation.y) * Vector3(wish.x, 0.0, wish.z).limit_length(1.0)
+		var step := Basis(Vector3.UP, rotation.y) * Vector3(direction.x, 0.0, direction.z).limit_length(1.0)
 		position += step * WALK_SPEED * fast * delta
 	else:
-		position += (basis * Vector3(wish.x, 0.0,
-				wish.z).limit_length(1.0) + Vector3.UP * wish.y) * fly_speed * fast * delta
+		position += (basis * Vector3(direction.x, 0.0,
+				direction.z).limit_length(1.0) + Vector3.UP * direction.y) * fly_speed * fast * delta
 	_follow_ground()
 
 

@@ -41,10 +41,10 @@ func capture(wanted: bool) -> void:
 
 
 func _physics_process(_delta: float) -> void:
-	var wish := Vector3(_axis(KEY_A, KEY_D) + _axis(KEY_LEFT, KEY_RIGHT), 0.0,
+	var direction := Vector3(_axis(KEY_A, KEY_D) + _axis(KEY_LEFT, KEY_RIGHT), 0.0,
 			_axis(KEY_W, KEY_S) + _axis(KEY_UP, KEY_DOWN))
 	var fast := FAST if Input.is_physical_key_pressed(KEY_SHIFT) else 1.0
-	velocity = Basis(Vector3.UP, rotation.y) * wish.limit_length(1.0) * WALK_SPEED * fast
+	velocity = Basis(Vector3.UP, rotation.y) * direction.limit_length(1.0) * WALK_SPEED * fast
 	if velocity != Vector3.ZERO:
 		move_and_slide()
 		_stand_on_ground()

@@ -34,11 +34,11 @@ func middle(z: float) -> float:
 ## Returns the height of the land without the gorge, in meters.
 func plateau(x: float, z: float) -> float:
 	var away := Vector2(x, z).length()
-	var wild := 1.0
+	var hilliness := 1.0
 	for level in LEVEL:
-		wild = minf(wild, smoothstep(level.z, level.z + 16.0, Vector2(x - level.x, z - level.y).length()))
+		hilliness = minf(hilliness, smoothstep(level.z, level.z + 16.0, Vector2(x - level.x, z - level.y).length()))
 	var noise := _hills.get_noise_2d(x, z)
-	return TOP + wild * (1.0 + 5.0 * noise) + 34.0 * smoothstep(70.0, 280.0, away) * (0.75 + noise)
+	return TOP + hilliness * (1.0 + 5.0 * noise) + 34.0 * smoothstep(70.0, 280.0, away) * (0.75 + noise)
 
 
 ## Returns the height of the gorge's bed, in meters.

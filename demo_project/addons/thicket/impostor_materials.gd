@@ -103,12 +103,12 @@ func _read_shader(material: ShaderMaterial, look: Look) -> void:
 		look.cull_mode = _constant(&"CULL_FRONT")
 	if look.arrays[Mesh.ARRAY_COLOR] != null and Parameters.has_word(code, "COLOR"):
 		look.vertex_colors = _constant(&"VERTEX_COLOR_LINEAR")
-	var rough: Variant = Parameters.value_of(material, [&"roughness"], TYPE_FLOAT)
-	look.roughness = clampf(rough, 0.0, 1.0) if rough != null else look.roughness
-	var shine: Variant = Parameters.value_of(material, [&"specular"], TYPE_FLOAT)
-	look.specular = clampf(shine, 0.0, 1.0) if shine != null else look.specular
-	var through: Variant = Parameters.value_of(material, [&"backlight"], TYPE_COLOR)
-	look.backlight = through if through != null else look.backlight
+	var custom_roughness: Variant = Parameters.value_of(material, [&"roughness"], TYPE_FLOAT)
+	look.roughness = clampf(custom_roughness, 0.0, 1.0) if custom_roughness != null else look.roughness
+	var custom_specular: Variant = Parameters.value_of(material, [&"specular"], TYPE_FLOAT)
+	look.specular = clampf(custom_specular, 0.0, 1.0) if custom_specular != null else look.specular
+	var custom_backlight: Variant = Parameters.value_of(material, [&"backlight"], TYPE_COLOR)
+	look.backlight = custom_backlight if custom_backlight != null else look.backlight
 	if color == null and texture == null:
 		_warn("%s is baked white: its shader has no parameter with a common name for a color or a texture (%s, %s). Set stand_ins."
 				% [_name_of(material), Parameters.COLORS[0], Parameters.TEXTURES[0]])

@@ -121,11 +121,11 @@ void CollisionShapes::add_part(const BodyPart &part, const BodyFit &fit, std::ve
 		}
 		return;
 	}
-	const BodyPart stands = thicket::scaled(part, scale);
-	const glm::vec3 size{side(stands.size.x), side(stands.size.y), side(stands.size.z)};
+	const BodyPart placed_part = thicket::scaled(part, scale);
+	const glm::vec3 size{side(placed_part.size.x), side(placed_part.size.y), side(placed_part.size.z)};
 	// The height of a capsule is at least its diameter; at that height, it is a sphere.
 	const float height = part.kind == BodyPart::Kind::capsule ? std::max(size.x, size.y) : size.y;
-	r_shapes.push_back({take({part.kind, 0, size.x, height, size.z}, none), stands.rotation, stands.origin});
+	r_shapes.push_back({take({part.kind, 0, size.x, height, size.z}, none), placed_part.rotation, placed_part.origin});
 }
 
 std::vector<CollisionShapes::Placed> CollisionShapes::take(

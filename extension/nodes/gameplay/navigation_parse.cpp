@@ -56,7 +56,7 @@ Parser &shared_parser() {
 constexpr real_t far_away = 1 << 20;
 
 /// Forwards a call of the first node to all other nodes. Does nothing if `from` is another node.
-void hand_on(const NavigationParse *from, const Ref<NavigationMesh> &p_mesh,
+void forward_call(const NavigationParse *from, const Ref<NavigationMesh> &p_mesh,
 		const Ref<NavigationMeshSourceGeometryData3D> &p_geometry, const Node *p_node) {
 	const std::vector<Entry> nodes = shared_parser().nodes;
 	if (nodes.empty() || nodes.front().parse != from) {
@@ -88,13 +88,13 @@ const Node *member_of(const TypedArray<Node> &group, int64_t index) {
 /// Returns how often the engine visits a node: once if it is in the group, and once more for each
 /// ancestor in the group.
 int visits_of(const Node *node, const TypedArray<Node> &group) {
-	std::set<const Node *> way;
+	std::set<const Node *> ancestors;
 	for (; node != nullptr; node = node->get_parent()) {
-		way.insert(node);
+		ancestors.insert(node);
 	}
 	int visits = 0;
 	for (int64_t index = 0; index < group.size(); ++index) {
-		visits += way.contains(member_of(group, index)) ? 1 : 0;
+		visits += ancestors.contains(member_of(group, index)) ? 1 : 0;
 	}
 	return visits;
 }
@@ -196,7 +196,7 @@ bool NavigationParse::visit(const Ref<NavigationMesh> &p_mesh,
 	if (p_mesh.is_null() || p_geometry.is_null() || p_node == nullptr || !p_node->is_inside_tree()) {
 		return false;
 	}
-	hand_on(this, p_mesh, p_geometry, p_node);
+	forward_call(this, p_mesh, p_geometry, p_node);
 	const std::uint64_t node = p_node->get_instance_id();
 	if (geometry_ != p_geometry->get_instance_id() || node == first_) {
 		begin(*p_mesh.ptr(), *p_geometry.ptr(), *p_node);

@@ -28,12 +28,12 @@ constexpr std::size_t signals_in_a_row = 16;
 /// Sets a variable and restores its previous value at the end of the scope, even after an
 /// exception.
 template <typename T>
-class Meanwhile {
+class ScopedValue {
 public:
-	Meanwhile(T &r_variable, T value) : variable_(r_variable), before_(std::exchange(r_variable, value)) {}
-	~Meanwhile() { variable_ = before_; }
-	Meanwhile(const Meanwhile &) = delete;
-	Meanwhile &operator=(const Meanwhile &) = delete;
+	ScopedValue(T &r_variable, T value) : variable_(r_variable), before_(std::exchange(r_variable, value)) {}
+	~ScopedValue() { variable_ = before_; }
+	ScopedValue(const ScopedValue &) = delete;
+	ScopedValue &operator=(const ScopedValue &) = delete;
 
 private:
 	T &variable_;
@@ -169,7 +169,7 @@ std::vector<std::uint64_t> ScatterGameplay::remove_all(std::span<const PlacedIns
 		return {};
 	}
 	const Ref<ScatterState> state = state_;
-	const Meanwhile changing(changing_, instances);
+	const ScopedValue changing(changing_, instances);
 	return state->remove_all(removals);
 }
 
@@ -198,7 +198,7 @@ bool ScatterGameplay::restore_in(const ScatterState *state, std::uint64_t id) {
 	}
 	const std::vector<PlacedInstance> found = find_by_id("restore_instance", script_id(id), true);
 	const Ref<ScatterState> held = state_;
-	const Meanwhile changing(changing_, std::span(found));
+	const ScopedValue changing(changing_, std::span(found));
 	return held.is_valid() && held.ptr() == state && held->restore_by_id(id);
 }
 
@@ -330,7 +330,7 @@ bool ScatterGameplay::still_true(const InstanceChange &change) const {
 }
 
 void ScatterGameplay::emit_backlog(std::chrono::steady_clock::time_point deadline) {
-	for (std::size_t told = 1; alive() && running_ && !backlog_.empty(); ++told) {
+	for (std::size_t reported = 1; alive() && running_ && !backlog_.empty(); ++reported) {
 		const SharedChanges changes = backlog_.front().changes;
 		const InstanceChange *change = changes->at(backlog_.front().told++);
 		if (backlog_.front().told == changes->size()) {
@@ -340,7 +340,7 @@ void ScatterGameplay::emit_backlog(std::chrono::steady_clock::time_point deadlin
 		if (change != nullptr && still_true(*change)) {
 			notify(*change);
 		}
-		if (told % signals_in_a_row == 0 && std::chrono::steady_clock::now() >= deadline) {
+		if (reported % signals_in_a_row == 0 && std::chrono::steady_clock::now() >= deadline) {
 			return;
 		}
 	}

@@ -25,7 +25,7 @@ constexpr std::chrono::milliseconds longest_wait(400);
 constexpr std::uint64_t physics_frames = 2;
 
 /// The relative precision that a coordinate may lose when a scene is moved: a few bits of a float.
-constexpr double lost = 1.0 / (1 << 21);
+constexpr double lost_precision = 1.0 / (1 << 21);
 
 } // namespace
 
@@ -42,7 +42,7 @@ bool same_in_world(const GroundNodeState &a, glm::dvec3 offset_a, const GroundNo
 		const double moved = (at_a[axis] + offset_a[axis]) - (at_b[axis] + offset_b[axis]);
 		const double reach =
 				std::max({std::abs(at_a[axis]), std::abs(at_b[axis]), std::abs(offset_a[axis] - offset_b[axis])});
-		if (!(std::abs(moved) <= lost * reach)) {
+		if (!(std::abs(moved) <= lost_precision * reach)) {
 			return false;
 		}
 	}

@@ -23,7 +23,7 @@ namespace {
 /// The number of positions to sample each time the gate is entered.
 constexpr std::size_t slice = 64;
 
-constexpr const char *gone = "ScatterGroundNode.node";
+constexpr const char *node_property = "ScatterGroundNode.node";
 
 /// Returns the total weight of `textures`, given the result of get_texture_id().
 float weight_of(const Vector3 &p_base_overlay_blend, std::span<const std::int32_t> textures) {
@@ -152,8 +152,8 @@ Status ObjectGround::ground_at(glm::dvec2 position, bool normal, Ground &r_groun
 /// Tests the exact position as well as the rounded one that is passed to the object, because
 /// rounding may move it to the far edge.
 bool ObjectGround::within_bounds(glm::dvec2 position) const {
-	const glm::dvec2 asked = glm::dvec2(glm::vec2(in_engine(position))) + glm::dvec2(offset_.x, offset_.z);
-	return limits_.bounds.empty() || (limits_.bounds.contains(position) && limits_.bounds.contains(asked));
+	const glm::dvec2 queried = glm::dvec2(glm::vec2(in_engine(position))) + glm::dvec2(offset_.x, offset_.z);
+	return limits_.bounds.empty() || (limits_.bounds.contains(position) && limits_.bounds.contains(queried));
 }
 
 bool ObjectGround::knows(glm::dvec2 position) const {
@@ -161,22 +161,22 @@ bool ObjectGround::knows(glm::dvec2 position) const {
 		return true;
 	}
 	const CallGate::Inside inside(gate_);
-	const glm::dvec2 asked = in_engine(position);
-	return !posts_->contains(asked) || (open_ && source() != nullptr && posts_->is_loaded(source_, asked));
+	const glm::dvec2 queried = in_engine(position);
+	return !posts_->contains(queried) || (open_ && source() != nullptr && posts_->is_loaded(source_, queried));
 }
 
 Status ObjectGround::height_at(glm::dvec2 position, float &r_height) const {
 	r_height = std::numeric_limits<float>::quiet_NaN();
-	const glm::dvec2 asked = map_ ? map_->to_map(in_engine(position)) : in_engine(position);
-	const bool inside = (!map_ || map_->has_ground(asked)) && (!posts_ || posts_->contains(asked));
-	if (!std::isfinite(asked.x) || !std::isfinite(asked.y) || !inside || !within_bounds(position)) {
+	const glm::dvec2 queried = map_ ? map_->to_map(in_engine(position)) : in_engine(position);
+	const bool inside = (!map_ || map_->has_ground(queried)) && (!posts_ || posts_->contains(queried));
+	if (!std::isfinite(queried.x) || !std::isfinite(queried.y) || !inside || !within_bounds(position)) {
 		return {};
 	}
 	if (!knows(position)) {
 		return {};
 	}
 	Variant result;
-	if (const Status status = call(height_method_, "height method of ScatterGroundNode.node", asked, result);
+	if (const Status status = call(height_method_, "height method of ScatterGroundNode.node", queried, result);
 			!status.ok()) {
 		return status;
 	}
@@ -258,7 +258,7 @@ Status ObjectGround::weigh_by_textures(
 Status ObjectGround::call(
 		const StringName &p_method, const char *p_refusal, glm::dvec2 position, Variant &r_result) const {
 	if (!open_ || source() == nullptr) {
-		return Status::missing(gone, "Set ScatterGroundNode.node to a node in the tree");
+		return Status::missing(node_property, "Set ScatterGroundNode.node to a node in the tree");
 	}
 	const Variant where(to_engine(glm::dvec3(position.x, 0.0, position.y)));
 	Variant source(source_);

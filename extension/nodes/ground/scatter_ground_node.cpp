@@ -157,8 +157,8 @@ void ScatterGroundNode::take(const Found &found) {
 									  : vformat("%s, queried position by position", target->get_class());
 	// Also watch an unusable node, because it may become usable later.
 	if (target != nullptr) {
-		const bool asked = usable && !copied;
-		follow_node(target, asked ? ground_->source() : found.attempt.data.get_validated_object());
+		const bool is_queried = usable && !copied;
+		follow_node(target, is_queried ? ground_->source() : found.attempt.data.get_validated_object());
 	}
 	set_recognized(recognized);
 }

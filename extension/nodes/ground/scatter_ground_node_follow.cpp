@@ -57,13 +57,13 @@ void ScatterGroundNode::connect_signals(bool p_connect) {
 	Object *source = followed_source_.get_validated_object();
 	set(node, "tree_exiting", "_node_gone");
 	set(node, "tree_entered", "_change");
-	const bool asked = !present_ && is_available();
-	const bool map = asked && ground_->map() != nullptr;
-	if (!asked || map || !p_connect) {
+	const bool is_queried = !present_ && is_available();
+	const bool map = is_queried && ground_->map() != nullptr;
+	if (!is_queried || map || !p_connect) {
 		set(source, "region_changed", "_map_edited");
 	}
 	// The node is copied, or may be copied once it has all required data.
-	if (!asked || !p_connect) {
+	if (!is_queried || !p_connect) {
 		for (const char *const signal : {"transform_changed", "material_changed"}) {
 			set(node, signal, "_source_edited");
 		}
@@ -75,7 +75,7 @@ void ScatterGroundNode::connect_signals(bool p_connect) {
 	if (map || !p_connect) {
 		set(node, "transform_changed", "_node_moved");
 	}
-	if ((asked && !map) || !p_connect) {
+	if ((is_queried && !map) || !p_connect) {
 		set(source, "maps_edited", "_area_edited");
 		set(source, "maps_changed", "_maps_changed");
 	}

@@ -216,8 +216,8 @@ ReferenceChange renaming_layer(const String &p_from, const String &p_to) {
 			const Ref<ScatterLayer> held = p_stored;
 			return held.is_valid() && !held->get_name().is_empty() ? std::optional(p_stored) : std::nullopt;
 		}
-		const bool meant = p_stored.get_type() == Variant::STRING && static_cast<String>(p_stored) == p_from;
-		return meant ? std::optional<Variant>(p_to) : std::nullopt;
+		const bool is_renamed = p_stored.get_type() == Variant::STRING && static_cast<String>(p_stored) == p_from;
+		return is_renamed ? std::optional<Variant>(p_to) : std::nullopt;
 	};
 }
 

@@ -19,7 +19,7 @@ namespace {
 constexpr double rounding = 0.01;
 
 /// Returns whether two shapes are the same except for rounding.
-bool stands_still(const Shape &before, const Shape &now) {
+bool equal_except_rounding(const Shape &before, const Shape &now) {
 	const auto near = [](const auto &a, const auto &b) {
 		return glm::distance(a, b) <= rounding;
 	};
@@ -38,8 +38,8 @@ bool stands_still(const Shape &before, const Shape &now) {
 bool RegionRegister::Entry::counts_for(const TypedArray<ScatterLayer> &p_layers, std::size_t index) const {
 	bool counts = shape.has_value() && layers.is_empty();
 	for (int64_t i = 0; shape.has_value() && !counts && i < layers.size(); ++i) {
-		std::uint32_t meant = 0;
-		counts = find_stored_layer(p_layers, layers[i], meant).is_empty() && meant == index;
+		std::uint32_t found = 0;
+		counts = find_stored_layer(p_layers, layers[i], found).is_empty() && found == index;
 	}
 	return counts;
 }
@@ -77,8 +77,8 @@ void RegionRegister::update(bool recentered) {
 	for (Entry &entry : entries_) {
 		if (std::exchange(entry.marked, false)) {
 			const std::optional<Shape> before = std::exchange(entry.read, entry.node->world_shape());
-			const bool same =
-					recentered && before && entry.read ? stands_still(*before, *entry.read) : before == entry.read;
+			const bool same = recentered && before && entry.read ? equal_except_rounding(*before, *entry.read)
+																 : before == entry.read;
 			if (!same || !entry.shape) {
 				entry.shape = entry.read;
 			}

@@ -79,8 +79,8 @@ void ScatterStream::physics_frame() {
 		left -= recheck_heights(std::max<std::size_t>(left / 16, 1)); // Rays run no script.
 	}
 	while (left > 0) {
-		const std::size_t asked = ground_step(left);
-		left = asked > 0 ? left - asked : 0;
+		const std::size_t sampled = ground_step(left);
+		left = sampled > 0 ? left - sampled : 0;
 	}
 }
 

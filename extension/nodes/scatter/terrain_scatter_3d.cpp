@@ -157,8 +157,8 @@ void TerrainScatter3D::process_frame() {
 		refresh();
 	}
 	stream->times().spent_on(FramePart::follow);
-	const bool stands = ground_.is_valid() && !layer_list_.snapshots().empty();
-	if (here && stands) {
+	const bool has_content = ground_.is_valid() && !layer_list_.snapshots().empty();
+	if (here && has_content) {
 		work(start);
 	} else if (here) {
 		dissolve(start);

@@ -31,13 +31,13 @@ func _update_property() -> void:
 	for box in _boxes.get_children():
 		_boxes.remove_child(box)
 		box.queue_free()
-	var meant := values.map(func(value: Variant) -> ScatterLayer: return Names.layer_of(object, value))
+	var referenced := values.map(func(value: Variant) -> ScatterLayer: return Names.layer_of(object, value))
 	var titles := PackedStringArray()
 	for layer in Names.others(object, _before):
-		_add_box(Names.title(object, layer), layer in meant, _toggle.bind(layer))
+		_add_box(Names.title(object, layer), layer in referenced, _toggle.bind(layer))
 	for index in values.size():
 		titles.append(Names.title(object, values[index]))
-		if meant[index] == null:
+		if referenced[index] == null:
 			_add_box(titles[index], true, _remove.bind(values[index]))
 	_summary.text = ", ".join(titles) if values else _empty
 
