@@ -274,7 +274,7 @@ void ScatterBiomeMap::add_color_problems(PackedStringArray &r_problems) const {
 		});
 		if (first->index != here.index) {
 			r_problems.push_back(
-					vformat("ScatterBiomeMap.biomes[%d] has no area: biomes[%d] has the same color and takes priority.",
+					vformat("ScatterBiomeMap.biomes[%d] has no area: biomes[%d] has the same color. Change one color.",
 							static_cast<int64_t>(here.index), static_cast<int64_t>(first->index)));
 		}
 	}

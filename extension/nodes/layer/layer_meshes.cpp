@@ -211,7 +211,7 @@ std::vector<std::vector<BodyPart>> LayerMeshes::bodies() const {
 
 void LayerMeshes::add_problems(PackedStringArray &r_problems) const {
 	if (!has_mesh()) {
-		r_problems.push_back("ScatterLayer.meshes has no mesh: the layer draws nothing.");
+		r_problems.push_back("ScatterLayer.meshes has no mesh, so the layer draws nothing. Add a mesh.");
 	}
 	for (std::size_t entry = 0; entry < size(); ++entry) {
 		const Ref<PackedScene> scene = taken_[entry].resource;

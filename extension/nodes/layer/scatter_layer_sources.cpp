@@ -97,8 +97,8 @@ public:
 private:
 	void add_unused(const char *p_part, bool is_set, SourceKind kind, const char *p_kind) {
 		if (is_set && source_.kind != kind) {
-			problems_.push_back(
-					name_ + String(p_part) + String(" is not used: the source is not ") + p_kind + String("."));
+			problems_.push_back(name_ + String(p_part) + String(" is not used: the source is not ") + p_kind +
+					String(". Clear it."));
 		}
 	}
 
@@ -188,9 +188,9 @@ void ScatterLayer::add_source_problems(PackedStringArray &r_problems) const {
 	if (color_value_.is_valid()) {
 		String unused;
 		if (!data.use_colors) {
-			unused = "is not used without use_colors.";
+			unused = "is not used without use_colors. Enable use_colors, or clear it.";
 		} else if (color_value_->get_gradient().is_null()) {
-			unused = "has no gradient: all instances are white.";
+			unused = "has no gradient: all instances are white. Set a gradient, or clear it.";
 		} else if (color_value_->get_gradient()->get_point_count() == 0) {
 			unused = "has a gradient without points: all instances are black. Add points, or clear it.";
 		}
@@ -198,7 +198,7 @@ void ScatterLayer::add_source_problems(PackedStringArray &r_problems) const {
 	}
 	if (variation_value_.is_valid()) {
 		ValueProblems("variation_value", *variation_value_.ptr(), r_problems)
-				.add(data.use_custom_data ? "" : "is not used without use_custom_data.");
+				.add(data.use_custom_data ? "" : "is not used without use_custom_data. Enable that, or clear it.");
 	}
 }
 

@@ -30,7 +30,7 @@ void add_problems_of(ScatterLayer &layer, const String &p_where, const Ref<Scatt
 	const bool is_usable = p_ground.is_valid() && p_ground->problem().is_empty();
 	if (layer.get_ground_textures().size() > 0 && is_usable && !p_ground->has_textures()) {
 		r_problems.push_back(
-				p_where + String("ScatterLayer.ground_textures has no effect: the ground has no textures."));
+				p_where + String("ScatterLayer.ground_textures has no effect: the ground has no textures. Clear it."));
 	}
 	if (layer.is_on_surfaces() && !layer.has_surface_layers() && is_usable && !p_ground->has_surfaces()) {
 		r_problems.push_back(p_where +
@@ -126,10 +126,10 @@ void add_viewer_problems(
 		const Node3D *viewer = Object::cast_to<Node3D>(node.get_node_or_null(viewers.paths[index]));
 		const String name = "Viewer " + String::num_int64(index);
 		if (viewer == nullptr) {
-			r_problems.push_back(name + String(" is not a Node3D in this scene."));
+			r_problems.push_back(name + String(" is not a Node3D in this scene. Change or remove its path."));
 		} else if (!has_place(*viewer)) {
 			r_problems.push_back(
-					name + String(" has a position that is not finite: no tiles are generated around it."));
+					name + String(" has a position that is not finite, so no tiles are generated around it. Move it."));
 		}
 	}
 	if (viewers.paths.is_empty() && active_cameras(node).empty()) {

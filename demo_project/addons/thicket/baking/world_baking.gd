@@ -35,7 +35,7 @@ const USAGE := """Generates tiles of a scene's TerrainScatter3D into a folder, f
     node=PATH                    the TerrainScatter3D, if the scene has several
     wait=SECONDS                 the maximum time to wait for the scene's ground (120)
 The exit code is 0 if all requested tiles exist, 1 if some are missing, and 2 if the script could not begin.
-For a driver, use these arguments instead of out and those after it: connect=PORT and token=WORD."""
+For a driver, use connect=PORT and token=WORD instead of the arguments that apply to a folder (out, rect, tile_size, layers, tiles, share)."""
 const NO_SCATTER := "is no TerrainScatter3D"
 const NO_GROUND := "is no ground"
 const NOT_SETTLED := "is a scatter that still waits for its ground"

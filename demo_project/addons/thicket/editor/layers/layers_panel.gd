@@ -187,7 +187,7 @@ func remove_chosen() -> void:
 func add_scatter() -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	if root == null:
-		_show_toast("No scene is open to which a scatter can be added. Open a 3D scene, or add a root node to the empty one.")
+		_show_toast("A scatter cannot be added without an open scene. Open a 3D scene, or add a root node to the empty one.")
 		return
 	var scatter := TerrainScatter3D.new()
 	scatter.name = "Scatter"
