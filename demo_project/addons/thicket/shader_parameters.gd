@@ -1,5 +1,5 @@
 extends RefCounted
-## Finds the common parameters of custom shaders, such as the color, by their names. For code that reads materials without rendering them.
+## Finds the common parameters of custom shaders, such as the color, by name. Use it to read materials without rendering them.
 
 ## The names of colors, of color textures and of alpha thresholds, the most common first.
 const COLORS: Array[StringName] = [&"albedo", &"albedo_color", &"base_color", &"color", &"tint"]

@@ -327,7 +327,7 @@ void CollisionRing::set_world_frame(const WorldFrame &frame) {
 }
 
 /// Finds the bodies near the positions, which are moved immediately. The search costs more than the
-/// moves, so its result is reused for a few frames unless a position changes too much.
+/// moves, so its result is reused for a few frames unless a position moves too far.
 void CollisionRing::find_nearest(std::span<const glm::dvec3> positions) {
 	constexpr std::uint64_t kept_frames = 8;
 	if (frame_ < found_at_ + kept_frames && same_within(kept_reach, positions, found_around_)) {

@@ -43,7 +43,7 @@ CollisionLayer collision_of(const LayerSnapshot *layer);
 ///
 /// Changes to the seed, the shapes, the world frame or the collision settings take effect
 /// gradually. Each call to `step` updates a few bodies, those nearest to the viewers first. `drop`,
-/// `drop_if`, `clear` and changes of the space take effect immediately, and so does
+/// `drop_if`, `clear` and changes to the space take effect immediately, and so does
 /// `set_world_frame` for bodies near the viewers. If the world moves every frame, bodies farther
 /// away are moved in rounds. Each lags behind by at most one round.
 class CollisionRing : public NearRing {

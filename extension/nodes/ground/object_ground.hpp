@@ -35,9 +35,8 @@ struct GroundLimits {
 ///   TerrainMap for its holes and textures), or
 /// - the methods of MTerrain; see PostGridArea.
 ///
-/// In the first case, texture weights come from `get_texture_id(Vector3)`, if there is such a
-/// method. It must return the base texture, the overlay texture, and the weight of the overlay from
-/// 0 to 1.
+/// In the first case, texture weights come from the optional method `get_texture_id(Vector3)`. It
+/// must return the base texture, the overlay texture, and the weight of the overlay from 0 to 1.
 class ObjectGround : public Terrain {
 public:
 	/// Creates the ground of an object. Returns null if the object has none of these methods. May

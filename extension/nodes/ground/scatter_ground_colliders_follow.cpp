@@ -150,7 +150,7 @@ void ScatterGroundColliders::node_added(Node *p_node) {
 }
 
 /// Returns the current state of a shape; empty if it is not ground. Reuses the bounds of its
-/// previous state `before`, if not null, unless the shape has reported a change.
+/// previous state `before`, which may be null, unless the shape has reported a change.
 std::optional<ScatterGroundColliders::Placed> ScatterGroundColliders::measure(std::uint64_t id, const Placed *before) {
 	const Variant *node = watch_.node(id);
 	Object *source = nullptr;

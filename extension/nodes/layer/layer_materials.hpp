@@ -25,8 +25,8 @@ std::vector<godot::Ref<godot::Material>> materials_with(
 bool use_instance_uniforms(std::span<const godot::Ref<godot::Material>> materials);
 
 /// Returns the largest distance in world meters by which any of the materials may move a vertex, at
-/// most max_cull_margin. Ignores materials without the uniforms of foliage.gdshaderinc. For such a
-/// material, the distance is max(wind_sway, 0) * strength + max(wind_flutter, 0) * strength +
+/// most max_cull_margin. Ignores materials without the uniforms of foliage.gdshaderinc. For all
+/// others, the distance is max(wind_sway, 0) * strength + max(wind_flutter, 0) * strength +
 /// max(bend_reach, 0).
 ///
 /// The strength is 2 or the material's wind_strength, whichever is larger, because a

@@ -47,7 +47,7 @@ public:
 	/// Returns the names of the regions that `set_for` takes shapes from, in the same order.
 	std::vector<std::string> names_for(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t index) const;
 
-	/// Applies a change of references, such as a renamed layer, to all regions.
+	/// Applies a change to references, for example after a layer was renamed, to all regions.
 	void change_references(const ReferenceChange &change) const;
 
 	/// Makes the editor update the configuration warnings of all regions.

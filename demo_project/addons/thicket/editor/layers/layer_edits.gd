@@ -176,7 +176,7 @@ static func _update_region_references(region: ScatterRegion3D, old: Array[Scatte
 	if followed.is_empty() and not mentioned.is_empty(): # An empty list would mean all layers.
 		r_messages.append("%s no longer applies to any layer." % region.name)
 	elif followed.size() < mentioned.size():
-		r_messages.append("%s applies to one layer fewer." % region.name)
+		r_messages.append("%s no longer applies to the deleted layers." % region.name)
 		_change(region, &"layers", mentioned, followed, undo_redo)
 	else:
 		_change(region, &"layers", mentioned, followed, undo_redo)
@@ -188,7 +188,8 @@ static func _change(object: Object, property: StringName, before: Variant, after
 		undo_redo.add_undo_property(object, property, before)
 
 
-## Returns the new value of a reference to a layer, which is null if the layer is only in the old list. Returns an invalid reference unchanged.
+## Returns the new value of a reference to a layer, which is null if the layer is only in the old list and no new layer has its name. Returns an
+## invalid reference unchanged.
 static func _next(mentioned: Variant, old: Array[ScatterLayer], new: Array[ScatterLayer]) -> Variant:
 	var layer := _referenced_layer(mentioned, old)
 	if layer == null:

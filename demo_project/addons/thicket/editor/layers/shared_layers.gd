@@ -59,15 +59,15 @@ static func find(scatter: TerrainScatter3D) -> Shared:
 				continue
 			if layer in own:
 				(result.files if Copies.is_file(layer) else result.layers).append(layer)
-			for mine in own:
-				var mask := mine.mask
-				if mask != null and mask == layer.mask and mine != layer and not result.masks.has(mask.resource_path):
+			for own_layer in own:
+				var mask := own_layer.mask
+				if mask != null and mask == layer.mask and own_layer != layer and not result.masks.has(mask.resource_path):
 					result.masks.append(mask.resource_path)
 		var same_state := state != null and other.state == state
 		if result.layers.size() + result.masks.size() > before or same_state and state.copy_at_runtime:
-			var there := _scene_of(other)
-			scenes.append(there.get_basename())
-			result.others.append(other.name if there == _scene_of(scatter) else StringName("%s of %s" % [other.name, there.get_file()]))
+			var other_path := _scene_of(other)
+			scenes.append(other_path.get_basename())
+			result.others.append(other.name if other_path == _scene_of(scatter) else StringName("%s of %s" % [other.name, other_path.get_file()]))
 			result.seed = result.seed or other.seed == scatter.seed
 			result.state = result.state or same_state
 			result.by_hand = result.by_hand or same_state and state.copy_at_runtime
@@ -183,11 +183,11 @@ static func _find_files_of_other_scenes(scatter: TerrainScatter3D, own: Array[Sc
 			r_shared.masks.append(mask.resource_path)
 			_add_scene(stem, scenes, r_shared)
 	var state := scatter.state
-	var keeper := _other_scene_of(state, scatter) if state != null and state.copy_at_runtime else ""
-	if not keeper.is_empty():
+	var other_scene := _other_scene_of(state, scatter) if state != null and state.copy_at_runtime else ""
+	if not other_scene.is_empty():
 		r_shared.state = true
 		r_shared.by_hand = true
-		_add_scene(keeper, scenes, r_shared)
+		_add_scene(other_scene, scenes, r_shared)
 
 
 ## Returns the path, without its extension, of the scene for which a file was created. Empty if it is the scene of the scatter or if there is none.

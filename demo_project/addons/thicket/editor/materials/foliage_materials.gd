@@ -7,7 +7,7 @@ const FOLIAGE_MAPPED := preload("res://addons/thicket/shaders/foliage_mapped.gds
 const WholeFile := preload("res://addons/thicket/whole_file.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
-## How far a plant leans in the wind, and how far its leaves tremble. x is a fraction of the plant's height, and y is the maximum in meters.
+## The distances by which wind moves a plant and its leaves. x is a fraction of the plant's height, and y is the maximum in meters.
 const SWAY := Vector2(0.011, 0.2)
 const FLUTTER := Vector2(0.01, 0.03)
 ## Plants that are lower than [constant BENT] meters bend around characters by up to [constant BEND] times their height, and by at most
