@@ -26,7 +26,7 @@ const SAME: Dictionary[String, String] = {
 	"tile_size": "the tile size is different (%s m, not %s m)", "layers": "the layers are different (%s, not %s)", "parts": "",
 }
 
-## The error in the arguments, or the reason why no more tiles can be generated, or empty if there is none.
+## The error in the arguments or the reason why no more tiles can be generated; empty if there is neither.
 var problem := ""
 
 var _out := ""
