@@ -49,7 +49,7 @@ func test_one_call_at_a_time() -> void:
 		check_equal(results, [0, 0, 0, 0], label(method) + ": points returned by calls during the call")
 		var messages := "\n".join(errors.take())
 		for name: String in ["sample", "sample_domain", "sample_exact", "sample_domain_exact"]:
-			check("PoissonSampler.%s() called while another call" % name in messages, "'%s' in: %s" % [name, messages])
+			check("PoissonSampler.%s() was called during another call" % name in messages, "'%s' in: %s" % [name, messages])
 
 
 func test_one_thread_at_a_time() -> void:

@@ -289,7 +289,7 @@ func check_gameplay_warnings() -> void:
 		layer.collision_shape = ScatterLayer.COLLISION_BOX
 		layer.collision_layer = 0
 		layer.collision_mask = 0, "collides with nothing")
-	check_warning(func(layer: ScatterLayer) -> void: layer.collision_shape = ScatterLayer.COLLISION_MODEL, "no model among the meshes")
+	check_warning(func(layer: ScatterLayer) -> void: layer.collision_shape = ScatterLayer.COLLISION_MODEL, "no model in meshes")
 	check_warning(func(layer: ScatterLayer) -> void: layer.physics_material = PhysicsMaterial.new(), "physics_material is not used")
 	check_warning(func(layer: ScatterLayer) -> void:
 		layer.scene = scene_of_a_node()
