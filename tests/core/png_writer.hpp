@@ -1,6 +1,6 @@
 #pragma once
 
-// Writes PNG files of all types, for tests of the reader. Stored blocks replace compression, and the
+// Writes PNG files of all types, for tests of the reader. The data is not compressed, and the
 // rows use all five filters in turn.
 
 #include <glm/vec2.hpp>
@@ -21,7 +21,7 @@ using Stored = std::vector<std::uint8_t>;
 struct Layout {
 	glm::ivec2 size{1};
 	int color_type = 0; ///< 0 gray, 2 RGB, 3 palette, 4 gray and alpha, 6 RGBA.
-	int bits = 16;      ///< Of a channel.
+	int bits = 16;      ///< Bits per channel.
 	bool interlaced = false;
 
 	int channels() const { return std::array{1, 0, 3, 1, 2, 0, 4}[static_cast<std::size_t>(color_type)]; }

@@ -1,4 +1,4 @@
-// Rules prepared for evaluation.
+// Prepares rules for evaluation.
 
 #pragma once
 

@@ -330,7 +330,7 @@ TEST_CASE("clumps in space: a wall is not striped, and clumps are as large as on
 	CHECK(correlation_of({0.0, 30.0, 0.0}) < 0.05);
 }
 
-TEST_CASE("clumps in space: far positions, full and no coverage") {
+TEST_CASE("clumps in space: invalid and distant positions, and coverages of 0 and 1") {
 	const ClumpNoise noise = noise_of(plain, 14);
 	CHECK(noise.at(glm::dvec3(0.0, 1e300, 0.0)) == 0.0);
 	CHECK(noise.at(glm::dvec3(std::nan(""), 0.0, 0.0)) == 0.0);

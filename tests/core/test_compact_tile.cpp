@@ -83,7 +83,7 @@ MeshInstances handmade(const std::vector<std::uint64_t> &ids) {
 
 } // namespace
 
-TEST_CASE("compact tile: every bit is restored, for all inputs of the floats") {
+TEST_CASE("compact tile: instances are restored bit for bit, for every source of instance data") {
 	for (const Case &each : cases()) {
 		CAPTURE(each.name);
 		const TileInstances tile = built(each.layer, hills(), tile_of_hills);

@@ -108,7 +108,7 @@ TEST_CASE("division queue: the nearest waiting tile is divided first, at its dis
 	CHECK(row.begun.back() == -2);
 }
 
-TEST_CASE("division queue: a tile whose division is right again stops waiting") {
+TEST_CASE("division queue: a tile whose division is correct again stops waiting") {
 	Row row;
 	row.add(1, 30.0, 4);
 	row.move(1, 300.0, 1);
@@ -132,7 +132,7 @@ TEST_CASE("division queue: farther tiles yield, the farthest first, and are not 
 	row.begun.clear();
 	row.add(2, 11.0, 5);
 	row.run(); // 25 + 16 + 2 multimeshes: tile 5 would have to yield. Tile 1 does not, because it is nearer.
-	CHECK_MESSAGE(row.begun.empty(), "that would be 43 multimeshes, even without the cells of tile 5");
+	CHECK_MESSAGE(row.begun.empty(), "dividing tile 2 would need 43 multimeshes, even without the cells of tile 5");
 	row.limit = 44;
 	row.move(2, 11.0, 5);
 	row.run();
@@ -179,7 +179,7 @@ TEST_CASE("division queue: a rejected tile waits again once multimeshes are free
 	row.queue.room_gained(row);
 	row.run();
 	CHECK(row.begun == std::vector{1, -1, 2, 3});
-	CHECK_MESSAGE(row.queue.has_work({100, 20}), "tile 3 is in cells");
+	CHECK_MESSAGE(row.queue.has_work({100, 20}), "tile 3 is divided into cells");
 	row.add(4, 40.0, 4);
 	row.run();
 	CHECK(row.begun.size() == 4); // Tile 4 was rejected and is dropped before there is room.

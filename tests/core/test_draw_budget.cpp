@@ -164,7 +164,7 @@ TEST_CASE("draw budget: the fraction changes only if the number of instances cha
 		meadow.draw(at);
 		meadow.frame();
 	}
-	CHECK_MESSAGE(meadow.cells.back().drawn > 550, "the others get what has become free");
+	CHECK_MESSAGE(meadow.cells.back().drawn > 550, "the remaining tiles use the freed budget");
 	CHECK(meadow.drawn() <= 50000);
 }
 
@@ -218,7 +218,7 @@ TEST_CASE("draw budget: random tiles and limits settle within the limit, and use
 	}
 }
 
-TEST_CASE("draw budget: the amounts of a tile are added and removed together") {
+TEST_CASE("draw budget: adding and removing a tile updates all counts") {
 	DrawBudget budget;
 	const DrawAmounts tile{10, 400, 3, 5, 7};
 	budget.add(tile);

@@ -113,7 +113,7 @@ Rect around(const std::vector<Rect> &areas) { return std::accumulate(areas.begin
 
 } // namespace
 
-TEST_CASE("edits: changes are within the reach of the edit, and there are some") {
+TEST_CASE("edits: an edit changes instances, all of them within its reach") {
 	const Heightfield terrain = hills();
 	std::mt19937_64 random(77);
 	std::uniform_real_distribution<double> unit(0.0, 1.0);

@@ -297,7 +297,7 @@ TEST_CASE("every rule: tiles of any size, strips and negative tiles together equ
 	}
 }
 
-TEST_CASE("every rule: all of them together have one digest on several threads") {
+TEST_CASE("every rule: all rules combined produce the same digest on several threads") {
 	const TexturedHills terrain;
 	LayerSettings layer = plain_layer();
 	for (const char *name : {"density over height", "field", "mask", "clumps", "edge feather", "path", "proximity"}) {
@@ -364,7 +364,7 @@ TEST_CASE("every rule: a position is explained by the set's nearest point, as in
 	CHECK(here < 950);
 }
 
-TEST_CASE("every rule: a position that cannot be explained is rejected by name") {
+TEST_CASE("every rule: the error for a position that cannot be explained names the property") {
 	const TexturedHills terrain;
 	PlaceExplainer explainer;
 	const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -44,7 +44,7 @@ std::shared_ptr<LayerSettings> filling(
 
 using Instances = std::map<std::uint64_t, glm::dvec2>;
 
-/// Returns the positions of a layer's instances, keyed by id, in the double precision of the point
+/// Returns the positions of a layer's instances, keyed by ID, in the double precision of the point
 /// set.
 Instances places(const LayerSettings &layer, const Terrain &terrain, const Rect &rect) {
 	TileFilter filter{SampleMargins()};
@@ -199,7 +199,7 @@ TEST_CASE("fill: any tiling has the same instances, in one step or several, on a
 	}
 }
 
-TEST_CASE("fill: the last of three species fills what both others leave") {
+TEST_CASE("fill: the last of three species fills the gaps that the other two leave") {
 	const auto oaks = layer_of(0, 6.0);
 	oaks->rules.density = 0.7;
 	const auto birches = filling(1, 4.0, oaks, 4.0);

@@ -77,7 +77,7 @@ TEST_CASE("height file: PNG files of all types have the first channel's heights"
 	}
 }
 
-TEST_CASE("height file: a 16-bit PNG keeps all 65,536 heights apart") {
+TEST_CASE("height file: a 16-bit PNG preserves all 65,536 heights") {
 	for (const bool interlaced : {false, true}) {
 		const Stored file = png::file_of({{256, 256}, 0, 16, interlaced},
 				[](glm::ivec2 pixel, int) { return static_cast<unsigned>(pixel.y * 256 + pixel.x); });
@@ -134,7 +134,7 @@ TEST_CASE("height file: PNG files of unsuitable size are rejected before they ar
 	check_refused(read_png(wide, property, posts), ErrorCode::out_of_range, property, 32769);
 	const Stored huge = png::file_of({{4, 0x7fffffff}, 0, 16, false}, Stored(4));
 	check_refused(read_png(huge, property, posts), ErrorCode::out_of_range, property, 0x7fffffff);
-	// Would need 8 GB.
+	// Inflating this image would need 8 GB.
 	const Stored empty = png::file_of({{32768, 32768}, 6, 16, false}, Stored(1000));
 	check_refused(read_png(empty, property, posts), ErrorCode::corrupt, property, 0);
 }
@@ -179,7 +179,7 @@ TEST_CASE("height file: raw values are little-endian") {
 	CHECK(posts.steps == std::vector<std::uint16_t>{0, 257, 32896, 65535, 771, 1028});
 }
 
-TEST_CASE("height file: raw files that fit no square or no count are rejected") {
+TEST_CASE("height file: raw files that match neither a square nor the specified count are rejected") {
 	Posts posts;
 	for (const std::size_t size : {0, 1, 2, 10, 22, 4 * 12}) {
 		const Status status = read_raw(Stored(size), {}, property, posts);
@@ -193,7 +193,7 @@ TEST_CASE("height file: raw files that fit no square or no count are rejected") 
 	check_refused(read_raw(Stored(22), {{32769, 9}, 0}, property, posts), ErrorCode::out_of_range, "post_count", 32769);
 }
 
-TEST_CASE("height file: TIFF files are rejected with a way to convert them") {
+TEST_CASE("height file: the error for a TIFF file explains how to convert it") {
 	for (const std::array<std::uint8_t, 4> &start : {std::array<std::uint8_t, 4>{'I', 'I', '*', 0},
 				 std::array<std::uint8_t, 4>{'M', 'M', 0, '*'}, std::array<std::uint8_t, 4>{'I', 'I', '+', 0}}) {
 		Stored file(32);
@@ -209,7 +209,7 @@ TEST_CASE("height file: TIFF files are rejected with a way to convert them") {
 	}
 }
 
-TEST_CASE("height file: the first bytes determine the kind") {
+TEST_CASE("height file: the first bytes of a file determine its format") {
 	CHECK(kind_of_height_file(file_of({{2, 2}, 0, 8, false})) == HeightFileKind::png);
 	CHECK(kind_of_height_file(Stored{0x76, 0x2f, 0x31, 0x01, 2}) == HeightFileKind::exr);
 	CHECK(kind_of_height_file(Stored{0x76, 0x2f}) == HeightFileKind::raw);

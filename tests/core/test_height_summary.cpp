@@ -25,7 +25,7 @@ HeightSummary summary_of(const Heightfield &field) {
 
 } // namespace
 
-TEST_CASE("height summary: integers") {
+TEST_CASE("height summary: integer samples") {
 	Heightfield field;
 	const std::vector<std::uint16_t> posts{0, 65535, 13107, 26214, 39321, 52428};
 	REQUIRE(field.set({{3, 2}, {{0.0, 0.0}, {2.0, 1.0}}, 100.0, 200.0}, posts).ok());
@@ -37,7 +37,7 @@ TEST_CASE("height summary: integers") {
 	CHECK(field.post_height({2, 0}) == doctest::Approx(120.0));
 }
 
-TEST_CASE("height summary: floats with holes") {
+TEST_CASE("height summary: float samples with holes") {
 	const std::vector<float> posts{0.25F, hole, 0.75F, 1.0F};
 	Heightfield field;
 	REQUIRE(field.set_meters({{2, 2}, {{0.0, 0.0}, {1.0, 1.0}}, 0.0, 0.0}, posts).ok());

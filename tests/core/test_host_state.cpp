@@ -1,4 +1,4 @@
-// HostState: a game's changes to the instances of layers on which other layers grow.
+// Tests HostState, which holds a game's changes to the instances of layers on which other layers grow.
 
 #include "core/base/instance_id.hpp"
 #include "core/near/host_state.hpp"

@@ -1,4 +1,4 @@
-// Layers that grow on the models of other layers. These other layers are called hosts.
+// Tests layers that grow on the models of other layers, which are called hosts.
 
 #include "core/placement/layer_edits.hpp"
 #include "core/placement/layer_graph.hpp"
@@ -257,7 +257,7 @@ TEST_CASE("hosts: an instance that is placed by hand is a host, too, even mirror
 	CHECK(placed_in(moss_on(none), ground, area).empty());
 }
 
-TEST_CASE("hosts: rules, neighbors and hosts of hosts") {
+TEST_CASE("hosts: layers on hosts can have rules and neighbors, and can be hosts themselves") {
 	const Heightfield ground = hills();
 	LayerSettings moss = moss_on(boulders());
 	const AllPlaced all = placed_in(moss, ground, area);

@@ -69,7 +69,7 @@ TEST_CASE("image mask: a pixel's center has exactly its value") {
 	}
 }
 
-TEST_CASE("image mask: bilinear between the centers, clamped at the border or wrapped") {
+TEST_CASE("image mask: densities are bilinear between pixel centers, and clamped or wrapped at the border") {
 	std::mt19937 random(1);
 	std::uniform_real_distribution<double> unit(0.0, 1.0);
 	for (int i = 0; i < 2000; ++i) {

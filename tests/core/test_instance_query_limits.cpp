@@ -38,7 +38,7 @@ struct OneLayer {
 
 } // namespace
 
-TEST_CASE("queries: the error for invalid input contains its name, and the result is empty") {
+TEST_CASE("queries: the error for invalid input names the argument, and the result is empty") {
 	World world;
 	std::vector<QueryLayer> layers = world.query_layers();
 	const InstanceQuery query{layers, world, nullptr};
@@ -95,7 +95,7 @@ TEST_CASE("queries: the error for invalid input contains its name, and the resul
 	CHECK(world.requests.empty());
 }
 
-TEST_CASE("queries: an invalid layer is rejected by its property's name, unless the filter skips it") {
+TEST_CASE("queries: the error for an invalid layer names the property, unless the filter skips the layer") {
 	World world;
 	const auto refused = [&](const std::function<void(QueryLayer &)> &spoil, ErrorCode code,
 								 const std::string &property, double value) {
@@ -119,7 +119,7 @@ TEST_CASE("queries: an invalid layer is rejected by its property's name, unless 
 	refused([](QueryLayer &layer) { layer.max_offset = -0.5; }, ErrorCode::out_of_range, "max_offset", -0.5);
 }
 
-TEST_CASE("queries: a query of too many points is rejected before any tile is generated") {
+TEST_CASE("queries: a query for too many points is rejected before any tile is generated") {
 	OneLayer dense(1.0, 50.0);
 	const InstanceQuery query = dense.query();
 	const double limit = InstanceQuery::max_points;
@@ -228,7 +228,7 @@ TEST_CASE("queries: an error of the source is returned, and an unavailable tile 
 	CHECK(hit.empty());
 }
 
-TEST_CASE("queries: instances need no allocation each") {
+TEST_CASE("queries: the number of allocations does not depend on the number of instances") {
 	OneLayer layer(0.5, 40.0);
 	const InstanceQuery query = layer.query();
 	std::vector<PlacedInstance> found;
@@ -246,7 +246,7 @@ TEST_CASE("queries: instances need no allocation each") {
 	CHECK(allocated_by([&] { return query.on_ray({1.0, 1.0, 1.0}, {60.0, 0.5, 50.0}, {}, hit); }) < 80);
 }
 
-TEST_CASE("queries: many instances are sorted by cells, which takes memory, and few are not") {
+TEST_CASE("queries: only large results are sorted by cells, which allocates memory") {
 	const auto sorting_allocates = [](int side, int apart) {
 		FoundInstances found;
 		for (int i = 0; i < side * side; ++i) {

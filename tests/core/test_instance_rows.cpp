@@ -104,7 +104,7 @@ TEST_CASE("a transform is split into rotation and scale, for any rotation") {
 	}
 }
 
-TEST_CASE("half turns are correct, for which all but one component of the quaternion are 0") {
+TEST_CASE("half turns, whose quaternions have a single nonzero component, are correct") {
 	for (const glm::quat turn :
 			{glm::quat(1, 0, 0, 0), glm::quat(0, 1, 0, 0), glm::quat(0, 0, 1, 0), glm::quat(0, 0, 0, 1)}) {
 		const TurnAndScale parts = turn_and_scale(floats_of(glm::mat3_cast(turn) * 2.0f));
@@ -139,7 +139,7 @@ TEST_CASE("a shear is reported, and the rest of the transform is kept") {
 	CHECK(parts.scale.y == doctest::Approx(std::sqrt(1.25f)));
 }
 
-TEST_CASE("flat instances have finite numbers") {
+TEST_CASE("the rows of flat instances contain only finite numbers") {
 	for (const glm::mat3 &basis :
 			{glm::mat3(0.0f), glm::mat3(1, 0, 0, 0, 0, 0, 0, 0, 1), glm::mat3(1, 0, 0, 1, 0, 0, 0, 0, 1)}) {
 		const TurnAndScale parts = turn_and_scale(floats_of(basis));

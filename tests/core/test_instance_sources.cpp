@@ -43,7 +43,7 @@ TEST_CASE("sources: randomness blends from the fraction to the random number, wi
 	}
 }
 
-TEST_CASE("sources: a curve replaces the number, also one that is random alone") {
+TEST_CASE("sources: a curve maps the fraction, even if it is purely random") {
 	const auto falling = std::make_shared<CurveTable>();
 	REQUIRE(falling->set(0.0, 1.0, std::array{1.0f, 0.0f}).ok());
 	const InstanceSource height{.kind = SourceKind::height, .randomness = 0.5, .curve = falling};
@@ -100,7 +100,7 @@ TEST_CASE("sources: unused sources and the sources of a neighbor cost nothing") 
 	CHECK(reach(layer) == 0.0);
 }
 
-TEST_CASE("sources: the error for an invalid range contains its name, if the range is used") {
+TEST_CASE("sources: the error for an invalid range names the property, if the range is used") {
 	const auto refuse = [](const InstanceSource &source, ErrorCode code, const char *property, double value) {
 		LayerSettings layer = following(source, {});
 		check_refused(validate(layer), code, property, value);

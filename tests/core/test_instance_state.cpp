@@ -71,7 +71,7 @@ TEST_CASE("state: the set of removed IDs equals a plain set") {
 	CHECK(state.removed_ids(2).empty());
 }
 
-TEST_CASE("state: data belong to an instance, removed or not, and disappear with a hand-placed one") {
+TEST_CASE("state: removed generated instances keep their data, and removing a hand-placed one deletes its data") {
 	InstanceState state;
 	const std::uint64_t point = point_id(1, 5, 5);
 	const std::uint64_t placed = added_to(state, instance_at(1.0, 1.0));
@@ -83,7 +83,7 @@ TEST_CASE("state: data belong to an instance, removed or not, and disappear with
 	Changes changes;
 	REQUIRE(InstanceState().load(bytes_of(state), changes).ok());
 	REQUIRE(changes.size() == 3);
-	for (const InstanceChange &change : changes) { // The change of a hand-placed instance contains the instance.
+	for (const InstanceChange &change : changes) { // Only the change of a hand-placed instance contains the instance.
 		CHECK(change.added == (change.id == placed ? *state.added(placed) : AddedInstance()));
 	}
 	const std::uint64_t revision = state.revision();
@@ -102,7 +102,7 @@ TEST_CASE("state: data belong to an instance, removed or not, and disappear with
 	CHECK(state.data_count() == 0);
 }
 
-TEST_CASE("state: an instance removed for a time is restored when the time is over") {
+TEST_CASE("state: an instance that is removed for a limited time is restored when the time is over") {
 	InstanceState state;
 	const std::uint64_t oak = point_id(1, 0, 0);
 	const std::uint64_t fern = point_id(2, 0, 0);
@@ -137,7 +137,7 @@ TEST_CASE("state: an instance removed for a time is restored when the time is ov
 	}
 }
 
-TEST_CASE("state: a forest that is cut repeatedly regrows in the order of its times") {
+TEST_CASE("state: a forest that is cut repeatedly regrows in the order of its regrowth times") {
 	StateRandom random(4);
 	InstanceState state;
 	std::map<std::uint64_t, double> until;

@@ -235,7 +235,7 @@ TEST_CASE("state exchange: merging is commutative, associative and idempotent") 
 	}
 }
 
-TEST_CASE("state exchange: of two removals, the longer one applies") {
+TEST_CASE("state exchange: of two removals of an instance, the longer one applies") {
 	const std::uint64_t id = point_id(1, 2, 3);
 	const auto removed_until = [id](double until) {
 		InstanceState state;

@@ -92,7 +92,7 @@ TEST_CASE("state: many instances are placed as they would be one by one, or none
 	CHECK(ids.empty());
 }
 
-TEST_CASE("state: an invalid hand-placed instance is rejected by its property") {
+TEST_CASE("state: the error for an invalid hand-placed instance names the property") {
 	InstanceState state;
 	const auto refused = [&state](const AddedInstance &instance, const char *property, ErrorCode code) {
 		std::uint64_t id = 5;

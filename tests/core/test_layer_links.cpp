@@ -53,7 +53,7 @@ std::size_t problems(const std::vector<NamedLayer> &layers, std::size_t index, c
 
 } // namespace
 
-TEST_CASE("links: the later layer of a pair yields by the larger distance, whichever layer names the other") {
+TEST_CASE("links: the later layer of a pair keeps the larger distance, whichever layer specifies it") {
 	std::vector<NamedLayer> layers{layer_named("oak"), layer_named("birch"), layer_named("fern")};
 	layers[0].spacing = {{"birch", 5.0}, {"fern", 1.0}};
 	layers[1].spacing = {{"oak", 3.0}};
@@ -210,7 +210,7 @@ TEST_CASE("links: a missing layer is not a neighbor, and a rejected one keeps it
 	CHECK(checked[1].settings == good[1].settings);
 }
 
-TEST_CASE("layers: a free name is the requested one, or has the lowest free number") {
+TEST_CASE("layers: an unused name is kept, and a used one gets the lowest free number") {
 	const std::vector<std::string> taken{"Oak", "Oak 2", "Oak 4", "Fir 2", ""};
 	CHECK(free_layer_name("Fir", taken) == "Fir");
 	CHECK(free_layer_name("Oak", taken) == "Oak 3");

@@ -26,7 +26,7 @@ LodSettings thinning() {
 
 } // namespace
 
-TEST_CASE("lod: meshes change at their distances, and back 5 % nearer") {
+TEST_CASE("lod: each mesh is used from its distance on, until the viewer is 5 % nearer") {
 	const LodSettings settings = thinning();
 	CHECK(lod_at(settings, 0.0, 0) == 0);
 	CHECK(lod_at(settings, 19.99, 0) == 0);
@@ -41,7 +41,7 @@ TEST_CASE("lod: meshes change at their distances, and back 5 % nearer") {
 	CHECK(lod_at({}, 1e5, 7) == 0);
 }
 
-TEST_CASE("lod: moving to and fro within 5 % changes a mesh once") {
+TEST_CASE("lod: moving back and forth within 5 % changes the mesh only once") {
 	const LodSettings settings = thinning();
 	std::size_t shown = lod_at(settings, 10.0, 0);
 	int changes = 0;
@@ -140,7 +140,7 @@ TEST_CASE("lod: within the margin nothing changes, for every displayed state") {
 	CHECK(distance_margin({}, 10.0) == std::numeric_limits<double>::infinity());
 }
 
-TEST_CASE("lod: the error for an invalid setting contains its name and value") {
+TEST_CASE("lod: the error for an invalid setting names the property and the value") {
 	const auto refuse = [](double LodSettings::*member, const char *property, double value, ErrorCode code) {
 		LodSettings bad = thinning();
 		bad.*member = value;

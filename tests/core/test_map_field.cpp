@@ -175,7 +175,7 @@ TEST_CASE("map field: a hole is where the color map's alpha is below a half") {
 	CHECK_FALSE(std::isnan(field.at({10.51, 4.5}).height));
 }
 
-TEST_CASE("map field: textures of splat maps are weighed, four per map") {
+TEST_CASE("map field: each splat map contains the weights of four textures") {
 	MapLayers layers = plain_layers();
 	// Without splat maps, every texture has full weight everywhere.
 	CHECK(weight(field_of({}, layers), {3.0, 3.0}, {0}) == 1.0F);
@@ -190,7 +190,7 @@ TEST_CASE("map field: textures of splat maps are weighed, four per map") {
 	CHECK(weight(field, {-5.0, 5.0}, {0}) == 0.0F);
 }
 
-TEST_CASE("map field: indexed textures are weighed, three per pixel") {
+TEST_CASE("map field: index and weight maps define three textures per pixel") {
 	MapLayers layers = plain_layers();
 	// The splat map is ignored.
 	layers.splats.push_back(bytes_grid([](glm::ivec2) { return std::array{255, 0, 0, 0}; }, 4));

@@ -17,7 +17,7 @@ LodName unmarked(const char *name) { return {name, std::nullopt}; }
 
 } // namespace
 
-TEST_CASE("lod names: marks are found in all common spellings") {
+TEST_CASE("lod names: LOD markers are recognized in all common spellings") {
 	CHECK(read_lod_name("Tree_LOD0") == LodName{"Tree", 0});
 	CHECK(read_lod_name("tree_lod1") == LodName{"tree", 1});
 	CHECK(read_lod_name("TrunkLOD2") == LodName{"Trunk", 2});
@@ -31,7 +31,7 @@ TEST_CASE("lod names: marks are found in all common spellings") {
 	CHECK(read_lod_name("A_LOD1_LOD2") == LodName{"A_LOD1", 2});
 }
 
-TEST_CASE("lod names: names without a mark have no number") {
+TEST_CASE("lod names: names without an LOD marker have no number") {
 	for (const char *name :
 			{"", "Tree", "LOD", "LOD_", "Melod1", "Plod1", "LOD100", "LOD1b", "Lodge2", "LODx1", "lod--1"}) {
 		CAPTURE(name);
@@ -39,7 +39,7 @@ TEST_CASE("lod names: names without a mark have no number") {
 	}
 }
 
-TEST_CASE("model lods: a model without marks and ranges has one LOD") {
+TEST_CASE("model lods: a model without LOD markers and ranges has one LOD") {
 	const std::vector<PartRange> parts{{"Trunk", {}}, {"Leaves", {}}};
 	CHECK(model_lods(parts) == std::vector<ModelLod>{{0.0, Parts{0, 1}}});
 	CHECK(model_lods({}).empty());
@@ -59,7 +59,7 @@ TEST_CASE("model lods: a part without a number is the finest of its name, or in 
 			std::vector<ModelLod>{{0.0, Parts{0, 2}}, {std::nullopt, Parts{1, 2}}, {std::nullopt, Parts{2, 3}}});
 }
 
-TEST_CASE("model lods: ranges determine the LODs if no name has a mark") {
+TEST_CASE("model lods: ranges determine the LODs if no name has an LOD marker") {
 	const std::vector<PartRange> parts{
 			{"Near", {}, 0.0, 30.0}, {"Far", {}, 30.0, 90.0}, {"All", {}}, {"Sign", {}, 10.0, 20.0}};
 	CHECK(model_lods(parts) ==

@@ -1,4 +1,4 @@
-// Explanations of positions on the models of other layers.
+// Tests explanations of positions on the models of other layers.
 
 #include "core/explain/model_probe.hpp"
 #include "core/explain/place_explainer.hpp"

@@ -140,7 +140,7 @@ TEST_CASE("near queue: if very many instances are removed, the nearest leave fir
 	CHECK(queue.settled());
 }
 
-TEST_CASE("near queue: instances that entered after this check have not changed") {
+TEST_CASE("near queue: an instance that enters is not also reported as changed") {
 	FlatWorld flat;
 	flat.load();
 	Follower follower;

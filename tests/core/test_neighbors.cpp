@@ -33,7 +33,7 @@ std::shared_ptr<LayerSettings> layer_of(std::uint16_t number, double radius) {
 	return layer;
 }
 
-/// Returns the positions of a layer's instances, keyed by id, in the double precision of the point
+/// Returns the positions of a layer's instances, keyed by ID, in the double precision of the point
 /// set.
 std::map<std::uint64_t, glm::dvec2> places(const LayerSettings &layer, const Terrain &terrain, const Rect &rect) {
 	const TileInstances tile = built(layer, terrain, rect);
@@ -235,7 +235,7 @@ TEST_CASE("neighbors: the areas that a tile samples are known beforehand") {
 			doctest::Approx(expected(ferns, 64.0) + expected(*shrubs, 84.0) + expected(*oaks, 124.0)));
 }
 
-TEST_CASE("neighbors: in a graph where each layer depends on all earlier ones, each counts once") {
+TEST_CASE("neighbors: in a graph where each layer depends on all earlier ones, each layer is listed once") {
 	std::vector<std::shared_ptr<const LayerSettings>> layers;
 	double points = 0.0;
 	for (std::size_t i = 0; i <= max_neighbor_depth; ++i) {
@@ -256,7 +256,7 @@ TEST_CASE("neighbors: in a graph where each layer depends on all earlier ones, e
 	check_refused(validate(deeper), ErrorCode::out_of_range, "depth of neighbors", max_neighbor_depth + 1.0);
 }
 
-TEST_CASE("neighbors: the error for invalid input contains its name") {
+TEST_CASE("neighbors: the error for invalid input names the property") {
 	LayerSettings layer = *layer_of(0, 1.0);
 	const auto refuse = [&layer](const Neighbor &neighbor, ErrorCode code, const char *property, double value) {
 		layer.neighbors = {neighbor};

@@ -203,7 +203,7 @@ TEST_CASE("obstacles: a margin that is too narrow is an error, not a different s
 	CHECK(points == plain);
 }
 
-TEST_CASE("obstacles: without any, a filled set is the plain one") {
+TEST_CASE("obstacles: without obstacles, a filled set equals the plain set") {
 	const PointSet set{.seed = 21, .radius = 1.0, .levels = 2};
 	const Rect rect{{-40.0, 5.0}, {60.0, 90.0}};
 	std::vector<SamplePoint> plain;

@@ -61,7 +61,7 @@ TEST_CASE("painted mask: a pixel covers its square and has its value at the cent
 	CHECK(mask.block_count() == 9);
 }
 
-TEST_CASE("painted mask: bilinear between centers, across the borders of blocks too") {
+TEST_CASE("painted mask: densities are bilinear between pixel centers, even across the borders of blocks") {
 	for (const double size : {1.0, 0.3}) {
 		const PaintedMask mask = noisy_mask(size, 2);
 		std::mt19937 random(3);

@@ -194,7 +194,7 @@ TEST_CASE("placement: changing one setting leaves all others unchanged") {
 	}
 }
 
-TEST_CASE("placement: the error for an invalid setting contains its name and value") {
+TEST_CASE("placement: the error for an invalid setting names the property and the value") {
 	const auto refuse = [](double Placement::*member, const char *property, double value, ErrorCode code) {
 		Placement bad;
 		bad.*member = value;
@@ -291,7 +291,7 @@ TEST_CASE("placement: a visible prefix contains the ranks below the density") {
 	CHECK(visible_prefix({}, 1.0) == 0);
 }
 
-TEST_CASE("placement: the buffer digest matches its docstring") {
+TEST_CASE("placement: the buffer digest is computed as documented") {
 	const std::vector<float> buffer{1.0f, -0.0f, 3.5f};
 	std::uint64_t expected = 0xcbf29ce484222325;
 	for (const float value : buffer) {
@@ -301,7 +301,7 @@ TEST_CASE("placement: the buffer digest matches its docstring") {
 	CHECK(digest(std::span<const float>()) == 0xcbf29ce484222325);
 }
 
-TEST_CASE("placement: many ranks are radix sorted, which takes memory, and few are not") {
+TEST_CASE("placement: only large numbers of ranks are radix sorted, which allocates memory") {
 	for (const std::size_t count : {std::size_t{100}, std::size_t{1000}}) {
 		std::vector<std::uint64_t> keys;
 		const std::vector<std::uint64_t> ids(count);

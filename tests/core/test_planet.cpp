@@ -1,4 +1,4 @@
-// Layers on planets: up directions, slopes, altitudes and cubic tiles.
+// Tests layers on planets: up directions, slopes, altitudes and cubic tiles.
 
 #include "core/base/planet.hpp"
 #include "core/base/tile_grid.hpp"
@@ -126,7 +126,7 @@ TEST_CASE("planet: up is away from the center, and heights are altitudes") {
 	CHECK_FALSE(Planet().exists());
 }
 
-TEST_CASE("planet: only layers on surfaces have one") {
+TEST_CASE("planet: only layers on surfaces can have a planet") {
 	LayerSettings layer = layer_on_planet(1.0);
 	CHECK(validate(layer).ok());
 	layer.set.on_surface = false;
@@ -139,7 +139,7 @@ TEST_CASE("planet: only layers on surfaces have one") {
 	CHECK(std::string_view(validate(layer).property) == "planet_center.z");
 }
 
-TEST_CASE("planet: the space of a tile, and distances to it") {
+TEST_CASE("planet: the box that a tile covers, and distances to it") {
 	CHECK(tile_space(4.0, {1, -2}).covers_all_heights());
 	const TileSpace space = tile_space(4.0, {1, -2}, -3);
 	CHECK(space.bottom == -12.0);

@@ -1,4 +1,4 @@
-// Queries, NearQueue and overlays on a planet, on which tiles are cubes.
+// Tests queries, NearQueue and overlays on a planet, whose tiles are cubes.
 
 #include "core/base/planet.hpp"
 #include "core/near/near_queue.hpp"
@@ -94,7 +94,7 @@ std::vector<glm::dvec3> places() {
 
 } // namespace
 
-TEST_CASE("planet queries: spheres, rectangles, the nearest instance and ids, from pole to pole") {
+TEST_CASE("planet queries: spheres, rectangles, the nearest instance and IDs, from pole to pole") {
 	PlanetWorld planet;
 	const std::vector<PlacedInstance> all = planet.all();
 	CHECK(all.size() > 7000);
@@ -134,7 +134,7 @@ TEST_CASE("planet queries: spheres, rectangles, the nearest instance and ids, fr
 	}
 }
 
-TEST_CASE("planet queries: heights of cells that ids encode") {
+TEST_CASE("planet queries: an instance is within the height range of the cell that its ID encodes") {
 	PlanetWorld planet;
 	for (const PlacedInstance &each : planet.all()) {
 		const CellHeights heights = cell_heights(planet.settings.set, each.id);

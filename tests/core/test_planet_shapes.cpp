@@ -1,4 +1,4 @@
-// Shapes that act at any height on a planet: they follow the direction away from its center.
+// Shapes that act at any height on a planet: they extend along the direction away from its center.
 
 #include "core/rules/planet_map.hpp"
 #include "core/rules/shape_edits.hpp"
@@ -81,7 +81,7 @@ TEST_CASE("planet shapes: a map keeps lengths in its middle, and angles everywhe
 	CHECK_FALSE(PlanetMap().exists());
 }
 
-TEST_CASE("planet shapes: a cylinder covers the same ground wherever it stands, at every altitude") {
+TEST_CASE("planet shapes: a cylinder covers the same area wherever it is placed, at every altitude") {
 	std::mt19937 random(4);
 	for (int i = 0; i < 200; ++i) {
 		glm::dmat3 axes = random_axes(random);

@@ -1,4 +1,4 @@
-// The cubic tiles of layers on planets that are requested and dropped around viewers.
+// Tests how the cubic tiles of layers on planets are requested and dropped around viewers.
 
 #include "core/base/sight.hpp"
 #include "core/base/tile_grid.hpp"
@@ -113,7 +113,7 @@ TEST_CASE("planet streaming: cubes are wanted by their distances in space") {
 		CHECK(stage.shown.size() >= near);
 		CHECK(stage.shown.size() < 3 * near);
 	}
-	stage.settle({{0.0, 0.0}, 1.0, 1000.0}); // No tile is near this viewer.
+	stage.settle({{0.0, 0.0}, 1.0, 1000.0}); // This viewer is far from all tiles.
 	CHECK(stage.shown.empty());
 }
 
@@ -175,7 +175,7 @@ TEST_CASE("planet streaming: cubes without ground are not streamed, also after t
 	CHECK(none.shown.empty());
 }
 
-TEST_CASE("planet streaming: limits, and layers that get or lose a planet") {
+TEST_CASE("planet streaming: invalid settings are rejected, and a layer may get or lose a planet") {
 	TileStreamer streamer;
 	StreamLayer layer{.tile_size = 16.0, .view_distance = 300.0, .bottom = -400.0, .top = 400.0};
 	const Status status = streamer.set_layers({&layer, 1});

@@ -123,7 +123,7 @@ TEST_CASE("post grid: a patched field equals the field of the patched samples, b
 	}
 }
 
-TEST_CASE("post grid: patches accumulate, and each copy has its own") {
+TEST_CASE("post grid: patches accumulate, and each copy has its own patches") {
 	const glm::ivec2 count(400, 300);
 	const auto posts = static_cast<std::size_t>(count.x) * static_cast<std::size_t>(count.y);
 	std::vector<std::uint16_t> steps = random_steps(posts, 5);

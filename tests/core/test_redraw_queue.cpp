@@ -64,7 +64,7 @@ TEST_CASE("redraw queue: the version separates uploads from before a change from
 	CHECK(queue.version() > second); // The version increases even if no visible tile is affected.
 }
 
-TEST_CASE("redraw queue: each tile for later is returned once, sorted by layer and position, the newest grid first") {
+TEST_CASE("redraw queue: each postponed tile is returned once, sorted by layer and position, the newest grid first") {
 	RedrawQueue queue;
 	const std::vector<TileKey> sorted{
 			{0, 1, {-3, 9}}, {0, 1, {-3, 10}}, {0, 5, {2, 0}}, {0, 4, {2, 0}}, {1, 2, {-9, 0}}};

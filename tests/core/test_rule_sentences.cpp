@@ -61,7 +61,7 @@ TEST_CASE("rule sentences: a value just beyond a limit is not printed as the lim
 	CHECK(number_text(2.004, 2.0) == "2.004");
 }
 
-TEST_CASE("rule sentences: other layers, regions and fields have their names") {
+TEST_CASE("rule sentences: other layers, regions and fields are named") {
 	LayerSettings layer;
 	const auto other = std::make_shared<LayerSettings>();
 	layer.neighbors = {{other, 3.0, nullptr}};

@@ -43,7 +43,7 @@ TEST_CASE("sample margins: a margin that has to grow produces the same points") 
 	}
 }
 
-TEST_CASE("sample margins: an area that the widest margin cannot decide is rejected by set and position") {
+TEST_CASE("sample margins: the error for an area that the widest margin cannot decide names the set and a position") {
 	for (const std::uint32_t levels : {1u, 3u}) {
 		CAPTURE(levels);
 		const PointSet set{.seed = ~std::uint64_t{0}, .radius = 2.5, .levels = levels};

@@ -88,7 +88,7 @@ Points coast(std::size_t count) {
 
 } // namespace
 
-TEST_CASE("outlines: a polygon's border is outside, depth is the distance to it") {
+TEST_CASE("outlines: a polygon's border is outside, and the depth is the distance to the border") {
 	const Points square{{-4.0, -2.0}, {4.0, -2.0}, {4.0, 2.0}, {-4.0, 2.0}};
 	const ShapeSet sharp = set_of({polygon(square)});
 	const ShapeSet soft = set_of({polygon(square, 2.0)});
@@ -199,7 +199,7 @@ TEST_CASE("outlines: a path has round ends and round bends, and its border is ou
 	CHECK(density_at(soft, 5.0, 2.5) == 0.0);
 }
 
-TEST_CASE("outlines: repeated points of a path have no effect; a path with a single position is a disc") {
+TEST_CASE("outlines: repeated points of a path have no effect; a path with a single point is a disc") {
 	const ShapeSet plain = set_of({path({{0.0, 0.0}, {10.0, 5.0}, {12.0, -3.0}}, 2.0, 2.0)});
 	const ShapeSet repeated = set_of({path(
 			{{0.0, 0.0}, {0.0, 0.0}, {10.0, 5.0}, {10.0, 5.0}, {10.0, 5.0}, {12.0, -3.0}, {12.0, -3.0}}, 2.0, 2.0)});

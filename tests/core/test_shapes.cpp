@@ -184,7 +184,7 @@ TEST_CASE("shapes: bounds contain the border with a minimal margin") {
 	CHECK(bounds(box({-3.0, 0.0, -4.0}, {3.0, 1.0, 4.0})).contains({0.0, 0.0})); // A border at 0 has a margin as well.
 }
 
-TEST_CASE("shapes: the strongest including shape times the remainder of the strongest excluding one") {
+TEST_CASE("shapes: the density is the strongest inclusion times the remainder of the strongest exclusion") {
 	Shape wide = box({0.0, 0.0, 0.0}, {100.0, 100.0, 100.0});
 	wide.falloff = 100.0;
 	Shape narrow = box({0.0, 0.0, 0.0}, {10.0, 100.0, 10.0});
@@ -259,7 +259,7 @@ TEST_CASE("shapes: near returns the shapes that touch an area, in order, and bou
 	}
 }
 
-TEST_CASE("shapes: moving, adding or removing one has no effect outside its old and its new bounds") {
+TEST_CASE("shapes: moving, adding or removing a shape has no effect outside its old and its new bounds") {
 	std::mt19937 random(6);
 	std::uniform_real_distribution<double> unit(-1.0, 1.0);
 	int changed = 0;

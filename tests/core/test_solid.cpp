@@ -1,4 +1,4 @@
-// Tests the triangles of simple solids: closed, with fronts outward, at the right size.
+// Tests the triangles of simple solids: they are closed, face outward and have the requested size.
 
 #include "core/terrain/solid.hpp"
 
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 
-/// Six times the volume inside clockwise triangles, divided by -6. Negative if the fronts face in.
+/// Returns the volume inside clockwise triangles. It is negative if their fronts face inward.
 double volume_of(const std::vector<glm::vec3> &corners) {
 	double sum = 0.0;
 	for (std::size_t index = 0; index < corners.size(); index += 3) {
@@ -30,7 +30,7 @@ double volume_of(const std::vector<glm::vec3> &corners) {
 	return sum / 6.0;
 }
 
-/// Whether each edge belongs to two triangles that run along it in opposite directions.
+/// Returns true if each edge belongs to two triangles that traverse it in opposite directions.
 bool is_closed(const std::vector<glm::vec3> &corners) {
 	using Point = std::array<float, 3>;
 	std::map<std::pair<Point, Point>, int> edges;
@@ -60,7 +60,7 @@ glm::vec3 extent_of(const std::vector<glm::vec3> &corners) {
 
 } // namespace
 
-TEST_CASE("solid: a box has its size and its fronts outside") {
+TEST_CASE("solid: a box has the requested size, and its front faces point outward") {
 	std::vector<glm::vec3> corners;
 	append_box({2.0, 3.0, 4.0}, corners);
 	CHECK(corners.size() == 36);
@@ -72,7 +72,11 @@ TEST_CASE("solid: a box has its size and its fronts outside") {
 TEST_CASE("solid: cylinders, capsules and spheres are closed, and as large as requested") {
 	for (const double radius : {0.05, 1.0, 30.0, 2000.0}) {
 		CAPTURE(radius);
-		const double loss = 1.0 - 20.0 / (sides_of(radius) * sides_of(radius)); // Of flat sides, in volume.
+		const double loss = 1.0 -
+				20.0 /
+						(sides_of(radius) *
+								sides_of(
+										radius)); // A lower bound for the fraction of the volume that flat sides leave.
 		std::vector<glm::vec3> cylinder;
 		append_cylinder(radius, 3.0 * radius, cylinder);
 		CHECK(is_closed(cylinder));

@@ -260,7 +260,7 @@ TEST_CASE("sources: repeated calls allocate nothing") {
 	CHECK(after == before);
 }
 
-TEST_CASE("sources: cancelling ends the evaluation of sources") {
+TEST_CASE("sources: canceling ends the evaluation of sources") {
 	class Cancelling final : public DensityField {
 	public:
 		explicit Cancelling(std::atomic<bool> &cancel) : cancel_(cancel) {}

@@ -54,7 +54,7 @@ TEST_CASE("state join: both directions have equal bytes") {
 	}
 }
 
-TEST_CASE("state join: of two data, the later ones win, or the greater bytes at equal times") {
+TEST_CASE("state join: data written later wins, or the greater bytes if the times are equal") {
 	const std::uint64_t id = point_id(1, 2, 3);
 	InstanceState early = state_at(10.0);
 	InstanceState late = state_at(20.0);
@@ -98,7 +98,7 @@ TEST_CASE("state join: of two positions of an instance, the later one wins") {
 	CHECK(joined(d, c).added(id)->position.x == 60.0);
 }
 
-TEST_CASE("state join: restoring, removing and erasing is undone by a peer without that change") {
+TEST_CASE("state join: a peer that still has a change restores it after another peer has reverted it") {
 	InstanceState a;
 	const std::uint64_t point = point_id(1, 4, 4);
 	a.remove(point);

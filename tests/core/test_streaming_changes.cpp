@@ -255,7 +255,7 @@ TEST_CASE("streaming: an old tile is dropped if its replacement is canceled out 
 	check_view(stage, {{40.0, 100.0}}, viewers);
 }
 
-TEST_CASE("streaming: the error for invalid input contains its name and value, and the last valid state stays") {
+TEST_CASE("streaming: the error for invalid input names the property and the value, and the last valid state stays") {
 	Stage stage(two_layers);
 	const std::vector<Viewer> viewers{{{0.0, 0.0}}};
 	stage.settle(viewers);
@@ -297,7 +297,7 @@ TEST_CASE("streaming: the error for invalid input contains its name and value, a
 	CHECK_FALSE(stage.streamer.finish({}));
 }
 
-TEST_CASE("streaming: a layer that is edited in every frame, for example by a slider, fills no queue") {
+TEST_CASE("streaming: a layer that is edited in every frame, for example by a slider, does not fill the queue") {
 	TileStreamer streamer;
 	REQUIRE(streamer.set_layers(std::vector<StreamLayer>{{8.0, 100.0}}).ok());
 	StreamChanges changes;

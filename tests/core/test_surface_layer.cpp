@@ -1,4 +1,4 @@
-// Layers on all surfaces of the ground: levels, slopes beyond the vertical, distances in space, tiles and ids.
+// Tests layers on all surfaces of the ground: levels, slopes beyond the vertical, distances in space, tiles and IDs.
 
 #include "core/base/instance_id.hpp"
 #include "core/explain/place_explainer.hpp"
@@ -192,7 +192,7 @@ TEST_CASE("surface layer: distances to other layers are measured in space") {
 	check_spacing(false, false, false);
 }
 
-TEST_CASE("surface layer: an id names a cell that contains the point, and compact tiles keep it") {
+TEST_CASE("surface layer: an ID identifies the cell that contains the point, and compact tiles preserve it") {
 	const TriangleParts ground = ground_of({part_of(level(-7.0)), part_of(surfaces::sphere(15.0, 12))});
 	const LayerSettings layer = layer_on_surfaces(0.7);
 	const TileInstances tile = built(layer, ground, around_origin);
@@ -216,7 +216,7 @@ TEST_CASE("surface layer: an id names a cell that contains the point, and compac
 	}
 }
 
-TEST_CASE("surface layer: ground without surfaces has no instances, and ground beyond the range of ids is rejected") {
+TEST_CASE("surface layer: ground without surfaces has no instances, and ground beyond the range of IDs is rejected") {
 	CHECK(placed_in(layer_on_surfaces(), FlatTerrain(0.0f), around_origin).empty());
 	TileInstances tile;
 	const TriangleParts high = ground_of({part_of(level(6000.0))});
@@ -302,12 +302,12 @@ LayerSettings feathered() {
 }
 
 /// Compares a layer with the same layer without an edge feather. Checks that the feather thins the
-/// layer towards an edge from which `inside` returns the distance in meters, and nowhere else.
+/// layer toward an edge from which `inside` returns the distance in meters, and nowhere else.
 void check_thinning(const LayerSettings &layer, const Terrain &ground, const auto &inside) {
 	LayerSettings plain = layer;
 	plain.rules.edge_feather = 0.0;
 	const auto thinned = placed_in(layer, ground, around_origin);
-	std::array<int, 3> all{}; // In the outer and in the inner half of the feather, and beyond it.
+	std::array<int, 3> all{}; // The counts in the outer and inner half of the feather, and beyond it.
 	std::array<int, 3> kept{};
 	for (const auto &[id, each] : placed_in(plain, ground, around_origin)) {
 		const double depth = inside(each.position);
@@ -327,7 +327,7 @@ double to_border(double a, double b) { return 20.0 - std::max(std::abs(a), std::
 
 } // namespace
 
-TEST_CASE("surface layer: an edge feather thins towards the border of a floor, a wall and a ceiling") {
+TEST_CASE("surface layer: an edge feather thins toward the border of a floor, a wall and a ceiling") {
 	check_thinning(
 			feathered(), ground_of({part_of(level(2.0))}), [](const glm::dvec3 &at) { return to_border(at.x, at.z); });
 	check_thinning(feathered(), ground_of({part_of(level(2.0, false))}),
@@ -336,7 +336,7 @@ TEST_CASE("surface layer: an edge feather thins towards the border of a floor, a
 			feathered(), ground_of({part_of(wall(3.0))}), [](const glm::dvec3 &at) { return to_border(at.y, at.z); });
 }
 
-TEST_CASE("surface layer: an edge feather thins towards a region, a steep face and a limit of height") {
+TEST_CASE("surface layer: an edge feather thins toward a region, a steep face and a limit of height") {
 	LayerSettings layer = feathered();
 	auto shapes = std::make_shared<ShapeSet>();
 	Shape box;

@@ -1,4 +1,4 @@
-// Lines that meet surfaces, as the editor's tools use them.
+// Tests where lines intersect surfaces. The editor's tools use such lines.
 
 #include "core/terrain/surface_line.hpp"
 #include "surface_fixture.hpp"

@@ -165,7 +165,7 @@ TEST_CASE("surface sampler: the triangles of a heightfield have the points of a 
 	CHECK(points == all_points(set, *mesh.surface()));
 }
 
-TEST_CASE("surfaces: no two points are closer than the radius, and nowhere is room for another") {
+TEST_CASE("surfaces: no two points are closer than the radius, and no gap has room for another point") {
 	check_distances(facing({0, 1, 0}, 40.0, 20), {.seed = 1});
 	// This plane is a common face of cells.
 	check_distances(square(40.0, 20, {0, 0, 0}, {1, 0, 0}, {0, 0, 1}), {.seed = 2});
@@ -207,7 +207,7 @@ TEST_CASE("surfaces: no line of the lattice is left where another point would fi
 	}
 }
 
-TEST_CASE("surfaces: with faces that point up, the underside of a thin bridge takes no room from its top") {
+TEST_CASE("surfaces: with faces that point up, the underside of a thin bridge takes no space from its top") {
 	const glm::dvec3 x(1.0, 0.0, 0.0);
 	const glm::dvec3 z(0.0, 0.0, 1.0);
 	const Triangles top = square(12.0, 4, glm::dvec3(0.0), z, x);
@@ -237,7 +237,7 @@ TEST_CASE("surfaces: with faces that point up, the underside of a thin bridge ta
 	}
 }
 
-TEST_CASE("surfaces: ids are unique") {
+TEST_CASE("surfaces: IDs are unique") {
 	const std::vector<SurfacePoint> points = all_points({.seed = 3, .layer = 5}, *sphere(15.0, 60).surface());
 	CHECK(ids(points).size() == points.size());
 	CHECK(std::ranges::all_of(points, [](const SurfacePoint &point) { return point.id >> 48 == 5; }));
@@ -489,7 +489,7 @@ TEST_CASE("surfaces: a large triangle in a small window costs no more than the w
 	CHECK(sampler.stats().cells < 20000);
 }
 
-TEST_CASE("surfaces: a call can be cancelled and reports its progress") {
+TEST_CASE("surfaces: a call can be canceled and reports its progress") {
 	const auto surface = sphere(60.0, 60).surface();
 	std::atomic<bool> cancel = false;
 	double last = 0.0;

@@ -44,7 +44,7 @@ bool same_bits(const Ground &a, const Ground &b) { return std::memcmp(&a, &b, si
 
 } // namespace
 
-TEST_CASE("terrain: samples in meters keep their height, regardless of the frame's heights") {
+TEST_CASE("terrain: samples in meters keep their height, regardless of the frame's height range") {
 	const auto posts = random_meters(1);
 	HeightfieldFrame other = frame;
 	other.min_height = other.max_height = 5.0;

@@ -124,7 +124,7 @@ TEST_CASE("tile: repeated builds allocate nothing") {
 	CHECK(after == before);
 }
 
-TEST_CASE("tile: cancelling ends the build with a valid tile") {
+TEST_CASE("tile: canceling ends the build with a valid tile") {
 	TileBuilder builder;
 	TileInstances tile;
 	std::atomic<bool> cancel = true;
@@ -142,7 +142,7 @@ TEST_CASE("tile: cancelling ends the build with a valid tile") {
 	CHECK(digest(tile) == digest(built(rich_layer(), hills(), tile_of_hills)));
 }
 
-TEST_CASE("tile: the error for invalid input contains its name and value, and the tile stays unchanged") {
+TEST_CASE("tile: the error for invalid input names the property and the value, and the tile stays unchanged") {
 	const Heightfield terrain = hills();
 	TileBuilder builder;
 	TileInstances tile = built(rich_layer(), terrain, tile_of_hills);

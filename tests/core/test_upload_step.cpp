@@ -20,7 +20,7 @@ std::size_t visuals_in_step(std::size_t instances) {
 
 } // namespace
 
-TEST_CASE("upload step: a step uploads at least one visual, and few instances or visuals beyond that") {
+TEST_CASE("upload step: a step uploads at least one visual, and otherwise limits both instances and visuals") {
 	CHECK(visuals_in_step(1'000'000) == 1);
 	CHECK(visuals_in_step(4096) == 1);
 	CHECK(visuals_in_step(4095) == 2);

@@ -107,7 +107,7 @@ TEST_CASE("windows: all levels return the same points through small tiles") {
 	}
 }
 
-TEST_CASE("windows: where the margin was too small at first") {
+TEST_CASE("windows: where the margin was too small at first, the points are the same") {
 	// About one cell in a million depends on a chain that leaves the initial margin. In a wide
 	// window, most chains are well inside. In strips one cell wide, all cells are at the border, so
 	// such chains are found quickly.

@@ -34,7 +34,7 @@ inline Status check_positive(const char *property, double value) {
 
 /// Values of Status::remedy that several modules share.
 inline constexpr const char *negative_size = "Use a size that is not negative";
-inline constexpr const char *newer_version = "A newer version of Thicket wrote it: update this one";
+inline constexpr const char *newer_version = "A newer version of Thicket created this data. Update Thicket to read it";
 
 /// Returns an error if the maximum of a range is below its minimum. The status names the maximum,
 /// `max_property`.

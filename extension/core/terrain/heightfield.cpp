@@ -168,11 +168,11 @@ void Heightfield::take(HeightPosts posts) {
 Status Heightfield::check_patch(const PixelRect &rect, std::size_t posts, bool fits) const {
 	const glm::ivec2 count = frame_.posts;
 	if (!fits) {
-		return {ErrorCode::missing, "posts of the kind", 0.0};
+		return {ErrorCode::missing, "height samples of this type", 0.0};
 	}
 	if (rect.empty() || rect.min.x < 0 || rect.min.y < 0 || rect.max.x > count.x || rect.max.y > count.y) {
 		return {ErrorCode::out_of_range, "rect", static_cast<double>(rect.min.x), {}, {},
-				"Stay within the posts of the map"};
+				"Use a non-empty rectangle that lies within the height map"};
 	}
 	if (const std::size_t needed = static_cast<std::size_t>(rect.size().x) * static_cast<std::size_t>(rect.size().y);
 			posts != needed) {

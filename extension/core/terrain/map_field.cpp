@@ -26,13 +26,13 @@ constexpr int textures_per_splat = 4;
 Status check_layer(const char *name, const PixelGrid &layer, glm::ivec2 posts) {
 	return layer.empty() || layer.size() == posts
 			? Status{}
-			: Status::wrong_size(name, layer.size().x, exactly(posts.x, "columns, as the height map"));
+			: Status::wrong_size(name, layer.size().x, exactly(posts.x, "columns, like the height map"));
 }
 
 Status check(const MapLayers &layers) {
 	const glm::ivec2 posts = layers.heights.size();
 	if (posts.x < 2 || posts.y < 2) {
-		return Status::wrong_size("height map", std::min(posts.x, posts.y), at_least(2, "posts on each side"));
+		return Status::wrong_size("height map", std::min(posts.x, posts.y), at_least(2, "height samples on each axis"));
 	}
 	Status status = first_failure(check_layer("color map", layers.colors, posts),
 			check_layer("splat index map", layers.indices, posts),
