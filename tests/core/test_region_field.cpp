@@ -152,7 +152,7 @@ TEST_CASE("region field: normals equal Terrain3D's, from the heights of the next
 }
 
 TEST_CASE("region field: the previous sample's control bits determine the textures, painted by hand or by slope and "
-          "height") {
+		  "height") {
 	World world;
 	world.height = [](glm::ivec2 post) {
 		return static_cast<float>(post.x);

@@ -259,7 +259,7 @@ def test_the_tools_appear_once_the_library_is_loaded(godot, libraryless_project)
     are in library_later.gd."""
     done = godot(["--editor", "--path", libraryless_project, "--", "library_later"], timeout=200)
     printed = done.stdout + done.stderr
-    assert "library later: the tools are there" in printed and "library reloaded: the panel has added a layer" in printed, printed
+    assert "library later: the tools exist" in printed and "library reloaded: the panel has added a layer" in printed, printed
     assert "SCRIPT ERROR" not in printed, printed
 
 

@@ -25,7 +25,7 @@ const DYNAMIC: Dictionary[String, PackedStringArray] = {
 	"ground_buttons.gd": ["generate_collisions", "collision_layer", "data", "getHeightAtPosition", "get_internal_transform", "get_data",
 		"get_height", "get_voxel_tool", "is_area_meshed"],
 }
-## A pattern for calls that take a member's name as a string.
+## Matches calls that take a member's name as a string.
 const BY_NAME := "(\\w+|\\])\\)?\\.(?:[gs]et(?:_deferred|_indexed)?|callv?(?:_deferred)?|has_(?:method|signal)|(?:dis)?connect|emit_signal)" \
 		+ "\\(&?\"(\\w+)\""
 const UNDO := "add_(?:do|undo)_(property|method)\\((\\w+), &\"(\\w+)\""
@@ -61,7 +61,7 @@ func _initialize() -> void:
 			"renamed": _rename_members(path)
 	if part == "names":
 		for folder in _typed_folders():
-			_check(FileAccess.file_exists(ADDON + folder + "/.gdignore"), folder, "the editor indexes it")
+			_check(FileAccess.file_exists(ADDON + folder + "/.gdignore"), folder, "the editor indexes this folder, because it has no .gdignore file")
 	print("addon scripts: %d looked at, %d wrong" % [_looked, _wrong])
 	quit()
 
@@ -76,7 +76,7 @@ func _scripts(folder: String) -> PackedStringArray:
 	return result
 
 
-## Returns whether the library gate (library_gate.gd) loads a script. Such a script may use the library's classes as types.
+## Returns true if the library gate (library_gate.gd) loads a script. Such a script may use the library's classes as types.
 static func _is_typed(path: String) -> bool:
 	return path.trim_prefix(ADDON).get_slice("/", 0) in _typed_folders()
 
@@ -101,10 +101,10 @@ func _check_names(path: String, code: String) -> void:
 		elif _is_typed(path):
 			var name := found.get_string(2)
 			_check(_is_dictionary(code, found.get_string(1)) or name in DYNAMIC.get(path.get_file(), []) or not _own.has(name)
-					and code[found.get_start(2) - 2] != "&", path, "%s is accessed by name: use its type" % name)
+					and code[found.get_start(2) - 2] != "&", path, "%s is accessed by name. Access it through a typed variable instead" % name)
 		elif not found.get_string(1) in UNTYPED:
 			_check(not _own.has(found.get_string(2)) or found.get_string(1) in FOREIGN.get(path.get_file(), []), path,
-					"the class of %s, whose member %s is accessed by name, is unknown: add it to UNTYPED" % [found.get_string(1), found.get_string(2)])
+					"the class of %s, whose member %s is accessed by name, is unknown. Add the variable to UNTYPED" % [found.get_string(1), found.get_string(2)])
 	for found in RegEx.create_from_string(UNDO).search_all(code):
 		seen[found.get_start(3)] = true
 		_check(_has_member(code, found.get_string(2), found.get_string(3)), path, "%s has no %s" % [found.get_string(2), found.get_string(3)])
@@ -122,7 +122,7 @@ func _check_names(path: String, code: String) -> void:
 		_check(ClassDB.class_exists(found.get_string(1)) or found.get_string(1) in NO_CLASSES, path, "there is no class " + found.get_string(1))
 
 
-## Checks that every member exists that an untyped script accesses through a variable in UNTYPED.
+## Checks that every member that an untyped script accesses through a variable in UNTYPED exists.
 func _check_untyped(path: String, code: String) -> void:
 	for variable in UNTYPED:
 		var by_name := "\\b%s\\)?\\.(?:get|set|call)\\(&?\"(\\w+)\"" % variable
@@ -131,12 +131,12 @@ func _check_untyped(path: String, code: String) -> void:
 			_check(_class_has(UNTYPED[variable], found.get_string(1)), path, "%s has no %s" % [UNTYPED[variable], found.get_string(1)])
 
 
-## Returns whether a script declares a variable as a Dictionary. Also true for "Dictionary" itself, which ends a cast.
+## Returns true if a script declares a variable as a Dictionary, or if the name is "Dictionary", which ends a cast.
 static func _is_dictionary(code: String, variable: String) -> bool:
 	return variable == "Dictionary" or RegEx.create_from_string("\\b%s: Dictionary\\b" % variable).search(code) != null
 
 
-## Returns whether the declared type of a script's variable, a class or a preloaded script, has a member.
+## Returns true if the declared type of a script's variable, a class or a preloaded script, has a member.
 func _has_member(code: String, variable: String, member: String) -> bool:
 	if variable == "self":
 		return _has_function(code, member)

@@ -1,5 +1,5 @@
 extends SceneTree
-## Base class for the small scenes that tests/engine/test_allocations.py runs once for each failing allocation. Together, they use much of
+## Base class for the small scenes that tests/engine/test_allocations.py runs once for each failing allocation. Together, they cover much of
 ## the library.
 ##
 ## Steps never await, so `_run` continues with the next step when one fails. At the end, it prints "result: " and a hash of all results.

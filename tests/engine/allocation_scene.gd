@@ -29,7 +29,7 @@ func make_scene() -> void:
 	scatter.add_child(glade)
 
 
-## Returns a model that is drawn as `far` from 20 m on.
+## Returns a model whose LOD `far` is drawn from 20 m on.
 func make_model(near: Mesh, far: Mesh) -> ScatterModel:
 	var model := ScatterModel.new()
 	model.lods = [ScatterLod.new(), ScatterLod.new()]

@@ -94,7 +94,7 @@ func test_high_and_orthogonal_cameras_see_the_same_as_low_ones() -> void:
 		await frames(2)
 
 
-## A camera that is not a viewer also draws a complete image.
+## A camera that is not a viewer still renders a complete image.
 func test_a_camera_that_is_not_a_viewer_sees_everything() -> void:
 	stage()
 	var shares := {}
@@ -115,7 +115,7 @@ func test_a_camera_that_is_not_a_viewer_sees_everything() -> void:
 		await frames(2)
 	check(shares[false][0] > 0.1, "fractions of red pixels: %s" % [shares])
 	for index in 2: # The fading material also lights the shaded sides.
-		check(absf(shares[true][index] / shares[false][index] - 1.15) < 0.1, "as many red pixels with a material that fades: %s" % shares)
+		check(absf(shares[true][index] / shares[false][index] - 1.15) < 0.1, "a fading material shows about as many red pixels: %s" % shares)
 
 
 ## Tiles surround the point on the ground at the center of the image, regardless of the ground's height.
@@ -135,7 +135,7 @@ func test_tiles_surround_the_target_of_an_orthogonal_camera() -> void:
 	var shown := scatter.get_shown_tiles(scatter.layers[0])
 	for tile: Vector2i in shown:
 		middle += (Vector2(tile) + Vector2.ONE * 0.5) * layer.tile_size / shown.size()
-	check(middle.distance_to(Vector2(1000.0, -1000.0)) < layer.tile_size, "the middle of the tiles is %s" % middle)
+	check(middle.distance_to(Vector2(1000.0, -1000.0)) < layer.tile_size, "the tiles must surround the target, their middle is %s" % middle)
 
 
 ## A small view shows fine LODs and a large one coarse LODs, regardless of the camera's distance.
@@ -156,7 +156,7 @@ func test_the_size_of_an_orthogonal_view_chooses_lods() -> void:
 					func(multimesh: RID) -> RID: return RenderingServer.multimesh_get_mesh(multimesh))
 			fine[[size, height]] = lod_mesh(layer, 0, 0).get_rid() in meshes
 	check_equal(fine, {[40.0, 200.0]: true, [40.0, 2000.0]: true, [400.0, 200.0]: false, [400.0, 2000.0]: false},
-			"fine mesh below the camera, by size and height")
+			"whether the fine mesh is drawn below the camera, by view size and height")
 
 
 ## A viewer with twice the distance scale sees four times the ground. The fade at the view distance scales too.
@@ -191,7 +191,7 @@ func test_nodes_share_a_material() -> void:
 		scatters.append(quick_scatter([layer], ScatterGroundFlat.new(), player))
 		await settle(scatters[-1])
 		seen.append(await red())
-	check(seen[0] > 0.01 and absf(seen[1] - 2.0 * seen[0]) < 0.3 * seen[0], "twice as many red pixels: %s" % [seen])
+	check(seen[0] > 0.01 and absf(seen[1] - 2.0 * seen[0]) < 0.3 * seen[0], "two nodes show twice as many red pixels as one: %s" % [seen])
 	scatters[0].free()
 	await frames(2)
-	check(absf(await red() - seen[0]) < 0.3 * seen[0], "as many as before after one node was freed: %s" % [seen])
+	check(absf(await red() - seen[0]) < 0.3 * seen[0], "after one node was freed, the other shows as many as before: %s" % [seen])

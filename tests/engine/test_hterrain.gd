@@ -47,7 +47,7 @@ func test_the_copy_makes_no_calls_for_single_positions() -> void:
 		check_equal(node.get_data().point_calls, 0, "calls for single positions")
 		var terrain: ScatterGroundNode = scatter.ground
 		for word: String in ["HTerrain", "65 x 65", "no textures"]:
-			check(word in terrain.recognized, "'%s' in '%s'" % [word, terrain.recognized])
+			check(word in terrain.recognized, "expected '%s' in '%s'" % [word, terrain.recognized])
 		check_equal(scatter.get_problems().size(), 0, "no problems: %s" % [scatter.get_problems()])
 		scatter.free()
 		node.free()
@@ -82,9 +82,9 @@ func test_textures_of_splat_maps() -> void:
 	second.fill_rect(Rect2i(0, 33, 65, 32), Color(0.0, 0.0, 0.0, 1.0))
 	var all := (await count_on(node, [])).size()
 	var near := await count_on(node, [1])
-	check(near.size() > 100 and near.all(func(one: Transform3D) -> bool: return one.origin.z < 2.1), "texture 1 is in front")
-	check((await count_on(node, [7])).size() > 100, "texture 7")
-	check_equal((await count_on(node, [1, 7])).size(), all, "both cover everything")
+	check(near.size() > 100 and near.all(func(one: Transform3D) -> bool: return one.origin.z < 2.1), "texture 1 covers only the front half")
+	check((await count_on(node, [7])).size() > 100, "texture 7 has instances")
+	check_equal((await count_on(node, [1, 7])).size(), all, "textures 1 and 7 together cover everything")
 	check_equal((await count_on(node, [0, 2, 3, 4, 5, 6, 8])).size(), 0, "textures that do not occur")
 
 
@@ -96,7 +96,7 @@ func test_textures_by_index() -> void:
 	var scatter := make_on(node)
 	scatter.layers[0].ground_textures = PackedInt32Array([12])
 	await settle(scatter)
-	check("ground_textures has no effect" in "\n".join(scatter.get_problems()), "no map yet: %s" % [scatter.get_problems()])
+	check("ground_textures has no effect" in "\n".join(scatter.get_problems()), "a problem is reported without an index map: %s" % [scatter.get_problems()])
 	scatter.free()
 	var indices := node.get_data().add_map(CHANNEL_SPLAT_INDEX, Image.FORMAT_RGB8, Color8(12, 5, 40))
 	indices.fill_rect(Rect2i(0, 0, 33, 65), Color8(3, 3, 3))
@@ -104,11 +104,11 @@ func test_textures_by_index() -> void:
 	var all := (await count_on(node, [])).size()
 	check_equal((await count_on(node, [0, 1, 2])).size(), 0, "textures that do not occur")
 	var left := await count_on(node, [3])
-	check(left.all(func(one: Transform3D) -> bool: return one.origin.x < 2.1), "texture 3 is on the left")
+	check(left.all(func(one: Transform3D) -> bool: return one.origin.x < 2.1), "texture 3 covers only the left half")
 	check(absf(left.size() - 0.5 * all) < 0.08 * all, "it covers half of the ground: %d of %d" % [left.size(), all])
 	var some := (await count_on(node, [12])).size()
 	check(absf(some - 0.1 * all) < 0.03 * all, "a fifth of the rest: %d of %d" % [some, all])
-	check_equal((await count_on(node, [3, 5, 12, 40])).size(), all, "all textures")
+	check_equal((await count_on(node, [3, 5, 12, 40])).size(), all, "all textures together cover everything")
 
 
 ## In a game, HTerrain keeps an image of the heights only, and textures of all other maps.
@@ -123,7 +123,7 @@ func test_maps_that_a_game_has_loaded() -> void:
 	for loaded: bool in [false, true]:
 		if loaded:
 			data.become_loaded()
-			check(data.get_image(CHANNEL_COLOR) == null and data.get_image(CHANNEL_HEIGHT) != null, "only heights have an image")
+			check(data.get_image(CHANNEL_COLOR) == null and data.get_image(CHANNEL_HEIGHT) != null, "only the heights are stored as an image")
 		for case: Array in [["Classic4", []], ["Classic4", [1]], ["Array", [3]], ["Array", [12]]]:
 			node.shader_type = case[0]
 			var layer := make_layer()
@@ -135,7 +135,7 @@ func test_maps_that_a_game_has_loaded() -> void:
 			var found := by_id(scatter)
 			check(found.size() > 100, "%s: %d instances" % [case, found.size()])
 			if loaded:
-				check_equal(found, expected.pop_front(), "%s: the same as with images" % [case])
+				check_equal(found, expected.pop_front(), "%s: the count is the same as with images" % [case])
 			else:
 				expected.push_back(found)
 			scatter.free()
@@ -165,7 +165,7 @@ func test_textures_are_read_only_once() -> void:
 	data.textures[CHANNEL_COLOR] = [HTerrainDataDouble.imported(closed)] # Replaces the texture as HTerrainData.reload() does.
 	data.map_changed.emit(CHANNEL_COLOR, 0)
 	await settle(scatter)
-	check(count_in_hole.call() > 50, "the hole is closed")
+	check(count_in_hole.call() > 50, "the closed hole has instances")
 
 
 func test_maps_without_pixels_are_reported() -> void:

@@ -57,12 +57,12 @@ func test_holes_and_textures_that_are_painted() -> void:
 		await settle(scatter)
 		var stand := all_transforms(scatter)
 		check(stand.size() < 0.6 * painted and stand.size() > 0.3 * painted, "%s: %d outside of the hole" % [kind, stand.size()])
-		check(stand.all(func(one: Transform3D) -> bool: return one.origin.z > -2.0), "%s: none in it" % kind)
+		check(stand.all(func(one: Transform3D) -> bool: return one.origin.z > -2.0), "%s: no instances in the hole" % kind)
 		scatter.free()
 		node.free()
 
 
-func test_it_moves_and_is_scaled() -> void:
+func test_the_node_is_moved_and_scaled() -> void:
 	var node := make_hterrain()
 	var scatter := make_on(node)
 	await settle(scatter)
@@ -77,7 +77,7 @@ func test_it_moves_and_is_scaled() -> void:
 	await act.call(func() -> void: node.centered = false, "not centered")
 
 
-func test_other_data() -> void:
+func test_replaced_data() -> void:
 	var node := make_hterrain()
 	var scatter := make_on(node)
 	await settle(scatter)
@@ -106,12 +106,12 @@ func test_other_data() -> void:
 	check_no_error("new data")
 
 
-func test_data_comes_later() -> void:
+func test_data_is_set_later() -> void:
 	var node := HTerrainDouble.new()
 	var scatter := make_on(node)
 	await settle(scatter)
 	check_error(["HTerrain", "has no data yet"], "no data")
-	check("has no data yet" in "\n".join(scatter.get_problems()), "among the problems")
+	check("has no data yet" in "\n".join(scatter.get_problems()), "the missing data is among the problems")
 	var data := HTerrainMasterData.new()
 	data.fill()
 	node.set_data(data)
@@ -189,7 +189,7 @@ func test_a_recenter_with_the_node_regenerates_nothing() -> void:
 	check_equal(made.size(), 0, "regenerated tiles")
 	check_equal(digests(scatter, 0), before, "digests")
 	check_ground(scatter, node, "recentered")
-	scatter.world_offset = Vector3.ZERO # This time, the node does not move with the world offset.
+	scatter.world_offset = Vector3.ZERO # This time, the node stays in place when the world offset changes.
 	viewer.global_position = node.global_position
 	await frames(2)
 	await settle(scatter)

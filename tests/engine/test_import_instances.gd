@@ -1,5 +1,5 @@
 extends "import_harness.gd"
-## Tests imports of existing instances as hand-placed ones. Transforms are exact, and a failed import does not change the scatter.
+## Tests imports of existing instances as hand-placed instances. Transforms are exact, and a failed import does not change the scatter.
 
 
 func test_add_instances_equals_many_calls_to_add_instance() -> void:
@@ -16,30 +16,30 @@ func test_add_instances_equals_many_calls_to_add_instance() -> void:
 	var added_ids: Array[int] = []
 	scatter.instance_added.connect(func(id: int, _layer: ScatterLayer, _at: Transform3D) -> void: added_ids.push_back(id))
 	var ids := scatter.add_instances(layer, floats_of_transforms(all), meshes)
-	check_equal(ids.size(), all.size(), "all are placed")
+	check_equal(ids.size(), all.size(), "all instances are placed")
 	var other := make_bare([layer])
 	for index in all.size():
 		var id := other.add_instance(other.layers[0], all[index], meshes[index])
 		if id != ids[index]:
-			check(false, "the ID of %d" % index)
+			check(false, "the ID of instance %d is wrong" % index)
 	check_equal(scatter.state.to_bytes(), other.state.to_bytes(), "the same state, byte for byte")
 	check_placed(scatter, 0, all, "exact")
-	check_equal(scatter.get_instance(ids[7]).mesh, 1, "its mesh")
+	check_equal(scatter.get_instance(ids[7]).mesh, 1, "the instance has the requested mesh")
 	scatter.viewers = [scatter.get_path_to(make_viewer())]
 	await settle(scatter)
-	check_equal(PackedInt64Array(added_ids), ids, "one signal each, in order")
+	check_equal(PackedInt64Array(added_ids), ids, "each instance emits one signal, in order")
 	var some := ids.slice(0, 2000)
 	some.push_back(some[0])
 	some.push_back(-12345)
 	check_equal(scatter.remove_instances(some), ids.slice(0, 2000), "existing instances are removed")
-	check_placed(scatter, 0, all.slice(2000), "the others stay")
+	check_placed(scatter, 0, all.slice(2000), "the other instances stay")
 	var again := scatter.add_instances(scatter.layers[0], floats_of_transforms(all.slice(0, 2000)), meshes.slice(0, 2000))
-	check_equal(again, ids.slice(0, 2000), "the same IDs again")
+	check_equal(again, ids.slice(0, 2000), "added again, the instances have the same IDs")
 	var by_rule := make_layer()
 	var mixed := make_bare([by_rule])
 	var point := mixed.query_rect(Rect2(0, 0, 20, 20)).get_id(0)
 	var hand := mixed.add_instances(mixed.layers[0], floats_of_transforms([Transform3D()]))[0]
-	check_equal(mixed.remove_instances(PackedInt64Array([point, hand])), PackedInt64Array([point, hand]), "generated instances, too")
+	check_equal(mixed.remove_instances(PackedInt64Array([point, hand])), PackedInt64Array([point, hand]), "generated instances are removed, too")
 	check(mixed.state.is_removed(point) and not mixed.has_instance(hand), "removed")
 
 
@@ -100,21 +100,21 @@ func test_multimeshes() -> void:
 	check_equal(ImportInstances.from_node(scatter, null, top), 118, "all visible instances")
 	check_equal(scatter.layers.size(), 3, "two new layers")
 	check_placed(scatter, 0, plain, "the mesh of a layer")
-	check_equal(scatter.query_rect(Rect2(-100, -100, 200, 200), scatter.layers[0]).get_mesh(0), 1, "with that mesh")
+	check_equal(scatter.query_rect(Rect2(-100, -100, 200, 200), scatter.layers[0]).get_mesh(0), 1, "the instance has that mesh")
 	var placed: Array[Transform3D] = []
 	for each in moved:
 		placed.push_back(node.global_transform * each)
 	check_placed(scatter, 1, placed + hidden.slice(0, 5), "a new layer")
-	check(scatter.layers[1].meshes == [ball] and scatter.layers[1].density == 0.0 and scatter.layers[1].layer_id >= 0, "with only its mesh")
+	check(scatter.layers[1].meshes == [ball] and scatter.layers[1].density == 0.0 and scatter.layers[1].layer_id >= 0, "the new layer has only this mesh, and only hand-placed instances")
 	var painted := scatter.layers[2]
-	check(painted.material_override == red.material_override and painted.cast_shadow == 0 and painted.render_layers == 4, "the same drawing settings")
-	check_equal(painted.resource_name, "Crate", "named as its mesh")
+	check(painted.material_override == red.material_override and painted.cast_shadow == 0 and painted.render_layers == 4, "the layer has the node's drawing settings")
+	check_equal(painted.resource_name, "Crate", "the layer is named after its mesh")
 	var again := make_bare([layer])
 	check_equal(ImportInstances.from_node(again, "all", top), 0, "no such layer")
 	check_error(["add_instances", "all"], "no such layer")
 	layer.resource_name = "all"
-	check_equal(ImportInstances.from_node(again, "all", top), 118, "all into one layer")
-	check_equal(again.layers.size(), 1, "no new layer")
+	check_equal(ImportInstances.from_node(again, "all", top), 118, "all instances are imported into one layer")
+	check_equal(again.layers.size(), 1, "no layer is added")
 
 
 func test_failed_imports_have_no_effect() -> void:
@@ -205,7 +205,7 @@ func test_proton_scatter() -> void:
 	check_placed(scatter, 0, Array(all.map(move), TYPE_TRANSFORM3D, "", null), "chunks")
 	check_placed(scatter, 1, Array(copies.map(move), TYPE_TRANSFORM3D, "", null), "copies of nodes")
 	check_placed(scatter, 2, Array(places.map(move), TYPE_TRANSFORM3D, "", null), "copies of scenes")
-	check((scatter.layers[2].meshes[0] as PackedScene).resource_path == "user://thicket_hut.tscn", "as scenes")
+	check((scatter.layers[2].meshes[0] as PackedScene).resource_path == "user://thicket_hut.tscn", "the layer contains the scene")
 	var particles := Node3D.new()
 	particles.name = "Sparks"
 	particles.add_child(GPUParticles3D.new())
@@ -285,7 +285,7 @@ func test_terrain_3d() -> void:
 	for at in second:
 		ferns.push_back(Transform3D(at.basis, at.origin + corner))
 	check_placed(scatter, "Fern", ferns, "the second mesh")
-	check(scatter.layers[1].material_override == terrain.assets.meshes[1].material_override, "with its material")
+	check(scatter.layers[1].material_override == terrain.assets.meshes[1].material_override, "the layer has the mesh's material")
 	terrain.add(Vector2i.ZERO, 2, Vector2i.ZERO, some_transforms(1))
 	var before := scatter.state.get_added_count()
 	check_equal(ImportInstances.from_node(scatter, null, terrain), 0, "a missing mesh")

@@ -18,7 +18,7 @@ func one(text: String) -> Transform3D:
 
 
 func check_near(got: Transform3D, expected: Transform3D, context: String) -> void:
-	check(got.is_equal_approx(expected) and got.origin == expected.origin, "%s: %s, not %s" % [context, got, expected])
+	check(got.is_equal_approx(expected) and got.origin == expected.origin, "%s: got %s, expected %s" % [context, got, expected])
 
 
 func test_tables() -> void:

@@ -20,22 +20,22 @@ func test_make_glb() -> void:
 
 func test_the_imported_model_is_complete() -> void:
 	if "make" in arguments:
-		check(true, "not imported yet")
+		check(true, "the file has not been imported yet")
 		return
 	var tree := make_tree()
 	var layer := make_layer(6.0)
 	layer.meshes = [load("res://tree.glb")]
 	layer.fit_to_meshes()
-	check_equal(layer.collision_shape, ScatterLayer.COLLISION_MODEL, "its shape is used")
+	check_equal(layer.collision_shape, ScatterLayer.COLLISION_MODEL, "the layer uses the model's collision shape")
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
-	check(scatter.get_stats()["instances"] > 20, "there are instances: %s" % scatter.get_stats())
+	check(scatter.get_stats()["instances"] > 20, "many instances are placed: %s" % scatter.get_stats())
 	var mesh := scatter.get_tile(scatter.layers[0], scatter.get_shown_tiles(scatter.layers[0])[0]).get_mesh(0)
-	check_equal(mesh.get_surface_count(), 2, "trunk and leaves in one mesh")
-	check(is_close(sorted_faces(mesh.get_faces()), sorted_faces(faces_of_scene(tree, "LOD0"))), "the triangles of the first LOD")
+	check_equal(mesh.get_surface_count(), 2, "trunk and leaves are merged into one mesh")
+	check(is_close(sorted_faces(mesh.get_faces()), sorted_faces(faces_of_scene(tree, "LOD0"))), "the mesh has the triangles of the first LOD")
 	tree.free()
 	var model := ScatterModel.new()
 	model.scene = load("res://tree.glb")
 	check_equal(model.lods.size(), 3, "LODs")
 	check_equal(model.shapes.size(), 1, "shapes")
-	check(model.get_problems().is_empty(), "nothing is skipped: %s" % model.get_problems())
+	check(model.get_problems().is_empty(), "no part is skipped: %s" % model.get_problems())

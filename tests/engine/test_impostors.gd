@@ -56,7 +56,7 @@ func test_parts_use_their_transforms() -> void:
 	var box := BoxMesh.new()
 	var mesh := impostor.bake([box, box], [Transform3D.IDENTITY, Transform3D(Basis.from_scale(Vector3(1, 2, 1)), Vector3(0, 3, 0))])
 	check(mesh.get_aabb().is_equal_approx(AABB(Vector3(-0.5, -0.5, -0.5), Vector3(1.0, 4.5, 1.0))), str(mesh.get_aabb()))
-	check(front_pixel(mesh, &"impostor_normal").b > 0.9, "the front's normal: %s" % front_pixel(mesh, &"impostor_normal"))
+	check(front_pixel(mesh, &"impostor_normal").b > 0.9, "the normal faces the front: %s" % front_pixel(mesh, &"impostor_normal"))
 
 
 func test_materials_are_read() -> void:
@@ -69,7 +69,7 @@ func test_materials_are_read() -> void:
 	(box.material as StandardMaterial3D).albedo_texture = ImageTexture.create_from_image(image)
 	check(front_pixel(impostor.bake([box]), &"impostor_albedo").is_equal_approx(Color8(0, 0, 51)), "multiplied by the texture")
 	var twice := impostor.bake([box, box], [Transform3D.IDENTITY, Transform3D(Basis(), Vector3(0.0, 0.0, 2.0))])
-	check(front_pixel(twice, &"impostor_albedo").is_equal_approx(Color8(0, 0, 51)), "in a second part with that texture, too")
+	check(front_pixel(twice, &"impostor_albedo").is_equal_approx(Color8(0, 0, 51)), "a second part with the same texture has the same color")
 	image.fill(Color(0.0, 0.0, 1.0, 0.2))
 	(box.material as StandardMaterial3D).albedo_texture = ImageTexture.create_from_image(image)
 	check_equal(front_pixel(impostor.bake([box]), &"impostor_albedo").a, 1.0, "alpha of an opaque material")

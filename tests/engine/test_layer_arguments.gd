@@ -89,11 +89,11 @@ func test_methods_take_a_layer_or_its_name() -> void:
 		var expected: Variant = calls[method].call(ferns)
 		check(finds(expected), "%s finds something" % method)
 		for reference: Variant in ["ferns", &"ferns"]:
-			check_equal(calls[method].call(reference), expected, "%s by %s" % [method, type_string(typeof(reference))])
+			check_equal(calls[method].call(reference), expected, "%s with a %s" % [method, type_string(typeof(reference))])
 	for method in calls_for_layers(scatter):
 		var both: Variant = calls[method].call([])
 		for references: Variant in [scatter.layers, ["ferns", scatter.layers[0]], PackedStringArray(["trees", "ferns"]), ["trees", ferns, "ferns"]]:
-			check_equal(in_order(calls[method].call(references)), in_order(both), "%s by %s" % [method, references])
+			check_equal(in_order(calls[method].call(references)), in_order(both), "%s with %s" % [method, references])
 	check_no_error("layers and their names")
 
 
@@ -112,20 +112,20 @@ func test_methods_reject_everything_else() -> void:
 	calls["request_sphere"] = func(layers: Variant) -> Array: return no_result(scatter.request_sphere(HERE, 10.0, layers))
 	for method in calls:
 		for wrong in refused():
-			check(not finds(calls[method].call(wrong[0])), "%s finds no instance of %s" % [method, wrong[0]])
-			check_error(["TerrainScatter3D.%s: " % method, wrong[1]], "%s of %s" % [method, wrong[0]])
+			check(not finds(calls[method].call(wrong[0])), "%s finds nothing for %s" % [method, wrong[0]])
+			check_error(["TerrainScatter3D.%s: " % method, wrong[1]], "%s with %s" % [method, wrong[0]])
 	for method in calls_for_layers(scatter):
 		for wrong in refused():
-			check(not finds(calls[method].call(["trees", wrong[0]])), "%s finds no instance of a list with %s" % [method, wrong[0]])
-			check_error(["TerrainScatter3D.%s: " % method, wrong[1]], "%s of a list with %s" % [method, wrong[0]])
-		check(not finds(calls[method].call(PackedInt32Array([0]))), "%s finds no instance of an array of indices" % method)
-		check_error(["TerrainScatter3D.%s: " % method, "not [0]"], "%s of an array of indices" % method)
+			check(not finds(calls[method].call(["trees", wrong[0]])), "%s finds nothing for a list with %s" % [method, wrong[0]])
+			check_error(["TerrainScatter3D.%s: " % method, wrong[1]], "%s with a list that contains %s" % [method, wrong[0]])
+		check(not finds(calls[method].call(PackedInt32Array([0]))), "%s finds nothing for an array of indices" % method)
+		check_error(["TerrainScatter3D.%s: " % method, "not [0]"], "%s with an array of indices" % method)
 	var queries := queries_of(scatter.make_snapshot())
 	for method in queries:
 		check(finds(queries[method].call("ferns")), "a snapshot's %s" % method)
 		for wrong in refused():
-			check(not finds(queries[method].call(wrong[0])), "a snapshot's %s finds no instance of %s" % [method, wrong[0]])
-			check_error(["ScatterSnapshot.%s: " % method, wrong[1]], "a snapshot's %s of %s" % [method, wrong[0]])
+			check(not finds(queries[method].call(wrong[0])), "a snapshot's %s finds nothing for %s" % [method, wrong[0]])
+			check_error(["ScatterSnapshot.%s: " % method, wrong[1]], "a snapshot's %s with %s" % [method, wrong[0]])
 	await frames(1)
 
 
@@ -134,19 +134,19 @@ func no_result(request: ScatterRequest) -> Array:
 	return Array(request.get_result().ids)
 
 
-func test_results_have_the_layers() -> void:
+func test_results_contain_the_layers() -> void:
 	var scatter := await make_forest()
 	var found := scatter.query_rect(RECT)
-	check_equal(found.layers, scatter.layers, "the layers of a result")
+	check_equal(found.layers, scatter.layers, "a result contains all layers")
 	for index in found.size():
 		var layer := found.layers[found.layer_indices[index]]
 		if layer != found.get_layer(index) or layer != scatter.get_instance(found.get_id(index)).layer:
-			check(false, "the layer of instance %d" % index)
+			check(false, "instance %d has the wrong layer" % index)
 	check_equal(scatter.query_rect(RECT, "ferns").layers, [scatter.layers[1]], "the layers of a result of ferns")
 	check_equal(Array(scatter.query_rect(RECT, "ferns").layer_indices).max(), 0, "the indices of a result of ferns")
 	check_equal(scatter.query_rect(Rect2(9000, 0, 0, 0)).layers, [], "the layers of an empty result")
 	check_equal(scatter.query_rect(RECT, [], func(_id: int, layer: ScatterLayer, _at: Transform3D) -> bool:
-		return layer == scatter.layers[0]).ids, scatter.query_rect(RECT, "trees").ids, "a predicate gets the layer")
+		return layer == scatter.layers[0]).ids, scatter.query_rect(RECT, "trees").ids, "a predicate receives the layer")
 	var layers := found.layers
 	layers.clear()
 	check_equal(found.layers.size(), 2, "a script's changes to the list have no effect")
@@ -163,7 +163,7 @@ func test_all_layers() -> void:
 	var scatter := await make_forest()
 	check_equal(scatter.get_all_layers(), scatter.layers, "without biomes, the node's layers")
 	scatter.get_all_layers().clear()
-	check_equal(scatter.layers.size(), 2, "a copy")
+	check_equal(scatter.layers.size(), 2, "the list is a copy")
 	scatter.layers = [scatter.layers[0], null, scatter.layers[1]]
 	check_equal(scatter.get_all_layers()[1], null, "an empty entry")
 	check_equal(scatter.query_rect(RECT, "ferns").layers, [scatter.layers[2]], "a layer after an empty entry")
@@ -177,10 +177,10 @@ func test_a_renamed_layer() -> void:
 	var snapshot := scatter.make_snapshot()
 	scatter.layers[1].resource_name = "bracken"
 	check_equal(scatter.query_rect(RECT, "bracken").ids, ferns, "the new name is valid immediately")
-	check_equal(scatter.query_rect(RECT, "ferns").size(), 0, "the old one is not")
+	check_equal(scatter.query_rect(RECT, "ferns").size(), 0, "the old name is no longer valid")
 	check_error(["No layer is named \"ferns\": the names are \"trees\", \"bracken\""], "the old name")
-	check_equal(snapshot.query_rect(RECT, "ferns").ids, ferns, "a snapshot has the names of its time")
-	check_equal(snapshot.query_rect(RECT, scatter.layers[1]).ids, ferns, "and the layers themselves")
+	check_equal(snapshot.query_rect(RECT, "ferns").ids, ferns, "a snapshot keeps the names from when it was made")
+	check_equal(snapshot.query_rect(RECT, scatter.layers[1]).ids, ferns, "a snapshot accepts the layer itself")
 	scatter.layers[1].resource_name = ""
 	check_equal(scatter.query_rect(RECT, scatter.layers[1]).ids, ferns, "a layer without a name")
 
@@ -191,9 +191,9 @@ func test_two_layers_with_one_name() -> void:
 	var ferns := scatter.query_rect(RECT, scatter.layers[1]).ids
 	scatter.layers[1].resource_name = "trees"
 	check_equal(scatter.query_rect(RECT, "trees").layers, [scatter.layers[0]], "the name selects the first")
-	check_equal(scatter.query_rect(RECT, scatter.layers[0]).ids, trees, "the first by itself")
-	check(not scatter.query_rect(RECT, scatter.layers[1]).is_empty() and not ferns.is_empty(), "the second by itself")
-	check_equal(scatter.query_rect(RECT, scatter.layers[1]).layers, [scatter.layers[1]], "its layer")
+	check_equal(scatter.query_rect(RECT, scatter.layers[0]).ids, trees, "passing the first layer selects it")
+	check(not scatter.query_rect(RECT, scatter.layers[1]).is_empty() and not ferns.is_empty(), "passing the second layer selects it")
+	check_equal(scatter.query_rect(RECT, scatter.layers[1]).layers, [scatter.layers[1]], "the result contains the second layer")
 	errors.take() # The node also reports the ambiguous name.
 
 
@@ -209,11 +209,11 @@ func test_a_request_keeps_its_layers() -> void:
 	await until(func() -> bool: return request.is_completed() and again.is_completed(), "both requests")
 	check_equal(request.get_result().layers, [trees], "the same layer at another index")
 	check_equal(request.get_result().ids, expected, "the same instances")
-	check_equal(again.get_result().layers, [trees], "also for tiles that were not known")
+	check_equal(again.get_result().layers, [trees], "the layer is kept for tiles that were not generated yet")
 	var lost := scatter.request_rect(Rect2(-6000, 0, 100, 100), trees)
 	scatter.layers = [scatter.layers[0]]
 	await until(lost.is_completed, "a request for a layer that was removed")
-	check(lost.get_result().is_empty(), "it has no result")
+	check(lost.get_result().is_empty(), "a request for a removed layer has no result")
 	check_no_error("requests")
 
 

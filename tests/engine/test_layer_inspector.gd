@@ -10,7 +10,7 @@ func scene_of_a_node() -> PackedScene:
 	return scene
 
 
-## Returns the names of the properties that the inspector shows, in its order.
+## Returns the names of the properties that the inspector shows, in the order of the inspector.
 func shown_properties(object: Object) -> PackedStringArray:
 	var result := PackedStringArray()
 	for property: Dictionary in object.get_property_list():
@@ -22,11 +22,11 @@ func shown_properties(object: Object) -> PackedStringArray:
 func test_important_properties_come_first() -> void:
 	var shown := Array(shown_properties(make_layer()))
 	var own := shown.slice(shown.find("meshes"))
-	check_equal(own.slice(0, 4), ["meshes", "radius", "density", "min_scale"], "the first that are shown")
+	check_equal(own.slice(0, 4), ["meshes", "radius", "density", "min_scale"], "the most important properties come first")
 	var advanced := ["progressive_levels", "tile_size", "layer_id"]
 	var first := own.find("progressive_levels")
-	check_equal(own.slice(first, first + 3), advanced, "advanced properties")
-	check(first > own.find("scene") and first > own.find("view_distance"), "come last")
+	check_equal(own.slice(first, first + 3), advanced, "the advanced properties are adjacent")
+	check(first > own.find("scene") and first > own.find("view_distance"), "the advanced properties come last")
 
 
 ## Properties without effect are hidden but stored. They appear once they have an effect or a value.
@@ -52,7 +52,7 @@ func test_properties_without_effect_are_hidden() -> void:
 		check(name in shown_properties(layer), "%s is visible for %s" % [name, uses[name][0]])
 		check_equal(notifications[0], 1, "one notification of the inspector for " + name)
 		layer.set(uses[name][0], uses[name][1])
-		check_equal(notifications[0], 1, "no second one")
+		check_equal(notifications[0], 1, "no further notification for " + name)
 	for property: Dictionary in make_layer().get_property_list():
 		if property["name"] in uses:
 			check(property["usage"] & PROPERTY_USAGE_STORAGE != 0, property["name"] + " is stored")

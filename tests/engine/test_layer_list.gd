@@ -43,7 +43,7 @@ func everything(scatter: TerrainScatter3D) -> Dictionary[String, Dictionary]:
 	return result
 
 
-func test_deleting_a_layer_moves_no_other() -> void:
+func test_deleting_a_layer_moves_no_other_instances() -> void:
 	for deleted: String in ["Stone", "Spruce"]:
 		var scatter := make_forest_preset()
 		var before := everything(scatter)
@@ -60,7 +60,7 @@ func test_deleting_a_layer_moves_no_other() -> void:
 				kept += int(stays)
 				moved += int(stays and after[layer_name][id] != before[layer_name][id])
 		check(all > 10_000, "%d instances before" % all)
-		check_equal(moved, 0, "moved without " + deleted)
+		check_equal(moved, 0, "instances that moved without " + deleted)
 		# Only grass keeps a distance from stones. Without spruces, there are more birches and bushes, from which other layers keep a distance.
 		check(kept > (0.99 if deleted == "Stone" else 0.9) * all, "%d of %d stay without %s" % [kept, all, deleted])
 		scatter.free()
@@ -72,11 +72,11 @@ func test_a_game_ignores_previews() -> void:
 	await settle(scatter)
 	var counts := [scatter.get_shown_count(scatter.layers[0]), scatter.get_shown_count(scatter.layers[1])]
 	check(counts[0] > counts[1] and counts[1] > 10, "visible: %s" % [counts])
-	check_equal(counts[0] + counts[1], scatter.get_stats()["instances"], "all of them")
+	check_equal(counts[0] + counts[1], scatter.get_stats()["instances"], "their sum is the number of instances")
 	scatter.call(&"_set_preview_hidden", scatter.layers)
 	scatter.call(&"_set_preview_stand_in", scatter.layers[0], make_layer(20.0))
 	await settle(scatter)
-	check_equal([scatter.get_shown_count(scatter.layers[0]), scatter.get_shown_count(scatter.layers[1])], counts, "the same")
+	check_equal([scatter.get_shown_count(scatter.layers[0]), scatter.get_shown_count(scatter.layers[1])], counts, "the previews do not change the counts")
 	check_equal(scatter.get_stats()["drawn"], counts[0] + counts[1], "all are drawn")
 	check_equal(scatter.get_shown_count("larch"), 0, "count of a missing layer")
 	check_error(["get_shown_count", "larch"], "a missing layer")
@@ -88,21 +88,21 @@ func test_layers_get_ids_when_they_are_added() -> void:
 	pinned.layer_id = 1
 	var scatter := TerrainScatter3D.new()
 	scatter.layers = [make_layer(), null, make_layer(), pinned, make_layer()]
-	check_equal(ids(scatter), [0, -1, 2, 1, 4], "the index if it is free")
+	check_equal(ids(scatter), [0, -1, 2, 1, 4], "a layer gets its index as its ID if that ID is free")
 	var last := scatter.layers[4]
 	scatter.layers = [pinned, make_layer(), last]
-	check_equal(ids(scatter), [1, 0, 4], "otherwise the lowest free ID; the others keep theirs")
+	check_equal(ids(scatter), [1, 0, 4], "otherwise, it gets the lowest free ID, and the other layers keep theirs")
 	scatter.layers = [last, scatter.layers[1], pinned]
 	check_equal(ids(scatter), [4, 0, 1], "reordered")
 	last.layer_id = -1
-	check_equal(last.layer_id, 2, "reset: the lowest free id")
+	check_equal(last.layer_id, 2, "a reset ID becomes the lowest free ID")
 	check(not "layer_id" in "".join(scatter.get_problems()), "no ID is used twice")
 	last.layer_id = 1
 	check("layer_id" in "".join(scatter.get_problems()), "an ID that is used twice is reported")
 	var other := TerrainScatter3D.new()
 	other.layers = [pinned, scatter.layers[1]]
-	check_equal(ids(other), [1, 0], "a layer that two nodes share keeps its id")
-	check_equal(ids(scatter), [1, 0, 1], "in both nodes")
+	check_equal(ids(other), [1, 0], "a layer that two nodes share keeps its ID")
+	check_equal(ids(scatter), [1, 0, 1], "it keeps its ID in both nodes")
 	other.free()
 	scatter.free()
 
@@ -112,15 +112,15 @@ func test_a_node_outside_of_the_tree_assigns_no_ids() -> void:
 	var layer := make_layer(2.0)
 	var scatter := make_scatter([make_layer(2.0), layer], ScatterGroundFlat.new(), make_viewer())
 	await frames(2)
-	check_equal(layer.layer_id, 1, "in the tree it assigns an id")
+	check_equal(layer.layer_id, 1, "in the tree, the node assigns an ID")
 	root.remove_child(scatter)
 	layer.layer_id = -1
 	await frames(2)
-	check_equal(layer.layer_id, -1, "outside of the tree it does not")
+	check_equal(layer.layer_id, -1, "outside of the tree, it does not")
 	root.add_child(scatter)
 	await frames(2)
 	layer.radius = 3.0
-	check_equal(layer.layer_id, 1, "back in the tree it does again")
+	check_equal(layer.layer_id, 1, "back in the tree, it assigns an ID again")
 	scatter.queue_free()
 
 
@@ -134,7 +134,7 @@ func test_ids_are_saved_with_the_scene() -> void:
 	check_equal(ResourceSaver.save(scene, path), OK, "saved")
 	scatter.free()
 	var again := (ResourceLoader.load(path, "", ResourceLoader.CACHE_MODE_IGNORE) as PackedScene).instantiate() as TerrainScatter3D
-	check_equal([names(again), ids(again)], [["b", "c"], [1, 2]], "opened again")
+	check_equal([names(again), ids(again)], [["b", "c"], [1, 2]], "the opened scene has the same layers and IDs")
 	again.free()
 	DirAccess.remove_absolute(path)
 
@@ -143,23 +143,23 @@ func test_changes_to_the_array_take_effect_immediately() -> void:
 	var scatter := make_scatter([], ScatterGroundFlat.new(), make_viewer())
 	await frames(2)
 	scatter.layers.append(named("oak"))
-	check(not scatter.is_settled(), "there is work to do")
+	check(not scatter.is_settled(), "the change unsettles the node")
 	check(standing(scatter, 0).size() > 100, "an immediate query finds %d" % standing(scatter, 0).size())
-	check_equal(scatter.layers[0].layer_id, 0, "its id")
+	check_equal(scatter.layers[0].layer_id, 0, "the layer has an ID")
 	await settle(scatter)
-	check(scatter.get_shown_tiles(scatter.layers[0]).size() > 4, "they are visible")
+	check(scatter.get_shown_tiles(scatter.layers[0]).size() > 4, "the tiles of the new layer are visible")
 	scatter.layers.append(named("fern", 2.0))
 	await settle(scatter)
-	check(scatter.get_shown_tiles(scatter.layers[1]).size() > 4, "also detected without a query")
+	check(scatter.get_shown_tiles(scatter.layers[1]).size() > 4, "the change is detected without a query")
 	var before := standing(scatter, 0)
 	scatter.layers[1].density = 0.5
 	check(not scatter.is_settled(), "changes to an appended layer are detected")
 	await settle(scatter)
 	scatter.layers.reverse()
-	check(standing(scatter, 1) == before, "the same oaks at a new index")
+	check(standing(scatter, 1) == before, "the oaks are the same at a new index")
 	var gone := scatter.layers[0]
 	scatter.layers.remove_at(0)
-	check(standing(scatter, 0) == before, "the same oaks alone")
+	check(standing(scatter, 0) == before, "the oaks are the same without other layers")
 	await settle(scatter)
 	gone.density = 1.0
 	check(scatter.is_settled(), "changes to a removed layer are ignored")
@@ -190,16 +190,16 @@ func test_references_to_a_renamed_layer_are_updated() -> void:
 	await settle(scatter)
 	check(shown_count[0] == 0 and digests(scatter, 1) == shown, "no tile is regenerated")
 	oak.resource_name = "oak"
-	check_equal(fern.spacing.keys(), ["oak", "moss"], "and back, as undo does")
+	check_equal(fern.spacing.keys(), ["oak", "moss"], "references are updated when the name changes back, as undo does")
 	for typed: String in ["oa", "o", "", "f", "fe", "fer", "fern", "fern ", "fern t", "fern tree"]:
 		oak.resource_name = typed
 	check_equal(fern.spacing.keys(), ["fern tree", "moss"], "typed letter by letter, with an empty name and the name of a second layer in between")
 	check_equal(moss.spacing.keys(), ["fern"], "references to the second layer stay")
 	oak.resource_name = "fern"
 	check_equal(fern.spacing.keys(), ["fern tree", "moss"], "references are not updated to a name that is already used")
-	check("the name of an earlier layer" in "".join(scatter.get_problems()), "which is reported")
+	check("the name of an earlier layer" in "".join(scatter.get_problems()), "the used name is reported")
 	oak.resource_name = "oak"
-	check_equal(fern.spacing.keys(), ["oak", "moss"], "until the name is unique")
+	check_equal(fern.spacing.keys(), ["oak", "moss"], "references are updated once the name is unique")
 	moss.resource_name = "oak"
 	check_equal(fern.spacing.keys(), ["oak", "moss"], "a second oak")
 	oak.resource_name = "elm"
@@ -263,7 +263,7 @@ func test_rejected_references() -> void:
 	check_error(["cycle"], "the cycle stays until its reference is stored again")
 	a.spacing = a.spacing
 	c.spacing = {a: 2.0}
-	check_no_error("names cause no circle")
+	check_no_error("names cause no cycle")
 
 
 func test_references_in_a_saved_scene() -> void:
@@ -305,5 +305,5 @@ func test_counts_belong_to_their_layers_while_the_list_changes() -> void:
 			check(scatter.get_shown_count(sparse) <= 2 * few, "sparse has %d, not the %d of the dense layer" % [scatter.get_shown_count(sparse), many])
 			if wide in list:
 				check(scatter.get_shown_count(wide) <= few, "the new layer has %d" % scatter.get_shown_count(wide))
-		check_equal([scatter.get_shown_count(dense), scatter.get_shown_count(sparse)], [many, few], "at the end")
+		check_equal([scatter.get_shown_count(dense), scatter.get_shown_count(sparse)], [many, few], "the final counts")
 	scatter.free()

@@ -38,7 +38,7 @@ func test_tilt() -> void:
 			var angle := rad_to_deg(before[id][0].basis.y.angle_to(after[id][0].basis.y))
 			smallest = minf(smallest, angle)
 			largest = maxf(largest, angle)
-		check(smallest > 9.98 and smallest < 10.2 and largest > 29.8 and largest < 30.02, "from %s to %s degrees" % [smallest, largest])
+		check(smallest > 9.98 and smallest < 10.2 and largest > 29.8 and largest < 30.02, "the tilt ranges from %s to %s degrees" % [smallest, largest])
 
 
 func test_scale_curve() -> void:
@@ -60,7 +60,7 @@ func test_scale_curve() -> void:
 	for id: int in before:
 		var even := (scale_of(before[id][0]) - 1.0) / 2.0
 		wrong += int(absf(scale_of(after[id][0]) - (1.0 + 2.0 * even * even)) > 1e-3)
-	check_equal(wrong, 0, "scales by the curve")
+	check_equal(wrong, 0, "instances whose scale does not match the curve")
 	square.clear_points()
 	await settle(scatter)
 	check(instances(scatter) == before, "a curve without points has no effect")
@@ -91,12 +91,12 @@ func test_colors_and_custom_data() -> void:
 	var scatter := scatter_on_hillside(layer)
 	await settle(scatter)
 	var plain := instances(scatter)
-	check_equal(plain.values()[0][1].size(), 0, "only transforms")
+	check_equal(plain.values()[0][1].size(), 0, "without colors and data, the buffer contains only transforms")
 	layer.use_colors = true
 	await settle(scatter)
 	var white := instances(scatter)
 	check_same_places(plain, white, "colors")
-	check_equal(white.values()[0][1], PackedFloat32Array([1, 1, 1, 1]), "white without a gradient")
+	check_equal(white.values()[0][1], PackedFloat32Array([1, 1, 1, 1]), "colors are white without a gradient")
 	var gradient := Gradient.new()
 	gradient.set_color(0, Color(1, 0, 0, 1))
 	gradient.set_color(1, Color(0, 1, 0, 1))
@@ -123,4 +123,4 @@ func test_colors_and_custom_data() -> void:
 	layer.use_colors = false
 	layer.use_custom_data = false
 	await settle(scatter)
-	check(instances(scatter) == plain, "as before without them")
+	check(instances(scatter) == plain, "without colors and data, the instances are as before")

@@ -1,5 +1,5 @@
 extends "picture_harness.gd"
-## Tests what a camera sees, which the contents of buffers do not prove.
+## Tests the rendered image, because correct buffers do not prove that the image is correct.
 
 const RED := Color(1.0, 0.0, 0.0)
 const GREEN := Color(0.0, 1.0, 0.0)
@@ -57,8 +57,8 @@ func test_instance_shader_parameters_of_a_scene() -> void:
 	var scatter := make_tinted_view()
 	scatter.layers[0].tile_size = 32.0
 	await settle(scatter)
-	check(await share(GREEN) > 0.15 and await share(RED) == 0.0, "all are green")
-	check_equal(scatter.get_problems(), PackedStringArray(), "the renderer has room for all parameters")
+	check(await share(GREEN) > 0.15 and await share(RED) == 0.0, "all cubes are green")
+	check_equal(scatter.get_problems(), PackedStringArray(), "the renderer's buffer has room for all parameters")
 
 
 func test_properties_change_the_image() -> void:
@@ -109,7 +109,7 @@ func test_properties_change_the_image() -> void:
 	while await share(GREEN) < 0.9 * red:
 		check(await share(RED) + await share(GREEN) > 0.8 * red, "old tiles stay until new ones are ready")
 		mixed += 1
-	check(mixed > 2, "%d frames in between" % mixed)
+	check(mixed > 2, "%d frames show both old and new tiles" % mixed)
 	scatter.frame_budget_usec = 20000
 	mesh = BoxMesh.new()
 	mesh.material = plain(RED)
@@ -289,7 +289,7 @@ func test_a_recenter_a_thousand_kilometers_out_is_invisible() -> void:
 		await process_frame
 		# In single precision, 700 m from the engine's origin, an edge may fall on the other side of a pixel center.
 		check(difference(await picture(), before) < 0.005, "the image after recentering %d" % step)
-	check(difference(before, await picture()) < 0.005, "the last image")
+	check(difference(before, await picture()) < 0.005, "the image stays the same")
 	camera.position.x += 8.0
 	check(difference(before, await picture()) > 0.05, "a moved camera sees a different image")
 
@@ -318,7 +318,7 @@ func test_a_bake_shows_its_scatter() -> void:
 		await process_frame
 	scatter.queue_free()
 	await frames(2)
-	check_equal(await share(RED), 0.0, "the scatter is gone")
+	check_equal(await share(RED), 0.0, "the bake has replaced the scatter")
 	root.add_child((load(bake.scene_path) as PackedScene).instantiate())
 	var after := await share(RED)
 	check(before > 0.15 and absf(after - before) < 0.005, "%.3f of the image before the bake, %.3f after it" % [before, after])

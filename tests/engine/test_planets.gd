@@ -83,17 +83,17 @@ func test_a_walk_around_a_planet() -> void:
 		check(absf(share - 1.0) < 0.02, "latitude %.0f: the density must match a plane, got %.3f of it" % [latitude, share])
 		check(rad_to_deg(off) < 0.001, "latitude %.0f: instances are upright, got %.4f degrees" % [latitude, rad_to_deg(off)])
 		# A disc with a radius of 100 m, plus the tiles at its border.
-		check(standing.size() < 3.0 * DENSITY * PI * 100.0 * 100.0, "latitude %.0f: no far side, got %d instances" % [latitude, standing.size()])
+		check(standing.size() < 3.0 * DENSITY * PI * 100.0 * 100.0, "latitude %.0f: the far side is not loaded, got %d instances" % [latitude, standing.size()])
 		# On a plane, 17 tiles of 64 m touch a disc with a radius of 108 m, on average.
 		check(scatter.get_stats().tiles < 17 * 2.5, "latitude %.0f: not many more tiles than on a plane: %d" % [latitude, scatter.get_stats().tiles])
 		mean += share / PLACES.size()
 		all.push_back(standing.size())
 	check(absf(mean - 1.0) < 0.01, "the mean density must match a plane, got %.4f of it" % mean)
-	check(all.max() < 1.6 * all.min(), "every place costs about the same, got %s instances" % [all])
-	check_equal(scatter.get_stats()["waiting"], 0, "nothing is left to do")
+	check(all.max() < 1.6 * all.min(), "all positions load about as many instances, got %s" % [all])
+	check_equal(scatter.get_stats()["waiting"], 0, "no tile is waiting")
 
 
-func test_queries_felling_and_bodies_are_near_the_walker() -> void:
+func test_queries_removals_and_bodies_around_a_walker() -> void:
 	put_planet(PLANET)
 	var layer := make_grower(4.0)
 	layer.collision_shape = ScatterLayer.COLLISION_CYLINDER
@@ -109,8 +109,8 @@ func test_queries_felling_and_bodies_are_near_the_walker() -> void:
 		await settle(scatter)
 		var expected := near(instances(scatter, 0), foot, 30.0)
 		var found := scatter.query_sphere(foot, 30.0)
-		check_equal(found.ids.size(), expected.size(), "latitude %.0f: a sphere finds the same" % latitude)
-		check(Array(found.ids).all(func(found_id: int) -> bool: return expected.has(found_id)), "latitude %.0f: with the same ids" % latitude)
+		check_equal(found.ids.size(), expected.size(), "latitude %.0f: a sphere query finds as many instances" % latitude)
+		check(Array(found.ids).all(func(found_id: int) -> bool: return expected.has(found_id)), "latitude %.0f: the query finds the same IDs" % latitude)
 		await frames(10)
 		await physics_frame
 		var solid := bodies(scatter, foot)
@@ -121,16 +121,16 @@ func test_queries_felling_and_bodies_are_near_the_walker() -> void:
 		var up := close[id].origin.normalized()
 		var side := up.cross(Vector3(0.3, 0.2, 0.9)).normalized()
 		var hit := cast(close[id].origin + 2.0 * up + 3.0 * side, close[id].origin + 2.0 * up)
-		check(not hit.is_empty() and scatter.get_body_instance(hit["rid"]) == id, "latitude %.0f: the body points up" % latitude)
+		check(not hit.is_empty() and scatter.get_body_instance(hit["rid"]) == id, "latitude %.0f: the body points away from the center" % latitude)
 		var ray := scatter.query_ray(close[id].origin + 10.0 * up, close[id].origin)
-		check(ray != null and ray.id == id, "latitude %.0f: a ray from above meets the instance" % latitude)
+		check(ray != null and ray.id == id, "latitude %.0f: a ray from above hits the instance" % latitude)
 		var nearest := scatter.query_nearest(close[id].origin + 0.1 * up, 10.0)
 		check(nearest != null and nearest.id == id, "latitude %.0f: it is the nearest instance" % latitude)
-		check(scatter.remove_instance(id), "latitude %.0f: it is felled" % latitude)
+		check(scatter.remove_instance(id), "latitude %.0f: the instance is removed" % latitude)
 		await settle(scatter)
-		check(not instances(scatter, 0).has(id), "latitude %.0f: it is gone" % latitude)
+		check(not instances(scatter, 0).has(id), "latitude %.0f: the removed instance is not drawn" % latitude)
 		var answer := scatter.explain_position(foot + up)[0]
-		check(answer.standing or not str(answer.reason).is_empty(), "latitude %.0f: the place is explained" % latitude)
+		check(answer.standing or not str(answer.reason).is_empty(), "latitude %.0f: the position is explained" % latitude)
 
 
 func test_altitudes_slopes_and_offsets() -> void:
@@ -150,13 +150,13 @@ func test_altitudes_slopes_and_offsets() -> void:
 	await settle(scatter)
 	var standing := instances(scatter, 0)
 	var expected := DENSITY * 4.0 * PI * 90.0 * 90.0
-	check(absf(standing.size() - expected) < 0.02 * expected, "the outer sphere alone: %d, expected about %d" % [standing.size(), expected])
-	check(absf(both - standing.size() - expected * 64.0 / 81.0) < 0.02 * expected, "together with the inner one: %d" % both)
+	check(absf(standing.size() - expected) < 0.02 * expected, "above the minimum altitude, only the outer sphere has instances: %d, expected about %d" % [standing.size(), expected])
+	check(absf(both - standing.size() - expected * 64.0 / 81.0) < 0.02 * expected, "without a minimum altitude, the inner sphere has instances, too: %d in all" % both)
 	var bad := standing.values().filter(func(at: Transform3D) -> bool: return absf(at.origin.distance_to(center) - 89.5) > 0.15)
-	check_equal(bad.size(), 0, "all are sunk by half a meter")
+	check_equal(bad.size(), 0, "instances that are not sunk by half a meter")
 	layer.min_slope_degrees = 9.0
 	await settle(scatter)
-	check_equal(instances(scatter, 0).size(), 0, "nothing is steep")
+	check_equal(instances(scatter, 0).size(), 0, "the ground has no steep slopes")
 
 
 func test_a_planet_that_is_set_later() -> void:
@@ -174,16 +174,16 @@ func test_a_planet_that_is_set_later() -> void:
 	await settle(scatter)
 	check(instances(scatter, 0)[id].basis.y.angle_to(Vector3.RIGHT) < 0.06, "the same instance points away from the center now")
 	var tile := scatter.get_tile(layer, Vector2i(6, 0))
-	check(tile.get_ids(0).size() > 100, "a tile has all cubes of its column")
-	check_equal(tile.get_buffer(0).size(), 12 * tile.get_ids(0).size(), "and a transform for each")
-	check(tile.get_multimeshes(0).size() > 1, "which several multimeshes draw")
+	check(tile.get_ids(0).size() > 100, "a tile contains all cubes of its column")
+	check_equal(tile.get_buffer(0).size(), 12 * tile.get_ids(0).size(), "the tile's buffer has a transform for each instance")
+	check(tile.get_multimeshes(0).size() > 1, "several multimeshes draw the tile")
 	var moon := put_planet(8.0, Vector3(135.0, 0.0, 0.0), 32)
 	await until(func() -> bool: return near(instances(scatter, 0), moon.position, 9.0).size() > 20, "a moon far above the ground has plants")
 	await settle(scatter)
 	var on_moon := near(instances(scatter, 0), moon.position, 9.0)
-	check(on_moon.values().all(func(at: Transform3D) -> bool: return at.basis.y.angle_to(at.origin) < 1e-3), "which point away from the planet")
+	check(on_moon.values().all(func(at: Transform3D) -> bool: return at.basis.y.angle_to(at.origin) < 1e-3), "the moon's plants point away from the planet")
 	moon.free()
-	await until(func() -> bool: return near(instances(scatter, 0), Vector3(135.0, 0.0, 0.0), 9.0).is_empty(), "the moon is gone")
+	await until(func() -> bool: return near(instances(scatter, 0), Vector3(135.0, 0.0, 0.0), 9.0).is_empty(), "the freed moon has no plants")
 	ground.planet_radius = 0.0
 	await settle(scatter)
 	check(instances(scatter, 0)[id].basis.y.angle_to(Vector3.UP) < 1e-4, "up is world y again")
@@ -284,13 +284,13 @@ func check_region(scatter: TerrainScatter3D, region: ScatterRegion3D, is_inside:
 		inside += int(removed)
 		wrong += int(removed == after.has(id) and not (is_border.is_valid() and is_border.call(before[id].origin)))
 	check(inside > 50 and inside < before.size() / 2.0, "%s: %d of %d instances are inside" % [context, inside, before.size()])
-	check_equal(wrong, 0, "%s: wrong instances" % context)
+	check_equal(wrong, 0, "%s: instances on the wrong side of the border" % context)
 	scatter.remove_child(region)
 	await settle(scatter)
-	check_equal(instances(scatter, 0).size(), before.size(), "%s: all are back" % context)
+	check_equal(instances(scatter, 0).size(), before.size(), "%s: all instances return without the region" % context)
 
 
-## Regions that act at any height act along the direction away from the center, at every latitude, and not on the far side.
+## Regions that ignore height extend along the direction away from the center, at every latitude, and have no effect on the far side.
 func test_regions_at_every_latitude() -> void:
 	put_planet(100.0, Vector3.ZERO, 128)
 	var layer := make_grower(1.5)
@@ -361,10 +361,10 @@ func test_regions_without_area_are_reported() -> void:
 	region.position = Vector3(100.0, 0.0, 0.0)
 	check("is too steep on the planet" in str(region.get_problems()), "a steep polygon: %s" % region.get_problems())
 	region.rotation.z = -PI / 2.0
-	check_equal(region.get_problems().size(), 0, "turned upright: %s" % region.get_problems())
+	check_equal(region.get_problems().size(), 0, "no problems with an upright polygon: %s" % region.get_problems())
 	region.rotation.z = 0.0
 	ground.planet_radius = 0.0
-	check_equal(region.get_problems().size(), 0, "without a planet: %s" % region.get_problems())
+	check_equal(region.get_problems().size(), 0, "no problems without a planet: %s" % region.get_problems())
 
 
 func test_hand_placed_instances_have_an_altitude() -> void:
@@ -397,9 +397,9 @@ func test_up_and_lines_that_meet_the_ground() -> void:
 	for up: Vector3 in [Vector3.UP, Vector3.DOWN, Vector3.RIGHT, Vector3(0.6, 0.0, -0.8)]:
 		check(scatter._up_at(up * 120.0).distance_to(up) < 1e-5, "up at %s: %s" % [up, scatter._up_at(up * 120.0)])
 		var hit := scatter._hit_surface(up * 150.0, up * 50.0)
-		if check(hit.size() == 2, "a line from above meets the ground at %s" % up):
-			check(hit[0].distance_to(up * 100.0) < 0.2 and hit[1].distance_to(up) < 0.05, "at the surface, with its normal: %s" % [hit])
-		check(scatter._hit_surface(up * 150.0, up * 120.0).is_empty(), "a line that ends above %s meets nothing" % up)
+		if check(hit.size() == 2, "a line from above hits the ground at %s" % up):
+			check(hit[0].distance_to(up * 100.0) < 0.2 and hit[1].distance_to(up) < 0.05, "the hit is on the surface and has its normal: %s" % [hit])
+		check(scatter._hit_surface(up * 150.0, up * 120.0).is_empty(), "a line that ends above %s hits nothing" % up)
 	scatter.ground = ScatterGroundFlat.new()
 	await settle(scatter)
 	check_equal(scatter._up_at(Vector3.RIGHT), Vector3.UP, "up without a planet")
@@ -442,4 +442,4 @@ func test_problems_and_bad_settings() -> void:
 	var standing := instances(scatter, 0)
 	for id in standing:
 		off = maxf(off, standing[id].basis.y.angle_to(standing[id].origin))
-	check(standing.size() > 500 and off < 1e-4, "the planet of a part is used: %d instances, %f off" % [standing.size(), off])
+	check(standing.size() > 500 and off < 1e-4, "the combined ground uses its part's planet: %d instances, %f off" % [standing.size(), off])

@@ -58,7 +58,7 @@ func test_mterrain_is_sculpted() -> void:
 	await until(func() -> bool:
 			var on := within(scatter, hill.grow(-3.0))
 			return not on.is_empty() and on.values().all(func(at: Vector3) -> bool: return absf(at.y - 30.0) < 0.01),
-			"re-checks find the hill")
+			"the hill is detected by re-checks")
 	for x in range(18, 32):
 		for y in range(14, 28):
 			node.heights[Vector2i(x, y)] = 20.0
@@ -88,11 +88,11 @@ func test_mterrain_loads_regions() -> void:
 	node.loaded[last] = false
 	await create_timer(2.0).timeout
 	await settle(scatter)
-	check_equal(within(scatter, inside), before, "they stay while the region is unloaded")
+	check_equal(within(scatter, inside), before, "instances stay while the region is unloaded")
 	node.loaded[last] = true
 	scatter.regenerate()
 	await settle(scatter)
-	check_equal(within(scatter, inside), before, "the same when it is loaded again, without the felled one")
+	check_equal(within(scatter, inside), before, "the same instances when it is loaded again, without the removed one")
 
 
 func test_mterrain_creates_its_grid_later() -> void:
@@ -194,7 +194,7 @@ func test_terrabrush_is_edited() -> void:
 	await regenerated_by(scatter, func() -> void:
 		node.position.y += 10.0
 		await frames(3))
-	check(absf(by_id(scatter).values()[0].y - height - 10.0) < 0.01, "it moves with the node")
+	check(absf(by_id(scatter).values()[0].y - height - 10.0) < 0.01, "instances move with the node")
 
 
 func test_terrabrush_without_a_terrain() -> void:
@@ -248,7 +248,7 @@ func test_voxel_terrain() -> void:
 	node.mesh_block(Vector3i(0, 1, 0), 0.0)
 	await create_timer(1.0).timeout
 	await settle(scatter)
-	check_equal(within(scatter, corner), before, "the same when it is loaded again")
+	check_equal(within(scatter, corner), before, "the same instances when it is loaded again")
 	node.mesh_block(Vector3i(0, 0, 0), 11.0)
 	await until(func() -> bool:
 			var on := within(scatter, corner)

@@ -58,10 +58,10 @@ func test_models_have_lods_that_fade() -> void:
 	check(seen.size() > 40, "%d models" % seen.size())
 	for path: String in seen:
 		var model: ScatterModel = seen[path]
-		check(model.lods.size() >= 2, path + " has LODs")
+		check(model.lods.size() >= 2, path + " has at least two LODs")
 		for index in range(1, model.lods.size()):
 			check(triangles(model.lods[index]) < triangles(model.lods[index - 1]) or triangles(model.lods[index]) <= 20, "%s: LOD %d is coarser" % [path, index])
-			check(model.lods[index].distance > model.lods[index - 1].distance, "%s: LOD %d is farther" % [path, index])
+			check(model.lods[index].distance > model.lods[index - 1].distance, "%s: LOD %d starts farther away" % [path, index])
 			var size := model.lods[index].mesh.get_aabb().size.length() / model.lods[0].mesh.get_aabb().size.length()
 			check(size > 0.7 and size < 1.4, "%s: LOD %d is %.2f times as large" % [path, index, size])
 		var material := model.lods[0].mesh.surface_get_material(0) as ShaderMaterial

@@ -47,10 +47,10 @@ func test_a_server_without_viewers_returns_the_same() -> void:
 	await settle(scatter)
 	var server := make_wood(make_viewer())
 	server.viewers = []
-	check(server.get_shown_tiles(server.layers[0]).is_empty(), "nothing is loaded")
+	check(server.get_shown_tiles(server.layers[0]).is_empty(), "no tiles are loaded")
 	for rect: Rect2 in [Rect2(-20, -20, 40, 40), Rect2(3e4, -7e5, 30, 30)]:
 		var answer := scatter.query_rect(rect)
-		check(answer.size() > 200, "%d in %s" % [answer.size(), rect])
+		check(answer.size() > 200, "%d instances in %s" % [answer.size(), rect])
 		check(content_of(answer) == content_of(server.query_rect(rect)), "the same in %s" % rect)
 	await frames(10)
 	check(server.get_shown_tiles(server.layers[0]).is_empty(), "no tile was shown for a query")
@@ -107,7 +107,7 @@ func test_workers_complete_requests() -> void:
 		request.completed.connect(func(result: ScatterInstances) -> void: completed[number] = result)
 	check(not first.is_completed() and first.get_result().is_empty(), "not completed immediately")
 	check(third.cancel(), "one request is canceled")
-	check(not third.cancel() and third.is_canceled() and third.is_completed(), "only once")
+	check(not third.cancel() and third.is_canceled() and third.is_completed(), "a request can be canceled only once")
 	check(completed.is_empty(), "no immediate signal")
 	await until(func() -> bool: return completed.size() == 3, "all are completed")
 	await frames(10)
@@ -115,8 +115,8 @@ func test_workers_complete_requests() -> void:
 	check(first.is_completed() and not first.is_canceled() and not first.cancel(), "a completed request cannot be canceled")
 	check(completed[first.get_instance_id()] == first.get_result(), "the result is kept")
 	check(content_of(first.get_result()) == content_of(scatter.query_rect(rect)), "the same as a direct query")
-	check(content_of(second.get_result()) == content_of(scatter.query_sphere(Vector3(-2000, 0, 0), 40.0, scatter.layers[1])), "also for the sphere")
-	check(first.get_result().size() > 1000, "many instances")
+	check(content_of(second.get_result()) == content_of(scatter.query_sphere(Vector3(-2000, 0, 0), 40.0, scatter.layers[1])), "the sphere request returns the same as a direct query")
+	check(first.get_result().size() > 1000, "the request returns many instances")
 	check(scatter.get_shown_tiles(scatter.layers[0]).is_empty(), "no tile was shown")
 	var id := first.get_result().get_id(7)
 	var fourth := scatter.request_rect(rect)
@@ -124,7 +124,7 @@ func test_workers_complete_requests() -> void:
 	var warm: ScatterInstances = await fourth.completed
 	check(warm.size() == first.get_result().size() - 1 and not warm.ids.has(id), "an instance that was removed in between is missing")
 	var awaited: ScatterInstances = await scatter.request_sphere(Vector3(100, 0, 0), 20.0).completed
-	check(content_of(awaited) == content_of(scatter.query_sphere(Vector3(100, 0, 0), 20.0)), "awaited in one line")
+	check(content_of(awaited) == content_of(scatter.query_sphere(Vector3(100, 0, 0), 20.0)), "an awaited request returns the same as a direct query")
 
 
 func test_every_request_is_completed() -> void:

@@ -31,7 +31,7 @@ func test_shapes() -> void:
 					"shape %d, exclude %s" % [shape, exclude])
 			region.free()
 			await settle(scatter)
-			check(instances(scatter, 0) == before, "everything is back after shape %d" % shape)
+			check(instances(scatter, 0) == before, "all instances return after shape %d" % shape)
 
 
 func test_paths() -> void:
@@ -74,10 +74,10 @@ func test_ignore_height_and_falloff() -> void:
 	region.position.y = 100.0
 	scatter.add_child(region)
 	await settle(scatter)
-	check(instances(scatter, 0) == before, "high above the ground")
+	check(instances(scatter, 0) == before, "a region high above the ground has no effect")
 	region.ignore_height = true
 	await settle(scatter)
-	check_kept(scatter, before, func(at: Vector3) -> bool: return Vector2(at.x, at.z).length() >= 20.0, "below the region")
+	check_kept(scatter, before, func(at: Vector3) -> bool: return Vector2(at.x, at.z).length() >= 20.0, "with ignore_height, only instances below the region are removed")
 	var sharp := instances(scatter, 0)
 	region.falloff = 15.0
 	await settle(scatter)
@@ -85,7 +85,7 @@ func test_ignore_height_and_falloff() -> void:
 	var deep := 0
 	var outer := 0
 	for id in soft:
-		check(before.has(id), "a region adds nothing")
+		check(before.has(id), "a region adds no instances")
 		deep += int(on_map(soft[id]).length() < 5.0 - BEYOND)
 		outer += int(not sharp.has(id))
 	check_equal(deep, 0, "instances deeper than the falloff")
@@ -302,8 +302,8 @@ func test_shear_and_scales() -> void:
 	stretched.add_child(region)
 	await settle(scatter)
 	check_error(["ScatterRegion3D.shear"], "a sheared box")
-	check(digests(scatter, 0) == before, "it has no effect")
-	check("shear" in "".join(region.get_problems()), "which is a problem")
+	check(digests(scatter, 0) == before, "the sheared box has no effect")
+	check("shear" in "".join(region.get_problems()), "the shear is a problem")
 	region.position.x = 2.0
 	await settle(scatter)
 	check_no_error("no second error")

@@ -25,7 +25,7 @@ func button(text: String, parent: Node) -> Button:
 	for found: Button in parent.find_children("*", "Button", true, false):
 		if found.text == text and found.is_visible_in_tree() and not found.disabled:
 			return found
-	check(false, "there is a button " + text)
+	check(false, "there is no button " + text)
 	return null
 
 
@@ -37,7 +37,7 @@ func press_in(dialog: Window, text: String) -> void:
 			await key_in(dialog, KEY_ENTER)
 			return
 		await key_in(dialog, KEY_TAB)
-	check(false, "Tab finds " + text)
+	check(false, "Tab does not reach the button " + text)
 
 
 ## Drags with the left mouse button in the 3D view, between two world positions.
@@ -78,7 +78,7 @@ func test_open() -> void:
 	await frames(10)
 	addon().hide_bottom_panel()
 	await mouse_click(row_of("Scatter"))
-	check_equal(selected(), [scatter] as Array[Node], "a click in the Scene dock selects it")
+	check_equal(selected(), [scatter] as Array[Node], "a click in the Scene dock selects the scatter")
 	await settle(scatter)
 	saved()
 
@@ -89,7 +89,7 @@ func test_first_stroke() -> void:
 	var initial := instances(scatter, 0)
 	check(initial.size() > 1000, "%d instances" % initial.size())
 	await mouse_click(middle(button("Brush", workspace().toolbar)))
-	check(workspace().toolbar.paint.is_on(), "a click takes the brush")
+	check(workspace().toolbar.paint.is_on(), "a click turns the brush on")
 	workspace().toolbar.paint.set_brush(1.5, 1.0, 1.0)
 	var dialog: ConfirmationDialog = workspace().toolbar.paint.first_stroke
 	for answer: String in ["Cancel", "Only here", "Not here"]:
@@ -98,7 +98,7 @@ func test_first_stroke() -> void:
 		if not check(dialog.visible, "the first stroke opens a dialog, answer %s" % answer):
 			return
 		await settle(scatter)
-		check(instances(scatter, 0) == initial, "nothing was removed")
+		check(instances(scatter, 0) == initial, "no instance is removed before the answer")
 		if answer == "Cancel":
 			await picture("clicks_first_stroke", dialog)
 		await press_in(dialog, answer)
@@ -119,7 +119,7 @@ func test_first_stroke() -> void:
 			await undo()
 			await settle(scatter)
 			check(instances(scatter, 0) == initial, "undone")
-			check(not FileAccess.file_exists("res://yard_grass_mask.res"), "its file, too")
+			check(not FileAccess.file_exists("res://yard_grass_mask.res"), "undo deletes the mask's file, too")
 	check(saved() == before, "the scene is unchanged, byte for byte")
 
 
@@ -132,7 +132,7 @@ func test_a_stroke_that_cannot_be_painted() -> void:
 		scatter.layers = layers if missing == "ground" else []
 		workspace().toolbar.update_layers()
 		await drag_in_view(Vector3(-2.0, 0.0, -2.0), Vector3(4.5, 0.0, 2.0))
-		check(missing in workspace().toolbar.paint.problem, "the reason without a %s: '%s'" % [missing, workspace().toolbar.paint.problem])
+		check(missing in workspace().toolbar.paint.problem, "the problem names the missing %s: '%s'" % [missing, workspace().toolbar.paint.problem])
 		check_equal(selected(), [scatter] as Array[Node], "the selection stays without a " + missing)
 		await mouse_to(on_screen(Vector3(0.5, 0.0, 0.5)), 0)
 		addon().update_overlays()
@@ -141,25 +141,25 @@ func test_a_stroke_that_cannot_be_painted() -> void:
 	scatter.layers = layers
 	workspace().toolbar.update_layers()
 	await settle(scatter)
-	check(not workspace().toolbar.paint.first_stroke.visible, "no question")
+	check(not workspace().toolbar.paint.first_stroke.visible, "no dialog opens")
 	# With the brush off, the same drag selects the nodes in the box.
 	await mouse_click(middle(button("Brush", workspace().toolbar)))
-	check(not workspace().toolbar.paint.is_on(), "a click puts the brush away")
+	check(not workspace().toolbar.paint.is_on(), "a click turns the brush off")
 	await drag_in_view(Vector3(-2.0, 0.0, -2.0), Vector3(4.5, 0.0, 2.0))
-	check(not selected() == ([scatter] as Array[Node]), "without it the editor handles the drag: %s" % [selected()])
+	check(not selected() == ([scatter] as Array[Node]), "without the brush, the editor handles the drag: %s" % [selected()])
 	await mouse_click(row_of("Scatter"))
 	await settle(scatter)
 
 
 ## Checks that selecting another node turns the brush off, and that the editor then handles clicks in the view again.
-func test_putting_the_brush_away() -> void:
+func test_deselecting_turns_the_brush_off() -> void:
 	await mouse_click(middle(button("Brush", workspace().toolbar)))
 	check(workspace().toolbar.paint.is_on(), "the brush is on")
 	await mouse_click(row_of("Lamp"))
 	check(not workspace().toolbar.paint.is_on(), "selecting another node turns it off")
 	await mouse_click(row_of("Scatter"))
 	await settle(scatter)
-	check(not workspace().toolbar.paint.is_on(), "it does not come back by itself")
+	check(not workspace().toolbar.paint.is_on(), "it stays off when the scatter is selected again")
 	await mouse_click(on_screen(Vector3(0.5, 0.0, 0.5)))
 	check(not workspace().toolbar.paint.first_stroke.visible and scatter.layers[0].mask == null, "a click paints nothing")
 	await mouse_click(row_of("Scatter"))
@@ -174,7 +174,7 @@ func test_a_stroke_on_two_layers() -> void:
 	await mouse_click(middle(button("Erase", workspace().toolbar)))
 	var version := history(scatter).get_version()
 	await drag_in_view(Vector3(-2.0, 0.0, 0.0), Vector3(2.0, 0.0, 0.5))
-	check_equal(history(scatter).get_version(), version + 1, "one step")
+	check_equal(history(scatter).get_version(), version + 1, "the stroke is one undo step")
 	for layer: Resource in scatter.layers:
 		check(layer.mask != null and layer.mask.sample(Vector2(-2.0, 0.0)) < 0.1 and layer.mask.sample(Vector2(2.0, 0.5)) < 0.1,
 				layer.resource_name + " is painted from end to end")
@@ -185,7 +185,7 @@ func test_a_stroke_on_two_layers() -> void:
 				scatter.layers[index].resource_name + " is removed along the stroke")
 	await picture("clicks_stroke")
 	await undo()
-	check(saved() == before, "undone, byte for byte")
+	check(saved() == before, "undo restores the scene, byte for byte")
 	await redo()
 	await undo()
 	await mouse_click(middle(button("Brush", workspace().toolbar)))
@@ -203,16 +203,16 @@ func test_a_region() -> void:
 	await picture("clicks_regions", popup)
 	# The first item is a heading, followed by "Box".
 	popup.set_focused_item(1)
-	check_equal(popup.get_item_text(1), "Box", "a box")
+	check_equal(popup.get_item_text(1), "Box", "the menu lists the box")
 	await key_in(popup, KEY_ENTER)
 	var regions := scatter.find_children("*", "ScatterRegion3D", true, false)
-	if not check(regions.size() == 1 and regions[0].exclude, "a region that excludes"):
+	if not check(regions.size() == 1 and regions[0].exclude, "one excluding region is added"):
 		return
 	var region := regions[0] as Node3D
 	check_equal(selected(), [region] as Array[Node], "the region is selected")
 	await frames(10)
 	await settle(scatter)
-	check(instances(scatter, 0).size() < initial.size(), "no instances in it: %d of %d" % [instances(scatter, 0).size(), initial.size()])
+	check(instances(scatter, 0).size() < initial.size(), "instances in the region are removed: %d of %d remain" % [instances(scatter, 0).size(), initial.size()])
 	var size: Vector3 = region.size
 	var across := region.to_global(Vector3(-0.5 * size.x, 0.0, 0.0))
 	var handle := region.to_global(Vector3(0.5 * size.x, 0.0, 0.0))
@@ -220,15 +220,15 @@ func test_a_region() -> void:
 	# A handle must be drawn once before the mouse can hit it.
 	await picture("clicks_region")
 	await drag_in_view(handle, handle + Vector3(0.6, 0.0, 0.0))
-	check_equal(history(scatter).get_version(), version + 1, "dragging the handle is one step")
+	check_equal(history(scatter).get_version(), version + 1, "dragging the handle is one undo step")
 	check(absf(region.size.x - size.x - 0.6) < 0.15 and region.size.y == size.y, "wider by the dragged distance: %s, was %s" % [region.size, size])
 	check(region.to_global(Vector3(-0.5 * region.size.x, 0.0, 0.0)).distance_to(across) < 1e-3, "the opposite face stays")
 	check_equal(selected(), [region] as Array[Node], "the region stays selected")
 	await picture("clicks_handle")
 	await undo()
-	check(region.size == size, "undone: %s" % region.size)
+	check(region.size == size, "undo restores the size: %s" % region.size)
 	await undo()
-	check(saved() == before, "both undone, byte for byte")
+	check(saved() == before, "undo of both steps restores the scene, byte for byte")
 	await mouse_click(row_of("Scatter"))
 
 
@@ -246,13 +246,13 @@ func test_a_radius_is_dragged() -> void:
 		for editor: EditorProperty in EditorInterface.get_inspector().find_children("*", "EditorProperty", true, false):
 			if editor.get_edited_property() == &"radius":
 				slider = editor.find_children("*", "EditorSpinSlider", true, false)[0]
-		if not check(slider != null and slider.exp_edit, "the field of the radius is exponential"):
+		if not check(slider != null and slider.exp_edit, "the inspector shows an exponential slider for the radius"):
 			return
 		await _point(middle(slider))
 		await mouse_to(middle(slider), 0)
 		await frames(3)
 		var grabber := slider.find_children("*", "TextureRect", true, false)[0] as Control
-		check(grabber.visible, "with a grabber below it while the mouse is over it")
+		check(grabber.visible, "the slider shows its grabber while the mouse is over it")
 		var at := grabber.get_global_rect().get_center()
 		await mouse_drag(at, at + Vector2(-8.0, 0.0))
 		await frames(3)
@@ -260,10 +260,10 @@ func test_a_radius_is_dragged() -> void:
 		await settle(scatter)
 		if radius == 8.0:
 			await picture("clicks_radius")
-		check(layer.radius < radius and layer.radius > 0.05, "%.3f from %.3f" % [layer.radius, radius])
+		check(layer.radius < radius and layer.radius > 0.05, "the radius shrinks to %.3f from %.3f" % [layer.radius, radius])
 		await undo()
 		check_equal(layer.radius, radius, "undone")
-	check(absf(factors[0] / factors[1] - 1.0) < 0.1, "by the same factor: %s" % [factors])
+	check(absf(factors[0] / factors[1] - 1.0) < 0.1, "both radii shrink by the same factor: %s" % [factors])
 	scatter.layers[0].radius = 0.5
 
 
@@ -280,10 +280,10 @@ func test_a_preset_without_instances() -> void:
 		index += 1
 	menu.get_popup().set_focused_item(index)
 	await key_in(menu.get_popup(), KEY_ENTER)
-	check(scatter.layers.size() > 4, "the preset's layers: %d" % scatter.layers.size())
+	check(scatter.layers.size() > 4, "the preset adds its layers: %d" % scatter.layers.size())
 	await settle(scatter)
-	await until(func() -> bool: return not toast_text().is_empty(), "it is reported")
-	check("No instances are visible here." in toast_text() and "Slope is 0°" in toast_text(), "the reason: " + toast_text())
+	await until(func() -> bool: return not toast_text().is_empty(), "a toast appears")
+	check("No instances are visible here." in toast_text() and "Slope is 0°" in toast_text(), "the toast names the layers and the reason: " + toast_text())
 	await get_tree().create_timer(1.0).timeout # Wait until the toast has faded in.
 	await picture("clicks_scree")
 	await undo()

@@ -67,7 +67,7 @@ func test_add() -> void:
 	await frames(3)
 	EditorInterface.set_main_screen_editor("3D")
 	check(workspace().toolbar.visible, "the toolbar is visible for a scatter")
-	check(not workspace().toolbar.paint.is_on(), "no brush without layers")
+	check(not workspace().toolbar.paint.is_on(), "the brush is off without layers")
 	var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
 	layer.resource_name = "Posts"
 	layer.radius = 1.5
@@ -108,10 +108,10 @@ func test_stroke() -> void:
 	await stroke(places)
 	await settle(scatter)
 	await picture("brush")
-	check_equal(history(scatter).get_version(), version + 1, "a stroke is one step of undo")
+	check_equal(history(scatter).get_version(), version + 1, "the stroke is one undo step")
 	painted = instances(scatter, 0)
 	painted_digests = digests(scatter, 0)
-	check(painted_digests != before_digests, "the digests differ")
+	check(painted_digests != before_digests, "the stroke changes the digests")
 	check(painted.size() < before.size() - 50, "erased: %d of %d remain" % [painted.size(), before.size()])
 	var farthest := 0.0
 	for id: int in before:
@@ -123,26 +123,26 @@ func test_stroke() -> void:
 			check(painted[id] == before[id], "remaining instances do not move")
 	check(farthest > 4.0 and farthest < 6.0 + 2.0, "erased up to %.2f m from the stroke" % farthest)
 	check(painted.keys().all(func(id: int) -> bool: return before.has(id)), "no new instances")
-	check(FileAccess.file_exists(MASK), "the mask has a file")
+	check(FileAccess.file_exists(MASK), "the mask is saved in a file")
 
 
 func test_undo_redo() -> void:
 	history(scatter).undo()
 	await settle(scatter)
-	check(instances(scatter, 0) == before, "undone: the same instances as before")
+	check(instances(scatter, 0) == before, "undo restores the instances")
 	check(digests(scatter, 0) == before_digests, "bit for bit")
-	check(scatter.layers[0].mask == null, "no mask")
-	check(not FileAccess.file_exists(MASK), "no file for the mask")
+	check(scatter.layers[0].mask == null, "undo removes the mask")
+	check(not FileAccess.file_exists(MASK), "undo deletes the mask's file")
 	history(scatter).redo()
 	await settle(scatter)
-	check(instances(scatter, 0) == painted, "redone: the same as painted")
+	check(instances(scatter, 0) == painted, "redo removes the same instances again")
 	check(digests(scatter, 0) == painted_digests, "bit for bit")
 
 
 ## Checks that saving and reopening keeps the instances, although the scene contains only settings.
 func test_save_and_reopen() -> void:
 	await save_and_reopen()
-	check(instances(scatter, 0) == painted, "opened again: the same as painted")
+	check(instances(scatter, 0) == painted, "the reopened scene has the same instances")
 	check(digests(scatter, 0) == painted_digests, "bit for bit")
 	var text := FileAccess.get_file_as_string(SCENE)
 	check(text.length() < 100_000, "the scene is small: %d bytes" % text.length())
@@ -172,14 +172,14 @@ func test_paint_and_smooth() -> void:
 	workspace().toolbar.paint.set_on(true)
 	workspace().toolbar.paint.choose_mode(2)
 	await stroke([on_ground(at.x, at.y)])
-	check(layer.mask == null, "nothing to smooth")
+	check(layer.mask == null, "smoothing a layer without a mask creates no mask")
 	await ask_first(layer, at, full)
 	workspace().toolbar.paint.first_stroke.get_ok_button().pressed.emit()
 	await settle(scatter)
 	var kept := instances(scatter, 1)
 	check(kept.size() > 30 and kept.size() < 120, "%d of %d remain where it is painted" % [kept.size(), full.size()])
 	for id: int in kept:
-		check(Vector2(kept[id].x, kept[id].z).distance_to(at) < 9.0 and kept[id] == full[id], "under the brush, not moved")
+		check(Vector2(kept[id].x, kept[id].z).distance_to(at) < 9.0 and kept[id] == full[id], "a remaining instance is under the brush and has not moved")
 	check(layer.mask.resource_path.begins_with("res://demo_stakes_mask"), "the mask has a file: %s" % layer.mask.resource_path)
 	workspace().toolbar.paint.choose_mode(2)
 	var rim := at + Vector2(8.0, 0.0)
@@ -219,11 +219,11 @@ func ask_first(layer: Resource, at: Vector2, full: Dictionary) -> void:
 			await until(workspace().toolbar.paint.mask_overlay.is_shown, "the mask is visible while the brush is on")
 			await picture("mask")
 			var file: String = layer.mask.resource_path
-			check(FileAccess.file_exists(file), "the mask has a file")
+			check(FileAccess.file_exists(file), "the mask is saved in a file")
 			history(scatter).undo()
-			check(layer.mask == null and not FileAccess.file_exists(file), "undone, with no file left")
+			check(layer.mask == null and not FileAccess.file_exists(file), "undo removes the mask and its file")
 			history(scatter).redo()
-			check(layer.mask != null and FileAccess.file_exists(file), "redone, with its file")
+			check(layer.mask != null and FileAccess.file_exists(file), "redo restores the mask and its file")
 			check(ResourceLoader.load(file, "", ResourceLoader.CACHE_MODE_IGNORE).sample(at) < 0.01, "the file contains the stroke")
 			history(scatter).undo()
 			check(layer.mask == null and not FileAccess.file_exists(file), "undone")
@@ -237,26 +237,26 @@ func test_a_stroke_that_cannot_be_painted() -> void:
 	var press := _button(Vector2(300.0, 200.0), true, false)
 	var stop := EditorPlugin.AFTER_GUI_INPUT_STOP
 	scatter.ground = null
-	check_equal(addon()._forward_3d_gui_input(camera(), press), stop, "the button without a ground")
+	check_equal(addon()._forward_3d_gui_input(camera(), press), stop, "the button press is consumed without a ground")
 	check("ground" in workspace().toolbar.paint.problem, "the reason: '%s'" % workspace().toolbar.paint.problem)
 	await picture("no_terrain")
 	scatter.ground = ground
 	var layers: Array = scatter.layers
 	scatter.layers = []
 	workspace().toolbar.update_layers()
-	check_equal(addon()._forward_3d_gui_input(camera(), press), stop, "the button without a layer")
+	check_equal(addon()._forward_3d_gui_input(camera(), press), stop, "the button press is consumed without a layer")
 	check("layer" in workspace().toolbar.paint.problem, "the reason: '%s'" % workspace().toolbar.paint.problem)
 	scatter.layers = layers
 	workspace().toolbar.update_layers()
-	check_equal(addon()._forward_3d_gui_input(camera(), _button(Vector2(300.0, -20000.0), true, false)), stop, "the sky")
+	check_equal(addon()._forward_3d_gui_input(camera(), _button(Vector2(300.0, -20000.0), true, false)), stop, "a button press on the sky is consumed")
 	check("ground" in workspace().toolbar.paint.problem, "the reason: '%s'" % workspace().toolbar.paint.problem)
 	check(EditorInterface.get_selection().get_selected_nodes() == [scatter], "the selection stays")
 	select(EditorInterface.get_edited_scene_root())
 	await frames(2)
-	check(not workspace().toolbar.paint.is_on(), "deselecting puts the brush away")
+	check(not workspace().toolbar.paint.is_on(), "deselecting turns the brush off")
 	select(scatter)
 	await frames(2)
-	check(not workspace().toolbar.paint.is_on(), "it does not come back by itself")
+	check(not workspace().toolbar.paint.is_on(), "it stays off when the scatter is selected again")
 
 
 ## Checks that a preset adds its layers in one step. When it is added again, the new layers have unique names, and their rules refer to each other.
@@ -264,14 +264,14 @@ func test_presets() -> void:
 	var version := history(scatter).get_version()
 	workspace().toolbar.preset_chosen.emit("forest")
 	workspace().toolbar.preset_chosen.emit("forest")
-	check_equal(history(scatter).get_version(), version + 2, "a preset is one step of undo")
+	check_equal(history(scatter).get_version(), version + 2, "each preset is one undo step")
 	var names := PackedStringArray(scatter.layers.map(func(layer: Resource) -> String: return layer.resource_name))
 	check(names.has("Spruce") and names.has("Spruce 2") and names.size() == 17, "names: %s" % names)
 	var bush: Resource = scatter.layers[names.find("Bush 2")]
 	check_equal(bush.spacing.keys().slice(0, 3), ["Spruce 2", "Oak 2", "Birch 2"], "rules refer to the new layers")
-	check(bush.spacing.has("Spruce") and bush.spacing.has("Posts"), "new layers keep apart from older ones: %s" % bush.spacing)
-	check(scatter.layers[names.find("Bush")] != bush and bush.resource_path.is_empty(), "layers are copies")
-	check(bush.meshes[0].resource_path.begins_with("res://addons/thicket/presets/plants/"), "models are shared")
+	check(bush.spacing.has("Spruce") and bush.spacing.has("Posts"), "new layers keep their distance from existing ones: %s" % bush.spacing)
+	check(scatter.layers[names.find("Bush")] != bush and bush.resource_path.is_empty(), "the layer is a copy without a file")
+	check(bush.meshes[0].resource_path.begins_with("res://addons/thicket/presets/plants/"), "the copies share their models")
 	check(scatter.get_problems().is_empty(), "no problems: %s" % scatter.get_problems())
 	history(scatter).undo()
 	for layer: Resource in scatter.layers:
@@ -316,7 +316,7 @@ func test_water() -> void:
 			continue
 		var middle: Vector2 = gizmos._area().get_center()
 		var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
-		check_equal(gizmos._get_handle_value(gizmo, 0, false), level, "the handle's value")
+		check_equal(gizmos._get_handle_value(gizmo, 0, false), level, "the handle has the water level's value")
 		gizmos._set_handle(gizmo, 0, false, camera, camera.unproject_position(Vector3(middle.x, level + 3.0, middle.y)))
 		gizmos._commit_handle(gizmo, 0, false, level, false)
 		check(absf(scatter.water_level - level - 3.0) < 0.05, "dragged by 3 m: %f" % (scatter.water_level - level))
@@ -324,7 +324,7 @@ func test_water() -> void:
 		check_equal(scatter.water_level, level, "undone")
 		scatter.water_enabled = false
 		return
-	check(false, "the water has a gizmo")
+	check(false, "the water has no gizmo")
 
 
 ## Checks that properties that refer to layers offer a list of layers.
@@ -362,11 +362,11 @@ func test_bake() -> void:
 	dialog.fill(scatter, rect)
 	dialog.start()
 	dialog.job.step(0.0)
-	check(dialog.job.progress > 0.0 and dialog.job.progress < 1.0, "in progress: %s" % dialog.job.progress)
+	check(dialog.job.progress > 0.0 and dialog.job.progress < 1.0, "the bake is in progress: %s" % dialog.job.progress)
 	dialog.stop()
 	dialog.hide()
 	check_equal(files(BAKED), PackedStringArray(), "a canceled bake leaves no files")
-	check(not DirAccess.dir_exists_absolute(BAKED.path_join(".bake_unfinished")), "and no folder")
+	check(not DirAccess.dir_exists_absolute(BAKED.path_join(".bake_unfinished")), "a canceled bake leaves no temporary folder")
 	dialog.start()
 	await until(func() -> bool: return not dialog.is_processing(), "baked")
 	check_equal(dialog.job.problem, "", "no problem")
@@ -384,7 +384,7 @@ func test_bake() -> void:
 			var place := child.position + Vector3(buffer[at + 3], buffer[at + 7], buffer[at + 11])
 			found += int(expected.has(place.snapped(Vector3.ONE * 0.01)))
 	check(count == expected.size() and found >= count - 3, "%d baked, %d of them match, %d expected" % [count, found, expected.size()])
-	check(FileAccess.get_file_as_string(BAKED + "/posts.tscn").length() < 20_000, "a small scene")
+	check(FileAccess.get_file_as_string(BAKED + "/posts.tscn").length() < 20_000, "the baked scene is small")
 	scene.free()
 
 

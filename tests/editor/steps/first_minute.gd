@@ -24,7 +24,7 @@ func button(text: String, parent: Node = EditorInterface.get_base_control()) -> 
 	for found: Button in parent.find_children("*", "Button", true, false):
 		if found.text == text and found.is_visible_in_tree() and not found.disabled:
 			return found
-	check(false, "there is a button " + text)
+	check(false, "there is no button " + text)
 	return null
 
 
@@ -77,14 +77,14 @@ func test_first_minute() -> void:
 	await drag_files([GROUND], row_of("Plot"))
 	if not check(root.has_node("Hill"), "the hill is dropped into the scene"):
 		return
-	# Has the effect of a click on the panel's name. The call is repeated, because the editor may still be opening scenes of the last session.
+	# This has the same effect as a click on the panel's name. The call is repeated, because the editor may still be opening scenes of the last session.
 	await until(func() -> bool:
 		addon().make_bottom_panel_item_visible(panel())
 		return panel().is_visible_in_tree(), "the panel is visible")
 	await frames(10)
 	await click(middle(button("New Scatter")))
 	var scatter: Node3D = root.get_node_or_null("Scatter")
-	if not check(scatter != null, "a scatter"):
+	if not check(scatter != null, "the button adds a scatter"):
 		return
 	await click(row_of("Hill"))
 	await click(middle(button("Use as Ground")))
@@ -92,10 +92,10 @@ func test_first_minute() -> void:
 	await click(row_of("Scatter"))
 	await get_tree().create_timer(0.6).timeout # The panel updates only a few times per second.
 	await drag_files(MODELS, middle(panel().tree))
-	check_equal(scatter.layers.size(), 3, "three species")
+	check_equal(scatter.layers.size(), 3, "the drop adds three layers")
 	check(scatter.layers.all(func(layer: Resource) -> bool: return layer.get(&"on_surfaces")), "they grow on every level of the hill's meshes")
 	await settle(scatter)
-	check_equal(_clicks, 4, "clicks, in addition to two drops")
+	check_equal(_clicks, 4, "number of clicks, in addition to two drops")
 	check(scatter.get_problems().is_empty(), "no problems: %s" % scatter.get_problems())
 	check_species(scatter)
 	await get_tree().create_timer(0.6).timeout
@@ -104,17 +104,17 @@ func test_first_minute() -> void:
 	for kind: String in ["Camera3D", "DirectionalLight3D", "WorldEnvironment", "ScatterFoliageWorld"]:
 		check_equal(root.find_children("*", kind, true, false).size(), 1, kind)
 	check(panel().find_children("*", "Button", true, false).all(func(found: Button) -> bool:
-		return not found.text.begins_with("Add Camera") or not found.is_visible_in_tree()), "the note is gone")
+		return not found.text.begins_with("Add Camera") or not found.is_visible_in_tree()), "the button for missing scene nodes is hidden")
 	await picture("first_minute")
 	await key(KEY_S, KEY_MASK_CTRL)
-	await until(func() -> bool: return "ScatterGroundMeshes" in FileAccess.get_file_as_string(SCENE), "saved with Ctrl+S")
+	await until(func() -> bool: return "ScatterGroundMeshes" in FileAccess.get_file_as_string(SCENE), "Ctrl+S saves the scene")
 	var text := FileAccess.get_file_as_string(SCENE)
-	check(text.length() < 5000 and not "MultiMesh" in text, "a small scene: %d bytes" % text.length())
+	check(text.length() < 5000 and not "MultiMesh" in text, "the scene is small and contains no instances: %d bytes" % text.length())
 	var steps := 0
 	while root.get_child_count() > 0 and steps < 7:
 		await undo()
 		steps += 1
-	check(steps == 5 and root.get_child_count() == 0, "five steps of undo lead back to the empty scene: %d" % steps)
+	check(steps == 5 and root.get_child_count() == 0, "five undo steps restore the empty scene: %d" % steps)
 
 
 ## Performs the steps of the tutorial "A first forest", again from an empty scene.
@@ -138,7 +138,7 @@ func test_a_preset() -> void:
 	await get_tree().create_timer(0.6).timeout
 	await click(middle(button("Add Camera, Sun, Sky and Wind")))
 	await settle(scatter)
-	check_equal(_clicks, 7, "clicks, in addition to one drop")
+	check_equal(_clicks, 7, "number of clicks, in addition to one drop")
 	check(scatter.layers.size() > 3 and scatter.get_problems().is_empty(), "a forest without problems: %s" % scatter.get_problems())
 	for layer: Resource in scatter.layers:
 		check(scatter.get_shown_count(layer) > 0, "%s: %d instances" % [layer.resource_name, scatter.get_shown_count(layer)])

@@ -22,7 +22,7 @@ func button(text: String) -> Button:
 	for found: Button in buttons().find_children("*", "Button", true, false):
 		if found.text == text:
 			return found
-	check(false, "there is a button %s" % text)
+	check(false, "there is no button %s" % text)
 	return null
 
 
@@ -141,7 +141,7 @@ func test_use_the_selected_mesh() -> void:
 	var terrain: Resource = scatter.get(&"ground")
 	if not check(terrain != null and terrain.is_class("ScatterGroundMeshes"), "the scatter has a ground"):
 		return
-	check_equal(terrain.get(&"group"), &"meadow_flowers_ground", "its group")
+	check_equal(terrain.get(&"group"), &"meadow_flowers_ground", "the ground uses a group named after the scatter")
 	await select([scatter])
 	await settle(scatter)
 	var stand := instances(scatter, 0)
@@ -151,12 +151,12 @@ func test_use_the_selected_mesh() -> void:
 	await look_from(Vector3(0.0, 14.0, 34.0))
 	await picture("ground_meadow")
 	await undo()
-	check(scatter.get(&"ground") == null and not meadow.is_in_group("meadow_flowers_ground"), "undone")
-	check_equal(saved(), before, "byte for byte")
+	check(scatter.get(&"ground") == null and not meadow.is_in_group("meadow_flowers_ground"), "undo removes the ground and the group")
+	check_equal(saved(), before, "the scene is restored, byte for byte")
 	await redo()
-	check_equal(saved(), after, "redone, byte for byte")
+	check_equal(saved(), after, "redo restores the scene, byte for byte")
 	await settle(scatter)
-	check_equal(instances(scatter, 0), stand, "the same instances")
+	check_equal(instances(scatter, 0), stand, "redo restores the instances")
 
 
 func opened_sun() -> Node:
@@ -166,20 +166,20 @@ func opened_sun() -> Node:
 func test_more_meshes_join_with_the_scatter_selected() -> void:
 	var before := saved()
 	await select([scatter, rock, hill])
-	check(buttons().visible, "also with the scatter selected")
+	check(buttons().visible, "the buttons are visible if the scatter is also selected")
 	await click("Use as Ground")
 	check(rock.is_in_group("meadow_flowers_ground"), "the rock joins the group")
 	check(hill.get_node("Top").is_in_group("meadow_flowers_ground"), "the mesh in the hill's scene joins, too")
 	await select([scatter])
 	await settle(scatter)
 	var heights := instances(scatter, 0).values().map(func(at: Vector3) -> float: return snappedf(at.y, 0.01))
-	check(heights.count(2.5) > 30, "%d on the rock" % heights.count(2.5))
-	check(heights.count(3.5) > 80, "%d on the hill" % heights.count(3.5))
+	check(heights.count(2.5) > 30, "%d instances on the rock" % heights.count(2.5))
+	check(heights.count(3.5) > 80, "%d instances on the hill" % heights.count(3.5))
 	var after := saved()
 	check("[editable path=\"Hill\"]" in after, "the hill's nodes are editable here")
 	await picture("ground_joined")
 	await undo()
-	check_equal(saved(), before, "undone, byte for byte")
+	check_equal(saved(), before, "undo restores the scene, byte for byte")
 	await redo()
 	check_equal(saved(), after, "redone")
 	await select([rock])
@@ -211,20 +211,20 @@ func check_on_rock(context: String) -> void:
 	var on_rock := instances(scatter, 0).values().filter(func(at: Vector3) -> bool: return absf(at.y - 2.5) < 0.01)
 	check(on_rock.size() > 30, "%s: %d on the rock" % [context, on_rock.size()])
 	check(on_rock.all(func(at: Vector3) -> bool:
-			return absf(at.x - rock.position.x) < 4.01 and absf(at.z - rock.position.z) < 4.01), context + ": none in the air")
+			return absf(at.x - rock.position.x) < 4.01 and absf(at.z - rock.position.z) < 4.01), context + ": no instance floats in the air")
 
 
 ## Checks that, if only the scatter is selected, the button opens a dialog with the scene tree.
 func test_pick_in_the_tree() -> void:
 	await undo()
 	await undo()
-	check(scatter.get(&"ground") == null, "no ground again")
+	check(scatter.get(&"ground") == null, "undo has removed the ground")
 	await select([scatter])
-	check(not button("Refresh Ground").visible, "nothing to refresh without a ground")
+	check(not button("Refresh Ground").visible, "the refresh button is hidden without a ground")
 	await click("Use as Ground")
 	var dialogs := EditorInterface.get_base_control().get_window().find_children("*", "SceneTreeDialog", true, false).filter(
 			func(dialog: Window) -> bool: return dialog.visible)
-	if not check_equal(dialogs.size(), 1, "a dialog with the tree"):
+	if not check_equal(dialogs.size(), 1, "a dialog with the scene tree opens"):
 		return
 	await picture("ground_pick", dialogs[0])
 	var tree: Tree = dialogs[0].find_children("*", "Tree", true, false)[0]
@@ -245,18 +245,18 @@ func test_pick_in_the_tree() -> void:
 
 
 func test_use_a_body() -> void:
-	check(scatter.get(&"ground") == null, "no ground again")
+	check(scatter.get(&"ground") == null, "undo has removed the ground")
 	var before := saved()
 	await select([scatter, floor_body])
 	await click("Use as Ground")
 	var terrain: Resource = scatter.get(&"ground")
-	if not check(terrain != null and terrain.is_class("ScatterGroundColliders"), "a ground of colliders"):
+	if not check(terrain != null and terrain.is_class("ScatterGroundColliders"), "the scatter gets a ground of colliders"):
 		return
 	check_equal(terrain.get(&"collision_mask"), 4, "its rays use the body's layer")
 	await select([scatter])
 	await settle(scatter)
 	check(instances(scatter, 0).size() > 700, "%d instances on the floor" % instances(scatter, 0).size())
-	check(instances(scatter, 0).values().all(func(at: Vector3) -> bool: return absf(at.y + 4.5) < 0.01), "at the height of the floor")
+	check(instances(scatter, 0).values().all(func(at: Vector3) -> bool: return absf(at.y + 4.5) < 0.01), "all instances are at the height of the floor")
 	floor_body.position.y = -3.0
 	await settle(scatter)
 	check(instances(scatter, 0).values().all(func(at: Vector3) -> bool: return absf(at.y + 1.5) < 0.01), "a moved body is detected")
@@ -268,7 +268,7 @@ func test_use_a_body() -> void:
 	await picture("ground_body")
 	floor_body.position.y = -6.0
 	await undo()
-	check_equal(saved(), before, "undone, byte for byte")
+	check_equal(saved(), before, "undo restores the scene, byte for byte")
 
 
 ## Returns a GridMap of [param side] x [param side] cells of 2 m, with their upper faces at height 1.
@@ -289,7 +289,7 @@ func grid(side: int) -> GridMap:
 
 
 func test_use_a_grid_map_and_a_csg_node() -> void:
-	check(scatter.get(&"ground") == null, "no ground again")
+	check(scatter.get(&"ground") == null, "undo has removed the ground")
 	var root := EditorInterface.get_edited_scene_root()
 	add(root, grid(8), "Grid")
 	add(root, CSGCombiner3D.new(), "Carved")
@@ -303,12 +303,12 @@ func test_use_a_grid_map_and_a_csg_node() -> void:
 	await frames(3)
 	var before := saved()
 	await select([csg.get_node("Block")])
-	check(not buttons().visible, "a part of a CSG node is not ground by itself")
+	check(not buttons().visible, "a part of a CSG node cannot be ground by itself")
 	await select([grid_map])
 	check(buttons().visible, "a GridMap can be ground")
 	await click("Use as Ground")
 	var terrain: Resource = scatter.get(&"ground")
-	if not check(terrain != null and terrain.is_class("ScatterGroundMeshes"), "a ground of meshes"):
+	if not check(terrain != null and terrain.is_class("ScatterGroundMeshes"), "the scatter gets a ground of meshes"):
 		return
 	await select([scatter])
 	await settle(scatter)
@@ -317,7 +317,7 @@ func test_use_a_grid_map_and_a_csg_node() -> void:
 	await select([csg])
 	await click("Use as Ground")
 	check(csg.is_in_group(&"meadow_flowers_ground") and grid_map.is_in_group(&"meadow_flowers_ground"), "the CSG node joins the group")
-	check(not csg.get_node("Block").is_in_group(&"meadow_flowers_ground"), "its parts do not")
+	check(not csg.get_node("Block").is_in_group(&"meadow_flowers_ground"), "its parts do not join the group")
 	await select([scatter])
 	await settle(scatter)
 	heights = instances(scatter, 0).values().map(func(at: Vector3) -> float: return snappedf(at.y, 0.01))
@@ -329,8 +329,8 @@ func test_use_a_grid_map_and_a_csg_node() -> void:
 	grid_map.set_cell_item(Vector3i(9, 1, 9), GridMap.INVALID_CELL_ITEM)
 	await undo()
 	await undo()
-	check(scatter.get(&"ground") == null, "no ground again")
-	check_equal(saved(), before, "undone, byte for byte")
+	check(scatter.get(&"ground") == null, "undo has removed the ground")
+	check_equal(saved(), before, "undo restores the scene, byte for byte")
 	grid_map.free()
 	csg.free()
 
@@ -345,7 +345,7 @@ func test_meshes_and_bodies_are_added_to_a_ground_of_another_kind() -> void:
 	var before := saved()
 	await click("Add to Ground")
 	var combined: Resource = scatter.get(&"ground")
-	if not check(combined.is_class("ScatterGroundCombined"), "both are combined"):
+	if not check(combined.is_class("ScatterGroundCombined"), "both grounds are combined"):
 		return
 	check_equal(combined.get(&"grounds").size(), 2, "two grounds")
 	check(combined.get(&"grounds")[0] == flat, "the flat ground is kept")
@@ -353,21 +353,21 @@ func test_meshes_and_bodies_are_added_to_a_ground_of_another_kind() -> void:
 	await select([scatter])
 	await settle(scatter)
 	var heights := instances(scatter, 0).values().map(func(at: Vector3) -> float: return snappedf(at.y, 0.01))
-	check(heights.count(2.5) > 30 and heights.count(0.75) > 700, "on the rock and next to it")
+	check(heights.count(2.5) > 30 and heights.count(0.75) > 700, "instances are placed on the rock and next to it")
 	await select([hill])
 	await click("Add to Ground")
 	check_equal(combined.get(&"grounds").size(), 2, "a second mesh joins the group")
-	check(hill.get_node("Top").is_in_group("meadow_flowers_ground"), "its group")
+	check(hill.get_node("Top").is_in_group("meadow_flowers_ground"), "the second mesh is in the group")
 	await select([floor_body])
 	await click("Add to Ground")
 	check_equal(combined.get(&"grounds").size(), 3, "a body becomes a third ground")
 	await undo()
-	check_equal(combined.get(&"grounds").size(), 2, "undone")
+	check_equal(combined.get(&"grounds").size(), 2, "undo removes the third ground")
 	await undo()
-	check_equal(saved(), after, "undone, byte for byte")
+	check_equal(saved(), after, "undo restores the scene, byte for byte")
 	await undo()
-	check(scatter.get(&"ground") == flat, "the flat ground again")
-	check_equal(saved(), before, "byte for byte")
+	check(scatter.get(&"ground") == flat, "undo restores the flat ground")
+	check_equal(saved(), before, "the scene is restored, byte for byte")
 	scatter.set(&"ground", null)
 
 

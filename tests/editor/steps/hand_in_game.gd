@@ -49,7 +49,7 @@ func _initialize() -> void:
 	var again := await settled((load(SCENE) as PackedScene).instantiate())
 	check(again.has_instance(planted), "the reloaded scene is unchanged")
 	check(again.state.apply_diff(saved) == OK, "the saved changes are applied")
-	check(not again.has_instance(planted) and again.has_instance(grown), "they are visible in the game")
+	check(not again.has_instance(planted) and again.has_instance(grown), "the changes are visible in the game")
 	for id: int in noted[0]:
 		check(id == planted or again.has_instance(id), "in addition to the designer's instances")
 	print("hand in game: %d failed" % failures)

@@ -91,7 +91,7 @@ func test_plant_and_move() -> void:
 	await move_mouse(on_screen(at))
 	check(hand._ghost.is_shown(), "the preview is visible on the side of the planet")
 	await click_at(on_screen(at))
-	check_equal(hand.problem, "", "no problem")
+	check_equal(hand.problem, "", "planting reports no problem")
 	if not check(placed().size() == 1, "one instance: %s" % placed()):
 		return
 	var id := placed()[0]
@@ -100,13 +100,13 @@ func test_plant_and_move() -> void:
 	var start := transform_of(id)
 	var to := on_planet(-0.5, 1.0)
 	await drag_mouse(on_screen(start.origin), on_screen(start.origin + (to - at)))
-	check(transform_of(id).origin.distance_to(start.origin) > 1.0, "it is moved")
+	check(transform_of(id).origin.distance_to(start.origin) > 1.0, "the instance moves")
 	var moved := transform_of(id).origin
 	check(absf(moved.distance_to(CENTER) - RADIUS - 0.1) < 0.01, "it keeps its height above the ground: %f" % (moved.distance_to(CENTER) - RADIUS))
-	check(moved.distance_to(to) < 0.3, "moved to %s, near %s" % [moved, to])
+	check(moved.distance_to(to) < 0.3, "it moved to %s, expected near %s" % [moved, to])
 	check(transform_of(id).basis.y.angle_to(moved - CENTER) < 0.01, "it stays upright")
 	await undo()
-	check(transform_of(id) == start, "undone bit for bit")
+	check(transform_of(id) == start, "undo restores the transform bit for bit")
 
 
 func test_rotate_and_align() -> void:
@@ -117,16 +117,16 @@ func test_rotate_and_align() -> void:
 	var start := transform_of(id)
 	await key(KEY_R)
 	var turned := transform_of(id)
-	check(turned.basis.y.distance_to(start.basis.y) < 1e-4, "R rotates about the planet's up")
-	check(absf(turned.basis.z.angle_to(start.basis.z) - deg_to_rad(15.0)) < 1e-3, "by one step")
+	check(turned.basis.y.distance_to(start.basis.y) < 1e-4, "R rotates about the planet's up direction")
+	check(absf(turned.basis.z.angle_to(start.basis.z) - deg_to_rad(15.0)) < 1e-3, "R rotates by one step")
 	var knob: Vector3 = hand._frame.handle_position(1)
 	var up := start.basis.y.normalized()
 	await drag_mouse(on_screen(knob), on_screen(start.origin + (knob - start.origin).rotated(up, PI * 0.5)))
-	check(transform_of(id).basis.y.distance_to(start.basis.y) < 1e-4, "the handle rotates about up, too")
-	check(absf(transform_of(id).basis.z.angle_to(turned.basis.z) - PI * 0.5) < 0.05, "by a quarter turn")
+	check(transform_of(id).basis.y.distance_to(start.basis.y) < 1e-4, "the handle rotates about the up direction, too")
+	check(absf(transform_of(id).basis.z.angle_to(turned.basis.z) - PI * 0.5) < 0.05, "the handle rotates by a quarter turn")
 	await key(KEY_ESCAPE)
 	hand.planting.choose(true, true, false, false)
 	var at := on_planet(-0.6, -0.4)
 	await click_at(on_screen(at))
-	check_equal(placed().size(), 2, "with Snap and Align, a second one is planted")
+	check_equal(placed().size(), 2, "a second instance is planted with Snap and Align")
 	check_upright(hand.selected, at, "aligned")

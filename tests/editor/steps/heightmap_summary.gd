@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/steps.gd"
-## The inspector of a heightmap shows its size, spacing, range and format, a thumbnail, and the reason why it cannot be
+## Checks that the inspector of a heightmap shows its size, spacing, range and format, a thumbnail, and the reason why it cannot be
 ## read. No node uses the heightmap.
 
 const PATH := "res://heights.png"
@@ -26,12 +26,12 @@ func test_summary() -> void:
 	ground.set(&"rect", Rect2(0, 0, 10, 6))
 	ground.set(&"max_height", 500.0)
 	EditorInterface.edit_resource(ground)
-	await until(func() -> bool: return "5 × 4" in _summary_text(), "a summary")
-	check_equal(_summary_text(), "5 × 4 heights, 8-bit PNG\n2.5 × 2.0 m apart\nLowest 100.0 m, highest 500.0 m", "the summary")
+	await until(func() -> bool: return "5 × 4" in _summary_text(), "the inspector shows a summary")
+	check_equal(_summary_text(), "5 × 4 heights, 8-bit PNG\n2.5 × 2.0 m apart\nLowest 100.0 m, highest 500.0 m", "the summary is complete")
 	var texture := (_inspector_parts("TextureRect")[0] as TextureRect).texture
-	check_equal(texture.get_image().get_size(), Vector2i(5, 4), "the thumbnail")
+	check_equal(texture.get_image().get_size(), Vector2i(5, 4), "the thumbnail has one pixel per height")
 	await picture("heightmap_summary")
 	ground.set(&"max_height", 1000.0)
-	await until(func() -> bool: return "highest 1000.0 m" in _summary_text(), "a new range")
+	await until(func() -> bool: return "highest 1000.0 m" in _summary_text(), "the summary shows the new range")
 	EditorInterface.edit_resource(null)
 	DirAccess.remove_absolute(PATH)

@@ -35,17 +35,17 @@ func test_one_click() -> void:
 	button.job.impostor.frames = 3
 	button.job.impostor.frame_size = 16
 	button.press()
-	check(button.is_processing(), "it bakes: " + button.job.problem)
+	check(button.is_processing(), "the button starts the bake: " + button.job.problem)
 	var job: RefCounted = button.job
 	await until(func() -> bool: return job.progress == 1.0 or not job.problem.is_empty(), "baked")
-	check_equal(job.problem, "", "problem")
-	check_equal(job.files, PackedStringArray(["res://wood_old_oaks_impostor_0.res"]), "next to the scene")
+	check_equal(job.problem, "", "the bake reports no problem")
+	check_equal(job.files, PackedStringArray(["res://wood_old_oaks_impostor_0.res"]), "the impostor is saved next to the scene")
 	var lods: Array = layer.call(&"get_mesh_lods", 0)
-	check_equal(lods.size(), 2, "the mesh's LODs")
+	check_equal(lods.size(), 2, "the impostor is added as an LOD")
 	check_equal(lods[1].get(&"mesh").resource_path, "res://wood_old_oaks_impostor_0.res", "the layer refers to the file")
 	var manager := plugin.get_undo_redo()
 	manager.get_history_undo_redo(manager.get_object_history_id(layer)).undo()
-	check(layer.get(&"meshes")[0] is BoxMesh, "undone")
+	check(layer.get(&"meshes")[0] is BoxMesh, "undo restores the mesh")
 
 
 func test_a_layer_without_a_file() -> void:
@@ -54,7 +54,7 @@ func test_a_layer_without_a_file() -> void:
 	var button: Node = load("res://addons/thicket/editor/inspector/impostor_button.gd").new(ClassDB.instantiate(&"ScatterLayer"))
 	plugin.add_child(button)
 	button.press()
-	check(not button.is_processing(), "nothing starts")
+	check(not button.is_processing(), "no bake starts")
 	root.scene_file_path = SCENE
 	button.press()
 	check(not button.is_processing() and "no mesh" in button.job.problem, button.job.problem)

@@ -10,7 +10,7 @@ func property_editor(property: StringName) -> EditorProperty:
 	for editor: EditorProperty in EditorInterface.get_inspector().find_children("*", "EditorProperty", true, false):
 		if editor.get_edited_property() == property:
 			return editor
-	check(false, "the inspector shows %s" % property)
+	check(false, "the inspector does not show %s" % property)
 	return null
 
 
@@ -44,7 +44,7 @@ func undo_last(object: Object) -> void:
 func choose() -> void:
 	workspace().toolbar.preset_chosen.emit("forest")
 	var names: Array = scatter.layers.map(func(layer: Resource) -> String: return layer.resource_name)
-	check_equal(scatter.layers.map(func(layer: Resource) -> int: return layer.layer_id), [0, 1, 2, 3, 4, 5, 6, 7, 8], "IDs of all layers")
+	check_equal(scatter.layers.map(func(layer: Resource) -> int: return layer.layer_id), [0, 1, 2, 3, 4, 5, 6, 7, 8], "all layers have consecutive IDs")
 	var fern: Resource = scatter.layers[names.find("Fern")]
 	fern.proximity_layer = "Spruce"
 	fern.spacing = {"Spruce": 0.7, "Birch": 0.7, "Bush": 1.0}
@@ -53,7 +53,7 @@ func choose() -> void:
 	check_equal(items(choice), PackedStringArray(["None", "Posts", "Spruce", "Oak", "Birch", "Bush", "Stone", "Deadwood"]), "layers before the ferns")
 	check_equal(choice.get_item_text(choice.selected), "Spruce", "the current choice")
 	choice.item_selected.emit(4)
-	check_equal(fern.proximity_layer, "Birch", "a new choice")
+	check_equal(fern.proximity_layer, "Birch", "choosing a layer sets the property")
 	await undo_last(fern)
 	check_equal(fern.proximity_layer, "Spruce", "undone")
 	for property: StringName in [&"color_value", &"variation_value"]:
@@ -84,18 +84,18 @@ func choose() -> void:
 	await picture("neighbors")
 	var add: MenuButton = spacing.find_children("*", "MenuButton", true, false)[0]
 	add.about_to_popup.emit()
-	check_equal(add.get_popup().get_item_text(2), "Stone", "a layer that has no distance yet")
+	check_equal(add.get_popup().get_item_text(2), "Stone", "the menu offers a layer that has no distance yet")
 	add.get_popup().index_pressed.emit(2)
 	await frames(3)
 	check_equal(fern.spacing.keys(), ["Spruce", "Birch", "Bush", "Stone"], "a distance is added")
 	var sliders := spacing.find_children("*", "EditorSpinSlider", true, false)
 	check_equal(sliders.size(), 4, "one row per distance")
 	sliders[3].value = 2.5
-	check_equal(fern.spacing["Stone"], 2.5, "set")
+	check_equal(fern.spacing["Stone"], 2.5, "the slider sets the distance")
 	check(spacing.find_children("*", "EditorSpinSlider", true, false)[3] == sliders[3], "the dragged row stays")
 	await frames(2)
 	(spacing.find_children("*", "Button", true, false).filter(func(button: Button) -> bool: return button.icon != null)[0] as Button).pressed.emit()
-	check_equal(fern.spacing.keys(), ["Birch", "Bush", "Stone"], "removed")
+	check_equal(fern.spacing.keys(), ["Birch", "Bush", "Stone"], "the button removes the distance")
 	await undo_last(fern)
 	check(fern.spacing.has("Spruce"), "undone: %s" % fern.spacing)
 	var region: Node3D = ClassDB.instantiate(&"ScatterRegion3D")
@@ -120,7 +120,7 @@ func choose() -> void:
 	check_equal([fern.proximity_layer, region.layers], ["Fir", ["Fir", "Birch"]], "all references refer to the renamed layer")
 	check(fern.spacing.has("Fir") and scatter.get_problems().is_empty(), "no problems: %s" % scatter.get_problems())
 	history(scatter).undo()
-	check_equal([fern.proximity_layer, region.layers], ["Spruce", ["Spruce", "Birch"]], "and back")
+	check_equal([fern.proximity_layer, region.layers], ["Spruce", ["Spruce", "Birch"]], "undo renames all references back")
 	await inspect(fern)
 	EditorInterface.get_inspector().scroll_vertical = 0
 	await picture("layer")

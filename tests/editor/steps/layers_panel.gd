@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/steps.gd"
-## Tests the panel with a scatter's layers, with mouse and keys. Goes from an empty scene to three species that keep apart, without typing a name.
+## Tests the panel that lists a scatter's layers, with mouse and keys. Starts with an empty scene and adds three species that keep apart, without typing.
 ## Then tests marks, order, copies, deletion, strokes on several layers, and the saved files after undo and redo.
 
 const LayersPanel := preload("res://addons/thicket/editor/layers/layers_panel.gd")
@@ -27,12 +27,12 @@ func layer(title: String) -> Resource:
 	return scatter.layers[names().find(title)]
 
 
-## Returns the panel's button with a text, or null.
+## Returns the panel's button with this text, or null.
 func button(text: String) -> Button:
 	for found: Button in panel().find_children("*", "Button", true, false):
 		if found.text == text:
 			return found
-	check(false, "the panel has a button " + text)
+	check(false, "the panel has no button " + text)
 	return null
 
 
@@ -119,11 +119,11 @@ func test_first_minute() -> void:
 	EditorInterface.get_selection().add_node(scatter)
 	EditorInterface.edit_node(scatter)
 	await wait_for_panel()
-	check(not panel().notes._ground.visible, "the panel no longer reports it")
+	check(not panel().notes._ground.visible, "the panel no longer reports a missing ground")
 	await drag_files(MODELS, middle(tree()))
 	check_equal(names(), PackedStringArray(["Old Oak", "Young Pine", "Fern"]), "a layer for each file, the widest first")
-	check_equal(tree().chosen_layers(), scatter.layers, "all of them are chosen")
-	check_equal(workspace().toolbar.chosen, scatter.layers, "chosen for the tools, too")
+	check_equal(tree().chosen_layers(), scatter.layers, "all of them are selected")
+	check_equal(workspace().toolbar.chosen, scatter.layers, "the tools use the selected layers")
 	check(not button("Delete").disabled and not button("Duplicate").disabled, "they can be deleted and duplicated")
 	await settle(scatter)
 	await wait_for_panel()
@@ -134,7 +134,7 @@ func test_first_minute() -> void:
 	for index in 3:
 		var count: int = scatter.get_shown_count(scatter.layers[index])
 		check(count > 100, "%s: %d instances" % [names()[index], count])
-		check_equal(tree().row_of(scatter.layers[index]).get_text(1), grouped(count), "the count is in its row")
+		check_equal(tree().row_of(scatter.layers[index]).get_text(1), grouped(count), "its row shows the count")
 	await until(func() -> bool:
 		RenderingServer.force_draw() # Thumbnails are drawn only when a frame is drawn.
 		return scatter.layers.all(tree().has_picture), "a thumbnail of each layer")
@@ -144,7 +144,7 @@ func test_first_minute() -> void:
 	check_apart("Old Oak", "Young Pine", 0.5 * (layer("Old Oak").radius + layer("Young Pine").radius))
 	check_apart("Old Oak", "Fern", 0.2 * layer("Old Oak").radius)
 	check_apart("Young Pine", "Fern", 0.2 * layer("Young Pine").radius)
-	check_equal(EditorInterface.get_inspector().get_edited_object().layers, scatter.layers, "the inspector shows all of them")
+	check_equal(EditorInterface.get_inspector().get_edited_object().layers, scatter.layers, "the inspector edits all of them")
 	check(workspace().toolbar.visible, "the tools stay visible")
 
 
@@ -172,16 +172,16 @@ func wait_for_panel() -> void:
 func test_choosing() -> void:
 	await mouse_click(await name_at(layer("Young Pine")))
 	await frames(2)
-	check_equal(workspace().toolbar.chosen, [layer("Young Pine")] as Array[ScatterLayer], "a click chooses the layer of the tools")
-	check_equal(workspace().toolbar.paint.layer, layer("Young Pine"), "also for the brush")
-	check_equal(EditorInterface.get_inspector().get_edited_object(), layer("Young Pine"), "and shows it in the inspector")
-	check(is_instance_valid(workspace()._scatter) and panel()._scatter == scatter, "the scatter is still the edited one")
+	check_equal(workspace().toolbar.chosen, [layer("Young Pine")] as Array[ScatterLayer], "a click selects the layer for the tools")
+	check_equal(workspace().toolbar.paint.layer, layer("Young Pine"), "the brush uses it, too")
+	check_equal(EditorInterface.get_inspector().get_edited_object(), layer("Young Pine"), "the inspector shows it")
+	check(is_instance_valid(workspace()._scatter) and panel()._scatter == scatter, "the scatter is still being edited")
 	workspace().toolbar.choose_layer(2)
 	await frames(2)
 	check_equal(tree().chosen_layers(), [layer("Fern")] as Array[ScatterLayer], "the panel is updated with the toolbar's selection")
 	await mouse_click(await name_at(layer("Old Oak")), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
 	await frames(2)
-	check_equal(workspace().toolbar.chosen, [layer("Old Oak"), layer("Fern")] as Array[ScatterLayer], "Ctrl and a click choose one more layer")
+	check_equal(workspace().toolbar.chosen, [layer("Old Oak"), layer("Fern")] as Array[ScatterLayer], "a click with Ctrl adds a layer to the selection")
 
 
 ## Checks that, with several layers selected, the inspector shows the values of the first layer and changes all of them.
@@ -193,9 +193,9 @@ func test_a_value_of_several_layers() -> void:
 	var editors: Dictionary[String, EditorProperty] = {}
 	for editor: EditorProperty in inspector.find_children("*", "EditorProperty", true, false):
 		editors[editor.get_edited_property()] = editor
-	check(editors.has("density") and editors.has("max_scale"), "it has the layers' properties: %s" % [editors.keys()])
+	check(editors.has("density") and editors.has("max_scale"), "the inspector shows the properties of the layers: %s" % [editors.keys()])
 	for own: String in ["meshes", "seed", "spacing", "resource_name"]:
-		check(not editors.has(own), "but not " + own)
+		check(not editors.has(own), "the inspector does not show " + own)
 	var before := saved_files()
 	var old: Array = scatter.layers.map(func(each: Resource) -> float: return each.max_scale)
 	for value: float in [1.7, 1.75]: # Changes the value as dragging the slider does.
@@ -206,12 +206,12 @@ func test_a_value_of_several_layers() -> void:
 	await check_undo(before, "a value of three layers")
 	await undo()
 	await frames(2)
-	check_equal(scatter.layers.map(func(each: Resource) -> float: return each.max_scale), old, "each has its former value")
+	check_equal(scatter.layers.map(func(each: Resource) -> float: return each.max_scale), old, "undo restores the value of each layer")
 	for control: Button in EditorInterface.get_inspector().find_children("*", "Button", true, false):
 		if control.text == "Grass":
 			control.pressed.emit()
 	await frames(2)
-	check(scatter.layers.all(func(each: Resource) -> bool: return each.density == 1.0), "a kind for all of them")
+	check(scatter.layers.all(func(each: Resource) -> bool: return each.density == 1.0), "the button applies a kind to all layers")
 	await undo()
 
 
@@ -220,14 +220,14 @@ func test_marks() -> void:
 	await mouse_click(await name_at(layer("Fern")))
 	await mouse_click(await mark_at(layer("Fern"), 2))
 	await settle(scatter)
-	check(workspace().dock.marks.is_hidden(layer("Fern")), "the eye hides")
+	check(workspace().dock.marks.is_hidden(layer("Fern")), "a click on the eye hides the layer")
 	var drawn: int = scatter.get_stats().drawn
-	check_equal(drawn, scatter.get_shown_count(scatter.layers[0]) + scatter.get_shown_count(scatter.layers[1]), "it is not drawn")
+	check_equal(drawn, scatter.get_shown_count(scatter.layers[0]) + scatter.get_shown_count(scatter.layers[1]), "its instances are not drawn")
 	check(scatter.get_shown_count(scatter.layers[2]) > 100, "its instances still exist")
 	await wait_for_panel()
-	check_equal(tree().row_of(layer("Fern")).get_text(1), "hidden in the editor", "the row reports where")
+	check_equal(tree().row_of(layer("Fern")).get_text(1), "hidden in the editor", "the row reports that the layer is hidden only in the editor")
 	await mouse_click(await mark_at(layer("Young Pine"), 1))
-	check(workspace().dock.marks.is_locked(layer("Young Pine")), "the lock locks")
+	check(workspace().dock.marks.is_locked(layer("Young Pine")), "a click on the lock locks the layer")
 	panel()._colored = [layer("Old Oak")]
 	panel()._on_color(5)
 	await wait_for_panel()
@@ -236,16 +236,16 @@ func test_marks() -> void:
 	await undo()
 	await undo()
 	await undo()
-	check(not workspace().dock.marks.is_hidden(layer("Fern")), "undone")
+	check(not workspace().dock.marks.is_hidden(layer("Fern")), "undo shows the layer again")
 	await redo()
 	await redo()
-	check(workspace().dock.marks.is_locked(layer("Young Pine")), "redone")
+	check(workspace().dock.marks.is_locked(layer("Young Pine")), "redo locks the layer")
 	var state: Dictionary = addon()._get_state()
 	workspace().dock.marks.put(layer("Fern"), &"hidden", null)
 	workspace().dock.marks.put(layer("Young Pine"), &"locked", null)
 	addon()._set_state(state)
-	check(workspace().dock.marks.is_hidden(layer("Fern")), "kept by the editor, for the scene")
-	check(workspace().dock.marks.is_locked(layer("Young Pine")), "all marks")
+	check(workspace().dock.marks.is_hidden(layer("Fern")), "the editor restores which layer is hidden")
+	check(workspace().dock.marks.is_locked(layer("Young Pine")), "the editor restores which layer is locked")
 	workspace().dock.marks.put(layer("Fern"), &"hidden", null)
 	workspace().dock.marks.put(layer("Young Pine"), &"locked", null)
 	await settle(scatter)
@@ -256,11 +256,11 @@ func test_order() -> void:
 	var before := saved_files()
 	var ids: Array = scatter.layers.map(func(each: Resource) -> int: return each.layer_id)
 	await mouse_drag(await name_at(layer("Fern")), await name_at(layer("Old Oak"), 0.1))
-	check_equal(names(), PackedStringArray(["Fern", "Old Oak", "Young Pine"]), "dragged to the front")
-	check_equal(scatter.layers.map(func(each: Resource) -> int: return each.layer_id), [ids[2], ids[0], ids[1]], "ids stay")
+	check_equal(names(), PackedStringArray(["Fern", "Old Oak", "Young Pine"]), "the dragged layer is the first")
+	check_equal(scatter.layers.map(func(each: Resource) -> int: return each.layer_id), [ids[2], ids[0], ids[1]], "layers keep their IDs")
 	await check_undo(before, "the order")
 	await undo()
-	check_equal(names(), PackedStringArray(["Old Oak", "Young Pine", "Fern"]), "undone")
+	check_equal(names(), PackedStringArray(["Old Oak", "Young Pine", "Fern"]), "undo restores the order")
 
 
 ## Checks that reordering layers keeps all references. Deleting a layer must remove the references to it, and undo must restore them.
@@ -269,12 +269,12 @@ func test_references() -> void:
 	layer("Fern").proximity_layer = "Young Pine"
 	var before := saved_files()
 	await mouse_drag(await name_at(layer("Young Pine")), await name_at(layer("Old Oak"), 0.1))
-	check_equal([layer("Fern").spacing.keys(), layer("Fern").proximity_layer], [["Old Oak", "Young Pine"], "Young Pine"], "a new order")
+	check_equal([layer("Fern").spacing.keys(), layer("Fern").proximity_layer], [["Old Oak", "Young Pine"], "Young Pine"], "the references stay after reordering")
 	await check_undo(before, "a reference")
 	await undo()
 	await mouse_click(await name_at(layer("Young Pine")))
 	await mouse_click(middle(button("Delete")))
-	check_equal(names(), PackedStringArray(["Old Oak", "Fern"]), "deleted")
+	check_equal(names(), PackedStringArray(["Old Oak", "Fern"]), "the selected layer is deleted")
 	check_equal([layer("Fern").spacing.keys(), layer("Fern").proximity_layer], [["Old Oak"], ""], "the references are removed")
 	await check_undo(before, "deletion")
 	await undo()
@@ -286,10 +286,10 @@ func test_copies() -> void:
 	var before := saved_files()
 	await mouse_click(await name_at(layer("Old Oak")))
 	await key(KEY_D, KEY_MASK_CTRL)
-	check_equal(names(), PackedStringArray(["Old Oak", "Old Oak 2", "Young Pine", "Fern"]), "a copy next to it")
+	check_equal(names(), PackedStringArray(["Old Oak", "Old Oak 2", "Young Pine", "Fern"]), "the copy is inserted after the original")
 	await settle(scatter)
-	check(layer("Old Oak 2").layer_id != layer("Old Oak").layer_id, "with a new id")
-	check_equal(layer("Old Oak 2").meshes, layer("Old Oak").meshes, "with the same mesh")
+	check(layer("Old Oak 2").layer_id != layer("Old Oak").layer_id, "the copy has a new ID")
+	check_equal(layer("Old Oak 2").meshes, layer("Old Oak").meshes, "the copy has the same mesh")
 	await check_undo(before, "a copy")
 	var node_name := String(scatter.name)
 	await mouse_click(await name_at(layer("Old Oak 2")))
@@ -300,13 +300,13 @@ func test_copies() -> void:
 	await key(KEY_ESCAPE)
 	panel()._on_renamed(layer("Old Oak 2"), "Beech")
 	await frames(3)
-	check_equal(names()[1], "Beech", "renamed")
+	check_equal(names()[1], "Beech", "the layer is renamed")
 	panel()._on_renamed(layer("Beech"), "Fern")
-	check_equal(names()[1], "Fern 2", "a name that is already used is never given")
+	check_equal(names()[1], "Fern 2", "a name that is already used gets a number")
 	await mouse_click(await name_at(layer("Fern 2")))
 	await key(KEY_DELETE)
-	check_equal(names(), PackedStringArray(["Old Oak", "Young Pine", "Fern"]), "the key deletes")
-	check_equal(EditorInterface.get_inspector().get_edited_object(), layer("Young Pine"), "the inspector shows the layer in its place")
+	check_equal(names(), PackedStringArray(["Old Oak", "Young Pine", "Fern"]), "the Delete key deletes the layer")
+	check_equal(EditorInterface.get_inspector().get_edited_object(), layer("Young Pine"), "the inspector shows the next layer")
 	for step in 4:
 		await undo()
 	check_same(saved_files(), before, "all steps are undone")
@@ -326,14 +326,14 @@ func test_stroke_on_several_layers() -> void:
 	var version := history(scatter).get_version()
 	await stroke([Vector3(-4.0, 0.0, 0.0), Vector3(4.0, 0.0, 0.0)])
 	check_equal(paint.problem, "", "the stroke is painted")
-	check_equal(history(scatter).get_version(), version + 1, "one step")
-	check(layer("Old Oak").mask != null and layer("Young Pine").mask != null, "on both layers")
-	check(layer("Fern").mask == null, "but not on the locked one")
-	check(layer("Old Oak").mask.sample(Vector2.ZERO) == 0.0 and layer("Young Pine").mask.sample(Vector2.ZERO) == 0.0, "painted")
+	check_equal(history(scatter).get_version(), version + 1, "the stroke is one undo step")
+	check(layer("Old Oak").mask != null and layer("Young Pine").mask != null, "both layers get a mask")
+	check(layer("Fern").mask == null, "the locked layer gets no mask")
+	check(layer("Old Oak").mask.sample(Vector2.ZERO) == 0.0 and layer("Young Pine").mask.sample(Vector2.ZERO) == 0.0, "the stroke erases both layers at its center")
 	await settle(scatter)
 	await check_undo(before, "a stroke")
 	await undo()
-	check_same(saved_files(), before, "undone")
+	check_same(saved_files(), before, "undo restores the saved files")
 	await mouse_click(await name_at(layer("Fern")))
 	await stroke([Vector3.ZERO])
 	check(paint.problem.contains("locked"), "a locked layer is reported: " + paint.problem)
@@ -348,27 +348,27 @@ func test_adding() -> void:
 	ResourceSaver.save(file, "res://stones.tres")
 	var before := saved_files()
 	await drag_files([MODELS[1]], await name_at(layer("Old Oak"), 0.1))
-	check(names().size() == 4 and names().has("Young Pine 2"), "dropped on a row: %s" % [names()])
+	check(names().size() == 4 and names().has("Young Pine 2"), "a file dropped on a row becomes a layer: %s" % [names()])
 	var apart: Array = layer("Young Pine 2").spacing.keys()
-	check(apart.has("Old Oak") and apart.has("Young Pine"), "apart from the others: %s" % [apart])
+	check(apart.has("Old Oak") and apart.has("Young Pine"), "the new layer keeps a distance from the others: %s" % [apart])
 	await check_undo(before, "a drop")
 	await undo()
 	panel()._on_file("res://stones.tres")
 	check_equal(scatter.layers[2].resource_path, "res://stones.tres", "a layer in a file comes before a far smaller one")
-	check_equal(scatter.layers[2].spacing, {}, "the layer is not changed")
+	check_equal(scatter.layers[2].spacing, {}, "the layer itself does not change")
 	panel()._on_file("res://stones.tres")
-	check_equal(scatter.layers.size(), 4, "only once")
+	check_equal(scatter.layers.size(), 4, "a file is added only once")
 	await undo()
 	panel()._on_add(panel().Add.FIRST_PRESET + 1)
-	check_equal(names().slice(3), PackedStringArray(["Oak", "Bush", "Flowers", "Grass"]), "a preset")
+	check_equal(names().slice(3), PackedStringArray(["Oak", "Bush", "Flowers", "Grass"]), "the preset adds its layers")
 	await undo()
 	panel()._on_add(panel().Add.EMPTY)
-	check_equal(names()[2], "Layer", "an empty layer")
+	check_equal(names()[2], "Layer", "an empty layer is added")
 	await undo()
 	check_same(saved_files(), before, "all steps are undone")
 	await mouse_click(middle(button("New Scatter")))
-	check(root.get_child_count() == 3 and root.get_child(2).ground == scatter.ground, "a second scatter on the same ground")
-	check(root.get_child(2).seed != scatter.seed, "with a different seed")
+	check(root.get_child_count() == 3 and root.get_child(2).ground == scatter.ground, "the second scatter uses the same ground")
+	check(root.get_child(2).seed != scatter.seed, "the second scatter has a different seed")
 	await check_undo(before, "a scatter")
 	await undo()
 	EditorInterface.edit_node(scatter)
@@ -384,10 +384,10 @@ func test_losses() -> void:
 	giant.height = 12.5
 	ResourceSaver.save(giant, "res://giant.res")
 	EditorInterface.get_resource_filesystem().update_file("res://giant.res")
-	await until(func() -> bool: return EditorInterface.get_resource_filesystem().get_file_type("res://giant.res") == "CylinderMesh", "the file is known")
+	await until(func() -> bool: return EditorInterface.get_resource_filesystem().get_file_type("res://giant.res") == "CylinderMesh", "the editor recognizes the file")
 	var oaks: int = scatter.get_shown_count(layer("Old Oak"))
 	await drag_files(["res://giant.res"], middle(tree()))
-	check_equal(names()[0], "Giant", "the widest is first")
+	check_equal(names()[0], "Giant", "the layer with the widest model is first")
 	await settle(scatter)
 	var left := "Old Oak: %d of %d instances are left among the new layers." % [scatter.get_shown_count(layer("Old Oak")), oaks]
 	check(await until(func() -> bool: return left in toast_text(), "losses are reported"), "%s in %s" % [left, toast_text()])
@@ -408,4 +408,4 @@ func test_marks_are_saved() -> void:
 	await settle(scatter)
 	await wait_for_panel()
 	check(workspace().dock.marks.is_hidden(layer("Fern")), "a hidden layer is still hidden")
-	check_equal(scatter.get_stats().drawn, scatter.get_shown_count(scatter.layers[0]) + scatter.get_shown_count(scatter.layers[1]), "in the view, too")
+	check_equal(scatter.get_stats().drawn, scatter.get_shown_count(scatter.layers[0]) + scatter.get_shown_count(scatter.layers[1]), "its instances are hidden in the view")

@@ -40,7 +40,7 @@ func _process(_delta: float) -> void:
 		EditorInterface.edit_node(scatter)
 	elif step == 2 and workspace().toolbar.is_visible_in_tree() and workspace().dock.panel.tree.rows().size() == 1:
 		step = 3
-		print("library later: the tools are there")
+		print("library later: the tools exist")
 		print("library reloaded: %s" % error_string(GDExtensionManager.reload_extension(ADDON + "thicket.gdextension")))
 		var meshes: Array[Resource] = [BoxMesh.new()]
 		workspace().dock.panel.add(meshes)

@@ -41,7 +41,7 @@ func save_with_keys() -> void:
 
 func check_scene(path: String, context: String) -> void:
 	var text := FileAccess.get_file_as_string(path)
-	check(text.length() > 100 and text.length() < 2500, "%s: a small scene, %d bytes" % [context, text.length()])
+	check(text.length() > 100 and text.length() < 2500, "%s: the scene is small, %d bytes" % [context, text.length()])
 	for word in ["PackedByteArray", "type=\"ScatterState\" id=\"ScatterState", "MultiMesh"]:
 		check(not word in text, "%s: it contains no %s" % [context, word])
 
@@ -57,13 +57,13 @@ func test_changes_by_a_script() -> void:
 	EditorInterface.set_main_screen_editor("3D")
 	await settle(scatter)
 	EditorInterface.save_scene()
-	check(not FileAccess.file_exists(STATE), "no file without changes")
+	check(not FileAccess.file_exists(STATE), "no file is written without changes")
 	add_instances(300, 0.0)
 	scatter.remove_instance(scatter.query_nearest(Vector3.ZERO, 10.0).id)
 	var digest: int = scatter.state.get_digest()
 	EditorInterface.mark_scene_as_unsaved()
 	await save_with_keys()
-	check_equal(scatter.state.resource_path, STATE, "the state has a file")
+	check_equal(scatter.state.resource_path, STATE, "the state is saved in a file")
 	check_scene(SCENE, "a script")
 	var loaded := ResourceLoader.load(STATE, "", ResourceLoader.CACHE_MODE_IGNORE)
 	check(loaded.get_digest() == digest and loaded.copy_at_runtime, "the file contains all changes, and a game gets a copy")
@@ -79,7 +79,7 @@ func test_changes_by_a_script() -> void:
 	EditorInterface.reload_scene_from_path(SCENE)
 	await frames(5)
 	scatter = EditorInterface.get_edited_scene_root().get_node("Scatter")
-	check_equal(scatter.state.get_added_count(), 301, "after reopening, all instances exist")
+	check_equal(scatter.state.get_added_count(), 301, "all instances exist after reopening")
 
 
 ## Checks that saving moves a state from the scene to a file. The inspector or an older version may have stored such a state.
@@ -104,7 +104,7 @@ func test_a_new_scene() -> void:
 	if not EditorInterface.has_method(&"add_root_node"): # add_root_node exists since Godot 4.5.
 		return
 	await key(KEY_N, KEY_MASK_CTRL)
-	await until(func() -> bool: return EditorInterface.get_edited_scene_root() == null, "a new tab")
+	await until(func() -> bool: return EditorInterface.get_edited_scene_root() == null, "a new tab opens")
 	var root := make_scene()
 	EditorInterface.call(&"add_root_node", root)
 	await frames(3)
@@ -112,9 +112,9 @@ func test_a_new_scene() -> void:
 	await settle(scatter)
 	add_instances(40, 0.0)
 	EditorInterface.save_scene_as("res://fresh.tscn")
-	await until(func() -> bool: return FileAccess.file_exists("res://fresh_scatter_state.res"), "a file")
-	check(EditorInterface.get_open_scenes().has("res://fresh.tscn"), "saved")
+	await until(func() -> bool: return FileAccess.file_exists("res://fresh_scatter_state.res"), "the state is saved in a file")
+	check(EditorInterface.get_open_scenes().has("res://fresh.tscn"), "the new scene is saved")
 	await frames(10)
-	await save_with_keys() # Checks that the new file marked the scene as unsaved, because the editor skips unchanged scenes.
+	await save_with_keys() # The editor skips unchanged scenes, so this also checks that the new file marked the scene as unsaved.
 	check_scene("res://fresh.tscn", "fresh")
 	check_equal(scatter.state.get_added_count(), 40, "all instances exist")

@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/layer_choices.gd"
-## Drops scenes on a scatter and on a layer. Also saves a scene while it is scattered. All changes are undone at the end.
+## Drops scenes on a scatter and on a layer. Also saves a scene while a layer uses it. All changes are undone at the end.
 
 const PINE := "res://pine.tscn"
 const FOLIAGE_FILES := ["res://demo_pine_trunk.tres", "res://demo_pine_crown.tres"]
@@ -30,12 +30,12 @@ func save_pine(crown_size: float) -> void:
 	ResourceSaver.save(packed, PINE)
 
 
-## Returns the inspector's drop area for scenes.
+## Returns the drop area for scenes in the inspector.
 func field() -> Control:
 	for control: Control in EditorInterface.get_inspector().find_children("*", "PanelContainer", true, false):
 		if control.get_script() != null and control.get_script().resource_path.ends_with("mesh_drop.gd"):
 			return control
-	check(false, "the inspector has a field for drops")
+	check(false, "the inspector has no drop area")
 	return null
 
 
@@ -50,26 +50,26 @@ func drop() -> void:
 	await frames(5)
 	await inspect(scatter)
 	check(field()._can_drop_data(Vector2.ZERO, dragged([PINE])), "a scene can be dropped")
-	check(not field()._can_drop_data(Vector2.ZERO, dragged([PINE, "res://terrain/valley.tres"])), "but not together with other resources")
+	check(not field()._can_drop_data(Vector2.ZERO, dragged([PINE, "res://terrain/valley.tres"])), "a scene cannot be dropped together with other resources")
 	check(not field()._can_drop_data(Vector2.ZERO, {"type": "nodes", "nodes": []}), "nodes cannot be dropped")
 	var before: Array = scatter.layers
 	field()._drop_data(Vector2.ZERO, dragged([PINE]))
-	check_equal(scatter.layers.size(), before.size() + 1, "one more layer")
+	check_equal(scatter.layers.size(), before.size() + 1, "the drop adds a layer")
 	var layer: Resource = scatter.layers[before.size()]
-	check_equal(layer.resource_name, "Pine", "named after its file")
-	check(layer.radius > 1.0 and layer.radius < 2.01, "as far apart as the crown is wide: %f" % layer.radius)
-	check(layer.min_scale < 0.9 and layer.max_scale > 1.1 and layer.max_tilt_degrees > 0.0, "no two are the same")
-	check_equal(layer.collision_shape, 5, "with the scene's shape")
+	check_equal(layer.resource_name, "Pine", "the layer is named after its file")
+	check(layer.radius > 1.0 and layer.radius < 2.01, "the radius matches the width of the crown: %f" % layer.radius)
+	check(layer.min_scale < 0.9 and layer.max_scale > 1.1 and layer.max_tilt_degrees > 0.0, "instances vary in scale and tilt")
+	check_equal(layer.collision_shape, 5, "the layer uses the scene's collision shape")
 	await settle(scatter)
-	check(instances(scatter, before.size()).size() > 100, "there are pines")
+	check(instances(scatter, before.size()).size() > 100, "many pines are placed")
 	var mesh: Mesh = scatter.get_tile(layer, scatter.get_shown_tiles(layer)[0]).get_mesh(0)
 	check_equal(mesh.get_surface_count(), 2, "trunk and crown are in one mesh")
-	check_equal(files_of(layer), FOLIAGE_FILES, "with foliage materials in files next to the scene")
+	check_equal(files_of(layer), FOLIAGE_FILES, "the foliage materials are saved in files next to the scene")
 	await picture("dropped")
 	history(scatter).undo()
-	check(not FOLIAGE_FILES.any(FileAccess.file_exists), "undone, with the files")
+	check(not FOLIAGE_FILES.any(FileAccess.file_exists), "undo deletes the files")
 	history(scatter).redo()
-	check(FOLIAGE_FILES.all(FileAccess.file_exists), "done again")
+	check(FOLIAGE_FILES.all(FileAccess.file_exists), "redo restores the files")
 
 	await inspect(layer)
 	var radius: float = layer.radius
@@ -91,7 +91,7 @@ func drop() -> void:
 	check_equal(scatter.layers, before, "undone")
 
 
-## Clicks the buttons at the top of the inspector that fit the layer to a kind of plant.
+## Clicks the buttons at the top of the inspector that adapt the layer to a kind of plant.
 func choose_kinds(layer: Resource) -> void:
 	await inspect(layer)
 	var radius: float = layer.radius
@@ -102,10 +102,10 @@ func choose_kinds(layer: Resource) -> void:
 		seen[layer.radius] = true
 		await picture("fit_to_" + text.to_lower())
 	check_equal(seen.size(), 4, "each kind has its own spacing: %s" % [seen.keys()])
-	check(layer.clump_size > 0.0 and layer.density < 1.0, "rocks lie in groups")
+	check(layer.clump_size > 0.0 and layer.density < 1.0, "rocks are placed in groups")
 	await click_at(center_of(kind_button("Auto")))
 	await frames(3)
-	check_equal(layer.radius, radius, "a tree again")
+	check_equal(layer.radius, radius, "Auto restores the radius of a tree")
 	for step in 4:
 		await undo_last(layer)
 	check(layer.radius == radius and layer.clump_size == 0.0, "undone")
@@ -125,12 +125,12 @@ func make_foliage(layer: Resource) -> void:
 	await click_at(center_of(kind_button("Make Foliage Materials")))
 	await settle(scatter)
 	var model: Resource = layer.meshes[0]
-	check_equal(model.get_class(), "ScatterModel", "the scene is in a model")
-	check_equal(model.scene, packed, "which refers to it")
+	check_equal(model.get_class(), "ScatterModel", "a ScatterModel replaces the scene")
+	check_equal(model.scene, packed, "the model refers to the scene")
 	check_equal(model.replacement_materials.keys(), ["Trunk", "Crown"], "both materials are replaced")
 	var files := files_of(layer)
-	check_equal(files, ["res://demo_pine_trunk_2.tres", "res://demo_pine_crown_2.tres"], "files next to the scene, with unused names")
-	check(layer.get_materials()[0].get_shader_parameter(&"sway_height") > 3.0, "it sways by its height")
+	check_equal(files, ["res://demo_pine_trunk_2.tres", "res://demo_pine_crown_2.tres"], "the files are next to the scene and have unused names")
+	check(layer.get_materials()[0].get_shader_parameter(&"sway_height") > 3.0, "the trunk's sway depends on its height")
 	check(inspector_button("Make Foliage Materials") == null or await foliage_is_done(layer), "no material is left to convert")
 	await picture("foliage")
 	await undo_last(layer)
@@ -157,7 +157,7 @@ func make_foliage_of_a_mesh(layer: Resource) -> void:
 	await settle(scatter)
 	var made := mesh.material as ShaderMaterial
 	check(made != null and made.get_shader_parameter(&"normal_texture") == bark.normal_texture, "the mesh's material has the normal map")
-	check_equal(made.get_shader_parameter(&"uv_scale"), Vector2(2.0, 3.0), "and the scale of its texture")
+	check_equal(made.get_shader_parameter(&"uv_scale"), Vector2(2.0, 3.0), "the material keeps the scale of its texture")
 	await undo_last(layer)
 	check_equal(mesh.material, bark, "undone")
 
@@ -169,8 +169,8 @@ func make_foliage_of_a_model(model: Resource) -> void:
 	model.replacement_materials = {"Trunk": own}
 	await inspect(model)
 	await click_at(center_of(kind_button("Make Foliage Materials")))
-	check_equal(model.replacement_materials.keys(), ["Trunk", "Crown"], "both are replaced, by the names in the scene")
-	check(model.replacement_materials.values().all(func(material: Material) -> bool: return material is ShaderMaterial), "with foliage materials")
+	check_equal(model.replacement_materials.keys(), ["Trunk", "Crown"], "both materials are replaced, keyed by their names in the scene")
+	check(model.replacement_materials.values().all(func(material: Material) -> bool: return material is ShaderMaterial), "the replacements are foliage materials")
 	await undo_last(model)
 	check_equal(model.replacement_materials, {"Trunk": own}, "undone")
 
@@ -183,7 +183,7 @@ func foliage_is_done(layer: Resource) -> bool:
 
 func kind_button(text: String) -> Button:
 	var found := inspector_button(text)
-	check(found != null, "the inspector has a button %s" % text)
+	check(found != null, "the inspector must have a button %s" % text)
 	return found
 
 
@@ -221,13 +221,13 @@ func split_a_pack(layer: Resource) -> void:
 	await picture("split_offered")
 	await click_at(center_of(split))
 	await frames(5)
-	check_equal(layer.meshes.size(), 6, "six models")
-	check(layer.radius < 4.0, "as far apart as one tree is wide: %f" % layer.radius)
-	check(layer.meshes.all(func(model: Resource) -> bool: return absf(model.get_aabb().get_center().x) < 0.01), "each at the origin")
+	check_equal(layer.meshes.size(), 6, "the layer has six models")
+	check(layer.radius < 4.0, "the radius matches the width of one tree: %f" % layer.radius)
+	check(layer.meshes.all(func(model: Resource) -> bool: return absf(model.get_aabb().get_center().x) < 0.01), "each model is centered at the origin")
 	await undo_last(layer)
 	check_equal(layer.meshes, [packed], "undone")
 	layer.meshes = before
-	check_equal(layer.radius, radius, "with its radius")
+	check_equal(layer.radius, radius, "undo restores the radius")
 	await inspect(scatter)
 	await inspect(layer)
 

@@ -60,7 +60,7 @@ func test_the_button() -> void:
 	for button: Button in EditorInterface.get_base_control().find_children("*", "Button", true, false):
 		if button.is_visible_in_tree() and button.text.begins_with("Bake Navigation"):
 			bake = button
-	if not check(bake != null, "the engine's button"):
+	if not check(bake != null, "the engine's bake button is visible"):
 		return
 	await mouse_click(bake.get_global_transform_with_canvas() * (bake.size * 0.5))
 	await until(func() -> bool: return region.navigation_mesh.get_polygon_count() > 10, "baked")

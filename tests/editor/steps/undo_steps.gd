@@ -137,10 +137,10 @@ func test_layers() -> void:
 	await step("Meshes for the empty layer", func() -> void: MeshDrop.add(layer("Layer"), [BoxMesh.new()] as Array[Resource], panel._files, manager))
 	await step("A preset", panel._on_add.bind(panel.Add.FIRST_PRESET + 1))
 	await step("A name", func() -> void: LayerEdits.rename(scatter, layer("Grass"), "Sedge", manager))
-	await step("A name of a layer in a file", func() -> void: LayerEdits.rename(scatter, layer("Moss"), "Lichen", manager))
-	await step("A layer to be near", choose_in_inspector.bind(layer("Trees"), &"proximity_layer"))
-	await step("A layer for its colors", choose_in_inspector.bind(layer("Trees").color_value, &"layer"))
-	await step("The order", func() -> void: LayerEdits.move(scatter, [layer("Trees")], 0, manager))
+	await step("A new name of a layer in a file", func() -> void: LayerEdits.rename(scatter, layer("Moss"), "Lichen", manager))
+	await step("A proximity layer", choose_in_inspector.bind(layer("Trees"), &"proximity_layer"))
+	await step("A layer for a color source", choose_in_inspector.bind(layer("Trees").color_value, &"layer"))
+	await step("A new order of layers", func() -> void: LayerEdits.move(scatter, [layer("Trees")], 0, manager))
 	await step("A distance in the inspector", func() -> void:
 		EditorInterface.inspect_object(layer("Heather"), "", true)
 		await frames(4)
@@ -148,7 +148,7 @@ func test_layers() -> void:
 			if property is SpacingEditor:
 				property._set_distance(0.75, "Trees", false))
 	await step("A layer from a file", panel._on_file.bind(FERN))
-	check(scatter.layers.any(func(each: Resource) -> bool: return each.resource_path == FERN), "the file is a layer")
+	check(scatter.layers.any(func(each: Resource) -> bool: return each.resource_path == FERN), "the file is among the layers")
 	await step("Meshes for a layer in a file", func() -> void: MeshDrop.add(layer("Lichen"), [SphereMesh.new()] as Array[Resource], panel._files, manager))
 	await select(scatter)
 
@@ -184,12 +184,12 @@ func test_masks() -> void:
 	await step("A copy of painted layers", func() -> void:
 		workspace().dock.panel.choose([layer("Sedge"), layer("Trees")] as Array[ScatterLayer])
 		workspace().dock.panel.duplicate_chosen())
-	await step("One layer less", func() -> void: LayerEdits.remove(scatter, [layer("Trees")], manager))
+	await step("A removed layer", func() -> void: LayerEdits.remove(scatter, [layer("Trees")], manager))
 
 
 func by_hand(change: Callable) -> void:
 	var edits: RefCounted = workspace().toolbar.hand.edits
-	check(edits.begin(scatter, SCENE), "by hand: " + edits.problem)
+	check(edits.begin(scatter, SCENE), "the edit starts: " + edits.problem)
 	change.call(edits)
 	edits.commit("By Hand")
 
@@ -203,7 +203,7 @@ func import_from(source: Variant, layer_index: int) -> void:
 		dialog.choose_table(source)
 	dialog.choose_layer(layer_index)
 	dialog.start()
-	check(dialog.imported > 0, "imported: " + dialog.message())
+	check(dialog.imported > 0, "instances are imported: " + dialog.message())
 
 
 func test_instances() -> void:
@@ -219,7 +219,7 @@ func test_instances() -> void:
 		edits.set_transform(planted[0], Transform3D(Basis(Vector3.UP, 1.0), Vector3(1.5, 0.0, 2.5)))))
 	await step("A move of a generated instance", by_hand.bind(func(edits: RefCounted) -> void:
 		edits.set_transform(by_rules, Transform3D(Basis(), Vector3(-8.0, 0.5, -3.0)))))
-	await step("One plant less", by_hand.bind(func(edits: RefCounted) -> void: edits.remove(planted[0])))
+	await step("A removed plant", by_hand.bind(func(edits: RefCounted) -> void: edits.remove(planted[0])))
 	await step("An import from a node", import_from.bind(root.get_node("Old"), -1))
 	await step("An import from a table", import_from.bind(TABLE, scatter.layers.find(sedge)))
 
