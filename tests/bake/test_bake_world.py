@@ -160,7 +160,7 @@ def test_files_contain_the_instances_of_the_game(world, baked, tmp_path):
     ]  # fmt: skip
     assert not missing and len(made) > 5000
     near = [row for (layer, id), row in made.items() if layer == 0 and not id >> 63 and np.hypot(row[3], row[5]) < 20.0]
-    assert not near, "felled trees are in the bake"
+    assert not near, "the bake contains trees that the game removed"
 
 
 def test_one_worker_in_a_different_order_generates_the_same_tiles(world, baked, tmp_path):
@@ -284,7 +284,7 @@ def test_a_full_disk_stops_with_an_error(world, baked, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("options", "sentence"),
+    ("options", "message"),
     [
         (["--layers", "Ferns"], "no layer 'Ferns'. It has: 0 Trees, 1 Grass"),
         (["--tiles", "9,0"], "Tile 9,0 is not in the rectangle"),
@@ -297,9 +297,9 @@ def test_a_full_disk_stops_with_an_error(world, baked, tmp_path):
         (["--scheduler", "tcp://127.0.0.1:1"], "No Dask scheduler answers at tcp://127.0.0.1:1"),
     ],
 )
-def test_invalid_requests_are_rejected_with_a_message(world, tmp_path, options, sentence):
+def test_invalid_requests_are_rejected_with_a_message(world, tmp_path, options, message):
     refused = bake(world, tmp_path / "out", "--workers", "1", *options)
-    assert refused.code == 2 and sentence in refused.output and "Traceback" not in refused.output, refused.output
+    assert refused.code == 2 and message in refused.output and "Traceback" not in refused.output, refused.output
 
 
 def survive(world: Path, out: Path, digest: str, victim: str, seconds: float | None = None) -> None:
@@ -332,7 +332,7 @@ def survive(world: Path, out: Path, digest: str, victim: str, seconds: float | N
 
 
 @pytest.mark.parametrize("victim", ["worker", "driver", "engine"])
-def test_a_kill_only_costs_time(world, baked, tmp_path, victim):
+def test_a_killed_process_costs_only_time(world, baked, tmp_path, victim):
     survive(world, tmp_path / "out", baked.manifest["digest"], victim)
 
 

@@ -241,7 +241,7 @@ func test_changes_within_resources() -> void:
 	layer.changed.connect(func() -> void: changes[0] += 1)
 	layer.density_over_height = null
 	curve.emit_changed()
-	check_equal(changes[0], 2, "a curve that is still used by one of two properties emits one signal")
+	check_equal(changes[0], 2, "clearing one of two uses of a curve and then editing the curve emit one signal each")
 
 
 func test_wrong_resources() -> void:

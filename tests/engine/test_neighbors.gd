@@ -23,22 +23,22 @@ func test_one_layer_changed() -> void:
 	check(shown.take()[OAK].is_empty(), "a later layer does not affect an earlier one")
 	scatter.layers[FERN].density = 1.0
 	await settle(scatter)
-	check(instances(scatter, FERN) == ferns, "the same ferns again")
+	check(instances(scatter, FERN) == ferns, "restoring the setting restores the ferns")
 	shown.take()
 	scatter.layers[OAK].max_scale = 2.0
 	await settle(scatter)
-	check(shown.take()[FERN].is_empty(), "the look of oaks does not affect ferns")
+	check(shown.take()[FERN].is_empty(), "the appearance of oaks does not affect ferns")
 	scatter.layers[OAK].max_scale = 1.0
 	scatter.layers[OAK].density = 0.5
 	await settle(scatter)
-	var felled := changed_places(oaks, instances(scatter, OAK))
+	var changed_oaks := changed_places(oaks, instances(scatter, OAK))
 	var changed := changed_places(ferns, instances(scatter, FERN))
-	check(felled.size() > 20 and changed.size() > 50, "%d oaks and %d ferns changed" % [felled.size(), changed.size()])
+	check(changed_oaks.size() > 20 and changed.size() > 50, "%d oaks and %d ferns changed" % [changed_oaks.size(), changed.size()])
 	var far := 0
 	for position in changed:
 		# Oaks beyond the view distance also affect ferns within it.
 		var near_edge := maxf(absf(position.x), absf(position.y)) > 60.0
-		far += int(not near_edge and nearest(position, felled) > SPACING + FLOATS)
+		far += int(not near_edge and nearest(position, changed_oaks) > SPACING + FLOATS)
 	check_equal(far, 0, "ferns that changed far from any changed oak")
 
 
@@ -72,9 +72,9 @@ func test_spacing_across_tiles_and_by_order() -> void:
 			check_equal(stands == alone[index], at[index] == 0, "layer %d of %s is complete" % [index, order])
 			for id in stands:
 				check(alone[index].has(id), "spacing removes instances and adds none")
-		check(gap(scatter, at[1], at[0]) >= 2.5 - FLOATS, "the larger of two distances: %f" % gap(scatter, at[1], at[0]))
-		check(gap(scatter, at[2], at[1]) >= 1.25 - FLOATS, "one layer names the other: %f" % gap(scatter, at[2], at[1]))
-		check(gap(scatter, at[2], at[0]) >= 1.75 - FLOATS, "the other layer names the first: %f" % gap(scatter, at[2], at[0]))
+		check(gap(scatter, at[1], at[0]) >= 2.5 - FLOATS, "the larger of two specified distances applies: %f" % gap(scatter, at[1], at[0]))
+		check(gap(scatter, at[2], at[1]) >= 1.25 - FLOATS, "the distance between layers b and c: %f" % gap(scatter, at[2], at[1]))
+		check(gap(scatter, at[2], at[0]) >= 1.75 - FLOATS, "the distance between layers a and c: %f" % gap(scatter, at[2], at[0]))
 		check(gap(scatter, at[2], at[0]) < 1.8, "no larger distance than required: %f" % gap(scatter, at[2], at[0]))
 		check_equal(scatter.get_problems(), PackedStringArray(), "problems")
 		scatter.free()
@@ -111,11 +111,11 @@ func test_names() -> void:
 	check_equal(scatter.get_problems(), PackedStringArray(), "problems of a valid forest")
 	var spaced := digests(scatter, FERN)
 	scatter.layers[FERN].spacing = {"Föhre": SPACING}
-	check("\"Föhre\"" in "".join(scatter.get_problems()), "a name that no layer has, with all its letters")
+	check("\"Föhre\"" in "".join(scatter.get_problems()), "the problem contains the name that no layer has, including its non-ASCII letters")
 	scatter.layers[OAK].resource_name = "elm"
 	scatter.layers[FERN].spacing = {"oak": SPACING}
 	await settle(scatter)
-	check(digests(scatter, FERN) != spaced, "ferns change if spacing names no layer")
+	check(digests(scatter, FERN) != spaced, "ferns change if spacing refers to no layer")
 	scatter.layers[OAK].resource_name = "oak"
 	await settle(scatter)
 	check(digests(scatter, FERN) == spaced, "ferns are the same once the oaks have their name again")
@@ -140,8 +140,8 @@ func test_rejected_layers_keep_their_last_valid_state() -> void:
 	var mask := scatter.layers[FERN].mask
 	var area := mask.paint(Vector2(10, 10), 4.0, 1.0, 1.0, ScatterMask.MODE_ERASE)
 	await settle(scatter)
-	check_no_error("reported once")
-	check(digests(scatter, OAK) == before[OAK], "oaks stay")
+	check_no_error("the error is reported once")
+	check(digests(scatter, OAK) == before[OAK], "the oaks are unchanged")
 	check(digests(scatter, FERN) != before[FERN], "ferns can be edited")
 	check(gap(scatter, FERN, OAK) >= SPACING - FLOATS, "ferns keep their distance from the last valid oaks")
 	mask.paint(area.get_center(), 20.0, 1.0, 1.0, ScatterMask.MODE_PAINT)
@@ -154,7 +154,7 @@ func test_rejected_layers_keep_their_last_valid_state() -> void:
 	scatter.layers[FERN].tile_size = 50.0
 	await settle(scatter)
 	check_error(["layers[1]", "spacing", "points"], "oaks within a thousand meters of each tile")
-	check(digests(scatter, FERN) == before[FERN], "ferns stay")
+	check(digests(scatter, FERN) == before[FERN], "the ferns are unchanged")
 	scatter.layers[OAK].radius = 4.0
 	scatter.layers[FERN].spacing = {"oak": SPACING}
 	scatter.layers[FERN].tile_size = 32.0
@@ -163,7 +163,7 @@ func test_rejected_layers_keep_their_last_valid_state() -> void:
 	check([digests(scatter, OAK), digests(scatter, FERN)] == before, "both layers keep their instances")
 
 
-## Returns two species of trees of one radius. The second one keeps its distance from the first.
+## Returns two species of trees with the same radius. The second one keeps a distance from the first.
 func make_species(fills: bool) -> Array[ScatterLayer]:
 	var oaks := named_layer("oak", 31, 4.0)
 	oaks.density = 0.5
@@ -190,10 +190,10 @@ func test_filled_species_are_as_dense_as_one() -> void:
 	check_equal(scatter.get_problems(), PackedStringArray(), "problems")
 	scatter.layers[1].spacing_fills = false
 	await settle(scatter)
-	check_equal(instances(scatter, 1) == thinned, true, "the birches without filling")
+	check_equal(instances(scatter, 1) == thinned, true, "without filling, the birches are as before")
 
 
-## A game's removals must move nothing, or everything would jump when a tree is felled.
+## Removals by a game must move no other instance. Otherwise, trees would jump when one is felled.
 func test_filled_species_stay_when_a_game_fells_trees() -> void:
 	var scatter := make_scatter(make_species(true), Mound.new(), make_viewer())
 	await settle(scatter)
@@ -223,7 +223,7 @@ func test_filled_species_are_explained() -> void:
 		check_equal(birch.standing, scatter.has_instance(birch.id), "the explanation matches the instance at %s" % place)
 		standing += int(birch.standing)
 		kept_away += int(birch.refused_by == "spacing")
-		check(birch.allowed == (birch.refused_by != "spacing"), "only spacing refuses: %s" % birch.reason)
+		check(birch.allowed == (birch.refused_by != "spacing"), "only spacing excludes a position: %s" % birch.reason)
 	check(standing > 50 and kept_away > 50, "%d positions have a birch, %d are too near to an oak" % [standing, kept_away])
 
 
@@ -233,14 +233,14 @@ func test_problems_of_layers_that_cannot_fill() -> void:
 	var scatter := make_scatter(species, Mound.new(), make_viewer())
 	await settle(scatter)
 	check("Layer 0: spacing_fills has no effect: it needs a spacing to a layer that is earlier in the list." in scatter.get_problems(),
-			"without an earlier layer: %s" % scatter.get_problems())
+			"a layer without an earlier layer cannot fill: %s" % scatter.get_problems())
 	species[0].spacing_fills = false
 	species[1].on_surfaces = true
 	var problems := "\n".join(scatter.get_problems())
-	check("spacing_fills has no effect while on_surfaces is on" in problems, "on surfaces: %s" % problems)
+	check("spacing_fills has no effect while on_surfaces is on" in problems, "a layer on surfaces cannot fill: %s" % problems)
 	species[1].on_surfaces = false
 	species[0].on_surfaces = true
 	problems = "\n".join(scatter.get_problems())
-	check('spacing_fills has no effect around "oak", which is on_surfaces' in problems, "around a layer on surfaces: %s" % problems)
+	check('spacing_fills has no effect around "oak", which is on_surfaces' in problems, "the gaps around a layer on surfaces cannot be filled: %s" % problems)
 	species[0].on_surfaces = false
 	check_equal(scatter.get_problems(), PackedStringArray(), "no problems are left")

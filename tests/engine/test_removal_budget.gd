@@ -41,7 +41,7 @@ func check_removal(scatter: TerrainScatter3D, context: String, change: Callable,
 		places[id] = at.origin.distance_to(viewer.global_position)
 	await process_frame
 	change.call()
-	check_equal(bodies(scatter).size(), standing.size(), context + ": the call itself removes nothing")
+	check_equal(bodies(scatter).size(), standing.size(), context + ": the call itself removes no body")
 	var previous := standing.size()
 	var most := 0
 	for frame in 40:
@@ -62,9 +62,9 @@ func check_removal(scatter: TerrainScatter3D, context: String, change: Callable,
 	check(most > 0 and most <= MOST_IN_A_STEP, "%s: %d bodies in one frame" % [context, most])
 	scatter.frame_budget_usec = 20000
 	await settle(scatter)
-	check(scatter.get_stats()["bodies"] >= wanted, "%s: %d bodies in the end" % [context, scatter.get_stats()["bodies"]])
+	check(scatter.get_stats()["bodies"] >= wanted, "%s: %d bodies at the end" % [context, scatter.get_stats()["bodies"]])
 	if wanted == 0:
-		check_equal(bodies(scatter).size(), 0, context + ": bodies finally")
+		check_equal(bodies(scatter).size(), 0, context + ": bodies at the end")
 	scatter.free()
 	viewer.free()
 	await frames(2)
@@ -152,7 +152,7 @@ func test_new_settings_and_shapes() -> void:
 		await settle(scatter)
 		standing = bodies(scatter)
 		for id in standing:
-			check_equal(PhysicsServer3D.body_get_collision_mask(standing[id]), 4, "mask finally")
+			check_equal(PhysicsServer3D.body_get_collision_mask(standing[id]), 4, "collision mask at the end")
 		scatter.frame_budget_usec = 1
 
 
@@ -177,8 +177,8 @@ func test_world_offset() -> void:
 		moved += int(is_right)
 		check(is_right or now == before[id], "a body is at its old or at its new position")
 		if not is_right:
-			check(now.distance_to(viewer.position) > 4.0, "an old body %.1f m away" % now.distance_to(viewer.position))
-			check((before[id] - shift).distance_to(viewer.position) > 4.0, "a missing body near the viewer")
+			check(now.distance_to(viewer.position) > 4.0, "a body at its old position, %.1f m from the viewer" % now.distance_to(viewer.position))
+			check((before[id] - shift).distance_to(viewer.position) > 4.0, "a body near the viewer is missing")
 	check(moved <= 128, "%d bodies moved in the call" % moved)
 	for frame in 20:
 		await process_frame
@@ -192,7 +192,7 @@ func test_world_offset() -> void:
 	scatter.frame_budget_usec = 20000
 	await settle(scatter)
 	for id in standing:
-		check(place_of(standing[id]).is_equal_approx(before[id] - shift), "all bodies have moved in the end")
+		check(place_of(standing[id]).is_equal_approx(before[id] - shift), "all bodies have moved at the end")
 	check_equal(scatter.get_stats()["bodies"], standing.size(), "bodies after the origin shift")
 
 
@@ -216,7 +216,7 @@ func test_unused_scenes_are_freed_over_frames() -> void:
 		await process_frame
 		most = maxi(most, alive - Counted.alive)
 		alive = Counted.alive
-	check_equal(Counted.alive, 0, "scenes finally")
+	check_equal(Counted.alive, 0, "scenes at the end")
 	check(most <= 4, "%d scenes freed in one frame" % most)
 
 

@@ -2,7 +2,7 @@ extends "streaming_harness.gd"
 ## Tests that visible tiles cover the view, appear once, and do not depend on the viewer's path.
 
 
-func test_view_is_covered_and_counted() -> void:
+func test_the_view_is_covered_and_its_instances_counted() -> void:
 	var shown := {}
 	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer(Vector3(5.0, 0.0, -70.0)))
 	scatter.tile_shown.connect(func(layer: ScatterLayer, tile: Vector2i) -> void: shown[[layer, tile]] = true)
@@ -33,8 +33,8 @@ func test_tiles_move_with_the_viewer() -> void:
 	await settle(scatter)
 	await frames(30)
 	check_equal(hidden.size(), before.size(), "all old tiles are hidden")
-	check(not Vector2i(0, 0) in scatter.get_shown_tiles(scatter.layers[0]), "the old tile is gone")
-	check(Vector2i(31, 31) in scatter.get_shown_tiles(scatter.layers[0]), "the new tile is there")
+	check(not Vector2i(0, 0) in scatter.get_shown_tiles(scatter.layers[0]), "the old tile is hidden")
+	check(Vector2i(31, 31) in scatter.get_shown_tiles(scatter.layers[0]), "the new tile is visible")
 	viewer.global_position = Vector3.ZERO
 	await settle(scatter)
 	check_equal(digests(scatter, 0), before, "the same instances after returning")
@@ -56,7 +56,7 @@ func test_removed_layers_and_grounds() -> void:
 	scatter.layers = []
 	await settle(scatter)
 	check_equal(scatter.get_stats()["tiles"], 0, "tiles without layers")
-	check_equal(hidden.count(layer), count, "signals for the last tiles")
+	check_equal(hidden.count(layer), count, "signals for the tiles of the last layer")
 	scatter.layers = [layer]
 	await settle(scatter)
 	check_equal(scatter.get_stats()["tiles"], count, "tiles of the restored layer")
@@ -188,10 +188,10 @@ func test_mesh_weights() -> void:
 			counts[mesh] += ids[mesh].size()
 	var total: float = counts[0] + counts[1] + counts[2]
 	for mesh in 3:
-		check(absf(counts[mesh] / total - [0.25, 0.5, 0.25][mesh]) < 0.02, "fractions are %s" % [counts])
+		check(absf(counts[mesh] / total - [0.25, 0.5, 0.25][mesh]) < 0.02, "fractions of the meshes: %s" % [counts])
 
 
-func test_density_is_a_prefix() -> void:
+func test_a_lower_density_keeps_a_prefix() -> void:
 	var layer := make_layer()
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
@@ -227,7 +227,7 @@ func test_a_change_keeps_old_tiles_until_new_ones_are_ready() -> void:
 	check_equal(scatter.get_stats()["tiles_made"], made, "tiles generated for a new shadow setting")
 
 
-func test_a_mesh_that_grows_is_detected() -> void:
+func test_a_mesh_whose_size_changes_is_detected() -> void:
 	var mesh := BoxMesh.new()
 	var layer := make_layer()
 	layer.meshes = [mesh, mesh]
@@ -247,7 +247,7 @@ func test_a_mesh_that_grows_is_detected() -> void:
 	check_equal(scatter.get_stats()["tiles_made"], made, "tiles generated for an unused mesh")
 
 
-func test_tile_size_may_change() -> void:
+func test_the_tile_size_may_change() -> void:
 	var layer := make_layer()
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
@@ -355,8 +355,8 @@ func test_frame_parts() -> void:
 		var spent: int = stats["frame_usec"]
 		if sum - parts.get("signals", 0) > spent + 1 or sum + 14 + 20 < spent:
 			unlike.push_back([parts, spent])
-	check(unlike.size() < 20, "parts that do not add up: %s" % [unlike]) # The system may interrupt the thread between two measurements.
-	check(seen.has("upload") and seen.has("made"), "seen: %s" % [seen.keys()])
+	check(unlike.size() < 20, "frame parts that do not add up: %s" % [unlike]) # The system may interrupt the thread between two measurements.
+	check(seen.has("upload") and seen.has("made"), "frame parts that occurred: %s" % [seen.keys()])
 
 
 func test_instance_bytes() -> void:

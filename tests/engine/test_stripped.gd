@@ -66,7 +66,7 @@ func check_same(layer: ScatterLayer, context: String) -> void:
 	strip(exported)
 	ResourceSaver.save(exported, "user://exported.res")
 	scatter.layers = [ResourceLoader.load("user://exported.res", "", ResourceLoader.CACHE_MODE_IGNORE)]
-	check_equal(await hit_heights(scatter), before, context + ": the same hits")
+	check_equal(await hit_heights(scatter), before, context + ": rays hit the same heights")
 	check_equal(scatter.get_problems(), PackedStringArray(), context + ": no problems")
 	scatter.free()
 
@@ -93,10 +93,10 @@ func test_images_of_grounds_and_biomes_replace_textures() -> void:
 	ground.weight_image = stripes(false)
 	check(ground.embed_stripped_data(), "the ground stores its images")
 	check(ground.image is Image and ground.weight_image is Image, "both are images")
-	check(not ground.embed_stripped_data(), "images are not stripped")
+	check(not ground.embed_stripped_data(), "there is no stripped data left to embed")
 	var map := ScatterBiomeMap.new()
 	map.map_image = stripes(true)
-	check(map.embed_stripped_data() and map.map_image is Image, "a biome map stores its image, too")
+	check(map.embed_stripped_data() and map.map_image is Image, "the biome map stores its image")
 
 
 func test_missing_data_is_a_problem() -> void:
@@ -112,4 +112,4 @@ func test_missing_data_is_a_problem() -> void:
 	var problems := "\n".join(scatter.get_problems())
 	for words: String in ["ScatterGroundHeightmap.image was stripped", "ScatterLayer.meshes[0] was stripped", "ScatterLayer.mask_texture was stripped"]:
 		check(words in problems, "reported: %s, got %s" % [words, problems])
-	check_no_error("no errors here; a server prints one warning")
+	check_no_error("no errors, because only a dedicated server prints a warning")

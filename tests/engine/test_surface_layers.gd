@@ -45,7 +45,7 @@ func clean() -> void:
 	await super()
 
 
-## Returns the ids of the instances between two heights.
+## Returns the IDs of the instances between two heights.
 func between(standing: Dictionary[int, Transform3D], low: float, high: float) -> Array[int]:
 	var result: Array[int] = []
 	for id in standing:
@@ -131,7 +131,7 @@ func test_noise_is_three_dimensional_on_a_wall() -> void:
 			check_equal(standing.has(id), value > 0.0, "instance at %s, where the noise is %f" % [at, value])
 
 
-func test_queries_bodies_and_rays_find_what_hangs() -> void:
+func test_queries_bodies_and_rays_find_hanging_instances() -> void:
 	put_square(8.0, 180.0)
 	var layer := make_grower()
 	layer.min_slope_degrees = 90.0
@@ -145,10 +145,10 @@ func test_queries_bodies_and_rays_find_what_hangs() -> void:
 	await settle(scatter)
 	var standing := instances(scatter, 0)
 	var found := scatter.query_rect(Rect2(-SIZE, -SIZE, 2.0 * SIZE, 2.0 * SIZE))
-	check_equal(found.ids.size(), standing.size(), "a query finds all of them")
+	check_equal(found.ids.size(), standing.size(), "a query finds all instances")
 	for known: int in standing:
 		var instance := scatter.get_instance(known)
-		if not check(instance != null and instance.transform.origin.distance_to(standing[known].origin) < 1e-4, "found by its id"):
+		if not check(instance != null and instance.transform.origin.distance_to(standing[known].origin) < 1e-4, "each instance is found by its ID"):
 			break
 	await frames(4)
 	await physics_frame
@@ -159,10 +159,10 @@ func test_queries_bodies_and_rays_find_what_hangs() -> void:
 	var hit := cast(standing[id].origin + Vector3(-3.0, -1.0, 0.0), standing[id].origin + Vector3(3.0, -1.0, 0.0))
 	check(not hit.is_empty(), "a body hangs below the ceiling")
 	var ray := scatter.query_ray(standing[id].origin + Vector3(0.0, -6.0, 0.0), standing[id].origin)
-	check(ray != null and ray.id == id, "a ray from below meets the hanging instance")
+	check(ray != null and ray.id == id, "a ray from below hits the hanging instance")
 
 
-func test_what_is_felled_stays_felled() -> void:
+func test_removed_instances_stay_removed() -> void:
 	put_square(0.0)
 	put_square(4.0)
 	var layer := make_grower()
@@ -174,18 +174,18 @@ func test_what_is_felled_stays_felled() -> void:
 	for id: int in felled:
 		check(scatter.state.remove(id), "removed")
 	await settle(scatter)
-	check_equal(instances(scatter, 0).size(), standing.size() - felled.size(), "the felled ones are gone, and no others")
-	check(scatter.remove_instance(between(instances(scatter, 0), 3.9, 4.1)[0]), "the node removes one of the upper level")
+	check_equal(instances(scatter, 0).size(), standing.size() - felled.size(), "only the removed instances are missing")
+	check(scatter.remove_instance(between(instances(scatter, 0), 3.9, 4.1)[0]), "the node removes an instance on the upper level")
 	await settle(scatter)
-	check_equal(instances(scatter, 0).size(), standing.size() - felled.size() - 1, "it is gone, too")
+	check_equal(instances(scatter, 0).size(), standing.size() - felled.size() - 1, "that instance is missing, too")
 	var saved := scatter.state.to_bytes()
 	scatter.state = ScatterState.new()
 	await settle(scatter)
-	check_equal(instances(scatter, 0).size(), standing.size(), "a new state has all")
-	check_equal(scatter.state.from_bytes(saved), OK, "loaded")
+	check_equal(instances(scatter, 0).size(), standing.size(), "all instances exist with a new state")
+	check_equal(scatter.state.from_bytes(saved), OK, "the saved state is loaded")
 	await settle(scatter)
 	var after := instances(scatter, 0)
-	check(felled.all(func(id: int) -> bool: return not after.has(id)), "the same ones are felled again")
+	check(felled.all(func(id: int) -> bool: return not after.has(id)), "the loaded state removes the same instances")
 
 
 func test_ground_that_changes_takes_its_plants_along() -> void:
@@ -231,12 +231,12 @@ func test_ground_without_triangles_is_reported() -> void:
 	var layer := make_grower()
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
-	check_equal(instances(scatter, 0).size(), 0, "nothing grows")
+	check_equal(instances(scatter, 0).size(), 0, "the layer has no instances")
 	var problems := scatter.get_problems()
 	check(problems.size() == 1 and "on_surfaces" in problems[0] and "ScatterGroundFlat" in problems[0], str(problems))
 
 
-func test_an_edge_feather_thins_walls_and_floors_towards_their_borders() -> void:
+func test_an_edge_feather_thins_walls_and_floors_toward_their_borders() -> void:
 	put_square(0.0)
 	put_square(20.0, 90.0)
 	var layer := make_grower()

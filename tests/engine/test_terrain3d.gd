@@ -93,7 +93,7 @@ func test_the_copy_has_the_same_instances_as_queries_by_point() -> void:
 		for id: int in found[0]:
 			differ += int(not found[1].has(id) or found[1][id].distance_to(found[0][id]) > 0.01)
 		check(differ <= 2, "%s: %d of %d instances differ" % [textures, differ, found[0].size()])
-		check(absi(found[0].size() - found[1].size()) <= 2, "%s: about as many: %d, %d" % [textures, found[0].size(), found[1].size()])
+		check(absi(found[0].size() - found[1].size()) <= 2, "%s: the numbers of instances are about equal: %d, %d" % [textures, found[0].size(), found[1].size()])
 		check_equal(found[0].is_empty(), textures == [20], "%s: instances" % [textures])
 
 
@@ -112,7 +112,7 @@ func test_without_the_auto_shader() -> void:
 	node.material.auto = true
 	node.material_changed.emit()
 	await settle(scatter)
-	check(all_transforms(scatter).size() > 100, "with it, level ground has texture 1")
+	check(all_transforms(scatter).size() > 100, "with the auto shader, level ground has texture 1")
 
 
 ## Without a renderer, as on a server, the auto shader must produce the same instances.
@@ -133,7 +133,7 @@ func test_the_auto_shader_without_a_renderer() -> void:
 		scatter.free()
 		node.free()
 	check(found[0].size() > 100, "%d instances" % found[0].size())
-	check_equal(found[1], found[0], "the same without a renderer")
+	check_equal(found[1], found[0], "the instances are the same without a renderer")
 
 
 func test_empty() -> void:
@@ -147,7 +147,7 @@ func test_empty() -> void:
 	fill_region(region)
 	node.data.add_region(region)
 	await settle(scatter)
-	check_ground(scatter, node, "with its first region")
+	check_ground(scatter, node, "after its first region was added")
 	check_equal(scatter.get_problems().size(), 0, "no problems")
 
 
@@ -193,7 +193,7 @@ func test_wrong_results() -> void:
 		var problems := "\n".join(scatter.get_problems())
 		check("like Terrain3D" in problems, "a result of %s: %s" % [answer, problems])
 		check_no_error("a result of %s" % [answer])
-	check(scatter.get_stats()["instances"] > 500, "its heights are queried instead")
+	check(scatter.get_stats()["instances"] > 500, "its heights are queried by position instead")
 	node.free()
 
 

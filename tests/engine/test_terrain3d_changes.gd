@@ -70,7 +70,7 @@ func test_textures_that_are_painted() -> void:
 	await settle(scatter)
 	var stand := all_transforms(scatter)
 	check(stand.size() > 20, "%d instances" % stand.size())
-	check(stand.all(func(one: Transform3D) -> bool: return Rect2(0, 0, 20, 20).has_point(Vector2(one.origin.x, one.origin.z))), "on the painted area")
+	check(stand.all(func(one: Transform3D) -> bool: return Rect2(0, 0, 20, 20).has_point(Vector2(one.origin.x, one.origin.z))), "all instances are on the painted area")
 
 
 func test_regions_are_added_and_removed() -> void:
@@ -80,11 +80,11 @@ func test_regions_are_added_and_removed() -> void:
 	var before := by_id(scatter)
 	var region := node.data.regions[Vector2i(0, -1)]
 	var made := await regenerated_by(scatter, func() -> void: node.data.remove_region(region))
-	check(made.all(func(tile: Vector2i) -> bool: return tile in tiles_of(Rect2(0.0, -64.0, 64.0, 64.0))), "removed: %s" % [made])
+	check(made.all(func(tile: Vector2i) -> bool: return tile in tiles_of(Rect2(0.0, -64.0, 64.0, 64.0))), "removing a region regenerates only its tiles: %s" % [made])
 	check_ground(scatter, node, "removed")
-	check(by_id(scatter).size() < 0.85 * before.size(), "a quarter is removed")
+	check(by_id(scatter).size() < 0.85 * before.size(), "the instances of the removed region are missing")
 	await regenerated_by(scatter, func() -> void: node.data.add_region(region))
-	check_equal(by_id(scatter), before, "added again")
+	check_equal(by_id(scatter), before, "adding the region again restores the instances")
 	var higher := func() -> void:
 		for at in node.data.regions:
 			fill_region(node.data.regions[at], func(post: Vector2i) -> float: return 5.0 + hill(post))
@@ -103,7 +103,7 @@ func test_vertex_spacing() -> void:
 		check_ground(scatter, node, "a spacing of %s m" % spacing)
 
 
-func test_an_auto_shader_is_read_again() -> void:
+func test_changed_auto_shader_settings_are_read_again() -> void:
 	var node := make_terrain3d()
 	var layer := make_layer()
 	layer.ground_textures = PackedInt32Array([9])
@@ -141,7 +141,7 @@ func test_it_is_added_late() -> void:
 					root.add_child(elsewhere)
 					elsewhere.add_child(node)
 					await frames(3)
-					check_equal(scatter.get_stats()["instances"], 0, "not found yet")
+					check_equal(scatter.get_stats()["instances"], 0, "no instances before the node is found")
 					node.reparent(root)
 				else:
 					root.add_child(node)
@@ -178,7 +178,7 @@ func test_get_problems_does_not_hide_a_new_node() -> void:
 	var node := make_terrain3d()
 	node.name = "Ground"
 	root.add_child(node)
-	check_equal(scatter.get_problems().size(), 0, "found immediately")
+	check_equal(scatter.get_problems().size(), 0, "the new node is found immediately")
 	await settle(scatter)
 	await settle(scatter)
 	check_ground(scatter, node, "found by get_problems")
@@ -191,7 +191,7 @@ func test_it_leaves_and_reenters_the_tree() -> void:
 	var before := by_id(scatter)
 	root.remove_child(node)
 	await settle(scatter)
-	check_error(["ScatterGroundNode.node"], "gone")
+	check_error(["ScatterGroundNode.node"], "the node left the tree")
 	check_equal(by_id(scatter), before, "the instances do not change")
 	node.data.set_height(Vector3(3.5, 0.0, 3.5), 12.0)
 	root.add_child(node)
@@ -233,4 +233,4 @@ func test_a_recenter_without_the_node() -> void:
 	await settle(scatter)
 	await settle(scatter)
 	check(all_transforms(scatter).size() > 0.6 * before, "instances")
-	check_equal(off_the_ground(scatter, node), 0, "on the ground, which did not move")
+	check_equal(off_the_ground(scatter, node), 0, "instances off the ground, which did not move")

@@ -18,7 +18,7 @@ func test_terrain3d_like() -> void:
 	await settle(slow)
 	await settle(fast)
 	check_terrain3d_like(slow, node, "on the main thread")
-	check_equal(digests(slow, 0), digests(fast, 0), "the same on workers")
+	check_equal(digests(slow, 0), digests(fast, 0), "the instances are the same on workers")
 	var terrain: ScatterGroundNode = slow.ground
 	check(is_nan(terrain.get_height(Vector3(3.0, 0.0, 3.0))), "a hole has no height")
 	check(absf(terrain.get_height(Vector3(20.0, 0.0, 0.0)) - 4.0) < 1e-5, "height")
@@ -55,14 +55,14 @@ func test_textures_of_terrain3d_like() -> void:
 		var stand := all_transforms(scatter)
 		counts.push_back(stand.size())
 		if textures == [0]:
-			check(stand.all(func(one: Transform3D) -> bool: return one.origin.x < 0.0), "texture 0 is on the left")
+			check(stand.all(func(one: Transform3D) -> bool: return one.origin.x < 0.0), "texture 0 covers only the left half")
 		node.free()
 		scatter.free()
 		errors.take()
 	check_equal(counts[3], 0, "instances on a texture that does not occur")
 	check(counts[2] > counts[0] and counts[0] > counts[1] and counts[1] > 100, "instances by texture: %s" % [counts])
 	# The overlay has a weight of 0.25 on the left and of 1 on the right. The density must match it.
-	check(absf(counts[0] - (0.25 * 0.5 + 0.5) * counts[2]) < 0.06 * counts[2], "a quarter on the left: %s" % [counts])
+	check(absf(counts[0] - (0.25 * 0.5 + 0.5) * counts[2]) < 0.06 * counts[2], "a quarter of the instances remain on the left: %s" % [counts])
 
 
 func test_hterrain_like() -> void:
@@ -73,7 +73,7 @@ func test_hterrain_like() -> void:
 	var fast := make_on(node, true)
 	await settle(slow)
 	await settle(fast)
-	check_equal(digests(slow, 0), digests(fast, 0), "the same on workers")
+	check_equal(digests(slow, 0), digests(fast, 0), "the instances are the same on workers")
 	var to_map := node.get_internal_transform().affine_inverse()
 	var stand := all_transforms(slow)
 	var wrong := 0
@@ -84,7 +84,7 @@ func test_hterrain_like() -> void:
 	check(stand.size() > 500, "instances: %d" % stand.size())
 	check_equal(wrong, 0, "instances off the map or off the ground")
 	var terrain: ScatterGroundNode = slow.ground
-	check(is_nan(terrain.get_height(Vector3(200.0, 0.0, 0.0))), "outside of the map")
+	check(is_nan(terrain.get_height(Vector3(200.0, 0.0, 0.0))), "there is no ground outside of the map")
 	var along := node.global_basis.x
 	var steep := Vector3(along.x * 0.75, -1.0, along.z * 0.75).normalized()
 	check(terrain.get_normal(node.position).distance_to(-steep) < 1e-3, "normal")
@@ -99,7 +99,7 @@ func test_hterrain_like() -> void:
 	node.position.y = 50.0
 	node.transform_changed.emit(node.get_internal_transform())
 	await settle(slow)
-	check(all_transforms(slow)[0].origin.y > stand[0].origin.y + 40.0, "it moves with the node")
+	check(all_transforms(slow)[0].origin.y > stand[0].origin.y + 40.0, "the ground moves with the node")
 
 
 func test_later_hterrain_like() -> void:
@@ -159,11 +159,11 @@ func test_holes_and_textures_of_hterrain_like() -> void:
 		var in_hole := stand.filter(func(one: Transform3D) -> bool: return one.origin.x > -23.5 and one.origin.x < -5.5)
 		check_equal(in_hole.size(), 0, "instances in the hole")
 		if textures == [1]:
-			check(stand.all(func(one: Transform3D) -> bool: return one.origin.z < 2.0), "texture 1 is in front")
+			check(stand.all(func(one: Transform3D) -> bool: return one.origin.z < 2.0), "texture 1 covers only the front half")
 		scatter.free()
 	check(counts[[]] > 500, "instances: %d" % counts[[]])
 	check_equal(counts[[1, 7]], counts[[]], "both textures cover everything")
-	check(counts[[1]] > 100 and counts[[7]] > 100, "halves: %s" % counts)
+	check(counts[[1]] > 100 and counts[[7]] > 100, "each texture covers about half: %s" % counts)
 	check_equal(counts[[0, 2, 3, 4, 5, 6, 8]], 0, "textures that do not occur")
 	var on := make_on(node)
 	await settle(on)

@@ -109,18 +109,18 @@ func test_weights_of_scripts() -> void:
 		var stand := all_transforms(scatter)
 		check(stand.size() > 300, "instances: %d" % stand.size())
 		check(stand.all(func(one: Transform3D) -> bool: return one.origin.x >= 0.0 and one.origin.z <= 40.0),
-				"all are on their texture")
+				"all instances are on their texture")
 		found.push_back(digests(scatter, 0))
 		layer.ground_textures = PackedInt32Array()
 		await settle(scatter)
-		check(all_transforms(scatter).size() > 2 * stand.size(), "all textures")
+		check(all_transforms(scatter).size() > 2 * stand.size(), "without ground_textures, all ground is permitted")
 		var before := digests(scatter, 0)
 		layer.ground_textures = PackedInt32Array([0])
 		terrain.extra = 3
 		await settle(scatter)
 		check_error(["_get_weights()", "wrong size"], "three weights too many")
 		check_equal(digests(scatter, 0), before, "the instances do not change")
-	check_equal(found[0], found[1], "the same on the main thread and on workers")
+	check_equal(found[0], found[1], "the instances are the same on the main thread and on workers")
 
 
 ## Adds a node to the tree with a global transform.
@@ -145,7 +145,7 @@ func test_grounds_without_textures() -> void:
 		check(not warns.call(terrain), "no warning for %s without textures in the layer" % terrain)
 		layer.ground_textures = PackedInt32Array([0])
 		check_equal(warns.call(terrain), not (terrain is Textured or terrain == weighed_map), "a warning for %s" % terrain)
-	check(not warns.call(null), "without a ground there is another warning")
+	check(not warns.call(null), "without a ground, this warning is not shown")
 
 
 func make_collider(shape: Shape3D, at: Transform3D, layers := 1) -> void:
@@ -189,23 +189,23 @@ func test_colliders() -> void:
 	check_equal(wrong, 0, "instances in the gap, outside of the floor or in the air")
 	check(on_ramp > 20, "instances on the ramp: %d" % on_ramp)
 	check(is_nan(terrain.get_height(Vector3(15.0, 0.0, 0.0))), "no ground in the gap")
-	check(absf(terrain.get_height(Vector3(5.0, 0.0, 0.0)) - 2.0) < 0.001, "the floor")
+	check(absf(terrain.get_height(Vector3(5.0, 0.0, 0.0)) - 2.0) < 0.001, "the height of the floor")
 	var slope := terrain.get_normal(Vector3(-20.0, 0.0, 0.0))
 	check(slope.distance_to(Vector3(-0.5, sqrt(0.75), 0.0)) < 0.001, "the ramp's normal: %s" % slope)
 	var before := digests(scatter, 0)
 	terrain.rays_per_frame = 37
 	scatter.regenerate()
 	await settle(scatter)
-	check_equal(digests(scatter, 0), before, "the same with fewer rays per frame")
+	check_equal(digests(scatter, 0), before, "the instances are the same with fewer rays per frame")
 	terrain.collision_mask = 2
 	await settle(scatter)
 	var heights := all_transforms(scatter).map(func(one: Transform3D) -> float: return one.origin.y)
-	check(heights.all(func(height: float) -> bool: return absf(height - 80.5) < 0.001), "on the roof")
+	check(heights.all(func(height: float) -> bool: return absf(height - 80.5) < 0.001), "all instances are on the roof")
 	terrain.collision_mask = 1
 	terrain.ray_top = 10.0
 	await settle(scatter)
 	heights = all_transforms(scatter).map(func(one: Transform3D) -> float: return one.origin.y)
-	check(heights.size() > 500 and heights.max() < 10.0, "below the top of the rays")
+	check(heights.size() > 500 and heights.max() < 10.0, "all instances are below the top of the rays")
 
 
 func test_colliders_do_not_depend_on_tiles() -> void:
@@ -246,7 +246,7 @@ func test_colliders_reject_invalid_values() -> void:
 	check("ray_bottom" in "\n".join(scatter.get_problems()), "a warning")
 	terrain.ray_bottom = -1000.0
 	await settle(scatter)
-	check_equal(digests(scatter, 0), before, "the same rays")
+	check_equal(digests(scatter, 0), before, "a valid value restores the same instances")
 	terrain.collision_mask = 0
 	await settle(scatter)
 	check_equal(scatter.get_stats()["instances"], 0, "instances without a layer")
@@ -299,10 +299,10 @@ func test_meshes() -> void:
 	var rects: Array[Rect2] = []
 	terrain.ground_changed.connect(func(rect: Rect2) -> void: rects.push_back(rect))
 	terrain.refresh()
-	check_equal(rects.size(), 0, "nothing has changed")
+	check_equal(rects.size(), 0, "no areas are reported without a change")
 	instances[2].global_position = Vector3(0.0, 0.0, 5.0)
 	terrain.refresh()
-	if check_equal(rects.size(), 2, "a box was moved"):
+	if check_equal(rects.size(), 2, "moving a box reports two areas"):
 		var reach := 5.0 * (cos(0.6) + sin(0.6))
 		for from: Vector2 in [Vector2(20.0, 0.0), Vector2(0.0, 5.0)]:
 			var around := Rect2(from.x - reach, from.y - reach, 2.0 * reach, 2.0 * reach)
@@ -315,7 +315,7 @@ func test_meshes() -> void:
 	for instance in instances:
 		instance.free()
 	terrain.refresh()
-	check(rects.size() > 2, "all are freed")
+	check(rects.size() > 2, "freeing all meshes reports their areas")
 	await settle(scatter)
 	check_equal(scatter.get_stats()["instances"], 0, "instances without meshes")
 	check("\"ground\"" in "\n".join(scatter.get_problems()), "a warning for a group without meshes")
@@ -337,7 +337,7 @@ func test_nodes_share_the_data_of_meshes() -> void:
 	var expected := digests(later, 0)
 	check(later.get_stats()["instances"] > 300, "%d instances" % later.get_stats()["instances"])
 	for scatter in both:
-		check_equal(digests(scatter, 0), expected, "the instances of a node that was added later")
+		check_equal(digests(scatter, 0), expected, "a node that was added later has the same instances")
 	var meshes := {}
 	for instance: MeshInstance3D in instances:
 		meshes[instance.mesh] = true

@@ -100,11 +100,11 @@ func check_rules(object: Object, type: String, page: Dictionary, in_scene: bool)
 			continue
 		var rule: String = page.get(name, page[""]) # Setters and getters follow the rule for the class's properties.
 		if not page.has(name):
-			check("may use the properties" in rule, "%s.%s: the page of the class states a rule" % [type, name])
+			check("may use the properties" in rule, "%s.%s: the class reference page must state a threading rule" % [type, name])
 		else:
-			check(ANY in rule or MAIN in rule or OWNER in rule, "%s.%s: its page states a rule" % [type, name])
+			check(ANY in rule or MAIN in rule or OWNER in rule, "%s.%s: the class reference page must state a threading rule" % [type, name])
 		var expected := MAIN in rule or (in_scene and ("only the main thread" in rule))
-		check_equal(refused.has(name), expected, "%s.%s rejected, %s" % [type, name, "in the scene" if in_scene else "outside"])
+		check_equal(refused.has(name), expected, "whether %s.%s is rejected %s" % [type, name, "in the scene" if in_scene else "outside of the scene"])
 
 
 func test_results_may_be_read_on_any_thread() -> void:
@@ -150,14 +150,14 @@ func test_errors_name_the_rule_and_the_fix() -> void:
 	await settle(scatter)
 	var found: ScatterInstances = on_thread(func() -> ScatterInstances: return scatter.query_sphere(Vector3.ZERO, 20.0))
 	check_error(["TerrainScatter3D.query_sphere()", "worker thread", "main thread", "make_snapshot()", "request_sphere()"], "a query")
-	check_equal(found.size(), 0, "an empty result, not null")
+	check_equal(found.size(), 0, "the result is empty, not null")
 	on_thread(func() -> bool: return state.remove(5))
 	check_error(["ScatterState.remove()", "while the scene tree uses", "call_deferred()"], "a state in use")
-	check_equal(state.get_removed_count(), 0, "nothing has changed")
-	check_equal(on_thread(func() -> Error: return state.from_bytes(PackedByteArray())), ERR_BUSY, "an error code")
+	check_equal(state.get_removed_count(), 0, "the state is unchanged")
+	check_equal(on_thread(func() -> Error: return state.from_bytes(PackedByteArray())), ERR_BUSY, "the call returns an error code")
 	errors.take()
 	scatter.state = null
-	check_equal(on_thread(func() -> bool: return state.remove(5)), true, "a state that the scene no longer uses")
+	check_equal(on_thread(func() -> bool: return state.remove(5)), true, "a state that the scene no longer uses can be changed")
 
 
 func test_resources_of_a_layer_in_use() -> void:
@@ -316,4 +316,4 @@ func test_changes_reported_by_a_thread() -> void:
 	await settle(scatter)
 	var after := tile_buffers(scatter, 0, Vector2i.ZERO)
 	check(before != after, "the ground is updated")
-	check_equal(after, buffers_of(scatter.build_tile(scatter.layers[0], Vector2i.ZERO)), "and its instances, too")
+	check_equal(after, buffers_of(scatter.build_tile(scatter.layers[0], Vector2i.ZERO)), "the instances are updated, too")

@@ -38,8 +38,8 @@ func test_invalid_arguments_are_rejected() -> void:
 	check_equal(grid.tile_size, 2.0, "the last valid size stays")
 	check_equal(grid.get_tile_at(NAN, 0.0), Vector2i.ZERO, "an invalid position")
 	check_error(["x", "nan"], "an invalid position")
-	check_equal(grid.get_tile_at(0.0, 3e9), Vector2i.ZERO, "too far")
-	check_error(["z"], "too far")
+	check_equal(grid.get_tile_at(0.0, 3e9), Vector2i.ZERO, "a position that is too far away")
+	check_error(["z"], "a position that is too far away")
 	check_equal(grid.get_tiles_in([0.0, 1.0]), Rect2i(), "incomplete bounds")
 	check_error(["bounds", 2], "incomplete bounds")
 	check_equal(grid.get_tiles_in([0.0, 0.0, INF, 1.0]), Rect2i(), "infinite bounds")
@@ -88,7 +88,7 @@ func test_bakes_use_the_tiles_of_a_moved_world() -> void:
 	while bake.step(20.0):
 		pass
 	var whole := ids_of(scatter.build_rect(scatter.layers[0], Rect2(-8.0, -16.0, 32.0, 32.0)))[0] as PackedInt64Array
-	check_equal(bake.instances, whole.size(), "all instances")
+	check_equal(bake.instances, whole.size(), "the bake contains all instances")
 	var scene := (load("res://baked/moved/moved.tscn") as PackedScene).instantiate()
 	check_equal(scene.get_child_count(), 1, "one tile: x from 992 to 1024, z from 1984 to 2016")
 	scene.free()

@@ -126,7 +126,7 @@ func test_a_teleport_unsettles_in_the_same_frame() -> void:
 	check(not scatter.is_settled(), "not settled in the frame of a teleport")
 	await scatter.settled
 	check(Vector2i(156, 0) in scatter.get_shown_tiles(scatter.layers[0]), "`settled` waits for the tiles at the new position")
-	check(scatter.is_settled(), "settled then")
+	check(scatter.is_settled(), "the node is settled then")
 	paused = true
 	viewer.position.x = 0.0
 	await frames(3)
@@ -172,7 +172,7 @@ func test_a_jump_of_a_body_unsettles_in_the_same_frame() -> void:
 	body.position = Vector3(40.0, 0.0, 0.0)
 	check(not scatter.is_settled(), "not settled in the frame of the jump")
 	await scatter.settled
-	check(scatter.is_settled(), "settled then")
+	check(scatter.is_settled(), "the node is settled then")
 
 
 ## A node reports a problem if its global transform is not the identity, because its instances keep their positions in the world.
@@ -227,9 +227,9 @@ func test_each_viewer_has_its_own_radius() -> void:
 			var off := distance(tile, 32.0, places[index])
 			if off < 500.0:
 				farthest[index] = maxf(farthest[index], off)
-	check(farthest[0] <= 36.1 and farthest[0] > 20.0, "half the distance: %f" % farthest[0])
-	check(farthest[1] <= 132.1 and farthest[1] > 100.0, "twice the distance: %f" % farthest[1])
-	check(farthest[2] <= 68.1 and farthest[2] > 40.0, "the layer's distance: %f" % farthest[2])
+	check(farthest[0] <= 36.1 and farthest[0] > 20.0, "tiles within half the distance: %f" % farthest[0])
+	check(farthest[1] <= 132.1 and farthest[1] > 100.0, "tiles within twice the distance: %f" % farthest[1])
+	check(farthest[2] <= 68.1 and farthest[2] > 40.0, "tiles within the layer's distance: %f" % farthest[2])
 	scatter.viewer_distance_scales = PackedFloat32Array([1.0, 0.0, 1.0])
 	await settle(scatter)
 	await frames(10)
@@ -311,8 +311,8 @@ func test_a_teleport_shows_near_tiles_first() -> void:
 		viewer.global_position += 0.7 * jump
 		await settle(scatter)
 	check(watch.count > 500, "%d tiles were shown" % watch.count)
-	check(watch.worst <= 32.01, "a tile was shown although one %f m nearer was missing" % watch.worst)
-	check_equal(watch.nearest_missing(), INF, "no tile is missing in the end")
+	check(watch.worst <= 32.01, "a tile was shown although a tile %f m nearer was missing" % watch.worst)
+	check_equal(watch.nearest_missing(), INF, "no tile is missing at the end")
 
 
 func test_flight_at_1000_meters_a_second() -> void:
@@ -349,7 +349,7 @@ func test_flight_at_1000_meters_a_second() -> void:
 	check_equal(empty, 0, "frames without a nearby tile")
 	check(watches[0].count > 30 and watches[1].count > 50, "%d and %d tiles were shown" % [watches[0].count, watches[1].count])
 	# Allows the size of a tile plus the distance flown while it was generated, a quarter of a second at most.
-	check(watches[0].worst <= 32.0 + 250.0, "a near layer's tile was shown although one %f m nearer was missing" % watches[0].worst)
-	check(watches[1].worst <= 128.0 + 250.0, "a far layer's tile was shown although one %f m nearer was missing" % watches[1].worst)
+	check(watches[0].worst <= 32.0 + 250.0, "a near layer's tile was shown although a tile %f m nearer was missing" % watches[0].worst)
+	check(watches[1].worst <= 128.0 + 250.0, "a far layer's tile was shown although a tile %f m nearer was missing" % watches[1].worst)
 	await settle(scatter)
-	check_equal(watches[1].nearest_missing(), INF, "no tile is missing in the end")
+	check_equal(watches[1].nearest_missing(), INF, "no tile is missing at the end")

@@ -36,8 +36,8 @@ func heights(scatter: TerrainScatter3D, layer: String) -> Vector2:
 
 func check_heights(scatter: TerrainScatter3D, layer: String, least: float, greatest: float) -> void:
 	var found := heights(scatter, layer)
-	check(found.x >= least - 1e-3 and found.y <= greatest + 1e-3, "%s within %s to %s: %s" % [layer, least, greatest, found])
-	check(found.x < least + 0.3 and found.y > greatest - 0.3, "%s all over %s to %s: %s" % [layer, least, greatest, found])
+	check(found.x >= least - 1e-3 and found.y <= greatest + 1e-3, "%s must be within %s to %s m, got %s" % [layer, least, greatest, found])
+	check(found.x < least + 0.3 and found.y > greatest - 0.3, "%s must cover the whole range of %s to %s m, got %s" % [layer, least, greatest, found])
 
 
 func test_without_water_nothing_changes() -> void:
@@ -45,14 +45,14 @@ func test_without_water_nothing_changes() -> void:
 	await settle(scatter)
 	check_equal(scatter.water_enabled, false, "no water by default")
 	var everywhere := places_in(scatter, "grass", EXTENT)
-	check(everywhere.values().any(func(at: Vector2) -> bool: return at.x < -100), "grass below any sea")
+	check(everywhere.values().any(func(at: Vector2) -> bool: return at.x < -100), "without water, grass grows at any height")
 	for layer in ["reeds", "lilies", "kelp"]:
-		check_equal(places_in(scatter, layer, EXTENT).size(), 0, layer + " need water")
+		check_equal(places_in(scatter, layer, EXTENT).size(), 0, layer + " need water to grow")
 	check_equal(scatter.get_problems().size(), 3, "a problem for each layer that needs water: %s" % scatter.get_problems())
 	check("water_enabled" in scatter.get_problems()[0], scatter.get_problems()[0])
 	scatter.water_enabled = true
 	scatter.water_level = -12.8
-	check_equal(places_in(scatter, "grass", EXTENT), everywhere, "the same grass above the water")
+	check_equal(places_in(scatter, "grass", EXTENT), everywhere, "grass above the water is unchanged")
 	check(scatter.get_problems().is_empty(), "no problems: %s" % scatter.get_problems())
 
 
@@ -78,7 +78,7 @@ func test_remaining_instances_keep_their_ids() -> void:
 	scatter.water_level = 1.0
 	var left := places_in(scatter, "grass", EXTENT)
 	check(left.size() < dry.size(), "water removes instances")
-	check(left.keys().all(func(id: int) -> bool: return dry[id] == left[id]), "none moved")
+	check(left.keys().all(func(id: int) -> bool: return dry[id] == left[id]), "the remaining instances have not moved")
 
 
 func test_a_falloff_thins_toward_the_limit() -> void:
@@ -90,8 +90,8 @@ func test_a_falloff_thins_toward_the_limit() -> void:
 	var counts := [0, 0]
 	for at: Vector2 in places_in(scatter, "grass", Rect2(10, -60, 40, 120)).values():
 		counts[int((at.x - 10) / 20)] += 1
-	check(counts[0] > 20 and counts[0] < 0.5 * counts[1], "fewer near the water: %s" % [counts])
-	check_equal(places_in(scatter, "grass", Rect2(-50, -60, 59.9, 120)).size(), 0, "none nearer")
+	check(counts[0] > 20 and counts[0] < 0.5 * counts[1], "there are fewer instances near the water: %s" % [counts])
+	check_equal(places_in(scatter, "grass", Rect2(-50, -60, 59.9, 120)).size(), 0, "there are no instances nearer to the water")
 
 
 func test_water_of_a_biome() -> void:
@@ -106,12 +106,12 @@ func test_water_of_a_biome() -> void:
 	scatter.water_level = -2.0
 	await settle(scatter)
 	var grass := places_in(scatter, "grass", EXTENT).values()
-	check(grass.any(func(at: Vector2) -> bool: return at.x < -80 and at.y < 64), "a dry land below the sea")
-	check(not grass.any(func(at: Vector2) -> bool: return at.x > 0 and at.x < 50 and at.y < 64), "a lake over the sea")
-	check(grass.any(func(at: Vector2) -> bool: return at.x > 0 and at.x < 50 and at.y > 64), "which ends with its biome")
-	check(not grass.any(func(at: Vector2) -> bool: return at.x < -20 and at.y > 64), "the sea everywhere else")
+	check(grass.any(func(at: Vector2) -> bool: return at.x < -80 and at.y < 64), "a biome without water has grass below sea level")
+	check(not grass.any(func(at: Vector2) -> bool: return at.x > 0 and at.x < 50 and at.y < 64), "a lake above sea level has no grass")
+	check(grass.any(func(at: Vector2) -> bool: return at.x > 0 and at.x < 50 and at.y > 64), "the lake ends at its biome's border")
+	check(not grass.any(func(at: Vector2) -> bool: return at.x < -20 and at.y > 64), "the sea covers the remaining area")
 	var reeds := places_in(scatter, "reeds", EXTENT).values()
-	check(reeds.any(func(at: Vector2) -> bool: return absf(at.x - 50) < 6 and at.y < 64), "reeds at the lake")
+	check(reeds.any(func(at: Vector2) -> bool: return absf(at.x - 50) < 6 and at.y < 64), "reeds grow at the shore of the lake")
 
 
 func test_the_water_of_a_biome_changes_only_that_biome() -> void:
@@ -125,7 +125,7 @@ func test_the_water_of_a_biome_changes_only_that_biome() -> void:
 	for layer: String in shown:
 		check(shown[layer].keys().all(func(tile: Vector2i) -> bool: return tile.y >= 1), "%s: %s" % [layer, shown[layer].keys()])
 	check(shown["grass"].size() > 2, "tiles of the swamp are regenerated")
-	check_equal(scatter.get_problems().size(), 0, "there is water now: %s" % scatter.get_problems())
+	check_equal(scatter.get_problems().size(), 0, "no problems once there is water: %s" % scatter.get_problems())
 
 
 func test_bad_input() -> void:
@@ -155,16 +155,16 @@ func test_water_and_biomes_are_explained() -> void:
 	map.biomes[2].layers[0].max_water_depth = 2.0
 	await settle(scatter)
 	var away := scatter.explain_position(Vector3(60, 0, 0), "grass")[0]
-	check_equal([away.refused_by, away.reason], [&"biome", "None of the layer's biomes is here."], "in the forest")
+	check_equal([away.refused_by, away.reason], [&"biome", "None of the layer's biomes is here."], "a position in the forest")
 	var dry := scatter.explain_position(Vector3(40, 0, 90), "reed")[0]
 	check_equal(dry.refused_by, &"water_depth", "4 m above the water: " + dry.reason)
 	check("Depth of the water is -4" in dry.reason and "0.5 m to 2 m" in dry.reason, dry.reason)
 	var rules := range(dry.get_rule_count()).map(dry.get_rule_name)
 	check(&"biome" in rules and &"water_depth" in rules, "both rules are listed: %s" % [rules])
 	var depth := rules.find(&"water_depth")
-	check_equal([dry.get_rule_min(depth), dry.get_rule_max(depth)], [0.5, 2.0], "the required range")
-	check(absf(dry.get_rule_value(depth) + 4.0) < 0.01, "the depth: %f" % dry.get_rule_value(depth))
-	check_equal(dry.get_rule_density(rules.find(&"biome")), 1.0, "the weight of the swamp")
+	check_equal([dry.get_rule_min(depth), dry.get_rule_max(depth)], [0.5, 2.0], "the explanation contains the required range")
+	check(absf(dry.get_rule_value(depth) + 4.0) < 0.01, "the explanation contains the depth: %f" % dry.get_rule_value(depth))
+	check_equal(dry.get_rule_density(rules.find(&"biome")), 1.0, "the explanation contains the weight of the swamp")
 	var wet := scatter.explain_position(Vector3(-10, 0, 90), "reed")[0]
 	check_equal(wet.allowed, true, "1 m deep in the swamp: " + wet.reason)
 	map.biomes[2].water_mode = ScatterBiome.WATER_MODE_NONE
@@ -176,4 +176,4 @@ func test_water_and_biomes_are_explained() -> void:
 	await settle(scatter)
 	var border := scatter.explain_position(Vector3(0.2, 0, 0), "fern")[0]
 	var weight: float = border.get_rule_density(range(border.get_rule_count()).map(border.get_rule_name).find(&"biome"))
-	check(absf(weight - map.get_weights_at(Vector2(0.2, 0))[1]) < 1e-4 and weight < 0.7, "a part of it at a border: %f" % weight)
+	check(absf(weight - map.get_weights_at(Vector2(0.2, 0))[1]) < 1e-4 and weight < 0.7, "at a border, the weight is below 1: %f" % weight)
