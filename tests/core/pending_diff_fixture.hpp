@@ -72,7 +72,7 @@ inline void finish(InstanceState &r_state, StateChanges &r_changes) {
 inline InstanceState some_state(std::uint64_t seed, int changes) {
 	StateRandom random(seed);
 	InstanceState state;
-	disturb(state, random, changes);
+	change_at_random(state, random, changes);
 	return state;
 }
 

@@ -67,7 +67,7 @@ inline const std::vector<SourceKind> kinds{
 		SourceKind::height, SourceKind::slope, SourceKind::noise, SourceKind::rank, SourceKind::distance};
 
 /// Returns a layer whose colors and variations are each controlled by a source.
-inline LayerSettings following(const InstanceSource &color, const InstanceSource &variation) {
+inline LayerSettings layer_with_sources(const InstanceSource &color, const InstanceSource &variation) {
 	LayerSettings layer = rich_layer();
 	layer.instance_data = {true, palette(), true, {color}, {variation}};
 	return layer;

@@ -56,7 +56,7 @@ inline StateBytes diff_of(const InstanceState &state, std::uint64_t revision) {
 }
 
 /// Replaces the checksum at the end of bytes that a test has changed.
-inline StateBytes sealed(StateBytes bytes) {
+inline StateBytes with_checksum(StateBytes bytes) {
 	// A call to resize() would cause a warning of g++ under the sanitizers.
 	bytes.erase(bytes.end() - 8, bytes.end());
 	append(bytes, checksum(bytes));
@@ -65,7 +65,7 @@ inline StateBytes sealed(StateBytes bytes) {
 
 /// Makes one random call that changes the state. It uses few IDs, so that several calls often
 /// change the same instance.
-inline void disturb(InstanceState &r_state, StateRandom &random) {
+inline void change_at_random(InstanceState &r_state, StateRandom &random) {
 	const auto near = [&random] {
 		return static_cast<int>(random() % 12) - 6;
 	};
@@ -107,9 +107,9 @@ inline void disturb(InstanceState &r_state, StateRandom &random) {
 	}
 }
 
-inline void disturb(InstanceState &r_state, StateRandom &random, int times) {
+inline void change_at_random(InstanceState &r_state, StateRandom &random, int times) {
 	for (int i = 0; i < times; ++i) {
-		disturb(r_state, random);
+		change_at_random(r_state, random);
 	}
 }
 

@@ -55,22 +55,22 @@ Outcome check_by_hand(RunOptions options, const std::vector<glm::ivec2> &lattice
 }
 
 /// A function that changes the sampler's points for a rectangle.
-using Spoil = std::function<void(const Rect &rect, std::vector<SamplePoint> &r_points)>;
+using TamperTile = std::function<void(const Rect &rect, std::vector<SamplePoint> &r_points)>;
 
-Outcome run_spoilt(const RunOptions &options, const Spoil &spoil) {
-	Run run(options, [&options, &spoil]() -> TileSource {
+Outcome run_tampered(const RunOptions &options, const TamperTile &tamper) {
+	Run run(options, [&options, &tamper]() -> TileSource {
 		auto sampler = std::make_shared<TileSampler>();
-		return [sampler, &options, &spoil](const Rect &rect, std::vector<SamplePoint> &r_points) {
+		return [sampler, &options, &tamper](const Rect &rect, std::vector<SamplePoint> &r_points) {
 			const Status status = sampler->sample(options.set(), rect, r_points);
-			spoil(rect, r_points);
+			tamper(rect, r_points);
 			return status;
 		};
 	});
 	return run.go([](std::uint64_t) {});
 }
 
-Outcome run_sound(const RunOptions &options) {
-	return run_spoilt(options, [](const Rect &, std::vector<SamplePoint> &) {});
+Outcome run_untampered(const RunOptions &options) {
+	return run_tampered(options, [](const Rect &, std::vector<SamplePoint> &) {});
 }
 
 bool is_perfect(const Outcome &outcome) {
@@ -80,18 +80,18 @@ bool is_perfect(const Outcome &outcome) {
 }
 
 /// A small run in which the point of the cell `taken` is tampered with.
-struct Marked {
+struct TamperedRun {
 	static constexpr std::int32_t tile = 16;
 
 	using Points = std::vector<SamplePoint>;
 	using Tamper = std::function<void(const Rect &rect, Points &r_points, Points::iterator found)>;
 
 	RunOptions options = small_run(tile);
-	Digest digest = run_sound(options).found.digest;
+	Digest digest = run_untampered(options).found.digest;
 	/// Cells in the middle row of a tile: one with a point and one without.
 	glm::ivec2 taken{0}, open{0};
 
-	Marked() {
+	TamperedRun() {
 		Points points;
 		TileSampler sampler;
 		REQUIRE(sampler.sample(options.set(), {{0.0, 0.0}, {tile, tile}}, points).ok());
@@ -107,7 +107,7 @@ struct Marked {
 
 	/// Calls `tamper` for every list that contains the point.
 	Outcome run(const Tamper &tamper) const {
-		const Outcome outcome = run_spoilt(options, [&](const Rect &rect, Points &r_points) {
+		const Outcome outcome = run_tampered(options, [&](const Rect &rect, Points &r_points) {
 			if (const auto found = find(r_points, taken); found != r_points.end()) {
 				tamper(rect, r_points, found);
 			}
@@ -212,13 +212,13 @@ TEST_CASE("billion: all pair distances match brute force, for any tiles, order a
 }
 
 TEST_CASE("billion: the sampler's set passes, with the same digest for any tiles, order and threads") {
-	const Outcome first = run_sound(small_run(16));
+	const Outcome first = run_untampered(small_run(16));
 	CHECK(is_perfect(first));
 	CHECK(first.gaps.tiles == 16);
 	CHECK(first.found.points >= 1000);
 	for (const TileOrder order : all_orders) {
 		for (const std::int32_t tile : {19, 64}) {
-			const Outcome other = run_sound(small_run(tile, order, 2));
+			const Outcome other = run_untampered(small_run(tile, order, 2));
 			CHECK(is_perfect(other));
 			CHECK(other.found.digest == first.found.digest);
 			CHECK(other.found.pairs == first.found.pairs);
@@ -228,64 +228,65 @@ TEST_CASE("billion: the sampler's set passes, with the same digest for any tiles
 	}
 	RunOptions another = small_run(16);
 	another.seed = 12;
-	CHECK(run_sound(another).found.digest != first.found.digest);
+	CHECK(run_untampered(another).found.digest != first.found.digest);
 }
 
 TEST_CASE("billion: missing and added points are detected") {
-	const Marked marked;
-	const Outcome missing = marked.run([](const Rect &, auto &r_points, auto found) { r_points.erase(found); });
+	const TamperedRun tampered;
+	const Outcome missing = tampered.run([](const Rect &, auto &r_points, auto found) { r_points.erase(found); });
 	CHECK(missing.gaps.uncovered > 0);
 	CHECK(missing.gaps.changed == 0);
 
-	const Outcome missing_in_tile = marked.run([](const Rect &rect, auto &r_points, auto found) {
-		if (rect.size().x == Marked::tile) {
+	const Outcome missing_in_tile = tampered.run([](const Rect &rect, auto &r_points, auto found) {
+		if (rect.size().x == TamperedRun::tile) {
 			r_points.erase(found);
 		}
 	});
 	CHECK(missing_in_tile.gaps.uncovered > 0);
 	CHECK(missing_in_tile.gaps.changed == 1);
 
-	const Outcome planted = marked.run(
-			[&](const Rect &, auto &r_points, auto) { r_points.push_back(point_at(marked.open * unit_cell)); });
+	const Outcome planted = tampered.run(
+			[&](const Rect &, auto &r_points, auto) { r_points.push_back(point_at(tampered.open * unit_cell)); });
 	CHECK(planted.found.too_close > 0);
 }
 
 TEST_CASE("billion: repeated, moved and renamed points are detected") {
-	const Marked marked;
-	const Outcome twice = marked.run([](const Rect &, auto &r_points, auto found) { r_points.push_back(*found); });
+	const TamperedRun tampered;
+	const Outcome twice = tampered.run([](const Rect &, auto &r_points, auto found) { r_points.push_back(*found); });
 	CHECK(twice.found.doubled == 1);
 
 	const Outcome off_lattice =
-			marked.run([](const Rect &, auto &, auto found) { found->position.x += 1.0 / (4 * unit_cell); });
+			tampered.run([](const Rect &, auto &, auto found) { found->position.x += 1.0 / (4 * unit_cell); });
 	CHECK(off_lattice.found.misplaced == 1);
 
-	const Outcome renamed = marked.run([&](const Rect &, auto &, auto found) { found->id = pack({0, marked.open}); });
+	const Outcome renamed =
+			tampered.run([&](const Rect &, auto &, auto found) { found->id = pack({0, tampered.open}); });
 	CHECK(renamed.found.misplaced == 1);
 
-	const Outcome ranked = marked.run([](const Rect &, auto &, auto found) { found->rank ^= 1; });
+	const Outcome ranked = tampered.run([](const Rect &, auto &, auto found) { found->rank ^= 1; });
 	CHECK(is_perfect(ranked)); // `run` has checked that the digest differs.
 }
 
 TEST_CASE("billion: dropped, repeated and swapped tiles are detected") {
 	const RunOptions options = small_run(16);
-	const Outcome sound = run_sound(options);
+	const Outcome untampered = run_untampered(options);
 	const Rect chosen{{0.0, 0.0}, {16.0, 16.0}};
 
-	const Outcome dropped = run_spoilt(options, [&](const Rect &rect, std::vector<SamplePoint> &r_points) {
+	const Outcome dropped = run_tampered(options, [&](const Rect &rect, std::vector<SamplePoint> &r_points) {
 		if (rect.min == chosen.min) {
 			r_points.clear();
 		}
 	});
-	CHECK(dropped.found.digest != sound.found.digest);
+	CHECK(dropped.found.digest != untampered.found.digest);
 	CHECK(dropped.gaps.uncovered > 0);
 
 	TileSampler sampler;
-	const Outcome exchanged = run_spoilt(options, [&](const Rect &rect, std::vector<SamplePoint> &r_points) {
+	const Outcome exchanged = run_tampered(options, [&](const Rect &rect, std::vector<SamplePoint> &r_points) {
 		if (rect.min == chosen.min && rect.max == chosen.max) {
 			REQUIRE(sampler.sample(options.set(), {{-16.0, 0.0}, {0.0, 16.0}}, r_points).ok());
 		}
 	});
-	CHECK(exchanged.found.digest != sound.found.digest);
+	CHECK(exchanged.found.digest != untampered.found.digest);
 	CHECK(exchanged.found.misplaced > 0);
 
 	Seams seams(options.region());

@@ -16,7 +16,7 @@ namespace {
 
 /// Returns a diff of few bytes that removes `count` points with consecutive codes. `clock` is the
 /// sender's clock. The points belong to layer 0, which has no stamp.
-StateBytes bomb(std::uint32_t count, std::uint32_t format, double clock = 0.0) {
+StateBytes diff_with_count(std::uint32_t count, std::uint32_t format, double clock = 0.0) {
 	StateBytes bytes{'T', 'S', 'T', 'A'};
 	append(bytes, format);
 	bytes.push_back(1);
@@ -35,42 +35,42 @@ StateBytes bomb(std::uint32_t count, std::uint32_t format, double clock = 0.0) {
 		bytes.resize(bytes.size() + 5 + list);
 	}
 	bytes.resize(bytes.size() + 8);
-	return sealed(bytes);
+	return with_checksum(bytes);
 }
 
 /// Checks that the limits reject a diff when it is applied, merged and queued. The message must
 /// start with `words`, and the state must not change.
 void check_refused(
 		const InstanceState &state, const StateBytes &diff, const DiffLimits &limits, const std::string &words) {
-	InstanceState victim = copy_of(state);
-	REQUIRE(victim.claim(1, 7, 10.0).ok());
-	const StateBytes before = bytes_of(victim);
-	const std::uint64_t revision = victim.revision();
+	InstanceState target_state = copy_of(state);
+	REQUIRE(target_state.claim(1, 7, 10.0).ok());
+	const StateBytes before = bytes_of(target_state);
+	const std::uint64_t revision = target_state.revision();
 	Changes changes;
-	const Status status = victim.apply(diff, changes, limits);
+	const Status status = target_state.apply(diff, changes, limits);
 	CHECK(status.code == ErrorCode::not_allowed);
 	CHECK(describe(status).starts_with(words));
 	if (limits.allow_replacement) {
-		CHECK(victim.merge_diff(diff, changes, limits).code == ErrorCode::not_allowed);
+		CHECK(target_state.merge_diff(diff, changes, limits).code == ErrorCode::not_allowed);
 	}
 	CHECK(changes.empty());
 	std::shared_ptr<PendingDiff> pending;
-	REQUIRE(victim.queue_diff(diff, pending, limits).ok());
+	REQUIRE(target_state.queue_diff(diff, pending, limits).ok());
 	pending->work();
 	StateChanges reported;
-	CHECK(victim.finish_pending_diff(reported).code == ErrorCode::not_allowed);
+	CHECK(target_state.finish_pending_diff(reported).code == ErrorCode::not_allowed);
 	CHECK(reported.size() == 0);
-	CHECK(bytes_of(victim) == before);
-	CHECK(victim.revision() == revision);
+	CHECK(bytes_of(target_state) == before);
+	CHECK(target_state.revision() == revision);
 }
 
 bool is_applied(const InstanceState &state, const StateBytes &diff, const DiffLimits &limits) {
-	InstanceState taker = copy_of(state);
-	REQUIRE(taker.claim(1, 7, 10.0).ok());
-	InstanceState joined = copy_of(taker);
+	InstanceState applied_to = copy_of(state);
+	REQUIRE(applied_to.claim(1, 7, 10.0).ok());
+	InstanceState joined = copy_of(applied_to);
 	REQUIRE(joined.claim(1, 7, 10.0).ok());
 	Changes changes;
-	const bool applied = taker.apply(diff, changes, limits).ok();
+	const bool applied = applied_to.apply(diff, changes, limits).ok();
 	CHECK(joined.merge_diff(diff, changes, limits).ok() == applied);
 	return applied;
 }
@@ -88,7 +88,7 @@ StateBytes diff_of_removals(int count, int x = 0) {
 TEST_CASE("diff limits: a diff with huge counts is rejected before any ID is read") {
 	for (const std::uint32_t format : {former_state_format, state_format}) {
 		CAPTURE(format);
-		const StateBytes diff = bomb(8'000'000, format);
+		const StateBytes diff = diff_with_count(8'000'000, format);
 		CHECK(diff.size() < 1'100'000);
 		InstanceState state;
 		Changes changes;
@@ -98,17 +98,16 @@ TEST_CASE("diff limits: a diff with huge counts is rejected before any ID is rea
 		CHECK(status.code == ErrorCode::not_allowed);
 		CHECK(describe(status) ==
 				"changes must be at most 2097152 (max_changes of diff_limits), got 8000000. Reject the sender, or "
-				"raise that "
-				"limit in diff_limits");
+				"raise that limit in diff_limits");
 		CHECK(state.merge_diff(diff, changes).code == ErrorCode::not_allowed);
 		CHECK(state.revision() == 0);
-		// The smaller bomb is a valid diff.
-		REQUIRE(state.apply(bomb(3000, format), changes).ok());
+		// The smaller diff is valid.
+		REQUIRE(state.apply(diff_with_count(3000, format), changes).ok());
 		CHECK(state.removed_count() == 3000);
 		DiffLimits limits;
 		limits.max_changes = 2999;
-		check_refused(
-				{}, bomb(3000, format), limits, "changes must be at most 2999 (max_changes of diff_limits), got 3000");
+		check_refused({}, diff_with_count(3000, format), limits,
+				"changes must be at most 2999 (max_changes of diff_limits), got 3000");
 	}
 }
 
@@ -173,10 +172,10 @@ TEST_CASE("diff limits: the area also applies to layers on surfaces, whose IDs d
 	DiffLimits limits;
 	limits.area = {{0.0, 0.0}, {100.0, 50.0}};
 	const auto applies = [&](int x) {
-		InstanceState taker;
-		REQUIRE(taker.claim(1, 7, 1.0, 8).ok());
+		InstanceState applied_to;
+		REQUIRE(applied_to.claim(1, 7, 1.0, 8).ok());
 		Changes changes;
-		return taker.apply(diff_of_removals(1, x), changes, limits).ok();
+		return applied_to.apply(diff_of_removals(1, x), changes, limits).ok();
 	};
 	CHECK(applies(5));
 	CHECK(applies(101)); // The cell of this point reaches from 96 to 104 m.
@@ -239,7 +238,7 @@ TEST_CASE("diff limits: replacing the whole state can be forbidden") {
 
 TEST_CASE("diff limits: a foreign clock moves this one within the limit and restores no instance early") {
 	for (const std::uint32_t format : {former_state_format, state_format}) {
-		const StateBytes poisoned = bomb(0, format, 1e12);
+		const StateBytes poisoned = diff_with_count(0, format, 1e12);
 		InstanceState state;
 		state.remove(point_id(1, 1, 1), 100.0);
 		Changes changes;
@@ -252,7 +251,7 @@ TEST_CASE("diff limits: a foreign clock moves this one within the limit and rest
 			diff = diff_of(sender, 0);
 			CHECK(diff.size() < 51);
 		} else {
-			diff = bomb(1, format, 1e12);
+			diff = diff_with_count(1, format, 1e12);
 		}
 		REQUIRE(state.apply(diff, changes, limits).ok());
 		CHECK(state.time() == 0.0);

@@ -17,11 +17,11 @@ namespace {
 constexpr std::uint64_t owner_name = 77;
 
 /// An owner that has removed three instances, and one diff per removal.
-struct Three {
+struct ThreeRemovals {
 	InstanceState owner;
 	std::vector<StateBytes> diffs;
 
-	Three() {
+	ThreeRemovals() {
 		owner.set_origin(owner_name);
 		for (int x = 0; x < 3; ++x) {
 			const std::uint64_t known = owner.revision();
@@ -83,7 +83,7 @@ bool receive(InstanceState &r_state, const StateBytes &message, std::uint64_t &r
 } // namespace
 
 TEST_CASE("diff order: repeated and late diffs have no effect") {
-	const Three three;
+	const ThreeRemovals three;
 	InstanceState peer;
 	Changes changes;
 	REQUIRE(peer.apply(three.diffs[0], changes).ok());
@@ -106,7 +106,7 @@ TEST_CASE("diff order: repeated and late diffs have no effect") {
 }
 
 TEST_CASE("diff order: a diff after a lost one is rejected, and the error names the missing revision") {
-	Three three;
+	ThreeRemovals three;
 	InstanceState peer;
 	Changes changes;
 	REQUIRE(peer.apply(three.diffs[0], changes).ok());
@@ -128,7 +128,7 @@ TEST_CASE("diff order: a diff after a lost one is rejected, and the error names 
 }
 
 TEST_CASE("diff order: a diff that starts before the known revision is applied") {
-	const Three three;
+	const ThreeRemovals three;
 	InstanceState peer;
 	Changes changes;
 	REQUIRE(peer.apply(three.diffs[0], changes).ok());
@@ -137,7 +137,7 @@ TEST_CASE("diff order: a diff that starts before the known revision is applied")
 }
 
 TEST_CASE("diff order: undo steps, saved changes and diffs of unnamed states have no order") {
-	Three three;
+	ThreeRemovals three;
 	InstanceState peer;
 	Changes changes;
 	StateBytes bytes;
@@ -152,7 +152,7 @@ TEST_CASE("diff order: undo steps, saved changes and diffs of unnamed states hav
 }
 
 TEST_CASE("diff order: a loaded, cleared or replaced state needs a complete diff") {
-	const Three three;
+	const ThreeRemovals three;
 	const StateBytes saved = bytes_of(three.owner);
 	const auto is_forgotten = [&](auto forget) {
 		InstanceState peer;
@@ -176,7 +176,7 @@ TEST_CASE("diff order: a loaded, cleared or replaced state needs a complete diff
 }
 
 TEST_CASE("diff order: diffs that another thread applies are also ordered") {
-	const Three three;
+	const ThreeRemovals three;
 	InstanceState peer;
 	queue(peer, three.diffs[0]);
 	queue(peer, three.diffs[1]);
@@ -215,7 +215,7 @@ TEST_CASE("diff order: receivers converge over a channel that reorders, loses an
 		std::array<Receiver, 3> receivers;
 		std::vector<Channel> channels(receivers.size(), Channel(random));
 		for (int round = 0; round < 500; ++round) {
-			disturb(owner, random, 1 + static_cast<int>(random() % 3));
+			change_at_random(owner, random, 1 + static_cast<int>(random() % 3));
 			if (random() % 200 == 0) {
 				Changes changes;
 				REQUIRE(owner.load(bytes_of(owner), changes).ok());

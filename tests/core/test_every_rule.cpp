@@ -212,7 +212,7 @@ std::map<std::uint64_t, std::uint32_t> ranks_of(const TileInstances &tile) {
 }
 
 /// Returns a layer with all the rules that have these names.
-LayerSettings under(std::span<const char *const> names) {
+LayerSettings layer_with_rules(std::span<const char *const> names) {
 	LayerSettings layer = plain_layer();
 	for (const NamedRule &rule : every_rule) {
 		if (std::ranges::find(names, rule.name) != names.end()) {
@@ -331,14 +331,14 @@ TEST_CASE("every rule: the product of its factors is bit-identical to the densit
 	}
 	constexpr std::array many{"density", "height falloff", "density over height", "density over slope", "field", "mask",
 			"clumps", "ground textures", "edge feather", "path", "proximity"};
-	CHECK(check_factors(under(many), terrain) > 1000);
+	CHECK(check_factors(layer_with_rules(many), terrain) > 1000);
 	CHECK(check_factors(plain_layer(), terrain) == 0);
 }
 
 TEST_CASE("every rule: a position is explained by the set's nearest point, as in its tile") {
 	const TexturedHills terrain;
 	constexpr std::array some{"slope falloff", "mask", "edge feather", "path", "spacing"};
-	const LayerSettings layer = under(some);
+	const LayerSettings layer = layer_with_rules(some);
 	const auto standing = ranks_of(built(layer, terrain, tile_of_hills));
 	const std::vector<SamplePoint> points = points_of(layer.set, tile_of_hills);
 	std::mt19937 random(7);

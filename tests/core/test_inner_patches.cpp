@@ -20,7 +20,7 @@ namespace {
 constexpr int side = 40;
 
 /// Returns the height and normal of a single patch, computed as in Heightfield.
-std::array<float, 4> alone(const std::uint16_t *first, glm::dvec2 part, const InnerPatches::Heights &of) {
+std::array<float, 4> single_patch(const std::uint16_t *first, glm::dvec2 part, const InnerPatches::Heights &of) {
 	const SmoothPatch patch = smooth_patch<false>(
 			inner_line, inner_line, part, [first](int i, int j) { return static_cast<double>(first[j * side + i]); });
 	const double gradient_x = patch.gradient.x * of.scale * of.posts_per_meter.x;
@@ -61,7 +61,7 @@ TEST_CASE("inner patches: batches are bit-identical to single patches, on every 
 				REQUIRE(is_inner_patch({side, side}, {column, row}));
 				const std::uint16_t *first = posts.data() + row * side + column;
 				const glm::dvec2 part = random() % 8 == 0 ? glm::dvec2(0.0) : glm::dvec2(share(random), share(random));
-				expected.push_back(alone(first, part, of));
+				expected.push_back(single_patch(first, part, of));
 				patches.add(first, side, part, expected.size());
 			}
 			patches.compute(of);

@@ -53,19 +53,19 @@ TEST_CASE("instance snapshot: threads get the results of the snapshot while the 
 	flat.world.set_state(&state);
 	const Rect rect{{-20.0, -20.0}, {20.0, 20.0}};
 	std::vector<PlacedInstance> standing;
-	const auto ask_world = [&] {
+	const auto query_world = [&] {
 		std::vector<PlacedInstance> found;
 		CHECK(flat.world.answer([&](const InstanceQuery &query) { return query.in_rect(rect, {}, found); }).ok());
 		return found;
 	};
-	standing = ask_world();
+	standing = query_world();
 	REQUIRE(standing.size() > 100);
 	REQUIRE(state.remove(standing[0].id));
 	AddedInstance added;
 	added.layer = flat.world.layers()[0].set.layer;
 	std::uint64_t placed = 0;
 	REQUIRE(state.add(added, placed).ok());
-	const std::size_t expected = ask_world().size();
+	const std::size_t expected = query_world().size();
 	REQUIRE(expected == standing.size());
 	const InstanceSnapshot snapshot(flat.world, state.share(), counting_maker(flat, made));
 	std::atomic<std::size_t> wrong = 0;
@@ -89,7 +89,7 @@ TEST_CASE("instance snapshot: threads get the results of the snapshot while the 
 		thread.join();
 	}
 	CHECK(wrong == 0);
-	CHECK(ask_world().empty());
+	CHECK(query_world().empty());
 	CHECK(ids_in(snapshot, rect).size() == expected);
 }
 

@@ -71,7 +71,7 @@ TEST_CASE("sources: the curve of a random color chooses the color") {
 }
 
 TEST_CASE("sources: rules and sources that use the same neighbor sample it once, at the larger distance") {
-	LayerSettings layer = following(source_of(SourceKind::distance), source_of(SourceKind::distance));
+	LayerSettings layer = layer_with_sources(source_of(SourceKind::distance), source_of(SourceKind::distance));
 	layer.instance_data.variation.layer = layer.instance_data.color.layer;
 	layer.instance_data.variation.max = 20.0;
 	layer.neighbors = {{layer.instance_data.color.layer, 2.0, nullptr}};
@@ -86,7 +86,7 @@ TEST_CASE("sources: rules and sources that use the same neighbor sample it once,
 }
 
 TEST_CASE("sources: unused sources and the sources of a neighbor cost nothing") {
-	LayerSettings layer = following(source_of(SourceKind::distance), source_of(SourceKind::height));
+	LayerSettings layer = layer_with_sources(source_of(SourceKind::distance), source_of(SourceKind::height));
 	LayerSettings shrubs = rich_layer();
 	shrubs.neighbors = {{std::make_shared<const LayerSettings>(layer), 2.0, nullptr}};
 	CHECK(LayerGraph(shrubs).nodes().size() == 2);
@@ -102,7 +102,7 @@ TEST_CASE("sources: unused sources and the sources of a neighbor cost nothing") 
 
 TEST_CASE("sources: the error for an invalid range names the property, if the range is used") {
 	const auto refuse = [](const InstanceSource &source, ErrorCode code, const char *property, double value) {
-		LayerSettings layer = following(source, {});
+		LayerSettings layer = layer_with_sources(source, {});
 		check_refused(validate(layer), code, property, value);
 		layer.instance_data.use_colors = false;
 		CHECK(validate(layer).ok());
@@ -124,7 +124,7 @@ TEST_CASE("sources: the error for an invalid range names the property, if the ra
 	source = source_of(SourceKind::rank);
 	source.randomness = 1.5;
 	refuse(source, ErrorCode::out_of_range, "color_value.randomness", 1.5);
-	LayerSettings layer = following({}, source);
+	LayerSettings layer = layer_with_sources({}, source);
 	check_refused(validate(layer), ErrorCode::out_of_range, "variation_value.randomness", 1.5);
 	layer.instance_data.variation = {};
 	layer.instance_data.variation.min = 5.0; // A random source ignores its range.
@@ -133,7 +133,7 @@ TEST_CASE("sources: the error for an invalid range names the property, if the ra
 	bad->set.radius = -2.0;
 	source = source_of(SourceKind::distance);
 	source.layer = bad;
-	check_refused(validate(following(source, {})), ErrorCode::not_positive, "radius", -2.0);
+	check_refused(validate(layer_with_sources(source, {})), ErrorCode::not_positive, "radius", -2.0);
 }
 
 TEST_CASE("sources: an error of the noise fails the tile") {
@@ -148,8 +148,8 @@ TEST_CASE("sources: an error of the noise fails the tile") {
 	const Heightfield terrain = hills();
 	TileInstances tile = built(rich_layer(), terrain, tile_of_hills);
 	const std::uint64_t before = digest(tile);
-	check_refused(
-			TileBuilder().build(following(source, {}), terrain, tile_of_hills, tile), ErrorCode::missing, "noise", 0.0);
+	check_refused(TileBuilder().build(layer_with_sources(source, {}), terrain, tile_of_hills, tile), ErrorCode::missing,
+			"noise", 0.0);
 	CHECK(digest(tile) == before);
 }
 
@@ -168,7 +168,7 @@ TEST_CASE("sources: an edit of the layer on which a color depends reaches as far
 	before_oaks->rules.shapes = shape_at(0.0);
 	auto after_oaks = std::make_shared<LayerSettings>(*before_oaks);
 	after_oaks->rules.shapes = shape_at(50.0);
-	const LayerSettings follower = following(source_of(SourceKind::distance), {});
+	const LayerSettings follower = layer_with_sources(source_of(SourceKind::distance), {});
 	const auto layer_with = [&follower](const std::shared_ptr<const LayerSettings> &other) {
 		LayerSettings layer = follower;
 		layer.instance_data.color.layer = other;
@@ -203,7 +203,7 @@ TEST_CASE("sources: an edit of the layer on which a color depends reaches as far
 TEST_CASE("sources: hand-placed instances get the values of their position") {
 	const glm::dvec3 position{3.0, 45.0, -7.0};
 	const auto shares = [&](SourceKind kind) {
-		return shares_by_hand(following(source_of(kind), {}).instance_data, position, false).color;
+		return shares_by_hand(layer_with_sources(source_of(kind), {}).instance_data, position, false).color;
 	};
 	CHECK(shares(SourceKind::height) == 0.5f);
 	CHECK(shares(SourceKind::rank) == 0.0f);
@@ -212,7 +212,7 @@ TEST_CASE("sources: hand-placed instances get the values of their position") {
 	CHECK(shares(SourceKind::slope) == unknown_share);
 	CHECK(shares(SourceKind::distance) == unknown_share);
 	CHECK(shares(SourceKind::random) == unknown_share);
-	const InstanceData by_height = following(source_of(SourceKind::height), {}).instance_data;
+	const InstanceData by_height = layer_with_sources(source_of(SourceKind::height), {}).instance_data;
 	const Planet planet{{1.0, 2.0, 3.0}, 100.0};
 	CHECK(shares_by_hand(by_height, {1.0, 2.0, -142.0}, true, planet).color == 0.5f);
 	CHECK(shares_by_hand(by_height, {-144.0, 2.0, 3.0}, true, planet).color == 0.5f);

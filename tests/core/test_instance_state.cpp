@@ -237,7 +237,7 @@ TEST_CASE("state: a diff of IDs undoes every change to them, bit for bit") {
 	StateRandom random(11);
 	for (int trial = 0; trial < 300; ++trial) {
 		InstanceState state;
-		disturb(state, random, 20);
+		change_at_random(state, random, 20);
 		REQUIRE(state.claim(1, 7).ok());
 		const StateBytes before = bytes_of(state);
 		std::vector<std::uint64_t> ids = state.added_ids();

@@ -77,9 +77,9 @@ TEST_CASE("state bytes: a loaded state is equal, and so are its bytes") {
 	for (int round = 0; round < 300; ++round) {
 		InstanceState state;
 		REQUIRE(state.claim(0, 5).ok());
-		disturb(state, random, static_cast<int>(random() % 200));
+		change_at_random(state, random, static_cast<int>(random() % 200));
 		InstanceState other;
-		disturb(other, random, 20);
+		change_at_random(other, random, 20);
 		other.release_claims();
 		std::vector<InstanceChange> changes;
 		const StateBytes bytes = bytes_of(state);
@@ -129,7 +129,7 @@ TEST_CASE("state bytes: the format is unchanged") {
 			0xee, 11, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, // Two removals: Rice parameter 46, gaps 2^48 + 1 and 0.
 			0x40, 0, 0, 0, 0, 0, 0, 0, 0x40,           // The second one regrows at 2 seconds.
 			0, 0, 0, 0, 0, 0, 0, 0};
-	CHECK(bytes_of(state) == sealed(expected));
+	CHECK(bytes_of(state) == with_checksum(expected));
 	CHECK(bytes_of(small_state()).size() < 260);
 }
 
@@ -163,13 +163,13 @@ TEST_CASE("state bytes: damaged bytes with a valid checksum are rejected, or loa
 		for (int value = 0; value < 256; ++value) {
 			StateBytes bytes = whole;
 			bytes[at] = static_cast<std::uint8_t>(value);
-			check_any_bytes(sealed(bytes));
+			check_any_bytes(with_checksum(bytes));
 		}
-		check_any_bytes(sealed(StateBytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(at) + 8)));
+		check_any_bytes(with_checksum(StateBytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(at) + 8)));
 	}
 	StateRandom random(12);
 	InstanceState large;
-	disturb(large, random, 4000);
+	change_at_random(large, random, 4000);
 	const StateBytes many = bytes_of(large);
 	for (int round = 0; round < 300; ++round) {
 		StateBytes bytes = many;
@@ -177,8 +177,8 @@ TEST_CASE("state bytes: damaged bytes with a valid checksum are rejected, or loa
 			bytes[random() % (bytes.size() - 8)] = static_cast<std::uint8_t>(random());
 		}
 		StateBytes after;
-		if (load_into_copy(InstanceState(), sealed(bytes), after).ok()) {
-			REQUIRE(after == sealed(bytes));
+		if (load_into_copy(InstanceState(), with_checksum(bytes), after).ok()) {
+			REQUIRE(after == with_checksum(bytes));
 		}
 		bytes.resize(random() % bytes.size());
 		check_refused_bytes(bytes);

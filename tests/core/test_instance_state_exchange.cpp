@@ -58,7 +58,7 @@ struct Reported {
 
 InstanceState state_of(StateRandom &random, int changes) {
 	InstanceState state;
-	disturb(state, random, changes);
+	change_at_random(state, random, changes);
 	return state;
 }
 
@@ -81,7 +81,7 @@ TEST_CASE("state exchange: a peer that receives the diffs has the same content")
 		std::uint64_t known = 0;
 		for (int step = 0; step < 12; ++step) {
 			peers.emplace_back(server.revision(), copy_of(server));
-			disturb(server, random, static_cast<int>(random() % 20));
+			change_at_random(server, random, static_cast<int>(random() % 20));
 			Changes changes;
 			REQUIRE(follower.apply(diff_of(server, known), changes).ok());
 			known = server.revision();
@@ -129,7 +129,7 @@ TEST_CASE("state exchange: a request for a forgotten revision returns everything
 	const std::uint64_t old = server.revision();
 	Changes changes;
 	REQUIRE(server.load(bytes_of(state_of(random, 100)), changes).ok());
-	disturb(server, random, 20);
+	change_at_random(server, random, 20);
 	for (const std::uint64_t revision : {std::uint64_t{0}, old, server.revision() + 1}) {
 		InstanceState peer = state_of(random, 100);
 		Reported reported;

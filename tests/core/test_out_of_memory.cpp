@@ -59,7 +59,7 @@ std::shared_ptr<const ShapeSet> some_shape_set() {
 
 /// Returns a layer with many kinds of rules: curves, textures, a mask, shapes, an edge feather, and
 /// neighbors that have neighbors. Its sources are noise and another layer.
-LayerSettings demanding_layer() {
+LayerSettings layer_with_many_rules() {
 	auto curve = std::make_shared<CurveTable>();
 	REQUIRE(curve->set(0.0, 90.0, std::vector<float>{1.0f, 0.5f, 0.9f}).ok());
 	LayerSettings stones = rich_layer();
@@ -142,7 +142,7 @@ TEST_CASE("out of memory: rules that cannot be set leave the previous ones") {
 	Rules before;
 	before.density = 0.5;
 	before.ground_textures = {7};
-	const Rules after = demanding_layer().rules;
+	const Rules after = layer_with_many_rules().rules;
 	using Taking = Job<PreparedRules, std::vector<float>>;
 	fail_every_request(
 			"rules",
@@ -302,7 +302,7 @@ TEST_CASE("out of memory: painting changes a mask completely or not at all") {
 
 TEST_CASE("out of memory: the previous tile stays unchanged") {
 	const Heightfield terrain = hills();
-	const LayerSettings layer = demanding_layer();
+	const LayerSettings layer = layer_with_many_rules();
 	const TileInstances expected = built(layer, terrain, small_tile);
 	LayerSettings other = rich_layer();
 	other.mesh_weights = {1.0f};
@@ -340,7 +340,7 @@ TEST_CASE("out of memory: the previous tile stays unchanged") {
 
 TEST_CASE("out of memory: a tile in two steps continues from the points that were found") {
 	const Heightfield terrain = hills();
-	const LayerSettings layer = demanding_layer();
+	const LayerSettings layer = layer_with_many_rules();
 	const TileInstances expected = built(layer, terrain, small_tile);
 	const TileInstances before = built(rich_layer(), terrain, {{0.0, 0.0}, {9.0, 9.0}});
 	using Building = Job<TileBuilder, TileInstances>;

@@ -19,7 +19,7 @@ using namespace thicket::test;
 namespace {
 
 /// A state and the changes that it has reported.
-struct Game {
+struct RecordedState {
 	InstanceState state;
 	std::vector<InstanceChange> changes;
 	std::uint64_t id = 0;
@@ -34,7 +34,7 @@ bool equal(const InstanceState &a, const InstanceState &b) { return bytes_of(a) 
 InstanceState some_state(std::uint64_t seed, int changes) {
 	InstanceState state;
 	StateRandom random(seed);
-	disturb(state, random, changes);
+	change_at_random(state, random, changes);
 	for (const int layer : {0, 16000, 32000}) {
 		REQUIRE(state.claim(static_cast<std::uint16_t>(layer), 77).ok());
 	}
@@ -44,27 +44,27 @@ InstanceState some_state(std::uint64_t seed, int changes) {
 /// Repeats a change while each of its allocations fails in turn. A failed call must change and
 /// report nothing, and the next call must succeed.
 template <typename Change>
-void fail_change(const std::string &refused, std::uint64_t seed, int disturbances, const Change &change) {
-	const InstanceState before = some_state(seed, disturbances);
-	Game after{some_state(seed, disturbances), {}, 0};
+void fail_change(const std::string &refused, std::uint64_t seed, int random_changes, const Change &change) {
+	const InstanceState before = some_state(seed, random_changes);
+	RecordedState after{some_state(seed, random_changes), {}, 0};
 	REQUIRE(change(after).ok());
 	fail_every_request(
-			refused, [&] { return Game{some_state(seed, disturbances), {}, 0}; }, change,
-			[&](Game &game) {
-				REQUIRE(equal(game.state, before));
-				REQUIRE(game.state.revision() == before.revision());
-				REQUIRE(game.changes.empty());
-				REQUIRE(game.id == 0);
+			refused, [&] { return RecordedState{some_state(seed, random_changes), {}, 0}; }, change,
+			[&](RecordedState &recorded) {
+				REQUIRE(equal(recorded.state, before));
+				REQUIRE(recorded.state.revision() == before.revision());
+				REQUIRE(recorded.changes.empty());
+				REQUIRE(recorded.id == 0);
 			},
-			[&](const Game &game) {
-				REQUIRE(equal(game.state, after.state));
-				REQUIRE(game.state.revision() == after.state.revision());
-				REQUIRE(game.id == after.id);
-				REQUIRE(game.changes.size() == after.changes.size());
-				for (std::size_t i = 0; i < game.changes.size(); ++i) {
-					REQUIRE(game.changes[i].id == after.changes[i].id);
-					REQUIRE(game.changes[i].kind == after.changes[i].kind);
-					REQUIRE(game.changes[i].added == after.changes[i].added);
+			[&](const RecordedState &recorded) {
+				REQUIRE(equal(recorded.state, after.state));
+				REQUIRE(recorded.state.revision() == after.state.revision());
+				REQUIRE(recorded.id == after.id);
+				REQUIRE(recorded.changes.size() == after.changes.size());
+				for (std::size_t i = 0; i < recorded.changes.size(); ++i) {
+					REQUIRE(recorded.changes[i].id == after.changes[i].id);
+					REQUIRE(recorded.changes[i].kind == after.changes[i].kind);
+					REQUIRE(recorded.changes[i].added == after.changes[i].added);
 				}
 			});
 }
@@ -82,66 +82,80 @@ std::vector<std::uint64_t> near_points() {
 
 TEST_CASE("out of memory: a single change to a state is complete or has no effect") {
 	for (const std::uint64_t seed : {1u, 2u, 3u}) {
-		for (const int disturbances : {0, 40, 300}) {
-			const InstanceState state = some_state(seed, disturbances);
+		for (const int random_changes : {0, 40, 300}) {
+			const InstanceState state = some_state(seed, random_changes);
 			for (const std::uint64_t id : near_points()) {
 				if (!state.removed(id)) {
-					fail_change("id", seed, disturbances, [id](Game &game) { return game.state.remove(id).status; });
-					fail_change("id", seed, disturbances,
-							[id](Game &game) { return game.state.remove(id, game.state.time() + 9.0).status; });
+					fail_change("id", seed, random_changes,
+							[id](RecordedState &recorded) { return recorded.state.remove(id).status; });
+					fail_change("id", seed, random_changes, [id](RecordedState &recorded) {
+						return recorded.state.remove(id, recorded.state.time() + 9.0).status;
+					});
 				} else {
-					fail_change("id", seed, disturbances, [id](Game &game) { return game.state.restore(id).status; });
+					fail_change("id", seed, random_changes,
+							[id](RecordedState &recorded) { return recorded.state.restore(id).status; });
 				}
 			}
 			for (const std::uint64_t id : state.added_ids()) {
-				fail_change("id", seed, disturbances, [id](Game &game) { return game.state.remove(id).status; });
-				fail_change(
-						"data", seed, disturbances, [id](Game &game) { return game.state.set_data(id, some_bytes); });
-				fail_change("instance", seed, disturbances, [id](Game &game) {
-					return game.state.move(id, instance_at(700.0, 80.0, layer_of(id)), game.id, game.changes);
+				fail_change("id", seed, random_changes,
+						[id](RecordedState &recorded) { return recorded.state.remove(id).status; });
+				fail_change("data", seed, random_changes,
+						[id](RecordedState &recorded) { return recorded.state.set_data(id, some_bytes); });
+				fail_change("instance", seed, random_changes, [id](RecordedState &recorded) {
+					return recorded.state.move(
+							id, instance_at(700.0, 80.0, layer_of(id)), recorded.id, recorded.changes);
 				});
 			}
-			fail_change("instance", seed, disturbances, [](Game &game) {
-				return game.state.move(point_id(9, 1, 1), instance_at(70.0, 80.0, 9), game.id, game.changes);
+			fail_change("instance", seed, random_changes, [](RecordedState &recorded) {
+				return recorded.state.move(
+						point_id(9, 1, 1), instance_at(70.0, 80.0, 9), recorded.id, recorded.changes);
 			});
-			fail_change("instance", seed, disturbances,
-					[](Game &game) { return game.state.add(instance_at(70.0, 80.0, 5), game.id); });
-			fail_change("data", seed, disturbances,
-					[](Game &game) { return game.state.set_data(point_id(9, 1, 1), some_bytes); });
-			fail_change("layer", seed, disturbances, [](Game &game) { return game.state.claim(77, 1); });
+			fail_change("instance", seed, random_changes, [](RecordedState &recorded) {
+				return recorded.state.add(instance_at(70.0, 80.0, 5), recorded.id);
+			});
+			fail_change("data", seed, random_changes,
+					[](RecordedState &recorded) { return recorded.state.set_data(point_id(9, 1, 1), some_bytes); });
+			fail_change(
+					"layer", seed, random_changes, [](RecordedState &recorded) { return recorded.state.claim(77, 1); });
 		}
 	}
 }
 
 TEST_CASE("out of memory: a state loads, applies diffs and merges completely or not at all") {
 	for (const std::uint64_t seed : {4u, 5u}) {
-		for (const int disturbances : {0, 60, 400}) {
+		for (const int random_changes : {0, 60, 400}) {
 			InstanceState other = some_state(seed + 100, 200);
 			const StateBytes saved = bytes_of(other);
 			const StateBytes diff = diff_of(other, other.revision() / 2);
 			other.set_origin(5);
 			const StateBytes named = diff_of(other, 0);
-			fail_change("data", seed, disturbances, [&](Game &game) { return game.state.load(saved, game.changes); });
-			fail_change("data", seed, disturbances, [&](Game &game) { return game.state.apply(saved, game.changes); });
-			fail_change("data", seed, disturbances, [&](Game &game) { return game.state.apply(diff, game.changes); });
-			fail_change("data", seed, disturbances, [&](Game &game) { return game.state.apply(named, game.changes); });
-			fail_change("data", seed, disturbances, [&](Game &game) {
-				const Status status = game.state.merge_diff(diff, game.changes);
-				REQUIRE(game.state.known_revision(5) == 0);
+			fail_change("data", seed, random_changes,
+					[&](RecordedState &recorded) { return recorded.state.load(saved, recorded.changes); });
+			fail_change("data", seed, random_changes,
+					[&](RecordedState &recorded) { return recorded.state.apply(saved, recorded.changes); });
+			fail_change("data", seed, random_changes,
+					[&](RecordedState &recorded) { return recorded.state.apply(diff, recorded.changes); });
+			fail_change("data", seed, random_changes,
+					[&](RecordedState &recorded) { return recorded.state.apply(named, recorded.changes); });
+			fail_change("data", seed, random_changes, [&](RecordedState &recorded) {
+				const Status status = recorded.state.merge_diff(diff, recorded.changes);
+				REQUIRE(recorded.state.known_revision(5) == 0);
 				return status;
 			});
-			fail_change("other", seed, disturbances, [&](Game &game) { return game.state.merge(other, game.changes); });
+			fail_change("other", seed, random_changes,
+					[&](RecordedState &recorded) { return recorded.state.merge(other, recorded.changes); });
 		}
 	}
 }
 
 TEST_CASE("out of memory: a clock advances and a state is cleared completely or not at all") {
 	for (const std::uint64_t seed : {6u, 7u}) {
-		for (const int disturbances : {60, 400}) {
-			fail_change("changes", seed, disturbances, [](Game &game) { return game.state.clear(game.changes); });
+		for (const int random_changes : {60, 400}) {
+			fail_change("changes", seed, random_changes,
+					[](RecordedState &recorded) { return recorded.state.clear(recorded.changes); });
 			for (const double seconds : {20.0, 1000.0}) {
-				fail_change("seconds", seed, disturbances,
-						[=](Game &game) { return game.state.advance(seconds, game.changes); });
+				fail_change("seconds", seed, random_changes,
+						[=](RecordedState &recorded) { return recorded.state.advance(seconds, recorded.changes); });
 			}
 		}
 	}
@@ -176,18 +190,18 @@ TEST_CASE("out of memory: a state returns complete bytes and lists, or none") {
 
 TEST_CASE("out of memory: a peer that requests forgotten changes gets the whole state") {
 	for (std::size_t allowed = 0; allowed < 30; ++allowed) {
-		InstanceState game = some_state(9, 100);
-		InstanceState peer = copy_of(game);
-		const std::uint64_t known = game.revision();
+		InstanceState recorded = some_state(9, 100);
+		InstanceState peer = copy_of(recorded);
+		const std::uint64_t known = recorded.revision();
 		{
 			const AllocationLimit limit(allowed, AllocationLimit::Fails::one);
 			for (int i = 0; i < 300; ++i) {
-				static_cast<void>(game.remove(point_id(3, i, 2 * i)));
+				static_cast<void>(recorded.remove(point_id(3, i, 2 * i)));
 			}
 		}
 		std::vector<InstanceChange> changes;
-		REQUIRE(peer.apply(diff_of(game, known), changes).ok());
-		REQUIRE(peer.digest() == game.digest());
+		REQUIRE(peer.apply(diff_of(recorded, known), changes).ok());
+		REQUIRE(peer.digest() == recorded.digest());
 	}
 }
 

@@ -19,7 +19,7 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 
 /// Replaces the checksum at the end of bytes that a test has changed.
-Bytes sealed(Bytes bytes) {
+Bytes with_checksum(Bytes bytes) {
 	bytes.erase(bytes.end() - 8, bytes.end());
 	WordHash hash;
 	for (const std::uint8_t byte : bytes) {
@@ -45,7 +45,7 @@ constexpr std::size_t header = 17;
 Bytes with_block(const Bytes &block) {
 	Bytes bytes = mask_of(1.0, 0.0).to_bytes();
 	bytes.insert(bytes.end() - 8, block.begin(), block.end());
-	return sealed(bytes);
+	return with_checksum(bytes);
 }
 
 /// Checks that the bytes are rejected as corrupt, and that the mask does not change.
@@ -113,7 +113,7 @@ TEST_CASE("mask bytes: the format is unchanged") {
 	const Bytes expected{'T', 'M', 'S', 'K', 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xe0, 0x3f, 51, // Header.
 			2, 0, 0, 0, 0xff, 0xff, 0xff, 0xff, 0, 7, // Row 2, column -1, one value, 7.
 			0, 0, 0, 0, 0, 0, 0, 0};
-	CHECK(mask.to_bytes() == sealed(expected));
+	CHECK(mask.to_bytes() == with_checksum(expected));
 	// A test value of FNV-1a from the list that its authors published.
 	WordHash hash;
 	for (const char letter : std::string("foobar")) {
@@ -158,7 +158,7 @@ TEST_CASE("mask bytes: the error names a later version") {
 	Bytes bytes = small_mask().to_bytes();
 	bytes[4] = 2;
 	PaintedMask mask = small_mask();
-	check_refused(mask.from_bytes(sealed(bytes)), ErrorCode::out_of_range, "version", 2.0);
+	check_refused(mask.from_bytes(with_checksum(bytes)), ErrorCode::out_of_range, "version", 2.0);
 	CHECK(mask == small_mask());
 }
 
@@ -169,7 +169,7 @@ TEST_CASE("mask bytes: invalid content with a valid checksum is rejected") {
 	const auto changed = [&](std::size_t place, std::uint8_t value) {
 		Bytes bad = bytes;
 		bad[place] = value;
-		return sealed(bad);
+		return with_checksum(bad);
 	};
 	check_corrupt(changed(15, 0x41));         // The pixel size becomes 2^17 m.
 	check_corrupt(changed(15, 0xbf));         // The pixel size becomes -0.5 m.
@@ -186,15 +186,15 @@ TEST_CASE("mask bytes: invalid content with a valid checksum is rejected") {
 	swapped.insert(swapped.end(), bytes.begin() + header + uniform_size, bytes.end() - 8);
 	swapped.insert(swapped.end(), bytes.begin() + header, bytes.begin() + header + uniform_size);
 	swapped.resize(swapped.size() + 8);
-	check_corrupt(sealed(swapped));
+	check_corrupt(with_checksum(swapped));
 	Bytes twice(bytes.begin(), bytes.begin() + header + uniform_size);
 	twice.insert(twice.end(), bytes.begin() + header, bytes.end());
-	check_corrupt(sealed(twice));
+	check_corrupt(with_checksum(twice));
 
 	// A block of one value that is stored with all its pixels.
 	Bytes spelled_out = with_block({0, 0, 0, 0, 0, 0, 0, 0, 1});
 	spelled_out.insert(spelled_out.end() - 8, 64 * 64, 5);
-	check_corrupt(sealed(spelled_out));
+	check_corrupt(with_checksum(spelled_out));
 }
 
 TEST_CASE("mask bytes: blocks reach the end of the plane and no farther") {
@@ -227,10 +227,10 @@ TEST_CASE("mask bytes: truncated bytes are rejected, even with a valid checksum,
 		Bytes cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size) + 8);
 		if (size == header || size == header + 10) {
 			PaintedMask mask;
-			CHECK(mask.from_bytes(sealed(cut)).ok());
+			CHECK(mask.from_bytes(with_checksum(cut)).ok());
 			CHECK(mask.block_count() == (size - header) / 10);
 		} else {
-			check_corrupt(sealed(cut));
+			check_corrupt(with_checksum(cut));
 		}
 	}
 }

@@ -80,7 +80,7 @@ TEST_CASE("pending diffs: the result is the same as applying them when they are 
 		std::vector<StateBytes> diffs;
 		for (std::size_t i = 0; i < 1 + seed % 3; ++i) {
 			const std::uint64_t revision = other.revision();
-			disturb(other, random, 80);
+			change_at_random(other, random, 80);
 			diffs.push_back(seed % 5 == 0 ? bytes_of(other) : diff_of(other, revision));
 		}
 		std::vector<Calls> between;
@@ -121,7 +121,7 @@ TEST_CASE("pending diffs: nothing is visible before a diff is finished") {
 	const StateBytes before = bytes_of(state);
 	InstanceState other = copy_of(state);
 	StateRandom random(4);
-	disturb(other, random, 200);
+	change_at_random(other, random, 200);
 	const std::uint64_t revision = state.revision();
 	const StateBytes diff = diff_of(other, 0);
 	queue(state, diff);
@@ -171,7 +171,7 @@ TEST_CASE("pending diffs: peers that request changes get all changes, for any la
 	add_peer();
 	for (int round = 0; round < 3; ++round) {
 		const std::uint64_t revision = other.revision();
-		disturb(other, random, 60);
+		change_at_random(other, random, 60);
 		const StateBytes diff = diff_of(other, revision);
 		queue(state, diff);
 		add_peer();
@@ -180,7 +180,7 @@ TEST_CASE("pending diffs: peers that request changes get all changes, for any la
 		StateChanges changes;
 		finish(state, changes);
 		add_peer();
-		disturb(state, random, 5);
+		change_at_random(state, random, 5);
 	}
 	for (auto &[known, peer] : peers) {
 		Changes changes;

@@ -18,12 +18,12 @@ TEST_CASE("pending diffs: an invalid diff has no effect, and later diffs proceed
 	InstanceState other = copy_of(state);
 	StateRandom random(8);
 	const std::vector<std::uint64_t> placed = state.added_ids();
-	disturb(other, random, 90);
+	change_at_random(other, random, 90);
 	const StateBytes good = diff_of(other, 0);
 	StateBytes bad = good;
 	bad[bad.size() / 2] ^= 1;
 	const StateBytes newer = [&] {
-		disturb(other, random, 90);
+		change_at_random(other, random, 90);
 		return diff_of(other, 0);
 	}();
 	const StateBytes *const in_order[] = {&bad, &good, &bad, &newer};
@@ -82,7 +82,7 @@ TEST_CASE("pending diffs: a diff of a different point set is rejected, even if t
 TEST_CASE("pending diffs: the state changes while another thread works") {
 	InstanceState other;
 	StateRandom random(10);
-	disturb(other, random, 3000);
+	change_at_random(other, random, 3000);
 	for (int i = 0; i < 20000; ++i) {
 		other.remove(point_id(16000, i % 150, i / 150), i % 3 == 0 ? 100.0 : 0.0);
 	}

@@ -20,7 +20,7 @@ LayerSettings sloped() {
 	return layer;
 }
 
-std::string said(const RuleFactor &factor, const LayerSettings &layer, const RuleNames &names = {}) {
+std::string sentence_of(const RuleFactor &factor, const LayerSettings &layer, const RuleNames &names = {}) {
 	return describe(factor, layer, names).sentence;
 }
 
@@ -43,7 +43,7 @@ TEST_CASE("rule sentences: a range names the value, the required range, and the 
 	CHECK(steep.rule == "slope");
 	CHECK(steep.max == 30.0);
 	CHECK(steep.sentence == "Slope is 42°; the layer requires 0° to 30°.");
-	CHECK(said({RuleKind::slope, 25.5, 0.45, no_index}, layer) ==
+	CHECK(sentence_of({RuleKind::slope, 25.5, 0.45, no_index}, layer) ==
 			"Slope is 25.5°; the layer requires 0° to 30°. Leaves 45 %.");
 	layer.rules.min_height = -2.0;
 	const RuleSentence low = describe({RuleKind::height, -12.3456, 0.0, no_index}, layer, {});
@@ -52,7 +52,7 @@ TEST_CASE("rule sentences: a range names the value, the required range, and the 
 }
 
 TEST_CASE("rule sentences: a value just beyond a limit is not printed as the limit") {
-	CHECK(said({RuleKind::slope, 30.0004, 0.0, no_index}, sloped()) ==
+	CHECK(sentence_of({RuleKind::slope, 30.0004, 0.0, no_index}, sloped()) ==
 			"Slope is 30.0004°; the layer requires 0° to 30°.");
 	CHECK(number_text(1234.5) == "1234");
 	CHECK(number_text(-0.001) == "0");
@@ -66,9 +66,9 @@ TEST_CASE("rule sentences: other layers, regions and fields are named") {
 	const auto other = std::make_shared<LayerSettings>();
 	layer.neighbors = {{other, 3.0, nullptr}};
 	const RuleNames names{{"noise"}, {"Oaks"}, {"Pond"}};
-	CHECK(said({RuleKind::neighbor, 1.2, 0.0, 0}, layer, names) ==
+	CHECK(sentence_of({RuleKind::neighbor, 1.2, 0.0, 0}, layer, names) ==
 			"The nearest Oaks is 1.2 m away; the spacing requires 3 m.");
-	CHECK(said({RuleKind::neighbor, 3.0, 1.0, 0}, layer, names) == "No Oaks is nearer than the spacing of 3 m.");
+	CHECK(sentence_of({RuleKind::neighbor, 3.0, 1.0, 0}, layer, names) == "No Oaks is nearer than the spacing of 3 m.");
 	CHECK(describe({RuleKind::field, 0.0, 0.0, 0}, layer, names).rule == "noise");
 	CHECK(describe({RuleKind::field, 0.0, 0.0, 7}, layer, names).rule == "field");
 	Shape pond;
@@ -78,8 +78,8 @@ TEST_CASE("rule sentences: other layers, regions and fields are named") {
 	const auto shapes = std::make_shared<ShapeSet>();
 	REQUIRE(shapes->set({pond}).ok());
 	layer.rules.shapes = shapes;
-	CHECK(said({RuleKind::shapes, 0.0, 0.0, 0}, layer, names) == "Region Pond excludes the layer here.");
-	CHECK(said({RuleKind::shapes, 1.0, 1.0, no_index}, layer, names) == "No region excludes anything here.");
+	CHECK(sentence_of({RuleKind::shapes, 0.0, 0.0, 0}, layer, names) == "Region Pond excludes the layer here.");
+	CHECK(sentence_of({RuleKind::shapes, 1.0, 1.0, no_index}, layer, names) == "No region excludes anything here.");
 }
 
 TEST_CASE("rule sentences: the reason is one rule, or the rank, or none") {
@@ -96,9 +96,7 @@ TEST_CASE("rule sentences: the reason is one rule, or the rank, or none") {
 	CHECK(late.rule == "rank");
 	CHECK(late.reason ==
 			"Excluded by the density: the nearest point of the set, 1.5 m away, has rank 0.75, and the density there "
-			"is 0.25. "
-			"The painted "
-			"mask leaves 25 % here.");
+			"is 0.25. The painted mask leaves 25 % here.");
 	const RuleVerdict accepted = judge(explained(0.5, 0.5, 0.25), layer, {});
 	CHECK(accepted.yes);
 	CHECK(accepted.rule.empty());

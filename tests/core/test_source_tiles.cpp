@@ -110,7 +110,7 @@ TEST_CASE("sources: colors and variations match each source's value at the insta
 		const InstanceSource color = source_of(kinds[i]);
 		const InstanceSource variation = source_of(kinds[(i + 2) % kinds.size()]);
 		CAPTURE(i);
-		const Look look = appearance_of(built(following(color, variation), terrain, tile_of_hills));
+		const Look look = appearance_of(built(layer_with_sources(color, variation), terrain, tile_of_hills));
 		CHECK(look.size() > 500);
 		std::size_t first = 0;
 		std::size_t between = 0;
@@ -130,9 +130,9 @@ TEST_CASE("sources: colors and variations match each source's value at the insta
 
 TEST_CASE("sources: colors and variations affect no other data of a tile") {
 	const Heightfield terrain = hills();
-	const TileInstances before = built(following({}, {}), terrain, tile_of_hills);
+	const TileInstances before = built(layer_with_sources({}, {}), terrain, tile_of_hills);
 	for (const SourceKind kind : kinds) {
-		const TileInstances after = built(following(source_of(kind), source_of(kind)), terrain, tile_of_hills);
+		const TileInstances after = built(layer_with_sources(source_of(kind), source_of(kind)), terrain, tile_of_hills);
 		CHECK(digest(after) != digest(before));
 		for (std::size_t mesh = 0; mesh < before.meshes.size(); ++mesh) {
 			CHECK(after.meshes[mesh].ids == before.meshes[mesh].ids);
@@ -148,24 +148,24 @@ TEST_CASE("sources: colors and variations affect no other data of a tile") {
 
 TEST_CASE("sources: purely random values are bit-identical to a layer without sources") {
 	const Heightfield terrain = hills();
-	const std::uint64_t plain = digest(built(following({}, {}), terrain, tile_of_hills));
+	const std::uint64_t plain = digest(built(layer_with_sources({}, {}), terrain, tile_of_hills));
 	for (const SourceKind kind : kinds) {
 		InstanceSource source = source_of(kind);
 		source.randomness = 1.0;
-		CHECK(digest(built(following(source, source), terrain, tile_of_hills)) == plain);
+		CHECK(digest(built(layer_with_sources(source, source), terrain, tile_of_hills)) == plain);
 	}
 	for (const SourceKind kind : {SourceKind::noise, SourceKind::distance}) {
 		InstanceSource source{.kind = kind}; // The source has no noise and no layer.
-		CHECK(digest(built(following(source, source), terrain, tile_of_hills)) == plain);
+		CHECK(digest(built(layer_with_sources(source, source), terrain, tile_of_hills)) == plain);
 	}
 }
 
 TEST_CASE("sources: randomness spreads values evenly over its part of the gradient") {
 	const Heightfield terrain = hills();
 	InstanceSource source = source_of(SourceKind::height);
-	const Look sharp = appearance_of(built(following(source, {}), terrain, tile_of_hills));
+	const Look sharp = appearance_of(built(layer_with_sources(source, {}), terrain, tile_of_hills));
 	source.randomness = 0.2;
-	const Look spread = appearance_of(built(following(source, {}), terrain, tile_of_hills));
+	const Look spread = appearance_of(built(layer_with_sources(source, {}), terrain, tile_of_hills));
 	double sum = 0.0;
 	for (const auto &[id, seen] : spread) {
 		const double apart =
@@ -183,7 +183,7 @@ TEST_CASE("sources: tiles of any size and order, and threads, produce the same v
 		CAPTURE(i);
 		InstanceSource color = source_of(kinds[i]);
 		color.randomness = 0.3;
-		const LayerSettings layer = following(color, source_of(kinds[(i + 1) % kinds.size()]));
+		const LayerSettings layer = layer_with_sources(color, source_of(kinds[(i + 1) % kinds.size()]));
 		const TileInstances tile = built(layer, terrain, tile_of_hills);
 		const Look whole = appearance_of(tile);
 		for (const glm::dvec2 size : {glm::dvec2(128.0, 11.0), glm::dvec2(23.5, 40.0)}) {
@@ -208,9 +208,9 @@ TEST_CASE("sources: the other layer yields to its own neighbors first, which cha
 	auto kept_away = std::make_shared<LayerSettings>(*oaks());
 	kept_away->neighbors = {{stones, 4.0, nullptr}};
 	InstanceSource source = source_of(SourceKind::distance);
-	const Look free = appearance_of(built(following(source, {}), terrain, tile_of_hills));
+	const Look free = appearance_of(built(layer_with_sources(source, {}), terrain, tile_of_hills));
 	source.layer = kept_away;
-	const LayerSettings layer = following(source, {});
+	const LayerSettings layer = layer_with_sources(source, {});
 	CHECK(reach(layer) == farthest + 4.0);
 	const Look look = appearance_of(built(layer, terrain, tile_of_hills));
 	CHECK(look != free);
@@ -239,7 +239,7 @@ TEST_CASE("sources: values are bit-identical on every machine") {
 	for (std::size_t i = 0; i < kinds.size(); ++i) {
 		InstanceSource color = source_of(kinds[i]);
 		color.randomness = 0.3;
-		const LayerSettings layer = following(color, source_of(kinds[(i + 1) % kinds.size()]));
+		const LayerSettings layer = layer_with_sources(color, source_of(kinds[(i + 1) % kinds.size()]));
 		hash.add(digest(built(layer, terrain, tile_of_hills)));
 	}
 	CHECK(hash.value() == 7585625650852969798u);
@@ -247,7 +247,7 @@ TEST_CASE("sources: values are bit-identical on every machine") {
 
 TEST_CASE("sources: repeated calls allocate nothing") {
 	const Heightfield terrain = hills();
-	const LayerSettings layer = following(source_of(SourceKind::noise), source_of(SourceKind::distance));
+	const LayerSettings layer = layer_with_sources(source_of(SourceKind::noise), source_of(SourceKind::distance));
 	TileBuilder builder;
 	TileInstances tile;
 	for (int repeat = 0; repeat < 2; ++repeat) {
@@ -277,7 +277,7 @@ TEST_CASE("sources: canceling ends the evaluation of sources") {
 	std::atomic<bool> cancel = false;
 	InstanceSource source = source_of(SourceKind::noise);
 	source.noise = std::make_shared<const Cancelling>(cancel);
-	LayerSettings layer = following(source, {});
+	LayerSettings layer = layer_with_sources(source, {});
 	layer.set.radius = 0.8;
 	const Heightfield terrain = hills();
 	TileInstances tile;
@@ -286,7 +286,7 @@ TEST_CASE("sources: canceling ends the evaluation of sources") {
 
 TEST_CASE("sources: building in two steps produces the same tile as in one") {
 	const Heightfield terrain = hills();
-	const LayerSettings layer = following(source_of(SourceKind::distance), source_of(SourceKind::slope));
+	const LayerSettings layer = layer_with_sources(source_of(SourceKind::distance), source_of(SourceKind::slope));
 	TileBuilder builder;
 	REQUIRE(builder.find_points(layer, tile_of_hills).ok());
 	std::vector<Ground> ground(builder.positions().size());

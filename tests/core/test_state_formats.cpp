@@ -84,7 +84,7 @@ TEST_CASE("state formats: damaged bytes of release 0.2.0 are rejected, and loade
 				StateBytes bytes = whole;
 				bytes[at] ^= static_cast<std::uint8_t>(bit);
 				CHECK_FALSE(read(bytes, record).ok());
-				bytes = sealed(bytes);
+				bytes = with_checksum(bytes);
 				if (read(bytes, record).ok()) {
 					write(record, again, nullptr, record.origin.name != 0 ? state_format : former_state_format);
 					CHECK(again == bytes);

@@ -147,7 +147,7 @@ TEST_CASE("state join: four editing peers converge over a channel that reorders,
 		for (int round = 0; round < 500; ++round) {
 			const std::size_t from = random() % peers.size();
 			const std::size_t to = random() % peers.size();
-			disturb(peers[from], random, 1 + static_cast<int>(random() % 2));
+			change_at_random(peers[from], random, 1 + static_cast<int>(random() % 2));
 			const StateBytes diff = diff_of(peers[from], sent[from][to]);
 			sent[from][to] = peers[from].revision();
 			for (auto copies = random() % 5; copies < 4; copies += 3) { // Sends no copy, one, or two.

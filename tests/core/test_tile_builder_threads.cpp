@@ -25,7 +25,7 @@ namespace {
 constexpr Rect wide{{-200.0, -190.0}, {200.0, 190.0}};
 
 /// Hills that block the first call, for up to 20 s, until a second thread samples them.
-class Meeting final : public Terrain {
+class BlockingHills final : public Terrain {
 public:
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
 		std::unique_lock lock(mutex_);
@@ -167,7 +167,7 @@ TEST_CASE("tile: the error for a large rectangle is the same with lent threads")
 
 TEST_CASE("tile: lent threads sample the ground concurrently") {
 	const LayerSettings layer = rich_layer();
-	const Meeting terrain;
+	const BlockingHills terrain;
 	CountedThreads threads(1);
 	TileBuilder builder;
 	TileInstances tile;

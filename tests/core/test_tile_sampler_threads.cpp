@@ -23,11 +23,11 @@ using Threads = test::CountedThreads;
 
 /// Simulates two threads on the calling thread. Their work runs before the caller's part, after it,
 /// or never.
-class OneByOne final : public CallerThreads {
+class SimulatedThreads final : public CallerThreads {
 public:
 	enum class Others { first, last, never };
 
-	explicit OneByOne(Others others) : others_(others) {}
+	explicit SimulatedThreads(Others others) : others_(others) {}
 
 	std::size_t count() const override { return 2; }
 
@@ -49,8 +49,8 @@ private:
 
 constexpr Rect wide{{-500.0, 1000.0}, {400.0, 1900.0}}; ///< The rectangle contains 100 blocks.
 
-struct Alone {
-	explicit Alone(const PointSet &set) { REQUIRE(sampler.sample(set, wide, points).ok()); }
+struct SampledAlone {
+	explicit SampledAlone(const PointSet &set) { REQUIRE(sampler.sample(set, wide, points).ok()); }
 
 	TileSampler sampler;
 	std::vector<SamplePoint> points;
@@ -62,7 +62,7 @@ TEST_CASE("sampler: lent threads change no point and no order") {
 	for (const std::uint32_t levels : {1u, 4u}) {
 		CAPTURE(levels);
 		const PointSet set{.seed = 12, .radius = 1.0, .levels = levels};
-		const Alone alone(set);
+		const SampledAlone alone(set);
 		TileSampler sampler;
 		std::vector<SamplePoint> points;
 		for (const std::size_t count : {1, 3, 8}) {
@@ -74,8 +74,9 @@ TEST_CASE("sampler: lent threads change no point and no order") {
 			CHECK(sampler.stats().kept == points.size());
 			CHECK(sampler.stats().cells == alone.sampler.stats().cells);
 		}
-		for (const auto others : {OneByOne::Others::first, OneByOne::Others::last, OneByOne::Others::never}) {
-			OneByOne threads(others);
+		for (const auto others :
+				{SimulatedThreads::Others::first, SimulatedThreads::Others::last, SimulatedThreads::Others::never}) {
+			SimulatedThreads threads(others);
 			REQUIRE(sampler.sample(set, wide, points, {}, &threads).ok());
 			CHECK(points == alone.points);
 		}
@@ -114,7 +115,7 @@ TEST_CASE("sampler: with threads, the calling one receives the progress of all, 
 	CHECK(sampler.sample({.seed = 1}, wide, points, {.cancel = &cancel, .report = stop}, &threads).code ==
 			ErrorCode::cancelled);
 	REQUIRE(sampler.sample({.seed = 12}, wide, points, {}, &threads).ok());
-	CHECK(points == Alone({.seed = 12}).points);
+	CHECK(points == SampledAlone({.seed = 12}).points);
 }
 
 TEST_CASE("sampler: with threads, the error names the first block that cannot be decided") {
@@ -140,11 +141,11 @@ TEST_CASE("sampler: with threads, memory may run out anywhere") {
 		TileSampler sampler;
 		std::vector<SamplePoint> points{7};
 	};
-	for (const auto others : {OneByOne::Others::first, OneByOne::Others::last}) {
+	for (const auto others : {SimulatedThreads::Others::first, SimulatedThreads::Others::last}) {
 		test::fail_every_request(
 				"rect", [] { return Prepared(); },
 				[&](Prepared &prepared) {
-					OneByOne threads(others);
+					SimulatedThreads threads(others);
 					return prepared.sampler.sample(set, rect, prepared.points, {}, &threads);
 				},
 				[](const Prepared &prepared) { CHECK(prepared.points.empty()); },
@@ -154,7 +155,7 @@ TEST_CASE("sampler: with threads, memory may run out anywhere") {
 
 TEST_CASE("sampler: lent threads take blocks, and their workspaces are kept for the next call") {
 	const PointSet set{.seed = 12, .radius = 1.0};
-	OneByOne threads(OneByOne::Others::first);
+	SimulatedThreads threads(SimulatedThreads::Others::first);
 	TileSampler sampler;
 	std::vector<SamplePoint> points;
 	int reports = 0;
