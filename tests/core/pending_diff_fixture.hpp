@@ -57,7 +57,7 @@ inline Calls some_calls(StateRandom &random, const std::vector<std::uint64_t> &p
 	return calls;
 }
 
-inline void make(const Calls &calls, InstanceState &r_state) {
+inline void run_calls(const Calls &calls, InstanceState &r_state) {
 	for (const auto &call : calls) {
 		call(r_state);
 	}

@@ -70,7 +70,7 @@ public:
 		ready.erase(request.ticket);
 	}
 
-	void make(const TileRequest &request) {
+	void mark_ready(const TileRequest &request) {
 		CHECK(streamer.ready(request));
 		ready.insert(request.ticket);
 	}

@@ -89,8 +89,8 @@ TEST_CASE("pending diffs: the result is the same as applying them when they are 
 			REQUIRE(at_once.apply(diff, changes).ok());
 			queue(later, diff);
 			between.push_back(some_calls(random, placed, 40));
-			make(between.back(), at_once);
-			make(between.back(), later);
+			run_calls(between.back(), at_once);
+			run_calls(between.back(), later);
 		}
 		for (std::size_t i = 0; i < diffs.size(); ++i) {
 			Mirror mirror(later);
@@ -175,7 +175,7 @@ TEST_CASE("pending diffs: peers that request changes get all changes, for any la
 		const StateBytes diff = diff_of(other, revision);
 		queue(state, diff);
 		add_peer();
-		make(some_calls(random, {}, 30), state);
+		run_calls(some_calls(random, {}, 30), state);
 		add_peer();
 		StateChanges changes;
 		finish(state, changes);

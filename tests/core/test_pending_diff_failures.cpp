@@ -32,8 +32,8 @@ TEST_CASE("pending diffs: an invalid diff has no effect, and later diffs proceed
 		Changes changes;
 		CHECK(at_once.apply(*diff, changes).ok() == (diff != &bad));
 		const Calls calls = some_calls(random, placed, 30);
-		make(calls, state);
-		make(calls, at_once);
+		run_calls(calls, state);
+		run_calls(calls, at_once);
 	}
 	for (const bool is_good : {false, true, false, true}) {
 		const StateBytes before = bytes_of(state);
@@ -96,9 +96,9 @@ TEST_CASE("pending diffs: the state changes while another thread works") {
 		REQUIRE(at_once.apply(diff, changes).ok());
 		std::jthread thread([pending = state.pending_diff()] { pending->work(); });
 		const Calls calls = some_calls(random, placed, 2000);
-		make(calls, state);
+		run_calls(calls, state);
 		thread.join();
-		make(calls, at_once);
+		run_calls(calls, at_once);
 		StateChanges reported;
 		REQUIRE(state.finish_pending_diff(reported).ok());
 		CHECK(bytes_of(state) == bytes_of(at_once));
@@ -134,9 +134,9 @@ TEST_CASE("out of memory: a pending diff is applied completely or not at all") {
 		InstanceState at_once = copy_of(before);
 		Changes changes;
 		REQUIRE(at_once.apply(diff, changes).ok());
-		make(calls, at_once);
+		run_calls(calls, at_once);
 		InstanceState unchanged = copy_of(before);
-		make(calls, unchanged);
+		run_calls(calls, unchanged);
 		const auto run = [](InstanceState &r_state) {
 			StateChanges reported;
 			return r_state.finish_pending_diff(reported);
@@ -144,7 +144,7 @@ TEST_CASE("out of memory: a pending diff is applied completely or not at all") {
 		const auto prepare = [&] {
 			InstanceState state = copy_of(before);
 			queue(state, diff);
-			make(calls, state);
+			run_calls(calls, state);
 			state.pending_diff()->work();
 			return state;
 		};

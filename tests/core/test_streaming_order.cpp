@@ -103,14 +103,14 @@ private:
 
 /// Makes up to `most` pending tiles ready, in random order with a preference for the latest
 /// requests.
-void finish_some(OrderlyStage &stage, std::mt19937_64 &random, std::size_t most) {
+void make_some_ready(OrderlyStage &stage, std::mt19937_64 &random, std::size_t most) {
 	for (std::size_t made = 0; made < most && !stage.pending.empty(); ++made) {
 		auto any = stage.pending.begin();
 		std::advance(any, random() % stage.pending.size());
 		if (random() % 2 == 0) {
 			any = std::ranges::max_element(stage.pending, {}, [](const auto &entry) { return entry.second.ticket; });
 		}
-		stage.make(TileRequest(any->second));
+		stage.mark_ready(TileRequest(any->second));
 	}
 }
 
@@ -138,7 +138,7 @@ TEST_CASE("streaming order: tiles finished in any order are shown by distance, t
 				stage.streamer.invalidate(static_cast<std::uint32_t>(random() % 2));
 			}
 			stage.look(viewers, 1 + random() % 24);
-			finish_some(stage, random, random() % 12);
+			make_some_ready(stage, random, random() % 12);
 			stage.show(layers, random() % 4 == 0 ? 2 : unlimited);
 		}
 		CHECK(stage.shown_in_turn > 200);
@@ -156,7 +156,7 @@ TEST_CASE("streaming order: a waiting tile does not delay workers") {
 	for (int round = 0; round < 200; ++round) {
 		for (const auto &[name, request] : stage.pending) {
 			if (request.ticket != nearest.ticket) {
-				stage.make(request);
+				stage.mark_ready(request);
 			}
 		}
 		stage.show(layers);
@@ -183,7 +183,7 @@ TEST_CASE("streaming order: several viewers get tiles in turn, even if one reque
 		viewers[1].position.x += 1000.0;
 		stage.look(viewers, 8);
 		for (const TileRequest &request : stage.changes.request) {
-			stage.make(request);
+			stage.mark_ready(request);
 		}
 		stage.show(layers);
 	}
@@ -207,7 +207,7 @@ TEST_CASE("streaming order: at 1000 m/s with slow workers, near tiles keep comin
 		for (const TileRequest &request : made_later[(frame + 1) % 4]) {
 			if (stage.pending.contains(name_of(request.key)) &&
 					stage.pending[name_of(request.key)].ticket == request.ticket) {
-				stage.make(request);
+				stage.mark_ready(request);
 			}
 		}
 		const std::size_t shown = stage.shown_in_turn;

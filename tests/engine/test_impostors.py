@@ -19,7 +19,7 @@ HALF = round(128 / 1.75 / 2)
 
 
 def structural_similarity(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Returns the similarity of each pixel, from brightness in 0 to 255: Wang, Bovik, Sheikh and Simoncelli, Image Quality Assessment: From
+    """Returns the similarity of each pixel, computed from brightness values of 0 to 255: Wang, Bovik, Sheikh and Simoncelli, Image Quality Assessment: From
     Error Visibility to Structural Similarity, 2004, section III."""
 
     def mean(image):

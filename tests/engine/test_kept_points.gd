@@ -8,7 +8,7 @@ func points_computed_by(scatter: TerrainScatter3D, make: Callable) -> int:
 	return scatter.get_stats()["points_computed"] - before
 
 
-## Makes a scatter with small tiles. Each tile needs twice as many points around it as inside it.
+## Creates a scatter with small tiles. Each tile needs twice as many points around it as inside it.
 func make_small_tiles() -> TerrainScatter3D:
 	var layer := make_layer(1.0)
 	layer.tile_size = 8.0
@@ -26,7 +26,7 @@ func test_visible_tiles_reuse_points() -> void:
 	await points_computed_by(scatter, make_all)
 	var tiles: int = scatter.get_stats()["tiles_made"]
 	var sampled: int = scatter.get_stats()["points_sampled"]
-	check(first >= sampled / 2, "%d points computed for %d" % [first, sampled])
+	check(first >= sampled / 2, "%d points are computed for %d sampled points" % [first, sampled])
 	check_equal(await points_computed_by(scatter, make_all), 0, "points computed for tiles that are generated for the third time")
 	check_equal(scatter.get_stats()["tiles_made"], tiles / 2 * 3, "regenerated tiles")
 	check_equal(scatter.get_stats()["points_sampled"], sampled / 2 * 3, "sampled points")
@@ -39,10 +39,10 @@ func test_queries_reuse_points() -> void:
 	var query := func() -> void:
 		scatter.layers[0].density -= 0.1 # This change makes all cached tiles outdated.
 		found.push_back(scatter.query_rect(Rect2(1000, 1000, 60, 60)).size())
-	check(await points_computed_by(scatter, query) > found[0], "points computed for %d" % found[0])
+	check(await points_computed_by(scatter, query) > found[0], "more points are computed than the %d that the query finds" % found[0])
 	await points_computed_by(scatter, query)
 	check_equal(await points_computed_by(scatter, query), 0, "points computed for tiles that are generated for the third time")
-	check(found[2] > 1000 and found[2] < found[1] and found[1] < found[0], "found %s" % [found])
+	check(found[2] > 1000 and found[2] < found[1] and found[1] < found[0], "numbers of instances found: %s" % [found])
 	scatter.free()
 
 
@@ -53,6 +53,6 @@ func test_rectangles_reuse_points() -> void:
 		var build := func() -> void:
 			found.push_back(scatter.build_rect(scatter.layers[0], Rect2(500 + 8 * place, 500, 8, 8)).get_ids(0).size())
 		var points := await points_computed_by(scatter, build)
-		check(points == 0 if place == 2 else points > found[place], "%d points computed for rectangle %d" % [points, place])
+		check(points == 0 if place == 2 else points > found[place], "%d points are computed for rectangle %d" % [points, place])
 		check(found[place] > 30, "%d instances" % found[place])
 	scatter.free()

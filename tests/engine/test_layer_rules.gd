@@ -70,7 +70,7 @@ func test_noise_that_changes_during_the_work() -> void:
 	other.noise.frequency = 0.2
 	var again := scatter_on_hillside(other)
 	await settle(again)
-	check(instances(again) == seen, "%d instances as with the last frequency" % seen.size())
+	check(instances(again) == seen, "the %d instances match the last frequency" % seen.size())
 
 
 func test_painted_mask() -> void:
@@ -184,7 +184,7 @@ func test_textures_whose_images_are_set_later() -> void:
 	await until(func() -> bool: return texture.get_image() != null, "the engine has generated the noise")
 	await settle(scatter)
 	var stand := instances(scatter)
-	check(stand.size() > 500 and stand.size() < whole.size() and whole.has_all(stand.keys()), "%d with a noise texture" % stand.size())
+	check(stand.size() > 500 and stand.size() < whole.size() and whole.has_all(stand.keys()), "%d instances remain with a noise texture" % stand.size())
 
 
 func test_textures_that_are_too_large() -> void:
@@ -243,7 +243,7 @@ func test_clumps() -> void:
 		layer.clump_coverage = coverage
 		await settle(scatter)
 		var stand := instances(scatter)
-		check(absf(stand.size() / float(whole.size()) - coverage) < 0.12, "%d of %d for %s" % [stand.size(), whole.size(), coverage])
+		check(absf(stand.size() / float(whole.size()) - coverage) < 0.12, "%d of %d instances remain for a coverage of %s" % [stand.size(), whole.size(), coverage])
 		check(whole.has_all(stand.keys()) and stand.has_all(last.keys()), "larger clumps contain the smaller ones")
 		last = stand
 	layer.clump_size = 0.0

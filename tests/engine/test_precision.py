@@ -1,4 +1,4 @@
-"""In an engine with the wrong precision, the library prints an error that says how to fix the problem and registers nothing."""
+"""Tests that, in an engine with the wrong precision, the library prints an error with a fix and registers no classes."""
 
 from __future__ import annotations
 

@@ -3,7 +3,7 @@ extends "terrain_harness.gd"
 
 ## A node that returns heights and runs an action during a call.
 class Busy extends Node3D:
-	var in_call := Callable() ## The next get_height on the main thread calls this once.
+	var in_call := Callable() ## The next call to get_height() on the main thread runs this once.
 	var height := 5.0
 	var mutex := Mutex.new()
 	var call_count := 0
@@ -78,7 +78,7 @@ func test_a_call_to_one_object_does_not_affect_a_second_one() -> void:
 			root.remove_child(slow)
 			slow.free() # The engine refuses this while a thread is calling the node.
 		scatter.ground.get_height(Vector3.ZERO)
-		check(not is_instance_valid(slow), "freed while workers called it")
+		check(not is_instance_valid(slow), "the node is freed although workers were calling it")
 		await frames(3)
 		errors.take()
 		working.free()
@@ -157,7 +157,7 @@ func test_a_ground_that_is_released_in_its_own_call() -> void:
 			held = type.new()
 			held.release = func() -> void: held = null
 			held.call(method, Vector3.ZERO)
-			check(held == null, "released in %s" % method)
+			check(held == null, "the ground is released in %s" % method)
 	var busy := Busy.new()
 	holder = make_on(busy)
 	await settle(holder)
@@ -222,7 +222,7 @@ class Map extends Node3D:
 		return 1.0
 
 
-func test_a_node_that_acts_while_it_is_read() -> void:
+func test_a_node_that_runs_an_action_while_it_is_read() -> void:
 	for act: String in ["free later", "leave", "query", "other node", "free the scatter", "no terrain"]:
 		var map := Map.new()
 		root.add_child(map)
@@ -248,7 +248,7 @@ func test_a_node_that_acts_while_it_is_read() -> void:
 					scatter.ground = null
 		terrain.node = NodePath("../" + map.name)
 		await frames(5)
-		check(ran[0] > 0 and ran[0] < 20, "%s: read %d times" % [act, ran[0]])
+		check(ran[0] > 0 and ran[0] < 20, "%s: the node is read %d times" % [act, ran[0]])
 		if is_instance_valid(scatter):
 			scatter.free()
 		if is_instance_valid(map):
