@@ -181,7 +181,7 @@ inline std::vector<PlacedInstance> everything_in(World &world, const Rect &area,
 }
 
 template <class Pass>
-std::vector<PlacedInstance> those(const std::vector<PlacedInstance> &all, const Pass &pass) {
+std::vector<PlacedInstance> matching(const std::vector<PlacedInstance> &all, const Pass &pass) {
 	std::vector<PlacedInstance> some;
 	std::copy_if(all.begin(), all.end(), std::back_inserter(some), pass);
 	return some;

@@ -54,7 +54,7 @@ QueryFilter random_filter(std::mt19937 &random) {
 	return filter;
 }
 
-bool names(const QueryFilter &filter, std::uint32_t layer) {
+bool has_layer(const QueryFilter &filter, std::uint32_t layer) {
 	return filter.layers.empty() || std::find(filter.layers.begin(), filter.layers.end(), layer) != filter.layers.end();
 }
 
@@ -72,8 +72,8 @@ TEST_CASE("queries: a rectangle returns the same as a scan of all tiles, with a 
 				rect = tile_rect(64.0, tile_at(64.0, corner));
 			}
 			const QueryFilter filter = random_filter(random);
-			const auto expected = those(worlds.all, [&](const PlacedInstance &each) {
-				return names(filter, each.layer) && rect.contains({each.position.x, each.position.z});
+			const auto expected = matching(worlds.all, [&](const PlacedInstance &each) {
+				return has_layer(filter, each.layer) && rect.contains({each.position.x, each.position.z});
 			});
 			worlds.each([&](const InstanceQuery &query) {
 				std::vector<PlacedInstance> found(3);
@@ -94,9 +94,9 @@ TEST_CASE("queries: a sphere returns the same as a scan, in three dimensions") {
 					place.y + between(random, -80.0, 80.0));
 			const double radius = repeat == 0 ? 0.0 : between(random, 0.1, 45.0);
 			const QueryFilter filter = random_filter(random);
-			const auto expected = those(worlds.all, [&](const PlacedInstance &each) {
+			const auto expected = matching(worlds.all, [&](const PlacedInstance &each) {
 				const glm::dvec3 off = each.position - center;
-				return names(filter, each.layer) && glm::dot(off, off) <= radius * radius;
+				return has_layer(filter, each.layer) && glm::dot(off, off) <= radius * radius;
 			});
 			total += expected.size();
 			worlds.each([&](const InstanceQuery &query) {
@@ -136,7 +136,7 @@ TEST_CASE("queries: the nearest instance is the one that a scan of all instances
 			double distance = max_distance;
 			for (const PlacedInstance &each : worlds.all) {
 				const double to = glm::length(each.position - from);
-				if (names(filter, each.layer) && (!picky || each.id % 7 == 3) &&
+				if (has_layer(filter, each.layer) && (!picky || each.id % 7 == 3) &&
 						(nearest == nullptr ? to <= distance : to < distance)) {
 					nearest = &each;
 					distance = to;

@@ -59,7 +59,7 @@ TEST_CASE("queries: a ray hits the first of all cylinders") {
 		const Rect around{place - 160.0, place + 160.0};
 		const InstanceState state = changed_state(everything_in(warm, around), place, random);
 		const auto all = everything_in(warm, around, &state);
-		const auto near = those(all, [&](const PlacedInstance &each) {
+		const auto near = matching(all, [&](const PlacedInstance &each) {
 			return glm::length(glm::dvec2(each.position.x, each.position.z) - place) < 60.0;
 		});
 		int hits = 0;

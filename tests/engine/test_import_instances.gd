@@ -40,7 +40,7 @@ func test_add_instances_equals_many_calls_to_add_instance() -> void:
 	var point := mixed.query_rect(Rect2(0, 0, 20, 20)).get_id(0)
 	var hand := mixed.add_instances(mixed.layers[0], floats_of_transforms([Transform3D()]))[0]
 	check_equal(mixed.remove_instances(PackedInt64Array([point, hand])), PackedInt64Array([point, hand]), "generated instances are removed, too")
-	check(mixed.state.is_removed(point) and not mixed.has_instance(hand), "removed")
+	check(mixed.state.is_removed(point) and not mixed.has_instance(hand), "both instances are removed")
 
 
 func test_add_instances_adds_all_or_none() -> void:
@@ -300,5 +300,5 @@ func test_a_moved_world() -> void:
 	var all := some_transforms(200)
 	var top := make_multimesh(scatter.layers[0].meshes[0], all)
 	root.add_child(top)
-	check_equal(ImportInstances.from_node(scatter, scatter.layers[0], top), 200, "imported")
+	check_equal(ImportInstances.from_node(scatter, scatter.layers[0], top), 200, "all instances are imported")
 	check_placed(scatter, 0, all, "the same position in the engine's space")

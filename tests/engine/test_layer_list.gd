@@ -131,7 +131,7 @@ func test_ids_are_saved_with_the_scene() -> void:
 	var scene := PackedScene.new()
 	scene.pack(scatter)
 	var path := "user://layer_ids.tscn"
-	check_equal(ResourceSaver.save(scene, path), OK, "saved")
+	check_equal(ResourceSaver.save(scene, path), OK, "the scene is saved")
 	scatter.free()
 	var again := (ResourceLoader.load(path, "", ResourceLoader.CACHE_MODE_IGNORE) as PackedScene).instantiate() as TerrainScatter3D
 	check_equal([names(again), ids(again)], [["b", "c"], [1, 2]], "the opened scene has the same layers and IDs")
@@ -276,7 +276,7 @@ func test_references_in_a_saved_scene() -> void:
 	var scene := PackedScene.new()
 	scene.pack(scatter)
 	var path := "user://layer_references.tscn"
-	check_equal(ResourceSaver.save(scene, path), OK, "saved")
+	check_equal(ResourceSaver.save(scene, path), OK, "the scene is saved")
 	scatter.free()
 	var again := (ResourceLoader.load(path, "", ResourceLoader.CACHE_MODE_IGNORE) as PackedScene).instantiate() as TerrainScatter3D
 	var layers := again.layers

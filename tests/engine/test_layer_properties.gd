@@ -110,7 +110,7 @@ func test_files() -> void:
 	var layer := full_layer()
 	check_full(layer, "memory")
 	for ending: String in [".tres", ".res"]:
-		check_equal(ResourceSaver.save(layer, SPOT + ending), OK, "saved")
+		check_equal(ResourceSaver.save(layer, SPOT + ending), OK, "the layer is saved")
 		check_full(ResourceLoader.load(SPOT + ending, "", ResourceLoader.CACHE_MODE_IGNORE_DEEP), ending)
 		DirAccess.remove_absolute(SPOT + ending)
 	check_full(layer.duplicate(), "a copy")

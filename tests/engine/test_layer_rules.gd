@@ -114,7 +114,7 @@ func test_dabs() -> void:
 	check(after.has_all(before.keys()), "a dab that adds density removes nothing")
 	mask.set_pixels(pixels, kept)
 	await settle(scatter)
-	check(instances(scatter) == before, "undone")
+	check(instances(scatter) == before, "restoring the pixels restores the instances")
 
 
 func test_mask_texture_channels() -> void:
@@ -196,7 +196,7 @@ func test_textures_that_are_too_large() -> void:
 	await settle(scatter)
 	check_error(["layers[0]: ScatterLayer.mask_texture must be between", "16385"], "too many pixels")
 	check(instances(scatter) == before, "the instances do not change")
-	check("mask_texture" in "\n".join(scatter.get_problems()), "a warning")
+	check("mask_texture" in "\n".join(scatter.get_problems()), "the texture is reported as a problem")
 	layer.mask_texture = ImageTexture.create_from_image(Image.create_empty(16384, 1, false, Image.FORMAT_L8))
 	await settle(scatter)
 	check_equal(instances(scatter).size(), 0, "a black image with the maximum number of pixels excludes all instances")

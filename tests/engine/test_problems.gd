@@ -191,7 +191,7 @@ func test_rules_that_leave_few_of_many_points() -> void:
 	await frames(2)
 	check_equal(scatter.get_problems().size(), 1, "problems before tiles exist")
 	await settle(scatter)
-	check_equal(scatter.get_stats()["instances"], 0, "instances")
+	check_equal(scatter.get_stats()["instances"], 0, "number of instances")
 	await frames(1)
 	check_equal(scatter.get_problems(), PackedStringArray(), "problems of a layer without instances")
 

@@ -12,7 +12,7 @@ func test_queries_match_a_scan() -> void:
 	check_all(scatter, all, random, "nothing loaded")
 	viewer.global_position = Vector3.ZERO
 	await settle(scatter)
-	check(scatter.get_shown_tiles(scatter.layers[0]).size() > 8, "loaded")
+	check(scatter.get_shown_tiles(scatter.layers[0]).size() > 8, "tiles are loaded")
 	check_all(scatter, all, random, "loaded")
 	viewer.global_position = Vector3(0, 0, -9000)
 	await settle(scatter)
@@ -86,7 +86,7 @@ func test_predicates_are_called_only_for_results() -> void:
 	check(distances == sorted, "query_nearest calls the predicate by distance")
 	var removed := scatter.remove_in_sphere(Vector3.ZERO, 15.0, scatter.layers[0], odd)
 	check(removed.size() > 3 and Array(removed).all(func(id: int) -> bool: return id % 2 == 1), "removed instances")
-	check(not scatter.has_instance(removed[0]), "removed")
+	check(not scatter.has_instance(removed[0]), "the instance is removed")
 	scatter.query_rect(rect, scatter.layers[0], func(_id: int) -> bool: return true)
 	check_error(["TerrainScatter3D.query_rect", "predicate"], "too few parameters")
 	scatter.query_rect(rect, scatter.layers[0], func(_id: int, _layer: ScatterLayer, _at: Transform3D) -> int: return 1)

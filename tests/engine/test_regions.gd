@@ -150,7 +150,7 @@ func test_hidden_regions() -> void:
 		check(digests(scatter, 0) == before, "hidden")
 		node.show()
 		await settle(scatter)
-		check(digests(scatter, 0) == with_region, "shown again")
+		check(digests(scatter, 0) == with_region, "a region that is shown again has its effect")
 	var made: int = scatter.get_stats()["tiles_made"]
 	scatter.hide()
 	await settle(scatter)
@@ -169,16 +169,16 @@ func test_adding_and_removing_regions() -> void:
 	var with_region := digests(scatter, 0)
 	scatter.remove_child(region)
 	await settle(scatter)
-	check(digests(scatter, 0) == before, "outside of the tree")
+	check(digests(scatter, 0) == before, "a region outside of the tree has no effect")
 	region.position.x = 3.0
 	region.position.x = 0.0
 	scatter.add_child(region)
 	await settle(scatter)
-	check(digests(scatter, 0) == with_region, "back in the tree")
+	check(digests(scatter, 0) == with_region, "a region that returns to the tree has its effect")
 	root.remove_child(scatter)
 	root.add_child(scatter)
 	await settle(scatter)
-	check(digests(scatter, 0) == with_region, "with its scatter")
+	check(digests(scatter, 0) == with_region, "a region that is added with its scatter has its effect")
 	var other := make_field()
 	region.reparent(other)
 	await settle(scatter)

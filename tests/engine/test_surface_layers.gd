@@ -172,7 +172,7 @@ func test_removed_instances_stay_removed() -> void:
 	var standing := instances(scatter, 0)
 	var felled := between(standing, -0.1, 0.1).slice(0, 20)
 	for id: int in felled:
-		check(scatter.state.remove(id), "removed")
+		check(scatter.state.remove(id), "the state removes the instance")
 	await settle(scatter)
 	check_equal(instances(scatter, 0).size(), standing.size() - felled.size(), "only the removed instances are missing")
 	check(scatter.remove_instance(between(instances(scatter, 0), 3.9, 4.1)[0]), "the node removes an instance on the upper level")

@@ -91,7 +91,7 @@ func test_regions_are_added_and_removed() -> void:
 		node.data.update_maps()
 	await regenerated_by(scatter, higher)
 	check_ground(scatter, node, "imported")
-	check(all_transforms(scatter)[0].origin.y > 0.0, "higher")
+	check(all_transforms(scatter)[0].origin.y > 0.0, "the ground has the new heights")
 
 
 func test_vertex_spacing() -> void:
@@ -232,5 +232,5 @@ func test_a_recenter_without_the_node() -> void:
 	scatter.world_offset = Vector3(64.0, 3.0, 0.0)
 	await settle(scatter)
 	await settle(scatter)
-	check(all_transforms(scatter).size() > 0.6 * before, "instances")
+	check(all_transforms(scatter).size() > 0.6 * before, "most instances remain")
 	check_equal(off_the_ground(scatter, node), 0, "instances off the ground, which did not move")

@@ -27,7 +27,7 @@ func test_any_object() -> void:
 	await settle(fast)
 	check(node.called_on_worker, "called on workers")
 	check_equal(digests(slow, 0), digests(fast, 0), "the instances are the same on workers")
-	check(slow.get_stats()["instances"] > 1000, "instances")
+	check(slow.get_stats()["instances"] > 1000, "many instances are placed")
 	check(slow.ground.get_normal(Vector3.ZERO).distance_to(Vector3(-1.0, 1.0, 0.0).normalized()) < 1e-5, "slope")
 	node.rise = 0.0
 	slow.regenerate()
@@ -80,12 +80,12 @@ func test_the_node_is_removed_and_added() -> void:
 		terrain.node = ^"../Ground"
 		await settle(scatter)
 		var before := digests(scatter, 0)
-		check(before.size() > 10, "tiles")
+		check(before.size() > 10, "many tiles are visible")
 		root.remove_child(node)
 		await settle(scatter)
 		check_error(["ScatterGroundNode.node", "../Ground"], "the node is gone")
 		check_equal(digests(scatter, 0), before, "instances after the node was removed")
-		check("../Ground" in "\n".join(scatter.get_problems()), "a warning")
+		check("../Ground" in "\n".join(scatter.get_problems()), "the missing node is reported as a problem")
 		viewer.global_position.x = 40.0
 		await settle(scatter)
 		check_no_error("new tiles without the node")
@@ -149,7 +149,7 @@ func test_wrong_objects() -> void:
 			var on_wrong := make_on(wrong, thread_safe)
 			await settle(on_wrong)
 			check_error(["ScatterGroundNode.node", "height method", "wrong type", "Return a float"], "a result of %s" % answer)
-			check_equal(on_wrong.get_stats()["instances"], 0, "instances")
+			check_equal(on_wrong.get_stats()["instances"], 0, "instances on a height of the wrong type")
 			wrong.answer = 5
 			on_wrong.regenerate()
 			await settle(on_wrong)
@@ -163,7 +163,7 @@ func test_a_failure_keeps_the_instances() -> void:
 	var scatter := make_on(node)
 	await settle(scatter)
 	var before := digests(scatter, 0)
-	check(before.size() > 10, "tiles")
+	check(before.size() > 10, "many tiles are visible")
 	node.answer = "low"
 	scatter.regenerate()
 	await settle(scatter)

@@ -238,12 +238,12 @@ func test_colliders_reject_invalid_values() -> void:
 	var scatter := make_scatter([make_layer()], terrain, make_viewer())
 	await settle(scatter)
 	var before := digests(scatter, 0)
-	check(before.size() > 10, "tiles")
+	check(before.size() > 10, "many tiles are visible")
 	terrain.ray_bottom = 2000.0
 	await settle(scatter)
 	check_error(["ScatterGroundColliders.ray_bottom", "2000"], "a bottom above the top")
 	check_equal(digests(scatter, 0), before, "the instances do not change")
-	check("ray_bottom" in "\n".join(scatter.get_problems()), "a warning")
+	check("ray_bottom" in "\n".join(scatter.get_problems()), "the value is reported as a problem")
 	terrain.ray_bottom = -1000.0
 	await settle(scatter)
 	check_equal(digests(scatter, 0), before, "a valid value restores the same instances")

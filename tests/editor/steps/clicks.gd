@@ -50,7 +50,7 @@ func selected() -> Array[Node]:
 
 
 func saved() -> PackedByteArray:
-	check_equal(EditorInterface.save_scene(), OK, "saved")
+	check_equal(EditorInterface.save_scene(), OK, "the scene is saved")
 	return FileAccess.get_file_as_bytes(SCENE)
 
 
@@ -118,7 +118,7 @@ func test_first_stroke() -> void:
 		if answer != "Cancel":
 			await undo()
 			await settle(scatter)
-			check(instances(scatter, 0) == initial, "undone")
+			check(instances(scatter, 0) == initial, "undo restores the instances")
 			check(not FileAccess.file_exists("res://yard_grass_mask.res"), "undo deletes the mask's file, too")
 	check(saved() == before, "the scene is unchanged, byte for byte")
 
@@ -262,7 +262,7 @@ func test_a_radius_is_dragged() -> void:
 			await picture("clicks_radius")
 		check(layer.radius < radius and layer.radius > 0.05, "the radius shrinks to %.3f from %.3f" % [layer.radius, radius])
 		await undo()
-		check_equal(layer.radius, radius, "undone")
+		check_equal(layer.radius, radius, "undo restores the radius")
 	check(absf(factors[0] / factors[1] - 1.0) < 0.1, "both radii shrink by the same factor: %s" % [factors])
 	scatter.layers[0].radius = 0.5
 
@@ -287,4 +287,4 @@ func test_a_preset_without_instances() -> void:
 	await get_tree().create_timer(1.0).timeout # Wait until the toast has faded in.
 	await picture("clicks_scree")
 	await undo()
-	check_equal(scatter.layers.size(), 2, "undone")
+	check_equal(scatter.layers.size(), 2, "undo removes the preset's layers")

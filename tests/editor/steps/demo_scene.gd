@@ -29,7 +29,7 @@ func set_costly(shown: bool) -> void:
 
 func save_and_reopen() -> void:
 	set_costly(true)
-	check_equal(EditorInterface.save_scene(), OK, "saved")
+	check_equal(EditorInterface.save_scene(), OK, "the scene is saved")
 	scatter = null
 	ground = null
 	EditorInterface.get_selection().clear()
@@ -130,20 +130,20 @@ func test_undo_redo() -> void:
 	history(scatter).undo()
 	await settle(scatter)
 	check(instances(scatter, 0) == before, "undo restores the instances")
-	check(digests(scatter, 0) == before_digests, "bit for bit")
+	check(digests(scatter, 0) == before_digests, "undo restores the digests")
 	check(scatter.layers[0].mask == null, "undo removes the mask")
 	check(not FileAccess.file_exists(MASK), "undo deletes the mask's file")
 	history(scatter).redo()
 	await settle(scatter)
 	check(instances(scatter, 0) == painted, "redo removes the same instances again")
-	check(digests(scatter, 0) == painted_digests, "bit for bit")
+	check(digests(scatter, 0) == painted_digests, "redo restores the digests")
 
 
 ## Checks that saving and reopening keeps the instances, although the scene contains only settings.
 func test_save_and_reopen() -> void:
 	await save_and_reopen()
 	check(instances(scatter, 0) == painted, "the reopened scene has the same instances")
-	check(digests(scatter, 0) == painted_digests, "bit for bit")
+	check(digests(scatter, 0) == painted_digests, "the reopened scene has the same digests")
 	var text := FileAccess.get_file_as_string(SCENE)
 	check(text.length() < 100_000, "the scene is small: %d bytes" % text.length())
 	check(MASK.get_file() in text, "the scene refers to the mask's file")
@@ -279,7 +279,7 @@ func test_presets() -> void:
 	await settle(scatter)
 	await picture("preset")
 	history(scatter).undo()
-	check_equal(scatter.layers.size(), 1, "undone")
+	check_equal(scatter.layers.size(), 1, "undo removes the preset's layers")
 	var flat: Resource = ClassDB.instantiate(&"ScatterGroundFlat")
 	scatter.ground = flat
 	workspace().toolbar.preset_chosen.emit("scree")
@@ -321,7 +321,7 @@ func test_water() -> void:
 		gizmos._commit_handle(gizmo, 0, false, level, false)
 		check(absf(scatter.water_level - level - 3.0) < 0.05, "dragged by 3 m: %f" % (scatter.water_level - level))
 		history(scatter).undo()
-		check_equal(scatter.water_level, level, "undone")
+		check_equal(scatter.water_level, level, "undo restores the water level")
 		scatter.water_enabled = false
 		return
 	check(false, "the water has no gizmo")
@@ -368,7 +368,7 @@ func test_bake() -> void:
 	check_equal(files(BAKED), PackedStringArray(), "a canceled bake leaves no files")
 	check(not DirAccess.dir_exists_absolute(BAKED.path_join(".bake_unfinished")), "a canceled bake leaves no temporary folder")
 	dialog.start()
-	await until(func() -> bool: return not dialog.is_processing(), "baked")
+	await until(func() -> bool: return not dialog.is_processing(), "the bake is finished")
 	check_equal(dialog.job.problem, "", "no problem")
 	var scene: Node = load(BAKED + "/posts.tscn").instantiate()
 	var expected := {}

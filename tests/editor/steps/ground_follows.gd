@@ -49,7 +49,7 @@ func select(nodes: Array[Node]) -> void:
 
 
 func saved() -> String:
-	check_equal(EditorInterface.save_scene(), OK, "saved")
+	check_equal(EditorInterface.save_scene(), OK, "the scene is saved")
 	return FileAccess.get_file_as_string(SCENE)
 
 
@@ -181,7 +181,7 @@ func test_more_meshes_join_with_the_scatter_selected() -> void:
 	await undo()
 	check_equal(saved(), before, "undo restores the scene, byte for byte")
 	await redo()
-	check_equal(saved(), after, "redone")
+	check_equal(saved(), after, "redo restores the scene, byte for byte")
 	await select([rock])
 	var version := history(scatter).get_version()
 	await click("Use as Ground")

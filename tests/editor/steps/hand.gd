@@ -161,7 +161,7 @@ func test_move_rotate_scale() -> void:
 	check_equal(version(), steps + 8, "the changes are eight undo steps")
 	var last := transform_of(id)
 	EditorInterface.save_scene()
-	check(bytes(STATE) != state, "saved")
+	check(bytes(STATE) != state, "the file of the state is saved")
 	for step in 8:
 		await undo()
 	check(transform_of(id) == start, "undo restores the transform bit for bit")
@@ -182,7 +182,7 @@ func test_cancel_and_delete() -> void:
 	await drag_mouse(on_screen(placed_at.origin), on_screen(placed_at.origin + Vector3(0.8, 0.0, 0.0)), false, false)
 	check(transform_of(id) != placed_at, "it moves with the mouse")
 	await key(KEY_ESCAPE)
-	check(transform_of(id) == placed_at and version() == steps, "canceled")
+	check(transform_of(id) == placed_at and version() == steps, "Escape restores the transform and adds no undo step")
 	await press(on_screen(placed_at.origin), false)
 	await key(KEY_DELETE)
 	check(scatter.is_inside_tree() and placed().size() == 1, "Delete without a selection deletes nothing")
@@ -191,7 +191,7 @@ func test_cancel_and_delete() -> void:
 	await key(KEY_DELETE)
 	check(scatter.is_inside_tree() and placed().is_empty(), "the instance is deleted, the node stays")
 	await undo()
-	check(transform_of(id) == placed_at, "undone")
+	check(transform_of(id) == placed_at, "undo restores the deleted instance")
 
 
 ## Checks that a generated instance can be moved and deleted like a hand-placed one. Undo restores it with its original ID.
@@ -210,7 +210,7 @@ func test_generated_instances() -> void:
 	check(transform_of(hand.selected).origin.distance_to(placed_at.origin + Vector3(0.5, 0.0, 0.0)) < 0.05, "it is at the dragged position")
 	check(transform_of(hand.selected).basis == placed_at.basis, "it keeps its rotation")
 	await undo()
-	check(scatter.has_instance(id) and transform_of(id) == placed_at, "undone")
+	check(scatter.has_instance(id) and transform_of(id) == placed_at, "undo restores the generated instance")
 	await click_at(on_screen(placed_at.origin + Vector3.UP * 0.1))
 	await key(KEY_DELETE)
 	check(not scatter.has_instance(id), "deleted")
@@ -219,7 +219,7 @@ func test_generated_instances() -> void:
 	check_equal(scatter.build_rect(scatter.layers[1], Rect2(placed_at.origin.x - 0.01, placed_at.origin.z - 0.01, 0.02, 0.02)).is_empty(), true, "nor is it baked")
 	await undo()
 	await settle(scatter)
-	check(instances(scatter, 1).has(id), "undone")
+	check(instances(scatter, 1).has(id), "undo restores the deleted instance")
 	await redo()
 	workspace().toolbar.choose_layer(0)
 	hand.look()

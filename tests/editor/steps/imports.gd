@@ -69,7 +69,7 @@ func test_a_node() -> void:
 	EditorInterface.save_scene()
 	check_equal(FileAccess.get_file_as_string(SCENE), _scene_before, "the scene is unchanged, byte for byte")
 	history(scatter).redo()
-	check_equal(_sorted(_standing(scatter)), sorted, "redone")
+	check_equal(_sorted(_standing(scatter)), sorted, "redo restores the instances")
 	EditorInterface.save_scene()
 	check(FileAccess.file_exists(STATE), "the state is saved in a file")
 	var saved: Resource = ResourceLoader.load(STATE, "", ResourceLoader.CACHE_MODE_IGNORE)

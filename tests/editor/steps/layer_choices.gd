@@ -55,7 +55,7 @@ func choose() -> void:
 	choice.item_selected.emit(4)
 	check_equal(fern.proximity_layer, "Birch", "choosing a layer sets the property")
 	await undo_last(fern)
-	check_equal(fern.proximity_layer, "Spruce", "undone")
+	check_equal(fern.proximity_layer, "Spruce", "undo restores the choice")
 	for property: StringName in [&"color_value", &"variation_value"]:
 		var value: Resource = ClassDB.instantiate(&"ScatterValueSource")
 		value.set(&"source", 5) # SOURCE_DISTANCE.
@@ -66,7 +66,7 @@ func choose() -> void:
 		choice.item_selected.emit(1)
 		check_equal(value.get(&"layer"), "Posts", property + " refers to a layer")
 		await undo_last(value)
-		check_equal(value.get(&"layer"), "", "undone")
+		check_equal(value.get(&"layer"), "", "undo clears the layer")
 		fern.set(property, null)
 	fern.set(&"on_surfaces", true)
 	await inspect(fern)
@@ -126,7 +126,7 @@ func choose() -> void:
 	await picture("layer")
 	while scatter.layers.size() > 1 and history(scatter).has_undo():
 		history(scatter).undo()
-	check_equal(scatter.layers.size(), 1, "undone")
+	check_equal(scatter.layers.size(), 1, "undo removes the preset's layers")
 	# The region is freed last, because undoing an action of a freed node prints an error.
 	region.queue_free()
 	await frames(2)

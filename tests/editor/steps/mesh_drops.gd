@@ -77,7 +77,7 @@ func drop() -> void:
 	check_equal(layer.meshes.size(), 2, "a drop on a layer adds a mesh")
 	check_equal(layer.radius, radius, "the radius does not change")
 	await undo_last(layer)
-	check_equal(layer.meshes.size(), 1, "undone")
+	check_equal(layer.meshes.size(), 1, "undo removes the mesh")
 	await choose_kinds(layer)
 	await make_foliage(layer)
 	await split_a_pack(layer)
@@ -88,7 +88,7 @@ func drop() -> void:
 	mesh = scatter.get_tile(layer, scatter.get_shown_tiles(layer)[0]).get_mesh(0)
 	check(absf(mesh.get_aabb().size.x - 4.0) < 0.01, "a saved scene is drawn with its new content: %s" % mesh.get_aabb())
 	history(scatter).undo()
-	check_equal(scatter.layers, before, "undone")
+	check_equal(scatter.layers, before, "undo restores the layers")
 
 
 ## Clicks the buttons at the top of the inspector that adapt the layer to a kind of plant.
@@ -108,7 +108,7 @@ func choose_kinds(layer: Resource) -> void:
 	check_equal(layer.radius, radius, "Auto restores the radius of a tree")
 	for step in 4:
 		await undo_last(layer)
-	check(layer.radius == radius and layer.clump_size == 0.0, "undone")
+	check(layer.radius == radius and layer.clump_size == 0.0, "undo restores the radius and the clumps")
 
 
 func files_of(layer: Resource) -> Array:
@@ -134,7 +134,7 @@ func make_foliage(layer: Resource) -> void:
 	check(inspector_button("Make Foliage Materials") == null or await foliage_is_done(layer), "no material is left to convert")
 	await picture("foliage")
 	await undo_last(layer)
-	check_equal(layer.meshes[0], packed, "undone")
+	check_equal(layer.meshes[0], packed, "undo restores the scene")
 	check(not files.any(FileAccess.file_exists), "the files are removed")
 	await make_foliage_of_a_mesh(layer)
 	await make_foliage_of_a_model(model)
@@ -159,7 +159,7 @@ func make_foliage_of_a_mesh(layer: Resource) -> void:
 	check(made != null and made.get_shader_parameter(&"normal_texture") == bark.normal_texture, "the mesh's material has the normal map")
 	check_equal(made.get_shader_parameter(&"uv_scale"), Vector2(2.0, 3.0), "the material keeps the scale of its texture")
 	await undo_last(layer)
-	check_equal(mesh.material, bark, "undone")
+	check_equal(mesh.material, bark, "undo restores the material")
 
 
 ## Clicks the button in the inspector of a model. If a replacement is a standard material, it is converted, and its key in the list is kept.
@@ -172,7 +172,7 @@ func make_foliage_of_a_model(model: Resource) -> void:
 	check_equal(model.replacement_materials.keys(), ["Trunk", "Crown"], "both materials are replaced, keyed by their names in the scene")
 	check(model.replacement_materials.values().all(func(material: Material) -> bool: return material is ShaderMaterial), "the replacements are foliage materials")
 	await undo_last(model)
-	check_equal(model.replacement_materials, {"Trunk": own}, "undone")
+	check_equal(model.replacement_materials, {"Trunk": own}, "undo restores the replacement material")
 
 
 func foliage_is_done(layer: Resource) -> bool:
@@ -225,7 +225,7 @@ func split_a_pack(layer: Resource) -> void:
 	check(layer.radius < 4.0, "the radius matches the width of one tree: %f" % layer.radius)
 	check(layer.meshes.all(func(model: Resource) -> bool: return absf(model.get_aabb().get_center().x) < 0.01), "each model is centered at the origin")
 	await undo_last(layer)
-	check_equal(layer.meshes, [packed], "undone")
+	check_equal(layer.meshes, [packed], "undo restores the scene")
 	layer.meshes = before
 	check_equal(layer.radius, radius, "undo restores the radius")
 	await inspect(scatter)
