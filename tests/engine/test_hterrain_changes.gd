@@ -187,7 +187,7 @@ func test_a_recenter_with_the_node_regenerates_nothing() -> void:
 		node.global_position -= shift
 		scatter.world_offset = shift)
 	check_equal(made.size(), 0, "regenerated tiles")
-	check_equal(digests(scatter, 0), before, "digests")
+	check_equal(digests(scatter, 0), before, "digests of the instances")
 	check_ground(scatter, node, "recentered")
 	scatter.world_offset = Vector3.ZERO # This time, the node stays in place when the world offset changes.
 	viewer.global_position = node.global_position

@@ -57,13 +57,13 @@ func test_add_instances_adds_all_or_none() -> void:
 	for bad: float in [NAN, INF, 2e9]:
 		var broken := floats.duplicate()
 		broken[6 * 12 + 3] = bad
-		check(scatter.add_instances(scatter.layers[0], broken).is_empty(), "no instances")
+		check(scatter.add_instances(scatter.layers[0], broken).is_empty(), "invalid transforms add no instances")
 		check_error(["transform 6", "position"], "a position of %s" % bad)
 	floats[12 + 1] = NAN
 	scatter.add_instances(scatter.layers[0], floats)
 	check_error(["transform 1", "basis"], "a basis of NAN")
 	check(scatter.state == null or scatter.state.get_added_count() == 0, "no instance was added")
-	check_equal(scatter.add_instances(scatter.layers[0], PackedFloat32Array()), PackedInt64Array(), "no transforms")
+	check_equal(scatter.add_instances(scatter.layers[0], PackedFloat32Array()), PackedInt64Array(), "an empty array adds no instances")
 	scatter.ground = null
 	scatter.add_instances(scatter.layers[0], PackedFloat32Array())
 	check_error(["add_instances", "ground"], "without a ground")
@@ -97,8 +97,8 @@ func test_multimeshes() -> void:
 	red.layers = 4
 	top.add_child(red)
 	top.add_child(MultiMeshInstance3D.new())
-	check_equal(ImportInstances.from_node(scatter, null, top), 118, "all visible instances")
-	check_equal(scatter.layers.size(), 3, "two new layers")
+	check_equal(ImportInstances.from_node(scatter, null, top), 118, "all visible instances are imported")
+	check_equal(scatter.layers.size(), 3, "two layers are added")
 	check_placed(scatter, 0, plain, "the mesh of a layer")
 	check_equal(scatter.query_rect(Rect2(-100, -100, 200, 200), scatter.layers[0]).get_mesh(0), 1, "the instance has that mesh")
 	var placed: Array[Transform3D] = []
@@ -275,7 +275,7 @@ func test_terrain_3d() -> void:
 	terrain.position = Vector3(5, 5, 5) # Terrain3D ignores the node's position for its instances.
 	root.add_child(terrain)
 	var scatter := make_bare()
-	check_equal(ImportInstances.from_node(scatter, null, terrain), 50, "all instances, once")
+	check_equal(ImportInstances.from_node(scatter, null, terrain), 50, "all instances are imported once")
 	var corner := Vector3(-128, 0, 128)
 	var expected: Array[Transform3D] = first.slice(0, 10)
 	for at in first.slice(10):
@@ -290,7 +290,7 @@ func test_terrain_3d() -> void:
 	var before := scatter.state.get_added_count()
 	check_equal(ImportInstances.from_node(scatter, null, terrain), 0, "a missing mesh")
 	check_error(["mesh 2"], "a missing mesh")
-	check_equal(scatter.state.get_added_count(), before, "no additional instances")
+	check_equal(scatter.state.get_added_count(), before, "a failed import adds no instances")
 
 
 func test_a_moved_world() -> void:

@@ -46,7 +46,7 @@ func test_tables() -> void:
 		lines.push_back(",".join(numbers))
 	var scatter := make_bare([make_layer()])
 	scatter.layers[0].density = 0.0
-	check_equal(ImportInstances.from_csv(scatter, scatter.layers[0], table("\n".join(lines))), 500, "12 numbers")
+	check_equal(ImportInstances.from_csv(scatter, scatter.layers[0], table("\n".join(lines))), 500, "rows of 12 numbers are imported")
 	var wrong := 0
 	var standing := {}
 	var found := scatter.query_rect(Rect2(-200, -200, 400, 400))

@@ -13,8 +13,8 @@ func test_make_glb() -> void:
 	put_mesh(box(Vector3(0.8, 4.0, 0.8), null), "Trunk-convcolonly", tree, tree, Transform3D(Basis(), Vector3(0.2, 2.0, 0.0)))
 	var state := GLTFState.new()
 	var document := GLTFDocument.new()
-	check_equal(document.append_from_scene(tree, state), OK, "converted")
-	check_equal(document.write_to_filesystem(state, "res://tree.glb"), OK, "written")
+	check_equal(document.append_from_scene(tree, state), OK, "the tree is converted to glTF")
+	check_equal(document.write_to_filesystem(state, "res://tree.glb"), OK, "the file is written")
 	tree.free()
 
 
@@ -36,6 +36,6 @@ func test_the_imported_model_is_complete() -> void:
 	tree.free()
 	var model := ScatterModel.new()
 	model.scene = load("res://tree.glb")
-	check_equal(model.lods.size(), 3, "LODs")
-	check_equal(model.shapes.size(), 1, "shapes")
+	check_equal(model.lods.size(), 3, "number of LODs")
+	check_equal(model.shapes.size(), 1, "number of shapes")
 	check(model.get_problems().is_empty(), "no part is skipped: %s" % model.get_problems())

@@ -35,10 +35,10 @@ func test_an_impostor_has_two_triangles_and_the_models_box() -> void:
 	var tree := Models.tree()
 	var mesh := impostor.bake([tree])
 	check(impostor.problem.is_empty() and impostor.warnings.is_empty(), impostor.problem + " ".join(impostor.warnings))
-	check_equal(mesh.get_faces().size(), 6, "corners")
+	check_equal(mesh.get_faces().size(), 6, "number of corners of the impostor's triangles")
 	check(mesh.get_aabb().is_equal_approx(tree.get_aabb()), "box %s, expected %s" % [mesh.get_aabb(), tree.get_aabb()])
 	var path := "user://impostor.res"
-	check_equal(ResourceSaver.save(mesh, path), OK, "saving")
+	check_equal(ResourceSaver.save(mesh, path), OK, "the impostor is saved")
 	var loaded := ResourceLoader.load(path, "", ResourceLoader.CACHE_MODE_IGNORE) as Mesh
 	for texture: StringName in [&"impostor_albedo", &"impostor_normal"]:
 		var before := (mesh.surface_get_material(0) as ShaderMaterial).get_shader_parameter(texture) as Texture2D
@@ -63,7 +63,7 @@ func test_materials_are_read() -> void:
 	var impostor := small()
 	var box := BoxMesh.new()
 	box.material = painted(Color(0.8, 0.4, 0.2))
-	check(front_pixel(impostor.bake([box]), &"impostor_albedo").is_equal_approx(Color8(204, 102, 51)), "the color")
+	check(front_pixel(impostor.bake([box]), &"impostor_albedo").is_equal_approx(Color8(204, 102, 51)), "the impostor has the material's color")
 	var image := Image.create_empty(64, 64, false, Image.FORMAT_RGBA8)
 	image.fill(Color(0.0, 0.0, 1.0))
 	(box.material as StandardMaterial3D).albedo_texture = ImageTexture.create_from_image(image)
@@ -76,7 +76,7 @@ func test_materials_are_read() -> void:
 	(box.material as StandardMaterial3D).transparency = BaseMaterial3D.TRANSPARENCY_ALPHA_SCISSOR
 	check_equal(front_pixel(impostor.bake([box]), &"impostor_albedo").a, 0.0, "alpha of a transparent material")
 	impostor.material_override = painted(Color.GREEN)
-	check(front_pixel(impostor.bake([box]), &"impostor_albedo").is_equal_approx(Color.GREEN), "the override")
+	check(front_pixel(impostor.bake([box]), &"impostor_albedo").is_equal_approx(Color.GREEN), "the impostor has the color of the override")
 
 
 func test_shader_parameters_are_read_by_common_names() -> void:
@@ -88,14 +88,14 @@ func test_shader_parameters_are_read_by_common_names() -> void:
 	material.shader.code = "shader_type spatial; uniform vec4 albedo : source_color; void fragment() { ALBEDO = albedo.rgb; }"
 	material.set_shader_parameter(&"albedo", Color.RED)
 	box.material = material
-	check(front_pixel(impostor.bake([box]), &"impostor_albedo").is_equal_approx(Color.RED), "the parameter")
+	check(front_pixel(impostor.bake([box]), &"impostor_albedo").is_equal_approx(Color.RED), "the impostor has the color of the shader parameter")
 	check(impostor.warnings.is_empty(), str(impostor.warnings))
 	material.shader.code = "shader_type spatial; void fragment() { ALBEDO = vec3(UV, 0.0); }"
 	impostor.bake([box])
-	check_equal(impostor.warnings.size(), 1, "warnings")
+	check_equal(impostor.warnings.size(), 1, "number of warnings")
 	check("'Leaves'" in impostor.warnings[0] and "stand_ins" in impostor.warnings[0], impostor.warnings[0])
 	impostor.stand_ins = {material: painted(Color.BLUE)}
-	check(front_pixel(impostor.bake([box]), &"impostor_albedo").is_equal_approx(Color.BLUE), "the stand-in")
+	check(front_pixel(impostor.bake([box]), &"impostor_albedo").is_equal_approx(Color.BLUE), "the impostor has the color of the stand-in")
 	check(impostor.warnings.is_empty(), str(impostor.warnings))
 
 
@@ -123,10 +123,10 @@ func test_bad_input() -> void:
 
 func test_a_bake_can_be_canceled() -> void:
 	var impostor := Impostor.new()
-	check_equal(impostor.begin([Models.stone()]), OK, "started")
+	check_equal(impostor.begin([Models.stone()]), OK, "the bake starts")
 	check(impostor.is_baking(), "it is baking")
 	impostor.cancel()
-	check(not impostor.is_baking() and impostor.finish() == null, "it has ended")
+	check(not impostor.is_baking() and impostor.finish() == null, "the bake has ended without a result")
 	check_equal(impostor.begin([Models.stone()]), OK, "started again, and released")
 
 
@@ -143,9 +143,9 @@ func test_a_bake_adds_a_last_lod() -> void:
 	bake.impostor = small()
 	check_equal(bake.begin(layer, "user://impostors", "stones"), OK, "started: " + bake.problem)
 	await run_to_end(bake)
-	check_equal(bake.problem, "", "problem")
-	check_equal(bake.progress, 1.0, "progress")
-	check_equal(bake.files, PackedStringArray(["user://impostors/stones_impostor_0.res", "user://impostors/stones_impostor_2.res"]), "files")
+	check_equal(bake.problem, "", "the bake reports no problem")
+	check_equal(bake.progress, 1.0, "the bake is complete")
+	check_equal(bake.files, PackedStringArray(["user://impostors/stones_impostor_0.res", "user://impostors/stones_impostor_2.res"]), "the bake lists its files")
 	var models: Array = layer.meshes.duplicate()
 	layer.meshes = bake.meshes
 	check_equal(range(3).map(func(entry: int) -> int: return layer.get_mesh_lods(entry).size()), [2, 0, 3], "LODs, and the missing mesh")
@@ -154,7 +154,7 @@ func test_a_bake_adds_a_last_lod() -> void:
 	for entry: int in [0, 2]:
 		var far: ScatterLod = layer.get_mesh_lods(entry)[-1]
 		check(far.mesh == bake.baked[entry] and absf(far.distance - expected) <= 0.5, "%f, expected %f" % [far.distance, expected])
-	check_equal(bake.begin(layer, "user://impostors", "stones"), OK, "started again")
+	check_equal(bake.begin(layer, "user://impostors", "stones"), OK, "the bake starts again")
 	await run_to_end(bake)
 	layer.meshes = bake.meshes
 	check_equal(layer.get_mesh_lods(2).size(), 3, "the impostors are replaced")

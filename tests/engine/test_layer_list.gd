@@ -93,7 +93,7 @@ func test_layers_get_ids_when_they_are_added() -> void:
 	scatter.layers = [pinned, make_layer(), last]
 	check_equal(ids(scatter), [1, 0, 4], "otherwise, it gets the lowest free ID, and the other layers keep theirs")
 	scatter.layers = [last, scatter.layers[1], pinned]
-	check_equal(ids(scatter), [4, 0, 1], "reordered")
+	check_equal(ids(scatter), [4, 0, 1], "reordered layers keep their IDs")
 	last.layer_id = -1
 	check_equal(last.layer_id, 2, "a reset ID becomes the lowest free ID")
 	check(not "layer_id" in "".join(scatter.get_problems()), "no ID is used twice")
@@ -184,7 +184,7 @@ func test_references_to_a_renamed_layer_are_updated() -> void:
 	scatter.tile_shown.connect(func(_layer: ScatterLayer, _tile: Vector2i) -> void: shown_count[0] += 1)
 	oak.resource_name = "elm"
 	check_equal(fern.spacing.keys(), ["elm", "moss"], "spacing is updated, in its order")
-	check_equal(fern.spacing.values(), [3.0, 1.0], "with its distances")
+	check_equal(fern.spacing.values(), [3.0, 1.0], "spacing keeps its distances")
 	check_equal(fern.proximity_layer, "elm", "proximity is updated")
 	check_equal(scatter.get_problems(), PackedStringArray(), "no problems")
 	await settle(scatter)
@@ -201,7 +201,7 @@ func test_references_to_a_renamed_layer_are_updated() -> void:
 	oak.resource_name = "oak"
 	check_equal(fern.spacing.keys(), ["oak", "moss"], "references are updated once the name is unique")
 	moss.resource_name = "oak"
-	check_equal(fern.spacing.keys(), ["oak", "moss"], "a second oak")
+	check_equal(fern.spacing.keys(), ["oak", "moss"], "references stay while two layers have the name")
 	oak.resource_name = "elm"
 	check_equal(fern.spacing, {"oak": 3.0}, "the references now mean the other layer, which has the old name, with the larger distance")
 
@@ -234,7 +234,7 @@ func test_spacing_and_proximity_by_any_reference() -> void:
 			check_equal(scatter.get_problems(), PackedStringArray(), "problems of %s" % [reference])
 			fern.proximity_layer = null
 			check_equal(fern.proximity_layer, "", "no proximity layer")
-			check(standing(scatter, 1) == free, "all instances again")
+			check(standing(scatter, 1) == free, "without proximity, all instances return")
 		fern.spacing = {oak: 3.0}
 		oak.resource_name = "elm"
 		check_equal(fern.spacing, {"elm": 3.0}, "references to a layer use its name once it has one")
@@ -280,8 +280,8 @@ func test_references_in_a_saved_scene() -> void:
 	scatter.free()
 	var again := (ResourceLoader.load(path, "", ResourceLoader.CACHE_MODE_IGNORE) as PackedScene).instantiate() as TerrainScatter3D
 	var layers := again.layers
-	check_equal(layers[1].spacing, {layers[0]: 2.0, "oak": 1.0, 0: 3.0}, "spacing")
-	check_equal(layers[1].proximity_layer, layers[0], "proximity")
+	check_equal(layers[1].spacing, {layers[0]: 2.0, "oak": 1.0, 0: 3.0}, "the loaded spacing")
+	check_equal(layers[1].proximity_layer, layers[0], "the loaded proximity layer")
 	again.free()
 	DirAccess.remove_absolute(path)
 

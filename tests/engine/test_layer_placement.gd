@@ -80,7 +80,7 @@ func test_offset_along_normal() -> void:
 		var place: Transform3D = before[id][0]
 		var expected := place.origin - 0.5 * scatter.ground.get_normal(place.origin)
 		wrong += int(expected.distance_to(after[id][0].origin) > 1e-3 or after[id][0].basis != place.basis)
-	check_equal(wrong, 0, "wrong positions")
+	check_equal(wrong, 0, "instances at a wrong position")
 
 
 func test_colors_and_custom_data() -> void:

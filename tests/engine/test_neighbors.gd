@@ -203,7 +203,7 @@ func test_filled_species_stay_when_a_game_fells_trees() -> void:
 		felled += int(scatter.remove_instance(id))
 	check_equal(felled, 40, "felled oaks")
 	await settle(scatter)
-	check_equal(instances(scatter, 1) == birches, true, "the birches")
+	check_equal(instances(scatter, 1) == birches, true, "the birches are unchanged")
 	var found := scatter.query_rect(Rect2(-30, -30, 60, 60), [scatter.layers[1]]).ids
 	check(found.size() > 50, "queries find birches: %d" % found.size())
 	for id in found:

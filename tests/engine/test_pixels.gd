@@ -255,9 +255,9 @@ func test_materials_of_a_layer() -> void:
 	var model := ScatterModel.new()
 	model.lods = [lod]
 	layer.meshes = with_lods([layer.meshes[0], null, model, layer.meshes[0]], [[coarse, null, null, coarse]], [50.0])
-	check_equal(layer.get_materials(), [near, coarse.material, lod.shadow_mesh.material] as Array[Material], "materials")
+	check_equal(layer.get_materials(), [near, coarse.material, lod.shadow_mesh.material] as Array[Material], "materials of the layer's meshes and LODs")
 	layer.material_override = plain(GREEN)
-	check_equal(layer.get_materials(), [layer.material_override] as Array[Material], "materials, overridden")
+	check_equal(layer.get_materials(), [layer.material_override] as Array[Material], "materials of a layer with an override")
 
 
 func picture() -> Image:

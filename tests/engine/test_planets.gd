@@ -403,7 +403,7 @@ func test_up_and_lines_that_meet_the_ground() -> void:
 	scatter.ground = ScatterGroundFlat.new()
 	await settle(scatter)
 	check_equal(scatter._up_at(Vector3.RIGHT), Vector3.UP, "up without a planet")
-	check(scatter._hit_surface(Vector3.UP, Vector3.DOWN).is_empty(), "ground without surfaces")
+	check(scatter._hit_surface(Vector3.UP, Vector3.DOWN).is_empty(), "a line hits nothing on ground without surfaces")
 
 
 func test_problems_and_bad_settings() -> void:
@@ -414,8 +414,8 @@ func test_problems_and_bad_settings() -> void:
 		check_error(["planet_radius", "ScatterGroundMeshes"], "a radius of %s" % bad)
 	ground.planet_center = Vector3(0.0, NAN, 0.0)
 	check_error(["planet_center.y"], "a center that is not finite")
-	check_equal(ground.planet_radius, 100.0, "the radius")
-	check_equal(ground.planet_center, Vector3.ZERO, "the center")
+	check_equal(ground.planet_radius, 100.0, "the last valid radius stays")
+	check_equal(ground.planet_center, Vector3.ZERO, "the last valid center stays")
 	var layer := make_grower()
 	layer.tile_size = 16.0
 	layer.view_distance = 300.0

@@ -189,7 +189,7 @@ func test_terrabrush_is_edited() -> void:
 	await regenerated_by(scatter, func() -> void:
 		node.add_zone(Vector2i(1, 0))
 		await frames(3))
-	check(by_id(scatter).size() > before + 300, "a new zone")
+	check(by_id(scatter).size() > before + 300, "instances are placed on a new zone")
 	var height: float = by_id(scatter).values()[0].y
 	await regenerated_by(scatter, func() -> void:
 		node.position.y += 10.0

@@ -39,7 +39,7 @@ func test_queries_match_a_scan() -> void:
 		var at := all.transforms[-1 - index]
 		check_ray(scatter, all, at * Vector3(5, 3, 1), at * Vector3(-5, 3, -1), [])
 	var found: PackedInt64Array = scatter.query_rect(Rect2(-60, -60, 120, 120), scatter.layers[0]).ids
-	check(Array(all.ids.slice(-20)).all(func(id: int) -> bool: return found.has(id)), "hand-placed")
+	check(Array(all.ids.slice(-20)).all(func(id: int) -> bool: return found.has(id)), "queries find the hand-placed instances")
 
 
 func test_a_server_without_viewers_returns_the_same() -> void:
@@ -109,7 +109,7 @@ func test_workers_complete_requests() -> void:
 	check(third.cancel(), "one request is canceled")
 	check(not third.cancel() and third.is_canceled() and third.is_completed(), "a request can be canceled only once")
 	check(completed.is_empty(), "no immediate signal")
-	await until(func() -> bool: return completed.size() == 3, "all are completed")
+	await until(func() -> bool: return completed.size() == 3, "all requests are completed")
 	await frames(10)
 	check(third.get_result().is_empty() and completed[third.get_instance_id()].is_empty(), "a canceled request has no result")
 	check(first.is_completed() and not first.is_canceled() and not first.cancel(), "a completed request cannot be canceled")
@@ -211,9 +211,9 @@ func test_layers_by_name_and_reference() -> void:
 	var at := Transform3D(Basis(), Vector3(1, 20, 1))
 	var id := scatter.add_instance("ferns", at)
 	check_equal(scatter.get_instance(id).layer, scatter.layers[1], "a hand-placed fern")
-	check_equal(scatter.query_nearest(at.origin, 2.0, "ferns").id, id, "the nearest fern")
+	check_equal(scatter.query_nearest(at.origin, 2.0, "ferns").id, id, "the hand-placed fern is the nearest")
 	check(scatter.query_nearest(at.origin, 2.0, "trees") == null, "no tree")
-	check_equal(scatter.remove_in_sphere(at.origin, 2.0, scatter.layers[1]).size(), 1, "removed by layer")
+	check_equal(scatter.remove_in_sphere(at.origin, 2.0, scatter.layers[1]).size(), 1, "one fern is removed")
 	for wrong: Variant in ["oaks", "", 0, -1, null, 0.5, ["trees", "oaks"], ["trees", 1], PackedInt32Array([0]), ScatterLayer.new(), Node]:
 		check(scatter.query_rect(rect, wrong).is_empty(), "no layer %s" % [wrong])
 		check_error(["TerrainScatter3D.query_rect", "ayer"], "no layer %s" % [wrong])

@@ -147,7 +147,7 @@ func test_hidden_regions() -> void:
 	for node: Node3D in [region, between]:
 		node.hide()
 		await settle(scatter)
-		check(digests(scatter, 0) == before, "hidden")
+		check(digests(scatter, 0) == before, "a hidden region has no effect")
 		node.show()
 		await settle(scatter)
 		check(digests(scatter, 0) == with_region, "a region that is shown again has its effect")
@@ -184,7 +184,7 @@ func test_adding_and_removing_regions() -> void:
 	await settle(scatter)
 	await settle(other)
 	check(digests(scatter, 0) == before, "the region moved away")
-	check(digests(other, 0) == with_region, "below another scatter")
+	check(digests(other, 0) == with_region, "the region affects its new scatter")
 	other.remove_child(region)
 	other.free()
 	check_equal(region.get_problems().size(), 0, "no problems outside of the tree")
@@ -215,7 +215,7 @@ func test_freed_in_any_frame() -> void:
 		else:
 			scatter.free()
 		await frames(1)
-		check(not is_instance_valid(regions[3]), "freed")
+		check(not is_instance_valid(regions[3]), "the region is freed")
 
 
 func test_properties_without_effect_are_hidden() -> void:
@@ -258,7 +258,7 @@ func test_saved_and_loaded() -> void:
 		region.owner = scatter
 	await settle(scatter)
 	var packed := PackedScene.new()
-	check_equal(packed.pack(scatter), OK, "packing")
+	check_equal(packed.pack(scatter), OK, "the scatter is packed")
 	var copy: TerrainScatter3D = packed.instantiate()
 	copy.viewers = []
 	root.add_child(copy)
@@ -286,7 +286,7 @@ func test_rejected_values() -> void:
 	check_error(["ScatterRegion3D.polygon", "65537"], "too many corners")
 	region.set("shape", 5)
 	check_error(["ScatterRegion3D.shape", "5"], "no such shape")
-	check(region.size == Vector3(10, 10, 10) and region.polygon.is_empty() and region.shape == 0, "nothing has changed")
+	check(region.size == Vector3(10, 10, 10) and region.polygon.is_empty() and region.shape == 0, "the properties are unchanged")
 	region.free()
 
 

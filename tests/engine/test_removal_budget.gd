@@ -102,7 +102,7 @@ func test_a_state_with_many_removals() -> void:
 	var other := make_scatter(scatter.layers, scatter.ground, viewer)
 	await settle(other)
 	other.state = state
-	check(other.remove_in_sphere(Vector3.ZERO, 60.0).size() > 1024, "removed")
+	check(other.remove_in_sphere(Vector3.ZERO, 60.0).size() > 1024, "the other node removes its instances")
 	other.free()
 	await check_removal(scatter, "a state", func() -> void: scatter.state = state)
 
@@ -230,7 +230,7 @@ func test_multimeshes_are_freed_over_frames() -> void:
 		"a new seed": func() -> void: scatter.seed += 1,
 		"no layers": func() -> void: scatter.layers = []}
 	for context in changes:
-		await until(func() -> bool: return scatter.get_stats()["multimeshes_leaving"] == 0, "all are freed")
+		await until(func() -> bool: return scatter.get_stats()["multimeshes_leaving"] == 0, "all multimeshes are freed")
 		check(scatter.get_stats()["multimeshes"] >= 20, "%d multimeshes" % scatter.get_stats()["multimeshes"])
 		scatter.frame_budget_usec = 1
 		changes[context].call()

@@ -127,7 +127,7 @@ func test_script_ground_on_workers_is_the_same() -> void:
 	var threaded := make_scatter([make_layer()], ThreadedHills.new(), viewer)
 	await settle(main)
 	await settle(threaded)
-	check_equal(digests(threaded, 0), digests(main, 0), "digests")
+	check_equal(digests(threaded, 0), digests(main, 0), "digests of the instances")
 
 
 func test_script_normals_and_holes() -> void:
@@ -299,7 +299,7 @@ func test_setting_the_same_value_has_no_effect() -> void:
 	await frames(3)
 	for figure: String in ["tiles_made", "uploads", "redrawn"]:
 		check_equal(scatter.get_stats()[figure], stats[figure], figure)
-	check_equal(digests(scatter, 0), before, "digests")
+	check_equal(digests(scatter, 0), before, "digests of the instances")
 
 
 func test_moving_the_node_moves_nothing() -> void:
@@ -327,9 +327,9 @@ func test_pausing_stops_the_stream() -> void:
 
 func test_grounds_can_be_queried_by_scripts() -> void:
 	var hills := Hills.new()
-	check(absf(hills.get_height(Vector3(13.0, 99.0, 7.0)) - Hills.height(Vector2(13.0, 7.0))) < 1e-4, "height")
+	check(absf(hills.get_height(Vector3(13.0, 99.0, 7.0)) - Hills.height(Vector2(13.0, 7.0))) < 1e-4, "the height of the hills")
 	var normal := Vector3(-0.5 * cos(13.0 * 0.05), 1.0, 0.4 * sin(7.0 * 0.08)).normalized()
-	check(normal.angle_to(hills.get_normal(Vector3(13.0, 0.0, 7.0))) < 0.01, "normal")
+	check(normal.angle_to(hills.get_normal(Vector3(13.0, 0.0, 7.0))) < 0.01, "the normal of the hills")
 	var leaning := LeaningHills.new()
 	check(is_nan(leaning.get_height(Vector3(1.0, 0.0, 1.0))), "no height in a hole")
 	check_equal(leaning.get_normal(Vector3(1.0, 0.0, 1.0)), Vector3.ZERO, "normal in a hole")

@@ -165,7 +165,7 @@ func test_invalid_maps_are_reported_and_not_used() -> void:
 		await settle(scatter)
 		var problems := "\n".join(scatter.get_problems())
 		check(words in problems and "position by position" in problems, "%s: %s" % [words, problems])
-		check("position by position" in (scatter.ground as ScatterGroundNode).recognized, "recognized")
+		check("position by position" in (scatter.ground as ScatterGroundNode).recognized, "the node's description mentions the slower queries")
 		check_ground(scatter, node, words)
 		check(node.data.point_calls > 500, "it is queried point by point")
 		node.data.remove_region(region)

@@ -25,14 +25,14 @@ func test_any_object() -> void:
 	check(not node.called_on_worker, "called on the main thread")
 	var fast := make_on(node, true)
 	await settle(fast)
-	check(node.called_on_worker, "called on workers")
+	check(node.called_on_worker, "the node is called on workers")
 	check_equal(digests(slow, 0), digests(fast, 0), "the instances are the same on workers")
 	check(slow.get_stats()["instances"] > 1000, "many instances are placed")
-	check(slow.ground.get_normal(Vector3.ZERO).distance_to(Vector3(-1.0, 1.0, 0.0).normalized()) < 1e-5, "slope")
+	check(slow.ground.get_normal(Vector3.ZERO).distance_to(Vector3(-1.0, 1.0, 0.0).normalized()) < 1e-5, "the normal of the slope")
 	node.rise = 0.0
 	slow.regenerate()
 	await settle(slow)
-	check(absf(all_transforms(slow)[0].origin.y) < 1e-5, "regenerated")
+	check(absf(all_transforms(slow)[0].origin.y) < 1e-5, "the instances are at the new height")
 
 
 func test_objects_do_not_depend_on_tiles() -> void:

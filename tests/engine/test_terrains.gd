@@ -295,7 +295,7 @@ func test_meshes() -> void:
 	check_equal(wrong, 0, "instances off the meshes")
 	check(is_nan(terrain.get_height(Vector3(0.0, 0.0, 25.0))), "no ground outside of the meshes")
 	var leaning := Vector3.UP.rotated(Vector3.BACK, deg_to_rad(20.0))
-	check(terrain.get_normal(Vector3(-60.0, 0.0, 0.0)).distance_to(leaning) < 1e-4, "normal")
+	check(terrain.get_normal(Vector3(-60.0, 0.0, 0.0)).distance_to(leaning) < 1e-4, "the normal of the leaning mesh")
 	var rects: Array[Rect2] = []
 	terrain.ground_changed.connect(func(rect: Rect2) -> void: rects.push_back(rect))
 	terrain.refresh()

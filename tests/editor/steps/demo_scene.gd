@@ -226,7 +226,7 @@ func ask_first(layer: Resource, at: Vector2, full: Dictionary) -> void:
 			check(layer.mask != null and FileAccess.file_exists(file), "redo restores the mask and its file")
 			check(ResourceLoader.load(file, "", ResourceLoader.CACHE_MODE_IGNORE).sample(at) < 0.01, "the file contains the stroke")
 			history(scatter).undo()
-			check(layer.mask == null and not FileAccess.file_exists(file), "undone")
+			check(layer.mask == null and not FileAccess.file_exists(file), "undo removes the mask and its file")
 			await settle(scatter)
 
 

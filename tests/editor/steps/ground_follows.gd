@@ -347,7 +347,7 @@ func test_meshes_and_bodies_are_added_to_a_ground_of_another_kind() -> void:
 	var combined: Resource = scatter.get(&"ground")
 	if not check(combined.is_class("ScatterGroundCombined"), "both grounds are combined"):
 		return
-	check_equal(combined.get(&"grounds").size(), 2, "two grounds")
+	check_equal(combined.get(&"grounds").size(), 2, "it combines two grounds")
 	check(combined.get(&"grounds")[0] == flat, "the flat ground is kept")
 	var after := saved()
 	await select([scatter])

@@ -203,7 +203,7 @@ func test_generated_instances() -> void:
 	var id: int = near.id
 	var placed_at: Transform3D = near.transform
 	await click_at(on_screen(placed_at.origin + Vector3.UP * 0.1))
-	check_equal(hand.selected, id, "selected")
+	check_equal(hand.selected, id, "a click selects the generated instance")
 	await key(KEY_ESCAPE)
 	await drag_mouse(on_screen(placed_at.origin), on_screen(placed_at.origin + Vector3(0.5, 0.0, 0.0)))
 	check(not scatter.has_instance(id) and hand.selected < 0, "the moved instance has a new ID")
@@ -213,7 +213,7 @@ func test_generated_instances() -> void:
 	check(scatter.has_instance(id) and transform_of(id) == placed_at, "undo restores the generated instance")
 	await click_at(on_screen(placed_at.origin + Vector3.UP * 0.1))
 	await key(KEY_DELETE)
-	check(not scatter.has_instance(id), "deleted")
+	check(not scatter.has_instance(id), "the generated instance is deleted")
 	await settle(scatter)
 	check(not instances(scatter, 1).has(id), "it is not drawn")
 	check_equal(scatter.build_rect(scatter.layers[1], Rect2(placed_at.origin.x - 0.01, placed_at.origin.z - 0.01, 0.02, 0.02)).is_empty(), true, "nor is it baked")

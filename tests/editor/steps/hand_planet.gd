@@ -113,7 +113,7 @@ func test_rotate_and_align() -> void:
 	var id := placed()[0]
 	await key(KEY_ESCAPE)
 	await click_at(on_screen(transform_of(id).origin))
-	check_equal(hand.selected, id, "selected")
+	check_equal(hand.selected, id, "a click selects the instance")
 	var start := transform_of(id)
 	await key(KEY_R)
 	var turned := transform_of(id)

@@ -20,7 +20,7 @@ func test_summary() -> void:
 	var image := Image.create_empty(5, 4, false, Image.FORMAT_L8)
 	image.fill(Color8(51, 51, 51))
 	image.set_pixel(4, 3, Color8(255, 255, 255))
-	check_equal(image.save_png(PATH), OK, "saved")
+	check_equal(image.save_png(PATH), OK, "the image is saved")
 	var ground: Resource = ClassDB.instantiate(&"ScatterGroundHeightmap")
 	ground.set(&"heightmap_path", PATH)
 	ground.set(&"rect", Rect2(0, 0, 10, 6))

@@ -37,7 +37,7 @@ func test_one_click() -> void:
 	button.press()
 	check(button.is_processing(), "the button starts the bake: " + button.job.problem)
 	var job: RefCounted = button.job
-	await until(func() -> bool: return job.progress == 1.0 or not job.problem.is_empty(), "baked")
+	await until(func() -> bool: return job.progress == 1.0 or not job.problem.is_empty(), "the bake is finished")
 	check_equal(job.problem, "", "the bake reports no problem")
 	check_equal(job.files, PackedStringArray(["res://wood_old_oaks_impostor_0.res"]), "the impostor is saved next to the scene")
 	var lods: Array = layer.call(&"get_mesh_lods", 0)

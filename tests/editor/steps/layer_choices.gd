@@ -51,7 +51,7 @@ func choose() -> void:
 	await inspect(fern)
 	var choice: OptionButton = property_editor(&"proximity_layer").find_children("*", "OptionButton", true, false)[0]
 	check_equal(items(choice), PackedStringArray(["None", "Posts", "Spruce", "Oak", "Birch", "Bush", "Stone", "Deadwood"]), "layers before the ferns")
-	check_equal(choice.get_item_text(choice.selected), "Spruce", "the current choice")
+	check_equal(choice.get_item_text(choice.selected), "Spruce", "the list shows the current choice")
 	choice.item_selected.emit(4)
 	check_equal(fern.proximity_layer, "Birch", "choosing a layer sets the property")
 	await undo_last(fern)
@@ -74,7 +74,7 @@ func choose() -> void:
 	check_equal(boxes.map(func(box: CheckBox) -> String: return box.text), names.slice(0, names.find("Fern")), "a box for each layer before the ferns")
 	boxes[5].button_pressed = true
 	await frames(3)
-	check_equal(fern.get(&"surface_layers"), ["Stone"], "grows on stones")
+	check_equal(fern.get(&"surface_layers"), ["Stone"], "the checked box makes ferns grow on stones")
 	await undo_last(fern)
 	check_equal(fern.get(&"surface_layers"), [], "undone: grows on the ground")
 	fern.set(&"on_surfaces", false)

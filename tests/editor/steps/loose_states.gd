@@ -48,7 +48,7 @@ func check_scene(path: String, context: String) -> void:
 
 func add_instances(count: int, first: float) -> void:
 	for index in count:
-		check(scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(first + 0.01 * index, 0.0, 1.0))) != 0, "added")
+		check(scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(first + 0.01 * index, 0.0, 1.0))) != 0, "the instance is added")
 
 
 func test_changes_by_a_script() -> void:

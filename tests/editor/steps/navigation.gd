@@ -63,7 +63,7 @@ func test_the_button() -> void:
 	if not check(bake != null, "the engine's bake button is visible"):
 		return
 	await mouse_click(bake.get_global_transform_with_canvas() * (bake.size * 0.5))
-	await until(func() -> bool: return region.navigation_mesh.get_polygon_count() > 10, "baked")
+	await until(func() -> bool: return region.navigation_mesh.get_polygon_count() > 10, "the navigation mesh is baked")
 	var all: RefCounted = scatter.query_rect(Rect2(-SIDE / 2.0, -SIDE / 2.0, SIDE, SIDE))
 	for index in all.size():
 		check(not is_walkable(all.get_position(index)), "the trunk at %s is not walkable" % all.get_position(index))
