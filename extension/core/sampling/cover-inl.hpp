@@ -9,6 +9,7 @@
 
 #include "core/sampling/cover_table.hpp"
 #include "core/sampling/neighborhood-inl.hpp"
+#include "core/sampling/obstacle_parts-inl.hpp"
 
 #include <hwy/highway.h>
 
@@ -236,7 +237,7 @@ public:
 		if (HWY_UNLIKELY(grid.obstacles != nullptr)) {
 			for (std::uint32_t i = 0; i < count_; ++i) {
 				const int part_bits = std::max(lattice_bits - static_cast<int>(squares_[i].child_level) - 2, 0);
-				grid.obstacles->add_covered_parts(squares_[i].cell, squares_[i].origin, part_bits, rows_ + 8 * i);
+				add_covered_parts(*grid.obstacles, squares_[i].cell, squares_[i].origin, part_bits, rows_ + 8 * i);
 			}
 		}
 		for (std::uint32_t i = 0; i < count_; ++i) {
