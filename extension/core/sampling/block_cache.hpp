@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/mutex.hpp"
+#include "core/sampling/area_cache.hpp"
 #include "core/sampling/level_grid.hpp"
 #include "core/sampling/point_set.hpp"
 
@@ -87,10 +88,14 @@ public:
 	static constexpr std::int32_t widest_window(std::uint32_t levels) { return levels > 1 ? 32 : 24; }
 
 	/// Creates a cache of at most `bytes` bytes, which evicts the least recently used blocks first.
-	explicit BlockCache(std::size_t bytes = default_bytes) : limit_(bytes) {}
+	explicit BlockCache(std::size_t bytes = default_bytes) : limit_(bytes), areas_(4 * bytes) {}
 
 	/// Returns the memory of all cached blocks.
 	std::size_t bytes() const;
+
+	/// Returns the cache for larger windows that overlap. Its limit is four times that of the blocks,
+	/// because it contains whole windows. It stays empty unless layers fill gaps.
+	AreaCache &areas() { return areas_; }
 
 private:
 	friend class SettledWindow;
@@ -110,6 +115,7 @@ private:
 	void trim();
 
 	const std::size_t limit_;
+	AreaCache areas_;
 	mutable Mutex mutex_;
 	/// Cached blocks, and entries without a block for blocks that were requested only once.
 	std::map<Key, Entry> entries_;

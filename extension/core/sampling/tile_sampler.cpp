@@ -3,6 +3,7 @@
 #include "core/base/check.hpp"
 #include "core/base/guard.hpp"
 #include "core/base/instance_id.hpp"
+#include "core/sampling/area_cache.hpp"
 #include "core/sampling/block_cache.hpp"
 #include "core/sampling/block_sampler.hpp"
 #include "core/sampling/rank.hpp"
@@ -151,12 +152,15 @@ struct TileSampler::Workspace {
 
 	/// The obstacles of the current call; null if there are none.
 	const Obstacles *obstacles = nullptr;
+	WindowUse use = WindowUse::separate;
 
 	Status sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points, const Progress &progress,
 			CallerThreads *threads);
 	Status sample_block(const PointSet &set, const Rect &rect, const CellRect &block, const std::atomic<bool> *cancel,
 			std::vector<SamplePoint> &r_points);
 	bool take_settled(const PointSet &set, const Rect &rect, const CellRect &cells, const std::atomic<bool> *cancel,
+			std::vector<SamplePoint> &r_points);
+	bool take_areas(const PointSet &set, const Rect &rect, const CellRect &cells, const std::atomic<bool> *cancel,
 			std::vector<SamplePoint> &r_points);
 	Status sample_together(const PointSet &set, const Rect &rect, const BlockRange &range, CallerThreads &threads,
 			std::vector<SamplePoint> &r_points, const Progress &progress);
@@ -244,6 +248,36 @@ bool TileSampler::Workspace::take_settled(const PointSet &set, const Rect &rect,
 	return true;
 }
 
+/// Takes the points from cached areas, and computes the missing areas for the cache. Returns false,
+/// without points, if the window must be sampled directly.
+bool TileSampler::Workspace::take_areas(const PointSet &set, const Rect &rect, const CellRect &cells,
+		const std::atomic<bool> *cancel, std::vector<SamplePoint> &r_points) {
+	constexpr std::int32_t limit = cell_limit - SettledArea::part_width;
+	const glm::ivec2 size = cells.size();
+	if (use != WindowUse::overlapping || cache == nullptr || obstacles != nullptr || std::min(size.x, size.y) <= 0 ||
+			std::max(size.x, size.y) > AreaWindow::widest || std::min(cells.min.x, cells.min.y) < -limit ||
+			std::max(cells.max.x, cells.max.y) > limit) {
+		return false;
+	}
+	AreaWindow window(cache->areas(), set, cells);
+	for (CellRect missing; window.next_missing(missing);) {
+		if (blocks.resolve(missing, cancel) != ResolveResult::done) {
+			return false; // If the error also occurs in direct sampling, direct sampling reports it.
+		}
+		count();
+		window.settle(blocks.finest());
+	}
+	// Sampling directly would return the same points in the same order.
+	const double unit = lattice_unit(set);
+	const BlockRange range(cells);
+	for (std::int64_t block = 0; block < range.count(); ++block) {
+		window.for_each(range.block(block), [&](glm::ivec2 cell, const SettledArea::Point &each) {
+			add_point(set, rect, unit, cell, each.offset, each.rank, r_points);
+		});
+	}
+	return true;
+}
+
 /// Samples a few blocks per worker, appends their points in order, and repeats. Working in such
 /// batches keeps the number of points that are stored twice small.
 Status TileSampler::Workspace::sample_together(const PointSet &set, const Rect &rect, const BlockRange &range,
@@ -326,11 +360,13 @@ Status TileSampler::Workspace::sample(const PointSet &set, const Rect &rect, std
 	const BlockRange range(cells);
 	blocks.prepare(set, rank_of);
 	Status status;
-	if (take_settled(set, rect, cells, progress.cancel, r_points)) {
+	const bool is_together = range.count() > 1 && threads != nullptr && threads->count() > 0;
+	if (take_settled(set, rect, cells, progress.cancel, r_points) ||
+			(!is_together && take_areas(set, rect, cells, progress.cancel, r_points))) {
 		if (progress.report) {
 			progress.report(1.0, r_points.size());
 		}
-	} else if (range.count() > 1 && threads != nullptr && threads->count() > 0) {
+	} else if (is_together) {
 		// The lent threads produce the same points in the same order.
 		status = sample_together(set, rect, range, *threads, r_points, progress);
 	} else {
@@ -366,7 +402,7 @@ TileSampler &TileSampler::operator=(TileSampler &&) noexcept = default;
 const SampleStats &TileSampler::stats() const { return workspace_->stats; }
 
 Status TileSampler::sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
-		const Progress &progress, CallerThreads *threads, const Obstacles *obstacles) {
+		const Progress &progress, CallerThreads *threads, const Obstacles *obstacles, WindowUse use) {
 	Status status = validate(set);
 	if (status.ok()) {
 		status = validate_rect(set, rect);
@@ -375,6 +411,7 @@ Status TileSampler::sample(const PointSet &set, const Rect &rect, std::vector<Sa
 		return status;
 	}
 	workspace_->obstacles = obstacles;
+	workspace_->use = use;
 	status = guarded("rect", enough_points(set, rect) * sizeof(SamplePoint),
 			[&] { return workspace_->sample(set, rect, r_points, progress, threads); });
 	if (status.code == ErrorCode::out_of_memory) {

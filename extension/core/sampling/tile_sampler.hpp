@@ -29,6 +29,14 @@ struct SampleStats {
 	void add(const SampleStats &other);
 };
 
+/// Whether the rectangles that a caller samples overlap.
+enum class WindowUse : std::uint8_t {
+	separate,
+	/// Much of a rectangle was or will be sampled for other rectangles. Its points are then cached,
+	/// also those of rectangles that are too large for cached blocks.
+	overlapping,
+};
+
 /// Samples any rectangle of a fixed, infinite Poisson-disk set. The sampler implements hierarchical
 /// dart throwing (White, Cline, Egbert 2007, sections 2 and 3) as a race of hashed exponential
 /// clocks. The expanding wavefront of section 4.3 advances on demand.
@@ -71,8 +79,11 @@ public:
 	/// the radius stay the same, and the obstacles determine the margin. If it is too narrow, the
 	/// call fails with ErrorCode::margin_too_wide; the caller can then provide the obstacles of a
 	/// wider area. Filled sets do not use the cache.
+	///
+	/// `use` affects only the use of the cache, and never the result.
 	Status sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
-			const Progress &progress = {}, CallerThreads *threads = nullptr, const Obstacles *obstacles = nullptr);
+			const Progress &progress = {}, CallerThreads *threads = nullptr, const Obstacles *obstacles = nullptr,
+			WindowUse use = WindowUse::separate);
 
 	const SampleStats &stats() const;
 
