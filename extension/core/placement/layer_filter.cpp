@@ -39,12 +39,14 @@ Status LayerFilter::sample(
 		const PointSource &source, const TileSpace &window, const std::atomic<bool> *cancel, CallerThreads *threads) {
 	window_ = window;
 	on_surface_ = layer_->set.on_surface;
+	is_filled_ = source.obstacles != nullptr;
 	points_.clear();
 	surface_points_.clear();
 	if (!rules_.closed_in(window)) { // If the rules let no point pass, none needs to be sampled.
-		const Status status = on_surface_ ? sample_surface(source, cancel)
-										  : source.plane.sample(layer_->set, window, points_,
-													{.cancel = cancel, .report = {}}, threads, source.obstacles);
+		const Status status = on_surface_
+				? sample_surface(source, cancel)
+				: source.plane.sample(layer_->set, window, points_, {.cancel = cancel, .report = {}}, threads,
+						  source.obstacles, source.use);
 		if (!status.ok()) {
 			return status;
 		}
@@ -106,6 +108,7 @@ Status LayerFilter::take(std::span<const glm::dvec2> places, const Rect &window,
 		const Surface *grown) {
 	window_ = window;
 	on_surface_ = !on_surface.empty();
+	is_filled_ = false;
 	points_.clear();
 	surface_points_.clear();
 	for (const glm::dvec2 place : places) {
@@ -300,7 +303,9 @@ double LayerFilter::product(std::size_t point, std::span<const Ground> ground, c
 		density *= rules_.shape_density(near_shapes_, positions_[point], here, record);
 	}
 	for (std::size_t i = 0; i < neighbors_.size() && goes_on(); ++i) {
-		density *= neighbor_density(i, point, here, record);
+		if (!is_filled_ || !fills_around(*layer_, layer_->neighbors[i])) {
+			density *= neighbor_density(i, point, here, record);
+		}
 	}
 	if (!probe_open_.empty() && goes_on()) {
 		const std::span<const Ground> around =
@@ -354,7 +359,11 @@ Status LayerFilter::filter(std::span<const Ground> ground, const std::atomic<boo
 	return {};
 }
 
-void LayerFilter::index_standing(const LayerGraph::Node &node, std::span<const Ground> ground) {
+void LayerFilter::index_standing(const LayerGraph::Node &node, std::span<const Ground> ground, bool for_any_place) {
+	const bool on_plane = node.asked_on_plane || (for_any_place && node.asked_by_filling);
+	if (!on_plane && !node.asked_in_space) {
+		return;
+	}
 	const double cell = std::max(node.asked_from, layer_->set.radius);
 	standing_positions_.clear();
 	standing_places_.clear();
@@ -365,7 +374,7 @@ void LayerFilter::index_standing(const LayerGraph::Node &node, std::span<const G
 			standing_places_.emplace_back(position.x, ground_of(ground)[point].height, position.y);
 		}
 	}
-	if (node.asked_on_plane) {
+	if (on_plane) {
 		grid_.set(standing_positions_, window_, cell);
 	}
 	if (node.asked_in_space) {

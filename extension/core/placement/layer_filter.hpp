@@ -27,6 +27,7 @@ struct PointSource {
 	SurfaceSampler &surfaces;
 	const Surface *surface = nullptr;     ///< The surface of the ground. If null, layers on surfaces have no points.
 	const Obstacles *obstacles = nullptr; ///< For a layer that fills gaps, the instances of its neighbors.
+	WindowUse use = WindowUse::separate;
 };
 
 /// Determines which points of one layer become instances in a window: call `sample`, query the
@@ -81,8 +82,9 @@ public:
 	Status factors_at(std::size_t point, std::span<const Ground> ground, std::vector<RuleFactor> &r_factors) const;
 
 	/// Indexes the kept points for nearest_squared, with the distance that `node` requires.
-	/// `ground` is the same as for `filter`.
-	void index_standing(const LayerGraph::Node &node, std::span<const Ground> ground);
+	/// `ground` is the same as for `filter`. If `for_any_place` is true, the layers that fill gaps
+	/// around this one may have points from `take`.
+	void index_standing(const LayerGraph::Node &node, std::span<const Ground> ground, bool for_any_place);
 
 	/// Returns the squared distance from a position to the nearest kept point of `other`, or the
 	/// square of `distance` (meters) if no point is nearer than that. `distance` must not exceed
@@ -125,6 +127,7 @@ private:
 	TileSpace window_;
 	std::size_t sampled_ = 0;
 	bool on_surface_ = false; ///< True if the points are on surfaces, with known ground.
+	bool is_filled_ = false;  ///< True if the points were sampled with obstacles, and keep their distance from these.
 
 	std::vector<SamplePoint> points_; ///< The sampled points; a member to reuse its memory.
 	std::vector<SurfacePoint> surface_points_;

@@ -106,6 +106,7 @@ void LayerGraph::find_margins() {
 			Node &other = nodes_[index_of(layer)];
 			other.margin = std::max(other.margin, node.margin + distance);
 			other.depth = std::max(other.depth, node.depth + 1);
+			other.is_filled_around = other.is_filled_around || node.is_filled_around;
 			return other;
 		};
 		const auto look = [&extend, &node](const LayerSettings *layer, double distance) {
@@ -117,10 +118,14 @@ void LayerGraph::find_margins() {
 			extend(host.layer.get(), host_distance(*node.layer, reach_of(host)));
 		}
 		for (const Neighbor &neighbor : node.layer->neighbors) {
-			look(neighbor.layer.get(), neighbor.distance);
-			if (fills_around(*node.layer, neighbor)) {
-				extend(neighbor.layer.get(), neighbor.distance + fill_distance(node.layer->set, fill_margin_));
+			if (!fills_around(*node.layer, neighbor)) {
+				look(neighbor.layer.get(), neighbor.distance);
+				continue;
 			}
+			const double around = fill_distance(node.layer->set, fill_margin_);
+			Node &other = extend(neighbor.layer.get(), neighbor.distance + around);
+			other.asked_from = std::max(other.asked_from, neighbor.distance);
+			other.asked_by_filling = other.is_filled_around = true;
 		}
 		for (const InstanceSource *source : distance_sources_at(*node.layer, node.depth)) {
 			if (source != nullptr) {

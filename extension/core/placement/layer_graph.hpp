@@ -28,6 +28,12 @@ public:
 		/// (`asked_on_plane`) or in space (`asked_in_space`); see distance_in_space.
 		bool asked_on_plane = false;
 		bool asked_in_space = false;
+		/// True if a layer fills gaps around this one. Points of that layer keep their distance
+		/// already when they are sampled. Other positions are checked on the plane.
+		bool asked_by_filling = false;
+		/// True if a layer fills gaps around this one, or around a layer that depends on this one.
+		/// The margin is then wide, and the windows of adjacent tiles share much of their area.
+		bool is_filled_around = false;
 		std::size_t depth = 0; ///< Number of steps on the longest path to this layer.
 	};
 

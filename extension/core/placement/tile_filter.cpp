@@ -48,7 +48,9 @@ Status TileFilter::sample_layer(std::size_t index, const std::atomic<bool> *canc
 		return {};
 	}
 	progress_[index] = Progress::sampled;
-	const Status status = each.sample({sampler_, surface_sampler_, surface_}, window_of(index), cancel, threads);
+	const WindowUse use = graph_.nodes()[index].is_filled_around ? WindowUse::overlapping : WindowUse::separate;
+	const PointSource source{sampler_, surface_sampler_, surface_, nullptr, use};
+	const Status status = each.sample(source, window_of(index), cancel, threads);
 	if (!each.settings().set.on_surface) {
 		stats_ = sampler_.stats();
 	} else {
@@ -250,7 +252,7 @@ Status TileFilter::filter_layer(std::size_t index, std::span<const Ground> groun
 Status TileFilter::filter_neighbor(std::size_t index, std::span<const Ground> ground, const std::atomic<bool> *cancel) {
 	const Status status = filter_layer(index, ground, cancel);
 	if (status.ok()) {
-		layers_[index]->index_standing(graph_.nodes()[index], ground_at(index, ground));
+		layers_[index]->index_standing(graph_.nodes()[index], ground_at(index, ground), takes_own_);
 	}
 	return status;
 }
