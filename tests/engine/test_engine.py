@@ -175,6 +175,7 @@ def assert_passed(done, loads_on_threads=False):
         "test_state_handlers",
         "test_state_peers",
         "test_edits",
+        "test_filled_layers",
         "test_neighbors",
         "test_biomes",
         "test_water",
