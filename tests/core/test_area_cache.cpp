@@ -121,6 +121,21 @@ TEST_CASE("area cache: windows at the set's last cells have the same points") {
 	}
 }
 
+TEST_CASE("area cache: a canceled window leaves nothing behind") {
+	const PointSet set{.seed = 11, .radius = 1.0};
+	const auto cache = std::make_shared<BlockCache>();
+	TileSampler with({}, cache);
+	TileSampler without;
+	std::vector<SamplePoint> points;
+	const std::atomic<bool> cancel = true;
+	const Progress progress{.cancel = &cancel, .report = {}};
+	const Rect window = window_of(set, 0, 0);
+	CHECK(with.sample(set, window, points, progress, nullptr, nullptr, WindowUse::overlapping).code ==
+			ErrorCode::cancelled);
+	CHECK(cache->areas().bytes() == 0);
+	CHECK(points_in(with, set, window) == points_in(without, set, window));
+}
+
 TEST_CASE("area cache: several threads take the same points from one cache") {
 	const PointSet set{.seed = 13, .radius = 1.0};
 	const auto cache = std::make_shared<BlockCache>(std::size_t{1} << 17);
