@@ -124,6 +124,12 @@ def test_hand_placed_instances_on_a_planet(godot_xvfb, editor_project):
     check_passed(done.stdout + done.stderr)
 
 
+def test_tools_on_all_levels_of_the_ground(godot_xvfb, editor_project):
+    """Uses the tools on, below and beside a bridge. The checks are in level_tools.gd."""
+    done = godot_xvfb(["--editor", "--path", editor_project, "--", "level_tools"], timeout=300)
+    check_passed(done.stdout + done.stderr)
+
+
 def test_shapes(godot_xvfb, editor_project):
     """Runs the checks of regions and their handles in shapes.gd."""
     done = godot_xvfb(["--editor", "--path", editor_project, "--", "shapes"], timeout=600)

@@ -5,6 +5,8 @@ extends RefCounted
 
 const MOST_LINES := 12
 const WIDTH := 560.0
+## A layer that grows only on the top of the ground is not explained below this depth, in meters.
+const DEPTH := 0.1
 const YES := Color(0.55, 1.0, 0.5)
 const NO := Color(1.0, 0.6, 0.5)
 const PLAIN := Color(0.92, 0.92, 0.92)
@@ -15,8 +17,8 @@ var rows: Array[Array] = []
 
 
 ## Fills [member rows] from the result of [method TerrainScatter3D.explain_position]. Lists all rules of the layer [param chosen], or no rules if it
-## is null.
-func fill(explanations: Array, chosen: Resource) -> void:
+## is null. If the position [param at] is below the top of the ground, layers that grow only on the top are not explained there.
+func fill(explanations: Array, chosen: Resource, at := Vector3.INF) -> void:
 	rows.clear()
 	# The selected layer comes first, so that it is never omitted.
 	var ordered := explanations.filter(func(explanation: RefCounted) -> bool: return explanation.get(&"layer") == chosen)
@@ -28,6 +30,10 @@ func fill(explanations: Array, chosen: Resource) -> void:
 		var explanation: Variant = ordered[index]
 		var yes: bool = str(explanation.refused_by).is_empty()
 		var name: String = explanation.layer_name if explanation.layer_name else "Layer %d" % explanations.find(explanation)
+		var depth: float = explanation.position.y - at.y
+		if at.is_finite() and depth > DEPTH and explanation.layer != null and not explanation.layer.on_surfaces:
+			rows.append([NO, "✗ %s: Grows only on the top of the ground, %.1f m above. Turn on on_surfaces to let it grow here." % [name, depth]])
+			continue
 		rows.append([YES if yes else NO, "%s %s: %s" % ["✓" if yes else "✗", name, explanation.reason]])
 		if chosen != null and explanation.layer == chosen:
 			for rule: int in explanation.get_rule_count():

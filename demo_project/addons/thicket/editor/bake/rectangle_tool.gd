@@ -1,9 +1,8 @@
 @tool
-extends "res://addons/thicket/editor/scatter_tool.gd"
+extends "res://addons/thicket/editor/ground/ground_tool.gd"
 ## The tool with which the user drags a rectangle of x and z on the ground with the left mouse button.
 
 const EditorSnap := preload("res://addons/thicket/editor/editor_snap.gd")
-const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
 
 ## Emitted when drawing has ended. [param rect] is in meters. It is empty if drawing was canceled.
 signal drawn(rect: Rect2)
@@ -11,7 +10,6 @@ signal drawn(rect: Rect2)
 const HINT := "Drag from corner to corner   Esc cancels"
 const COLOR := Color(0.55, 0.85, 1.0)
 
-var _cursor := GroundCursor.new()
 var _from := Vector3.INF
 
 
@@ -22,36 +20,32 @@ func _init() -> void:
 	button.visible = false
 
 
-func input(camera: Camera3D, event: InputEvent) -> int:
-	var key := event as InputEventKey
-	if key != null and key.pressed and key.keycode in [KEY_ESCAPE, KEY_DELETE]:
-		if key.keycode == KEY_ESCAPE:
-			_end(Rect2())
-		_take_key()
-		return MINE
-	if not event is InputEventMouse:
+func _on_key(key: InputEventKey) -> int:
+	if not key.pressed or not key.keycode in [KEY_ESCAPE, KEY_DELETE]:
 		return NOT_MINE
-	_cursor.aim(camera, (event as InputEventMouse).position, ground())
-	redraw_requested.emit()
-	var pressed := event as InputEventMouseButton
-	if pressed == null:
-		return MINE if _from.is_finite() else NOT_MINE
-	if pressed.button_index != MOUSE_BUTTON_LEFT or pressed.alt_pressed:
-		return NOT_MINE
-	if pressed.pressed:
-		_from = _cursor.on_ground
-	elif _from.is_finite() and _cursor.on_ground.is_finite() and _rect().has_area():
-		_end(_rect())
-	else:
-		_from = Vector3.INF
+	if key.keycode == KEY_ESCAPE:
+		_end(Rect2())
+	_take_key()
 	return MINE
 
 
-func draw_over(overlay: Control) -> void:
-	if not _cursor.is_over(overlay):
-		return
+func _on_motion(_motion: InputEventMouseMotion) -> int:
+	return MINE if _from.is_finite() else NOT_MINE
+
+
+func _on_button(click: InputEventMouseButton) -> void:
+	problem = _place_problem()
+	if click.pressed:
+		_from = _cursor.on_ground if problem.is_empty() else Vector3.INF
+	elif _from.is_finite() and problem.is_empty() and _rect().has_area():
+		_end(_rect())
+	else:
+		_from = Vector3.INF
+
+
+func _draw_view(overlay: Control) -> void:
 	_cursor.hint(overlay, HINT)
-	if not _from.is_finite() or not _cursor.on_ground.is_finite():
+	if not _from.is_finite() or not _place_problem().is_empty():
 		return
 	var rect := _rect()
 	var corners: Array[Vector2] = [
@@ -60,11 +54,20 @@ func draw_over(overlay: Control) -> void:
 	for side in 4:
 		var from := Vector3(corners[side].x, _from.y, corners[side].y)
 		var to := Vector3(corners[side + 1].x, _from.y, corners[side + 1].y)
-		_cursor.draw_path(overlay, _cursor.along_ground(from, to, ground()), COLOR, 2.0)
+		_cursor.draw_path(overlay, _cursor.along_ground(from, to, true), COLOR, 2.0)
 
 
 func finish() -> void:
 	_from = Vector3.INF
+
+
+## Returns the reason why a corner cannot be below the mouse; empty if it can.
+func _place_problem() -> String:
+	if ground() == null:
+		return _ground_problem("draw on")
+	if not _cursor.on_ground.is_finite():
+		return NO_GROUND_BELOW
+	return SurfacePlace.map_problem(scatter, _cursor.on_ground, "The rectangle is projected along the y axis and can be drawn", "Draw it there.")
 
 
 func _end(rect: Rect2) -> void:

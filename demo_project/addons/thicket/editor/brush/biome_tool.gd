@@ -58,15 +58,17 @@ func _is_painting() -> bool:
 
 
 func _begin_stroke(at: Vector3, _pressed: InputEventMouseButton) -> String:
-	if not _ground_problem().is_empty():
-		return _ground_problem()
-	if not at.is_finite():
-		return NO_GROUND_BELOW
+	if not _place_problem(at).is_empty():
+		return _place_problem(at)
 	return brush.begin(scatter, _index(), SceneFiles.edited_scene_path(), Vector2(at.x, at.z))
 
 
 func _move_stroke(at: Vector2) -> void:
 	brush.move(at)
+
+
+func _maps() -> String:
+	return "The biome map is"
 
 
 ## Returns the map to paint, or null if there is no map with biomes.

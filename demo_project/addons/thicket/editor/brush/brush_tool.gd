@@ -1,58 +1,48 @@
 @tool
-extends "res://addons/thicket/editor/scatter_tool.gd"
+extends "res://addons/thicket/editor/ground/ground_tool.gd"
 ## The base class of the brushes. It draws a ring on the ground and handles strokes with the left mouse button.
 
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
-const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
-const GroundRay := preload("res://addons/thicket/ground_ray.gd")
 const PaintedOverlay := preload("res://addons/thicket/editor/brush/painted_overlay.gd")
 
 const RADIUS_STEP := 1.15
-const NO_GROUND_BELOW := "There is no ground below the brush: paint where the ground is."
+const HINT_LEVELS := "Painting applies to everything above and below this position"
+const HINT_PLANET := "Painting also applies to the opposite side of the planet"
 
-## The reason why the last stroke failed; empty if it succeeded.
-var problem := ""
-
-var _cursor := GroundCursor.new()
 var _radius: EditorSpinSlider
 
 
-func input(camera: Camera3D, event: InputEvent) -> int:
-	if event is InputEventKey:
-		return _on_key(event as InputEventKey)
-	if not event is InputEventMouse:
+func _on_motion(_motion: InputEventMouseMotion) -> int:
+	if not _is_painting():
 		return NOT_MINE
-	var mouse := event as InputEventMouse
-	_cursor.aim(camera, mouse.position, ground())
-	redraw_requested.emit()
 	var at := _cursor.on_ground
-	if mouse is InputEventMouseMotion:
-		if not _is_painting():
-			return NOT_MINE
-		if at.is_finite():
-			_move_stroke(Vector2(at.x, at.z))
-		return MINE
-	var pressed := mouse as InputEventMouseButton
-	if pressed == null or pressed.button_index != MOUSE_BUTTON_LEFT or pressed.alt_pressed:
-		return NOT_MINE
-	# The tool always takes the left button, because the editor's box selection would deselect the scatter.
-	if not pressed.pressed:
-		finish()
-	else:
-		problem = _begin_stroke(at, pressed)
+	if at.is_finite() and _map_problem().is_empty():
+		_move_stroke(Vector2(at.x, at.z))
 	return MINE
 
 
-func draw_over(overlay: Control) -> void:
-	if not _cursor.is_over(overlay):
+func _on_button(click: InputEventMouseButton) -> void:
+	if not click.pressed:
+		finish()
+	else:
+		problem = _begin_stroke(_cursor.on_ground, click)
+
+
+func _draw_view(overlay: Control) -> void:
+	if not _place_problem(_cursor.on_ground).is_empty():
 		return
-	if not problem.is_empty():
-		_cursor.say(overlay, problem)
-	if not _cursor.on_ground.is_finite() or ground() == null:
-		return
-	_cursor.draw_ring(overlay, ground(), _radius.value, _color(), 2.0)
+	if SurfacePlace.planet_of(ground()) != null:
+		_cursor.hint(overlay, HINT_PLANET)
+	elif _cursor.is_among_levels():
+		_cursor.hint(overlay, HINT_LEVELS)
+	_cursor.draw_ring(overlay, _radius.value, _color(), 2.0)
 	_draw_inside(overlay)
 	_cursor.draw_dot(overlay, _color())
+
+
+func _message() -> String:
+	var refused := _place_problem(_cursor.on_ground) if _cursor.on_ground.is_finite() else ""
+	return problem if refused.is_empty() else refused
 
 
 ## Draws additional shapes inside the ring. The individual brushes override it.
@@ -80,14 +70,21 @@ func _move_stroke(_at: Vector2) -> void:
 	pass
 
 
-## Returns an error message if there is no ground to paint on. Otherwise, returns an empty string.
-func _ground_problem() -> String:
-	return "" if ground() != null else "There is no ground to paint on: set the ground of %s, or press Use as Ground." % scatter.name
+## Returns the reason why a stroke cannot begin at a position; empty if it can.
+func _place_problem(at: Vector3) -> String:
+	if ground() == null:
+		return _ground_problem("paint on")
+	return NO_GROUND_BELOW if not at.is_finite() else _map_problem()
 
 
-func _on_toggled() -> void:
-	problem = ""
-	_cursor.clear()
+## Returns the reason why a map that is projected along the y axis cannot be painted below the mouse; empty if it can.
+func _map_problem() -> String:
+	return SurfacePlace.map_problem(scatter, _cursor.on_ground, "%s projected along the y axis and can be painted" % _maps(), "Use a region here.")
+
+
+## Returns the name of the maps that the brush paints, as the beginning of a sentence.
+func _maps() -> String:
+	return "Masks are"
 
 
 func _on_key(key: InputEventKey) -> int:
@@ -112,8 +109,12 @@ func _show_painted(overlay: PaintedOverlay, painted: Resource) -> void:
 		overlay.hide()
 		return
 	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
-	var away := GroundRay.distance(ground(), camera.global_position, -camera.global_basis.z)
-	overlay.show(scatter, camera.global_position - camera.global_basis.z * away, away)
+	var away := SurfacePlace.distance(scatter, camera.global_position, -camera.global_basis.z)
+	var center := camera.global_position - camera.global_basis.z * away
+	if SurfacePlace.map_problem(scatter, center, "", "").is_empty():
+		overlay.show(scatter, center, away)
+	else:
+		overlay.hide()
 
 
 func _slider(label: String, tip: String, from: float, to: float, step: float, value: float,

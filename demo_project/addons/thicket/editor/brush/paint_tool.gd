@@ -79,7 +79,7 @@ func _color() -> Color:
 
 func _draw_inside(overlay: Control) -> void:
 	if brush.hardness > 0.0:
-		_cursor.draw_ring(overlay, ground(), brush.radius * brush.hardness, Color(_color(), 0.45), 1.0)
+		_cursor.draw_ring(overlay, brush.radius * brush.hardness, Color(_color(), 0.45), 1.0)
 
 
 func _is_painting() -> bool:
@@ -96,14 +96,14 @@ func _on_mode(mode: ScatterMask.Mode) -> void:
 
 
 func _begin_stroke(at: Vector3, pressed: InputEventMouseButton) -> String:
-	if not _ground_problem().is_empty():
-		return _ground_problem()
+	if ground() == null:
+		return _place_problem(at)
 	if layer == null:
 		return "There is nothing to paint: add a layer to %s in the Scatter panel." % scatter.name
 	if not lock_problem().is_empty():
 		return lock_problem()
-	if not at.is_finite():
-		return NO_GROUND_BELOW
+	if not _place_problem(at).is_empty():
+		return _place_problem(at)
 	var mode := brush.mode
 	if pressed.shift_pressed:
 		mode = ScatterMask.MODE_SMOOTH

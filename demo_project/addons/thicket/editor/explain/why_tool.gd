@@ -1,10 +1,8 @@
 @tool
-extends "res://addons/thicket/editor/scatter_tool.gd"
+extends "res://addons/thicket/editor/ground/ground_tool.gd"
 ## Explains why instances are or are not placed at a position. Each layer's result is shown next to the mouse. A click
 ## pins it. The tool can also color the ground by density, slope or rank.
 
-const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
-const GroundRay := preload("res://addons/thicket/ground_ray.gd")
 const RuleOverlay := preload("res://addons/thicket/editor/explain/rule_overlay.gd")
 const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
 const WhyRows := preload("res://addons/thicket/why_rows.gd")
@@ -19,8 +17,8 @@ var overlay := RuleOverlay.new()
 ## The world position of the pin, in meters; [constant Vector3.INF] while the panel follows the mouse.
 var pinned := Vector3.INF
 
-var _cursor := GroundCursor.new()
 var _colors := OptionButton.new()
+var _color_problem := "" ## The reason why there are no colors; empty if they are shown or not requested.
 var _asked_at := 0
 var _explained := Vector3.INF
 var _version := 0 ## Increases with each change to the settings.
@@ -46,29 +44,33 @@ func choose_colors(kind: RuleOverlay.Kind) -> void:
 
 
 func input(camera: Camera3D, event: InputEvent) -> int:
-	if not event is InputEventMouse:
-		return NOT_MINE
 	_camera = camera
-	var mouse := event as InputEventMouse
-	_cursor.aim(camera, mouse.position, ground())
-	redraw_requested.emit()
-	var click := mouse as InputEventMouseButton
-	if click == null:
-		if not pinned.is_finite():
-			_explain(_cursor.on_ground, false)
-		return NOT_MINE
-	if click.button_index != MOUSE_BUTTON_LEFT or click.alt_pressed:
-		return NOT_MINE
-	if click.pressed:
-		var lets_go := pinned.is_finite() and _place_of(pinned).distance_to(_place_of(_cursor.on_ground)) < NEAR
-		pinned = Vector3.INF if lets_go else _cursor.on_ground
-		_explain(_cursor.on_ground, true)
-	return MINE
+	return super(camera, event)
+
+
+func _on_motion(_motion: InputEventMouseMotion) -> int:
+	if not pinned.is_finite():
+		_explain(_cursor.on_ground, false)
+	return NOT_MINE
+
+
+func _on_button(click: InputEventMouseButton) -> void:
+	if not click.pressed:
+		return
+	var lets_go := pinned.is_finite() and _place_of(pinned).distance_to(_place_of(_cursor.on_ground)) < NEAR
+	pinned = Vector3.INF if lets_go else _cursor.on_ground
+	_explain(_cursor.on_ground, true)
 
 
 func draw_over(over: Control) -> void:
 	overlay.draw_legend(over)
-	if not _cursor.is_over(over) or panel.rows.is_empty():
+	super(over)
+
+
+func _draw_view(over: Control) -> void:
+	if not _color_problem.is_empty():
+		_cursor.hint(over, _color_problem)
+	if panel.rows.is_empty():
 		return
 	var at := pinned if pinned.is_finite() else _cursor.on_ground
 	if not at.is_finite():
@@ -87,12 +89,17 @@ func look() -> void:
 		return
 	_update_after_changes()
 	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
+	_color_problem = ""
 	if _colors.selected == RuleOverlay.Kind.NOTHING or ground() == null:
 		overlay.hide()
 		return
-	var away := GroundRay.distance(ground(), camera.global_position, -camera.global_basis.z)
-	overlay.show(scatter, _colors.selected as RuleOverlay.Kind, layer_index, camera.global_position - camera.global_basis.z * away, away,
-			_version)
+	var away := SurfacePlace.distance(scatter, camera.global_position, -camera.global_basis.z)
+	var center := camera.global_position - camera.global_basis.z * away
+	_color_problem = SurfacePlace.map_problem(scatter, center, "Colors are computed along the y axis and are shown", "Turn the view there.")
+	if _color_problem.is_empty():
+		overlay.show(scatter, _colors.selected as RuleOverlay.Kind, layer_index, center, away, _version)
+	else:
+		overlay.hide()
 
 
 func finish() -> void:
@@ -109,6 +116,7 @@ func _process(_delta: float) -> void:
 
 
 func _on_toggled() -> void:
+	super()
 	finish()
 	look()
 
@@ -134,11 +142,11 @@ func _explain(at: Vector3, at_once: bool) -> void:
 	_asked_at = Time.get_ticks_msec()
 	_explained = at
 	if ground() == null:
-		panel.show_message("There is no ground: set the ground of %s, or press Use as Ground." % scatter.name)
+		panel.show_message(_ground_problem("explain"))
 	elif ScatterLayers.of(scatter).is_empty():
 		panel.show_message("There is nothing to explain: add a layer to %s in the Scatter panel." % scatter.name)
 	elif not at.is_finite():
 		panel.rows.clear()
 	else:
-		panel.fill(scatter.explain_position(at), layer)
+		panel.fill(scatter.explain_position(at), layer, at)
 	redraw_requested.emit()

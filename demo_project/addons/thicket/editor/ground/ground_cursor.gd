@@ -2,44 +2,47 @@
 extends RefCounted
 ## Finds the position on the ground below the mouse and draws the shapes of tools over the view.
 
-const GroundRay := preload("res://addons/thicket/ground_ray.gd")
 const SurfacePlace := preload("res://addons/thicket/editor/ground/surface_place.gd")
 
-## The length of the ray on a planet, in meters.
-const REACH := 20000.0
 const SIDES := 64
 const PIECES := 24
+## The largest width of a message next to the mouse, in pixels.
+const WIDTH := 560.0
+## The ground is a wall if the y component of its normal is between minus and plus this number.
+const WALL := 0.26
 
 ## The position on the ground below the mouse, in meters, or [constant Vector3.INF] if there is none.
 var on_ground := Vector3.INF
+## The normal of the ground there. It is not finite if the ground does not know it.
+var normal := Vector3.UP
 ## The ray from the camera through the mouse: its start in meters, and its direction with a length of 1.
 var from := Vector3.ZERO
 var direction := Vector3.FORWARD
 
 var _camera: Camera3D
+var _scatter: TerrainScatter3D
 var _mouse := Vector2.ZERO
 
 
-## Sets [member on_ground] to the ground below a position in the camera's viewport, in pixels. [param ground] may be null. On a planet, all sides
-## of the ground count if [param scatter] is set, otherwise only its top.
-func aim(camera: Camera3D, position: Vector2, ground: ScatterGround, scatter: TerrainScatter3D = null) -> void:
+## Sets [member on_ground] to the ground of a scatter below a position in the camera's viewport, in pixels. It may be on a wall, on a ceiling or on
+## any side of a planet.
+func aim(camera: Camera3D, position: Vector2, scatter: TerrainScatter3D) -> void:
 	_camera = camera
+	_scatter = scatter
 	_mouse = position
-	on_ground = Vector3.INF
 	position /= _shrink(camera)
 	from = camera.project_ray_origin(position)
 	direction = camera.project_ray_normal(position)
-	if ground != null and scatter != null and SurfacePlace.is_planet(ground):
-		var met := SurfacePlace.hit(scatter, from, from + direction * REACH)
-		on_ground = met[0] if not met.is_empty() else Vector3.INF
-	elif ground != null:
-		on_ground = GroundRay.hit(ground, from, direction)
+	var met := SurfacePlace.on_ray(scatter, from, direction) if scatter.ground != null else PackedVector3Array()
+	on_ground = met[0] if not met.is_empty() else Vector3.INF
+	normal = met[1] if not met.is_empty() else Vector3.UP
 
 
 ## Clears [member on_ground] until the next call to [method aim].
 func clear() -> void:
 	on_ground = Vector3.INF
 	_camera = null
+	_scatter = null
 
 
 ## Returns true if the mouse was last over the viewport of this overlay. The overlay is a sibling of the viewport's
@@ -58,21 +61,24 @@ func mouse() -> Vector2:
 
 ## Draws a message next to the mouse.
 func say(overlay: Control, sentence: String) -> void:
-	_write(overlay, sentence, _mouse + Vector2(18.0, 24.0), Color(1.0, 0.85, 0.5))
+	_write(overlay, sentence, WIDTH, _mouse + Vector2(18.0, 24.0), Color(1.0, 0.85, 0.5))
 
 
 ## Draws a hint about keys and clicks at the lower edge of the view.
 func hint(overlay: Control, sentence: String) -> void:
-	_write(overlay, sentence, Vector2(12.0, overlay.size.y - 14.0), Color(0.9, 0.95, 1.0))
+	_write(overlay, sentence, INF, Vector2(12.0, overlay.size.y - 14.0), Color(0.9, 0.95, 1.0))
 
 
-func _write(overlay: Control, sentence: String, at: Vector2, color: Color) -> void:
+func _write(overlay: Control, sentence: String, widest: float, at: Vector2, color: Color) -> void:
 	var font := ThemeDB.fallback_font
 	var size := ThemeDB.fallback_font_size
-	var extent := font.get_string_size(sentence, HORIZONTAL_ALIGNMENT_LEFT, -1.0, size)
-	at = at.min(overlay.size - extent - Vector2(8.0, 0.0)).max(Vector2(8.0, extent.y))
-	overlay.draw_rect(Rect2(at - Vector2(6.0, extent.y), extent + Vector2(12.0, 8.0)), Color(0.0, 0.0, 0.0, 0.75))
-	overlay.draw_string(font, at, sentence, HORIZONTAL_ALIGNMENT_LEFT, -1.0, size, color)
+	var width := minf(widest, overlay.size.x - 20.0)
+	var extent := font.get_multiline_string_size(sentence, HORIZONTAL_ALIGNMENT_LEFT, width, size)
+	# The position is the left end of the first line. The last line of a message must also be in the view.
+	var line := font.get_height(size)
+	at = at.min(overlay.size - extent + Vector2(-8.0, line - 8.0)).max(Vector2(8.0, line))
+	overlay.draw_rect(Rect2(at - Vector2(6.0, line), extent + Vector2(12.0, 8.0)), Color(0.0, 0.0, 0.0, 0.75))
+	overlay.draw_multiline_string(font, at, sentence, HORIZONTAL_ALIGNMENT_LEFT, width, size, -1, color)
 
 
 ## Draws a dot at the position below the mouse.
@@ -87,17 +93,31 @@ func draw_knob(overlay: Control, position: Vector3, color: Color) -> void:
 		overlay.draw_circle(to_overlay(position), 4.5, color)
 
 
-## Draws a circle on the ground around the position below the mouse, with a radius in meters.
-func draw_ring(overlay: Control, ground: ScatterGround, radius: float, color: Color, width: float) -> void:
+## Draws a circle around the position below the mouse, with a radius in meters along x and z. It follows the level of the ground there, which may
+## be a ceiling.
+func draw_ring(overlay: Control, radius: float, color: Color, width: float) -> void:
 	var line := PackedVector3Array()
+	var along := Vector3.DOWN if normal.y < 0.0 else Vector3.UP
 	for side in SIDES + 1:
 		var angle := TAU * side / SIDES
 		var at := on_ground + Vector3(cos(angle), 0.0, sin(angle)) * radius
-		var height := ground.get_height(at)
-		if not is_nan(height):
-			at.y = height
-		line.append(at)
+		# On a wall, the ring stays at the height of the mouse.
+		var found := SurfacePlace.level(_scatter, at, along, maxf(2.0 * radius, 1.0)) if not is_on_wall() else PackedVector3Array()
+		line.append(found[0] if not found.is_empty() else at)
 	draw_path(overlay, line, color, width)
+
+
+## Returns true if the ground below the mouse is nearly vertical.
+func is_on_wall() -> bool:
+	return absf(normal.y) < WALL
+
+
+## Returns true if there is other ground above or below the position below the mouse, or if that position is on a wall or a ceiling. What is
+## projected along the y axis then applies to more ground than the mouse points at.
+func is_among_levels() -> bool:
+	if not on_ground.is_finite() or not SurfacePlace.has_levels(_scatter.ground):
+		return false
+	return normal.y < WALL or _scatter.ground.get_height(on_ground) > on_ground.y + 0.5
 
 
 ## Returns the position on the overlay, in pixels, of a world position. The world position must not be behind the camera.
@@ -105,15 +125,14 @@ func to_overlay(position: Vector3) -> Vector2:
 	return _camera.unproject_position(position) * _shrink(_camera)
 
 
-## Returns a line between two positions that follows the ground and is straight where there is no ground.
-func along_ground(from: Vector3, to: Vector3, ground: ScatterGround) -> PackedVector3Array:
+## Returns a line between two positions that follows the ground and is straight where there is no ground. On a planet, the ground is searched along
+## up or, if [param from_above] is true, along the y axis.
+func along_ground(from: Vector3, to: Vector3, from_above := false) -> PackedVector3Array:
 	var line := PackedVector3Array()
 	for piece in PIECES + 1:
 		var at := from.lerp(to, piece / float(PIECES))
-		var height := ground.get_height(at)
-		if not is_nan(height):
-			at.y = height
-		line.append(at)
+		var found := SurfacePlace.level(_scatter, at, Vector3.UP if from_above else SurfacePlace.up_at(_scatter, at))
+		line.append(found[0] if not found.is_empty() else at)
 	return line
 
 

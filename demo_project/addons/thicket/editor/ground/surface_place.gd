@@ -1,9 +1,22 @@
 @tool
 extends RefCounted
-## Positions on the surface of a scatter's ground. On a planet, up is the direction away from its center, and x and z do not determine a height.
+## Positions on the ground of a scatter. Ground of meshes may have several levels, and a planet has ground on all sides. Other ground has one
+## height at each x and z. On a planet, up is the direction away from its center, elsewhere the y axis.
 
+const GroundRay := preload("res://addons/thicket/ground_ray.gd")
+
+## The length of a ray, in meters.
+const RAY := 20000.0
 ## The distance above and below a position in which the ground is searched, in meters.
 const REACH := 500.0
+## The largest number of levels that are searched.
+const MOST_LEVELS := 16
+## The distance between two levels, and the largest error of a position on ground that has only heights, in meters.
+const GAP := 0.01
+const TOLERANCE := 0.05
+## The largest angle from the top of a planet at which the tools edit maps that are projected along the y axis, in degrees.
+## There, these maps are stretched to twice their length.
+const MAP_DEGREES := 60.0
 
 
 ## Returns the up direction at a position.
@@ -11,11 +24,25 @@ static func up_at(scatter: TerrainScatter3D, place: Vector3) -> Vector3:
 	return scatter._up_at(place)
 
 
-## Returns true if the ground of a scatter forms a planet.
-static func is_planet(ground: ScatterGround) -> bool:
-	if ground is ScatterGroundCombined:
-		return (ground as ScatterGroundCombined).grounds.any(is_planet)
-	return ground is ScatterGroundMeshes and (ground as ScatterGroundMeshes).planet_radius > 0.0
+## Returns the ground that forms the planet of a scatter, or null if there is no planet.
+static func planet_of(ground: ScatterGround) -> ScatterGroundMeshes:
+	for part in _parts(ground):
+		if part is ScatterGroundMeshes and (part as ScatterGroundMeshes).planet_radius > 0.0:
+			return part
+	return null
+
+
+## Returns the center of the planet of a scatter, or [constant Vector3.INF] if there is no planet.
+static func planet_center(scatter: TerrainScatter3D) -> Vector3:
+	var planet := planet_of(scatter.ground)
+	if planet == null:
+		return Vector3.INF
+	return scatter.global_transform * planet.planet_center if scatter.local_coords else planet.planet_center - scatter.world_offset
+
+
+## Returns true if the ground may have several levels, or ground on all sides.
+static func has_levels(ground: ScatterGround) -> bool:
+	return _parts(ground).any(func(part: ScatterGround) -> bool: return part is ScatterGroundMeshes)
 
 
 ## Returns the first position at which a line enters a surface, and its normal. Returns an empty array if there is none.
@@ -23,10 +50,57 @@ static func hit(scatter: TerrainScatter3D, from: Vector3, to: Vector3) -> Packed
 	return scatter._hit_surface(from, to)
 
 
-## Returns the highest ground straight above or below a position within [constant REACH], and its normal. Returns an empty array if there is none.
-static func at(scatter: TerrainScatter3D, place: Vector3) -> PackedVector3Array:
-	var way := up_at(scatter, place) * REACH
-	return hit(scatter, place + way, place - way)
+## Returns the first position on the ground that a ray meets, and its normal. Returns an empty array if there is none. [param direction] must have
+## a length of 1.
+static func on_ray(scatter: TerrainScatter3D, from: Vector3, direction: Vector3) -> PackedVector3Array:
+	var ground := scatter.ground
+	var found := hit(scatter, from, from + direction * RAY) if has_levels(ground) else PackedVector3Array()
+	for part in _parts(ground):
+		# Meshes whose triangles are inside out have no fronts, but heights.
+		if part is ScatterGroundMeshes and (not found.is_empty() or planet_of(ground) != null):
+			continue
+		var met := GroundRay.hit(part, from, direction)
+		# At a vertical step, the ray enters the space below the upper height without meeting ground.
+		if met.is_finite() and absf(met.y - part.get_height(met)) < TOLERANCE:
+			if found.is_empty() or from.distance_squared_to(met) < from.distance_squared_to(found[0]):
+				found = PackedVector3Array([met, part.get_normal(met)])
+	return found
+
+
+## Returns the distance to the ground along a ray in meters, at most 1000, or 100 if the ray does not meet the ground.
+static func distance(scatter: TerrainScatter3D, from: Vector3, direction: Vector3) -> float:
+	var found := on_ray(scatter, from, direction)
+	return minf(from.distance_to(found[0]), 1000.0) if not found.is_empty() else 100.0
+
+
+## Returns the position on the ground, straight above or below another position, that is nearest to it and within [param reach] meters, and its
+## normal. Returns an empty array if there is none. Only ground that faces the direction [param along] counts.
+static func level(scatter: TerrainScatter3D, place: Vector3, along: Vector3, reach := REACH) -> PackedVector3Array:
+	var nearest := PackedVector3Array()
+	var ground := scatter.ground
+	if has_levels(ground):
+		var start := place + along * reach
+		for index in MOST_LEVELS:
+			var found := hit(scatter, start, place - along * reach)
+			if found.is_empty() or not nearest.is_empty() and place.distance_to(found[0]) >= place.distance_to(nearest[0]):
+				break
+			nearest = found
+			start = found[0] - along * GAP
+	for part in _parts(ground):
+		var has_heights := not part is ScatterGroundMeshes or nearest.is_empty() and planet_of(ground) == null
+		var height := part.get_height(place) if has_heights and along.y > 0.0 else NAN
+		if absf(height - place.y) <= reach and (nearest.is_empty() or absf(height - place.y) < place.distance_to(nearest[0])):
+			var at := Vector3(place.x, height, place.z)
+			nearest = PackedVector3Array([at, part.get_normal(at)])
+	return nearest
+
+
+## Returns an empty string if a map that is projected along the y axis can be edited at a position on the ground. Otherwise, returns the reason and
+## the remedy. [param what] is the beginning of the sentence, and [param remedy] the sentence after it.
+static func map_problem(scatter: TerrainScatter3D, place: Vector3, what: String, remedy: String) -> String:
+	if planet_of(scatter.ground) == null or up_at(scatter, place).y >= cos(deg_to_rad(MAP_DEGREES)):
+		return ""
+	return "%s at most %d° from the top of a planet. %s" % [what, roundi(MAP_DEGREES), remedy]
 
 
 ## Returns the rotation that turns the y axis to a direction.
@@ -35,3 +109,14 @@ static func upright(up: Vector3) -> Basis:
 		return Basis(Quaternion(Vector3.UP, up))
 	# Opposite directions have no shortest rotation.
 	return Basis(Quaternion(Vector3.DOWN, up)) * Basis(Vector3.RIGHT, PI)
+
+
+## Returns the grounds that a ground combines, or the ground itself. Empty if the ground is null.
+static func _parts(ground: ScatterGround) -> Array[ScatterGround]:
+	var parts: Array[ScatterGround] = []
+	if ground is ScatterGroundCombined:
+		for part: ScatterGround in (ground as ScatterGroundCombined).grounds:
+			parts.append_array(_parts(part))
+	elif ground != null:
+		parts.append(ground)
+	return parts

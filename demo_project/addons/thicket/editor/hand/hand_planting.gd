@@ -3,6 +3,7 @@ extends HBoxContainer
 ## The hand tool's settings for planting and moving instances: snapping, alignment with slopes, random values, and the mesh.
 
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
+const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
 const SurfacePlace := preload("res://addons/thicket/editor/ground/surface_place.gd")
 
 ## Emitted when the settings of the next instance have changed.
@@ -134,63 +135,50 @@ func snapped_size(basis: Basis, factor: float, with_control: bool) -> float:
 	return snappedf(size * factor, 0.1) / size if snaps(with_control) and size > 0.0 else factor
 
 
-## Returns the transform of an instance that is planted at a position on the ground of a scatter.
-func transform_at(place: Vector3, scatter: TerrainScatter3D, with_control: bool) -> Transform3D:
-	var is_planet := SurfacePlace.is_planet(scatter.ground)
-	var at := place if is_planet else _on_grid(place, scatter.ground, with_control)
-	var up := _up_on_planet(at, scatter) if is_planet else _up(at, scatter.ground)
+## Returns the transform of an instance that is planted at the position of a cursor on the ground of a scatter.
+func transform_at(cursor: GroundCursor, scatter: TerrainScatter3D, with_control: bool) -> Transform3D:
+	var at := cursor.on_ground
+	var normal := cursor.normal
+	var above := SurfacePlace.up_at(scatter, at)
+	if _uses_grid(scatter, with_control):
+		var along := -above if normal.dot(above) < 0.0 else above
+		var found := SurfacePlace.level(scatter, _on_grid(at), along)
+		at = found[0] if not found.is_empty() else _on_grid(at)
+		normal = found[1] if not found.is_empty() else normal
+	var up := normal.normalized() if _is_way(Way.ALIGN) and _is_direction(normal) else above
 	var basis := SurfacePlace.upright(up) * Basis(Vector3.UP, _yaw)
 	at += SurfacePlace.up_at(scatter, at) * _layer.height_offset + up * _layer.offset_along_normal
 	return Transform3D(basis * Basis.from_scale(Vector3.ONE * _size), at)
 
 
 ## Returns the transform of an instance that is moved to the ground straight above or below a position. The instance keeps its height above the
-## ground.
+## ground. On a planet, it rotates with the up direction.
 func moved(from: Transform3D, place: Vector3, scatter: TerrainScatter3D, with_control: bool) -> Transform3D:
-	var ground := scatter.ground
-	if SurfacePlace.is_planet(ground):
-		return _moved_on_planet(from, place, scatter)
-	var to := _on_grid(place, ground, with_control)
-	var below := ground.get_height(from.origin)
-	var height := ground.get_height(to)
-	to.y = from.origin.y if is_nan(below) or is_nan(height) else height + from.origin.y - below
-	var lean := Quaternion(_up(from.origin, ground), _up(to, ground)) if _is_way(Way.ALIGN) else Quaternion.IDENTITY
-	return Transform3D(Basis(lean) * from.basis if lean != Quaternion.IDENTITY else from.basis, to)
-
-
-## Returns the transform of an instance that is moved on a planet. It rotates with the up direction.
-func _moved_on_planet(from: Transform3D, place: Vector3, scatter: TerrainScatter3D) -> Transform3D:
-	var below := SurfacePlace.at(scatter, from.origin)
-	var found := SurfacePlace.at(scatter, place)
-	if below.is_empty() or found.is_empty():
-		return from
 	var up := SurfacePlace.up_at(scatter, from.origin)
+	var below := SurfacePlace.level(scatter, from.origin, up)
+	var target := _on_grid(place) if _uses_grid(scatter, with_control) else place
+	var found := SurfacePlace.level(scatter, target, SurfacePlace.up_at(scatter, target))
+	if below.is_empty() or found.is_empty():
+		var is_planet := SurfacePlace.planet_of(scatter.ground) != null
+		return from if is_planet else Transform3D(from.basis, Vector3(target.x, from.origin.y, target.z))
 	var up_there := SurfacePlace.up_at(scatter, found[0])
 	var to := found[0] + up_there * (from.origin - below[0]).dot(up)
-	var turn := Quaternion(below[1], found[1]) if _is_way(Way.ALIGN) else Quaternion(up, up_there)
-	return Transform3D(Basis(turn) * from.basis, to)
+	var aligns := _is_way(Way.ALIGN) and _is_direction(below[1]) and _is_direction(found[1])
+	var turn := Quaternion(below[1].normalized(), found[1].normalized()) if aligns else Quaternion(up, up_there)
+	return Transform3D(Basis(turn) * from.basis if turn != Quaternion.IDENTITY else from.basis, to)
 
 
-func _on_grid(place: Vector3, ground: ScatterGround, with_control: bool) -> Vector3:
-	if not snaps(with_control):
-		return place
-	var at := Vector3(snappedf(place.x, _grid.value), place.y, snappedf(place.z, _grid.value))
-	var height := ground.get_height(at)
-	if not is_nan(height):
-		at.y = height
-	return at
+## Returns true if positions snap to the grid, which a planet does not have.
+func _uses_grid(scatter: TerrainScatter3D, with_control: bool) -> bool:
+	return snaps(with_control) and SurfacePlace.planet_of(scatter.ground) == null
 
 
-func _up(at: Vector3, ground: ScatterGround) -> Vector3:
-	if not _is_way(Way.ALIGN):
-		return Vector3.UP
-	var normal := ground.get_normal(at)
-	return normal.normalized() if normal.is_finite() and normal.y > 0.0 else Vector3.UP
+func _on_grid(place: Vector3) -> Vector3:
+	return Vector3(snappedf(place.x, _grid.value), place.y, snappedf(place.z, _grid.value))
 
 
-func _up_on_planet(at: Vector3, scatter: TerrainScatter3D) -> Vector3:
-	var found := SurfacePlace.at(scatter, at) if _is_way(Way.ALIGN) else PackedVector3Array()
-	return found[1] if not found.is_empty() else SurfacePlace.up_at(scatter, at)
+static func _is_direction(normal: Vector3) -> bool:
+	return normal.is_finite() and normal != Vector3.ZERO
 
 
 func _is_way(way: Way) -> bool:

@@ -1,14 +1,12 @@
 @tool
-extends "res://addons/thicket/editor/scatter_tool.gd"
+extends "res://addons/thicket/editor/ground/ground_tool.gd"
 ## The hand tool: plants, moves, rotates, scales and deletes single instances of the chosen layer.
 
-const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
 const HandEdits := preload("res://addons/thicket/editor/hand/hand_edits.gd")
 const HandFrame := preload("res://addons/thicket/editor/hand/hand_frame.gd")
 const HandPlanting := preload("res://addons/thicket/editor/hand/hand_planting.gd")
 const InstanceGhost := preload("res://addons/thicket/editor/hand/instance_ghost.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
-const SurfacePlace := preload("res://addons/thicket/editor/ground/surface_place.gd")
 
 const SIZE_STEP := 1.1
 const LEAST_SIZE := 0.01
@@ -26,15 +24,11 @@ var edits := HandEdits.new()
 var planting := HandPlanting.new()
 ## The id of the selected instance, or 0 if there is none.
 var selected := 0
-## The reason why the last change failed, as a sentence; empty if it succeeded.
-var problem := ""
 
-var _cursor := GroundCursor.new()
 var _ghost := InstanceGhost.new()
 var _frame := HandFrame.new()
 var _hovered := 0
 var _meshes: Array[Mesh] = []
-var _mouse := Vector2.ZERO
 
 # The state of the mouse button from a press on the selected instance until its release.
 var _pressed := false
@@ -51,36 +45,23 @@ func _init() -> void:
 	planting.changed.connect(redraw_requested.emit)
 
 
-func input(camera: Camera3D, event: InputEvent) -> int:
-	if event is InputEventKey:
-		return _on_key(event as InputEventKey)
-	if not event is InputEventMouse:
-		return NOT_MINE
-	var mouse := event as InputEventMouse
-	_mouse = mouse.position
-	_cursor.aim(camera, mouse.position, ground(), scatter)
-	redraw_requested.emit()
-	if mouse is InputEventMouseMotion:
-		if _pressed:
-			_drag(mouse)
-			return MINE
-		_hover(mouse)
-		return NOT_MINE
-	var button_event := mouse as InputEventMouseButton
-	if button_event == null or button_event.button_index != MOUSE_BUTTON_LEFT or button_event.alt_pressed:
-		return NOT_MINE
-	# The tool always takes the left button, because the editor's box selection would deselect the scatter.
-	if not button_event.pressed:
+func _on_motion(motion: InputEventMouseMotion) -> int:
+	if _pressed:
+		_drag(motion)
+		return MINE
+	_hover(motion)
+	return NOT_MINE
+
+
+func _on_button(click: InputEventMouseButton) -> void:
+	if not click.pressed:
 		_release()
 	else:
-		problem = _press(button_event)
-	_hover(mouse)
-	return MINE
+		problem = _press(click)
+	_hover(click)
 
 
-func draw_over(overlay: Control) -> void:
-	if not _cursor.is_over(overlay):
-		return
+func _draw_view(overlay: Control) -> void:
 	if _hovered != 0 and _hovered != selected and not _pressed:
 		var frame := _frame_of(_hovered)
 		if frame != null:
@@ -89,8 +70,6 @@ func draw_over(overlay: Control) -> void:
 		_frame.draw_box(overlay, _cursor, HandFrame.SELECTED, 2.0)
 		_frame.draw_handles(overlay, _cursor)
 	_cursor.hint(overlay, HINT_SELECTED if selected != 0 else HINT_HOVERED if _hovered != 0 else HINT_PLANTING)
-	if not problem.is_empty():
-		_cursor.say(overlay, problem)
 
 
 ## Updates the meshes of the chosen layer and the selected instance, both of which may have been changed elsewhere
@@ -119,8 +98,7 @@ func finish() -> void:
 
 
 func _on_toggled() -> void:
-	problem = ""
-	_cursor.clear()
+	super()
 	look()
 
 
@@ -149,7 +127,7 @@ func _on_key(key: InputEventKey) -> int:
 ## Returns the reason why instances cannot be changed, as a sentence, or an empty string.
 func _obstacle() -> String:
 	if ground() == null:
-		return "There is no ground to plant on: set the ground of %s, or press Use as Ground." % scatter.name
+		return _ground_problem("plant on")
 	if layer == null:
 		return "There is nothing to plant: add a layer to %s in the Scatter panel." % scatter.name
 	return ""
@@ -160,7 +138,7 @@ func _press(mouse: InputEventMouseButton) -> String:
 	var obstacle := _obstacle()
 	if not obstacle.is_empty():
 		return obstacle
-	_handle = _frame.handle_at(_cursor, _mouse) if selected != 0 else HandFrame.Handle.NONE
+	_handle = _frame.handle_at(_cursor, _cursor.mouse()) if selected != 0 else HandFrame.Handle.NONE
 	if _handle == HandFrame.Handle.NONE:
 		var found := 0 if mouse.shift_pressed else _pick()
 		if found == 0:
@@ -168,7 +146,7 @@ func _press(mouse: InputEventMouseButton) -> String:
 		_select(found)
 	_pressed = true
 	_dragged = false
-	_pressed_at = _mouse
+	_pressed_at = _cursor.mouse()
 	_start.transform = _frame.transform
 	_start.box = _frame.box
 	_grabbed = _on_plane(_start.transform.origin, SurfacePlace.up_at(scatter, _start.transform.origin), _cursor.on_ground)
@@ -177,10 +155,10 @@ func _press(mouse: InputEventMouseButton) -> String:
 
 func _plant(with_control: bool) -> String:
 	if not _cursor.on_ground.is_finite():
-		return "There is no ground below the mouse: click where the ground is."
+		return NO_GROUND_BELOW
 	if not edits.begin(scatter, SceneFiles.edited_scene_path()):
 		return edits.problem
-	var id := edits.add(layer, planting.transform_at(_cursor.on_ground, scatter, with_control), planting.mesh)
+	var id := edits.add(layer, planting.transform_at(_cursor, scatter, with_control), planting.mesh)
 	edits.commit("Plant %s" % layer.resource_name)
 	if id == 0:
 		return "No instance of %s was planted; the Output panel has the reason." % layer.resource_name
@@ -191,7 +169,7 @@ func _plant(with_control: bool) -> String:
 
 func _drag(mouse: InputEventMouse) -> void:
 	if not _dragged:
-		if _mouse.distance_to(_pressed_at) < SLACK:
+		if _cursor.mouse().distance_to(_pressed_at) < SLACK:
 			return
 		if not edits.begin(scatter, SceneFiles.edited_scene_path()):
 			problem = edits.problem
@@ -207,7 +185,7 @@ func _drag(mouse: InputEventMouse) -> void:
 			to.basis = Basis(axis, planting.snapped_turn(angle, mouse.ctrl_pressed)) * to.basis
 		HandFrame.Handle.SCALE:
 			var middle := _cursor.to_overlay(to.origin)
-			var factor := middle.distance_to(_mouse) / maxf(1.0, middle.distance_to(_pressed_at))
+			var factor := middle.distance_to(_cursor.mouse()) / maxf(1.0, middle.distance_to(_pressed_at))
 			to.basis *= _factor(planting.snapped_size(to.basis, factor, mouse.ctrl_pressed), to.basis)
 		_:
 			if not _grabbed.is_finite():
@@ -291,7 +269,7 @@ func _show_ghost() -> void:
 	var free := _hovered == 0 and not _pressed and _obstacle().is_empty() and _cursor.on_ground.is_finite()
 	if free and planting.mesh < _meshes.size():
 		var with_control := Input.is_key_pressed(KEY_CTRL)
-		_ghost.show(scatter, _meshes[planting.mesh], planting.transform_at(_cursor.on_ground, scatter, with_control))
+		_ghost.show(scatter, _meshes[planting.mesh], planting.transform_at(_cursor, scatter, with_control))
 	else:
 		_ghost.hide()
 

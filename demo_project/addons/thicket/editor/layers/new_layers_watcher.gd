@@ -3,7 +3,7 @@ extends RefCounted
 ## Watches added layers until their instances are placed. Then reports new layers that have no instances or little room,
 ## and older layers that have lost instances to the new ones.
 
-const GroundRay := preload("res://addons/thicket/ground_ray.gd")
+const SurfacePlace := preload("res://addons/thicket/editor/ground/surface_place.gd")
 
 ## A new layer has little room if at least the fraction [constant CROWDED] of its points is too close to other layers.
 ## The fraction is measured at [constant POSITIONS] positions, within [constant RADII] times the layer's radius around
@@ -119,7 +119,7 @@ func _losses(layers: Array[ScatterLayer]) -> PackedStringArray:
 ## Returns the position on the ground at the center of the view.
 func _view_center() -> Vector3:
 	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
-	return camera.global_position - camera.global_basis.z * GroundRay.distance(_scatter.ground, camera.global_position, -camera.global_basis.z)
+	return camera.global_position - camera.global_basis.z * SurfacePlace.distance(_scatter, camera.global_position, -camera.global_basis.z)
 
 
 static func _show_toast(sentence: String, fix := "") -> void:

@@ -1,9 +1,8 @@
 @tool
-extends "res://addons/thicket/editor/scatter_tool.gd"
+extends "res://addons/thicket/editor/ground/ground_tool.gd"
 ## The tool that draws a region. The user clicks the corners of its polygon, or the points of its path, on the ground.
 
 const EditorSnap := preload("res://addons/thicket/editor/editor_snap.gd")
-const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
 const RegionGizmos := preload("res://addons/thicket/editor/regions/region_gizmos.gd")
 const RegionMenu := preload("res://addons/thicket/editor/regions/region_menu.gd")
 
@@ -28,11 +27,6 @@ var shape := ScatterRegion3D.SHAPE_POLYGON
 var exclude := true
 ## The world positions of the corners, or of the points of the path.
 var corners := PackedVector3Array()
-## The reason why the last click had no effect; empty if it succeeded.
-var problem := ""
-
-var _cursor := GroundCursor.new()
-var _mouse := Vector2.ZERO
 
 
 func _init() -> void:
@@ -42,42 +36,28 @@ func _init() -> void:
 	button.visible = false
 
 
-func input(camera: Camera3D, event: InputEvent) -> int:
-	if event is InputEventKey:
-		return _on_key(event as InputEventKey)
-	if not event is InputEventMouse:
-		return NOT_MINE
-	_mouse = (event as InputEventMouse).position
-	_cursor.aim(camera, _mouse, ground())
-	redraw_requested.emit()
-	var pressed := event as InputEventMouseButton
-	if pressed == null or pressed.button_index != MOUSE_BUTTON_LEFT or pressed.alt_pressed:
-		return NOT_MINE
-	if pressed.pressed:
-		problem = ""
-		var on_first := shape == ScatterRegion3D.SHAPE_POLYGON and corners.size() >= 3 and _cursor.to_overlay(corners[0]).distance_to(_mouse) <= GRAB
-		if pressed.double_click or on_first:
-			close()
-		else:
-			_add_corner()
-	return MINE
-
-
-func draw_over(overlay: Control) -> void:
-	if not _cursor.is_over(overlay):
+func _on_button(click: InputEventMouseButton) -> void:
+	if not click.pressed:
 		return
+	problem = ""
+	var on_first := shape == ScatterRegion3D.SHAPE_POLYGON and corners.size() >= 3 and _cursor.to_overlay(corners[0]).distance_to(_cursor.mouse()) <= GRAB
+	if click.double_click or on_first:
+		close()
+	else:
+		_add_corner()
+
+
+func _draw_view(overlay: Control) -> void:
 	var color := RegionGizmos.EXCLUDE if exclude else RegionGizmos.INCLUDE
 	var line := PackedVector3Array()
 	for corner in corners + (PackedVector3Array([_corner()]) if _cursor.on_ground.is_finite() else PackedVector3Array()):
 		if not line.is_empty():
-			_cursor.draw_path(overlay, _cursor.along_ground(line[-1], corner, ground()), color, 2.0)
+			_cursor.draw_path(overlay, _cursor.along_ground(line[-1], corner), color, 2.0)
 		line.append(corner)
 	if line.size() > 2 and shape == ScatterRegion3D.SHAPE_POLYGON:
-		_cursor.draw_path(overlay, _cursor.along_ground(line[-1], line[0], ground()), Color(color, 0.4), 1.0)
+		_cursor.draw_path(overlay, _cursor.along_ground(line[-1], line[0]), Color(color, 0.4), 1.0)
 	for corner in corners:
 		_cursor.draw_knob(overlay, corner, color)
-	if not problem.is_empty():
-		_cursor.say(overlay, problem)
 	var outline := "path" if shape == ScatterRegion3D.SHAPE_PATH else "outline"
 	_cursor.hint(overlay, HINT_FIRST % outline if corners.is_empty() else HINT_NEXT % corners.size())
 
@@ -88,8 +68,8 @@ func finish() -> void:
 
 
 func _on_toggled() -> void:
+	super()
 	finish()
-	_cursor.clear()
 
 
 ## Creates a region from the corners and turns the tool off. If there are too few corners, or if those of a polygon are
@@ -160,19 +140,19 @@ func _on_key(key: InputEventKey) -> int:
 
 func _add_corner() -> void:
 	if ground() == null:
-		problem = "There is no ground to draw on: set the ground of %s, or press Use as Ground." % scatter.name
+		problem = _ground_problem("draw on")
 	elif not _cursor.on_ground.is_finite():
-		problem = "There is no ground below the mouse: click where the ground is."
+		problem = NO_GROUND_BELOW
 	elif corners.is_empty() or corners[-1].distance_to(_corner()) > 0.01:
 		corners.append(_corner())
 
 
-## Returns the position of the next corner, snapped like the editor's gizmos.
+## Returns the position of the next corner, snapped like the editor's gizmos, except on a planet.
 func _corner() -> Vector3:
 	var at := _cursor.on_ground
-	if EditorSnap.is_on():
+	if EditorSnap.is_on() and SurfacePlace.planet_of(ground()) == null:
 		var step := maxf(0.01, EditorSnap.meters())
 		at = Vector3(snappedf(at.x, step), at.y, snappedf(at.z, step))
-		var height := ground().get_height(at)
-		at.y = at.y if is_nan(height) else height
+		var found := SurfacePlace.level(scatter, at, Vector3.UP)
+		at = found[0] if not found.is_empty() else at
 	return at

@@ -3,7 +3,7 @@ extends MenuButton
 ## The menu that adds a region below the scatter. The region is placed on the ground at the center of the view. For a
 ## polygon or a path, the user clicks its points.
 
-const GroundRay := preload("res://addons/thicket/ground_ray.gd")
+const SurfacePlace := preload("res://addons/thicket/editor/ground/surface_place.gd")
 
 ## Emitted when the user wants to draw a polygon or a path that excludes or includes layers.
 signal drawing_requested(shape: ScatterRegion3D.Shape, exclude: bool)
@@ -35,7 +35,7 @@ func add(shape: ScatterRegion3D.Shape, exclude: bool) -> void:
 	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
 	var away := 20.0
 	if scatter.ground != null:
-		away = GroundRay.distance(scatter.ground, camera.global_position, -camera.global_basis.z)
+		away = SurfacePlace.distance(scatter, camera.global_position, -camera.global_basis.z)
 	var size := clampf(snappedf(away * PART, 1.0), SIZES.x, SIZES.y)
 	var region := make(shape, exclude)
 	region.size = Vector3(size, maxf(size, 10.0), size)
