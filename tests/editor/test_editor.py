@@ -124,9 +124,10 @@ def test_hand_placed_instances_on_a_planet(godot_xvfb, editor_project):
     check_passed(done.stdout + done.stderr)
 
 
-def test_tools_on_all_levels_of_the_ground(godot_xvfb, editor_project):
-    """Uses the tools on, below and beside a bridge. The checks are in level_tools.gd."""
-    done = godot_xvfb(["--editor", "--path", editor_project, "--", "level_tools"], timeout=300)
+@pytest.mark.parametrize("script", ["planet_tools", "level_tools"])
+def test_tools_on_all_sides_of_the_ground(godot_xvfb, editor_project, script):
+    """Uses the tools on the top, the side and the underside of a planet, and on, below and beside a bridge. The checks are in these scripts."""
+    done = godot_xvfb(["--editor", "--path", editor_project, "--", script], timeout=300)
     check_passed(done.stdout + done.stderr)
 
 

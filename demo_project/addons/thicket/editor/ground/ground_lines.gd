@@ -11,6 +11,8 @@ var ground: ScatterGround
 var level := 0.0
 ## The number of ground heights that may still be queried. Once it is 0, additional lines are straight from corner to corner.
 var budget := 4000
+## Returns the world position on the ground, raised by [constant LIFT], for a point of a line. By default, points are world x and z.
+var to_ground: Callable = _from_above
 ## Pairs of end points, in the space of the node.
 var segments := PackedVector3Array()
 
@@ -45,7 +47,7 @@ static func material(color: Color) -> StandardMaterial3D:
 	return made
 
 
-## Adds a line through world positions (x, z), with a ground height at least every [param piece] meters.
+## Adds a line through points (see [member to_ground]), with a ground height at least every [param piece] meters.
 func add(points: PackedVector2Array, closed: bool, piece: float) -> void:
 	var count := points.size() if closed else points.size() - 1
 	for index in count:
@@ -62,9 +64,13 @@ func add(points: PackedVector2Array, closed: bool, piece: float) -> void:
 
 
 func _on_ground(at: Vector2) -> Vector3:
+	return _to_node * (to_ground.call(at) as Vector3)
+
+
+func _from_above(at: Vector2) -> Vector3:
 	var position := Vector3(at.x, level, at.y)
 	if ground != null:
 		var height := ground.get_height(position)
 		if not is_nan(height):
 			position.y = height + LIFT
-	return _to_node * position
+	return position

@@ -3,6 +3,7 @@ extends "res://addons/thicket/editor/ground/ground_tool.gd"
 ## The tool that draws a region. The user clicks the corners of its polygon, or the points of its path, on the ground.
 
 const EditorSnap := preload("res://addons/thicket/editor/editor_snap.gd")
+const PlanetOutline := preload("res://addons/thicket/editor/regions/planet_outline.gd")
 const RegionGizmos := preload("res://addons/thicket/editor/regions/region_gizmos.gd")
 const RegionMenu := preload("res://addons/thicket/editor/regions/region_menu.gd")
 
@@ -78,7 +79,11 @@ func close() -> void:
 	var middle := Vector3.ZERO
 	for corner in corners:
 		middle += corner / corners.size()
-	var region := _polygon(middle) if shape == ScatterRegion3D.SHAPE_POLYGON else _path(middle)
+	if SurfacePlace.planet_of(ground()) != null:
+		var found := SurfacePlace.level(scatter, middle, SurfacePlace.up_at(scatter, middle))
+		middle = found[0] if not found.is_empty() else middle
+	var frame := RegionMenu.frame_at(scatter, middle)
+	var region := _polygon(frame) if shape == ScatterRegion3D.SHAPE_POLYGON else _path(frame)
 	if region == null:
 		redraw_requested.emit()
 		return
@@ -86,14 +91,17 @@ func close() -> void:
 	drawn.emit(region, middle)
 
 
-func _polygon(middle: Vector3) -> ScatterRegion3D:
+func _polygon(frame: Transform3D) -> ScatterRegion3D:
 	var polygon := PackedVector2Array()
 	var area := 0.0
-	for index in corners.size():
-		var corner := corners[index] - middle
-		polygon.append(Vector2(corner.x, corner.z))
-		area += 0.5 * polygon[index].cross(Vector2(corners[index - 1].x - middle.x, corners[index - 1].z - middle.z))
-	if corners.size() < 3 or absf(area) < LEAST_AREA:
+	for corner in corners:
+		polygon.append(_in_frame(corner, frame))
+		if not polygon[-1].is_finite():
+			problem = "A corner is more than %d° around the planet from the middle of the outline. Draw several smaller regions." % PlanetOutline.FARTHEST
+			return null
+	for index in polygon.size():
+		area += 0.5 * polygon[index].cross(polygon[index - 1])
+	if polygon.size() < 3 or absf(area) < LEAST_AREA:
 		problem = "A region needs at least three corners that are not in a line, got %d. Click more corners." % corners.size()
 		return null
 	var region := RegionMenu.make(shape, exclude)
@@ -101,8 +109,15 @@ func _polygon(middle: Vector3) -> ScatterRegion3D:
 	return region
 
 
+## Returns a corner of the polygon of a region with this transform, [constant Vector2.INF] if it cannot have this corner.
+func _in_frame(corner: Vector3, frame: Transform3D) -> Vector2:
+	if SurfacePlace.planet_of(ground()) != null:
+		return PlanetOutline.corner_toward(corner, SurfacePlace.planet_center(scatter), frame)
+	return Vector2(corner.x - frame.origin.x, corner.z - frame.origin.z)
+
+
 ## Returns a region along a smooth path through the points, with a Path3D below it. Returns null and sets [member problem] on failure.
-func _path(middle: Vector3) -> ScatterRegion3D:
+func _path(frame: Transform3D) -> ScatterRegion3D:
 	if corners.size() < 2:
 		problem = "A path needs at least two points, got %d. Click more points." % corners.size()
 		return null
@@ -111,8 +126,8 @@ func _path(middle: Vector3) -> ScatterRegion3D:
 	path.name = "Path3D"
 	path.curve = Curve3D.new()
 	for index in corners.size():
-		var along := (corners[mini(index + 1, corners.size() - 1)] - corners[maxi(index - 1, 0)]) * BEND
-		path.curve.add_point(corners[index] - middle, -along, along)
+		var along := frame.basis.inverse() * (corners[mini(index + 1, corners.size() - 1)] - corners[maxi(index - 1, 0)]) * BEND
+		path.curve.add_point(frame.affine_inverse() * corners[index], -along, along)
 	region.add_child(path)
 	region.path = NodePath("Path3D")
 	region.width = WIDTH

@@ -1,11 +1,13 @@
 @tool
 extends EditorNode3DGizmoPlugin
 ## Draws a [ScatterRegion3D]: its shape, its border on the ground, a second line where the falloff ends, and handles for
-## its size. Handles snap like the editor's gizmos. Dragging a face keeps the opposite face in place unless Alt is held.
+## its size. On a planet, the border is drawn along the planet's up. Handles snap like the editor's gizmos. Dragging a face keeps the opposite face in place unless Alt is held.
 
 const EditorSnap := preload("res://addons/thicket/editor/editor_snap.gd")
 const GroundLines := preload("res://addons/thicket/editor/ground/ground_lines.gd")
 const Outline := preload("res://addons/thicket/editor/regions/region_outline.gd")
+const PlanetOutline := preload("res://addons/thicket/editor/regions/planet_outline.gd")
+const SurfacePlace := preload("res://addons/thicket/editor/ground/surface_place.gd")
 
 const INCLUDE := Color(0.45, 0.9, 0.4)
 const EXCLUDE := Color(1.0, 0.42, 0.3)
@@ -102,10 +104,8 @@ func _set_handle(gizmo: EditorNode3DGizmo, id: int, _secondary: bool, camera: Ca
 			else:
 				region.height = _drag_face(region, Vector3.AXIS_Y, 1.0 if id == 1 else -1.0, from, to)
 		ScatterRegion3D.SHAPE_POLYGON:
-			var position: Variant = Plane(Vector3.UP, 0.0).intersects_segment(from, to)
-			if position is Vector3:
-				var hit: Vector3 = position
-				var corner := Vector2(hit.x, hit.z)
+			var corner := _dragged_corner(region, from, to)
+			if corner.is_finite():
 				var polygon := region.polygon
 				polygon[id] = corner.snapped(Vector2.ONE * EditorSnap.meters()) if EditorSnap.is_on() else corner
 				region.polygon = polygon
@@ -141,13 +141,37 @@ func _drag_face(region: ScatterRegion3D, axis: int, side: float, from: Vector3, 
 	return length
 
 
+## Returns the corner of a polygon below the mouse, [constant Vector2.INF] if there is none. The ray of the mouse is in the region's local space. On
+## a planet, the corner is on the ground.
+static func _dragged_corner(region: ScatterRegion3D, from: Vector3, to: Vector3) -> Vector2:
+	var scatter := _scatter_on_planet(region)
+	if scatter == null:
+		var met: Variant = Plane(Vector3.UP, 0.0).intersects_segment(from, to)
+		return Vector2((met as Vector3).x, (met as Vector3).z) if met is Vector3 else Vector2.INF
+	var start := region.global_transform * from
+	var found := SurfacePlace.on_ray(scatter, start, start.direction_to(region.global_transform * to))
+	if found.is_empty():
+		return Vector2.INF
+	return PlanetOutline.corner_toward(found[0], SurfacePlace.planet_center(scatter), region.global_transform)
+
+
+## Returns the scatter above a region if its ground forms a planet, otherwise null.
+static func _scatter_on_planet(region: ScatterRegion3D) -> TerrainScatter3D:
+	var scatter := GroundLines.scatter_of(region)
+	return scatter if scatter != null and SurfacePlace.planet_of(scatter.ground) != null else null
+
+
 static func _property(region: ScatterRegion3D, id: int) -> StringName:
 	return [&"size", &"radius", [&"radius", &"height"][mini(id, 1)], &"polygon", &"width"][region.shape]
 
 
 static func _on_ground(region: ScatterRegion3D, inwards: float) -> PackedVector3Array:
 	var lines := GroundLines.new(region)
-	for border in Outline.borders(region, inwards):
+	var scatter := _scatter_on_planet(region)
+	var on_planet := PlanetOutline.new(region, scatter) if scatter != null else null
+	if on_planet != null:
+		lines.to_ground = on_planet.to_ground.bind(GroundLines.LIFT)
+	for border in on_planet.borders(inwards) if on_planet != null else Outline.borders(region, inwards):
 		var length := 0.0
 		for index in border.size():
 			length += border[index].distance_to(border[(index + 1) % border.size()])
@@ -170,8 +194,11 @@ func _handles(region: ScatterRegion3D) -> PackedVector3Array:
 			for side: float in [0.5, -0.5]:
 				positions.append(Vector3.UP * side * region.height)
 		ScatterRegion3D.SHAPE_POLYGON:
-			for corner in region.polygon:
-				positions.append(Vector3(corner.x, 0.0, corner.y))
+			var scatter := _scatter_on_planet(region)
+			var on_planet := PlanetOutline.new(region, scatter) if scatter != null else null
+			for corner in Outline.corners(region):
+				var position := on_planet.on_ground(corner, GroundLines.LIFT) if on_planet != null else corner
+				positions.append(region.global_transform.affine_inverse() * position)
 		ScatterRegion3D.SHAPE_PATH:
 			var start := _path_start(region)
 			if not start.is_empty():
@@ -182,14 +209,13 @@ func _handles(region: ScatterRegion3D) -> PackedVector3Array:
 
 ## Returns the world position where a path begins, and the direction across it. Empty if there is no path.
 static func _path_start(region: ScatterRegion3D) -> PackedVector3Array:
-	var path := Outline.path_node(region)
-	if path == null or path.curve == null or path.curve.point_count < 2:
+	var points := Outline.path_positions(region)
+	if points.size() < 2:
 		return PackedVector3Array()
-	var points := path.curve.tessellate(4, 3.0)
-	var from := path.global_transform * points[0]
-	var ahead := path.global_transform * points[1] - from
-	var across := Vector3(-ahead.z, 0.0, ahead.x).normalized()
-	return PackedVector3Array([from, across] if across != Vector3.ZERO else [])
+	var scatter := _scatter_on_planet(region)
+	var up := SurfacePlace.up_at(scatter, points[0]) if scatter != null else Vector3.UP
+	var across := (points[1] - points[0]).cross(up).normalized()
+	return PackedVector3Array([points[0], across] if across != Vector3.ZERO else [])
 
 
 static func _drag_width(region: ScatterRegion3D, from: Vector3, to: Vector3) -> void:

@@ -53,14 +53,19 @@ static func make(shape: ScatterRegion3D.Shape, exclude: bool) -> ScatterRegion3D
 	return region
 
 
-## Adds a region at a world position, as one undo step, and selects it.
+## Adds a region at a world position, as one undo step, and selects it. On a planet, its y axis points away from the center.
 func insert(region: ScatterRegion3D, place: Vector3) -> void:
-	region.transform = scatter.global_transform.affine_inverse() * Transform3D(Basis.IDENTITY, place)
+	region.transform = scatter.global_transform.affine_inverse() * frame_at(scatter, place)
 	undo_redo.create_action("Add %s" % region.name, UndoRedo.MERGE_DISABLE, scatter)
 	put_below(undo_redo, scatter, region)
 	undo_redo.commit_action()
 	EditorInterface.get_selection().clear()
 	EditorInterface.get_selection().add_node(region)
+
+
+## Returns the transform of a new region at a world position.
+static func frame_at(scatter: TerrainScatter3D, place: Vector3) -> Transform3D:
+	return Transform3D(SurfacePlace.upright(SurfacePlace.up_at(scatter, place)), place)
 
 
 ## Adds to the open undo step that a node and its children are added below a parent.

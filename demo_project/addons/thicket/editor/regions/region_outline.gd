@@ -36,43 +36,55 @@ static func body(region: ScatterRegion3D) -> PackedVector3Array:
 
 ## Returns the region's borders as seen from above, moved inward by [param inwards] meters, as closed lines of world x and z.
 static func borders(region: ScatterRegion3D, inwards: float) -> Array[PackedVector2Array]:
-	var result: Array[PackedVector2Array] = []
-	var shape := region.shape
-	if shape == ScatterRegion3D.SHAPE_PATH:
-		var strip := 0.5 * region.width - inwards
-		var points := path_points(region)
-		if strip > 0.0 and points.size() > 1:
-			result = Geometry2D.offset_polyline(points, strip, Geometry2D.JOIN_ROUND, Geometry2D.END_ROUND)
-		return result
-	var outline := PackedVector2Array()
-	if shape == ScatterRegion3D.SHAPE_POLYGON:
-		for corner in region.polygon:
-			outline.append(_flat(region.global_transform * Vector3(corner.x, 0.0, corner.y)))
-	else:
-		for corner in body(region):
-			outline.append(_flat(region.global_transform * corner))
-		outline = Geometry2D.convex_hull(outline)
-		# The hull ends with a copy of its first point.
-		outline.resize(maxi(0, outline.size() - 1))
+	match region.shape:
+		ScatterRegion3D.SHAPE_PATH:
+			return strip(_flat(path_positions(region)), 0.5 * region.width - inwards)
+		ScatterRegion3D.SHAPE_POLYGON:
+			return inset(_flat(corners(region)), inwards)
+		_:
+			return inset(hull(_flat(region.global_transform * body(region))), inwards)
+
+
+## Returns the outlines of a strip along a line. Empty if there is no line or no width.
+static func strip(points: PackedVector2Array, half_width: float) -> Array[PackedVector2Array]:
+	if half_width > 0.0 and points.size() > 1:
+		return Geometry2D.offset_polyline(points, half_width, Geometry2D.JOIN_ROUND, Geometry2D.END_ROUND)
+	return []
+
+
+## Returns an outline, moved inward. Empty if nothing of it is left.
+static func inset(outline: PackedVector2Array, inwards: float) -> Array[PackedVector2Array]:
 	if outline.size() < 3:
-		return result
+		return []
 	if inwards <= 0.0:
-		result.append(outline)
-	else:
-		if Geometry2D.is_polygon_clockwise(outline):
-			outline.reverse()
-		result = Geometry2D.offset_polygon(outline, -inwards, Geometry2D.JOIN_MITER)
-	return result
+		return [outline]
+	if Geometry2D.is_polygon_clockwise(outline):
+		outline.reverse()
+	return Geometry2D.offset_polygon(outline, -inwards, Geometry2D.JOIN_MITER)
 
 
-## Returns the points of the region's path as world x and z. Empty if there is no path.
-static func path_points(region: ScatterRegion3D) -> PackedVector2Array:
-	var points := PackedVector2Array()
+## Returns the corners of the convex hull of points.
+static func hull(points: PackedVector2Array) -> PackedVector2Array:
+	var outline := Geometry2D.convex_hull(points)
+	# The hull ends with a copy of its first point.
+	outline.resize(maxi(0, outline.size() - 1))
+	return outline
+
+
+## Returns the world positions of the corners of a polygon.
+static func corners(region: ScatterRegion3D) -> PackedVector3Array:
+	var positions := PackedVector3Array()
+	for corner in region.polygon:
+		positions.append(region.global_transform * Vector3(corner.x, 0.0, corner.y))
+	return positions
+
+
+## Returns the world positions of the points of the region's path. Empty if there is no path.
+static func path_positions(region: ScatterRegion3D) -> PackedVector3Array:
 	var path := path_node(region)
-	if path != null and path.curve != null:
-		for position in path.curve.tessellate(4, 3.0):
-			points.append(_flat(path.global_transform * position))
-	return points
+	if path == null or path.curve == null:
+		return PackedVector3Array()
+	return path.global_transform * path.curve.tessellate(4, 3.0)
 
 
 ## Returns the region's path, or null if there is none.
@@ -80,8 +92,12 @@ static func path_node(region: ScatterRegion3D) -> Path3D:
 	return (region.get_parent() if region.path.is_empty() else region.get_node_or_null(region.path)) as Path3D
 
 
-static func _flat(position: Vector3) -> Vector2:
-	return Vector2(position.x, position.z)
+## Returns the x and z of positions.
+static func _flat(positions: PackedVector3Array) -> PackedVector2Array:
+	var points := PackedVector2Array()
+	for position in positions:
+		points.append(Vector2(position.x, position.z))
+	return points
 
 
 static func _circle(lines: PackedVector3Array, center: Vector3, right: Vector3, forward: Vector3) -> void:

@@ -1,0 +1,311 @@
+@tool
+extends "res://tests/steps.gd"
+## Uses the tools on the top, on the side and on the underside of a planet: Why?, the brush, the rectangle of a bake, new regions, outlines of
+## regions, and their gizmos.
+
+const RADIUS := 20.0
+const CENTER := Vector3(3.0, -2.0, 5.0)
+## The directions from the planet's center to the middle of the view, and the rotations of the editor's camera about x and y.
+const SIDES := {
+	"top": [Vector3.UP, Vector2(0.8, 0.4)],
+	"side": [Vector3(1.0, 0.0, 0.0), Vector2(0.3, -1.2)],
+	"underside": [Vector3.DOWN, Vector2(-0.8, 0.4)],
+}
+const VIEW := """[editor_states]
+
+3D={
+"viewport_mode": 1,
+"viewports": [{
+"distance": 14.0,
+"position": Vector3(%f, %f, %f),
+"x_rotation": %f,
+"y_rotation": %f
+}]
+}
+"""
+
+var scatter: Node3D
+var stones: Resource
+## The planet's up in the middle of the view.
+var up: Vector3
+
+
+func make_layer(title: String, on_surfaces: bool) -> Resource:
+	var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
+	layer.resource_name = title
+	layer.radius = 0.8
+	layer.tile_size = 16.0
+	layer.view_distance = 40.0
+	layer.on_surfaces = on_surfaces
+	var mesh := BoxMesh.new()
+	mesh.size = Vector3(0.1, 0.5, 0.1)
+	layer.meshes = [mesh]
+	return layer
+
+
+func make_scene(path: String, view: Array) -> void:
+	var root := Node3D.new()
+	root.name = "Field"
+	scatter = ClassDB.instantiate(&"TerrainScatter3D")
+	scatter.name = "Stones"
+	var ground: Resource = ClassDB.instantiate(&"ScatterGroundMeshes")
+	ground.set(&"group", &"ground")
+	ground.set(&"planet_radius", RADIUS)
+	ground.set(&"planet_center", CENTER)
+	scatter.ground = ground
+	scatter.layers = [make_layer("Stone", true), make_layer("Grass", false)]
+	root.add_child(scatter)
+	scatter.owner = root
+	var planet := MeshInstance3D.new()
+	planet.name = "Planet"
+	var sphere := SphereMesh.new()
+	sphere.radius = RADIUS
+	sphere.height = 2.0 * RADIUS
+	sphere.radial_segments = 256
+	sphere.rings = 128
+	planet.mesh = sphere
+	planet.position = CENTER
+	planet.add_to_group(&"ground", true)
+	root.add_child(planet)
+	planet.owner = root
+	var packed := PackedScene.new()
+	packed.pack(root)
+	root.free()
+	ResourceSaver.save(packed, path)
+	var middle: Vector3 = CENTER + view[0] * RADIUS
+	DirAccess.make_dir_recursive_absolute("res://.godot/editor")
+	var state := FileAccess.open("res://.godot/editor/%s-editstate-%s.cfg" % [path.get_file(), path.md5_text()], FileAccess.WRITE)
+	state.store_string(VIEW % [middle.x, middle.y, middle.z, view[1].x, view[1].y])
+
+
+## Returns the position on the planet that is some meters to the right and downward from the middle of the view.
+func spot(right: float, down: float) -> Vector3:
+	var axis := camera().global_basis
+	var along := (axis.x - up * up.dot(axis.x)).normalized()
+	var at := RADIUS * up + along * right + along.cross(up) * -down
+	return CENTER + at.normalized() * RADIUS
+
+
+func altitude(at: Vector3) -> float:
+	return at.distance_to(CENTER) - RADIUS
+
+
+func tool_named(tool_name: String) -> Node:
+	return workspace().toolbar.get(tool_name)
+
+
+func rows() -> Array:
+	return tool_named("why").panel.rows.map(func(row: Array) -> String: return row[1])
+
+
+func regions() -> Array[Node]:
+	return scatter.find_children("*", "ScatterRegion3D", true, false)
+
+
+func test_tools_on_all_sides() -> void:
+	EditorInterface.set_main_screen_editor("3D")
+	for side: String in SIDES:
+		var path := "res://%s.tscn" % side
+		make_scene(path, SIDES[side])
+		scatter = (await open(path)).get_node("Stones")
+		up = SIDES[side][0]
+		stones = scatter.layers[0]
+		await select_node(scatter)
+		addon().hide_bottom_panel()
+		await settle(scatter)
+		await frames(5)
+		surface().grab_focus()
+		await explain(side)
+		await paint(side)
+		await draw_rectangle(side)
+		await add_box(side)
+		await draw_polygon(side)
+		await draw_path(side)
+
+
+## The tool must explain the position below the mouse.
+func explain(side: String) -> void:
+	var tool := tool_named("why")
+	tool.set_on(true)
+	workspace().toolbar.choose_layer(0)
+	await frames(3)
+	var reasons := {}
+	for index in 5:
+		var at := spot(index - 2.0, 0.3 * index)
+		await click_at(on_screen(at))
+		if not check(tool.pinned.is_finite() and tool.pinned.distance_to(at) < 0.05, "%s: pinned at %s, expected %s" % [side, tool.pinned, at]):
+			continue
+		var expected: RefCounted = scatter.explain_position(tool.pinned, [stones])[0]
+		check(expected.position.distance_to(at) < 0.05 and expected.point_position.distance_to(at) < 0.8, "%s: explained at %s" % [side, expected.position])
+		check(rows().any(func(row: String) -> bool: return row.ends_with("Stone: " + expected.reason)), "%s: %s is among %s" % [side, expected.reason, rows()])
+		reasons[expected.reason] = true
+	check(reasons.size() > 1, "%s: different positions have different explanations" % side)
+	if side == "underside":
+		check(rows().any(func(row: String) -> bool: return "Grass: Grows only on the top of the ground, %.1f m above" % (2.0 * (-tool.pinned.y + CENTER.y)) in row), "%s: the other layer: %s" % [side, rows()])
+	await picture("planet_why_%s" % side)
+	tool.choose_colors(2)
+	tool.look()
+	check(tool.overlay.is_shown() == (side == "top"), "%s: colors exist only near the top" % side)
+	tool.choose_colors(0)
+	tool.set_on(false)
+
+
+## Masks can be painted only near the top.
+func paint(side: String) -> void:
+	var tool := tool_named("paint")
+	tool.set_on(true)
+	workspace().toolbar.choose_layer(0)
+	tool.choose_mode(1)
+	tool.set_brush(1.5, 1.0, 1.0)
+	await frames(3)
+	var at := spot(0.5, 0.0)
+	await move_mouse(on_screen(at))
+	await picture("planet_brush_%s" % side)
+	await drag_mouse(on_screen(at), on_screen(spot(1.5, 0.0)))
+	if side == "top":
+		check_equal(tool.problem, "", "%s: no problem" % side)
+		if check(stones.mask != null, "%s: painted" % side):
+			check(stones.mask.sample(Vector2(at.x, at.z)) < 0.01, "%s: erased where the mouse was: %f" % [side, stones.mask.sample(Vector2(at.x, at.z))])
+		await settle(scatter)
+		check(not instances(scatter, 0).values().any(func(found: Vector3) -> bool: return found.distance_to(at) < 1.0), "%s: no stones there" % side)
+		await undo()
+	else:
+		check(stones.mask == null, "%s: no mask" % side)
+		check("at most 60° from the top of a planet. Use a region here." in tool.problem, "%s: the reason: %s" % [side, tool.problem])
+	check(stones.mask == null, "%s: undone" % side)
+	tool.choose_mode(0)
+	tool.set_on(false)
+
+
+func draw_rectangle(side: String) -> void:
+	var tool := tool_named("rectangle")
+	var drawn: Array[Rect2] = []
+	tool.set_on(true)
+	await frames(3)
+	var on_drawn := func(rect: Rect2) -> void: drawn.append(rect)
+	tool.drawn.disconnect(workspace().bake.take_drawn)
+	tool.drawn.connect(on_drawn)
+	var from := spot(-2.0, -2.0)
+	var to := spot(2.0, 2.0)
+	await drag_mouse(on_screen(from), on_screen(to), false, false)
+	await picture("planet_rectangle_%s" % side)
+	await press(on_screen(to), false)
+	if side == "top":
+		if check(drawn.size() == 1, "%s: a rectangle: %s" % [side, tool.problem]):
+			var corner := drawn[0].position.min(drawn[0].end)
+			var expected := Vector2(minf(from.x, to.x), minf(from.z, to.z)).round()
+			check_equal(corner, expected, "%s: its corner" % side)
+	else:
+		check(drawn.is_empty() and "at most 60° from the top" in tool.problem, "%s: no rectangle: %s" % [side, tool.problem])
+	tool.drawn.disconnect(on_drawn)
+	tool.drawn.connect(workspace().bake.take_drawn)
+	tool.set_on(false)
+
+
+## A region from the menu must be on the ground in the middle of the view, upright.
+func add_box(side: String) -> void:
+	await select_node(scatter)
+	workspace().toolbar.regions._on_chosen(0)
+	await frames(4)
+	if not check(regions().size() == 1, "%s: a box" % side):
+		return
+	var region: Node3D = regions()[0]
+	check(region.global_position.distance_to(CENTER + up * RADIUS) < 0.1, "%s: in the middle of the view: %s" % [side, region.global_position])
+	check(region.global_basis.y.angle_to(region.global_position - CENTER) < 0.01, "%s: upright" % side)
+	check_border(region, side)
+	await picture("planet_box_%s" % side)
+	await undo()
+	check(regions().is_empty(), "%s: the box is undone" % side)
+
+
+## The lines of the border must be on the ground.
+func check_border(region: Node3D, context: String) -> void:
+	var gizmos := (region.get_gizmos()[0] as EditorNode3DGizmo).get_plugin()
+	var border: PackedVector3Array = gizmos._on_ground(region, 0.0)
+	check(border.size() > 40, "%s: a border of %d positions" % [context, border.size()])
+	var wrong := Array(border).filter(func(at: Vector3) -> bool: return absf(altitude(region.global_transform * at) - 0.1) > 0.05)
+	check(wrong.is_empty(), "%s: %d of %d positions are not on the ground" % [context, wrong.size(), border.size()])
+
+
+func start_drawing(shape: int) -> Node:
+	await select_node(scatter)
+	surface().grab_focus()
+	workspace().toolbar.regions._on_chosen(shape)
+	return tool_named("region_drawing")
+
+
+func draw_polygon(side: String) -> void:
+	await settle(scatter)
+	var full := instances(scatter, 0)
+	var tool := await start_drawing(3)
+	var corners: Array[Vector3] = [spot(-2.5, -1.5), spot(2.5, -2.0), spot(2.0, 2.0), spot(-2.0, 1.5)]
+	for corner in corners:
+		await click_at(on_screen(corner))
+	check_equal(tool.corners.size(), 4, "%s: four corners" % side)
+	await key(KEY_ENTER)
+	await frames(4)
+	if not check(regions().size() == 1, "%s: a polygon: %s" % [side, tool.problem]):
+		return
+	var region: Node3D = regions()[0]
+	check(region.get_problems().is_empty(), "%s: no problems: %s" % [side, region.get_problems()])
+	for index in 4:
+		var at: Vector3 = region.global_transform * Vector3(region.polygon[index].x, 0.0, region.polygon[index].y)
+		check((at - CENTER).angle_to(corners[index] - CENTER) < 0.005, "%s: corner %d at %s" % [side, index, at])
+	await settle(scatter)
+	var left := instances(scatter, 0)
+	var gone := full.values().filter(func(at: Vector3) -> bool: return not left.values().has(at))
+	check(gone.size() > 10 and gone.all(func(at: Vector3) -> bool: return at.distance_to(CENTER + up * RADIUS) < 3.6), "%s: stones in it are gone: %s" % [side, gone])
+	check(not left.values().any(func(at: Vector3) -> bool: return at.distance_to(CENTER + up * RADIUS) < 1.2), "%s: no stones are left in it" % side)
+	check_border(region, side + ", polygon")
+	await picture("planet_polygon_%s" % side)
+	await drag_corner(region, side)
+	await undo()
+	check(regions().is_empty(), "%s: the polygon is undone" % side)
+
+
+## Drags the handle of a polygon's corner to a position on the planet.
+func drag_corner(region: Node3D, side: String) -> void:
+	var gizmo := region.get_gizmos()[0] as EditorNode3DGizmo
+	var gizmos := gizmo.get_plugin()
+	var handles: PackedVector3Array = gizmos._handles(region)
+	check(absf(altitude(region.global_transform * handles[1]) - 0.1) < 0.05, "%s: the handle is on the ground" % side)
+	var before: PackedVector2Array = region.polygon
+	var to := spot(3.5, -3.0)
+	gizmos._begin_handle_action(gizmo, 1, false)
+	gizmos._set_handle(gizmo, 1, false, camera(), camera().unproject_position(to))
+	gizmos._commit_handle(gizmo, 1, false, before, false)
+	var at: Vector3 = region.global_transform * Vector3(region.polygon[1].x, 0.0, region.polygon[1].y)
+	check((at - CENTER).angle_to(to - CENTER) < 0.005, "%s: the dragged corner is at %s" % [side, at])
+	await undo()
+	check_equal(region.polygon, before, "%s: the drag is undone" % side)
+
+
+func draw_path(side: String) -> void:
+	await settle(scatter)
+	var tool := await start_drawing(4)
+	var points: Array[Vector3] = [spot(-4.0, 0.0), spot(0.0, 0.5), spot(4.0, -0.5)]
+	for point in points:
+		await click_at(on_screen(point))
+	await picture("planet_drawing_%s" % side)
+	await key(KEY_ENTER)
+	await frames(4)
+	if not check(regions().size() == 1, "%s: a path: %s" % [side, tool.problem]):
+		return
+	var region: Node3D = regions()[0]
+	check(region.get_problems().is_empty(), "%s: no problems: %s" % [side, region.get_problems()])
+	var path: Path3D = region.get_node("Path3D")
+	for index in 3:
+		check((path.global_transform * path.curve.get_point_position(index)).distance_to(points[index]) < 0.05, "%s: point %d of the path" % [side, index])
+	await settle(scatter)
+	check(not instances(scatter, 0).values().any(func(at: Vector3) -> bool:
+		var local := path.global_transform.affine_inverse() * at
+		return path.curve.get_closest_point(local).distance_to(local) < 1.2), "%s: no stones on the path" % side)
+	check_border(region, side + ", path")
+	var gizmos := (region.get_gizmos()[0] as EditorNode3DGizmo).get_plugin()
+	var handles: PackedVector3Array = gizmos._handles(region)
+	if check(handles.size() == 1, "%s: a handle for the width" % side):
+		var at := region.global_transform * handles[0]
+		check(absf(at.distance_to(points[0]) - 1.5) < 0.05 and absf(altitude(at)) < 0.2, "%s: the handle is beside the path, on the ground: %s" % [side, at])
+	await picture("planet_path_%s" % side)
+	await undo()
+	await select_node(scatter)
