@@ -361,6 +361,7 @@ func test_adding() -> void:
 	await undo()
 	panel()._on_add(panel().Add.FIRST_PRESET + 1)
 	check_equal(names().slice(3), PackedStringArray(["Oak", "Bush", "Flowers", "Grass"]), "the preset adds its layers")
+	check(not scatter.layers[3].on_surfaces and scatter.layers[3].progressive_levels == 3, "it grows on the top of the ground")
 	await undo()
 	panel()._on_add(panel().Add.EMPTY)
 	check_equal(names()[2], "Layer", "an empty layer is added")

@@ -1,7 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
 ## Uses the tools on the top, on the side and on the underside of a planet: Why?, the brush, the rectangle of a bake, new regions, outlines of
-## regions, and their gizmos.
+## regions, their gizmos, and a preset.
 
 const RADIUS := 20.0
 const CENTER := Vector3(3.0, -2.0, 5.0)
@@ -61,8 +61,8 @@ func make_scene(path: String, view: Array) -> void:
 	var sphere := SphereMesh.new()
 	sphere.radius = RADIUS
 	sphere.height = 2.0 * RADIUS
-	sphere.radial_segments = 256
-	sphere.rings = 128
+	sphere.radial_segments = 96
+	sphere.rings = 48
 	planet.mesh = sphere
 	planet.position = CENTER
 	planet.add_to_group(&"ground", true)
@@ -121,6 +121,7 @@ func test_tools_on_all_sides() -> void:
 		await add_box(side)
 		await draw_polygon(side)
 		await draw_path(side)
+	await add_preset("underside")
 
 
 ## The tool must explain the position below the mouse.
@@ -309,3 +310,20 @@ func draw_path(side: String) -> void:
 	await picture("planet_path_%s" % side)
 	await undo()
 	await select_node(scatter)
+
+
+## A preset must grow on the underside.
+func add_preset(side: String) -> void:
+	workspace().toolbar.preset_chosen.emit("forest")
+	check(scatter.layers.size() > 6, "%s: the preset's layers: %d" % [side, scatter.layers.size()])
+	for layer: Resource in scatter.layers.slice(2):
+		check(layer.on_surfaces and layer.max_slope_degrees <= 60.0 and layer.progressive_levels == 1, "%s: %s grows on surfaces" % [side, layer.resource_name])
+	await settle(scatter)
+	var problems: PackedStringArray = scatter.get_problems()
+	check(not Array(problems).any(func(problem: String) -> bool: return "Spruce" in problem or "Fern" in problem), "%s: no problems of the preset: %s" % [side, problems])
+	var near := 0
+	for index in range(2, scatter.layers.size()):
+		near += instances(scatter, index).values().filter(func(at: Vector3) -> bool: return at.distance_to(CENTER + up * RADIUS) < 8.0).size()
+	check(near > 20, "%s: %d plants of the preset in the view" % [side, near])
+	await undo()
+	check_equal(scatter.layers.size(), 2, "%s: the preset is undone" % side)

@@ -5,6 +5,7 @@ extends RefCounted
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 const NewLayers := preload("res://addons/thicket/editor/layers/new_layers.gd")
 const Names := preload("res://addons/thicket/editor/inspector/layer_names.gd")
+const SurfacePlace := preload("res://addons/thicket/editor/ground/surface_place.gd")
 const FOLDER := "res://addons/thicket/presets/"
 const NAMES: PackedStringArray = ["forest", "meadow", "pine_wood", "shore", "scree", "desert"]
 
@@ -20,7 +21,8 @@ static func open(name: String) -> TerrainScatter3D:
 	return source
 
 
-## Adds a preset's layers to a scatter, as one undo step. If [param apart] is true, they keep distances from the scatter's existing layers. A preset
+## Adds a preset's layers to a scatter, as one undo step. If [param apart] is true, they keep distances from the scatter's existing layers. On a
+## planet, they grow on all sides. On other ground, they grow on its top: with dense meshes, surfaces would make their tiles 200 times slower. A preset
 ## with water enables the scatter's water.
 static func add(name: String, scatter: TerrainScatter3D, apart: bool, undo_redo: EditorUndoRedoManager) -> void:
 	var source := open(name)
@@ -28,6 +30,8 @@ static func add(name: String, scatter: TerrainScatter3D, apart: bool, undo_redo:
 		return
 	var old := scatter.layers
 	var added := _copied(source, Copies.names(old))
+	if SurfacePlace.planet_of(scatter.ground) != null:
+		NewLayers.use_levels(added, scatter.ground)
 	if apart:
 		NewLayers.give_way(added, old)
 	var new: Array[ScatterLayer] = old + added
