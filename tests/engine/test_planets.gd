@@ -406,6 +406,27 @@ func test_up_and_lines_that_meet_the_ground() -> void:
 	check(scatter._hit_surface(Vector3.UP, Vector3.DOWN).is_empty(), "a line hits nothing on ground without surfaces")
 
 
+## An explanation does not mention instances that were placed by hand on the opposite side.
+func test_explanations_on_all_sides() -> void:
+	put_planet(100.0, Vector3.ZERO, 128)
+	var layer := make_grower()
+	viewer = make_viewer(Vector3(0.0, -101.0, 0.0))
+	var scatter := make_scatter([layer], make_ground(100.0), viewer)
+	scatter.state = ScatterState.new()
+	await settle(scatter)
+	var seen := 0
+	for index in 40:
+		var up := Vector3(0.01 * index, -1.0, 0.004 * index).normalized()
+		var explanation := scatter.explain_position(scatter._hit_surface(up * 150.0, up * 50.0)[0], layer)[0]
+		check(explanation.position.distance_to(up * 100.0) < 0.2 and explanation.shown, "below: %s at %s" % [explanation.reason, explanation.position])
+		seen += int(explanation.refused_by == &"")
+	check_equal(seen, 40, "explanations of visible instances")
+	for side: float in [1.0, -1.0]:
+		scatter.add_instance(layer, Transform3D(Basis(), Vector3(0.3, 100.0 * side, 0.0)))
+		var mentioned := "One was placed by hand" in scatter.explain_position(Vector3.DOWN * 100.0, layer)[0].reason
+		check_equal(mentioned, side < 0.0, "an instance at y = %.0f" % (100.0 * side))
+
+
 func test_problems_and_bad_settings() -> void:
 	put_planet(100.0, Vector3.ZERO, 64)
 	var ground := make_ground(100.0)

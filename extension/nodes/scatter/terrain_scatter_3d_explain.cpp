@@ -18,10 +18,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <limits>
 #include <string>
 #include <utility>
+#include <vector>
 
 using namespace godot;
 
@@ -77,8 +79,14 @@ void TerrainScatter3D::explain_changes(const LayerSnapshot &layer, LayerExplanat
 	const double radius = layer.settings->set.radius;
 	const glm::dvec2 place(r_explanation.place.x, r_explanation.place.z);
 	std::vector<std::uint64_t> ids;
-	if (state->state().added_in(layer.settings->set.layer, {place - radius, place + radius}, ids).ok() &&
-			!ids.empty()) {
+	const Status found = state->state().added_in(layer.settings->set.layer, {place - radius, place + radius}, ids);
+	if (layer.settings->set.on_surface) {
+		// An instance on a different level or on the opposite side of a planet is not nearby.
+		std::erase_if(ids, [&](std::uint64_t id) {
+			return glm::distance(state->state().added(id)->position, r_explanation.place) > 2.0 * radius;
+		});
+	}
+	if (found.ok() && !ids.empty()) {
 		r_explanation.verdict.reason += ids.size() == 1
 				? " One was placed by hand nearby."
 				: " " + std::to_string(ids.size()) + " were placed by hand nearby.";
@@ -106,7 +114,7 @@ void TerrainScatter3D::explain_drawing(const LayerSnapshot &layer, LayerExplanat
 	}
 	const glm::dvec2 point = r_explanation.rules.point.position;
 	const glm::ivec2 tile = tile_at(layer.range.tile_size, point);
-	const glm::dvec3 at(point.x, r_explanation.place.y, point.y);
+	const glm::dvec3 at(point.x, double{r_explanation.rules.at_point.ground.height}, point.y);
 	const std::int32_t slab = layer.range.in_space() ? slab_at(layer.range.tile_size, at.y) : all_slabs;
 	const TileSpace space = tile_space(layer.range.tile_size, tile, slab);
 	constexpr double infinity = std::numeric_limits<double>::infinity();
