@@ -1,9 +1,10 @@
 @tool
 extends EditorNode3DGizmoPlugin
-## Draws the extent of the layers of the selected [code]TerrainScatter3D[/code] as a line around the visible tiles.
+## Draws the extent of the layers of the selected [code]TerrainScatter3D[/code] as a line around the visible tiles, except on a planet.
 
 const GroundLines := preload("res://addons/thicket/editor/ground/ground_lines.gd")
 const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
+const SurfacePlace := preload("res://addons/thicket/editor/ground/surface_place.gd")
 
 const COLOR := Color(0.99, 0.62, 0.5)
 const SIDES: Array[Vector2i] = [Vector2i.UP, Vector2i.RIGHT, Vector2i.DOWN, Vector2i.LEFT]
@@ -26,7 +27,8 @@ func _has_gizmo(node: Node3D) -> bool:
 
 func _redraw(gizmo: EditorNode3DGizmo) -> void:
 	gizmo.clear()
-	if gizmo.get_node_3d() != scatter:
+	# On a planet, a tile is a cube, and its outline as seen from above is not where its instances are.
+	if gizmo.get_node_3d() != scatter or SurfacePlace.planet_of(scatter.ground) != null:
 		return
 	var edges: Array[PackedVector2Array] = []
 	var seen := {}

@@ -11,6 +11,8 @@ const SurfacePlace := preload("res://addons/thicket/editor/ground/surface_place.
 const CROWDED := 0.5
 const POSITIONS := 60
 const RADII := 15.0
+## The longest time for one layer, in milliseconds. An explanation on surfaces of dense meshes may take half a second.
+const MOST_MSEC := 300
 ## An older layer is reported if it had at least [constant FEW] instances and less than the fraction [constant KEPT] of them is left.
 const KEPT := 0.7
 const FEW := 20
@@ -94,10 +96,16 @@ func _crowding(layer: ScatterLayer) -> PackedStringArray:
 	var center := _view_center()
 	var refused := 0
 	var counted := 0
+	var frame := Transform3D(SurfacePlace.upright(SurfacePlace.up_at(_scatter, center)), center)
+	var deadline := Time.get_ticks_msec() + MOST_MSEC
 	for index in POSITIONS:
+		if Time.get_ticks_msec() > deadline:
+			break
 		# A golden-angle spiral is evenly spread, and the same each time.
 		var away := Vector2.from_angle(index * 2.39996) * sqrt((index + 0.5) / POSITIONS) * RADII * layer.radius
-		var found := _scatter.explain_position(center + Vector3(away.x, 0.0, away.y), [layer])
+		var at := frame * Vector3(away.x, 0.0, away.y)
+		var surface := SurfacePlace.level(_scatter, at, frame.basis.y)
+		var found := _scatter.explain_position(surface[0] if not surface.is_empty() else at, [layer])
 		if found.is_empty():
 			continue
 		refused += int(found[0].refused_by == "spacing")
