@@ -46,11 +46,11 @@ def external(env, folder):
 
 def supports_reload(archive):
     """Returns whether a godot-cpp was built with use_hot_reload=yes. Code linked with it must be compiled with the same
-    setting, because both share a thread-local record whose size depends on the setting. (Before godot-cpp 4.5, this was
-    another record.)"""
+    setting, because both share thread-local data of Wrapped that depends on it. Depending on the release, this is a record
+    whose size differs, or a member that exists only with the setting."""
     listed = subprocess.run(["nm", "-S", archive], capture_output=True, text=True, check=False).stdout
     sizes = re.findall(r"^[0-9a-f]+ ([0-9a-f]+) \w _ZZN5godot7Wrapped19_get_construct_infoEvE4info$", listed, re.MULTILINE)
-    return any(int(size, 16) > 16 for size in sizes) or "5godot7Wrapped17recreate_instanceE" in listed
+    return any(int(size, 16) > 16 for size in sizes) or re.search(r"5godot7Wrapped\d+\w*recreate_\w+E", listed) is not None
 
 
 def stand_in(env, out, sources):
