@@ -14,7 +14,8 @@ import pytest
 from conftest import REPO, run
 
 GENERATOR = REPO / "tools/csharp/generate.py"
-PAGES = sorted((REPO / "extension/doc_classes").glob("*.xml"))
+# Deprecated classes have no wrapper.
+PAGES = [page for page in sorted((REPO / "extension/doc_classes").glob("*.xml")) if "deprecated=" not in page.read_text(encoding="utf-8")]
 STUB = REPO / "tests/csharp/GodotStub.cs"
 
 sys.path.insert(0, str(GENERATOR.parent))
@@ -24,7 +25,7 @@ pytestmark = pytest.mark.skipif(shutil.which("mcs") is None, reason="the Mono co
 
 
 def generated(folder: Path) -> list[Path]:
-    done = run([sys.executable, GENERATOR, "--out", folder, *PAGES], timeout=60)
+    done = run([sys.executable, GENERATOR, "--out", folder, *(REPO / "extension/doc_classes").glob("*.xml")], timeout=60)
     assert done.returncode == 0, done.stderr
     return sorted(folder.glob("*.cs"))
 

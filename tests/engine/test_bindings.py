@@ -136,6 +136,11 @@ def test_class_reference_is_displayed_in_the_editor(whole_editor):
         assert "no description" not in page and "There is currently" not in page, page
 
 
+def test_the_inspector_offers_no_former_class(whole_editor):
+    offered = re.search(r"^grounds: (.*)$", whole_editor, re.MULTILINE).group(1).split(", ")
+    assert "ScatterGroundFlat" in offered and not [name for name in offered if name.startswith("ScatterTerrain")], offered
+
+
 def test_editor_shows_configuration_warnings(whole_editor):
     """The engine calls our override of one of its virtual methods."""
     assert re.search(r"^button of Scatter: .*No ground", whole_editor, re.MULTILINE | re.IGNORECASE)

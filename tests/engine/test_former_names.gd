@@ -142,13 +142,30 @@ func test_a_former_property_of_a_state_is_read() -> void:
 	check(state.copy_at_runtime, "the state is copied at run time")
 
 
-## Former classes are only available to files: they are not in the editor's lists, and scripts cannot use them.
-func test_former_classes_are_hidden() -> void:
-	for name: String in ["ScatterTerrain", "ScatterTerrainFlat", "ScatterTerrainObject"]:
+## Scripts that extend a former class still run. A node keeps such a ground, because a script's base class cannot change.
+func test_scripts_that_extend_former_classes_run() -> void:
+	for name: String in ["ScatterTerrain", "ScatterTerrainFlat"]:
 		var script := GDScript.new()
-		script.source_code = "extends %s\n" % name
-		check(script.reload() != OK, "%s cannot be extended" % name)
-		errors.take()
+		script.source_code = """@tool
+extends %s
+func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
+	var heights := PackedFloat32Array()
+	heights.resize(positions.size())
+	heights.fill(7.0)
+	return heights
+""" % name
+		check_equal(script.reload(), OK, "a script extends %s" % name)
+		var ground: ScatterGround = script.new()
+		var scatter := TerrainScatter3D.new()
+		scatter.ground = ground
+		check_error(["%s is named ScatterGround" % name, "a script extends", "Change the script"], name)
+		check(scatter.ground == ground, "the node keeps the ground of %s" % name)
+		scatter.ground = null
+		scatter.ground = ground
+		check_no_error("no second warning")
+		if name == "ScatterTerrain":
+			check_equal(ground.get_height(Vector3.ZERO), 7.0, "the script's heights")
+		scatter.free()
 
 
 ## Release 0.2 also stored references to layers as indices. The node replaces each index with the layer's name, or with the layer itself if

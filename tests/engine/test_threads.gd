@@ -24,7 +24,7 @@ func make_objects(in_scene: bool) -> Array[Object]:
 	var objects: Array[Object] = [layer, layer.mask, model, model.lods[0], biome, map, biome.layers[0]]
 	for type in ClassDB.get_inheriters_from_class("ScatterGround"):
 		if type.begins_with("ScatterTerrain"):
-			continue # Skips the hidden classes for files of version 0.2.
+			continue # Skips the classes of version 0.2, which a scatter replaces with a warning.
 		objects.push_back(ClassDB.instantiate(type))
 	var scatters: Array[TerrainScatter3D] = []
 	for terrain: ScatterGround in objects.filter(func(object: Object) -> bool: return object is ScatterGround):

@@ -25,10 +25,10 @@ Element = ElementTree.Element
 
 
 class Reference:
-    """Reads all pages of the class reference."""
+    """Reads all pages of the class reference, except those of deprecated classes, which have no wrapper."""
 
     def __init__(self, pages: list[Path]):
-        roots = [ElementTree.parse(page).getroot() for page in pages]
+        roots = [root for root in (ElementTree.parse(page).getroot() for page in pages) if root.get("deprecated") is None]
         self.classes = {root.get("name"): root for root in sorted(roots, key=lambda root: root.get("name"))}
 
     def parent(self, name: str) -> str | None:

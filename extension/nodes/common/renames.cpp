@@ -50,6 +50,15 @@ void warn_of_change(const char *p_former, const char *p_change) {
 	}
 }
 
+void warn_of_base(const char *p_former, const char *p_current) {
+	if (is_first_warning((std::string("extends ") + p_former).c_str())) { // Files may use the same name.
+		WARN_PRINT(vformat(
+				"%s is named %s since version 0.3, and a script extends %s. It runs as before. Change the script "
+				"to extend %s.",
+				p_former, p_current, p_former, p_current));
+	}
+}
+
 void warn_of_removal(const char *p_former, const char *p_remedy) {
 	if (is_first_warning(p_former)) {
 		WARN_PRINT(vformat("%s has no effect since version 0.3. %s. Open and save the file in the editor to remove it.",

@@ -14,6 +14,10 @@ bool set_renamed(godot::Object *p_object, const godot::StringName &p_name, const
 /// to update it. Any thread may call it.
 void warn_of_rename(const char *p_former, const char *p_current);
 
+/// Warns, once per name, that a script extends a class by its name of release 0.2. Any thread may
+/// call it.
+void warn_of_base(const char *p_former, const char *p_current);
+
 /// Warns like warn_of_rename, but for a name without a direct replacement. `p_change` is the part
 /// of the message between the name and "since version 0.3".
 void warn_of_change(const char *p_former, const char *p_change);

@@ -44,23 +44,29 @@ namespace {
 /// The name of the metadata in which a former ground stores its replacement.
 constexpr const char *successor_meta = "thicket_successor";
 
-/// Creates a ground of the class that replaces `p_class` of release 0.2. Returns null for other
-/// classes.
-Ref<ScatterGround> make_successor(const String &p_class) {
+/// Creates a ground of the class that replaces the former class of `p_ground`. Returns null for a
+/// ground of a current class, and for one with a script, whose base class cannot change.
+Ref<ScatterGround> make_successor(const ScatterGround &p_ground) {
+	const String name = p_ground.get_class();
+	const bool is_scripted = p_ground.get("script").get_type() == Variant::OBJECT;
 #define THICKET_MAKE(m_former, m_current) \
-	if (p_class == String(#m_former)) { \
+	if (name == String(#m_former)) { \
+		if (is_scripted) { \
+			warn_of_base(#m_former, #m_current); \
+			return Ref<ScatterGround>(); \
+		} \
 		warn_of_rename(#m_former, #m_current); \
 		return Ref<ScatterGround>(memnew(m_current)); \
 	}
 	THICKET_FORMER_GROUNDS(THICKET_MAKE)
 #undef THICKET_MAKE
-	return {};
+	return Ref<ScatterGround>();
 }
 
 } // namespace
 
 void register_former_grounds() {
-#define THICKET_REGISTER(m_former, m_current) GDREGISTER_INTERNAL_CLASS(m_former);
+#define THICKET_REGISTER(m_former, m_current) GDREGISTER_VIRTUAL_CLASS(m_former);
 	THICKET_FORMER_GROUNDS(THICKET_REGISTER)
 #undef THICKET_REGISTER
 }
@@ -73,7 +79,7 @@ Ref<ScatterGround> current_ground(const Ref<ScatterGround> &p_ground) {
 	if (static_cast<bool>(p_ground->call("has_meta", successor_meta))) {
 		return p_ground->call("get_meta", successor_meta);
 	}
-	Ref<ScatterGround> made = make_successor(p_ground->get_class());
+	Ref<ScatterGround> made = make_successor(*p_ground.ptr());
 	if (made.is_null()) {
 		return p_ground;
 	}

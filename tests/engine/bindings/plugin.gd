@@ -111,11 +111,15 @@ func preview() -> void:
 	await get_tree().process_frame
 
 
-## Prints the editor's help page for each of the library's classes, one line per class.
+## Prints the editor's help page for each of the library's classes, one line per class. Also prints the classes that the inspector offers for
+## a ground.
 func help() -> void:
+	var picker := EditorResourcePicker.new()
+	picker.base_type = "ScatterGround"
+	print("grounds: ", ", ".join(picker.get_allowed_types()))
+	picker.free()
 	for name: String in ClassDB.get_class_list():
-		# The hidden classes for files of version 0.2 have no page.
-		if ClassDB.class_get_api_type(name) == ClassDB.API_EXTENSION and not name.begins_with("ScatterTerrain"):
+		if ClassDB.class_get_api_type(name) == ClassDB.API_EXTENSION:
 			print("help %s: %s" % [name, (await _help_page(name)).replace("\n", " ")])
 
 

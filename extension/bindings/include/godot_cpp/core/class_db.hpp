@@ -40,11 +40,11 @@ struct ClassDescription {
 /// Registers our classes with the engine.
 class ClassDB {
 public:
-	/// Registers a class. If `p_is_exposed` is false, scripts cannot use the class and the editor
-	/// does not list it, but scene files may contain its objects.
+	/// Registers a class. If `p_virtual` is true, the editor does not offer to create its objects,
+	/// but files may contain them and scripts may extend it.
 	template <typename T>
-	static void register_class(bool p_is_exposed = true) {
-		add_class(describe<T>(p_is_exposed));
+	static void register_class(bool p_virtual = false) {
+		add_class(describe<T>(p_virtual));
 	}
 
 	/// Registers a method. `p_defaults` are the default values of the last arguments, each wrapped
@@ -75,10 +75,11 @@ public:
 
 private:
 	template <typename T>
-	static internal::ClassDescription describe(bool p_is_exposed) {
+	static internal::ClassDescription describe(bool p_virtual) {
 		using Hooks = internal::Class<T>;
 		GDExtensionClassCreationInfo4 info{};
-		info.is_exposed = p_is_exposed;
+		info.is_virtual = p_virtual;
+		info.is_exposed = true;
 		info.set_func = Hooks::set;
 		info.validate_property_func = Hooks::validate_property;
 		info.notification_func = Hooks::notification;
@@ -97,7 +98,7 @@ private:
 } // namespace godot
 
 #define GDREGISTER_CLASS(m_class) ::godot::ClassDB::register_class<m_class>()
-#define GDREGISTER_INTERNAL_CLASS(m_class) ::godot::ClassDB::register_class<m_class>(false)
+#define GDREGISTER_VIRTUAL_CLASS(m_class) ::godot::ClassDB::register_class<m_class>(true)
 
 #define DEFVAL(m_defval) (m_defval)
 #define BIND_ENUM_CONSTANT(m_constant) \
