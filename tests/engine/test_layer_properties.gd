@@ -244,15 +244,6 @@ func test_changes_within_resources() -> void:
 	check_equal(changes[0], 2, "clearing one of two uses of a curve and then editing the curve emit one signal each")
 
 
-func test_wrong_resources() -> void:
-	var layer := full_layer()
-	for property: String in sources:
-		var before: Variant = layer.get(property)
-		layer.set(property, BoxMesh.new())
-		check_equal(layer.get(property), before, property + " rejects a mesh")
-	check_no_error("values of another class are never set")
-
-
 ## Checks that `edit` causes exactly one warning, which contains `words`, on a valid layer. Expects no warning if `words` is empty.
 func check_warning(edit: Callable, words: String) -> void:
 	var layer := make_layer()

@@ -122,6 +122,19 @@ func test_wrong_values() -> void:
 	scatter.set("ground", null)
 	check(scatter.ground == null, "null clears the ground")
 	scatter.free()
+	var resources: Dictionary[String, Resource] = {
+		"density_over_height": Curve.new(), "density_over_slope": Curve.new(), "noise": FastNoiseLite.new(), "noise_curve": Curve.new(),
+		"mask": ScatterMask.new(), "mask_texture": GradientTexture2D.new(), "proximity_curve": Curve.new(), "scale_curve": Curve.new(),
+		"color_value": ScatterValueSource.new(), "variation_value": ScatterValueSource.new(), "physics_material": PhysicsMaterial.new(),
+	}
+	var layer := ScatterLayer.new()
+	for property in resources:
+		layer.set(property, resources[property])
+		layer.set(property, BoxMesh.new())
+		check(layer.get(property) == resources[property], property + " rejects a mesh")
+	check_no_error("values of another class are never set")
+	check(PoissonSampler.new().callv("sample_domain", ["text"]) == null, "text is not a rectangle")
+	check_error(["PoissonSampler::sample_domain"], "text is not a rectangle")
 
 
 func test_overrides() -> void:
