@@ -255,6 +255,7 @@ def test_the_stand_in_rejects_what_godot_cpp_rejects(code, tmp_path):
     assert compiles(REFUSED[code], tmp_path).returncode != 0
 
 
+@pytest.mark.full
 @pytest.mark.alone  # While this test runs, all tests would load a different extension.
 @pytest.mark.skipif("THICKET_GODOT_CPP" not in os.environ, reason="set THICKET_GODOT_CPP to a built godot-cpp")
 def test_the_same_sources_build_and_run_against_godot_cpp(godot, tmp_path):
