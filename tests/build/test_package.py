@@ -280,7 +280,8 @@ func _ready() -> void:
 	add_child(forest)
 	var digests: Array[String] = []
 	for tile in 4:
-		digests.append(str(forest.get_tile(forest.layers[0], Vector2i(tile, -tile)).get_digest()))
+		digests.append(str(forest.build_tile(forest.layers[0], Vector2i(tile, -tile)).get_digest()))
+	digests.append(str(ScatterState.new().get_digest()))
 	forest.remove_in_sphere(Vector3.ZERO, 20.0)
 	digests.append(str(forest.state.get_digest()))
 	print("digests ", digests, " ", OS.has_feature("template_release"))
@@ -325,6 +326,9 @@ def test_an_exported_game_has_the_same_digests(addon, godot, tmp_path):
     exported = in_godots_root([tmp_path / "game/game.x86_64", "--headless"], 300)
     digests = [re.findall(r"^digests (\[.*\]) (\w+)$", done.stdout, re.MULTILINE) for done in (played, exported)]
     assert digests[0] and digests[1], played.stdout + exported.stdout + exported.stderr
+    # Empty tiles have digest 0. Both games would also print the same digests if their tiles were empty or nothing was removed.
+    tiles_and_states = re.findall(r"-?\d+", digests[0][0][0])
+    assert len(set(tiles_and_states)) == 6 and "0" not in tiles_and_states[:4], played.stdout
     assert digests[0][0][0] == digests[1][0][0] and digests[0][0][1] == "false" and digests[1][0][1] == "true"
 
 
