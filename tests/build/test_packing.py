@@ -3,10 +3,13 @@ manifest must distinguish all libraries."""
 
 from __future__ import annotations
 
+import hashlib
 import os
 import re
+import struct
 import sys
 
+import pytest
 from conftest import REPO, run
 
 sys.path.insert(0, str(REPO / "tools/package"))
@@ -14,6 +17,8 @@ import archive  # noqa: E402 (only on the path above)
 import contents  # noqa: E402
 import manifest  # noqa: E402
 import package  # noqa: E402
+import platforms  # noqa: E402
+import signing  # noqa: E402
 
 
 def test_one_version():
@@ -78,3 +83,65 @@ def test_builds_are_listed():
     ):
         done = run(["bash", "tools/package.sh", "--list", *arguments], timeout=60, cwd=REPO)
         assert done.returncode == 0 and done.stdout.split() == names, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("page", ["README.md", "tools/package/README.md"])
+def test_the_oldest_glibc_is_documented(page):
+    targets = {target for (platform, _), target in platforms.ZIG_TARGETS.items() if platform == "linux" and "riscv" not in target}
+    built_for = {re.search(r"-gnu\.([\d.]+)$", target).group(1) for target in targets}
+    assert set(re.findall(r"glibc ([\d.]+)", (REPO / page).read_text(encoding="utf-8"))) == built_for
+
+
+def small_library(first_section: int = 4096) -> bytes:
+    """Returns a Mach-O library for x86_64 with one section and a segment __LINKEDIT, as a linker writes it without a signature."""
+    text = struct.pack("<2I16s4Q4I", 0x19, 152, b"__TEXT", 0, 0x4000, 0, 6000, 5, 5, 1, 0)
+    text += struct.pack("<16s16s2Q8I", b"__text", b"__TEXT", first_section, 100, first_section, *[0] * 7)
+    linkedit = struct.pack("<2I16s4Q4I", 0x19, 72, b"__LINKEDIT", 0x4000, 0x1000, 8192, 1001, 1, 1, 0, 0)
+    header = struct.pack("<8I", 0xFEEDFACF, 0x1000007, 3, 6, 2, len(text + linkedit), 0x85, 0)
+    return (header + text + linkedit).ljust(first_section, b"\0") + bytes(range(256)) * 16 + b"l" * (8192 + 1001 - first_section - 4096)
+
+
+def check_signature(library: bytes, identifier: str):
+    """Checks that a library for one CPU has a signature with this name at its end, which covers every byte before it."""
+    count, at = struct.unpack_from("<I", library, 16)[0], 32
+    places, linkedit = [], []
+    for _ in range(count):
+        kind, size = struct.unpack_from("<2I", library, at)
+        places += [struct.unpack_from("<2I", library, at + 8)] if kind == 0x1D else []
+        linkedit += [struct.unpack_from("<4Q", library, at + 24)] if library[at + 8 : at + 18] == b"__LINKEDIT" else []
+        at += size
+    assert len(places) == 1, f"{len(places)} signatures"
+    start, size = places[0]
+    _, in_memory, offset, in_file = linkedit[0]
+    assert start + size == len(library) == offset + in_file and in_memory >= in_file and start % 16 == 0
+    magic, length, blobs, kind, directory = struct.unpack_from(">5I", library, start)
+    assert (magic, length, blobs, kind) == (0xFADE0CC0, size, 1, 0)
+    directory += start
+    magic, _, _, flags, hashes, name, _, slots, covered, hash_size, hash_type, _, page = struct.unpack_from(">9I4B", library, directory)
+    assert (magic, flags & 2, covered, hash_size, hash_type, page) == (0xFADE0C02, 2, start, 32, 2, 12)
+    assert library[directory + name :].split(b"\0")[0].decode() == identifier
+    pages = [hashlib.sha256(library[each : min(each + 4096, start)]).digest() for each in range(0, start, 4096)]
+    assert slots == len(pages) and library[directory + hashes :][: 32 * slots] == b"".join(pages)
+
+
+def test_libraries_for_macos_are_signed():
+    """Checks the signature of a library that had none, and that a later signature replaces it. The content must not change."""
+    library = small_library()
+    signed = signing.sign(library, "thicket.template-release.single")
+    check_signature(signed, "thicket.template-release.single")
+    assert signed[4096 : len(library)] == library[4096:], "the content"
+    again = signing.sign(signed, "other")
+    check_signature(again, "other")
+    assert signing.sign(again, "thicket.template-release.single") == signed
+    changed = bytearray(signed)
+    changed[5000] ^= 1
+    with pytest.raises(AssertionError):
+        check_signature(bytes(changed), "thicket.template-release.single")
+
+
+def test_libraries_that_cannot_be_signed():
+    header_only = 32 + 152 + 72
+    with pytest.raises(ValueError, match="headerpad"):
+        signing.sign(small_library(first_section=header_only + 8), "thicket")
+    with pytest.raises(ValueError, match="before merging"):
+        signing.sign(b"\xca\xfe\xba\xbe" + bytes(100), "thicket")

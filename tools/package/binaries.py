@@ -6,6 +6,7 @@ import shutil
 import subprocess
 
 import contents
+import signing
 
 TARGETS = ("template_debug", "template_release")
 
@@ -55,9 +56,10 @@ def find(folder, target):
 
 
 def framework(target, precision, libraries, folder):
-    """Writes a framework with one library for all CPUs, as macOS requires. The linker has already added an ad hoc
-    signature to each part. macOS therefore runs the library, but users who download it must allow it once."""
+    """Writes a framework with one library for all CPUs, as macOS requires. The part for each CPU gets an ad hoc signature.
+    macOS then runs the library, but users who download it must allow it once."""
     name = "libthicket.macos." + target + (".double" if precision == "double" else "")
+    identifier = "thicket." + target.replace("_", "-") + "." + precision
     inside = folder / (name + ".framework")
     (inside / "Resources").mkdir(parents=True, exist_ok=True)
     parts = []
@@ -65,13 +67,14 @@ def framework(target, precision, libraries, folder):
         parts.append(inside / ("part%d" % number))
         shutil.copy(library, parts[-1])
         run(tool("llvm-strip"), "-x", parts[-1])
+        parts[-1].write_bytes(signing.sign(parts[-1].read_bytes(), identifier))
     run(tool("llvm-lipo"), "-create", *parts, "-output", inside / name)
     for part in parts:
         part.unlink()
     (inside / name).chmod(0o755)
     about = {
         "CFBundleExecutable": name,
-        "CFBundleIdentifier": "thicket." + target.replace("_", "-") + "." + precision,
+        "CFBundleIdentifier": identifier,
         "CFBundleInfoDictionaryVersion": "6.0",
         "CFBundleName": name,
         "CFBundlePackageType": "FMWK",
