@@ -21,10 +21,11 @@ fi
 pictures=$PWD/build/demo
 [[ $scene == demo ]] || pictures+=/$scene
 
+setup_check godot
 setup_compiler
 setup_godot
 say "building the extension"
-scons -Q -j"$(nproc)" extension
+scons -Q -j"$(core_count)" extension
 import_demo
 
 if [[ -n ${DISPLAY:-}${WAYLAND_DISPLAY:-} && -z ${CI:-} ]]; then
@@ -33,5 +34,5 @@ fi
 say "no display: rendering in software, which takes a few minutes"
 rm -f "$pictures"/*.png
 # The timeout ends a demo that cannot start, because it does not exit on its own.
-timeout 1200 tools/godot --xvfb --path demo_project "res://$scene.tscn" -- --screenshots="$pictures" "$@" </dev/null
+time_limit 1200 tools/godot --xvfb --path demo_project "res://$scene.tscn" -- --screenshots="$pictures" "$@" </dev/null
 say "the screenshots are in ${pictures#"$PWD"/}"

@@ -9,9 +9,14 @@
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
 
+source tools/find.sh
+
 options=()
 folder=build/$(uname -s | tr '[:upper:]' '[:lower:]').template_debug.$(uname -m | sed 's/aarch64/arm64/')
-mapfile -t patterns < <(grep -v '^#' tests/core/long_cases.txt)
+patterns=()
+while IFS= read -r line; do
+	patterns+=("$line")
+done < <(grep -v '^#' tests/core/long_cases.txt)
 long=("--test-case-exclude=$(IFS=, && echo "${patterns[*]}")")
 while [[ ${1:-} == --all || ${1:-} == --dev ]]; do
 	case $1 in
@@ -24,5 +29,5 @@ room=${1:?a room of extension/core is needed, as in: bash tests/room.sh rules}
 shift
 [[ ! ${1:-} =~ ^[^-] ]] || { long=("--test-case=$1") && shift; }
 
-scons -Q -j"$(nproc)" "${options[@]}" "core_tests_$room"
-exec "$folder/core_tests_$room" --no-intro "${long[@]}" "$@"
+scons -Q -j"$(core_count)" ${options[@]+"${options[@]}"} "core_tests_$room"
+exec "$folder/core_tests_$room" --no-intro ${long[@]+"${long[@]}"} "$@"

@@ -9,6 +9,7 @@ from=$PWD
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
 source tools/setup.sh
 
+setup_check godot tests
 setup_compiler
 setup_baselines
 setup_clang
@@ -30,7 +31,7 @@ if [[ " $* " == *" --full "* ]]; then
 	setup_godot_arm64
 fi
 say "building"
-scons -Q -j"$(nproc)"
+scons -Q -j"$(core_count)"
 
 arguments=()
 for argument in "$@"; do
@@ -39,6 +40,6 @@ for argument in "$@"; do
 	arguments+=("$argument")
 done
 # One more worker than cores, because tests spend about a third of their time waiting for engine frames or timers.
-workers=$(($(nproc) + 1))
+workers=$(($(core_count) + 1))
 ((workers <= 4)) || workers=4
-exec "$(python_venv)/bin/python" -m pytest -n "$workers" --dist loadgroup --no-loadscope-reorder "${arguments[@]}" </dev/null
+exec "$(python_venv)/bin/python" -m pytest -n "$workers" --dist loadgroup --no-loadscope-reorder ${arguments[@]+"${arguments[@]}"} </dev/null

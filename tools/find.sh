@@ -6,6 +6,29 @@ cache_folder() {
 	echo "${THICKET_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/thicket}"
 }
 
+# Prints the number of CPU cores. macOS does not have nproc.
+core_count() {
+	getconf _NPROCESSORS_ONLN
+}
+
+# Reads from standard input or FILE... like sha256sum, which macOS does not have.
+sha256() {
+	if command -v sha256sum >/dev/null; then
+		sha256sum "$@"
+	else
+		shasum -a 256 "$@"
+	fi
+}
+
+# time_limit SECONDS COMMAND...: runs a command and ends it after a time. Without the program timeout, as on macOS, there is no limit.
+time_limit() {
+	if command -v timeout >/dev/null; then
+		timeout "$@"
+	else
+		"${@:2}"
+	fi
+}
+
 # Prints the path of the Debian root of Godot, which may not exist.
 godot_root() {
 	echo "$(cache_folder)/godot-root"
@@ -65,6 +88,22 @@ find_native_godot() {
 			return
 		fi
 	done
+}
+
+# Succeeds if bubblewrap may create the namespaces that enter_root needs. Many containers forbid it.
+can_enter_roots() {
+	bwrap --unshare-pid --bind / / --proc /proc true 2>/dev/null </dev/null
+}
+
+# direct_command ROOT PROGRAM: sets the array `run` to a command that starts a program of a Debian root without bubblewrap. The program
+# uses the root's loader, libraries, drivers and fonts. All other paths are those of the machine.
+direct_command() {
+	local root=$1 loader libraries
+	loader=$(compgen -G "$root/usr/lib*/ld-linux*.so.*" | head -n 1)
+	libraries=$(printf '%s:' "$root"/usr/lib/*-linux-gnu "$root"/usr/lib/*-linux-gnu/pulseaudio)
+	run=(env FONTCONFIG_FILE="$root/etc/fonts/fonts.conf" FONTCONFIG_SYSROOT="$root"
+		LIBGL_DRIVERS_PATH="$(printf '%s' "$root"/usr/lib/*-linux-gnu/dri)"
+		"$loader" --library-path "${libraries%:}" "$root$2")
 }
 
 # enter_root ROOT: sets the array `enter` to a command prefix that runs a program inside a Debian root. The home, cache,

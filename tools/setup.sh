@@ -22,6 +22,8 @@ source "$setup_repo/tools/setup_full.sh"
 # The Debian release that Godot is installed from if the machine has none. The packages come from the mirror that the
 # machine uses.
 godot_suite=forky
+# The version that the tests run with. The suite's version changes with time; setup_godot then prints a warning.
+godot_version=4.6.3
 godot_root_packages=godot,xvfb,xauth,libgl1,libegl1,libgl1-mesa-dri,mesa-vulkan-drivers,fonts-dejavu-core
 
 # The releases of Highway and LodePNG that are compiled on all machines, from the sources of this Debian release. The
@@ -29,8 +31,12 @@ godot_root_packages=godot,xvfb,xauth,libgl1,libegl1,libgl1-mesa-dri,mesa-vulkan-
 source_suite=trixie
 highway_version=1.2.0
 highway_sha256=7e0be78b8318e8bdbf6fa545d2ecb4c90f947df03f7aadc42c1967f019e63343
+# A Rust crate with the same sources of Highway, for machines without a Debian mirror, and the checksum of these sources.
+highway_crate=jpegxl-src-0.11.4
+highway_tree_sha256=cb10586f3bb49e0c89ca92eeb1d1837d87358c580f6eb97c25d43495d092e7ce
 lodepng_version=0.0~git20250402.c45ed79
 lodepng_sha256=c94bdbf911d886c173401a84d0298ef69cbd6b452210a47c0db1f904db4ece7d
+scons_version=4.8.1
 zig_version=0.17.0
 emscripten_suite=trixie
 descriptions_version=0.5.1
@@ -42,11 +48,80 @@ say() {
 
 setup_compiler() {
 	local missing=()
-	command -v scons >/dev/null || missing+=(scons)
+	setup_check
+	setup_scons
 	has_header doctest/doctest.h || missing+=(doctest-dev)
-	install_packages "to build" "${missing[@]}"
+	install_packages "to build" ${missing[@]+"${missing[@]}"}
 	setup_core_sources
 	setup_lodepng
+}
+
+# Uses scons of the machine, otherwise Debian's, otherwise the one on PyPI.
+setup_scons() {
+	local venv
+	venv=$(cache_folder)/scons-$scons_version
+	! command -v scons >/dev/null || return 0
+	if can_install; then
+		install_packages "to build" scons
+		return
+	fi
+	if ! has_venv "$venv" "$scons_version"; then
+		make_venv python3 "$venv" "to build" "scons==$scons_version"
+		echo "$scons_version" >"$venv/complete"
+	fi
+	export PATH="$venv/bin:$PATH"
+}
+
+# setup_check [godot] [tests]: where Debian's packages cannot be installed, prints everything that is missing in one message, and fails
+# if anything is missing. With `godot`, also checks for Godot, and with `tests` for libraries that only the tests need.
+setup_check() {
+	local missing
+	if ! can_install || [[ -z $(debian_mirror) ]]; then
+		missing=$(list_missing "$@")
+		[[ -z $missing ]] || {
+			say "please install the following, then run the command again:"$'\n'"$missing"
+			return 1
+		}
+	fi
+}
+
+# Prints a line for each thing that the build needs and that the setup cannot install on this machine, with the names of its packages.
+list_missing() {
+	local cache
+	cache=$(cache_folder)
+	if ! can_install; then
+		command -v "${CXX:-g++}" >/dev/null || package_line "a C++20 compiler" g++ gcc-c++ gcc gcc
+		has_header glm/glm.hpp || package_line GLM libglm-dev glm-devel glm glm
+		has_header doctest/doctest.h || package_line doctest doctest-dev doctest-devel doctest doctest
+		python3 -c 'import venv, ensurepip' 2>/dev/null || package_line "Python with venv" "python3 python3-venv" python3 python python
+		[[ " $* " != *" tests "* ]] || has_header CGAL/version.h || package_line CGAL libcgal-dev CGAL-devel cgal cgal
+		[[ -f $cache/highway-$highway_version/hwy/highway.h ]] || has_debian_sources || command -v cargo >/dev/null ||
+			package_line "cargo, which downloads the sources of Highway" cargo cargo rust rust
+	fi
+	[[ -f $cache/lodepng-$lodepng_version/lodepng.h ]] || has_debian_sources ||
+		echo "  LodePNG: its sources (GitHub, lvandeve/lodepng, commit ${lodepng_version##*.}) in $cache/lodepng-$lodepng_version"
+	[[ " $* " == *" godot "* ]] || return 0
+	if [[ -z $(find_native_godot) && ! -x $(godot_root)/usr/bin/godot ]]; then
+		if [[ -z $(debian_mirror) ]] || ! command -v mmdebstrap >/dev/null; then
+			echo "  Godot 4.4 or newer (tested: $godot_version), on the PATH or at the path in GODOT"
+		fi
+	fi
+}
+
+# package_line NAME DEBIAN FEDORA ARCH HOMEBREW
+package_line() {
+	echo "  $1: Debian and Ubuntu: $2; Fedora: $3; Arch: $4; Homebrew: $5"
+}
+
+# Succeeds if sources can be downloaded from a Debian mirror.
+has_debian_sources() {
+	[[ -n $(debian_mirror) ]] && command -v apt-get >/dev/null
+}
+
+# Succeeds if this user can install Debian's packages.
+can_install() {
+	command -v apt-get >/dev/null || return 1
+	((EUID == 0)) || { command -v sudo >/dev/null && { sudo -n true 2>/dev/null || [[ -t 0 ]]; }; }
 }
 
 # Installs the requirements of the sampler only, which any build needs.
@@ -54,12 +129,49 @@ setup_core_sources() {
 	local missing=()
 	command -v "${CXX:-g++}" >/dev/null || missing+=(g++)
 	has_header glm/glm.hpp || missing+=(libglm-dev)
-	install_packages "to build" "${missing[@]}"
+	install_packages "to build" ${missing[@]+"${missing[@]}"}
 	setup_highway
 }
 
 setup_highway() {
+	if ! has_debian_sources; then
+		setup_highway_crate
+		return
+	fi
 	setup_source highway "Highway" "$highway_version" gz "$highway_sha256" hwy/highway.h
+}
+
+# Installs the sources of Highway from a Rust crate that contains them.
+setup_highway_crate() {
+	local folder partial found sum
+	folder=$(cache_folder)/highway-$highway_version
+	[[ ! -f $folder/hwy/highway.h ]] || return 0
+	command -v cargo >/dev/null || install_packages "to download the sources of Highway" cargo
+	say "downloading the sources of Highway $highway_version, which the Rust crate $highway_crate contains"
+	mkdir -p "$(cache_folder)"
+	partial=$(mktemp -d "$folder.partial.XXXXXX")
+	mkdir "$partial/src"
+	touch "$partial/src/lib.rs"
+	printf '[package]\nname = "sources"\nversion = "1.0.0"\n\n[dependencies]\n%s = "=%s"\n' \
+		"${highway_crate%-*}" "${highway_crate##*-}" >"$partial/Cargo.toml"
+	if CARGO_HOME=$partial/cargo cargo fetch --quiet --manifest-path "$partial/Cargo.toml" >&2; then
+		found=("$partial"/cargo/registry/src/*/"$highway_crate"/libjxl/third_party/highway)
+		sum=$(tree_sum "${found[0]}" hwy LICENSE-BSD3)
+	fi
+	if [[ ${sum:-} != "$highway_tree_sha256" ]]; then
+		rm -rf "$partial"
+		say "the sources of Highway could not be downloaded, or are not those of $highway_version; see the messages above. You can also" \
+			"put them into $folder (GitHub, google/highway, tag $highway_version)"
+		return 1
+	fi
+	rm -rf "$folder"
+	mv "${found[0]}" "$folder"
+	rm -rf "$partial"
+}
+
+# tree_sum FOLDER NAME...: prints a checksum of the files with these names in a folder, and of all files below them.
+tree_sum() {
+	(cd "$1" && shift && find "$@" -type f | LC_ALL=C sort | tr '\n' '\0' | while IFS= read -r -d '' file; do sha256 "$file"; done | sha256 | cut -d ' ' -f 1)
 }
 
 setup_lodepng() {
@@ -72,16 +184,16 @@ setup_source() {
 	local package=$1 name=$2 version=$3 sha256=$5 header=$6 folder partial tar_ball
 	folder=$(cache_folder)/$package-$version
 	[[ ! -f $folder/$header ]] || return 0
-	if [[ -z $(debian_mirror) ]] || ! command -v apt-get >/dev/null; then
-		say "to build, please put the sources of $name $version into $folder, so that $folder/$header exists"
+	if ! has_debian_sources; then
+		list_missing | grep "$name" >&2
 		return 1
 	fi
 	say "downloading the sources of $name $version from Debian $source_suite"
 	mkdir -p "$(cache_folder)"
-	partial=$(mktemp --directory "$folder.partial.XXXXXX")
+	partial=$(mktemp -d "$folder.partial.XXXXXX")
 	tar_ball=$partial/${package}_$version.orig.tar.$4
 	if ! apt_of deb-src "$source_suite" "$partial" --download-only source "$package" ||
-		! echo "$sha256  $tar_ball" | sha256sum --check --quiet >&2; then
+		! echo "$sha256  $tar_ball" | sha256 --check --quiet >&2; then
 		rm -rf "$partial"
 		say "the sources of $name could not be downloaded; see the messages above"
 		return 1
@@ -138,7 +250,7 @@ setup_qemu() {
 	local missing=()
 	command -v qemu-aarch64 >/dev/null || missing+=(qemu-user)
 	[[ $(uname -m) == aarch64 || -e /usr/aarch64-linux-gnu/lib/ld-linux-aarch64.so.1 ]] || missing+=(libc6-arm64-cross)
-	install_packages "to run programs for other processors" "${missing[@]}" ||
+	install_packages "to run programs for other processors" ${missing[@]+"${missing[@]}"} ||
 		say "continuing without qemu; the tests that need it will be skipped"
 }
 
@@ -188,16 +300,14 @@ make_venv() {
 	say "creating a Python environment in $venv"
 	mkdir -p "$(cache_folder)"
 	"$python" -m venv --clear "$venv"
-	"$venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: "$@"
+	(($# == 0)) || "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: "$@"
 }
 
 setup_godot() {
-	local native root missing=()
+	local native root version missing=()
 	native=$(find_native_godot) || return
 	if [[ -n $native ]]; then
-		# These packages are needed only for rendering without a display.
-		command -v xvfb-run >/dev/null || missing+=(xvfb xauth libgl1-mesa-dri)
-		[[ -n ${DISPLAY:-}${WAYLAND_DISPLAY:-} ]] || install_packages "to draw without a display" "${missing[@]}"
+		setup_display
 		return
 	fi
 	root=$(godot_root)
@@ -206,13 +316,24 @@ setup_godot() {
 		command -v mmdebstrap >/dev/null || missing+=(mmdebstrap)
 		((EUID == 0)) || command -v newuidmap >/dev/null || missing+=(uidmap)
 	fi
-	install_packages "to run Godot" "${missing[@]}"
+	install_packages "to run Godot" ${missing[@]+"${missing[@]}"}
 	[[ -x $root/usr/bin/godot ]] || make_godot_root "$root"
-	if ! "$setup_repo/tools/godot" --version >/dev/null </dev/null; then
-		say "Godot is installed in $root, but bubblewrap cannot run it here (some containers forbid it): set GODOT to a Godot" \
-			"that runs on this machine"
+	# Without bubblewrap, the machine provides the display.
+	can_enter_roots || setup_display
+	if ! version=$("$setup_repo/tools/godot" --version </dev/null); then
+		say "Godot is installed in $root, but does not run here, neither in bubblewrap nor without it; see the messages above. Set GODOT" \
+			"to a Godot that runs on this machine"
 		return 1
 	fi
+	[[ ${version##*$'\n'} == "$godot_version".* ]] ||
+		say "the tests are made for Godot $godot_version, but Debian $godot_suite provided ${version##*$'\n'}; set GODOT to use a different one"
+}
+
+# Installs a virtual display for a Godot that runs outside of a Debian root, if the machine has no display.
+setup_display() {
+	local missing=()
+	command -v xvfb-run >/dev/null || missing+=(xvfb xauth libgl1-mesa-dri)
+	[[ -n ${DISPLAY:-}${WAYLAND_DISPLAY:-} ]] || install_packages "to draw without a display" ${missing[@]+"${missing[@]}"}
 }
 
 # Prints mmdebstrap options that apply this machine's apt settings for reaching and verifying the Debian mirror.
@@ -239,7 +360,7 @@ make_debian_root() {
 	local root=$1 suite=$2 packages=$3 mirror partial aptopts
 	mirror=$(debian_mirror)
 	mkdir -p "$(dirname "$root")"
-	partial=$(mktemp --directory "$root.partial.XXXXXX")
+	partial=$(mktemp -d "$root.partial.XXXXXX")
 	mapfile -t aptopts < <(mirror_options)
 	# tar extracts the root, so that the current user owns all files.
 	if ! mmdebstrap --variant=apt --include="$packages" "${aptopts[@]}" \
@@ -281,7 +402,7 @@ install_packages() {
 	fi
 	if ((EUID != 0)); then
 		as_root=(sudo)
-		if ! command -v sudo >/dev/null || ! { sudo -n true 2>/dev/null || [[ -t 0 ]]; }; then
+		if ! can_install; then
 			say "$why, please install as root: apt-get install $*"
 			return 1
 		fi
@@ -295,6 +416,7 @@ install_packages() {
 
 if [[ ${BASH_SOURCE[0]} == "$0" ]]; then
 	set -euo pipefail
+	setup_check godot tests
 	setup_compiler
 	setup_baselines
 	setup_clang

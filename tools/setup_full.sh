@@ -14,12 +14,13 @@ setup_zig() {
 	local folder
 	folder=$(cache_folder)/zig-$zig_version
 	[[ ! -x $folder/ziglang/zig ]] || return 0
-	setup_python
 	say "installing zig $zig_version into $folder (about 400 MB, once)"
 	rm -rf "$folder" "$folder.partial"
-	"$(python_venv)/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: \
+	make_venv python3 "$folder.venv" "to install zig"
+	"$folder.venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: \
 		--target "$folder.partial" "ziglang==$zig_version"
 	mv "$folder.partial" "$folder"
+	rm -rf "$folder.venv"
 }
 
 setup_llvm() {
@@ -36,11 +37,20 @@ setup_coverage() {
 # builds.
 setup_emscripten() {
 	local root missing=()
+	! command -v em++ >/dev/null || return 0
 	root=$(emscripten_root)
 	[[ ! -x $root/usr/bin/em++ ]] || return 0
 	command -v bwrap >/dev/null || missing+=(bubblewrap)
 	command -v mmdebstrap >/dev/null || missing+=(mmdebstrap)
-	install_packages "to build for the web" "${missing[@]}"
+	install_packages "to build for the web" ${missing[@]+"${missing[@]}"}
+	if ! can_enter_roots; then
+		if ! grep -qx "VERSION_CODENAME=$emscripten_suite" /etc/os-release; then
+			say "bubblewrap cannot run the emscripten of Debian $emscripten_suite here: put em++ on the PATH, or build on Debian $emscripten_suite"
+			return 1
+		fi
+		install_packages "to build for the web" emscripten
+		return
+	fi
 	say "installing emscripten from Debian $emscripten_suite into $root (about 1.5 GB, once)"
 	make_debian_root "$root" "$emscripten_suite" emscripten || {
 		say "emscripten could not be installed; see the messages above"

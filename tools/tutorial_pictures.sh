@@ -11,7 +11,7 @@ setup_compiler
 setup_python
 setup_godot
 say "building the extension"
-scons -Q -j"$(nproc)" extension
+scons -Q -j"$(core_count)" extension
 import_demo
 
 python=$(python_venv)/bin/python
@@ -19,5 +19,5 @@ game=build/tutorials
 say "running the steps of the tutorials"
 "$python" -m pytest -q -n 0 tests/docs/test_tutorials.py -k "steps or players" </dev/null
 say "running the demo"
-timeout 600 tools/godot --xvfb --path demo_project res://gameplay.tscn -- --screenshots="$PWD/$game" </dev/null
+time_limit 600 tools/godot --xvfb --path demo_project res://gameplay.tscn -- --screenshots="$PWD/$game" </dev/null
 "$python" tools/tutorial_pictures.py build/editor "$game" demo_project/addons/thicket/tutorials

@@ -4,10 +4,11 @@ everything is installed."""
 from __future__ import annotations
 
 import os
+import shutil
 from pathlib import Path
 
 import pytest
-from conftest import REPO, run
+from conftest import CACHE, REPO, run
 
 
 def shell(script: str, **environment: str):
@@ -81,6 +82,77 @@ def test_the_mirror_of_the_machine_is_used(tmp_path, file, text, mirror):
     (tmp_path / file).write_text(text)
     found = shell(f"debian_mirror '{tmp_path}'")
     assert found.stdout.strip() == mirror
+
+
+@pytest.fixture
+def bare_path(tmp_path) -> str:
+    """Returns a PATH with the programs of this machine, except those of Debian's packaging and those that macOS does not have."""
+    folder = tmp_path / "programs"
+    folder.mkdir()
+    without = {"apt-get", "sudo", "scons", "mmdebstrap", "bwrap", "cargo", "godot", "nproc", "timeout", "sha256sum"}
+    for program in Path("/usr/bin").iterdir():
+        if program.name not in without:
+            (folder / program.name).symlink_to(program)
+    return str(folder)
+
+
+def test_one_message_lists_everything_that_is_missing(bare_path, tmp_path):
+    """Checks the message of a machine that has nothing, and that a machine that has everything prints none."""
+    bare = {"PATH": bare_path, "THICKET_CACHE": str(tmp_path / "cache"), "CXX": "no-compiler", "GODOT": ""}
+    found = shell("debian_mirror() { :; }; setup_check godot tests", **bare)
+    assert found.returncode != 0 and found.stderr.count("thicket:") == 1, found.stderr
+    for missing in ("C++20 compiler", "GLM", "doctest", "CGAL", "cargo", "LodePNG", "Godot 4.4"):
+        assert missing in found.stderr, missing
+    for system in ("Debian", "Fedora", "Arch", "Homebrew"):
+        assert system in found.stderr, system
+    complete = shell("setup_check godot tests")
+    assert complete.returncode == 0 and not complete.stderr, complete.stderr
+
+
+def test_the_cached_sources_of_highway_match_both_checksums(bare_path):
+    """Checks that Debian's sources are those of the Rust crate, also without the program sha256sum."""
+    for environment in ({}, {"PATH": bare_path} if shutil.which("shasum") else {}):
+        found = shell('[[ $(tree_sum "$(cache_folder)/highway-$highway_version" hwy LICENSE-BSD3) == "$highway_tree_sha256" ]]', **environment)
+        assert found.returncode == 0, found.stderr
+
+
+def test_time_limits_and_cores_do_not_need_gnu_programs(bare_path):
+    found = shell("time_limit 5 echo done; core_count", PATH=bare_path)
+    assert found.returncode == 0 and found.stdout.split()[0] == "done" and int(found.stdout.split()[1]) >= 1, found.stderr
+    assert shell("time_limit 1 sleep 20").returncode == 124
+
+
+@pytest.fixture
+def no_namespaces(tmp_path) -> dict[str, str]:
+    """Returns an environment in which bubblewrap fails as in a container without privileges."""
+    folder = tmp_path / "refusing"
+    folder.mkdir()
+    refusing = folder / "bwrap"
+    refusing.write_text("#!/bin/sh\necho 'bwrap: No permissions to create new namespace' >&2\nexit 1\n")
+    refusing.chmod(0o755)
+    return {"PATH": f"{folder}:{os.environ['PATH']}"}
+
+
+def test_godot_runs_where_bubblewrap_may_not(no_namespaces):
+    """Runs Godot of the Debian root without bubblewrap, with the root's libraries. It must be the same program."""
+    if shell("find_native_godot").stdout or not (CACHE / "godot-root/usr/bin/godot").exists():
+        pytest.skip("Godot of this machine does not need a Debian root")
+    environment = {**os.environ, **no_namespaces}
+    for option in ("--version", "--where"):
+        here, there = (run([REPO / "tools/godot", option], timeout=60, env=each) for each in (os.environ, environment))
+        assert there.returncode == 0, there.stderr
+        assert here.stdout == there.stdout
+    found = shell("setup_display() { :; }; setup_godot", **no_namespaces)
+    assert found.returncode == 0, found.stderr
+
+
+def test_another_version_of_godot_is_reported():
+    """Checks that the setup warns if the suite's Godot is not the version that the tests are made for."""
+    if shell("find_native_godot").stdout or not (CACHE / "godot-root/usr/bin/godot").exists():
+        pytest.skip("Godot of this machine does not come from a Debian root")
+    found = shell("godot_version=4.5.1; setup_godot")
+    assert found.returncode == 0 and "made for Godot 4.5.1" in found.stderr, found.stderr
+    assert not shell("setup_godot").stderr
 
 
 def test_without_missing_packages_no_network_is_used():
