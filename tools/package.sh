@@ -8,6 +8,8 @@
 # names of the libraries. Without arguments, builds all of them:
 #   bash tools/package.sh linux.x86_64 windows.x86_64.double
 #   bash tools/package.sh --list
+#   bash tools/package.sh --engine-api build/engine linux.x86_64   build without Godot
+#   bash tools/package.sh --built                                  pack what is built
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
 source tools/setup.sh
@@ -17,7 +19,9 @@ if [[ ${1:-} != --list ]]; then
 	setup_compiler
 	setup_llvm
 	setup_zig
-	setup_godot
-	[[ $'\n'$(python3 tools/package/package.py --list "$@") != *$'\n'web.* ]] || setup_emscripten
+	# Packing does not need Godot, nor does a build for which Godot has already written its API.
+	[[ " $* " == *" --built "* || " $* " == *" --engine-api"* ]] || setup_godot
+	[[ " $* " == *" --built "* ]] ||
+		[[ $'\n'$(python3 tools/package/package.py --list "$@") != *$'\n'web.* ]] || setup_emscripten
 fi
 exec python3 tools/package/package.py "$@"

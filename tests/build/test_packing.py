@@ -6,8 +6,10 @@ from __future__ import annotations
 import hashlib
 import os
 import re
+import shutil
 import struct
 import sys
+from pathlib import Path
 
 import pytest
 from conftest import REPO, run
@@ -15,6 +17,7 @@ from conftest import REPO, run
 sys.path.insert(0, str(REPO / "tools/package"))
 import archive  # noqa: E402 (only on the path above)
 import contents  # noqa: E402
+import installed  # noqa: E402
 import manifest  # noqa: E402
 import package  # noqa: E402
 import platforms  # noqa: E402
@@ -83,6 +86,24 @@ def test_builds_are_listed():
     ):
         done = run(["bash", "tools/package.sh", "--list", *arguments], timeout=60, cwd=REPO)
         assert done.returncode == 0 and done.stdout.split() == names, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("options", [["--engine-api", "build"], ["--built"]])
+def test_packing_does_not_need_godot(options):
+    """Checks that neither packing nor a build with Godot's API in a folder looks for Godot. The wrong name then ends the script."""
+    if not Path(installed.zig_program()).exists() or not shutil.which("llvm-strip"):
+        pytest.skip("tools/package.sh would install zig or LLVM")
+    done = run(["bash", "tools/package.sh", *options, "amiga.m68k"], timeout=120, cwd=REPO, env={**os.environ, "GODOT": "/nonexistent"})
+    assert done.returncode == 2 and "no such build: amiga.m68k" in done.stderr and "GODOT" not in done.stderr, done.stderr
+
+
+def test_the_api_of_the_engine_is_passed_to_the_build(monkeypatch):
+    commands = []
+    monkeypatch.setattr(package.subprocess, "run", lambda command, **_: commands.append(command))
+    package.build(package.BUILDS[:2], "some/folder")
+    package.build(package.BUILDS[:1], None)
+    passed = [[option for option in command if option.startswith("engine_api=")] for command in commands]
+    assert passed == [[f"engine_api={os.path.abspath('some/folder')}"]] * 2 + [[]]
 
 
 @pytest.mark.parametrize("page", ["README.md", "tools/package/README.md"])

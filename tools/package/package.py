@@ -62,6 +62,7 @@ def arguments():
     parser.add_argument("names", nargs="*", help="the names of the builds; all by default")
     parser.add_argument("--list", action="store_true", help="print the names of these builds without building them")
     parser.add_argument("--built", action="store_true", help="pack the existing builds without building again")
+    parser.add_argument("--engine-api", metavar="DIR", help="build without Godot, with the files that it wrote to this folder (see scons --help)")
     parser.add_argument("--out", type=Path, default=DIST, help="the folder for the zips")
     options = parser.parse_args()
     names = [build.name for build in BUILDS]
@@ -71,11 +72,12 @@ def arguments():
     return options
 
 
-def build(wanted):
+def build(wanted, engine_api):
     """Runs scons for each build. Builds only the extension, because releases do not contain tests."""
+    api = ["engine_api=" + os.path.abspath(engine_api)] if engine_api else []
     for each in wanted:
         print("thicket: building for %s" % each.name, file=sys.stderr)
-        subprocess.run(["scons", "-Q", "-j%d" % (os.cpu_count() or 1), *each.options(), "extension"], cwd=REPO, check=True)
+        subprocess.run(["scons", "-Q", "-j%d" % (os.cpu_count() or 1), *each.options(), *api, "extension"], cwd=REPO, check=True)
 
 
 def pack(wanted, out):
@@ -106,7 +108,7 @@ def main():
         print("\n".join(each.name for each in wanted))
         return
     if not options.built:
-        build(wanted)
+        build(wanted, options.engine_api)
     for path in pack(wanted, options.out.resolve()):
         print(path)
 

@@ -139,7 +139,10 @@ def find(env):
 
 
 def dump(env):
-    """Returns the nodes of the two files in which Godot describes its API. They are rewritten when another Godot is found."""
+    """Returns the nodes of the two files in which Godot describes its API. They are rewritten when another Godot is found. With
+    engine_api=DIR, returns the files in that folder."""
+    if env["engine_api"]:
+        return [env.File(os.path.join(os.path.abspath(env["engine_api"]), name)) for name in DUMPED]
     folder = "#build/engine/"
     found = find(env)
 

@@ -37,6 +37,12 @@ def options():
             "",
             lambda key, value, env: value and PathVariable.PathIsDir(key, value, env),
         ),
+        (
+            "engine_api",
+            "a folder with extension_api.json and gdextension_interface.h, as Godot writes them; without it, the build runs Godot",
+            "",
+            lambda key, value, env: value and PathVariable.PathIsDir(key, value, env),
+        ),
         ("highway", "the sources of Highway " + installed.version("highway"), installed.highway_folder()),
         ("lodepng", "the sources of LodePNG " + installed.version("lodepng"), installed.lodepng_folder()),
         ("zig", "the program zig, for use_zig=yes", installed.zig_program()),
