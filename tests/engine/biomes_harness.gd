@@ -92,6 +92,8 @@ func digests_by_name(scatter: TerrainScatter3D) -> Dictionary:
 			result[layer.resource_name] = {}
 			for tile in scatter.get_shown_tiles(layer):
 				result[layer.resource_name][tile] = scatter.get_tile(layer, tile).get_digest()
+	var visible_digests := result.values().map(func(tiles: Dictionary) -> Array: return tiles.values())
+	check(visible_digests.any(func(all: Array) -> bool: return all.any(func(digest: int) -> bool: return digest != 0)), "instances are visible to compare")
 	return result
 
 

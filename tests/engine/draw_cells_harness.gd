@@ -85,6 +85,7 @@ func built_digests(scatter: TerrainScatter3D) -> Dictionary:
 	var result := {}
 	for tile in island_tiles():
 		result[tile] = scatter.build_rect(scatter.layers[0], Rect2(Vector2(tile) * TILE, Vector2.ONE * TILE)).get_digest()
+	check(result.values().all(func(digest: int) -> bool: return digest != 0), "each tile of the island has instances to compare")
 	return result
 
 

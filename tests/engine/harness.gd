@@ -260,11 +260,12 @@ func shown_tiles(scatter: TerrainScatter3D, layer: int) -> Array[Vector2i]:
 	return scatter.get_shown_tiles(found) if found != null else ([] as Array[Vector2i])
 
 
-## Returns {tile: digest} for a layer's visible tiles.
+## Returns {tile: digest} for a layer's visible tiles. Checks that a tile has instances, because two empty results are always equal.
 func digests(scatter: TerrainScatter3D, layer: int) -> Dictionary:
 	var result := {}
 	for tile in shown_tiles(scatter, layer):
 		result[tile] = scatter.get_tile(scatter.layers[layer], tile).get_digest()
+	check(result.values().any(func(digest: int) -> bool: return digest != 0), "layer %d has visible instances to compare" % layer)
 	return result
 
 
