@@ -89,7 +89,7 @@ setup_emulators() {
 	setup_qemu
 	setup_node
 	setup_wine
-	setup_crosses
+	setup_cross_compilers
 }
 
 setup_node() {
@@ -102,9 +102,8 @@ setup_wine() {
 		say "continuing without wine; the tests that need it will be skipped"
 }
 
-# Installs g++ for other CPUs, as far as Debian has these cross compilers for this machine. The tests that need a missing one are
-# skipped.
-setup_crosses() {
+# Installs g++ for other CPUs, if Debian provides it for this machine. Tests that need a missing compiler are skipped.
+setup_cross_compilers() {
 	local processor
 	for processor in aarch64 riscv64 i686; do
 		[[ $(uname -m) != "$processor" ]] || continue

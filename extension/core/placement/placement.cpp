@@ -63,7 +63,7 @@ struct Axes {
 	glm::dvec3 z;
 };
 
-/// Returns the axes after the yaw and the shortest rotation from the world's up axis to `up`.
+/// Returns the axes after the yaw and then the rotation of `tilted` from the world's up axis to `up`.
 Axes turned(const Rotation &turn, glm::dvec3 up) {
 	return {tilted(up, turn.cosine, -turn.sine), up, tilted(up, turn.sine, turn.cosine)};
 }

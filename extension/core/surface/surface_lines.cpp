@@ -26,17 +26,17 @@ void SurfaceLines::add(List &r_list, const SurfaceLine &line) {
 
 void SurfaceLines::replace_first(List &r_list, const SurfaceLine &line) {
 	entries_[r_list].line = line;
-	sort(r_list);
+	move_earliest_first(r_list);
 }
 
 void SurfaceLines::drop_first(List &r_list) {
 	const List dropped = r_list;
 	r_list = entries_[dropped].next;
 	free(dropped);
-	sort(r_list);
+	move_earliest_first(r_list);
 }
 
-void SurfaceLines::sort(List &r_list) {
+void SurfaceLines::move_earliest_first(List &r_list) {
 	if (r_list == empty) {
 		return;
 	}

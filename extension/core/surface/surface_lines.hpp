@@ -8,8 +8,8 @@
 
 namespace thicket {
 
-/// The waiting lines of each cell in a race: short linked lists in one common pool. The first line
-/// of a list is the earliest; the remaining ones are unordered.
+/// Stores, for each cell of a SurfaceRace, the lines that have not been thrown yet: short linked lists
+/// in one common pool. The first line of a list is the earliest; the others are unordered.
 class SurfaceLines {
 public:
 	/// The index of a list's first entry, or `empty`.
@@ -33,8 +33,8 @@ private:
 		List next;
 	};
 	void free(List entry);
-	/// Moves the earliest line to the front of a list of which only the first line may be out of order.
-	void sort(List &r_list);
+	/// Moves the earliest line to the front, after the first line has changed. The others stay unordered.
+	void move_earliest_first(List &r_list);
 
 	std::vector<Entry> entries_;
 	List unused_ = empty;
