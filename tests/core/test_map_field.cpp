@@ -226,6 +226,12 @@ TEST_CASE("map field: an invalid map is rejected, and the field stays unchanged"
 	MapLayers bad = good;
 	bad.splats.push_back(small);
 	CHECK(field.set({}, bad).code == ErrorCode::wrong_size);
+	const auto bytes = std::make_shared<Bytes>(static_cast<std::size_t>(posts) * 8 * 4);
+	MapLayers low = good;
+	REQUIRE(low.colors.set({posts, 8}, 4, {bytes, *bytes}).ok());
+	const Status of_rows = field.set({}, low);
+	CHECK(of_rows.code == ErrorCode::wrong_size);
+	CHECK(of_rows.value == 8.0);
 	MapLayers half = good;
 	half.indices = grid_of(3, [](glm::ivec2, std::uint8_t *) {});
 	CHECK(field.set({}, half).code == ErrorCode::missing);

@@ -24,9 +24,12 @@ namespace {
 constexpr int textures_per_splat = 4;
 
 Status check_layer(const char *name, const PixelGrid &layer, glm::ivec2 posts) {
-	return layer.empty() || layer.size() == posts
-			? Status{}
-			: Status::wrong_size(name, layer.size().x, exactly(posts.x, "columns, like the height map"));
+	if (layer.empty() || layer.size() == posts) {
+		return {};
+	}
+	return layer.size().x != posts.x
+			? Status::wrong_size(name, layer.size().x, exactly(posts.x, "columns, like the height map"))
+			: Status::wrong_size(name, layer.size().y, exactly(posts.y, "rows, like the height map"));
 }
 
 Status check(const MapLayers &layers) {
