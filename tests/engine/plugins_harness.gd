@@ -253,3 +253,28 @@ class StreamedTerrain3DDouble extends Terrain3DDouble:
 			data.terrain = self
 			data.vertex_spacing = vertex_spacing
 		return data
+
+
+## The data of Terrain3D with proposal 675, which marks unloaded regions as deleted.
+class DeletingDataDouble extends Terrain3DDataDouble:
+	func get_enable_streaming() -> bool:
+		return true
+
+	func evict_region(location: Vector2i) -> void:
+		regions[location].deleted = true
+		region_map_changed.emit()
+		maps_changed.emit()
+
+
+## godot_voxel's VoxelLodTerrain, which has LODs and bounds, from terrain/variable_lod/voxel_lod_terrain.cpp (July 2026).
+class VoxelLodTerrainDouble extends VoxelTerrainDouble:
+	var bounds := AABB(Vector3(0.0, 0.0, 0.0), Vector3(64.0, 32.0, 64.0))
+
+	func get_lod_count() -> int:
+		return 4
+
+	func get_voxel_bounds() -> AABB:
+		return bounds
+
+	func is_area_meshed(area: AABB, lod := -1) -> bool:
+		return lod == 0 and super(area)

@@ -360,3 +360,178 @@ func test_far_regions_are_released() -> void:
 		unload(node, row[x].location)
 	await settle(scatter)
 	check(within(scatter, Rect2(-128.0, 0.0, 120.0, 64.0)).is_empty(), "regions of another directory are gone")
+
+
+func make_on_voxels(also: Array[ScatterGround] = []) -> TerrainScatter3D:
+	var terrain := ScatterGroundColliders.new()
+	terrain.ray_top = 20.0
+	terrain.ray_bottom = -7.0
+	terrain.rays_per_frame = 2000
+	var layer := make_layer()
+	layer.tile_size = 16.0
+	var combined := ScatterGroundCombined.new()
+	combined.grounds = ([terrain] as Array[ScatterGround]) + also
+	return make_scatter([layer], terrain if also.is_empty() else combined, make_viewer())
+
+
+func unload_all(node: VoxelTerrainDouble) -> void:
+	for at: Vector3i in node.blocks.keys():
+		node.unload_block(at)
+
+
+func test_a_voxel_terrain_that_leaves_and_reenters_the_tree() -> void:
+	var scatter := make_on_voxels()
+	await physics_frame
+	await settle(scatter)
+	check(all_transforms(scatter).is_empty(), "no instances without a terrain")
+	var node := make_voxels()
+	var area := Rect2(-32.0, -32.0, 64.0, 64.0)
+	await until(func() -> bool: return within(scatter, area).size() > 500, "a terrain that is added later is ground")
+	await create_timer(2.0).timeout
+	await settle(scatter)
+	var before := within(scatter, area)
+	unload_all(node)
+	await create_timer(2.0).timeout
+	await settle(scatter)
+	check_equal(within(scatter, area), before, "instances stay while all blocks are unloaded")
+	root.remove_child(node)
+	await until(func() -> bool: return within(scatter, area).is_empty(), "a terrain outside of the tree is not ground")
+	root.add_child(node)
+	for x in 4:
+		for z in 4:
+			node.mesh_block(Vector3i(x, 0, z), 8.0)
+			node.mesh_block(Vector3i(x, 1, z), 0.0)
+	await until(func() -> bool: return within(scatter, area) == before, "the same instances after the terrain has returned")
+	unload_all(node)
+	await create_timer(2.0).timeout
+	await settle(scatter)
+	check_equal(within(scatter, area), before, "instances stay while the blocks are unloaded again")
+
+
+## Blocks outside of a terrain's bounds are never meshed, so only blocks within them count as unloaded.
+func test_bounds_of_a_voxel_terrain() -> void:
+	var node := VoxelLodTerrainDouble.new()
+	node.position = Vector3(-32.0, -8.0, -32.0)
+	node.bounds = AABB(Vector3.ZERO, Vector3(32.0, 32.0, 64.0))
+	root.add_child(node)
+	for x in 4:
+		for z in 4:
+			node.mesh_block(Vector3i(x, 0, z), 8.0)
+			node.mesh_block(Vector3i(x, 1, z), 0.0)
+	var scatter := make_on_voxels()
+	await physics_frame
+	await physics_frame
+	await settle(scatter)
+	var inside := Rect2(-32.0, -32.0, 32.0, 64.0)
+	var outside := Rect2(0.0, -32.0, 32.0, 64.0)
+	var before := within(scatter, inside)
+	check(before.size() > 250 and within(scatter, outside).size() > 250, "instances within and outside of the bounds")
+	unload_all(node)
+	await until(func() -> bool: return within(scatter, outside).is_empty(), "without blocks, no ground is outside of the bounds")
+	await create_timer(1.0).timeout
+	await settle(scatter)
+	check_equal(within(scatter, inside), before, "instances within the bounds stay")
+
+
+## Instances do not drop to a lower ground of a combination while a block above it is unloaded.
+func test_voxels_above_other_ground() -> void:
+	var node := make_voxels()
+	var flat := ScatterGroundFlat.new()
+	flat.height = -5.0
+	var scatter := make_on_voxels([flat])
+	await physics_frame
+	await physics_frame
+	await settle(scatter)
+	var corner := Rect2(-32.0, -32.0, 16.0, 16.0)
+	var before := within(scatter, corner)
+	check(before.size() > 30 and before.values().all(func(at: Vector3) -> bool: return absf(at.y) < 0.01), "%d instances on a block" % before.size())
+	node.unload_block(Vector3i(0, 0, 0))
+	node.unload_block(Vector3i(0, 1, 0))
+	await create_timer(2.0).timeout
+	await settle(scatter)
+	check_equal(within(scatter, corner), before, "instances stay while the block is unloaded")
+	node.mesh_block(Vector3i(0, 0, 0), 0.0)
+	node.mesh_block(Vector3i(0, 1, 0), 0.0)
+	await until(func() -> bool:
+			var on := within(scatter, corner)
+			return not on.is_empty() and on.values().all(func(at: Vector3) -> bool: return absf(at.y + 5.0) < 0.01),
+			"instances are on the lower ground after the block is dug away")
+
+
+func test_terrabrush_has_no_textures() -> void:
+	var node := TerraBrushDouble.new()
+	node.add_zone(Vector2i.ZERO)
+	var layer := make_layer()
+	layer.ground_textures = [0]
+	var scatter := make_on(node, false, layer)
+	await settle(scatter)
+	check("ground_textures has no effect" in "\n".join(scatter.get_problems()), "problems: %s" % scatter.get_problems())
+	check(all_transforms(scatter).size() > 500, "%d instances" % all_transforms(scatter).size())
+
+
+func test_terrabrush_with_unknown_zones_is_refused() -> void:
+	var cases: Dictionary[String, Callable] = {
+		"zonesSize of at least 2": func(node: TerraBrushDouble) -> void: node.zones_size = 1,
+		"not square": func(node: TerraBrushDouble) -> void: node.zones.zones[0].image.crop(65, 33),
+		"the format RGF": func(node: TerraBrushDouble) -> void: node.zones.zones[0].image.convert(Image.FORMAT_RGBAF),
+		"differs in size": func(node: TerraBrushDouble) -> void: node.add_zone(Vector2i(1, 0)).image.resize(33, 33),
+		"cannot be copied": func(node: TerraBrushDouble) -> void: node.add_zone(Vector2i(1 << 20, 1 << 20)),
+	}
+	for words in cases:
+		var node := TerraBrushDouble.new()
+		node.add_zone(Vector2i.ZERO)
+		cases[words].call(node)
+		var scatter := make_on(node)
+		await settle(scatter)
+		check_error(["TerraBrush", words], "an unknown layout")
+		check(words in "\n".join(scatter.get_problems()), "problems: %s" % scatter.get_problems())
+		check(all_transforms(scatter).is_empty(), "%s: no instances" % words)
+		scatter.free()
+		node.free()
+
+
+func test_terrabrush_zones_without_heightmaps_are_skipped() -> void:
+	var node := TerraBrushDouble.new()
+	node.add_zone(Vector2i.ZERO)
+	var empty := node.add_zone(Vector2i(1, 0))
+	empty.image = null
+	var scatter := make_on(node)
+	await settle(scatter)
+	check_on(scatter, func(at: Vector3) -> float: return drawn_height(node, at), zone_area(node, Vector2i.ZERO), 500, "the other zone")
+	check_equal(scatter.get_problems().size(), 0, "problems: %s" % scatter.get_problems())
+
+
+func test_mterrain_with_an_unusable_grid() -> void:
+	var node := MTerrainDouble.new()
+	node.h_scale = 0.0
+	var scatter := make_on(node)
+	await settle(scatter)
+	check_error(["MTerrain"], "a grid without an extent")
+	check(all_transforms(scatter).is_empty(), "no instances")
+	node.h_scale = 2.0
+	await frames(3)
+	await settle(scatter)
+	check_on(scatter, node.get_height, node.area(), 1000, "a valid grid")
+
+
+## In proposal 675, the data marks unloaded regions as deleted.
+func test_terrain3d_marks_unloaded_regions_as_deleted() -> void:
+	var node := StreamedTerrain3DDouble.new()
+	node.data_class = DeletingDataDouble
+	node.make_data()
+	for at: Vector2i in [Vector2i(-1, 0), Vector2i.ZERO]:
+		var made := Terrain3DRegionDouble.new(at)
+		fill_region(made)
+		node.data.regions[at] = made
+	var scatter := make_on(node)
+	await settle(scatter)
+	var before := by_id(scatter)
+	check(within(scatter, Rect2(1.0, 1.0, 60.0, 60.0)).size() > 100, "instances on the region")
+	(node.data as DeletingDataDouble).evict_region(Vector2i.ZERO)
+	await settle(scatter)
+	scatter.regenerate()
+	await settle(scatter)
+	check_equal(by_id(scatter), before, "instances stay while the region is unloaded")
+	node.data.add_region(node.data.regions[Vector2i.ZERO])
+	await settle(scatter)
+	check_equal(by_id(scatter), before, "the same instances when it is loaded again")
