@@ -229,6 +229,8 @@ func test_ground_that_does_not_move_is_a_problem() -> void:
 	var scatter := make_ship(ScatterGroundColliders.new())
 	await frames(2)
 	check("does not move with the node" in "\n".join(scatter.get_problems()), "problems: %s" % scatter.get_problems())
+	scatter.ground = ScatterGroundNode.new()
+	check("a ScatterGroundNode does not move with the node" in "\n".join(scatter.get_problems()), "problems: %s" % scatter.get_problems())
 	scatter.ground = ScatterGroundFlat.new()
 	ship.scale = Vector3(2.0, 2.0, 2.0)
 	await settle(scatter)
@@ -267,3 +269,27 @@ func test_two_nodes_share_a_ground_in_their_local_spaces() -> void:
 	for index in still.size():
 		if not check(absf(still.get_position(index).y - 6.0) < 1e-3, "the other node's instances move with the deck"):
 			return
+
+
+## The meshes of the ground may be anywhere in the scene. Without a common Node3D ancestor, their global transforms determine their positions.
+func test_ground_outside_of_the_nodes_branch() -> void:
+	var scatter := make_ship()
+	ship.position = Vector3(40.0, 2.0, -8.0)
+	ship.rotation.y = PI / 2.0
+	var mesh := PlaneMesh.new()
+	mesh.size = Vector2(6.0, 6.0)
+	var pier := MeshInstance3D.new()
+	pier.mesh = mesh
+	pier.position = Vector3(40.0, 7.0, -8.0)
+	pier.add_to_group(&"deck")
+	root.add_child(pier)
+	await settle(scatter)
+	check(absf(scatter.ground.get_height(Vector3.ZERO) - 5.0) < 1e-3, "the height of the pier above the ship: %f" % scatter.ground.get_height(Vector3.ZERO))
+	var above := 0
+	for at: Transform3D in on_deck(scatter).values():
+		var on_pier := absf(at.origin.x) < 2.9 and absf(at.origin.z) < 2.9
+		above += int(on_pier)
+		if on_pier and not check(absf(at.origin.y - 5.0) < 1e-3, "an instance on the pier, in the ship's space: %s" % at.origin):
+			break
+	check(above > 15, "%d instances on the pier" % above)
+	pier.free()

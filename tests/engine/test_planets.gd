@@ -464,3 +464,25 @@ func test_problems_and_bad_settings() -> void:
 	for id in standing:
 		off = maxf(off, standing[id].basis.y.angle_to(standing[id].origin))
 	check(standing.size() > 500 and off < 1e-4, "the combined ground uses its part's planet: %d instances, %f off" % [standing.size(), off])
+
+
+## A ground without a known distance from the planet's center limits no search for tiles: layers grow on it and on the planet.
+func test_a_planet_combined_with_ground_of_unknown_extent() -> void:
+	put_planet(100.0, Vector3.ZERO, 64)
+	var heights := Image.create_empty(9, 9, false, Image.FORMAT_RF)
+	heights.fill(Color(130.0, 0.0, 0.0))
+	var plateau := ScatterGroundHeightmap.new()
+	plateau.image = heights
+	plateau.heights_in_meters = true
+	plateau.rect = Rect2(-10.0, -10.0, 20.0, 20.0)
+	var combined := ScatterGroundCombined.new()
+	combined.grounds = [make_ground(100.0), plateau]
+	viewer = make_viewer(Vector3(0.0, 115.0, 0.0))
+	var scatter := make_scatter([make_grower()], combined, viewer)
+	await settle(scatter)
+	var counts := [0, 0]
+	for at: Transform3D in instances(scatter, 0).values():
+		counts[int(at.origin.y > 129.9)] += 1
+	check(counts[0] > 500, "%d instances on the planet" % counts[0])
+	check(counts[1] > 60, "%d instances on the plateau above it" % counts[1])
+	check_equal(scatter.get_problems().size(), 0, "problems: %s" % scatter.get_problems())
