@@ -172,3 +172,17 @@ func test_new_layers() -> void:
 	await settle(scatter)
 	check_equal(scatter.get_problems(), PackedStringArray(), "problems")
 	check(instances(scatter, 1).size() > 50 and instances(scatter, 2).size() > 50, "the gaps have birches and hazels")
+
+
+## A ground that only the main thread may sample has the same instances as one that any thread may sample.
+func test_ground_of_the_main_thread() -> void:
+	var found: Array[Dictionary] = []
+	for ground: ScatterGround in [Mound.new(), MainMound.new()]:
+		var species := make_species()
+		species[1].max_slope_degrees = 9.0
+		var scatter := make_scatter(species, ground, make_viewer())
+		await settle(scatter)
+		found.push_back(instances(scatter, 1))
+		scatter.free()
+	check(found[0].size() > 100, "%d birches" % found[0].size())
+	check_equal(found[1] == found[0], true, "the same birches")

@@ -191,3 +191,28 @@ func test_csg_is_ground_and_changes_are_detected() -> void:
 	await create_timer(0.2).timeout
 	await settle(scatter)
 	check_count(scatter, 240.0, "a box with a larger hole")
+
+
+## A cell can mirror its mesh. Its front then stays its front.
+func test_mirrored_cells_keep_their_front() -> void:
+	var plane := PlaneMesh.new()
+	plane.size = Vector2(4, 4)
+	var library := MeshLibrary.new()
+	for item in 2:
+		library.create_item(item)
+		library.set_item_mesh(item, plane)
+		library.set_item_mesh_transform(item, Transform3D(Basis.from_scale(Vector3(1.0 - 2.0 * item, 1, 1)), Vector3.ZERO))
+	var grid := GridMap.new()
+	grid.mesh_library = library
+	grid.cell_size = Vector3(4, 4, 4)
+	grid.cell_center_y = false
+	for x in 6:
+		for z in 4:
+			grid.set_cell_item(Vector3i(x, 0, z), int(x >= 3))
+	put(grid)
+	var scatter := make_growing()
+	scatter.layers[0].max_slope_degrees = 45.0
+	await settle(scatter)
+	check_count(scatter, 6.0 * 4.0 * 16.0, "the upper sides of all cells")
+	var mirrored := instances(scatter, 0).values().filter(func(at: Transform3D) -> bool: return at.origin.x > 12.0)
+	check(mirrored.size() > 100, "%d instances on mirrored cells" % mirrored.size())

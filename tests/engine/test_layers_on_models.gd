@@ -288,3 +288,42 @@ func test_mushrooms_on_logs_on_stones() -> void:
 	scatter.remove_instance(felled)
 	await settle(scatter)
 	check_equal(near(instances(scatter, 2), stones[felled].origin, RADIUS + 0.45).size(), 0, "mushrooms that stay after the boulder was removed")
+
+
+func test_other_models_and_models_that_cannot_be_read() -> void:
+	var stones := make_stones()
+	var scatter := make_mossy([stones, make_moss()])
+	await settle(scatter)
+	var box := BoxMesh.new()
+	stones.meshes = [box]
+	await settle(scatter)
+	var moss := instances(scatter, MOSS)
+	check(moss.size() > 500, "moss on boxes: %d" % moss.size())
+	var standing := instances(scatter, STONES).values()
+	for id in moss:
+		var at := moss[id].origin
+		if not check(standing.any(func(stone: Transform3D) -> bool: return box.get_aabb().grow(0.01).has_point(stone.affine_inverse() * at)), "moss at %s is on a box" % at):
+			break
+	var arrays := box.get_mesh_arrays()
+	var vertices: PackedVector3Array = arrays[Mesh.ARRAY_VERTEX]
+	vertices[0].x = NAN
+	arrays[Mesh.ARRAY_VERTEX] = vertices
+	var broken := ArrayMesh.new()
+	broken.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
+	errors.take() # The engine may print an error about the mesh.
+	stones.meshes = [broken]
+	await settle(scatter)
+	check_equal(instances(scatter, MOSS).size(), 0, "instances on a mesh with a vertex that is not finite")
+	check("nothing grows on ScatterLayer.meshes[0]: " in str(scatter.get_problems()) and "finite" in str(scatter.get_problems()), str(scatter.get_problems()))
+
+
+## Layers without names refer to each other directly, but never in a circle.
+func test_layers_without_names_do_not_form_a_circle() -> void:
+	var stones := make_stones()
+	stones.resource_name = ""
+	var moss := make_moss(stones)
+	moss.resource_name = ""
+	check_equal(moss.surface_layers, [stones], "a layer without a name is stored itself")
+	stones.surface_layers = [moss]
+	check_error(["ScatterLayer.surface_layers"], "a circle of two layers")
+	check(stones.surface_layers.is_empty(), "the list is kept")
