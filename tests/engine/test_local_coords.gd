@@ -293,3 +293,37 @@ func test_ground_outside_of_the_nodes_branch() -> void:
 			break
 	check(above > 15, "%d instances on the pier" % above)
 	pier.free()
+
+
+## The node moves by several meters in every frame, faster than the bodies can follow, while instances are removed. At rest, all other bodies
+## are at their positions.
+func test_bodies_follow_a_fast_node_while_instances_are_removed() -> void:
+	var scatter := make_ship(ScatterGroundFlat.new())
+	make_trunks_solid(scatter.layers[0], 25.0)
+	await settle(scatter)
+	await physics_frame
+	await physics_frame
+	var rids := bodies(scatter)
+	check(rids.size() > 1000, "%d bodies" % rids.size())
+	var placed: Dictionary[int, Vector3] = {}
+	for id in rids:
+		placed[id] = scatter.get_instance(id).transform.origin
+	scatter.frame_budget_usec = 1
+	for step in 60:
+		ship.position.x += 5.0
+		await process_frame
+		var felled: int = rids.keys()[0]
+		check(scatter.remove_instance(felled), "removed")
+		rids.erase(felled)
+	var near := 0.0
+	for id in rids:
+		if placed[id].length() < 2.0:
+			var at: Transform3D = PhysicsServer3D.body_get_state(rids[id], PhysicsServer3D.BODY_STATE_TRANSFORM)
+			near = maxf(near, at.origin.distance_to(placed[id] + ship.position))
+	check(near < 0.01, "bodies at the viewer are at their positions, to within %s m" % near)
+	scatter.frame_budget_usec = 20000
+	await settle(scatter)
+	for id in rids:
+		var at: Transform3D = PhysicsServer3D.body_get_state(rids[id], PhysicsServer3D.BODY_STATE_TRANSFORM)
+		if not check(at.origin.distance_to(placed[id] + ship.position) < 0.01, "the body of %d is at %s" % [id, at.origin]):
+			return

@@ -486,3 +486,18 @@ func test_a_planet_combined_with_ground_of_unknown_extent() -> void:
 	check(counts[0] > 500, "%d instances on the planet" % counts[0])
 	check(counts[1] > 60, "%d instances on the plateau above it" % counts[1])
 	check_equal(scatter.get_problems().size(), 0, "problems: %s" % scatter.get_problems())
+
+
+## A node that reenters the tree has the same instances, although its ground must read the planet again.
+func test_a_node_leaves_and_reenters_the_tree() -> void:
+	put_planet(100.0, Vector3.ZERO, 64)
+	viewer = make_viewer(Vector3(0.0, 101.0, 0.0))
+	var scatter := make_scatter([make_grower()], make_ground(100.0), viewer)
+	await settle(scatter)
+	var before := instances(scatter, 0)
+	check(before.size() > 500, "%d instances" % before.size())
+	root.remove_child(scatter)
+	await frames(3)
+	root.add_child(scatter)
+	await settle(scatter)
+	check_equal(instances(scatter, 0) == before, true, "the same instances")

@@ -227,3 +227,25 @@ func test_around_bodies() -> void:
 	await frames(2)
 	await settle(scatter)
 	check(scatter.get_scene(scatter.query_nearest(Vector3(50, 0, 0), 10.0).id) == null, "no scene without a viewer")
+
+
+## If a state is replaced, the scenes of the instances that the new state removes disappear at once. All others stay.
+func test_a_replaced_state_removes_scenes() -> void:
+	var scatter := make_garden([make_plants()])
+	scatter.state = ScatterState.new()
+	await settle(scatter)
+	var near := scenes_of(scatter)
+	check(near.size() > 50, "%d scenes" % near.size())
+	var felled: int = near.keys()[3]
+	var other := ScatterState.new()
+	check(scatter.remove_instance(felled), "removed")
+	check_equal(other.from_bytes(scatter.state.to_bytes()), OK, "loaded")
+	check(scatter.restore_instance(felled), "restored")
+	await settle(scatter)
+	near = scenes_of(scatter)
+	check(near.has(felled), "the restored instance has a scene")
+	scatter.state = other
+	check(scatter.get_scene(felled) == null, "its scene disappears at once")
+	near.erase(felled)
+	await settle(scatter)
+	check_equal(scenes_of(scatter) == near, true, "the other scenes stay")
