@@ -424,6 +424,9 @@ def test_editor_shows_and_reloads(scene, least, godot, project):
     shown = re.search(r"in the editor: (\d+) tiles, (\d+) instances", printed)
     assert shown and int(shown.group(2)) > least, printed
     assert "children of the scatter: 1\n" in printed
+    limited = [int(count) for count in re.findall(r"limited preview: (\d+) instances", printed)]
+    assert len(limited) == 2 and limited[0] <= 1000 and 500 < limited[1], printed
+    assert "heightmap: (5, 5), 3.0 to 9.0 m\n" in printed, printed
     assert "reload: 0" in printed, printed
     assert f"after reloading: {shown.group(1)} tiles, {shown.group(2)} instances" in printed, printed
     complaints = [line for line in COMPLAINT.findall(printed) if "X509" not in line]
