@@ -304,6 +304,10 @@ func test_other_models_and_models_that_cannot_be_read() -> void:
 		var at := moss[id].origin
 		if not check(standing.any(func(stone: Transform3D) -> bool: return box.get_aabb().grow(0.01).has_point(stone.affine_inverse() * at)), "moss at %s is on a box" % at):
 			break
+	stones.meshes = [box, null]
+	await settle(scatter)
+	check(instances(scatter, MOSS).size() > 200, "moss on the boxes next to an empty entry: %d" % instances(scatter, MOSS).size())
+	check_equal(scatter.get_problems().size(), 0, "problems: %s" % scatter.get_problems())
 	var arrays := box.get_mesh_arrays()
 	var vertices: PackedVector3Array = arrays[Mesh.ARRAY_VERTEX]
 	vertices[0].x = NAN
