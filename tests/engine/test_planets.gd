@@ -501,3 +501,28 @@ func test_a_node_leaves_and_reenters_the_tree() -> void:
 	root.add_child(scatter)
 	await settle(scatter)
 	check_equal(instances(scatter, 0) == before, true, "the same instances")
+
+
+## A node that reenters the tree while a worker rebuilds the shared ground has all its instances once the ground is complete.
+func test_a_node_reenters_the_tree_while_the_ground_is_rebuilt() -> void:
+	var planet := put_planet(100.0, Vector3.ZERO, 64)
+	var ground := make_ground(100.0)
+	viewer = make_viewer(Vector3(0.0, 101.0, 0.0))
+	var scatters: Array[TerrainScatter3D] = []
+	for index in 2:
+		scatters.push_back(make_scatter([make_grower()], ground, viewer))
+	for scatter in scatters:
+		await settle(scatter)
+	root.remove_child(scatters[1])
+	await frames(3)
+	var reads: int = scatters[0].get_stats()["ground_reads"]
+	(planet.mesh as SphereMesh).radial_segments = 1024
+	(planet.mesh as SphereMesh).rings = 512
+	await until(func() -> bool: return scatters[0].get_stats()["ground_reads"] > reads, "the planet's new mesh is read")
+	check(not scatters[0].is_settled(), "the ground is being rebuilt")
+	root.add_child(scatters[1])
+	for scatter in scatters:
+		await settle(scatter)
+	var expected := instances(scatters[0], 0)
+	check(expected.size() > 500, "%d instances" % expected.size())
+	check_equal(instances(scatters[1], 0) == expected, true, "the same instances on both nodes")
