@@ -278,3 +278,27 @@ class VoxelLodTerrainDouble extends VoxelTerrainDouble:
 
 	func is_area_meshed(area: AABB, lod := -1) -> bool:
 		return lod == 0 and super(area)
+
+
+func names_of(scatter: TerrainScatter3D) -> String:
+	return (scatter.ground as ScatterGroundNode).recognized
+
+
+## Returns the instances above or below a rectangle of x and z.
+func within(scatter: TerrainScatter3D, area: Rect2) -> Dictionary:
+	var found := {}
+	var all := by_id(scatter)
+	for id: int in all:
+		var at: Vector3 = all[id]
+		if area.has_point(Vector2(at.x, at.z)):
+			found[id] = all[id]
+	return found
+
+
+func check_on(scatter: TerrainScatter3D, height_at: Callable, area: Rect2, least: int, context: String) -> void:
+	var stand := all_transforms(scatter)
+	var off := 0
+	for one in stand:
+		off += int(not area.has_point(Vector2(one.origin.x, one.origin.z)) or not (absf(height_at.call(one.origin) - one.origin.y) < 0.01))
+	check(stand.size() >= least, "%s: %d instances" % [context, stand.size()])
+	check_equal(off, 0, "%s: instances off the ground" % context)
