@@ -502,7 +502,7 @@ TEST_CASE("surfaces: a call can be canceled and reports its progress") {
 	};
 	SurfaceSampler sampler;
 	std::vector<SurfacePoint> points;
-	CHECK(sampler.sample_all({.radius = 0.25}, *surface, points, progress).code == ErrorCode::cancelled);
+	CHECK(sampler.sample_all({.radius = 0.5}, *surface, points, progress).code == ErrorCode::cancelled);
 	CHECK(points.empty());
 	CHECK(last < 0.7);
 }

@@ -81,7 +81,8 @@ void SurfaceRace::start(const SurfaceSource &source, std::uint32_t level, const 
 	}
 }
 
-bool SurfaceRace::decide(const CellBox &wanted, const std::atomic<bool> *cancel) {
+bool SurfaceRace::decide(
+		const CellBox &wanted, const std::atomic<bool> *cancel, const std::function<void(double)> &report) {
 	pending_.clear();
 	for (std::uint32_t number = 0; number < grid_.count(); ++number) {
 		if (times_[number] == surface_time_unthrown && wanted.contains(grid_.cell(number) + grid_.box().min)) {
@@ -103,6 +104,10 @@ bool SurfaceRace::decide(const CellBox &wanted, const std::atomic<bool> *cancel)
 		}
 		if (is_cancelled(cancel) || !decide_group(group)) {
 			return false;
+		}
+		if (report && !group.empty()) {
+			const std::size_t undecided = left.size() + next.size();
+			report(1.0 - static_cast<double>(undecided) / static_cast<double>(pending_.size()));
 		}
 		group = next;
 	} while (!group.empty());

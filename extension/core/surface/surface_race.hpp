@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -47,9 +48,10 @@ public:
 	void start(const SurfaceSource &source, std::uint32_t level, const CellBox &box, const OpenFaces &open_faces,
 			std::span<const SurfaceTriangle> triangles, std::span<const SurfaceDart> placed);
 
-	/// Decides all darts in the cells of `wanted`. Returns false if `cancel` is set, or if a dart
-	/// depends on cells outside the box. In the second case, `undecided` is not null.
-	bool decide(const CellBox &wanted, const std::atomic<bool> *cancel);
+	/// Decides all darts in the cells of `wanted`. Calls `report`, unless it is empty, with the
+	/// decided fraction of the cells, which never decreases. Returns false if `cancel` is set, or if
+	/// a dart depends on cells outside the box. In the second case, `undecided` is not null.
+	bool decide(const CellBox &wanted, const std::atomic<bool> *cancel, const std::function<void(double)> &report);
 
 	/// Appends the points in the cells of `wanted`, ordered by cell (z, then
 	/// y, then x) and time, the latest first.

@@ -15,6 +15,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <iterator>
 #include <utility>
 
@@ -173,6 +174,8 @@ struct SurfaceSampler::Workspace {
 	SampleMargins margins;
 	std::array<Level, max_levels> levels;
 	std::vector<SurfaceDart> decided;
+	std::function<void(double)> report; ///< Called with the decided fraction of the current block; may be empty.
+	double reported = 0.0;              ///< The last fraction that was passed to the caller.
 	SurfaceStats stats;
 
 	Status run(const Call &call);
@@ -184,6 +187,7 @@ struct SurfaceSampler::Workspace {
 
 Status SurfaceSampler::Workspace::run(const Call &call) {
 	stats = {};
+	reported = 0.0;
 	if (const Status status = validate(call.set); !status.ok()) {
 		return status;
 	}
@@ -231,7 +235,16 @@ Status SurfaceSampler::Workspace::divide(
 	longest = size.z > size[longest] ? 2 : longest;
 	if (size[longest] <= widest_block) {
 		decided.clear();
-		if (const Status status = decide(call, 0, cells, decided); !status.ok()) {
+		if (call.progress.report) {
+			// A block that is decided again with a wider margin starts over, but the caller's fraction never decreases.
+			report = [this, &call, begin, end](double fraction) {
+				reported = std::max(reported, begin + (end - begin) * fraction);
+				call.progress.report(reported, call.points.size());
+			};
+		}
+		const Status status = decide(call, 0, cells, decided);
+		report = nullptr;
+		if (!status.ok()) {
 			return status;
 		}
 		collect(call);
@@ -333,7 +346,7 @@ bool SurfaceSampler::Workspace::race(
 		open.upper[side] = box.max[axis] < bounds.max[axis];
 	}
 	level.race.start(SurfaceSource::of(call.set, number), number, box, open, level.triangles, level.placed);
-	return level.race.decide(wanted, call.progress.cancel);
+	return level.race.decide(wanted, call.progress.cancel, number == 0 ? report : nullptr);
 }
 
 void SurfaceSampler::Workspace::collect(const Call &call) {
