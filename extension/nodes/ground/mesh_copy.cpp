@@ -114,9 +114,6 @@ void MeshReader::cancel() {
 MeshCopy::Surface MeshReader::read_stored(const Mesh &p_mesh, std::int32_t surface) {
 	const Dictionary stored = RenderingServer::get_singleton()->mesh_get_surface(p_mesh.get_rid(), surface);
 	MeshCopy::Surface read;
-	if (stored.is_empty()) {
-		return read; // The engine has printed an error.
-	}
 	const auto format = static_cast<std::uint64_t>(static_cast<std::int64_t>(stored["format"]));
 	read.layout.shape = shape_of(stored["primitive"]);
 	if ((format & SurfaceFormat::no_vertices) != 0) {
