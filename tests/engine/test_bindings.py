@@ -71,8 +71,9 @@ def test_scripts_access_our_classes_and_nothing_leaks(display, project, request)
     done = play(["--verbose", "--path", project, "--script", SCRIPTS / "test_language.gd"])
     assert done.returncode == 0, done.stdout[-6000:] + done.stderr[-2000:]
     assert re.search(r"thicket engine tests: \d{3,} checks, 0 failed", done.stdout)
-    expected = [line for line in complaints(done.stdout + done.stderr) if "from _get_heights()" not in line]
-    assert not expected, "\n".join(expected)
+    caused = "from _get_heights()", "'PoissonSampler::sample_domain': Cannot convert argument 1"
+    unexpected = [line for line in complaints(done.stdout + done.stderr) if not any(part in line for part in caused)]
+    assert not unexpected, "\n".join(unexpected)
 
 
 def test_a_leak_is_detected(godot_xvfb, project):
