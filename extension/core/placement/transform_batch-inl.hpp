@@ -193,6 +193,19 @@ HWY_INLINE Vector up_axis(const Vector &normal, double align, const Vector &upri
 HWY_INLINE D load(const float *from) { return hn::PromoteTo(Doubles(), hn::Load(Floats(), from)); }
 HWY_INLINE hn::VFromD<Floats> rounded(D value) { return hn::DemoteTo(Floats(), value); }
 
+/// Returns the up axes of the instances from `at` on.
+HWY_INLINE Vector up_of(
+		const Placement &placement, const UpField &up_field, const TransformBatch &batch, std::size_t at) {
+	const Vector normal{
+			load(batch.normal_x.data() + at), load(batch.normal_y.data() + at), load(batch.normal_z.data() + at)};
+	if (!up_field.away) {
+		return up_axis(normal, placement.align_to_normal);
+	}
+	const Vector position{
+			load(batch.position_x.data() + at), load(batch.position_y.data() + at), load(batch.position_z.data() + at)};
+	return up_axis(normal, placement.align_to_normal, up_away(up_field.from_center, position));
+}
+
 } // namespace
 
 /// Computes the transforms of whole vectors of instances. The last vector may include entries after
@@ -205,16 +218,7 @@ void make_transforms(const Placement &placement, std::uint64_t seed, const UpFie
 		const D yaw = mix(placement.min_yaw_degrees, placement.max_yaw_degrees, random.yaw);
 		const D scale = mix(placement.min_scale, placement.max_scale, random.scale);
 		const Turn turn = rotation_by(hn::Div(yaw, set(360.0)));
-		const Vector normal{load(r_batch.normal_x.data() + at), load(r_batch.normal_y.data() + at),
-				load(r_batch.normal_z.data() + at)};
-		Vector up;
-		if (up_field.away) {
-			const Vector position{load(r_batch.position_x.data() + at), load(r_batch.position_y.data() + at),
-					load(r_batch.position_z.data() + at)};
-			up = up_axis(normal, placement.align_to_normal, up_away(up_field.from_center, position));
-		} else {
-			up = up_axis(normal, placement.align_to_normal);
-		}
+		const Vector up = up_of(placement, up_field, r_batch, at);
 		Vector axis = up;
 		if (leans) {
 			const D tilt = mix(placement.min_tilt_degrees, placement.max_tilt_degrees, random.tilt);
