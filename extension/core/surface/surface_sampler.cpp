@@ -24,7 +24,7 @@ namespace thicket {
 namespace {
 
 /// Largest side, in cells, of a block that is decided as a whole. Its margin is small in
-/// comparison, and its grid still fits in the cache.
+/// comparison.
 constexpr std::int32_t widest_block = 256;
 
 /// Cells are in [-surface_cell_limit, surface_cell_limit) on each axis, so that doubles represent
@@ -63,6 +63,8 @@ Box3 world_box(const CellBox &cells, double unit) {
 CellBox coarse_cells_around(const CellBox &cells) {
 	return {(cells.min - surface_reach) >> 1, ((cells.max + surface_reach - 1) >> 1) + 1};
 }
+
+std::int32_t longest_side(const glm::ivec3 &size) { return std::max({size.x, size.y, size.z}); }
 
 glm::ivec3 dart_cell(const SurfaceDart &dart) { return glm::ivec3(dart.position >> std::int64_t{surface_bits}); }
 
@@ -216,24 +218,26 @@ Status SurfaceSampler::Workspace::run(const Call &call) {
 		return {};
 	}
 	const double unit = level_unit(call.set, 0);
+	const CellBox cells = cells_around({all.min - unit, all.max + unit}, unit);
 	std::vector<Box3> boxes;
-	boxes.reserve(triangles.size());
-	std::ranges::transform(triangles, std::back_inserter(boxes),
-			[&](std::uint32_t index) { return call.surface.triangle_bounds(index); });
-	return divide(call, cells_around({all.min - unit, all.max + unit}, unit), boxes, 0.0, 1.0);
+	if (longest_side(cells.size()) > widest_block) { // The windows of most tiles are not divided.
+		boxes.reserve(triangles.size());
+		std::ranges::transform(triangles, std::back_inserter(boxes),
+				[&](std::uint32_t index) { return call.surface.triangle_bounds(index); });
+	}
+	return divide(call, cells, boxes, 0.0, 1.0);
 }
 
 /// Recursively halves a box of cells until it is small enough to be decided as a whole. Parts
-/// without triangles are skipped; `triangles` are the bounds of those in the box.
+/// without triangles are skipped; `triangles` are the bounds of those in the box, and may be omitted
+/// for a box that is not halved.
 Status SurfaceSampler::Workspace::divide(
 		const Call &call, const CellBox &cells, std::span<const Box3> triangles, double begin, double end) {
 	if (call.progress.cancelled()) {
 		return {ErrorCode::cancelled, "window"};
 	}
 	const glm::ivec3 size = cells.size();
-	int longest = size.y > size.x ? 1 : 0;
-	longest = size.z > size[longest] ? 2 : longest;
-	if (size[longest] <= widest_block) {
+	if (longest_side(size) <= widest_block) {
 		decided.clear();
 		if (call.progress.report) {
 			// A block that is decided again with a wider margin starts over, but the caller's fraction never decreases.
@@ -253,6 +257,8 @@ Status SurfaceSampler::Workspace::divide(
 		}
 		return {};
 	}
+	int longest = size.y > size.x ? 1 : 0;
+	longest = size.z > size[longest] ? 2 : longest;
 	std::array<CellBox, 2> halves{cells, cells};
 	halves[0].max[longest] = halves[1].min[longest] = cells.min[longest] + size[longest] / 2;
 	double done = begin;
