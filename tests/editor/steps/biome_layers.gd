@@ -65,10 +65,7 @@ func test_layers_of_biomes_are_listed() -> void:
 	scatter.biomes = new_map()
 	root.add_child(scatter)
 	scatter.owner = root
-	var packed := PackedScene.new()
-	packed.pack(root)
-	root.free()
-	ResourceSaver.save(packed, SCENE)
+	save_scene(root, SCENE)
 	root = await open(SCENE)
 	EditorInterface.set_main_screen_editor("3D")
 	scatter = root.get_node("Scatter")

@@ -68,10 +68,7 @@ func test_open() -> void:
 	lamp.position = Vector3(3.0, 1.0, 0.0)
 	yard.add_child(lamp)
 	lamp.owner = yard
-	var packed := PackedScene.new()
-	packed.pack(yard)
-	yard.free()
-	ResourceSaver.save(packed, SCENE)
+	save_scene(yard, SCENE)
 	root = await open(SCENE)
 	scatter = root.get_node("Scatter")
 	EditorInterface.set_main_screen_editor("3D")

@@ -29,10 +29,7 @@ func button(text: String, parent: Node = EditorInterface.get_base_control()) -> 
 
 
 func save_packed(node: Node, path: String) -> void:
-	var packed := PackedScene.new()
-	packed.pack(node)
-	node.free()
-	ResourceSaver.save(packed, path)
+	save_scene(node, path)
 	EditorInterface.get_resource_filesystem().update_file(path)
 
 

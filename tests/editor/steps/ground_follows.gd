@@ -68,20 +68,13 @@ func plane(size: float) -> MeshInstance3D:
 	return instance
 
 
-func save_packed(root: Node, path: String) -> void:
-	var packed := PackedScene.new()
-	packed.pack(root)
-	ResourceSaver.save(packed, path)
-	root.free()
-
-
 ## Creates a scene without node groups, like most users' scenes: meshes, a body and an imported hill.
 func test_prepare() -> void:
 	var made_hill := Node3D.new()
 	made_hill.name = "Hill"
 	add(made_hill, plane(12.0), "Top")
 	(made_hill.get_node("Top") as Node3D).position.y = 3.0
-	save_packed(made_hill, HILL)
+	save_scene(made_hill, HILL)
 	var root := Node3D.new()
 	root.name = "World"
 	add(root, plane(MEADOW), "Meadow")
@@ -117,7 +110,7 @@ func test_prepare() -> void:
 	var sun := DirectionalLight3D.new()
 	sun.rotation_degrees = Vector3(-50.0, 30.0, 0.0)
 	add(root, sun, "Sun")
-	save_packed(root, SCENE)
+	save_scene(root, SCENE)
 	var opened := await open(SCENE)
 	EditorInterface.set_main_screen_editor("3D")
 	scatter = opened.get_node("Meadow Flowers")

@@ -46,10 +46,7 @@ func make_scene(path: String) -> void:
 		body.add_to_group(&"ground", true)
 		root.add_child(body)
 		body.owner = root
-	var packed := PackedScene.new()
-	packed.pack(root)
-	root.free()
-	ResourceSaver.save(packed, path)
+	save_scene(root, path)
 
 
 func bytes(path: String) -> PackedByteArray:
@@ -291,10 +288,7 @@ func test_saved_for_the_game() -> void:
 	outer.add_child(inner)
 	inner.owner = outer
 	outer.set_editable_instance(inner, true)
-	var packed := PackedScene.new()
-	packed.pack(outer)
-	outer.free()
-	ResourceSaver.save(packed, "res://outer.tscn")
+	save_scene(outer, "res://outer.tscn")
 	var opened := await open("res://outer.tscn")
 	check_equal(opened.get_node("Field/Rocks").state.get_added().size(), 3, "the instances exist in the outer scene, too")
 	EditorInterface.mark_scene_as_unsaved()

@@ -37,22 +37,8 @@ func make_scene() -> void:
 	scatter.set(&"layers", [layer])
 	root.add_child(scatter)
 	scatter.owner = root
-	var planet := MeshInstance3D.new()
-	planet.name = "Planet"
-	var sphere := SphereMesh.new()
-	sphere.radius = RADIUS
-	sphere.height = 2.0 * RADIUS
-	sphere.radial_segments = 256
-	sphere.rings = 128
-	planet.mesh = sphere
-	planet.position = CENTER
-	planet.add_to_group(&"ground", true)
-	root.add_child(planet)
-	planet.owner = root
-	var packed := PackedScene.new()
-	packed.pack(root)
-	root.free()
-	ResourceSaver.save(packed, SCENE)
+	add_planet(root, RADIUS, CENTER, 256)
+	save_scene(root, SCENE)
 
 
 ## Returns the position on the planet at these x and y.

@@ -30,10 +30,7 @@ func _make_scene() -> Node3D:
 	old.multimesh.buffer = floats
 	root.add_child(old)
 	old.owner = root
-	var packed := PackedScene.new()
-	packed.pack(root)
-	root.free()
-	ResourceSaver.save(packed, SCENE)
+	save_scene(root, SCENE)
 	var opened := await open(SCENE)
 	EditorInterface.save_scene() # Saves the scene in the editor's format.
 	_scene_before = FileAccess.get_file_as_string(SCENE)

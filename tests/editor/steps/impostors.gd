@@ -17,10 +17,7 @@ func test_one_click() -> void:
 	layer.resource_name = "Old Oaks"
 	layer.set(&"meshes", [BoxMesh.new()] as Array[Mesh])
 	scatter.set(&"layers", [layer])
-	var packed := PackedScene.new()
-	packed.pack(root)
-	root.free()
-	ResourceSaver.save(packed, SCENE)
+	save_scene(root, SCENE)
 	scatter = (await open(SCENE)).get_node("Scatter")
 	layer = scatter.get(&"layers")[0]
 	var version := history(scatter).get_version()

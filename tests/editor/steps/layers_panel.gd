@@ -66,10 +66,7 @@ func save_models() -> void:
 	fern.name = "Fern"
 	fern.mesh = QuadMesh.new()
 	fern.mesh.size = Vector2(1.6, 0.3)
-	var packed := PackedScene.new()
-	packed.pack(fern)
-	fern.free()
-	ResourceSaver.save(packed, MODELS[2])
+	save_scene(fern, MODELS[2])
 	for path in MODELS:
 		EditorInterface.get_resource_filesystem().update_file(path)
 
@@ -83,10 +80,7 @@ func make_scene() -> void:
 	ground.mesh.size = Vector2(140.0, 140.0)
 	new_root.add_child(ground)
 	ground.owner = new_root
-	var packed := PackedScene.new()
-	packed.pack(new_root)
-	new_root.free()
-	ResourceSaver.save(packed, SCENE)
+	save_scene(new_root, SCENE)
 	root = await open(SCENE)
 	EditorInterface.set_main_screen_editor("3D")
 	await frames(3)

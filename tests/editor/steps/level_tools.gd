@@ -8,18 +8,6 @@ const BRIDGE := Vector2(2.0, 2.3)
 const WALL := 4.0
 ## The rotations of the editor's camera about x and y, by view.
 const VIEWS := {"above": Vector2(0.5, 0.5), "below": Vector2(-0.5, 0.5)}
-const VIEW := """[editor_states]
-
-3D={
-"viewport_mode": 1,
-"viewports": [{
-"distance": 12.0,
-"position": Vector3(0, 1, 0),
-"x_rotation": %f,
-"y_rotation": %f
-}]
-}
-"""
 
 var scatter: Node3D
 
@@ -69,13 +57,8 @@ func make_scene(path: String, rotations: Vector2) -> void:
 		make_box(root, "Floor", Vector3(30.0, 1.0, 30.0), Vector3(0.0, -0.5, 0.0))
 	make_box(root, "Bridge", Vector3(6.0, BRIDGE.y - BRIDGE.x, 3.0), Vector3(0.0, 0.5 * (BRIDGE.x + BRIDGE.y), 0.0))
 	make_box(root, "Wall", Vector3(1.0, 4.0, 8.0), Vector3(WALL + 0.5, 2.0, 0.0))
-	var packed := PackedScene.new()
-	packed.pack(root)
-	root.free()
-	ResourceSaver.save(packed, path)
-	DirAccess.make_dir_recursive_absolute("res://.godot/editor")
-	var state := FileAccess.open("res://.godot/editor/%s-editstate-%s.cfg" % [path.get_file(), path.md5_text()], FileAccess.WRITE)
-	state.store_string(VIEW % [rotations.x, rotations.y])
+	save_scene(root, path)
+	save_view(path, 12.0, Vector3(0.0, 1.0, 0.0), rotations)
 
 
 func enter(view: String) -> void:

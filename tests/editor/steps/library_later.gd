@@ -17,10 +17,7 @@ func test_the_library_comes_later() -> void:
 	check(addon() != null and workspace() == null, "the plugin has no tools yet")
 	var root := Node3D.new()
 	root.name = "Scene"
-	var packed := PackedScene.new()
-	packed.pack(root)
-	root.free()
-	ResourceSaver.save(packed, SCENE)
+	save_scene(root, SCENE)
 	await open(SCENE)
 	check_equal(DirAccess.rename_absolute("res://later/bin", ADDON + "bin"), OK, "the library is in its folder")
 	check_equal(DirAccess.rename_absolute("res://later/thicket.gdextension", ADDON + "thicket.gdextension"), OK, "the editor can find it")

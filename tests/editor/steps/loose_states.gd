@@ -26,13 +26,6 @@ func make_scene() -> Node3D:
 	return root
 
 
-func save_packed(root: Node, path: String) -> void:
-	var packed := PackedScene.new()
-	packed.pack(root)
-	root.free()
-	ResourceSaver.save(packed, path)
-
-
 ## Saves the scene with the keyboard shortcut.
 func save_with_keys() -> void:
 	await key(KEY_S, KEY_MASK_CTRL)
@@ -52,7 +45,7 @@ func add_instances(count: int, first: float) -> void:
 
 
 func test_changes_by_a_script() -> void:
-	save_packed(make_scene(), SCENE)
+	save_scene(make_scene(), SCENE)
 	scatter = (await open(SCENE)).get_node("Scatter")
 	EditorInterface.set_main_screen_editor("3D")
 	await settle(scatter)
@@ -90,7 +83,7 @@ func test_a_state_in_the_scene() -> void:
 	add_child(root)
 	root.get_node("Scatter").add_instance(root.get_node("Scatter").layers[0], Transform3D(Basis(), Vector3(0.0, 0.0, 1.0)))
 	remove_child(root)
-	save_packed(root, "res://older.tscn")
+	save_scene(root, "res://older.tscn")
 	check("PackedByteArray" in FileAccess.get_file_as_string("res://older.tscn"), "the state is in the scene")
 	root = await open("res://older.tscn")
 	EditorInterface.mark_scene_as_unsaved()

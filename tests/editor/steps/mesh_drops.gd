@@ -24,10 +24,7 @@ func save_pine(crown_size: float) -> void:
 	shape.shape = CylinderShape3D.new()
 	pine.add_child(shape)
 	shape.owner = pine
-	var packed := PackedScene.new()
-	packed.pack(pine)
-	pine.free()
-	ResourceSaver.save(packed, PINE)
+	save_scene(pine, PINE)
 
 
 ## Returns the drop area for scenes in the inspector.

@@ -38,10 +38,7 @@ func test_open() -> void:
 	layer.meshes[0].height = 8.0
 	layer.collision_shape = 2 # COLLISION_CYLINDER.
 	trees.layers = [layer]
-	var packed := PackedScene.new()
-	packed.pack(grove)
-	grove.free()
-	ResourceSaver.save(packed, SCENE)
+	save_scene(grove, SCENE)
 	var root := await open(SCENE)
 	region = root.get_node("Region")
 	scatter = root.get_node("Region/Scatter")

@@ -37,13 +37,6 @@ func make_layer(title: String, radius: float) -> Resource:
 	return layer
 
 
-func save_scene_of(root: Node, path: String) -> void:
-	var packed := PackedScene.new()
-	packed.pack(root)
-	root.free()
-	ResourceSaver.save(packed, path)
-
-
 func test_paste() -> void:
 	ResourceSaver.save(make_layer("Moss", 3.0), MOSS)
 	var orchard := Node3D.new()
@@ -55,10 +48,10 @@ func test_paste() -> void:
 	made.layers[1].spacing = {"Apple": 0.5}
 	orchard.add_child(made)
 	made.owner = orchard
-	save_scene_of(orchard, FROM)
+	save_scene(orchard, FROM)
 	var root := Node3D.new()
 	root.name = "Garden"
-	save_scene_of(root, TO)
+	save_scene(root, TO)
 	original = (await open(FROM)).get_node("Trees")
 	EditorInterface.set_main_screen_editor("3D")
 	await select(original)

@@ -11,18 +11,6 @@ const SIDES := {
 	"side": [Vector3(1.0, 0.0, 0.0), Vector2(0.3, -1.2)],
 	"underside": [Vector3.DOWN, Vector2(-0.8, 0.4)],
 }
-const VIEW := """[editor_states]
-
-3D={
-"viewport_mode": 1,
-"viewports": [{
-"distance": 14.0,
-"position": Vector3(%f, %f, %f),
-"x_rotation": %f,
-"y_rotation": %f
-}]
-}
-"""
 
 var scatter: Node3D
 var stones: Resource
@@ -56,26 +44,9 @@ func make_scene(path: String, view: Array) -> void:
 	scatter.layers = [make_layer("Stone", true), make_layer("Grass", false)]
 	root.add_child(scatter)
 	scatter.owner = root
-	var planet := MeshInstance3D.new()
-	planet.name = "Planet"
-	var sphere := SphereMesh.new()
-	sphere.radius = RADIUS
-	sphere.height = 2.0 * RADIUS
-	sphere.radial_segments = 96
-	sphere.rings = 48
-	planet.mesh = sphere
-	planet.position = CENTER
-	planet.add_to_group(&"ground", true)
-	root.add_child(planet)
-	planet.owner = root
-	var packed := PackedScene.new()
-	packed.pack(root)
-	root.free()
-	ResourceSaver.save(packed, path)
-	var middle: Vector3 = CENTER + view[0] * RADIUS
-	DirAccess.make_dir_recursive_absolute("res://.godot/editor")
-	var state := FileAccess.open("res://.godot/editor/%s-editstate-%s.cfg" % [path.get_file(), path.md5_text()], FileAccess.WRITE)
-	state.store_string(VIEW % [middle.x, middle.y, middle.z, view[1].x, view[1].y])
+	add_planet(root, RADIUS, CENTER, 96)
+	save_scene(root, path)
+	save_view(path, 14.0, CENTER + view[0] * RADIUS, view[1])
 
 
 ## Returns the position on the planet that is some meters to the right and downward from the middle of the view.

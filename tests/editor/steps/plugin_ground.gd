@@ -41,10 +41,7 @@ func test_prepare() -> void:
 	sun.rotation_degrees = Vector3(-50.0, 30.0, 0.0)
 	made.add_child(sun)
 	sun.owner = made
-	var packed := PackedScene.new()
-	packed.pack(made)
-	ResourceSaver.save(packed, SCENE)
-	made.free()
+	save_scene(made, SCENE)
 	root = await open(SCENE)
 	EditorInterface.set_main_screen_editor("3D")
 	scatter = root.get_node("Trees")

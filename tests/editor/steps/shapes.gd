@@ -31,10 +31,7 @@ func make_scene() -> void:
 	scatter.set(&"layers", layers)
 	park.add_child(scatter)
 	scatter.owner = park
-	var packed := PackedScene.new()
-	packed.pack(park)
-	park.free()
-	ResourceSaver.save(packed, SCENE)
+	save_scene(park, SCENE)
 
 
 func scene_bytes() -> PackedByteArray:

@@ -40,10 +40,7 @@ func make_scene() -> void:
 	new.layers = layers
 	new_root.add_child(new)
 	new.owner = new_root
-	var packed := PackedScene.new()
-	packed.pack(new_root)
-	new_root.free()
-	ResourceSaver.save(packed, SCENE)
+	save_scene(new_root, SCENE)
 	root = await open(SCENE)
 	scatter = root.get_node("Scatter")
 	select(scatter)

@@ -3,6 +3,19 @@ extends Node
 ## The base class for the editor tests, with functions for checks, waiting, mouse and keys, and screenshots.
 
 const PATIENCE_MSEC := 60000
+## The editor's file with the state of a scene's view.
+const VIEW_STATE := """[editor_states]
+
+3D={
+"viewport_mode": 1,
+"viewports": [{
+"distance": %s,
+"position": Vector3%s,
+"x_rotation": %s,
+"y_rotation": %s
+}]
+}
+"""
 
 ## The plugin that runs this script.
 var plugin: EditorPlugin
@@ -64,6 +77,38 @@ func until(condition: Callable, message: String) -> bool:
 func settle(scatter: Node3D) -> void:
 	await frames(3)
 	await until(func() -> bool: return scatter.is_settled(), "settled")
+
+
+## Saves a scene, and frees its root node.
+func save_scene(root: Node, path: String) -> void:
+	var packed := PackedScene.new()
+	packed.pack(root)
+	root.free()
+	ResourceSaver.save(packed, path)
+
+
+## Sets the view with which the editor opens a scene: the distance of the camera from a position, and its rotations about x and y.
+func save_view(path: String, distance: float, position: Vector3, rotations: Vector2) -> void:
+	DirAccess.make_dir_recursive_absolute("res://.godot/editor")
+	var state := FileAccess.open("res://.godot/editor/%s-editstate-%s.cfg" % [path.get_file(), path.md5_text()], FileAccess.WRITE)
+	state.store_string(VIEW_STATE % [distance, position, rotations.x, rotations.y])
+
+
+## Adds a sphere to a scene, as the ground of a planet.
+func add_planet(root: Node, radius: float, center: Vector3, segments: int) -> void:
+	var planet := MeshInstance3D.new()
+	planet.name = "Planet"
+	var sphere := SphereMesh.new()
+	sphere.radius = radius
+	sphere.height = 2.0 * radius
+	sphere.radial_segments = segments
+	@warning_ignore("integer_division")
+	sphere.rings = segments / 2
+	planet.mesh = sphere
+	planet.position = center
+	planet.add_to_group(&"ground", true)
+	root.add_child(planet)
+	planet.owner = root
 
 
 ## Opens a scene in a tab of the editor and returns its root node.

@@ -60,10 +60,7 @@ func test_narrow() -> void:
 	room.get_node("Scatter").layers = [layer]
 	room.get_node("Scatter").ground = ClassDB.instantiate(&"ScatterGroundFlat")
 	(room.get_node("Mesh") as MeshInstance3D).mesh = PlaneMesh.new()
-	var packed := PackedScene.new()
-	packed.pack(room)
-	room.free()
-	ResourceSaver.save(packed, SCENE)
+	save_scene(room, SCENE)
 	root = await open(SCENE)
 	EditorInterface.set_main_screen_editor("3D")
 	await resize(NARROW)

@@ -10,18 +10,6 @@ const SIZE := Vector2i(1280, 800)
 const WIDE := Vector2i(1720, 1060)
 ## The width of a page's screenshots in pixels.
 const WIDTH := 960
-const STATE := """[editor_states]
-
-3D={
-"viewport_mode": 1,
-"viewports": [{
-"distance": %s,
-"position": Vector3%s,
-"x_rotation": %s,
-"y_rotation": %s
-}]
-}
-"""
 
 var root: Node
 var scatter: Node3D
@@ -101,17 +89,12 @@ func open_new(path: String, place: Vector3, away: float, down: float, around: fl
 	ground.mesh = load("res://ground.res")
 	world.add_child(ground)
 	ground.owner = world
-	var packed := PackedScene.new()
-	packed.pack(world)
-	world.free()
-	ResourceSaver.save(packed, path)
+	save_scene(world, path)
 	await open_at(path, place, away, down, around)
 
 
 func open_at(path: String, place: Vector3, away: float, down: float, around: float) -> void:
-	var kept := FileAccess.open("res://.godot/editor/%s-editstate-%s.cfg" % [path.get_file(), path.md5_text()], FileAccess.WRITE)
-	kept.store_string(STATE % [away, place, down, around])
-	kept.close()
+	save_view(path, away, place, Vector2(down, around))
 	root = await open(path)
 	EditorInterface.set_main_screen_editor("3D")
 	get_window().size = SIZE

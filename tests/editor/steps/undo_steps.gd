@@ -80,10 +80,7 @@ func make_scene() -> void:
 		region.position = Vector3(4.0 * kind - 8.0, 0.0, -9.0)
 		region.polygon = PackedVector2Array([Vector2(-1, -1), Vector2(1, -1), Vector2(0, 1)])
 		region.layers = ["Grass", "Trees"] if kind < 2 else []
-	var packed := PackedScene.new()
-	packed.pack(heath)
-	heath.free()
-	ResourceSaver.save(packed, SCENE)
+	save_scene(heath, SCENE)
 
 
 func select(node: Node) -> void:

@@ -85,10 +85,7 @@ func test_open() -> void:
 	made.layers = [layer]
 	yard.add_child(made)
 	made.owner = yard
-	var packed := PackedScene.new()
-	packed.pack(yard)
-	yard.free()
-	ResourceSaver.save(packed, SCENE)
+	save_scene(yard, SCENE)
 	scatter = (await open(SCENE)).get_node("Scatter")
 	EditorInterface.set_main_screen_editor("3D")
 	await frames(10)
