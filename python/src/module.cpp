@@ -41,8 +41,8 @@ struct PointList {
 
 	/// Returns the first point, or a dummy if there is none, because an array needs an address.
 	const Point *first() const {
-		static const Point none{};
-		return points.empty() ? &none : points.data();
+		static const Point dummy{};
+		return points.empty() ? &dummy : points.data();
 	}
 };
 using Points = PointList<SamplePoint>;
@@ -61,7 +61,7 @@ Column<Number> column(nb::handle_t<PointList<Point>> self, const Number Point::*
 	return Column<Number>(&(list.first()->*member), {list.points.size()}, self, {sizeof(Point) / sizeof(Number)});
 }
 
-/// Returns a vector member of all points, as a two-dimensional array with the stride of a point.
+/// Returns one vector member of every point, as a two-dimensional array with the stride of a point.
 template <typename Point, int axes>
 Positions<double, axes> vectors(nb::handle_t<PointList<Point>> self, const glm::vec<axes, double> Point::*member) {
 	static_assert(sizeof(Point) % sizeof(double) == 0);
@@ -75,11 +75,11 @@ template <typename Real>
 nb::object array_of(std::vector<glm::vec<2, Real>> &&list) {
 	static_assert(sizeof(glm::vec<2, Real>) == 2 * sizeof(Real));
 	auto own = std::make_unique<std::vector<glm::vec<2, Real>>>(std::move(list));
-	static const glm::vec<2, Real> none{0};
-	const Real *first = own->empty() ? &none.x : &own->front().x;
+	static const glm::vec<2, Real> dummy{0};
+	const Real *first = own->empty() ? &dummy.x : &own->front().x;
 	const std::size_t count = own->size();
 	const nb::capsule owner(
-			own.get(), [](void *held) noexcept { delete static_cast<std::vector<glm::vec<2, Real>> *>(held); });
+			own.get(), [](void *list) noexcept { delete static_cast<std::vector<glm::vec<2, Real>> *>(list); });
 	own.release();
 	return nb::cast(Positions<Real>(first, {count, 2}, owner));
 }
@@ -95,16 +95,16 @@ void require(const Status &status) {
 	}
 }
 
-/// Converts a sequence of `count` numbers, which may be an array. `words` describes these numbers
-/// in the error message.
+/// Converts a sequence of `count` numbers, which may be an array. `expected` says in the
+/// error message what was expected.
 template <std::size_t count>
-std::array<double, count> numbers(nb::handle sequence, const char *words) {
+std::array<double, count> numbers(nb::handle sequence, const char *expected) {
 	std::array<double, count> found{};
 	if (nb::try_cast(sequence, found)) {
 		return found;
 	}
 	const std::string text = nb::cast<std::string>(nb::repr(sequence));
-	PyErr_SetString(PyExc_TypeError, (std::string(words) + ", got " + text).c_str());
+	PyErr_SetString(PyExc_TypeError, (std::string(expected) + ", got " + text).c_str());
 	throw nb::python_error();
 }
 
@@ -170,17 +170,17 @@ Points sample(nb::handle rect, double radius, nb::handle seed, std::int64_t leve
 	const auto [min_x, min_y, max_x, max_y] =
 			numbers<4>(rect, "rect must be four numbers, (min_x, min_y, max_x, max_y)");
 	Watcher watcher(std::move(progress), cancel);
-	Points made;
+	Points sampled;
 	Status status;
 	{
 		const nb::gil_scoped_release unlocked;
 		Lease lease;
 		OwnThreads others(threads > 0 ? static_cast<std::size_t>(threads) - 1 : OwnThreads::spare());
-		status =
-				lease.sampler().sample(set, {{min_x, min_y}, {max_x, max_y}}, made.points, watcher.progress(), &others);
+		status = lease.sampler().sample(
+				set, {{min_x, min_y}, {max_x, max_y}}, sampled.points, watcher.progress(), &others);
 	}
-	watcher.finish(status, describe(status), made.points.size());
-	return made;
+	watcher.finish(status, describe(status), sampled.points.size());
+	return sampled;
 }
 
 template <typename Number>
@@ -215,7 +215,7 @@ SurfacePoints sample_surface(const Triples<double> &vertices, const Triples<std:
 	std::vector<glm::dvec3> corners(first, first + vertices.shape(0));
 	std::vector<std::uint32_t> indices = indices_of(faces, corners.size());
 	Watcher watcher(std::move(progress), cancel);
-	SurfacePoints made;
+	SurfacePoints sampled;
 	Status status;
 	{
 		const nb::gil_scoped_release unlocked;
@@ -223,12 +223,12 @@ SurfacePoints sample_surface(const Triples<double> &vertices, const Triples<std:
 		status = Surface::create(std::move(corners), std::move(indices), surface);
 		if (status.ok()) {
 			SurfaceSampler sampler;
-			status = window ? sampler.sample(set, *surface, box, made.points, watcher.progress())
-							: sampler.sample_all(set, *surface, made.points, watcher.progress());
+			status = window ? sampler.sample(set, *surface, box, sampled.points, watcher.progress())
+							: sampler.sample_all(set, *surface, sampled.points, watcher.progress());
 		}
 	}
-	watcher.finish(status, describe(status), made.points.size());
-	return made;
+	watcher.finish(status, describe(status), sampled.points.size());
+	return sampled;
 }
 
 constexpr std::array<std::pair<const char *, DomainMethod>, 4> methods{
@@ -277,8 +277,8 @@ nb::object sample_domain(nb::handle size, double radius, nb::handle seed, const 
 
 std::pair<std::uint64_t, std::uint64_t> digest_of_points(const Points &points) {
 	const nb::gil_scoped_release unlocked;
-	const SetDigest made = digest(std::span<const SamplePoint>(points.points));
-	return {made.places, made.ranks};
+	const SetDigest digests = digest(std::span<const SamplePoint>(points.points));
+	return {digests.points, digests.ranks};
 }
 
 template <typename Real>
@@ -292,10 +292,10 @@ std::uint64_t digest_of_domain(
 
 /// Declares the class for the points of a set, with the members that the points of all sets have.
 template <typename Point>
-nb::class_<PointList<Point>> bind_list(nb::module_ &module, const char *name, const char *words, const char *ids) {
+nb::class_<PointList<Point>> bind_list(nb::module_ &module, const char *name, const char *doc, const char *ids) {
 	using Self = nb::handle_t<PointList<Point>>;
 	const std::string title = std::string("<thicket.") + name + " of ";
-	return nb::class_<PointList<Point>>(module, name, words)
+	return nb::class_<PointList<Point>>(module, name, doc)
 			.def("__len__", [](const PointList<Point> &self) { return self.points.size(); })
 			.def("__repr__",
 					[title](const PointList<Point> &self) {

@@ -28,9 +28,9 @@ struct BaselineReport {
 	/// Number of pairs whose squared distance, computed in double precision, is below radius^2.
 	std::uint64_t too_close = 0;
 	std::uint64_t gaps = 0; ///< Number of grid cells, about one radius wide, that contain a gap.
-	double least_squared =
-			std::numeric_limits<double>::infinity(); ///< Smallest squared distance among the compared pairs.
-	glm::dvec2 gap_at{0.0};                          ///< A position in one of the gaps, if there are any.
+	/// Smallest squared distance among the compared pairs.
+	double min_squared_distance = std::numeric_limits<double>::infinity();
+	glm::dvec2 gap_at{0.0}; ///< A position in one of the gaps, if there are any.
 
 	bool perfect() const { return outside == 0 && too_close == 0 && gaps == 0; }
 };
@@ -50,18 +50,18 @@ public:
 		BaselineCheck check(domain);
 		check.enter(points);
 		check.check_pairs();
-		check.check_places();
+		check.check_positions();
 		return check.report_;
 	}
 
 private:
 	/// Upper bound on the points in a cell and its eight neighbors if the set keeps its minimum
 	/// distance.
-	static constexpr std::size_t most_nearby = 64;
+	static constexpr std::size_t max_nearby = 64;
 
 	/// The points near a cell, relative to the center of the cell.
 	struct Nearby {
-		std::array<glm::dvec2, most_nearby> points;
+		std::array<glm::dvec2, max_nearby> points;
 		std::size_t count = 0;
 	};
 
@@ -135,19 +135,19 @@ private:
 				if (other < i) {
 					const double distance = squared(offset(points_[i], points_[other]));
 					report_.too_close += distance < radius_squared_ ? 1 : 0;
-					report_.least_squared = std::min(report_.least_squared, distance);
+					report_.min_squared_distance = std::min(report_.min_squared_distance, distance);
 				}
 			});
 		}
 	}
 
-	void check_places() {
+	void check_positions() {
 		for (int y = 0; y < cells_.y; ++y) {
 			for (int x = 0; x < cells_.x; ++x) {
 				const glm::dvec2 middle = (glm::dvec2(x, y) + 0.5) * cell_size_;
 				Nearby nearby;
 				visit_nearby({x, y}, [&](std::size_t i) {
-					if (nearby.count < most_nearby) {
+					if (nearby.count < max_nearby) {
 						nearby.points[nearby.count++] = offset(middle, points_[i]);
 					}
 				});

@@ -59,16 +59,16 @@ public:
 	/// `coverage` is true.
 	template <typename Point>
 	static DomainReport run(std::span<const Point> points, const DomainShape &shape, bool coverage) {
-		std::vector<glm::dvec2> places;
-		places.reserve(points.size());
+		std::vector<glm::dvec2> positions;
+		positions.reserve(points.size());
 		for (const Point &point : points) {
-			places.emplace_back(static_cast<double>(point.x), static_cast<double>(point.y));
+			positions.emplace_back(static_cast<double>(point.x), static_cast<double>(point.y));
 		}
 		DomainCheck check(shape);
-		check.report_.points = places.size();
-		std::erase_if(places, [&](glm::dvec2 place) { return !check.inside(place); });
-		check.report_.outside = check.report_.points - places.size();
-		check.sort_into_cells(places);
+		check.report_.points = positions.size();
+		std::erase_if(positions, [&](glm::dvec2 position) { return !check.inside(position); });
+		check.report_.outside = check.report_.points - positions.size();
+		check.sort_into_cells(positions);
 		check.compare_pairs();
 		if (coverage) {
 			check.cover();
@@ -86,9 +86,9 @@ private:
 	glm::ivec2 cells_;
 	glm::dvec2 cell_;
 	double reach_squared_;
-	double least_side_;                ///< An uncovered square narrower than this width is a gap.
-	std::vector<std::uint32_t> begin_; ///< The index in `places_` of each cell's first point.
-	std::vector<glm::dvec2> places_;
+	double min_side_;                  ///< An uncovered square narrower than this width is a gap.
+	std::vector<std::uint32_t> begin_; ///< The index in `positions_` of each cell's first point.
+	std::vector<glm::dvec2> positions_;
 	std::vector<glm::dvec2> disks_; ///< A stack. Disks that intersect a square are above those of its parent square.
 	DomainReport report_;
 
@@ -97,30 +97,30 @@ private:
 			cells_(glm::max(glm::dvec2(1.0), glm::floor(shape.size / (cell_radii * shape.radius)))),
 			cell_(shape.size / glm::dvec2(cells_)),
 			reach_squared_((shape.radius + shape.tolerance) * (shape.radius + shape.tolerance)),
-			least_side_(shape.tolerance / std::sqrt(8.0)) {}
+			min_side_(shape.tolerance / std::sqrt(8.0)) {}
 
-	bool inside(glm::dvec2 place) const {
-		return place.x >= 0.0 && place.y >= 0.0 && place.x < shape_.size.x && place.y < shape_.size.y;
+	bool inside(glm::dvec2 position) const {
+		return position.x >= 0.0 && position.y >= 0.0 && position.x < shape_.size.x && position.y < shape_.size.y;
 	}
 
 	std::size_t index_of(glm::ivec2 cell) const {
 		return static_cast<std::size_t>(cell.y) * static_cast<std::size_t>(cells_.x) + static_cast<std::size_t>(cell.x);
 	}
 
-	glm::ivec2 cell_of(glm::dvec2 place) const { return glm::min(glm::ivec2(place / cell_), cells_ - 1); }
+	glm::ivec2 cell_of(glm::dvec2 position) const { return glm::min(glm::ivec2(position / cell_), cells_ - 1); }
 
-	void sort_into_cells(const std::vector<glm::dvec2> &places) {
+	void sort_into_cells(const std::vector<glm::dvec2> &positions) {
 		begin_.assign(index_of({0, cells_.y}) + 1, 0);
-		for (const glm::dvec2 place : places) {
-			++begin_[index_of(cell_of(place)) + 1];
+		for (const glm::dvec2 position : positions) {
+			++begin_[index_of(cell_of(position)) + 1];
 		}
 		for (std::size_t i = 1; i < begin_.size(); ++i) {
 			begin_[i] += begin_[i - 1];
 		}
 		std::vector<std::uint32_t> next = begin_;
-		places_.resize(places.size());
-		for (const glm::dvec2 place : places) {
-			places_[next[index_of(cell_of(place))]++] = place;
+		positions_.resize(positions.size());
+		for (const glm::dvec2 position : positions) {
+			positions_[next[index_of(cell_of(position))]++] = position;
 		}
 	}
 
@@ -153,8 +153,8 @@ private:
 			for (int x = 0; x < cells_.x; ++x) {
 				for (std::size_t i = begin_[index_of({x, y})]; i < begin_[index_of({x, y}) + 1]; ++i) {
 					around({x, y}, [&](std::size_t other, glm::dvec2) {
-						report_.too_close +=
-								other > i && compare_distance(places_[i], places_[other], period_, shape_.radius) < 0;
+						report_.too_close += other > i &&
+								compare_distance(positions_[i], positions_[other], period_, shape_.radius) < 0;
 					});
 				}
 			}
@@ -165,7 +165,7 @@ private:
 		for (int y = 0; y < cells_.y; ++y) {
 			for (int x = 0; x < cells_.x; ++x) {
 				disks_.clear();
-				around({x, y}, [&](std::size_t i, glm::dvec2 shift) { disks_.push_back(places_[i] + shift); });
+				around({x, y}, [&](std::size_t i, glm::dvec2 shift) { disks_.push_back(positions_[i] + shift); });
 				report_.uncovered += covers(cell_ * glm::dvec2(x, y), cell_, 0) ? 0 : 1;
 			}
 		}
@@ -186,7 +186,7 @@ private:
 				disks_.push_back(disks_[i]);
 			}
 		}
-		if (!covered && middle_covered && std::max(side.x, side.y) >= least_side_) {
+		if (!covered && middle_covered && std::max(side.x, side.y) >= min_side_) {
 			covered = true;
 			for (int child = 0; child < 4 && covered; ++child) {
 				covered = covers(corner + 0.5 * side * glm::dvec2(child & 1, child >> 1), 0.5 * side, end);

@@ -17,20 +17,20 @@ namespace thicket::analysis {
 class ExactSum {
 public:
 	void add(double value) {
-		std::size_t kept = 0;
+		std::size_t kept_count = 0;
 		for (std::size_t i = 0; i < count_; ++i) {
 			const double sum = value + parts_[i];
 			const double part = sum - value;
 			const double rest = (value - (sum - part)) + (parts_[i] - part);
 			if (rest != 0.0) {
-				parts_[kept++] = rest;
+				parts_[kept_count++] = rest;
 			}
 			value = sum;
 		}
 		if (value != 0.0) {
-			parts_[kept++] = value;
+			parts_[kept_count++] = value;
 		}
-		count_ = kept;
+		count_ = kept_count;
 	}
 
 	void add_product(double a, double b) {
@@ -48,7 +48,7 @@ public:
 	int sign() const { return count_ == 0 ? 0 : parts_[count_ - 1] < 0.0 ? -1 : 1; }
 
 private:
-	static constexpr std::size_t most_parts = 40;
+	static constexpr std::size_t max_parts = 40;
 
 	/// Splits `value` into two 26-bit numbers whose sum is exactly `value`.
 	static std::pair<double, double> halves(double value) {
@@ -57,7 +57,7 @@ private:
 		return {high, value - high};
 	}
 
-	std::array<double, most_parts> parts_{};
+	std::array<double, max_parts> parts_{};
 	std::size_t count_ = 0;
 };
 

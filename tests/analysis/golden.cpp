@@ -88,9 +88,9 @@ void require(const Status &status) {
 void digest_points(TileSampler &sampler, const Case &one, Digests &r_digests) {
 	std::vector<SamplePoint> points;
 	require(sampler.sample(one.set, one.rect, points));
-	const SetDigest made = digest(points);
-	r_digests.emplace_back(one.name, made.places);
-	r_digests.emplace_back(std::string(one.name) + ": ranks", made.ranks);
+	const SetDigest set_digest = digest(points);
+	r_digests.emplace_back(one.name, set_digest.points);
+	r_digests.emplace_back(std::string(one.name) + ": ranks", set_digest.ranks);
 }
 
 /// The digest covers the points in their order of acceptance.

@@ -20,13 +20,13 @@ namespace thicket::analysis {
 template <typename Require>
 std::vector<std::pair<std::string, std::uint64_t>> field_digests(Require require) {
 	constexpr std::uint32_t steps = 4000;
-	std::vector<glm::dvec2> places;
+	std::vector<glm::dvec2> positions;
 	for (std::uint32_t i = 0; i < steps; ++i) {
-		places.emplace_back(i % 63 * 1.37 - 40.0, i / 63 * 1.61 - 50.0);
+		positions.emplace_back(i % 63 * 1.37 - 40.0, i / 63 * 1.61 - 50.0);
 	}
-	std::vector<float> densities(places.size());
+	std::vector<float> densities(positions.size());
 	const auto digest_of = [&](const DensityField &field) {
-		require(field.sample(places, densities));
+		require(field.sample(positions, densities));
 		WordHash hash;
 		hash.add_all(std::span<const float>(densities));
 		return hash.value();
@@ -62,16 +62,16 @@ std::vector<std::pair<std::string, std::uint64_t>> field_digests(Require require
 	for (const glm::dvec2 origin : {glm::dvec2(0.0), glm::dvec2(-1e9, 5e6)}) {
 		ClumpNoise clumps;
 		clumps.set({.size = 7.3, .coverage = 0.4, .softness = 0.8}, 17);
-		for (const glm::dvec2 place : places) {
-			clump_hash.add(clumps.at(origin + place));
+		for (const glm::dvec2 position : positions) {
+			clump_hash.add(clumps.at(origin + position));
 		}
 	}
 	WordHash space_hash;
 	for (const double height : {0.0, -1e9, 5e6}) {
 		ClumpNoise clumps;
 		clumps.set({.size = 7.3, .coverage = 0.4, .softness = 0.8}, 17);
-		for (const glm::dvec2 place : places) {
-			space_hash.add(clumps.at(glm::dvec3(place.x, height + 0.7 * place.x, place.y)));
+		for (const glm::dvec2 position : positions) {
+			space_hash.add(clumps.at(glm::dvec3(position.x, height + 0.7 * position.x, position.y)));
 		}
 	}
 	return {{"curve", curve_hash.value()}, {"image mask", digest_of(image)}, {"painted mask", digest_of(mask)},

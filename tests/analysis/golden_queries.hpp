@@ -28,8 +28,8 @@ namespace thicket::analysis {
 /// of their point set. It generates tiles on request and caches them.
 class GoldenWorld final : public TileSource {
 public:
-	/// Moves the hills so that trees grow around `place`.
-	explicit GoldenWorld(glm::dvec2 place) : hills_(bench::Hills::at(place - glm::dvec2(4950.0, 3400.0))) {
+	/// Moves the hills so that trees grow around `position`.
+	explicit GoldenWorld(glm::dvec2 position) : hills_(bench::Hills::at(position - glm::dvec2(4950.0, 3400.0))) {
 		LayerSettings bushes = forest();
 		bushes.set = {.seed = 9, .radius = 7.0, .levels = 1, .layer = 12};
 		bushes.placement.offset_along_normal = 0.4;
@@ -49,16 +49,16 @@ public:
 
 	Status find_tile(const WorldTile &wanted, std::shared_ptr<const CompactTile> &r_tile) override {
 		const auto &[layer, tile, slab] = wanted;
-		std::shared_ptr<const CompactTile> &kept = tiles_[{layer, tile.x, tile.y}];
-		if (kept == nullptr) {
-			TileInstances made;
+		std::shared_ptr<const CompactTile> &cached = tiles_[{layer, tile.x, tile.y}];
+		if (cached == nullptr) {
+			TileInstances generated;
 			const Rect square = tile_rect(query_layers[layer].tile_size, tile);
-			if (const Status status = builder_.build(settings_[layer], hills_, square, made); !status.ok()) {
+			if (const Status status = builder_.build(settings_[layer], hills_, square, generated); !status.ok()) {
 				return status;
 			}
-			kept = std::make_shared<const CompactTile>(made, std::make_shared<LayerSettings>(settings_[layer]));
+			cached = std::make_shared<const CompactTile>(generated, std::make_shared<LayerSettings>(settings_[layer]));
 		}
-		r_tile = kept;
+		r_tile = cached;
 		return {};
 	}
 
@@ -99,9 +99,9 @@ inline std::uint64_t digest_of(const std::vector<PlacedInstance> &instances) {
 }
 
 /// Returns a state that removes about a fifth of `all` and adds 30 hand-placed instances around
-/// `place`.
+/// `position`.
 template <typename Require>
-InstanceState changed_world(const std::vector<PlacedInstance> &all, glm::dvec3 place, Require require) {
+InstanceState changed_world(const std::vector<PlacedInstance> &all, glm::dvec3 position, Require require) {
 	GoldenRandom random(23);
 	InstanceState state;
 	for (const PlacedInstance &each : all) {
@@ -111,21 +111,21 @@ InstanceState changed_world(const std::vector<PlacedInstance> &all, glm::dvec3 p
 	}
 	for (int i = 0; i < 30; ++i) {
 		std::uint64_t id = 0;
-		require(state.add(golden_instance(random, static_cast<std::uint16_t>(i % 2 == 0 ? 4 : 12), place), id));
+		require(state.add(golden_instance(random, static_cast<std::uint16_t>(i % 2 == 0 ? 4 : 12), position), id));
 	}
 	return state;
 }
 
 /// Hashes the first hits of random rays and the instances nearest to random positions around
-/// `place`. The number of hits is added to `r_met`.
+/// `position`. The number of hits is added to `r_met`.
 template <typename Require>
-void add_first_ones(const InstanceQuery &query, glm::dvec3 place, WordHash &r_rays, WordHash &r_nearest,
+void add_first_ones(const InstanceQuery &query, glm::dvec3 position, WordHash &r_rays, WordHash &r_nearest,
 		std::uint64_t &r_met, Require require) {
 	GoldenRandom random(29);
 	const auto anywhere = [&] {
 		const double x = random.between(-90, 90);
 		const double z = random.between(-90, 90);
-		return place + glm::dvec3(x, random.between(-30, 30), z);
+		return position + glm::dvec3(x, random.between(-30, 30), z);
 	};
 	for (int i = 0; i < 150; ++i) {
 		std::vector<RayHit> hits;
@@ -147,13 +147,13 @@ void add_first_ones(const InstanceQuery &query, glm::dvec3 place, WordHash &r_ra
 
 /// Returns a digest of the instances that enter and leave as a viewer walks past, and of the bodies
 /// that are fitted to them.
-inline std::uint64_t digest_walk(const std::vector<PlacedInstance> &standing, glm::dvec3 place) {
+inline std::uint64_t digest_walk(const std::vector<PlacedInstance> &present, glm::dvec3 position) {
 	WordHash hash;
 	NearSet near;
 	NearChanges changes;
 	for (int step = -4; step <= 4; ++step) {
-		const std::vector<glm::dvec3> centers{place + glm::dvec3(step * 11.3, 0.0, step * 7.1), place};
-		near.look(centers, {30.0, 40.0}, standing, changes);
+		const std::vector<glm::dvec3> centers{position + glm::dvec3(step * 11.3, 0.0, step * 7.1), position};
+		near.find_changes(centers, {30.0, 40.0}, present, changes);
 		for (const NearRelease &leaving : changes.leave) {
 			hash.add(leaving.id);
 			near.release(leaving.id);
@@ -168,7 +168,7 @@ inline std::uint64_t digest_walk(const std::vector<PlacedInstance> &standing, gl
 				hash.add(static_cast<std::uint32_t>(fit.scale_steps[axis]));
 				hash.add(fit.scale()[axis]);
 			}
-			near.hold(each);
+			near.retain(each);
 		}
 	}
 	return hash.value();
@@ -177,16 +177,16 @@ inline std::uint64_t digest_walk(const std::vector<PlacedInstance> &standing, gl
 /// Returns a digest of the meshes that are displayed for a tile after the state has changed its
 /// instances.
 template <typename Require>
-std::uint64_t digest_overlay(GoldenWorld &world, const InstanceState &state, glm::dvec3 place, Require require) {
-	const glm::ivec2 tile = tile_at(world.query_layers[0].tile_size, {place.x, place.z});
+std::uint64_t digest_overlay(GoldenWorld &world, const InstanceState &state, glm::dvec3 position, Require require) {
+	const glm::ivec2 tile = tile_at(world.query_layers[0].tile_size, {position.x, position.z});
 	std::shared_ptr<const CompactTile> found;
 	require(world.find_tile({0, tile}, found));
 	OverlaidMeshes meshes;
 	require(overlaid(
 			found, world.settings(0), tile_rect(world.query_layers[0].tile_size, tile), {&state, nullptr}, meshes));
 	WordHash hash;
-	for (const std::shared_ptr<const CompactMesh> &kept : meshes) {
-		const MeshInstances mesh = expanded(*kept);
+	for (const std::shared_ptr<const CompactMesh> &cached : meshes) {
+		const MeshInstances mesh = expanded(*cached);
 		hash.add_all(std::span<const std::uint64_t>(mesh.ids));
 		hash.add_all(std::span<const std::uint32_t>(mesh.ranks));
 		hash.add_all(std::span<const float>(mesh.buffer));
@@ -194,17 +194,17 @@ std::uint64_t digest_overlay(GoldenWorld &world, const InstanceState &state, glm
 	return hash.value();
 }
 
-/// Returns digests of all kinds of query around `place` in a world with changed instances. The
+/// Returns digests of all kinds of query around `position` in a world with changed instances. The
 /// queries include the instances near a walking viewer and a displayed tile.
 template <typename Require>
 std::vector<std::pair<std::string, std::uint64_t>> query_digests(
-		const std::string &where, glm::dvec2 place, Require require) {
-	GoldenWorld world(place);
-	const Rect rect{place - glm::dvec2(90.25, 80.5), place + glm::dvec2(80.75, 95.125)};
+		const std::string &where, glm::dvec2 position, Require require) {
+	GoldenWorld world(position);
+	const Rect rect{position - glm::dvec2(90.25, 80.5), position + glm::dvec2(80.75, 95.125)};
 	std::vector<PlacedInstance> all;
 	require(InstanceQuery{world.query_layers, world}.in_rect(rect, {}, all));
 	// The queries below use the height of an instance from the middle of the list.
-	const glm::dvec3 center(place.x, all.empty() ? 0.0 : all[all.size() / 2].position.y, place.y);
+	const glm::dvec3 center(position.x, all.empty() ? 0.0 : all[all.size() / 2].position.y, position.y);
 	const InstanceState state = changed_world(all, center, require);
 	const InstanceQuery query{world.query_layers, world, &state};
 

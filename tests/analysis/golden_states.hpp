@@ -34,13 +34,13 @@ private:
 	std::uint64_t state_;
 };
 
-/// Returns a hand-placed instance near `place` with a random, skewed basis.
-inline AddedInstance golden_instance(GoldenRandom &random, std::uint16_t layer, glm::dvec3 place) {
+/// Returns a hand-placed instance near `position` with a random, skewed basis.
+inline AddedInstance golden_instance(GoldenRandom &random, std::uint16_t layer, glm::dvec3 position) {
 	AddedInstance instance;
 	instance.layer = layer;
 	instance.mesh = static_cast<std::uint8_t>(random.below(3));
 	for (int axis = 0; axis < 3; ++axis) {
-		instance.position[axis] = place[axis] + random.between(-90, 90) * (axis == 1 ? 0.1 : 1.0);
+		instance.position[axis] = position[axis] + random.between(-90, 90) * (axis == 1 ? 0.1 : 1.0);
 		for (int row = 0; row < 3; ++row) {
 			instance.basis[axis][row] += static_cast<float>(random.between(-1, 1) * 0.3);
 		}

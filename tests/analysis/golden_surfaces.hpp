@@ -39,9 +39,9 @@ inline std::shared_ptr<const Surface> golden_ball(
 			}
 		}
 	}
-	std::shared_ptr<const Surface> made;
-	require(Surface::create(std::move(vertices), std::move(indices), made));
-	return made;
+	std::shared_ptr<const Surface> result;
+	require(Surface::create(std::move(vertices), std::move(indices), result));
+	return result;
 }
 
 inline std::uint64_t digest(std::vector<SurfacePoint> points) {

@@ -28,8 +28,9 @@ struct LatticeReport {
 	std::uint64_t pairs = 0;     ///< Number of pairs whose distance was computed.
 	std::uint64_t too_close = 0; ///< Number of pairs closer than the radius, including pairs in the border.
 	std::uint64_t uncovered = 0; ///< Number of lattice points of the region that no point covers.
-	std::int64_t least_squared = std::numeric_limits<std::int64_t>::max(); ///< The smallest squared distance of a pair.
-	glm::i64vec2 uncovered_at{0};                                          ///< One of the uncovered lattice points.
+	/// The smallest squared distance of a pair.
+	std::int64_t min_squared_distance = std::numeric_limits<std::int64_t>::max();
+	glm::i64vec2 uncovered_at{0}; ///< One of the uncovered lattice points.
 
 	bool perfect() const { return too_close == 0 && uncovered == 0; }
 };
@@ -58,10 +59,10 @@ private:
 	static constexpr std::int64_t border = 3;
 	/// Points in cells farther apart than this number of cells on an axis cannot conflict.
 	static constexpr std::int64_t reach = 2;
-	static constexpr int most_neighbors = 25;
+	static constexpr int max_neighbors = 25;
 
 	struct Disks {
-		std::array<glm::i64vec2, most_neighbors> centers;
+		std::array<glm::i64vec2, max_neighbors> centers;
 		int count = 0;
 	};
 
@@ -100,7 +101,7 @@ private:
 					const std::int64_t distance = squared(point_of_cell_[index_of({x, y})] - point);
 					++report_.pairs;
 					report_.too_close += distance < radius_squared_ ? 1 : 0;
-					report_.least_squared = std::min(report_.least_squared, distance);
+					report_.min_squared_distance = std::min(report_.min_squared_distance, distance);
 				}
 			}
 		}

@@ -84,8 +84,8 @@ int main(int argc, char **argv) {
 		std::uint64_t before = 0;
 		for (std::uint32_t knot = 0; knot < rank_knots; ++knot) {
 			before += halves[0].knots[knot] + halves[1].knots[knot];
-			const double share = static_cast<double>(before) / static_cast<double>(finest);
-			std::printf("%s%uu,", knot % 10 == 0 ? "\n" : " ", static_cast<unsigned>(share * 4294967295.0));
+			const double fraction = static_cast<double>(before) / static_cast<double>(finest);
+			std::printf("%s%uu,", knot % 10 == 0 ? "\n" : " ", static_cast<unsigned>(fraction * 4294967295.0));
 		}
 		std::printf("\n},\n");
 	}

@@ -67,7 +67,7 @@ private:
 	static constexpr double nowhere = -1e9;
 	static constexpr int reach = 2;
 	static constexpr double throws_per_area = 4.0;
-	static constexpr int most_splits = 40;
+	static constexpr int max_splits = 40;
 
 	double side_;
 	int columns_;
@@ -144,7 +144,7 @@ private:
 
 	void fill(std::vector<glm::dvec2> squares) {
 		double width = cell_;
-		for (int split = 0; split < most_splits; ++split) {
+		for (int split = 0; split < max_splits; ++split) {
 			std::erase_if(squares, [&](glm::dvec2 corner) { return covered(corner, width); });
 			if (squares.empty()) {
 				return;

@@ -95,10 +95,10 @@ void run_shapes(const Effort &effort) {
 		for (std::size_t i = 0; i < all.size(); ++i) {
 			require(sets[i].set({all[i].shape}));
 			contest.measure(i, all[i].name, effort.seconds, [&] {
-				static_cast<void>(sets[i].near(tile, near));
+				static_cast<void>(sets[i].find_nearby(tile, near));
 				double tile_sum = 0.0;
-				for (const glm::dvec2 place : at) {
-					tile_sum += sets[i].density(near, {place.x, 1.0, place.y});
+				for (const glm::dvec2 position : at) {
+					tile_sum += sets[i].density(near, {position.x, 1.0, position.y});
 				}
 				sum = tile_sum;
 			});

@@ -17,8 +17,8 @@ namespace thicket::bench {
 namespace {
 
 constexpr double frames_a_second = 60.0;
-constexpr std::size_t most_pending = 64;
-constexpr std::size_t made_a_frame = 40;
+constexpr std::size_t max_pending = 64;
+constexpr std::size_t finished_per_frame = 40;
 
 /// Returns twelve layers as in a large game, from nearby grass to forests on the horizon.
 std::vector<StreamLayer> many_layers() {
@@ -56,8 +56,8 @@ Series fly(double speed, std::size_t count, std::size_t frames, bool teleport) {
 			viewer.position.x += teleport ? 1e5 * static_cast<double>(frame / 30) : 0.0;
 		}
 		const double start = cpu_seconds();
-		(void)streamer.update(viewers, most_pending, changes).ok();
-		for (std::size_t made = 0; made < made_a_frame && !pending.empty(); ++made) {
+		(void)streamer.update(viewers, max_pending, changes).ok();
+		for (std::size_t finished = 0; finished < finished_per_frame && !pending.empty(); ++finished) {
 			(void)streamer.finish(pending.front());
 			pending.pop_front();
 		}

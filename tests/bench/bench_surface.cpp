@@ -26,15 +26,15 @@ struct Ground {
 	std::shared_ptr<const Surface> surface;
 };
 
-/// Returns a surface over a grid of (count + 1)^2 vertices, with two triangles per cell. `place`
+/// Returns a surface over a grid of (count + 1)^2 vertices, with two triangles per cell. `position`
 /// maps grid coordinates to positions in meters.
-template <typename Place>
-std::shared_ptr<const Surface> grid(std::uint32_t count, Place &&place) {
+template <typename Position>
+std::shared_ptr<const Surface> grid(std::uint32_t count, Position &&position) {
 	std::vector<glm::dvec3> vertices;
 	std::vector<std::uint32_t> indices;
 	for (std::uint32_t y = 0; y <= count; ++y) {
 		for (std::uint32_t x = 0; x <= count; ++x) {
-			vertices.push_back(place(static_cast<double>(x), static_cast<double>(y)));
+			vertices.push_back(position(static_cast<double>(x), static_cast<double>(y)));
 		}
 	}
 	for (std::uint32_t y = 0; y < count; ++y) {
@@ -44,9 +44,9 @@ std::shared_ptr<const Surface> grid(std::uint32_t count, Place &&place) {
 			indices.insert(indices.end(), {a, a + 1, b, a + 1, b + 1, b});
 		}
 	}
-	std::shared_ptr<const Surface> made;
-	require(Surface::create(std::move(vertices), std::move(indices), made));
-	return made;
+	std::shared_ptr<const Surface> result;
+	require(Surface::create(std::move(vertices), std::move(indices), result));
+	return result;
 }
 
 std::shared_ptr<const Surface> plane(const glm::dvec3 &normal, double size, double step) {

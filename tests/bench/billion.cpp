@@ -120,7 +120,7 @@ std::string read_argument(std::string_view argument, RunOptions &r_options) {
 		return fine ? std::string() : std::string(key) + " must be " + must + ", got \"" + std::string(value) + '"';
 	};
 	if (key == "points") {
-		return refuse(read(value, 1e3, Region::most_points, r_options.points), "a number from 1e3 to 5e9");
+		return refuse(read(value, 1e3, Region::max_points, r_options.points), "a number from 1e3 to 5e9");
 	}
 	if (key == "seed") {
 		return refuse(read<std::uint64_t>(value, 0, ~std::uint64_t{0}, r_options.seed), "a whole number below 2^64");
@@ -237,7 +237,7 @@ void describe_findings(const RunOptions &options, const Outcome &outcome, JsonLi
 	r_line.whole("side_cells", static_cast<std::uint64_t>(region.side));
 	r_line.real("side_radii", region.side / std::numbers::sqrt2, 9);
 	r_line.whole("radius_squared", radius_squared);
-	r_line.add("least_squared", std::to_string(found.least_squared), options.verify && found.pairs > 0);
+	r_line.add("least_squared", std::to_string(found.min_squared_distance), options.verify && found.pairs > 0);
 	checked("pairs", found.pairs);
 	checked("too_close", found.too_close);
 	checked("misplaced", found.misplaced);
@@ -267,7 +267,7 @@ void describe_cost(const RunOptions &options, const Outcome &outcome, double cpu
 	r_line.real("checking_seconds", outcome.spent.checking, 6);
 	r_line.real("gap_seconds", outcome.spent.gaps, 6);
 	r_line.real("checking_share", options.verify ? outcome.spent.checking / outcome.spent.sampling : NAN, 4);
-	r_line.whole("rim_points", outcome.most_rim_points);
+	r_line.whole("rim_points", outcome.max_rim_points);
 	r_line.add("resident_bytes", std::to_string(resident), resident > 0);
 	r_line.whole("resident_limit", resident_limit);
 	r_line.text("compiler", __VERSION__);
@@ -283,9 +283,9 @@ int run(const RunOptions &options) {
 	const auto start = std::chrono::steady_clock::now();
 	const Outcome outcome = run.go([&](std::uint64_t points) {
 		const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-		const auto made = static_cast<double>(points);
+		const auto generated = static_cast<double>(points);
 		std::fprintf(stderr, "billion: %5.1f %%, %.0f million points, %.2f million per second\n",
-				std::min(100.0, 100.0 * made / options.points), 1e-6 * made, 1e-6 * made / seconds);
+				std::min(100.0, 100.0 * generated / options.points), 1e-6 * generated, 1e-6 * generated / seconds);
 	});
 	if (!outcome.status.ok()) {
 		std::fprintf(stderr, "billion: %s\n", describe(outcome.status).c_str());

@@ -14,18 +14,18 @@ namespace {
 constexpr std::size_t unlimited = std::numeric_limits<std::size_t>::max();
 
 thread_local std::size_t allocations = 0;
-thread_local std::size_t most_allocations = unlimited;
+thread_local std::size_t max_allocations = unlimited;
 thread_local bool fails_once = false;
 thread_local bool failed = false;
 
 /// Counts an allocation. Returns false if it must fail.
 bool granted() {
-	if (allocations < most_allocations) {
+	if (allocations < max_allocations) {
 		++allocations;
 		return true;
 	}
 	failed = true;
-	most_allocations = fails_once ? unlimited : most_allocations;
+	max_allocations = fails_once ? unlimited : max_allocations;
 	return false;
 }
 
@@ -58,12 +58,12 @@ void *allocate(const Take &take) {
 std::size_t allocation_count() { return allocations; }
 
 AllocationLimit::AllocationLimit(std::size_t allowed, Fails fails) {
-	most_allocations = allowed < unlimited - allocations ? allocations + allowed : unlimited;
+	max_allocations = allowed < unlimited - allocations ? allocations + allowed : unlimited;
 	fails_once = fails == Fails::one;
 	failed = false;
 }
 
-AllocationLimit::~AllocationLimit() { most_allocations = unlimited; }
+AllocationLimit::~AllocationLimit() { max_allocations = unlimited; }
 
 bool AllocationLimit::reached() const { return failed; }
 

@@ -41,10 +41,11 @@ struct FlatWorld {
 	}
 
 	std::shared_ptr<const CompactTile> make(glm::ivec2 tile, double height = 0.0) const {
-		TileInstances made;
+		TileInstances generated;
 		TileBuilder builder;
-		CHECK(builder.build(settings, FlatTerrain(static_cast<float>(height)), tile_rect(tile_size, tile), made).ok());
-		return std::make_shared<const CompactTile>(made, std::make_shared<LayerSettings>(settings));
+		CHECK(builder.build(settings, FlatTerrain(static_cast<float>(height)), tile_rect(tile_size, tile), generated)
+						.ok());
+		return std::make_shared<const CompactTile>(generated, std::make_shared<LayerSettings>(settings));
 	}
 
 	/// Stores the tiles from -reach to reach in the world.

@@ -49,8 +49,8 @@ inline std::array<int, 4> pixel_of(
 		const Impostor &impostor, const std::vector<std::uint8_t> &atlas, glm::ivec2 frame, glm::ivec2 at) {
 	const ImpostorSettings &settings = impostor.settings;
 	const int side = settings.frames * settings.frame_size;
-	const glm::ivec2 place = frame * settings.frame_size + at;
-	const std::size_t first = 4 * static_cast<std::size_t>(place.y * side + place.x);
+	const glm::ivec2 position = frame * settings.frame_size + at;
+	const std::size_t first = 4 * static_cast<std::size_t>(position.y * side + position.x);
 	return {atlas[first], atlas[first + 1], atlas[first + 2], atlas[first + 3]};
 }
 

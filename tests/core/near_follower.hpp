@@ -24,7 +24,7 @@ struct Follower {
 
 	Follower() { queue.set_distances(std::array{distance}); }
 
-	void look(glm::dvec3 center, const InstanceWorld &world) { queue.look_around(std::array{center}, world); }
+	void check(glm::dvec3 center, const InstanceWorld &world) { queue.find_changes(std::array{center}, world); }
 
 	/// Takes all pending changes from the queue. Returns their number.
 	int follow() {

@@ -95,8 +95,8 @@ private:
 		const glm::dvec2 from = glm::dvec2(low) * unit;
 		const glm::dvec2 to = glm::dvec2(high) * unit;
 		return std::ranges::any_of(obstacles_, [&](const Obstacle &each) {
-			const glm::dvec2 apart = glm::max(glm::abs(from - each.center), glm::abs(to - each.center));
-			return apart.x * apart.x + apart.y * apart.y < each.radius * each.radius;
+			const glm::dvec2 offset = glm::max(glm::abs(from - each.center), glm::abs(to - each.center));
+			return offset.x * offset.x + offset.y * offset.y < each.radius * each.radius;
 		});
 	}
 	bool obstructed(glm::i64vec2 lattice) const { return obstructed(lattice, lattice); }
@@ -105,7 +105,7 @@ private:
 		if (points_.contains({cell.x, cell.y})) {
 			return;
 		}
-		const glm::i64vec2 lattice = lattice_of(cell, dart_position(dart_place(dart)));
+		const glm::i64vec2 lattice = lattice_of(cell, dart_position(dart_level_position(dart)));
 		const auto distance2 = [](glm::i64vec2 d) {
 			return d.x * d.x + d.y * d.y;
 		};
@@ -115,14 +115,14 @@ private:
 			points_[{cell.x, cell.y}] = {lattice, rank_of(set_.levels, level_, dart_time(dart))};
 			return;
 		}
-		const std::uint32_t child_level = dart_level(dart_place(dart)) + 1;
+		const std::uint32_t child_level = dart_level(dart_level_position(dart)) + 1;
 		if (child_level > lattice_bits) {
 			return;
 		}
 		const std::uint32_t width = cell_size >> child_level;
 		for (std::uint32_t child = 0; child < 4; ++child) {
-			const CellPosition corner =
-					square_origin(dart_place(dart)) + (child & 1) * width + (child >> 1) * (width << lattice_bits);
+			const CellPosition corner = square_origin(dart_level_position(dart)) + (child & 1) * width +
+					(child >> 1) * (width << lattice_bits);
 			const glm::i64vec2 low = lattice_of(cell, corner);
 			const glm::i64vec2 high = low + std::int64_t{width} - std::int64_t{1};
 			const bool covered = any_point_near(cell, [&](glm::i64vec2 other) {

@@ -102,22 +102,24 @@ public:
 		if (!failure.ok()) {
 			return failure;
 		}
-		std::shared_ptr<const CompactTile> &kept = tiles_[{layer, tile.x, tile.y}];
-		if (kept == nullptr && makes) {
-			TileInstances made;
-			if (const Status status = build(layer, tile, made); !status.ok()) {
+		std::shared_ptr<const CompactTile> &cached = tiles_[{layer, tile.x, tile.y}];
+		if (cached == nullptr && makes) {
+			TileInstances generated;
+			if (const Status status = build(layer, tile, generated); !status.ok()) {
 				return status;
 			}
-			kept = std::make_shared<const CompactTile>(made, std::make_shared<LayerSettings>(layers[layer].settings));
+			cached = std::make_shared<const CompactTile>(
+					generated, std::make_shared<LayerSettings>(layers[layer].settings));
 		}
-		r_tile = kept;
+		r_tile = cached;
 		return {};
 	}
 
 	/// Generates a tile. The cached tiles are neither read nor changed.
-	Status build(std::uint32_t layer, glm::ivec2 tile, TileInstances &r_made) {
+	Status build(std::uint32_t layer, glm::ivec2 tile, TileInstances &r_generated) {
 		const WorldLayer &settings = layers[layer];
-		return builder_.build(settings.settings, terrain_, tile_rect(settings.query_layer.tile_size, tile), r_made);
+		return builder_.build(
+				settings.settings, terrain_, tile_rect(settings.query_layer.tile_size, tile), r_generated);
 	}
 
 	void forget() { tiles_.clear(); }
@@ -204,11 +206,11 @@ inline double between(std::mt19937 &random, double low, double high) {
 }
 
 /// Corners of areas to query: at the origin, at negative coordinates, and more than 1,000 km away.
-inline constexpr glm::dvec2 world_places[] = {{0.0, 0.0}, {-431.7, -905.2}, {1.0e6 + 0.37, -1.0e6 + 0.81}};
+inline constexpr glm::dvec2 world_centers[] = {{0.0, 0.0}, {-431.7, -905.2}, {1.0e6 + 0.37, -1.0e6 + 0.81}};
 
 /// Returns a state that removes about a fifth of `all` and adds 40 hand-placed instances within 80
-/// m of `place`. Some of them are tilted, flat, mirrored or very tall.
-inline InstanceState changed_state(const std::vector<PlacedInstance> &all, glm::dvec2 place, std::mt19937 &random) {
+/// m of `position`. Some of them are tilted, flat, mirrored or very tall.
+inline InstanceState changed_state(const std::vector<PlacedInstance> &all, glm::dvec2 position, std::mt19937 &random) {
 	InstanceState state;
 	for (const PlacedInstance &each : all) {
 		if (random() % 5 == 0) {
@@ -219,8 +221,8 @@ inline InstanceState changed_state(const std::vector<PlacedInstance> &all, glm::
 		AddedInstance added;
 		added.layer = i % 2 == 0 ? std::uint16_t{3} : max_state_layer;
 		added.mesh = static_cast<std::uint8_t>(i % 3);
-		added.position = {place.x + between(random, -80.0, 80.0), between(random, -15.0, 15.0),
-				place.y + between(random, -80.0, 80.0)};
+		added.position = {position.x + between(random, -80.0, 80.0), between(random, -15.0, 15.0),
+				position.y + between(random, -80.0, 80.0)};
 		for (int column = 0; column < 3; ++column) {
 			for (int row = 0; row < 3; ++row) {
 				added.basis[column][row] += static_cast<float>(between(random, -0.6, 0.6));

@@ -44,11 +44,11 @@ inline Rect rect_around(glm::dvec2 center, double half) { return {center - half,
 
 /// Returns the set's density at a position, computed from the shapes that `ShapeSet::near` finds
 /// there.
-inline double density_of(const ShapeSet &set, glm::dvec3 place) {
+inline double density_of(const ShapeSet &set, glm::dvec3 position) {
 	std::vector<std::uint32_t> near;
-	const glm::dvec2 flat(place.x, place.z);
-	static_cast<void>(set.near({flat, flat}, near));
-	return set.density(near, place);
+	const glm::dvec2 flat(position.x, position.z);
+	static_cast<void>(set.find_nearby({flat, flat}, near));
+	return set.density(near, position);
 }
 
 /// Returns a random rotation: three orthonormal columns.
@@ -100,8 +100,8 @@ inline std::vector<Shape> random_shapes(std::size_t count, std::mt19937 &random)
 
 /// Returns the depth inside a box, sphere or cylinder in meters, negative outside, computed by the
 /// textbook definitions.
-inline double plain_depth(const Shape &shape, glm::dvec3 place) {
-	const glm::dvec3 local = glm::transpose(shape.axes) * (place - shape.center);
+inline double plain_depth(const Shape &shape, glm::dvec3 position) {
+	const glm::dvec3 local = glm::transpose(shape.axes) * (position - shape.center);
 	if (shape.kind == ShapeKind::box) {
 		const glm::dvec3 gap = shape.half_size - glm::abs(local);
 		return std::min({gap.x, gap.y, gap.z});
@@ -127,12 +127,12 @@ inline double support(const Shape &shape, glm::dvec3 direction) {
 /// Returns the distance in meters to the nearest tangent of the shape's shadow, its vertical
 /// projection. The function samples tangents coarsely, then refines every local minimum by ternary
 /// search.
-inline double searched_shadow_depth(const Shape &shape, glm::dvec3 place) {
+inline double searched_shadow_depth(const Shape &shape, glm::dvec3 position) {
 	constexpr int tangents = 720;
 	constexpr double step = 2.0 * std::numbers::pi / tangents;
 	const auto gap = [&](double angle) {
 		const glm::dvec3 direction(std::cos(angle), 0.0, std::sin(angle));
-		return support(shape, direction) - glm::dot(direction, place - shape.center);
+		return support(shape, direction) - glm::dot(direction, position - shape.center);
 	};
 	double depth = gap(0.0);
 	for (int i = 0; i < tangents; ++i) {

@@ -73,8 +73,8 @@ inline LayerSettings layer_with_sources(const InstanceSource &color, const Insta
 	return layer;
 }
 
-/// Returns the expected result of share_of for sources without steps.
-inline double share(const InstanceSource &source, double value) {
+/// Returns the expected result of fraction_of for sources without steps.
+inline double expected_fraction(const InstanceSource &source, double value) {
 	return std::clamp((value - source.min) / (source.max - source.min), 0.0, 1.0);
 }
 

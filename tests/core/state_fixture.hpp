@@ -96,8 +96,8 @@ inline void change_at_random(InstanceState &r_state, StateRandom &random) {
 			std::vector<InstanceChange> changes;
 			std::uint64_t id = 0;
 			const AddedInstance to = instance_at(near() * 20.0, near() * 20.0, layer_of(any));
-			const bool stood = is_added(any) || !r_state.removed(any);
-			REQUIRE(r_state.move(any, to, id, changes).ok() == stood);
+			const bool existed = is_added(any) || !r_state.removed(any);
+			REQUIRE(r_state.move(any, to, id, changes).ok() == existed);
 			break;
 		}
 		default: {

@@ -28,7 +28,7 @@ public:
 	TileStreamer streamer;
 	StreamChanges changes;
 	std::map<Name, TileRequest> pending;
-	std::map<Name, TileKey> shown;
+	std::map<Name, TileKey> visible;
 	std::set<std::uint64_t> ready; ///< Tickets of pending tiles that are ready.
 	std::size_t requested = 0;
 	std::size_t dropped = 0;
@@ -47,7 +47,7 @@ public:
 			CHECK_FALSE(streamer.finish(request));
 		}
 		for (const TileKey &key : changes.drop) {
-			CHECK(shown.erase(name_of(key)) == 1);
+			CHECK(visible.erase(name_of(key)) == 1);
 			++dropped;
 		}
 		for (const TileRequest &request : changes.request) {
@@ -58,14 +58,14 @@ public:
 		// do not count toward the limit.
 		CHECK((changes.request.empty() || pending.size() - ready.size() <= max_pending));
 		CHECK(streamer.counts().pending == pending.size());
-		CHECK(streamer.counts().shown == shown.size());
+		CHECK(streamer.counts().visible == visible.size());
 	}
 
 	void finish(const TileRequest &request) {
 		CHECK(streamer.finish(request));
 		// A request can be finished only once.
 		CHECK_FALSE(streamer.finish(request));
-		shown[name_of(request.key)] = request.key;
+		visible[name_of(request.key)] = request.key;
 		pending.erase(name_of(request.key));
 		ready.erase(request.ticket);
 	}
@@ -93,7 +93,7 @@ public:
 
 inline std::set<std::pair<int, int>> tiles_of(const Stage &stage, std::uint32_t layer) {
 	std::set<std::pair<int, int>> result;
-	for (const auto &[name, key] : stage.shown) {
+	for (const auto &[name, key] : stage.visible) {
 		if (key.layer == layer) {
 			CHECK(result.emplace(key.tile.x, key.tile.y).second);
 		}

@@ -23,9 +23,9 @@ struct Triangles {
 	std::vector<std::uint32_t> indices;
 
 	std::shared_ptr<const Surface> surface() const {
-		std::shared_ptr<const Surface> made;
-		REQUIRE(Surface::create(vertices, indices, made).ok());
-		return made;
+		std::shared_ptr<const Surface> result;
+		REQUIRE(Surface::create(vertices, indices, result).ok());
+		return result;
 	}
 
 	void add_quad(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
@@ -47,19 +47,19 @@ struct Triangles {
 /// `count` x `count` quads.
 inline Triangles square(
 		double size, std::uint32_t count, const glm::dvec3 &origin, const glm::dvec3 &along, const glm::dvec3 &across) {
-	Triangles made;
+	Triangles triangles;
 	for (std::uint32_t y = 0; y <= count; ++y) {
 		for (std::uint32_t x = 0; x <= count; ++x) {
-			made.vertices.push_back(origin + along * (size * x / count) + across * (size * y / count));
+			triangles.vertices.push_back(origin + along * (size * x / count) + across * (size * y / count));
 		}
 	}
 	for (std::uint32_t y = 0; y < count; ++y) {
 		for (std::uint32_t x = 0; x < count; ++x) {
 			const std::uint32_t corner = y * (count + 1) + x;
-			made.add_quad(corner, corner + 1, corner + count + 1, corner + count + 2);
+			triangles.add_quad(corner, corner + 1, corner + count + 1, corner + count + 2);
 		}
 	}
-	return made;
+	return triangles;
 }
 
 /// Returns a square that faces `normal`, with a corner near the origin.
@@ -73,13 +73,13 @@ inline Triangles facing(const glm::dvec3 &normal, double size, std::uint32_t cou
 /// Returns a sphere around the origin with 4 * count^2 triangles, including the degenerate ones at
 /// its poles.
 inline Triangles sphere(double radius, std::uint32_t count) {
-	Triangles made;
+	Triangles triangles;
 	const double pi = 3.14159265358979323846;
 	for (std::uint32_t y = 0; y <= count; ++y) {
 		for (std::uint32_t x = 0; x <= 2 * count; ++x) {
 			const double polar = pi * y / count;
 			const double around = pi * (x % (2 * count)) / count;
-			made.vertices.push_back(radius *
+			triangles.vertices.push_back(radius *
 					glm::dvec3(
 							std::sin(polar) * std::cos(around), std::cos(polar), std::sin(polar) * std::sin(around)));
 		}
@@ -87,10 +87,10 @@ inline Triangles sphere(double radius, std::uint32_t count) {
 	const std::uint32_t row = 2 * count + 1;
 	for (std::uint32_t y = 0; y < count; ++y) {
 		for (std::uint32_t x = 0; x < 2 * count; ++x) {
-			made.add_quad(y * row + x, y * row + x + 1, (y + 1) * row + x, (y + 1) * row + x + 1);
+			triangles.add_quad(y * row + x, y * row + x + 1, (y + 1) * row + x, (y + 1) * row + x + 1);
 		}
 	}
-	return made;
+	return triangles;
 }
 
 inline std::vector<SurfacePoint> all_points(const PointSet &set, const Surface &surface) {
@@ -114,13 +114,13 @@ public:
 	/// Returns the distance to the nearest point other than `self`, or infinity if the 27 cubes
 	/// around the position contain no other point.
 	double nearest(const glm::dvec3 &position, std::size_t self = ~std::size_t{0}) const {
-		double least = std::numeric_limits<double>::infinity();
+		double min_distance = std::numeric_limits<double>::infinity();
 		each_near(position, [&](std::size_t index) {
 			if (index != self) {
-				least = std::min(least, glm::distance(points_[index].position, position));
+				min_distance = std::min(min_distance, glm::distance(points_[index].position, position));
 			}
 		});
-		return least;
+		return min_distance;
 	}
 
 	std::size_t count_within(const glm::dvec3 &position, double distance) const {

@@ -42,10 +42,10 @@ TEST_CASE("area cache: windows of any size have the same points in the same orde
 	for (const PointSet &set :
 			{PointSet{.seed = 1, .radius = 1.0, .levels = 1}, PointSet{.seed = 1, .radius = 1.0, .levels = 4},
 					PointSet{.seed = 2, .radius = 3.7, .levels = 1, .layer = 9}}) {
-		std::uniform_real_distribution<double> place(-150.0 * set.radius, 150.0 * set.radius);
+		std::uniform_real_distribution<double> coordinate(-150.0 * set.radius, 150.0 * set.radius);
 		std::uniform_real_distribution<double> size(0.0, 160.0 * set.radius);
 		for (int i = 0; i < 40; ++i) {
-			const glm::dvec2 corner(place(random), place(random));
+			const glm::dvec2 corner(coordinate(random), coordinate(random));
 			const Rect rect{corner, corner + glm::dvec2(size(random), size(random))};
 			CAPTURE(i);
 			CHECK(points_in(with, set, rect) == points_in(without, set, rect));

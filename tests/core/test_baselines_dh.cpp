@@ -155,8 +155,8 @@ std::vector<ScallopedSector> cut(const std::vector<ScallopedSector> &sectors, co
 	return rest;
 }
 
-bool holds(const Disk &disk, glm::dvec2 place) {
-	return bench::dot(place - disk.center, place - disk.center) < disk.radius * disk.radius;
+bool contains(const Disk &disk, glm::dvec2 position) {
+	return bench::dot(position - disk.center, position - disk.center) < disk.radius * disk.radius;
 }
 
 /// Returns random disks at the distances from the origin that occur in practice: 1 to 3 for radius
@@ -173,15 +173,15 @@ std::vector<Disk> random_disks(std::mt19937_64 &random, int count) {
 	return disks;
 }
 
-/// Checks that `place` is uniform. Its first argument must be proportional to the area up to a ray.
-/// Its second must be proportional to the area along that ray, from the near arc to the far arc. No
-/// position may be inside a disk.
-void check_places(const ScallopedSector &sector, const std::vector<Disk> &disks) {
+/// Checks that `position` is uniform. Its first argument must be proportional to the area up to a
+/// ray. Its second must be proportional to the area along that ray, from the near arc to the far
+/// arc. No position may be inside a disk.
+void check_positions(const ScallopedSector &sector, const std::vector<Disk> &disks) {
 	const double loose = 2e-7; // Where a ray touches a circle, the error is the square root of a rounding error.
 	for (const double turned : {0.0, 0.01, 0.3, 0.5, 0.77, 0.999}) {
-		const glm::dvec2 nearest = sector.place(turned, 0.0);
-		const glm::dvec2 middle = sector.place(turned, 0.5);
-		const glm::dvec2 farthest = sector.place(turned, 1.0);
+		const glm::dvec2 nearest = sector.point_at(turned, 0.0);
+		const glm::dvec2 middle = sector.point_at(turned, 0.5);
+		const glm::dvec2 farthest = sector.point_at(turned, 1.0);
 		const glm::dvec2 ray = bench::normalized(middle);
 		CHECK(std::abs(bench::cross(nearest, ray)) < 1e-12);
 		CHECK(std::abs(bench::cross(farthest, ray)) < 1e-12);
@@ -193,7 +193,7 @@ void check_places(const ScallopedSector &sector, const std::vector<Disk> &disks)
 		CHECK(std::abs(sector.area_until(ray, near_at, far_at) - turned * sector.area) < 1e-9 * sector.area + 1e-15);
 		for (Disk disk : disks) {
 			disk.radius -= 1e-9;
-			CHECK_FALSE(holds(disk, middle));
+			CHECK_FALSE(contains(disk, middle));
 		}
 	}
 }
@@ -205,10 +205,10 @@ double counted_area(const std::vector<Disk> &disks, int squares_a_side) {
 	int inside = 0;
 	for (int y = 0; y < squares_a_side; ++y) {
 		for (int x = 0; x < squares_a_side; ++x) {
-			const glm::dvec2 place((x + 0.5) * width - 2.0, (y + 0.5) * width - 2.0);
-			bool free = holds({{0.0, 0.0}, 2.0}, place) && !holds({{0.0, 0.0}, 1.0}, place);
+			const glm::dvec2 position((x + 0.5) * width - 2.0, (y + 0.5) * width - 2.0);
+			bool free = contains({{0.0, 0.0}, 2.0}, position) && !contains({{0.0, 0.0}, 1.0}, position);
 			for (std::size_t i = 0; i < disks.size() && free; ++i) {
-				free = !holds(disks[i], place);
+				free = !contains(disks[i], position);
 			}
 			inside += free ? 1 : 0;
 		}
@@ -281,7 +281,7 @@ TEST_CASE("baselines: uniform numbers produce uniform positions in a sector") {
 			sectors = cut(sectors, disk);
 		}
 		for (const ScallopedSector &sector : sectors) {
-			check_places(sector, disks);
+			check_positions(sector, disks);
 		}
 	}
 }
@@ -350,6 +350,6 @@ TEST_CASE("baselines: the domain check works in the points' unit and on rectangl
 		CHECK(BaselineCheck::run(points, {.size = size, .radius = 3.0, .toroidal = toroidal}).too_close == 0);
 		const BaselineReport close = BaselineCheck::run(points, {.size = size, .radius = 3.001, .toroidal = toroidal});
 		CHECK(close.too_close == (toroidal ? 90 : 76));
-		CHECK(close.least_squared == 9.0);
+		CHECK(close.min_squared_distance == 9.0);
 	}
 }

@@ -32,12 +32,13 @@ const std::vector<glm::dvec2> all_kinds = {{2.0, 0.0}, {0.9, 1.6}, {-0.5, 1.1}, 
 /// Returns the extent of the cell in a direction, computed from the definition of a Voronoi cell.
 double reach(const std::vector<glm::dvec2> &neighbors, double angle) {
 	const glm::dvec2 direction(std::cos(angle), std::sin(angle));
-	double least = 1e9;
+	double min_distance = 1e9;
 	for (const glm::dvec2 neighbor : neighbors) {
 		const double towards = glm::dot(direction, neighbor);
-		least = towards > 0.0 ? std::min(least, 0.5 * glm::dot(neighbor, neighbor) / towards) : least;
+		min_distance =
+				towards > 0.0 ? std::min(min_distance, 0.5 * glm::dot(neighbor, neighbor) / towards) : min_distance;
 	}
-	return least;
+	return min_distance;
 }
 
 /// Returns the free area between two directions, integrated over thin sectors.

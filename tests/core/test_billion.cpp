@@ -45,9 +45,9 @@ Outcome check_by_hand(RunOptions options, const std::vector<glm::ivec2> &lattice
 	options.gaps = 0;
 	return run_on(options, [&lattice](const Rect &rect, std::vector<SamplePoint> &r_points) {
 		r_points.clear();
-		for (const glm::ivec2 place : lattice) {
-			if (rect.contains(point_at(place).position)) {
-				r_points.push_back(point_at(place));
+		for (const glm::ivec2 position : lattice) {
+			if (rect.contains(point_at(position).position)) {
+				r_points.push_back(point_at(position));
 			}
 		}
 		return Status{};
@@ -129,9 +129,9 @@ TEST_CASE("billion: every order visits every tile once") {
 			std::set<std::uint64_t> seen;
 			std::uint64_t visits = 0;
 			for (std::uint64_t slot = 0; slot < sequence.slots(); ++slot) {
-				if (const auto place = sequence.at(slot)) {
-					REQUIRE(region.has_tile(*place));
-					seen.insert(region.index_of(*place));
+				if (const auto position = sequence.at(slot)) {
+					REQUIRE(region.has_tile(*position));
+					seen.insert(region.index_of(*position));
 					++visits;
 				}
 			}
@@ -165,12 +165,12 @@ TEST_CASE("billion: a pair that is too close is detected inside a tile, across i
 			CHECK(close.found.points == 2);
 			CHECK(close.found.pairs == 1);
 			CHECK(close.found.too_close == 1);
-			CHECK(close.found.least_squared < std::int64_t{radius_squared});
+			CHECK(close.found.min_squared_distance < std::int64_t{radius_squared});
 
 			const glm::ivec2 away = glm::sign(b - a) * 2; // The second point is at the radius or just beyond it.
 			const Outcome apart = check_by_hand(small_run(16, order), {a, b + away});
 			CHECK(apart.found.too_close == 0);
-			CHECK(apart.found.least_squared >= std::int64_t{radius_squared});
+			CHECK(apart.found.min_squared_distance >= std::int64_t{radius_squared});
 		}
 	}
 	CHECK(check_by_hand(small_run(16), {{-1, -1}, {unit_cell - 1, unit_cell - 1}}).found.too_close == 0);
@@ -193,7 +193,7 @@ TEST_CASE("billion: all pair distances match brute force, for any tiles, order a
 			const glm::ivec2 cells = glm::abs((points[i] >> lattice_bits) - (points[j] >> lattice_bits));
 			truth.pairs += cells.x <= 2 && cells.y <= 2 ? 1 : 0;
 			truth.too_close += squared < std::int64_t{radius_squared} ? 1 : 0;
-			truth.least_squared = std::min(truth.least_squared, squared);
+			truth.min_squared_distance = std::min(truth.min_squared_distance, squared);
 		}
 	}
 	REQUIRE(truth.too_close > 100);
@@ -204,7 +204,7 @@ TEST_CASE("billion: all pair distances match brute force, for any tiles, order a
 				CHECK(outcome.found.points == points.size());
 				CHECK(outcome.found.pairs == truth.pairs);
 				CHECK(outcome.found.too_close == truth.too_close);
-				CHECK(outcome.found.least_squared == truth.least_squared);
+				CHECK(outcome.found.min_squared_distance == truth.min_squared_distance);
 				CHECK(outcome.tiles_finished == small_run(tile).region().tiles());
 			}
 		}
@@ -305,12 +305,12 @@ TEST_CASE("billion: rims are freed as soon as all neighbors are complete") {
 		const TileSequence sequence(region, order, 5);
 		std::size_t pairs = 0;
 		for (std::uint64_t slot = 0; slot < sequence.slots(); ++slot) {
-			if (const auto place = sequence.at(slot)) {
-				pairs += seams.finish(*place, {{0, 0}}).size();
+			if (const auto position = sequence.at(slot)) {
+				pairs += seams.finish(*position, {{0, 0}}).size();
 			}
 		}
 		CHECK(pairs == 2 * 100 * 99 + 2 * 99 * 99);
-		CHECK(seams.most_kept() < 7 * 100); // At most a few rows of the 10,000 tiles.
+		CHECK(seams.max_kept() < 7 * 100); // At most a few rows of the 10,000 tiles.
 	}
 }
 

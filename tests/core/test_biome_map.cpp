@@ -55,7 +55,7 @@ std::uint8_t pixel_of(const Pixels &pixels, glm::dvec2 at, BiomeEdge edge) {
 	return pixels[static_cast<std::size_t>(std::clamp(y, 0, size.y - 1) * size.x + std::clamp(x, 0, size.x - 1))];
 }
 
-std::vector<glm::dvec2> places(int count, unsigned seed = 1, double extent = 140.0) {
+std::vector<glm::dvec2> random_positions(int count, unsigned seed = 1, double extent = 140.0) {
 	std::mt19937 random(seed);
 	std::uniform_real_distribution<double> along(-extent, extent);
 	std::vector<glm::dvec2> result;
@@ -87,7 +87,7 @@ TEST_CASE("biome map: without borders, positions have the biome of their pixel, 
 	for (const BiomeEdge edge : {BiomeEdge::nothing, BiomeEdge::clamp}) {
 		const Pixels pixels = image();
 		const BiomeMap map = map_of(pixels, {}, edge);
-		for (const glm::dvec2 at : places(4000)) {
+		for (const glm::dvec2 at : random_positions(4000)) {
 			CAPTURE(at.x);
 			CAPTURE(at.y);
 			CHECK(map.dominant_at(at) == pixel_of(pixels, at, edge));
@@ -134,7 +134,7 @@ TEST_CASE("biome map: the biomes of a rectangle are complete, and only one biome
 		std::mt19937 random(3);
 		std::uniform_real_distribution<double> side(0.0, 60.0);
 		std::uniform_real_distribution<double> part(0.0, 1.0);
-		for (const glm::dvec2 corner : places(200, 2)) {
+		for (const glm::dvec2 corner : random_positions(200, 2)) {
 			const Rect rect{corner, corner + glm::dvec2(side(random), side(random))};
 			const BiomeSet set = map.biomes_in(rect);
 			for (int i = 0; i < 50; ++i) {
@@ -216,7 +216,7 @@ TEST_CASE("edits of a biome map: nothing changes outside of the edited areas, wh
 	}
 	// The changed pixels cover 12 x 12 m, and each piece extends 11 m beyond them.
 	CHECK(edited < 4.0 * 34.2 * 34.2);
-	for (const glm::dvec2 at : places(20000, 5)) {
+	for (const glm::dvec2 at : random_positions(20000, 5)) {
 		const bool inside = std::ranges::any_of(areas, [at](const Rect &rect) { return rect.contains(at); });
 		CHECK((inside || taps(before, at) == taps(after, at)));
 	}

@@ -88,17 +88,17 @@ EditedArea edits(const LayerSettings &before, const LayerSettings &after) {
 }
 
 /// Checks that the edited area contains every instance that only one of the two layers has.
-void check_reach(const LayerSettings &before, const LayerSettings &after, const Terrain &terrain, double most_part) {
+void check_reach(const LayerSettings &before, const LayerSettings &after, const Terrain &terrain, double large_part) {
 	const EditedArea area = edits(before, after);
 	REQUIRE_FALSE(area.everywhere);
 	const auto was = standing(before, terrain, everything);
 	const auto is = standing(after, terrain, everything);
 	std::size_t changed = 0;
 	const auto check = [&](const auto &from, const auto &other) {
-		for (const auto &[id, place] : from) {
+		for (const auto &[id, position] : from) {
 			if (!other.contains(id)) {
 				++changed;
-				CHECK(area.touches({{place.x, place.z}, {place.x, place.z}}));
+				CHECK(area.touches({{position.x, position.z}, {position.x, position.z}}));
 			}
 		}
 	};
@@ -109,7 +109,7 @@ void check_reach(const LayerSettings &before, const LayerSettings &after, const 
 	for (const Rect &rect : area.areas) {
 		size += rect.size().x * rect.size().y;
 	}
-	CHECK(size < most_part * 320.0 * 240.0);
+	CHECK(size < large_part * 320.0 * 240.0);
 }
 
 } // namespace
@@ -121,11 +121,11 @@ TEST_CASE("a layer's biome: instances exist only in the biome, thinned by the de
 	const auto some = standing(layer, ground, everything);
 	std::size_t left = 0;
 	std::size_t patch = 0;
-	for (const auto &[id, place] : some) {
+	for (const auto &[id, position] : some) {
 		REQUIRE(all.contains(id));
-		CHECK(all.at(id) == place);
-		const bool in_patch = place.x >= 64.0 && place.x < 112.0 && place.z >= -40.0 && place.z < 0.0;
-		CHECK((in_patch || (place.x >= -160.0 && place.x < 0.0 && std::abs(place.z) <= 120.0)));
+		CHECK(all.at(id) == position);
+		const bool in_patch = position.x >= 64.0 && position.x < 112.0 && position.z >= -40.0 && position.z < 0.0;
+		CHECK((in_patch || (position.x >= -160.0 && position.x < 0.0 && std::abs(position.z) <= 120.0)));
 		(in_patch ? patch : left) += 1;
 	}
 	const double per_area = static_cast<double>(left) / (160.0 * 240.0);
@@ -206,9 +206,9 @@ TEST_CASE("water: layers stay dry, or are at the shore or in the required depth"
 		layer.rules.max_water_depth = max;
 		double first = 1e9;
 		double last = -1e9;
-		for (const auto &[id, place] : standing(layer, slope, everything)) {
-			first = std::min(first, place.x);
-			last = std::max(last, place.x);
+		for (const auto &[id, position] : standing(layer, slope, everything)) {
+			first = std::min(first, position.x);
+			last = std::max(last, position.x);
 		}
 		return std::array{first, last};
 	};
@@ -233,8 +233,8 @@ TEST_CASE("water: a falloff thins toward the depth's limit") {
 	layer.rules.min_water_depth = -4.0; // The permitted depths cover the area 0 < x < 40.
 	layer.rules.water_depth_falloff = 2.0;
 	std::array<std::size_t, 4> counts{};
-	for (const auto &[id, place] : standing(layer, slope, everything)) {
-		++counts[static_cast<std::size_t>(std::clamp(place.x / 10.0, 0.0, 3.0))];
+	for (const auto &[id, position] : standing(layer, slope, everything)) {
+		++counts[static_cast<std::size_t>(std::clamp(position.x / 10.0, 0.0, 3.0))];
 	}
 	const double half = static_cast<double>(counts[0] + counts[1]) / 2.0;
 	CHECK(counts[0] < counts[1]);

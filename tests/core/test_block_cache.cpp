@@ -56,10 +56,10 @@ TEST_CASE("Windows from cached blocks return the same points in the same order")
 			{PointSet{.seed = 1, .radius = 1.0, .levels = 1}, PointSet{.seed = 1, .radius = 1.0, .levels = 4},
 					PointSet{.seed = 2, .radius = 3.7, .levels = 1, .layer = 9},
 					PointSet{.seed = 2, .radius = 3.7, .levels = 8, .layer = 10}}) {
-		std::uniform_real_distribution<double> place(-120.0 * set.radius, 120.0 * set.radius);
+		std::uniform_real_distribution<double> coordinate(-120.0 * set.radius, 120.0 * set.radius);
 		std::uniform_real_distribution<double> size(0.0, 24.0 * set.radius);
 		for (int i = 0; i < 150; ++i) {
-			const glm::dvec2 corner(place(random), place(random));
+			const glm::dvec2 corner(coordinate(random), coordinate(random));
 			const Rect rect{corner, corner + glm::dvec2(size(random), size(random))};
 			CAPTURE(i);
 			CHECK(points_in(with, set, rect) == points_in(without, set, rect));
@@ -219,17 +219,17 @@ TEST_CASE("Whole tiles are the same with cached blocks, even if layers depend on
 	plants.neighbors = {{std::make_shared<LayerSettings>(trees), 5.0, nullptr}};
 	TileBuilder with({}, std::make_shared<BlockCache>());
 	TileBuilder without;
-	TileInstances kept, alone;
+	TileInstances cached, alone;
 	const Heightfield ground = hills();
 	for (int i = 0; i < 64; ++i) {
 		const Rect tile = tile_of(plants.set, 12.0, i % 8, i / 8);
-		REQUIRE(with.build(plants, ground, tile, kept).ok());
+		REQUIRE(with.build(plants, ground, tile, cached).ok());
 		REQUIRE(without.build(plants, ground, tile, alone).ok());
-		REQUIRE(kept.meshes.size() == alone.meshes.size());
-		for (std::size_t mesh = 0; mesh < kept.meshes.size(); ++mesh) {
-			CHECK(kept.meshes[mesh].buffer == alone.meshes[mesh].buffer);
-			CHECK(kept.meshes[mesh].ids == alone.meshes[mesh].ids);
-			CHECK(kept.meshes[mesh].ranks == alone.meshes[mesh].ranks);
+		REQUIRE(cached.meshes.size() == alone.meshes.size());
+		for (std::size_t mesh = 0; mesh < cached.meshes.size(); ++mesh) {
+			CHECK(cached.meshes[mesh].buffer == alone.meshes[mesh].buffer);
+			CHECK(cached.meshes[mesh].ids == alone.meshes[mesh].ids);
+			CHECK(cached.meshes[mesh].ranks == alone.meshes[mesh].ranks);
 		}
 	}
 }

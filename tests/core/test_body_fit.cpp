@@ -134,11 +134,11 @@ TEST_CASE("body fit: the outermost points of a box are its corners") {
 		points[static_cast<std::size_t>(corner) * 100] = {
 				(corner & 1) != 0 ? 1.0f : -1.0f, (corner & 2) != 0 ? 3.0f : -3.0f, (corner & 4) != 0 ? 0.5f : -0.5f};
 	}
-	std::vector<glm::vec3> kept = points;
-	keep_outermost(kept, 64);
-	CHECK(kept.size() == 8);
+	std::vector<glm::vec3> outermost = points;
+	keep_outermost(outermost, 64);
+	CHECK(outermost.size() == 8);
 	for (std::size_t corner = 0; corner < 8; ++corner) {
-		CHECK(kept[corner] == points[corner * 100]);
+		CHECK(outermost[corner] == points[corner * 100]);
 	}
 }
 
@@ -149,13 +149,13 @@ TEST_CASE("body fit: the outermost points of a ball reach nearly its radius") {
 	for (int i = 0; i < 5000; ++i) {
 		points.push_back(glm::normalize(glm::vec3(along(random), along(random), along(random))));
 	}
-	std::vector<glm::vec3> kept = points;
-	keep_outermost(kept, 64);
-	CHECK(kept.size() <= 64);
-	CHECK(kept.size() > 50);
+	std::vector<glm::vec3> outermost = points;
+	keep_outermost(outermost, 64);
+	CHECK(outermost.size() <= 64);
+	CHECK(outermost.size() > 50);
 	for (const glm::vec3 &towards : points) {
 		float reach = 0.0f;
-		for (const glm::vec3 &point : kept) {
+		for (const glm::vec3 &point : outermost) {
 			reach = std::max(reach, glm::dot(point, towards));
 		}
 		CHECK(reach > 0.9f);

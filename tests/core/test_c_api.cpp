@@ -68,8 +68,8 @@ TEST_CASE("the C library returns an error if memory runs out") {
 		return thicket_sample_domain(sampler, &domain, nullptr, nullptr);
 	});
 	fail_every_request(true, [](thicket_sampler *sampler) {
-		std::uint64_t places = 0;
-		return thicket_digest(sampler, &places, nullptr);
+		std::uint64_t positions = 0;
+		return thicket_digest(sampler, &positions, nullptr);
 	});
 }
 

@@ -26,15 +26,15 @@ LodSettings lods(std::vector<double> distances) {
 } // namespace
 
 TEST_CASE("cell choice: a tile is divided evenly into cells nearest to the requested size") {
-	CHECK(cells_across(128.0, 32.0) == 4);
-	CHECK(cells_across(128.0, 40.0) == 3);
-	CHECK(cells_across(128.0, 100.0) == 1);
-	CHECK(cells_across(128.0, 128.0) == 1);
-	CHECK(cells_across(128.0, 1e9) == 1);
-	CHECK(cells_across(32.0, 24.0) == 1);
-	CHECK(cells_across(1e6, 1.0) == max_cells_across);
+	CHECK(cell_count_per_edge(128.0, 32.0) == 4);
+	CHECK(cell_count_per_edge(128.0, 40.0) == 3);
+	CHECK(cell_count_per_edge(128.0, 100.0) == 1);
+	CHECK(cell_count_per_edge(128.0, 128.0) == 1);
+	CHECK(cell_count_per_edge(128.0, 1e9) == 1);
+	CHECK(cell_count_per_edge(32.0, 24.0) == 1);
+	CHECK(cell_count_per_edge(1e6, 1.0) == max_cells_per_edge);
 	for (const double bad : {0.0, -5.0, std::numeric_limits<double>::quiet_NaN()}) {
-		CHECK(cells_across(128.0, bad) == 1);
+		CHECK(cell_count_per_edge(128.0, bad) == 1);
 	}
 }
 
@@ -83,13 +83,13 @@ TEST_CASE("cell choice: moving back and forth within a tenth of a tile repeats n
 	for (const LodSettings &lod :
 			{LodSettings(), lods({40.0, 150.0}), lods({100.0}), lods({20.0, 21.0, 130.0}), lods({250.0})}) {
 		for (double middle = 0.0; middle < 300.0; middle += 1.0) {
-			std::uint32_t shown = 0;
+			std::uint32_t displayed = 0;
 			int changes = 0;
 			for (int step = 0; step < 200; ++step) {
 				const double distance = std::max(middle + 6.3 * std::sin(step * 0.7), 0.0);
-				const std::uint32_t across = division_at(settings, lod, distance, shown);
-				changes += across != shown ? 1 : 0;
-				shown = across;
+				const std::uint32_t cells_per_edge = division_at(settings, lod, distance, displayed);
+				changes += cells_per_edge != displayed ? 1 : 0;
+				displayed = cells_per_edge;
 			}
 			CHECK(changes <= 2); // The first change shows the tile.
 		}

@@ -24,7 +24,7 @@ ClumpNoise noise_of(const Clumping &clumping, std::uint64_t seed = 1) {
 }
 
 /// Returns random positions in a square that contains 100,000 clumps of 10 m, away from the origin.
-std::vector<glm::dvec2> places(std::size_t count, unsigned seed) {
+std::vector<glm::dvec2> random_positions(std::size_t count, unsigned seed) {
 	std::mt19937_64 random(seed);
 	std::uniform_real_distribution<double> along(-4000.0, -4000.0 + 3162.0);
 	std::vector<glm::dvec2> result(count);
@@ -37,8 +37,8 @@ std::vector<glm::dvec2> places(std::size_t count, unsigned seed) {
 
 double mean_at(const ClumpNoise &noise, const std::vector<glm::dvec2> &at) {
 	double sum = 0.0;
-	for (const glm::dvec2 place : at) {
-		sum += noise.at(place);
+	for (const glm::dvec2 position : at) {
+		sum += noise.at(position);
 	}
 	return sum / static_cast<double>(at.size());
 }
@@ -48,8 +48,8 @@ constexpr Clumping plain{.size = 10.0, .coverage = 0.5, .softness = 1.0};
 
 double correlation(const ClumpNoise &noise, const std::vector<glm::dvec2> &at, glm::dvec2 offset) {
 	double sum = 0.0;
-	for (const glm::dvec2 place : at) {
-		sum += (noise.at(place) - 0.5) * (noise.at(place + offset) - 0.5);
+	for (const glm::dvec2 position : at) {
+		sum += (noise.at(position) - 0.5) * (noise.at(position + offset) - 0.5);
 	}
 	return sum * 12.0 / static_cast<double>(at.size());
 }
@@ -57,18 +57,18 @@ double correlation(const ClumpNoise &noise, const std::vector<glm::dvec2> &at, g
 } // namespace
 
 TEST_CASE("clumps: clumps cover the requested fraction of the plane, for every seed") {
-	const auto at = places(40000, 1);
+	const auto at = random_positions(40000, 1);
 	for (const std::uint64_t seed : {std::uint64_t{0}, std::uint64_t{1}, ~std::uint64_t{0}}) {
 		for (const double coverage : {0.02, 0.1, 0.25, 0.5, 0.75, 0.9, 0.98}) {
-			const double share = mean_at(noise_of({10.0, coverage, 0.0}, seed), at);
+			const double fraction = mean_at(noise_of({10.0, coverage, 0.0}, seed), at);
 			CAPTURE(coverage);
-			CHECK(std::abs(share - coverage) < 0.01);
+			CHECK(std::abs(fraction - coverage) < 0.01);
 		}
 	}
 }
 
 TEST_CASE("clumps: soft edges keep the mean and the outline") {
-	const auto at = places(40000, 2);
+	const auto at = random_positions(40000, 2);
 	for (const double coverage : {0.1, 0.25, 0.5, 0.75, 0.9}) {
 		const ClumpNoise sharp = noise_of({10.0, coverage, 0.0});
 		for (const double softness : {0.1, 0.5, 1.0}) {
@@ -83,10 +83,10 @@ TEST_CASE("clumps: soft edges keep the mean and the outline") {
 }
 
 TEST_CASE("clumps: the noise is uniform, to half a percent at every twentieth") {
-	const auto at = places(200000, 3);
+	const auto at = random_positions(200000, 3);
 	const ClumpNoise noise = noise_of(plain, 7);
 	std::vector<double> values(at.size());
-	std::ranges::transform(at, values.begin(), [&](glm::dvec2 place) { return noise.at(place); });
+	std::ranges::transform(at, values.begin(), [&](glm::dvec2 position) { return noise.at(position); });
 	std::ranges::sort(values);
 	for (int twentieth = 1; twentieth < 20; ++twentieth) {
 		const double value = values[values.size() * static_cast<std::size_t>(twentieth) / 20];
@@ -107,9 +107,9 @@ TEST_CASE("clumps: the tables that make the noise uniform match the measured noi
 			;
 	std::vector<double> on_plane;
 	std::vector<double> in_space;
-	for (const glm::dvec2 place : places(200000, 4)) {
-		on_plane.push_back(std::abs(clump_impulses(place, 99)));
-		in_space.push_back(std::abs(clump_impulses(glm::dvec3(place, 0.3 * place.x), 99)));
+	for (const glm::dvec2 position : random_positions(200000, 4)) {
+		on_plane.push_back(std::abs(clump_impulses(position, 99)));
+		in_space.push_back(std::abs(clump_impulses(glm::dvec3(position, 0.3 * position.x), 99)));
 	}
 	for (const auto &[nearer, heights] : {std::pair{&plane, &on_plane}, std::pair{&space, &in_space}}) {
 		CHECK(std::ranges::is_sorted(*nearer));
@@ -118,23 +118,24 @@ TEST_CASE("clumps: the tables that make the noise uniform match the measured noi
 		std::ranges::sort(*heights);
 		for (std::size_t knot = 0; knot < clump_knots; ++knot) {
 			const auto below = std::ranges::lower_bound(*heights, static_cast<double>(knot) / clump_knots_per_unit);
-			const double share = static_cast<double>(below - heights->begin()) / static_cast<double>(heights->size());
-			CHECK(std::abs(share - (*nearer)[knot]) < 0.005);
+			const double fraction =
+					static_cast<double>(below - heights->begin()) / static_cast<double>(heights->size());
+			CHECK(std::abs(fraction - (*nearer)[knot]) < 0.005);
 		}
 	}
 }
 
 TEST_CASE("clumps: without softness, densities are 0 or 1; coverages of 0 and 1 are exact") {
-	const auto at = places(5000, 5);
+	const auto at = random_positions(5000, 5);
 	for (const double softness : {0.0, 0.3, 1.0}) {
 		const ClumpNoise none = noise_of({10.0, 0.0, softness});
 		const ClumpNoise all = noise_of({10.0, 1.0, softness});
 		const ClumpNoise some = noise_of({10.0, 0.4, softness});
 		int between = 0;
-		for (const glm::dvec2 place : at) {
-			REQUIRE(none.at(place) == 0.0);
-			REQUIRE(all.at(place) == 1.0);
-			const double density = some.at(place);
+		for (const glm::dvec2 position : at) {
+			REQUIRE(none.at(position) == 0.0);
+			REQUIRE(all.at(position) == 1.0);
+			const double density = some.at(position);
 			REQUIRE((density >= 0.0 && density <= 1.0));
 			between += density > 0.0 && density < 1.0;
 		}
@@ -168,7 +169,7 @@ TEST_CASE("clumps: the centers of clumps are at the requested distance") {
 }
 
 TEST_CASE("clumps: no direction is preferred and no lattice is visible") {
-	const auto at = places(60000, 6);
+	const auto at = random_positions(60000, 6);
 	const ClumpNoise noise = noise_of(plain, 5);
 	for (const double distance : {1.5, 3.0, 4.6, 6.9}) { // A noise cell is 4.6 m wide.
 		std::vector<double> around;
@@ -204,9 +205,9 @@ TEST_CASE("clumps: the noise is continuous, near the origin and 10^9 m out, and 
 		double low = 1.0;
 		double high = 0.0;
 		for (int i = 0; i < 20000; ++i) {
-			const glm::dvec2 place = origin + glm::dvec2(i * 0.01, i * -0.007);
-			const double value = noise.at(place);
-			REQUIRE(std::abs(noise.at(place + glm::dvec2(0.01, -0.007)) - value) < 0.02);
+			const glm::dvec2 position = origin + glm::dvec2(i * 0.01, i * -0.007);
+			const double value = noise.at(position);
+			REQUIRE(std::abs(noise.at(position + glm::dvec2(0.01, -0.007)) - value) < 0.02);
 			low = std::min(low, value);
 			high = std::max(high, value);
 		}
@@ -214,26 +215,26 @@ TEST_CASE("clumps: the noise is continuous, near the origin and 10^9 m out, and 
 		CHECK(high > 0.9);
 	}
 	// Truncated coordinates would repeat at offsets of 2^n cells.
-	const auto at = places(10000, 7);
+	const auto at = random_positions(10000, 7);
 	for (const double cells : {0x1p8, 0x1p16, 0x1p24, 0x1p32}) {
 		CHECK(std::abs(correlation(noise_of(plain, 9), at, {cells * 10.0 / 2.1747, 0.0})) < 0.05);
 	}
 }
 
 TEST_CASE("clumps: each seed has its own noise, which the size scales") {
-	const auto at = places(20000, 8);
+	const auto at = random_positions(20000, 8);
 	const ClumpNoise first = noise_of(plain, 1);
 	const ClumpNoise large = noise_of({20.0, 0.5, 1.0}, 1);
 	for (const std::uint64_t seed : {std::uint64_t{2}, std::uint64_t{1} << 40, std::uint64_t{1} + 0x9E3779B97F4A7C15}) {
 		const ClumpNoise other = noise_of(plain, seed);
 		double sum = 0.0;
-		for (const glm::dvec2 place : at) {
-			sum += (first.at(place) - 0.5) * (other.at(place) - 0.5);
+		for (const glm::dvec2 position : at) {
+			sum += (first.at(position) - 0.5) * (other.at(position) - 0.5);
 		}
 		CHECK(std::abs(sum * 12.0 / 20000.0) < 0.04);
 	}
-	for (const glm::dvec2 place : at) {
-		REQUIRE(large.at(2.0 * place) == first.at(place));
+	for (const glm::dvec2 position : at) {
+		REQUIRE(large.at(2.0 * position) == first.at(position));
 	}
 }
 
@@ -279,7 +280,7 @@ TEST_CASE("clumps: errors name the invalid property") {
 }
 
 TEST_CASE("clumps in space: planes of every direction have the same coverage, and values are uniform") {
-	const auto at = places(40000, 8);
+	const auto at = random_positions(40000, 8);
 	const std::array<std::array<glm::dvec3, 2>, 4> planes{{
 			{glm::dvec3(1.0, 0.0, 0.0), glm::dvec3(0.0, 0.0, 1.0)},
 			{glm::dvec3(1.0, 0.0, 0.0), glm::dvec3(0.0, 1.0, 0.0)},
@@ -287,8 +288,8 @@ TEST_CASE("clumps in space: planes of every direction have the same coverage, an
 			{glm::dvec3(0.6, 0.8, 0.0), glm::dvec3(0.48, -0.36, 0.8)},
 	}};
 	for (const auto &plane : planes) {
-		const auto on_plane = [&](glm::dvec2 place) {
-			return place.x * plane[0] + place.y * plane[1] + glm::dvec3(3.0, 5.0, 7.0);
+		const auto on_plane = [&](glm::dvec2 position) {
+			return position.x * plane[0] + position.y * plane[1] + glm::dvec3(3.0, 5.0, 7.0);
 		};
 		for (const double coverage : {0.1, 0.5, 0.9}) {
 			const ClumpNoise noise = noise_of({10.0, coverage, 0.0}, 11);
@@ -309,15 +310,15 @@ TEST_CASE("clumps in space: planes of every direction have the same coverage, an
 TEST_CASE("clumps in space: a wall is not striped, and clumps are as large as on the plane") {
 	// On a wall, the density changes as much in the vertical direction as sideways, and as much as
 	// on the plane.
-	const auto at = places(40000, 9);
+	const auto at = random_positions(40000, 9);
 	const ClumpNoise noise = noise_of(plain, 13);
-	const auto on_wall = [](glm::dvec2 place) {
-		return glm::dvec3(place.x, place.y, 17.0);
+	const auto on_wall = [](glm::dvec2 position) {
+		return glm::dvec3(position.x, position.y, 17.0);
 	};
 	const auto correlation_of = [&](const glm::dvec3 &offset) {
 		double sum = 0.0;
-		for (const glm::dvec2 place : at) {
-			sum += (noise.at(on_wall(place)) - 0.5) * (noise.at(on_wall(place) + offset) - 0.5);
+		for (const glm::dvec2 position : at) {
+			sum += (noise.at(on_wall(position)) - 0.5) * (noise.at(on_wall(position) + offset) - 0.5);
 		}
 		return sum * 12.0 / static_cast<double>(at.size());
 	};

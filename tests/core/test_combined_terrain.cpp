@@ -229,11 +229,11 @@ TEST_CASE("combined terrain: the surfaces of all parts give the same triangles i
 TEST_CASE("combined terrain: surfaces with the same bounds are in an order that depends on their triangles") {
 	const auto half = [](bool other) {
 		std::vector<glm::dvec3> vertices{{0, 0, 0}, {0, 0, 1}, {1, 1, 0}, {1, 1, 1}};
-		std::shared_ptr<const Surface> made;
+		std::shared_ptr<const Surface> result;
 		REQUIRE(Surface::create(
-				vertices, other ? std::vector<std::uint32_t>{0, 1, 3} : std::vector<std::uint32_t>{0, 3, 2}, made)
+				vertices, other ? std::vector<std::uint32_t>{0, 1, 3} : std::vector<std::uint32_t>{0, 3, 2}, result)
 						.ok());
-		return made;
+		return result;
 	};
 	const std::vector<Surface::Part> parts{half(false), half(true), half(false)};
 	const auto joined = Surface::of_parts(parts);

@@ -17,11 +17,11 @@ using namespace thicket::test;
 
 namespace {
 
-/// `most_bytes` is the memory limit per instance, without the fixed cost of each mesh.
+/// `max_bytes` is the memory limit per instance, without the fixed cost of each mesh.
 struct Case {
 	std::string name;
 	LayerSettings layer;
-	double most_bytes = 0.0;
+	double max_bytes = 0.0;
 };
 
 LayerSettings upright() {
@@ -88,7 +88,7 @@ TEST_CASE("compact tile: instances are restored bit for bit, for every source of
 		CAPTURE(each.name);
 		const TileInstances tile = built(each.layer, hills(), tile_of_hills);
 		REQUIRE(size_of(tile) > 1000);
-		const std::shared_ptr<const CompactTile> known = kept(each.layer, tile);
+		const std::shared_ptr<const CompactTile> known = compact_tile(each.layer, tile);
 		CHECK(digest(expanded(*known)) == digest(tile));
 		CHECK(known->counts.placed == tile.counts.placed);
 		for (std::size_t at = 0; at < tile.meshes.size(); ++at) {
@@ -104,15 +104,15 @@ TEST_CASE("compact tile: the memory stays below the documented limit") {
 	for (const Case &each : cases()) {
 		CAPTURE(each.name);
 		const TileInstances tile = built(each.layer, hills(), tile_of_hills);
-		CHECK(static_cast<double>(bytes_of(*kept(each.layer, tile))) <=
-				each.most_bytes * static_cast<double>(size_of(tile)));
+		CHECK(static_cast<double>(bytes_of(*compact_tile(each.layer, tile))) <=
+				each.max_bytes * static_cast<double>(size_of(tile)));
 	}
 }
 
 TEST_CASE("compact tile: an instance is found only by its ID") {
 	const LayerSettings layer = rich_layer();
 	const TileInstances tile = built(layer, hills(), tile_of_hills);
-	const std::shared_ptr<const CompactTile> known = kept(layer, tile);
+	const std::shared_ptr<const CompactTile> known = compact_tile(layer, tile);
 	const MeshInstances &mesh = tile.meshes[1];
 	for (std::size_t i = 0; i < mesh.size(); ++i) {
 		REQUIRE(known->meshes[1].find(mesh.ids[i]) == i);
@@ -143,21 +143,21 @@ TEST_CASE("compact tile: handmade instances and very distant ones are stored unc
 
 TEST_CASE("compact tile: a subset appended to other instances has the same instances") {
 	const LayerSettings layer = rich_layer();
-	const std::shared_ptr<const CompactTile> known = kept(layer, built(layer, hills(), tile_of_hills));
+	const std::shared_ptr<const CompactTile> known = compact_tile(layer, built(layer, hills(), tile_of_hills));
 	const CompactMesh &base = known->meshes[0];
 	const MeshInstances first = handmade({~std::uint64_t{0} >> 1, 7});
-	std::vector<std::uint32_t> standing;
+	std::vector<std::uint32_t> retained;
 	for (std::uint32_t i = 0; i < base.size(); i += i % 7 == 0 ? 2 : 1) {
-		standing.push_back(i);
+		retained.push_back(i);
 	}
-	const CompactMesh some(first, base, standing);
-	REQUIRE(some.size() == first.size() + standing.size());
-	CHECK(some.bytes() <= 80 * first.size() + 32 * standing.size());
+	const CompactMesh some(first, base, retained);
+	REQUIRE(some.size() == first.size() + retained.size());
+	CHECK(some.bytes() <= 80 * first.size() + 32 * retained.size());
 	const MeshInstances floats = expanded(some);
 	CHECK(std::equal(first.buffer.begin(), first.buffer.end(), floats.buffer.begin()));
 	CHECK(std::equal(first.ids.begin(), first.ids.end(), floats.ids.begin()));
-	for (std::size_t i = 0; i < standing.size(); ++i) {
-		CHECK(some.same(first.size() + i, base, standing[i]));
+	for (std::size_t i = 0; i < retained.size(); ++i) {
+		CHECK(some.same(first.size() + i, base, retained[i]));
 	}
 	// A subset of the previous subset, whose first instances are still uncompressed.
 	const std::vector<std::uint32_t> fewer{1, 2, 5};

@@ -76,11 +76,11 @@ TEST_CASE("curve: a value is between the neighboring samples, and right to the l
 		const CurveTable table = table_of(min, max, samples);
 		for (int i = 0; i < 50; ++i) {
 			const double x = min + (max - min) * unit(random);
-			const double place = (x - min) / (max - min) * static_cast<double>(samples.size() - 1);
-			const std::size_t index = std::min(static_cast<std::size_t>(place), samples.size() - 2);
+			const double position = (x - min) / (max - min) * static_cast<double>(samples.size() - 1);
+			const std::size_t index = std::min(static_cast<std::size_t>(position), samples.size() - 2);
 			const double first = samples[index];
 			const double second = samples[index + 1];
-			const double part = place - static_cast<double>(index);
+			const double part = position - static_cast<double>(index);
 			CHECK(table.at(x) >= std::min(first, second));
 			CHECK(table.at(x) <= std::max(first, second));
 			CHECK(std::abs(table.at(x) - (first * (1.0 - part) + second * part)) < 1e-12);

@@ -301,7 +301,7 @@ TEST_CASE("diff summary: a summary lists a diff's IDs by layer and area") {
 	REQUIRE(summary.layers.size() == 3);
 	const DiffSummary::Layer &oaks = summary.layers.at(1);
 	CHECK(oaks.removed == 2);
-	CHECK(oaks.standing == 1);
+	CHECK(oaks.present == 1);
 	CHECK(oaks.with_data == 1);
 	CHECK(oaks.data_bytes == 5);
 	CHECK(oaks.bounds.min == glm::dvec2(0.0, 0.0));
@@ -309,7 +309,7 @@ TEST_CASE("diff summary: a summary lists a diff's IDs by layer and area") {
 	CHECK(oaks.has_all_bounds);
 	const DiffSummary::Layer &placed = summary.layers.at(2);
 	CHECK(placed.added == 1);
-	CHECK(placed.gone == 1);
+	CHECK(placed.removed_placed == 1);
 	CHECK(placed.bounds.min == glm::dvec2(-7.0, 8.0));
 	CHECK_FALSE(summary.layers.at(3).has_bounds);
 	CHECK_FALSE(summary.layers.at(3).has_all_bounds);

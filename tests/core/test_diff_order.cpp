@@ -197,13 +197,13 @@ TEST_CASE("diff order: diffs that another thread applies are also ordered") {
 TEST_CASE("diff order: unknown senders take a bounded amount of memory") {
 	KnownRevisions known;
 	for (std::uint64_t name = 1; name <= 1000; ++name) {
-		known.make_room();
+		known.reserve_entry();
 		known.set(name, name + 5);
 		known.set(1, 6); // A sender that sends repeatedly is not forgotten.
 	}
 	CHECK(known.of(1000) == 1005);
 	CHECK(known.of(1) == 6);
-	CHECK(known.of(1000 - KnownRevisions::most) == 0);
+	CHECK(known.of(1000 - KnownRevisions::capacity) == 0);
 }
 
 TEST_CASE("diff order: receivers converge over a channel that reorders, loses and repeats") {

@@ -20,7 +20,7 @@ public:
 	struct Tile {
 		double distance = 0.0;
 		std::uint32_t wanted = 1;
-		std::uint32_t shown = 1;
+		std::uint32_t displayed = 1;
 	};
 	std::map<int, Tile> tiles;
 	DivisionQueue queue;
@@ -28,28 +28,28 @@ public:
 	std::vector<int> begun; ///< The x of every divided tile, in order. Negative for a tile that became whole again.
 
 	double distance(const TileKey &key) const override { return at(key).distance; }
-	std::uint32_t shown(const TileKey &key) const override { return at(key).shown; }
+	std::uint32_t displayed(const TileKey &key) const override { return at(key).displayed; }
 	std::uint32_t wanted(const TileKey &key) const override { return at(key).wanted; }
-	std::uint64_t multimeshes(const TileKey &key) const override { return most_multimeshes(key, shown(key)); }
-	std::uint64_t most_multimeshes(const TileKey & /*key*/, std::uint32_t across) const override {
-		return std::uint64_t{across} * across;
+	std::uint64_t multimeshes(const TileKey &key) const override { return multimesh_bound(key, displayed(key)); }
+	std::uint64_t multimesh_bound(const TileKey & /*key*/, std::uint32_t cells_per_edge) const override {
+		return std::uint64_t{cells_per_edge} * cells_per_edge;
 	}
 
 	DivisionQueue::Multimeshes all() const {
 		std::uint64_t count = 0;
 		for (const auto &[x, tile] : tiles) {
-			count += std::uint64_t{tile.shown} * tile.shown;
+			count += std::uint64_t{tile.displayed} * tile.displayed;
 		}
 		return {count, limit};
 	}
 
-	void add(int x, double distance, std::uint32_t wanted, std::uint32_t shown = 1) {
-		tiles[x] = {distance, wanted, shown};
-		queue.show(key_of(x), shown);
+	void add(int x, double distance, std::uint32_t wanted, std::uint32_t displayed = 1) {
+		tiles[x] = {distance, wanted, displayed};
+		queue.show(key_of(x), displayed);
 		choose(x);
 	}
 
-	void choose(int x) { queue.choose(key_of(x), tiles.at(x).shown, tiles.at(x).wanted); }
+	void choose(int x) { queue.choose(key_of(x), tiles.at(x).displayed, tiles.at(x).wanted); }
 
 	/// Simulates a change in the distance between a tile and the viewers.
 	void move(int x, double distance, std::uint32_t wanted) {
@@ -65,14 +65,14 @@ public:
 			return false;
 		}
 		Tile &tile = tiles.at(division->key.tile.x);
-		const bool shrinks = division->across < tile.shown;
-		REQUIRE(division->across != tile.shown);
-		begun.push_back(division->across == 1 ? -division->key.tile.x : division->key.tile.x);
-		tile.shown = division->across;
+		const bool shrinks = division->cells_per_edge < tile.displayed;
+		REQUIRE(division->cells_per_edge != tile.displayed);
+		begun.push_back(division->cells_per_edge == 1 ? -division->key.tile.x : division->key.tile.x);
+		tile.displayed = division->cells_per_edge;
 		queue.finish();
 		choose(division->key.tile.x); // Each visit of a tile makes this call.
 		if (shrinks) {
-			queue.room_gained(*this);
+			queue.capacity_gained(*this);
 		}
 		return true;
 	}
@@ -101,7 +101,7 @@ TEST_CASE("division queue: the nearest waiting tile is divided first, at its dis
 	row.move(1, 15.0, 8); // The tile comes nearer while it waits, so it now needs smaller cells.
 	row.run();
 	CHECK(row.begun == std::vector{2, 1, 3});
-	CHECK(row.tiles[1].shown == 8);
+	CHECK(row.tiles[1].displayed == 8);
 	CHECK_FALSE(row.queue.has_work(row.all()));
 	row.move(2, 200.0, 1);
 	row.run();
@@ -176,7 +176,7 @@ TEST_CASE("division queue: a rejected tile waits again once multimeshes are free
 	CHECK(row.begun == std::vector{1, -1, 2});
 	row.queue.remove(key_of(2)); // The tile is dropped with its cells.
 	row.tiles.erase(2);
-	row.queue.room_gained(row);
+	row.queue.capacity_gained(row);
 	row.run();
 	CHECK(row.begun == std::vector{1, -1, 2, 3});
 	CHECK_MESSAGE(row.queue.has_work({100, 20}), "tile 3 is divided into cells");
@@ -187,7 +187,7 @@ TEST_CASE("division queue: a rejected tile waits again once multimeshes are free
 		row.queue.remove(key_of(x));
 		row.tiles.erase(x);
 	}
-	row.queue.room_gained(row);
+	row.queue.capacity_gained(row);
 	CHECK_FALSE(row.queue.has_work({100, 20}));
 }
 
@@ -206,7 +206,7 @@ TEST_CASE("division queue: above a lowered limit, the farthest tiles become whol
 	CHECK(row.all().count <= row.limit);
 	row.limit = 0; // The limit is too low even for whole tiles, so all tiles become whole.
 	row.run();
-	CHECK(std::ranges::all_of(row.tiles, [](const auto &tile) { return tile.second.shown == 1; }));
+	CHECK(std::ranges::all_of(row.tiles, [](const auto &tile) { return tile.second.displayed == 1; }));
 	CHECK_FALSE(row.queue.has_work(row.all()));
 }
 
@@ -265,16 +265,16 @@ TEST_CASE("division queue: after random moves, the limit is respected, no work i
 			REQUIRE(++steps < 1000);
 		}
 		for (const auto &[x, tile] : row.tiles) {
-			if (tile.wanted <= tile.shown) {
-				CHECK(tile.wanted == tile.shown);
+			if (tile.wanted <= tile.displayed) {
+				CHECK(tile.wanted == tile.displayed);
 				continue;
 			}
 			// The tile was rejected, so it would exceed the limit even if all farther tiles were
 			// whole.
 			std::uint64_t least = std::uint64_t{tile.wanted} * tile.wanted;
 			for (const auto &[y, other] : row.tiles) {
-				const bool yields = other.distance > gives_way * tile.distance;
-				least += y == x ? 0 : yields ? 1 : std::uint64_t{other.shown} * other.shown;
+				const bool yields = other.distance > yield_factor * tile.distance;
+				least += y == x ? 0 : yields ? 1 : std::uint64_t{other.displayed} * other.displayed;
 			}
 			CHECK(least > row.limit);
 		}

@@ -128,8 +128,8 @@ TEST_CASE("domain check: every single wrong point is detected") {
 
 		wrong.push_back(points[i]);
 		wrong.push_back(points[i] + glm::dvec2(0.6, -0.7));
-		const auto wrap = [](double place) {
-			return place - reference_side * std::floor(place / reference_side);
+		const auto wrap = [](double position) {
+			return position - reference_side * std::floor(position / reference_side);
 		};
 		wrong.back() = {wrap(wrong.back().x), wrap(wrong.back().y)};
 		CHECK(report(wrong, reference_shape).too_close > 0);

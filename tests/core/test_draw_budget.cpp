@@ -95,7 +95,7 @@ TEST_CASE("draw budget: quality and hidden layers scale what is drawn") {
 	CHECK(meadow.drawn() == 10000); // The limits take effect in the next frame.
 	meadow.frame();
 	CHECK(meadow.drawn() == 2500);
-	CHECK(meadow.budget.drawn_share(LodSettings(), 0.0) == 0.25);
+	CHECK(meadow.budget.drawn_fraction(LodSettings(), 0.0) == 0.25);
 	meadow.layer = 1;
 	meadow.draw_all();
 	CHECK(meadow.drawn() == 0);
@@ -104,7 +104,7 @@ TEST_CASE("draw budget: quality and hidden layers scale what is drawn") {
 	CHECK(meadow.drawn() == 2500);
 }
 
-TEST_CASE("draw budget: thinning, the fraction of a look and quality multiply") {
+TEST_CASE("draw budget: thinning, the density of an LOD and the quality multiply") {
 	Meadow meadow(1);
 	DrawLimits limits;
 	limits.quality = 0.5;

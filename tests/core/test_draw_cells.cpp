@@ -16,9 +16,9 @@ using namespace thicket::test;
 
 namespace {
 
-DrawCells divided(const CompactMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across) {
+DrawCells divided(const CompactMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t cells_per_edge) {
 	DrawCells cells;
-	REQUIRE(divide(mesh, origin, rect, across, cells).ok());
+	REQUIRE(divide(mesh, origin, rect, cells_per_edge, cells).ok());
 	return cells;
 }
 
@@ -52,13 +52,13 @@ std::vector<std::uint32_t> numbers_of(const DrawCells &cells, std::size_t size) 
 
 TEST_CASE("draw cells: all cells together are bit-identical to the tile, for every number of cells") {
 	const TileInstances tile = built(rich_layer(), hills(), tile_of_hills);
-	const std::shared_ptr<const CompactTile> kept_tile = kept(rich_layer(), tile);
+	const std::shared_ptr<const CompactTile> stored = compact_tile(rich_layer(), tile);
 	for (std::size_t at = 0; at < tile.meshes.size(); ++at) {
 		const MeshInstances &mesh = tile.meshes[at];
 		REQUIRE(mesh.size() > 100);
-		for (const std::uint32_t across : {1U, 2U, 3U, 4U, 7U, 16U}) {
-			const CompactMesh &compact = kept_tile->meshes[at];
-			const DrawCells cells = divided(compact, tile.origin, tile_of_hills, across);
+		for (const std::uint32_t cells_per_edge : {1U, 2U, 3U, 4U, 7U, 16U}) {
+			const CompactMesh &compact = stored->meshes[at];
+			const DrawCells cells = divided(compact, tile.origin, tile_of_hills, cells_per_edge);
 			std::vector<float> joined(mesh.buffer.size());
 			std::size_t count = 0;
 			for (const DrawCell &cell : cells.cells) {
@@ -69,14 +69,15 @@ TEST_CASE("draw cells: all cells together are bit-identical to the tile, for eve
 			}
 			CHECK(count == mesh.size());
 			CHECK(std::ranges::equal(joined, mesh.buffer));
-			CHECK(cells.cells.size() <= across * across);
+			CHECK(cells.cells.size() <= cells_per_edge * cells_per_edge);
 			CHECK(std::set<std::uint32_t>(cells.order.begin(), cells.order.end()).size() == mesh.size());
 		}
 	}
 }
 
 TEST_CASE("draw cells: a cell keeps the tile's order, so thinning a cell matches thinning the tile") {
-	const std::shared_ptr<const CompactTile> tile = kept(rich_layer(), built(rich_layer(), hills(), tile_of_hills));
+	const std::shared_ptr<const CompactTile> tile =
+			compact_tile(rich_layer(), built(rich_layer(), hills(), tile_of_hills));
 	for (const CompactMesh &mesh : tile->meshes) {
 		const DrawCells cells = divided(mesh, tile->origin, tile_of_hills, 4);
 		CHECK(cells.cells.size() > 4);

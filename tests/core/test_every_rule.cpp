@@ -1,6 +1,6 @@
 // Tests that every rule only removes points, and does so independently of tile size and order.
 
-#include "core/explain/place_explainer.hpp"
+#include "core/explain/position_explainer.hpp"
 #include "core/placement/tile_builder.hpp"
 #include "core/rules/image_mask.hpp"
 #include "core/terrain/heightfield.hpp"
@@ -168,7 +168,7 @@ LayerSettings plain_layer() {
 
 /// Returns the world position of each instance, rounded to 1 mm, and its thinning rank. They are
 /// the same for any tile size, except for rounding.
-std::map<std::uint64_t, std::pair<glm::ivec3, std::uint32_t>> places(
+std::map<std::uint64_t, std::pair<glm::ivec3, std::uint32_t>> instance_positions(
 		const LayerSettings &layer, const Terrain &terrain, const Rect &rect) {
 	const TileInstances tile = built(layer, terrain, rect);
 	std::map<std::uint64_t, std::pair<glm::ivec3, std::uint32_t>> result;
@@ -182,8 +182,8 @@ std::map<std::uint64_t, std::pair<glm::ivec3, std::uint32_t>> places(
 }
 
 bool near(const std::pair<glm::ivec3, std::uint32_t> &a, const std::pair<glm::ivec3, std::uint32_t> &b) {
-	const glm::ivec3 apart = glm::abs(a.first - b.first);
-	return std::max({apart.x, apart.y, apart.z}) <= 1 && a.second == b.second;
+	const glm::ivec3 offset = glm::abs(a.first - b.first);
+	return std::max({offset.x, offset.y, offset.z}) <= 1 && a.second == b.second;
 }
 
 /// Returns the ground that a probe or an explainer queries.
@@ -228,13 +228,13 @@ LayerSettings layer_with_rules(std::span<const char *const> names) {
 std::size_t check_factors(const LayerSettings &layer, const Terrain &terrain) {
 	const auto standing = ranks_of(built(layer, terrain, tile_of_hills));
 	const std::vector<SamplePoint> points = points_of(layer.set, tile_of_hills);
-	std::vector<glm::dvec2> places;
+	std::vector<glm::dvec2> instance_positions;
 	for (const SamplePoint &point : points) {
-		places.push_back(point.position);
+		instance_positions.push_back(point.position);
 	}
 	DensityProbe probe;
-	REQUIRE(probe.find(layer, places).ok());
-	REQUIRE(probe.look(ground_for(probe, terrain)).ok());
+	REQUIRE(probe.find(layer, instance_positions).ok());
+	REQUIRE(probe.evaluate(ground_for(probe, terrain)).ok());
 	std::vector<RuleFactor> factors;
 	std::size_t gone = 0;
 	for (std::size_t i = 0; i < points.size(); ++i) {
@@ -277,17 +277,17 @@ TEST_CASE("every rule: tiles of any size, strips and negative tiles together equ
 		CAPTURE(rule.name);
 		LayerSettings layer = plain_layer();
 		rule.add(layer);
-		const auto whole = places(layer, terrain, tile_of_hills);
+		const auto whole = instance_positions(layer, terrain, tile_of_hills);
 		for (const glm::dvec2 size : sizes) {
 			std::size_t count = 0;
 			for (double y = tile_of_hills.max.y; y > tile_of_hills.min.y; y -= size.y) {
 				for (double x = tile_of_hills.min.x; x < tile_of_hills.max.x; x += size.x) {
 					const Rect part{{x, std::max(y - size.y, tile_of_hills.min.y)},
 							{std::min(x + size.x, tile_of_hills.max.x), y}};
-					for (const auto &[id, place] : places(layer, terrain, part)) {
+					for (const auto &[id, position] : instance_positions(layer, terrain, part)) {
 						const auto found = whole.find(id);
 						REQUIRE(found != whole.end());
-						CHECK(near(found->second, place));
+						CHECK(near(found->second, position));
 						++count;
 					}
 				}
@@ -343,21 +343,21 @@ TEST_CASE("every rule: a position is explained by the set's nearest point, as in
 	const std::vector<SamplePoint> points = points_of(layer.set, tile_of_hills);
 	std::mt19937 random(7);
 	std::uniform_real_distribution<double> along(4.0, 124.0);
-	PlaceExplainer explainer;
-	PlaceExplanation explanation;
+	PositionExplainer explainer;
+	PositionExplanation explanation;
 	std::size_t here = 0;
 	for (int i = 0; i < 1000; ++i) {
-		const glm::dvec2 place = tile_of_hills.min + glm::dvec2(along(random), along(random));
-		REQUIRE(explainer.find(layer, {place.x, 0.0, place.y}).ok());
+		const glm::dvec2 position = tile_of_hills.min + glm::dvec2(along(random), along(random));
+		REQUIRE(explainer.find(layer, {position.x, 0.0, position.y}).ok());
 		REQUIRE(explainer.explain(ground_for(explainer, terrain), explanation).ok());
 		const auto nearest = std::ranges::min_element(
-				points, {}, [&](const SamplePoint &point) { return glm::distance(point.position, place); });
+				points, {}, [&](const SamplePoint &point) { return glm::distance(point.position, position); });
 		REQUIRE(explanation.point == *nearest);
-		REQUIRE(explanation.distance == doctest::Approx(glm::distance(nearest->position, place)));
+		REQUIRE(explanation.distance == doctest::Approx(glm::distance(nearest->position, position)));
 		REQUIRE(explanation.distance <= layer.set.radius);
 		REQUIRE(explanation.is_placed() == standing.contains(nearest->id));
-		REQUIRE(explanation.place.density == product_of(explanation.place.factors));
-		REQUIRE(explanation.place.ground.height == terrain.at(place).height);
+		REQUIRE(explanation.at_position.density == product_of(explanation.at_position.factors));
+		REQUIRE(explanation.at_position.ground.height == terrain.at(position).height);
 		here += explanation.is_placed() ? 1 : 0;
 	}
 	CHECK(here > 50);
@@ -366,15 +366,15 @@ TEST_CASE("every rule: a position is explained by the set's nearest point, as in
 
 TEST_CASE("every rule: the error for a position that cannot be explained names the property") {
 	const TexturedHills terrain;
-	PlaceExplainer explainer;
+	PositionExplainer explainer;
 	const double nan = std::numeric_limits<double>::quiet_NaN();
-	CHECK(std::string(explainer.find(plain_layer(), {0.0, 0.0, nan}).property) == "place");
+	CHECK(std::string(explainer.find(plain_layer(), {0.0, 0.0, nan}).property) == "position");
 	CHECK(explainer.find(plain_layer(), {1e12, 0.0, 0.0}).code == ErrorCode::out_of_range);
 	LayerSettings wrong = plain_layer();
 	wrong.rules.density = 2.0;
 	CHECK(std::string(explainer.find(wrong, {0.0, 0.0, 0.0}).property) == "density");
 	DensityProbe probe;
-	CHECK(probe.look({}).code == ErrorCode::missing);
+	CHECK(probe.evaluate({}).code == ErrorCode::missing);
 	CHECK(probe.find(plain_layer(), {}).code == ErrorCode::missing);
 	LayerSettings near_grass = plain_layer();
 	auto grass = std::make_shared<LayerSettings>(plain_layer());
@@ -383,5 +383,5 @@ TEST_CASE("every rule: the error for a position that cannot be explained names t
 	const std::array<glm::dvec2, 2> far_apart{glm::dvec2(0.0), glm::dvec2(100.0)};
 	CHECK(probe.find(near_grass, far_apart).code == ErrorCode::too_many_points);
 	REQUIRE(probe.find(plain_layer(), far_apart).ok());
-	CHECK(probe.look({}).code == ErrorCode::wrong_size);
+	CHECK(probe.evaluate({}).code == ErrorCode::wrong_size);
 }

@@ -46,7 +46,7 @@ using Instances = std::map<std::uint64_t, glm::dvec2>;
 
 /// Returns the positions of a layer's instances, keyed by ID, in the double precision of the point
 /// set.
-Instances places(const LayerSettings &layer, const Terrain &terrain, const Rect &rect) {
+Instances instance_positions(const LayerSettings &layer, const Terrain &terrain, const Rect &rect) {
 	TileFilter filter{SampleMargins()};
 	filter.set(layer);
 	std::vector<glm::dvec2> positions;
@@ -56,7 +56,7 @@ Instances places(const LayerSettings &layer, const Terrain &terrain, const Rect 
 	REQUIRE(filter.complete(terrain, positions, queries, ground, nullptr).ok());
 	REQUIRE(filter.filter(ground, nullptr).ok());
 	Instances result;
-	for (const std::uint32_t point : filter.own().standing()) {
+	for (const std::uint32_t point : filter.own().accepted()) {
 		result.emplace(filter.own().ids()[point], filter.own().positions()[point]);
 	}
 	return result;
@@ -64,8 +64,8 @@ Instances places(const LayerSettings &layer, const Terrain &terrain, const Rect 
 
 bool any_near(glm::dvec2 position, const Instances &others, double distance) {
 	return std::ranges::any_of(others, [&](const auto &entry) {
-		const glm::dvec2 apart = entry.second - position;
-		return apart.x * apart.x + apart.y * apart.y < distance * distance;
+		const glm::dvec2 offset = entry.second - position;
+		return offset.x * offset.x + offset.y * offset.y < distance * distance;
 	});
 }
 
@@ -74,7 +74,7 @@ bool any_near(glm::dvec2 position, const Instances &others, double distance) {
 int open_positions(const LayerSettings &layer, const Instances &all, const Rect &rect, int count) {
 	std::vector<Instances> others;
 	for (const Neighbor &neighbor : layer.neighbors) {
-		others.push_back(places(*neighbor.layer, flat, grown(rect, neighbor.distance)));
+		others.push_back(instance_positions(*neighbor.layer, flat, grown(rect, neighbor.distance)));
 	}
 	std::mt19937_64 random(17);
 	const auto along = [&random](double from, double to) {
@@ -83,19 +83,19 @@ int open_positions(const LayerSettings &layer, const Instances &all, const Rect 
 	const double unit = lattice_unit(layer.set);
 	int open = 0;
 	for (int i = 0; i < count; ++i) {
-		glm::dvec2 place(along(rect.min.x, rect.max.x), along(rect.min.y, rect.max.y));
+		glm::dvec2 position(along(rect.min.x, rect.max.x), along(rect.min.y, rect.max.y));
 		if (i % 2 == 0 && !others[0].empty()) {
 			// The last gaps lie just outside of the spacing.
 			auto one = others[0].begin();
 			std::advance(one, static_cast<std::ptrdiff_t>(random() % others[0].size()));
 			const double angle = along(0.0, 6.283);
-			place = one->second +
+			position = one->second +
 					(layer.neighbors[0].distance + 3.0 * unit) * glm::dvec2(std::cos(angle), std::sin(angle));
 		}
-		place = glm::floor(place / unit) * unit;
-		bool is_open = rect.contains(place) && !any_near(place, all, layer.set.radius * (1.0 - 1e-9));
+		position = glm::floor(position / unit) * unit;
+		bool is_open = rect.contains(position) && !any_near(position, all, layer.set.radius * (1.0 - 1e-9));
 		for (std::size_t other = 0; other < others.size(); ++other) {
-			is_open = is_open && !any_near(place, others[other], layer.neighbors[other].distance);
+			is_open = is_open && !any_near(position, others[other], layer.neighbors[other].distance);
 		}
 		open += is_open ? 1 : 0;
 	}
@@ -104,16 +104,19 @@ int open_positions(const LayerSettings &layer, const Instances &all, const Rect 
 
 /// Checks that a filled layer keeps all distances and leaves no gap.
 void check_full(const LayerSettings &layer, const Rect &rect) {
-	const Instances all = places(layer, flat, grown(rect, layer.set.radius));
+	const Instances all = instance_positions(layer, flat, grown(rect, layer.set.radius));
 	for (const Neighbor &neighbor : layer.neighbors) {
-		const Instances others = places(*neighbor.layer, flat, grown(rect, neighbor.distance + layer.set.radius));
+		const Instances others =
+				instance_positions(*neighbor.layer, flat, grown(rect, neighbor.distance + layer.set.radius));
 		CHECK(std::ranges::none_of(
 				all, [&](const auto &entry) { return any_near(entry.second, others, neighbor.distance); }));
 	}
 	CHECK(open_positions(layer, all, rect, 3000) == 0);
 }
 
-std::size_t count_in(const LayerSettings &layer, const Rect &rect) { return places(layer, flat, rect).size(); }
+std::size_t count_in(const LayerSettings &layer, const Rect &rect) {
+	return instance_positions(layer, flat, rect).size();
+}
 
 const Rect meadow{{-40.0, 100.0}, {80.0, 220.0}};
 
@@ -157,14 +160,14 @@ TEST_CASE("fill: any tiling has the same instances, in one step or several, on a
 	ferns->set.levels = 2;
 	const Rect region{{-100.0, -60.0}, {140.0, 120.0}};
 	for (const LayerSettings &layer : {*birches, *ferns}) {
-		const Instances whole = places(layer, terrain, region);
+		const Instances whole = instance_positions(layer, terrain, region);
 		CHECK(whole.size() > 500);
 		for (const double side : {14.0, 47.0}) {
 			Instances parts;
 			for (double y = region.max.y; y > region.min.y; y -= side) {
 				for (double x = region.min.x; x < region.max.x; x += side) {
 					const Rect tile{{x, std::max(y - side, region.min.y)}, {std::min(x + side, region.max.x), y}};
-					parts.merge(places(layer, terrain, tile));
+					parts.merge(instance_positions(layer, terrain, tile));
 				}
 			}
 			CHECK(parts == whole);
@@ -233,21 +236,21 @@ TEST_CASE("fill: an edit of the earlier layer moves points near the edit, and no
 		EditSearch search;
 		const EditedArea &area = search.find(*was, *is);
 		REQUIRE_FALSE(area.everywhere);
-		const Instances old = places(*was, flat, meadow);
-		const Instances now = places(*is, flat, meadow);
-		const auto far = [](glm::dvec2 place) {
-			return glm::distance(place, {20.0, 160.0}) > 12.0 + 2.5;
+		const Instances old = instance_positions(*was, flat, meadow);
+		const Instances now = instance_positions(*is, flat, meadow);
+		const auto far = [](glm::dvec2 position) {
+			return glm::distance(position, {20.0, 160.0}) > 12.0 + 2.5;
 		};
 		std::size_t moved_far = 0;
-		for (const auto &[id, place] : old) {
+		for (const auto &[id, position] : old) {
 			const auto same = now.find(id);
-			if (same == now.end() || same->second != place) {
-				CHECK(area.touches({place, place}));
-				moved_far += far(place) ? 1 : 0;
+			if (same == now.end() || same->second != position) {
+				CHECK(area.touches({position, position}));
+				moved_far += far(position) ? 1 : 0;
 			}
 		}
-		for (const auto &[id, place] : now) {
-			CHECK((old.contains(id) || area.touches({place, place})));
+		for (const auto &[id, position] : now) {
+			CHECK((old.contains(id) || area.touches({position, position})));
 		}
 		CHECK(moved_far > 0);
 		CHECK(now.size() != old.size());

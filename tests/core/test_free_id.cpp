@@ -15,11 +15,11 @@ constexpr std::uint64_t prefix = std::uint64_t{0x8001} << 48;
 /// The IDs in use, and the number of IDs that were checked.
 struct Ids {
 	std::set<std::uint64_t> taken;
-	std::size_t looks = 0;
+	std::size_t checks = 0;
 
 	std::uint64_t take(std::uint64_t first) {
 		const std::uint64_t id = free_id(prefix, first, [this](std::uint64_t any) {
-			++looks;
+			++checks;
 			return taken.contains(any);
 		});
 		CHECK(taken.insert(id).second);
@@ -34,10 +34,10 @@ TEST_CASE("free id: equal instances get successive IDs, at a nearly constant cos
 	constexpr std::uint64_t first = 0xfffffffffff0; // The numbers wrap around to 0.
 	std::size_t before = 0;
 	for (std::uint64_t count = 0; count < 40000; ++count) {
-		ids.looks = 0;
+		ids.checks = 0;
 		REQUIRE(ids.take(first) == (prefix | ((first + count) & 0xffffffffffff)));
-		REQUIRE(ids.looks <= 2 + 2 * 17);
-		before = std::max(before, ids.looks);
+		REQUIRE(ids.checks <= 2 + 2 * 17);
+		before = std::max(before, ids.checks);
 	}
 	CHECK(before > 20); // The search does check more than the next ID.
 }
@@ -46,9 +46,9 @@ TEST_CASE("free id: gaps are used or skipped, and no ID is returned twice") {
 	StateRandom random(51);
 	Ids ids;
 	for (int i = 0; i < 20000; ++i) {
-		ids.looks = 0;
+		ids.checks = 0;
 		ids.take(random() % 8);
-		REQUIRE(ids.looks < 100);
+		REQUIRE(ids.checks < 100);
 		if (random() % 3 == 0) {
 			const auto any = ids.taken.lower_bound(prefix | random() % 7000);
 			if (any != ids.taken.end()) {
@@ -65,7 +65,7 @@ TEST_CASE("free id: IDs in use at all doubled distances restart the search elsew
 		ids.taken.insert(prefix | ((5 + step) & 0xffffffffffff));
 	}
 	ids.take(5);
-	CHECK(ids.looks < 100);
+	CHECK(ids.checks < 100);
 	// The ID with all bits set is never used.
 	Ids last;
 	const std::uint64_t id = free_id(std::uint64_t{0xffff} << 48, 0xffffffffffff, [](std::uint64_t) { return false; });

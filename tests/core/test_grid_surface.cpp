@@ -48,10 +48,10 @@ Heightfield field_of(const std::vector<float> &heights, FloatPosts meaning) {
 /// A grid of `size` x `size` words of four bytes.
 template <class Word>
 PixelGrid grid_of(const std::vector<Word> &words, int size) {
-	const auto kept = std::make_shared<std::vector<Word>>(words);
+	const auto owner = std::make_shared<std::vector<Word>>(words);
 	PixelGrid grid;
-	const auto *bytes = reinterpret_cast<const std::uint8_t *>(kept->data());
-	REQUIRE(grid.set({size, size}, 4, {kept, {bytes, kept->size() * sizeof(Word)}}).ok());
+	const auto *bytes = reinterpret_cast<const std::uint8_t *>(owner->data());
+	REQUIRE(grid.set({size, size}, 4, {owner, {bytes, owner->size() * sizeof(Word)}}).ok());
 	return grid;
 }
 

@@ -122,9 +122,9 @@ TEST_CASE("ground: of the neighbor layers, only those with a slope rule query no
 }
 
 TEST_CASE("ground: an explanation includes the normal, even if the layer does not use it") {
-	const std::vector<glm::dvec2> places{{10.0, 10.0}, {-20.0, 30.0}};
+	const std::vector<glm::dvec2> positions{{10.0, 10.0}, {-20.0, 30.0}};
 	DensityProbe probe;
-	REQUIRE(probe.find(upright_layer(), places, true).ok());
+	REQUIRE(probe.find(upright_layer(), positions, true).ok());
 	for (const GroundQuery &query : probe.queries()) {
 		CHECK(query.needs.normals);
 	}
@@ -164,7 +164,7 @@ TEST_CASE("ground: once a rule excludes a position, no other rule or source is e
 	CHECK(probe.positions().size() == 1); // No positions of trees are queried.
 	const auto computes_shape = [&probe](float height) {
 		double density = 0.0;
-		REQUIRE(probe.look(std::vector<Ground>{{height}}).ok());
+		REQUIRE(probe.evaluate(std::vector<Ground>{{height}}).ok());
 		const bool computed = rounds([&] { density = probe.density_at(0); });
 		CHECK(density < 1.0);
 		return computed;

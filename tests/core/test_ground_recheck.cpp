@@ -50,7 +50,7 @@ public:
 		now += 1.0 / 60.0;
 		std::vector<glm::dvec2> positions;
 		recheck.next(now, 16, positions);
-		most_at_once = std::max(most_at_once, positions.size());
+		max_per_call = std::max(max_per_call, positions.size());
 		std::vector<std::optional<float>> heights;
 		for (const glm::dvec2 position : positions) {
 			++reads[position.x];
@@ -70,7 +70,7 @@ public:
 
 	GroundRecheck recheck;
 	double now = 100.0;
-	std::size_t most_at_once = 0;
+	std::size_t max_per_call = 0;
 	std::map<double, int> reads; ///< The number of reads at each x.
 	std::vector<double> changes; ///< The x of each found change.
 };
@@ -82,7 +82,7 @@ std::optional<float> flat(glm::dvec2) { return 0.0F; }
 TEST_CASE("ground recheck: all heights of all tiles are read in turn, a few per frame, equally often") {
 	Row row(40);
 	row.frames(600, flat);
-	CHECK(row.most_at_once == 16);
+	CHECK(row.max_per_call == 16);
 	REQUIRE(row.reads.size() == 160);
 	const auto [least, most] = std::ranges::minmax_element(row.reads, {}, &std::pair<const double, int>::second);
 	CHECK(least->second >= 10);
@@ -139,7 +139,7 @@ TEST_CASE("ground recheck: ground that appears or disappears is a change; small 
 
 TEST_CASE("ground recheck: tiles that will be regenerated are not read until then") {
 	Row row(3);
-	row.recheck.hold(0, {{12.0, 0.0}, {13.0, 1.0}});
+	row.recheck.suspend(0, {{12.0, 0.0}, {13.0, 1.0}});
 	row.show({0, 0, {2, 0}}, 4, 0.0F, true);
 	row.frames(100, flat);
 	CHECK(row.reads.rbegin()->first < 10.0);
@@ -183,12 +183,12 @@ TEST_CASE("ground recheck: changes are collected for a short time, unless there 
 }
 
 TEST_CASE("ground recheck: only changes in tiles that are regenerated anyway are dropped") {
-	for (const std::uint32_t held : {0U, 1U}) {
+	for (const std::uint32_t is_suspended : {0U, 1U}) {
 		Row row(1);
 		row.frame([](glm::dvec2) { return 1.0F; });
 		REQUIRE(row.recheck.has_changes());
-		row.recheck.hold(held, {{0.0, 0.0}, {10.0, 10.0}});
-		CHECK(row.recheck.has_changes() == (held == 1));
+		row.recheck.suspend(is_suspended, {{0.0, 0.0}, {10.0, 10.0}});
+		CHECK(row.recheck.has_changes() == (is_suspended == 1));
 	}
 }
 

@@ -117,14 +117,14 @@ constexpr Rect wider{{-48.0, -16.0}, {48.0, 80.0}};
 
 /// Returns the distance from a position to the surface of the nearest instance of a host.
 double distance_to(const AllPlaced &hosts, const glm::dvec3 &position) {
-	double least = 1e9;
+	double min_distance = 1e9;
 	for (const auto &[id, host] : hosts) {
 		const glm::dvec3 center =
 				host.position + (host.mesh == 0 ? glm::dvec3(0.0) : host.basis * glm::dvec3(0.7, 0.5, 0.0));
 		const double radius = (host.mesh == 0 ? 1.2 : 0.8) * glm::length(host.basis[1]);
-		least = std::min(least, std::abs(glm::distance(center, position) - radius));
+		min_distance = std::min(min_distance, std::abs(glm::distance(center, position) - radius));
 	}
-	return least;
+	return min_distance;
 }
 
 /// Returns true if any of many positions on a triangle is in a box.
@@ -133,9 +133,9 @@ bool enters(const std::array<glm::dvec3, 3> &corners, const Box3 &box) {
 	bool is_inside = false;
 	for (int i = 0; i <= steps; ++i) {
 		for (int j = 0; i + j <= steps; ++j) {
-			const glm::dvec3 place =
+			const glm::dvec3 position =
 					corners[0] + (corners[1] - corners[0]) * (i / 20.0) + (corners[2] - corners[0]) * (j / 20.0);
-			is_inside = is_inside || touch({place, place}, box);
+			is_inside = is_inside || touch({position, position}, box);
 		}
 	}
 	return is_inside;
@@ -176,10 +176,11 @@ TEST_CASE("hosts: instances are on the models, apart from each other and without
 	for (const auto &[id, host] : hosts) {
 		for (int i = 0; i < 40 && host.mesh == 0; ++i) {
 			const glm::dvec3 way = glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
-			const glm::dvec3 place = host.position + 1.2 * glm::length(host.basis[1]) * way;
-			if (area.contains({place.x - 0.5, place.z - 0.5}) && area.contains({place.x + 0.5, place.z + 0.5})) {
+			const glm::dvec3 position = host.position + 1.2 * glm::length(host.basis[1]) * way;
+			if (area.contains({position.x - 0.5, position.z - 0.5}) &&
+					area.contains({position.x + 0.5, position.z + 0.5})) {
 				++tested;
-				CHECK(cubes.nearest(place) < moss.set.radius * 1.1);
+				CHECK(cubes.nearest(position) < moss.set.radius * 1.1);
 			}
 		}
 	}

@@ -40,11 +40,11 @@ float byte(int value) { return static_cast<float>(value / 255.0); }
 double expected_at(glm::dvec2 position, bool repeat) {
 	const double x = (position.x + 24.0) / 8.0 - 0.5;
 	const double y = (position.y + 8.0) / 4.0 - 0.5;
-	const auto held = [&](int index, int count) {
+	const auto clamped = [&](int index, int count) {
 		return repeat ? ((index % count) + count) % count : std::clamp(index, 0, count - 1);
 	};
 	const auto pixel = [&](int column, int row) {
-		return double{1} * pixels[static_cast<std::size_t>(held(row, size.y) * size.x + held(column, size.x))];
+		return double{1} * pixels[static_cast<std::size_t>(clamped(row, size.y) * size.x + clamped(column, size.x))];
 	};
 	const int column = static_cast<int>(std::floor(x));
 	const int row = static_cast<int>(std::floor(y));
@@ -81,36 +81,36 @@ TEST_CASE("image mask: densities are bilinear between pixel centers, and clamped
 		const glm::dvec2 anywhere(400.0 * unit(random) - 200.0, 100.0 * unit(random) - 50.0);
 		CHECK(std::abs(density(mask_of(size, pixels, area, MaskEdge::repeat), anywhere) - expected_at(anywhere, true)) <
 				1e-6);
-		const glm::dvec2 held = glm::dvec2(
+		const glm::dvec2 clamped = glm::dvec2(
 				std::clamp(anywhere.x, area.min.x, area.max.x), std::clamp(anywhere.y, area.min.y, area.max.y));
-		CHECK(std::abs(density(mask_of(size, pixels, area, MaskEdge::clamp), anywhere) - expected_at(held, false)) <
+		CHECK(std::abs(density(mask_of(size, pixels, area, MaskEdge::clamp), anywhere) - expected_at(clamped, false)) <
 				1e-6);
 	}
 }
 
 TEST_CASE("image mask: positions outside use the edge mode, at all four borders") {
-	struct Place {
+	struct Case {
 		glm::dvec2 position;
 		bool inside;
 		int nearest; ///< Pixel value at the nearest position inside the image.
 	};
-	const double hair = 1e-9;
+	const double tolerance = 1e-9;
 	// Positions on the center line of a column or row: on each border, inside it and outside it.
 	// The last two are outside at a corner.
-	const std::array places{Place{{-24.0, -2.0}, true, 50}, Place{{-24.0 - hair, -2.0}, false, 50},
-			Place{{-1000.0, -2.0}, false, 50}, Place{{16.0 - hair, -2.0}, true, 90}, Place{{16.0, -2.0}, false, 90},
-			Place{{1000.0, -2.0}, false, 90}, Place{{-4.0, -8.0}, true, 20}, Place{{-4.0, -8.0 - hair}, false, 20},
-			Place{{-4.0, -1e9}, false, 20}, Place{{-4.0, 4.0 - hair}, true, 120}, Place{{-4.0, 4.0}, false, 120},
-			Place{{-4.0, 1e9}, false, 120}, Place{{99.0, -99.0}, false, 255}, Place{{-99.0, 99.0}, false, 200}};
-	for (const Place &place : places) {
-		CAPTURE(place.position.x);
-		CAPTURE(place.position.y);
+	const std::array cases{Case{{-24.0, -2.0}, true, 50}, Case{{-24.0 - tolerance, -2.0}, false, 50},
+			Case{{-1000.0, -2.0}, false, 50}, Case{{16.0 - tolerance, -2.0}, true, 90}, Case{{16.0, -2.0}, false, 90},
+			Case{{1000.0, -2.0}, false, 90}, Case{{-4.0, -8.0}, true, 20}, Case{{-4.0, -8.0 - tolerance}, false, 20},
+			Case{{-4.0, -1e9}, false, 20}, Case{{-4.0, 4.0 - tolerance}, true, 120}, Case{{-4.0, 4.0}, false, 120},
+			Case{{-4.0, 1e9}, false, 120}, Case{{99.0, -99.0}, false, 255}, Case{{-99.0, 99.0}, false, 200}};
+	for (const Case &each : cases) {
+		CAPTURE(each.position.x);
+		CAPTURE(each.position.y);
 		const auto at = [&](MaskEdge edge) {
-			return density(mask_of(size, pixels, area, edge), place.position);
+			return density(mask_of(size, pixels, area, edge), each.position);
 		};
-		CHECK(at(MaskEdge::nothing) == (place.inside ? byte(place.nearest) : 0.0f));
-		CHECK(at(MaskEdge::everything) == (place.inside ? byte(place.nearest) : 1.0f));
-		CHECK(at(MaskEdge::clamp) == byte(place.nearest));
+		CHECK(at(MaskEdge::nothing) == (each.inside ? byte(each.nearest) : 0.0f));
+		CHECK(at(MaskEdge::everything) == (each.inside ? byte(each.nearest) : 1.0f));
+		CHECK(at(MaskEdge::clamp) == byte(each.nearest));
 	}
 }
 
@@ -119,12 +119,12 @@ TEST_CASE("image mask: a repeated image is periodic, without a seam") {
 	std::mt19937 random(2);
 	for (int i = 0; i < 500; ++i) {
 		// Multiples of 1/8 m are exact in all copies.
-		const glm::dvec2 place(
+		const glm::dvec2 position(
 				static_cast<int>(random() % 320) / 8.0 - 24.0, static_cast<int>(random() % 96) / 8.0 - 8.0);
 		const double copies_x = static_cast<int>(random() % 2001) - 1000;
 		const double copies_y = static_cast<int>(random() % 2001) - 1000;
-		const glm::dvec2 copy = place + glm::dvec2(40.0 * copies_x, 12.0 * copies_y);
-		CHECK(std::abs(density(mask, place) - density(mask, copy)) < 1e-6f);
+		const glm::dvec2 copy = position + glm::dvec2(40.0 * copies_x, 12.0 * copies_y);
+		CHECK(std::abs(density(mask, position) - density(mask, copy)) < 1e-6f);
 	}
 	for (const double border : {-24.0, 16.0, 56.0, -4024.0}) {
 		CHECK(std::abs(density(mask, {border - 1e-9, -3.0}) - density(mask, {border + 1e-9, -3.0})) < 1e-6f);

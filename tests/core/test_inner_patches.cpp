@@ -47,20 +47,21 @@ TEST_CASE("inner patches: batches are bit-identical to single patches, on every 
 		CAPTURE(target.name);
 		const bench::ForcedTarget forced(target);
 		std::mt19937 random(7);
-		std::uniform_real_distribution<double> share(0.0, 1.0);
+		std::uniform_real_distribution<double> fraction(0.0, 1.0);
 		for (int round = 0; round < 60; ++round) {
 			const std::vector<std::uint16_t> posts = posts_of(random);
-			const InnerPatches::Heights of{share(random) * 1e3 - 500.0, share(random) * 0.1,
-					{0.01 + share(random), 0.01 + 10.0 * share(random)}};
+			const InnerPatches::Heights of{fraction(random) * 1e3 - 500.0, fraction(random) * 0.1,
+					{0.01 + fraction(random), 0.01 + 10.0 * fraction(random)}};
 			InnerPatches patches;
-			const std::size_t count = 1 + random() % InnerPatches::most;
+			const std::size_t count = 1 + random() % InnerPatches::capacity;
 			std::vector<std::array<float, 4>> expected;
 			while (patches.count < count) {
 				const auto column = static_cast<int>(1 + random() % (side - 3));
 				const auto row = static_cast<int>(1 + random() % (side - 3));
 				REQUIRE(is_inner_patch({side, side}, {column, row}));
 				const std::uint16_t *first = posts.data() + row * side + column;
-				const glm::dvec2 part = random() % 8 == 0 ? glm::dvec2(0.0) : glm::dvec2(share(random), share(random));
+				const glm::dvec2 part =
+						random() % 8 == 0 ? glm::dvec2(0.0) : glm::dvec2(fraction(random), fraction(random));
 				expected.push_back(single_patch(first, part, of));
 				patches.add(first, side, part, expected.size());
 			}

@@ -23,9 +23,9 @@ struct Worlds {
 	std::vector<PlacedInstance> all;
 	InstanceState state;
 
-	Worlds(glm::dvec2 place, std::mt19937 &random) {
-		const Rect around{place - 220.0, place + 220.0};
-		state = changed_state(everything_in(warm, around), place, random);
+	Worlds(glm::dvec2 position, std::mt19937 &random) {
+		const Rect around{position - 220.0, position + 220.0};
+		state = changed_state(everything_in(warm, around), position, random);
 		all = everything_in(warm, around, &state);
 		REQUIRE(all.size() > 5000);
 	}
@@ -62,10 +62,10 @@ bool has_layer(const QueryFilter &filter, std::uint32_t layer) {
 
 TEST_CASE("queries: a rectangle returns the same as a scan of all tiles, with a warm and a cold source") {
 	std::mt19937 random(1);
-	for (const glm::dvec2 place : world_places) {
-		Worlds worlds(place, random);
+	for (const glm::dvec2 position : world_centers) {
+		Worlds worlds(position, random);
 		for (int repeat = 0; repeat < 30; ++repeat) {
-			const glm::dvec2 corner = place + glm::dvec2(between(random, -90.0, 60.0), between(random, -90.0, 60.0));
+			const glm::dvec2 corner = position + glm::dvec2(between(random, -90.0, 60.0), between(random, -90.0, 60.0));
 			Rect rect{corner, corner + glm::dvec2(between(random, 0.0, 40.0), between(random, 0.0, 40.0))};
 			if (repeat % 3 == 0) {
 				// The edges of the rectangle are borders of the trees' tiles.
@@ -86,12 +86,12 @@ TEST_CASE("queries: a rectangle returns the same as a scan of all tiles, with a 
 
 TEST_CASE("queries: a sphere returns the same as a scan, in three dimensions") {
 	std::mt19937 random(2);
-	for (const glm::dvec2 place : world_places) {
-		Worlds worlds(place, random);
+	for (const glm::dvec2 position : world_centers) {
+		Worlds worlds(position, random);
 		std::size_t total = 0;
 		for (int repeat = 0; repeat < 30; ++repeat) {
-			const glm::dvec3 center(place.x + between(random, -80.0, 80.0), between(random, -20.0, 20.0),
-					place.y + between(random, -80.0, 80.0));
+			const glm::dvec3 center(position.x + between(random, -80.0, 80.0), between(random, -20.0, 20.0),
+					position.y + between(random, -80.0, 80.0));
 			const double radius = repeat == 0 ? 0.0 : between(random, 0.1, 45.0);
 			const QueryFilter filter = random_filter(random);
 			const auto expected = matching(worlds.all, [&](const PlacedInstance &each) {
@@ -118,12 +118,12 @@ TEST_CASE("queries: a sphere returns the same as a scan, in three dimensions") {
 
 TEST_CASE("queries: the nearest instance is the one that a scan of all instances finds") {
 	std::mt19937 random(3);
-	for (const glm::dvec2 place : world_places) {
-		Worlds worlds(place, random);
+	for (const glm::dvec2 position : world_centers) {
+		Worlds worlds(position, random);
 		int none = 0;
 		for (int repeat = 0; repeat < 60; ++repeat) {
-			const glm::dvec3 from(place.x + between(random, -60.0, 60.0), between(random, -20.0, 30.0),
-					place.y + between(random, -60.0, 60.0));
+			const glm::dvec3 from(position.x + between(random, -60.0, 60.0), between(random, -20.0, 30.0),
+					position.y + between(random, -60.0, 60.0));
 			const double max_distance = std::exp(between(random, 0.0, 5.0));
 			QueryFilter filter = random_filter(random);
 			const bool picky = repeat % 2 == 0;
@@ -160,8 +160,8 @@ TEST_CASE("queries: the nearest instance is the one that a scan of all instances
 
 TEST_CASE("queries: an ID finds its instance, or nothing if there is none") {
 	std::mt19937 random(4);
-	for (const glm::dvec2 place : world_places) {
-		Worlds worlds(place, random);
+	for (const glm::dvec2 position : world_centers) {
+		Worlds worlds(position, random);
 		for (std::size_t i = 0; i < worlds.all.size(); i += worlds.all.size() / 60) {
 			worlds.each([&](const InstanceQuery &query) {
 				std::vector<PlacedInstance> found(2);
@@ -187,7 +187,7 @@ TEST_CASE("queries: an ID finds its instance, or nothing if there is none") {
 		// The IDs of adjacent cells, many of which have no instance.
 		int empty = 0;
 		for (std::size_t i = 0; i < worlds.all.size(); i += worlds.all.size() / 80) {
-			const glm::dvec2 off = glm::dvec2(worlds.all[i].position.x, worlds.all[i].position.z) - place;
+			const glm::dvec2 off = glm::dvec2(worlds.all[i].position.x, worlds.all[i].position.z) - position;
 			if (glm::length(off) > 150.0) {
 				continue; // The adjacent cell may be outside the scanned area.
 			}

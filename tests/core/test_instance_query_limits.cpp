@@ -69,9 +69,9 @@ TEST_CASE("queries: the error for invalid input names the argument, and the resu
 	refused(sphere(0.0, nan_value), ErrorCode::not_finite, "radius", nan_value);
 	refused(sphere(0.0, -1e-9), ErrorCode::out_of_range, "radius", -1e-9);
 	refused(sphere(2e15, 1.0), ErrorCode::out_of_range, "center", 2e15);
-	const auto layer = [&](std::uint32_t place) {
-		return [&query, place](std::vector<PlacedInstance> &found) {
-			return query.in_rect(glade, {{0, place}, {}}, found);
+	const auto layer = [&](std::uint32_t second) {
+		return [&query, second](std::vector<PlacedInstance> &found) {
+			return query.in_rect(glade, {{0, second}, {}}, found);
 		};
 	};
 	refused(layer(4), ErrorCode::out_of_range, "layer", 4.0);
@@ -97,10 +97,10 @@ TEST_CASE("queries: the error for invalid input names the argument, and the resu
 
 TEST_CASE("queries: the error for an invalid layer names the property, unless the filter skips the layer") {
 	World world;
-	const auto refused = [&](const std::function<void(QueryLayer &)> &spoil, ErrorCode code,
+	const auto refused = [&](const std::function<void(QueryLayer &)> &damage, ErrorCode code,
 								 const std::string &property, double value) {
 		std::vector<QueryLayer> layers = world.query_layers();
-		spoil(layers[1]);
+		damage(layers[1]);
 		const InstanceQuery query{layers, world, nullptr};
 		std::vector<PlacedInstance> found;
 		check_refused(query.in_rect(glade, {}, found), code, property, value);
@@ -173,16 +173,16 @@ TEST_CASE("queries: nothing overflows at the last cells and far beyond them") {
 	}
 	for (const double far : {edge + 64.0, 1e9, 1e12, 9e14}) {
 		for (const double sign : {-1.0, 1.0}) {
-			const glm::dvec3 place(sign * far, 0.0, far);
-			REQUIRE(query.in_sphere(place, 60.0, {}, found).ok());
+			const glm::dvec3 position(sign * far, 0.0, far);
+			REQUIRE(query.in_sphere(position, 60.0, {}, found).ok());
 			CHECK(found.empty());
-			REQUIRE(query.in_rect({{place.x, place.z}, {place.x + 99.0, place.z + 99.0}}, {}, found).ok());
+			REQUIRE(query.in_rect({{position.x, position.z}, {position.x + 99.0, position.z + 99.0}}, {}, found).ok());
 			CHECK(found.empty());
 			std::vector<NearestInstance> nearest;
-			REQUIRE(query.nearest(place, 60.0, {}, nearest).ok());
+			REQUIRE(query.nearest(position, 60.0, {}, nearest).ok());
 			CHECK(nearest.empty());
 			std::vector<RayHit> hit;
-			REQUIRE(query.on_ray(place, place - glm::dvec3(sign * 60.0, 9.0, 60.0), {}, hit).ok());
+			REQUIRE(query.on_ray(position, position - glm::dvec3(sign * 60.0, 9.0, 60.0), {}, hit).ok());
 			CHECK(hit.empty());
 		}
 	}
@@ -247,10 +247,10 @@ TEST_CASE("queries: the number of allocations does not depend on the number of i
 }
 
 TEST_CASE("queries: only large results are sorted by cells, which allocates memory") {
-	const auto sorting_allocates = [](int side, int apart) {
+	const auto sorting_allocates = [](int side, int spacing) {
 		FoundInstances found;
 		for (int i = 0; i < side * side; ++i) {
-			const glm::ivec2 cell = apart * glm::ivec2(side - 1 - i % side, i / side);
+			const glm::ivec2 cell = spacing * glm::ivec2(side - 1 - i % side, i / side);
 			found.add(FoundInstances::Ref{pack({3, cell}), 0, static_cast<std::uint32_t>(i)});
 		}
 		const std::size_t before = allocation_count();

@@ -91,16 +91,16 @@ TEST_CASE("queries: the filter is called last, in order, and no more often than 
 	CHECK(found.size() == standing.size() / 2);
 
 	tested.clear();
-	const glm::dvec3 place(31.0, 3.0, 33.0);
+	const glm::dvec3 position(31.0, 3.0, 33.0);
 	filter.accepts = [&](const PlacedInstance &each) {
 		tested.push_back(each);
 		return tested.size() == 25;
 	};
 	std::vector<NearestInstance> nearest;
-	REQUIRE(query.nearest(place, 60.0, filter, nearest).ok());
+	REQUIRE(query.nearest(position, 60.0, filter, nearest).ok());
 	auto by_distance = standing;
-	const auto distance = [place](const PlacedInstance &each) {
-		return glm::length(each.position - place);
+	const auto distance = [position](const PlacedInstance &each) {
+		return glm::length(each.position - position);
 	};
 	std::sort(by_distance.begin(), by_distance.end(),
 			[&](const PlacedInstance &a, const PlacedInstance &b) { return distance(a) < distance(b); });

@@ -31,18 +31,18 @@ double first_touch(const PlacedInstance &instance, const InstanceShape &shape, g
 	const glm::dmat3 inverse = glm::inverse(basis);
 	const glm::dvec3 a = inverse * (from - instance.position);
 	const glm::dvec3 d = inverse * (to - from);
-	std::vector<double> shares{0.0, -a.y / d.y, (shape.height - a.y) / d.y};
+	std::vector<double> fractions{0.0, -a.y / d.y, (shape.height - a.y) / d.y};
 	const double p = d.x * d.x + d.z * d.z;
 	const double q = a.x * d.x + a.z * d.z;
 	const double root = std::sqrt(q * q - p * (a.x * a.x + a.z * a.z - shape.radius * shape.radius));
-	shares.push_back((-q - root) / p);
+	fractions.push_back((-q - root) / p);
 	double first = 2.0;
-	for (const double share : shares) {
-		const glm::dvec3 at = a + share * d;
+	for (const double fraction : fractions) {
+		const glm::dvec3 at = a + fraction * d;
 		const bool inside =
 				at.y >= -1e-9 && at.y <= shape.height + 1e-9 && std::hypot(at.x, at.z) <= shape.radius + 1e-9;
-		if (share >= 0.0 && share <= 1.0 && inside) {
-			first = std::min(first, share);
+		if (fraction >= 0.0 && fraction <= 1.0 && inside) {
+			first = std::min(first, fraction);
 		}
 	}
 	return first;
@@ -52,23 +52,23 @@ double first_touch(const PlacedInstance &instance, const InstanceShape &shape, g
 
 TEST_CASE("queries: a ray hits the first of all cylinders") {
 	std::mt19937 random(5);
-	for (const glm::dvec2 place : world_places) {
+	for (const glm::dvec2 position : world_centers) {
 		World warm;
 		World cold;
 		const std::vector<QueryLayer> layers = warm.query_layers();
-		const Rect around{place - 160.0, place + 160.0};
-		const InstanceState state = changed_state(everything_in(warm, around), place, random);
+		const Rect around{position - 160.0, position + 160.0};
+		const InstanceState state = changed_state(everything_in(warm, around), position, random);
 		const auto all = everything_in(warm, around, &state);
 		const auto near = matching(all, [&](const PlacedInstance &each) {
-			return glm::length(glm::dvec2(each.position.x, each.position.z) - place) < 60.0;
+			return glm::length(glm::dvec2(each.position.x, each.position.z) - position) < 60.0;
 		});
 		int hits = 0;
 		for (int repeat = 0; repeat < 90; ++repeat) {
 			// Half of the rays pass close to an instance. Some are parallel to an axis.
 			const glm::dvec3 mark = repeat % 2 == 0
 					? near[random() % near.size()].position + glm::dvec3(0.0, between(random, -0.5, 2.0), 0.0)
-					: glm::dvec3(place.x + between(random, -60.0, 60.0), between(random, -15.0, 20.0),
-							  place.y + between(random, -60.0, 60.0));
+					: glm::dvec3(position.x + between(random, -60.0, 60.0), between(random, -15.0, 20.0),
+							  position.y + between(random, -60.0, 60.0));
 			const double reach = std::exp(between(random, -3.0, 4.0));
 			glm::dvec3 away(between(random, -1.0, 1.0), between(random, -0.1, 0.6), between(random, -1.0, 1.0));
 			if (repeat % 5 == 0) {
@@ -129,8 +129,8 @@ TEST_CASE("queries: a ray reads only the tiles before its first hit") {
 	REQUIRE(query.on_ray(eye, eye + glm::dvec3(3000.0, 0.0, 500.0), {{0, 1}, {}}, hit).ok());
 	REQUIRE(hit.size() == 1);
 	CHECK(hit[0].distance < 300.0);
-	const std::size_t looked_at = world.requests.size();
-	CHECK(looked_at < 150);
+	const std::size_t queried_tiles = world.requests.size();
+	CHECK(queried_tiles < 150);
 	// 30 m is the margin for the extent of instances beyond their tiles.
 	for (const auto &[layer, x, y] : world.requests) {
 		const Rect square = tile_rect(layers[layer].tile_size, {x, y});
@@ -215,12 +215,12 @@ TEST_CASE("queries: a ray tests only the cylinders of instances near it") {
 		}
 		std::shared_ptr<const CompactTile> tile;
 	};
-	const auto tile_with = [](glm::vec3 place) {
+	const auto tile_with = [](glm::vec3 position) {
 		MeshInstances mesh;
 		mesh.resize(1);
 		constexpr float endless = std::numeric_limits<float>::infinity();
-		std::ranges::copy(
-				std::array{endless, 0.0f, 0.0f, place.x, 0.0f, endless, 0.0f, place.y, 0.0f, 0.0f, endless, place.z},
+		std::ranges::copy(std::array{endless, 0.0f, 0.0f, position.x, 0.0f, endless, 0.0f, position.y, 0.0f, 0.0f,
+								  endless, position.z},
 				mesh.floats_of(0).begin());
 		mesh.max_scale = 1.0f;
 		mesh.min = glm::vec3(0.0f);
@@ -232,8 +232,8 @@ TEST_CASE("queries: a ray tests only the cylinders of instances near it") {
 	OneTile source;
 	const std::vector<QueryLayer> layers{world_layers().front().query_layer};
 	std::vector<RayHit> hit;
-	const auto meets = [&](glm::vec3 place) {
-		source.tile = tile_with(place);
+	const auto meets = [&](glm::vec3 position) {
+		source.tile = tile_with(position);
 		std::feclearexcept(FE_INVALID);
 		REQUIRE(InstanceQuery{layers, source, nullptr}.on_ray({1.0, 1.0, 1.0}, {60.0, 1.0, 1.0}, {}, hit).ok());
 		return std::fetestexcept(FE_INVALID) != 0;

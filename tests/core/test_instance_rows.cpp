@@ -37,7 +37,7 @@ Floats floats_of(const glm::mat3 &basis) {
 	return floats;
 }
 
-glm::mat3 put_together(const TurnAndScale &parts) {
+glm::mat3 put_together(const RotationAndScale &parts) {
 	glm::mat3 basis = glm::mat3_cast(parts.rotation);
 	for (int column = 0; column < 3; ++column) {
 		basis[column] *= parts.scale[column];
@@ -56,7 +56,7 @@ float largest_difference(const glm::mat3 &a, const glm::mat3 &b) {
 	return largest;
 }
 
-glm::quat random_turn(std::mt19937 &random) {
+glm::quat random_rotation(std::mt19937 &random) {
 	std::normal_distribution<float> along;
 	return glm::normalize(glm::quat(along(random), along(random), along(random), along(random)));
 }
@@ -90,12 +90,12 @@ TEST_CASE("a transform is split into rotation and scale, for any rotation") {
 	std::mt19937 random(7);
 	std::uniform_real_distribution<float> size(0.1f, 4.0f);
 	for (int i = 0; i < 20000; ++i) {
-		glm::mat3 basis = glm::mat3_cast(random_turn(random));
+		glm::mat3 basis = glm::mat3_cast(random_rotation(random));
 		const float sign = i % 2 == 0 ? 1.0f : -1.0f;
 		basis[0] *= sign * size(random);
 		basis[1] *= sign * size(random);
 		basis[2] *= sign * size(random);
-		const TurnAndScale parts = turn_and_scale(floats_of(basis));
+		const RotationAndScale parts = rotation_and_scale(floats_of(basis));
 		REQUIRE(largest_difference(put_together(parts), basis) < 4e-6f);
 		REQUIRE(std::abs(glm::length(parts.rotation) - 1.0f) < 1e-6f);
 		REQUIRE(parts.rotation.w >= 0.0f);
@@ -105,10 +105,10 @@ TEST_CASE("a transform is split into rotation and scale, for any rotation") {
 }
 
 TEST_CASE("half turns, whose quaternions have a single nonzero component, are correct") {
-	for (const glm::quat turn :
+	for (const glm::quat rotation :
 			{glm::quat(1, 0, 0, 0), glm::quat(0, 1, 0, 0), glm::quat(0, 0, 1, 0), glm::quat(0, 0, 0, 1)}) {
-		const TurnAndScale parts = turn_and_scale(floats_of(glm::mat3_cast(turn) * 2.0f));
-		CHECK(largest_difference(put_together(parts), glm::mat3_cast(turn) * 2.0f) == 0.0f);
+		const RotationAndScale parts = rotation_and_scale(floats_of(glm::mat3_cast(rotation) * 2.0f));
+		CHECK(largest_difference(put_together(parts), glm::mat3_cast(rotation) * 2.0f) == 0.0f);
 	}
 }
 
@@ -122,7 +122,7 @@ TEST_CASE("generated instances have exactly their scale on all axes") {
 	for (std::uint64_t id = 0; id < 5000; ++id) {
 		Floats floats{};
 		const float scale = write_transform(placement, seed, id, random_normal(random), {}, floats);
-		const TurnAndScale parts = turn_and_scale(floats);
+		const RotationAndScale parts = rotation_and_scale(floats);
 		REQUIRE(parts.scale.x == parts.scale.y);
 		REQUIRE(parts.scale.x == parts.scale.z);
 		REQUIRE(parts.scale.x == doctest::Approx(scale).epsilon(1e-6));
@@ -132,7 +132,7 @@ TEST_CASE("generated instances have exactly their scale on all axes") {
 TEST_CASE("a shear is reported, and the rest of the transform is kept") {
 	glm::mat3 basis(1.0f);
 	basis[1] = {0.5f, 1.0f, 0.0f};
-	const TurnAndScale parts = turn_and_scale(floats_of(basis));
+	const RotationAndScale parts = rotation_and_scale(floats_of(basis));
 	CHECK(parts.sheared);
 	CHECK(parts.rotation.w == doctest::Approx(1.0f));
 	CHECK(parts.scale.x == doctest::Approx(1.0f));
@@ -142,7 +142,7 @@ TEST_CASE("a shear is reported, and the rest of the transform is kept") {
 TEST_CASE("the rows of flat instances contain only finite numbers") {
 	for (const glm::mat3 &basis :
 			{glm::mat3(0.0f), glm::mat3(1, 0, 0, 0, 0, 0, 0, 0, 1), glm::mat3(1, 0, 0, 1, 0, 0, 0, 0, 1)}) {
-		const TurnAndScale parts = turn_and_scale(floats_of(basis));
+		const RotationAndScale parts = rotation_and_scale(floats_of(basis));
 		CHECK(parts.rotation == glm::quat(1.0f, 0.0f, 0.0f, 0.0f));
 		CHECK(std::isfinite(parts.scale.x + parts.scale.y + parts.scale.z));
 	}
@@ -172,7 +172,7 @@ TEST_CASE("rows contain every number of a tile, column by column") {
 		});
 	}
 	const auto parts_of = [](const MeshInstances &mesh, std::size_t i) {
-		return turn_and_scale(std::span(mesh.buffer).subspan(i * mesh.stride).first<transform_floats>());
+		return rotation_and_scale(std::span(mesh.buffer).subspan(i * mesh.stride).first<transform_floats>());
 	};
 	for (const auto part : {&glm::quat::x, &glm::quat::y, &glm::quat::z, &glm::quat::w}) {
 		check_column<float>(bytes, at, tile,

@@ -32,12 +32,12 @@ std::vector<std::uint64_t> ids_in(const InstanceSnapshot &snapshot, const Rect &
 }
 
 /// Returns a function that generates tiles on any thread and counts them.
-TileMaker counting_maker(FlatWorld &flat, std::atomic<std::size_t> &r_made) {
+TileMaker counting_maker(FlatWorld &flat, std::atomic<std::size_t> &r_generated) {
 	return [&](std::span<const WorldTile> tiles, Tiles &r_tiles) -> Status {
 		r_tiles.clear();
 		for (const WorldTile &tile : tiles) {
 			r_tiles.push_back(flat.make(tile.tile));
-			++r_made;
+			++r_generated;
 		}
 		return {};
 	};
@@ -48,8 +48,8 @@ TileMaker counting_maker(FlatWorld &flat, std::atomic<std::size_t> &r_made) {
 TEST_CASE("instance snapshot: threads get the results of the snapshot while the world changes") {
 	FlatWorld flat;
 	InstanceState state;
-	std::atomic<std::size_t> made = 0;
-	flat.world.set_maker(counting_maker(flat, made));
+	std::atomic<std::size_t> generated = 0;
+	flat.world.set_maker(counting_maker(flat, generated));
 	flat.world.set_state(&state);
 	const Rect rect{{-20.0, -20.0}, {20.0, 20.0}};
 	std::vector<PlacedInstance> standing;
@@ -67,7 +67,7 @@ TEST_CASE("instance snapshot: threads get the results of the snapshot while the 
 	REQUIRE(state.add(added, placed).ok());
 	const std::size_t expected = query_world().size();
 	REQUIRE(expected == standing.size());
-	const InstanceSnapshot snapshot(flat.world, state.share(), counting_maker(flat, made));
+	const InstanceSnapshot snapshot(flat.world, state.share(), counting_maker(flat, generated));
 	std::atomic<std::size_t> wrong = 0;
 	std::vector<std::thread> threads;
 	for (int thread = 0; thread < 4; ++thread) {
@@ -95,19 +95,19 @@ TEST_CASE("instance snapshot: threads get the results of the snapshot while the 
 
 TEST_CASE("instance snapshot: cached tiles are reused, and missing tiles are generated once") {
 	FlatWorld flat;
-	std::atomic<std::size_t> made = 0;
+	std::atomic<std::size_t> generated = 0;
 	flat.world.keep({0, {0, 0}}, flat.make({0, 0}));
-	const InstanceSnapshot snapshot(flat.world, std::nullopt, counting_maker(flat, made));
+	const InstanceSnapshot snapshot(flat.world, std::nullopt, counting_maker(flat, generated));
 	const double size = flat.world.layers()[0].tile_size;
 	const Rect known{{1.0, 1.0}, {size - 1.0, size - 1.0}};
 	const Rect unknown{{size + 1.0, 1.0}, {2.0 * size - 1.0, size - 1.0}};
 	CHECK_FALSE(ids_in(snapshot, known).empty());
-	const std::size_t for_known = made;
+	const std::size_t for_known = generated;
 	const std::vector<std::uint64_t> first = ids_in(snapshot, unknown);
-	const std::size_t for_unknown = made;
+	const std::size_t for_unknown = generated;
 	CHECK(for_unknown > for_known);
 	CHECK(ids_in(snapshot, unknown) == first);
-	CHECK(made == for_unknown);
+	CHECK(generated == for_unknown);
 }
 
 TEST_CASE("instance snapshot: only queries that need an unavailable tile fail") {

@@ -18,21 +18,21 @@ using namespace thicket::test;
 
 TEST_CASE("sources: a fraction is linear between the ends of its range, which may be a step") {
 	const InstanceSource range{.kind = SourceKind::height, .min = -10.0, .max = 30.0};
-	CHECK(share_of(range, -1e9) == 0.0f);
-	CHECK(share_of(range, -10.0) == 0.0f);
-	CHECK(share_of(range, 0.0) == 0.25f);
-	CHECK(share_of(range, 30.0) == 1.0f);
-	CHECK(share_of(range, 1e9) == 1.0f);
+	CHECK(fraction_of(range, -1e9) == 0.0f);
+	CHECK(fraction_of(range, -10.0) == 0.0f);
+	CHECK(fraction_of(range, 0.0) == 0.25f);
+	CHECK(fraction_of(range, 30.0) == 1.0f);
+	CHECK(fraction_of(range, 1e9) == 1.0f);
 	const InstanceSource step{.kind = SourceKind::distance, .min = 5.0, .max = 5.0};
-	CHECK(share_of(step, 4.999) == 0.0f);
-	CHECK(share_of(step, 5.0) == 1.0f);
-	CHECK(share_of(step, 5.001) == 1.0f);
+	CHECK(fraction_of(step, 4.999) == 0.0f);
+	CHECK(fraction_of(step, 5.0) == 1.0f);
+	CHECK(fraction_of(step, 5.001) == 1.0f);
 }
 
 TEST_CASE("sources: randomness blends from the fraction to the random number, within 0 to 1") {
 	InstanceSource source{.kind = SourceKind::height};
 	CHECK(mixed(source, 0.5f, 0.9) == 0.5);
-	CHECK(mixed(source, unknown_share, 0.9) == 0.9);
+	CHECK(mixed(source, unknown_fraction, 0.9) == 0.9);
 	source.randomness = 1.0;
 	CHECK(mixed(source, 0.5f, 0.9) == 0.9);
 	for (int step = 0; step <= 100; ++step) {
@@ -49,7 +49,7 @@ TEST_CASE("sources: a curve maps the fraction, even if it is purely random") {
 	const InstanceSource height{.kind = SourceKind::height, .randomness = 0.5, .curve = falling};
 	CHECK(mixed(height, 0.25f, 0.75) == 0.5);
 	CHECK(mixed(height, 1.0f, 1.0) == 0.0);
-	CHECK(mixed({.curve = falling}, unknown_share, 0.25) == 0.75);
+	CHECK(mixed({.curve = falling}, unknown_fraction, 0.25) == 0.75);
 }
 
 TEST_CASE("sources: the curve of a random color chooses the color") {
@@ -78,7 +78,7 @@ TEST_CASE("sources: rules and sources that use the same neighbor sample it once,
 	const LayerGraph graph(layer);
 	REQUIRE(graph.nodes().size() == 2);
 	CHECK(graph.nodes()[0].margin == 20.0);
-	CHECK(graph.nodes()[0].asked_from == 20.0);
+	CHECK(graph.nodes()[0].max_dependent_distance == 20.0);
 	CHECK(reach(layer) == 20.0);
 	const double own = point_density(layer.set) * 64.0 * 64.0;
 	const double others = point_density(oaks()->set) * 104.0 * 104.0;
@@ -202,18 +202,19 @@ TEST_CASE("sources: an edit of the layer on which a color depends reaches as far
 
 TEST_CASE("sources: hand-placed instances get the values of their position") {
 	const glm::dvec3 position{3.0, 45.0, -7.0};
-	const auto shares = [&](SourceKind kind) {
-		return shares_by_hand(layer_with_sources(source_of(kind), {}).instance_data, position, false).color;
+	const auto fractions = [&](SourceKind kind) {
+		return fractions_by_hand(layer_with_sources(source_of(kind), {}).instance_data, position, false).color;
 	};
-	CHECK(shares(SourceKind::height) == 0.5f);
-	CHECK(shares(SourceKind::rank) == 0.0f);
+	CHECK(fractions(SourceKind::height) == 0.5f);
+	CHECK(fractions(SourceKind::rank) == 0.0f);
 	const double noise = std::clamp(double{Waves::at({3.0, -7.0})}, 0.0, 1.0);
-	CHECK(double{shares(SourceKind::noise)} == doctest::Approx(share(source_of(SourceKind::noise), noise)));
-	CHECK(shares(SourceKind::slope) == unknown_share);
-	CHECK(shares(SourceKind::distance) == unknown_share);
-	CHECK(shares(SourceKind::random) == unknown_share);
+	CHECK(double{fractions(SourceKind::noise)} ==
+			doctest::Approx(expected_fraction(source_of(SourceKind::noise), noise)));
+	CHECK(fractions(SourceKind::slope) == unknown_fraction);
+	CHECK(fractions(SourceKind::distance) == unknown_fraction);
+	CHECK(fractions(SourceKind::random) == unknown_fraction);
 	const InstanceData by_height = layer_with_sources(source_of(SourceKind::height), {}).instance_data;
 	const Planet planet{{1.0, 2.0, 3.0}, 100.0};
-	CHECK(shares_by_hand(by_height, {1.0, 2.0, -142.0}, true, planet).color == 0.5f);
-	CHECK(shares_by_hand(by_height, {-144.0, 2.0, 3.0}, true, planet).color == 0.5f);
+	CHECK(fractions_by_hand(by_height, {1.0, 2.0, -142.0}, true, planet).color == 0.5f);
+	CHECK(fractions_by_hand(by_height, {-144.0, 2.0, 3.0}, true, planet).color == 0.5f);
 }

@@ -134,38 +134,39 @@ TEST_CASE("state bytes: the format is unchanged") {
 }
 
 TEST_CASE("state bytes: every damaged byte, every truncation and every extra byte is rejected") {
-	const StateBytes whole = bytes_of(small_state());
-	for (std::size_t at = 0; at < whole.size(); ++at) {
+	const StateBytes complete = bytes_of(small_state());
+	for (std::size_t at = 0; at < complete.size(); ++at) {
 		for (int value = 0; value < 256; ++value) {
-			if (value != whole[at]) {
-				StateBytes bytes = whole;
+			if (value != complete[at]) {
+				StateBytes bytes = complete;
 				bytes[at] = static_cast<std::uint8_t>(value);
 				check_refused_bytes(bytes);
 			}
 		}
-		check_refused_bytes(StateBytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(at)));
+		check_refused_bytes(StateBytes(complete.begin(), complete.begin() + static_cast<std::ptrdiff_t>(at)));
 	}
-	StateBytes longer = whole;
+	StateBytes longer = complete;
 	longer.push_back(0);
 	check_refused_bytes(longer);
 	InstanceState state = small_state();
 	check_refused_bytes(diff_of(state, 3));
 	InstanceState other;
 	std::vector<InstanceChange> changes;
-	StateBytes bytes = whole;
+	StateBytes bytes = complete;
 	bytes[4] = 3;
 	CHECK(describe(other.load(bytes, changes)).starts_with("version must be between 1 and 2, got 3"));
 }
 
 TEST_CASE("state bytes: damaged bytes with a valid checksum are rejected, or loaded and written back") {
-	const StateBytes whole = bytes_of(small_state());
-	for (std::size_t at = 0; at < whole.size() - 8; ++at) {
+	const StateBytes complete = bytes_of(small_state());
+	for (std::size_t at = 0; at < complete.size() - 8; ++at) {
 		for (int value = 0; value < 256; ++value) {
-			StateBytes bytes = whole;
+			StateBytes bytes = complete;
 			bytes[at] = static_cast<std::uint8_t>(value);
 			check_any_bytes(with_checksum(bytes));
 		}
-		check_any_bytes(with_checksum(StateBytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(at) + 8)));
+		check_any_bytes(
+				with_checksum(StateBytes(complete.begin(), complete.begin() + static_cast<std::ptrdiff_t>(at) + 8)));
 	}
 	StateRandom random(12);
 	InstanceState large;
@@ -189,11 +190,11 @@ TEST_CASE("state bytes: contradictory content is rejected") {
 	constexpr std::uint64_t point = std::uint64_t{1} << 48;
 	constexpr std::uint64_t placed = point | std::uint64_t{1} << 63;
 	StateRecord good;
-	good.whole = false;
+	good.is_complete = false;
 	good.removed = {point + 1, point + 2};
 	good.until = {{1, 5.0}};
-	good.standing = {point + 3};
-	good.gone = {placed + 1};
+	good.present = {point + 3};
+	good.removed_placed = {placed + 1};
 	good.added = {placed + 2};
 	good.instances = {instance_at(1.0, 2.0)};
 	good.placed_at = {3.0};
@@ -211,18 +212,18 @@ TEST_CASE("state bytes: contradictory content is rejected") {
 		return status.ok();
 	};
 	CHECK(taken(good));
-	const auto refused = [&](auto spoil) {
+	const auto refused = [&](auto damage) {
 		StateRecord bad = good;
-		spoil(bad);
+		damage(bad);
 		return !taken(bad);
 	};
-	CHECK(refused([](StateRecord &bad) { bad.whole = true; }));
+	CHECK(refused([](StateRecord &bad) { bad.is_complete = true; }));
 	CHECK(refused([](StateRecord &bad) { bad.removed[0] = point + 3; }));
 	CHECK(refused([](StateRecord &bad) { bad.removed[1] = placed + 7; }));
-	CHECK(refused([](StateRecord &bad) { bad.standing[0] = placed + 7; }));
-	CHECK(refused([](StateRecord &bad) { bad.standing[0] = point + 1; }));
-	CHECK(refused([](StateRecord &bad) { bad.gone[0] = placed + 2; }));
-	CHECK(refused([](StateRecord &bad) { bad.gone[0] = point + 7; }));
+	CHECK(refused([](StateRecord &bad) { bad.present[0] = placed + 7; }));
+	CHECK(refused([](StateRecord &bad) { bad.present[0] = point + 1; }));
+	CHECK(refused([](StateRecord &bad) { bad.removed_placed[0] = placed + 2; }));
+	CHECK(refused([](StateRecord &bad) { bad.removed_placed[0] = point + 7; }));
 	CHECK(refused([](StateRecord &bad) { bad.added[0] = point + 7; }));
 	CHECK(refused([](StateRecord &bad) { bad.added[0] = ~std::uint64_t{0}; }));
 	CHECK(refused([](StateRecord &bad) { bad.until[0].first = 2; }));
@@ -243,14 +244,14 @@ TEST_CASE("state bytes: contradictory content is rejected") {
 	}
 	CHECK(refused([](StateRecord &bad) { bad.until[0].second = 0.0; }));
 	CHECK(refused([](StateRecord &bad) { bad.origin = {7, 5, 4}; }));
-	StateRecord whole = good;
-	whole.whole = true;
-	whole.gone.clear();
-	CHECK(taken(whole));
-	whole.with_data.erase(whole.with_data.begin() + 1);
-	whole.data.pop_back();
-	whole.data_at.pop_back();
-	CHECK_FALSE(taken(whole)); // The data would state only that the point is not removed.
+	StateRecord complete = good;
+	complete.is_complete = true;
+	complete.removed_placed.clear();
+	CHECK(taken(complete));
+	complete.with_data.erase(complete.with_data.begin() + 1);
+	complete.data.pop_back();
+	complete.data_at.pop_back();
+	CHECK_FALSE(taken(complete)); // The data would state only that the point is not removed.
 }
 
 TEST_CASE("state bytes: a million removals take less than 4 MB, wherever they are") {

@@ -169,17 +169,17 @@ TEST_CASE("state exchange: a damaged diff is rejected and has no effect") {
 	const StateBytes diff = diff_of(server, 10);
 	const InstanceState peer = state_of(random, 60);
 	const StateBytes before = bytes_of(peer);
-	InstanceState victim = copy_of(peer);
+	InstanceState receiver = copy_of(peer);
 	Changes changes;
 	for (std::size_t at = 0; at < diff.size(); ++at) {
 		StateBytes bytes = diff;
 		bytes[at] ^= static_cast<std::uint8_t>(1 + random() % 255);
-		REQUIRE_FALSE(victim.apply(bytes, changes).ok());
+		REQUIRE_FALSE(receiver.apply(bytes, changes).ok());
 		bytes.resize(at);
-		REQUIRE_FALSE(victim.apply(bytes, changes).ok());
+		REQUIRE_FALSE(receiver.apply(bytes, changes).ok());
 	}
 	CHECK(changes.empty());
-	CHECK(bytes_of(victim) == before);
+	CHECK(bytes_of(receiver) == before);
 }
 
 TEST_CASE("state exchange: a merged state has the content of both") {

@@ -113,12 +113,12 @@ TEST_CASE("state: the error for an invalid hand-placed instance names the proper
 
 TEST_CASE("state: hand-placed instances are found at their positions") {
 	StateRandom random(3);
-	std::uniform_real_distribution<double> place(-500.0, 500.0);
+	std::uniform_real_distribution<double> coordinate(-500.0, 500.0);
 	InstanceState state;
 	std::map<std::uint64_t, AddedInstance> expected;
 	for (int i = 0; i < 3000; ++i) {
 		AddedInstance instance =
-				instance_at(std::floor(place(random)), place(random), static_cast<std::uint16_t>(i % 2));
+				instance_at(std::floor(coordinate(random)), coordinate(random), static_cast<std::uint16_t>(i % 2));
 		if (i % 100 == 0) {
 			instance.position.x = i % 200 == 0 ? 1e9 : -1e9;
 		}
@@ -133,8 +133,8 @@ TEST_CASE("state: hand-placed instances are found at their positions") {
 			{{5.0, 5.0}, {5.0, 9.0}}, {{5.0, 5.0}, {1.0, 9.0}}, {{std::nan(""), 5.0}, {1.0, 9.0}},
 			{{9e8, -infinite}, {infinite, 0.0}}};
 	for (int i = 0; i < 300; ++i) {
-		const glm::dvec2 corner(std::floor(place(random)), place(random));
-		rects.push_back({corner, corner + glm::dvec2(std::floor(place(random) + 500.0), 100.0)});
+		const glm::dvec2 corner(std::floor(coordinate(random)), coordinate(random));
+		rects.push_back({corner, corner + glm::dvec2(std::floor(coordinate(random) + 500.0), 100.0)});
 	}
 	for (const Rect &rect : rects) {
 		for (std::uint16_t layer = 0; layer < 3; ++layer) {

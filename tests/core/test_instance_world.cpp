@@ -39,10 +39,10 @@ TEST_CASE("instance world: the least recently used tiles are evicted, a few for 
 	constexpr int tiles = 3000;
 	InstanceWorld world;
 	world.set_layers(layers_of(1));
-	std::vector<std::weak_ptr<const CompactTile>> made;
+	std::vector<std::weak_ptr<const CompactTile>> generated;
 	std::vector<std::shared_ptr<const CompactTile>> visible;
-	const auto forgotten = [&made] {
-		return std::ranges::count_if(made, [](const auto &tile) { return tile.expired(); });
+	const auto forgotten = [&generated] {
+		return std::ranges::count_if(generated, [](const auto &tile) { return tile.expired(); });
 	};
 	const auto known = [&world](int x) {
 		return world.find({0, {x, 0}}) != nullptr;
@@ -51,7 +51,7 @@ TEST_CASE("instance world: the least recently used tiles are evicted, a few for 
 	std::ptrdiff_t most = 0;
 	for (int x = 0; x < tiles; ++x) {
 		auto tile = tile_of(instances);
-		made.emplace_back(tile);
+		generated.emplace_back(tile);
 		if (x < 50) {
 			visible.push_back(tile);
 		}
@@ -121,15 +121,15 @@ TEST_CASE("instance world: the missing tiles of a query are generated together, 
 	CHECK(first.size() == second.size());
 }
 
-TEST_CASE("instance world: a tile that was generated while the layers changed is not kept") {
+TEST_CASE("instance world: a tile that was generated while the layers changed is not cached") {
 	FlatWorld flat;
-	int made = 0;
-	bool meddle = true;
+	int generated = 0;
+	bool change_layers = true;
 	flat.world.set_maker(
 			[&](std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles) -> Status {
-				++made;
+				++generated;
 				r_tiles = {flat.make(tiles.front().tile)};
-				if (meddle) {
+				if (change_layers) {
 					flat.set_layers();
 				}
 				return {};
@@ -143,12 +143,13 @@ TEST_CASE("instance world: a tile that was generated while the layers changed is
 		CHECK(found.size() > 1);
 	};
 	answer();
-	CHECK(made == 1);
-	meddle = false;
+	CHECK(generated == 1);
+	change_layers = false;
 	answer();
-	CHECK(made == 2);
+	CHECK(generated == 2);
+	// Now the tile is cached.
 	answer();
-	CHECK(made == 2);
+	CHECK(generated == 2);
 }
 
 TEST_CASE("instance world: an edit keeps the tiles that it does not touch") {

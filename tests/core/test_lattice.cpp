@@ -47,13 +47,13 @@ analysis::CellRect inner_cells(const PointSet &set, const Rect &region, std::uin
 }
 
 /// Checks every level of the set in a region that is assembled from tiles.
-void check_region(const PointSet &set, const Rect &region, const Tiling &tiling, std::uint64_t least_points) {
+void check_region(const PointSet &set, const Rect &region, const Tiling &tiling, std::uint64_t min_points) {
 	const std::vector<SamplePoint> points = points_through(set, region, tiling);
 	for (std::uint32_t level = 0; level < set.levels; ++level) {
 		CAPTURE(level);
 		const LatticeReport report =
 				LatticeCheck::run(lattice_points(set, points, level), lattice_bits, inner_cells(set, region, level));
-		CHECK(report.points >= least_points >> (2 * level));
+		CHECK(report.points >= min_points >> (2 * level));
 		CHECK(report.too_close == 0);
 		CHECK(report.uncovered == 0);
 	}

@@ -46,8 +46,8 @@ bool near(const Rect &a, const Rect &b, double tolerance = 0.01) {
 	return close(a.min, b.min) && close(a.max, b.max);
 }
 
-bool holds(const std::vector<Rect> &areas, glm::dvec2 place) {
-	return std::ranges::any_of(areas, [place](const Rect &area) { return area.contains(place); });
+bool contains(const std::vector<Rect> &areas, glm::dvec2 position) {
+	return std::ranges::any_of(areas, [position](const Rect &area) { return area.contains(position); });
 }
 
 } // namespace
@@ -94,9 +94,9 @@ TEST_CASE("edits of shapes: a long path touches only the area along it") {
 	std::vector<Rect> areas;
 	REQUIRE(add_touched(road, areas).ok());
 	CHECK(areas.size() <= max_path_pieces);
-	CHECK_FALSE(holds(areas, {100.0, 900.0}));
-	for (const glm::dvec2 place : road.outline) {
-		CHECK(holds(areas, place + glm::dvec2(1.4, -1.4)));
+	CHECK_FALSE(contains(areas, {100.0, 900.0}));
+	for (const glm::dvec2 position : road.outline) {
+		CHECK(contains(areas, position + glm::dvec2(1.4, -1.4)));
 	}
 	road.outline.resize(2);
 	areas.clear();

@@ -43,13 +43,13 @@ TEST_CASE("lod: each mesh is used from its distance on, until the viewer is 5 % 
 
 TEST_CASE("lod: moving back and forth within 5 % changes the mesh only once") {
 	const LodSettings settings = thinning();
-	std::size_t shown = lod_at(settings, 10.0, 0);
+	std::size_t current_lod = lod_at(settings, 10.0, 0);
 	int changes = 0;
 	for (int step = 0; step < 1000; ++step) {
 		const double distance = 19.6 + 0.55 * std::sin(step * 0.3);
-		const std::size_t lod = lod_at(settings, distance, shown);
-		changes += lod != shown ? 1 : 0;
-		shown = lod;
+		const std::size_t lod = lod_at(settings, distance, current_lod);
+		changes += lod != current_lod ? 1 : 0;
+		current_lod = lod;
 	}
 	CHECK(changes == 1);
 }
@@ -89,49 +89,49 @@ TEST_CASE("lod: the instances that remain are enlarged to cover the same area, u
 }
 
 TEST_CASE("lod: a limited fraction approaches the requested fraction in few steps and never exceeds the limit") {
-	double share = 1.0;
+	double fraction = 1.0;
 	int changes = 0;
-	const auto follow = [&share, &changes](std::uint64_t wanted, std::uint64_t most) {
-		const double next = limited_share(share, wanted, most);
-		changes += next != share ? 1 : 0;
-		share = next;
-		CHECK(share * static_cast<double>(wanted) <= static_cast<double>(most));
-		CHECK(share >= 0.0);
-		CHECK(share <= 1.0);
+	const auto follow = [&fraction, &changes](std::uint64_t wanted, std::uint64_t max_instances) {
+		const double next = limited_fraction(fraction, wanted, max_instances);
+		changes += next != fraction ? 1 : 0;
+		fraction = next;
+		CHECK(fraction * static_cast<double>(wanted) <= static_cast<double>(max_instances));
+		CHECK(fraction >= 0.0);
+		CHECK(fraction <= 1.0);
 		// The fraction has settled, so a second call returns the same value.
-		CHECK(limited_share(share, wanted, most) == share);
+		CHECK(limited_fraction(fraction, wanted, max_instances) == fraction);
 	};
 	for (std::uint64_t wanted = 0; wanted <= 1000000; wanted += 500) {
 		follow(wanted, 100000);
-		CHECK((wanted > 100000 || share == 1.0));
-		CHECK((wanted < 100000 || share * static_cast<double>(wanted) > 0.69 * 100000.0));
+		CHECK((wanted > 100000 || fraction == 1.0));
+		CHECK((wanted < 100000 || fraction * static_cast<double>(wanted) > 0.69 * 100000.0));
 	}
 	CHECK(changes < 30);
 	for (std::uint64_t wanted = 1000000; wanted > 0; wanted -= 500) {
 		follow(wanted, 100000);
 	}
-	CHECK(share == 1.0);
+	CHECK(fraction == 1.0);
 	CHECK(changes < 60);
 	follow(10, 0);
-	CHECK(share == 0.0);
+	CHECK(fraction == 0.0);
 	follow(10, std::numeric_limits<std::uint64_t>::max());
-	CHECK(share == 1.0);
+	CHECK(fraction == 1.0);
 }
 
 TEST_CASE("lod: within the margin nothing changes, for every displayed state") {
 	std::mt19937 random(11);
 	std::uniform_real_distribution<double> any(0.0, 160.0);
-	std::uniform_real_distribution<double> share(-0.9999, 0.9999);
+	std::uniform_real_distribution<double> fraction(-0.9999, 0.9999);
 	const LodSettings settings = thinning();
 	double least = 1e9;
 	for (int i = 0; i < 20000; ++i) {
 		const double distance = any(random);
 		const double margin = distance_margin(settings, distance);
 		least = std::fmin(least, margin);
-		const double near = distance + margin * share(random);
+		const double near = distance + margin * fraction(random);
 		CHECK(thinned_density(settings, near) == thinned_density(settings, distance));
-		for (std::size_t shown = 0; shown < 4; ++shown) {
-			CHECK(lod_at(settings, near, shown) == lod_at(settings, distance, shown));
+		for (std::size_t current_lod = 0; current_lod < 4; ++current_lod) {
+			CHECK(lod_at(settings, near, current_lod) == lod_at(settings, distance, current_lod));
 		}
 	}
 	CHECK(least < 0.01);

@@ -116,11 +116,11 @@ TEST_CASE("lod schedule: with LOD margins, no change is ever missed, and checks 
 	settings.thin_begin = 50.0;
 	settings.thin_end = 200.0;
 	settings.thin_density = 0.1;
-	struct Shown {
+	struct DrawnTile {
 		std::size_t lod = 0;
 		double density = 1.0;
 	};
-	std::map<int, Shown> tiles;
+	std::map<int, DrawnTile> tiles;
 	LodSchedule schedule;
 	std::vector<Viewer> viewers{{{0.0, 0.0}, 1.0, 2.0}};
 	schedule.move(viewers);
@@ -134,7 +134,7 @@ TEST_CASE("lod schedule: with LOD margins, no change is ever missed, and checks 
 		tiles[x] = {};
 		schedule.add(key_of(x), 0.0);
 	}
-	std::uint64_t looks = 0;
+	std::uint64_t checks = 0;
 	double heading = 0.0;
 	for (int frame = 0; frame < 4000; ++frame) {
 		heading += turn(random);
@@ -142,19 +142,19 @@ TEST_CASE("lod schedule: with LOD margins, no change is ever missed, and checks 
 		schedule.move(viewers);
 		while (const auto due_tile = schedule.next()) {
 			const int x = due_tile->tile.x;
-			Shown &shown = tiles[x];
-			++looks;
-			shown.lod = lod_at(settings, distance(x), shown.lod);
-			shown.density = thinned_density(settings, distance(x));
+			DrawnTile &drawn = tiles[x];
+			++checks;
+			drawn.lod = lod_at(settings, distance(x), drawn.lod);
+			drawn.density = thinned_density(settings, distance(x));
 			schedule.add(*due_tile, distance_margin(settings, distance(x)));
 		}
-		for (const auto &[x, shown] : tiles) {
-			CHECK(shown.lod == lod_at(settings, distance(x), shown.lod));
-			CHECK(shown.density == thinned_density(settings, distance(x)));
+		for (const auto &[x, drawn] : tiles) {
+			CHECK(drawn.lod == lod_at(settings, distance(x), drawn.lod));
+			CHECK(drawn.density == thinned_density(settings, distance(x)));
 		}
 	}
-	CHECK(looks > 100);
-	CHECK(looks < 4000 * 40 / 4);
+	CHECK(checks > 100);
+	CHECK(checks < 4000 * 40 / 4);
 }
 
 TEST_CASE("lod schedule: a viewer that jumps is a new viewer, and moved meters count as before") {

@@ -26,7 +26,7 @@ LodSettings settings_of(std::vector<double> distances, double fade, double sight
 
 /// Returns the fraction of an instance that a mesh draws: the faded-in fraction minus the faded-out
 /// fraction, computed as in scatter_fade_shares.
-double share_of(const FadeRange &range, double away) {
+double visible_fraction(const FadeRange &range, double away) {
 	if (range.z == 0.0F) {
 		return 1.0;
 	}
@@ -36,9 +36,10 @@ double share_of(const FadeRange &range, double away) {
 	return part(range.x) - part(std::abs(range.y));
 }
 
-/// Returns the sum of the fractions of share_of over all meshes that are drawn for a box with this
-/// span.
-double drawn_share(const LodSettings &settings, const std::vector<LodStep> &steps, const LodSpan &span, double away) {
+/// Returns the sum of the fractions of visible_fraction over all meshes that are drawn for a box
+/// with this span.
+double drawn_fraction(
+		const LodSettings &settings, const std::vector<LodStep> &steps, const LodSpan &span, double away) {
 	double sum = 0.0;
 	for (std::size_t from = span.first; from <= span.last;) {
 		std::size_t to = from;
@@ -46,7 +47,7 @@ double drawn_share(const LodSettings &settings, const std::vector<LodStep> &step
 			++to;
 		}
 		const LodEnd end = to < span.last ? LodEnd::next : span.ends ? LodEnd::sight : LodEnd::stays;
-		sum += share_of(fade_range(settings, from, to, from > span.first, end), away);
+		sum += visible_fraction(fade_range(settings, from, to, from > span.first, end), away);
 		from = to + 1;
 	}
 	return sum;
@@ -57,14 +58,14 @@ double drawn_share(const LodSettings &settings, const std::vector<LodStep> &step
 TEST_CASE("lod span: without a fade, or with a mesh that cannot fade, a whole box changes as in lod_at") {
 	const LodSettings none = settings_of({20.0, 50.0, 51.0}, 0.0);
 	const LodSettings some = settings_of({20.0, 50.0, 51.0}, 0.2);
-	LodSpan shown[2];
+	LodSpan displayed[2];
 	std::mt19937 random(3);
 	for (int step = 0; step < 2000; ++step) {
 		const double near = 0.04 * static_cast<double>(random() % 2000);
-		const std::size_t expected = lod_at(none, near, shown[0].first);
-		shown[0] = lod_span(none, std::vector<LodStep>(4, soft), {near, near + 30.0}, shown[0]);
-		shown[1] = lod_span(some, std::vector<LodStep>(4, sharp), {near, near + 30.0}, shown[1]);
-		for (const LodSpan &span : shown) {
+		const std::size_t expected = lod_at(none, near, displayed[0].first);
+		displayed[0] = lod_span(none, std::vector<LodStep>(4, soft), {near, near + 30.0}, displayed[0]);
+		displayed[1] = lod_span(some, std::vector<LodStep>(4, sharp), {near, near + 30.0}, displayed[1]);
+		for (const LodSpan &span : displayed) {
 			CHECK(span == LodSpan{expected, expected, false});
 		}
 	}
@@ -80,19 +81,19 @@ TEST_CASE("lod span: for every viewer position, each instance is drawn once, wit
 	for (const std::vector<LodStep> &steps : kinds) {
 		for (const double sight_end : {0.0, 90.0}) {
 			const LodSettings settings = settings_of({20.0, 40.0, 60.0}, 0.2, sight_end);
-			LodSpan shown;
+			LodSpan displayed;
 			double near = 0.0;
 			for (int step = 0; step < 3000; ++step) {
 				near = std::clamp(near + 0.01 * (static_cast<double>(random() % 401) - 200.0), 0.0, 100.0);
 				const double far = near + 1.0 + static_cast<double>(step % 40);
-				shown = lod_span(settings, steps, {near, far}, shown);
-				REQUIRE(shown.first <= shown.last);
-				REQUIRE(shown.last < steps.size());
+				displayed = lod_span(settings, steps, {near, far}, displayed);
+				REQUIRE(displayed.first <= displayed.last);
+				REQUIRE(displayed.last < steps.size());
 				for (const double along : {0.0, 0.3, 0.7, 1.0}) {
 					const double away = near + along * (far - near);
-					const bool fades_out = sight_end > 0.0 && steps[shown.last].fades;
+					const bool fades_out = sight_end > 0.0 && steps[displayed.last].fades;
 					const double expected = fades_out ? std::clamp((90.0 - away) / 18.0, 0.0, 1.0) : 1.0;
-					CHECK(drawn_share(settings, steps, shown, away) == doctest::Approx(expected).epsilon(1e-4));
+					CHECK(drawn_fraction(settings, steps, displayed, away) == doctest::Approx(expected).epsilon(1e-4));
 				}
 			}
 		}
@@ -121,21 +122,21 @@ TEST_CASE("lod span: within the margin nothing changes, and moving back and fort
 	for (int step = 0; step < 2000; ++step) {
 		const double near = 0.05 * static_cast<double>(random() % 2000);
 		const DistanceRange distance{near, near + 8.0};
-		const LodSpan shown = lod_span(settings, steps, distance, {});
-		const LodSpan settled = lod_span(settings, steps, distance, shown);
-		CHECK(settled == shown);
+		const LodSpan displayed = lod_span(settings, steps, distance, {});
+		const LodSpan settled = lod_span(settings, steps, distance, displayed);
+		CHECK(settled == displayed);
 		const double margin = 0.999 * span_margin(settings, steps, distance);
 		for (const double moved : {-margin, margin}) {
-			CHECK(lod_span(settings, steps, {near + moved, near + 8.0 + moved}, shown) == shown);
+			CHECK(lod_span(settings, steps, {near + moved, near + 8.0 + moved}, displayed) == displayed);
 		}
 	}
-	LodSpan shown = lod_span(settings, steps, {20.1, 21.0}, {});
+	LodSpan displayed = lod_span(settings, steps, {20.1, 21.0}, {});
 	int changes = 0;
 	for (int step = 0; step < 40; ++step) {
 		const double near = step % 2 == 0 ? 20.45 : 20.95;
-		const LodSpan next = lod_span(settings, steps, {near, near + 1.0}, shown);
-		changes += next == shown ? 0 : 1;
-		shown = next;
+		const LodSpan next = lod_span(settings, steps, {near, near + 1.0}, displayed);
+		changes += next == displayed ? 0 : 1;
+		displayed = next;
 	}
 	CHECK(changes <= 1);
 }

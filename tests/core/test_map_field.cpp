@@ -50,9 +50,9 @@ PixelGrid float_heights(const std::function<float(glm::ivec2)> &height = post_at
 	});
 }
 
-MapField field_of(const MapTransform &place, const MapLayers &layers) {
+MapField field_of(const MapTransform &transform, const MapLayers &layers) {
 	MapField field;
-	const Status status = field.set(place, layers);
+	const Status status = field.set(transform, layers);
 	INFO(describe(status));
 	REQUIRE(status.ok());
 	return field;
@@ -88,10 +88,10 @@ TEST_CASE("map field: the surface equals the surface of a heightfield with the s
 	}
 	Heightfield expected;
 	REQUIRE(expected.set_meters({glm::ivec2(posts), {{-32.0, 10.0}, {32.0, 138.0}}}, meters).ok());
-	MapTransform place;
-	place.to_world = glm::dmat2(2.0, 0.0, 0.0, 4.0);
-	place.origin = {-32.0, 0.0, 10.0};
-	const MapField field = field_of(place, plain_layers());
+	MapTransform transform;
+	transform.to_world = glm::dmat2(2.0, 0.0, 0.0, 4.0);
+	transform.origin = {-32.0, 0.0, 10.0};
+	const MapField field = field_of(transform, plain_layers());
 	std::mt19937 random(1);
 	std::uniform_real_distribution<double> x(-40.0, 40.0);
 	std::uniform_real_distribution<double> z(0.0, 150.0);
@@ -112,18 +112,18 @@ TEST_CASE("map field: the surface equals the surface of a heightfield with the s
 }
 
 TEST_CASE("map field: maps can be rotated, scaled and moved") {
-	MapTransform place;
+	MapTransform transform;
 	const double turn = 0.6;
-	place.to_world =
+	transform.to_world =
 			glm::dmat2(2.0 * std::cos(turn), -2.0 * std::sin(turn), 3.0 * std::sin(turn), 3.0 * std::cos(turn));
-	place.origin = {100.0, -7.0, 40.0};
-	place.height_scale = 1.5;
+	transform.origin = {100.0, -7.0, 40.0};
+	transform.height_scale = 1.5;
 	MapLayers layers;
 	layers.heights = float_heights([](glm::ivec2 post) { return 0.5F * static_cast<float>(post.x) + 2.0F; });
-	const MapField field = field_of(place, layers);
+	const MapField field = field_of(transform, layers);
 	for (const MapField &one : {field, field.at_offset({1000.0, 50.0, -2000.0})}) {
-		const glm::dvec3 origin = one.place().origin;
-		const glm::dvec2 at = place.to_world * glm::dvec2(10.25, 20.5) + glm::dvec2(origin.x, origin.z);
+		const glm::dvec3 origin = one.transform().origin;
+		const glm::dvec2 at = transform.to_world * glm::dvec2(10.25, 20.5) + glm::dvec2(origin.x, origin.z);
 		const Ground ground = one.at(at);
 		CHECK(ground.height == doctest::Approx(origin.y + 1.5 * (0.5 * 10.25 + 2.0)));
 		// The height rises by 0.75 m every 2 m along the columns of the map.

@@ -1,7 +1,7 @@
 // Tests explanations of positions on the models of other layers.
 
 #include "core/explain/model_probe.hpp"
-#include "core/explain/place_explainer.hpp"
+#include "core/explain/position_explainer.hpp"
 #include "core/terrain/flat_terrain.hpp"
 #include "placement_fixture.hpp"
 #include "surface_fixture.hpp"
@@ -40,13 +40,13 @@ TEST_CASE("model probe: the instances on a model are explained, and so are posit
 	std::vector<Ground> heights;
 	ModelProbe probe;
 	std::unique_ptr<const Surface> models;
-	PlaceExplainer explainer;
-	const auto explain = [&](const glm::dvec3 &place, PlaceExplanation &r_explanation) {
-		REQUIRE(probe.find(moss, place, nullptr).ok());
+	PositionExplainer explainer;
+	const auto explain = [&](const glm::dvec3 &position, PositionExplanation &r_explanation) {
+		REQUIRE(probe.find(moss, position, nullptr).ok());
 		heights.assign(probe.positions().size(), Ground{});
 		REQUIRE(query_ground(ground, probe.positions(), probe.queries(), heights).ok());
 		REQUIRE(probe.models(heights, models).ok());
-		Status status = explainer.find(moss, place, nullptr, models.get());
+		Status status = explainer.find(moss, position, nullptr, models.get());
 		if (status.ok()) {
 			heights.assign(explainer.positions().size(), Ground{});
 			REQUIRE(query_ground(ground, explainer.positions(), explainer.queries(), heights).ok());
@@ -55,12 +55,12 @@ TEST_CASE("model probe: the instances on a model are explained, and so are posit
 		return status;
 	};
 	for (std::size_t i = 0; i < tile.meshes[0].size(); i += 10) {
-		PlaceExplanation explanation;
+		PositionExplanation explanation;
 		REQUIRE(explain(world_position(tile, tile.meshes[0], i), explanation).ok());
 		CHECK(explanation.point.id == tile.meshes[0].ids[i]);
 		CHECK(explanation.is_placed());
 	}
-	PlaceExplanation explanation;
+	PositionExplanation explanation;
 	const glm::dvec3 first = world_position(tile, tile.meshes[0], 0);
 	CHECK(std::string_view(explain(first + glm::dvec3(0.0, 2.0, 0.0), explanation).property) ==
 			"model of surface_layers");

@@ -51,15 +51,15 @@ void add_frustum(
 
 /// Returns four upright cards that intersect on the y axis.
 std::vector<Triangle> cards(double width, double height) {
-	std::vector<Triangle> made;
+	std::vector<Triangle> result;
 	for (const glm::dvec3 side :
 			{glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1), glm::dvec3(0.7, 0, 0.7), glm::dvec3(0.7, 0, -0.7)}) {
 		const glm::dvec3 reach = side * (0.5 * width);
 		const glm::dvec3 up(0, height, 0);
-		made.push_back({-reach, reach, reach + up});
-		made.push_back({-reach, reach + up, up - reach});
+		result.push_back({-reach, reach, reach + up});
+		result.push_back({-reach, reach + up, up - reach});
 	}
-	return made;
+	return result;
 }
 
 } // namespace

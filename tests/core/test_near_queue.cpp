@@ -24,7 +24,7 @@ TEST_CASE("near queue: instances within the distance enter, the nearest first, a
 	Follower follower;
 	CHECK_FALSE(follower.queue.settled());
 	const glm::dvec3 center{3.0, 1.0, -2.0};
-	follower.look(center, flat.world);
+	follower.check(center, flat.world);
 	double last = 0.0;
 	for (PlacedInstance instance; follower.queue.next_entering(instance);) {
 		const double away = glm::distance(instance.position, center);
@@ -32,23 +32,23 @@ TEST_CASE("near queue: instances within the distance enter, the nearest first, a
 		last = away;
 		follower.held.insert(instance.id);
 	}
-	CHECK(follower.held == flat.within(center, NearQueue::enter_share * distance));
+	CHECK(follower.held == flat.within(center, NearQueue::enter_factor * distance));
 	CHECK(follower.held.size() > 100);
 	CHECK(follower.queue.settled());
 	glm::dvec3 at = center;
 	for (int step = 0; step < 20; ++step) {
 		at.x += 1.0;
-		follower.look(at, flat.world);
+		follower.check(at, flat.world);
 		follower.follow();
 		const std::set<std::uint64_t> near = flat.within(at, distance);
-		const std::set<std::uint64_t> reach = flat.within(at, NearQueue::leave_share * distance);
+		const std::set<std::uint64_t> reach = flat.within(at, NearQueue::leave_factor * distance);
 		CHECK(std::includes(follower.held.begin(), follower.held.end(), near.begin(), near.end()));
 		CHECK(std::includes(reach.begin(), reach.end(), follower.held.begin(), follower.held.end()));
 	}
-	follower.look(at + glm::dvec3(0.3, 0.0, 0.0), flat.world);
+	follower.check(at + glm::dvec3(0.3, 0.0, 0.0), flat.world);
 	CHECK(follower.follow() == 0);
 	follower.queue.set_distances(std::array{0.0});
-	follower.look(at, flat.world);
+	follower.check(at, flat.world);
 	follower.follow();
 	CHECK(follower.held.empty());
 	CHECK(follower.queue.settled());
@@ -58,22 +58,22 @@ TEST_CASE("near queue: a removed instance leaves, and one that is placed differe
 	FlatWorld flat;
 	flat.load();
 	Follower follower;
-	follower.look({}, flat.world);
+	follower.check({}, flat.world);
 	follower.follow();
 	const std::uint64_t felled = *follower.held.begin();
 	CHECK(flat.state.remove(felled));
 	flat.world.touch();
 	CHECK_FALSE(follower.queue.settled());
-	follower.look({}, flat.world);
+	follower.check({}, flat.world);
 	HeldRelease gone;
-	REQUIRE(follower.queue.next_gone(gone));
+	REQUIRE(follower.queue.next_removed(gone));
 	CHECK(gone.id == felled);
 	follower.held.erase(felled);
-	CHECK_FALSE(follower.queue.next_gone(gone));
+	CHECK_FALSE(follower.queue.next_removed(gone));
 	CHECK(follower.follow() == 0);
 
 	flat.load(2, 1.5);
-	follower.look({}, flat.world);
+	follower.check({}, flat.world);
 	std::set<std::uint64_t> changed;
 	for (PlacedInstance instance; follower.queue.next_changed(instance);) {
 		CHECK(instance.position.y == doctest::Approx(1.5));
@@ -96,23 +96,24 @@ TEST_CASE("near queue: if very many instances are removed, the nearest leave fir
 	const glm::dvec3 center{3.0, 0.0, -2.0};
 	std::map<std::uint64_t, glm::dvec3> held;
 	queue.set_distances(std::array{2.0 * distance});
-	const auto look = [&] {
-		queue.look_around(std::array{center}, flat.world);
+	const auto check = [&] {
+		queue.find_changes(std::array{center}, flat.world);
 	};
-	for (look(); !queue.settled(); look()) {
+	for (check(); !queue.settled(); check()) {
 		for (PlacedInstance instance; queue.next_entering(instance);) {
 			held[instance.id] = instance.position;
 		}
 	}
-	CHECK(held.size() > NearQueue::max_looked); // Otherwise, a single check would find all removed instances.
+	CHECK(held.size() >
+			NearQueue::max_checked_instances); // Otherwise, a single check would find all removed instances.
 	// The order is exact within a frame. The next frame checks cells that are farther away.
 	const auto check_nearest_first = [&](std::size_t expected) {
 		std::size_t gone = 0;
 		double nearest_of_last = 0.0;
-		for (int frame = 0; frame < NearQueue::most_waiting && !queue.settled(); ++frame) {
-			look();
+		for (int frame = 0; frame < NearQueue::max_waiting_frames && !queue.settled(); ++frame) {
+			check();
 			double last = 0.0;
-			for (HeldRelease leaving; queue.next_gone(leaving); ++gone) {
+			for (HeldRelease leaving; queue.next_removed(leaving); ++gone) {
 				REQUIRE(held.contains(leaving.id));
 				CHECK(leaving.position == held[leaving.id]);
 				const double away = glm::distance(leaving.position, center);
@@ -144,9 +145,9 @@ TEST_CASE("near queue: an instance that enters is not also reported as changed")
 	FlatWorld flat;
 	flat.load();
 	Follower follower;
-	follower.look({}, flat.world);
+	follower.check({}, flat.world);
 	follower.follow();
-	follower.look({9.0, 0.0, 0.0}, flat.world);
+	follower.check({9.0, 0.0, 0.0}, flat.world);
 	PlacedInstance instance;
 	for (int entered = 0; entered < 5; ++entered) {
 		REQUIRE(follower.queue.next_entering(instance));
@@ -158,14 +159,14 @@ TEST_CASE("near queue: a released instance enters again") {
 	FlatWorld flat;
 	flat.load();
 	Follower follower;
-	follower.look({}, flat.world);
+	follower.check({}, flat.world);
 	follower.follow();
 	const std::uint64_t id = *follower.held.begin();
 	follower.queue.release(0, id);
 	CHECK_FALSE(follower.queue.holds(0, id));
 	CHECK_FALSE(follower.queue.settled());
 	follower.held.erase(id);
-	follower.look({}, flat.world);
+	follower.check({}, flat.world);
 	CHECK(follower.follow() == 1);
 	CHECK(follower.held.contains(id));
 	CHECK(follower.queue.holds(0, id));
@@ -174,7 +175,7 @@ TEST_CASE("near queue: a released instance enters again") {
 	CHECK_FALSE(follower.queue.next_entering(instance));
 	follower.queue.release_layer(0);
 	follower.held.clear();
-	follower.look({}, flat.world);
+	follower.check({}, flat.world);
 	CHECK(follower.follow() > 100);
 }
 
@@ -188,16 +189,16 @@ TEST_CASE("near queue: very many centers take turns to be checked, although the 
 	}
 	std::set<std::uint64_t> near;
 	for (const glm::dvec3 &center : centers) {
-		near.merge(flat.within(center, NearQueue::enter_share * distance));
+		near.merge(flat.within(center, NearQueue::enter_factor * distance));
 	}
-	CHECK(near.size() > 5 * NearQueue::max_looked);
+	CHECK(near.size() > 5 * NearQueue::max_checked_instances);
 	int frames = 0;
 	int most = 0;
 	const auto follow = [&](bool restless) {
 		if (restless) {
 			flat.world.touch();
 		}
-		follower.queue.look_around(centers, flat.world);
+		follower.queue.find_changes(centers, flat.world);
 		most = std::max(most, follower.follow());
 		++frames;
 	};
@@ -206,7 +207,7 @@ TEST_CASE("near queue: very many centers take turns to be checked, although the 
 	}
 	CHECK(follower.held == near);
 	CHECK(frames > 5);
-	CHECK(most < static_cast<int>(NearQueue::max_looked + NearQueue::max_looked / 2));
+	CHECK(most < static_cast<int>(NearQueue::max_checked_instances + NearQueue::max_checked_instances / 2));
 	while (!follower.queue.settled() && frames < 200) {
 		follow(false);
 	}
@@ -233,7 +234,7 @@ TEST_CASE("near queue: a new distance keeps the near instances") {
 	flat.load(3);
 	Follower follower;
 	const glm::dvec3 center{-7.0, 0.0, 5.0};
-	follower.look(center, flat.world);
+	follower.check(center, flat.world);
 	follower.follow();
 	for (const double other : {9.0, 50.0, 2.0, distance}) {
 		const std::set<std::uint64_t> before = follower.held;
@@ -242,7 +243,7 @@ TEST_CASE("near queue: a new distance keeps the near instances") {
 		std::set<std::uint64_t> left;
 		std::size_t entered = 0;
 		for (int frame = 0; frame < 10; ++frame) {
-			follower.look(center, flat.world);
+			follower.check(center, flat.world);
 			for (HeldRelease leaving; follower.queue.next_leaving(leaving);) {
 				CHECK(left.insert(leaving.id).second);
 			}
@@ -254,8 +255,8 @@ TEST_CASE("near queue: a new distance keeps the near instances") {
 		for (const std::uint64_t id : left) {
 			CHECK(follower.held.erase(id) == 1);
 		}
-		const std::set<std::uint64_t> enter = flat.within(center, NearQueue::enter_share * other);
-		const std::set<std::uint64_t> reach = flat.within(center, NearQueue::leave_share * other);
+		const std::set<std::uint64_t> enter = flat.within(center, NearQueue::enter_factor * other);
+		const std::set<std::uint64_t> reach = flat.within(center, NearQueue::leave_factor * other);
 		CHECK(std::includes(follower.held.begin(), follower.held.end(), enter.begin(), enter.end()));
 		CHECK(std::includes(reach.begin(), reach.end(), follower.held.begin(), follower.held.end()));
 		CHECK((left.empty() || entered == 0));
@@ -269,7 +270,7 @@ TEST_CASE("near queue: setting an unchanged distance leaves its layer unchanged,
 	NearQueue queue;
 	queue.set_distances(std::array{distance, 0.0});
 	const std::array<glm::dvec3, 1> centers{glm::dvec3{-7.0, 0.0, 5.0}};
-	queue.look_around(centers, flat.world);
+	queue.find_changes(centers, flat.world);
 	std::size_t entered = 0;
 	for (PlacedInstance instance; queue.next_entering(instance);) {
 		++entered;
@@ -285,7 +286,7 @@ TEST_CASE("near queue: setting an unchanged distance leaves its layer unchanged,
 	}
 	HeldRelease leaving;
 	for (int frame = 0; frame < 3; ++frame) {
-		queue.look_around(centers, flat.world);
+		queue.find_changes(centers, flat.world);
 		CHECK_FALSE(queue.next_leaving(leaving));
 	}
 }
@@ -295,22 +296,22 @@ TEST_CASE("near queue: nothing is near centers that are not finite") {
 	flat.load(1);
 	Follower follower;
 	for (const double wrong : {std::nan(""), std::numeric_limits<double>::infinity(), -1e300}) {
-		follower.look({wrong, 0.0, 1.0}, flat.world);
-		follower.look({1.0, 0.0, wrong}, flat.world);
+		follower.check({wrong, 0.0, 1.0}, flat.world);
+		follower.check({1.0, 0.0, wrong}, flat.world);
 		CHECK(follower.follow() == 0);
 	}
-	follower.look({}, flat.world);
+	follower.check({}, flat.world);
 	CHECK(follower.follow() > 100);
 }
 
 TEST_CASE("near queue: unknown tiles are reported as missing") {
 	FlatWorld flat;
 	Follower follower;
-	follower.look({}, flat.world);
+	follower.check({}, flat.world);
 	CHECK(follower.follow() == 0);
 	CHECK(flat.world.take_missing().size() >= 4);
 	flat.load();
-	follower.look({}, flat.world);
+	follower.check({}, flat.world);
 	CHECK(follower.follow() > 100);
 	CHECK(flat.world.take_missing().empty());
 }
@@ -319,24 +320,24 @@ TEST_CASE("near queue: nothing is checked while the centers do not move or move 
 	FlatWorld flat; // The world is empty, so every check reports missing tiles.
 	Follower follower;
 	std::vector<glm::dvec3> centers{{5.0, 0.0, 5.0}};
-	const auto looks = [&] {
-		follower.queue.look_around(centers, flat.world);
+	const auto checks = [&] {
+		follower.queue.find_changes(centers, flat.world);
 		return !flat.world.take_missing().empty();
 	};
-	CHECK(looks());
-	for (int frame = 1; frame < NearCell::look_frames / 2; ++frame) {
-		centers[0].x += 0.9 * NearQueue::look_share * distance / NearCell::look_frames;
-		CHECK_FALSE(looks());
+	CHECK(checks());
+	for (int frame = 1; frame < NearCell::max_frames_between_checks / 2; ++frame) {
+		centers[0].x += 0.9 * NearQueue::slack_fraction * distance / NearCell::max_frames_between_checks;
+		CHECK_FALSE(checks());
 	}
-	centers[0].x += NearQueue::look_share * distance;
-	CHECK(looks());
-	CHECK_FALSE(looks());
+	centers[0].x += NearQueue::slack_fraction * distance;
+	CHECK(checks());
+	CHECK_FALSE(checks());
 	flat.world.touch();
-	CHECK(looks());
+	CHECK(checks());
 	flat.world.keep({0, {40, 0}}, flat.make({40, 0})); // A tile that loads far away causes no new check.
-	CHECK_FALSE(looks());
+	CHECK_FALSE(checks());
 	flat.world.keep({0, {0, 0}}, flat.make({0, 0}));
-	CHECK(looks());
+	CHECK(checks());
 }
 
 TEST_CASE("near queue: only the part of a cell within reach is checked") {
@@ -346,6 +347,6 @@ TEST_CASE("near queue: only the part of a cell within reach is checked") {
 			// The square of 22.5 m around it touches 4 tiles of 32 m. The cells that it touches
 			// would touch 9.
 			{5.0, 0.0, 5.0}};
-	follower.queue.look_around(centers, flat.world);
+	follower.queue.find_changes(centers, flat.world);
 	CHECK(flat.world.take_missing().size() == 4);
 }

@@ -18,12 +18,12 @@ TEST_CASE("near queue: each due instance is returned once, the nearest first, wh
 	flat.load(3);
 	Follower follower;
 	const glm::dvec3 center{3.0, 0.0, -2.0};
-	follower.look(center, flat.world);
+	follower.check(center, flat.world);
 	follower.follow();
-	const auto take_due = [&](std::size_t most, double &r_last) {
+	const auto take_due = [&](std::size_t max_count, double &r_last) {
 		std::set<std::uint64_t> due;
 		PlacedInstance instance;
-		while (due.size() < most && follower.queue.next_due(instance)) {
+		while (due.size() < max_count && follower.queue.next_due(instance)) {
 			const double away = glm::distance(instance.position, center);
 			CHECK(away >= r_last - 0.9); // Between the calls, the center moves by 0.4 m.
 			r_last = away;
@@ -39,7 +39,7 @@ TEST_CASE("near queue: each due instance is returned once, the nearest first, wh
 	CHECK_FALSE(follower.queue.settled());
 	std::set<std::uint64_t> due = take_due(60, last);
 	CHECK(due.size() == 60);
-	follower.look(center + glm::dvec3(0.4, 0.0, 0.0), flat.world);
+	follower.check(center + glm::dvec3(0.4, 0.0, 0.0), flat.world);
 	follower.follow();
 	due.merge(take_due(10000, last));
 	CHECK(due == follower.held);
@@ -56,7 +56,7 @@ TEST_CASE("near queue: each due instance is returned once, the nearest first, wh
 	CHECK(rest == follower.held);
 
 	// Instances that have left since then are no longer due.
-	follower.look(center, flat.world);
+	follower.check(center, flat.world);
 	follower.follow();
 	follower.queue.renew(0);
 	follower.queue.release_layer(0);
@@ -67,7 +67,7 @@ TEST_CASE("near queue: finds the nearest held instances around positions") {
 	FlatWorld flat;
 	flat.load(3);
 	Follower follower;
-	follower.look({}, flat.world);
+	follower.check({}, flat.world);
 	follower.follow();
 	const std::array<glm::dvec3, 2> positions{glm::dvec3{4.0, 0.0, 4.0}, glm::dvec3{-15.0, 0.0, 0.0}};
 	std::set<std::uint64_t> expected = flat.within(positions[0], 6.0);

@@ -24,10 +24,10 @@ PlacedInstance instance_at(std::uint64_t id, glm::dvec3 position) {
 }
 
 /// Returns instances with the IDs 1 to `count`. Instance i is at x = i * apart.
-std::vector<PlacedInstance> row(std::uint64_t count, double apart = 1.0) {
+std::vector<PlacedInstance> row(std::uint64_t count, double spacing = 1.0) {
 	std::vector<PlacedInstance> result;
 	for (std::uint64_t id = 1; id <= count; ++id) {
-		result.push_back(instance_at(id, {static_cast<double>(id) * apart, 0.0, 0.0}));
+		result.push_back(instance_at(id, {static_cast<double>(id) * spacing, 0.0, 0.0}));
 	}
 	return result;
 }
@@ -56,11 +56,11 @@ void follow(NearSet &set, const NearChanges &changes) {
 	}
 	for (const PlacedInstance &instance : changes.changed) {
 		CHECK(set.holds(instance.id));
-		REQUIRE(set.hold(instance));
+		REQUIRE(set.retain(instance));
 	}
 	for (const PlacedInstance &instance : changes.enter) {
 		CHECK_FALSE(set.holds(instance.id));
-		REQUIRE(set.hold(instance));
+		REQUIRE(set.retain(instance));
 	}
 }
 
@@ -71,35 +71,35 @@ using Ids = std::vector<std::uint64_t>;
 TEST_CASE("near set: the nearest enter first, the farthest leave first") {
 	NearSet set;
 	NearChanges changes;
-	std::vector<PlacedInstance> standing = row(10);
-	std::reverse(standing.begin(), standing.end());
+	std::vector<PlacedInstance> present = row(10);
+	std::reverse(present.begin(), present.end());
 	std::vector<glm::dvec3> centers{{4.2, 0.0, 0.0}};
-	set.look(centers, {2.5, 4.0}, standing, changes);
+	set.find_changes(centers, {2.5, 4.0}, present, changes);
 	CHECK(ids_of(changes.enter) == Ids{4, 5, 3, 6, 2});
 	CHECK(changes.leave.empty());
 	follow(set, changes);
 	CHECK(set.size() == 5);
 
 	centers[0].x = 8.1; // Instance 5 is within 4 m; instances 2 to 4 are not.
-	set.look(centers, {2.5, 4.0}, standing, changes);
+	set.find_changes(centers, {2.5, 4.0}, present, changes);
 	CHECK(ids_of(changes.enter) == Ids{8, 9, 7, 10});
 	CHECK(ids_of(changes.leave) == Ids{2, 3, 4});
-	CHECK(changes.gone == 0);
+	CHECK(changes.removed_count == 0);
 }
 
 TEST_CASE("near set: both ends of the range are inclusive, in three dimensions") {
 	NearSet set;
 	NearChanges changes;
 	const std::vector<glm::dvec3> centers{{0.0, 3.0, 0.0}};
-	std::vector<PlacedInstance> standing{instance_at(1, {4.0, 0.0, 0.0})}; // The instance is 5 m away.
-	set.look(centers, {4.999, 6.0}, standing, changes);
+	std::vector<PlacedInstance> present{instance_at(1, {4.0, 0.0, 0.0})}; // The instance is 5 m away.
+	set.find_changes(centers, {4.999, 6.0}, present, changes);
 	CHECK(changes.enter.empty());
-	set.look(centers, {5.0, 6.0}, standing, changes);
+	set.find_changes(centers, {5.0, 6.0}, present, changes);
 	CHECK(ids_of(changes.enter) == Ids{1});
 	follow(set, changes);
-	set.look(centers, {1.0, 5.0}, standing, changes);
+	set.find_changes(centers, {1.0, 5.0}, present, changes);
 	CHECK(changes.leave.empty());
-	set.look(centers, {1.0, 4.999}, standing, changes);
+	set.find_changes(centers, {1.0, 4.999}, present, changes);
 	CHECK(ids_of(changes.leave) == Ids{1});
 }
 
@@ -107,18 +107,18 @@ TEST_CASE("near set: a range of 0 contains no instances, and an inverted range u
 	NearSet set;
 	NearChanges changes;
 	const std::vector<glm::dvec3> centers{{1.0, 0.0, 0.0}};
-	const std::vector<PlacedInstance> standing = row(5);
-	set.look(centers, {2.0, 0.0}, standing, changes);
+	const std::vector<PlacedInstance> present = row(5);
+	set.find_changes(centers, {2.0, 0.0}, present, changes);
 	CHECK(ids_of(changes.enter) == Ids{1, 2, 3});
 	follow(set, changes);
-	set.look(centers, {2.0, 0.0}, standing, changes);
+	set.find_changes(centers, {2.0, 0.0}, present, changes);
 	CHECK(changes.enter.empty());
 	CHECK(changes.leave.empty());
-	set.look(centers, {0.0, 10.0}, standing, changes);
+	set.find_changes(centers, {0.0, 10.0}, present, changes);
 	CHECK(changes.enter.empty());
 	CHECK(ids_of(changes.leave) == Ids{1, 2, 3}); // The range is 0, so all leave, the nearest first.
-	CHECK(changes.gone == 3);
-	set.look({}, {2.0, 3.0}, standing, changes); // Without centers, nothing is near.
+	CHECK(changes.removed_count == 3);
+	set.find_changes({}, {2.0, 3.0}, present, changes); // Without centers, nothing is near.
 	CHECK(changes.enter.empty());
 	CHECK(ids_of(changes.leave) == Ids{1, 2, 3});
 }
@@ -127,15 +127,15 @@ TEST_CASE("near set: removed instances leave before distant ones, the nearest fi
 	NearSet set;
 	NearChanges changes;
 	std::vector<glm::dvec3> centers{{0.0, 0.0, 0.0}};
-	std::vector<PlacedInstance> standing = row(6);
-	set.look(centers, {6.0, 8.0}, standing, changes);
+	std::vector<PlacedInstance> present = row(6);
+	set.find_changes(centers, {6.0, 8.0}, present, changes);
 	follow(set, changes);
-	std::erase_if(standing, [](const PlacedInstance &instance) { return instance.id == 2 || instance.id == 3; });
+	std::erase_if(present, [](const PlacedInstance &instance) { return instance.id == 2 || instance.id == 3; });
 	centers[0].x = -3.5; // Instances 5 and 6 are beyond 8 m.
-	set.look(centers, {6.0, 8.0}, standing, changes);
+	set.find_changes(centers, {6.0, 8.0}, present, changes);
 	CHECK(changes.enter.empty());
 	CHECK(ids_of(changes.leave) == Ids{2, 3, 6, 5});
-	CHECK(changes.gone == 2);
+	CHECK(changes.removed_count == 2);
 }
 
 TEST_CASE("near set: an instance that is placed differently has changed, and neither enters nor leaves") {
@@ -143,46 +143,46 @@ TEST_CASE("near set: an instance that is placed differently has changed, and nei
 	NearChanges changes;
 	const std::vector<glm::dvec3> centers{{0.0, 0.0, 0.0}};
 	const std::vector<PlacedInstance> before = row(5);
-	set.look(centers, {5.0, 7.0}, before, changes);
+	set.find_changes(centers, {5.0, 7.0}, before, changes);
 	follow(set, changes);
 
-	std::vector<PlacedInstance> standing = before;
-	standing[0].position.y += 0.5 * NearSet::same_position; // The difference is within rounding.
-	standing[0].basis[1][1] += 0.5f * NearSet::same_basis;
-	standing[1].position.y += 0.25;
-	standing[2].basis[1][1] = 1.1f;
-	standing[3].mesh = 1;
-	standing[4].position.x = 6.0; // The instance is between the enter and leave distances, so it stays.
-	set.look(centers, {5.0, 7.0}, standing, changes);
+	std::vector<PlacedInstance> present = before;
+	present[0].position.y += 0.5 * NearSet::same_position; // The difference is within rounding.
+	present[0].basis[1][1] += 0.5f * NearSet::same_basis;
+	present[1].position.y += 0.25;
+	present[2].basis[1][1] = 1.1f;
+	present[3].mesh = 1;
+	present[4].position.x = 6.0; // The instance is between the enter and leave distances, so it stays.
+	set.find_changes(centers, {5.0, 7.0}, present, changes);
 	CHECK(changes.leave.empty());
 	CHECK(changes.enter.empty());
 	CHECK(ids_of(changes.changed) == Ids{2, 3, 4, 5});
-	CHECK(changes.changed[0].position.y == standing[1].position.y);
+	CHECK(changes.changed[0].position.y == present[1].position.y);
 	follow(set, changes);
-	set.look(centers, {5.0, 7.0}, standing, changes);
+	set.find_changes(centers, {5.0, 7.0}, present, changes);
 	CHECK(changes.leave.empty());
 	CHECK(changes.enter.empty());
 	CHECK(changes.changed.empty());
 
-	for (PlacedInstance &instance : standing) {
+	for (PlacedInstance &instance : present) {
 		instance.layer = 3;
 	}
-	set.look(centers, {5.0, 7.0}, standing, changes);
+	set.find_changes(centers, {5.0, 7.0}, present, changes);
 	CHECK(changes.changed.size() == 5);
 	follow(set, changes);
 
-	standing[4].position.x = 7.5; // The instance is beyond both distances.
-	set.look(centers, {5.0, 7.0}, standing, changes);
+	present[4].position.x = 7.5; // The instance is beyond both distances.
+	set.find_changes(centers, {5.0, 7.0}, present, changes);
 	CHECK(ids_of(changes.leave) == Ids{5});
 	CHECK(changes.leave[0].position.x == 6.0);
-	CHECK(changes.gone == 1);
+	CHECK(changes.removed_count == 1);
 	CHECK(changes.changed.empty());
 }
 
 TEST_CASE("near set: moving back and forth within the hysteresis has no effect") {
 	NearSet set;
 	NearChanges changes;
-	const std::vector<PlacedInstance> standing = row(400, 0.05);
+	const std::vector<PlacedInstance> present = row(400, 0.05);
 	std::vector<glm::dvec3> centers{{10.0, 0.0, 0.0}};
 	const NearRange range{4.0, 5.0};
 	std::map<std::uint64_t, int> entered;
@@ -192,7 +192,7 @@ TEST_CASE("near set: moving back and forth within the hysteresis has no effect")
 	std::uniform_real_distribution<double> along(-0.499, 0.499);
 	for (int frame = 0; frame < 300; ++frame) {
 		centers[0].x = 10.0 + along(random);
-		set.look(centers, range, standing, changes);
+		set.find_changes(centers, range, present, changes);
 		for (const PlacedInstance &instance : changes.enter) {
 			++entered[instance.id];
 		}
@@ -210,15 +210,15 @@ TEST_CASE("near set: several centers work, and an instance may be passed several
 	NearSet set;
 	NearChanges changes;
 	const std::vector<glm::dvec3> centers{{0.0, 0.0, 0.0}, {100.0, 0.0, 0.0}, {100.5, 0.0, 0.0}};
-	std::vector<PlacedInstance> standing = row(101);
-	const std::vector<PlacedInstance> once = standing;
-	standing.insert(standing.end(), once.begin(), once.end());
-	set.look(centers, {2.0, 3.0}, standing, changes);
+	std::vector<PlacedInstance> present = row(101);
+	const std::vector<PlacedInstance> once = present;
+	present.insert(present.end(), once.begin(), once.end());
+	set.find_changes(centers, {2.0, 3.0}, present, changes);
 	CHECK(ids_of(changes.enter) == Ids{100, 101, 1, 99, 2, 98});
 	follow(set, changes);
-	set.look(centers, {2.0, 3.0}, standing, changes);
+	set.find_changes(centers, {2.0, 3.0}, present, changes);
 	CHECK(changes.enter.empty());
-	set.look(std::span(centers).first(1), {2.0, 3.0}, standing, changes);
+	set.find_changes(std::span(centers).first(1), {2.0, 3.0}, present, changes);
 	CHECK(ids_of(changes.leave) == Ids{101, 100, 99, 98});
 }
 
@@ -226,17 +226,17 @@ TEST_CASE("near set: released instances are no longer held") {
 	NearSet set;
 	NearChanges changes;
 	const std::vector<glm::dvec3> centers{{0.0, 0.0, 0.0}};
-	const std::vector<PlacedInstance> standing = row(4);
-	set.look(centers, {3.0, 4.0}, standing, changes);
-	REQUIRE(set.hold(changes.enter[0])); // The caller had time for only two of three.
-	REQUIRE(set.hold(changes.enter[1]));
+	const std::vector<PlacedInstance> present = row(4);
+	set.find_changes(centers, {3.0, 4.0}, present, changes);
+	REQUIRE(set.retain(changes.enter[0])); // The caller had time for only two of three.
+	REQUIRE(set.retain(changes.enter[1]));
 	set.release(1);
 	set.release(77);
-	set.look(centers, {3.0, 4.0}, standing, changes);
+	set.find_changes(centers, {3.0, 4.0}, present, changes);
 	CHECK(ids_of(changes.enter) == Ids{1, 3});
 	set.clear();
 	CHECK(set.size() == 0);
-	set.look(centers, {3.0, 4.0}, standing, changes);
+	set.find_changes(centers, {3.0, 4.0}, present, changes);
 	CHECK(ids_of(changes.enter) == Ids{1, 2, 3});
 	CHECK(changes.leave.empty());
 }
@@ -248,9 +248,9 @@ TEST_CASE("near set: random walks, removals and moves match brute force") {
 	std::uniform_int_distribution<int> percent(0, 99);
 	NearSet set;
 	NearChanges changes;
-	std::vector<PlacedInstance> standing;
+	std::vector<PlacedInstance> present;
 	for (std::uint64_t id = 1; id <= 600; ++id) {
-		standing.push_back(
+		present.push_back(
 				instance_at(id * 0x9e3779b97f4a7c15ULL, {anywhere(random), 0.1 * step(random), anywhere(random)}));
 	}
 	std::vector<glm::dvec3> centers(3);
@@ -262,12 +262,12 @@ TEST_CASE("near set: random walks, removals and moves match brute force") {
 										   : glm::dvec3(step(random), 0.2 * step(random), step(random));
 			center = glm::clamp(center, glm::dvec3(-50.0), glm::dvec3(50.0));
 		}
-		for (PlacedInstance &instance : standing) {
+		for (PlacedInstance &instance : present) {
 			if (percent(random) == 0) {
 				instance.position.x = anywhere(random);
 			}
 		}
-		std::vector<PlacedInstance> here = standing;
+		std::vector<PlacedInstance> here = present;
 		std::erase_if(here, [&](const PlacedInstance &) { return percent(random) < 2; });
 		std::shuffle(here.begin(), here.end(), random);
 		const auto away = [&centers](glm::dvec3 position) {
@@ -297,7 +297,7 @@ TEST_CASE("near set: random walks, removals and moves match brute force") {
 				leave.erase(instance.id);
 			}
 		}
-		set.look(centers, range, here, changes);
+		set.find_changes(centers, range, here, changes);
 		const Ids entering = ids_of(changes.enter);
 		CHECK(std::set<std::uint64_t>(entering.begin(), entering.end()) == enter);
 		CHECK(entering.size() == enter.size());
@@ -316,13 +316,13 @@ TEST_CASE("near set: random walks, removals and moves match brute force") {
 			held.erase(id);
 		}
 		for (const PlacedInstance &instance : changes.changed) {
-			REQUIRE(set.hold(instance));
+			REQUIRE(set.retain(instance));
 			held[instance.id] = instance.position;
 		}
 		const std::size_t done =
 				changes.enter.size() - changes.enter.size() * static_cast<std::size_t>(percent(random)) / 200;
 		for (std::size_t i = 0; i < done; ++i) {
-			REQUIRE(set.hold(changes.enter[i]));
+			REQUIRE(set.retain(changes.enter[i]));
 			held[changes.enter[i].id] = changes.enter[i].position;
 		}
 		CHECK(set.size() == held.size());
@@ -334,17 +334,17 @@ TEST_CASE("near set: an instance that stays near is tested against its previous 
 	// are rounded.
 	std::vector<glm::dvec3> centers(100, glm::dvec3(900.1, 0.3, 0.7));
 	centers.emplace_back(4.0, 0.0, 0.0);
-	const std::vector<PlacedInstance> standing = row(6);
+	const std::vector<PlacedInstance> present = row(6);
 	NearSet set;
 	NearChanges changes;
 	const NearRange range{8.0, 9.0};
-	REQUIRE(set.look(centers, range, standing, changes));
+	REQUIRE(set.find_changes(centers, range, present, changes));
 	follow(set, changes);
 	CHECK(set.size() == 6);
 	// The first check searches for the center.
-	CHECK(rounds([&] { REQUIRE(set.look(centers, range, standing, changes)); }));
+	CHECK(rounds([&] { REQUIRE(set.find_changes(centers, range, present, changes)); }));
 	centers.back().x += 1.0;
-	CHECK_FALSE(rounds([&] { REQUIRE(set.look(centers, range, standing, changes)); }));
+	CHECK_FALSE(rounds([&] { REQUIRE(set.find_changes(centers, range, present, changes)); }));
 	CHECK(changes.enter.empty());
 	CHECK(changes.leave.empty());
 }

@@ -35,7 +35,8 @@ std::shared_ptr<LayerSettings> layer_of(std::uint16_t number, double radius) {
 
 /// Returns the positions of a layer's instances, keyed by ID, in the double precision of the point
 /// set.
-std::map<std::uint64_t, glm::dvec2> places(const LayerSettings &layer, const Terrain &terrain, const Rect &rect) {
+std::map<std::uint64_t, glm::dvec2> instance_positions(
+		const LayerSettings &layer, const Terrain &terrain, const Rect &rect) {
 	const TileInstances tile = built(layer, terrain, rect);
 	TileSampler sampler;
 	std::vector<SamplePoint> points;
@@ -73,9 +74,9 @@ TEST_CASE("neighbors: spacing removes only instances that are too near, also acr
 	LayerSettings spaced = *ferns;
 	spaced.neighbors = {{oaks, 2.5, nullptr}};
 	for (const Rect &window : windows) {
-		const auto trees = places(*oaks, terrain, grown(window, 10.0));
-		const auto all = places(*ferns, terrain, window);
-		const auto some = places(spaced, terrain, window);
+		const auto trees = instance_positions(*oaks, terrain, grown(window, 10.0));
+		const auto all = instance_positions(*ferns, terrain, window);
+		const auto some = instance_positions(spaced, terrain, window);
 		std::size_t expected = 0;
 		for (const auto &[id, position] : all) {
 			const bool remains = nearest(position, trees) >= 2.5;
@@ -93,11 +94,11 @@ TEST_CASE("neighbors: only instances have an effect, not points that the neighbo
 	oaks->rules.max_slope_degrees = 20.0;
 	LayerSettings ferns = *layer_of(1, 1.0);
 	ferns.neighbors = {{oaks, 4.0, nullptr}};
-	const auto trees = places(*oaks, terrain, grown(tile_of_hills, 10.0));
-	const auto points = places(*layer_of(0, 6.0), terrain, grown(tile_of_hills, 10.0));
+	const auto trees = instance_positions(*oaks, terrain, grown(tile_of_hills, 10.0));
+	const auto points = instance_positions(*layer_of(0, 6.0), terrain, grown(tile_of_hills, 10.0));
 	CHECK(trees.size() < points.size());
 	int near_absent = 0;
-	for (const auto &[id, position] : places(ferns, terrain, tile_of_hills)) {
+	for (const auto &[id, position] : instance_positions(ferns, terrain, tile_of_hills)) {
 		CHECK(nearest(position, trees) >= 4.0);
 		near_absent += nearest(position, points) < 4.0 ? 1 : 0;
 	}
@@ -108,10 +109,10 @@ TEST_CASE("neighbors: proximity is a density over the distance to the nearest in
 	const FlatTerrain terrain(0.0f);
 	const auto oaks = layer_of(0, 12.0);
 	LayerSettings ferns = *layer_of(1, 0.5);
-	const auto all = places(ferns, terrain, tile_of_hills);
+	const auto all = instance_positions(ferns, terrain, tile_of_hills);
 	ferns.neighbors = {{oaks, 6.0, analysis::curve_table(0.0, 6.0, {1.0f, 0.5f, 0.0f})}};
-	const auto some = places(ferns, terrain, tile_of_hills);
-	const auto trees = places(*oaks, terrain, grown(tile_of_hills, 20.0));
+	const auto some = instance_positions(ferns, terrain, tile_of_hills);
+	const auto trees = instance_positions(*oaks, terrain, grown(tile_of_hills, 20.0));
 	std::vector<double> total(8, 0.0);
 	std::vector<double> left(8, 0.0);
 	for (const auto &[id, position] : all) {
@@ -133,10 +134,10 @@ TEST_CASE("neighbors: beyond the distance, the curve's last density applies") {
 	const FlatTerrain terrain(0.0f);
 	const auto oaks = layer_of(0, 12.0);
 	LayerSettings grass = *layer_of(1, 1.0);
-	const auto all = places(grass, terrain, tile_of_hills);
+	const auto all = instance_positions(grass, terrain, tile_of_hills);
 	grass.neighbors = {{oaks, 3.0, analysis::curve_table(0.0, 3.0, {0.0f, 1.0f})}};
-	const auto some = places(grass, terrain, tile_of_hills);
-	const auto trees = places(*oaks, terrain, grown(tile_of_hills, 20.0));
+	const auto some = instance_positions(grass, terrain, tile_of_hills);
+	const auto trees = instance_positions(*oaks, terrain, grown(tile_of_hills, 20.0));
 	for (const auto &[id, position] : all) {
 		if (nearest(position, trees) >= 3.0) {
 			CHECK(some.contains(id));
@@ -145,7 +146,7 @@ TEST_CASE("neighbors: beyond the distance, the curve's last density applies") {
 	CHECK(some.size() < all.size());
 	// The same is true if the other layer is empty.
 	oaks->rules.density = 0.0;
-	CHECK(places(grass, terrain, tile_of_hills).size() == all.size());
+	CHECK(instance_positions(grass, terrain, tile_of_hills).size() == all.size());
 }
 
 TEST_CASE("neighbors: chains are consistent across tiles of any size, in any order") {
@@ -161,7 +162,7 @@ TEST_CASE("neighbors: chains are consistent across tiles of any size, in any ord
 	ferns.neighbors = {{shrubs, 5.0, analysis::curve_table(0.0, 5.0, {1.0f, 0.25f})}, {stones, 1.5, nullptr},
 			{oaks, 1.0, nullptr}};
 	CHECK(reach(ferns) == 5.0 + 4.0);
-	const auto whole = places(ferns, terrain, tile_of_hills);
+	const auto whole = instance_positions(ferns, terrain, tile_of_hills);
 	CHECK(whole.size() > 200);
 	for (const double side : {64.0, 17.0, 8.5}) {
 		std::map<std::uint64_t, glm::dvec2> together;
@@ -169,12 +170,12 @@ TEST_CASE("neighbors: chains are consistent across tiles of any size, in any ord
 			for (double x = tile_of_hills.min.x; x < tile_of_hills.max.x; x += 2.0 * side) {
 				const Rect part{{x, std::max(y - side, tile_of_hills.min.y)},
 						{std::min(x + 2.0 * side, tile_of_hills.max.x), y}};
-				together.merge(places(ferns, terrain, part));
+				together.merge(instance_positions(ferns, terrain, part));
 			}
 		}
 		CHECK(together == whole);
 	}
-	const auto standing_stones = places(*stones, terrain, grown(tile_of_hills, 20.0));
+	const auto standing_stones = instance_positions(*stones, terrain, grown(tile_of_hills, 20.0));
 	for (const auto &[id, position] : whole) {
 		CHECK(nearest(position, standing_stones) >= 1.5);
 	}
@@ -216,7 +217,8 @@ TEST_CASE("neighbors: the layer graph has each layer once, with the margin of th
 	const LayerGraph::Node &fern = graph.nodes()[2];
 	CHECK((tree.layer == oaks.get() && shrub.layer == shrubs.get() && fern.layer == &ferns));
 	CHECK((tree.margin == 30.0 && shrub.margin == 10.0 && fern.margin == 0.0));
-	CHECK((tree.asked_from == 25.0 && shrub.asked_from == 10.0 && fern.asked_from == 0.0));
+	CHECK((tree.max_dependent_distance == 25.0 && shrub.max_dependent_distance == 10.0 &&
+			fern.max_dependent_distance == 0.0));
 	CHECK((tree.depth == 2 && shrub.depth == 1 && fern.depth == 0));
 	CHECK(graph.index_of(shrubs.get()) == 1);
 }

@@ -48,8 +48,8 @@ std::vector<SamplePoint> filled(
 
 bool obstructed(glm::dvec2 position, std::span<const Obstacle> obstacles) {
 	return std::ranges::any_of(obstacles, [&](const Obstacle &each) {
-		const glm::dvec2 apart = each.center - position;
-		return apart.x * apart.x + apart.y * apart.y < each.radius * each.radius;
+		const glm::dvec2 offset = each.center - position;
+		return offset.x * offset.x + offset.y * offset.y < each.radius * each.radius;
 	});
 }
 
@@ -127,9 +127,9 @@ TEST_CASE("obstacles: no position is left that is open to the set, and no point 
 	const std::vector<SamplePoint> points = filled(set, {rect.min - 2.0, rect.max + 2.0}, obstacles);
 	const double unit = lattice_unit(set);
 	int open = 0;
-	const auto is_free = [&](glm::dvec2 place) {
-		return !obstructed(place, obstacles) && std::ranges::none_of(points, [&](const SamplePoint &point) {
-			return glm::distance(point.position, place) < set.radius * (1.0 - 1e-9);
+	const auto is_free = [&](glm::dvec2 position) {
+		return !obstructed(position, obstacles) && std::ranges::none_of(points, [&](const SamplePoint &point) {
+			return glm::distance(point.position, position) < set.radius * (1.0 - 1e-9);
 		});
 	};
 	// The last gaps lie next to the borders of obstacles, so many positions are just outside of them.
@@ -138,16 +138,16 @@ TEST_CASE("obstacles: no position is left that is open to the set, and no point 
 			const double angle = step * 0.157079632679;
 			const glm::dvec2 border =
 					obstacle.center + (obstacle.radius + 2.0 * unit) * glm::dvec2(std::cos(angle), std::sin(angle));
-			const glm::dvec2 place = glm::floor(border / unit) * unit;
-			open += rect.contains(place) && is_free(place) ? 1 : 0;
+			const glm::dvec2 position = glm::floor(border / unit) * unit;
+			open += rect.contains(position) && is_free(position) ? 1 : 0;
 		}
 	}
 	for (int i = 0; i < 40000; ++i) {
 		const auto along = [&] {
 			return static_cast<double>(random() >> 11) * 0x1p-53 * 30.0;
 		};
-		const glm::dvec2 place = glm::floor(glm::dvec2(along(), along()) / unit) * unit;
-		open += is_free(place) ? 1 : 0;
+		const glm::dvec2 position = glm::floor(glm::dvec2(along(), along()) / unit) * unit;
+		open += is_free(position) ? 1 : 0;
 	}
 	CHECK(open == 0);
 	for (const SamplePoint &point : points) {
@@ -172,8 +172,8 @@ TEST_CASE("obstacles: windows of a filled set agree, also with wider margins and
 				const double around = fill_distance(set, margin);
 				std::vector<Obstacle> near;
 				for (const Obstacle &each : obstacles) {
-					const glm::dvec2 apart = glm::max(tile.min - each.center, each.center - tile.max);
-					if (std::max(apart.x, apart.y) < around + each.radius) {
+					const glm::dvec2 offset = glm::max(tile.min - each.center, each.center - tile.max);
+					if (std::max(offset.x, offset.y) < around + each.radius) {
 						near.push_back(each);
 					}
 				}

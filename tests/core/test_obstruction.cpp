@@ -22,17 +22,17 @@ constexpr double half_diagonal = 0.25 * std::numbers::sqrt2 / 2.0;
 
 /// Returns the depth of a position inside a convex outline in meters, negative outside.
 double depth(const Obstruction &obstruction, glm::dvec2 position) {
-	double least = std::numeric_limits<double>::infinity();
+	double min_distance = std::numeric_limits<double>::infinity();
 	const std::size_t count = obstruction.outline.size();
 	for (std::size_t i = 0; i < count; ++i) {
 		const glm::dvec2 from = obstruction.outline[i];
 		const glm::dvec2 along = obstruction.outline[(i + 1) % count] - from;
 		const glm::dvec2 to = position - from;
 		if (glm::length(along) > 1e-12) {
-			least = std::min(least, (along.x * to.y - along.y * to.x) / glm::length(along));
+			min_distance = std::min(min_distance, (along.x * to.y - along.y * to.x) / glm::length(along));
 		}
 	}
-	return least;
+	return min_distance;
 }
 
 glm::dmat3 leaning(double degrees, double turn, double scale) {
@@ -47,13 +47,13 @@ TEST_CASE("obstruction: covers every cell that an upright cylinder touches, and 
 	Obstruction obstruction;
 	for (const double radius : {0.01, 0.3, 0.5, 2.0, 9.0}) {
 		REQUIRE(obstruct(leaning(0.0, 0.7, 2.0), {5.0, 3.0, -4.0}, {radius, 4.0}, agent, obstruction));
-		const double least = 2.0 * radius + half_diagonal;
+		const double min_distance = 2.0 * radius + half_diagonal;
 		double farthest = 0.0;
 		for (const glm::dvec2 corner : obstruction.outline) {
 			farthest = std::max(farthest, glm::length(corner - glm::dvec2(5.0, -4.0)));
 		}
-		CHECK(depth(obstruction, {5.0, -4.0}) >= least - 1e-9);
-		CHECK(farthest <= std::max(least + 0.5 * agent.cell_size, 1.04 * least));
+		CHECK(depth(obstruction, {5.0, -4.0}) >= min_distance - 1e-9);
+		CHECK(farthest <= std::max(min_distance + 0.5 * agent.cell_size, 1.04 * min_distance));
 		CHECK(farthest <= obstruction_reach({radius, 4.0}, 2.0, agent));
 	}
 }

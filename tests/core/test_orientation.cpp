@@ -34,9 +34,9 @@ TEST_CASE("orientation: left turns, right turns and collinear points are disting
 	CHECK(orientation({0.1, 0.1}, {0.3, 0.3}, {0.7, 0.7}) == 0.0);
 	CHECK(orientation({2.0, 5.0}, {2.0, 5.0}, {2.0, 5.0}) == 0.0);
 	// One ulp of 0.5 away from the line, where a naive determinant returns 0.
-	const double hair = std::ldexp(1.0, -53);
-	CHECK(orientation({0.5, 0.5 + hair}, {12.0, 12.0}, {24.0, 24.0}) == 12.0 * hair);
-	CHECK(orientation({0.5 + hair, 0.5}, {12.0, 12.0}, {24.0, 24.0}) == -12.0 * hair);
+	const double tolerance = std::ldexp(1.0, -53);
+	CHECK(orientation({0.5, 0.5 + tolerance}, {12.0, 12.0}, {24.0, 24.0}) == 12.0 * tolerance);
+	CHECK(orientation({0.5 + tolerance, 0.5}, {12.0, 12.0}, {24.0, 24.0}) == -12.0 * tolerance);
 }
 
 TEST_CASE("orientation: the sign is exact and the value accurate, even for the narrowest triangles") {
@@ -56,18 +56,18 @@ TEST_CASE("orientation: the sign is exact and the value accurate, even for the n
 					static_cast<std::int64_t>(random() % 3) - 1;
 		}
 		const double scale = std::ldexp(1.0, -static_cast<int>(random() % 60));
-		std::array<glm::dvec2, 3> place;
+		std::array<glm::dvec2, 3> corners;
 		for (std::size_t i = 0; i < 3; ++i) {
-			place[i] = scale * glm::dvec2(static_cast<double>(corner[i][0]), static_cast<double>(corner[i][1]));
+			corners[i] = scale * glm::dvec2(static_cast<double>(corner[i][0]), static_cast<double>(corner[i][1]));
 		}
 		const Wide area = exact(corner);
 		const double expected = static_cast<double>(area) * scale * scale;
-		const double found = orientation(place[0], place[1], place[2]);
+		const double found = orientation(corners[0], corners[1], corners[2]);
 		on_line += area == 0 ? 1 : 0;
 		CHECK(sign(found) == sign(expected));
 		CHECK(std::abs(found - expected) <= std::ldexp(std::abs(expected), -26));
-		CHECK(sign(orientation(place[1], place[0], place[2])) == -sign(expected));
-		CHECK(sign(orientation(place[2], place[0], place[1])) == sign(expected));
+		CHECK(sign(orientation(corners[1], corners[0], corners[2])) == -sign(expected));
+		CHECK(sign(orientation(corners[2], corners[0], corners[1])) == sign(expected));
 	}
 	CHECK(on_line > 100);
 }

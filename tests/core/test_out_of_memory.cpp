@@ -164,7 +164,7 @@ TEST_CASE("out of memory: rules that cannot be set leave the previous ones") {
 				REQUIRE(job.tool.set(after, 2).ok());
 				return job;
 			},
-			[&](Taking &job) { return job.tool.place_densities({positions}, densities, job.answer); }, anything,
+			[&](Taking &job) { return job.tool.position_densities({positions}, densities, job.answer); }, anything,
 			[&](const Taking &) { REQUIRE(densities == std::vector<double>(50, densities[0])); });
 }
 
@@ -186,7 +186,7 @@ TEST_CASE("out of memory: tables, masks and shapes stay unchanged") {
 	const std::vector<Shape> shapes = some_shapes();
 	const auto near_all = [](const ShapeSet &set) {
 		std::vector<std::uint32_t> near;
-		REQUIRE(set.near({{-99.0, -99.0}, {99.0, 99.0}}, near).ok());
+		REQUIRE(set.find_nearby({{-99.0, -99.0}, {99.0, 99.0}}, near).ok());
 		return near.size();
 	};
 	using Shaping = Job<ShapeSet, std::vector<Shape>>;
@@ -206,7 +206,7 @@ TEST_CASE("out of memory: tables, masks and shapes stay unchanged") {
 	using Near = Job<const ShapeSet *, std::vector<std::uint32_t>>;
 	fail_every_request(
 			"shapes", [&] { return Near{set.get(), {}}; },
-			[&](Near &job) { return job.tool->near({{-99.0, -99.0}, {99.0, 99.0}}, job.answer); },
+			[&](Near &job) { return job.tool->find_nearby({{-99.0, -99.0}, {99.0, 99.0}}, job.answer); },
 			[](const Near &job) { REQUIRE(job.answer.empty()); },
 			[](const Near &job) { REQUIRE(job.answer.size() == 3); });
 }

@@ -237,7 +237,7 @@ TEST_CASE("out of memory: a state continues like one that never ran out of memor
 }
 
 TEST_CASE("out of memory: a visible tile gets its complete overlay or stays unchanged") {
-	const auto tile = kept(rich_layer(), built(rich_layer(), hills(), {{-20.0, 0.0}, {20.0, 40.0}}));
+	const auto tile = compact_tile(rich_layer(), built(rich_layer(), hills(), {{-20.0, 0.0}, {20.0, 40.0}}));
 	InstanceState state;
 	std::unordered_set<std::uint64_t> hidden;
 	for (const CompactMesh &mesh : tile->meshes) {
@@ -270,47 +270,47 @@ TEST_CASE("out of memory: a visible tile gets its complete overlay or stays unch
 }
 
 TEST_CASE("out of memory: a near set returns all changes or none and keeps its instances") {
-	std::vector<PlacedInstance> standing;
+	std::vector<PlacedInstance> present;
 	for (int i = 0; i < 40; ++i) {
-		standing.push_back({.id = static_cast<std::uint64_t>(i), .position = {i, 0.0, 0.0}});
+		present.push_back({.id = static_cast<std::uint64_t>(i), .position = {i, 0.0, 0.0}});
 	}
 	const std::vector<glm::dvec3> centers{{20.0, 0.0, 0.0}};
 	const auto prepared = [&] {
 		NearSet set;
 		for (std::size_t i = 0; i < 25; ++i) {
-			REQUIRE(set.hold(standing[i]));
+			REQUIRE(set.retain(present[i]));
 		}
 		return set;
 	};
 	NearChanges expected;
 	NearSet twin = prepared();
-	REQUIRE(twin.look(centers, {8.0, 10.0}, standing, expected));
+	REQUIRE(twin.find_changes(centers, {8.0, 10.0}, present, expected));
 	REQUIRE(!expected.enter.empty());
 	REQUIRE(!expected.leave.empty());
 	std::size_t failures = 0;
 	for (std::size_t allowed = 0, done = 0; done == 0; ++allowed) {
 		NearSet set = prepared();
 		NearChanges changes;
-		bool looked = false;
+		bool complete = false;
 		bool held = false;
 		{
 			const AllocationLimit limit(allowed);
-			looked = set.look(centers, {8.0, 10.0}, standing, changes);
-			held = set.hold(standing[30]);
+			complete = set.find_changes(centers, {8.0, 10.0}, present, changes);
+			held = set.retain(present[30]);
 			done = limit.reached() ? 0 : 1;
 		}
 		REQUIRE(set.holds(30) == held);
 		REQUIRE(set.size() == (held ? 26 : 25));
-		if (!looked) {
+		if (!complete) {
 			++failures;
 			REQUIRE(changes.enter.empty());
 			REQUIRE(changes.leave.empty());
 			set.release(30);
-			REQUIRE(set.look(centers, {8.0, 10.0}, standing, changes));
+			REQUIRE(set.find_changes(centers, {8.0, 10.0}, present, changes));
 		}
 		REQUIRE(changes.enter.size() == expected.enter.size());
 		REQUIRE(changes.leave == expected.leave);
-		REQUIRE(changes.gone == expected.gone);
+		REQUIRE(changes.removed_count == expected.removed_count);
 	}
 	CHECK(failures > 3);
 }

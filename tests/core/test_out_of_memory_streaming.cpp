@@ -20,7 +20,7 @@ class LowMemoryStage {
 public:
 	TileStreamer streamer;
 	std::map<Name, TileRequest> pending;
-	std::map<Name, TileKey> shown;
+	std::map<Name, TileKey> visible;
 
 	/// Updates the streamer. Allocations fail after the first `allowed` ones.
 	Status update(const std::vector<Viewer> &viewers, std::size_t allowed) {
@@ -35,7 +35,7 @@ public:
 			REQUIRE_FALSE(streamer.finish(request));
 		}
 		for (const TileKey &key : changes.drop) {
-			REQUIRE(shown.erase(name_of(key)) == 1);
+			REQUIRE(visible.erase(name_of(key)) == 1);
 		}
 		for (const TileRequest &request : changes.request) {
 			// Replaces a request whose cancellation was not reported.
@@ -52,7 +52,7 @@ public:
 			accepted = streamer.ready(request) && streamer.finish(request);
 		}
 		if (accepted) {
-			shown[name_of(request.key)] = request.key;
+			visible[name_of(request.key)] = request.key;
 		}
 	}
 
@@ -78,13 +78,13 @@ public:
 			}
 		}
 		REQUIRE(streamer.idle());
-		REQUIRE(streamer.counts().shown == shown.size());
+		REQUIRE(streamer.counts().visible == visible.size());
 	}
 };
 
-std::vector<Name> names_of(const std::map<Name, TileKey> &shown) {
+std::vector<Name> names_of(const std::map<Name, TileKey> &visible) {
 	std::vector<Name> names;
-	for (const auto &[name, key] : shown) {
+	for (const auto &[name, key] : visible) {
 		names.push_back(name);
 	}
 	return names;
@@ -93,7 +93,7 @@ std::vector<Name> names_of(const std::map<Name, TileKey> &shown) {
 /// Checks guarantee 1 of the streamer: every tile within the view distance is shown.
 void check_all_in_view(const LowMemoryStage &stage, std::uint32_t layer, const std::vector<Viewer> &viewers) {
 	std::set<std::pair<int, int>> tiles;
-	for (const auto &[name, key] : stage.shown) {
+	for (const auto &[name, key] : stage.visible) {
 		if (key.layer == layer) {
 			tiles.emplace(key.tile.x, key.tile.y);
 		}
@@ -130,7 +130,7 @@ TEST_CASE("out of memory: the next update completes an incomplete one") {
 		stage.settle(near);
 		whole = stage.update(far, allowed).ok() && whole;
 		stage.settle(far);
-		REQUIRE(names_of(stage.shown) == names_of(twin.shown));
+		REQUIRE(names_of(stage.visible) == names_of(twin.visible));
 		failures += whole ? 0 : 1;
 		done = whole ? 1 : 0;
 	}
@@ -175,7 +175,7 @@ TEST_CASE("out of memory: settings of layers are applied completely or not at al
 		LowMemoryStage stage;
 		REQUIRE(stage.streamer.set_layers(two_layers).ok());
 		stage.settle(viewers);
-		const auto before = names_of(stage.shown);
+		const auto before = names_of(stage.visible);
 		Status status;
 		{
 			const AllocationLimit limit(allowed);
@@ -187,11 +187,11 @@ TEST_CASE("out of memory: settings of layers are applied completely or not at al
 			REQUIRE(status.code == ErrorCode::out_of_memory);
 			REQUIRE(std::string(status.property) == "layers");
 			stage.settle(viewers);
-			REQUIRE(names_of(stage.shown) == before);
+			REQUIRE(names_of(stage.visible) == before);
 			REQUIRE(stage.streamer.set_layers(others).ok());
 		}
 		stage.settle(viewers);
-		REQUIRE(names_of(stage.shown) != before);
+		REQUIRE(names_of(stage.visible) != before);
 	}
 	CHECK(failures > 0);
 }

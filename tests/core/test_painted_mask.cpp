@@ -31,9 +31,9 @@ TEST_CASE("painted mask: an unpainted mask is background everywhere") {
 	for (const double background : {0.0, 0.25, 1.0}) {
 		const PaintedMask mask = mask_of(0.5, background);
 		CHECK(std::abs(mask.background() - background) <= 0.5 / 255.0);
-		for (const glm::dvec2 place :
+		for (const glm::dvec2 position :
 				{glm::dvec2(0.0), glm::dvec2(-1e9, 1e9), glm::dvec2(31.9, -32.1), glm::dvec2(1e300)}) {
-			CHECK(density(mask, place) == static_cast<float>(mask.background()));
+			CHECK(density(mask, position) == static_cast<float>(mask.background()));
 		}
 		CHECK(mask.block_count() == 0);
 	}
@@ -232,8 +232,8 @@ TEST_CASE("painted mask: the pixels of an area are those that determine its dens
 		// A mask with only these pixels has the same densities in the area.
 		PaintedMask alone = mask_of(0.6, 0.0);
 		write(alone, region, read(mask, region));
-		for (const glm::dvec2 place : {area.min, area.max, area.center(), glm::dvec2(area.min.x, area.max.y)}) {
-			CHECK(density(alone, place) == density(mask, place));
+		for (const glm::dvec2 position : {area.min, area.max, area.center(), glm::dvec2(area.min.x, area.max.y)}) {
+			CHECK(density(alone, position) == density(mask, position));
 		}
 		const glm::dvec2 pixels = area.size() / 0.6;
 		CHECK(region.max.x - region.min.x <= pixels.x + 3.0);
@@ -306,16 +306,16 @@ TEST_CASE("painted mask: a copy shares all blocks until they are painted, even w
 	REQUIRE(mask.write({{0, 0}, {256, 256}}, pixels, changed).ok());
 	REQUIRE(mask.block_count() == 16);
 	PaintedMask copy = mask;
-	CHECK(copy.blocks_apart(mask) == 0);
+	CHECK(copy.count_unshared_blocks(mask) == 0);
 	REQUIRE(copy.write({{10, 10}, {200, 200}}, std::span(pixels).first(190 * 190), changed).ok());
-	CHECK(copy.blocks_apart(mask) == 0); // The copy shares the original block again.
+	CHECK(copy.count_unshared_blocks(mask) == 0); // The copy shares the original block again.
 	pixels.assign(1, 9);
 	REQUIRE(copy.write({{70, 70}, {71, 71}}, pixels, changed).ok());
 	REQUIRE(copy.write({{-5, 0}, {-4, 1}}, pixels, changed).ok());
-	CHECK(copy.blocks_apart(mask) == 2);
-	CHECK(mask.blocks_apart(copy) == 2);
+	CHECK(copy.count_unshared_blocks(mask) == 2);
+	CHECK(mask.count_unshared_blocks(copy) == 2);
 	CHECK(copy.differs(mask, changed));
 	pixels.assign(1, 7);
 	REQUIRE(copy.write({{70, 70}, {71, 71}}, pixels, changed).ok());
-	CHECK(copy.blocks_apart(mask) == 2); // The pixels are equal, but in separate memory.
+	CHECK(copy.count_unshared_blocks(mask) == 2); // The pixels are equal, but in separate memory.
 }

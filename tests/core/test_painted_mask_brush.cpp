@@ -63,9 +63,9 @@ TEST_CASE("brush: no density outside the rectangle that a dab returns has change
 			const Brush brush = random_brush(random, size);
 			const Rect changed = paint(mask, brush);
 			REQUIRE((changed.empty() == (mask == before)));
-			const auto check = [&](glm::dvec2 place) {
-				if (!changed.contains(place)) {
-					REQUIRE(density(mask, place) == density(before, place));
+			const auto check = [&](glm::dvec2 position) {
+				if (!changed.contains(position)) {
+					REQUIRE(density(mask, position) == density(before, position));
 				}
 			};
 			for (int i = 0; i < 100; ++i) {

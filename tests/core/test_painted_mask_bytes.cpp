@@ -136,19 +136,19 @@ TEST_CASE("mask bytes: every change to a single byte is rejected") {
 	PaintedMask mask = mask_of(0.5, 0.0);
 	write(mask, {{64, -128}, {128, -64}}, std::vector<std::uint8_t>(64 * 64, 9));
 	const Bytes bytes = mask.to_bytes();
-	for (std::size_t place = 0; place < bytes.size(); ++place) {
+	for (std::size_t offset = 0; offset < bytes.size(); ++offset) {
 		for (int change = 1; change < 256; ++change) {
 			Bytes bad = bytes;
-			bad[place] = static_cast<std::uint8_t>(bad[place] ^ change);
+			bad[offset] = static_cast<std::uint8_t>(bad[offset] ^ change);
 			const Status status = mask.from_bytes(bad);
-			const bool version = place >= 4 && place < 8;
+			const bool version = offset >= 4 && offset < 8;
 			REQUIRE(status.code == (version ? ErrorCode::out_of_range : ErrorCode::corrupt));
 		}
 	}
 	const Bytes large = small_mask().to_bytes();
-	for (std::size_t place = 0; place < large.size(); ++place) {
+	for (std::size_t offset = 0; offset < large.size(); ++offset) {
 		Bytes bad = large;
-		bad[place] ^= 0x10;
+		bad[offset] ^= 0x10;
 		REQUIRE_FALSE(mask.from_bytes(bad).ok());
 	}
 	CHECK(mask.to_bytes() == bytes);
@@ -166,9 +166,9 @@ TEST_CASE("mask bytes: invalid content with a valid checksum is rejected") {
 	const Bytes bytes = small_mask().to_bytes(); // A block of one value at (-2, 1), and a block at (1, -1).
 	constexpr std::size_t uniform_size = 10;
 	REQUIRE(bytes.size() == header + uniform_size + 9 + 64 * 64 + 8);
-	const auto changed = [&](std::size_t place, std::uint8_t value) {
+	const auto changed = [&](std::size_t offset, std::uint8_t value) {
 		Bytes bad = bytes;
-		bad[place] = value;
+		bad[offset] = value;
 		return with_checksum(bad);
 	};
 	check_corrupt(changed(15, 0x41));         // The pixel size becomes 2^17 m.

@@ -74,8 +74,8 @@ TEST_CASE("pixel grid: shares bytes until it is patched, and patches like an ima
 	std::mt19937 random(2);
 	for (int i = 0; i < 40; ++i) {
 		const glm::ivec2 min{static_cast<int>(random() % 299), static_cast<int>(random() % 199)};
-		const glm::ivec2 room = size - min;
-		const PixelRect rect{min, min + 1 + glm::ivec2(random() % room.x, random() % room.y)};
+		const glm::ivec2 max_offset = size - min;
+		const PixelRect rect{min, min + 1 + glm::ivec2(random() % max_offset.x, random() % max_offset.y)};
 		const auto other = random_bytes(100 + static_cast<unsigned>(i));
 		REQUIRE(patched.patch(rect, *other).ok());
 		paint(painted, rect, *other);

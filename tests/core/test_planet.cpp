@@ -2,7 +2,7 @@
 
 #include "core/base/planet.hpp"
 #include "core/base/tile_grid.hpp"
-#include "core/explain/place_explainer.hpp"
+#include "core/explain/position_explainer.hpp"
 #include "core/placement/merged_mesh.hpp"
 #include "core/placement/tile_builder.hpp"
 #include "core/placement/transform_batch.hpp"
@@ -271,8 +271,8 @@ TEST_CASE("planet: the neighbors of an explained position are sampled near it") 
 	LayerSettings layer = layer_beside_trees();
 	layer.rules.max_slope_degrees = 20.0;
 	const auto placed = placed_in(layer, ground);
-	PlaceExplainer explainer;
-	PlaceExplanation explanation;
+	PositionExplainer explainer;
+	PositionExplanation explanation;
 	std::size_t standing = 0;
 	std::mt19937 random(4);
 	std::uniform_real_distribution<double> along(-1.0, 1.0);
@@ -332,7 +332,7 @@ TEST_CASE("planet: batches are bit-identical to single transforms, on every inst
 				placement.max_tilt_degrees = tilt;
 				TransformBatch batch;
 				const UpField up_field({{1.0, 2.0, 3.0}, 20.0}, {1.0, 2.0, 3.0});
-				for (std::size_t i = 0; i < TransformBatch::most; ++i) {
+				for (std::size_t i = 0; i < TransformBatch::capacity; ++i) {
 					const glm::vec3 position = i == 0 ? glm::vec3(0.0f)
 							: i < 3                   ? glm::vec3(0.0f, i == 1 ? 20.0f : -20.0f, 0.0f)
 													  : glm::vec3(along(random), along(random), along(random));
@@ -340,7 +340,7 @@ TEST_CASE("planet: batches are bit-identical to single transforms, on every inst
 					batch.add(i * 977, i % 5 == 0 ? -away : random_normal(random), position);
 				}
 				batch.make(placement, seed, up_field);
-				for (std::size_t i = 0; i < TransformBatch::most; ++i) {
+				for (std::size_t i = 0; i < TransformBatch::capacity; ++i) {
 					std::array<float, transform_floats> expected{};
 					std::array<float, transform_floats> got{};
 					write_position(batch.position(i), expected);

@@ -35,7 +35,7 @@ struct PlanetWorld {
 	TriangleParts ground;
 	InstanceWorld world;
 	InstanceState state;
-	std::size_t made = 0; ///< Number of generated tiles.
+	std::size_t generated_tiles = 0; ///< Number of generated tiles.
 
 	PlanetWorld() {
 		const surfaces::Triangles triangles = surfaces::sphere(planet_radius, 64);
@@ -68,7 +68,7 @@ struct PlanetWorld {
 	std::shared_ptr<const CompactTile> make(const WorldTile &tile) {
 		TileInstances instances;
 		TileBuilder builder;
-		++made;
+		++generated_tiles;
 		REQUIRE(tile.slab != all_slabs);
 		REQUIRE(builder.build(settings, ground, tile_space(tile_size, tile.tile, tile.slab), instances).ok());
 		return std::make_shared<const CompactTile>(instances, std::make_shared<LayerSettings>(settings));
@@ -83,7 +83,7 @@ struct PlanetWorld {
 	}
 };
 
-std::vector<glm::dvec3> places() {
+std::vector<glm::dvec3> positions() {
 	std::vector<glm::dvec3> result;
 	for (const glm::dvec3 direction : {glm::dvec3(0, 1, 0), glm::dvec3(1, 1, 0.2), glm::dvec3(1, 0, 0),
 				 glm::dvec3(0.1, 0, -1), glm::dvec3(-1, -1, 1), glm::dvec3(0, -1, 0)}) {
@@ -98,28 +98,29 @@ TEST_CASE("planet queries: spheres, rectangles, the nearest instance and IDs, fr
 	PlanetWorld planet;
 	const std::vector<PlacedInstance> all = planet.all();
 	CHECK(all.size() > 7000);
-	for (const glm::dvec3 &place : places()) {
+	for (const glm::dvec3 &position : positions()) {
 		PlanetWorld fresh;
 		std::vector<PlacedInstance> found;
-		REQUIRE(fresh.world.answer([&](const InstanceQuery &query) { return query.in_sphere(place, 12.0, {}, found); })
+		REQUIRE(fresh.world
+						.answer([&](const InstanceQuery &query) { return query.in_sphere(position, 12.0, {}, found); })
 						.ok());
 		std::set<std::uint64_t> expected;
 		const PlacedInstance *nearest = nullptr;
 		for (const PlacedInstance &each : all) {
-			const double away = glm::distance(each.position, place);
+			const double away = glm::distance(each.position, position);
 			if (away <= 12.0) {
 				expected.insert(each.id);
 			}
-			nearest = nearest == nullptr || away < glm::distance(nearest->position, place) ? &each : nearest;
+			nearest = nearest == nullptr || away < glm::distance(nearest->position, position) ? &each : nearest;
 		}
 		CHECK(found.size() > 50);
 		CHECK(found.size() == expected.size());
 		for (const PlacedInstance &each : found) {
 			CHECK(expected.contains(each.id));
 		}
-		CHECK(fresh.made < 40); // No tiles on the far side or high above the ground are generated.
+		CHECK(fresh.generated_tiles < 40); // No tiles on the far side or high above the ground are generated.
 		std::vector<NearestInstance> first;
-		REQUIRE(fresh.world.answer([&](const InstanceQuery &query) { return query.nearest(place, 12.0, {}, first); })
+		REQUIRE(fresh.world.answer([&](const InstanceQuery &query) { return query.nearest(position, 12.0, {}, first); })
 						.ok());
 		REQUIRE(first.size() == 1);
 		CHECK(first[0].instance.id == nearest->id);
@@ -128,7 +129,7 @@ TEST_CASE("planet queries: spheres, rectangles, the nearest instance and IDs, fr
 		REQUIRE(same.size() == 1);
 		CHECK(glm::distance(same[0].position, nearest->position) < 1e-4);
 		fresh.state.remove(nearest->id);
-		REQUIRE(fresh.world.answer([&](const InstanceQuery &query) { return query.nearest(place, 12.0, {}, first); })
+		REQUIRE(fresh.world.answer([&](const InstanceQuery &query) { return query.nearest(position, 12.0, {}, first); })
 						.ok());
 		CHECK(first[0].instance.id != nearest->id);
 	}
@@ -173,8 +174,8 @@ TEST_CASE("planet queries: requests generate only the cubes that they need") {
 	PlanetWorld planet;
 	QueryRequests requests;
 	std::int64_t number = 0;
-	const glm::dvec3 place(0.0, -planet_radius, 0.0);
-	REQUIRE(requests.add(planet.world, QueryRequests::Sphere{place, 8.0}, {}, number).ok());
+	const glm::dvec3 position(0.0, -planet_radius, 0.0);
+	REQUIRE(requests.add(planet.world, QueryRequests::Sphere{position, 8.0}, {}, number).ok());
 	CHECK(requests.frame(planet.world).empty());
 	const std::vector<WorldTile> missing = planet.world.take_missing();
 	CHECK(missing.size() >= 4);
@@ -189,28 +190,28 @@ TEST_CASE("planet queries: requests generate only the cubes that they need") {
 
 TEST_CASE("planet queries: bodies appear around a walker at the equator and at the south pole") {
 	const std::vector<PlacedInstance> all = PlanetWorld().all();
-	for (const glm::dvec3 &place : places()) {
+	for (const glm::dvec3 &position : positions()) {
 		PlanetWorld planet;
 		NearQueue queue;
 		queue.set_distances(std::vector<double>{10.0});
 		std::set<std::uint64_t> held;
-		const std::vector<glm::dvec3> centers{place};
+		const std::vector<glm::dvec3> centers{position};
 		for (int frame = 0; frame < 60; ++frame) {
-			queue.look_around(centers, planet.world);
+			queue.find_changes(centers, planet.world);
 			PlacedInstance entering;
 			while (queue.next_entering(entering)) {
 				CHECK(held.insert(entering.id).second);
-				CHECK(glm::distance(entering.position, place) <= 10.0 * NearQueue::enter_share);
+				CHECK(glm::distance(entering.position, position) <= 10.0 * NearQueue::enter_factor);
 			}
 			for (const WorldTile &tile : planet.world.take_missing()) {
 				planet.world.keep(tile, planet.make(tile));
 			}
 		}
-		CHECK(planet.made < 60);
+		CHECK(planet.generated_tiles < 60);
 		std::size_t expected = 0;
 		for (const PlacedInstance &each : all) {
-			expected += glm::distance(each.position, place) <= 10.0 ? 1 : 0;
-			CHECK((glm::distance(each.position, place) > 10.0 || held.contains(each.id)));
+			expected += glm::distance(each.position, position) <= 10.0 ? 1 : 0;
+			CHECK((glm::distance(each.position, position) > 10.0 || held.contains(each.id)));
 		}
 		CHECK(expected > 30);
 	}

@@ -50,7 +50,7 @@ Shape drawn(ShapeKind kind, const std::vector<glm::dvec3> &points) {
 }
 
 /// Returns a direction at an angle from the first of the axes, toward the second one.
-glm::dvec3 turned(const glm::dvec3 &from, const glm::dvec3 &to, double angle) {
+glm::dvec3 rotated(const glm::dvec3 &from, const glm::dvec3 &to, double angle) {
 	return std::cos(angle) * from + std::sin(angle) * to;
 }
 
@@ -64,17 +64,17 @@ TEST_CASE("planet shapes: a map keeps lengths in its middle, and angles everywhe
 		const glm::dmat3 axes = random_axes(random);
 		const PlanetMap map(planet, planet.center + 130.0 * axes[0]);
 		CHECK(glm::length(map.at(planet.center + 7.0 * axes[0])) < 1e-9);
-		const glm::dvec3 there = turned(axes[0], axes[1], 0.02 * i);
-		const glm::dvec2 place = map.at(planet.center + 250.0 * there);
-		CHECK(glm::distance(map.direction(place), there) < 1e-12);
-		CHECK(map.contains(place) == (0.02 * i < 150.0 * std::numbers::pi / 180.0));
-		if (!map.contains(place)) {
+		const glm::dvec3 there = rotated(axes[0], axes[1], 0.02 * i);
+		const glm::dvec2 position = map.at(planet.center + 250.0 * there);
+		CHECK(glm::distance(map.direction(position), there) < 1e-12);
+		CHECK(map.contains(position) == (0.02 * i < 150.0 * std::numbers::pi / 180.0));
+		if (!map.contains(position)) {
 			continue;
 		}
 		for (const glm::dvec3 &aside :
-				{turned(axes[0], axes[1], 0.02 * i + 1e-6), glm::normalize(there + 1e-6 * axes[2])}) {
-			const double length = glm::distance(map.at(planet.center + aside), place);
-			CHECK(length / (1e-6 * planet.radius) == doctest::Approx(map.scale(place)).epsilon(1e-4));
+				{rotated(axes[0], axes[1], 0.02 * i + 1e-6), glm::normalize(there + 1e-6 * axes[2])}) {
+			const double length = glm::distance(map.at(planet.center + aside), position);
+			CHECK(length / (1e-6 * planet.radius) == doctest::Approx(map.scale(position)).epsilon(1e-4));
 		}
 	}
 	CHECK(PlanetMap(planet, planet.center + glm::dvec3(0, 9, 0)).axes() == glm::dmat3(1.0));
@@ -94,7 +94,7 @@ TEST_CASE("planet shapes: a cylinder covers the same area wherever it is placed,
 		const ShapeSet set = set_of({shape});
 		for (const double altitude : {-90.0, -20.0, 0.0, 20.0, 80.0}) {
 			for (const double away : {0.0, 5.0, 9.5, 11.9, 12.1, 20.0, 119.0}) {
-				const glm::dvec3 up = turned(axes[0], axes[1 + i % 2], std::asin(away / 120.0));
+				const glm::dvec3 up = rotated(axes[0], axes[1 + i % 2], std::asin(away / 120.0));
 				const double expected = shape.falloff > 0.0 ? std::clamp((12.0 - away) / 4.0, 0.0, 1.0) : away < 12.0;
 				CHECK(density_of(set, planet.center + (100.0 + altitude) * up) == doctest::Approx(expected));
 				CHECK(density_of(set, planet.center - (100.0 + altitude) * up) == 0.0);
@@ -127,10 +127,10 @@ TEST_CASE("planet shapes: polygons and paths that are rotated about the center c
 			const glm::dmat3 axes = random_axes(random);
 			const ShapeSet there = set_for(axes);
 			for (int k = 0; k < 40; ++k) {
-				const glm::dvec3 place =
-						(100.0 + k) * glm::normalize(turned({0, 1, 0}, random_direction(random), angle(random)));
-				const double expected = density_of(top, planet.center + place);
-				CHECK(density_of(there, planet.center + axes * place) == doctest::Approx(expected).epsilon(1e-6));
+				const glm::dvec3 position =
+						(100.0 + k) * glm::normalize(rotated({0, 1, 0}, random_direction(random), angle(random)));
+				const double expected = density_of(top, planet.center + position);
+				CHECK(density_of(there, planet.center + axes * position) == doctest::Approx(expected).epsilon(1e-6));
 				inside += expected > 0.0 ? 1 : 0;
 			}
 		}
@@ -144,16 +144,16 @@ TEST_CASE("planet shapes: a path around a planet has the same width everywhere")
 		const glm::dmat3 axes = random_axes(random);
 		std::vector<glm::dvec3> points;
 		for (double along = -2.3; along < 2.3; along += 0.002) {
-			points.push_back(planet.center + planet.radius * turned(axes[0], axes[1], along));
+			points.push_back(planet.center + planet.radius * rotated(axes[0], axes[1], along));
 		}
 		Shape shape = drawn(ShapeKind::path, points);
 		shape.half_size.x = 2.0;
 		const ShapeSet set = set_of({shape});
 		for (double along = -2.2; along <= 2.2; along += 0.1) {
-			const glm::dvec3 on_way = turned(axes[0], axes[1], along);
+			const glm::dvec3 on_way = rotated(axes[0], axes[1], along);
 			for (const double side : {-2.05, -1.95, 0.0, 1.95, 2.05}) {
-				const glm::dvec3 place = planet.center + 130.0 * turned(on_way, axes[2], side / planet.radius);
-				CHECK(density_of(set, place) == (std::abs(side) < 2.0 ? 1.0 : 0.0));
+				const glm::dvec3 position = planet.center + 130.0 * rotated(on_way, axes[2], side / planet.radius);
+				CHECK(density_of(set, position) == (std::abs(side) < 2.0 ? 1.0 : 0.0));
 			}
 		}
 		CHECK(density_of(set, planet.center - 100.0 * axes[0]) == 0.0);
@@ -191,19 +191,20 @@ TEST_CASE("planet shapes: the bounds and the edited areas contain everything tha
 		// Without the planet, the shape in the frame of the map has exact bounds.
 		const PlanetMap map(planet, shape.center);
 		const bool flat = i % 4 < 2;
-		Shape on_map = flat ? shape : turned_upright(shape, map);
+		Shape on_map = flat ? shape : rotated_upright(shape, map);
 		on_map.planet = {};
 		on_map.exclude = false;
 		for (int k = 0; k < 200; ++k) {
 			const glm::dvec3 direction = glm::normalize(up + 1.5 * any(random) * random_direction(random));
-			const glm::dvec3 place = planet.center + (100.0 + 99.0 * any(random)) * direction;
-			const glm::dvec2 at = map.at(place);
+			const glm::dvec3 position = planet.center + (100.0 + 99.0 * any(random)) * direction;
+			const glm::dvec2 at = map.at(position);
 			on_map.half_size.x = flat ? map.scale(at) * shape.half_size.x : on_map.half_size.x;
-			const glm::dvec3 seen = flat ? glm::dvec3(at.x, 0.0, at.y) : map.at_middle(place);
+			const glm::dvec3 seen = flat ? glm::dvec3(at.x, 0.0, at.y) : map.at_middle(position);
 			const bool affected = density_of(set_of({on_map}), seen) > 0.0 && (flat ? map.contains(at) : seen.y > 0.0);
-			CHECK((density_of(set, place) > 0.0) == affected);
+			CHECK((density_of(set, position) > 0.0) == affected);
 			if (affected) {
-				CHECK(std::ranges::any_of(areas, [&](const Rect &area) { return area.contains({place.x, place.z}); }));
+				CHECK(std::ranges::any_of(
+						areas, [&](const Rect &area) { return area.contains({position.x, position.z}); }));
 			}
 		}
 	}

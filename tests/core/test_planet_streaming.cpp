@@ -33,7 +33,7 @@ constexpr StreamLayer on_planet{.tile_size = 16.0, .view_distance = 70.0, .botto
 struct SpaceStage {
 	TileStreamer streamer;
 	StreamChanges changes;
-	std::set<At> shown;
+	std::set<At> visible;
 
 	explicit SpaceStage(const StreamLayer &layer) { REQUIRE(streamer.set_layers({&layer, 1}).ok()); }
 
@@ -41,7 +41,7 @@ struct SpaceStage {
 		for (int i = 0; i < 100 && (i == 0 || !streamer.idle()); ++i) {
 			REQUIRE(streamer.update({&viewer, 1}, 100'000, changes).ok());
 			for (const TileKey &key : changes.drop) {
-				CHECK(shown.erase({key.tile.x, key.tile.y, key.slab}) == 1);
+				CHECK(visible.erase({key.tile.x, key.tile.y, key.slab}) == 1);
 			}
 			for (const TileRequest &request : changes.request) {
 				CHECK(request.space.bottom == request.key.slab * 16.0);
@@ -50,7 +50,7 @@ struct SpaceStage {
 			while (const auto next = streamer.next_ready()) {
 				REQUIRE(streamer.may_show(*next));
 				REQUIRE(streamer.finish(*next));
-				CHECK(shown.emplace(next->key.tile.x, next->key.tile.y, next->key.slab).second);
+				CHECK(visible.emplace(next->key.tile.x, next->key.tile.y, next->key.slab).second);
 			}
 		}
 		CHECK(streamer.idle());
@@ -95,26 +95,26 @@ TEST_CASE("tile ball: a ball contains the cubes that touch it, and lists those t
 
 TEST_CASE("planet streaming: cubes are wanted by their distances in space") {
 	SpaceStage stage(on_planet);
-	for (const glm::dvec3 place : {glm::dvec3(0, 380, 0), glm::dvec3(0, 300, 0), glm::dvec3(380, 0, 3),
+	for (const glm::dvec3 position : {glm::dvec3(0, 380, 0), glm::dvec3(0, 300, 0), glm::dvec3(380, 0, 3),
 				 glm::dvec3(0, -390, 0), glm::dvec3(0, -390, 30)}) {
-		stage.settle({{place.x, place.z}, 1.0, place.y});
+		stage.settle({{position.x, position.z}, 1.0, position.y});
 		std::size_t near = 0;
 		for (int slab = -25; slab < 25; ++slab) {
 			for (int z = -10; z <= 10; ++z) {
 				for (int x = -10; x <= 40; ++x) {
-					const double away = std::sqrt(distance_squared(tile_space(16.0, {x, z}, slab), place));
-					const bool shown = stage.shown.contains({x, z, slab});
-					CHECK((away > 70.0 || shown));
-					CHECK((away < 1.1 * 70.0 + 16.0 + 4.0 || !shown));
+					const double away = std::sqrt(distance_squared(tile_space(16.0, {x, z}, slab), position));
+					const bool visible = stage.visible.contains({x, z, slab});
+					CHECK((away > 70.0 || visible));
+					CHECK((away < 1.1 * 70.0 + 16.0 + 4.0 || !visible));
 					near += away <= 70.0 ? 1 : 0;
 				}
 			}
 		}
-		CHECK(stage.shown.size() >= near);
-		CHECK(stage.shown.size() < 3 * near);
+		CHECK(stage.visible.size() >= near);
+		CHECK(stage.visible.size() < 3 * near);
 	}
 	stage.settle({{0.0, 0.0}, 1.0, 1000.0}); // This viewer is far from all tiles.
-	CHECK(stage.shown.empty());
+	CHECK(stage.visible.empty());
 }
 
 TEST_CASE("planet streaming: cubes without ground are not streamed, also after the ground has changed") {
@@ -144,7 +144,7 @@ TEST_CASE("planet streaming: cubes without ground are not streamed, also after t
 		}
 		CHECK(expected.size() > 50);
 		for (const At &at : expected) {
-			CHECK(stage.shown.contains(at));
+			CHECK(stage.visible.contains(at));
 		}
 		return expected.size();
 	};
@@ -154,7 +154,7 @@ TEST_CASE("planet streaming: cubes without ground are not streamed, also after t
 	layer.farthest = 310.0;
 	SpaceStage stage(layer);
 	CHECK(2 * check_shell(stage, 295.0, 310.0) < whole);
-	CHECK(2 * stage.shown.size() < all.shown.size());
+	CHECK(2 * stage.visible.size() < all.visible.size());
 	layer.farthest = 330.0;
 	REQUIRE(stage.streamer.set_layers({&layer, 1}).ok());
 	check_shell(stage, 295.0, 330.0);
@@ -165,14 +165,14 @@ TEST_CASE("planet streaming: cubes without ground are not streamed, also after t
 	REQUIRE(changing.streamer.set_layers({&layer, 1}).ok());
 	for (const TileRequest &request : first.request) {
 		CHECK(changing.streamer.finish(request));
-		changing.shown.emplace(request.key.tile.x, request.key.tile.y, request.key.slab);
+		changing.visible.emplace(request.key.tile.x, request.key.tile.y, request.key.slab);
 	}
 	check_shell(changing, 295.0, 330.0);
 	layer.nearest = 1.0;
 	layer.farthest = 0.0; // There is no ground.
 	SpaceStage none(layer);
 	none.settle(viewer);
-	CHECK(none.shown.empty());
+	CHECK(none.visible.empty());
 }
 
 TEST_CASE("planet streaming: invalid settings are rejected, and a layer may get or lose a planet") {
@@ -190,7 +190,7 @@ TEST_CASE("planet streaming: invalid settings are rejected, and a layer may get 
 	SpaceStage stage(on_planet);
 	const Viewer viewer{{0.0, 0.0}, 1.0, 390.0};
 	stage.settle(viewer);
-	const std::size_t cubes = stage.shown.size();
+	const std::size_t cubes = stage.visible.size();
 	StreamLayer plane = on_planet;
 	plane.bottom = StreamLayer().bottom;
 	plane.top = StreamLayer().top;

@@ -17,8 +17,8 @@ namespace {
 double nearest_of_all(const std::vector<glm::dvec2> &points, glm::dvec2 position, double distance) {
 	double nearest = distance * distance;
 	for (const glm::dvec2 point : points) {
-		const glm::dvec2 apart = point - position;
-		nearest = std::min(nearest, apart.x * apart.x + apart.y * apart.y);
+		const glm::dvec2 offset = point - position;
+		nearest = std::min(nearest, offset.x * offset.x + offset.y * offset.y);
 	}
 	return nearest;
 }

@@ -58,13 +58,13 @@ TEST_CASE("rules: clumps are evaluated only where the other rules permit instanc
 	Rules rules;
 	rules.clumping = {.size = 10.0};
 	std::vector<float> scratch(1);
-	const auto looks = [&] {
+	const auto rounds_density = [&] {
 		const PreparedRules ready = prepared(rules);
 		const glm::dvec2 position(3.0, 5.0);
 		double density = -1.0;
-		return rounds([&] { REQUIRE(ready.place_densities({{&position, 1}}, {&density, 1}, scratch).ok()); });
+		return rounds([&] { REQUIRE(ready.position_densities({{&position, 1}}, {&density, 1}, scratch).ok()); });
 	};
-	CHECK(looks());
+	CHECK(rounds_density());
 	rules.density = 0.0;
-	CHECK_FALSE(looks());
+	CHECK_FALSE(rounds_density());
 }

@@ -43,7 +43,7 @@ bool allowed(const PreparedRules &rules, const Ground &ground) { return rules.gr
 double density_at(const Rules &rules, glm::dvec2 position) {
 	std::vector<float> scratch;
 	double density = -1.0;
-	REQUIRE(prepared(rules).place_densities({{&position, 1}}, {&density, 1}, scratch).ok());
+	REQUIRE(prepared(rules).position_densities({{&position, 1}}, {&density, 1}, scratch).ok());
 	return density;
 }
 
@@ -139,13 +139,13 @@ TEST_CASE("rules: a falloff thins linearly inside its limit, and falloffs multip
 	rules.height_falloff = 40.0;
 	rules.max_slope_degrees = 30.0;
 	rules.slope_falloff_degrees = 10.0;
-	for (const double share : {0.0, 0.1, 0.25, 0.5, 0.75, 0.9, 1.0}) {
-		CAPTURE(share);
-		const auto height = static_cast<float>(100.0 + 40.0 * share);
-		const double degrees = 30.0 - 10.0 * share;
-		CHECK(std::abs(density_on(rules, inclined(0.0, height)) - share) < 1e-6);
-		CHECK(std::abs(density_on(rules, inclined(degrees, 500.0f)) - share) < 1e-5);
-		CHECK(std::abs(density_on(rules, inclined(degrees, height)) - share * share) < 1e-5);
+	for (const double fraction : {0.0, 0.1, 0.25, 0.5, 0.75, 0.9, 1.0}) {
+		CAPTURE(fraction);
+		const auto height = static_cast<float>(100.0 + 40.0 * fraction);
+		const double degrees = 30.0 - 10.0 * fraction;
+		CHECK(std::abs(density_on(rules, inclined(0.0, height)) - fraction) < 1e-6);
+		CHECK(std::abs(density_on(rules, inclined(degrees, 500.0f)) - fraction) < 1e-5);
+		CHECK(std::abs(density_on(rules, inclined(degrees, height)) - fraction * fraction) < 1e-5);
 	}
 	CHECK(density_on(rules, inclined(0.0, 1e6f)) == 1.0);
 }
@@ -215,13 +215,13 @@ TEST_CASE("rules: thinning by a fraction removes the same instances as a density
 	std::uniform_real_distribution<double> unit(0.0, 1.0);
 	for (int i = 0; i < 100000; ++i) {
 		const double density = unit(random);
-		const double share = unit(random);
+		const double fraction = unit(random);
 		const auto rank = static_cast<std::uint32_t>(random());
 		if (is_placed(rank, density)) {
 			const std::uint32_t thinned = thinning_rank(rank, density);
 			CHECK(thinned >= rank);
-			if (std::abs(thinned - share * 0x1p32) > 2.0) { // Closer ranks depend on rounding.
-				CHECK((thinned < share * 0x1p32) == is_placed(rank, density * share));
+			if (std::abs(thinned - fraction * 0x1p32) > 2.0) { // Closer ranks depend on rounding.
+				CHECK((thinned < fraction * 0x1p32) == is_placed(rank, density * fraction));
 			}
 		}
 	}
@@ -301,7 +301,7 @@ TEST_CASE("rules: the error of a field is returned") {
 	std::vector<float> scratch;
 	const glm::dvec2 position(0.0);
 	double density = 0.0;
-	check_refused(prepared(rules).place_densities({{&position, 1}}, {&density, 1}, scratch), ErrorCode::missing,
+	check_refused(prepared(rules).position_densities({{&position, 1}}, {&density, 1}, scratch), ErrorCode::missing,
 			"noise", 0.0);
 }
 

@@ -53,7 +53,7 @@ TEST_CASE("shape frame: scales and axes are separated, to double precision from 
 		const glm::dmat3 axes = scaled(turned(0.7, -2.1), sign);
 		const glm::mat3 as_floats(scaled(axes, scale));
 		ShapeFrame frame;
-		REQUIRE(take_apart(glm::dmat3(as_floats), frame).ok());
+		REQUIRE(decompose(glm::dmat3(as_floats), frame).ok());
 		for (int axis = 0; axis < 3; ++axis) {
 			CHECK(std::abs(frame.scale[axis] - scale[axis]) < 1e-5 * scale[axis]);
 			CHECK(glm::distance(frame.axes[axis], axes[axis]) < 1e-6);
@@ -67,7 +67,7 @@ TEST_CASE("shape frame: a transform other than a rotation with scales is rejecte
 	ShapeFrame frame;
 	frame.scale = glm::dvec3(7.0);
 	const auto refuse = [&frame](const glm::dmat3 &basis) {
-		const Status status = take_apart(basis, frame);
+		const Status status = decompose(basis, frame);
 		CHECK(frame.scale.x == 7.0);
 		return status;
 	};
@@ -82,7 +82,7 @@ TEST_CASE("shape frame: a transform other than a rotation with scales is rejecte
 	CHECK(std::abs(status.value - 0.6) < 1e-12);
 	// A tiny shear, as rounding produces it, is corrected.
 	sheared[2] = glm::normalize(glm::dvec3(1e-5, 0.0, 1.0));
-	CHECK(take_apart(sheared, frame).ok());
+	CHECK(decompose(sheared, frame).ok());
 }
 
 TEST_CASE("polyline: the result has fewer points, and no original point is farther away than the tolerance") {

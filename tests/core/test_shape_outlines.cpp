@@ -42,34 +42,34 @@ Outline outline_of(const Points &points, bool closed) {
 	return outline;
 }
 
-double distance_to_edge(glm::dvec2 a, glm::dvec2 b, glm::dvec2 place) {
+double distance_to_edge(glm::dvec2 a, glm::dvec2 b, glm::dvec2 position) {
 	const double length = glm::distance(a, b);
 	if (length == 0.0) {
-		return glm::distance(a, place);
+		return glm::distance(a, position);
 	}
 	const glm::dvec2 along = (b - a) / length;
-	const double t = glm::dot(place - a, along);
-	return t <= 0.0       ? glm::distance(a, place)
-			: t >= length ? glm::distance(b, place)
-						  : std::abs(along.x * (place.y - a.y) - along.y * (place.x - a.x));
+	const double t = glm::dot(position - a, along);
+	return t <= 0.0       ? glm::distance(a, position)
+			: t >= length ? glm::distance(b, position)
+						  : std::abs(along.x * (position.y - a.y) - along.y * (position.x - a.x));
 }
 
-double plain_distance(const Points &points, bool closed, glm::dvec2 place) {
-	double nearest = glm::distance(points.front(), place);
+double plain_distance(const Points &points, bool closed, glm::dvec2 position) {
+	double nearest = glm::distance(points.front(), position);
 	for (std::size_t i = 0; i + (closed ? 0 : 1) < points.size(); ++i) {
-		nearest = std::min(nearest, distance_to_edge(points[i], points[(i + 1) % points.size()], place));
+		nearest = std::min(nearest, distance_to_edge(points[i], points[(i + 1) % points.size()], position));
 	}
 	return nearest;
 }
 
 /// Applies the even-odd rule with a ray along +y. The core uses +x.
-bool plain_contains(const Points &points, glm::dvec2 place) {
+bool plain_contains(const Points &points, glm::dvec2 position) {
 	bool within = false;
 	for (std::size_t i = 0; i < points.size(); ++i) {
 		const glm::dvec2 a = points[i];
 		const glm::dvec2 b = points[(i + 1) % points.size()];
-		if ((a.x > place.x) != (b.x > place.x)) {
-			within ^= a.y + (b.y - a.y) * (place.x - a.x) / (b.x - a.x) > place.y;
+		if ((a.x > position.x) != (b.x > position.x)) {
+			within ^= a.y + (b.y - a.y) * (position.x - a.x) / (b.x - a.x) > position.y;
 		}
 	}
 	return within;
@@ -119,16 +119,16 @@ TEST_CASE("outlines: a border of many short edges is outside everywhere") {
 	for (std::size_t start = 0; start < square.size(); ++start) {
 		std::rotate(square.begin(), square.begin() + 1, square.end());
 		const Outline outline = outline_of(square, true);
-		for (double place = 0.0; place <= side; place += 0.5) {
-			CHECK(!outline.contains({0.0, place}));
-			CHECK(!outline.contains({side, place}));
-			CHECK(!outline.contains({place, 0.0}));
-			CHECK(!outline.contains({place, side}));
-			const bool within = place > 0.0 && place < side;
-			CHECK(outline.contains({1e-9, place}) == within);
-			CHECK(outline.contains({side - 1e-9, place}) == within);
-			CHECK(outline.contains({place, 1e-9}) == within);
-			CHECK(outline.contains({place, side - 1e-9}) == within);
+		for (double position = 0.0; position <= side; position += 0.5) {
+			CHECK(!outline.contains({0.0, position}));
+			CHECK(!outline.contains({side, position}));
+			CHECK(!outline.contains({position, 0.0}));
+			CHECK(!outline.contains({position, side}));
+			const bool within = position > 0.0 && position < side;
+			CHECK(outline.contains({1e-9, position}) == within);
+			CHECK(outline.contains({side - 1e-9, position}) == within);
+			CHECK(outline.contains({position, 1e-9}) == within);
+			CHECK(outline.contains({position, side - 1e-9}) == within);
 		}
 	}
 }
@@ -230,13 +230,14 @@ TEST_CASE("outlines: random lines of any length match a scan of all edges") {
 				const Outline outline = outline_of(points, closed);
 				for (int i = 0; i < 100; ++i) {
 					const double spread = i % 2 == 0 ? 3.0 : 40.0;
-					const glm::dvec2 place = points[random() % count] + spread * glm::dvec2(unit(random), unit(random));
-					const double distance = plain_distance(points, closed, place);
+					const glm::dvec2 position =
+							points[random() % count] + spread * glm::dvec2(unit(random), unit(random));
+					const double distance = plain_distance(points, closed, position);
 					CAPTURE(count);
-					CHECK(std::abs(outline.distance(place, 1e9) - distance) < (far > 0.0 ? 1e-8 : 1e-12));
-					CHECK(outline.distance(place, distance * 0.75) == distance * 0.75);
+					CHECK(std::abs(outline.distance(position, 1e9) - distance) < (far > 0.0 ? 1e-8 : 1e-12));
+					CHECK(outline.distance(position, distance * 0.75) == distance * 0.75);
 					if (closed && distance > 1e-8) {
-						CHECK(outline.contains(place) == plain_contains(points, place));
+						CHECK(outline.contains(position) == plain_contains(points, position));
 					}
 				}
 			}
@@ -252,12 +253,12 @@ TEST_CASE("outlines: 65,536 points, inside and around every bay") {
 	std::uniform_real_distribution<double> unit(-1.0, 1.0);
 	for (int i = 0; i < 300; ++i) {
 		const glm::dvec2 on = points[random() % points.size()];
-		const glm::dvec2 place = i % 2 == 0 ? on + 15.0 * glm::dvec2(unit(random), unit(random))
-											: 600.0 * glm::dvec2(unit(random), unit(random));
-		const double distance = plain_distance(points, true, place);
-		const double depth = plain_contains(points, place) ? distance : 0.0;
-		CHECK(density_at(set, place.x, place.y) == doctest::Approx(std::min(depth / 50.0, 1.0)).epsilon(1e-9));
-		CHECK(density_at(shore, place.x, place.y) ==
+		const glm::dvec2 position = i % 2 == 0 ? on + 15.0 * glm::dvec2(unit(random), unit(random))
+											   : 600.0 * glm::dvec2(unit(random), unit(random));
+		const double distance = plain_distance(points, true, position);
+		const double depth = plain_contains(points, position) ? distance : 0.0;
+		CHECK(density_at(set, position.x, position.y) == doctest::Approx(std::min(depth / 50.0, 1.0)).epsilon(1e-9));
+		CHECK(density_at(shore, position.x, position.y) ==
 				doctest::Approx(std::max(1.0 - distance / 12.0, 0.0)).epsilon(1e-6));
 	}
 }

@@ -89,12 +89,13 @@ TEST_CASE("shapes: depths of rotated boxes, spheres and cylinders match a search
 				shape.ignore_height = ignore_height;
 				const ShapeSet set = set_of({shape});
 				for (int i = 0; i < 20; ++i) {
-					const glm::dvec3 place = shape.center + 12.0 * glm::dvec3(unit(random), unit(random), unit(random));
+					const glm::dvec3 position =
+							shape.center + 12.0 * glm::dvec3(unit(random), unit(random), unit(random));
 					const double depth =
-							ignore_height ? searched_shadow_depth(shape, place) : plain_depth(shape, place);
+							ignore_height ? searched_shadow_depth(shape, position) : plain_depth(shape, position);
 					CAPTURE(static_cast<int>(kind));
 					CAPTURE(depth);
-					CHECK(std::abs(density_of(set, place) * 100.0 - std::max(depth, 0.0)) < 1e-4);
+					CHECK(std::abs(density_of(set, position) * 100.0 - std::max(depth, 0.0)) < 1e-4);
 				}
 			}
 		}
@@ -213,14 +214,14 @@ TEST_CASE("shapes: nothing is included far from the only including shape; a far 
 	std::vector<std::uint32_t> near{7};
 	const ShapeSet including = set_of({far});
 	CHECK(including.includes());
-	REQUIRE(including.near(here, near).ok());
+	REQUIRE(including.find_nearby(here, near).ok());
 	CHECK(near.empty());
 	CHECK(including.density(near, {0.0, 0.0, 0.0}) == 0.0);
 
 	far.exclude = true;
 	const ShapeSet excluding = set_of({far});
 	CHECK(!excluding.includes());
-	REQUIRE(excluding.near(here, near).ok());
+	REQUIRE(excluding.find_nearby(here, near).ok());
 	CHECK(near.empty());
 	CHECK(excluding.density(near, {0.0, 0.0, 0.0}) == 1.0);
 	CHECK(set_of({}).empty());
@@ -234,7 +235,7 @@ TEST_CASE("shapes: near returns the shapes that touch an area, in order, and bou
 		const ShapeSet set = set_of(shapes);
 		const Rect area = rect_around({40.0 * unit(random), 40.0 * unit(random)}, 2.0 + 10.0 * std::abs(unit(random)));
 		std::vector<std::uint32_t> near;
-		REQUIRE(set.near(area, near).ok());
+		REQUIRE(set.find_nearby(area, near).ok());
 		CHECK(std::ranges::is_sorted(near));
 		for (std::uint32_t i = 0; i < shapes.size(); ++i) {
 			const Rect reach = bounds(shapes[i]);
@@ -246,15 +247,15 @@ TEST_CASE("shapes: near returns the shapes that touch an area, in order, and bou
 			alone.falloff = 0.0;
 			const ShapeSet lonely = set_of({alone});
 			for (int k = 0; k < 50; ++k) {
-				const glm::dvec3 place(60.0 * unit(random), 10.0 * unit(random), 60.0 * unit(random));
-				CHECK((density_of(lonely, place) == 0.0 || reach.contains({place.x, place.z})));
+				const glm::dvec3 position(60.0 * unit(random), 10.0 * unit(random), 60.0 * unit(random));
+				CHECK((density_of(lonely, position) == 0.0 || reach.contains({position.x, position.z})));
 			}
 		}
 		// The area that is passed to `near` does not affect the density.
 		for (int k = 0; k < 50; ++k) {
-			const glm::dvec3 place(area.center().x + unit(random) * 0.5 * area.size().x, 10.0 * unit(random),
+			const glm::dvec3 position(area.center().x + unit(random) * 0.5 * area.size().x, 10.0 * unit(random),
 					area.center().y + unit(random) * 0.5 * area.size().y);
-			CHECK(set.density(near, place) == density_of(set, place));
+			CHECK(set.density(near, position) == density_of(set, position));
 		}
 	}
 }
@@ -282,14 +283,14 @@ TEST_CASE("shapes: moving, adding or removing a shape has no effect outside its 
 		shapes.erase(shapes.begin() + static_cast<std::ptrdiff_t>(moved));
 		const ShapeSet without = set_of(shapes);
 		for (int k = 0; k < 500; ++k) {
-			const glm::dvec3 place(60.0 * unit(random), 5.0 * unit(random), 60.0 * unit(random));
-			const glm::dvec2 flat(place.x, place.z);
+			const glm::dvec3 position(60.0 * unit(random), 5.0 * unit(random), 60.0 * unit(random));
+			const glm::dvec2 flat(position.x, position.z);
 			const bool in_old = old_bounds.contains(flat);
 			const bool in_new = new_bounds.contains(flat);
-			CHECK((in_old || in_new || density_of(before, place) == density_of(after, place)));
-			CHECK((in_old || density_of(before, place) == density_of(without, place)));
-			CHECK((in_new || density_of(after, place) == density_of(without, place)));
-			changed += density_of(before, place) != density_of(after, place) ? 1 : 0;
+			CHECK((in_old || in_new || density_of(before, position) == density_of(after, position)));
+			CHECK((in_old || density_of(before, position) == density_of(without, position)));
+			CHECK((in_new || density_of(after, position) == density_of(without, position)));
+			changed += density_of(before, position) != density_of(after, position) ? 1 : 0;
 		}
 	}
 	CHECK(changed > 300);
@@ -309,9 +310,9 @@ TEST_CASE("shapes: far from the origin, a shape is the same within the precision
 		const ShapeSet far_set = set_of({moved});
 		const double grain = 1e-8; // Several roundings of a double at 1e7 m.
 		for (int k = 0; k < 100; ++k) {
-			const glm::dvec3 place(60.0 * unit(random), 5.0 * unit(random), 60.0 * unit(random));
-			const double here = density_of(near_set, place);
-			const double there = density_of(far_set, place + glm::dvec3(far.x, 0.0, far.y));
+			const glm::dvec3 position(60.0 * unit(random), 5.0 * unit(random), 60.0 * unit(random));
+			const double here = density_of(near_set, position);
+			const double there = density_of(far_set, position + glm::dvec3(far.x, 0.0, far.y));
 			CHECK((std::abs(here - there) * std::max(shape.falloff, grain) <= grain));
 		}
 	}

@@ -108,11 +108,11 @@ TEST_CASE("golden: ground from triangles and from samples in meters is bit-ident
 	Digest digest;
 	for (int i = 0; i < 4000; ++i) {
 		const double x = 55.0 * symmetric(random);
-		const glm::dvec2 place(x, 35.0 * symmetric(random));
-		add(digest, triangles.at(place));
-		Ground ground = field.at(place);
+		const glm::dvec2 position(x, 35.0 * symmetric(random));
+		add(digest, triangles.at(position));
+		Ground ground = field.at(position);
 		const std::int32_t texture = i % 3;
-		REQUIRE(field.weigh({&place, 1}, {&texture, 1}, {&ground, 1}).ok());
+		REQUIRE(field.weigh({&position, 1}, {&texture, 1}, {&ground, 1}).ok());
 		add(digest, ground);
 	}
 	CHECK(digest.value() == 14594324683184786369u);

@@ -40,9 +40,9 @@ TEST_CASE("slope stencil: a plane has its normal everywhere") {
 TEST_CASE("slope stencil: positions are floats, half a meter away where precision permits") {
 	for (const double x : {0.0, 12.345678901234, -1e6, 1e7, -3e8}) {
 		const SlopeStencil stencil({x, 7.0});
-		for (const glm::dvec2 &place : stencil.positions()) {
-			CHECK(place.x == static_cast<double>(static_cast<float>(place.x)));
-			CHECK(place.y == static_cast<double>(static_cast<float>(place.y)));
+		for (const glm::dvec2 &position : stencil.positions()) {
+			CHECK(position.x == static_cast<double>(static_cast<float>(position.x)));
+			CHECK(position.y == static_cast<double>(static_cast<float>(position.y)));
 		}
 		CHECK(stencil.positions()[0].x < stencil.center().x);
 		CHECK(stencil.positions()[1].x > stencil.center().x);

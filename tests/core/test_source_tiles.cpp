@@ -32,10 +32,10 @@ struct Seen {
 	friend bool operator==(const Seen &, const Seen &) = default;
 };
 
-using Look = std::map<std::uint64_t, Seen>;
+using Appearances = std::map<std::uint64_t, Seen>;
 
-Look appearance_of(const TileInstances &tile) {
-	Look result;
+Appearances appearance_of(const TileInstances &tile) {
+	Appearances result;
 	for (const MeshInstances &mesh : tile.meshes) {
 		REQUIRE(mesh.stride == 20);
 		for (std::size_t i = 0; i < mesh.size(); ++i) {
@@ -59,7 +59,7 @@ std::map<std::uint64_t, glm::dvec2> points_of(const PointSet &set, const Rect &r
 }
 
 /// Returns the positions of a layer's instances.
-std::vector<glm::dvec2> places(const LayerSettings &layer, const Terrain &terrain, const Rect &rect) {
+std::vector<glm::dvec2> instance_positions(const LayerSettings &layer, const Terrain &terrain, const Rect &rect) {
 	const auto points = points_of(layer.set, rect);
 	std::vector<glm::dvec2> result;
 	for (const auto &[id, transform] : transforms_of(built(layer, terrain, rect))) {
@@ -72,7 +72,7 @@ std::vector<glm::dvec2> places(const LayerSettings &layer, const Terrain &terrai
 class Finder {
 public:
 	explicit Finder(const Terrain &terrain, const Rect &rect) :
-			terrain_(terrain), oaks_(places(*oaks(), terrain, grown(rect, 2.0 * farthest))) {}
+			terrain_(terrain), oaks_(instance_positions(*oaks(), terrain, grown(rect, 2.0 * farthest))) {}
 
 	double at(SourceKind kind, glm::dvec2 position, std::uint32_t rank) const {
 		const Ground ground = terrain_.at(position);
@@ -110,17 +110,18 @@ TEST_CASE("sources: colors and variations match each source's value at the insta
 		const InstanceSource color = source_of(kinds[i]);
 		const InstanceSource variation = source_of(kinds[(i + 2) % kinds.size()]);
 		CAPTURE(i);
-		const Look look = appearance_of(built(layer_with_sources(color, variation), terrain, tile_of_hills));
-		CHECK(look.size() > 500);
+		const Appearances appearances =
+				appearance_of(built(layer_with_sources(color, variation), terrain, tile_of_hills));
+		CHECK(appearances.size() > 500);
 		std::size_t first = 0;
 		std::size_t between = 0;
-		for (const auto &[id, seen] : look) {
-			const double expected = share(color, finder.at(color.kind, points.at(id), seen.rank));
+		for (const auto &[id, seen] : appearances) {
+			const double expected = expected_fraction(color, finder.at(color.kind, points.at(id), seen.rank));
 			const double along = std::min(expected * colors, colors - 1.0);
 			CHECK(std::abs(static_cast<double>(seen.color) + 0.5 - along) <= 0.5 + 1e-3);
 			first += seen.color == 0 ? 1 : 0;
 			between += seen.color > 0 && seen.color < colors - 1 ? 1 : 0;
-			const double other = share(variation, finder.at(variation.kind, points.at(id), seen.rank));
+			const double other = expected_fraction(variation, finder.at(variation.kind, points.at(id), seen.rank));
 			CHECK(std::abs(double{seen.variation} - other) < 1e-3);
 		}
 		CHECK(between > 100); // Many values lie inside the range, and some are at its lower end.
@@ -163,9 +164,9 @@ TEST_CASE("sources: purely random values are bit-identical to a layer without so
 TEST_CASE("sources: randomness spreads values evenly over its part of the gradient") {
 	const Heightfield terrain = hills();
 	InstanceSource source = source_of(SourceKind::height);
-	const Look sharp = appearance_of(built(layer_with_sources(source, {}), terrain, tile_of_hills));
+	const Appearances sharp = appearance_of(built(layer_with_sources(source, {}), terrain, tile_of_hills));
 	source.randomness = 0.2;
-	const Look spread = appearance_of(built(layer_with_sources(source, {}), terrain, tile_of_hills));
+	const Appearances spread = appearance_of(built(layer_with_sources(source, {}), terrain, tile_of_hills));
 	double sum = 0.0;
 	for (const auto &[id, seen] : spread) {
 		const double apart =
@@ -185,9 +186,9 @@ TEST_CASE("sources: tiles of any size and order, and threads, produce the same v
 		color.randomness = 0.3;
 		const LayerSettings layer = layer_with_sources(color, source_of(kinds[(i + 1) % kinds.size()]));
 		const TileInstances tile = built(layer, terrain, tile_of_hills);
-		const Look whole = appearance_of(tile);
+		const Appearances whole = appearance_of(tile);
 		for (const glm::dvec2 size : {glm::dvec2(128.0, 11.0), glm::dvec2(23.5, 40.0)}) {
-			Look together;
+			Appearances together;
 			for (double y = tile_of_hills.max.y; y > tile_of_hills.min.y; y -= size.y) {
 				for (double x = tile_of_hills.min.x; x < tile_of_hills.max.x; x += size.x) {
 					const Rect part{{x, std::max(y - size.y, tile_of_hills.min.y)},
@@ -208,27 +209,28 @@ TEST_CASE("sources: the other layer yields to its own neighbors first, which cha
 	auto kept_away = std::make_shared<LayerSettings>(*oaks());
 	kept_away->neighbors = {{stones, 4.0, nullptr}};
 	InstanceSource source = source_of(SourceKind::distance);
-	const Look free = appearance_of(built(layer_with_sources(source, {}), terrain, tile_of_hills));
+	const Appearances free = appearance_of(built(layer_with_sources(source, {}), terrain, tile_of_hills));
 	source.layer = kept_away;
 	const LayerSettings layer = layer_with_sources(source, {});
 	CHECK(reach(layer) == farthest + 4.0);
-	const Look look = appearance_of(built(layer, terrain, tile_of_hills));
-	CHECK(look != free);
-	const std::vector<glm::dvec2> standing = places(*kept_away, terrain, grown(tile_of_hills, 2.0 * farthest));
-	CHECK(standing.size() < places(*oaks(), terrain, grown(tile_of_hills, 2.0 * farthest)).size());
+	const Appearances appearances = appearance_of(built(layer, terrain, tile_of_hills));
+	CHECK(appearances != free);
+	const std::vector<glm::dvec2> standing =
+			instance_positions(*kept_away, terrain, grown(tile_of_hills, 2.0 * farthest));
+	CHECK(standing.size() < instance_positions(*oaks(), terrain, grown(tile_of_hills, 2.0 * farthest)).size());
 	const auto points = points_of(layer.set, tile_of_hills);
-	Look together;
+	Appearances together;
 	for (double y = tile_of_hills.min.y; y < tile_of_hills.max.y; y += 16.0) {
 		const Rect part{{tile_of_hills.min.x, y}, {tile_of_hills.max.x, y + 16.0}};
 		together.merge(appearance_of(built(layer, terrain, part)));
 	}
-	CHECK(together == look);
-	for (const auto &[id, seen] : look) {
+	CHECK(together == appearances);
+	for (const auto &[id, seen] : appearances) {
 		double nearest = farthest;
 		for (const glm::dvec2 other : standing) {
 			nearest = std::min(nearest, glm::distance(points.at(id), other));
 		}
-		const double along = std::min(share(source, nearest) * colors, colors - 1.0);
+		const double along = std::min(expected_fraction(source, nearest) * colors, colors - 1.0);
 		CHECK(std::abs(static_cast<double>(seen.color) + 0.5 - along) <= 0.5 + 1e-3);
 	}
 }

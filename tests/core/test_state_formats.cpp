@@ -117,11 +117,11 @@ TEST_CASE("state formats: the header of a diff names its sender and its range of
 	StateHeader header;
 	REQUIRE(read_header(diff_of(server, 1), header).ok());
 	CHECK(header.origin == StateOrigin{77, 1, 2});
-	CHECK_FALSE(header.whole);
+	CHECK_FALSE(header.is_complete);
 	CHECK(header.named() == 1);
 	REQUIRE(read_header(diff_of(server, 9), header).ok());
 	CHECK(header.origin == StateOrigin{77, 0, 2});
-	CHECK(header.whole);
+	CHECK(header.is_complete);
 	StateBytes bytes;
 	const std::uint64_t ids[] = {point_id(1, 1, 1)};
 	REQUIRE(server.diff_of(ids, bytes).ok());

@@ -98,14 +98,14 @@ TEST_CASE("streaming: a small step needs no check, and everything in view is sti
 TEST_CASE("streaming: a teleport drops, cancels and loads") {
 	Stage stage(two_layers);
 	stage.settle({{{0.0, 0.0}}});
-	const std::size_t before = stage.shown.size();
+	const std::size_t before = stage.visible.size();
 	stage.update({{{0.0, 300.0}}}, 5);
 	CHECK(stage.pending.size() == 5);
 	const std::vector<Viewer> far{{{-5e6, 5e6}}};
 	stage.update(far);
 	CHECK(stage.changes.cancel.size() == 5);
 	CHECK(stage.dropped >= before);
-	CHECK(stage.shown.empty());
+	CHECK(stage.visible.empty());
 	CHECK_FALSE(stage.changes.request.empty());
 	stage.settle(far);
 	check_view(stage, two_layers, far);
@@ -125,7 +125,7 @@ TEST_CASE("streaming: several viewers, near each other or apart, each with its o
 		check_view(stage, two_layers, {{viewers[2].position, scale}});
 	}
 	stage.settle({});
-	CHECK(stage.shown.empty());
+	CHECK(stage.visible.empty());
 	CHECK(stage.pending.empty());
 }
 
@@ -165,11 +165,11 @@ TEST_CASE("streaming: no update is needed until a viewer has moved far enough fo
 TEST_CASE("streaming: the largest allowed view distance works") {
 	Stage stage({{1.0, 64.0}});
 	stage.settle({{{0.5, 0.5}}});
-	CHECK(stage.shown.size() > 12000);
+	CHECK(stage.visible.size() > 12000);
 	const std::size_t most = stage.requested;
 	stage.settle({{{0.5, 0.5}, 1e300}});
 	CHECK(stage.requested == most);
-	CHECK(stage.shown.size() < 14000);
+	CHECK(stage.visible.size() < 14000);
 }
 
 TEST_CASE("streaming: a thousand random steps fulfill every guarantee and are reproducible") {

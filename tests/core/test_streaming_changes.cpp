@@ -18,7 +18,7 @@ TEST_CASE("streaming: an outdated tile stays visible until its successor is read
 	Stage stage(two_layers);
 	const std::vector<Viewer> viewers{{{0.0, 0.0}}};
 	stage.settle(viewers);
-	const auto shown = stage.shown;
+	const auto visible = stage.visible;
 	const std::size_t requested = stage.requested;
 	const std::size_t of_layer_1 = tiles_of(stage, 1).size();
 	stage.streamer.invalidate(1);
@@ -45,7 +45,7 @@ TEST_CASE("streaming: an outdated tile stays visible until its successor is read
 	stage.settle(viewers);
 	CHECK(stage.requested == requested + 2 * of_layer_1);
 	CHECK(stage.dropped == 0);
-	CHECK(stage.shown.size() == shown.size());
+	CHECK(stage.visible.size() == visible.size());
 
 	stage.streamer.invalidate(7);
 	stage.update(viewers);
@@ -75,12 +75,12 @@ TEST_CASE("streaming: with changes in every update, the nearest tiles are still 
 	Stage stage({{10.0, 100.0}});
 	const std::vector<Viewer> viewers{{{5.0, 5.0}}};
 	stage.settle(viewers);
-	constexpr std::size_t most = 12;
+	constexpr std::size_t max_count = 12;
 	std::map<std::pair<int, int>, int> renewed;
 	for (int change = 0; change < 60; ++change) {
 		stage.streamer.invalidate(0);
-		stage.update(viewers, most);
-		CHECK(stage.pending.size() <= most);
+		stage.update(viewers, max_count);
+		CHECK(stage.pending.size() <= max_count);
 		CHECK(stage.changes.cancel.empty());
 		// Some requests are finished before the next change, in the order in which they were made.
 		for (int done = 0; done < 5 && !stage.pending.empty(); ++done) {
@@ -97,7 +97,7 @@ TEST_CASE("streaming: with changes in every update, the nearest tiles are still 
 		}
 	}
 	// The last change applies as soon as pending work is finished.
-	stage.update(viewers, most);
+	stage.update(viewers, max_count);
 	stage.finish_all();
 	stage.settle(viewers);
 	CHECK(stage.dropped == 0);
@@ -123,13 +123,13 @@ TEST_CASE("streaming: a new view distance keeps the loaded tiles") {
 	Stage stage(layers);
 	const std::vector<Viewer> viewers{{{0.0, 0.0}}};
 	stage.settle(viewers);
-	const auto before = stage.shown;
+	const auto before = stage.visible;
 	layers[0].view_distance = 180.0;
 	REQUIRE(stage.streamer.set_layers(layers).ok());
 	stage.settle(viewers);
 	CHECK(stage.dropped == 0);
 	CHECK(std::ranges::includes(
-			stage.shown, before, {}, &std::pair<const Name, TileKey>::first, &std::pair<const Name, TileKey>::first));
+			stage.visible, before, {}, &std::pair<const Name, TileKey>::first, &std::pair<const Name, TileKey>::first));
 	check_view(stage, layers, viewers);
 	// Setting the same layers again has no effect.
 	REQUIRE(stage.streamer.set_layers(layers).ok());
@@ -142,7 +142,7 @@ TEST_CASE("streaming: after a change to the tile size, the old tiles stay until 
 	Stage stage(layers);
 	const std::vector<Viewer> viewers{{{0.0, 0.0}}};
 	stage.settle(viewers);
-	const std::uint32_t old_grid = stage.shown.rbegin()->second.grid;
+	const std::uint32_t old_grid = stage.visible.rbegin()->second.grid;
 	const std::size_t old_tiles = tiles_of(stage, 1).size();
 	const std::size_t other_tiles = tiles_of(stage, 0).size();
 	layers[1].tile_size = 70.0;
@@ -150,7 +150,7 @@ TEST_CASE("streaming: after a change to the tile size, the old tiles stay until 
 	stage.update(viewers);
 	CHECK(stage.changes.cancel.empty());
 	CHECK(stage.changes.drop.empty());
-	CHECK(stage.shown.size() == old_tiles + other_tiles);
+	CHECK(stage.visible.size() == old_tiles + other_tiles);
 	CHECK(std::ranges::all_of(
 			stage.changes.request, [](const TileRequest &request) { return request.key.layer == 1; }));
 
@@ -161,7 +161,7 @@ TEST_CASE("streaming: after a change to the tile size, the old tiles stay until 
 		stage.update(viewers);
 		for (double x = -200.0; x <= 200.0; x += 20.0) {
 			for (double y = -90.0; y <= 90.0; y += 20.0) {
-				CHECK(std::ranges::any_of(stage.shown, [&](const auto &entry) {
+				CHECK(std::ranges::any_of(stage.visible, [&](const auto &entry) {
 					const TileKey &key = entry.second;
 					const double size = key.grid == old_grid ? 50.0 : 70.0;
 					return key.layer == 1 && tile_rect(size, key.tile).contains({x, y});
@@ -179,15 +179,15 @@ TEST_CASE("streaming: a large old tile is dropped once the new tiles in view are
 	Stage stage({{1000.0, 10.0}});
 	const std::vector<Viewer> viewers{{{500.0, 500.0}}};
 	stage.settle(viewers);
-	REQUIRE(stage.shown.size() == 1);
-	const Name old = stage.shown.begin()->first;
+	REQUIRE(stage.visible.size() == 1);
+	const Name old = stage.visible.begin()->first;
 	REQUIRE(stage.streamer.set_layers(std::vector<StreamLayer>{{2.0, 10.0}}).ok());
 	stage.update(viewers);
 	CHECK(stage.pending.size() > 20);
 	while (!stage.pending.empty()) {
 		stage.finish(TileRequest(stage.pending.begin()->second));
 		stage.update(viewers);
-		CHECK(stage.shown.contains(old) == !stage.pending.empty());
+		CHECK(stage.visible.contains(old) == !stage.pending.empty());
 	}
 	CHECK(stage.streamer.idle());
 	check_view(stage, {{2.0, 10.0}}, viewers);
@@ -209,7 +209,7 @@ TEST_CASE("streaming: a removed layer drops its tiles, and an added one requests
 	// All layers are removed while tiles are being built.
 	REQUIRE(stage.streamer.set_layers(std::vector<StreamLayer>{}).ok());
 	stage.settle(viewers);
-	CHECK(stage.shown.empty());
+	CHECK(stage.visible.empty());
 	REQUIRE(stage.streamer.set_layers(layers).ok());
 	stage.settle(viewers);
 	check_view(stage, layers, viewers);
@@ -223,7 +223,7 @@ TEST_CASE("streaming: clear drops all tiles and keeps the layers") {
 	const TileRequest late = stage.changes.request.at(0);
 	stage.streamer.clear();
 	stage.pending.clear();
-	stage.shown.clear();
+	stage.visible.clear();
 	CHECK_FALSE(stage.streamer.finish(late));
 	stage.settle(viewers);
 	check_view(stage, two_layers, viewers);

@@ -27,20 +27,21 @@ class OrderlyStage : public Stage {
 public:
 	using Stage::Stage;
 
-	std::map<Name, std::vector<double>> flown_then; ///< The values of `flown` when each pending tile was requested.
-	std::vector<double> flown;
+	std::map<Name, std::vector<double>>
+			traveled_then; ///< The values of `traveled` when each pending tile was requested.
+	std::vector<double> traveled;
 	std::vector<Viewer> now;
-	std::size_t shown_in_turn = 0;
+	std::size_t visible_in_order = 0;
 
-	void look(const std::vector<Viewer> &viewers, std::size_t max_pending) {
-		flown.resize(viewers.size());
+	void move(const std::vector<Viewer> &viewers, std::size_t max_pending) {
+		traveled.resize(viewers.size());
 		for (std::size_t i = 0; i < std::min(now.size(), viewers.size()); ++i) {
 			const glm::dvec2 step = viewers[i].position - now[i].position;
-			flown[i] += std::hypot(step.x, step.y);
+			traveled[i] += std::hypot(step.x, step.y);
 			if (std::hypot(step.x, step.y) > max_flight_step) {
 				// After a jump, earlier requests may be shown in any order with regard to this
 				// viewer.
-				for (auto &[name, then] : flown_then) {
+				for (auto &[name, then] : traveled_then) {
 					then.resize(std::max(then.size(), i + 1));
 					then[i] = std::numeric_limits<double>::infinity();
 				}
@@ -49,13 +50,13 @@ public:
 		now = viewers;
 		update(viewers, max_pending);
 		for (const TileRequest &request : changes.request) {
-			flown_then[name_of(request.key)] = flown;
+			traveled_then[name_of(request.key)] = traveled;
 		}
 	}
 
-	/// Shows up to `most` tiles that may be shown, like a renderer with spare time.
-	void show(const std::vector<StreamLayer> &layers, std::size_t most = unlimited) {
-		for (std::size_t count = 0; count < most; ++count) {
+	/// Shows up to `max_count` tiles that may be shown, like a renderer with spare time.
+	void show(const std::vector<StreamLayer> &layers, std::size_t max_count = unlimited) {
+		for (std::size_t count = 0; count < max_count; ++count) {
 			const auto next = streamer.next_ready();
 			if (!next) {
 				return;
@@ -63,7 +64,7 @@ public:
 			CHECK(streamer.may_show(*next));
 			check_turn(layers[next->key.layer], *next);
 			finish(*next);
-			++shown_in_turn;
+			++visible_in_order;
 		}
 	}
 
@@ -71,14 +72,15 @@ private:
 	/// Checks by brute force that it is the tile's turn. For at least one viewer, no missing tile
 	/// may be nearer by more than the tile size plus the distance flown since the request.
 	void check_turn(const StreamLayer &layer, const TileRequest &next) {
-		if (shown.contains(name_of(next.key))) {
+		if (visible.contains(name_of(next.key))) {
 			return;
 		}
 		bool turn = false;
 		for (std::size_t i = 0; i < now.size() && !turn; ++i) {
 			const double view = layer.view_distance * now[i].radius_scale;
-			const std::vector<double> &then = flown_then[name_of(next.key)];
-			const double leeway = layer.tile_size + (i < then.size() ? std::max(flown[i] - then[i], 0.0) : 0.0) + 1e-9;
+			const std::vector<double> &then = traveled_then[name_of(next.key)];
+			const double leeway =
+					layer.tile_size + (i < then.size() ? std::max(traveled[i] - then[i], 0.0) : 0.0) + 1e-9;
 			turn = std::sqrt(distance_squared(next.space, now[i].position)) <=
 					nearest_missing(layer, next.key, now[i].position, view) + leeway;
 		}
@@ -92,7 +94,7 @@ private:
 		for (key.tile.y = first.y; key.tile.y <= last.y; ++key.tile.y) {
 			for (key.tile.x = first.x; key.tile.x <= last.x; ++key.tile.x) {
 				const double distance = std::sqrt(distance_squared(tile_rect(layer.tile_size, key.tile), from));
-				if (distance <= view && !shown.contains(name_of(key))) {
+				if (distance <= view && !visible.contains(name_of(key))) {
 					nearest = std::min(nearest, distance);
 				}
 			}
@@ -101,10 +103,10 @@ private:
 	}
 };
 
-/// Makes up to `most` pending tiles ready, in random order with a preference for the latest
+/// Makes up to `max_count` pending tiles ready, in random order with a preference for the latest
 /// requests.
-void make_some_ready(OrderlyStage &stage, std::mt19937_64 &random, std::size_t most) {
-	for (std::size_t made = 0; made < most && !stage.pending.empty(); ++made) {
+void make_some_ready(OrderlyStage &stage, std::mt19937_64 &random, std::size_t max_count) {
+	for (std::size_t finished = 0; finished < max_count && !stage.pending.empty(); ++finished) {
 		auto any = stage.pending.begin();
 		std::advance(any, random() % stage.pending.size());
 		if (random() % 2 == 0) {
@@ -137,11 +139,11 @@ TEST_CASE("streaming order: tiles finished in any order are shown by distance, t
 			if (random() % 50 == 0) {
 				stage.streamer.invalidate(static_cast<std::uint32_t>(random() % 2));
 			}
-			stage.look(viewers, 1 + random() % 24);
+			stage.move(viewers, 1 + random() % 24);
 			make_some_ready(stage, random, random() % 12);
 			stage.show(layers, random() % 4 == 0 ? 2 : unlimited);
 		}
-		CHECK(stage.shown_in_turn > 200);
+		CHECK(stage.visible_in_order > 200);
 	}
 }
 
@@ -149,7 +151,7 @@ TEST_CASE("streaming order: a waiting tile does not delay workers") {
 	const std::vector<StreamLayer> layers{{16.0, 160.0}};
 	OrderlyStage stage(layers);
 	const std::vector<Viewer> viewers{{{8.0, 8.0}}};
-	stage.look(viewers, 6);
+	stage.move(viewers, 6);
 	const TileRequest nearest = stage.changes.request[0];
 	// All requests except the nearest become ready, repeatedly. Workers get more requests,
 	// regardless of the number of ready tiles.
@@ -160,10 +162,10 @@ TEST_CASE("streaming order: a waiting tile does not delay workers") {
 			}
 		}
 		stage.show(layers);
-		stage.look(viewers, 6);
+		stage.move(viewers, 6);
 	}
 	CHECK(stage.streamer.counts().waiting == 0);
-	for (const auto &[name, key] : stage.shown) {
+	for (const auto &[name, key] : stage.visible) {
 		CHECK(distance_squared(tile_rect(16.0, key.tile), viewers[0].position) <= 16.0 * 16.0);
 	}
 	// If the nearest tile fails, its request is finished as well, and all the other tiles are
@@ -181,14 +183,14 @@ TEST_CASE("streaming order: several viewers get tiles in turn, even if one reque
 	std::vector<Viewer> viewers{{{0.0, 0.0}}, {{1e4, 0.0}}};
 	for (int frame = 0; frame < 60; ++frame) {
 		viewers[1].position.x += 1000.0;
-		stage.look(viewers, 8);
+		stage.move(viewers, 8);
 		for (const TileRequest &request : stage.changes.request) {
 			stage.mark_ready(request);
 		}
 		stage.show(layers);
 	}
 	std::size_t around_the_first = 0;
-	for (const auto &[name, key] : stage.shown) {
+	for (const auto &[name, key] : stage.visible) {
 		around_the_first += tile_rect(16.0, key.tile).min.x < 500.0 ? 1 : 0;
 	}
 	CHECK(around_the_first > 120);
@@ -202,7 +204,7 @@ TEST_CASE("streaming order: at 1000 m/s with slow workers, near tiles keep comin
 	std::size_t longest[2] = {0, 0};
 	for (std::size_t frame = 0; frame < 600; ++frame) {
 		const double x = static_cast<double>(frame) * 1000.0 / 60.0;
-		stage.look({{{x, 0.3 * x}}}, 24);
+		stage.move({{{x, 0.3 * x}}}, 24);
 		made_later[frame % 4] = stage.changes.request;
 		for (const TileRequest &request : made_later[(frame + 1) % 4]) {
 			if (stage.pending.contains(name_of(request.key)) &&
@@ -210,10 +212,10 @@ TEST_CASE("streaming order: at 1000 m/s with slow workers, near tiles keep comin
 				stage.mark_ready(request);
 			}
 		}
-		const std::size_t shown = stage.shown_in_turn;
+		const std::size_t visible = stage.visible_in_order;
 		stage.show(layers, 5); // Many more tiles come into view.
 		for (std::size_t layer = 0; layer < 2; ++layer) {
-			const bool any = std::ranges::any_of(stage.shown, [&](const auto &entry) {
+			const bool any = std::ranges::any_of(stage.visible, [&](const auto &entry) {
 				const TileKey &key = entry.second;
 				const double size = layers[layer].tile_size;
 				return key.layer == layer &&
@@ -222,7 +224,7 @@ TEST_CASE("streaming order: at 1000 m/s with slow workers, near tiles keep comin
 			frames_without[layer] = any ? 0 : frames_without[layer] + 1;
 			longest[layer] = frame > 10 ? std::max(longest[layer], frames_without[layer]) : 0;
 		}
-		CHECK((frame < 10 || stage.shown_in_turn > shown));
+		CHECK((frame < 10 || stage.visible_in_order > visible));
 	}
 	CHECK(longest[0] == 0);
 	CHECK(longest[1] == 0);
@@ -258,8 +260,8 @@ TEST_CASE("streaming order: a teleport of many viewers is spread over updates an
 	do {
 		stage.update(viewers);
 		const StreamCounts counts = stage.streamer.counts();
-		CHECK(counts.pending + counts.shown - known <= max_new + 2000);
-		known = counts.pending + counts.shown;
+		CHECK(counts.pending + counts.visible - known <= max_new + 2000);
+		known = counts.pending + counts.visible;
 		stage.finish_all();
 		REQUIRE(++updates < 200);
 	} while (!stage.streamer.idle());

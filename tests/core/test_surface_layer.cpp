@@ -1,7 +1,7 @@
 // Tests layers on all surfaces of the ground: levels, slopes beyond the vertical, distances in space, tiles and IDs.
 
 #include "core/base/instance_id.hpp"
-#include "core/explain/place_explainer.hpp"
+#include "core/explain/position_explainer.hpp"
 #include "core/placement/compact_tile.hpp"
 #include "core/placement/tile_builder.hpp"
 #include "core/terrain/flat_terrain.hpp"
@@ -178,8 +178,8 @@ TEST_CASE("surface layer: distances to other layers are measured in space") {
 		for (const auto &[id, fern] : free) {
 			double nearest = 1e9;
 			for (const auto &[tree_id, tree] : all_trees) {
-				const glm::dvec3 apart = fern.position - tree.position;
-				nearest = std::min(nearest, glm::length(in_space ? apart : glm::dvec3(apart.x, 0.0, apart.z)));
+				const glm::dvec3 offset = fern.position - tree.position;
+				nearest = std::min(nearest, glm::length(in_space ? offset : glm::dvec3(offset.x, 0.0, offset.z)));
 			}
 			if (std::abs(nearest - 2.0) > 1e-4) {
 				CHECK(placed.contains(id) == (nearest >= 2.0));
@@ -255,10 +255,10 @@ TEST_CASE("surface layer: positions on any surface are explained, and the verdic
 	layer.rules.min_slope_degrees = 45.0;
 	layer.rules.density = 0.6;
 	const auto placed = placed_in(layer, ground, around_origin);
-	PlaceExplainer explainer;
-	PlaceExplanation explanation;
-	const auto explain = [&](const glm::dvec3 &place) {
-		REQUIRE(explainer.find(layer, place, ground.surface()).ok());
+	PositionExplainer explainer;
+	PositionExplanation explanation;
+	const auto explain = [&](const glm::dvec3 &position) {
+		REQUIRE(explainer.find(layer, position, ground.surface()).ok());
 		REQUIRE(explainer.explain({}, explanation).ok());
 	};
 	std::mt19937 random(9);
@@ -269,15 +269,15 @@ TEST_CASE("surface layer: positions on any surface are explained, and the verdic
 			continue; // The wall is nearer.
 		}
 		explain(on_ceiling + glm::dvec3(0.0, -0.3, 0.0));
-		CHECK(explanation.place.ground.height == doctest::Approx(6.0));
-		CHECK(explanation.place.ground.normal.y == doctest::Approx(-1.0));
-		CHECK(explanation.place.density == doctest::Approx(0.6));
+		CHECK(explanation.at_position.ground.height == doctest::Approx(6.0));
+		CHECK(explanation.at_position.ground.normal.y == doctest::Approx(-1.0));
+		CHECK(explanation.at_position.density == doctest::Approx(0.6));
 		CHECK(explanation.distance < layer.set.radius);
 		CHECK(explanation.is_placed() == placed.contains(explanation.point.id));
 	}
 	explain({3.0, 0.2, 4.0});
-	CHECK(explanation.place.density == 0.0); // The floor is not steep enough.
-	CHECK(explanation.place.ground.height == doctest::Approx(0.0));
+	CHECK(explanation.at_position.density == 0.0); // The floor is not steep enough.
+	CHECK(explanation.at_position.ground.height == doctest::Approx(0.0));
 	CHECK(explainer.find(layer, {3.0, 3.0, 4.0}, ground.surface()).code == ErrorCode::missing);
 	CHECK(explainer.find(layer, {3.0, 0.0, 4.0}, nullptr).code == ErrorCode::missing);
 	CHECK(explainer.find(layer, {3.0, std::nan(""), 4.0}, ground.surface()).code == ErrorCode::not_finite);
@@ -386,13 +386,14 @@ TEST_CASE("surface layer: an edge feather leaves closed surfaces whole, and tile
 TEST_CASE("surface layer: an explanation contains the edge feather, and a change of the ground reaches as far") {
 	const TriangleParts ground = ground_of({part_of(wall(-5.0))});
 	const LayerSettings layer = feathered();
-	PlaceExplainer explainer;
-	PlaceExplanation explanation;
-	const auto share_at = [&](const glm::dvec3 &place) {
-		REQUIRE(explainer.find(layer, place, ground.surface()).ok());
+	PositionExplainer explainer;
+	PositionExplanation explanation;
+	const auto share_at = [&](const glm::dvec3 &position) {
+		REQUIRE(explainer.find(layer, position, ground.surface()).ok());
 		REQUIRE(explainer.explain({}, explanation).ok());
-		const auto factor = std::ranges::find(explanation.place.factors, RuleKind::edge_feather, &RuleFactor::rule);
-		REQUIRE(factor != explanation.place.factors.end());
+		const auto factor =
+				std::ranges::find(explanation.at_position.factors, RuleKind::edge_feather, &RuleFactor::rule);
+		REQUIRE(factor != explanation.at_position.factors.end());
 		return factor->value;
 	};
 	CHECK(share_at({-5.0, 0.0, 0.0}) == 1.0);

@@ -18,7 +18,7 @@ using namespace thicket::surfaces;
 namespace {
 
 /// Returns the number of random positions on the surface without a point closer than the radius.
-std::size_t gaps(const Triangles &triangles, const PointCubes &cubes, double radius, int tries) {
+std::size_t count_gaps(const Triangles &triangles, const PointCubes &cubes, double radius, int tries) {
 	std::mt19937 random(1);
 	std::uniform_real_distribution<double> share(0.0, 1.0);
 	std::size_t found = 0;
@@ -108,22 +108,22 @@ void check_distances(const Triangles &triangles, const PointSet &set) {
 	const std::vector<SurfacePoint> points = all_points(set, *triangles.surface());
 	REQUIRE(points.size() > 100);
 	const PointCubes cubes(points, set.radius);
-	double least = std::numeric_limits<double>::infinity();
+	double min_distance = std::numeric_limits<double>::infinity();
 	for (std::size_t index = 0; index < points.size(); ++index) {
-		least = std::min(least, cubes.nearest(points[index].position, index));
+		min_distance = std::min(min_distance, cubes.nearest(points[index].position, index));
 	}
-	CHECK(least >= set.radius * (1.0 - 1e-9));
-	CHECK(gaps(triangles, cubes, set.radius, 20000) == 0);
+	CHECK(min_distance >= set.radius * (1.0 - 1e-9));
+	CHECK(count_gaps(triangles, cubes, set.radius, 20000) == 0);
 }
 
 /// Returns a floor, a wall, and a ceiling with a second floor just above it: parallel sheets,
 /// corners, and a thin gap.
 Triangles house() {
-	Triangles made = square(20.0, 10, {0, 0, 0}, {1, 0, 0}, {0, 0, 1});
-	made.append(square(20.0, 7, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
-	made.append(square(20.0, 3, {0, 4, 0}, {1, 0, 0}, {0, 0, 1}));
-	made.append(square(20.0, 4, {0, 4.2, 0}, {1, 0, 0}, {0, 0, 1}));
-	return made;
+	Triangles triangles = square(20.0, 10, {0, 0, 0}, {1, 0, 0}, {0, 0, 1});
+	triangles.append(square(20.0, 7, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
+	triangles.append(square(20.0, 3, {0, 4, 0}, {1, 0, 0}, {0, 0, 1}));
+	triangles.append(square(20.0, 4, {0, 4.2, 0}, {1, 0, 0}, {0, 0, 1}));
+	return triangles;
 }
 
 std::set<std::uint64_t> ids(const std::vector<SurfacePoint> &points) {
@@ -439,12 +439,12 @@ TEST_CASE("surfaces: every level is a maximal set") {
 		}
 		const double radius = static_cast<double>(1u << level);
 		const PointCubes cubes(part, radius);
-		double least = std::numeric_limits<double>::infinity();
+		double min_distance = std::numeric_limits<double>::infinity();
 		for (std::size_t index = 0; index < part.size(); ++index) {
-			least = std::min(least, cubes.nearest(part[index].position, index));
+			min_distance = std::min(min_distance, cubes.nearest(part[index].position, index));
 		}
-		CHECK(least >= radius * (1.0 - 1e-9));
-		CHECK(gaps(triangles, cubes, radius, 20000) == 0);
+		CHECK(min_distance >= radius * (1.0 - 1e-9));
+		CHECK(count_gaps(triangles, cubes, radius, 20000) == 0);
 		CHECK(static_cast<double>(part.size()) / static_cast<double>(points.size()) ==
 				doctest::Approx(static_cast<double>(end) / 4294967296.0).epsilon(0.05));
 	}
@@ -452,17 +452,17 @@ TEST_CASE("surfaces: every level is a maximal set") {
 
 TEST_CASE("surfaces: invalid input is rejected and has no effect") {
 	const double nan = std::numeric_limits<double>::quiet_NaN();
-	std::shared_ptr<const Surface> made = sphere(3.0, 10).surface();
-	const std::shared_ptr<const Surface> before = made;
-	CHECK(Surface::create({{0, 0, 0}, {1, nan, 0}, {0, 0, 1}}, {0, 1, 2}, made).code == ErrorCode::not_finite);
-	CHECK(Surface::create({{0, 0, 0}, {1, 0, 0}, {0, 0, 1}}, {0, 1, 3}, made).code == ErrorCode::out_of_range);
-	CHECK(Surface::create({{0, 0, 0}, {1, 0, 0}, {0, 0, 1}}, {0, 1}, made).code == ErrorCode::wrong_size);
-	CHECK(made == before);
+	std::shared_ptr<const Surface> surface = sphere(3.0, 10).surface();
+	const std::shared_ptr<const Surface> before = surface;
+	CHECK(Surface::create({{0, 0, 0}, {1, nan, 0}, {0, 0, 1}}, {0, 1, 2}, surface).code == ErrorCode::not_finite);
+	CHECK(Surface::create({{0, 0, 0}, {1, 0, 0}, {0, 0, 1}}, {0, 1, 3}, surface).code == ErrorCode::out_of_range);
+	CHECK(Surface::create({{0, 0, 0}, {1, 0, 0}, {0, 0, 1}}, {0, 1}, surface).code == ErrorCode::wrong_size);
+	CHECK(surface == before);
 	SurfaceSampler sampler;
 	std::vector<SurfacePoint> points(1);
-	CHECK(sampler.sample({.radius = 0.0}, *made, {{-1, -1, -1}, {1, 1, 1}}, points).code != ErrorCode::none);
-	CHECK(sampler.sample({}, *made, {{-1, -1, nan}, {1, 1, 1}}, points).code == ErrorCode::not_finite);
-	CHECK(sampler.sample({}, *made, {{1, 1, 1}, {-1, -1, -1}}, points).code == ErrorCode::inverted);
+	CHECK(sampler.sample({.radius = 0.0}, *surface, {{-1, -1, -1}, {1, 1, 1}}, points).code != ErrorCode::none);
+	CHECK(sampler.sample({}, *surface, {{-1, -1, nan}, {1, 1, 1}}, points).code == ErrorCode::not_finite);
+	CHECK(sampler.sample({}, *surface, {{1, 1, 1}, {-1, -1, -1}}, points).code == ErrorCode::inverted);
 	const auto wide = square(1e5, 1, {0, 0, 0}, {1, 0, 0}, {0, 0, 1}).surface();
 	CHECK(sampler.sample_all({.radius = 0.01}, *wide, points).code == ErrorCode::too_many_points);
 	CHECK(points.size() == 1);

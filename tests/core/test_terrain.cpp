@@ -108,18 +108,19 @@ TEST_CASE("terrain: an inclined plane has its true height and normal everywhere,
 
 TEST_CASE("terrain: normals have unit length, point up and have no seam along the samples") {
 	const Heightfield field = field_of(frame, random_posts(frame.posts, 4));
-	constexpr double hair = 1e-7;
+	constexpr double tolerance = 1e-7;
 	for (double along = 10.5; along < 70.0; along += 0.5) {
 		for (const double line : {-20.0, -10.0, 0.0, 20.0}) {
-			const Ground before = field.at({line - hair, along});
-			const Ground behind = field.at({line + hair, along});
+			const Ground before = field.at({line - tolerance, along});
+			const Ground behind = field.at({line + tolerance, along});
 			CHECK(glm::distance(before.normal, behind.normal) < 1e-4f);
 			CHECK(before.normal.y > 0.0f);
 			CHECK(glm::length(before.normal) == doctest::Approx(1.0).epsilon(1e-6));
 		}
 	}
 	for (double along = -29.5; along < 30.0; along += 0.5) {
-		CHECK(glm::distance(field.at({along, 30.0 - hair}).normal, field.at({along, 30.0 + hair}).normal) < 1e-4f);
+		CHECK(glm::distance(field.at({along, 30.0 - tolerance}).normal, field.at({along, 30.0 + tolerance}).normal) <
+				1e-4f);
 	}
 }
 

@@ -24,7 +24,7 @@ constexpr float missing = std::numeric_limits<float>::quiet_NaN();
 
 std::size_t index_of(int column, int row) { return static_cast<std::size_t>(row * frame.posts.x + column); }
 
-glm::dvec2 place_of(double column, double row) { return {-30.0 + 10.0 * column, 10.0 + 20.0 * row}; }
+glm::dvec2 position_at(double column, double row) { return {-30.0 + 10.0 * column, 10.0 + 20.0 * row}; }
 
 std::vector<float> random_meters(unsigned seed) {
 	std::mt19937 random(seed);
@@ -52,7 +52,7 @@ TEST_CASE("terrain: samples in meters keep their height, regardless of the frame
 	REQUIRE(field.set_meters(other, posts).ok());
 	for (int row = 0; row < frame.posts.y; ++row) {
 		for (int column = 0; column < frame.posts.x; ++column) {
-			CHECK(field.at(place_of(column, row)).height == posts[index_of(column, row)]);
+			CHECK(field.at(position_at(column, row)).height == posts[index_of(column, row)]);
 		}
 	}
 	// A height that is finer than 16-bit samples can represent.
@@ -78,9 +78,9 @@ TEST_CASE("terrain: 16-bit samples and samples in meters with equal heights are 
 	// Setting samples of one kind replaces samples of the other kind.
 	Heightfield both = field_of(random_meters(4));
 	REQUIRE(both.set(frame, steps).ok());
-	CHECK(both.at(place_of(2, 1)).height == doctest::Approx(-100.0 + steps[index_of(2, 1)] * 1310.7 / 65535.0));
+	CHECK(both.at(position_at(2, 1)).height == doctest::Approx(-100.0 + steps[index_of(2, 1)] * 1310.7 / 65535.0));
 	REQUIRE(both.set_meters(frame, random_meters(3)).ok());
-	CHECK(both.at(place_of(2, 1)).height == random_meters(3)[index_of(2, 1)]);
+	CHECK(both.at(position_at(2, 1)).height == random_meters(3)[index_of(2, 1)]);
 }
 
 TEST_CASE("terrain: there is no ground between four samples only if one of them is missing") {
@@ -92,7 +92,7 @@ TEST_CASE("terrain: there is no ground between four samples only if one of them 
 			for (double x = 0.05; x < 6.0; x += 0.1) {
 				for (double z = 0.05; z < 3.0; z += 0.1) {
 					const bool beside = std::abs(x - column) < 1.0 && std::abs(z - row) < 1.0;
-					const Ground ground = field.at(place_of(x, z));
+					const Ground ground = field.at(position_at(x, z));
 					CHECK(std::isnan(ground.height) == beside);
 					CHECK(std::abs(glm::length(ground.normal) - 1.0f) < 1e-5f);
 					CHECK(ground.normal.y > 0.0f);
@@ -107,10 +107,10 @@ TEST_CASE("terrain: ground on the line between a patch and a hole belongs to the
 	auto posts = random_meters(5);
 	posts[index_of(3, 1)] = missing; // The hole removes patches 2 and 3 of rows 0 and 1.
 	const Heightfield field = field_of(posts);
-	CHECK(std::isnan(field.at(place_of(2.0, 0.5)).height));
-	CHECK(!std::isnan(field.at(place_of(4.0, 0.5)).height));
-	CHECK(!std::isnan(field.at(place_of(3.0, 2.0)).height));
-	CHECK(std::isnan(field.at(place_of(2.5, 0.0)).height));
+	CHECK(std::isnan(field.at(position_at(2.0, 0.5)).height));
+	CHECK(!std::isnan(field.at(position_at(4.0, 0.5)).height));
+	CHECK(!std::isnan(field.at(position_at(3.0, 2.0)).height));
+	CHECK(std::isnan(field.at(position_at(2.5, 0.0)).height));
 }
 
 TEST_CASE("terrain: an inclined plane with holes keeps its height and its normal up to their borders") {
@@ -123,33 +123,33 @@ TEST_CASE("terrain: an inclined plane with holes keeps its height and its normal
 	posts[index_of(2, 1)] = posts[index_of(5, 2)] = posts[index_of(0, 3)] = missing;
 	const Heightfield field = field_of(posts);
 	const glm::dvec3 normal = glm::normalize(glm::dvec3(-0.8, 1.0, 0.6));
-	int places = 0;
+	int positions = 0;
 	for (double x = 0.0; x <= 6.0; x += 0.125) {
 		for (double z = 0.0; z <= 3.0; z += 0.125) {
-			const Ground ground = field.at(place_of(x, z));
+			const Ground ground = field.at(position_at(x, z));
 			if (!std::isnan(ground.height)) {
-				++places;
+				++positions;
 				CHECK(std::abs(ground.height - (100.0 + 8.0 * x - 12.0 * z)) < 1e-4);
 				CHECK(glm::distance(glm::dvec3(ground.normal), normal) < 1e-6);
 			}
 		}
 	}
-	CHECK(places > 400);
+	CHECK(positions > 400);
 }
 
 TEST_CASE("terrain: normals next to a hole have no seam between the remaining patches") {
 	auto posts = random_meters(6);
 	posts[index_of(3, 1)] = missing;
 	const Heightfield field = field_of(posts);
-	constexpr double hair = 1e-9;
+	constexpr double tolerance = 1e-9;
 	for (double along = 0.01; along < 2.0;
 			along += 0.1) { // The patches of columns 4 and 5 in rows 0 to 2 share samples at the edge of the hole.
-		const glm::vec3 before = field.at(place_of(5.0 - hair, along)).normal;
-		CHECK(glm::distance(before, field.at(place_of(5.0 + hair, along)).normal) < 1e-4f);
+		const glm::vec3 before = field.at(position_at(5.0 - tolerance, along)).normal;
+		CHECK(glm::distance(before, field.at(position_at(5.0 + tolerance, along)).normal) < 1e-4f);
 	}
 	for (double along = 4.01; along < 6.0; along += 0.1) {
-		const glm::vec3 before = field.at(place_of(along, 1.0 - hair)).normal;
-		CHECK(glm::distance(before, field.at(place_of(along, 1.0 + hair)).normal) < 1e-4f);
+		const glm::vec3 before = field.at(position_at(along, 1.0 - tolerance)).normal;
+		CHECK(glm::distance(before, field.at(position_at(along, 1.0 + tolerance)).normal) < 1e-4f);
 	}
 }
 

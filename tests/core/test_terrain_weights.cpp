@@ -41,9 +41,9 @@ Heightfield field_with(WeightMap weights) {
 	return field;
 }
 
-float weight_at(const Terrain &terrain, glm::dvec2 place, const Textures &textures) {
-	Ground ground = terrain.at(place);
-	REQUIRE(terrain.weigh({&place, 1}, textures, {&ground, 1}).ok());
+float weight_at(const Terrain &terrain, glm::dvec2 position, const Textures &textures) {
+	Ground ground = terrain.at(position);
+	REQUIRE(terrain.weigh({&position, 1}, textures, {&ground, 1}).ok());
 	return ground.weight;
 }
 
@@ -62,13 +62,13 @@ TEST_CASE("terrain weights: each channel is a texture, at its own pixels, from t
 	const Heightfield field = field_with(map_of({4, 3}, 4, bytes));
 	for (int row = 0; row < 3; ++row) {
 		for (int column = 0; column < 4; ++column) {
-			const glm::dvec2 place(-30.0 + 20.0 * column, 10.0 + 30.0 * row);
+			const glm::dvec2 position(-30.0 + 20.0 * column, 10.0 + 30.0 * row);
 			for (int texture = 0; texture < 4; ++texture) {
 				const double byte = bytes[static_cast<std::size_t>((row * 4 + column) * 4 + texture)];
-				CHECK(weight_at(field, place, {texture}) == doctest::Approx(byte / 255.0).epsilon(1e-6));
+				CHECK(weight_at(field, position, {texture}) == doctest::Approx(byte / 255.0).epsilon(1e-6));
 			}
 			for (const int texture : {-1, 4, 31, 32, 1 << 30, -(1 << 30)}) {
-				CHECK(weight_at(field, place, {texture}) == 0.0f);
+				CHECK(weight_at(field, position, {texture}) == 0.0f);
 			}
 		}
 	}
@@ -96,14 +96,15 @@ TEST_CASE(
 							(1 - x) * y * byte(column, row + 1, channel) + x * y * byte(column + 1, row + 1, channel)) /
 					255.0;
 		}
-		const glm::dvec2 place(-30.0 + 20.0 * (column + x), 10.0 + 30.0 * (row + y));
-		CHECK(std::abs(weight_at(field, place, {1}) - weight[1]) < 1e-6);
-		CHECK(std::abs(weight_at(field, place, {2, 2, 2, 9}) - weight[2]) <
+		const glm::dvec2 position(-30.0 + 20.0 * (column + x), 10.0 + 30.0 * (row + y));
+		CHECK(std::abs(weight_at(field, position, {1}) - weight[1]) < 1e-6);
+		CHECK(std::abs(weight_at(field, position, {2, 2, 2, 9}) - weight[2]) <
 				1e-6); // A repeated texture is counted once.
-		CHECK(std::abs(weight_at(field, place, {2, 0}) - std::min(1.0, weight[0] + weight[2])) < 1e-6);
-		CHECK(std::abs(weight_at(field, place, {0, 1, 2}) - std::min(1.0, weight[0] + weight[1] + weight[2])) < 1e-6);
+		CHECK(std::abs(weight_at(field, position, {2, 0}) - std::min(1.0, weight[0] + weight[2])) < 1e-6);
+		CHECK(std::abs(weight_at(field, position, {0, 1, 2}) - std::min(1.0, weight[0] + weight[1] + weight[2])) <
+				1e-6);
 		held += weight[0] + weight[1] + weight[2] > 1.0 ? 1 : 0;
-		CHECK(weight_at(field, place, {}) == 0.0f);
+		CHECK(weight_at(field, position, {}) == 0.0f);
 	}
 	CHECK(held > 100);
 }
@@ -124,13 +125,13 @@ TEST_CASE("terrain weights: weights change neither height nor normal, and stay w
 	Heightfield field = field_with(map_of({2, 2}, 1, {51, 51, 51, 51}));
 	REQUIRE(field.set_meters(frame, std::vector<float>(15, 42.0f)).ok());
 	Ground ground = field.at({0.0, 40.0});
-	const glm::dvec2 place(0.0, 40.0);
-	REQUIRE(field.weigh({&place, 1}, Textures{0}, {&ground, 1}).ok());
+	const glm::dvec2 position(0.0, 40.0);
+	REQUIRE(field.weigh({&position, 1}, Textures{0}, {&ground, 1}).ok());
 	CHECK(ground.height == 42.0f);
 	CHECK(ground.normal == glm::vec3(0.0f, 1.0f, 0.0f));
 	CHECK(ground.weight == 0.2f);
 	field.set_weights({});
-	CHECK(weight_at(field, place, {0}) == 1.0f);
+	CHECK(weight_at(field, position, {0}) == 1.0f);
 }
 
 TEST_CASE("terrain weights: errors name the invalid property and leave the map unchanged") {

@@ -118,8 +118,8 @@ TEST_CASE("tile: lent threads share layers with spacing, feathered edges and sou
 	CHECK(threads.runs == 4);
 	CHECK(digest(tile) == digest(alone));
 	for (std::size_t mesh = 0; mesh < tile.meshes.size(); ++mesh) {
-		CHECK(std::ranges::equal(tile.meshes[mesh].shares, alone.meshes[mesh].shares,
-				[](const InstanceShares &a, const InstanceShares &b) {
+		CHECK(std::ranges::equal(tile.meshes[mesh].fractions, alone.meshes[mesh].fractions,
+				[](const SourceFractions &a, const SourceFractions &b) {
 					return a.color == b.color && a.variation == b.variation;
 				}));
 	}

@@ -15,20 +15,20 @@ using namespace thicket::test;
 
 namespace {
 
-OverlaidMeshes shown_of(const std::shared_ptr<const CompactTile> &tile, const LayerSettings &layer, const Rect &rect,
-		const Overlay &overlay) {
+OverlaidMeshes displayed_meshes(const std::shared_ptr<const CompactTile> &tile, const LayerSettings &layer,
+		const Rect &rect, const Overlay &overlay) {
 	OverlaidMeshes meshes;
 	REQUIRE(overlaid(tile, layer, rect, overlay, meshes).ok());
 	return meshes;
 }
 
 std::shared_ptr<const CompactTile> shared_tile(const LayerSettings &layer) {
-	return kept(layer, built(layer, hills(), tile_of_hills));
+	return compact_tile(layer, built(layer, hills(), tile_of_hills));
 }
 
-std::size_t count_of(const OverlaidMeshes &shown) {
+std::size_t count_of(const OverlaidMeshes &displayed) {
 	std::size_t count = 0;
-	for (const auto &mesh : shown) {
+	for (const auto &mesh : displayed) {
 		count += mesh->size();
 	}
 	return count;
@@ -53,10 +53,10 @@ TEST_CASE("overlay: without changes, and with changes elsewhere, no tile is copi
 	REQUIRE(state.add(placed(layer, {500.0, 0.0, 500.0}, 0), id).ok());
 	REQUIRE(state.remove(pack({layer.set.layer, {100000, 100000}})));
 	for (const Overlay &overlay : {Overlay{}, Overlay{&state, nullptr}}) {
-		const auto shown = shown_of(tile, layer, tile_of_hills, overlay);
-		REQUIRE(shown.size() == tile->meshes.size());
-		for (std::size_t mesh = 0; mesh < shown.size(); ++mesh) {
-			CHECK(shown[mesh].get() == &tile->meshes[mesh]);
+		const auto displayed = displayed_meshes(tile, layer, tile_of_hills, overlay);
+		REQUIRE(displayed.size() == tile->meshes.size());
+		for (std::size_t mesh = 0; mesh < displayed.size(); ++mesh) {
+			CHECK(displayed[mesh].get() == &tile->meshes[mesh]);
 		}
 	}
 }
@@ -80,11 +80,11 @@ TEST_CASE("overlay: removed and hidden instances are omitted, and all others are
 			gone += draw <= 2 ? 1 : 0;
 		}
 	}
-	const auto shown = shown_of(tile, layer, tile_of_hills, {&state, &hidden});
-	CHECK(count_of(shown) == size_of(expanded(*tile)) - gone);
-	for (std::size_t mesh = 0; mesh < shown.size(); ++mesh) {
+	const auto displayed = displayed_meshes(tile, layer, tile_of_hills, {&state, &hidden});
+	CHECK(count_of(displayed) == size_of(expanded(*tile)) - gone);
+	for (std::size_t mesh = 0; mesh < displayed.size(); ++mesh) {
 		const MeshInstances &whole = whole_tile.meshes[mesh];
-		const MeshInstances rest = expanded(*shown[mesh]);
+		const MeshInstances rest = expanded(*displayed[mesh]);
 		std::size_t at = 0;
 		for (std::size_t i = 0; i < whole.size(); ++i) {
 			if (state.removed(whole.ids[i]) || hidden.contains(whole.ids[i])) {
@@ -115,24 +115,24 @@ TEST_CASE("overlay: hand-placed instances come first, only in their own tile, as
 	REQUIRE(state.add(placed(layer, {10.5, 20.0, 30.25}, 1), inside).ok());
 	REQUIRE(state.add(placed(layer, {64.0, 0.0, 64.0}, 1), on_edge).ok());
 	REQUIRE(state.add(placed(layer, {-64.0, 0.0, 0.0}, 200), odd_mesh).ok());
-	const auto shown = shown_of(tile, layer, tile_of_hills, {&state, nullptr});
-	CHECK(count_of(shown) == size_of(expanded(*tile)) + 2);
-	CHECK(shown[1]->find(inside) == 0);
-	CHECK(shown[0]->find(odd_mesh) == 0);
-	CHECK(shown[2].get() == &tile->meshes[2]);
-	CHECK(shown[1]->find(on_edge) == shown[1]->size());
-	CHECK(shown[1]->ranks()[0] == 0);
-	CHECK(tile->origin + glm::dvec3(shown[1]->positions()[0]) == glm::dvec3(10.5, 20.0, 30.25));
-	const UnfilledVector<float> floats = expanded(*shown[1]).buffer;
+	const auto displayed = displayed_meshes(tile, layer, tile_of_hills, {&state, nullptr});
+	CHECK(count_of(displayed) == size_of(expanded(*tile)) + 2);
+	CHECK(displayed[1]->find(inside) == 0);
+	CHECK(displayed[0]->find(odd_mesh) == 0);
+	CHECK(displayed[2].get() == &tile->meshes[2]);
+	CHECK(displayed[1]->find(on_edge) == displayed[1]->size());
+	CHECK(displayed[1]->ranks()[0] == 0);
+	CHECK(tile->origin + glm::dvec3(displayed[1]->positions()[0]) == glm::dvec3(10.5, 20.0, 30.25));
+	const UnfilledVector<float> floats = expanded(*displayed[1]).buffer;
 	CHECK(std::vector<float>(floats.begin(), floats.begin() + 3) == std::vector<float>{0.0f, 0.0f, 2.0f});
 	CHECK(floats[transform_floats] == 0.5f); // The color depends on the instance's height.
 	CHECK(floats[transform_floats + 3] == 2.0f);
-	CHECK(shown[1]->max_scale() >= 2.0f);
-	CHECK(visible_prefix(shown[1]->ranks(), 1e-9) >= 1);
+	CHECK(displayed[1]->max_scale() >= 2.0f);
+	CHECK(visible_prefix(displayed[1]->ranks(), 1e-9) >= 1);
 
 	const Rect next{{64.0, 0.0}, {192.0, 128.0}};
-	const auto neighbor = kept(layer, built(layer, hills(), next));
-	CHECK(shown_of(neighbor, layer, next, {&state, nullptr})[1]->find(on_edge) == 0);
+	const auto neighbor = compact_tile(layer, built(layer, hills(), next));
+	CHECK(displayed_meshes(neighbor, layer, next, {&state, nullptr})[1]->find(on_edge) == 0);
 }
 
 TEST_CASE("overlay: the box contains all instances") {
@@ -141,8 +141,8 @@ TEST_CASE("overlay: the box contains all instances") {
 	InstanceState state;
 	std::uint64_t id = 0;
 	REQUIRE(state.add(placed(layer, {0.0, 900.0, 64.0}, 0), id).ok());
-	const auto shown = shown_of(tile, layer, tile_of_hills, {&state, nullptr});
-	const CompactMesh &mesh = *shown[0];
+	const auto displayed = displayed_meshes(tile, layer, tile_of_hills, {&state, nullptr});
+	const CompactMesh &mesh = *displayed[0];
 	CHECK(mesh.max().y == static_cast<float>(900.0 - tile->origin.y));
 	CHECK(mesh.min() == tile->meshes[0].min());
 }

@@ -87,9 +87,9 @@ TEST_CASE("tile queue: the nearest suitable tile, for any movement of the viewer
 	TileQueue queue;
 	std::vector<glm::ivec3> tiles; // The tile of each slot, including tiles that were removed.
 	std::vector<bool> in;
-	glm::dvec2 place{0.0};
+	glm::dvec2 position{0.0};
 	const auto squared = [&](std::uint32_t slot) {
-		const glm::dvec2 way = glm::dvec2(tiles[slot]) - place;
+		const glm::dvec2 way = glm::dvec2(tiles[slot]) - position;
 		return way.x * way.x + way.y * way.y;
 	};
 	const auto measure = [&](TileQueue::Entry &entry) {
@@ -106,7 +106,7 @@ TEST_CASE("tile queue: the nearest suitable tile, for any movement of the viewer
 		}
 		if (random() % 3 == 0) {
 			const glm::dvec2 way = glm::dvec2(unit(random), unit(random)) * 4.0;
-			place += way;
+			position += way;
 			queue.move(std::sqrt(way.x * way.x + way.y * way.y));
 		}
 		for (int taken = 0; taken < 5; ++taken) {
@@ -128,12 +128,12 @@ TEST_CASE("tile queue: the nearest suitable tile, for any movement of the viewer
 
 TEST_CASE("tile queue: few of many tiles are measured, and no tile twice while nothing moves") {
 	TileQueue queue;
-	double place = 0.0;
+	double position = 0.0;
 	int measured = 0;
 	int tested = 0;
 	const auto measure = [&](TileQueue::Entry &entry) {
 		++measured;
-		entry.distance_squared = (entry.at.x - place) * (entry.at.x - place);
+		entry.distance_squared = (entry.at.x - position) * (entry.at.x - position);
 		return true;
 	};
 	constexpr int tiles = 10'000;
@@ -157,7 +157,7 @@ TEST_CASE("tile queue: few of many tiles are measured, and no tile twice while n
 	CHECK(tested == 1); // The entries before it were found unsuitable earlier.
 	CHECK(first_from(25) == 25);
 	CHECK(tested == 6);
-	place = 2.0;
+	position = 2.0;
 	queue.move(2.0);
 	CHECK(first_from(20) == 20);
 	CHECK(measured < 300);

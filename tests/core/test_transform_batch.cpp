@@ -57,7 +57,7 @@ TEST_CASE("transform batch: batches are bit-identical to single transforms, on e
 				std::vector<glm::vec3> up;
 				std::vector<glm::vec3> positions;
 				batch.count = 0;
-				const std::size_t count = 1 + random() % TransformBatch::most;
+				const std::size_t count = 1 + random() % TransformBatch::capacity;
 				while (ids.size() < count) {
 					ids.push_back(random());
 					const glm::vec3 normal = random() % 8 == 0 ? glm::vec3(-0.0f, 1.0f, 0.0f) : random_normal(normals);
@@ -103,7 +103,7 @@ TEST_CASE("transform batch: tiles are placed, and restored from compact tiles, i
 	};
 	CHECK(places_by_vectors());
 	REQUIRE(tile.meshes[0].size() > 10);
-	const std::shared_ptr<const CompactTile> known = kept(layer, tile);
+	const std::shared_ptr<const CompactTile> known = compact_tile(layer, tile);
 	const CompactMesh &mesh = known->meshes[0];
 	std::vector<float> floats(mesh.size() * mesh.stride());
 	CHECK(bench::runs_vectors([&] { mesh.read_all(floats); }));

@@ -57,11 +57,12 @@ TEST_CASE("triangle parts: many meshes equal one mesh of all their triangles, in
 		const TriangleParts shuffled = terrain_of(parts);
 		std::size_t met = 0;
 		for (int i = 0; i < 2000; ++i) {
-			const glm::dvec2 place(120.0 * unit(random), 80.0 * unit(random));
-			const Ground ground = terrain.at(place);
+			const glm::dvec2 position(120.0 * unit(random), 80.0 * unit(random));
+			const Ground ground = terrain.at(position);
 			met += std::isnan(ground.height) ? 0 : 1;
-			CHECK((same(ground, one.at(place)) || (std::isnan(ground.height) && std::isnan(one.at(place).height))));
-			CHECK((same(ground, shuffled.at(place)) || std::isnan(ground.height)));
+			CHECK((same(ground, one.at(position)) ||
+					(std::isnan(ground.height) && std::isnan(one.at(position).height))));
+			CHECK((same(ground, shuffled.at(position)) || std::isnan(ground.height)));
 		}
 		CHECK(met > 0);
 	}
@@ -90,7 +91,7 @@ TEST_CASE("triangle parts: missing, empty and upright parts are not ground, and 
 	const TriangleParts terrain = terrain_of({wall, part_of({}), floor});
 	CHECK(terrain.at({0.0, 1.0}).height == 1.0f);
 	CHECK(std::isnan(terrain.at({nan_value, 0.0}).height));
-	const std::vector<glm::dvec2> places(2);
+	const std::vector<glm::dvec2> positions(2);
 	std::vector<Ground> ground(3);
-	check_refused(terrain.sample(places, ground), ErrorCode::wrong_size, "ground", 3.0);
+	check_refused(terrain.sample(positions, ground), ErrorCode::wrong_size, "ground", 3.0);
 }

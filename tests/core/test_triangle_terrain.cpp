@@ -28,7 +28,7 @@ TriangleTerrain terrain_of(const Corners &corners) {
 	return terrain;
 }
 
-bool hole(const TriangleTerrain &terrain, glm::dvec2 place) { return std::isnan(terrain.at(place).height); }
+bool hole(const TriangleTerrain &terrain, glm::dvec2 position) { return std::isnan(terrain.at(position).height); }
 
 /// Returns a level square of two triangles at `height`, with edges of twice `half`.
 Corners square(double height, double half, glm::dvec2 center = glm::dvec2(0.0)) {
@@ -88,9 +88,9 @@ Hills random_surface(glm::ivec2 cells, double size, glm::dvec2 origin, std::mt19
 }
 
 /// Returns the height of a triangle's plane at a position.
-double plane_height(std::span<const glm::dvec3, 3> corner, glm::dvec2 place) {
+double plane_height(std::span<const glm::dvec3, 3> corner, glm::dvec2 position) {
 	const glm::dvec3 normal = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
-	const glm::dvec2 offset = place - glm::dvec2(corner[0].x, corner[0].z);
+	const glm::dvec2 offset = position - glm::dvec2(corner[0].x, corner[0].z);
 	return corner[0].y - (normal.x * offset.x + normal.z * offset.y) / normal.y;
 }
 
@@ -106,17 +106,18 @@ TEST_CASE("triangles: only a triangle, its edges and its corners have ground") {
 	const double half = std::sqrt(0.5);
 	for (const std::array<std::size_t, 3> order : {std::array<std::size_t, 3>{0, 1, 2}, {2, 1, 0}, {1, 2, 0}}) {
 		const TriangleTerrain terrain = terrain_of({one[order[0]], one[order[1]], one[order[2]]});
-		for (const glm::dvec2 place : {glm::dvec2(0.0, 0.0), glm::dvec2(4.0, 0.0), glm::dvec2(0.0, 4.0),
+		for (const glm::dvec2 position : {glm::dvec2(0.0, 0.0), glm::dvec2(4.0, 0.0), glm::dvec2(0.0, 4.0),
 					 glm::dvec2(2.0, 0.0), glm::dvec2(0.0, 3.0), glm::dvec2(1.0, 3.0), glm::dvec2(1.0, 1.0)}) {
-			const Ground ground = terrain.at(place);
-			CHECK(ground.height == static_cast<float>(10.0 + place.x));
+			const Ground ground = terrain.at(position);
+			CHECK(ground.height == static_cast<float>(10.0 + position.x));
 			CHECK(glm::distance(ground.normal, glm::vec3(-half, half, 0.0)) < 1e-7f);
 			CHECK(ground.weight == 1.0f);
 		}
-		for (const glm::dvec2 place : {glm::dvec2(-1e-12, 1.0), glm::dvec2(1.0, -1e-12), glm::dvec2(2.0 + 1e-12, 2.0),
-					 glm::dvec2(4.0 + 1e-12, 0.0), glm::dvec2(3.0, 3.0), glm::dvec2(nan_value, 1.0),
-					 glm::dvec2(1.0, nan_value), glm::dvec2(infinite_value, 1.0), glm::dvec2(1.0, -infinite_value)}) {
-			CHECK(hole(terrain, place));
+		for (const glm::dvec2 position : {glm::dvec2(-1e-12, 1.0), glm::dvec2(1.0, -1e-12),
+					 glm::dvec2(2.0 + 1e-12, 2.0), glm::dvec2(4.0 + 1e-12, 0.0), glm::dvec2(3.0, 3.0),
+					 glm::dvec2(nan_value, 1.0), glm::dvec2(1.0, nan_value), glm::dvec2(infinite_value, 1.0),
+					 glm::dvec2(1.0, -infinite_value)}) {
+			CHECK(hole(terrain, position));
 		}
 		CHECK(terrain.area().min == glm::dvec2(0.0));
 		CHECK(terrain.area().max == glm::dvec2(4.0));
@@ -238,16 +239,16 @@ TEST_CASE("triangles: slivers that meet in a fan have no crack, and no height be
 		const glm::dvec3 on_rim = rim[1 + random() % (blades - 1)];
 		const double part = unit(random);
 		const glm::dvec3 at = glm::mix(tip, on_rim, part * part * part * 0.999999);
-		const glm::dvec2 place(at.x, at.z);
-		if (place.y <= tip.z || place == glm::dvec2(tip.x, tip.z)) {
+		const glm::dvec2 position(at.x, at.z);
+		if (position.y <= tip.z || position == glm::dvec2(tip.x, tip.z)) {
 			continue; // The position is so near the tip that rounding moved it out of the fan.
 		}
-		const float height = terrain.at(place).height;
+		const float height = terrain.at(position).height;
 		// A position may miss the fan only where the fan is at most one or two rounding steps of
 		// the coordinates wide.
 		CHECK((!std::isnan(height) || part * part * part * 50.0 * 1e-5 < 2e-11));
 		CHECK((std::isnan(height) || std::abs(height - at.y) < 1e-4));
-		const glm::dvec3 normal(terrain.at(place).normal);
+		const glm::dvec3 normal(terrain.at(position).normal);
 		CHECK((std::isnan(height) || glm::distance(normal, glm::normalize(glm::dvec3(-0.1, 1.0, 0.0))) < 1e-3));
 	}
 }
@@ -269,24 +270,24 @@ TEST_CASE("triangles: random triangles of all sizes match a scan of all triangle
 		std::ranges::reverse(backwards);
 		const TriangleTerrain reversed = terrain_of(backwards);
 		for (int i = 0; i < 300; ++i) {
-			const glm::dvec2 place(120.0 * unit(random), 80.0 * unit(random));
+			const glm::dvec2 position(120.0 * unit(random), 80.0 * unit(random));
 			double expected = -1e300;
 			for (std::size_t k = 0; k < count; ++k) {
 				const auto corner = triangle_at(corners, k);
 				int sides = 0;
 				for (std::size_t edge = 0; edge < 3; ++edge) {
 					const glm::dvec3 along = corner[(edge + 1) % 3] - corner[edge];
-					const glm::dvec2 offset = place - glm::dvec2(corner[edge].x, corner[edge].z);
+					const glm::dvec2 offset = position - glm::dvec2(corner[edge].x, corner[edge].z);
 					sides += along.x * offset.y - along.z * offset.x > 0.0 ? 1 : -1;
 				}
 				if (std::abs(sides) == 3) {
-					expected = std::max(expected, plane_height(corner, place));
+					expected = std::max(expected, plane_height(corner, position));
 				}
 			}
-			const Ground ground = terrain.at(place);
+			const Ground ground = terrain.at(position);
 			CHECK(std::isnan(ground.height) == (expected == -1e300));
 			CHECK((std::isnan(ground.height) || std::abs(ground.height - expected) < 1e-4));
-			const Ground same = reversed.at(place);
+			const Ground same = reversed.at(position);
 			CHECK(std::memcmp(&ground.height, &same.height, sizeof(float)) == 0);
 			CHECK(glm::distance(ground.normal, same.normal) < 1e-6f);
 		}
@@ -386,11 +387,11 @@ TEST_CASE("triangles: triangles next to or below the position are not computed")
 		}
 		return corners;
 	};
-	const glm::dvec2 place{1.0, 1.0};
+	const glm::dvec2 position{1.0, 1.0};
 	const auto computes_uneven = [&](const Corners &corners) {
 		const TriangleTerrain terrain = terrain_of(even + corners);
 		Ground ground;
-		const bool found = rounds([&] { ground = terrain.at(place); });
+		const bool found = rounds([&] { ground = terrain.at(position); });
 		CHECK(ground.height >= 11.0f);
 		return found;
 	};

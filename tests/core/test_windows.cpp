@@ -20,9 +20,9 @@ using namespace thicket::tilings;
 namespace {
 
 /// Checks that every tiling returns the same points as a single call for the whole region.
-void check_tilings(const PointSet &set, const Rect &region, std::span<const Tiling> tilings, std::size_t least_points) {
+void check_tilings(const PointSet &set, const Rect &region, std::span<const Tiling> tilings, std::size_t min_points) {
 	const std::vector<SamplePoint> whole = points_at_once(set, region);
-	CHECK(whole.size() >= least_points);
+	CHECK(whole.size() >= min_points);
 	for (const Tiling &tiling : tilings) {
 		CAPTURE(tiling.name);
 		const std::vector<SamplePoint> tiled = points_through(set, region, tiling);

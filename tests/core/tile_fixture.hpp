@@ -55,7 +55,7 @@ inline TileInstances built(const LayerSettings &layer, const Terrain &terrain, c
 	return tile;
 }
 
-inline std::shared_ptr<const CompactTile> kept(const LayerSettings &layer, const TileInstances &tile) {
+inline std::shared_ptr<const CompactTile> compact_tile(const LayerSettings &layer, const TileInstances &tile) {
 	return std::make_shared<const CompactTile>(tile, std::make_shared<LayerSettings>(layer));
 }
 

@@ -33,11 +33,11 @@ inline std::vector<Rect> tiles_of(const Tiling &tiling, const Rect &region) {
 	const auto edge_y = [&](std::int64_t i) {
 		return tiling.offset.y + static_cast<double>(i) * tiling.size.y;
 	};
-	const auto place = [](double from, double size) {
+	const auto tiles_before = [](double from, double size) {
 		return static_cast<std::int64_t>(std::floor(from / size));
 	};
-	const std::int64_t first_x = place(region.min.x - tiling.offset.x, tiling.size.x) - 1;
-	const std::int64_t first_y = place(region.min.y - tiling.offset.y, tiling.size.y) - 1;
+	const std::int64_t first_x = tiles_before(region.min.x - tiling.offset.x, tiling.size.x) - 1;
+	const std::int64_t first_y = tiles_before(region.min.y - tiling.offset.y, tiling.size.y) - 1;
 	std::vector<Rect> tiles;
 	for (std::int64_t y = first_y; edge_y(y) < region.max.y; ++y) {
 		for (std::int64_t x = first_x; edge_x(x) < region.max.x; ++x) {

@@ -16,7 +16,7 @@ using namespace thicket::cost;
 
 constexpr std::size_t small_size = 1024;
 constexpr std::size_t growth = 4;
-constexpr double most_growth = 6.0;
+constexpr double max_growth = 6.0;
 
 /// Added to the steps at both sizes, so that small counts do not exceed the limit.
 constexpr std::uint64_t free_steps = 20000;
@@ -39,7 +39,7 @@ bool check(const Case &which, std::uint64_t seed, bool verbose) {
 	const std::uint64_t few = which.run(recipe, small_size) + free_steps;
 	const std::uint64_t many = which.run(recipe, growth * small_size) + free_steps;
 	const double ratio = static_cast<double>(many) / static_cast<double>(few);
-	const bool held = ratio <= most_growth;
+	const bool held = ratio <= max_growth;
 	if (!held || verbose) {
 		std::printf("%s, %s: %llu steps for %zu, %llu for %zu, %.1f times as many%s (again with: - %llu)\n", which.name,
 				recipe.name(), static_cast<unsigned long long>(few), small_size, static_cast<unsigned long long>(many),

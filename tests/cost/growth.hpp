@@ -30,17 +30,17 @@ public:
 	double step() const { return step_; }
 
 private:
-	enum class Kind : std::uint8_t { one_place, two_places, line, line_back, crowd, wide, star, comb, grid };
+	enum class Kind : std::uint8_t { one_position, two_positions, line, line_back, crowd, wide, star, comb, grid };
 	static constexpr std::size_t kinds = 9;
 
 	std::uint64_t seed_;
-	Kind kind_ = Kind::one_place;
+	Kind kind_ = Kind::one_position;
 	double step_ = 1.0;
 	std::uint64_t stride_ = 1;
 };
 
 /// Returns positions that are the same for every input size.
-Points fixed_places();
+Points fixed_positions();
 
 /// Ends the program if `status` is an error.
 void need(const Status &status);

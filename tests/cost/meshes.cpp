@@ -23,8 +23,8 @@ std::uint64_t mesh(const Recipe &recipe, std::size_t count, bool longish) {
 	return steps_of([&] {
 		TriangleTerrain terrain;
 		need(terrain.set(corners));
-		std::vector<Ground> ground(fixed_places().size());
-		need(terrain.sample(fixed_places(), ground));
+		std::vector<Ground> ground(fixed_positions().size());
+		need(terrain.sample(fixed_positions(), ground));
 	});
 }
 

@@ -34,8 +34,8 @@ Points Recipe::points(std::size_t count) const {
 	for (std::size_t i = 0; i < count; ++i) {
 		const auto at = static_cast<double>(i);
 		switch (kind_) {
-			case Kind::one_place: result.emplace_back(3.0, 4.0); break;
-			case Kind::two_places: result.emplace_back(i % 2 == 0 ? -step_ : step_, 0.0); break;
+			case Kind::one_position: result.emplace_back(3.0, 4.0); break;
+			case Kind::two_positions: result.emplace_back(i % 2 == 0 ? -step_ : step_, 0.0); break;
 			case Kind::line: result.emplace_back(step_ * at, 0.0); break;
 			case Kind::line_back: result.emplace_back(step_ * (static_cast<double>(count) - at), step_); break;
 			case Kind::crowd: result.emplace_back(step_ * any(), step_ * any()); break;
@@ -68,12 +68,12 @@ const char *Recipe::name() const {
 	return names[static_cast<std::size_t>(kind_)];
 }
 
-Points fixed_places() {
-	Points places;
+Points fixed_positions() {
+	Points positions;
 	for (int i = 0; i < 16; ++i) {
-		places.emplace_back(-500.0 + 70.0 * i, 3.0 * i);
+		positions.emplace_back(-500.0 + 70.0 * i, 3.0 * i);
 	}
-	return places;
+	return positions;
 }
 
 void need(const Status &status) {

@@ -10,10 +10,10 @@ namespace thicket::cost {
 namespace {
 
 void question(const ShapeSet &set) {
-	for (const glm::dvec2 &place : fixed_places()) {
+	for (const glm::dvec2 &position : fixed_positions()) {
 		std::vector<std::uint32_t> near;
-		need(set.near({place - 1.0, place + 1.0}, near));
-		static_cast<void>(set.density(near, {place.x, 0.0, place.y}));
+		need(set.find_nearby({position - 1.0, position + 1.0}, near));
+		static_cast<void>(set.density(near, {position.x, 0.0, position.y}));
 	}
 }
 

@@ -5,17 +5,17 @@
 
 namespace {
 
-thread_local std::uint64_t made = 0;
+thread_local std::uint64_t step_count = 0;
 
 constexpr std::size_t bytes_a_step = 16;
 
-__attribute__((no_sanitize_coverage)) void count_bytes(std::size_t size) { made += size / bytes_a_step; }
+__attribute__((no_sanitize_coverage)) void count_bytes(std::size_t size) { step_count += size / bytes_a_step; }
 
 } // namespace
 
 namespace thicket::cost {
 
-__attribute__((no_sanitize_coverage)) std::uint64_t steps() { return made; }
+__attribute__((no_sanitize_coverage)) std::uint64_t steps() { return step_count; }
 
 } // namespace thicket::cost
 
@@ -24,7 +24,7 @@ __attribute__((no_sanitize_coverage)) std::uint64_t steps() { return made; }
 // option --wrap), because the C library contains no such calls.
 extern "C" {
 
-__attribute__((no_sanitize_coverage)) void __sanitizer_cov_trace_pc() { ++made; }
+__attribute__((no_sanitize_coverage)) void __sanitizer_cov_trace_pc() { ++step_count; }
 
 void *__real_memmove(void *to, const void *from, std::size_t size);
 void *__real_memcpy(void *to, const void *from, std::size_t size);

@@ -61,11 +61,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
 	}
 	Stored file = png::file_of(layout, rows);
 	if (bytes.chance(2)) {
-		const std::uint32_t place = bytes.below(static_cast<std::uint32_t>(file.size()));
+		const std::uint32_t offset = bytes.below(static_cast<std::uint32_t>(file.size()));
 		if (bytes.chance(2)) {
-			file.resize(place);
+			file.resize(offset);
 		} else {
-			file[place] = bytes.raw<std::uint8_t>();
+			file[offset] = bytes.raw<std::uint8_t>();
 		}
 	}
 	read(file, raw);

@@ -39,12 +39,12 @@ void load_damaged(const PaintedMask &mask, Bytes &r_bytes) {
 	for (std::uint32_t i = 0; i < changes && !bytes.empty(); ++i) {
 		// Half of the changes are in the header and the beginning of the first block.
 		const auto size = static_cast<std::uint32_t>(bytes.size());
-		const std::uint32_t place = r_bytes.below(r_bytes.chance(2) ? size : std::min(size, 40u));
+		const std::uint32_t offset = r_bytes.below(r_bytes.chance(2) ? size : std::min(size, 40u));
 		switch (r_bytes.below(4)) {
-			case 0: bytes.resize(place); break;
-			case 1: bytes.insert(bytes.begin() + place, 1 + r_bytes.below(20), r_bytes.raw<std::uint8_t>()); break;
-			case 2: bytes.erase(bytes.begin() + place, bytes.begin() + std::min(size, place + 10)); break;
-			default: bytes[place] = r_bytes.raw<std::uint8_t>(); break;
+			case 0: bytes.resize(offset); break;
+			case 1: bytes.insert(bytes.begin() + offset, 1 + r_bytes.below(20), r_bytes.raw<std::uint8_t>()); break;
+			case 2: bytes.erase(bytes.begin() + offset, bytes.begin() + std::min(size, offset + 10)); break;
+			default: bytes[offset] = r_bytes.raw<std::uint8_t>(); break;
 		}
 	}
 	if (bytes.size() >= 8 && r_bytes.chance(2)) {
@@ -74,9 +74,9 @@ Brush read_brush(Bytes &r_bytes, double pixel_size) {
 	return brush;
 }
 
-std::vector<float> densities(const PaintedMask &mask, const std::vector<glm::dvec2> &places) {
-	std::vector<float> result(places.size());
-	promise(mask.sample(places, result).ok(), "any position can be sampled");
+std::vector<float> densities(const PaintedMask &mask, const std::vector<glm::dvec2> &positions) {
+	std::vector<float> result(positions.size());
+	promise(mask.sample(positions, result).ok(), "any position can be sampled");
 	promise(std::ranges::all_of(result, [](float density) { return density >= 0.0f && density <= 1.0f; }),
 			"a density lies between 0 and 1");
 	return result;
@@ -92,17 +92,17 @@ void dab(PaintedMask &r_mask, Bytes &r_bytes) {
 		check_refusal(status, r_mask, before);
 		return;
 	}
-	std::vector<glm::dvec2> places;
+	std::vector<glm::dvec2> positions;
 	for (int i = 0; i < 8; ++i) {
 		const glm::dvec2 near(r_bytes.number(-2.0, 2.0), r_bytes.number(-2.0, 2.0));
-		places.push_back(brush.center + brush.radius * near);
-		places.emplace_back(changed.max.x, changed.min.y + near.x * changed.size().y);
-		places.emplace_back(changed.min.x + near.x * changed.size().x, changed.max.y);
+		positions.push_back(brush.center + brush.radius * near);
+		positions.emplace_back(changed.max.x, changed.min.y + near.x * changed.size().y);
+		positions.emplace_back(changed.min.x + near.x * changed.size().x, changed.max.y);
 	}
-	const std::vector<float> was = densities(before, places);
-	const std::vector<float> is = densities(r_mask, places);
-	for (std::size_t i = 0; i < places.size(); ++i) {
-		promise(changed.contains(places[i]) || was[i] == is[i], "nothing changes outside of a dab's rectangle");
+	const std::vector<float> was = densities(before, positions);
+	const std::vector<float> is = densities(r_mask, positions);
+	for (std::size_t i = 0; i < positions.size(); ++i) {
+		promise(changed.contains(positions[i]) || was[i] == is[i], "nothing changes outside of a dab's rectangle");
 	}
 	const PixelRect region = before.pixels_of({brush.center - brush.radius, brush.center + brush.radius});
 	Pixels pixels;

@@ -60,11 +60,11 @@ Shape read_shape(Bytes &r_bytes) {
 	return shape;
 }
 
-double density_of(const ShapeSet &set, glm::dvec3 place) {
+double density_of(const ShapeSet &set, glm::dvec3 position) {
 	std::vector<std::uint32_t> near;
-	const glm::dvec2 flat(place.x, place.z);
-	static_cast<void>(set.near({flat, flat}, near));
-	return set.density(near, place);
+	const glm::dvec2 flat(position.x, position.z);
+	static_cast<void>(set.find_nearby({flat, flat}, near));
+	return set.density(near, position);
 }
 
 void check_shapes(Bytes &r_bytes) {
@@ -84,23 +84,24 @@ void check_shapes(Bytes &r_bytes) {
 	promise(set.set(shapes).ok(), "valid shapes are accepted");
 	const Rect all{{-1e12, -1e12}, {1e12, 1e12}};
 	std::vector<std::uint32_t> every;
-	static_cast<void>(set.near(all, every));
+	static_cast<void>(set.find_nearby(all, every));
 	promise(every.size() == shapes.size(), "all shapes are near everywhere");
 	for (int i = 0; i < 20; ++i) {
-		glm::dvec3 place = read_vector(r_bytes);
+		glm::dvec3 position = read_vector(r_bytes);
 		if (!shapes.empty() && r_bytes.chance(3)) {
 			const Shape &shape = shapes[r_bytes.below(static_cast<std::uint32_t>(shapes.size()))];
-			place = shape.outline.empty() ? shape.center : glm::dvec3(shape.outline[0].x, place.y, shape.outline[0].y);
+			position = shape.outline.empty() ? shape.center
+											 : glm::dvec3(shape.outline[0].x, position.y, shape.outline[0].y);
 		}
-		const double density = density_of(set, place);
+		const double density = density_of(set, position);
 		promise(density >= 0.0 && density <= 1.0, "a density is between 0 and 1");
-		promise(density == set.density(every, place), "shapes that are not near have no effect");
+		promise(density == set.density(every, position), "shapes that are not near have no effect");
 		for (Shape shape : shapes) {
 			shape.exclude = false;
 			ShapeSet alone;
 			promise(alone.set({shape}).ok(), "a valid shape is accepted alone");
-			promise(alone.density({}, place) == 0.0, "an including shape that is not near includes nothing");
-			promise(density_of(alone, place) == 0.0 || bounds(shape).contains({place.x, place.z}),
+			promise(alone.density({}, position) == 0.0, "an including shape that is not near includes nothing");
+			promise(density_of(alone, position) == 0.0 || bounds(shape).contains({position.x, position.z}),
 					"outside of its bounds a shape has no influence");
 		}
 	}
@@ -128,8 +129,8 @@ void check_triangles(Bytes &r_bytes) {
 		return;
 	}
 	for (int i = 0; i < 20; ++i) {
-		const glm::dvec3 place = read_vector(r_bytes);
-		promise(sound_ground(terrain.at({place.x, place.z}), lowest, highest), "ground lies between the corners");
+		const glm::dvec3 position = read_vector(r_bytes);
+		promise(sound_ground(terrain.at({position.x, position.z}), lowest, highest), "ground lies between the corners");
 	}
 	for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
 		TriangleTerrain alone;
@@ -138,9 +139,9 @@ void check_triangles(Bytes &r_bytes) {
 			continue;
 		}
 		for (std::size_t corner = i; corner < i + 3; ++corner) {
-			const glm::dvec2 place(corners[corner].x, corners[corner].z);
-			const float height = terrain.at(place).height;
-			promise(height >= alone.at(place).height, "a corner has ground, and adding triangles never lowers it");
+			const glm::dvec2 position(corners[corner].x, corners[corner].z);
+			const float height = terrain.at(position).height;
+			promise(height >= alone.at(position).height, "a corner has ground, and adding triangles never lowers it");
 		}
 	}
 }

@@ -75,9 +75,10 @@ AddedInstance read_instance(Bytes &r_bytes) {
 void check_place(const InstanceState &state, std::uint64_t id) {
 	const AddedInstance *added = state.added(id);
 	promise(added != nullptr && is_added(id) && layer_of(id) == added->layer, "a placed instance exists");
-	const glm::dvec2 place(added->position.x, added->position.z);
+	const glm::dvec2 position(added->position.x, added->position.z);
 	std::vector<std::uint64_t> found;
-	promise(state.added_in(added->layer, {place - 1.0, place + 1.0}, found).ok(), "instances in an area can be listed");
+	promise(state.added_in(added->layer, {position - 1.0, position + 1.0}, found).ok(),
+			"instances in an area can be listed");
 	promise(std::ranges::is_sorted(found) && std::ranges::binary_search(found, id),
 			"an instance is found at its position");
 }
@@ -131,14 +132,16 @@ void change(InstanceState &r_state, Bytes &r_bytes) {
 void damage(Stored &r_stored, Bytes &r_bytes) {
 	for (std::uint32_t changes = r_bytes.below(4); changes > 0 && !r_stored.empty(); --changes) {
 		const auto size = static_cast<std::uint32_t>(r_stored.size());
-		const std::uint32_t place = r_bytes.below(r_bytes.chance(2) ? size : std::min(size, 60U));
+		const std::uint32_t position = r_bytes.below(r_bytes.chance(2) ? size : std::min(size, 60U));
 		switch (r_bytes.below(4)) {
-			case 0: r_stored.resize(place); break;
+			case 0: r_stored.resize(position); break;
 			case 1:
-				r_stored.insert(r_stored.begin() + place, 1 + r_bytes.below(20), r_bytes.raw<std::uint8_t>());
+				r_stored.insert(r_stored.begin() + position, 1 + r_bytes.below(20), r_bytes.raw<std::uint8_t>());
 				break;
-			case 2: r_stored.erase(r_stored.begin() + place, r_stored.begin() + std::min(size, place + 10)); break;
-			default: r_stored[place] = r_bytes.raw<std::uint8_t>(); break;
+			case 2:
+				r_stored.erase(r_stored.begin() + position, r_stored.begin() + std::min(size, position + 10));
+				break;
+			default: r_stored[position] = r_bytes.raw<std::uint8_t>(); break;
 		}
 	}
 	if (r_stored.size() >= 8 && !r_bytes.chance(3)) {
@@ -200,7 +203,7 @@ void feed(const InstanceState &state, const Stored &stored) {
 	Changes changes;
 	StateHeader header;
 	if (fed.load(stored, changes).ok()) {
-		promise(read_header(stored, header).ok() && header.whole, "accepted bytes have a header");
+		promise(read_header(stored, header).ok() && header.is_complete, "accepted bytes have a header");
 		const bool is_as_saved = header.format == state_format && header.origin.name == 0;
 		promise(!is_as_saved || saved(fed) == stored, "loaded bytes are written back identically");
 		copy_of(fed);

@@ -22,11 +22,11 @@ using Key = std::tuple<std::uint32_t, std::uint32_t, int, int>;
 Key key_of(const TileKey &key) { return {key.layer, key.grid, key.tile.x, key.tile.y}; }
 
 /// The client's own record of the tiles, updated with the streamer's changes.
-struct Books {
+struct Expected {
 	std::vector<TileRequest> pending;
 	/// Tickets of results that came too late. Their cancellation may still be reported.
 	std::set<std::uint64_t> refused;
-	std::set<Key> shown;
+	std::set<Key> visible;
 
 	void apply(const StreamChanges &changes) {
 		for (const TileRequest &cancelled : changes.cancel) {
@@ -36,7 +36,7 @@ struct Books {
 					"only pending requests are cancelled");
 		}
 		for (const TileKey &dropped : changes.drop) {
-			promise(shown.erase(key_of(dropped)) == 1, "only visible tiles are dropped");
+			promise(visible.erase(key_of(dropped)) == 1, "only visible tiles are dropped");
 		}
 		for (const TileRequest &request : changes.request) {
 			for (const TileRequest &other : pending) {
@@ -57,46 +57,46 @@ void set_layers(TileStreamer &streamer, Bytes &r_bytes) {
 	(void)streamer.set_layers(layers).ok();
 }
 
-void update(TileStreamer &streamer, Bytes &r_bytes, Books &r_books) {
+void update(TileStreamer &streamer, Bytes &r_bytes, Expected &r_expected) {
 	std::vector<Viewer> viewers(r_bytes.chance(32) ? r_bytes.below(80) : r_bytes.below(3));
 	for (Viewer &viewer : viewers) {
 		viewer.position = {r_bytes.number(-300.0, 300.0), r_bytes.number(-300.0, 300.0)};
 		viewer.radius_scale = r_bytes.number(0.0, 2.0);
 	}
 	StreamChanges changes;
-	const std::size_t most = r_bytes.below(20);
-	if (streamer.update(viewers, most, changes).ok()) {
-		promise(changes.request.size() <= most, "no more tiles are requested than the limit");
-		r_books.apply(changes);
+	const std::size_t max_count = r_bytes.below(20);
+	if (streamer.update(viewers, max_count, changes).ok()) {
+		promise(changes.request.size() <= max_count, "no more tiles are requested than the limit");
+		r_expected.apply(changes);
 		const StreamCounts counts = streamer.counts();
-		promise(counts.pending == r_books.pending.size(), "pending tiles are counted");
-		promise(counts.shown == r_books.shown.size(), "shown tiles are counted");
+		promise(counts.pending == r_expected.pending.size(), "pending tiles are counted");
+		promise(counts.visible == r_expected.visible.size(), "shown tiles are counted");
 	} else {
 		promise(changes.empty(), "a rejected update has no effect");
 	}
 }
 
-void answer(TileStreamer &streamer, Bytes &r_bytes, Books &r_books) {
-	if (r_books.pending.empty()) {
+void answer(TileStreamer &streamer, Bytes &r_bytes, Expected &r_expected) {
+	if (r_expected.pending.empty()) {
 		return;
 	}
 	if (const auto next = streamer.next_ready()) {
 		promise(streamer.may_show(*next), "the next tile may be shown");
 		promise(std::ranges::any_of(
-						r_books.pending, [&](const TileRequest &one) { return one.ticket == next->ticket; }),
+						r_expected.pending, [&](const TileRequest &one) { return one.ticket == next->ticket; }),
 				"the next tile is pending");
 	}
-	const std::size_t which = r_bytes.below(static_cast<std::uint32_t>(r_books.pending.size()));
-	const TileRequest request = r_books.pending[which];
+	const std::size_t which = r_bytes.below(static_cast<std::uint32_t>(r_expected.pending.size()));
+	const TileRequest request = r_expected.pending[which];
 	if (r_bytes.chance(3)) {
 		(void)streamer.ready(request);
 		return;
 	}
-	r_books.pending.erase(r_books.pending.begin() + static_cast<std::ptrdiff_t>(which));
+	r_expected.pending.erase(r_expected.pending.begin() + static_cast<std::ptrdiff_t>(which));
 	if (streamer.finish(request)) {
-		r_books.shown.insert(key_of(request.key));
+		r_expected.visible.insert(key_of(request.key));
 	} else {
-		r_books.refused.insert(request.ticket);
+		r_expected.refused.insert(request.ticket);
 	}
 	promise(!streamer.finish(request), "a request is finished only once");
 }
@@ -106,7 +106,7 @@ void answer(TileStreamer &streamer, Bytes &r_bytes, Books &r_books) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size) {
 	Bytes bytes(data, size);
 	TileStreamer streamer;
-	Books books;
+	Expected expected;
 	set_layers(streamer, bytes);
 	for (int step = 0; step < 40; ++step) {
 		switch (bytes.below(8)) {
@@ -118,8 +118,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
 								{bytes.number(0.0, 300.0), bytes.number(0.0, 300.0)}});
 				break;
 			case 3:
-			case 4: update(streamer, bytes, books); break;
-			default: answer(streamer, bytes, books); break;
+			case 4: update(streamer, bytes, expected); break;
+			default: answer(streamer, bytes, expected); break;
 		}
 	}
 	return 0;

@@ -114,7 +114,7 @@ void read_biomes(LayerSettings &r_layer, Bytes &r_bytes) {
 }
 
 /// Adds colors and variations with random sources to some layers.
-void read_look(LayerSettings &r_layer, Bytes &r_bytes) {
+void read_appearance(LayerSettings &r_layer, Bytes &r_bytes) {
 	const auto read_source = [&](InstanceSource &r_source) {
 		r_source.kind = static_cast<SourceKind>(r_bytes.below(6));
 		r_source.min = r_bytes.number(-50.0, 50.0);
@@ -156,7 +156,7 @@ LayerSettings read_layer(Bytes &r_bytes) {
 	}
 	read_surroundings(layer, r_bytes);
 	read_biomes(layer, r_bytes);
-	read_look(layer, r_bytes);
+	read_appearance(layer, r_bytes);
 	return layer;
 }
 

@@ -364,8 +364,8 @@ const std::map<std::string, GDExtensionInterfaceFunctionPtr> &functions() {
 } // namespace
 
 Record &record() {
-	static Record made;
-	return made;
+	static Record created;
+	return created;
 }
 
 GDExtensionClassInstancePtr instance_of(void *object) { return static_cast<Object *>(object)->instance; }

@@ -16,13 +16,13 @@ public:
 	/// throws, the next call tries again.
 	template <class Make>
 	const T &get(const Make &make) const {
-		if (const T *made = made_.load(std::memory_order_acquire)) {
-			return *made;
+		if (const T *ready = ready_.load(std::memory_order_acquire)) {
+			return *ready;
 		}
 		const std::lock_guard lock(mutex_);
 		if (value_ == nullptr) {
 			value_ = std::make_unique<const T>(make());
-			made_.store(value_.get(), std::memory_order_release);
+			ready_.store(value_.get(), std::memory_order_release);
 		}
 		return *value_;
 	}
@@ -30,7 +30,7 @@ public:
 private:
 	mutable Mutex mutex_;
 	mutable std::unique_ptr<const T> value_; ///< Guarded by `mutex_`.
-	mutable std::atomic<const T *> made_{nullptr};
+	mutable std::atomic<const T *> ready_{nullptr};
 };
 
 } // namespace thicket

@@ -44,8 +44,8 @@ struct Planet {
 		const glm::dvec3 upwards = up_at(position);
 		const glm::dvec3 given(normal);
 		const double along = given.x * upwards.x + given.y * upwards.y + given.z * upwards.z;
-		const double across = std::sqrt(squared(given - along * upwards));
-		return {static_cast<float>(across), static_cast<float>(along), 0.0f};
+		const double horizontal = std::sqrt(squared(given - along * upwards));
+		return {static_cast<float>(horizontal), static_cast<float>(along), 0.0f};
 	}
 
 	friend bool operator==(const Planet &, const Planet &) = default;

@@ -30,11 +30,11 @@ struct Sight {
 };
 
 /// Returns the sight distance between an instance and a viewer, from their horizontal distance
-/// (`across`) and their distance in space (`straight`). The result is the distance in space up to
-/// `height_limit`, and the horizontal distance beyond that. Instances within horizontal range are
-/// therefore drawn at any height of the viewer, and a high viewer sees coarse LODs.
-inline double sight_distance(double across, double straight, double height_limit) {
-	return std::max(across, std::min(straight, height_limit));
+/// (`horizontal`) and their distance in space (`straight`). The result is the distance in space up
+/// to `height_limit`, and the horizontal distance beyond that. Instances within horizontal range
+/// are therefore drawn at any height of the viewer, and a high viewer sees coarse LODs.
+inline double sight_distance(double horizontal, double straight, double height_limit) {
+	return std::max(horizontal, std::min(straight, height_limit));
 }
 
 } // namespace thicket

@@ -100,8 +100,9 @@ struct [[nodiscard]] Status {
 	}
 
 	template <class Number>
-	static constexpr Status too_many_points(const char *property, double points, Number most, const char *remedy = "") {
-		return {ErrorCode::too_many_points, property, points, {}, at_most(most), remedy};
+	static constexpr Status too_many_points(
+			const char *property, double points, Number max_points, const char *remedy = "") {
+		return {ErrorCode::too_many_points, property, points, {}, at_most(max_points), remedy};
 	}
 
 	static constexpr Status missing(const char *property, const char *remedy) {

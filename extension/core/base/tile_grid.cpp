@@ -49,9 +49,9 @@ double distance_squared(const Rect &rect, glm::dvec2 position) {
 }
 
 double distance_squared(const TileSpace &space, const glm::dvec3 &position) {
-	const double across = distance_squared(static_cast<const Rect &>(space), glm::dvec2(position.x, position.z));
+	const double horizontal = distance_squared(static_cast<const Rect &>(space), glm::dvec2(position.x, position.z));
 	const double y = std::max({space.bottom - position.y, position.y - space.top, 0.0});
-	return across + y * y;
+	return horizontal + y * y;
 }
 
 } // namespace thicket

@@ -71,18 +71,18 @@ double slope_degrees(glm::vec3 normal) {
 	const double z = normal.z;
 	// The slope is computed from both the horizontal and the vertical component, because the
 	// vertical one alone is inaccurate for small angles.
-	const double across = std::sqrt(x * x + z * z);
+	const double horizontal = std::sqrt(x * x + z * z);
 	const double up = std::abs(static_cast<double>(normal.y));
 	// atan(across / up) is split into the nearest of 0, 45 and 90 degrees, and an angle within the
 	// range of the series.
 	double base = 45.0;
-	double tangent = (across - up) / (across + up);
-	if (across <= reach * up) {
+	double tangent = (horizontal - up) / (horizontal + up);
+	if (horizontal <= reach * up) {
 		base = 0.0;
-		tangent = across / up;
-	} else if (up <= reach * across) {
+		tangent = horizontal / up;
+	} else if (up <= reach * horizontal) {
 		base = 90.0;
-		tangent = -up / across;
+		tangent = -up / horizontal;
 	}
 	const double slope = base + degrees * arc_tangent_small(tangent);
 	return normal.y < 0.0f ? 180.0 - slope : slope;

@@ -27,7 +27,7 @@ using thicket::at_most;
 struct thicket_sampler {
 	thicket::TileSampler tiles;
 	/// The points of the last call: points of a set, or positions of a whole domain.
-	std::variant<std::vector<SamplePoint>, std::vector<glm::dvec2>, std::vector<glm::vec2>> held;
+	std::variant<std::vector<SamplePoint>, std::vector<glm::dvec2>, std::vector<glm::vec2>> result;
 	std::array<char, 512> message{};
 	std::atomic<bool> busy = false;
 	std::atomic<bool> cancelled = false; ///< Set by thicket_cancel; ends the call in progress.
@@ -78,10 +78,10 @@ thicket_code call(thicket_sampler *sampler, const Work &work, const thicket::Dom
 	const Status status = thicket::guarded("sampler", 0.0, [&] { return work(*sampler); });
 	notify(*sampler, "");
 	if (!status.ok()) {
-		const Status told = thicket::guarded("message", 0.0, [&] {
+		const Status reported = thicket::guarded("message", 0.0, [&] {
 			notify(*sampler, (request != nullptr ? describe(*request, status) : describe(status)).c_str());
 		});
-		if (!told.ok()) {
+		if (!reported.ok()) {
 			notify(*sampler, "there is not enough memory for an error message");
 		}
 	}
@@ -92,15 +92,15 @@ thicket_code call(thicket_sampler *sampler, const Work &work, const thicket::Dom
 /// Returns the sampler's points as a list of `Point`. Replaces a list of another type.
 template <typename Point>
 std::vector<Point> &held_as(thicket_sampler &r_sampler) {
-	if (auto *known = std::get_if<std::vector<Point>>(&r_sampler.held)) {
+	if (auto *known = std::get_if<std::vector<Point>>(&r_sampler.result)) {
 		// The list is returned as it is to reuse its memory; the caller clears it.
 		return *known;
 	}
-	return r_sampler.held.emplace<std::vector<Point>>();
+	return r_sampler.result.emplace<std::vector<Point>>();
 }
 
 std::uint64_t count_of(const thicket_sampler &sampler) {
-	return std::visit([](const auto &points) { return std::uint64_t{points.size()}; }, sampler.held);
+	return std::visit([](const auto &points) { return std::uint64_t{points.size()}; }, sampler.result);
 }
 
 /// Runs `sample(progress, points)`. After any failure, the sampler has no points.
@@ -161,12 +161,12 @@ thicket::DomainRequest request_of(const thicket_domain &domain) {
 /// Checks that the sampler has the points [first, first + count) and that `buffer` is not null if
 /// it is needed.
 Status check_part(const thicket_sampler &sampler, std::uint64_t first, std::uint64_t count, const void *buffer) {
-	const std::uint64_t held = count_of(sampler);
-	if (first > held) {
-		return Status::out_of_range("first", first, at_most(held, "the points in the sampler"));
+	const std::uint64_t available = count_of(sampler);
+	if (first > available) {
+		return Status::out_of_range("first", first, at_most(available, "the points in the sampler"));
 	}
-	if (count > held - first) {
-		return Status::out_of_range("count", count, at_most(held - first, "the points from first on"));
+	if (count > available - first) {
+		return Status::out_of_range("count", count, at_most(available - first, "the points from first on"));
 	}
 	if (buffer == nullptr && count > 0) {
 		return {ErrorCode::missing, "buffer", 0.0};
@@ -186,10 +186,10 @@ glm::dvec2 position_of(const glm::vec<2, Real> &position) {
 std::uint32_t thicket_c_version(void) noexcept { return THICKET_C_VERSION; }
 
 thicket_sampler *thicket_sampler_new(void) noexcept {
-	thicket_sampler *made = nullptr;
+	thicket_sampler *created = nullptr;
 	const Status status = thicket::guarded(
-			"sampler", sizeof(thicket_sampler), [&] { made = std::make_unique<thicket_sampler>().release(); });
-	return status.ok() ? made : nullptr;
+			"sampler", sizeof(thicket_sampler), [&] { created = std::make_unique<thicket_sampler>().release(); });
+	return status.ok() ? created : nullptr;
 }
 
 void thicket_sampler_free(thicket_sampler *sampler) noexcept { delete sampler; }
@@ -246,7 +246,7 @@ std::uint64_t thicket_count(const thicket_sampler *sampler) noexcept {
 thicket_code thicket_read_points(
 		thicket_sampler *sampler, std::uint64_t first, std::uint64_t count, thicket_point *r_points) noexcept {
 	return call(sampler, [&](thicket_sampler &own) -> Status {
-		const auto *points = std::get_if<std::vector<SamplePoint>>(&own.held);
+		const auto *points = std::get_if<std::vector<SamplePoint>>(&own.result);
 		if (points == nullptr) {
 			return {ErrorCode::missing, "a previous call to thicket_sample", 0.0};
 		}
@@ -274,7 +274,7 @@ thicket_code thicket_read_positions(
 						r_xy[2 * i + 1] = position.y;
 					}
 				},
-				own.held);
+				own.result);
 		return {};
 	});
 }
@@ -284,17 +284,17 @@ thicket_code thicket_digest(thicket_sampler *sampler, std::uint64_t *r_places, s
 		if (r_places == nullptr) {
 			return {ErrorCode::missing, "r_places", 0.0};
 		}
-		thicket::SetDigest made;
-		if (const auto *points = std::get_if<std::vector<SamplePoint>>(&own.held)) {
-			made = digest(std::span<const SamplePoint>(*points));
-		} else if (const auto *doubles = std::get_if<std::vector<glm::dvec2>>(&own.held)) {
-			made.places = thicket::digest(*doubles);
+		thicket::SetDigest digests;
+		if (const auto *points = std::get_if<std::vector<SamplePoint>>(&own.result)) {
+			digests = digest(std::span<const SamplePoint>(*points));
+		} else if (const auto *doubles = std::get_if<std::vector<glm::dvec2>>(&own.result)) {
+			digests.points = thicket::digest(*doubles);
 		} else {
-			made.places = thicket::digest(std::get<std::vector<glm::vec2>>(own.held));
+			digests.points = thicket::digest(std::get<std::vector<glm::vec2>>(own.result));
 		}
-		*r_places = made.places;
+		*r_places = digests.points;
 		if (r_ranks != nullptr) {
-			*r_ranks = made.ranks;
+			*r_ranks = digests.ranks;
 		}
 		return {};
 	});

@@ -16,7 +16,7 @@ namespace {
 constexpr double cell_per_distance = 0.25;
 /// Distance past the point of change at which the division actually changes, in tile sizes.
 constexpr double hysteresis = 0.1;
-constexpr double look_again = 0.125; ///< Minimum result of division_margin, in tile sizes.
+constexpr double min_division_margin = 0.125; ///< Minimum result of division_margin, in tile sizes.
 
 /// Returns the first distance in a range at which the mesh or the thinning changes, in meters, or
 /// infinity if there is none.
@@ -36,22 +36,22 @@ double first_change(const LodSettings &lod, double near, double far) {
 /// Returns the division for a distance, without hysteresis.
 std::uint32_t division_for(const CellSettings &cells, const LodSettings &lod, double distance) {
 	const double size = cells.tile_size;
-	const double least = cell_per_distance * first_change(lod, distance, distance + std::numbers::sqrt2 * size);
-	std::uint32_t across = cells.most_across;
-	while (across > 1 && size / across < least) {
-		across /= 2;
+	const double min_cell_size = cell_per_distance * first_change(lod, distance, distance + std::numbers::sqrt2 * size);
+	std::uint32_t cells_per_edge = cells.finest_division;
+	while (cells_per_edge > 1 && size / cells_per_edge < min_cell_size) {
+		cells_per_edge /= 2;
 	}
-	return across;
+	return cells_per_edge;
 }
 
 } // namespace
 
-std::uint32_t cells_across(double tile_size, double cell_size) {
+std::uint32_t cell_count_per_edge(double tile_size, double cell_size) {
 	if (!(cell_size > 0.0)) {
 		return 1;
 	}
 	const double cells = std::floor(tile_size / cell_size + 0.5);
-	return static_cast<std::uint32_t>(std::clamp(cells, 1.0, static_cast<double>(max_cells_across)));
+	return static_cast<std::uint32_t>(std::clamp(cells, 1.0, static_cast<double>(max_cells_per_edge)));
 }
 
 double usual_cell_size(double reach, double density) {
@@ -59,15 +59,15 @@ double usual_cell_size(double reach, double density) {
 	return density > 0.0 ? std::max(by_model, std::sqrt(fewest_in_cell / density)) : by_model;
 }
 
-std::uint32_t division_at(const CellSettings &cells, const LodSettings &lod, double distance, std::uint32_t shown) {
-	if (cells.most_across < 2) {
+std::uint32_t division_at(const CellSettings &cells, const LodSettings &lod, double distance, std::uint32_t displayed) {
+	if (cells.finest_division < 2) {
 		// Tiles of this layer are never divided.
 		return 1;
 	}
 	const double slack = hysteresis * cells.tile_size;
 	for (const double nearby : {distance - slack, distance + slack}) {
-		if (shown > 0 && division_for(cells, lod, std::max(nearby, 0.0)) == shown) {
-			return shown;
+		if (displayed > 0 && division_for(cells, lod, std::max(nearby, 0.0)) == displayed) {
+			return displayed;
 		}
 	}
 	return division_for(cells, lod, distance);
@@ -75,7 +75,7 @@ std::uint32_t division_at(const CellSettings &cells, const LodSettings &lod, dou
 
 double division_margin(const CellSettings &cells, const LodSettings &lod, double distance) {
 	const bool thins = lod.thin_density < 1.0;
-	if (cells.most_across < 2 || (lod.lod_distances.empty() && !thins)) {
+	if (cells.finest_division < 2 || (lod.lod_distances.empty() && !thins)) {
 		return std::numeric_limits<double>::infinity();
 	}
 	// Tiles are drawn as a whole beyond the smaller of two distances. Beyond the first distance,
@@ -85,7 +85,7 @@ double division_margin(const CellSettings &cells, const LodSettings &lod, double
 	const double last_change =
 			std::max(lod.lod_distances.empty() ? 0.0 : lod.lod_distances.back(), thins ? lod.thin_end : 0.0);
 	const double farthest = std::min(too_small, last_change) + hysteresis * cells.tile_size;
-	return std::max(distance - farthest, look_again * cells.tile_size);
+	return std::max(distance - farthest, min_division_margin * cells.tile_size);
 }
 
 } // namespace thicket

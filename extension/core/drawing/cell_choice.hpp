@@ -11,15 +11,15 @@ namespace thicket {
 struct CellSettings {
 	double tile_size = 64.0; ///< Width of a tile in meters.
 	/// Maximum number of cells along an edge of a tile; 1 if tiles are never divided.
-	std::uint32_t most_across = 1;
+	std::uint32_t finest_division = 1;
 
 	friend bool operator==(const CellSettings &, const CellSettings &) = default;
 };
 
-/// Returns the number of cells along an edge of a tile, 1 to max_cells_across, for which a cell has
-/// about the size `cell_size`. Sizes are in meters. The result is 1 for a cell size that is 0 or
-/// less, NAN, or not smaller than the tile.
-std::uint32_t cells_across(double tile_size, double cell_size);
+/// Returns the number of cells along an edge of a tile, 1 to max_cells_per_edge, for which a cell
+/// has about the size `cell_size`. Sizes are in meters. The result is 1 for a cell size that is 0
+/// or less, NAN, or not smaller than the tile.
+std::uint32_t cell_count_per_edge(double tile_size, double cell_size);
 
 /// Returns the default cell size in meters for a layer that does not set one. `reach` is the
 /// distance in meters from a model's origin to its farthest corner, and `density` the number of
@@ -35,10 +35,10 @@ inline constexpr double fewest_in_cell = 16.0;
 /// the distance of the first such change. The smallest size that the settings allow is doubled
 /// while it is less than a quarter of that distance.
 ///
-/// `shown` is the current division, or 0 for a tile that is not displayed. The current division is
-/// kept until the distance passes the point of change by a tenth of the tile size. A viewer that
+/// `displayed` is the current division, or 0 for a tile that is not displayed. The current division
+/// is kept until the distance passes the point of change by a tenth of the tile size. A viewer that
 /// moves back and forth therefore causes no uploads.
-std::uint32_t division_at(const CellSettings &cells, const LodSettings &lod, double distance, std::uint32_t shown);
+std::uint32_t division_at(const CellSettings &cells, const LodSettings &lod, double distance, std::uint32_t displayed);
 
 /// Returns the distance in meters, above 0, by which a viewer may move before `division_at` must be
 /// called again. The result is infinite if the division is always 1. A change in the division may

@@ -21,9 +21,9 @@ double adapted_margin(const LodSettings &settings, std::span<const LodStep> step
 }
 
 std::size_t drawn_by_other(
-		std::span<const std::uint32_t> ranks, double first_share, double share, const CellDrawing &cell) {
-	const bool cut = cell.drawn < visible_prefix(ranks, cell.density * first_share);
-	const std::size_t due = visible_prefix(ranks, cell.density * share);
+		std::span<const std::uint32_t> ranks, double first_fraction, double fraction, const CellDrawing &cell) {
+	const bool cut = cell.drawn < visible_prefix(ranks, cell.density * first_fraction);
+	const std::size_t due = visible_prefix(ranks, cell.density * fraction);
 	return cut ? std::min(due, cell.drawn) : due;
 }
 

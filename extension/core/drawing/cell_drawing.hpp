@@ -30,12 +30,12 @@ void adapt(const LodSettings &settings, std::span<const LodStep> steps, const Di
 /// value is at least 0, or infinity if the result never changes.
 double adapted_margin(const LodSettings &settings, std::span<const LodStep> steps, const DistanceRange &distance);
 
-/// Returns the number of instances that an additional LOD of a cell draws. `first_share` and
-/// `share` are the fractions, 0 to 1, that the first LOD and this LOD draw according to their
+/// Returns the number of instances that an additional LOD of a cell draws. `first_fraction` and
+/// `fraction` are the fractions, 0 to 1, that the first LOD and this LOD draw according to their
 /// settings. If max_instances thins the first LOD, this LOD draws no more instances than the first.
 /// Otherwise, a cross-fade would show instances that are removed afterward. `ranks` are the ranks
 /// of the cell's instances, ascending.
 std::size_t drawn_by_other(
-		std::span<const std::uint32_t> ranks, double first_share, double share, const CellDrawing &cell);
+		std::span<const std::uint32_t> ranks, double first_fraction, double fraction, const CellDrawing &cell);
 
 } // namespace thicket

@@ -44,8 +44,8 @@ private:
 /// distance of a change.
 inline double visit_margin(double margin, double cell_size, double division_margin) {
 	constexpr double least = 1e-3;
-	constexpr double least_of_cell = 1.0 / 8.0;
-	return std::max(std::min(std::max(margin, least_of_cell * cell_size), division_margin), least);
+	constexpr double min_fraction_of_cell = 1.0 / 8.0;
+	return std::max(std::min(std::max(margin, min_fraction_of_cell * cell_size), division_margin), least);
 }
 
 } // namespace thicket

@@ -10,8 +10,8 @@ std::uint32_t DivisionQueue::first_division(
 	return then.count <= then.limit && (replaces_visible_tile || !others_wait) ? wanted : 1;
 }
 
-void DivisionQueue::choose(const TileKey &key, std::uint32_t shown, std::uint32_t wanted) {
-	if (shown != wanted && !is_current(key)) {
+void DivisionQueue::choose(const TileKey &key, std::uint32_t displayed, std::uint32_t wanted) {
+	if (displayed != wanted && !is_current(key)) {
 		waiting_.insert(key);
 	}
 }
@@ -38,12 +38,12 @@ TileKey DivisionQueue::nearest_waiting(const Tiles &tiles) const {
 /// Begins the division of a waiting tile, or first merges a farther tile to free multimeshes for
 /// it. If the tile must stay as it is, removes it from the queue and returns false.
 bool DivisionQueue::begin_with(const TileKey &key, const Tiles &tiles, Multimeshes all) {
-	const std::uint32_t shown = tiles.shown(key);
-	const std::uint32_t across = tiles.wanted(key);
-	const std::uint64_t then = all.count - tiles.multimeshes(key) + tiles.most_multimeshes(key, across);
-	const bool exceeds = across > shown && then > all.limit;
+	const std::uint32_t displayed = tiles.displayed(key);
+	const std::uint32_t cells_per_edge = tiles.wanted(key);
+	const std::uint64_t then = all.count - tiles.multimeshes(key) + tiles.multimesh_bound(key, cells_per_edge);
+	const bool exceeds = cells_per_edge > displayed && then > all.limit;
 	if (exceeds) {
-		const FartherTiles farther = farther_than(gives_way * tiles.distance(key), tiles);
+		const FartherTiles farther = farther_than(yield_factor * tiles.distance(key), tiles);
 		if (then - all.limit <= farther.spare) {
 			current_ = {*farther.farthest, 1};
 			return true;
@@ -53,10 +53,10 @@ bool DivisionQueue::begin_with(const TileKey &key, const Tiles &tiles, Multimesh
 	if (exceeds) {
 		refused_.insert(key);
 	}
-	if (exceeds || across == shown) {
+	if (exceeds || cells_per_edge == displayed) {
 		return false;
 	}
-	current_ = {key, across};
+	current_ = {key, cells_per_edge};
 	return true;
 }
 
@@ -68,7 +68,7 @@ DivisionQueue::FartherTiles DivisionQueue::farther_than(double distance, const T
 		const double its = tiles.distance(key);
 		if (its > distance) {
 			const std::uint64_t now = tiles.multimeshes(key);
-			result.spare += now - std::min(now, tiles.most_multimeshes(key, 1));
+			result.spare += now - std::min(now, tiles.multimesh_bound(key, 1));
 		}
 		if (its > farthest) {
 			farthest = its;
@@ -79,12 +79,12 @@ DivisionQueue::FartherTiles DivisionQueue::farther_than(double distance, const T
 }
 
 void DivisionQueue::finish() {
-	show(current_->key, current_->across);
+	show(current_->key, current_->cells_per_edge);
 	current_.reset();
 }
 
-void DivisionQueue::show(const TileKey &key, std::uint32_t across) {
-	if (across > 1) {
+void DivisionQueue::show(const TileKey &key, std::uint32_t cells_per_edge) {
+	if (cells_per_edge > 1) {
 		divided_.insert(key);
 	} else {
 		divided_.erase(key);
@@ -97,9 +97,9 @@ void DivisionQueue::remove(const TileKey &key) {
 	divided_.erase(key);
 }
 
-void DivisionQueue::room_gained(const Tiles &tiles) {
+void DivisionQueue::capacity_gained(const Tiles &tiles) {
 	for (const TileKey &key : std::exchange(refused_, {})) {
-		choose(key, tiles.shown(key), tiles.wanted(key));
+		choose(key, tiles.displayed(key), tiles.wanted(key));
 	}
 }
 

@@ -10,7 +10,7 @@ namespace thicket {
 
 /// A divided tile is merged in favor of a waiting tile only if it is farther from the viewers by
 /// this factor. Otherwise, two tiles at similar distances would replace each other endlessly.
-inline constexpr double gives_way = 1.1;
+inline constexpr double yield_factor = 1.1;
 
 /// Decides which visible tiles are divided into cells for drawing while the number of multimeshes
 /// is limited. Merging a tile means drawing it as a whole again. The class only makes decisions,
@@ -20,7 +20,7 @@ inline constexpr double gives_way = 1.1;
 /// Guarantees:
 ///  (1) The waiting tile nearest to a viewer is divided first.
 ///  (2) No division begins that could exceed the limit. If enough multimeshes can be freed by
-///      merging divided tiles that are farther away by the factor `gives_way`, these tiles are
+///      merging divided tiles that are farther away by the factor `yield_factor`, these tiles are
 ///      merged first, farthest first. Otherwise they stay divided, and the waiting tile is postponed.
 ///  (3) A postponed tile is considered again once multimeshes have been freed.
 ///  (4) While more multimeshes exist than the limit allows, the farthest divided tile is merged
@@ -36,16 +36,16 @@ public:
 		/// Returns the distance in meters, 0 or more, from the nearest viewer to the tile's box.
 		virtual double distance(const TileKey &key) const = 0;
 
-		/// `shown` returns the current division of a tile, and `wanted` the division for its
+		/// `displayed` returns the current division of a tile, and `wanted` the division for its
 		/// distance. A division is the number of cells along an edge; 1 if the tile is drawn as a
 		/// whole.
-		virtual std::uint32_t shown(const TileKey &key) const = 0;
+		virtual std::uint32_t displayed(const TileKey &key) const = 0;
 		virtual std::uint32_t wanted(const TileKey &key) const = 0;
 
-		/// `multimeshes` returns a tile's current number of multimeshes. `most_multimeshes` returns
-		/// the maximum number with `across` cells along an edge.
+		/// `multimeshes` returns a tile's current number of multimeshes. `multimesh_bound` returns
+		/// the maximum number with `cells_per_edge` cells along an edge.
 		virtual std::uint64_t multimeshes(const TileKey &key) const = 0;
-		virtual std::uint64_t most_multimeshes(const TileKey &key, std::uint32_t across) const = 0;
+		virtual std::uint64_t multimesh_bound(const TileKey &key, std::uint32_t cells_per_edge) const = 0;
 	};
 
 	/// The total number of multimeshes of all tiles.
@@ -56,7 +56,7 @@ public:
 
 	struct Division {
 		TileKey key;
-		std::uint32_t across = 1;
+		std::uint32_t cells_per_edge = 1;
 	};
 
 	/// Returns the division for a tile that has not been uploaded yet: `wanted` or 1. `then`
@@ -67,9 +67,9 @@ public:
 	static std::uint32_t first_division(
 			std::uint32_t wanted, Multimeshes then, bool replaces_visible_tile, bool others_wait);
 
-	/// Queues a visible tile if its division `shown` differs from `wanted`. Does nothing if the
+	/// Queues a visible tile if its division `displayed` differs from `wanted`. Does nothing if the
 	/// tile is already queued or is being divided.
-	void choose(const TileKey &key, std::uint32_t shown, std::uint32_t wanted);
+	void choose(const TileKey &key, std::uint32_t displayed, std::uint32_t wanted);
 
 	/// Chooses the next division, which is current until `finish` or `cancel`. Call this function
 	/// only while there is no current division. Returns nothing if no waiting tile can be divided;
@@ -88,13 +88,13 @@ public:
 
 	/// Reports that a tile is visible with this division, for example because it was divided from
 	/// the start.
-	void show(const TileKey &key, std::uint32_t across);
+	void show(const TileKey &key, std::uint32_t cells_per_edge);
 
 	/// Removes a tile. Its division must not be the current one.
 	void remove(const TileKey &key);
 
 	/// Reports that multimeshes were freed and queues the postponed tiles again.
-	void room_gained(const Tiles &tiles);
+	void capacity_gained(const Tiles &tiles);
 
 	/// Returns true if there is a current division, or if `begin` may find one.
 	bool has_work(Multimeshes all) const { return current_ || !waiting_.empty() || must_shrink(all); }

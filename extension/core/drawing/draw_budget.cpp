@@ -26,25 +26,25 @@ DrawAmounts &DrawAmounts::operator-=(const DrawAmounts &other) {
 }
 
 bool DrawBudget::begin_frame() {
-	const double share = limited_share(share_, amounts_.wanted, next_limits_.max_instances);
-	if (share == share_ && next_limits_ == limits_) {
+	const double fraction = limited_fraction(fraction_, amounts_.wanted, next_limits_.max_instances);
+	if (fraction == fraction_ && next_limits_ == limits_) {
 		return false;
 	}
-	share_ = share;
+	fraction_ = fraction;
 	limits_ = next_limits_;
 	return true;
 }
 
 bool DrawBudget::draw(
-		std::uint32_t layer, double look_share, std::span<const std::uint32_t> ranks, CellDrawing &r_cell) {
-	const double unlimited = r_cell.thinned * limits_.share(layer);
-	r_cell.density = unlimited * share_;
-	amounts_.wanted -= std::exchange(r_cell.wanted, visible_prefix(ranks, unlimited * look_share));
+		std::uint32_t layer, double lod_density, std::span<const std::uint32_t> ranks, CellDrawing &r_cell) {
+	const double unlimited = r_cell.thinned * limits_.fraction(layer);
+	r_cell.density = unlimited * fraction_;
+	amounts_.wanted -= std::exchange(r_cell.wanted, visible_prefix(ranks, unlimited * lod_density));
 	amounts_.wanted += r_cell.wanted;
 	amounts_.drawn -= r_cell.drawn;
-	const std::size_t due = visible_prefix(ranks, r_cell.density * look_share);
-	const std::uint64_t room = limits_.max_instances - std::min(limits_.max_instances, amounts_.drawn);
-	r_cell.drawn = static_cast<std::size_t>(std::min<std::uint64_t>(due, room));
+	const std::size_t due = visible_prefix(ranks, r_cell.density * lod_density);
+	const std::uint64_t available = limits_.max_instances - std::min(limits_.max_instances, amounts_.drawn);
+	r_cell.drawn = static_cast<std::size_t>(std::min<std::uint64_t>(due, available));
 	amounts_.drawn += r_cell.drawn;
 	return r_cell.drawn == due;
 }
@@ -53,7 +53,7 @@ std::set<TileKey, TileKeyOrder> DrawBudget::take_cut() { return std::exchange(cu
 
 void DrawBudget::clear() {
 	amounts_ = {};
-	share_ = 1.0;
+	fraction_ = 1.0;
 	cut_.clear();
 }
 

@@ -24,7 +24,7 @@ struct DrawLimits {
 	std::vector<bool> hidden_layers;
 
 	/// Returns the fraction of a layer's instances that is drawn, before thinning by distance.
-	double share(std::size_t layer) const {
+	double fraction(std::size_t layer) const {
 		return layer < hidden_layers.size() && hidden_layers[layer] ? 0.0 : quality;
 	}
 
@@ -73,15 +73,15 @@ public:
 	const DrawAmounts &amounts() const { return amounts_; }
 
 	/// Computes the density and counts of a cell of a visible tile. Call this function after
-	/// `adapt`. `look_share` is the fraction of instances, 0 to 1, that the cell's first LOD draws
+	/// `adapt`. `lod_density` is the fraction of instances, 0 to 1, that the cell's first LOD draws
 	/// according to its settings. `ranks` are the ranks of the cell's instances, ascending. Returns
 	/// false if the limit thins the cell more than other cells.
-	bool draw(std::uint32_t layer, double look_share, std::span<const std::uint32_t> ranks, CellDrawing &r_cell);
+	bool draw(std::uint32_t layer, double lod_density, std::span<const std::uint32_t> ranks, CellDrawing &r_cell);
 
 	/// Returns the fraction, 0 to 1, of a layer's instances that is drawn at a distance in meters
 	/// from a viewer, if the layer is visible.
-	double drawn_share(const LodSettings &settings, double distance) const {
-		return thinned_density(settings, distance) * limits_.quality * share_;
+	double drawn_fraction(const LodSettings &settings, double distance) const {
+		return thinned_density(settings, distance) * limits_.quality * fraction_;
 	}
 
 	/// Records a tile with a cell for which `draw` returned false.
@@ -103,7 +103,7 @@ private:
 	DrawLimits next_limits_;
 	DrawAmounts amounts_;
 	/// Fraction of the wanted instances that are drawn, which keeps them within max_instances.
-	double share_ = 1.0;
+	double fraction_ = 1.0;
 	std::set<TileKey, TileKeyOrder> cut_;
 };
 

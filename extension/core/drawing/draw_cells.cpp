@@ -13,32 +13,32 @@ namespace {
 
 /// Returns the index along one axis of the cell that contains a position. `edge` is the tile's
 /// lower edge.
-std::uint32_t cell_along(double position, double edge, double cell_size, std::uint32_t across) {
+std::uint32_t cell_along(double position, double edge, double cell_size, std::uint32_t cells_per_edge) {
 	double cell = std::floor((position - edge) / cell_size);
 	// Rounding may move a position just below a cell's edge onto the edge. This line corrects it.
 	cell -= position < edge + cell * cell_size ? 1.0 : 0.0;
-	return static_cast<std::uint32_t>(std::clamp(cell, 0.0, static_cast<double>(across - 1)));
+	return static_cast<std::uint32_t>(std::clamp(cell, 0.0, static_cast<double>(cells_per_edge - 1)));
 }
 
 /// A square lattice of cells in a tile.
 struct Lattice {
 	glm::dvec3 edge; ///< The lower corner of the tile, relative to its origin.
 	glm::dvec3 cell_size;
-	std::uint32_t across;
+	std::uint32_t cells_per_edge;
 	CellAxes axes;
 
-	Lattice(const TileSpace &space, const glm::dvec3 &origin, std::uint32_t p_across, const CellAxes &p_axes) :
+	Lattice(const TileSpace &space, const glm::dvec3 &origin, std::uint32_t p_cells_per_edge, const CellAxes &p_axes) :
 			edge(glm::dvec3(space.min.x, space.bottom, space.min.y) - origin),
 			cell_size(glm::dvec3(space.size().x, space.top - space.bottom, space.size().y) /
-					static_cast<double>(p_across)),
-			across(p_across), axes(p_axes) {}
+					static_cast<double>(p_cells_per_edge)),
+			cells_per_edge(p_cells_per_edge), axes(p_axes) {}
 
 	std::uint32_t along(const glm::vec3 &position, int axis) const {
-		return cell_along(double{position[axis]}, edge[axis], cell_size[axis], across);
+		return cell_along(double{position[axis]}, edge[axis], cell_size[axis], cells_per_edge);
 	}
 
 	std::uint16_t number(const glm::vec3 &position) const {
-		return static_cast<std::uint16_t>(along(position, axes.row) * across + along(position, axes.column));
+		return static_cast<std::uint16_t>(along(position, axes.row) * cells_per_edge + along(position, axes.column));
 	}
 };
 
@@ -59,11 +59,11 @@ void measure(const CompactMesh &mesh, std::span<const std::uint32_t> order, Draw
 }
 
 void add_cells(const CompactMesh &mesh, const Lattice &lattice, DrawCells &r_cells) {
-	const std::uint32_t across = lattice.across;
+	const std::uint32_t cells_per_edge = lattice.cells_per_edge;
 	const std::vector<std::uint16_t> numbers = cell_numbers(mesh, lattice);
 	// The cells are filled by a counting sort. First, ends[number + 1] counts the instances of a
 	// cell.
-	std::vector<std::uint32_t> ends(std::size_t{across} * across + 1);
+	std::vector<std::uint32_t> ends(std::size_t{cells_per_edge} * cells_per_edge + 1);
 	for (const std::uint16_t number : numbers) {
 		++ends[std::size_t{number} + 1];
 	}
@@ -79,7 +79,7 @@ void add_cells(const CompactMesh &mesh, const Lattice &lattice, DrawCells &r_cel
 		r_cells.ranks[at] = mesh.ranks()[i];
 	}
 	std::uint32_t begin = 0;
-	for (std::uint32_t number = 0; number < across * across; ++number) {
+	for (std::uint32_t number = 0; number < cells_per_edge * cells_per_edge; ++number) {
 		DrawCell cell{number, begin, ends[number]};
 		begin = cell.end;
 		if (cell.size() > 0) {
@@ -103,10 +103,10 @@ CellAxes cell_axes(const TileSpace &space, const Planet &planet) {
 	return up.x >= up.z ? CellAxes{.column = 1, .row = 2} : CellAxes{.column = 0, .row = 1};
 }
 
-Status divide(const CompactMesh &mesh, glm::dvec3 origin, const TileSpace &space, std::uint32_t across,
+Status divide(const CompactMesh &mesh, glm::dvec3 origin, const TileSpace &space, std::uint32_t cells_per_edge,
 		DrawCells &r_cells, const CellAxes &axes) {
 	r_cells = {};
-	const Lattice lattice(space, origin, std::clamp(across, std::uint32_t{1}, max_cells_across), axes);
+	const Lattice lattice(space, origin, std::clamp(cells_per_edge, std::uint32_t{1}, max_cells_per_edge), axes);
 	DrawCells cells;
 	const Status status =
 			guarded("instances", static_cast<double>(mesh.size()), [&] { add_cells(mesh, lattice, cells); });

@@ -16,7 +16,7 @@
 
 namespace thicket {
 
-inline constexpr std::uint32_t max_cells_across = 16; ///< Maximum number of cells along an edge of a tile.
+inline constexpr std::uint32_t max_cells_per_edge = 16; ///< Maximum number of cells along an edge of a tile.
 
 /// The two world axes along which a tile is divided: 0 is x, 1 is y and 2 is z.
 struct CellAxes {
@@ -66,12 +66,12 @@ struct DrawCells {
 	}
 };
 
-/// Divides a tile's instances of one mesh into `across` by `across` cells; `across` is clamped to
-/// the range from 1 to max_cells_across. The cells are half-open squares that depend only on the
-/// tile's space, so they form a fixed lattice in the world. An instance that its layer's offset
-/// moves outside the space belongs to the nearest cell. `space` must be bounded along `axes`.
-/// Takes O(instances + cells) time. If memory runs out, `r_cells` is empty.
-Status divide(const CompactMesh &mesh, glm::dvec3 origin, const TileSpace &space, std::uint32_t across,
+/// Divides a tile's instances of one mesh into a square of cells, `cells_per_edge` along each edge,
+/// clamped to the range from 1 to max_cells_per_edge. The cells are half-open squares that depend
+/// only on the tile's space, so they form a fixed lattice in the world. An instance that its
+/// layer's offset moves outside the space belongs to the nearest cell. `space` must be bounded
+/// along `axes`. Takes O(instances + cells) time. If memory runs out, `r_cells` is empty.
+Status divide(const CompactMesh &mesh, glm::dvec3 origin, const TileSpace &space, std::uint32_t cells_per_edge,
 		DrawCells &r_cells, const CellAxes &axes = {});
 
 /// Writes the floats of the instances at the indices `order`, in this order. `r_buffer` must have

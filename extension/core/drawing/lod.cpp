@@ -15,8 +15,8 @@ double steps_done(const LodSettings &settings, double distance) {
 	if (distance >= settings.thin_end) {
 		return thin_steps;
 	}
-	const double share = (distance - settings.thin_begin) / (settings.thin_end - settings.thin_begin);
-	return std::max(std::floor(share * thin_steps), 0.0);
+	const double fraction = (distance - settings.thin_begin) / (settings.thin_end - settings.thin_begin);
+	return std::max(std::floor(fraction * thin_steps), 0.0);
 }
 
 bool thins(const LodSettings &settings) { return settings.thin_density < 1.0; }
@@ -43,10 +43,10 @@ Status validate(const LodSettings &settings) {
 			check_range("lod_fade", settings.fade, 0.0, max_lod_fade));
 }
 
-std::size_t lod_at(const LodSettings &settings, double distance, std::size_t shown) {
+std::size_t lod_at(const LodSettings &settings, double distance, std::size_t current_lod) {
 	std::size_t lod = 0;
 	for (const double begin : settings.lod_distances) {
-		if (distance < (lod < shown ? lod_hysteresis * begin : begin)) {
+		if (distance < (lod < current_lod ? lod_hysteresis * begin : begin)) {
 			break;
 		}
 		++lod;
@@ -61,18 +61,18 @@ double thinned_density(const LodSettings &settings, double distance) {
 	return 1.0 - (1.0 - settings.thin_density) * (steps_done(settings, distance) / thin_steps);
 }
 
-double compensating_scale(const LodSettings &settings, double share) {
-	constexpr double least_share = 1.0 / (max_scale_compensation * max_scale_compensation);
-	return settings.scale_compensation ? 1.0 / std::sqrt(std::max(share, least_share)) : 1.0;
+double compensating_scale(const LodSettings &settings, double fraction) {
+	constexpr double min_fraction = 1.0 / (max_scale_compensation * max_scale_compensation);
+	return settings.scale_compensation ? 1.0 / std::sqrt(std::max(fraction, min_fraction)) : 1.0;
 }
 
-double limited_share(double share, std::uint64_t wanted, std::uint64_t most) {
-	constexpr double filled = 0.9;     // Fraction of the limit that is used after `share` has changed.
-	constexpr double too_little = 0.7; // `share` is raised below this fraction of the limit.
+double limited_fraction(double fraction, std::uint64_t wanted, std::uint64_t max_instances) {
+	constexpr double filled = 0.9;     // Fraction of the limit that is used after `fraction` has changed.
+	constexpr double too_little = 0.7; // `fraction` is raised below this fraction of the limit.
 	const auto all = static_cast<double>(wanted);
-	const auto limit = static_cast<double>(most);
-	const bool keep = share * all <= limit && (share >= 1.0 || share * all >= too_little * limit);
-	return keep ? share : std::min(1.0, filled * limit / std::max(all, 1.0));
+	const auto limit = static_cast<double>(max_instances);
+	const bool keep = fraction * all <= limit && (fraction >= 1.0 || fraction * all >= too_little * limit);
+	return keep ? fraction : std::min(1.0, filled * limit / std::max(all, 1.0));
 }
 
 double distance_margin(const LodSettings &settings, double distance) {

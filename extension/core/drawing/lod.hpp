@@ -56,24 +56,24 @@ struct LodSettings {
 Status validate(const LodSettings &settings);
 
 /// Returns the index of the mesh for a distance: 0 for the finest mesh, or i if the distance is at
-/// least lod_distances[i - 1]. `shown` is the currently displayed mesh, or 0 if there is none. A
-/// finer mesh replaces it only 5 % below the distance of the change. The mesh therefore does not
-/// flicker while a viewer moves back and forth.
-std::size_t lod_at(const LodSettings &settings, double distance, std::size_t shown);
+/// least lod_distances[i - 1]. `current_lod` is the currently displayed mesh, or 0 if there is
+/// none. A finer mesh replaces it only 5 % below the distance of the change. The mesh therefore
+/// does not flicker while a viewer moves back and forth.
+std::size_t lod_at(const LodSettings &settings, double distance, std::size_t current_lod);
 
 /// Returns the fraction of instances that is drawn at a distance, 0 to 1. The fraction falls in
 /// `thin_steps` steps, so that a tile does not change whenever a viewer moves.
 double thinned_density(const LodSettings &settings, double distance);
 inline constexpr double thin_steps = 64.0;
 
-/// Returns the scale factor for instances if the fraction `share` of them is drawn: 1 /
-/// sqrt(share), at most max_scale_compensation. Returns 1 for a layer without compensation.
-double compensating_scale(const LodSettings &settings, double share);
+/// Returns the scale factor for instances if `fraction` of them is drawn: 1 /
+/// sqrt(fraction), at most max_scale_compensation. Returns 1 for a layer without compensation.
+double compensating_scale(const LodSettings &settings, double fraction);
 
 /// Returns the fraction, 0 to 1, of the `wanted` instances to draw so that there are at most
-/// `most`. Returns the current fraction `share` unless too many instances would be drawn, or far
-/// fewer than allowed. A new fraction uses 90 % of the limit.
-double limited_share(double share, std::uint64_t wanted, std::uint64_t most);
+/// `max_instances`. Returns `fraction`, the current value, unless too many instances would be
+/// drawn, or far fewer than allowed. A new fraction uses 90 % of the limit.
+double limited_fraction(double fraction, std::uint64_t wanted, std::uint64_t max_instances);
 
 /// Returns how far the distance may change in either direction, in meters, without affecting the
 /// result of any function above. The value is at least 0, or infinity if no result depends on the

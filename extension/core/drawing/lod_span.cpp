@@ -24,12 +24,13 @@ std::size_t changes_of(const LodSettings &settings, std::span<const LodStep> ste
 	return std::min(settings.lod_distances.size(), steps.empty() ? 0 : steps.size() - 1);
 }
 
-std::size_t first_lod(const LodSettings &settings, std::span<const LodStep> steps, double near, const LodSpan &shown) {
+std::size_t first_lod(
+		const LodSettings &settings, std::span<const LodStep> steps, double near, const LodSpan &displayed) {
 	std::size_t lod = 0;
 	for (; lod < changes_of(settings, steps); ++lod) {
 		const double begin = settings.lod_distances[lod];
-		const bool is_drawn = lod >= shown.first && lod <= shown.last;
-		const double sharp = lod < shown.first ? lod_hysteresis : 1.0;
+		const bool is_drawn = lod >= displayed.first && lod <= displayed.last;
+		const double sharp = lod < displayed.first ? lod_hysteresis : 1.0;
 		const double faded = is_drawn ? finer_goes : finer_comes;
 		if (near < begin * (fades_after(settings, steps, lod) ? faded : sharp)) {
 			break;
@@ -41,12 +42,12 @@ std::size_t first_lod(const LodSettings &settings, std::span<const LodStep> step
 } // namespace
 
 LodSpan lod_span(const LodSettings &settings, std::span<const LodStep> steps, const DistanceRange &distance,
-		const LodSpan &shown) {
+		const LodSpan &displayed) {
 	LodSpan span;
-	span.first = span.last = first_lod(settings, steps, distance.near, shown);
+	span.first = span.last = first_lod(settings, steps, distance.near, displayed);
 	while (span.last < changes_of(settings, steps)) {
 		const double begin = settings.lod_distances[span.last];
-		const bool is_drawn = span.last >= shown.first && span.last < shown.last;
+		const bool is_drawn = span.last >= displayed.first && span.last < displayed.last;
 		const bool fades = fades_after(settings, steps, span.last);
 		const double needed_from = begin * (1.0 - settings.fade) * (is_drawn ? coarser_goes : coarser_comes);
 		if (fades ? distance.far <= needed_from : !steps[span.last + 1].same || distance.far < begin) {
@@ -56,7 +57,8 @@ LodSpan lod_span(const LodSettings &settings, std::span<const LodStep> steps, co
 	}
 	span.ends = settings.fade > 0.0 && settings.sight_end > 0.0 && !steps.empty() &&
 			steps[std::min(span.last, steps.size() - 1)].fades &&
-			distance.sight > settings.sight_end * (1.0 - settings.fade) * (shown.ends ? coarser_goes : coarser_comes);
+			distance.sight >
+					settings.sight_end * (1.0 - settings.fade) * (displayed.ends ? coarser_goes : coarser_comes);
 	return span;
 }
 

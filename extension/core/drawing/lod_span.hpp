@@ -32,11 +32,11 @@ struct LodSpan {
 /// Returns the meshes to draw for a box. If two consecutive meshes both fade, both are drawn in
 /// boxes that overlap the range of their cross-fade. That range is from (1 - settings.fade) times
 /// the distance of the change to the distance itself. Meshes that do not fade change abruptly for
-/// the whole box, as in lod_at. `shown` is the currently displayed span. A mesh is added a little
-/// before it is needed and removed a little after, so that a viewer moving back and forth causes no
-/// uploads. `steps` has one entry for each mesh, including the finest.
+/// the whole box, as in lod_at. `displayed` is the currently displayed span. A mesh is added a
+/// little before it is needed and removed a little after, so that a viewer moving back and forth
+/// causes no uploads. `steps` has one entry for each mesh, including the finest.
 LodSpan lod_span(const LodSettings &settings, std::span<const LodStep> steps, const DistanceRange &distance,
-		const LodSpan &shown);
+		const LodSpan &displayed);
 
 /// Returns how far the distance may change, in meters, without affecting the result of lod_span. The
 /// value is at least 0, or infinity if the result never changes.

@@ -15,11 +15,11 @@ public:
 
 	/// Returns true if no more visuals should be uploaded in this step. A new step is never full,
 	/// so each step makes progress.
-	bool is_full() const { return visuals_ >= most_visuals || instances_ >= most_instances; }
+	bool is_full() const { return visuals_ >= max_visuals || instances_ >= max_instances; }
 
 private:
-	static constexpr std::size_t most_visuals = 4;
-	static constexpr std::size_t most_instances = 4096;
+	static constexpr std::size_t max_visuals = 4;
+	static constexpr std::size_t max_instances = 4096;
 	std::size_t visuals_ = 0;
 	std::size_t instances_ = 0;
 };

@@ -12,7 +12,7 @@ namespace thicket {
 struct DensityProbe::Workspace {
 	explicit Workspace(const SampleMargins &margins) : filter(margins) {}
 
-	Status find(const LayerSettings &layer, std::span<const glm::dvec2> places, std::span<const Ground> on_surface,
+	Status find(const LayerSettings &layer, std::span<const glm::dvec2> positions, std::span<const Ground> on_surface,
 			const Rect &rect, const Surface *surface, const Surface *grown);
 	void gather_positions();
 	Status check_ground(std::span<const Ground> known) const;
@@ -27,7 +27,7 @@ struct DensityProbe::Workspace {
 	std::span<const Ground> own_ground;
 };
 
-Status DensityProbe::Workspace::find(const LayerSettings &layer, std::span<const glm::dvec2> places,
+Status DensityProbe::Workspace::find(const LayerSettings &layer, std::span<const glm::dvec2> positions,
 		std::span<const Ground> on_surface, const Rect &rect, const Surface *surface, const Surface *grown) {
 	LayerSettings rules = layer;
 	// Layers on which colors depend take time to evaluate and do not affect the density.
@@ -45,7 +45,7 @@ Status DensityProbe::Workspace::find(const LayerSettings &layer, std::span<const
 		constexpr double rounding = 0.01; // Meters; heights are floats.
 		space = {rect, lowest->height - rounding, highest->height + rounding};
 	}
-	if (const Status status = filter.sample_around(places, on_surface, space, surface, grown); !status.ok()) {
+	if (const Status status = filter.sample_around(positions, on_surface, space, surface, grown); !status.ok()) {
 		return status;
 	}
 	gather_positions();
@@ -66,7 +66,7 @@ void DensityProbe::Workspace::gather_positions() {
 /// Returns an error unless `known` is the ground at the positions.
 Status DensityProbe::Workspace::check_ground(std::span<const Ground> known) const {
 	if (!found) {
-		return {ErrorCode::missing, "places", 0.0};
+		return {ErrorCode::missing, "positions", 0.0};
 	}
 	return thicket::check_ground(known, positions.size());
 }
@@ -76,22 +76,22 @@ DensityProbe::~DensityProbe() = default;
 DensityProbe::DensityProbe(DensityProbe &&) noexcept = default;
 DensityProbe &DensityProbe::operator=(DensityProbe &&) noexcept = default;
 
-Status DensityProbe::find(const LayerSettings &layer, std::span<const glm::dvec2> places, bool explains,
+Status DensityProbe::find(const LayerSettings &layer, std::span<const glm::dvec2> positions, bool explains,
 		const Surface *surface, std::span<const Ground> on_surface, const Surface *grown) {
 	workspace_->found = false;
 	if (const Status status = validate(layer); !status.ok()) {
 		return status;
 	}
-	if (places.empty()) {
-		return {ErrorCode::missing, "places", 0.0};
+	if (positions.empty()) {
+		return {ErrorCode::missing, "positions", 0.0};
 	}
-	const Rect rect = enclosing_rect(places);
+	const Rect rect = enclosing_rect(positions);
 	if (!rect.finite()) {
-		return {ErrorCode::not_finite, "places", rect.min.x};
+		return {ErrorCode::not_finite, "positions", rect.min.x};
 	}
 	workspace_->explains = explains;
-	return guarded("places", static_cast<double>(places.size()),
-			[&] { return workspace_->find(layer, places, on_surface, rect, surface, grown); });
+	return guarded("positions", static_cast<double>(positions.size()),
+			[&] { return workspace_->find(layer, positions, on_surface, rect, surface, grown); });
 }
 
 bool DensityProbe::is_complete() const { return workspace_->filter.is_complete(); }
@@ -112,10 +112,10 @@ std::span<const glm::dvec2> DensityProbe::positions() const { return workspace_-
 
 std::span<const GroundQuery> DensityProbe::queries() const { return workspace_->queries; }
 
-Status DensityProbe::look(std::span<const Ground> ground) {
+Status DensityProbe::evaluate(std::span<const Ground> ground) {
 	Status status = workspace_->check_ground(ground);
 	if (status.ok() && !is_complete()) {
-		status = {ErrorCode::missing, "places", 0.0};
+		status = {ErrorCode::missing, "positions", 0.0};
 	}
 	if (!status.ok()) {
 		return status;
@@ -128,18 +128,18 @@ Status DensityProbe::look(std::span<const Ground> ground) {
 	});
 }
 
-const Ground &DensityProbe::ground_at(std::size_t place) const {
-	return workspace_->filter.own().ground_of(workspace_->own_ground)[place];
+const Ground &DensityProbe::ground_at(std::size_t index) const {
+	return workspace_->filter.own().ground_of(workspace_->own_ground)[index];
 }
 
-double DensityProbe::density_at(std::size_t place) const {
-	return workspace_->filter.own().density_at(place, workspace_->own_ground);
+double DensityProbe::density_at(std::size_t index) const {
+	return workspace_->filter.own().density_at(index, workspace_->own_ground);
 }
 
-Status DensityProbe::factors_at(std::size_t place, std::vector<RuleFactor> &r_factors) const {
+Status DensityProbe::factors_at(std::size_t index, std::vector<RuleFactor> &r_factors) const {
 	return guarded_answer("factors", 0.0, r_factors, [&] {
 		r_factors.clear();
-		return workspace_->filter.own().factors_at(place, workspace_->own_ground, r_factors);
+		return workspace_->filter.own().factors_at(index, workspace_->own_ground, r_factors);
 	});
 }
 

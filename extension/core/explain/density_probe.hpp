@@ -22,9 +22,9 @@ inline constexpr double max_probed_points = 4e6;
 /// Evaluates the density of a layer's rules at arbitrary positions, with the same code as tile
 /// generation. A point of the set at such a position would become an instance if its rank were
 /// below the density. A probe works in two steps, because the ground may have to be queried on
-/// another thread. Call `find`, query the ground at `positions()`, then call `look`. If other layers
-/// fill gaps, call `find_further` until is_complete(), as for TileBuilder. Probes can be reused, like
-/// a TileBuilder, and each thread needs its own.
+/// another thread. Call `find`, query the ground at `positions()`, then call `evaluate`. If other
+/// layers fill gaps, call `find_further` until is_complete(), as for TileBuilder. Probes can be
+/// reused, like a TileBuilder, and each thread needs its own.
 class DensityProbe {
 public:
 	explicit DensityProbe(const SampleMargins &margins = {});
@@ -41,7 +41,7 @@ public:
 	/// without it, layers on surfaces have no points. The positions are on the top of the ground,
 	/// unless `on_surface` contains the ground at each of them. `grown` is then the surface on which
 	/// the layer grows; without it, the probe ignores the edge feather.
-	Status find(const LayerSettings &layer, std::span<const glm::dvec2> places, bool explains = false,
+	Status find(const LayerSettings &layer, std::span<const glm::dvec2> positions, bool explains = false,
 			const Surface *surface = nullptr, std::span<const Ground> on_surface = {}, const Surface *grown = nullptr);
 
 	/// Continue `find` with the ground at positions(); see TileBuilder::find_further.
@@ -55,15 +55,16 @@ public:
 
 	/// Evaluates the rules with the ground at all positions. The functions below can be called
 	/// afterward. A wrong number of entries is an error that names `ground`. A call without a
-	/// successful `find` is an error that names `places`.
-	Status look(std::span<const Ground> ground);
+	/// successful `find` is an error that names `positions`.
+	Status evaluate(std::span<const Ground> ground);
 
 	/// These functions return the ground at one position, the density there (0 to 1), and all
-	/// factors of the density (see product_of). `place` is the index of the position in the call to
-	/// `find`. A successful `look` is required. `factors_at` replaces the content of `r_factors`.
-	const Ground &ground_at(std::size_t place) const;
-	double density_at(std::size_t place) const;
-	Status factors_at(std::size_t place, std::vector<RuleFactor> &r_factors) const;
+	/// factors of the density (see product_of). `index` is that of the position in the call to
+	/// `find`. A successful `evaluate` is required. `factors_at` replaces the content of
+	/// `r_factors`.
+	const Ground &ground_at(std::size_t index) const;
+	double density_at(std::size_t index) const;
+	Status factors_at(std::size_t index, std::vector<RuleFactor> &r_factors) const;
 
 private:
 	struct Workspace;

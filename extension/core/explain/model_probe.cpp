@@ -12,13 +12,13 @@ constexpr double radii_around = 4.0;
 
 } // namespace
 
-Status ModelProbe::find(const LayerSettings &layer, const glm::dvec3 &place, const Surface *surface) {
-	return guarded("place", place.x, [&] {
+Status ModelProbe::find(const LayerSettings &layer, const glm::dvec3 &position, const Surface *surface) {
+	return guarded("position", position.x, [&] {
 		filter_.set(layer);
-		const glm::dvec2 center(place.x, place.z);
+		const glm::dvec2 center(position.x, position.z);
 		const double around = radii_around * layer.set.radius;
 		// The height is limited, because a column of unlimited height could extend through a planet.
-		const TileSpace space({center - around, center + around}, place.y - around, place.y + around);
+		const TileSpace space({center - around, center + around}, position.y - around, position.y + around);
 		const Status status = filter_.sample(space, surface, nullptr);
 		gather_positions();
 		return status;

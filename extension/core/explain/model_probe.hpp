@@ -16,7 +16,7 @@ class ModelProbe {
 public:
 	/// Finds the points of the hosts around a position in world meters. The layer must be valid and
 	/// hosted. `surface` is the surface of the ground, or null if there is none.
-	Status find(const LayerSettings &layer, const glm::dvec3 &place, const Surface *surface);
+	Status find(const LayerSettings &layer, const glm::dvec3 &position, const Surface *surface);
 
 	/// Continue `find` with the ground at positions(); see TileBuilder::find_further.
 	bool is_complete() const { return filter_.is_complete(); }

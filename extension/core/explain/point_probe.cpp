@@ -6,20 +6,20 @@
 
 namespace thicket {
 
-Status PointProbe::find(const LayerSettings &layer, std::span<const glm::dvec2> places) {
+Status PointProbe::find(const LayerSettings &layer, std::span<const glm::dvec2> positions) {
 	fills_ = fills(layer);
 	positions_.clear();
 	queries_.clear();
 	if (!fills_) {
-		return nearest_points(sampler_, layer.set, places, points_);
+		return nearest_points(sampler_, layer.set, positions, points_);
 	}
-	const Rect area = enclosing_rect(places);
+	const Rect area = enclosing_rect(positions);
 	if (!area.finite()) {
-		return {ErrorCode::not_finite, "places", area.min.x};
+		return {ErrorCode::not_finite, "positions", area.min.x};
 	}
-	return guarded("places", static_cast<double>(places.size()), [&] {
+	return guarded("positions", static_cast<double>(positions.size()), [&] {
 		set_ = layer.set;
-		places_.assign(places.begin(), places.end());
+		targets_.assign(positions.begin(), positions.end());
 		LayerSettings points; // The layer without its own rules.
 		points.set = layer.set;
 		points.neighbors = layer.neighbors;
@@ -58,7 +58,7 @@ Status PointProbe::gather() {
 		const std::uint32_t rank = own.ranks()[i];
 		all.push_back({own.positions()[i], own.ids()[i], rank, level_of_rank(set_.levels, rank)});
 	}
-	nearest_among(all, set_, places_, points_);
+	nearest_among(all, set_, targets_, points_);
 	return {};
 }
 

@@ -18,7 +18,7 @@ class PointProbe {
 public:
 	/// Begins a search. The layer must be valid and must not be on surfaces. The positions (world
 	/// meters) should be close together. Returns the errors of nearest_points and TileBuilder.
-	Status find(const LayerSettings &layer, std::span<const glm::dvec2> places);
+	Status find(const LayerSettings &layer, std::span<const glm::dvec2> positions);
 
 	/// Discards the last search.
 	void clear() { fills_ = false; }
@@ -42,7 +42,7 @@ private:
 	TileSampler sampler_;
 	TileFilter filter_{SampleMargins()};
 	PointSet set_;
-	std::vector<glm::dvec2> places_;
+	std::vector<glm::dvec2> targets_;
 	std::vector<glm::dvec2> positions_;
 	std::vector<GroundQuery> queries_;
 	std::vector<SamplePoint> points_;

@@ -9,7 +9,7 @@ namespace thicket {
 
 namespace {
 
-std::size_t place_of(int x, int y, int side) {
+std::size_t pixel_index(int x, int y, int side) {
 	return static_cast<std::size_t>(y) * static_cast<std::size_t>(side) + static_cast<std::size_t>(x);
 }
 
@@ -25,14 +25,14 @@ public:
 		any_normal_ = coverage > 0.0F ? normal : any_normal_;
 	}
 
-	/// Returns the mean. `most` is the total coverage if all pixels are fully covered.
-	FramePixel of(float most) const {
+	/// Returns the mean. `full_coverage` is the total coverage if all pixels are fully covered.
+	FramePixel of(float full_coverage) const {
 		if (sum_.coverage <= 0.0F) {
 			return {};
 		}
 		const float length = std::sqrt(glm::dot(sum_.normal, sum_.normal));
 		return {sum_.color / sum_.coverage, length > 1e-3F * sum_.coverage ? sum_.normal / length : any_normal_,
-				sum_.depth / sum_.coverage, sum_.coverage / most};
+				sum_.depth / sum_.coverage, sum_.coverage / full_coverage};
 	}
 
 private:
@@ -66,13 +66,13 @@ void FrameLevels::average(const FrameRaster &raster) {
 			Mean mean;
 			for (int row = y * ratio; row < (y + 1) * ratio; ++row) {
 				for (int column = x * ratio; column < (x + 1) * ratio; ++column) {
-					const FrameSample &sample = raster.samples()[place_of(column, row, raster.side())];
+					const FrameSample &sample = raster.samples()[pixel_index(column, row, raster.side())];
 					if (sample.is_covered()) {
 						mean.add(sample.color, sample.normal, sample.depth, 1.0F);
 					}
 				}
 			}
-			levels_[0][place_of(x, y, side_)] = mean.of(all);
+			levels_[0][pixel_index(x, y, side_)] = mean.of(all);
 		}
 	}
 }
@@ -86,11 +86,11 @@ void FrameLevels::shrink(int level) {
 			Mean mean;
 			for (const int row : {2 * y, 2 * y + 1}) {
 				for (const int column : {2 * x, 2 * x + 1}) {
-					const FramePixel &pixel = finer[place_of(column, row, from)];
+					const FramePixel &pixel = finer[pixel_index(column, row, from)];
 					mean.add(pixel.color, pixel.normal, pixel.depth, pixel.coverage);
 				}
 			}
-			levels_[static_cast<std::size_t>(level)][place_of(x, y, to)] = mean.of(4.0F);
+			levels_[static_cast<std::size_t>(level)][pixel_index(x, y, to)] = mean.of(4.0F);
 		}
 	}
 }
@@ -101,9 +101,9 @@ void FrameLevels::fill_holes(int level) {
 	const std::vector<FramePixel> &coarser = levels_[static_cast<std::size_t>(level + 1)];
 	for (int y = 0; y < at; ++y) {
 		for (int x = 0; x < at; ++x) {
-			FramePixel &pixel = levels_[static_cast<std::size_t>(level)][place_of(x, y, at)];
+			FramePixel &pixel = levels_[static_cast<std::size_t>(level)][pixel_index(x, y, at)];
 			if (pixel.coverage <= 0.0F) {
-				pixel = coarser[place_of(x / 2, y / 2, at / 2)];
+				pixel = coarser[pixel_index(x / 2, y / 2, at / 2)];
 				pixel.coverage = 0.0F;
 			}
 		}

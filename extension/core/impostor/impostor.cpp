@@ -87,10 +87,10 @@ Status take_pictures(std::span<const ImpostorSurface> surfaces, const Progress &
 		}
 		const int column = at % settings.frames;
 		const int row = at / settings.frames;
-		const glm::vec2 place = glm::vec2(static_cast<float>(2 * column), static_cast<float>(2 * row)) /
+		const glm::vec2 position = glm::vec2(static_cast<float>(2 * column), static_cast<float>(2 * row)) /
 						static_cast<float>(settings.frames - 1) -
 				1.0F;
-		const FrameView view{picture_axes(octahedral_direction(place, settings.span)), r_impostor.center,
+		const FrameView view{picture_axes(octahedral_direction(position, settings.span)), r_impostor.center,
 				r_impostor.radius, settings.samples};
 		raster.clear();
 		for (std::size_t surface = 0; surface < surfaces.size(); ++surface) {
@@ -133,15 +133,15 @@ Status bake_impostor(std::span<const ImpostorSurface> surfaces, const ImpostorSe
 		return status;
 	}
 	return guarded("impostor", static_cast<double>(settings.frames) * settings.frame_size, [&]() -> Status {
-		Impostor made;
-		made.settings = settings;
-		measure(surfaces, made);
-		if (!(made.radius > 0.0F)) {
-			return {ErrorCode::not_positive, "radius", made.radius, {}, {}, "Add surfaces that have an extent"};
+		Impostor result;
+		result.settings = settings;
+		measure(surfaces, result);
+		if (!(result.radius > 0.0F)) {
+			return {ErrorCode::not_positive, "radius", result.radius, {}, {}, "Add surfaces that have an extent"};
 		}
-		const Status status = take_pictures(surfaces, progress, made);
+		const Status status = take_pictures(surfaces, progress, result);
 		if (status.ok()) {
-			r_impostor = std::move(made);
+			r_impostor = std::move(result);
 		}
 		return status;
 	});

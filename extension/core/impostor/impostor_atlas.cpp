@@ -22,8 +22,8 @@ Histogram alphas_of(std::span<const std::uint8_t> rgba) {
 }
 
 /// Returns the alpha threshold that a given fraction of all pixels reaches, as closely as possible.
-std::size_t threshold_for(const Histogram &counts, std::size_t pixels, double share) {
-	const double wanted = share * static_cast<double>(pixels);
+std::size_t threshold_for(const Histogram &counts, std::size_t pixels, double fraction) {
+	const double wanted = fraction * static_cast<double>(pixels);
 	double reached = 0.0;
 	for (std::size_t alpha = 255; alpha > 0; --alpha) {
 		const double more = reached + static_cast<double>(counts[alpha]);
@@ -87,10 +87,10 @@ void ImpostorAtlas::finish() {
 	for (std::size_t alpha = half; alpha < finest.size(); ++alpha) {
 		covered += finest[alpha];
 	}
-	const double share = static_cast<double>(covered) / static_cast<double>(pixels_of(levels_[0]));
+	const double fraction = static_cast<double>(covered) / static_cast<double>(pixels_of(levels_[0]));
 	for (std::size_t at = 1; at < levels_.size(); ++at) {
 		const std::span<std::uint8_t> rgba = albedo_of(levels_[at]);
-		const std::size_t threshold = threshold_for(alphas_of(rgba), pixels_of(levels_[at]), share);
+		const std::size_t threshold = threshold_for(alphas_of(rgba), pixels_of(levels_[at]), fraction);
 		for (std::size_t alpha = 3; alpha < rgba.size(); alpha += 4) {
 			rgba[alpha] = static_cast<std::uint8_t>(std::min<std::size_t>(rgba[alpha] * half / threshold, 255));
 		}

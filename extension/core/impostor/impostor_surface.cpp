@@ -43,9 +43,9 @@ void ImpostorSurface::transform(const glm::mat3 &basis, glm::vec3 offset) {
 			glm::cross(basis[1], basis[2]), glm::cross(basis[2], basis[0]), glm::cross(basis[0], basis[1]));
 	const bool mirrors = glm::dot(basis[0], cofactors[0]) < 0.0F;
 	for (glm::vec3 &normal : normals) {
-		const glm::vec3 turned = mirrors ? -(cofactors * normal) : cofactors * normal;
-		const float length = std::sqrt(glm::dot(turned, turned));
-		normal = length > 0.0F ? turned / length : normal;
+		const glm::vec3 transformed = mirrors ? -(cofactors * normal) : cofactors * normal;
+		const float length = std::sqrt(glm::dot(transformed, transformed));
+		normal = length > 0.0F ? transformed / length : normal;
 	}
 	for (std::size_t at = 0; mirrors && at + 2 < indices.size(); at += 3) {
 		std::swap(indices[at + 1], indices[at + 2]);

@@ -15,7 +15,7 @@ enum class OctahedralSpan : bool {
 /// square is up (y). For a position outside the square, the result is an arbitrary direction. The
 /// function uses the octahedral and hemi-octahedral maps of Cigolle et al., *A Survey of Efficient
 /// Representations for Independent Unit Vectors*, 2014, section 3, with y up.
-glm::vec3 octahedral_direction(glm::vec2 place, OctahedralSpan span);
+glm::vec3 octahedral_direction(glm::vec2 position, OctahedralSpan span);
 
 /// The axes of a frame: orthogonal unit vectors.
 struct PictureAxes {

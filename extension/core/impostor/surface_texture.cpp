@@ -27,7 +27,7 @@ float wrapped(float coordinate, int count) {
 
 } // namespace
 
-std::size_t SurfaceTexture::Level::place(int x, int y) const {
+std::size_t SurfaceTexture::Level::byte_offset(int x, int y) const {
 	return first + 4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
 }
 
@@ -39,33 +39,34 @@ Status SurfaceTexture::set(int width, int height, std::span<const std::uint8_t> 
 		return sides.ok() ? Status::wrong_size("texture", rgba.size(), exactly(count, "bytes")) : sides;
 	}
 	return guarded("texture", static_cast<double>(count), [&] {
-		SurfaceTexture made;
-		made.levels_.assign(1, {width, height, 0});
-		made.pixels_.assign(rgba.begin(), rgba.end());
+		SurfaceTexture texture;
+		texture.levels_.assign(1, {width, height, 0});
+		texture.pixels_.assign(rgba.begin(), rgba.end());
 		while (width > 1 || height > 1) {
-			const Level from = made.levels_.back();
+			const Level from = texture.levels_.back();
 			width = std::max(width / 2, 1);
 			height = std::max(height / 2, 1);
-			made.levels_.push_back({width, height, made.pixels_.size()});
-			made.pixels_.reserve(
-					made.pixels_.size() + 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+			texture.levels_.push_back({width, height, texture.pixels_.size()});
+			texture.pixels_.reserve(
+					texture.pixels_.size() + 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
 			for (int y = 0; y < height; ++y) {
 				for (int x = 0; x < width; ++x) {
 					const int right = std::min(2 * x + 1, from.width - 1);
 					const int below = std::min(2 * y + 1, from.height - 1);
-					const std::array<std::size_t, 4> pixels{from.place(2 * x, 2 * y), from.place(right, 2 * y),
-							from.place(2 * x, below), from.place(right, below)};
+					const std::array<std::size_t, 4> pixels{from.byte_offset(2 * x, 2 * y),
+							from.byte_offset(right, 2 * y), from.byte_offset(2 * x, below),
+							from.byte_offset(right, below)};
 					for (std::size_t channel = 0; channel < 4; ++channel) {
 						int sum = 2; // Starting at 2 rounds the quotient to the nearest integer.
 						for (const std::size_t pixel : pixels) {
-							sum += made.pixels_[pixel + channel];
+							sum += texture.pixels_[pixel + channel];
 						}
-						made.pixels_.push_back(static_cast<std::uint8_t>(sum / 4));
+						texture.pixels_.push_back(static_cast<std::uint8_t>(sum / 4));
 					}
 				}
 			}
 		}
-		*this = std::move(made);
+		*this = std::move(texture);
 	});
 }
 
@@ -79,7 +80,7 @@ int SurfaceTexture::level_for(double area) const {
 }
 
 glm::vec4 SurfaceTexture::pixel(const Level &level, int x, int y) const {
-	const std::uint8_t *bytes = pixels_.data() + level.place(x, y);
+	const std::uint8_t *bytes = pixels_.data() + level.byte_offset(x, y);
 	const SrgbCurve &curve = SrgbCurve::get();
 	return {curve.linear(bytes[0]), curve.linear(bytes[1]), curve.linear(bytes[2]),
 			static_cast<float>(bytes[3]) * (1.0F / 255.0F)};

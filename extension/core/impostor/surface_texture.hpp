@@ -40,7 +40,7 @@ private:
 		int height = 1;
 		std::size_t first = 0; ///< Byte offset of the level.
 
-		std::size_t place(int x, int y) const; ///< Returns the byte offset of a pixel.
+		std::size_t byte_offset(int x, int y) const; ///< Returns the byte offset of a pixel.
 	};
 
 	glm::vec4 pixel(const Level &level, int x, int y) const;

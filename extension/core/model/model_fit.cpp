@@ -109,8 +109,8 @@ std::optional<ModelKind> kind_named(std::string_view name) {
 	for (std::size_t at = 0; at <= name.size(); ++at) {
 		const bool in_word = at < name.size() && is_letter(name[at]);
 		if (!in_word || begins_word(name, at)) {
-			if (const std::optional<ModelKind> said = kind_of_word(word)) {
-				kind = said;
+			if (const std::optional<ModelKind> named = kind_of_word(word)) {
+				kind = named;
 			}
 			word.clear();
 		}

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-constexpr double least_footprint = 0.6; // Fraction of the total width.
+constexpr double min_footprint = 0.6; // Fraction of the total width.
 
 } // namespace
 
@@ -42,8 +42,8 @@ void ModelMeasure::add(const std::array<glm::dvec3, 3> &triangle) {
 	volume_ += glm::dot(triangle[0] - low_, glm::cross(triangle[1] - low_, triangle[2] - low_)) / 6.0;
 	const double tall = std::max(high_.y - low_.y, 1e-9);
 	const auto slice_of = [&](double y) {
-		const double share = (y - low_.y) / tall * static_cast<double>(slices);
-		return static_cast<std::size_t>(std::clamp(share, 0.0, static_cast<double>(slices - 1)));
+		const double fraction = (y - low_.y) / tall * static_cast<double>(slices);
+		return static_cast<std::size_t>(std::clamp(fraction, 0.0, static_cast<double>(slices - 1)));
 	};
 	for (std::size_t corner = 0; corner < 3; ++corner) {
 		glm::dvec3 from = triangle[corner];
@@ -58,8 +58,8 @@ void ModelMeasure::add(const std::array<glm::dvec3, 3> &triangle) {
 			const double bottom = low_.y + tall * static_cast<double>(slice) / static_cast<double>(slices);
 			const double top = low_.y + tall * static_cast<double>(slice + 1) / static_cast<double>(slices);
 			for (const double y : {std::max(from.y, bottom), std::min(to.y, top)}) {
-				const double share = to.y > from.y ? std::clamp((y - from.y) / (to.y - from.y), 0.0, 1.0) : 0.0;
-				extents_[slice].add(from.x + (to.x - from.x) * share, from.z + (to.z - from.z) * share);
+				const double fraction = to.y > from.y ? std::clamp((y - from.y) / (to.y - from.y), 0.0, 1.0) : 0.0;
+				extents_[slice].add(from.x + (to.x - from.x) * fraction, from.z + (to.z - from.z) * fraction);
 			}
 		}
 	}
@@ -90,7 +90,7 @@ ModelSize ModelMeasure::size() const {
 	const auto wide = widths.begin() + (end - widths.begin()) * 3 / 4;
 	std::nth_element(widths.begin(), wide, end);
 	const double typical = end == widths.begin() ? result.width : *wide;
-	result.footprint = std::clamp(typical, least_footprint * result.width, result.width);
+	result.footprint = std::clamp(typical, min_footprint * result.width, result.width);
 	const double ground = std::max(low_.y, 0.0);
 	result.base = extent_between(ground, ground + 0.1 * (high_.y - ground)).width();
 	const double space = box.x * box.y * box.z;

@@ -104,23 +104,23 @@ bool fit_body(const glm::mat3 &basis, BodyFit &r_fit) {
 	return true;
 }
 
-void keep_outermost(std::vector<glm::vec3> &points, std::size_t most) {
-	if (points.size() <= most) {
+void keep_outermost(std::vector<glm::vec3> &points, std::size_t max_count) {
+	if (points.size() <= max_count) {
 		return;
 	}
-	std::vector<std::size_t> kept;
-	for (std::size_t i = 0; i < most; ++i) {
-		const glm::vec3 towards(direction(i, most));
+	std::vector<std::size_t> outermost;
+	for (std::size_t i = 0; i < max_count; ++i) {
+		const glm::vec3 towards(direction(i, max_count));
 		const auto farther = [&towards](const glm::vec3 &a, const glm::vec3 &b) {
 			return glm::dot(a, towards) < glm::dot(b, towards);
 		};
-		kept.push_back(
+		outermost.push_back(
 				static_cast<std::size_t>(std::max_element(points.begin(), points.end(), farther) - points.begin()));
 	}
-	std::sort(kept.begin(), kept.end());
-	kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+	std::sort(outermost.begin(), outermost.end());
+	outermost.erase(std::unique(outermost.begin(), outermost.end()), outermost.end());
 	std::vector<glm::vec3> result;
-	for (const std::size_t index : kept) {
+	for (const std::size_t index : outermost) {
 		result.push_back(points[index]);
 	}
 	points = std::move(result);

@@ -30,10 +30,10 @@ struct BodyFit {
 /// nothing can collide with such an instance. The result is the same on every machine.
 bool fit_body(const glm::mat3 &basis, BodyFit &r_fit);
 
-/// Reduces `points` to at most `most` of them, without changing their order. `most` must be at
-/// least 4. The remaining points are the ones that lie farthest in evenly distributed directions,
-/// so their convex hull approximates the convex hull of all points. Has no effect if there are at
-/// most `most` points.
-void keep_outermost(std::vector<glm::vec3> &points, std::size_t most);
+/// Reduces `points` to at most `max_count` of them, without changing their order. `max_count` must
+/// be at least 4. The remaining points are the ones that lie farthest in evenly distributed
+/// directions, so their convex hull approximates the convex hull of all points. Has no effect if
+/// there are at most `max_count` points.
+void keep_outermost(std::vector<glm::vec3> &points, std::size_t max_count);
 
 } // namespace thicket

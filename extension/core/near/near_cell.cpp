@@ -26,8 +26,8 @@ double squared_to_cell(const Rect &cell, std::span<const glm::dvec3> centers) {
 	double nearest = std::numeric_limits<double>::infinity();
 	for (const glm::dvec3 &center : centers) {
 		const glm::dvec2 at{center.x, center.z};
-		const glm::dvec2 apart = at - glm::clamp(at, cell.min, cell.max);
-		nearest = std::min(nearest, glm::dot(apart, apart));
+		const glm::dvec2 offset = at - glm::clamp(at, cell.min, cell.max);
+		nearest = std::min(nearest, glm::dot(offset, offset));
 	}
 	return nearest;
 }
@@ -53,26 +53,26 @@ Rect reached(const Rect &cell, std::span<const glm::dvec3> centers, double reach
 } // namespace
 
 bool NearCell::outdated(double slack, const NearVersion &now) const {
-	return again_ || version_ != now || !same_within(slack, centers_, looked_at_);
+	return needs_check_ || version_ != now || !same_within(slack, centers_, checked_centers_);
 }
 
-std::size_t NearCell::look(std::uint32_t layer, const Rect &of, const NearRange &range, const InstanceWorld &world,
-		const NearVersion &now, std::vector<PlacedInstance> &r_standing) {
+std::size_t NearCell::check(std::uint32_t layer, const Rect &of, const NearRange &range, const InstanceWorld &world,
+		const NearVersion &now, std::vector<PlacedInstance> &r_present) {
 	forget_changes();
-	r_standing.clear();
+	r_present.clear();
 	const Rect rect = reached(of, centers_, range.leave);
 	if (range.enter > 0.0 && !rect.empty() && layer < world.layers().size()) {
-		find_standing(layer, rect, range, world, r_standing);
+		find_present(layer, rect, range, world, r_present);
 	}
-	const std::size_t cost = r_standing.size() + near_.size();
-	if (!near_.look(centers_, range, r_standing, changes_)) {
+	const std::size_t cost = r_present.size() + near_.size();
+	if (!near_.find_changes(centers_, range, r_present, changes_)) {
 		return cost;
 	}
 	for (const PlacedInstance &instance : changes_.enter) {
-		away_.push_back(squared_to(instance.position, centers_));
+		entering_distances_squared_.push_back(squared_to(instance.position, centers_));
 	}
-	looked_at_ = centers_;
-	again_ = false;
+	checked_centers_ = centers_;
+	needs_check_ = false;
 	frames_ = 0;
 	version_ = now;
 	return cost;
@@ -80,14 +80,14 @@ std::size_t NearCell::look(std::uint32_t layer, const Rect &of, const NearRange 
 
 /// Appends the instances of a layer in `rect`. If the layer's tiles are cubes, reads only the
 /// heights within range of each center.
-void NearCell::find_standing(std::uint32_t layer, const Rect &rect, const NearRange &range, const InstanceWorld &world,
-		std::vector<PlacedInstance> &r_standing) const {
+void NearCell::find_present(std::uint32_t layer, const Rect &rect, const NearRange &range, const InstanceWorld &world,
+		std::vector<PlacedInstance> &r_present) const {
 	if (!world.layers()[layer].in_space()) {
-		world.known_in(layer, rect, r_standing);
+		world.known_in(layer, rect, r_present);
 		return;
 	}
 	for (const glm::dvec3 &center : centers_) {
-		world.known_in(layer, {rect, center.y - range.leave, center.y + range.leave}, r_standing);
+		world.known_in(layer, {rect, center.y - range.leave, center.y + range.leave}, r_present);
 	}
 }
 
@@ -100,29 +100,29 @@ void NearCell::follow(std::uint32_t layer, const Rect &of, const InstanceWorld &
 }
 
 NearRelease NearCell::take_leaving() {
-	const NearRelease leaving = changes_.leave[left_++];
+	const NearRelease leaving = changes_.leave[taken_leaving_++];
 	near_.release(leaving.id);
 	return leaving;
 }
 
 PlacedInstance NearCell::take_changed() {
-	const PlacedInstance instance = changes_.changed[changed_++];
-	near_.hold(instance);
+	const PlacedInstance instance = changes_.changed[taken_changed_++];
+	near_.retain(instance);
 	return instance;
 }
 
 PlacedInstance NearCell::take_entering() {
-	const PlacedInstance instance = changes_.enter[entered_++];
-	near_.hold(instance);
+	const PlacedInstance instance = changes_.enter[taken_entering_++];
+	near_.retain(instance);
 	return instance;
 }
 
 void NearCell::forget_changes() {
 	changes_.clear();
-	away_.clear();
-	left_ = 0;
-	changed_ = 0;
-	entered_ = 0;
+	entering_distances_squared_.clear();
+	taken_leaving_ = 0;
+	taken_changed_ = 0;
+	taken_entering_ = 0;
 	version_ = {};
 }
 

@@ -53,7 +53,7 @@ class NearCell {
 public:
 	/// A cell is due for a new check after this many frames, because requests for missing tiles
 	/// must be repeated.
-	static constexpr int look_frames = 32;
+	static constexpr int max_frames_between_checks = 32;
 
 	/// Clears the list of centers whose reach includes the cell. The caller then calls `add_center`
 	/// for each current one.
@@ -71,15 +71,15 @@ public:
 	/// Returns the number of frames since the last check.
 	int frames() const { return frames_; }
 
-	/// Returns true if the last check was `look_frames` ago or more, even if the cell is not
-	/// outdated.
-	bool due() const { return frames_ >= look_frames; }
+	/// Returns true if the last check was `max_frames_between_checks` ago or more, even if the cell
+	/// is not outdated.
+	bool due() const { return frames_ >= max_frames_between_checks; }
 
 	/// Finds the instances that must enter and leave in the half-open square `of`. Returns the cost
-	/// of the check as a number of instances. `r_standing` is scratch space. If memory runs out,
+	/// of the check as a number of instances. `r_present` is scratch space. If memory runs out,
 	/// the cell stays outdated.
-	std::size_t look(std::uint32_t layer, const Rect &of, const NearRange &range, const InstanceWorld &world,
-			const NearVersion &now, std::vector<PlacedInstance> &r_standing);
+	std::size_t check(std::uint32_t layer, const Rect &of, const NearRange &range, const InstanceWorld &world,
+			const NearVersion &now, std::vector<PlacedInstance> &r_present);
 
 	/// Returns true if the result of the last check is still valid.
 	bool fresh(const NearVersion &now) const { return version_ == now; }
@@ -93,27 +93,28 @@ public:
 	bool holds_nothing() const { return near_.size() == 0; }
 
 	/// Returns true if the result is valid and no changes are pending.
-	bool settled(const NearVersion &now) const { return fresh(now) && !again_ && !any_change(); }
+	bool settled(const NearVersion &now) const { return fresh(now) && !needs_check_ && !any_change(); }
 
 	/// The queue's total number of checks at the time of this cell's last check. Among cells that
 	/// have waited too long, the one with the smallest number is checked first.
-	std::uint64_t looked = 0;
+	std::uint64_t last_check = 0;
 
-	bool any_gone() const { return left_ < changes_.gone; }
-	bool any_leaving() const { return left_ < changes_.leave.size(); }
-	bool any_changed() const { return changed_ < changes_.changed.size(); }
-	bool any_entering() const { return entered_ < changes_.enter.size(); }
+	bool any_removed() const { return taken_leaving_ < changes_.removed_count; }
+	bool any_leaving() const { return taken_leaving_ < changes_.leave.size(); }
+	bool any_changed() const { return taken_changed_ < changes_.changed.size(); }
+	bool any_entering() const { return taken_entering_ < changes_.enter.size(); }
 	bool any_change() const { return change_count() > 0; }
 
 	/// Returns the number of pending changes.
 	std::size_t change_count() const {
-		return changes_.leave.size() - left_ + changes_.changed.size() - changed_ + changes_.enter.size() - entered_;
+		return changes_.leave.size() - taken_leaving_ + changes_.changed.size() - taken_changed_ +
+				changes_.enter.size() - taken_entering_;
 	}
 
-	/// `away_entering` and `away_leaving` return the squared distance of the next instance to enter
-	/// or to leave.
-	double away_entering() const { return away_[entered_]; }
-	double away_leaving() const { return changes_.leave[left_].distance_squared; }
+	/// `entering_distance_squared` and `leaving_distance_squared` return the squared distance of
+	/// the next instance to enter or to leave.
+	double entering_distance_squared() const { return entering_distances_squared_[taken_entering_]; }
+	double leaving_distance_squared() const { return changes_.leave[taken_leaving_].distance_squared; }
 
 	// The `take` functions return the next instance and update the held ones; see
 	// NearQueue::next_leaving(). Call them only if such an instance exists.
@@ -124,7 +125,7 @@ public:
 	bool holds(std::uint64_t id) const { return near_.holds(id); }
 
 	/// Marks an instance as held. Returns false if memory runs out.
-	bool hold(const PlacedInstance &instance) { return near_.hold(instance); }
+	bool retain(const PlacedInstance &instance) { return near_.retain(instance); }
 	std::vector<PlacedInstance> held() const { return near_.held(); }
 
 	/// See NearSet::for_each_position().
@@ -134,25 +135,25 @@ public:
 	}
 
 	/// Stops holding an instance. Other pending changes stay valid.
-	void release(std::uint64_t id) { again_ = near_.release(id) || again_; }
+	void release(std::uint64_t id) { needs_check_ = near_.release(id) || needs_check_; }
 
 private:
-	void find_standing(std::uint32_t layer, const Rect &rect, const NearRange &range, const InstanceWorld &world,
-			std::vector<PlacedInstance> &r_standing) const;
+	void find_present(std::uint32_t layer, const Rect &rect, const NearRange &range, const InstanceWorld &world,
+			std::vector<PlacedInstance> &r_present) const;
 	void forget_changes();
 
 	NearSet near_;
 	NearChanges changes_;
-	std::vector<double> away_; ///< Squared distances of the instances in changes_.enter.
-	std::size_t left_ = 0;     ///< Number of entries of changes_.leave that were taken.
-	std::size_t changed_ = 0;  ///< Number of entries of changes_.changed that were taken.
-	std::size_t entered_ = 0;  ///< Number of entries of changes_.enter that were taken.
+	std::vector<double> entering_distances_squared_; ///< Squared distances of the instances in changes_.enter.
+	std::size_t taken_leaving_ = 0;                  ///< Number of entries of changes_.leave that were taken.
+	std::size_t taken_changed_ = 0;                  ///< Number of entries of changes_.changed that were taken.
+	std::size_t taken_entering_ = 0;                 ///< Number of entries of changes_.enter that were taken.
 
-	bool again_ = false;                ///< Forces a new check. `changes_` stays valid until then.
-	int frames_ = 0;                    ///< Number of frames since the last check.
-	NearVersion version_;               ///< Set by the last check, or updated by `follow`.
-	std::vector<glm::dvec3> centers_;   ///< The current centers.
-	std::vector<glm::dvec3> looked_at_; ///< The centers at the last check.
+	bool needs_check_ = false;                ///< Forces a new check. `changes_` stays valid until then.
+	int frames_ = 0;                          ///< Number of frames since the last check.
+	NearVersion version_;                     ///< Set by the last check, or updated by `follow`.
+	std::vector<glm::dvec3> centers_;         ///< The current centers.
+	std::vector<glm::dvec3> checked_centers_; ///< The centers at the last check.
 };
 
 } // namespace thicket

@@ -13,7 +13,7 @@ namespace thicket {
 namespace {
 
 /// Minimum edge length of a cell in meters. Smaller cells would be numerous and nearly empty.
-constexpr double least_side = 4.0;
+constexpr double min_side = 4.0;
 
 /// Returns false for a center at which no instance can be placed: NAN, or too far from the origin.
 bool possible(glm::dvec3 center) { return std::abs(center.x) < 1e12 && std::abs(center.z) < 1e12; }
@@ -38,7 +38,7 @@ bool NearQueue::Layer::divide(double new_side) {
 	const Status status = guarded("distance", new_side, [&] {
 		for (const auto &[from, cell] : cells) {
 			for (const PlacedInstance &instance : cell.held()) {
-				if (!next.cells[next.key(instance.position)].hold(instance)) {
+				if (!next.cells[next.key(instance.position)].retain(instance)) {
 					throw std::bad_alloc();
 				}
 			}
@@ -53,7 +53,7 @@ bool NearQueue::Layer::divide(double new_side) {
 
 /// Updates the centers of each cell. Cells that hold nothing and are within reach of no center are
 /// removed.
-void NearQueue::Layer::find_cells(std::span<const glm::dvec3> now) {
+void NearQueue::Layer::find_cells(std::span<const glm::dvec3> new_centers) {
 	stale = true; // Stays true if memory runs out.
 	for (auto &[at, cell] : cells) {
 		cell.forget_centers();
@@ -61,8 +61,8 @@ void NearQueue::Layer::find_cells(std::span<const glm::dvec3> now) {
 	if (distance == 0.0) {
 		std::erase_if(cells, [](const auto &entry) { return entry.second.holds_nothing(); });
 	}
-	const glm::dvec3 reach(leave_share * distance);
-	for (const glm::dvec3 &center : now) {
+	const glm::dvec3 reach(leave_factor * distance);
+	for (const glm::dvec3 &center : new_centers) {
 		if (!possible(center)) {
 			continue;
 		}
@@ -81,7 +81,7 @@ void NearQueue::Layer::find_cells(std::span<const glm::dvec3> now) {
 		}
 	}
 	std::erase_if(cells, [](const auto &entry) { return entry.second.idle(); });
-	centers.assign(now.begin(), now.end());
+	centers.assign(new_centers.begin(), new_centers.end());
 	stale = false;
 }
 
@@ -98,19 +98,19 @@ void NearQueue::set_distances(std::span<const double> distances) {
 		layer.distance = distances[i];
 		layer.stale = true;
 		if (layer.distance > 0.0) {
-			layer.divide(std::max(least_side, leave_share * layer.distance / cells_in_reach));
+			layer.divide(std::max(min_side, leave_factor * layer.distance / cells_in_reach));
 			renew_divided(static_cast<std::uint32_t>(i));
 		}
 	}
 }
 
-void NearQueue::look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world) {
+void NearQueue::find_changes(std::span<const glm::dvec3> centers, const InstanceWorld &world) {
 	world_ = &world;
 	centers_.assign(centers.begin(), centers.end());
 	ready_.clear();
 	outdated_.clear();
 	busy_.clear();
-	looked_ = 0;
+	checked_instances_ = 0;
 	for (std::uint32_t index = 0; index < layers_.size(); ++index) {
 		Layer &layer = layers_[index];
 		if (layer.stale || !same_within(layer.slack(), centers, layer.centers)) {
@@ -131,16 +131,16 @@ void NearQueue::look_around(std::span<const glm::dvec3> centers, const InstanceW
 void NearQueue::check_nearest() {
 	std::ranges::stable_sort(outdated_, {}, &Visit::order);
 	for (const Visit &visit : outdated_) {
-		const auto &[due, in_time, place] = visit.order;
+		const auto &[due, in_time, priority] = visit.order;
 		std::size_t nearer = 0;
 		for (const auto &[away, changes] : busy_) {
-			nearer += !in_time || away > place ? 0 : changes;
+			nearer += !in_time || away > priority ? 0 : changes;
 		}
-		if (looked_ >= max_looked || nearer >= max_found) {
+		if (checked_instances_ >= max_checked_instances || nearer >= max_nearer_changes) {
 			return;
 		}
-		look(visit);
-		busy_.emplace_back(in_time ? place : 0.0, visit.cell->change_count());
+		check(visit);
+		busy_.emplace_back(in_time ? priority : 0.0, visit.cell->change_count());
 	}
 }
 
@@ -158,17 +158,17 @@ void NearQueue::find_outdated(std::uint32_t index) {
 			// The result of the last check is still valid.
 			continue;
 		}
-		const bool late = cell.frames() > most_waiting;
-		const double place = late ? static_cast<double>(cell.looked) : away;
-		outdated_.push_back({index, key, &cell, !outdated, {!outdated, !late, place}});
+		const bool late = cell.frames() > max_waiting_frames;
+		const double priority = late ? static_cast<double>(cell.last_check) : away;
+		outdated_.push_back({index, key, &cell, !outdated, {!outdated, !late, priority}});
 	}
 }
 
-void NearQueue::look(const Visit &visit) {
+void NearQueue::check(const Visit &visit) {
 	const Layer &layer = layers_[visit.layer];
-	const NearRange range{enter_share * layer.distance, leave_share * layer.distance};
-	looked_ += visit.cell->look(visit.layer, layer.rect(visit.key), range, *world_, version(), standing_);
-	visit.cell->looked = ++looks_;
+	const NearRange range{enter_factor * layer.distance, leave_factor * layer.distance};
+	checked_instances_ += visit.cell->check(visit.layer, layer.rect(visit.key), range, *world_, version(), present_);
+	visit.cell->last_check = ++check_count_;
 }
 
 namespace {
@@ -204,8 +204,8 @@ bool take_leaving(const Visit *visit, HeldRelease &r_leaving) {
 
 } // namespace
 
-bool NearQueue::next_gone(HeldRelease &r_leaving) {
-	return take_leaving(nearest_of(ready_, &NearCell::any_gone, &NearCell::away_leaving), r_leaving);
+bool NearQueue::next_removed(HeldRelease &r_leaving) {
+	return take_leaving(nearest_of(ready_, &NearCell::any_removed, &NearCell::leaving_distance_squared), r_leaving);
 }
 
 bool NearQueue::next_leaving(HeldRelease &r_leaving) {
@@ -221,7 +221,7 @@ bool NearQueue::next_changed(PlacedInstance &r_instance) {
 }
 
 bool NearQueue::next_entering(PlacedInstance &r_instance) {
-	const Visit *visit = nearest_of(ready_, &NearCell::any_entering, &NearCell::away_entering);
+	const Visit *visit = nearest_of(ready_, &NearCell::any_entering, &NearCell::entering_distance_squared);
 	if (visit != nullptr) {
 		r_instance = visit->cell->take_entering();
 	}

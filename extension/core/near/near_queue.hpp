@@ -29,31 +29,31 @@ struct NearHeld {
 /// or body. After that, the queue considers the instance held or not held.
 ///
 /// Distances are in meters, measured in space from the nearest center to the instance's position.
-/// Every instance within a layer's distance enters, and held instances leave beyond `leave_share`
+/// Every instance within a layer's distance enters, and held instances leave beyond `leave_factor`
 /// times that distance. If very many instances are near, a frame checks only some of the cells.
-/// Cells that have waited for more than `most_waiting` frames come first, followed by the nearest
-/// ones. The queue returns only results that are valid for the current world.
+/// Cells that have waited for more than `max_waiting_frames` frames come first, followed by the
+/// nearest ones. The queue returns only results that are valid for the current world.
 class NearQueue {
 public:
 	/// The fraction of a layer's distance that a center may move before its cells are checked
 	/// again.
-	static constexpr double look_share = 0.025;
-	static constexpr double enter_share = 1.0 + look_share;
+	static constexpr double slack_fraction = 0.025;
+	static constexpr double enter_factor = 1.0 + slack_fraction;
 
 	/// Held instances leave beyond this factor times the layer's distance. It is larger than
-	/// `enter_share`, so that moving back and forth does not make instances enter and leave
+	/// `enter_factor`, so that moving back and forth does not make instances enter and leave
 	/// repeatedly.
-	static constexpr double leave_share = 1.125;
+	static constexpr double leave_factor = 1.125;
 
 	/// After checking this many instances, which takes about a quarter of a millisecond, a frame
 	/// checks no more cells.
-	static constexpr std::size_t max_looked = 1024;
+	static constexpr std::size_t max_checked_instances = 1024;
 
-	static constexpr int most_waiting = 32;
+	static constexpr int max_waiting_frames = 32;
 
 	/// A cell is not checked while nearer cells have this many pending changes, because a frame
 	/// cannot process more.
-	static constexpr std::size_t max_found = 256;
+	static constexpr std::size_t max_nearer_changes = 256;
 
 	/// The distance at which instances leave, as a multiple of the cell size. Small cells keep the
 	/// check of a single cell a small part of a frame's work.
@@ -66,11 +66,11 @@ public:
 	/// Finds the instances that must enter and leave. It checks only cells in which the world has
 	/// changed or whose centers have moved far enough. Call this function every frame. The queue
 	/// keeps a pointer to the world until `forget_world` is called.
-	void look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world);
+	void find_changes(std::span<const glm::dvec3> centers, const InstanceWorld &world);
 
 	/// Takes the nearest instance that was removed or whose layer is disabled. Returns false if
 	/// there is none.
-	bool next_gone(HeldRelease &r_leaving);
+	bool next_removed(HeldRelease &r_leaving);
 
 	/// Takes an instance that was removed or is too far away. Each cell returns the removed
 	/// instances first, then the farthest ones. Returns false if there is none.
@@ -94,24 +94,24 @@ public:
 	bool next_due(PlacedInstance &r_instance);
 
 	/// Returns the instances that are held within `reach` meters, in space, of any of the
-	/// positions: at most `most` instances, nearest first.
-	std::vector<NearHeld> held_within(std::span<const glm::dvec3> positions, double reach, std::size_t most) const;
+	/// positions: at most `max_count` instances, nearest first.
+	std::vector<NearHeld> held_within(std::span<const glm::dvec3> positions, double reach, std::size_t max_count) const;
 
-	/// Returns the centers of the last `look_around`.
+	/// Returns the centers of the last `find_changes`.
 	std::span<const glm::dvec3> centers() const { return centers_; }
 
 	/// Returns true if no changes are pending and the world has not changed since the last check of
 	/// any cell.
 	bool settled() const;
 
-	/// Returns true if no center has moved far enough since `look_around` to make any instance
+	/// Returns true if no center has moved far enough since `find_changes` to make any instance
 	/// enter or leave.
 	bool follows(std::span<const glm::dvec3> centers) const;
 
 	bool holds(std::uint32_t layer, std::uint64_t id) const;
 
-	/// Stops holding an instance, in all layers. Until the next `look_around`, the queue returns no
-	/// instances.
+	/// Stops holding an instance, in all layers. Until the next `find_changes`, the queue returns
+	/// no instances.
 	void release(std::uint64_t id);
 
 	/// Stops holding an instance in one layer. Other pending changes stay valid.
@@ -131,11 +131,11 @@ private:
 		bool stale = true;               ///< True if the near cells must be recomputed.
 		std::vector<glm::dvec3> centers; ///< The centers at the last computation.
 
-		double slack() const { return look_share * distance; }
+		double slack() const { return slack_fraction * distance; }
 		Key key(glm::dvec3 position) const;
 		Rect rect(const Key &key) const;
 		bool divide(double new_side);
-		void find_cells(std::span<const glm::dvec3> now);
+		void find_cells(std::span<const glm::dvec3> new_centers);
 	};
 
 	/// A cell with instances that must be rebuilt.
@@ -160,7 +160,7 @@ private:
 	NearVersion version() const { return {world_->version(), changes_}; }
 	void find_outdated(std::uint32_t layer);
 	void check_nearest();
-	void look(const Visit &visit);
+	void check(const Visit &visit);
 
 	static bool farther(const Renewal &a, const Renewal &b) { return a.away > b.away; }
 	void renew_divided(std::uint32_t layer);
@@ -174,12 +174,12 @@ private:
 	std::vector<Visit> outdated_;
 	/// The squared distance and the number of pending changes of each cell with a valid result.
 	std::vector<std::pair<double, std::size_t>> busy_;
-	/// Cells with pending changes that are valid for the world at the last `look_around`.
+	/// Cells with pending changes that are valid for the world at the last `find_changes`.
 	std::vector<Visit> ready_;
-	std::vector<PlacedInstance> standing_;
-	std::uint64_t looks_ = 0;
+	std::vector<PlacedInstance> present_;
+	std::uint64_t check_count_ = 0;
 	std::uint64_t changes_ = 1;
-	std::size_t looked_ = 0; ///< Number of instances checked in this frame.
+	std::size_t checked_instances_ = 0; ///< Number of instances checked in this frame.
 };
 
 /// Keeps a body or a scene for every instance near a center. It works in small steps within the
@@ -191,7 +191,7 @@ public:
 	/// Finds instances that need a body or a scene, or no longer need one. Call this function once
 	/// per frame with the centers (world meters) and the current world. It is cheap while no center
 	/// moves and world.version() is unchanged.
-	virtual void look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world) = 0;
+	virtual void find_changes(std::span<const glm::dvec3> centers, const InstanceWorld &world) = 0;
 
 	/// Processes one instance. Returns false if there is nothing to do.
 	virtual bool step() = 0;
@@ -199,17 +199,17 @@ public:
 	/// Returns true if `step` would have nothing to do.
 	virtual bool settled() const = 0;
 
-	/// Returns true if `look_around` with these centers would find nothing new to do.
+	/// Returns true if `find_changes` with these centers would find nothing new to do.
 	bool follows(std::span<const glm::dvec3> centers) const { return queue_.follows(centers); }
 
 	/// Frees the body or scene of an instance immediately, regardless of the time budget. Call this
 	/// function when the instance is removed or moved.
 	virtual void drop(std::uint64_t id) = 0;
 
-	/// Calls `drop` for each instance for which `gone` returns true. This ignores the time budget,
-	/// so use it only for a few instances. Only instances that have a body or scene are passed to
-	/// `gone`.
-	virtual void drop_if(const std::function<bool(std::uint64_t id)> &gone) = 0;
+	/// Calls `drop` for each instance for which `is_gone` returns true. This ignores the time
+	/// budget, so use it only for a few instances. Only instances that have a body or scene are
+	/// passed to `is_gone`.
+	virtual void drop_if(const std::function<bool(std::uint64_t id)> &is_gone) = 0;
 
 	/// Sets the world position of the engine's origin, in meters. Moves objects that are visible or
 	/// near a center immediately; `step` moves the rest.

@@ -77,7 +77,7 @@ bool NearQueue::next_due(PlacedInstance &r_instance) {
 }
 
 std::vector<NearHeld> NearQueue::held_within(
-		std::span<const glm::dvec3> positions, double reach, std::size_t most) const {
+		std::span<const glm::dvec3> positions, double reach, std::size_t max_count) const {
 	std::vector<NearHeld> found;
 	for (std::uint32_t index = 0; index < layers_.size(); ++index) {
 		for (const auto &[key, cell] : layers_[index].cells) {
@@ -92,10 +92,10 @@ std::vector<NearHeld> NearQueue::held_within(
 			});
 		}
 	}
-	const auto kept = std::min(found.size(), most);
-	std::ranges::partial_sort(found, found.begin() + static_cast<std::ptrdiff_t>(kept), {},
+	const auto count = std::min(found.size(), max_count);
+	std::ranges::partial_sort(found, found.begin() + static_cast<std::ptrdiff_t>(count), {},
 			[](const NearHeld &each) { return std::tuple(each.distance_squared, each.id, each.layer); });
-	found.resize(kept);
+	found.resize(count);
 	return found;
 }
 

@@ -15,8 +15,8 @@ namespace {
 double distance_squared(std::span<const glm::dvec3> centers, glm::dvec3 position) {
 	double nearest = std::numeric_limits<double>::infinity();
 	for (const glm::dvec3 &center : centers) {
-		const glm::dvec3 apart = position - center;
-		nearest = std::min(nearest, glm::dot(apart, apart));
+		const glm::dvec3 offset = position - center;
+		nearest = std::min(nearest, glm::dot(offset, offset));
 	}
 	return nearest;
 }
@@ -51,8 +51,8 @@ bool NearSet::Held::is_near(std::span<const glm::dvec3> centers, double reach_sq
 	return center < centers.size();
 }
 
-bool NearSet::hold(const PlacedInstance &instance) {
-	const Held held{instance.position, instance.basis, instance.layer, instance.mesh, looks_, 0, 0};
+bool NearSet::retain(const PlacedInstance &instance) {
+	const Held held{instance.position, instance.basis, instance.layer, instance.mesh, check_count_, 0, 0};
 	return guarded("instance", 1.0, [&] { held_.insert_or_assign(instance.id, held); }).ok();
 }
 
@@ -74,13 +74,13 @@ void NearChanges::clear() {
 	enter.clear();
 	changed.clear();
 	leave.clear();
-	gone = 0;
+	removed_count = 0;
 }
 
-bool NearSet::look(std::span<const glm::dvec3> centers, const NearRange &range,
-		std::span<const PlacedInstance> standing, NearChanges &r_changes) {
-	return guarded_answer("standing", static_cast<double>(standing.size()), r_changes, [&] {
-		find_changes(centers, range, standing, r_changes);
+bool NearSet::find_changes(std::span<const glm::dvec3> centers, const NearRange &range,
+		std::span<const PlacedInstance> present, NearChanges &r_changes) {
+	return guarded_answer("standing", static_cast<double>(present.size()), r_changes, [&] {
+		find_changes_or_throw(centers, range, present, r_changes);
 	}).ok();
 }
 
@@ -93,29 +93,29 @@ void NearSet::sort_nearest(std::vector<Distant> &r_distant) {
 /// Copies the instances of `from` to `r_to`, without duplicates. `from` is sorted, so duplicates
 /// are adjacent.
 void NearSet::take(
-		std::span<const Distant> from, std::span<const PlacedInstance> standing, std::vector<PlacedInstance> &r_to) {
+		std::span<const Distant> from, std::span<const PlacedInstance> present, std::vector<PlacedInstance> &r_to) {
 	r_to.clear();
 	for (const Distant &distant : from) {
 		if (r_to.empty() || r_to.back().id != distant.id) {
-			r_to.push_back(standing[distant.index]);
+			r_to.push_back(present[distant.index]);
 		}
 	}
 }
 
-void NearSet::find_changes(std::span<const glm::dvec3> centers, const NearRange &range,
-		std::span<const PlacedInstance> standing, NearChanges &r_changes) {
-	++looks_;
+void NearSet::find_changes_or_throw(std::span<const glm::dvec3> centers, const NearRange &range,
+		std::span<const PlacedInstance> present, NearChanges &r_changes) {
+	++check_count_;
 	entering_.clear();
 	changed_.clear();
 	leaving_.clear();
 	const bool ever = range.enter > 0.0;
 	const double leave = std::max(range.enter, range.leave);
-	for (std::size_t i = 0; i < standing.size() && ever; ++i) {
-		const PlacedInstance &instance = standing[i];
+	for (std::size_t i = 0; i < present.size() && ever; ++i) {
+		const PlacedInstance &instance = present[i];
 		const auto held = held_.find(instance.id);
 		const bool is_held = held != held_.end();
 		if (is_held && held->second.is_placed_as(instance)) {
-			held->second.seen = looks_;
+			held->second.seen = check_count_;
 			continue;
 		}
 		const double away = distance_squared(centers, instance.position);
@@ -123,26 +123,26 @@ void NearSet::find_changes(std::span<const glm::dvec3> centers, const NearRange 
 		if (away <= reach * reach) {
 			(is_held ? changed_ : entering_).push_back({away, instance.id, i});
 			if (is_held) {
-				held->second.changed = looks_;
+				held->second.changed = check_count_;
 			}
 		}
 	}
 	sort_nearest(entering_);
 	sort_nearest(changed_);
-	take(entering_, standing, r_changes.enter);
-	take(changed_, standing, r_changes.changed);
+	take(entering_, present, r_changes.enter);
+	take(changed_, present, r_changes.changed);
 	r_changes.leave.clear();
 	for (auto &[id, held] : held_) {
-		if (held.changed == looks_) {
+		if (held.changed == check_count_) {
 			continue;
 		}
 		const bool near = held.is_near(centers, leave * leave);
-		if (!ever || !near || held.seen != looks_) {
+		if (!ever || !near || held.seen != check_count_) {
 			const NearRelease leaving{id, held.position, distance_squared(centers, held.position)};
 			(near || !ever ? r_changes.leave : leaving_).push_back(leaving);
 		}
 	}
-	r_changes.gone = r_changes.leave.size();
+	r_changes.removed_count = r_changes.leave.size();
 	const auto nearer = [](const NearRelease &a, const NearRelease &b) {
 		return a.distance_squared != b.distance_squared ? a.distance_squared < b.distance_squared : a.id < b.id;
 	};

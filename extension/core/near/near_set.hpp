@@ -36,32 +36,32 @@ struct NearChanges {
 	/// Held instances whose position, basis, mesh or layer has changed; nearest first.
 	std::vector<PlacedInstance> changed;
 
-	/// The first `gone` entries are the removed instances, or all instances for a range of 0. They
-	/// are sorted nearest first and precede all others, because a player must not collide with an
-	/// instance that no longer exists. Instances that are merely too far away follow, farthest
-	/// first.
+	/// The first `removed_count` entries are the removed instances, or all instances for a range of
+	/// 0. They are sorted nearest first and precede all others, because a player must not collide
+	/// with an instance that no longer exists. Instances that are merely too far away follow,
+	/// farthest first.
 	std::vector<NearRelease> leave;
-	std::size_t gone = 0;
+	std::size_t removed_count = 0;
 
 	void clear();
 };
 
 /// Tracks the instances of a layer that are near enough to a center to need a body or a scene.
-/// Determines which instances should enter and leave. The owner calls `hold` and `release` after it
-/// has processed them.
+/// Determines which instances should enter and leave. The owner calls `retain` and `release` after
+/// it has processed them.
 class NearSet {
 public:
-	/// Replaces `r_changes` with the difference between held and near instances. `standing` must
+	/// Replaces `r_changes` with the difference between held and near instances. `present` must
 	/// contain all instances within range.leave of a center. It may also contain farther ones and
 	/// duplicates, in any order. Instances at equal distances are ordered by ID. If memory runs
 	/// out, the function returns false and clears `r_changes`.
-	bool look(std::span<const glm::dvec3> centers, const NearRange &range, std::span<const PlacedInstance> standing,
-			NearChanges &r_changes);
+	bool find_changes(std::span<const glm::dvec3> centers, const NearRange &range,
+			std::span<const PlacedInstance> present, NearChanges &r_changes);
 
 	bool holds(std::uint64_t id) const { return held_.contains(id); }
 
 	/// Marks an instance as held. Returns false, with the instance not held, if memory runs out.
-	bool hold(const PlacedInstance &instance);
+	bool retain(const PlacedInstance &instance);
 
 	/// Stops holding an instance. Returns true if the instance was held.
 	bool release(std::uint64_t id) { return held_.erase(id) > 0; }
@@ -99,22 +99,22 @@ private:
 		bool is_placed_as(const PlacedInstance &instance) const;
 	};
 
-	void find_changes(std::span<const glm::dvec3> centers, const NearRange &range,
-			std::span<const PlacedInstance> standing, NearChanges &r_changes);
+	void find_changes_or_throw(std::span<const glm::dvec3> centers, const NearRange &range,
+			std::span<const PlacedInstance> present, NearChanges &r_changes);
 
 	struct Distant {
 		double distance_squared = 0.0;
 		std::uint64_t id = 0;
-		std::size_t index = 0; ///< Index of the instance in `standing`.
+		std::size_t index = 0; ///< Index of the instance in `present`.
 	};
 
 	static void sort_nearest(std::vector<Distant> &r_distant);
 	static void take(
-			std::span<const Distant> from, std::span<const PlacedInstance> standing, std::vector<PlacedInstance> &r_to);
+			std::span<const Distant> from, std::span<const PlacedInstance> present, std::vector<PlacedInstance> &r_to);
 
 	/// Unordered. The lists of NearChanges that are built from it are sorted.
 	std::unordered_map<std::uint64_t, Held> held_;
-	std::uint64_t looks_ = 0;
+	std::uint64_t check_count_ = 0;
 	std::vector<Distant> entering_;
 	std::vector<Distant> changed_;
 	std::vector<NearRelease> leaving_;

@@ -75,9 +75,9 @@ bool obstruct(const glm::dmat3 &basis, glm::dvec3 foot, const InstanceShape &sha
 	}
 	const double falls = rise(radius, agent);
 	const double touched = agent.height + falls;
-	const double share = axis.y > touched ? touched / axis.y : 1.0;
-	const double kept = radius + half_diagonal * agent.cell_size;
-	outline({foot.x, foot.z}, kept, corners_around(kept, agent), share * glm::dvec2(axis.x, axis.z),
+	const double fraction = axis.y > touched ? touched / axis.y : 1.0;
+	const double clearance = radius + half_diagonal * agent.cell_size;
+	outline({foot.x, foot.z}, clearance, corners_around(clearance, agent), fraction * glm::dvec2(axis.x, axis.z),
 			r_obstruction.outline);
 	r_obstruction.bottom = foot.y + std::min(axis.y, 0.0) - std::max(agent.height, falls) - agent.cell_height;
 	r_obstruction.top = foot.y + std::max(axis.y, falls) + agent.cell_height;

@@ -29,34 +29,34 @@ void write_added(const AddedInstance &added, std::uint64_t id, const LayerSettin
 	}
 	write_instance_data(layer.instance_data, layer.set.seed, id, 0, largest_scale(added.basis),
 			floats.subspan(transform_floats),
-			shares_by_hand(layer.instance_data, added.position, layer.set.on_surface, layer.planet));
+			fractions_by_hand(layer.instance_data, added.position, layer.set.on_surface, layer.planet));
 	r_mesh.ids[at] = id;
 	r_mesh.ranks[at] = 0;
 	r_mesh.max_scale = std::max(r_mesh.max_scale, largest_scale(added.basis));
 }
 
 /// Returns a mesh with the added instances, followed by the instances of `mesh` at the indices
-/// `standing`.
+/// `retained`.
 std::shared_ptr<const CompactMesh> rebuilt(const CompactMesh &mesh, const LayerSettings &layer, glm::dvec3 origin,
-		const Overlay &overlay, const Ids &added_ids, std::span<const std::uint32_t> standing) {
+		const Overlay &overlay, const Ids &added_ids, std::span<const std::uint32_t> retained) {
 	MeshInstances added;
 	added.resize(added_ids.size(), floats_per_instance(layer.instance_data));
 	for (std::size_t at = 0; at < added_ids.size(); ++at) {
 		write_added(*overlay.state->added(added_ids[at]), added_ids[at], layer, origin, at, added);
 	}
-	return std::make_shared<const CompactMesh>(added, mesh, standing);
+	return std::make_shared<const CompactMesh>(added, mesh, retained);
 }
 
 /// Returns the indices of the instances that are neither removed nor hidden.
 std::vector<std::uint32_t> standing_of(const CompactMesh &mesh, const Overlay &overlay, bool any_removed) {
-	std::vector<std::uint32_t> standing;
-	standing.reserve(mesh.size());
+	std::vector<std::uint32_t> retained;
+	retained.reserve(mesh.size());
 	for (std::size_t i = 0; i < mesh.size(); ++i) {
 		if (!covers(overlay, any_removed, mesh.id(i))) {
-			standing.push_back(static_cast<std::uint32_t>(i));
+			retained.push_back(static_cast<std::uint32_t>(i));
 		}
 	}
-	return standing;
+	return retained;
 }
 
 /// Returns the IDs of the instances that were added in a tile and are not hidden, for each mesh.
@@ -91,12 +91,12 @@ void add_overlaid(const std::shared_ptr<const CompactTile> &tile, const LayerSet
 			r_meshes.emplace_back(tile, &mesh);
 			continue;
 		}
-		const std::vector<std::uint32_t> standing = standing_of(mesh, overlay, any_removed);
-		if (standing.size() == mesh.size() && added[at].empty()) {
+		const std::vector<std::uint32_t> retained = standing_of(mesh, overlay, any_removed);
+		if (retained.size() == mesh.size() && added[at].empty()) {
 			// All instances are kept, so the mesh is shared with the tile.
 			r_meshes.emplace_back(tile, &mesh);
 		} else {
-			r_meshes.push_back(rebuilt(mesh, layer, tile->origin, overlay, added[at], standing));
+			r_meshes.push_back(rebuilt(mesh, layer, tile->origin, overlay, added[at], retained));
 		}
 	}
 }

@@ -27,7 +27,7 @@ using OverlaidMeshes = std::vector<std::shared_ptr<const CompactMesh>>;
 /// instances in the tile's `space` come first, sorted by ID. The generated ones follow in their
 /// original order, bit-identical, except those that are removed or hidden. Hand-placed instances
 /// have thinning rank 0, so only a density of 0 removes them. Their color inputs come from
-/// shares_by_hand(). A mesh without changes is shared with the tile, not copied. If memory runs
+/// fractions_by_hand(). A mesh without changes is shared with the tile, not copied. If memory runs
 /// out, `r_meshes` is unchanged.
 Status overlaid(const std::shared_ptr<const CompactTile> &tile, const LayerSettings &layer, const TileSpace &space,
 		const Overlay &overlay, OverlaidMeshes &r_meshes);

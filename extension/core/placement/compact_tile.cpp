@@ -36,7 +36,7 @@ bool same_bits(const glm::vec3 &a, const glm::vec3 &b) {
 	return same_bits(std::array{a.x, a.y, a.z}, std::array{b.x, b.y, b.z});
 }
 
-bool same_bits(const InstanceShares &a, const InstanceShares &b) {
+bool same_bits(const SourceFractions &a, const SourceFractions &b) {
 	return same_bits(std::array{a.color, a.variation}, std::array{b.color, b.variation});
 }
 
@@ -52,9 +52,9 @@ CompactMesh::CompactMesh(
 		positions_[i] = position_of(mesh, i);
 	}
 	if (settings_ != nullptr && mesh.normals.size() == mesh.size() && find_cells(mesh)) {
-		keep_sources(mesh);
+		store_sources(mesh);
 	} else {
-		keep_as_it_is(mesh);
+		store_floats(mesh);
 	}
 }
 
@@ -90,49 +90,50 @@ bool CompactMesh::find_cells(const MeshInstances &mesh) {
 	return true;
 }
 
-void CompactMesh::keep_as_it_is(const MeshInstances &mesh) {
+void CompactMesh::store_floats(const MeshInstances &mesh) {
 	ids_.assign(mesh.ids.begin(), mesh.ids.end());
 	floats_.assign(mesh.buffer.begin(), mesh.buffer.end());
 }
 
-void CompactMesh::keep_sources(const MeshInstances &mesh) {
+void CompactMesh::store_sources(const MeshInstances &mesh) {
 	if (needs_normals(*settings_)) {
 		normals_.assign(mesh.normals.begin(), mesh.normals.end());
 	}
-	shares_.assign(mesh.shares.begin(), mesh.shares.end());
+	fractions_.assign(mesh.fractions.begin(), mesh.fractions.end());
 }
 
-CompactMesh::CompactMesh(const MeshInstances &first, const CompactMesh &base, std::span<const std::uint32_t> standing) :
+CompactMesh::CompactMesh(const MeshInstances &first, const CompactMesh &base, std::span<const std::uint32_t> retained) :
 		settings_(base.settings_), up_(base.up_), stride_(base.stride_), first_id_(base.first_id_) {
-	const std::size_t count = first.size() + standing.size();
-	const auto made =
-			std::ranges::partition_point(standing, [&base](std::uint32_t i) { return i < base.as_they_are(); });
+	const std::size_t count = first.size() + retained.size();
+	const auto computed =
+			std::ranges::partition_point(retained, [&base](std::uint32_t i) { return i < base.stored_count(); });
 	positions_.reserve(count);
 	ranks_.reserve(count);
-	ids_.reserve(first.size() + static_cast<std::size_t>(made - standing.begin()));
-	keep_as_it_is(first);
+	ids_.reserve(first.size() + static_cast<std::size_t>(computed - retained.begin()));
+	store_floats(first);
 	for (std::size_t i = 0; i < first.size(); ++i) {
 		positions_.push_back(position_of(first, i));
 		ranks_.push_back(first.ranks[i]);
 	}
-	for (const std::uint32_t i : standing) {
+	for (const std::uint32_t i : retained) {
 		positions_.push_back(base.positions_[i]);
 		ranks_.push_back(base.ranks_[i]);
 	}
-	for (auto at = standing.begin(); at != made; ++at) {
+	for (auto at = retained.begin(); at != computed; ++at) {
 		const auto floats = base.floats_.begin() + static_cast<std::ptrdiff_t>(*at * stride_);
 		ids_.push_back(base.ids_[*at]);
 		floats_.insert(floats_.end(), floats, floats + static_cast<std::ptrdiff_t>(stride_));
 	}
 	const auto choose = [&](const auto &from, auto &r_to) {
 		if (!from.empty()) {
-			r_to.reserve(static_cast<std::size_t>(standing.end() - made));
-			std::for_each(made, standing.end(), [&](std::uint32_t i) { r_to.push_back(from[i - base.as_they_are()]); });
+			r_to.reserve(static_cast<std::size_t>(retained.end() - computed));
+			std::for_each(
+					computed, retained.end(), [&](std::uint32_t i) { r_to.push_back(from[i - base.stored_count()]); });
 		}
 	};
 	choose(base.cells_, cells_);
 	choose(base.normals_, normals_);
-	choose(base.shares_, shares_);
+	choose(base.fractions_, fractions_);
 	measure(std::max(base.max_scale_, first.max_scale));
 }
 
@@ -178,7 +179,7 @@ std::size_t CompactMesh::find(std::uint64_t id) const {
 			break;
 		}
 	}
-	return as_they_are() + static_cast<std::size_t>(std::find_if(first, cells_.end(), is_it) - cells_.begin());
+	return stored_count() + static_cast<std::size_t>(std::find_if(first, cells_.end(), is_it) - cells_.begin());
 }
 
 /// Returns a normal that produces the same floats as the original one.
@@ -192,13 +193,13 @@ glm::vec3 CompactMesh::normal_of(std::size_t source) const {
 
 /// Writes the transform of a generated instance. Returns its scale.
 float CompactMesh::read_basis(std::size_t i, std::span<float, transform_floats> r_floats) const {
-	const glm::vec3 normal = normal_of(i - as_they_are());
+	const glm::vec3 normal = normal_of(i - stored_count());
 	write_position(positions_[i], r_floats);
 	return write_basis(settings_->placement, settings_->set.seed, id(i), normal, r_floats, up_);
 }
 
 void CompactMesh::read_transform(std::size_t i, std::span<float, transform_floats> r_floats) const {
-	if (i < as_they_are()) {
+	if (i < stored_count()) {
 		std::ranges::copy(std::span(floats_).subspan(i * stride_).first<transform_floats>(), r_floats.begin());
 	} else {
 		read_basis(i, r_floats);
@@ -206,17 +207,17 @@ void CompactMesh::read_transform(std::size_t i, std::span<float, transform_float
 }
 
 void CompactMesh::read(std::size_t i, std::span<float> r_floats) const {
-	if (i < as_they_are()) {
+	if (i < stored_count()) {
 		std::ranges::copy(std::span(floats_).subspan(i * stride_, stride_), r_floats.begin());
 		return;
 	}
-	read_behind(i, read_basis(i, r_floats.first<transform_floats>()), r_floats.subspan(transform_floats));
+	read_instance_data(i, read_basis(i, r_floats.first<transform_floats>()), r_floats.subspan(transform_floats));
 }
 
 /// Writes the data that follows the transform of a generated instance.
-void CompactMesh::read_behind(std::size_t i, float scale, std::span<float> r_floats) const {
-	const InstanceShares shares = shares_.empty() ? InstanceShares() : shares_[i - as_they_are()];
-	write_instance_data(settings_->instance_data, settings_->set.seed, id(i), ranks_[i], scale, r_floats, shares);
+void CompactMesh::read_instance_data(std::size_t i, float scale, std::span<float> r_floats) const {
+	const SourceFractions fractions = fractions_.empty() ? SourceFractions() : fractions_[i - stored_count()];
+	write_instance_data(settings_->instance_data, settings_->set.seed, id(i), ranks_[i], scale, r_floats, fractions);
 }
 
 /// Reads many instances in batches. `index_of(n)` returns the index of the n-th one.
@@ -225,24 +226,24 @@ void CompactMesh::read_many(std::size_t count, const IndexOf &index_of, std::spa
 	TransformBatch batch;
 	for (std::size_t first = 0; first < count;) {
 		std::size_t end = first;
-		for (batch.count = 0; end < count && batch.count < TransformBatch::most; ++end) {
+		for (batch.count = 0; end < count && batch.count < TransformBatch::capacity; ++end) {
 			const std::size_t i = index_of(end);
-			if (i >= as_they_are()) {
-				batch.add(id(i), normal_of(i - as_they_are()), positions_[i]);
+			if (i >= stored_count()) {
+				batch.add(id(i), normal_of(i - stored_count()), positions_[i]);
 			}
 		}
 		if (batch.count > 0) {
 			batch.make(settings_->placement, settings_->set.seed, up_);
 		}
-		for (std::size_t made = 0; first < end; ++first) {
+		for (std::size_t computed = 0; first < end; ++first) {
 			const std::size_t i = index_of(first);
 			const std::span<float> floats = r_floats.subspan(first * stride_, stride_);
-			if (i < as_they_are()) {
+			if (i < stored_count()) {
 				read(i, floats);
 				continue;
 			}
-			batch.write(made, floats.first<transform_floats>());
-			read_behind(i, batch.scale[made++], floats.subspan(transform_floats));
+			batch.write(computed, floats.first<transform_floats>());
+			read_instance_data(i, batch.scale[computed++], floats.subspan(transform_floats));
 		}
 	}
 }
@@ -256,23 +257,24 @@ void CompactMesh::read_all(std::span<float> r_floats) const {
 }
 
 bool CompactMesh::same(std::size_t i, const CompactMesh &other, std::size_t j) const {
-	const bool as_it_is = i < as_they_are();
-	if (stride_ != other.stride_ || as_it_is != (j < other.as_they_are()) || id(i) != other.id(j)) {
+	const bool as_it_is = i < stored_count();
+	if (stride_ != other.stride_ || as_it_is != (j < other.stored_count()) || id(i) != other.id(j)) {
 		return false;
 	}
 	if (as_it_is) {
 		return same_bits(std::span(floats_).subspan(i * stride_, stride_),
 				std::span(other.floats_).subspan(j * stride_, stride_));
 	}
-	const std::size_t a = i - as_they_are();
-	const std::size_t b = j - other.as_they_are();
+	const std::size_t a = i - stored_count();
+	const std::size_t b = j - other.stored_count();
 	return settings_ == other.settings_ && ranks_[i] == other.ranks_[j] &&
 			same_bits(positions_[i], other.positions_[j]) && same_bits(normal_of(a), other.normal_of(b)) &&
-			shares_.empty() == other.shares_.empty() && (shares_.empty() || same_bits(shares_[a], other.shares_[b]));
+			fractions_.empty() == other.fractions_.empty() &&
+			(fractions_.empty() || same_bits(fractions_[a], other.fractions_[b]));
 }
 
 std::size_t CompactMesh::bytes() const {
-	return bytes_of(positions_) + bytes_of(ranks_) + bytes_of(cells_) + bytes_of(normals_) + bytes_of(shares_) +
+	return bytes_of(positions_) + bytes_of(ranks_) + bytes_of(cells_) + bytes_of(normals_) + bytes_of(fractions_) +
 			bytes_of(ids_) + bytes_of(floats_);
 }
 

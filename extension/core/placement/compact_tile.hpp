@@ -29,17 +29,17 @@ public:
 	/// normals is stored as floats. Throws std::bad_alloc.
 	CompactMesh(const MeshInstances &mesh, std::shared_ptr<const LayerSettings> settings, const glm::dvec3 &origin);
 
-	/// Stores `first` as floats, followed by the instances of `base` at the indices `standing`,
+	/// Stores `first` as floats, followed by the instances of `base` at the indices `retained`,
 	/// which are ascending. Throws std::bad_alloc.
-	CompactMesh(const MeshInstances &first, const CompactMesh &base, std::span<const std::uint32_t> standing);
+	CompactMesh(const MeshInstances &first, const CompactMesh &base, std::span<const std::uint32_t> retained);
 
 	std::size_t size() const { return positions_.size(); }
 	std::size_t stride() const { return stride_; }
 	std::uint64_t id(std::size_t i) const {
-		if (i < as_they_are()) {
+		if (i < stored_count()) {
 			return ids_[i];
 		}
-		const std::uint32_t cell = cells_[i - as_they_are()];
+		const std::uint32_t cell = cells_[i - stored_count()];
 		return first_id_ + (std::uint64_t{cell >> y_bits & cell_mask} << 24) + (cell & cell_mask);
 	}
 
@@ -82,14 +82,14 @@ private:
 	static constexpr std::uint32_t x_is_negative = 1u << 30;
 	static constexpr std::uint32_t z_is_negative = 1u << 31;
 
-	std::size_t as_they_are() const { return ids_.size(); }
+	std::size_t stored_count() const { return ids_.size(); }
 	bool find_cells(const MeshInstances &mesh);
-	void keep_as_it_is(const MeshInstances &mesh);
-	void keep_sources(const MeshInstances &mesh);
+	void store_floats(const MeshInstances &mesh);
+	void store_sources(const MeshInstances &mesh);
 	void measure(float max_scale);
 	glm::vec3 normal_of(std::size_t source) const;
 	float read_basis(std::size_t i, std::span<float, transform_floats> r_floats) const;
-	void read_behind(std::size_t i, float scale, std::span<float> r_floats) const;
+	void read_instance_data(std::size_t i, float scale, std::span<float> r_floats) const;
 	template <class IndexOf>
 	void read_many(std::size_t count, const IndexOf &index_of, std::span<float> r_floats) const;
 
@@ -108,7 +108,7 @@ private:
 	UnfilledVector<std::uint32_t> cells_;
 	/// Empty if the layer is upright, because the signs in `cells_` suffice.
 	std::vector<glm::vec3> normals_;
-	std::vector<InstanceShares> shares_; ///< Empty if the layer has no known source.
+	std::vector<SourceFractions> fractions_; ///< Empty if the layer has no known source.
 
 	// Ids of the instances that are stored as floats. These instances come before all generated
 	// ones.

@@ -40,8 +40,8 @@ constexpr double edge_reach(double edge_feather, bool on_surface) {
 /// is 0 if the layer is allowed at half of them or fewer, as on a straight edge. From there, it
 /// rises linearly to 1 if the layer is allowed at all of them.
 constexpr double edge_density(std::size_t allowed) {
-	const double share = static_cast<double>(allowed) / static_cast<double>(edge_probes);
-	return share > 0.5 ? 2.0 * share - 1.0 : 0.0;
+	const double fraction = static_cast<double>(allowed) / static_cast<double>(edge_probes);
+	return fraction > 0.5 ? 2.0 * fraction - 1.0 : 0.0;
 }
 
 } // namespace thicket

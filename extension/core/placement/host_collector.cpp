@@ -14,9 +14,9 @@ namespace {
 /// InstanceWriter, but is in doubles and in world space, so that it does not depend on the tile.
 HostInstance instance_at(const LayerSettings &host, std::uint64_t id, glm::dvec2 position, const Ground &ground) {
 	const Placement &placement = host.placement;
-	const glm::dvec3 place(position.x, ground.height, position.y);
+	const glm::dvec3 on_ground(position.x, ground.height, position.y);
 	HostInstance instance{.id = id, .mesh = 0, .position = {}, .basis = glm::dmat3(1.0)};
-	instance.position = host.planet.above(place, placement.height_offset) +
+	instance.position = host.planet.above(on_ground, placement.height_offset) +
 			placement.offset_along_normal * glm::dvec3(ground.normal);
 	std::array<float, transform_floats> floats{};
 	write_basis(placement, host.set.seed, id, ground.normal, floats, UpField(host.planet, instance.position));
@@ -54,7 +54,7 @@ Status HostCollector::add(const HostLayer &host, const LayerFilter &filter, std:
 	const Rect near{around_.min - reach, around_.max + reach};
 	MeshChoice choice;
 	choice.set(host.layer->mesh_weights);
-	for (const std::uint32_t point : filter.standing()) {
+	for (const std::uint32_t point : filter.accepted()) {
 		const glm::dvec2 position = filter.positions()[point];
 		const std::uint64_t id = filter.ids()[point];
 		if (!near.contains(position) || (host.changes != nullptr && host.changes->removed(id))) {

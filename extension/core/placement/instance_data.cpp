@@ -22,15 +22,15 @@ std::span<float> write_four(std::initializer_list<float> values, std::span<float
 /// Converts all bits of a word to a float from 0 to 1.
 float unit_float(std::uint32_t word) { return static_cast<float>(unit_interval(word)); }
 
-glm::vec4 color_of(const InstanceData &data, float share, std::uint32_t word) {
+glm::vec4 color_of(const InstanceData &data, float fraction, std::uint32_t word) {
 	if (data.colors == nullptr) {
 		return glm::vec4(1.0f);
 	}
 	const ColorTable &colors = *data.colors;
-	if (share < 0.0f && data.color.curve == nullptr) {
+	if (fraction < 0.0f && data.color.curve == nullptr) {
 		return colors[static_cast<std::size_t>(word * std::uint64_t{colors.size()} >> 32)];
 	}
-	const double along = mixed(data.color, share, unit_interval(word)) * static_cast<double>(colors.size());
+	const double along = mixed(data.color, fraction, unit_interval(word)) * static_cast<double>(colors.size());
 	return colors[std::min(static_cast<std::size_t>(along), colors.size() - 1)];
 }
 
@@ -57,36 +57,37 @@ Status validate(const InstanceData &data) {
 }
 
 std::array<const InstanceSource *, 2> distance_sources(const InstanceData &data) {
-	const auto looking = [](const InstanceSource &source, bool known) {
+	const auto known_source = [](const InstanceSource &source, bool known) {
 		return known && source.kind == SourceKind::distance ? &source : nullptr;
 	};
-	return {looking(data.color, data.color_is_known()), looking(data.variation, data.variation_is_known())};
+	return {known_source(data.color, data.color_is_known()), known_source(data.variation, data.variation_is_known())};
 }
 
-InstanceShares shares_by_hand(const InstanceData &data, glm::dvec3 position, bool on_surface, const Planet &planet) {
-	InstanceShares shares;
+SourceFractions fractions_by_hand(
+		const InstanceData &data, glm::dvec3 position, bool on_surface, const Planet &planet) {
+	SourceFractions fractions;
 	if (data.color_is_known()) {
-		shares.color = share_by_hand(data.color, position, on_surface, planet);
+		fractions.color = fraction_by_hand(data.color, position, on_surface, planet);
 	}
 	if (data.variation_is_known()) {
-		shares.variation = share_by_hand(data.variation, position, on_surface, planet);
+		fractions.variation = fraction_by_hand(data.variation, position, on_surface, planet);
 	}
-	return shares;
+	return fractions;
 }
 
 void write_instance_data(const InstanceData &data, std::uint64_t seed, std::uint64_t id, std::uint32_t rank,
-		float scale, std::span<float> r_floats, const InstanceShares &shares) {
+		float scale, std::span<float> r_floats, const SourceFractions &fractions) {
 	if (!data.use_colors && !data.use_custom_data) {
 		// There is nothing to write, so no random numbers are needed.
 		return;
 	}
 	const auto random = instance_random(seed, id, Draw::mesh);
 	if (data.use_colors) {
-		const glm::vec4 color = color_of(data, shares.color, random[3]);
+		const glm::vec4 color = color_of(data, fractions.color, random[3]);
 		r_floats = write_four({color.r, color.g, color.b, color.a}, r_floats);
 	}
 	if (data.use_custom_data) {
-		const double variation = mixed(data.variation, shares.variation, unit_interval(random[1]));
+		const double variation = mixed(data.variation, fractions.variation, unit_interval(random[1]));
 		write_four({static_cast<float>(variation), unit_float(random[2]), unit_float(rank), scale}, r_floats);
 	}
 }

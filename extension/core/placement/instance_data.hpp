@@ -51,7 +51,7 @@ struct InstanceData {
 	VariationSource variation{}; ///< The variation in INSTANCE_CUSTOM; random by default.
 
 	/// Return true if the color, or the variation, depends on a known source, so that
-	/// InstanceShares are needed.
+	/// SourceFractions are needed.
 	bool color_is_known() const { return use_colors && colors != nullptr && color.known(); }
 	bool variation_is_known() const { return use_custom_data && variation.known(); }
 
@@ -62,14 +62,14 @@ struct InstanceData {
 /// layer, and null otherwise.
 std::array<const InstanceSource *, 2> distance_sources(const InstanceData &data);
 
-/// The values of an instance's sources as fractions of their ranges, 0 to 1, or unknown_share.
-struct InstanceShares {
-	float color = unknown_share;
-	float variation = unknown_share;
+/// The values of an instance's sources as fractions of their ranges, 0 to 1, or unknown_fraction.
+struct SourceFractions {
+	float color = unknown_fraction;
+	float variation = unknown_fraction;
 };
 
-/// Returns the shares of a hand-placed instance; see share_by_hand.
-InstanceShares shares_by_hand(
+/// Returns the fractions of a hand-placed instance; see fraction_by_hand.
+SourceFractions fractions_by_hand(
 		const InstanceData &data, glm::dvec3 position, bool on_surface, const Planet &planet = {});
 
 /// Returns an error for a color table that is empty, too large, or has numbers out of range, and
@@ -85,7 +85,7 @@ constexpr std::size_t floats_per_instance(const InstanceData &data) {
 /// Writes the `floats_per_instance(data) - transform_floats` floats that follow the transform.
 /// `rank` is the 32-bit thinning rank. `data` must be valid.
 void write_instance_data(const InstanceData &data, std::uint64_t seed, std::uint64_t id, std::uint32_t rank,
-		float scale, std::span<float> r_floats, const InstanceShares &shares = {});
+		float scale, std::span<float> r_floats, const SourceFractions &fractions = {});
 
 /// Rounds `value` to the nearest half float, with ties to even, and returns it as a float. |value|
 /// must be at most max_color.

@@ -18,22 +18,23 @@ constexpr double same_scale = 1e-6;
 
 /// Converts a rotation matrix to a quaternion, starting from the largest of its four components.
 /// GLM's function is not used, because its rounding may differ between versions of GLM.
-glm::dvec4 quaternion_of(const glm::dmat3 &turn) {
-	const double trace = turn[0][0] + turn[1][1] + turn[2][2];
+glm::dvec4 quaternion_of(const glm::dmat3 &rotation) {
+	const double trace = rotation[0][0] + rotation[1][1] + rotation[2][2];
 	if (trace > 0.0) {
 		const double s = 2.0 * std::sqrt(trace + 1.0);
-		return {(turn[1][2] - turn[2][1]) / s, (turn[2][0] - turn[0][2]) / s, (turn[0][1] - turn[1][0]) / s, 0.25 * s};
+		return {(rotation[1][2] - rotation[2][1]) / s, (rotation[2][0] - rotation[0][2]) / s,
+				(rotation[0][1] - rotation[1][0]) / s, 0.25 * s};
 	}
-	int i = turn[1][1] > turn[0][0] ? 1 : 0;
-	i = turn[2][2] > turn[i][i] ? 2 : i;
+	int i = rotation[1][1] > rotation[0][0] ? 1 : 0;
+	i = rotation[2][2] > rotation[i][i] ? 2 : i;
 	const int j = (i + 1) % 3;
 	const int k = (i + 2) % 3;
-	const double s = 2.0 * std::sqrt(std::max(1.0 + turn[i][i] - turn[j][j] - turn[k][k], 0.0));
+	const double s = 2.0 * std::sqrt(std::max(1.0 + rotation[i][i] - rotation[j][j] - rotation[k][k], 0.0));
 	glm::dvec4 result;
 	result[i] = 0.25 * s;
-	result[j] = (turn[i][j] + turn[j][i]) / s;
-	result[k] = (turn[i][k] + turn[k][i]) / s;
-	result[3] = (turn[j][k] - turn[k][j]) / s;
+	result[j] = (rotation[i][j] + rotation[j][i]) / s;
+	result[k] = (rotation[i][k] + rotation[k][i]) / s;
+	result[3] = (rotation[j][k] - rotation[k][j]) / s;
 	return result;
 }
 
@@ -76,7 +77,7 @@ private:
 struct RowSource {
 	glm::dvec3 origin{0.0};
 	std::span<const MeshInstances *const> meshes;
-	std::span<const TurnAndScale> turned; ///< One entry for each instance, mesh by mesh.
+	std::span<const RotationAndScale> rotated; ///< One entry for each instance, mesh by mesh.
 
 	/// Calls `visit(instances, index, mesh)` for each instance. `index` is its index in
 	/// `instances`, and `mesh` the index of the mesh.
@@ -113,12 +114,12 @@ void write_position(const RowSource &source, ColumnWriter &r_out) {
 
 template <auto part>
 void write_rotation(const RowSource &source, ColumnWriter &r_out) {
-	std::ranges::for_each(source.turned, [&](const TurnAndScale &each) { r_out.put(each.rotation.*part); });
+	std::ranges::for_each(source.rotated, [&](const RotationAndScale &each) { r_out.put(each.rotation.*part); });
 }
 
 template <int axis>
 void write_scale(const RowSource &source, ColumnWriter &r_out) {
-	std::ranges::for_each(source.turned, [&](const TurnAndScale &each) { r_out.put(each.scale[axis]); });
+	std::ranges::for_each(source.rotated, [&](const RotationAndScale &each) { r_out.put(each.scale[axis]); });
 }
 
 void write_ranks(const RowSource &source, ColumnWriter &r_out) {
@@ -160,8 +161,8 @@ std::size_t row_bytes(std::size_t further) {
 
 } // namespace
 
-TurnAndScale turn_and_scale(std::span<const float, transform_floats> transform) {
-	TurnAndScale result;
+RotationAndScale rotation_and_scale(std::span<const float, transform_floats> transform) {
+	RotationAndScale result;
 	glm::dmat3 basis = basis_of(transform);
 	const double mirror = glm::determinant(basis) < 0.0 ? -1.0 : 1.0;
 	glm::dvec3 scale{glm::length(basis[0]), glm::length(basis[1]), glm::length(basis[2])};
@@ -209,19 +210,20 @@ std::vector<std::uint8_t> instance_rows(glm::dvec3 origin, std::span<const MeshI
 		rows += mesh->size();
 	}
 	const std::size_t further = meshes.empty() ? 0 : meshes.front()->stride - transform_floats;
-	std::vector<TurnAndScale> turned;
-	turned.reserve(rows);
+	std::vector<RotationAndScale> rotated;
+	rotated.reserve(rows);
 	const RowSource placed{origin, meshes, {}};
 	placed.for_each([&](const MeshInstances &mesh, std::size_t i, std::size_t) {
-		turned.push_back(turn_and_scale(std::span(mesh.buffer).subspan(i * mesh.stride).first<transform_floats>()));
+		rotated.push_back(
+				rotation_and_scale(std::span(mesh.buffer).subspan(i * mesh.stride).first<transform_floats>()));
 	});
-	const RowSource source{origin, meshes, turned};
+	const RowSource source{origin, meshes, rotated};
 
 	std::vector<std::uint8_t> bytes(row_header_bytes + rows * row_bytes(further));
 	ColumnWriter out(bytes);
 	out.put(static_cast<std::uint32_t>(rows));
 	out.put(static_cast<std::uint32_t>(further));
-	out.put(static_cast<std::uint32_t>(std::ranges::count(turned, true, &TurnAndScale::sheared)));
+	out.put(static_cast<std::uint32_t>(std::ranges::count(rotated, true, &RotationAndScale::sheared)));
 	out.put(std::uint32_t{0});
 	for (const WrittenColumn &each : leading_columns) {
 		each.write(source, out);

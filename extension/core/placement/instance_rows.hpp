@@ -14,7 +14,7 @@
 namespace thicket {
 
 /// The rotation and scale of an instance: basis = rotation * diag(scale).
-struct TurnAndScale {
+struct RotationAndScale {
 	glm::quat rotation{1.0f, 0.0f, 0.0f, 0.0f}; ///< Normalized, with w >= 0.
 	/// The scale along each axis. All three scales are negative if the transform mirrors. Scales
 	/// that agree to one part in 10^6 are made equal.
@@ -25,7 +25,7 @@ struct TurnAndScale {
 
 /// Decomposes a transform, a 3 x 4 matrix in row-major order. A column of length 0 becomes a scale
 /// of 0, and the rotation is then the identity.
-TurnAndScale turn_and_scale(std::span<const float, transform_floats> transform);
+RotationAndScale rotation_and_scale(std::span<const float, transform_floats> transform);
 
 /// A column of `instance_rows`: its name, and the type of its numbers in NumPy's notation. "<u8" is
 /// an unsigned integer of 8 bytes and "<f4" a float of 4 bytes, both little-endian.

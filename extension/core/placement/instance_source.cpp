@@ -29,7 +29,7 @@ Status validate(const InstanceSource &source, const SourceNames &names) {
 	return status.ok() && source.kind != SourceKind::random ? validate_range(source, names) : status;
 }
 
-float share_of(const InstanceSource &source, double value) {
+float fraction_of(const InstanceSource &source, double value) {
 	// The maximum is checked first, so that a step (min == max) includes its position.
 	if (value >= source.max) {
 		return 1.0f;
@@ -37,26 +37,26 @@ float share_of(const InstanceSource &source, double value) {
 	return value > source.min ? static_cast<float>((value - source.min) / (source.max - source.min)) : 0.0f;
 }
 
-float share_by_hand(const InstanceSource &source, glm::dvec3 position, bool on_surface, const Planet &planet) {
-	const glm::dvec2 place{position.x, position.z};
+float fraction_by_hand(const InstanceSource &source, glm::dvec3 position, bool on_surface, const Planet &planet) {
+	const glm::dvec2 in_plane{position.x, position.z};
 	const auto height = static_cast<float>(position.y);
-	const Places places{{&place, 1}, {&height, on_surface ? std::size_t{1} : 0}};
+	const PositionBatch batch{{&in_plane, 1}, {&height, on_surface ? std::size_t{1} : 0}};
 	float density = 0.0f;
 	switch (source.kind) {
-		case SourceKind::height: return share_of(source, planet.exists() ? planet.altitude(position) : position.y);
-		case SourceKind::rank: return share_of(source, 0.0);
+		case SourceKind::height: return fraction_of(source, planet.exists() ? planet.altitude(position) : position.y);
+		case SourceKind::rank: return fraction_of(source, 0.0);
 		case SourceKind::noise:
-			return source.noise != nullptr && source.noise->sample_at(places, {&density, 1}).ok()
-					? share_of(source, unit_density(density))
-					: unknown_share;
-		default: return unknown_share;
+			return source.noise != nullptr && source.noise->sample_at(batch, {&density, 1}).ok()
+					? fraction_of(source, unit_density(density))
+					: unknown_fraction;
+		default: return unknown_fraction;
 	}
 }
 
-double mixed(const InstanceSource &source, float share, double random) {
-	const double number = share < 0.0f
+double mixed(const InstanceSource &source, float fraction, double random) {
+	const double number = fraction < 0.0f
 			? random
-			: std::min(double{share} * (1.0 - source.randomness) + random * source.randomness, 1.0);
+			: std::min(double{fraction} * (1.0 - source.randomness) + random * source.randomness, 1.0);
 	return source.curve != nullptr ? source.curve->at(number) : number;
 }
 

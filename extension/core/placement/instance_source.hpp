@@ -58,7 +58,7 @@ inline constexpr double max_source_value = 1e6;
 inline constexpr double max_source_distance = 1e3; ///< Maximum InstanceSource::max of a distance, in meters.
 
 /// The share of an instance whose number is entirely random.
-inline constexpr float unknown_share = -1.0f;
+inline constexpr float unknown_fraction = -1.0f;
 
 /// The names of a source's properties for the errors of `validate`.
 struct SourceNames {
@@ -72,15 +72,15 @@ struct SourceNames {
 Status validate(const InstanceSource &source, const SourceNames &names);
 
 /// Returns the share of `value` in the source's range, 0 to 1.
-float share_of(const InstanceSource &source, double value);
+float fraction_of(const InstanceSource &source, double value);
 
 /// Returns the share of a hand-placed instance. The instance's world y, or its altitude on
 /// `planet`, is used as the height of the ground, and 0 as its rank. Slopes and distances are unknown.
 /// `on_surface` is the layer's PointSet::on_surface. If it is true, noise also depends on world y.
-float share_by_hand(const InstanceSource &source, glm::dvec3 position, bool on_surface, const Planet &planet = {});
+float fraction_by_hand(const InstanceSource &source, glm::dvec3 position, bool on_surface, const Planet &planet = {});
 
-/// Combines `share` (0 to 1 or unknown_share) with the instance's `random` number (0 to 1), and
-/// applies the source's curve. The result is 0 to 1.
-double mixed(const InstanceSource &source, float share, double random);
+/// Combines `fraction` (0 to 1 or unknown_fraction) with the instance's `random` number (0 to 1),
+/// and applies the source's curve. The result is 0 to 1.
+double mixed(const InstanceSource &source, float fraction, double random);
 
 } // namespace thicket

@@ -15,7 +15,7 @@ namespace {
 
 /// Number of instances between two checks of the cancel flag. Writing them takes far less than a
 /// millisecond.
-constexpr std::size_t between_looks = 2048;
+constexpr std::size_t instances_per_check = 2048;
 
 /// Number of classes for counting ranks, to find where each part begins.
 constexpr std::size_t rank_classes = 1 << 12;
@@ -30,8 +30,8 @@ void add_point(const LayerSettings &layer, const PlacedPoints &points, std::uint
 		TransformBatch &r_batch) {
 	const Ground &ground = points.ground[point];
 	const glm::dvec2 at = points.positions[point];
-	const glm::dvec3 place(at.x, ground.height, at.y);
-	const glm::vec3 position(layer.planet.above(place, layer.placement.height_offset) - origin);
+	const glm::dvec3 on_ground(at.x, ground.height, at.y);
+	const glm::vec3 position(layer.planet.above(on_ground, layer.placement.height_offset) - origin);
 	r_batch.add(points.ids[point], ground.normal, standing_position(layer.placement, ground.normal, position));
 }
 
@@ -52,10 +52,11 @@ void write_instance(const LayerSettings &layer, const PlacedPoints &points, std:
 		// The layer has no data after the transform.
 		return;
 	}
-	const InstanceShares shares = points.shares_of(point_of(key));
-	write_instance_data(layer.instance_data, layer.set.seed, id, rank, scale, floats.subspan(transform_floats), shares);
-	if (!r_mesh.shares.empty()) {
-		r_mesh.shares[at] = shares;
+	const SourceFractions fractions = points.fractions_of(point_of(key));
+	write_instance_data(
+			layer.instance_data, layer.set.seed, id, rank, scale, floats.subspan(transform_floats), fractions);
+	if (!r_mesh.fractions.empty()) {
+		r_mesh.fractions[at] = fractions;
 	}
 }
 
@@ -92,10 +93,10 @@ void InstanceWriter::divide(const PlacedPoints &points, std::size_t parts) {
 /// Sorts the instances of a part, and assigns each of them a mesh.
 void InstanceWriter::sort(const LayerSettings &layer, const PlacedPoints &points, Part &r_part) const {
 	r_part.order.clear();
-	r_part.order.reserve(points.standing.size() / parts_.size());
-	for (std::size_t i = 0; i < points.standing.size(); ++i) {
+	r_part.order.reserve(points.accepted.size() / parts_.size());
+	for (std::size_t i = 0; i < points.accepted.size(); ++i) {
 		if (points.thinning_ranks[i] >= r_part.first_rank && points.thinning_ranks[i] < r_part.end_rank) {
-			r_part.order.push_back(rank_key(points.thinning_ranks[i], points.standing[i]));
+			r_part.order.push_back(rank_key(points.thinning_ranks[i], points.accepted[i]));
 		}
 	}
 	sort_by_rank(r_part.order, points.ids, r_part.scratch);
@@ -111,7 +112,7 @@ void InstanceWriter::sort(const LayerSettings &layer, const PlacedPoints &points
 
 /// Resizes each mesh to its final size, and determines where each part's instances begin in it. All
 /// memory is allocated before anything changes.
-void InstanceWriter::make_room(const InstanceData &data, std::vector<MeshInstances> &r_meshes) {
+void InstanceWriter::reserve_buffers(const InstanceData &data, std::vector<MeshInstances> &r_meshes) {
 	std::array<std::size_t, max_meshes> sizes{};
 	for (Part &part : parts_) {
 		for (std::size_t mesh = 0; mesh < mesh_choice_.size(); ++mesh) {
@@ -135,12 +136,12 @@ Status InstanceWriter::write_part(const LayerSettings &layer, const PlacedPoints
 		TileInstances &r_tile, const std::atomic<bool> *cancel) const {
 	TransformBatch batch;
 	const UpField up(layer.planet, r_tile.origin);
-	for (std::size_t first = 0; first < r_part.order.size(); first += TransformBatch::most) {
-		if (first % between_looks == 0 && is_cancelled(cancel)) {
+	for (std::size_t first = 0; first < r_part.order.size(); first += TransformBatch::capacity) {
+		if (first % instances_per_check == 0 && is_cancelled(cancel)) {
 			return {ErrorCode::cancelled, "tile", 0.0};
 		}
 		const std::span<const std::uint64_t> keys =
-				std::span(r_part.order).subspan(first, std::min(TransformBatch::most, r_part.order.size() - first));
+				std::span(r_part.order).subspan(first, std::min(TransformBatch::capacity, r_part.order.size() - first));
 		batch.count = 0;
 		for (const std::uint64_t key : keys) {
 			add_point(layer, points, point_of(key), r_tile.origin, batch);
@@ -170,7 +171,7 @@ Status InstanceWriter::write(const LayerSettings &layer, const PlacedPoints &poi
 		threads->run([&](std::size_t) {
 			for (std::size_t part = next++; part < parts_.size(); part = next++) {
 				statuses[part] = guarded(
-						"tile", static_cast<double>(points.standing.size()), [&] { return work(parts_[part]); });
+						"tile", static_cast<double>(points.accepted.size()), [&] { return work(parts_[part]); });
 			}
 		});
 		const auto failed = std::ranges::find_if(statuses, [](const Status &status) { return !status.ok(); });
@@ -180,7 +181,7 @@ Status InstanceWriter::write(const LayerSettings &layer, const PlacedPoints &poi
 		sort(layer, points, part);
 		return {};
 	}));
-	make_room(layer.instance_data, r_tile.meshes);
+	reserve_buffers(layer.instance_data, r_tile.meshes);
 	r_tile.origin = origin;
 	const Status status = for_each_part([&](Part &part) { return write_part(layer, points, part, r_tile, cancel); });
 	if (!status.ok()) {

@@ -21,22 +21,22 @@
 
 namespace thicket {
 
-/// The points of a tile. `standing` contains the indices of the points that become instances, and
+/// The points of a tile. `accepted` contains the indices of the points that become instances, and
 /// `thinning_ranks` has one entry for each of these. All other lists have one entry for each point.
 struct PlacedPoints {
 	std::span<const glm::dvec2> positions; ///< Positions of the points in world meters.
 	std::span<const Ground> ground;
 	std::span<const std::uint64_t> ids;
-	std::span<const std::uint32_t> standing;
+	std::span<const std::uint32_t> accepted;
 	std::span<const std::uint32_t> thinning_ranks;
 	/// Shares for the colors. They are valid for points that become instances. Empty if colors are
 	/// random.
-	std::span<const float> color_shares{};
-	std::span<const float> variation_shares{}; ///< Shares for the variations, under the same conditions.
+	std::span<const float> color_fractions{};
+	std::span<const float> variation_fractions{}; ///< Fractions for the variations, under the same conditions.
 
-	InstanceShares shares_of(std::uint32_t point) const {
-		return {color_shares.empty() ? unknown_share : color_shares[point],
-				variation_shares.empty() ? unknown_share : variation_shares[point]};
+	SourceFractions fractions_of(std::uint32_t point) const {
+		return {color_fractions.empty() ? unknown_fraction : color_fractions[point],
+				variation_fractions.empty() ? unknown_fraction : variation_fractions[point]};
 	}
 };
 
@@ -81,7 +81,7 @@ private:
 
 	void divide(const PlacedPoints &points, std::size_t parts);
 	void sort(const LayerSettings &layer, const PlacedPoints &points, Part &r_part) const;
-	void make_room(const InstanceData &data, std::vector<MeshInstances> &r_meshes);
+	void reserve_buffers(const InstanceData &data, std::vector<MeshInstances> &r_meshes);
 	Status write_part(const LayerSettings &layer, const PlacedPoints &points, Part &r_part, TileInstances &r_tile,
 			const std::atomic<bool> *cancel) const;
 

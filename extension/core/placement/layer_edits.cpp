@@ -13,7 +13,7 @@ namespace thicket {
 
 namespace {
 
-bool holds(const Rect &outer, const Rect &inner) {
+bool contains(const Rect &outer, const Rect &inner) {
 	return outer.min.x <= inner.min.x && outer.min.y <= inner.min.y && inner.max.x <= outer.max.x &&
 			inner.max.y <= outer.max.y;
 }
@@ -35,7 +35,7 @@ bool same_rules(const LayerSettings &a, const LayerSettings &b) {
 
 /// Returns true if the settings for the appearance of instances are equal, except for the layers of
 /// their sources.
-bool same_look(const LayerSettings &a, const LayerSettings &b) {
+bool same_appearance(const LayerSettings &a, const LayerSettings &b) {
 	const auto without_layers = [](const InstanceData &data) {
 		InstanceData result = data;
 		result.color.layer = nullptr;
@@ -95,10 +95,10 @@ bool EditedArea::touches(const Rect &rect) const {
 
 void EditedArea::add(const Rect &area, double distance) {
 	const Rect more = grown(area, distance);
-	if (more.empty() || std::ranges::any_of(areas, [&more](const Rect &other) { return holds(other, more); })) {
+	if (more.empty() || std::ranges::any_of(areas, [&more](const Rect &other) { return contains(other, more); })) {
 		return;
 	}
-	std::erase_if(areas, [&more](const Rect &other) { return holds(more, other); });
+	std::erase_if(areas, [&more](const Rect &other) { return contains(more, other); });
 	areas.push_back(more);
 }
 
@@ -123,7 +123,7 @@ const EditedArea &EditSearch::find_edits(const LayerSettings &before, const Laye
 		return known->second;
 	}
 	EditedArea area = find_standing(before, after);
-	area.everywhere = area.everywhere || !same_look(before, after);
+	area.everywhere = area.everywhere || !same_appearance(before, after);
 	const auto was = distance_sources(before.instance_data);
 	const auto is = distance_sources(after.instance_data);
 	for (std::size_t i = 0; i < is.size() && !area.everywhere; ++i) {
@@ -137,13 +137,13 @@ const EditedArea &EditSearch::find_edits(const LayerSettings &before, const Laye
 
 const EditedArea &EditSearch::find_standing(const LayerSettings &before, const LayerSettings &after) {
 	const Pair pair{&before, &after};
-	if (const auto known = standing_.find(pair); known != standing_.end()) {
+	if (const auto known = present_areas_.find(pair); known != present_areas_.end()) {
 		// The result is cached, as in find_edits.
 		return known->second;
 	}
 	if (&before == &after) {
 		// Both sides are the same layer, which has no edits.
-		return standing_.emplace(pair, EditedArea()).first->second;
+		return present_areas_.emplace(pair, EditedArea()).first->second;
 	}
 	EditedArea area;
 	area.everywhere = !same_rules(before, after) || before.neighbors.size() != after.neighbors.size();
@@ -158,7 +158,8 @@ const EditedArea &EditSearch::find_standing(const LayerSettings &before, const L
 		}
 	}
 	area.add(find_host_edits(before, after));
-	return standing_.emplace(pair, std::move(area)).first->second; // The area is cached only now that it is complete.
+	return present_areas_.emplace(pair, std::move(area))
+			.first->second; // The area is cached only now that it is complete.
 }
 
 /// Returns the area in which a layer's instances may have changed because its hosts have changed.

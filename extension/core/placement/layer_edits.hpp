@@ -59,7 +59,7 @@ private:
 	HostEdits host_edits_;
 	std::map<Pair, EditedArea> found_; ///< Areas in which instances or their appearance may have changed.
 	/// Areas in which instances may have been added or removed, for layers on which others depend.
-	std::map<Pair, EditedArea> standing_;
+	std::map<Pair, EditedArea> present_areas_;
 };
 
 } // namespace thicket

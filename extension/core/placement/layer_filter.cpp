@@ -55,7 +55,7 @@ Status LayerFilter::sample(
 		return status;
 	}
 	keep_points(false);
-	return look_around(source.surface, cancel);
+	return gather_surroundings(source.surface, cancel);
 }
 
 void LayerFilter::wait_for_others(const TileSpace &window) {
@@ -63,10 +63,10 @@ void LayerFilter::wait_for_others(const TileSpace &window) {
 	on_surface_ = layer_->set.on_surface;
 	sampled_ = 0;
 	keep_points(true);
-	standing_.clear();
+	accepted_.clear();
 	thinning_ranks_.clear();
 	probes_.clear();
-	probe_open_.clear();
+	probe_allowed_.clear();
 }
 
 /// Finds the points on the surface in the window, a column of space that may be limited in height.
@@ -104,19 +104,19 @@ Status LayerFilter::sample_surface(const PointSource &source, const std::atomic<
 	return sampled;
 }
 
-Status LayerFilter::take(std::span<const glm::dvec2> places, const Rect &window, std::span<const Ground> on_surface,
+Status LayerFilter::take(std::span<const glm::dvec2> positions, const Rect &window, std::span<const Ground> on_surface,
 		const Surface *grown) {
 	window_ = window;
 	on_surface_ = !on_surface.empty();
 	is_filled_ = false;
 	points_.clear();
 	surface_points_.clear();
-	for (const glm::dvec2 place : places) {
-		points_.push_back({.position = place, .id = points_.size(), .rank = 0, .level = 0});
+	for (const glm::dvec2 position : positions) {
+		points_.push_back({.position = position, .id = points_.size(), .rank = 0, .level = 0});
 	}
 	for (std::size_t i = 0; i < on_surface.size(); ++i) {
 		SurfacePoint point{};
-		point.position = {places[i].x, on_surface[i].height, places[i].y};
+		point.position = {positions[i].x, on_surface[i].height, positions[i].y};
 		point.normal = on_surface[i].normal;
 		surface_points_.push_back(point);
 	}
@@ -124,7 +124,7 @@ Status LayerFilter::take(std::span<const glm::dvec2> places, const Rect &window,
 		return status;
 	}
 	keep_points(true);
-	return look_around(grown, nullptr);
+	return gather_surroundings(grown, nullptr);
 }
 
 /// Evaluates the position rules at all points.
@@ -138,7 +138,7 @@ Status LayerFilter::query_position() {
 	for (const SurfacePoint &point : surface_points_) {
 		sampled_heights_.push_back(static_cast<float>(point.position.y));
 	}
-	return rules_.place_densities({sampled_positions_, sampled_heights_}, sampled_densities_, scratch_);
+	return rules_.position_densities({sampled_positions_, sampled_heights_}, sampled_densities_, scratch_);
 }
 
 /// Splits the points into separate arrays: all of them, or only those that pass the position rules.
@@ -153,37 +153,37 @@ void LayerFilter::keep_points(bool all) {
 	resize(sampled_);
 	// The loop avoids a branch, which would often be mispredicted: a point that is not kept is
 	// overwritten by the next one.
-	std::size_t kept = 0;
+	std::size_t kept_count = 0;
 	for (std::size_t i = 0; i < sampled_; ++i) {
-		positions_[kept] = points_[i].position;
-		ids_[kept] = points_[i].id;
-		ranks_[kept] = points_[i].rank;
-		densities_[kept] = sampled_densities_[i];
+		positions_[kept_count] = points_[i].position;
+		ids_[kept_count] = points_[i].id;
+		ranks_[kept_count] = points_[i].rank;
+		densities_[kept_count] = sampled_densities_[i];
 		if (on_surface_) {
 			const SurfacePoint &point = surface_points_[i];
-			surface_ground_[kept] = {sampled_heights_[i], glm::vec3(point.normal)};
+			surface_ground_[kept_count] = {sampled_heights_[i], glm::vec3(point.normal)};
 		}
-		kept += all || is_placed(points_[i].rank, sampled_densities_[i]) ? 1 : 0;
+		kept_count += all || is_placed(points_[i].rank, sampled_densities_[i]) ? 1 : 0;
 	}
-	resize(kept);
+	resize(kept_count);
 }
 
-Status LayerFilter::look_around(const Surface *grown, const std::atomic<bool> *cancel) {
+Status LayerFilter::gather_surroundings(const Surface *grown, const std::atomic<bool> *cancel) {
 	near_shapes_.clear();
 	if (const ShapeSet *shapes = rules_.rules().shapes.get()) {
 		// Probes may be outside the window.
 		const double around = edge_reach(rules_.rules().edge_feather, on_surface_);
-		throw_if_out_of_memory(shapes->near({window_.min - around, window_.max + around}, near_shapes_));
+		throw_if_out_of_memory(shapes->find_nearby({window_.min - around, window_.max + around}, near_shapes_));
 	}
 	probes_.clear();
 	probe_heights_.clear();
 	probe_ground_.clear();
-	probe_open_.clear();
+	probe_allowed_.clear();
 	if (!(rules_.rules().edge_feather > 0.0)) {
 		return {};
 	}
 	const Status status = find_probes(grown, cancel);
-	return status.ok() ? open_probes() : status;
+	return status.ok() ? evaluate_probes() : status;
 }
 
 Status LayerFilter::find_probes(const Surface *grown, const std::atomic<bool> *cancel) {
@@ -219,11 +219,11 @@ Status LayerFilter::find_probes_on(const Surface &grown, const std::atomic<bool>
 }
 
 /// Evaluates the position rules at the probes.
-Status LayerFilter::open_probes() {
+Status LayerFilter::evaluate_probes() {
 	sampled_densities_.resize(probes_.size());
-	const Status status = rules_.place_densities({probes_, probe_heights_}, sampled_densities_, scratch_);
-	probe_open_.resize(probes_.size());
-	std::transform(sampled_densities_.begin(), sampled_densities_.end(), probe_open_.begin(),
+	const Status status = rules_.position_densities({probes_, probe_heights_}, sampled_densities_, scratch_);
+	probe_allowed_.resize(probes_.size());
+	std::transform(sampled_densities_.begin(), sampled_densities_.end(), probe_allowed_.begin(),
 			[](double density) { return density > 0.0; });
 	return status;
 }
@@ -249,7 +249,7 @@ void LayerFilter::add_queries(
 bool LayerFilter::probe_allows(std::size_t probe, const Ground &ground) const {
 	const Planet &planet = layer_->planet;
 	const Ground seen = planet.exists() ? on_planet(planet, probes_[probe], ground) : ground;
-	return probe_open_[probe] != 0 && rules_.allow(seen, probes_[probe]) &&
+	return probe_allowed_[probe] != 0 && rules_.allow(seen, probes_[probe]) &&
 			rules_.shape_density(near_shapes_, probes_[probe], ground) > 0.0;
 }
 
@@ -261,8 +261,8 @@ double LayerFilter::edge_density_at(
 		const std::size_t probe = point * edge_probes + i;
 		allowed += probe_allows(probe, probe_ground[probe]) ? 1 : 0;
 	}
-	const double share = static_cast<double>(allowed) / static_cast<double>(edge_probes);
-	return record(RuleKind::edge_feather, share, edge_density(allowed));
+	const double fraction = static_cast<double>(allowed) / static_cast<double>(edge_probes);
+	return record(RuleKind::edge_feather, fraction, edge_density(allowed));
 }
 
 template <class Record>
@@ -307,7 +307,7 @@ double LayerFilter::product(std::size_t point, std::span<const Ground> ground, c
 			density *= neighbor_density(i, point, here, record);
 		}
 	}
-	if (!probe_open_.empty() && goes_on()) {
+	if (!probe_allowed_.empty() && goes_on()) {
 		const std::span<const Ground> around =
 				on_surface_ ? std::span<const Ground>(probe_ground_) : ground.subspan(positions_.size());
 		density *= edge_density_at(point, around, record);
@@ -322,11 +322,11 @@ double LayerFilter::density_at(std::size_t point, std::span<const Ground> ground
 Status LayerFilter::factors_at(
 		std::size_t point, std::span<const Ground> ground, std::vector<RuleFactor> &r_factors) const {
 	const RuleRecord record(r_factors);
-	Places place{{&positions_[point], 1}};
+	PositionBatch position{{&positions_[point], 1}};
 	if (on_surface_) {
-		place.heights = {&surface_ground_[point].height, 1};
+		position.heights = {&surface_ground_[point].height, 1};
 	}
-	const Status status = rules_.place_factors(place, record);
+	const Status status = rules_.position_factors(position, record);
 	if (status.ok()) {
 		product(point, ground, record);
 	}
@@ -334,51 +334,51 @@ Status LayerFilter::factors_at(
 }
 
 Status LayerFilter::filter(std::span<const Ground> ground, const std::atomic<bool> *cancel) {
-	const bool looks_further = rules_.rules().shapes != nullptr || !neighbors_.empty() || !probe_open_.empty();
+	const bool has_further_rules = rules_.rules().shapes != nullptr || !neighbors_.empty() || !probe_allowed_.empty();
 	const std::span<const Ground> own_ground = ground_of(ground);
-	standing_.resize(positions_.size());
+	accepted_.resize(positions_.size());
 	thinning_ranks_.resize(positions_.size());
-	std::size_t standing = 0; // The loop avoids a branch, as in keep_points.
+	std::size_t accepted = 0; // The loop avoids a branch, as in keep_points.
 	for (std::size_t first = 0; first < positions_.size(); first += points_per_check) {
 		if (is_cancelled(cancel)) {
-			standing_.clear();
+			accepted_.clear();
 			thinning_ranks_.clear();
 			return {ErrorCode::cancelled, "tile", 0.0};
 		}
 		const std::size_t end = std::min(first + points_per_check, positions_.size());
 		for (std::size_t point = first; point < end; ++point) {
 			const double density =
-					looks_further ? density_at(point, ground) : density_alone(point, own_ground[point], NoRecord());
-			standing_[standing] = static_cast<std::uint32_t>(point);
-			thinning_ranks_[standing] = thinning_rank(ranks_[point], density);
-			standing += is_placed(ranks_[point], density) ? 1 : 0;
+					has_further_rules ? density_at(point, ground) : density_alone(point, own_ground[point], NoRecord());
+			accepted_[accepted] = static_cast<std::uint32_t>(point);
+			thinning_ranks_[accepted] = thinning_rank(ranks_[point], density);
+			accepted += is_placed(ranks_[point], density) ? 1 : 0;
 		}
 	}
-	standing_.resize(standing);
-	thinning_ranks_.resize(standing);
+	accepted_.resize(accepted);
+	thinning_ranks_.resize(accepted);
 	return {};
 }
 
-void LayerFilter::index_standing(const LayerGraph::Node &node, std::span<const Ground> ground, bool for_any_place) {
-	const bool on_plane = node.asked_on_plane || (for_any_place && node.asked_by_filling);
-	if (!on_plane && !node.asked_in_space) {
+void LayerFilter::index_present(const LayerGraph::Node &node, std::span<const Ground> ground, bool for_any_position) {
+	const bool on_plane = node.needed_on_plane || (for_any_position && node.needed_for_filling);
+	if (!on_plane && !node.needed_in_space) {
 		return;
 	}
-	const double cell = std::max(node.asked_from, layer_->set.radius);
-	standing_positions_.clear();
-	standing_places_.clear();
-	for (const std::uint32_t point : standing_) {
+	const double cell = std::max(node.max_dependent_distance, layer_->set.radius);
+	present_positions_.clear();
+	present_space_positions_.clear();
+	for (const std::uint32_t point : accepted_) {
 		const glm::dvec2 position = positions_[point];
-		standing_positions_.push_back(position);
-		if (node.asked_in_space) {
-			standing_places_.emplace_back(position.x, ground_of(ground)[point].height, position.y);
+		present_positions_.push_back(position);
+		if (node.needed_in_space) {
+			present_space_positions_.emplace_back(position.x, ground_of(ground)[point].height, position.y);
 		}
 	}
 	if (on_plane) {
-		grid_.set(standing_positions_, window_, cell);
+		grid_.set(present_positions_, window_, cell);
 	}
-	if (node.asked_in_space) {
-		space_grid_.set(standing_places_, window_, cell);
+	if (node.needed_in_space) {
+		space_grid_.set(present_space_positions_, window_, cell);
 	}
 }
 

@@ -53,7 +53,7 @@ public:
 	/// positions become points, with their indices as ids and with rank 0. If the positions are on
 	/// surfaces, `on_surface` contains the ground at each of them, and `grown` is the surface on which
 	/// the layer grows. If `on_surface` is empty, the positions are on the top of the ground.
-	Status take(std::span<const glm::dvec2> places, const Rect &window, std::span<const Ground> on_surface = {},
+	Status take(std::span<const glm::dvec2> positions, const Rect &window, std::span<const Ground> on_surface = {},
 			const Surface *grown = nullptr);
 
 	/// Appends the positions at which `filter` needs the ground, and their queries. These are the
@@ -61,7 +61,7 @@ public:
 	/// Normals are queried if the layer has a slope rule. If `normals` is true, they are always
 	/// queried at the points. The ground of points on surfaces and of their probes is already known.
 	void add_queries(bool normals, std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const;
-	std::size_t position_count() const { return on_surface_ ? 0 : positions_.size() + probe_open_.size(); }
+	std::size_t position_count() const { return on_surface_ ? 0 : positions_.size() + probe_allowed_.size(); }
 
 	/// Returns the ground at each point. `ground` is as for `filter`.
 	std::span<const Ground> ground_of(std::span<const Ground> ground) const {
@@ -82,9 +82,9 @@ public:
 	Status factors_at(std::size_t point, std::span<const Ground> ground, std::vector<RuleFactor> &r_factors) const;
 
 	/// Indexes the kept points for nearest_squared, with the distance that `node` requires.
-	/// `ground` is the same as for `filter`. If `for_any_place` is true, the layers that fill gaps
-	/// around this one may have points from `take`.
-	void index_standing(const LayerGraph::Node &node, std::span<const Ground> ground, bool for_any_place);
+	/// `ground` is the same as for `filter`. If `for_any_position` is true, the layers that fill
+	/// gaps around this one may have points from `take`.
+	void index_present(const LayerGraph::Node &node, std::span<const Ground> ground, bool for_any_position);
 
 	/// Returns the squared distance from a position to the nearest kept point of `other`, or the
 	/// square of `distance` (meters) if no point is nearer than that. `distance` must not exceed
@@ -100,17 +100,17 @@ public:
 	std::span<const std::uint32_t> ranks() const { return ranks_; }
 
 	/// Return the indices of the kept points, ascending, and their thinning ranks.
-	std::span<const std::uint32_t> standing() const { return standing_; }
+	std::span<const std::uint32_t> accepted() const { return accepted_; }
 	std::span<const std::uint32_t> thinning_ranks() const { return thinning_ranks_; }
 
 private:
 	Status sample_surface(const PointSource &source, const std::atomic<bool> *cancel);
 	Status query_position();
 	void keep_points(bool all);
-	Status look_around(const Surface *grown, const std::atomic<bool> *cancel);
+	Status gather_surroundings(const Surface *grown, const std::atomic<bool> *cancel);
 	Status find_probes(const Surface *grown, const std::atomic<bool> *cancel);
 	Status find_probes_on(const Surface &grown, const std::atomic<bool> *cancel);
-	Status open_probes();
+	Status evaluate_probes();
 	bool probe_allows(std::size_t probe, const Ground &ground) const;
 	template <class Record>
 	double neighbor_density(std::size_t neighbor, std::size_t point, const Ground &here, const Record &record) const;
@@ -135,19 +135,19 @@ private:
 	UnfilledVector<glm::dvec2> positions_;
 	UnfilledVector<std::uint64_t> ids_;
 	UnfilledVector<std::uint32_t> ranks_;
-	UnfilledVector<double> densities_;     ///< Product of the position rules for each point.
-	std::vector<glm::dvec2> probes_;       ///< edge_probes positions for each point, or empty.
-	std::vector<float> probe_heights_;     ///< World meters, as for sampled_heights_.
-	std::vector<Ground> probe_ground_;     ///< The ground at each probe on surfaces.
-	std::vector<std::uint8_t> probe_open_; ///< For each probe, 1 if the position rules allow it, otherwise 0.
+	UnfilledVector<double> densities_;        ///< Product of the position rules for each point.
+	std::vector<glm::dvec2> probes_;          ///< edge_probes positions for each point, or empty.
+	std::vector<float> probe_heights_;        ///< World meters, as for sampled_heights_.
+	std::vector<Ground> probe_ground_;        ///< The ground at each probe on surfaces.
+	std::vector<std::uint8_t> probe_allowed_; ///< For each probe, 1 if the position rules allow it, otherwise 0.
 	std::vector<std::uint32_t> near_shapes_;
 
-	UnfilledVector<std::uint32_t> standing_;
+	UnfilledVector<std::uint32_t> accepted_;
 	UnfilledVector<std::uint32_t> thinning_ranks_;
 	PointGrid<glm::dvec2> grid_;
 	PointGrid<glm::dvec3> space_grid_;
-	std::vector<glm::dvec2> standing_positions_;
-	std::vector<glm::dvec3> standing_places_;
+	std::vector<glm::dvec2> present_positions_;
+	std::vector<glm::dvec3> present_space_positions_;
 
 	// Working memory of `sample`.
 	UnfilledVector<glm::dvec2> sampled_positions_;

@@ -109,27 +109,27 @@ void LayerGraph::find_margins() {
 			other.is_filled_around = other.is_filled_around || node.is_filled_around;
 			return other;
 		};
-		const auto look = [&extend, &node](const LayerSettings *layer, double distance) {
+		const auto include = [&extend, &node](const LayerSettings *layer, double distance) {
 			Node &other = extend(layer, distance);
-			other.asked_from = std::max(other.asked_from, distance);
-			(distance_in_space(*node.layer, *layer) ? other.asked_in_space : other.asked_on_plane) = true;
+			other.max_dependent_distance = std::max(other.max_dependent_distance, distance);
+			(distance_in_space(*node.layer, *layer) ? other.needed_in_space : other.needed_on_plane) = true;
 		};
 		for (const HostLayer &host : node.layer->hosts) {
 			extend(host.layer.get(), host_distance(*node.layer, reach_of(host)));
 		}
 		for (const Neighbor &neighbor : node.layer->neighbors) {
 			if (!fills_around(*node.layer, neighbor)) {
-				look(neighbor.layer.get(), neighbor.distance);
+				include(neighbor.layer.get(), neighbor.distance);
 				continue;
 			}
 			const double around = fill_distance(node.layer->set, fill_margin_);
 			Node &other = extend(neighbor.layer.get(), neighbor.distance + around);
-			other.asked_from = std::max(other.asked_from, neighbor.distance);
-			other.asked_by_filling = other.is_filled_around = true;
+			other.max_dependent_distance = std::max(other.max_dependent_distance, neighbor.distance);
+			other.needed_for_filling = other.is_filled_around = true;
 		}
 		for (const InstanceSource *source : distance_sources_at(*node.layer, node.depth)) {
 			if (source != nullptr) {
-				look(source->layer.get(), source->max);
+				include(source->layer.get(), source->max);
 			}
 		}
 	}

@@ -23,14 +23,14 @@ public:
 		double margin = 0.0;
 		/// Largest distance in meters at which any layer of the graph depends on this one; 0 for
 		/// the layer itself.
-		double asked_from = 0.0;
+		double max_dependent_distance = 0.0;
 		/// True if dependent layers measure their distances to this layer in the plane
-		/// (`asked_on_plane`) or in space (`asked_in_space`); see distance_in_space.
-		bool asked_on_plane = false;
-		bool asked_in_space = false;
+		/// (`needed_on_plane`) or in space (`needed_in_space`); see distance_in_space.
+		bool needed_on_plane = false;
+		bool needed_in_space = false;
 		/// True if a layer fills gaps around this one. Points of that layer keep their distance
 		/// already when they are sampled. Other positions are checked on the plane.
-		bool asked_by_filling = false;
+		bool needed_for_filling = false;
 		/// True if a layer fills gaps around this one, or around a layer that depends on this one.
 		/// The margin is then wide, and the windows of adjacent tiles share much of their area.
 		bool is_filled_around = false;

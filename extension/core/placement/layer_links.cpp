@@ -56,7 +56,7 @@ std::vector<Found> find_all(Links layers) {
 	return result;
 }
 
-double asked_spacing(const Found &asking, std::size_t other) {
+double required_spacing(const Found &asking, std::size_t other) {
 	const auto found = asking.spacing.find(other);
 	return found != asking.spacing.end() ? found->second : 0.0;
 }
@@ -70,7 +70,7 @@ std::vector<Neighbor> neighbors(
 		if (earlier[i].settings == nullptr) {
 			continue;
 		}
-		const double distance = std::max(asked_spacing(found[index], i), asked_spacing(found[i], index));
+		const double distance = std::max(required_spacing(found[index], i), required_spacing(found[i], index));
 		if (distance > 0.0) {
 			result.push_back({earlier[i].settings, distance, nullptr});
 		}
@@ -129,7 +129,7 @@ void add_fill_problems(Links layers, std::size_t index, std::vector<std::string>
 	const std::vector<Found> found = find_all(layers);
 	bool has_spacing = false;
 	for (std::size_t i = 0; i < index; ++i) {
-		const double distance = std::max(asked_spacing(found[index], i), asked_spacing(found[i], index));
+		const double distance = std::max(required_spacing(found[index], i), required_spacing(found[i], index));
 		if (layers[i] == nullptr || distance <= 0.0) {
 			continue;
 		}

@@ -34,7 +34,7 @@ Status ParallelTileBuilder::build(std::span<const TileOrder> orders, const Terra
 			points_computed_ += r_worker->builder.sample_stats().computed;
 			r_tiles[at] = std::make_shared<const CompactTile>(r_worker->tile, order.layer);
 		}
-		if (r_worker->builder.positions().size() > TileBuilder::most_points_kept) {
+		if (r_worker->builder.positions().size() > TileBuilder::max_kept_points) {
 			r_worker = nullptr;
 		}
 		return status;

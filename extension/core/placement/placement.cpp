@@ -37,8 +37,8 @@ glm::dvec3 up_axis(glm::vec3 normal, double align, const glm::dvec3 &upright) {
 /// must not point nearly straight down.
 glm::dvec3 tilted_up(glm::dvec3 up, double x, double z) {
 	const double toward = up.x * x + up.z * z;
-	const double share = toward / (1.0 + up.y);
-	return {x - up.x * share, -toward, z - up.z * share};
+	const double fraction = toward / (1.0 + up.y);
+	return {x - up.x * fraction, -toward, z - up.z * fraction};
 }
 
 /// Applies a rotation from the world's up axis to `up` to the vector (x, 0, z). The rotation is the
@@ -53,7 +53,7 @@ glm::dvec3 tilted(glm::dvec3 up, double x, double z) {
 	return {half.x, -half.y, -half.z};
 }
 
-/// Applies the rotation of the function above to any vector.
+/// Applies the same rotation to an arbitrary vector.
 glm::dvec3 tilted(glm::dvec3 up, glm::dvec3 v) { return tilted(up, v.x, v.z) + v.y * up; }
 
 /// The three unit axes of an instance.
@@ -63,9 +63,10 @@ struct Axes {
 	glm::dvec3 z;
 };
 
-/// Returns the axes after the yaw and then the rotation of `tilted` from the world's up axis to `up`.
-Axes turned(const Rotation &turn, glm::dvec3 up) {
-	return {tilted(up, turn.cosine, -turn.sine), up, tilted(up, turn.sine, turn.cosine)};
+/// Returns the axes after the yaw, followed by the rotation of tilted() from the world's up axis to
+/// `up`.
+Axes rotated_axes(const Rotation &yaw, glm::dvec3 up) {
+	return {tilted(up, yaw.cosine, -yaw.sine), up, tilted(up, yaw.sine, yaw.cosine)};
 }
 
 /// Returns the up axis of a tilted instance. `tilt` and `direction` are random numbers from 0 to 1,
@@ -78,8 +79,8 @@ glm::dvec3 leaning_axis(const Placement &placement, double tilt, double directio
 
 /// Returns the scale for a random number from 0 to 1.
 double scale_at(const Placement &placement, double random) {
-	const double share = placement.scale_curve == nullptr ? random : placement.scale_curve->at(random);
-	return mix(placement.min_scale, placement.max_scale, share);
+	const double fraction = placement.scale_curve == nullptr ? random : placement.scale_curve->at(random);
+	return mix(placement.min_scale, placement.max_scale, fraction);
 }
 
 } // namespace
@@ -116,17 +117,17 @@ float write_basis(const Placement &placement, std::uint64_t seed, std::uint64_t 
 	const auto random = instance_random(seed, id, Draw::placement);
 	const double yaw = mix(placement.min_yaw_degrees, placement.max_yaw_degrees, unit_interval(random[0]));
 	const double scale = scale_at(placement, unit_interval(random[1]));
-	const Rotation turn = rotation_by(yaw / 360.0);
+	const Rotation rotation = rotation_by(yaw / 360.0);
 	const double align = placement.align_to_normal;
 	const glm::vec3 position{r_transform[3], r_transform[7], r_transform[11]};
 	const glm::dvec3 up = up_field.away ? up_axis(normal, align, up_field.at(position)) : up_axis(normal, align);
 	Axes axes;
 	if (placement.max_tilt_degrees > 0.0) {
-		axes = turned(turn, leaning_axis(placement, unit_interval(random[2]), unit_interval(random[3])));
+		axes = rotated_axes(rotation, leaning_axis(placement, unit_interval(random[2]), unit_interval(random[3])));
 		axes = {tilted(up, axes.x), tilted(up, axes.y), tilted(up, axes.z)};
 	} else {
 		// Without a tilt, one rotation suffices.
-		axes = turned(turn, up);
+		axes = rotated_axes(rotation, up);
 	}
 	for (int row = 0; row < 3; ++row) {
 		const auto at = static_cast<std::size_t>(row) * 4;

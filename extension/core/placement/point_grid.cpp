@@ -25,12 +25,12 @@ glm::dvec2 from_above(glm::dvec2 position) { return position; }
 glm::dvec2 from_above(const glm::dvec3 &position) { return {position.x, position.z}; }
 
 double squared_distance(glm::dvec2 a, glm::dvec2 b) {
-	const glm::dvec2 apart = a - b;
-	return apart.x * apart.x + apart.y * apart.y;
+	const glm::dvec2 offset = a - b;
+	return offset.x * offset.x + offset.y * offset.y;
 }
 double squared_distance(const glm::dvec3 &a, const glm::dvec3 &b) {
-	const glm::dvec3 apart = a - b;
-	return apart.x * apart.x + apart.y * apart.y + apart.z * apart.z;
+	const glm::dvec3 offset = a - b;
+	return offset.x * offset.x + offset.y * offset.y + offset.z * offset.z;
 }
 
 } // namespace
@@ -90,8 +90,8 @@ template <class Point>
 double PointGrid<Point>::nearest_outwards(
 		const Point &position, glm::ivec2 first, glm::ivec2 last, double nearest) const {
 	const glm::ivec2 own = cell_of(from_above(position));
-	const glm::ivec2 most = glm::max(own - first, last - own);
-	for (int ring = 0; ring <= std::max(most.x, most.y); ++ring) {
+	const glm::ivec2 farthest = glm::max(own - first, last - own);
+	for (int ring = 0; ring <= std::max(farthest.x, farthest.y); ++ring) {
 		// The distance, in cells, to points in a ring is at least one less than the ring's number.
 		// One more cell is subtracted to cover rounding.
 		const double beyond = static_cast<double>(ring - 2) / cells_per_meter_;

@@ -20,9 +20,9 @@ constexpr std::size_t values_per_check = 512;
 } // namespace
 
 /// Returns the heights of the kept points in world meters. They are valid until the next call.
-std::span<const float> SourceValues::heights_of(const PlacedPoints &points, std::span<const std::uint32_t> standing) {
-	heights_.resize(standing.size());
-	std::transform(standing.begin(), standing.end(), heights_.begin(),
+std::span<const float> SourceValues::heights_of(const PlacedPoints &points, std::span<const std::uint32_t> accepted) {
+	heights_.resize(accepted.size());
+	std::transform(accepted.begin(), accepted.end(), heights_.begin(),
 			[&](std::uint32_t point) { return points.ground[point].height; });
 	return heights_;
 }
@@ -30,9 +30,9 @@ std::span<const float> SourceValues::heights_of(const PlacedPoints &points, std:
 /// Evaluates the source at the kept points from index `first` on, one for each entry of `r_values`.
 Status SourceValues::measure(const InstanceSource &source, const TileFilter &filter, const PlacedPoints &points,
 		std::size_t first, std::span<double> r_values) {
-	const auto standing = points.standing.subspan(first, r_values.size());
+	const auto accepted = points.accepted.subspan(first, r_values.size());
 	const auto each = [&](const auto &value_of) {
-		std::transform(standing.begin(), standing.end(), r_values.begin(), value_of);
+		std::transform(accepted.begin(), accepted.end(), r_values.begin(), value_of);
 	};
 	const Planet &planet = filter.own().settings().planet;
 	const auto ground_of = [&](std::uint32_t point) {
@@ -59,15 +59,15 @@ Status SourceValues::measure(const InstanceSource &source, const TileFilter &fil
 			break;
 		}
 		case SourceKind::noise: {
-			positions_.resize(standing.size());
-			noise_.resize(standing.size());
-			std::transform(standing.begin(), standing.end(), positions_.begin(),
+			positions_.resize(accepted.size());
+			noise_.resize(accepted.size());
+			std::transform(accepted.begin(), accepted.end(), positions_.begin(),
 					[&](std::uint32_t point) { return points.positions[point]; });
-			Places places{positions_};
+			PositionBatch batch{positions_};
 			if (filter.own().settings().set.on_surface) {
-				places.heights = heights_of(points, standing);
+				batch.heights = heights_of(points, accepted);
 			}
-			const Status status = source.noise->sample_at(places, noise_);
+			const Status status = source.noise->sample_at(batch, noise_);
 			std::transform(noise_.begin(), noise_.end(), r_values.begin(), unit_density);
 			return status;
 		}
@@ -76,18 +76,18 @@ Status SourceValues::measure(const InstanceSource &source, const TileFilter &fil
 }
 
 Status SourceValues::find(const InstanceSource &source, const TileFilter &filter, const PlacedPoints &points,
-		const std::atomic<bool> *cancel, std::vector<float> &r_shares) {
-	r_shares.resize(points.positions.size());
-	for (std::size_t first = 0; first < points.standing.size(); first += values_per_check) {
+		const std::atomic<bool> *cancel, std::vector<float> &r_fractions) {
+	r_fractions.resize(points.positions.size());
+	for (std::size_t first = 0; first < points.accepted.size(); first += values_per_check) {
 		if (is_cancelled(cancel)) {
 			return {ErrorCode::cancelled, "tile", 0.0};
 		}
-		values_.resize(std::min(values_per_check, points.standing.size() - first));
+		values_.resize(std::min(values_per_check, points.accepted.size() - first));
 		if (const Status status = measure(source, filter, points, first, values_); !status.ok()) {
 			return status;
 		}
 		for (std::size_t i = 0; i < values_.size(); ++i) {
-			r_shares[points.standing[first + i]] = share_of(source, values_[i]);
+			r_fractions[points.accepted[first + i]] = fraction_of(source, values_[i]);
 		}
 	}
 	return {};
@@ -98,11 +98,11 @@ Status SourceValues::find(const TileFilter &filter, PlacedPoints &r_points, cons
 	Status status;
 	if (data.color_is_known()) {
 		status = find(data.color, filter, r_points, cancel, color_);
-		r_points.color_shares = color_;
+		r_points.color_fractions = color_;
 	}
 	if (status.ok() && data.variation_is_known()) {
 		status = find(data.variation, filter, r_points, cancel, variation_);
-		r_points.variation_shares = variation_;
+		r_points.variation_fractions = variation_;
 	}
 	return status;
 }

@@ -12,21 +12,21 @@
 
 namespace thicket {
 
-/// Computes the InstanceShares of a layer at the points that become instances. An object of this
+/// Computes the SourceFractions of a layer at the points that become instances. An object of this
 /// class reuses its memory.
 class SourceValues {
 public:
-	/// Sets the shares in `r_points`, which must be the points of the filter's own layer. The spans
-	/// are valid until the next call. If a noise field fails, returns its error. Returns
+	/// Sets the fractions in `r_points`, which must be the points of the filter's own layer. The
+	/// spans are valid until the next call. If a noise field fails, returns its error. Returns
 	/// ErrorCode::cancelled if `cancel` is set. Throws std::bad_alloc.
 	Status find(const TileFilter &filter, PlacedPoints &r_points, const std::atomic<bool> *cancel);
 
 private:
 	Status find(const InstanceSource &source, const TileFilter &filter, const PlacedPoints &points,
-			const std::atomic<bool> *cancel, std::vector<float> &r_shares);
+			const std::atomic<bool> *cancel, std::vector<float> &r_fractions);
 	Status measure(const InstanceSource &source, const TileFilter &filter, const PlacedPoints &points,
 			std::size_t first, std::span<double> r_values);
-	std::span<const float> heights_of(const PlacedPoints &points, std::span<const std::uint32_t> standing);
+	std::span<const float> heights_of(const PlacedPoints &points, std::span<const std::uint32_t> accepted);
 
 	std::vector<float> color_;     ///< One entry per point; unspecified for points that are not kept.
 	std::vector<float> variation_; ///< The variation of each point, under the same conditions.

@@ -26,17 +26,17 @@ void SurfaceProbes::find(const Surface &surface, const glm::dvec3 &position, con
 	for (std::size_t i = 0; i < r_probes.size(); ++i) {
 		const glm::dvec2 offset = edge_feather * probe_offsets[i];
 		const double far = std::sqrt(offset.x * offset.x + offset.y * offset.y);
-		const glm::dvec3 place = position + offset.x * along + offset.y * across;
-		const glm::dvec3 top = place + far * up;
-		const glm::dvec3 bottom = place - far * up;
+		const glm::dvec3 probe = position + offset.x * along + offset.y * across;
+		const glm::dvec3 top = probe + far * up;
+		const glm::dvec3 bottom = probe - far * up;
 		surface.find({glm::min(top, bottom), glm::max(top, bottom)}, triangles_);
-		r_probes[i] = {place, glm::dvec3(0.0), false};
-		double least = far;
+		r_probes[i] = {probe, glm::dvec3(0.0), false};
+		double min_distance = far;
 		for (const std::uint32_t index : triangles_) {
-			const double distance = distance_along(surface.triangle(index), place, up);
-			if (std::abs(distance) < least) {
-				least = std::abs(distance);
-				r_probes[i] = {place + distance * up, glm::normalize(surface.cross(index)), true};
+			const double distance = distance_along(surface.triangle(index), probe, up);
+			if (std::abs(distance) < min_distance) {
+				min_distance = std::abs(distance);
+				r_probes[i] = {probe + distance * up, glm::normalize(surface.cross(index)), true};
 			}
 		}
 	}

@@ -57,7 +57,7 @@ struct TileBuilder::Workspace {
 	SampleMargins margins;
 	std::shared_ptr<BlockCache> cache;
 	TileFilter filter;
-	SourceValues shares;
+	SourceValues fractions;
 	InstanceWriter writer;
 
 	// True after a successful `find_points` or `find_further`.
@@ -184,16 +184,16 @@ Status TileBuilder::Workspace::place(
 	}
 	stats = filter.sample_stats();
 	const LayerFilter &own = filter.own();
-	PlacedPoints points{own.positions(), filter.own_ground(known), own.ids(), own.standing(), own.thinning_ranks()};
+	PlacedPoints points{own.positions(), filter.own_ground(known), own.ids(), own.accepted(), own.thinning_ranks()};
 	if (!own.settings().set.on_surface) {
 		choose_probes(points.positions, points.ground, probes);
 	}
-	Status status = shares.find(filter, points, cancel);
+	Status status = fractions.find(filter, points, cancel);
 	if (status.ok()) {
 		status = writer.write(own.settings(), points, origin(known), r_tile, cancel);
 	}
 	if (status.ok()) {
-		r_tile.counts = {own.sampled(), own.positions().size(), own.standing().size()};
+		r_tile.counts = {own.sampled(), own.positions().size(), own.accepted().size()};
 	}
 	return status;
 }

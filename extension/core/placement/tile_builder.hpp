@@ -35,7 +35,7 @@ class TileBuilder {
 public:
 	/// After a tile with more points than this, callers should discard the builder to free its
 	/// memory.
-	static constexpr std::size_t most_points_kept = 1 << 16;
+	static constexpr std::size_t max_kept_points = 1 << 16;
 
 	/// `margins` and `cache` affect only the amount of work, never the result. `cache` may be null
 	/// or shared with other builders.

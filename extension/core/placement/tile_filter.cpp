@@ -96,7 +96,7 @@ Status TileFilter::sample_filled(std::size_t index, const std::atomic<bool> *can
 	for (const Neighbor &neighbor : settings.neighbors) {
 		if (fills_around(settings, neighbor)) {
 			const Rect near = window.grown(1.001 * (around + neighbor.distance));
-			for (const std::uint32_t point : layer_of(neighbor.layer.get()).standing()) {
+			for (const std::uint32_t point : layer_of(neighbor.layer.get()).accepted()) {
 				const glm::dvec2 position = layer_of(neighbor.layer.get()).positions()[point];
 				if (near.contains(position)) {
 					obstacles_.push_back({position, neighbor.distance});
@@ -138,14 +138,14 @@ Status TileFilter::sample(
 	return start(cancel, threads);
 }
 
-Status TileFilter::sample_around(std::span<const glm::dvec2> places, std::span<const Ground> on_surface,
+Status TileFilter::sample_around(std::span<const glm::dvec2> positions, std::span<const Ground> on_surface,
 		const TileSpace &space, const Surface *surface, const Surface *grown) {
 	space_ = space;
 	surface_ = surface;
 	takes_own_ = true;
 	set_fill_margin(0);
 	const Status status = start(nullptr, nullptr);
-	return status.ok() ? layers_[size() - 1]->take(places, space, on_surface, grown) : status;
+	return status.ok() ? layers_[size() - 1]->take(positions, space, on_surface, grown) : status;
 }
 
 bool TileFilter::is_complete() const { return std::ranges::find(progress_, Progress::waiting) == progress_.end(); }
@@ -252,7 +252,7 @@ Status TileFilter::filter_layer(std::size_t index, std::span<const Ground> groun
 Status TileFilter::filter_neighbor(std::size_t index, std::span<const Ground> ground, const std::atomic<bool> *cancel) {
 	const Status status = filter_layer(index, ground, cancel);
 	if (status.ok()) {
-		layers_[index]->index_standing(graph_.nodes()[index], ground_at(index, ground), takes_own_);
+		layers_[index]->index_present(graph_.nodes()[index], ground_at(index, ground), takes_own_);
 	}
 	return status;
 }

@@ -40,8 +40,8 @@ public:
 	/// Evaluates the layer at arbitrary positions (see LayerFilter::take) and samples the other
 	/// layers around them. This call replaces `sample`. `space` must contain all positions. `grown` is
 	/// the surface on which the layer itself grows, if the positions are on surfaces.
-	Status sample_around(std::span<const glm::dvec2> places, std::span<const Ground> on_surface, const TileSpace &space,
-			const Surface *surface, const Surface *grown);
+	Status sample_around(std::span<const glm::dvec2> positions, std::span<const Ground> on_surface,
+			const TileSpace &space, const Surface *surface, const Surface *grown);
 
 	/// Returns true if all layers are sampled, so that `filter` can be called.
 	bool is_complete() const;

@@ -13,7 +13,7 @@ void MeshInstances::reserve(std::size_t count, const InstanceData &data) {
 	ranks.reserve(count);
 	normals.reserve(count);
 	if (data.color_is_known() || data.variation_is_known()) {
-		shares.reserve(count);
+		fractions.reserve(count);
 	}
 }
 
@@ -22,7 +22,7 @@ void MeshInstances::resize(std::size_t count, const InstanceData &data) {
 	resize(count, floats_per_instance(data));
 	normals.resize(count);
 	if (data.color_is_known() || data.variation_is_known()) {
-		shares.resize(count);
+		fractions.resize(count);
 	}
 }
 
@@ -32,7 +32,7 @@ void MeshInstances::resize(std::size_t count, std::size_t floats) {
 	ids.resize(count);
 	ranks.resize(count);
 	normals.clear();
-	shares.clear();
+	fractions.clear();
 }
 
 std::size_t visible_prefix(std::span<const std::uint32_t> ranks, double density) {

@@ -23,8 +23,9 @@ struct MeshInstances {
 	std::vector<std::uint32_t> ranks; ///< Thinning ranks of the instances, ascending.
 
 	// Inputs from which the floats were computed. Empty for instances that were not generated.
-	UnfilledVector<glm::vec3> normals;  ///< Normals of the ground at the instances.
-	std::vector<InstanceShares> shares; ///< Color and variation inputs. Also empty if the layer has no known source.
+	UnfilledVector<glm::vec3> normals; ///< Normals of the ground at the instances.
+	std::vector<SourceFractions>
+			fractions; ///< Color and variation inputs. Also empty if the layer has no known source.
 
 	/// Bounds of the positions relative to the tile's origin, without the extent of the mesh. Both
 	/// are 0 if there are no instances.
@@ -38,8 +39,8 @@ struct MeshInstances {
 
 	std::size_t size() const { return ids.size(); }
 
-	/// Resizes the lists to `count` instances of `floats` floats each, without normals and shares.
-	/// Memory is reused.
+	/// Resizes the lists to `count` instances of `floats` floats each, without normals and
+	/// fractions. Memory is reused.
 	void resize(std::size_t count, std::size_t floats = transform_floats);
 
 	/// Allocates memory for `count` generated instances.

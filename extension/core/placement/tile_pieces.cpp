@@ -76,27 +76,27 @@ Status TilePieces::Worker::find(
 		return status;
 	}
 	const LayerFilter &own = filter.own();
-	PlacedPoints points{own.positions(), filter.own_ground(ground), own.ids(), own.standing(), own.thinning_ranks()};
-	status = shares.find(filter, points, cancel);
+	PlacedPoints points{own.positions(), filter.own_ground(ground), own.ids(), own.accepted(), own.thinning_ranks()};
+	status = fractions.find(filter, points, cancel);
 	const auto choose = [&](const auto &from, auto &r_to) {
-		r_to.reserve(from.empty() ? 0 : points.standing.size());
-		for (std::size_t i = 0; i < points.standing.size() && !from.empty(); ++i) {
-			r_to.push_back(from[points.standing[i]]);
+		r_to.reserve(from.empty() ? 0 : points.accepted.size());
+		for (std::size_t i = 0; i < points.accepted.size() && !from.empty(); ++i) {
+			r_to.push_back(from[points.accepted[i]]);
 		}
 	};
 	choose(points.positions, r_found.positions);
 	choose(points.ground, r_found.ground);
 	choose(points.ids, r_found.ids);
-	choose(points.color_shares, r_found.color_shares);
-	choose(points.variation_shares, r_found.variation_shares);
+	choose(points.color_fractions, r_found.color_fractions);
+	choose(points.variation_fractions, r_found.variation_fractions);
 	r_found.thinning_ranks.assign(points.thinning_ranks.begin(), points.thinning_ranks.end());
-	r_found.counts = {own.sampled(), own.positions().size(), own.standing().size()};
+	r_found.counts = {own.sampled(), own.positions().size(), own.accepted().size()};
 	r_found.stats = filter.sample_stats();
 	return status;
 }
 
 /// Adds up the counts of all pieces, and allocates the memory for their points.
-void TilePieces::make_room() {
+void TilePieces::reserve_pieces() {
 	std::size_t total = 0;
 	bool colors = false;
 	bool variations = false;
@@ -108,29 +108,29 @@ void TilePieces::make_room() {
 		counts_.dense += found.counts.dense;
 		counts_.placed += found.counts.placed;
 		stats_.add(found.stats);
-		colors = colors || !found.color_shares.empty();
-		variations = variations || !found.variation_shares.empty();
+		colors = colors || !found.color_fractions.empty();
+		variations = variations || !found.variation_fractions.empty();
 	}
 	positions_.resize(total);
 	ground_.resize(total);
 	ids_.resize(total);
 	thinning_ranks_.resize(total);
-	standing_.resize(total);
-	color_shares_.resize(colors ? total : 0);
-	variation_shares_.resize(variations ? total : 0);
+	accepted_.resize(total);
+	color_fractions_.resize(colors ? total : 0);
+	variation_fractions_.resize(variations ? total : 0);
 }
 
 /// Moves the results of a piece to the common arrays.
 void TilePieces::gather(Found &r_found) {
-	const auto begin = standing_.begin() + static_cast<std::ptrdiff_t>(r_found.first);
+	const auto begin = accepted_.begin() + static_cast<std::ptrdiff_t>(r_found.first);
 	std::iota(
 			begin, begin + static_cast<std::ptrdiff_t>(r_found.ids.size()), static_cast<std::uint32_t>(r_found.first));
 	put(r_found.positions, positions_, r_found.first);
 	put(r_found.ground, ground_, r_found.first);
 	put(r_found.ids, ids_, r_found.first);
 	put(r_found.thinning_ranks, thinning_ranks_, r_found.first);
-	put(r_found.color_shares, color_shares_, r_found.first);
-	put(r_found.variation_shares, variation_shares_, r_found.first);
+	put(r_found.color_fractions, color_fractions_, r_found.first);
+	put(r_found.variation_fractions, variation_fractions_, r_found.first);
 }
 
 Status TilePieces::find(const LayerSettings &layer, const Terrain &terrain, const PieceGrid &grid,
@@ -161,7 +161,7 @@ Status TilePieces::find(const LayerSettings &layer, const Terrain &terrain, cons
 		throw_if_out_of_memory(*first);
 		return *first;
 	}
-	make_room();
+	reserve_pieces();
 	next = 0;
 	threads.run([&](std::size_t) {
 		for (std::size_t at = next++; at < count; at = next++) {
@@ -172,7 +172,7 @@ Status TilePieces::find(const LayerSettings &layer, const Terrain &terrain, cons
 }
 
 PlacedPoints TilePieces::points() const {
-	return {positions_, ground_, ids_, standing_, thinning_ranks_, color_shares_, variation_shares_};
+	return {positions_, ground_, ids_, accepted_, thinning_ranks_, color_fractions_, variation_fractions_};
 }
 
 } // namespace thicket

@@ -65,8 +65,8 @@ private:
 		std::vector<Ground> ground;
 		std::vector<std::uint64_t> ids;
 		std::vector<std::uint32_t> thinning_ranks;
-		std::vector<float> color_shares;
-		std::vector<float> variation_shares;
+		std::vector<float> color_fractions;
+		std::vector<float> variation_fractions;
 		TileCounts counts;
 		SampleStats stats;
 		std::size_t first = 0; ///< Index of the piece's first point in the common arrays.
@@ -76,7 +76,7 @@ private:
 		Worker(const SampleMargins &margins, const std::shared_ptr<BlockCache> &cache) : filter(margins, cache) {}
 
 		TileFilter filter;
-		SourceValues shares;
+		SourceValues fractions;
 		std::vector<glm::dvec2> positions;
 		std::vector<GroundQuery> queries;
 		std::vector<Ground> ground;
@@ -84,7 +84,7 @@ private:
 		Status find(const Terrain &terrain, const TileSpace &piece, const std::atomic<bool> *cancel, Found &r_found);
 	};
 
-	void make_room();
+	void reserve_pieces();
 	void gather(Found &r_found);
 
 	SampleMargins margins_;
@@ -98,9 +98,9 @@ private:
 	UnfilledVector<Ground> ground_;
 	UnfilledVector<std::uint64_t> ids_;
 	UnfilledVector<std::uint32_t> thinning_ranks_;
-	UnfilledVector<std::uint32_t> standing_;
-	UnfilledVector<float> color_shares_;
-	UnfilledVector<float> variation_shares_;
+	UnfilledVector<std::uint32_t> accepted_;
+	UnfilledVector<float> color_fractions_;
+	UnfilledVector<float> variation_fractions_;
 };
 
 } // namespace thicket

@@ -19,7 +19,7 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // The lanes of one vector. Vectors are at most as wide as a batch.
-using Doubles = hn::CappedTag<double, TransformBatch::most>;
+using Doubles = hn::CappedTag<double, TransformBatch::capacity>;
 using Words = hn::RebindToUnsigned<Doubles>; ///< 64-bit lanes; 32-bit numbers are in the lower half.
 using Halves = hn::Repartition<std::uint32_t, Words>;
 using Floats = hn::Rebind<float, Doubles>;
@@ -34,7 +34,7 @@ struct Vector {
 	D z;
 };
 
-struct Turn {
+struct Rotations {
 	D cosine;
 	D sine;
 };
@@ -84,7 +84,8 @@ HWY_INLINE Random random_of(W ids, std::uint64_t seed) {
 
 HWY_INLINE D mix(double min, double max, D t) { return hn::Add(set(min), hn::Mul(set(max - min), t)); }
 
-/// Performs one step of Horner's method, starting from the last coefficient.
+/// Performs one step of Horner's method for a series with alternating signs: returns
+/// coefficient - square * sum.
 HWY_INLINE D step(double coefficient, D square, D sum) { return hn::Sub(set(coefficient), hn::Mul(square, sum)); }
 
 HWY_INLINE D sine_small(D x, D square) {
@@ -106,8 +107,8 @@ HWY_INLINE D cosine_small(D square) {
 	return hn::Sub(set(1.0), hn::Mul(square, sum));
 }
 
-/// Performs rotation_by() on vectors.
-HWY_INLINE Turn rotation_by(D turns) {
+/// The vector version of rotation_by().
+HWY_INLINE Rotations rotation_by(D turns) {
 	const D quarters = hn::Mul(turns, set(4.0));
 	// Rounds to the nearest integer, and adds 8 to make the number positive. Adding 8 does not
 	// change the quarter, because 8 is a multiple of 4.
@@ -128,8 +129,8 @@ HWY_INLINE Turn rotation_by(D turns) {
 
 HWY_INLINE Vector tilted_up(const Vector &up, D x, D z) {
 	const D toward = hn::Add(hn::Mul(up.x, x), hn::Mul(up.z, z));
-	const D share = hn::Div(toward, hn::Add(set(1.0), up.y));
-	return {hn::Sub(x, hn::Mul(up.x, share)), hn::Neg(toward), hn::Sub(z, hn::Mul(up.z, share))};
+	const D fraction = hn::Div(toward, hn::Add(set(1.0), up.y));
+	return {hn::Sub(x, hn::Mul(up.x, fraction)), hn::Neg(toward), hn::Sub(z, hn::Mul(up.z, fraction))};
 }
 
 HWY_INLINE Vector tilted(const Vector &up, D x, D z) {
@@ -217,18 +218,18 @@ void make_transforms(const Placement &placement, std::uint64_t seed, const UpFie
 		const Random random = random_of(hn::Load(Words(), r_batch.ids.data() + at), seed);
 		const D yaw = mix(placement.min_yaw_degrees, placement.max_yaw_degrees, random.yaw);
 		const D scale = mix(placement.min_scale, placement.max_scale, random.scale);
-		const Turn turn = rotation_by(hn::Div(yaw, set(360.0)));
+		const Rotations yaws = rotation_by(hn::Div(yaw, set(360.0)));
 		const Vector up = up_of(placement, up_field, r_batch, at);
 		Vector axis = up;
 		if (leans) {
 			const D tilt = mix(placement.min_tilt_degrees, placement.max_tilt_degrees, random.tilt);
-			const Turn lean = rotation_by(hn::Div(tilt, set(360.0)));
-			const Turn towards = rotation_by(random.direction);
+			const Rotations lean = rotation_by(hn::Div(tilt, set(360.0)));
+			const Rotations towards = rotation_by(random.direction);
 			axis = {hn::Mul(lean.sine, towards.cosine), lean.cosine, hn::Mul(lean.sine, towards.sine)};
 		}
-		Vector x = tilted(axis, turn.cosine, hn::Neg(turn.sine));
+		Vector x = tilted(axis, yaws.cosine, hn::Neg(yaws.sine));
 		Vector y = axis;
-		Vector z = tilted(axis, turn.sine, turn.cosine);
+		Vector z = tilted(axis, yaws.sine, yaws.cosine);
 		if (leans) {
 			x = tilted(up, x);
 			y = tilted(up, y);

@@ -15,17 +15,17 @@ namespace thicket {
 /// Computes the transforms of many instances with vector instructions. The results are
 /// bit-identical to those of write_basis.
 struct TransformBatch {
-	static constexpr std::size_t most = 64; ///< Maximum number of instances in a batch.
+	static constexpr std::size_t capacity = 64; ///< Maximum number of instances in a batch.
 
 	// Inputs of `make`. `add` fills the first `count` entries.
 	std::size_t count = 0;
-	alignas(64) std::array<std::uint64_t, most> ids{};
-	alignas(64) std::array<float, most> normal_x{};
-	alignas(64) std::array<float, most> normal_y{};
-	alignas(64) std::array<float, most> normal_z{};
-	alignas(64) std::array<float, most> position_x{};
-	alignas(64) std::array<float, most> position_y{};
-	alignas(64) std::array<float, most> position_z{};
+	alignas(64) std::array<std::uint64_t, capacity> ids{};
+	alignas(64) std::array<float, capacity> normal_x{};
+	alignas(64) std::array<float, capacity> normal_y{};
+	alignas(64) std::array<float, capacity> normal_z{};
+	alignas(64) std::array<float, capacity> position_x{};
+	alignas(64) std::array<float, capacity> position_y{};
+	alignas(64) std::array<float, capacity> position_z{};
 
 	/// Adds an instance. `position` is the result of standing_position.
 	void add(std::uint64_t id, glm::vec3 normal, glm::vec3 position) {
@@ -47,8 +47,8 @@ struct TransformBatch {
 	// The outputs of `make`.
 	static constexpr std::size_t row_floats = transform_floats / 3;
 	/// For each of the three rows of a transform, the list of this row for all instances.
-	alignas(64) std::array<std::array<float, most * row_floats>, 3> rows{};
-	alignas(64) std::array<float, most> scale{};
+	alignas(64) std::array<std::array<float, capacity * row_floats>, 3> rows{};
+	alignas(64) std::array<float, capacity> scale{};
 
 	/// Copies the transform of one instance.
 	void write(std::size_t i, std::span<float, transform_floats> r_transform) const {

@@ -58,13 +58,13 @@ public:
 	/// called in order.
 	template <class Accepts>
 	void keep_from(std::size_t first, const Accepts &accepts) {
-		std::size_t kept = first;
+		std::size_t kept_count = first;
 		for (std::size_t i = first; i < size(); ++i) {
 			if (accepts((*this)[i])) {
-				refs_[kept++] = refs_[i];
+				refs_[kept_count++] = refs_[i];
 			}
 		}
-		refs_.resize(kept);
+		refs_.resize(kept_count);
 	}
 
 private:

@@ -27,14 +27,14 @@ Status GeneratingTileSource::find_tiles(
 		// All tiles are known.
 		return {};
 	}
-	std::vector<std::shared_ptr<const CompactTile>> made;
-	const Status status = make(missing, made);
-	made.resize(missing.size());
+	std::vector<std::shared_ptr<const CompactTile>> generated;
+	const Status status = make(missing, generated);
+	generated.resize(missing.size());
 	for (std::size_t i = 0; i < missing.size(); ++i) {
-		if (made[i] != nullptr) {
-			keep(missing[i], made[i]);
+		if (generated[i] != nullptr) {
+			keep(missing[i], generated[i]);
 		}
-		r_tiles[missed[i]] = std::move(made[i]);
+		r_tiles[missed[i]] = std::move(generated[i]);
 	}
 	return status;
 }

@@ -26,7 +26,7 @@ private:
 	virtual Status make(std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles) = 0;
 
 	/// Receives each generated tile, for example to store it.
-	virtual void keep(const WorldTile &tile, const std::shared_ptr<const CompactTile> &made) = 0;
+	virtual void keep(const WorldTile &tile, const std::shared_ptr<const CompactTile> &generated) = 0;
 };
 
 /// Returns the size of a tile, for limiting memory: the number of its instances plus one, because

@@ -51,7 +51,7 @@ public:
 		const std::size_t first = r_found.size();
 		r_found.reserve(instances_);
 		for (const std::shared_ptr<const CompactTile> &tile : tiles_) {
-			look_at(tile, layer, removed, r_found);
+			add_from_tile(tile, layer, removed, r_found);
 		}
 		r_found.sort_from(first);
 		if (filter_.accepts) {
@@ -90,8 +90,8 @@ private:
 		return {};
 	}
 
-	void look_at(const std::shared_ptr<const CompactTile> &tile, std::uint32_t layer, const RemovedPoints &removed,
-			FoundInstances &r_found) {
+	void add_from_tile(const std::shared_ptr<const CompactTile> &tile, std::uint32_t layer,
+			const RemovedPoints &removed, FoundInstances &r_found) {
 		for (std::uint32_t mesh = 0; mesh < tile->meshes.size(); ++mesh) {
 			const CompactMesh &content = tile->meshes[mesh];
 			const std::span<const glm::vec3> positions = content.positions();
@@ -109,7 +109,7 @@ private:
 			const std::uint32_t part = r_found.add_part({tile, &content}, tile->origin, layer, mesh);
 			for (const std::uint32_t i : inside_here_) {
 				const std::uint64_t id = content.id(i);
-				if (!removed.holds(id)) {
+				if (!removed.contains(id)) {
 					r_found.add(FoundInstances::Ref{id, part, i});
 				}
 			}

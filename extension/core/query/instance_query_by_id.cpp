@@ -18,11 +18,11 @@ namespace {
 
 /// If the cell of a point touches more tiles than this, it is cheaper to sample the set to find the
 /// point's position.
-constexpr double most_tiles = 4.0;
+constexpr double max_tiles = 4.0;
 
 /// Maximum number of tiles to read for a layer that fills gaps. All tiles of the cell must be read,
 /// because the set alone does not determine the layer's points.
-constexpr double most_filled_tiles = 1024.0;
+constexpr double max_filled_tiles = 1024.0;
 
 /// Finds the tile that contains a point, for a layer whose tiles are smaller than the set's cells.
 /// The range is empty if the set has no such point.
@@ -47,11 +47,11 @@ Status find_tile_of_point(const QueryLayer &layer, std::uint64_t id, const Sampl
 /// Finds the tiles that may contain the instance of a point.
 Status find_tiles_of(const QueryLayer &layer, std::uint64_t id, const SampleMargins &margins, TileRange &r_tiles) {
 	r_tiles = TileWindow(layer).touching(cell_rect(layer.set, id));
-	if (layer.fills && r_tiles.count() > most_filled_tiles) {
-		return Status::out_of_range("tiles of the id's cell", r_tiles.count(), at_most(most_filled_tiles),
+	if (layer.fills && r_tiles.count() > max_filled_tiles) {
+		return Status::out_of_range("tiles of the id's cell", r_tiles.count(), at_most(max_filled_tiles),
 				"Increase tile_size, or turn off spacing_fills");
 	}
-	if (r_tiles.count() > most_tiles && !layer.fills) {
+	if (r_tiles.count() > max_tiles && !layer.fills) {
 		// Reading this many tiles would take longer than sampling the set.
 		return find_tile_of_point(layer, id, margins, r_tiles);
 	}

@@ -71,7 +71,7 @@ struct NearestScan {
 					// A candidate found earlier is nearer.
 					continue;
 				}
-				if (squared <= max_squared && !removed.holds(instances.id(i))) {
+				if (squared <= max_squared && !removed.contains(instances.id(i))) {
 					r_candidates.add({squared, placed_instance(layer, mesh, content.origin, instances, i)});
 				}
 			}
@@ -119,7 +119,7 @@ struct RayScan {
 					// The ray is out of reach of this instance.
 					continue;
 				}
-				if (!removed.holds(instances.id(i))) {
+				if (!removed.contains(instances.id(i))) {
 					meet(placed_instance(layer, mesh, content.origin, instances, i), r_candidates);
 				}
 			}

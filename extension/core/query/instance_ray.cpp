@@ -69,8 +69,8 @@ ReachTest::ReachTest(const Ray &ray, double reach) : ray_(ray) {
 
 bool ReachTest::position(glm::dvec3 position) const {
 	const glm::dvec3 off = position - ray_.from;
-	const double share = std::clamp(glm::dot(off, ray_.along) * per_squared_length_, 0.0, 1.0);
-	return squared_length(off - share * ray_.along) <= reach_ * reach_;
+	const double fraction = std::clamp(glm::dot(off, ray_.along) * per_squared_length_, 0.0, 1.0);
+	return squared_length(off - fraction * ray_.along) <= reach_ * reach_;
 }
 
 bool ReachTest::box(glm::dvec3 min, glm::dvec3 max) const {

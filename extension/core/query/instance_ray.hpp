@@ -12,7 +12,7 @@ struct Ray {
 	glm::dvec3 from{0.0};
 	glm::dvec3 along{0.0}; ///< The vector from the start to the end.
 
-	glm::dvec3 at(double share) const { return from + share * along; }
+	glm::dvec3 at(double fraction) const { return from + fraction * along; }
 };
 
 /// A part of a ray, in fractions of its length. Empty if the end is before the start.

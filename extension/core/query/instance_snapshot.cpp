@@ -30,18 +30,18 @@ InstanceSnapshot::Tile InstanceSnapshot::find(const WorldTile &tile) const {
 		return known->tile;
 	}
 	const std::lock_guard lock(mutex_);
-	const auto made = made_.find(key);
-	return made != made_.end() ? made->second : nullptr;
+	const auto generated = generated_.find(key);
+	return generated != generated_.end() ? generated->second : nullptr;
 }
 
-void InstanceSnapshot::keep(const WorldTile &tile, const Tile &made) const {
+void InstanceSnapshot::keep(const WorldTile &tile, const Tile &generated) const {
 	const std::lock_guard lock(mutex_);
-	if (made_instances_ > max_made_instances) {
-		made_.clear();
-		made_instances_ = 0;
+	if (generated_instances_ > max_generated_instances) {
+		generated_.clear();
+		generated_instances_ = 0;
 	}
-	if (made_.emplace(key_of(tile), made).second) {
-		made_instances_ += cached_size(*made);
+	if (generated_.emplace(key_of(tile), generated).second) {
+		generated_instances_ += cached_size(*generated);
 	}
 }
 
@@ -51,6 +51,6 @@ Status InstanceSnapshot::Source::make(std::span<const WorldTile> tiles, std::vec
 	return snapshot_.maker_(tiles, r_tiles);
 }
 
-void InstanceSnapshot::Source::keep(const WorldTile &tile, const Tile &made) { snapshot_.keep(tile, made); }
+void InstanceSnapshot::Source::keep(const WorldTile &tile, const Tile &generated) { snapshot_.keep(tile, generated); }
 
 } // namespace thicket

@@ -39,7 +39,7 @@ public:
 	const InstanceState *state() const { return state_.has_value() ? &*state_ : nullptr; }
 
 	/// Generated tiles are dropped once they contain more instances than this in total.
-	static constexpr std::size_t max_made_instances = 400'000;
+	static constexpr std::size_t max_generated_instances = 400'000;
 
 private:
 	using Tile = std::shared_ptr<const CompactTile>;
@@ -51,14 +51,14 @@ private:
 	private:
 		Tile find(const WorldTile &tile) override;
 		Status make(std::span<const WorldTile> tiles, std::vector<Tile> &r_tiles) override;
-		void keep(const WorldTile &tile, const Tile &made) override;
+		void keep(const WorldTile &tile, const Tile &generated) override;
 
 		const InstanceSnapshot &snapshot_;
 	};
 
 	Status complete_state() const;
 	Tile find(const WorldTile &tile) const;
-	void keep(const WorldTile &tile, const Tile &made) const;
+	void keep(const WorldTile &tile, const Tile &generated) const;
 
 	std::vector<QueryLayer> layers_;
 	std::vector<KnownTile> known_; ///< Tiles that were known when the snapshot was taken, ascending by key.
@@ -67,8 +67,8 @@ private:
 	mutable Mutex mutex_; ///< Protects all members below, except `state_` once it is complete.
 	mutable std::optional<InstanceState> state_;
 	mutable bool complete_ = false;
-	mutable std::map<WorldTileKey, Tile> made_;
-	mutable std::size_t made_instances_ = 0;
+	mutable std::map<WorldTileKey, Tile> generated_;
+	mutable std::size_t generated_instances_ = 0;
 };
 
 } // namespace thicket

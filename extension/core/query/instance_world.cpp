@@ -59,7 +59,7 @@ void InstanceWorld::clear() {
 	tiles_.clear();
 	forgotten_.clear();
 	idle_.clear();
-	look_from_.reset();
+	next_idle_check_.reset();
 	missing_.clear();
 	++edits_;
 	touch();
@@ -67,20 +67,20 @@ void InstanceWorld::clear() {
 
 void InstanceWorld::keep(const WorldTile &tile, std::shared_ptr<const CompactTile> instances) {
 	const std::size_t size = cached_size(*instances);
-	kept_since_looking_ += size;
+	added_since_idle_check_ += size;
 	tiles_.insert_or_assign(key_of(tile), Entry{std::move(instances), size, ++uses_});
-	if (tile.layer < layers_.size() && new_tiles_.size() < most_new_tiles) {
+	if (tile.layer < layers_.size() && new_tiles_.size() < max_new_tiles) {
 		new_tiles_.push_back({++version_, tile.layer, tile_rect(layers_[tile.layer].tile_size, tile.tile)});
 	} else {
 		touch();
 	}
-	if (!look_from_ && kept_since_looking_ > max_idle_instances / 4) {
-		kept_since_looking_ = 0;
+	if (!next_idle_check_ && added_since_idle_check_ > max_idle_instances / 4) {
+		added_since_idle_check_ = 0;
 		idle_.clear();
 		idle_instances_ = 0;
-		look_from_ = tiles_.begin()->first;
+		next_idle_check_ = tiles_.begin()->first;
 	}
-	if (look_from_) {
+	if (next_idle_check_) {
 		find_idle();
 	} else {
 		forget_some();
@@ -93,28 +93,28 @@ std::vector<std::shared_ptr<const CompactTile>> InstanceWorld::take_forgotten() 
 
 /// Checks whether a few more tiles are idle. Checking all of them in one frame would delay it.
 void InstanceWorld::find_idle() {
-	constexpr std::size_t most_at_once = 128;
-	auto next = tiles_.lower_bound(*look_from_);
-	for (std::size_t i = 0; i < most_at_once && next != tiles_.end(); ++i, ++next) {
+	constexpr std::size_t max_per_call = 128;
+	auto next = tiles_.lower_bound(*next_idle_check_);
+	for (std::size_t i = 0; i < max_per_call && next != tiles_.end(); ++i, ++next) {
 		if (next->second.tile.use_count() == 1) {
 			idle_.emplace_back(next->second.used, next->first);
 			idle_instances_ += next->second.size;
 		}
 	}
-	look_from_ = next != tiles_.end() ? std::optional(next->first) : std::nullopt;
-	if (!look_from_) {
+	next_idle_check_ = next != tiles_.end() ? std::optional(next->first) : std::nullopt;
+	if (!next_idle_check_) {
 		std::ranges::make_heap(idle_, std::greater<>());
 	}
 }
 
 /// Drops the least recently used idle tiles.
 void InstanceWorld::forget_some() {
-	constexpr std::size_t most_at_once = 2;
-	constexpr std::size_t most_kept = 64; // Limits the memory in case no caller takes the tiles.
-	if (forgotten_.size() > most_kept) {
+	constexpr std::size_t max_per_call = 2;
+	constexpr std::size_t max_kept = 64; // Limits the memory in case no caller takes the tiles.
+	if (forgotten_.size() > max_kept) {
 		forgotten_.clear();
 	}
-	for (std::size_t i = 0; i < most_at_once && idle_instances_ > max_idle_instances && !idle_.empty(); ++i) {
+	for (std::size_t i = 0; i < max_per_call && idle_instances_ > max_idle_instances && !idle_.empty(); ++i) {
 		std::ranges::pop_heap(idle_, std::greater<>());
 		const auto [used, key] = idle_.back();
 		idle_.pop_back();
@@ -184,11 +184,11 @@ Status InstanceWorld::NearSource::find_tile(const WorldTile &tile, std::shared_p
 	return {};
 }
 
-std::shared_ptr<const CompactTile> InstanceWorld::MakingSource::find(const WorldTile &tile) {
+std::shared_ptr<const CompactTile> InstanceWorld::GeneratingSource::find(const WorldTile &tile) {
 	return world_.find(tile);
 }
 
-Status InstanceWorld::MakingSource::make(
+Status InstanceWorld::GeneratingSource::make(
 		std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles) {
 	// The maker is copied, because a script that provides the ground may replace it.
 	const TileMaker maker = world_.maker_;
@@ -196,9 +196,9 @@ Status InstanceWorld::MakingSource::make(
 	return maker(tiles, r_tiles);
 }
 
-void InstanceWorld::MakingSource::keep(const WorldTile &tile, const std::shared_ptr<const CompactTile> &made) {
+void InstanceWorld::GeneratingSource::keep(const WorldTile &tile, const std::shared_ptr<const CompactTile> &generated) {
 	if (edits_ == world_.edits_) {
-		world_.keep(tile, made);
+		world_.keep(tile, generated);
 	}
 }
 

@@ -98,7 +98,7 @@ public:
 	template <class Query>
 	Status answer(Query &&query) {
 		const std::vector<QueryLayer> layers = layers_;
-		MakingSource source(*this);
+		GeneratingSource source(*this);
 		return query(InstanceQuery{layers, source, state_});
 	}
 
@@ -139,15 +139,15 @@ private:
 		const InstanceWorld &world_;
 	};
 
-	class MakingSource : public GeneratingTileSource {
+	class GeneratingSource : public GeneratingTileSource {
 	public:
-		explicit MakingSource(InstanceWorld &world) : world_(world) {}
+		explicit GeneratingSource(InstanceWorld &world) : world_(world) {}
 
 	private:
 		std::shared_ptr<const CompactTile> find(const WorldTile &tile) override;
 		Status make(
 				std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles) override;
-		void keep(const WorldTile &tile, const std::shared_ptr<const CompactTile> &made) override;
+		void keep(const WorldTile &tile, const std::shared_ptr<const CompactTile> &generated) override;
 
 		InstanceWorld &world_;
 		/// The value of the world's `edits_` when tiles were last requested. If the world's value
@@ -163,7 +163,7 @@ private:
 		std::uint32_t layer = 0;
 		Rect rect;
 	};
-	static constexpr std::size_t most_new_tiles = 256;
+	static constexpr std::size_t max_new_tiles = 256;
 
 	void find_idle();
 	void forget_some();
@@ -178,9 +178,9 @@ private:
 	std::uint64_t edits_ = 0;          ///< Increases with every change that may outdate tiles.
 	mutable std::uint64_t uses_ = 0;
 
-	std::size_t kept_since_looking_ = 0; ///< Instances added since the last check for idle tiles.
+	std::size_t added_since_idle_check_ = 0; ///< Instances added since the last check for idle tiles.
 	/// The next tile to check for being idle; empty if no check is in progress.
-	std::optional<Key> look_from_;
+	std::optional<Key> next_idle_check_;
 	/// Idle tiles with their last use. The list is a heap once the check is complete.
 	std::vector<std::pair<std::uint64_t, Key>> idle_;
 	std::size_t idle_instances_ = 0;

@@ -48,18 +48,19 @@ public:
 	std::size_t size() const { return open_.size(); }
 
 private:
-	struct Open {
+	struct OpenRequest {
 		std::int64_t request = 0;
 		std::variant<Rect, Sphere> area;
 		QueryFilter filter;
 		/// Keeps known tiles alive until all tiles of the request are known.
-		std::vector<std::shared_ptr<const CompactTile>> held;
+		std::vector<std::shared_ptr<const CompactTile>> known_tiles;
 	};
 
-	static Status tiles_of(const InstanceQuery &query, const Open &open, std::vector<InstanceQuery::Tile> &r_tiles);
-	static bool gather(const InstanceWorld &world, Open &r_open);
+	static Status tiles_of(
+			const InstanceQuery &query, const OpenRequest &entry, std::vector<InstanceQuery::Tile> &r_tiles);
+	static bool gather(const InstanceWorld &world, OpenRequest &r_entry);
 
-	std::deque<Open> open_;
+	std::deque<OpenRequest> open_;
 	std::int64_t last_ = 0;
 };
 

@@ -27,9 +27,9 @@ public:
 			return {};
 		}
 		// The ray crosses at least one tile in every row, except outside the cells of the set.
-		if (const double most = points_ + (1.0 + rows.last.y - rows.first.y) * window.tile_points();
-				most > InstanceQuery::max_points) {
-			return Status::too_many_points("to", most, InstanceQuery::max_points, shorter_ray);
+		if (const double point_bound = points_ + (1.0 + rows.last.y - rows.first.y) * window.tile_points();
+				point_bound > InstanceQuery::max_points) {
+			return Status::too_many_points("to", point_bound, InstanceQuery::max_points, shorter_ray);
 		}
 		for (std::int32_t y = rows.first.y; y <= rows.last.y; ++y) {
 			const Rect area = window.standing_space({rows.first.x, y}, all_slabs);

@@ -20,7 +20,7 @@ PlacedInstance placed_instance(
 PlacedInstance placed_instance(std::uint64_t id, std::uint32_t layer, const AddedInstance &added);
 
 /// Looks up whether the state has removed a point of a layer. The constructor checks once whether
-/// the layer has removed points, so that `holds` is fast if there are none.
+/// the layer has removed points, so that `contains` is fast if there are none.
 class RemovedPoints {
 public:
 	RemovedPoints(const InstanceState *state, std::uint16_t layer) : state_(state) {
@@ -30,7 +30,7 @@ public:
 		}
 	}
 
-	bool holds(std::uint64_t id) const { return state_ != nullptr && state_->removed(id); }
+	bool contains(std::uint64_t id) const { return state_ != nullptr && state_->removed(id); }
 
 private:
 	const InstanceState *state_;

@@ -34,9 +34,9 @@ Status add_tiles(std::uint32_t index, const QueryLayer &layer, const QueryArea &
 	const TileWindow::Slabs slabs = window.touching(near_space.bottom, near_space.top);
 	// A circle or a ball touches more than half of the tiles in its bounds, so this check rejects
 	// no request that the exact check below would accept.
-	const double most = r_points + range.count() * slabs.count() * window.tile_points();
-	if (most > 2.0 * InstanceQuery::max_points) {
-		return Status::too_many_points(area.property, most, InstanceQuery::max_points, smaller_area);
+	const double point_bound = r_points + range.count() * slabs.count() * window.tile_points();
+	if (point_bound > 2.0 * InstanceQuery::max_points) {
+		return Status::too_many_points(area.property, point_bound, InstanceQuery::max_points, smaller_area);
 	}
 	std::vector<Near> near;
 	for (std::int32_t y = range.first.y; y <= range.last.y; ++y) {

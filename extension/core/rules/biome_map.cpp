@@ -129,7 +129,7 @@ BiomeSet BiomeMap::biomes_in(const Rect &rect) const {
 }
 
 /// Returns the displacement of the border along an axis, from -1 to 1.
-double BiomeMap::waver(glm::dvec2 position, std::size_t axis) const {
+double BiomeMap::border_offset(glm::dvec2 position, std::size_t axis) const {
 	constexpr double large_share = 0.7;
 	const double large = noise_[2 * axis].at(position);
 	const double small = noise_[2 * axis + 1].at(position);
@@ -150,14 +150,14 @@ void BiomeMap::taps_at(glm::dvec2 position, BiomeTaps &r_taps) const {
 		r_taps.fill(no_biome);
 		return;
 	}
-	if (const BiomeSet near = biomes_in({position, position}); std::has_single_bit(near)) {
+	if (const BiomeSet nearby_biomes = biomes_in({position, position}); std::has_single_bit(nearby_biomes)) {
 		// Away from borders, there is only one candidate, so no noise is evaluated.
-		r_taps.fill(static_cast<std::uint8_t>(std::countr_zero(near)));
+		r_taps.fill(static_cast<std::uint8_t>(std::countr_zero(nearby_biomes)));
 		return;
 	}
 	glm::dvec2 moved = position;
 	if (borders_.noise > 0.0) {
-		moved += borders_.noise * glm::dvec2(waver(position, 0), waver(position, 1));
+		moved += borders_.noise * glm::dvec2(border_offset(position, 0), border_offset(position, 1));
 	}
 	if (borders_.width <= 0.0) {
 		// All taps have the same position.

@@ -122,7 +122,7 @@ private:
 	std::size_t width() const { return static_cast<std::size_t>(size_.x); }
 	glm::ivec2 block_count() const;
 	void find_blocks();
-	double waver(glm::dvec2 position, std::size_t axis) const;
+	double border_offset(glm::dvec2 position, std::size_t axis) const;
 
 	glm::ivec2 size_{1};
 	std::vector<std::uint8_t> pixels_{no_biome};

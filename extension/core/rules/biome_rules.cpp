@@ -31,7 +31,7 @@ Rect bounds_of(std::span<const glm::dvec2> positions) {
 BiomeDensity::BiomeDensity(std::shared_ptr<const BiomeMap> map, const PerBiome<float> &densities) :
 		map_(std::move(map)), densities_(densities) {
 	for (std::size_t biome = 0; biome < densities_.size(); ++biome) {
-		open_ |= densities_[biome] > 0.0F ? biome_bit(static_cast<std::uint8_t>(biome)) : 0;
+		permitted_biomes_ |= densities_[biome] > 0.0F ? biome_bit(static_cast<std::uint8_t>(biome)) : 0;
 	}
 }
 
@@ -43,10 +43,10 @@ Status BiomeDensity::sample(std::span<const glm::dvec2> positions, std::span<flo
 		return {};
 	}
 	if (const Rect bounds = bounds_of(positions); bounds.finite()) {
-		const BiomeSet near = map_->biomes_in(bounds);
-		if ((near & open_) == 0 || std::has_single_bit(near)) {
+		const BiomeSet nearby_biomes = map_->biomes_in(bounds);
+		if ((nearby_biomes & permitted_biomes_) == 0 || std::has_single_bit(nearby_biomes)) {
 			// Most tiles lie within one biome, so this case has a fast path.
-			std::ranges::fill(r_density, densities_[static_cast<std::size_t>(std::countr_zero(near))]);
+			std::ranges::fill(r_density, densities_[static_cast<std::size_t>(std::countr_zero(nearby_biomes))]);
 			return {};
 		}
 	}

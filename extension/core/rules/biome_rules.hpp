@@ -23,7 +23,7 @@ public:
 
 	/// Returns true if the density is 0 everywhere in `rect`, so that sampling can be skipped. May
 	/// return false even if the density is 0.
-	bool none_in(const Rect &rect) const { return (map_->biomes_in(rect) & open_) == 0; }
+	bool none_in(const Rect &rect) const { return (map_->biomes_in(rect) & permitted_biomes_) == 0; }
 
 	/// Finds changes in the density; see BiomeMap::find_edits.
 	bool find_edits(const BiomeDensity &before, std::vector<Rect> &r_areas) const {
@@ -38,7 +38,7 @@ public:
 private:
 	std::shared_ptr<const BiomeMap> map_;
 	PerBiome<float> densities_;
-	BiomeSet open_ = 0; ///< The biomes with a density above 0.
+	BiomeSet permitted_biomes_ = 0; ///< The biomes with a density above 0.
 };
 
 /// The water level where there is no water: infinitely far below any ground.

@@ -39,20 +39,20 @@ static_assert(nearer_in_space.front() == 0.0 && nearer_in_space.back() == 1.0);
 /// Returns the fraction of the plane or of space, 0 to 1, in which the noise is below `noise`.
 /// `nearer` is the table for that noise. Linear interpolation between the knots is accurate to
 /// 0.0005.
-double share_below(double noise, const ClumpTable &nearer) {
+double fraction_below(double noise, const ClumpTable &nearer) {
 	const double knot = std::min(std::abs(noise) * clump_knots_per_unit, static_cast<double>(clump_knots - 1));
 	const std::size_t index = std::min(static_cast<std::size_t>(knot), clump_knots - 2);
 	const double part = knot - static_cast<double>(index);
-	const double share = nearer[index] + (nearer[index + 1] - nearer[index]) * part;
-	return noise < 0.0 ? 0.5 - 0.5 * share : 0.5 + 0.5 * share;
+	const double fraction = nearer[index] + (nearer[index + 1] - nearer[index]) * part;
+	return noise < 0.0 ? 0.5 - 0.5 * fraction : 0.5 + 0.5 * fraction;
 }
 
-/// Returns the density where the noise exceeds the fraction `share` of all noise values.
-double density_of(const Clumping &clumping, double share) {
+/// Returns the density where the noise exceeds the fraction `fraction` of all noise values.
+double density_of(const Clumping &clumping, double fraction) {
 	const double coverage = clumping.coverage;
 	// A soft edge covers the same fraction of the ground inside a clump as outside it. The mean
 	// density therefore equals the coverage.
-	const double inside = share - (1.0 - coverage);
+	const double inside = fraction - (1.0 - coverage);
 	const double half_edge = clumping.softness * std::min(coverage, 1.0 - coverage);
 	if (half_edge <= 0.0) {
 		return inside > 0.0 ? 1.0 : 0.0;
@@ -68,7 +68,7 @@ double density_at(const Clumping &clumping, std::uint64_t seed, const Cells &cel
 	if (!is_resolved || clumping.coverage <= 0.0) {
 		return 0.0;
 	}
-	return clumping.coverage >= 1.0 ? 1.0 : density_of(clumping, share_below(clump_impulses(cells, seed), nearer));
+	return clumping.coverage >= 1.0 ? 1.0 : density_of(clumping, fraction_below(clump_impulses(cells, seed), nearer));
 }
 
 } // namespace

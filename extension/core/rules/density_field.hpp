@@ -13,7 +13,7 @@ namespace thicket {
 
 /// Positions at which densities are evaluated, in world meters. They are either all on top of the
 /// ground, or all on surfaces. On surfaces, each position has a height.
-struct Places {
+struct PositionBatch {
 	std::span<const glm::dvec2> positions;
 	std::span<const float> heights{}; ///< One for each position on surfaces; empty on top of the ground.
 
@@ -40,10 +40,10 @@ public:
 		return sample(positions, r_density);
 	}
 
-	/// Calls one of the two functions above, depending on `places`.
-	Status sample_at(const Places &places, std::span<float> r_density) const {
-		return places.in_space() ? sample_in_space(places.positions, places.heights, r_density)
-								 : sample(places.positions, r_density);
+	/// Calls one of the two functions above, depending on `batch`.
+	Status sample_at(const PositionBatch &batch, std::span<float> r_density) const {
+		return batch.in_space() ? sample_in_space(batch.positions, batch.heights, r_density)
+								: sample(batch.positions, r_density);
 	}
 
 protected:

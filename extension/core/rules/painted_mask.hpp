@@ -95,7 +95,7 @@ public:
 
 	/// Returns the number of blocks that the two masks do not share in memory. A copy shares all
 	/// blocks until either mask is painted. The cost of `differs` depends on this number.
-	std::size_t blocks_apart(const PaintedMask &other) const;
+	std::size_t count_unshared_blocks(const PaintedMask &other) const;
 
 	/// Returns true if the pixel size and all densities are equal.
 	friend bool operator==(const PaintedMask &, const PaintedMask &);
@@ -122,7 +122,7 @@ private:
 	/// Calls `visit(key, mine, theirs)` for each block that the masks do not share. A missing block
 	/// is passed as null.
 	template <typename Visit>
-	void for_blocks_apart(const PaintedMask &other, const Visit &visit) const;
+	void for_each_unshared_block(const PaintedMask &other, const Visit &visit) const;
 
 	/// Replaces the given blocks. A null entry removes its block. The function allocates no memory.
 	void replace(Blocks &&blocks) noexcept;

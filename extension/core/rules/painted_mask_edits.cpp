@@ -21,7 +21,7 @@ void add_pixel(PixelRect &r_region, glm::ivec2 pixel) {
 } // namespace
 
 template <typename Visit>
-void PaintedMask::for_blocks_apart(const PaintedMask &other, const Visit &visit) const {
+void PaintedMask::for_each_unshared_block(const PaintedMask &other, const Visit &visit) const {
 	for (const auto &[key, block] : blocks_) {
 		const auto twin = other.blocks_.find(key);
 		const Block *theirs = twin != other.blocks_.end() ? twin->second.get() : nullptr;
@@ -38,9 +38,9 @@ void PaintedMask::for_blocks_apart(const PaintedMask &other, const Visit &visit)
 	}
 }
 
-std::size_t PaintedMask::blocks_apart(const PaintedMask &other) const {
+std::size_t PaintedMask::count_unshared_blocks(const PaintedMask &other) const {
 	std::size_t count = 0;
-	for_blocks_apart(other, [&count](const Key &, const Block *, const Block *) { ++count; });
+	for_each_unshared_block(other, [&count](const Key &, const Block *, const Block *) { ++count; });
 	return count;
 }
 
@@ -54,7 +54,7 @@ bool PaintedMask::differs(const PaintedMask &other, Rect &r_area) const {
 	Block blank;
 	blank.fill(background_);
 	PixelRect region;
-	for_blocks_apart(other, [&](const Key &key, const Block *mine, const Block *theirs) {
+	for_each_unshared_block(other, [&](const Key &key, const Block *mine, const Block *theirs) {
 		const Block &a = mine != nullptr ? *mine : blank;
 		const Block &b = theirs != nullptr ? *theirs : blank;
 		for (std::size_t i = 0; i < a.size(); ++i) {

@@ -9,8 +9,8 @@ namespace thicket {
 namespace {
 
 /// Minimum denominator of the projection. Directions below it are nearly opposite the middle, and
-/// have no exact place.
-constexpr double least_share = 1e-6;
+/// have no exact map position.
+constexpr double min_denominator = 1e-6;
 
 } // namespace
 
@@ -23,26 +23,28 @@ PlanetMap::PlanetMap(const Planet &planet, const glm::dvec3 &middle) :
 
 glm::dvec2 PlanetMap::at(const glm::dvec3 &position) const {
 	const glm::dvec3 up = planet_.up_at(position);
-	const double share = 1.0 + glm::dot(up, axes_[1]);
-	if (!(share > least_share)) {
-		return {2.0 * radii_across * planet_.radius, 0.0}; // An arbitrary place outside the map.
+	const double denominator = 1.0 + glm::dot(up, axes_[1]);
+	if (!(denominator > min_denominator)) {
+		return {2.0 * radii_across * planet_.radius, 0.0}; // An arbitrary position outside the map.
 	}
-	return 2.0 * planet_.radius / share * glm::dvec2(glm::dot(up, axes_[0]), glm::dot(up, axes_[2]));
+	return 2.0 * planet_.radius / denominator * glm::dvec2(glm::dot(up, axes_[0]), glm::dot(up, axes_[2]));
 }
 
-glm::dvec3 PlanetMap::direction(glm::dvec2 place) const {
-	const glm::dvec2 tangent = place / (2.0 * planet_.radius); // The tangent of half the angle from the middle.
+glm::dvec3 PlanetMap::direction(glm::dvec2 map_position) const {
+	const glm::dvec2 tangent = map_position / (2.0 * planet_.radius); // The tangent of half the angle from the middle.
 	const double squared = tangent.x * tangent.x + tangent.y * tangent.y;
 	return (2.0 * (tangent.x * axes_[0] + tangent.y * axes_[2]) + (1.0 - squared) * axes_[1]) / (1.0 + squared);
 }
 
-double PlanetMap::scale(glm::dvec2 place) const {
-	return 1.0 + (place.x * place.x + place.y * place.y) / (4.0 * planet_.radius * planet_.radius);
+double PlanetMap::scale(glm::dvec2 map_position) const {
+	return 1.0 +
+			(map_position.x * map_position.x + map_position.y * map_position.y) /
+			(4.0 * planet_.radius * planet_.radius);
 }
 
-bool PlanetMap::contains(glm::dvec2 place) const {
+bool PlanetMap::contains(glm::dvec2 map_position) const {
 	const double farthest = radii_across * planet_.radius;
-	return place.x * place.x + place.y * place.y <= farthest * farthest;
+	return map_position.x * map_position.x + map_position.y * map_position.y <= farthest * farthest;
 }
 
 glm::dvec3 PlanetMap::at_middle(const glm::dvec3 &position) const {

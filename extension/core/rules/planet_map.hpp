@@ -9,9 +9,9 @@
 namespace thicket {
 
 /// A flat map of a planet: the stereographic projection of a sphere with the planet's radius. The
-/// center of the map is called the middle, and points on the map are called places. The map
+/// center of the map is called the middle, and points on the map are called map positions. The map
 /// preserves angles everywhere, and lengths near the middle. All positions with the same up
-/// direction have the same place. Results are bit-identical on every machine.
+/// direction have the same map position. Results are bit-identical on every machine.
 class PlanetMap {
 public:
 	/// Places farther from the middle than this many radii of the planet are not on the map. The
@@ -27,17 +27,17 @@ public:
 
 	bool exists() const { return planet_.exists(); }
 
-	/// Returns the place of a position (world meters) on the map, in meters from the middle.
+	/// Returns the map position of a position in world meters, in meters from the middle.
 	glm::dvec2 at(const glm::dvec3 &position) const;
 
-	/// Returns the up direction at a place.
-	glm::dvec3 direction(glm::dvec2 place) const;
+	/// Returns the up direction at a map position.
+	glm::dvec3 direction(glm::dvec2 map_position) const;
 
-	/// Returns the map's scale at a place: the length on the map of one meter on the sphere. The
-	/// scale is 1 in the middle.
-	double scale(glm::dvec2 place) const;
+	/// Returns the map's scale at a map position: the length on the map of one meter on the sphere.
+	/// The scale is 1 in the middle.
+	double scale(glm::dvec2 map_position) const;
 
-	bool contains(glm::dvec2 place) const;
+	bool contains(glm::dvec2 map_position) const;
 
 	/// Moves a position along its up direction to middle_distance(), and returns the result relative
 	/// to the planet's center. The y axis of the result is the up direction of the middle.

@@ -18,8 +18,8 @@ double distance_squared(glm::dvec2 point, glm::dvec2 from, glm::dvec2 to) {
 	const double length_squared = glm::dot(way, way);
 	const double along =
 			length_squared > 0.0 ? std::clamp(glm::dot(point - from, way) / length_squared, 0.0, 1.0) : 0.0;
-	const glm::dvec2 apart = point - (from + along * way);
-	return glm::dot(apart, apart);
+	const glm::dvec2 offset = point - (from + along * way);
+	return glm::dot(offset, offset);
 }
 
 bool straight(std::span<const glm::dvec2> run, double tolerance) {

@@ -21,8 +21,8 @@ constexpr double last_tangent = 89.9;
 constexpr double unlimited = std::numeric_limits<double>::infinity();
 
 double squared_tangent(double degrees) {
-	const Rotation turn = rotation_by(degrees / 360.0);
-	const double tangent = turn.sine / turn.cosine;
+	const Rotation rotation = rotation_by(degrees / 360.0);
+	const double tangent = rotation.sine / rotation.cosine;
 	return tangent * tangent;
 }
 
@@ -40,26 +40,26 @@ double tangent_at_most(double degrees) {
 
 } // namespace
 
-PreparedRange::PreparedRange(double min, bool min_open, double max, bool max_open, double falloff) :
-		min_(min), max_(max), falloff_(falloff), min_open_(min_open), max_open_(max_open) {}
+PreparedRange::PreparedRange(double min, bool has_no_min, double max, bool has_no_max, double falloff) :
+		min_(min), max_(max), falloff_(falloff), has_no_min_(has_no_min), has_no_max_(has_no_max) {}
 
 double PreparedRange::density(double value) const {
-	const bool inside = (min_open_ || value >= min_) && (max_open_ || value <= max_);
+	const bool inside = (has_no_min_ || value >= min_) && (has_no_max_ || value <= max_);
 	if (!inside || std::isnan(value)) {
 		return 0.0;
 	}
 	if (falloff_ <= 0.0) {
 		return 1.0;
 	}
-	const double above = min_open_ ? 1.0 : (value - min_) / falloff_;
-	const double below = max_open_ ? 1.0 : (max_ - value) / falloff_;
+	const double above = has_no_min_ ? 1.0 : (value - min_) / falloff_;
+	const double below = has_no_max_ ? 1.0 : (max_ - value) / falloff_;
 	return std::min({above, below, 1.0});
 }
 
 SlopeRange::SlopeRange(double min, double max, double falloff, double steepest) :
 		PreparedRange(steepest > steepest_top ? min - surface_tolerance : min, min <= 0.0,
 				steepest > steepest_top ? max + surface_tolerance : max, max >= steepest, falloff),
-		looks_down_(steepest > steepest_top) {
+		may_point_down_(steepest > steepest_top) {
 	const double fading = std::max(falloff, 0.0) + margin;
 	if (min > 0.0) {
 		all_from_ = tangent_at_least(min + fading);

@@ -15,21 +15,21 @@ class PreparedRange {
 public:
 	PreparedRange() = default; ///< Creates a range without limits.
 
-	/// Creates a range. `min_open` and `max_open` disable a limit along with its falloff.
-	PreparedRange(double min, bool min_open, double max, bool max_open, double falloff);
+	/// Creates a range. `has_no_min` and `has_no_max` disable a limit along with its falloff.
+	PreparedRange(double min, bool has_no_min, double max, bool has_no_max, double falloff);
 
 	/// Returns the density for `value`, 0 to 1, or 0 for NAN.
 	double density(double value) const;
 
 	/// Returns true if both limits are disabled, so that every finite value has density 1.
-	bool open() const { return min_open_ && max_open_; }
+	bool is_unlimited() const { return has_no_min_ && has_no_max_; }
 
 private:
 	double min_ = 0.0;
 	double max_ = 0.0;
 	double falloff_ = 0.0;
-	bool min_open_ = true;
-	bool max_open_ = true;
+	bool has_no_min_ = true;
+	bool has_no_max_ = true;
 };
 
 /// A range of slopes in degrees. Computing an angle costs as much as all other ground rules
@@ -50,7 +50,7 @@ public:
 	/// Returns the density for the slope of a normal, bit-identical to
 	/// density(slope_degrees(normal)).
 	double density_of(glm::vec3 normal) const {
-		const std::optional<double> known = looks_down_ ? std::nullopt : density_without_angle(normal);
+		const std::optional<double> known = may_point_down_ ? std::nullopt : density_without_angle(normal);
 		return known.has_value() ? *known : density(slope_degrees(normal));
 	}
 
@@ -60,13 +60,13 @@ public:
 		const double x = normal.x;
 		const double y = normal.y;
 		const double z = normal.z;
-		const double across = x * x + z * z;
+		const double horizontal = x * x + z * z;
 		const double up = y * y;
-		if (across >= all_from_ * up && across <= all_to_ * up) {
+		if (horizontal >= all_from_ * up && horizontal <= all_to_ * up) {
 			// The angle is inside the limits by more than any rounding error.
 			return 1.0;
 		}
-		if (across < none_below_ * up || across > none_above_ * up) {
+		if (horizontal < none_below_ * up || horizontal > none_above_ * up) {
 			// The angle is outside a limit by more than any rounding error.
 			return 0.0;
 		}
@@ -80,7 +80,7 @@ private:
 	double all_to_ = std::numeric_limits<double>::infinity();
 	double none_below_ = 0.0;
 	double none_above_ = std::numeric_limits<double>::infinity();
-	bool looks_down_ = false; ///< True if normals may point down, so that tangents are ambiguous.
+	bool may_point_down_ = false; ///< True if normals may point down, so that tangents are ambiguous.
 };
 
 } // namespace thicket

@@ -22,10 +22,10 @@ Status check_height(const char *property, double height) {
 }
 
 template <class Record>
-Status multiply(const DensityField &field, const Places &places, std::span<double> r_densities,
+Status multiply(const DensityField &field, const PositionBatch &batch, std::span<double> r_densities,
 		std::span<float> scratch, const Record &record, RuleKind rule, std::size_t index) {
-	const Status status = field.sample_at(places, scratch);
-	for (std::size_t i = 0; status.ok() && i < places.positions.size(); ++i) {
+	const Status status = field.sample_at(batch, scratch);
+	for (std::size_t i = 0; status.ok() && i < batch.positions.size(); ++i) {
 		const double density = unit_density(scratch[i]);
 		r_densities[i] *= record(rule, density, density, static_cast<std::uint32_t>(index));
 	}
@@ -73,17 +73,17 @@ Status PreparedRules::set(const Rules &rules, std::uint64_t seed, GroundSides si
 	water_depth_ = PreparedRange(rules.min_water_depth, rules.min_water_depth <= -unlimited_height,
 			rules.max_water_depth, rules.max_water_depth >= unlimited_height, rules.water_depth_falloff);
 	const bool dry = rules.water == nullptr && rules.min_water_depth <= -unlimited_height;
-	slope_alone_ = height_.open() && rules.height_curve == nullptr && rules.slope_curve == nullptr &&
-			rules.ground_textures.empty() && (dry || water_depth_.open());
+	slope_alone_ = height_.is_unlimited() && rules.height_curve == nullptr && rules.slope_curve == nullptr &&
+			rules.ground_textures.empty() && (dry || water_depth_.is_unlimited());
 	clumps_.set(rules.clumping, seed);
 	return {};
 }
 
 template <class Record>
-Status PreparedRules::place_product(
-		const Places &places, std::span<double> r_densities, std::vector<float> &scratch, const Record &record) const {
+Status PreparedRules::position_product(const PositionBatch &batch, std::span<double> r_densities,
+		std::vector<float> &scratch, const Record &record) const {
 	std::fill(r_densities.begin(), r_densities.end(), record(RuleKind::density, rules_.density, rules_.density));
-	const std::size_t size = places.positions.size();
+	const std::size_t size = batch.positions.size();
 	const auto count = static_cast<double>(size);
 	if (const Status status = guarded("positions", count, [&] { scratch.resize(size); }); !status.ok()) {
 		return status;
@@ -91,7 +91,7 @@ Status PreparedRules::place_product(
 	// The fields are multiplied one after another, because rounding depends on the order.
 	for (std::size_t field = 0; field < rules_.fields.size(); ++field) {
 		const Status status =
-				multiply(*rules_.fields[field], places, r_densities, scratch, record, RuleKind::field, field);
+				multiply(*rules_.fields[field], batch, r_densities, scratch, record, RuleKind::field, field);
 		if (!status.ok()) {
 			return status;
 		}
@@ -102,7 +102,7 @@ Status PreparedRules::place_product(
 		if (field == nullptr) {
 			continue;
 		}
-		const Status status = multiply(*field, places, r_densities, scratch, record, kind, no_index);
+		const Status status = multiply(*field, batch, r_densities, scratch, record, kind, no_index);
 		if (!status.ok()) {
 			return status;
 		}
@@ -112,27 +112,27 @@ Status PreparedRules::place_product(
 			// A density of 0 stays 0, and clump noise costs more than all other rules here.
 			continue;
 		}
-		const double density = places.in_space() ? clumps_.at(places.in_space(i)) : clumps_.at(places.positions[i]);
+		const double density = batch.in_space() ? clumps_.at(batch.in_space(i)) : clumps_.at(batch.positions[i]);
 		r_densities[i] *= record(RuleKind::clumping, density, density);
 	}
 	return {};
 }
 
-Status PreparedRules::place_densities(
-		const Places &places, std::span<double> r_densities, std::vector<float> &scratch) const {
-	return place_product(places, r_densities, scratch, NoRecord());
+Status PreparedRules::position_densities(
+		const PositionBatch &batch, std::span<double> r_densities, std::vector<float> &scratch) const {
+	return position_product(batch, r_densities, scratch, NoRecord());
 }
 
-Status PreparedRules::place_factors(const Places &place, const RuleRecord &record) const {
+Status PreparedRules::position_factors(const PositionBatch &batch, const RuleRecord &record) const {
 	double product = 0.0;
 	std::vector<float> scratch;
-	return place_product<RuleRecord>(place, {&product, 1}, scratch, record);
+	return position_product<RuleRecord>(batch, {&product, 1}, scratch, record);
 }
 
 /// Returns the density of the water depth rule. Without water, the depth is minus infinity.
 template <class Record>
 double PreparedRules::water_density(double height, glm::dvec2 position, const Record &record) const {
-	if (water_depth_.open()) {
+	if (water_depth_.is_unlimited()) {
 		// Every depth passes, so the water level is not needed.
 		return 1.0;
 	}
@@ -149,7 +149,7 @@ double PreparedRules::density_of_limits(const Ground &ground, glm::dvec2 positio
 		return record(RuleKind::ground, ground.height, 0.0);
 	}
 	double density = 1.0;
-	if (!height_.open()) {
+	if (!height_.is_unlimited()) {
 		density = record(RuleKind::height, ground.height, height_.density(ground.height));
 	}
 	if (rules_.height_curve != nullptr) {
@@ -172,9 +172,9 @@ double PreparedRules::density_of_limits(const Ground &ground, glm::dvec2 positio
 		return density * slope_.density_of(ground.normal);
 	}
 	// Computing the angle costs more than all other rules here, so it is computed only if needed.
-	if (!slope_.open() || rules_.slope_curve != nullptr) {
+	if (!slope_.is_unlimited() || rules_.slope_curve != nullptr) {
 		const double slope = slope_degrees(ground.normal);
-		if (!slope_.open()) {
+		if (!slope_.is_unlimited()) {
 			density *= record(RuleKind::slope, slope, slope_.density(slope));
 		}
 		if (rules_.slope_curve != nullptr) {
@@ -185,12 +185,12 @@ double PreparedRules::density_of_limits(const Ground &ground, glm::dvec2 positio
 }
 
 template <class Record>
-double PreparedRules::shape_density(
-		std::span<const std::uint32_t> near, glm::dvec2 position, const Ground &ground, const Record &record) const {
+double PreparedRules::shape_density(std::span<const std::uint32_t> nearby_shapes, glm::dvec2 position,
+		const Ground &ground, const Record &record) const {
 	if (rules_.shapes == nullptr) {
 		return 1.0;
 	}
-	const ShapeEffect effect = rules_.shapes->effect(near, {position.x, double{ground.height}, position.y});
+	const ShapeEffect effect = rules_.shapes->effect(nearby_shapes, {position.x, double{ground.height}, position.y});
 	return record(RuleKind::shapes, effect.density(), effect.density(), effect.decisive());
 }
 

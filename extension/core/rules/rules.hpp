@@ -103,17 +103,18 @@ public:
 	const Rules &rules() const { return rules_; }
 
 	/// Returns true if any rule depends on the slope of the ground.
-	bool needs_slope() const { return !slope_.open() || rules_.slope_curve != nullptr; }
+	bool needs_slope() const { return !slope_.is_unlimited() || rules_.slope_curve != nullptr; }
 
 	/// Writes to `r_densities` the product of the rules that depend only on the position: density,
 	/// fields, mask, biome, clumping. These rules can be evaluated before the ground is queried.
 	/// `scratch` is working memory; pass the same vector to later calls. If a field fails, the
 	/// function returns its error.
-	Status place_densities(const Places &places, std::span<double> r_densities, std::vector<float> &scratch) const;
+	Status position_densities(
+			const PositionBatch &batch, std::span<double> r_densities, std::vector<float> &scratch) const;
 
-	/// Evaluates the rules of place_densities at the single position in `place` and records all
+	/// Evaluates the rules of position_densities at the single position in `batch` and records all
 	/// factors. Throws std::bad_alloc.
-	Status place_factors(const Places &place, const RuleRecord &record) const;
+	Status position_factors(const PositionBatch &batch, const RuleRecord &record) const;
 
 	/// Returns true if no instance can be placed in `rect` because none of the layer's biomes
 	/// occurs there.
@@ -135,10 +136,10 @@ public:
 	/// Returns true if ground_density is above 0.
 	bool allow(const Ground &ground, glm::dvec2 position) const { return ground_density(ground, position) > 0.0; }
 
-	/// Returns the factor of the shapes. `near` lists the shapes nearby (ShapeSet::near). The
-	/// factor is 1 for a layer without shapes.
+	/// Returns the factor of the shapes. `nearby_shapes` lists the shapes nearby (ShapeSet::near).
+	/// The factor is 1 for a layer without shapes.
 	template <class Record = NoRecord>
-	double shape_density(std::span<const std::uint32_t> near, glm::dvec2 position, const Ground &ground,
+	double shape_density(std::span<const std::uint32_t> nearby_shapes, glm::dvec2 position, const Ground &ground,
 			const Record &record = {}) const;
 
 private:
@@ -146,7 +147,7 @@ private:
 	double density_of_limits(const Ground &ground, glm::dvec2 position, const Record &record) const;
 
 	template <class Record>
-	Status place_product(const Places &places, std::span<double> r_densities, std::vector<float> &scratch,
+	Status position_product(const PositionBatch &batch, std::span<double> r_densities, std::vector<float> &scratch,
 			const Record &record) const;
 
 	template <class Record>

@@ -49,9 +49,9 @@ Status check_position(const Shape &shape) {
 			shape.kind == ShapeKind::sphere ? Status{} : check_axes(shape.axes));
 }
 
-Status check_outline(const std::vector<glm::dvec2> &outline, std::size_t least) {
-	if (outline.size() < least || outline.size() > max_outline_points) {
-		return Status::wrong_size("outline", outline.size(), between(least, max_outline_points, "points"));
+Status check_outline(const std::vector<glm::dvec2> &outline, std::size_t min_points) {
+	if (outline.size() < min_points || outline.size() > max_outline_points) {
+		return Status::wrong_size("outline", outline.size(), between(min_points, max_outline_points, "points"));
 	}
 	for (const glm::dvec2 point : outline) {
 		if (const Status status =
@@ -82,10 +82,10 @@ Status check_kind(const Shape &shape) {
 /// Returns an error for a place on a planet's map that is too far from the map's middle.
 Status check_on_map(const Shape &shape) {
 	const PlanetMap map(shape.planet, shape.center);
-	for (const glm::dvec2 place : shape.outline) {
-		if (!map.contains(place)) {
+	for (const glm::dvec2 position : shape.outline) {
+		if (!map.contains(position)) {
 			return Status::out_of_range("distance of the outline from its middle",
-					std::sqrt(place.x * place.x + place.y * place.y) / shape.planet.radius,
+					std::sqrt(position.x * position.x + position.y * position.y) / shape.planet.radius,
 					at_most(PlanetMap::radii_across, "radii of the planet, on its map"), "Divide the region in two");
 		}
 	}
@@ -135,7 +135,7 @@ Rect with(const Rect &a, const Rect &b) {
 }
 
 /// Returns a lower bound of the cosine of an angle in radians.
-double least_cosine(double angle) { return angle < 2.0 ? 1.0 - 0.5 * angle * angle : -1.0; }
+double min_cosine(double angle) { return angle < 2.0 ? 1.0 - 0.5 * angle * angle : -1.0; }
 
 /// Returns the bounds of a path on a planet, which are the bounds of its edges.
 Rect path_bounds(const Shape &shape, const PlanetMap &map) {
@@ -148,7 +148,7 @@ Rect path_bounds(const Shape &shape, const PlanetMap &map) {
 		const glm::dvec2 edge = line[i + 1] - line[i];
 		const double length = 0.5 * std::sqrt(edge.x * edge.x + edge.y * edge.y) + longest * shape.half_size.x;
 		const glm::dvec3 middle = map.direction(0.5 * (line[i] + line[i + 1]));
-		result = with(result, cone(shape.planet, middle, least_cosine(length / shape.planet.radius)));
+		result = with(result, cone(shape.planet, middle, min_cosine(length / shape.planet.radius)));
 	}
 	return result;
 }
@@ -165,12 +165,12 @@ Rect planet_bounds(const Shape &shape) {
 			cosine = std::min(cosine, (2.0 - scale) / scale);
 		}
 	} else {
-		const glm::dvec2 reach = ShapeVolume(turned_upright(shape, map)).reach();
+		const glm::dvec2 reach = ShapeVolume(rotated_upright(shape, map)).reach();
 		const double sine = std::sqrt(reach.x * reach.x + reach.y * reach.y) / map.middle_distance();
 		cosine = sine < 1.0 ? std::sqrt(1.0 - sine * sine) : 0.0;
 	}
-	constexpr double hair = 1e-9;
-	return cone(shape.planet, map.axes()[1], cosine - hair);
+	constexpr double tolerance = 1e-9;
+	return cone(shape.planet, map.axes()[1], cosine - tolerance);
 }
 
 Rect around(const std::vector<glm::dvec2> &points) {
@@ -203,19 +203,19 @@ Status validate(const Shape &shape) {
 			check_range("falloff", shape.falloff, 0.0, max_shape_coordinate), check_kind(shape), check_planet(shape));
 }
 
-Shape turned_upright(const Shape &shape, const PlanetMap &map) {
-	Shape turned = shape;
-	turned.center = glm::dvec3(0.0);
-	turned.axes = glm::transpose(map.axes()) * shape.axes;
-	turned.planet = {};
-	return turned;
+Shape rotated_upright(const Shape &shape, const PlanetMap &map) {
+	Shape rotated = shape;
+	rotated.center = glm::dvec3(0.0);
+	rotated.axes = glm::transpose(map.axes()) * shape.axes;
+	rotated.planet = {};
+	return rotated;
 }
 
 Rect bounds(const Shape &shape) {
-	constexpr double hair = 1e-12;
+	constexpr double tolerance = 1e-12;
 	const Rect tight = tight_bounds(shape);
-	const glm::dvec2 margin(hair * std::max(std::abs(tight.min.x), std::abs(tight.max.x)),
-			hair * std::max(std::abs(tight.min.y), std::abs(tight.max.y)));
+	const glm::dvec2 margin(tolerance * std::max(std::abs(tight.min.x), std::abs(tight.max.x)),
+			tolerance * std::max(std::abs(tight.min.y), std::abs(tight.max.y)));
 	return {tight.min - margin, tight.max + margin};
 }
 

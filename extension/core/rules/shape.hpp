@@ -71,7 +71,7 @@ class PlanetMap;
 
 /// Transforms a box, sphere or cylinder that ignores height to the space of PlanetMap::at_middle, and
 /// removes its planet. `map` is the map around the shape's center.
-Shape turned_upright(const Shape &shape, const PlanetMap &map);
+Shape rotated_upright(const Shape &shape, const PlanetMap &map);
 
 /// Returns the world rectangle outside which a valid shape has no effect. The rectangle includes
 /// the border and a small margin for rounding (10^-12 of the coordinates).

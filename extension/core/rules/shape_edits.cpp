@@ -38,21 +38,21 @@ void add_areas(const Shape &shape, std::vector<Rect> &r_areas) {
 void add_differences(std::span<const Shape> old_shapes, std::span<const Shape> new_shapes, std::vector<Rect> &r_areas) {
 	// Equal shapes of the two sets are matched one to one. The search starts at the same index,
 	// because most shapes keep their index.
-	std::vector<bool> kept(old_shapes.size(), false);
+	std::vector<bool> is_matched(old_shapes.size(), false);
 	for (std::size_t i = 0; i < new_shapes.size(); ++i) {
 		std::size_t found = old_shapes.size();
 		for (std::size_t step = 0; step < old_shapes.size() && found == old_shapes.size(); ++step) {
 			const std::size_t at = (i + step) % old_shapes.size();
-			found = !kept[at] && old_shapes[at] == new_shapes[i] ? at : found;
+			found = !is_matched[at] && old_shapes[at] == new_shapes[i] ? at : found;
 		}
 		if (found < old_shapes.size()) {
-			kept[found] = true;
+			is_matched[found] = true;
 		} else {
 			add_areas(new_shapes[i], r_areas);
 		}
 	}
 	for (std::size_t i = 0; i < old_shapes.size(); ++i) {
-		if (!kept[i]) {
+		if (!is_matched[i]) {
 			add_areas(old_shapes[i], r_areas);
 		}
 	}

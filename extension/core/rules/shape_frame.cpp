@@ -7,7 +7,7 @@
 
 namespace thicket {
 
-Status take_apart(const glm::dmat3 &basis, ShapeFrame &r_frame) {
+Status decompose(const glm::dmat3 &basis, ShapeFrame &r_frame) {
 	ShapeFrame frame{basis, glm::dvec3(0.0)};
 	for (int axis = 0; axis < 3; ++axis) {
 		const double length = std::sqrt(glm::dot(basis[axis], basis[axis]));

@@ -21,6 +21,6 @@ inline constexpr double max_shape_shear = 1e-3;
 /// resulting axes are orthonormal to double precision, although a scene stores them as floats.
 /// Values that are not finite, an axis of length 0, and a shear above max_shape_shear are errors;
 /// `r_frame` is then unchanged.
-Status take_apart(const glm::dmat3 &basis, ShapeFrame &r_frame);
+Status decompose(const glm::dmat3 &basis, ShapeFrame &r_frame);
 
 } // namespace thicket

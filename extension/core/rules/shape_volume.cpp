@@ -27,33 +27,33 @@ glm::dmat3 orthonormal(const glm::dmat3 &axes) {
 
 /// A cylinder is treated as upright if the sine of its tilt is at most this value. The error of its
 /// shadow is then at most half the square of this value.
-constexpr double least_lean = 1e-7;
+constexpr double min_lean = 1e-7;
 
 /// Returns the smallest value of `gap` over the directions between the axes x and y, by ternary
 /// search. `gap` must have at most one minimum between them. Each round excludes a third of the
 /// range, and the error decreases with the square of the remaining range.
 template <typename Gap>
-double least_gap(Gap gap) {
+double min_gap(Gap gap) {
 	constexpr int rounds = 40;
 	const auto along = [&](double turn) { // `turn` is 0 at x and 1 at y.
 		const glm::dvec2 direction(1.0 - turn, turn);
 		return gap(direction / length(direction));
 	};
-	double least = std::min(along(0.0), along(1.0));
+	double smallest = std::min(along(0.0), along(1.0));
 	double low = 0.0;
 	double high = 1.0;
 	for (int i = 0; i < rounds; ++i) {
 		const double third = (high - low) / 3.0;
 		const double first = along(low + third);
 		const double second = along(high - third);
-		least = std::min({least, first, second});
+		smallest = std::min({smallest, first, second});
 		if (first < second) {
 			high -= third;
 		} else {
 			low += third;
 		}
 	}
-	return least;
+	return smallest;
 }
 
 } // namespace
@@ -90,7 +90,7 @@ void ShapeVolume::prepare_shadow() {
 	}
 	const glm::dvec2 lean(axes_[1].x, axes_[1].z);
 	const double sine = length(lean);
-	if (sine > least_lean) {
+	if (sine > min_lean) {
 		lean_ = lean / sine;
 		lean_length_ = sine * half_size_.y;
 		upright_ = std::abs(axes_[1].y);
@@ -116,8 +116,8 @@ double ShapeVolume::box_depth(glm::dvec3 offset) const {
 
 double ShapeVolume::cylinder_depth(glm::dvec3 offset) const {
 	const double along = dot(axes_[1], offset);
-	const glm::dvec3 across = offset - axes_[1] * along;
-	return std::min(half_size_.y - std::abs(along), half_size_.x - std::sqrt(dot(across, across)));
+	const glm::dvec3 horizontal = offset - axes_[1] * along;
+	return std::min(half_size_.y - std::abs(along), half_size_.x - std::sqrt(dot(horizontal, horizontal)));
 }
 
 double ShapeVolume::box_shadow_depth(glm::dvec2 offset) const {
@@ -139,7 +139,7 @@ double ShapeVolume::cylinder_shadow_depth(glm::dvec2 offset) const {
 	// from inside to a convex border is the distance to the nearest tangent, which faces the
 	// quadrant that contains the position.
 	const glm::dvec2 position(std::abs(dot(lean_, offset)), std::abs(lean_.x * offset.y - lean_.y * offset.x));
-	return least_gap([&](glm::dvec2 normal) {
+	return min_gap([&](glm::dvec2 normal) {
 		const glm::dvec2 ellipse(normal.x * radius * upright_, normal.y * radius);
 		return normal.x * lean_length_ + length(ellipse) - dot(normal, position);
 	});

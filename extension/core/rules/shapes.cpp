@@ -40,7 +40,7 @@ Status ShapeSet::set(std::vector<Shape> shapes) {
 				prepared[i].outline.set(shape.outline, shape.kind == ShapeKind::polygon);
 			} else {
 				const PlanetMap &map = prepared[i].map;
-				prepared[i].volume = ShapeVolume(map.exists() ? turned_upright(shape, map) : shape);
+				prepared[i].volume = ShapeVolume(map.exists() ? rotated_upright(shape, map) : shape);
 			}
 		}
 		includes_ = std::ranges::any_of(shapes, [](const Shape &shape) { return !shape.exclude; });
@@ -49,26 +49,26 @@ Status ShapeSet::set(std::vector<Shape> shapes) {
 	});
 }
 
-Status ShapeSet::near(const Rect &area, std::vector<std::uint32_t> &r_near) const {
-	r_near.clear();
-	return guarded_answer("shapes", static_cast<double>(prepared_.size()), r_near, [&] {
+Status ShapeSet::find_nearby(const Rect &area, std::vector<std::uint32_t> &r_nearby_shapes) const {
+	r_nearby_shapes.clear();
+	return guarded_answer("shapes", static_cast<double>(prepared_.size()), r_nearby_shapes, [&] {
 		for (std::size_t i = 0; i < prepared_.size(); ++i) {
 			const Rect &reach = prepared_[i].bounds;
 			if (area.min.x <= reach.max.x && reach.min.x <= area.max.x && area.min.y <= reach.max.y &&
 					reach.min.y <= area.max.y) {
-				r_near.push_back(static_cast<std::uint32_t>(i));
+				r_nearby_shapes.push_back(static_cast<std::uint32_t>(i));
 			}
 		}
 	});
 }
 
-ShapeEffect ShapeSet::effect(std::span<const std::uint32_t> near, glm::dvec3 position) const {
+ShapeEffect ShapeSet::effect(std::span<const std::uint32_t> nearby_shapes, glm::dvec3 position) const {
 	ShapeEffect effect{.included = includes_ ? 0.0 : 1.0};
 	if (!std::isfinite(position.x) || !std::isfinite(position.y) || !std::isfinite(position.z)) {
 		effect.included = 0.0;
 		return effect;
 	}
-	for (const std::uint32_t index : near) {
+	for (const std::uint32_t index : nearby_shapes) {
 		const bool exclude = shapes_[index].exclude;
 		double &strongest = exclude ? effect.excluded : effect.included;
 		if (strongest >= 1.0) {

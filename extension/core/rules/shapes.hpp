@@ -49,22 +49,22 @@ public:
 	/// shapes.
 	bool includes() const { return includes_; }
 
-	/// Replaces `r_near` with the indices of the shapes that may have an effect in `area`, borders
-	/// included, in ascending order. Including shapes that are not in the list still have an
-	/// effect: where none is near, `density` is 0.
-	Status near(const Rect &area, std::vector<std::uint32_t> &r_near) const;
+	/// Replaces `r_nearby_shapes` with the indices of the shapes that may have an effect in `area`,
+	/// borders included, in ascending order. Including shapes that are not in the list still have
+	/// an effect: where none is near, `density` is 0.
+	Status find_nearby(const Rect &area, std::vector<std::uint32_t> &r_nearby_shapes) const;
 
 	/// Returns the factor of the shapes, 0 to 1, at a position on the ground (world meters, y up).
-	/// `near` is the result of `near()` for any area that contains the position. The factor is 0 if
-	/// the position is not finite. The result is bit-identical on all platforms, because the square
-	/// root is the only libm function that is used.
-	double density(std::span<const std::uint32_t> near, glm::dvec3 position) const {
-		return effect(near, position).density();
+	/// `nearby_shapes` is the result of find_nearby() for any area that contains the position.
+	/// The factor is 0 if the position is not finite. The result is bit-identical on all platforms,
+	/// because the square root is the only libm function that is used.
+	double density(std::span<const std::uint32_t> nearby_shapes, glm::dvec3 position) const {
+		return effect(nearby_shapes, position).density();
 	}
 
 	/// Returns the effect of the shapes at a position, and the shapes that cause it. Takes the same
 	/// arguments as `density`.
-	ShapeEffect effect(std::span<const std::uint32_t> near, glm::dvec3 position) const;
+	ShapeEffect effect(std::span<const std::uint32_t> nearby_shapes, glm::dvec3 position) const;
 
 	friend bool operator==(const ShapeSet &a, const ShapeSet &b) { return a.shapes_ == b.shapes_; }
 

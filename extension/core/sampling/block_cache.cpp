@@ -15,7 +15,7 @@ namespace {
 
 /// Maximum number of entries. Most entries only record a request for a block and take a few dozen
 /// bytes each.
-constexpr std::size_t most_entries = 1024;
+constexpr std::size_t max_entries = 1024;
 
 static_assert(BlockCache::widest_window(max_levels) <= SettledBlock::width, "a window touches four blocks at most");
 
@@ -83,7 +83,7 @@ bool BlockCache::is_made_beside(const Key &key) const {
 
 /// Evicts the least recently used entries until the limits are met. The caller must hold the lock.
 void BlockCache::trim() {
-	while (bytes_ > limit_ || entries_.size() > most_entries) {
+	while (bytes_ > limit_ || entries_.size() > max_entries) {
 		auto oldest = entries_.end();
 		for (auto each = entries_.begin(); each != entries_.end(); ++each) {
 			const bool counts = bytes_ <= limit_ || each->second.block != nullptr;

@@ -22,17 +22,17 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// One lane per square.
 using SplitLanes = hn::CappedTag<std::uint64_t, 8>;
 
-/// Returns, for each square of `places`, the children that have a sub-square not known to be
-/// covered, one bit each.
+/// Returns, for each square of `level_positions`, the children that have a sub-square not known to
+/// be covered, one bit each.
 template <class V>
-HWY_INLINE V open_children(V places, V open) {
+HWY_INLINE V open_children(V level_positions, V open) {
 	const SplitLanes d;
 	const auto set = [d](std::uint64_t value) {
 		return hn::Set(d, value);
 	};
-	const V level = hn::ShiftRight<2 * lattice_bits>(places);
-	const V x = hn::And(hn::ShiftRight<sub_bits>(places), set(7));
-	const V y = hn::And(hn::ShiftRight<sub_bits + lattice_bits - 3>(places), set(7 << 3));
+	const V level = hn::ShiftRight<2 * lattice_bits>(level_positions);
+	const V x = hn::And(hn::ShiftRight<sub_bits>(level_positions), set(7));
+	const V y = hn::And(hn::ShiftRight<sub_bits + lattice_bits - 3>(level_positions), set(7 << 3));
 	const V side = hn::Shr(set(7), level);
 	const V inside = hn::Or(side, hn::ShiftLeft<3>(side));
 	const V parts = hn::Shr(open, hn::AndNot(inside, hn::Or(x, y)));
@@ -60,14 +60,14 @@ HWY_INLINE void list_children(Splits &splits) {
 	std::uint32_t count = 0;
 	for (std::uint32_t i = 0; i < splits.count; ++i) {
 		const DartKey parent = splits.parent[i];
-		const ChildTable::Line &line = child_table[splits.open[i]];
+		const ChildTable::Line &line = child_table[splits.open_children[i]];
 		for (std::uint32_t lane = 0; lane < 4; lane += static_cast<std::uint32_t>(hn::MaxLanes(d))) {
-			const auto hashed = hn::Add(hn::Load(d, line.gamma + lane), hn::Set(d, parent));
-			hn::StoreU(hashed, d, splits.hashed + count + lane);
+			const auto hash_inputs = hn::Add(hn::Load(d, line.gamma + lane), hn::Set(d, parent));
+			hn::StoreU(hash_inputs, d, splits.hash_inputs + count + lane);
 		}
 		hn::StoreU(hn::Load(d32, line.corner), d32, splits.corner + count);
 		hn::StoreU(hn::Set(d32, dart_time(parent)), d32, splits.time + count);
-		hn::StoreU(hn::Set(d32, dart_place(parent)), d32, splits.place + count);
+		hn::StoreU(hn::Set(d32, dart_level_position(parent)), d32, splits.level_position + count);
 		splits.first[i] = count;
 		count += line.count;
 	}
@@ -92,11 +92,11 @@ HWY_INLINE void throw_child_darts(Splits &splits) {
 	list_children(splits);
 	const std::uint32_t count = splits.first[splits.count];
 	for (std::uint32_t i = 0; i < count; i += static_cast<std::uint32_t>(hn::MaxLanes(d))) {
-		const auto low = hn::BitCast(d, mixed(hn::Load(d64, splits.hashed + i)));
-		const auto high = hn::BitCast(d, mixed(hn::Load(d64, splits.hashed + i + hn::MaxLanes(d64))));
+		const auto low = hn::BitCast(d, mixed(hn::Load(d64, splits.hash_inputs + i)));
+		const auto high = hn::BitCast(d, mixed(hn::Load(d64, splits.hash_inputs + i + hn::MaxLanes(d64))));
 		const auto parent_time = hn::Load(d, splits.time + i);
-		const auto place = hn::Load(d, splits.place + i);
-		const auto level = hn::Add(hn::ShiftRight<2 * lattice_bits>(place), hn::Set(d, 1));
+		const auto level_position = hn::Load(d, splits.level_position + i);
+		const auto level = hn::Add(hn::ShiftRight<2 * lattice_bits>(level_position), hn::Set(d, 1));
 		// The powers of two are built from float exponents, because many processors can shift all
 		// lanes only by the same amount.
 		const auto scale = hn::BitCast(df, hn::ShiftLeft<23>(hn::Add(hn::Add(level, level), hn::Set(d, 127))));
@@ -109,10 +109,10 @@ HWY_INLINE void throw_child_darts(Splits &splits) {
 		const auto both = hn::Or(width, hn::ShiftLeft<lattice_bits>(width));
 		const auto inside = hn::Sub(both, hn::Set(d, 1 + cell_size));
 		const auto parent_inside = hn::Or(inside, both);
-		const auto origin = hn::Or(hn::AndNot(parent_inside, hn::And(place, hn::Set(d, position_mask))),
+		const auto origin = hn::Or(hn::AndNot(parent_inside, hn::And(level_position, hn::Set(d, position_mask))),
 				hn::And(both, hn::Load(d, splits.corner + i)));
 		const auto position = hn::Or(origin, hn::And(hn::ConcatEven(d, high, low), inside));
-		hn::Store(hn::Or(position, hn::ShiftLeft<2 * lattice_bits>(level)), d, splits.place + i);
+		hn::Store(hn::Or(position, hn::ShiftLeft<2 * lattice_bits>(level)), d, splits.level_position + i);
 	}
 }
 

@@ -121,7 +121,7 @@ HWY_INLINE void store_by_rows(const V *columns, Cover &r_cover) {
 /// the bits in between for each column of cells.
 HWY_INLINE void cover_of(const Neighborhood &around, Cover &r_cover) {
 	const CoverRows rows(around.x, around.y);
-	if constexpr (is_plain || HWY_TARGET == HWY_SSE2) {
+	if constexpr (is_scalar || HWY_TARGET == HWY_SSE2) {
 		plain::cover_of(rows, r_cover.cells);
 		return;
 	} else {
@@ -180,7 +180,7 @@ HWY_INLINE void cover_of(const Neighborhood &around, Cover &r_cover) {
 /// Finds the covered children of many squares at quadtree level 3 or deeper. Each square is divided
 /// into parts, 8 x 8 where the lattice allows. A part is covered if it lies within a single disk.
 /// Without this test, squares in slivers between overlapping disks would be split many times.
-template <std::uint32_t room>
+template <std::uint32_t capacity>
 class DeepCover {
 public:
 	/// Adds a square. `origin` is its lower corner, and `child_level` is the level of its children.
@@ -189,10 +189,11 @@ public:
 		const Neighborhood around(grid, cell, origin + half * (1 + cell_size));
 		// A disk can reach the square only if the distance between their centers is less than the
 		// radius plus half the square's diagonal.
-		const std::uint32_t reach = far + half + half / 2;
+		const std::uint32_t max_distance = far + half + half / 2;
 		squares_[count_] = {around.first, static_cast<std::int32_t>(half) - around.x,
 				static_cast<std::int32_t>(half) - around.y,
-				points_near(grid, around, static_cast<std::int32_t>(reach * reach)), child_level, cell, origin};
+				find_nearby_points(grid, around, static_cast<std::int32_t>(max_distance * max_distance)), child_level,
+				cell, origin};
 		++count_;
 	}
 
@@ -210,15 +211,15 @@ public:
 				row = hn::Zero(du);
 			}
 			std::fill_n(rows_ + 8 * i, 8, 0u);
-			for (std::uint32_t near = square.near; near != 0; near &= near - 1) {
-				const auto bit = static_cast<std::uint32_t>(std::countr_zero(near));
+			for (std::uint32_t left = square.nearby_points; left != 0; left &= left - 1) {
+				const auto bit = static_cast<std::uint32_t>(std::countr_zero(left));
 				const CellPosition point =
 						LevelGrid::position_of(grid.point[square.first + (bit >> 2) * grid.stride + (bit & 3)]);
 				// The point's position relative to the square's corner.
 				const std::int32_t px = static_cast<std::int32_t>((bit & 3) * cell_size + position_x(point)) + square.x;
 				const std::int32_t py =
 						static_cast<std::int32_t>((bit >> 2) * cell_size + position_y(point)) + square.y;
-				if constexpr (is_plain) {
+				if constexpr (is_scalar) {
 					for (std::int32_t row = 0; row < 8; ++row) {
 						rows_[8 * i + static_cast<std::uint32_t>(row)] |= covered_row(row, px, py, part_bits, 8);
 					}
@@ -230,7 +231,7 @@ public:
 					rows[part] = hn::Or(rows[part], hn::BitCast(du, bits));
 				}
 			}
-			for (std::size_t part = 0; !is_plain && part < std::size(rows); ++part) {
+			for (std::size_t part = 0; !is_scalar && part < std::size(rows); ++part) {
 				hn::Store(rows[part], du, rows_ + 8 * i + part * hn::MaxLanes(di));
 			}
 		}
@@ -252,7 +253,7 @@ private:
 		std::uint32_t first;
 		std::int32_t x;
 		std::int32_t y;
-		std::uint32_t near;
+		std::uint32_t nearby_points; ///< One bit for each of the 4 x 4 cells whose point's disk can reach the square.
 		std::uint32_t child_level;
 		std::uint32_t cell;
 		CellPosition origin;
@@ -275,8 +276,8 @@ private:
 	}
 
 	std::uint32_t count_ = 0;
-	Square squares_[room];
-	alignas(64) std::uint32_t rows_[8 * room];
+	Square squares_[capacity];
+	alignas(64) std::uint32_t rows_[8 * capacity];
 };
 
 } // namespace thicket::HWY_NAMESPACE

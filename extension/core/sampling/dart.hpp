@@ -77,7 +77,7 @@ constexpr DartKey make_dart(TimeKey time, std::uint32_t level_position) { return
 inline constexpr DartKey dart_never = ~DartKey{0} >> 1;
 
 constexpr TimeKey dart_time(DartKey dart) { return static_cast<TimeKey>(dart >> 32); }
-constexpr std::uint32_t dart_place(DartKey dart) { return static_cast<std::uint32_t>(dart); }
+constexpr std::uint32_t dart_level_position(DartKey dart) { return static_cast<std::uint32_t>(dart); }
 
 constexpr std::uint32_t dart_level(std::uint32_t level_position) { return level_position >> (2 * lattice_bits); }
 constexpr CellPosition dart_position(std::uint32_t level_position) { return level_position & position_mask; }
@@ -111,10 +111,10 @@ struct DartSource {
 /// parent, because float addition is monotonic and both keys have the same tag.
 inline DartKey child_dart(DartKey parent, std::uint32_t child) {
 	const std::uint64_t random = split_mix(parent + (child + 1) * split_mix_gamma);
-	const std::uint32_t level = dart_level(dart_place(parent)) + 1;
+	const std::uint32_t level = dart_level(dart_level_position(parent)) + 1;
 	const std::uint32_t width = cell_size >> level;
 	const CellPosition corner =
-			square_origin(dart_place(parent)) + (child & 1) * width + (child >> 1) * (width << lattice_bits);
+			square_origin(dart_level_position(parent)) + (child & 1) * width + (child >> 1) * (width << lattice_bits);
 	const float wait = exponential(static_cast<std::uint32_t>(random >> 32)) * static_cast<float>(1u << (2 * level));
 	const float time = std::bit_cast<float>(dart_time(parent)) + wait;
 	const TimeKey key = (std::bit_cast<TimeKey>(time) & ~tag_bits) | (dart_time(parent) & tag_bits);

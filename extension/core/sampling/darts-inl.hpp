@@ -25,7 +25,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 /// True if Highway only emulates vectors. Steps that need only a few lanes are then processed lane
 /// by lane.
-constexpr bool is_plain = HWY_TARGET == HWY_EMU128 || HWY_TARGET == HWY_SCALAR;
+constexpr bool is_scalar = HWY_TARGET == HWY_EMU128 || HWY_TARGET == HWY_SCALAR;
 
 template <class D, class M>
 HWY_INLINE std::uint32_t bits_of(D d, M mask) {
@@ -125,12 +125,12 @@ HWY_INLINE void throw_first_darts(LevelGrid &grid, std::int32_t y, std::int32_t 
 	std::uint32_t index = grid.index_of({begin, y});
 	const std::uint32_t row_tag = 5 * mod_5(y);
 	grid.squares += static_cast<std::uint64_t>(end - begin);
-	if constexpr (is_plain) {
+	if constexpr (is_scalar) {
 		for (std::int32_t x = begin; x < end; ++x, ++index) {
 			if (grid.time[index] == time_unthrown) {
 				const DartKey dart = grid.source.base_dart(x, y);
 				grid.time[index] = dart_time(dart);
-				grid.dart[index] = dart_place(dart);
+				grid.dart[index] = dart_level_position(dart);
 			}
 		}
 		return;

@@ -21,9 +21,9 @@ public:
 	Buckets(const std::vector<SamplePoint> &points, const Rect &area, double side) :
 			points_(points), area_(area), side_(side) {
 		const glm::dvec2 count = glm::floor(area.size() / side) + 1.0;
-		across_ = static_cast<std::ptrdiff_t>(count.x);
-		down_ = static_cast<std::ptrdiff_t>(count.y);
-		first_.assign(static_cast<std::size_t>(across_ * down_), none);
+		columns_ = static_cast<std::ptrdiff_t>(count.x);
+		rows_ = static_cast<std::ptrdiff_t>(count.y);
+		first_.assign(static_cast<std::size_t>(columns_ * rows_), none);
 		next_.assign(points.size(), none);
 		for (std::size_t i = 0; i < points.size(); ++i) {
 			std::size_t &first = first_[bucket(points[i].position)];
@@ -32,17 +32,18 @@ public:
 		}
 	}
 
-	/// Returns the point nearest to `place`, or no_point if there is none within a bucket's width.
-	const SamplePoint &nearest(glm::dvec2 place) const {
+	/// Returns the point nearest to `position`, or no_point if there is none within a bucket's
+	/// width.
+	const SamplePoint &nearest(glm::dvec2 position) const {
 		double squared = side_ * side_;
 		std::size_t best = none;
-		const std::ptrdiff_t x = column(place.x - area_.min.x, across_);
-		const std::ptrdiff_t y = column(place.y - area_.min.y, down_);
-		for (std::ptrdiff_t row = std::max<std::ptrdiff_t>(y - 1, 0); row <= std::min(y + 1, down_ - 1); ++row) {
-			for (std::ptrdiff_t at = std::max<std::ptrdiff_t>(x - 1, 0); at <= std::min(x + 1, across_ - 1); ++at) {
-				for (std::size_t i = first_[static_cast<std::size_t>(row * across_ + at)]; i != none; i = next_[i]) {
-					const glm::dvec2 apart = points_[i].position - place;
-					const double found = glm::dot(apart, apart);
+		const std::ptrdiff_t x = column(position.x - area_.min.x, columns_);
+		const std::ptrdiff_t y = column(position.y - area_.min.y, rows_);
+		for (std::ptrdiff_t row = std::max<std::ptrdiff_t>(y - 1, 0); row <= std::min(y + 1, rows_ - 1); ++row) {
+			for (std::ptrdiff_t at = std::max<std::ptrdiff_t>(x - 1, 0); at <= std::min(x + 1, columns_ - 1); ++at) {
+				for (std::size_t i = first_[static_cast<std::size_t>(row * columns_ + at)]; i != none; i = next_[i]) {
+					const glm::dvec2 offset = points_[i].position - position;
+					const double found = glm::dot(offset, offset);
 					if (found < squared || (found == squared && best != none && points_[i].id < points_[best].id)) {
 						squared = found;
 						best = i;
@@ -62,14 +63,14 @@ private:
 
 	std::size_t bucket(glm::dvec2 position) const {
 		const glm::dvec2 along = position - area_.min;
-		return static_cast<std::size_t>(column(along.y, down_) * across_ + column(along.x, across_));
+		return static_cast<std::size_t>(column(along.y, rows_) * columns_ + column(along.x, columns_));
 	}
 
 	const std::vector<SamplePoint> &points_;
 	Rect area_;
 	double side_;
-	std::ptrdiff_t across_ = 1;
-	std::ptrdiff_t down_ = 1;
+	std::ptrdiff_t columns_ = 1;
+	std::ptrdiff_t rows_ = 1;
 	std::vector<std::size_t> first_; ///< Index of the first point of each bucket.
 	std::vector<std::size_t> next_;  ///< Index of the next point in the same bucket.
 };
@@ -78,33 +79,33 @@ private:
 /// rounding.
 double reach_of_point(const PointSet &set) { return 1.001 * set.radius; }
 
-Status find(TileSampler &sampler, const PointSet &set, std::span<const glm::dvec2> places,
+Status find(TileSampler &sampler, const PointSet &set, std::span<const glm::dvec2> positions,
 		std::vector<SamplePoint> &r_points) {
-	const Rect area = enclosing_rect(places);
+	const Rect area = enclosing_rect(positions);
 	if (!area.finite()) {
-		return {ErrorCode::not_finite, "places", std::isfinite(area.min.x) ? area.min.y : area.min.x};
+		return {ErrorCode::not_finite, "positions", std::isfinite(area.min.x) ? area.min.y : area.min.x};
 	}
 	std::vector<SamplePoint> points;
 	if (const Status status = sampler.sample(set, point_area(set, area), points); !status.ok()) {
 		return status;
 	}
 	if (points.empty()) {
-		return {ErrorCode::out_of_range, "places", places.front().x, {}, {},
+		return {ErrorCode::out_of_range, "positions", positions.front().x, {}, {},
 				"Move closer to the origin: the set ends there"};
 	}
-	nearest_among(points, set, places, r_points);
+	nearest_among(points, set, positions, r_points);
 	return {};
 }
 
 } // namespace
 
-Rect enclosing_rect(std::span<const glm::dvec2> places) {
-	Rect rect{places.front(), places.front()};
-	for (const glm::dvec2 place : places) {
-		if (!std::isfinite(place.x) || !std::isfinite(place.y)) {
-			return {place, place};
+Rect enclosing_rect(std::span<const glm::dvec2> positions) {
+	Rect rect{positions.front(), positions.front()};
+	for (const glm::dvec2 position : positions) {
+		if (!std::isfinite(position.x) || !std::isfinite(position.y)) {
+			return {position, position};
 		}
-		rect = {glm::min(rect.min, place), glm::max(rect.max, place)};
+		rect = {glm::min(rect.min, position), glm::max(rect.max, position)};
 	}
 	return rect;
 }
@@ -114,27 +115,27 @@ Rect point_area(const PointSet &set, const Rect &area) {
 	return {area.min - reach, area.max + reach};
 }
 
-void nearest_among(const std::vector<SamplePoint> &points, const PointSet &set, std::span<const glm::dvec2> places,
+void nearest_among(const std::vector<SamplePoint> &points, const PointSet &set, std::span<const glm::dvec2> positions,
 		std::vector<SamplePoint> &r_points) {
 	r_points.clear();
-	if (places.empty()) {
+	if (positions.empty()) {
 		return;
 	}
-	const Buckets buckets(points, point_area(set, enclosing_rect(places)), reach_of_point(set));
-	r_points.reserve(places.size());
-	for (const glm::dvec2 place : places) {
-		r_points.push_back(buckets.nearest(place));
+	const Buckets buckets(points, point_area(set, enclosing_rect(positions)), reach_of_point(set));
+	r_points.reserve(positions.size());
+	for (const glm::dvec2 position : positions) {
+		r_points.push_back(buckets.nearest(position));
 	}
 }
 
-Status nearest_points(TileSampler &sampler, const PointSet &set, std::span<const glm::dvec2> places,
+Status nearest_points(TileSampler &sampler, const PointSet &set, std::span<const glm::dvec2> positions,
 		std::vector<SamplePoint> &r_points) {
 	r_points.clear();
-	if (places.empty()) {
+	if (positions.empty()) {
 		return {};
 	}
-	return guarded_answer("places", static_cast<double>(places.size()), r_points,
-			[&] { return find(sampler, set, places, r_points); });
+	return guarded_answer("positions", static_cast<double>(positions.size()), r_points,
+			[&] { return find(sampler, set, positions, r_points); });
 }
 
 } // namespace thicket

@@ -110,11 +110,12 @@ HWY_INLINE BlockWords distances_to(BlockWords points, BlockHalves centers) {
 }
 
 /// Checks the cells and points that the disk of a dart of `cell` can reach.
-HWY_INLINE Verdict look_around(const LevelGrid &grid, std::uint32_t cell, CellPosition position, TimeKey time) {
+HWY_INLINE Verdict examine_neighborhood(
+		const LevelGrid &grid, std::uint32_t cell, CellPosition position, TimeKey time) {
 	const BlockLanes d;
 	const Neighborhood around(grid, cell, position);
-	if constexpr (is_plain) {
-		return plain::look_around(grid, around.first, position, around.x, around.y, time);
+	if constexpr (is_scalar) {
+		return plain::examine_neighborhood(grid, around.first, position, around.x, around.y, time);
 	}
 	bool conflict = false;
 	bool blocked = false;
@@ -160,17 +161,18 @@ HWY_INLINE TimeKey earliest_around(const LevelGrid &grid, std::uint32_t cell, Ce
 
 /// Returns the points whose squared distance to the disk's center is below `limit`, one bit per
 /// cell.
-HWY_INLINE std::uint32_t points_near(const LevelGrid &grid, const Neighborhood &around, std::int32_t limit) {
+HWY_INLINE std::uint32_t find_nearby_points(const LevelGrid &grid, const Neighborhood &around, std::int32_t limit) {
 	const BlockLanes d;
-	std::uint32_t near = 0;
+	std::uint32_t nearby = 0;
 	for (std::size_t lane = 0; lane < 16; lane += block_lanes) {
 		const auto points = load_rows(d, grid.point.data() + around.first + lane / 4 * grid.stride, grid.stride);
 		const auto distance2 = distances_to(points, centers_from(around, lane));
-		near |= bits_of(d,
+		nearby |=
+				bits_of(d,
 						hn::And(hn::Lt(distance2, hn::Set(d, limit)), hn::Ne(points, hn::Set(d, LevelGrid::no_point))))
 				<< lane;
 	}
-	return near;
+	return nearby;
 }
 
 } // namespace thicket::HWY_NAMESPACE

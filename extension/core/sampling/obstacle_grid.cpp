@@ -40,15 +40,15 @@ std::int32_t ceil_within(double value, std::int32_t last) {
 /// is a power of two.
 ColumnRange covered_squares(const ObstacleGrid::Disk &disk, double y, double width, std::int32_t count) {
 	const double last = width - 1.0;
-	const double apart =
+	const double offset =
 			std::max(std::abs(y - disk.center.y), std::abs(y + last - disk.center.y)) + ObstacleGrid::slack;
-	if (apart >= disk.radius) {
+	if (offset >= disk.radius) {
 		return {};
 	}
-	const double half = std::sqrt(disk.radius * disk.radius - apart * apart) - ObstacleGrid::slack;
-	const double share = 1.0 / width; // A product with it is exact, and faster than a quotient.
-	const ColumnRange range{ceil_within((disk.center.x - half) * share, count),
-			floor_within((disk.center.x + half + 1.0) * share, count)};
+	const double half = std::sqrt(disk.radius * disk.radius - offset * offset) - ObstacleGrid::slack;
+	const double per_width = 1.0 / width; // A product with it is exact, and faster than a quotient.
+	const ColumnRange range{ceil_within((disk.center.x - half) * per_width, count),
+			floor_within((disk.center.x + half + 1.0) * per_width, count)};
 	return range.from < range.to ? range : ColumnRange{};
 }
 
@@ -164,8 +164,8 @@ bool ObstacleGrid::covers(const LevelGrid &grid, std::uint32_t cell, CellPositio
 	const glm::dvec2 inside(position_x(position), position_y(position));
 	for (std::uint32_t at = lists_.first[cell]; at != 0; at = lists_.entries[at - 1].next) {
 		const Entry &entry = lists_.entries[at - 1];
-		const glm::dvec2 apart = entry.center - inside;
-		const double squared = apart.x * apart.x + apart.y * apart.y;
+		const glm::dvec2 offset = entry.center - inside;
+		const double squared = offset.x * offset.x + offset.y * offset.y;
 		const double radius = disks_[entry.obstacle].radius;
 		if (squared < (radius - slack) * (radius - slack) && radius > slack) {
 			return true;
@@ -185,10 +185,10 @@ bool ObstacleGrid::covers_exactly(
 	const auto world = [this](std::int32_t first, std::uint32_t inside) {
 		return static_cast<double>(std::int64_t{first} * cell_size + inside) * unit_;
 	};
-	const glm::dvec2 place(world(corner.x, position_x(position)), world(corner.y, position_y(position)));
+	const glm::dvec2 world_position(world(corner.x, position_x(position)), world(corner.y, position_y(position)));
 	const Obstacle &each = obstacles_[obstacle];
-	const glm::dvec2 apart = each.center - place;
-	return apart.x * apart.x + apart.y * apart.y < each.radius * each.radius;
+	const glm::dvec2 offset = each.center - world_position;
+	return offset.x * offset.x + offset.y * offset.y < each.radius * each.radius;
 }
 
 void add_large_parts(const ObstacleGrid::Disk &disk, double width, std::uint32_t *r_rows) {

@@ -35,16 +35,16 @@ HWY_INLINE void covered_words(const ObstacleGrid::Disk &disk, double width, std:
 	const auto radius = set(disk.radius - rounding);
 	const auto zero = hn::Zero(d);
 	const auto most = set(64.0);
-	const auto share = set(1.0 / width); // A product with it is exact.
+	const auto per_width = set(1.0 / width); // A product with it is exact.
 	alignas(32) std::int32_t from[8];
 	alignas(32) std::int32_t to[8];
 	for (std::size_t row = 0; row < 8; row += hn::MaxLanes(d)) {
 		const auto low = hn::MulAdd(hn::Iota(d, static_cast<float>(row)), set(width), set(-disk.center.y));
-		const auto apart = hn::Max(hn::Neg(low), hn::Add(low, set(width - 1.0)));
-		const auto rest = hn::Mul(hn::Sub(radius, apart), hn::Add(radius, apart));
+		const auto gap = hn::Max(hn::Neg(low), hn::Add(low, set(width - 1.0)));
+		const auto rest = hn::Mul(hn::Sub(radius, gap), hn::Add(radius, gap));
 		const auto half = hn::Sub(hn::Sqrt(hn::Max(rest, zero)), set(rounding));
-		const auto begin = hn::Min(hn::Max(hn::Mul(hn::Sub(set(disk.center.x), half), share), zero), most);
-		const auto end = hn::Min(hn::Max(hn::Mul(hn::Add(set(disk.center.x + 1.0), half), share), zero), most);
+		const auto begin = hn::Min(hn::Max(hn::Mul(hn::Sub(set(disk.center.x), half), per_width), zero), most);
+		const auto end = hn::Min(hn::Max(hn::Mul(hn::Add(set(disk.center.x + 1.0), half), per_width), zero), most);
 		const auto below = hn::ConvertTo(di, begin);
 		const auto is_part = hn::RebindMask(di, hn::Lt(hn::ConvertTo(d, below), begin));
 		hn::Store(hn::IfThenElse(is_part, hn::Add(below, hn::Set(di, 1)), below), di, from + row);

@@ -35,7 +35,7 @@ constexpr std::int32_t square(std::int32_t distance) {
 
 /// Checks the neighborhood of a dart at (x, y), relative to the lower corner of the 4 x 4 cells
 /// that its disk can reach.
-inline Verdict look_around(
+inline Verdict examine_neighborhood(
 		const LevelGrid &grid, std::uint32_t lowest, CellPosition dart, std::int32_t x, std::int32_t y, TimeKey time) {
 	constexpr auto side = static_cast<std::int32_t>(cell_size);
 	std::uint32_t earlier = 0;
@@ -101,16 +101,16 @@ inline void stamp(LevelGrid &grid, std::uint32_t lowest, const std::uint64_t *co
 	}
 }
 
-/// Returns the children of the square at `place` that have a sub-square not known to be covered,
-/// one bit each.
-inline std::uint64_t open_children(std::uint32_t place, std::uint64_t open) {
-	const std::uint32_t level = dart_level(place);
+/// Returns the children of the square at the packed `level_position` that have a sub-square not
+/// known to be covered, one bit each.
+inline std::uint64_t open_children(std::uint32_t level_position, std::uint64_t open) {
+	const std::uint32_t level = dart_level(level_position);
 	if (level >= static_cast<std::uint32_t>(lattice_bits)) {
 		return 0;
 	}
 	constexpr std::uint64_t child_of[2] = {0x0f0f0f0f, 0x0303};
 	const std::uint32_t side = level < 3 ? 7u >> level : 0;
-	const std::uint64_t parts = open >> (sub_square_of(dart_position(place)) & ~(side | side << 3));
+	const std::uint64_t parts = open >> (sub_square_of(dart_position(level_position)) & ~(side | side << 3));
 	const std::uint64_t child = level < 2 ? child_of[level] : 1;
 	const std::uint32_t step = level < 3 ? 4u >> level : 0;
 	const auto bit = [&](std::uint32_t to, std::uint64_t value) {
@@ -135,7 +135,7 @@ inline void sort_by_children(
 		} else {
 			r_splits.items[r_splits.count] = item;
 			r_splits.parent[r_splits.count] = make_dart(grid.time[cell], grid.dart[cell]);
-			r_splits.open[r_splits.count] = open;
+			r_splits.open_children[r_splits.count] = open;
 			++r_splits.count;
 		}
 	}
@@ -145,10 +145,10 @@ inline void throw_child_darts(Splits &splits) {
 	std::uint32_t count = 0;
 	for (std::uint32_t i = 0; i < splits.count; ++i) {
 		splits.first[i] = count;
-		for (std::uint64_t open = splits.open[i]; open != 0; open &= open - 1) {
+		for (std::uint64_t open = splits.open_children[i]; open != 0; open &= open - 1) {
 			const DartKey dart = child_dart(splits.parent[i], static_cast<std::uint32_t>(std::countr_zero(open)));
 			splits.time[count] = dart_time(dart);
-			splits.place[count] = dart_place(dart);
+			splits.level_position[count] = dart_level_position(dart);
 			++count;
 		}
 	}

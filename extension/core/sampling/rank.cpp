@@ -34,8 +34,8 @@ constexpr auto make_level_ends() {
 		double scale = 1.0;
 		for (std::uint32_t level = 1; level < levels; ++level) {
 			scale /= 4.0;
-			const double share = densities[levels - 1 - level] * scale / densities[levels - 1];
-			ends[levels - 1][level] = static_cast<std::uint64_t>(share * static_cast<double>(full));
+			const double fraction = densities[levels - 1 - level] * scale / densities[levels - 1];
+			ends[levels - 1][level] = static_cast<std::uint64_t>(fraction * static_cast<double>(full));
 		}
 	}
 	return ends;
@@ -45,7 +45,7 @@ constexpr auto level_ends = make_level_ends();
 
 /// Returns the share of a stage's points, in units of 2^-32, whose time is before `time`. The share
 /// is interpolated linearly between knots, and from 0 to the first knot.
-std::uint32_t share_before(std::uint32_t stage, TimeKey time) {
+std::uint32_t fraction_before(std::uint32_t stage, TimeKey time) {
 	const auto &table = stage_table[stage < rank_stages ? stage : rank_stages - 1];
 	const std::uint32_t knot = rank_knot(time);
 	if (knot == 0) {
@@ -65,7 +65,7 @@ std::uint32_t rank_of(std::uint32_t levels, std::uint32_t level, TimeKey time) {
 	const auto &ends = level_ends[levels - 1];
 	const std::uint64_t start = ends[level + 1];
 	const std::uint64_t span = ends[level] - start;
-	return static_cast<std::uint32_t>(start + (share_before(levels - 1 - level, time) * span >> 32));
+	return static_cast<std::uint32_t>(start + (fraction_before(levels - 1 - level, time) * span >> 32));
 }
 
 std::uint32_t level_of_rank(std::uint32_t levels, std::uint32_t rank) {

@@ -24,16 +24,17 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// Width, in cells, of the area around a region for which the coarser level is decided along with
 /// the region. Most chains of darts that leave the region then find the coarser points that they
 /// need. Otherwise, they would have to follow the coarser level's chains in each round.
-constexpr std::int32_t most_ahead = 4;
+constexpr std::int32_t coarser_margin = 4;
 
 /// Width, in cells, of the area around a region in which the first darts are thrown at the start.
 /// Chains rarely go farther. If one does, the resolver throws the first darts of all cells of the
 /// grid.
-constexpr std::int32_t thrown_around = 12;
+constexpr std::int32_t first_dart_margin = 12;
 
 struct Pass {
-	float end;           ///< The pass decides darts up to this time.
-	std::int32_t around; ///< Number of cells on each side of the region that are also decided, at most `most_ahead`.
+	float end; ///< The pass decides darts up to this time.
+	/// Number of cells on each side of the region that are also decided, at most `coarser_margin`.
+	std::int32_t margin;
 };
 
 /// The passes of `resolve_region`. The end times double while much area is uncovered, and then grow
@@ -43,7 +44,7 @@ struct Pass {
 constexpr Pass passes[] = {{0.125f, 4}, {0.25f, 4}, {0.5f, 3}, {1.0f, 2}, {2.0f, 1}, {4.0f, 1}, {8.0f, 0}, {32.0f, 0},
 		{std::numeric_limits<float>::infinity(), 0}};
 static_assert(std::ranges::all_of(
-		passes, [](const Pass &pass) { return pass.around <= std::min(most_ahead, thrown_around); }));
+		passes, [](const Pass &pass) { return pass.margin <= std::min(coarser_margin, first_dart_margin); }));
 
 /// Returns the cells of a row whose next dart is not later than `until`. The list is valid until
 /// the next call.
@@ -56,7 +57,7 @@ HWY_INLINE std::span<const std::uint32_t> find_due(
 		grid.due.resize(count + 2 * lanes);
 	}
 	std::size_t found = 0;
-	if constexpr (is_plain) {
+	if constexpr (is_scalar) {
 		for (std::uint32_t cell = first; cell < first + count; ++cell) {
 			grid.due[found] = cell;
 			found += grid.time[cell] <= until ? 1 : 0;
@@ -97,7 +98,7 @@ inline bool resolve_pass(LevelGrid *levels, std::uint32_t level, const CellRect 
 		}
 		for (const std::uint32_t cell : find_due(grid, grid.index_of({region.min.x, y}), width, until)) {
 			work.add_if(make_item(cell, until), grid.open[cell], grid.dart[cell], true);
-			while (work.count() == Group::most) {
+			while (work.count() == Group::max_count) {
 				if (!decide<false>(levels, level, work)) {
 					return false;
 				}
@@ -126,7 +127,7 @@ inline ResolveResult resolve_region(LevelGrid *levels, std::uint32_t level, cons
 	}
 	CellRect listed;
 	for (const Pass &pass : passes) {
-		const CellRect cells = region.grown(std::min(pass.around, ahead));
+		const CellRect cells = region.grown(std::min(pass.margin, ahead));
 		if (cells != listed) {
 			list_region(grid, listed, cells);
 			listed = cells;
@@ -145,14 +146,14 @@ inline ResolveResult resolve_region(LevelGrid *levels, std::uint32_t level, cons
 inline ResolveResult resolve_block(
 		std::span<LevelGrid> levels, const CellRect &block, const std::atomic<bool> *cancel) {
 	const std::int32_t margin = block.min.x - levels.front().cells.min.x;
-	const std::int32_t ahead =
-			std::min(most_ahead, margin / 2); // Half of each margin suffices for the extra cells of all finer levels.
+	const std::int32_t ahead = std::min(
+			coarser_margin, margin / 2); // Half of each margin suffices for the extra cells of all finer levels.
 	for (std::size_t level = levels.size(); level-- > 0;) {
 		CellRect region = block;
 		for (std::size_t finer = 0; finer < level; ++finer) {
 			region = coarse_cells_around(region.grown(ahead));
 		}
-		start_grid(levels[level], region.grown(thrown_around));
+		start_grid(levels[level], region.grown(first_dart_margin));
 		const ResolveResult result =
 				resolve_region(levels.data(), static_cast<std::uint32_t>(level), region, ahead, cancel);
 		if (result != ResolveResult::done) {

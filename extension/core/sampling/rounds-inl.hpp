@@ -40,7 +40,7 @@ HWY_INLINE void stamp(LevelGrid &grid, std::uint32_t cell, CellPosition position
 	const Neighborhood around(grid, cell, position);
 	Cover cover;
 	cover_of(around, cover);
-	if constexpr (is_plain) {
+	if constexpr (is_scalar) {
 		plain::stamp(grid, around.first, cover.cells);
 		return;
 	}
@@ -120,7 +120,7 @@ inline void make_region_ready(const LevelGrid &coarse, LevelGrid &grid, const Ce
 inline bool make_ready(LevelGrid *levels, std::uint32_t level, const Group &items) {
 	LevelGrid &grid = levels[level];
 	LevelGrid &coarse = levels[level + 1];
-	glm::ivec2 parents[Group::most];
+	glm::ivec2 parents[Group::max_count];
 	std::uint32_t count = 0;
 	std::uint32_t asking = LevelGrid::nowhere;
 	for (std::uint32_t i = 0; i < items.count; ++i) {
@@ -202,14 +202,14 @@ HWY_INLINE bool wait(LevelGrid &grid, std::uint32_t cell, TimeKey until) {
 
 /// Moves the cells whose dart falls on an obstacle to `work.covered`.
 HWY_NOINLINE void reject_obstructed(const LevelGrid &grid, Work &work) {
-	const std::uint32_t count = work.open.count;
-	work.open.count = 0;
+	const std::uint32_t count = work.uncovered.count;
+	work.uncovered.count = 0;
 	for (std::uint32_t i = 0; i < count; ++i) {
-		const Item item = work.open.items[i];
+		const Item item = work.uncovered.items[i];
 		const std::uint32_t cell = cell_of(item);
 		const bool is_covered = grid.obstacles->covers(grid, cell, dart_position(grid.dart[cell]));
 		work.covered.add_if(item, is_covered);
-		work.open.add_if(item, !is_covered);
+		work.uncovered.add_if(item, !is_covered);
 	}
 }
 
@@ -225,13 +225,13 @@ HWY_NOINLINE bool decide(LevelGrid *levels, std::uint32_t level, Work &work) {
 	if (HWY_UNLIKELY(grid.obstacles != nullptr)) {
 		reject_obstructed(grid, work);
 	}
-	if (grid.coarser != nullptr && !make_ready(levels, level, work.open)) {
+	if (grid.coarser != nullptr && !make_ready(levels, level, work.uncovered)) {
 		return false;
 	}
-	for (std::uint32_t i = 0; i < work.open.count; ++i) {
-		const Item item = work.open.items[i];
+	for (std::uint32_t i = 0; i < work.uncovered.count; ++i) {
+		const Item item = work.uncovered.items[i];
 		const std::uint32_t cell = cell_of(item);
-		const Verdict verdict = look_around(grid, cell, dart_position(grid.dart[cell]), grid.time[cell]);
+		const Verdict verdict = examine_neighborhood(grid, cell, dart_position(grid.dart[cell]), grid.time[cell]);
 		work.covered.add_if(item, verdict.conflict);
 		accepted.add_if(item, !verdict.conflict & !verdict.blocked);
 		blocked.add_if(item, !verdict.conflict & verdict.blocked);
@@ -251,7 +251,7 @@ HWY_NOINLINE bool decide(LevelGrid *levels, std::uint32_t level, Work &work) {
 		}
 	}
 	Group rejected = work.covered;
-	work.covered.count = work.open.count = 0;
+	work.covered.count = work.uncovered.count = 0;
 	split_squares(grid, rejected, work);
 	if (from_list) {
 		for (std::uint32_t i = 0; i < accepted.count; ++i) {
@@ -272,11 +272,11 @@ HWY_NOINLINE bool decide(LevelGrid *levels, std::uint32_t level, Work &work) {
 /// blocked wait for the next round. The outcomes are unpredictable, so the loop does not branch on
 /// them.
 HWY_INLINE std::size_t sort_wanted(LevelGrid &grid, std::size_t next, Work &r_work) {
-	LevelGrid::Wanted blocked[Group::most];
+	LevelGrid::Wanted blocked[Group::max_count];
 	std::size_t count = 0;
 	const LevelGrid::Wanted *round = grid.round.data();
-	const std::size_t end = std::min(grid.round.size(), next + Group::most);
-	for (; r_work.count() < Group::most && next < end; ++next) {
+	const std::size_t end = std::min(grid.round.size(), next + Group::max_count);
+	for (; r_work.count() < Group::max_count && next < end; ++next) {
 		const LevelGrid::Wanted wanted = round[next];
 		const TimeKey time = grid.time[wanted.cell];
 		const LevelGrid::Listing listed = grid.listed[wanted.cell];
@@ -314,7 +314,7 @@ inline bool resolve_wanted(LevelGrid *levels, std::uint32_t level) {
 		grid.wanted.clear();
 		std::size_t next = 0;
 		do {
-			while (work.count() < Group::most && next < grid.round.size()) {
+			while (work.count() < Group::max_count && next < grid.round.size()) {
 				next = sort_wanted(grid, next, work);
 			}
 			if (!decide<true>(levels, level, work)) {

@@ -36,12 +36,12 @@ SetDigest digest(std::span<const SamplePoint> points) {
 	std::transform(points.begin(), points.end(), by_id.begin(), [](const SamplePoint &point) { return &point; });
 	std::sort(by_id.begin(), by_id.end(), [](const SamplePoint *a, const SamplePoint *b) { return a->id < b->id; });
 	SetDigest result{empty_digest, empty_digest};
-	add(result.places, points.size());
+	add(result.points, points.size());
 	for (const SamplePoint *point : by_id) {
-		add(result.places, point->id);
-		add(result.places, std::bit_cast<std::uint64_t>(point->position.x));
-		add(result.places, std::bit_cast<std::uint64_t>(point->position.y));
-		add(result.places, point->level);
+		add(result.points, point->id);
+		add(result.points, std::bit_cast<std::uint64_t>(point->position.x));
+		add(result.points, std::bit_cast<std::uint64_t>(point->position.y));
+		add(result.points, point->level);
 		add(result.ranks, point->rank);
 	}
 	return result;

@@ -12,7 +12,7 @@ namespace thicket {
 /// Digests for checking that two machines generated the same points: FNV-1a over all bits of the
 /// points. Equal points have equal digests.
 struct SetDigest {
-	std::uint64_t places = 0; ///< Digest of the ids, positions and levels.
+	std::uint64_t points = 0; ///< Digest of the ids, positions and levels.
 	/// Digest of the ranks. It is separate, because better rank tables may change the ranks.
 	std::uint64_t ranks = 0;
 

@@ -48,16 +48,16 @@ HWY_INLINE void sort_by_children(
 			const std::uint32_t cell = cell_of(cells.items[i + lane]);
 			return make_dart(columns.time[cell], columns.dart[cell]);
 		});
-		const auto place = hn::And(parent, hn::Set(d, 0xffffffff));
+		const auto level_position = hn::And(parent, hn::Set(d, 0xffffffff));
 		const auto time = hn::ShiftRight<32>(parent);
 		const auto parts = load_each(d, [&](std::size_t lane) { return columns.open[cell_of(cells.items[i + lane])]; });
-		const auto open = open_children(place, parts);
+		const auto open = open_children(level_position, parts);
 		const auto none = hn::Eq(open, hn::Zero(d));
-		const auto is_deep = hn::Gt(place, hn::Set(d, (3u << (2 * lattice_bits)) - 1));
+		const auto is_deep = hn::Gt(level_position, hn::Set(d, (3u << (2 * lattice_bits)) - 1));
 		const auto split = hn::Not(hn::Or(none, is_deep));
 		hn::CompressStore(items, split, d, r_splits.items + splits);
 		hn::CompressStore(parent, split, d, r_splits.parent + splits);
-		splits += static_cast<std::uint32_t>(hn::CompressStore(open, split, d, r_splits.open + splits));
+		splits += static_cast<std::uint32_t>(hn::CompressStore(open, split, d, r_splits.open_children + splits));
 		r_deep.count += static_cast<std::uint32_t>(
 				hn::CompressStore(items, hn::AndNot(none, is_deep), d, r_deep.items + r_deep.count));
 		// Drops cells that a new point closed.
@@ -71,12 +71,12 @@ HWY_INLINE void sort_by_children(
 /// whose square has no such child go to `r_spent`.
 HWY_INLINE void find_open_children(LevelGrid &grid, Group &cells, Splits &r_splits, Group &r_spent) {
 	const Columns columns(grid);
-	DeepCover<Group::room> deep_cover;
+	DeepCover<Group::capacity> deep_cover;
 	Group deep;
 	for (std::uint32_t i = 0; i < cells.count; ++i) {
 		hwy::Prefetch(columns.slots + (columns.waiting[cell_of(cells.items[i])] & WaitingSquares::slot_mask));
 	}
-	if constexpr (is_plain || HWY_TARGET == HWY_SSE2) {
+	if constexpr (is_scalar || HWY_TARGET == HWY_SSE2) {
 		plain::sort_by_children(grid, cells, r_splits, deep, r_spent);
 	} else {
 		sort_by_children(columns, grid.sentinel, cells, r_splits, deep, r_spent);
@@ -84,14 +84,14 @@ HWY_INLINE void find_open_children(LevelGrid &grid, Group &cells, Splits &r_spli
 	std::uint32_t splits = r_splits.count;
 	for (std::uint32_t i = 0; i < deep.count; ++i) {
 		const std::uint32_t cell = cell_of(deep.items[i]);
-		const std::uint32_t place = columns.dart[cell];
-		deep_cover.add(grid, cell, dart_level(place) + 1, square_origin(place));
+		const std::uint32_t level_position = columns.dart[cell];
+		deep_cover.add(grid, cell, dart_level(level_position) + 1, square_origin(level_position));
 	}
 	deep_cover.finish(grid, [&](std::uint32_t i, std::uint32_t covered) {
 		const Item item = deep.items[i];
 		r_splits.items[splits] = item;
 		r_splits.parent[splits] = make_dart(columns.time[cell_of(item)], columns.dart[cell_of(item)]);
-		r_splits.open[splits] = covered ^ 15;
+		r_splits.open_children[splits] = covered ^ 15;
 		splits += covered != 15;
 		r_spent.add_if(item, covered == 15);
 	});
@@ -105,15 +105,15 @@ HWY_INLINE void split_squares(LevelGrid &grid, Group &cells, Work &r_work) {
 	Group spent;
 	grid.waiting_squares.reserve(2 * cells.count);
 	find_open_children(grid, cells, splits, spent);
-	if constexpr (is_plain) {
+	if constexpr (is_scalar) {
 		plain::throw_child_darts(splits);
 	} else {
 		throw_child_darts(splits);
 	}
 	const Columns columns(grid);
 	Work next;
-	std::uint32_t first_ones[Group::room];
-	std::uint32_t others[Group::room];
+	std::uint32_t first_ones[Group::capacity];
+	std::uint32_t others[Group::capacity];
 	std::uint32_t count_of_first = 0;
 	std::uint32_t count_of_others = 0;
 	for (std::uint32_t i = 0; i < splits.count; ++i) {

@@ -294,10 +294,10 @@ Status TileSampler::Workspace::sample_together(const PointSet &set, const Rect &
 	std::vector<std::vector<SamplePoint>> parts(blocks_each * (others.size() + 1));
 	std::vector<Ended> ended(others.size() + 1);
 	Shared shared;
-	std::int64_t told = 0;
+	std::int64_t reported_tiles = 0;
 	const auto notify = [&](std::int64_t done, std::uint64_t points) {
-		if (progress.report && done > told) {
-			told = done;
+		if (progress.report && done > reported_tiles) {
+			reported_tiles = done;
 			progress.report(static_cast<double>(done) / static_cast<double>(range.count()), points);
 		}
 	};

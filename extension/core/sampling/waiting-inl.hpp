@@ -8,7 +8,7 @@
 #endif
 
 #include "core/sampling/darts-inl.hpp"
-#include "core/sampling/empty_places.hpp"
+#include "core/sampling/empty_entries.hpp"
 #include "core/sampling/level_grid.hpp"
 #include "core/sampling/waiting_plain-inl.hpp"
 
@@ -29,14 +29,15 @@ constexpr std::size_t slot_lanes = hn::MaxLanes(SlotLanes());
 constexpr std::size_t slot_vectors = WaitingSquares::slot_size / slot_lanes;
 
 /// True for targets that only emulate vectors or byte shuffles. These process squares one by one.
-constexpr bool is_waiting_plain = is_plain || HWY_TARGET == HWY_SSE2;
+constexpr bool is_waiting_scalar = is_scalar || HWY_TARGET == HWY_SSE2;
 
 /// True if the target has an instruction that compresses the lanes of a vector.
 constexpr bool has_native_compress = hn::MaxLanes(hn::ScalableTag<std::uint32_t>()) == 16;
 
 /// Returns the times of the darts for which `is_still_open` is true, and time_never for all other
 /// darts.
-HWY_INLINE hn::Vec<SlotLanes> still_open(hn::Vec<SlotLanes> time, hn::Vec<SlotWords> place, std::uint64_t open) {
+HWY_INLINE hn::Vec<SlotLanes> still_open(
+		hn::Vec<SlotLanes> time, hn::Vec<SlotWords> level_position, std::uint64_t open) {
 	const SlotLanes d;
 	const SlotWords du;
 	const hn::Repartition<std::uint8_t, SlotLanes> bytes;
@@ -45,12 +46,12 @@ HWY_INLINE hn::Vec<SlotLanes> still_open(hn::Vec<SlotLanes> time, hn::Vec<SlotWo
 	const auto seven = hn::Set(du, 7);
 	// Puts the row's byte and the column's bit into the lowest byte of each lane. The other bytes
 	// have no bit set.
-	const auto y = hn::And(hn::ShiftRight<sub_bits + lattice_bits>(place), seven);
-	const auto x = hn::Or(hn::And(hn::ShiftRight<sub_bits>(place), seven), hn::Set(du, 0x80808000u));
+	const auto y = hn::And(hn::ShiftRight<sub_bits + lattice_bits>(level_position), seven);
+	const auto x = hn::Or(hn::And(hn::ShiftRight<sub_bits>(level_position), seven), hn::Set(du, 0x80808000u));
 	const auto row = hn::TableLookupBytes(hn::BitCast(bytes, hn::Set(words, open)), hn::BitCast(bytes, y));
 	const auto bit = hn::TableLookupBytesOr0(hn::LoadDup128(bytes, bit_of), hn::BitCast(bytes, x));
 	const auto is_covered = hn::Eq(hn::BitCast(d, hn::And(row, bit)), hn::Zero(d));
-	const auto level = hn::BitCast(d, hn::ShiftRight<2 * lattice_bits>(place));
+	const auto level = hn::BitCast(d, hn::ShiftRight<2 * lattice_bits>(level_position));
 	const auto is_small = hn::Gt(level, hn::Set(d, static_cast<std::int32_t>(first_small) - 1));
 	return hn::IfThenElse(hn::And(is_small, is_covered), hn::Set(d, static_cast<std::int32_t>(time_never)), time);
 }
@@ -91,25 +92,25 @@ HWY_INLINE bool start_slot(LevelGrid &grid, const Columns &columns, std::uint32_
 	// There is no tie, so the times alone determine the next dart.
 	const std::uint32_t slot = grid.waiting_squares.take_if(true);
 	columns.time[cell] = time;
-	columns.dart[cell] = children.place[std::countr_zero(next)];
+	columns.dart[cell] = children.level_position[std::countr_zero(next)];
 	columns.waiting[cell] = slot;
 	WaitingSquares::Slot &waiting = columns.slots[slot];
 	hn::Store(hn::BitCast(du, hn::IfThenElse(is_next, never, times)), du, waiting.time.data());
 	hn::Store(hn::BitCast(du, never), du, waiting.time.data() + 4);
-	hn::Store(hn::LoadU(du, children.place), du, waiting.place.data());
+	hn::Store(hn::LoadU(du, children.level_position), du, waiting.level_position.data());
 	return true;
 }
 
-/// Writes children into the empty places of a slot. `empty` has one bit per empty place; there must
-/// be enough of them.
+/// Writes children into the empty entries of a slot. `empty` has one bit per empty entry; there
+/// must be enough of them.
 HWY_INLINE void fill_slot(
 		WaitingSquares::Slot &slot, std::uint32_t empty, hn::Vec<SlotLanes> times, Children children) {
 	alignas(64) TimeKey time[slot_lanes];
 	hn::Store(hn::BitCast(SlotWords(), times), SlotWords(), time);
-	for (std::uint32_t child = 4; child-- > 0;) { // Earlier children overwrite later ones in the same place.
-		const std::uint32_t place = empty_places[empty][child];
-		slot.time[place] = time[child];
-		slot.place[place] = children.place[child];
+	for (std::uint32_t child = 4; child-- > 0;) { // Earlier children overwrite later ones in the same entry.
+		const std::uint32_t entry = empty_entries[empty][child];
+		slot.time[entry] = time[child];
+		slot.level_position[entry] = children.level_position[child];
 	}
 }
 
@@ -120,7 +121,7 @@ HWY_INLINE V filled(V to, hn::Mask<SlotLanes> is_empty, [[maybe_unused]] std::ui
 	const auto lanes = hn::RebindMask(d, is_empty);
 #if HWY_TARGET == HWY_AVX2 // Highway would copy its table at each use.
 	const auto order =
-			hn::PromoteTo(SlotWords(), hn::LoadU(hn::CappedTag<std::uint8_t, 8>(), places_before[empty].data()));
+			hn::PromoteTo(SlotWords(), hn::LoadU(hn::CappedTag<std::uint8_t, 8>(), entries_before[empty].data()));
 	return hn::IfThenElse(lanes, hn::TableLookupLanes(from, hn::IndicesFromVec(d, order)), to);
 #else
 	return hn::IfThenElse(lanes, hn::Expand(from, lanes), to);
@@ -134,9 +135,9 @@ struct CellSlots {
 	/// The times of the squares' darts; time_never where the square is covered.
 	hn::Vec<SlotLanes> times[slot_count][slot_vectors];
 	hn::Mask<SlotLanes> is_empty[slot_count][slot_vectors];
-	std::uint32_t empty[slot_count] = {}; ///< One bit for each empty place.
-	std::uint32_t room = 0;               ///< Number of empty places.
-	std::uint32_t next = 0; ///< One bit for each place with the earliest dart, followed by the bits of the children.
+	std::uint32_t empty[slot_count] = {}; ///< One bit for each empty entry.
+	std::uint32_t empty_count = 0;        ///< Number of empty entries.
+	std::uint32_t next = 0; ///< One bit for each entry with the earliest dart, followed by the bits of the children.
 
 	HWY_INLINE CellSlots(const Columns &columns, std::uint32_t cell) {
 		const std::uint32_t first = columns.waiting[cell] & WaitingSquares::slot_mask;
@@ -149,8 +150,8 @@ struct CellSlots {
 		for (std::size_t slot = 0; slot < slot_count; ++slot) {
 			for (std::size_t i = 0; i < slot_vectors; ++i) {
 				const auto time = hn::BitCast(d, hn::Load(du, slots[slot]->time.data() + i * slot_lanes));
-				const auto place = hn::Load(du, slots[slot]->place.data() + i * slot_lanes);
-				times[slot][i] = still_open(time, place, columns.open[cell]);
+				const auto level_position = hn::Load(du, slots[slot]->level_position.data() + i * slot_lanes);
+				times[slot][i] = still_open(time, level_position, columns.open[cell]);
 			}
 		}
 	}
@@ -166,7 +167,7 @@ struct CellSlots {
 		return hn::MinOfLanes(d, fresh);
 	}
 
-	/// Marks the place of the earliest dart as empty.
+	/// Marks the entry of the earliest dart as empty.
 	HWY_INLINE void take(hn::Vec<SlotLanes> earliest) {
 		const SlotLanes d;
 		const auto never = hn::Set(d, static_cast<std::int32_t>(time_never));
@@ -177,54 +178,56 @@ struct CellSlots {
 				next |= bits_of(d, is_next) << (slot * WaitingSquares::slot_size + i * slot_lanes);
 				empty[slot] |= bits_of(d, is_empty[slot][i]) << (i * slot_lanes);
 			}
-			room += static_cast<std::uint32_t>(std::popcount(empty[slot]));
+			empty_count += static_cast<std::uint32_t>(std::popcount(empty[slot]));
 		}
 	}
 
-	/// Returns the level and position (dart_place) of the earliest dart.
+	/// Returns the level and position (dart_level_position) of the earliest dart.
 	template <bool with_children>
-	HWY_INLINE std::uint32_t next_place(
+	HWY_INLINE std::uint32_t next_level_position(
 			hn::Vec<SlotLanes> earliest, hn::Vec<SlotLanes> fresh, const Children &children) const {
 		if constexpr (has_native_compress) {
 			const SlotWords du;
-			auto places = hn::Zero(du);
+			auto level_positions = hn::Zero(du);
 			const auto take_if = [&](hn::Mask<SlotLanes> is_next, const std::uint32_t *from) {
 				const auto lanes = hn::RebindMask(du, is_next);
-				places = hn::Or(places, hn::Compress(hn::IfThenElseZero(lanes, hn::LoadU(du, from)), lanes));
+				level_positions =
+						hn::Or(level_positions, hn::Compress(hn::IfThenElseZero(lanes, hn::LoadU(du, from)), lanes));
 			};
 			for (std::size_t slot = 0; slot < slot_count; ++slot) {
-				take_if(hn::Eq(times[slot][0], earliest), slots[slot]->place.data());
+				take_if(hn::Eq(times[slot][0], earliest), slots[slot]->level_position.data());
 			}
 			if constexpr (with_children) {
-				take_if(hn::Eq(fresh, earliest), children.place);
+				take_if(hn::Eq(fresh, earliest), children.level_position);
 			}
-			return hn::GetLane(places);
+			return hn::GetLane(level_positions);
 		}
 		// There is no branch on the slot that contains the dart, because it would be unpredictable.
 		const auto at = static_cast<std::uint32_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(next));
-		const auto place_if = [at](const std::uint32_t *places, std::uint32_t begin) {
+		const auto level_position_if = [at](const std::uint32_t *level_positions, std::uint32_t begin) {
 			const std::uint32_t mask = 0u - static_cast<std::uint32_t>(at / WaitingSquares::slot_size == begin);
-			return places[at % WaitingSquares::slot_size] & mask;
+			return level_positions[at % WaitingSquares::slot_size] & mask;
 		};
-		std::uint32_t place = with_children ? place_if(children.place, slot_count) : 0;
+		std::uint32_t level_position = with_children ? level_position_if(children.level_position, slot_count) : 0;
 		for (std::uint32_t slot = 0; slot < slot_count; ++slot) {
-			place |= place_if(slots[slot]->place.data(), slot);
+			level_position |= level_position_if(slots[slot]->level_position.data(), slot);
 		}
-		return place;
+		return level_position;
 	}
 
-	/// Writes a slot back to memory, with children in its empty places.
+	/// Writes a slot back to memory, with children in its empty entries.
 	template <bool with_children>
 	HWY_INLINE void store(std::size_t slot, hn::Vec<SlotLanes> fresh, const Children &children) {
 		const SlotLanes d;
 		const SlotWords du;
 		WaitingSquares::Slot &to = *slots[slot];
 		if constexpr (with_children && slot_vectors == 1) {
-			const auto places = hn::Load(du, to.place.data());
+			const auto level_positions = hn::Load(du, to.level_position.data());
 			const auto rest = filled(times[slot][0], is_empty[slot][0], empty[slot], fresh);
 			hn::Store(hn::BitCast(du, rest), du, to.time.data());
-			const auto fresh_places = hn::LoadU(du, children.place);
-			hn::Store(filled(places, is_empty[slot][0], empty[slot], fresh_places), du, to.place.data());
+			const auto child_level_positions = hn::LoadU(du, children.level_position);
+			hn::Store(filled(level_positions, is_empty[slot][0], empty[slot], child_level_positions), du,
+					to.level_position.data());
 			return;
 		}
 		const auto never = hn::Set(d, static_cast<std::int32_t>(time_never));
@@ -255,13 +258,13 @@ HWY_INLINE bool advance_slots(const Columns &columns, std::uint32_t cell, Childr
 		slots.next |= bits_of(d, hn::Eq(fresh, earliest)) << (slot_count * WaitingSquares::slot_size);
 	}
 	const auto time = static_cast<TimeKey>(hn::GetLane(earliest));
-	const std::uint32_t is_full = with_children && slots.room < children.count ? 1 : 0;
+	const std::uint32_t is_full = with_children && slots.empty_count < children.count ? 1 : 0;
 	if (HWY_UNLIKELY((is_full | is_tie(slots.next, time)) != 0)) {
 		return false;
 	}
-	// There is no tie, and the slots have room for all darts.
+	// There is no tie, and the slots have enough empty entries for all darts.
 	columns.time[cell] = time;
-	columns.dart[cell] = slots.template next_place<with_children>(earliest, fresh, children);
+	columns.dart[cell] = slots.template next_level_position<with_children>(earliest, fresh, children);
 	for (std::size_t slot = 0; slot < slot_count; ++slot) {
 		if constexpr (with_children) {
 			fresh = hn::IfThenElse(hn::Eq(fresh, earliest), never, fresh);
@@ -277,7 +280,7 @@ HWY_INLINE bool advance_slots(const Columns &columns, std::uint32_t cell, Childr
 
 /// Advances a cell whose only slot is full, after adding a second slot.
 HWY_NOINLINE void advance_to_second(LevelGrid &grid, const Columns &columns, std::uint32_t cell, Children children) {
-	if constexpr (!is_waiting_plain) {
+	if constexpr (!is_waiting_scalar) {
 		const std::uint32_t first = columns.waiting[cell];
 		if (first != 0 && children.count != 0) {
 			const std::uint32_t second = grid.waiting_squares.take_if(true);
@@ -301,7 +304,7 @@ HWY_INLINE void advance(LevelGrid &grid, const Columns &columns, Item item, Chil
 	const std::uint32_t waiting = columns.waiting[cell];
 	if (HWY_LIKELY(waiting < WaitingSquares::has_second)) {
 		bool done = false;
-		if constexpr (is_waiting_plain) {
+		if constexpr (is_waiting_scalar) {
 			done = advance_plainly(grid, columns, cell, children);
 		} else {
 			done = advance_slots<with_children, 1>(columns, cell, children);
@@ -309,7 +312,7 @@ HWY_INLINE void advance(LevelGrid &grid, const Columns &columns, Item item, Chil
 		if (HWY_UNLIKELY(!done)) {
 			advance_to_second(grid, columns, cell, children);
 		}
-	} else if (is_waiting_plain || waiting >= WaitingSquares::has_more ||
+	} else if (is_waiting_scalar || waiting >= WaitingSquares::has_more ||
 			!advance_slots<with_children, 2>(columns, cell, children)) {
 		advance_slowly(grid, cell, children);
 	}
@@ -319,7 +322,7 @@ HWY_INLINE void advance(LevelGrid &grid, const Columns &columns, Item item, Chil
 /// Performs `advance` for a cell that has no waiting squares yet. There must be at least one child.
 HWY_INLINE void advance_first(LevelGrid &grid, const Columns &columns, Item item, Children children, Work &r_work) {
 	const std::uint32_t cell = cell_of(item);
-	if constexpr (is_waiting_plain) {
+	if constexpr (is_waiting_scalar) {
 		return advance<true>(grid, columns, item, children, r_work);
 	}
 	if (HWY_UNLIKELY(!start_slot(grid, columns, cell, children))) {

@@ -39,8 +39,8 @@ constexpr std::uint32_t first_small = 3;
 
 /// Returns false if the dart's square is known to be covered. For squares larger than a sub-square,
 /// the result is always true.
-HWY_INLINE bool is_still_open(std::uint32_t place, std::uint64_t open) {
-	return dart_level(place) < first_small || (open >> sub_square_of(dart_position(place)) & 1) != 0;
+HWY_INLINE bool is_still_open(std::uint32_t level_position, std::uint64_t open) {
+	return dart_level(level_position) < first_small || (open >> sub_square_of(dart_position(level_position)) & 1) != 0;
 }
 
 /// Performs `advance` for cells with any number of slots.
@@ -48,27 +48,27 @@ HWY_NOINLINE void advance_slowly(LevelGrid &grid, std::uint32_t cell, Children c
 	WaitingSquares &squares = grid.waiting_squares;
 	std::vector<DartKey> &darts = squares.gathered();
 	darts.clear();
-	const auto put = [&](TimeKey time, std::uint32_t place) {
-		if (time != time_never && is_still_open(place, grid.open[cell])) {
-			darts.push_back(make_dart(time, place));
+	const auto put = [&](TimeKey time, std::uint32_t level_position) {
+		if (time != time_never && is_still_open(level_position, grid.open[cell])) {
+			darts.push_back(make_dart(time, level_position));
 		}
 	};
 	const std::uint32_t first = grid.waiting[cell] & WaitingSquares::slot_mask;
 	const bool has_more = grid.waiting[cell] > WaitingSquares::slot_mask;
 	for (std::uint32_t slot = first; slot != 0; slot = has_more ? squares.followers()[slot] : 0) {
 		for (std::uint32_t i = 0; i < WaitingSquares::slot_size; ++i) {
-			put(squares.slots()[slot].time[i], squares.slots()[slot].place[i]);
+			put(squares.slots()[slot].time[i], squares.slots()[slot].level_position[i]);
 		}
 	}
 	for (std::uint32_t i = 0; i < children.count; ++i) {
-		put(children.time[i], children.place[i]);
+		put(children.time[i], children.level_position[i]);
 	}
 	if (darts.empty()) {
 		darts.push_back(make_dart(time_never, 0));
 	}
 	std::swap(*std::ranges::min_element(darts), darts.back());
 	grid.time[cell] = dart_time(darts.back());
-	grid.dart[cell] = dart_place(darts.back());
+	grid.dart[cell] = dart_level_position(darts.back());
 	darts.pop_back();
 	std::uint32_t slot = first != 0 ? first : squares.take_if(true);
 	std::uint32_t next = has_more ? squares.followers()[slot] : 0;
@@ -80,7 +80,7 @@ HWY_NOINLINE void advance_slowly(LevelGrid &grid, std::uint32_t cell, Children c
 		for (std::uint32_t i = 0; i < WaitingSquares::slot_size; ++i) {
 			const bool some = !darts.empty();
 			squares.slots()[slot].time[i] = some ? dart_time(darts.back()) : time_never;
-			squares.slots()[slot].place[i] = some ? dart_place(darts.back()) : 0;
+			squares.slots()[slot].level_position[i] = some ? dart_level_position(darts.back()) : 0;
 			darts.resize(darts.size() - (some ? 1 : 0));
 		}
 		if (darts.empty()) {
@@ -109,19 +109,19 @@ inline bool advance_plainly(LevelGrid &grid, const Columns &columns, std::uint32
 	};
 	const WaitingSquares::Slot &slot = columns.slots[before];
 	for (std::uint32_t i = 0; i < WaitingSquares::slot_size && slot.time[i] != time_never; ++i) {
-		if (is_still_open(slot.place[i], open)) {
-			put(make_dart(slot.time[i], slot.place[i]));
+		if (is_still_open(slot.level_position[i], open)) {
+			put(make_dart(slot.time[i], slot.level_position[i]));
 		}
 	}
 	for (std::uint32_t i = 0; i < children.count; ++i) {
-		put(make_dart(children.time[i], children.place[i]));
+		put(make_dart(children.time[i], children.level_position[i]));
 	}
 	if (count > WaitingSquares::slot_size + 1) {
 		return false;
 	}
 	const DartKey next = count > 0 ? darts[first] : make_dart(time_never, 0);
 	columns.time[cell] = dart_time(next);
-	columns.dart[cell] = dart_place(next);
+	columns.dart[cell] = dart_level_position(next);
 	if (count > 0) {
 		darts[first] = darts[--count];
 	}
@@ -132,7 +132,7 @@ inline bool advance_plainly(LevelGrid &grid, const Columns &columns, std::uint32
 	WaitingSquares::Slot &after = columns.slots[columns.waiting[cell]];
 	for (std::uint32_t i = 0; i < count; ++i) {
 		after.time[i] = dart_time(darts[i]);
-		after.place[i] = dart_place(darts[i]);
+		after.level_position[i] = dart_level_position(darts[i]);
 	}
 	std::fill(after.time.begin() + count, after.time.end(), time_never);
 	return true;

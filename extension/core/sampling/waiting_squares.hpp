@@ -24,7 +24,7 @@ public:
 	/// time_never.
 	struct alignas(64) Slot {
 		std::array<TimeKey, slot_size> time;
-		std::array<std::uint32_t, slot_size> place;
+		std::array<std::uint32_t, slot_size> level_position;
 	};
 
 	/// Releases all slots and keeps the memory.

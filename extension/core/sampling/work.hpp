@@ -27,11 +27,11 @@ constexpr TimeKey until_of(Item item) { return static_cast<TimeKey>(item >> 32);
 
 /// Cells that undergo the same processing step.
 struct Group {
-	static constexpr std::uint32_t most = 80;
-	static constexpr std::uint32_t room = most + 16; ///< Vectors read and write past the last item.
+	static constexpr std::uint32_t max_count = 80;
+	static constexpr std::uint32_t capacity = max_count + 16; ///< Vectors read and write past the last item.
 
 	std::uint32_t count = 0;
-	alignas(64) Item items[room];
+	alignas(64) Item items[capacity];
 
 	Group() = default;
 	Group(const Group &other) { *this = other; }
@@ -52,56 +52,57 @@ struct Group {
 /// Cells whose next dart is due.
 struct Work {
 	Group covered; ///< Cells whose dart falls in a sub-square that is known to be covered.
-	Group open;
+	Group uncovered;
 
-	std::uint32_t count() const { return covered.count + open.count; }
+	std::uint32_t count() const { return covered.count + uncovered.count; }
 
 	/// Adds a cell if its dart is due. `open_parts` has the cell's uncovered sub-squares, and
-	/// `place` is its next dart.
-	void add_if(Item item, std::uint64_t open_parts, std::uint32_t place, bool due) {
-		const bool is_open = (open_parts >> sub_square_of(dart_position(place)) & 1) != 0;
+	/// `level_position` is the packed level and position of its next dart.
+	void add_if(Item item, std::uint64_t open_parts, std::uint32_t level_position, bool due) {
+		const bool is_open = (open_parts >> sub_square_of(dart_position(level_position)) & 1) != 0;
 		covered.add_if(item, due & !is_open);
-		open.add_if(item, due & is_open);
+		uncovered.add_if(item, due & is_open);
 	}
 };
 
 /// Squares that are about to be split, stored as columns.
 struct Splits {
-	static constexpr std::uint32_t room = Group::room;
-	static constexpr std::uint32_t room_of_children = 4 * room;
+	static constexpr std::uint32_t capacity = Group::capacity;
+	static constexpr std::uint32_t child_capacity = 4 * capacity;
 
 	std::uint32_t count = 0;
-	alignas(64) Item items[room];
-	alignas(64) DartKey parent[room];
-	alignas(64) std::uint64_t open[room]; ///< One bit for each child that is not known to be covered.
+	alignas(64) Item items[capacity];
+	alignas(64) DartKey parent[capacity];
+	alignas(64) std::uint64_t open_children[capacity]; ///< One bit for each child that is not known to be covered.
 
 	/// The index, in the columns below, of each square's first open child. One more entry marks the
 	/// end.
-	std::uint32_t first[room + 1];
-	alignas(64) std::uint64_t hashed[room_of_children]{};
+	std::uint32_t first[capacity + 1];
+	/// The number from which the child's dart is hashed; see child_dart().
+	alignas(64) std::uint64_t hash_inputs[child_capacity]{};
 	/// Position bits that distinguish the child from its siblings.
-	alignas(64) std::uint32_t corner[room_of_children]{};
-	/// Time and place of the child's dart. Until that dart is thrown, the entries are the time and
-	/// place of the parent's dart.
-	alignas(64) TimeKey time[room_of_children]{};
-	alignas(64) std::uint32_t place[room_of_children]{};
+	alignas(64) std::uint32_t corner[child_capacity]{};
+	/// Time and packed level and position of the child's dart. Until that dart is thrown, these are
+	/// the values of the parent's dart.
+	alignas(64) TimeKey time[child_capacity]{};
+	alignas(64) std::uint32_t level_position[child_capacity]{};
 };
 
 /// The new darts of one cell, unsorted.
 struct Children {
 	const TimeKey *time;
-	const std::uint32_t *place;
+	const std::uint32_t *level_position;
 	std::uint32_t count;
 
 	static Children of(const Splits &splits, std::uint32_t split) {
 		const std::uint32_t first = splits.first[split];
-		return {splits.time + first, splits.place + first, splits.first[split + 1] - first};
+		return {splits.time + first, splits.level_position + first, splits.first[split + 1] - first};
 	}
 
 	/// Returns the children without the first `first` ones.
 	Children after(std::uint32_t first) const {
 		const std::uint32_t skipped = std::min(first, count);
-		return {time + skipped, place + skipped, count - skipped};
+		return {time + skipped, level_position + skipped, count - skipped};
 	}
 };
 

@@ -17,11 +17,11 @@ using IdSet = IdTable<bool>;
 
 } // namespace
 
-void ChangeLog::record(std::uint64_t revision, std::uint64_t id, std::size_t held) noexcept {
-	const Status status = guarded("changes", static_cast<double>(held), [&] {
+void ChangeLog::record(std::uint64_t revision, std::uint64_t id, std::size_t min_changes) noexcept {
+	const Status status = guarded("changes", static_cast<double>(min_changes), [&] {
 		push({revision, id});
-		if (size_ > 2 * std::max(compacted_, held) + always_kept) {
-			compact(held + always_kept);
+		if (size_ > 2 * std::max(compacted_, min_changes) + always_kept) {
+			compact(min_changes + always_kept);
 		}
 	});
 	if (!status.ok()) {
@@ -69,7 +69,7 @@ void ChangeLog::for_each_after(std::uint64_t revision, const Use &use) const {
 
 /// Compaction works from the last entry to the first and frees each old block as soon as its
 /// entries are copied.
-void ChangeLog::compact(std::size_t most, const ChangeLog *later) {
+void ChangeLog::compact(std::size_t max_count, const ChangeLog *later) {
 	IdSet seen;
 	if (later != nullptr) {
 		later->for_each_after(0, [&seen](const Entry &entry) { seen.insert(entry.id); });
@@ -77,16 +77,16 @@ void ChangeLog::compact(std::size_t most, const ChangeLog *later) {
 	if (!open_.empty()) {
 		seal();
 	}
-	std::deque<Block> kept;
+	std::deque<Block> retained;
 	Entries entries; // The latest entry comes first.
 	std::size_t size = 0;
 	const auto keep = [&] {
 		if (!entries.empty()) {
 			std::ranges::reverse(entries);
-			kept.push_front({std::make_shared<const Entries>(std::exchange(entries, {})), 0});
+			retained.push_front({std::make_shared<const Entries>(std::exchange(entries, {})), 0});
 		}
 	};
-	for (; !blocks_.empty() && size < most; blocks_.pop_back()) {
+	for (; !blocks_.empty() && size < max_count; blocks_.pop_back()) {
 		const Block &block = blocks_.back();
 		for (auto at = block.entries->rbegin(); at != block.entries->rend(); ++at) {
 			if (seen.insert(at->id)) {
@@ -102,7 +102,7 @@ void ChangeLog::compact(std::size_t most, const ChangeLog *later) {
 	if (!blocks_.empty()) {
 		start_ = blocks_.back().last();
 	}
-	blocks_ = std::move(kept);
+	blocks_ = std::move(retained);
 	compacted_ = size_ = size;
 }
 
@@ -136,10 +136,10 @@ void ChangeLog::append(const ChangeLog &other, std::uint64_t revision, std::uint
 	}
 }
 
-void ChangeLog::make_way_for(const ChangeLog &later, std::size_t held) {
+void ChangeLog::compact_before(const ChangeLog &later, std::size_t min_changes) {
 	if (size_ + later.size_ > always_kept) {
 		if (size_ > 0) {
-			compact(held + always_kept, &later);
+			compact(min_changes + always_kept, &later);
 		}
 		compacted_ = size_ + later.size_;
 	}

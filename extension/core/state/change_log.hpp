@@ -13,9 +13,9 @@ namespace thicket {
 class ChangeLog {
 public:
 	/// Records a change to an ID. Revisions must increase. The log contains at least the last
-	/// `held` changes, and never fewer than the last 65536. If memory runs out, the log discards
-	/// all changes.
-	void record(std::uint64_t revision, std::uint64_t id, std::size_t held) noexcept;
+	/// `min_changes` changes, and never fewer than the last 65536. If memory runs out, the log
+	/// discards all changes.
+	void record(std::uint64_t revision, std::uint64_t id, std::size_t min_changes) noexcept;
 
 	/// Clears the log, which then starts after `revision`.
 	void start_at(std::uint64_t revision) noexcept;
@@ -33,8 +33,9 @@ public:
 
 	/// Compacts this log before `later` is appended, so that `append` and `note` need not compact
 	/// it. Discards changes to IDs that occur in `later`, and the oldest changes beyond the
-	/// capacity for a state of `held` IDs. The time is proportional to the size of both logs.
-	void make_way_for(const ChangeLog &later, std::size_t held);
+	/// capacity for a state of `min_changes` IDs. The time is proportional to the size of both
+	/// logs.
+	void compact_before(const ChangeLog &later, std::size_t min_changes);
 
 	std::size_t size() const { return size_; }
 
@@ -64,8 +65,8 @@ private:
 	void for_each_after(std::uint64_t revision, const Use &use) const;
 
 	/// Compacts the log to the last entry of each ID, without IDs that occur in `later`. Compaction
-	/// stops after the block in which it reaches `most` entries.
-	void compact(std::size_t most, const ChangeLog *later = nullptr);
+	/// stops after the block in which it reaches `max_count` entries.
+	void compact(std::size_t max_count, const ChangeLog *later = nullptr);
 
 	std::deque<Block> blocks_;
 	Entries open_; ///< The latest entries, fewer than block_size, which are not yet in a block.

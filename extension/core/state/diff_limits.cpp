@@ -28,21 +28,21 @@ DiffLimits DiffLimits::none() {
 	return limits;
 }
 
-Status check_limit(const char *what, std::uint64_t value, std::uint64_t most, const char *limit) {
-	return value <= most ? Status() : not_allowed(what, value, at_most(most, limit));
+Status check_limit(const char *what, std::uint64_t value, std::uint64_t max_value, const char *limit) {
+	return value <= max_value ? Status() : not_allowed(what, value, at_most(max_value, limit));
 }
 
 Status refused_replacement() {
 	return not_allowed("replaces_everything", 1, exactly(0, "allow_replacement of diff_limits"));
 }
 
-Status check_area(const DiffLimits &limits, const Rect &place) {
-	if (limits.area.empty() || meet(limits.area, place)) {
+Status check_area(const DiffLimits &limits, const Rect &changed) {
+	if (limits.area.empty() || meet(limits.area, changed)) {
 		return {};
 	}
 	const Rect &area = limits.area;
-	const bool beside = place.max.x < area.min.x || place.min.x > area.max.x;
-	const glm::dvec2 center = place.center();
+	const bool beside = changed.max.x < area.min.x || changed.min.x > area.max.x;
+	const glm::dvec2 center = changed.center();
 	constexpr const char *note = "area of diff_limits";
 	return beside ? not_allowed("x", center.x, between(area.min.x, area.max.x, note))
 				  : not_allowed("z", center.y, between(area.min.y, area.max.y, note));

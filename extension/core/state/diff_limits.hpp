@@ -32,16 +32,16 @@ struct DiffLimits {
 // The errors of the functions below have the code ErrorCode::not_allowed, except that
 // `missing_before` returns ErrorCode::out_of_order.
 
-/// Returns an error for a `value` above `most`. `what` and `limit` are string literals that name
-/// the value and its limit.
-Status check_limit(const char *what, std::uint64_t value, std::uint64_t most, const char *limit);
+/// Returns an error for a `value` above `max_value`. `what` and `limit` are string literals that
+/// name the value and its limit.
+Status check_limit(const char *what, std::uint64_t value, std::uint64_t max_value, const char *limit);
 
 /// Returns the error for a diff that replaces the whole state.
 Status refused_replacement();
 
 /// Returns an error for a rectangle that does not touch the area. The error reports the x axis if
 /// the rectangle is outside along x, and otherwise the z axis.
-Status check_area(const DiffLimits &limits, const Rect &place);
+Status check_area(const DiffLimits &limits, const Rect &changed);
 
 /// Returns the error for a layer whose points have unknown positions.
 Status unknown_cells(std::uint16_t layer);

@@ -8,9 +8,9 @@ namespace thicket {
 
 namespace {
 
-void add_place(const Rect &place, DiffSummary::Layer &r_layer) {
+void add_area(const Rect &area, DiffSummary::Layer &r_layer) {
 	Rect &bounds = r_layer.bounds;
-	bounds = r_layer.has_bounds ? Rect{glm::min(bounds.min, place.min), glm::max(bounds.max, place.max)} : place;
+	bounds = r_layer.has_bounds ? Rect{glm::min(bounds.min, area.min), glm::max(bounds.max, area.max)} : area;
 	r_layer.has_bounds = true;
 }
 
@@ -23,7 +23,7 @@ Status InstanceState::inspect(
 	if (const Status status = read_header(bytes, header); !status.ok()) {
 		return status;
 	}
-	r_summary.replaces_everything = header.whole;
+	r_summary.replaces_everything = header.is_complete;
 	r_summary.time = header.time;
 	r_summary.origin = header.origin;
 	r_summary.changes = header.named();
@@ -39,17 +39,17 @@ Status InstanceState::inspect(
 		record.for_each([&](std::uint64_t id, const StateRecord::Entry &entry) {
 			DiffSummary::Layer &r_layer = layers[layer_of(id)];
 			const bool placed = is_added(id);
-			++(placed ? (entry.instance != nullptr ? r_layer.added : r_layer.gone)
-					  : (entry.removed ? r_layer.removed : r_layer.standing));
+			++(placed ? (entry.instance != nullptr ? r_layer.added : r_layer.removed_placed)
+					  : (entry.removed ? r_layer.removed : r_layer.present));
 			r_layer.with_data += entry.data.empty() ? 0 : 1;
 			r_layer.data_bytes += entry.data.size();
 			const AddedInstance *instance = entry.instance != nullptr ? entry.instance : content_->instance_of(id);
-			Rect place;
+			Rect area;
 			if (placed && instance != nullptr) {
 				const glm::dvec2 position(instance->position.x, instance->position.z);
-				add_place({position, position}, r_layer);
-			} else if (!placed && content_->find_cell(id, place)) {
-				add_place(place, r_layer);
+				add_area({position, position}, r_layer);
+			} else if (!placed && content_->find_cell(id, area)) {
+				add_area(area, r_layer);
 			} else {
 				r_layer.has_all_bounds = r_layer.has_all_bounds && placed;
 			}

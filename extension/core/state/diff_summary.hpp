@@ -14,11 +14,11 @@ struct DiffSummary {
 	struct Layer {
 		std::uint64_t removed = 0; ///< Removed points.
 		/// Points that are not removed: restored, or listed only for their data.
-		std::uint64_t standing = 0;
-		std::uint64_t added = 0;      ///< Hand-placed instances that exist.
-		std::uint64_t gone = 0;       ///< Hand-placed instances that no longer exist.
-		std::uint64_t with_data = 0;  ///< Instances with data.
-		std::uint64_t data_bytes = 0; ///< Total size of this data in bytes.
+		std::uint64_t present = 0;
+		std::uint64_t added = 0;          ///< Hand-placed instances that exist.
+		std::uint64_t removed_placed = 0; ///< Hand-placed instances that no longer exist.
+		std::uint64_t with_data = 0;      ///< Instances with data.
+		std::uint64_t data_bytes = 0;     ///< Total size of this data in bytes.
 		/// World meters. Contains all known positions of instances and cells of points.
 		Rect bounds{};
 		bool has_bounds = false; ///< True if at least one cell or position is known.

@@ -46,28 +46,28 @@ public:
 
 	/// Appends the lowest `count` bits; `count` is 0 to 64. The higher bits must be 0.
 	void put(std::uint64_t bits, int count) {
-		held_ |= bits << held_count_;
-		const int room = 64 - held_count_;
-		if (count < room) {
-			held_count_ += count;
+		pending_ |= bits << pending_count_;
+		const int free_bits = 64 - pending_count_;
+		if (count < free_bits) {
+			pending_count_ += count;
 			return;
 		}
-		append(bytes_, held_);
-		held_ = room < 64 ? bits >> room : 0;
-		held_count_ = count - room;
+		append(bytes_, pending_);
+		pending_ = free_bits < 64 ? bits >> free_bits : 0;
+		pending_count_ = count - free_bits;
 	}
 
 	/// Writes the remaining bits and pads the last byte with zeros.
 	void finish() {
-		for (; held_count_ > 0; held_count_ -= 8, held_ >>= 8) {
-			bytes_.push_back(static_cast<std::uint8_t>(held_));
+		for (; pending_count_ > 0; pending_count_ -= 8, pending_ >>= 8) {
+			bytes_.push_back(static_cast<std::uint8_t>(pending_));
 		}
 	}
 
 private:
 	std::vector<std::uint8_t> &bytes_;
-	std::uint64_t held_ = 0;
-	int held_count_ = 0; ///< Number of bits in `held_`, 0 to 63.
+	std::uint64_t pending_ = 0;
+	int pending_count_ = 0; ///< Number of bits in `pending_`, 0 to 63.
 };
 
 /// Reads bits from bytes in the order in which BitWriter wrote them. Past the end, all bits are 0.
@@ -89,11 +89,11 @@ public:
 		return bits;
 	}
 
-	/// Reads 1 bits until the first 0 bit, which is consumed, or until `most` of them were read.
-	/// Returns their number.
-	std::uint64_t take_ones(std::uint64_t most) {
+	/// Reads 1 bits until the first 0 bit, which is consumed, or until `max_count` of them were
+	/// read. Returns their number.
+	std::uint64_t take_ones(std::uint64_t max_count) {
 		std::uint64_t ones = 0;
-		while (ones < most && take(1) == 1) {
+		while (ones < max_count && take(1) == 1) {
 			++ones;
 		}
 		return ones;

@@ -82,7 +82,7 @@ public:
 	/// Allocates the memory for changing an ID, and for a value if `valued`, so that the next
 	/// `insert` or `erase` of the ID allocates none. `r_new_ids` accumulates the new IDs of a
 	/// batch; it is null for a single ID.
-	void make_room(std::uint64_t id, bool is_new, bool valued, NewIds *r_new_ids) {
+	void reserve_for(std::uint64_t id, bool is_new, bool valued, NewIds *r_new_ids) {
 		const std::uint64_t hash = hash_of(id);
 		std::size_t in_shard = is_new ? 1 : 0;
 		std::size_t in_all = in_shard;
@@ -90,7 +90,7 @@ public:
 			in_shard = r_new_ids->by_shard[shard_of(hash)] += is_new ? 1 : 0;
 			in_all = r_new_ids->all += is_new ? 1 : 0;
 		}
-		const bool spreads = mask_ == 0 && size_ + in_all > most_in_one;
+		const bool spreads = mask_ == 0 && size_ + in_all > max_in_one;
 		if (!spreads) {
 			grow(index_of(hash), mask_ == 0 ? in_all : in_shard, valued);
 			return;
@@ -107,7 +107,7 @@ public:
 	/// shard must still grow later.
 	void expect(std::size_t more) {
 		const std::size_t mean = more / shard_count;
-		if (mean < most_in_one / shard_count) {
+		if (mean < max_in_one / shard_count) {
 			return;
 		}
 		if (mask_ == 0) {
@@ -128,7 +128,7 @@ public:
 		const bool is_new = shard->ids[slot] == none;
 		if (is_new) {
 			if (4 * (shard->size + 1) > 3 * shard->ids.size()) {
-				make_room(id, true, false, nullptr);
+				reserve_for(id, true, false, nullptr);
 				shard = &own(index_of(hash));
 				slot = shard->slot_of(id, hash);
 			}
@@ -158,7 +158,7 @@ public:
 	/// Releases memory if less than an eighth of the slots is occupied. If the smaller arrays
 	/// cannot be allocated, leaves the table unchanged.
 	void shrink() noexcept {
-		if (slots_ > least_slots && 8 * size_ < slots_) {
+		if (slots_ > min_slots && 8 * size_ < slots_) {
 			static_cast<void>(guarded("ids", static_cast<double>(slots_), [this] { shrink_all(); }));
 		}
 	}
@@ -181,8 +181,8 @@ public:
 	}
 
 private:
-	static constexpr std::size_t least_slots = 16;
-	static constexpr std::size_t most_in_one = 3072;
+	static constexpr std::size_t min_slots = 16;
+	static constexpr std::size_t max_in_one = 3072;
 	static constexpr int shard_shift = 56;
 	static inline const Value nothing_{};
 
@@ -202,7 +202,7 @@ private:
 	};
 
 	struct Shard {
-		explicit Shard(std::uint64_t own) : owner(own), ids(least_slots, none) {}
+		explicit Shard(std::uint64_t own) : owner(own), ids(min_slots, none) {}
 
 		View view() const { return {ids.data(), ids.size() - 1}; }
 		std::size_t slot_of(std::uint64_t id, std::uint64_t hash) const { return view().slot_of(id, hash); }
@@ -228,7 +228,7 @@ private:
 		std::shared_ptr<Shard> &r_shard = shards_[index];
 		if (r_shard == nullptr) {
 			r_shard = std::make_shared<Shard>(owner_);
-			slots_ += least_slots;
+			slots_ += min_slots;
 			views_[index] = r_shard->view();
 		} else if (r_shard->owner != owner_) {
 			const auto copy = std::make_shared<Shard>(*r_shard);
@@ -319,7 +319,7 @@ private:
 	}
 
 	void shrink_all() {
-		if (mask_ != 0 && size_ < shard_count * least_slots / 8) {
+		if (mask_ != 0 && size_ < shard_count * min_slots / 8) {
 			spread(0);
 			return;
 		}
@@ -328,7 +328,7 @@ private:
 				continue;
 			}
 			std::size_t slots = shards_[index]->ids.size();
-			while (slots > least_slots && 8 * shards_[index]->size < slots) {
+			while (slots > min_slots && 8 * shards_[index]->size < slots) {
 				slots /= 2;
 			}
 			if (slots < shards_[index]->ids.size()) {

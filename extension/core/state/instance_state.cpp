@@ -170,7 +170,7 @@ void InstanceState::release_claims() {
 		layer.claimed = false;
 		layer.cell_side = 0.0;
 	}
-	std::erase_if(content_->layers, [](const auto &layer) { return !layer.second.holds_any(); });
+	std::erase_if(content_->layers, [](const auto &layer) { return !layer.second.has_entries(); });
 }
 
 std::uint64_t InstanceState::stamp(std::uint16_t layer) const {

@@ -80,19 +80,19 @@ std::unique_ptr<InstanceState::Content> InstanceState::Content::share() {
 	other->origin = origin;
 	other->known = known;
 	other->time = time;
-	other->whole = false;
+	other->is_completed = false;
 	return other;
 }
 
 void InstanceState::Content::complete() {
-	if (whole) {
+	if (is_completed) {
 		return;
 	}
 	added.for_each(
 			[this](std::uint64_t id, const SharedInstance &own) { grid.insert(id, square_position(own->instance)); });
 	due.reserve(removed.valued());
 	gather_due();
-	whole = true;
+	is_completed = true;
 }
 
 void InstanceState::Content::take_history(
@@ -118,10 +118,10 @@ void InstanceState::Content::take_history(
 StateChange InstanceState::Content::change_one(std::uint64_t id, const Entry &to, const char *asked_for, double value) {
 	std::vector<InstanceChange> changes;
 	const Status status = guarded(asked_for, value, [&] {
-		Room room;
-		plan(id, to, room);
-		make_room(room, changes);
-		change(id, to, room, changes);
+		ReservedMemory reserved;
+		plan(id, to, reserved);
+		reserve(reserved, changes);
+		change(id, to, reserved, changes);
 		shrink();
 	});
 	return {status, !changes.empty()};
@@ -133,14 +133,14 @@ void InstanceState::Content::shrink() noexcept {
 	data.shrink();
 }
 
-/// Allocates the memory that `change` needs for one ID, except for the memory that `make_room`
+/// Allocates the memory that `change` needs for one ID, except for the memory that `reserve`
 /// allocates for the whole batch.
-void InstanceState::Content::plan(std::uint64_t id, const Entry &to, Room &r_room) {
+void InstanceState::Content::plan(std::uint64_t id, const Entry &to, ReservedMemory &r_reserved) {
 	bool data_stay = true;
 	if (is_added(id)) {
-		data_stay = plan_added(id, to, r_room);
+		data_stay = plan_added(id, to, r_reserved);
 	} else {
-		plan_removed(id, to, r_room);
+		plan_removed(id, to, r_reserved);
 	}
 	const Data *own = data.value(id).get();
 	const bool holds = own != nullptr;
@@ -151,69 +151,70 @@ void InstanceState::Content::plan(std::uint64_t id, const Entry &to, Room &r_roo
 		// Unchanged data needs no memory.
 		return;
 	}
-	data.make_room(id, !holds && !to.data.empty(), !to.data.empty(),
-			r_room.new_ids != nullptr ? &r_room.new_ids->data : nullptr);
+	data.reserve_for(id, !holds && !to.data.empty(), !to.data.empty(),
+			r_reserved.new_ids != nullptr ? &r_reserved.new_ids->data : nullptr);
 	if (same && !later) {
 		return;
 	}
-	r_room.changes += later ? 0 : 1;
+	r_reserved.changes += later ? 0 : 1;
 	layers.try_emplace(layer_of(id));
 	if (!to.data.empty()) {
-		r_room.data.emplace(id, std::make_shared<const Data>(Data{Bytes(to.data.begin(), to.data.end()), to.data_at}));
+		r_reserved.data.emplace(
+				id, std::make_shared<const Data>(Data{Bytes(to.data.begin(), to.data.end()), to.data_at}));
 	}
 }
 
-void InstanceState::Content::plan_removed(std::uint64_t id, const Entry &to, Room &r_room) {
+void InstanceState::Content::plan_removed(std::uint64_t id, const Entry &to, ReservedMemory &r_reserved) {
 	const bool was = removed.contains(id);
 	const bool timed = to.removed && to.until > 0.0;
-	r_room.due += timed ? 1 : 0;
+	r_reserved.due += timed ? 1 : 0;
 	if (was != to.removed || (was && removed.value(id) != to.until)) {
-		removed.make_room(id, !was, timed, r_room.new_ids != nullptr ? &r_room.new_ids->removed : nullptr);
+		removed.reserve_for(id, !was, timed, r_reserved.new_ids != nullptr ? &r_reserved.new_ids->removed : nullptr);
 	}
 	if (was != to.removed) {
-		++r_room.changes;
+		++r_reserved.changes;
 		layers.try_emplace(layer_of(id));
 	}
 }
 
 /// Returns false if the current instance will be deleted along with its data. A moved instance
 /// keeps its data.
-bool InstanceState::Content::plan_added(std::uint64_t id, const Entry &to, Room &r_room) {
+bool InstanceState::Content::plan_added(std::uint64_t id, const Entry &to, ReservedMemory &r_reserved) {
 	const Placed *own = added.value(id).get();
 	const bool was = own != nullptr;
 	const bool same = was ? to.instance != nullptr && *to.instance == own->instance : to.instance == nullptr;
 	if (same && (!was || own->at == to.placed_at)) {
 		return true;
 	}
-	added.make_room(id, !was, true, r_room.new_ids != nullptr ? &r_room.new_ids->added : nullptr);
+	added.reserve_for(id, !was, true, r_reserved.new_ids != nullptr ? &r_reserved.new_ids->added : nullptr);
 	if (to.instance != nullptr) {
-		r_room.added.emplace(id, std::make_shared<const Placed>(Placed{*to.instance, to.placed_at}));
+		r_reserved.added.emplace(id, std::make_shared<const Placed>(Placed{*to.instance, to.placed_at}));
 	}
 	if (same) {
 		return true;
 	}
-	r_room.changes += was ? 1 : 0;
+	r_reserved.changes += was ? 1 : 0;
 	if (to.instance != nullptr) {
-		++r_room.changes;
+		++r_reserved.changes;
 		layers.try_emplace(to.instance->layer);
-		r_room.grid.insert(id, square_position(*to.instance));
+		r_reserved.grid.insert(id, square_position(*to.instance));
 	}
 	return !was || to.instance != nullptr;
 }
 
-void InstanceState::Content::make_room(const Room &room, std::vector<InstanceChange> &r_changes) {
-	reserve_more(due, room.due);
-	reserve_more(r_changes, room.changes);
+void InstanceState::Content::reserve(const ReservedMemory &reserved, std::vector<InstanceChange> &r_changes) {
+	reserve_more(due, reserved.due);
+	reserve_more(r_changes, reserved.changes);
 }
 
-void InstanceState::Content::change(
-		std::uint64_t id, const Entry &to, Room &r_room, std::vector<InstanceChange> &r_changes) noexcept {
+void InstanceState::Content::change(std::uint64_t id, const Entry &to, ReservedMemory &r_reserved,
+		std::vector<InstanceChange> &r_changes) noexcept {
 	if (is_added(id)) {
-		change_added(id, to, r_room, r_changes);
+		change_added(id, to, r_reserved, r_changes);
 	} else {
 		change_removed(id, to, r_changes);
 	}
-	change_data(id, to, r_room, r_changes);
+	change_data(id, to, r_reserved, r_changes);
 }
 
 void InstanceState::Content::change_removed(std::uint64_t id, const Entry &to, std::vector<InstanceChange> &r_changes) {
@@ -235,13 +236,13 @@ void InstanceState::Content::change_removed(std::uint64_t id, const Entry &to, s
 }
 
 void InstanceState::Content::change_added(
-		std::uint64_t id, const Entry &entry, Room &r_room, std::vector<InstanceChange> &r_changes) {
+		std::uint64_t id, const Entry &entry, ReservedMemory &r_reserved, std::vector<InstanceChange> &r_changes) {
 	const AddedInstance *to = entry.instance;
 	const Placed *own = added.value(id).get();
 	const bool was = own != nullptr;
 	if (was ? to != nullptr && *to == own->instance : to == nullptr) {
 		if (was && own->at != entry.placed_at) {
-			added.insert(id, std::move(r_room.added.find(id)->second));
+			added.insert(id, std::move(r_reserved.added.find(id)->second));
 			record(id);
 		}
 		return;
@@ -251,7 +252,7 @@ void InstanceState::Content::change_added(
 		r_changes.push_back({id, moves ? InstanceChangeKind::left : InstanceChangeKind::removed, take_away(id)});
 	}
 	if (to != nullptr) {
-		place(id, r_room);
+		place(id, r_reserved);
 		r_changes.push_back({id, moves ? InstanceChangeKind::moved : InstanceChangeKind::added, *to});
 	} else {
 		data.erase(id);
@@ -259,11 +260,11 @@ void InstanceState::Content::change_added(
 	record(id);
 }
 
-void InstanceState::Content::place(std::uint64_t id, Room &r_room) {
-	const auto planned = r_room.added.find(id);
+void InstanceState::Content::place(std::uint64_t id, ReservedMemory &r_reserved) {
+	const auto planned = r_reserved.added.find(id);
 	const AddedInstance &instance = planned->second->instance;
 	Layer &layer = layers[instance.layer];
-	grid.take(r_room.grid, id, square_position(instance));
+	grid.take(r_reserved.grid, id, square_position(instance));
 	layer.max_scale = std::max(layer.max_scale, scale_of(instance));
 	++layer.added;
 	added.insert(id, std::move(planned->second));
@@ -280,13 +281,13 @@ AddedInstance InstanceState::Content::take_away(std::uint64_t id) {
 }
 
 void InstanceState::Content::change_data(
-		std::uint64_t id, const Entry &entry, Room &r_room, std::vector<InstanceChange> &r_changes) {
+		std::uint64_t id, const Entry &entry, ReservedMemory &r_reserved, std::vector<InstanceChange> &r_changes) {
 	const std::span<const std::uint8_t> to = entry.data;
 	const Data *own = data.value(id).get();
 	const bool was = own != nullptr;
 	if (was ? std::ranges::equal(own->bytes, to) : to.empty()) {
 		if (was && own->at != entry.data_at) {
-			data.insert(id, std::move(r_room.data.find(id)->second));
+			data.insert(id, std::move(r_reserved.data.find(id)->second));
 			record(id);
 		}
 		return;
@@ -297,7 +298,7 @@ void InstanceState::Content::change_data(
 	if (to.empty()) {
 		data.erase(id);
 	} else {
-		data.insert(id, std::move(r_room.data.find(id)->second));
+		data.insert(id, std::move(r_reserved.data.find(id)->second));
 	}
 	record(id);
 	const AddedInstance *placed = instance_of(id);
@@ -335,13 +336,13 @@ void InstanceState::Content::gather_due() {
 }
 
 void InstanceState::Content::move_clock(double to, std::vector<InstanceChange> &r_changes) {
-	Room nothing;
-	std::size_t most = 0;
+	ReservedMemory nothing;
+	std::size_t max_count = 0;
 	for_each_due(to, [&](std::uint64_t id) {
-		removed.make_room(id, false, false, nullptr);
-		++most;
+		removed.reserve_for(id, false, false, nullptr);
+		++max_count;
 	});
-	reserve_more(r_changes, most);
+	reserve_more(r_changes, max_count);
 	time = to;
 	while (!due.empty() && due.front().time <= time) {
 		const Due first = due.front();

@@ -35,9 +35,9 @@ struct InstanceState::Content {
 		std::size_t with_data = 0; ///< Number of points with data, removed or not.
 		double max_scale = 0.0;    ///< Largest scale of a hand-placed instance since the layer last had none.
 
-		bool holds_points() const { return removed + with_data > 0; }
-		bool holds_any() const { return holds_points() || added > 0; }
-		bool is_foreign(std::uint64_t to) const { return holds_points() && stamp != 0 && stamp != to; }
+		bool has_points() const { return removed + with_data > 0; }
+		bool has_entries() const { return has_points() || added > 0; }
+		bool is_foreign(std::uint64_t to) const { return has_points() && stamp != 0 && stamp != to; }
 	};
 
 	/// A removed point that will grow again, and the clock time of its regrowth.
@@ -79,7 +79,7 @@ struct InstanceState::Content {
 	KnownRevisions known;     ///< Last known revisions of other states.
 	bool logging = true;      ///< False while changes are made that the log will not keep.
 	double time = 0.0;
-	bool whole = true; ///< False from `share` until `complete`.
+	bool is_completed = true; ///< False from `share` until `complete`.
 	/// Once the flag is set, no more changes are made, because the result will be discarded. May be
 	/// null.
 	const std::atomic<bool> *cancel = nullptr;
@@ -120,7 +120,7 @@ struct InstanceState::Content {
 
 	/// The memory that a batch of changes needs. It is allocated before the first change, so that
 	/// no change can fail.
-	struct Room {
+	struct ReservedMemory {
 		std::map<std::uint64_t, SharedInstance> added;
 		std::map<std::uint64_t, SharedData> data;
 		AddedGrid grid;
@@ -136,17 +136,17 @@ struct InstanceState::Content {
 	template <typename Each>
 	void change_all(const Each &each, std::vector<InstanceChange> &r_changes) {
 		NewIds new_ids;
-		Room room;
-		room.new_ids = &new_ids;
+		ReservedMemory reserved;
+		reserved.new_ids = &new_ids;
 		each([&](std::uint64_t id, const Entry &to) {
 			if (!is_cancelled(cancel)) {
-				plan(id, to, room);
+				plan(id, to, reserved);
 			}
 		});
-		make_room(room, r_changes);
+		reserve(reserved, r_changes);
 		each([&](std::uint64_t id, const Entry &to) {
 			if (!is_cancelled(cancel)) {
-				change(id, to, room, r_changes);
+				change(id, to, reserved, r_changes);
 			}
 		});
 		shrink();
@@ -181,8 +181,8 @@ struct InstanceState::Content {
 	std::vector<std::uint64_t> all_ids() const;
 
 	/// Returns a record with the content of `ids`. For a `whole` record, these must be all IDs.
-	StateRecord record_of(std::vector<std::uint64_t> ids, bool whole) const;
-	StateRecord whole_record() const { return record_of(all_ids(), true); }
+	StateRecord record_of(std::vector<std::uint64_t> ids, bool is_complete) const;
+	StateRecord complete_record() const { return record_of(all_ids(), true); }
 
 	/// Finds the cell of a point, in world meters. Returns false if the cell size of its layer is
 	/// unknown.
@@ -200,7 +200,7 @@ struct InstanceState::Content {
 	Status check_changes(const StateRecord &record, const Each &each, const DiffLimits &limits) const {
 		if (limits.area.empty() && size() + record.size() + record.with_data.size() <= limits.max_total_changes &&
 				added.size() + record.added.size() <= limits.max_added) {
-			// Even if the whole record is new, it stays within the limits.
+			// Even if the complete record is new, it stays within the limits.
 			return {};
 		}
 		std::size_t held = size();
@@ -228,7 +228,7 @@ struct InstanceState::Content {
 	/// revision increases even if nothing differs. Lack of memory is handled as in `follow`.
 	void start_from(const StateRecord &record, std::vector<InstanceChange> &r_changes);
 
-	void make_room_for_stamps(const StateRecord &record);
+	void reserve_stamps(const StateRecord &record);
 	void take_stamps(const StateRecord &record);
 
 private:
@@ -236,17 +236,20 @@ private:
 	Status check_place(std::uint64_t id, const Entry &to, const DiffLimits &limits) const;
 	Status check_held(std::size_t held, std::size_t placed, const DiffLimits &limits) const;
 	void shrink() noexcept;
-	void plan(std::uint64_t id, const Entry &to, Room &r_room);
-	void plan_removed(std::uint64_t id, const Entry &to, Room &r_room);
-	bool plan_added(std::uint64_t id, const Entry &to, Room &r_room);
-	void make_room(const Room &room, std::vector<InstanceChange> &r_changes);
+	void plan(std::uint64_t id, const Entry &to, ReservedMemory &r_reserved);
+	void plan_removed(std::uint64_t id, const Entry &to, ReservedMemory &r_reserved);
+	bool plan_added(std::uint64_t id, const Entry &to, ReservedMemory &r_reserved);
+	void reserve(const ReservedMemory &reserved, std::vector<InstanceChange> &r_changes);
 
 	// Call the functions below only after all memory has been allocated.
-	void change(std::uint64_t id, const Entry &to, Room &r_room, std::vector<InstanceChange> &r_changes) noexcept;
+	void change(std::uint64_t id, const Entry &to, ReservedMemory &r_reserved,
+			std::vector<InstanceChange> &r_changes) noexcept;
 	void change_removed(std::uint64_t id, const Entry &to, std::vector<InstanceChange> &r_changes);
-	void change_added(std::uint64_t id, const Entry &to, Room &r_room, std::vector<InstanceChange> &r_changes);
-	void change_data(std::uint64_t id, const Entry &to, Room &r_room, std::vector<InstanceChange> &r_changes);
-	void place(std::uint64_t id, Room &r_room);
+	void change_added(
+			std::uint64_t id, const Entry &to, ReservedMemory &r_reserved, std::vector<InstanceChange> &r_changes);
+	void change_data(
+			std::uint64_t id, const Entry &to, ReservedMemory &r_reserved, std::vector<InstanceChange> &r_changes);
+	void place(std::uint64_t id, ReservedMemory &r_reserved);
 	AddedInstance take_away(std::uint64_t id);
 	void plan_return(std::uint64_t id, double until);
 	void gather_due();

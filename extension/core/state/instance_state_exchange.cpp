@@ -11,8 +11,8 @@
 namespace thicket {
 
 Status InstanceState::save(std::vector<std::uint8_t> &r_bytes) const {
-	return guarded_answer(
-			"state", static_cast<double>(content_->size()), r_bytes, [&] { write(content_->whole_record(), r_bytes); });
+	return guarded_answer("state", static_cast<double>(content_->size()), r_bytes,
+			[&] { write(content_->complete_record(), r_bytes); });
 }
 
 Status InstanceState::load(std::span<const std::uint8_t> bytes, std::vector<InstanceChange> &r_changes) {
@@ -20,7 +20,7 @@ Status InstanceState::load(std::span<const std::uint8_t> bytes, std::vector<Inst
 	if (const Status status = read(bytes, record); !status.ok()) {
 		return status;
 	}
-	if (!record.whole) {
+	if (!record.is_complete) {
 		return {ErrorCode::corrupt, "data"};
 	}
 	if (const Status status = content_->check_stamps(record, true); !status.ok()) {
@@ -33,7 +33,7 @@ Status InstanceState::diff_since(std::uint64_t revision, std::vector<std::uint8_
 	const bool known = revision <= content_->revision && content_->log.knows(revision);
 	return guarded_answer("state", static_cast<double>(content_->size()), r_bytes, [&] {
 		StateRecord record =
-				known ? content_->record_of(content_->log.since(revision), false) : content_->whole_record();
+				known ? content_->record_of(content_->log.since(revision), false) : content_->complete_record();
 		if (ordered && content_->origin != 0) {
 			record.origin = {content_->origin, known ? revision : 0, content_->revision};
 		}
@@ -65,15 +65,15 @@ Status InstanceState::apply(
 	if (origin.name != 0 && origin.base > known) {
 		return thicket::missing_before(origin.base, known);
 	}
-	if (const Status status = content_->check_stamps(record, record.whole); !status.ok()) {
+	if (const Status status = content_->check_stamps(record, record.is_complete); !status.ok()) {
 		return status;
 	}
 	return guarded("data", static_cast<double>(bytes.size()), [&]() -> Status {
-		content_->known.make_room();
+		content_->known.reserve_entry();
 		if (const Status status = content_->follow(record, limits, r_changes); !status.ok()) {
 			return status;
 		}
-		if (record.whole) {
+		if (record.is_complete) {
 			content_->time = record.time;
 			content_->known.clear();
 		} else {
@@ -99,7 +99,7 @@ Status InstanceState::missing_before(
 }
 
 std::uint64_t InstanceState::digest() const {
-	StateRecord record = content_->whole_record();
+	StateRecord record = content_->complete_record();
 	record.time = 0.0;
 	for (auto &[layer, stamp] : record.stamps) {
 		stamp = 0;
@@ -116,7 +116,7 @@ Status InstanceState::Content::check_stamps(const StateRecord &record, bool repl
 			continue;
 		}
 		const Layer &layer = own->second;
-		const bool counts = record.holds_points(number) && (layer.claimed || (!replaced && layer.holds_points()));
+		const bool counts = record.has_points(number) && (layer.claimed || (!replaced && layer.has_points()));
 		if (counts && stamp != 0 && layer.stamp != 0 && layer.stamp != stamp) {
 			return {ErrorCode::foreign, "layer", static_cast<double>(number)};
 		}
@@ -125,7 +125,7 @@ Status InstanceState::Content::check_stamps(const StateRecord &record, bool repl
 }
 
 /// Creates the layers that `take_stamps` needs, so that it allocates no memory.
-void InstanceState::Content::make_room_for_stamps(const StateRecord &record) {
+void InstanceState::Content::reserve_stamps(const StateRecord &record) {
 	for (const auto &[number, stamp] : record.stamps) {
 		layers.try_emplace(number);
 	}
@@ -134,7 +134,7 @@ void InstanceState::Content::make_room_for_stamps(const StateRecord &record) {
 void InstanceState::Content::take_stamps(const StateRecord &record) {
 	for (const auto &[number, stamp] : record.stamps) {
 		Layer &layer = layers[number];
-		const bool counts = record.holds_points(number) || layer.stamp == 0 || !(layer.claimed || layer.holds_points());
+		const bool counts = record.has_points(number) || layer.stamp == 0 || !(layer.claimed || layer.has_points());
 		if (stamp != 0 && counts) {
 			layer.stamp = stamp;
 		}
@@ -168,7 +168,7 @@ void InstanceState::Content::add_to(StateRecord &r_record, std::uint64_t code) c
 		r_record.instances.push_back(*now.instance);
 		r_record.placed_at.push_back(now.placed_at);
 	} else {
-		(is_added(id) ? r_record.gone : r_record.standing).push_back(code);
+		(is_added(id) ? r_record.removed_placed : r_record.present).push_back(code);
 	}
 	if (!now.data.empty()) {
 		r_record.with_data.push_back(code);
@@ -177,13 +177,13 @@ void InstanceState::Content::add_to(StateRecord &r_record, std::uint64_t code) c
 	}
 }
 
-StateRecord InstanceState::Content::record_of(std::vector<std::uint64_t> ids, bool whole) const {
+StateRecord InstanceState::Content::record_of(std::vector<std::uint64_t> ids, bool is_complete) const {
 	for (std::uint64_t &id : ids) {
 		id = code_of(id);
 	}
 	std::ranges::sort(ids);
 	StateRecord record;
-	record.whole = whole;
+	record.is_complete = is_complete;
 	record.time = time;
 	for (const std::uint64_t code : ids) {
 		add_to(record, code);
@@ -200,9 +200,9 @@ StateRecord InstanceState::Content::record_of(std::vector<std::uint64_t> ids, bo
 Status InstanceState::Content::follow(
 		const StateRecord &record, const DiffLimits &limits, std::vector<InstanceChange> &r_changes) {
 	std::vector<std::uint64_t> unnamed;
-	if (record.whole) {
+	if (record.is_complete) {
 		unnamed = all_ids();
-		std::erase_if(unnamed, [&record](std::uint64_t id) { return record.names(id); });
+		std::erase_if(unnamed, [&record](std::uint64_t id) { return record.contains(id); });
 	}
 	const auto each = [&](const auto &use) {
 		for (const std::uint64_t id : unnamed) {
@@ -213,14 +213,14 @@ Status InstanceState::Content::follow(
 	if (const Status status = check_changes(record, each, limits); !status.ok()) {
 		return status;
 	}
-	make_room_for_stamps(record);
+	reserve_stamps(record);
 	if (record.removed.size() > removed.size()) {
 		// Grows the table only once, not several times while IDs are inserted.
 		removed.expect(record.removed.size() - removed.size());
 	}
 	change_all(each, r_changes);
 	for (auto &[number, layer] : layers) {
-		layer.stamp = !record.whole || layer.claimed ? layer.stamp : 0;
+		layer.stamp = !record.is_complete || layer.claimed ? layer.stamp : 0;
 	}
 	take_stamps(record);
 	return {};
@@ -234,7 +234,7 @@ void InstanceState::Content::start_from(const StateRecord &record, std::vector<I
 	time = record.time;
 	known.clear();
 	log.start_at(++revision);
-	std::erase_if(layers, [](const auto &layer) { return !layer.second.claimed && !layer.second.holds_any(); });
+	std::erase_if(layers, [](const auto &layer) { return !layer.second.claimed && !layer.second.has_entries(); });
 }
 
 } // namespace thicket

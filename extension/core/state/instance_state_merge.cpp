@@ -12,7 +12,7 @@ namespace thicket {
 
 Status InstanceState::merge(const InstanceState &other, std::vector<InstanceChange> &r_changes) {
 	return guarded("other", static_cast<double>(other.content_->size()), [&] {
-		const StateRecord record = other.content_->whole_record();
+		const StateRecord record = other.content_->complete_record();
 		return content_->take_in(record, record.time, DiffLimits::none(), r_changes);
 	});
 }
@@ -68,7 +68,7 @@ Status InstanceState::Content::take_in(
 	std::vector<std::uint64_t> grown;
 	for_each_due(latest, [&](std::uint64_t id) {
 		const double until = removed.value(id);
-		if (until > 0.0 && until <= latest && !record.names(id)) {
+		if (until > 0.0 && until <= latest && !record.contains(id)) {
 			grown.push_back(id);
 		}
 	});
@@ -86,7 +86,7 @@ Status InstanceState::Content::take_in(
 	if (const Status status = check_changes(record, each, limits); !status.ok()) {
 		return status;
 	}
-	make_room_for_stamps(record);
+	reserve_stamps(record);
 	change_all(each, r_changes);
 	take_stamps(record);
 	time = latest;

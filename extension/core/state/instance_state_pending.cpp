@@ -74,7 +74,7 @@ void PendingDiff::work() {
 			return {ErrorCode::cancelled, "data"};
 		}
 		if (status.ok()) {
-			log_.make_way_for(content.log, content.size());
+			log_.compact_before(content.log, content.size());
 		}
 		return status;
 	});

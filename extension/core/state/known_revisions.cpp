@@ -11,7 +11,7 @@ std::uint64_t KnownRevisions::of(std::uint64_t origin) const {
 
 void KnownRevisions::set(std::uint64_t origin, std::uint64_t revision) noexcept {
 	std::erase_if(entries_, [origin](const auto &entry) { return entry.first == origin; });
-	if (entries_.size() == most) {
+	if (entries_.size() == capacity) {
 		entries_.erase(entries_.begin());
 	}
 	entries_.emplace_back(origin, revision);

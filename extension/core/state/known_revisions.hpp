@@ -11,15 +11,15 @@ namespace thicket {
 /// so that unknown senders cannot exhaust memory.
 class KnownRevisions {
 public:
-	static constexpr std::size_t most = 256;
+	static constexpr std::size_t capacity = 256;
 
 	/// Returns the last known revision of a sender, or 0 if it is unknown.
 	std::uint64_t of(std::uint64_t origin) const;
 
 	/// Allocates the memory that `set` needs. May throw std::bad_alloc.
-	void make_room() { entries_.reserve(most); }
+	void reserve_entry() { entries_.reserve(capacity); }
 
-	/// Sets the revision of a sender. `make_room` must be called first.
+	/// Sets the revision of a sender. `reserve_entry` must be called first.
 	void set(std::uint64_t origin, std::uint64_t revision) noexcept;
 
 	void clear() noexcept { entries_.clear(); }

@@ -14,7 +14,7 @@
 // and the highest bit set in all bytes except the last. A list is written as in id_codec.hpp; IDs
 // in it are codes:
 //   "TSTA", u32 format;
-//   u8 kind: bit 0 for some IDs instead of a whole state, bit 1 for a named sender;
+//   u8 kind: bit 0 for some IDs instead of a complete state, bit 1 for a named sender;
 //   f64 clock in seconds;
 //   only for a named sender: u64 name, count: its revision; for some IDs also count: the number of revisions covered;
 //   count of layers; for each, ascending: count: the layer, u64 stamp;
@@ -39,7 +39,7 @@ constexpr std::uint16_t no_layers = 0xffff;
 constexpr std::uint8_t partial_bit = 1;
 constexpr std::uint8_t named_bit = 2;
 constexpr std::size_t instance_size = 1 + 3 * 8 + 9 * 4;
-constexpr std::size_t least_data_size = 1 + 1;
+constexpr std::size_t min_data_size = 1 + 1;
 
 constexpr Status corrupt{ErrorCode::corrupt, "data"};
 
@@ -87,8 +87,8 @@ public:
 		for (const auto &[index, time] : record.until) {
 			append_time(time, bytes_);
 		}
-		put_list(record.standing);
-		put_list(record.gone);
+		put_list(record.present);
+		put_list(record.removed_placed);
 		put_list(record.added);
 		for (std::size_t at = 0; at < record.instances.size(); ++at) {
 			put_instance(record.instances[at]);
@@ -105,12 +105,12 @@ public:
 private:
 	void put_head(const StateRecord &record, std::size_t timed) {
 		const bool named = record.origin.name != 0 && !is_former_;
-		append(bytes_, static_cast<std::uint8_t>((record.whole ? 0 : partial_bit) | (named ? named_bit : 0)));
+		append(bytes_, static_cast<std::uint8_t>((record.is_complete ? 0 : partial_bit) | (named ? named_bit : 0)));
 		append_time(record.time, bytes_);
 		if (named) {
 			append(bytes_, record.origin.name);
 			append_count(record.origin.end, bytes_);
-			if (!record.whole) {
+			if (!record.is_complete) {
 				append_count(record.origin.end - record.origin.base, bytes_);
 			}
 		}
@@ -128,8 +128,8 @@ private:
 			append(bytes_, stamp);
 		}
 		if (!is_former_) {
-			for (const std::size_t size : {record.removed.size(), timed, record.standing.size(), record.gone.size(),
-						 record.added.size(), record.with_data.size()}) {
+			for (const std::size_t size : {record.removed.size(), timed, record.present.size(),
+						 record.removed_placed.size(), record.added.size(), record.with_data.size()}) {
 				append_count(size, bytes_);
 			}
 		}
@@ -180,9 +180,9 @@ public:
 			const std::atomic<bool> *cancel) : bytes_(bytes), header_(header), limits_(limits), cancel_(cancel) {}
 
 	bool take(StateRecord &r_record) {
-		return take_removed(r_record) && take_ids(StateHeader::standing, r_record.standing) &&
-				take_ids(StateHeader::gone, r_record.gone) && take_added(r_record) && take_all_data(r_record) &&
-				bytes_.at_end();
+		return take_removed(r_record) && take_ids(StateHeader::present, r_record.present) &&
+				take_ids(StateHeader::removed_placed, r_record.removed_placed) && take_added(r_record) &&
+				take_all_data(r_record) && bytes_.at_end();
 	}
 
 	/// Returns the error for the exceeded limit, or ok if no limit was exceeded.
@@ -266,7 +266,7 @@ private:
 
 	bool take_all_data(StateRecord &r_record) {
 		if (!take_list(StateHeader::with_data, r_record.with_data) ||
-				r_record.with_data.size() > bytes_.rest().size() / least_data_size) {
+				r_record.with_data.size() > bytes_.rest().size() / min_data_size) {
 			return false;
 		}
 		r_record.data.resize(r_record.with_data.size());
@@ -301,7 +301,7 @@ private:
 bool take_origin(ByteReader &r_bytes, StateHeader &r_header) {
 	r_header.origin.name = r_bytes.take<std::uint64_t>();
 	r_header.origin.end = take_count(r_bytes);
-	const std::uint64_t span = r_header.whole ? r_header.origin.end : take_count(r_bytes);
+	const std::uint64_t span = r_header.is_complete ? r_header.origin.end : take_count(r_bytes);
 	r_header.origin.base = r_header.origin.end - span;
 	return r_bytes.good() && r_header.origin.name != 0 && span <= r_header.origin.end;
 }
@@ -333,7 +333,7 @@ Status take_header(ByteReader &r_bytes, StateHeader &r_header) {
 				"version", r_header.format, between(former_state_format, state_format), newer_version);
 	}
 	const auto kind = r_bytes.take<std::uint8_t>();
-	r_header.whole = (kind & partial_bit) == 0;
+	r_header.is_complete = (kind & partial_bit) == 0;
 	r_header.time = take_time(r_bytes);
 	const bool named = (kind & named_bit) != 0;
 	const bool taken = kind <= (former ? partial_bit : partial_bit + named_bit) && is_time(r_header.time) &&
@@ -385,7 +385,7 @@ Status read(std::span<const std::uint8_t> bytes, StateRecord &r_record, const Di
 				!status.ok()) {
 			return status;
 		}
-		if (header.whole && !limits.allow_replacement) {
+		if (header.is_complete && !limits.allow_replacement) {
 			return refused_replacement();
 		}
 		const std::size_t rest = reader.rest().size();
@@ -395,7 +395,7 @@ Status read(std::span<const std::uint8_t> bytes, StateRecord &r_record, const Di
 			return corrupt;
 		}
 		r_record = {};
-		r_record.whole = header.whole;
+		r_record.is_complete = header.is_complete;
 		r_record.time = header.time;
 		r_record.origin = header.origin;
 		r_record.stamps = header.stamps;

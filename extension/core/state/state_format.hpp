@@ -19,10 +19,10 @@ inline constexpr std::uint32_t former_state_format = 1;
 
 /// The header of a serialized state.
 struct StateHeader {
-	enum List { removed, timed, standing, gone, added, with_data, list_count };
+	enum List { removed, timed, present, removed_placed, added, with_data, list_count };
 
 	std::uint32_t format = state_format;
-	bool whole = true;
+	bool is_complete = true; ///< False for a diff.
 	double time = 0.0;
 	StateOrigin origin;
 	std::map<std::uint16_t, std::uint64_t> stamps;
@@ -31,7 +31,7 @@ struct StateHeader {
 
 	/// Returns the number of IDs in the record. In the former format, it counts only the removed
 	/// points.
-	std::uint64_t named() const { return sizes[removed] + sizes[standing] + sizes[gone] + sizes[added]; }
+	std::uint64_t named() const { return sizes[removed] + sizes[present] + sizes[removed_placed] + sizes[added]; }
 };
 
 /// Replaces `r_bytes` with the serialized record. The output is invalid if `cancel` is set during

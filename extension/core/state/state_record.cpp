@@ -62,7 +62,7 @@ AddedInstance without_signed_zeros(AddedInstance instance) {
 
 std::map<std::uint16_t, std::uint64_t> StateRecord::layers() const {
 	std::map<std::uint16_t, std::uint64_t> found;
-	for (const Codes *codes : {&removed, &standing, &gone, &added}) {
+	for (const Codes *codes : {&removed, &present, &removed_placed, &added}) {
 		int last = -1;
 		for (const std::uint64_t code : *codes) {
 			if (layer_of(code) != last) {
@@ -74,16 +74,16 @@ std::map<std::uint16_t, std::uint64_t> StateRecord::layers() const {
 	return found;
 }
 
-bool StateRecord::holds_points(std::uint16_t layer) const {
-	return std::ranges::any_of(std::array{&removed, &standing}, [layer](const Codes *codes) {
+bool StateRecord::has_points(std::uint16_t layer) const {
+	return std::ranges::any_of(std::array{&removed, &present}, [layer](const Codes *codes) {
 		const auto first = std::ranges::lower_bound(*codes, layer, {}, layer_of);
 		return first != codes->end() && layer_of(*first) == layer;
 	});
 }
 
-bool StateRecord::names(std::uint64_t id) const {
+bool StateRecord::contains(std::uint64_t id) const {
 	const std::uint64_t code = code_of(id);
-	return std::ranges::any_of(std::array{&removed, &standing, &gone, &added},
+	return std::ranges::any_of(std::array{&removed, &present, &removed_placed, &added},
 			[code](const Codes *codes) { return std::ranges::binary_search(*codes, code); });
 }
 
@@ -114,16 +114,17 @@ bool is_less(const AddedInstance &left, const AddedInstance &right) {
 }
 
 bool is_consistent(const StateRecord &record) {
-	const bool kinds = are_points(record.removed) && are_points(record.standing) && are_added(record.gone) &&
+	const bool kinds = are_points(record.removed) && are_points(record.present) && are_added(record.removed_placed) &&
 			are_added(record.added);
-	const bool once = disjoint(record.standing, record.removed) && disjoint(record.gone, record.added);
-	const bool no_more_than_whole = !record.whole ||
-			(record.gone.empty() && covers({&record.with_data, &record.with_data, &record.with_data}, record.standing));
+	const bool once = disjoint(record.present, record.removed) && disjoint(record.removed_placed, record.added);
+	const bool no_more_than_complete = !record.is_complete ||
+			(record.removed_placed.empty() &&
+					covers({&record.with_data, &record.with_data, &record.with_data}, record.present));
 	const bool stamped = std::ranges::equal(
 			record.layers(), record.stamps, {}, [](const auto &a) { return a.first; },
 			[](const auto &b) { return b.first; });
-	return kinds && once && no_more_than_whole && stamped &&
-			covers({&record.removed, &record.standing, &record.added}, record.with_data);
+	return kinds && once && no_more_than_complete && stamped &&
+			covers({&record.removed, &record.present, &record.added}, record.with_data);
 }
 
 } // namespace thicket

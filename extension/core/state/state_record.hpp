@@ -37,20 +37,22 @@ struct StateRecord {
 		double data_at = 0.0; ///< Clock time when the data was set.
 	};
 
-	bool whole = true; ///< If true, IDs that are not listed are as generated; otherwise they keep their content.
+	/// True for a complete state: applying it resets all IDs that are not listed to their generated
+	/// state. False for a diff: those IDs are unchanged.
+	bool is_complete = true;
 	double time = 0.0;
 	StateOrigin origin;
 
 	Codes removed; ///< Removed points of the sets.
 	/// Indices in `removed`, and the clock times, above 0, at which these points grow again.
 	std::vector<std::pair<std::uint64_t, double>> until;
-	Codes standing; ///< Points that are not removed. In a whole state, only those with data.
-	Codes gone;     ///< Hand-placed instances that no longer exist. Empty in a whole state.
+	Codes present;        ///< Points that are not removed. In a complete state, only those with data.
+	Codes removed_placed; ///< Hand-placed instances that no longer exist. Empty in a complete state.
 	Codes added;
 	std::vector<AddedInstance> instances; ///< One entry for each ID in `added`.
 	std::vector<double> placed_at;        ///< Clock times, one for each ID in `added`.
 
-	/// IDs in `removed`, `standing` and `added` that have data.
+	/// IDs in `removed`, `present` and `added` that have data.
 	Codes with_data;
 	std::vector<std::vector<std::uint8_t>> data; ///< One entry for each ID in `with_data`.
 	std::vector<double> data_at;                 ///< Clock times, one for each ID in `with_data`.
@@ -62,13 +64,13 @@ struct StateRecord {
 	std::map<std::uint16_t, std::uint64_t> layers() const;
 
 	/// Returns true if the record contains points of a layer.
-	bool holds_points(std::uint16_t layer) const;
+	bool has_points(std::uint16_t layer) const;
 
 	/// Returns true if the record contains an ID.
-	bool names(std::uint64_t id) const;
+	bool contains(std::uint64_t id) const;
 
 	/// Returns the number of IDs in the record.
-	std::size_t size() const { return removed.size() + standing.size() + gone.size() + added.size(); }
+	std::size_t size() const { return removed.size() + present.size() + removed_placed.size() + added.size(); }
 
 	/// Calls `use(id, entry)` for each ID.
 	template <typename Use>
@@ -79,10 +81,10 @@ struct StateRecord {
 			use_entry(removed[at], {.removed = true, .until = timed ? next_until->second : 0.0}, use);
 			next_until += timed ? 1 : 0;
 		}
-		for (const std::uint64_t code : standing) {
+		for (const std::uint64_t code : present) {
 			use_entry(code, {}, use);
 		}
-		for (const std::uint64_t code : gone) {
+		for (const std::uint64_t code : removed_placed) {
 			use(id_of(code), Entry{});
 		}
 		for (std::size_t at = 0; at < added.size(); ++at) {

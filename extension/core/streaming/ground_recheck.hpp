@@ -31,12 +31,12 @@ public:
 	/// They are not checked until the next `show` or, for a tile that turns out unchanged, until
 	/// `keep`. Changes found in `area` for this layer are discarded, because the caller is already
 	/// handling them.
-	void hold(std::uint32_t layer, const Rect &area);
+	void suspend(std::uint32_t layer, const Rect &area);
 	void keep(const TileKey &key);
 
-	/// Replaces `r_positions` with at most `most` positions to read next, two for each tile that is
-	/// due. Each call visits a limited number of tiles.
-	void next(double now, std::size_t most, std::vector<glm::dvec2> &r_positions);
+	/// Replaces `r_positions` with at most `max_count` positions to read next, two for each tile
+	/// that is due. Each call visits a limited number of tiles.
+	void next(double now, std::size_t max_count, std::vector<glm::dvec2> &r_positions);
 
 	/// Processes the heights at the positions from `next`, in the same order. NAN means no ground;
 	/// an empty value means that the ground cannot be read at present. A height that differs by
@@ -68,7 +68,7 @@ private:
 		double due = 0.0;          ///< Time of the next check.
 		unsigned unrest = 0;       ///< Number of recent changes. It determines the pause; see pause_of.
 		std::uint64_t version = 0; ///< A new number for each `show`.
-		bool held = false;
+		bool is_suspended = false;
 	};
 
 	struct Change {
@@ -82,13 +82,14 @@ private:
 		std::size_t probe = 0;
 	};
 
-	void visit(const TileKey &key, Tile &r_tile, double now, std::size_t most, std::vector<glm::dvec2> &r_positions);
+	void visit(
+			const TileKey &key, Tile &r_tile, double now, std::size_t max_count, std::vector<glm::dvec2> &r_positions);
 
 	std::map<TileKey, Tile, Before> tiles_;
 	/// The tile to check next. If it no longer exists, the tile that follows in the order is
 	/// checked.
 	TileKey next_;
-	std::vector<Asked> asked_;
+	std::vector<Asked> queried_;
 	std::vector<Change> changes_;
 	double first_change_ = 0.0;
 	std::uint64_t versions_ = 0;

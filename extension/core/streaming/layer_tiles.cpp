@@ -23,7 +23,7 @@ bool touch(const TileSpace &a, const TileSpace &b) {
 
 StreamCounts LayerTiles::counts() const {
 	StreamCounts counts = counts_;
-	counts.shown += retired_.size();
+	counts.visible += retired_.size();
 	return counts;
 }
 
@@ -34,12 +34,12 @@ void LayerTiles::erase(std::uint32_t slot) {
 	tiles_.erase(slot);
 }
 
-void LayerTiles::add_room(std::size_t &r_cancel, std::size_t &r_drop) const {
+void LayerTiles::add_max_changes(std::size_t &r_cancel, std::size_t &r_drop) const {
 	r_cancel += counts_.pending;
-	r_drop += counts_.shown + retired_.size();
+	r_drop += counts_.visible + retired_.size();
 }
 
-void LayerTiles::make_room() { reserve_more(retired_, counts_.shown); }
+void LayerTiles::reserve_retired() { reserve_more(retired_, counts_.visible); }
 
 void LayerTiles::configure(const StreamLayer &settings, std::uint32_t new_grid, StreamChanges &r_changes) {
 	if (settings_.tile_size != settings.tile_size || settings_.bottom != settings.bottom ||
@@ -47,13 +47,13 @@ void LayerTiles::configure(const StreamLayer &settings, std::uint32_t new_grid, 
 		for (std::uint32_t slot = 0; slot < tiles_.slots().size(); ++slot) {
 			if (const StreamedTile &tile = tiles_[slot]; tile.exists) {
 				cancel(slot, r_changes);
-				if (tile.shown) {
+				if (tile.visible) {
 					retired_.push_back({key(tile.at), space(tile.at)});
 				}
 			}
 		}
 		tiles_.clear();
-		sights_.clear();
+		viewer_states_.clear();
 		counts_ = {};
 		grid_ = new_grid;
 	}
@@ -90,7 +90,7 @@ void LayerTiles::cancel_all(StreamChanges &r_changes) {
 			continue;
 		}
 		cancel(slot, r_changes);
-		if (tile.shown || seen(tile.at)) {
+		if (tile.visible || seen(tile.at)) {
 			queue_up(slot);
 		} else {
 			erase(slot);
@@ -112,31 +112,31 @@ void LayerTiles::clear(StreamChanges &r_changes) {
 
 void LayerTiles::forget() {
 	tiles_.clear();
-	sights_.clear();
+	viewer_states_.clear();
 	retired_.clear();
-	made_.clear();
+	ready_slots_.clear();
 	counts_ = {};
 	torn_ = sweeping_ = false;
 }
 
-bool LayerTiles::look(std::span<const TrackedViewer> viewers, std::size_t &r_new, StreamChanges &r_changes) {
+bool LayerTiles::update_viewers(std::span<const TrackedViewer> viewers, std::size_t &r_new, StreamChanges &r_changes) {
 	if (torn_) {
 		begin_anew();
 	}
 	torn_ = true; // Reset when this function completes.
-	const bool looked = check_all(viewers, r_new, r_changes);
+	const bool updated = check_all(viewers, r_new, r_changes);
 	if (sweeping_ && !behind_) {
 		leave_all(r_changes);
 		sweeping_ = false;
 	}
 	torn_ = false;
-	return looked;
+	return updated;
 }
 
 /// Treats all viewers as new, but keeps the tiles.
 void LayerTiles::begin_anew() {
-	sights_.clear();
-	first_sight_ = 0;
+	viewer_states_.clear();
+	first_viewer_ = 0;
 	sweeping_ = true;
 }
 
@@ -145,7 +145,7 @@ void LayerTiles::begin_anew() {
 void LayerTiles::leave_all(StreamChanges &r_changes) {
 	for (std::uint32_t slot = 0; slot < tiles_.slots().size(); ++slot) {
 		const StreamedTile &tile = tiles_[slot];
-		if (tile.exists && !kept(tile.at)) {
+		if (tile.exists && !in_keep_range(tile.at)) {
 			release(slot, r_changes);
 		} else if (tile.exists && !tile.begun() && !(seen(tile.at) && settings_.may_have_ground(space(tile.at)))) {
 			erase(slot);
@@ -156,120 +156,120 @@ void LayerTiles::leave_all(StreamChanges &r_changes) {
 }
 
 bool LayerTiles::check_all(std::span<const TrackedViewer> viewers, std::size_t &r_new, StreamChanges &r_changes) {
-	const std::size_t count = std::max(sights_.size(), viewers.size());
-	sights_.resize(count);
-	bool looked = false;
+	const std::size_t count = std::max(viewer_states_.size(), viewers.size());
+	viewer_states_.resize(count);
+	bool updated = false;
 	behind_ = false;
-	for (std::size_t turn = 0; turn < count; ++turn) {
-		const std::size_t index = (first_sight_ + turn) % count;
+	for (std::size_t offset = 0; offset < count; ++offset) {
+		const std::size_t index = (first_viewer_ + offset) % count;
 		const TrackedViewer *viewer = index < viewers.size() ? &viewers[index] : nullptr;
-		Sight &sight = sights_[index];
-		if (is_where(sight, viewer != nullptr ? &viewer->now : nullptr)) {
+		ViewerState &state = viewer_states_[index];
+		if (is_where(state, viewer != nullptr ? &viewer->now : nullptr)) {
 			// The view is extended by slack_tiles, so no new tile has come into view.
 			continue;
 		}
 		if (r_new >= max_new && viewer != nullptr) {
-			first_sight_ = behind_ ? first_sight_ : index;
+			first_viewer_ = behind_ ? first_viewer_ : index;
 			behind_ = true;
 			continue;
 		}
 		const std::size_t before = tiles_.size();
-		move(sight, viewer);
-		enter(sight);
+		move(state, viewer);
+		enter(state);
 		r_new += tiles_.size() - before;
-		looked = true;
+		updated = true;
 	}
 	// All tiles are added before any is removed, because a tile that leaves one viewer's range may
 	// enter another's.
-	for (Sight &sight : sights_) {
-		if (std::exchange(sight.moved, false)) {
-			leave(sight, r_changes);
+	for (ViewerState &state : viewer_states_) {
+		if (std::exchange(state.moved, false)) {
+			leave(state, r_changes);
 		}
 	}
-	sights_.resize(viewers.size());
-	return looked;
+	viewer_states_.resize(viewers.size());
+	return updated;
 }
 
 /// Returns a viewer's view distance in this layer, in meters.
 double LayerTiles::view_of(const Viewer &viewer) const {
-	return std::min(settings_.view_distance * viewer.radius_scale, settings_.most_view_tiles() * settings_.tile_size);
+	return std::min(settings_.view_distance * viewer.radius_scale, settings_.view_tile_limit() * settings_.tile_size);
 }
 
 /// Returns the position from which distances to this layer's tiles are measured. The viewer's
 /// height is used only if the tiles are cubes.
-glm::dvec3 LayerTiles::place_of(const Viewer &viewer) const {
+glm::dvec3 LayerTiles::position_of(const Viewer &viewer) const {
 	return {viewer.position.x, settings_.in_space() ? viewer.height : 0.0, viewer.position.y};
 }
 
-/// Returns true if a viewer still has the view distance that `sight` recorded and is within the
+/// Returns true if a viewer still has the view distance that `state` recorded and is within the
 /// slack of the recorded position. `viewer` is null for a removed viewer; the function then returns
-/// true if `sight` has already been cleared.
-bool LayerTiles::is_where(const Sight &sight, const Viewer *viewer) const {
+/// true if `state` has already been cleared.
+bool LayerTiles::is_where(const ViewerState &state, const Viewer *viewer) const {
 	if (viewer == nullptr) {
-		return sight.seen < 0.0;
+		return state.seen < 0.0;
 	}
 	const double slack = slack_tiles * settings_.tile_size;
-	const glm::dvec3 step = place_of(*viewer) - sight.position;
-	return sight.seen == view_of(*viewer) + slack && glm::dot(step, step) <= slack * slack;
+	const glm::dvec3 step = position_of(*viewer) - state.position;
+	return state.seen == view_of(*viewer) + slack && glm::dot(step, step) <= slack * slack;
 }
 
 bool LayerTiles::follows(std::span<const Viewer> viewers) const {
-	return std::ranges::equal(
-			sights_, viewers, [this](const Sight &sight, const Viewer &viewer) { return is_where(sight, &viewer); });
+	return std::ranges::equal(viewer_states_, viewers,
+			[this](const ViewerState &state, const Viewer &viewer) { return is_where(state, &viewer); });
 }
 
 /// Updates a viewer's position, view and keep range. `viewer` is null if it was removed.
-void LayerTiles::move(Sight &sight, const TrackedViewer *viewer) {
-	sort(sight); // Limits the size of a queue that has not been sorted since the last move.
-	std::swap(sight.view, sight.old_view);
-	std::swap(sight.keep, sight.old_keep);
-	sight.moved = true;
+void LayerTiles::move(ViewerState &state, const TrackedViewer *viewer) {
+	sort(state); // Limits the size of a queue that has not been sorted since the last move.
+	std::swap(state.view, state.old_view);
+	std::swap(state.keep, state.old_keep);
+	state.moved = true;
 	if (viewer == nullptr) {
-		sight.seen = -1.0;
-		sight.view.clear();
-		sight.keep.clear();
+		state.seen = -1.0;
+		state.view.clear();
+		state.keep.clear();
 		return;
 	}
 	const double size = settings_.tile_size;
 	const double view = view_of(viewer->now);
-	const glm::dvec3 place = place_of(viewer->now);
-	const glm::dvec3 step = place - sight.position;
-	sight.queue.move(std::sqrt(glm::dot(step, step)));
-	sight.position = place;
-	sight.seen = view + slack_tiles * size;
-	sight.view.set(settings_, sight.position, sight.seen);
-	sight.keep.set(settings_, sight.position, keep_factor * view + size);
+	const glm::dvec3 position = position_of(viewer->now);
+	const glm::dvec3 step = position - state.position;
+	state.queue.move(std::sqrt(glm::dot(step, step)));
+	state.position = position;
+	state.seen = view + slack_tiles * size;
+	state.view.set(settings_, state.position, state.seen);
+	state.keep.set(settings_, state.position, keep_factor * view + size);
 }
 
-void LayerTiles::enter(Sight &sight) {
-	sight.view.visit_without(sight.old_view, [&](glm::ivec3 at) {
+void LayerTiles::enter(ViewerState &state) {
+	state.view.visit_without(state.old_view, [&](glm::ivec3 at) {
 		if (!settings_.may_have_ground(space(at))) {
 			return;
 		}
 		const std::size_t before = tiles_.size();
-		reserve_more(made_, before + 1 - made_.size()); // The memory for `ready` is reserved here.
+		reserve_more(ready_slots_, before + 1 - ready_slots_.size()); // The memory for `ready` is reserved here.
 		const std::uint32_t slot = tiles_.find_or_add(at);
 		counts_.waiting += tiles_.size() - before;
 		if (!tiles_[slot].current) {
-			sight.queue.add(slot, at);
+			state.queue.add(slot, at);
 		}
 	});
 }
 
-void LayerTiles::leave(const Sight &sight, StreamChanges &r_changes) {
-	sight.old_view.visit_without(sight.view, [&](glm::ivec3 at) {
+void LayerTiles::leave(const ViewerState &state, StreamChanges &r_changes) {
+	state.old_view.visit_without(state.view, [&](glm::ivec3 at) {
 		// A tile that has not been started yet is not needed outside the view.
 		const std::uint32_t slot = tiles_.find(at);
 		if (slot != TileTable::none && !tiles_[slot].begun() && !seen(at)) {
 			erase(slot);
 		}
 	});
-	sight.old_keep.visit_without(sight.keep, [&](glm::ivec3 at) {
+	state.old_keep.visit_without(state.keep, [&](glm::ivec3 at) {
 		const std::uint32_t slot = tiles_.find(at);
 		if (slot == TileTable::none) {
 			return;
 		}
-		if (!kept(at)) {
+		if (!in_keep_range(at)) {
 			release(slot, r_changes);
 		} else if (tiles_[slot].begun() && !tiles_[slot].current) {
 			add_to_queues(slot); // The tile may have been only in this viewer's queue.
@@ -278,16 +278,16 @@ void LayerTiles::leave(const Sight &sight, StreamChanges &r_changes) {
 }
 
 bool LayerTiles::seen(glm::ivec3 at) const {
-	return std::ranges::any_of(sights_, [at](const Sight &sight) { return sight.view.contains(at); });
+	return std::ranges::any_of(viewer_states_, [at](const ViewerState &state) { return state.view.contains(at); });
 }
 
-bool LayerTiles::kept(glm::ivec3 at) const {
-	return std::ranges::any_of(sights_, [at](const Sight &sight) { return sight.keep.contains(at); });
+bool LayerTiles::in_keep_range(glm::ivec3 at) const {
+	return std::ranges::any_of(viewer_states_, [at](const ViewerState &state) { return state.keep.contains(at); });
 }
 
 /// Removes a tile and records the changes for the caller.
 void LayerTiles::release(std::uint32_t slot, StreamChanges &r_changes) {
-	if (tiles_[slot].shown) {
+	if (tiles_[slot].visible) {
 		r_changes.drop.push_back(key(tiles_[slot].at)); // This statement comes first, because it may throw.
 	}
 	cancel(slot, r_changes);
@@ -300,7 +300,7 @@ void LayerTiles::cancel(std::uint32_t slot, StreamChanges &r_changes) {
 	}
 	// If memory runs out, the caller is not notified and finishes work whose answer is rejected.
 	static_cast<void>(guarded("cancel", 1.0, [&] { r_changes.cancel.push_back(request_of(slot)); }));
-	forget_made(slot);
+	forget_ready(slot);
 	change(slot, [](StreamedTile &tile) {
 		tile.ticket = 0;
 		tile.late = false;
@@ -321,7 +321,7 @@ void LayerTiles::drop_covered(StreamChanges &r_changes) {
 /// Returns true if any wanted tile that touches `under` is not shown yet.
 bool LayerTiles::is_missing_under(const TileSpace &under) const {
 	const auto is_missing = [&](const StreamedTile &tile) {
-		return tile.exists && !tile.shown && touch(space(tile.at), under);
+		return tile.exists && !tile.visible && touch(space(tile.at), under);
 	};
 	const glm::ivec2 first = tile_at(settings_.tile_size, under.min);
 	const glm::ivec2 last = tile_at(settings_.tile_size, under.max);

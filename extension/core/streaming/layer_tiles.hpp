@@ -25,19 +25,19 @@ inline constexpr double slack_tiles = 0.125;
 /// A tile, once requested, is kept up to this many view distances plus one tile.
 inline constexpr double keep_factor = 1.1;
 
-/// Once a call to LayerTiles::look has found this number of new tiles, it leaves the remaining
-/// viewers to the next call. After many viewers teleport, several calls are needed.
+/// Once a call to LayerTiles::update_viewers has found this number of new tiles, it leaves the
+/// remaining viewers to the next call. After many viewers teleport, several calls are needed.
 inline constexpr std::size_t max_new = 1500;
 
 /// A viewer and the distance that it has traveled.
 struct TrackedViewer {
 	Viewer now;
-	double flown = 0.0;     ///< Meters traveled in steps that were not jumps.
-	double jumped_at = 0.0; ///< Value of `flown` after the last jump.
+	double traveled = 0.0;  ///< Meters traveled in steps that were not jumps.
+	double last_jump = 0.0; ///< Value of `traveled` after the last jump.
 
-	/// Returns the distance in meters that the viewer has traveled since `flown` had the value
+	/// Returns the distance in meters that the viewer has traveled since `traveled` had the value
 	/// `then`, or 0 if the viewer has jumped since.
-	double flown_since(double then) const { return then >= jumped_at ? flown - then : 0.0; }
+	double traveled_since(double then) const { return then >= last_jump ? traveled - then : 0.0; }
 };
 
 /// The tiles of one layer and their states. Part of TileStreamer, which defines the terms.
@@ -54,7 +54,7 @@ public:
 
 	const StreamLayer &settings() const { return settings_; }
 	StreamCounts counts() const;
-	std::size_t made_count() const { return made_.size(); }
+	std::size_t ready_count() const { return ready_slots_.size(); }
 	bool has_retired() const { return !retired_.empty(); }
 
 	/// Applies new settings. A new tile size starts the grid `new_grid`, retires the visible tiles
@@ -63,10 +63,10 @@ public:
 
 	/// Adds, to each argument, the maximum number of entries that `configure` or `clear` appends to
 	/// the list of that name.
-	void add_room(std::size_t &r_cancel, std::size_t &r_drop) const;
+	void add_max_changes(std::size_t &r_cancel, std::size_t &r_drop) const;
 
 	/// Allocates the memory that `configure` needs in this object.
-	void make_room();
+	void reserve_retired();
 
 	/// Marks tiles that touch `area` as outdated. Pending tiles remain pending and are outdated
 	/// when they arrive.
@@ -87,10 +87,10 @@ public:
 	/// `r_new`. Once `r_new` reaches `max_new`, the remaining viewers are left to the next call.
 	/// May throw std::bad_alloc; `r_changes` then contains the finished part, and the next call
 	/// starts over.
-	bool look(std::span<const TrackedViewer> viewers, std::size_t &r_new, StreamChanges &r_changes);
+	bool update_viewers(std::span<const TrackedViewer> viewers, std::size_t &r_new, StreamChanges &r_changes);
 
-	/// Returns true if the last call to `look` left viewers to the next one. No tile may be shown
-	/// until then.
+	/// Returns true if the last call to `update_viewers` left viewers to the next one. No tile may
+	/// be shown until then.
 	bool behind() const { return behind_; }
 
 	/// Returns true if the viewers still match; see TileStreamer::follows.
@@ -102,9 +102,9 @@ public:
 	/// Returns the waiting tile nearest to a viewer, if there is one.
 	std::optional<Candidate> next_waiting(std::size_t viewer);
 
-	/// Makes a waiting tile pending and returns its request. `flown` is the viewer's
+	/// Makes a waiting tile pending and returns its request. `traveled` is the viewer's
 	/// TrackedViewer::flown.
-	TileRequest request(std::uint32_t slot, std::uint64_t ticket, std::uint32_t viewer, double flown);
+	TileRequest request(std::uint32_t slot, std::uint64_t ticket, std::uint32_t viewer, double traveled);
 
 	/// See TileStreamer::ready. Returns false if the tile is no longer needed.
 	bool ready(const TileRequest &request);
@@ -117,15 +117,15 @@ public:
 	bool may_show(const TileRequest &request, std::span<const TrackedViewer> viewers);
 
 	/// Returns the number of ready tiles that wait for nearer ones.
-	std::size_t count_held(std::span<const TrackedViewer> viewers);
+	std::size_t count_waiting(std::span<const TrackedViewer> viewers);
 
 	/// Completes a request; see TileStreamer::finish.
 	bool finish(const TileRequest &request);
 
 private:
-	/// A viewer's view and queue as of the last call to `look`.
-	struct Sight {
-		glm::dvec3 position{0.0}; ///< See place_of().
+	/// A viewer's view and queue as of the last call to `update_viewers`.
+	struct ViewerState {
+		glm::dvec3 position{0.0}; ///< See position_of().
 		/// View distance in meters, including the slack. Negative for a new or removed viewer.
 		double seen = -1.0;
 		bool moved = false; ///< True if the viewer has moved and `leave` has not been called since.
@@ -143,27 +143,28 @@ private:
 	};
 
 	double view_of(const Viewer &viewer) const;
-	glm::dvec3 place_of(const Viewer &viewer) const;
-	bool is_where(const Sight &sight, const Viewer *viewer) const;
-	void move(Sight &sight, const TrackedViewer *viewer);
-	void enter(Sight &sight);
-	void leave(const Sight &sight, StreamChanges &r_changes);
+	glm::dvec3 position_of(const Viewer &viewer) const;
+	bool is_where(const ViewerState &state, const Viewer *viewer) const;
+	void move(ViewerState &state, const TrackedViewer *viewer);
+	void enter(ViewerState &state);
+	void leave(const ViewerState &state, StreamChanges &r_changes);
 	bool seen(glm::ivec3 at) const;
-	bool kept(glm::ivec3 at) const;
+	bool in_keep_range(glm::ivec3 at) const;
 	void add_to_queues(std::uint32_t slot);
 	void queue_up(std::uint32_t slot) noexcept;
-	bool measure(const Sight &sight, TileQueue::Entry &entry) const;
-	void sort(Sight &sight);
+	bool measure(const ViewerState &state, TileQueue::Entry &entry) const;
+	void sort(ViewerState &state);
 	template <class Fits>
-	const TileQueue::Entry *first(Sight &sight, std::size_t cursor, Fits &&fits);
-	double first_missing(Sight &sight);
-	bool is_turn(std::size_t viewer, const TrackedViewer &tracked, const StreamedTile &tile, double distance_squared);
-	bool is_anyones_turn(const StreamedTile &tile, std::span<const TrackedViewer> viewers);
+	const TileQueue::Entry *first(ViewerState &state, std::size_t cursor, Fits &&fits);
+	double first_missing(ViewerState &state);
+	bool is_next_for_viewer(
+			std::size_t viewer, const TrackedViewer &tracked, const StreamedTile &tile, double distance_squared);
+	bool is_next_for_any_viewer(const StreamedTile &tile, std::span<const TrackedViewer> viewers);
 	/// Changes a tile and updates the counts.
 	template <class Change>
 	void change(std::uint32_t slot, Change &&apply);
 	void erase(std::uint32_t slot);
-	void forget_made(std::uint32_t slot);
+	void forget_ready(std::uint32_t slot);
 	void cancel(std::uint32_t slot, StreamChanges &r_changes);
 	void release(std::uint32_t slot, StreamChanges &r_changes);
 	bool is_missing_under(const TileSpace &under) const;
@@ -179,12 +180,12 @@ private:
 	std::uint32_t grid_;
 	StreamCounts counts_; ///< Counts of tiles, without retired ones.
 	TileTable tiles_;
-	std::vector<Sight> sights_;   ///< One entry per viewer.
-	std::size_t first_sight_ = 0; ///< The viewer with which the next call to `look` starts.
+	std::vector<ViewerState> viewer_states_; ///< One entry per viewer.
+	std::size_t first_viewer_ = 0;           ///< The viewer with which the next call to `update_viewers` starts.
 	bool behind_ = false;
-	bool torn_ = false;               ///< True after memory ran out, because the queues may then be incomplete.
-	bool sweeping_ = false;           ///< True if all tiles must be checked once every viewer has been handled.
-	std::vector<std::uint32_t> made_; ///< Slots of ready tiles.
+	bool torn_ = false;                      ///< True after memory ran out, because the queues may then be incomplete.
+	bool sweeping_ = false;                  ///< True if all tiles must be checked once every viewer has been handled.
+	std::vector<std::uint32_t> ready_slots_; ///< Slots of ready tiles.
 	std::vector<Retired> retired_;
 };
 
@@ -194,7 +195,7 @@ void LayerTiles::change(std::uint32_t slot, Change &&apply) {
 	const auto count = [this, &tile](std::size_t once) {
 		counts_.waiting += tile.exists && tile.waiting() ? once : 0;
 		counts_.pending += tile.exists && tile.ticket != 0 ? once : 0;
-		counts_.shown += tile.exists && tile.shown ? once : 0;
+		counts_.visible += tile.exists && tile.visible ? once : 0;
 	};
 	count(std::size_t{0} - 1);
 	apply(tile);

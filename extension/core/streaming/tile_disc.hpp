@@ -28,11 +28,11 @@ public:
 		int y = first_row_;
 		for (const Span mine : rows_) {
 			const Span theirs = other.row(y);
-			const bool apart = theirs.last < mine.first || mine.last < theirs.first;
-			for (int x = mine.first; x <= (apart ? mine.last : std::min(mine.last, theirs.first - 1)); ++x) {
+			const bool are_separate = theirs.last < mine.first || mine.last < theirs.first;
+			for (int x = mine.first; x <= (are_separate ? mine.last : std::min(mine.last, theirs.first - 1)); ++x) {
 				visit(glm::ivec2(x, y));
 			}
-			for (int x = apart ? mine.last + 1 : std::max(mine.first, theirs.last + 1); x <= mine.last; ++x) {
+			for (int x = are_separate ? mine.last + 1 : std::max(mine.first, theirs.last + 1); x <= mine.last; ++x) {
 				visit(glm::ivec2(x, y));
 			}
 			++y;

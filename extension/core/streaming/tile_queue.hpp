@@ -107,16 +107,16 @@ private:
 	}
 
 	template <class Measure>
-	void sort_all(Measure &&measure, std::size_t most) {
+	void sort_all(Measure &&measure, std::size_t max_count) {
 		reserve_more(near_, far_.size() + fresh_.size());
 		reserve_more(far_, near_.size() + fresh_.size()); // Any entry may become a far one.
 		near_.insert(near_.end(), far_.begin(), far_.end());
 		near_.insert(near_.end(), fresh_.begin(), fresh_.end());
 		std::erase_if(near_, [&](Entry &entry) { return !measure(entry); });
 		far_.clear();
-		if (near_.size() > most) {
-			// Entries after the first `most` are not sorted.
-			const auto end = near_.begin() + static_cast<std::ptrdiff_t>(most);
+		if (near_.size() > max_count) {
+			// Entries after the first `max_count` are not sorted.
+			const auto end = near_.begin() + static_cast<std::ptrdiff_t>(max_count);
 			std::nth_element(near_.begin(), end, near_.end(), nearer);
 			far_from_ = std::sqrt(end->distance_squared);
 			far_.assign(end, near_.end());

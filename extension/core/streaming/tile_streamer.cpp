@@ -42,7 +42,7 @@ Status validate(const StreamLayer &layer) {
 	return first_failure(check_positive("tile_size", layer.tile_size),
 			check_range("tile_size", layer.tile_size, min_tile_size, max_tile_size),
 			check_range("view_distance", layer.view_distance,
-					between(0.0, layer.most_view_tiles() * layer.tile_size,
+					between(0.0, layer.view_tile_limit() * layer.tile_size,
 							layer.in_space() ? "16 x tile_size on a planet" : "64 x tile_size"),
 					"Increase tile_size or lower view_distance"));
 }
@@ -69,15 +69,15 @@ struct TileStreamer::State {
 	StreamChanges backlog; ///< Changes recorded between updates.
 	std::uint32_t last_grid = 0;
 	std::uint64_t last_ticket = 0;
-	std::size_t first_layer = 0;  ///< Layer that the next update checks first.
-	std::size_t request_turn = 0; ///< Viewer that last had its turn to request a tile.
-	std::size_t show_turn = 0;    ///< Viewer that last had its turn to show a tile.
+	std::size_t first_layer = 0;            ///< Layer that the next update checks first.
+	std::size_t last_requesting_viewer = 0; ///< Viewer that last had its turn to request a tile.
+	std::size_t last_shown_viewer = 0;      ///< Viewer that last had its turn to show a tile.
 
-	void make_room(std::size_t layer_count);
+	void reserve_changes(std::size_t layer_count);
 	std::optional<TileRequest> next_ready();
 	void track(std::span<const Viewer> now);
-	void look(StreamChanges &r_changes);
-	std::size_t held();
+	void update_layers(StreamChanges &r_changes);
+	std::size_t count_waiting_tiles();
 	bool request_one(std::size_t viewer, StreamChanges &r_changes);
 	void request(std::size_t max_pending, StreamChanges &r_changes);
 };
@@ -89,12 +89,12 @@ void StreamChanges::clear() {
 }
 
 /// Allocates the memory for `layer_count` layers and for new settings of the existing ones.
-void TileStreamer::State::make_room(std::size_t layer_count) {
+void TileStreamer::State::reserve_changes(std::size_t layer_count) {
 	std::size_t cancel = 0;
 	std::size_t drop = 0;
 	for (LayerTiles &layer : layers) {
-		layer.add_room(cancel, drop);
-		layer.make_room();
+		layer.add_max_changes(cancel, drop);
+		layer.reserve_retired();
 	}
 	reserve_more(backlog.cancel, cancel);
 	reserve_more(backlog.drop, drop);
@@ -106,7 +106,7 @@ void TileStreamer::State::make_room(std::size_t layer_count) {
 void TileStreamer::State::track(std::span<const Viewer> now) {
 	double farthest = 0.0;
 	for (const TrackedViewer &viewer : viewers) {
-		farthest = std::max(farthest, viewer.flown);
+		farthest = std::max(farthest, viewer.traveled);
 	}
 	const bool others = now.size() != viewers.size();
 	const bool in_space =
@@ -119,25 +119,25 @@ void TileStreamer::State::track(std::span<const Viewer> now) {
 		const double length = std::sqrt(step.x * step.x + step.y * step.y + rise * rise);
 		viewer.now = now[i];
 		if (others) {
-			viewer.flown = viewer.jumped_at = farthest + 1.0;
+			viewer.traveled = viewer.last_jump = farthest + 1.0;
 		} else if (length > max_flight_step) {
-			viewer.jumped_at = ++viewer.flown;
+			viewer.last_jump = ++viewer.traveled;
 		} else {
-			viewer.flown += length;
+			viewer.traveled += length;
 		}
 	}
 }
 
 /// Checks the layers for all viewers, starting with those that the last update did not complete.
-void TileStreamer::State::look(StreamChanges &r_changes) {
+void TileStreamer::State::update_layers(StreamChanges &r_changes) {
 	std::size_t found = 0;
 	outdated = true; // Reset when this function completes.
 	bool behind = false;
 	const std::size_t first = first_layer;
-	for (std::size_t turn = 0; turn < layers.size(); ++turn) {
-		const std::size_t index = (first + turn) % layers.size();
+	for (std::size_t offset = 0; offset < layers.size(); ++offset) {
+		const std::size_t index = (first + offset) % layers.size();
 		LayerTiles &layer = layers[index];
-		const bool looked = layer.look(viewers, found, r_changes);
+		const bool updated = layer.update_viewers(viewers, found, r_changes);
 		if (layer.behind()) {
 			first_layer = behind ? first_layer : index;
 			behind = true;
@@ -145,7 +145,7 @@ void TileStreamer::State::look(StreamChanges &r_changes) {
 		if (!layer.has_retired() || layer.behind()) {
 			continue;
 		}
-		if (!looked && !answered) {
+		if (!updated && !answered) {
 			// Nothing has changed since the last check, so the same tiles are missing under retired
 			// ones.
 			continue;
@@ -157,10 +157,10 @@ void TileStreamer::State::look(StreamChanges &r_changes) {
 }
 
 /// Returns the number of ready tiles that wait for nearer tiles.
-std::size_t TileStreamer::State::held() {
+std::size_t TileStreamer::State::count_waiting_tiles() {
 	std::size_t sum = 0;
 	for (LayerTiles &layer : layers) {
-		sum += layer.count_held(viewers);
+		sum += layer.count_waiting(viewers);
 	}
 	return sum;
 }
@@ -182,7 +182,7 @@ bool TileStreamer::State::request_one(std::size_t viewer, StreamChanges &r_chang
 	}
 	reserve_more(r_changes.request, 1);
 	r_changes.request.push_back(nearest_layer->request(
-			nearest.slot, ++last_ticket, static_cast<std::uint32_t>(viewer), viewers[viewer].flown));
+			nearest.slot, ++last_ticket, static_cast<std::uint32_t>(viewer), viewers[viewer].traveled));
 	return true;
 }
 
@@ -194,12 +194,12 @@ void TileStreamer::State::request(std::size_t max_pending, StreamChanges &r_chan
 		pending += layer.counts().pending;
 	}
 	if (waiting > 0 && pending >= max_pending) {
-		pending -= held(); // Ready tiles must not delay the tiles for which they wait.
+		pending -= count_waiting_tiles(); // Ready tiles must not delay the tiles for which they wait.
 	}
 	std::size_t in_vain = 0; // Number of consecutive viewers with no tile to request.
 	while (pending < max_pending && in_vain < viewers.size()) {
-		request_turn = (request_turn + 1) % viewers.size();
-		const bool requested = request_one(request_turn, r_changes);
+		last_requesting_viewer = (last_requesting_viewer + 1) % viewers.size();
+		const bool requested = request_one(last_requesting_viewer, r_changes);
 		pending += requested ? 1 : 0;
 		in_vain = requested ? 0 : in_vain + 1;
 	}
@@ -217,7 +217,8 @@ Status TileStreamer::set_layers(std::span<const StreamLayer> settings) {
 		}
 	}
 	const auto count = static_cast<double>(settings.size());
-	if (const Status status = guarded("layers", count, [&] { state_->make_room(settings.size()); }); !status.ok()) {
+	if (const Status status = guarded("layers", count, [&] { state_->reserve_changes(settings.size()); });
+			!status.ok()) {
 		return status;
 	}
 	std::vector<LayerTiles> &layers = state_->layers;
@@ -266,7 +267,7 @@ Status TileStreamer::update(std::span<const Viewer> viewers, std::size_t max_pen
 	std::swap(r_changes, state.backlog);
 	return guarded("viewers", static_cast<double>(viewers.size()), [&] {
 		state.track(viewers);
-		state.look(r_changes);
+		state.update_layers(r_changes);
 		state.request(max_pending, r_changes);
 	});
 }
@@ -282,13 +283,13 @@ std::optional<TileRequest> TileStreamer::next_ready() {
 }
 
 std::optional<TileRequest> TileStreamer::State::next_ready() {
-	if (std::ranges::none_of(layers, [](const LayerTiles &layer) { return layer.made_count() > 0; })) {
+	if (std::ranges::none_of(layers, [](const LayerTiles &layer) { return layer.ready_count() > 0; })) {
 		// No tile is ready.
 		return std::nullopt;
 	}
 	const std::size_t count = viewers.size();
-	for (std::size_t turn = 1; turn <= count; ++turn) {
-		const std::size_t viewer = (show_turn + turn) % count;
+	for (std::size_t offset = 1; offset <= count; ++offset) {
+		const std::size_t viewer = (last_shown_viewer + offset) % count;
 		LayerTiles *nearest_layer = nullptr;
 		LayerTiles::Candidate nearest;
 		for (LayerTiles &layer : layers) {
@@ -299,7 +300,7 @@ std::optional<TileRequest> TileStreamer::State::next_ready() {
 			}
 		}
 		if (nearest_layer != nullptr) {
-			show_turn = viewer;
+			last_shown_viewer = viewer;
 			return nearest_layer->request_of(nearest.slot);
 		}
 	}
@@ -338,7 +339,7 @@ StreamCounts TileStreamer::counts() const {
 		const StreamCounts counts = layer.counts();
 		sum.waiting += counts.waiting;
 		sum.pending += counts.pending;
-		sum.shown += counts.shown;
+		sum.visible += counts.visible;
 	}
 	return sum;
 }

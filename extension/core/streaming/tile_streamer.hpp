@@ -19,7 +19,7 @@ namespace thicket {
 
 struct StreamLayer {
 	double tile_size = 64.0; ///< Width of a tile in meters, min_tile_size to max_tile_size.
-	/// Maximum distance in meters from a viewer to a visible tile, 0 to most_view_tiles() tiles.
+	/// Maximum distance in meters from a viewer to a visible tile, 0 to view_tile_limit() tiles.
 	double view_distance = 256.0;
 	/// The range of heights of a layer on a planet, in world meters. The layer's tiles are cubes,
 	/// and distances to them are measured in space. For other layers, the range is infinite: the
@@ -41,7 +41,7 @@ struct StreamLayer {
 	bool in_space() const { return top < std::numeric_limits<double>::infinity(); }
 
 	/// Returns the maximum view distance in tiles.
-	double most_view_tiles() const;
+	double view_tile_limit() const;
 
 	friend bool operator==(const StreamLayer &, const StreamLayer &) = default;
 };
@@ -56,7 +56,7 @@ inline constexpr double max_view_tiles = 64.0;
 /// The same limit for cubes. A view of this size has about 17,000 cubes, with and without ground.
 inline constexpr double max_view_tiles_in_space = 16.0;
 
-inline double StreamLayer::most_view_tiles() const { return in_space() ? max_view_tiles_in_space : max_view_tiles; }
+inline double StreamLayer::view_tile_limit() const { return in_space() ? max_view_tiles_in_space : max_view_tiles; }
 
 /// Returns an error for settings outside the ranges of StreamLayer.
 Status validate(const StreamLayer &layer);
@@ -69,7 +69,7 @@ inline constexpr double max_flight_step = 50.0;
 struct Viewer {
 	glm::dvec2 position{0.0}; ///< World meters, finite, in the range that TileStreamer::check accepts.
 	/// Factor for the view distance of each layer, finite, 0 or more. The product with the view
-	/// distance is limited to StreamLayer::most_view_tiles().
+	/// distance is limited to StreamLayer::view_tile_limit().
 	double radius_scale = 1.0;
 	/// World y in meters, finite. Affects LODs, thinning, and the streaming of tiles that are
 	/// cubes.
@@ -111,7 +111,7 @@ struct StreamChanges {
 struct StreamCounts {
 	std::size_t waiting = 0; ///< Tiles that are wanted but not yet requested.
 	std::size_t pending = 0; ///< Tiles that are requested but not yet answered.
-	std::size_t shown = 0;   ///< Visible tiles, including outdated ones.
+	std::size_t visible = 0; ///< Visible tiles, including outdated ones.
 };
 
 /// Decides which tiles to generate, show and drop around the viewers. The class only makes

@@ -14,15 +14,15 @@ struct StreamedTile {
 	glm::ivec3 at{0};         ///< Column, row and slab.
 	std::uint64_t ticket = 0; ///< Ticket of the pending request; 0 if there is none.
 	std::uint32_t viewer = 0; ///< Index of the viewer for which the tile was requested.
-	double flown = 0.0;       ///< TrackedViewer::flown of this viewer at the time of the request.
+	double traveled = 0.0;    ///< TrackedViewer::flown of this viewer at the time of the request.
 	bool exists = false;
-	bool shown = false;
-	bool current = false; ///< True if the tile is shown and not outdated.
-	bool late = false;    ///< True if the tile is pending and became outdated after the request.
-	bool made = false;    ///< True if the tile is pending, generated, and ready to be shown.
+	bool visible = false;
+	bool current = false;  ///< True if the tile is visible and not outdated.
+	bool late = false;     ///< True if the tile is pending and became outdated after the request.
+	bool is_ready = false; ///< True if the tile is pending, generated, and ready to be displayed.
 
 	bool waiting() const { return !current && ticket == 0; }
-	bool begun() const { return shown || ticket != 0; }
+	bool begun() const { return visible || ticket != 0; }
 };
 
 /// A hash table of tiles by coordinates. A tile's slot in the table never changes.

@@ -40,8 +40,8 @@ void BoxTree::sort_distinct(std::vector<std::uint32_t> &r_numbers) {
 	if (r_numbers.empty()) {
 		return;
 	}
-	const auto [least, most] = std::ranges::minmax(r_numbers);
-	const std::size_t words = (most - least) / 64 + std::size_t{1};
+	const auto [lowest, highest] = std::ranges::minmax(r_numbers);
+	const std::size_t words = (highest - lowest) / 64 + std::size_t{1};
 	if (words > r_numbers.size()) {
 		std::ranges::sort(r_numbers);
 		return;
@@ -49,13 +49,13 @@ void BoxTree::sort_distinct(std::vector<std::uint32_t> &r_numbers) {
 	// Dense numbers are marked in a row of bits, which is then read in order.
 	std::vector<std::uint64_t> bits(words);
 	for (const std::uint32_t number : r_numbers) {
-		bits[(number - least) / 64] |= std::uint64_t{1} << ((number - least) % 64);
+		bits[(number - lowest) / 64] |= std::uint64_t{1} << ((number - lowest) % 64);
 	}
 	std::size_t end = 0;
 	for (std::size_t word = 0; word < words; ++word) {
 		for (std::uint64_t left = bits[word]; left != 0; left &= left - 1) {
 			r_numbers[end++] =
-					least + static_cast<std::uint32_t>(word * 64) + static_cast<std::uint32_t>(std::countr_zero(left));
+					lowest + static_cast<std::uint32_t>(word * 64) + static_cast<std::uint32_t>(std::countr_zero(left));
 		}
 	}
 }

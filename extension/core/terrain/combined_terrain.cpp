@@ -53,14 +53,14 @@ bool takes_priority(const glm::vec3 &normal, const glm::vec3 &other) {
 
 Status CombinedTerrain::set(std::span<const Part> parts) {
 	return guarded("parts", static_cast<double>(parts.size()), [&]() -> Status {
-		CombinedTerrain made;
+		CombinedTerrain combined;
 		std::vector<Surface::Part> surfaces;
 		std::size_t triangles = 0;
 		for (const Part &part : parts) {
-			if (std::ranges::find(made.parts_, part) != made.parts_.end()) {
+			if (std::ranges::find(combined.parts_, part) != combined.parts_.end()) {
 				continue;
 			}
-			made.parts_.push_back(part);
+			combined.parts_.push_back(part);
 			if (const Surface *surface = part->surface()) {
 				surfaces.emplace_back(part, surface);
 				triangles += surface->triangle_count();
@@ -70,9 +70,9 @@ Status CombinedTerrain::set(std::span<const Part> parts) {
 			return Status::out_of_range("triangles of all parts", triangles, at_most(Surface::max_triangles));
 		}
 		if (!surfaces.empty()) {
-			made.surface_ = Surface::of_parts(surfaces);
+			combined.surface_ = Surface::of_parts(surfaces);
 		}
-		*this = std::move(made);
+		*this = std::move(combined);
 		return {};
 	});
 }

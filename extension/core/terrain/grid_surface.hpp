@@ -33,7 +33,7 @@ struct PostRange {
 /// - `glm::ivec2 patches() const` returns the columns and rows of patches;
 /// - `bool heights(glm::ivec2 patch, std::array<double, 4> &r_heights) const` reads the world
 ///   heights of a patch's samples, row by row, or returns false if the patch has no ground;
-/// - `glm::dvec2 place(glm::ivec2 post) const` returns the world x and z of a height sample;
+/// - `glm::dvec2 post_position(glm::ivec2 post) const` returns the world x and z of a height sample;
 /// - `PostRange range(const Box3 &box) const` returns a box in units of height samples;
 /// - `bool mirrored` is true if the world's x and z have the opposite orientation to columns and rows.
 template <class Grid>
@@ -103,30 +103,31 @@ private:
 	/// Reads all height samples, for the first search.
 	const Layout &layout() const {
 		return layout_.get([this] {
-			Layout made;
+			Layout result;
 			const glm::ivec2 patches = grid_.patches();
-			made.blocks.resize(block_of(patches - 1) + 1);
+			result.blocks.resize(block_of(patches - 1) + 1);
 			std::array<double, 4> heights{};
 			for (glm::ivec2 patch{0}; patch.y < patches.y; ++patch.y) {
 				for (patch.x = 0; patch.x < patches.x; ++patch.x) {
 					if (grid_.heights(patch, heights)) {
-						Heights &block = made.blocks[block_of(patch)];
-						const auto &[least, most] = std::ranges::minmax(heights);
-						block.low = std::min(block.low, least);
-						block.high = std::max(block.high, most);
+						Heights &block = result.blocks[block_of(patch)];
+						const auto &[lowest, highest] = std::ranges::minmax(heights);
+						block.low = std::min(block.low, lowest);
+						block.high = std::max(block.high, highest);
 					}
 				}
 			}
 			Heights all;
-			for (const Heights &block : made.blocks) {
+			for (const Heights &block : result.blocks) {
 				all.low = std::min(all.low, block.low);
 				all.high = std::max(all.high, block.high);
 			}
 			for (int corner = 0; corner < 4 && all.low <= all.high; ++corner) {
-				const glm::dvec2 place = grid_.place(patches * glm::ivec2(corner % 2, corner / 2));
-				made.bounds = with(made.bounds, {{place.x, all.low, place.y}, {place.x, all.high, place.y}});
+				const glm::dvec2 post_position = grid_.post_position(patches * glm::ivec2(corner % 2, corner / 2));
+				result.bounds = with(result.bounds,
+						{{post_position.x, all.low, post_position.y}, {post_position.x, all.high, post_position.y}});
 			}
-			return made;
+			return result;
 		});
 	}
 
@@ -160,8 +161,8 @@ private:
 
 	std::array<glm::dvec3, 3> corners(glm::ivec2 patch, const std::array<double, 4> &heights, bool second) const {
 		const auto corner = [&](int column, int row) {
-			const glm::dvec2 place = grid_.place(patch + glm::ivec2(column, row));
-			return glm::dvec3(place.x, heights[static_cast<std::size_t>(2 * row + column)], place.y);
+			const glm::dvec2 post_position = grid_.post_position(patch + glm::ivec2(column, row));
+			return glm::dvec3(post_position.x, heights[static_cast<std::size_t>(2 * row + column)], post_position.y);
 		};
 		const glm::dvec3 off = second ? corner(1, 1) : corner(0, 0);
 		return second != grid_.mirrored ? std::array{corner(1, 0), corner(0, 1), off}

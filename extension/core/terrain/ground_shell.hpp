@@ -35,11 +35,11 @@ struct GroundShell {
 		const auto is_inside = [&](const glm::dvec3 &from, const glm::dvec3 &to) {
 			return glm::dot(glm::cross(to - from, foot - from), normal) >= 0.0;
 		};
-		double least = std::min({to_edge(a, b), to_edge(b, c), to_edge(c, a)});
+		double min_distance = std::min({to_edge(a, b), to_edge(b, c), to_edge(c, a)});
 		if (is_inside(a, b) && is_inside(b, c) && is_inside(c, a)) {
-			least = std::min(least, glm::length(foot));
+			min_distance = std::min(min_distance, glm::length(foot));
 		}
-		add({least, std::max({glm::length(a), glm::length(b), glm::length(c)})});
+		add({min_distance, std::max({glm::length(a), glm::length(b), glm::length(c)})});
 	}
 
 	/// Returns a wider shell, rounded to multiples of `step`, so that most small edits to the
@@ -56,8 +56,8 @@ private:
 	static double to_edge(const glm::dvec3 &from, const glm::dvec3 &to) {
 		const glm::dvec3 along = to - from;
 		const double squared = glm::dot(along, along);
-		const double share = squared > 0.0 ? std::clamp(-glm::dot(from, along) / squared, 0.0, 1.0) : 0.0;
-		return glm::length(from + share * along);
+		const double fraction = squared > 0.0 ? std::clamp(-glm::dot(from, along) / squared, 0.0, 1.0) : 0.0;
+		return glm::length(from + fraction * along);
 	}
 };
 

@@ -50,7 +50,7 @@ struct Heightfield::Grid {
 	static constexpr bool mirrored = false;
 
 	glm::ivec2 patches() const { return frame.posts - 1; }
-	glm::dvec2 place(glm::ivec2 post) const {
+	glm::dvec2 post_position(glm::ivec2 post) const {
 		return frame.area.min + frame.area.size() * glm::dvec2(post) / glm::dvec2(patches());
 	}
 	PostRange range(const Box3 &box) const {

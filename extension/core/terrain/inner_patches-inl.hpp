@@ -16,7 +16,7 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // The lanes of one vector, which is no wider than a batch.
-using PatchDoubles = hn::CappedTag<double, InnerPatches::most>;
+using PatchDoubles = hn::CappedTag<double, InnerPatches::capacity>;
 using PatchWords = hn::RebindToUnsigned<PatchDoubles>;
 using PatchFloats = hn::Rebind<float, PatchDoubles>;
 using PatchD = hn::VFromD<PatchDoubles>;

@@ -13,7 +13,7 @@ namespace thicket {
 /// samples, many at a time with vectors. The code uses the same operations as smooth_patch in the
 /// same order, so the results are bit-identical.
 struct InnerPatches {
-	static constexpr std::size_t most = 32;
+	static constexpr std::size_t capacity = 32;
 	static constexpr std::size_t rows = 4; ///< The row before the patch, its two rows, and the row after it.
 
 	/// The conversion of stored 16-bit samples to heights in meters: height = base + sample *
@@ -37,22 +37,22 @@ struct InnerPatches {
 		numbers[count++] = number;
 	}
 
-	bool full() const { return count == most; }
+	bool full() const { return count == capacity; }
 
 	/// Computes the ground at all added positions.
 	void compute(const Heights &of);
 
 	std::size_t count = 0;
-	std::array<std::size_t, most> numbers{};                               ///< The `number` of each patch.
-	alignas(64) std::array<std::array<std::uint64_t, most>, rows> posts{}; ///< Four adjacent samples in each word.
-	alignas(64) std::array<double, most> x{};
-	alignas(64) std::array<double, most> y{};
+	std::array<std::size_t, capacity> numbers{};                               ///< The `number` of each patch.
+	alignas(64) std::array<std::array<std::uint64_t, capacity>, rows> posts{}; ///< Four adjacent samples in each word.
+	alignas(64) std::array<double, capacity> x{};
+	alignas(64) std::array<double, capacity> y{};
 
 	// The results, valid after `compute`.
-	alignas(64) std::array<float, most> height{};
-	alignas(64) std::array<float, most> normal_x{};
-	alignas(64) std::array<float, most> normal_y{};
-	alignas(64) std::array<float, most> normal_z{};
+	alignas(64) std::array<float, capacity> height{};
+	alignas(64) std::array<float, capacity> normal_x{};
+	alignas(64) std::array<float, capacity> normal_y{};
+	alignas(64) std::array<float, capacity> normal_z{};
 };
 
 } // namespace thicket

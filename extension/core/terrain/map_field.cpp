@@ -49,13 +49,13 @@ Status check(const MapLayers &layers) {
 	return status;
 }
 
-Status check(const MapTransform &place) {
-	const double area = std::abs(glm::determinant(place.to_world));
+Status check(const MapTransform &transform) {
+	const double area = std::abs(glm::determinant(transform.to_world));
 	return first_failure(check_range("area per height sample", area, MapField::min_area, 1e12),
-			check_range("x of the map's origin", place.origin.x, -1e12, 1e12),
-			check_range("y of the map's origin", place.origin.y, -1e12, 1e12),
-			check_range("z of the map's origin", place.origin.z, -1e12, 1e12),
-			check_range("height scale of the map", place.height_scale, -1e6, 1e6));
+			check_range("x of the map's origin", transform.origin.x, -1e12, 1e12),
+			check_range("y of the map's origin", transform.origin.y, -1e12, 1e12),
+			check_range("z of the map's origin", transform.origin.z, -1e12, 1e12),
+			check_range("height scale of the map", transform.height_scale, -1e6, 1e6));
 }
 
 /// Returns, for each splat map, the channels that belong to `textures`, one bit each.
@@ -79,15 +79,15 @@ double interpolated(glm::ivec2 patch, glm::dvec2 part, ValueOf value_of) {
 
 } // namespace
 
-Status MapField::set(const MapTransform &place, const MapLayers &layers) {
-	if (const Status status = first_failure(check(place), check(layers)); !status.ok()) {
+Status MapField::set(const MapTransform &transform, const MapLayers &layers) {
+	if (const Status status = first_failure(check(transform), check(layers)); !status.ok()) {
 		return status;
 	}
 	return guarded("splat maps", static_cast<double>(layers.splats.size()), [&] {
 		MapField next;
 		next.layers_ = layers;
-		next.place_ = place;
-		next.to_map_ = glm::inverse(place.to_world);
+		next.transform_ = transform;
+		next.to_map_ = glm::inverse(transform.to_world);
 		next.make_surface();
 		*this = std::move(next);
 	});
@@ -95,7 +95,7 @@ Status MapField::set(const MapTransform &place, const MapLayers &layers) {
 
 MapField MapField::at_offset(glm::dvec3 offset) const {
 	MapField field = *this;
-	field.place_.origin += offset;
+	field.transform_.origin += offset;
 	field.make_surface();
 	return field;
 }
@@ -110,7 +110,7 @@ struct MapField::Grid {
 	bool mirrored;
 
 	glm::ivec2 patches() const { return posts.size() - 1; }
-	glm::dvec2 place(glm::ivec2 post) const {
+	glm::dvec2 post_position(glm::ivec2 post) const {
 		return glm::dvec2(frame.origin.x, frame.origin.z) + frame.to_world * glm::dvec2(post);
 	}
 	PostRange range(const Box3 &box) const {
@@ -136,12 +136,12 @@ struct MapField::Grid {
 };
 
 void MapField::make_surface() {
-	surface_ = std::make_shared<const GridSurface<Grid>>(Grid{
-			place_, to_map_, layers_.heights, layers_.colors, layers_.format, glm::determinant(place_.to_world) < 0.0});
+	surface_ = std::make_shared<const GridSurface<Grid>>(Grid{transform_, to_map_, layers_.heights, layers_.colors,
+			layers_.format, glm::determinant(transform_.to_world) < 0.0});
 }
 
 bool MapField::find_patch(glm::dvec2 position, glm::ivec2 &r_patch, glm::dvec2 &r_part) const {
-	const glm::dvec2 at = to_map_ * (position - glm::dvec2(place_.origin.x, place_.origin.z));
+	const glm::dvec2 at = to_map_ * (position - glm::dvec2(transform_.origin.x, transform_.origin.z));
 	const glm::dvec2 last(posts() - 1);
 	if (!(at.x >= 0.0 && at.y >= 0.0 && at.x <= last.x && at.y <= last.y)) {
 		return false; // Also returned for NAN, because the comparison is then false.
@@ -168,10 +168,10 @@ Ground MapField::ground_at(glm::dvec2 position) const {
 	if (!std::isfinite(surface.height)) {
 		return {};
 	}
-	const glm::dvec2 gradient = glm::transpose(to_map_) * surface.gradient * place_.height_scale;
+	const glm::dvec2 gradient = glm::transpose(to_map_) * surface.gradient * transform_.height_scale;
 	const double to_unit = 1.0 / std::sqrt(gradient.x * gradient.x + gradient.y * gradient.y + 1.0);
 	return {
-			static_cast<float>(place_.origin.y + place_.height_scale * surface.height),
+			static_cast<float>(transform_.origin.y + transform_.height_scale * surface.height),
 			{
 					static_cast<float>(-gradient.x * to_unit),
 					static_cast<float>(to_unit),
@@ -225,14 +225,14 @@ Status MapField::weigh(std::span<const glm::dvec2> positions, std::span<const st
 	}
 	return guarded("splat maps", static_cast<double>(layers_.splats.size()), [&] {
 		const std::vector<unsigned> channels = channels_of(textures, layers_.splats.size());
-		const auto share = [&](int column, int row) {
+		const auto fraction = [&](int column, int row) {
 			return layers_.indices.empty() ? splat_at(column, row, channels) : indexed_at(column, row, textures);
 		};
 		for (std::size_t i = 0; i < positions.size(); ++i) {
 			glm::ivec2 patch{0};
 			glm::dvec2 part{0.0};
 			const bool inside = find_patch(positions[i], patch, part);
-			r_ground[i].weight = inside ? static_cast<float>(interpolated(patch, part, share)) : 0.0F;
+			r_ground[i].weight = inside ? static_cast<float>(interpolated(patch, part, fraction)) : 0.0F;
 		}
 	});
 }

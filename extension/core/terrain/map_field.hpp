@@ -53,7 +53,7 @@ public:
 	/// Shares the maps without copying them. The transform must be finite and not degenerate. The
 	/// maps must have at least 2 x 2 height samples, and all layers must have the size of the
 	/// heights. Otherwise, the function returns an error and leaves the field unchanged.
-	Status set(const MapTransform &place, const MapLayers &layers);
+	Status set(const MapTransform &transform, const MapLayers &layers);
 
 	/// Returns a copy of the field that is moved by `offset`, in world meters, and shares the maps.
 	MapField at_offset(glm::dvec3 offset) const;
@@ -70,7 +70,7 @@ public:
 	/// samples has none.
 	const Surface *surface() const override { return surface_.get(); }
 
-	const MapTransform &place() const { return place_; }
+	const MapTransform &transform() const { return transform_; }
 	const MapLayers &layers() const { return layers_; }
 
 private:
@@ -82,7 +82,7 @@ private:
 	double splat_at(int column, int row, std::span<const unsigned> channels) const;
 	double indexed_at(int column, int row, std::span<const std::int32_t> textures) const;
 
-	MapTransform place_;
+	MapTransform transform_;
 	glm::dmat2 to_map_{1.0};
 	MapLayers layers_;
 	std::shared_ptr<const Surface> surface_;

@@ -11,8 +11,8 @@ namespace thicket {
 /// the slope of the normal becomes relative to the direction away from the center. `position` is
 /// the ground's world x and z.
 inline Ground on_planet(const Planet &planet, glm::dvec2 position, const Ground &ground) {
-	const glm::dvec3 place(position.x, ground.height, position.y);
-	return {static_cast<float>(planet.altitude(place)), planet.upright(ground.normal, place), ground.weight};
+	const glm::dvec3 on_ground(position.x, ground.height, position.y);
+	return {static_cast<float>(planet.altitude(on_ground)), planet.upright(ground.normal, on_ground), ground.weight};
 }
 
 } // namespace thicket

@@ -130,12 +130,12 @@ struct RegionField::Grid {
 	static constexpr bool mirrored = false;
 
 	glm::ivec2 patches() const { return glm::ivec2(field->side_); }
-	glm::dvec2 place(glm::ivec2 post) const {
+	glm::dvec2 post_position(glm::ivec2 post) const {
 		return glm::dvec2(field->offset_.x, field->offset_.z) + glm::dvec2(first + post) * field->spacing_;
 	}
 	PostRange range(const Box3 &box) const {
 		const auto to_posts = [this](const glm::dvec3 &corner) {
-			return (glm::dvec2(corner.x, corner.z) - place(glm::ivec2(0))) / field->spacing_;
+			return (glm::dvec2(corner.x, corner.z) - post_position(glm::ivec2(0))) / field->spacing_;
 		};
 		return {to_posts(box.min), to_posts(box.max)};
 	}
@@ -172,13 +172,13 @@ const FieldRegion *RegionField::region_at(glm::ivec2 location) const {
 	return index >= 0 ? &layout_->regions[static_cast<std::size_t>(index)] : nullptr;
 }
 
-bool RegionField::find_place(glm::dvec2 position, Place &r_place) const {
+bool RegionField::find_post_position(glm::dvec2 position, PostPosition &r_post_position) const {
 	const glm::dvec2 posts = (position - glm::dvec2(offset_.x, offset_.z)) / spacing_;
 	if (!(std::abs(posts.x) < max_post && std::abs(posts.y) < max_post)) {
 		return false; // Also returned for NAN, because the comparison is then false.
 	}
 	const glm::dvec2 before = glm::floor(posts);
-	r_place = {glm::ivec2(before), posts - before};
+	r_post_position = {glm::ivec2(before), posts - before};
 	return true;
 }
 
@@ -211,11 +211,11 @@ std::uint32_t RegionField::control_at(glm::ivec2 post) const {
 }
 
 Ground RegionField::ground_at(glm::dvec2 position) const {
-	Place place{};
-	if (!find_place(position, place)) {
+	PostPosition post_position{};
+	if (!find_post_position(position, post_position)) {
 		return {};
 	}
-	const glm::ivec2 first = place.post;
+	const glm::ivec2 first = post_position.post;
 	// The four height samples of the patch and the samples after them: 3 x 3 samples, without the
 	// last.
 	constexpr std::array<glm::ivec2, 8> steps{{{0, 0}, {1, 0}, {2, 0}, {0, 1}, {1, 1}, {2, 1}, {0, 2}, {1, 2}}};
@@ -239,7 +239,7 @@ Ground RegionField::ground_at(glm::dvec2 position) const {
 		}
 	}
 	const auto &[p00, p10, p20, p01, p11, p21, p02, p12] = posts;
-	const auto [x, z] = std::pair{place.part.x, place.part.y};
+	const auto [x, z] = std::pair{post_position.part.x, post_position.part.y};
 	const double height = bilinear(p00.height, p10.height, p01.height, p11.height, x, z);
 	if (!std::isfinite(height) || p00.hole || p10.hole || p01.hole || p11.hole) {
 		return {};
@@ -273,8 +273,9 @@ Status RegionField::sample(std::span<const glm::dvec2> positions, std::span<Grou
 	return {};
 }
 
-float RegionField::weight_at(const Place &place, glm::dvec2 position, std::span<const std::int32_t> textures) const {
-	const std::uint32_t control = control_at(place.post);
+float RegionField::weight_at(
+		const PostPosition &post_position, glm::dvec2 position, std::span<const std::int32_t> textures) const {
+	const std::uint32_t control = control_at(post_position.post);
 	auto base = static_cast<std::int32_t>(control >> base_shift & 0x1fu);
 	auto overlay = static_cast<std::int32_t>(control >> overlay_shift & 0x1fu);
 	double blend = (control >> blend_shift & 0xffu) / 255.0;
@@ -298,8 +299,10 @@ Status RegionField::weigh(std::span<const glm::dvec2> positions, std::span<const
 		return Status::wrong_size("ground", r_ground.size(), exactly(positions.size()));
 	}
 	for (std::size_t i = 0; i < positions.size(); ++i) {
-		Place place{};
-		r_ground[i].weight = find_place(positions[i], place) ? weight_at(place, positions[i], textures) : 0.0F;
+		PostPosition post_position{};
+		r_ground[i].weight = find_post_position(positions[i], post_position)
+				? weight_at(post_position, positions[i], textures)
+				: 0.0F;
 	}
 	return {};
 }

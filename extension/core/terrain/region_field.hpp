@@ -98,7 +98,7 @@ private:
 	};
 
 	/// A position, in units of height samples.
-	struct Place {
+	struct PostPosition {
 		glm::ivec2 post; ///< The height sample before the position on both axes.
 		glm::dvec2 part; ///< Fraction of the way to the next height sample, in [0, 1).
 	};
@@ -110,11 +110,12 @@ private:
 
 	void make_surface();
 	bool heights_of(glm::ivec2 first, std::array<double, 4> &r_heights) const;
-	bool find_place(glm::dvec2 position, Place &r_place) const;
+	bool find_post_position(glm::dvec2 position, PostPosition &r_post_position) const;
 	Post post_at(glm::ivec2 post) const;
 	std::uint32_t control_at(glm::ivec2 post) const;
 	Ground ground_at(glm::dvec2 position) const;
-	float weight_at(const Place &place, glm::dvec2 position, std::span<const std::int32_t> textures) const;
+	float weight_at(
+			const PostPosition &post_position, glm::dvec2 position, std::span<const std::int32_t> textures) const;
 
 	int side_ = 1;
 	double spacing_ = 1.0;

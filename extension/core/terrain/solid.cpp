@@ -15,7 +15,7 @@ namespace {
 
 constexpr double sagitta = 0.005;
 constexpr int fewest_sides = 16;
-constexpr int most_sides = 512;
+constexpr int max_sides = 512;
 
 /// Returns the points of a quarter of the unit circle from (1, 0) to (0, 1), both included, in
 /// `steps` steps of equal angles. `steps` must be a power of two. The function only bisects angles,
@@ -39,11 +39,11 @@ std::vector<glm::dvec2> quarter_circle(int steps) {
 std::vector<glm::dvec2> unit_circle(int sides) {
 	const std::vector<glm::dvec2> quarter = quarter_circle(sides / 4);
 	std::vector<glm::dvec2> points;
-	for (int turn = 0; turn < 4; ++turn) {
+	for (int quarter_index = 0; quarter_index < 4; ++quarter_index) {
 		for (std::size_t index = 0; index + 1 < quarter.size(); ++index) {
 			const glm::dvec2 &at = quarter[index];
-			const std::array<glm::dvec2, 4> turned{at, {-at.y, at.x}, -at, {at.y, -at.x}};
-			points.push_back(turned[static_cast<std::size_t>(turn)]);
+			const std::array<glm::dvec2, 4> rotated{at, {-at.y, at.x}, -at, {at.y, -at.x}};
+			points.push_back(rotated[static_cast<std::size_t>(quarter_index)]);
 		}
 	}
 	return points;
@@ -94,9 +94,9 @@ void append_box(const glm::dvec3 &size, std::vector<glm::vec3> &r_corners) {
 				return at;
 			};
 			// Swapping u and v on the negative side turns the face outward.
-			const double turn = side < 0.0 ? 0.5 : -0.5;
-			append(corner(-0.5, -0.5), corner(turn, -turn), corner(0.5, 0.5), r_corners);
-			append(corner(-0.5, -0.5), corner(0.5, 0.5), corner(-turn, turn), r_corners);
+			const double half = side < 0.0 ? 0.5 : -0.5;
+			append(corner(-0.5, -0.5), corner(half, -half), corner(0.5, 0.5), r_corners);
+			append(corner(-0.5, -0.5), corner(0.5, 0.5), corner(-half, half), r_corners);
 		}
 	}
 }
@@ -124,7 +124,7 @@ void append_capsule(double radius, double height, std::vector<glm::vec3> &r_corn
 int sides_of(double radius) {
 	int sides = fewest_sides;
 	// The sagitta of a flat side is about radius * 4.93 / sides^2.
-	while (sides < most_sides && radius * 4.94 > sagitta * sides * sides) {
+	while (sides < max_sides && radius * 4.94 > sagitta * sides * sides) {
 		sides *= 2;
 	}
 	return sides;

@@ -17,12 +17,12 @@ namespace thicket {
 namespace {
 
 /// Returns true if a rectangle contains a position, including its borders, and false for NAN.
-bool holds(const Rect &area, glm::dvec2 position) {
+bool contains(const Rect &area, glm::dvec2 position) {
 	return position.x >= area.min.x && position.x <= area.max.x && position.y >= area.min.y && position.y <= area.max.y;
 }
 
 /// Returns true if `a` takes priority over `b` as the ground.
-bool stands_above(const TriangleTerrain::Top &a, const TriangleTerrain::Top &b) {
+bool is_above(const TriangleTerrain::Top &a, const TriangleTerrain::Top &b) {
 	return std::tie(a.height, a.normal.y, a.normal.x, a.normal.z) >
 			std::tie(b.height, b.normal.y, b.normal.x, b.normal.z);
 }
@@ -84,7 +84,7 @@ Ground TriangleParts::ground_at(glm::dvec2 position) const {
 	BvhStack<Bvh::Node> stack;
 	const auto push = [&](Bvh::Node node) {
 		const Box &box = boxes_[tree_.index_of(node)];
-		if (!holds(box.area, position) || box.top < best.height) {
+		if (!contains(box.area, position) || box.top < best.height) {
 			// No part of the node covers the position, or all parts are lower than the best one.
 			return;
 		}
@@ -107,12 +107,12 @@ Ground TriangleParts::ground_at(glm::dvec2 position) const {
 			continue;
 		}
 		for (std::size_t i = tree_.begin(node); i < tree_.end(node); ++i) {
-			if (!holds(parts_[i]->area(), position)) {
+			if (!contains(parts_[i]->area(), position)) {
 				// No triangle of the part covers the position.
 				continue;
 			}
 			TriangleTerrain::Top top;
-			if (parts_[i]->find_top(position, best.height, top) && (!found || stands_above(top, best))) {
+			if (parts_[i]->find_top(position, best.height, top) && (!found || is_above(top, best))) {
 				best = top;
 				found = true;
 			}

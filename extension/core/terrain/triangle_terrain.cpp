@@ -66,8 +66,9 @@ public:
 	std::size_t triangle_count() const override { return terrain_->triangles_.size() + terrain_->vertical_.size(); }
 
 	std::array<glm::dvec3, 3> triangle(std::uint32_t index) const override {
-		const std::size_t tops = terrain_->triangles_.size();
-		const auto &[a, b, c] = index < tops ? terrain_->triangles_[index].corners : terrain_->vertical_[index - tops];
+		const std::size_t non_vertical_count = terrain_->triangles_.size();
+		const auto &[a, b, c] = index < non_vertical_count ? terrain_->triangles_[index].corners
+														   : terrain_->vertical_[index - non_vertical_count];
 		return terrain_->winding_ == Winding::clockwise ? std::array{a, c, b} : std::array{a, b, c};
 	}
 
@@ -184,11 +185,11 @@ Status TriangleTerrain::sample(std::span<const glm::dvec2> positions, std::span<
 	return {};
 }
 
-bool TriangleTerrain::find_top(glm::dvec2 position, double least, Top &r_top) const {
-	Hit hit{nullptr, least};
+bool TriangleTerrain::find_top(glm::dvec2 position, double min_height, Top &r_top) const {
+	Hit hit{nullptr, min_height};
 	BvhStack<Bvh::Node> stack;
 	const auto push = [&](Bvh::Node node) {
-		if (!boxes_[tree_.index_of(node)].holds(position)) {
+		if (!boxes_[tree_.index_of(node)].contains(position)) {
 			// No triangle of the node covers the position.
 			return;
 		}

@@ -58,8 +58,8 @@ public:
 	};
 
 	/// Finds the same ground as `sample`. Returns false if there is none, or if it is lower than
-	/// `least` meters.
-	bool find_top(glm::dvec2 position, double least, Top &r_top) const;
+	/// `min_height` meters.
+	bool find_top(glm::dvec2 position, double min_height, Top &r_top) const;
 
 	/// Returns the bounding rectangle of all triangles that are not vertical, including its far
 	/// edges. The rectangle is empty if there are no such triangles.
@@ -91,7 +91,7 @@ private:
 		double top;
 
 		/// Returns true if the position is inside or on the border, and false for NAN.
-		bool holds(glm::dvec2 position) const {
+		bool contains(glm::dvec2 position) const {
 			return position.x >= min.x && position.x <= max.x && position.y >= min.y && position.y <= max.y;
 		}
 	};

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t coarse_steps = 128;
 constexpr std::size_t fine_steps = 16;
 constexpr int refinements = 2;
-constexpr double least_slope = 0.17; ///< About the sine of 10 degrees.
+constexpr double min_slope = 0.17; ///< About the sine of 10 degrees.
 
 /// Divides the range `within` of a ray into `steps` equal parts and returns the first part in which
 /// the ray enters the ground.
@@ -55,7 +55,7 @@ std::optional<glm::dvec3> ground_on_ray(const Terrain &terrain, glm::dvec3 from,
 }
 
 glm::dvec3 view_focus(const ParallelView &view, const Terrain *terrain, double level) {
-	if (view.direction.y < -least_slope) {
+	if (view.direction.y < -min_slope) {
 		if (terrain != nullptr) {
 			if (const auto hit = ground_on_ray(*terrain, view.from, view.direction, view.reach)) {
 				return *hit;

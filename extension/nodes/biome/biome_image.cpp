@@ -17,14 +17,14 @@ int byte_of(float channel) { return static_cast<int>(std::lround(255.0F * std::c
 
 std::uint8_t nearest(const std::uint8_t *rgb, std::span<const BiomeColor> colors) {
 	std::uint8_t result = no_biome;
-	int least = std::numeric_limits<int>::max();
+	int min_difference = std::numeric_limits<int>::max();
 	for (const BiomeColor &color : colors) {
 		const int red = rgb[0] - color.red;
 		const int green = rgb[1] - color.green;
 		const int blue = rgb[2] - color.blue;
 		const int squared = red * red + green * green + blue * blue;
-		if (squared < least) {
-			least = squared;
+		if (squared < min_difference) {
+			min_difference = squared;
 			result = color.index;
 		}
 	}

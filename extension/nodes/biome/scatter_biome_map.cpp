@@ -42,7 +42,7 @@ void ScatterBiomeMap::set_biomes(const TypedArray<ScatterBiome> &p_biomes) {
 		return;
 	}
 	biomes_ = p_biomes;
-	outdate();
+	mark_outdated();
 }
 
 void ScatterBiomeMap::set_map_image(const Ref<Resource> &p_image) {
@@ -73,21 +73,21 @@ void ScatterBiomeMap::set_map_rect(const Rect2 &p_rect) {
 	}
 	if (rect_ != p_rect) {
 		rect_ = p_rect;
-		outdate();
+		mark_outdated();
 	}
 }
 
 void ScatterBiomeMap::set_map_mode(MapMode p_mode) {
 	if (accept_number(class_name, "map_mode", static_cast<double>(p_mode), MAP_MODE_COLORS, MAP_MODE_INDICES)) {
 		mode_ = static_cast<BiomePixels>(p_mode);
-		outdate();
+		mark_outdated();
 	}
 }
 
 void ScatterBiomeMap::set_map_edge(MapEdge p_edge) {
 	if (accept_number(class_name, "map_edge", static_cast<double>(p_edge), MAP_EDGE_NOTHING, MAP_EDGE_CLAMP)) {
 		edge_ = static_cast<BiomeEdge>(p_edge);
-		outdate();
+		mark_outdated();
 	}
 }
 
@@ -98,33 +98,33 @@ void ScatterBiomeMap::set_border(const char *p_name, double BiomeBorders::*numbe
 	report(class_name, status.ok() ? status : Status{status.code, p_name, p_value});
 	if (status.ok() && !(next == borders_)) {
 		borders_ = next;
-		outdate();
+		mark_outdated();
 	}
 }
 
 void ScatterBiomeMap::set_border_seed(int64_t p_seed) {
 	if (std::exchange(borders_.seed, static_cast<std::uint64_t>(p_seed)) != static_cast<std::uint64_t>(p_seed)) {
-		outdate();
+		mark_outdated();
 	}
 }
 
 void ScatterBiomeMap::image_changed() {
 	pixels_unread_ = true;
-	outdate();
+	mark_outdated();
 }
 
-void ScatterBiomeMap::outdate() {
+void ScatterBiomeMap::mark_outdated() {
 	outdated_ = true;
 	watch_biomes(false);
 	seen_.clear();
 	for (int64_t index = 0; index < biomes_.size(); ++index) {
-		seen_.push_back(look_at(biomes_[index]));
+		seen_.push_back(read_biome(biomes_[index]));
 	}
 	watch_biomes(true);
 	emit_changed();
 }
 
-ScatterBiomeMap::Seen ScatterBiomeMap::look_at(const Variant &p_biome) {
+ScatterBiomeMap::Seen ScatterBiomeMap::read_biome(const Variant &p_biome) {
 	Seen seen{p_biome, {}};
 	if (seen.biome.is_valid()) {
 		const TypedArray<ScatterLayer> layers = seen.biome->get_layers();
@@ -144,14 +144,14 @@ void ScatterBiomeMap::watch_biomes(bool p_watch) {
 bool ScatterBiomeMap::differs() const {
 	bool same = static_cast<std::size_t>(biomes_.size()) == seen_.size();
 	for (std::size_t index = 0; same && index < seen_.size(); ++index) {
-		same = seen_[index] == look_at(biomes_[static_cast<int64_t>(index)]);
+		same = seen_[index] == read_biome(biomes_[static_cast<int64_t>(index)]);
 	}
 	return !same;
 }
 
-void ScatterBiomeMap::notice() {
+void ScatterBiomeMap::detect_changes() {
 	if (differs()) {
-		outdate();
+		mark_outdated();
 	}
 }
 
@@ -332,7 +332,7 @@ void ScatterBiomeMap::_bind_methods() {
 	bind_guarded<&Self::get_biomes>(D_METHOD("get_biomes"));
 	bind_guarded<&Self::get_biome_at>(D_METHOD("get_biome_at", "position"));
 	bind_guarded<&Self::get_weights_at>(D_METHOD("get_weights_at", "position"));
-	bind_guarded<&Self::outdate>(ThreadUse::relayed, D_METHOD("_outdate"));
+	bind_guarded<&Self::mark_outdated>(ThreadUse::relayed, D_METHOD("_outdate"));
 	bind_guarded<&Self::image_changed>(ThreadUse::relayed, D_METHOD("_image_changed"));
 	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "biomes", PROPERTY_HINT_ARRAY_TYPE,
 						 vformat("%d/%d:ScatterBiome", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),

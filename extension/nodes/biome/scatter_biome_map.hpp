@@ -20,7 +20,7 @@ namespace thicket {
 ///
 /// Emits `changed` when a setter changes it, and when its image or one of its biomes emits
 /// `changed`. Scripts share the array of biomes and the biomes' arrays of layers. If they modify an
-/// array in place, the change takes effect at the next `notice`.
+/// array in place, the change takes effect at the next `detect_changes`.
 class ScatterBiomeMap : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterBiomeMap, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
@@ -102,7 +102,7 @@ public:
 	bool differs() const;
 
 	/// Rereads the shared arrays if they have changed, and emits `changed`, which may run scripts.
-	void notice();
+	void detect_changes();
 
 	/// Returns the map for the current image and biomes, never null. Returns the same object until
 	/// the map changes. If the current settings are invalid, prints an error once and returns the
@@ -142,10 +142,10 @@ private:
 
 	static void bind_map();
 	static void bind_borders();
-	static Seen look_at(const godot::Variant &p_biome);
+	static Seen read_biome(const godot::Variant &p_biome);
 	void set_border(const char *p_name, double BiomeBorders::*number, double p_value);
 	void watch_biomes(bool p_watch);
-	void outdate();
+	void mark_outdated();
 	void image_changed();
 	void refresh();
 	void add_color_problems(godot::PackedStringArray &r_problems) const;

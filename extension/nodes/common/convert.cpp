@@ -69,7 +69,7 @@ Rect to_world(const Rect2 &p_rect, const WorldFrame &frame) {
 Vector3 to_engine(glm::dvec3 position, const WorldFrame &frame) { return to_engine(frame.to_engine(position)); }
 
 Transform3D to_engine(const glm::mat3 &basis, glm::dvec3 position, const WorldFrame &frame) {
-	return {to_engine(frame.turned_back(basis)), to_engine(position, frame)};
+	return {to_engine(frame.rotated_back(basis)), to_engine(position, frame)};
 }
 
 std::span<const std::uint8_t> span_of(const PackedByteArray &p_bytes) {

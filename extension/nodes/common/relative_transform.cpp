@@ -47,8 +47,8 @@ Placed composed(const std::vector<const Node3D *> &chain, std::size_t end) {
 }
 
 Transform3D in_space(const Placed &space, const Placed &node) {
-	const glm::dmat3 turn = WorldFrame::of_local_space(space.basis, space.origin).turn;
-	return {to_engine(glm::mat3(turn * node.basis)), to_engine(turn * (node.origin - space.origin))};
+	const glm::dmat3 rotation = WorldFrame::of_local_space(space.basis, space.origin).rotation;
+	return {to_engine(glm::mat3(rotation * node.basis)), to_engine(rotation * (node.origin - space.origin))};
 }
 
 } // namespace

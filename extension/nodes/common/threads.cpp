@@ -21,8 +21,8 @@ std::atomic<std::thread::id> main_thread;
 } // namespace
 
 bool has_threads() {
-	const Variant most = ProjectSettings::get_singleton()->get_setting("threading/worker_pool/max_threads", -1);
-	return OS::get_singleton()->has_feature("threads") && static_cast<int64_t>(most) != 0;
+	const Variant setting = ProjectSettings::get_singleton()->get_setting("threading/worker_pool/max_threads", -1);
+	return OS::get_singleton()->has_feature("threads") && static_cast<int64_t>(setting) != 0;
 }
 
 void remember_main_thread() { main_thread.store(std::this_thread::get_id(), std::memory_order_relaxed); }

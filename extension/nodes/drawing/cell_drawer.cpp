@@ -20,7 +20,7 @@ DrawAmounts multimeshes_only(std::size_t count) {
 
 CellDrawer::Drawing CellDrawer::drawing_of(const TileKey &key, const DisplayedTile &tile, std::size_t mesh) const {
 	const LodChain *chain = fades_.find(key.layer, mesh);
-	const bool fades = chain != nullptr && chain->is_made() && chain->is_of(tile.parts[mesh].lods);
+	const bool fades = chain != nullptr && chain->is_complete() && chain->is_of(tile.parts[mesh].lods);
 	return {display_.layers.index_of(tile.owner, key.layer), layer_of(key).lod, fades ? chain : nullptr};
 }
 
@@ -33,7 +33,7 @@ DistanceRange CellDrawer::distances_to(
 }
 
 bool CellDrawer::draw(const TileKey &key, DisplayedTile &r_tile, double &r_margin) {
-	const bool in_cells = r_tile.across > 1;
+	const bool in_cells = r_tile.cells_per_edge > 1;
 	const DistanceRange tile_distance = distances_to(r_tile, r_tile.min, r_tile.max, layer_of(key).lod);
 	bool whole = true;
 	r_margin = std::numeric_limits<double>::infinity();
@@ -63,8 +63,8 @@ bool CellDrawer::draw_cell(
 	DisplayedTile::Cell &cell = r_part.cells[cell_index];
 	const std::span<const std::uint32_t> ranks = r_part.ranks_of(cell_index);
 	adapt(drawing.lod, drawing.steps(), distance, cell.drawing);
-	const double look_share = first_variant(drawing, r_part, cell).look.density;
-	const bool whole = display_.budget.draw(drawing.layer, look_share, ranks, cell.drawing);
+	const double lod_density = first_variant(drawing, r_part, cell).lod_appearance.density;
+	const bool whole = display_.budget.draw(drawing.layer, lod_density, ranks, cell.drawing);
 	show_lods(drawing, ranks, r_part, cell);
 	return whole;
 }
@@ -80,7 +80,7 @@ const MeshAppearance &CellDrawer::first_variant(
 		return part.lods[std::min(lod, part.lods.size() - 1)];
 	}
 	const bool complete = cell.others.size() >= drawing.extra_variants(span);
-	return complete ? drawing.chain->look(span, 0) : drawing.chain->single_variant(span, lod);
+	return complete ? drawing.chain->appearance(span, 0) : drawing.chain->single_variant(span, lod);
 }
 
 /// Assigns the required LODs to the visuals of a cell and releases visuals that are no longer
@@ -96,16 +96,17 @@ void CellDrawer::show_lods(const Drawing &drawing, std::span<const std::uint32_t
 		display_.budget.remove(multimeshes_only(part.multimeshes_of_a_cell()));
 	}
 	const MeshAppearance &first = first_variant(drawing, part, r_cell);
-	r_cell.visual.set_look(first);
+	r_cell.visual.set_appearance(first);
 	r_cell.visual.set_scale(r_cell.drawing.scale);
 	r_cell.visual.set_drawn(r_cell.drawing.drawn);
 	const bool complete = r_cell.others.size() == others;
 	for (std::size_t index = 0; index < r_cell.others.size(); ++index) {
 		TileVisual &other = r_cell.others[index];
 		if (complete) {
-			const MeshAppearance &look = drawing.chain->look(span, index + 1);
-			other.set_look(look);
-			other.set_drawn(drawn_by_other(ranks, first.look.density, look.look.density, r_cell.drawing));
+			const MeshAppearance &appearance = drawing.chain->appearance(span, index + 1);
+			other.set_appearance(appearance);
+			other.set_drawn(drawn_by_other(
+					ranks, first.lod_appearance.density, appearance.lod_appearance.density, r_cell.drawing));
 		}
 		other.set_scale(r_cell.drawing.scale);
 		other.set_visible(visible_ && complete);

@@ -94,9 +94,10 @@ DrawAmounts DisplayedTile::amounts() const {
 	for (std::size_t mesh = 0; mesh < parts.size(); ++mesh) {
 		const Part &part = parts[mesh];
 		const CompactMesh &own = tile->meshes[mesh];
-		result.bytes += own.bytes() + (part.shown.get() != &own ? part.shown->bytes() + sizeof(CompactMesh) : 0);
+		result.bytes +=
+				own.bytes() + (part.displayed.get() != &own ? part.displayed->bytes() + sizeof(CompactMesh) : 0);
 		result.bytes += part.division.bytes();
-		result.instances += part.shown->size();
+		result.instances += part.displayed->size();
 		result.multimeshes += part.multimesh_count();
 		for (const Cell &cell : part.cells) {
 			result.drawn += cell.drawing.drawn;
@@ -114,10 +115,11 @@ std::size_t DisplayedTile::multimesh_count() const {
 	return count;
 }
 
-std::size_t DisplayedTile::most_multimeshes(std::uint32_t across_then) const {
+std::size_t DisplayedTile::multimesh_bound(std::uint32_t next_cells_per_edge) const {
 	std::size_t count = 0;
 	for (const Part &part : parts) {
-		const std::size_t cells = std::min(part.shown->size(), std::size_t{across_then} * across_then);
+		const std::size_t cells =
+				std::min(part.displayed->size(), std::size_t{next_cells_per_edge} * next_cells_per_edge);
 		count += part.lods.empty() ? 0 : cells * part.multimeshes_of_a_cell();
 	}
 	return count;
@@ -125,13 +127,13 @@ std::size_t DisplayedTile::most_multimeshes(std::uint32_t across_then) const {
 
 MeshUpload to_upload(const DisplayedTile::Part &part, std::size_t cell, float reach) {
 	if (part.division.empty()) {
-		return to_upload(*part.shown, reach);
+		return to_upload(*part.displayed, reach);
 	}
 	const DrawCell &drawn = part.division.cells[cell];
 	MeshUpload upload;
-	upload.aabb = box_around(drawn.min, drawn.max, reach * part.shown->max_scale());
-	const auto floats = static_cast<int64_t>(drawn.size() * part.shown->stride());
-	gather(*part.shown, part.division.order_of(drawn), resize(upload.buffer, floats));
+	upload.aabb = box_around(drawn.min, drawn.max, reach * part.displayed->max_scale());
+	const auto floats = static_cast<int64_t>(drawn.size() * part.displayed->stride());
+	gather(*part.displayed, part.division.order_of(drawn), resize(upload.buffer, floats));
 	return upload;
 }
 
@@ -139,9 +141,9 @@ PackedFloat32Array read_back(const DisplayedTile::Part &part) {
 	if (part.division.empty()) {
 		return part.cells.front().visual.read_back();
 	}
-	const std::size_t stride = part.shown->stride();
+	const std::size_t stride = part.displayed->stride();
 	PackedFloat32Array result;
-	const std::span<float> floats = resize(result, static_cast<int64_t>(part.shown->size() * stride));
+	const std::span<float> floats = resize(result, static_cast<int64_t>(part.displayed->size() * stride));
 	for (std::size_t cell = 0; cell < part.cells.size(); ++cell) {
 		const PackedFloat32Array buffer = part.cells[cell].visual.read_back();
 		const std::span<const float> read(buffer.ptr(), static_cast<std::size_t>(buffer.size()));

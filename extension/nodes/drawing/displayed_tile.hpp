@@ -54,18 +54,18 @@ struct DisplayedTile {
 		/// One cell for the whole tile, or one per cell of `division`. Empty if there is nothing to
 		/// draw.
 		std::vector<Cell> cells;
-		/// The division of `shown` into cells; empty if the tile is drawn as a whole.
+		/// The division of `displayed` into cells; empty if the tile is drawn as a whole.
 		DrawCells division;
 		/// The schedule for updating cells. Used only if the tile is divided into cells.
 		CellVisits visits;
 		/// The mesh, followed by its coarser LODs; empty if there is no mesh.
 		std::vector<MeshAppearance> lods;
 		/// The instances to draw: those of `tile`, or a copy with a game's changes.
-		std::shared_ptr<const CompactMesh> shown;
+		std::shared_ptr<const CompactMesh> displayed;
 
 		/// Returns the number of cells that the part has once all are uploaded.
 		std::size_t cell_count() const {
-			return lods.empty() || shown->size() == 0 ? 0 : division.empty() ? 1 : division.cells.size();
+			return lods.empty() || displayed->size() == 0 ? 0 : division.empty() ? 1 : division.cells.size();
 		}
 		bool is_open() const { return cells.size() < cell_count(); }
 
@@ -73,7 +73,7 @@ struct DisplayedTile {
 		std::size_t multimeshes_of_a_cell() const { return casts_by_other_meshes(lods) ? 2 : 1; }
 		std::size_t multimesh_count() const;
 		std::span<const std::uint32_t> ranks_of(std::size_t cell) const {
-			return division.empty() ? shown->ranks() : division.ranks_of(division.cells[cell]);
+			return division.empty() ? displayed->ranks() : division.ranks_of(division.cells[cell]);
 		}
 	};
 
@@ -87,7 +87,7 @@ struct DisplayedTile {
 	TileSpace space;
 	std::vector<Part> parts;
 	/// The number of cells along each edge; 1 if the tile is drawn as a whole.
-	std::uint32_t across = 1;
+	std::uint32_t cells_per_edge = 1;
 
 	/// The bounds of all drawn instances, relative to the tile's origin. If nothing is drawn, `min`
 	/// is above `max`.
@@ -114,10 +114,11 @@ struct DisplayedTile {
 	/// without content.
 	DrawAmounts amounts() const;
 
-	/// `multimesh_count` returns the current number of multimeshes of all cells. `most_multimeshes`
-	/// returns the largest possible number if the tile had `across_then` cells along each edge.
+	/// `multimesh_count` returns the current number of multimeshes of all cells. `multimesh_bound`
+	/// returns the largest possible number if the tile had `next_cells_per_edge` cells along each
+	/// edge.
 	std::size_t multimesh_count() const;
-	std::size_t most_multimeshes(std::uint32_t across_then) const;
+	std::size_t multimesh_bound(std::uint32_t next_cells_per_edge) const;
 };
 
 /// Converts the instances in one cell of a part to the renderer's format. For `reach`, see

@@ -25,7 +25,7 @@ constexpr const char *viewers_name = "scatter_viewers";
 /// The viewers of all nodes, because materials can be shared between nodes.
 struct AllViewers {
 	struct Entry {
-		glm::vec4 place{0.0F};
+		glm::vec4 position_and_scale{0.0F};
 		const FadeViewers *owner = nullptr; ///< The node that set the viewer last.
 	};
 	std::map<std::uint64_t, Entry> by_id;
@@ -38,8 +38,8 @@ struct AllViewers {
 
 	void set(const FadeViewer &viewer, const FadeViewers *owner) {
 		Entry &entry = by_id[viewer.id];
-		version += entry.owner == nullptr || entry.place != viewer.place ? 1 : 0;
-		entry = {viewer.place, owner};
+		version += entry.owner == nullptr || entry.position_and_scale != viewer.position_and_scale ? 1 : 0;
+		entry = {viewer.position_and_scale, owner};
 	}
 
 	void remove(std::uint64_t id, const FadeViewers *owner) {
@@ -50,17 +50,18 @@ struct AllViewers {
 		}
 	}
 
-	std::vector<glm::vec4> nearest(glm::vec3 camera, std::size_t most) const {
-		std::vector<glm::vec4> places;
+	std::vector<glm::vec4> nearest(glm::vec3 camera, std::size_t max_count) const {
+		std::vector<glm::vec4> positions_and_scales;
 		for (const auto &[id, entry] : by_id) {
-			places.push_back(entry.place);
+			positions_and_scales.push_back(entry.position_and_scale);
 		}
-		if (places.size() > most) {
-			std::ranges::stable_sort(
-					places, {}, [camera](const glm::vec4 &place) { return glm::distance(glm::vec3(place), camera); });
-			places.resize(most);
+		if (positions_and_scales.size() > max_count) {
+			std::ranges::stable_sort(positions_and_scales, {}, [camera](const glm::vec4 &position_and_scale) {
+				return glm::distance(glm::vec3(position_and_scale), camera);
+			});
+			positions_and_scales.resize(max_count);
 		}
-		return places;
+		return positions_and_scales;
 	}
 };
 
@@ -88,7 +89,7 @@ void FadeViewers::set_viewers(std::span<const FadeViewer> viewers, glm::vec3 cam
 		// No viewer has changed since the last write.
 		return;
 	}
-	write(all.nearest(camera, most_viewers));
+	write(all.nearest(camera, max_viewers));
 	written_ = all.version;
 }
 
@@ -97,8 +98,8 @@ void FadeViewers::write(std::span<const glm::vec4> viewers) {
 		// No material fades.
 		return;
 	}
-	PackedFloat32Array places;
-	const std::span<float> out = resize(places, static_cast<int64_t>(4 * most_viewers));
+	PackedFloat32Array positions_and_scales;
+	const std::span<float> out = resize(positions_and_scales, static_cast<int64_t>(4 * max_viewers));
 	for (std::size_t at = 0; at < viewers.size(); ++at) {
 		for (glm::length_t axis = 0; axis < 4; ++axis) {
 			out[4 * at + static_cast<std::size_t>(axis)] = viewers[at][axis];
@@ -108,7 +109,7 @@ void FadeViewers::write(std::span<const glm::vec4> viewers) {
 	for (const Ref<Material> &material : materials_) {
 		// Set the value on the RenderingServer. A value that is set on the Material would be saved
 		// with it.
-		server->material_set_param(material->get_rid(), viewers_name, places);
+		server->material_set_param(material->get_rid(), viewers_name, positions_and_scales);
 		server->material_set_param(material->get_rid(), count_name, static_cast<int64_t>(viewers.size()));
 	}
 }
@@ -119,7 +120,7 @@ void FadeViewers::clear() {
 	}
 	viewers_.clear();
 	// Other nodes may share these materials.
-	write(AllViewers::get().nearest(glm::vec3(0.0F), most_viewers));
+	write(AllViewers::get().nearest(glm::vec3(0.0F), max_viewers));
 	materials_.clear();
 	written_ = 0;
 }

@@ -19,7 +19,7 @@ namespace thicket {
 struct FadeViewer {
 	std::uint64_t id = 0; ///< The viewer's object ID.
 	/// The viewer's position in the engine's space (xyz), and Viewer::radius_scale minus 1 (w).
-	glm::vec4 place{0.0F};
+	glm::vec4 position_and_scale{0.0F};
 };
 
 /// Passes viewers to those materials of a node's layers that include scatter_fade.gdshaderinc.
@@ -30,7 +30,7 @@ class FadeViewers {
 public:
 	/// The maximum number of viewers that the shader supports. If there are more, only those
 	/// nearest to the camera are passed.
-	static constexpr std::size_t most_viewers = 8;
+	static constexpr std::size_t max_viewers = 8;
 
 	FadeViewers() = default;
 	~FadeViewers() { clear(); }

@@ -29,17 +29,17 @@ double expected_in_view(const LayerSnapshot &layer) {
 } // namespace
 
 void InstanceLoad::measure(const TileDisplay &display, std::span<const SharedSnapshot> layers) {
-	shares_.assign(layers.size(), 1.0);
+	visible_fractions_.assign(layers.size(), 1.0);
 	for (std::uint32_t index = 0; index < layers.size(); ++index) {
 		if (layers[index] == nullptr) {
 			continue;
 		}
 		const std::size_t tiles = display.tiles(index).size();
 		const double size = layers[index]->range.tile_size;
-		const double most = expected_in_view(*layers[index]) * static_cast<double>(tiles) * size * size /
+		const double expected = expected_in_view(*layers[index]) * static_cast<double>(tiles) * size * size /
 				view_area(layers[index]->range);
-		if (most > 0.0) {
-			shares_[index] = std::min(static_cast<double>(display.instance_count(index)) / most, 1.0);
+		if (expected > 0.0) {
+			visible_fractions_[index] = std::min(static_cast<double>(display.instance_count(index)) / expected, 1.0);
 		}
 	}
 }
@@ -50,7 +50,8 @@ void InstanceLoad::add_problems(std::span<const SharedSnapshot> layers, PackedSt
 			continue;
 		}
 		const LayerSnapshot &layer = *layers[index];
-		const double count = expected_in_view(layer) * (index < shares_.size() ? shares_[index] : 1.0);
+		const double count =
+				expected_in_view(layer) * (index < visible_fractions_.size() ? visible_fractions_[index] : 1.0);
 		if (count < many_instances) {
 			continue;
 		}

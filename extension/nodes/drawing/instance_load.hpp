@@ -14,7 +14,7 @@ namespace thicket {
 class InstanceLoad {
 public:
 	/// Discards the results of `measure`. Call it when the settings or the ground have changed.
-	void forget() { shares_.clear(); }
+	void forget() { visible_fractions_.clear(); }
 
 	/// Measures the fraction of each layer's points that its rules keep. Call it while all tiles
 	/// are displayed.
@@ -24,7 +24,7 @@ public:
 
 private:
 	/// The fraction of each layer's points that its rules keep, 0 to 1. Empty until measured.
-	std::vector<double> shares_;
+	std::vector<double> visible_fractions_;
 };
 
 } // namespace thicket

@@ -12,18 +12,20 @@ namespace thicket {
 
 namespace {
 
-bool same_look(const MeshAppearance &a, const MeshAppearance &b) { return a.same_meshes(b) && a.look == b.look; }
+bool same_appearance(const MeshAppearance &a, const MeshAppearance &b) {
+	return a.same_meshes(b) && a.lod_appearance == b.lod_appearance;
+}
 
 /// Returns a mesh for each range: a copy that fades, or the original mesh if the range is `no_fade`
 /// or no copy can be created.
 std::vector<Ref<Mesh>> faded(const Ref<Mesh> &mesh, std::span<const FadeRange> ranges) {
 	std::vector<FadeRange> needed;
 	std::ranges::copy_if(ranges, std::back_inserter(needed), [](const FadeRange &range) { return range != no_fade; });
-	const std::vector<Ref<Mesh>> made = mesh.is_valid() ? faded_meshes(mesh, needed) : std::vector<Ref<Mesh>>();
+	const std::vector<Ref<Mesh>> copies = mesh.is_valid() ? faded_meshes(mesh, needed) : std::vector<Ref<Mesh>>();
 	std::vector<Ref<Mesh>> result;
 	for (std::size_t next = 0; const FadeRange &range : ranges) {
-		const bool is_made = range != no_fade && next < made.size() && made[next].is_valid();
-		result.push_back(is_made ? made[next] : mesh);
+		const bool has_copy = range != no_fade && next < copies.size() && copies[next].is_valid();
+		result.push_back(has_copy ? copies[next] : mesh);
 		next += range != no_fade ? 1 : 0;
 	}
 	return result;
@@ -46,25 +48,25 @@ LodChain::LodChain(const LayerDrawing &drawing, const LodSettings &lod, std::siz
 		return;
 	}
 	std::vector<LodStep> steps;
-	for (const MeshAppearance &look : lods_of(drawing, mesh)) {
-		const bool same = !meshes_.empty() && same_look(look, meshes_.back().plain);
-		steps.push_back({same, look.fades});
+	for (const MeshAppearance &appearance : lods_of(drawing, mesh)) {
+		const bool same = !meshes_.empty() && same_appearance(appearance, meshes_.back().plain);
+		steps.push_back({same, appearance.fades});
 		if (!same) {
-			meshes_.push_back({look, {}});
+			meshes_.push_back({appearance, {}});
 		}
 	}
-	looks_ = LodLooks(lod, steps);
-	made_ = looks_.fades() ? 0 : meshes_.size();
+	runs_ = LodRuns(lod, steps);
+	completed_runs_ = runs_.fades() ? 0 : meshes_.size();
 }
 
 void LodChain::make_next(const LodChain *before) {
-	auto &[plain, variants] = meshes_[made_];
-	const std::array<FadeRange, LookFade::count> ranges = looks_.ranges(made_);
-	const std::array<MeshAppearance, LookFade::count> *known = nullptr;
-	if (before != nullptr && before->is_made() && before->surfaces_ == surfaces_) {
-		for (std::size_t look = 0; known == nullptr && look < before->meshes_.size(); ++look) {
-			const Meshes &other = before->meshes_[look];
-			known = same_look(other.plain, plain) && before->looks_.ranges(look) == ranges ? &other.faded : nullptr;
+	auto &[plain, variants] = meshes_[completed_runs_];
+	const std::array<FadeRange, RunFade::count> ranges = runs_.ranges(completed_runs_);
+	const std::array<MeshAppearance, RunFade::count> *known = nullptr;
+	if (before != nullptr && before->is_complete() && before->surfaces_ == surfaces_) {
+		for (std::size_t run = 0; known == nullptr && run < before->meshes_.size(); ++run) {
+			const Meshes &other = before->meshes_[run];
+			known = same_appearance(other.plain, plain) && before->runs_.ranges(run) == ranges ? &other.faded : nullptr;
 		}
 	}
 	if (known != nullptr) {
@@ -74,37 +76,37 @@ void LodChain::make_next(const LodChain *before) {
 		const std::vector<Ref<Mesh>> meshes = faded(plain.mesh, ranges);
 		const std::vector<Ref<Mesh>> shadows = faded(plain.shadow.mesh, ranges);
 		for (std::size_t variant = 0; variant < variants.size(); ++variant) {
-			variants[variant] = {meshes[variant], {shadows[variant], plain.shadow.setting}, plain.look, true};
+			variants[variant] = {meshes[variant], {shadows[variant], plain.shadow.setting}, plain.lod_appearance, true};
 		}
 	} else {
 		variants.fill(plain);
 	}
-	++made_;
+	++completed_runs_;
 }
 
 bool LodChain::is_of(std::span<const MeshAppearance> lods) const {
-	if (lods.size() != looks_.steps().size()) {
+	if (lods.size() != runs_.steps().size()) {
 		return false;
 	}
 	for (std::size_t lod = 0; lod < lods.size(); ++lod) {
-		if (!same_look(lods[lod], meshes_[looks_.appearance_of(lod)].plain)) {
+		if (!same_appearance(lods[lod], meshes_[runs_.run_of(lod)].plain)) {
 			return false;
 		}
 	}
 	return true;
 }
 
-const MeshAppearance &LodChain::mesh_of(const LodLooks::Drawn &drawn) const {
-	const Meshes &meshes = meshes_[drawn.look];
+const MeshAppearance &LodChain::mesh_of(const LodRuns::Drawn &drawn) const {
+	const Meshes &meshes = meshes_[drawn.run];
 	return drawn.fade ? meshes.faded[drawn.fade->index()] : meshes.plain;
 }
 
-const MeshAppearance &LodChain::look(const LodSpan &span, std::size_t index) const {
-	return mesh_of(looks_.drawn(span, index));
+const MeshAppearance &LodChain::appearance(const LodSpan &span, std::size_t index) const {
+	return mesh_of(runs_.drawn(span, index));
 }
 
 const MeshAppearance &LodChain::single_variant(const LodSpan &span, std::size_t lod) const {
-	return mesh_of(looks_.drawn_alone(span, lod));
+	return mesh_of(runs_.drawn_alone(span, lod));
 }
 
 void LodFades::set_layers(std::span<const SharedSnapshot> layers) {
@@ -122,7 +124,7 @@ void LodFades::set_layers(std::span<const SharedSnapshot> layers) {
 		}
 		layer.of = now;
 	}
-	layers_made_ = 0;
+	completed_layers_ = 0;
 }
 
 const LodChain *LodFades::find(std::uint32_t layer, std::size_t mesh) const {
@@ -131,13 +133,13 @@ const LodChain *LodFades::find(std::uint32_t layer, std::size_t mesh) const {
 }
 
 bool LodFades::make_some(bool &r_ready) {
-	for (; layers_made_ < layers_.size(); ++layers_made_) {
-		Layer &layer = layers_[layers_made_];
+	for (; completed_layers_ < layers_.size(); ++completed_layers_) {
+		Layer &layer = layers_[completed_layers_];
 		for (std::size_t mesh = 0; mesh < layer.chains.size(); ++mesh) {
 			LodChain &chain = layer.chains[mesh];
-			if (!chain.is_made()) {
+			if (!chain.is_complete()) {
 				chain.make_next(mesh < layer.before.size() ? &layer.before[mesh] : nullptr);
-				r_ready = chain.is_made();
+				r_ready = chain.is_complete();
 				return true;
 			}
 		}

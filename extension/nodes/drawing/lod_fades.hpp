@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/drawing/lod_looks.hpp"
+#include "core/drawing/lod_runs.hpp"
 #include "nodes/layer/layer_snapshot.hpp"
 
 #include <array>
@@ -16,47 +16,48 @@ std::vector<MeshAppearance> lods_of(const LayerDrawing &drawing, std::size_t mes
 
 /// The LODs of one mesh of a layer. Each has fading variants: copies of its mesh that appear or
 /// disappear gradually over a range of distances. Consecutive LODs that are drawn identically share
-/// one MeshAppearance (a "look" below).
+/// one MeshAppearance (a run; see `LodRuns`).
 class LodChain {
 public:
 	LodChain(const LayerDrawing &drawing, const LodSettings &lod, std::size_t mesh);
 
 	/// Returns one step per LOD.
-	std::span<const LodStep> steps() const { return looks_.steps(); }
+	std::span<const LodStep> steps() const { return runs_.steps(); }
 
-	/// Returns true once all fading variants exist. Call `look` and `single_variant` only then.
-	bool is_made() const { return made_ == meshes_.size(); }
+	/// Returns true once all fading variants exist. Call `appearance` and `single_variant` only
+	/// then.
+	bool is_complete() const { return completed_runs_ == meshes_.size(); }
 
-	/// Creates the fading variants of the next look. Reuses those of the chain `before` if it has
-	/// the same look. Takes milliseconds for a large mesh, because the mesh is read back from the
+	/// Creates the fading variants of the next run. Reuses those of the chain `before` if it has
+	/// the same run. Takes milliseconds for a large mesh, because the mesh is read back from the
 	/// renderer.
 	void make_next(const LodChain *before);
 
 	/// Returns true if this chain belongs to `lods`, the LODs of a part of a tile.
 	bool is_of(std::span<const MeshAppearance> lods) const;
 
-	/// Returns how many looks a span of LODs has beyond the first one.
-	std::size_t extra_variants(const LodSpan &span) const { return looks_.beyond_first(span); }
+	/// Returns how many runs a span of LODs has beyond the first one.
+	std::size_t extra_variants(const LodSpan &span) const { return runs_.beyond_first(span); }
 
-	/// Returns one of the looks of a span. Index 0 is the look of its first LOD.
-	const MeshAppearance &look(const LodSpan &span, std::size_t index) const;
+	/// Returns the appearance of one of the runs of a span. Index 0 is the run of its first LOD.
+	const MeshAppearance &appearance(const LodSpan &span, std::size_t index) const;
 
-	/// Returns the look of one LOD that is drawn alone, in place of the whole span.
+	/// Returns the appearance of one LOD that is drawn alone, in place of the whole span.
 	const MeshAppearance &single_variant(const LodSpan &span, std::size_t lod) const;
 
 private:
 	struct Meshes {
 		MeshAppearance plain;
-		std::array<MeshAppearance, LookFade::count> faded; ///< Indexed by LookFade::index.
+		std::array<MeshAppearance, RunFade::count> faded; ///< Indexed by RunFade::index.
 	};
-	const MeshAppearance &mesh_of(const LodLooks::Drawn &drawn) const;
+	const MeshAppearance &mesh_of(const LodRuns::Drawn &drawn) const;
 
 	/// The value of LayerDrawing::surfaces for which the chain was created. If the current value
 	/// differs, a mesh has changed.
 	std::vector<std::uint64_t> surfaces_;
-	LodLooks looks_;
-	std::vector<Meshes> meshes_; ///< The meshes of each look.
-	std::size_t made_ = 0;
+	LodRuns runs_;
+	std::vector<Meshes> meshes_; ///< The meshes of each run.
+	std::size_t completed_runs_ = 0;
 };
 
 /// The LOD chains of all meshes of all layers. Use it only on the main thread.
@@ -70,17 +71,17 @@ public:
 	/// Creates some of the missing fading variants. Returns false if none is missing. Sets
 	/// `r_ready` to true if this completes a chain, because its LODs cross-fade from then on.
 	bool make_some(bool &r_ready);
-	bool is_made() const { return layers_made_ == layers_.size(); }
+	bool is_complete() const { return completed_layers_ == layers_.size(); }
 
 private:
 	struct Layer {
 		SharedSnapshot of;
 		std::vector<LodChain> chains;
-		/// The chains before the layer's last change. Their unchanged looks are reused.
+		/// The chains before the layer's last change. Their unchanged runs are reused.
 		std::vector<LodChain> before;
 	};
 	std::vector<Layer> layers_;
-	std::size_t layers_made_ = 0;
+	std::size_t completed_layers_ = 0;
 };
 
 } // namespace thicket

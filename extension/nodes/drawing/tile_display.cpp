@@ -63,31 +63,31 @@ void TileDisplay::begin(TileUpload &r_upload, bool others_wait) const {
 	tile.mesh_reach = job.layer->drawing.mesh_reach;
 	tile.space = job.request.space;
 	tile.drawing_version = layers_.version(key.layer);
-	r_upload.shown = overlay(tile);
+	r_upload.displayed = overlay(tile);
 	r_upload.overlay_version = redraws_.version();
-	if (r_upload.shown.size() != tile.tile->meshes.size()) {
+	if (r_upload.displayed.size() != tile.tile->meshes.size()) {
 		tile.tile = nullptr; // Out of memory. The upload starts again later.
 		return;
 	}
 	const LayerSnapshot *layer = layers_.find(key.layer);
 	// The instances and the multimeshes per cell of each mesh.
 	std::vector<std::pair<std::size_t, std::size_t>> sizes;
-	for (std::size_t mesh = 0; mesh < r_upload.shown.size(); ++mesh) {
-		const CompactMesh &shown = *r_upload.shown[mesh];
-		if (layer != nullptr && layer->drawing.draws(mesh) && shown.size() > 0) {
-			tile.grow(box_around(shown.min(), shown.max(), tile.reach_of(mesh) * shown.max_scale()));
-			sizes.emplace_back(shown.size(), casts_by_other_meshes(lods_of(layer->drawing, mesh)) ? 2 : 1);
+	for (std::size_t mesh = 0; mesh < r_upload.displayed.size(); ++mesh) {
+		const CompactMesh &displayed = *r_upload.displayed[mesh];
+		if (layer != nullptr && layer->drawing.draws(mesh) && displayed.size() > 0) {
+			tile.grow(box_around(displayed.min(), displayed.max(), tile.reach_of(mesh) * displayed.max_scale()));
+			sizes.emplace_back(displayed.size(), casts_by_other_meshes(lods_of(layer->drawing, mesh)) ? 2 : 1);
 		}
 	}
 	const auto found = tiles_.find(key);
-	const DisplayedTile *standing = found != tiles_.end() ? &found->second : nullptr;
-	const std::uint32_t across = division_of(key, tile, standing != nullptr ? standing->across : 0);
+	const DisplayedTile *previous = found != tiles_.end() ? &found->second : nullptr;
+	const std::uint32_t cells_per_edge = division_of(key, tile, previous != nullptr ? previous->cells_per_edge : 0);
 	DivisionQueue::Multimeshes multimeshes = all_multimeshes();
-	multimeshes.count -= standing != nullptr ? standing->multimesh_count() : 0;
+	multimeshes.count -= previous != nullptr ? previous->multimesh_count() : 0;
 	for (const auto &[instances, multimeshes_of_a_cell] : sizes) {
-		multimeshes.count += std::min(instances, std::size_t{across} * across) * multimeshes_of_a_cell;
+		multimeshes.count += std::min(instances, std::size_t{cells_per_edge} * cells_per_edge) * multimeshes_of_a_cell;
 	}
-	tile.across = DivisionQueue::first_division(across, multimeshes, standing != nullptr, others_wait);
+	tile.cells_per_edge = DivisionQueue::first_division(cells_per_edge, multimeshes, previous != nullptr, others_wait);
 }
 
 void TileDisplay::upload_some(TileUpload &r_upload, bool others_wait) {
@@ -103,14 +103,15 @@ void TileDisplay::upload_some(TileUpload &r_upload, bool others_wait) {
 	if (!r_upload.has_open_part()) {
 		const std::size_t mesh = tile.parts.size();
 		DisplayedTile::Part part;
-		if (!TileUploader::begin_part(tile, r_upload.shown[mesh], drawn_lods(layer, mesh), tile.across, part)) {
+		if (!TileUploader::divide_part(
+					tile, r_upload.displayed[mesh], drawn_lods(layer, mesh), tile.cells_per_edge, part)) {
 			return; // Out of memory. The next call tries again.
 		}
 		tile.parts.push_back(std::move(part));
 	}
 	DisplayedTile::Part &part = tile.parts.back();
 	const std::size_t mesh = tile.parts.size() - 1;
-	const bool own = part.division.empty() && part.shown.get() == &job.tile->meshes[mesh];
+	const bool own = part.division.empty() && part.displayed.get() == &job.tile->meshes[mesh];
 	if (layer == nullptr) {
 		part.lods.clear(); // The layer has been removed since then, so it is not drawn.
 	} else if (own && r_upload.has_open_part()) {
@@ -142,7 +143,7 @@ void TileDisplay::show(TileUpload upload) {
 	// The origin may have moved since the first part was uploaded.
 	tile.set_frame(uploader_.world_frame());
 	budget_.add(tile.amounts());
-	divisions_.show(key, tile.across);
+	divisions_.show(key, tile.cells_per_edge);
 	refine(key, tile);
 	tile.set_visible(visible_);
 }
@@ -160,7 +161,7 @@ void TileDisplay::leave(std::vector<DisplayedTile::Cell> &&cells) {
 	cells.clear();
 }
 
-bool TileDisplay::holds(const TileKey &key) const { return tiles_.contains(key); }
+bool TileDisplay::contains(const TileKey &key) const { return tiles_.contains(key); }
 
 bool TileDisplay::drop(const TileKey &key) {
 	const auto found = tiles_.find(key);
@@ -178,7 +179,7 @@ bool TileDisplay::drop(const TileKey &key) {
 	leave(std::move(found->second));
 	tiles_.erase(found);
 	schedule_.remove(key);
-	divisions_.room_gained(TileMeasures(*this));
+	divisions_.capacity_gained(TileMeasures(*this));
 	return true;
 }
 
@@ -255,7 +256,7 @@ std::uint64_t TileDisplay::instance_count(std::uint32_t layer) const {
 	for (const auto &[key, tile] : tiles_) {
 		if (tile.owner == counted->links.identity) {
 			for (const DisplayedTile::Part &part : tile.parts) {
-				result += part.shown->size();
+				result += part.displayed->size();
 			}
 		}
 	}

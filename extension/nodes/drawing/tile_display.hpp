@@ -101,7 +101,7 @@ public:
 	/// Uploads some visuals for LODs that will fade in, or creates fading meshes. Returns false if
 	/// there is nothing to do.
 	bool fade_step();
-	bool has_fades() const { return !to_fade_.empty() || !drawer_.fades().is_made(); }
+	bool has_fades() const { return !to_fade_.empty() || !drawer_.fades().is_complete(); }
 
 	/// Returns true if `lod_step`, `divide_step` and `fade_step` have nothing to do and no removed
 	/// tile is still visible.
@@ -118,7 +118,7 @@ public:
 	void discard(TileUpload upload) { leave(std::move(upload.tile)); }
 
 	/// Returns true if a tile with this key is displayed.
-	bool holds(const TileKey &key) const;
+	bool contains(const TileKey &key) const;
 
 	/// Removes a tile. `free_step` hides its content and then frees it step by step. Returns false
 	/// if the tile is not displayed.
@@ -161,7 +161,9 @@ public:
 
 	/// Returns the fraction of a layer's instances that is drawn at a distance in meters from a
 	/// viewer, after all limits: 0 to 1.
-	double drawn_share(const LodSettings &lod, double distance) const { return budget_.drawn_share(lod, distance); }
+	double drawn_fraction(const LodSettings &lod, double distance) const {
+		return budget_.drawn_fraction(lod, distance);
+	}
 
 	/// Returns the number of multimeshes. There is one for each mesh of a tile that is drawn as a
 	/// whole. A tile that is divided into cells has more.
@@ -183,7 +185,7 @@ public:
 
 	/// Returns the number of times that an LOD was chosen by distance for a cell or a whole tile.
 	/// Counts each mesh separately.
-	std::uint64_t lod_look_count() const { return drawer_.draw_count(); }
+	std::uint64_t draw_count() const { return drawer_.draw_count(); }
 
 private:
 	using Tiles = std::map<TileKey, DisplayedTile, TileKeyOrder>;
@@ -199,7 +201,7 @@ private:
 	void begin(TileUpload &r_upload, bool others_wait) const;
 	void redraw(const TileKey &key, DisplayedTile &r_tile);
 	bool patch_part(const DisplayedTile &tile, std::size_t mesh, const LayerSnapshot *layer,
-			DisplayedTile::Part &r_part, std::shared_ptr<const CompactMesh> shown);
+			DisplayedTile::Part &r_part, std::shared_ptr<const CompactMesh> displayed);
 	void patch(const TileKey &key, DisplayedTile &r_tile);
 	bool patch_parts(const TileKey &key, DisplayedTile &r_tile);
 	std::vector<std::shared_ptr<const CompactMesh>> overlay(const DisplayedTile &tile) const;
@@ -212,11 +214,11 @@ private:
 		explicit TileMeasures(const TileDisplay &display) : display_(display) {}
 
 		double distance(const TileKey &key) const override;
-		std::uint32_t shown(const TileKey &key) const override { return tile(key).across; }
+		std::uint32_t displayed(const TileKey &key) const override { return tile(key).cells_per_edge; }
 		std::uint32_t wanted(const TileKey &key) const override;
 		std::uint64_t multimeshes(const TileKey &key) const override { return tile(key).multimesh_count(); }
-		std::uint64_t most_multimeshes(const TileKey &key, std::uint32_t across) const override {
-			return tile(key).most_multimeshes(across);
+		std::uint64_t multimesh_bound(const TileKey &key, std::uint32_t cells_per_edge) const override {
+			return tile(key).multimesh_bound(cells_per_edge);
 		}
 
 	private:
@@ -226,7 +228,7 @@ private:
 	DivisionQueue::Multimeshes all_multimeshes() const {
 		return {budget_.amounts().multimeshes, budget_.max_multimeshes()};
 	}
-	std::uint32_t division_of(const TileKey &key, const DisplayedTile &tile, std::uint32_t shown) const;
+	std::uint32_t division_of(const TileKey &key, const DisplayedTile &tile, std::uint32_t displayed) const;
 	void continue_division();
 	void finish_division(DisplayedTile &r_tile);
 	void cancel_division();

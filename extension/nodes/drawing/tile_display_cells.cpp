@@ -10,12 +10,12 @@ using namespace godot;
 
 namespace thicket {
 
-/// Returns the required division of a tile. `shown` is its current division; 0 if it has not been
-/// displayed yet.
-std::uint32_t TileDisplay::division_of(const TileKey &key, const DisplayedTile &tile, std::uint32_t shown) const {
+/// Returns the required division of a tile. `displayed` is its current division; 0 if it has not
+/// been displayed yet.
+std::uint32_t TileDisplay::division_of(const TileKey &key, const DisplayedTile &tile, std::uint32_t displayed) const {
 	const LayerSnapshot *layer = layers_.find(key.layer);
 	return layer != nullptr && tile.draws_anything()
-			? division_at(layer->cells, layer->lod, distance_to(key.layer, tile), shown)
+			? division_at(layer->cells, layer->lod, distance_to(key.layer, tile), displayed)
 			: 1;
 }
 
@@ -24,7 +24,7 @@ double TileDisplay::TileMeasures::distance(const TileKey &key) const {
 }
 
 std::uint32_t TileDisplay::TileMeasures::wanted(const TileKey &key) const {
-	return display_.division_of(key, tile(key), tile(key).across);
+	return display_.division_of(key, tile(key), tile(key).cells_per_edge);
 }
 
 bool TileDisplay::settled() const {
@@ -41,7 +41,7 @@ bool TileDisplay::divide_step() {
 
 /// Uploads some cells of the tile that is being divided. Shows them when all are uploaded.
 void TileDisplay::continue_division() {
-	const auto [key, across] = *divisions_.current();
+	const auto [key, cells_per_edge] = *divisions_.current();
 	DisplayedTile &tile = tiles_.at(key);
 	const LayerSnapshot *layer = layers_.find(key.layer);
 	if (layer == nullptr) {
@@ -60,7 +60,7 @@ void TileDisplay::continue_division() {
 	if (!is_open()) {
 		const DisplayedTile::Part &part = tile.parts[next_parts_.size()];
 		next_parts_.emplace_back();
-		if (!TileUploader::begin_part(tile, part.shown, part.lods, across, next_parts_.back())) {
+		if (!TileUploader::divide_part(tile, part.displayed, part.lods, cells_per_edge, next_parts_.back())) {
 			// Out of memory. The next visit of the tile requests the division again.
 			cancel_division();
 			return;
@@ -74,7 +74,7 @@ void TileDisplay::continue_division() {
 /// Shows the uploaded cells and hides the previous ones. Does both in one call, so that no frame is
 /// drawn in between.
 void TileDisplay::finish_division(DisplayedTile &r_tile) {
-	const auto [key, across] = *divisions_.current();
+	const auto [key, cells_per_edge] = *divisions_.current();
 	std::vector<DisplayedTile::Part> next = std::exchange(next_parts_, {});
 	const std::size_t before = r_tile.cell_count();
 	budget_.remove(r_tile.amounts());
@@ -85,7 +85,7 @@ void TileDisplay::finish_division(DisplayedTile &r_tile) {
 		std::swap(r_tile.parts[mesh].division, next[mesh].division);
 		leave(std::move(next[mesh].cells));
 	}
-	r_tile.across = across;
+	r_tile.cells_per_edge = cells_per_edge;
 	r_tile.check_all_cells = true;
 	r_tile.set_lod(lod);
 	divisions_.finish();
@@ -93,7 +93,7 @@ void TileDisplay::finish_division(DisplayedTile &r_tile) {
 	refine(key, r_tile);
 	r_tile.set_visible(visible_);
 	if (r_tile.cell_count() < before) {
-		divisions_.room_gained(TileMeasures(*this));
+		divisions_.capacity_gained(TileMeasures(*this));
 	}
 }
 

@@ -30,7 +30,7 @@ bool same(const CompactMesh &a, const CompactMesh &b) {
 /// Determines for each cell of `next` which cell of `part` it can reuse.
 std::vector<CellReuse> reuse_cells(const DisplayedTile::Part &part, const DisplayedTile::Part &next, bool whole) {
 	if (!whole) {
-		return thicket::reuse_cells(*part.shown, part.division, *next.shown, next.division);
+		return thicket::reuse_cells(*part.displayed, part.division, *next.displayed, next.division);
 	}
 	if (!part.cells.empty()) {
 		return {{0, false}}; // The visual is reused even if no instances are left.
@@ -117,20 +117,20 @@ void TileDisplay::patch(const TileKey &key, DisplayedTile &r_tile) {
 /// Applies the overlay to all parts of a tile. Returns false if memory is insufficient.
 bool TileDisplay::patch_parts(const TileKey &key, DisplayedTile &r_tile) {
 	const LayerSnapshot *layer = layers_.find(key.layer);
-	const std::vector<std::shared_ptr<const CompactMesh>> shown = overlay(r_tile);
-	if (shown.size() != r_tile.parts.size()) {
+	const std::vector<std::shared_ptr<const CompactMesh>> displayed = overlay(r_tile);
+	if (displayed.size() != r_tile.parts.size()) {
 		return false;
 	}
 	if (divisions_.is_current(key)) {
 		cancel_division(); // The uploads of the division are outdated.
 	}
 	r_tile.check_all_cells = true;
-	for (std::size_t mesh = 0; mesh < shown.size(); ++mesh) {
+	for (std::size_t mesh = 0; mesh < displayed.size(); ++mesh) {
 		DisplayedTile::Part &part = r_tile.parts[mesh];
-		if (part.shown == shown[mesh] || same(*part.shown, *shown[mesh])) {
+		if (part.displayed == displayed[mesh] || same(*part.displayed, *displayed[mesh])) {
 			// The renderer already has these instances.
-			part.shown = shown[mesh];
-		} else if (!patch_part(r_tile, mesh, layer, part, shown[mesh])) {
+			part.displayed = displayed[mesh];
+		} else if (!patch_part(r_tile, mesh, layer, part, displayed[mesh])) {
 			return false;
 		}
 		for (const DisplayedTile::Cell &cell : part.cells) {
@@ -144,16 +144,16 @@ bool TileDisplay::patch_parts(const TileKey &key, DisplayedTile &r_tile) {
 /// Displays the new instances of a mesh. Uploads only changed cells. If memory is insufficient,
 /// leaves the part unchanged and returns false.
 bool TileDisplay::patch_part(const DisplayedTile &tile, std::size_t mesh, const LayerSnapshot *layer,
-		DisplayedTile::Part &r_part, std::shared_ptr<const CompactMesh> shown) {
+		DisplayedTile::Part &r_part, std::shared_ptr<const CompactMesh> displayed) {
 	DisplayedTile::Part next;
-	if (!TileUploader::begin_part(tile, std::move(shown), r_part.lods, tile.across, next)) {
+	if (!TileUploader::divide_part(tile, std::move(displayed), r_part.lods, tile.cells_per_edge, next)) {
 		return false;
 	}
 	if (layer == nullptr || next.lods.empty()) {
-		r_part.shown = next.shown;
+		r_part.displayed = next.displayed;
 		return true;
 	}
-	const std::vector<CellReuse> reuses = reuse_cells(r_part, next, tile.across == 1);
+	const std::vector<CellReuse> reuses = reuse_cells(r_part, next, tile.cells_per_edge == 1);
 	std::vector<MeshUpload> uploads(reuses.size());
 	std::vector<DisplayedTile::Cell> fresh;
 	fresh.reserve(reuses.size());
@@ -172,11 +172,11 @@ bool TileDisplay::patch_part(const DisplayedTile &tile, std::size_t mesh, const 
 	gone.reserve(r_part.cells.size());
 	std::vector<bool> stays(r_part.cells.size());
 	// Nothing may throw from here on, because the cells move to the new part one by one.
-	std::size_t made = 0;
+	std::size_t next_fresh = 0;
 	for (std::size_t at = 0; at < reuses.size(); ++at) {
 		const auto &[before, unchanged] = reuses[at];
 		if (!before) {
-			next.cells.push_back(std::move(fresh[made++]));
+			next.cells.push_back(std::move(fresh[next_fresh++]));
 			next.cells.back().visual.set_visible(visible_);
 			continue;
 		}

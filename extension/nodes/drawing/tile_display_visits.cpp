@@ -57,18 +57,18 @@ void TileDisplay::visit_all() {
 }
 
 bool TileDisplay::lod_step() {
-	std::size_t looked_at = 0;
-	while (looked_at < cells_per_step) {
+	std::size_t visited_cells = 0;
+	while (visited_cells < cells_per_step) {
 		const std::optional<TileKey> key = schedule_.next();
 		if (!key) {
 			break;
 		}
 		if (const auto found = tiles_.find(*key); found != tiles_.end()) {
 			refine(*key, found->second);
-			looked_at += found->second.cell_count() + 1;
+			visited_cells += found->second.cell_count() + 1;
 		}
 	}
-	return looked_at > 0;
+	return visited_cells > 0;
 }
 
 void TileDisplay::apply_drawing(const TileKey &key, DisplayedTile &r_tile) {
@@ -124,8 +124,8 @@ void TileDisplay::refine(const TileKey &key, DisplayedTile &r_tile) {
 	if (drawer_.lacks_visuals(key, r_tile) && !std::exchange(r_tile.to_fade, true)) {
 		to_fade_.push_back(key);
 	}
-	divisions_.choose(key, r_tile.across, division_of(key, r_tile, r_tile.across));
-	const double cell_size = r_tile.across > 1 ? r_tile.space.size().x / r_tile.across : 0.0;
+	divisions_.choose(key, r_tile.cells_per_edge, division_of(key, r_tile, r_tile.cells_per_edge));
+	const double cell_size = r_tile.cells_per_edge > 1 ? r_tile.space.size().x / r_tile.cells_per_edge : 0.0;
 	schedule_.add(key, visit_margin(margin, cell_size, division_margin(layer->cells, layer->lod, distance.near)));
 }
 

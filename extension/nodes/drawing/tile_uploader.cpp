@@ -14,15 +14,16 @@ void TileUploader::set_scenario(const RID &scenario, std::uint64_t node_id) {
 	context_.node_id = node_id;
 }
 
-bool TileUploader::begin_part(const DisplayedTile &tile, std::shared_ptr<const CompactMesh> shown,
-		std::vector<MeshAppearance> lods, std::uint32_t across, DisplayedTile::Part &r_part) {
-	r_part.shown = std::move(shown);
+bool TileUploader::divide_part(const DisplayedTile &tile, std::shared_ptr<const CompactMesh> displayed,
+		std::vector<MeshAppearance> lods, std::uint32_t cells_per_edge, DisplayedTile::Part &r_part) {
+	r_part.displayed = std::move(displayed);
 	r_part.lods = std::move(lods);
-	if (across == 1 || r_part.lods.empty()) {
+	if (cells_per_edge == 1 || r_part.lods.empty()) {
 		return true;
 	}
 	const CellAxes axes = cell_axes(tile.space, tile.settings->planet);
-	const Status status = divide(*r_part.shown, tile.tile->origin, tile.space, across, r_part.division, axes);
+	const Status status =
+			divide(*r_part.displayed, tile.tile->origin, tile.space, cells_per_edge, r_part.division, axes);
 	report("TerrainScatter3D", status);
 	return status.ok();
 }

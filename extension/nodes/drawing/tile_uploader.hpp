@@ -23,10 +23,10 @@ public:
 	void set_world_frame(const WorldFrame &frame) { context_.frame = frame; }
 	const WorldFrame &world_frame() const { return context_.frame; }
 
-	/// Prepares a part of a tile for the upload of its cells. `across` is their number along each
-	/// edge. Returns false if memory is insufficient.
-	static bool begin_part(const DisplayedTile &tile, std::shared_ptr<const CompactMesh> shown,
-			std::vector<MeshAppearance> lods, std::uint32_t across, DisplayedTile::Part &r_part);
+	/// Prepares a part of a tile for the upload of its cells. `cells_per_edge` is their number
+	/// along each edge. Returns false if memory is insufficient.
+	static bool divide_part(const DisplayedTile &tile, std::shared_ptr<const CompactMesh> displayed,
+			std::vector<MeshAppearance> lods, std::uint32_t cells_per_edge, DisplayedTile::Part &r_part);
 
 	DisplayedTile::Cell make_cell(const DisplayedTile &tile, const DisplayedTile::Part &part,
 			const LayerDrawing &drawing, const MeshUpload &upload);

@@ -28,17 +28,19 @@ constexpr auto everything = std::numeric_limits<std::size_t>::max();
 
 } // namespace
 
-bool casts_by_other_meshes(std::span<const MeshAppearance> looks) {
-	return std::ranges::any_of(looks, [](const MeshAppearance &look) { return look.shadow.mesh.is_valid(); });
+bool casts_by_other_meshes(std::span<const MeshAppearance> appearances) {
+	return std::ranges::any_of(
+			appearances, [](const MeshAppearance &appearance) { return appearance.shadow.mesh.is_valid(); });
 }
 
-TileVisual::TileVisual(const VisualContext &context, const InstanceData &data, std::span<const MeshAppearance> looks,
-		const MeshUpload &upload) : data_(data) {
+TileVisual::TileVisual(const VisualContext &context, const InstanceData &data,
+		std::span<const MeshAppearance> appearances, const MeshUpload &upload) : data_(data) {
 	RenderingServer *server = RenderingServer::get_singleton();
-	const MeshAppearance &look = looks.front();
-	drawn_by_ = {server->multimesh_create(), RID(), look.mesh};
-	if (casts_by_other_meshes(looks)) {
-		shadow_by_ = {server->multimesh_create(), RID(), look.shadow.mesh.is_valid() ? look.shadow.mesh : look.mesh};
+	const MeshAppearance &appearance = appearances.front();
+	drawn_by_ = {server->multimesh_create(), RID(), appearance.mesh};
+	if (casts_by_other_meshes(appearances)) {
+		shadow_by_ = {server->multimesh_create(), RID(),
+				appearance.shadow.mesh.is_valid() ? appearance.shadow.mesh : appearance.mesh};
 	}
 	set_instances(upload);
 	for_each_handle([&](Handle &handle) {
@@ -49,7 +51,7 @@ TileVisual::TileVisual(const VisualContext &context, const InstanceData &data, s
 	origin_ = context.origin;
 	frame_ = context.frame;
 	move_instances();
-	set_look(look);
+	set_appearance(appearance);
 }
 
 TileVisual::~TileVisual() { free(); }
@@ -65,9 +67,9 @@ TileVisual &TileVisual::operator=(TileVisual &&other) noexcept {
 		drawn_by_ = std::exchange(other.drawn_by_, Handle());
 		shadow_by_ = std::exchange(other.shadow_by_, Handle());
 		layer_shadow_ = other.layer_shadow_;
-		look_shadow_ = other.look_shadow_;
-		casts_apart_ = other.casts_apart_;
-		look_ = other.look_;
+		shadow_setting_ = other.shadow_setting_;
+		casts_by_other_mesh_ = other.casts_by_other_mesh_;
+		lod_appearance_ = other.lod_appearance_;
 		visible_ = other.visible_;
 		material_ = std::move(other.material_);
 		drawn_ = other.drawn_;
@@ -154,12 +156,12 @@ void TileVisual::apply(const LayerDrawing &drawing) {
 /// the drawn mesh casts none.
 void TileVisual::apply_shadows() {
 	RenderingServer *server = RenderingServer::get_singleton();
-	const std::int64_t setting = MeshShadow{{}, look_shadow_}.setting_in(layer_shadow_);
+	const std::int64_t setting = MeshShadow{{}, shadow_setting_}.setting_in(layer_shadow_);
 	const auto engine_setting = static_cast<RenderingServer::ShadowCastingSetting>(setting);
 	server->instance_geometry_set_cast_shadows_setting(
-			drawn_by_.instance, casts_apart_ ? RenderingServer::SHADOW_CASTING_SETTING_OFF : engine_setting);
+			drawn_by_.instance, casts_by_other_mesh_ ? RenderingServer::SHADOW_CASTING_SETTING_OFF : engine_setting);
 	if (shadow_by_.instance.is_valid()) {
-		const bool casts = casts_apart_ && setting != RenderingServer::SHADOW_CASTING_SETTING_OFF;
+		const bool casts = casts_by_other_mesh_ && setting != RenderingServer::SHADOW_CASTING_SETTING_OFF;
 		server->instance_geometry_set_cast_shadows_setting(
 				shadow_by_.instance, RenderingServer::SHADOW_CASTING_SETTING_SHADOWS_ONLY);
 		server->instance_set_visible(shadow_by_.instance, visible_ && casts);
@@ -197,33 +199,34 @@ void TileVisual::set_mesh(const Ref<Mesh> &mesh, Handle &r_handle) {
 	r_handle.mesh = mesh; // Assign last, as for the material in `apply`.
 }
 
-void TileVisual::set_look(const MeshAppearance &look) {
-	set_mesh(look.mesh, drawn_by_);
-	const bool casts_apart = look.shadow.mesh.is_valid() && shadow_by_.multimesh.is_valid();
-	if (casts_apart) {
-		set_mesh(look.shadow.mesh, shadow_by_);
+void TileVisual::set_appearance(const MeshAppearance &appearance) {
+	set_mesh(appearance.mesh, drawn_by_);
+	const bool casts_by_other_mesh = appearance.shadow.mesh.is_valid() && shadow_by_.multimesh.is_valid();
+	if (casts_by_other_mesh) {
+		set_mesh(appearance.shadow.mesh, shadow_by_);
 	}
-	apply_look(look.look);
-	if (casts_apart != casts_apart_ || look.shadow.setting != look_shadow_) {
-		casts_apart_ = casts_apart;
-		look_shadow_ = look.shadow.setting;
+	apply_lod_appearance(appearance.lod_appearance);
+	if (casts_by_other_mesh != casts_by_other_mesh_ || appearance.shadow.setting != shadow_setting_) {
+		casts_by_other_mesh_ = casts_by_other_mesh;
+		shadow_setting_ = appearance.shadow.setting;
 		apply_shadows();
 	}
 }
 
-void TileVisual::apply_look(const LodAppearance &look) {
-	if (look == look_) {
+void TileVisual::apply_lod_appearance(const LodAppearance &lod_appearance) {
+	if (lod_appearance == lod_appearance_) {
 		return;
 	}
 	RenderingServer *server = RenderingServer::get_singleton();
-	const std::shared_ptr<const ShaderParameters> before = std::exchange(look_, look).parameters;
+	const std::shared_ptr<const ShaderParameters> before = std::exchange(lod_appearance_, lod_appearance).parameters;
 	for_each_handle([&](const Handle &handle) {
-		server->instance_geometry_set_transparency(handle.instance, static_cast<float>(look.transparency));
+		server->instance_geometry_set_transparency(handle.instance, static_cast<float>(lod_appearance.transparency));
 		for (const auto &[name, value] :
-				before != nullptr && before != look.parameters ? *before : ShaderParameters()) {
+				before != nullptr && before != lod_appearance.parameters ? *before : ShaderParameters()) {
 			server->instance_geometry_set_shader_parameter(handle.instance, name, Variant());
 		}
-		for (const auto &[name, value] : look.parameters != nullptr ? *look.parameters : ShaderParameters()) {
+		for (const auto &[name, value] :
+				lod_appearance.parameters != nullptr ? *lod_appearance.parameters : ShaderParameters()) {
 			server->instance_geometry_set_shader_parameter(handle.instance, name, value);
 		}
 	});

@@ -24,7 +24,7 @@ struct VisualContext {
 };
 
 /// Returns true if any of these has a separate mesh for its shadow.
-bool casts_by_other_meshes(std::span<const MeshAppearance> looks);
+bool casts_by_other_meshes(std::span<const MeshAppearance> appearances);
 
 /// Draws the instances of one mesh in a tile or one of its cells. Owns a multimesh and an instance
 /// of the RenderingServer. If another mesh casts the shadow, owns a second pair whose multimesh has
@@ -36,9 +36,10 @@ bool casts_by_other_meshes(std::span<const MeshAppearance> looks);
 /// every multimesh without a MultiMesh resource, because visuals never move in the world.
 class TileVisual {
 public:
-	/// Creates a hidden visual that draws the first of `looks`, which lists all looks that the
-	/// visual may ever have. `data` determines the number of floats per instance in the buffer.
-	TileVisual(const VisualContext &context, const InstanceData &data, std::span<const MeshAppearance> looks,
+	/// Creates a hidden visual that draws the first of `appearances`, which lists all appearances
+	/// that the visual may ever have. `data` determines the number of floats per instance in the
+	/// buffer.
+	TileVisual(const VisualContext &context, const InstanceData &data, std::span<const MeshAppearance> appearances,
 			const MeshUpload &upload);
 	~TileVisual();
 	TileVisual(TileVisual &&other) noexcept;
@@ -57,7 +58,7 @@ public:
 	/// Sets the world position of the engine's origin, in meters. The visual keeps its position in
 	/// the world.
 	void set_frame(const WorldFrame &frame);
-	void set_look(const MeshAppearance &look);
+	void set_appearance(const MeshAppearance &appearance);
 
 	/// Draws the first `count` instances.
 	void set_drawn(std::size_t count);
@@ -94,18 +95,18 @@ private:
 	void allocate(int64_t instances);
 	void set_mesh(const godot::Ref<godot::Mesh> &mesh, Handle &r_handle);
 	void apply_shadows();
-	void apply_look(const LodAppearance &look);
+	void apply_lod_appearance(const LodAppearance &lod_appearance);
 
 	InstanceData data_;
 	int64_t instances_ = 0;
 	int64_t capacity_ = 0; ///< The number of instances that the multimesh has memory for.
 	Handle drawn_by_;
-	/// Draws the separate shadow mesh, if any of the looks has one.
+	/// Draws the separate shadow mesh, if any of the appearances has one.
 	Handle shadow_by_;
-	std::int64_t layer_shadow_ = 1; ///< The layer's GeometryInstance3D.ShadowCastingSetting.
-	std::int64_t look_shadow_ = -1; ///< The shadow setting of the look, as in MeshShadow.
-	LodAppearance look_;            ///< The current look in the renderer.
-	bool casts_apart_ = false;      ///< True if the current look has a separate shadow mesh.
+	std::int64_t layer_shadow_ = 1;    ///< The layer's GeometryInstance3D.ShadowCastingSetting.
+	std::int64_t shadow_setting_ = -1; ///< The shadow setting of the current appearance, as in MeshShadow.
+	LodAppearance lod_appearance_;     ///< The current value in the renderer.
+	bool casts_by_other_mesh_ = false; ///< True if the current appearance has a separate shadow mesh.
 	bool visible_ = false;
 	godot::Ref<godot::Material> material_;
 	std::size_t drawn_ = 0;

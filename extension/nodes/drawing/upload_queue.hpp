@@ -19,12 +19,12 @@ struct TileUpload {
 	/// The parts uploaded so far, still hidden.
 	DisplayedTile tile;
 	/// The instances to upload for each mesh. Set when the upload begins.
-	std::vector<std::shared_ptr<const CompactMesh>> shown;
+	std::vector<std::shared_ptr<const CompactMesh>> displayed;
 	/// The version of the game's changes (the overlay) when the upload began.
 	std::uint64_t overlay_version = 0;
 
 	bool is_begun() const { return tile.tile != nullptr; }
-	bool is_complete() const { return is_begun() && tile.parts.size() >= shown.size() && !has_open_part(); }
+	bool is_complete() const { return is_begun() && tile.parts.size() >= displayed.size() && !has_open_part(); }
 
 	/// Returns true if the last part has cells that have not been uploaded yet.
 	bool has_open_part() const { return !tile.parts.empty() && tile.parts.back().is_open(); }

@@ -2,7 +2,7 @@
 
 #include "core/explain/density_probe.hpp"
 #include "core/explain/model_probe.hpp"
-#include "core/explain/place_grid.hpp"
+#include "core/explain/position_grid.hpp"
 #include "core/explain/point_probe.hpp"
 #include "core/sampling/nearest_points.hpp"
 #include "nodes/workers/build_at_once.hpp"
@@ -39,24 +39,24 @@ RuleNames LayerExplainer::names_for(const LayerSnapshot &layer) const {
 
 /// Finds the models on which a layer grows around a position; see ModelProbe.
 Status LayerExplainer::find_models(
-		const LayerSettings &layer, const glm::dvec3 &place, std::unique_ptr<const Surface> &r_models) const {
+		const LayerSettings &layer, const glm::dvec3 &position, std::unique_ptr<const Surface> &r_models) const {
 	ModelProbe probe;
 	std::vector<Ground> answers;
-	Status status = probe.find(layer, place, surface_of(terrain.get()));
+	Status status = probe.find(layer, position, surface_of(terrain.get()));
 	if (status.ok()) {
 		status = query_in_steps(terrain.get(), ground, probe, answers);
 	}
 	return status.ok() ? probe.models(answers, r_models) : status;
 }
 
-Status LayerExplainer::explain(std::uint32_t layer, const glm::dvec3 &place, LayerExplanation &r_explanation) const {
+Status LayerExplainer::explain(std::uint32_t layer, const glm::dvec3 &position, LayerExplanation &r_explanation) const {
 	const LayerSettings &settings = *layers[layer]->settings;
-	PlaceExplainer explainer;
+	PositionExplainer explainer;
 	std::vector<Ground> answers;
 	std::unique_ptr<const Surface> models;
-	Status status = settings.hosted ? find_models(settings, place, models) : Status();
+	Status status = settings.hosted ? find_models(settings, position, models) : Status();
 	if (status.ok()) {
-		status = explainer.find(settings, place, surface_of(terrain.get()), models.get());
+		status = explainer.find(settings, position, surface_of(terrain.get()), models.get());
 	}
 	if (status.ok()) {
 		status = query_in_steps(terrain.get(), ground, explainer, answers);
@@ -68,49 +68,49 @@ Status LayerExplainer::explain(std::uint32_t layer, const glm::dvec3 &place, Lay
 		return status;
 	}
 	const RuleNames names = names_for(*layers[layer]);
-	for (const RuleFactor &factor : r_explanation.rules.place.factors) {
-		r_explanation.sentences.push_back(describe(factor, settings, names));
+	for (const RuleFactor &factor : r_explanation.rules.at_position.factors) {
+		r_explanation.messages.push_back(describe(factor, settings, names));
 	}
 	r_explanation.verdict = judge(r_explanation.rules, settings, names);
-	r_explanation.stands = r_explanation.rules.is_placed();
-	if (std::isfinite(r_explanation.rules.place.ground.height)) {
-		r_explanation.place.y = double{r_explanation.rules.place.ground.height};
+	r_explanation.is_placed = r_explanation.rules.is_placed();
+	if (std::isfinite(r_explanation.rules.at_position.ground.height)) {
+		r_explanation.position.y = double{r_explanation.rules.at_position.ground.height};
 	}
 	return {};
 }
 
 Status LayerExplainer::densities(
-		std::uint32_t layer, std::span<const glm::dvec2> places, std::vector<float> &r_densities) const {
+		std::uint32_t layer, std::span<const glm::dvec2> positions, std::vector<float> &r_densities) const {
 	DensityProbe probe;
 	std::vector<Ground> answers;
-	Status status = probe.find(*layers[layer]->settings, places, false, surface_of(terrain.get()));
+	Status status = probe.find(*layers[layer]->settings, positions, false, surface_of(terrain.get()));
 	if (status.ok()) {
 		status = query_in_steps(terrain.get(), ground, probe, answers);
 	}
 	if (status.ok()) {
-		status = probe.look(answers);
+		status = probe.evaluate(answers);
 	}
 	r_densities.clear();
-	for (std::size_t place = 0; status.ok() && place < places.size(); ++place) {
-		r_densities.push_back(static_cast<float>(probe.density_at(place)));
+	for (std::size_t position = 0; status.ok() && position < positions.size(); ++position) {
+		r_densities.push_back(static_cast<float>(probe.density_at(position)));
 	}
 	return status;
 }
 
-Status LayerExplainer::slopes(std::span<const glm::dvec2> places, std::vector<float> &r_slopes) const {
+Status LayerExplainer::slopes(std::span<const glm::dvec2> positions, std::vector<float> &r_slopes) const {
 	std::vector<Ground> answers;
-	const std::array<GroundQuery, 1> query{{{0, places.size(), {}}}};
-	const Status status = query_synchronously(terrain.get(), ground, places, query, answers);
+	const std::array<GroundQuery, 1> query{{{0, positions.size(), {}}}};
+	const Status status = query_synchronously(terrain.get(), ground, positions, query, answers);
 	r_slopes.clear();
-	for (std::size_t place = 0; status.ok() && place < places.size(); ++place) {
-		r_slopes.push_back(ground_slope(answers[place]));
+	for (std::size_t position = 0; status.ok() && position < positions.size(); ++position) {
+		r_slopes.push_back(ground_slope(answers[position]));
 	}
 	return status;
 }
 
 Status LayerExplainer::ranks(
-		std::uint32_t layer, std::span<const glm::dvec2> places, std::vector<float> &r_ranks) const {
-	const Rect area = enclosing_rect(places);
+		std::uint32_t layer, std::span<const glm::dvec2> positions, std::vector<float> &r_ranks) const {
+	const Rect area = enclosing_rect(positions);
 	const PointSet &set = layers[layer]->settings->set;
 	const glm::dvec2 sides = area.size() + 2.0 * set.radius;
 	if (const double count = sides.x * sides.y * point_density(set); count > max_probed_points) {
@@ -118,13 +118,13 @@ Status LayerExplainer::ranks(
 	}
 	PointProbe probe;
 	std::vector<Ground> answers;
-	Status status = probe.find(*layers[layer]->settings, places);
+	Status status = probe.find(*layers[layer]->settings, positions);
 	if (status.ok()) {
 		status = query_in_steps(terrain.get(), ground, probe, answers);
 	}
 	r_ranks.clear();
-	for (std::size_t place = 0; status.ok() && place < places.size(); ++place) {
-		r_ranks.push_back(static_cast<float>(probe.points()[place].rank * 0x1p-32));
+	for (std::size_t position = 0; status.ok() && position < positions.size(); ++position) {
+		r_ranks.push_back(static_cast<float>(probe.points()[position].rank * 0x1p-32));
 	}
 	return status;
 }

@@ -24,25 +24,25 @@ struct LayerExplainer {
 	std::vector<std::string> shapes; ///< The names of the shapes of the layer to explain next.
 
 	/// Explains the rules of a layer (by index) at a world position, and at the point of the layer
-	/// that is nearest to the position. If PlaceExplainer or the ground fails, returns its error.
-	/// Throws std::bad_alloc.
-	Status explain(std::uint32_t layer, const glm::dvec3 &place, LayerExplanation &r_explanation) const;
+	/// that is nearest to the position. If PositionExplainer or the ground fails, returns its
+	/// error. Throws std::bad_alloc.
+	Status explain(std::uint32_t layer, const glm::dvec3 &position, LayerExplanation &r_explanation) const;
 
 	/// Computes the density of a layer at world positions, 0 to 1. Replaces `r_densities`.
-	Status densities(std::uint32_t layer, std::span<const glm::dvec2> places, std::vector<float> &r_densities) const;
+	Status densities(std::uint32_t layer, std::span<const glm::dvec2> positions, std::vector<float> &r_densities) const;
 
 	/// Computes the slope of the ground at world positions, in degrees; NAN where there is no
 	/// ground. Replaces `r_slopes`.
-	Status slopes(std::span<const glm::dvec2> places, std::vector<float> &r_slopes) const;
+	Status slopes(std::span<const glm::dvec2> positions, std::vector<float> &r_slopes) const;
 
 	/// Finds the rank, 0 to 1, of the layer's point nearest to each world position. Replaces
 	/// `r_ranks`.
-	Status ranks(std::uint32_t layer, std::span<const glm::dvec2> places, std::vector<float> &r_ranks) const;
+	Status ranks(std::uint32_t layer, std::span<const glm::dvec2> positions, std::vector<float> &r_ranks) const;
 
 private:
 	RuleNames names_for(const LayerSnapshot &layer) const;
 	Status find_models(
-			const LayerSettings &layer, const glm::dvec3 &place, std::unique_ptr<const Surface> &r_models) const;
+			const LayerSettings &layer, const glm::dvec3 &position, std::unique_ptr<const Surface> &r_models) const;
 };
 
 } // namespace thicket

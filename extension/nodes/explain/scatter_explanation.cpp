@@ -23,12 +23,12 @@ Ref<ScatterExplanation> ScatterExplanation::of(
 	return result;
 }
 
-Vector3 ScatterExplanation::get_position() const { return to_engine(it_.place, frame_); }
+Vector3 ScatterExplanation::get_position() const { return to_engine(it_.position, frame_); }
 
 Vector3 ScatterExplanation::get_point_position() const {
 	const float height = it_.rules.at_point.ground.height;
 	const glm::dvec2 at = it_.rules.point.position;
-	return to_engine(glm::dvec3(at.x, std::isfinite(height) ? double{height} : it_.place.y, at.y), frame_);
+	return to_engine(glm::dvec3(at.x, std::isfinite(height) ? double{height} : it_.position.y, at.y), frame_);
 }
 
 bool ScatterExplanation::check_index(const char *p_method, int64_t p_index) const {
@@ -42,31 +42,33 @@ bool ScatterExplanation::check_index(const char *p_method, int64_t p_index) cons
 
 StringName ScatterExplanation::get_rule_name(int64_t p_index) const {
 	return check_index("get_rule_name", p_index)
-			? StringName(it_.sentences[static_cast<std::size_t>(p_index)].rule.c_str())
+			? StringName(it_.messages[static_cast<std::size_t>(p_index)].rule.c_str())
 			: StringName();
 }
 
 double ScatterExplanation::get_rule_value(int64_t p_index) const {
-	return check_index("get_rule_value", p_index) ? it_.rules.place.factors[static_cast<std::size_t>(p_index)].value
-												  : 0.0;
+	return check_index("get_rule_value", p_index)
+			? it_.rules.at_position.factors[static_cast<std::size_t>(p_index)].value
+			: 0.0;
 }
 
 double ScatterExplanation::get_rule_min(int64_t p_index) const {
-	return check_index("get_rule_min", p_index) ? it_.sentences[static_cast<std::size_t>(p_index)].min : 0.0;
+	return check_index("get_rule_min", p_index) ? it_.messages[static_cast<std::size_t>(p_index)].min : 0.0;
 }
 
 double ScatterExplanation::get_rule_max(int64_t p_index) const {
-	return check_index("get_rule_max", p_index) ? it_.sentences[static_cast<std::size_t>(p_index)].max : 0.0;
+	return check_index("get_rule_max", p_index) ? it_.messages[static_cast<std::size_t>(p_index)].max : 0.0;
 }
 
 double ScatterExplanation::get_rule_density(int64_t p_index) const {
-	return check_index("get_rule_density", p_index) ? it_.rules.place.factors[static_cast<std::size_t>(p_index)].density
-													: 0.0;
+	return check_index("get_rule_density", p_index)
+			? it_.rules.at_position.factors[static_cast<std::size_t>(p_index)].density
+			: 0.0;
 }
 
 String ScatterExplanation::get_rule_sentence(int64_t p_index) const {
 	return check_index("get_rule_sentence", p_index)
-			? String::utf8(it_.sentences[static_cast<std::size_t>(p_index)].sentence.c_str())
+			? String::utf8(it_.messages[static_cast<std::size_t>(p_index)].message.c_str())
 			: String();
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/explain/rule_sentences.hpp"
+#include "core/explain/rule_messages.hpp"
 #include "nodes/common/convert.hpp"
 #include "nodes/common/guard.hpp"
 #include "nodes/layer/scatter_layer.hpp"
@@ -24,15 +24,15 @@ namespace thicket {
 struct LayerExplanation {
 	std::uint32_t layer = 0;
 	std::string layer_name;
-	glm::dvec3 place{0.0}; ///< The explained position in world meters, on the ground if there is any.
+	glm::dvec3 position{0.0}; ///< The explained position in world meters, on the ground if there is any.
 
-	/// The result of the rules, if they were evaluated. `sentences` has one entry for each factor
+	/// The result of the rules, if they were evaluated. `messages` has one entry for each factor
 	/// at that position.
-	PlaceExplanation rules;
-	std::vector<RuleSentence> sentences;
-	RuleVerdict verdict; ///< The outcome of the rules and of everything else that may prevent an instance.
-	bool stands = false; ///< True if the point nearest to the position is an instance.
-	bool shown = false;  ///< True if that instance is drawn.
+	PositionExplanation rules;
+	std::vector<RuleMessage> messages;
+	RuleVerdict verdict;    ///< The outcome of the rules and of everything else that may prevent an instance.
+	bool is_placed = false; ///< True if the point nearest to the position is an instance.
+	bool is_drawn = false;  ///< True if that instance is drawn.
 };
 
 /// A LayerExplanation for scripts, as of the time of the call. If a rule index is out of range,
@@ -51,10 +51,10 @@ public:
 	godot::Vector3 get_position() const;
 	godot::String get_reason() const { return godot::String::utf8(it_.verdict.reason.c_str()); }
 	godot::StringName get_refused_by() const { return it_.verdict.rule.c_str(); }
-	double get_density() const { return it_.rules.place.density; }
+	double get_density() const { return it_.rules.at_position.density; }
 	bool is_allowed() const { return it_.rules.allowed(); }
-	bool is_standing() const { return it_.stands; }
-	bool is_shown() const { return it_.shown; }
+	bool is_standing() const { return it_.is_placed; }
+	bool is_shown() const { return it_.is_drawn; }
 
 	// These methods describe the point of the layer's set that is nearest to the position.
 	int64_t get_id() const { return static_cast<int64_t>(it_.rules.point.id); }
@@ -64,7 +64,7 @@ public:
 	double get_point_density() const { return it_.rules.at_point.density; }
 
 	// These methods describe the layer's rules at the position.
-	int64_t get_rule_count() const { return static_cast<int64_t>(it_.sentences.size()); }
+	int64_t get_rule_count() const { return static_cast<int64_t>(it_.messages.size()); }
 	godot::StringName get_rule_name(int64_t p_index) const;
 	double get_rule_value(int64_t p_index) const;
 	double get_rule_min(int64_t p_index) const;

@@ -17,7 +17,7 @@ namespace {
 
 /// The maximum number of earlier world frames to remember. Bodies still placed with one of them
 /// may be near the viewers.
-constexpr std::size_t most_frames = 8;
+constexpr std::size_t max_frames = 8;
 
 /// Two world frames are treated as equal here if they differ by at most this many meters at every
 /// viewer.
@@ -87,10 +87,10 @@ void CollisionRing::set_layers(std::vector<CollisionLayer> layers) {
 	}
 }
 
-void CollisionRing::look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world) {
+void CollisionRing::find_changes(std::span<const glm::dvec3> centers, const InstanceWorld &world) {
 	if (space_.is_valid()) {
 		++frame_;
-		queue_.look_around(centers, world);
+		queue_.find_changes(centers, world);
 	}
 }
 
@@ -115,10 +115,10 @@ bool CollisionRing::step() {
 bool CollisionRing::remove_some() {
 	int count = 0;
 	HeldRelease leaving;
-	for (; count < most_per_step && queue_.next_gone(leaving); ++count) {
+	for (; count < max_per_step && queue_.next_removed(leaving); ++count) {
 		leave(leaving);
 	}
-	for (; count < most_per_step && queue_.next_leaving(leaving); ++count) {
+	for (; count < max_per_step && queue_.next_leaving(leaving); ++count) {
 		leave(leaving);
 	}
 	return count > 0;
@@ -129,10 +129,10 @@ bool CollisionRing::remove_some() {
 bool CollisionRing::renew_some() {
 	int count = 0;
 	PlacedInstance instance;
-	for (; count < most_per_step && queue_.next_changed(instance); ++count) {
+	for (; count < max_per_step && queue_.next_changed(instance); ++count) {
 		create_body(instance);
 	}
-	for (; count < most_per_step && queue_.next_due(instance); ++count) {
+	for (; count < max_per_step && queue_.next_due(instance); ++count) {
 		renew(instance.layer, instance.id);
 	}
 	return count > 0 || move_some();
@@ -143,7 +143,7 @@ bool CollisionRing::renew_some() {
 /// every frame. Returns false at the end of a round.
 bool CollisionRing::move_some() {
 	int count = 0;
-	for (; count < most_per_step && next_to_move_ < placed_.size(); ++count, ++next_to_move_) {
+	for (; count < max_per_step && next_to_move_ < placed_.size(); ++count, ++next_to_move_) {
 		if (Body &body = *placed_[next_to_move_]; body.frame != world_frame_) {
 			place(body);
 		}
@@ -182,7 +182,7 @@ void CollisionRing::renew(std::uint32_t index, std::uint64_t id) {
 
 /// Creates the body of an instance and removes its previous body, if any.
 void CollisionRing::create_body(const PlacedInstance &instance) {
-	fall(instance.layer, instance.id);
+	remove_body(instance.layer, instance.id);
 	Layer &layer = layers_[instance.layer];
 	Body &body = layer.bodies[instance.id];
 	body.instance = instance;
@@ -220,7 +220,7 @@ void CollisionRing::forget(const Body &body) {
 	next_to_move_ = std::min(next_to_move_, placed_.size());
 }
 
-void CollisionRing::fall(std::uint32_t layer, std::uint64_t id) {
+void CollisionRing::remove_body(std::uint32_t layer, std::uint64_t id) {
 	auto &bodies = layers_[layer].bodies;
 	const auto found = bodies.find(id);
 	if (found == bodies.end()) {
@@ -245,22 +245,22 @@ void CollisionRing::leave(const HeldRelease &leaving) {
 	const auto &bodies = layers_[leaving.layer].bodies;
 	const auto found = bodies.find(leaving.id);
 	if (found != bodies.end() && found->second.instance.position == leaving.position) {
-		fall(leaving.layer, leaving.id);
+		remove_body(leaving.layer, leaving.id);
 	}
 }
 
 void CollisionRing::drop(std::uint64_t id) {
 	for (std::uint32_t layer = 0; layer < layers_.size(); ++layer) {
-		fall(layer, id);
+		remove_body(layer, id);
 	}
 	queue_.release(id);
 }
 
-void CollisionRing::drop_if(const std::function<bool(std::uint64_t id)> &gone) {
+void CollisionRing::drop_if(const std::function<bool(std::uint64_t id)> &is_gone) {
 	std::vector<std::uint64_t> dropped;
 	for (const Layer &layer : layers_) {
 		for (const auto &[id, body] : layer.bodies) {
-			if (gone(id)) {
+			if (is_gone(id)) {
 				dropped.push_back(id);
 			}
 		}
@@ -297,7 +297,7 @@ void CollisionRing::set_world_frame(const WorldFrame &frame) {
 	if (frames_before_.empty() || moves_by(same_frame_reach, frames_before_.back(), world_frame_, centers)) {
 		frames_before_.push_back(world_frame_);
 	}
-	if (frames_before_.size() > most_frames) {
+	if (frames_before_.size() > max_frames) {
 		frames_before_.erase(frames_before_.begin());
 	}
 	// After a jump, the bodies must move in order of distance.
@@ -357,14 +357,14 @@ RID CollisionRing::take_body() {
 bool CollisionRing::tidy_some() {
 	PhysicsServer3D *server = PhysicsServer3D::get_singleton();
 	int count = 0;
-	for (; count < most_per_step && still_in_space_ > 0; ++count, --still_in_space_) {
+	for (; count < max_per_step && still_in_space_ > 0; ++count, --still_in_space_) {
 		const Pooled &oldest = pool_[pool_.size() - still_in_space_];
 		if (oldest.fell_at == frame_) {
 			break;
 		}
 		server->body_set_space(oldest.rid, RID());
 	}
-	for (; count < most_per_step && pool_.size() > max_pooled + still_in_space_ && rested(pool_.front()); ++count) {
+	for (; count < max_per_step && pool_.size() > max_pooled + still_in_space_ && rested(pool_.front()); ++count) {
 		owners_.erase(pool_.front().rid.get_id());
 		server->free_rid(pool_.front().rid);
 		pool_.pop_front();
@@ -380,7 +380,7 @@ std::uint64_t CollisionRing::instance_of(const RID &body) const {
 void CollisionRing::clear() {
 	for (std::uint32_t layer = 0; layer < layers_.size(); ++layer) {
 		while (!layers_[layer].bodies.empty()) {
-			fall(layer, layers_[layer].bodies.begin()->first);
+			remove_body(layer, layers_[layer].bodies.begin()->first);
 		}
 		queue_.release_layer(layer);
 	}

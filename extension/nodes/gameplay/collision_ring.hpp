@@ -60,14 +60,14 @@ public:
 	/// Sets the layers by their indices. `step` updates the bodies.
 	void set_layers(std::vector<CollisionLayer> layers);
 
-	void look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world) override;
+	void find_changes(std::span<const glm::dvec3> centers, const InstanceWorld &world) override;
 	bool step() override;
 	bool settled() const override {
 		return !space_.is_valid() ||
 				(queue_.settled() && next_to_move_ == placed_.size() && round_frame_ == world_frame_);
 	}
 	void drop(std::uint64_t id) override;
-	void drop_if(const std::function<bool(std::uint64_t id)> &gone) override;
+	void drop_if(const std::function<bool(std::uint64_t id)> &is_gone) override;
 	void set_world_frame(const WorldFrame &frame) override;
 	void clear() override;
 
@@ -87,7 +87,7 @@ public:
 
 	/// The maximum number of bodies per step for each kind of work: removing, updating, moving and
 	/// tidying up. Such a step takes tens of microseconds.
-	static constexpr int most_per_step = 16;
+	static constexpr int max_per_step = 16;
 
 	/// The maximum number of bodies that `set_world_frame` moves immediately: those nearest to the
 	/// viewers, within `moved_reach` meters.
@@ -123,7 +123,7 @@ private:
 	};
 
 	void create_body(const PlacedInstance &instance);
-	void fall(std::uint32_t layer, std::uint64_t id);
+	void remove_body(std::uint32_t layer, std::uint64_t id);
 	void leave(const HeldRelease &leaving);
 	bool remove_some();
 	bool renew_some();

@@ -173,8 +173,8 @@ void CollisionShapes::give_back(const std::vector<Placed> &shapes) {
 }
 
 bool CollisionShapes::free_some() {
-	int looked = 0;
-	for (; looked < freed_at_once && idle_ > max_idle; ++looked) {
+	int freed = 0;
+	for (; freed < freed_at_once && idle_ > max_idle; ++freed) {
 		Shape *shape = idle_list_.front();
 		idle_list_.pop_front();
 		shape->listed = false;
@@ -184,7 +184,7 @@ bool CollisionShapes::free_some() {
 			--idle_;
 		}
 	}
-	return looked > 0;
+	return freed > 0;
 }
 
 void CollisionShapes::clear() {

@@ -36,20 +36,20 @@ std::span<const std::uint8_t> DiffTask::bytes() const { return span_of(bytes_); 
 
 void DiffTask::start(Object *p_owner) {
 	owner_ = p_owner;
-	auto held = std::make_unique<std::shared_ptr<DiffTask>>(shared_from_this());
+	auto task_reference = std::make_unique<std::shared_ptr<DiffTask>>(shared_from_this());
 	if (has_threads()) {
 		// Use a high priority, because low-priority tile tasks may keep their threads busy for a
 		// long time.
 		task_ = WorkerThreadPool::get_singleton()->add_native_task(
-				&DiffTask::run, held.release(), true, "Thicket diff");
+				&DiffTask::run, task_reference.release(), true, "Thicket diff");
 	} else {
-		run(held.release());
+		run(task_reference.release());
 	}
 }
 
 void DiffTask::run(void *p_task) {
-	const std::unique_ptr<std::shared_ptr<DiffTask>> held(static_cast<std::shared_ptr<DiffTask> *>(p_task));
-	DiffTask &task = **held;
+	const std::unique_ptr<std::shared_ptr<DiffTask>> task_reference(static_cast<std::shared_ptr<DiffTask> *>(p_task));
+	DiffTask &task = **task_reference;
 	task.work();
 	const std::lock_guard lock(task.mutex_);
 	if (task.owner_ != nullptr) {
@@ -125,15 +125,15 @@ void DeferredFree::forget(std::int64_t task) {
 	}
 }
 
-void DeferredFree::let_go(Unneeded unneeded) {
+void DeferredFree::free_on_worker(Unneeded unneeded) {
 	if (!has_threads()) {
 		return;
 	}
 	forget_those_that_ended();
 	tasks_.reserve(tasks_.size() + 1);
-	auto held = std::make_unique<Unneeded>(std::move(unneeded));
+	auto task_reference = std::make_unique<Unneeded>(std::move(unneeded));
 	tasks_.push_back(WorkerThreadPool::get_singleton()->add_native_task(
-			&free_unneeded, held.release(), false, "Thicket leavings"));
+			&free_unneeded, task_reference.release(), false, "Thicket leavings"));
 }
 
 } // namespace thicket

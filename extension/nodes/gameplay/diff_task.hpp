@@ -86,7 +86,7 @@ public:
 
 	/// Frees the objects once nothing else references them. Frees them immediately if the pool has
 	/// no threads.
-	void let_go(std::vector<std::shared_ptr<const void>> unneeded);
+	void free_on_worker(std::vector<std::shared_ptr<const void>> unneeded);
 
 	/// Releases a pool task once it has ended. Ignores -1.
 	void forget(std::int64_t task);

@@ -35,7 +35,8 @@ public:
 				result.get_type() != Variant::BOOL;
 		if (failed_) {
 			const std::string problem = method_ +
-					": predicate must take (id: int, layer: ScatterLayer, transform: Transform3D) and return a bool";
+					": predicate must take (id: int, layer: ScatterLayer, transform: Transform3D) and return a bool. "
+					"The call failed or returned another type, so no more instances match.";
 			ERR_PRINT(String(problem.c_str()));
 		}
 		return !failed_ && static_cast<bool>(result);
@@ -58,7 +59,7 @@ Transform3D to_engine(const PlacedInstance &instance, const WorldFrame &frame) {
 AddedInstance to_added(const Transform3D &p_transform, const WorldFrame &frame) {
 	AddedInstance added;
 	added.position = to_world(p_transform.origin, frame);
-	added.basis = glm::mat3(frame.turned(to_core(p_transform.basis)));
+	added.basis = glm::mat3(frame.rotated(to_core(p_transform.basis)));
 	return added;
 }
 

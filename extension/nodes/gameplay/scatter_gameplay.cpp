@@ -110,9 +110,9 @@ void ScatterGameplay::advance(double seconds, std::uint64_t frame) {
 	}
 }
 
-void ScatterGameplay::look_around(std::span<const glm::dvec3> centers) {
+void ScatterGameplay::find_changes(std::span<const glm::dvec3> centers) {
 	for (NearRing *ring : rings_) {
-		ring->look_around(centers, world_);
+		ring->find_changes(centers, world_);
 	}
 }
 

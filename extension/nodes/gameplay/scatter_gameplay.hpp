@@ -64,7 +64,7 @@ public:
 	virtual void redraw_all_later() = 0;
 
 	/// Frees a large object on another thread.
-	virtual void let_go(std::shared_ptr<const void> unneeded) = 0;
+	virtual void free_on_worker(std::shared_ptr<const void> unneeded) = 0;
 	virtual void set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden) = 0;
 
 	/// Schedules a call to ScatterGameplay::recycle_scenes before this frame is drawn and before
@@ -140,7 +140,7 @@ public:
 	void advance(double seconds, std::uint64_t frame);
 
 	/// Sets the positions (world meters) around which bodies and scenes are placed.
-	void look_around(std::span<const glm::dvec3> centers);
+	void find_changes(std::span<const glm::dvec3> centers);
 
 	/// Processes the requests and cancellations that other threads have made since the last frame.
 	/// Runs scripts.
@@ -161,7 +161,7 @@ public:
 	/// Returns true if all bodies and scenes are up to date and all signals are emitted.
 	bool settled() const { return collision_.settled() && scenes_.settled() && backlog_.empty(); }
 
-	/// Returns true if `look_around` with these positions would find nothing to do.
+	/// Returns true if `find_changes` with these positions would find nothing to do.
 	bool follows(std::span<const glm::dvec3> centers) const;
 
 	// The templates of script_queries.hpp call the following functions.
@@ -243,11 +243,11 @@ public:
 
 	/// The maximum number of instance changes that one call completes. After larger changes,
 	/// signals, drawing and scenes are spread over the next frames.
-	static constexpr std::size_t most_at_once = 1024;
+	static constexpr std::size_t max_per_call = 1024;
 
 	/// The maximum number of removed or moved instances whose bodies and scenes a call removes
 	/// before it returns. The rest are removed step by step.
-	static constexpr std::size_t most_dropped_at_once = 128;
+	static constexpr std::size_t max_dropped_at_once = 128;
 
 private:
 	/// A sphere in engine space, not world space.
@@ -266,7 +266,7 @@ private:
 	};
 
 	/// A request whose tiles are being generated.
-	struct Open {
+	struct OpenQuery {
 		const char *method = "";
 		godot::Callable predicate;
 		godot::Ref<ScatterRequest> request;
@@ -274,7 +274,7 @@ private:
 
 	/// A request whose tiles are ready, but whose predicate has not been applied yet.
 	struct Answered {
-		Open open;
+		OpenQuery open;
 		FoundInstances found;
 		SharedLayers layers; ///< The layer indices of the found instances refer to this list.
 	};
@@ -282,7 +282,7 @@ private:
 	/// Changes whose signals are emitted over several frames.
 	struct Unreported {
 		SharedChanges changes;
-		std::size_t told = 0;
+		std::size_t reported_count = 0;
 	};
 
 	/// The node's signals, one for each kind of change. The StringNames are stored, because
@@ -338,7 +338,7 @@ private:
 	std::mutex wanted_mutex_;
 	std::vector<Wanted> wanted_; ///< Requests from other threads. Guarded by `wanted_mutex_`.
 	QueryRequests requests_;
-	std::map<std::int64_t, Open> open_; ///< The open requests, keyed by their numbers in `requests_`.
+	std::map<std::int64_t, OpenQuery> open_; ///< The open requests, keyed by their numbers in `requests_`.
 	std::vector<Answered> answered_;
 
 	CollisionRing collision_;

@@ -94,7 +94,7 @@ void ScatterGameplay::set_state(const Ref<ScatterState> &p_state) {
 		state_->add_listener(shared_from_this());
 	}
 	for (const Unreported &unreported : backlog_) {
-		host_->let_go(unreported.changes);
+		host_->free_on_worker(unreported.changes);
 	}
 	backlog_.clear();
 	claim_layers();
@@ -102,7 +102,7 @@ void ScatterGameplay::set_state(const Ref<ScatterState> &p_state) {
 	world_.set_state(state);
 	host_->set_overlay(state);
 	const std::size_t changes = size_of(before) + size_of(state_);
-	if (running_ && changes > most_at_once) {
+	if (running_ && changes > max_per_call) {
 		host_->redraw_all_later(); // Bodies and scenes are also updated step by step.
 	} else if (running_ && changes > 0) {
 		for (NearRing *ring : rings_) {
@@ -197,9 +197,9 @@ bool ScatterGameplay::restore_in(const ScatterState *state, std::uint64_t id) {
 		return false;
 	}
 	const std::vector<PlacedInstance> found = find_by_id("restore_instance", script_id(id), true);
-	const Ref<ScatterState> held = state_;
+	const Ref<ScatterState> keep_alive = state_;
 	const ScopedValue changing(changing_, std::span(found));
-	return held.is_valid() && held.ptr() == state && held->restore_by_id(id);
+	return keep_alive.is_valid() && keep_alive.ptr() == state && keep_alive->restore_by_id(id);
 }
 
 int64_t ScatterGameplay::set_instance_transform(int64_t p_id, const Transform3D &p_transform) {
@@ -258,7 +258,7 @@ void ScatterGameplay::state_changed(const SharedChanges &changes) {
 	if (!running_) {
 		return;
 	}
-	if (changes->size() > most_at_once) {
+	if (changes->size() > max_per_call) {
 		redraw_later(*changes); // Bodies and scenes are also updated step by step.
 		return;
 	}
@@ -268,7 +268,7 @@ void ScatterGameplay::state_changed(const SharedChanges &changes) {
 		if (index >= 0 && change.kind != InstanceChangeKind::data) {
 			const auto layer = static_cast<std::uint32_t>(index);
 			host_->redraw(layer, area_of(change.id, change.added.position, layer));
-			if (++dropped > most_dropped_at_once) {
+			if (++dropped > max_dropped_at_once) {
 				return; // The remaining bodies and scenes are removed step by step, nearest first.
 			}
 			for (NearRing *ring : rings_) {
@@ -280,7 +280,7 @@ void ScatterGameplay::state_changed(const SharedChanges &changes) {
 
 /// Redraws all tiles that may contain the changes, over the next frames.
 void ScatterGameplay::redraw_later(const StateChanges &changes) {
-	if (changes.size() > most_at_once * 16) {
+	if (changes.size() > max_per_call * 16) {
 		// Finding the areas of this many changes takes longer than checking all tiles.
 		host_->redraw_all_later();
 		return;
@@ -301,7 +301,7 @@ void ScatterGameplay::redraw_later(const StateChanges &changes) {
 }
 
 void ScatterGameplay::notify_changes(const SharedChanges &changes) {
-	if (running_ && changes->size() > most_at_once) {
+	if (running_ && changes->size() > max_per_call) {
 		backlog_.push_back({changes, 0});
 		return;
 	}
@@ -332,9 +332,9 @@ bool ScatterGameplay::still_true(const InstanceChange &change) const {
 void ScatterGameplay::emit_backlog(std::chrono::steady_clock::time_point deadline) {
 	for (std::size_t reported = 1; alive() && running_ && !backlog_.empty(); ++reported) {
 		const SharedChanges changes = backlog_.front().changes;
-		const InstanceChange *change = changes->at(backlog_.front().told++);
-		if (backlog_.front().told == changes->size()) {
-			host_->let_go(backlog_.front().changes);
+		const InstanceChange *change = changes->at(backlog_.front().reported_count++);
+		if (backlog_.front().reported_count == changes->size()) {
+			host_->free_on_worker(backlog_.front().changes);
 			backlog_.pop_front();
 		}
 		if (change != nullptr && still_true(*change)) {

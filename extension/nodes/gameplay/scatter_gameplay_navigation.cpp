@@ -153,7 +153,7 @@ void ScatterGameplay::add_obstructions(
 	Obstruction obstruction;
 	const auto obstructs_bake = [&](glm::dvec3 position, const glm::mat3 &basis) {
 		const glm::dvec3 foot = bake.basis * frame.to_engine(position) + bake.origin;
-		return obstruct(bake.basis * glm::dmat3(frame.turned_back(basis)), foot, shape, bake.agent, obstruction) &&
+		return obstruct(bake.basis * glm::dmat3(frame.rotated_back(basis)), foot, shape, bake.agent, obstruction) &&
 				meets(bake, obstruction);
 	};
 	for (const PlacedInstance &instance : found) {

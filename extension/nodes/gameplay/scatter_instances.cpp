@@ -88,16 +88,17 @@ void ScatterInstances::list_layers() const {
 		// The instances never change, so the array stays valid.
 		return;
 	}
-	std::map<std::uint32_t, std::int32_t> places; // Keyed by the index in the node's list.
+	std::map<std::uint32_t, std::int32_t> list_indices; // Keyed by the index in the node's list.
 	std::vector<Ref<ScatterLayer>> layers;
 	PackedInt32Array indices;
 	const auto out = resize(indices, size());
 	for (std::size_t i = 0; i < found_.size(); ++i) {
-		const auto [place, added] = places.try_emplace(found_.layer(i), static_cast<std::int32_t>(places.size()));
+		const auto [entry, added] =
+				list_indices.try_emplace(found_.layer(i), static_cast<std::int32_t>(list_indices.size()));
 		if (added) {
-			layers.push_back(listed_->at(place->first));
+			layers.push_back(listed_->at(entry->first));
 		}
-		out[i] = place->second;
+		out[i] = entry->second;
 	}
 	layers_ = std::move(layers);
 	layer_indices_ = indices;
@@ -139,7 +140,7 @@ PackedFloat32Array ScatterInstances::get_transforms() const {
 	for (std::size_t i = 0; i < found_.size(); ++i) {
 		const PlacedInstance instance = found_[i];
 		const glm::vec3 position(frame_.to_engine(instance.position));
-		const glm::mat3 basis = frame_.turned_back(instance.basis);
+		const glm::mat3 basis = frame_.rotated_back(instance.basis);
 		for (int row = 0; row < 3; ++row) {
 			for (int column = 0; column < 3; ++column) {
 				*floats++ = basis[column][row];

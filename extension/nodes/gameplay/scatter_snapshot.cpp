@@ -33,8 +33,8 @@ SharedLayers ScatterSnapshot::prepare(const char *p_method) const {
 
 bool ScatterSnapshot::answer(const char *p_method, const AskedQuery &query) const {
 	// Hold the snapshot, because a predicate may release this object.
-	const std::shared_ptr<const InstanceSnapshot> held = snapshot_;
-	const Status status = held->answer(query);
+	const std::shared_ptr<const InstanceSnapshot> current = snapshot_;
+	const Status status = current->answer(query);
 	report(name_of(p_method).c_str(), status);
 	return status.ok();
 }

@@ -31,8 +31,8 @@ bool encode(const Variant &p_value, PackedByteArray &r_bytes) {
 	if (p_value.get_type() == Variant::OBJECT) {
 		return false;
 	}
-	for (int64_t room = 256; room <= far_too_large; room *= 16) {
-		resize(r_bytes, room);
+	for (int64_t capacity = 256; capacity <= far_too_large; capacity *= 16) {
+		resize(r_bytes, capacity);
 		const int64_t size = r_bytes.encode_var(0, p_value, false);
 		if (size >= 0) {
 			r_bytes = resized_copy(r_bytes, size);
@@ -45,7 +45,8 @@ bool encode(const Variant &p_value, PackedByteArray &r_bytes) {
 } // namespace
 
 bool ScatterState::remove(int64_t p_id, double p_until) {
-	if (p_until != regrowth_of_layer && told("remove", check_range("until", p_until, 0.0, max_state_time)) != OK) {
+	if (p_until != regrowth_of_layer &&
+			report_outcome("remove", check_range("until", p_until, 0.0, max_state_time)) != OK) {
 		return false;
 	}
 	const std::uint64_t id = core_id(p_id);
@@ -68,7 +69,7 @@ std::vector<std::uint64_t> ScatterState::remove_all(std::span<const Removal> rem
 			change.added = *added;
 		}
 		const StateChange removed = state_.remove(id, until);
-		if (told("remove", removed.status) != OK) {
+		if (report_outcome("remove", removed.status) != OK) {
 			break; // The other removals would fail as well.
 		}
 		if (removed) {
@@ -89,7 +90,7 @@ bool ScatterState::restore(int64_t p_id) {
 bool ScatterState::restore_by_id(std::uint64_t id) {
 	const InstanceChange change{id, InstanceChangeKind::restored, {}};
 	const StateChange restored = state_.restore(id);
-	told("restore", restored.status);
+	report_outcome("restore", restored.status);
 	if (restored) {
 		notify({change});
 	}
@@ -136,7 +137,7 @@ bool ScatterState::set_data_by_id(std::uint64_t id, const Variant &p_data) {
 	} else if (encode(p_data, bytes)) {
 		status = state_.set_data(id, span_of(bytes));
 	}
-	if (told("set_instance_data", status) != OK) {
+	if (report_outcome("set_instance_data", status) != OK) {
 		return false;
 	}
 	if (state_.revision() == revision) {
@@ -240,14 +241,14 @@ int64_t ScatterState::get_added_count() const { return static_cast<int64_t>(stat
 
 PackedByteArray ScatterState::to_bytes() const {
 	std::vector<std::uint8_t> bytes;
-	told("to_bytes", state_.save(bytes));
+	report_outcome("to_bytes", state_.save(bytes));
 	return packed_bytes(bytes);
 }
 
 Error ScatterState::from_bytes(const PackedByteArray &p_bytes) {
 	wait_for_diffs();
 	std::vector<InstanceChange> changes;
-	const Error error = told("from_bytes", state_.load(span_of(p_bytes), changes));
+	const Error error = report_outcome("from_bytes", state_.load(span_of(p_bytes), changes));
 	notify(std::move(changes));
 	return error;
 }
@@ -255,7 +256,7 @@ Error ScatterState::from_bytes(const PackedByteArray &p_bytes) {
 PackedByteArray ScatterState::diff_since(int64_t p_revision, bool p_ordered) const {
 	std::vector<std::uint8_t> bytes;
 	const auto revision = static_cast<std::uint64_t>(std::max<int64_t>(p_revision, 0));
-	told("diff_since", state_.diff_since(revision, bytes, p_ordered));
+	report_outcome("diff_since", state_.diff_since(revision, bytes, p_ordered));
 	return packed_bytes(bytes);
 }
 
@@ -265,25 +266,25 @@ PackedByteArray ScatterState::diff_of(const PackedInt64Array &p_ids) const {
 		ids.push_back(core_id(p_ids[index]));
 	}
 	std::vector<std::uint8_t> bytes;
-	told("diff_of", state_.diff_of(ids, bytes));
+	report_outcome("diff_of", state_.diff_of(ids, bytes));
 	return packed_bytes(bytes);
 }
 
 Error ScatterState::apply_diff(const PackedByteArray &p_diff) {
 	wait_for_diffs();
 	std::vector<InstanceChange> changes;
-	const Error error = told("apply_diff", state_.apply(span_of(p_diff), changes, limits()));
+	const Error error = report_outcome("apply_diff", state_.apply(span_of(p_diff), changes, limits()));
 	notify(std::move(changes));
 	return error;
 }
 
 Error ScatterState::merge(const Ref<ScatterState> &p_other) {
 	if (p_other.is_null()) {
-		return told("merge", Status::missing("other", "Pass a ScatterState"));
+		return report_outcome("merge", Status::missing("other", "Pass a ScatterState"));
 	}
 	wait_for_diffs();
 	std::vector<InstanceChange> changes;
-	const Error error = told("merge", state_.merge(p_other->state_, changes));
+	const Error error = report_outcome("merge", state_.merge(p_other->state_, changes));
 	notify(std::move(changes));
 	return error;
 }
@@ -291,7 +292,7 @@ Error ScatterState::merge(const Ref<ScatterState> &p_other) {
 void ScatterState::clear() {
 	wait_for_diffs();
 	std::vector<InstanceChange> changes;
-	told("clear", state_.clear(changes));
+	report_outcome("clear", state_.clear(changes));
 	notify(std::move(changes));
 }
 
@@ -303,7 +304,7 @@ double ScatterState::get_time() const { return state_.time(); }
 
 void ScatterState::advance(double p_seconds) {
 	std::vector<InstanceChange> changes;
-	told("advance", state_.advance(p_seconds, changes));
+	report_outcome("advance", state_.advance(p_seconds, changes));
 	notify(std::move(changes));
 }
 

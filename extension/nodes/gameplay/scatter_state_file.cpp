@@ -18,7 +18,7 @@ namespace thicket {
 
 Error ScatterState::save_to_file(const String &p_path) const {
 	std::vector<std::uint8_t> bytes;
-	const Error error = told("save_to_file", state_.save(bytes));
+	const Error error = report_outcome("save_to_file", state_.save(bytes));
 	return error == OK ? replace_file("ScatterState.save_to_file", p_path, packed_bytes(bytes)) : error;
 }
 

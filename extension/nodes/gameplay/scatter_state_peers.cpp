@@ -38,9 +38,9 @@ Variant number(std::uint64_t value) { return static_cast<int64_t>(value); }
 Dictionary dictionary_of(const DiffSummary::Layer &layer) {
 	Dictionary result;
 	result["removed"] = number(layer.removed);
-	result["restored"] = number(layer.standing);
+	result["restored"] = number(layer.present);
 	result["added"] = number(layer.added);
-	result["taken_away"] = number(layer.gone);
+	result["taken_away"] = number(layer.removed_placed);
 	result["with_data"] = number(layer.with_data);
 	result["data_bytes"] = number(layer.data_bytes);
 	if (layer.has_bounds) {
@@ -59,7 +59,7 @@ ScatterState::ScatterState() { state_.set_origin(new_origin()); }
 Error ScatterState::merge_diff(const PackedByteArray &p_diff) {
 	wait_for_diffs();
 	std::vector<InstanceChange> changes;
-	const Error error = told("merge_diff", state_.merge_diff(span_of(p_diff), changes, limits()));
+	const Error error = report_outcome("merge_diff", state_.merge_diff(span_of(p_diff), changes, limits()));
 	notify(std::move(changes));
 	return error;
 }
@@ -98,7 +98,7 @@ int64_t ScatterState::get_known_revision(int64_t p_origin) const {
 int64_t ScatterState::get_missing_since(const PackedByteArray &p_diff) const {
 	bool missing = false;
 	std::uint64_t since = 0;
-	const Error error = told("get_missing_since", state_.missing_before(span_of(p_diff), missing, since));
+	const Error error = report_outcome("get_missing_since", state_.missing_before(span_of(p_diff), missing, since));
 	return error == OK && missing ? static_cast<int64_t>(since) : -1;
 }
 

@@ -37,8 +37,8 @@ ScatterState::~ScatterState() {
 std::vector<std::shared_ptr<StateListener>> ScatterState::listeners() const {
 	std::vector<std::shared_ptr<StateListener>> result;
 	for (const std::weak_ptr<StateListener> &listener : listeners_) {
-		if (std::shared_ptr<StateListener> held = listener.lock()) {
-			result.push_back(std::move(held));
+		if (std::shared_ptr<StateListener> locked = listener.lock()) {
+			result.push_back(std::move(locked));
 		}
 	}
 	return result;
@@ -57,8 +57,8 @@ void ScatterState::follow(Unreported unreported) {
 	if (unreported.changes != nullptr) {
 		// state_changed() runs no scripts, so the list cannot change during the loop.
 		for (const std::weak_ptr<StateListener> &listener : listeners_) {
-			if (const std::shared_ptr<StateListener> held = listener.lock()) {
-				held->state_changed(unreported.changes);
+			if (const std::shared_ptr<StateListener> locked = listener.lock()) {
+				locked->state_changed(unreported.changes);
 			}
 		}
 	}
@@ -77,7 +77,7 @@ void ScatterState::notify_scripts() {
 		report_now(next);
 		if (next.diff != nullptr || next.changes->size() > many_changes) {
 			// Free them on a thread, to avoid a hitch.
-			deferred_free_.let_go({std::move(next.changes), std::move(next.diff)});
+			deferred_free_.free_on_worker({std::move(next.changes), std::move(next.diff)});
 		}
 	}
 	notifying_ = false;
@@ -116,8 +116,8 @@ void ScatterState::add_listener(const std::shared_ptr<StateListener> &listener) 
 void ScatterState::remove_listener(const StateListener *listener) {
 	const bool any = !listeners_.empty();
 	std::erase_if(listeners_, [listener](const std::weak_ptr<StateListener> &other) {
-		const std::shared_ptr<StateListener> held = other.lock();
-		return held == nullptr || held.get() == listener;
+		const std::shared_ptr<StateListener> locked = other.lock();
+		return locked == nullptr || locked.get() == listener;
 	});
 	if (any && listeners_.empty()) {
 		state_.release_claims();
@@ -151,7 +151,7 @@ void ScatterState::finish_first_diff() {
 	deferred_free_.forget(first->take_task());
 	const auto changes = std::make_shared<StateChanges>();
 	const Status status = first->diff != nullptr ? state_.finish_pending_diff(*changes) : first->refused;
-	const Error error = told("apply_diff_async", status);
+	const Error error = report_outcome("apply_diff_async", status);
 	follow({changes->size() > 0 ? changes : nullptr, first, error});
 }
 

@@ -49,10 +49,10 @@ void SceneRing::update_distances() {
 	queue_.set_distances(distances);
 }
 
-void SceneRing::look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world) {
+void SceneRing::find_changes(std::span<const glm::dvec3> centers, const InstanceWorld &world) {
 	pool_->free_some();
 	if (!centers.empty()) {
-		queue_.look_around(centers, world);
+		queue_.find_changes(centers, world);
 	}
 }
 
@@ -62,7 +62,7 @@ bool SceneRing::step() {
 		return true;
 	}
 	// Remove scenes first, because added ones can reuse them.
-	if (leave_outdated() || leave_gone()) {
+	if (leave_outdated() || leave_removed()) {
 		return true;
 	}
 	PlacedInstance instance;
@@ -87,8 +87,8 @@ bool SceneRing::step() {
 bool SceneRing::leave_outdated() {
 	for (PlacedInstance instance; queue_.next_due(instance);) {
 		const Key key{instance.id, instance.layer};
-		const auto found = shown_.find(key);
-		if (found != shown_.end() && !(found->second.scene == layers_[key.layer].is.scene)) {
+		const auto found = displayed_.find(key);
+		if (found != displayed_.end() && !(found->second.scene == layers_[key.layer].is.scene)) {
 			queue_.release(key.layer, key.id);
 			return leave(key);
 		}
@@ -96,8 +96,8 @@ bool SceneRing::leave_outdated() {
 	return false;
 }
 
-bool SceneRing::leave_gone() {
-	for (HeldRelease leaving; queue_.next_gone(leaving);) {
+bool SceneRing::leave_removed() {
+	for (HeldRelease leaving; queue_.next_removed(leaving);) {
 		if (leave(leaving)) {
 			return true;
 		}
@@ -108,14 +108,14 @@ bool SceneRing::leave_gone() {
 /// Removes the scene of an instance, unless the queue has since found the instance in another cell.
 /// The instance then keeps its scene at the new position.
 bool SceneRing::leave(const HeldRelease &leaving) {
-	const auto found = shown_.find({leaving.id, leaving.layer});
-	return found != shown_.end() && found->second.instance.position == leaving.position &&
+	const auto found = displayed_.find({leaving.id, leaving.layer});
+	return found != displayed_.end() && found->second.instance.position == leaving.position &&
 			leave(Key{leaving.id, leaving.layer});
 }
 
 /// Removes the scene of an instance. Returns false if it has none. Runs scripts.
 bool SceneRing::leave(const Key &key) {
-	auto left = shown_.extract(key);
+	auto left = displayed_.extract(key);
 	if (!left) {
 		return false;
 	}
@@ -128,7 +128,7 @@ bool SceneRing::leave(const Key &key) {
 /// Adds the scene of an instance. Runs scripts, which may free the node, drop the instance or
 /// change the layers.
 void SceneRing::enter(const PlacedInstance &instance) {
-	if (shown_.contains({instance.id, instance.layer})) {
+	if (displayed_.contains({instance.id, instance.layer})) {
 		move(instance);
 		return;
 	}

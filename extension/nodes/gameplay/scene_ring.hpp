@@ -78,11 +78,11 @@ public:
 
 	/// Sets the positions around which scenes replace meshes. If there are no centers, all scenes
 	/// stay, because a camera may be missing for a single frame.
-	void look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world) override;
+	void find_changes(std::span<const glm::dvec3> centers, const InstanceWorld &world) override;
 	bool step() override;
 	bool settled() const override { return leaving_.empty() && queue_.settled(); }
 	void drop(std::uint64_t id) override;
-	void drop_if(const std::function<bool(std::uint64_t id)> &gone) override;
+	void drop_if(const std::function<bool(std::uint64_t id)> &is_gone) override;
 	void set_world_frame(const WorldFrame &frame) override;
 	void clear() override;
 
@@ -103,7 +103,7 @@ public:
 	/// mesh is drawn again unless the instance is removed.
 	godot::Node3D *take(std::uint64_t id);
 
-	std::size_t shown_count() const { return shown_.size(); }
+	std::size_t displayed_count() const { return displayed_.size(); }
 	std::size_t idle_count() const { return pool_->idle_count(); }
 
 private:
@@ -116,7 +116,7 @@ private:
 		friend auto operator<=>(const Key &, const Key &) = default;
 	};
 
-	struct Shown {
+	struct DisplayedScene {
 		PlacedInstance instance;
 		godot::Ref<godot::PackedScene> scene;
 		NodeHandle node;
@@ -134,26 +134,26 @@ private:
 	void move(const PlacedInstance &instance);
 	bool leave(const Key &key);
 	bool leave(const HeldRelease &leaving);
-	bool leave_gone();
+	bool leave_removed();
 	bool leave_outdated();
 	void enter(const PlacedInstance &instance);
 
-	bool ours(const Shown &shown) const;
+	bool is_own_scene(const DisplayedScene &displayed) const;
 	godot::Transform3D transform_of(const PlacedInstance &instance) const;
-	void move_node(const Shown &shown) const;
+	void move_node(const DisplayedScene &displayed) const;
 	void refuse(Layer &layer);
 	void show(const PlacedInstance &instance, const godot::Ref<godot::PackedScene> &scene, godot::Node3D *node);
 	void put_last_back();
-	void notify(SceneEvent event, const Shown &shown);
+	void notify(SceneEvent event, const DisplayedScene &displayed);
 	void take_out(godot::Node3D *node);
 
 	SceneHost host_;
 	std::shared_ptr<const char> life_ = std::make_shared<const char>('\0');
 	std::shared_ptr<ScenePool> pool_ = std::make_shared<ScenePool>();
 	std::vector<Layer> layers_;
-	std::map<Key, Shown> shown_;
+	std::map<Key, DisplayedScene> displayed_;
 	/// The scenes of dropped instances, which are still in the tree, so that callers can take them.
-	std::vector<Shown> leaving_;
+	std::vector<DisplayedScene> leaving_;
 	std::uint64_t epoch_ = 0; ///< Incremented by `clear`.
 	WorldFrame frame_;
 	bool recycle_due_ = false;

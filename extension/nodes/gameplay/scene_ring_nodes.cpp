@@ -14,8 +14,8 @@ using namespace godot;
 
 namespace thicket {
 
-bool SceneRing::ours(const Shown &shown) const {
-	const Node3D *node = shown.node.get();
+bool SceneRing::is_own_scene(const DisplayedScene &displayed) const {
+	const Node3D *node = displayed.node.get();
 	return node != nullptr && node->get_parent() == host_.parent;
 }
 
@@ -23,9 +23,9 @@ Transform3D SceneRing::transform_of(const PlacedInstance &instance) const {
 	return to_engine(instance.basis, instance.position, frame_);
 }
 
-void SceneRing::move_node(const Shown &shown) const {
-	if (Node3D *node = shown.node.get(); node != nullptr && node->is_inside_tree()) {
-		node->set_global_transform(transform_of(shown.instance));
+void SceneRing::move_node(const DisplayedScene &displayed) const {
+	if (Node3D *node = displayed.node.get(); node != nullptr && node->is_inside_tree()) {
+		node->set_global_transform(transform_of(displayed.instance));
 		node->reset_physics_interpolation();
 	}
 }
@@ -40,8 +40,8 @@ void SceneRing::refuse(Layer &layer) {
 }
 
 void SceneRing::show(const PlacedInstance &instance, const Ref<PackedScene> &scene, Node3D *node) {
-	const Shown shown{instance, scene, NodeHandle(node), node->is_set_as_top_level()};
-	shown_.insert_or_assign({instance.id, instance.layer}, shown);
+	const DisplayedScene displayed{instance, scene, NodeHandle(node), node->is_set_as_top_level()};
+	displayed_.insert_or_assign({instance.id, instance.layer}, displayed);
 	host_.hide_mesh(instance, true);
 	// Instances are in world space, independent of their TerrainScatter3D's transform.
 	node->set_as_top_level(true);
@@ -54,48 +54,48 @@ void SceneRing::show(const PlacedInstance &instance, const Ref<PackedScene> &sce
 		return;
 	}
 	moving_child_ = false;
-	if (child_changes_ != 1 || !ours(shown)) {
+	if (child_changes_ != 1 || !is_own_scene(displayed)) {
 		children_changed(); // A script has also changed children.
 	}
-	const auto found = shown_.find({instance.id, instance.layer});
-	if (found != shown_.end() && ours(shown)) {
+	const auto found = displayed_.find({instance.id, instance.layer});
+	if (found != displayed_.end() && is_own_scene(displayed)) {
 		// Adding the node to the tree has moved it, if the transform of its parent is not the
 		// identity.
-		move_node(shown);
+		move_node(displayed);
 	}
-	if (ours(shown)) {
-		notify(SceneEvent::shown, shown);
+	if (is_own_scene(displayed)) {
+		notify(SceneEvent::shown, displayed);
 	}
 }
 
 void SceneRing::move(const PlacedInstance &instance) {
-	const auto found = shown_.find({instance.id, instance.layer});
-	if (found == shown_.end()) {
+	const auto found = displayed_.find({instance.id, instance.layer});
+	if (found == displayed_.end()) {
 		return;
 	}
-	Shown &shown = found->second;
-	host_.hide_mesh(shown.instance, false);
-	shown.instance = instance;
-	host_.hide_mesh(shown.instance, true);
-	move_node(shown);
+	DisplayedScene &displayed = found->second;
+	host_.hide_mesh(displayed.instance, false);
+	displayed.instance = instance;
+	host_.hide_mesh(displayed.instance, true);
+	move_node(displayed);
 }
 
-void SceneRing::notify(SceneEvent event, const Shown &shown) {
+void SceneRing::notify(SceneEvent event, const DisplayedScene &displayed) {
 	const std::weak_ptr<const void> alive = life_;
 	const auto listener = host_.notify; // Use a copy, because the call may free the ring.
-	const auto id = static_cast<int64_t>(shown.instance.id);
-	Node3D *node = shown.node.get();
+	const auto id = static_cast<int64_t>(displayed.instance.id);
+	Node3D *node = displayed.node.get();
 	if (event == SceneEvent::hidden && node != nullptr && node->has_method("_scatter_hidden")) {
 		node->call("_scatter_hidden");
 	} else if (event == SceneEvent::shown && node != nullptr && node->has_method("_scatter_shown")) {
-		const Variant data = host_.data_of(shown.instance.id);
-		node->call("_scatter_shown", id, host_.layer_at(shown.instance.layer), data);
+		const Variant data = host_.data_of(displayed.instance.id);
+		node->call("_scatter_shown", id, host_.layer_at(displayed.instance.layer), data);
 	}
 	if (alive.expired()) {
 		return;
 	}
-	if (node = shown.node.get(); node != nullptr) {
-		listener(event, shown.instance.id, node);
+	if (node = displayed.node.get(); node != nullptr) {
+		listener(event, displayed.instance.id, node);
 	}
 }
 
@@ -121,37 +121,37 @@ void SceneRing::take_out(Node3D *node) {
 /// unless a script has taken it. Runs scripts.
 void SceneRing::put_last_back() {
 	const std::weak_ptr<const void> alive = life_;
-	const Shown shown = leaving_.back();
-	if (ours(shown)) {
-		notify(SceneEvent::hidden, shown);
+	const DisplayedScene displayed = leaving_.back();
+	if (is_own_scene(displayed)) {
+		notify(SceneEvent::hidden, displayed);
 	}
 	if (alive.expired()) {
 		return;
 	}
-	const Node3D *node = shown.node.get();
+	const Node3D *node = displayed.node.get();
 	const auto found = std::find_if(leaving_.begin(), leaving_.end(),
-			[node](const Shown &other) { return node != nullptr && other.node.get() == node; });
+			[node](const DisplayedScene &other) { return node != nullptr && other.node.get() == node; });
 	if (found == leaving_.end()) {
-		std::erase_if(leaving_, [](const Shown &other) { return other.node.get() == nullptr; });
+		std::erase_if(leaving_, [](const DisplayedScene &other) { return other.node.get() == nullptr; });
 		return;
 	}
 	leaving_.erase(found);
-	if (!ours(shown)) {
+	if (!is_own_scene(displayed)) {
 		return;
 	}
-	take_out(shown.node.get());
-	Node3D *left = shown.node.get();
+	take_out(displayed.node.get());
+	Node3D *left = displayed.node.get();
 	if (alive.expired() || left == nullptr) {
 		return;
 	}
-	left->set_as_top_level(shown.top_level);
-	const bool wanted =
-			std::ranges::any_of(layers_, [&shown](const Layer &layer) { return layer.is.scene == shown.scene; });
+	left->set_as_top_level(displayed.top_level);
+	const bool wanted = std::ranges::any_of(
+			layers_, [&displayed](const Layer &layer) { return layer.is.scene == displayed.scene; });
 	if (left->get_parent() == host_.parent) {
 		// The tree was busy, so the node is still in it and cannot be reused.
-		ScenePool::dispose(shown.node);
+		ScenePool::dispose(displayed.node);
 	} else if (wanted) {
-		pool_->give(shown.scene, left);
+		pool_->give(displayed.scene, left);
 	} else {
 		pool_->discard(left);
 	}
@@ -167,21 +167,21 @@ void SceneRing::recycle() {
 
 void SceneRing::drop(std::uint64_t id) {
 	queue_.release(id);
-	auto found = shown_.lower_bound({id, 0});
-	while (found != shown_.end() && found->first.id == id) {
+	auto found = displayed_.lower_bound({id, 0});
+	while (found != displayed_.end() && found->first.id == id) {
 		host_.hide_mesh(found->second.instance, false);
 		leaving_.push_back(std::move(found->second));
-		found = shown_.erase(found);
+		found = displayed_.erase(found);
 		if (!std::exchange(recycle_due_, true)) {
 			host_.recycle_later();
 		}
 	}
 }
 
-void SceneRing::drop_if(const std::function<bool(std::uint64_t id)> &gone) {
+void SceneRing::drop_if(const std::function<bool(std::uint64_t id)> &is_gone) {
 	std::vector<std::uint64_t> dropped;
-	for (const auto &[key, shown] : shown_) {
-		if (gone(key.id)) {
+	for (const auto &[key, displayed] : displayed_) {
+		if (is_gone(key.id)) {
 			dropped.push_back(key.id);
 		}
 	}
@@ -195,33 +195,33 @@ void SceneRing::children_changed() {
 		++child_changes_;
 		return;
 	}
-	std::erase_if(shown_, [this](const auto &entry) {
-		const Shown &shown = entry.second;
-		if (ours(shown)) {
+	std::erase_if(displayed_, [this](const auto &entry) {
+		const DisplayedScene &displayed = entry.second;
+		if (is_own_scene(displayed)) {
 			return false;
 		}
-		if (Node3D *node = shown.node.get()) {
-			node->set_as_top_level(shown.top_level);
+		if (Node3D *node = displayed.node.get()) {
+			node->set_as_top_level(displayed.top_level);
 		}
-		host_.hide_mesh(shown.instance, false);
+		host_.hide_mesh(displayed.instance, false);
 		return true;
 	});
-	std::erase_if(leaving_, [this](const Shown &shown) { return !ours(shown); });
+	std::erase_if(leaving_, [this](const DisplayedScene &displayed) { return !is_own_scene(displayed); });
 }
 
 Node3D *SceneRing::find(std::uint64_t id) const {
-	const auto found = shown_.lower_bound({id, 0});
-	return found != shown_.end() && found->first.id == id ? found->second.node.get() : nullptr;
+	const auto found = displayed_.lower_bound({id, 0});
+	return found != displayed_.end() && found->first.id == id ? found->second.node.get() : nullptr;
 }
 
 Node3D *SceneRing::take(std::uint64_t id) {
-	Shown taken;
-	const auto found = shown_.lower_bound({id, 0});
-	const auto left = std::find_if(
-			leaving_.begin(), leaving_.end(), [id](const Shown &shown) { return shown.instance.id == id; });
-	if (found != shown_.end() && found->first.id == id) {
+	DisplayedScene taken;
+	const auto found = displayed_.lower_bound({id, 0});
+	const auto left = std::find_if(leaving_.begin(), leaving_.end(),
+			[id](const DisplayedScene &displayed) { return displayed.instance.id == id; });
+	if (found != displayed_.end() && found->first.id == id) {
 		taken = std::move(found->second);
-		shown_.erase(found);
+		displayed_.erase(found);
 		host_.hide_mesh(taken.instance, false);
 	} else if (left != leaving_.end()) {
 		taken = std::move(*left);
@@ -236,11 +236,11 @@ Node3D *SceneRing::take(std::uint64_t id) {
 
 void SceneRing::set_world_frame(const WorldFrame &frame) {
 	frame_ = frame;
-	for (const auto &[key, shown] : shown_) {
-		move_node(shown);
+	for (const auto &[key, displayed] : displayed_) {
+		move_node(displayed);
 	}
-	for (const Shown &shown : leaving_) {
-		move_node(shown);
+	for (const DisplayedScene &displayed : leaving_) {
+		move_node(displayed);
 	}
 }
 
@@ -250,17 +250,17 @@ void SceneRing::clear() {
 	for (std::uint32_t layer = 0; layer < layers_.size(); ++layer) {
 		queue_.release_layer(layer);
 	}
-	std::vector<Shown> all = std::exchange(leaving_, {});
-	for (auto &[key, shown] : std::exchange(shown_, {})) {
-		host_.hide_mesh(shown.instance, false);
-		all.push_back(std::move(shown));
+	std::vector<DisplayedScene> all = std::exchange(leaving_, {});
+	for (auto &[key, displayed] : std::exchange(displayed_, {})) {
+		host_.hide_mesh(displayed.instance, false);
+		all.push_back(std::move(displayed));
 	}
 	pool_->clear();
 	const std::weak_ptr<const void> alive = life_;
-	for (const Shown &shown : all) {
-		if (!alive.expired() && ours(shown)) {
-			take_out(shown.node.get());
-			ScenePool::dispose(shown.node);
+	for (const DisplayedScene &displayed : all) {
+		if (!alive.expired() && is_own_scene(displayed)) {
+			take_out(displayed.node.get());
+			ScenePool::dispose(displayed.node);
 		}
 	}
 }

@@ -1,7 +1,7 @@
 #pragma once
 
-// This file implements the queries of scripts for a TerrainScatter3D and its snapshots. An `Asker`
-// provides
+// This file implements the queries of scripts for a TerrainScatter3D and its snapshots. An
+// `QueryHost` provides
 //   static std::string name_of(method);  // `Class.method`, for errors
 //   const WorldFrame &world_frame() const;
 //   SharedLayers prepare(method);        // null, with an error, if there is nothing to query
@@ -37,18 +37,18 @@ struct QueryParameters {
 
 /// Creates the filter of a query from its layers and predicate. Returns the list that the layer
 /// indices of the result refer to. If the query is invalid, prints an error and returns null.
-template <class Asker>
-SharedLayers open_query(Asker &asker, const QueryParameters &parameters, QueryFilter &r_filter) {
-	const WorldFrame frame = asker.world_frame();
-	const SharedLayers layers = asker.prepare(parameters.method);
+template <class QueryHost>
+SharedLayers open_query(QueryHost &host, const QueryParameters &parameters, QueryFilter &r_filter) {
+	const WorldFrame frame = host.world_frame();
+	const SharedLayers layers = host.prepare(parameters.method);
 	if (layers == nullptr) {
 		return nullptr;
 	}
-	if (const godot::String problem = asker.find_queried(parameters.layers, r_filter.layers); !problem.is_empty()) {
-		ERR_PRINT(godot::String(asker.name_of(parameters.method).c_str()) + godot::String(": ") + problem);
+	if (const godot::String problem = host.find_queried(parameters.layers, r_filter.layers); !problem.is_empty()) {
+		ERR_PRINT(godot::String(host.name_of(parameters.method).c_str()) + godot::String(": ") + problem);
 		return nullptr;
 	}
-	r_filter.accepts = to_predicate(asker.name_of(parameters.method), parameters.predicate, frame, layers);
+	r_filter.accepts = to_predicate(host.name_of(parameters.method), parameters.predicate, frame, layers);
 	return layers;
 }
 
@@ -58,52 +58,53 @@ struct AnsweredInstances {
 	SharedLayers layers;
 };
 
-template <class Asker>
-godot::Ref<ScatterInstances> answer_rect(Asker &asker, const QueryParameters &parameters, const godot::Rect2 &p_rect) {
-	const WorldFrame frame = asker.world_frame();
+template <class QueryHost>
+godot::Ref<ScatterInstances> answer_rect(
+		QueryHost &host, const QueryParameters &parameters, const godot::Rect2 &p_rect) {
+	const WorldFrame frame = host.world_frame();
 	QueryFilter filter;
 	FoundInstances found;
-	SharedLayers layers = open_query(asker, parameters, filter);
+	SharedLayers layers = open_query(host, parameters, filter);
 	if (layers != nullptr) {
-		asker.answer(parameters.method,
+		host.answer(parameters.method,
 				[&](const InstanceQuery &query) { return query.in_rect(to_world(p_rect, frame), filter, found); });
 	}
 	return ScatterInstances::of(std::move(found), frame, std::move(layers));
 }
 
-template <class Asker>
+template <class QueryHost>
 AnsweredInstances find_in_sphere(
-		Asker &asker, const QueryParameters &parameters, const godot::Vector3 &p_center, double p_radius) {
-	const glm::dvec3 center = to_world(p_center, asker.world_frame());
+		QueryHost &host, const QueryParameters &parameters, const godot::Vector3 &p_center, double p_radius) {
+	const glm::dvec3 center = to_world(p_center, host.world_frame());
 	QueryFilter filter;
 	AnsweredInstances answer;
-	answer.layers = open_query(asker, parameters, filter);
+	answer.layers = open_query(host, parameters, filter);
 	if (answer.layers != nullptr) {
-		asker.answer(parameters.method,
+		host.answer(parameters.method,
 				[&](const InstanceQuery &query) { return query.in_sphere(center, p_radius, filter, answer.found); });
 	}
 	return answer;
 }
 
-template <class Asker>
+template <class QueryHost>
 godot::Ref<ScatterInstances> answer_sphere(
-		Asker &asker, const QueryParameters &parameters, const godot::Vector3 &p_center, double p_radius) {
-	const WorldFrame frame = asker.world_frame();
-	AnsweredInstances answer = find_in_sphere(asker, parameters, p_center, p_radius);
+		QueryHost &host, const QueryParameters &parameters, const godot::Vector3 &p_center, double p_radius) {
+	const WorldFrame frame = host.world_frame();
+	AnsweredInstances answer = find_in_sphere(host, parameters, p_center, p_radius);
 	return ScatterInstances::of(std::move(answer.found), frame, std::move(answer.layers));
 }
 
-template <class Asker>
+template <class QueryHost>
 godot::Ref<ScatterInstance> answer_ray(
-		Asker &asker, const QueryParameters &parameters, const godot::Vector3 &p_from, const godot::Vector3 &p_to) {
-	const WorldFrame frame = asker.world_frame();
+		QueryHost &host, const QueryParameters &parameters, const godot::Vector3 &p_from, const godot::Vector3 &p_to) {
+	const WorldFrame frame = host.world_frame();
 	const glm::dvec3 from = to_world(p_from, frame);
 	const glm::dvec3 to = to_world(p_to, frame);
 	QueryFilter filter;
 	std::vector<RayHit> hits;
-	const SharedLayers layers = open_query(asker, parameters, filter);
+	const SharedLayers layers = open_query(host, parameters, filter);
 	if (layers != nullptr) {
-		asker.answer(
+		host.answer(
 				parameters.method, [&](const InstanceQuery &query) { return query.on_ray(from, to, filter, hits); });
 	}
 	if (hits.empty()) {
@@ -111,21 +112,21 @@ godot::Ref<ScatterInstance> answer_ray(
 	}
 	const RayHit &hit = hits.front();
 	const double length = glm::length(to - from);
-	const double share = length > 0.0 ? hit.distance / length : 0.0;
+	const double fraction = length > 0.0 ? hit.distance / length : 0.0;
 	return ScatterInstance::of(hit.instance, frame, layers->at(hit.instance.layer),
-			asker.get_instance_data(script_id(hit.instance.id)), hit.distance, from + share * (to - from));
+			host.get_instance_data(script_id(hit.instance.id)), hit.distance, from + fraction * (to - from));
 }
 
-template <class Asker>
+template <class QueryHost>
 godot::Ref<ScatterInstance> answer_nearest(
-		Asker &asker, const QueryParameters &parameters, const godot::Vector3 &p_position, double p_max_distance) {
-	const WorldFrame frame = asker.world_frame();
+		QueryHost &host, const QueryParameters &parameters, const godot::Vector3 &p_position, double p_max_distance) {
+	const WorldFrame frame = host.world_frame();
 	const glm::dvec3 position = to_world(p_position, frame);
 	QueryFilter filter;
 	std::vector<NearestInstance> found;
-	const SharedLayers layers = open_query(asker, parameters, filter);
+	const SharedLayers layers = open_query(host, parameters, filter);
 	if (layers != nullptr) {
-		asker.answer(parameters.method,
+		host.answer(parameters.method,
 				[&](const InstanceQuery &query) { return query.nearest(position, p_max_distance, filter, found); });
 	}
 	if (found.empty()) {
@@ -133,21 +134,21 @@ godot::Ref<ScatterInstance> answer_nearest(
 	}
 	const PlacedInstance &instance = found.front().instance;
 	return ScatterInstance::of(instance, frame, layers->at(instance.layer),
-			asker.get_instance_data(script_id(instance.id)), found.front().distance);
+			host.get_instance_data(script_id(instance.id)), found.front().distance);
 }
 
 /// Finds an instance by its ID. Returns null if the instance does not exist.
-template <class Asker>
-godot::Ref<ScatterInstance> answer_id(Asker &asker, const char *method, int64_t p_id) {
-	const WorldFrame frame = asker.world_frame();
+template <class QueryHost>
+godot::Ref<ScatterInstance> answer_id(QueryHost &host, const char *method, int64_t p_id) {
+	const WorldFrame frame = host.world_frame();
 	std::vector<PlacedInstance> found;
-	const SharedLayers layers = asker.prepare(method);
+	const SharedLayers layers = host.prepare(method);
 	if (layers != nullptr) {
-		asker.answer(method, [&](const InstanceQuery &query) { return query.by_id(core_id(p_id), found); });
+		host.answer(method, [&](const InstanceQuery &query) { return query.by_id(core_id(p_id), found); });
 	}
 	return found.empty()
 			? godot::Ref<ScatterInstance>()
-			: ScatterInstance::of(found.front(), frame, layers->at(found.front().layer), asker.get_instance_data(p_id));
+			: ScatterInstance::of(found.front(), frame, layers->at(found.front().layer), host.get_instance_data(p_id));
 }
 
 } // namespace thicket

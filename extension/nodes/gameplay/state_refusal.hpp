@@ -13,7 +13,7 @@ namespace thicket {
 
 /// Reports the outcome of a call to a ScatterState method. If the call failed, prints an error with
 /// the method and the reason. Returns the error code, or OK.
-inline godot::Error told(const char *p_method, const Status &status) {
+inline godot::Error report_outcome(const char *p_method, const Status &status) {
 	if (!status.ok()) {
 		ERR_PRINT(godot::String((std::string("ScatterState.") + p_method + ": " + describe(status)).c_str()));
 	}

@@ -11,7 +11,7 @@ namespace {
 
 /// The maximum number of separate areas. Beyond this number, separate areas cost the receiver more
 /// than regenerating the tiles between them.
-constexpr std::size_t most_areas = 64;
+constexpr std::size_t max_areas = 64;
 
 } // namespace
 
@@ -31,7 +31,7 @@ void add_changed_area(std::vector<Rect> &r_areas, const Rect &area) {
 		r_areas.erase(met);
 	}
 	r_areas.push_back(added);
-	if (r_areas.size() > most_areas) {
+	if (r_areas.size() > max_areas) {
 		for (const Rect &other : r_areas) {
 			added = around(added, other);
 		}

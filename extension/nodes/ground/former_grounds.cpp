@@ -79,8 +79,8 @@ Ref<ScatterGround> current_ground(const Ref<ScatterGround> &p_ground) {
 	if (static_cast<bool>(p_ground->call("has_meta", successor_meta))) {
 		return p_ground->call("get_meta", successor_meta);
 	}
-	Ref<ScatterGround> made = make_successor(*p_ground.ptr());
-	if (made.is_null()) {
+	Ref<ScatterGround> successor = make_successor(*p_ground.ptr());
+	if (successor.is_null()) {
 		return p_ground;
 	}
 	const Array properties = p_ground->call("get_property_list");
@@ -88,15 +88,15 @@ Ref<ScatterGround> current_ground(const Ref<ScatterGround> &p_ground) {
 		const Dictionary property = properties[i];
 		const std::int64_t usage = property["usage"];
 		if ((usage & PROPERTY_USAGE_STORAGE) != 0) {
-			made->call("set", property["name"], p_ground->get(property["name"]));
+			successor->call("set", property["name"], p_ground->get(property["name"]));
 		}
 	}
-	p_ground->call("set_meta", successor_meta, made);
+	p_ground->call("set_meta", successor_meta, successor);
 	const String path = p_ground->get_path();
 	if (is_own_file(path)) {
-		made->call("take_over_path", path);
+		successor->call("take_over_path", path);
 	}
-	return made;
+	return successor;
 }
 
 } // namespace thicket

@@ -238,7 +238,7 @@ std::uint64_t GroundMembers::cells_of(const Node &grid) {
 	return cells.digest;
 }
 
-GroundNodeState GroundMembers::look(const Variant &p_node, const Sight &from, Object *&r_source) {
+GroundNodeState GroundMembers::read_state(const Variant &p_node, const Sight &from, Object *&r_source) {
 	const auto *node = Object::cast_to<Node3D>(p_node.get_validated_object());
 	if (node == nullptr || !node->is_inside_tree() || !(node->get_world_3d() == from.world)) {
 		return {};

@@ -49,7 +49,7 @@ public:
 	};
 
 	/// See GroundWatch::Look. A node that has left the group or the World3D is not ground.
-	GroundNodeState look(const godot::Variant &p_node, const Sight &from, godot::Object *&r_source);
+	GroundNodeState read_state(const godot::Variant &p_node, const Sight &from, godot::Object *&r_source);
 
 	/// Returns the shape of a member in its local space. Returns no pieces if its collision shape
 	/// has no triangles, such as a WorldBoundaryShape3D.

@@ -49,14 +49,14 @@ bool same_in_world(const GroundNodeState &a, glm::dvec3 offset_a, const GroundNo
 	return true;
 }
 
-void GroundWatch::add(std::uint64_t id, const Variant &p_node, const Look &look, bool changed) {
+void GroundWatch::add(std::uint64_t id, const Variant &p_node, const ReadState &read_state, bool changed) {
 	const auto [found, is_new] = entries_.try_emplace(id, Entry{p_node, {}});
 	if (!is_new) {
 		return;
 	}
 	Object *source = nullptr;
 	GroundNodeState &seen = found->second.seen;
-	seen = look(p_node, source);
+	seen = read_state(p_node, source);
 	use(seen.source, source);
 	seen.version = version(seen.source);
 	if (changed && seen.source != 0) {
@@ -97,14 +97,14 @@ std::vector<std::uint64_t> GroundWatch::ids() const {
 	return result;
 }
 
-std::size_t GroundWatch::look(const Look &look) {
-	const std::size_t most = std::min(nodes_per_frame, entries_.size());
+std::size_t GroundWatch::check_next(const ReadState &read_state) {
+	const std::size_t max_count = std::min(nodes_per_frame, entries_.size());
 	auto at = entries_.lower_bound(next_);
-	for (std::size_t count = 0; count < most; ++count) {
+	for (std::size_t count = 0; count < max_count; ++count) {
 		at = at != entries_.end() ? at : entries_.begin();
 		auto &[id, entry] = *at;
 		Object *source = nullptr;
-		GroundNodeState now = look(entry.node, source);
+		GroundNodeState now = read_state(entry.node, source);
 		now.version = version(now.source);
 		if (now == entry.seen) {
 			rest(id);
@@ -119,7 +119,7 @@ std::size_t GroundWatch::look(const Look &look) {
 		++at;
 	}
 	next_ = at != entries_.end() ? at->first : 0;
-	return most;
+	return max_count;
 }
 
 void GroundWatch::use(std::uint64_t id, Object *p_source) {

@@ -46,7 +46,7 @@ class GroundWatch {
 public:
 	/// Returns a node's current state without the version. Sets `r_source` to the source, or leaves
 	/// it null.
-	using Look = std::function<GroundNodeState(const godot::Variant &p_node, godot::Object *&r_source)>;
+	using ReadState = std::function<GroundNodeState(const godot::Variant &p_node, godot::Object *&r_source)>;
 
 	/// Connects the `changed` signal of each source to `p_method` of `p_owner`, with the source's
 	/// ID as an argument. The owner must pass that ID to `source_changed`.
@@ -54,7 +54,7 @@ public:
 
 	/// Starts watching a node. If `changed` is true, marks it as changed. Does nothing if the node
 	/// is already watched.
-	void add(std::uint64_t id, const godot::Variant &p_node, const Look &look, bool changed);
+	void add(std::uint64_t id, const godot::Variant &p_node, const ReadState &read_state, bool changed);
 
 	/// Stops watching a node. If it was ground, marks it as changed; see `take_changed`.
 	void remove(std::uint64_t id);
@@ -68,7 +68,7 @@ public:
 	std::size_t size() const { return entries_.size(); }
 
 	/// Checks the next nodes, up to nodes_per_frame. Returns their number.
-	std::size_t look(const Look &look);
+	std::size_t check_next(const ReadState &read_state);
 
 	/// Records that a source has changed. Nodes with this source are marked as changed at their
 	/// next check. Ignores unknown sources.

@@ -37,8 +37,8 @@ Status HeightmapWork::build() {
 		frame.min_height = 0.0;
 		frame.max_height = 0.0;
 	}
-	auto made = std::make_shared<Heightfield>();
-	Status refused = made->set_posts(frame, posts);
+	auto heightfield = std::make_shared<Heightfield>();
+	Status refused = heightfield->set_posts(frame, posts);
 	const bool reinterpreted = before != nullptr && !sources.are_read && before->posts().meaning != posts.meaning;
 	if (refused.ok() && reinterpreted && !posts.floats.empty()) {
 		refused = check(posts.floats.flattened(), posts.count());
@@ -46,20 +46,20 @@ Status HeightmapWork::build() {
 	if (!refused.ok()) {
 		return refused;
 	}
-	made->set_weights(std::move(weights));
+	heightfield->set_weights(std::move(weights));
 	std::vector<Rect> areas;
 	if (before != nullptr) {
-		made->add_changes(*before, areas);
+		heightfield->add_changes(*before, areas);
 	}
 	for (const Rect &area : areas) {
 		add_changed_area(changes, area);
 	}
 	if (summarizes) {
 		auto own = std::make_shared<HeightSummary>();
-		refused = summarize(*made, *own);
+		refused = summarize(*heightfield, *own);
 		summary = std::move(own);
 	}
-	field = std::move(made);
+	field = std::move(heightfield);
 	return refused;
 }
 

@@ -51,21 +51,21 @@ std::optional<PostFormat> post_format(Image::Format format) {
 	}
 }
 
-MapTransform place_of(const Transform3D &p_transform) {
+MapTransform map_transform_of(const Transform3D &p_transform) {
 	const Vector3 *rows = p_transform.basis.rows;
-	MapTransform place;
-	place.to_world = glm::dmat2(rows[0].x, rows[2].x, rows[0].z, rows[2].z);
-	place.origin = to_core(p_transform.origin);
-	place.height_scale = rows[1].y;
-	return place;
+	MapTransform map_transform;
+	map_transform.to_world = glm::dmat2(rows[0].x, rows[2].x, rows[0].z, rows[2].z);
+	map_transform.origin = to_core(p_transform.origin);
+	map_transform.height_scale = rows[1].y;
+	return map_transform;
 }
 
 /// Returns true if the map is not upright, except for rounding.
 bool is_tilted(const Transform3D &p_transform) {
 	const Vector3 *rows = p_transform.basis.rows;
-	constexpr real_t hair = 1e-4F;
+	constexpr real_t tolerance = 1e-4F;
 	const auto small = [&](real_t value, real_t against) {
-		return std::abs(value) <= hair * std::abs(against);
+		return std::abs(value) <= tolerance * std::abs(against);
 	};
 	const real_t wide = std::abs(rows[0].x) + std::abs(rows[0].z) + std::abs(rows[2].x) + std::abs(rows[2].z);
 	return !(small(rows[0].y, rows[1].y) && small(rows[2].y, rows[1].y) && small(rows[1].x, wide) &&
@@ -110,7 +110,7 @@ public:
 	MapImages next_images() const { return images_.next(); }
 
 private:
-	bool same_place(const HTerrainCopy &before, glm::dvec3 shift) const;
+	bool same_transform(const HTerrainCopy &before, glm::dvec3 shift) const;
 	Rect2 area_of(const PixelRect &rect) const;
 	static PixelGrid *layer_of(MapLayers &layers, const MapEdit &edit);
 
@@ -121,9 +121,9 @@ private:
 
 /// Returns true if the map has the same transform in the world. A node that has moved with the
 /// engine's origin is considered unmoved. Tolerates float rounding.
-bool HTerrainCopy::same_place(const HTerrainCopy &before, glm::dvec3 shift) const {
-	MapTransform mine = field_.place();
-	const MapTransform &other = before.field_.place();
+bool HTerrainCopy::same_transform(const HTerrainCopy &before, glm::dvec3 shift) const {
+	MapTransform mine = field_.transform();
+	const MapTransform &other = before.field_.transform();
 	const double far = std::max(glm::length(mine.origin), glm::length(other.origin));
 	if (!(glm::length(mine.origin + shift - other.origin) <= 4.0 * far * std::numeric_limits<float>::epsilon())) {
 		return false;
@@ -133,13 +133,14 @@ bool HTerrainCopy::same_place(const HTerrainCopy &before, glm::dvec3 shift) cons
 }
 
 Rect2 HTerrainCopy::area_of(const PixelRect &rect) const {
-	const MapTransform &place = field_.place();
+	const MapTransform &map_transform = field_.transform();
 	glm::dvec2 min{std::numeric_limits<double>::max()};
 	glm::dvec2 max{std::numeric_limits<double>::lowest()};
 	for (int corner = 0; corner < 4; ++corner) {
 		const glm::dvec2 post{corner % 2 == 0 ? rect.min.x - posts_around : rect.max.x - 1 + posts_around,
 				corner / 2 == 0 ? rect.min.y - posts_around : rect.max.y - 1 + posts_around};
-		const glm::dvec2 world = place.to_world * post + glm::dvec2(place.origin.x, place.origin.z);
+		const glm::dvec2 world =
+				map_transform.to_world * post + glm::dvec2(map_transform.origin.x, map_transform.origin.z);
 		min = glm::min(min, world);
 		max = glm::max(max, world);
 	}
@@ -158,7 +159,7 @@ GroundChanges HTerrainCopy::changes_since(const GroundCopy &before, glm::dvec3 s
 	const auto alike = [](const PixelGrid &a, const PixelGrid &b) {
 		return a.size() == b.size() && a.pixel_bytes() == b.pixel_bytes();
 	};
-	changes.everywhere = !same_place(*other, shift) || mine.format != theirs.format ||
+	changes.everywhere = !same_transform(*other, shift) || mine.format != theirs.format ||
 			!alike(mine.heights, theirs.heights) || !alike(mine.colors, theirs.colors) ||
 			!alike(mine.indices, theirs.indices) || !alike(mine.weights, theirs.weights) ||
 			mine.splats.size() != theirs.splats.size();
@@ -232,7 +233,7 @@ std::shared_ptr<const GroundCopy> HTerrainCopy::with_edits(
 		}
 	}
 	MapField field;
-	if (!field.set(field_.place(), layers).ok()) {
+	if (!field.set(field_.transform(), layers).ok()) {
 		return nullptr;
 	}
 	// The new copy shares everything else with the previous one.
@@ -334,7 +335,7 @@ CopyAttempt copy_hterrain(const Variant &p_node, const GroundCopy *before) {
 	}
 	const Transform3D to_world = transform;
 	MapField field;
-	if (const Status status = field.set(place_of(to_world), layers); !status.ok()) {
+	if (const Status status = field.set(map_transform_of(to_world), layers); !status.ok()) {
 		attempt.refusal = String(("cannot be copied (" + describe(status) + ")").c_str());
 		return attempt;
 	}

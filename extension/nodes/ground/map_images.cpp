@@ -31,12 +31,12 @@ Ref<Image> MapImages::read_texture(const Variant &p_texture) {
 	const std::uint64_t id = texture->get_instance_id();
 	if (const auto known = known_.find(id); known != known_.end()) {
 		// An imported texture never changes, so its pixels need not be read back again.
-		kept_[id] = known->second;
+		imported_[id] = known->second;
 		return known->second;
 	}
 	const Ref<Image> image = image_in(texture->get_image());
 	if (image.is_valid() && texture->is_class("CompressedTexture2D")) {
-		kept_[id] = image;
+		imported_[id] = image;
 	}
 	return image;
 }

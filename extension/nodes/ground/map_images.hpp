@@ -17,7 +17,7 @@ public:
 	/// Creates an object for the next copy that reuses the images read here.
 	MapImages next() const {
 		MapImages images;
-		images.known_ = kept_;
+		images.known_ = imported_;
 		return images;
 	}
 
@@ -34,7 +34,7 @@ private:
 
 	using ByTexture = std::map<std::uint64_t, godot::Ref<godot::Image>>; ///< Images, keyed by texture ID.
 	ByTexture known_;
-	ByTexture kept_; ///< The imported images that were read here.
+	ByTexture imported_; ///< The imported images that were read here.
 	bool lacks_pixels_ = false;
 };
 

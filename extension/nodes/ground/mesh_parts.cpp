@@ -53,18 +53,19 @@ void MeshReading::build(std::span<const glm::vec3> faces, const std::atomic<bool
 		for (const glm::vec3 &corner : faces) {
 			corners.push_back(origin + basis * glm::dvec3(corner));
 		}
-		auto made = std::make_shared<GroundMesh>();
-		made->sight = sight;
-		made->space = space;
-		made->copy = copy;
-		made->digest = digest_of(corners);
-		made->planet = planet;
+		auto result = std::make_shared<GroundMesh>();
+		result->sight = sight;
+		result->space = space;
+		result->copy = copy;
+		result->digest = digest_of(corners);
+		result->planet = planet;
 		for (std::size_t i = 0; planet.exists() && i + 2 < corners.size(); i += 3) {
-			made->shell.add(corners[i] - planet.center, corners[i + 1] - planet.center, corners[i + 2] - planet.center);
+			result->shell.add(
+					corners[i] - planet.center, corners[i + 1] - planet.center, corners[i + 2] - planet.center);
 		}
-		if (before != nullptr && before->digest == made->digest) {
+		if (before != nullptr && before->digest == result->digest) {
 			// The triangles are unchanged.
-			made->ground = before->ground;
+			result->ground = before->ground;
 		} else {
 			auto ground = std::make_shared<TriangleTerrain>();
 			// The engine swaps the sides of a mirrored mesh.
@@ -74,9 +75,9 @@ void MeshReading::build(std::span<const glm::vec3> faces, const std::atomic<bool
 				refused_corner = corner < corners.size() ? corners[corner] : glm::dvec3(0.0);
 				return refused;
 			}
-			made->ground = std::move(ground);
+			result->ground = std::move(ground);
 		}
-		part = std::move(made);
+		part = std::move(result);
 		return Status{};
 	});
 }

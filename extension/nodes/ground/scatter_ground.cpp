@@ -78,33 +78,33 @@ private:
 };
 
 std::shared_ptr<const Terrain> ScatterGround::snapshot(std::uint64_t host) {
-	const Ref<ScatterGround> held(this);
+	const Ref<ScatterGround> keep_alive(this);
 	return make_snapshot(find_host(host));
 }
 
 String ScatterGround::problem() {
-	const Ref<ScatterGround> held(this);
+	const Ref<ScatterGround> keep_alive(this);
 	return find_problem();
 }
 
 String ScatterGround::remark() {
-	const Ref<ScatterGround> held(this);
+	const Ref<ScatterGround> keep_alive(this);
 	return find_remark();
 }
 
 String ScatterGround::stripped() {
-	const Ref<ScatterGround> held(this);
+	const Ref<ScatterGround> keep_alive(this);
 	return find_stripped();
 }
 
 bool ScatterGround::is_main_thread_only() {
-	const Ref<ScatterGround> held(this);
+	const Ref<ScatterGround> keep_alive(this);
 	return only_on_main_thread();
 }
 
 Status ScatterGround::sample_now(std::uint64_t host, std::span<const glm::dvec2> positions, const GroundNeeds &needs,
 		std::span<Ground> r_ground) {
-	const Ref<ScatterGround> held(this);
+	const Ref<ScatterGround> keep_alive(this);
 	return sample_for(find_host(host), positions, needs, r_ground);
 }
 
@@ -228,7 +228,7 @@ bool ScatterGround::can_change_unreported() const { return GDVIRTUAL_IS_OVERRIDD
 
 Status ScatterGround::recheck_now(
 		std::uint64_t host, std::span<const glm::dvec2> positions, std::span<std::optional<float>> r_heights) {
-	const Ref<ScatterGround> held(this);
+	const Ref<ScatterGround> keep_alive(this);
 	return recheck_for(find_host(host), positions, r_heights);
 }
 
@@ -254,7 +254,7 @@ GroundHost ScatterGround::find_host(std::uint64_t id) const {
 }
 
 Ground ScatterGround::ground_at(const Vector3 &p_global_position, bool normal) {
-	const Ref<ScatterGround> held(this); // A script may release the ground.
+	const Ref<ScatterGround> keep_alive(this); // A script may release the ground.
 	const glm::dvec2 position{p_global_position.x, p_global_position.z};
 	const Ground none{std::numeric_limits<float>::quiet_NaN(), glm::vec3{0.0F}};
 	Ground ground = none;
@@ -308,13 +308,13 @@ void ScatterGround::follow_scene(std::chrono::steady_clock::time_point deadline)
 		// Another host has already called this in the current frame.
 		return;
 	}
-	const Ref<ScatterGround> held(this);
+	const Ref<ScatterGround> keep_alive(this);
 	deadline_ = deadline;
 	follow();
 }
 
 bool ScatterGround::read_again() {
-	const Ref<ScatterGround> held(this);
+	const Ref<ScatterGround> keep_alive(this);
 	return distrust();
 }
 

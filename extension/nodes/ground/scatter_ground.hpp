@@ -285,8 +285,8 @@ struct HostedGround {
 	/// Samples the ground; see ScatterGround::sample_now. `ground` must not be null.
 	Status sample_now(
 			std::span<const glm::dvec2> positions, const GroundNeeds &needs, std::span<Ground> r_ground) const {
-		const godot::Ref<ScatterGround> held = ground; // A script may destroy this object.
-		return held->sample_now(host, positions, needs, r_ground);
+		const godot::Ref<ScatterGround> keep_alive = ground; // A script may destroy this object.
+		return keep_alive->sample_now(host, positions, needs, r_ground);
 	}
 };
 

@@ -84,7 +84,7 @@ private:
 	Status check() const;
 	godot::PhysicsDirectSpaceState3D *space_of(const GroundHost &host) const;
 	bool is_in_scene() const;
-	GroundWatch::Look look() const;
+	GroundWatch::ReadState state_reader() const;
 	void start_over();
 	void find_some();
 	bool follows(const godot::Node *p_node) const;

@@ -51,7 +51,7 @@ bool ScatterGroundColliders::follows(const Node *p_node) const {
 			!belongs_to_scatter(body);
 }
 
-GroundWatch::Look ScatterGroundColliders::look() const {
+GroundWatch::ReadState ScatterGroundColliders::state_reader() const {
 	return [mask = collision_mask_, world = first_node()->get_world_3d()](const Variant &p_node, Object *&r_source) {
 		const auto *node = Object::cast_to<CollisionShape3D>(p_node.get_validated_object());
 		if (node == nullptr || !node->is_inside_tree() || node->is_disabled()) {
@@ -107,7 +107,7 @@ void ScatterGroundColliders::follow() {
 		}
 	}
 	find_some();
-	figures_.checks = watch_.look(look());
+	figures_.checks = watch_.check_next(state_reader());
 	if (queue_.empty() && watch_.restless()) {
 		const std::set<std::uint64_t> changed = watch_.take_changed();
 		queue_.assign(changed.rbegin(), changed.rend());
@@ -133,7 +133,7 @@ void ScatterGroundColliders::find_some() {
 		if (!follows(node) || watch_.has(id)) {
 			continue;
 		}
-		watch_.add(id, Variant(node), look(), false);
+		watch_.add(id, Variant(node), state_reader(), false);
 		if (const std::optional<Placed> placed = measure(id, nullptr)) {
 			placed_[id] = *placed;
 		}
@@ -145,7 +145,7 @@ void ScatterGroundColliders::node_added(Node *p_node) {
 		volumes_.add(p_node);
 	}
 	if (is_in_scene() && follows(p_node)) {
-		watch_.add(p_node->get_instance_id(), Variant(p_node), look(), true);
+		watch_.add(p_node->get_instance_id(), Variant(p_node), state_reader(), true);
 	}
 }
 
@@ -154,7 +154,7 @@ void ScatterGroundColliders::node_added(Node *p_node) {
 std::optional<ScatterGroundColliders::Placed> ScatterGroundColliders::measure(std::uint64_t id, const Placed *before) {
 	const Variant *node = watch_.node(id);
 	Object *source = nullptr;
-	GroundNodeState sight = node != nullptr ? look()(*node, source) : GroundNodeState{};
+	GroundNodeState sight = node != nullptr ? state_reader()(*node, source) : GroundNodeState{};
 	if (sight.source == 0) {
 		return std::nullopt;
 	}
@@ -172,7 +172,7 @@ void ScatterGroundColliders::update_some() {
 	if (queue_.empty()) {
 		return;
 	}
-	for (std::size_t looked = 0; !queue_.empty() && looked < GroundWatch::nodes_per_frame; ++looked) {
+	for (std::size_t updated = 0; !queue_.empty() && updated < GroundWatch::nodes_per_frame; ++updated) {
 		if (points_ >= points_per_frame) {
 			return;
 		}
@@ -226,7 +226,7 @@ void ScatterGroundColliders::add_area(const Placed &placed, glm::dvec3 offset) {
 }
 
 void ScatterGroundColliders::notify() {
-	const Ref<ScatterGround> held(this); // A signal handler may release the ground.
+	const Ref<ScatterGround> keep_alive(this); // A signal handler may release the ground.
 	const std::vector<Rect> areas = std::exchange(areas_, {});
 	if (std::exchange(everywhere_, false)) {
 		emit_ground_changed(Rect2());

@@ -59,7 +59,7 @@ void ScatterGroundCombined::take_list() {
 	if (ids == listed_) {
 		return;
 	}
-	const Ref<ScatterGround> held(this);
+	const Ref<ScatterGround> keep_alive(this);
 	Parts next;
 	{
 		const std::lock_guard lock(parts_mutex);
@@ -117,7 +117,7 @@ std::optional<std::size_t> ScatterGroundCombined::next_to_enter(Use &r_use) cons
 /// Registers all hosts with all parts and unregisters former ones. Each call emits signals, whose
 /// handlers may change the parts and the hosts.
 void ScatterGroundCombined::update_uses() {
-	const Ref<ScatterGround> held(this);
+	const Ref<ScatterGround> keep_alive(this);
 	while (const std::optional<Use> former = next_to_leave()) {
 		uses_.erase(std::ranges::find(uses_, *former));
 		former->ground->leave(former->node);
@@ -158,7 +158,7 @@ void ScatterGroundCombined::search_again() {
 }
 
 void ScatterGroundCombined::finish_reading() {
-	const Ref<ScatterGround> held(this);
+	const Ref<ScatterGround> keep_alive(this);
 	take_list();
 	each_part([](const Part &part) { part.ground->finish_reading(); });
 }
@@ -166,7 +166,7 @@ void ScatterGroundCombined::finish_reading() {
 void ScatterGroundCombined::part_changed() { emit_changed(); }
 
 void ScatterGroundCombined::part_ground_changed(const Rect2 &p_rect, int64_t p_ground) {
-	const Ref<ScatterGround> held(this);
+	const Ref<ScatterGround> keep_alive(this);
 	const auto found = std::ranges::find_if(parts_,
 			[p_ground](const Part &part) { return static_cast<int64_t>(part.ground->get_instance_id()) == p_ground; });
 	if (found == parts_.end()) {

@@ -87,7 +87,7 @@ private:
 	/// anything.
 	template <class Call>
 	void each_part(const Call &call) {
-		const godot::Ref<ScatterGround> held(this);
+		const godot::Ref<ScatterGround> keep_alive(this);
 		for (const Part &part : Parts(parts_)) {
 			if (has_part(part.ground)) {
 				call(part);

@@ -190,7 +190,7 @@ void ScatterGroundHeightmap::end_regions() {
 
 /// Emits signals for changed areas. `everywhere` is true if there was no ground before.
 void ScatterGroundHeightmap::emit_changes(const std::vector<Rect> &areas, bool everywhere) {
-	const Ref<ScatterGround> held(this); // A signal handler may release the ground.
+	const Ref<ScatterGround> keep_alive(this); // A signal handler may release the ground.
 	for (const Rect &area : areas) {
 		emit_ground_changed(to_engine(area));
 	}
@@ -200,7 +200,7 @@ void ScatterGroundHeightmap::emit_changes(const std::vector<Rect> &areas, bool e
 }
 
 Dictionary ScatterGroundHeightmap::get_summary() {
-	const Ref<ScatterGround> held(this); // A signal handler may release it.
+	const Ref<ScatterGround> keep_alive(this); // A signal handler may release it.
 	if (image_.is_valid() || !heightmap_path_.is_empty()) {
 		follow_scene(Clock::now() + summary_time); // Without a host, nothing else starts a worker.
 	}
@@ -210,9 +210,9 @@ Dictionary ScatterGroundHeightmap::get_summary() {
 		return result;
 	}
 	if (summary_ == nullptr) {
-		auto made = std::make_shared<HeightSummary>();
-		throw_if_out_of_memory(summarize(*field_, *made));
-		summary_ = std::move(made);
+		auto computed = std::make_shared<HeightSummary>();
+		throw_if_out_of_memory(summarize(*field_, *computed));
+		summary_ = std::move(computed);
 	}
 	const HeightSummary &summary = *summary_;
 	const glm::ivec2 size = summary.thumbnail_size;

@@ -27,7 +27,7 @@ String ScatterGroundMeshes::find_problem() {
 	}
 	const auto has_mesh = [this](const Variant &node) {
 		Object *source = nullptr;
-		return look()(node, source).source != 0;
+		return state_reader()(node, source).source != 0;
 	};
 	if (is_in_scene() && std::ranges::none_of(members_.list(first_node(), group_), has_mesh)) {
 		return vformat(
@@ -50,7 +50,7 @@ String ScatterGroundMeshes::find_remark() {
 String ScatterGroundMeshes::find_stripped() {
 	const auto has_stripped_mesh = [this](const Variant &node) {
 		Object *source = nullptr;
-		look()(node, source);
+		state_reader()(node, source);
 		return is_stripped(Ref<Resource>(Object::cast_to<Mesh>(source)));
 	};
 	if (is_in_scene() && std::ranges::any_of(members_.list(first_node(), group_), has_stripped_mesh)) {
@@ -62,14 +62,14 @@ String ScatterGroundMeshes::find_stripped() {
 
 bool ScatterGroundMeshes::is_in_scene() const { return first_node() != nullptr && first_node()->is_inside_tree(); }
 
-GroundWatch::Look ScatterGroundMeshes::look() {
+GroundWatch::ReadState ScatterGroundMeshes::state_reader() {
 	// For a single host with local coordinates, only movement relative to the host matters. Other
 	// hosts would see such nodes move.
 	const GroundHost &host = hosts().front();
 	const Node3D *space = hosts().size() == 1 && host.local ? host.node : nullptr;
 	const GroundMembers::Sight from{group_, host.node->get_world_3d(), space};
 	return [this, from](const Variant &p_node, Object *&r_source) {
-		return members_.look(p_node, from, r_source);
+		return members_.read_state(p_node, from, r_source);
 	};
 }
 
@@ -80,7 +80,7 @@ void ScatterGroundMeshes::list_members(bool changed) {
 	for (const Variant &node : members_.list(first_node(), group_)) {
 		const std::uint64_t id = node.get_validated_object()->get_instance_id();
 		found.insert(id);
-		watch_.add(id, node, look(), changed);
+		watch_.add(id, node, state_reader(), changed);
 	}
 	for (const std::uint64_t id : watch_.ids()) {
 		if (!found.contains(id)) {
@@ -110,7 +110,7 @@ void ScatterGroundMeshes::refresh() {
 		stale_ = true;
 		return;
 	}
-	const Ref<ScatterGround> held(this);
+	const Ref<ScatterGround> keep_alive(this);
 	forget_work();
 	watch_.touch_all(true);
 	begin();
@@ -124,12 +124,12 @@ bool ScatterGroundMeshes::is_empty() const {
 /// Emits signals for areas of changed ground. If the ground has become empty or is no longer empty,
 /// also emits `changed`, because that affects warnings.
 void ScatterGroundMeshes::notify(const std::vector<Rect> &areas, bool was_empty) {
-	const Ref<ScatterGround> held(this); // A signal handler may release the ground.
-	const bool turned = was_empty != is_empty();
+	const Ref<ScatterGround> keep_alive(this); // A signal handler may release the ground.
+	const bool emptiness_changed = was_empty != is_empty();
 	for (const Rect &area : areas) {
 		emit_ground_changed(to_engine(area));
 	}
-	if (turned) {
+	if (emptiness_changed) {
 		emit_changed();
 	}
 }

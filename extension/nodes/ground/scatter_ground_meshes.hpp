@@ -81,7 +81,7 @@ private:
 	using Worlds = std::map<std::uint64_t, GroundWorld>; ///< The ground of each host, keyed by host ID.
 
 	bool is_in_scene() const;
-	GroundWatch::Look look();
+	GroundWatch::ReadState state_reader();
 	void list_members(bool changed);
 	void begin();
 	void queue_all();

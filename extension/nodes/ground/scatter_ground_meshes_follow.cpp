@@ -87,7 +87,7 @@ void ScatterGroundMeshes::follow() {
 		if (members_.count(first_node(), group_) != listed_) {
 			list_members(true);
 		}
-		figures_.checks = watch_.look(look());
+		figures_.checks = watch_.check_next(state_reader());
 	}
 	if (builder_.busy()) {
 		return;
@@ -177,7 +177,7 @@ void ScatterGroundMeshes::add_worlds() {
 /// worker that builds everything that was read.
 void ScatterGroundMeshes::read_some(Clock::time_point deadline) {
 	bool has_read = false;
-	for (std::size_t looked = 0; !queue_.empty() && looked < GroundWatch::nodes_per_frame;) {
+	for (std::size_t updated = 0; !queue_.empty() && updated < GroundWatch::nodes_per_frame;) {
 		if (has_read && Clock::now() >= deadline) {
 			return;
 		}
@@ -186,7 +186,7 @@ void ScatterGroundMeshes::read_some(Clock::time_point deadline) {
 			read_step();
 		} else {
 			plan_next();
-			++looked;
+			++updated;
 		}
 	}
 	const bool has_work = reading_all_ || !readings_.empty() || !gone_.empty() || !unneeded_.empty() || lacks_ground();
@@ -242,7 +242,7 @@ bool ScatterGroundMeshes::plan(std::uint64_t id) {
 	const Variant *watched = watch_.node(id);
 	const Variant node = watched != nullptr ? *watched : Variant();
 	Object *source = nullptr;
-	GroundNodeState sight = look()(node, source);
+	GroundNodeState sight = state_reader()(node, source);
 	if (sight.source == 0) {
 		gone_.push_back(id);
 		refusals_.erase(id);

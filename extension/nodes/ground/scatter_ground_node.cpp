@@ -101,14 +101,14 @@ void ScatterGroundNode::find() {
 	}
 	stale_ = false;
 	finding_ = true;
-	const Found found = look();
+	const Found found = find_source();
 	finding_ = false;
 	if (!stale_) {
 		take(found);
 	}
 }
 
-ScatterGroundNode::Found ScatterGroundNode::look() const {
+ScatterGroundNode::Found ScatterGroundNode::find_source() const {
 	const Node3D *from = first_node();
 	Found found;
 	found.target = String(node_).is_empty() ? nullptr : from->get_node_or_null(node_);

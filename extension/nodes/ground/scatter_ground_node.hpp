@@ -94,7 +94,7 @@ private:
 
 	GroundLimits limits() const;
 	void find();
-	Found look() const;
+	Found find_source() const;
 	void take(const Found &found);
 	void take_copy(const Found &found);
 	void give(const std::shared_ptr<ObjectGround> &ground);

@@ -143,7 +143,7 @@ void ScatterGroundNode::emit_area(const Rect2 &p_rect) {
 			corners.push_back(corner);
 		}
 	}
-	const Ref<ScatterGround> held(this); // A signal handler may release the ground.
+	const Ref<ScatterGround> keep_alive(this); // A signal handler may release the ground.
 	const bool emitting_before = std::exchange(emitting_, true);
 	for (const glm::dvec2 corner : corners) {
 		emit_ground_changed(Rect2(to_engine(corner), p_rect.size));
@@ -203,7 +203,7 @@ void ScatterGroundNode::source_edited(const Variant &, const Variant &) { edited
 /// Detects nodes that were added, removed or replaced without a signal, and processes reported
 /// changes. Called every frame.
 void ScatterGroundNode::poll() {
-	const Ref<ScatterGround> held(this);
+	const Ref<ScatterGround> keep_alive(this);
 	const Node3D *from = first_node();
 	if (finding_ || stale_ || from == nullptr || !from->is_inside_tree()) {
 		return;

@@ -206,8 +206,8 @@ std::vector<FieldRegion> make_regions(const Zones &zones, const Layout &layout, 
 		for (const auto &[left, up] : std::array<Location, 4>{{{0, 0}, {1, 0}, {0, 1}, {1, 1}}}) {
 			same = same && is_same_zone(zones, before->zones(), {location.first - left, location.second - up});
 		}
-		const FieldRegion *kept = same ? before->field().region_at({location.first, location.second}) : nullptr;
-		regions.push_back(kept != nullptr ? *kept : make_region(zones, layout, location));
+		const FieldRegion *reusable = same ? before->field().region_at({location.first, location.second}) : nullptr;
+		regions.push_back(reusable != nullptr ? *reusable : make_region(zones, layout, location));
 	}
 	return regions;
 }

@@ -122,11 +122,11 @@ std::shared_ptr<const SurfaceTexture> ScatterImpostorBaker::texture_of(const Ref
 	if (known != nullptr) {
 		return known;
 	}
-	auto made = std::make_shared<SurfaceTexture>();
-	const Status status = read_texture(p_image, *made);
+	auto texture = std::make_shared<SurfaceTexture>();
+	const Status status = read_texture(p_image, *texture);
 	report(class_name, status);
 	if (status.ok()) {
-		known = std::move(made);
+		known = std::move(texture);
 	}
 	return known;
 }
@@ -142,7 +142,7 @@ Error ScatterImpostorBaker::bake() {
 		return ERR_BUSY;
 	}
 	// Keeps the baker alive if a script releases it during the bake.
-	const Ref<ScatterImpostorBaker> kept(this);
+	const Ref<ScatterImpostorBaker> keep_alive(this);
 	cancelled_ = false;
 	progress_ = 0.0;
 	Status status;
@@ -151,13 +151,13 @@ Error ScatterImpostorBaker::bake() {
 		const std::vector<ImpostorSurface> surfaces = surfaces_;
 		const ImpostorSettings settings = settings_;
 		lock.unlock();
-		Impostor made;
+		Impostor baked;
 		status = bake_impostor(surfaces, settings,
 				{.cancel = &cancelled_, .report = [this](double fraction, std::uint64_t) { progress_ = fraction; }},
-				made);
+				baked);
 		if (status.ok()) {
 			lock.lock();
-			impostor_ = std::move(made);
+			impostor_ = std::move(baked);
 		}
 	} catch (...) {
 		busy_ = false;

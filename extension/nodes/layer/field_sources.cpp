@@ -57,7 +57,7 @@ private:
 };
 
 /// Clamps a value to 0 to `max`. NAN becomes 0.
-float held(float value, float max) { return value > 0.0F ? std::min(value, max) : 0.0F; }
+float clamped(float value, float max) { return value > 0.0F ? std::min(value, max) : 0.0F; }
 
 bool has_red_alone(Image::Format p_format) {
 	constexpr std::array formats{Image::FORMAT_R8, Image::FORMAT_RF, Image::FORMAT_RH, format_r16, format_r16i,
@@ -82,10 +82,10 @@ std::shared_ptr<const CurveTable> curve_table(const Ref<Curve> &p_curve) {
 	const double max = p_curve->get_max_domain();
 	std::array<float, curve_stretches + 1> samples{};
 	for (std::size_t i = 0; i < samples.size(); ++i) {
-		const double share = static_cast<double>(i) / static_cast<double>(curve_stretches);
+		const double fraction = static_cast<double>(i) / static_cast<double>(curve_stretches);
 		// The last sample is exactly at the end of the domain, without rounding error.
-		const double offset = i == curve_stretches ? max : min + share * (max - min);
-		samples[i] = held(static_cast<float>(p_curve->sample(static_cast<float>(offset))), 1.0F);
+		const double offset = i == curve_stretches ? max : min + fraction * (max - min);
+		samples[i] = clamped(static_cast<float>(p_curve->sample(static_cast<float>(offset))), 1.0F);
 	}
 	const auto table = std::make_shared<CurveTable>();
 	return table->set(min, max, samples).ok() ? table : nullptr;
@@ -99,8 +99,8 @@ std::shared_ptr<const ColorTable> color_table(const Ref<Gradient> &p_gradient) {
 	for (std::size_t i = 0; i < gradient_colors; ++i) {
 		const double offset = (static_cast<double>(i) + 0.5) / static_cast<double>(gradient_colors);
 		const Color color = p_gradient->sample(static_cast<float>(offset));
-		table->emplace_back(
-				held(color.r, max_color), held(color.g, max_color), held(color.b, max_color), held(color.a, 1.0F));
+		table->emplace_back(clamped(color.r, max_color), clamped(color.g, max_color), clamped(color.b, max_color),
+				clamped(color.a, 1.0F));
 	}
 	return table;
 }

@@ -21,13 +21,13 @@ namespace thicket {
 namespace {
 
 /// The distance in meters that replaces 0, because 0 selects a distance from the model's size.
-constexpr double least_distance = 1e-3;
+constexpr double min_distance = 1e-3;
 
 Ref<ScatterLod> lod_of(const Ref<Mesh> &p_mesh, double p_distance) {
-	const Ref<ScatterLod> made(memnew(ScatterLod));
-	made->set_mesh(p_mesh);
-	made->set_distance(p_distance);
-	return made;
+	const Ref<ScatterLod> new_lod(memnew(ScatterLod));
+	new_lod->set_mesh(p_mesh);
+	new_lod->set_distance(p_distance);
+	return new_lod;
 }
 
 /// Returns the LODs of both lists, in order.
@@ -94,7 +94,7 @@ Array FormerLods::added_to(const Array &p_entries) const {
 		for (int64_t row = 0; row < distances_.size() && (row + 1) * count <= meshes_.size(); ++row) {
 			const Ref<Mesh> mesh = meshes_[row * count + entry];
 			if (mesh.is_valid()) {
-				append(lods, lod_of(mesh, std::max<double>(distances_.ptr()[row], least_distance)));
+				append(lods, lod_of(mesh, std::max<double>(distances_.ptr()[row], min_distance)));
 			}
 		}
 		const Ref<ScatterModel> model = lods.is_empty() ? Ref<ScatterModel>() : model_with(p_entries[entry], lods);

@@ -76,15 +76,15 @@ std::vector<Ref<Material>> materials_of(const LayerDrawing &drawing) {
 		return materials;
 	}
 	const auto add_all = [&](auto &&mesh_of) {
-		for (const std::vector<MeshAppearance> *looks : {&drawing.meshes, &drawing.lod_meshes}) {
-			for (const MeshAppearance &look : *looks) {
-				add_materials(mesh_of(look), materials);
+		for (const std::vector<MeshAppearance> *appearances : {&drawing.meshes, &drawing.lod_meshes}) {
+			for (const MeshAppearance &appearance : *appearances) {
+				add_materials(mesh_of(appearance), materials);
 			}
 		}
 	};
-	add_all([](const MeshAppearance &look) { return look.mesh; });
+	add_all([](const MeshAppearance &appearance) { return appearance.mesh; });
 	// Shadow materials come after all others.
-	add_all([](const MeshAppearance &look) { return look.shadow.mesh; });
+	add_all([](const MeshAppearance &appearance) { return appearance.shadow.mesh; });
 	return materials;
 }
 

@@ -22,7 +22,8 @@ namespace {
 
 /// Converts an LOD of a model to a MeshAppearance. A null LOD draws nothing.
 MeshAppearance appearance_of(const DrawnLod *lod) {
-	return lod != nullptr ? MeshAppearance{lod->mesh, {lod->shadow, lod->cast_shadow}, lod->look} : MeshAppearance();
+	return lod != nullptr ? MeshAppearance{lod->mesh, {lod->shadow, lod->cast_shadow}, lod->lod_appearance}
+						  : MeshAppearance();
 }
 
 /// Adds a distance, and a row with the LOD of each entry that begins there. Entries without such an

@@ -26,7 +26,7 @@ public:
 		const Ref<ScatterLayer> layer = layers_[p_index];
 		return layer.is_valid() ? layer->get_name() : String();
 	}
-	bool holds(int64_t p_index, const Ref<ScatterLayer> &p_layer) const {
+	bool refers_to(int64_t p_index, const Ref<ScatterLayer> &p_layer) const {
 		return Ref<ScatterLayer>(layers_[p_index]) == p_layer;
 	}
 
@@ -60,7 +60,7 @@ String find_name(const Layers &p_layers, const String &p_name, std::uint32_t &r_
 template <class Layers>
 String find_resource(const Layers &p_layers, const Ref<ScatterLayer> &p_layer, std::uint32_t &r_index) {
 	for (int64_t index = 0; index < p_layers.size(); ++index) {
-		if (p_layers.holds(index, p_layer)) {
+		if (p_layers.refers_to(index, p_layer)) {
 			r_index = static_cast<std::uint32_t>(index);
 			return {};
 		}
@@ -134,7 +134,7 @@ std::uint32_t ListedLayers::find(const Ref<ScatterLayer> &p_layer) const {
 	return found != entries_.end() ? static_cast<std::uint32_t>(found - entries_.begin()) : no_index;
 }
 
-bool ListedLayers::holds(int64_t p_index, const Ref<ScatterLayer> &p_layer) const {
+bool ListedLayers::refers_to(int64_t p_index, const Ref<ScatterLayer> &p_layer) const {
 	return entries_[static_cast<std::size_t>(p_index)].layer == p_layer;
 }
 
@@ -196,11 +196,11 @@ LayerReference core_reference(const Variant &p_stored) {
 
 Variant accept_reference(const char *p_property, const Variant &p_reference, const Resource *p_holder) {
 	Variant stored = stored_reference(p_reference);
-	const Ref<ScatterLayer> held = stored;
+	const Ref<ScatterLayer> stored_layer = stored;
 	String problem;
 	if (stored.get_type() == Variant::NIL) {
 		problem = no_reference(p_reference);
-	} else if (held.is_valid() && held->stores(p_holder)) {
+	} else if (stored_layer.is_valid() && stored_layer->stores(p_holder)) {
 		problem = layers_in_circle;
 	}
 	if (!problem.is_empty()) {
@@ -213,8 +213,9 @@ Variant accept_reference(const char *p_property, const Variant &p_reference, con
 ReferenceChange renaming_layer(const String &p_from, const String &p_to) {
 	return [p_from, p_to](const char *, const Variant &p_stored) -> std::optional<Variant> {
 		if (p_from.is_empty()) {
-			const Ref<ScatterLayer> held = p_stored;
-			return held.is_valid() && !held->get_name().is_empty() ? std::optional(p_stored) : std::nullopt;
+			const Ref<ScatterLayer> stored_layer = p_stored;
+			return stored_layer.is_valid() && !stored_layer->get_name().is_empty() ? std::optional(p_stored)
+																				   : std::nullopt;
 		}
 		const bool is_renamed = p_stored.get_type() == Variant::STRING && static_cast<String>(p_stored) == p_from;
 		return is_renamed ? std::optional<Variant>(p_to) : std::nullopt;
@@ -239,8 +240,8 @@ ReferenceChange naming_layers(const TypedArray<ScatterLayer> &p_layers) {
 std::optional<Variant> changed_reference(
 		const ReferenceChange &change, const char *p_property, const Variant &p_stored, const Resource *p_holder) {
 	std::optional<Variant> changed = change(p_property, p_stored);
-	const Ref<ScatterLayer> held = changed ? stored_reference(*changed) : Variant();
-	return held.is_valid() && held->stores(p_holder) ? std::nullopt : changed;
+	const Ref<ScatterLayer> stored_layer = changed ? stored_reference(*changed) : Variant();
+	return stored_layer.is_valid() && stored_layer->stores(p_holder) ? std::nullopt : changed;
 }
 
 Array current_references(const Array &p_stored) {

@@ -58,7 +58,7 @@ public:
 
 	// find_layer calls the following functions. The index must be in range.
 	godot::String name(int64_t p_index) const { return entries_[static_cast<std::size_t>(p_index)].name; }
-	bool holds(int64_t p_index, const godot::Ref<ScatterLayer> &p_layer) const;
+	bool refers_to(int64_t p_index, const godot::Ref<ScatterLayer> &p_layer) const;
 
 private:
 	struct Entry {

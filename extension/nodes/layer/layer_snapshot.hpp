@@ -49,11 +49,11 @@ struct MeshShadow {
 struct MeshAppearance {
 	godot::Ref<godot::Mesh> mesh;
 	MeshShadow shadow;
-	LodAppearance look;
+	LodAppearance lod_appearance;
 	bool fades = false; ///< True if the mesh can fade; see add_fades.
 
-	/// Returns true if both have the same mesh and shadow. Their `look` (density, transparency and
-	/// shader parameters) may differ.
+	/// Returns true if both have the same mesh and shadow. Their `lod_appearance` (density,
+	/// transparency and shader parameters) may differ.
 	bool same_meshes(const MeshAppearance &other) const { return mesh == other.mesh && shadow == other.shadow; }
 
 	friend bool operator==(const MeshAppearance &, const MeshAppearance &) = default;

@@ -29,8 +29,8 @@ struct TextureSource {
 
 /// Replaces a table after it was rebuilt from a resource. If the new table is equal, keeps the old
 /// object: settings compare tables by pointer, so a new pointer would regenerate tiles.
-template <class Made>
-void replace(Made &r_old, Made fresh) {
+template <class Value>
+void replace(Value &r_old, Value fresh) {
 	r_old = std::move(fresh);
 }
 

@@ -41,7 +41,7 @@ bool LayerWatch::lists_differ(const TypedArray<ScatterLayer> &p_layers) const {
 	return !same;
 }
 
-bool LayerWatch::look(const TypedArray<ScatterLayer> &p_layers, std::size_t own_count, bool p_assign) {
+bool LayerWatch::update(const TypedArray<ScatterLayer> &p_layers, std::size_t own_count, bool p_assign) {
 	const bool changed = lists_differ(p_layers);
 	if (changed) {
 		const std::vector<Seen> before = seen_;

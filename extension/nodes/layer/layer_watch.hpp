@@ -24,11 +24,11 @@ struct LayerRename {
 /// and before it answers a query. Use it only on the main thread.
 class LayerWatch {
 public:
-	/// Creates a watch for a node. `look` connects the methods `_mark_dirty` and
+	/// Creates a watch for a node. `update` connects the methods `_mark_dirty` and
 	/// `_mark_area_edited(rect)` of `node` to the signals of the layers.
 	explicit LayerWatch(godot::Object *node) : node_(node) {}
 
-	/// Returns true if the list has changed since the last call to `look`, or if a script has
+	/// Returns true if the list has changed since the last call to `update`, or if a script has
 	/// modified a layer's meshes in place.
 	bool differs(const godot::TypedArray<ScatterLayer> &p_layers) const;
 
@@ -41,7 +41,7 @@ public:
 	/// ID. Biomes add and remove the layers from index `own_count` on. These get IDs that no layer
 	/// has ever had, so that a layer that is added again still has a unique ID. A layer emits
 	/// `changed` when it gets an ID.
-	bool look(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t own_count, bool p_assign);
+	bool update(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t own_count, bool p_assign);
 
 	/// Returns the layers that were renamed since the last call, whose references must change.
 	/// Skips a new name that is empty or that another layer has, because the user may still be

@@ -81,9 +81,9 @@ bool FadeFinder::fades(const Ref<Mesh> &mesh) {
 
 void add_fades(LayerDrawing &r_drawing) {
 	FadeFinder finder(r_drawing.material_override);
-	for (std::vector<MeshAppearance> *looks : {&r_drawing.meshes, &r_drawing.lod_meshes}) {
-		for (MeshAppearance &look : *looks) {
-			look.fades = finder.fades(look.mesh);
+	for (std::vector<MeshAppearance> *appearances : {&r_drawing.meshes, &r_drawing.lod_meshes}) {
+		for (MeshAppearance &appearance : *appearances) {
+			appearance.fades = finder.fades(appearance.mesh);
 		}
 	}
 	r_drawing.surfaces = std::move(finder.surfaces);

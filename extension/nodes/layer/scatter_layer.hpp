@@ -44,17 +44,17 @@ class ScatterLayer;
 /// A property that is a resource (compare NumberProperty). `make` converts the resource to a table
 /// when a snapshot first needs it. The table is stored in `member`, in one of the parts that
 /// ScatterLayer::part returns. The resource has the class of `make`'s argument.
-template <class Values, class Made, class T>
+template <class Values, class Value, class T>
 struct ResourceProperty {
 	using Resource = T;
 
 	const char *name;
-	Made Values::*member;
-	Made (*make)(const godot::Ref<T> &);
+	Value Values::*member;
+	Value (*make)(const godot::Ref<T> &);
 };
 
-template <class Values, class Made, class T>
-ResourceProperty(const char *, Made Values::*, Made (*)(const godot::Ref<T> &)) -> ResourceProperty<Values, Made, T>;
+template <class Values, class Value, class T>
+ResourceProperty(const char *, Value Values::*, Value (*)(const godot::Ref<T> &)) -> ResourceProperty<Values, Value, T>;
 
 template <const auto &property>
 using ResourceOf = typename std::remove_cvref_t<decltype(property)>::Resource;

@@ -22,7 +22,7 @@ namespace thicket {
 namespace {
 
 /// The minimum size in meters. Smaller meshes get the spacing and collision of this size.
-constexpr double least_size = 0.05;
+constexpr double min_size = 0.05;
 
 /// The properties that fit_to_meshes sets.
 constexpr std::array fitted_properties{"radius", "density", "min_scale", "max_scale", "min_tilt_degrees",
@@ -170,7 +170,7 @@ bool ScatterLayer::fit_to_meshes(ModelKind p_kind) {
 			? widest->kind()
 			: static_cast<thicket::ModelKind>(static_cast<int64_t>(p_kind) - KIND_TREE);
 	const ModelFit fit = fit_of(kind, widest->size);
-	settings_.set.radius = std::clamp(fit.radius, least_size, max_radius);
+	settings_.set.radius = std::clamp(fit.radius, min_size, max_radius);
 	settings_.rules.density = fit.density;
 	settings_.rules.clumping.size =
 			fit.clump_size > 0.0 ? std::clamp(fit.clump_size, min_clump_size, max_clump_size) : 0.0;
@@ -181,8 +181,8 @@ bool ScatterLayer::fit_to_meshes(ModelKind p_kind) {
 	settings_.placement.max_tilt_degrees = fit.max_tilt_degrees;
 	settings_.placement.align_to_normal = fit.align_to_normal;
 	settings_.placement.height_offset = fit.height_offset;
-	gameplay_.instance_radius = std::max(solid.radius > 0.0 ? solid.radius : drawn.radius, least_size);
-	gameplay_.instance_height = std::max(drawn.top, least_size);
+	gameplay_.instance_radius = std::max(solid.radius > 0.0 ? solid.radius : drawn.radius, min_size);
+	gameplay_.instance_height = std::max(drawn.top, min_size);
 	if (solid.radius > 0.0) {
 		gameplay_.collision.shape = BodyShape::model;
 	}

@@ -50,7 +50,7 @@ std::uint64_t ScatterLayer::hidden_properties() const {
 	const bool thinned = lod_.thin_density < 1.0;
 	const bool colliding = gameplay_.collision.shape != BodyShape::none;
 	// An unused property stays visible if it is set, because a warning mentions it.
-	const std::array<bool, hideable.size()> shown{
+	const std::array<bool, hideable.size()> visible{
 			meshes_.size() > 1 || mesh_weights_.size() > 0,
 			settings_.placement.min_scale != settings_.placement.max_scale || resource("scale_curve").is_valid(),
 			resource("noise").is_valid() || resource("noise_curve").is_valid(),
@@ -75,8 +75,8 @@ std::uint64_t ScatterLayer::hidden_properties() const {
 			scene_.is_valid(),
 	};
 	std::uint64_t hidden = 0;
-	for (std::size_t i = 0; i < shown.size(); ++i) {
-		hidden |= std::uint64_t{!shown[i]} << i;
+	for (std::size_t i = 0; i < visible.size(); ++i) {
+		hidden |= std::uint64_t{!visible[i]} << i;
 	}
 	return hidden;
 }

@@ -47,13 +47,13 @@ TypedArray<ScatterLod> ScatterLayer::get_mesh_lods(int64_t p_index) {
 	meshes.draw(drawing, lod);
 	const auto add = [&](double distance, const MeshAppearance &drawn) {
 		if (drawn.mesh.is_valid()) {
-			const Ref<ScatterLod> made(memnew(ScatterLod));
-			made->set_mesh(drawn.mesh);
-			made->set_distance(distance);
-			made->set_shadow_mesh(drawn.shadow.mesh);
-			made->set_cast_shadow(static_cast<ScatterLod::CastShadow>(drawn.shadow.setting));
-			made->set_look(drawn.look);
-			append(result, made);
+			const Ref<ScatterLod> new_lod(memnew(ScatterLod));
+			new_lod->set_mesh(drawn.mesh);
+			new_lod->set_distance(distance);
+			new_lod->set_shadow_mesh(drawn.shadow.mesh);
+			new_lod->set_cast_shadow(static_cast<ScatterLod::CastShadow>(drawn.shadow.setting));
+			new_lod->set_appearance(drawn.lod_appearance);
+			append(result, new_lod);
 		}
 	};
 	const auto entry = static_cast<std::size_t>(p_index);

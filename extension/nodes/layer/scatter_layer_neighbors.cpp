@@ -33,8 +33,8 @@ double number_of(const Variant &p_value) {
 
 bool ScatterLayer::stores(const Resource *p_resource) const {
 	const auto is_stored = [p_resource](const Variant &p_reference) {
-		const Ref<ScatterLayer> held = p_reference;
-		return held.is_valid() && held->stores(p_resource);
+		const Ref<ScatterLayer> referenced = p_reference;
+		return referenced.is_valid() && referenced->stores(p_resource);
 	};
 	const Array references = spacing_property_.keys();
 	bool found = p_resource == this || is_stored(proximity_layer_);

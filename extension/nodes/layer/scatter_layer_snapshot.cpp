@@ -26,14 +26,14 @@ float reach_of(const AABB &box) {
 
 AABB box_of(const Ref<Mesh> &mesh) { return mesh.is_valid() ? mesh->get_aabb() : AABB(); }
 
-float reach_of(const MeshAppearance &look) {
-	return std::max(reach_of(box_of(look.mesh)), reach_of(box_of(look.shadow.mesh)));
+float reach_of(const MeshAppearance &appearance) {
+	return std::max(reach_of(box_of(appearance.mesh)), reach_of(box_of(appearance.shadow.mesh)));
 }
 
 void add_boxes(const LodSettings &lod, LayerDrawing &r_drawing) {
-	for (const MeshAppearance &look : r_drawing.meshes) {
-		r_drawing.boxes.push_back(box_of(look.mesh));
-		r_drawing.mesh_reach.push_back(reach_of(look));
+	for (const MeshAppearance &appearance : r_drawing.meshes) {
+		r_drawing.boxes.push_back(box_of(appearance.mesh));
+		r_drawing.mesh_reach.push_back(reach_of(appearance));
 	}
 	for (std::size_t index = 0; index < r_drawing.lod_meshes.size(); ++index) {
 		float &reach = r_drawing.mesh_reach[index % r_drawing.meshes.size()];
@@ -73,7 +73,7 @@ CellSettings cells_of(const LayerSettings &settings, double tile_size, const Lay
 	const float reach = drawing.mesh_reach.empty() ? 0.0F : std::ranges::max(drawing.mesh_reach);
 	const double density = point_density(settings.set) / std::max(static_cast<double>(drawing.meshes.size()), 1.0);
 	const double chosen = drawing.draw_cell_size;
-	return {tile_size, cells_across(tile_size, chosen > 0.0 ? chosen : usual_cell_size(reach, density))};
+	return {tile_size, cell_count_per_edge(tile_size, chosen > 0.0 ? chosen : usual_cell_size(reach, density))};
 }
 
 } // namespace

@@ -142,8 +142,8 @@ void ScatterLayer::set_value(
 		return;
 	}
 	if (p_value.is_valid()) {
-		const Ref<ScatterLayer> held = p_value->stored_layer();
-		if (held.is_valid() && held->stores(this)) {
+		const Ref<ScatterLayer> referenced = p_value->stored_layer();
+		if (referenced.is_valid() && referenced->stores(this)) {
 			ERR_PRINT(vformat("ScatterLayer.%s: %s", p_property, layers_in_circle));
 			return;
 		}

@@ -119,9 +119,9 @@ void transform_streams(const Transform3D &p_transform, Array &r_arrays) {
 	auto tangents = own_stream<PackedFloat32Array>(r_arrays, SurfaceStream::tangents);
 	const std::span<float> tangent = writable(tangents);
 	for (std::size_t at = 0; at + 3 < tangent.size(); at += 4) {
-		const glm::dvec3 turned = glm::normalize(basis * glm::dvec3{tangent[at], tangent[at + 1], tangent[at + 2]});
+		const glm::dvec3 rotated = glm::normalize(basis * glm::dvec3{tangent[at], tangent[at + 1], tangent[at + 2]});
 		for (int axis = 0; axis < 3; ++axis) {
-			tangent[at + static_cast<std::size_t>(axis)] = static_cast<float>(turned[axis]);
+			tangent[at + static_cast<std::size_t>(axis)] = static_cast<float>(rotated[axis]);
 		}
 		tangent[at + 3] = is_mirrored(p_transform) ? -tangent[at + 3] : tangent[at + 3];
 	}
@@ -131,7 +131,7 @@ void transform_streams(const Transform3D &p_transform, Array &r_arrays) {
 }
 
 /// Reverses the winding of triangles. Otherwise mirrored triangles would show their backs.
-PackedInt32Array turned_around(const PackedInt32Array &p_indices, int64_t p_primitive) {
+PackedInt32Array reversed(const PackedInt32Array &p_indices, int64_t p_primitive) {
 	if (p_indices.size() < 3) {
 		return p_indices;
 	}
@@ -162,9 +162,9 @@ PackedInt32Array indices_of(const Array &p_arrays, int32_t vertices) {
 /// Converts an index buffer. The engine stores each index in two bytes if these suffice for the
 /// vertex count.
 PackedInt32Array unpacked(const PackedByteArray &p_bytes, int64_t vertices) {
-	constexpr int64_t most_of_two_bytes = 65536;
+	constexpr int64_t max_two_byte_index = 65536;
 	PackedInt32Array result;
-	if (vertices > most_of_two_bytes) {
+	if (vertices > max_two_byte_index) {
 		const std::span<int32_t> out = resize(result, p_bytes.size() / 4);
 		std::memcpy(out.data(), p_bytes.ptr(), out.size_bytes());
 		return result;
@@ -282,9 +282,9 @@ Surface surface_of(const MeshPart &part, int32_t index) {
 	}
 	std::ranges::stable_sort(piece.lods, {}, &IndexLod::edge_length);
 	if (is_mirrored(part.transform)) {
-		piece.indices = turned_around(piece.indices, result.primitive);
+		piece.indices = reversed(piece.indices, result.primitive);
 		for (IndexLod &lod : piece.lods) {
-			lod.indices = turned_around(lod.indices, result.primitive);
+			lod.indices = reversed(lod.indices, result.primitive);
 		}
 	}
 	result.pieces.push_back(std::move(piece));

@@ -63,20 +63,20 @@ std::set<std::string> instance_parameters_of(const Ref<PackedScene> &p_scene) {
 }
 
 PartAppearance appearance_of(const MeshInstance3D &node, const std::set<std::string> &names) {
-	PartAppearance look{node.get_name(), node.get_transparency(), {},
+	PartAppearance appearance{node.get_name(), node.get_transparency(), {},
 			names.empty() ? String() : code_of(node.get_material_override())};
 	const Ref<Mesh> mesh = node.get_mesh();
 	for (int32_t surface = 0; !names.empty() && surface < mesh->get_surface_count(); ++surface) {
 		const Ref<Material> own = node.get_surface_override_material(surface);
-		look.shaders = look.shaders + code_of(own.is_valid() ? own : mesh->surface_get_material(surface));
+		appearance.shaders = appearance.shaders + code_of(own.is_valid() ? own : mesh->surface_get_material(surface));
 	}
 	for (const std::string &name : names) {
 		const Variant value = node.get_instance_shader_parameter(name.c_str());
 		if (value.get_type() != Variant::NIL) {
-			look.parameters.emplace_back(name.c_str(), value);
+			appearance.parameters.emplace_back(name.c_str(), value);
 		}
 	}
-	return look;
+	return appearance;
 }
 
 String material_name(const Ref<Material> &p_material) {
@@ -97,7 +97,7 @@ Ref<Material> drawn_material(
 	return replaced.is_valid() && replacement.is_valid() ? replacement : p_material;
 }
 
-void join_looks(std::span<const PartAppearance *const> parts, ScatterLod &r_lod, PackedStringArray &r_remarks) {
+void join_appearances(std::span<const PartAppearance *const> parts, ScatterLod &r_lod, PackedStringArray &r_remarks) {
 	const auto remark = [&r_remarks](const PartAppearance &part, const String &p_what) {
 		r_remarks.push_back(
 				vformat("\"%s\" has a different %s than other parts of its LOD: all are drawn with the value of "

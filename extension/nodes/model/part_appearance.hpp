@@ -44,6 +44,7 @@ godot::Ref<godot::Material> drawn_material(const godot::Ref<godot::Material> &p_
 
 /// Sets the appearance of an LOD, whose parts are drawn as one instance. If the parts differ in a
 /// setting, uses the first value for all of them and adds a remark.
-void join_looks(std::span<const PartAppearance *const> parts, ScatterLod &r_lod, godot::PackedStringArray &r_remarks);
+void join_appearances(
+		std::span<const PartAppearance *const> parts, ScatterLod &r_lod, godot::PackedStringArray &r_remarks);
 
 } // namespace thicket

@@ -42,15 +42,16 @@ void ScatterLod::set_distance(double p_distance) {
 }
 
 void ScatterLod::set_density(double p_density) {
-	if (accept_number(class_name, "density", p_density, 0.0, 1.0) && look_.density != p_density) {
-		look_.density = p_density;
+	if (accept_number(class_name, "density", p_density, 0.0, 1.0) && appearance_.density != p_density) {
+		appearance_.density = p_density;
 		emit_changed();
 	}
 }
 
 void ScatterLod::set_transparency(double p_transparency) {
-	if (accept_number(class_name, "transparency", p_transparency, 0.0, 1.0) && look_.transparency != p_transparency) {
-		look_.transparency = p_transparency;
+	if (accept_number(class_name, "transparency", p_transparency, 0.0, 1.0) &&
+			appearance_.transparency != p_transparency) {
+		appearance_.transparency = p_transparency;
 		emit_changed();
 	}
 }
@@ -61,20 +62,21 @@ void ScatterLod::set_instance_shader_parameters(const Dictionary &p_parameters) 
 	for (int64_t index = 0; index < names.size(); ++index) {
 		parameters.emplace_back(StringName(static_cast<String>(names[index])), p_parameters[names[index]]);
 	}
-	look_.parameters = parameters.empty() ? nullptr : std::make_shared<const ShaderParameters>(std::move(parameters));
+	appearance_.parameters =
+			parameters.empty() ? nullptr : std::make_shared<const ShaderParameters>(std::move(parameters));
 	emit_changed();
 }
 
-void ScatterLod::set_look(const LodAppearance &look) {
-	if (!(look == look_)) {
-		look_ = look;
+void ScatterLod::set_appearance(const LodAppearance &appearance) {
+	if (!(appearance == appearance_)) {
+		appearance_ = appearance;
 		emit_changed();
 	}
 }
 
 Dictionary ScatterLod::get_instance_shader_parameters() const {
 	Dictionary result;
-	for (const auto &[name, value] : look_.parameters != nullptr ? *look_.parameters : ShaderParameters()) {
+	for (const auto &[name, value] : appearance_.parameters != nullptr ? *appearance_.parameters : ShaderParameters()) {
 		result[name] = value;
 	}
 	return result;

@@ -67,18 +67,18 @@ public:
 
 	/// Sets the fraction of instances to draw with this LOD, 0 to 1.
 	void set_density(double p_density);
-	double get_density() const { return look_.density; }
+	double get_density() const { return appearance_.density; }
 
 	/// Sets the transparency, 0 to 1, like GeometryInstance3D.transparency.
 	void set_transparency(double p_transparency);
-	double get_transparency() const { return look_.transparency; }
+	double get_transparency() const { return appearance_.transparency; }
 
 	/// Sets values of instance uniforms for the shaders of the mesh, by name.
 	void set_instance_shader_parameters(const godot::Dictionary &p_parameters);
 	godot::Dictionary get_instance_shader_parameters() const;
 
-	void set_look(const LodAppearance &look);
-	const LodAppearance &look() const { return look_; }
+	void set_appearance(const LodAppearance &appearance);
+	const LodAppearance &appearance() const { return appearance_; }
 
 	static constexpr const char *class_name = "ScatterLod";
 
@@ -91,7 +91,7 @@ private:
 	godot::Ref<godot::Mesh> mesh_;
 	godot::Ref<godot::Mesh> shadow_mesh_;
 	double distance_ = 0.0;
-	LodAppearance look_;
+	LodAppearance appearance_;
 	CastShadow cast_shadow_ = CAST_SHADOW_LAYER;
 };
 

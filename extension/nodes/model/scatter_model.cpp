@@ -64,7 +64,7 @@ void add_drawn(const Ref<ScatterLod> &p_lod, std::vector<DrawnLod> &r_lods) {
 		const double size = r_lods.front().mesh->get_aabb().size.length();
 		distance = p_lod->get_distance() > 0.0 ? p_lod->get_distance() : usual_lod_distance(size, r_lods.size());
 	}
-	r_lods.push_back({distance, mesh, p_lod->get_shadow_mesh(), p_lod->get_cast_shadow(), p_lod->look()});
+	r_lods.push_back({distance, mesh, p_lod->get_shadow_mesh(), p_lod->get_cast_shadow(), p_lod->appearance()});
 }
 
 void refuse(const Ref<PackedScene> &p_scene, const String &p_problem) {

@@ -27,7 +27,7 @@ struct DrawnLod {
 	godot::Ref<godot::Mesh> mesh;   ///< The mesh; never null.
 	godot::Ref<godot::Mesh> shadow; ///< The mesh that casts the shadow. Null if `mesh` casts it.
 	std::int64_t cast_shadow = -1;  ///< A value of ScatterLod::CastShadow.
-	LodAppearance look;
+	LodAppearance lod_appearance;
 
 	friend bool operator==(const DrawnLod &, const DrawnLod &) = default;
 };

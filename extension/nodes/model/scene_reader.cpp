@@ -31,7 +31,7 @@ namespace thicket {
 
 namespace {
 
-constexpr int64_t most_remarks = 8;
+constexpr int64_t max_remarks = 8;
 
 /// Values of GeometryInstance3D.ShadowCastingSetting.
 constexpr int64_t shadow_off = 0;
@@ -43,7 +43,7 @@ struct ScenePart {
 	MeshPart part;
 	PartRange range;
 	int64_t cast_shadow = shadow_on;
-	PartAppearance look;
+	PartAppearance appearance;
 };
 
 /// Values that a node passes to its children.
@@ -92,7 +92,7 @@ void Walk::fail(const String &p_problem) {
 }
 
 void Walk::remark(const String &p_sentence) {
-	if (remarks.size() < most_remarks && !remarks.has(p_sentence)) {
+	if (remarks.size() < max_remarks && !remarks.has(p_sentence)) {
 		remarks.push_back(p_sentence);
 	}
 }
@@ -159,7 +159,7 @@ void Walk::add_mesh(MeshInstance3D *p_node, const Above &above, const LodName &n
 	}
 	ScenePart part;
 	part.part = {mesh, above.transform, {}, p_node->get_material_overlay(), blend_weights_of(*p_node)};
-	part.look = appearance_of(*p_node, parameter_names);
+	part.appearance = appearance_of(*p_node, parameter_names);
 	const Ref<Material> over_all = p_node->get_material_override();
 	for (int32_t surface = 0; surface < mesh->get_surface_count(); ++surface) {
 		const Ref<Material> own = over_all.is_valid() ? over_all : p_node->get_surface_override_material(surface);
@@ -241,15 +241,15 @@ Ref<ScatterLod> made_lod(const std::vector<ScenePart> &parts, const ModelLod &lo
 
 /// Sets the appearance of an LOD from its visible parts. Parts that only cast shadows are ignored.
 void join(Walk &r_walk, const std::vector<std::size_t> &parts, ScatterLod &r_lod) {
-	std::vector<const PartAppearance *> looks;
+	std::vector<const PartAppearance *> appearances;
 	for (const std::size_t part : parts) {
 		if (r_walk.parts[part].cast_shadow != shadows_only) {
-			looks.push_back(&r_walk.parts[part].look);
+			appearances.push_back(&r_walk.parts[part].appearance);
 		}
 	}
 	PackedStringArray remarks;
-	if (!looks.empty()) {
-		join_looks(looks, r_lod, remarks);
+	if (!appearances.empty()) {
+		join_appearances(appearances, r_lod, remarks);
 	}
 	for (const String &sentence : remarks) {
 		r_walk.remark(sentence);

@@ -93,7 +93,7 @@ void ScatterRegion3D::changed() {
 
 /// Returns true unless the node, or a node between it and its host, is hidden. A hidden host makes
 /// no difference, because its regions still have an effect.
-bool ScatterRegion3D::shown() const {
+bool ScatterRegion3D::is_visible_below_host() const {
 	for (const Node3D *node = this; node != nullptr && dynamic_cast<const RegionHost *>(node) != host_;
 			node = cast_to<Node3D>(node->get_parent())) {
 		if (!node->is_visible()) {
@@ -182,7 +182,7 @@ void ScatterRegion3D::build_outline(const Planet &planet, thicket::Shape &r_shap
 Status ScatterRegion3D::build_solid(thicket::Shape &r_shape) const {
 	const Transform3D transform = transform_of(*this);
 	ShapeFrame frame;
-	if (const Status status = take_apart(to_core(transform.basis), frame); !status.ok()) {
+	if (const Status status = decompose(to_core(transform.basis), frame); !status.ok()) {
 		return status;
 	}
 	r_shape.center = to_world(transform, glm::dvec3(0.0));
@@ -219,7 +219,7 @@ Status ScatterRegion3D::build(thicket::Shape &r_shape) const {
 }
 
 std::optional<thicket::Shape> ScatterRegion3D::world_shape() {
-	if (!is_inside_tree() || !shown()) {
+	if (!is_inside_tree() || !is_visible_below_host()) {
 		return std::nullopt;
 	}
 	thicket::Shape shape;

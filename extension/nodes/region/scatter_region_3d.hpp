@@ -148,7 +148,7 @@ private:
 	void enter();
 	void leave();
 	void changed();
-	bool shown() const;
+	bool is_visible_below_host() const;
 	bool is_flat() const { return shape_ == SHAPE_POLYGON || shape_ == SHAPE_PATH; }
 	/// Returns ErrorCode::missing for an outline with too few points.
 	Status build(thicket::Shape &r_shape) const;

@@ -19,7 +19,7 @@ namespace {
 
 /// The smallest allowed cosine of the angle between a polygon's normal and the up direction (60
 /// degrees).
-constexpr double least_upright = 0.5;
+constexpr double min_upright = 0.5;
 
 constexpr bool differ(double a, double b) { return std::abs(a - b) > 1e-4 * std::max(a, b); }
 
@@ -52,7 +52,7 @@ void ScatterRegion3D::add_planet_problems(PackedStringArray &r_problems) const {
 		r_problems.push_back("The region has no effect: " + sentence(class_name, status) + ".");
 	} else if (shape_ == SHAPE_POLYGON) {
 		const glm::dvec3 normal = glm::normalize(to_core(transform_of(*this).basis)[1]);
-		if (std::abs(glm::dot(normal, shape.planet.up_at(shape.center))) < least_upright) {
+		if (std::abs(glm::dot(normal, shape.planet.up_at(shape.center))) < min_upright) {
 			r_problems.push_back("ScatterRegion3D.polygon is too steep on the planet (over 60 degrees). Rotate "
 								 "the node so that its y axis points away from the planet's center.");
 		}
@@ -79,7 +79,7 @@ PackedStringArray ScatterRegion3D::get_problems() const {
 		return problems;
 	}
 	ShapeFrame frame;
-	const Status status = take_apart(to_core(transform_of(*this).basis), frame);
+	const Status status = decompose(to_core(transform_of(*this).basis), frame);
 	const glm::dvec3 scale = frame.scale;
 	if (!status.ok()) {
 		problems.push_back("The region has no effect: " + sentence(class_name, status) + ".");

@@ -9,11 +9,11 @@ namespace thicket {
 
 /// The parts into which a frame's time on the main thread is divided.
 enum class FramePart : std::uint8_t {
-	follow,       ///< Applying changes to the ground, the layers and the settings.
-	gameplay,     ///< Advancing the state's clock, and finding viewers and nearby instances.
-	made,         ///< Taking finished tiles from the workers.
-	wanted,       ///< Requesting and dropping tiles as viewers move.
-	query_ground, ///< This part and the following ones up to `recheck` are in the order of ScatterStream::Step.
+	follow,         ///< Applying changes to the ground, the layers and the settings.
+	gameplay,       ///< Advancing the state's clock, and finding viewers and nearby instances.
+	finished_tiles, ///< Taking finished tiles from the workers.
+	wanted,         ///< Requesting and dropping tiles as viewers move.
+	query_ground,   ///< This part and the following ones up to `recheck` are in the order of ScatterStream::Step.
 	upload,
 	free,
 	lod,
@@ -21,7 +21,7 @@ enum class FramePart : std::uint8_t {
 	fade,
 	rings,
 	recheck,
-	told,    ///< Answering requests, showing scenes, and emitting signals of changes.
+	reports, ///< Answering requests, showing scenes, and emitting signals of changes.
 	patched, ///< Redrawing tiles that a game has changed.
 	signals,
 	count,

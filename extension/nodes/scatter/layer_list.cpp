@@ -17,7 +17,7 @@ namespace {
 
 /// Returns `before` if it equals `now`, so that unchanged values stay the same object.
 template <class Values>
-std::shared_ptr<const Values> kept(const std::shared_ptr<const Values> &before, Values now) {
+std::shared_ptr<const Values> reuse_if_equal(const std::shared_ptr<const Values> &before, Values now) {
 	if (before != nullptr && *before == now) {
 		// Nothing has to be regenerated for the same object.
 		return before;
@@ -43,7 +43,7 @@ EditedArea outdated_area(const SharedSnapshot &before, const SharedSnapshot &now
 
 /// Names the property whose distance is too large. Call it for a layer that exceeds the limit only
 /// because of the points of other layers around a tile.
-const char *far_looking_property(const LayerSettings &layer, double tile_size) {
+const char *property_to_lower(const LayerSettings &layer, double tile_size) {
 	LayerSettings plain = layer;
 	plain.instance_data = {};
 	if (points_to_sample(plain, tile_size) > ScatterLayer::max_tile_points) {
@@ -64,8 +64,9 @@ void LayerList::clear() {
 }
 
 void LayerList::complain(std::size_t index, bool own, const Status &status) {
-	const std::string place = std::to_string(index);
-	const std::string owner = (own ? "layers[" + place + "]" : "get_all_layers()[" + place + "]") + ": ScatterLayer";
+	const std::string index_text = std::to_string(index);
+	const std::string owner =
+			(own ? "layers[" + index_text + "]" : "get_all_layers()[" + index_text + "]") + ": ScatterLayer";
 	const String complaint = status.ok() ? String() : sentence(owner.c_str(), status);
 	if (!complaint.is_empty() && !(complaint == entries_[index].complaint)) {
 		ERR_PRINT(complaint);
@@ -97,7 +98,7 @@ void LayerList::add_world(std::size_t index, const NodeLayers &layers, const Lay
 	rules.biome = nullptr;
 	if (index >= layers.own_count()) {
 		const Ref<ScatterLayer> resource = layers.by_index()[static_cast<int64_t>(index)];
-		rules.biome = kept(was != nullptr ? was->settings->rules.biome : nullptr,
+		rules.biome = reuse_if_equal(was != nullptr ? was->settings->rules.biome : nullptr,
 				BiomeDensity(world.biomes->map(), world.biomes->densities_of(resource)));
 	}
 	if (settings->set.on_surface && world.planet.exists()) {
@@ -111,7 +112,7 @@ void LayerList::add_world(std::size_t index, const NodeLayers &layers, const Lay
 		layer.range.nearest = shell.nearest;
 		layer.range.farthest = shell.farthest;
 		layer.range.view_distance =
-				std::min(layer.range.view_distance, layer.range.most_view_tiles() * layer.range.tile_size);
+				std::min(layer.range.view_distance, layer.range.view_tile_limit() * layer.range.tile_size);
 		layer.lod.sight_end = layer.range.view_distance;
 		layer.lod.in_space = true;
 	}
@@ -122,9 +123,10 @@ void LayerList::add_world(std::size_t index, const NodeLayers &layers, const Lay
 /// one biome's water then affects only the area of that biome.
 void LayerList::find_water(const LayerWorld &world) {
 	if (world.biomes.is_valid()) {
-		water_ = kept(water_, WaterLevels(world.biomes->map(), world.biomes->water_levels(world.water_level)));
+		water_ =
+				reuse_if_equal(water_, WaterLevels(world.biomes->map(), world.biomes->water_levels(world.water_level)));
 	} else if (world.water_level > no_water) {
-		water_ = kept(water_, WaterLevels(world.water_level));
+		water_ = reuse_if_equal(water_, WaterLevels(world.water_level));
 	} else {
 		water_ = nullptr;
 	}
@@ -162,8 +164,8 @@ void LayerList::add_hosts(const NodeLayers &layers, const LayerWorld &world, std
 			}
 			host.changes = state != nullptr ? std::make_shared<const HostState>(state, number) : nullptr;
 		}
-		const Ref<ScatterLayer> shown = world.previews.shown(layers.by_index()[static_cast<int64_t>(index)]);
-		r_layers[at].models = host.reader.read(entry.unlinked->drawing, shown->mesh_version());
+		const Ref<ScatterLayer> displayed = world.previews.displayed(layers.by_index()[static_cast<int64_t>(index)]);
+		r_layers[at].models = host.reader.read(entry.unlinked->drawing, displayed->mesh_version());
 		r_layers[at].changes = host.changes;
 	}
 }
@@ -210,7 +212,7 @@ std::vector<LinkedLayer> LayerList::link(const NodeLayers &node_layers, const La
 		const double tile_size = entries_[order[at]].unlinked->range.tile_size;
 		const double points = points_to_sample(layer, tile_size);
 		return points > ScatterLayer::max_tile_points
-				? Status::too_many_points(far_looking_property(layer, tile_size), points, ScatterLayer::max_tile_points,
+				? Status::too_many_points(property_to_lower(layer, tile_size), points, ScatterLayer::max_tile_points,
 						  "Lower tile_size or this distance, raise the radius, or turn off spacing_fills")
 				: Status{};
 	};
@@ -234,7 +236,7 @@ SharedSnapshot LayerList::next(std::size_t index, const LinkedLayer &linked) con
 	}
 	LayerSnapshot now = *entries_[index].unlinked;
 	now.settings = linked.settings;
-	return kept(was, std::move(now));
+	return reuse_if_equal(was, std::move(now));
 }
 
 std::vector<EditedArea> LayerList::update(
@@ -245,10 +247,10 @@ std::vector<EditedArea> LayerList::update(
 	std::vector<Status> statuses;
 	for (std::size_t index = 0; index < count; ++index) {
 		const Ref<ScatterLayer> layer = layers.by_index()[static_cast<int64_t>(index)];
-		const Ref<ScatterLayer> shown = world.previews.shown(layer);
-		statuses.push_back(read(entries_[index], shown, world.seed, index));
+		const Ref<ScatterLayer> displayed = world.previews.displayed(layer);
+		statuses.push_back(read(entries_[index], displayed, world.seed, index));
 		if (std::optional<LayerSnapshot> &unlinked = entries_[index].unlinked) {
-			if (shown != layer) {
+			if (displayed != layer) {
 				// References to a layer without a name use this ID.
 				unlinked->links.identity = layer->get_instance_id();
 			}

@@ -38,7 +38,7 @@ std::vector<bool> LayerPreviews::hidden(const TypedArray<ScatterLayer> &p_layers
 	return result;
 }
 
-Ref<ScatterLayer> LayerPreviews::shown(const Ref<ScatterLayer> &p_layer) const {
+Ref<ScatterLayer> LayerPreviews::displayed(const Ref<ScatterLayer> &p_layer) const {
 	const auto found = p_layer.is_valid() ? stand_ins_.find(p_layer->get_instance_id()) : stand_ins_.end();
 	return found != stand_ins_.end() ? found->second : p_layer;
 }

@@ -27,7 +27,7 @@ public:
 	std::vector<bool> hidden(const godot::TypedArray<ScatterLayer> &p_layers) const;
 
 	/// Returns the layer to display: the stand-in if there is one, otherwise the layer itself.
-	godot::Ref<ScatterLayer> shown(const godot::Ref<ScatterLayer> &p_layer) const;
+	godot::Ref<ScatterLayer> displayed(const godot::Ref<ScatterLayer> &p_layer) const;
 
 private:
 	// Instance IDs, so that removed layers are not kept alive.

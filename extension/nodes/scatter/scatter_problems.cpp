@@ -105,7 +105,7 @@ void add_transform_problem(const Node3D &node, glm::dvec3 offset, PackedStringAr
 
 void add_local_problems(const Node3D &node, const Ref<ScatterGround> &p_ground, PackedStringArray &r_problems) {
 	const glm::dmat3 axes = node.is_inside_tree() ? to_core(node.get_global_transform().basis) : glm::dmat3(1.0);
-	if (!is_identity(WorldFrame::of_local_space(axes, glm::dvec3(0.0)).turn * axes)) {
+	if (!is_identity(WorldFrame::of_local_space(axes, glm::dvec3(0.0)).rotation * axes)) {
 		r_problems.push_back(
 				"TerrainScatter3D.global_transform is scaled, skewed or mirrored. With local_coords, "
 				"instances only move and rotate with the node. Reset the scales of the node and its parents.");
@@ -127,7 +127,7 @@ void add_viewer_problems(
 		const String name = "Viewer " + String::num_int64(index);
 		if (viewer == nullptr) {
 			r_problems.push_back(name + String(" is not a Node3D in this scene. Change or remove its path."));
-		} else if (!has_place(*viewer)) {
+		} else if (!has_position(*viewer)) {
 			r_problems.push_back(
 					name + String(" has a position that is not finite, so no tiles are generated around it. Move it."));
 		}
@@ -197,7 +197,7 @@ void add_uniform_problem(
 		const TileDisplay &display, std::span<const SharedSnapshot> layers, PackedStringArray &r_problems) {
 	// The number of multimeshes that the uniform buffer of 64 KiB has room for. Each takes 16
 	// slots.
-	constexpr std::uint64_t room = 256;
+	constexpr std::uint64_t spare_multimeshes = 256;
 	if (String(RenderingServer::get_singleton()->call("get_current_rendering_method")) != String("gl_compatibility")) {
 		return;
 	}
@@ -208,16 +208,16 @@ void add_uniform_problem(
 			continue;
 		}
 		for (const glm::ivec2 &tile : display.tiles(layer)) {
-			const DisplayedTile *shown = display.find(layer, tile);
-			multimeshes += shown != nullptr ? shown->multimesh_count() : 0;
+			const DisplayedTile *displayed = display.find(layer, tile);
+			multimeshes += displayed != nullptr ? displayed->multimesh_count() : 0;
 		}
 	}
-	if (multimeshes > room) {
+	if (multimeshes > spare_multimeshes) {
 		r_problems.push_back(vformat(
 				"%d multimeshes have shaders with instance uniforms, but the Compatibility renderer supports only %d: "
 				"the others use default values. Increase ScatterLayer.tile_size, lower "
 				"ScatterLayer.view_distance, or use shaders without instance uniforms.",
-				static_cast<int64_t>(multimeshes), static_cast<int64_t>(room)));
+				static_cast<int64_t>(multimeshes), static_cast<int64_t>(spare_multimeshes)));
 	}
 }
 

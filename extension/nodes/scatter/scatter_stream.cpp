@@ -95,25 +95,25 @@ void ScatterStream::set_layers(
 	for (std::uint32_t layer = 0; layer < outdated.size(); ++layer) {
 		if (outdated[layer].everywhere) {
 			constexpr double infinity = std::numeric_limits<double>::infinity();
-			recheck_.hold(layer, {glm::dvec2(-infinity), glm::dvec2(infinity)});
+			recheck_.suspend(layer, {glm::dvec2(-infinity), glm::dvec2(infinity)});
 			streamer_.invalidate(layer);
 			continue;
 		}
 		for (const Rect &area : outdated[layer].areas) {
-			recheck_.hold(layer, area);
+			recheck_.suspend(layer, area);
 			streamer_.invalidate(layer, area);
 		}
 	}
 }
 
-/// Completes a request without a new tile, because the visible tile with its key stays.
+/// Completes a request without replacing the visible tile, because its content has not changed.
 void ScatterStream::keep_shown(const TileRequest &request) {
 	streamer_.finish(request);
 	recheck_.keep(request.key);
 }
 
 bool ScatterStream::frame(std::span<const Viewer> viewers, std::uint64_t budget) {
-	const std::weak_ptr<const void> alive = life_;
+	const std::weak_ptr<const void> alive = life_; // A script may free this object during the frame.
 	try {
 		return work_in_frame(viewers, budget);
 	} catch (const std::bad_alloc &) {
@@ -128,7 +128,7 @@ bool ScatterStream::work_in_frame(std::span<const Viewer> viewers, std::uint64_t
 	const Clock::time_point deadline = Clock::now() + std::chrono::microseconds(budget);
 	allow_recheck(std::chrono::microseconds(budget));
 	take_finished();
-	times_.spent_on(FramePart::made);
+	times_.spent_on(FramePart::finished_tiles);
 	accept(viewers);
 	if (!viewers_.empty()) {
 		request_tiles();
@@ -227,13 +227,13 @@ void ScatterStream::start(const TileRequest &request) {
 /// Starts jobs for tiles that queries need and that are not displayed. Tiles beyond the limit are
 /// requested again in the next frame.
 void ScatterStream::start_missing() {
-	const std::size_t room = min_jobs_per_worker * workers_.threads();
+	const std::size_t max_jobs = min_jobs_per_worker * workers_.threads();
 	auto under_way = static_cast<std::size_t>(std::ranges::count_if(jobs_, is_unseen));
 	for (const WorldTile &tile : world_.take_missing()) {
 		const auto makes = [&tile](const std::shared_ptr<TileJob> &job) {
 			return world_tile(job->request.key) == tile && !job->stale;
 		};
-		if (under_way == room || !ground_.source.is_available()) {
+		if (under_way == max_jobs || !ground_.source.is_available()) {
 			return;
 		}
 		if (tile.layer >= layers_.size() || layers_[tile.layer] == nullptr) {
@@ -277,7 +277,7 @@ void ScatterStream::take_finished() {
 		}
 	}
 	for (std::shared_ptr<const CompactTile> &tile : world_.take_forgotten()) {
-		workers_.let_go(std::move(tile));
+		workers_.free_on_worker(std::move(tile));
 	}
 }
 
@@ -297,7 +297,7 @@ void ScatterStream::settle(const std::shared_ptr<TileJob> &job) {
 		settle_unseen(job);
 		return;
 	}
-	if (!job->status.ok() && display_.holds(job->request.key)) {
+	if (!job->status.ok() && display_.contains(job->request.key)) {
 		std::erase(jobs_, job);
 		keep_shown(job->request);
 		return;

@@ -122,8 +122,8 @@ public:
 	TileDisplay &display() { return display_; }
 	const TileDisplay &display() const { return display_; }
 
-	/// Frees a large object on a worker; see TileWorkers::let_go.
-	void let_go(std::shared_ptr<const void> unneeded) { workers_.let_go(std::move(unneeded)); }
+	/// Frees a large object on a worker; see TileWorkers::free_on_worker.
+	void free_on_worker(std::shared_ptr<const void> unneeded) { workers_.free_on_worker(std::move(unneeded)); }
 
 	/// Returns the times of the node's whole frame. The node starts and completes the measurement.
 	FrameTimes &times() { return times_; }
@@ -175,7 +175,7 @@ private:
 	void forget_work();
 	void take_finished();
 	void settle(const std::shared_ptr<TileJob> &job);
-	std::size_t ground_step(std::size_t most);
+	std::size_t ground_step(std::size_t max_count);
 	std::size_t positions_at_once(bool in_physics_frame) const;
 	bool upload_step();
 	void finish_upload();
@@ -183,7 +183,7 @@ private:
 	void keep_shown(const TileRequest &request);
 	void allow_recheck(Clock::duration budget);
 	bool recheck_step();
-	std::size_t recheck_heights(std::size_t most);
+	std::size_t recheck_heights(std::size_t max_count);
 	bool do_step(Step step);
 	bool may_divide() const;
 	bool may_fade() const;

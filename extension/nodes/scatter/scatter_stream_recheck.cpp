@@ -36,8 +36,8 @@ bool ScatterStream::rechecks() const {
 /// Adds this frame's portion of the time for re-checks. Call it once per frame. If reading a height
 /// takes longer than allowed, as in a slow script, the following frames read none.
 void ScatterStream::allow_recheck(Clock::duration budget) {
-	const Clock::duration share = budget / budget_parts;
-	recheck_left_ = std::min(recheck_left_ + share, saved_frames * share);
+	const Clock::duration time_per_frame = budget / budget_parts;
+	recheck_left_ = std::min(recheck_left_ + time_per_frame, saved_frames * time_per_frame);
 	recheck_due_ = true;
 }
 
@@ -51,14 +51,14 @@ bool ScatterStream::recheck_step() {
 
 /// Samples the ground at a few positions and returns their number. Sampling the ground may run a
 /// script, which may even free this object.
-std::size_t ScatterStream::recheck_heights(std::size_t most) {
+std::size_t ScatterStream::recheck_heights(std::size_t max_count) {
 	recheck_due_ = false;
 	const bool has_failed = !recheck_failure_.sentence.is_empty();
 	if (has_failed || recheck_left_ <= Clock::duration(0) || !ground_.source.is_available() || !rechecks()) {
 		return 0;
 	}
 	const auto affordable = static_cast<std::size_t>(recheck_left_ / std::max(usual_height_, Clock::duration(1)));
-	const std::size_t count = std::clamp<std::size_t>(affordable, 1, std::min(most, heights_per_frame));
+	const std::size_t count = std::clamp<std::size_t>(affordable, 1, std::min(max_count, heights_per_frame));
 	const Clock::time_point start = Clock::now();
 	std::vector<glm::dvec2> positions;
 	recheck_.next(seconds_now(), count, positions);

@@ -31,17 +31,17 @@ std::chrono::steady_clock::duration smoothed(
 
 } // namespace
 
-/// Samples the ground of the first waiting tile at up to `most` positions. Returns the number of
-/// positions; at least 1 if a tile was processed. Returns 0 if no tile waits, or if a script has
+/// Samples the ground of the first waiting tile at up to `max_count` positions. Returns the number
+/// of positions; at least 1 if a tile was processed. Returns 0 if no tile waits, or if a script has
 /// changed the stream.
-std::size_t ScatterStream::ground_step(std::size_t most) {
-	if (ask_ground_.empty() || most == 0) {
+std::size_t ScatterStream::ground_step(std::size_t max_count) {
+	if (ask_ground_.empty() || max_count == 0) {
 		return 0;
 	}
 	const std::shared_ptr<TileJob> job = ask_ground_.front();
 	const auto part = std::find_if(job->parts.begin(), job->parts.end(),
 			[&job](const TileJob::Part &candidate) { return candidate.end > job->answered; });
-	const std::size_t count = part != job->parts.end() ? std::min(most, part->end - job->answered) : 0;
+	const std::size_t count = part != job->parts.end() ? std::min(max_count, part->end - job->answered) : 0;
 	Status status;
 	if (count > 0) {
 		const std::weak_ptr<const void> alive = life_;

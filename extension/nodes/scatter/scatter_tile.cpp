@@ -34,7 +34,7 @@ Ref<ScatterTile> ScatterTile::built(CompactTile tile, const std::vector<Ref<Mesh
 	return result;
 }
 
-Ref<ScatterTile> ScatterTile::shown(const std::shared_ptr<const TileDisplay> &display, std::uint32_t layer,
+Ref<ScatterTile> ScatterTile::from_display(const std::shared_ptr<const TileDisplay> &display, std::uint32_t layer,
 		glm::ivec2 tile, const WorldFrame &frame) {
 	const Ref<ScatterTile> result(memnew(ScatterTile));
 	const std::vector<const DisplayedTile *> column = display->column(layer, tile);
@@ -45,11 +45,11 @@ Ref<ScatterTile> ScatterTile::shown(const std::shared_ptr<const TileDisplay> &di
 	if (column.size() != 1) {
 		return result;
 	}
-	const DisplayedTile *shown = column.front();
-	result->tile_ = shown->tile;
-	result->origin_ = to_engine(shown->tile->origin, frame);
-	for (const DisplayedTile::Part &part : shown->parts) {
-		result->parts_.push_back({part.cells.empty() ? Ref<Mesh>() : part.lods.front().mesh, part.shown, {}});
+	const DisplayedTile *displayed = column.front();
+	result->tile_ = displayed->tile;
+	result->origin_ = to_engine(displayed->tile->origin, frame);
+	for (const DisplayedTile::Part &part : displayed->parts) {
+		result->parts_.push_back({part.cells.empty() ? Ref<Mesh>() : part.lods.front().mesh, part.displayed, {}});
 		for (const DisplayedTile::Cell &cell : part.cells) {
 			result->parts_.back().multimeshes.push_back(cell.visual.multimesh());
 		}
@@ -78,7 +78,7 @@ void ScatterTile::merge(std::span<const DisplayedTile *const> column) {
 				continue; // This cube could not be generated.
 			}
 			const DisplayedTile::Part &part = cube->parts[mesh];
-			meshes.push_back({part.shown.get(), cube->tile->origin});
+			meshes.push_back({part.displayed.get(), cube->tile->origin});
 			merged_part.mesh = part.cells.empty() ? merged_part.mesh : part.lods.front().mesh;
 			for (const DisplayedTile::Cell &cell : part.cells) {
 				merged_part.multimeshes.push_back(cell.visual.multimesh());
@@ -123,7 +123,7 @@ PackedFloat32Array ScatterTile::get_buffer(int64_t p_index) const {
 	const std::shared_ptr<const TileDisplay> display = display_.lock();
 	const DisplayedTile *now = display != nullptr ? display->find(layer_, number_) : nullptr;
 	const auto index = static_cast<std::size_t>(p_index);
-	const bool same = now != nullptr && index < now->parts.size() && now->parts[index].shown == part->instances;
+	const bool same = now != nullptr && index < now->parts.size() && now->parts[index].displayed == part->instances;
 	return same && !now->parts[index].cells.empty() ? read_back(now->parts[index])
 													: to_upload(*part->instances, 0.0F).buffer;
 }

@@ -43,7 +43,7 @@ public:
 			CompactTile tile, const std::vector<godot::Ref<godot::Mesh>> &meshes, const WorldFrame &frame);
 
 	/// Creates the result for a tile of a display; empty if the tile is not visible.
-	static godot::Ref<ScatterTile> shown(const std::shared_ptr<const TileDisplay> &display, std::uint32_t layer,
+	static godot::Ref<ScatterTile> from_display(const std::shared_ptr<const TileDisplay> &display, std::uint32_t layer,
 			glm::ivec2 tile, const WorldFrame &frame);
 
 	/// Returns true if there are no instances.

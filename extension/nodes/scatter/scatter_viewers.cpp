@@ -51,7 +51,7 @@ glm::dvec3 focus_of(const Camera3D &camera, const WorldFrame &frame, const ViewG
 	const Transform3D transform = camera.get_global_transform();
 	ParallelView view;
 	view.from = to_world(transform.origin, frame);
-	view.direction = -glm::normalize(frame.turned(to_core(transform.basis))[2]);
+	view.direction = -glm::normalize(frame.rotated(to_core(transform.basis))[2]);
 	view.reach = camera.get_far();
 	// The editor's orthogonal camera is half of its visible depth away from the point that it
 	// orbits.
@@ -61,7 +61,7 @@ glm::dvec3 focus_of(const Camera3D &camera, const WorldFrame &frame, const ViewG
 
 } // namespace
 
-bool has_place(const Node3D &viewer) {
+bool has_position(const Node3D &viewer) {
 	const Vector3 at = viewer.get_global_position();
 	return std::isfinite(at.x) && std::isfinite(at.z);
 }
@@ -77,23 +77,23 @@ FoundViewers find_viewers(
 		const Node3D &node, const ViewerSettings &settings, const WorldFrame &frame, const ViewGround &ground) {
 	FoundViewers result;
 	const auto add = [&](const Node3D *viewer, int64_t index) {
-		if (viewer == nullptr || !viewer->is_inside_tree() || !has_place(*viewer)) {
+		if (viewer == nullptr || !viewer->is_inside_tree() || !has_position(*viewer)) {
 			return;
 		}
 		const Vector3 at = viewer->get_global_position();
-		glm::dvec3 place = to_world(Vector3(at.x, std::isfinite(at.y) ? at.y : real_t(0.0), at.z), frame);
+		glm::dvec3 position = to_world(Vector3(at.x, std::isfinite(at.y) ? at.y : real_t(0.0), at.z), frame);
 		double above = 0.0;
 		const Camera3D *camera = Object::cast_to<Camera3D>(viewer);
 		if (camera != nullptr && is_orthogonal(*camera)) {
 			const glm::dvec3 focus = focus_of(*camera, frame, ground);
 			const bool finite = std::isfinite(focus.x) && std::isfinite(focus.y) && std::isfinite(focus.z);
-			place = finite ? focus : place;
+			position = finite ? focus : position;
 			above = camera->get_size() / size_per_distance;
 		}
 		const PackedFloat32Array &scales = settings.distance_scales;
 		const double scale = index < scales.size() ? scales.ptr()[index] : 1.0;
-		result.viewers.push_back({{place.x, place.z}, scale, place.y + above});
-		result.places.push_back(place);
+		result.viewers.push_back({{position.x, position.z}, scale, position.y + above});
+		result.positions.push_back(position);
 		result.ids.push_back(viewer->get_instance_id());
 	};
 	for (int64_t index = 0; index < settings.paths.size(); ++index) {
@@ -109,7 +109,7 @@ FoundViewers find_viewers(
 
 std::vector<glm::dvec3> find_near_centers(
 		const Node3D &node, const FoundViewers &viewers, const StringName &p_group, const WorldFrame &frame) {
-	std::vector<glm::dvec3> centers = viewers.places;
+	std::vector<glm::dvec3> centers = viewers.positions;
 	if (p_group == StringName()) {
 		return centers;
 	}

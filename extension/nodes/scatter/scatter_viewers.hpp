@@ -37,7 +37,7 @@ struct ViewGround {
 struct FoundViewers {
 	std::vector<Viewer> viewers;
 	/// The position of each viewer; for an orthogonal camera, the point at which it is aimed.
-	std::vector<glm::dvec3> places;
+	std::vector<glm::dvec3> positions;
 	std::vector<std::uint64_t> ids; ///< The instance ID of each viewer.
 };
 
@@ -51,7 +51,7 @@ FoundViewers find_viewers(
 		const godot::Node3D &node, const ViewerSettings &settings, const WorldFrame &frame, const ViewGround &ground);
 
 /// Returns true if a node in the tree can be a viewer, because its global x and z are finite.
-bool has_place(const godot::Node3D &viewer);
+bool has_position(const godot::Node3D &viewer);
 
 /// Returns the viewers of a node without `paths`. In a game, this is the current camera of the
 /// node's viewport; in the editor, the camera of each visible 3D viewport.

@@ -189,7 +189,7 @@ void TerrainScatter3D::work(Clock::time_point start) {
 	if (!in_editor()) {
 		const std::vector<glm::dvec3> centers = near_centers(found);
 		was_settled_ = was_settled_ && gameplay->follows(centers);
-		gameplay->look_around(centers);
+		gameplay->find_changes(centers);
 	}
 	stream->times().spent_on(FramePart::gameplay);
 	const auto left = std::chrono::duration_cast<std::chrono::microseconds>(start + budget - Clock::now());
@@ -205,7 +205,7 @@ void TerrainScatter3D::work(Clock::time_point start) {
 	}
 	gameplay->answer_requests();
 	gameplay->work_until(start + budget);
-	stream->times().spent_on(FramePart::told);
+	stream->times().spent_on(FramePart::reports);
 	if (here) {
 		patch_in_steps(start + budget);
 		stream->display().patch();
@@ -223,7 +223,7 @@ void TerrainScatter3D::dissolve(Clock::time_point start) {
 	const Presence here(gameplay);
 	const Clock::time_point deadline = start + std::chrono::microseconds(frame_budget_usec_);
 	if (!in_editor()) {
-		gameplay->look_around(near_centers(viewers_now()));
+		gameplay->find_changes(near_centers(viewers_now()));
 	}
 	stream->dissolve_until(deadline);
 	if (here) {
@@ -306,8 +306,8 @@ void TerrainScatter3D::set_fade_viewers(const FoundViewers &found) {
 	std::vector<FadeViewer> viewers;
 	for (std::size_t at = 0; at < found.viewers.size(); ++at) {
 		const Viewer &viewer = found.viewers[at];
-		const glm::dvec3 place = frame_.to_engine({viewer.position.x, viewer.height, viewer.position.y});
-		viewers.push_back({found.ids[at], glm::vec4(glm::dvec4(place, viewer.radius_scale - 1.0))});
+		const glm::dvec3 engine_position = frame_.to_engine({viewer.position.x, viewer.height, viewer.position.y});
+		viewers.push_back({found.ids[at], glm::vec4(glm::dvec4(engine_position, viewer.radius_scale - 1.0))});
 	}
 	const Camera3D *camera = get_viewport()->get_camera_3d();
 	const Vector3 at = camera != nullptr ? camera->get_global_position() : Vector3();

@@ -309,7 +309,9 @@ private:
 		void redraw_all() override;
 		void redraw_later(std::uint32_t layer, const Rect &area) override;
 		void redraw_all_later() override;
-		void let_go(std::shared_ptr<const void> unneeded) override { node_.stream_->let_go(std::move(unneeded)); }
+		void free_on_worker(std::shared_ptr<const void> unneeded) override {
+			node_.stream_->free_on_worker(std::move(unneeded));
+		}
 		void set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden) override;
 		void recycle_soon() override { node_.call_deferred("_recycle_scenes"); }
 

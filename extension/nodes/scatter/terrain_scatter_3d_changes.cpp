@@ -86,7 +86,7 @@ void TerrainScatter3D::mark_dirty() {
 	// nodes share.
 	const bool assigns = is_inside_tree() || !was_inside_;
 	// Assigning an ID emits a signal, so scripts may free this node.
-	watch->look(layers, node_layers_.own_count(), assigns);
+	watch->update(layers, node_layers_.own_count(), assigns);
 	const std::vector<LayerRename> renames = gameplay->alive() ? watch->follow_names() : std::vector<LayerRename>();
 	if (!gameplay->alive()) {
 		return;
@@ -152,7 +152,7 @@ void TerrainScatter3D::use_resources() {
 void TerrainScatter3D::check_layers() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	if (const Ref<ScatterBiomeMap> biomes = biomes_; biomes.is_valid()) {
-		biomes->notice(); // Emits signals, so scripts may free this node.
+		biomes->detect_changes(); // Emits signals, so scripts may free this node.
 	}
 	if (gameplay->alive() && layer_watch_->differs(all_layers())) {
 		mark_dirty();
@@ -276,7 +276,7 @@ void TerrainScatter3D::apply_changes() {
 	instance_load_.forget();
 	check_load();
 	if (former != nullptr && former != ground_snapshot_) {
-		stream->let_go(std::move(former));
+		stream->free_on_worker(std::move(former));
 	}
 }
 
@@ -306,10 +306,10 @@ TileMaker TerrainScatter3D::tile_maker() const {
 		}
 		std::vector<TileOrder> orders;
 		const std::vector<std::size_t> ordered = order_tiles(layers, tiles, orders);
-		std::vector<std::shared_ptr<const CompactTile>> made;
-		const Status status = builder->build_all(orders, terrain.get(), ground, made);
-		for (std::size_t i = 0; i < made.size(); ++i) {
-			r_tiles[ordered[i]] = std::move(made[i]);
+		std::vector<std::shared_ptr<const CompactTile>> generated;
+		const Status status = builder->build_all(orders, terrain.get(), ground, generated);
+		for (std::size_t i = 0; i < generated.size(); ++i) {
+			r_tiles[ordered[i]] = std::move(generated[i]);
 		}
 		return status;
 	};

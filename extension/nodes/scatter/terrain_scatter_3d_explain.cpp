@@ -4,7 +4,7 @@
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
 #include "core/base/tile_grid.hpp"
-#include "core/explain/place_grid.hpp"
+#include "core/explain/position_grid.hpp"
 #include "core/terrain/surface_line.hpp"
 #include "nodes/common/convert.hpp"
 #include "nodes/common/engine_arrays.hpp"
@@ -41,8 +41,8 @@ std::string but_not_drawn(const LayerExplanation &explanation, const std::string
 }
 
 bool draws_nothing(const LayerSnapshot &layer) {
-	const bool meshes =
-			std::ranges::any_of(layer.drawing.meshes, [](const MeshAppearance &look) { return look.mesh.is_valid(); });
+	const bool meshes = std::ranges::any_of(
+			layer.drawing.meshes, [](const MeshAppearance &appearance) { return appearance.mesh.is_valid(); });
 	return !meshes && layer.gameplay.scene.scene.is_null();
 }
 
@@ -70,20 +70,21 @@ void TerrainScatter3D::explain_changes(const LayerSnapshot &layer, LayerExplanat
 		return;
 	}
 	const std::string where = distance_text(r_explanation.rules.distance);
-	if (r_explanation.stands && state->state().removed(r_explanation.rules.point.id)) {
-		r_explanation.stands = false;
+	if (r_explanation.is_placed && state->state().removed(r_explanation.rules.point.id)) {
+		r_explanation.is_placed = false;
 		if (r_explanation.verdict.yes) {
 			refuse("state", "Removed: the state has removed the instance " + where + ".", r_explanation);
 		}
 	}
 	const double radius = layer.settings->set.radius;
-	const glm::dvec2 place(r_explanation.place.x, r_explanation.place.z);
+	const glm::dvec2 position(r_explanation.position.x, r_explanation.position.z);
 	std::vector<std::uint64_t> ids;
-	const Status found = state->state().added_in(layer.settings->set.layer, {place - radius, place + radius}, ids);
+	const Status found =
+			state->state().added_in(layer.settings->set.layer, {position - radius, position + radius}, ids);
 	if (layer.settings->set.on_surface) {
 		// An instance on a different level or on the opposite side of a planet is not nearby.
 		std::erase_if(ids, [&](std::uint64_t id) {
-			return glm::distance(state->state().added(id)->position, r_explanation.place) > 2.0 * radius;
+			return glm::distance(state->state().added(id)->position, r_explanation.position) > 2.0 * radius;
 		});
 	}
 	if (found.ok() && !ids.empty()) {
@@ -95,7 +96,7 @@ void TerrainScatter3D::explain_changes(const LayerSnapshot &layer, LayerExplanat
 
 /// Determines whether an existing instance is currently drawn, and if not, why.
 void TerrainScatter3D::explain_drawing(const LayerSnapshot &layer, LayerExplanation &r_explanation) const {
-	if (!r_explanation.stands) {
+	if (!r_explanation.is_placed) {
 		return;
 	}
 	const auto hidden = [&](const char *rule, const std::string &why) {
@@ -140,12 +141,12 @@ void TerrainScatter3D::explain_drawing(const LayerSnapshot &layer, LayerExplanat
 				: hidden("loading", "its tile is still being generated.");
 	}
 	const std::uint32_t rank = thinning_rank(r_explanation.rules.point.rank, r_explanation.rules.at_point.density);
-	if (const double share = display().drawn_share(layer.lod, away); !thicket::is_placed(rank, share)) {
+	if (const double fraction = display().drawn_fraction(layer.lod, away); !thicket::is_placed(rank, fraction)) {
 		return hidden("thinning",
-				"of the layer, only " + number_text(100.0 * share) +
+				"of the layer, only " + number_text(100.0 * fraction) +
 						" % is drawn at this distance (thinning with distance, quality, preview_instances).");
 	}
-	r_explanation.shown = true;
+	r_explanation.is_drawn = true;
 }
 
 TypedArray<ScatterExplanation> TerrainScatter3D::explain_position(const Vector3 &p_position, const Variant &p_layers) {
@@ -159,10 +160,10 @@ TypedArray<ScatterExplanation> TerrainScatter3D::explain_position(const Vector3 
 		ERR_PRINT(String("TerrainScatter3D.explain_position: ") + problem);
 		return result;
 	}
-	const glm::dvec3 place = to_world(p_position, frame);
-	if (!std::isfinite(place.x) || !std::isfinite(place.z)) {
+	const glm::dvec3 position = to_world(p_position, frame);
+	if (!std::isfinite(position.x) || !std::isfinite(position.z)) {
 		report("TerrainScatter3D.explain_position",
-				{ErrorCode::not_finite, "position", std::isfinite(place.x) ? place.z : place.x});
+				{ErrorCode::not_finite, "position", std::isfinite(position.x) ? position.z : position.x});
 		return result;
 	}
 	if (indices.empty()) {
@@ -174,7 +175,7 @@ TypedArray<ScatterExplanation> TerrainScatter3D::explain_position(const Vector3 
 	for (const std::uint32_t index : indices) {
 		LayerExplanation explanation;
 		explanation.layer = index;
-		explanation.place = place;
+		explanation.position = position;
 		const Ref<ScatterLayer> layer = layers[index];
 		explanation.layer_name = layer.is_valid() ? String(layer->get_name()).utf8().get_data() : "";
 		if (!gameplay->alive()) {
@@ -202,8 +203,8 @@ void TerrainScatter3D::explain_layer(const Ref<ScatterLayer> &p_layer, const std
 				r_explanation);
 	}
 	explainer.shapes = regions_.names_for(all_layers(), r_explanation.layer);
-	const glm::dvec3 place = r_explanation.place;
-	const Status status = explainer.explain(r_explanation.layer, place, r_explanation);
+	const glm::dvec3 position = r_explanation.position;
+	const Status status = explainer.explain(r_explanation.layer, position, r_explanation);
 	if (!status.ok()) {
 		return refuse("layer", "Cannot be explained: " + thicket::describe(status) + ".", r_explanation);
 	}
@@ -219,8 +220,8 @@ Vector3 TerrainScatter3D::up_at(const Vector3 &p_position) {
 		return {0.0F, 1.0F, 0.0F};
 	}
 	move_world();
-	const glm::dvec3 place = to_world(p_position, frame_);
-	return to_engine(frame_.to_engine(place + now.up_at(place)) - frame_.to_engine(place));
+	const glm::dvec3 position = to_world(p_position, frame_);
+	return to_engine(frame_.to_engine(position + now.up_at(position)) - frame_.to_engine(position));
 }
 
 PackedVector3Array TerrainScatter3D::hit_surface(const Vector3 &p_from, const Vector3 &p_to) {
@@ -252,9 +253,9 @@ PackedFloat32Array TerrainScatter3D::map_of(const char *p_method, const Variant 
 	if (p_layer != nullptr && !find_layer_index(p_method, *p_layer, layer)) {
 		return {};
 	}
-	std::vector<glm::dvec2> places;
+	std::vector<glm::dvec2> positions;
 	std::vector<float> values;
-	Status status = grid_places(to_world(p_rect, frame), {p_size.x, p_size.y}, places);
+	Status status = grid_positions(to_world(p_rect, frame), {p_size.x, p_size.y}, positions);
 	if (status.ok()) {
 		status = prepare();
 	}
@@ -263,7 +264,7 @@ PackedFloat32Array TerrainScatter3D::map_of(const char *p_method, const Variant 
 		const bool known = layer < explainer.layers.size() && explainer.layers[layer] != nullptr;
 		status = !explainer.ground.is_available() ? Status::missing("ground", "Set TerrainScatter3D.ground")
 				: p_layer != nullptr && !known    ? refused_layer()
-												  : evaluate(explainer, layer, places, values);
+												  : evaluate(explainer, layer, positions, values);
 	}
 	report((std::string("TerrainScatter3D.") + p_method).c_str(), status);
 	if (!status.ok()) {
@@ -275,20 +276,20 @@ PackedFloat32Array TerrainScatter3D::map_of(const char *p_method, const Variant 
 PackedFloat32Array TerrainScatter3D::get_density_map(
 		const Variant &p_layer, const Rect2 &p_rect, const Vector2i &p_size) {
 	return map_of("get_density_map", &p_layer, p_rect, p_size,
-			[](const LayerExplainer &explainer, std::uint32_t layer, std::span<const glm::dvec2> places,
-					std::vector<float> &r_values) { return explainer.densities(layer, places, r_values); });
+			[](const LayerExplainer &explainer, std::uint32_t layer, std::span<const glm::dvec2> positions,
+					std::vector<float> &r_values) { return explainer.densities(layer, positions, r_values); });
 }
 
 PackedFloat32Array TerrainScatter3D::get_slope_map(const Rect2 &p_rect, const Vector2i &p_size) {
 	return map_of("get_slope_map", nullptr, p_rect, p_size,
-			[](const LayerExplainer &explainer, std::uint32_t, std::span<const glm::dvec2> places,
-					std::vector<float> &r_values) { return explainer.slopes(places, r_values); });
+			[](const LayerExplainer &explainer, std::uint32_t, std::span<const glm::dvec2> positions,
+					std::vector<float> &r_values) { return explainer.slopes(positions, r_values); });
 }
 
 PackedFloat32Array TerrainScatter3D::get_rank_map(const Variant &p_layer, const Rect2 &p_rect, const Vector2i &p_size) {
 	return map_of("get_rank_map", &p_layer, p_rect, p_size,
-			[](const LayerExplainer &explainer, std::uint32_t layer, std::span<const glm::dvec2> places,
-					std::vector<float> &r_values) { return explainer.ranks(layer, places, r_values); });
+			[](const LayerExplainer &explainer, std::uint32_t layer, std::span<const glm::dvec2> positions,
+					std::vector<float> &r_values) { return explainer.ranks(layer, positions, r_values); });
 }
 
 } // namespace thicket

@@ -240,7 +240,7 @@ Ref<ScatterTile> TerrainScatter3D::get_tile(const Variant &p_layer, const Vector
 	display().patch();
 	move_world();
 	const std::shared_ptr<const TileDisplay> display(stream_, &stream_->display());
-	return ScatterTile::shown(display, layer, {p_tile.x, p_tile.y}, frame_);
+	return ScatterTile::from_display(display, layer, {p_tile.x, p_tile.y}, frame_);
 }
 
 Ref<ScatterTile> TerrainScatter3D::build_rect(const Variant &p_layer, const Rect2 &p_rect) {
@@ -279,9 +279,9 @@ Ref<ScatterTile> TerrainScatter3D::build(
 				ground_, get_instance_id()}; // Use a copy, because a script that samples the ground may free this node.
 		const std::shared_ptr<const Terrain> terrain = ground_snapshot_;
 		const std::shared_ptr<SynchronousBuilder> builder = at_once_;
-		TileInstances made;
-		status = builder->build(*snapshot->settings, terrain.get(), ground, rect, made);
-		tile = CompactTile(made, snapshot->settings);
+		TileInstances generated;
+		status = builder->build(*snapshot->settings, terrain.get(), ground, rect, generated);
+		tile = CompactTile(generated, snapshot->settings);
 	}
 	if (const Ref<ScatterState> state = gameplay->get_state(); status.ok() && state.is_valid()) {
 		status = lay_over(*snapshot->settings, rect, state->state(), tile);
@@ -320,11 +320,11 @@ Dictionary TerrainScatter3D::get_stats() const {
 	stats["multimeshes_leaving"] = number(display().leaving_count());
 	stats["uploads"] = number(display().upload_count());
 	stats["redrawn"] = number(display().redrawn_count());
-	stats["lod_looks"] = number(display().lod_look_count());
+	stats["lod_looks"] = number(display().draw_count());
 	stats["waiting"] = number(counts.waiting);
 	stats["pending"] = number(counts.pending);
 	stats["uploading"] = number(stream_->upload_queue_size());
-	stats["scenes"] = number(gameplay_->scenes().shown_count());
+	stats["scenes"] = number(gameplay_->scenes().displayed_count());
 	stats["scenes_pooled"] = number(gameplay_->scenes().idle_count());
 	stats["frame_usec"] =
 			static_cast<int64_t>(std::chrono::duration_cast<std::chrono::microseconds>(frame_time_).count());

@@ -53,7 +53,7 @@ Status SynchronousBuilder::build_in_steps(const LayerSettings &layer, const Terr
 		status = status.ok() ? builder->place(answers, r_tile) : status;
 	}
 	points_computed_ += builder->sample_stats().computed;
-	if (builder->positions().size() <= TileBuilder::most_points_kept) {
+	if (builder->positions().size() <= TileBuilder::max_kept_points) {
 		spare_ = std::move(builder);
 	}
 	return status;
@@ -74,11 +74,11 @@ Status SynchronousBuilder::build_all(std::span<const TileOrder> orders, const Te
 	}
 	r_tiles.clear();
 	for (const TileOrder &order : orders) {
-		TileInstances made;
-		if (const Status status = build(*order.layer, terrain, ground, order.space, made); !status.ok()) {
+		TileInstances instances;
+		if (const Status status = build(*order.layer, terrain, ground, order.space, instances); !status.ok()) {
 			return status;
 		}
-		r_tiles.push_back(std::make_shared<const CompactTile>(made, order.layer));
+		r_tiles.push_back(std::make_shared<const CompactTile>(instances, order.layer));
 	}
 	return {};
 }

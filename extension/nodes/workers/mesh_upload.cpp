@@ -21,7 +21,7 @@ void BufferPool::keep(std::vector<MeshUpload> &&uploads) {
 	}
 	for (MeshUpload &upload : uploads) {
 		const std::int64_t more = upload.buffer.size();
-		if (more > 0 && buffers_.size() < most && floats + more <= most_floats) {
+		if (more > 0 && buffers_.size() < max_buffers && floats + more <= max_floats) {
 			buffers_.push_back(std::move(upload.buffer));
 			floats += more;
 		}

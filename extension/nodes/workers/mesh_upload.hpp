@@ -26,7 +26,7 @@ godot::AABB box_around(glm::vec3 min, glm::vec3 max, float margin);
 /// thread at a time may use it.
 class BufferPool {
 public:
-	BufferPool() { buffers_.reserve(most); }
+	BufferPool() { buffers_.reserve(max_buffers); }
 
 	/// Keeps buffers up to the limits below and frees the others. Allocates no memory.
 	void keep(std::vector<MeshUpload> &&uploads);
@@ -38,9 +38,9 @@ public:
 	std::uint64_t reused() const { return reused_.load(std::memory_order_relaxed); }
 
 private:
-	static constexpr std::size_t most = 16;
+	static constexpr std::size_t max_buffers = 16;
 	/// The maximum total size of the kept buffers, equal to 1 MiB.
-	static constexpr std::int64_t most_floats = std::int64_t{1} << 18;
+	static constexpr std::int64_t max_floats = std::int64_t{1} << 18;
 
 	std::vector<godot::PackedFloat32Array> buffers_;
 	std::atomic<std::uint64_t> reused_ = 0;

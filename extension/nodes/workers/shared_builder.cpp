@@ -23,7 +23,7 @@ std::unique_ptr<TileBuilder> SharedBuilder::take() {
 
 void SharedBuilder::give_back(std::unique_ptr<TileBuilder> builder) {
 	const std::lock_guard lock(mutex_);
-	if (spare_.size() < most_spare && builder->positions().size() <= TileBuilder::most_points_kept) {
+	if (spare_.size() < max_spare_builders && builder->positions().size() <= TileBuilder::max_kept_points) {
 		spare_.push_back(std::move(builder));
 	}
 }
@@ -31,10 +31,10 @@ void SharedBuilder::give_back(std::unique_ptr<TileBuilder> builder) {
 Status SharedBuilder::build(const TileOrder &order, const Terrain &ground, std::shared_ptr<const CompactTile> &r_tile) {
 	return guarded("rect", std::max(order.space.size().x, order.space.size().y), [&] {
 		std::unique_ptr<TileBuilder> builder = take();
-		TileInstances made;
-		const Status status = builder->build(*order.layer, ground, order.space, made);
+		TileInstances instances;
+		const Status status = builder->build(*order.layer, ground, order.space, instances);
 		if (status.ok()) {
-			r_tile = std::make_shared<const CompactTile>(made, order.layer);
+			r_tile = std::make_shared<const CompactTile>(instances, order.layer);
 		}
 		give_back(std::move(builder));
 		return status;

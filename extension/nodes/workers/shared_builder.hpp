@@ -22,7 +22,7 @@ public:
 	Status build(const TileOrder &order, const Terrain &ground, std::shared_ptr<const CompactTile> &r_tile);
 
 private:
-	static constexpr std::size_t most_spare = 8;
+	static constexpr std::size_t max_spare_builders = 8;
 
 	std::unique_ptr<TileBuilder> take();
 	void give_back(std::unique_ptr<TileBuilder> builder);

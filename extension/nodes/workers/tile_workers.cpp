@@ -105,7 +105,7 @@ std::vector<std::shared_ptr<TileJob>> TileWorkers::take_finished() {
 	return taken;
 }
 
-void TileWorkers::let_go(std::shared_ptr<const void> unneeded) {
+void TileWorkers::free_on_worker(std::shared_ptr<const void> unneeded) {
 	if (!on_main_thread_) {
 		// A worker frees the object.
 		unneeded_here_.push_back(std::move(unneeded));

@@ -92,13 +92,13 @@ public:
 
 	/// Releases a large object off the main thread. A worker frees it before the next job, or
 	/// within about a second if there are no jobs.
-	void let_go(std::shared_ptr<const void> unneeded);
+	void free_on_worker(std::shared_ptr<const void> unneeded);
 
 	/// Returns uploaded buffers to the workers, which reuse some of them for later tiles.
 	void take_back(std::vector<MeshUpload> &&uploads);
 
-	/// Returns the number of objects and buffers that workers have received from `let_go` and
-	/// `take_back`.
+	/// Returns the number of objects and buffers that workers have received from `free_on_worker`
+	/// and `take_back`.
 	std::uint64_t freed() const { return freed_.load(std::memory_order_relaxed); }
 
 	/// Returns the number of reused buffers.

@@ -76,14 +76,14 @@ private:
 		double area_up_to = 0.0;
 
 		/// Returns a position's squared distance from the site, minus 1.
-		double excess(double place) const { return above + place * (place + 2.0 * start); }
+		double excess(double offset) const { return above + offset * (offset + 2.0 * start); }
 
-		/// Returns the area between the disk and the line from `start` to `place`, which is a
+		/// Returns the area between the disk and the line from `start` to `offset`, which is a
 		/// triangle minus a sector.
-		double area_to(double place) const {
+		double area_to(double offset) const {
 			// The tangent of the sector's angle.
-			const double tangent = height * place / (height * height + start * (start + place));
-			return 0.5 * ((start * place + above) * tangent + less_its_arc(tangent));
+			const double tangent = height * offset / (height * height + start * (start + offset));
+			return 0.5 * ((start * offset + above) * tangent + less_its_arc(tangent));
 		}
 
 		/// First draws a position along the line by rejection sampling. The density, excess / (1 +
@@ -92,11 +92,11 @@ private:
 		glm::dvec2 draw(Xoroshiro &random) const {
 			const double most = excess(high) / (1.0 + excess(high));
 			for (;;) {
-				const double place = low + (high - low) * unit(random);
-				const double beyond = excess(place);
+				const double offset = low + (high - low) * unit(random);
+				const double beyond = excess(offset);
 				if (unit(random) * most * (1.0 + beyond) < beyond) {
 					const double scale = std::sqrt((1.0 + unit(random) * beyond) / (1.0 + beyond));
-					return scale * (foot + (start + place) * along);
+					return scale * (foot + (start + offset) * along);
 				}
 			}
 		}

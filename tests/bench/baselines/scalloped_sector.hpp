@@ -86,7 +86,7 @@ struct ScallopedSector {
 	/// Maps two numbers in [0, 1) to a position. Uniform numbers produce uniform positions.
 	/// Newton's method finds the ray, with bisection if it leaves the interval. Along the ray, the
 	/// density increases with the distance.
-	glm::dvec2 place(double turned, double along) const {
+	glm::dvec2 point_at(double turned, double along) const {
 		double low = 0.0;
 		double high = 1.0;
 		double mix = turned;
@@ -98,7 +98,7 @@ struct ScallopedSector {
 			const double far_at = far.at(ray);
 			const double excess = area_until(ray, near_at, far_at) - turned * area;
 			const double thick = std::max(far_at * far_at - near_at * near_at, 0.0);
-			if (std::abs(excess) <= 1e-12 * area || step == most_steps) {
+			if (std::abs(excess) <= 1e-12 * area || step == max_steps) {
 				return std::sqrt(near_at * near_at + along * thick) * ray;
 			}
 			(excess > 0.0 ? high : low) = mix;
@@ -128,18 +128,18 @@ struct ScallopedSector {
 	/// covers a contiguous range of it.
 	bool within(const Disk &disk) const {
 		const double squared = disk.radius * disk.radius;
-		const auto holds = [&](glm::dvec2 place) {
-			const glm::dvec2 offset = place - disk.center;
+		const auto contains = [&](glm::dvec2 point) {
+			const glm::dvec2 offset = point - disk.center;
 			return dot(offset, offset) <= squared;
 		};
-		if (!holds(far_from * from) || !holds(far_to * to)) {
+		if (!contains(far_from * from) || !contains(far_to * to)) {
 			return false;
 		}
-		return holds(glm::dvec2(0.0)) || (far.side < 0.0 && holds(near_from * from) && holds(near_to * to));
+		return contains(glm::dvec2(0.0)) || (far.side < 0.0 && contains(near_from * from) && contains(near_to * to));
 	}
 
 private:
-	static constexpr int most_steps = 60;
+	static constexpr int max_steps = 60;
 };
 
 } // namespace thicket::bench

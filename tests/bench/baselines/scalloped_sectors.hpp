@@ -66,10 +66,10 @@ private:
 	static constexpr int reach = 2;
 	/// With six parts, no arc is half of its circle.
 	static constexpr std::size_t annulus_parts = 6;
-	static constexpr int most_throws = 16;
+	static constexpr int max_throws = 16;
 	static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 	/// Oler's bound for a disk of radius 4 is 71.
-	static constexpr std::size_t most_neighbors = 128;
+	static constexpr std::size_t max_neighbors = 128;
 
 	struct Neighbor {
 		std::uint32_t index;
@@ -91,7 +91,7 @@ private:
 	std::uint32_t free_ = none;
 	SectorCut cut_;
 	/// The neighbors of the last dart that are closer than 4.
-	std::array<Neighbor, most_neighbors> neighbors_;
+	std::array<Neighbor, max_neighbors> neighbors_;
 	std::size_t neighbor_count_ = 0;
 
 	static double unit(Xoroshiro &random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
@@ -100,10 +100,10 @@ private:
 	/// sector.
 	void throw_dart(std::size_t owner, Xoroshiro &random, std::vector<glm::dvec2> &r_points) {
 		const std::uint32_t chosen = choose_sector(owner, random);
-		for (int i = 0; i < most_throws; ++i) {
+		for (int i = 0; i < max_throws; ++i) {
 			const double turned = unit(random);
-			const glm::dvec2 dart = grid_.wrap(r_points[owner] + pool_[chosen].sector.place(turned, unit(random)));
-			if (look_around(dart)) {
+			const glm::dvec2 dart = grid_.wrap(r_points[owner] + pool_[chosen].sector.point_at(turned, unit(random)));
+			if (find_neighbors(dart)) {
 				insert(dart, r_points);
 				return;
 			}
@@ -123,7 +123,7 @@ private:
 	}
 
 	/// Finds the neighbors of a dart. Returns false if one is closer than 1.
-	bool look_around(glm::dvec2 dart) {
+	bool find_neighbors(glm::dvec2 dart) {
 		neighbor_count_ = 0;
 		bool free = true;
 		grid_.visit(dart, reach, [&](std::uint32_t index, glm::dvec2 offset) {

@@ -22,10 +22,10 @@ class SectorCut {
 public:
 	/// Two tangents and two crossings with either arc make seven slices, each with at most two
 	/// parts.
-	static constexpr std::size_t most_parts = 14;
+	static constexpr std::size_t max_parts = 14;
 
 	/// The remaining sectors, possibly none, after a call that returned true.
-	std::array<ScallopedSector, most_parts> parts;
+	std::array<ScallopedSector, max_parts> parts;
 	std::size_t count = 0;
 
 	/// Removes the disk. Returns false if the disk does not intersect the sector. The origin must
@@ -65,9 +65,9 @@ private:
 	enum Kind : std::size_t { whole, below, above, kinds };
 
 	static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
-	static constexpr std::size_t most_rays = 8;
+	static constexpr std::size_t max_rays = 8;
 
-	std::array<glm::dvec2, most_rays> rays_; ///< In order, from the sector's first ray to its last.
+	std::array<glm::dvec2, max_rays> rays_; ///< In order, from the sector's first ray to its last.
 	std::size_t ray_count_ = 0;
 
 	void find_rays(const ScallopedSector &sector, const Disk &disk) {

@@ -17,16 +17,16 @@ class TorusGrid {
 public:
 	/// The minimum width of a cell: more than twice the distance at which boundary sampling
 	/// generates points.
-	static constexpr double least_cell = 2.0 + 1e-8;
+	static constexpr double min_cell = 2.0 + 1e-8;
 
 	/// The minimum side of a torus on which a neighborhood of two cells does not overlap itself.
-	static constexpr double least_side = 11.0;
+	static constexpr double min_side = 11.0;
 
-	/// Empties the grid. `side` must be at least `least_side`.
+	/// Empties the grid. `side` must be at least `min_side`.
 	void reset(double side) {
 		side_ = side;
 		half_side_ = 0.5 * side;
-		columns_ = static_cast<int>(side / least_cell);
+		columns_ = static_cast<int>(side / min_cell);
 		per_cell_ = columns_ / side;
 		cells_.clear();
 		cells_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(columns_));
@@ -41,36 +41,36 @@ public:
 	}
 
 	/// Calls `visit(index, offset)` for every point in the cells up to `reach` cells from the cell
-	/// of `place`. This includes all points up to `reach` * `least_cell` away. `offset` is the
-	/// shortest vector from `place` to the point.
+	/// of `position`. This includes all points up to `reach` * `min_cell` away. `offset` is the
+	/// shortest vector from `position` to the point.
 	template <typename Visit>
-	void visit(glm::dvec2 place, int reach, const Visit &visit) const {
-		const int column = column_of(place.x);
-		const int row = column_of(place.y);
+	void visit(glm::dvec2 position, int reach, const Visit &visit) const {
+		const int column = column_of(position.x);
+		const int row = column_of(position.y);
 		for (int y = row - reach; y <= row + reach; ++y) {
 			const std::size_t begin = row_of(wrap_column(y));
 			for (int x = column - reach; x <= column + reach; ++x) {
 				const Cell &cell = cells_[begin + static_cast<std::size_t>(wrap_column(x))];
 				for (std::uint32_t i = 0; i < cell.count; ++i) {
-					visit(cell.indices[i], offset(place, cell.points[i]));
+					visit(cell.indices[i], offset(position, cell.points[i]));
 				}
 			}
 		}
 	}
 
 	/// Wraps a position that is at most one side outside the torus.
-	glm::dvec2 wrap(glm::dvec2 place) const { return {wrap(place.x), wrap(place.y)}; }
+	glm::dvec2 wrap(glm::dvec2 position) const { return {wrap(position.x), wrap(position.y)}; }
 
 private:
 	/// The maximum number of points in a cell. A square of width w has at most (2 / sqrt(3)) w^2 +
 	/// 2 w + 1 points at distance 1 (Oler 1961), and w < 2.41 if there are at least five cells per
 	/// side.
-	static constexpr std::size_t most_points = 12;
+	static constexpr std::size_t max_points = 12;
 
 	struct alignas(64) Cell {
 		std::uint32_t count = 0;
-		std::array<std::uint32_t, most_points> indices;
-		alignas(64) std::array<glm::dvec2, most_points> points;
+		std::array<std::uint32_t, max_points> indices;
+		alignas(64) std::array<glm::dvec2, max_points> points;
 	};
 
 	double side_ = 0.0;

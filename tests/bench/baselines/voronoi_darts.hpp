@@ -45,14 +45,14 @@ public:
 		Xoroshiro random(seed);
 		triangulation_.emplace(Triangulation::Iso_rectangle(0.0, 0.0, side, side));
 		vertices_.clear();
-		weights_.reset(static_cast<std::size_t>(most_points * side * side) + 1);
+		weights_.reset(static_cast<std::size_t>(max_points * side * side) + 1);
 		r_points.clear();
 		const double x = FreeCell::unit(random) * side;
 		const double y = FreeCell::unit(random) * side;
 		add({wrap(x), wrap(y)}, Triangulation::Face_handle(), r_points);
 		while (weights_.total() > 0.0) {
 			const Vertex vertex = vertices_[weights_.find(FreeCell::unit(random) * weights_.total())];
-			look_at(vertex);
+			visit_vertex(vertex);
 			const glm::dvec2 fallen = r_points[vertex->info()] + cell_.draw(random);
 			const glm::dvec2 dart(wrap(fallen.x), wrap(fallen.y));
 			if (keeps_distance(dart, r_points[vertex->info()], r_points)) {
@@ -74,7 +74,7 @@ private:
 
 	/// The maximum number of points at distance 1 per unit of area. Disks of diameter 1 cover the
 	/// most in a hexagonal lattice.
-	static constexpr double most_points = 1.1547006;
+	static constexpr double max_points = 1.1547006;
 
 	double side_ = 0.0;
 	std::optional<Triangulation> triangulation_;
@@ -99,7 +99,7 @@ private:
 	/// Finds a point's neighbors and computes its cell. While there are few points, the
 	/// triangulation covers nine copies of the torus. A neighbor may then be a copy, even of the
 	/// point itself, and is replaced with the original in `vertices_`.
-	void look_at(Vertex vertex) {
+	void visit_vertex(Vertex vertex) {
 		around_.clear();
 		neighbors_.clear();
 		const auto first = triangulation_->incident_faces(vertex);
@@ -136,11 +136,11 @@ private:
 		vertex->info() = static_cast<std::uint32_t>(r_points.size());
 		vertices_.push_back(vertex);
 		r_points.push_back(point);
-		look_at(vertex);
+		visit_vertex(vertex);
 		weights_.set(vertex->info(), cell_.area());
 		changed_ = neighbors_;
 		for (const Vertex neighbor : changed_) {
-			look_at(neighbor);
+			visit_vertex(neighbor);
 			weights_.set(neighbor->info(), cell_.area());
 		}
 	}

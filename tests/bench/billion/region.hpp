@@ -39,7 +39,7 @@ inline constexpr double cell_meter_radius = std::numbers::sqrt2;
 struct Region {
 	static constexpr std::int32_t blocks_per_side = 16;
 	/// Lattice coordinates of larger regions would exceed 32 bits.
-	static constexpr double most_points = 5e9;
+	static constexpr double max_points = 5e9;
 
 	std::int32_t side = 0; ///< Number of cells, a multiple of blocks_per_side.
 	std::int32_t tile = 0; ///< Width of a tile in cells.
@@ -57,15 +57,16 @@ struct Region {
 	std::uint64_t tiles() const {
 		return static_cast<std::uint64_t>(tiles_per_side()) * static_cast<std::uint64_t>(tiles_per_side());
 	}
-	std::uint64_t index_of(glm::ivec2 place) const {
-		return static_cast<std::uint64_t>(place.y) * static_cast<std::uint64_t>(tiles_per_side()) +
-				static_cast<std::uint64_t>(place.x);
+	std::uint64_t index_of(glm::ivec2 tile_position) const {
+		return static_cast<std::uint64_t>(tile_position.y) * static_cast<std::uint64_t>(tiles_per_side()) +
+				static_cast<std::uint64_t>(tile_position.x);
 	}
-	bool has_tile(glm::ivec2 place) const {
-		return place.x >= 0 && place.y >= 0 && place.x < tiles_per_side() && place.y < tiles_per_side();
+	bool has_tile(glm::ivec2 tile_position) const {
+		return tile_position.x >= 0 && tile_position.y >= 0 && tile_position.x < tiles_per_side() &&
+				tile_position.y < tiles_per_side();
 	}
-	CellRect tile_cells(glm::ivec2 place) const {
-		return {corner() + place * tile, corner() + glm::min((place + 1) * tile, glm::ivec2(side))};
+	CellRect tile_cells(glm::ivec2 tile_position) const {
+		return {corner() + tile_position * tile, corner() + glm::min((tile_position + 1) * tile, glm::ivec2(side))};
 	}
 
 	std::int32_t block_side() const { return side / blocks_per_side; }
@@ -116,21 +117,21 @@ public:
 	/// Returns the tile of a slot, if it has one. `slot` must be below slots(). Every tile has
 	/// exactly one slot.
 	std::optional<glm::ivec2> at(std::uint64_t slot) const {
-		glm::uvec2 place(slot % per_side_, slot / per_side_);
+		glm::uvec2 tile_position(slot % per_side_, slot / per_side_);
 		if (order_ == TileOrder::shuffled) {
 			const std::uint64_t band = slot >> (2 * half_bits_);
 			const std::uint32_t inside = permuted(slot & ((std::uint64_t{1} << (2 * half_bits_)) - 1), band);
 			if (inside >= band_rows * per_side_) {
 				return std::nullopt;
 			}
-			place = {inside % per_side_, band * band_rows + inside / per_side_};
+			tile_position = {inside % per_side_, band * band_rows + inside / per_side_};
 		} else if (order_ == TileOrder::hilbert) {
-			place = on_curve(slot);
+			tile_position = on_curve(slot);
 		}
-		if (place.x >= per_side_ || place.y >= per_side_) {
+		if (tile_position.x >= per_side_ || tile_position.y >= per_side_) {
 			return std::nullopt;
 		}
-		return glm::ivec2(place);
+		return glm::ivec2(tile_position);
 	}
 
 private:
@@ -157,20 +158,20 @@ private:
 	}
 
 	glm::uvec2 on_curve(std::uint64_t distance) const {
-		glm::uvec2 place(0);
+		glm::uvec2 tile_position(0);
 		for (std::uint32_t width = 1; width < 1u << half_bits_; width *= 2) {
 			const std::uint32_t right = distance >> 1 & 1;
 			const std::uint32_t up = (distance ^ right) & 1;
 			if (up == 0) {
 				if (right == 1) {
-					place = width - 1 - place;
+					tile_position = width - 1 - tile_position;
 				}
-				std::swap(place.x, place.y);
+				std::swap(tile_position.x, tile_position.y);
 			}
-			place += width * glm::uvec2(right, up);
+			tile_position += width * glm::uvec2(right, up);
 			distance >>= 2;
 		}
-		return place;
+		return tile_position;
 	}
 };
 

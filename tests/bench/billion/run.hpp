@@ -26,7 +26,7 @@ namespace thicket::bench::billion {
 /// The options of a run.
 struct RunOptions {
 	std::uint64_t seed = 1;
-	double points = 1e9;     ///< The minimum number of points, in [1e3, Region::most_points].
+	double points = 1e9;     ///< The minimum number of points, in [1e3, Region::max_points].
 	std::int32_t tile = 128; ///< Width of a tile in cells, in [16, 512].
 	TileOrder order = TileOrder::rows;
 	unsigned threads = 1;    ///< Number of threads, at least 1.
@@ -53,7 +53,7 @@ struct Outcome {
 	std::uint64_t tiles_finished = 0;
 	std::uint64_t tiles_repeated = 0;
 	/// The maximum number of points kept at once at the borders of unfinished tiles.
-	std::size_t most_rim_points = 0;
+	std::size_t max_rim_points = 0;
 	double coverage = 0.0;
 	double coverage_error = 0.0; ///< The standard error, from the blocks of the region.
 	Spent spent;
@@ -88,7 +88,7 @@ public:
 		}
 		outcome_.tiles_finished = seams_.finished();
 		outcome_.tiles_repeated = seams_.repeated();
-		outcome_.most_rim_points = seams_.most_kept();
+		outcome_.max_rim_points = seams_.max_kept();
 		measure_coverage();
 		outcome_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 		return outcome_;
@@ -135,8 +135,8 @@ private:
 		Status status;
 		for (std::uint64_t slot = next_slot_++; status.ok() && !stop_ && slot < sequence_.slots();
 				slot = next_slot_++) {
-			if (const std::optional<glm::ivec2> place = sequence_.at(slot)) {
-				status = make_tile(*place, worker);
+			if (const std::optional<glm::ivec2> tile_position = sequence_.at(slot)) {
+				status = make_tile(*tile_position, worker);
 			}
 		}
 		const std::lock_guard lock(mutex_);
@@ -156,9 +156,9 @@ private:
 		all_idle_.notify_one();
 	}
 
-	Status make_tile(glm::ivec2 place, Worker &r_worker) {
+	Status make_tile(glm::ivec2 tile_position, Worker &r_worker) {
 		const double start = thread_seconds();
-		const CellRect cells = region_.tile_cells(place);
+		const CellRect cells = region_.tile_cells(tile_position);
 		if (const Status status = r_worker.source(world_rect(cells), r_worker.points); !status.ok()) {
 			return status;
 		}
@@ -168,17 +168,17 @@ private:
 		count_blocks(cells, r_worker);
 		if (!options_.verify) {
 			r_worker.found.points += r_worker.points.size();
-			seams_.finish(place, {});
+			seams_.finish(tile_position, {});
 			return {};
 		}
 		const Findings found = r_worker.check.take(cells, options_.set().layer, r_worker.points);
 		r_worker.found += found;
-		for (const auto &rim : seams_.finish(place, r_worker.check.rim())) {
+		for (const auto &rim : seams_.finish(tile_position, r_worker.check.rim())) {
 			r_worker.check.compare_with(*rim, r_worker.found);
 		}
 		const double checked = thread_seconds();
 		r_worker.spent.checking += checked - sampled;
-		if (!is_drawn(region_.index_of(place), options_.seed, options_.gaps)) {
+		if (!is_drawn(region_.index_of(tile_position), options_.seed, options_.gaps)) {
 			return {};
 		}
 		const Status status = r_worker.gap_check.take(r_worker.check, found.digest, r_worker.source, r_worker.gaps);

@@ -29,19 +29,19 @@ public:
 	/// Stores a finished tile's rim, and returns the rims of the neighbors that were finished
 	/// earlier, so that each pair of neighbors is compared once. If the tile was already finished,
 	/// the repetition is counted and the result is empty.
-	std::vector<std::shared_ptr<const Rim>> finish(glm::ivec2 place, Rim &&rim) {
+	std::vector<std::shared_ptr<const Rim>> finish(glm::ivec2 tile_position, Rim &&rim) {
 		auto shared = std::make_shared<const Rim>(std::move(rim));
 		std::vector<std::shared_ptr<const Rim>> earlier;
 		const std::lock_guard lock(mutex_);
-		if (done_[region_.index_of(place)]) {
+		if (done_[region_.index_of(tile_position)]) {
 			++repeated_;
 			return earlier;
 		}
-		done_[region_.index_of(place)] = true;
+		done_[region_.index_of(tile_position)] = true;
 		++finished_;
 		std::uint32_t neighbors = 0;
 		for (std::int32_t step = 0; step < 9; ++step) {
-			const glm::ivec2 neighbor = place + glm::ivec2(step % 3 - 1, step / 3 - 1);
+			const glm::ivec2 neighbor = tile_position + glm::ivec2(step % 3 - 1, step / 3 - 1);
 			if (step == 4 || !region_.has_tile(neighbor)) {
 				continue;
 			}
@@ -54,7 +54,7 @@ public:
 				}
 			}
 		}
-		keep(place, std::move(shared), neighbors - static_cast<std::uint32_t>(earlier.size()));
+		keep(tile_position, std::move(shared), neighbors - static_cast<std::uint32_t>(earlier.size()));
 		return earlier;
 	}
 
@@ -69,9 +69,9 @@ public:
 		return repeated_;
 	}
 	/// Returns the maximum number of points that were kept at once.
-	std::size_t most_kept() const {
+	std::size_t max_kept() const {
 		const std::lock_guard lock(mutex_);
-		return most_kept_;
+		return max_kept_;
 	}
 
 private:
@@ -88,13 +88,13 @@ private:
 	std::uint64_t finished_ = 0;
 	std::uint64_t repeated_ = 0;
 	std::size_t points_kept_ = 0;
-	std::size_t most_kept_ = 0;
+	std::size_t max_kept_ = 0;
 
-	void keep(glm::ivec2 place, std::shared_ptr<const Rim> rim, std::uint32_t missing) {
+	void keep(glm::ivec2 tile_position, std::shared_ptr<const Rim> rim, std::uint32_t missing) {
 		if (missing > 0) {
 			points_kept_ += rim->size();
-			most_kept_ = std::max(most_kept_, points_kept_);
-			kept_.emplace(region_.index_of(place), Kept{std::move(rim), missing});
+			max_kept_ = std::max(max_kept_, points_kept_);
+			kept_.emplace(region_.index_of(tile_position), Kept{std::move(rim), missing});
 		}
 	}
 

@@ -28,12 +28,12 @@ struct Digest {
 	std::uint64_t low = 0;
 
 	void add(const SamplePoint &point, glm::ivec2 lattice) {
-		const std::uint64_t place =
+		const std::uint64_t position =
 				std::uint64_t{static_cast<std::uint32_t>(lattice.x)} << 32 | static_cast<std::uint32_t>(lattice.y);
 		const std::uint64_t name = point.id + point.rank * split_mix_gamma;
 		// The keys are digits of sqrt(2) and sqrt(3).
-		high += split_mix(split_mix(place + 0x6a09e667f3bcc908) ^ name);
-		low += split_mix(split_mix(place + 0xbb67ae8584caa73b) ^ name);
+		high += split_mix(split_mix(position + 0x6a09e667f3bcc908) ^ name);
+		low += split_mix(split_mix(position + 0xbb67ae8584caa73b) ^ name);
 	}
 	Digest &operator+=(const Digest &other) {
 		high += other.high;
@@ -54,7 +54,7 @@ struct Findings {
 	std::uint64_t misplaced = 0;
 	std::uint64_t doubled = 0; ///< Number of points in a cell that already has one.
 	/// The smallest squared distance of all pairs, in squared lattice units.
-	std::int64_t least_squared = std::numeric_limits<std::int64_t>::max();
+	std::int64_t min_squared_distance = std::numeric_limits<std::int64_t>::max();
 	Digest digest;
 
 	Findings &operator+=(const Findings &other) {
@@ -63,7 +63,7 @@ struct Findings {
 		too_close += other.too_close;
 		misplaced += other.misplaced;
 		doubled += other.doubled;
-		least_squared = std::min(least_squared, other.least_squared);
+		min_squared_distance = std::min(min_squared_distance, other.min_squared_distance);
 		digest += other.digest;
 		return *this;
 	}
@@ -175,12 +175,12 @@ private:
 			return;
 		}
 		const glm::ivec2 local = lattice - origin_;
-		glm::ivec2 &place = grid_[index_of(local)];
-		if (place != nowhere) {
+		glm::ivec2 &position = grid_[index_of(local)];
+		if (position != nowhere) {
 			++r_found.doubled;
 			return;
 		}
-		place = local;
+		position = local;
 		entered_.push_back(local);
 	}
 
@@ -190,29 +190,29 @@ private:
 		const std::int64_t squared = x * x + y * y;
 		r_found.pairs += squared < far_squared ? 1 : 0;
 		r_found.too_close += squared < std::int64_t{radius_squared} ? 1 : 0;
-		r_found.least_squared =
-				std::min(r_found.least_squared, squared < far_squared ? squared : r_found.least_squared);
+		r_found.min_squared_distance =
+				std::min(r_found.min_squared_distance, squared < far_squared ? squared : r_found.min_squared_distance);
 	}
 
 	/// Compares a point only with cells that are later in row order, so that each pair is compared
 	/// once.
 	void compare_forward(glm::ivec2 local, Findings &r_found) const {
-		const glm::ivec2 *place = grid_.data() + index_of(local);
-		compare(place[1], local, r_found);
-		compare(place[2], local, r_found);
+		const glm::ivec2 *position = grid_.data() + index_of(local);
+		compare(position[1], local, r_found);
+		compare(position[2], local, r_found);
 		for (std::int32_t row = 1; row <= reach; ++row) {
-			place += columns_;
+			position += columns_;
 			for (std::int32_t column = -reach; column <= reach; ++column) {
-				compare(place[column], local, r_found);
+				compare(position[column], local, r_found);
 			}
 		}
 	}
 
 	void compare_around(glm::ivec2 local, Findings &r_found) const {
-		const glm::ivec2 *place = grid_.data() + index_of(local) - reach * columns_;
-		for (std::int32_t row = -reach; row <= reach; ++row, place += columns_) {
+		const glm::ivec2 *position = grid_.data() + index_of(local) - reach * columns_;
+		for (std::int32_t row = -reach; row <= reach; ++row, position += columns_) {
 			for (std::int32_t column = -reach; column <= reach; ++column) {
-				compare(place[column], local, r_found);
+				compare(position[column], local, r_found);
 			}
 		}
 	}

@@ -29,8 +29,8 @@ public:
 	double quantile(double fraction) const {
 		std::vector<double> sorted = values_;
 		std::sort(sorted.begin(), sorted.end());
-		const double place = fraction * static_cast<double>(sorted.size() - 1);
-		return sorted[static_cast<std::size_t>(place + 0.5)];
+		const double index = fraction * static_cast<double>(sorted.size() - 1);
+		return sorted[static_cast<std::size_t>(index + 0.5)];
 	}
 	double median() const { return quantile(0.5); }
 

@@ -19,7 +19,7 @@ namespace thicket {
 template <typename Real>
 class ActiveSquares {
 public:
-	static constexpr int most_levels = 34;
+	static constexpr int max_levels = 34;
 
 	/// The random bits of one choice.
 	struct Draw {
@@ -41,11 +41,11 @@ public:
 	}
 
 	bool empty() const { return held_ == 0; }
-	std::uint64_t made() const { return made_; }
+	std::uint64_t created_count() const { return created_count_; }
 	std::uint64_t list_checks() const { return list_checks_; }
 	std::uint32_t levels_used() const { return levels_used_; }
 	/// Returns the peak memory in bytes.
-	std::size_t bytes() const { return most_chunks_ * chunk_bytes(); }
+	std::size_t bytes() const { return max_chunks_ * chunk_bytes(); }
 
 	void push(std::uint32_t level, Square<Real> square) {
 		List &list = lists_[level];
@@ -58,7 +58,7 @@ public:
 		set_area(level);
 		total_ += unit_area(level);
 		++held_;
-		++made_;
+		++created_count_;
 	}
 
 	/// Removes a square from its list and returns it. The last square of the list moves to its
@@ -117,20 +117,20 @@ private:
 	static constexpr std::uint32_t fresh_choices = 4096;
 	static constexpr std::uint64_t soon_last = 64; ///< The end of a list is prefetched this many squares ahead.
 
-	std::array<List, most_levels> lists_;
-	std::array<double, most_levels> areas_{}; ///< Total area of the squares in each list, in base squares.
+	std::array<List, max_levels> lists_;
+	std::array<double, max_levels> areas_{}; ///< Total area of the squares in each list, in base squares.
 	std::vector<ZeroedArray<Square<Real>>> slabs_;
 	std::vector<Square<Real> *> spare_; ///< Chunks that no list uses.
-	std::size_t chunks_made_ = 0;
-	std::size_t most_chunks_ = 0; ///< Peak number of chunks in use.
+	std::size_t created_chunks_ = 0;
+	std::size_t max_chunks_ = 0; ///< Peak number of chunks in use.
 	std::uint32_t chunk_shift_;
 	std::uint32_t levels_used_ = 0;
-	std::uint32_t first_ = most_levels - 1; ///< The first list that may be nonempty.
+	std::uint32_t first_ = max_levels - 1; ///< The first list that may be nonempty.
 	std::uint32_t fresh_for_ = fresh_choices;
 	double total_ = 0.0;
 	double stale_below_ = 0.0; ///< Below this total, rounding errors accumulated in `total_` may matter.
 	std::uint64_t held_ = 0;
-	std::uint64_t made_ = 0;
+	std::uint64_t created_count_ = 0;
 	std::uint64_t list_checks_ = 0;
 
 	static double unit_area(std::uint32_t level) {
@@ -161,19 +161,19 @@ private:
 		}
 		r_list.chunks.push_back(spare_.back());
 		spare_.pop_back();
-		most_chunks_ = std::max(most_chunks_, chunks_made_ - spare_.size());
+		max_chunks_ = std::max(max_chunks_, created_chunks_ - spare_.size());
 	}
 
 	/// Allocates many chunks at once, half as many as exist already, because only a large block of
 	/// memory gets large pages. The untouched part of a block costs nothing.
 	void add_slab() {
 		constexpr std::size_t largest = std::size_t{1} << 26;
-		const std::size_t chunks = std::clamp<std::size_t>(chunks_made_ / 2, 1, largest / chunk_bytes());
+		const std::size_t chunks = std::clamp<std::size_t>(created_chunks_ / 2, 1, largest / chunk_bytes());
 		slabs_.emplace_back(chunks << chunk_shift_);
 		for (std::size_t chunk = chunks; chunk-- > 0;) {
 			spare_.push_back(slabs_.back().data() + (chunk << chunk_shift_));
 		}
-		chunks_made_ += chunks;
+		created_chunks_ += chunks;
 	}
 
 	/// Implements equation 3 of the paper: finds a list by linear search, then draws an index in

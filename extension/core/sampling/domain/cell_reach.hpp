@@ -42,9 +42,9 @@ void for_each_image(const Frame<Real> &frame, Real x, Real y, glm::uvec2 square,
 /// The cells of the domain that lie within a radius, plus a rounding margin, of an image. A cell is
 /// width x width base squares.
 struct NearCells {
-	static constexpr std::size_t most_across = 2 * squares_reached + 1;
+	static constexpr std::size_t max_across = 2 * squares_reached + 1;
 
-	std::array<glm::uvec2, most_across * most_across> cell;
+	std::array<glm::uvec2, max_across * max_across> cell;
 	std::size_t count = 0;
 
 	/// Finds the cells around an image. (x, y) is the biased position of the image (see Frame), and
@@ -68,7 +68,7 @@ private:
 	struct Across {
 		std::size_t first;
 		std::size_t count;
-		std::array<double, most_across> squared;
+		std::array<double, max_across> squared;
 
 		template <typename Real>
 		Across(const Frame<Real> &frame, std::uint32_t width, int axis, double coordinate, int square) {

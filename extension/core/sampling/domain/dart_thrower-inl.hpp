@@ -65,13 +65,13 @@ public:
 		// The first choices touch fresh memory throughout the domain, whose pages the system must
 		// create. They are a thousand times slower than later ones, so cancellation is checked more
 		// often at first.
-		std::uint64_t between_looks = 8;
-		std::uint64_t until_look = 1;
+		std::uint64_t choices_per_check = 8;
+		std::uint64_t choices_until_check = 1;
 		while (!active_.empty()) {
-			if (--until_look == 0) {
-				between_looks = std::min(between_looks + between_looks / 8, choices_between_looks);
-				until_look = between_looks;
-				if (!look(progress, expected_points)) {
+			if (--choices_until_check == 0) {
+				choices_per_check = std::min(choices_per_check + choices_per_check / 8, max_choices_per_check);
+				choices_until_check = choices_per_check;
+				if (!check_progress(progress, expected_points)) {
 					return {ErrorCode::cancelled};
 				}
 			}
@@ -82,7 +82,7 @@ public:
 
 	DomainStats stats() const override {
 		DomainStats stats = counts_;
-		stats.squares = active_.made();
+		stats.squares = active_.created_count();
 		stats.list_checks = active_.list_checks();
 		stats.levels = active_.levels_used();
 		stats.grid_bytes = cells_.bytes();
@@ -96,9 +96,9 @@ private:
 	/// The number of choices that are prefetched together. List entries are prefetched two batches
 	/// ahead, and cells one batch ahead.
 	static constexpr std::uint64_t batch = 8;
-	static constexpr std::size_t ring = 4 * batch;
-	static constexpr std::uint64_t choices_between_looks = 4096;
-	static constexpr std::uint64_t pushes_between_looks = 1u << 17;
+	static constexpr std::size_t ring_size = 4 * batch; ///< Number of prefetched choices that are stored.
+	static constexpr std::uint64_t max_choices_per_check = 4096;
+	static constexpr std::uint64_t base_squares_per_check = 1u << 17;
 
 	using Unit = SquareUnit<Real>;
 	using Draw = typename ActiveSquares<Real>::Draw;
@@ -112,12 +112,12 @@ private:
 	std::optional<GroupMap> groups_;
 	DomainStats counts_;
 	/// Half the width of a square at each level, in meters.
-	std::array<Real, ActiveSquares<Real>::most_levels> half_x_{};
-	std::array<Real, ActiveSquares<Real>::most_levels> half_y_{};
+	std::array<Real, ActiveSquares<Real>::max_levels> half_x_{};
+	std::array<Real, ActiveSquares<Real>::max_levels> half_y_{};
 	/// For each level, 2^-32 of a square's width in SquareUnits.
-	std::array<double, ActiveSquares<Real>::most_levels> step_{};
-	std::array<Draw, ring> draws_{};
-	std::array<Choice, ring> foreseen_{};
+	std::array<double, ActiveSquares<Real>::max_levels> step_{};
+	std::array<Draw, ring_size> draws_{};
+	std::array<Choice, ring_size> foreseen_{};
 
 	/// Returns random bits. Each choice has three words.
 	HWY_INLINE std::uint64_t bits(std::uint64_t choice, std::uint64_t word) const {
@@ -142,7 +142,8 @@ private:
 		}
 		for (std::uint32_t y = 0; y < frame_.squares.y; ++y) {
 			for (std::uint32_t x = 0; x < frame_.squares.x; ++x) {
-				if (active_.made() % pushes_between_looks == 0 && !look(progress, expected_points)) {
+				if (active_.created_count() % base_squares_per_check == 0 &&
+						!check_progress(progress, expected_points)) {
 					return false;
 				}
 				push_base({x, y});
@@ -151,7 +152,8 @@ private:
 		return true;
 	}
 
-	bool look(const Progress &progress, double expected_points) const {
+	/// Reports the progress. Returns false if the run is cancelled.
+	bool check_progress(const Progress &progress, double expected_points) const {
 		if (progress.report) {
 			progress.report(std::min(1.0, static_cast<double>(counts_.points) / expected_points), counts_.points);
 		}
@@ -169,16 +171,16 @@ private:
 		const std::uint64_t next = counts_.selections + batch;
 		const std::uint64_t later = next + batch;
 		for (std::uint64_t choice = next; choice < later; ++choice) {
-			if (const Square<Real> *square = active_.peek(foreseen_[choice % ring])) {
+			if (const Square<Real> *square = active_.peek(foreseen_[choice % ring_size])) {
 				cells_.prefetch(base_of(*square));
 			}
 		}
 		for (std::uint64_t choice = later; choice < later + batch; ++choice) {
-			draws_[choice % ring] = draw(choice);
-			foreseen_[choice % ring] = active_.foresee(draws_[choice % ring]);
+			draws_[choice % ring_size] = draw(choice);
+			foreseen_[choice % ring_size] = active_.foresee(draws_[choice % ring_size]);
 		}
 		for (std::uint64_t choice = later; choice < later + batch; ++choice) {
-			__builtin_prefetch(active_.peek(foreseen_[choice % ring]));
+			__builtin_prefetch(active_.peek(foreseen_[choice % ring_size]));
 		}
 	}
 
@@ -187,7 +189,7 @@ private:
 			foresee();
 		}
 		const std::uint64_t number = counts_.selections++;
-		const Choice choice = active_.choose(draws_[number % ring]);
+		const Choice choice = active_.choose(draws_[number % ring_size]);
 		const Square<Real> square = active_.take(choice);
 		const CenteredSquare<Real> centered = centered_square(square, choice.level);
 		const glm::uvec2 base = base_of(square);

@@ -38,7 +38,7 @@ public:
 	/// Throws the darts. The accepted ones are appended to `r_points`, unless it is null.
 	Status run(std::vector<glm::vec<2, Real>> *r_points, const Progress &progress, double) override {
 		for (; counts_.darts < throws_; ++counts_.darts) {
-			if (counts_.darts % throws_between_looks == 0 && !look(progress)) {
+			if (counts_.darts % throws_per_check == 0 && !check_progress(progress)) {
 				return {ErrorCode::cancelled};
 			}
 			throw_dart(split_mix(key_ + counts_.darts * split_mix_gamma), r_points);
@@ -57,7 +57,7 @@ public:
 private:
 	// Number of throws between two checks of the cancel flag. It is small, because the first throws
 	// touch fresh memory and are slow.
-	static constexpr std::uint64_t throws_between_looks = 64;
+	static constexpr std::uint64_t throws_per_check = 64;
 
 	Frame<Real> frame_;
 	std::uint64_t key_;
@@ -65,7 +65,8 @@ private:
 	PointCells<Real, false> cells_;
 	DomainStats counts_;
 
-	bool look(const Progress &progress) const {
+	/// Reports the progress. Returns false if the run is cancelled.
+	bool check_progress(const Progress &progress) const {
 		if (progress.report) {
 			progress.report(static_cast<double>(counts_.darts) / static_cast<double>(throws_), counts_.points);
 		}

@@ -215,7 +215,7 @@ private:
 			// The stored points are returned without a copy.
 			return {xs, xs + store_.capacity(), lanes};
 		}
-		make_room(lanes);
+		reserve_points(lanes);
 		std::copy_n(xs, lanes, gathered_x_.begin());
 		std::copy_n(xs + store_.capacity(), lanes, gathered_y_.begin());
 		std::size_t count = lanes;
@@ -242,7 +242,7 @@ private:
 	HWY_INLINE void gather_cell(D d, glm::uvec2 cell, const CenteredSquare<Real> &box, std::size_t &r_count) {
 		const auto [begin, end] = part_in(cell, box);
 		const Real *xs = store_.coordinates(index_of(cell));
-		make_room(r_count + end - begin);
+		reserve_points(r_count + end - begin);
 		for (std::size_t i = begin; i < end && xs[i] != Real{0}; i += hn::Lanes(d)) {
 			const auto x = hn::LoadU(d, xs + i);
 			const auto y = hn::LoadU(d, xs + store_.capacity() + i);
@@ -264,7 +264,7 @@ private:
 
 	/// Ensures space for `count` gathered points, and for one more block that may be written after
 	/// them.
-	void make_room(std::size_t count) {
+	void reserve_points(std::size_t count) {
 		if (count + block > gathered_x_.size()) {
 			gathered_x_.resize(2 * (count + block));
 			gathered_y_.resize(2 * (count + block));
@@ -272,7 +272,7 @@ private:
 	}
 
 	void append(Real x, Real y, std::size_t &r_count) {
-		make_room(r_count + 1);
+		reserve_points(r_count + 1);
 		gathered_x_[r_count] = x;
 		gathered_y_[r_count] = y;
 		++r_count;
@@ -280,7 +280,7 @@ private:
 
 	/// Pads the gathered points with zeros to a whole block, and returns them.
 	Near<Real> finished(std::size_t count) {
-		make_room(count);
+		reserve_points(count);
 		std::fill_n(gathered_x_.begin() + static_cast<std::ptrdiff_t>(count), block, Real{0});
 		std::fill_n(gathered_y_.begin() + static_cast<std::ptrdiff_t>(count), block, Real{0});
 		return {gathered_x_.data(), gathered_y_.data(), (count + block - 1) / block * block};

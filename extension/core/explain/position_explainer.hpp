@@ -22,8 +22,8 @@ struct RuleResult {
 };
 
 /// The reasons why a layer has or does not have an instance at a position.
-struct PlaceExplanation {
-	RuleResult place;
+struct PositionExplanation {
+	RuleResult at_position;
 
 	/// The point of the layer's set that is nearest to the position: in the plane, or in space for
 	/// a layer on surfaces. It is always closer than the set's radius. An instance can be placed
@@ -37,7 +37,7 @@ struct PlaceExplanation {
 	bool has_point = true;
 
 	/// Returns true if the rules allow an instance at the position itself.
-	bool allowed() const { return place.density > 0.0; }
+	bool allowed() const { return at_position.density > 0.0; }
 
 	/// Returns true if the rules keep the point. The point is then an instance, unless a game has
 	/// removed it.
@@ -46,16 +46,16 @@ struct PlaceExplanation {
 
 /// Explains the results of a layer's rules at a position, with the same code that generates tiles.
 /// The work has two steps, as for DensityProbe.
-class PlaceExplainer {
+class PositionExplainer {
 public:
 	/// Prepares the explanation of a position in world meters, on the top of the ground. If the
-	/// layer is on surfaces, explains the position on `surface` that is nearest to `place` instead.
-	/// That position must not be farther from `place` than the set's radius. Positions that are not
-	/// finite or outside the set's cells return an error, as do the layers that DensityProbe
-	/// rejects. If the layer is hosted, the position is explained on `models`, the result of
-	/// ModelProbe, instead of `surface`. A layer on surfaces whose surface is null returns an
-	/// error.
-	Status find(const LayerSettings &layer, const glm::dvec3 &place, const Surface *surface = nullptr,
+	/// layer is on surfaces, explains the position on `surface` that is nearest to `position`
+	/// instead. That position must not be farther from `position` than the set's radius. Positions
+	/// that are not finite or outside the set's cells return an error, as do the layers that
+	/// DensityProbe rejects. If the layer is hosted, the position is explained on `models`, the
+	/// result of ModelProbe, instead of `surface`. A layer on surfaces whose surface is null
+	/// returns an error.
+	Status find(const LayerSettings &layer, const glm::dvec3 &position, const Surface *surface = nullptr,
 			const Surface *models = nullptr);
 
 	/// Continue `find` with the ground at positions(); see TileBuilder::find_further.
@@ -71,18 +71,18 @@ public:
 
 	/// Completes the explanation. Call this function after `find`, with the ground at all
 	/// positions. After an error, the content of `r_explanation` is unspecified.
-	Status explain(std::span<const Ground> ground, PlaceExplanation &r_explanation);
+	Status explain(std::span<const Ground> ground, PositionExplanation &r_explanation);
 
 private:
-	Status find_on_top(const LayerSettings &layer, glm::dvec2 place, const Surface *surface);
-	Status find_on_surface(
-			const LayerSettings &layer, const glm::dvec3 &place, const Surface &grown, const Surface *ground_surface);
+	Status find_on_top(const LayerSettings &layer, glm::dvec2 position, const Surface *surface);
+	Status find_on_surface(const LayerSettings &layer, const glm::dvec3 &position, const Surface &grown,
+			const Surface *ground_surface);
 
 	Status probe_on_top(const LayerSettings &layer);
 
 	PointProbe points_;
 	LayerSettings layer_; ///< The layer to explain on the top of the ground.
-	glm::dvec2 place_{0.0};
+	glm::dvec2 position_{0.0};
 	const Surface *surface_ = nullptr;
 	bool has_point_ = true;
 	DensityProbe probe_;

@@ -1,4 +1,4 @@
-#include "core/explain/rule_sentences.hpp"
+#include "core/explain/rule_messages.hpp"
 
 #include <algorithm>
 #include <array>
@@ -22,10 +22,10 @@ std::string fixed(double number, int digits) {
 	return result == "-0" ? "0" : result;
 }
 
-std::string percent(double share) {
+std::string percent(double fraction) {
 	// A tiny fraction is not displayed as 0 %, and a fraction just below 1 not as 100 %.
-	const double shown = std::clamp(share * 100.0, share > 0.0 ? 0.1 : 0.0, share < 1.0 ? 99.9 : 100.0);
-	return fixed(shown, shown < 1.0 || shown > 99.0 ? 1 : 0) + " %";
+	const double percentage = std::clamp(fraction * 100.0, fraction > 0.0 ? 0.1 : 0.0, fraction < 1.0 ? 99.9 : 100.0);
+	return fixed(percentage, percentage < 1.0 || percentage > 99.0 ? 1 : 0) + " %";
 }
 
 std::string name_at(const std::vector<std::string> &names, std::size_t index, const char *otherwise) {
@@ -33,7 +33,7 @@ std::string name_at(const std::vector<std::string> &names, std::size_t index, co
 }
 
 /// Returns the required range in words, with enough digits to distinguish its limits from `value`.
-std::string range_text(const RuleSentence &range, double value, const char *unit) {
+std::string range_text(const RuleMessage &range, double value, const char *unit) {
 	const std::string low = number_text(range.min, value) + unit;
 	const std::string high = number_text(range.max, value) + unit;
 	if (std::isinf(range.min)) {
@@ -46,33 +46,33 @@ std::string range_text(const RuleSentence &range, double value, const char *unit
 /// other rules.
 std::string leaves(double density) { return density > 0.0 && density < 1.0 ? " Leaves " + percent(density) + "." : ""; }
 
-void describe_range(const char *what, const char *unit, const RuleFactor &factor, RuleSentence &r_sentence) {
-	const double limit = factor.value < r_sentence.min ? r_sentence.min : r_sentence.max;
-	r_sentence.sentence = std::string(what) + " is " + number_text(factor.value, limit) + unit +
-			"; the layer requires " + range_text(r_sentence, factor.value, unit) + "." + leaves(factor.density);
+void describe_range(const char *what, const char *unit, const RuleFactor &factor, RuleMessage &r_message) {
+	const double limit = factor.value < r_message.min ? r_message.min : r_message.max;
+	r_message.message = std::string(what) + " is " + number_text(factor.value, limit) + unit + "; the layer requires " +
+			range_text(r_message, factor.value, unit) + "." + leaves(factor.density);
 }
 
-void describe_height(const RuleFactor &factor, const Rules &rules, RuleSentence &r_sentence) {
-	r_sentence.min = rules.min_height <= -unlimited_height ? -infinity : rules.min_height;
-	r_sentence.max = rules.max_height >= unlimited_height ? infinity : rules.max_height;
-	describe_range("Height", " m", factor, r_sentence);
+void describe_height(const RuleFactor &factor, const Rules &rules, RuleMessage &r_message) {
+	r_message.min = rules.min_height <= -unlimited_height ? -infinity : rules.min_height;
+	r_message.max = rules.max_height >= unlimited_height ? infinity : rules.max_height;
+	describe_range("Height", " m", factor, r_message);
 }
 
-void describe_water_depth(const RuleFactor &factor, const Rules &rules, RuleSentence &r_sentence) {
-	r_sentence.min = rules.min_water_depth <= -unlimited_height ? -infinity : rules.min_water_depth;
-	r_sentence.max = rules.max_water_depth >= unlimited_height ? infinity : rules.max_water_depth;
+void describe_water_depth(const RuleFactor &factor, const Rules &rules, RuleMessage &r_message) {
+	r_message.min = rules.min_water_depth <= -unlimited_height ? -infinity : rules.min_water_depth;
+	r_message.max = rules.max_water_depth >= unlimited_height ? infinity : rules.max_water_depth;
 	if (std::isinf(factor.value)) {
-		r_sentence.sentence =
-				"There is no water here; the layer requires a depth of " + range_text(r_sentence, 0.0, " m") + ".";
+		r_message.message =
+				"There is no water here; the layer requires a depth of " + range_text(r_message, 0.0, " m") + ".";
 		return;
 	}
-	describe_range("Depth of the water", " m", factor, r_sentence);
+	describe_range("Depth of the water", " m", factor, r_message);
 }
 
-void describe_slope(const RuleFactor &factor, const Rules &rules, RuleSentence &r_sentence) {
-	r_sentence.min = rules.min_slope_degrees;
-	r_sentence.max = rules.max_slope_degrees;
-	describe_range("Slope", "°", factor, r_sentence);
+void describe_slope(const RuleFactor &factor, const Rules &rules, RuleMessage &r_message) {
+	r_message.min = rules.min_slope_degrees;
+	r_message.max = rules.max_slope_degrees;
+	describe_range("Slope", "°", factor, r_message);
 }
 
 std::string curve_text(const char *curve, const RuleFactor &factor, const char *unit) {
@@ -84,8 +84,8 @@ std::string textures_text(const RuleFactor &factor, const Rules &rules) {
 	for (const std::int32_t texture : rules.ground_textures) {
 		list += (list.empty() ? "" : ", ") + std::to_string(texture);
 	}
-	const std::string share = factor.density > 0.0 ? percent(factor.density) : "None";
-	return share + " of the ground has the layer's textures (" + list + ").";
+	const std::string fraction = factor.density > 0.0 ? percent(factor.density) : "None";
+	return fraction + " of the ground has the layer's textures (" + list + ").";
 }
 
 std::string shapes_text(const RuleFactor &factor, const Rules &rules, const RuleNames &names) {
@@ -99,30 +99,30 @@ std::string shapes_text(const RuleFactor &factor, const Rules &rules, const Rule
 }
 
 void describe_neighbor(
-		const RuleFactor &factor, const Neighbor &rule, const std::string &name, RuleSentence &r_sentence) {
+		const RuleFactor &factor, const Neighbor &rule, const std::string &name, RuleMessage &r_message) {
 	const bool far = factor.value >= rule.distance;
 	const std::string distance = number_text(rule.distance, factor.value) + " m";
 	if (rule.curve == nullptr) {
-		r_sentence.rule = "spacing";
-		r_sentence.min = rule.distance;
-		r_sentence.sentence = far ? "No " + name + " is nearer than the spacing of " + distance + "."
-								  : "The nearest " + name + " is " + number_text(factor.value, rule.distance) +
+		r_message.rule = "spacing";
+		r_message.min = rule.distance;
+		r_message.message = far ? "No " + name + " is nearer than the spacing of " + distance + "."
+								: "The nearest " + name + " is " + number_text(factor.value, rule.distance) +
 						" m away; the spacing requires " + distance + ".";
 		return;
 	}
-	r_sentence.rule = "proximity";
-	r_sentence.sentence = far ? "No " + name + " within " + distance + "."
-							  : "The nearest " + name + " is " + number_text(factor.value) + " m away.";
-	r_sentence.sentence += factor.density > 0.0 ? leaves(factor.density)
-			: far                               ? " The layer is placed only near it."
-												: " The layer is not placed that near.";
+	r_message.rule = "proximity";
+	r_message.message = far ? "No " + name + " within " + distance + "."
+							: "The nearest " + name + " is " + number_text(factor.value) + " m away.";
+	r_message.message += factor.density > 0.0 ? leaves(factor.density)
+			: far                             ? " The layer is placed only near it."
+											  : " The layer is not placed that near.";
 }
 
-std::string density_sentence(const RuleFactor &factor) {
+std::string density_message(const RuleFactor &factor) {
 	return factor.density > 0.0 ? "Density is " + number_text(factor.density) + "." : "The layer's density is 0.";
 }
 
-std::string field_sentence(const std::string &field, const RuleFactor &factor) {
+std::string field_message(const std::string &field, const RuleFactor &factor) {
 	const std::string what = field == "noise" ? "The noise"
 			: field == "mask_texture"         ? "The mask texture"
 											  : "The field";
@@ -130,37 +130,37 @@ std::string field_sentence(const std::string &field, const RuleFactor &factor) {
 								: what + " leaves nothing here.";
 }
 
-std::string mask_sentence(const RuleFactor &factor) {
+std::string mask_message(const RuleFactor &factor) {
 	return factor.density > 0.0 ? "The painted mask leaves " + percent(factor.density) + " here."
 								: "The painted mask leaves nothing here.";
 }
 
-std::string biome_sentence(const RuleFactor &factor) {
+std::string biome_message(const RuleFactor &factor) {
 	return factor.density > 0.0 ? "The weight of the layer's biomes is " + number_text(factor.density) + "."
 								: "None of the layer's biomes is here.";
 }
 
-std::string clumps_sentence(const RuleFactor &factor) {
+std::string clumps_message(const RuleFactor &factor) {
 	return factor.density >= 1.0   ? "Inside a clump."
 			: factor.density > 0.0 ? "On the edge of a clump." + leaves(factor.density)
 								   : "Between the layer's clumps.";
 }
 
-std::string edge_sentence(const RuleFactor &factor, const Rules &rules) {
+std::string edge_message(const RuleFactor &factor, const Rules &rules) {
 	return percent(factor.value) + " of the surroundings within " + number_text(rules.edge_feather) +
 			" m are open to the layer" + (factor.density > 0.0 ? "." : "; the edge feather requires more than half.") +
 			leaves(factor.density);
 }
 
-std::string rank_text(const PlaceExplanation &explanation, const LayerSettings &layer, const RuleNames &names) {
+std::string rank_text(const PositionExplanation &explanation, const LayerSettings &layer, const RuleNames &names) {
 	const double density = explanation.at_point.density;
 	const double rank = explanation.point.rank * 0x1p-32;
 	std::string text = "Excluded by the density: the nearest point of the set, " + distance_text(explanation.distance) +
 			", has rank " + number_text(rank, density) + ", and the density there is " + number_text(density, rank) +
 			".";
-	if (const RuleFactor *least = strictest(explanation.at_point.factors); least != nullptr) {
+	if (const RuleFactor *strictest_factor = strictest(explanation.at_point.factors); strictest_factor != nullptr) {
 		text += ' ';
-		text += describe(*least, layer, names).sentence;
+		text += describe(*strictest_factor, layer, names).message;
 	}
 	return text;
 }
@@ -173,8 +173,8 @@ std::string number_text(double number, double other) {
 	}
 	const double size = std::abs(number);
 	int digits = size >= 1000.0 ? 0 : size >= 100.0 ? 1 : 2;
-	constexpr int most = 9;
-	while (digits < most && number != other && fixed(number, digits) == fixed(other, digits)) {
+	constexpr int max_digits = 9;
+	while (digits < max_digits && number != other && fixed(number, digits) == fixed(other, digits)) {
 		++digits;
 	}
 	return fixed(number, digits);
@@ -185,26 +185,26 @@ std::string distance_text(double meters) {
 	return meters < nothing ? "here" : number_text(meters) + " m away";
 }
 
-RuleSentence describe(const RuleFactor &factor, const LayerSettings &layer, const RuleNames &names) {
+RuleMessage describe(const RuleFactor &factor, const LayerSettings &layer, const RuleNames &names) {
 	const Rules &rules = layer.rules;
-	RuleSentence result;
+	RuleMessage result;
 	switch (factor.rule) {
-		case RuleKind::density: return {.rule = "density", .sentence = density_sentence(factor)};
+		case RuleKind::density: return {.rule = "density", .message = density_message(factor)};
 		case RuleKind::field:
 			result.rule = name_at(names.fields, factor.index, "field");
-			result.sentence = field_sentence(result.rule, factor);
+			result.message = field_message(result.rule, factor);
 			return result;
-		case RuleKind::mask: return {.rule = "mask", .sentence = mask_sentence(factor)};
-		case RuleKind::biome: return {.rule = "biome", .sentence = biome_sentence(factor)};
-		case RuleKind::clumping: return {.rule = "clumps", .sentence = clumps_sentence(factor)};
-		case RuleKind::ground: return {.rule = "ground", .sentence = "There is no ground here."};
+		case RuleKind::mask: return {.rule = "mask", .message = mask_message(factor)};
+		case RuleKind::biome: return {.rule = "biome", .message = biome_message(factor)};
+		case RuleKind::clumping: return {.rule = "clumps", .message = clumps_message(factor)};
+		case RuleKind::ground: return {.rule = "ground", .message = "There is no ground here."};
 		case RuleKind::height:
 			result.rule = "height";
 			describe_height(factor, rules, result);
 			return result;
 		case RuleKind::height_curve:
-			return {.rule = "density_over_height", .sentence = curve_text("Density over height", factor, " m")};
-		case RuleKind::ground_textures: return {.rule = "ground_textures", .sentence = textures_text(factor, rules)};
+			return {.rule = "density_over_height", .message = curve_text("Density over height", factor, " m")};
+		case RuleKind::ground_textures: return {.rule = "ground_textures", .message = textures_text(factor, rules)};
 		case RuleKind::water_depth:
 			result.rule = "water_depth";
 			describe_water_depth(factor, rules, result);
@@ -214,26 +214,27 @@ RuleSentence describe(const RuleFactor &factor, const LayerSettings &layer, cons
 			describe_slope(factor, rules, result);
 			return result;
 		case RuleKind::slope_curve:
-			return {.rule = "density_over_slope", .sentence = curve_text("Density over slope", factor, "°")};
-		case RuleKind::shapes: return {.rule = "regions", .sentence = shapes_text(factor, rules, names)};
+			return {.rule = "density_over_slope", .message = curve_text("Density over slope", factor, "°")};
+		case RuleKind::shapes: return {.rule = "regions", .message = shapes_text(factor, rules, names)};
 		case RuleKind::neighbor:
 			describe_neighbor(factor, layer.neighbors[factor.index],
 					name_at(names.neighbors, factor.index, "another layer"), result);
 			return result;
 		case RuleKind::edge_feather:
-			return {.rule = "edge_feather", .min = 0.5, .sentence = edge_sentence(factor, rules)};
+			return {.rule = "edge_feather", .min = 0.5, .message = edge_message(factor, rules)};
 	}
 	return result;
 }
 
-RuleVerdict judge(const PlaceExplanation &explanation, const LayerSettings &layer, const RuleNames &names) {
-	const auto refused_by = [&](const RuleResult &place) {
-		const RuleFactor *least = strictest(place.factors);
-		return least != nullptr ? describe(*least, layer, names) : RuleSentence{.rule = "density", .sentence = ""};
+RuleVerdict judge(const PositionExplanation &explanation, const LayerSettings &layer, const RuleNames &names) {
+	const auto refused_by = [&](const RuleResult &result) {
+		const RuleFactor *strictest_factor = strictest(result.factors);
+		return strictest_factor != nullptr ? describe(*strictest_factor, layer, names)
+										   : RuleMessage{.rule = "density", .message = ""};
 	};
 	if (!explanation.allowed()) {
-		const RuleSentence no = refused_by(explanation.place);
-		return {false, no.rule, no.sentence};
+		const RuleMessage no = refused_by(explanation.at_position);
+		return {false, no.rule, no.message};
 	}
 	if (explanation.is_placed()) {
 		return {true, "", "Placed " + distance_text(explanation.distance) + "."};
@@ -241,10 +242,10 @@ RuleVerdict judge(const PlaceExplanation &explanation, const LayerSettings &laye
 	if (explanation.at_point.density > 0.0) {
 		return {false, "rank", rank_text(explanation, layer, names)};
 	}
-	const RuleSentence no = refused_by(explanation.at_point);
+	const RuleMessage no = refused_by(explanation.at_point);
 	return {false, no.rule,
 			"Allowed here, but not at the nearest point of the set, " + distance_text(explanation.distance) + ": " +
-					no.sentence};
+					no.message};
 }
 
 } // namespace thicket

@@ -1,7 +1,7 @@
 // Tests the sentences that explain a rule to a designer: the value, the required range, and the rule that excludes a
 // position.
 
-#include "core/explain/rule_sentences.hpp"
+#include "core/explain/rule_messages.hpp"
 
 #include <doctest/doctest.h>
 
@@ -20,15 +20,16 @@ LayerSettings sloped() {
 	return layer;
 }
 
-std::string sentence_of(const RuleFactor &factor, const LayerSettings &layer, const RuleNames &names = {}) {
-	return describe(factor, layer, names).sentence;
+std::string message_of(const RuleFactor &factor, const LayerSettings &layer, const RuleNames &names = {}) {
+	return describe(factor, layer, names).message;
 }
 
 /// Returns an explanation of a position and of a point 1.5 m from it. The mask determines the
 /// density of both.
-PlaceExplanation explained(double at_place, double at_point, double rank) {
-	PlaceExplanation explanation;
-	explanation.place = {{}, at_place, {{RuleKind::mask, at_place, at_place, no_index}}};
+PositionExplanation explained(double density_at_position, double at_point, double rank) {
+	PositionExplanation explanation;
+	explanation.at_position = {
+			{}, density_at_position, {{RuleKind::mask, density_at_position, density_at_position, no_index}}};
 	explanation.at_point = {{}, at_point, {{RuleKind::mask, at_point, at_point, no_index}}};
 	explanation.point.rank = static_cast<std::uint32_t>(rank * 0x1p32);
 	explanation.distance = 1.5;
@@ -39,20 +40,20 @@ PlaceExplanation explained(double at_place, double at_point, double rank) {
 
 TEST_CASE("rule sentences: a range names the value, the required range, and the remaining fraction") {
 	LayerSettings layer = sloped();
-	const RuleSentence steep = describe({RuleKind::slope, 42.0, 0.0, no_index}, layer, {});
+	const RuleMessage steep = describe({RuleKind::slope, 42.0, 0.0, no_index}, layer, {});
 	CHECK(steep.rule == "slope");
 	CHECK(steep.max == 30.0);
-	CHECK(steep.sentence == "Slope is 42°; the layer requires 0° to 30°.");
-	CHECK(sentence_of({RuleKind::slope, 25.5, 0.45, no_index}, layer) ==
+	CHECK(steep.message == "Slope is 42°; the layer requires 0° to 30°.");
+	CHECK(message_of({RuleKind::slope, 25.5, 0.45, no_index}, layer) ==
 			"Slope is 25.5°; the layer requires 0° to 30°. Leaves 45 %.");
 	layer.rules.min_height = -2.0;
-	const RuleSentence low = describe({RuleKind::height, -12.3456, 0.0, no_index}, layer, {});
-	CHECK(low.sentence == "Height is -12.35 m; the layer requires at least -2 m.");
+	const RuleMessage low = describe({RuleKind::height, -12.3456, 0.0, no_index}, layer, {});
+	CHECK(low.message == "Height is -12.35 m; the layer requires at least -2 m.");
 	CHECK(std::isinf(low.max));
 }
 
 TEST_CASE("rule sentences: a value just beyond a limit is not printed as the limit") {
-	CHECK(sentence_of({RuleKind::slope, 30.0004, 0.0, no_index}, sloped()) ==
+	CHECK(message_of({RuleKind::slope, 30.0004, 0.0, no_index}, sloped()) ==
 			"Slope is 30.0004°; the layer requires 0° to 30°.");
 	CHECK(number_text(1234.5) == "1234");
 	CHECK(number_text(-0.001) == "0");
@@ -66,9 +67,9 @@ TEST_CASE("rule sentences: other layers, regions and fields are named") {
 	const auto other = std::make_shared<LayerSettings>();
 	layer.neighbors = {{other, 3.0, nullptr}};
 	const RuleNames names{{"noise"}, {"Oaks"}, {"Pond"}};
-	CHECK(sentence_of({RuleKind::neighbor, 1.2, 0.0, 0}, layer, names) ==
+	CHECK(message_of({RuleKind::neighbor, 1.2, 0.0, 0}, layer, names) ==
 			"The nearest Oaks is 1.2 m away; the spacing requires 3 m.");
-	CHECK(sentence_of({RuleKind::neighbor, 3.0, 1.0, 0}, layer, names) == "No Oaks is nearer than the spacing of 3 m.");
+	CHECK(message_of({RuleKind::neighbor, 3.0, 1.0, 0}, layer, names) == "No Oaks is nearer than the spacing of 3 m.");
 	CHECK(describe({RuleKind::field, 0.0, 0.0, 0}, layer, names).rule == "noise");
 	CHECK(describe({RuleKind::field, 0.0, 0.0, 7}, layer, names).rule == "field");
 	Shape pond;
@@ -78,8 +79,8 @@ TEST_CASE("rule sentences: other layers, regions and fields are named") {
 	const auto shapes = std::make_shared<ShapeSet>();
 	REQUIRE(shapes->set({pond}).ok());
 	layer.rules.shapes = shapes;
-	CHECK(sentence_of({RuleKind::shapes, 0.0, 0.0, 0}, layer, names) == "Region Pond excludes the layer here.");
-	CHECK(sentence_of({RuleKind::shapes, 1.0, 1.0, no_index}, layer, names) == "No region excludes anything here.");
+	CHECK(message_of({RuleKind::shapes, 0.0, 0.0, 0}, layer, names) == "Region Pond excludes the layer here.");
+	CHECK(message_of({RuleKind::shapes, 1.0, 1.0, no_index}, layer, names) == "No region excludes anything here.");
 }
 
 TEST_CASE("rule sentences: the reason is one rule, or the rank, or none") {

@@ -1,4 +1,4 @@
-#include "core/explain/place_explainer.hpp"
+#include "core/explain/position_explainer.hpp"
 
 #include "core/base/guard.hpp"
 #include "core/base/instance_id.hpp"
@@ -18,68 +18,68 @@ namespace thicket {
 
 namespace {
 
-Status rule(const DensityProbe &probe, std::size_t place, RuleResult &r_place) {
-	r_place.ground = probe.ground_at(place);
-	const Status status = probe.factors_at(place, r_place.factors);
-	r_place.density = product_of(r_place.factors);
+Status rule(const DensityProbe &probe, std::size_t index, RuleResult &r_result) {
+	r_result.ground = probe.ground_at(index);
+	const Status status = probe.factors_at(index, r_result.factors);
+	r_result.density = product_of(r_result.factors);
 	return status;
 }
 
 } // namespace
 
-Status PlaceExplainer::find(
-		const LayerSettings &layer, const glm::dvec3 &place, const Surface *surface, const Surface *models) {
-	for (const double coordinate : {place.x, place.z}) {
+Status PositionExplainer::find(
+		const LayerSettings &layer, const glm::dvec3 &position, const Surface *surface, const Surface *models) {
+	for (const double coordinate : {position.x, position.z}) {
 		if (!std::isfinite(coordinate)) {
-			return {ErrorCode::not_finite, "place", coordinate};
+			return {ErrorCode::not_finite, "position", coordinate};
 		}
 	}
 	if (const Status status = validate(layer); !status.ok()) {
 		return status;
 	}
 	if (!layer.set.on_surface) {
-		return find_on_top(layer, {place.x, place.z}, surface);
+		return find_on_top(layer, {position.x, position.z}, surface);
 	}
-	if (!std::isfinite(place.y)) {
-		return {ErrorCode::not_finite, "place", place.y};
+	if (!std::isfinite(position.y)) {
+		return {ErrorCode::not_finite, "position", position.y};
 	}
 	const Surface *grown = layer.hosted ? models : surface;
 	if (grown == nullptr) {
 		return layer.hosted ? Status::missing("model of surface_layers", "Explain a position on a model")
 							: Status::missing("surface of the ground", "Use a ground of meshes");
 	}
-	return guarded("place", place.x, [&] { return find_on_surface(layer, place, *grown, surface); });
+	return guarded("position", position.x, [&] { return find_on_surface(layer, position, *grown, surface); });
 }
 
-Status PlaceExplainer::find_on_top(const LayerSettings &layer, glm::dvec2 place, const Surface *surface) {
-	const Status status = points_.find(layer, {&place, 1});
-	place_ = place;
+Status PositionExplainer::find_on_top(const LayerSettings &layer, glm::dvec2 position, const Surface *surface) {
+	const Status status = points_.find(layer, {&position, 1});
+	position_ = position;
 	surface_ = surface;
 	if (!status.ok() || points_.is_complete()) {
 		return status.ok() ? probe_on_top(layer) : status;
 	}
-	return guarded("place", place.x, [&] {
+	return guarded("position", position.x, [&] {
 		layer_ = layer;
 		return Status();
 	});
 }
 
 /// Prepares the probe, once the point is known.
-Status PlaceExplainer::probe_on_top(const LayerSettings &layer) {
+Status PositionExplainer::probe_on_top(const LayerSettings &layer) {
 	point_ = points_.points().front();
 	has_point_ = std::isfinite(point_.position.x);
 	if (!has_point_) {
 		// No other point lies in the position's cell, because it would be nearer than the radius.
 		const double cell = lattice_unit(layer.set) * cell_size;
-		point_.position = place_;
-		point_.id = pack({layer.set.layer, glm::ivec2(glm::floor(place_ / cell))});
+		point_.position = position_;
+		point_.id = pack({layer.set.layer, glm::ivec2(glm::floor(position_ / cell))});
 	}
-	distance_ = glm::distance(place_, point_.position);
-	const std::array<glm::dvec2, 2> places{place_, point_.position};
-	return probe_.find(layer, places, true, surface_);
+	distance_ = glm::distance(position_, point_.position);
+	const std::array<glm::dvec2, 2> positions{position_, point_.position};
+	return probe_.find(layer, positions, true, surface_);
 }
 
-Status PlaceExplainer::find_further(std::span<const Ground> ground) {
+Status PositionExplainer::find_further(std::span<const Ground> ground) {
 	if (points_.is_complete()) {
 		return probe_.find_further(ground);
 	}
@@ -90,13 +90,13 @@ Status PlaceExplainer::find_further(std::span<const Ground> ground) {
 /// Prepares the explanation of a position on `grown`, the surface on which the layer grows.
 /// `ground_surface` is the surface of the ground, on which other layers may grow; null if there is
 /// none.
-Status PlaceExplainer::find_on_surface(
-		const LayerSettings &layer, const glm::dvec3 &place, const Surface &grown, const Surface *ground_surface) {
+Status PositionExplainer::find_on_surface(
+		const LayerSettings &layer, const glm::dvec3 &position, const Surface &grown, const Surface *ground_surface) {
 	points_.clear();
 	has_point_ = true;
 	const double radius = layer.set.radius;
-	const SurfacePosition here = nearest_position(grown, place, radius);
-	if (!(glm::distance(here.position, place) <= radius)) {
+	const SurfacePosition here = nearest_position(grown, position, radius);
+	if (!(glm::distance(here.position, position) <= radius)) {
 		return Status::missing(layer.hosted ? "model of surface_layers" : "surface of the ground",
 				"Explain a position that is nearer than the radius to a surface");
 	}
@@ -120,19 +120,19 @@ Status PlaceExplainer::find_on_surface(
 	if (nearest == points.end()) {
 		return Status::missing("points of the set", "Explain a position on a larger surface");
 	}
-	const glm::dvec2 position(nearest->position.x, nearest->position.z);
-	point_ = {position, nearest->id, nearest->rank, nearest->level};
+	const glm::dvec2 point_position(nearest->position.x, nearest->position.z);
+	point_ = {point_position, nearest->id, nearest->rank, nearest->level};
 	distance_ = glm::distance(nearest->position, here.position);
-	const std::array<glm::dvec2, 2> places{glm::dvec2(here.position.x, here.position.z), position};
+	const std::array<glm::dvec2, 2> positions{glm::dvec2(here.position.x, here.position.z), point_position};
 	const std::array<Ground, 2> ground{Ground{static_cast<float>(here.position.y), glm::vec3(here.normal)},
 			Ground{static_cast<float>(nearest->position.y), glm::vec3(nearest->normal)}};
-	return probe_.find(layer, places, true, ground_surface, ground, &grown);
+	return probe_.find(layer, positions, true, ground_surface, ground, &grown);
 }
 
-Status PlaceExplainer::explain(std::span<const Ground> ground, PlaceExplanation &r_explanation) {
-	Status status = probe_.look(ground);
+Status PositionExplainer::explain(std::span<const Ground> ground, PositionExplanation &r_explanation) {
+	Status status = probe_.evaluate(ground);
 	if (status.ok()) {
-		status = rule(probe_, 0, r_explanation.place);
+		status = rule(probe_, 0, r_explanation.at_position);
 	}
 	if (status.ok()) {
 		status = rule(probe_, 1, r_explanation.at_point);

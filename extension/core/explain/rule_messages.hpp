@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/placement/layer.hpp"
-#include "core/explain/place_explainer.hpp"
+#include "core/explain/position_explainer.hpp"
 #include "core/rules/rule_factors.hpp"
 
 #include <limits>
@@ -19,16 +19,16 @@ struct RuleNames {
 };
 
 /// A factor, described for the user of the editor.
-struct RuleSentence {
+struct RuleMessage {
 	std::string rule; ///< A short, stable name, such as "slope".
 	/// The range that the rule requires; infinite where it has no limit.
 	double min = -std::numeric_limits<double>::infinity();
 	double max = std::numeric_limits<double>::infinity();
-	std::string sentence; ///< The value and the requirement: "Slope is 42°; the layer requires at most 30°."
+	std::string message; ///< The value and the requirement: "Slope is 42°; the layer requires at most 30°."
 };
 
 /// Describes a factor. It must come from an evaluation of `layer`.
-RuleSentence describe(const RuleFactor &factor, const LayerSettings &layer, const RuleNames &names);
+RuleMessage describe(const RuleFactor &factor, const LayerSettings &layer, const RuleNames &names);
 
 /// The decision of the rules on whether to place an instance of the layer at a position, and the
 /// reason. Ignores a game's changes.
@@ -40,7 +40,7 @@ struct RuleVerdict {
 	std::string reason; ///< One or more sentences for the user.
 };
 
-RuleVerdict judge(const PlaceExplanation &explanation, const LayerSettings &layer, const RuleNames &names);
+RuleVerdict judge(const PositionExplanation &explanation, const LayerSettings &layer, const RuleNames &names);
 
 /// Formats a number for a sentence with at most two decimal places, fewer for large numbers, and no
 /// trailing zeros. Adds decimal places if the result would otherwise be the same as for a different
