@@ -114,13 +114,13 @@ func place(stop: Dictionary) -> void:
 
 
 ## Shows or hides the borders of the tiles.
-func show_tiles(shown: bool) -> void:
-	_borders.visible = shown
+func show_tiles(enabled: bool) -> void:
+	_borders.visible = enabled
 
 
 ## Shows or hides the statistics.
-func show_overlay(shown: bool) -> void:
-	_overlay.visible = shown
+func show_overlay(enabled: bool) -> void:
+	_overlay.visible = enabled
 
 
 func _set_density(density: float) -> void:

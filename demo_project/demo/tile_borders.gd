@@ -85,5 +85,5 @@ func _band(from: Vector2, to: Vector2, size: float) -> void:
 			bands.surface_add_vertex(corners[k])
 
 
-func _on_ground(place: Vector2) -> Vector3:
-	return Vector3(place.x, float(elevation.height(place.x, place.y)) + LIFT, place.y)
+func _on_ground(point: Vector2) -> Vector3:
+	return Vector3(point.x, float(elevation.height(point.x, point.y)) + LIFT, point.y)

@@ -32,14 +32,14 @@ func _ready() -> void:
 	_end("")
 
 
-func _fell_around(place: Vector3, count: int) -> void:
-	place.y = world.ground.get_height(place)
-	session.call(&"ask", place, REACH, PackedStringArray(world.get(&"TREES")))
+func _fell_around(point: Vector3, count: int) -> void:
+	point.y = world.ground.get_height(point)
+	session.call(&"ask", point, REACH, PackedStringArray(world.get(&"TREES")))
 	var answer: Array = await session.answered
 	var ids: PackedInt64Array = answer[1]
 	print("client: %d trees within %.0f m" % [ids.size(), REACH])
 	var felled := Array(ids)
-	felled.sort_custom(func(a: int, b: int) -> bool: return _distance(a, place) < _distance(b, place))
+	felled.sort_custom(func(a: int, b: int) -> bool: return _distance(a, point) < _distance(b, point))
 	felled.resize(mini(count, felled.size()))
 	for id: int in felled:
 		session.call(&"fell", id)
@@ -48,8 +48,8 @@ func _fell_around(place: Vector3, count: int) -> void:
 	print("client: felled %s" % str(felled))
 
 
-func _distance(id: int, place: Vector3) -> float:
-	return world.get_instance(id).position.distance_to(place)
+func _distance(id: int, point: Vector3) -> float:
+	return world.get_instance(id).position.distance_to(point)
 
 
 func _end(why: String) -> void:

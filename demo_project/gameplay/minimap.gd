@@ -51,9 +51,9 @@ func _process(_delta: float) -> void:
 
 
 func _ask(here: Vector2) -> void:
-	var shown := world.layers.filter(func(layer: ScatterLayer) -> bool: return layer != null and COLORS.has(layer.resource_name))
+	var mapped_layers := world.layers.filter(func(layer: ScatterLayer) -> bool: return layer != null and COLORS.has(layer.resource_name))
 	var around := Vector2(reach + STEP, reach + STEP)
-	_shown = world.query_rect(Rect2(here - around, around * 2.0), shown)
+	_shown = world.query_rect(Rect2(here - around, around * 2.0), mapped_layers)
 	_center = here
 	_stale = false
 

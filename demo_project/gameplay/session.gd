@@ -94,8 +94,8 @@ func _ask(question: int, center: Vector3, radius: float, layers: PackedStringArr
 	# Data from the network must be validated.
 	if not _known.has(client) or not center.is_finite() or not is_finite(radius):
 		return
-	var standing := world.query_sphere(center, clampf(radius, 0.0, FARTHEST), layers)
-	_answer.rpc_id(client, question, standing.ids)
+	var present := world.query_sphere(center, clampf(radius, 0.0, FARTHEST), layers)
+	_answer.rpc_id(client, question, present.ids)
 
 
 @rpc("any_peer", "call_remote", "reliable")

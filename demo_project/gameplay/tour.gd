@@ -138,22 +138,22 @@ func _walk_to(tree: ScatterInstance, distance: float) -> void:
 
 
 ## Turns to a position and walks until it is within [param distance] meters.
-func _walk_towards(place: Vector3, distance: float) -> void:
-	await _look_at(place + Vector3.UP * 1.6)
+func _walk_towards(point: Vector3, distance: float) -> void:
+	await _look_at(point + Vector3.UP * 1.6)
 	_hold(KEY_W, true)
-	await _until(func() -> bool: return _flat_distance(place) < distance, "the player reaches the position")
+	await _until(func() -> bool: return _flat_distance(point) < distance, "the player reaches the position")
 	_hold(KEY_W, false)
 
 
-func _flat_distance(place: Vector3) -> float:
-	return ((place - _game.player.global_position) * Vector3(1.0, 0.0, 1.0)).length()
+func _flat_distance(point: Vector3) -> float:
+	return ((point - _game.player.global_position) * Vector3(1.0, 0.0, 1.0)).length()
 
 
 ## Moves the mouse so that a position is in the center of the view.
-func _look_at(place: Vector3) -> void:
+func _look_at(point: Vector3) -> void:
 	_game.player.captured = true
 	var eyes: Camera3D = _game.player.eyes
-	var wanted := (place - eyes.global_position).normalized()
+	var wanted := (point - eyes.global_position).normalized()
 	var turn := Vector2(angle_difference(atan2(-wanted.x, -wanted.z), eyes.global_rotation.y),
 			eyes.global_rotation.x - asin(wanted.y))
 	var motion := InputEventMouseMotion.new()

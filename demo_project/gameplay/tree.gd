@@ -56,12 +56,12 @@ func fall(direction: Vector3, ground: ScatterGround) -> void:
 
 
 ## Sets the material of a felled tree, with the parameters of the standing tree's material.
-func _wear(standing: ShaderMaterial) -> void:
-	_material = standing.duplicate()
+func _wear(standing_material: ShaderMaterial) -> void:
+	_material = standing_material.duplicate()
 	_material.shader = FELLED
 	# Reads the wind time from the RenderingServer, where the scatter sets it. The value does not change after that, so
 	# the wind stops in the falling tree.
-	_material.set_shader_parameter(&"wind_time", RenderingServer.material_get_param(standing.get_rid(), &"wind_time"))
+	_material.set_shader_parameter(&"wind_time", RenderingServer.material_get_param(standing_material.get_rid(), &"wind_time"))
 	_material.set_shader_parameter(&"rooted", _standing.origin)
 	_material.set_shader_parameter(&"cut_height", Stump.HEIGHT)
 	_body.material_override = _material

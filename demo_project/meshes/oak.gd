@@ -59,15 +59,15 @@ static func clumps_of(rng: RandomNumberGenerator, variant: int) -> Array[Vector4
 
 ## Returns the settings of the crown's leaves.
 static func crown(shape: Vector2, rng: RandomNumberGenerator) -> Crown:
-	var made := Crown.new()
-	made.region = Atlas.BROADLEAF
-	made.low = LOW
-	made.high = HIGH
-	made.heart = HEART * shape.y
-	made.radius = 5.9 * shape.x
-	made.heights = Vector2(4.8, 15.0) * shape.y
-	made.random = rng
-	return made
+	var foliage := Crown.new()
+	foliage.region = Atlas.BROADLEAF
+	foliage.low = LOW
+	foliage.high = HIGH
+	foliage.heart = HEART * shape.y
+	foliage.radius = 5.9 * shape.x
+	foliage.heights = Vector2(4.8, 15.0) * shape.y
+	foliage.random = rng
+	return foliage
 
 
 ## Adds the trunk, and branches to the first clumps.

@@ -27,13 +27,13 @@ func _init(path: Path3D) -> void:
 	texture = ImageTexture.create_from_image(Image.create_from_data(size.x, size.y, false, Image.FORMAT_L8, distances))
 
 
-## Lowers the distances around [param place], a position in pixels.
-static func _lower(distances: PackedByteArray, size: Vector2i, place: Vector2) -> void:
-	var first := Vector2i(place - Vector2.ONE * REACH / PIXEL).max(Vector2i.ZERO)
-	var last := Vector2i(place + Vector2.ONE * REACH / PIXEL).min(size - Vector2i.ONE)
+## Lowers the distances around [param pixel], a position in pixels.
+static func _lower(distances: PackedByteArray, size: Vector2i, pixel: Vector2) -> void:
+	var first := Vector2i(pixel - Vector2.ONE * REACH / PIXEL).max(Vector2i.ZERO)
+	var last := Vector2i(pixel + Vector2.ONE * REACH / PIXEL).min(size - Vector2i.ONE)
 	for y in range(first.y, last.y + 1):
 		for x in range(first.x, last.x + 1):
-			var distance := place.distance_to(Vector2(x + 0.5, y + 0.5)) * PIXEL
+			var distance := pixel.distance_to(Vector2(x + 0.5, y + 0.5)) * PIXEL
 			var at := y * size.x + x
 			distances[at] = mini(distances[at], int(distance / REACH * 255.0))
 

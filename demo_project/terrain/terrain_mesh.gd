@@ -118,9 +118,9 @@ func _build() -> void:
 	var rows := int(rect.size.y / spacing) + 1
 	for row in rows:
 		for column in _columns:
-			var place := rect.position + Vector2(column, row) * spacing
-			var height := ground.get_height(Vector3(place.x, 0.0, place.y))
-			_vertices.append(Vector3(place.x, height, place.y))
+			var point := rect.position + Vector2(column, row) * spacing
+			var height := ground.get_height(Vector3(point.x, 0.0, point.y))
+			_vertices.append(Vector3(point.x, height, point.y))
 			_solid.append(int(is_finite(height)))
 	for row in rows - 1:
 		for column in _columns - 1:
@@ -211,12 +211,12 @@ func _add_ground(built: ArrayMesh) -> void:
 	var uvs := PackedVector2Array()
 	var near_path := _path_bounds()
 	for vertex in _vertices.size():
-		var place := _vertices[vertex]
+		var point := _vertices[vertex]
 		normals.append(_normal(vertex))
-		var near := near_path.has_point(Vector2(place.x, place.z))
-		uvs.append(Vector2(_distance_to_path(place) if near else FAR, 0.0))
+		var near := near_path.has_point(Vector2(point.x, point.z))
+		uvs.append(Vector2(_distance_to_path(point) if near else FAR, 0.0))
 		# A post without ground is in no triangle, but it is included in the bounding box, which must be finite for culling.
-		if is_nan(place.y):
+		if is_nan(point.y):
 			_vertices[vertex].y = wall_foot
 	var arrays: Array = []
 	arrays.resize(Mesh.ARRAY_MAX)
@@ -246,14 +246,14 @@ func _path_bounds() -> Rect2:
 	var bounds := Rect2()
 	var points := path.curve.get_baked_points()
 	for i in points.size():
-		var place := path.global_transform * points[i]
-		var flat := Vector2(place.x, place.z)
+		var point := path.global_transform * points[i]
+		var flat := Vector2(point.x, point.z)
 		bounds = bounds.expand(flat) if i > 0 else Rect2(flat, Vector2.ZERO)
 	return bounds.grow(FAR)
 
 
-func _distance_to_path(place: Vector3) -> float:
-	var local := path.global_transform.affine_inverse() * place
+func _distance_to_path(point: Vector3) -> float:
+	var local := path.global_transform.affine_inverse() * point
 	var nearest := path.curve.get_closest_point(local)
 	return minf(Vector2(nearest.x - local.x, nearest.z - local.z).length(), FAR)
 
@@ -282,12 +282,12 @@ func _add_walls(built: ArrayMesh) -> void:
 		var out: Vector3 = (outward[vertex] as Vector3).normalized()
 		for row in WALL_ROWS + 1:
 			var depth := float(row) / WALL_ROWS
-			var place := Vector3(top.x, lerpf(top.y, wall_foot, depth), top.z)
+			var point := Vector3(top.x, lerpf(top.y, wall_foot, depth), top.z)
 			# Adds pillars and ledges, and rubble at the foot.
-			var rough := noise.get_noise_3dv(place * Vector3(1.0, 0.3, 1.0)) + 0.6 * noise.get_noise_3dv(place * 2.7)
+			var rough := noise.get_noise_3dv(point * Vector3(1.0, 0.3, 1.0)) + 0.6 * noise.get_noise_3dv(point * 2.7)
 			var lean := 2.0 * depth + 3.0 * depth ** 4 + 6.0 * minf(3.0 * depth, 1.0) * rough
 			surface.set_uv(Vector2(FAR, 1.0))
-			surface.add_vertex(place + out * lean)
+			surface.add_vertex(point + out * lean)
 	for from: int in _edge:
 		for row in WALL_ROWS:
 			var a: int = firsts[from] + row

@@ -8,7 +8,7 @@ var camera: Camera3D
 
 
 ## Creates an orthogonal camera along -z with a view `size` meters high and wide, only ambient light, and a black background.
-func look(size := 4.0) -> void:
+func set_up_view(size := 4.0) -> void:
 	root.size = Vector2i(128, 128)
 	root.msaa_3d = Viewport.MSAA_DISABLED
 	var environment := Environment.new()
@@ -82,7 +82,7 @@ func test_it_compiles_and_has_its_parameters() -> void:
 	for wanted: String in ["wind_strength", "wind_sway", "wind_flutter", "bend_reach", "bend_bodies", "ground_strength",
 			"backlight", "scatter_cross_fade"]:
 		check(wanted in names, "the parameter %s is among %s" % [wanted, names])
-	look()
+	set_up_view()
 	pane(material({}))
 	var share: float = lit(await picture()).size() / 16384.0
 	check(absf(share - 0.125) < 0.01, "the pane covers an eighth of the image, not %f" % share)
@@ -94,13 +94,13 @@ func test_the_tutorials_shader_draws() -> void:
 	shader.code = page.get_slice("```glsl\n", 1).get_slice("```", 0)
 	var made := ShaderMaterial.new()
 	made.shader = shader
-	look()
+	set_up_view()
 	pane(made)
 	check_equal(lit(await picture()).size(), 32 * 64, "pixels of the pane")
 
 
 func test_two_levels_cover_each_pixel_once() -> void:
-	look()
+	set_up_view()
 	var near := pane(material({}))
 	var far := pane(material({}))
 	near.mesh = faded(near.mesh, Vector4(0.0, 13.0, 5.0 / 13.0, 1e9))
@@ -125,7 +125,7 @@ func test_two_levels_cover_each_pixel_once() -> void:
 
 
 func test_wind_moves_the_top() -> void:
-	look()
+	set_up_view()
 	var parameters := {&"wind_sway": 0.5, &"sway_height": 2.0, &"wind_direction": Vector2(1.0, 0.0)}
 	var standing := pane(material(parameters))
 	var before: Array[Vector2i] = lit(await picture())
@@ -154,7 +154,7 @@ func test_wind_moves_the_top() -> void:
 
 ## The editor draws only after changes. A shader that uses TIME would cause one in every frame.
 func test_a_plant_in_view_requests_no_frames() -> void:
-	look()
+	set_up_view()
 	pane(material({&"wind_strength": 1.0}))
 	await frames(5)
 	var requested := 0
@@ -165,7 +165,7 @@ func test_a_plant_in_view_requests_no_frames() -> void:
 
 
 func test_a_body_bends_only_nearby_plants() -> void:
-	look(8.0)
+	set_up_view(8.0)
 	var bodies := PackedVector4Array()
 	bodies.resize(16)
 	bodies[0] = Vector4(-2.6, 2.0, 0.0, 1.0)
@@ -185,7 +185,7 @@ func test_a_body_bends_only_nearby_plants() -> void:
 
 
 func test_tint_takes_the_grounds_color_at_the_foot() -> void:
-	look()
+	set_up_view()
 	pane(material({&"ground_strength": 1.0, &"ground_color": Color.RED, &"ground_height": 1.0}))
 	var image: Image = await picture()
 	var foot := image.get_pixel(64, 94)
@@ -195,7 +195,7 @@ func test_tint_takes_the_grounds_color_at_the_foot() -> void:
 
 
 func test_colors_are_the_same_in_all_renderers() -> void:
-	look()
+	set_up_view()
 	pane(material({&"albedo": Color(0.5, 0.5, 0.5), &"backlight": 0.0}))
 	var seen: float = (await picture()).get_pixel(64, 64).r
 	check(absf(seen - 0.5) < 0.05, "half gray in white light is drawn as %f" % seen)
@@ -212,7 +212,7 @@ func test_coverage_does_not_depend_on_distance() -> void:
 			if random.randf() < 0.65 - 0.8 * Vector2(x - 128, y - 128).length() / 128.0:
 				image.fill_rect(Rect2i(x, y, 4, 4), Color.WHITE)
 	image.generate_mipmaps()
-	look(3.0)
+	set_up_view(3.0)
 	pane(material({&"albedo_texture": ImageTexture.create_from_image(image)}))
 	var near: float = lit(await picture()).size() / 16384.0 * 9.0
 	camera.size = 9.0
@@ -221,7 +221,7 @@ func test_coverage_does_not_depend_on_distance() -> void:
 
 
 func test_shadows_remain_during_a_fade() -> void:
-	look()
+	set_up_view()
 	camera.environment.ambient_light_energy = 0.2
 	camera.rotation_degrees.x = -60.0
 	camera.position = Vector3(0.0, 9.0, 5.0)

@@ -80,12 +80,12 @@ func step() -> bool:
 	progress = (baked.size() + impostor.get_progress()) / _meshes.size()
 	if impostor.is_baking():
 		return true
-	var made := impostor.finish()
-	if made == null:
+	var finished := impostor.finish()
+	if finished == null:
 		problem = impostor.problem
 		_running = false
 		return false
-	baked.append(made)
+	baked.append(finished)
 	if _begin_next() != OK:
 		_running = false
 		return false

@@ -56,7 +56,7 @@ var world_offset := Vector3.ZERO:
 		world_offset = value
 		_is_stale = true
 		for tile in _shown:
-			_shown[tile].position = _place_of(_numbers[tile])
+			_shown[tile].position = _center_of(_numbers[tile])
 
 var _index: Index # The index of the world; null if there is none, or if it is invalid.
 var _models: Models
@@ -91,8 +91,8 @@ func _process(_delta: float) -> void:
 	var from := _viewer()
 	if from == null or _index == null:
 		return
-	var place := from.global_position - global_position
-	var here := Vector2(place.x + world_offset.x, place.z + world_offset.z)
+	var relative := from.global_position - global_position
+	var here := Vector2(relative.x + world_offset.x, center.z + world_offset.z)
 	if _is_stale or here.distance_to(_looked_from) > _index.tile_size / 16.0:
 		_look_around(here)
 	var deadline := Time.get_ticks_usec() + frame_budget_usec
@@ -151,7 +151,7 @@ func _look_up() -> void:
 
 
 ## Returns the position of a tile's root, subtracting in double precision.
-func _place_of(number: int) -> Vector3:
+func _center_of(number: int) -> Vector3:
 	return Vector3(
 		_index.centers[3 * number] - world_offset.x,
 		_index.centers[3 * number + 1] - world_offset.y,
@@ -256,12 +256,12 @@ func _finish(tile: Tile) -> void:
 
 
 func _show(at: Vector2i, tile: Tile) -> void:
-	var place := _place_of(_numbers[at])
-	if not place.is_finite():
+	var center := _center_of(_numbers[at])
+	if not center.is_finite():
 		tile.drop()
-		_fail(at, "its center is %s, which must be finite" % place)
+		_fail(at, "its center is %s, which must be finite" % center)
 		return
-	tile.node.position = place
+	tile.node.position = center
 	_shown[at] = tile.node
 	add_child(tile.node)
 	tile_shown.emit(at)

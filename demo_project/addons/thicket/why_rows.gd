@@ -49,18 +49,18 @@ func show_message(sentence: String) -> void:
 func draw(overlay: Control, beside: Vector2, pinned: bool) -> void:
 	var font := ThemeDB.fallback_font
 	var size := ThemeDB.fallback_font_size
-	var shown := rows.duplicate()
+	var displayed_rows := rows.duplicate()
 	if pinned:
-		shown.append([DIM, "Pinned: click another position to move the pin, or click here to unpin."])
+		displayed_rows.append([DIM, "Pinned: click another position to move the pin, or click here to unpin."])
 	var extent := Vector2.ZERO
 	var heights := PackedFloat32Array()
-	for row in shown:
+	for row in displayed_rows:
 		var text := font.get_multiline_string_size(row[1], HORIZONTAL_ALIGNMENT_LEFT, WIDTH, size)
 		heights.append(text.y)
 		extent = Vector2(maxf(extent.x, text.x), extent.y + text.y + 2.0)
 	var at := (beside + Vector2(20.0, 16.0)).min(overlay.size - extent - Vector2(16.0, 12.0)).max(Vector2(12.0, 12.0))
 	overlay.draw_rect(Rect2(at - Vector2(8.0, 6.0), extent + Vector2(16.0, 10.0)), Color(0.0, 0.0, 0.0, 0.78))
-	for index in shown.size():
+	for index in displayed_rows.size():
 		var line := at + Vector2(0.0, font.get_ascent(size))
-		overlay.draw_multiline_string(font, line, shown[index][1], HORIZONTAL_ALIGNMENT_LEFT, WIDTH, size, -1, shown[index][0])
+		overlay.draw_multiline_string(font, line, displayed_rows[index][1], HORIZONTAL_ALIGNMENT_LEFT, WIDTH, size, -1, displayed_rows[index][0])
 		at.y += heights[index] + 2.0

@@ -51,7 +51,7 @@ func new_map() -> Resource:
 	return map
 
 
-func look() -> void:
+func wait_for_panel() -> void:
 	await get_tree().create_timer(0.6).timeout
 
 
@@ -72,7 +72,7 @@ func test_layers_of_biomes_are_listed() -> void:
 	EditorInterface.get_selection().add_node(scatter)
 	EditorInterface.edit_node(scatter)
 	await settle(scatter)
-	await look()
+	await wait_for_panel()
 	var titles: Array = tree().rows().map(func(row: TreeItem) -> String: return row.get_text(0))
 	check_equal(titles, ["Rock", "Grass", "Reed", "Willow"], "one row per layer")
 	check_equal(tree().row_of(layer("Rock")).get_parent(), tree().get_root(), "the layer of the scatter itself has no parent row")
@@ -137,7 +137,7 @@ func test_a_biome_is_painted() -> void:
 	var tool: Node = workspace().toolbar.biomes
 	check(tool.button.visible and not tool.visible, "the toolbar shows a brush for biomes")
 	tool.set_on(true)
-	await look()
+	await wait_for_panel()
 	check_equal(tool._biomes.item_count, 3, "the list has an item for each biome and one for no biome")
 	tool.choose_biome(1)
 	tool._radius.value = 10.0
@@ -149,7 +149,7 @@ func test_a_biome_is_painted() -> void:
 	var inside := Rect2(-15.0, -3.0, 6.0, 6.0)
 	check_equal(scatter.query_rect(inside, layer("Grass")).size(), 0, "no grass remains in the stroke")
 	check(scatter.query_rect(inside, layer("Reed")).size() > 3, "reed grows in the stroke")
-	await look()
+	await wait_for_panel()
 	check(tool.overlay.is_shown(), "the overlay shows the biomes")
 	await picture("biome_painted")
 	var after := saved_files()
@@ -215,7 +215,7 @@ func test_a_biome_is_replaced() -> void:
 	await mouse_click(await name_at(layer("Reed")))
 	scatter.biomes.biomes[1] = new_biome("Dry Bed", Color.RED, [new_layer("Thistle", 2.0)])
 	await settle(scatter)
-	await look()
+	await wait_for_panel()
 	var titles: Array = tree().rows().map(func(row: TreeItem) -> String: return row.get_text(0))
 	check_equal(titles, ["Rock", "Grass", "Thistle"], "the rows are updated")
 	check_equal(tree().row_of(layer("Thistle")).get_parent().get_text(0), "Dry Bed", "the new layer is listed below the new biome's name")

@@ -97,7 +97,7 @@ func test_plant() -> void:
 	await undo()
 	check(scatter.get(&"state") == null and not FileAccess.file_exists(STATE), "undo removes the state and its file")
 	check(not scatter.has_instance(id), "the instance is gone")
-	hand.look()
+	hand.refresh()
 	check_equal(hand.selected, 0, "it is no longer selected")
 	EditorInterface.save_scene()
 	check(bytes(SCENE) == scene, "the scene is unchanged, byte for byte")
@@ -195,7 +195,7 @@ func test_cancel_and_delete() -> void:
 func test_generated_instances() -> void:
 	workspace().toolbar.choose_layer(1)
 	await settle(scatter)
-	hand.look()
+	hand.refresh()
 	var near: RefCounted = scatter.query_nearest(Vector3(0.5, 0.0, 0.5), 3.0, scatter.layers[1])
 	var id: int = near.id
 	var placed_at: Transform3D = near.transform
@@ -219,7 +219,7 @@ func test_generated_instances() -> void:
 	check(instances(scatter, 1).has(id), "undo restores the deleted instance")
 	await redo()
 	workspace().toolbar.choose_layer(0)
-	hand.look()
+	hand.refresh()
 
 
 ## Plants on a ramp with Align, and on the grid. Changing the radius must not affect hand-placed instances.

@@ -116,7 +116,7 @@ func explain(side: String) -> void:
 		check(rows().any(func(row: String) -> bool: return "Grass: Grows only on the top of the ground, %.1f m above" % (2.0 * (-tool.pinned.y + CENTER.y)) in row), "%s: the other layer: %s" % [side, rows()])
 	await picture("planet_why_%s" % side)
 	tool.choose_colors(2)
-	tool.look()
+	tool.refresh()
 	check(tool.overlay.is_shown() == (side == "top"), "%s: colors exist only near the top" % side)
 	tool.choose_colors(0)
 	tool.set_on(false)

@@ -7,7 +7,7 @@ const SCENE := "res://plugin_ground.tscn"
 
 var scatter: Node3D
 var root: Node3D
-var shown: Array[Vector2i] = []
+var shown_tiles: Array[Vector2i] = []
 
 
 ## Returns the script of a stand-in for a terrain plug-in, from the copies that run in the editor.
@@ -16,8 +16,8 @@ func double(script: String) -> GDScript:
 
 
 func test_prepare() -> void:
-	var made := Node3D.new()
-	made.name = "World"
+	var world := Node3D.new()
+	world.name = "World"
 	var trees: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
 	trees.name = "Trees"
 	var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
@@ -35,18 +35,18 @@ func test_prepare() -> void:
 	layer.set(&"height_offset", 1.0)
 	layer.set(&"meshes", [cone] as Array[Mesh])
 	trees.set(&"layers", [layer])
-	made.add_child(trees)
-	trees.owner = made
+	world.add_child(trees)
+	trees.owner = world
 	var sun := DirectionalLight3D.new()
 	sun.rotation_degrees = Vector3(-50.0, 30.0, 0.0)
-	made.add_child(sun)
-	sun.owner = made
-	save_scene(made, SCENE)
+	world.add_child(sun)
+	sun.owner = world
+	save_scene(world, SCENE)
 	root = await open(SCENE)
 	EditorInterface.set_main_screen_editor("3D")
 	scatter = root.get_node("Trees")
 	scatter.set(&"viewers", [^".."] as Array[NodePath])
-	scatter.tile_shown.connect(func(_layer: Resource, tile: Vector2i) -> void: shown.push_back(tile))
+	scatter.tile_shown.connect(func(_layer: Resource, tile: Vector2i) -> void: shown_tiles.push_back(tile))
 	await frames(3)
 
 
@@ -109,14 +109,14 @@ func check_ground(height_at: Callable, context: String) -> void:
 ## Raises a hill in steps, as a brush does while the mouse moves. Checks that at most a third of the tiles were regenerated.
 func sculpt(raise: Callable, height_at: Callable, context: String) -> void:
 	var all: int = scatter.get_shown_tiles(scatter.layers[0]).size()
-	shown.clear()
+	shown_tiles.clear()
 	for step in 4:
 		raise.call(3.0 * (step + 1))
 		await frames(2)
 	await settle(scatter)
 	check_ground(height_at, context)
 	var tiles := {}
-	for tile in shown:
+	for tile in shown_tiles:
 		tiles[tile] = true
 	check(not tiles.is_empty() and tiles.size() <= all / 3, "%s: %d of %d tiles were regenerated" % [context, tiles.size(), all])
 	draw_ground(height_at)

@@ -136,19 +136,19 @@ func addon() -> EditorPlugin:
 	return null
 
 
-## Returns the plugin's workspace with its tools, panel and dialogs. Null without the library.
+## Returns the plugin's workspace with its tools, panel and dialogs, or null if the extension library is not loaded.
 func workspace() -> RefCounted:
 	return addon().workspace
 
 
-## Turns on the hand tool for the first layer of the selected scatter, without variation, and returns the tool.
+## Turns on the hand tool for the first layer of the selected TerrainScatter3D, without variation, and returns the tool.
 func turn_on_hand() -> Node:
 	var hand: Node = workspace().toolbar.hand
 	surface().grab_focus()
 	hand.set_on(true)
 	workspace().toolbar.choose_layer(0)
-	hand.planting.choose(false, false, false, false)
-	hand.look()
+	hand.planting.choose(false, false, false, false) # No snapping, no alignment, no random rotation or size.
+	hand.refresh()
 	# Wait for the layout, because the tool adds a row to the toolbar.
 	await frames(3)
 	return hand

@@ -132,7 +132,7 @@ func test_colors() -> void:
 	scatter.layers[0].density = 0.3
 	await until(func() -> bool: return tool()._version > version and tool().overlay.is_complete(), "colors are updated with the settings")
 	workspace().toolbar.choose_layer(2)
-	tool().look()
+	tool().refresh()
 	check(not tool().overlay.is_complete(), "colors are updated with the selected layer")
 	tool().choose_colors(0)
 	check(not tool().overlay.is_shown(), "no colors")

@@ -6,26 +6,26 @@ extends RefCounted
 ## Creates a slider for a number. [param limits] are the minimum, the maximum and the step. [param width] is in pixels
 ## at an editor scale of 1.
 static func slider(label: String, tip: String, limits: Vector3, value: float, suffix: String, width: float) -> EditorSpinSlider:
-	var made := EditorSpinSlider.new()
-	made.label = label
-	made.min_value = limits.x
-	made.max_value = limits.y
-	made.step = limits.z
-	made.value = value
-	made.suffix = suffix
-	made.tooltip_text = tip
-	made.custom_minimum_size.x = width * EditorInterface.get_editor_scale()
-	return made
+	var new_slider := EditorSpinSlider.new()
+	new_slider.label = label
+	new_slider.min_value = limits.x
+	new_slider.max_value = limits.y
+	new_slider.step = limits.z
+	new_slider.value = value
+	new_slider.suffix = suffix
+	new_slider.tooltip_text = tip
+	new_slider.custom_minimum_size.x = width * EditorInterface.get_editor_scale()
+	return new_slider
 
 
 ## Creates a flat button with an editor icon, which [method update_icons] sets.
 static func button(text: String, icon: StringName, tip: String) -> Button:
-	var made := Button.new()
-	made.text = text
-	made.tooltip_text = tip
-	made.theme_type_variation = &"FlatButton"
-	made.set_meta(&"icon", icon)
-	return made
+	var new_button := Button.new()
+	new_button.text = text
+	new_button.tooltip_text = tip
+	new_button.theme_type_variation = &"FlatButton"
+	new_button.set_meta(&"icon", icon)
+	return new_button
 
 
 ## Sets the icons of the buttons in a control by their metadata [code]icon[/code]. The icons come from the editor's theme, so call this

@@ -59,7 +59,7 @@ func draw_over(_overlay: Control) -> void:
 
 
 ## Updates what the tool shows if anything has changed. Called several times per second, whether the tool is on or not.
-func look() -> void:
+func refresh() -> void:
 	pass
 
 

@@ -214,16 +214,16 @@ func process(delta: float) -> void:
 	if _since_look < LOOK_SECONDS:
 		return
 	_since_look = 0.0
-	_new_layers.look()
-	dock.look()
+	_new_layers.refresh()
+	dock.refresh()
 	if is_instance_valid(_scatter):
-		var shown := _state(_scatter)
-		if shown != _shown:
-			_shown = shown
+		var displayed_state := _state(_scatter)
+		if displayed_state != _shown:
+			_shown = displayed_state
 			_scatter.update_gizmos()
 			toolbar.update_layers()
 	for tool in toolbar.tools:
-		tool.look()
+		tool.refresh()
 
 
 ## Returns the data of a scatter that the gizmos and the toolbar show.

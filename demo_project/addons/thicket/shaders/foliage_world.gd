@@ -197,18 +197,18 @@ func _is_foliage(shader: Shader) -> bool:
 
 ## Returns the number of bodies, and an array of MOST_BODIES positions with radii.
 func _bodies() -> Array:
-	var places: Array[Vector3] = []
+	var positions: Array[Vector3] = []
 	for node in get_tree().get_nodes_in_group(bodies_group):
 		if node is Node3D:
-			places.append((node as Node3D).global_position)
+			positions.append((node as Node3D).global_position)
 	var camera := get_viewport().get_camera_3d()
-	if places.size() > MOST_BODIES and camera:
+	if positions.size() > MOST_BODIES and camera:
 		var eye := camera.global_position
-		places.sort_custom(func(a: Vector3, b: Vector3) -> bool:
+		positions.sort_custom(func(a: Vector3, b: Vector3) -> bool:
 			return a.distance_squared_to(eye) < b.distance_squared_to(eye))
 	var packed: Array[Vector4] = []
 	packed.resize(MOST_BODIES)
-	var count := mini(places.size(), MOST_BODIES)
+	var count := mini(positions.size(), MOST_BODIES)
 	for index in count:
-		packed[index] = Vector4(places[index].x, places[index].y, places[index].z, body_radius)
+		packed[index] = Vector4(positions[index].x, positions[index].y, positions[index].z, body_radius)
 	return [count, PackedVector4Array(packed)]

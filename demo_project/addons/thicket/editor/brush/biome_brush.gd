@@ -72,8 +72,8 @@ func begin(scatter: TerrainScatter3D, index: int, scene_path: String, at: Vector
 func move(at: Vector2) -> void:
 	if not is_painting():
 		return
-	for place in StrokePlaces.between(_last, at, radius):
-		_disc(place)
+	for point in StrokePlaces.between(_last, at, radius):
+		_disc(point)
 	if _unread and Time.get_ticks_msec() >= _next_reading:
 		_read()
 

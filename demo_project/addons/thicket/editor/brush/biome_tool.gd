@@ -34,7 +34,7 @@ func choose_biome(index: int) -> void:
 	redraw_requested.emit()
 
 
-func look() -> void:
+func refresh() -> void:
 	var map := _map()
 	button.visible = map != null
 	if map == null and is_on():

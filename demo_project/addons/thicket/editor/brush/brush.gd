@@ -62,8 +62,8 @@ func begin(scatter: TerrainScatter3D, layers: Array[ScatterLayer], scene_path: S
 func move(at: Vector2) -> void:
 	if not is_painting():
 		return
-	for place in StrokePlaces.between(_last, at, radius):
-		_dab(place)
+	for point in StrokePlaces.between(_last, at, radius):
+		_dab(point)
 
 
 ## Ends the stroke and adds an undo step, unless nothing has changed.

@@ -27,9 +27,9 @@ func _init() -> void:
 ## Opens the dialog for layers with these names and this number of visible instances. [param at] is the world x and z of the stroke.
 func ask(names: PackedStringArray, instances: int, at: Vector2) -> void:
 	_at = at
-	var gone := "All others of the %d visible instances are removed." % instances if instances > 0 else ""
+	var removal_text := "All others of the %d visible instances are removed." % instances if instances > 0 else ""
 	var one := names[0] if names[0] else "The layer"
-	dialog_text = TEXT % [one, gone] if names.size() == 1 else TEXT_OF_MANY % [", ".join(names), gone]
+	dialog_text = TEXT % [one, removal_text] if names.size() == 1 else TEXT_OF_MANY % [", ".join(names), removal_text]
 	popup_centered()
 
 

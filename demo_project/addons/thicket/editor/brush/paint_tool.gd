@@ -65,7 +65,7 @@ func set_brush(radius: float, strength: float, hardness: float) -> void:
 
 
 ## Shows the mask of the chosen layer while the brush is on.
-func look() -> void:
+func refresh() -> void:
 	_show_painted(mask_overlay, layer.mask if layer != null else null)
 
 

@@ -11,8 +11,8 @@ static func between(last: Vector2, at: Vector2, radius: float) -> PackedVector2A
 	var step := maxf(radius * SPACING, 0.01)
 	var way := at - last
 	var direction := way.normalized()
-	var places := PackedVector2Array()
+	var points := PackedVector2Array()
 	for dab in floori(way.length() / step):
 		last += direction * step
-		places.append(last)
-	return places
+		points.append(last)
+	return points

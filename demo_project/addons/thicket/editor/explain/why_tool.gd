@@ -32,14 +32,14 @@ func _init() -> void:
 	for kind in RuleOverlay.NAMES.size():
 		_colors.add_item(RuleOverlay.NAMES[kind])
 		_colors.get_popup().set_item_tooltip(kind, RuleOverlay.TIPS[kind])
-	_colors.item_selected.connect(func(_index: int) -> void: look(); redraw_requested.emit())
+	_colors.item_selected.connect(func(_index: int) -> void: refresh(); redraw_requested.emit())
 	add_child(_colors)
 
 
 ## Selects the colors on the ground.
 func choose_colors(kind: RuleOverlay.Kind) -> void:
 	_colors.select(kind)
-	look()
+	refresh()
 	redraw_requested.emit()
 
 
@@ -83,7 +83,7 @@ func _draw_view(over: Control) -> void:
 	panel.draw(over, _cursor.to_overlay(at), pinned.is_finite())
 
 
-func look() -> void:
+func refresh() -> void:
 	if not is_on() or not is_instance_valid(scatter) or not scatter.is_inside_tree():
 		overlay.hide()
 		return
@@ -118,7 +118,7 @@ func _process(_delta: float) -> void:
 func _on_toggled() -> void:
 	super()
 	finish()
-	look()
+	refresh()
 
 
 func _place_of(position: Vector3) -> Vector2:

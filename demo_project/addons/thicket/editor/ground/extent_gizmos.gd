@@ -50,12 +50,12 @@ func _redraw(gizmo: EditorNode3DGizmo) -> void:
 
 ## Adds the edges at which a tile has no neighbor.
 static func _add_edges(edges: Array[PackedVector2Array], tiles: Array, size: float) -> void:
-	var shown := {}
+	var visible_keys := {}
 	for tile: Vector2i in tiles:
-		shown[tile] = true
+		visible_keys[tile] = true
 	for tile: Vector2i in tiles:
 		for side in SIDES.size():
-			if not shown.has(tile + SIDES[side]):
+			if not visible_keys.has(tile + SIDES[side]):
 				var middle := Vector2(tile) + Vector2(0.5, 0.5) + Vector2(SIDES[side]) * 0.5
 				var half := Vector2(SIDES[side]).orthogonal() * 0.5
 				edges.append(PackedVector2Array([(middle - half) * size, (middle + half) * size]))

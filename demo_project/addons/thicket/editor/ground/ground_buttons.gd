@@ -119,9 +119,9 @@ static func _use_meshes(
 		manager.add_do_method(mesh, &"add_to_group", new_group, true)
 		manager.add_undo_method(mesh, &"remove_from_group", new_group)
 	if ground == null:
-		var made := ScatterGroundMeshes.new()
-		made.group = new_group
-		_set_ground(scatter, made, manager, added)
+		var new_ground := ScatterGroundMeshes.new()
+		new_ground.group = new_group
+		_set_ground(scatter, new_ground, manager, added)
 	elif not group:
 		manager.add_do_property(ground, &"group", new_group)
 		manager.add_undo_property(ground, &"group", group)
@@ -148,9 +148,9 @@ static func _use_bodies(
 		manager.add_do_property(ground, &"collision_mask", mask | layers)
 		manager.add_undo_property(ground, &"collision_mask", mask)
 	else:
-		var made := ScatterGroundColliders.new()
-		made.collision_mask = layers
-		_set_ground(scatter, made, manager, added)
+		var new_ground := ScatterGroundColliders.new()
+		new_ground.collision_mask = layers
+		_set_ground(scatter, new_ground, manager, added)
 	manager.commit_action()
 	return ""
 
@@ -164,9 +164,9 @@ static func _use_terrain(
 		if of_node != null and scatter.get_node_or_null(of_node.node) == terrains[0]:
 			return "This is already the ground of %s." % scatter.name
 	manager.create_action("Use as Ground", UndoRedo.MERGE_DISABLE, scatter)
-	var made := ScatterGroundNode.new()
-	made.node = scatter.get_path_to(terrains[0])
-	_set_ground(scatter, made, manager, added)
+	var new_ground := ScatterGroundNode.new()
+	new_ground.node = scatter.get_path_to(terrains[0])
+	_set_ground(scatter, new_ground, manager, added)
 	manager.commit_action()
 	return ""
 

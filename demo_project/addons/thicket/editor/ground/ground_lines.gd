@@ -38,13 +38,13 @@ static func scatter_of(node: Node) -> TerrainScatter3D:
 ## Returns a material for lines that are visible through everything and equally opaque whether their node is selected or
 ## not. The materials that a gizmo plugin creates are less opaque for unselected nodes.
 static func material(color: Color) -> StandardMaterial3D:
-	var made := StandardMaterial3D.new()
-	made.shading_mode = BaseMaterial3D.SHADING_MODE_UNSHADED
-	made.transparency = BaseMaterial3D.TRANSPARENCY_ALPHA
-	made.no_depth_test = true
-	made.disable_fog = true
-	made.albedo_color = color
-	return made
+	var line_material := StandardMaterial3D.new()
+	line_material.shading_mode = BaseMaterial3D.SHADING_MODE_UNSHADED
+	line_material.transparency = BaseMaterial3D.TRANSPARENCY_ALPHA
+	line_material.no_depth_test = true
+	line_material.disable_fog = true
+	line_material.albedo_color = color
+	return line_material
 
 
 ## Adds a line through points (see [member to_ground]), with a ground height at least every [param piece] meters.

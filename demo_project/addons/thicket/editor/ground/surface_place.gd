@@ -20,8 +20,8 @@ const MAP_DEGREES := 60.0
 
 
 ## Returns the up direction at a position.
-static func up_at(scatter: TerrainScatter3D, place: Vector3) -> Vector3:
-	return scatter._up_at(place)
+static func up_at(scatter: TerrainScatter3D, point: Vector3) -> Vector3:
+	return scatter._up_at(point)
 
 
 ## Returns the ground that forms the planet of a scatter, or null if there is no planet.
@@ -75,30 +75,30 @@ static func distance(scatter: TerrainScatter3D, from: Vector3, direction: Vector
 
 ## Returns the position on the ground, straight above or below another position, that is nearest to it and within [param reach] meters, and its
 ## normal. Returns an empty array if there is none. Only ground that faces the direction [param along] counts.
-static func level(scatter: TerrainScatter3D, place: Vector3, along: Vector3, reach := REACH) -> PackedVector3Array:
+static func level(scatter: TerrainScatter3D, point: Vector3, along: Vector3, reach := REACH) -> PackedVector3Array:
 	var nearest := PackedVector3Array()
 	var ground := scatter.ground
 	if has_levels(ground):
-		var start := place + along * reach
+		var start := point + along * reach
 		for index in MOST_LEVELS:
-			var found := hit(scatter, start, place - along * reach)
-			if found.is_empty() or not nearest.is_empty() and place.distance_to(found[0]) >= place.distance_to(nearest[0]):
+			var found := hit(scatter, start, point - along * reach)
+			if found.is_empty() or not nearest.is_empty() and point.distance_to(found[0]) >= point.distance_to(nearest[0]):
 				break
 			nearest = found
 			start = found[0] - along * GAP
 	for part in _parts(ground):
 		var has_heights := not part is ScatterGroundMeshes or nearest.is_empty() and planet_of(ground) == null
-		var height := part.get_height(place) if has_heights and along.y > 0.0 else NAN
-		if absf(height - place.y) <= reach and (nearest.is_empty() or absf(height - place.y) < place.distance_to(nearest[0])):
-			var at := Vector3(place.x, height, place.z)
+		var height := part.get_height(point) if has_heights and along.y > 0.0 else NAN
+		if absf(height - point.y) <= reach and (nearest.is_empty() or absf(height - point.y) < point.distance_to(nearest[0])):
+			var at := Vector3(point.x, height, point.z)
 			nearest = PackedVector3Array([at, part.get_normal(at)])
 	return nearest
 
 
 ## Returns an empty string if a map that is projected along the y axis can be edited at a position on the ground. Otherwise, returns the reason and
 ## the remedy. [param what] is the beginning of the sentence, and [param remedy] the sentence after it.
-static func map_problem(scatter: TerrainScatter3D, place: Vector3, what: String, remedy: String) -> String:
-	if planet_of(scatter.ground) == null or up_at(scatter, place).y >= cos(deg_to_rad(MAP_DEGREES)):
+static func map_problem(scatter: TerrainScatter3D, point: Vector3, what: String, remedy: String) -> String:
+	if planet_of(scatter.ground) == null or up_at(scatter, point).y >= cos(deg_to_rad(MAP_DEGREES)):
 		return ""
 	return "%s at most %d° from the top of a planet. %s" % [what, roundi(MAP_DEGREES), remedy]
 

@@ -153,10 +153,10 @@ func transform_at(cursor: GroundCursor, scatter: TerrainScatter3D, with_control:
 
 ## Returns the transform of an instance that is moved to the ground straight above or below a position. The instance keeps its height above the
 ## ground. On a planet, it rotates with the up direction.
-func moved(from: Transform3D, place: Vector3, scatter: TerrainScatter3D, with_control: bool) -> Transform3D:
+func moved(from: Transform3D, point: Vector3, scatter: TerrainScatter3D, with_control: bool) -> Transform3D:
 	var up := SurfacePlace.up_at(scatter, from.origin)
 	var below := SurfacePlace.level(scatter, from.origin, up)
-	var target := _on_grid(place) if _uses_grid(scatter, with_control) else place
+	var target := _on_grid(point) if _uses_grid(scatter, with_control) else point
 	var found := SurfacePlace.level(scatter, target, SurfacePlace.up_at(scatter, target))
 	if below.is_empty() or found.is_empty():
 		var is_planet := SurfacePlace.planet_of(scatter.ground) != null
@@ -173,8 +173,8 @@ func _uses_grid(scatter: TerrainScatter3D, with_control: bool) -> bool:
 	return snaps(with_control) and SurfacePlace.planet_of(scatter.ground) == null
 
 
-func _on_grid(place: Vector3) -> Vector3:
-	return Vector3(snappedf(place.x, _grid.value), place.y, snappedf(place.z, _grid.value))
+func _on_grid(point: Vector3) -> Vector3:
+	return Vector3(snappedf(point.x, _grid.value), point.y, snappedf(point.z, _grid.value))
 
 
 static func _is_direction(normal: Vector3) -> bool:

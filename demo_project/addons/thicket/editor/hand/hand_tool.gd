@@ -74,7 +74,7 @@ func _draw_view(overlay: Control) -> void:
 
 ## Updates the meshes of the chosen layer and the selected instance, both of which may have been changed elsewhere
 ## or by undo.
-func look() -> void:
+func refresh() -> void:
 	if not is_on() or layer == null or ground() == null:
 		_ghost.hide()
 		return
@@ -99,7 +99,7 @@ func finish() -> void:
 
 func _on_toggled() -> void:
 	super()
-	look()
+	refresh()
 
 
 func _on_key(key: InputEventKey) -> int:

@@ -61,8 +61,8 @@ func _toggle(ticked: bool, layer: ScatterLayer) -> void:
 	emit_changed(get_edited_property(), values)
 
 
-func _remove(_ticked: bool, gone: Variant) -> void:
+func _remove(_ticked: bool, removed: Variant) -> void:
 	var values: Array = get_edited_object().get(get_edited_property())
 	values = values.duplicate()
-	values.erase(gone)
+	values.erase(removed)
 	emit_changed(get_edited_property(), values)

@@ -35,10 +35,10 @@ static func add(scatter: TerrainScatter3D, resources: Array[Resource], at: int, 
 
 ## Creates foliage materials for a new layer of plants, unless there is no path for their files. Returns the materials.
 static func _make_foliage(layer: ScatterLayer) -> Array[Resource]:
-	var place := SceneFiles.place_of(layer)
-	if place.is_empty() or Copies.is_file(layer) or layer.get_model_kind() == ScatterLayer.KIND_ROCK:
+	var location := SceneFiles.place_of(layer)
+	if location.is_empty() or Copies.is_file(layer) or layer.get_model_kind() == ScatterLayer.KIND_ROCK:
 		return []
-	return FoliageMaterials.new(place).give(layer)
+	return FoliageMaterials.new(location).give(layer)
 
 
 ## Returns a message that names the resources for which [method add] has not added a layer, or an empty string if there

@@ -41,9 +41,9 @@ func _request_drawn(scatter: TerrainScatter3D, layer: ScatterLayer) -> void:
 	if not layer in ScatterLayers.of(scatter):
 		return
 	for tile in scatter.get_shown_tiles(layer):
-		var shown := scatter.get_tile(layer, tile)
-		if shown.get_mesh_count() > 0 and shown.get_mesh(0) != null:
+		var displayed_tile := scatter.get_tile(layer, tile)
+		if displayed_tile.get_mesh_count() > 0 and displayed_tile.get_mesh(0) != null:
 			EditorInterface.get_resource_previewer().queue_edited_resource_preview(
-					shown.get_mesh(0), self, &"_on_preview", [layer, scatter])
+					displayed_tile.get_mesh(0), self, &"_on_preview", [layer, scatter])
 			return
 	_requested.erase(layer.get_instance_id()) # There are no tiles yet, so a later call must try again.

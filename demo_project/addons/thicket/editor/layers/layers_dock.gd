@@ -65,10 +65,10 @@ func set_scatter(scatter: TerrainScatter3D) -> void:
 
 
 ## Updates the panel and its warnings. Called several times per second.
-func look() -> void:
+func refresh() -> void:
 	_root = EditorInterface.get_edited_scene_root()
-	steps.look(_scatter if is_instance_valid(_scatter) else null)
-	panel.look()
+	steps.refresh(_scatter if is_instance_valid(_scatter) else null)
+	panel.refresh()
 	for scatter in _appeared:
 		if is_instance_valid(scatter) and scatter.is_inside_tree():
 			var shared := Shared.find(scatter)
@@ -84,10 +84,10 @@ func state() -> Dictionary:
 	return marks.to_state(root, Shared.scatters_of(root)) if root != null else {}
 
 
-func set_state(kept: Dictionary) -> void:
+func set_state(saved: Dictionary) -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	if root != null:
-		marks.from_state(root, kept)
+		marks.from_state(root, saved)
 
 
 func _apply_marks() -> void:

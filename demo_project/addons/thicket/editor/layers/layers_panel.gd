@@ -65,7 +65,7 @@ func _init(undo_redo: EditorUndoRedoManager, marks: Marks, files: SceneFiles, st
 	_marks = marks
 	_files = files
 	_steps = steps
-	undo_redo.version_changed.connect(look.call_deferred) # Updates immediately after undo and redo.
+	undo_redo.version_changed.connect(refresh.call_deferred) # Updates immediately after undo and redo.
 	notes = Notes.new(undo_redo, files)
 	custom_minimum_size.y = HEIGHT * EditorInterface.get_editor_scale()
 	_make_head()
@@ -96,7 +96,7 @@ func _init(undo_redo: EditorUndoRedoManager, marks: Marks, files: SceneFiles, st
 ## Shows the layers of a scatter, or nothing if it is null.
 func set_scatter(scatter: TerrainScatter3D) -> void:
 	_scatter = scatter
-	look()
+	refresh()
 
 
 ## Selects the rows of layers. Does not emit [signal layers_chosen].
@@ -108,21 +108,21 @@ func choose(layers: Array[ScatterLayer]) -> void:
 
 
 ## Updates everything that has changed. Called several times per second.
-func look() -> void:
+func refresh() -> void:
 	if not is_instance_valid(_scatter):
 		_scatter = null
 	var layers := ScatterLayers.of(_scatter)
 	var biomes := PackedStringArray(layers.map(func(layer: ScatterLayer) -> String: return ScatterLayers.biome_name(_scatter, layer)))
-	var shown: Array = [_scatter, layers.duplicate(), Copies.names(layers), biomes]
-	if shown != _shown and not get_viewport().gui_is_dragging():
-		_shown = shown
+	var state: Array = [_scatter, layers.duplicate(), Copies.names(layers), biomes]
+	if state != _shown and not get_viewport().gui_is_dragging():
+		_shown = state
 		tree.show_layers(layers, biomes)
 		_enable()
 	_empty.text = "" if not layers.is_empty() else "Drop meshes, scenes or layers here to add a layer for each." if _scatter != null else (
 			"Select a scatter to see its layers, or create a new one.")
 	if not is_visible_in_tree():
 		return
-	notes.look(_scatter)
+	notes.refresh(_scatter)
 	if _scatter == null:
 		_total.text = ""
 		return
@@ -173,7 +173,7 @@ func remove_chosen() -> void:
 	var messages := LayerEdits.remove(_scatter, chosen, _undo_redo)
 	if not messages.is_empty():
 		_show_toast(" ".join(messages))
-	look()
+	refresh()
 	# The inspector must not keep a deleted layer.
 	var left := _scatter.layers
 	if left.is_empty():
@@ -277,7 +277,7 @@ func _choose_new(layers: Array[ScatterLayer]) -> void:
 	if get_viewport().gui_is_dragging(): # The user is still dropping files, whose rows are added afterward.
 		get_tree().process_frame.connect(_choose_new.bind(layers), CONNECT_ONE_SHOT)
 		return
-	look()
+	refresh()
 	tree.choose(layers)
 	_on_chosen(layers)
 
@@ -292,7 +292,7 @@ func _on_chosen(layers: Array[ScatterLayer]) -> void:
 func _on_renamed(layer: ScatterLayer, text: String) -> void:
 	LayerEdits.rename(_scatter, layer, text, _undo_redo)
 	_shown = []
-	look.call_deferred() # Deferred, because the row is still being edited.
+	refresh.call_deferred() # Deferred, because the row is still being edited.
 
 
 func _on_add(id: int) -> void:
@@ -307,7 +307,7 @@ func _on_add(id: int) -> void:
 			add([layer] as Array[Resource])
 		_:
 			preset_chosen.emit(Presets.NAMES[id - Add.FIRST_PRESET])
-			look()
+			refresh()
 
 
 func _on_file(path: String) -> void:

@@ -46,7 +46,7 @@ static func add_fit(layer: ScatterLayer, fitted: ScatterLayer, undo_redo: Editor
 ## are layers come first in the result, unchanged.
 static func of_resources(resources: Array[Resource], taken: PackedStringArray) -> Array[ScatterLayer]:
 	var result: Array[ScatterLayer] = []
-	var made: Array[ScatterLayer] = []
+	var new_layers: Array[ScatterLayer] = []
 	var names := taken.duplicate()
 	for resource in resources:
 		if resource is ScatterLayer:
@@ -58,10 +58,10 @@ static func of_resources(resources: Array[Resource], taken: PackedStringArray) -
 		layer.resource_name = Copies.free_name(_name_of(resource), names)
 		names.append(layer.resource_name)
 		_fit_view(layer)
-		made.append(layer)
-	made.sort_custom(func(a: ScatterLayer, b: ScatterLayer) -> bool: return a.radius > b.radius)
-	_share_ground(made)
-	result.append_array(made)
+		new_layers.append(layer)
+	new_layers.sort_custom(func(a: ScatterLayer, b: ScatterLayer) -> bool: return a.radius > b.radius)
+	_share_ground(new_layers)
+	result.append_array(new_layers)
 	return result
 
 

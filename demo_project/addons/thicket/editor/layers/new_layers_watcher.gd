@@ -49,7 +49,7 @@ func is_watching() -> bool:
 
 
 ## Checks one new layer if all tiles are ready, and shows the results after the last one. Call this several times per second.
-func look() -> void:
+func refresh() -> void:
 	if _fresh.is_empty():
 		return
 	if not is_instance_valid(_scatter) or not _scatter.is_inside_tree():

@@ -60,7 +60,7 @@ func _init(undo_redo: EditorUndoRedoManager, files: SceneFiles) -> void:
 
 
 ## Updates the notes about a scatter, which may be null.
-func look(scatter: TerrainScatter3D) -> void:
+func refresh(scatter: TerrainScatter3D) -> void:
 	if scatter != _scatter or _looks % SEARCH_EVERY == 0:
 		_shared = Shared.find(scatter) if scatter != null else null
 		_looks = 0
@@ -99,7 +99,7 @@ func make_unique(new_seed: bool, with_files: bool) -> void:
 	if not problem.is_empty():
 		EditorInterface.get_editor_toaster().push_toast(problem, EditorToaster.SEVERITY_ERROR)
 	_looks = 0
-	look(_scatter)
+	refresh(_scatter)
 
 
 ## Updates the note about missing surroundings, which requires a scatter with a ground and layers.
@@ -115,14 +115,14 @@ func _surround() -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	if root != null:
 		Surroundings.add(root, EditorInterface.get_editor_viewport_3d(0).get_camera_3d().global_transform, _undo_redo)
-		look(_scatter)
+		refresh(_scatter)
 
 
 func _accept_gray() -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	if root != null:
 		_accepted[root.scene_file_path] = true
-		look(_scatter)
+		refresh(_scatter)
 
 
 func _row(icon: StringName) -> HBoxContainer:

@@ -76,7 +76,7 @@ func limited_of(scatter: TerrainScatter3D, layer: ScatterLayer) -> Watch:
 
 ## Watches the layers of a scatter in addition to those that are already watched. If [param scatter] is null, adds no layers. Called several times per
 ## second.
-func look(scatter: TerrainScatter3D) -> void:
+func refresh(scatter: TerrainScatter3D) -> void:
 	for watch: Watch in _watches.duplicate():
 		if not is_instance_valid(watch.scatter) or not watch.layer in ScatterLayers.of(watch.scatter):
 			_forget(watch)

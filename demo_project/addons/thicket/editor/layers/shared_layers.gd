@@ -135,10 +135,10 @@ static func make_unique(scatter: TerrainScatter3D, new_seed: bool, with_files: b
 		if followed != mentioned:
 			undo_redo.add_do_property(region, &"layers", followed)
 			undo_redo.add_undo_property(region, &"layers", mentioned)
-	var made := masks.values()
+	var new_resources := masks.values()
 	if states[0] != scatter.state and states[0] != null and Copies.is_file(states[0]):
-		made.append(states[0])
-	files.add_to_undo(made, scene_path, undo_redo)
+		new_resources.append(states[0])
+	files.add_to_undo(new_resources, scene_path, undo_redo)
 	undo_redo.commit_action()
 	return ""
 

@@ -20,7 +20,7 @@ const LEAF_LIGHT := 0.3
 var _problem := "" ## The reason why a file could not be written; empty if there is none.
 var _place: String
 var _plain_only := false
-var _made: Dictionary[Material, ShaderMaterial] = {}
+var _foliage_materials: Dictionary[Material, ShaderMaterial] = {}
 var _left_out := PackedStringArray()
 var _models: Array[Array] = [] ## Existing models, each with its replacement materials before and after.
 var _surfaces: Array[Array] = [] ## Meshes without a scene, each with a surface and the surface's material before and after.
@@ -63,7 +63,7 @@ func give(layer: ScatterLayer) -> Array[Resource]:
 
 
 func _commit(owner: Resource, files: SceneFiles, undo_redo: EditorUndoRedoManager, add_more := Callable()) -> PackedStringArray:
-	if _made.is_empty():
+	if _foliage_materials.is_empty():
 		return [("There is no standard material to convert. " + " ".join(_left_out)).strip_edges()]
 	var written := _save()
 	if not _problem.is_empty():
@@ -144,40 +144,40 @@ static func _is_plain(material: BaseMaterial3D) -> bool:
 
 
 func _converted(from: BaseMaterial3D, name: String, height: float) -> ShaderMaterial:
-	if _made.has(from):
-		return _made[from]
+	if _foliage_materials.has(from):
+		return _foliage_materials[from]
 	var cut := from.transparency != BaseMaterial3D.TRANSPARENCY_DISABLED
 	var is_leaf := cut or from.cull_mode == BaseMaterial3D.CULL_DISABLED
 	var is_mapped := from.normal_enabled and from.normal_texture != null
-	var made := ShaderMaterial.new()
-	made.shader = FOLIAGE_MAPPED if is_mapped else FOLIAGE
-	made.resource_name = name
+	var foliage_material := ShaderMaterial.new()
+	foliage_material.shader = FOLIAGE_MAPPED if is_mapped else FOLIAGE
+	foliage_material.resource_name = name
 	if is_mapped:
-		made.set_shader_parameter("normal_texture", from.normal_texture)
-		made.set_shader_parameter("normal_scale", from.normal_scale)
-	made.set_shader_parameter("albedo", from.albedo_color)
+		foliage_material.set_shader_parameter("normal_texture", from.normal_texture)
+		foliage_material.set_shader_parameter("normal_scale", from.normal_scale)
+	foliage_material.set_shader_parameter("albedo", from.albedo_color)
 	if from.albedo_texture:
-		made.set_shader_parameter("albedo_texture", from.albedo_texture)
-	made.set_shader_parameter("uv_scale", Vector2(from.uv1_scale.x, from.uv1_scale.y))
-	made.set_shader_parameter("uv_offset", Vector2(from.uv1_offset.x, from.uv1_offset.y))
-	made.set_shader_parameter("vertex_color_as_albedo", from.vertex_color_use_as_albedo)
+		foliage_material.set_shader_parameter("albedo_texture", from.albedo_texture)
+	foliage_material.set_shader_parameter("uv_scale", Vector2(from.uv1_scale.x, from.uv1_scale.y))
+	foliage_material.set_shader_parameter("uv_offset", Vector2(from.uv1_offset.x, from.uv1_offset.y))
+	foliage_material.set_shader_parameter("vertex_color_as_albedo", from.vertex_color_use_as_albedo)
 	# An opaque material ignores alpha, so the threshold is nearly 0.
 	var scissor := from.alpha_scissor_threshold if from.transparency == BaseMaterial3D.TRANSPARENCY_ALPHA_SCISSOR else 0.5
-	made.set_shader_parameter("alpha_scissor", scissor if cut else 0.01)
+	foliage_material.set_shader_parameter("alpha_scissor", scissor if cut else 0.01)
 	var light := from.backlight.get_luminance() if from.backlight_enabled else LEAF_LIGHT if is_leaf else 0.0
-	made.set_shader_parameter("backlight", light)
-	made.set_shader_parameter("sway_height", clampf(height, 0.05, 60.0))
-	made.set_shader_parameter("wind_sway", minf(SWAY.x * height, SWAY.y))
-	made.set_shader_parameter("wind_flutter", minf(FLUTTER.x * height, FLUTTER.y) if is_leaf else 0.0)
-	made.set_shader_parameter("bend_reach", BEND * minf(height, 1.0) if height < BENT else 0.0)
-	_made[from] = made
-	return made
+	foliage_material.set_shader_parameter("backlight", light)
+	foliage_material.set_shader_parameter("sway_height", clampf(height, 0.05, 60.0))
+	foliage_material.set_shader_parameter("wind_sway", minf(SWAY.x * height, SWAY.y))
+	foliage_material.set_shader_parameter("wind_flutter", minf(FLUTTER.x * height, FLUTTER.y) if is_leaf else 0.0)
+	foliage_material.set_shader_parameter("bend_reach", BEND * minf(height, 1.0) if height < BENT else 0.0)
+	_foliage_materials[from] = foliage_material
+	return foliage_material
 
 
 ## Saves each new material to a new file. Returns the saved materials; on failure, sets [member _problem].
 func _save() -> Array[Resource]:
 	var written: Array[Resource] = []
-	for material: ShaderMaterial in _made.values():
+	for material: ShaderMaterial in _foliage_materials.values():
 		var path := SceneFiles.free_path("%s_%s" % [_place, material.resource_name.to_snake_case().validate_filename()], "tres")
 		var error := WholeFile.save(material, path)
 		if error != OK:

@@ -54,8 +54,8 @@ static func make(shape: ScatterRegion3D.Shape, exclude: bool) -> ScatterRegion3D
 
 
 ## Adds a region at a world position, as one undo step, and selects it. On a planet, its y axis points away from the center.
-func insert(region: ScatterRegion3D, place: Vector3) -> void:
-	region.transform = scatter.global_transform.affine_inverse() * frame_at(scatter, place)
+func insert(region: ScatterRegion3D, point: Vector3) -> void:
+	region.transform = scatter.global_transform.affine_inverse() * frame_at(scatter, point)
 	undo_redo.create_action("Add %s" % region.name, UndoRedo.MERGE_DISABLE, scatter)
 	put_below(undo_redo, scatter, region)
 	undo_redo.commit_action()
@@ -64,8 +64,8 @@ func insert(region: ScatterRegion3D, place: Vector3) -> void:
 
 
 ## Returns the transform of a new region at a world position.
-static func frame_at(scatter: TerrainScatter3D, place: Vector3) -> Transform3D:
-	return Transform3D(SurfacePlace.upright(SurfacePlace.up_at(scatter, place)), place)
+static func frame_at(scatter: TerrainScatter3D, point: Vector3) -> Transform3D:
+	return Transform3D(SurfacePlace.upright(SurfacePlace.up_at(scatter, point)), point)
 
 
 ## Adds to the open undo step that a node and its children are added below a parent.
