@@ -93,12 +93,12 @@ setup_emulators() {
 }
 
 setup_node() {
-	command -v node >/dev/null || install_packages "to run programs for the web" nodejs ||
+	command -v node >/dev/null || install_packages "to run web builds" nodejs ||
 		say "continuing without node; the tests that need it will be skipped"
 }
 
 setup_wine() {
-	[[ -x /usr/lib/wine/wine64 ]] || command -v wine64 wine >/dev/null || install_packages "to run programs for Windows" wine64 ||
+	[[ -x /usr/lib/wine/wine64 ]] || command -v wine64 wine >/dev/null || install_packages "to run Windows builds" wine64 ||
 		say "continuing without wine; the tests that need it will be skipped"
 }
 

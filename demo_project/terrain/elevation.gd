@@ -44,15 +44,15 @@ func load_description(path: String) -> bool:
 
 ## Returns the height of the ground in meters at world x and z, or NAN outside of the map.
 func height(x: float, z: float) -> float:
-	var place := (Vector2(x, z) - rect.position) / spacing
-	if place.x < 0.0 or place.y < 0.0 or place.x > posts.x - 1 or place.y > posts.y - 1:
+	var in_posts := (Vector2(x, z) - rect.position) / spacing
+	if in_posts.x < 0.0 or in_posts.y < 0.0 or in_posts.x > posts.x - 1 or in_posts.y > posts.y - 1:
 		return NAN
-	var i := mini(int(place.x), posts.x - 2)
-	var j := mini(int(place.y), posts.y - 2)
+	var i := mini(int(in_posts.x), posts.x - 2)
+	var j := mini(int(in_posts.y), posts.y - 2)
 	var first := j * posts.x + i
-	var north := lerpf(_heights[first], _heights[first + 1], place.x - i)
-	var south := lerpf(_heights[first + posts.x], _heights[first + posts.x + 1], place.x - i)
-	return lerpf(north, south, place.y - j)
+	var north := lerpf(_heights[first], _heights[first + 1], in_posts.x - i)
+	var south := lerpf(_heights[first + posts.x], _heights[first + posts.x + 1], in_posts.x - i)
+	return lerpf(north, south, in_posts.y - j)
 
 
 ## Returns the lowest and highest height in meters between the posts [param from] and [param to], extended to whole blocks.
@@ -74,11 +74,11 @@ func height_texture() -> ImageTexture:
 
 
 ## Returns a texture for lighting the ground, with a pixel for each post, for linear filtering. Red and green are the slopes of the ground along x and
-## z. Blue is the height of the post above its surroundings, in meters; it is negative in a hollow.
+## z. Blue is the height of the post above the mean of the four posts 5 posts away (north, south, west and east), in meters. It is negative in a hollow.
 func relief_texture() -> ImageTexture:
 	var values := PackedFloat32Array()
 	values.resize(posts.x * posts.y * 3)
-	var reach := 5
+	var reach := 5 # In posts.
 	for j in posts.y:
 		var north := maxi(j - 1, 0)
 		var south := mini(j + 1, posts.y - 1)

@@ -21,7 +21,7 @@ func is_solid(_block: Vector3i) -> bool:
 	return false
 
 
-## Returns the position of a block's lowest corner in meters.
+## Returns the position in meters of the corner of a block with the lowest x, y and z.
 func corner(_block: Vector3i) -> Vector3:
 	return Vector3.ZERO
 
@@ -31,10 +31,10 @@ func build() -> ArrayMesh:
 	_surface.begin(Mesh.PRIMITIVE_TRIANGLES)
 	# Flat shading, because blocks have flat faces.
 	_surface.set_smooth_group(-1)
-	var most := counts()
-	for x in most.x:
-		for y in most.y:
-			for z in most.z:
+	var block_counts := counts()
+	for x in block_counts.x:
+		for y in block_counts.y:
+			for z in block_counts.z:
 				var block := Vector3i(x, y, z)
 				if is_solid(block):
 					_add_block(block)
@@ -45,7 +45,7 @@ func build() -> ArrayMesh:
 func _add_block(block: Vector3i) -> void:
 	var middle := Vector3.ZERO
 	for i in 8:
-		middle += _worn(block + Vector3i(i & 1, i >> 1 & 1, i >> 2)) / 8.0
+		middle += _jittered_corner(block + Vector3i(i & 1, i >> 1 & 1, i >> 2)) / 8.0
 	for side in SIDES:
 		if not is_solid(block + side):
 			_add_face(block, side, middle)
@@ -59,7 +59,7 @@ func _add_face(block: Vector3i, side: Vector3i, middle: Vector3) -> void:
 	var v := Vector3i.ZERO
 	u[(axis + 1) % 3] = 1
 	v[(axis + 2) % 3] = 1
-	var points: Array[Vector3] = [_worn(first), _worn(first + u), _worn(first + u + v), _worn(first + v)]
+	var points: Array[Vector3] = [_jittered_corner(first), _jittered_corner(first + u), _jittered_corner(first + u + v), _jittered_corner(first + v)]
 	var color := Color(0.35 if side.y < 0 else 1.0, 0.0, 0.0)
 	for corners: Array in [[0, 1, 2], [0, 2, 3]]:
 		var a := points[corners[0]]
@@ -73,7 +73,8 @@ func _add_face(block: Vector3i, side: Vector3i, middle: Vector3) -> void:
 			_surface.add_vertex(points[index])
 
 
-func _worn(block: Vector3i) -> Vector3:
+## Returns the position of a corner, moved a little at random as if by wear.
+func _jittered_corner(block: Vector3i) -> Vector3:
 	return corner(block) + (Vector3(_random(block, 1), _random(block, 2), _random(block, 3)) - Vector3.ONE * 0.5) * 2.0 * WEAR
 
 
