@@ -26,6 +26,8 @@ if [[ " $* " == *" --full "* ]]; then
 	setup_coverage
 	setup_emulators
 	setup_descriptions
+	setup_android_engines
+	setup_godot_sources
 	setup_gltf_validator
 	setup_export_template
 	setup_godot_arm64

@@ -40,6 +40,7 @@ scons_version=4.8.1
 zig_version=0.17.0
 emscripten_suite=trixie
 descriptions_version=0.5.1
+android_engine_versions="4.3.0 4.6.1 4.6.2 4.6.3"
 gltf_validator_version=2.0.0-dev.3.10
 
 say() {

@@ -6,6 +6,8 @@
 #   setup_coverage   the libraries that clang needs to measure code coverage
 #   setup_emscripten the compiler for web builds, in a Debian root in the cache folder
 #   setup_descriptions  the engine's API descriptions since 4.2, for the tests that compare them (skipped without them)
+#   setup_android_engines  Godot's libraries for Android, for the test that searches them (skipped without them)
+#   setup_godot_sources  Godot's sources, for the test that compares its C# classes (skipped without them)
 #   setup_emulators  emulators of other CPUs, Windows and the web, and g++ for other CPUs (about 1.5 GB)
 #   setup_export_template, setup_godot_arm64  Godot's export template, and Godot for ARM CPUs under an emulator
 
@@ -82,6 +84,45 @@ setup_descriptions() {
 		cp "$version/extension_api.json" "$partial/found/${version##*/}/"
 	done
 	mv "$partial/found" "$folder"
+	rm -rf "$partial"
+}
+
+# Downloads the archives of Godot for Android (about 100 MB each) into a Maven repository in the cache folder.
+setup_android_engines() {
+	local repository version
+	repository=$(cache_folder)/maven
+	for version in $android_engine_versions; do
+		[[ ! -f $repository/org/godotengine/godot/$version.stable/godot-$version.stable.aar ]] || continue
+		command -v mvn >/dev/null || install_packages "to download Godot for Android" maven || return 0
+		say "downloading Godot $version for Android into $repository (about 100 MB, once)"
+		if ! mvn --quiet --batch-mode -Dstyle.color=never "-Dmaven.repo.local=$repository" dependency:get \
+			"-Dartifact=org.godotengine:godot:$version.stable:aar" -Dtransitive=false >&2; then
+			say "continuing without Godot for Android; the test that needs it will be skipped"
+			return 0
+		fi
+	done
+}
+
+# Unpacks the sources of Debian's Godot into the cache folder.
+setup_godot_sources() {
+	local folder partial tar_ball
+	folder=$(cache_folder)/godot-source
+	[[ ! -d $folder ]] || return 0
+	has_debian_sources || {
+		say "continuing without the sources of Godot; the test that needs them will be skipped"
+		return 0
+	}
+	say "downloading the sources of Godot from Debian $godot_suite into $folder (about 35 MB, once)"
+	mkdir -p "$(cache_folder)"
+	partial=$(mktemp --directory "$folder.partial.XXXXXX")
+	if apt_of deb-src "$godot_suite" "$partial" --download-only source godot; then
+		tar_ball=$(compgen -G "$partial/godot_*.orig.tar.*")
+		mkdir "$partial/content"
+		tar --extract --file "$tar_ball" --directory "$partial/content" --strip-components=1
+		mv "$partial/content" "$folder"
+	else
+		say "continuing without the sources of Godot; the test that needs them will be skipped"
+	fi
 	rm -rf "$partial"
 }
 

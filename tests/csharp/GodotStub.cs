@@ -121,12 +121,18 @@ namespace Godot
 		public SignalAwaiter ToSignal(GodotObject source, StringName signal) => default;
 	}
 
-	public class SignalAwaiter : System.Runtime.CompilerServices.INotifyCompletion
+	public interface IAwaiter<out T> : System.Runtime.CompilerServices.INotifyCompletion
+	{
+		bool IsCompleted { get; }
+		T GetResult();
+	}
+
+	public class SignalAwaiter : IAwaiter<Variant[]>
 	{
 		public bool IsCompleted => default;
 		public Variant[] GetResult() => default;
 		public void OnCompleted(Action continuation) { }
-		public SignalAwaiter GetAwaiter() => this;
+		public IAwaiter<Variant[]> GetAwaiter() => this;
 	}
 
 	public class RefCounted : GodotObject { }
