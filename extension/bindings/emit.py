@@ -154,8 +154,9 @@ def builtin(api, name, entry):
         code += builtin_method(api, name, method)
     if element:
         declared += [line for line, _ in packed_access(name, element)]
-        declared += ["const %s *begin() const { return ptr(); }" % element]
-        declared += ["const %s *end() const { return ptr() + size(); }" % element]
+        iterator = "internal::PackedIterator<%s>" % element
+        declared += ["%s begin() const { return %s(ptr()); }" % (iterator, iterator)]
+        declared += ["%s end() const { return %s(ptr() + size()); }" % (iterator, iterator)]
         code += [line for _, lines in packed_access(name, element) for line in lines]
     declared += entry.get("native", [])
     body = [

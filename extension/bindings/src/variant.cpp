@@ -126,6 +126,8 @@ CharString String::utf8() const {
 	return CharString(std::move(text));
 }
 
+String String::operator+(const StringName &p_right) const { return *this + String(p_right); }
+
 StringName::StringName(const char *p_utf8) : Opaque(internal::Uninitialized{}) {
 	gdextension_interface::string_name_new_with_utf8_chars(_native_ptr(), p_utf8);
 }

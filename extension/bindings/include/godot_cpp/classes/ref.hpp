@@ -30,7 +30,13 @@ public:
 		}
 	}
 
-	void operator=(Ref p_from) { std::swap(object_, p_from.object_); } // Returns nothing, as in godot-cpp.
+	// As in godot-cpp, assignments return nothing, and pointers and {} are ambiguous.
+	void operator=(const Ref &p_from) { swap(Ref(p_from)); }
+	template <typename Other>
+	void operator=(const Ref<Other> &p_from) {
+		swap(Ref(p_from));
+	}
+	void operator=(const Variant &p_from) { swap(Ref(p_from)); }
 
 	T *ptr() const { return object_; }
 	T *operator->() const { return object_; }
@@ -47,6 +53,8 @@ public:
 	}
 
 private:
+	void swap(Ref &&p_from) { std::swap(object_, p_from.object_); }
+
 	T *object_ = nullptr;
 };
 

@@ -28,7 +28,7 @@ public:
 	R call_variants(GodotObject *p_owner, std::initializer_list<Variant> p_values) const {
 		const Variant result = run_variants(p_owner, p_values);
 		if constexpr (!std::is_void_v<R>) {
-			return static_cast<R>(result);
+			return from_variant<R>(result);
 		}
 	}
 

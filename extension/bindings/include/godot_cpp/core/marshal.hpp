@@ -134,6 +134,8 @@ template <typename T>
 T from_variant(const Variant &p_value) {
 	if constexpr (std::is_pointer_v<T>) {
 		return Marshal<T>::from(p_value.get_validated_object());
+	} else if constexpr (std::is_enum_v<T>) {
+		return static_cast<T>(static_cast<int64_t>(p_value));
 	} else {
 		return static_cast<T>(p_value);
 	}

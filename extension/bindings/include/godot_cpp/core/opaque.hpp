@@ -71,4 +71,21 @@ private:
 	alignas(std::min<std::size_t>(8, builtin_size<Self>)) std::byte storage_[builtin_size<Self>];
 };
 
+/// An iterator over a packed array. As in godot-cpp, it suits range-based for loops but not the standard library's
+/// algorithms.
+template <typename T>
+class PackedIterator {
+public:
+	explicit PackedIterator(const T *p_element) : element_(p_element) {}
+	const T &operator*() const { return *element_; }
+	PackedIterator &operator++() {
+		++element_;
+		return *this;
+	}
+	bool operator==(const PackedIterator &) const = default;
+
+private:
+	const T *element_;
+};
+
 } // namespace godot::internal

@@ -9,10 +9,10 @@ struct AABB {
 	Vector3 position;
 	Vector3 size;
 
-	constexpr AABB() = default;
-	constexpr AABB(const Vector3 &p_position, const Vector3 &p_size) : position(p_position), size(p_size) {}
+	AABB() = default;
+	AABB(const Vector3 &p_position, const Vector3 &p_size) : position(p_position), size(p_size) {}
 
-	constexpr bool operator==(const AABB &) const = default;
+	bool operator==(const AABB &) const = default;
 };
 
 } // namespace godot

@@ -11,7 +11,10 @@ struct Color {
 	float b = 0.0F;
 	float a = 1.0F;
 
-	constexpr bool operator==(const Color &) const = default;
+	Color() = default;
+	Color(float p_r, float p_g, float p_b, float p_a = 1.0F) : r(p_r), g(p_g), b(p_b), a(p_a) {}
+
+	bool operator==(const Color &) const = default;
 };
 
 } // namespace godot

@@ -9,10 +9,10 @@ struct Rect2i {
 	Vector2i position;
 	Vector2i size;
 
-	constexpr Rect2i() = default;
-	constexpr Rect2i(const Vector2i &p_position, const Vector2i &p_size) : position(p_position), size(p_size) {}
+	Rect2i() = default;
+	Rect2i(const Vector2i &p_position, const Vector2i &p_size) : position(p_position), size(p_size) {}
 
-	constexpr bool operator==(const Rect2i &) const = default;
+	bool operator==(const Rect2i &) const = default;
 };
 
 } // namespace godot

@@ -9,11 +9,10 @@ struct Transform3D {
 	Basis basis;
 	Vector3 origin;
 
-	constexpr Transform3D() = default;
-	constexpr Transform3D(const Basis &p_basis, const Vector3 &p_origin = Vector3()) :
-			basis(p_basis), origin(p_origin) {}
+	Transform3D() = default;
+	Transform3D(const Basis &p_basis, const Vector3 &p_origin = Vector3()) : basis(p_basis), origin(p_origin) {}
 
-	constexpr bool operator==(const Transform3D &) const = default;
+	bool operator==(const Transform3D &) const = default;
 };
 
 } // namespace godot

@@ -20,6 +20,14 @@ concept Builtin = builtin_type<T> != GDEXTENSION_VARIANT_TYPE_NIL;
 template <typename T>
 concept Number = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 
+/// A number for which godot-cpp's Variant has a constructor and a conversion. Excludes `long long` where it is not
+/// int64_t, and enumerations.
+template <typename T, typename... Numbers>
+concept OneOf = (std::same_as<T, Numbers> || ...);
+template <typename T>
+concept VariantNumber =
+		OneOf<T, bool, int8_t, uint8_t, int16_t, uint16_t, int32_t, uint32_t, int64_t, uint64_t, float, double>;
+
 /// The engine's representation of a number. `number_type` is the corresponding Variant type.
 template <Number T>
 using NumberWire = std::conditional_t<std::is_same_v<T, bool>, GDExtensionBool,
@@ -59,6 +67,7 @@ public:
 	Variant &operator=(Variant &&p_from) noexcept;
 
 	template <internal::Number T>
+		requires internal::VariantNumber<T> || std::is_convertible_v<T, int>
 	Variant(T p_value) {
 		auto wire = static_cast<internal::NumberWire<T>>(p_value);
 		internal::builtin_functions[internal::number_type<T>].to_variant(storage_, &wire);
@@ -69,7 +78,7 @@ public:
 		internal::builtin_functions[internal::builtin_type<T>].to_variant(storage_, const_cast<T *>(&p_value));
 	}
 
-	template <internal::Number T>
+	template <internal::VariantNumber T>
 	operator T() const {
 		internal::NumberWire<T> wire{};
 		internal::builtin_functions[internal::number_type<T>].from_variant(&wire, _native_ptr());

@@ -1,16 +1,18 @@
 #pragma once
 
-#include <godot_cpp/core/defs.hpp>
-
-#include <glm/vec2.hpp>
+#include <cstdint>
 
 namespace godot {
 
-/// A 2D vector of 32-bit integers. GLM provides the arithmetic.
-struct Vector2i : glm::vec<2, int32_t> {
-	constexpr Vector2i() : vec(0) {}
-	constexpr Vector2i(int32_t p_x, int32_t p_y) : vec(p_x, p_y) {}
-	constexpr Vector2i(const vec &p_from) : vec(p_from) {}
+/// A 2D vector of 32-bit integers.
+struct Vector2i {
+	int32_t x = 0;
+	int32_t y = 0;
+
+	Vector2i() = default;
+	Vector2i(int32_t p_x, int32_t p_y) : x(p_x), y(p_y) {}
+
+	bool operator==(const Vector2i &) const = default;
 };
 
 } // namespace godot

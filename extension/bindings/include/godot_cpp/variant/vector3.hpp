@@ -2,25 +2,32 @@
 
 #include <godot_cpp/core/defs.hpp>
 
-#include <glm/common.hpp>
-#include <glm/geometric.hpp>
-#include <glm/vec3.hpp>
+#include <algorithm>
+#include <cmath>
 
 namespace godot {
 
-/// A 3D vector of reals. GLM provides the arithmetic.
-struct Vector3 : glm::vec<3, real_t> {
-	constexpr Vector3() : vec(real_t(0)) {}
-	constexpr Vector3(real_t p_x, real_t p_y, real_t p_z) : vec(p_x, p_y, p_z) {}
-	constexpr Vector3(const vec &p_from) : vec(p_from) {}
+/// A 3D vector of reals.
+struct Vector3 {
+	real_t x = 0;
+	real_t y = 0;
+	real_t z = 0;
 
-	real_t length() const { return glm::length<3, real_t>(*this); }
-	Vector3 abs() const { return glm::abs<3, real_t>(*this); }
-	Vector3 max(const Vector3 &p_other) const { return glm::max<3, real_t>(*this, p_other); }
+	Vector3() = default;
+	Vector3(real_t p_x, real_t p_y, real_t p_z) : x(p_x), y(p_y), z(p_z) {}
 
-	friend Vector3 operator+(const Vector3 &p_a, const Vector3 &p_b) {
-		return static_cast<vec>(p_a) + static_cast<vec>(p_b);
+	bool operator==(const Vector3 &) const = default;
+
+	const real_t &operator[](int p_axis) const { return p_axis == 0 ? x : p_axis == 1 ? y : z; }
+	real_t &operator[](int p_axis) { return p_axis == 0 ? x : p_axis == 1 ? y : z; }
+
+	real_t length() const { return std::sqrt(x * x + y * y + z * z); }
+	Vector3 abs() const { return Vector3(std::abs(x), std::abs(y), std::abs(z)); }
+	Vector3 max(const Vector3 &p_other) const {
+		return Vector3(std::max(x, p_other.x), std::max(y, p_other.y), std::max(z, p_other.z));
 	}
+	Vector3 operator+(const Vector3 &p_other) const { return Vector3(x + p_other.x, y + p_other.y, z + p_other.z); }
+	Vector3 operator-(const Vector3 &p_other) const { return Vector3(x - p_other.x, y - p_other.y, z - p_other.z); }
 };
 
 } // namespace godot
