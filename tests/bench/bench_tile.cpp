@@ -71,6 +71,25 @@ LayerSettings feathered() {
 	return layer;
 }
 
+/// Returns a dense meadow below 300 m on slopes below 30 degrees, with falloffs. The rules are
+/// properties or, with the same densities, an expression.
+LayerSettings ruled(bool by_expression) {
+	LayerSettings layer = meadow(1);
+	layer.set.radius = 1.0;
+	layer.rules.max_slope_degrees = 90.0;
+	if (by_expression) {
+		ExpressionError error;
+		layer.rules.expression =
+				DensityExpression::compile("clamp((300 - height) / 200, 0, 1) * clamp((30 - slope) / 20, 0, 1)", error);
+	} else {
+		layer.rules.max_height = 300.0;
+		layer.rules.height_falloff = 200.0;
+		layer.rules.max_slope_degrees = 30.0;
+		layer.rules.slope_falloff_degrees = 20.0;
+	}
+	return layer;
+}
+
 /// Returns a meadow with colors, either random or from a source at each plant.
 LayerSettings colored(SourceKind kind, double to = 1.0) {
 	LayerSettings layer = meadow(1);
@@ -165,6 +184,24 @@ void compare_fill(
 	print_count(name + ": instances, filled over thinned", placed[2] / placed[1], "");
 }
 
+/// Compares the time for tiles whose rules are an expression with that for the same rules as
+/// properties.
+void compare_expression(const Heightfield &hills, const Effort &effort) {
+	Series ratio;
+	double placed[2] = {};
+	for (int round = 0; round < effort.rounds; ++round) {
+		double rates[2] = {};
+		for (const bool by_expression : {false, true}) {
+			const LayerSettings layer = ruled(by_expression);
+			rates[by_expression] =
+					rate(effort.seconds, [&] { return build_square(layer, hills, placed[by_expression]); });
+		}
+		ratio.add(rates[0] / rates[1]);
+	}
+	print_row("meadow by an expression over the same properties", ratio, 1.0, " times the time");
+	print_count("meadow by an expression: instances over those by properties", placed[1] / placed[0], "");
+}
+
 } // namespace
 } // namespace thicket::bench
 
@@ -187,6 +224,7 @@ int main(int argument_count, char **arguments) {
 	compare_fill("species of 2 m, 3 m from one of 8 m", second_species(8.0, 1.0, 2.0, 3.0), wide_hills, effort);
 	compare_fill("species of 4 m, 1 m from one of 2 m and density 0.5", second_species(2.0, 0.5, 4.0, 1.0), wide_hills,
 			effort);
+	compare_expression(wide_hills, effort);
 	compare("meadow with edge_feather", feathered(), hills, effort);
 	compare("meadow of random colors", colored(SourceKind::random), hills, effort);
 	compare("meadow of colors over slope", colored(SourceKind::slope, 45.0), hills, effort);

@@ -109,6 +109,16 @@ const std::vector<NamedRule> every_rule{
 				}},
 		{"density over slope",
 				[](LayerSettings &layer) { layer.rules.slope_curve = analysis::curve_table(0.0, 90.0, {1.0f, 0.2f}); }},
+		{"expression",
+				[](LayerSettings &layer) {
+					ExpressionError error;
+					layer.rules.water = std::make_shared<WaterLevels>(20.0);
+					layer.rules.expression =
+							DensityExpression::compile("smoothstep(80, 30, height) * (slope < 40) * (noise(30) > 0.3) "
+													   "- 0.01 * abs(x) * (water_depth > 0)",
+									error);
+					REQUIRE(layer.rules.expression != nullptr);
+				}},
 		{"field",
 				[](LayerSettings &layer) {
 					auto image = std::make_shared<ImageMask>();

@@ -101,6 +101,7 @@ func test_each_rule_can_reject() -> void:
 		"mask": [{"mask": mask}, ["mask leaves nothing"]],
 		"clumps": [{"clump_size": 20.0, "clump_coverage": 0.0}, ["clumps"]],
 		"density_over_height": [{"density_over_height": nothing}, ["Density over height is 0 at"]],
+		"density_expression": [{"density_expression": "0 * height"}, ["The density expression 0 * height is 0 here."]],
 		"density_over_slope": [{"density_over_slope": nothing}, ["Density over slope is 0 at"]],
 		"spacing": [{"spacing": {"Trees": 8.0}}, ["The nearest Trees is", "m away; the spacing requires 8 m"]],
 		"proximity": [{"proximity_layer": "Trees", "proximity_distance": 0.01}, ["No Trees within 0.01 m"]],

@@ -5,7 +5,7 @@ const SPOT := "user://thicket_layer"
 
 ## The properties that full_layer() changes from the defaults in the class reference.
 const PROPERTIES: Array[StringName] = [
-	&"density_over_height", &"density_over_slope", &"ground_textures", &"noise", &"noise_curve", &"mask",
+	&"density_expression", &"density_over_height", &"density_over_slope", &"ground_textures", &"noise", &"noise_curve", &"mask",
 	&"mask_texture", &"mask_texture_rect", &"mask_texture_channel", &"mask_texture_edge", &"clump_size",
 	&"clump_coverage", &"clump_softness", &"edge_feather", &"proximity_layer", &"proximity_distance",
 	&"proximity_curve", &"scale_curve", &"min_tilt_degrees", &"max_tilt_degrees", &"offset_along_normal", &"use_colors",
@@ -171,6 +171,9 @@ func test_rejected() -> void:
 	for number: int in [-1, 6, 1 << 40]:
 		refuse(layer, "collision_shape", number, ["range"])
 	refuse(layer, "ground_textures", PackedInt32Array([1, -1]), ["-1"])
+	layer.density_expression = "height > 3"
+	refuse(layer, "density_expression", "heigth > 3", ["\"heigth > 3\", column 1", "the inputs are height, slope"])
+	refuse(layer, "density_expression", "smoothstep(0, 1", ["column 16", "expected \")\""])
 	refuse(layer, "ground_textures", PackedInt32Array([256]), ["256"])
 	var many := PackedInt32Array()
 	many.resize(257)

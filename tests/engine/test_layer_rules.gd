@@ -202,6 +202,23 @@ func test_textures_that_are_too_large() -> void:
 	check_equal(instances(scatter).size(), 0, "a black image with the maximum number of pixels excludes all instances")
 
 
+func test_density_expression() -> void:
+	var layer := make_layer()
+	var scatter := scatter_on_hillside(layer)
+	await settle(scatter)
+	await check_rule(scatter, "density_expression", "smoothstep(-20, 20, x)", func(at: Vector3) -> float: return smoothstep(-20, 20, at.x))
+	await check_rule(scatter, "density_expression", "(z < 0) * 0.5 + (z >= 0) * clamp(height / 40, 0, 1)", func(at: Vector3) -> float:
+		return 0.5 if at.z < 0 else clampf(at.y / 40.0, 0.0, 1.0))
+	layer.density_expression = "noise(12) < 0.3"
+	await settle(scatter)
+	var third := instances(scatter).size()
+	layer.density_expression = "  "
+	await settle(scatter)
+	check_equal(layer.density_expression, "", "a blank text is empty")
+	check(absf(third - 0.3 * instances(scatter).size()) < 0.06 * instances(scatter).size(), "noise is uniform: %d of %d" % [third, instances(scatter).size()])
+	scatter.free()
+
+
 ## Ground textures affect the density on worker threads and on the main thread.
 func test_ground_textures() -> void:
 	var node := Textured.new()

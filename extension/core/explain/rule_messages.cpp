@@ -79,6 +79,12 @@ std::string curve_text(const char *curve, const RuleFactor &factor, const char *
 	return std::string(curve) + " is " + number_text(factor.density) + " at " + number_text(factor.value) + unit + ".";
 }
 
+std::string expression_text(const RuleFactor &factor, const Rules &rules) {
+	const std::string value =
+			std::isnan(factor.value) ? "not a number here, which counts as 0" : number_text(factor.value) + " here";
+	return "The density expression " + rules.expression->text() + " is " + value + ".";
+}
+
 std::string textures_text(const RuleFactor &factor, const Rules &rules) {
 	std::string list;
 	for (const std::int32_t texture : rules.ground_textures) {
@@ -215,6 +221,7 @@ RuleMessage describe(const RuleFactor &factor, const LayerSettings &layer, const
 			return result;
 		case RuleKind::slope_curve:
 			return {.rule = "density_over_slope", .message = curve_text("Density over slope", factor, "°")};
+		case RuleKind::expression: return {.rule = "density_expression", .message = expression_text(factor, rules)};
 		case RuleKind::shapes: return {.rule = "regions", .message = shapes_text(factor, rules, names)};
 		case RuleKind::neighbor:
 			describe_neighbor(factor, layer.neighbors[factor.index],

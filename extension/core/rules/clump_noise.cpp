@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 namespace thicket {
 
@@ -60,12 +61,23 @@ double density_of(const Clumping &clumping, double fraction) {
 	return std::clamp(0.5 + 0.5 * (inside / half_edge), 0.0, 1.0);
 }
 
+/// Returns true if a position in cells, on the plane or in space, is precise enough for noise.
+template <class Cells>
+bool is_resolved(const Cells &cells) {
+	return glm::all(glm::lessThan(glm::abs(cells), Cells(max_cells)));
+}
+
+template <class Cells>
+double noise_at(const Cells &cells, std::uint64_t seed, const ClumpTable &nearer) {
+	return is_resolved(cells) ? fraction_below(clump_impulses(cells, seed), nearer)
+							  : std::numeric_limits<double>::quiet_NaN();
+}
+
 /// Returns the density at a position in cells, on the plane or in space. `nearer` is the table for
 /// that noise.
 template <class Cells>
 double density_at(const Clumping &clumping, std::uint64_t seed, const Cells &cells, const ClumpTable &nearer) {
-	const bool is_resolved = glm::all(glm::lessThan(glm::abs(cells), Cells(max_cells)));
-	if (!is_resolved || clumping.coverage <= 0.0) {
+	if (!is_resolved(cells) || clumping.coverage <= 0.0) {
 		return 0.0;
 	}
 	return clumping.coverage >= 1.0 ? 1.0 : density_of(clumping, fraction_below(clump_impulses(cells, seed), nearer));
@@ -78,6 +90,14 @@ Status validate(const Clumping &clumping) {
 			clumping.size == 0.0 ? Status{} : check_range("clump_size", clumping.size, min_clump_size, max_clump_size);
 	return first_failure(size, check_range("clump_coverage", clumping.coverage, 0.0, 1.0),
 			check_range("clump_softness", clumping.softness, 0.0, 1.0));
+}
+
+double uniform_noise(glm::dvec2 position, double size, std::uint64_t seed) {
+	return noise_at(position / (size / cells_per_clump), seed, nearer);
+}
+
+double uniform_noise(const glm::dvec3 &position, double size, std::uint64_t seed) {
+	return noise_at(position / (size / cells_per_clump_in_space), seed, nearer_in_space);
 }
 
 void ClumpNoise::set(const Clumping &clumping, std::uint64_t seed) {

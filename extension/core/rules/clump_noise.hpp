@@ -26,6 +26,14 @@ inline constexpr double max_clump_size = 1e5;
 /// Returns an error for values that are not finite or outside the ranges above.
 Status validate(const Clumping &clumping);
 
+/// Low-frequency noise at a position on the plane, uniform over [0, 1] and bit-identical on all
+/// platforms. `size` is the average distance in meters between neighboring maxima, min_clump_size to
+/// max_clump_size. NAN for a position that is not finite or more than 10^14 sizes from the origin.
+double uniform_noise(glm::dvec2 position, double size, std::uint64_t seed);
+
+/// Like uniform_noise on the plane, at a position in space.
+double uniform_noise(const glm::dvec3 &position, double size, std::uint64_t seed);
+
 /// The density of a clumped layer, from low-frequency noise. The density is a function of seed and
 /// position, bit-identical on all platforms. The noise is uniform over [0, 1], so `coverage` is the
 /// fraction of the plane that is covered.

@@ -25,6 +25,7 @@ enum class RuleKind : std::uint8_t {
 	water_depth,
 	slope,
 	slope_curve,
+	expression, ///< DensityExpression.
 	// The following rules depend on other objects nearby.
 	shapes,
 	neighbor, ///< Spacing or proximity to a neighbor.

@@ -3,6 +3,7 @@
 #include "core/base/check.hpp"
 #include "core/base/floating_point.hpp"
 #include "core/base/guard.hpp"
+#include "core/base/split_mix.hpp"
 #include "core/base/trigonometry.hpp"
 
 #include <algorithm>
@@ -74,8 +75,10 @@ Status PreparedRules::set(const Rules &rules, std::uint64_t seed, GroundSides si
 			rules.max_water_depth, rules.max_water_depth >= unlimited_height, rules.water_depth_falloff);
 	const bool dry = rules.water == nullptr && rules.min_water_depth <= -unlimited_height;
 	slope_alone_ = height_.is_unlimited() && rules.height_curve == nullptr && rules.slope_curve == nullptr &&
-			rules.ground_textures.empty() && (dry || water_depth_.is_unlimited());
+			rules.ground_textures.empty() && rules.expression == nullptr && (dry || water_depth_.is_unlimited());
 	clumps_.set(rules.clumping, seed);
+	constexpr std::uint64_t other_than_clumps = 0x8cb92ba72f3d8dd7;
+	expression_seed_ = split_mix(seed ^ other_than_clumps);
 	return {};
 }
 
@@ -143,6 +146,20 @@ double PreparedRules::water_density(double height, glm::dvec2 position, const Re
 	return record(RuleKind::water_depth, level - height, water_depth_.density(level - height));
 }
 
+/// Returns the density of the expression, which must exist.
+template <class Record>
+double PreparedRules::expression_density(const Ground &ground, glm::dvec2 position, const Record &record) const {
+	ExpressionInputs inputs{.height = ground.height, .position = position};
+	if (expression_uses(ExpressionInput::slope)) {
+		inputs.slope = slope_degrees(ground.normal);
+	}
+	if (expression_uses(ExpressionInput::water_depth)) {
+		inputs.water_depth = (rules_.water != nullptr ? rules_.water->at(position) : no_water) - inputs.height;
+	}
+	const double value = rules_.expression->at(inputs, expression_seed_, sides_ == GroundSides::all);
+	return record(RuleKind::expression, value, value > 0.0 ? std::min(value, 1.0) : 0.0);
+}
+
 template <class Record>
 double PreparedRules::density_of_limits(const Ground &ground, glm::dvec2 position, const Record &record) const {
 	if (!is_ground(ground, sides_)) {
@@ -169,10 +186,9 @@ double PreparedRules::density_of_limits(const Ground &ground, glm::dvec2 positio
 	}
 	if (!Record::complete && rules_.slope_curve == nullptr) {
 		// Most slope limits need no angle.
-		return density * slope_.density_of(ground.normal);
-	}
-	// Computing the angle costs more than all other rules here, so it is computed only if needed.
-	if (!slope_.is_unlimited() || rules_.slope_curve != nullptr) {
+		density *= slope_.density_of(ground.normal);
+	} else if (!slope_.is_unlimited() || rules_.slope_curve != nullptr) {
+		// Computing the angle costs more than all other rules here, so it is computed only if needed.
 		const double slope = slope_degrees(ground.normal);
 		if (!slope_.is_unlimited()) {
 			density *= record(RuleKind::slope, slope, slope_.density(slope));
@@ -180,6 +196,9 @@ double PreparedRules::density_of_limits(const Ground &ground, glm::dvec2 positio
 		if (rules_.slope_curve != nullptr) {
 			density *= record(RuleKind::slope_curve, slope, rules_.slope_curve->at(slope));
 		}
+	}
+	if (rules_.expression != nullptr && (Record::complete || density > 0.0)) {
+		density *= expression_density(ground, position, record);
 	}
 	return density;
 }

@@ -4,6 +4,7 @@
 #include "core/rules/biome_rules.hpp"
 #include "core/rules/clump_noise.hpp"
 #include "core/rules/curve_table.hpp"
+#include "core/rules/density_expression.hpp"
 #include "core/rules/density_field.hpp"
 #include "core/rules/painted_mask.hpp"
 #include "core/rules/prepared_range.hpp"
@@ -54,6 +55,9 @@ struct Rules {
 
 	std::shared_ptr<const CurveTable> height_curve{}; ///< Density over height in world meters. Null if there is none.
 	std::shared_ptr<const CurveTable> slope_curve{};  ///< Density over slope in degrees. Null if there is none.
+	/// A density computed from the ground and the position. The value is clamped to 0 to 1, and NAN
+	/// is 0. Null if there is none.
+	std::shared_ptr<const DensityExpression> expression{};
 	std::vector<std::shared_ptr<const DensityField>> fields{}; ///< Densities over the plane. No entry is null.
 	Clumping clumping{};
 	/// The ground textures on which the layer grows (see Terrain::weigh). Their total weight at a
@@ -103,7 +107,9 @@ public:
 	const Rules &rules() const { return rules_; }
 
 	/// Returns true if any rule depends on the slope of the ground.
-	bool needs_slope() const { return !slope_.is_unlimited() || rules_.slope_curve != nullptr; }
+	bool needs_slope() const {
+		return !slope_.is_unlimited() || rules_.slope_curve != nullptr || expression_uses(ExpressionInput::slope);
+	}
 
 	/// Writes to `r_densities` the product of the rules that depend only on the position: density,
 	/// fields, mask, biome, clumping. These rules can be evaluated before the ground is queried.
@@ -121,7 +127,7 @@ public:
 	bool closed_in(const Rect &rect) const { return rules_.biome != nullptr && rules_.biome->none_in(rect); }
 
 	/// Returns the product of the rules that depend on the ground at a position: limits, curves,
-	/// textures, water depth. The product is 0 without ground (see is_ground). `record` receives
+	/// textures, water depth, the expression. The product is 0 without ground (see is_ground). `record` receives
 	/// the factors of all rules that have an effect, or only the factor of the ground if there is
 	/// none.
 	template <class Record = NoRecord>
@@ -150,6 +156,13 @@ private:
 	Status position_product(const PositionBatch &batch, std::span<double> r_densities, std::vector<float> &scratch,
 			const Record &record) const;
 
+	bool expression_uses(ExpressionInput input) const {
+		return rules_.expression != nullptr && rules_.expression->uses(input);
+	}
+
+	template <class Record>
+	double expression_density(const Ground &ground, glm::dvec2 position, const Record &record) const;
+
 	template <class Record>
 	double water_density(double height, glm::dvec2 position, const Record &record) const;
 
@@ -160,6 +173,7 @@ private:
 	PreparedRange water_depth_;
 	bool slope_alone_ = false; ///< True if the slope is the only rule that depends on the ground.
 	ClumpNoise clumps_;
+	std::uint64_t expression_seed_ = 0;
 };
 
 /// Returns true if a point becomes an instance: its rank, as a fraction of 2^32, must be below the

@@ -173,6 +173,11 @@ public:
 	void set_ground_textures(const godot::PackedInt32Array &p_textures);
 	godot::PackedInt32Array get_ground_textures() const;
 
+	/// Sets the text of a density expression; an empty text disables it. An invalid text is reported,
+	/// and the old one is kept.
+	void set_density_expression(const godot::String &p_text);
+	godot::String get_density_expression() const;
+
 	/// Sets the distances in meters to keep from the instances of other layers. A key is a
 	/// ScatterLayer, its name or its index; a value is 0.001 to max_neighbor_distance. At most
 	/// max_neighbors entries are allowed. A layer that has a name is stored by name. The returned

@@ -3,6 +3,10 @@
 
 #include "nodes/layer/scatter_layer_properties.hpp"
 
+#include <godot_cpp/core/error_macros.hpp>
+
+#include <utility>
+
 using namespace godot;
 
 namespace thicket {
@@ -61,8 +65,39 @@ void ScatterLayer::set_ground_textures(const PackedInt32Array &p_textures) {
 
 PackedInt32Array ScatterLayer::get_ground_textures() const { return ground_textures_; }
 
+void ScatterLayer::set_density_expression(const String &p_text) {
+	const String text = p_text.strip_edges();
+	if (text == get_density_expression()) {
+		return;
+	}
+	std::shared_ptr<const DensityExpression> compiled;
+	if (!text.is_empty()) {
+		ExpressionError error;
+		compiled = DensityExpression::compile(text.utf8().get_data(), error);
+		if (compiled == nullptr) {
+			ERR_PRINT(vformat(
+					"ScatterLayer.density_expression: \"%s\", column %d: %s. The last valid expression is kept.", text,
+					static_cast<int64_t>(error.column), String::utf8(error.message.c_str())));
+			return;
+		}
+	}
+	settings_.rules.expression = std::move(compiled);
+	changed();
+}
+
+String ScatterLayer::get_density_expression() const {
+	const std::shared_ptr<const DensityExpression> &expression = settings_.rules.expression;
+	return expression == nullptr ? String() : String::utf8(expression->text().c_str());
+}
+
 void ScatterLayer::bind_rules() {
 	ADD_GROUP("Rules", "");
+	bind_guarded<&ScatterLayer::set_density_expression>(D_METHOD("set_density_expression", "text"));
+	bind_guarded<&ScatterLayer::get_density_expression>(D_METHOD("get_density_expression"));
+	add_layer_property(PropertyUse::placement,
+			PropertyInfo(Variant::STRING, "density_expression", PROPERTY_HINT_PLACEHOLDER_TEXT,
+					"smoothstep(900, 1200, height)"),
+			"set_density_expression", "get_density_expression");
 	ADD_SUBGROUP("Height", "");
 	bind_number<min_height>();
 	bind_number<max_height>();

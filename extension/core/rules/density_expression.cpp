@@ -1,0 +1,463 @@
+#include "core/rules/density_expression.hpp"
+
+#include "core/base/floating_point.hpp"
+#include "core/rules/clump_noise.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace thicket {
+
+namespace {
+
+/// Largest number of values on the stack during an evaluation.
+constexpr std::size_t max_depth = 16;
+
+/// Largest number of nested parentheses, so that the parser's recursion is bounded.
+constexpr std::size_t max_nesting = 50;
+
+/// Numbers with more digits or larger exponents cannot be converted by one exact operation.
+constexpr double max_digits_value = 1e15;
+constexpr int max_exponent = 22;
+
+constexpr std::array<std::string_view, expression_input_count> input_names{"height", "slope", "water_depth", "x", "z"};
+constexpr const char *input_list = "height, slope, water_depth, x and z";
+constexpr const char *function_list = "abs, floor, sqrt, min, max, clamp, lerp, inverse_lerp, smoothstep and noise";
+
+bool is_digit(char character) { return character >= '0' && character <= '9'; }
+
+bool is_letter(char character) {
+	return (character >= 'a' && character <= 'z') || (character >= 'A' && character <= 'Z') || character == '_';
+}
+
+double smoothstep(double from, double to, double value) {
+	if (from == to) {
+		return value < from ? 0.0 : 1.0;
+	}
+	const double part = std::clamp((value - from) / (to - from), 0.0, 1.0);
+	return part * part * (3.0 - 2.0 * part);
+}
+
+} // namespace
+
+/// A parser by recursive descent. It appends operations in the order in which the stack needs them.
+class ExpressionParser {
+public:
+	explicit ExpressionParser(std::string_view text, ExpressionError &r_error) : text_(text), error_(r_error) {}
+
+	bool parse(DensityExpression &r_expression) {
+		if (text_.size() > max_expression_length) {
+			return fail("must have at most " + std::to_string(max_expression_length) + " characters, got " +
+					std::to_string(text_.size()));
+		}
+		if (!comparison()) {
+			return false;
+		}
+		skip_spaces();
+		if (at_ < text_.size()) {
+			return fail("expected an operator, got \"" + std::string(1, text_[at_]) +
+					"\": use + - * / < <= > or >=, or remove it");
+		}
+		r_expression.steps_ = std::move(steps_);
+		for (const Step &step : r_expression.steps_) {
+			if (step.operation == Operation::input) {
+				r_expression.uses_[static_cast<std::size_t>(step.input)] = true;
+			} else if (step.operation == Operation::noise) {
+				uses_position(r_expression);
+			}
+		}
+		r_expression.text_ = text_;
+		return true;
+	}
+
+private:
+	using Operation = DensityExpression::Operation;
+	using Step = DensityExpression::Step;
+
+	struct Function {
+		std::string_view name;
+		Operation operation;
+		std::size_t arguments;
+	};
+	static constexpr std::array functions{
+			Function{"abs", Operation::absolute, 1},
+			Function{"floor", Operation::floor, 1},
+			Function{"sqrt", Operation::square_root, 1},
+			Function{"min", Operation::min, 2},
+			Function{"max", Operation::max, 2},
+			Function{"clamp", Operation::clamp, 3},
+			Function{"lerp", Operation::lerp, 3},
+			Function{"inverse_lerp", Operation::inverse_lerp, 3},
+			Function{"smoothstep", Operation::smoothstep, 3},
+			Function{"noise", Operation::noise, 1},
+	};
+
+	static void uses_position(DensityExpression &r_expression) {
+		for (const ExpressionInput input : {ExpressionInput::x, ExpressionInput::z}) {
+			r_expression.uses_[static_cast<std::size_t>(input)] = true;
+		}
+	}
+
+	bool fail(std::string message) { return fail_at(at_, std::move(message)); }
+	bool fail_at(std::size_t at, std::string message) {
+		error_ = {at + 1, std::move(message)};
+		return false;
+	}
+
+	void skip_spaces() {
+		while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\n')) {
+			++at_;
+		}
+	}
+
+	/// Skips a symbol if it comes next.
+	bool take(std::string_view symbol) {
+		skip_spaces();
+		if (text_.substr(at_, symbol.size()) != symbol) {
+			return false;
+		}
+		at_ += symbol.size();
+		return true;
+	}
+
+	bool push(const Step &step) {
+		steps_.push_back(step);
+		++depth_;
+		return depth_ <= max_depth ||
+				fail("is too deeply nested: at most " + std::to_string(max_depth) +
+						" values may wait for an operation. Reorder or simplify it");
+	}
+
+	/// Appends an operation on the last `arguments` values, or replaces it by its result if these
+	/// are constants.
+	void apply(Operation operation, std::size_t arguments) {
+		depth_ -= arguments - 1;
+		const bool is_constant = std::all_of(steps_.end() - static_cast<std::ptrdiff_t>(arguments), steps_.end(),
+				[](const Step &step) { return step.operation == Operation::constant; });
+		steps_.push_back({.operation = operation});
+		if (is_constant) {
+			const std::size_t first = steps_.size() - arguments - 1;
+			const double result = DensityExpression::run(steps_.data() + first, arguments + 1, {}, 0, false);
+			steps_.resize(first);
+			steps_.push_back({.number = result});
+		}
+	}
+
+	bool comparison() {
+		if (!sum()) {
+			return false;
+		}
+		// Longer symbols first, because they begin with the shorter ones.
+		constexpr std::array<std::pair<std::string_view, Operation>, 4> symbols{{{"<=", Operation::less_or_equal},
+				{">=", Operation::greater_or_equal}, {"<", Operation::less}, {">", Operation::greater}}};
+		for (const auto &[symbol, operation] : symbols) {
+			if (take(symbol)) {
+				if (!sum()) {
+					return false;
+				}
+				apply(operation, 2);
+				return true;
+			}
+		}
+		return true;
+	}
+
+	bool sum() {
+		if (!product()) {
+			return false;
+		}
+		for (;;) {
+			const bool adds = take("+");
+			if (!adds && !take("-")) {
+				return true;
+			}
+			if (!product()) {
+				return false;
+			}
+			apply(adds ? Operation::add : Operation::subtract, 2);
+		}
+	}
+
+	bool product() {
+		if (!factor()) {
+			return false;
+		}
+		for (;;) {
+			const bool multiplies = take("*");
+			if (!multiplies && !take("/")) {
+				return true;
+			}
+			if (!factor()) {
+				return false;
+			}
+			apply(multiplies ? Operation::multiply : Operation::divide, 2);
+		}
+	}
+
+	bool factor() {
+		bool is_negative = false;
+		while (take("-")) {
+			is_negative = !is_negative;
+		}
+		if (!primary()) {
+			return false;
+		}
+		if (is_negative) {
+			apply(Operation::negate, 1);
+		}
+		return true;
+	}
+
+	bool primary() {
+		skip_spaces();
+		if (at_ == text_.size()) {
+			return fail("ends too early: add a number, an input or a function");
+		}
+		const char next = text_[at_];
+		if (is_digit(next) || next == '.') {
+			return number();
+		}
+		if (is_letter(next)) {
+			return named();
+		}
+		if (!take("(")) {
+			return fail("expected a number, an input or a function, got \"" + std::string(1, next) + "\"");
+		}
+		return nested([this] { return comparison(); }) && close();
+	}
+
+	template <class Parse>
+	bool nested(const Parse &parse) {
+		if (nesting_ == max_nesting) {
+			return fail_at(at_ - 1,
+					"is too deeply nested: at most " + std::to_string(max_nesting) + " parentheses may be open");
+		}
+		++nesting_;
+		const bool is_parsed = parse();
+		--nesting_;
+		return is_parsed;
+	}
+
+	bool close() { return take(")") || fail("expected \")\""); }
+
+	bool number() {
+		const std::size_t start = at_;
+		const std::optional<double> value = read_number();
+		return value.has_value() ? push({.number = *value})
+								 : fail_at(start,
+										   "is not a number that can be used: it must have at most 15 digits and an "
+										   "exponent of at most 22");
+	}
+
+	/// Reads a number. A mantissa below 2^53 and a power of ten up to 10^22 are exact doubles, so a
+	/// single operation returns the double nearest to the text.
+	std::optional<double> read_number() {
+		double digits = 0.0;
+		int exponent = 0;
+		bool has_digit = false;
+		bool has_point = false;
+		for (; at_ < text_.size() && (is_digit(text_[at_]) || (text_[at_] == '.' && !has_point)); ++at_) {
+			if (text_[at_] == '.') {
+				has_point = true;
+				continue;
+			}
+			has_digit = true;
+			digits = digits * 10.0 + (text_[at_] - '0');
+			exponent -= has_point ? 1 : 0;
+			if (digits >= max_digits_value || exponent < -max_exponent) {
+				return std::nullopt;
+			}
+		}
+		if (at_ < text_.size() && (text_[at_] == 'e' || text_[at_] == 'E')) {
+			++at_;
+			const bool is_negative = at_ < text_.size() && text_[at_] == '-';
+			at_ += is_negative || (at_ < text_.size() && text_[at_] == '+') ? 1 : 0;
+			int written = 0;
+			has_digit = has_digit && at_ < text_.size() && is_digit(text_[at_]);
+			for (; at_ < text_.size() && is_digit(text_[at_]); ++at_) {
+				written = std::min(written * 10 + (text_[at_] - '0'), 1000);
+			}
+			exponent += is_negative ? -written : written;
+		}
+		if (!has_digit || std::abs(exponent) > max_exponent) {
+			return std::nullopt;
+		}
+		double power = 1.0;
+		for (int i = 0; i < std::abs(exponent); ++i) {
+			power *= 10.0;
+		}
+		return exponent < 0 ? digits / power : digits * power;
+	}
+
+	bool named() {
+		const std::size_t start = at_;
+		while (at_ < text_.size() && (is_letter(text_[at_]) || is_digit(text_[at_]))) {
+			++at_;
+		}
+		const std::string_view name = text_.substr(start, at_ - start);
+		if (take("(")) {
+			const auto function = std::ranges::find(functions, name, &Function::name);
+			return function != functions.end()
+					? call(*function, start)
+					: fail_at(start,
+							  "has no function \"" + std::string(name) + "\": the functions are " + function_list);
+		}
+		const auto input = std::ranges::find(input_names, name);
+		if (input == input_names.end()) {
+			const bool is_function = std::ranges::find(functions, name, &Function::name) != functions.end();
+			return fail_at(start,
+					is_function ? "expected \"(\" after " + std::string(name)
+								: "has no input \"" + std::string(name) + "\": the inputs are " + input_list);
+		}
+		return push(
+				{.operation = Operation::input, .input = static_cast<ExpressionInput>(input - input_names.begin())});
+	}
+
+	bool call(const Function &function, std::size_t start) {
+		std::size_t count = 0;
+		const bool is_parsed = nested([&] {
+			if (take(")")) {
+				return true;
+			}
+			do {
+				if (!comparison()) {
+					return false;
+				}
+				++count;
+			} while (take(","));
+			return close();
+		});
+		if (!is_parsed) {
+			return false;
+		}
+		if (count != function.arguments) {
+			return fail_at(start,
+					std::string(function.name) + " must have " + std::to_string(function.arguments) +
+							(function.arguments == 1 ? " argument" : " arguments") + ", got " + std::to_string(count));
+		}
+		if (function.operation == Operation::noise) {
+			return make_noise(start);
+		}
+		apply(function.operation, function.arguments);
+		return true;
+	}
+
+	/// Replaces the last value, which must be a constant, by noise of that size.
+	bool make_noise(std::size_t start) {
+		Step &size = steps_.back();
+		if (size.operation != Operation::constant ||
+				!(size.number >= min_clump_size && size.number <= max_clump_size)) {
+			return fail_at(start, "noise must have a constant size between 0.1 and 100000 m, for example noise(40)");
+		}
+		size.operation = Operation::noise;
+		return true;
+	}
+
+	std::string_view text_;
+	ExpressionError &error_;
+	std::size_t at_ = 0;
+	std::size_t depth_ = 0;
+	std::size_t nesting_ = 0;
+	std::vector<Step> steps_;
+};
+
+std::shared_ptr<const DensityExpression> DensityExpression::compile(std::string_view text, ExpressionError &r_error) {
+	auto expression = std::make_shared<DensityExpression>();
+	return ExpressionParser(text, r_error).parse(*expression) ? expression : nullptr;
+}
+
+double DensityExpression::at(const ExpressionInputs &inputs, std::uint64_t seed, bool in_space) const {
+	return run(steps_.data(), steps_.size(), inputs, seed, in_space);
+}
+
+double DensityExpression::run(
+		const Step *steps, std::size_t count, const ExpressionInputs &inputs, std::uint64_t seed, bool in_space) {
+	// The parser has checked the depth. `top` points to the last value.
+	std::array<double, max_depth + 1> stack;
+	double *top = stack.data();
+	*top = 0.0;
+	for (const Step *step = steps; step != steps + count; ++step) {
+		switch (step->operation) {
+			case Operation::constant: *++top = step->number; break;
+			case Operation::input:
+				switch (step->input) {
+					case ExpressionInput::height: *++top = inputs.height; break;
+					case ExpressionInput::slope: *++top = inputs.slope; break;
+					case ExpressionInput::water_depth: *++top = inputs.water_depth; break;
+					case ExpressionInput::x: *++top = inputs.position.x; break;
+					case ExpressionInput::z: *++top = inputs.position.y; break;
+				}
+				break;
+			case Operation::noise:
+				*++top = in_space ? uniform_noise(glm::dvec3(inputs.position.x, inputs.height, inputs.position.y),
+											step->number, seed)
+								  : uniform_noise(inputs.position, step->number, seed);
+				break;
+			case Operation::negate: *top = -*top; break;
+			case Operation::absolute: *top = std::abs(*top); break;
+			case Operation::floor: *top = std::floor(*top); break;
+			case Operation::square_root: *top = std::sqrt(*top); break;
+			case Operation::add:
+				--top;
+				top[0] += top[1];
+				break;
+			case Operation::subtract:
+				--top;
+				top[0] -= top[1];
+				break;
+			case Operation::multiply:
+				--top;
+				top[0] *= top[1];
+				break;
+			case Operation::divide:
+				--top;
+				top[0] /= top[1];
+				break;
+			case Operation::less:
+				--top;
+				top[0] = top[0] < top[1] ? 1.0 : 0.0;
+				break;
+			case Operation::less_or_equal:
+				--top;
+				top[0] = top[0] <= top[1] ? 1.0 : 0.0;
+				break;
+			case Operation::greater:
+				--top;
+				top[0] = top[0] > top[1] ? 1.0 : 0.0;
+				break;
+			case Operation::greater_or_equal:
+				--top;
+				top[0] = top[0] >= top[1] ? 1.0 : 0.0;
+				break;
+			case Operation::min:
+				--top;
+				top[0] = top[1] < top[0] ? top[1] : top[0];
+				break;
+			case Operation::max:
+				--top;
+				top[0] = top[1] > top[0] ? top[1] : top[0];
+				break;
+			case Operation::clamp:
+				top -= 2;
+				top[0] = top[0] < top[1] ? top[1] : top[0] > top[2] ? top[2] : top[0];
+				break;
+			case Operation::lerp:
+				top -= 2;
+				top[0] = top[0] + (top[1] - top[0]) * top[2];
+				break;
+			case Operation::inverse_lerp:
+				top -= 2;
+				top[0] = (top[2] - top[0]) / (top[1] - top[0]);
+				break;
+			case Operation::smoothstep:
+				top -= 2;
+				top[0] = smoothstep(top[0], top[1], top[2]);
+				break;
+		}
+	}
+	return *top;
+}
+
+} // namespace thicket

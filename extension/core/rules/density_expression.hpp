@@ -1,0 +1,99 @@
+#pragma once
+
+#include <glm/vec2.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace thicket {
+
+/// A value that an expression can use.
+enum class ExpressionInput : std::uint8_t {
+	height,      ///< World height of the ground in meters.
+	slope,       ///< Slope of the ground in degrees, 0 to 180.
+	water_depth, ///< Depth of the ground below the water in meters; minus infinity without water.
+	x,           ///< World coordinates in meters.
+	z,
+};
+inline constexpr std::size_t expression_input_count = 5;
+
+/// The values of all inputs at one position. Inputs that the expression does not use may be left
+/// out.
+struct ExpressionInputs {
+	double height = 0.0;
+	double slope = 0.0;
+	double water_depth = 0.0;
+	glm::dvec2 position{0.0};
+};
+
+/// The reason why a text is not a valid expression.
+struct ExpressionError {
+	std::size_t column = 0; ///< Position in the text, starting at 1.
+	std::string message;    ///< A sentence that says how to fix the error, without a period.
+};
+
+inline constexpr std::size_t max_expression_length = 1000; ///< In bytes.
+
+/// A density in one line of text, such as "smoothstep(900, 1200, height) * noise(40)". Immutable,
+/// so threads may share one object. The class reference documents the language
+/// (ScatterLayer.density_expression).
+///
+/// The text is compiled into operations on a stack. All of them are IEEE operations or comparisons,
+/// so the result is bit-identical on all platforms. It may be outside 0 to 1, infinite or NAN.
+class DensityExpression {
+public:
+	/// Compiles a text. If it is invalid, returns null and sets `r_error`. Throws std::bad_alloc.
+	static std::shared_ptr<const DensityExpression> compile(std::string_view text, ExpressionError &r_error);
+
+	const std::string &text() const { return text_; }
+	bool uses(ExpressionInput input) const { return uses_[static_cast<std::size_t>(input)]; }
+
+	/// Returns the value at a position. `seed` selects the noise. If `in_space` is true, the noise
+	/// also depends on the height.
+	double at(const ExpressionInputs &inputs, std::uint64_t seed, bool in_space) const;
+
+private:
+	friend class ExpressionParser;
+
+	enum class Operation : std::uint8_t {
+		constant,
+		input,
+		noise,
+		negate,
+		add,
+		subtract,
+		multiply,
+		divide,
+		less,
+		less_or_equal,
+		greater,
+		greater_or_equal,
+		absolute,
+		floor,
+		square_root,
+		min,
+		max,
+		clamp,
+		lerp,
+		inverse_lerp,
+		smoothstep,
+	};
+	struct Step {
+		Operation operation = Operation::constant;
+		ExpressionInput input = ExpressionInput::height;
+		double number = 0.0; ///< The constant, or the size of the noise in meters.
+	};
+
+	static double run(
+			const Step *steps, std::size_t count, const ExpressionInputs &inputs, std::uint64_t seed, bool in_space);
+
+	std::string text_;
+	std::vector<Step> steps_;
+	bool uses_[expression_input_count] = {};
+};
+
+} // namespace thicket
