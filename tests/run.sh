@@ -18,6 +18,8 @@ setup_mono
 setup_python
 setup_bake
 setup_wheel
+setup_docs
+setup_browser
 setup_godot
 setup_qemu
 if [[ " $* " == *" --full "* ]]; then

@@ -54,6 +54,11 @@ python_venv() {
 	echo "$(cache_folder)/venv"
 }
 
+# Prints the folder of the virtual environment that builds the documentation.
+docs_venv() {
+	echo "$(cache_folder)/docs-venv"
+}
+
 # Prints the folder of the virtual environment for world bakes.
 bake_venv() {
 	echo "$(cache_folder)/bake-venv"

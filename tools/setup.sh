@@ -11,6 +11,8 @@
 #   setup_python     the Python packages of tests/requirements.txt and of setup_bake, in a virtual environment in the cache folder
 #   setup_bake       Dask and Arrow, for baking worlds, in a virtual environment in the cache folder
 #   setup_wheel      the build tools of the sampler's Python package, and NumPy for its tests, in the cache folder
+#   setup_docs       Sphinx and Godot's converter of class references, for docs/build.sh, in the cache folder
+#   setup_browser    Chromium, for the test that opens the documentation (skipped without it)
 #   setup_godot      Godot 4.4 or newer: $GODOT, otherwise one on the PATH, otherwise a Debian root in the cache folder
 # setup_full.sh has the parts that only packaging and the long tests need.
 # The cache folder is $THICKET_CACHE, or thicket in $XDG_CACHE_HOME or ~/.cache.
@@ -285,6 +287,20 @@ setup_wheel() {
 	make_venv "$python" "$venv" "to build the Python package" --requirement "$setup_repo/python/requirements.txt"
 	"$venv/bin/python" -m pip download --quiet --disable-pip-version-check --only-binary :all: --dest "$venv/wheels" "$numpy"
 	echo "$wanted" >"$venv/complete"
+}
+
+setup_docs() {
+	local venv wanted
+	venv=$(docs_venv)
+	wanted=$(cat "$setup_repo/docs/requirements.txt")
+	! has_venv "$venv" "$wanted" || return 0
+	make_venv python3 "$venv" "to build the documentation" --requirement "$setup_repo/docs/requirements.txt"
+	echo "$wanted" >"$venv/complete"
+}
+
+setup_browser() {
+	command -v chromium >/dev/null || install_packages "to open the documentation" chromium ||
+		say "continuing without Chromium; the test that needs it will be skipped"
 }
 
 # has_venv FOLDER WANTED: succeeds if a virtual environment is complete and was created for the same list of packages.

@@ -2,7 +2,7 @@
 # Builds the benchmarks and the extension for release, runs them, and prints one Markdown table. Takes a quarter of an
 # hour after building, on two otherwise idle cores. Arguments: [rounds = 9] [seconds = 0.25] for the C++ programs,
 # preceded by options:
-#   --write        also store the rows in tests/bench/data/speed.json, and write README's tables from them (speed_table.py)
+#   --write        also store the rows in tests/bench/data/speed.json, and write the tables of docs/benchmarks.md from them (speed_table.py)
 #   --only A,B     measure only these parts; with --write, keep the rows of the other parts
 # Times are CPU time, and contenders take turns within each round, so that a busy machine affects all equally. Only the times of
 # the main thread, of workers and of the response to a change are wall time, which a busy machine increases. The parts from

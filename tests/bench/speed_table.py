@@ -1,11 +1,11 @@
 """Stores the rows that tests/bench/run.sh has measured in tests/bench/data/speed.json, and writes the speed tables in
-README.md from them.
+docs/benchmarks.md from them.
 
     python3 tests/bench/speed_table.py --machine TEXT ROWS   stores the rows of ROWS, a folder with a file for each measured part,
                                                              with the machine and today's date; then writes the tables
     python3 tests/bench/speed_table.py                       writes the tables from the stored rows
 
-The rows of parts that were not measured are kept. SECTIONS lists the rows that README shows.
+The rows of parts that were not measured are kept. SECTIONS lists the rows that the page shows.
 """
 
 import argparse
@@ -18,13 +18,13 @@ from pathlib import Path
 
 REPO = Path(__file__).resolve().parents[2]
 KEPT = REPO / "tests/bench/data/speed.json"
-README = REPO / "README.md"
+PAGE = REPO / "docs/benchmarks.md"
 
 BEGIN = "<!-- The tables from here on are written by tests/bench/run.sh with the option write. -->"
 END = "<!-- The tables end here. -->"
 HEAD = "| Measurement | Median | Lowest to highest round | Rounds |\n|---|---|---|---|"
 
-# The headings in README.md, and shell patterns for the names of the rows below each. Stars match the numbers of a run.
+# The headings in docs/benchmarks.md, and shell patterns for the names of the rows below each. Stars match the numbers of a run.
 SECTIONS = {
     "The sampler, on one core": [
         "tiles of 64 r: sampler, L = *",
@@ -91,7 +91,7 @@ def keep(kept: dict, parts: dict[str, list[list[str]]], machine: str, date: str)
 
 
 def tables(kept: dict, sections: dict[str, list[str]]) -> str:
-    """Returns the tables in Markdown. A pattern without a matching row is an error, because README.md would lack that
+    """Returns the tables in Markdown. A pattern without a matching row is an error, because the page would lack that
     row."""
     rows = [row for part in kept.values() for row in part["rows"]]
     written = [measured(kept)]
@@ -113,11 +113,11 @@ def measured(kept: dict) -> str:
     return f"Measured {when}: {'; '.join(machines)}."
 
 
-def put(readme: str, text: str) -> str:
-    """Returns README's text with new tables between the marks."""
-    if readme.count(BEGIN) != 1 or readme.count(END) != 1:
-        raise SystemExit(f"speed_table: README.md must contain these two lines once each:\n{BEGIN}\n{END}")
-    return re.sub(f"(?<={re.escape(BEGIN)}\n).*(?={re.escape(END)})", lambda _: f"\n{text}\n\n", readme, flags=re.DOTALL)
+def put(page: str, text: str) -> str:
+    """Returns the page's text with new tables between the marks."""
+    if page.count(BEGIN) != 1 or page.count(END) != 1:
+        raise SystemExit(f"speed_table: {PAGE.name} must contain these two lines once each:\n{BEGIN}\n{END}")
+    return re.sub(f"(?<={re.escape(BEGIN)}\n).*(?={re.escape(END)})", lambda _: f"\n{text}\n\n", page, flags=re.DOTALL)
 
 
 def main() -> None:
@@ -131,7 +131,7 @@ def main() -> None:
             parser.error("--machine must describe the machine on which the rows were measured")
         kept = keep(kept, read(arguments.rows), arguments.machine, datetime.date.today().isoformat())
         KEPT.write_text(json.dumps(kept, indent="\t", ensure_ascii=False) + "\n", encoding="utf-8")
-    README.write_text(put(README.read_text(encoding="utf-8"), tables(kept, SECTIONS)), encoding="utf-8")
+    PAGE.write_text(put(PAGE.read_text(encoding="utf-8"), tables(kept, SECTIONS)), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -364,7 +364,7 @@ def test_tracked_files_contain_no_machine_names():
         pytest.skip("no git, or not a git checkout")
     listed = run(["git", "ls-files", "-z"], timeout=60, cwd=REPO)
     assert listed.returncode == 0, listed.stderr
-    pages = r"(?:www\.w3\.org|github\.com|raw\.githubusercontent\.com|[\w.-]+\.example)[/\"]"
+    pages = r"(?:www\.w3\.org|docs\.godotengine\.org|github\.com|raw\.githubusercontent\.com|[\w.-]+\.github\.io|[\w.-]+\.example)[/\"]"
     wrong = re.compile(r"/work/|/root/|https?://(?!%s)\w+" % pages)
     for name in filter(None, listed.stdout.split("\0")):
         path = REPO / name

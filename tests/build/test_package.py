@@ -27,7 +27,7 @@ DIST = REPO / "build/dist_test"
 # The oldest version of glibc that the libraries must support, as README.md states. It was released in 2012.
 OLDEST_GLIBC = (2, 17)
 # Matches paths of build machines and addresses of registries.
-OF_THE_MACHINE = re.compile(rb"/(?:home|root|work|tmp|build|usr/include|usr/lib)/(?!dyld|libSystem|libstdc)[\w.-]|ziglang|\.cache/|https?://(?!github\.com/|www\.w3\.org/|www\.apple\.com/DTDs)[\w.]+\.[a-z]")
+OF_THE_MACHINE = re.compile(rb"/(?:home|root|work|tmp|build|usr/include|usr/lib)/(?!dyld|libSystem|libstdc)[\w.-]|ziglang|\.cache/|https?://(?!github\.com/|[\w-]+\.github\.io/|www\.w3\.org/|www\.apple\.com/DTDs)[\w.]+\.[a-z]")
 
 
 # --- The zips -----------------------------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Tests that the speed tables in README.md match the stored results of the benchmarks and state how they were measured."""
+"""Tests that the speed tables in docs/benchmarks.md match the stored results of the benchmarks and state how they were measured."""
 
 import importlib.util
 import json
@@ -23,9 +23,9 @@ def kept():
     return speed_table.keep({}, {"sampler": SAMPLER, "flight": FLIGHT}, "2 cores of a processor", "2026-01-02")
 
 
-def test_readme_shows_the_stored_rows():
+def test_the_page_shows_the_stored_rows():
     """Checks that no value was edited by hand, and that the tables were rewritten after the last change to SECTIONS."""
-    text = (REPO / "README.md").read_text(encoding="utf-8")
+    text = speed_table.PAGE.read_text(encoding="utf-8")
     kept = json.loads(speed_table.KEPT.read_text(encoding="utf-8"))
     assert speed_table.put(text, speed_table.tables(kept, speed_table.SECTIONS)) == text
 
@@ -66,8 +66,8 @@ def test_a_pattern_without_a_row_is_an_error(kept):
 
 
 def test_only_the_tables_change():
-    readme = f"before\n{speed_table.BEGIN}\nold\n{speed_table.END}\nafter"
-    assert speed_table.put(readme, "new") == f"before\n{speed_table.BEGIN}\n\nnew\n\n{speed_table.END}\nafter"
+    page = f"before\n{speed_table.BEGIN}\nold\n{speed_table.END}\nafter"
+    assert speed_table.put(page, "new") == f"before\n{speed_table.BEGIN}\n\nnew\n\n{speed_table.END}\nafter"
     with pytest.raises(SystemExit, match="must contain these two lines"):
         speed_table.put("no tables here", "new")
 
