@@ -1,6 +1,6 @@
 # The parts of the setup that only packaging and the long tests need (tools/package.sh, bash tests/run.sh --full). tools/setup.sh
 # sources this file:
-#   setup_zig        clang and the C libraries for every platform, to build releases (README.md, "Build")
+#   setup_zig        clang and the C libraries for every platform, to build releases (docs/howto/build.md)
 #   setup_llvm       tools that strip and merge libraries of all platforms
 #   setup_gltf_validator  Khronos' validator, for the test of glTF files (skipped without it)
 #   setup_coverage   the libraries that clang needs to measure code coverage

@@ -70,13 +70,13 @@ def test_every_permitted_include_is_used(room):
 
 
 def test_the_documents_list_every_room():
-    """Checks that README.md lists the rooms in the order of the table, and that ARCHITECTURE.md has a line for each."""
-    readme = (REPO / "README.md").read_text(encoding="utf-8")
+    """Checks that CONTRIBUTING.md lists the rooms in the order of the table, and that ARCHITECTURE.md has a line for each."""
+    contributing = (REPO / "CONTRIBUTING.md").read_text(encoding="utf-8")
     architecture = (REPO / "ARCHITECTURE.md").read_text(encoding="utf-8")
     tree = architecture[architecture.index("\nextension/core/") : architecture.index("\nextension/bindings/")]
     for part in ("core", "nodes"):
         expected = [room.removeprefix(part + "/") for room in ROOMS if room.startswith(part + "/")]
-        row = re.search(rf"^\| `extension/{part}` \| .*: (`.*`) \|$", readme, re.MULTILINE)
+        row = re.search(rf"^\| `extension/{part}` \| .*: (`.*`) \|$", contributing, re.MULTILINE)
         assert row and re.findall(r"`(\w+)`", row.group(1)) == expected
         lines = tree[tree.index(f"\nextension/{part}/") :].split("\nextension/")[1]
         assert re.findall(r"^  (\w+) ", lines, re.MULTILINE) == expected

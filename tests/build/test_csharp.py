@@ -1,4 +1,4 @@
-"""Compiles the C# wrappers of the add-on and the C# example of README.md without an engine. No package registry offers
+"""Compiles the C# wrappers of the add-on and the C# example of docs/howto/csharp.md without an engine. No package registry offers
 Godot with .NET, so Debian's Mono compiler compiles them against tests/csharp/GodotStub.cs."""
 
 from __future__ import annotations
@@ -88,10 +88,10 @@ def test_a_wrapper_has_every_member_of_its_page(wrappers, page):
         assert re.search(rf"\w+ = {constant.get('value')}[,;]", text), constant.get("name")
 
 
-def test_the_example_of_the_readme_compiles(wrappers, tmp_path):
-    text = (REPO / "README.md").read_text(encoding="utf-8")
+def test_the_example_of_the_documentation_compiles(wrappers, tmp_path):
+    text = (REPO / "docs/howto/csharp.md").read_text(encoding="utf-8")
     examples = re.findall(r"^```csharp\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
-    assert examples, "README.md has no C# example"
+    assert examples, "docs/howto/csharp.md has no example"
     if not (REPO / "extension/doc_classes/ScatterRequest.xml").is_file():
         pytest.skip("the class reference is older than the example")
     done = compile_all(tmp_path, wrappers, *examples)

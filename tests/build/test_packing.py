@@ -32,6 +32,21 @@ def test_one_version():
     assert first and first.group(1) == version
 
 
+def test_the_addresses_are_in_one_file():
+    """Checks that the owner sets the addresses of the repository and the documentation in plugin.cfg alone. The documentation,
+    the Python package and the README of the zips read them there; the add-on's menu does, too."""
+    addresses = [contents.setting("repository"), contents.setting("documentation")]
+    assert all(re.fullmatch(r"https://[\w./-]+[\w-]", address) for address in addresses)
+    assert all(address in contents.readme() for address in addresses) and "@" not in contents.readme()
+    listed = run(["git", "grep", "--files-with-matches", "--fixed-strings", *(part for address in addresses for part in ("-e", address))], timeout=60, cwd=REPO)
+    if listed.returncode not in (0, 1):
+        pytest.skip("not a git checkout")
+    assert listed.stdout.split() == ["demo_project/addons/thicket/plugin.cfg"]
+    for reader in ("docs/conf.py", "python/plugin_cfg.py"):
+        text = (REPO / reader).read_text(encoding="utf-8")
+        assert "plugin.cfg" in text and "repository" in text and "documentation" in text, reader
+
+
 def test_a_zip_depends_only_on_its_content(tmp_path):
     """Checks that file times and the order of writing do not affect the bytes of a zip, but that the content does."""
     for number, names in enumerate((["b.txt", "a/c.txt"], ["a/c.txt", "b.txt"])):
@@ -106,7 +121,7 @@ def test_the_api_of_the_engine_is_passed_to_the_build(monkeypatch):
     assert passed == [[f"engine_api={os.path.abspath('some/folder')}"]] * 2 + [[]]
 
 
-@pytest.mark.parametrize("page", ["README.md", "tools/package/README.md"])
+@pytest.mark.parametrize("page", ["README.md", "docs/getting_started.md", "tools/package/README.md"])
 def test_the_oldest_glibc_is_documented(page):
     targets = {target for (platform, _), target in platforms.ZIG_TARGETS.items() if platform == "linux" and "riscv" not in target}
     built_for = {re.search(r"-gnu\.([\d.]+)$", target).group(1) for target in targets}

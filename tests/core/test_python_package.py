@@ -13,6 +13,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
@@ -31,8 +32,13 @@ def test_wheel(wheel):
     """Checks the file name of the wheel. From Python 3.12 on, one wheel works with all later versions."""
     tag = "cp312-abi3" if sys.version_info >= (3, 12) else "cp3{0}-cp3{0}".format(sys.version_info.minor)
     assert f"-{tag}-" in wheel.name
-    version = re.search(r'^version="([^"]+)"', (REPO / "demo_project/addons/thicket/plugin.cfg").read_text(encoding="utf-8"), re.MULTILINE)
+    plugin = (REPO / "demo_project/addons/thicket/plugin.cfg").read_text(encoding="utf-8")
+    version = re.search(r'^version="([^"]+)"', plugin, re.MULTILINE)
     assert wheel.name.startswith(f"thicket-{version.group(1)}-")
+    repository = re.search(r'^repository="([^"]+)"', plugin, re.MULTILINE).group(1)
+    with ZipFile(wheel) as files:
+        (metadata,) = (files.read(name).decode() for name in files.namelist() if name.endswith(".dist-info/METADATA"))
+    assert f"Project-URL: Repository, {repository}\n" in metadata
 
 
 @pytest.mark.parametrize("example", re.findall(r"^```python\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL))
@@ -41,8 +47,8 @@ def test_examples_of_the_page_run(wheel_python, example):
     assert done.returncode == 0 and not done.stderr and re.search(r"\d", done.stdout), done.stdout + done.stderr
 
 
-def test_example_of_the_readme_runs(wheel_python):
-    (example,) = re.findall(r"^```python\n(.*?)^```", (REPO / "README.md").read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+def test_example_of_the_documentation_runs(wheel_python):
+    (example,) = re.findall(r"^```python\n(.*?)^```", (REPO / "docs/howto/python.md").read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
     done = script(wheel_python, example)
     assert done.returncode == 0 and re.search(r"^\d{4} points", done.stdout), done.stdout + done.stderr
 

@@ -1,4 +1,4 @@
-// The part of the engine's C# API that the add-on's wrappers and the examples of README.md use. It has names, types and
+// The part of the engine's C# API that the add-on's wrappers and the example of docs/howto/csharp.md use. It has names, types and
 // conversions as in GodotSharp, but no implementation. With it, a compiler can check both without Godot's .NET version.
 // tests/build/test_csharp.py adds empty classes for all other engine types, from the engine's own description of its
 // API.

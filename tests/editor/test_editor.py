@@ -165,7 +165,7 @@ def test_terrain_plugins_as_ground(godot_xvfb, editor_project):
 
 
 def test_workarounds_for_the_crash_of_a_first_import(godot, plain_project):
-    """Checks the two workarounds in README.md for engines up to 4.7, which may crash when they quit after a first
+    """Checks the two workarounds in docs/troubleshooting.md for engines up to 4.7, which may crash when they quit after a first
     import with any extension (godot issue 111048). Everything is imported before the crash, so a second import
     succeeds. A first import succeeds if extension_list.cfg already lists the extension."""
     link_library(plain_project)

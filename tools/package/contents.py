@@ -16,7 +16,19 @@ import manifest  # noqa: E402
 
 def version():
     """Returns the version of the add-on, which plugin.cfg contains."""
-    return re.search(r'^version="([^"]+)"$', (ADDON / "plugin.cfg").read_text(encoding="utf-8"), re.MULTILINE).group(1)
+    return setting("version")
+
+
+def setting(name):
+    """Returns a value in plugin.cfg, the only file with the version and with the addresses of the repository and the
+    documentation."""
+    return re.search(r'^%s="([^"]+)"$' % name, (ADDON / "plugin.cfg").read_text(encoding="utf-8"), re.MULTILINE).group(1)
+
+
+def readme():
+    """Returns the README of the zips, with the addresses of plugin.cfg."""
+    text = (REPO / "tools/package/README.md").read_text(encoding="utf-8")
+    return re.sub(r"@(REPOSITORY|DOCUMENTATION)@", lambda name: setting(name.group(1).lower()), text)
 
 
 def tracked(folder):
@@ -42,7 +54,7 @@ def addon(folder, built):
     (folder / "thicket.gdextension").write_text(text.replace("@MINIMUM@", minimum.group(1)), encoding="utf-8")
     for name in ("LICENSE", "CHANGELOG.md"):
         shutil.copy(REPO / name, folder)
-    shutil.copy(REPO / "tools/package/README.md", folder)
+    (folder / "README.md").write_text(readme(), encoding="utf-8")
     (folder / "THIRD_PARTY.txt").write_text(notices(), encoding="utf-8")
 
 

@@ -119,7 +119,7 @@ def objects_of(env, room, sources):
 
 
 def configure_msvc(env, release):
-    """Adds flags according to Microsoft's documentation. Not tested yet (README.md, "Build")."""
+    """Adds flags according to Microsoft's documentation. Not tested yet (docs/howto/build.md)."""
     env.Append(
         CXXFLAGS=["/std:c++20", "/EHsc", "/permissive-", "/Zc:__cplusplus", "/Zc:preprocessor", "/utf-8", "/bigobj"],
         CCFLAGS=["/W4"] + (["/WX"] if env["werror"] else []) + ["/fp:precise", "/GS", "/guard:cf"],

@@ -7,7 +7,7 @@ import re
 import programs
 
 # Each room, and the rooms whose headers it includes. A room is listed after all rooms that it includes. Tests compare
-# the sources, README.md and ARCHITECTURE.md with this table.
+# the sources, CONTRIBUTING.md and ARCHITECTURE.md with this table.
 ROOMS = {
     "core/base": [],
     "core/sampling": ["core/base"],
