@@ -90,7 +90,14 @@ class LinkFromIncludedFiles(SphinxTransform):
 
     def apply(self, **options):
         for node in list(self.document.findall(pending_xref)):
-            path = Path(os.path.normpath(Path(node.source or "").parent / node["reftarget"]))
+            if node.get("reftype") == "myst" and node["reftarget"].startswith("../../") and Path(node.source or "").parent == REPO:
+                self.link(node, f"{repository}/{node['reftarget'].removeprefix('../../')}")  # A page of the forge.
+                continue
+            target, _, fragment = node["reftarget"].partition("#")
+            path = Path(os.path.normpath(Path(node.source or "").parent / target))
+            if path.is_relative_to(DOCS) and Path(node.source or "").parent == REPO and path.suffix == ".md" and path.is_file():
+                node["refdomain"], node["reftarget"], node["reftargetid"] = "doc", path.relative_to(DOCS).with_suffix("").as_posix(), fragment or None
+                continue
             if node.get("reftype") != "myst" or path.is_relative_to(DOCS) or not path.is_relative_to(REPO) or not path.exists():
                 continue
             page = f"tutorials/{path.stem}" if path.parent == ADDON / "tutorials" else None
@@ -98,8 +105,10 @@ class LinkFromIncludedFiles(SphinxTransform):
             if page:
                 node["refdomain"], node["reftarget"], node["reftargetid"] = "doc", page, None
             else:
-                address = f"{repository}/blob/main/{path.relative_to(REPO).as_posix()}"
-                node.replace_self(nodes.reference("", "", *node.children, refuri=address, internal=False))
+                self.link(node, f"{repository}/blob/main/{path.relative_to(REPO).as_posix()}")
+
+    def link(self, node, address):
+        node.replace_self(nodes.reference("", "", *node.children, refuri=address, internal=False))
 
 
 def link_to_engine(app, env, node, contnode):

@@ -28,7 +28,7 @@ def test_one_version():
     """Checks that the version is a semantic version, and that the first section of the change log is for this version."""
     version = contents.version()
     assert re.fullmatch(r"\d+\.\d+\.\d+(-[0-9a-z.]+)?", version), version
-    first = re.search(r"^## (\S+)", (REPO / "CHANGELOG.md").read_text(encoding="utf-8"), re.MULTILINE)
+    first = re.search(r"^## \[([^]]+)\] - ", (REPO / "CHANGELOG.md").read_text(encoding="utf-8"), re.MULTILINE)
     assert first and first.group(1) == version
 
 

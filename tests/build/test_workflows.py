@@ -62,8 +62,11 @@ def test_files_that_workflows_name_exist():
 
 
 def test_notes_are_the_section_of_the_version():
-    changes = "# Changes\n\nIntroduction.\n\n## 1.2.0\n\n- second\n  line\n\n### Details\n\nmore\n\n## 1.1.0\n\n- first\n\n## 1.0.0\n"
-    assert notes.notes(changes, "1.2.0") == "- second\n  line\n\n### Details\n\nmore"
+    changes = (
+        "# Changelog\n\nIntroduction.\n\n## [1.2.0] - Unreleased\n\n### Added\n\n- second\n\n### Fixed\n\n- more\n\n"
+        "## [1.1.0] - 2026-01-02\n\n- first\n\n## [1.0.0] - 2026-01-01\n\n[1.2.0]: ../../compare/v1.1.0...HEAD\n"
+    )
+    assert notes.notes(changes, "1.2.0") == "### Added\n\n- second\n\n### Fixed\n\n- more"
     assert notes.notes(changes, "1.1.0") == "- first"
     assert notes.notes(changes, "1.0.0") is None, "an empty section"
     assert notes.notes(changes, "1x2x0") is None and notes.notes(changes, "1.2") is None
@@ -74,7 +77,8 @@ def test_a_tag_must_match_the_version():
         return run([sys.executable, "tools/package/notes.py", tag], timeout=20, cwd=REPO)
 
     right, wrong = printed("v" + contents.version()), printed("v0.0.1")
-    assert right.returncode == 0 and right.stdout.startswith("- "), right.stderr
+    assert right.returncode == 0 and right.stdout.startswith("### Added\n"), right.stderr
+    assert "](docs/" not in right.stdout, "the page of a release has no folder docs beside it"
     assert wrong.returncode != 0 and "v0.0.1" in wrong.stderr and "v" + contents.version() in wrong.stderr
 
 

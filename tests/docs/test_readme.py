@@ -94,6 +94,26 @@ def test_the_links_of_the_readme_exist():
     assert {"CHANGELOG.md", "CONTRIBUTING.md", "LICENSE", "docs/index.md", "docs/tutorials/index.md"} <= set(links)
 
 
+def test_the_changelog_is_one_that_users_can_scan():
+    """Checks the sections, that each change is one line, and that links lead to files of the repository or to pages of the
+    forge."""
+    text = (REPO / "CHANGELOG.md").read_text(encoding="utf-8")
+    versions = re.split(r"^## ", text, flags=re.MULTILINE)[1:]
+    links = dict(re.findall(r"^(\[[\d.]+\]): (\S+)$", text, re.MULTILINE))
+    assert len(versions) == len(links) >= 3
+    for version in versions:
+        heading, *lines = version.splitlines()
+        found = re.fullmatch(r"(\[[\d.]+\]) - (Unreleased|\d{4}-\d\d-\d\d)", heading)
+        assert found and links[found.group(1)].startswith("../../"), heading
+        sections = [line for line in lines if line.startswith("#")]
+        assert sections and set(sections) <= {"### Added", "### Changed", "### Deprecated", "### Removed", "### Fixed", "### Security"}, heading
+        assert sorted(set(sections), key=sections.index) == sections, heading
+        changes = [line for line in lines if line and not line.startswith(("#", "["))]
+        assert all(line.startswith("- ") and len(line) <= 170 for line in changes), [line for line in changes if not line.startswith("- ") or len(line) > 170]
+    for link in re.findall(r"\]\((?!https:)([^)#]+)", text):
+        assert (REPO / link).is_file(), link
+
+
 def test_folders_and_commands_exist():
     contributing = (REPO / "CONTRIBUTING.md").read_text(encoding="utf-8")
     folders = re.findall(r"^\| `([\w/]+)` \|", contributing.split("## Where things are")[1].split("\n## ")[0], re.MULTILINE)

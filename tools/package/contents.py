@@ -31,6 +31,12 @@ def readme():
     return re.sub(r"@(REPOSITORY|DOCUMENTATION)@", lambda name: setting(name.group(1).lower()), text)
 
 
+def with_addresses(changes):
+    """Returns a text of CHANGELOG.md whose relative links are addresses, for readers who do not have the repository."""
+    changes = re.sub(r"(?<=\]\()docs/([\w/]+)\.md", lambda link: f"{setting('documentation')}/{link.group(1)}.html", changes)
+    return re.sub(r"^(\[[\d.]+\]: )\.\./\.\./", lambda link: f"{link.group(1)}{setting('repository')}/", changes, flags=re.MULTILINE)
+
+
 def tracked(folder):
     """Returns the files in a folder of the repository that git tracks."""
     listed = subprocess.run(["git", "ls-files", "-z", "--", str(folder)], cwd=REPO, check=True, capture_output=True, text=True)
@@ -52,8 +58,8 @@ def addon(folder, built):
     minimum = re.search(r'^compatibility_minimum = "([^"]+)"$', (built / "thicket.gdextension").read_text(encoding="utf-8"), re.MULTILINE)
     text = "\n".join(manifest.write({path.name for path in (folder / "bin").iterdir()}, [path.name for path in (folder / "icons").iterdir()]))
     (folder / "thicket.gdextension").write_text(text.replace("@MINIMUM@", minimum.group(1)), encoding="utf-8")
-    for name in ("LICENSE", "CHANGELOG.md"):
-        shutil.copy(REPO / name, folder)
+    shutil.copy(REPO / "LICENSE", folder)
+    (folder / "CHANGELOG.md").write_text(with_addresses((REPO / "CHANGELOG.md").read_text(encoding="utf-8")), encoding="utf-8")
     (folder / "README.md").write_text(readme(), encoding="utf-8")
     (folder / "THIRD_PARTY.txt").write_text(notices(), encoding="utf-8")
 

@@ -10,8 +10,9 @@ import contents
 
 
 def notes(changes, version):
-    """Returns the text below the heading "## VERSION" of a change log, or None if there is no such section or it is empty."""
-    found = re.search(r"^## %s *\n(.*?)(?=^## |\Z)" % re.escape(version), changes, re.MULTILINE | re.DOTALL)
+    """Returns the text below the heading "## [VERSION] - DATE" of a change log, or None if there is no such section or it is
+    empty."""
+    found = re.search(r"^## \[%s\] - [^\n]*\n(.*?)(?=^## |^\[[\d.]+\]: |\Z)" % re.escape(version), changes, re.MULTILINE | re.DOTALL)
     return (found.group(1).strip() or None) if found else None
 
 
@@ -21,8 +22,8 @@ def main(tag):
         raise SystemExit("thicket: the tag must be v%s, the version in plugin.cfg, got %s: change the version, or create that tag" % (version, tag))
     text = notes((contents.REPO / "CHANGELOG.md").read_text(encoding="utf-8"), version)
     if text is None:
-        raise SystemExit("thicket: CHANGELOG.md must have a section '## %s' with the changes: add it" % version)
-    print(text)
+        raise SystemExit("thicket: CHANGELOG.md must have a section '## [%s] - DATE' with the changes: add it" % version)
+    print(contents.with_addresses(text))
 
 
 if __name__ == "__main__":
