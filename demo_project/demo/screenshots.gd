@@ -9,7 +9,7 @@ const Figures := preload("res://demo/figures.gd")
 ## The frame rate during the flight, in frames per second.
 const FLIGHT_FPS := 60
 ## The time in seconds after which a stop fails if the scatter has not settled.
-const PATIENCE := 120.0
+const PATIENCE := 600.0
 ## The number of frames to draw before a screenshot, so that LODs and shadows settle.
 const SETTLING_FRAMES := 2
 

@@ -57,7 +57,7 @@ def addon(zips, tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("unpacked")
     with zipfile.ZipFile(zips["thicket"]) as file:
         file.extractall(folder)
-    assert [path.name for path in folder.iterdir()] == ["addons"]
+    assert sorted(path.name for path in folder.iterdir()) == ["addons", "thicket_readme.txt"]
     return folder / "addons/thicket"
 
 

@@ -9,10 +9,13 @@ import re
 import shutil
 import struct
 import sys
-from pathlib import Path
+import zipfile
+from pathlib import Path, PurePosixPath
 
+import numpy as np
 import pytest
 from conftest import REPO, run
+from PIL import Image
 
 sys.path.insert(0, str(REPO / "tools/package"))
 import archive  # noqa: E402 (only on the path above)
@@ -59,6 +62,50 @@ def test_a_zip_depends_only_on_its_content(tmp_path):
     assert first == second
     (tmp_path / "1/b.txt").write_text("other")
     assert archive.write(tmp_path / "1", tmp_path / "1.zip").read_bytes() != first
+
+
+def skipped_folder(path: Path) -> str:
+    """Returns the top folder that the editor's Asset Library skips when it installs a zip, or "". Implements
+    EditorAssetInstaller::_check_has_toplevel of Godot 4.6, which also counts the folders of all files."""
+    with zipfile.ZipFile(path) as file:
+        entries = {parent.as_posix() + "/" for name in file.namelist() for parent in PurePosixPath(name).parents if parent.name} | set(file.namelist())
+    first, *others = sorted(entries)
+    return first if first.endswith("/") and all(entry.startswith(first) for entry in others) else ""
+
+
+def test_the_asset_library_installs_into_addons(tmp_path):
+    """Checks that the editor does not skip the folder addons of the zip, as it would without a second entry."""
+    (tmp_path / "stage/addons/thicket").mkdir(parents=True)
+    (tmp_path / "stage/addons/thicket/plugin.cfg").touch()
+    assert skipped_folder(archive.write(tmp_path / "stage", tmp_path / "alone.zip")) == "addons/"
+    contents.beside_addons(tmp_path / "stage")
+    assert skipped_folder(archive.write(tmp_path / "stage", tmp_path / "shipped.zip")) == ""
+
+
+def test_the_store_has_what_it_asks_for():
+    """Checks the texts and the pictures in tools/package/store, and that the editor's list of plugins mentions plants."""
+    store = REPO / "tools/package/store"
+    text = (store / "listing.md").read_text(encoding="utf-8")
+    fields = dict(re.findall(r"^\| (\w[\w ]*) \| (.+) \|$", text, re.MULTILINE))
+    assert {"Title", "Summary", "Tags", "Category", "License", "Minimum Godot version"} <= fields.keys()
+    assert len(fields["Summary"]) <= 120 and "plants" in fields["Summary"] and "plants" in contents.setting("description")
+    assert len(text.split("## Description")[1].split()) > 100
+    with Image.open(store / "icon.png") as icon, Image.open(store / "thumbnail.jpg") as thumbnail:
+        assert icon.size == (256, 256) and thumbnail.size == (1280, 720)
+    screenshots = sorted(store.glob("screenshot_*.jpg"))
+    assert len(screenshots) == 5
+    for path in screenshots:
+        with Image.open(path) as image:
+            assert image.size == (1920, 1080) and path.stat().st_size < 2_000_000, path.name
+            assert np.asarray(image.convert("L"), np.float32).std() > 20, f"{path.name} is almost blank"
+
+
+def test_archives_of_the_repository_leave_out_what_only_the_forge_needs():
+    listed = run(["git", "check-attr", "export-ignore", ".github", ".ci", "tools/package/store", "extension", "docs", "tests"], timeout=20, cwd=REPO)
+    if listed.returncode:
+        pytest.skip("no git, or not a git checkout")
+    ignored = {line.split(":")[0] for line in listed.stdout.splitlines() if line.endswith(": set")}
+    assert ignored == {".github", ".ci", "tools/package/store"}
 
 
 def test_every_library_has_a_separate_entry():

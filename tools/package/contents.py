@@ -8,6 +8,10 @@ from pathlib import Path
 
 REPO = Path(__file__).resolve().parents[2]
 ADDON = REPO / "demo_project/addons/thicket"
+BESIDE_ADDONS = """Thicket consists of the folder addons/thicket. You may delete this file after the installation.
+
+Enable the plugin in Project > Project Settings > Plugins. addons/thicket/README.md describes the next steps.
+"""
 sys.path.insert(0, str(REPO / "tools/scons"))
 
 import installed  # noqa: E402 (only on the path above)
@@ -62,6 +66,12 @@ def addon(folder, built):
     (folder / "CHANGELOG.md").write_text(with_addresses((REPO / "CHANGELOG.md").read_text(encoding="utf-8")), encoding="utf-8")
     (folder / "README.md").write_text(readme(), encoding="utf-8")
     (folder / "THIRD_PARTY.txt").write_text(notices(), encoding="utf-8")
+
+
+def beside_addons(folder):
+    """Writes the file that the zip of the add-on contains beside the folder addons. In Godot up to 4.6, the editor's Asset Library
+    skips the top folder of a zip that has only one, and would install the add-on into res://thicket."""
+    (folder / "thicket_readme.txt").write_text(BESIDE_ADDONS, encoding="utf-8")
 
 
 def demo(folder, addon_folder):

@@ -90,6 +90,7 @@ def pack(wanted, out):
     shutil.rmtree(symbols, ignore_errors=True)
     binaries.collect([(each, each.folder()) for each in wanted], addon / "bin", symbols)
     contents.addon(addon, wanted[0].folder().parent)
+    contents.beside_addons(stage / "addon")
     contents.demo(stage / "demo", addon)
     version = contents.version()
     zips = [

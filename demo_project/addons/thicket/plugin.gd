@@ -6,7 +6,9 @@ extends EditorPlugin
 ## The editor compiles this script in either case, so the script uses none of the library's classes.
 ## [code]editor/workspace.gd[/code] implements the tools.
 
-const LibraryGate := preload("res://addons/thicket/library_gate.gd")
+# Relative paths, so that this script compiles in any folder and can report a wrong one.
+const BakedWorldFormat := preload("baked_world_format.gd")
+const LibraryGate := preload("library_gate.gd")
 
 ## The tools, an object of [code]editor/workspace.gd[/code]; null if they are not loaded.
 var workspace: RefCounted
@@ -35,6 +37,11 @@ func _process(delta: float) -> void:
 
 func _open() -> void:
 	_tried = LibraryGate.is_open()
+	var misplaced := BakedWorldFormat.misplaced((get_script() as Script).resource_path)
+	if misplaced:
+		_tried = true
+		push_error(misplaced)
+		return
 	var script := LibraryGate.load_script("editor/workspace.gd")
 	if script != null:
 		workspace = script.new(self)
