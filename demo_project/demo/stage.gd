@@ -107,10 +107,10 @@ func own_key(_keycode: Key) -> void:
 func place(stop: Dictionary) -> void:
 	var eye: Vector3 = stop.eye
 	var height: float = ground.height(eye.x, eye.z)
-	var basis_there := Basis.from_euler(Vector3(deg_to_rad(stop.pitch), -deg_to_rad(stop.heading), 0.0))
+	var view_basis := Basis.from_euler(Vector3(deg_to_rad(stop.pitch), -deg_to_rad(stop.heading), 0.0))
 	camera.walking = false
 	camera.fov = stop.get("fov", _fov)
-	camera.transform = Transform3D(basis_there, Vector3(eye.x, eye.y if is_nan(height) else height + eye.y, eye.z))
+	camera.transform = Transform3D(view_basis, Vector3(eye.x, eye.y if is_nan(height) else height + eye.y, eye.z))
 
 
 ## Shows or hides the borders of the tiles.
@@ -136,8 +136,8 @@ func _take_screenshots(folder: String, only: String) -> void:
 	run.demo = self
 	if DisplayServer.get_name() != "headless":
 		var scene := scene_file_path.get_file().get_basename()
-		var beside := ProjectSettings.globalize_path("res://").path_join("../build/demo").simplify_path()
-		run.folder = folder if folder != "" else beside.path_join("" if scene == "demo" else scene)
+		var default_folder := ProjectSettings.globalize_path("res://").path_join("../build/demo").simplify_path()
+		run.folder = folder if folder != "" else default_folder.path_join("" if scene == "demo" else scene)
 	run.only = only.split(",", false)
 	add_child(run)
 	run.run()

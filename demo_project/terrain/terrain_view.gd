@@ -176,14 +176,14 @@ func _draw(mesh: ArrayMesh, level: int, post: Vector2i, size: int) -> void:
 ## quads along an edge.
 static func _fill_grid(mesh: ArrayMesh, quads: int) -> void:
 	var vertices := PackedVector3Array()
-	var places := PackedVector2Array()
+	var uvs := PackedVector2Array()
 	var counts := PackedVector2Array()
 	var indices := PackedInt32Array()
 	for j in quads + 1:
 		for i in quads + 1:
-			places.append(Vector2(i, j) / quads)
+			uvs.append(Vector2(i, j) / quads)
 			counts.append(Vector2(quads, 0.0))
-			vertices.append(Vector3(places[-1].x, 0.0, places[-1].y))
+			vertices.append(Vector3(uvs[-1].x, 0.0, uvs[-1].y))
 	for j in quads:
 		for i in quads:
 			var a := j * (quads + 1) + i
@@ -191,7 +191,7 @@ static func _fill_grid(mesh: ArrayMesh, quads: int) -> void:
 	var arrays: Array = []
 	arrays.resize(Mesh.ARRAY_MAX)
 	arrays[Mesh.ARRAY_VERTEX] = vertices
-	arrays[Mesh.ARRAY_TEX_UV] = places
+	arrays[Mesh.ARRAY_TEX_UV] = uvs
 	arrays[Mesh.ARRAY_TEX_UV2] = counts
 	arrays[Mesh.ARRAY_INDEX] = indices
 	mesh.clear_surfaces()

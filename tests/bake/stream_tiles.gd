@@ -62,14 +62,14 @@ func _settle() -> void:
 func _tell() -> void:
 	var tiles: Array = []
 	var drawn := 0
-	var places: Dictionary = {}
+	var positions: Dictionary = {}
 	for tile: Vector2i in _world.get_shown_tiles():
 		tiles.append([tile.x, tile.y])
 		var node: Node3D = _world.get_tile(tile)
-		places["%d,%d" % [tile.x, tile.y]] = [node.global_position.x, node.global_position.y, node.global_position.z]
+		positions["%d,%d" % [tile.x, tile.y]] = [node.global_position.x, node.global_position.y, node.global_position.z]
 		for child: MultiMeshInstance3D in node.get_children():
 			drawn += child.multimesh.instance_count if not "_LOD1" in child.name else 0
 	print("stop ", JSON.stringify({
-		"tiles": tiles, "instances": _world.get_instance_count(), "drawn": drawn, "places": places, "most": _most, "most_removed": _most_removed,
+		"tiles": tiles, "instances": _world.get_instance_count(), "drawn": drawn, "places": positions, "most": _most, "most_removed": _most_removed,
 		"failed": _failed.map(func(tile: Vector2i) -> Array: return [tile.x, tile.y]), "children": _world.get_child_count(),
 	}))

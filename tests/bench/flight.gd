@@ -54,8 +54,8 @@ func _layers() -> Array[ScatterLayer]:
 
 
 func _fly(speed: float, seconds: float) -> void:
-	var place := START + DIRECTION * speed * seconds
-	_viewer.global_position = Vector3(place.x, EYE, place.y)
+	var point := START + DIRECTION * speed * seconds
+	_viewer.global_position = Vector3(point.x, EYE, point.y)
 
 
 func _measure(speed: float, seconds: float) -> void:

@@ -79,15 +79,15 @@ func _scatter(terrain: ScatterGround) -> TerrainScatter3D:
 ## Waits until the scatter has settled, and for at least [param at_least] frames. Records the frames.
 func _follow(scatter: TerrainScatter3D, frames: Frames, at_least := 30) -> void:
 	var start := Time.get_ticks_usec()
-	var made: int = scatter.get_stats()["tiles_made"]
+	var tiles_made: int = scatter.get_stats()["tiles_made"]
 	var waited := 0
 	while waited < at_least or not scatter.is_settled():
 		await process_frame # The node processes the frame after this signal.
 		frames.usec.push_back(scatter.get_stats()["frame_usec"])
 		waited += 1
-		if scatter.get_stats()["tiles_made"] > made:
+		if scatter.get_stats()["tiles_made"] > tiles_made:
 			frames.seconds = (Time.get_ticks_usec() - start) / 1e6 if frames.tiles == 0 else frames.seconds
-			frames.tiles = scatter.get_stats()["tiles_made"] - made
+			frames.tiles = scatter.get_stats()["tiles_made"] - tiles_made
 
 
 func _grid(width: float, quads: int, height := 0.0) -> ArrayMesh:

@@ -132,10 +132,10 @@ func _play_round() -> void:
 
 
 ## Moves the origin and the viewer to a position in the world.
-func _teleport(place: Vector3) -> void:
+func _teleport(point: Vector3) -> void:
 	_done.teleports += 1
-	_scatter.world_offset = place.snapped(Vector3(1024.0, 1.0e9, 1024.0))
-	_viewer.position = place - _scatter.world_offset
+	_scatter.world_offset = point.snapped(Vector3(1024.0, 1.0e9, 1024.0))
+	_viewer.position = point - _scatter.world_offset
 	_walker.position = _viewer.position + Vector3(3.0, 0.0, 2.0)
 
 

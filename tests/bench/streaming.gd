@@ -62,8 +62,8 @@ func _take_scatter() -> bool:
 
 ## Moves the viewer to its position after this many seconds. Its height is constant, because it has no effect.
 func _fly(seconds: float) -> void:
-	var place := START + DIRECTION * SPEED * seconds
-	_viewer.global_position = Vector3(place.x, EYE, place.y)
+	var point := START + DIRECTION * SPEED * seconds
+	_viewer.global_position = Vector3(point.x, EYE, point.y)
 
 
 ## Returns the stats of each frame of the flight.

@@ -30,8 +30,8 @@ func make_forest() -> ScatterLayer:
 
 
 func multimeshes_of(scatter: TerrainScatter3D, tile: Vector2i) -> Array:
-	var shown := scatter.get_tile(scatter.layers[0], tile)
-	return range(shown.get_mesh_count()).map(shown.get_multimeshes)
+	var displayed_tile := scatter.get_tile(scatter.layers[0], tile)
+	return range(displayed_tile.get_mesh_count()).map(displayed_tile.get_multimeshes)
 
 
 func is_in_cells(scatter: TerrainScatter3D, tile: Vector2i) -> bool:

@@ -244,8 +244,8 @@ func tile_ids(scatter: TerrainScatter3D, layer: Variant, tile: Vector2i) -> Arra
 
 
 func tile_multimeshes(scatter: TerrainScatter3D, layer: Variant, tile: Vector2i) -> Array:
-	var shown := scatter.get_tile(layer_of(scatter, layer), tile)
-	return range(shown.get_mesh_count()).map(shown.get_multimesh)
+	var displayed_tile := scatter.get_tile(layer_of(scatter, layer), tile)
+	return range(displayed_tile.get_mesh_count()).map(displayed_tile.get_multimesh)
 
 
 ## Returns a query's result as an array that compares by value.
@@ -320,12 +320,12 @@ func on_map(at: Transform3D) -> Vector2:
 ## Returns the map positions of instances that exist in only one of the two states, or that differ. Positions are compared with a tolerance,
 ## because rounding depends on the height of a tile's origin.
 func changed_places(before: Dictionary[int, Transform3D], after: Dictionary[int, Transform3D]) -> PackedVector2Array:
-	var places: PackedVector2Array
+	var points: PackedVector2Array
 	for id in before:
 		var moved := not after.has(id) or after[id].origin.distance_to(before[id].origin) > 1e-5
 		if moved or after[id].basis != before[id].basis:
-			places.push_back(on_map(before[id]))
+			points.push_back(on_map(before[id]))
 	for id in after:
 		if not before.has(id):
-			places.push_back(on_map(after[id]))
-	return places
+			points.push_back(on_map(after[id]))
+	return points

@@ -63,12 +63,12 @@ func _run() -> void:
 func _share_out(number: int) -> void:
 	var trees: PackedInt64Array = world.query_rect(AREA, world.get(&"TREES")).ids
 	trees.sort()
-	for place in trees.size():
-		var turn := place % CIRCLE
+	for index in trees.size():
+		var turn := index % CIRCLE
 		if turn == SHARED or OWN.has(turn):
-			to_fall.append(trees[place])
+			to_fall.append(trees[index])
 		if turn == SHARED or turn == OWN[number]:
-			mine.append(trees[place])
+			mine.append(trees[index])
 
 
 func _host() -> void:

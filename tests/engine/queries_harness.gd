@@ -94,14 +94,14 @@ func scan(scatter: TerrainScatter3D) -> Scan:
 ## a negative value outside. Instances within the tolerance of its surface may be found or not. Returns the size of the result.
 func check_answer(scatter: TerrainScatter3D, answer: ScatterInstances, all: Scan, layers: PackedInt32Array, depth: Callable, context: String) -> int:
 	var ids := answer.ids
-	var place := {}
+	var index_of_id := {}
 	for index in ids.size():
-		place[ids[index]] = index
+		index_of_id[ids[index]] = index
 	var wrong := 0
 	for index in all.ids.size():
 		var wanted := layers.is_empty() or layers.has(all.layers[index])
 		var inside: float = depth.call(all.transforms[index].origin) if wanted else -1.0
-		var at: int = place.get(all.ids[index], -1)
+		var at: int = index_of_id.get(all.ids[index], -1)
 		if at < 0:
 			wrong += int(inside > FLOATS)
 			continue
@@ -111,8 +111,8 @@ func check_answer(scatter: TerrainScatter3D, answer: ScatterInstances, all: Scan
 				stands.origin.distance_to(all.transforms[index].origin) > FLOATS or
 				answer.positions[at] != stands.origin or answer.get_position(at) != stands.origin or
 				answer.get_transform(at) != stands or answer.get_id(at) != all.ids[index])
-		place.erase(all.ids[index])
-	check(wrong == 0 and place.is_empty(), "%s: %d wrong, %d too many of %d" % [context, wrong, place.size(), ids.size()])
+		point.erase(all.ids[index])
+	check(wrong == 0 and point.is_empty(), "%s: %d wrong, %d too many of %d" % [context, wrong, point.size(), ids.size()])
 	var of_layers := answer.layer_indices
 	for index in range(1, ids.size()):
 		if of_layers[index - 1] == of_layers[index] and ids[index - 1] >= ids[index]:
@@ -182,12 +182,12 @@ func check_all(scatter: TerrainScatter3D, all: Scan, random: RandomNumberGenerat
 		var layers: PackedInt32Array = [[], [], [0], [1], [1, 0]][random.randi() % 5]
 		var at := Vector3(random.randf_range(-50, 50), random.randf_range(-4, 20), random.randf_range(-50, 50))
 		var rect := Rect2(at.x, at.z, random.randf_range(0, 30), random.randf_range(0, 30))
-		counts["rect"] += check_answer(scatter, scatter.query_rect(rect, layers_at(scatter, layers)), all, layers, func(place: Vector3) -> float:
-			return minf(minf(place.x - rect.position.x, rect.end.x - place.x),
-					minf(place.z - rect.position.y, rect.end.y - place.z)), "%s: %s" % [context, rect])
+		counts["rect"] += check_answer(scatter, scatter.query_rect(rect, layers_at(scatter, layers)), all, layers, func(point: Vector3) -> float:
+			return minf(minf(point.x - rect.position.x, rect.end.x - point.x),
+					minf(point.z - rect.position.y, rect.end.y - point.z)), "%s: %s" % [context, rect])
 		var radius := random.randf_range(0.5, 30)
 		counts["sphere"] += check_answer(scatter, scatter.query_sphere(at, radius, layers_at(scatter, layers)), all, layers,
-				func(place: Vector3) -> float: return radius - place.distance_to(at), "%s: sphere" % context)
+				func(point: Vector3) -> float: return radius - point.distance_to(at), "%s: sphere" % context)
 		var mark := all.transforms[random.randi() % all.ids.size()].origin.clamp(-50 * Vector3.ONE, 50 * Vector3.ONE)
 		var away := Vector3(random.randf_range(-1, 1), random.randf_range(0, 0.5), random.randf_range(-1, 1))
 		var from := mark + away * random.randf_range(0, 30)

@@ -10,13 +10,13 @@ func make_tree() -> PackedScene:
 	var tree := Node3D.new()
 	for lod in 3:
 		for part in 3:
-			var shown := MeshInstance3D.new()
-			shown.name = "Part%d_LOD%d" % [part, lod]
+			var mesh_instance := MeshInstance3D.new()
+			mesh_instance.name = "Part%d_LOD%d" % [part, lod]
 			var mesh := ArrayMesh.new()
 			mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, SphereMesh.new().get_mesh_arrays())
-			shown.mesh = mesh
-			tree.add_child(shown)
-			shown.owner = tree
+			mesh_instance.mesh = mesh
+			tree.add_child(mesh_instance)
+			mesh_instance.owner = tree
 	var packed := PackedScene.new()
 	packed.pack(tree)
 	tree.free()

@@ -25,14 +25,14 @@ func make_field(layers := 1) -> TerrainScatter3D:
 func check_kept(scatter: TerrainScatter3D, before: Dictionary[int, Transform3D], stays: Callable, context: String) -> void:
 	var after := instances(scatter, 0)
 	var wrong := 0
-	var kept := 0
+	var kept_count := 0
 	for id in before:
 		var stands := after.has(id)
-		kept += int(stands)
+		kept_count += int(stands)
 		wrong += int(stands != stays.call(before[id].origin) or (stands and after[id] != before[id]))
 	check_equal(wrong, 0, context + ": wrong instances")
-	check_equal(kept, after.size(), context + ": nothing new")
-	check(kept > 50 and before.size() - kept > 20, "%s: %d of %d remain" % [context, kept, before.size()])
+	check_equal(kept_count, after.size(), context + ": nothing new")
+	check(kept_count > 50 and before.size() - kept_count > 20, "%s: %d of %d remain" % [context, kept_count, before.size()])
 
 
 func distance_to_line(at: Vector2, line: PackedVector2Array) -> float:
@@ -76,12 +76,12 @@ func check_path(scatter: TerrainScatter3D, before: Dictionary[int, Transform3D],
 		var world := path.global_transform * point
 		line.push_back(Vector2(world.x, world.z))
 	var after := instances(scatter, 0)
-	var gone := 0
+	var gone_count := 0
 	var wrong := 0
 	for id in before:
 		var distance := distance_to_line(on_map(before[id]), line)
-		gone += int(not after.has(id))
+		gone_count += int(not after.has(id))
 		# The region's outline may deviate from the curve by 1 cm.
 		wrong += int(not after.has(id) and distance > 2.5 + 0.011) + int(after.has(id) and distance < 2.5 - 0.011)
 	check_equal(wrong, 0, context + ": wrong instances")
-	check(gone > 20, "%s: %d were removed" % [context, gone])
+	check(gone_count > 20, "%s: %d were removed" % [context, gone_count])

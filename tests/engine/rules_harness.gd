@@ -53,12 +53,12 @@ func check_filtered(before: Dictionary, after: Dictionary, density: Callable, co
 	var variance := 0.0
 	var wrong := 0
 	for id: int in before:
-		var place: Transform3D = before[id][0]
-		var share: float = clampf(density.call(place.origin), 0.0, 1.0)
+		var placed: Transform3D = before[id][0]
+		var share: float = clampf(density.call(placed.origin), 0.0, 1.0)
 		expected += share
 		variance += share * (1.0 - share)
 		var stands := after.has(id)
-		if (stands and after[id][0] != place) or (stands and share <= 0.0) or (not stands and share >= 1.0):
+		if (stands and after[id][0] != placed) or (stands and share <= 0.0) or (not stands and share >= 1.0):
 			wrong += 1
 	check_equal(wrong, 0, "%s: moved, or wrongly kept or removed, of %d" % [context, before.size()])
 	check(before.has_all(after.keys()), context + ": nothing new")

@@ -81,10 +81,10 @@ func make_on(node: Node, thread_safe := false, layer := make_layer()) -> Terrain
 ## Runs `edit` and checks that exactly the visible tiles in `under` were regenerated. If `any` is true, at least one tile must have been
 ## regenerated.
 func check_regenerated_under(scatter: TerrainScatter3D, under: Array[Vector2i], any: bool, context: String, edit: Callable) -> void:
-	var made := await regenerated_by(scatter, edit)
-	var shown := scatter.get_shown_tiles(scatter.layers[0])
+	var regenerated_tiles := await regenerated_by(scatter, edit)
+	var visible_tiles := scatter.get_shown_tiles(scatter.layers[0])
 	for tile in under:
-		check(made.has(tile) or not shown.has(tile), "%s: tile %s was regenerated" % [context, tile])
-	for tile in made:
+		check(regenerated_tiles.has(tile) or not visible_tiles.has(tile), "%s: tile %s was regenerated" % [context, tile])
+	for tile in regenerated_tiles:
 		check(under.has(tile), "%s: tile %s was regenerated unnecessarily" % [context, tile])
-	check(not made.is_empty() or not any, "%s: %d tiles were regenerated" % [context, made.size()])
+	check(not regenerated_tiles.is_empty() or not any, "%s: %d tiles were regenerated" % [context, regenerated_tiles.size()])

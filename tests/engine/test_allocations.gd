@@ -160,8 +160,8 @@ func stream(number: int) -> Array:
 	for layer in scatter.layers.size():
 		var tiles := {}
 		for tile in scatter.get_shown_tiles(scatter.layers[layer]):
-			var shown := scatter.get_tile(scatter.layers[layer], tile)
-			tiles[tile] = [ids_of(shown), buffers_of(shown)] if shown.get_mesh_count() > 0 else []
+			var displayed_tile := scatter.get_tile(scatter.layers[layer], tile)
+			tiles[tile] = [ids_of(displayed_tile), buffers_of(displayed_tile)] if displayed_tile.get_mesh_count() > 0 else []
 		result.push_back(tiles)
 	scatter.free()
 	viewer.free()

@@ -51,8 +51,8 @@ func test_assigning_a_biome_replaces_its_layers() -> void:
 	var before := digests_by_name(scatter)
 	var indices := [index_of(scatter, "grass"), index_of(scatter, "reed")]
 	var burnt := make_biome(FOREST, [named("stump", 4.0), named("ash", 2.5), named("nettle", 3.5)])
-	var shown := await shown_by(scatter, func() -> void: scatter.biomes.biomes[1] = burnt)
-	check(not shown.has("grass") and not shown.has("reed"), "tiles of other biomes are not regenerated: %s" % [shown.keys()])
+	var visible_tiles := await shown_by(scatter, func() -> void: scatter.biomes.biomes[1] = burnt)
+	check(not visible_tiles.has("grass") and not visible_tiles.has("reed"), "tiles of other biomes are not regenerated: %s" % [visible_tiles.keys()])
 	var after := digests_by_name(scatter)
 	check_equal([after["grass"], after["reed"]], [before["grass"], before["reed"]], "instances in the other biomes are unchanged")
 	check_equal([index_of(scatter, "grass"), index_of(scatter, "reed")], indices, "indices of the other biomes' layers are unchanged")
@@ -60,9 +60,9 @@ func test_assigning_a_biome_replaces_its_layers() -> void:
 	for layer in ["stump", "ash", "nettle"]:
 		var found := places(scatter, layer)
 		check(found.size() > 50 and all_within(found, func(at: Vector2) -> bool: return at.x >= 0 and at.y < 64), layer)
-	var fresh := make_world(scatter.biomes)
-	await settle(fresh)
-	check_equal(digests_by_name(fresh), after, "a new node with this map generates the same tiles")
+	var new_scatter := make_world(scatter.biomes)
+	await settle(new_scatter)
+	check_equal(digests_by_name(new_scatter), after, "a new node with this map generates the same tiles")
 
 
 func test_a_restored_biome_is_unchanged() -> void:
@@ -92,7 +92,7 @@ func test_a_pixel_changes_only_its_surroundings() -> void:
 	scatter.biomes.border_noise = 3.0
 	await settle(scatter)
 	var before := digests_by_name(scatter)
-	var shown := await shown_by(scatter, func() -> void:
+	var visible_tiles := await shown_by(scatter, func() -> void:
 		scatter.biomes.map_image.fill_rect(Rect2i(40, 40, 2, 2), MEADOW) # Covers 32 to 40 m on both axes.
 		scatter.biomes.map_image.emit_changed())
 	var touched := Rect2(32, 32, 8, 8).grow(5.1)
@@ -101,10 +101,10 @@ func test_a_pixel_changes_only_its_surroundings() -> void:
 		for tile: Vector2i in before[layer]:
 			var rect := Rect2(32.0 * tile, Vector2(32, 32))
 			if not rect.intersects(touched):
-				check(not shown.get(layer, {}).has(tile), "%s %s stays" % [layer, tile])
+				check(not visible_tiles.get(layer, {}).has(tile), "%s %s stays" % [layer, tile])
 				check_equal(after[layer][tile], before[layer][tile], "%s %s is unchanged" % [layer, tile])
-	check(shown["grass"].has(Vector2i(1, 1)), "the tile with the pixel is regenerated")
-	check(not shown.has("reed"), "the swamp is unaffected")
+	check(visible_tiles["grass"].has(Vector2i(1, 1)), "the tile with the pixel is regenerated")
+	check(not visible_tiles.has("reed"), "the swamp is unaffected")
 	check(places(scatter, "grass").values().any(func(at: Vector2) -> bool: return touched.has_point(at)), "grass in the forest")
 
 

@@ -111,11 +111,11 @@ func test_rows() -> void:
 	check(count > 50 and count == found.size(), "%d rows, %d instances" % [count, found.size()])
 	check_equal(rows.decode_u32(4), 0, "floats of color and custom data")
 	check_equal(rows.size(), 16 + count * 66, "bytes")
-	var places: Dictionary[int, int] = {}
+	var indices: Dictionary[int, int] = {}
 	for index in found.size():
-		places[found.get_id(index)] = index
+		indices[found.get_id(index)] = index
 	for row: int in count:
-		var at: int = places[rows.decode_s64(16 + 8 * row)]
+		var at: int = indices[rows.decode_s64(16 + 8 * row)]
 		var stands := found.get_transform(at)
 		var position := Vector3.ZERO
 		var turn := Vector4.ZERO

@@ -25,10 +25,10 @@ func make_wood(two_meshes := false) -> TerrainScatter3D:
 
 
 ## Returns the ID of the visible instance nearest to a position.
-func id_near(standing: Dictionary[int, Transform3D], place: Vector3) -> int:
+func id_near(standing: Dictionary[int, Transform3D], point: Vector3) -> int:
 	var best := 0
 	for id in standing:
-		if best == 0 or standing[id].origin.distance_to(place) < standing[best].origin.distance_to(place):
+		if best == 0 or standing[id].origin.distance_to(point) < standing[best].origin.distance_to(point):
 			best = id
 	return best
 
@@ -131,8 +131,8 @@ func test_hand_placed_instances() -> void:
 
 
 ## Returns the ID of the instance whose body a vertical ray hits above a position, or 0.
-func body_at(scatter: TerrainScatter3D, place: Vector3) -> int:
-	var ray := PhysicsRayQueryParameters3D.create(place + Vector3(0.0, 20.0, 0.0), place)
+func body_at(scatter: TerrainScatter3D, point: Vector3) -> int:
+	var ray := PhysicsRayQueryParameters3D.create(point + Vector3(0.0, 20.0, 0.0), point)
 	var hit := root.world_3d.direct_space_state.intersect_ray(ray)
 	return scatter.get_body_instance(hit.rid) if not hit.is_empty() else 0
 
@@ -144,8 +144,8 @@ func test_a_hand_placed_instance_moves() -> void:
 	var at := Transform3D(Basis(), Vector3(10.25, 1.5, 12.5))
 	# In another tile and tilted, with numbers that floats cannot represent exactly.
 	var to := Transform3D(Basis.from_euler(Vector3(0.3, 1.1, -0.2)).scaled(Vector3(1.1, 1.7, 0.9)), Vector3(-21.7, 0.1, 23.3))
-	for place in [at, to]:
-		scatter.remove_in_sphere(place.origin, 6.0, scatter.layers[0])
+	for target in [at, to]:
+		scatter.remove_in_sphere(target.origin, 6.0, scatter.layers[0])
 	var id := scatter.add_instance(scatter.layers[0], at, 1)
 	scatter.set_instance_data(id, "sown")
 	await settle(scatter)

@@ -147,8 +147,8 @@ func test_bodies_around_an_interaction_group() -> void:
 	var scatter := make_solid([make_solid_layer()])
 	check_equal(scatter.interaction_group, &"scatter_interaction", "group")
 	var walkers: Array[Node3D] = []
-	for place: Vector3 in [Vector3(700, 0, 0), Vector3(-400, 0, 900), Vector3(704, 0, 3)]:
-		var walker := make_viewer(place)
+	for point: Vector3 in [Vector3(700, 0, 0), Vector3(-400, 0, 900), Vector3(704, 0, 3)]:
+		var walker := make_viewer(point)
 		walker.add_to_group("scatter_interaction")
 		walkers.push_back(walker)
 	await settle(scatter)

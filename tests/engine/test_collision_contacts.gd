@@ -136,16 +136,16 @@ func test_bodies_are_reused() -> void:
 	var scatter := make_solid([make_solid_layer()])
 	await settle(scatter)
 	var seen: Dictionary[RID, bool] = {}
-	var shown := 0
+	var shown_count := 0
 	for round in 40:
 		viewer.position.x = 30.0 * (round % 2)
 		await settle(scatter)
 		var now := bodies(scatter, viewer.position)
-		shown += now.size()
+		shown_count += now.size()
 		for rid: RID in now.values():
 			seen[rid] = true
 		await frames(40)
-	check(seen.size() < shown / 4.0, "%d bodies for %d instances" % [seen.size(), shown])
+	check(seen.size() < shown_count / 4.0, "%d bodies for %d instances" % [seen.size(), shown_count])
 	var stats := scatter.get_stats()
 	check(stats["bodies_pooled"] < 600, "%d pooled bodies" % stats["bodies_pooled"])
 

@@ -38,12 +38,12 @@ func test_shapes_are_shared() -> void:
 func test_bodies_are_reused() -> void:
 	var scatter := make_solid([make_solid_layer()])
 	var counts: Array[int] = []
-	for place in 4:
-		viewer.position.x = 300.0 * place
+	for step in 4:
+		viewer.position.x = 300.0 * step
 		await settle(scatter)
 		var stats := scatter.get_stats()
 		counts.push_back(stats["bodies"] + stats["bodies_pooled"])
-		check(stats["bodies"] > 20, "%d bodies at position %d" % [stats["bodies"], place])
+		check(stats["bodies"] > 20, "%d bodies at position %d" % [stats["bodies"], step])
 		await frames(140) # A removed body is not reused for 128 frames, because callers may still look up its instance.
 	check(counts[1] > 1.5 * counts[0], "at the second position, the first bodies are not reused yet: %s" % [counts])
 	check(counts[3] < 1.2 * counts[1], "later they are reused: %s" % [counts])

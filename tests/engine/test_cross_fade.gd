@@ -28,12 +28,12 @@ func material(light: float, fades := true, adds := true) -> ShaderMaterial:
 			ALBEDO = vec3(light);
 		}
 	""" % (", blend_add, depth_draw_never" if adds else "")
-	var made := ShaderMaterial.new()
-	made.shader = shader
-	made.set_shader_parameter(&"light", light)
+	var new_material := ShaderMaterial.new()
+	new_material.shader = shader
+	new_material.set_shader_parameter(&"light", light)
 	if not fades:
-		made.set_shader_parameter(&"scatter_cross_fade", false)
-	return made
+		new_material.set_shader_parameter(&"scatter_cross_fade", false)
+	return new_material
 
 
 func plane(of: Material, size := 3.0) -> PlaneMesh:

@@ -30,9 +30,9 @@ func test_it_shows_figures_after_its_key_is_pressed() -> void:
 	await press(KEY_F3)
 	check(overlay.visible, "visible")
 	var text := "\n".join(overlay.lines)
-	var shown := scatter.get_shown_count(layer)
-	check(shown > 500 and text.contains("Wood: ") and text.contains("0 tiles pending") and text.contains("Larches"), text)
-	check(text.replace(",", "").contains("%d instances in %d tiles" % [shown, scatter.get_stats()["tiles"]]), text)
+	var shown_count := scatter.get_shown_count(layer)
+	check(shown_count > 500 and text.contains("Wood: ") and text.contains("0 tiles pending") and text.contains("Larches"), text)
+	check(text.replace(",", "").contains("%d instances in %d tiles" % [shown_count, scatter.get_stats()["tiles"]]), text)
 	check(text.contains("in view: ") and not text.contains("in view: 0 instances"), text)
 	var why: Array = overlay.get(&"_why").rows
 	check(why.any(func(row: Array) -> bool: return row[1].contains("Larches")), "why: %s" % [why])

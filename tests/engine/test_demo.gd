@@ -64,8 +64,8 @@ func test_forest_along_a_path() -> void:
 		layer.use_colors = false # analysis/tile_digests generates the same tiles without colors.
 	check(scatter.layers.size() >= 4, "layers of the demo")
 	var again := 0
-	for place in PATH:
-		viewer.global_position = Vector3(place.x, 500.0, place.y)
+	for point in PATH:
+		viewer.global_position = Vector3(point.x, 500.0, point.y)
 		await settle(scatter)
 		for layer in scatter.layers.size():
 			for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[layer]):

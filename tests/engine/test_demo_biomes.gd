@@ -20,8 +20,8 @@ func standing(layer: String, rect := AROUND) -> Dictionary:
 	return result
 
 
-func depth_at(place: Vector3) -> float:
-	return scatter.water_level - terrain.get_height(place)
+func depth_at(point: Vector3) -> float:
+	return scatter.water_level - terrain.get_height(point)
 
 
 func test_each_biome_has_its_plants() -> void:
@@ -31,11 +31,11 @@ func test_each_biome_has_its_plants() -> void:
 	for biome in 2:
 		var mixed := 0
 		for layer: String in [MEADOW, WOOD][biome]:
-			var places := standing(layer)
-			check(places.size() > 10, "%d instances of %s" % [places.size(), layer])
-			for place: Vector3 in places.values():
-				var weight: float = scatter.biomes.get_weights_at(Vector2(place.x, place.z))[biome]
-				check(weight > 0.0, "%s at %s, outside its biome" % [layer, place])
+			var points := standing(layer)
+			check(points.size() > 10, "%d instances of %s" % [points.size(), layer])
+			for point: Vector3 in points.values():
+				var weight: float = scatter.biomes.get_weights_at(Vector2(point.x, point.z))[biome]
+				check(weight > 0.0, "%s at %s, outside its biome" % [layer, point])
 				mixed += int(weight < 1.0)
 		check(mixed > 50, "plants of several biomes mix at the border: %d" % mixed)
 	var straight := 0

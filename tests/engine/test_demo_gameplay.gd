@@ -51,8 +51,8 @@ func stand_before(trunk: Vector3) -> void:
 
 
 ## Returns the ID of the instance that a physics ray from the player's eyes to a position hits, or 0.
-func touched(place: Vector3) -> int:
-	var ray := PhysicsRayQueryParameters3D.create(player.eyes.global_position, place, 1)
+func touched(point: Vector3) -> int:
+	var ray := PhysicsRayQueryParameters3D.create(player.eyes.global_position, point, 1)
 	var hit := world.get_world_3d().direct_space_state.intersect_ray(ray)
 	if hit.is_empty():
 		return 0

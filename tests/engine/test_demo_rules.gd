@@ -13,8 +13,8 @@ var standing := {}
 
 
 ## Moves the viewer to a position (world x and z), and adds the instances around it to `standing`.
-func add_instances_around(place: Vector2) -> void:
-	viewer.global_position = Vector3(place.x, 10.0, place.y)
+func add_instances_around(point: Vector2) -> void:
+	viewer.global_position = Vector3(point.x, 10.0, point.y)
 	await settle(scatter)
 	for index in scatter.layers.size():
 		var known: Dictionary = standing.get_or_add(scatter.layers[index].resource_name, {})
@@ -22,23 +22,23 @@ func add_instances_around(place: Vector2) -> void:
 			var ids: Array[int] = []
 			for mesh_ids: PackedInt64Array in tile_ids(scatter, index, tile):
 				ids.append_array(mesh_ids)
-			var places := transforms(scatter, index, tile)
+			var placed := transforms(scatter, index, tile)
 			for i in ids.size():
-				known[ids[i]] = places[i].origin
+				known[ids[i]] = placed[i].origin
 
 
-func flat(place: Vector3) -> Vector2:
-	return Vector2(place.x, place.z)
+func flat(point: Vector3) -> Vector2:
+	return Vector2(point.x, point.z)
 
 
 ## Returns the distance on the map from each instance of layer `of` to the nearest one of layer `to`, or INF if it exceeds `reach`.
 func nearest(of: String, to: String, reach: float) -> PackedFloat64Array:
 	var cells := {}
-	for place: Vector3 in standing[to].values():
-		cells.get_or_add(Vector2i((flat(place) / reach).floor()), PackedVector2Array()).append(flat(place))
+	for point: Vector3 in standing[to].values():
+		cells.get_or_add(Vector2i((flat(point) / reach).floor()), PackedVector2Array()).append(flat(point))
 	var result := PackedFloat64Array()
-	for place: Vector3 in standing[of].values():
-		var at := flat(place)
+	for point: Vector3 in standing[of].values():
+		var at := flat(point)
 		var best := INF
 		var cell := Vector2i((at / reach).floor())
 		for dx in [-1, 0, 1]:
@@ -54,8 +54,8 @@ func test_each_layer_keeps_its_rules() -> void:
 	standing = {}
 	await frames(1) # The plant meshes are built in the first frame.
 	check_equal(scatter.get_problems(), PackedStringArray(), "warnings of the scene")
-	for place in PLACES:
-		await add_instances_around(place)
+	for point in PLACES:
+		await add_instances_around(point)
 	for layer: String in standing:
 		check(standing[layer].size() > 200, "%d instances of %s" % [standing[layer].size(), layer])
 	check_neighbors()
@@ -78,14 +78,14 @@ func check_path() -> void:
 	var on_path := 0
 	var beside := 0
 	for layer: String in standing:
-		for place: Vector3 in standing[layer].values():
+		for point: Vector3 in standing[layer].values():
 			# This position is too far from the path to matter.
-			if place.x < -20.0 or place.x > 115.0:
+			if point.x < -20.0 or point.x > 115.0:
 				continue
-			var closest := path.curve.get_closest_point(path.to_local(Vector3(place.x, 0.0, place.z)))
+			var closest := path.curve.get_closest_point(path.to_local(Vector3(point.x, 0.0, point.z)))
 			# Search again at the curve's height there, because the distance on the map is used, not the distance in space.
-			closest = path.curve.get_closest_point(Vector3(place.x, closest.y, place.z))
-			var away := flat(closest).distance_to(flat(place))
+			closest = path.curve.get_closest_point(Vector3(point.x, closest.y, point.z))
+			var away := flat(closest).distance_to(flat(point))
 			on_path += int(away < 0.9)
 			beside += int(away > 1.7 and away < 4.0)
 	check(polyline.size() > 100, "a long path")
@@ -96,15 +96,15 @@ func check_path() -> void:
 func check_heights_and_slopes() -> void:
 	var deepest := {}
 	for layer: String in standing:
-		for place: Vector3 in standing[layer].values():
-			deepest[layer] = minf(deepest.get(layer, INF), terrain.get_height(place))
+		for point: Vector3 in standing[layer].values():
+			deepest[layer] = minf(deepest.get(layer, INF), terrain.get_height(point))
 	for layer: String in deepest:
 		var limit := -0.4 if layer == "Reeds" else 0.0
 		check(deepest[layer] >= limit - ROUNDING, "%s at %f m in the lake" % [layer, deepest[layer]])
 	check(deepest["Reeds"] < -0.2, "reeds in shallow water")
 	var gentlest := 90.0
-	for place: Vector3 in standing["Scree"].values():
-		gentlest = minf(gentlest, rad_to_deg(acos(terrain.get_normal(place).y)))
+	for point: Vector3 in standing["Scree"].values():
+		gentlest = minf(gentlest, rad_to_deg(acos(terrain.get_normal(point).y)))
 	check(gentlest > 21.9, "scree on ground of %f degrees" % gentlest)
 
 
@@ -112,14 +112,14 @@ func test_a_moving_clearing_has_no_other_effect() -> void:
 	load_scene(SCENE)
 	standing = {}
 	var clearing := scene.get_node("Scatter/Clearing") as Node3D
-	var place := flat(clearing.global_position)
-	await add_instances_around(place + Vector2(0.0, 30.0))
+	var point := flat(clearing.global_position)
+	await add_instances_around(point + Vector2(0.0, 30.0))
 	var before := standing.duplicate()
 	var trees: Array = before["Oak"].values() + before["Spruce"].values()
-	check(not trees.any(func(at: Vector3) -> bool: return flat(at).distance_to(place) < 24.0), "trees in the clearing")
+	check(not trees.any(func(at: Vector3) -> bool: return flat(at).distance_to(point) < 24.0), "trees in the clearing")
 	clearing.global_position += Vector3(40.0, 0.0, 0.0)
 	standing = {}
-	await add_instances_around(place + Vector2(0.0, 30.0))
+	await add_instances_around(point + Vector2(0.0, 30.0))
 	var changed := 0
 	var strays := 0
 	# A fern requires an oak within 9 m. Undergrowth in turn depends on ferns slightly farther away.
@@ -130,13 +130,13 @@ func test_a_moving_clearing_has_no_other_effect() -> void:
 				continue
 			changed += 1
 			var at := flat(before[layer].get(id, standing[layer].get(id)))
-			var near := minf(at.distance_to(place), at.distance_to(place + Vector2(40.0, 0.0)))
+			var near := minf(at.distance_to(point), at.distance_to(point + Vector2(40.0, 0.0)))
 			strays += int(near > reach or (before[layer].has(id) and standing[layer].has(id)))
 	check(changed > 100, "%d instances appeared or disappeared" % changed)
 	check(strays == 0, "%d instances moved, or changed far from the clearing" % strays)
 	clearing.global_position -= Vector3(40.0, 0.0, 0.0)
 	standing = {}
-	await add_instances_around(place + Vector2(0.0, 30.0))
+	await add_instances_around(point + Vector2(0.0, 30.0))
 	check(standing == before, "the same forest when the clearing is back")
 
 

@@ -13,8 +13,8 @@ func test_plants_are_on_the_surface_of_the_formula() -> void:
 	var worst := 0.0
 	var hollow := 0
 	var at_the_edge := 0
-	for place in PLACES:
-		viewer.global_position = Vector3(place.x, 30.0, place.y)
+	for point in PLACES:
+		viewer.global_position = Vector3(point.x, 30.0, point.y)
 		await settle(scatter)
 		for index in scatter.layers.size():
 			var offset: float = scatter.layers[index].height_offset

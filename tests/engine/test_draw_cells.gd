@@ -75,11 +75,11 @@ func test_mesh_and_thinning_depend_on_a_cells_distance() -> void:
 	await settle(scatter)
 	var meshes := {}
 	for tile: Vector2i in tiles_in_cells(scatter):
-		var shown := scatter.get_tile(scatter.layers[0], tile)
+		var displayed_tile := scatter.get_tile(scatter.layers[0], tile)
 		meshes[tile] = {}
-		for multimesh: RID in shown.get_multimeshes(0):
+		for multimesh: RID in displayed_tile.get_multimeshes(0):
 			var buffer := RenderingServer.multimesh_get_buffer(multimesh)
-			var distance := distance_to(box_of(buffer, 16, shown.get_origin()), viewer.global_position)
+			var distance := distance_to(box_of(buffer, 16, displayed_tile.get_origin()), viewer.global_position)
 			var mesh := RenderingServer.multimesh_get_mesh(multimesh)
 			meshes[tile][mesh] = true
 			if absf(distance - 58.5) > 3.0:
@@ -168,14 +168,14 @@ func test_a_change_uploads_only_its_cell() -> void:
 	# A cell loses all of its instances and then gains one.
 	var lone: RID = multimeshes[0][0]
 	var floats := RenderingServer.multimesh_get_buffer(lone)
-	var places := range(0, floats.size(), 12).map(func(at: int) -> Vector3: return Vector3(floats[at + 3], 0.0, floats[at + 11]))
+	var points := range(0, floats.size(), 12).map(func(at: int) -> Vector3: return Vector3(floats[at + 3], 0.0, floats[at + 11]))
 	var origin := scatter.get_tile(scatter.layers[0], Vector2i.ZERO).get_origin()
-	for place: Vector3 in places:
-		for gone in scatter.remove_in_sphere(place + origin, 0.5):
+	for point: Vector3 in points:
+		for gone in scatter.remove_in_sphere(point + origin, 0.5):
 			check(true, "%d is removed" % gone)
 	await frames(2)
 	check_equal(multimeshes_of(scatter, Vector2i.ZERO)[0].size(), multimeshes[0].size() - 1, "an empty cell draws nothing")
-	var added := scatter.add_instance(scatter.layers[0], Transform3D(Basis(), places[0] + origin), 0)
+	var added := scatter.add_instance(scatter.layers[0], Transform3D(Basis(), points[0] + origin), 0)
 	await frames(2)
 	check(added in tile_ids(scatter, 0, Vector2i.ZERO)[0], "a hand-placed instance is drawn")
 	check_equal(multimeshes_of(scatter, Vector2i.ZERO)[0].size(), multimeshes[0].size(), "the cell has a multimesh again")
@@ -225,7 +225,7 @@ func test_settings_of_cells() -> void:
 	var viewer := make_viewer(Vector3(64.0, 2.0, 64.0))
 	var scatter := make_scatter([layer], Island.new(), viewer)
 	await settle(scatter)
-	var made: int = scatter.get_stats()["tiles_made"]
+	var tiles_made: int = scatter.get_stats()["tiles_made"]
 	var exact := island_digests(scatter)
 	for wanted: Array in [[64.0, 4], [128.0, 1], [1000.0, 1], [0.0, 25], [32.0, 16]]: # [draw_cell_size, cells]. 0 means about 24 m here.
 		layer.draw_cell_size = wanted[0]
@@ -233,7 +233,7 @@ func test_settings_of_cells() -> void:
 		var count: int = multimeshes_of(scatter, Vector2i.ZERO)[0].size()
 		check_equal(count, wanted[1], "cells of a mesh for a size of %f" % wanted[0])
 		check_equal(island_digests(scatter), exact, "the renderer's buffers")
-	check_equal(scatter.get_stats()["tiles_made"], made, "tiles generated for new cell sizes")
+	check_equal(scatter.get_stats()["tiles_made"], tiles_made, "tiles generated for new cell sizes")
 	for bad: float in [-1.0, 0.5, INF, NAN, 1e10]:
 		layer.draw_cell_size = bad
 		check_error(["draw_cell_size"], "a size of %f" % bad)

@@ -34,10 +34,10 @@ func make_ruled() -> TerrainScatter3D:
 func random_places(count: int) -> PackedVector3Array:
 	var random := RandomNumberGenerator.new()
 	random.seed = 11
-	var places := PackedVector3Array()
+	var points := PackedVector3Array()
 	for index in count:
-		places.append(Vector3(random.randf_range(-150, 150), random.randf_range(-9, 9), random.randf_range(-150, 150)))
-	return places
+		points.append(Vector3(random.randf_range(-150, 150), random.randf_range(-9, 9), random.randf_range(-150, 150)))
+	return points
 
 
 func product(explanation: ScatterExplanation) -> float:
@@ -53,8 +53,8 @@ func test_explanations_match_the_instances() -> void:
 	var standing := 0
 	var refused := 0
 	var wrong := 0
-	for place in random_places(1500):
-		var both := scatter.explain_position(place)
+	for point in random_places(1500):
+		var both := scatter.explain_position(point)
 		for explanation: ScatterExplanation in both:
 			var layer := explanation.layer
 			var fits := explanation.standing == scatter.has_instance(explanation.id)
@@ -62,7 +62,7 @@ func test_explanations_match_the_instances() -> void:
 			fits = fits and is_equal_approx(product(explanation), explanation.density)
 			fits = fits and explanation.standing == (explanation.rank < explanation.point_density)
 			fits = fits and (explanation.allowed and explanation.shown) == explanation.refused_by.is_empty()
-			fits = fits and is_equal_approx(explanation.position.y, scatter.ground.get_height(place))
+			fits = fits and is_equal_approx(explanation.position.y, scatter.ground.get_height(point))
 			wrong += 0 if fits else 1
 			standing += 1 if explanation.standing else 0
 			refused += 0 if explanation.allowed else 1
@@ -74,16 +74,16 @@ func test_explanations_match_the_instances() -> void:
 func test_explanations_of_points_match_the_instances() -> void:
 	var scatter := make_ruled()
 	await settle(scatter)
-	var shown := 0
-	for place in random_places(400):
-		var id := scatter.explain_position(place, "Ferns")[0].id
-		var at := scatter.explain_position(place, "Ferns")[0].point_position
+	var shown_count := 0
+	for point in random_places(400):
+		var id := scatter.explain_position(point, "Ferns")[0].id
+		var at := scatter.explain_position(point, "Ferns")[0].point_position
 		var explanation := scatter.explain_position(at, "Ferns")[0]
 		if not (check_equal(explanation.id, id, "the point itself") and check(explanation.distance < 1e-3, "the position of the point")):
 			return
 		check_equal(explanation.density > explanation.rank, scatter.has_instance(id), "exists: " + explanation.reason)
-		shown += 1 if explanation.refused_by.is_empty() else 0
-	check(shown > 5, "%d are visible" % shown)
+		shown_count += 1 if explanation.refused_by.is_empty() else 0
+	check(shown_count > 5, "%d are visible" % shown_count)
 
 
 func test_each_rule_can_reject() -> void:
@@ -179,8 +179,8 @@ func test_removals_and_visibility_are_explained() -> void:
 	layer.density = 0.5
 	await settle(scatter)
 	var left_out := 0
-	for place in random_places(60):
-		var explanation := scatter.explain_position(place * 0.2)[0]
+	for point in random_places(60):
+		var explanation := scatter.explain_position(point * 0.2)[0]
 		if explanation.refused_by == &"rank":
 			left_out += 1
 			check(explanation.rank >= 0.5 and not explanation.standing and "rank" in explanation.reason, explanation.reason)

@@ -52,12 +52,12 @@ func test_regions() -> void:
 	for id in filled:
 		is_now += int(on_map(filled[id]).length() < 16.0)
 	check(is_now > 1.4 * was, "%d birches in the clearing, %d before" % [is_now, was])
-	var places := PackedVector2Array()
+	var points := PackedVector2Array()
 	for id in instances(scatter, 0):
-		places.push_back(on_map(oaks[id]))
+		points.push_back(on_map(oaks[id]))
 		check(on_map(oaks[id]).length() >= 20.0 - FLOATS, "oaks are outside of the region")
 	for id in in_square(filled, 60.0):
-		check(nearest(on_map(filled[id]), places) >= APART - FLOATS, "birches keep their distance")
+		check(nearest(on_map(filled[id]), points) >= APART - FLOATS, "birches keep their distance")
 	region.layers = ["birch"]
 	await settle(scatter)
 	var expected := birches.duplicate()

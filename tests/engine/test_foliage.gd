@@ -26,11 +26,11 @@ func set_up_view(size := 4.0) -> void:
 
 
 func material(parameters: Dictionary) -> ShaderMaterial:
-	var made := (load(READY) as ShaderMaterial).duplicate() as ShaderMaterial
-	made.set_shader_parameter(&"wind_strength", 0.0)
+	var new_material := (load(READY) as ShaderMaterial).duplicate() as ShaderMaterial
+	new_material.set_shader_parameter(&"wind_strength", 0.0)
 	for parameter: StringName in parameters:
-		made.set_shader_parameter(parameter, parameters[parameter])
-	return made
+		new_material.set_shader_parameter(parameter, parameters[parameter])
+	return new_material
 
 
 ## Returns a mesh that fades, with the LOD's range in CUSTOM3 of each vertex, as ScatterLayer creates it.
@@ -40,11 +40,11 @@ func faded(plain: Mesh, range_of_lod: Vector4) -> ArrayMesh:
 	for vertex in (arrays[Mesh.ARRAY_VERTEX] as PackedVector3Array).size():
 		stream.append_array([range_of_lod.x, range_of_lod.y, range_of_lod.z, range_of_lod.w])
 	arrays[Mesh.ARRAY_CUSTOM3] = stream
-	var made := ArrayMesh.new()
-	made.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays, [], {},
+	var array_mesh := ArrayMesh.new()
+	array_mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays, [], {},
 			Mesh.ARRAY_CUSTOM_RGBA_FLOAT << Mesh.ARRAY_FORMAT_CUSTOM3_SHIFT)
-	made.surface_set_material(0, plain.surface_get_material(0))
-	return made
+	array_mesh.surface_set_material(0, plain.surface_get_material(0))
+	return array_mesh
 
 
 ## Adds a pane, 1 m wide and 2 m high, at a position.
@@ -53,11 +53,11 @@ func pane(of: ShaderMaterial, at := Vector3.ZERO) -> MeshInstance3D:
 	mesh.size = Vector2(1.0, 2.0)
 	mesh.center_offset = Vector3(0.0, 1.0, 0.0)
 	mesh.material = of
-	var made := MeshInstance3D.new()
-	made.mesh = mesh
-	root.add_child(made)
-	made.position = at
-	return made
+	var mesh_instance := MeshInstance3D.new()
+	mesh_instance.mesh = mesh
+	root.add_child(mesh_instance)
+	mesh_instance.position = at
+	return mesh_instance
 
 
 func picture() -> Image:
@@ -92,10 +92,10 @@ func test_the_tutorials_shader_draws() -> void:
 	var page := FileAccess.get_file_as_string("res://addons/thicket/tutorials/your_own_tree.md")
 	var shader := Shader.new()
 	shader.code = page.get_slice("```glsl\n", 1).get_slice("```", 0)
-	var made := ShaderMaterial.new()
-	made.shader = shader
+	var new_material := ShaderMaterial.new()
+	new_material.shader = shader
 	set_up_view()
-	pane(made)
+	pane(new_material)
 	check_equal(lit(await picture()).size(), 32 * 64, "pixels of the pane")
 
 

@@ -86,8 +86,8 @@ func test_a_heightmap_alone_has_surfaces_too() -> void:
 	var edited := Rect2(5.0 - SIDE / 2.0, 5.0 - SIDE / 2.0, 4.0, 4.0).grow(12.0)
 	var changed := changed_places(before, instances(scatter, 0))
 	check(changed.size() > 10, "an edit moves instances")
-	for place in changed:
-		check(edited.has_point(place), "an edit moves no instance far away: %s" % place)
+	for point in changed:
+		check(edited.has_point(point), "an edit moves no instance far away: %s" % point)
 
 
 func test_a_moved_mesh_changes_only_its_surroundings() -> void:
@@ -104,15 +104,15 @@ func test_a_moved_mesh_changes_only_its_surroundings() -> void:
 	for index in 2:
 		var changed := changed_places(before[index], instances(scatter, index))
 		check(changed.size() > 100, "layer %d changes" % index)
-		for place in changed:
-			check(area.grow(12.0 * index + 1.0).has_point(place), "layer %d changes at %s" % [index, place])
+		for point in changed:
+			check(area.grow(12.0 * index + 1.0).has_point(point), "layer %d changes at %s" % [index, point])
 	var unchanged := 0
 	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
 		unchanged += int(not Rect2(Vector2(tile) * 16.0, Vector2(16.0, 16.0)).intersects(area.grow(2.0)))
-	var shown := await regenerated_by(scatter, func() -> void:
+	var regenerated_tiles := await regenerated_by(scatter, func() -> void:
 		bridge.position = Vector3(0.0, HEIGHT, 0.0)
 		await until(func() -> bool: return not scatter.is_settled(), "the ground is updated"))
-	check(shown.size() <= 2 * scatter.get_shown_tiles(scatter.layers[0]).size() - unchanged, "%d tiles regenerated" % shown.size())
+	check(regenerated_tiles.size() <= 2 * scatter.get_shown_tiles(scatter.layers[0]).size() - unchanged, "%d tiles regenerated" % regenerated_tiles.size())
 
 
 func test_the_order_has_no_effect() -> void:

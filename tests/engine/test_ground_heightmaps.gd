@@ -41,15 +41,15 @@ func check_regenerated(scatter: TerrainScatter3D, region: Rect2i, context: Strin
 
 ## Checks that all plants are at the heights of an image, which a new heightmap reads with samples 1 m apart.
 func check_on(scatter: TerrainScatter3D, image: Image, context: String, scale := 1.0) -> void:
-	var fresh := ScatterGroundHeightmap.new()
-	fresh.heights_in_meters = scatter.ground.heights_in_meters
-	fresh.rect = scatter.ground.rect
-	fresh.max_height = scatter.ground.max_height
-	fresh.image = image
+	var new_ground := ScatterGroundHeightmap.new()
+	new_ground.heights_in_meters = scatter.ground.heights_in_meters
+	new_ground.rect = scatter.ground.rect
+	new_ground.max_height = scatter.ground.max_height
+	new_ground.image = image
 	var wrong := 0
 	var stand := all_transforms(scatter)
 	for one in stand:
-		wrong += int(absf(one.origin.y - fresh.get_height(one.origin)) > 1e-3)
+		wrong += int(absf(one.origin.y - new_ground.get_height(one.origin)) > 1e-3)
 	check(stand.size() > 500 and wrong == 0, "%s: %d of %d plants are off the ground" % [context, wrong, stand.size()])
 
 
@@ -62,8 +62,8 @@ func test_setting_the_same_image_again() -> void:
 				image.fill_rect(region, Color(0.25, 0.25, 0.25))
 				scatter.ground.image = image)
 		check_on(scatter, image, "edited, format %d" % format)
-		var made := await regenerated_by(scatter, func() -> void: scatter.ground.image = image.duplicate())
-		check_equal(made.size(), 0, "the same heights in another image")
+		var regenerated_tiles := await regenerated_by(scatter, func() -> void: scatter.ground.image = image.duplicate())
+		check_equal(regenerated_tiles.size(), 0, "the same heights in another image")
 		scatter.ground.image = image
 		await settle(scatter)
 		await check_regenerated(scatter, Rect2i(130, 128, 2, 3), "refresh_ground, format %d" % format, func() -> void:
@@ -71,9 +71,9 @@ func test_setting_the_same_image_again() -> void:
 				scatter.refresh_ground())
 		image.fill_rect(Rect2i(100, 100, 4, 4), Color(0.5, 0.5, 0.5))
 		image.fill_rect(Rect2i(150, 150, 4, 4), Color(0.5, 0.5, 0.5))
-		made = await regenerated_by(scatter, func() -> void: scatter.ground.image = image)
+		regenerated_tiles = await regenerated_by(scatter, func() -> void: scatter.ground.image = image)
 		var under := tiles_under(Rect2i(100, 100, 4, 4)) + tiles_under(Rect2i(150, 150, 4, 4))
-		check(not made.is_empty() and made.all(func(tile: Vector2i) -> bool: return under.has(tile)), "two regions: %s" % [made])
+		check(not regenerated_tiles.is_empty() and regenerated_tiles.all(func(tile: Vector2i) -> bool: return under.has(tile)), "two regions: %s" % [regenerated_tiles])
 		check_on(scatter, image, "two regions, format %d" % format)
 		scatter.free()
 	check_no_error("images that are set again")
@@ -91,12 +91,12 @@ func test_update_region() -> void:
 		await check_regenerated(scatter, Rect2i(0, 0, 110, 110), "beyond the border", func() -> void:
 				image.fill_rect(Rect2i(0, 0, 110, 110), Color(0.3, 0.3, 0.3, 1.0))
 				scatter.ground.update_region(Rect2i(-40, -1000, 150, 1110)))
-		var made := await regenerated_by(scatter, func() -> void: scatter.ground.update_region(Rect2i(5000, 0, 10, 10)))
-		check_equal(made.size(), 0, "outside")
+		var regenerated_tiles := await regenerated_by(scatter, func() -> void: scatter.ground.update_region(Rect2i(5000, 0, 10, 10)))
+		check_equal(regenerated_tiles.size(), 0, "outside")
 		image.fill_rect(Rect2i(150, 150, 4, 4), Color(0.5, 0.5, 0.5))
 		scatter.ground.update_region(Rect2i(150, 150, 4, 4))
-		var fresh: float = scatter.ground.get_height(Vector3(152.0 - 128.0, 0.0, 152.0 - 128.0))
-		check(absf(fresh - 25.0) < 0.2, "a query does not wait: %f" % fresh)
+		var new_height: float = scatter.ground.get_height(Vector3(152.0 - 128.0, 0.0, 152.0 - 128.0))
+		check(absf(new_height - 25.0) < 0.2, "a query does not wait: %f" % new_height)
 		await settle(scatter)
 		check_on(scatter, image, "format %d, finally" % format)
 		scatter.free()
@@ -148,16 +148,16 @@ func test_a_worker_reads() -> void:
 	var image := make_image(4097)
 	image.fill(Color(7.0, 0.0, 0.0))
 	var scatter := await make_on_map(make_image())
-	var shown := scatter.get_shown_count(scatter.layers[0])
+	var shown_count := scatter.get_shown_count(scatter.layers[0])
 	scatter.ground.image = image
-	var least := shown
+	var least := shown_count
 	var frames_until := 0
 	while not scatter.is_settled():
 		await process_frame
 		least = mini(least, scatter.get_shown_count(scatter.layers[0]))
 		frames_until += 1
 	check(frames_until > 2, "%d frames continued" % frames_until)
-	check(least > shown / 2, "at least %d of %d plants at any time" % [least, shown])
+	check(least > shown_count / 2, "at least %d of %d plants at any time" % [least, shown_count])
 	check(all_transforms(scatter).all(func(one: Transform3D) -> bool: return absf(one.origin.y - 7.0) < 1e-4), "plants are on the new map")
 
 
@@ -194,9 +194,9 @@ func test_weights_that_change() -> void:
 	scatter.layers[0].ground_textures = PackedInt32Array([0])
 	await settle(scatter)
 	weights.fill_rect(Rect2i(34, 33, 3, 2), Color(0.0, 1.0, 0.0, 0.0))
-	var made := await regenerated_by(scatter, func() -> void: scatter.ground.weight_image = weights)
+	var regenerated_tiles := await regenerated_by(scatter, func() -> void: scatter.ground.weight_image = weights)
 	var under := tiles_under(Rect2i(33 * 4, 32 * 4, 4 * 4 + 1, 3 * 4 + 1))
-	check(not made.is_empty() and made.all(func(tile: Vector2i) -> bool: return under.has(tile)), "only tiles under the painted pixels are regenerated: %s" % [made])
+	check(not regenerated_tiles.is_empty() and regenerated_tiles.all(func(tile: Vector2i) -> bool: return under.has(tile)), "only tiles under the painted pixels are regenerated: %s" % [regenerated_tiles])
 	check(not all_transforms(scatter).any(func(one: Transform3D) -> bool: return Rect2(9.0, 5.0, 6.0, 2.0).has_point(Vector2(one.origin.x, one.origin.z))), "nothing grows under the painted pixels")
 
 

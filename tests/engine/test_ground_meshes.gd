@@ -229,10 +229,10 @@ func test_the_old_ground_stays_until_the_new_one_is_built() -> void:
 	var instance := put(plane(0))
 	var scatter := make_on_meshes()
 	await settle(scatter)
-	var shown := scatter.get_shown_count(scatter.layers[0])
-	check(shown > 30, "%d instances" % shown)
+	var shown_count := scatter.get_shown_count(scatter.layers[0])
+	check(shown_count > 30, "%d instances" % shown_count)
 	instance.mesh = mesh_of(Mesh.PRIMITIVE_TRIANGLES, plane(400, 2.0).get_mesh_arrays())
-	var least := shown
+	var least := shown_count
 	var heights := {}
 	await until(func() -> bool:
 			least = mini(least, scatter.get_shown_count(scatter.layers[0]))
@@ -240,7 +240,7 @@ func test_the_old_ground_stays_until_the_new_one_is_built() -> void:
 			return heights.has(2.0), "the new ground is used")
 	check_equal(heights.keys(), [0.0, 2.0], "the old ground, then the new one")
 	await settle(scatter)
-	check(least > shown / 2, "at least %d of %d instances at any time" % [least, shown])
+	check(least > shown_count / 2, "at least %d of %d instances at any time" % [least, shown_count])
 	var heads := all_transforms(scatter)
 	check(heads.all(func(one: Transform3D) -> bool: return absf(one.origin.y - 2.0) < 1e-4), "all instances are on the new ground")
 
@@ -279,7 +279,7 @@ func test_a_transform_that_is_not_finite() -> void:
 	instance.name = "Broken"
 	var scatter := make_on_meshes()
 	await settle(scatter)
-	var shown := scatter.get_shown_count(scatter.layers[0])
+	var shown_count := scatter.get_shown_count(scatter.layers[0])
 	for bad: Transform3D in [Transform3D(Basis(), Vector3(NAN, 0.0, 0.0)), Transform3D(Basis(), Vector3(0.0, INF, 0.0)),
 			Transform3D(Basis.from_scale(Vector3(1.0, NAN, 1.0)), Vector3.ZERO)]:
 		instance.global_transform = bad
@@ -291,7 +291,7 @@ func test_a_transform_that_is_not_finite() -> void:
 		await create_timer(0.6).timeout
 		check_no_error("reported once")
 		check("\"Broken\"" in "\n".join(scatter.get_problems()), "get_problems names the node")
-		check_equal(scatter.get_shown_count(scatter.layers[0]), shown, "the instances do not change")
+		check_equal(scatter.get_shown_count(scatter.layers[0]), shown_count, "the instances do not change")
 		instance.global_transform = Transform3D()
 		await settle(scatter)
 		check_equal(scatter.get_problems().size(), 0, "no problems with a finite transform")

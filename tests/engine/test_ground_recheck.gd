@@ -74,11 +74,11 @@ func check_silent_change(
 	ground.set("part", part)
 	ground.set("height", height)
 	var stay := func(one: Transform3D) -> bool: return not (is_nan(height) and part.has_point(on_map(one)))
-	var made := await regenerated(scatter, ground, all.filter(stay).size(), context)
-	check(made.size() > 0, context + ": regenerated")
-	for tile in made:
+	var regenerated_tiles := await regenerated(scatter, ground, all.filter(stay).size(), context)
+	check(regenerated_tiles.size() > 0, context + ": regenerated")
+	for tile in regenerated_tiles:
 		check(part.intersects(Rect2(tile * 8.0, Vector2(8.0, 8.0))), "%s: tile %s is in the part" % [context, tile])
-		check_equal(made.count(tile), 1, "%s: tile %s once" % [context, tile])
+		check_equal(regenerated_tiles.count(tile), 1, "%s: tile %s once" % [context, tile])
 
 
 func test_a_part_of_the_ground_changes() -> void:
@@ -115,15 +115,15 @@ func test_regions_that_are_loaded_later() -> void:
 	coarse.layer_id = 9
 	var scatter := make_scatter([fine, coarse], ground, make_viewer())
 	await settle(scatter)
-	var shown := scatter.get_shown_tiles(scatter.layers[0]).size() + scatter.get_shown_tiles(scatter.layers[1]).size()
-	var made: int = scatter.get_stats()["tiles_made"]
+	var visible_count := scatter.get_shown_tiles(scatter.layers[0]).size() + scatter.get_shown_tiles(scatter.layers[1]).size()
+	var tiles_made: int = scatter.get_stats()["tiles_made"]
 	ground.height = 0.0
 	await until(func() -> bool:
 			return scatter.is_settled() and all_transforms(scatter, 0).all(is_at_height_0) \
 					and all_transforms(scatter, 1).all(is_at_height_0),
 			"all tiles of both layers are updated")
-	made = scatter.get_stats()["tiles_made"] - made
-	check(made >= shown and made <= 2 * shown, "%d tiles regenerated, %d visible" % [made, shown])
+	tiles_made = scatter.get_stats()["tiles_made"] - tiles_made
+	check(tiles_made >= visible_count and tiles_made <= 2 * visible_count, "%d tiles regenerated, %d visible" % [tiles_made, visible_count])
 
 
 func is_at_height_0(one: Transform3D) -> bool:
@@ -134,7 +134,7 @@ func test_unchanged_ground_costs_few_calls_and_no_tile() -> void:
 	var ground := Silent.new()
 	var scatter := make_scatter([small_tiles()], ground, make_viewer())
 	await settle(scatter)
-	var made: int = scatter.get_stats()["tiles_made"]
+	var tiles_made: int = scatter.get_stats()["tiles_made"]
 	var rechecks: int = scatter.get_stats()["ground_rechecks"]
 	var calls := ground.calls
 	for frame in 120:
@@ -144,7 +144,7 @@ func test_unchanged_ground_costs_few_calls_and_no_tile() -> void:
 		check(ground.positions_queried - queried <= MOST_IN_A_FRAME, "%d positions in one frame" % (ground.positions_queried - queried))
 	check(scatter.get_stats()["ground_rechecks"] > rechecks + 50, "the ground is re-checked")
 	check(ground.calls - calls <= 121, "at most one call per frame")
-	check_equal(scatter.get_stats()["tiles_made"], made, "tiles generated for unchanged ground")
+	check_equal(scatter.get_stats()["tiles_made"], tiles_made, "tiles generated for unchanged ground")
 	ground.recheck_enabled = false
 	await frames(2)
 	calls = ground.calls
@@ -263,7 +263,7 @@ func test_bodies_of_the_physics_server() -> void:
 func test_moving_bodies_have_no_effect() -> void:
 	var ground := serve_slab(Vector3(0.0, -1.0, 0.0), 60.0)
 	var scatter := await make_on_bodies()
-	var made: int = scatter.get_stats()["tiles_made"]
+	var tiles_made: int = scatter.get_stats()["tiles_made"]
 	var rigid := RigidBody3D.new()
 	rigid.freeze = true
 	for body: CollisionObject3D in [CharacterBody3D.new(), rigid, AnimatableBody3D.new()]:
@@ -279,7 +279,7 @@ func test_moving_bodies_have_no_effect() -> void:
 		check(scatter.get_stats()["ground_rechecks"] > rechecks + 30, "re-checked under a %s" % body.get_class())
 		body.free()
 	await settle(scatter)
-	check_equal(scatter.get_stats()["tiles_made"], made, "no tile is generated for moving bodies")
+	check_equal(scatter.get_stats()["tiles_made"], tiles_made, "no tile is generated for moving bodies")
 	scatter.free()
 	for rid: RID in ground:
 		PhysicsServer3D.free_rid(rid)

@@ -67,13 +67,13 @@ func test_an_updated_texture_is_ground() -> void:
 		var region := Rect2i(120, 122, 10, 4)
 		var height := 4.0 if by_region else 3.0
 		image.fill_rect(region, Color(height, 0.0, 0.0))
-		var made := await regenerated_by(scatter, func() -> void:
+		var regenerated_tiles := await regenerated_by(scatter, func() -> void:
 				texture.update(image)
 				if by_region:
 					terrain.update_region(region)
 				else:
 					texture.emit_changed())
-		check(made.size() >= 4 and made.size() <= 9, "by region %s: %d tiles were regenerated" % [by_region, made.size()])
+		check(regenerated_tiles.size() >= 4 and regenerated_tiles.size() <= 9, "by region %s: %d tiles were regenerated" % [by_region, regenerated_tiles.size()])
 		check_equal(terrain.get_height(Vector3(125.0 - 128.0, 0.0, 124.0 - 128.0)), height, "by region %s: height" % by_region)
 		check(all_transforms(scatter).any(func(one: Transform3D) -> bool: return one.origin.y > height - 0.2), "plants are updated")
 	check_no_error("an updated texture")

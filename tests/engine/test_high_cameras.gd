@@ -132,9 +132,9 @@ func test_tiles_surround_the_target_of_an_orthogonal_camera() -> void:
 	scatter.viewers = []
 	await settle(scatter)
 	var middle := Vector2.ZERO
-	var shown := scatter.get_shown_tiles(scatter.layers[0])
-	for tile: Vector2i in shown:
-		middle += (Vector2(tile) + Vector2.ONE * 0.5) * layer.tile_size / shown.size()
+	var visible_tiles := scatter.get_shown_tiles(scatter.layers[0])
+	for tile: Vector2i in visible_tiles:
+		middle += (Vector2(tile) + Vector2.ONE * 0.5) * layer.tile_size / visible_tiles.size()
 	check(middle.distance_to(Vector2(1000.0, -1000.0)) < layer.tile_size, "the tiles must surround the target, their middle is %s" % middle)
 
 

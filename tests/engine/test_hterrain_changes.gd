@@ -18,8 +18,8 @@ func test_sculpting_regenerates_its_tiles() -> void:
 					for row in range(56, 59):
 						data.set_post(column, row, 12.0 + step)
 				data.notify_region_change(Rect2i(56, 56, 3, 3), CHANNEL_HEIGHT)
-			var made := await regenerated_by(scatter, sculpt)
-			check_equal(made, [Vector2i(1, 1)] as Array[Vector2i], "%s, step %d: tiles" % [kind, step])
+			var regenerated_tiles := await regenerated_by(scatter, sculpt)
+			check_equal(regenerated_tiles, [Vector2i(1, 1)] as Array[Vector2i], "%s, step %d: tiles" % [kind, step])
 			check_ground(scatter, node, "%s, step %d" % [kind, step])
 		var nothing := await regenerated_by(scatter, func() -> void: data.notify_region_change(Rect2i(0, 0, 65, 65), CHANNEL_HEIGHT))
 		check_equal(nothing.size(), 0, "%s: tiles regenerated without a change" % kind)
@@ -88,8 +88,8 @@ func test_replaced_data() -> void:
 	await frames(2)
 	await settle(scatter)
 	check_ground(scatter, node, "new data")
-	var made := await regenerated_by(scatter, func() -> void: old.notify_region_change(Rect2i(0, 0, 65, 65), CHANNEL_HEIGHT))
-	check_equal(made.size(), 0, "changes to the old data are ignored")
+	var regenerated_tiles := await regenerated_by(scatter, func() -> void: old.notify_region_change(Rect2i(0, 0, 65, 65), CHANNEL_HEIGHT))
+	check_equal(regenerated_tiles.size(), 0, "changes to the old data are ignored")
 	other.resolution = 129
 	other.maps[CHANNEL_HEIGHT] = [Image.create_empty(129, 129, false, Image.FORMAT_RF)]
 	other.fill()
@@ -182,11 +182,11 @@ func test_a_recenter_with_the_node_regenerates_nothing() -> void:
 	await settle(scatter)
 	var before := digests(scatter, 0)
 	var shift := Vector3(256.0, 16.0, -512.0)
-	var made := await regenerated_by(scatter, func() -> void:
+	var regenerated_tiles := await regenerated_by(scatter, func() -> void:
 		viewer.global_position -= shift
 		node.global_position -= shift
 		scatter.world_offset = shift)
-	check_equal(made.size(), 0, "regenerated tiles")
+	check_equal(regenerated_tiles.size(), 0, "regenerated tiles")
 	check_equal(digests(scatter, 0), before, "digests of the instances")
 	check_ground(scatter, node, "recentered")
 	scatter.world_offset = Vector3.ZERO # This time, the node stays in place when the world offset changes.

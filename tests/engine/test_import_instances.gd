@@ -175,9 +175,9 @@ func test_proton_scatter() -> void:
 	for at in copies:
 		var body := StaticBody3D.new()
 		body.transform = at
-		var shown := MeshInstance3D.new()
-		shown.mesh = rock
-		body.add_child(shown)
+		var mesh_instance := MeshInstance3D.new()
+		mesh_instance.mesh = rock
+		body.add_child(mesh_instance)
 		rocks.add_child(body)
 	var scene := PackedScene.new()
 	var hut := Node3D.new()
@@ -191,8 +191,8 @@ func test_proton_scatter() -> void:
 	ResourceSaver.save(scene, "user://thicket_hut.tscn")
 	var huts := Node3D.new()
 	huts.name = "Huts"
-	var places := some_transforms(3)
-	for at in places:
+	var points := some_transforms(3)
+	for at in points:
 		var copy: Node3D = (load("user://thicket_hut.tscn") as PackedScene).instantiate()
 		copy.transform = at
 		huts.add_child(copy)
@@ -204,7 +204,7 @@ func test_proton_scatter() -> void:
 	var move := func(at: Transform3D) -> Transform3D: return proton.global_transform * at
 	check_placed(scatter, 0, Array(all.map(move), TYPE_TRANSFORM3D, "", null), "chunks")
 	check_placed(scatter, 1, Array(copies.map(move), TYPE_TRANSFORM3D, "", null), "copies of nodes")
-	check_placed(scatter, 2, Array(places.map(move), TYPE_TRANSFORM3D, "", null), "copies of scenes")
+	check_placed(scatter, 2, Array(points.map(move), TYPE_TRANSFORM3D, "", null), "copies of scenes")
 	check((scatter.layers[2].meshes[0] as PackedScene).resource_path == "user://thicket_hut.tscn", "the layer contains the scene")
 	var particles := Node3D.new()
 	particles.name = "Sparks"

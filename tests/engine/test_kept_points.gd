@@ -49,10 +49,10 @@ func test_queries_reuse_points() -> void:
 func test_rectangles_reuse_points() -> void:
 	var scatter := make_small_tiles()
 	var found: Array[int] = []
-	for place in 3: # All rectangles are in one block.
+	for rectangle in 3: # All rectangles are in one block.
 		var build := func() -> void:
-			found.push_back(scatter.build_rect(scatter.layers[0], Rect2(500 + 8 * place, 500, 8, 8)).get_ids(0).size())
+			found.push_back(scatter.build_rect(scatter.layers[0], Rect2(500 + 8 * rectangle, 500, 8, 8)).get_ids(0).size())
 		var points := await points_computed_by(scatter, build)
-		check(points == 0 if place == 2 else points > found[place], "%d points are computed for rectangle %d" % [points, place])
-		check(found[place] > 30, "%d instances" % found[place])
+		check(points == 0 if rectangle == 2 else points > found[rectangle], "%d points are computed for rectangle %d" % [points, rectangle])
+		check(found[rectangle] > 30, "%d instances" % found[rectangle])
 	scatter.free()

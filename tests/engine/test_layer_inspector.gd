@@ -91,7 +91,7 @@ func test_groups_and_units() -> void:
 	var group := ""
 	var subgroup := ""
 	var start := ""
-	var places := {}
+	var groups := {}
 	for property: Dictionary in ClassDB.class_get_property_list("ScatterLayer", true):
 		var name: String = property["name"]
 		if property["usage"] & PROPERTY_USAGE_GROUP:
@@ -103,7 +103,7 @@ func test_groups_and_units() -> void:
 		elif property["usage"] & PROPERTY_USAGE_EDITOR:
 			if not name.begins_with(start) and not start.begins_with(name): # The inspector uses the same rule to end a subgroup.
 				subgroup = ""
-			places[name] = group + "/" + subgroup
+			groups[name] = group + "/" + subgroup
 			var hint: String = property["hint_string"]
 			if name.ends_with("_degrees") or name == "slope_falloff_degrees":
 				check("degrees" in hint, "%s has a unit: %s" % [name, hint])
@@ -123,4 +123,4 @@ func test_groups_and_units() -> void:
 			["view_distance", "Distance/"], ["lod_fade", "Distance/LOD"], ["thin_end", "Distance/Thinning"],
 			["render_layers", "Drawing/"], ["layer_id", "Advanced/"],
 			["tile_size", "Advanced/"], ["progressive_levels", "Advanced/"]]:
-		check_equal(places[expected[0]], expected[1], "group of %s" % expected[0])
+		check_equal(groups[expected[0]], expected[1], "group of %s" % expected[0])

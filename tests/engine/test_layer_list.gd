@@ -50,19 +50,19 @@ func test_deleting_a_layer_moves_no_other_instances() -> void:
 		scatter.layers.remove_at(names(scatter).find(deleted))
 		var after := everything(scatter)
 		check_equal(after.size(), 7, "layers without " + deleted)
-		var kept := 0
+		var kept_count := 0
 		var all := 0
 		var moved := 0
 		for layer_name in after:
 			all += before[layer_name].size()
 			for id: int in before[layer_name]:
 				var stays := after[layer_name].has(id)
-				kept += int(stays)
+				kept_count += int(stays)
 				moved += int(stays and after[layer_name][id] != before[layer_name][id])
 		check(all > 10_000, "%d instances before" % all)
 		check_equal(moved, 0, "instances that moved without " + deleted)
 		# Only grass keeps a distance from stones. Without spruces, there are more birches and bushes, from which other layers keep a distance.
-		check(kept > (0.99 if deleted == "Stone" else 0.9) * all, "%d of %d stay without %s" % [kept, all, deleted])
+		check(kept_count > (0.99 if deleted == "Stone" else 0.9) * all, "%d of %d stay without %s" % [kept_count, all, deleted])
 		scatter.free()
 
 
@@ -179,7 +179,7 @@ func test_references_to_a_renamed_layer_are_updated() -> void:
 	moss.spacing = {"fern": 0.5}
 	var scatter := make_scatter([oak, fern, moss], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
-	var shown := digests(scatter, 1)
+	var shown_digests := digests(scatter, 1)
 	var shown_count: Array[int] = [0]
 	scatter.tile_shown.connect(func(_layer: ScatterLayer, _tile: Vector2i) -> void: shown_count[0] += 1)
 	oak.resource_name = "elm"
@@ -188,7 +188,7 @@ func test_references_to_a_renamed_layer_are_updated() -> void:
 	check_equal(fern.proximity_layer, "elm", "proximity is updated")
 	check_equal(scatter.get_problems(), PackedStringArray(), "no problems")
 	await settle(scatter)
-	check(shown_count[0] == 0 and digests(scatter, 1) == shown, "no tile is regenerated")
+	check(shown_count[0] == 0 and digests(scatter, 1) == shown_digests, "no tile is regenerated")
 	oak.resource_name = "oak"
 	check_equal(fern.spacing.keys(), ["oak", "moss"], "references are updated when the name changes back, as undo does")
 	for typed: String in ["oa", "o", "", "f", "fe", "fer", "fern", "fern ", "fern t", "fern tree"]:

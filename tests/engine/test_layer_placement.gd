@@ -77,9 +77,9 @@ func test_offset_along_normal() -> void:
 	check(before.size() == after.size() and before.has_all(after.keys()), "the same instances")
 	var wrong := 0
 	for id: int in before:
-		var place: Transform3D = before[id][0]
-		var expected := place.origin - 0.5 * scatter.ground.get_normal(place.origin)
-		wrong += int(expected.distance_to(after[id][0].origin) > 1e-3 or after[id][0].basis != place.basis)
+		var placed: Transform3D = before[id][0]
+		var expected := placed.origin - 0.5 * scatter.ground.get_normal(placed.origin)
+		wrong += int(expected.distance_to(after[id][0].origin) > 1e-3 or after[id][0].basis != placed.basis)
 	check_equal(wrong, 0, "instances at a wrong position")
 
 

@@ -57,19 +57,19 @@ func check_on(stones: Array, moss: Dictionary[int, Transform3D], context: String
 			return
 
 
-func nearest_to(standing: Dictionary[int, Transform3D], place: Vector3) -> int:
+func nearest_to(standing: Dictionary[int, Transform3D], point: Vector3) -> int:
 	var best := 0
 	for id in standing:
-		if best == 0 or standing[id].origin.distance_to(place) < standing[best].origin.distance_to(place):
+		if best == 0 or standing[id].origin.distance_to(point) < standing[best].origin.distance_to(point):
 			best = id
 	return best
 
 
 ## Returns the IDs of `standing` within a distance of a position.
-func near(standing: Dictionary[int, Transform3D], place: Vector3, distance: float) -> Array[int]:
+func near(standing: Dictionary[int, Transform3D], point: Vector3, distance: float) -> Array[int]:
 	var result: Array[int] = []
 	for id in standing:
-		if standing[id].origin.distance_to(place) < distance:
+		if standing[id].origin.distance_to(point) < distance:
 			result.push_back(id)
 	return result
 
@@ -106,22 +106,22 @@ func test_felled_boulders_take_their_moss_along() -> void:
 	var stones := instances(scatter, STONES)
 	var before := instances(scatter, MOSS)
 	var felled := nearest_to(stones, Vector3.ZERO)
-	var place := stones[felled].origin
-	var single := nearest_to(before, place + Vector3(0.0, RADIUS, 0.0))
+	var point := stones[felled].origin
+	var single := nearest_to(before, point + Vector3(0.0, RADIUS, 0.0))
 	check(scatter.remove_instance(single), "a single moss is removed")
 	await settle(scatter)
 	check_equal(instances(scatter, MOSS).size(), before.size() - 1, "one less")
-	var made: int = scatter.get_stats()["tiles_made"]
+	var tiles_made: int = scatter.get_stats()["tiles_made"]
 	check(scatter.remove_instance(felled), "a boulder is removed")
-	check_equal(scatter.query_sphere(place, RADIUS + 0.01, "Moss").ids.size(), 0, "moss that a query finds immediately after the removal")
+	check_equal(scatter.query_sphere(point, RADIUS + 0.01, "Moss").ids.size(), 0, "moss that a query finds immediately after the removal")
 	var start := Time.get_ticks_msec()
-	await until(func() -> bool: return near(instances(scatter, MOSS), place, RADIUS + 0.01).is_empty(), "the moss disappears")
+	await until(func() -> bool: return near(instances(scatter, MOSS), point, RADIUS + 0.01).is_empty(), "the moss disappears")
 	check(Time.get_ticks_msec() - start < 1000, "the moss disappears within a second: %d ms" % (Time.get_ticks_msec() - start))
 	await settle(scatter)
-	check(scatter.get_stats()["tiles_made"] - made <= 9, "only tiles near the boulder are regenerated: %d" % (scatter.get_stats()["tiles_made"] - made))
+	check(scatter.get_stats()["tiles_made"] - tiles_made <= 9, "only tiles near the boulder are regenerated: %d" % (scatter.get_stats()["tiles_made"] - tiles_made))
 	var after := instances(scatter, MOSS)
 	for id in before:
-		if before[id].origin.distance_to(place) > RADIUS + 13.0 * 0.25 and not check(after.has(id), "moss on other boulders stays"):
+		if before[id].origin.distance_to(point) > RADIUS + 13.0 * 0.25 and not check(after.has(id), "moss on other boulders stays"):
 			break
 	var saved := scatter.state.to_bytes()
 	check(scatter.restore_instance(felled), "the boulder is restored")
@@ -134,19 +134,19 @@ func test_felled_boulders_take_their_moss_along() -> void:
 	check(instances(scatter, MOSS).has(single), "a new state restores the single instance")
 	check_equal(scatter.state.from_bytes(saved), OK, "loaded")
 	await settle(scatter)
-	check(near(instances(scatter, MOSS), place, RADIUS + 0.01).is_empty(), "with the saved state, no moss grows at the removed boulder")
+	check(near(instances(scatter, MOSS), point, RADIUS + 0.01).is_empty(), "with the saved state, no moss grows at the removed boulder")
 
 
 func test_the_first_change_regenerates_only_near_tiles() -> void:
 	var scatter := make_mossy()
 	scatter.state = null
 	await settle(scatter)
-	var made: int = scatter.get_stats()["tiles_made"]
+	var tiles_made: int = scatter.get_stats()["tiles_made"]
 	check(scatter.remove_instance(nearest_to(instances(scatter, STONES), Vector3.ZERO)), "removed")
 	check(scatter.state != null, "the first change creates a state")
 	await settle(scatter)
-	made = scatter.get_stats()["tiles_made"] - made
-	check(made > 0 and made <= 9, "%d tiles are regenerated" % made)
+	tiles_made = scatter.get_stats()["tiles_made"] - tiles_made
+	check(tiles_made > 0 and tiles_made <= 9, "%d tiles are regenerated" % tiles_made)
 
 
 func test_boulders_that_a_game_places_and_moves() -> void:

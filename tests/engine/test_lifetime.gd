@@ -134,9 +134,9 @@ func test_changed_in_mid_generation() -> void:
 	scatter.layers = [layer]
 	await settle(scatter)
 	await frames(30)
-	var fresh := make_scatter([make_layer(1.0)], ScatterGroundFlat.new(), make_viewer())
-	await settle(fresh)
-	check_equal(digests(scatter, 0), digests(fresh, 0), "after 150 changes")
+	var new_scatter := make_scatter([make_layer(1.0)], ScatterGroundFlat.new(), make_viewer())
+	await settle(new_scatter)
+	check_equal(digests(scatter, 0), digests(new_scatter, 0), "after 150 changes")
 
 
 func test_the_main_thread_does_not_wait_for_a_huge_tile() -> void:

@@ -60,7 +60,7 @@ func check_same(before: Dictionary[int, Transform3D], after: Dictionary[int, Tra
 	check(worst < 2e-3, "%s: instances keep their positions on the deck, to within %s m" % [context, worst])
 
 
-func places() -> Array[Transform3D]:
+func poses() -> Array[Transform3D]:
 	return [Transform3D(Basis(), Vector3(120.0, 3.0, -40.0)), Transform3D(Basis(Vector3.UP, 1.1), Vector3(-30.0, 0.0, 500.0)),
 			Transform3D(Basis.from_euler(Vector3(0.3, 2.0, -0.4)), Vector3(7.0, 80.0, 9.0))]
 
@@ -71,11 +71,11 @@ func test_instances_move_and_turn_with_the_node() -> void:
 	var before := on_deck(scatter)
 	check(before.size() > 300, "the deck has more than 300 instances: %d" % before.size())
 	var made: int = scatter.get_stats().tiles_made
-	for place in places():
-		ship.global_transform = place
-		check_same(before, on_deck(scatter), "immediately after a move to %s" % place.origin)
+	for pose in poses():
+		ship.global_transform = pose
+		check_same(before, on_deck(scatter), "immediately after a move to %s" % pose.origin)
 		await settle(scatter)
-		check_same(before, on_deck(scatter), "later at %s" % place.origin)
+		check_same(before, on_deck(scatter), "later at %s" % pose.origin)
 	await create_timer(0.6).timeout
 	await settle(scatter)
 	check_equal(scatter.get_stats().tiles_made, made, "tiles made while the ship moved")
@@ -85,20 +85,20 @@ func test_instances_move_and_turn_with_the_node() -> void:
 func test_tiles_are_drawn_at_the_position_of_the_node() -> void:
 	var scatter := make_ship()
 	await settle(scatter)
-	for place in places():
-		ship.global_transform = place
+	for pose in poses():
+		ship.global_transform = pose
 		await settle(scatter)
 		var known := on_deck(scatter)
 		var drawn := 0
 		for tile in scatter.get_shown_tiles(scatter.layers[0]):
-			var shown := scatter.get_tile(scatter.layers[0], tile)
-			for mesh in shown.get_mesh_count():
-				var ids := shown.get_ids(mesh)
-				var buffer := shown.get_buffer(mesh)
+			var displayed_tile := scatter.get_tile(scatter.layers[0], tile)
+			for mesh in displayed_tile.get_mesh_count():
+				var ids := displayed_tile.get_ids(mesh)
+				var buffer := displayed_tile.get_buffer(mesh)
 				for index in ids.size():
 					var at := Vector3(buffer[12 * index + 3], buffer[12 * index + 7], buffer[12 * index + 11])
 					var expected := known[ids[index]].origin
-					var got := ship.global_transform.affine_inverse() * (shown.get_origin() + ship.global_basis * at)
+					var got := ship.global_transform.affine_inverse() * (displayed_tile.get_origin() + ship.global_basis * at)
 					drawn += 1 if got.distance_to(expected) < 2e-3 else 0
 		check_equal(drawn, known.size(), "instances drawn at their positions")
 
@@ -107,13 +107,13 @@ func test_queries_take_engine_positions() -> void:
 	var scatter := make_ship()
 	await settle(scatter)
 	var before := on_deck(scatter)
-	for place in places():
-		ship.global_transform = place
+	for pose in poses():
+		ship.global_transform = pose
 		var id: int = before.keys()[17]
-		var at := place * before[id].origin
+		var at := pose * before[id].origin
 		check_equal(scatter.query_nearest(at, 5.0).id, id, "the instance nearest to the position")
-		var above := place * (before[id].origin + Vector3(0.0, 5.0, 0.0))
-		var below := place * (before[id].origin - Vector3(0.0, 5.0, 0.0))
+		var above := pose * (before[id].origin + Vector3(0.0, 5.0, 0.0))
+		var below := pose * (before[id].origin - Vector3(0.0, 5.0, 0.0))
 		check_equal(scatter.query_ray(above, below).id, id, "the first instance that a ray down the mast hits")
 		var near := scatter.query_sphere(at, 3.0)
 		for index in near.size():
@@ -127,11 +127,11 @@ func test_felled_and_placed_instances_stay_with_the_node() -> void:
 	scatter.state = ScatterState.new()
 	await settle(scatter)
 	var before := on_deck(scatter)
-	ship.global_transform = places()[2]
+	ship.global_transform = poses()[2]
 	var felled: int = before.keys()[3]
 	scatter.remove_instance(felled)
 	var added := scatter.add_instance(scatter.layers[0], ship.global_transform * Transform3D(Basis(), Vector3(1.0, 0.0, 2.0)))
-	ship.global_transform = places()[1]
+	ship.global_transform = poses()[1]
 	var after := on_deck(scatter)
 	check(not after.has(felled), "the felled instance is gone")
 	check(after.has(added) and after[added].origin.distance_to(Vector3(1.0, 0.0, 2.0)) < 2e-3,
@@ -148,8 +148,8 @@ func test_regions_below_the_node_keep_their_position_on_it() -> void:
 	var before := on_deck(scatter)
 	check(before.values().all(func(at: Transform3D) -> bool: return absf(at.origin.x) > 4.9 or absf(at.origin.z) > 4.9), "no instances are in the region")
 	var made: int = scatter.get_stats().tiles_made
-	for place in places():
-		ship.global_transform = place
+	for pose in poses():
+		ship.global_transform = pose
 		await settle(scatter)
 		check_same(before, on_deck(scatter), "after the ship moved with a region")
 	check_equal(scatter.get_stats().tiles_made, made, "tiles made while the region moved with the ship")
@@ -169,16 +169,16 @@ func test_bodies_move_with_the_node() -> void:
 	await settle(scatter)
 	var before := on_deck(scatter)
 	var id: int = before.keys()[5]
-	for place in places():
-		ship.global_transform = place
+	for pose in poses():
+		ship.global_transform = pose
 		await frames(3)
 		await settle(scatter)
 		await physics_frame
 		await physics_frame
 		var middle := before[id].origin + Vector3.UP
-		var query := PhysicsRayQueryParameters3D.create(place * (middle + Vector3.UP * 4.0), place * middle)
+		var query := PhysicsRayQueryParameters3D.create(pose * (middle + Vector3.UP * 4.0), pose * middle)
 		var hit := root.world_3d.direct_space_state.intersect_ray(query)
-		check(not hit.is_empty() and hit.collider == scatter, "a ray meets the body at %s: %s" % [place.origin, hit])
+		check(not hit.is_empty() and hit.collider == scatter, "a ray meets the body at %s: %s" % [pose.origin, hit])
 
 
 ## The node moves in every frame. Bodies that do not fit into the budget of a frame must be moved in later frames, including the farthest ones.

@@ -41,8 +41,8 @@ func box_of(scatter: TerrainScatter3D, tile: Vector2i, buffers: Array, stride: i
 	var empty := true
 	for buffer: PackedFloat32Array in buffers:
 		for at in range(0, buffer.size(), stride):
-			var place := Vector3(buffer[at + 3], buffer[at + 7], buffer[at + 11])
-			box = AABB(place, Vector3.ZERO) if empty else box.expand(place)
+			var point := Vector3(buffer[at + 3], buffer[at + 7], buffer[at + 11])
+			box = AABB(point, Vector3.ZERO) if empty else box.expand(point)
 			empty = false
 	box.position += scatter.get_tile(scatter.layers[0], tile).get_origin()
 	return box.grow(reach)
@@ -142,7 +142,7 @@ func test_quality_equals_a_lower_density() -> void:
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	var uploads: int = scatter.get_stats()["uploads"]
-	var made: int = scatter.get_stats()["tiles_made"]
+	var tiles_made: int = scatter.get_stats()["tiles_made"]
 	for quality: float in [0.5, 0.0, 0.25, 1.0]:
 		var thinner := layer.duplicate() as ScatterLayer
 		thinner.density = layer.density * quality
@@ -164,7 +164,7 @@ func test_quality_equals_a_lower_density() -> void:
 		model.queue_free()
 	check_equal(scatter.get_stats()["drawn"], scatter.get_stats()["instances"], "drawn at full quality")
 	check_equal(scatter.get_stats()["uploads"], uploads, "uploads for a new quality")
-	check_equal(scatter.get_stats()["tiles_made"], made, "tiles generated for a new quality")
+	check_equal(scatter.get_stats()["tiles_made"], tiles_made, "tiles generated for a new quality")
 
 
 func test_new_tiles_have_the_current_quality() -> void:

@@ -153,9 +153,9 @@ func test_lods_of_models_and_of_meshes_together() -> void:
 	await settle(scatter)
 	var seen := {}
 	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
-		var shown := scatter.get_tile(scatter.layers[0], tile)
+		var displayed_tile := scatter.get_tile(scatter.layers[0], tile)
 		for entry in 2:
-			var multimesh := shown.get_multimesh(entry)
+			var multimesh := displayed_tile.get_multimesh(entry)
 			if multimesh.is_valid():
 				seen[[entry, RenderingServer.multimesh_get_mesh(multimesh)]] = true
 	if DisplayServer.get_name() != "headless": # The headless renderer does not store multimeshes.

@@ -218,9 +218,9 @@ func test_filled_species_are_explained() -> void:
 	var standing := 0
 	var kept_away := 0
 	for index in 400:
-		var place := Vector3(random.randf_range(-40, 40), 0.0, random.randf_range(-40, 40))
-		var birch: ScatterExplanation = scatter.explain_position(place, [scatter.layers[1]])[0]
-		check_equal(birch.standing, scatter.has_instance(birch.id), "the explanation matches the instance at %s" % place)
+		var point := Vector3(random.randf_range(-40, 40), 0.0, random.randf_range(-40, 40))
+		var birch: ScatterExplanation = scatter.explain_position(point, [scatter.layers[1]])[0]
+		check_equal(birch.standing, scatter.has_instance(birch.id), "the explanation matches the instance at %s" % point)
 		standing += int(birch.standing)
 		kept_away += int(birch.refused_by == "spacing")
 		check(birch.allowed == (birch.refused_by != "spacing"), "only spacing excludes a position: %s" % birch.reason)

@@ -39,13 +39,13 @@ func make_tinted_view() -> TerrainScatter3D:
 	var material := ShaderMaterial.new()
 	material.shader = Shader.new()
 	material.shader.code = "shader_type spatial;\nrender_mode unshaded;\ninstance uniform vec4 tint : source_color = vec4(1.0, 0.0, 0.0, 1.0);\nvoid fragment() { ALBEDO = tint.rgb; }"
-	var shown := MeshInstance3D.new()
-	shown.name = "Shown"
-	shown.mesh = BoxMesh.new()
-	shown.mesh.material = material
+	var mesh_instance := MeshInstance3D.new()
+	mesh_instance.name = "Shown"
+	mesh_instance.mesh = BoxMesh.new()
+	mesh_instance.mesh.material = material
 	var root_node := Node3D.new()
-	root_node.add_child(shown)
-	shown.owner = root_node
+	root_node.add_child(mesh_instance)
+	mesh_instance.owner = root_node
 	var packed := PackedScene.new()
 	packed.pack(root_node)
 	root_node.free()

@@ -151,12 +151,12 @@ func test_hidden_regions() -> void:
 		node.show()
 		await settle(scatter)
 		check(digests(scatter, 0) == with_region, "a region that is shown again has its effect")
-	var made: int = scatter.get_stats()["tiles_made"]
+	var tiles_made: int = scatter.get_stats()["tiles_made"]
 	scatter.hide()
 	await settle(scatter)
 	scatter.show()
 	await settle(scatter)
-	check_equal(scatter.get_stats()["tiles_made"], made, "a hidden scatter regenerates nothing")
+	check_equal(scatter.get_stats()["tiles_made"], tiles_made, "a hidden scatter regenerates nothing")
 
 
 func test_adding_and_removing_regions() -> void:

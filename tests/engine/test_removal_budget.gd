@@ -35,10 +35,10 @@ func make_dense(layers: Array[ScatterLayer]) -> TerrainScatter3D:
 ## If `wanted` new bodies replace them, the order is not checked, because the new bodies have the same IDs.
 func check_removal(scatter: TerrainScatter3D, context: String, change: Callable, wanted := 0) -> void:
 	var standing := bodies(scatter)
-	var places: Dictionary[int, float] = {}
+	var distances: Dictionary[int, float] = {}
 	for id in standing:
 		var at: Transform3D = PhysicsServer3D.body_get_state(standing[id], PhysicsServer3D.BODY_STATE_TRANSFORM)
-		places[id] = at.origin.distance_to(viewer.global_position)
+		distances[id] = at.origin.distance_to(viewer.global_position)
 	await process_frame
 	change.call()
 	check_equal(bodies(scatter).size(), standing.size(), context + ": the call itself removes no body")
@@ -52,11 +52,11 @@ func check_removal(scatter: TerrainScatter3D, context: String, change: Callable,
 		if wanted == 0 and standing.size() - previous < 100:
 			var nearest_left := INF
 			var farthest_gone := 0.0
-			for id in places:
+			for id in distances:
 				if left.get(id, RID()) == standing[id]:
-					nearest_left = minf(nearest_left, places[id])
+					nearest_left = minf(nearest_left, distances[id])
 				else:
-					farthest_gone = maxf(farthest_gone, places[id])
+					farthest_gone = maxf(farthest_gone, distances[id])
 			# Frames check cells by their distance from the viewer. Within a cell, the order is exact.
 			check(farthest_gone < nearest_left + 12.0, "%s: a body %.1f m away is removed, one at %.1f m is not" % [context, farthest_gone, nearest_left])
 	check(most > 0 and most <= MOST_IN_A_STEP, "%s: %d bodies in one frame" % [context, most])

@@ -51,17 +51,17 @@ func test_tiles_are_updated_while_a_slider_is_dragged_without_a_queue() -> void:
 			least = mini(least, seen.get(tile, 0))
 	check(least >= 3, "every near tile was regenerated during the drag: one only %d times" % least)
 	# After the drag, only the pending tiles are generated, and then each tile once.
-	var made: int = scatter.get_stats()["tiles_made"]
+	var tiles_made: int = scatter.get_stats()["tiles_made"]
 	await settle(scatter)
 	Engine.max_fps = 0
-	var late: int = scatter.get_stats()["tiles_made"] - made
+	var late: int = scatter.get_stats()["tiles_made"] - tiles_made
 	check(late <= tiles + limit(), "tiles generated after the drag: %d of %d" % [late, tiles])
 	check_equal(scatter.get_stats()["tiles"], tiles, "visible tiles")
 
 	var fresh_layer := layer.duplicate() as ScatterLayer
-	var fresh := make_scatter([fresh_layer], ScatterGroundFlat.new(), make_viewer())
-	await settle(fresh)
-	check_equal(digests(scatter, 0), digests(fresh, 0), "the last value wins")
+	var new_scatter := make_scatter([fresh_layer], ScatterGroundFlat.new(), make_viewer())
+	await settle(new_scatter)
+	check_equal(digests(scatter, 0), digests(new_scatter, 0), "the last value wins")
 
 
 func make_scene() -> PackedScene:
@@ -121,8 +121,8 @@ func test_tiles_of_replaced_layers_are_dropped() -> void:
 		scatter.layers = [other if step % 2 == 0 else layer]
 		await process_frame
 	await settle(scatter)
-	var fresh := make_scatter([other], ScatterGroundFlat.new(), make_viewer())
-	await settle(fresh)
-	check_equal(digests(scatter, 0), digests(fresh, 0), "the tiles match the last layer")
+	var new_scatter := make_scatter([other], ScatterGroundFlat.new(), make_viewer())
+	await settle(new_scatter)
+	check_equal(digests(scatter, 0), digests(new_scatter, 0), "the tiles match the last layer")
 	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
 		check_equal(tile_ids(scatter, 0, tile).size(), 2, "meshes of tile %s" % tile)

@@ -58,13 +58,13 @@ func test_faces_produce_the_same_points_as_their_mesh() -> void:
 
 func test_windows_divide_a_surface() -> void:
 	var sampler := make_sampler()
-	var place := Transform3D(Basis(Vector3(1, 2, 3).normalized(), 0.7), Vector3(100, 20, -30))
-	var whole := sampler.sample_surface(make_sphere(6.0), place)
+	var transform := Transform3D(Basis(Vector3(1, 2, 3).normalized(), 0.7), Vector3(100, 20, -30))
+	var whole := sampler.sample_surface(make_sphere(6.0), transform)
 	var found := {}
 	for x in 2:
 		for y in 2:
 			var corner := Vector3(100 + 7 * (x - 1), 20 + 7 * (y - 1), -37)
-			for id in sampler.sample_surface(make_sphere(6.0), place, AABB(corner, Vector3(7, 7, 14))).ids:
+			for id in sampler.sample_surface(make_sphere(6.0), transform, AABB(corner, Vector3(7, 7, 14))).ids:
 				check(not found.has(id), "each point is in only one window")
 				found[id] = true
 	check_equal(found.size(), whole.size(), "points of all windows together")

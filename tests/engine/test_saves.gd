@@ -51,12 +51,12 @@ func test_loading_twice_restores_the_saved_state() -> void:
 	check(felled.size() > 5, "some instances are removed")
 	check_equal(scatter.state.save_to_file(PATH), OK, "saved")
 	await settle(scatter)
-	var shown := digests(scatter, 0)
+	var shown_digests := digests(scatter, 0)
 	for time in 2:
 		check_equal(scatter.state.load_from_file(PATH), OK, "loaded")
 		check_equal(scatter.state.get_removed(), felled, "load number %d" % (time + 1))
 		await settle(scatter)
-		check_equal(digests(scatter, 0), shown, "the visible tiles after loading")
+		check_equal(digests(scatter, 0), shown_digests, "the visible tiles after loading")
 		scatter.remove_in_sphere(Vector3.ZERO, 30.0)
 		check(scatter.state.get_removed_count() > felled.size(), "more instances are removed before the next load")
 	check_equal(files_there(), ["forest.state"], "no other file is left")
@@ -279,13 +279,13 @@ func test_states_of_scenes_cause_no_warning() -> void:
 	designed.copy_at_runtime = true
 	ResourceSaver.save(designed, FOLDER + "/designed.res")
 	for state: ScatterState in [load(FOLDER + "/designed.res"), make_state()]:
-		var made := make_scatter([], ScatterGroundFlat.new(), make_viewer())
-		made.state = state
+		var new_scatter := make_scatter([], ScatterGroundFlat.new(), make_viewer())
+		new_scatter.state = state
 		var scene := PackedScene.new()
-		made.owner = null
-		check_equal(scene.pack(made), OK, "packed")
+		new_scatter.owner = null
+		check_equal(scene.pack(new_scatter), OK, "packed")
 		ResourceSaver.save(scene, FOLDER + "/level.tscn")
-		made.free()
+		new_scatter.free()
 		var level: Node = (ResourceLoader.load(FOLDER + "/level.tscn", "", ResourceLoader.CACHE_MODE_REPLACE) as PackedScene).instantiate()
 		root.add_child(level)
 		check_equal((level as TerrainScatter3D).state.get_removed_count(), 20, "the state is in the scene")

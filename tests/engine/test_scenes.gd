@@ -7,7 +7,7 @@ func test_swap_at_the_distance() -> void:
 	await settle(scatter)
 	var forest := scatter.query_rect(Rect2(-90, -40, 160, 80))
 	var ids: PackedInt64Array = forest["ids"]
-	var places: PackedVector3Array = forest["positions"]
+	var points: PackedVector3Array = forest["positions"]
 	check(ids.size() > 1000, "%d instances" % ids.size())
 	var near: Dictionary[int, bool] = {}
 	var shown_ids: Dictionary[int, int] = {}
@@ -16,7 +16,7 @@ func test_swap_at_the_distance() -> void:
 		await frames(1)
 		await settle(scatter)
 		for index in ids.size():
-			var away := viewer.global_position.distance_to(places[index])
+			var away := viewer.global_position.distance_to(points[index])
 			var is_near := away <= (LEAVE if near.has(ids[index]) else ENTER)
 			if is_near and not near.has(ids[index]):
 				near[ids[index]] = true
@@ -110,11 +110,11 @@ func test_budget_and_order() -> void:
 	var scatter := make_garden([make_plants()], Vector3(5000, 0, 0))
 	await settle(scatter)
 	scatter.frame_budget_usec = 1
-	var places: Dictionary[int, Vector3] = {}
+	var positions: Dictionary[int, Vector3] = {}
 	var order: Array[int] = []
 	scatter.scene_shown.connect(func(id: int, scene: Node3D) -> void:
 		order.push_back(id)
-		places[id] = scene.global_position)
+		positions[id] = scene.global_position)
 	viewer.position.x += 15.0
 	var before_frame := -1
 	while before_frame < 0 or not scatter.is_settled():
@@ -123,8 +123,8 @@ func test_budget_and_order() -> void:
 		check(shown.size() + hidden.size() - before_frame <= 1, "at most one scene is shown or hidden per frame")
 	check(order.size() > 50, "%d scenes were shown" % order.size())
 	for index in range(1, order.size()):
-		var before := places[order[index - 1]].distance_to(viewer.position)
-		check(places[order[index]].distance_to(viewer.position) >= before - 1e-3, "the nearest scenes are shown first")
+		var before := positions[order[index - 1]].distance_to(viewer.position)
+		check(positions[order[index]].distance_to(viewer.position) >= before - 1e-3, "the nearest scenes are shown first")
 
 
 func test_pool() -> void:
@@ -194,14 +194,14 @@ func test_recentered() -> void:
 	await settle(scatter)
 	var before := scenes_of(scatter)
 	var shown_ids := shown.size()
-	var places: Dictionary[int, Vector3] = {}
+	var positions: Dictionary[int, Vector3] = {}
 	for id in before:
-		places[id] = before[id].global_position
+		positions[id] = before[id].global_position
 	var shift := Vector3(256, 16, -1024)
 	viewer.global_position -= shift
 	scatter.world_offset = shift
 	for id in before:
-		check(before[id].global_position.distance_to(places[id] - shift) < 1e-3, "moved immediately")
+		check(before[id].global_position.distance_to(positions[id] - shift) < 1e-3, "moved immediately")
 	await settle(scatter)
 	check_equal(scenes_of(scatter), before, "the same scenes")
 	check(hidden.is_empty() and shown.size() == shown_ids, "no scene was shown or hidden")

@@ -192,9 +192,9 @@ func test_scenes_that_change_the_node() -> void:
 		func(_plant: Plant) -> void: changed_scatter.queue_free(),
 		func(_plant: Plant) -> void: changed_scatter.free(),
 	]
-	for place: StringName in [&"_init", &"_ready", &"_scatter_shown", &"_scatter_hidden"]:
+	for hook: StringName in [&"_init", &"_ready", &"_scatter_shown", &"_scatter_hidden"]:
 		for action in actions.size():
-			if place == &"_ready" and action in [8, 10]:
+			if hook == &"_ready" and action in [8, 10]:
 				continue  # The engine cannot remove a parent while a child enters the tree.
 			changed_scatter = TerrainScatter3D.new()
 			changed_scatter.seed = 7
@@ -204,20 +204,20 @@ func test_scenes_that_change_the_node() -> void:
 			viewer = make_viewer()
 			changed_scatter.viewers = [changed_scatter.get_path_to(viewer)]
 			var calls := [0]
-			Plant.hooks[place] = func(plant: Plant) -> void:
+			Plant.hooks[hook] = func(plant: Plant) -> void:
 				calls[0] += 1
 				if calls[0] == 5 and is_instance_valid(changed_scatter):
 					actions[action].call(plant)
 			for frame in 40:
-				if frame == 20 and place == &"_scatter_hidden":
+				if frame == 20 and hook == &"_scatter_hidden":
 					viewer.position.x += 400.0
 				await process_frame
 			Plant.hooks.clear()
 			var kept := was_kept_from_being_freed()
-			check(not kept or action == 10, "%s: action %d: the engine refuses to free the node" % [place, action])
+			check(not kept or action == 10, "%s: action %d: the engine refuses to free the node" % [hook, action])
 			if is_instance_valid(changed_scatter):
-				check_once(changed_scatter, {}, "%s: after action %d" % [place, action])
-			check(calls[0] >= 5, "%s: action %d is done" % [place, action])
+				check_once(changed_scatter, {}, "%s: after action %d" % [hook, action])
+			check(calls[0] >= 5, "%s: action %d is done" % [hook, action])
 			if is_instance_valid(changed_scatter):
 				changed_scatter.free()
 			await clean()

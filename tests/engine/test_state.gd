@@ -220,7 +220,7 @@ func test_a_damaged_file_leaves_the_running_state() -> void:
 	var id: int = scatter.query_nearest(Vector3.ZERO, 50.0).id
 	scatter.remove_instance(id)
 	var state := scatter.state
-	var shown := digests(scatter, 0)
+	var shown_digests := digests(scatter, 0)
 	check_equal(ResourceSaver.save(state, _spot + ".res"), OK, "saved")
 	var whole := FileAccess.get_file_as_bytes(_spot + ".res")
 	whole[whole.size() - 40] ^= 16
@@ -241,10 +241,10 @@ func test_a_damaged_file_leaves_the_running_state() -> void:
 	check_error(["ScatterState.from_bytes: layer", "a different seed"], "a state of another world")
 	check_equal(state.merge(elsewhere.state), ERR_INVALID_DATA, "a state of another world")
 	check_error(["ScatterState.merge: layer", "a different seed"], "a state of another world")
-	check_equal(digests(scatter, 0), shown, "the visible tiles")
+	check_equal(digests(scatter, 0), shown_digests, "the visible tiles")
 	state.clear()
 	check(scatter.has_instance(id), "after a reset of the state, the instance exists again")
 	check_equal(state.from_bytes(bytes), OK, "the node's state can be loaded again")
 	check(not scatter.has_instance(id), "the instance is removed again")
-	check_equal(digests(scatter, 0), shown, "the visible tiles")
+	check_equal(digests(scatter, 0), shown_digests, "the visible tiles")
 	DirAccess.remove_absolute(_spot + ".res")

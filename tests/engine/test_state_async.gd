@@ -271,16 +271,16 @@ func test_nodes_are_updated() -> void:
 		await settle(node)
 	@warning_ignore("integer_division")
 	var expected := (standing.size() + 1) / 2 + 1
-	var gone := 0
+	var gone_count := 0
 	for id in standing:
-		gone += 1 if removed.has(id) else 0
-	check_equal(gone, expected, "signals")
-	var fresh := make_scatter([layer], ScatterGroundFlat.new(), viewer)
-	fresh.state = nodes[0].state
-	await settle(fresh)
+		gone_count += 1 if removed.has(id) else 0
+	check_equal(gone_count, expected, "signals")
+	var new_scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
+	new_scatter.state = nodes[0].state
+	await settle(new_scatter)
 	for node in nodes:
-		check_equal(digests(node, 0), digests(fresh, 0), "the visible tiles")
-		check_equal(node.get_stats()["bodies"], fresh.get_stats()["bodies"], "bodies")
+		check_equal(digests(node, 0), digests(new_scatter, 0), "the visible tiles")
+		check_equal(node.get_stats()["bodies"], new_scatter.get_stats()["bodies"], "bodies")
 
 
 ## A diff of a different point set is rejected, even if the state is assigned to a node only after the call.

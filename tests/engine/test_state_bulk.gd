@@ -58,11 +58,11 @@ func test_many_changes_in_one_call() -> void:
 		if not reported_ids.has(standing[index]):
 			check(false, "every removal of a loaded instance is reported")
 			break
-	var fresh := make_wood(viewer)
-	fresh.state = scatter.state
-	await settle(fresh)
-	check_equal(digests(scatter, 0), digests(fresh, 0), "the visible tiles")
-	check_equal(scatter.get_stats()["bodies"], fresh.get_stats()["bodies"], "bodies")
+	var new_scatter := make_wood(viewer)
+	new_scatter.state = scatter.state
+	await settle(new_scatter)
+	check_equal(digests(scatter, 0), digests(new_scatter, 0), "the visible tiles")
+	check_equal(scatter.get_stats()["bodies"], new_scatter.get_stats()["bodies"], "bodies")
 
 
 func test_clearing_restores_everything() -> void:
@@ -87,17 +87,17 @@ func test_many_changes_in_a_few_areas() -> void:
 	var viewer := make_viewer()
 	var scatter := make_wood(viewer, false)
 	await settle(scatter)
-	var places: Array[Vector3] = [Vector3(-45.0, 0.0, 20.0), Vector3(50.0, 0.0, -50.0), Vector3(-40.0, 0.0, 45.0)]
+	var points: Array[Vector3] = [Vector3(-45.0, 0.0, 20.0), Vector3(50.0, 0.0, -50.0), Vector3(-40.0, 0.0, 45.0)]
 	var removed := PackedInt64Array()
-	for place in places: # All removals are in one frame.
-		var ids := scatter.remove_in_sphere(place, 16.0)
+	for point in points: # All removals are in one frame.
+		var ids := scatter.remove_in_sphere(point, 16.0)
 		check(ids.size() > 1024 and ids.size() < 16384, "%d removed" % ids.size())
 		removed.append_array(ids)
 	await settle(scatter)
-	var fresh := make_wood(viewer, false)
-	fresh.state = scatter.state
-	await settle(fresh)
-	check_equal(digests(scatter, 0), digests(fresh, 0), "the visible tiles")
+	var new_scatter := make_wood(viewer, false)
+	new_scatter.state = scatter.state
+	await settle(new_scatter)
+	check_equal(digests(scatter, 0), digests(new_scatter, 0), "the visible tiles")
 	var back := ScatterState.new()
 	back.from_bytes(scatter.state.to_bytes())
 	var revision := back.get_revision()
@@ -105,9 +105,9 @@ func test_many_changes_in_a_few_areas() -> void:
 		back.restore(id)
 	check_equal(scatter.state.apply_diff(back.diff_since(revision, false)), OK, "all restored by a diff")
 	await settle(scatter)
-	fresh.state = null
-	await settle(fresh)
-	check_equal(digests(scatter, 0), digests(fresh, 0), "the visible tiles after the restoration")
+	new_scatter.state = null
+	await settle(new_scatter)
+	check_equal(digests(scatter, 0), digests(new_scatter, 0), "the visible tiles after the restoration")
 
 
 ## A worker thread can read hundreds of thousands of changes, such as those that a late-joining peer receives.
@@ -150,6 +150,6 @@ func test_changes_outside_of_the_tree() -> void:
 	check(scatter.has_instance(standing[0]), "the query finds a restored instance outside of the tree")
 	root.add_child(scatter)
 	await settle(scatter)
-	var fresh := make_wood(viewer, false)
-	await settle(fresh)
-	check_equal(digests(scatter, 0), digests(fresh, 0), "the visible tiles")
+	var new_scatter := make_wood(viewer, false)
+	await settle(new_scatter)
+	check_equal(digests(scatter, 0), digests(new_scatter, 0), "the visible tiles")

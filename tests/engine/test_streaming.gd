@@ -222,9 +222,9 @@ func test_a_change_keeps_old_tiles_until_new_ones_are_ready() -> void:
 	for tile: Vector2i in before:
 		check(before[tile] != scatter.get_tile(scatter.layers[0], tile).get_digest(), "tile %s has changed" % tile)
 	layer.cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_OFF
-	var made: int = scatter.get_stats()["tiles_made"]
+	var tiles_made: int = scatter.get_stats()["tiles_made"]
 	await settle(scatter)
-	check_equal(scatter.get_stats()["tiles_made"], made, "tiles generated for a new shadow setting")
+	check_equal(scatter.get_stats()["tiles_made"], tiles_made, "tiles generated for a new shadow setting")
 
 
 func test_a_mesh_whose_size_changes_is_detected() -> void:
@@ -233,18 +233,18 @@ func test_a_mesh_whose_size_changes_is_detected() -> void:
 	layer.meshes = [mesh, mesh]
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
-	var made: int = scatter.get_stats()["tiles_made"]
+	var tiles_made: int = scatter.get_stats()["tiles_made"]
 	mesh.size = Vector3(1.0, 30.0, 1.0)
 	await settle(scatter)
-	check(scatter.get_stats()["tiles_made"] > made, "tiles with larger boxes")
-	made = scatter.get_stats()["tiles_made"]
+	check(scatter.get_stats()["tiles_made"] > tiles_made, "tiles with larger boxes")
+	tiles_made = scatter.get_stats()["tiles_made"]
 	layer.meshes = [SphereMesh.new()]
 	await settle(scatter)
-	check(scatter.get_stats()["tiles_made"] > made, "tiles with a new mesh")
-	made = scatter.get_stats()["tiles_made"]
+	check(scatter.get_stats()["tiles_made"] > tiles_made, "tiles with a new mesh")
+	tiles_made = scatter.get_stats()["tiles_made"]
 	mesh.size = Vector3.ONE
 	await settle(scatter)
-	check_equal(scatter.get_stats()["tiles_made"], made, "tiles generated for an unused mesh")
+	check_equal(scatter.get_stats()["tiles_made"], tiles_made, "tiles generated for an unused mesh")
 
 
 func test_the_tile_size_may_change() -> void:
@@ -256,9 +256,9 @@ func test_the_tile_size_may_change() -> void:
 	await frames(10)
 	var fresh_layer := make_layer()
 	fresh_layer.tile_size = 25.0
-	var fresh := make_scatter([fresh_layer], ScatterGroundFlat.new(), make_viewer())
-	await settle(fresh)
-	check_equal(digests(scatter, 0), digests(fresh, 0), "after a change to the tile size")
+	var new_scatter := make_scatter([fresh_layer], ScatterGroundFlat.new(), make_viewer())
+	await settle(new_scatter)
+	check_equal(digests(scatter, 0), digests(new_scatter, 0), "after a change to the tile size")
 
 
 func test_layers_do_not_share_random_numbers() -> void:

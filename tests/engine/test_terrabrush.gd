@@ -10,13 +10,13 @@ func zone_area(node: TerraBrushDouble, zone: Vector2i) -> Rect2:
 func drawn_height(node: TerraBrushDouble, at: Vector3) -> float:
 	var step := (node.zones_size - 1.0) / (node.image_size() - 1.0)
 	var origin := zone_area(node, Vector2i.ZERO).position
-	var place := (Vector2(at.x, at.z) - origin) / step
-	var first := place.floor()
+	var point := (Vector2(at.x, at.z) - origin) / step
+	var first := point.floor()
 	var posts: Array[float] = []
 	for corner in 4:
 		var post := (first + Vector2(corner % 2, floori(corner / 2.0))) * step + origin - Vector2(node.position.x, node.position.z)
 		posts.push_back(node.shape(post.x, post.y) + node.position.y)
-	var part := place - first
+	var part := point - first
 	return lerpf(lerpf(posts[0], posts[1], part.x), lerpf(posts[2], posts[3], part.x), part.y)
 
 
@@ -35,9 +35,9 @@ func test_terrabrush() -> void:
 		check_on(scatter, func(at: Vector3) -> float: return drawn_height(node, at),
 				zone_area(node, Vector2i(-1, 0)).merge(zone_area(node, Vector2i.ZERO)), 1000, context)
 		for post: Vector2i in [Vector2i(3, 4), Vector2i(20, 0), Vector2i(0, 9)]:
-			var place := node.place_of(Vector2i.ZERO, post) + Vector2(node.position.x, node.position.z)
-			var height: float = scatter.ground.get_height(Vector3(place.x, 0.0, place.y))
-			check(absf(height - node.getHeightAtPosition(place.x, place.y, true)) < 1e-3, "%s: its own height at sample %s" % [context, post])
+			var point := node.place_of(Vector2i.ZERO, post) + Vector2(node.position.x, node.position.z)
+			var height: float = scatter.ground.get_height(Vector3(point.x, 0.0, point.y))
+			check(absf(height - node.getHeightAtPosition(point.x, point.y, true)) < 1e-3, "%s: its own height at sample %s" % [context, post])
 		check_equal(scatter.get_problems().size(), 0, "%s: problems: %s" % [context, scatter.get_problems()])
 		scatter.free()
 		node.free()
@@ -55,9 +55,9 @@ func test_terrabrush_is_edited() -> void:
 			for y in range(28, 37):
 				zone.image.set_pixel(x, y, Color(40.0, 0.0, 0.0))
 		await frames(3)
-	var made := await regenerated_by(scatter, sculpt)
+	var regenerated_tiles := await regenerated_by(scatter, sculpt)
 	check(within(scatter, hill).values().all(func(at: Vector3) -> bool: return absf(at.y - 40.0) < 0.01), "a hill is detected without a signal")
-	check(not made.is_empty() and made.size() < all, "%d of %d tiles were regenerated" % [made.size(), all])
+	check(not regenerated_tiles.is_empty() and regenerated_tiles.size() < all, "%d of %d tiles were regenerated" % [regenerated_tiles.size(), all])
 	var nothing := await regenerated_by(scatter, func() -> void: await frames(5))
 	check_equal(nothing.size(), 0, "no tile is regenerated without an edit")
 	await regenerated_by(scatter, func() -> void:

@@ -79,8 +79,8 @@ func test_regions_are_added_and_removed() -> void:
 	await settle(scatter)
 	var before := by_id(scatter)
 	var region := node.data.regions[Vector2i(0, -1)]
-	var made := await regenerated_by(scatter, func() -> void: node.data.remove_region(region))
-	check(made.all(func(tile: Vector2i) -> bool: return tile in tiles_of(Rect2(0.0, -64.0, 64.0, 64.0))), "removing a region regenerates only its tiles: %s" % [made])
+	var regenerated_tiles := await regenerated_by(scatter, func() -> void: node.data.remove_region(region))
+	check(regenerated_tiles.all(func(tile: Vector2i) -> bool: return tile in tiles_of(Rect2(0.0, -64.0, 64.0, 64.0))), "removing a region regenerates only its tiles: %s" % [regenerated_tiles])
 	check_ground(scatter, node, "removed")
 	check(by_id(scatter).size() < 0.85 * before.size(), "the instances of the removed region are missing")
 	await regenerated_by(scatter, func() -> void: node.data.add_region(region))

@@ -40,8 +40,8 @@ func test_edits_of_sparse_terrain3d_like() -> void:
 	check_equal(rects, [Rect2(-7.0, -6.0, 19.0, 20.0)] as Array[Rect2], "the edited area and two samples around it")
 	var count := digests(scatter, 0).size()
 	node.data.lift = 3.0
-	var made := await regenerated_by(scatter, func() -> void: node.data.maps_changed.emit())
-	check_equal(made.size(), count, "a change without an area regenerates everything")
+	var regenerated_tiles := await regenerated_by(scatter, func() -> void: node.data.maps_changed.emit())
+	check_equal(regenerated_tiles.size(), count, "a change without an area regenerates everything")
 
 
 func test_textures_of_terrain3d_like() -> void:

@@ -55,14 +55,14 @@ func test_an_edit_regenerates_its_tiles() -> void:
 		var edit := func() -> void:
 			node.data.lift = 2.0
 			node.data.maps_edited.emit(AABB(Vector3(34.0, -5.0, 34.0), Vector3(8.0, 50.0, 8.0)))
-		var made := await regenerated_by(scatter, edit)
-		check_equal(made, [Vector2i(1, 1)] as Array[Vector2i], "regenerated tiles")
+		var regenerated_tiles := await regenerated_by(scatter, edit)
+		check_equal(regenerated_tiles, [Vector2i(1, 1)] as Array[Vector2i], "regenerated tiles")
 		var after := digests(scatter, 0)
 		for tile: Vector2i in before:
 			check_equal(after[tile] == before[tile], tile != Vector2i(1, 1), "tile %s" % tile)
 		var everything := func() -> void: scatter.ground.ground_changed.emit(Rect2())
-		made = await regenerated_by(scatter, everything)
-		check_equal(made.size(), before.size(), "an empty rect regenerates everything")
+		regenerated_tiles = await regenerated_by(scatter, everything)
+		check_equal(regenerated_tiles.size(), before.size(), "an empty rect regenerates everything")
 		scatter.free()
 		node.free()
 		errors.take()

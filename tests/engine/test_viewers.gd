@@ -82,9 +82,9 @@ func test_two_hundred_viewers() -> void:
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), players[0])
 	scatter.viewers = paths
 	await settle(scatter)
-	var shown := scatter.get_shown_tiles(scatter.layers[0])
+	var visible_tiles := scatter.get_shown_tiles(scatter.layers[0])
 	var served := players.filter(func(player: Node3D) -> bool:
-		return Vector2i((Vector2(player.position.x, player.position.z) / 32.0).floor()) in shown)
+		return Vector2i((Vector2(player.position.x, player.position.z) / 32.0).floor()) in visible_tiles)
 	check_equal(served.size(), 200, "players with their tile")
 	check_equal(scatter.get_problems(), PackedStringArray(), "problems")
 
@@ -221,10 +221,10 @@ func test_each_viewer_has_its_own_radius() -> void:
 	scatter.viewer_distance_scales = PackedFloat32Array([0.5, 2.0])
 	await settle(scatter)
 	var farthest := [0.0, 0.0, 0.0]
-	var places := [Vector3.ZERO, others[0].global_position, others[1].global_position]
+	var points := [Vector3.ZERO, others[0].global_position, others[1].global_position]
 	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
 		for index in 3:
-			var off := distance(tile, 32.0, places[index])
+			var off := distance(tile, 32.0, points[index])
 			if off < 500.0:
 				farthest[index] = maxf(farthest[index], off)
 	check(farthest[0] <= 36.1 and farthest[0] > 20.0, "tiles within half the distance: %f" % farthest[0])
@@ -235,7 +235,7 @@ func test_each_viewer_has_its_own_radius() -> void:
 	await frames(10)
 	var around := 0
 	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
-		around += 1 if distance(tile, 32.0, places[1]) < 500.0 else 0
+		around += 1 if distance(tile, 32.0, points[1]) < 500.0 else 0
 	check(around <= 9, "a viewer with distance 0 keeps %d tiles" % around)
 	scatter.viewer_distance_scales = PackedFloat32Array([1e6])
 	await frames(2)
@@ -279,22 +279,22 @@ func test_a_server_with_16_players() -> void:
 			players[player].global_position += Vector3(3.0, 0.0, 0.0).rotated(Vector3.UP, player)
 		await process_frame
 	await settle(scatter)
-	var shown := scatter.get_shown_tiles(scatter.layers[0])
+	var visible_tiles := scatter.get_shown_tiles(scatter.layers[0])
 	for player in players:
 		var middle := Vector2i((on_map(player.global_transform) / 32.0).floor())
 		for x in range(-2, 3):
 			for y in range(-2, 3):
 				var tile := middle + Vector2i(x, y)
-				if distance(tile, 32.0, player.global_position) < 64.0 and not tile in shown:
+				if distance(tile, 32.0, player.global_position) < 64.0 and not tile in visible_tiles:
 					check(false, "tile %s around %s is missing" % [tile, player.global_position])
-	check(shown.size() > 16 * 20, "%d tiles" % shown.size())
+	check(visible_tiles.size() > 16 * 20, "%d tiles" % visible_tiles.size())
 	# When a player leaves, nothing is regenerated for the remaining players.
-	var made: int = scatter.get_stats()["tiles_made"]
+	var tiles_made: int = scatter.get_stats()["tiles_made"]
 	paths.remove_at(4)
 	scatter.viewers = paths
 	await settle(scatter)
 	# Tolerates some tiles: the viewer at a removed viewer's index is evaluated again, and tiles at its border may be new.
-	check(scatter.get_stats()["tiles_made"] - made <= 16, "tiles generated when a player left")
+	check(scatter.get_stats()["tiles_made"] - tiles_made <= 16, "tiles generated when a player left")
 
 
 func test_a_teleport_shows_near_tiles_first() -> void:

@@ -119,12 +119,12 @@ func test_the_water_of_a_biome_changes_only_that_biome() -> void:
 	var lake := make_biome(SWAMP, [])
 	scatter.biomes = make_map([make_biome(MEADOW, []), make_biome(FOREST, []), lake])
 	await settle(scatter)
-	var shown := await shown_by(scatter, func() -> void:
+	var visible_tiles := await shown_by(scatter, func() -> void:
 		lake.water_level = 3.0
 		lake.water_mode = ScatterBiome.WATER_MODE_OWN)
-	for layer: String in shown:
-		check(shown[layer].keys().all(func(tile: Vector2i) -> bool: return tile.y >= 1), "%s: %s" % [layer, shown[layer].keys()])
-	check(shown["grass"].size() > 2, "tiles of the swamp are regenerated")
+	for layer: String in visible_tiles:
+		check(visible_tiles[layer].keys().all(func(tile: Vector2i) -> bool: return tile.y >= 1), "%s: %s" % [layer, visible_tiles[layer].keys()])
+	check(visible_tiles["grass"].size() > 2, "tiles of the swamp are regenerated")
 	check_equal(scatter.get_problems().size(), 0, "no problems once there is water: %s" % scatter.get_problems())
 
 

@@ -195,22 +195,22 @@ func test_regions_that_move_along_are_no_edit() -> void:
 	path.add_child(road)
 	await settle(scatter)
 	var before := digests(scatter, 0)
-	var made: int = scatter.get_stats()["tiles_made"]
+	var tiles_made: int = scatter.get_stats()["tiles_made"]
 	for shift: Vector3 in [Vector3(1024.0, 0.0, -512.0), Vector3(1234.567, 0.0, 77.7)]:
 		viewer.global_position -= shift - scatter.world_offset
 		world.global_position -= shift - scatter.world_offset
 		scatter.world_offset = shift
 		await settle(scatter)
 		await frames(5)
-		check_equal(scatter.get_stats()["tiles_made"], made, "tiles generated after a recenter to %s" % shift)
+		check_equal(scatter.get_stats()["tiles_made"], tiles_made, "tiles generated after a recenter to %s" % shift)
 		check_equal(digests(scatter, 0), before, "digests after a recenter to %s" % shift)
 	box.global_position.x += 4.0
 	await settle(scatter)
-	check(scatter.get_stats()["tiles_made"] > made, "a region that moves in the world is an edit")
-	made = scatter.get_stats()["tiles_made"]
+	check(scatter.get_stats()["tiles_made"] > tiles_made, "a region that moves in the world is an edit")
+	tiles_made = scatter.get_stats()["tiles_made"]
 	scatter.world_offset += Vector3(64.0, 0.0, 0.0) # The scene does not move along.
 	await settle(scatter)
-	check(scatter.get_stats()["tiles_made"] > made, "a region that does not move with the origin is an edit")
+	check(scatter.get_stats()["tiles_made"] > tiles_made, "a region that does not move with the origin is an edit")
 
 
 func test_ground_in_the_scene_moves_along() -> void:

@@ -72,7 +72,7 @@ AddedInstance read_instance(Bytes &r_bytes) {
 	return instance;
 }
 
-void check_place(const InstanceState &state, std::uint64_t id) {
+void check_placed(const InstanceState &state, std::uint64_t id) {
 	const AddedInstance *added = state.added(id);
 	promise(added != nullptr && is_added(id) && layer_of(id) == added->layer, "a placed instance exists");
 	const glm::dvec2 position(added->position.x, added->position.z);
@@ -103,7 +103,7 @@ void change(InstanceState &r_state, Bytes &r_bytes) {
 			std::uint64_t placed = 0;
 			const Status status = r_state.add(read_instance(r_bytes), placed);
 			if (status.ok()) {
-				check_place(r_state, placed);
+				check_placed(r_state, placed);
 			} else {
 				promise(r_state.revision() == revision, "a rejected instance has no effect");
 				promise(describe(status).find(status.property) == 0, "an error names the property");

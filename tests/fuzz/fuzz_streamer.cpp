@@ -70,7 +70,7 @@ void update(TileStreamer &streamer, Bytes &r_bytes, Expected &r_expected) {
 		r_expected.apply(changes);
 		const StreamCounts counts = streamer.counts();
 		promise(counts.pending == r_expected.pending.size(), "pending tiles are counted");
-		promise(counts.visible == r_expected.visible.size(), "shown tiles are counted");
+		promise(counts.visible == r_expected.visible.size(), "visible tiles are counted");
 	} else {
 		promise(changes.empty(), "a rejected update has no effect");
 	}

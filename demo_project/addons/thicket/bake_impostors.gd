@@ -105,7 +105,7 @@ func cancel() -> void:
 		_running = false
 
 
-## Returns the mesh to bake for an entry of [member ScatterLayer.meshes], which is its finest LOD. Null if there is none.
+## Returns the mesh to bake for an entry of [member ScatterLayer.meshes], which is its finest LOD, or null if there is none.
 func _finest(entry: int) -> Mesh:
 	var lods: Array = _layer.call(&"get_mesh_lods", entry)
 	var lod: Resource = lods[0] if not lods.is_empty() else null

@@ -105,11 +105,11 @@ bool move_over(const std::string &from, const std::string &to) {
 		return false;
 	}
 	const std::string folder = to.substr(0, to.rfind('/') + 1);
-	const int opened = open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_CLOEXEC);
-	if (opened >= 0) {
+	const int folder_handle = open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_CLOEXEC);
+	if (folder_handle >= 0) {
 		// Failure is ignored, because some systems cannot sync folders and the file is already moved.
-		static_cast<void>(fsync(opened));
-		close(opened);
+		static_cast<void>(fsync(folder_handle));
+		close(folder_handle);
 	}
 	return true;
 }

@@ -28,10 +28,10 @@ Status grid_positions(const Rect &rect, glm::ivec2 size, std::vector<glm::dvec2>
 	return guarded_answer("size", count, r_positions, [&] {
 		r_positions.clear();
 		r_positions.reserve(static_cast<std::size_t>(count));
-		const glm::dvec2 field = rect.size() / glm::dvec2(size);
+		const glm::dvec2 cell_size = rect.size() / glm::dvec2(size);
 		for (int y = 0; y < size.y; ++y) {
 			for (int x = 0; x < size.x; ++x) {
-				r_positions.push_back(rect.min + field * (glm::dvec2(x, y) + 0.5));
+				r_positions.push_back(rect.min + cell_size * (glm::dvec2(x, y) + 0.5));
 			}
 		}
 	});

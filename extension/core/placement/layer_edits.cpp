@@ -62,7 +62,7 @@ bool find_mask_edits(const PaintedMask *before, const PaintedMask *after, std::v
 }
 
 /// Returns true if the rules depend on the water level.
-bool minds_water(const Rules &rules) {
+bool uses_water_depth(const Rules &rules) {
 	return rules.min_water_depth > -unlimited_height || rules.max_water_depth < unlimited_height;
 }
 
@@ -75,7 +75,7 @@ EditedArea own_edits(const LayerSettings &layer_before, const LayerSettings &lay
 	result.everywhere = !find_shape_edits(before.shapes.get(), after.shapes.get(), areas) ||
 			!find_mask_edits(before.mask.get(), after.mask.get(), areas) ||
 			!find_biome_edits(before.biome.get(), after.biome.get(), areas) ||
-			(minds_water(after) && !find_biome_edits(before.water.get(), after.water.get(), areas));
+			(uses_water_depth(after) && !find_biome_edits(before.water.get(), after.water.get(), areas));
 	for (const Rect &area : areas) {
 		result.add(area, edge_reach(after.edge_feather, layer_after.set.on_surface));
 	}
@@ -94,12 +94,13 @@ bool EditedArea::touches(const Rect &rect) const {
 }
 
 void EditedArea::add(const Rect &area, double distance) {
-	const Rect more = grown(area, distance);
-	if (more.empty() || std::ranges::any_of(areas, [&more](const Rect &other) { return contains(other, more); })) {
+	const Rect new_area = grown(area, distance);
+	if (new_area.empty() ||
+			std::ranges::any_of(areas, [&new_area](const Rect &other) { return contains(other, new_area); })) {
 		return;
 	}
-	std::erase_if(areas, [&more](const Rect &other) { return contains(more, other); });
-	areas.push_back(more);
+	std::erase_if(areas, [&new_area](const Rect &other) { return contains(new_area, other); });
+	areas.push_back(new_area);
 }
 
 void EditedArea::add(const EditedArea &other, double distance) {

@@ -48,8 +48,8 @@ double weight_at(const Brush &brush, glm::dvec2 pixel_center) {
 	return brush.strength * (part * part * (3.0 - 2.0 * part));
 }
 
-std::uint8_t moved(std::uint8_t value, int aim, double weight) {
-	const int way = aim - value;
+std::uint8_t moved(std::uint8_t value, int target, double weight) {
+	const int way = target - value;
 	const bool at_least_one = way != 0 && weight >= 0.5 / 255.0;
 	const int steps = static_cast<int>(std::floor(std::abs(way) * weight + 0.5));
 	const int taken = std::max(steps, at_least_one ? 1 : 0);
@@ -119,8 +119,8 @@ Status PaintedMask::paint(const Brush &brush, Rect &r_changed) {
 			edit.apply(region,
 					[&](int x, int y, std::uint8_t value) { return moved(value, means.about(x, y), weight(x, y)); });
 		} else {
-			const int aim = brush.mode == Brush::Mode::paint ? 255 : 0;
-			edit.apply(region, [&](int x, int y, std::uint8_t value) { return moved(value, aim, weight(x, y)); });
+			const int target = brush.mode == Brush::Mode::paint ? 255 : 0;
+			edit.apply(region, [&](int x, int y, std::uint8_t value) { return moved(value, target, weight(x, y)); });
 		}
 		r_changed = edit.changed_area();
 	});

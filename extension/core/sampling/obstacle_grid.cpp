@@ -130,15 +130,15 @@ void ObstacleGrid::add_large(const LevelGrid &grid, std::uint32_t obstacle, std:
 		return;
 	}
 	const std::uint32_t first = grid.index_of(grid.cells.min + glm::ivec2(0, y));
-	const ColumnRange whole = covered_squares(disk, y * side, side, columns);
+	const ColumnRange fully_covered = covered_squares(disk, y * side, side, columns);
 	std::array<ColumnRange, 8> covered;
 	for (std::int32_t row = 0; row < 8; ++row) {
 		covered[static_cast<std::size_t>(row)] =
 				covered_squares(disk, y * side + row * sub_side, sub_side, 8 * columns);
 	}
 	for (std::int32_t x = reached.from; x < reached.to; ++x) {
-		if (whole.from <= x && x < whole.to) {
-			x = whole.to - 1;
+		if (fully_covered.from <= x && x < fully_covered.to) {
+			x = fully_covered.to - 1;
 			continue;
 		}
 		std::uint64_t parts = 0;

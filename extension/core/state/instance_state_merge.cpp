@@ -36,8 +36,8 @@ Status InstanceState::merge_diff(
 StateRecord::Entry InstanceState::Content::joined(std::uint64_t id, const Entry &theirs, double clock) const {
 	Entry both = entry(id);
 	if (theirs.removed) {
-		const bool for_ever = theirs.until == 0.0 || (both.removed && both.until == 0.0);
-		both.until = for_ever ? 0.0 : std::max(both.until, theirs.until);
+		const bool forever = theirs.until == 0.0 || (both.removed && both.until == 0.0);
+		both.until = forever ? 0.0 : std::max(both.until, theirs.until);
 		both.removed = true;
 	}
 	if (both.removed && both.until > 0.0 && both.until <= clock) {

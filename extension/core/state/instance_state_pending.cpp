@@ -31,8 +31,8 @@ void add_difference(std::uint64_t id, const StateRecord::Entry &from, const Stat
 			r_changes.push_back({id, moves ? InstanceChangeKind::moved : InstanceChangeKind::added, *to.instance});
 		}
 	}
-	const bool goes_with_it = is_added(id) && to.instance == nullptr;
-	if (!goes_with_it && !std::ranges::equal(from.data, to.data)) {
+	const bool is_removed_with_instance = is_added(id) && to.instance == nullptr;
+	if (!is_removed_with_instance && !std::ranges::equal(from.data, to.data)) {
 		r_changes.push_back({id, InstanceChangeKind::data, to.instance != nullptr ? *to.instance : AddedInstance()});
 	}
 }

@@ -29,12 +29,12 @@ func new_layer(title: String, radius: float) -> Resource:
 
 
 func new_biome(title: String, color: Color, layers: Array) -> Resource:
-	var made: Resource = ClassDB.instantiate(&"ScatterBiome")
-	made.resource_name = title
-	made.color = color
+	var biome: Resource = ClassDB.instantiate(&"ScatterBiome")
+	biome.resource_name = title
+	biome.color = color
 	for each: Resource in layers:
-		made.layers.push_back(each)
-	return made
+		biome.layers.push_back(each)
+	return biome
 
 
 ## Returns a biome map with a meadow on the left and a swamp on the right.

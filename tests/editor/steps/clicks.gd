@@ -57,12 +57,12 @@ func saved() -> PackedByteArray:
 func test_open() -> void:
 	var yard := Node3D.new()
 	yard.name = "Yard"
-	var made: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
-	made.name = "Scatter"
-	made.ground = ClassDB.instantiate(&"ScatterGroundFlat")
-	made.layers = [make_layer("Grass", 0.5), make_layer("Trees", 2.0)]
-	yard.add_child(made)
-	made.owner = yard
+	var new_scatter: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
+	new_scatter.name = "Scatter"
+	new_scatter.ground = ClassDB.instantiate(&"ScatterGroundFlat")
+	new_scatter.layers = [make_layer("Grass", 0.5), make_layer("Trees", 2.0)]
+	yard.add_child(new_scatter)
+	new_scatter.owner = yard
 	var lamp := OmniLight3D.new()
 	lamp.name = "Lamp"
 	lamp.position = Vector3(3.0, 1.0, 0.0)

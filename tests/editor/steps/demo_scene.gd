@@ -102,10 +102,10 @@ func test_stroke() -> void:
 	workspace().toolbar.paint.choose_mode(1)
 	workspace().toolbar.choose_layer(0)
 	var version := history(scatter).get_version()
-	var places := PackedVector3Array()
+	var points := PackedVector3Array()
 	for step in 9:
-		places.append(on_ground(LOOKED_AT.x - 16.0 + 4.0 * step, LOOKED_AT.y))
-	await stroke(places)
+		points.append(on_ground(LOOKED_AT.x - 16.0 + 4.0 * step, LOOKED_AT.y))
+	await stroke(points)
 	await settle(scatter)
 	await picture("brush")
 	check_equal(history(scatter).get_version(), version + 1, "the stroke is one undo step")
@@ -176,10 +176,10 @@ func test_paint_and_smooth() -> void:
 	await ask_first(layer, at, full)
 	workspace().toolbar.paint.first_stroke.get_ok_button().pressed.emit()
 	await settle(scatter)
-	var kept := instances(scatter, 1)
-	check(kept.size() > 30 and kept.size() < 120, "%d of %d remain where it is painted" % [kept.size(), full.size()])
-	for id: int in kept:
-		check(Vector2(kept[id].x, kept[id].z).distance_to(at) < 9.0 and kept[id] == full[id], "a remaining instance is under the brush and has not moved")
+	var instances_before := instances(scatter, 1)
+	check(instances_before.size() > 30 and instances_before.size() < 120, "%d of %d remain where it is painted" % [instances_before.size(), full.size()])
+	for id: int in instances_before:
+		check(Vector2(instances_before[id].x, instances_before[id].z).distance_to(at) < 9.0 and instances_before[id] == full[id], "a remaining instance is under the brush and has not moved")
 	check(layer.mask.resource_path.begins_with("res://demo_stakes_mask"), "the mask has a file: %s" % layer.mask.resource_path)
 	workspace().toolbar.paint.choose_mode(2)
 	var rim := at + Vector2(8.0, 0.0)
@@ -372,17 +372,17 @@ func test_bake() -> void:
 	check_equal(dialog.job.problem, "", "no problem")
 	var scene: Node = load(BAKED + "/posts.tscn").instantiate()
 	var expected := {}
-	for place: Vector3 in instances(scatter, 0).values():
-		if rect.has_point(Vector2(place.x, place.z)):
-			expected[place.snapped(Vector3.ONE * 0.01)] = true
+	for point: Vector3 in instances(scatter, 0).values():
+		if rect.has_point(Vector2(point.x, point.z)):
+			expected[point.snapped(Vector3.ONE * 0.01)] = true
 	var count := 0
 	var found := 0
 	for child: MultiMeshInstance3D in scene.get_children():
 		count += child.multimesh.instance_count
 		var buffer := child.multimesh.buffer
 		for at in range(0, buffer.size(), 12):
-			var place := child.position + Vector3(buffer[at + 3], buffer[at + 7], buffer[at + 11])
-			found += int(expected.has(place.snapped(Vector3.ONE * 0.01)))
+			var point := child.position + Vector3(buffer[at + 3], buffer[at + 7], buffer[at + 11])
+			found += int(expected.has(point.snapped(Vector3.ONE * 0.01)))
 	check(count == expected.size() and found >= count - 3, "%d baked, %d of them match, %d expected" % [count, found, expected.size()])
 	check(FileAccess.get_file_as_string(BAKED + "/posts.tscn").length() < 20_000, "the baked scene is small")
 	scene.free()

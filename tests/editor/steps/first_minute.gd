@@ -146,13 +146,13 @@ func test_a_preset() -> void:
 func check_species(scatter: Node3D) -> void:
 	var all: Array[PackedVector2Array] = []
 	for index in 3:
-		var places := PackedVector2Array()
+		var points := PackedVector2Array()
 		for at: Vector3 in instances(scatter, index).values():
 			check(absf(at.y - scatter.ground.get_height(at)) < 0.3, "%s at %s is on the hill" % [scatter.layers[index].resource_name, at])
 			if Vector2(at.x, at.z).length() < 25.0:
-				places.append(Vector2(at.x, at.z))
-		check(places.size() > 10, "%d of %s near the top" % [places.size(), scatter.layers[index].resource_name])
-		all.append(places)
+				points.append(Vector2(at.x, at.z))
+		check(points.size() > 10, "%d of %s near the top" % [points.size(), scatter.layers[index].resource_name])
+		all.append(points)
 	for one in 3:
 		for other in range(one, 3):
 			var apart: float = scatter.layers[one].radius if one == other else scatter.layers[other].spacing.get(scatter.layers[one].resource_name, 0.0)

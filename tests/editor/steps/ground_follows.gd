@@ -90,7 +90,7 @@ func test_prepare() -> void:
 	body.position.y = -6.0
 	add(root, (load(HILL) as PackedScene).instantiate(), "Hill")
 	(root.get_node("Hill") as Node3D).position = Vector3(-10.0, 0.0, -8.0)
-	var made: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
+	var new_scatter: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
 	var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
 	layer.set(&"radius", 1.0)
 	layer.set(&"tile_size", 16.0)
@@ -105,8 +105,8 @@ func test_prepare() -> void:
 	(post.material as StandardMaterial3D).albedo_color = Color(0.2, 0.6, 0.15)
 	layer.set(&"height_offset", 0.5)
 	layer.set(&"meshes", [post] as Array[Mesh])
-	made.set(&"layers", [layer])
-	add(root, made, "Meadow Flowers")
+	new_scatter.set(&"layers", [layer])
+	add(root, new_scatter, "Meadow Flowers")
 	var sun := DirectionalLight3D.new()
 	sun.rotation_degrees = Vector3(-50.0, 30.0, 0.0)
 	add(root, sun, "Sun")
@@ -266,19 +266,19 @@ func test_use_a_body() -> void:
 
 ## Returns a GridMap of [param side] x [param side] cells of 2 m, with their upper faces at height 1.
 func grid(side: int) -> GridMap:
-	var made := GridMap.new()
-	made.mesh_library = MeshLibrary.new()
-	made.mesh_library.create_item(0)
+	var grid_map := GridMap.new()
+	grid_map.mesh_library = MeshLibrary.new()
+	grid_map.mesh_library.create_item(0)
 	var block := BoxMesh.new()
 	block.size = Vector3(2.0, 2.0, 2.0)
 	block.material = StandardMaterial3D.new()
-	made.mesh_library.set_item_mesh(0, block)
-	made.cell_size = Vector3(2.0, 2.0, 2.0)
-	made.cell_center_y = false
+	grid_map.mesh_library.set_item_mesh(0, block)
+	grid_map.cell_size = Vector3(2.0, 2.0, 2.0)
+	grid_map.cell_center_y = false
 	for x in side:
 		for z in side:
-			made.set_cell_item(Vector3i(x, 0, z), 0)
-	return made
+			grid_map.set_cell_item(Vector3i(x, 0, z), 0)
+	return grid_map
 
 
 func test_use_a_grid_map_and_a_csg_node() -> void:

@@ -139,10 +139,10 @@ func test_hand() -> void:
 	var tool := await turn_on_hand()
 	scatter.layers[0].density = 0.0
 	await settle(scatter)
-	for place: Vector3 in [Vector3(-1.0, 0.0, 1.0), Vector3(-1.0, BRIDGE.y, 0.5), Vector3(WALL, 1.0, 2.5)]:
-		await click_at(on_screen(place), false, true)
+	for point: Vector3 in [Vector3(-1.0, 0.0, 1.0), Vector3(-1.0, BRIDGE.y, 0.5), Vector3(WALL, 1.0, 2.5)]:
+		await click_at(on_screen(point), false, true)
 		var planted: RefCounted = scatter.get_instance(tool.selected)
-		check(planted != null and planted.transform.origin.distance_to(place) < 0.03, "planted at %s" % [planted.transform.origin if planted else tool.problem])
+		check(planted != null and planted.transform.origin.distance_to(point) < 0.03, "planted at %s" % [planted.transform.origin if planted else tool.problem])
 		await undo()
 	tool.planting.choose(true, true, false, false)
 	tool.planting.set_steps(0.5, 15.0)

@@ -12,17 +12,17 @@ var scatter: Node3D
 func make_scene() -> Node3D:
 	var root := Node3D.new()
 	root.name = "Clearing"
-	var made: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
-	made.name = "Scatter"
-	made.ground = ClassDB.instantiate(&"ScatterGroundFlat")
+	var new_scatter: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
+	new_scatter.name = "Scatter"
+	new_scatter.ground = ClassDB.instantiate(&"ScatterGroundFlat")
 	var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
 	layer.resource_name = "Stones"
 	layer.meshes = [BoxMesh.new()]
 	layer.view_distance = 40.0
 	layer.tile_size = 16.0
-	made.layers = [layer]
-	root.add_child(made)
-	made.owner = root
+	new_scatter.layers = [layer]
+	root.add_child(new_scatter)
+	new_scatter.owner = root
 	return root
 
 

@@ -152,9 +152,9 @@ func make_foliage_of_a_mesh(layer: Resource) -> void:
 	await inspect(layer)
 	await click_at(center_of(kind_button("Make Foliage Materials")))
 	await settle(scatter)
-	var made := mesh.material as ShaderMaterial
-	check(made != null and made.get_shader_parameter(&"normal_texture") == bark.normal_texture, "the mesh's material has the normal map")
-	check_equal(made.get_shader_parameter(&"uv_scale"), Vector2(2.0, 3.0), "the material keeps the scale of its texture")
+	var new_material := mesh.material as ShaderMaterial
+	check(new_material != null and new_material.get_shader_parameter(&"normal_texture") == bark.normal_texture, "the mesh's material has the normal map")
+	check_equal(new_material.get_shader_parameter(&"uv_scale"), Vector2(2.0, 3.0), "the material keeps the scale of its texture")
 	await undo_last(layer)
 	check_equal(mesh.material, bark, "undo restores the material")
 

@@ -41,13 +41,13 @@ func test_paste() -> void:
 	ResourceSaver.save(make_layer("Moss", 3.0), MOSS)
 	var orchard := Node3D.new()
 	orchard.name = "Orchard"
-	var made: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
-	made.name = "Trees"
-	made.ground = ClassDB.instantiate(&"ScatterGroundFlat")
-	made.layers = [make_layer("Apple", 3.0), make_layer("Grass", 1.0), load(MOSS)]
-	made.layers[1].spacing = {"Apple": 0.5}
-	orchard.add_child(made)
-	made.owner = orchard
+	var new_scatter: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
+	new_scatter.name = "Trees"
+	new_scatter.ground = ClassDB.instantiate(&"ScatterGroundFlat")
+	new_scatter.layers = [make_layer("Apple", 3.0), make_layer("Grass", 1.0), load(MOSS)]
+	new_scatter.layers[1].spacing = {"Apple": 0.5}
+	orchard.add_child(new_scatter)
+	new_scatter.owner = orchard
 	save_scene(orchard, FROM)
 	var root := Node3D.new()
 	root.name = "Garden"

@@ -185,9 +185,9 @@ func drag_handle(region: Node3D, handle: int, to: Vector3) -> void:
 	var gizmos := gizmo.get_plugin()
 	gizmos._begin_handle_action(gizmo, handle, false)
 	var restore: Variant = gizmos._get_handle_value(gizmo, handle, false)
-	var place := region.to_global(to)
+	var point := region.to_global(to)
 	for step: float in [0.5, 1.0]:
-		gizmos._set_handle(gizmo, handle, false, camera(), camera().unproject_position(place))
+		gizmos._set_handle(gizmo, handle, false, camera(), camera().unproject_position(point))
 	gizmos._commit_handle(gizmo, handle, false, restore, false)
 
 

@@ -212,9 +212,9 @@ func history(node: Node) -> UndoRedo:
 
 
 ## Makes a stroke with the left button over world positions, by sending the 3D view's events to the plugin.
-func stroke(places: PackedVector3Array, with_control := false) -> void:
-	for index in places.size():
-		var at := camera().unproject_position(places[index])
+func stroke(points: PackedVector3Array, with_control := false) -> void:
+	for index in points.size():
+		var at := camera().unproject_position(points[index])
 		if index == 0:
 			_send(_button(at, true, with_control))
 		var motion := InputEventMouseMotion.new()
@@ -222,7 +222,7 @@ func stroke(places: PackedVector3Array, with_control := false) -> void:
 		motion.button_mask = MOUSE_BUTTON_MASK_LEFT
 		_send(motion)
 		await get_tree().process_frame
-	_send(_button(camera().unproject_position(places[places.size() - 1]), false, with_control))
+	_send(_button(camera().unproject_position(points[points.size() - 1]), false, with_control))
 
 
 func _button(at: Vector2, pressed: bool, with_control: bool) -> InputEventMouseButton:
@@ -302,8 +302,8 @@ func surface() -> Control:
 
 
 ## Converts a world position to coordinates in the editor's window.
-func on_screen(place: Vector3) -> Vector2:
-	return surface().get_global_transform() * camera().unproject_position(place)
+func on_screen(point: Vector3) -> Vector2:
+	return surface().get_global_transform() * camera().unproject_position(point)
 
 
 ## Moves the mouse to a position in the window by pushing a motion event. `held` is the mask of pressed buttons.
@@ -409,15 +409,15 @@ func digests(scatter: Node3D, layer: int) -> Dictionary:
 func instances(scatter: Node3D, layer: int) -> Dictionary:
 	var result := {}
 	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[layer]):
-		var shown: RefCounted = scatter.get_tile(scatter.layers[layer], tile)
-		for mesh: int in shown.get_mesh_count():
-			var buffer: PackedFloat32Array = shown.get_buffer(mesh)
-			var ids: PackedInt64Array = shown.get_ids(mesh)
+		var displayed_tile: RefCounted = scatter.get_tile(scatter.layers[layer], tile)
+		for mesh: int in displayed_tile.get_mesh_count():
+			var buffer: PackedFloat32Array = displayed_tile.get_buffer(mesh)
+			var ids: PackedInt64Array = displayed_tile.get_ids(mesh)
 			var stride := buffer.size() / maxi(1, ids.size())
 			for index: int in ids.size():
 				var at := index * stride
 				var position := Vector3(buffer[at + 3], buffer[at + 7], buffer[at + 11])
-				result[ids[index]] = shown.get_origin() + position
+				result[ids[index]] = displayed_tile.get_origin() + position
 	return result
 
 

@@ -69,18 +69,18 @@ func make_ground() -> void:
 	hills.frequency = 0.008
 	for index in arrays[Mesh.ARRAY_VERTEX].size():
 		arrays[Mesh.ARRAY_VERTEX][index].y = 14.0 * hills.get_noise_2d(arrays[Mesh.ARRAY_VERTEX][index].x, arrays[Mesh.ARRAY_VERTEX][index].z)
-	var made := SurfaceTool.new()
-	made.create_from_arrays(arrays)
-	made.generate_normals()
+	var surface_tool := SurfaceTool.new()
+	surface_tool.create_from_arrays(arrays)
+	surface_tool.generate_normals()
 	var earth := StandardMaterial3D.new()
 	earth.albedo_color = Color(0.24, 0.27, 0.13)
 	earth.roughness = 1.0
-	made.set_material(earth)
-	ResourceSaver.save(made.commit(), "res://ground.res")
+	surface_tool.set_material(earth)
+	ResourceSaver.save(surface_tool.commit(), "res://ground.res")
 
 
 ## Opens a new scene with the ground. The camera looks at `place` from `away` meters, rotated `down` and `around` in radians.
-func open_new(path: String, place: Vector3, away: float, down: float, around: float) -> void:
+func open_new(path: String, point: Vector3, away: float, down: float, around: float) -> void:
 	make_ground()
 	var world := Node3D.new()
 	world.name = "World"
@@ -90,11 +90,11 @@ func open_new(path: String, place: Vector3, away: float, down: float, around: fl
 	world.add_child(ground)
 	ground.owner = world
 	save_scene(world, path)
-	await open_at(path, place, away, down, around)
+	await open_at(path, point, away, down, around)
 
 
-func open_at(path: String, place: Vector3, away: float, down: float, around: float) -> void:
-	save_view(path, away, place, Vector2(down, around))
+func open_at(path: String, point: Vector3, away: float, down: float, around: float) -> void:
+	save_view(path, away, point, Vector2(down, around))
 	root = await open(path)
 	EditorInterface.set_main_screen_editor("3D")
 	get_window().size = SIZE
@@ -165,6 +165,6 @@ func menu_of_regions(section: String, item: String) -> int:
 func count_in(at: Vector2, radius: float, names: PackedStringArray) -> int:
 	var result := 0
 	for title in names:
-		for place: Vector3 in instances(scatter, scatter.layers.find(layer(title))).values():
-			result += int(Vector2(place.x, place.z).distance_to(at) < radius)
+		for point: Vector3 in instances(scatter, scatter.layers.find(layer(title))).values():
+			result += int(Vector2(point.x, point.z).distance_to(at) < radius)
 	return result

@@ -57,12 +57,12 @@ func parts_of(level: int) -> Array:
 
 
 func material_of(title: String) -> StandardMaterial3D:
-	var made := StandardMaterial3D.new()
-	made.resource_name = title
-	made.vertex_color_use_as_albedo = true
-	made.roughness = 1.0
-	made.albedo_color = Color(0.5, 0.5, 0.5) # Plain gray without a texture, as in many imported files.
-	return made
+	var new_material := StandardMaterial3D.new()
+	new_material.resource_name = title
+	new_material.vertex_color_use_as_albedo = true
+	new_material.roughness = 1.0
+	new_material.albedo_color = Color(0.5, 0.5, 0.5) # Plain gray without a texture, as in many imported files.
+	return new_material
 
 
 func put(parent: Node3D, title: String, mesh: Mesh) -> MeshInstance3D:

@@ -64,17 +64,17 @@ func make_scene() -> void:
 	old.multimesh.instance_count = 20
 	for index in 20:
 		old.multimesh.set_instance_transform(index, Transform3D(Basis(), Vector3(0.7 * index, 0.0, 5.0)))
-	var made: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
-	add(made, "Scatter", heath, heath)
-	made.position = Vector3(1.0, 0.0, 0.5)
-	made.ground = ClassDB.instantiate(&"ScatterGroundFlat")
-	made.layers = [make_layer("Grass", 1.5), make_layer("Trees", 4.0), load(MOSS)]
-	made.layers[1].spacing = {"Grass": 0.5, made.layers[2]: 1.0}
-	made.layers[0].proximity_layer = "Trees"
-	made.layers[1].color_value = ClassDB.instantiate(&"ScatterValueSource")
-	made.layers[1].color_value.source = 5 # SOURCE_DISTANCE, whose layer is not set yet.
+	var new_scatter: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
+	add(new_scatter, "Scatter", heath, heath)
+	new_scatter.position = Vector3(1.0, 0.0, 0.5)
+	new_scatter.ground = ClassDB.instantiate(&"ScatterGroundFlat")
+	new_scatter.layers = [make_layer("Grass", 1.5), make_layer("Trees", 4.0), load(MOSS)]
+	new_scatter.layers[1].spacing = {"Grass": 0.5, new_scatter.layers[2]: 1.0}
+	new_scatter.layers[0].proximity_layer = "Trees"
+	new_scatter.layers[1].color_value = ClassDB.instantiate(&"ScatterValueSource")
+	new_scatter.layers[1].color_value.source = 5 # SOURCE_DISTANCE, whose layer is not set yet.
 	for kind in 4:
-		var region := add(ClassDB.instantiate(&"ScatterRegion3D"), "Region%d" % kind, made, heath) as Node3D
+		var region := add(ClassDB.instantiate(&"ScatterRegion3D"), "Region%d" % kind, new_scatter, heath) as Node3D
 		region.shape = kind
 		region.size = Vector3(2.0, 2.0, 2.0)
 		region.position = Vector3(4.0 * kind - 8.0, 0.0, -9.0)

@@ -69,9 +69,9 @@ func red(index: int) -> float:
 func test_open() -> void:
 	var yard := Node3D.new()
 	yard.name = "Yard"
-	var made: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
-	made.name = "Scatter"
-	made.ground = ClassDB.instantiate(&"ScatterGroundFlat")
+	var new_scatter: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
+	new_scatter.name = "Scatter"
+	new_scatter.ground = ClassDB.instantiate(&"ScatterGroundFlat")
 	var material: Material = (load("res://addons/thicket/shaders/foliage.tres") as Material).duplicate()
 	(material as ShaderMaterial).set_shader_parameter(&"albedo", Color.RED)
 	var mesh := BoxMesh.new()
@@ -82,9 +82,9 @@ func test_open() -> void:
 	layer.tile_size = 16.0
 	layer.view_distance = VIEW_DISTANCE
 	layer.meshes = [mesh]
-	made.layers = [layer]
-	yard.add_child(made)
-	made.owner = yard
+	new_scatter.layers = [layer]
+	yard.add_child(new_scatter)
+	new_scatter.owner = yard
 	save_scene(yard, SCENE)
 	scatter = (await open(SCENE)).get_node("Scatter")
 	EditorInterface.set_main_screen_editor("3D")

@@ -24,9 +24,9 @@ func make_scatter() -> void:
 	var root := await open(SCENE)
 	root.get_node(^"Scatter").visible = false
 	root.get_node(^"Sun").shadow_enabled = false
-	var made: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
-	made.name = "Hills"
-	made.ground = root.get_node(^"Scatter").ground
+	var new_scatter: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
+	new_scatter.name = "Hills"
+	new_scatter.ground = root.get_node(^"Scatter").ground
 	var trees := make_layer("Trees", 6.0, Vector3(0.6, 5.0, 0.6))
 	trees.max_slope_degrees = 18.0
 	trees.slope_falloff_degrees = 6.0
@@ -38,10 +38,10 @@ func make_scatter() -> void:
 	grass.clump_size = 14.0
 	grass.clump_coverage = 0.5
 	grass.spacing = {"Trees": 2.0}
-	made.layers = [trees, stones, grass]
-	root.add_child(made)
-	made.owner = root
-	scatter = made
+	new_scatter.layers = [trees, stones, grass]
+	root.add_child(new_scatter)
+	new_scatter.owner = root
+	scatter = new_scatter
 
 
 func tool() -> Control:

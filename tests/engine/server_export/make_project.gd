@@ -9,12 +9,12 @@ func make_tree() -> PackedScene:
 	var tree := Node3D.new()
 	tree.name = "Tree"
 	for lod in 2:
-		var shown := MeshInstance3D.new()
-		shown.name = "Trunk_LOD%d" % lod
-		shown.mesh = CylinderMesh.new()
-		shown.position.y = 1.0
-		tree.add_child(shown)
-		shown.owner = tree
+		var mesh_instance := MeshInstance3D.new()
+		mesh_instance.name = "Trunk_LOD%d" % lod
+		mesh_instance.mesh = CylinderMesh.new()
+		mesh_instance.position.y = 1.0
+		tree.add_child(mesh_instance)
+		mesh_instance.owner = tree
 	var body := StaticBody3D.new()
 	body.name = "Body"
 	tree.add_child(body)

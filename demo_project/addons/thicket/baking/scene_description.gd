@@ -34,7 +34,7 @@ func _init(request: Dictionary) -> void:
 		_layers.append(layer.strip_edges())
 
 
-## Returns the numbers in a string, separated by [param between]. Empty if a part of it is not a number.
+## Returns the numbers in a string, separated by [param between], or an empty array if a part of it is not a number.
 static func numbers_in(text: String, between: String) -> Array:
 	var parts := Array(text.split(between))
 	if not parts.all(func(part: String) -> bool: return part.is_valid_float()):

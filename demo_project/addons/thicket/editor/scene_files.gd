@@ -45,7 +45,7 @@ func create(scene_path: String, resource: Resource, owner_name: String, kind: St
 
 
 ## Returns the beginning of the paths for files of a layer or a model. The files are next to the resource's file if it has one, otherwise next to the
-## edited scene. Empty if neither has a file.
+## edited scene, or an empty string if neither has a file.
 static func place_of(owner: Resource) -> String:
 	var path := owner.resource_path.get_slice("::", 0)
 	if path.is_empty():
@@ -53,7 +53,7 @@ static func place_of(owner: Resource) -> String:
 	return "" if path.is_empty() else _place(path, owner.resource_name)
 
 
-## Returns the path of the edited scene. Empty if there is no scene, or if it was never saved.
+## Returns the path of the edited scene, or an empty string if there is no scene, or if it was never saved.
 static func edited_scene_path() -> String:
 	var root := EditorInterface.get_edited_scene_root()
 	return root.scene_file_path if root != null else ""
@@ -69,7 +69,7 @@ static func free_path(stem: String, extension: String) -> String:
 	return path
 
 
-## Returns the path of the scene for which [method create] has created a resource. Empty if the scene is unknown or no longer exists.
+## Returns the path of the scene for which [method create] has created a resource, or an empty string if the scene is unknown or no longer exists.
 static func scene_of(resource: Resource) -> String:
 	var uid := ResourceUID.text_to_id(str(resource.get_meta(SCENE_UID, "")))
 	var path := ResourceUID.get_id_path(uid) if uid != ResourceUID.INVALID_ID and ResourceUID.has_id(uid) else ""

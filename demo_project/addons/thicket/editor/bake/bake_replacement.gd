@@ -37,7 +37,7 @@ static func replace(edits: HandEdits, scatter: TerrainScatter3D, scene_path: Str
 	return ""
 
 
-## Returns references to layers for [member ScatterRegion3D.layers]. Empty if all layers were chosen.
+## Returns references to layers for [member ScatterRegion3D.layers], or an empty array if all layers were chosen.
 static func _references(scatter: TerrainScatter3D, chosen: Array[ScatterLayer]) -> Array:
 	var layers := scatter.layers
 	var references: Array = []

@@ -111,7 +111,7 @@ static func upright(up: Vector3) -> Basis:
 	return Basis(Quaternion(Vector3.DOWN, up)) * Basis(Vector3.RIGHT, PI)
 
 
-## Returns the grounds that a ground combines, or the ground itself. Empty if the ground is null.
+## Returns the grounds that a ground combines, or only the ground itself if it combines none. Returns an empty array for null.
 static func _parts(ground: ScatterGround) -> Array[ScatterGround]:
 	var parts: Array[ScatterGround] = []
 	if ground is ScatterGroundCombined:

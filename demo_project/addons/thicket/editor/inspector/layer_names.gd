@@ -56,7 +56,7 @@ static func referring(layers: Array[ScatterLayer]) -> Array[Resource]:
 
 
 ## Returns the properties of a layer or a value source that refer to one other layer. Only these properties accept two types, a layer or a name, which
-## is how this method recognizes them. Empty for other objects.
+## is how this method recognizes them. For other objects, returns an empty array.
 static func reference_properties(object: Object) -> PackedStringArray:
 	var result := PackedStringArray()
 	if not (object is ScatterLayer or object is ScatterValueSource):

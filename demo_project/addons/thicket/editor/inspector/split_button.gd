@@ -25,7 +25,7 @@ func _init(layer: ScatterLayer) -> void:
 	pressed.connect(func() -> void: split(_layer, _scene, _parts, EditorInterface.get_editor_undo_redo()))
 
 
-## Returns the paths of the nodes that are separate models in a scene. Empty if the scene is a single model.
+## Returns the paths of the nodes that are separate models in a scene, or an empty array if the scene is a single model.
 static func parts_of(scene: PackedScene) -> PackedStringArray:
 	var id := scene.get_instance_id()
 	if not _known.has(id):

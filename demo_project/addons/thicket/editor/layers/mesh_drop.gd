@@ -49,7 +49,7 @@ static func can_take(data: Variant, with_layers := false) -> bool:
 	return not _paths(data, with_layers).is_empty() or _resource(data, with_layers) != null
 
 
-## Returns the dragged resources. Empty if [method can_take] returns false.
+## Returns the dragged resources, or an empty array if [method can_take] returns false.
 static func taken(data: Variant, with_layers := false) -> Array[Resource]:
 	var result: Array[Resource] = []
 	if _resource(data, with_layers) != null:

@@ -158,16 +158,16 @@ static func free_seed(scatter: TerrainScatter3D) -> int:
 ## because many nodes may share it. If [param new_seed] is true, the removed instances no longer exist, so only hand-placed instances
 ## are kept. Returns false on failure, with the reason in [code]files.problem[/code].
 static func _copy_state(scatter: TerrainScatter3D, new_seed: bool, files: SceneFiles, scene_path: String,
-		r_made: Array[ScatterState]) -> bool:
+		r_copies: Array[ScatterState]) -> bool:
 	var state := scatter.state
 	if state == null or (Copies.is_file(state) and not state.copy_at_runtime):
-		r_made.append(null if new_seed else state)
+		r_copies.append(null if new_seed else state)
 		return true
 	var copy := state.duplicate() as ScatterState
 	if new_seed:
 		for id in state.get_removed():
 			copy.restore(id)
-	r_made.append(copy)
+	r_copies.append(copy)
 	return not Copies.is_file(state) or files.create(scene_path, copy, scatter.name, "state")
 
 
@@ -190,7 +190,8 @@ static func _find_files_of_other_scenes(scatter: TerrainScatter3D, own: Array[Sc
 		_add_scene(other_scene, scenes, r_shared)
 
 
-## Returns the path, without its extension, of the scene for which a file was created. Empty if it is the scene of the scatter or if there is none.
+## Returns the path, without its extension, of the scene for which a file was created, or an empty string if it is the scene of the scatter or if
+## there is none.
 ## Files without this information are named after their scene.
 static func _other_scene_of(resource: Resource, scatter: TerrainScatter3D) -> String:
 	var stem := resource.resource_path.get_basename()

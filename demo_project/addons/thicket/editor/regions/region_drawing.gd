@@ -109,7 +109,7 @@ func _polygon(frame: Transform3D) -> ScatterRegion3D:
 	return region
 
 
-## Returns a corner of the polygon of a region with this transform, [constant Vector2.INF] if it cannot have this corner.
+## Returns a corner in the local coordinates of a region with this transform, or [constant Vector2.INF] if the region cannot have this corner.
 func _in_frame(corner: Vector3, frame: Transform3D) -> Vector2:
 	if SurfacePlace.planet_of(ground()) != null:
 		return PlanetOutline.corner_toward(corner, SurfacePlace.planet_center(scatter), frame)

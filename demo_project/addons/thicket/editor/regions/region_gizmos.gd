@@ -1,7 +1,8 @@
 @tool
 extends EditorNode3DGizmoPlugin
 ## Draws a [ScatterRegion3D]: its shape, its border on the ground, a second line where the falloff ends, and handles for
-## its size. On a planet, the border is drawn along the planet's up. Handles snap like the editor's gizmos. Dragging a face keeps the opposite face in place unless Alt is held.
+## its size. On a planet, the border is drawn along the planet's up. Handles snap like the editor's gizmos. Dragging a face keeps the opposite face in
+## place unless Alt is held.
 
 const EditorSnap := preload("res://addons/thicket/editor/editor_snap.gd")
 const GroundLines := preload("res://addons/thicket/editor/ground/ground_lines.gd")
@@ -207,7 +208,7 @@ func _handles(region: ScatterRegion3D) -> PackedVector3Array:
 	return positions
 
 
-## Returns the world position where a path begins, and the direction across it. Empty if there is no path.
+## Returns the world position where a path begins, and the direction across it, or an empty array if there is no path.
 static func _path_start(region: ScatterRegion3D) -> PackedVector3Array:
 	var points := Outline.path_positions(region)
 	if points.size() < 2:

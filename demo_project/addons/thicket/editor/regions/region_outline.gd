@@ -5,7 +5,7 @@ extends RefCounted
 const SIDES := 48
 
 
-## Returns the edges of a box, sphere or cylinder, as pairs of end points in the node's local space. Empty for polygons
+## Returns the edges of a box, sphere or cylinder, as pairs of end points in the node's local space, or an empty array for polygons
 ## and paths.
 static func body(region: ScatterRegion3D) -> PackedVector3Array:
 	var lines := PackedVector3Array()
@@ -45,14 +45,14 @@ static func borders(region: ScatterRegion3D, inwards: float) -> Array[PackedVect
 			return inset(hull(_flat(region.global_transform * body(region))), inwards)
 
 
-## Returns the outlines of a strip along a line. Empty if there is no line or no width.
+## Returns the outlines of a strip along a line, or an empty array if there is no line or no width.
 static func strip(points: PackedVector2Array, half_width: float) -> Array[PackedVector2Array]:
 	if half_width > 0.0 and points.size() > 1:
 		return Geometry2D.offset_polyline(points, half_width, Geometry2D.JOIN_ROUND, Geometry2D.END_ROUND)
 	return []
 
 
-## Returns an outline, moved inward. Empty if nothing of it is left.
+## Returns an outline, moved inward, or an empty array if nothing of it is left.
 static func inset(outline: PackedVector2Array, inwards: float) -> Array[PackedVector2Array]:
 	if outline.size() < 3:
 		return []
@@ -79,7 +79,7 @@ static func corners(region: ScatterRegion3D) -> PackedVector3Array:
 	return positions
 
 
-## Returns the world positions of the points of the region's path. Empty if there is no path.
+## Returns the world positions of the points of the region's path, or an empty array if there is no path.
 static func path_positions(region: ScatterRegion3D) -> PackedVector3Array:
 	var path := path_node(region)
 	if path == null or path.curve == null:
