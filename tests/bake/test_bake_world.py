@@ -31,7 +31,7 @@ from conftest import REPO, run
 
 sys.path.insert(0, str(REPO / "tools/bake"))
 from baking.driver import world_digest  # noqa: E402
-from baking.tile_engine import Refused, Source, TileEngine  # noqa: E402 (only on the path above)
+from baking.tile_engine import Rejected, Source, TileEngine  # noqa: E402 (only on the path above)
 
 
 def copied(baked: Baked, to: Path) -> Baked:
@@ -62,7 +62,7 @@ def test_costs_include_the_engine(world, baked):
     try:
         first = engine.core_seconds()
         assert first > 0.1, "an engine loads the scene when it starts"
-        with pytest.raises(Refused, match="before describe succeeded"):
+        with pytest.raises(Rejected, match="before describe succeeded"):
             next(engine.rows((0, 0)))
         engine.describe({"rect": "-160,-160,320,320", "tile_size": "320", "layers": "Grass"})
         assert sum(len(data) for tile in [(-1, -1), (0, -1), (-1, 0), (0, 0)] for _, data in engine.rows(tile)) > 1_000_000

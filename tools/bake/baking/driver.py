@@ -17,7 +17,7 @@ from .format import FORMAT, MANIFEST, VERSION, BakeError, name_of, tile_of_name
 from .grid import TileGrid
 from .manifest import check_manifest, read_manifest
 from .report import Map, Outcome, Progress, write_report
-from .tile_engine import EngineGone, Refused, Source
+from .tile_engine import EngineGone, Rejected, Source
 from .tile_folder import MadeTiles
 
 # The longer side of the map in pixels.
@@ -86,7 +86,7 @@ def _begin(request: BakeRequest, client: Client, say: Callable[[str], None]) -> 
     """Returns the plan, the manifest (which is already on disk), and the startup time of an engine in seconds."""
     try:
         described = client.submit(tile.describe, request.source, request.requested, pure=False).result()
-    except (EngineGone, Refused) as error:
+    except (EngineGone, Rejected) as error:
         raise BakeError(str(error)) from error
     for problem in described["problems"]:
         say(f"The scene warns: {problem}")

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from . import fields
-from .fields import flag, items, mapping, members, nullable, number, text, whole
+from .fields import flag, items, mapping, members, nullable, number, text, integer
 from .format import FORMAT, MANIFEST, VERSION, BakeError, tile_of_name
 
 MAX_TILES = 1_000_000
@@ -20,16 +20,16 @@ METERS = number(-MAX_METERS, MAX_METERS)
 LENGTH = number(1e-3, MAX_METERS)
 RECT = items(METERS, 4, 4)
 _distance = number(0.0, MAX_METERS)
-_whole_32 = whole(-(2**31), 2**31 - 1)
-_rows = whole(0, 2**31 - 1)
+_integer_32 = integer(-(2**31), 2**31 - 1)
+_rows = integer(0, 2**31 - 1)
 _cost = nullable(number(0.0, 1e12))
 _sha256 = text("[0-9a-f]{64}", "64 hexadecimal digits, a SHA-256")
 _levels = items(members({"path": text(), "distance": _distance}, ["path"]))
 _layer = members(
     {
-        "index": whole(0, 0xFFFF), "name": text(), "radius": number(*RADII), "colored": flag, "custom_data": flag, "view_distance": _distance,
-        "cast_shadow": whole(0, 3), "render_layers": whole(0, 0xFFFFFFFF), "material": text(),
-        "models": items(members({"path": text(), "name": text(), "lods": nullable(_levels)}), most=0xFFFF),
+        "index": integer(0, 0xFFFF), "name": text(), "radius": number(*RADII), "colored": flag, "custom_data": flag, "view_distance": _distance,
+        "cast_shadow": integer(0, 3), "render_layers": integer(0, 0xFFFFFFFF), "material": text(),
+        "models": items(members({"path": text(), "name": text(), "lods": nullable(_levels)}), max_count=0xFFFF),
     },
     ["index", "radius", "models"],
 )  # fmt: skip
@@ -44,7 +44,7 @@ _tile_name = text(r"(0|-?[1-9][0-9]{0,9}),(0|-?[1-9][0-9]{0,9})", "two whole num
 _manifest = members(
     {
         "scene": text(), "scene_digest": text(), "scene_parts": mapping(text(), text(), 1 << 20),
-        "rect": RECT, "tile_size": LENGTH, "grid": items(_whole_32, 4, 4), "world_offset": items(METERS, 3, 3),
+        "rect": RECT, "tile_size": LENGTH, "grid": items(_integer_32, 4, 4), "world_offset": items(METERS, 3, 3),
         "layers": items(_layer, 1, 0x10000), "tiles": mapping(_tile_name, _tile, MAX_TILES), "complete": flag, "digest": nullable(_sha256),
     },
     ["scene", "scene_digest", "rect", "tile_size", "world_offset", "layers", "tiles"],
@@ -59,12 +59,12 @@ _costs = members(
 
 
 @contextmanager
-def refusing(path: Path, remedy: str) -> Iterator[None]:
-    """Converts a Refused from a check into a BakeError with the file's name and instructions."""
+def reporting_invalid_values(path: Path, remedy: str) -> Iterator[None]:
+    """Converts an InvalidValue from a check into a BakeError with the file's name and instructions."""
     try:
         yield
-    except fields.Refused as refused:
-        raise BakeError(f"{path}: {refused}; {remedy}") from None
+    except fields.InvalidValue as invalid:
+        raise BakeError(f"{path}: {invalid}; {remedy}") from None
 
 
 def read_json(path: Path) -> dict:
@@ -100,22 +100,22 @@ def check_manifest(content: dict, manifest: Path) -> None:
     """Raises BakeError if the manifest has another version, or for the first field that is missing or invalid."""
     version = content.get("version")
     if type(version) is not int or version != VERSION:
-        raise BakeError(f"{manifest}: version must be {VERSION}, got {fields.shown(version)}; bake again with this version of Thicket")
-    with refusing(manifest, REMEDY):
+        raise BakeError(f"{manifest}: version must be {VERSION}, got {fields.as_text(version)}; bake again with this version of Thicket")
+    with reporting_invalid_values(manifest, REMEDY):
         _manifest(content)
         _check_sense(content)
 
 
 def check_costs(content: dict, manifest: Path) -> None:
     """Raises BakeError like check_manifest, but checks only the fields that a forecast reads."""
-    with refusing(manifest, REMEDY):
+    with reporting_invalid_values(manifest, REMEDY):
         _costs(content)
 
 
 def check_rect(rect: list) -> None:
-    """Raises Refused for a rectangle without a width or a depth."""
+    """Raises InvalidValue for a rectangle without a width or a depth."""
     if min(rect[2:]) <= 0:
-        raise fields.Refused(min(rect[2:]), "x, z, width and depth in meters, the last two above 0").within("rect")
+        raise fields.InvalidValue(min(rect[2:]), "x, z, width and depth in meters, the last two above 0").within("rect")
 
 
 def _check_sense(content: dict) -> None:
@@ -124,15 +124,15 @@ def _check_sense(content: dict) -> None:
     indices = [layer["index"] for layer in content["layers"]]
     for number, layer in enumerate(content["layers"]):
         if indices.index(layer["index"]) != number:
-            raise fields.Refused(layer["index"], "a unique number for each layer").within("index").within(f"[{number}]").within("layers")
+            raise fields.InvalidValue(layer["index"], "a unique number for each layer").within("index").within(f"[{number}]").within("layers")
         for model, entry in enumerate(layer["models"]):
             begins = [level.get("distance", 0.0) for level in entry.get("lods") or []]
             if begins and (begins[0] != 0 or sorted(begins) != begins):
                 name = f"layers[{number}].models[{model}].lods"
-                raise fields.Refused(next((begin for begin in begins if begin), 0), "levels of which the first begins at 0 m and the others are sorted by distance").within(name)
+                raise fields.InvalidValue(next((begin for begin in begins if begin), 0), "levels of which the first begins at 0 m and the others are sorted by distance").within(name)
     for name, tile in content["tiles"].items():
         if max(map(abs, tile_of_name(name))) >= 2**31:
-            raise fields.Refused(name, "two whole numbers I,J below 2147483648 as the key").within(f"[{json.dumps(name)}]").within("tiles")
+            raise fields.InvalidValue(name, "two whole numbers I,J below 2147483648 as the key").within(f"[{json.dumps(name)}]").within("tiles")
         bounds = tile.get("bounds")
         if bounds and any(low > high for low, high in zip(bounds[:3], bounds[3:])):
-            raise fields.Refused(max(bounds[:3]), "smallest x, y, z, then largest x, y, z").within("bounds").within(f"[{json.dumps(name)}]").within("tiles")
+            raise fields.InvalidValue(max(bounds[:3]), "smallest x, y, z, then largest x, y, z").within("bounds").within(f"[{json.dumps(name)}]").within("tiles")

@@ -57,9 +57,9 @@ def joined(parts: list[Columns]) -> Columns:
     if not parts:
         empty = to_columns(SCHEMA.empty_table())
         return {name: empty[name] for name in [*SCHEMA.names, "has_color", "has_custom"]}
-    whole = {name: np.concatenate([part[name] for part in parts]) for name in [*SCHEMA.names, "has_color", "has_custom"]}
-    order = np.lexsort((whole["id"], whole["layer"]))
-    return {name: column.take(order) for name, column in whole.items()}
+    combined = {name: np.concatenate([part[name] for part in parts]) for name in [*SCHEMA.names, "has_color", "has_custom"]}
+    order = np.lexsort((combined["id"], combined["layer"]))
+    return {name: column.take(order) for name, column in combined.items()}
 
 
 # The name of the mask of each nullable column. The mask is true where the column has a value.

@@ -15,7 +15,7 @@ import numpy as np
 from . import files, rows
 from .format import name_of
 from .grid import TileGrid, inside
-from .tile_engine import EngineGone, Refused, Source, TileEngine
+from .tile_engine import EngineGone, Rejected, Source, TileEngine
 from .tile_folder import MadeTiles, TileFolder
 
 # The number of attempts before a tile fails. An attempt fails if the engine is lost or its rows are damaged; the next
@@ -62,7 +62,7 @@ _engines: list[TileEngine | TileFolder] = []
 
 
 def _engine_of(plan: Plan) -> TileEngine:
-    """Returns this thread's engine with the plan's scene, starting one if necessary. Raises EngineGone, Refused or
+    """Returns this thread's engine with the plan's scene, starting one if necessary. Raises EngineGone, Rejected or
     SceneChanged."""
     if getattr(_own, "key", None) != (plan.source, plan.scene_digest):
         _drop_engine()
@@ -159,7 +159,7 @@ def make(plan: Plan, tile: tuple[int, int], entry: dict) -> dict:
             columns, marks, sha256 = known
     except (SceneChanged, files.CannotWrite) as error:
         return {"tile": tile, "stop": str(error)}
-    except (Refused, EngineGone) as error:
+    except (Rejected, EngineGone) as error:
         return {"tile": tile, "failed": str(error)}
     engine = getattr(_own, "engine", None)
     return {

@@ -42,7 +42,7 @@ class EngineGone(RuntimeError):
     """Raised if the engine has ended, does not answer or could not be started. A new engine may work."""
 
 
-class Refused(RuntimeError):
+class Rejected(RuntimeError):
     """Raised if the engine has rejected a request. The message contains the reason."""
 
 
@@ -141,17 +141,17 @@ class TileEngine:
         (length,) = struct.unpack("<I", self._take(4))
         header = json.loads(self._take(length))
         if "error" in header:
-            raise Refused(f"{header['error']} {self._last_words() if 'printed' in header['error'] else ''}".strip())
+            raise Rejected(f"{header['error']} {self._last_words() if 'printed' in header['error'] else ''}".strip())
         return header, self._take(header["bytes"])
 
     def describe(self, requested: dict[str, str]) -> dict:
         """Returns the scene's description from scene_description.gd. `requested` has `rect`, `tile_size` and `layers` as strings;
-        missing values get defaults. Raises Refused for a scene that cannot be baked, and for a project with another version of
+        missing values get defaults. Raises Rejected for a scene that cannot be baked, and for a project with another version of
         the add-on."""
         self._send({"do": "describe", **requested})
         described = self._receive()[0]
         if "columns" not in described:
-            raise Refused("The project has another version of the add-on: copy the add-on of this checkout into the project.")
+            raise Rejected("The project has another version of the add-on: copy the add-on of this checkout into the project.")
         return described
 
     def models(self, layers: list[int]) -> tuple[list[dict], dict[str, bytes]]:

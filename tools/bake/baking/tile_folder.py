@@ -10,11 +10,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from .fields import Refused as BadField
-from .fields import items, mapping, members, number, text, whole
+from .fields import InvalidValue
+from .fields import items, mapping, members, number, text, integer
 from .format import BakeError, name_of
-from .manifest import LENGTH, MAX_TILES, METERS, RADII, RECT, check_rect, read_json, refusing
-from .tile_engine import Refused
+from .manifest import LENGTH, MAX_TILES, METERS, RADII, RECT, check_rect, read_json, reporting_invalid_values
+from .tile_engine import Rejected
 
 WORLD = "world.json"
 
@@ -30,12 +30,12 @@ class MadeTiles:
         return TileFolder(Path(self.folder))
 
 
-_layer = members({"index": whole(0, 0xFFFF), "name": text(), "radius": number(*RADII), "tile_size": LENGTH}, ["index", "name", "radius", "tile_size"])
-_models = members({"index": whole(0, 0xFFFF), "models": items(members({})), "material": text()}, ["index", "models", "material"])
+_layer = members({"index": integer(0, 0xFFFF), "name": text(), "radius": number(*RADII), "tile_size": LENGTH}, ["index", "name", "radius", "tile_size"])
+_models = members({"index": integer(0, 0xFFFF), "models": items(members({})), "material": text()}, ["index", "models", "material"])
 _checks = {
-    "scene": text(), "scene_digest": text(), "thicket": text(), "seed": text("-?[0-9]{1,20}", "an integer in a string"), "problems": items(text(most=1 << 20)),
+    "scene": text(), "scene_digest": text(), "thicket": text(), "seed": text("-?[0-9]{1,20}", "an integer in a string"), "problems": items(text(max_length=1 << 20)),
     "parts": mapping(text(), text(), 1 << 20), "rect": RECT, "tile_size": LENGTH, "world_offset": items(METERS, 3, 3),
-    "layers": items(_layer, 1, 0x10000), "models": items(_models), "grid": items(whole(-(2**31), 2**31 - 1), 4, 4),
+    "layers": items(_layer, 1, 0x10000), "models": items(_models), "grid": items(integer(-(2**31), 2**31 - 1), 4, 4),
     "edges": items(items(METERS, 2, MAX_TILES + 1), 2, 2), "columns": mapping(text(), mapping(text(), text(), 100), 0x10000),
 }  # fmt: skip
 _world = members(_checks, _checks)
@@ -54,7 +54,7 @@ def _read_world(folder: Path) -> dict:
         raise BakeError(f"{error}; {again}") from None
     if "columns" not in world:
         raise BakeError(f"{folder} was created by another version of Thicket: {again}")
-    with refusing(folder / WORLD, again):
+    with reporting_invalid_values(folder / WORLD, again):
         _world(world)
         _check_sense(world)
     return world
@@ -65,16 +65,16 @@ def _check_sense(world: dict) -> None:
     check_rect(world["rect"])
     sides = world["grid"][2:]
     if min(sides) < 1 or sides[0] * sides[1] > MAX_TILES:
-        raise BadField(sides, f"first column, first row, columns and rows of 1 to {MAX_TILES} tiles").within("grid")
+        raise InvalidValue(sides, f"first column, first row, columns and rows of 1 to {MAX_TILES} tiles").within("grid")
     if [len(edges) - 1 for edges in world["edges"]] != sides:
-        raise BadField(world["edges"], "the edges of all columns and rows of the grid").within("edges")
+        raise InvalidValue(world["edges"], "the edges of all columns and rows of the grid").within("edges")
     indices = [layer["index"] for layer in world["layers"]]
     if len(set(indices)) < len(indices):
-        raise BadField(indices, "layers with different indices").within("layers")
+        raise InvalidValue(indices, "layers with different indices").within("layers")
     if {str(index) for index in indices} - world["columns"].keys():
-        raise BadField(world["columns"], "an object with the columns of each layer").within("columns")
+        raise InvalidValue(world["columns"], "an object with the columns of each layer").within("columns")
     if set(indices) - {each["index"] for each in world["models"]}:
-        raise BadField(world["models"], "an array with an entry for each layer").within("models")
+        raise InvalidValue(world["models"], "an array with an entry for each layer").within("models")
 
 
 class TileFolder:
@@ -85,7 +85,7 @@ class TileFolder:
         try:
             self.world = _read_world(folder)
         except BakeError as error:  # The file was valid when the bake started.
-            raise Refused(str(error)) from None
+            raise Rejected(str(error)) from None
 
     def describe(self, requested: dict[str, str]) -> dict:
         """Returns the description of the scene like TileEngine.describe, with the options for which the tiles were generated.
@@ -98,19 +98,19 @@ class TileFolder:
         return [each for each in self.world["models"] if each["index"] in layers], files
 
     def rows(self, tile: tuple[int, int]) -> Iterator[tuple[dict, memoryview]]:
-        """Yields the rows of a tile like TileEngine.rows. Raises Refused if the tile's file is missing, unreadable or damaged,
+        """Yields the rows of a tile like TileEngine.rows. Raises Rejected if the tile's file is missing, unreadable or damaged,
         or belongs to another bake."""
         path = self.folder / "tiles" / f"tile_{tile[0]}_{tile[1]}.rows"
         try:
             data = memoryview(path.read_bytes())
         except FileNotFoundError:
-            raise Refused(f"{path} is missing: bake_world.gd has not generated it yet.") from None
+            raise Rejected(f"{path} is missing: bake_world.gd has not generated it yet.") from None
         except OSError as error:
-            raise Refused(f"{path} cannot be read: {error.strerror}. Make it readable, or generate it again with bake_world.gd.") from None
+            raise Rejected(f"{path} cannot be read: {error.strerror}. Make it readable, or generate it again with bake_world.gd.") from None
         try:
             yield from self._parts(data, tile)
         except (ValueError, LookupError, struct.error):
-            raise Refused(f"{path} is damaged or belongs to another bake: generate it again with bake_world.gd.") from None
+            raise Rejected(f"{path} is damaged or belongs to another bake: generate it again with bake_world.gd.") from None
 
     def _parts(self, data: memoryview, tile: tuple[int, int]) -> Iterator[tuple[dict, memoryview]]:
         header, _, data = _message(data)
