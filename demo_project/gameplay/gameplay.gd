@@ -21,7 +21,7 @@ var falling: Array[Node3D] = []
 @onready var player: CharacterBody3D = $Player
 @onready var minimap: Control = $Hud/Minimap
 @onready var _highlight: MeshInstance3D = $Highlight
-@onready var _looking: Label = $Hud/Looking
+@onready var _target_text: Label = $Hud/Looking
 @onready var _message: Label = $Hud/Panel/Rows/Said
 @onready var _help: Label = $Hud/Panel/Rows/Help
 
@@ -38,7 +38,7 @@ func _ready() -> void:
 func _process(_delta: float) -> void:
 	var tree: ScatterInstance = player.looked_at
 	_highlight.visible = tree != null
-	_looking.visible = tree != null
+	_target_text.visible = tree != null
 	if tree == null:
 		return
 	var mesh: Mesh = tree.layer.meshes[tree.mesh]
@@ -50,7 +50,7 @@ func _process(_delta: float) -> void:
 	RenderingServer.material_set_param(_highlight.material_override.get_rid(), &"wind_time", time)
 	_highlight.global_transform = tree.transform
 	var height := mesh.get_aabb().end.y * tree.transform.basis.get_scale().y
-	_looking.text = "%s, %.1f m tall, %.1f m away\nid %d\nF   fell" % [
+	_target_text.text = "%s, %.1f m tall, %.1f m away\nid %d\nF   fell" % [
 		tree.layer.resource_name, height, tree.distance, tree.id]
 
 

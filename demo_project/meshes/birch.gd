@@ -43,6 +43,7 @@ static func build(variant: int) -> Builder:
 	return builder
 
 
+## Returns the center and radius of the crown's clumps, as Vector4(x, y, z, radius).
 static func _clumps(rng: RandomNumberGenerator, variant: int) -> Array[Vector4]:
 	var result: Array[Vector4] = []
 	var count := 21
@@ -55,6 +56,7 @@ static func _clumps(rng: RandomNumberGenerator, variant: int) -> Array[Vector4]:
 	return result
 
 
+## Adds the trunk, and branches to the clumps.
 static func _trunk(builder: Builder, clumps: Array[Vector4], sides: int) -> void:
 	var bend := Vector3(0.25, 6.0, 0.1)
 	builder.tube(Vector3(0.0, -0.6, 0.0), Vector3(0.0, 0.35, 0.0), 0.34, 0.21, sides, BARK * 0.6, BARK_KIND)

@@ -44,6 +44,7 @@ static func build(variant: int) -> Builder:
 	return builder
 
 
+## Returns the center and radius of the crown's clumps, as Vector4(x, y, z, radius).
 static func _clumps(rng: RandomNumberGenerator, variant: int, lean: Vector3) -> Array[Vector4]:
 	var result: Array[Vector4] = []
 	var count := 11
@@ -57,6 +58,7 @@ static func _clumps(rng: RandomNumberGenerator, variant: int, lean: Vector3) -> 
 	return result
 
 
+## Adds the trunk, and branches to the clumps.
 static func _trunk(builder: Builder, clumps: Array[Vector4], lean: Vector3, sides: int) -> void:
 	var middle := Vector3(0.0, 8.0, 0.0) + lean * 0.3
 	builder.tube(Vector3(0.0, -0.8, 0.0), Vector3(0.0, 0.4, 0.0), 0.52, 0.35, sides, BARK * 0.85, BARK_KIND)

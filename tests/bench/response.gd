@@ -158,8 +158,8 @@ func _measure_drags(rounds: int) -> Dictionary:
 		for step in steps:
 			_layer.density = 0.9 + 0.0005 * step
 			await _frame()
-		var least := _near.map(func(tile: Vector2i) -> float: return _seen.get(tile, 0) / DRAG_SECONDS)
-		figures.renewed.push_back(least.min())
+		var rates := _near.map(func(tile: Vector2i) -> float: return _seen.get(tile, 0) / DRAG_SECONDS)
+		figures.renewed.push_back(rates.min())
 		var times := await _change(0.8 + 0.01 * round)
 		if times.is_empty():
 			return {}

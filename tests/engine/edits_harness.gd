@@ -83,10 +83,10 @@ func make_clearing() -> ScatterRegion3D:
 
 
 func nearest(position: Vector2, others: PackedVector2Array) -> float:
-	var least := INF
+	var minimum := INF
 	for other in others:
-		least = minf(least, position.distance_squared_to(other))
-	return sqrt(least)
+		minimum = minf(minimum, position.distance_squared_to(other))
+	return sqrt(minimum)
 
 
 func map_positions(scatter: TerrainScatter3D, layer: int) -> PackedVector2Array:

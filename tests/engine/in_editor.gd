@@ -13,11 +13,11 @@ func _ready() -> void:
 	print("children of the scatter: %d" % children)
 	var limit: int = scatter.preview_instances
 	scatter.preview_instances = 1000
-	var most := 0
+	var maximum := 0
 	for frame in 30:
 		await get_tree().process_frame
-		most = maxi(most, scatter.get_draw_stats(null)["instances"])
-	print("most of a limited preview: %d instances" % most)
+		maximum = maxi(maximum, scatter.get_draw_stats(null)["instances"])
+	print("most of a limited preview: %d instances" % maximum)
 	print("limited preview: %d instances" % scatter.get_draw_stats(null)["instances"])
 	scatter.preview_instances = limit
 	await print_summary(scatter)

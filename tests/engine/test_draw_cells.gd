@@ -88,9 +88,9 @@ func test_mesh_and_thinning_depend_on_a_cells_distance() -> void:
 			var density := 1.0 - 0.75 * clampf((distance - 20.0) / 100.0, 0.0, 1.0)
 			var ranks := range(14, buffer.size(), 16).map(func(index: int) -> float: return buffer[index])
 			var fewest := ranks.filter(func(rank: float) -> bool: return rank < density - 0.02).size()
-			var most := ranks.filter(func(rank: float) -> bool: return rank < density + 0.02).size()
+			var maximum := ranks.filter(func(rank: float) -> bool: return rank < density + 0.02).size()
 			var drawn := visible_count(multimesh)
-			check(drawn >= fewest and drawn <= most, "%f m: %d drawn, %d to %d" % [distance, drawn, fewest, most])
+			check(drawn >= fewest and drawn <= maximum, "%f m: %d drawn, %d to %d" % [distance, drawn, fewest, maximum])
 	check_equal(meshes[Vector2i.ZERO].size(), 2, "meshes in the viewer's tile")
 	check(scatter.get_stats()["drawn"] < scatter.get_stats()["instances"], "some instances are thinned out")
 	check_equal(scatter.get_stats()["drawn"], drawn_of_all(scatter), "drawn instances in the stats")
@@ -189,8 +189,8 @@ func test_max_multimeshes_prefers_near_tiles() -> void:
 	var viewer := make_viewer(Vector3(-200.0, 2.0, -200.0))
 	var scatter := make_scatter([layer], Island.new(), viewer)
 	await settle(scatter)
-	var most: int = scatter.get_stats()["multimeshes"]
-	check(most > 100, "%d multimeshes without a limit" % most)
+	var maximum: int = scatter.get_stats()["multimeshes"]
+	check(maximum > 100, "%d multimeshes without a limit" % maximum)
 	var exact := island_digests(scatter)
 	scatter.max_multimeshes = 80
 	await settle(scatter)

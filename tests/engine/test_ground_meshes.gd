@@ -232,15 +232,15 @@ func test_the_old_ground_stays_until_the_new_one_is_built() -> void:
 	var shown_count := scatter.get_shown_count(scatter.layers[0])
 	check(shown_count > 30, "%d instances" % shown_count)
 	instance.mesh = mesh_of(Mesh.PRIMITIVE_TRIANGLES, plane(400, 2.0).get_mesh_arrays())
-	var least := shown_count
+	var minimum := shown_count
 	var heights := {}
 	await until(func() -> bool:
-			least = mini(least, scatter.get_shown_count(scatter.layers[0]))
+			minimum = mini(minimum, scatter.get_shown_count(scatter.layers[0]))
 			heights[scatter.ground.get_height(Vector3(0.5, 0.0, 0.5))] = true
 			return heights.has(2.0), "the new ground is used")
 	check_equal(heights.keys(), [0.0, 2.0], "the old ground, then the new one")
 	await settle(scatter)
-	check(least > shown_count / 2, "at least %d of %d instances at any time" % [least, shown_count])
+	check(minimum > shown_count / 2, "at least %d of %d instances at any time" % [minimum, shown_count])
 	var heads := all_transforms(scatter)
 	check(heads.all(func(one: Transform3D) -> bool: return absf(one.origin.y - 2.0) < 1e-4), "all instances are on the new ground")
 

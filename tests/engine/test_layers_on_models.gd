@@ -45,10 +45,10 @@ func make_mossy(layers: Array[ScatterLayer] = [make_stones(), make_moss()]) -> T
 
 ## Returns the distance of a position from the surface of the nearest boulder.
 func distance_to(stones: Array, position: Vector3) -> float:
-	var least := INF
+	var minimum := INF
 	for stone: Transform3D in stones:
-		least = minf(least, absf(stone.origin.distance_to(position) - RADIUS * stone.basis.y.length()))
-	return least
+		minimum = minf(minimum, absf(stone.origin.distance_to(position) - RADIUS * stone.basis.y.length()))
+	return minimum
 
 
 func check_on(stones: Array, moss: Dictionary[int, Transform3D], context: String) -> void:

@@ -87,10 +87,10 @@ func check_detail(scatter: TerrainScatter3D, layer: ScatterLayer, buffers: Dicti
 			var buffer: PackedFloat32Array = buffers[tile][mesh]
 			var ranks := range(14, buffer.size(), 16).map(func(index: int) -> float: return buffer[index])
 			var fewest := ranks.filter(func(rank: float) -> bool: return rank < density - 0.001).size()
-			var most := ranks.filter(func(rank: float) -> bool: return rank < density + 0.02).size()
+			var maximum := ranks.filter(func(rank: float) -> bool: return rank < density + 0.02).size()
 			var drawn := visible_count(multimeshes[mesh], ranks.size())
-			if drawn < fewest or drawn > most:
-				check(false, "tile %s, %f m away, draws %d instead of %d to %d" % [tile, distance, drawn, fewest, most])
+			if drawn < fewest or drawn > maximum:
+				check(false, "tile %s, %f m away, draws %d instead of %d to %d" % [tile, distance, drawn, fewest, maximum])
 	return seen
 
 

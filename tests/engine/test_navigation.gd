@@ -70,7 +70,7 @@ func obstructions(region: NavigationRegion3D) -> Array:
 ## Returns the distance on the map, in meters, from a position to the nearest polygon of a mesh. Returns 0 inside a polygon.
 ## If `height` is not NAN, only polygons within a meter of that height are included.
 func clearance(mesh: NavigationMesh, at: Vector2, height := NAN) -> float:
-	var least := INF
+	var minimum := INF
 	var vertices := mesh.get_vertices()
 	for index in mesh.get_polygon_count():
 		if absf(vertices[mesh.get_polygon(index)[0]].y - height) > 1.0:
@@ -82,8 +82,8 @@ func clearance(mesh: NavigationMesh, at: Vector2, height := NAN) -> float:
 			return 0.0
 		for corner in outline.size():
 			var nearest := Geometry2D.get_closest_point_to_segment(at, outline[corner - 1], outline[corner])
-			least = minf(least, nearest.distance_to(at))
-	return least
+			minimum = minf(minimum, nearest.distance_to(at))
+	return minimum
 
 
 ## Checks that the mesh keeps a distance of the instance's radius plus the agent's radius from every instance, and at most about two cells
@@ -185,13 +185,13 @@ func test_paths_avoid_instances() -> void:
 	await until(func() -> bool: return NavigationServer3D.map_get_path(map, from, -from, true).size() > 2, "a path exists")
 	var path := NavigationServer3D.map_get_path(map, from, -from, true)
 	check(path[-1].distance_to(-from) < 1.0, "the path reaches its end: %s" % path[-1])
-	var least := INF
+	var minimum := INF
 	for index in found.size():
 		for step in range(1, path.size()):
 			var nearest := Geometry3D.get_closest_point_to_segment(found.get_position(index), path[step - 1], path[step])
-			least = minf(least, Vector2(nearest.x - found.get_position(index).x, nearest.z - found.get_position(index).z).length())
-	check(least > TRUNK + AGENT - ERROR, "the path keeps a distance of %.3f m from trunks" % least)
-	check(least < 4.0, "the path passes close to trees")
+			minimum = minf(minimum, Vector2(nearest.x - found.get_position(index).x, nearest.z - found.get_position(index).z).length())
+	check(minimum > TRUNK + AGENT - ERROR, "the path keeps a distance of %.3f m from trunks" % minimum)
+	check(minimum < 4.0, "the path passes close to trees")
 
 
 func test_changes_by_a_game() -> void:

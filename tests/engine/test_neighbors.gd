@@ -3,12 +3,12 @@ extends "edits_harness.gd"
 
 ## Returns the smallest distance on the map from a layer's instances near the origin to the instances of a second layer.
 func gap(scatter: TerrainScatter3D, layer: int, other: int) -> float:
-	var least := INF
+	var minimum := INF
 	var others := map_positions(scatter, other)
 	for position in map_positions(scatter, layer):
 		if position.length() < 50.0:
-			least = minf(least, nearest(position, others))
-	return least
+			minimum = minf(minimum, nearest(position, others))
+	return minimum
 
 
 func test_one_layer_changed() -> void:

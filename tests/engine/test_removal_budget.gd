@@ -43,11 +43,11 @@ func check_removal(scatter: TerrainScatter3D, context: String, change: Callable,
 	change.call()
 	check_equal(bodies(scatter).size(), standing.size(), context + ": the call itself removes no body")
 	var previous := standing.size()
-	var most := 0
+	var maximum := 0
 	for frame in 40:
 		await process_frame
 		var left := bodies(scatter)
-		most = maxi(most, previous - left.size())
+		maximum = maxi(maximum, previous - left.size())
 		previous = left.size()
 		if wanted == 0 and standing.size() - previous < 100:
 			var nearest_left := INF
@@ -59,7 +59,7 @@ func check_removal(scatter: TerrainScatter3D, context: String, change: Callable,
 					farthest_gone = maxf(farthest_gone, distances[id])
 			# Frames check cells by their distance from the viewer. Within a cell, the order is exact.
 			check(farthest_gone < nearest_left + 12.0, "%s: a body %.1f m away is removed, one at %.1f m is not" % [context, farthest_gone, nearest_left])
-	check(most > 0 and most <= MOST_IN_A_STEP, "%s: %d bodies in one frame" % [context, most])
+	check(maximum > 0 and maximum <= MOST_IN_A_STEP, "%s: %d bodies in one frame" % [context, maximum])
 	scatter.frame_budget_usec = 20000
 	await settle(scatter)
 	check(scatter.get_stats()["bodies"] >= wanted, "%s: %d bodies at the end" % [context, scatter.get_stats()["bodies"]])
@@ -112,13 +112,13 @@ func test_a_teleport() -> void:
 	var scatter := await make_dense([make_dense_layer()])
 	var previous := bodies(scatter).size()
 	viewer.position.x = 3000.0
-	var most := 0
+	var maximum := 0
 	for frame in 40:
 		await process_frame
 		var now := bodies(scatter).size()
-		most = maxi(most, previous - now)
+		maximum = maxi(maximum, previous - now)
 		previous = now
-	check(most > 0 and most <= MOST_IN_A_STEP, "%d bodies in one frame" % most)
+	check(maximum > 0 and maximum <= MOST_IN_A_STEP, "%d bodies in one frame" % maximum)
 	scatter.frame_budget_usec = 20000
 	await settle(scatter)
 	check_equal(bodies(scatter).size(), 0, "bodies at the old position")
@@ -210,14 +210,14 @@ func test_unused_scenes_are_freed_over_frames() -> void:
 	var alive := Counted.alive
 	check(alive > 200, "%d scenes" % alive)
 	layer.scene = null
-	var most := 0
+	var maximum := 0
 	var deadline := Time.get_ticks_msec() + IDLE_TIMEOUT_MSEC
 	while Counted.alive > 0 and Time.get_ticks_msec() < deadline:
 		await process_frame
-		most = maxi(most, alive - Counted.alive)
+		maximum = maxi(maximum, alive - Counted.alive)
 		alive = Counted.alive
 	check_equal(Counted.alive, 0, "scenes at the end")
-	check(most <= 4, "%d scenes freed in one frame" % most)
+	check(maximum <= 4, "%d scenes freed in one frame" % maximum)
 
 
 func test_multimeshes_are_freed_over_frames() -> void:
@@ -236,14 +236,14 @@ func test_multimeshes_are_freed_over_frames() -> void:
 		changes[context].call()
 		var leaving := 0
 		var most_leaving := 0
-		var most := 0
+		var maximum := 0
 		for frame in 300:
 			await process_frame
 			var now: int = scatter.get_stats()["multimeshes_leaving"]
-			most = maxi(most, leaving - now)
+			maximum = maxi(maximum, leaving - now)
 			most_leaving = maxi(most_leaving, now)
 			leaving = now
 		check(most_leaving > 0, "%s: multimeshes are being removed" % context)
-		check(most <= 2, "%s: %d multimeshes freed in one frame" % [context, most])
+		check(maximum <= 2, "%s: %d multimeshes freed in one frame" % [context, maximum])
 		scatter.frame_budget_usec = 20000
 		await settle(scatter)

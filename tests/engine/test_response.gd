@@ -45,11 +45,11 @@ func test_tiles_are_updated_while_a_slider_is_dragged_without_a_queue() -> void:
 	Engine.max_fps = 60
 	await drag(scatter, func(step: int) -> void: layer.density = 0.5 + 0.004 * step, 90)
 	check(most_pending <= limit(), "%d pending tiles, limit %d" % [most_pending, limit()])
-	var least := 1 << 30
+	var minimum := 1 << 30
 	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
 		if near(tile):
-			least = mini(least, seen.get(tile, 0))
-	check(least >= 3, "every near tile was regenerated during the drag: one only %d times" % least)
+			minimum = mini(minimum, seen.get(tile, 0))
+	check(minimum >= 3, "every near tile was regenerated during the drag: one only %d times" % minimum)
 	# After the drag, only the pending tiles are generated, and then each tile once.
 	var tiles_made: int = scatter.get_stats()["tiles_made"]
 	await settle(scatter)

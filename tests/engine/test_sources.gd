@@ -70,16 +70,16 @@ func seen(scatter: TerrainScatter3D, layer: int) -> Dictionary[int, Seen]:
 ## Compares the colors and variations of all instances with `share`, which returns the expected fraction. `slack` is the tolerance.
 func check_shares(all: Dictionary[int, Seen], share: Callable, context: String, slack := 0.0) -> void:
 	var worst := 0.0
-	var least := 1.0
-	var most := 0.0
+	var minimum := 1.0
+	var maximum := 0.0
 	for id in all:
 		var expected := clampf(share.call(all[id]), 0.0, 1.0)
 		worst = maxf(worst, maxf(absf(all[id].color - expected) - STEP, absf(all[id].custom.r - expected) - 0.001))
-		least = minf(least, expected)
-		most = maxf(most, expected)
+		minimum = minf(minimum, expected)
+		maximum = maxf(maximum, expected)
 	check(all.size() > 300, "%s: %d instances" % [context, all.size()])
 	check(worst <= slack, "%s: the largest error is %f" % [context, worst])
-	check(least < 0.1 and most > 0.9, "%s: the values range from %f to %f" % [context, least, most])
+	check(minimum < 0.1 and maximum > 0.9, "%s: the values range from %f to %f" % [context, minimum, maximum])
 
 
 func set_source(layer: ScatterLayer, source: ScatterValueSource.Source, from: float, to: float) -> void:

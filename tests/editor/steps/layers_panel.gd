@@ -148,14 +148,14 @@ func grouped(number: int) -> String:
 
 ## Checks that the instances of two layers near the origin keep this distance, in meters, but are not much farther apart.
 func check_apart(one: String, other: String, meters: float) -> void:
-	var near := 1e9
+	var min_distance := 1e9
 	var around := Rect2(-30.0, -30.0, 60.0, 60.0)
 	var others := instances(scatter, names().find(other)).values()
 	for at: Vector3 in instances(scatter, names().find(one)).values():
 		if around.has_point(Vector2(at.x, at.z)):
 			for there: Vector3 in others:
-				near = minf(near, Vector2(at.x - there.x, at.z - there.z).length())
-	check(near >= meters - 0.01 and near < meters + 1.0, "%s and %s are %.2f m apart, expected %.2f" % [one, other, near, meters])
+				min_distance = minf(min_distance, Vector2(at.x - there.x, at.z - there.z).length())
+	check(min_distance >= meters - 0.01 and min_distance < meters + 1.0, "%s and %s are %.2f m apart, expected %.2f" % [one, other, min_distance, meters])
 
 
 ## Waits for the plugin's next update. It updates only a few times per second.

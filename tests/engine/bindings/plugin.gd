@@ -97,15 +97,15 @@ func preview() -> void:
 	for limit: int in [5000, 800, 0, 20000, 1000000000]:
 		scatter.set("preview_instances", limit)
 		var deadline := Time.get_ticks_msec() + PATIENCE_MSEC
-		var most := 0
+		var maximum := 0
 		var frames := 0
 		while frames < 30 and Time.get_ticks_msec() < deadline:
 			await get_tree().process_frame
 			frames = frames + 1 if scatter.call("is_settled") else 0
 			if limit == 5000: # With the later limits, the instances drawn for the previous limit would be included.
-				most = maxi(most, scatter.call("get_stats")["drawn"])
+				maximum = maxi(maximum, scatter.call("get_stats")["drawn"])
 		var stats: Dictionary = scatter.call("get_stats")
-		print("preview of %d: %d drawn of %d, at most %d, %d uploads" % [limit, stats["drawn"], stats["instances"], most,
+		print("preview of %d: %d drawn of %d, at most %d, %d uploads" % [limit, stats["drawn"], stats["instances"], maximum,
 				stats["uploads"]])
 	scatter.queue_free()
 	await get_tree().process_frame

@@ -67,7 +67,7 @@ func _move_stroke(at: Vector2) -> void:
 	brush.move(at)
 
 
-func _maps() -> String:
+func _map_subject() -> String:
 	return "The biome map is"
 
 

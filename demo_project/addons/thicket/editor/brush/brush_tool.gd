@@ -79,11 +79,11 @@ func _place_problem(at: Vector3) -> String:
 
 ## Returns the reason why a map that is projected along the y axis cannot be painted below the mouse; empty if it can.
 func _map_problem() -> String:
-	return SurfacePlace.map_problem(scatter, _cursor.on_ground, "%s projected along the y axis and can be painted" % _maps(), "Use a region here.")
+	return SurfacePlace.map_problem(scatter, _cursor.on_ground, "%s projected along the y axis and can be painted" % _map_subject(), "Use a region here.")
 
 
 ## Returns the name of the maps that the brush paints, as the beginning of a sentence.
-func _maps() -> String:
+func _map_subject() -> String:
 	return "Masks are"
 
 
