@@ -109,20 +109,20 @@ def test_a_killed_engine_only_costs_time(world, baked, tmp_path):
             kill(process.pid)
         engine.wait(10)
         wait_for(lambda: all(map(has_ended, processes)), "the end of the engine")
-    whole = sorted(folder.glob("tiles/*.rows"))
-    assert 4 < len(whole) < TILES
-    cut, bit, none, gone, *left = whole
-    cut.write_bytes(cut.read_bytes()[:-100])
-    changed = bytearray(bit.read_bytes())
+    finished = sorted(folder.glob("tiles/*.rows"))
+    assert 4 < len(finished) < TILES
+    truncated, flipped, emptied, swapped, *intact = finished
+    truncated.write_bytes(truncated.read_bytes()[:-100])
+    changed = bytearray(flipped.read_bytes())
     changed[len(changed) // 2] ^= 1
-    bit.write_bytes(changed)
-    none.write_bytes(b"")
-    shutil.copy(left[0], gone)
-    times = {path: path.stat().st_mtime_ns for path in left}
+    flipped.write_bytes(changed)
+    emptied.write_bytes(b"")
+    shutil.copy(intact[0], swapped)
+    times = {path: path.stat().st_mtime_ns for path in intact}
     again = make(world, folder)
     assert again.returncode == 0, again.stdout + again.stderr
-    assert f"{TILES - len(left)} tiles generated, {len(left)} already present, 0 failed" in again.stdout
-    assert {path: path.stat().st_mtime_ns for path in left} == times and not list(folder.glob("**/.*.part"))
+    assert f"{TILES - len(intact)} tiles generated, {len(intact)} already present, 0 failed" in again.stdout
+    assert {path: path.stat().st_mtime_ns for path in intact} == times and not list(folder.glob("**/.*.part"))
     whole = bake_of(folder, tmp_path / "out")
     assert whole.code == 0 and same(whole, baked), whole.output
 

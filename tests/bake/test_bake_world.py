@@ -197,35 +197,35 @@ def test_adjacent_bakes_form_one_world(world, baked, tmp_path):
 def test_damaged_files_are_regenerated(world, baked, tmp_path):
     """Checks that truncated, changed, swapped and missing files are generated again. Valid files must be kept, even
     though the manifest is damaged as well. Leftovers of a killed bake and tiles of another bake must be removed."""
-    spoiled = copied(baked, tmp_path / "out")
-    names = sorted(spoiled.manifest["tiles"])
-    before = {name: spoiled.file(name).read_bytes() for name in names}
-    times = {name: spoiled.file(name).stat().st_mtime_ns for name in names}
-    cut, bit, other, gone, *whole = names
-    spoiled.file(cut).write_bytes(before[cut][:-100])
-    changed = bytearray(before[bit])
+    damaged = copied(baked, tmp_path / "out")
+    names = sorted(damaged.manifest["tiles"])
+    before = {name: damaged.file(name).read_bytes() for name in names}
+    times = {name: damaged.file(name).stat().st_mtime_ns for name in names}
+    truncated, flipped, swapped, missing, *intact = names
+    damaged.file(truncated).write_bytes(before[truncated][:-100])
+    changed = bytearray(before[flipped])
     changed[len(changed) // 3] ^= 1
-    spoiled.file(bit).write_bytes(changed)
-    shutil.copy(spoiled.file(whole[0]), spoiled.file(other))
-    spoiled.file(gone).unlink()
-    (spoiled.out / "tiles/.tile_0_0.parquet.1234.part").write_bytes(b"half")
-    shutil.copy(spoiled.file(whole[0]), spoiled.out / "tiles/tile_9_9.parquet")
-    (spoiled.out / "manifest.json").write_text("{\"format\": \"thick")
-    again = bake(world, spoiled.out, "--workers", "1")
+    damaged.file(flipped).write_bytes(changed)
+    shutil.copy(damaged.file(intact[0]), damaged.file(swapped))
+    damaged.file(missing).unlink()
+    (damaged.out / "tiles/.tile_0_0.parquet.1234.part").write_bytes(b"half")
+    shutil.copy(damaged.file(intact[0]), damaged.out / "tiles/tile_9_9.parquet")
+    (damaged.out / "manifest.json").write_text("{\"format\": \"thick")
+    again = bake(world, damaged.out, "--workers", "1")
     assert again.code == 0 and "4 of them generated in this run" in again.output, again.output
     assert again.manifest["digest"] == baked.manifest["digest"]
     assert {name: again.file(name).read_bytes() for name in names} == before
-    assert [name for name in names if again.file(name).stat().st_mtime_ns == times[name]] == whole
+    assert [name for name in names if again.file(name).stat().st_mtime_ns == times[name]] == intact
     assert not list(again.out.glob("**/*.part")) and len(list(again.out.glob("tiles/*.parquet"))) == len(names)
 
 
 def test_a_bake_of_some_tiles_does_not_list_missing_files(world, baked, tmp_path):
-    some = copied(baked, tmp_path / "out")
-    gone, asked = sorted(some.manifest["tiles"])[:2]
-    some.file(gone).unlink()
-    again = bake(world, some.out, "--workers", "1", "--tiles", asked)
+    partial = copied(baked, tmp_path / "out")
+    missing, requested = sorted(partial.manifest["tiles"])[:2]
+    partial.file(missing).unlink()
+    again = bake(world, partial.out, "--workers", "1", "--tiles", requested)
     assert again.code == 0 and "0 of them generated in this run" in again.output, again.output
-    assert gone not in again.manifest["tiles"] and not again.manifest["complete"] and again.manifest["digest"] is None
+    assert missing not in again.manifest["tiles"] and not again.manifest["complete"] and again.manifest["digest"] is None
 
 
 def test_a_changed_scene_is_rejected(world, baked, tmp_path):

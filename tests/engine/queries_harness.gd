@@ -111,8 +111,8 @@ func check_answer(scatter: TerrainScatter3D, answer: ScatterInstances, all: Scan
 				stands.origin.distance_to(all.transforms[index].origin) > FLOATS or
 				answer.positions[at] != stands.origin or answer.get_position(at) != stands.origin or
 				answer.get_transform(at) != stands or answer.get_id(at) != all.ids[index])
-		point.erase(all.ids[index])
-	check(wrong == 0 and point.is_empty(), "%s: %d wrong, %d too many of %d" % [context, wrong, point.size(), ids.size()])
+		index_of_id.erase(all.ids[index])
+	check(wrong == 0 and index_of_id.is_empty(), "%s: %d wrong, %d too many of %d" % [context, wrong, index_of_id.size(), ids.size()])
 	var of_layers := answer.layer_indices
 	for index in range(1, ids.size()):
 		if of_layers[index - 1] == of_layers[index] and ids[index - 1] >= ids[index]:

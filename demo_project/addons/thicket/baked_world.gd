@@ -92,7 +92,7 @@ func _process(_delta: float) -> void:
 	if from == null or _index == null:
 		return
 	var relative := from.global_position - global_position
-	var here := Vector2(relative.x + world_offset.x, center.z + world_offset.z)
+	var here := Vector2(relative.x + world_offset.x, relative.z + world_offset.z)
 	if _is_stale or here.distance_to(_looked_from) > _index.tile_size / 16.0:
 		_look_around(here)
 	var deadline := Time.get_ticks_usec() + frame_budget_usec

@@ -180,7 +180,7 @@ struct InstanceState::Content {
 	/// Returns all IDs with any content, in ascending order.
 	std::vector<std::uint64_t> all_ids() const;
 
-	/// Returns a record with the content of `ids`. For a `whole` record, these must be all IDs.
+	/// Returns a record with the content of `ids`. If `is_complete` is true, these must be all IDs.
 	StateRecord record_of(std::vector<std::uint64_t> ids, bool is_complete) const;
 	StateRecord complete_record() const { return record_of(all_ids(), true); }
 
