@@ -19,7 +19,7 @@ ENGINE = Path(__file__).resolve().parent
 # Scripts for points, tiles, rules, surfaces, threads, files and states. They need no window and measure no time.
 SCRIPTS = [
     "test_build_rect", "test_domain", "test_sample_surface", "test_layer_rules", "test_regions", "test_streaming", "test_queries", "test_threads",
-    "test_surface_layers", "test_planets", "test_heightmaps", "test_state", "test_saves",
+    "test_surface_layers", "test_planets", "test_planet_regions", "test_heightmaps", "test_state", "test_saves",
 ]  # fmt: skip
 PASSED = re.compile(r"^thicket engine tests: [1-9]\d* checks, 0 failed\r?$", re.MULTILINE)
 

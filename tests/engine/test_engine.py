@@ -161,6 +161,8 @@ def assert_passed(done, loads_on_threads=False):
         "test_local_coords",
         "test_surface_layers",
         "test_planets",
+        "test_planet_changes",
+        "test_planet_regions",
         "test_layers_on_models",
         "test_ground_combined",
         "test_ground_combined_reports",
