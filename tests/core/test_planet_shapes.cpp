@@ -81,6 +81,20 @@ TEST_CASE("planet shapes: a map keeps lengths in its middle, and angles everywhe
 	CHECK_FALSE(PlanetMap().exists());
 }
 
+TEST_CASE("planet shapes: places in the plane of a shadow have the up directions of their positions") {
+	std::mt19937 random(5);
+	for (int i = 0; i < 100; ++i) {
+		const glm::dmat3 axes = random_axes(random);
+		const PlanetMap map(planet, planet.center + 130.0 * axes[0]);
+		const glm::dvec3 up = rotated(axes[0], axes[1], 0.015 * i);
+		const glm::dvec3 at = map.at_middle(planet.center + 70.0 * up);
+		CHECK(glm::distance(map.direction_at_middle({at.x, at.z}), up) < 1e-7);
+		const glm::dvec3 rim = map.direction_at_middle({3.0 * at.x + 1e3, at.z});
+		CHECK(glm::length(rim) == doctest::Approx(1.0));
+		CHECK(std::abs(glm::dot(rim, axes[0])) < 1e-7);
+	}
+}
+
 TEST_CASE("planet shapes: a cylinder covers the same area wherever it is placed, at every altitude") {
 	std::mt19937 random(4);
 	for (int i = 0; i < 200; ++i) {

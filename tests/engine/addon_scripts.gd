@@ -11,7 +11,7 @@ const UNTYPED: Dictionary[String, StringName] = {
 	"scatter": &"TerrainScatter3D", "_scatter": &"TerrainScatter3D",
 	"layer": &"ScatterLayer", "_layer": &"ScatterLayer", "found": &"ScatterLayer",
 	"model": &"ScatterModel", "built": &"ScatterTile", "grid": &"ScatterTileGrid", "lod": &"ScatterLod",
-	"_baker": &"ScatterImpostorBaker", "ground": &"ScatterGround", "explanation": &"ScatterExplanation",
+	"_baker": &"ScatterImpostorBaker", "ground": &"ScatterGround", "combined": &"ScatterGroundCombined", "explanation": &"ScatterExplanation",
 }
 ## Variables, by script, that this test does not check. They hold objects of Terrain3D or no objects, but use names that members of the
 ## library also have.

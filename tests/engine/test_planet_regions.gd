@@ -1,5 +1,5 @@
 extends "planet_harness.gd"
-## Tests regions on a planet: they extend along the direction away from its center. Also tests their problems.
+## Tests regions on a planet: they extend along the direction away from its center. Also tests their problems, and the map that the editor's gizmos use.
 
 
 ## Checks that a region removes exactly the instances for which `is_inside` returns true, and that they return without it. Instances for which
@@ -98,3 +98,44 @@ func test_regions_without_area_are_reported() -> void:
 	region.rotation.z = 0.0
 	ground.planet_radius = 0.0
 	check_equal(region.get_problems().size(), 0, "no problems without a planet: %s" % region.get_problems())
+
+
+## The editor's gizmos use the map of a region's planet, which follows a moved planet.
+func test_maps_of_regions() -> void:
+	var planet := Node3D.new()
+	root.add_child(planet)
+	put_planet(100.0, Vector3.ZERO, 64).reparent(planet, false)
+	var scatter := make_scatter([make_grower()], make_ground(100.0), make_viewer(Vector3(0.0, 101.0, 0.0)))
+	scatter.reparent(planet, false)
+	scatter.local_coords = true
+	var place := Transform3D(Basis(Vector3(1.0, 2.0, 3.0).normalized(), 1.0), Vector3(300.0, -20.0, 50.0))
+	for up: Vector3 in [Vector3.UP, Vector3.DOWN, Vector3(0.6, 0.0, -0.8)]:
+		planet.transform = place
+		var center := Vector3(scatter._get_planet()[0], scatter._get_planet()[1], scatter._get_planet()[2])
+		check(center.distance_to(place.origin) < 1e-3, "the center of the moved planet: %s" % center)
+		var region := make_region(ScatterRegion3D.SHAPE_POLYGON, up)
+		region.polygon = PackedVector2Array([Vector2(-9.0, -9.0), Vector2(9.0, -9.0), Vector2(9.0, 9.0), Vector2(-9.0, 9.0)])
+		scatter.add_child(region)
+		for shape: ScatterRegion3D.Shape in [ScatterRegion3D.SHAPE_POLYGON, ScatterRegion3D.SHAPE_BOX]:
+			region.shape = shape
+			var positions := PackedVector3Array()
+			for index in 8:
+				positions.append(region.global_transform * Vector3(3.0 * index, 0.0, -2.0 * index))
+			var found := region._to_planet_map(positions)
+			var places := PackedVector2Array()
+			for at in found:
+				places.append(Vector2(at.x, at.z))
+			var ups := region._from_planet_map(places)
+			for index in positions.size():
+				var height := sqrt(maxf(0.0, 1e4 - places[index].length_squared()))
+				var expected := place.origin.direction_to(positions[index])
+				if shape == ScatterRegion3D.SHAPE_BOX: # Its shadow is along up.
+					check(absf(places[index].length() - region.to_local(positions[index]).length()) < 1e-3, "%s: lengths in the shadow of a box" % up)
+					expected = place.origin.direction_to(positions[index] + region.global_basis.y * (height - 100.0))
+				check(ups[index].distance_to(expected) < 1e-4, "%s: position %d of shape %d is toward %s, expected %s" % [up, index, shape, ups[index], expected])
+				check(found[index].y >= 1.0 and found[index].y < 1.1, "%s: the scale: %f" % [up, found[index].y])
+		region.position = Vector3.ZERO
+		check(region._to_planet_map(PackedVector3Array([Vector3.ONE])).is_empty(), "a box at the center has no map")
+		check(region._from_planet_map(PackedVector2Array([Vector2.ONE])).is_empty(), "no directions, either")
+		region.free()
+	planet.free()

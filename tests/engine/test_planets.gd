@@ -151,13 +151,14 @@ func test_hand_placed_instances_have_an_altitude() -> void:
 			check(absf(tile.get_buffer(0)[16 * index + 12] - 0.25) < 0.005, "at %s, an altitude of 5 of 20 m: %f" % [up, tile.get_buffer(0)[16 * index + 12]])
 
 
-## The editor's tools use these two methods of the node.
+## The editor's tools use these methods of the node.
 func test_up_and_lines_that_meet_the_ground() -> void:
 	put_planet(100.0, Vector3.ZERO, 128)
 	var ground := make_ground(100.0)
 	viewer = make_viewer(Vector3(0.0, 101.0, 0.0))
 	var scatter := make_scatter([make_grower()], ground, viewer)
 	await settle(scatter)
+	check_equal(scatter._get_planet(), PackedFloat64Array([0.0, 0.0, 0.0, 100.0]), "the center and the radius")
 	for up: Vector3 in [Vector3.UP, Vector3.DOWN, Vector3.RIGHT, Vector3(0.6, 0.0, -0.8)]:
 		check(scatter._up_at(up * 120.0).distance_to(up) < 1e-5, "up at %s: %s" % [up, scatter._up_at(up * 120.0)])
 		var hit := scatter._hit_surface(up * 150.0, up * 50.0)
@@ -167,6 +168,7 @@ func test_up_and_lines_that_meet_the_ground() -> void:
 	scatter.ground = ScatterGroundFlat.new()
 	await settle(scatter)
 	check_equal(scatter._up_at(Vector3.RIGHT), Vector3.UP, "up without a planet")
+	check(scatter._get_planet().is_empty(), "no planet")
 	check(scatter._hit_surface(Vector3.UP, Vector3.DOWN).is_empty(), "a line hits nothing on ground without surfaces")
 
 

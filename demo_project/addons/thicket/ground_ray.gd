@@ -1,6 +1,6 @@
 @tool
 extends RefCounted
-## Intersects a ray with the surface of a [code]ScatterGround[/code]. Games without the native library may contain this script, so it uses none of the
+## Intersects a ray with the ground of a [code]TerrainScatter3D[/code]. Games without the native library may contain this script, so it uses none of the
 ## library's classes as a type.
 
 ## The length of a ray, and the shortest and longest step along it, in meters.
@@ -9,6 +9,44 @@ const SHORTEST := 0.05
 const LONGEST := 200.0
 const MOST_STEPS := 600
 const HALVINGS := 24
+## The largest error of a position on ground that has only heights, in meters.
+const TOLERANCE := 0.05
+
+
+## Returns the first position on the ground of a scatter that a ray meets, and its normal. Returns an empty array if there is none. Ground of meshes
+## may have several levels, and a planet has ground on all sides. Other ground has one height at each x and z. [param direction] must have a length of 1.
+static func first(scatter: Node3D, from: Vector3, direction: Vector3) -> PackedVector3Array:
+	var nearest := PackedVector3Array()
+	var all := parts(scatter.get(&"ground") as Resource)
+	if all.any(is_meshes):
+		nearest = scatter.call(&"_hit_surface", from, from + direction * REACH)
+	# Meshes whose triangles are inside out have no fronts, but heights.
+	var has_heights := nearest.is_empty() and (scatter.call(&"_get_planet") as PackedFloat64Array).is_empty()
+	for ground in all:
+		if is_meshes(ground) and not has_heights:
+			continue
+		var met := hit(ground, from, direction)
+		# At a vertical step, the ray enters the space below the upper height without meeting ground.
+		if met.is_finite() and absf(_above(ground, met)) < TOLERANCE:
+			if nearest.is_empty() or from.distance_squared_to(met) < from.distance_squared_to(nearest[0]):
+				nearest = PackedVector3Array([met, ground.call(&"get_normal", met)])
+	return nearest
+
+
+## Returns the grounds that a ground combines, or the ground itself. Empty if the ground is null.
+static func parts(combined: Resource) -> Array[Resource]:
+	var result: Array[Resource] = []
+	if combined != null and combined.is_class("ScatterGroundCombined"):
+		for part: Resource in combined.get(&"grounds"):
+			result.append_array(parts(part))
+	elif combined != null:
+		result.append(combined)
+	return result
+
+
+## Returns true if a ground consists of meshes.
+static func is_meshes(ground: Resource) -> bool:
+	return ground.is_class("ScatterGroundMeshes")
 
 
 ## Returns the first position, in meters, where the ray enters the ground from above, or [constant Vector3.INF] if there is none within

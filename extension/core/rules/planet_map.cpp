@@ -4,6 +4,9 @@
 
 #include <glm/geometric.hpp>
 
+#include <algorithm>
+#include <cmath>
+
 namespace thicket {
 
 namespace {
@@ -50,6 +53,13 @@ bool PlanetMap::contains(glm::dvec2 map_position) const {
 glm::dvec3 PlanetMap::at_middle(const glm::dvec3 &position) const {
 	const glm::dvec3 up = planet_.up_at(position);
 	return distance_ * glm::dvec3(glm::dot(up, axes_[0]), glm::dot(up, axes_[1]), glm::dot(up, axes_[2]));
+}
+
+glm::dvec3 PlanetMap::direction_at_middle(glm::dvec2 place) const {
+	const double length = std::max(distance_, std::sqrt(place.x * place.x + place.y * place.y));
+	const glm::dvec2 sine = place / length;
+	const double cosine = std::sqrt(std::max(0.0, 1.0 - (sine.x * sine.x + sine.y * sine.y)));
+	return sine.x * axes_[0] + cosine * axes_[1] + sine.y * axes_[2];
 }
 
 } // namespace thicket

@@ -43,6 +43,10 @@ public:
 	/// to the planet's center. The y axis of the result is the up direction of the middle.
 	glm::dvec3 at_middle(const glm::dvec3 &position) const;
 
+	/// Returns the up direction of the positions for which at_middle() returns this x and z, on the
+	/// middle's side of the planet. If there are none, returns the nearest horizontal direction.
+	glm::dvec3 direction_at_middle(glm::dvec2 place) const;
+
 	/// Returns the x axis of the map, the up direction of the middle, and the z axis of the map.
 	const glm::dmat3 &axes() const { return axes_; }
 

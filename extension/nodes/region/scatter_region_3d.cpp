@@ -1,6 +1,5 @@
 #include "nodes/region/scatter_region_3d.hpp"
 
-#include "core/rules/planet_map.hpp"
 #include "core/rules/polyline.hpp"
 #include "core/rules/shape_frame.hpp"
 #include "nodes/common/convert.hpp"

@@ -2,6 +2,7 @@
 
 #include "core/base/planet.hpp"
 #include "core/base/world_frame.hpp"
+#include "core/rules/planet_map.hpp"
 #include "core/rules/shapes.hpp"
 #include "nodes/common/guard.hpp"
 #include "nodes/common/property_check.hpp"
@@ -130,6 +131,17 @@ public:
 	/// last call.
 	bool path_changed();
 
+	// These methods are for the add-on's gizmos. Without a planet, and for a region at its center,
+	// they return empty arrays.
+
+	/// Returns the places of positions of the engine on the flat map of the planet around the region:
+	/// a PlanetMap for a polygon or a path, otherwise the plane of the region's shadow. The place is
+	/// in x and z, and y is the map's scale there.
+	godot::PackedVector3Array to_planet_map(const godot::PackedVector3Array &p_positions) const;
+
+	/// Returns the engine's up directions at places on this map.
+	godot::PackedVector3Array from_planet_map(const godot::PackedVector2Array &p_places) const;
+
 	/// Returns a message for each problem that keeps the region from having its likely intended
 	/// effect. The editor shows them as configuration warnings.
 	godot::PackedStringArray get_problems() const;
@@ -158,6 +170,7 @@ private:
 	std::vector<glm::dvec3> polygon_corners() const;
 	std::vector<glm::dvec3> path_points() const;
 	void build_outline(const Planet &planet, thicket::Shape &r_shape) const;
+	std::optional<PlanetMap> planet_map(glm::dvec3 &r_middle) const;
 	godot::Path3D *followed_path() const;
 	void add_outline_problems(godot::PackedStringArray &r_problems) const;
 	void add_planet_problems(godot::PackedStringArray &r_problems) const;

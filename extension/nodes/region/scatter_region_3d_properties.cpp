@@ -177,6 +177,8 @@ void ScatterRegion3D::_bind_methods() {
 	bind_guarded<&Self::set_path_node>(D_METHOD("set_path_node", "path"));
 	bind_guarded<&Self::get_path_node>(D_METHOD("get_path_node"));
 	bind_guarded<&Self::get_problems>(D_METHOD("get_problems"));
+	bind_guarded<&Self::to_planet_map>(D_METHOD("_to_planet_map", "positions"));
+	bind_guarded<&Self::from_planet_map>(D_METHOD("_from_planet_map", "places"));
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "shape", PROPERTY_HINT_ENUM, "Box,Sphere,Cylinder,Polygon,Path"),
 			"set_shape", "get_shape");
 	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "exclude"), "set_exclude", "is_excluding");

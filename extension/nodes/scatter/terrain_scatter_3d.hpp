@@ -193,9 +193,11 @@ public:
 
 	/// Used by the editor's tools. `up_at` returns the up direction at a position. `hit_surface`
 	/// returns the first position at which a line enters a surface of the ground, and the normal
-	/// there. If there is none, it returns an empty array.
+	/// there. If there is none, it returns an empty array. `get_planet` returns the planet's center
+	/// and radius as four numbers, or an empty array without a planet.
 	godot::Vector3 up_at(const godot::Vector3 &p_position);
 	godot::PackedVector3Array hit_surface(const godot::Vector3 &p_from, const godot::Vector3 &p_to);
+	godot::PackedFloat64Array get_planet();
 
 	/// Explains the x and z of a position for each of `p_layers` (see find_layers). If a layer does
 	/// not exist or the position is not finite, prints an error and returns an empty array.

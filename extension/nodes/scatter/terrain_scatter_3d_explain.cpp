@@ -224,6 +224,17 @@ Vector3 TerrainScatter3D::up_at(const Vector3 &p_position) {
 	return to_engine(frame_.to_engine(position + now.up_at(position)) - frame_.to_engine(position));
 }
 
+PackedFloat64Array TerrainScatter3D::get_planet() {
+	const Planet now = planet();
+	if (!now.exists()) {
+		return {};
+	}
+	move_world();
+	const glm::dvec3 center = frame_.to_engine(now.center);
+	const std::array numbers{center.x, center.y, center.z, now.radius};
+	return packed<PackedFloat64Array>(std::span<const double>(numbers), [](double number) { return number; });
+}
+
 PackedVector3Array TerrainScatter3D::hit_surface(const Vector3 &p_from, const Vector3 &p_to) {
 	move_world();
 	const std::shared_ptr<const Terrain> terrain = ground_snapshot_;

@@ -31,7 +31,7 @@ func _on_button(click: InputEventMouseButton) -> void:
 func _draw_view(overlay: Control) -> void:
 	if not _place_problem(_cursor.on_ground).is_empty():
 		return
-	if SurfacePlace.planet_of(ground()) != null:
+	if SurfacePlace.is_planet(scatter):
 		_cursor.hint(overlay, HINT_PLANET)
 	elif _cursor.is_among_levels():
 		_cursor.hint(overlay, HINT_LEVELS)

@@ -28,7 +28,7 @@ func _has_gizmo(node: Node3D) -> bool:
 func _redraw(gizmo: EditorNode3DGizmo) -> void:
 	gizmo.clear()
 	# On a planet, a tile is a cube, and its outline as seen from above is not where its instances are.
-	if gizmo.get_node_3d() != scatter or SurfacePlace.planet_of(scatter.ground) != null:
+	if gizmo.get_node_3d() != scatter or SurfacePlace.is_planet(scatter):
 		return
 	var edges: Array[PackedVector2Array] = []
 	var seen := {}

@@ -11,7 +11,7 @@ var ground: ScatterGround
 var level := 0.0
 ## The number of ground heights that may still be queried. Once it is 0, additional lines are straight from corner to corner.
 var budget := 4000
-## Returns the world position on the ground, raised by [constant LIFT], for a point of a line. By default, points are world x and z.
+## Returns the world positions on the ground, raised by [constant LIFT], for a [PackedVector2Array] of points. By default, points are world x and z.
 var to_ground: Callable = _from_above
 ## Pairs of end points, in the space of the node.
 var segments := PackedVector3Array()
@@ -49,28 +49,30 @@ static func material(color: Color) -> StandardMaterial3D:
 
 ## Adds a line through points (see [member to_ground]), with a ground height at least every [param piece] meters.
 func add(points: PackedVector2Array, closed: bool, piece: float) -> void:
+	if points.is_empty():
+		return
+	var line := PackedVector2Array([points[0]])
 	var count := points.size() if closed else points.size() - 1
 	for index in count:
 		var from := points[index]
 		var to := points[(index + 1) % points.size()]
 		var pieces := clampi(ceili(from.distance_to(to) / piece), 1, maxi(1, budget))
 		budget -= pieces
-		var last := _on_ground(from)
 		for step in pieces:
-			var next := _on_ground(from.lerp(to, (step + 1.0) / pieces))
-			segments.append(last)
-			segments.append(next)
-			last = next
+			line.append(from.lerp(to, (step + 1.0) / pieces))
+	var positions := _to_node * (to_ground.call(line) as PackedVector3Array)
+	for index in range(1, positions.size()):
+		segments.append(positions[index - 1])
+		segments.append(positions[index])
 
 
-func _on_ground(at: Vector2) -> Vector3:
-	return _to_node * (to_ground.call(at) as Vector3)
-
-
-func _from_above(at: Vector2) -> Vector3:
-	var position := Vector3(at.x, level, at.y)
-	if ground != null:
-		var height := ground.get_height(position)
-		if not is_nan(height):
-			position.y = height + LIFT
-	return position
+func _from_above(points: PackedVector2Array) -> PackedVector3Array:
+	var positions := PackedVector3Array()
+	for point in points:
+		var position := Vector3(point.x, level, point.y)
+		if ground != null:
+			var height := ground.get_height(position)
+			if not is_nan(height):
+				position.y = height + LIFT
+		positions.append(position)
+	return positions

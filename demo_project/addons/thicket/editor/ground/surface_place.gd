@@ -5,15 +5,12 @@ extends RefCounted
 
 const GroundRay := preload("res://addons/thicket/ground_ray.gd")
 
-## The length of a ray, in meters.
-const RAY := 20000.0
 ## The distance above and below a position in which the ground is searched, in meters.
 const REACH := 500.0
 ## The largest number of levels that are searched.
 const MOST_LEVELS := 16
-## The distance between two levels, and the largest error of a position on ground that has only heights, in meters.
+## The distance between two levels, in meters.
 const GAP := 0.01
-const TOLERANCE := 0.05
 ## The largest angle from the top of a planet at which the tools edit maps that are projected along the y axis, in degrees.
 ## There, these maps are stretched to twice their length.
 const MAP_DEGREES := 60.0
@@ -24,25 +21,26 @@ static func up_at(scatter: TerrainScatter3D, point: Vector3) -> Vector3:
 	return scatter._up_at(point)
 
 
-## Returns the ground that forms the planet of a scatter, or null if there is no planet.
-static func planet_of(ground: ScatterGround) -> ScatterGroundMeshes:
-	for part in _parts(ground):
-		if part is ScatterGroundMeshes and (part as ScatterGroundMeshes).planet_radius > 0.0:
-			return part
-	return null
+## Returns true if the ground of a scatter forms a planet.
+static func is_planet(scatter: TerrainScatter3D) -> bool:
+	return not scatter._get_planet().is_empty()
 
 
 ## Returns the center of the planet of a scatter, or [constant Vector3.INF] if there is no planet.
 static func planet_center(scatter: TerrainScatter3D) -> Vector3:
-	var planet := planet_of(scatter.ground)
-	if planet == null:
-		return Vector3.INF
-	return scatter.global_transform * planet.planet_center if scatter.local_coords else planet.planet_center - scatter.world_offset
+	var planet := scatter._get_planet()
+	return Vector3(planet[0], planet[1], planet[2]) if not planet.is_empty() else Vector3.INF
+
+
+## Returns the radius of the planet of a scatter in meters, or 0 if there is no planet.
+static func planet_radius(scatter: TerrainScatter3D) -> float:
+	var planet := scatter._get_planet()
+	return planet[3] if not planet.is_empty() else 0.0
 
 
 ## Returns true if the ground may have several levels, or ground on all sides.
 static func has_levels(ground: ScatterGround) -> bool:
-	return _parts(ground).any(func(part: ScatterGround) -> bool: return part is ScatterGroundMeshes)
+	return GroundRay.parts(ground).any(GroundRay.is_meshes)
 
 
 ## Returns the first position at which a line enters a surface, and its normal. Returns an empty array if there is none.
@@ -53,18 +51,7 @@ static func hit(scatter: TerrainScatter3D, from: Vector3, to: Vector3) -> Packed
 ## Returns the first position on the ground that a ray meets, and its normal. Returns an empty array if there is none. [param direction] must have
 ## a length of 1.
 static func on_ray(scatter: TerrainScatter3D, from: Vector3, direction: Vector3) -> PackedVector3Array:
-	var ground := scatter.ground
-	var found := hit(scatter, from, from + direction * RAY) if has_levels(ground) else PackedVector3Array()
-	for part in _parts(ground):
-		# Meshes whose triangles are inside out have no fronts, but heights.
-		if part is ScatterGroundMeshes and (not found.is_empty() or planet_of(ground) != null):
-			continue
-		var met := GroundRay.hit(part, from, direction)
-		# At a vertical step, the ray enters the space below the upper height without meeting ground.
-		if met.is_finite() and absf(met.y - part.get_height(met)) < TOLERANCE:
-			if found.is_empty() or from.distance_squared_to(met) < from.distance_squared_to(found[0]):
-				found = PackedVector3Array([met, part.get_normal(met)])
-	return found
+	return GroundRay.first(scatter, from, direction)
 
 
 ## Returns the distance to the ground along a ray in meters, at most 1000, or 100 if the ray does not meet the ground.
@@ -86,8 +73,8 @@ static func level(scatter: TerrainScatter3D, point: Vector3, along: Vector3, rea
 				break
 			nearest = found
 			start = found[0] - along * GAP
-	for part in _parts(ground):
-		var has_heights := not part is ScatterGroundMeshes or nearest.is_empty() and planet_of(ground) == null
+	for part: ScatterGround in GroundRay.parts(ground):
+		var has_heights := not part is ScatterGroundMeshes or nearest.is_empty() and not is_planet(scatter)
 		var height := part.get_height(point) if has_heights and along.y > 0.0 else NAN
 		if absf(height - point.y) <= reach and (nearest.is_empty() or absf(height - point.y) < point.distance_to(nearest[0])):
 			var at := Vector3(point.x, height, point.z)
@@ -98,7 +85,7 @@ static func level(scatter: TerrainScatter3D, point: Vector3, along: Vector3, rea
 ## Returns an empty string if a map that is projected along the y axis can be edited at a position on the ground. Otherwise, returns the reason and
 ## the remedy. [param what] is the beginning of the sentence, and [param remedy] the sentence after it.
 static func map_problem(scatter: TerrainScatter3D, point: Vector3, what: String, remedy: String) -> String:
-	if planet_of(scatter.ground) == null or up_at(scatter, point).y >= cos(deg_to_rad(MAP_DEGREES)):
+	if not is_planet(scatter) or up_at(scatter, point).y >= cos(deg_to_rad(MAP_DEGREES)):
 		return ""
 	return "%s at most %d° from the top of a planet. %s" % [what, roundi(MAP_DEGREES), remedy]
 
@@ -109,14 +96,3 @@ static func upright(up: Vector3) -> Basis:
 		return Basis(Quaternion(Vector3.UP, up))
 	# Opposite directions have no shortest rotation.
 	return Basis(Quaternion(Vector3.DOWN, up)) * Basis(Vector3.RIGHT, PI)
-
-
-## Returns the grounds that a ground combines, or only the ground itself if it combines none. Returns an empty array for null.
-static func _parts(ground: ScatterGround) -> Array[ScatterGround]:
-	var parts: Array[ScatterGround] = []
-	if ground is ScatterGroundCombined:
-		for part: ScatterGround in (ground as ScatterGroundCombined).grounds:
-			parts.append_array(_parts(part))
-	elif ground != null:
-		parts.append(ground)
-	return parts

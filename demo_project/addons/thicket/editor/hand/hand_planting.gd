@@ -159,7 +159,7 @@ func moved(from: Transform3D, point: Vector3, scatter: TerrainScatter3D, with_co
 	var target := _on_grid(point) if _uses_grid(scatter, with_control) else point
 	var found := SurfacePlace.level(scatter, target, SurfacePlace.up_at(scatter, target))
 	if below.is_empty() or found.is_empty():
-		var is_planet := SurfacePlace.planet_of(scatter.ground) != null
+		var is_planet := SurfacePlace.is_planet(scatter)
 		return from if is_planet else Transform3D(from.basis, Vector3(target.x, from.origin.y, target.z))
 	var up_there := SurfacePlace.up_at(scatter, found[0])
 	var to := found[0] + up_there * (from.origin - below[0]).dot(up)
@@ -170,7 +170,7 @@ func moved(from: Transform3D, point: Vector3, scatter: TerrainScatter3D, with_co
 
 ## Returns true if positions snap to the grid, which a planet does not have.
 func _uses_grid(scatter: TerrainScatter3D, with_control: bool) -> bool:
-	return snaps(with_control) and SurfacePlace.planet_of(scatter.ground) == null
+	return snaps(with_control) and not SurfacePlace.is_planet(scatter)
 
 
 func _on_grid(point: Vector3) -> Vector3:

@@ -30,7 +30,7 @@ static func add(name: String, scatter: TerrainScatter3D, apart: bool, undo_redo:
 		return
 	var old := scatter.layers
 	var added := _copied(source, Copies.names(old))
-	if SurfacePlace.planet_of(scatter.ground) != null:
+	if SurfacePlace.is_planet(scatter):
 		NewLayers.use_levels(added, scatter.ground)
 	if apart:
 		NewLayers.give_way(added, old)

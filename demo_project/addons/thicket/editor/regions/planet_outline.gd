@@ -1,13 +1,11 @@
 @tool
 extends RefCounted
 ## The borders of a [ScatterRegion3D] on a planet. They are lines on a flat map around the middle of the region: for polygons and paths, the map on
-## which the library evaluates them, otherwise the shadow of the region along up.
+## which the library evaluates them, otherwise the shadow of the region along up. The library converts positions to this map and back.
 
 const Outline := preload("res://addons/thicket/editor/regions/region_outline.gd")
 const SurfacePlace := preload("res://addons/thicket/editor/ground/surface_place.gd")
 
-## The largest distance from the middle of a shadow, as a fraction of the distance from the planet's center.
-const RIM := 0.999
 ## The distance from the planet's center from which the ground is searched, in radii of the planet.
 const RADII := 2.0
 ## The largest angle between a corner of a polygon and the polygon's y axis, seen from the planet's center, in degrees. A corner at 90 degrees would
@@ -18,8 +16,6 @@ var _region: ScatterRegion3D
 var _scatter: TerrainScatter3D
 var _center: Vector3
 var _radius: float
-var _distance: float ## The distance of the middle from the planet's center.
-var _axes: Basis ## The axes of the map; y is the up direction of the middle.
 
 
 ## Prepares the borders of a region below a scatter whose ground forms a planet.
@@ -27,39 +23,28 @@ func _init(region: ScatterRegion3D, scatter: TerrainScatter3D) -> void:
 	_region = region
 	_scatter = scatter
 	_center = SurfacePlace.planet_center(scatter)
-	_radius = SurfacePlace.planet_of(scatter.ground).planet_radius
-	var middle := region.global_position
-	var points := _points()
-	if not points.is_empty():
-		middle = Vector3.ZERO
-		for point in points:
-			middle += point / points.size()
-	_distance = middle.distance_to(_center)
-	_axes = SurfacePlace.upright(_center.direction_to(middle)) if _distance > 0.0 else Basis.IDENTITY
+	_radius = SurfacePlace.planet_radius(scatter)
 
 
 ## Returns the region's borders, moved inward by [param inwards] meters, as closed lines on the map.
 func borders(inwards: float) -> Array[PackedVector2Array]:
-	var places := PackedVector2Array()
-	if _is_flat():
-		var scale := 0.0 # Lengths on the map grow with the distance from its middle. The mean is exact enough for a drawing.
-		for point in _points():
-			var place := _place_of(point)
-			places.append(place)
-			scale += 1.0 + place.length_squared() / (4.0 * _radius * _radius)
-		scale /= maxf(places.size(), 1.0)
-		if _region.shape == ScatterRegion3D.SHAPE_PATH:
-			return Outline.strip(places, (0.5 * _region.width - inwards) * scale)
-		return Outline.inset(places, inwards * scale)
-	for corner in Outline.body(_region):
-		var offset := (_region.global_transform * corner - _region.global_position) * _axes
-		places.append(Vector2(offset.x, offset.z))
-	return Outline.inset(Outline.hull(places), inwards)
+	match _region.shape:
+		ScatterRegion3D.SHAPE_PATH:
+			var points := _region._to_planet_map(Outline.path_positions(_region))
+			return Outline.strip(_places(points), (0.5 * _region.width - inwards) * _scale(points))
+		ScatterRegion3D.SHAPE_POLYGON:
+			var points := _region._to_planet_map(Outline.corners(_region))
+			return Outline.inset(_places(points), inwards * _scale(points))
+	var corners := _region._to_planet_map(_region.global_transform * Outline.body(_region))
+	return Outline.inset(Outline.hull(_places(corners)), inwards)
 
 
-## Returns the position on the ground at a place on the map, raised by [param lift] meters. Without ground there, it is on the sphere.
-func to_ground(place: Vector2, lift: float) -> Vector3:
-	return on_ground(_center + _direction(place), lift)
+## Returns the positions on the ground at places on the map, raised by [param lift] meters. Without ground there, they are on the sphere.
+func to_ground(places: PackedVector2Array, lift: float) -> PackedVector3Array:
+	var positions := PackedVector3Array()
+	for up in _region._from_planet_map(places):
+		positions.append(on_ground(_center + up * _radius, lift))
+	return positions
 
 
 ## Returns the position on the ground straight above or below another position, as [method to_ground].
@@ -82,31 +67,16 @@ static func corner_toward(position: Vector3, center: Vector3, frame: Transform3D
 	return Vector2(corner.x, corner.z)
 
 
-func _is_flat() -> bool:
-	return _region.shape in [ScatterRegion3D.SHAPE_POLYGON, ScatterRegion3D.SHAPE_PATH]
+static func _places(points: PackedVector3Array) -> PackedVector2Array:
+	var places := PackedVector2Array()
+	for point in points:
+		places.append(Vector2(point.x, point.z))
+	return places
 
 
-## Returns the world positions of a polygon's corners or of a path's points. Empty for other shapes.
-func _points() -> PackedVector3Array:
-	match _region.shape:
-		ScatterRegion3D.SHAPE_POLYGON:
-			return Outline.corners(_region)
-		ScatterRegion3D.SHAPE_PATH:
-			return Outline.path_positions(_region)
-	return PackedVector3Array()
-
-
-## Returns the stereographic projection of a position. See PlanetMap in the library.
-func _place_of(position: Vector3) -> Vector2:
-	var up := _center.direction_to(position) * _axes
-	return 2.0 * _radius / maxf(1.0 + up.y, 1e-6) * Vector2(up.x, up.z)
-
-
-## Returns the up direction at a place on the map.
-func _direction(place: Vector2) -> Vector3:
-	if _is_flat():
-		var tangent := place / (2.0 * _radius)
-		var squared := tangent.length_squared()
-		return _axes * (Vector3(2.0 * tangent.x, 1.0 - squared, 2.0 * tangent.y) / (1.0 + squared))
-	var limited := (place / maxf(_distance, 1e-6)).limit_length(RIM)
-	return _axes * Vector3(limited.x, sqrt(1.0 - limited.length_squared()), limited.y)
+## Returns the mean scale of the map. Lengths on it grow with the distance from its middle; the mean is exact enough for a drawing.
+static func _scale(points: PackedVector3Array) -> float:
+	var sum := 0.0
+	for point in points:
+		sum += point.y
+	return sum / maxf(points.size(), 1.0)

@@ -79,7 +79,7 @@ func close() -> void:
 	var middle := Vector3.ZERO
 	for corner in corners:
 		middle += corner / corners.size()
-	if SurfacePlace.planet_of(ground()) != null:
+	if SurfacePlace.is_planet(scatter):
 		var found := SurfacePlace.level(scatter, middle, SurfacePlace.up_at(scatter, middle))
 		middle = found[0] if not found.is_empty() else middle
 	var frame := RegionMenu.frame_at(scatter, middle)
@@ -111,7 +111,7 @@ func _polygon(frame: Transform3D) -> ScatterRegion3D:
 
 ## Returns a corner in the local coordinates of a region with this transform, or [constant Vector2.INF] if the region cannot have this corner.
 func _in_frame(corner: Vector3, frame: Transform3D) -> Vector2:
-	if SurfacePlace.planet_of(ground()) != null:
+	if SurfacePlace.is_planet(scatter):
 		return PlanetOutline.corner_toward(corner, SurfacePlace.planet_center(scatter), frame)
 	return Vector2(corner.x - frame.origin.x, corner.z - frame.origin.z)
 
@@ -165,7 +165,7 @@ func _add_corner() -> void:
 ## Returns the position of the next corner, snapped like the editor's gizmos, except on a planet.
 func _corner() -> Vector3:
 	var at := _cursor.on_ground
-	if EditorSnap.is_on() and SurfacePlace.planet_of(ground()) == null:
+	if EditorSnap.is_on() and not SurfacePlace.is_planet(scatter):
 		var step := maxf(0.01, EditorSnap.meters())
 		at = Vector3(snappedf(at.x, step), at.y, snappedf(at.z, step))
 		var found := SurfacePlace.level(scatter, at, Vector3.UP)

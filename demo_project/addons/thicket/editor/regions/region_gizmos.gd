@@ -159,7 +159,7 @@ static func _dragged_corner(region: ScatterRegion3D, from: Vector3, to: Vector3)
 ## Returns the scatter above a region if its ground forms a planet, otherwise null.
 static func _scatter_on_planet(region: ScatterRegion3D) -> TerrainScatter3D:
 	var scatter := GroundLines.scatter_of(region)
-	return scatter if scatter != null and SurfacePlace.planet_of(scatter.ground) != null else null
+	return scatter if scatter != null and SurfacePlace.is_planet(scatter) else null
 
 
 static func _property(region: ScatterRegion3D, id: int) -> StringName:
