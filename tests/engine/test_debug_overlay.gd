@@ -51,3 +51,36 @@ func test_it_shows_figures_after_its_key_is_pressed() -> void:
 	overlay.update()
 	check_equal(overlay.lines.size(), 1, "a game without scatters")
 	check(overlay.get(&"_why").rows.is_empty(), "nothing to explain")
+
+
+## The overlay explains the ground at the center of the screen also on the underside of a planet.
+func test_it_explains_the_underside_of_a_planet() -> void:
+	var planet := MeshInstance3D.new()
+	var sphere := SphereMesh.new()
+	sphere.radius = 50.0
+	sphere.height = 100.0
+	planet.mesh = sphere
+	planet.add_to_group(&"ground")
+	root.add_child(planet)
+	var ground := ScatterGroundMeshes.new()
+	ground.group = &"ground"
+	ground.planet_radius = 50.0
+	var layer := make_layer(2.0)
+	layer.resource_name = "Larches"
+	layer.on_surfaces = true
+	layer.tile_size = 16.0
+	layer.view_distance = 60.0
+	var camera := Camera3D.new()
+	root.add_child(camera)
+	camera.look_at_from_position(Vector3(0.0, -60.0, 0.0), Vector3(1.0, 0.0, 0.0), Vector3.RIGHT)
+	camera.make_current()
+	var scatter := make_scatter([layer], ground, camera)
+	await settle(scatter)
+	var overlay: CanvasLayer = (load(FILE) as GDScript).new()
+	root.add_child(overlay)
+	overlay.update()
+	var why: Array = overlay.get(&"_why").rows
+	check(why.any(func(row: Array) -> bool: return row[1].contains("Larches")), "why: %s" % [why])
+	check(not why.any(func(row: Array) -> bool: return row[1].contains("no ground")), "it is on the ground: %s" % [why])
+	overlay.free()
+	planet.free()

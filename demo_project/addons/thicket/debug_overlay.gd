@@ -100,10 +100,10 @@ func _explain(scatters: Array[Node]) -> void:
 	var toward := -camera.global_basis.z
 	var nearest := REACH
 	for scatter in scatters:
-		var ground: Resource = scatter.get(&"ground")
-		var hit := GroundRay.hit(ground, from, toward) if ground else Vector3.INF
-		if hit.distance_to(from) >= nearest:
+		var on_ground := GroundRay.first(scatter as Node3D, from, toward)
+		if on_ground.is_empty() or on_ground[0].distance_to(from) >= nearest:
 			continue
+		var hit := on_ground[0]
 		nearest = hit.distance_to(from)
 		_why.fill(scatter.call(&"explain_position", hit), null)
 		var met: Variant = scatter.call(&"query_ray", from, hit)

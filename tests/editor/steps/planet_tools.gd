@@ -1,7 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
 ## Uses the tools on the top, on the side and on the underside of a planet: Why?, the brush, the rectangle of a bake, new regions, outlines of
-## regions, their gizmos, and a preset.
+## regions, the handles of regions and of the water, and a preset.
 
 const RADIUS := 20.0
 const CENTER := Vector3(3.0, -2.0, 5.0)
@@ -92,6 +92,7 @@ func test_tools_on_all_sides() -> void:
 		await add_box(side)
 		await draw_polygon(side)
 		await draw_path(side)
+		await drag_water(side)
 	await add_preset("underside")
 
 
@@ -186,6 +187,7 @@ func add_box(side: String) -> void:
 	check(region.global_basis.y.angle_to(region.global_position - CENTER) < 0.01, "%s: upright" % side)
 	check_border(region, side)
 	await picture("planet_box_%s" % side)
+	await drag_face(region, side)
 	await undo()
 	check(regions().is_empty(), "%s: the box is undone" % side)
 
@@ -237,19 +239,69 @@ func draw_polygon(side: String) -> void:
 
 ## Drags the handle of a polygon's corner to a position on the planet.
 func drag_corner(region: Node3D, side: String) -> void:
-	var gizmo := region.get_gizmos()[0] as EditorNode3DGizmo
-	var gizmos := gizmo.get_plugin()
-	var handles: PackedVector3Array = gizmos._handles(region)
-	check(absf(altitude(region.global_transform * handles[1]) - 0.1) < 0.05, "%s: the handle is on the ground" % side)
 	var before: PackedVector2Array = region.polygon
+	check(absf(altitude(handle_of(region, 1)) - 0.1) < 0.05, "%s: the handle is on the ground" % side)
 	var to := spot(3.5, -3.0)
-	gizmos._begin_handle_action(gizmo, 1, false)
-	gizmos._set_handle(gizmo, 1, false, camera(), camera().unproject_position(to))
-	gizmos._commit_handle(gizmo, 1, false, before, false)
+	await drag_handle(region, 1, to, "planet_corner_%s" % side)
 	var at: Vector3 = region.global_transform * Vector3(region.polygon[1].x, 0.0, region.polygon[1].y)
 	check((at - CENTER).angle_to(to - CENTER) < 0.005, "%s: the dragged corner is at %s" % [side, at])
 	await undo()
 	check_equal(region.polygon, before, "%s: the drag is undone" % side)
+
+
+## Returns the world position of a handle of a region.
+func handle_of(region: Node3D, index: int) -> Vector3:
+	var gizmos := (region.get_gizmos()[0] as EditorNode3DGizmo).get_plugin()
+	return region.global_transform * (gizmos._handles(region) as PackedVector3Array)[index]
+
+
+## Drags a handle of the selected region with the mouse to the pixel of a world position. Takes a picture before the button is released.
+func drag_handle(region: Node3D, index: int, to: Vector3, picture_name := "") -> void:
+	var from := on_screen(handle_of(region, index))
+	await drag_mouse(from, on_screen(to), false, false)
+	if not picture_name.is_empty():
+		await picture(picture_name)
+	await press(on_screen(to), false)
+	await frames(2)
+
+
+## The handle of a box's face changes its size, and the opposite face stays in place.
+func drag_face(region: Node3D, side: String) -> void:
+	var before: Transform3D = region.transform
+	var size: Vector3 = region.size
+	var face: Vector3 = region.to_global(Vector3(-0.5 * size.x, 0.0, 0.0))
+	await drag_handle(region, 0, region.to_global(Vector3(3.0, 0.0, 0.0)), "planet_face_%s" % side)
+	check(region.size.distance_to(Vector3(3.0 + 0.5 * size.x, size.y, size.z)) < 0.1, "%s: the dragged box has a size of %s" % [side, region.size])
+	check(region.to_global(Vector3(-0.5 * region.size.x, 0.0, 0.0)).distance_to(face) < 0.01, "%s: the opposite face stays in place" % side)
+	check_border(region, side + ", dragged box")
+	await undo()
+	check_equal([region.size, region.transform], [size, before], "%s: the drag is undone" % side)
+
+
+## Water is a sphere around the planet's center. Its handle is in the middle of the view and changes the level along up.
+func drag_water(side: String) -> void:
+	scatter.water_level = -0.5
+	scatter.water_enabled = true
+	await select_node(scatter)
+	await until(func() -> bool: return water_gizmos()._origin.distance_to(CENTER + up * RADIUS) < 0.05, "%s: the handle is in the middle of the view" % side)
+	await picture("planet_water_%s" % side)
+	await drag_mouse(on_screen(CENTER + up * (RADIUS - 0.5)), on_screen(CENTER + up * (RADIUS + 1.5)), false, false)
+	await picture("planet_water_risen_%s" % side)
+	await press(on_screen(CENTER + up * (RADIUS + 1.5)), false)
+	check(absf(scatter.water_level - 1.5) < 0.05, "%s: the level after the drag: %f" % [side, scatter.water_level])
+	await settle(scatter)
+	check(instances(scatter, 0).is_empty(), "%s: all stones are under water" % side)
+	await undo()
+	check(absf(scatter.water_level + 0.5) < 1e-6, "%s: the drag is undone: %f" % [side, scatter.water_level])
+	scatter.water_enabled = false
+	await frames(2)
+
+
+func water_gizmos() -> EditorNode3DGizmoPlugin:
+	for gizmo: EditorNode3DGizmo in scatter.get_gizmos():
+		if gizmo.get_plugin()._get_gizmo_name() == "TerrainScatter3D Water":
+			return gizmo.get_plugin()
+	return null
 
 
 func draw_path(side: String) -> void:
@@ -279,8 +331,19 @@ func draw_path(side: String) -> void:
 		var at := region.global_transform * handles[0]
 		check(absf(at.distance_to(points[0]) - 1.5) < 0.05 and absf(altitude(at)) < 0.2, "%s: the handle is beside the path, on the ground: %s" % [side, at])
 	await picture("planet_path_%s" % side)
+	await drag_width(region, side)
 	await undo()
 	await select_node(scatter)
+
+
+## The handle of a path's width is beside its first point.
+func drag_width(region: Node3D, side: String) -> void:
+	var handle := handle_of(region, 0)
+	var start := spot(-4.0, 0.0)
+	await drag_handle(region, 0, start + 2.0 * (handle - start))
+	check(absf(region.width - 6.0) < 0.1, "%s: the dragged path has a width of %f" % [side, region.width])
+	await undo()
+	check_equal(region.width, 3.0, "%s: the drag of the width is undone" % side)
 
 
 ## A preset must grow on the underside.

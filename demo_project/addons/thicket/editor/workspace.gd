@@ -228,7 +228,7 @@ func process(delta: float) -> void:
 
 ## Returns the data of a scatter that the gizmos and the toolbar show.
 func _state(scatter: TerrainScatter3D) -> Array:
-	var state: Array = [scatter, scatter.global_transform, scatter.ground, scatter.water_enabled, scatter.water_level]
+	var state: Array = [scatter, scatter.global_transform, scatter.ground, scatter._get_planet(), scatter.water_enabled, scatter.water_level]
 	for layer in ScatterLayers.of(scatter):
 		state.append_array([layer, layer.resource_name if layer != null else ""])
 	# Tiles are added and removed as the camera moves, so the extent is only updated once the scatter has settled.

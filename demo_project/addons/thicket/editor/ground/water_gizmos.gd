@@ -1,21 +1,29 @@
 @tool
 extends EditorNode3DGizmoPlugin
-## Draws the water of the selected [code]TerrainScatter3D[/code] as a plane over its tiles. A handle in the center changes the water level.
+## Draws the water of the selected [code]TerrainScatter3D[/code]: as a plane over its tiles or, on a planet, as a sphere around its center. A handle
+## changes the water level. It is in the center of the plane, or on the planet in the middle of the view.
 
 const EditorSnap := preload("res://addons/thicket/editor/editor_snap.gd")
 const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
+const SurfacePlace := preload("res://addons/thicket/editor/ground/surface_place.gd")
 
 const COLOR := Color(0.25, 0.55, 0.95, 0.35)
 ## The distance in meters from the center to the edges if no tile is shown.
 const REACH := 100.0
 ## The step, in meters, to which the handle rounds the level if snapping is off.
 const STEP := 0.01
+## The number of segments around a planet's water. The middles of its facets are 0.04 m too low if the planet has a radius of 2 km.
+const SEGMENTS := 512
 
 var undo_redo: EditorUndoRedoManager
 ## The selected scatter. The water of other scatters is not drawn.
 var scatter: TerrainScatter3D
 
 var _material := StandardMaterial3D.new()
+var _sphere := SphereMesh.new()
+## The position of the handle at a water level of 0, and the direction in which the level rises.
+var _origin := Vector3.ZERO
+var _up := Vector3.UP
 
 
 func _init() -> void:
@@ -23,6 +31,11 @@ func _init() -> void:
 	_material.transparency = BaseMaterial3D.TRANSPARENCY_ALPHA
 	_material.shading_mode = BaseMaterial3D.SHADING_MODE_UNSHADED
 	_material.cull_mode = BaseMaterial3D.CULL_DISABLED
+	_sphere.radius = 1.0
+	_sphere.height = 2.0
+	_sphere.radial_segments = SEGMENTS
+	@warning_ignore("integer_division")
+	_sphere.rings = SEGMENTS / 2
 	create_handle_material("handles")
 
 
@@ -38,14 +51,21 @@ func _redraw(gizmo: EditorNode3DGizmo) -> void:
 	gizmo.clear()
 	if gizmo.get_node_3d() != scatter or not scatter.water_enabled:
 		return
-	var area := _area()
-	var mesh := PlaneMesh.new()
-	mesh.size = area.size
-	var middle := Vector3(area.get_center().x, scatter.water_level, area.get_center().y)
 	# The water does not move with the node.
 	var to_node := scatter.global_transform.affine_inverse()
-	gizmo.add_mesh(mesh, _material, to_node * Transform3D(Basis.IDENTITY, middle))
-	gizmo.add_handles([to_node * middle], get_material("handles", gizmo), [])
+	var center := SurfacePlace.planet_center(scatter)
+	if center.is_finite():
+		_aim(center, SurfacePlace.planet_radius(scatter))
+		var radius := maxf(SurfacePlace.planet_radius(scatter) + scatter.water_level, STEP)
+		gizmo.add_mesh(_sphere, _material, to_node * Transform3D(Basis.from_scale(Vector3.ONE * radius), center))
+	else:
+		var area := _area()
+		var mesh := PlaneMesh.new()
+		mesh.size = area.size
+		_origin = Vector3(area.get_center().x, 0.0, area.get_center().y)
+		_up = Vector3.UP
+		gizmo.add_mesh(mesh, _material, to_node * Transform3D(Basis.IDENTITY, _origin + _up * scatter.water_level))
+	gizmo.add_handles([to_node * (_origin + _up * scatter.water_level)], get_material("handles", gizmo), [])
 
 
 func _get_handle_name(_gizmo: EditorNode3DGizmo, _id: int, _secondary: bool) -> String:
@@ -58,12 +78,12 @@ func _get_handle_value(gizmo: EditorNode3DGizmo, _id: int, _secondary: bool) -> 
 
 func _set_handle(gizmo: EditorNode3DGizmo, _id: int, _secondary: bool, camera: Camera3D, point: Vector2) -> void:
 	var node := gizmo.get_node_3d() as TerrainScatter3D
-	var middle := _area().get_center()
 	var from := camera.project_ray_origin(point)
 	var to := from + camera.project_ray_normal(point) * camera.far
-	var low := Vector3(middle.x, from.y - camera.far, middle.y)
-	var high := Vector3(middle.x, from.y + camera.far, middle.y)
-	var level := Geometry3D.get_closest_points_between_segments(low, high, from, to)[0].y
+	var nearest := (from - _origin).dot(_up)
+	var low := _origin + _up * (nearest - camera.far)
+	var high := _origin + _up * (nearest + camera.far)
+	var level := (Geometry3D.get_closest_points_between_segments(low, high, from, to)[0] - _origin).dot(_up)
 	node.water_level = snappedf(level, EditorSnap.meters() if EditorSnap.is_on() else STEP)
 	node.update_gizmos()
 
@@ -77,6 +97,18 @@ func _commit_handle(gizmo: EditorNode3DGizmo, _id: int, _secondary: bool, restor
 	undo_redo.add_do_property(node, &"water_level", node.water_level)
 	undo_redo.add_undo_property(node, &"water_level", restore)
 	undo_redo.commit_action()
+
+
+## Moves the handle to the middle of the view of a planet or, if the planet is not there, to the ground below the camera.
+func _aim(center: Vector3, radius: float) -> void:
+	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
+	var from := camera.global_position
+	var toward := -camera.global_basis.z
+	var met := Geometry3D.segment_intersects_sphere(from, from + toward * camera.far, center, radius)
+	_up = center.direction_to(met[0] if not met.is_empty() and met[1].dot(toward) < 0.0 else from)
+	if _up == Vector3.ZERO:
+		_up = Vector3.UP
+	_origin = center + _up * radius
 
 
 ## Returns the rectangle of all visible tiles, with x and z in meters. Without visible tiles, returns a square around the origin.
