@@ -118,6 +118,28 @@ TEST_CASE("streaming: an edit outdates only the tiles that it touches") {
 	CHECK(stage.changes.empty());
 }
 
+TEST_CASE("streaming: tiles that are only kept can be dropped at once") {
+	Stage stage({{10.0, 100.0}});
+	const std::vector<Viewer> start{{{5.0, 5.0}}};
+	stage.streamer.drop_unseen({{0.0, 0.0}, {10.0, 10.0}});
+	stage.settle(start);
+	const std::vector<Viewer> viewers{{{17.0, 5.0}}};
+	stage.settle(viewers);
+	CHECK(stage.dropped == 0);
+	// The tile from x = -90 to -80 is 97 m away and in view. The tile before it is only kept.
+	stage.streamer.drop_unseen({{-95.0, 0.0}, {-85.0, 10.0}});
+	stage.update(viewers);
+	REQUIRE(stage.changes.drop.size() == 1);
+	CHECK(stage.changes.drop[0].tile == glm::ivec2(-10, 0));
+	CHECK(stage.changes.request.empty());
+	CHECK(stage.streamer.idle());
+	stage.streamer.drop_unseen({{-95.0, 0.0}, {-85.0, 10.0}});
+	stage.update(viewers);
+	CHECK(stage.changes.empty());
+	stage.settle(start);
+	CHECK(stage.shown.contains({0, stage.shown.begin()->second.grid, -10, 0}));
+}
+
 TEST_CASE("streaming: a new view distance keeps the loaded tiles") {
 	std::vector<StreamLayer> layers = two_layers;
 	Stage stage(layers);

@@ -355,3 +355,28 @@ func test_a_scripted_mesh_changes_the_node() -> void:
 		scatter.free()
 		instance.free()
 		check_no_error(how)
+
+
+## A tile that is only kept in case the viewer returns disappears together with its ground, before the ground is rebuilt. A tile in view is replaced
+## instead, by one without instances.
+func test_tiles_out_of_view_disappear_with_their_ground() -> void:
+	var chunks: Array[MeshInstance3D] = []
+	for index in 16:
+		chunks.push_back(put(plane(40), Vector3(8.0 * index + HALF, 0.0, HALF)))
+	var scatter := make_on_meshes()
+	var layer: ScatterLayer = scatter.layers[0]
+	layer.view_distance = 64.0
+	await settle(scatter)
+	(scatter.get_node(scatter.viewers[0]) as Node3D).position.x = 67.5 + 8.0
+	await settle(scatter)
+	var tiles := scatter.get_shown_tiles(layer)
+	check(tiles.has(Vector2i(0, 0)) and tiles.has(Vector2i(1, 0)), "both tiles are visible: %s" % [tiles])
+	chunks[0].free()
+	chunks[2].free()
+	await frames(2)
+	tiles = scatter.get_shown_tiles(layer)
+	check(not tiles.has(Vector2i(0, 0)), "the tile out of view is hidden after two frames")
+	check(tiles.has(Vector2i(2, 0)), "the tile in view is still visible")
+	await settle(scatter)
+	check(scatter.get_shown_tiles(layer).has(Vector2i(2, 0)) and scatter.get_tile(layer, Vector2i(2, 0)).is_empty(), "the tile in view is empty now")
+	check(not scatter.get_tile(layer, Vector2i(1, 0)).is_empty(), "the tile between them is unchanged")

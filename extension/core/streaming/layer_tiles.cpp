@@ -83,6 +83,18 @@ void LayerTiles::invalidate(const Rect &area) {
 	}
 }
 
+void LayerTiles::drop_unseen(const Rect &area, StreamChanges &r_changes) {
+	if (sights_.empty()) {
+		return; // The views are unknown until the next call to `look`.
+	}
+	for (std::uint32_t slot = 0; slot < tiles_.slots().size(); ++slot) {
+		const StreamedTile &tile = tiles_[slot];
+		if (tile.exists && tile.shown && touch(space(tile.at), area) && !seen(tile.at)) {
+			release(slot, r_changes);
+		}
+	}
+}
+
 void LayerTiles::cancel_all(StreamChanges &r_changes) {
 	for (std::uint32_t slot = 0; slot < tiles_.slots().size(); ++slot) {
 		const StreamedTile &tile = tiles_[slot];

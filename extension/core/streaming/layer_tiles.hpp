@@ -72,6 +72,10 @@ public:
 	/// when they arrive.
 	void invalidate(const Rect &area);
 
+	/// Drops the visible tiles that touch `area` and were outside every view in the last call to
+	/// `look`. May throw std::bad_alloc; some of the tiles then remain.
+	void drop_unseen(const Rect &area, StreamChanges &r_changes);
+
 	/// Cancels all pending tiles. Tiles that are still needed wait to be requested again.
 	void cancel_all(StreamChanges &r_changes);
 

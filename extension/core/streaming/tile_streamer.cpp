@@ -246,6 +246,12 @@ void TileStreamer::invalidate(std::uint32_t layer, const Rect &area) {
 	}
 }
 
+void TileStreamer::drop_unseen(const Rect &area) {
+	for (LayerTiles &layer : state_->layers) {
+		static_cast<void>(guarded("tiles", 1.0, [&] { layer.drop_unseen(area, state_->backlog); }));
+	}
+}
+
 void TileStreamer::cancel(std::uint32_t layer) {
 	if (layer < state_->layers.size()) {
 		state_->layers[layer].cancel_all(state_->backlog);

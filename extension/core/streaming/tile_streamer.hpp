@@ -126,7 +126,7 @@ struct StreamCounts {
 ///  (3) Viewers take turns. On its turn, a viewer requests the waiting tile of any layer that is
 ///      nearest to it.
 ///  (4) A tile is dropped only beyond `1.1 * view distance + one tile`, so moving back and forth
-///      loads no tile twice.
+///      loads no tile twice, or in a call to `drop_unseen`.
 ///  (5) An outdated tile remains visible until its replacement is ready, even if the replacement is
 ///      outdated by then.
 ///  (6) Near tiles are shown before far ones. `next_ready` and `may_show` accept a tile only if it
@@ -157,6 +157,11 @@ public:
 
 	/// Marks only the tiles that touch `area` (world meters) as outdated.
 	void invalidate(std::uint32_t layer, const Rect &area);
+
+	/// Drops, in the next update, the visible tiles of all layers that touch `area` (world meters)
+	/// and are farther from all viewers than the view distance plus an eighth of a tile. Such tiles
+	/// are only kept in case a viewer returns. If memory runs out, some of the tiles remain.
+	void drop_unseen(const Rect &area);
 
 	/// Cancels all pending tiles of a layer, for example because their results would be useless.
 	/// Tiles that are still needed are requested again.

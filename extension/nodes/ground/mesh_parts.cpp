@@ -33,8 +33,7 @@ void add_changes(const GroundMeshes &before, const GroundMeshes &now, std::vecto
 		for (const auto &[id, part] : parts) {
 			const auto other = others.find(id);
 			if (other == others.end() || other->second->digest != part->digest) {
-				const Box3 &bounds = part->ground->bounds();
-				add_changed_area(r_areas, {{bounds.min.x, bounds.min.z}, {bounds.max.x, bounds.max.z}});
+				add_changed_area(r_areas, area_of(*part));
 			}
 		}
 	};
@@ -43,6 +42,11 @@ void add_changes(const GroundMeshes &before, const GroundMeshes &now, std::vecto
 }
 
 } // namespace
+
+Rect area_of(const GroundMesh &mesh) {
+	const Box3 &bounds = mesh.ground->bounds();
+	return {{bounds.min.x, bounds.min.z}, {bounds.max.x, bounds.max.z}};
+}
 
 void MeshReading::build(std::span<const glm::vec3> faces, const std::atomic<bool> *cancel) {
 	status = guarded("corners", static_cast<double>(faces.size()), [&] {

@@ -38,6 +38,9 @@ struct GroundMesh {
 	std::shared_ptr<const MeshCopy> copy; ///< Kept to avoid rereading a moved mesh.
 };
 
+/// Returns the rectangle of the world that contains all triangles of a mesh.
+Rect area_of(const GroundMesh &mesh);
+
 /// The ground of all mesh instances, keyed by instance ID.
 using GroundMeshes = std::map<std::uint64_t, std::shared_ptr<const GroundMesh>>;
 

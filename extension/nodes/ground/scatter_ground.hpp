@@ -178,6 +178,10 @@ public:
 	/// ground. After that, the ground may have changed everywhere.
 	virtual bool is_pending(std::uint64_t /*host*/) const { return false; }
 
+	/// Returns the areas in which ground for the host with this ID has disappeared since the last
+	/// call. The ground may not have been rebuilt without it yet.
+	virtual std::vector<Rect> take_removed(std::uint64_t /*host*/) { return {}; }
+
 	/// Finishes reading the ground synchronously. Emits signals.
 	virtual void finish_reading() {}
 

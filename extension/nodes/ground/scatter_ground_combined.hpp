@@ -46,6 +46,7 @@ public:
 	void search_again() override;
 	bool is_behind() const override;
 	bool is_pending(std::uint64_t host) const override;
+	std::vector<Rect> take_removed(std::uint64_t host) override;
 	void finish_reading() override;
 	GroundFigures figures() const override;
 

@@ -141,6 +141,15 @@ GroundShell ScatterGroundCombined::shell(std::uint64_t host, const Planet &plane
 	return result;
 }
 
+std::vector<Rect> ScatterGroundCombined::take_removed(std::uint64_t host) {
+	std::vector<Rect> result;
+	for (const Part &part : Parts(parts_)) {
+		const std::vector<Rect> removed = part.ground->take_removed(host);
+		result.insert(result.end(), removed.begin(), removed.end());
+	}
+	return result;
+}
+
 /// Returns a message about a part whose planet differs from that of an earlier part. Empty if there
 /// is no such part.
 String ScatterGroundCombined::planet_conflict() const {

@@ -84,10 +84,25 @@ void ScatterGroundMeshes::list_members(bool changed) {
 	}
 	for (const std::uint64_t id : watch_.ids()) {
 		if (!found.contains(id)) {
+			record_removal(id);
 			watch_.remove(id);
 		}
 	}
 	listed_ = members_.count(first_node(), group_);
+}
+
+/// Records where a node that has left the group was ground.
+void ScatterGroundMeshes::record_removal(std::uint64_t id) {
+	for (const auto &[host, world] : worlds_) {
+		if (const auto part = world.parts->find(id); part != world.parts->end()) {
+			removed_[host].push_back(area_of(*part->second));
+		}
+	}
+}
+
+std::vector<Rect> ScatterGroundMeshes::take_removed(std::uint64_t host) {
+	const auto removed = removed_.extract(host);
+	return removed.empty() ? std::vector<Rect>() : std::move(removed.mapped());
 }
 
 void ScatterGroundMeshes::hosts_changed(bool first) {
@@ -95,6 +110,7 @@ void ScatterGroundMeshes::hosts_changed(bool first) {
 	std::erase_if(worlds_, [this](const auto &world) {
 		return std::ranges::find(hosts(), world.first, &GroundHost::id) == hosts().end();
 	});
+	std::erase_if(removed_, [this](const auto &removed) { return !worlds_.contains(removed.first); });
 	if (first) {
 		forget_work();
 		watch_.clear();

@@ -43,6 +43,7 @@ public:
 
 	bool is_behind() const override;
 	bool is_pending(std::uint64_t host) const override;
+	std::vector<Rect> take_removed(std::uint64_t host) override;
 	void finish_reading() override;
 	GroundFigures figures() const override { return figures_; }
 	bool has_surfaces() const override { return true; }
@@ -83,6 +84,7 @@ private:
 	bool is_in_scene() const;
 	GroundWatch::ReadState state_reader();
 	void list_members(bool changed);
+	void record_removal(std::uint64_t id);
 	void begin();
 	void queue_all();
 	void add_worlds();
@@ -120,6 +122,7 @@ private:
 	FreshCopy fresh_;                   ///< The mesh of that instance once it is read.
 	std::vector<MeshReading> readings_; ///< Meshes that wait for the builder.
 	std::vector<std::uint64_t> gone_;
+	std::map<std::uint64_t, std::vector<Rect>> removed_; ///< See take_removed(). Keyed by host ID.
 	WorkerTask<MeshWork> builder_;
 	bool building_ = false; ///< True unless the builder is idle or only frees memory.
 

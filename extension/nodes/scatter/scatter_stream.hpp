@@ -70,6 +70,10 @@ public:
 	void set_layers(const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated,
 			const StreamGround &ground);
 
+	/// Drops visible tiles on ground that has disappeared, if they are outside every view. Their
+	/// replacements would be generated last.
+	void drop_unseen(const Rect &area) { streamer_.drop_unseen(area); }
+
 	/// Does the work of one frame, such as requesting missing tiles and uploading finished ones,
 	/// until `budget` microseconds are spent. Does at least one step even without any budget.
 	/// Without viewers, keeps all tiles and still generates tiles for queries. Returns false if a

@@ -147,6 +147,10 @@ void TerrainScatter3D::process_frame() {
 		if (!here) {
 			return;
 		}
+		// A script of the ground may have replaced it.
+		for (const Rect &area : ground_.is_valid() ? ground_->take_removed(get_instance_id()) : std::vector<Rect>()) {
+			stream->drop_unseen(area);
+		}
 		dirty_ = dirty_ || waits_for_ground();
 	}
 	if (regions_.paths_changed()) {
