@@ -76,6 +76,8 @@ def link_to_repository(app, docname, source):
         if not path.is_relative_to(REPO) or not path.exists():
             logger.warning("the link to %s has no target", link.group(2), location=docname)
             return link.group(0)
+        if path.parent == ADDON / "tutorials" and path.suffix == ".md":  # The site shows the same page.
+            return f"{link.group(1)}({os.path.relpath(DOCS / 'tutorials' / path.name, folder)}{link.group(3) or ''})"
         kind = "tree" if path.is_dir() else "blob"
         return f"{link.group(1)}({repository}/{kind}/main/{path.relative_to(REPO).as_posix()}{link.group(3) or ''})"
 

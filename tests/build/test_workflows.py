@@ -78,7 +78,7 @@ def test_a_tag_must_match_the_version():
 
     right, wrong = printed("v" + contents.version()), printed("v0.0.1")
     assert right.returncode == 0 and right.stdout.startswith("### Added\n"), right.stderr
-    assert "](docs/" not in right.stdout, "the page of a release has no folder docs beside it"
+    assert "](docs/" not in right.stdout and "](demo_project/" not in right.stdout, "the page of a release has no folder docs beside it"
     assert wrong.returncode != 0 and "v0.0.1" in wrong.stderr and "v" + contents.version() in wrong.stderr
 
 

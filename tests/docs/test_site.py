@@ -63,7 +63,7 @@ def test_every_tutorial_is_the_one_in_the_editor(site):
     index = (DOCS / "tutorials/index.md").read_text(encoding="utf-8")
     for page in pages:
         title = page.read_text(encoding="utf-8").splitlines()[0].removeprefix("# ")
-        assert f"| [{title}]({page.name}) |" in index
+        assert f"| [{title}](../../demo_project/addons/thicket/tutorials/{page.name}) |" in index
         shown = text_of(site / f"tutorials/{page.stem}.html")
         headings = re.findall(r"^#+ (.+)$", re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL), re.MULTILINE)
         assert headings and all(re.sub(r"['’]", "", heading) in re.sub(r"['’]", "", shown) for heading in headings), page.name

@@ -76,7 +76,7 @@ def test_readmes_link_to_the_pages():
     readme = (REPO / "README.md").read_text(encoding="utf-8")
     index = (REPO / "docs/tutorials/index.md").read_text(encoding="utf-8")
     for page in PAGES:
-        assert f"tutorials/{page}" in shipped and f"({page})" in index, page
+        assert f"tutorials/{page}" in shipped and f"tutorials/{page})" in index, page
     for text in (shipped, readme, (REPO / "demo_project/README.md").read_text(encoding="utf-8")):
         named = re.findall(r"tutorials/(\w+\.md)", text)
         assert named and set(named) <= {*PAGES, "index.md"}, named

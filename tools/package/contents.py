@@ -37,7 +37,7 @@ def readme():
 
 def with_addresses(changes):
     """Returns a text of CHANGELOG.md whose relative links are addresses, for readers who do not have the repository."""
-    changes = re.sub(r"(?<=\]\()docs/([\w/]+)\.md", lambda link: f"{setting('documentation')}/{link.group(1)}.html", changes)
+    changes = re.sub(r"(?<=\]\()(?:docs|demo_project/addons/thicket)/([\w/]+)\.md", lambda link: f"{setting('documentation')}/{link.group(1)}.html", changes)
     return re.sub(r"^(\[[\d.]+\]: )\.\./\.\./", lambda link: f"{link.group(1)}{setting('repository')}/", changes, flags=re.MULTILINE)
 
 

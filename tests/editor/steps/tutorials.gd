@@ -217,16 +217,66 @@ func test_the_window() -> void:
 			if line.begins_with("\t") and line.length() > 20:
 				check(shown.contains(line.strip_edges()), "%s shows its code: %s" % [page, line])
 	var menus := get_tree().root.find_children("*", "PopupMenu", true, false).filter(func(menu: PopupMenu) -> bool:
-		return range(menu.item_count).any(func(index: int) -> bool: return menu.get_item_text(index) == "Thicket Tutorials..."))
-	check_equal(menus.size(), 1, "menus that open the window")
-	tutorials.open("first_forest.md")
-	check(tutorials.visible, "the window is open")
+		return range(menu.item_count).any(func(index: int) -> bool: return menu.get_item_text(index) == "Thicket"))
+	check_equal(menus.size(), 1, "menus with the submenu Thicket")
+	tutorials.page = ""
+	workspace().help.id_pressed.emit(0)
+	check(tutorials.visible, "the first item of the menu opens the window")
+	check_equal(tutorials.page, "first_forest.md", "the first page")
 	tutorial_text().meta_clicked.emit("your_own_tree.md")
 	check_equal(tutorials.page, "your_own_tree.md", "a link leads to another page")
 	tutorials.open("first_forest.md")
 	await wait_for_panel()
 	await picture("tutorial_window", tutorials)
 	tutorials.hide()
+
+
+## Checks the addresses that the menu opens, and the report for reports of problems.
+func test_the_menu() -> void:
+	var menu: PopupMenu = workspace().help
+	var names := range(menu.item_count).map(func(index: int) -> String: return menu.get_item_text(index))
+	check_equal(names, ["Tutorials...", "Documentation", "What's New", "", "Report a Problem", "Copy System Report"], "items")
+	var plugin := ConfigFile.new()
+	plugin.load("res://addons/thicket/plugin.cfg")
+	check_equal(menu.address(1), plugin.get_value("thicket", "documentation"), "the documentation")
+	check_equal(menu.address(2), plugin.get_value("thicket", "documentation") + "/changelog.html", "what's new")
+	check_equal(menu.address(3), plugin.get_value("thicket", "repository") + "/issues", "the form for reports")
+	var report: String = menu.system_report()
+	for part: String in ["Thicket: " + plugin.get_value("plugin", "version"), "Godot: 4.", "System: ", "Processor: ", "Renderer: gl_compatibility, "]:
+		check(report.contains(part), "the report contains %s: %s" % [part, report])
+
+
+## Checks the buttons that the panel shows while no scatter is selected, and the example that one of them opens.
+func test_the_example() -> void:
+	EditorInterface.get_selection().clear()
+	await open_new("res://empty.tscn", Vector3.ZERO, 40.0, 0.3, 0.6)
+	workspace().edit(null)
+	addon().make_bottom_panel_item_visible(panel())
+	await wait_for_panel()
+	var welcome: Control = panel().welcome
+	check(welcome.visible, "the buttons are visible without a scatter")
+	await picture("welcome")
+	var buttons := welcome.find_children("*", "Button", true, false)
+	check_equal(buttons.map(func(button: Button) -> String: return button.text), ["Open the Example", "First Forest", "Documentation"], "buttons")
+	buttons[1].pressed.emit()
+	check_equal(workspace().tutorials.page, "first_forest.md", "the second button opens the first tutorial")
+	check(workspace().tutorials.visible, "the tutorial window is visible")
+	workspace().tutorials.hide()
+	buttons[0].pressed.emit()
+	if not await until(func() -> bool: return EditorInterface.get_edited_scene_root() != null and EditorInterface.get_edited_scene_root().name == &"Example", "the example is open"):
+		return
+	var example := EditorInterface.get_edited_scene_root()
+	check_equal(example.scene_file_path, "res://thicket_example.tscn", "the copy of the user")
+	var forest: Node = example.get_node(^"Forest")
+	check_equal(forest.scene_file_path, "", "the layers belong to the copy")
+	EditorInterface.get_selection().add_node(forest)
+	await settle(forest)
+	await wait_for_panel()
+	check(not welcome.visible, "the buttons are hidden while a scatter is selected")
+	check(forest.get_problems().is_empty(), "no problems: %s" % forest.get_problems())
+	for each: Resource in forest.layers:
+		check(forest.get_shown_count(each) > 10, "%d instances of %s" % [forest.get_shown_count(each), each.resource_name])
+	await picture("example")
 
 
 ## Returns the text label of the open help page, or null.

@@ -9,6 +9,7 @@ const NewLayersWatcher := preload("res://addons/thicket/editor/layers/new_layers
 const Presets := preload("res://addons/thicket/editor/layers/presets.gd")
 const GroundButtons := preload("res://addons/thicket/editor/ground/ground_buttons.gd")
 const HelpLinks := preload("res://addons/thicket/editor/help/help_links.gd")
+const HelpMenu := preload("res://addons/thicket/editor/help/help_menu.gd")
 const Import := preload("res://addons/thicket/editor/import/import_dialog.gd")
 const LayerInspector := preload("res://addons/thicket/editor/inspector/layer_inspector.gd")
 const LayersDock := preload("res://addons/thicket/editor/layers/layers_dock.gd")
@@ -20,9 +21,6 @@ const Shared := preload("res://addons/thicket/editor/layers/shared_layers.gd")
 const Toolbar := preload("res://addons/thicket/editor/toolbar.gd")
 const WaterGizmos := preload("res://addons/thicket/editor/ground/water_gizmos.gd")
 const Tutorials := preload("res://addons/thicket/editor/help/tutorial_window.gd")
-
-## The menu item in Project > Tools that opens the tutorials.
-const TUTORIALS_ITEM := "Thicket Tutorials..."
 
 ## The time between two updates of the extent and the tools, in seconds.
 const LOOK_SECONDS := 0.25
@@ -39,6 +37,8 @@ var bake: Bake
 var imports: Import
 ## The window with the add-on's tutorials.
 var tutorials: Tutorials
+## The menu in Project > Tools.
+var help: HelpMenu
 
 var _plugin: EditorPlugin
 var _regions := RegionGizmos.new()
@@ -87,7 +87,11 @@ func _init(plugin: EditorPlugin) -> void:
 	tutorials = Tutorials.new()
 	EditorInterface.get_base_control().add_child(tutorials)
 	_help_links = HelpLinks.new(tutorials)
-	plugin.add_tool_menu_item(TUTORIALS_ITEM, func() -> void: tutorials.open(tutorials.page if tutorials.page else Tutorials.PAGES[0]))
+	help = HelpMenu.new(tutorials)
+	plugin.add_tool_submenu_item(HelpMenu.TITLE, help)
+	dock.panel.welcome.example_wanted.connect(help.open_example)
+	dock.panel.welcome.first_forest_wanted.connect(help.open_first_forest)
+	dock.panel.welcome.documentation_wanted.connect(help.choose.bind(HelpMenu.Item.DOCUMENTATION))
 	_regions.undo_redo = undo_redo
 	plugin.add_node_3d_gizmo_plugin(_regions)
 	plugin.add_node_3d_gizmo_plugin(_extent)
@@ -110,7 +114,7 @@ func leave() -> void:
 	EditorInterface.get_selection().selection_changed.disconnect(_on_selection_changed)
 	edit(null)
 	EditorInterface.get_resource_filesystem().resources_reimported.disconnect(_reload_scenes)
-	_plugin.remove_tool_menu_item(TUTORIALS_ITEM)
+	_plugin.remove_tool_menu_item(HelpMenu.TITLE) # Also frees the menu.
 	_help_links.leave()
 	_plugin.remove_export_plugin(_server_export)
 	_plugin.remove_inspector_plugin(_inspector)

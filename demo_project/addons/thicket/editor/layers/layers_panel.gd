@@ -18,6 +18,7 @@ const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layer
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 const Shared := preload("res://addons/thicket/editor/layers/shared_layers.gd")
 const Steps := preload("res://addons/thicket/editor/layers/preview_steps.gd")
+const Welcome := preload("res://addons/thicket/editor/layers/welcome.gd")
 
 ## Emitted when the user has selected layers for tools. The first one is the main layer.
 signal layers_chosen(layers: Array[ScatterLayer])
@@ -41,6 +42,8 @@ const HEIGHT := 230.0
 var tree := LayersTree.new()
 ## Notes about the scatter, above the rows.
 var notes: Notes
+## Visible while no scatter is selected.
+var welcome := Welcome.new()
 
 var _undo_redo: EditorUndoRedoManager
 var _files: SceneFiles
@@ -84,6 +87,8 @@ func _init(undo_redo: EditorUndoRedoManager, marks: Marks, files: SceneFiles, st
 	_empty.vertical_alignment = VERTICAL_ALIGNMENT_CENTER
 	_empty.modulate.a = 0.7
 	tree.add_child(_empty)
+	welcome.set_anchors_preset(PRESET_FULL_RECT)
+	tree.add_child(welcome)
 	_pictures.made.connect(tree.set_picture)
 	_marks.changed.connect(tree.update_marks)
 	for color in COLORS:
@@ -118,8 +123,8 @@ func refresh() -> void:
 		_shown = state
 		tree.show_layers(layers, biomes)
 		_enable()
-	_empty.text = "" if not layers.is_empty() else "Drop meshes, scenes or layers here to add a layer for each." if _scatter != null else (
-			"Select a scatter to see its layers, or create a new one.")
+	_empty.text = "Drop meshes, scenes or layers here to add a layer for each." if _scatter != null and layers.is_empty() else ""
+	welcome.visible = _scatter == null
 	if not is_visible_in_tree():
 		return
 	notes.refresh(_scatter)
