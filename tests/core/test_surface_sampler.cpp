@@ -126,6 +126,15 @@ Triangles house() {
 	return triangles;
 }
 
+/// Returns narrow folds: no axis is close to all normals of a cell, and some faces are steep along each axis.
+Triangles folds() {
+	Triangles made = square(20.0, 40, {0, 0, 0}, {1, 0.03, 0.06}, {0.05, 0, 1});
+	for (std::size_t index = 0; index < made.vertices.size(); ++index) {
+		made.vertices[index].y += index % 41 % 4 < 2 ? 0.0 : 4.0;
+	}
+	return made;
+}
+
 std::set<std::uint64_t> ids(const std::vector<SurfacePoint> &points) {
 	std::set<std::uint64_t> result;
 	for (const SurfacePoint &point : points) {
@@ -173,6 +182,7 @@ TEST_CASE("surfaces: no two points are closer than the radius, and no gap has ro
 	check_distances(facing({1, 1, 1}, 40.0, 20), {.seed = 4});
 	check_distances(sphere(10.0, 40), {.seed = 5});
 	check_distances(sphere(10.0, 200), {.seed = 6, .radius = 0.7});
+	check_distances(folds(), {.seed = 9});
 	check_distances(house(), {.seed = 7});
 	check_distances(house(), {.seed = 8, .radius = 0.35, .levels = 3});
 }

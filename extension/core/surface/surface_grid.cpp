@@ -12,7 +12,7 @@ namespace {
 
 constexpr double cell_width = surface_cell_size;
 
-std::int32_t cell_at(double units) { return static_cast<std::int32_t>(std::floor(units / cell_width)); }
+std::int32_t cell_at(double units) { return static_cast<std::int32_t>(floor_of(units / cell_width)); }
 
 } // namespace
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/surface/bit_count.hpp"
 #include "core/surface/surface_triangle.hpp"
 
 #include <glm/vec3.hpp>
@@ -77,14 +78,6 @@ private:
 	}
 	std::uint32_t rank(std::size_t word, std::uint64_t bit) const {
 		return ranks_[word] + count_bits(bits_[word] & (bit - 1));
-	}
-	/// Returns the number of bits that are set. Unlike std::popcount, this never compiles to a
-	/// library call.
-	static std::uint32_t count_bits(std::uint64_t bits) {
-		bits -= bits >> 1 & 0x5555555555555555u;
-		bits = (bits & 0x3333333333333333u) + (bits >> 2 & 0x3333333333333333u);
-		bits = (bits + (bits >> 4)) & 0x0f0f0f0f0f0f0f0fu;
-		return static_cast<std::uint32_t>(bits * 0x0101010101010101u >> 56);
 	}
 	void enter(const SurfaceTriangle &triangle, std::uint32_t number);
 	void number_cells();

@@ -15,60 +15,115 @@ namespace thicket::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Returns those of `columns` that a ball leaves open. The result determines only which work can be
-// skipped, so its rounding does not affect the points.
-std::uint64_t open_columns(const SurfacePatch::Plane &plane, float u, float v, float along, std::uint64_t columns) {
-	constexpr std::size_t side = 8;
-	const hn::CappedTag<float, side> d;
-	constexpr float width = 1.0f / side;
-	HWY_ALIGN static constexpr float middles[side] = {
-			0.0625f, 0.1875f, 0.3125f, 0.4375f, 0.5625f, 0.6875f, 0.8125f, 0.9375f};
-	const auto half = hn::Set(d, width / 2.0f);
-	const auto one = hn::Set(d, 1.0f);
-	const auto reach = hn::Set(d, plane.reach);
-	const auto to = hn::Set(d, along);
-	// The squared radius is 1 in squared cell widths, reduced to allow for rounding.
-	const auto limit = hn::Set(d, 1.0f - 1e-5f);
-	// A column's part of the plane is a parallelogram. The largest squared distance to one of its
-	// corners is at most |c|^2 + |a|^2 + |b|^2 + 2 |c a| + 2 |c b| + 2 |a b|. Here c points to its
-	// center, a and b are half its sides, and products are dot products.
-	const float slope_u = plane.slope_u;
-	const float slope_v = plane.slope_v;
-	const auto sides = hn::Set(d,
-			width * width / 4.0f * (2.0f + slope_u * slope_u + slope_v * slope_v + 2.0f * std::abs(slope_u * slope_v)));
-	const float inner = std::max(0.0f, 1.0f - plane.thickness);
-	const auto inner_limit = hn::Set(d, inner * inner - 1e-5f);
-	std::uint64_t open = 0;
-	for (std::size_t first = 0; first < side; first += hn::Lanes(d)) {
-		const auto middle_u = hn::Load(d, middles + first);
-		const auto to_u = hn::Sub(middle_u, hn::Set(d, u));
-		const auto far_u = hn::Add(hn::Abs(to_u), half);
-		const auto square_u = hn::Mul(far_u, far_u);
-		const auto height_u = hn::Add(hn::Set(d, plane.height), hn::Mul(hn::Set(d, plane.slope_u), middle_u));
-		for (std::size_t row = 0; row < side; ++row) {
-			if ((columns >> (row * side) & 0xff) == 0) {
-				continue;
-			}
-			const float to_v = middles[row] - v;
-			const float far_v = std::abs(to_v) + width / 2.0f;
-			const auto height = hn::Add(height_u, hn::Set(d, plane.slope_v * middles[row]));
-			const auto low = hn::Max(hn::Sub(height, reach), hn::Zero(d));
-			const auto high = hn::Min(hn::Add(height, reach), one);
-			const auto far_along = hn::Max(hn::Sub(to, low), hn::Sub(high, to));
-			const auto square = hn::Add(hn::Mul(far_along, far_along), hn::Add(square_u, hn::Set(d, far_v * far_v)));
-			const auto up = hn::Sub(height, to);
-			const auto along_u = hn::Abs(hn::Add(to_u, hn::Mul(up, hn::Set(d, slope_u))));
-			const auto along_v = hn::Abs(hn::Add(hn::Set(d, to_v), hn::Mul(up, hn::Set(d, slope_v))));
-			const auto square_plane = hn::Add(
-					hn::Add(hn::Add(hn::Mul(to_u, to_u), hn::Set(d, to_v * to_v)), hn::Add(hn::Mul(up, up), sides)),
-					hn::Mul(hn::Set(d, width), hn::Add(along_u, along_v)));
-			const auto is_open = hn::And(hn::Ge(square, limit), hn::Ge(square_plane, inner_limit));
-			std::uint8_t bits[8] = {};
-			hn::StoreMaskBits(d, hn::And(hn::Le(low, high), is_open), bits);
-			open |= std::uint64_t{bits[0]} << (row * side + first);
+// Each lane of a vector is a row of columns. The results determine only which work can be skipped,
+// so their rounding does not affect the points.
+
+constexpr std::size_t side = SurfaceColumns::side;
+using Rows = hn::CappedTag<float, side>;
+using Floats = hn::Vec<Rows>;
+
+HWY_ALIGN static constexpr float edges[side + 1] = {0.0f, 0.0625f, 0.125f, 0.1875f, 0.25f, 0.3125f, 0.375f, 0.4375f,
+		0.5f, 0.5625f, 0.625f, 0.6875f, 0.75f, 0.8125f, 0.875f, 0.9375f, 1.0f};
+
+/// A range on the u axis for each row.
+struct Ranges {
+	Floats low;
+	Floats high;
+};
+
+/// Returns, for each row, the columns whose lower borders are in a range.
+HWY_INLINE auto columns_in(Rows d, const Ranges &range) {
+	const hn::RebindToSigned<Rows> whole;
+	const auto count = hn::Set(d, static_cast<float>(side));
+	const auto zero = hn::Zero(d);
+	const auto to_whole = [&](Floats value) HWY_ATTR {
+		return hn::ConvertInRangeTo(whole, hn::Min(hn::Max(value, zero), count));
+	};
+	const auto begin =
+			hn::Sub(hn::Set(whole, static_cast<std::int32_t>(side)), to_whole(hn::NegMulAdd(range.low, count, count)));
+	const auto end = to_whole(hn::MulAdd(range.high, count, hn::Set(d, 1.0f)));
+	const auto one = hn::Set(whole, 1);
+	const auto bits = hn::Sub(hn::Shl(one, hn::Max(begin, end)), hn::Shl(one, begin));
+	return hn::DemoteTo(hn::Rebind<std::uint16_t, Rows>(), bits);
+}
+
+/// A plane and a ball, in all lanes. With x = u - the ball's u, the squared distance of the plane from the
+/// ball's center is a x^2 + 2 slope_u rise x + y^2 + rise^2, where a = 1 + slope_u^2.
+struct Section {
+	Floats u;
+	Floats v;
+	Floats slope_v;
+	Floats shift;   // slope_u / a
+	Floats inverse; // 1 / a
+	Floats square;
+	Floats a;
+};
+
+/// Returns, for each row, a range of u in which a plane is in a ball, on the line at `at_v`. The plane is at a height of `up` over the center of the ball.
+HWY_INLINE Ranges in_ball(Rows d, const Section &section, Floats at_v, Floats up) {
+	const auto y = hn::Sub(at_v, section.v);
+	const auto rise = hn::MulAdd(y, section.slope_v, up);
+	const auto discriminant = hn::NegMulAdd(rise, rise, hn::Mul(section.a, hn::NegMulAdd(y, y, section.square)));
+	const auto middle = hn::NegMulAdd(rise, section.shift, section.u);
+	// Where the line misses the ball, the range becomes empty.
+	const auto half = hn::MulSub(hn::Sqrt(hn::Max(discriminant, hn::Zero(d))), section.inverse, hn::Set(d, 1e-5f));
+	return {hn::Sub(middle, half), hn::Add(middle, half)};
+}
+
+HWY_INLINE Ranges common(const Ranges &a, const Ranges &b) { return {hn::Max(a.low, b.low), hn::Min(a.high, b.high)}; }
+
+void close_covered(const SurfacePatch::Plane &plane, const SurfacePatch::Ball &ball, SurfaceColumns &r_open) {
+	const Rows d;
+	const hn::Rebind<std::uint16_t, Rows> rows;
+	const auto width = hn::Set(d, 1.0f / static_cast<float>(side));
+	const float up = plane.height + plane.slope_u * ball.u + plane.slope_v * ball.v - ball.along;
+	const Section section{hn::Set(d, ball.u), hn::Set(d, ball.v), hn::Set(d, plane.slope_v),
+			hn::Set(d, plane.slope_u * plane.inverse), hn::Set(d, plane.inverse), hn::Set(d, ball.square),
+			hn::Set(d, 1.0f + plane.slope_u * plane.slope_u)};
+	// A ball that covers the corners of a part of a plane covers the part. A ball that covers the lowest and the
+	// highest position of the surface covers all positions between them.
+	const bool is_thin = plane.highest - plane.lowest < 1e-5f * ball.square;
+	const auto lowest = hn::Set(d, is_thin ? up : up + plane.lowest);
+	const auto highest = hn::Set(d, up + plane.highest);
+	for (std::size_t row = 0; row < side; row += hn::Lanes(d)) {
+		const auto lower = hn::Load(d, edges + row);
+		const auto upper = hn::LoadU(d, edges + row + 1);
+		Ranges range = common(in_ball(d, section, lower, lowest), in_ball(d, section, upper, lowest));
+		if (!is_thin) {
+			range = common(range, common(in_ball(d, section, lower, highest), in_ball(d, section, upper, highest)));
 		}
+		range.high = hn::Sub(range.high, width);
+		std::uint16_t *open = r_open.rows.data() + row;
+		hn::StoreU(hn::AndNot(columns_in(d, range), hn::LoadU(rows, open)), rows, open);
 	}
-	return open & columns;
+}
+
+/// Returns the columns whose centers are in a half-plane, in each row.
+HWY_INLINE Ranges in_side(Rows d, const SurfacePatch::Side &half_plane, Floats middle_v) {
+	const auto half = hn::Set(d, 0.5f / static_cast<float>(side));
+	const auto all = hn::Set(d, 2.0f);
+	// u * a >= -(v * b + c)
+	const auto rest = hn::MulAdd(middle_v, hn::Set(d, half_plane.b), hn::Set(d, half_plane.c));
+	const auto limit = hn::Sub(hn::Mul(rest, hn::Set(d, -1.0f / half_plane.a)), half);
+	if (half_plane.a > 0.0f) {
+		return {limit, all};
+	}
+	return {hn::Neg(all), limit};
+}
+
+/// Adds the columns whose centers are in all half-planes.
+void add_columns(const SurfacePatch::Side *sides, std::size_t count, SurfaceColumns &r_columns) {
+	const Rows d;
+	const hn::Rebind<std::uint16_t, Rows> rows;
+	for (std::size_t row = 0; row < side; row += hn::Lanes(d)) {
+		const auto middle_v = hn::Add(hn::Load(d, edges + row), hn::Set(d, 0.5f / static_cast<float>(side)));
+		Ranges range = in_side(d, sides[0], middle_v);
+		for (std::size_t each = 1; each < count; ++each) {
+			range = common(range, in_side(d, sides[each], middle_v));
+		}
+		std::uint16_t *to = r_columns.rows.data() + row;
+		hn::StoreU(hn::Or(columns_in(d, range), hn::LoadU(rows, to)), rows, to);
+	}
 }
 
 } // namespace thicket::HWY_NAMESPACE
@@ -77,14 +132,15 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace thicket {
 
-HWY_EXPORT(open_columns);
+HWY_EXPORT(close_covered);
+HWY_EXPORT(add_columns);
 
 namespace {
 
 constexpr double cell_width = surface_cell_size;
 
 /// Largest slope for which a plane is used. A steeper plane rises through the whole cell within an
-/// eighth of the cell's width, which is one column.
+/// eighth of the cell's width.
 constexpr double steepest = 8.0;
 
 /// Larger than the rounding error of any height, but smaller than the distance from any line to a
@@ -94,8 +150,33 @@ constexpr float rounding = 4e-6f;
 /// Larger than any distance within a cell.
 constexpr float unbounded = 1e3f;
 
+/// The squared radius is 1 in squared cell widths, reduced to allow for rounding.
+constexpr float square_radius = 1.0f - 4e-5f;
+
 /// Half the width of the part of a column through which lines pass, in cell widths.
-constexpr auto half = static_cast<float>(half_of_lines(cell_width / 8.0) / cell_width);
+constexpr auto half =
+		static_cast<float>(half_of_lines(cell_width / static_cast<double>(SurfaceColumns::side)) / cell_width);
+
+/// Returns a half-plane whose border is not parallel to the u axis. It may be slightly larger than the given one.
+SurfacePatch::Side side_of(float a, float b, float c) {
+	constexpr float least = 1e-6f;
+	if (std::abs(a) >= least) {
+		return {a, b, c};
+	}
+	return {a < 0.0f ? -least : least, b, c + least};
+}
+
+/// Returns the columns in which a plane is between 0 and `top` somewhere.
+SurfaceColumns entered(const SurfacePatch::Plane &plane, float top) {
+	const float rise = (std::abs(plane.slope_u) + std::abs(plane.slope_v)) * half;
+	const float above = plane.height + rise + plane.highest;
+	const float below = plane.height - rise + plane.lowest;
+	const std::array sides{
+			side_of(plane.slope_u, plane.slope_v, above), side_of(-plane.slope_u, -plane.slope_v, top - below)};
+	SurfaceColumns columns;
+	HWY_DYNAMIC_DISPATCH(add_columns)(sides.data(), sides.size(), columns);
+	return columns;
+}
 
 } // namespace
 
@@ -112,8 +193,8 @@ bool SurfacePatch::add(const SurfaceTriangle &triangle, const glm::dvec3 &low, f
 			return false;
 		}
 		is_empty_ = false;
-		plane_.reach = unbounded;
-		plane_.thickness = unbounded;
+		plane_.lowest = -unbounded;
+		plane_.highest = unbounded;
 		return true;
 	}
 	const glm::dvec3 offset = low - triangle.corners[0];
@@ -123,52 +204,95 @@ bool SurfacePatch::add(const SurfaceTriangle &triangle, const glm::dvec3 &low, f
 	const auto slope_v = static_cast<float>(v);
 	if (is_empty_) {
 		is_empty_ = false;
-		plane_ = {height, slope_u, slope_v, (std::abs(slope_u) + std::abs(slope_v)) * half + rounding, rounding};
+		plane_ = {height, slope_u, slope_v, 1.0f / (1.0f + slope_u * slope_u), -rounding, rounding};
 		return true;
 	}
 	// The distance between two planes over the face is largest at one of its corners.
 	const float at_0 = height - plane_.height;
 	const float more_u = slope_u - plane_.slope_u;
 	const float more_v = slope_v - plane_.slope_v;
-	const float apart = std::max(
-			{std::abs(at_0), std::abs(at_0 + more_u), std::abs(at_0 + more_v), std::abs(at_0 + more_u + more_v)});
-	if (apart > tolerance) {
+	const float lowest = at_0 + std::min(more_u, 0.0f) + std::min(more_v, 0.0f);
+	const float highest = at_0 + std::max(more_u, 0.0f) + std::max(more_v, 0.0f);
+	if (std::max(-lowest, highest) > tolerance) {
 		return false;
 	}
-	plane_.thickness = std::max(plane_.thickness, apart + 2.0f * rounding);
-	plane_.reach = std::max(
-			plane_.reach, (std::abs(plane_.slope_u) + std::abs(plane_.slope_v)) * half + apart + 2.0f * rounding);
+	plane_.lowest = std::min(plane_.lowest, lowest - 2.0f * rounding);
+	plane_.highest = std::max(plane_.highest, highest + 2.0f * rounding);
 	return true;
 }
 
-std::uint64_t SurfacePatch::columns_over(const SurfaceTriangle &triangle, int axis, const glm::dvec3 &low) {
-	if (at(triangle.normal, axis) == 0.0) {
-		return 0;
+void SurfacePatch::open_entered() {
+	if (!is_empty_) {
+		open_ = entered(plane_, 1.0f);
 	}
-	constexpr int side = 1 << surface_patch_depth;
-	constexpr double width = cell_width / side;
+}
+
+void SurfacePatch::keep(const SurfaceColumns &columns) {
+	for (std::size_t row = 0; row < SurfaceColumns::side; ++row) {
+		open_.rows[row] &= columns.rows[row];
+	}
+}
+
+void SurfacePatch::add_columns_over(
+		const SurfaceTriangle &triangle, int axis, const glm::dvec3 &low, SurfaceColumns &r_columns) {
+	if (at(triangle.normal, axis) == 0.0) {
+		return;
+	}
 	const auto [side_u, side_v] = axes_across(axis);
 	const SurfaceOutline outline(triangle, axis);
-	std::uint64_t columns = 0;
-	for (int v = 0; v < side; ++v) {
-		for (int u = 0; u < side; ++u) {
-			const bool meets = outline.meets(
-					at(low, side_u) + (u + 0.5) * width, at(low, side_v) + (v + 0.5) * width, half_of_lines(width));
-			columns |= std::uint64_t{meets} << (u + side * v);
+	std::array<Side, 3> sides{};
+	for (std::size_t edge = 0; edge < sides.size(); ++edge) {
+		const auto [u, v, distance] = outline.side(edge, at(low, side_u), at(low, side_v));
+		const double size = std::abs(u) + std::abs(v);
+		if (!(size > 0.0)) {
+			sides[edge] = {1e-6f, 0.0f, 1.0f};
+			continue;
 		}
+		const double from = std::clamp(distance / size / cell_width, -100.0, 100.0);
+		sides[edge] = side_of(
+				static_cast<float>(u / size), static_cast<float>(v / size), static_cast<float>(from) + half + rounding);
 	}
-	return columns;
+	HWY_DYNAMIC_DISPATCH(add_columns)(sides.data(), sides.size(), r_columns);
 }
 
-std::uint64_t SurfacePatch::entered() const {
-	// The ball is so far away that it covers nothing.
-	return open_beside(glm::vec3(1e3f), ~std::uint64_t{0});
-}
-
-std::uint64_t SurfacePatch::open_beside(const glm::vec3 &point, std::uint64_t columns) const {
+void SurfacePatch::cover(const glm::vec3 &point) {
+	if (plane_.highest >= unbounded) {
+		return;
+	}
 	const auto [side_u, side_v] = axes_across(axis_);
 	const float *sides = glm::value_ptr(point);
-	return HWY_DYNAMIC_DISPATCH(open_columns)(plane_, sides[side_u], sides[side_v], sides[axis_], columns);
+	HWY_DYNAMIC_DISPATCH(close_covered)(plane_, {sides[side_u], sides[side_v], sides[axis_], square_radius}, open_);
+}
+
+SurfacePatch::Part SurfacePatch::part_in(std::uint32_t column) const {
+	constexpr auto count = static_cast<float>(SurfaceColumns::side);
+	const float u = static_cast<float>(column % SurfaceColumns::side) / count;
+	const float v = static_cast<float>(column / SurfaceColumns::side) / count;
+	const float height = plane_.height + plane_.slope_u * u + plane_.slope_v * v;
+	const Plane plane{height * count, plane_.slope_u, plane_.slope_v, plane_.inverse, plane_.lowest * count,
+			plane_.highest * count};
+	const float reach =
+			count + 1.0f + 0.5f * (std::abs(plane.slope_u) + std::abs(plane.slope_v)) + plane.highest - plane.lowest;
+	return {plane, u, v, reach * reach, entered(plane, count)};
+}
+
+void SurfacePatch::cover_part(const glm::vec3 &point, Part &r_part) const {
+	if (plane_.highest >= unbounded) {
+		return;
+	}
+	constexpr auto count = static_cast<float>(SurfaceColumns::side);
+	const auto [side_u, side_v] = axes_across(axis_);
+	const float *sides = glm::value_ptr(point);
+	const Plane &plane = r_part.plane;
+	const Ball ball{(sides[side_u] - r_part.u) * count, (sides[side_v] - r_part.v) * count, sides[axis_] * count,
+			square_radius * count * count};
+	// Most balls that reach the cell do not reach the column.
+	const float u = ball.u - 0.5f;
+	const float v = ball.v - 0.5f;
+	const float along = ball.along - (plane.height + 0.5f * (plane.slope_u + plane.slope_v));
+	if (u * u + v * v + along * along < r_part.square_reach) {
+		HWY_DYNAMIC_DISPATCH(close_covered)(plane, ball, r_part.open);
+	}
 }
 
 } // namespace thicket

@@ -13,28 +13,8 @@ namespace thicket {
 
 namespace {
 
-/// Returns the bit in `Face::open` of the column at (u, v).
-constexpr std::uint64_t column_at(std::int32_t u, std::int32_t v) {
-	return std::uint64_t{1} << ((u >> SurfacePatch::shift) + ((v >> SurfacePatch::shift) << surface_patch_depth));
-}
-
-/// Returns the bits in `Face::open` of the columns inside a line's column, or that contain it.
-constexpr std::uint64_t columns_in(const SurfaceLine &line) {
-	constexpr std::array<std::uint64_t, surface_patch_depth> widths{~std::uint64_t{0}, 0x0f0f0f0f, 0x0303};
-	return (line.depth < surface_patch_depth ? widths[line.depth] : 1) * column_at(line.low_u(), line.low_v());
-}
-
-/// Returns the bit in `Face::open` of the column through which a line passes.
-std::uint64_t column_of(const SurfaceLine &line) {
-	if (line.depth >= surface_patch_depth) {
-		return column_at(line.low_u(), line.low_v());
-	}
-	const SurfaceLine::Course course = line.course();
-	return column_at(course.u, course.v);
-}
-
 /// A cell's surface is divided into faces that differ from a plane by at most this many cell widths.
-constexpr float face_tolerance = 0.12f;
+constexpr float face_tolerance = 0.05f;
 
 /// Most faces of a cell for each axis. The last one approximates all remaining triangles.
 constexpr std::size_t most_faces = 4;
@@ -44,6 +24,12 @@ constexpr std::size_t group_size = 1024;
 
 std::int64_t squared(const glm::ivec3 &offset) {
 	return std::int64_t{offset.x} * offset.x + std::int64_t{offset.y} * offset.y + std::int64_t{offset.z} * offset.z;
+}
+
+/// Converts units to cell widths.
+glm::vec3 in_cells(const glm::ivec3 &units) {
+	constexpr float width = 1.0f / static_cast<float>(surface_cell_size);
+	return glm::vec3(units) * width;
 }
 
 /// Returns, for each axis, the distance from a position to the nearest one in the cell whose lower
@@ -117,7 +103,8 @@ bool SurfaceRace::decide(
 bool SurfaceRace::decide_group(std::span<std::uint32_t> group) {
 	// End times of the passes. Early darts are decided first. Their points cover most of the
 	// columns of later darts, which are then never visited.
-	constexpr std::array passes{0.75, 1.5, 3.0, 6.0, 12.0, 24.0, 96.0, std::numeric_limits<double>::infinity()};
+	constexpr std::array passes{0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 12.0, 18.0, 24.0,
+			36.0, 48.0, 96.0, 192.0, 384.0, std::numeric_limits<double>::infinity()};
 	for (const double pass : passes) {
 		const auto until = std::bit_cast<SurfaceTime>(pass);
 		std::size_t kept = 0;
@@ -178,15 +165,12 @@ void SurfaceRace::prepare(std::uint32_t number) {
 	Cell &cell = cells_[number];
 	cell.search = search_in(number);
 	cell.faces = static_cast<std::uint32_t>(faces_.size());
-	std::uint64_t open = 0;
 	for (int axis = cell.search.first_axis(); axis <= cell.search.last_axis(); ++axis) {
 		add_faces(number, axis);
 	}
 	cell.face_count = static_cast<std::uint32_t>(faces_.size()) - cell.faces;
-	for (const Face &face : faces_of(cell)) {
-		open |= face.open;
-	}
-	if (open == 0) {
+	const std::span<SurfacePatch> faces = faces_of(cell);
+	if (std::ranges::all_of(faces, [](const SurfacePatch &face) { return face.open().is_empty(); })) {
 		finish(number);
 	}
 }
@@ -194,43 +178,87 @@ void SurfaceRace::prepare(std::uint32_t number) {
 void SurfaceRace::add_faces(std::uint32_t number, int axis) {
 	const glm::dvec3 low(grid_.cell(number) * surface_cell_size);
 	const std::size_t begin = faces_.size();
-	const std::span<const std::uint32_t> inside = grid_.triangles_in(number);
-	face_of_triangle_.clear();
-	for (const std::uint32_t index : inside) {
+	for (const std::uint32_t index : grid_.triangles_in(number)) {
 		std::size_t face = begin;
-		while (face < faces_.size() && !faces_[face].patch.add(triangles_[index], low, face_tolerance)) {
+		while (face < faces_.size() && !faces_[face].add(triangles_[index], low, face_tolerance)) {
 			++face;
 		}
 		if (face == faces_.size()) {
 			if (face - begin < most_faces) {
-				faces_.push_back({SurfacePatch(axis), 0});
+				faces_.emplace_back(axis);
 			} else {
 				--face;
 			}
-			faces_[face].patch.add(triangles_[index], low, std::numeric_limits<float>::infinity());
+			faces_[face].add(triangles_[index], low, std::numeric_limits<float>::infinity());
 		}
-		face_of_triangle_.push_back(static_cast<std::uint32_t>(face));
-	}
-	const bool is_divided = faces_.size() - begin > 1;
-	for (std::size_t place = 0; place < inside.size() && is_divided; ++place) {
-		faces_[face_of_triangle_[place]].open |= SurfacePatch::columns_over(triangles_[inside[place]], axis, low);
 	}
 	for (std::size_t face = begin; face < faces_.size(); ++face) {
-		const std::uint64_t entered = faces_[face].patch.entered();
-		faces_[face].open = is_divided ? entered & faces_[face].open : entered;
+		faces_[face].open_entered();
 	}
 }
 
-std::span<SurfaceRace::Face> SurfaceRace::faces_of(const Cell &cell) {
+void SurfaceRace::refine(std::uint32_t number) {
+	Cell &cell = cells_[number];
+	// If only a few columns are open, it is faster to throw lines into them. Many columns are open if
+	// a border of the surface passes through the cell.
+	constexpr std::uint32_t few = 32;
+	std::uint32_t left = 0;
+	for (const SurfacePatch &face : faces_of(cell)) {
+		left += face.open().count();
+	}
+	if (cell.is_refined || left <= few) {
+		return;
+	}
+	cell.is_refined = true;
+	const glm::dvec3 low(grid_.cell(number) * surface_cell_size);
+	const std::span<SurfacePatch> faces = faces_of(cell);
+	for (int axis = cell.search.first_axis(); axis <= cell.search.last_axis(); ++axis) {
+		std::array<SurfaceColumns, most_faces> columns{};
+		const auto is_along = [axis](const SurfacePatch &face) {
+			return face.axis() == axis;
+		};
+		const std::size_t begin = static_cast<std::size_t>(std::ranges::find_if(faces, is_along) - faces.begin());
+		const auto count = static_cast<std::size_t>(std::ranges::count_if(faces, is_along));
+		for (const std::uint32_t index : grid_.triangles_in(number)) {
+			SurfaceColumns over;
+			SurfacePatch::add_columns_over(triangles_[index], axis, low, over);
+			std::size_t face = 0;
+			while (face < count && !faces[begin + face].add(triangles_[index], low, face_tolerance)) {
+				++face;
+			}
+			// A triangle that is close to no face is part of one of them, but it is not known of which.
+			const std::size_t first = face < count ? face : 0;
+			const std::size_t end = face < count ? face + 1 : count;
+			for (std::size_t each = first; each < end; ++each) {
+				columns[each].add(over);
+			}
+		}
+		for (std::size_t face = 0; face < count; ++face) {
+			faces[begin + face].keep(columns[face]);
+		}
+	}
+}
+
+std::span<SurfacePatch> SurfaceRace::faces_of(const Cell &cell) {
 	return std::span(faces_).subspan(cell.faces, cell.face_count);
 }
 
-std::uint64_t SurfaceRace::open_along(const Cell &cell, int axis) {
-	std::uint64_t open = 0;
-	for (const Face &face : faces_of(cell)) {
-		open |= face.patch.axis() == axis ? face.open : 0;
+bool SurfaceRace::is_open(const Cell &cell, int axis, std::uint32_t column) {
+	const SurfacePatch *face = &faces_[cell.faces];
+	if (cell.face_count == 1) {
+		return face->open().contains(column);
 	}
-	return open;
+	for (const SurfacePatch *end = face + cell.face_count; face != end; ++face) {
+		if (face->axis() == axis && face->open().contains(column)) {
+			return true;
+		}
+	}
+	return false;
+}
+
+bool SurfaceRace::has_open_columns(const Cell &cell, int axis) {
+	return std::ranges::any_of(faces_of(cell),
+			[axis](const SurfacePatch &face) { return face.axis() == axis && !face.open().is_empty(); });
 }
 
 void SurfaceRace::throw_first(std::uint32_t number) {
@@ -243,8 +271,8 @@ void SurfaceRace::throw_first(std::uint32_t number) {
 	++counts_.cells;
 	Cell &cell = cells_[number];
 	for (int axis = cell.search.first_axis(); axis <= cell.search.last_axis(); ++axis) {
-		if (open_along(cell, axis) != 0) {
-			lines_.add(cell.lines, source_.first(grid_.cell(number) + grid_.box().min, axis, cell.search.rate()));
+		if (has_open_columns(cell, axis)) {
+			lines_.add(cell.lines, source_.first(grid_.cell(number) + grid_.box().min, axis, cell.search));
 		}
 	}
 	show_next(number);
@@ -253,7 +281,15 @@ void SurfaceRace::throw_first(std::uint32_t number) {
 std::uint32_t SurfaceRace::step(std::uint32_t number) {
 	const SurfaceLine line = lines_.first(cells_[number].lines);
 	const SurfaceLine::Course course = line.course();
-	find_hits(number, line, course);
+	Waiting &waiting = cells_[number].waiting;
+	std::uint32_t clear = none;
+	bool has_others = false;
+	if (waiting.hash == line.hash) {
+		hits_.assign(1, {waiting.along, waiting.triangle});
+		clear = waiting.near;
+	} else {
+		has_others = find_hits(number, line, course);
+	}
 	const auto [side_u, side_v] = axes_across(line.axis);
 	bool is_accepted = false;
 	for (const Hit &hit : hits_) {
@@ -262,8 +298,11 @@ std::uint32_t SurfaceRace::step(std::uint32_t number) {
 		position[side_u] += course.u;
 		position[side_v] += course.v;
 		std::uint32_t blocker = none;
-		const Fate fate = judge(number, line.time, position, blocker);
+		const Fate fate = judge(number, line.time, position, clear, blocker);
 		if (fate == Fate::waits) {
+			if (hits_.size() == 1) {
+				waiting = {line.hash, hit.along, hit.triangle, cells_[number].near};
+			}
 			return blocker;
 		}
 		if (fate == Fate::unknown) {
@@ -280,41 +319,52 @@ std::uint32_t SurfaceRace::step(std::uint32_t number) {
 	}
 	counts_.lines += is_accepted ? 0 : 1;
 	if (times_[number] != surface_time_never) {
-		advance(number);
+		advance(number, !has_others || !hits_.empty());
 	}
 	return none;
 }
 
-void SurfaceRace::find_hits(std::uint32_t number, const SurfaceLine &line, const SurfaceLine::Course &course) {
+bool SurfaceRace::find_hits(std::uint32_t number, const SurfaceLine &line, const SurfaceLine::Course &course) {
 	hits_.clear();
+	bool has_others = false;
 	const glm::ivec3 low = grid_.cell(number) * surface_cell_size;
 	const auto [side_u, side_v] = axes_across(line.axis);
 	const double u = low[side_u] + course.u;
 	const double v = low[side_v] + course.v;
 	for (const std::uint32_t index : grid_.triangles_in(number)) {
-		const std::optional<double> hit = triangles_[index].hit(line.axis, u, v);
+		const SurfaceTriangle &triangle = triangles_[index];
+		if (!triangle.bounds_contain(side_u, side_v, u, v)) {
+			continue;
+		}
+		const std::optional<double> hit = triangle.hit(line.axis, u, v);
 		if (!hit) {
 			continue;
 		}
 		const double along = *hit - low[line.axis];
+		if (along < 0 || along >= surface_cell_size) {
+			continue;
+		}
 		// The finest columns have only one line, whose hits are always kept, so that no gap
 		// remains.
-		if (along >= 0 && along < surface_cell_size &&
-				(line.depth == surface_depth ||
-						line.keeps(triangles_[index].keep_probability(cells_[number].search)))) {
+		if (line.depth == surface_depth || line.keeps(triangle.keep_probability(cells_[number].search))) {
 			hits_.push_back({static_cast<std::int32_t>(along), index});
+		} else {
+			has_others = true;
 		}
 	}
 	if (hits_.size() > 1) {
 		const int sign = line.tries_from_above() ? -1 : 1;
 		std::ranges::stable_sort(hits_, {}, [sign](const Hit &hit) { return sign * hit.along; });
 	}
+	return has_others;
 }
 
-SurfaceRace::Fate SurfaceRace::judge(
-		std::uint32_t number, SurfaceTime time, const glm::ivec3 &position, std::uint32_t &r_blocker) {
-	if (is_covered(number, position, position)) {
-		return Fate::rejected;
+SurfaceRace::Fate SurfaceRace::judge(std::uint32_t number, SurfaceTime time, const glm::ivec3 &position,
+		std::uint32_t clear, std::uint32_t &r_blocker) {
+	for (std::uint32_t near = cells_[number].near; near != clear; near = near_[near].next) {
+		if (squared(position - near_[near].position) < surface_radius_squared) {
+			return Fate::rejected;
+		}
 	}
 	SurfaceTime earliest = time;
 	for (const std::uint32_t near : neighbors_of(number)) {
@@ -349,46 +399,34 @@ void SurfaceRace::accept(std::uint32_t number, const glm::ivec3 &position, std::
 		if (times_[near] == surface_time_never) {
 			continue;
 		}
-		if (cover(position, near) && near != number && is_next_closed(near)) {
-			show_next(near);
+		const glm::ivec3 low = grid_.cell(near) * surface_cell_size;
+		if (squared(gap(position, low)) < surface_radius_squared) {
+			cover(near, position, position - low);
+			if (near != number) {
+				show_next(near);
+			}
 		}
 	}
 }
 
-bool SurfaceRace::cover(const glm::ivec3 &position, std::uint32_t number) {
-	const glm::ivec3 low = grid_.cell(number) * surface_cell_size;
-	if (squared(gap(position, low)) >= surface_radius_squared) {
-		return false;
-	}
+void SurfaceRace::cover(std::uint32_t number, const glm::ivec3 &position, const glm::ivec3 &offset) {
 	if (cells_[number].faces == none) {
 		prepare(number);
 	}
 	Cell &cell = cells_[number];
-	constexpr float width = 1.0f / static_cast<float>(surface_cell_size);
-	const glm::vec3 point = glm::vec3(position - low) * width;
-	std::uint64_t open = 0;
-	for (Face &face : faces_of(cell)) {
-		if (face.open != 0) {
-			face.open = face.patch.open_beside(point, face.open);
-		}
-		open |= face.open;
+	const glm::vec3 point = in_cells(offset);
+	SurfacePatch *face = &faces_[cell.faces];
+	bool is_finished = true;
+	for (const SurfacePatch *end = face + cell.face_count; face != end; ++face) {
+		face->cover(point);
+		is_finished = is_finished && face->open().is_empty();
 	}
-	if (open == 0) {
+	if (is_finished) {
 		finish(number);
-		return true;
+		return;
 	}
 	near_.push_back({position, cell.near});
 	cell.near = static_cast<std::uint32_t>(near_.size() - 1);
-	return true;
-}
-
-bool SurfaceRace::is_next_closed(std::uint32_t number) {
-	const Cell &cell = cells_[number];
-	if (cell.lines == SurfaceLines::empty) {
-		return false;
-	}
-	const SurfaceLine &next = lines_.first(cell.lines);
-	return (open_along(cell, next.axis) & column_of(next)) == 0;
 }
 
 void SurfaceRace::finish(std::uint32_t number) {
@@ -398,53 +436,90 @@ void SurfaceRace::finish(std::uint32_t number) {
 
 void SurfaceRace::show_next(std::uint32_t number) {
 	Cell &cell = cells_[number];
-	while (cell.lines != SurfaceLines::empty) {
-		if (!is_next_closed(number)) {
-			times_[number] = lines_.first(cell.lines).time;
+	if (cell.lines == SurfaceLines::empty) {
+		return; // The cell is decided, or has not thrown its first line.
+	}
+	do {
+		const SurfaceLine &next = lines_.first(cell.lines);
+		if (is_open(cell, next.axis, next.column)) {
+			times_[number] = next.time;
 			return;
 		}
-		replace_next(number);
-	}
-	finish(number);
+		skip_next(number);
+	} while (cell.lines != SurfaceLines::empty);
+	times_[number] = surface_time_never;
 }
 
-void SurfaceRace::advance(std::uint32_t number) {
-	replace_next(number);
+void SurfaceRace::skip_next(std::uint32_t number) {
+	Cell &cell = cells_[number];
+	const SurfaceLine &line = lines_.first(cell.lines);
+	if (line.depth == 0) {
+		skip_whole(number);
+	} else if (line.is_first) {
+		const SurfaceColumnClocks clocks = SurfaceColumnClocks::of(line);
+		show_column(number, clocks, clocks.key(line.column));
+	} else {
+		lines_.drop_first(cell.lines);
+	}
+}
+
+void SurfaceRace::advance(std::uint32_t number, bool has_failed) {
+	Cell &cell = cells_[number];
+	const SurfaceLine line = lines_.first(cell.lines);
+	skip_next(number);
+	const bool needs_more = line.depth > 0 && is_open(cell, line.axis, line.column) &&
+			(!has_failed || line.depth > surface_column_depth || may_have_gaps(number, line.axis, line.column));
+	if (needs_more && (!has_failed || line.time < std::bit_cast<SurfaceTime>(surface_split_time))) {
+		lines_.add(cell.lines, later_line(line, cell.search));
+	} else if (needs_more && line.depth < surface_depth) {
+		for (std::uint32_t quarters = open_quarters(number, line); quarters != 0; quarters &= quarters - 1) {
+			lines_.add(cell.lines,
+					quarter_line(line, static_cast<std::uint32_t>(std::countr_zero(quarters)), cell.search));
+		}
+	}
+	if (cell.lines == SurfaceLines::empty) {
+		times_[number] = surface_time_never;
+	}
 	show_next(number);
 }
 
-void SurfaceRace::replace_next(std::uint32_t number) {
+void SurfaceRace::skip_whole(std::uint32_t number) {
 	Cell &cell = cells_[number];
 	SurfaceLine line = lines_.first(cell.lines);
-	const double rate = cell.search.rate();
-	const std::uint64_t open = open_along(cell, line.axis) & columns_in(line);
-	std::uint32_t quarters = 0;
-	if (open != 0 && line.depth < surface_patch_depth) {
-		const auto end = std::bit_cast<SurfaceTime>(surface_split_time * static_cast<double>(1u << (2 * line.depth)));
-		SurfaceLine later = later_line(line, rate);
-		for (; later.time < end; later = later_line(line, rate)) {
-			if ((open & column_of(later)) != 0) {
-				lines_.replace_first(cell.lines, later);
-				return;
+	do {
+		move_to_next(line, cell.search);
+	} while (line.time < std::bit_cast<SurfaceTime>(surface_search_time) && !is_open(cell, line.axis, line.column));
+	if (line.time < std::bit_cast<SurfaceTime>(surface_search_time)) {
+		lines_.replace_first(cell.lines, line);
+	} else {
+		refine(number);
+		show_column(number, {line.hash}, ~SurfaceColumnClocks::Key{0});
+	}
+}
+
+void SurfaceRace::show_column(
+		std::uint32_t number, const SurfaceColumnClocks &clocks, SurfaceColumnClocks::Key before) {
+	Cell &cell = cells_[number];
+	const SurfaceLine &line = lines_.first(cell.lines);
+	SurfaceColumnClocks::Key next = 0;
+	for (const SurfacePatch &face : faces_of(cell)) {
+		if (face.axis() != line.axis) {
+			continue;
+		}
+		for (std::uint32_t word = 0; word < surface_column_count / 64; ++word) {
+			for (std::uint64_t left = face.open().word(word); left != 0; left &= left - 1) {
+				const SurfaceColumnClocks::Key key =
+						clocks.key(64 * word + static_cast<std::uint32_t>(std::countr_zero(left)));
+				next = key < before ? std::max(next, key) : next;
 			}
-			line = later;
 		}
-		// A column whose first line is later than `end` is split at that line.
-		line.time = std::max(line.time, end | (line.time & surface_tag_bits));
-		line.hash = later.hash;
-		for (std::uint32_t quarter = 0; quarter < 4; ++quarter) {
-			quarters |= std::uint32_t{(open & columns_in(quarter_of(line, quarter))) != 0} << quarter;
-		}
-	} else if (open != 0 && line.depth < surface_depth) {
-		quarters = open_quarters(number, line);
 	}
-	if (quarters == 0) {
+	if (next == 0) {
 		lines_.drop_first(cell.lines);
-		return;
-	}
-	lines_.replace_first(cell.lines, quarter_line(line, static_cast<std::uint32_t>(std::countr_zero(quarters)), rate));
-	for (quarters &= quarters - 1; quarters != 0; quarters &= quarters - 1) {
-		lines_.add(cell.lines, quarter_line(line, static_cast<std::uint32_t>(std::countr_zero(quarters)), rate));
+	} else {
+		lines_.replace_first(cell.lines,
+				clocks.first(SurfaceColumnClocks::column_of(next), line.axis,
+						static_cast<std::uint32_t>(line.time & surface_tag_bits), cell.search));
 	}
 }
 
@@ -482,6 +557,24 @@ std::uint32_t SurfaceRace::open_quarters(std::uint32_t number, const SurfaceLine
 	return open;
 }
 
+bool SurfaceRace::may_have_gaps(std::uint32_t number, int axis, std::uint32_t column) {
+	const Cell &cell = cells_[number];
+	const glm::ivec3 low = grid_.cell(number) * surface_cell_size;
+	for (const SurfacePatch &face : faces_of(cell)) {
+		if (face.axis() != axis || !face.open().contains(column)) {
+			continue;
+		}
+		SurfacePatch::Part part = face.part_in(column);
+		for (std::uint32_t near = cell.near; near != none && !part.open.is_empty(); near = near_[near].next) {
+			face.cover_part(in_cells(near_[near].position - low), part);
+		}
+		if (!part.open.is_empty()) {
+			return true;
+		}
+	}
+	return false;
+}
+
 bool SurfaceRace::is_covered(std::uint32_t number, const glm::ivec3 &from, const glm::ivec3 &to) const {
 	for (std::uint32_t near = cells_[number].near; near != none; near = near_[near].next) {
 		const glm::ivec3 &point = near_[near].position;
@@ -516,7 +609,7 @@ void SurfaceRace::append_points(const CellBox &wanted, std::vector<SurfaceDart> 
 }
 
 std::size_t SurfaceRace::bytes() const {
-	return grid_.bytes() + faces_.capacity() * sizeof(Face) + near_.capacity() * sizeof(Near) +
+	return grid_.bytes() + faces_.capacity() * sizeof(SurfacePatch) + near_.capacity() * sizeof(Near) +
 			pending_.capacity() * sizeof(std::uint32_t) + cells_.capacity() * sizeof(Cell) +
 			points_.capacity() * sizeof(Point) + lines_.bytes() + times_.capacity() * sizeof(SurfaceTime) +
 			neighbors_.capacity() * sizeof(std::uint32_t);

@@ -67,6 +67,13 @@ public:
 private:
 	static constexpr std::uint32_t none = SurfaceGrid::none;
 
+	/// A dart that waits for other cells. The fields are valid if `hash` is that of the cell's next line.
+	struct Waiting {
+		std::uint64_t hash = 0;
+		std::int32_t along = 0;
+		std::uint32_t triangle = 0;
+		std::uint32_t near = none; ///< The balls from this list entry on do not contain the dart.
+	};
 	struct Cell {
 		SurfaceLines::List lines = SurfaceLines::empty;
 		/// Index in `faces_` of the first face; none before `prepare`. There are one or more faces
@@ -77,14 +84,9 @@ private:
 		std::uint32_t neighbor_count = 0;
 		std::uint32_t point = none; ///< Index in `points_` of the cell's last point.
 		std::uint32_t near = none;  ///< Index in `near_` of the first list entry.
+		Waiting waiting;
 		SurfaceSearch search;
-	};
-	/// A part of a cell's surface that is nearly a plane, seen along an axis.
-	struct Face {
-		SurfacePatch patch;
-		/// The columns that the surface may enter and that are not known to be covered, one bit
-		/// each.
-		std::uint64_t open;
+		bool is_refined = false; ///< True after `refine`.
 	};
 	struct Point {
 		glm::ivec3 position; ///< Position in units relative to the box.
@@ -113,35 +115,47 @@ private:
 	bool settle(std::uint32_t number, SurfaceTime until);
 	/// Determines a cell's search axes and the columns that the surface may enter.
 	void prepare(std::uint32_t number);
-	/// Divides a cell's surface into faces, and determines their columns.
+	/// Divides a cell's surface into faces.
 	void add_faces(std::uint32_t number, int axis);
+	/// Closes the columns of a cell's faces that their triangles do not enter.
+	void refine(std::uint32_t number);
 	SurfaceSearch search_in(std::uint32_t number) const;
 	void throw_first(std::uint32_t number);
 	/// Decides the cell's next line and returns `none`. If a different cell must first be decided
 	/// up to that line's time, the function returns that cell instead.
 	std::uint32_t step(std::uint32_t number);
-	void find_hits(std::uint32_t number, const SurfaceLine &line, const SurfaceLine::Course &course);
-	Fate judge(std::uint32_t number, SurfaceTime time, const glm::ivec3 &position, std::uint32_t &r_blocker);
+	/// Finds the hits of a line that are kept. Returns true if other hits are not kept.
+	bool find_hits(std::uint32_t number, const SurfaceLine &line, const SurfaceLine::Course &course);
+	/// Decides a dart that is known not to be in the balls from the list entry `clear` on.
+	Fate judge(std::uint32_t number, SurfaceTime time, const glm::ivec3 &position, std::uint32_t clear,
+			std::uint32_t &r_blocker);
 	void accept(std::uint32_t number, const glm::ivec3 &position, std::uint32_t triangle, SurfaceTime time,
 			std::uint32_t level);
-	/// Marks the columns of a cell that the ball around a new point covers. Returns true if the ball
-	/// reaches the cell.
-	bool cover(const glm::ivec3 &position, std::uint32_t number);
-	std::span<Face> faces_of(const Cell &cell);
-	/// Returns the columns along an axis that may still need darts.
-	std::uint64_t open_along(const Cell &cell, int axis);
-	/// Returns true if the column of the cell's next line is covered or empty.
-	bool is_next_closed(std::uint32_t number);
+	/// Closes the columns of a cell that the ball around a new point covers. `offset` is the point's
+	/// position relative to the cell.
+	void cover(std::uint32_t number, const glm::ivec3 &position, const glm::ivec3 &offset);
+	std::span<SurfacePatch> faces_of(const Cell &cell);
+	bool is_open(const Cell &cell, int axis, std::uint32_t column);
+	bool has_open_columns(const Cell &cell, int axis);
 	void finish(std::uint32_t number);
-	/// Replaces the cell's next line by the lines that follow it.
-	void replace_next(std::uint32_t number);
-	/// Replaces the cell's next line and shows the one that follows.
-	void advance(std::uint32_t number);
+	/// Replaces the cell's next line, which produced no further dart, by the lines that follow it.
+	/// `has_failed` is false if the only reason is that its hits were not kept.
+	void advance(std::uint32_t number, bool has_failed);
+	/// Drops the cell's next line. A line through the whole cell, or the first line through a
+	/// column, is replaced by the next one that passes through an open column.
+	void skip_next(std::uint32_t number);
+	void skip_whole(std::uint32_t number);
+	/// Replaces the cell's next line by the earliest first line through an open column whose key is
+	/// less than `before`, or drops it if there is none.
+	void show_column(std::uint32_t number, const SurfaceColumnClocks &clocks, SurfaceColumnClocks::Key before);
 	/// Returns the quarters of a line's column that the surface may enter and no point's ball is
 	/// known to cover, one bit each.
 	std::uint32_t open_quarters(std::uint32_t number, const SurfaceLine &line);
+	/// Returns false if the surface in a column of depth surface_column_depth is known to be covered.
+	bool may_have_gaps(std::uint32_t number, int axis, std::uint32_t column);
 	/// Returns true if the ball of a single point covers the box from `from` to `to`.
 	bool is_covered(std::uint32_t number, const glm::ivec3 &from, const glm::ivec3 &to) const;
+	/// Skips lines in closed columns and shows the time of the next line to other cells.
 	void show_next(std::uint32_t number);
 	std::span<const std::uint32_t> neighbors_of(std::uint32_t number);
 	bool is_near_open_face(const glm::ivec3 &position) const;
@@ -156,8 +170,7 @@ private:
 	std::vector<SurfaceTime> times_;
 	std::vector<std::uint32_t> pending_; ///< Numbers of the wanted cells.
 	std::vector<Cell> cells_;
-	std::vector<Face> faces_;
-	std::vector<std::uint32_t> face_of_triangle_;
+	std::vector<SurfacePatch> faces_;
 	std::vector<Point> points_;
 	SurfaceLines lines_;
 	std::vector<std::uint32_t> neighbors_;

@@ -41,7 +41,10 @@ double level_unit(const PointSet &set, std::uint32_t level) {
 	return surface_unit(set) * static_cast<double>(1u << level);
 }
 
-glm::dvec3 units_of(const glm::dvec3 &position, double unit) { return glm::floor(position / unit + 0.5); }
+glm::dvec3 units_of(const glm::dvec3 &position, double unit) {
+	const glm::dvec3 units = position / unit + 0.5;
+	return {floor_of(units.x), floor_of(units.y), floor_of(units.z)};
+}
 
 glm::ivec3 cell_of(const glm::dvec3 &units) {
 	return glm::ivec3(glm::floor(units / static_cast<double>(surface_cell_size)));

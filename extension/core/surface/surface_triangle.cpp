@@ -43,17 +43,6 @@ bool edge_is_apart(const glm::dvec3 &edge, const glm::dvec3 &on, const glm::dvec
 			apart(edge.x * on.y - edge.y * on.x, edge.x * off.y - edge.y * off.x, half * (size.x + size.y));
 }
 
-/// Returns the largest whole number that is not above `number`. In builds for processors without
-/// SSE4.1, std::floor would be a function call.
-double floor_of(double number) {
-	constexpr double whole = 4503599627370496.0; // All numbers from 2^52 are whole.
-	if (!(std::abs(number) < whole)) {
-		return number;
-	}
-	const auto toward_zero = static_cast<double>(static_cast<std::int64_t>(number));
-	return toward_zero > number ? toward_zero - 1.0 : toward_zero;
-}
-
 /// Returns the side of a line on which a position is, in the projection along an axis. The line
 /// itself belongs to the `true` side.
 bool side(const glm::dvec3 &from, const glm::dvec3 &to, int side_u, int side_v, double u, double v) {
@@ -152,8 +141,7 @@ bool SurfaceTriangle::enters(const SurfaceCube &cube) const {
 
 std::optional<double> SurfaceTriangle::hit(int axis, double u, double v) const {
 	const auto [side_u, side_v] = axes_across(axis);
-	if (u < at(low, side_u) || u > at(high, side_u) || v < at(low, side_v) || v > at(high, side_v) ||
-			at(normal, axis) == 0.0) {
+	if (at(normal, axis) == 0.0) {
 		return std::nullopt;
 	}
 	std::uint32_t sides = 0;

@@ -6,6 +6,7 @@
 #include <glm/vec3.hpp>
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
@@ -13,6 +14,17 @@ namespace thicket {
 
 /// Returns a component by index. Unlike GLM's operator, this function does not branch.
 inline double at(const glm::dvec3 &vector, int side) { return glm::value_ptr(vector)[side]; }
+
+/// Returns the largest whole number that is not above `number`. In builds for processors without
+/// SSE4.1, std::floor would be a function call.
+inline double floor_of(double number) {
+	constexpr double whole = 4503599627370496.0; // All numbers from 2^52 are whole.
+	if (!(std::abs(number) < whole)) {
+		return number;
+	}
+	const auto toward_zero = static_cast<double>(static_cast<std::int64_t>(number));
+	return toward_zero > number ? toward_zero - 1.0 : toward_zero;
+}
 
 /// A cube, in lattice units.
 struct SurfaceCube {
@@ -69,8 +81,13 @@ struct SurfaceTriangle {
 				at(high, side_v) >= v && at(normal, axis) != 0.0;
 	}
 
+	/// Returns false if a position is outside the triangle's bounds on the axes u and v.
+	bool bounds_contain(int side_u, int side_v, double u, double v) const {
+		return u >= at(low, side_u) && u <= at(high, side_u) && v >= at(low, side_v) && v <= at(high, side_v);
+	}
+
 	/// Returns the position along the axis, in whole units, at which a line along the axis hits the
-	/// triangle. If two triangles are on different sides of a common edge, a line through the edge
+	/// triangle. The line must be over the triangle (see bounds_contain). If two triangles are on different sides of a common edge, a line through the edge
 	/// hits exactly one of them.
 	std::optional<double> hit(int axis, double u, double v) const;
 
@@ -92,6 +109,18 @@ public:
 	/// entirely outside one of the edges.
 	bool meets(double u, double v, double half) const {
 		return is_near(edges_[0], u, v, half) && is_near(edges_[1], u, v, half) && is_near(edges_[2], u, v, half);
+	}
+
+	/// The half-plane on the triangle's side of an edge: all positions (u, v), relative to an origin,
+	/// with u * toward_u + v * toward_v + distance >= 0.
+	struct Side {
+		double toward_u;
+		double toward_v;
+		double distance;
+	};
+	Side side(std::size_t edge, double origin_u, double origin_v) const {
+		const Edge &from = edges_[edge];
+		return {from.u, from.v, from.distance(origin_u, origin_v)};
 	}
 
 	/// Returns the position along the axis of the triangle's plane at (u, v), in whole units.
