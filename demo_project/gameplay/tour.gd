@@ -27,8 +27,8 @@ static func begin(tree: SceneTree, where: String) -> void:
 	tour.name = "Tour"
 	tour.process_mode = Node.PROCESS_MODE_ALWAYS
 	if DisplayServer.get_name() != "headless":
-		var beside := ProjectSettings.globalize_path("res://").path_join("../build/demo/gameplay").simplify_path()
-		tour.folder = where if where != "" else beside
+		var default_folder := ProjectSettings.globalize_path("res://").path_join("../build/demo/gameplay").simplify_path()
+		tour.folder = where if where != "" else default_folder
 	tree.root.add_child.call_deferred(tour)
 
 

@@ -33,7 +33,7 @@ const OUTDATED := "ScatterBakedWorld.index names %s, which an earlier version ex
 	set(value):
 		_drop_all()
 		index_file = value
-		_look_up()
+		_read_index()
 ## The horizontal distance from the camera within which tiles are shown, in meters. A tile is removed when it is farther away than this distance plus a
 ## quarter of the tile's edge length.
 @export_range(0.0, 100000.0, 1.0, "or_greater", "suffix:m") var view_distance := 512.0:
@@ -71,7 +71,7 @@ var _has_threads: bool = OS.has_feature("threads") and ProjectSettings.get_setti
 # Without a display, the engine uses a dummy renderer, for which multimeshes must not be built on several threads.
 var _builds_on_threads: bool = _has_threads and DisplayServer.get_name() != "headless"
 var _is_stale := true
-var _looked_from := Vector2.INF # The viewer's world x and z when _wanted was last updated.
+var _checked_from := Vector2.INF # The viewer's world x and z when _wanted was last updated.
 
 
 func _exit_tree() -> void:
@@ -93,8 +93,8 @@ func _process(_delta: float) -> void:
 		return
 	var relative := from.global_position - global_position
 	var here := Vector2(relative.x + world_offset.x, relative.z + world_offset.z)
-	if _is_stale or here.distance_to(_looked_from) > _index.tile_size / 16.0:
-		_look_around(here)
+	if _is_stale or here.distance_to(_checked_from) > _index.tile_size / 16.0:
+		_update_tiles(here)
 	var deadline := Time.get_ticks_usec() + frame_budget_usec
 	_remove_far(deadline)
 	# Handlers of tile_freed may have changed the index.
@@ -133,7 +133,7 @@ func _viewer() -> Node3D:
 	return get_viewport().get_camera_3d()
 
 
-func _look_up() -> void:
+func _read_index() -> void:
 	_numbers.clear()
 	_failed.clear()
 	_index = null
@@ -161,13 +161,13 @@ func _center_of(number: int) -> Vector3:
 
 ## Returns the distance in meters from a position to the square of a tile.
 func _distance(tile: Vector2i, here: Vector2) -> float:
-	var least := Vector2(tile) * _index.tile_size
-	return here.distance_to(here.clamp(least, least + Vector2.ONE * _index.tile_size))
+	var lowest_corner := Vector2(tile) * _index.tile_size
+	return here.distance_to(here.clamp(lowest_corner, lowest_corner + Vector2.ONE * _index.tile_size))
 
 
-func _look_around(here: Vector2) -> void:
+func _update_tiles(here: Vector2) -> void:
 	_is_stale = false
-	_looked_from = here
+	_checked_from = here
 	_far.clear()
 	for tile in _shown:
 		if _distance(tile, here) > view_distance + _index.tile_size / 4.0:
@@ -195,15 +195,15 @@ func _remove_far(deadline: int) -> void:
 
 
 func _tiles_near(here: Vector2) -> Array[Vector2i]:
-	var least := Vector2i(((here - Vector2.ONE * view_distance) / _index.tile_size).floor())
+	var lowest_corner := Vector2i(((here - Vector2.ONE * view_distance) / _index.tile_size).floor())
 	var greatest := Vector2i(((here + Vector2.ONE * view_distance) / _index.tile_size).floor())
 	var near: Array[Vector2i] = []
 	# Iterates over the smaller set: the squares in range, or all tiles of the index.
-	if float(greatest.x - least.x + 1) * (greatest.y - least.y + 1) > _numbers.size():
+	if float(greatest.x - lowest_corner.x + 1) * (greatest.y - lowest_corner.y + 1) > _numbers.size():
 		near.assign(_numbers.keys())
 		return near
-	for z in range(least.y, greatest.y + 1):
-		for x in range(least.x, greatest.x + 1):
+	for z in range(lowest_corner.y, greatest.y + 1):
+		for x in range(lowest_corner.x, greatest.x + 1):
 			if _numbers.has(Vector2i(x, z)):
 				near.append(Vector2i(x, z))
 	return near
@@ -237,7 +237,7 @@ func _take(deadline: int) -> void:
 		_finish(tile)
 		if tile.node == null:
 			_fail(at, tile.problem)
-		elif _distance(at, _looked_from) <= view_distance + _index.tile_size / 4.0:
+		elif _distance(at, _checked_from) <= view_distance + _index.tile_size / 4.0:
 			_show(at, tile)
 		else:
 			tile.drop()

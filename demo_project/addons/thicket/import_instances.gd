@@ -48,14 +48,14 @@ class Reading:
 		return sum
 
 	## Returns the batch for a mesh with these layer properties, adding it if necessary.
-	func batch_of(mesh: Resource, name: String, look: Dictionary[StringName, Variant]) -> Batch:
+	func batch_of(mesh: Resource, name: String, appearance: Dictionary[StringName, Variant]) -> Batch:
 		for batch in batches:
-			if batch.mesh == mesh and batch.look == look:
+			if batch.mesh == mesh and batch.look == appearance:
 				return batch
 		var batch := Batch.new()
 		batch.mesh = mesh
 		batch.name = name
-		batch.look = look
+		batch.look = appearance
 		batches.append(batch)
 		return batch
 
@@ -195,7 +195,7 @@ static func _read_multimesh(node: MultiMeshInstance3D, r_reading: Reading) -> vo
 		r_reading.problems.append("%s has transforms in two dimensions: its multimesh must have the transform_format TRANSFORM_3D." % node.name)
 	else:
 		var name := _name_of(multimesh.mesh, node)
-		_append(node, _buffer_of(multimesh), r_reading.batch_of(multimesh.mesh, name, _look_of(node)))
+		_append(node, _buffer_of(multimesh), r_reading.batch_of(multimesh.mesh, name, _appearance_of(node)))
 
 
 ## Returns the name for a new layer: the name of the mesh's file, otherwise of the mesh, otherwise of the node. A
@@ -210,15 +210,15 @@ static func _name_of(mesh: Resource, node: Node) -> String:
 
 
 ## Returns the geometry properties that differ from their defaults. Keys are the names of the layer's properties.
-static func _look_of(node: GeometryInstance3D) -> Dictionary[StringName, Variant]:
-	var look: Dictionary[StringName, Variant] = {}
+static func _appearance_of(node: GeometryInstance3D) -> Dictionary[StringName, Variant]:
+	var appearance: Dictionary[StringName, Variant] = {}
 	var layer := ClassDB.instantiate(&"ScatterLayer") as Resource
 	var properties: Dictionary = layer.call(&"get_geometry_properties")
 	for own: StringName in properties:
 		var value: Variant = node.get(properties[own])
 		if value != ClassDB.class_get_property_default_value(node.get_class(), properties[own]):
-			look[own] = value
-	return look
+			appearance[own] = value
+	return appearance
 
 
 ## Returns the transforms of a multimesh, without colors and custom data.
@@ -302,7 +302,7 @@ static func _read_copy(node: Node3D, item_name: String, r_reading: Reading) -> v
 		meshes.push_front(node)
 	for each: MeshInstance3D in meshes:
 		if each.mesh != null:
-			_append_transform(_space_of(each), r_reading.batch_of(each.mesh, item_name, _look_of(each)).transforms)
+			_append_transform(_space_of(each), r_reading.batch_of(each.mesh, item_name, _appearance_of(each)).transforms)
 
 
 ## Returns true if a node stores instances like Terrain3D does.
@@ -341,8 +341,8 @@ static func _terrain_3d_batch(terrain: Node, mesh_id: int, r_reading: Reading) -
 	if mesh == null:
 		r_reading.problems.append("%s has instances of mesh %d, which its assets do not contain: add the mesh, or clear its instances." % [terrain.name, mesh_id])
 		return null
-	var look: Dictionary[StringName, Variant] = {}
+	var appearance: Dictionary[StringName, Variant] = {}
 	if asset.get(&"material_override") != null:
-		look[&"material_override"] = asset.get(&"material_override")
+		appearance[&"material_override"] = asset.get(&"material_override")
 	var name: Variant = asset.get(&"name")
-	return r_reading.batch_of(mesh, str(name) if name else _name_of(mesh, terrain), look)
+	return r_reading.batch_of(mesh, str(name) if name else _name_of(mesh, terrain), appearance)

@@ -41,8 +41,8 @@ func _draw_view(overlay: Control) -> void:
 
 
 func _message() -> String:
-	var refused := _place_problem(_cursor.on_ground) if _cursor.on_ground.is_finite() else ""
-	return problem if refused.is_empty() else refused
+	var place_problem := _place_problem(_cursor.on_ground) if _cursor.on_ground.is_finite() else ""
+	return problem if place_problem.is_empty() else place_problem
 
 
 ## Draws additional shapes inside the ring. The individual brushes override it.

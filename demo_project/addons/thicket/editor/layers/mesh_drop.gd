@@ -70,8 +70,8 @@ static func _add_to_layer(layer: ScatterLayer, dropped: Array[Resource], undo_re
 	var old := layer.meshes
 	var fitted := NewLayers.of_meshes(old + dropped)
 	if fitted == null:
-		var refused := dropped.filter(func(resource: Resource) -> bool: return NewLayers.of_meshes([resource]) == null)
-		_show_toast(LayerEdits.left_out(refused, []))
+		var rejected := dropped.filter(func(resource: Resource) -> bool: return NewLayers.of_meshes([resource]) == null)
+		_show_toast(LayerEdits.left_out(rejected, []))
 		return
 	undo_redo.create_action("Add Meshes", UndoRedo.MERGE_DISABLE, layer)
 	undo_redo.add_do_property(layer, &"meshes", old + dropped)

@@ -94,7 +94,7 @@ func _crowding(layer: ScatterLayer) -> PackedStringArray:
 	if layer.spacing.is_empty():
 		return []
 	var center := _view_center()
-	var refused := 0
+	var crowded := 0
 	var counted := 0
 	var frame := Transform3D(SurfacePlace.upright(SurfacePlace.up_at(_scatter, center)), center)
 	var deadline := Time.get_ticks_msec() + MOST_MSEC
@@ -108,11 +108,11 @@ func _crowding(layer: ScatterLayer) -> PackedStringArray:
 		var found := _scatter.explain_position(surface[0] if not surface.is_empty() else at, [layer])
 		if found.is_empty():
 			continue
-		refused += int(found[0].refused_by == "spacing")
+		crowded += int(found[0].refused_by == "spacing")
 		counted += int(found[0].refused_by == "spacing" or found[0].standing)
-	if counted == 0 or refused < CROWDED * counted:
+	if counted == 0 or crowded < CROWDED * counted:
 		return []
-	return ["%s: %d %% of its points are too close to other layers." % [layer.resource_name, roundi(100.0 * refused / counted)]]
+	return ["%s: %d %% of its points are too close to other layers." % [layer.resource_name, roundi(100.0 * crowded / counted)]]
 
 
 ## Returns a message for each older layer that has lost many instances.
