@@ -57,7 +57,7 @@ struct InstanceSource {
 inline constexpr double max_source_value = 1e6;
 inline constexpr double max_source_distance = 1e3; ///< Maximum InstanceSource::max of a distance, in meters.
 
-/// The share of an instance whose number is entirely random.
+/// The fraction of an instance whose number is entirely random.
 inline constexpr float unknown_fraction = -1.0f;
 
 /// The names of a source's properties for the errors of `validate`.
@@ -71,10 +71,10 @@ struct SourceNames {
 /// maximum. For a random source, only the randomness is checked.
 Status validate(const InstanceSource &source, const SourceNames &names);
 
-/// Returns the share of `value` in the source's range, 0 to 1.
+/// Returns the offset of `value` in the source's range, as a fraction from 0 to 1.
 float fraction_of(const InstanceSource &source, double value);
 
-/// Returns the share of a hand-placed instance. The instance's world y, or its altitude on
+/// Returns the fraction of a hand-placed instance. The instance's world y, or its altitude on
 /// `planet`, is used as the height of the ground, and 0 as its rank. Slopes and distances are unknown.
 /// `on_surface` is the layer's PointSet::on_surface. If it is true, noise also depends on world y.
 float fraction_by_hand(const InstanceSource &source, glm::dvec3 position, bool on_surface, const Planet &planet = {});

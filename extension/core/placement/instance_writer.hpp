@@ -29,7 +29,7 @@ struct PlacedPoints {
 	std::span<const std::uint64_t> ids;
 	std::span<const std::uint32_t> accepted;
 	std::span<const std::uint32_t> thinning_ranks;
-	/// Shares for the colors. They are valid for points that become instances. Empty if colors are
+	/// Fractions for the colors. They are valid for points that become instances. Empty if colors are
 	/// random.
 	std::span<const float> color_fractions{};
 	std::span<const float> variation_fractions{}; ///< Fractions for the variations, under the same conditions.

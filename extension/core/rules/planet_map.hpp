@@ -14,7 +14,7 @@ namespace thicket {
 /// direction have the same map position. Results are bit-identical on every machine.
 class PlanetMap {
 public:
-	/// Places farther from the middle than this many radii of the planet are not on the map. The
+	/// Positions farther from the middle than this many radii of the planet are not on the map. The
 	/// limit is 150 degrees from the middle.
 	static constexpr double radii_across = 7.4641016151377544;
 

@@ -79,7 +79,7 @@ Status check_kind(const Shape &shape) {
 	return Status::out_of_range("kind", static_cast<int>(shape.kind), between(0, static_cast<int>(ShapeKind::path)));
 }
 
-/// Returns an error for a place on a planet's map that is too far from the map's middle.
+/// Returns an error for a position on a planet's map that is too far from the map's middle.
 Status check_on_map(const Shape &shape) {
 	const PlanetMap map(shape.planet, shape.center);
 	for (const glm::dvec2 position : shape.outline) {

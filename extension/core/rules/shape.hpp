@@ -40,7 +40,7 @@ struct Shape {
 	/// Axes of boxes and cylinders: orthonormal, as columns. Mirrored axes define the same shape.
 	glm::dmat3 axes{1.0};
 	glm::dvec3 half_size{0.0}; ///< Meters. The components that the kind uses are above 0.
-	/// World x and z or, with a planet, places on a PlanetMap around `center`. Polygon: 3 or more
+	/// World x and z or, with a planet, map positions of a PlanetMap around `center`. Polygon: 3 or more
 	/// corners, closed automatically. Path: 2 or more points, open. Points may repeat, and edges may
 	/// cross or overlap.
 	std::vector<glm::dvec2> outline;

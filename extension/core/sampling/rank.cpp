@@ -43,8 +43,8 @@ constexpr auto make_level_ends() {
 
 constexpr auto level_ends = make_level_ends();
 
-/// Returns the share of a stage's points, in units of 2^-32, whose time is before `time`. The share
-/// is interpolated linearly between knots, and from 0 to the first knot.
+/// Returns the fraction of a stage's points, in units of 2^-32, whose time is before `time`. The
+/// fraction is interpolated linearly between knots, and from 0 to the first knot.
 std::uint32_t fraction_before(std::uint32_t stage, TimeKey time) {
 	const auto &table = stage_table[stage < rank_stages ? stage : rank_stages - 1];
 	const std::uint32_t knot = rank_knot(time);

@@ -6,10 +6,10 @@
 
 namespace thicket {
 
-/// Returns the rank of an accepted dart in the progressive order. The rank is the share of the
-/// whole set that comes before (level, time), as a fraction of 2^32. Levels go from coarse (levels
-/// - 1) to fine (level 0). Ranks never decrease along this order. They come from tables that are
-/// valid for every seed and radius, because the process is scale-invariant.
+/// Returns the rank of an accepted dart in the progressive order. The rank is the fraction of the
+/// whole set that comes before (level, time), in units of 2^-32. Levels go from coarse (levels - 1)
+/// to fine (level 0). Ranks never decrease along this order. They come from tables that are valid
+/// for every seed and radius, because the process is scale-invariant.
 std::uint32_t rank_of(std::uint32_t levels, std::uint32_t level, TimeKey time);
 
 /// Returns the level at which a point of this rank was placed.
