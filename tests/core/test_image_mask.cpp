@@ -1,11 +1,17 @@
 #include "core/rules/image_mask.hpp"
+#include "core/rules/planet_mask.hpp"
 #include "refusal.hpp"
 
 #include <doctest/doctest.h>
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <memory>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -230,4 +236,57 @@ TEST_CASE("image mask: masks differ by size, pixels, area and edge") {
 	CHECK_FALSE(mask == mask_of(size, pixels, {area.min, {17.0, 4.0}}, MaskEdge::clamp));
 	CHECK_FALSE(mask == mask_of(size, pixels, {{-24.0, -9.0}, area.max}, MaskEdge::clamp));
 	CHECK_FALSE(mask == mask_of(size, pixels, area, MaskEdge::repeat));
+}
+
+TEST_CASE("image mask: on a planet, the image covers the sphere like a texture on a SphereMesh") {
+	std::mt19937 random(5);
+	std::normal_distribution<double> normal;
+	for (const MaskEdge edge : edges) {
+		const ImageMask mask = mask_of(size, pixels, area, edge);
+		for (int i = 0; i < 2000; ++i) {
+			const glm::dvec3 from{normal(random), normal(random), normal(random)};
+			const double turn = std::atan2(from.x, from.z) / (2.0 * std::numbers::pi);
+			const double x = (turn < 0.0 ? turn + 1.0 : turn) * size.x - 0.5;
+			const double y = std::acos(from.y / glm::length(from)) / std::numbers::pi * size.y - 0.5;
+			const auto pixel = [&](int column, int row) {
+				return double{1} *
+						pixels[static_cast<std::size_t>(
+								std::clamp(row, 0, size.y - 1) * size.x + (column + size.x) % size.x)];
+			};
+			const int column = static_cast<int>(std::floor(x));
+			const int row = static_cast<int>(std::floor(y));
+			const double upper = std::lerp(pixel(column, row), pixel(column + 1, row), x - column);
+			const double lower = std::lerp(pixel(column, row + 1), pixel(column + 1, row + 1), x - column);
+			CHECK(mask.toward(from) == doctest::Approx(std::lerp(upper, lower, y - row) / 255.0).epsilon(1e-6));
+			CHECK(mask.toward(7.0 * from) == doctest::Approx(mask.toward(from)).epsilon(1e-9));
+		}
+	}
+}
+
+TEST_CASE("image mask: on a planet, there are no seams, and poles have a density") {
+	const ImageMask mask = mask_of(size, pixels, area, MaskEdge::nothing);
+	for (const double y : {-3.0, -0.5, 0.0, 0.7, 20.0}) {
+		for (const double z : {1.0, -1.0}) {
+			CHECK(mask.toward({1e-9, y, z}) == doctest::Approx(mask.toward({-1e-9, y, z})).epsilon(1e-6));
+			CHECK(mask.toward({0.0, y, z}) == doctest::Approx(mask.toward({1e-9, y, z})).epsilon(1e-6));
+		}
+		CHECK(mask.toward({1.0, y, 1e-9}) == doctest::Approx(mask.toward({1.0, y, -1e-9})).epsilon(1e-6));
+	}
+	// At the poles, the left and right borders of the first and of the last row meet.
+	CHECK(mask.toward({0.0, 2.0, 0.0}) == doctest::Approx(0.5 * (0.0 + 255.0) / 255.0));
+	CHECK(mask.toward({0.0, -2.0, 0.0}) == doctest::Approx(0.5 * (200.0 + 140.0) / 255.0));
+	CHECK(mask.toward({0.0, 0.0, 0.0}) == mask.toward({0.0, 2.0, 0.0}));
+	CHECK(mask.toward({0.0, std::nan(""), 1.0}) == 0.0);
+	CHECK(mask.toward({std::numeric_limits<double>::infinity(), 0.0, 1.0}) == 0.0);
+	const Planet planet{{3.0, -5.0, 8.0}, 20.0};
+	const PlanetMask on_planet(std::make_shared<const ImageMask>(mask), planet);
+	const glm::dvec2 position{9.0, 4.0};
+	const float height = 11.0f;
+	float value = -1.0f;
+	REQUIRE(on_planet.sample_in_space({&position, 1}, {&height, 1}, {&value, 1}).ok());
+	CHECK(value == static_cast<float>(mask.toward({6.0, 16.0, -4.0})));
+	REQUIRE(on_planet.sample({&position, 1}, {&value, 1}).ok());
+	CHECK(value == static_cast<float>(mask.toward({6.0, std::sqrt(20.0 * 20.0 - 52.0), -4.0})));
+	CHECK_FALSE(on_planet.sample({&position, 1}, {}).ok());
+	CHECK_FALSE(on_planet.sample_in_space({&position, 1}, {}, {&value, 1}).ok());
 }

@@ -162,6 +162,7 @@ def assert_passed(done, loads_on_threads=False):
         "test_surface_layers",
         "test_planets",
         "test_planet_changes",
+        "test_planet_masks",
         "test_planet_regions",
         "test_layers_on_models",
         "test_ground_combined",

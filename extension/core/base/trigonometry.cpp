@@ -64,28 +64,31 @@ Rotation rotation_by(double turns) {
 			small.sine * quarter.cosine + small.cosine * quarter.sine};
 }
 
-double slope_degrees(glm::vec3 normal) {
+double angle_degrees(double across, double along) {
 	constexpr double degrees = 180.0 / std::numbers::pi;
 	constexpr double reach = std::numbers::sqrt2 - 1.0; // tan(pi / 8)
+	const double up = std::abs(along);
+	// atan(across / up) is split into the nearest of 0, 45 and 90 degrees, and an angle within the
+	// range of the series.
+	double base = 45.0;
+	double tangent = (across - up) / (across + up);
+	if (across <= reach * up) {
+		base = 0.0;
+		tangent = across / up;
+	} else if (up <= reach * across) {
+		base = 90.0;
+		tangent = -up / across;
+	}
+	const double angle = base + degrees * arc_tangent_small(tangent);
+	return along < 0.0 ? 180.0 - angle : angle;
+}
+
+double slope_degrees(glm::vec3 normal) {
 	const double x = normal.x;
 	const double z = normal.z;
 	// The slope is computed from both the horizontal and the vertical component, because the
 	// vertical one alone is inaccurate for small angles.
-	const double horizontal = std::sqrt(x * x + z * z);
-	const double up = std::abs(static_cast<double>(normal.y));
-	// atan(across / up) is split into the nearest of 0, 45 and 90 degrees, and an angle within the
-	// range of the series.
-	double base = 45.0;
-	double tangent = (horizontal - up) / (horizontal + up);
-	if (horizontal <= reach * up) {
-		base = 0.0;
-		tangent = horizontal / up;
-	} else if (up <= reach * horizontal) {
-		base = 90.0;
-		tangent = -up / horizontal;
-	}
-	const double slope = base + degrees * arc_tangent_small(tangent);
-	return normal.y < 0.0f ? 180.0 - slope : slope;
+	return angle_degrees(std::sqrt(x * x + z * z), normal.y);
 }
 
 } // namespace thicket

@@ -18,6 +18,11 @@ struct Rotation {
 /// 1e-11 of the true values, and exact at quarter turns.
 Rotation rotation_by(double turns);
 
+/// Returns the angle in degrees, 0 to 180, whose tangent is `across / along`. `across` is 0 or more;
+/// if `along` is negative, the angle is above 90. Returns NAN if both are 0 or one is NAN. The result
+/// is within 1e-7 degrees of the true value, and exact at 0, 45, 90 and 180.
+double angle_degrees(double across, double along);
+
 /// Returns the angle between a normal and the up direction, in degrees: 0 for flat ground, 90 for a
 /// wall, 180 for a ceiling. The normal need not be normalized. Returns NAN for the zero vector and
 /// for NAN components. The result is within 1e-7 degrees of the true value, and exact at 0, 45 and

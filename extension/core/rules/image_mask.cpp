@@ -4,6 +4,7 @@
 #include "core/base/check.hpp"
 #include "core/base/floating_point.hpp"
 #include "core/base/guard.hpp"
+#include "core/base/trigonometry.hpp"
 
 #include <glm/common.hpp>
 
@@ -88,8 +89,27 @@ double ImageMask::at(glm::dvec2 position) const {
 		}
 		part -= glm::dvec2(std::floor(part.x), std::floor(part.y));
 	}
-	const Taps across = taps_at(part.x * size_.x, size_.x, repeat);
-	const Taps along = taps_at(part.y * size_.y, size_.y, repeat);
+	return interpolate(part, repeat, repeat);
+}
+
+double ImageMask::toward(const glm::dvec3 &from_center) const {
+	const double x = from_center.x;
+	const double z = from_center.z;
+	const double across = std::sqrt(x * x + z * z);
+	if (!std::isfinite(across) || !std::isfinite(from_center.y)) {
+		return 0.0;
+	}
+	// On the axis, and at the center, the direction around it is unknown.
+	const double half_turn = across > 0.0 ? angle_degrees(std::abs(x), z) : 0.0;
+	const double around = x < 0.0 ? 360.0 - half_turn : half_turn;
+	const double from_pole = across > 0.0 || from_center.y < 0.0 ? angle_degrees(across, from_center.y) : 0.0;
+	return interpolate({around / 360.0, from_pole / 180.0}, true, false);
+}
+
+/// Interpolates at a position in the image; `fraction` is 0 to 1 along both axes.
+double ImageMask::interpolate(glm::dvec2 fraction, bool repeat_x, bool repeat_y) const {
+	const Taps across = taps_at(fraction.x * size_.x, size_.x, repeat_x);
+	const Taps along = taps_at(fraction.y * size_.y, size_.y, repeat_y);
 	const std::uint8_t *near = pixels_.data() + along.first * static_cast<std::size_t>(size_.x);
 	const std::uint8_t *far = pixels_.data() + along.second * static_cast<std::size_t>(size_.x);
 	return bilinear(near[across.first], near[across.second], far[across.first], far[across.second], across.part,

@@ -4,6 +4,7 @@
 #include "core/rules/density_field.hpp"
 
 #include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 
 #include <cstdint>
 #include <vector>
@@ -32,10 +33,18 @@ public:
 	/// At a position that is not finite, the density is 0 for every MaskEdge.
 	Status sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const override;
 
+	/// Returns the density in a direction from a planet's center, which need not be normalized; 0 if
+	/// it is not finite. The image covers the whole sphere, as a texture covers the engine's
+	/// SphereMesh: `area` and MaskEdge have no effect. The first row is at the pole toward world y,
+	/// and the last row at the opposite pole. Columns go once around the planet, from +z over +x, -z
+	/// and -x, so the left and right borders of the image meet. Pixels have equal angles.
+	double toward(const glm::dvec3 &from_center) const;
+
 	friend bool operator==(const ImageMask &, const ImageMask &);
 
 private:
 	double at(glm::dvec2 position) const;
+	double interpolate(glm::dvec2 fraction, bool repeat_x, bool repeat_y) const;
 
 	glm::ivec2 size_{1};
 	std::vector<std::uint8_t> pixels_{255};

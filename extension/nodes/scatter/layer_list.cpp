@@ -1,13 +1,17 @@
 #include "nodes/scatter/layer_list.hpp"
 
+#include "core/rules/image_mask.hpp"
+#include "core/rules/planet_mask.hpp"
 #include "nodes/common/property_check.hpp"
 
 #include <godot_cpp/core/class_db.hpp>
 
 #include <algorithm>
+#include <memory>
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 using namespace godot;
 
@@ -23,6 +27,25 @@ std::shared_ptr<const Values> reuse_if_equal(const std::shared_ptr<const Values>
 		return before;
 	}
 	return std::make_shared<const Values>(std::move(now));
+}
+
+/// Replaces images on a plane by images on the whole planet. Reuses the fields of `before`, the
+/// layer's previous version, for the same image and planet; `before` may be null.
+void use_planet_masks(const Planet &planet, const SharedSnapshot &before,
+		std::vector<std::shared_ptr<const DensityField>> &r_fields) {
+	for (std::shared_ptr<const DensityField> &field : r_fields) {
+		const auto image = std::dynamic_pointer_cast<const ImageMask>(field);
+		if (image == nullptr) {
+			continue; // Noise is a density in space already.
+		}
+		std::shared_ptr<const PlanetMask> known;
+		for (std::size_t i = 0; before != nullptr && i < before->settings->rules.fields.size(); ++i) {
+			if (auto mask = std::dynamic_pointer_cast<const PlanetMask>(before->settings->rules.fields[i])) {
+				known = std::move(mask);
+			}
+		}
+		field = reuse_if_equal(known, PlanetMask(image, planet));
+	}
 }
 
 /// Returns the area in which a layer's tiles are outdated after a change to its settings or the
@@ -103,6 +126,7 @@ void LayerList::add_world(std::size_t index, const NodeLayers &layers, const Lay
 	}
 	if (settings->set.on_surface && world.planet.exists()) {
 		settings->planet = world.planet;
+		use_planet_masks(world.planet, was, rules.fields);
 		settings->set.faces = permitted_faces(*settings);
 		layer.range.bottom = world.planet.bottom();
 		layer.range.top = world.planet.top();
