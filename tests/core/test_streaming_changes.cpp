@@ -137,7 +137,7 @@ TEST_CASE("streaming: tiles that are only kept can be dropped at once") {
 	stage.update(viewers);
 	CHECK(stage.changes.empty());
 	stage.settle(start);
-	CHECK(stage.shown.contains({0, stage.shown.begin()->second.grid, -10, 0}));
+	CHECK(stage.visible.contains({0, stage.visible.begin()->second.grid, -10, 0}));
 }
 
 TEST_CASE("streaming: a new view distance keeps the loaded tiles") {

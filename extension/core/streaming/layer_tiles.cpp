@@ -84,12 +84,12 @@ void LayerTiles::invalidate(const Rect &area) {
 }
 
 void LayerTiles::drop_unseen(const Rect &area, StreamChanges &r_changes) {
-	if (sights_.empty()) {
-		return; // The views are unknown until the next call to `look`.
+	if (viewer_states_.empty()) {
+		return; // The views are unknown until the next call to `update_viewers`.
 	}
 	for (std::uint32_t slot = 0; slot < tiles_.slots().size(); ++slot) {
 		const StreamedTile &tile = tiles_[slot];
-		if (tile.exists && tile.shown && touch(space(tile.at), area) && !seen(tile.at)) {
+		if (tile.exists && tile.visible && touch(space(tile.at), area) && !seen(tile.at)) {
 			release(slot, r_changes);
 		}
 	}

@@ -73,7 +73,7 @@ public:
 	void invalidate(const Rect &area);
 
 	/// Drops the visible tiles that touch `area` and were outside every view in the last call to
-	/// `look`. May throw std::bad_alloc; some of the tiles then remain.
+	/// `update_viewers`. May throw std::bad_alloc; some of the tiles then remain.
 	void drop_unseen(const Rect &area, StreamChanges &r_changes);
 
 	/// Cancels all pending tiles. Tiles that are still needed wait to be requested again.

@@ -54,7 +54,7 @@ PackedVector3Array ScatterRegion3D::from_planet_map(const PackedVector2Array &p_
 	return packed<PackedVector3Array>(places, [&](const Vector2 &p_place) {
 		const glm::dvec2 place = to_core(p_place);
 		const glm::dvec3 up = is_flat() ? map->direction(place) : map->direction_at_middle(place);
-		return to_engine(frame.local ? glm::transpose(frame.turn) * up : up);
+		return to_engine(frame.local ? glm::transpose(frame.rotation) * up : up);
 	});
 }
 
