@@ -2,6 +2,7 @@
 
 #include "core/base/planet.hpp"
 #include "core/base/status.hpp"
+#include "core/base/unique_number.hpp"
 #include "core/placement/host_layer.hpp"
 #include "core/placement/instance_data.hpp"
 #include "core/placement/placement.hpp"
@@ -68,6 +69,8 @@ struct LayerSettings {
 	bool hosted = false;
 	/// The layers on whose models this layer grows; empty unless `hosted` is true.
 	std::vector<HostLayer> hosts;
+	/// Identifies the settings in an InstanceCache, which requires that they do not change any more.
+	UniqueNumber number{};
 
 	friend bool operator==(const LayerSettings &, const LayerSettings &) = default;
 };

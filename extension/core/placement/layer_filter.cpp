@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 namespace thicket {
 
@@ -38,7 +39,7 @@ void LayerFilter::set(const LayerSettings &layer, std::span<const LayerFilter *c
 Status LayerFilter::sample(
 		const PointSource &source, const TileSpace &window, const std::atomic<bool> *cancel, CallerThreads *threads) {
 	window_ = window;
-	on_surface_ = layer_->set.on_surface;
+	on_surface_ = knows_ground_ = layer_->set.on_surface;
 	is_filled_ = source.obstacles != nullptr;
 	points_.clear();
 	surface_points_.clear();
@@ -60,13 +61,40 @@ Status LayerFilter::sample(
 
 void LayerFilter::wait_for_others(const TileSpace &window) {
 	window_ = window;
-	on_surface_ = layer_->set.on_surface;
+	on_surface_ = knows_ground_ = layer_->set.on_surface;
 	sampled_ = 0;
 	keep_points(true);
 	accepted_.clear();
 	thinning_ranks_.clear();
 	probes_.clear();
 	probe_allowed_.clear();
+}
+
+void LayerFilter::take_instances(std::span<const glm::dvec2> instances, const TileSpace &window) {
+	wait_for_others(window);
+	is_filled_ = false;
+	positions_.assign(instances.begin(), instances.end());
+	accepted_.resize(positions_.size());
+	std::iota(accepted_.begin(), accepted_.end(), 0u);
+}
+
+void LayerFilter::take_points(std::span<const CachedPoint> points, std::size_t sampled, const TileSpace &window) {
+	wait_for_others(window);
+	is_filled_ = true;
+	knows_ground_ = true;
+	sampled_ = sampled;
+	positions_.clear();
+	ids_.clear();
+	known_ground_.clear();
+	for (const CachedPoint &point : points) {
+		if (point.is_instance) {
+			accepted_.push_back(static_cast<std::uint32_t>(positions_.size()));
+			thinning_ranks_.push_back(point.thinning_rank);
+		}
+		positions_.push_back(point.position);
+		ids_.push_back(point.id);
+		known_ground_.push_back(point.ground);
+	}
 }
 
 /// Finds the points on the surface in the window, a column of space that may be limited in height.
@@ -107,7 +135,7 @@ Status LayerFilter::sample_surface(const PointSource &source, const std::atomic<
 Status LayerFilter::take(std::span<const glm::dvec2> positions, const Rect &window, std::span<const Ground> on_surface,
 		const Surface *grown) {
 	window_ = window;
-	on_surface_ = !on_surface.empty();
+	on_surface_ = knows_ground_ = !on_surface.empty();
 	is_filled_ = false;
 	points_.clear();
 	surface_points_.clear();
@@ -148,7 +176,7 @@ void LayerFilter::keep_points(bool all) {
 		ids_.resize(count);
 		ranks_.resize(count);
 		densities_.resize(count);
-		surface_ground_.resize(on_surface_ ? count : 0);
+		known_ground_.resize(on_surface_ ? count : 0);
 	};
 	resize(sampled_);
 	// The loop avoids a branch, which would often be mispredicted: a point that is not kept is
@@ -161,7 +189,7 @@ void LayerFilter::keep_points(bool all) {
 		densities_[kept_count] = sampled_densities_[i];
 		if (on_surface_) {
 			const SurfacePoint &point = surface_points_[i];
-			surface_ground_[kept_count] = {sampled_heights_[i], glm::vec3(point.normal)};
+			known_ground_[kept_count] = {sampled_heights_[i], glm::vec3(point.normal)};
 		}
 		kept_count += all || is_placed(points_[i].rank, sampled_densities_[i]) ? 1 : 0;
 	}
@@ -205,7 +233,7 @@ Status LayerFilter::find_probes_on(const Surface &grown, const std::atomic<bool>
 		if (point % surface_points_per_check == 0 && is_cancelled(cancel)) {
 			return {ErrorCode::cancelled, "tile", 0.0};
 		}
-		const Ground &ground = surface_ground_[point];
+		const Ground &ground = known_ground_[point];
 		surface_probes_.find(grown, {positions_[point].x, ground.height, positions_[point].y}, ground.normal,
 				rules_.rules().edge_feather, around);
 		for (const SurfaceProbe &probe : around) {
@@ -230,7 +258,7 @@ Status LayerFilter::evaluate_probes() {
 
 void LayerFilter::add_queries(
 		bool normals, std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const {
-	if (on_surface_) {
+	if (knows_ground_) {
 		return;
 	}
 	const std::vector<std::int32_t> &textures = layer_->rules.ground_textures;
@@ -324,7 +352,7 @@ Status LayerFilter::factors_at(
 	const RuleRecord record(r_factors);
 	PositionBatch position{{&positions_[point], 1}};
 	if (on_surface_) {
-		position.heights = {&surface_ground_[point].height, 1};
+		position.heights = {&known_ground_[point].height, 1};
 	}
 	const Status status = rules_.position_factors(position, record);
 	if (status.ok()) {

@@ -3,6 +3,7 @@
 #include "core/base/tile_grid.hpp"
 #include "core/base/unfilled.hpp"
 #include "core/placement/ground_query.hpp"
+#include "core/placement/instance_cache.hpp"
 #include "core/placement/layer.hpp"
 #include "core/placement/layer_graph.hpp"
 #include "core/placement/point_grid.hpp"
@@ -49,6 +50,11 @@ public:
 	/// `sample` once the other layers are filtered, before `filter`.
 	void wait_for_others(const TileSpace &window);
 
+	/// Takes the instances of the layer in `window` from a cache, or all of its points, of which
+	/// `sampled` were sampled. These calls replace `sample` and `filter`. Ranks are then unknown.
+	void take_instances(std::span<const glm::dvec2> instances, const TileSpace &window);
+	void take_points(std::span<const CachedPoint> points, std::size_t sampled, const TileSpace &window);
+
 	/// Evaluates the rules at arbitrary positions in `window`. This call replaces `sample`. All
 	/// positions become points, with their indices as ids and with rank 0. If the positions are on
 	/// surfaces, `on_surface` contains the ground at each of them, and `grown` is the surface on which
@@ -61,11 +67,11 @@ public:
 	/// Normals are queried if the layer has a slope rule. If `normals` is true, they are always
 	/// queried at the points. The ground of points on surfaces and of their probes is already known.
 	void add_queries(bool normals, std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const;
-	std::size_t position_count() const { return on_surface_ ? 0 : positions_.size() + probe_allowed_.size(); }
+	std::size_t position_count() const { return knows_ground_ ? 0 : positions_.size() + probe_allowed_.size(); }
 
 	/// Returns the ground at each point. `ground` is as for `filter`.
 	std::span<const Ground> ground_of(std::span<const Ground> ground) const {
-		return on_surface_ ? std::span<const Ground>(surface_ground_) : ground.first(positions_.size());
+		return knows_ground_ ? std::span<const Ground>(known_ground_) : ground.first(positions_.size());
 	}
 
 	/// Determines which points are kept. `ground` has one entry for each position from add_queries.
@@ -95,6 +101,8 @@ public:
 	const LayerSettings &settings() const { return *layer_; }
 	const Rect &window() const { return window_; }
 	std::size_t sampled() const { return sampled_; }
+	/// Returns the positions of all sampled points, also of those that no rule lets pass.
+	std::span<const glm::dvec2> sampled_positions() const { return std::span(sampled_positions_).first(sampled_); }
 	std::span<const glm::dvec2> positions() const { return positions_; }
 	std::span<const std::uint64_t> ids() const { return ids_; }
 	std::span<const std::uint32_t> ranks() const { return ranks_; }
@@ -126,12 +134,14 @@ private:
 	std::vector<const LayerFilter *> neighbors_;
 	TileSpace window_;
 	std::size_t sampled_ = 0;
-	bool on_surface_ = false; ///< True if the points are on surfaces, with known ground.
-	bool is_filled_ = false;  ///< True if the points were sampled with obstacles, and keep their distance from these.
+	bool on_surface_ = false; ///< True if the points are on surfaces.
+	/// True if the ground at the points is known, because they are on surfaces or from a cache.
+	bool knows_ground_ = false;
+	bool is_filled_ = false; ///< True if the points were sampled with obstacles, and keep their distance from these.
 
 	std::vector<SamplePoint> points_; ///< The sampled points; a member to reuse its memory.
 	std::vector<SurfacePoint> surface_points_;
-	UnfilledVector<Ground> surface_ground_; ///< The ground of each point on surfaces.
+	UnfilledVector<Ground> known_ground_; ///< The ground of each point; empty unless knows_ground_ is true.
 	UnfilledVector<glm::dvec2> positions_;
 	UnfilledVector<std::uint64_t> ids_;
 	UnfilledVector<std::uint32_t> ranks_;

@@ -25,6 +25,14 @@ std::array<const InstanceSource *, 2> distance_sources_at(const LayerSettings &l
 	return depth == 0 ? distance_sources(layer.instance_data) : std::array<const InstanceSource *, 2>{};
 }
 
+/// Return the layers that must be filtered in order to sample and filter a layer.
+std::span<const Neighbor> neighbors_of(const LayerGraph::Node &node) {
+	return node.is_cached ? std::span<const Neighbor>() : node.layer->neighbors;
+}
+std::span<const HostLayer> hosts_of(const LayerGraph::Node &node) {
+	return node.is_cached ? std::span<const HostLayer>() : node.layer->hosts;
+}
+
 Status too_deep(std::size_t depth) {
 	return Status::out_of_range("depth of neighbors", depth,
 			at_most(max_neighbor_depth, "layers in a chain that refer to each other"),
@@ -33,10 +41,14 @@ Status too_deep(std::size_t depth) {
 
 } // namespace
 
-LayerGraph::LayerGraph(const LayerSettings &layer, std::int32_t fill_margin) : fill_margin_(fill_margin) {
+LayerGraph::LayerGraph(const LayerSettings &layer, std::int32_t fill_margin, Cached cached) :
+		fill_margin_(fill_margin) {
 	add(layer, 0);
 	if (status_.ok()) {
 		find_margins();
+	}
+	if (status_.ok() && cached != Cached::none) {
+		use_cache(cached);
 	}
 }
 
@@ -114,10 +126,10 @@ void LayerGraph::find_margins() {
 			other.max_dependent_distance = std::max(other.max_dependent_distance, distance);
 			(distance_in_space(*node.layer, *layer) ? other.needed_in_space : other.needed_on_plane) = true;
 		};
-		for (const HostLayer &host : node.layer->hosts) {
-			extend(host.layer.get(), host_distance(*node.layer, reach_of(host)));
+		for (const HostLayer &host : hosts_of(node)) {
+			extend(host.layer.get(), host_distance(*node.layer, reach_of(host))).is_host = true;
 		}
-		for (const Neighbor &neighbor : node.layer->neighbors) {
+		for (const Neighbor &neighbor : neighbors_of(node)) {
 			if (!fills_around(*node.layer, neighbor)) {
 				include(neighbor.layer.get(), neighbor.distance);
 				continue;
@@ -133,6 +145,43 @@ void LayerGraph::find_margins() {
 			}
 		}
 	}
+}
+
+/// Finds the layers that the cache provides, and removes layers on which only these depend. The
+/// cache has no heights and no models for other layers.
+void LayerGraph::use_cache(Cached cached) {
+	std::array<bool, max_graph_layers> needed{};
+	needed[size_ - 1] = true;
+	for (std::size_t at = size_; at-- > 0;) {
+		Node &node = nodes_[at];
+		node.is_cached = at + 1 == size_ ? cached == Cached::all
+										 : (node.is_filled_around || fills(*node.layer)) &&
+						!node.layer->set.on_surface && !node.needed_in_space && !node.is_host;
+		if (!needed[at]) {
+			continue;
+		}
+		for (const Neighbor &neighbor : neighbors_of(node)) {
+			needed[index_of(neighbor.layer.get())] = true;
+		}
+		for (const HostLayer &host : hosts_of(node)) {
+			needed[index_of(host.layer.get())] = true;
+		}
+		for (const InstanceSource *source : distance_sources_at(*node.layer, node.depth)) {
+			if (source != nullptr) {
+				needed[index_of(source->layer.get())] = true;
+			}
+		}
+	}
+	std::size_t kept = 0;
+	for (std::size_t at = 0; at < size_; ++at) {
+		if (needed[at]) {
+			// The margins are computed again, because they included those of cached layers.
+			nodes_[kept] = {.layer = nodes_[at].layer, .is_cached = nodes_[at].is_cached};
+			++kept;
+		}
+	}
+	size_ = kept;
+	find_margins();
 }
 
 } // namespace thicket

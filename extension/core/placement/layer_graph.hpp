@@ -17,6 +17,9 @@ class LayerGraph {
 public:
 	struct Node {
 		const LayerSettings *layer = nullptr;
+		/// True if an InstanceCache provides the instances of this layer. The graph then contains the
+		/// layers on which this one depends only if other layers need them.
+		bool is_cached = false;
 
 		/// Largest sum of distances, in meters, on a path to this layer. A rectangle expanded by
 		/// this margin contains all points of this layer that affect instances in it.
@@ -34,11 +37,20 @@ public:
 		/// True if a layer fills gaps around this one, or around a layer that depends on this one.
 		/// The margin is then wide, and the windows of adjacent tiles share much of their area.
 		bool is_filled_around = false;
+		bool is_host = false;  ///< True if any layer of the graph grows on the models of this one.
 		std::size_t depth = 0; ///< Number of steps on the longest path to this layer.
 	};
 
+	/// Which layers of a graph an InstanceCache provides.
+	enum class Cached : std::uint8_t {
+		none,
+		earlier, ///< Earlier layers that fill gaps, or that others fill around.
+		all,     ///< These, and the layer itself.
+	};
+
 	/// `fill_margin` is the margin in cells with which filled layers are sampled.
-	explicit LayerGraph(const LayerSettings &layer, std::int32_t fill_margin = fill_margins.front());
+	explicit LayerGraph(
+			const LayerSettings &layer, std::int32_t fill_margin = fill_margins.front(), Cached cached = Cached::none);
 
 	/// Returns an error if the graph could not be built because of an invalid neighbor or distance,
 	/// too many layers, or too long a path.
@@ -55,6 +67,7 @@ private:
 	void add(const LayerSettings &layer, std::size_t depth);
 	void add_hosts(const LayerSettings &layer, std::size_t depth);
 	void find_margins();
+	void use_cache(Cached cached);
 
 	std::int32_t fill_margin_;
 	Status status_;

@@ -26,7 +26,7 @@ Status ParallelTileBuilder::build(std::span<const TileOrder> orders, const Terra
 	std::atomic<bool> failed = false;
 	const auto make = [&](std::unique_ptr<Worker> &r_worker, std::size_t at) -> Status {
 		if (r_worker == nullptr) {
-			r_worker = std::make_unique<Worker>(blocks_);
+			r_worker = std::make_unique<Worker>(blocks_, instances_);
 		}
 		const TileOrder &order = orders[at];
 		const Status status = r_worker->builder.build(*order.layer, terrain, order.space, r_worker->tile);

@@ -4,6 +4,7 @@
 #include "core/base/status.hpp"
 #include "core/base/tile_grid.hpp"
 #include "core/placement/compact_tile.hpp"
+#include "core/placement/instance_cache.hpp"
 #include "core/placement/tile_builder.hpp"
 #include "core/sampling/block_cache.hpp"
 #include "core/terrain/terrain.hpp"
@@ -38,7 +39,8 @@ public:
 
 private:
 	struct Worker {
-		explicit Worker(const std::shared_ptr<BlockCache> &blocks) : builder(SampleMargins{}, blocks) {}
+		Worker(const std::shared_ptr<BlockCache> &blocks, const std::shared_ptr<InstanceCache> &instances) :
+				builder(SampleMargins{}, blocks, instances) {}
 
 		TileBuilder builder;
 		TileInstances tile;
@@ -46,6 +48,7 @@ private:
 
 	std::atomic<std::uint64_t> points_computed_ = 0;
 	std::shared_ptr<BlockCache> blocks_ = std::make_shared<BlockCache>();
+	std::shared_ptr<InstanceCache> instances_ = std::make_shared<InstanceCache>();
 	std::vector<std::unique_ptr<Worker>> workers_; ///< One for each thread; null until its first tile.
 };
 

@@ -51,11 +51,14 @@ void choose_probes(
 
 /// Data passed between the steps, and memory reused between tiles.
 struct TileBuilder::Workspace {
-	Workspace(const SampleMargins &p_margins, std::shared_ptr<BlockCache> p_cache) :
-			margins(p_margins), cache(std::move(p_cache)), filter(margins, cache) {}
+	Workspace(const SampleMargins &p_margins, std::shared_ptr<BlockCache> p_cache,
+			std::shared_ptr<InstanceCache> p_instances) :
+			margins(p_margins), cache(std::move(p_cache)), instances(std::move(p_instances)),
+			filter(margins, cache, instances) {}
 
 	SampleMargins margins;
 	std::shared_ptr<BlockCache> cache;
+	std::shared_ptr<InstanceCache> instances;
 	TileFilter filter;
 	SourceValues fractions;
 	InstanceWriter writer;
@@ -71,8 +74,8 @@ struct TileBuilder::Workspace {
 	std::vector<Ground> ground; ///< Used by `build`, which queries the terrain itself.
 	SampleStats stats;          ///< Statistics of the last sampling.
 
-	Status find_points(const LayerSettings &layer, const TileSpace &space, const Surface *surface,
-			const std::atomic<bool> *cancel, CallerThreads *threads);
+	Status find_points(const LayerSettings &layer, const TileSpace &space, const Terrain *terrain,
+			const Surface *surface, const std::atomic<bool> *cancel, CallerThreads *threads);
 	Status find_further(std::span<const Ground> known, const std::atomic<bool> *cancel, CallerThreads *threads);
 	Status check_ground(std::span<const Ground> known) const;
 	Status place(std::span<const Ground> known, TileInstances &r_tile, const std::atomic<bool> *cancel);
@@ -124,7 +127,7 @@ Status TileBuilder::Workspace::build_together(const LayerSettings &layer, const 
 	queries.clear();
 	add_origin_probes();
 	ground.assign(positions.size(), Ground{});
-	TilePieces pieces(margins, cache);
+	TilePieces pieces(margins, cache, instances);
 	Status status = query_ground(terrain, positions, queries, ground, cancel);
 	if (status.ok()) {
 		status = pieces.find(layer, terrain, grid, cancel, threads);
@@ -141,10 +144,11 @@ Status TileBuilder::Workspace::build_together(const LayerSettings &layer, const 
 	return status;
 }
 
-Status TileBuilder::Workspace::find_points(const LayerSettings &layer, const TileSpace &p_space, const Surface *surface,
-		const std::atomic<bool> *cancel, CallerThreads *threads) {
+/// `terrain` is null if only the caller can query the ground.
+Status TileBuilder::Workspace::find_points(const LayerSettings &layer, const TileSpace &p_space, const Terrain *terrain,
+		const Surface *surface, const std::atomic<bool> *cancel, CallerThreads *threads) {
 	found = false;
-	filter.set(layer);
+	filter.set(layer, terrain, std::max(p_space.size().x, p_space.size().y));
 	const Status status = filter.sample(p_space, surface, cancel, threads);
 	stats = filter.sample_stats();
 	if (!status.ok()) {
@@ -198,8 +202,9 @@ Status TileBuilder::Workspace::place(
 	return status;
 }
 
-TileBuilder::TileBuilder(const SampleMargins &margins, std::shared_ptr<BlockCache> cache) :
-		workspace_(std::make_unique<Workspace>(margins, std::move(cache))) {}
+TileBuilder::TileBuilder(
+		const SampleMargins &margins, std::shared_ptr<BlockCache> cache, std::shared_ptr<InstanceCache> instances) :
+		workspace_(std::make_unique<Workspace>(margins, std::move(cache), std::move(instances))) {}
 TileBuilder::~TileBuilder() = default;
 TileBuilder::TileBuilder(TileBuilder &&) noexcept = default;
 TileBuilder &TileBuilder::operator=(TileBuilder &&) noexcept = default;
@@ -216,8 +221,10 @@ Status TileBuilder::build(const LayerSettings &layer, const Terrain &terrain, co
 					[&] { return workspace_->build_together(layer, terrain, space, grid, r_tile, cancel, *threads); });
 		}
 	}
-	if (const Status status = find_points(layer, space, cancel, threads, terrain.surface()); !status.ok()) {
-		return status;
+	const Status sampled = guarded("tile", std::max(space.size().x, space.size().y),
+			[&] { return workspace_->find_points(layer, space, &terrain, terrain.surface(), cancel, threads); });
+	if (!sampled.ok()) {
+		return sampled;
 	}
 	while (true) {
 		const Status status = guarded("ground", static_cast<double>(workspace_->positions.size()), [&] {
@@ -242,7 +249,7 @@ Status TileBuilder::find_points(const LayerSettings &layer, const TileSpace &spa
 		return status;
 	}
 	return guarded("tile", std::max(space.size().x, space.size().y),
-			[&] { return workspace_->find_points(layer, space, surface, cancel, threads); });
+			[&] { return workspace_->find_points(layer, space, nullptr, surface, cancel, threads); });
 }
 
 bool TileBuilder::is_complete() const { return workspace_->filter.is_complete(); }

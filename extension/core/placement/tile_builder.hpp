@@ -4,6 +4,7 @@
 #include "core/base/status.hpp"
 #include "core/base/tile_grid.hpp"
 #include "core/placement/ground_query.hpp"
+#include "core/placement/instance_cache.hpp"
 #include "core/placement/layer.hpp"
 #include "core/placement/tile_instances.hpp"
 #include "core/sampling/tile_sampler.hpp"
@@ -37,9 +38,10 @@ public:
 	/// memory.
 	static constexpr std::size_t max_kept_points = 1 << 16;
 
-	/// `margins` and `cache` affect only the amount of work, never the result. `cache` may be null
-	/// or shared with other builders.
-	explicit TileBuilder(const SampleMargins &margins = {}, std::shared_ptr<BlockCache> cache = nullptr);
+	/// The arguments affect only the amount of work, never the result. The caches may be null or
+	/// shared with other builders. Only `build` uses `instances`.
+	explicit TileBuilder(const SampleMargins &margins = {}, std::shared_ptr<BlockCache> cache = nullptr,
+			std::shared_ptr<InstanceCache> instances = nullptr);
 	~TileBuilder();
 	TileBuilder(TileBuilder &&) noexcept;
 	TileBuilder &operator=(TileBuilder &&) noexcept;

@@ -7,27 +7,40 @@
 
 namespace thicket {
 
-void TileFilter::set(const LayerSettings &layer) {
+void TileFilter::set(const LayerSettings &layer, const Terrain *terrain, double width) {
 	layer_ = layer;
+	number_ = layer.number.value();
+	queries_normals_ = follows_normals(layer);
 	attempt_ = 0;
-	graph_ = LayerGraph(layer_, fill_margins[0]);
+	cached_on_ = instances_ != nullptr && terrain != nullptr && terrain->version() != 0 ? terrain : nullptr;
+	cached_ = cached_on_ == nullptr                  ? LayerGraph::Cached::none
+			: InstanceCache::has_tiles(layer, width) ? LayerGraph::Cached::all
+													 : LayerGraph::Cached::earlier;
+	set_graph();
+}
+
+/// Builds the graph of the layer, and prepares the filters of its layers.
+void TileFilter::set_graph() {
+	graph_ = LayerGraph(layer_, fill_margins[attempt_], cached_);
 	while (layers_.size() < size()) {
 		layers_.push_back(std::make_unique<LayerFilter>());
 	}
 	for (std::size_t i = 0; i < size(); ++i) {
 		const LayerSettings &settings = *graph_.nodes()[i].layer;
+		const std::size_t count = graph_.nodes()[i].is_cached ? 0 : settings.neighbors.size();
 		std::array<const LayerFilter *, max_neighbors> neighbors{};
-		for (std::size_t n = 0; n < settings.neighbors.size(); ++n) {
+		for (std::size_t n = 0; n < count; ++n) {
 			neighbors[n] = layers_[graph_.index_of(settings.neighbors[n].layer.get())].get();
 		}
-		layers_[i]->set(settings, std::span(neighbors).first(settings.neighbors.size()));
+		layers_[i]->set(settings, std::span(neighbors).first(count));
 	}
 }
 
+/// Widens the margins in the graph. The layers and their order stay the same.
 void TileFilter::set_fill_margin(std::size_t attempt) {
 	if (attempt != attempt_) {
 		attempt_ = attempt;
-		graph_ = LayerGraph(layer_, fill_margins[attempt]);
+		graph_ = LayerGraph(layer_, fill_margins[attempt], cached_);
 	}
 }
 
@@ -41,6 +54,9 @@ TileSpace TileFilter::window_of(std::size_t index) const {
 Status TileFilter::sample_layer(std::size_t index, const std::atomic<bool> *cancel, CallerThreads *threads) {
 	LayerFilter &each = *layers_[index];
 	stats_ = {};
+	if (graph_.nodes()[index].is_cached) {
+		return take_cached(index, cancel);
+	}
 	const bool is_filled = fills(each.settings());
 	if (each.settings().hosted || is_filled) {
 		each.wait_for_others(window_of(index));
@@ -49,12 +65,12 @@ Status TileFilter::sample_layer(std::size_t index, const std::atomic<bool> *canc
 	}
 	progress_[index] = Progress::sampled;
 	const WindowUse use = graph_.nodes()[index].is_filled_around ? WindowUse::overlapping : WindowUse::separate;
-	const PointSource source{sampler_, surface_sampler_, surface_, nullptr, use};
+	const PointSource source{samplers_->plane, samplers_->surfaces, surface_, nullptr, use};
 	const Status status = each.sample(source, window_of(index), cancel, threads);
 	if (!each.settings().set.on_surface) {
-		stats_ = sampler_.stats();
+		stats_ = samplers_->plane.stats();
 	} else {
-		stats_.computed = surface_sampler_.stats().computed;
+		stats_.computed = samplers_->surfaces.stats().computed;
 	}
 	return status;
 }
@@ -79,10 +95,10 @@ Status TileFilter::sample_on_hosts(std::size_t index, std::span<const Ground> gr
 	std::unique_ptr<const Surface> surface;
 	Status status = models_around(index, ground, surface);
 	if (status.ok()) {
-		const PointSource source{sampler_, host_sampler_, surface.get()};
+		const PointSource source{samplers_->plane, samplers_->hosts, surface.get()};
 		status = layers_[index]->sample(source, window_of(index), cancel, nullptr);
 		stats_ = {};
-		stats_.computed = host_sampler_.stats().computed;
+		stats_.computed = samplers_->hosts.stats().computed;
 	}
 	return status;
 }
@@ -105,16 +121,29 @@ Status TileFilter::sample_filled(std::size_t index, const std::atomic<bool> *can
 		}
 	}
 	const Obstacles obstacles{obstacles_, fill_margins[attempt_]};
-	const Status status =
-			layers_[index]->sample({sampler_, surface_sampler_, surface_, &obstacles}, window, cancel, threads);
+	const Status status = layers_[index]->sample(
+			{samplers_->plane, samplers_->surfaces, surface_, &obstacles}, window, cancel, threads);
 	progress_[index] = Progress::sampled;
 	step_of_[index] = step_;
-	stats_ = sampler_.stats();
+	stats_ = samplers_->plane.stats();
 	return status;
 }
 
-/// Starts the first step, which samples all layers whose points do not depend on other instances.
+/// Starts the first step. Blocks of the cache reach beyond the tile. If one fails, the step starts
+/// again without the cache, so that only errors within the tile and its margins are reported.
 Status TileFilter::start(const std::atomic<bool> *cancel, CallerThreads *threads) {
+	const Status status = start_all(cancel, threads);
+	if (status.ok() || status.code == ErrorCode::cancelled || cached_on_ == nullptr) {
+		return status;
+	}
+	cached_on_ = nullptr;
+	cached_ = LayerGraph::Cached::none;
+	set_graph();
+	return start_all(cancel, threads);
+}
+
+/// Samples all layers whose points do not depend on other instances.
+Status TileFilter::start_all(const std::atomic<bool> *cancel, CallerThreads *threads) {
 	step_ = 0;
 	earlier_ground_.clear();
 	progress_.assign(size(), Progress::waiting);
@@ -219,8 +248,8 @@ void TileFilter::add_queries(std::vector<glm::dvec2> &r_positions, std::vector<G
 		if (progress_[i] == Progress::waiting || step_of_[i] != step_) {
 			continue;
 		}
-		const bool placed = i + 1 == size() && follows_normals(layer_);
-		layer(i).add_queries(placed, r_positions, r_queries);
+		const bool normals = i + 1 == size() && queries_normals_;
+		layer(i).add_queries(normals, r_positions, r_queries);
 	}
 }
 
@@ -236,7 +265,7 @@ std::span<const Ground> TileFilter::ground_at(std::size_t index, std::span<const
 }
 
 std::span<const Ground> TileFilter::own_ground(std::span<const Ground> ground) const {
-	return own().ground_of(ground_at(size() - 1, ground));
+	return own().ground_of(own().position_count() > 0 ? ground_at(size() - 1, ground) : std::span<const Ground>());
 }
 
 Status TileFilter::filter_layer(std::size_t index, std::span<const Ground> ground, const std::atomic<bool> *cancel) {
@@ -271,7 +300,8 @@ Status TileFilter::filter_neighbors(std::span<const Ground> ground, const std::a
 
 Status TileFilter::filter(std::span<const Ground> ground, const std::atomic<bool> *cancel) {
 	const Status status = filter_neighbors(ground, cancel);
-	return status.ok() ? filter_layer(size() - 1, ground, cancel) : status;
+	const bool is_filtered = progress_[size() - 1] == Progress::filtered;
+	return status.ok() && !is_filtered ? filter_layer(size() - 1, ground, cancel) : status;
 }
 
 } // namespace thicket

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/placement/ground_query.hpp"
+#include "core/placement/instance_cache.hpp"
 #include "core/placement/layer_filter.hpp"
 #include "core/placement/layer_graph.hpp"
 
@@ -23,11 +24,15 @@ namespace thicket {
 /// with the ground of the last step. Without such layers, the first step is the last one.
 class TileFilter {
 public:
-	explicit TileFilter(const SampleMargins &margins, std::shared_ptr<BlockCache> cache = nullptr) :
-			sampler_(margins, std::move(cache)), surface_sampler_(margins), host_sampler_(host_margins) {}
+	/// The caches may be null. They affect only the amount of work.
+	explicit TileFilter(const SampleMargins &margins, std::shared_ptr<BlockCache> cache = nullptr,
+			std::shared_ptr<InstanceCache> instances = nullptr);
+	~TileFilter();
 
-	/// Copies the settings of the layer, which must be valid.
-	void set(const LayerSettings &layer);
+	/// Copies the settings of the layer, which must be valid. If `terrain` is not null, it is the
+	/// ground of the next tile, and may provide layers from the cache. `width` is the larger side of
+	/// the tile.
+	void set(const LayerSettings &layer, const Terrain *terrain = nullptr, double width = 0.0);
 
 	/// Samples all layers, each in `space` expanded by its margin. `surface` is the surface of the
 	/// ground. If it is null, layers on surfaces have no points. It must outlive all steps. For
@@ -100,14 +105,36 @@ public:
 	const SampleStats &sample_stats() const { return stats_; }
 
 private:
+	/// The samplers, which the filters of blocks share.
+	struct Samplers {
+		Samplers(const SampleMargins &margins, std::shared_ptr<BlockCache> cache) :
+				plane(margins, std::move(cache)), surfaces(margins), hosts(host_margins) {}
+
+		TileSampler plane;
+		SurfaceSampler surfaces;
+		SurfaceSampler hosts; ///< For layers on the models of hosts.
+	};
+
+	/// The filter that generates missing blocks of the cache, and its working memory.
+	struct BlockFilter;
+
+	TileFilter(std::shared_ptr<Samplers> samplers, std::shared_ptr<InstanceCache> instances);
+
 	/// How far the work on a layer is.
 	enum class Progress : std::uint8_t { waiting, sampled, filtered };
 
 	bool is_ready(std::size_t index) const;
+	void set_graph();
+	void set_fill_margin(std::size_t attempt);
 	Status start(const std::atomic<bool> *cancel, CallerThreads *threads);
+	Status start_all(const std::atomic<bool> *cancel, CallerThreads *threads);
+	Status take_cached(std::size_t index, const std::atomic<bool> *cancel);
+	Status find_block(std::size_t index, glm::ivec2 block, bool may_repeat, const std::atomic<bool> *cancel,
+			std::shared_ptr<const InstanceBlock> &r_block);
+	Status generate_block(std::size_t index, const Rect &rect, const std::atomic<bool> *cancel,
+			std::shared_ptr<const InstanceBlock> &r_block);
 	Status sample_filled(std::size_t index, const std::atomic<bool> *cancel, CallerThreads *threads);
 	Status filter_neighbor(std::size_t index, std::span<const Ground> ground, const std::atomic<bool> *cancel);
-	void set_fill_margin(std::size_t attempt);
 	TileSpace window_of(std::size_t index) const;
 	Status sample_layer(std::size_t index, const std::atomic<bool> *cancel, CallerThreads *threads);
 	Status models_around(
@@ -120,10 +147,14 @@ private:
 	LayerGraph graph_{layer_};
 	/// The first size() filters are in use. The remaining ones are kept for later layers.
 	std::vector<std::unique_ptr<LayerFilter>> layers_;
-	TileSampler sampler_;
-	SurfaceSampler surface_sampler_;
-	SurfaceSampler host_sampler_; ///< For layers on the models of hosts.
-	TileSpace space_;             ///< The space of the last call of `sample` or `sample_around`.
+	std::shared_ptr<Samplers> samplers_;
+	std::shared_ptr<InstanceCache> instances_;
+	const Terrain *cached_on_ = nullptr; ///< The ground of the cached blocks; null if the cache is not used.
+	LayerGraph::Cached cached_ = LayerGraph::Cached::none;
+	std::uint64_t number_ = 0;     ///< LayerSettings::number of the original settings of the layer itself.
+	bool queries_normals_ = false; ///< True if the layer itself needs the normals of the ground.
+	std::unique_ptr<BlockFilter> block_filter_;
+	TileSpace space_; ///< The space of the last call of `sample` or `sample_around`.
 	const Surface *surface_ = nullptr;
 	bool takes_own_ = false;  ///< True after `sample_around`: the layer itself has its positions already.
 	std::size_t attempt_ = 0; ///< Index of the current margin in fill_margins.

@@ -146,8 +146,9 @@ Status TilePieces::find(const LayerSettings &layer, const Terrain &terrain, cons
 		for (std::size_t at = next++; at < count && !failed; at = next++) {
 			statuses[at] = guarded("tile", static_cast<double>(count), [&] {
 				if (worker == nullptr) {
-					worker = std::make_unique<Worker>(margins_, cache_);
-					worker->filter.set(layer);
+					worker = std::make_unique<Worker>(margins_, cache_, instances_);
+					const glm::dvec2 size = grid.piece(0).size();
+					worker->filter.set(layer, &terrain, std::max(size.x, size.y));
 				}
 				return worker->find(terrain, grid.piece(at), cancel, found_[at]);
 			});

@@ -43,9 +43,10 @@ private:
 /// as for the whole rectangle, but in a different order.
 class TilePieces {
 public:
-	/// Creates an empty object. `cache` may be null.
-	TilePieces(const SampleMargins &margins, std::shared_ptr<BlockCache> cache) :
-			margins_(margins), cache_(std::move(cache)) {}
+	/// Creates an empty object. The caches may be null.
+	TilePieces(
+			const SampleMargins &margins, std::shared_ptr<BlockCache> cache, std::shared_ptr<InstanceCache> instances) :
+			margins_(margins), cache_(std::move(cache)), instances_(std::move(instances)) {}
 
 	/// Finds the points. The settings must be valid. Returns the error of the first piece that
 	/// failed. Throws std::bad_alloc.
@@ -73,7 +74,8 @@ private:
 	};
 
 	struct Worker {
-		Worker(const SampleMargins &margins, const std::shared_ptr<BlockCache> &cache) : filter(margins, cache) {}
+		Worker(const SampleMargins &margins, const std::shared_ptr<BlockCache> &cache,
+				const std::shared_ptr<InstanceCache> &instances) : filter(margins, cache, instances) {}
 
 		TileFilter filter;
 		SourceValues fractions;
@@ -89,6 +91,7 @@ private:
 
 	SampleMargins margins_;
 	std::shared_ptr<BlockCache> cache_;
+	std::shared_ptr<InstanceCache> instances_;
 	std::vector<Found> found_;
 	TileCounts counts_;
 	SampleStats stats_;

@@ -51,6 +51,11 @@ bool takes_priority(const glm::vec3 &normal, const glm::vec3 &other) {
 
 } // namespace
 
+std::uint64_t CombinedTerrain::version() const {
+	const bool may_change = std::ranges::any_of(parts_, [](const Part &part) { return part->version() == 0; });
+	return may_change ? 0 : Terrain::version();
+}
+
 Status CombinedTerrain::set(std::span<const Part> parts) {
 	return guarded("parts", static_cast<double>(parts.size()), [&]() -> Status {
 		CombinedTerrain combined;

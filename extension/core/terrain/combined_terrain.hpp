@@ -23,6 +23,9 @@ public:
 	/// terrain unchanged.
 	Status set(std::span<const Part> parts);
 
+	/// Returns 0 if the version of any part is 0.
+	std::uint64_t version() const override;
+
 	/// See Terrain::sample(). If several parts have exactly the same height, see raise().
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
 	Status sample_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/status.hpp"
+#include "core/base/unique_number.hpp"
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -32,10 +33,16 @@ struct GroundNeeds {
 
 /// The interface of ground sources, for many positions at a time. An implementation must be a pure
 /// function of the position: repeated queries, in any batch, must return bit-identical results.
-/// Otherwise, separately generated tiles would not match.
+/// Otherwise, separately generated tiles would not match. Objects that several threads share do not
+/// change, except for those without a version.
 class Terrain {
 public:
 	virtual ~Terrain() = default;
+
+	/// Returns a number that no other terrain has, or 0 if the results of this object may change
+	/// during its lifetime, as those of a script may. Results that depend on the ground may be cached
+	/// under this number. A copy has its own number.
+	virtual std::uint64_t version() const { return number_.value(); }
 
 	/// Writes the ground at `positions[i]` (world meters, the engine's x and z) to `r_ground[i]`.
 	/// The spans must have equal length. A position that has no ground or is not finite gets a
@@ -91,6 +98,9 @@ protected:
 	Terrain &operator=(const Terrain &) = default;
 	Terrain(Terrain &&) = default;
 	Terrain &operator=(Terrain &&) = default;
+
+private:
+	UniqueNumber number_;
 };
 
 } // namespace thicket

@@ -51,6 +51,8 @@ public:
 	/// no effect on a map, which keeps the offset at which it was found.
 	void set_offset(glm::dvec3 offset);
 
+	std::uint64_t version() const override { return 0; }
+
 	/// Samples the ground; see Terrain::sample. Any thread may call this method if the object's
 	/// methods are thread-safe. If one of them fails or returns a value of the wrong type, returns
 	/// an error that names it.

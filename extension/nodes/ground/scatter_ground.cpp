@@ -59,6 +59,8 @@ class ScriptGround : public Terrain {
 public:
 	explicit ScriptGround(const Ref<ScatterGround> &p_script) : script_(p_script) {}
 
+	std::uint64_t version() const override { return 0; }
+
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
 		const Status status = sample_heights(positions, r_ground);
 		return status.ok() ? script_->query_slopes(positions, r_ground) : status;

@@ -33,7 +33,7 @@ std::unique_ptr<TileBuilder> SynchronousBuilder::take_builder() {
 		// Reuses the memory of the previous tile.
 		return std::move(spare_);
 	}
-	return std::make_unique<TileBuilder>(SampleMargins{}, blocks_);
+	return std::make_unique<TileBuilder>(SampleMargins{}, blocks_, instances_);
 }
 
 /// Generates one tile. Throws std::bad_alloc.

@@ -63,6 +63,7 @@ private:
 			const TileSpace &space, TileInstances &r_tile);
 
 	std::shared_ptr<BlockCache> blocks_ = std::make_shared<BlockCache>();
+	std::shared_ptr<InstanceCache> instances_ = std::make_shared<InstanceCache>();
 	ParallelTileBuilder parallel_builder_;
 	std::uint64_t points_computed_ = 0;  ///< The number of points computed for tiles that `build` has generated.
 	std::unique_ptr<TileBuilder> spare_; ///< An unused builder. Null before the first tile and during `build`.

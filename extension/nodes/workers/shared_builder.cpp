@@ -18,7 +18,7 @@ std::unique_ptr<TileBuilder> SharedBuilder::take() {
 			return builder;
 		}
 	}
-	return std::make_unique<TileBuilder>(SampleMargins{}, blocks_);
+	return std::make_unique<TileBuilder>(SampleMargins{}, blocks_, instances_);
 }
 
 void SharedBuilder::give_back(std::unique_ptr<TileBuilder> builder) {

@@ -28,6 +28,7 @@ private:
 	void give_back(std::unique_ptr<TileBuilder> builder);
 
 	std::shared_ptr<BlockCache> blocks_ = std::make_shared<BlockCache>();
+	std::shared_ptr<InstanceCache> instances_ = std::make_shared<InstanceCache>();
 	Mutex mutex_;
 	std::vector<std::unique_ptr<TileBuilder>> spare_; ///< The unused builders, guarded by `mutex_`.
 };

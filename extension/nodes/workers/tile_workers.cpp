@@ -37,8 +37,9 @@ void sort_jobs(std::deque<std::shared_ptr<TileJob>> &r_jobs, std::span<const Vie
 
 TileWorkers::TileWorkers(std::size_t threads) : on_main_thread_(threads == 0) {
 	const auto blocks = std::make_shared<BlockCache>();
+	const auto instances = std::make_shared<InstanceCache>();
 	for (std::size_t index = 0; index < std::max<std::size_t>(threads, 1); ++index) {
-		workers_.push_back(std::make_unique<Worker>(blocks));
+		workers_.push_back(std::make_unique<Worker>(blocks, instances));
 		workers_.back()->owner = this;
 	}
 }

@@ -118,7 +118,8 @@ public:
 
 private:
 	struct Worker {
-		explicit Worker(const std::shared_ptr<BlockCache> &blocks) : builder(SampleMargins{}, blocks) {}
+		Worker(const std::shared_ptr<BlockCache> &blocks, const std::shared_ptr<InstanceCache> &instances) :
+				builder(SampleMargins{}, blocks, instances) {}
 
 		TileWorkers *owner = nullptr;
 		TileBuilder builder;
