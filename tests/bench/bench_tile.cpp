@@ -10,6 +10,10 @@
 #include "core/placement/tile_builder.hpp"
 #include "core/sampling/block_cache.hpp"
 
+#include <glm/geometric.hpp>
+
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
@@ -142,11 +146,11 @@ void compare(const std::string &name, const LayerSettings &layer, const Heightfi
 	print_count(name + ": instances per point", instances / points_seen, "");
 }
 
-/// Generates a square of 11 x 11 tiles with an empty cache, as a game does at its start, and returns
+/// Generates a square of 11 x 11 tiles with empty caches, as a game does at its start, and returns
 /// the number of tiles. `r_placed` is the number of instances.
 int build_square(const LayerSettings &layer, const Heightfield &hills, double &r_placed) {
 	constexpr int side = 11;
-	TileBuilder builder({}, std::make_shared<BlockCache>());
+	TileBuilder builder({}, std::make_shared<BlockCache>(), std::make_shared<InstanceCache>());
 	TileInstances tile;
 	const double size = 64.0 * layer.set.radius;
 	r_placed = 0.0;
@@ -202,6 +206,85 @@ void compare_expression(const Heightfield &hills, const Effort &effort) {
 	print_count("meadow by an expression: instances over those by properties", placed[1] / placed[0], "");
 }
 
+/// A layer of the forest preset: its radius, tile size and view distance in meters, its density, and
+/// its distances to the layers before it, of which 0 means none.
+struct Species {
+	double radius;
+	double tile_size;
+	double view_distance;
+	double density;
+	std::vector<double> spacing;
+	bool fills;
+};
+
+/// Returns the layers of the forest preset, which fill gaps as in the preset or not at all.
+std::vector<std::shared_ptr<LayerSettings>> preset_layers(const std::vector<Species> &all, bool filled) {
+	std::vector<std::shared_ptr<LayerSettings>> layers;
+	for (const Species &species : all) {
+		auto layer = std::make_shared<LayerSettings>(meadow(3));
+		layer->set.radius = species.radius;
+		layer->set.layer = static_cast<std::uint16_t>(layers.size() + 1);
+		layer->rules.density = species.density;
+		layer->rules.max_slope_degrees = 40.0;
+		layer->rules.slope_falloff_degrees = 8.0;
+		for (std::size_t i = 0; i < species.spacing.size(); ++i) {
+			if (species.spacing[i] > 0.0) {
+				layer->neighbors.push_back({layers[i], species.spacing[i], nullptr});
+			}
+		}
+		layer->spacing_fills = filled && species.fills;
+		layers.push_back(std::move(layer));
+	}
+	return layers;
+}
+
+/// Generates all tiles of the preset within the layers' view distances, with empty caches. Returns
+/// the number of trees.
+double build_view(const std::vector<Species> &all, bool filled, const Heightfield &hills) {
+	const std::vector<std::shared_ptr<LayerSettings>> layers = preset_layers(all, filled);
+	TileBuilder builder({}, std::make_shared<BlockCache>(), std::make_shared<InstanceCache>());
+	TileInstances tile;
+	double trees = 0.0;
+	for (std::size_t i = 0; i < layers.size(); ++i) {
+		const double size = all[i].tile_size;
+		const int reach = static_cast<int>(all[i].view_distance / size) + 1;
+		for (int at = 0; at < 4 * reach * reach; ++at) {
+			const glm::dvec2 corner = size * glm::dvec2(at % (2 * reach) - reach, at / (2 * reach) - reach);
+			if (glm::length(corner + 0.5 * size) < all[i].view_distance) {
+				const glm::dvec2 first = corner + 2048.0;
+				require(builder.build(*layers[i], hills, {first, first + size}, tile));
+				trees += i < 3 ? static_cast<double>(tile.counts.placed) : 0.0;
+			}
+		}
+	}
+	return trees;
+}
+
+/// Compares the time for a view of the forest preset with the time for the same layers without
+/// filling.
+void compare_preset(const Heightfield &hills, const Effort &effort) {
+	const std::vector<Species> all{{4.4, 128.0, 700.0, 0.45, {}, false}, {6.0, 128.0, 700.0, 0.85, {4.2}, true},
+			{4.5, 128.0, 700.0, 0.55, {3.0, 4.2}, true}, {3.6, 64.0, 200.0, 0.25, {2.2, 1.8, 1.5}, true},
+			{7.0, 64.0, 260.0, 0.5, {1.6, 1.8, 1.3, 1.6}, true},
+			{16.0, 128.0, 120.0, 0.6, {2.2, 2.2, 2.2, 2.2, 2.4}, false},
+			{1.15, 16.0, 90.0, 0.55, {0.8, 0.9, 0.7, 1.1, 0.9, 0.9}, false},
+			{0.42, 16.0, 75.0, 1.0, {0.6, 0.6, 0.4, 0.0, 0.5, 0.5}, false}};
+	Series over_thinned;
+	double trees[2] = {};
+	for (int round = 0; round < effort.rounds; ++round) {
+		double rates[2] = {};
+		for (const int filled : {0, 1}) {
+			rates[filled] = rate(effort.seconds, [&] {
+				trees[filled] = build_view(all, filled != 0, hills);
+				return 1;
+			});
+		}
+		over_thinned.add(rates[0] / rates[1]);
+	}
+	print_row("forest preset: filled over thinned", over_thinned, 1.0, " times the time");
+	print_count("forest preset: trees, filled over thinned", trees[1] / trees[0], "");
+}
+
 } // namespace
 } // namespace thicket::bench
 
@@ -225,6 +308,7 @@ int main(int argument_count, char **arguments) {
 	compare_fill("species of 4 m, 1 m from one of 2 m and density 0.5", second_species(2.0, 0.5, 4.0, 1.0), wide_hills,
 			effort);
 	compare_expression(wide_hills, effort);
+	compare_preset(wide_hills, effort);
 	compare("meadow with edge_feather", feathered(), hills, effort);
 	compare("meadow of random colors", colored(SourceKind::random), hills, effort);
 	compare("meadow of colors over slope", colored(SourceKind::slope, 45.0), hills, effort);
