@@ -150,6 +150,12 @@ void LayerGraph::find_margins() {
 /// Finds the layers that the cache provides, and removes layers on which only these depend. The
 /// cache has no heights and no models for other layers.
 void LayerGraph::use_cache(Cached cached) {
+	const auto fills_gaps = [](const Node &node) {
+		return fills(*node.layer);
+	};
+	if (cached == Cached::chains && std::ranges::none_of(std::span(nodes_).first(size_ - 1), fills_gaps)) {
+		return;
+	}
 	std::array<bool, max_graph_layers> needed{};
 	needed[size_ - 1] = true;
 	for (std::size_t at = size_; at-- > 0;) {

@@ -44,6 +44,7 @@ public:
 	/// Which layers of a graph an InstanceCache provides.
 	enum class Cached : std::uint8_t {
 		none,
+		chains,  ///< As `earlier`, if any earlier layer fills gaps.
 		earlier, ///< Earlier layers that fill gaps, or that others fill around.
 		all,     ///< These, and the layer itself.
 	};

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace thicket {
 
@@ -13,8 +14,11 @@ void TileFilter::set(const LayerSettings &layer, const Terrain *terrain, double 
 	queries_normals_ = follows_normals(layer);
 	attempt_ = 0;
 	cached_on_ = instances_ != nullptr && terrain != nullptr && terrain->version() != 0 ? terrain : nullptr;
+	// In large tiles of a layer that no chain of filling layers precedes, little of the earlier layers
+	// is shared, and a cache of their points (AreaCache) is faster.
 	cached_ = cached_on_ == nullptr                  ? LayerGraph::Cached::none
 			: InstanceCache::has_tiles(layer, width) ? LayerGraph::Cached::all
+			: std::isfinite(width)                   ? LayerGraph::Cached::chains
 													 : LayerGraph::Cached::earlier;
 	set_graph();
 }

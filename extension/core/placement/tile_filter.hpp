@@ -31,7 +31,7 @@ public:
 
 	/// Copies the settings of the layer, which must be valid. If `terrain` is not null, it is the
 	/// ground of the next tile, and may provide layers from the cache. `width` is the larger side of
-	/// the tile.
+	/// the tile, or infinite for a block of the cache.
 	void set(const LayerSettings &layer, const Terrain *terrain = nullptr, double width = 0.0);
 
 	/// Samples all layers, each in `space` expanded by its margin. `surface` is the surface of the
