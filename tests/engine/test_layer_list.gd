@@ -27,9 +27,12 @@ func named(layer_name: String, radius := 4.0) -> ScatterLayer:
 	return layer
 
 
-## Adds the forest preset to the tree, on flat ground, and returns its scatter.
+## Adds the forest preset to the tree, on flat ground, and returns its scatter. No layer fills gaps, because such layers move when an earlier one is
+## deleted.
 func make_forest_preset() -> TerrainScatter3D:
 	var scatter := (load("res://addons/thicket/presets/forest.tscn") as PackedScene).instantiate() as TerrainScatter3D
+	for layer in scatter.layers:
+		layer.spacing_fills = false
 	scatter.ground = ScatterGroundFlat.new()
 	root.add_child(scatter)
 	scatter.viewers = [scatter.get_path_to(make_viewer())]

@@ -1,6 +1,8 @@
 extends "harness.gd"
 ## Tests the presets and their models.
 
+const NewLayers := preload("res://addons/thicket/editor/layers/new_layers.gd")
+
 const FOLDER := "res://addons/thicket/presets/"
 const NAMES: PackedStringArray = ["forest", "meadow", "pine_wood", "shore", "scree", "desert"]
 
@@ -24,6 +26,24 @@ func test_every_layer_of_every_preset_grows() -> void:
 			check(found.ids.size() > 3, "%s of %s: %d instances" % [layer.resource_name, preset_name, found.ids.size()])
 			check(layer.min_scale < layer.max_scale and layer.max_yaw_degrees > 300.0, "%s of %s varies" % [layer.resource_name, preset_name])
 		scatter.free()
+
+
+## Presets follow the rule of the panel for new layers: a layer fills the gaps around earlier layers if all of these have similar radii.
+func test_presets_fill_like_new_layers() -> void:
+	var filling := 0
+	for preset_name in NAMES:
+		var scatter := preset(preset_name)
+		var by_name := {}
+		for layer in scatter.layers:
+			var similar := not layer.spacing.is_empty()
+			for other: String in layer.spacing:
+				var both: Array[float] = [layer.radius, by_name[other].radius]
+				similar = similar and both.min() / both.max() >= NewLayers.SIMILAR
+			check_equal(layer.spacing_fills, similar, "%s of %s fills" % [layer.resource_name, preset_name])
+			filling += int(similar)
+			by_name[layer.resource_name] = layer
+		scatter.free()
+	check(filling >= NAMES.size(), "%d layers fill" % filling)
 
 
 const HILL := """extends ScatterGround
