@@ -20,7 +20,7 @@ struct RenamedProperty {
 	const char *current;
 };
 
-// README.md lists the same names, and a test compares the two lists.
+// docs/migration.md lists the same names, and a test compares the two lists.
 constexpr RenamedProperty renamed_properties[] = {
 		{"ScatterLayer", "slope_falloff", "slope_falloff_degrees"},
 		{"ScatterLayer", "thin_scale_compensation", "thin_scale_up"},

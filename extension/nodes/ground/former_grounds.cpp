@@ -20,7 +20,7 @@ using namespace godot;
 
 namespace thicket {
 
-// README.md lists the same names, and a test compares the two lists.
+// docs/migration.md lists the same names, and a test compares the two lists.
 #define THICKET_FORMER_GROUNDS(m_each) \
 	m_each(ScatterTerrain, ScatterGround) m_each(ScatterTerrainColliders, ScatterGroundColliders) \
 			m_each(ScatterTerrainFlat, ScatterGroundFlat) m_each(ScatterTerrainHeightmap, ScatterGroundHeightmap) \

@@ -61,7 +61,7 @@ double rate(double seconds, Batch &&batch) {
 	return items / elapsed;
 }
 
-/// Prints one row of the table in README.md: name, median, lowest and highest round, and number of
+/// Prints one row of the table in docs/benchmarks.md: name, median, lowest and highest round, and number of
 /// rounds.
 inline void print_row(const std::string &what, const Series &series, double scale, const char *unit, int digits = 2) {
 	std::printf("| %s | %.*f%s | %.*f to %.*f | %zu |\n", what.c_str(), digits, scale * series.median(), unit, digits,
