@@ -5,6 +5,8 @@
 
 #include <godot_cpp/core/error_macros.hpp>
 
+#include <algorithm>
+#include <string>
 #include <utility>
 
 using namespace godot;
@@ -66,18 +68,21 @@ void ScatterLayer::set_ground_textures(const PackedInt32Array &p_textures) {
 PackedInt32Array ScatterLayer::get_ground_textures() const { return ground_textures_; }
 
 void ScatterLayer::set_density_expression(const String &p_text) {
-	const String text = p_text.strip_edges();
-	if (text == get_density_expression()) {
+	std::string text = p_text.utf8().get_data();
+	const std::size_t end = text.find_last_not_of(" \t\n") + 1;
+	text = text.substr(0, end).substr(std::min(end, text.find_first_not_of(" \t\n")));
+	if (String::utf8(text.c_str()) == get_density_expression()) {
 		return;
 	}
 	std::shared_ptr<const DensityExpression> compiled;
-	if (!text.is_empty()) {
+	if (!text.empty()) {
 		ExpressionError error;
-		compiled = DensityExpression::compile(text.utf8().get_data(), error);
+		compiled = DensityExpression::compile(text, error);
 		if (compiled == nullptr) {
 			ERR_PRINT(vformat(
-					"ScatterLayer.density_expression: \"%s\", column %d: %s. The last valid expression is kept.", text,
-					static_cast<int64_t>(error.column), String::utf8(error.message.c_str())));
+					"ScatterLayer.density_expression: \"%s\", column %d: %s. The last valid expression is kept.",
+					String::utf8(text.c_str()), static_cast<int64_t>(error.column),
+					String::utf8(error.message.c_str())));
 			return;
 		}
 	}
