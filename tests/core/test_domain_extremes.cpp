@@ -31,11 +31,11 @@ TEST_CASE_TEMPLATE("domain extremes: strips flatter than the precision, along ea
 }
 
 TEST_CASE_TEMPLATE("domain extremes: the smallest possible domains", Real, float, double) {
-	constexpr double least = std::numeric_limits<double>::denorm_min();
+	constexpr double smallest = std::numeric_limits<double>::denorm_min();
 	for (const Method &method : methods) {
 		CAPTURE(method.name);
-		for (const glm::dvec2 size : {glm::dvec2(least, least), glm::dvec2(1e-300, 1e-30), glm::dvec2(1e-12, 30.0),
-					 glm::dvec2(30.0, least)}) {
+		for (const glm::dvec2 size : {glm::dvec2(smallest, smallest), glm::dvec2(1e-300, 1e-30),
+					 glm::dvec2(1e-12, 30.0), glm::dvec2(30.0, smallest)}) {
 			for (const double radius : {1e-3, 1.0, 1e6}) {
 				DomainRequest request = request_of({"", {1.0, 1.0}, radius, false}, method.method, 2);
 				request.size = glm::min(size, 30.0 * radius);

@@ -193,14 +193,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
 	const Heightfield field = read_field(bytes);
 	check_field(field, bytes);
 
-	const std::atomic<bool> raised{true};
+	const std::atomic<bool> cancel{true};
 	const double side = std::max(rect.size().x, rect.size().y);
 	const bool small = points_to_sample(layer, side) < 200000.0 && side < 1000.0 * layer.set.radius;
-	TileInstances tile, again;
-	const Status status = builder.build(layer, field, rect, tile, small ? nullptr : &raised);
+	TileInstances tile, rebuilt;
+	const Status status = builder.build(layer, field, rect, tile, small ? nullptr : &cancel);
 	if (status.ok()) {
 		check_tile(layer, tile);
-		promise(TileBuilder().build(layer, field, rect, again).ok() && digest(tile) == digest(again),
+		promise(TileBuilder().build(layer, field, rect, rebuilt).ok() && digest(tile) == digest(rebuilt),
 				"the same call produces the same tile");
 	} else if (status.code != ErrorCode::cancelled) {
 		promise(tile.meshes.empty(), "a rejected call has no effect");

@@ -291,72 +291,79 @@ void call_method(GDExtensionMethodBindPtr, GDExtensionObjectPtr, const GDExtensi
 void do_nothing() {}
 
 template <class Function>
-GDExtensionInterfaceFunctionPtr erase(Function function) {
+GDExtensionInterfaceFunctionPtr to_interface_function(Function function) {
 	return reinterpret_cast<GDExtensionInterfaceFunctionPtr>(function);
 }
 
 const std::map<std::string, GDExtensionInterfaceFunctionPtr> &functions() {
 	static const std::map<std::string, GDExtensionInterfaceFunctionPtr> all = {
-			{"print_error", erase(print_error)},
-			{"string_new_with_utf8_chars", erase(new_text)},
-			{"string_name_new_with_utf8_chars", erase(new_text)},
-			{"string_to_utf8_chars", erase(copy_text)},
-			{"variant_get_ptr_constructor", erase(get_constructor)},
-			{"variant_get_ptr_destructor", erase(get_destructor)},
-			{"variant_get_ptr_operator_evaluator", erase(get_operator)},
+			{"print_error", to_interface_function(print_error)},
+			{"string_new_with_utf8_chars", to_interface_function(new_text)},
+			{"string_name_new_with_utf8_chars", to_interface_function(new_text)},
+			{"string_to_utf8_chars", to_interface_function(copy_text)},
+			{"variant_get_ptr_constructor", to_interface_function(get_constructor)},
+			{"variant_get_ptr_destructor", to_interface_function(get_destructor)},
+			{"variant_get_ptr_operator_evaluator", to_interface_function(get_operator)},
 			{"variant_get_ptr_builtin_method",
-					erase(+[](GDExtensionVariantType, GDExtensionConstStringNamePtr, GDExtensionInt) {
+					to_interface_function(+[](GDExtensionVariantType, GDExtensionConstStringNamePtr, GDExtensionInt) {
 						return +[](GDExtensionTypePtr, const GDExtensionConstTypePtr *, GDExtensionTypePtr, int) {
 						};
 					})},
-			{"get_variant_from_type_constructor", erase(to_variant)},
-			{"get_variant_to_type_constructor", erase(from_variant)},
-			{"variant_new_nil", erase(+[](GDExtensionUninitializedVariantPtr r_variant) { value(r_variant) = {}; })},
+			{"get_variant_from_type_constructor", to_interface_function(to_variant)},
+			{"get_variant_to_type_constructor", to_interface_function(from_variant)},
+			{"variant_new_nil", to_interface_function(+[](GDExtensionUninitializedVariantPtr r_variant) {
+				 value(r_variant) = {};
+			 })},
 			{"variant_new_copy",
-					erase(+[](GDExtensionUninitializedVariantPtr r_variant, GDExtensionConstVariantPtr from) {
-						value(r_variant) = *static_cast<const Value *>(from);
-					})},
-			{"variant_destroy", erase(+[](GDExtensionVariantPtr) {})},
-			{"variant_get_type", erase(+[](GDExtensionConstVariantPtr variant) {
+					to_interface_function(
+							+[](GDExtensionUninitializedVariantPtr r_variant, GDExtensionConstVariantPtr from) {
+								value(r_variant) = *static_cast<const Value *>(from);
+							})},
+			{"variant_destroy", to_interface_function(+[](GDExtensionVariantPtr) {})},
+			{"variant_get_type", to_interface_function(+[](GDExtensionConstVariantPtr variant) {
 				 return static_cast<const Value *>(variant)->type;
 			 })},
-			{"variant_get_type_name", erase(+[](GDExtensionVariantType, GDExtensionUninitializedStringPtr r_name) {
-				 set_text(r_name, "Variant");
-			 })},
-			{"array_set_typed",
-					erase(+[](GDExtensionTypePtr, GDExtensionVariantType, GDExtensionConstStringNamePtr,
-								   GDExtensionConstVariantPtr) {})},
-			{"classdb_construct_object2", erase(construct)},
-			{"classdb_get_method_bind",
-					erase(+[](GDExtensionConstStringNamePtr, GDExtensionConstStringNamePtr, GDExtensionInt) {
-						return reinterpret_cast<GDExtensionMethodBindPtr>(
-								&is_double); // The pointer only has to be non-null.
+			{"variant_get_type_name",
+					to_interface_function(+[](GDExtensionVariantType, GDExtensionUninitializedStringPtr r_name) {
+						set_text(r_name, "Variant");
 					})},
-			{"classdb_get_class_tag",
-					erase(+[](GDExtensionConstStringNamePtr name) -> void * { return new std::string(text(name)); })},
-			{"object_method_bind_ptrcall", erase(call_method)},
-			{"object_cast_to", erase(cast_to)},
-			{"object_set_instance", erase(set_instance)},
-			{"object_set_instance_binding", erase(set_binding)},
-			{"object_get_instance_binding", erase(get_binding)},
-			{"object_free_instance_binding", erase(free_binding)},
-			{"object_get_instance_id", erase(+[](GDExtensionConstObjectPtr object) {
+			{"array_set_typed",
+					to_interface_function(+[](GDExtensionTypePtr, GDExtensionVariantType, GDExtensionConstStringNamePtr,
+												   GDExtensionConstVariantPtr) {})},
+			{"classdb_construct_object2", to_interface_function(construct)},
+			{"classdb_get_method_bind",
+					to_interface_function(
+							+[](GDExtensionConstStringNamePtr, GDExtensionConstStringNamePtr, GDExtensionInt) {
+								return reinterpret_cast<GDExtensionMethodBindPtr>(
+										&is_double); // The pointer only has to be non-null.
+							})},
+			{"classdb_get_class_tag", to_interface_function(+[](GDExtensionConstStringNamePtr name) -> void * {
+				 return new std::string(text(name));
+			 })},
+			{"object_method_bind_ptrcall", to_interface_function(call_method)},
+			{"object_cast_to", to_interface_function(cast_to)},
+			{"object_set_instance", to_interface_function(set_instance)},
+			{"object_set_instance_binding", to_interface_function(set_binding)},
+			{"object_get_instance_binding", to_interface_function(get_binding)},
+			{"object_free_instance_binding", to_interface_function(free_binding)},
+			{"object_get_instance_id", to_interface_function(+[](GDExtensionConstObjectPtr object) {
 				 return static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(object));
 			 })},
-			{"object_get_instance_from_id", erase(+[](std::uint64_t id) {
+			{"object_get_instance_from_id", to_interface_function(+[](std::uint64_t id) {
 				 return reinterpret_cast<GDExtensionObjectPtr>(static_cast<std::uintptr_t>(id));
 			 })},
-			{"global_get_singleton",
-					erase(+[](GDExtensionConstStringNamePtr name) -> void * { return &singleton(text(name)); })},
-			{"classdb_register_extension_class4", erase(register_class)},
-			{"classdb_register_extension_class_method", erase(register_method)},
-			{"classdb_register_extension_class_virtual_method", erase(register_virtual)},
-			{"classdb_register_extension_class_integer_constant", erase(register_constant)},
-			{"classdb_register_extension_class_property", erase(register_property)},
-			{"classdb_register_extension_class_property_group", erase(register_group)},
-			{"classdb_register_extension_class_property_subgroup", erase(register_group)},
-			{"classdb_register_extension_class_signal", erase(register_signal)},
-			{"classdb_unregister_extension_class", erase(unregister_class)},
+			{"global_get_singleton", to_interface_function(+[](GDExtensionConstStringNamePtr name) -> void * {
+				 return &singleton(text(name));
+			 })},
+			{"classdb_register_extension_class4", to_interface_function(register_class)},
+			{"classdb_register_extension_class_method", to_interface_function(register_method)},
+			{"classdb_register_extension_class_virtual_method", to_interface_function(register_virtual)},
+			{"classdb_register_extension_class_integer_constant", to_interface_function(register_constant)},
+			{"classdb_register_extension_class_property", to_interface_function(register_property)},
+			{"classdb_register_extension_class_property_group", to_interface_function(register_group)},
+			{"classdb_register_extension_class_property_subgroup", to_interface_function(register_group)},
+			{"classdb_register_extension_class_signal", to_interface_function(register_signal)},
+			{"classdb_unregister_extension_class", to_interface_function(unregister_class)},
 	};
 	return all;
 }

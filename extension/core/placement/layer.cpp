@@ -73,7 +73,8 @@ SurfaceFaces permitted_faces(const LayerSettings &layer) {
 }
 
 double host_distance(const LayerSettings &layer, double reach) {
-	return std::max(sampled_around(layer.set, host_margins.widest), edge_reach(layer.rules.edge_feather, true)) + reach;
+	return std::max(sampling_margin(layer.set, host_margins.widest), edge_reach(layer.rules.edge_feather, true)) +
+			reach;
 }
 
 double reach(const LayerSettings &layer) {

@@ -327,7 +327,7 @@ private:
 	explicit InstanceState(std::unique_ptr<Content> content);
 
 	Status take_over(PendingDiff &diff, StateChanges &r_changes);
-	void pass_over(PendingDiff &diff);
+	void discard_first(PendingDiff &diff);
 	Status repeat(const StateStep &step, std::vector<InstanceChange> &r_changes);
 	StateChange put(std::uint64_t id, const AddedInstance &instance);
 	void put_for(

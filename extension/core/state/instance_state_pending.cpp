@@ -65,7 +65,7 @@ void PendingDiff::work() {
 	status_ = guarded("data", static_cast<double>(bytes_.size()), [this]() -> Status {
 		next_ = base_->share();
 		InstanceState::Content &content = *next_->content_;
-		first_note_ = content.revision;
+		base_revision_ = content.revision;
 		content.complete();
 		content.cancel = &cancel_;
 		const Status status = next_->apply(bytes_, changes_.list, limits_);
@@ -119,7 +119,7 @@ Status InstanceState::finish_pending_diff(StateChanges &r_changes) {
 		status = guarded_by_size([&] { return take_over(*first, r_changes); });
 	}
 	if (!status.ok()) {
-		const Status passed = guarded_by_size([&] { pass_over(*first); });
+		const Status passed = guarded_by_size([&] { discard_first(*first); });
 		// If the content for the next diff cannot be prepared, all pending diffs fail.
 		for (const std::shared_ptr<PendingDiff> &diff : journal_->diffs) {
 			diff->status_ = passed.ok() ? diff->status_ : passed;
@@ -172,7 +172,7 @@ Status InstanceState::take_over(PendingDiff &diff, StateChanges &r_changes) {
 	diff.changes_.overruled = std::move(touched);
 
 	// The statements below cannot fail.
-	next.content_->take_history(*content_, diff.log_, diff.revision_, diff.first_note_);
+	next.content_->take_history(*content_, diff.log_, diff.revision_, diff.base_revision_);
 	content_.swap(next.content_);
 	r_changes = std::move(diff.changes_);
 	if (second != nullptr) {
@@ -182,7 +182,7 @@ Status InstanceState::take_over(PendingDiff &diff, StateChanges &r_changes) {
 }
 
 /// Discards the first pending diff without applying it, and prepares the content for the next diff.
-void InstanceState::pass_over(PendingDiff &diff) {
+void InstanceState::discard_first(PendingDiff &diff) {
 	if (journal_->diffs.size() < 2) {
 		return;
 	}
@@ -199,7 +199,7 @@ void InstanceState::pass_over(PendingDiff &diff) {
 }
 
 /// Repeats a call that was recorded while a diff was pending. The state may have applied the diff
-/// (`take_over`) or not (`pass_over`).
+/// (`take_over`) or not (`discard_first`).
 Status InstanceState::repeat(const StateStep &step, std::vector<InstanceChange> &r_changes) {
 	switch (step.kind) {
 		case Kind::remove: return remove(step.id, step.number).status;

@@ -49,7 +49,7 @@ private:
 	std::optional<InstanceState> next_; ///< The base with the diff applied.
 	ChangeLog log_;                     ///< The state's log, up to `revision_`.
 	std::uint64_t revision_ = 0;        ///< Revision of the state when `log_` was taken.
-	std::uint64_t first_note_ = 0;      ///< The revision of `next_` before the diff was applied.
+	std::uint64_t base_revision_ = 0;   ///< The revision of `next_` before the diff was applied.
 	StateChanges changes_;
 	Status status_;
 	std::atomic<bool> cancel_ = false;

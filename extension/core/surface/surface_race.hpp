@@ -70,9 +70,9 @@ private:
 	/// A dart that waits for other cells. The fields are valid if `hash` is that of the cell's next line.
 	struct Waiting {
 		std::uint64_t hash = 0;
-		std::int32_t along = 0;
+		std::int32_t along = 0; ///< Position of the hit along the line.
 		std::uint32_t triangle = 0;
-		std::uint32_t near = none; ///< The balls from this list entry on do not contain the dart.
+		std::uint32_t near = none; ///< Balls from this entry of the near list on do not contain the dart.
 	};
 	struct Cell {
 		SurfaceLines::List lines = SurfaceLines::empty;

@@ -150,9 +150,9 @@ std::uint64_t surface_id(std::uint16_t layer, const glm::ivec3 &cell) {
 
 double surface_unit(const PointSet &set) { return set.radius / surface_cell_size; }
 
-/// Adds up the margins of all levels, because each level requests its darts from the next coarser
-/// one. Each margin is extended by the reach of a dart and by the rounding to whole cells.
-double sampled_around(const PointSet &set, std::int32_t widest_margin) {
+/// Returns the margin in meters: the sum over all levels, because each level requests its darts from
+/// the next coarser one. Each margin is extended by the reach of a dart and by the rounding to whole cells.
+double sampling_margin(const PointSet &set, std::int32_t widest_margin) {
 	constexpr std::int32_t rounding = 1;
 	const double levels = static_cast<double>((1U << set.levels) - 1U);
 	return levels * level_unit(set, 0) * surface_cell_size *
@@ -162,9 +162,9 @@ double sampled_around(const PointSet &set, std::int32_t widest_margin) {
 struct SurfaceSampler::Workspace {
 	struct Level {
 		SurfaceRace race;
-		std::vector<std::uint32_t> found;
+		std::vector<std::uint32_t> found; ///< The triangles near the box.
 		std::vector<SurfaceTriangle> triangles;
-		std::vector<SurfaceDart> placed;
+		std::vector<SurfaceDart> placed; ///< The points of coarser levels.
 	};
 
 	/// The arguments of a call.

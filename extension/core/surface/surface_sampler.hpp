@@ -35,7 +35,7 @@ double surface_unit(const PointSet &set);
 
 /// Returns how far around a window, in meters, a SurfaceSampler reads the surface if
 /// SampleMargins::widest is `widest_margin`.
-double sampled_around(const PointSet &set, std::int32_t widest_margin);
+double sampling_margin(const PointSet &set, std::int32_t widest_margin);
 
 struct SurfaceStats {
 	std::uint64_t kept = 0;          ///< Number of points returned.

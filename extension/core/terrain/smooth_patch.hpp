@@ -54,7 +54,7 @@ double post_gradient(double behind, double before, double post, double weight) {
 /// Computes the surface between four height samples. The heights are interpolated bilinearly, and
 /// so are the gradients at the four samples. The gradients are central differences (one-sided at
 /// the border of the grid). `post(column, row)` returns a double for indices of the two lines.
-/// `part` is the fraction of the way from the first sample to the opposite one on each axis, 0 to
+/// `part` is the fraction of the way from the first sample to the next one on each axis, 0 to
 /// 1. If samples may be missing and one of the four is NAN, the height is NAN and the gradient is
 /// meaningless.
 template <bool may_be_missing, class Post>

@@ -19,11 +19,11 @@
 
 namespace thicket {
 
-/// The scene that replaces the meshes of a layer near viewers.
+/// The scene that replaces the meshes of a layer near viewers and moving bodies.
 struct SceneLayer {
 	godot::Ref<godot::PackedScene> scene; ///< The scene; null if there is none.
 	/// The distance in meters from a viewer or moving body within which scenes replace meshes; 0
-	/// for never.
+	/// disables scenes.
 	double distance = 0.0;
 	godot::String name; ///< The layer's name, for error messages.
 

@@ -34,11 +34,11 @@ void ScatterLayer::set_surface_layers(const Array &p_layers) {
 Array ScatterLayer::get_surface_layers() const { return current_references(surface_layers_); }
 
 void ScatterLayer::change_surface_layers(const ReferenceChange &change) {
-	const auto changed_layer = [&](const Variant &p_stored) {
+	const auto update = [&](const Variant &p_stored) {
 		return changed_reference(change, "ScatterLayer.surface_layers", p_stored, this);
 	};
-	if (const auto now = changed_references(surface_layers_, changed_layer)) {
-		set_surface_layers(*now);
+	if (const auto updated = changed_references(surface_layers_, update)) {
+		set_surface_layers(*updated);
 	}
 }
 

@@ -19,14 +19,16 @@ namespace thicket {
 class HostReader {
 public:
 	/// Returns the triangles. Reads them only if the meshes, their boxes or `version`
-	/// (ScatterLayer::mesh_version) differ from the last call. If the triangles are the same as
+	/// (ScatterLayer::mesh_version) have changed since the last call. If the triangles are the same as
 	/// before, returns the same object.
 	std::shared_ptr<const HostModels> read(const LayerDrawing &drawing, std::uint64_t version);
 
-	/// Returns a message for each reason why nothing can grow on a mesh, or on any mesh.
+	/// Returns a message for each mesh on which nothing can grow, or one message if no mesh has
+	/// triangles.
 	const godot::PackedStringArray &problems() const { return problems_; }
 
-	/// The maximum number of triangles of a mesh. Nothing grows on larger meshes.
+	/// The maximum number of triangles of a mesh. Nothing grows on meshes with
+	/// more triangles.
 	static constexpr std::size_t max_triangles = 100'000;
 
 private:

@@ -24,9 +24,9 @@ constexpr std::uint32_t uploads_before_fade = 8;
 /// Updates the average time of a step. Caps outliers; otherwise a single step during which the
 /// thread was preempted would delay the stream for many frames.
 std::chrono::steady_clock::duration smoothed(
-		std::chrono::steady_clock::duration usual, std::chrono::steady_clock::duration step) {
-	const auto believed = std::min(step, 4 * usual + std::chrono::microseconds(1));
-	return usual + (believed - usual) / 8;
+		std::chrono::steady_clock::duration average, std::chrono::steady_clock::duration step) {
+	const auto believed = std::min(step, 4 * average + std::chrono::microseconds(1));
+	return average + (believed - average) / 8;
 }
 
 } // namespace
@@ -173,22 +173,23 @@ bool ScatterStream::do_step(Step step) {
 	return false;
 }
 
-/// Runs steps of all kinds in turn until the deadline. If too little time is left for a step, the
+/// Runs steps of all kinds in turn until the deadline or until no kind has work. If too little time is left for a step, the
 /// next frame starts with it. Returns false if a script has freed the stream.
 bool ScatterStream::work_until(Clock::time_point deadline) {
 	const std::weak_ptr<const void> alive = life_;
 	bool first = true;
-	std::size_t in_vain = 0; // The number of consecutive steps that found no work.
+	std::size_t idle_steps = 0; // The number of consecutive steps that found no work.
 	Clock::time_point before = Clock::now();
-	while (in_vain < step_kinds) {
-		const bool waits = (next_step_ == Step::divide && !may_divide()) || (next_step_ == Step::fade && !may_fade());
-		if (waits) { // Skipped regardless of the time left.
+	while (idle_steps < step_kinds) {
+		const bool is_deferred =
+				(next_step_ == Step::divide && !may_divide()) || (next_step_ == Step::fade && !may_fade());
+		if (is_deferred) { // Skipped regardless of the time left.
 			next_step_ = after(next_step_);
-			++in_vain;
+			++idle_steps;
 			continue;
 		}
-		Clock::duration &usual = usual_step_[static_cast<std::size_t>(next_step_)];
-		if (!first && before + usual > deadline) {
+		Clock::duration &average = usual_step_[static_cast<std::size_t>(next_step_)];
+		if (!first && before + average > deadline) {
 			return true;
 		}
 		const bool done = do_step(next_step_);
@@ -197,10 +198,10 @@ bool ScatterStream::work_until(Clock::time_point deadline) {
 		}
 		times_.spent_on(part_of(next_step_));
 		next_step_ = after(next_step_);
-		in_vain = done ? 0 : in_vain + 1;
+		idle_steps = done ? 0 : idle_steps + 1;
 		if (done) {
 			const Clock::time_point now = Clock::now();
-			usual = smoothed(usual, now - before);
+			average = smoothed(average, now - before);
 			before = now;
 			first = false;
 		}

@@ -206,7 +206,7 @@ void TerrainScatter3D::explain_layer(const Ref<ScatterLayer> &p_layer, const std
 	const glm::dvec3 position = r_explanation.position;
 	const Status status = explainer.explain(r_explanation.layer, position, r_explanation);
 	if (!status.ok()) {
-		return refuse("layer", "Cannot be explained: " + thicket::describe(status) + ".", r_explanation);
+		return refuse("layer", "The layer cannot be explained: " + thicket::describe(status) + ".", r_explanation);
 	}
 	if (gameplay->alive()) {
 		explain_changes(*layer, r_explanation);
@@ -215,23 +215,23 @@ void TerrainScatter3D::explain_layer(const Ref<ScatterLayer> &p_layer, const std
 }
 
 Vector3 TerrainScatter3D::up_at(const Vector3 &p_position) {
-	const Planet now = planet();
-	if (!now.exists()) {
+	const Planet current = planet();
+	if (!current.exists()) {
 		return {0.0F, 1.0F, 0.0F};
 	}
 	move_world();
 	const glm::dvec3 position = to_world(p_position, frame_);
-	return to_engine(frame_.to_engine(position + now.up_at(position)) - frame_.to_engine(position));
+	return to_engine(frame_.to_engine(position + current.up_at(position)) - frame_.to_engine(position));
 }
 
 PackedFloat64Array TerrainScatter3D::get_planet() {
-	const Planet now = planet();
-	if (!now.exists()) {
+	const Planet current = planet();
+	if (!current.exists()) {
 		return {};
 	}
 	move_world();
-	const glm::dvec3 center = frame_.to_engine(now.center);
-	const std::array numbers{center.x, center.y, center.z, now.radius};
+	const glm::dvec3 center = frame_.to_engine(current.center);
+	const std::array numbers{center.x, center.y, center.z, current.radius};
 	return packed<PackedFloat64Array>(std::span<const double>(numbers), [](double number) { return number; });
 }
 

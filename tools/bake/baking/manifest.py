@@ -97,13 +97,13 @@ def read_manifest(folder: Path) -> dict:
 
 
 def check_manifest(content: dict, manifest: Path) -> None:
-    """Raises BakeError if the manifest has another version, or for the first field that is missing or invalid."""
+    """Raises BakeError if the manifest has a different version, or for the first field that is missing or invalid."""
     version = content.get("version")
     if type(version) is not int or version != VERSION:
         raise BakeError(f"{manifest}: version must be {VERSION}, got {fields.as_text(version)}; bake again with this version of Thicket")
     with reporting_invalid_values(manifest, REMEDY):
         _manifest(content)
-        _check_sense(content)
+        _check_consistency(content)
 
 
 def check_costs(content: dict, manifest: Path) -> None:
@@ -113,12 +113,12 @@ def check_costs(content: dict, manifest: Path) -> None:
 
 
 def check_rect(rect: list) -> None:
-    """Raises InvalidValue for a rectangle without a width or a depth."""
+    """Raises InvalidValue for a rectangle whose width or depth is not above 0."""
     if min(rect[2:]) <= 0:
         raise fields.InvalidValue(min(rect[2:]), "x, z, width and depth in meters, the last two above 0").within("rect")
 
 
-def _check_sense(content: dict) -> None:
+def _check_consistency(content: dict) -> None:
     """Checks conditions that involve several values."""
     check_rect(content["rect"])
     indices = [layer["index"] for layer in content["layers"]]
@@ -126,10 +126,10 @@ def _check_sense(content: dict) -> None:
         if indices.index(layer["index"]) != number:
             raise fields.InvalidValue(layer["index"], "a unique number for each layer").within("index").within(f"[{number}]").within("layers")
         for model, entry in enumerate(layer["models"]):
-            begins = [level.get("distance", 0.0) for level in entry.get("lods") or []]
-            if begins and (begins[0] != 0 or sorted(begins) != begins):
+            distances = [level.get("distance", 0.0) for level in entry.get("lods") or []]
+            if distances and (distances[0] != 0 or sorted(distances) != distances):
                 name = f"layers[{number}].models[{model}].lods"
-                raise fields.InvalidValue(next((begin for begin in begins if begin), 0), "levels of which the first begins at 0 m and the others are sorted by distance").within(name)
+                raise fields.InvalidValue(next((begin for begin in distances if begin), 0), "a list of levels sorted by distance, starting at 0 m").within(name)
     for name, tile in content["tiles"].items():
         if max(map(abs, tile_of_name(name))) >= 2**31:
             raise fields.InvalidValue(name, "two whole numbers I,J below 2147483648 as the key").within(f"[{json.dumps(name)}]").within("tiles")

@@ -19,33 +19,33 @@ class BadRows(ValueError):
     """Raised for data that is not a table of rows."""
 
 
-def parse(data: bytes | bytearray, layer: int, kinds: dict[str, str]) -> tuple[Columns, int]:
-    """Returns the columns in the result of ScatterTile.get_rows and the additional columns of SCHEMA, and the number of
-    instances with a shear. `layer` is the layer's index, and `kinds` the result of its ScatterLayer.get_row_columns.
+def parse(data: bytes | bytearray, layer: int, dtypes: dict[str, str]) -> tuple[Columns, int]:
+    """Returns a tuple: the columns of ScatterTile.get_rows, extended by the missing columns of SCHEMA, and the number of
+    instances with a shear. `layer` is the layer's index, and `dtypes` the result of its ScatterLayer.get_row_columns.
     Raises BadRows if the size does not match."""
     if len(data) < _HEADER_BYTES:
         raise BadRows(f"{len(data)} bytes are too few for rows")
     rows, _, sheared, _ = (int(number) for number in np.frombuffer(data, "<u4", 4))
-    expected = _HEADER_BYTES + rows * sum(np.dtype(kind).itemsize for kind in kinds.values())
+    expected = _HEADER_BYTES + rows * sum(np.dtype(kind).itemsize for kind in dtypes.values())
     if len(data) != expected:
         raise BadRows(f"{rows} rows must have {expected} bytes, got {len(data)}")
     columns: Columns = {}
     at = _HEADER_BYTES
-    for name, kind in kinds.items():
+    for name, kind in dtypes.items():
         columns[name] = np.frombuffer(data, kind, rows, at)
         at += columns[name].nbytes
     columns["layer"] = np.full(rows, layer, np.uint16)
-    _add_further(columns, rows)
+    _add_default_columns(columns, rows)
     return columns, sheared
 
 
-def _add_further(columns: Columns, rows: int) -> None:
+def _add_default_columns(columns: Columns, rows: int) -> None:
     color = np.zeros(rows, np.uint32)
     has_color, has_custom = "color_r" in columns, "variation" in columns
     if has_color:
-        for place, channel in enumerate("rgba"):
-            share = np.clip(columns[f"color_{channel}"], 0.0, 1.0)
-            color |= np.rint(share * np.float32(255.0)).astype(np.uint32) << np.uint32(8 * place)
+        for index, channel in enumerate("rgba"):
+            value = np.clip(columns[f"color_{channel}"], 0.0, 1.0)
+            color |= np.rint(value * np.float32(255.0)).astype(np.uint32) << np.uint32(8 * index)
     columns["color"] = color
     for name in ("variation", "wind_phase"):
         columns.setdefault(name, np.zeros(rows, np.float32))

@@ -56,11 +56,11 @@ def _read_world(folder: Path) -> dict:
         raise BakeError(f"{folder} was created by another version of Thicket: {again}")
     with reporting_invalid_values(folder / WORLD, again):
         _world(world)
-        _check_sense(world)
+        _check_consistency(world)
     return world
 
 
-def _check_sense(world: dict) -> None:
+def _check_consistency(world: dict) -> None:
     """Checks conditions that involve several values."""
     check_rect(world["rect"])
     sides = world["grid"][2:]

@@ -18,8 +18,8 @@ const MOST_BODIES := 16
 @export var materials: Array[ShaderMaterial] = []
 ## If true, the node also updates the materials of all [TerrainScatter3D]s in the tree: for each layer, those materials in
 ## [method ScatterLayer.get_materials] whose shader includes [code]foliage.gdshaderinc[/code]. It also updates the materials of [MultiMeshInstance3D]s, such
-## as baked ones. The node collects the materials when a scatter or a [MultiMeshInstance3D] is added. It collects those of scatters again when a
-## scatter is removed, or when a layer or a list of layers changes. A changed shader is detected only then.
+## as baked ones. The node collects the materials when a scatter or a [MultiMeshInstance3D] is added. It updates the materials of scatters when
+## a scatter is removed, or when a layer or a list of layers changes. It notices a changed shader only at these times.
 @export var include_scatters := true:
 	set(value):
 		include_scatters = value
@@ -38,13 +38,13 @@ const MOST_BODIES := 16
 
 var _scatters: Dictionary[Node, Array] = {} ## The layers of each scatter at the time when its materials were collected.
 var _layers: Array[Resource] = []
-var _found: Array[ShaderMaterial] = []
+var _scatter_materials: Array[ShaderMaterial] = []
 var _is_stale := false
-var _shown: Dictionary[ShaderMaterial, PackedStringArray] = {} ## The names of the parameters that were set on the renderer in the editor.
+var _editor_parameters: Dictionary[ShaderMaterial, PackedStringArray] = {} ## The names of the parameters that were set on the renderer in the editor.
 var _last_parameters := {} ## The values that were last set on the renderer in the editor.
 var _last_materials: Array[ShaderMaterial] = [] ## The materials that received _last_parameters.
-var _added: Array[MultiMeshInstance3D] = [] ## New nodes whose materials have not been read yet.
-var _of_multimeshes: Array[ShaderMaterial] = []
+var _new_multimeshes: Array[MultiMeshInstance3D] = [] ## New nodes whose materials have not been read yet.
+var _multimesh_materials: Array[ShaderMaterial] = []
 var _time := 0.0
 
 
@@ -54,10 +54,10 @@ func _enter_tree() -> void:
 
 func _exit_tree() -> void:
 	_watch_tree(false)
-	for material in _shown:
-		for parameter in _shown[material]:
+	for material in _editor_parameters:
+		for parameter in _editor_parameters[material]:
 			RenderingServer.material_set_param(material.get_rid(), parameter, material.get_shader_parameter(parameter))
-	_shown.clear()
+	_editor_parameters.clear()
 	_last_parameters = {}
 
 
@@ -66,9 +66,9 @@ func _process(delta: float) -> void:
 		_is_stale = _is_stale or LibraryGate.layers_of(scatter) != _scatters[scatter]
 	if _is_stale:
 		_find_materials()
-	for node in _added:
+	for node in _new_multimeshes:
 		_add_multimesh(node)
-	_added.clear()
+	_new_multimeshes.clear()
 	var parameters := {&"wind_strength": wind_strength, &"wind_direction": wind_direction}
 	if Engine.is_editor_hint():
 		_show(parameters, delta)
@@ -80,7 +80,7 @@ func _process(delta: float) -> void:
 	for material in _all():
 		for parameter: StringName in parameters:
 			material.set_shader_parameter(parameter, parameters[parameter])
-		if material not in _found: # The materials in _found get the time from their scatter.
+		if material not in _scatter_materials: # The materials in _scatter_materials get the time from their scatter.
 			RenderingServer.material_set_param(material.get_rid(), &"wind_time", _time)
 
 
@@ -98,12 +98,12 @@ func _show(parameters: Dictionary, delta: float) -> void:
 	for material in all:
 		for parameter: StringName in parameters:
 			RenderingServer.material_set_param(material.get_rid(), parameter, parameters[parameter])
-		_shown[material] = PackedStringArray(parameters.keys())
+		_editor_parameters[material] = PackedStringArray(parameters.keys())
 
 
 func _all() -> Array[ShaderMaterial]:
 	var all: Array[ShaderMaterial] = []
-	for list: Array[ShaderMaterial] in [materials, _found, _of_multimeshes]:
+	for list: Array[ShaderMaterial] in [materials, _scatter_materials, _multimesh_materials]:
 		for material in list:
 			if material and material not in all:
 				all.append(material)
@@ -127,8 +127,8 @@ func _watch_tree(watch: bool) -> void:
 		tree.node_added.disconnect(_on_node_added)
 		tree.node_removed.disconnect(_on_node_removed)
 		_scatters.clear()
-		_added.clear()
-		_of_multimeshes.clear()
+		_new_multimeshes.clear()
+		_multimesh_materials.clear()
 		_find_materials()
 
 
@@ -145,14 +145,14 @@ func _on_node_added(node: Node) -> void:
 		_scatters[node] = []
 		_is_stale = true
 	elif node is MultiMeshInstance3D:
-		_added.append(node as MultiMeshInstance3D)
+		_new_multimeshes.append(node as MultiMeshInstance3D)
 
 
 func _on_node_removed(node: Node) -> void:
 	if _scatters.erase(node):
 		_is_stale = true
 	elif node is MultiMeshInstance3D:
-		_added.erase(node as MultiMeshInstance3D)
+		_new_multimeshes.erase(node as MultiMeshInstance3D)
 
 
 func _on_layer_changed() -> void:
@@ -164,7 +164,7 @@ func _find_materials() -> void:
 	for layer in _layers:
 		layer.changed.disconnect(_on_layer_changed)
 	_layers.clear()
-	_found.clear()
+	_scatter_materials.clear()
 	for scatter in _scatters:
 		var of_scatter := LibraryGate.layers_of(scatter)
 		_scatters[scatter] = of_scatter
@@ -173,13 +173,13 @@ func _find_materials() -> void:
 				_layers.append(layer)
 				layer.changed.connect(_on_layer_changed)
 				for material in LibraryGate.materials_of(layer):
-					_add_material(material, _found)
+					_add_material(material, _scatter_materials)
 
 
 func _add_multimesh(node: MultiMeshInstance3D) -> void:
 	var mesh := node.multimesh.mesh if node.multimesh else null
 	for surface in (mesh.get_surface_count() if mesh else 0):
-		_add_material(node.material_override if node.material_override else mesh.surface_get_material(surface), _of_multimeshes)
+		_add_material(node.material_override if node.material_override else mesh.surface_get_material(surface), _multimesh_materials)
 
 
 func _add_material(material: Material, list: Array[ShaderMaterial]) -> void:

@@ -9,7 +9,7 @@ const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
 const MODE_NAMES: PackedStringArray = ["Paint", "Erase", "Smooth"]
 const MODE_TIPS: PackedStringArray = [
-	"Paint: increase the density of the layer. The first stroke on a layer that grows everywhere opens a dialog with two choices.",
+	"Paint: increase the density of the layer. The first stroke on a layer that grows unmasked opens a dialog with two choices.",
 	"Erase: decrease the density of the layer (or hold Ctrl).",
 	"Smooth: blur the painted density (or hold Shift).",
 ]
@@ -109,14 +109,14 @@ func _begin_stroke(at: Vector3, pressed: InputEventMouseButton) -> String:
 		mode = ScatterMask.MODE_SMOOTH
 	elif pressed.ctrl_pressed:
 		mode = ScatterMask.MODE_ERASE
-	var on_map := Vector2(at.x, at.z)
-	var everywhere := unlocked().filter(func(chosen: ScatterLayer) -> bool: return chosen.mask == null)
-	if mode == ScatterMask.MODE_PAINT and not everywhere.is_empty():
-		var names := PackedStringArray(everywhere.map(func(chosen: ScatterLayer) -> String: return chosen.resource_name))
-		first_stroke.ask(names, everywhere.reduce(
-				func(sum: int, chosen: ScatterLayer) -> int: return sum + scatter.get_shown_count(chosen), 0), on_map)
+	var point_xz := Vector2(at.x, at.z)
+	var unmasked := unlocked().filter(func(chosen: ScatterLayer) -> bool: return chosen.mask == null)
+	if mode == ScatterMask.MODE_PAINT and not unmasked.is_empty():
+		var names := PackedStringArray(unmasked.map(func(chosen: ScatterLayer) -> String: return chosen.resource_name))
+		first_stroke.ask(names, unmasked.reduce(
+				func(sum: int, chosen: ScatterLayer) -> int: return sum + scatter.get_shown_count(chosen), 0), point_xz)
 		return ""
-	return brush.begin(scatter, unlocked(), SceneFiles.edited_scene_path(), mode, on_map)
+	return brush.begin(scatter, unlocked(), SceneFiles.edited_scene_path(), mode, point_xz)
 
 
 ## Paints a single dab with the mode that the user has chosen in the dialog. The brush keeps that mode.

@@ -11,8 +11,8 @@ const KINDS: Dictionary[String, ScatterLayer.ModelKind] = {
 	"Grass": ScatterLayer.KIND_GRASS,
 	"Rock": ScatterLayer.KIND_ROCK,
 }
-const TOOLTIP := "Sets radius, density, clumps, scale, tilt, height offset and the gameplay size, as is usual for %s."
-const MEANINGS: Dictionary[String, String] = {
+const TOOLTIP := "Sets radius, density, clumps, scale, tilt, height offset, instance radius and instance height to values that suit %s."
+const KIND_DESCRIPTIONS: Dictionary[String, String] = {
 	"Auto": "the kind that the names and sizes of the meshes suggest",
 	"Tree": "trees: crowns touch, trunks are nearly upright",
 	"Shrub": "shrubs: thickets with gaps between them",
@@ -31,7 +31,7 @@ func _init(layers: Array[ScatterLayer] = []) -> void:
 	for kind in KINDS:
 		var button := Button.new()
 		button.text = kind
-		button.tooltip_text = TOOLTIP % MEANINGS[kind]
+		button.tooltip_text = TOOLTIP % KIND_DESCRIPTIONS[kind]
 		button.pressed.connect(_fit.bind(kind))
 		add_child(button)
 
