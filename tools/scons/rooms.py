@@ -48,7 +48,7 @@ ROOMS = {
     ],
     "nodes/explain": ["core/sampling", "core/explain", "nodes/common", "nodes/ground", "nodes/layer", "nodes/workers"],
     "nodes/scatter": [
-        "core/base", "core/terrain", "core/placement", "core/near", "core/streaming", "core/explain",
+        "core/base", "core/terrain", "core/rules", "core/placement", "core/near", "core/streaming", "core/explain",
         "nodes/common", "nodes/ground", "nodes/layer", "nodes/biome", "nodes/region", "nodes/gameplay",
         "nodes/workers", "nodes/drawing", "nodes/explain",
     ],
