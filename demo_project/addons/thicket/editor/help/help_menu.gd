@@ -3,6 +3,7 @@ extends PopupMenu
 ## The menu [i]Project > Tools > Thicket[/i]. It opens the tutorials, pages of the documentation, and the form for reports.
 
 const Tutorials := preload("res://addons/thicket/editor/help/tutorial_window.gd")
+const WholeFile := preload("res://addons/thicket/whole_file.gd")
 
 enum Item { TUTORIALS, DOCUMENTATION, WHATS_NEW, REPORT, COPY_REPORT }
 
@@ -68,7 +69,7 @@ func _copy_example() -> Error:
 	var error := scene.pack(root)
 	root.free()
 	if error == OK:
-		error = ResourceSaver.save(scene, COPY)
+		error = WholeFile.save(scene, COPY)
 	EditorInterface.get_resource_filesystem().update_file(COPY)
 	return error
 
