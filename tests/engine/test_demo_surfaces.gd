@@ -109,7 +109,7 @@ func test_moss_and_mushrooms_grow_on_logs() -> void:
 	keep_layers(["Boulders", "Logs", "Moss on Logs", "Mushrooms on Logs"])
 	viewer.global_position = Vector3(4.9, 2.5, -14.2)
 	await settle(scatter)
-	var gorge := AABB(Vector3(-30.0, 0.0, -40.0), Vector3(60.0, 12.0, 60.0))
+	var gorge := AABB(Vector3(-30.0, -1.0, -40.0), Vector3(60.0, 13.0, 60.0))
 	var hosts := positions("Logs", gorge)
 	check(hosts.size() > 2, "%d logs" % hosts.size())
 	hosts.append_array(positions("Boulders", gorge))
