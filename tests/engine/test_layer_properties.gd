@@ -34,6 +34,7 @@ func full_layer() -> ScatterLayer:
 	var layer := make_layer()
 	layer.resource_name = "Ferns"
 	layer.density_over_height = make_line(Vector2(100, 0), Vector2(900, 1))
+	layer.density_expression = "slope < 45"
 	layer.density_over_slope = make_line(Vector2(0, 1), Vector2(90, 0))
 	layer.ground_textures = [3, 0, 255]
 	layer.noise = FastNoiseLite.new()
@@ -171,7 +172,6 @@ func test_rejected() -> void:
 	for number: int in [-1, 6, 1 << 40]:
 		refuse(layer, "collision_shape", number, ["range"])
 	refuse(layer, "ground_textures", PackedInt32Array([1, -1]), ["-1"])
-	layer.density_expression = "height > 3"
 	refuse(layer, "density_expression", "heigth > 3", ["\"heigth > 3\", column 1", "the inputs are height, slope"])
 	refuse(layer, "density_expression", "smoothstep(0, 1", ["column 16", "expected \")\""])
 	refuse(layer, "ground_textures", PackedInt32Array([256]), ["256"])
