@@ -7,7 +7,7 @@ const Shape := preload("res://terrain/gorge_shape.gd")
 const STOPS: Array[Dictionary] = [
 	{"name": "gorge", "eye": Vector3(2.6, 3.7, 23.0), "heading": 354.0, "pitch": 12.0, "fov": 62.0},
 	{"name": "cave", "eye": Vector3(29.0, 3.8, 13.5), "heading": 233.0, "pitch": 3.0, "fov": 62.0},
-	{"name": "log", "eye": Vector3(14.0, 3.1, -15.0), "heading": 315.0, "pitch": -22.0, "fov": 54.0},
+	{"name": "log", "eye": Vector3(9.2, 2.8, -13.3), "heading": 343.0, "pitch": -28.0, "fov": 54.0},
 	{"name": "ruin", "eye": Vector3(-35.5, 15.6, -1.0), "heading": 46.0, "pitch": 6.0, "fov": 58.0},
 	{"name": "planet", "eye": Vector3(0.0, 362.0, 566.0), "heading": 0.0, "pitch": 14.5, "fov": 56.0},
 ]
