@@ -75,7 +75,7 @@ LayerSettings feathered() {
 	return layer;
 }
 
-/// Returns a dense meadow below 300 m on slopes below 30 degrees, with falloffs. The rules are
+/// Returns a dense meadow below 1000 m on slopes below 30 degrees, with falloffs. The rules are
 /// properties or, with the same densities, an expression.
 LayerSettings ruled(bool by_expression) {
 	LayerSettings layer = meadow(1);
@@ -83,11 +83,11 @@ LayerSettings ruled(bool by_expression) {
 	layer.rules.max_slope_degrees = 90.0;
 	if (by_expression) {
 		ExpressionError error;
-		layer.rules.expression =
-				DensityExpression::compile("clamp((300 - height) / 200, 0, 1) * clamp((30 - slope) / 20, 0, 1)", error);
+		layer.rules.expression = DensityExpression::compile(
+				"clamp((1000 - height) / 800, 0, 1) * clamp((30 - slope) / 20, 0, 1)", error);
 	} else {
-		layer.rules.max_height = 300.0;
-		layer.rules.height_falloff = 200.0;
+		layer.rules.max_height = 1000.0;
+		layer.rules.height_falloff = 800.0;
 		layer.rules.max_slope_degrees = 30.0;
 		layer.rules.slope_falloff_degrees = 20.0;
 	}
