@@ -82,9 +82,9 @@ TEST_CASE("density expression: numbers, inputs, operators and functions have the
 			{"smoothstep(900, 1000, 925)", 0.15625},
 			{"(slope < 30) * (height > 900) * 0.5", 0.5},
 	};
-	for (const auto &[text, expected] : cases) {
-		CAPTURE(text);
-		CHECK(value_of(text) == expected);
+	for (const std::pair<const char *, double> &each : cases) {
+		CAPTURE(each.first);
+		CHECK(value_of(each.first) == each.second);
 	}
 	CHECK(std::isnan(value_of("sqrt(water_depth)")));
 	CHECK(std::isinf(value_of("1 / (slope - 20)")));
