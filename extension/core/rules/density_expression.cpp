@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <span>
+#include <utility>
 
 namespace thicket {
 
@@ -145,55 +147,40 @@ private:
 		}
 	}
 
-	bool comparison() {
-		if (!sum()) {
-			return false;
-		}
-		// Longer symbols first, because they begin with the shorter ones.
-		constexpr std::array<std::pair<std::string_view, Operation>, 4> symbols{{{"<=", Operation::less_or_equal},
-				{">=", Operation::greater_or_equal}, {"<", Operation::less}, {">", Operation::greater}}};
-		for (const auto &[symbol, operation] : symbols) {
-			if (take(symbol)) {
-				if (!sum()) {
-					return false;
-				}
-				apply(operation, 2);
-				return true;
+	using Symbol = std::pair<std::string_view, Operation>;
+
+	/// Parses operands and the operators between them, at most `most_operators`. Operators apply from
+	/// left to right. If a symbol begins with another one, it must come first.
+	bool operations(std::span<const Symbol> symbols, bool (ExpressionParser::*operand)(),
+			std::size_t most_operators = max_expression_length) {
+		bool is_parsed = (this->*operand)();
+		for (std::size_t count = 0; is_parsed && count < most_operators; ++count) {
+			const auto symbol = std::ranges::find_if(symbols, [this](const Symbol &each) { return take(each.first); });
+			if (symbol == symbols.end()) {
+				break;
+			}
+			is_parsed = (this->*operand)();
+			if (is_parsed) {
+				apply(symbol->second, 2);
 			}
 		}
-		return true;
+		return is_parsed;
+	}
+
+	bool comparison() {
+		constexpr std::array<Symbol, 4> symbols{{{"<=", Operation::less_or_equal}, {">=", Operation::greater_or_equal},
+				{"<", Operation::less}, {">", Operation::greater}}};
+		return operations(symbols, &ExpressionParser::sum, 1);
 	}
 
 	bool sum() {
-		if (!product()) {
-			return false;
-		}
-		for (;;) {
-			const bool adds = take("+");
-			if (!adds && !take("-")) {
-				return true;
-			}
-			if (!product()) {
-				return false;
-			}
-			apply(adds ? Operation::add : Operation::subtract, 2);
-		}
+		constexpr std::array<Symbol, 2> symbols{{{"+", Operation::add}, {"-", Operation::subtract}}};
+		return operations(symbols, &ExpressionParser::product);
 	}
 
 	bool product() {
-		if (!factor()) {
-			return false;
-		}
-		for (;;) {
-			const bool multiplies = take("*");
-			if (!multiplies && !take("/")) {
-				return true;
-			}
-			if (!factor()) {
-				return false;
-			}
-			apply(multiplies ? Operation::multiply : Operation::divide, 2);
-		}
+		constexpr std::array<Symbol, 2> symbols{{{"*", Operation::multiply}, {"/", Operation::divide}}};
+		return operations(symbols, &ExpressionParser::factor);
 	}
 
 	bool factor() {
