@@ -13,6 +13,7 @@ func _ready() -> void:
 	print("children of the scatter: %d" % children)
 	var limit: int = scatter.preview_instances
 	scatter.preview_instances = 1000
+	await shown(scatter)
 	var maximum := 0
 	for frame in 30:
 		await get_tree().process_frame
