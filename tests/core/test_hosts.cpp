@@ -23,6 +23,7 @@
 #include <memory>
 #include <random>
 #include <set>
+#include <span>
 #include <vector>
 
 using namespace thicket;
@@ -46,6 +47,24 @@ public:
 		return {};
 	}
 	double max_scale() const override { return placed.empty() ? 0.0 : 2.0; }
+};
+
+/// Ground that computes normals only if they are required.
+class SparingGround final : public Terrain {
+public:
+	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
+		return all_.sample(positions, r_ground);
+	}
+	Status sample_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
+		const Status status = sample(positions, r_ground);
+		for (Ground &ground : r_ground) {
+			ground.normal = {0.0f, 1.0f, 0.0f};
+		}
+		return status;
+	}
+
+private:
+	Heightfield all_ = hills();
 };
 
 /// Returns the models of a layer with two meshes: a sphere, and a smaller one away from the origin.
@@ -185,6 +204,20 @@ TEST_CASE("hosts: instances are on the models, apart from each other and without
 		}
 	}
 	CHECK(tested > 400);
+}
+
+TEST_CASE("hosts: models are aligned to the ground even if no rule needs its normals") {
+	const SparingGround ground;
+	LayerSettings host = boulders();
+	host.rules = {};
+	host.placement.align_to_normal = 1.0;
+	host.placement.offset_along_normal = 2.0;
+	const AllPlaced hosts = placed_in(host, ground, wider);
+	const AllPlaced placed = placed_in(moss_on(host), ground, area);
+	REQUIRE(placed.size() > 3000);
+	for (const auto &[id, each] : placed) {
+		CHECK(distance_to(hosts, each.position) < 0.06);
+	}
 }
 
 TEST_CASE("hosts: tiles of any size contain the same instances, bit for bit") {

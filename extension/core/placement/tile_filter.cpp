@@ -252,7 +252,8 @@ void TileFilter::add_queries(std::vector<glm::dvec2> &r_positions, std::vector<G
 		if (progress_[i] == Progress::waiting || step_of_[i] != step_) {
 			continue;
 		}
-		const bool normals = i + 1 == size() && queries_normals_;
+		const LayerGraph::Node &node = graph_.nodes()[i];
+		const bool normals = i + 1 == size() ? queries_normals_ : node.is_host && follows_normals(*node.layer);
 		layer(i).add_queries(normals, r_positions, r_queries);
 	}
 }
