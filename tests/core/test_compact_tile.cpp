@@ -53,7 +53,11 @@ std::vector<Case> cases() {
 	result.push_back({"with random colors", layer, 20.0});
 	layer.instance_data.color.kind = SourceKind::slope;
 	layer.instance_data.color.max = 45.0;
-	result.push_back({"with colors of the slope", layer, 28.0});
+	result.push_back({"with colors of the slope", layer, 24.0});
+	layer.instance_data.scale.kind = SourceKind::height;
+	layer.instance_data.scale.max = 60.0;
+	result.push_back({"with colors of the slope and scales of the height", layer, 28.0});
+	layer.instance_data.scale = {};
 	layer.placement.align_to_normal = 0.3;
 	layer.instance_data.variation.kind = SourceKind::height;
 	layer.instance_data.variation.max = 60.0;

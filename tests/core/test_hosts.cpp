@@ -8,6 +8,7 @@
 #include "core/terrain/flat_terrain.hpp"
 #include "counted_threads.hpp"
 #include "placement_fixture.hpp"
+#include "sources_fixture.hpp"
 #include "surface_fixture.hpp"
 #include "tile_fixture.hpp"
 
@@ -220,6 +221,29 @@ TEST_CASE("hosts: models are aligned to the ground even if no rule needs its nor
 	}
 }
 
+TEST_CASE("hosts: the scales of models may depend on height, slope, or the distance to another layer") {
+	const SparingGround ground;
+	for (const SourceKind kind : {SourceKind::height, SourceKind::slope, SourceKind::distance}) {
+		CAPTURE(static_cast<int>(kind));
+		LayerSettings host = boulders();
+		host.rules = {};
+		host.placement.min_scale = 0.3;
+		host.instance_data.scale = {source_of(kind)};
+		const AllPlaced hosts = placed_in(host, ground, wider);
+		const LayerSettings moss = moss_on(host);
+		const AllPlaced whole = placed_in(moss, ground, area);
+		REQUIRE(whole.size() > 1000);
+		for (const auto &[id, each] : whole) {
+			CHECK(distance_to(hosts, each.position) < 0.06);
+		}
+		AllPlaced together;
+		for (double z = 0.0; z < 64.0; z += 16.0) {
+			together.merge(placed_in(moss, ground, {{-32.0, z}, {32.0, z + 16.0}}));
+		}
+		CHECK(ids_of(together) == ids_of(whole));
+	}
+}
+
 TEST_CASE("hosts: tiles of any size contain the same instances, bit for bit") {
 	const Heightfield ground = hills();
 	const LayerSettings moss = moss_on(boulders());
@@ -393,7 +417,7 @@ TEST_CASE("hosts: edits of a host and of its instances reach the layers on it") 
 	CHECK_FALSE(area_of_felled.touches({{16.0 + 2.0 * distance, 12.0}, {40.0, 13.0}}));
 	CHECK(distance < 9.0);
 	CHECK(find(with_changes(moss, changes), {{4, felled}}).empty());
-	for (int change = 0; change < 4; ++change) {
+	for (int change = 0; change < 5; ++change) {
 		LayerSettings host = boulders();
 		LayerSettings after = moss;
 		if (change == 0) {
@@ -402,6 +426,8 @@ TEST_CASE("hosts: edits of a host and of its instances reach the layers on it") 
 			host.mesh_weights = {1.0f, 1.0f};
 		} else if (change == 2) {
 			host.set.seed = 1;
+		} else if (change == 3) {
+			host.instance_data.scale = {source_of(SourceKind::height)};
 		} else {
 			after.hosts[0].models = two_models();
 		}

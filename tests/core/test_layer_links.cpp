@@ -159,17 +159,19 @@ TEST_CASE("links: layers are found by index and by identity, and the larger of t
 	CHECK(problems(layers, 2, "the layer itself") == 1);
 }
 
-TEST_CASE("links: the layers on which colors and variations depend are earlier ones, and not neighbors") {
+TEST_CASE("links: the layers on which colors, variations and scales depend are earlier ones, and not neighbors") {
 	std::vector<NamedLayer> layers{layer_named("oak"), layer_named("fern"), layer_named("moss")};
 	layers[0].color_layer = "moss";
 	layers[1].color_layer = "oak";
 	layers[1].variation_layer = "fern";
 	layers[2].variation_layer = "fern";
+	layers[2].scale_layer = "oak";
 	const std::vector<SharedLayer> result = linked(layers);
 	CHECK(result[0]->instance_data.color.layer == nullptr);
 	CHECK(result[1]->instance_data.color.layer == result[0]);
 	CHECK(result[1]->instance_data.variation.layer == nullptr);
 	CHECK(result[2]->instance_data.variation.layer == result[1]);
+	CHECK(result[2]->instance_data.scale.layer == result[0]);
 	CHECK(result[2]->neighbors.empty());
 	CHECK(linked(layers, result) == result);
 	CHECK(problems(layers, 0, "color_value.layer is \"moss\", which is not before") == 1);

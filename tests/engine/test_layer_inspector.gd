@@ -33,7 +33,7 @@ func test_important_properties_come_first() -> void:
 func test_properties_without_effect_are_hidden() -> void:
 	var uses := {
 		"mesh_weights": ["meshes", [BoxMesh.new(), SphereMesh.new()] as Array[Mesh]],
-		"scale_curve": ["max_scale", 2.0], "noise_curve": ["noise", FastNoiseLite.new()],
+		"scale_curve": ["max_scale", 2.0], "scale_value": ["max_scale", 2.0], "noise_curve": ["noise", FastNoiseLite.new()],
 		"mask_texture_rect": ["mask_texture", GradientTexture2D.new()], "mask_texture_edge": ["mask_texture", GradientTexture2D.new()],
 		"mask_texture_channel": ["mask_texture", GradientTexture2D.new()], "clump_coverage": ["clump_size", 9.0],
 		"clump_softness": ["clump_size", 9.0], "surface_layers": ["on_surfaces", true], "proximity_distance": ["proximity_layer", "Oaks"],
@@ -116,7 +116,7 @@ func test_groups_and_units() -> void:
 			["slope_falloff_degrees", "Rules/Slope"], ["ground_textures", "Rules/Ground"], ["noise_curve", "Rules/Noise"],
 			["mask", "Rules/Mask"], ["mask_texture_edge", "Rules/Mask"], ["clump_size", "Rules/Clumping"],
 			["edge_feather", "Rules/Edge"], ["spacing", "Other Layers/"], ["spacing_fills", "Other Layers/"], ["proximity_curve", "Other Layers/Proximity"],
-			["scale_curve", "Placement/"], ["offset_along_normal", "Placement/"], ["use_colors", "Drawing/"],
+			["scale_curve", "Placement/"], ["scale_value", "Placement/"], ["offset_along_normal", "Placement/"], ["use_colors", "Drawing/"],
 			["color_value", "Drawing/"], ["use_custom_data", "Drawing/"], ["variation_value", "Drawing/"],
 			["instance_radius", "Gameplay/"], ["regrowth_time", "Gameplay/"], ["collision_shape", "Gameplay/Collision"],
 			["physics_material", "Gameplay/Collision"], ["scene", "Gameplay/Scene"], ["scene_distance", "Gameplay/Scene"],

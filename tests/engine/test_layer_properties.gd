@@ -8,7 +8,7 @@ const PROPERTIES: Array[StringName] = [
 	&"density_expression", &"density_over_height", &"density_over_slope", &"ground_textures", &"noise", &"noise_curve", &"mask",
 	&"mask_texture", &"mask_texture_rect", &"mask_texture_channel", &"mask_texture_edge", &"clump_size",
 	&"clump_coverage", &"clump_softness", &"edge_feather", &"proximity_layer", &"proximity_distance",
-	&"proximity_curve", &"scale_curve", &"min_tilt_degrees", &"max_tilt_degrees", &"offset_along_normal", &"use_colors",
+	&"proximity_curve", &"scale_curve", &"scale_value", &"min_tilt_degrees", &"max_tilt_degrees", &"offset_along_normal", &"use_colors",
 	&"color_value", &"variation_value", &"use_custom_data", &"layer_id",
 	&"instance_radius", &"instance_height", &"regrowth_time", &"collision_shape", &"collision_distance",
 	&"collision_layer", &"collision_mask", &"physics_material", &"affect_navigation_mesh", &"scene", &"scene_distance",
@@ -21,6 +21,7 @@ var sources := {
 	"mask": ["ScatterMask", "background", 0.5], "mask_texture": ["GradientTexture2D", "width", 16],
 	"proximity_curve": ["Curve", "max_domain", 9.0], "scale_curve": ["Curve", "max_domain", 2.0],
 	"color_value": ["ScatterValueSource", "max_value", 0.5], "variation_value": ["ScatterValueSource", "randomness", 0.5],
+	"scale_value": ["ScatterValueSource", "min_value", -0.5],
 	"physics_material": ["PhysicsMaterial", "friction", 0.25],
 }
 
@@ -54,6 +55,9 @@ func full_layer() -> ScatterLayer:
 	layer.proximity_distance = 12.0
 	layer.proximity_curve = make_line(Vector2(0, 1), Vector2(12, 0))
 	layer.scale_curve = make_line(Vector2(0, 0), Vector2(1, 1))
+	layer.scale_value = ScatterValueSource.new()
+	layer.scale_value.source = ScatterValueSource.SOURCE_SLOPE
+	layer.scale_value.max_value = 60.0
 	layer.min_tilt_degrees = 5.0
 	layer.max_tilt_degrees = 15.0
 	layer.offset_along_normal = -0.25
@@ -380,6 +384,10 @@ func test_warnings() -> void:
 	check_warning(func(layer: ScatterLayer) -> void: layer.spacing = {7: 2.0}, "layer 7, which is not in the list")
 	check_warning(func(layer: ScatterLayer) -> void: layer.proximity_curve = make_line(Vector2(0, 1), Vector2(9, 0)), "names no layer")
 	check_warning(func(layer: ScatterLayer) -> void: layer.scale_curve = make_line(Vector2(0, 0), Vector2(1, 1)), "scale_curve has no effect")
+	check_warning(func(layer: ScatterLayer) -> void: layer.scale_value = value_of(ScatterValueSource.SOURCE_RANK), "scale_value has no effect because min_scale equals max_scale")
+	check_warning(func(layer: ScatterLayer) -> void:
+		layer.max_scale = 2.0
+		layer.scale_value = value_of(ScatterValueSource.SOURCE_HEIGHT), "scale_value still has the default range")
 	check_warning(func(layer: ScatterLayer) -> void: layer.max_tilt_degrees = 20.0, "")
 	check_gameplay_warnings()
 	check_warning(func(layer: ScatterLayer) -> void: layer.min_tilt_degrees = 20.0, "max_tilt_degrees must be at least 20")

@@ -34,6 +34,7 @@ var changes := {
 	"spacing": [{"Oaks": 2.0} as Dictionary[String, float], MADE], "proximity_layer": ["", MADE],
 	"proximity_distance": [30.0, MADE], "proximity_curve": [make_line(Vector2(0, 1), Vector2(25, 0.5)), MADE],
 	"min_scale": [0.5, MADE], "max_scale": [3.0, MADE], "scale_curve": [make_line(Vector2(0, 0), Vector2(1, 1)), MADE],
+	"scale_value": [value_of(ScatterValueSource.SOURCE_RANK), MADE],
 	"min_yaw_degrees": [-5.0, MADE], "max_yaw_degrees": [90.0, MADE],
 	"min_tilt_degrees": [1.0, MADE], "max_tilt_degrees": [9.0, MADE], "align_to_normal": [0.5, MADE],
 	"height_offset": [0.5, MADE], "offset_along_normal": [0.25, MADE],

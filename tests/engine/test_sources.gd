@@ -115,6 +115,52 @@ func test_sources_of_the_ground_and_of_ranks() -> void:
 	check_shares(seen(scatter, 0), func(one: Seen) -> float: return (one.custom.b - 0.25) / 0.75, "rank", 1e-3)
 
 
+## Scales depend on the ground and on other layers, follow edits, and are also the scales that queries and custom data report.
+func test_scale_value() -> void:
+	var oak := named_layer("oak", 1, 9.0)
+	var fern := make_colored()
+	fern.min_scale = 0.5
+	fern.max_scale = 2.5
+	fern.height_offset = 0.0
+	var value := ScatterValueSource.new()
+	value.source = ScatterValueSource.SOURCE_HEIGHT
+	value.min_value = -3.0
+	value.max_value = 20.0
+	fern.scale_value = value
+	var scatter := make_scatter([oak, fern], Banks.new(), make_viewer())
+	await settle(scatter)
+	var scale_at := func(one: Seen) -> float: return 0.5 + 2.0 * clampf((one.place.y + 3.0) / 23.0, 0.0, 1.0)
+	var wrong := seen(scatter, 1).values().filter(func(one: Seen) -> bool: return absf(one.custom.a - scale_at.call(one)) > 2e-3)
+	check_equal(wrong.size(), 0, "instances whose scale does not match the height")
+	check(seen(scatter, 1).size() > 300, "%d instances" % seen(scatter, 1).size())
+	var nearest: ScatterInstance = scatter.query_nearest(Vector3.ZERO, 20.0, fern)
+	var expected: float = seen(scatter, 1)[nearest.id].custom.a
+	check(absf(nearest.transform.basis.get_scale().y - expected) < 2e-3, "a query reports the scale %f: %s" % [expected, nearest.transform])
+	value.max_value = 60.0
+	await settle(scatter)
+	scale_at = func(one: Seen) -> float: return 0.5 + 2.0 * clampf((one.place.y + 3.0) / 63.0, 0.0, 1.0)
+	wrong = seen(scatter, 1).values().filter(func(one: Seen) -> bool: return absf(one.custom.a - scale_at.call(one)) > 2e-3)
+	check_equal(wrong.size(), 0, "instances whose scale does not match the height after an edit")
+	value.source = ScatterValueSource.SOURCE_DISTANCE
+	value.layer = "oak"
+	value.min_value = 0.0
+	value.max_value = 8.0
+	await settle(scatter)
+	var oaks := map_positions(scatter, 0)
+	wrong = seen(scatter, 1).values().filter(func(one: Seen) -> bool:
+		if Vector2(one.place.x, one.place.z).length() > 40.0:
+			return false
+		var away := 8.0
+		for place in oaks:
+			away = minf(away, place.distance_to(Vector2(one.place.x, one.place.z)))
+		return absf(one.custom.a - (0.5 + 2.0 * away / 8.0)) > 5e-3)
+	check_equal(wrong.size(), 0, "instances whose scale does not match the distance to oaks")
+	oak.resource_name = "elm"
+	await settle(scatter)
+	check_equal(value.layer, "elm", "the reference refers to the renamed layer")
+	check_equal(scatter.get_problems(), PackedStringArray(), "problems")
+
+
 func test_noise() -> void:
 	var layer := make_colored()
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())

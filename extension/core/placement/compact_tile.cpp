@@ -10,6 +10,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 namespace thicket {
@@ -37,7 +38,7 @@ bool same_bits(const glm::vec3 &a, const glm::vec3 &b) {
 }
 
 bool same_bits(const SourceFractions &a, const SourceFractions &b) {
-	return same_bits(std::array{a.color, a.variation}, std::array{b.color, b.variation});
+	return same_bits(std::array{a.color, a.variation, a.scale}, std::array{b.color, b.variation, b.scale});
 }
 
 } // namespace
@@ -99,7 +100,16 @@ void CompactMesh::store_sources(const MeshInstances &mesh) {
 	if (needs_normals(*settings_)) {
 		normals_.assign(mesh.normals.begin(), mesh.normals.end());
 	}
-	fractions_.assign(mesh.fractions.begin(), mesh.fractions.end());
+	const auto store = [&mesh](bool is_known, float SourceFractions::*fraction, std::vector<float> &r_fractions) {
+		r_fractions.reserve(is_known ? mesh.fractions.size() : 0);
+		for (std::size_t i = 0; is_known && i < mesh.fractions.size(); ++i) {
+			r_fractions.push_back(mesh.fractions[i].*fraction);
+		}
+	};
+	const InstanceData &data = settings_->instance_data;
+	store(data.color_is_known(), &SourceFractions::color, color_fractions_);
+	store(data.variation_is_known(), &SourceFractions::variation, variation_fractions_);
+	store(data.scale_is_known(), &SourceFractions::scale, scale_fractions_);
 }
 
 CompactMesh::CompactMesh(const MeshInstances &first, const CompactMesh &base, std::span<const std::uint32_t> retained) :
@@ -133,7 +143,9 @@ CompactMesh::CompactMesh(const MeshInstances &first, const CompactMesh &base, st
 	};
 	choose(base.cells_, cells_);
 	choose(base.normals_, normals_);
-	choose(base.fractions_, fractions_);
+	choose(base.color_fractions_, color_fractions_);
+	choose(base.variation_fractions_, variation_fractions_);
+	choose(base.scale_fractions_, scale_fractions_);
 	measure(std::max(base.max_scale_, first.max_scale));
 }
 
@@ -191,11 +203,26 @@ glm::vec3 CompactMesh::normal_of(std::size_t source) const {
 	return {(signs & x_is_negative) != 0 ? -1.0f : 1.0f, 1.0f, (signs & z_is_negative) != 0 ? -1.0f : 1.0f};
 }
 
+SourceFractions CompactMesh::fractions_of(std::size_t source) const {
+	const auto at = [source](const std::vector<float> &fractions) {
+		return fractions.empty() ? unknown_fraction : fractions[source];
+	};
+	return {at(color_fractions_), at(variation_fractions_), at(scale_fractions_)};
+}
+
+/// Returns the number that selects the scale of a generated instance.
+double CompactMesh::scale_number_of(std::size_t i) const {
+	return scale_number(
+			settings_->instance_data.scale, settings_->set.seed, id(i), fractions_of(i - stored_count()).scale);
+}
+
 /// Writes the transform of a generated instance. Returns its scale.
 float CompactMesh::read_basis(std::size_t i, std::span<float, transform_floats> r_floats) const {
 	const glm::vec3 normal = normal_of(i - stored_count());
 	write_position(positions_[i], r_floats);
-	return write_basis(settings_->placement, settings_->set.seed, id(i), normal, r_floats, up_);
+	const ScaleSource &scale = settings_->instance_data.scale;
+	return write_basis(settings_->placement, settings_->set.seed, id(i), normal, r_floats, up_,
+			scale.used() ? std::optional(scale_number_of(i)) : std::nullopt);
 }
 
 void CompactMesh::read_transform(std::size_t i, std::span<float, transform_floats> r_floats) const {
@@ -216,24 +243,30 @@ void CompactMesh::read(std::size_t i, std::span<float> r_floats) const {
 
 /// Writes the data that follows the transform of a generated instance.
 void CompactMesh::read_instance_data(std::size_t i, float scale, std::span<float> r_floats) const {
-	const SourceFractions fractions = fractions_.empty() ? SourceFractions() : fractions_[i - stored_count()];
-	write_instance_data(settings_->instance_data, settings_->set.seed, id(i), ranks_[i], scale, r_floats, fractions);
+	write_instance_data(settings_->instance_data, settings_->set.seed, id(i), ranks_[i], scale, r_floats,
+			fractions_of(i - stored_count()));
 }
 
 /// Reads many instances in batches. `index_of(n)` returns the index of the n-th one.
 template <class IndexOf>
 void CompactMesh::read_many(std::size_t count, const IndexOf &index_of, std::span<float> r_floats) const {
 	TransformBatch batch;
+	std::array<double, TransformBatch::capacity> scale_numbers;
+	const bool uses_scale_numbers = settings_ != nullptr && settings_->instance_data.scale.used();
 	for (std::size_t first = 0; first < count;) {
 		std::size_t end = first;
 		for (batch.count = 0; end < count && batch.count < TransformBatch::capacity; ++end) {
 			const std::size_t i = index_of(end);
 			if (i >= stored_count()) {
+				if (uses_scale_numbers) {
+					scale_numbers[batch.count] = scale_number_of(i);
+				}
 				batch.add(id(i), normal_of(i - stored_count()), positions_[i]);
 			}
 		}
 		if (batch.count > 0) {
-			batch.make(settings_->placement, settings_->set.seed, up_);
+			batch.make(settings_->placement, settings_->set.seed, up_,
+					std::span(scale_numbers).first(uses_scale_numbers ? batch.count : 0));
 		}
 		for (std::size_t computed = 0; first < end; ++first) {
 			const std::size_t i = index_of(first);
@@ -269,13 +302,13 @@ bool CompactMesh::same(std::size_t i, const CompactMesh &other, std::size_t j) c
 	const std::size_t b = j - other.stored_count();
 	return settings_ == other.settings_ && ranks_[i] == other.ranks_[j] &&
 			same_bits(positions_[i], other.positions_[j]) && same_bits(normal_of(a), other.normal_of(b)) &&
-			fractions_.empty() == other.fractions_.empty() &&
-			(fractions_.empty() || same_bits(fractions_[a], other.fractions_[b]));
+			same_bits(fractions_of(a), other.fractions_of(b));
 }
 
 std::size_t CompactMesh::bytes() const {
-	return bytes_of(positions_) + bytes_of(ranks_) + bytes_of(cells_) + bytes_of(normals_) + bytes_of(fractions_) +
-			bytes_of(ids_) + bytes_of(floats_);
+	return bytes_of(positions_) + bytes_of(ranks_) + bytes_of(cells_) + bytes_of(normals_) +
+			bytes_of(color_fractions_) + bytes_of(variation_fractions_) + bytes_of(scale_fractions_) + bytes_of(ids_) +
+			bytes_of(floats_);
 }
 
 CompactTile::CompactTile(const TileInstances &tile, const std::shared_ptr<const LayerSettings> &settings) :

@@ -18,8 +18,8 @@ namespace thicket {
 /// stores the data from which the floats are computed, and reproduces the floats of the original
 /// MeshInstances bit for bit, in the same order.
 ///
-/// An instance takes 20 bytes, 12 more if its layer is aligned to the ground, and 8 more if its
-/// color or variation depends on a source. Hand-placed instances come first and are stored as
+/// An instance takes 20 bytes, 12 more if its layer is aligned to the ground, and 4 more for
+/// each of color, variation and scale that depends on a source. Hand-placed instances come first and are stored as
 /// floats.
 class CompactMesh {
 public:
@@ -88,6 +88,8 @@ private:
 	void store_sources(const MeshInstances &mesh);
 	void measure(float max_scale);
 	glm::vec3 normal_of(std::size_t source) const;
+	SourceFractions fractions_of(std::size_t source) const;
+	double scale_number_of(std::size_t i) const;
 	float read_basis(std::size_t i, std::span<float, transform_floats> r_floats) const;
 	void read_instance_data(std::size_t i, float scale, std::span<float> r_floats) const;
 	template <class IndexOf>
@@ -108,7 +110,10 @@ private:
 	UnfilledVector<std::uint32_t> cells_;
 	/// Empty if the layer is upright, because the signs in `cells_` suffice.
 	std::vector<glm::vec3> normals_;
-	std::vector<SourceFractions> fractions_; ///< Empty if the layer has no known source.
+	// The fractions of SourceFractions. A list is empty if its source is not known.
+	std::vector<float> color_fractions_;
+	std::vector<float> variation_fractions_;
+	std::vector<float> scale_fractions_;
 
 	// Ids of the instances that are stored as floats. These instances come before all generated
 	// ones.

@@ -5,6 +5,7 @@
 #include <glm/common.hpp>
 
 #include <array>
+#include <optional>
 
 namespace thicket {
 
@@ -12,14 +13,21 @@ namespace {
 
 /// Returns the instance at a point, without its mesh. The transform equals the one from
 /// InstanceWriter, but is in doubles and in world space, so that it does not depend on the tile.
-HostInstance instance_at(const LayerSettings &host, std::uint64_t id, glm::dvec2 position, const Ground &ground) {
+HostInstance instance_at(const LayerSettings &host, const PlacedPoints &points, std::uint32_t point) {
 	const Placement &placement = host.placement;
+	const ScaleSource &scale = host.instance_data.scale;
+	const std::uint64_t id = points.ids[point];
+	const glm::dvec2 position = points.positions[point];
+	const Ground &ground = points.ground[point];
 	const glm::dvec3 on_ground(position.x, ground.height, position.y);
 	HostInstance instance{.id = id, .mesh = 0, .position = {}, .basis = glm::dmat3(1.0)};
 	instance.position = host.planet.above(on_ground, placement.height_offset) +
 			placement.offset_along_normal * glm::dvec3(ground.normal);
 	std::array<float, transform_floats> floats{};
-	write_basis(placement, host.set.seed, id, ground.normal, floats, UpField(host.planet, instance.position));
+	const std::optional<double> number = scale.used()
+			? std::optional(scale_number(scale, host.set.seed, id, points.fractions_of(point).scale))
+			: std::nullopt;
+	write_basis(placement, host.set.seed, id, ground.normal, floats, UpField(host.planet, instance.position), number);
 	for (int row = 0; row < 3; ++row) {
 		for (int column = 0; column < 3; ++column) {
 			instance.basis[column][row] = floats[static_cast<std::size_t>(4 * row + column)];
@@ -48,19 +56,17 @@ void HostCollector::add_part(const HostLayer &host, const HostInstance &instance
 	}
 }
 
-Status HostCollector::add(const HostLayer &host, const LayerFilter &filter, std::span<const Ground> ground) {
-	const std::span<const Ground> known = filter.ground_of(ground);
+Status HostCollector::add(const HostLayer &host, const PlacedPoints &points) {
 	const double reach = widest_reach_of(host);
 	const Rect near{around_.min - reach, around_.max + reach};
 	MeshChoice choice;
 	choice.set(host.layer->mesh_weights);
-	for (const std::uint32_t point : filter.accepted()) {
-		const glm::dvec2 position = filter.positions()[point];
-		const std::uint64_t id = filter.ids()[point];
-		if (!near.contains(position) || (host.changes != nullptr && host.changes->removed(id))) {
+	for (const std::uint32_t point : points.accepted) {
+		const std::uint64_t id = points.ids[point];
+		if (!near.contains(points.positions[point]) || (host.changes != nullptr && host.changes->removed(id))) {
 			continue;
 		}
-		HostInstance instance = instance_at(*host.layer, id, position, known[point]);
+		HostInstance instance = instance_at(*host.layer, points, point);
 		instance.mesh = choice.mesh_for(host.layer->set.seed, id);
 		add_part(host, instance);
 	}

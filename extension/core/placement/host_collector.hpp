@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/placement/layer_filter.hpp"
+#include "core/placement/instance_writer.hpp"
 #include "core/placement/placed_models.hpp"
 
 #include <memory>
@@ -17,9 +17,9 @@ public:
 	HostCollector(const LayerSettings &layer, const Rect &rect);
 
 	/// Adds the instances of one host. Call this function for each host, in the order of
-	/// LayerSettings::hosts. `filter` is the host's filter, after a call to LayerFilter::filter
-	/// with the same `ground`.
-	Status add(const HostLayer &host, const LayerFilter &filter, std::span<const Ground> ground);
+	/// LayerSettings::hosts. `points` are the points of the host's filter, with the fractions of
+	/// their scales.
+	Status add(const HostLayer &host, const PlacedPoints &points);
 
 	/// Sets `r_surface` to the surface of all instances, or to null if there are none. The models
 	/// in the settings must outlive it. Returns an error if there are more than

@@ -51,16 +51,18 @@ Status validate(const InstanceData &data) {
 	constexpr SourceNames color{"color_value.min_value", "color_value.max_value", "color_value.randomness"};
 	constexpr SourceNames variation{
 			"variation_value.min_value", "variation_value.max_value", "variation_value.randomness"};
-	return first_failure(data.colors != nullptr ? validate_colors(*data.colors) : Status{},
+	constexpr SourceNames scale{"scale_value.min_value", "scale_value.max_value", "scale_value.randomness"};
+	return first_failure(validate(data.scale, scale), data.colors != nullptr ? validate_colors(*data.colors) : Status{},
 			data.use_colors ? validate(data.color, color) : Status{},
 			data.use_custom_data ? validate(data.variation, variation) : Status{});
 }
 
-std::array<const InstanceSource *, 2> distance_sources(const InstanceData &data) {
+std::array<const InstanceSource *, 3> distance_sources(const InstanceData &data) {
 	const auto known_source = [](const InstanceSource &source, bool known) {
 		return known && source.kind == SourceKind::distance ? &source : nullptr;
 	};
-	return {known_source(data.color, data.color_is_known()), known_source(data.variation, data.variation_is_known())};
+	return {known_source(data.scale, data.scale_is_known()), known_source(data.color, data.color_is_known()),
+			known_source(data.variation, data.variation_is_known())};
 }
 
 SourceFractions fractions_by_hand(
@@ -90,6 +92,10 @@ void write_instance_data(const InstanceData &data, std::uint64_t seed, std::uint
 		const double variation = mixed(data.variation, fractions.variation, unit_interval(random[1]));
 		write_four({static_cast<float>(variation), unit_float(random[2]), unit_float(rank), scale}, r_floats);
 	}
+}
+
+double scale_number(const ScaleSource &source, std::uint64_t seed, std::uint64_t id, float fraction) {
+	return mixed(source, fraction, unit_interval(instance_random(seed, id, Draw::placement)[1]));
 }
 
 float rounded_to_half(float value) {

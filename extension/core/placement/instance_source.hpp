@@ -25,19 +25,18 @@ enum class SourceKind : std::uint8_t {
 };
 
 /// Determines a number from 0 to 1 for an instance's appearance. The number is either random, or
-/// comes from a quantity at the instance, as a fraction of a range. This fraction is called the
-/// share.
+/// comes from a quantity at the instance, as a fraction of a range.
 struct InstanceSource {
 	SourceKind kind = SourceKind::random;
 
-	/// The range of the quantity. The share is 0 up to `min`, 1 from `max` on, and linear in
+	/// The range of the quantity. The fraction is 0 up to `min`, 1 from `max` on, and linear in
 	/// between; if both are equal, it jumps from 0 to 1. |min| and |max| are at most
 	/// max_source_value. For a distance, `max` is also the search radius, above 0 and at most
 	/// max_source_distance.
 	double min = 0.0;
 	double max = 1.0;
 
-	/// Fraction of randomness in the number: 0 uses only the share, 1 is entirely random.
+	/// Part of randomness in the number: 0 uses only the fraction, 1 is entirely random.
 	double randomness = 0.0;
 	std::shared_ptr<const CurveTable> curve{};    ///< Maps the number to the final one; null for no change.
 	std::shared_ptr<const DensityField> noise{};  ///< Used by SourceKind::noise.

@@ -48,15 +48,12 @@ void write_instance(const LayerSettings &layer, const PlacedPoints &points, std:
 	r_mesh.ranks[at] = rank;
 	r_mesh.normals[at] = batch.normal(in_batch);
 	r_bounds.add({batch.position(in_batch), batch.position(in_batch), scale});
-	if (r_mesh.stride == transform_floats) {
-		// The layer has no data after the transform.
-		return;
-	}
-	const SourceFractions fractions = points.fractions_of(point_of(key));
-	write_instance_data(
-			layer.instance_data, layer.set.seed, id, rank, scale, floats.subspan(transform_floats), fractions);
 	if (!r_mesh.fractions.empty()) {
-		r_mesh.fractions[at] = fractions;
+		r_mesh.fractions[at] = points.fractions_of(point_of(key));
+	}
+	if (r_mesh.stride > transform_floats) {
+		write_instance_data(layer.instance_data, layer.set.seed, id, rank, scale, floats.subspan(transform_floats),
+				points.fractions_of(point_of(key)));
 	}
 }
 
@@ -135,6 +132,8 @@ void InstanceWriter::reserve_buffers(const InstanceData &data, std::vector<MeshI
 Status InstanceWriter::write_part(const LayerSettings &layer, const PlacedPoints &points, Part &r_part,
 		TileInstances &r_tile, const std::atomic<bool> *cancel) const {
 	TransformBatch batch;
+	std::array<double, TransformBatch::capacity> scale_numbers;
+	const ScaleSource &scale = layer.instance_data.scale;
 	const UpField up(layer.planet, r_tile.origin);
 	for (std::size_t first = 0; first < r_part.order.size(); first += TransformBatch::capacity) {
 		if (first % instances_per_check == 0 && is_cancelled(cancel)) {
@@ -146,7 +145,13 @@ Status InstanceWriter::write_part(const LayerSettings &layer, const PlacedPoints
 		for (const std::uint64_t key : keys) {
 			add_point(layer, points, point_of(key), r_tile.origin, batch);
 		}
-		batch.make(layer.placement, layer.set.seed, up);
+		if (scale.used()) {
+			std::ranges::transform(keys, scale_numbers.begin(), [&](std::uint64_t key) {
+				const std::uint32_t point = point_of(key);
+				return scale_number(scale, layer.set.seed, points.ids[point], points.fractions_of(point).scale);
+			});
+		}
+		batch.make(layer.placement, layer.set.seed, up, std::span(scale_numbers).first(scale.used() ? keys.size() : 0));
 		for (std::size_t i = 0; i < keys.size(); ++i) {
 			const std::size_t mesh = r_part.mesh_of[first + i];
 			write_instance(

@@ -33,10 +33,13 @@ struct PlacedPoints {
 	/// random.
 	std::span<const float> color_fractions{};
 	std::span<const float> variation_fractions{}; ///< Fractions for the variations, under the same conditions.
+	std::span<const float> scale_fractions{};     ///< Fractions for the scales, under the same conditions.
 
 	SourceFractions fractions_of(std::uint32_t point) const {
-		return {color_fractions.empty() ? unknown_fraction : color_fractions[point],
-				variation_fractions.empty() ? unknown_fraction : variation_fractions[point]};
+		const auto at = [point](std::span<const float> fractions) {
+			return fractions.empty() ? unknown_fraction : fractions[point];
+		};
+		return {at(color_fractions), at(variation_fractions), at(scale_fractions)};
 	}
 };
 

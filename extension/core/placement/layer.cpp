@@ -59,7 +59,7 @@ bool follows_normals(const LayerSettings &layer) {
 	const Placement &placement = layer.placement;
 	const InstanceData &data = layer.instance_data;
 	return placement.align_to_normal != 0.0 || placement.offset_along_normal != 0.0 ||
-			(data.color_is_known() && data.color.kind == SourceKind::slope) ||
+			data.scale.kind == SourceKind::slope || (data.color_is_known() && data.color.kind == SourceKind::slope) ||
 			(data.variation_is_known() && data.variation.kind == SourceKind::slope);
 }
 

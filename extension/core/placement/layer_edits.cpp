@@ -40,10 +40,24 @@ bool same_appearance(const LayerSettings &a, const LayerSettings &b) {
 		InstanceData result = data;
 		result.color.layer = nullptr;
 		result.variation.layer = nullptr;
+		result.scale.layer = nullptr;
 		return result;
 	};
 	return a.placement == b.placement && without_layers(a.instance_data) == without_layers(b.instance_data) &&
 			a.mesh_weights == b.mesh_weights;
+}
+
+/// Returns true if instances of both layers at the same point have the same model and transform,
+/// unless the instances of the scale source's layer differ.
+bool same_models(const LayerSettings &a, const LayerSettings &b) {
+	const auto without_layer = [](ScaleSource source) {
+		source.layer = nullptr;
+		return source;
+	};
+	const ScaleSource &scale_a = a.instance_data.scale;
+	const ScaleSource &scale_b = b.instance_data.scale;
+	return a.placement == b.placement && a.mesh_weights == b.mesh_weights && scale_a.known() == scale_b.known() &&
+			without_layer(scale_a) == without_layer(scale_b);
 }
 
 bool find_mask_edits(const PaintedMask *before, const PaintedMask *after, std::vector<Rect> &r_areas) {
@@ -171,9 +185,12 @@ EditedArea EditSearch::find_host_edits(const LayerSettings &before, const LayerS
 		const HostLayer &was = before.hosts[i];
 		const HostLayer &is = after.hosts[i];
 		const double distance = host_distance(after, std::max(widest_reach_of(was), widest_reach_of(is)));
-		area.everywhere = was.models != is.models || was.layer->placement != is.layer->placement ||
-				was.layer->mesh_weights != is.layer->mesh_weights;
+		area.everywhere = was.models != is.models || !same_models(*was.layer, *is.layer);
 		area.add(find_standing(*was.layer, *is.layer), distance);
+		const ScaleSource &scale = is.layer->instance_data.scale;
+		if (!area.everywhere && scale.kind == SourceKind::distance && scale.known()) {
+			area.add(find_standing(*was.layer->instance_data.scale.layer, *scale.layer), scale.max + distance);
+		}
 		const auto changes = host_edits_.find(is.layer->set.layer);
 		if (changes != host_edits_.end()) {
 			area.add(changes->second, distance);

@@ -19,10 +19,15 @@ Status check(const Neighbor &neighbor) {
 			check_range("neighbor distance", neighbor.distance, 0.0, max_neighbor_distance));
 }
 
-/// Returns the sources of a layer that depend on distances to other layers. Both are null at a depth
-/// above 0, because only the appearance of the layer itself matters.
-std::array<const InstanceSource *, 2> distance_sources_at(const LayerSettings &layer, std::size_t depth) {
-	return depth == 0 ? distance_sources(layer.instance_data) : std::array<const InstanceSource *, 2>{};
+/// Returns the sources of a layer that depend on distances to other layers; the others are null. At
+/// a depth above 0, only the source of the scale counts, because other layers may grow on the models
+/// of this one. Colors and variations matter only for the layer itself.
+std::array<const InstanceSource *, 3> distance_sources_at(const LayerSettings &layer, std::size_t depth) {
+	auto sources = distance_sources(layer.instance_data);
+	if (depth > 0) {
+		std::fill(sources.begin() + 1, sources.end(), nullptr);
+	}
+	return sources;
 }
 
 /// Return the layers that must be filtered in order to sample and filter a layer.
@@ -33,10 +38,15 @@ std::span<const HostLayer> hosts_of(const LayerGraph::Node &node) {
 	return node.is_cached ? std::span<const HostLayer>() : node.layer->hosts;
 }
 
+std::array<const InstanceSource *, 3> sources_of(const LayerGraph::Node &node) {
+	return node.is_cached && node.depth > 0 ? std::array<const InstanceSource *, 3>{}
+											: distance_sources_at(*node.layer, node.depth);
+}
+
 Status too_deep(std::size_t depth) {
 	return Status::out_of_range("depth of neighbors", depth,
 			at_most(max_neighbor_depth, "layers in a chain that refer to each other"),
-			"Remove spacing, proximity_layer, surface_layers or color_value from a layer of the chain");
+			"Remove spacing, proximity_layer, surface_layers, scale_value or color_value from a layer of the chain");
 }
 
 } // namespace
@@ -139,7 +149,7 @@ void LayerGraph::find_margins() {
 			other.max_dependent_distance = std::max(other.max_dependent_distance, neighbor.distance);
 			other.needed_for_filling = other.is_filled_around = true;
 		}
-		for (const InstanceSource *source : distance_sources_at(*node.layer, node.depth)) {
+		for (const InstanceSource *source : sources_of(node)) {
 			if (source != nullptr) {
 				include(source->layer.get(), source->max);
 			}
@@ -172,7 +182,7 @@ void LayerGraph::use_cache(Cached cached) {
 		for (const HostLayer &host : hosts_of(node)) {
 			needed[index_of(host.layer.get())] = true;
 		}
-		for (const InstanceSource *source : distance_sources_at(*node.layer, node.depth)) {
+		for (const InstanceSource *source : sources_of(node)) {
 			if (source != nullptr) {
 				needed[index_of(source->layer.get())] = true;
 			}

@@ -32,6 +32,7 @@ struct Found {
 	std::size_t proximity_layer = 0; ///< Index, or the number of layers if there is none.
 	std::size_t color_layer = 0;     ///< Index of the color's layer, or the number of layers if there is none.
 	std::size_t variation_layer = 0; ///< Index of the variation's layer, or the number of layers if there is none.
+	std::size_t scale_layer = 0;     ///< Index of the scale's layer, or the number of layers if there is none.
 	/// Indices of the surface layers. Contains the number of layers if a layer is unknown.
 	std::set<std::size_t> hosts;
 };
@@ -44,6 +45,7 @@ std::vector<Found> find_all(Links layers) {
 			found.proximity_layer = find(layers, layer->proximity_layer);
 			found.color_layer = find(layers, layer->color_layer);
 			found.variation_layer = find(layers, layer->variation_layer);
+			found.scale_layer = find(layers, layer->scale_layer);
 			for (const LayerReference &reference : layer->surface_layers) {
 				found.hosts.insert(find(layers, reference));
 			}
@@ -180,6 +182,7 @@ std::vector<LinkedLayer> link_layers(
 		settings.hosts = settings.hosted ? hosts(layers, found[i], earlier) : std::vector<HostLayer>();
 		settings.instance_data.color.layer = layer_at(earlier, found[i].color_layer);
 		settings.instance_data.variation.layer = layer_at(earlier, found[i].variation_layer);
+		settings.instance_data.scale.layer = layer_at(earlier, found[i].scale_layer);
 		out.status = validate(settings);
 		if (out.status.ok() && check) {
 			out.status = check(settings, i);
@@ -226,6 +229,7 @@ std::vector<std::string> name_problems(Links layers, std::size_t index) {
 	check_earlier("proximity_layer", layer.proximity_layer);
 	check_earlier("color_value.layer", layer.color_layer);
 	check_earlier("variation_value.layer", layer.variation_layer);
+	check_earlier("scale_value.layer", layer.scale_layer);
 	for (const LayerReference &reference : layer.surface_layers) {
 		check_earlier("surface_layers", reference);
 	}

@@ -54,6 +54,7 @@ struct LayerLinks {
 	/// must be earlier in the list to have an effect.
 	LayerReference color_layer;
 	LayerReference variation_layer;
+	LayerReference scale_layer;
 
 	/// The layers on whose models this layer grows, if it is on surfaces. Entries have an effect
 	/// only if they refer to layers earlier in the list. If the list is empty, the layer grows on

@@ -77,9 +77,9 @@ glm::dvec3 leaning_axis(const Placement &placement, double tilt, double directio
 	return {lean.sine * towards.cosine, lean.cosine, lean.sine * towards.sine};
 }
 
-/// Returns the scale for a random number from 0 to 1.
-double scale_at(const Placement &placement, double random) {
-	const double fraction = placement.scale_curve == nullptr ? random : placement.scale_curve->at(random);
+/// Returns the scale for a number from 0 to 1.
+double scale_at(const Placement &placement, double number) {
+	const double fraction = placement.scale_curve == nullptr ? number : placement.scale_curve->at(number);
 	return mix(placement.min_scale, placement.max_scale, fraction);
 }
 
@@ -113,10 +113,10 @@ Status validate(const Placement &placement) {
 }
 
 float write_basis(const Placement &placement, std::uint64_t seed, std::uint64_t id, glm::vec3 normal,
-		std::span<float, transform_floats> r_transform, const UpField &up_field) {
+		std::span<float, transform_floats> r_transform, const UpField &up_field, std::optional<double> scale_number) {
 	const auto random = instance_random(seed, id, Draw::placement);
 	const double yaw = mix(placement.min_yaw_degrees, placement.max_yaw_degrees, unit_interval(random[0]));
-	const double scale = scale_at(placement, unit_interval(random[1]));
+	const double scale = scale_at(placement, scale_number.value_or(unit_interval(random[1])));
 	const Rotation rotation = rotation_by(yaw / 360.0);
 	const double align = placement.align_to_normal;
 	const glm::vec3 position{r_transform[3], r_transform[7], r_transform[11]};

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 namespace thicket {
@@ -44,8 +45,8 @@ struct Placement {
 	/// slope, this also moves the instance sideways from its point.
 	double offset_along_normal = 0.0;
 
-	/// Maps a uniform random number to a fraction of the range from min_scale to max_scale. If
-	/// null, all scales are equally likely. Comparison is by address, not by content.
+	/// Maps the number that selects the scale to a fraction of the range from min_scale to
+	/// max_scale. If null, the number is the fraction. Comparison is by address, not by content.
 	std::shared_ptr<const CurveTable> scale_curve{};
 
 	friend bool operator==(const Placement &, const Placement &) = default;
@@ -88,8 +89,10 @@ inline constexpr double no_direction = 1e-12;
 /// are the shortest rotations to their direction, except for an instance that hangs. Up to
 /// rounding, the basis is a rotation with a uniform scale. `normal` must be of unit length, and
 /// `placement` must be valid. On a planet, the position in `r_transform` must already be written.
+/// The scale is selected by `scale_number` (see InstanceData::scale), or by a random number.
 float write_basis(const Placement &placement, std::uint64_t seed, std::uint64_t id, glm::vec3 normal,
-		std::span<float, transform_floats> r_transform, const UpField &up = {});
+		std::span<float, transform_floats> r_transform, const UpField &up = {},
+		std::optional<double> scale_number = std::nullopt);
 
 /// Writes only the position of a transform.
 inline void write_position(glm::vec3 position, std::span<float, transform_floats> r_transform) {

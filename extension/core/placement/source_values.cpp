@@ -28,13 +28,13 @@ std::span<const float> SourceValues::heights_of(const PlacedPoints &points, std:
 }
 
 /// Evaluates the source at the kept points from index `first` on, one for each entry of `r_values`.
-Status SourceValues::measure(const InstanceSource &source, const TileFilter &filter, const PlacedPoints &points,
+Status SourceValues::measure(const InstanceSource &source, const Layer &layer, const PlacedPoints &points,
 		std::size_t first, std::span<double> r_values) {
 	const auto accepted = points.accepted.subspan(first, r_values.size());
 	const auto each = [&](const auto &value_of) {
 		std::transform(accepted.begin(), accepted.end(), r_values.begin(), value_of);
 	};
-	const Planet &planet = filter.own().settings().planet;
+	const Planet &planet = layer.own.settings().planet;
 	const auto ground_of = [&](std::uint32_t point) {
 		const Ground &ground = points.ground[point];
 		return planet.exists() ? on_planet(planet, points.positions[point], ground) : ground;
@@ -51,10 +51,10 @@ Status SourceValues::measure(const InstanceSource &source, const TileFilter &fil
 					r_values.begin(), unit_interval);
 			break;
 		case SourceKind::distance: {
-			const LayerFilter &other = filter.layer_of(source.layer.get());
+			const LayerFilter &other = layer.all.layer_of(source.layer.get());
 			each([&](std::uint32_t point) {
 				return std::sqrt(
-						filter.own().nearest_squared(other, points.positions[point], points.ground[point], source.max));
+						layer.own.nearest_squared(other, points.positions[point], points.ground[point], source.max));
 			});
 			break;
 		}
@@ -64,7 +64,7 @@ Status SourceValues::measure(const InstanceSource &source, const TileFilter &fil
 			std::transform(accepted.begin(), accepted.end(), positions_.begin(),
 					[&](std::uint32_t point) { return points.positions[point]; });
 			PositionBatch batch{positions_};
-			if (filter.own().settings().set.on_surface) {
+			if (layer.own.settings().set.on_surface) {
 				batch.heights = heights_of(points, accepted);
 			}
 			const Status status = source.noise->sample_at(batch, noise_);
@@ -75,7 +75,7 @@ Status SourceValues::measure(const InstanceSource &source, const TileFilter &fil
 	return {};
 }
 
-Status SourceValues::find(const InstanceSource &source, const TileFilter &filter, const PlacedPoints &points,
+Status SourceValues::find(const InstanceSource &source, const Layer &layer, const PlacedPoints &points,
 		const std::atomic<bool> *cancel, std::vector<float> &r_fractions) {
 	r_fractions.resize(points.positions.size());
 	for (std::size_t first = 0; first < points.accepted.size(); first += values_per_check) {
@@ -83,7 +83,7 @@ Status SourceValues::find(const InstanceSource &source, const TileFilter &filter
 			return {ErrorCode::cancelled, "tile", 0.0};
 		}
 		values_.resize(std::min(values_per_check, points.accepted.size() - first));
-		if (const Status status = measure(source, filter, points, first, values_); !status.ok()) {
+		if (const Status status = measure(source, layer, points, first, values_); !status.ok()) {
 			return status;
 		}
 		for (std::size_t i = 0; i < values_.size(); ++i) {
@@ -94,16 +94,28 @@ Status SourceValues::find(const InstanceSource &source, const TileFilter &filter
 }
 
 Status SourceValues::find(const TileFilter &filter, PlacedPoints &r_points, const std::atomic<bool> *cancel) {
-	const InstanceData &data = filter.own().settings().instance_data;
-	Status status;
-	if (data.color_is_known()) {
-		status = find(data.color, filter, r_points, cancel, color_);
+	const Layer layer{filter, filter.own()};
+	const InstanceData &data = layer.own.settings().instance_data;
+	Status status = find_scales(filter, layer.own, r_points, cancel);
+	if (status.ok() && data.color_is_known()) {
+		status = find(data.color, layer, r_points, cancel, color_);
 		r_points.color_fractions = color_;
 	}
 	if (status.ok() && data.variation_is_known()) {
-		status = find(data.variation, filter, r_points, cancel, variation_);
+		status = find(data.variation, layer, r_points, cancel, variation_);
 		r_points.variation_fractions = variation_;
 	}
+	return status;
+}
+
+Status SourceValues::find_scales(
+		const TileFilter &filter, const LayerFilter &layer, PlacedPoints &r_points, const std::atomic<bool> *cancel) {
+	const ScaleSource &scale = layer.settings().instance_data.scale;
+	if (!scale.known()) {
+		return {};
+	}
+	const Status status = find(scale, {filter, layer}, r_points, cancel, scale_);
+	r_points.scale_fractions = scale_;
 	return status;
 }
 

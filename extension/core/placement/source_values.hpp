@@ -13,7 +13,7 @@
 namespace thicket {
 
 /// Computes the SourceFractions of a layer at the points that become instances. An object of this
-/// class reuses its memory.
+/// class reuses its memory. `filter` has filtered the layer itself and those on which it depends.
 class SourceValues {
 public:
 	/// Sets the fractions in `r_points`, which must be the points of the filter's own layer. The
@@ -21,15 +21,27 @@ public:
 	/// ErrorCode::cancelled if `cancel` is set. Throws std::bad_alloc.
 	Status find(const TileFilter &filter, PlacedPoints &r_points, const std::atomic<bool> *cancel);
 
+	/// Sets only the fractions for scales, under the same conditions. `layer` is the layer of the
+	/// points: any layer of the filter that is not cached.
+	Status find_scales(const TileFilter &filter, const LayerFilter &layer, PlacedPoints &r_points,
+			const std::atomic<bool> *cancel);
+
 private:
-	Status find(const InstanceSource &source, const TileFilter &filter, const PlacedPoints &points,
+	/// A layer whose sources are evaluated.
+	struct Layer {
+		const TileFilter &all; ///< Provides the layers of distance sources.
+		const LayerFilter &own;
+	};
+
+	Status find(const InstanceSource &source, const Layer &layer, const PlacedPoints &points,
 			const std::atomic<bool> *cancel, std::vector<float> &r_fractions);
-	Status measure(const InstanceSource &source, const TileFilter &filter, const PlacedPoints &points,
-			std::size_t first, std::span<double> r_values);
+	Status measure(const InstanceSource &source, const Layer &layer, const PlacedPoints &points, std::size_t first,
+			std::span<double> r_values);
 	std::span<const float> heights_of(const PlacedPoints &points, std::span<const std::uint32_t> accepted);
 
 	std::vector<float> color_;     ///< One entry per point; unspecified for points that are not kept.
 	std::vector<float> variation_; ///< The variation of each point, under the same conditions.
+	std::vector<float> scale_;     ///< The scale's fraction of each point, under the same conditions.
 
 	// Working memory for one batch of points.
 	std::vector<double> values_;

@@ -1,6 +1,7 @@
 #include "core/placement/tile_filter.hpp"
 
 #include "core/placement/host_collector.hpp"
+#include "core/placement/source_values.hpp"
 
 #include <algorithm>
 #include <array>
@@ -85,9 +86,17 @@ Status TileFilter::models_around(
 		std::size_t index, std::span<const Ground> ground, std::unique_ptr<const Surface> &r_surface) const {
 	const LayerSettings &settings = layer(index).settings();
 	HostCollector hosts(settings, window_of(index));
+	SourceValues values;
 	for (const HostLayer &host : settings.hosts) {
 		const std::size_t at = graph_.index_of(host.layer.get());
-		if (const Status status = hosts.add(host, layer(at), ground_at(at, ground)); !status.ok()) {
+		const LayerFilter &filter = layer(at);
+		PlacedPoints points{filter.positions(), filter.ground_of(ground_at(at, ground)), filter.ids(),
+				filter.accepted(), filter.thinning_ranks()};
+		Status status = values.find_scales(*this, filter, points, nullptr);
+		if (status.ok()) {
+			status = hosts.add(host, points);
+		}
+		if (!status.ok()) {
 			return status;
 		}
 	}

@@ -12,7 +12,7 @@ void MeshInstances::reserve(std::size_t count, const InstanceData &data) {
 	ids.reserve(count);
 	ranks.reserve(count);
 	normals.reserve(count);
-	if (data.color_is_known() || data.variation_is_known()) {
+	if (data.has_fractions()) {
 		fractions.reserve(count);
 	}
 }
@@ -21,7 +21,7 @@ void MeshInstances::resize(std::size_t count, const InstanceData &data) {
 	buffer.resize(count * floats_per_instance(data)); // The new floats are not initialized.
 	resize(count, floats_per_instance(data));
 	normals.resize(count);
-	if (data.color_is_known() || data.variation_is_known()) {
+	if (data.has_fractions()) {
 		fractions.resize(count);
 	}
 }

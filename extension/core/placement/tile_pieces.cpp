@@ -89,6 +89,7 @@ Status TilePieces::Worker::find(
 	choose(points.ids, r_found.ids);
 	choose(points.color_fractions, r_found.color_fractions);
 	choose(points.variation_fractions, r_found.variation_fractions);
+	choose(points.scale_fractions, r_found.scale_fractions);
 	r_found.thinning_ranks.assign(points.thinning_ranks.begin(), points.thinning_ranks.end());
 	r_found.counts = {own.sampled(), own.positions().size(), own.accepted().size()};
 	r_found.stats = filter.sample_stats();
@@ -100,6 +101,7 @@ void TilePieces::reserve_pieces() {
 	std::size_t total = 0;
 	bool colors = false;
 	bool variations = false;
+	bool scales = false;
 	counts_ = {};
 	stats_ = {};
 	for (Found &found : found_) {
@@ -110,6 +112,7 @@ void TilePieces::reserve_pieces() {
 		stats_.add(found.stats);
 		colors = colors || !found.color_fractions.empty();
 		variations = variations || !found.variation_fractions.empty();
+		scales = scales || !found.scale_fractions.empty();
 	}
 	positions_.resize(total);
 	ground_.resize(total);
@@ -118,6 +121,7 @@ void TilePieces::reserve_pieces() {
 	accepted_.resize(total);
 	color_fractions_.resize(colors ? total : 0);
 	variation_fractions_.resize(variations ? total : 0);
+	scale_fractions_.resize(scales ? total : 0);
 }
 
 /// Moves the results of a piece to the common arrays.
@@ -131,6 +135,7 @@ void TilePieces::gather(Found &r_found) {
 	put(r_found.thinning_ranks, thinning_ranks_, r_found.first);
 	put(r_found.color_fractions, color_fractions_, r_found.first);
 	put(r_found.variation_fractions, variation_fractions_, r_found.first);
+	put(r_found.scale_fractions, scale_fractions_, r_found.first);
 }
 
 Status TilePieces::find(const LayerSettings &layer, const Terrain &terrain, const PieceGrid &grid,
@@ -173,7 +178,8 @@ Status TilePieces::find(const LayerSettings &layer, const Terrain &terrain, cons
 }
 
 PlacedPoints TilePieces::points() const {
-	return {positions_, ground_, ids_, accepted_, thinning_ranks_, color_fractions_, variation_fractions_};
+	return {positions_, ground_, ids_, accepted_, thinning_ranks_, color_fractions_, variation_fractions_,
+			scale_fractions_};
 }
 
 } // namespace thicket

@@ -68,6 +68,7 @@ private:
 		std::vector<std::uint32_t> thinning_ranks;
 		std::vector<float> color_fractions;
 		std::vector<float> variation_fractions;
+		std::vector<float> scale_fractions;
 		TileCounts counts;
 		SampleStats stats;
 		std::size_t first = 0; ///< Index of the piece's first point in the common arrays.
@@ -104,6 +105,7 @@ private:
 	UnfilledVector<std::uint32_t> accepted_;
 	UnfilledVector<float> color_fractions_;
 	UnfilledVector<float> variation_fractions_;
+	UnfilledVector<float> scale_fractions_;
 };
 
 } // namespace thicket

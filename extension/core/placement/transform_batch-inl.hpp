@@ -210,14 +210,17 @@ HWY_INLINE Vector up_of(
 } // namespace
 
 /// Computes the transforms of whole vectors of instances. The last vector may include entries after
-/// the last instance, with numbers from earlier calls.
-void make_transforms(const Placement &placement, std::uint64_t seed, const UpField &up_field, TransformBatch &r_batch) {
+/// the last instance, with numbers from earlier calls. `fractions` has TransformBatch::capacity
+/// fractions of the range of scales, aligned to 64 bytes, or is null if the fractions are random.
+void make_transforms(const Placement &placement, std::uint64_t seed, const UpField &up_field, const double *fractions,
+		TransformBatch &r_batch) {
 	const Doubles doubles;
 	const bool leans = placement.max_tilt_degrees > 0.0;
 	for (std::size_t at = 0; at < r_batch.count; at += hn::Lanes(doubles)) {
 		const Random random = random_of(hn::Load(Words(), r_batch.ids.data() + at), seed);
 		const D yaw = mix(placement.min_yaw_degrees, placement.max_yaw_degrees, random.yaw);
-		const D scale = mix(placement.min_scale, placement.max_scale, random.scale);
+		const D fraction = fractions != nullptr ? hn::Load(doubles, fractions + at) : random.scale;
+		const D scale = mix(placement.min_scale, placement.max_scale, fraction);
 		const Rotations yaws = rotation_by(hn::Div(yaw, set(360.0)));
 		const Vector up = up_of(placement, up_field, r_batch, at);
 		Vector axis = up;

@@ -42,7 +42,10 @@ struct TransformBatch {
 	glm::vec3 position(std::size_t i) const { return {position_x[i], position_y[i], position_z[i]}; }
 
 	/// Computes the transforms and scales of all instances. `placement` must be valid.
-	void make(const Placement &placement, std::uint64_t seed, const UpField &up = {});
+	/// `scale_numbers` has the numbers that select the scales (see write_basis), or is empty if they
+	/// are random.
+	void make(const Placement &placement, std::uint64_t seed, const UpField &up = {},
+			std::span<const double> scale_numbers = {});
 
 	// The outputs of `make`.
 	static constexpr std::size_t row_floats = transform_floats / 3;

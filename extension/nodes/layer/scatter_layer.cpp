@@ -104,6 +104,7 @@ void ScatterLayer::add_used(SceneUse::List &r_used) const {
 	r_used.add(mask_);
 	r_used.add(color_value_);
 	r_used.add(variation_value_);
+	r_used.add(scale_value_);
 	for (std::size_t entry = 0; entry < meshes_.size(); ++entry) {
 		if (const Ref<ScatterModel> model = meshes_.model(entry); model.is_valid()) {
 			r_used.add(model);

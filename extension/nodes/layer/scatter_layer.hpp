@@ -246,12 +246,14 @@ public:
 	/// in GeometryInstance3D.
 	godot::Dictionary get_geometry_properties() const;
 
-	/// These setters set the sources of an instance's color on the gradient and of its variation.
-	/// Null selects random numbers. Layers may share a source.
+	/// These setters set the sources of an instance's color on the gradient, of its variation, and
+	/// of its scale. Null selects random numbers. Layers may share a source.
 	void set_color_value(const godot::Ref<ScatterValueSource> &p_value);
 	godot::Ref<ScatterValueSource> get_color_value() const { return color_value_; }
 	void set_variation_value(const godot::Ref<ScatterValueSource> &p_value);
 	godot::Ref<ScatterValueSource> get_variation_value() const { return variation_value_; }
+	void set_scale_value(const godot::Ref<ScatterValueSource> &p_value);
+	godot::Ref<ScatterValueSource> get_scale_value() const { return scale_value_; }
 
 	/// Returns all LODs of an entry of `meshes`, finest first, with all defaults resolved. Returns
 	/// an empty array for an entry that draws nothing. Prints an error for an invalid index.
@@ -399,6 +401,7 @@ private:
 	static void bind_fit();
 	static void bind_drawing();
 	static void bind_sources();
+	static void bind_scale_value();
 	static void bind_lod();
 	static void bind_gameplay();
 	static void bind_export();
@@ -429,6 +432,7 @@ private:
 	godot::Array surface_layers_; ///< Results of stored_reference.
 	godot::Ref<ScatterValueSource> color_value_;
 	godot::Ref<ScatterValueSource> variation_value_;
+	godot::Ref<ScatterValueSource> scale_value_;
 
 	LayerMeshes meshes_;
 	std::atomic<std::uint64_t> mesh_version_ = 0;

@@ -19,6 +19,7 @@ namespace {
 constexpr std::array hideable{
 		"mesh_weights",
 		"scale_curve",
+		"scale_value",
 		"noise_curve",
 		"mask_texture_rect",
 		"mask_texture_channel",
@@ -47,12 +48,14 @@ static_assert(hideable.size() <= 64);
 
 std::uint64_t ScatterLayer::hidden_properties() const {
 	const bool proximity = !links_.proximity_layer.empty();
+	const bool varying_scale = settings_.placement.min_scale != settings_.placement.max_scale;
 	const bool thinned = lod_.thin_density < 1.0;
 	const bool colliding = gameplay_.collision.shape != BodyShape::none;
 	// An unused property stays visible if it is set, because a warning mentions it.
 	const std::array<bool, hideable.size()> visible{
 			meshes_.size() > 1 || mesh_weights_.size() > 0,
-			settings_.placement.min_scale != settings_.placement.max_scale || resource("scale_curve").is_valid(),
+			varying_scale || resource("scale_curve").is_valid(),
+			varying_scale || scale_value_.is_valid(),
 			resource("noise").is_valid() || resource("noise_curve").is_valid(),
 			resource("mask_texture").is_valid(),
 			resource("mask_texture").is_valid(),

@@ -38,7 +38,7 @@ bool ScatterLayer::stores(const Resource *p_resource) const {
 	};
 	const Array references = spacing_property_.keys();
 	bool found = p_resource == this || is_stored(proximity_layer_);
-	for (const Ref<ScatterValueSource> &value : {color_value_, variation_value_}) {
+	for (const Ref<ScatterValueSource> &value : {color_value_, variation_value_, scale_value_}) {
 		found = found || (value.is_valid() && (p_resource == value.ptr() || is_stored(value->stored_layer())));
 	}
 	for (int64_t i = 0; !found && i < references.size(); ++i) {
@@ -104,7 +104,7 @@ void ScatterLayer::change_references(const ReferenceChange &change) {
 	if (const auto changed = changed_reference(change, "ScatterLayer.proximity_layer", proximity_layer_, this)) {
 		set_proximity_layer(*changed);
 	}
-	for (const Ref<ScatterValueSource> &value : {color_value_, variation_value_}) {
+	for (const Ref<ScatterValueSource> &value : {color_value_, variation_value_, scale_value_}) {
 		if (value.is_valid()) {
 			value->change_reference(change);
 		}

@@ -37,6 +37,7 @@ void ScatterLayer::bind_placement() {
 	bind_number<min_scale>();
 	bind_number<max_scale>();
 	bind_resource<scale_curve>();
+	bind_scale_value();
 	bind_number<min_yaw_degrees>();
 	bind_number<max_yaw_degrees>();
 	bind_number<min_tilt_degrees>();

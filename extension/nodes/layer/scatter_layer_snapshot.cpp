@@ -160,6 +160,9 @@ LayerLinks ScatterLayer::links() {
 	if (data.variation.kind == SourceKind::distance) {
 		result.variation_layer = core_reference(variation_value_->stored_layer());
 	}
+	if (data.scale.kind == SourceKind::distance) {
+		result.scale_layer = core_reference(scale_value_->stored_layer());
+	}
 	result.name = get_name().utf8().get_data();
 	result.identity = get_instance_id();
 	result.on_surface = settings_.set.on_surface;

@@ -1,5 +1,5 @@
-// This file contains the properties of ScatterLayer for the sources of an instance's color and
-// variation.
+// This file contains the properties of ScatterLayer for the sources of an instance's color,
+// variation and scale.
 
 #include "nodes/common/renames.hpp"
 #include "nodes/common/watch.hpp"
@@ -126,12 +126,14 @@ InstanceData ScatterLayer::instance_data() const {
 	}
 	static_cast<InstanceSource &>(result.color) = used(color_value_, result.colors != nullptr);
 	static_cast<InstanceSource &>(result.variation) = used(variation_value_, result.use_custom_data);
+	const Placement &placement = settings_.placement;
+	static_cast<InstanceSource &>(result.scale) = used(scale_value_, placement.min_scale != placement.max_scale);
 	return result;
 }
 
-/// Watches both values together, because they may be the same object.
+/// Watches the values together, because they may be the same object.
 void ScatterLayer::watch_values(bool p_watch) {
-	for (const Ref<ScatterValueSource> &value : {color_value_, variation_value_}) {
+	for (const Ref<ScatterValueSource> &value : {color_value_, variation_value_, scale_value_}) {
 		watch(value.ptr(), "changed", this, "emit_changed", p_watch);
 	}
 }
@@ -160,6 +162,10 @@ void ScatterLayer::set_color_value(const Ref<ScatterValueSource> &p_value) {
 
 void ScatterLayer::set_variation_value(const Ref<ScatterValueSource> &p_value) {
 	set_value("variation_value", p_value, variation_value_);
+}
+
+void ScatterLayer::set_scale_value(const Ref<ScatterValueSource> &p_value) {
+	set_value("scale_value", p_value, scale_value_);
 }
 
 /// Sets a property of release 0.2 that is now part of a ScatterValueSource, and warns once. Returns
@@ -200,6 +206,17 @@ void ScatterLayer::add_source_problems(PackedStringArray &r_problems) const {
 		ValueProblems("variation_value", *variation_value_.ptr(), r_problems)
 				.add(data.use_custom_data ? "" : "is not used without use_custom_data. Enable that, or clear it.");
 	}
+	if (scale_value_.is_valid()) {
+		const bool varies = settings_.placement.min_scale != settings_.placement.max_scale;
+		ValueProblems("scale_value", *scale_value_.ptr(), r_problems)
+				.add(varies ? "" : "has no effect because min_scale equals max_scale. Change one, or clear it.");
+	}
+}
+
+void ScatterLayer::bind_scale_value() {
+	bind_guarded<&ScatterLayer::set_scale_value>(D_METHOD("set_scale_value", "value"));
+	bind_guarded<&ScatterLayer::get_scale_value>(D_METHOD("get_scale_value"));
+	add_layer_property(PropertyUse::placement, value_property("scale_value"), "set_scale_value", "get_scale_value");
 }
 
 void ScatterLayer::bind_sources() {

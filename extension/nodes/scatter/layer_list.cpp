@@ -7,6 +7,8 @@
 #include <godot_cpp/core/class_db.hpp>
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <memory>
 #include <set>
 #include <string>
@@ -73,9 +75,12 @@ const char *property_to_lower(const LayerSettings &layer, double tile_size) {
 		plain.spacing_fills = false;
 		return points_to_sample(plain, tile_size) > ScatterLayer::max_tile_points ? "spacing" : "spacing_fills";
 	}
-	const auto [color, variation] = distance_sources(layer.instance_data);
-	const bool by_color = color != nullptr && (variation == nullptr || color->max >= variation->max);
-	return by_color ? "color_value.max_value" : "variation_value.max_value";
+	constexpr std::array names{"scale_value.max_value", "color_value.max_value", "variation_value.max_value"};
+	const auto sources = distance_sources(layer.instance_data);
+	const auto distance = [](const InstanceSource *source) {
+		return source != nullptr ? source->max : 0.0;
+	};
+	return names[static_cast<std::size_t>(std::ranges::max_element(sources, {}, distance) - sources.begin())];
 }
 
 } // namespace

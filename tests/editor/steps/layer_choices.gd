@@ -56,7 +56,7 @@ func choose() -> void:
 	check_equal(fern.proximity_layer, "Birch", "choosing a layer sets the property")
 	await undo_last(fern)
 	check_equal(fern.proximity_layer, "Spruce", "undo restores the choice")
-	for property: StringName in [&"color_value", &"variation_value"]:
+	for property: StringName in [&"color_value", &"variation_value", &"scale_value"]:
 		var value: Resource = ClassDB.instantiate(&"ScatterValueSource")
 		value.set(&"source", 5) # SOURCE_DISTANCE.
 		fern.set(property, value)

@@ -125,7 +125,7 @@ func test_wrong_values() -> void:
 	var resources: Dictionary[String, Resource] = {
 		"density_over_height": Curve.new(), "density_over_slope": Curve.new(), "noise": FastNoiseLite.new(), "noise_curve": Curve.new(),
 		"mask": ScatterMask.new(), "mask_texture": GradientTexture2D.new(), "proximity_curve": Curve.new(), "scale_curve": Curve.new(),
-		"color_value": ScatterValueSource.new(), "variation_value": ScatterValueSource.new(), "physics_material": PhysicsMaterial.new(),
+		"color_value": ScatterValueSource.new(), "variation_value": ScatterValueSource.new(), "scale_value": ScatterValueSource.new(), "physics_material": PhysicsMaterial.new(),
 	}
 	var layer := ScatterLayer.new()
 	for property in resources:

@@ -27,7 +27,7 @@ static func scatter_of(object: Object) -> TerrainScatter3D:
 
 ## Returns true if an object is the layer, or a value source of the layer.
 static func _is_of(layer: ScatterLayer, object: Object) -> bool:
-	return layer != null and object in [layer, layer.color_value, layer.variation_value]
+	return layer != null and object in [layer, layer.color_value, layer.variation_value, layer.scale_value]
 
 
 ## Returns the layers that an object can refer to, without the object itself. If [param before] is true, only includes layers that come before
@@ -49,7 +49,7 @@ static func others(object: Object, before := false) -> Array[ScatterLayer]:
 static func referring(layers: Array[ScatterLayer]) -> Array[Resource]:
 	var result: Array[Resource] = []
 	for layer in layers:
-		for object: Resource in [layer, layer.color_value, layer.variation_value]:
+		for object: Resource in [layer, layer.color_value, layer.variation_value, layer.scale_value]:
 			if object != null and not object in result:
 				result.append(object)
 	return result

@@ -164,9 +164,16 @@ static func _update_layer_references(layer: ScatterLayer, old: Array[ScatterLaye
 			var mentioned: Variant = object.get(property)
 			var next: Variant = _next(mentioned, old, new)
 			if next == null:
-				var name := property if object == layer else ("color_value." if object == layer.color_value else "variation_value.") + property
+				var name := property if object == layer else _value_name(layer, object) + "." + property
 				r_messages.append("%s no longer has a %s: it was %s." % [_title(layer, old), name, _title_of(mentioned, old)])
 			_change(object, property, mentioned, next if next != null else "", undo_redo)
+
+
+## Returns the property of a layer that holds a value source.
+static func _value_name(layer: ScatterLayer, value: Object) -> String:
+	if value == layer.color_value:
+		return "color_value"
+	return "variation_value" if value == layer.variation_value else "scale_value"
 
 
 static func _update_region_references(region: ScatterRegion3D, old: Array[ScatterLayer], new: Array[ScatterLayer], r_messages: PackedStringArray,
