@@ -49,13 +49,13 @@ SPREAD = ["test_core", "test_engine"]
 # The slowest files, which run first. Files whose tests are distributed run last, so that all workers finish at about the
 # same time.
 LONG = [
-    "test_package", "test_platforms", "test_sanitizers", "test_engine_sanitizers", "test_coverage", "test_fuzz", "test_growth", "test_build",
+    "test_package", "test_web", "test_platforms", "test_sanitizers", "test_engine_sanitizers", "test_coverage", "test_fuzz", "test_growth", "test_build",
     "test_editor", "test_demo", "test_figures", "test_python_package", "test_lint", "test_golden", "test_analysis", "test_bake_world",
     "test_tutorials", "test_domain_statistics",
 ]  # fmt: skip
 # Files whose tests run in the same worker. Only one build may run in this tree at a time, and a test that waits for a
 # build could time out. test_peers checks a result of the setup of test_figures.
-BUILDS = ("test_package", "test_sanitizers", "test_engine_sanitizers", "test_fuzz", "test_growth", "test_build", "test_platforms")
+BUILDS = ("test_package", "test_web", "test_sanitizers", "test_engine_sanitizers", "test_fuzz", "test_growth", "test_build", "test_platforms")
 TOGETHER = {name: "builds" for name in BUILDS} | {"test_peers": "test_figures"}
 
 

