@@ -18,6 +18,7 @@ from types import ModuleType
 from zipfile import ZipFile
 
 import pytest
+import tested_platforms
 from analysis.point_sets import References
 
 try:
@@ -71,14 +72,17 @@ def group(item: pytest.Item) -> str | None:
 
 def pytest_addoption(parser: pytest.Parser):
     parser.addoption("--full", action="store_true", help="also run slow tests, with the marker full")
+    parser.addoption("--record-platforms", action="store_true", help="record platforms whose tests pass, for README.md (tests/tested_platforms.py)")
 
 
-def pytest_configure():
+def pytest_configure(config: pytest.Config):
     """Assigns each worker its own cache folder for Godot. In a shared folder, one editor could read the documentation
     while another writes it."""
     os.environ["THICKET_CACHE"] = str(CACHE)
     os.environ["XDG_CACHE_HOME"] = str(CACHE / "engine" / os.environ.get("PYTEST_XDIST_WORKER", "alone"))
     os.makedirs(os.environ["XDG_CACHE_HOME"], exist_ok=True)
+    if config.getoption("--record-platforms") and not is_worker(config):
+        config.pluginmanager.register(tested_platforms.Recorder())
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -18,6 +18,7 @@ from conftest import CACHE, REPO, check_engine_tests, in_godots_root, run
 from golden import emulators
 from golden.matrix import ZIG
 from test_packing import check_signature
+from tested_platforms import engine_of
 
 sys.path.insert(0, str(REPO / "tools/package"))
 import binaries  # noqa: E402 (only on the path above)
@@ -336,7 +337,7 @@ def test_an_exported_game_has_the_same_digests(addon, godot, tmp_path):
 
 
 @pytest.mark.full
-def test_the_engine_for_arm_runs_the_unpacked_add_on(addon, tmp_path):
+def test_the_engine_for_arm_runs_the_unpacked_add_on(addon, tmp_path, record_property):
     """Runs the scripts of tests/engine for points, tiles, rules and states in an engine for ARM, under an emulator."""
     root = CACHE / "godot-root-arm64"
     if not shutil.which("qemu-aarch64") or not (root / "usr/bin/godot").exists():
@@ -351,3 +352,4 @@ def test_the_engine_for_arm_runs_the_unpacked_add_on(addon, tmp_path):
         done = run(["qemu-aarch64", "-L", root, root / "usr/bin/godot", "--headless", "--path", project, "--script", script], timeout=1800,
             env={**os.environ, "LD_LIBRARY_PATH": ""})  # fmt: skip
         assert done.returncode == 0 and ", 0 failed" in done.stdout, f"{script}:\n{done.stdout[-3000:]}{done.stderr[-3000:]}"
+    record_property("engine", engine_of(done.stdout))

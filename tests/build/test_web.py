@@ -21,6 +21,7 @@ from pathlib import Path
 import pytest
 from conftest import CACHE, PATIENCE, REPO, new_project, run
 from test_package import pack
+from tested_platforms import engine_of
 
 sys.path.insert(0, str(REPO / "tools/scons"))
 import installed  # noqa: E402 (only on the path above)
@@ -160,8 +161,8 @@ def player(site, tmp_path_factory) -> Iterator[Player]:
 
 @pytest.mark.full
 @pytest.mark.parametrize("script", SCRIPTS)
-def test_engine_scripts_pass(player, script):
-    player.play(f"engine/{script}.gd", "--headless", timeout=120)
+def test_engine_scripts_pass(player, script, record_property):
+    record_property("engine", engine_of(player.play(f"engine/{script}.gd", "--headless", timeout=120)))
 
 
 @pytest.mark.full

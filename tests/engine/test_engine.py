@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 import pytest
 from conftest import REPO, new_project
 from helpers.height_files import write_height_files
+from tested_platforms import engine_of
 
 ENGINE = REPO / "tests/engine"
 PASSED = re.compile(r"^thicket engine tests: [1-9]\d* checks, 0 failed$", re.MULTILINE)
@@ -194,8 +195,10 @@ def assert_passed(done, loads_on_threads=False):
         pytest.param("test_response", marks=pytest.mark.alone),
     ],
 )
-def test_script(godot, project, script):
-    assert_passed(godot(["--verbose", "--path", project, "--script", ENGINE / f"{script}.gd"], timeout=600))
+def test_script(godot, project, script, record_property):
+    done = godot(["--verbose", "--path", project, "--script", ENGINE / f"{script}.gd"], timeout=600)
+    assert_passed(done)
+    record_property("engine", engine_of(done.stdout))
 
 
 @pytest.fixture(scope="module")
