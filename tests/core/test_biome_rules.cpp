@@ -302,6 +302,11 @@ TEST_CASE("edits of water: only in the biome whose level changes, and only for l
 	before.rules.max_water_depth = unlimited_height;
 	after.rules.max_water_depth = unlimited_height;
 	CHECK(edits(before, after).empty());
+	ExpressionError error;
+	before.rules.expression = after.rules.expression = DensityExpression::compile("water_depth < 2", error);
+	CHECK_FALSE(edits(before, after).empty());
+	before.rules.expression = after.rules.expression = DensityExpression::compile("height < 2", error);
+	CHECK(edits(before, after).empty());
 	after.rules.max_water_depth = before.rules.max_water_depth = 0.0;
 	after.rules.water = std::make_shared<WaterLevels>(4.0);
 	before.rules.water = nullptr;

@@ -77,7 +77,8 @@ bool find_mask_edits(const PaintedMask *before, const PaintedMask *after, std::v
 
 /// Returns true if the rules depend on the water level.
 bool uses_water_depth(const Rules &rules) {
-	return rules.min_water_depth > -unlimited_height || rules.max_water_depth < unlimited_height;
+	return rules.min_water_depth > -unlimited_height || rules.max_water_depth < unlimited_height ||
+			(rules.expression != nullptr && rules.expression->uses(ExpressionInput::water_depth));
 }
 
 /// Returns the area of edits to the layer's own mask, shapes, biomes and water.
