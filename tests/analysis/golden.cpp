@@ -133,6 +133,8 @@ Digests all_digests() {
 	const glm::dvec2 far(5.0e6 + 2400.0, 5.0e6 + 3300.0);
 	digests.emplace_back("forest on hills", digest_tile(builder, analysis::forest(), near));
 	digests.emplace_back("forest on hills, 5 000 km out", digest_tile(builder, analysis::forest(), far));
+	digests.emplace_back("mixed forest", digest_tile(builder, analysis::mixed_forest(), near));
+	digests.emplace_back("mixed forest, 5 000 km out", digest_tile(builder, analysis::mixed_forest(), far));
 	digests.emplace_back("undergrowth with every rule", digest_tile(builder, analysis::undergrowth(near), near));
 	digests.emplace_back(
 			"undergrowth with every rule, 5 000 km out", digest_tile(builder, analysis::undergrowth(far), far));

@@ -81,6 +81,24 @@ inline LayerSettings undergrowth(glm::dvec2 corner) {
 	return layer;
 }
 
+/// Returns a forest in which one species gives way to another with the height, and a third one grows
+/// in clumps on gentle slopes.
+inline LayerSettings mixed_forest() {
+	LayerSettings layer = forest();
+	Rules low = open_rules();
+	low.max_height = 500.0;
+	low.height_falloff = 250.0;
+	ExpressionError error;
+	Rules high = open_rules();
+	high.expression = DensityExpression::compile("smoothstep(250, 500, height) * lerp(0.4, 1, noise(30))", error);
+	Rules clumps = open_rules();
+	clumps.clumping = {20.0, 0.4, 0.5};
+	clumps.max_slope_degrees = 25.0;
+	clumps.slope_falloff_degrees = 15.0;
+	layer.mesh_rules = {low, high, clumps};
+	return layer;
+}
+
 /// Returns a layer of ferns that fills the gaps between shrubs, which fill the gaps in the forest.
 inline LayerSettings filling_ferns() {
 	auto shrubs = std::make_shared<LayerSettings>();

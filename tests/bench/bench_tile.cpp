@@ -94,6 +94,21 @@ LayerSettings ruled(bool by_expression) {
 	return layer;
 }
 
+/// Returns a dense meadow of three species. With rules, one gives way to another with the height,
+/// and the third grows in patches.
+LayerSettings mixed(bool by_rules) {
+	LayerSettings layer = meadow(1);
+	layer.set.radius = 1.0;
+	layer.mesh_weights = {2.0f, 1.0f, 1.0f};
+	if (by_rules) {
+		for (const char *text : {"smoothstep(600, 300, height)", "smoothstep(300, 600, height)", "noise(40) > 0.6"}) {
+			ExpressionError error;
+			layer.mesh_rules.emplace_back(open_rules()).value().expression = DensityExpression::compile(text, error);
+		}
+	}
+	return layer;
+}
+
 /// Returns a meadow with colors, either random or from a source at each plant.
 LayerSettings colored(SourceKind kind, double to = 1.0) {
 	LayerSettings layer = meadow(1);
@@ -206,6 +221,21 @@ void compare_expression(const Heightfield &hills, const Effort &effort) {
 	print_count("meadow by an expression: instances over those by properties", placed[1] / placed[0], "");
 }
 
+/// Compares the time for tiles of a layer whose meshes have rules with that for plain weights.
+void compare_mesh_rules(const Heightfield &hills, const Effort &effort) {
+	Series ratio;
+	double placed[2] = {};
+	for (int round = 0; round < effort.rounds; ++round) {
+		double rates[2] = {};
+		for (const bool by_rules : {false, true}) {
+			const LayerSettings layer = mixed(by_rules);
+			rates[by_rules] = rate(effort.seconds, [&] { return build_square(layer, hills, placed[by_rules]); });
+		}
+		ratio.add(rates[0] / rates[1]);
+	}
+	print_row("meadow of three meshes with rules over plain weights", ratio, 1.0, " times the time");
+}
+
 /// A layer of the forest preset: its radius, tile size and view distance in meters, its density, and
 /// its distances to the layers before it, of which 0 means none.
 struct Species {
@@ -308,6 +338,7 @@ int main(int argument_count, char **arguments) {
 	compare_fill("species of 4 m, 1 m from one of 2 m and density 0.5", second_species(2.0, 0.5, 4.0, 1.0), wide_hills,
 			effort);
 	compare_expression(wide_hills, effort);
+	compare_mesh_rules(wide_hills, effort);
 	compare_preset(wide_hills, effort);
 	compare("meadow with edge_feather", feathered(), hills, effort);
 	compare("meadow of random colors", colored(SourceKind::random), hills, effort);

@@ -400,6 +400,31 @@ TEST_CASE("hosts: on a planet, the height offset moves models sideways and is in
 	CHECK(reach_of(moss_on(host).hosts[0]) == on_plane + 5.0);
 }
 
+TEST_CASE("hosts: the models are those that the host draws, without slope rules or with rules of meshes") {
+	const SparingGround ground;
+	LayerSettings open = boulders();
+	open.rules = {};
+	open.placement.align_to_normal = 1.0;
+	LayerSettings mixed = open;
+	mixed.mesh_rules.resize(2);
+	for (const auto &[mesh, text] : {std::pair(0, "slope < 55"), std::pair(1, "slope >= 55")}) {
+		ExpressionError error;
+		mixed.mesh_rules[static_cast<std::size_t>(mesh)].emplace(open_rules()).expression =
+				DensityExpression::compile(text, error);
+	}
+	for (const LayerSettings &host : {open, mixed}) {
+		const AllPlaced hosts = placed_in(host, ground, wider);
+		const AllPlaced placed = placed_in(moss_on(host), ground, area);
+		REQUIRE(placed.size() > 3000);
+		std::size_t misplaced = 0;
+		for (const auto &[id, each] : placed) {
+			misplaced += distance_to(hosts, each.position) < 0.06 ? 0 : 1;
+		}
+		CHECK(misplaced == 0);
+	}
+	CHECK(placed_in(open, ground, wider).size() == placed_in(mixed, ground, wider).size());
+}
+
 TEST_CASE("hosts: edits of a host and of its instances reach the layers on it") {
 	const LayerSettings moss = moss_on(boulders());
 	const auto find = [&moss](const LayerSettings &after, HostEdits edits = {}) {
@@ -417,7 +442,7 @@ TEST_CASE("hosts: edits of a host and of its instances reach the layers on it") 
 	CHECK_FALSE(area_of_felled.touches({{16.0 + 2.0 * distance, 12.0}, {40.0, 13.0}}));
 	CHECK(distance < 9.0);
 	CHECK(find(with_changes(moss, changes), {{4, felled}}).empty());
-	for (int change = 0; change < 5; ++change) {
+	for (int change = 0; change < 6; ++change) {
 		LayerSettings host = boulders();
 		LayerSettings after = moss;
 		if (change == 0) {
@@ -428,6 +453,8 @@ TEST_CASE("hosts: edits of a host and of its instances reach the layers on it") 
 			host.set.seed = 1;
 		} else if (change == 3) {
 			host.instance_data.scale = {source_of(SourceKind::height)};
+		} else if (change == 4) {
+			host.mesh_rules = {open_rules()};
 		} else {
 			after.hosts[0].models = two_models();
 		}

@@ -82,6 +82,8 @@ LayerSettings layer_with_many_rules() {
 	layer.instance_data.colors = std::make_shared<const ColorTable>(5, glm::vec4(1.0f));
 	layer.instance_data.color.kind = SourceKind::distance;
 	layer.instance_data.color.max = 7.0;
+	layer.mesh_rules = {open_rules(), std::nullopt, open_rules()};
+	layer.mesh_rules[0]->fields = {std::make_shared<PaintedMask>(noisy_mask(1.0, 9))};
 	layer.instance_data.color.layer = std::make_shared<LayerSettings>(stones);
 	layer.instance_data.use_custom_data = true;
 	layer.instance_data.variation.kind = SourceKind::noise;

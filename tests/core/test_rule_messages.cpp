@@ -52,6 +52,21 @@ TEST_CASE("rule sentences: a range names the value, the required range, and the 
 	CHECK(std::isinf(low.max));
 }
 
+TEST_CASE("rule sentences: each mesh has a weight, a density and a percentage") {
+	PositionExplanation explanation = explained(1.0, 1.0, 0.5);
+	explanation.meshes = {{2.0, 0.35, 0.7 / 1.7}, {1.0, 1.0, 1.0 / 1.7}, {0.0, 1.0, 0.0}};
+	explanation.mesh = 1;
+	CHECK(describe_mesh(explanation, 0, "Oak") == "Oak: weight 2 × 0.35 gives 41 %.");
+	CHECK(describe_mesh(explanation, 1, "Fir") == "Fir (this instance): weight 1 × 1 gives 59 %.");
+	CHECK(describe_mesh(explanation, 2, "Elm") == "Elm: weight 0 × 1 gives 0 %.");
+	explanation.point.rank = 0xffffffff;
+	explanation.at_point.density = 0.5;
+	CHECK(describe_mesh(explanation, 1, "Fir") == "Fir: weight 1 × 1 gives 59 %.");
+	explanation.meshes = {{3.0, 0.0, 0.75}, {1.0, 0.0, 0.25}};
+	CHECK(describe_mesh(explanation, 0, "Oak") ==
+			"Oak: weight 3 × 0; all weights are 0 here, so the plain weight gives 75 %.");
+}
+
 TEST_CASE("rule sentences: a value just beyond a limit is not printed as the limit") {
 	CHECK(message_of({RuleKind::slope, 30.0004, 0.0, no_index}, sloped()) ==
 			"Slope is 30.0004°; the layer requires 0° to 30°.");

@@ -154,6 +154,16 @@ LayerSettings read_layer(Bytes &r_bytes) {
 	for (float &weight : layer.mesh_weights) {
 		weight = static_cast<float>(r_bytes.number(0.0, 3.0));
 	}
+	const auto meshes = static_cast<std::uint32_t>(layer.mesh_weights.size());
+	layer.mesh_rules.resize(r_bytes.chance(16) ? meshes + 2 : r_bytes.below(meshes + 1));
+	for (std::optional<Rules> &rules : layer.mesh_rules) {
+		if (r_bytes.chance(2)) {
+			rules.emplace(open_rules());
+			rules->density = r_bytes.number(0.0, 1.0);
+			rules->max_height = r_bytes.number(300.0, 900.0);
+			rules->height_falloff = r_bytes.number(0.0, 100.0);
+		}
+	}
 	read_surroundings(layer, r_bytes);
 	read_biomes(layer, r_bytes);
 	read_appearance(layer, r_bytes);

@@ -32,7 +32,9 @@ Status DensityProbe::Workspace::find(const LayerSettings &layer, std::span<const
 	LayerSettings rules = layer;
 	// Layers on which colors depend take time to evaluate and do not affect the density.
 	rules.instance_data = {};
-	rules.placement = {}; // The placement does not affect the density either.
+	// The placement and the choice of meshes do not affect the density either.
+	rules.placement = {};
+	rules.mesh_rules.clear();
 	filter.set(rules);
 	if (const double points = filter.points_around(rect); points > max_probed_points) {
 		return Status::too_many_points("rect", points, max_probed_points);

@@ -37,6 +37,9 @@ Status PositionExplainer::find(
 	if (const Status status = validate(layer); !status.ok()) {
 		return status;
 	}
+	if (const Status status = guarded("meshes", 1.0, [&] { mesh_rules_.set(layer); }); !status.ok()) {
+		return status;
+	}
 	if (!layer.set.on_surface) {
 		return find_on_top(layer, {position.x, position.z}, surface);
 	}
@@ -141,6 +144,20 @@ Status PositionExplainer::explain(std::span<const Ground> ground, PositionExplan
 		r_explanation.point = point_;
 		r_explanation.distance = distance_;
 		r_explanation.has_point = has_point_;
+		status = guarded("meshes", 1.0, [&] { return explain_mesh(r_explanation); });
+	}
+	return status;
+}
+
+/// Explains the choice of the mesh at the point, for which all rules are already evaluated.
+Status PositionExplainer::explain_mesh(PositionExplanation &r_explanation) const {
+	const MeshPoint point{point_.id, point_.position, r_explanation.at_point.ground};
+	std::uint8_t mesh = 0;
+	MeshRules::Scratch scratch;
+	Status status = mesh_rules_.choose({&point, 1}, {&mesh, 1}, scratch);
+	if (status.ok()) {
+		status = mesh_rules_.find_shares(point, r_explanation.meshes);
+		r_explanation.mesh = mesh;
 	}
 	return status;
 }

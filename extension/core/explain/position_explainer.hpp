@@ -2,6 +2,7 @@
 
 #include "core/explain/density_probe.hpp"
 #include "core/explain/point_probe.hpp"
+#include "core/placement/mesh_rules.hpp"
 #include "core/rules/rule_factors.hpp"
 
 #include <glm/vec2.hpp>
@@ -35,6 +36,9 @@ struct PositionExplanation {
 	/// is too near to a neighbor's instance. `point` is then the position itself, with the id of its
 	/// cell.
 	bool has_point = true;
+	/// The share of each mesh of the layer in the choice for an instance at the point.
+	std::vector<MeshShare> meshes;
+	std::size_t mesh = 0; ///< Index of the mesh that an instance at the point gets.
 
 	/// Returns true if the rules allow an instance at the position itself.
 	bool allowed() const { return at_position.density > 0.0; }
@@ -79,7 +83,9 @@ private:
 			const Surface *ground_surface);
 
 	Status probe_on_top(const LayerSettings &layer);
+	Status explain_mesh(PositionExplanation &r_explanation) const;
 
+	MeshRules mesh_rules_;
 	PointProbe points_;
 	LayerSettings layer_; ///< The layer to explain on the top of the ground.
 	glm::dvec2 position_{0.0};

@@ -233,6 +233,17 @@ RuleMessage describe(const RuleFactor &factor, const LayerSettings &layer, const
 	return result;
 }
 
+std::string describe_mesh(const PositionExplanation &explanation, std::size_t mesh, const std::string &name) {
+	const MeshShare &share = explanation.meshes[mesh];
+	const bool falls_back = std::ranges::none_of(
+			explanation.meshes, [](const MeshShare &each) { return each.weight * each.density > 0.0; });
+	const bool is_this = explanation.mesh == mesh && explanation.is_placed();
+	return name + (is_this ? " (this instance)" : "") + ": weight " + number_text(share.weight) + " × " +
+			number_text(share.density) +
+			(falls_back ? "; all weights are 0 here, so the plain weight gives " : " gives ") +
+			percent(share.probability) + ".";
+}
+
 RuleVerdict judge(const PositionExplanation &explanation, const LayerSettings &layer, const RuleNames &names) {
 	const auto refused_by = [&](const RuleResult &result) {
 		const RuleFactor *strictest_factor = strictest(result.factors);

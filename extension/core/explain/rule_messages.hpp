@@ -30,6 +30,10 @@ struct RuleMessage {
 /// Describes a factor. It must come from an evaluation of `layer`.
 RuleMessage describe(const RuleFactor &factor, const LayerSettings &layer, const RuleNames &names);
 
+/// Describes the share of a mesh in the choice for the instance at the explained point:
+/// "Oak (this instance): weight 2 × 0.35 gives 41 %." `name` is the name of the mesh.
+std::string describe_mesh(const PositionExplanation &explanation, std::size_t mesh, const std::string &name);
+
 /// The decision of the rules on whether to place an instance of the layer at a position, and the
 /// reason. Ignores a game's changes.
 struct RuleVerdict {

@@ -1,6 +1,7 @@
 #include "core/placement/host_collector.hpp"
 
 #include "core/placement/mesh_choice.hpp"
+#include "core/placement/mesh_rules.hpp"
 
 #include <glm/common.hpp>
 
@@ -61,6 +62,9 @@ Status HostCollector::add(const HostLayer &host, const PlacedPoints &points) {
 	const Rect near{around_.min - reach, around_.max + reach};
 	MeshChoice choice;
 	choice.set(host.layer->mesh_weights);
+	MeshRules rules;
+	rules.set(*host.layer);
+	MeshRules::Scratch scratch;
 	for (const std::uint32_t point : points.accepted) {
 		const std::uint64_t id = points.ids[point];
 		if (!near.contains(points.positions[point]) || (host.changes != nullptr && host.changes->removed(id))) {
@@ -68,6 +72,14 @@ Status HostCollector::add(const HostLayer &host, const PlacedPoints &points) {
 		}
 		HostInstance instance = instance_at(*host.layer, points, point);
 		instance.mesh = choice.mesh_for(host.layer->set.seed, id);
+		if (!rules.empty()) {
+			const MeshPoint mesh_point{id, points.positions[point], points.ground[point]};
+			std::uint8_t mesh = 0;
+			if (const Status status = rules.choose({&mesh_point, 1}, {&mesh, 1}, scratch); !status.ok()) {
+				return status;
+			}
+			instance.mesh = mesh;
+		}
 		add_part(host, instance);
 	}
 	std::vector<HostInstance> placed;

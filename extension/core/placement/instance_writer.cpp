@@ -88,7 +88,8 @@ void InstanceWriter::divide(const PlacedPoints &points, std::size_t parts) {
 }
 
 /// Sorts the instances of a part, and assigns each of them a mesh.
-void InstanceWriter::sort(const LayerSettings &layer, const PlacedPoints &points, Part &r_part) const {
+Status InstanceWriter::sort(
+		const LayerSettings &layer, const PlacedPoints &points, Part &r_part, const std::atomic<bool> *cancel) const {
 	r_part.order.clear();
 	r_part.order.reserve(points.accepted.size() / parts_.size());
 	for (std::size_t i = 0; i < points.accepted.size(); ++i) {
@@ -100,11 +101,40 @@ void InstanceWriter::sort(const LayerSettings &layer, const PlacedPoints &points
 	r_part.mesh_of.resize(r_part.order.size());
 	r_part.bounds.assign(mesh_choice_.size(), InstanceBounds{});
 	r_part.sizes.fill(0);
+	if (!mesh_rules_.empty()) {
+		return choose_by_rules(points, r_part, cancel);
+	}
 	for (std::size_t i = 0; i < r_part.order.size(); ++i) {
 		const std::size_t mesh = mesh_choice_.mesh_for(layer.set.seed, points.ids[point_of(r_part.order[i])]);
 		r_part.mesh_of[i] = static_cast<std::uint8_t>(mesh);
 		++r_part.sizes[mesh];
 	}
+	return {};
+}
+
+/// Assigns the meshes of a layer whose meshes have rules.
+Status InstanceWriter::choose_by_rules(
+		const PlacedPoints &points, Part &r_part, const std::atomic<bool> *cancel) const {
+	for (std::size_t first = 0; first < r_part.order.size(); first += MeshRules::capacity) {
+		if (is_cancelled(cancel)) {
+			return {ErrorCode::cancelled, "tile", 0.0};
+		}
+		const std::size_t count = std::min(MeshRules::capacity, r_part.order.size() - first);
+		const std::span<std::uint8_t> meshes = std::span(r_part.mesh_of).subspan(first, count);
+		r_part.mesh_points.clear();
+		for (const std::uint64_t key : std::span(r_part.order).subspan(first, count)) {
+			const std::uint32_t point = point_of(key);
+			r_part.mesh_points.push_back({points.ids[point], points.positions[point], points.ground[point]});
+		}
+		const Status status = mesh_rules_.choose(r_part.mesh_points, meshes, r_part.mesh_scratch);
+		if (!status.ok()) {
+			return status;
+		}
+		for (const std::uint8_t mesh : meshes) {
+			++r_part.sizes[mesh];
+		}
+	}
+	return {};
 }
 
 /// Resizes each mesh to its final size, and determines where each part's instances begin in it. All
@@ -164,6 +194,7 @@ Status InstanceWriter::write_part(const LayerSettings &layer, const PlacedPoints
 Status InstanceWriter::write(const LayerSettings &layer, const PlacedPoints &points, glm::dvec3 origin,
 		TileInstances &r_tile, const std::atomic<bool> *cancel, CallerThreads *threads) {
 	mesh_choice_.set(layer.mesh_weights);
+	mesh_rules_.set(layer);
 	const std::size_t helpers = threads != nullptr ? threads->count() : 0;
 	divide(points, helpers > 0 ? parts_each * (helpers + 1) : 1);
 	const auto for_each_part = [&](const auto &work) -> Status {
@@ -182,10 +213,11 @@ Status InstanceWriter::write(const LayerSettings &layer, const PlacedPoints &poi
 		const auto failed = std::ranges::find_if(statuses, [](const Status &status) { return !status.ok(); });
 		return failed != statuses.end() ? *failed : Status{};
 	};
-	throw_if_out_of_memory(for_each_part([&](Part &part) -> Status {
-		sort(layer, points, part);
-		return {};
-	}));
+	const Status sorted = for_each_part([&](Part &part) { return sort(layer, points, part, cancel); });
+	throw_if_out_of_memory(sorted);
+	if (!sorted.ok()) {
+		return sorted;
+	}
 	reserve_buffers(layer.instance_data, r_tile.meshes);
 	r_tile.origin = origin;
 	const Status status = for_each_part([&](Part &part) { return write_part(layer, points, part, r_tile, cancel); });

@@ -3,6 +3,7 @@
 #include "core/base/caller_threads.hpp"
 #include "core/placement/layer.hpp"
 #include "core/placement/mesh_choice.hpp"
+#include "core/placement/mesh_rules.hpp"
 #include "core/placement/tile_instances.hpp"
 #include "core/terrain/terrain.hpp"
 
@@ -61,9 +62,9 @@ struct InstanceBounds {
 class InstanceWriter {
 public:
 	/// Replaces the origin and the meshes of `r_tile`. The settings must be valid. If `cancel` is
-	/// set, clears the meshes and returns ErrorCode::cancelled. If memory runs out, throws
-	/// std::bad_alloc and leaves the tile unchanged. If `threads` is not null, they share the work.
-	/// They do not affect the result.
+	/// set, clears the meshes and returns ErrorCode::cancelled. If a field of mesh rules fails, returns
+	/// its error. If memory runs out, throws std::bad_alloc. Both leave the tile unchanged. If
+	/// `threads` is not null, they share the work. They do not affect the result.
 	Status write(const LayerSettings &layer, const PlacedPoints &points, glm::dvec3 origin, TileInstances &r_tile,
 			const std::atomic<bool> *cancel, CallerThreads *threads = nullptr);
 
@@ -80,15 +81,21 @@ private:
 		/// For each mesh, the index of the part's next instance.
 		std::array<std::size_t, max_meshes> ends{};
 		std::vector<InstanceBounds> bounds; ///< Bounds of the part's instances, by mesh.
+		// Working memory for meshes with rules.
+		std::vector<MeshPoint> mesh_points;
+		MeshRules::Scratch mesh_scratch;
 	};
 
 	void divide(const PlacedPoints &points, std::size_t parts);
-	void sort(const LayerSettings &layer, const PlacedPoints &points, Part &r_part) const;
+	Status sort(const LayerSettings &layer, const PlacedPoints &points, Part &r_part,
+			const std::atomic<bool> *cancel) const;
+	Status choose_by_rules(const PlacedPoints &points, Part &r_part, const std::atomic<bool> *cancel) const;
 	void reserve_buffers(const InstanceData &data, std::vector<MeshInstances> &r_meshes);
 	Status write_part(const LayerSettings &layer, const PlacedPoints &points, Part &r_part, TileInstances &r_tile,
 			const std::atomic<bool> *cancel) const;
 
 	MeshChoice mesh_choice_;
+	MeshRules mesh_rules_;
 	std::vector<Part> parts_{1};
 };
 

@@ -4,6 +4,7 @@
 #include "core/placement/edge_probes.hpp"
 #include "core/placement/layer_graph.hpp"
 #include "core/placement/mesh_choice.hpp"
+#include "core/placement/mesh_rules.hpp"
 #include "core/surface/surface_sampler.hpp"
 
 #include <algorithm>
@@ -27,12 +28,32 @@ Status validate_planet(const LayerSettings &layer) {
 																   : status;
 }
 
+Status validate_mesh_rules(const LayerSettings &layer) {
+	const std::size_t meshes = std::max<std::size_t>(layer.mesh_weights.size(), 1);
+	if (layer.mesh_rules.size() > meshes) {
+		return Status::out_of_range("mesh_rules", layer.mesh_rules.size(), at_most(meshes, "one for each mesh"));
+	}
+	for (const std::optional<Rules> &rules : layer.mesh_rules) {
+		if (!rules.has_value()) {
+			continue;
+		}
+		if (rules->shapes != nullptr || !rules->ground_textures.empty() || rules->edge_feather != 0.0) {
+			return Status::wrong_type("mesh_rules", "Remove shapes, ground textures and the edge feather");
+		}
+		if (const Status status = validate(*rules); !status.ok()) {
+			return status;
+		}
+	}
+	return {};
+}
+
 Status validate_alone(const LayerSettings &layer) {
 	if (layer.hosted && !layer.set.on_surface) {
 		return Status::missing("on_surfaces", "Turn it on, because surface_layers requires it");
 	}
 	return first_failure(validate(layer.set), validate(layer.rules), validate(layer.placement),
-			validate(layer.instance_data), validate_mesh_weights(layer.mesh_weights), validate_planet(layer));
+			validate(layer.instance_data), validate_mesh_weights(layer.mesh_weights), validate_mesh_rules(layer),
+			validate_planet(layer));
 }
 
 } // namespace
@@ -58,7 +79,7 @@ bool fills(const LayerSettings &layer) {
 bool follows_normals(const LayerSettings &layer) {
 	const Placement &placement = layer.placement;
 	const InstanceData &data = layer.instance_data;
-	return placement.align_to_normal != 0.0 || placement.offset_along_normal != 0.0 ||
+	return placement.align_to_normal != 0.0 || placement.offset_along_normal != 0.0 || mesh_rules_need_slope(layer) ||
 			data.scale.kind == SourceKind::slope || (data.color_is_known() && data.color.kind == SourceKind::slope) ||
 			(data.variation_is_known() && data.variation.kind == SourceKind::slope);
 }

@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace thicket {
@@ -54,6 +55,11 @@ struct LayerSettings {
 	/// 0. An instance's mesh is random, with probabilities proportional to the weights. An empty
 	/// list means one mesh.
 	std::vector<float> mesh_weights;
+	/// Rules of single meshes, at most one entry per mesh; no value means no rules. Where an instance
+	/// is placed, the weight of a mesh is multiplied by the density of its rules (see MeshRules), so
+	/// they decide which meshes grow where, but never whether anything grows. They must have neither
+	/// shapes, ground textures nor an edge feather, and use the water of `rules`.
+	std::vector<std::optional<Rules>> mesh_rules;
 	/// Spacing and proximity rules with layers that come before this one.
 	std::vector<Neighbor> neighbors;
 	/// True if the layer fills the gaps that its spacing leaves. The instances of spacing neighbors
@@ -95,7 +101,8 @@ inline constexpr std::int32_t fill_chain_cells = 19;
 /// neighbors must be sampled in the same margin, which is expensive.
 inline constexpr std::array<std::int32_t, 3> fill_margins{12, 24, 48};
 
-/// Returns true if the transform or appearance of instances depends on the normal of the ground.
+/// Returns true if the transform, mesh or appearance of instances depends on the normal of the
+/// ground.
 bool follows_normals(const LayerSettings &layer);
 
 /// The longest distance, in radii of the set, from a changed part of a surface to a point that

@@ -33,6 +33,11 @@ bool same_rules(const LayerSettings &a, const LayerSettings &b) {
 			without_edits(a.rules) == without_edits(b.rules);
 }
 
+/// Returns true if two layers choose the meshes of their instances in the same way.
+bool same_meshes(const LayerSettings &a, const LayerSettings &b) {
+	return a.mesh_weights == b.mesh_weights && a.mesh_rules == b.mesh_rules;
+}
+
 /// Returns true if the settings for the appearance of instances are equal, except for the layers of
 /// their sources.
 bool same_appearance(const LayerSettings &a, const LayerSettings &b) {
@@ -44,7 +49,7 @@ bool same_appearance(const LayerSettings &a, const LayerSettings &b) {
 		return result;
 	};
 	return a.placement == b.placement && without_layers(a.instance_data) == without_layers(b.instance_data) &&
-			a.mesh_weights == b.mesh_weights;
+			same_meshes(a, b);
 }
 
 /// Returns true if instances of both layers at the same point have the same model and transform,
@@ -56,7 +61,7 @@ bool same_models(const LayerSettings &a, const LayerSettings &b) {
 	};
 	const ScaleSource &scale_a = a.instance_data.scale;
 	const ScaleSource &scale_b = b.instance_data.scale;
-	return a.placement == b.placement && a.mesh_weights == b.mesh_weights && scale_a.known() == scale_b.known() &&
+	return a.placement == b.placement && same_meshes(a, b) && scale_a.known() == scale_b.known() &&
 			without_layer(scale_a) == without_layer(scale_b);
 }
 
@@ -81,6 +86,13 @@ bool uses_water_depth(const Rules &rules) {
 			(rules.expression != nullptr && rules.expression->uses(ExpressionInput::water_depth));
 }
 
+/// Returns true if a layer's instances or their meshes depend on the water level.
+bool uses_water_depth(const LayerSettings &layer) {
+	return uses_water_depth(layer.rules) ||
+			std::ranges::any_of(layer.mesh_rules,
+					[](const std::optional<Rules> &rules) { return rules.has_value() && uses_water_depth(*rules); });
+}
+
 /// Returns the area of edits to the layer's own mask, shapes, biomes and water.
 EditedArea own_edits(const LayerSettings &layer_before, const LayerSettings &layer_after) {
 	const Rules &before = layer_before.rules;
@@ -90,7 +102,7 @@ EditedArea own_edits(const LayerSettings &layer_before, const LayerSettings &lay
 	result.everywhere = !find_shape_edits(before.shapes.get(), after.shapes.get(), areas) ||
 			!find_mask_edits(before.mask.get(), after.mask.get(), areas) ||
 			!find_biome_edits(before.biome.get(), after.biome.get(), areas) ||
-			(uses_water_depth(after) && !find_biome_edits(before.water.get(), after.water.get(), areas));
+			(uses_water_depth(layer_after) && !find_biome_edits(before.water.get(), after.water.get(), areas));
 	for (const Rect &area : areas) {
 		result.add(area, edge_reach(after.edge_feather, layer_after.set.on_surface));
 	}

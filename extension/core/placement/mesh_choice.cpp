@@ -23,16 +23,19 @@ Status validate_mesh_weights(std::span<const float> weights) {
 }
 
 void MeshChoice::set(std::span<const float> weights) {
-	constexpr double words = 0x1p32;
-	ends_.assign(weights.empty() ? 1 : weights.size(), static_cast<std::uint64_t>(words));
+	ends_.assign(weights.empty() ? 1 : weights.size(), std::uint64_t{1} << 32);
 	const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
 	double before = 0.0;
 	for (std::size_t mesh = 0; mesh < weights.size(); ++mesh) {
 		before += weights[mesh];
 		// The weights are added in the same order as in `sum`, so that the result is exactly 2^32
 		// from the last weight above 0 on.
-		ends_[mesh] = static_cast<std::uint64_t>(before / sum * words);
+		ends_[mesh] = end_of(before, sum);
 	}
+}
+
+std::uint32_t MeshChoice::word_of(std::uint64_t seed, std::uint64_t id) {
+	return instance_random(seed, id, Draw::mesh)[0];
 }
 
 std::size_t MeshChoice::mesh_for(std::uint64_t seed, std::uint64_t id) const {
@@ -40,7 +43,7 @@ std::size_t MeshChoice::mesh_for(std::uint64_t seed, std::uint64_t id) const {
 		// There is only one mesh, so no random number is needed.
 		return 0;
 	}
-	const std::uint32_t word = instance_random(seed, id, Draw::mesh)[0];
+	const std::uint32_t word = word_of(seed, id);
 	// The ends are ascending, so the number of ends at or below the word is the index. Counting
 	// avoids a branch, which would often be mispredicted.
 	std::size_t mesh = 0;

@@ -29,6 +29,14 @@ public:
 	/// weights.
 	std::size_t mesh_for(std::uint64_t seed, std::uint64_t id) const;
 
+	/// Returns the random word that chooses the mesh of an instance: the first mesh whose end
+	/// exceeds the word.
+	static std::uint32_t word_of(std::uint64_t seed, std::uint64_t id);
+
+	/// Returns the exclusive end of a mesh's range of words. `before` is the sum of the weights up to
+	/// and including the mesh, and `sum` is that of all weights, added in the same order.
+	static std::uint64_t end_of(double before, double sum) { return static_cast<std::uint64_t>(before / sum * 0x1p32); }
+
 private:
 	/// For each mesh, the exclusive end of its range of random 32-bit words. The last mesh with a
 	/// weight above 0 ends at 2^32.

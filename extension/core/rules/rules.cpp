@@ -22,6 +22,11 @@ Status check_height(const char *property, double height) {
 	return check_range(property, height, std::numeric_limits<double>::lowest(), std::numeric_limits<double>::max());
 }
 
+SlopeRange slope_range(const Rules &rules, GroundSides sides) {
+	return {rules.min_slope_degrees, rules.max_slope_degrees, rules.slope_falloff_degrees,
+			sides == GroundSides::top ? SlopeRange::steepest_top : SlopeRange::steepest_surface};
+}
+
 template <class Record>
 Status multiply(const DensityField &field, const PositionBatch &batch, std::span<double> r_densities,
 		std::span<float> scratch, const Record &record, RuleKind rule, std::size_t index) {
@@ -53,6 +58,11 @@ Status validate(const Rules &rules) {
 			null_field ? Status{ErrorCode::missing, "fields", 0.0} : Status{});
 }
 
+bool needs_slope(const Rules &rules, GroundSides sides) {
+	return !slope_range(rules, sides).is_unlimited() || rules.slope_curve != nullptr ||
+			(rules.expression != nullptr && rules.expression->uses(ExpressionInput::slope));
+}
+
 Status PreparedRules::set(const Rules &rules, std::uint64_t seed, GroundSides sides) {
 	if (const Status status = validate(rules); !status.ok()) {
 		return status;
@@ -67,8 +77,8 @@ Status PreparedRules::set(const Rules &rules, std::uint64_t seed, GroundSides si
 		return status;
 	}
 	sides_ = sides;
-	slope_ = SlopeRange(rules.min_slope_degrees, rules.max_slope_degrees, rules.slope_falloff_degrees,
-			sides == GroundSides::top ? SlopeRange::steepest_top : SlopeRange::steepest_surface);
+	slope_ = slope_range(rules, sides);
+	needs_slope_ = thicket::needs_slope(rules, sides);
 	height_ = PreparedRange(rules.min_height, rules.min_height <= -unlimited_height, rules.max_height,
 			rules.max_height >= unlimited_height, rules.height_falloff);
 	water_depth_ = PreparedRange(rules.min_water_depth, rules.min_water_depth <= -unlimited_height,

@@ -80,6 +80,14 @@ struct Rules {
 	friend bool operator==(const Rules &, const Rules &) = default;
 };
 
+/// Returns rules that permit everything, also in water and on undersides of surfaces.
+inline Rules open_rules() {
+	Rules rules;
+	rules.max_slope_degrees = 180.0;
+	rules.max_water_depth = unlimited_height;
+	return rules;
+}
+
 inline constexpr double max_edge_feather = 1e3;
 
 /// Returns an error for values that are not finite or outside the ranges above, for a minimum above
@@ -88,6 +96,9 @@ Status validate(const Rules &rules);
 
 /// The sides of the ground that rules permit: its top, seen from above, or all of its surfaces.
 enum class GroundSides : std::uint8_t { top, all };
+
+/// Returns true if any of the rules depends on the slope of the ground.
+bool needs_slope(const Rules &rules, GroundSides sides);
 
 /// Returns true if instances can be placed on this ground: its height and normal are finite, and
 /// the normal of a top points up.
@@ -107,9 +118,7 @@ public:
 	const Rules &rules() const { return rules_; }
 
 	/// Returns true if any rule depends on the slope of the ground.
-	bool needs_slope() const {
-		return !slope_.is_unlimited() || rules_.slope_curve != nullptr || expression_uses(ExpressionInput::slope);
-	}
+	bool needs_slope() const { return needs_slope_; }
 
 	/// Writes to `r_densities` the product of the rules that depend only on the position: density,
 	/// fields, mask, biome, clumping. These rules can be evaluated before the ground is queried.
@@ -171,6 +180,7 @@ private:
 	SlopeRange slope_;
 	PreparedRange height_;
 	PreparedRange water_depth_;
+	bool needs_slope_ = false;
 	bool slope_alone_ = false; ///< True if the slope is the only rule that depends on the ground.
 	ClumpNoise clumps_;
 	std::uint64_t expression_seed_ = 0;

@@ -1,0 +1,133 @@
+#include "core/placement/mesh_rules.hpp"
+
+#include "core/base/guard.hpp"
+#include "core/rules/instance_random.hpp"
+#include "core/terrain/planet_ground.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace thicket {
+
+void MeshRules::set(const LayerSettings &layer) {
+	ruled_.clear();
+	plain_.set(layer.mesh_weights);
+	weights_.assign(layer.mesh_weights.begin(), layer.mesh_weights.end());
+	seed_ = layer.set.seed;
+	on_surface_ = layer.set.on_surface;
+	planet_ = layer.planet;
+	if (plain_.size() == 1) {
+		// There is no choice.
+		return;
+	}
+	const GroundSides sides = on_surface_ ? GroundSides::all : GroundSides::top;
+	for (std::size_t mesh = 0; mesh < layer.mesh_rules.size(); ++mesh) {
+		if (layer.mesh_rules[mesh].has_value() && weights_[mesh] > 0.0) {
+			Rules rules = *layer.mesh_rules[mesh];
+			rules.water = layer.rules.water;
+			RuledMesh &added = ruled_.emplace_back();
+			added.mesh = mesh;
+			// The rules are valid, so the call can fail only for lack of memory.
+			throw_if_out_of_memory(added.rules.set(rules, seed_, sides));
+		}
+	}
+}
+
+/// Copies the positions of the points to the working memory.
+void MeshRules::prepare(std::span<const MeshPoint> points, Scratch &r_scratch) const {
+	r_scratch.positions.clear();
+	r_scratch.heights.clear();
+	for (const MeshPoint &point : points) {
+		r_scratch.positions.push_back(point.position);
+		if (on_surface_) {
+			r_scratch.heights.push_back(point.ground.height);
+		}
+	}
+}
+
+/// Writes the densities of a mesh's rules at the points to `r_scratch.densities`, after `prepare`.
+Status MeshRules::find_densities(
+		const PreparedRules &rules, std::span<const MeshPoint> points, Scratch &r_scratch) const {
+	r_scratch.densities.resize(points.size());
+	const PositionBatch batch{r_scratch.positions, r_scratch.heights};
+	const Status status = rules.position_densities(batch, r_scratch.densities, r_scratch.fields);
+	for (std::size_t i = 0; status.ok() && i < points.size(); ++i) {
+		const MeshPoint &point = points[i];
+		const Ground ground = planet_.exists() ? on_planet(planet_, point.position, point.ground) : point.ground;
+		r_scratch.densities[i] *= rules.ground_density(ground, point.position);
+	}
+	return status;
+}
+
+Status MeshRules::choose(
+		std::span<const MeshPoint> points, std::span<std::uint8_t> r_meshes, Scratch &r_scratch) const {
+	const std::size_t count = points.size();
+	prepare(points, r_scratch);
+	r_scratch.weights.resize(weights_.size() * count);
+	for (std::size_t mesh = 0; mesh < weights_.size(); ++mesh) {
+		std::fill_n(r_scratch.weights.data() + mesh * count, count, weights_[mesh]);
+	}
+	for (const RuledMesh &each : ruled_) {
+		if (const Status status = find_densities(each.rules, points, r_scratch); !status.ok()) {
+			return status;
+		}
+		for (std::size_t i = 0; i < count; ++i) {
+			r_scratch.weights[each.mesh * count + i] *= r_scratch.densities[i];
+		}
+	}
+	for (std::size_t i = 0; i < count; ++i) {
+		double sum = 0.0;
+		for (std::size_t mesh = 0; mesh < weights_.size(); ++mesh) {
+			sum += r_scratch.weights[mesh * count + i];
+		}
+		if (!(sum > 0.0)) {
+			r_meshes[i] = static_cast<std::uint8_t>(plain_.mesh_for(seed_, points[i].id));
+			continue;
+		}
+		const std::uint32_t word = MeshChoice::word_of(seed_, points[i].id);
+		std::size_t chosen = 0;
+		double before = 0.0;
+		for (std::size_t mesh = 0; mesh < weights_.size(); ++mesh) {
+			before += r_scratch.weights[mesh * count + i];
+			chosen += word >= MeshChoice::end_of(before, sum) ? 1 : 0;
+		}
+		r_meshes[i] = static_cast<std::uint8_t>(chosen);
+	}
+	return {};
+}
+
+Status MeshRules::find_shares(const MeshPoint &point, std::vector<MeshShare> &r_shares) const {
+	Scratch scratch;
+	prepare({&point, 1}, scratch);
+	r_shares.assign(plain_.size(), MeshShare{});
+	for (std::size_t mesh = 0; mesh < weights_.size(); ++mesh) {
+		r_shares[mesh].weight = weights_[mesh];
+	}
+	for (const RuledMesh &each : ruled_) {
+		if (const Status status = find_densities(each.rules, {&point, 1}, scratch); !status.ok()) {
+			return status;
+		}
+		r_shares[each.mesh].density = scratch.densities.front();
+	}
+	const auto sum_of = [&r_shares](const auto &weight_of) {
+		return std::accumulate(r_shares.begin(), r_shares.end(), 0.0,
+				[&weight_of](double sum, const MeshShare &share) { return sum + weight_of(share); });
+	};
+	const auto ruled_weight = [](const MeshShare &share) {
+		return share.weight * share.density;
+	};
+	const double ruled_sum = sum_of(ruled_weight);
+	const double plain_sum = sum_of([](const MeshShare &share) { return share.weight; });
+	for (MeshShare &share : r_shares) {
+		share.probability = ruled_sum > 0.0 ? ruled_weight(share) / ruled_sum : share.weight / plain_sum;
+	}
+	return {};
+}
+
+bool mesh_rules_need_slope(const LayerSettings &layer) {
+	const GroundSides sides = layer.set.on_surface ? GroundSides::all : GroundSides::top;
+	return std::ranges::any_of(layer.mesh_rules,
+			[sides](const std::optional<Rules> &rules) { return rules.has_value() && needs_slope(*rules, sides); });
+}
+
+} // namespace thicket
