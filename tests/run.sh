@@ -32,6 +32,7 @@ if [[ " $* " == *" --full "* ]]; then
 	setup_godot_sources
 	setup_gltf_validator
 	setup_web_engine
+	setup_workflow_checkers
 	setup_export_template
 	setup_godot_arm64
 fi

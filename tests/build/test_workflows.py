@@ -1,5 +1,5 @@
-"""Tests the workflows of the forge and their scripts, without the forge: rules for the YAML files, the release notes, and the release's
-draft with a program that replaces the forge's."""
+"""Tests the workflows of the forge, their scripts and the forms for reports, without the forge: rules for the YAML files, the release
+notes, and the release's draft with a program that replaces the forge's."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import re
 import sys
 
 import pytest
-from conftest import REPO, run
+from conftest import CACHE, REPO, run
 
 sys.path.insert(0, str(REPO / "tools/package"))
 import contents  # noqa: E402 (only on the path above)
@@ -17,6 +17,10 @@ import notes  # noqa: E402
 
 yaml = pytest.importorskip("yaml")
 WORKFLOWS = sorted((REPO / ".github/workflows").glob("*.yml"))
+FORMS = sorted(path for path in (REPO / ".github/ISSUE_TEMPLATE").glob("*.yml") if path.stem != "config")
+CHECKERS = CACHE / "workflow-checkers/bin"
+# The permissions to write that each job has.
+WRITES = {"release": {"contents"}, "publish": {"pages", "id-token"}}
 SCRIPTS = sorted((REPO / ".github").glob("*.sh"))
 
 
@@ -30,8 +34,8 @@ def test_workflows_have_least_permissions_and_pinned_actions(path):
     assert workflow["permissions"] == {}, "no job has a permission that it does not list"
     assert "concurrency" in workflow
     for name, job in workflow["jobs"].items():
-        writes = [permission for permission, level in job["permissions"].items() if level != "read"]
-        assert not writes or name == "release", f"{name} may write {writes}"
+        writes = {permission for permission, level in job["permissions"].items() if level != "read"}
+        assert writes == WRITES.get(name, set()), f"{name} may write {writes}"
         assert job["timeout-minutes"] <= 120 and not job["runs-on"].endswith("-latest"), name
     for step in steps_of(workflow):
         if "uses" in step:
@@ -41,7 +45,47 @@ def test_workflows_have_least_permissions_and_pinned_actions(path):
         # A name that someone else chose must not become part of a script, so it is passed as a variable.
         assert "github.event" not in step.get("run", "") and "github.ref" not in step.get("run", ""), step["run"]
     pins = set(re.findall(r"actions/(\w[\w-]*)\S*@(\S+ # v[\d.]+)$", path.read_text(encoding="utf-8"), re.MULTILINE))
-    assert len(pins) == len({action for action, _ in pins}) >= 4, "one version of each action"
+    assert len(pins) == len({action for action, _ in pins}) >= 3, "one version of each action"
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("checker", [["zizmor", "--offline", "--no-progress", "--quiet"], ["actionlint", "-shellcheck=", "-pyflakes="]], ids=lambda each: each[0])
+def test_checkers_find_no_problem(checker, tmp_path):
+    """Checks the workflows for weaknesses with zizmor, and for mistakes with actionlint. Each must find a problem in another workflow."""
+    program = CHECKERS / checker[0]
+    if not program.is_file():
+        pytest.skip(f"no {checker[0]}: setup_workflow_checkers in tools/setup_full.sh installs it")
+    done = run([program, *checker[1:], *WORKFLOWS], timeout=60, cwd=REPO)
+    assert done.returncode == 0, done.stdout + done.stderr
+    wrong = tmp_path / "wrong.yml"
+    wrong.write_text("on: pull_request_target\njobs:\n  a:\n    runs-on: nowhere\n    steps:\n      - run: echo ${{ github.event.issue.title }}\n")
+    assert run([program, *checker[1:], wrong], timeout=60).returncode != 0
+
+
+@pytest.mark.parametrize("path", FORMS, ids=lambda path: path.stem)
+def test_forms_are_valid(path):
+    """Checks the parts that GitHub requires: unique IDs, and a label for each field."""
+    form = yaml.safe_load(path.read_text(encoding="utf-8"))
+    assert form["name"] and form["description"]
+    fields = [each for each in form["body"] if each["type"] != "markdown"]
+    assert len({each["id"] for each in fields}) == len(fields) >= 3
+    assert all(each["attributes"]["label"] for each in fields)
+    assert any(each.get("validations", {}).get("required") for each in fields)
+
+
+def test_the_form_for_problems_asks_for_the_system_report():
+    """Checks that the form names the menu item as the editor shows it."""
+    menu = (REPO / "demo_project/addons/thicket/editor/help/help_menu.gd").read_text(encoding="utf-8")
+    item = re.search(r'add_item\("([^"]+)", Item.COPY_REPORT\)', menu).group(1)
+    form = yaml.safe_load((REPO / ".github/ISSUE_TEMPLATE/problem.yml").read_text(encoding="utf-8"))
+    (field,) = [each for each in form["body"] if each.get("id") == "system"]
+    assert f"Project > Tools > Thicket > {item}" in field["attributes"]["description"] and field["validations"]["required"]
+
+
+def test_pages_for_contributors_name_the_contact():
+    assert re.search(r'^\[thicket\]$(?s:.*)^contact="\S+@\S+"$', (REPO / "demo_project/addons/thicket/plugin.cfg").read_text(encoding="utf-8"), re.MULTILINE)
+    for name in ("SECURITY.md", "CODE_OF_CONDUCT.md"):
+        assert "address `contact` in the section `[thicket]`" in (REPO / name).read_text(encoding="utf-8").replace("\n", " "), name
 
 
 def test_a_commit_is_tested_once():
