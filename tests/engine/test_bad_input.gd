@@ -113,6 +113,13 @@ func test_layer_integers_and_arrays() -> void:
 	layer.mesh_weights = PackedFloat32Array([NAN])
 	check_error(["ScatterLayer.mesh_weights", "finite"], "NAN weight")
 	check_equal(layer.mesh_weights.size(), 0, "weights after invalid ones")
+	var many := PackedStringArray()
+	many.resize(257)
+	layer.mesh_density_expressions = many
+	check_error(["ScatterLayer.mesh_density_expressions must be at most 256 (entries), got 257. Remove the entries beyond those of meshes"], "257 expressions")
+	layer.mesh_density_expressions = ["1", "noise(1, 2)"]
+	check_error(["ScatterLayer.mesh_density_expressions[1]: \"noise(1, 2)\", column 1: noise must have 1 argument, got 2. "], "an invalid expression")
+	check_equal(layer.mesh_density_expressions.size(), 0, "expressions after invalid lists")
 
 
 func test_sampler() -> void:

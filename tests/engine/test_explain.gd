@@ -132,6 +132,45 @@ func test_each_rule_can_reject() -> void:
 	check(absf(slope.get_rule_value(1) - rad_to_deg(normal.angle_to(Vector3.UP))) < 0.1, "the slope")
 
 
+func test_the_share_of_each_mesh_is_explained() -> void:
+	var layer := make_layer(2.0)
+	var oak := BoxMesh.new()
+	oak.resource_name = "Oak"
+	layer.meshes = [oak, SphereMesh.new()]
+	layer.mesh_weights = [3.0]
+	layer.mesh_density_expressions = ["clamp(x / 40, 0, 1)"]
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer(Vector3(20, 0, 0)))
+	await settle(scatter)
+	var chosen := [0, 0]
+	for position: Vector3 in [Vector3(10, 0, 3), Vector3(20, 0, -8), Vector3(2, 0, 8), Vector3(30, 0, 0), Vector3(-20, 0, 0), Vector3(3, 0, 1), Vector3(4, 0, 20)]:
+		var explanation := scatter.explain_position(position)[0]
+		check_equal(explanation.get_mesh_count(), 2, "the number of meshes")
+		var density := clampf(explanation.point_position.x / 40.0, 0.0, 1.0)
+		check(absf(explanation.get_mesh_density(0) - density) < 1e-5, "the value of the expression")
+		check_equal(explanation.get_mesh_density(1), 1.0, "a mesh without an expression")
+		check(absf(explanation.get_mesh_probability(0) - 3.0 * density / (3.0 * density + 1.0)) < 1e-5, "the probability")
+		var instance := scatter.query_sphere(explanation.point_position, 0.1)
+		check_equal(instance.meshes[0], explanation.mesh, "the mesh of the instance")
+		chosen[explanation.mesh] += 1
+		var sentence := explanation.get_mesh_sentence(0)
+		check(sentence.begins_with("Oak" + (" (this instance)" if explanation.mesh == 0 else "") + ": weight 3 × ") and sentence.ends_with(" %."), sentence)
+		check(explanation.get_mesh_sentence(1).begins_with("Entry 1"), explanation.get_mesh_sentence(1))
+	check(chosen[0] > 0 and chosen[1] > 0, "both meshes are chosen: %s" % [chosen])
+	var last := scatter.explain_position(Vector3.ZERO)[0]
+	check_equal(last.get_mesh_sentence(2), "", "a missing mesh")
+	check_error(["ScatterExplanation.get_mesh_sentence", "index", "between 0 and 1"], "a missing mesh")
+	check_equal(last.get_mesh_density(-1), 0.0, "the expression of a missing mesh")
+	check_error(["ScatterExplanation.get_mesh_density", "got -1"], "a negative index")
+	check_equal(last.get_mesh_probability(7), 0.0, "the probability of a missing mesh")
+	check_error(["ScatterExplanation.get_mesh_probability", "got 7"], "an index of 7")
+	layer.mesh_density_expressions = ["0", "0"]
+	await settle(scatter)
+	check("all weights are 0 here, so the plain weight gives 75 %" in scatter.explain_position(Vector3.ZERO)[0].get_mesh_sentence(0), "the plain weights")
+	layer.meshes = [oak]
+	await settle(scatter)
+	check_equal(scatter.explain_position(Vector3.ZERO)[0].get_mesh_count(), 0, "a single mesh needs no explanation")
+
+
 func test_regions_and_holes_are_named() -> void:
 	var scatter := make_ruled()
 	await settle(scatter)

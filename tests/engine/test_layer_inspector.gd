@@ -33,6 +33,7 @@ func test_important_properties_come_first() -> void:
 func test_properties_without_effect_are_hidden() -> void:
 	var uses := {
 		"mesh_weights": ["meshes", [BoxMesh.new(), SphereMesh.new()] as Array[Mesh]],
+		"mesh_density_expressions": ["meshes", [BoxMesh.new(), SphereMesh.new()] as Array[Mesh]],
 		"scale_curve": ["max_scale", 2.0], "scale_value": ["max_scale", 2.0], "noise_curve": ["noise", FastNoiseLite.new()],
 		"mask_texture_rect": ["mask_texture", GradientTexture2D.new()], "mask_texture_edge": ["mask_texture", GradientTexture2D.new()],
 		"mask_texture_channel": ["mask_texture", GradientTexture2D.new()], "clump_coverage": ["clump_size", 9.0],
@@ -112,7 +113,7 @@ func test_groups_and_units() -> void:
 				check("suffix:m" in hint, "%s has a unit: %s" % [name, hint])
 			elif name.ends_with("_time"):
 				check("suffix:s" in hint, "%s has a unit: %s" % [name, hint])
-	for expected: Array in [["radius", "/"], ["density", "/"], ["meshes", "/"], ["mesh_weights", "/"], ["density_expression", "Rules/"], ["density_over_height", "Rules/Height"],
+	for expected: Array in [["radius", "/"], ["density", "/"], ["meshes", "/"], ["mesh_weights", "/"], ["mesh_density_expressions", "/"], ["density_expression", "Rules/"], ["density_over_height", "Rules/Height"],
 			["slope_falloff_degrees", "Rules/Slope"], ["ground_textures", "Rules/Ground"], ["noise_curve", "Rules/Noise"],
 			["mask", "Rules/Mask"], ["mask_texture_edge", "Rules/Mask"], ["clump_size", "Rules/Clumping"],
 			["edge_feather", "Rules/Edge"], ["spacing", "Other Layers/"], ["spacing_fills", "Other Layers/"], ["proximity_curve", "Other Layers/Proximity"],

@@ -5,7 +5,7 @@ const SPOT := "user://thicket_layer"
 
 ## The properties that full_layer() changes from the defaults in the class reference.
 const PROPERTIES: Array[StringName] = [
-	&"density_expression", &"density_over_height", &"density_over_slope", &"ground_textures", &"noise", &"noise_curve", &"mask",
+	&"mesh_density_expressions", &"density_expression", &"density_over_height", &"density_over_slope", &"ground_textures", &"noise", &"noise_curve", &"mask",
 	&"mask_texture", &"mask_texture_rect", &"mask_texture_channel", &"mask_texture_edge", &"clump_size",
 	&"clump_coverage", &"clump_softness", &"edge_feather", &"proximity_layer", &"proximity_distance",
 	&"proximity_curve", &"scale_curve", &"scale_value", &"min_tilt_degrees", &"max_tilt_degrees", &"offset_along_normal", &"use_colors",
@@ -36,6 +36,7 @@ func full_layer() -> ScatterLayer:
 	layer.resource_name = "Ferns"
 	layer.density_over_height = make_line(Vector2(100, 0), Vector2(900, 1))
 	layer.density_expression = "slope < 45"
+	layer.mesh_density_expressions = ["height < 100", "", "noise(20)"]
 	layer.density_over_slope = make_line(Vector2(0, 1), Vector2(90, 0))
 	layer.ground_textures = [3, 0, 255]
 	layer.noise = FastNoiseLite.new()
@@ -177,6 +178,7 @@ func test_rejected() -> void:
 		refuse(layer, "collision_shape", number, ["range"])
 	refuse(layer, "ground_textures", PackedInt32Array([1, -1]), ["-1"])
 	refuse(layer, "density_expression", "heigth > 3", ["\"heigth > 3\", column 1", "the inputs are height, slope"])
+	refuse(layer, "mesh_density_expressions", PackedStringArray(["1", "heigth"]), ["[1]: \"heigth\", column 1", "the inputs are height, slope", "is kept"])
 	refuse(layer, "density_expression", "smoothstep(0, 1", ["column 16", "expected \")\""])
 	refuse(layer, "ground_textures", PackedInt32Array([256]), ["256"])
 	var many := PackedInt32Array()

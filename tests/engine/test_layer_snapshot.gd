@@ -39,7 +39,7 @@ var changes := {
 	"min_tilt_degrees": [1.0, MADE], "max_tilt_degrees": [9.0, MADE], "align_to_normal": [0.5, MADE],
 	"height_offset": [0.5, MADE], "offset_along_normal": [0.25, MADE],
 	"meshes": [[SphereMesh.new(), BoxMesh.new()] as Array[Mesh], MADE],
-	"mesh_weights": [PackedFloat32Array([1.0, 4.0]), MADE],
+	"mesh_weights": [PackedFloat32Array([1.0, 4.0]), MADE], "mesh_density_expressions": [PackedStringArray(["x > 0"]), MADE],
 	"use_colors": [false, MADE], "use_custom_data": [false, MADE],
 	"color_value": [value_of(ScatterValueSource.SOURCE_HEIGHT, to_red()), MADE], "variation_value": [value_of(ScatterValueSource.SOURCE_RANK), MADE],
 	"thin_begin": [5.0, REDRAWN], "thin_end": [60.0, REDRAWN], "thin_density": [0.25, REDRAWN],

@@ -10,6 +10,7 @@ const OF_RESOURCES: Array[StringName] = [&"script", &"resource_name", &"resource
 const CHANGED: Dictionary[StringName, Variant] = {
 	&"layer_id": 5, &"meshes": [], &"spacing": {"Other": 1.0}, &"proximity_layer": "Other", &"surface_layers": ["Other"],
 	&"density_expression": "slope < 45", &"ground_textures": [1], &"mesh_weights": [2.0],
+	&"mesh_density_expressions": ["slope < 45"],
 	&"draw_cell_size": 16.0, &"max_scale": 1.5, &"min_scale": 0.5, &"progressive_levels": 2, &"radius": 3.0, &"density": 0.5,
 }
 

@@ -191,6 +191,47 @@ func test_mesh_weights() -> void:
 		check(absf(counts[mesh] / total - [0.25, 0.5, 0.25][mesh]) < 0.02, "fractions of the meshes: %s" % [counts])
 
 
+func test_mesh_density_expressions() -> void:
+	var layer := make_layer(1.0)
+	layer.meshes = [BoxMesh.new(), SphereMesh.new(), CylinderMesh.new()]
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
+	await settle(scatter)
+	var before := mesh_of_ids(scatter)
+	layer.mesh_density_expressions = ["x < 10", "x > -10", "0"]
+	await settle(scatter)
+	var after := mesh_of_ids(scatter)
+	check_equal(after.keys().size(), before.keys().size(), "instances with expressions")
+	var counts := [0, 0]
+	for id: int in after:
+		var x := scatter.get_instance(id).position.x
+		check(before.has(id), "instance %d was there before" % id)
+		var mesh: int = after[id]
+		if mesh != (0 if x < -10 else 1) and (absf(x) > 10.01 or mesh == 2):
+			check(false, "an instance at x = %f has mesh %d" % [x, mesh])
+			return
+		if absf(x) < 10.0:
+			counts[mesh] += 1
+	check(counts[0] > 100 and absf(counts[0] - counts[1]) < 0.2 * (counts[0] + counts[1]), "both meshes between -10 and 10: %s" % [counts])
+	layer.mesh_density_expressions = ["0", "-1", "sqrt(-1)"]
+	await settle(scatter)
+	check_equal(mesh_of_ids(scatter), before, "plain weights apply if all expressions are 0")
+	layer.mesh_density_expressions = ["", "", "", "1"]
+	check_equal(layer.mesh_density_expressions, PackedStringArray(["", "", "", "1"]), "empty entries are kept")
+	var problems := scatter.get_problems()
+	check(Array(problems).any(func(text: String) -> bool: return "mesh_density_expressions has more entries than meshes" in text), "%s" % [problems])
+
+
+## Returns the index of the mesh of each instance in the visible tiles, by ID.
+func mesh_of_ids(scatter: TerrainScatter3D) -> Dictionary[int, int]:
+	var meshes: Dictionary[int, int] = {}
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
+		var ids := tile_ids(scatter, 0, tile)
+		for mesh in ids.size():
+			for id: int in ids[mesh]:
+				meshes[id] = mesh
+	return meshes
+
+
 func test_a_lower_density_keeps_a_prefix() -> void:
 	var layer := make_layer()
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())

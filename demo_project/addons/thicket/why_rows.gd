@@ -16,8 +16,8 @@ const DIM := Color(0.92, 0.92, 0.92, 0.65)
 var rows: Array[Array] = []
 
 
-## Fills [member rows] from the result of [method TerrainScatter3D.explain_position]. Lists all rules of the layer [param chosen], or no rules if it
-## is null. If the position [param at] is below the top of the ground, layers that grow only on the top are not explained there.
+## Fills [member rows] from the result of [method TerrainScatter3D.explain_position]. Lists all rules and meshes of the layer [param chosen], or none
+## if it is null. If the position [param at] is below the top of the ground, layers that grow only on the top are not explained there.
 func fill(explanations: Array, chosen: Resource, at := Vector3.INF) -> void:
 	rows.clear()
 	# The selected layer comes first, so that it is never omitted.
@@ -38,6 +38,8 @@ func fill(explanations: Array, chosen: Resource, at := Vector3.INF) -> void:
 		if chosen != null and explanation.layer == chosen:
 			for rule: int in explanation.get_rule_count():
 				rows.append([DIM, "    %s" % explanation.get_rule_sentence(rule)])
+			for mesh: int in explanation.get_mesh_count():
+				rows.append([DIM, "    %s" % explanation.get_mesh_sentence(mesh)])
 
 
 ## Replaces all rows with one message.

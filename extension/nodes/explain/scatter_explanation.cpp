@@ -31,13 +31,42 @@ Vector3 ScatterExplanation::get_point_position() const {
 	return to_engine(glm::dvec3(at.x, std::isfinite(height) ? double{height} : it_.position.y, at.y), frame_);
 }
 
-bool ScatterExplanation::check_index(const char *p_method, int64_t p_index) const {
-	const bool there = p_index >= 0 && p_index < get_rule_count();
+namespace {
+
+/// Returns true if `p_index` is below `p_count`. Otherwise prints an error. `p_note` names the method
+/// that returns the count.
+bool check_below(const char *p_method, int64_t p_index, int64_t p_count, const char *p_note) {
+	const bool there = p_index >= 0 && p_index < p_count;
 	if (!there) {
 		report((std::string("ScatterExplanation.") + p_method).c_str(),
-				Status::out_of_range("index", p_index, between(0, get_rule_count() - 1, "see get_rule_count()")));
+				Status::out_of_range("index", p_index, between(0, p_count - 1, p_note)));
 	}
 	return there;
+}
+
+} // namespace
+
+bool ScatterExplanation::check_index(const char *p_method, int64_t p_index) const {
+	return check_below(p_method, p_index, get_rule_count(), "see get_rule_count()");
+}
+
+bool ScatterExplanation::check_mesh(const char *p_method, int64_t p_index) const {
+	return check_below(p_method, p_index, get_mesh_count(), "see get_mesh_count()");
+}
+
+double ScatterExplanation::get_mesh_density(int64_t p_index) const {
+	return check_mesh("get_mesh_density", p_index) ? it_.rules.meshes[static_cast<std::size_t>(p_index)].density : 0.0;
+}
+
+double ScatterExplanation::get_mesh_probability(int64_t p_index) const {
+	return check_mesh("get_mesh_probability", p_index) ? it_.rules.meshes[static_cast<std::size_t>(p_index)].probability
+													   : 0.0;
+}
+
+String ScatterExplanation::get_mesh_sentence(int64_t p_index) const {
+	return check_mesh("get_mesh_sentence", p_index)
+			? String::utf8(it_.mesh_messages[static_cast<std::size_t>(p_index)].c_str())
+			: String();
 }
 
 StringName ScatterExplanation::get_rule_name(int64_t p_index) const {
@@ -88,6 +117,11 @@ void ScatterExplanation::_bind_methods() {
 	bind_guarded<&Self::get_distance>(D_METHOD("get_distance"));
 	bind_guarded<&Self::get_rank>(D_METHOD("get_rank"));
 	bind_guarded<&Self::get_point_density>(D_METHOD("get_point_density"));
+	bind_guarded<&Self::get_mesh>(D_METHOD("get_mesh"));
+	bind_guarded<&Self::get_mesh_count>(D_METHOD("get_mesh_count"));
+	bind_guarded<&Self::get_mesh_density>(D_METHOD("get_mesh_density", "index"));
+	bind_guarded<&Self::get_mesh_probability>(D_METHOD("get_mesh_probability", "index"));
+	bind_guarded<&Self::get_mesh_sentence>(D_METHOD("get_mesh_sentence", "index"));
 	bind_guarded<&Self::get_rule_count>(D_METHOD("get_rule_count"));
 	bind_guarded<&Self::get_rule_name>(D_METHOD("get_rule_name", "index"));
 	bind_guarded<&Self::get_rule_value>(D_METHOD("get_rule_value", "index"));
@@ -110,6 +144,7 @@ void ScatterExplanation::_bind_methods() {
 	bind_value(owner, PropertyInfo(Variant::FLOAT, "distance"), "get_distance");
 	bind_value(owner, PropertyInfo(Variant::FLOAT, "rank"), "get_rank");
 	bind_value(owner, PropertyInfo(Variant::FLOAT, "point_density"), "get_point_density");
+	bind_value(owner, PropertyInfo(Variant::INT, "mesh"), "get_mesh");
 }
 
 } // namespace thicket

@@ -30,6 +30,9 @@ struct LayerExplanation {
 	/// at that position.
 	PositionExplanation rules;
 	std::vector<RuleMessage> messages;
+	/// For each mesh of the layer, a message about its share in the choice for the instance at the
+	/// point. Empty without a choice, and if there is no point.
+	std::vector<std::string> mesh_messages;
 	RuleVerdict verdict;    ///< The outcome of the rules and of everything else that may prevent an instance.
 	bool is_placed = false; ///< True if the point nearest to the position is an instance.
 	bool is_drawn = false;  ///< True if that instance is drawn.
@@ -63,6 +66,13 @@ public:
 	double get_rank() const { return it_.rules.point.rank * 0x1p-32; }
 	double get_point_density() const { return it_.rules.at_point.density; }
 
+	// These methods describe how the mesh of the instance at the point was chosen.
+	int64_t get_mesh() const { return static_cast<int64_t>(it_.rules.mesh); }
+	int64_t get_mesh_count() const { return static_cast<int64_t>(it_.mesh_messages.size()); }
+	double get_mesh_density(int64_t p_index) const;
+	double get_mesh_probability(int64_t p_index) const;
+	godot::String get_mesh_sentence(int64_t p_index) const;
+
 	// These methods describe the layer's rules at the position.
 	int64_t get_rule_count() const { return static_cast<int64_t>(it_.messages.size()); }
 	godot::StringName get_rule_name(int64_t p_index) const;
@@ -77,6 +87,7 @@ protected:
 
 private:
 	bool check_index(const char *p_method, int64_t p_index) const;
+	bool check_mesh(const char *p_method, int64_t p_index) const;
 
 	LayerExplanation it_;
 	godot::Ref<ScatterLayer> layer_;

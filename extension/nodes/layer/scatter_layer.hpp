@@ -4,6 +4,7 @@
 #include "nodes/common/guard.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/common/scene_use.hpp"
+#include "nodes/layer/expression_text.hpp"
 #include "nodes/layer/former_drawing.hpp"
 #include "nodes/layer/layer_meshes.hpp"
 #include "nodes/layer/layer_snapshot.hpp"
@@ -27,6 +28,7 @@
 #include <atomic>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -202,6 +204,9 @@ public:
 	void set_meshes(const godot::Array &p_meshes);
 	godot::Array get_meshes() const;
 
+	/// Returns a name for an entry of `meshes`: that of its resource, part or file, or its index.
+	godot::String mesh_name(std::size_t mesh) const;
+
 	/// `meshes_differ` returns true if a script has changed the list that `get_meshes` returned,
 	/// which scripts share. `take_mesh_changes` applies the change like `set_meshes`, or restores
 	/// the previous list if the change is invalid.
@@ -235,6 +240,12 @@ public:
 	/// Sets the relative frequency of each mesh, 0 to 1e6. Missing entries are treated as 1.
 	void set_mesh_weights(const godot::PackedFloat32Array &p_weights);
 	godot::PackedFloat32Array get_mesh_weights() const;
+
+	/// Sets the text of a density expression for each mesh, by which its weight is multiplied. Empty
+	/// and missing texts have no effect. A list with an invalid text is reported, and the old one is
+	/// kept.
+	void set_mesh_density_expressions(const godot::PackedStringArray &p_texts);
+	godot::PackedStringArray get_mesh_density_expressions() const;
 
 	void set_material_override(const godot::Ref<godot::Material> &p_material);
 	godot::Ref<godot::Material> get_material_override() const;
@@ -350,6 +361,7 @@ private:
 	static auto &part(Self &self);
 
 	LayerSettings settings(std::uint64_t seed, std::size_t index) const;
+	std::vector<std::optional<Rules>> mesh_rules() const;
 	InstanceData instance_data() const;
 	LayerGameplay gameplay() const;
 	std::vector<std::string> field_names() const;
@@ -437,6 +449,7 @@ private:
 	LayerMeshes meshes_;
 	std::atomic<std::uint64_t> mesh_version_ = 0;
 	godot::PackedFloat32Array mesh_weights_;
+	std::vector<SharedExpression> mesh_expressions_;
 	FormerLods former_lods_;
 	FormerVisibility former_visibility_;
 	godot::Ref<godot::Material> material_override_;

@@ -18,6 +18,7 @@ namespace {
 /// Properties that may be hidden, in the order of their bits in hidden_properties().
 constexpr std::array hideable{
 		"mesh_weights",
+		"mesh_density_expressions",
 		"scale_curve",
 		"scale_value",
 		"noise_curve",
@@ -54,6 +55,7 @@ std::uint64_t ScatterLayer::hidden_properties() const {
 	// An unused property stays visible if it is set, because a warning mentions it.
 	const std::array<bool, hideable.size()> visible{
 			meshes_.size() > 1 || mesh_weights_.size() > 0,
+			meshes_.size() > 1 || !mesh_expressions_.empty(),
 			varying_scale || resource("scale_curve").is_valid(),
 			varying_scale || scale_value_.is_valid(),
 			resource("noise").is_valid() || resource("noise_curve").is_valid(),

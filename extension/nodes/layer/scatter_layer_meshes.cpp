@@ -1,6 +1,8 @@
-// This file contains the property of ScatterLayer for its meshes, scenes and models.
+// This file contains the properties of ScatterLayer for its meshes, scenes and models, and for how
+// often each of them is used.
 
 #include "nodes/common/convert.hpp"
+#include "nodes/common/resource_file.hpp"
 #include "nodes/common/threads.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
 
@@ -9,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -18,16 +21,17 @@ namespace thicket {
 
 namespace {
 
-/// Returns true if the number of entries is allowed. Otherwise prints an error.
-bool accept_count(const Array &p_meshes) {
-	const bool fits = p_meshes.size() <= static_cast<int64_t>(max_meshes);
+/// Returns true if the number of entries of a property is allowed. Otherwise prints an error.
+bool accept_count(const char *property, int64_t p_count, const char *remedy) {
+	const bool fits = p_count <= static_cast<int64_t>(max_meshes);
 	if (!fits) {
 		report(ScatterLayer::class_name,
-				Status::out_of_range(
-						"meshes", p_meshes.size(), at_most(max_meshes, "entries"), "Divide them among layers"));
+				Status::out_of_range(property, p_count, at_most(max_meshes, "entries"), remedy));
 	}
 	return fits;
 }
+
+bool accept_count(const Array &p_meshes) { return accept_count("meshes", p_meshes.size(), "Divide them among layers"); }
 
 } // namespace
 
@@ -84,6 +88,21 @@ void ScatterLayer::meshes_changed() {
 
 Array ScatterLayer::get_meshes() const { return meshes_.entries(); }
 
+String ScatterLayer::mesh_name(std::size_t mesh) const {
+	const Ref<Resource> entry = mesh < meshes_.size() ? meshes_.resource(mesh) : Ref<Resource>();
+	const Ref<ScatterModel> model = entry;
+	Ref<Resource> file = entry;
+	String name = entry.is_valid() ? entry->get_name() : String();
+	if (name.is_empty() && model.is_valid()) {
+		name = model->get_scene_part().get_file();
+		file = model->get_scene();
+	}
+	if (name.is_empty() && file.is_valid()) {
+		name = name_of_file(file->get_path());
+	}
+	return name.is_empty() ? vformat("Entry %d", static_cast<int64_t>(mesh)) : name;
+}
+
 bool ScatterLayer::read_step() {
 	// Use a copy, because scripts in the scenes may replace the list.
 	const LayerMeshes meshes = meshes_;
@@ -117,6 +136,32 @@ void ScatterLayer::set_mesh_weights(const PackedFloat32Array &p_weights) {
 
 PackedFloat32Array ScatterLayer::get_mesh_weights() const { return mesh_weights_; }
 
+void ScatterLayer::set_mesh_density_expressions(const PackedStringArray &p_texts) {
+	if (!accept_count("mesh_density_expressions", p_texts.size(), "Remove the entries beyond those of meshes")) {
+		return;
+	}
+	std::vector<SharedExpression> expressions = mesh_expressions_;
+	expressions.resize(static_cast<std::size_t>(p_texts.size()));
+	for (std::size_t mesh = 0; mesh < expressions.size(); ++mesh) {
+		const std::string property = "ScatterLayer.mesh_density_expressions[" + std::to_string(mesh) + "]";
+		if (!compile_text(property, p_texts[static_cast<int64_t>(mesh)], expressions[mesh])) {
+			return;
+		}
+	}
+	if (expressions != mesh_expressions_) {
+		mesh_expressions_ = std::move(expressions);
+		changed();
+	}
+}
+
+PackedStringArray ScatterLayer::get_mesh_density_expressions() const {
+	PackedStringArray texts;
+	for (const SharedExpression &expression : mesh_expressions_) {
+		texts.push_back(text_of(expression));
+	}
+	return texts;
+}
+
 void ScatterLayer::bind_meshes() {
 	bind_guarded<&ScatterLayer::set_meshes>(D_METHOD("set_meshes", "meshes"));
 	bind_guarded<&ScatterLayer::get_meshes>(D_METHOD("get_meshes"));
@@ -130,6 +175,12 @@ void ScatterLayer::bind_meshes() {
 	bind_guarded<&ScatterLayer::get_mesh_weights>(D_METHOD("get_mesh_weights"));
 	add_layer_property(PropertyUse::placement, PropertyInfo(Variant::PACKED_FLOAT32_ARRAY, "mesh_weights"),
 			"set_mesh_weights", "get_mesh_weights");
+	bind_guarded<&ScatterLayer::set_mesh_density_expressions>(D_METHOD("set_mesh_density_expressions", "texts"));
+	bind_guarded<&ScatterLayer::get_mesh_density_expressions>(D_METHOD("get_mesh_density_expressions"));
+	add_layer_property(PropertyUse::placement,
+			PropertyInfo(Variant::PACKED_STRING_ARRAY, "mesh_density_expressions", PROPERTY_HINT_TYPE_STRING,
+					vformat("%d/%d:smoothstep(900, 1200, height)", Variant::STRING, PROPERTY_HINT_PLACEHOLDER_TEXT)),
+			"set_mesh_density_expressions", "get_mesh_density_expressions");
 	bind_guarded<&ScatterLayer::meshes_changed>(ThreadUse::relayed, D_METHOD("_meshes_changed"));
 	bind_guarded<&ScatterLayer::reload_scenes>(D_METHOD("reload_scenes", "paths"));
 	bind_fit();

@@ -103,6 +103,10 @@ void ScatterLayer::add_mesh_problems(PackedStringArray &r_problems) const {
 	if (mesh_weights_.size() > static_cast<int64_t>(meshes_.size())) {
 		r_problems.push_back("ScatterLayer.mesh_weights has more entries than meshes. Remove the unused entries.");
 	}
+	if (mesh_expressions_.size() > meshes_.size()) {
+		r_problems.push_back("ScatterLayer.mesh_density_expressions has more entries than meshes. Remove the unused "
+							 "entries.");
+	}
 }
 
 PackedStringArray ScatterLayer::problems() {

@@ -1,12 +1,9 @@
 // This file contains the properties of ScatterLayer in the group Rules, which determine the points
 // of a layer's set that get an instance.
 
+#include "nodes/layer/expression_text.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
 
-#include <godot_cpp/core/error_macros.hpp>
-
-#include <algorithm>
-#include <string>
 #include <utility>
 
 using namespace godot;
@@ -68,32 +65,15 @@ void ScatterLayer::set_ground_textures(const PackedInt32Array &p_textures) {
 PackedInt32Array ScatterLayer::get_ground_textures() const { return ground_textures_; }
 
 void ScatterLayer::set_density_expression(const String &p_text) {
-	std::string text = p_text.utf8().get_data();
-	const std::size_t end = text.find_last_not_of(" \t\n") + 1;
-	text = text.substr(0, end).substr(std::min(end, text.find_first_not_of(" \t\n")));
-	if (String::utf8(text.c_str()) == get_density_expression()) {
-		return;
+	SharedExpression expression = settings_.rules.expression;
+	if (compile_text("ScatterLayer.density_expression", p_text, expression) &&
+			expression != settings_.rules.expression) {
+		settings_.rules.expression = std::move(expression);
+		changed();
 	}
-	std::shared_ptr<const DensityExpression> compiled;
-	if (!text.empty()) {
-		ExpressionError error;
-		compiled = DensityExpression::compile(text, error);
-		if (compiled == nullptr) {
-			ERR_PRINT(vformat(
-					"ScatterLayer.density_expression: \"%s\", column %d: %s. The last valid expression is kept.",
-					String::utf8(text.c_str()), static_cast<int64_t>(error.column),
-					String::utf8(error.message.c_str())));
-			return;
-		}
-	}
-	settings_.rules.expression = std::move(compiled);
-	changed();
 }
 
-String ScatterLayer::get_density_expression() const {
-	const std::shared_ptr<const DensityExpression> &expression = settings_.rules.expression;
-	return expression == nullptr ? String() : String::utf8(expression->text().c_str());
-}
+String ScatterLayer::get_density_expression() const { return text_of(settings_.rules.expression); }
 
 void ScatterLayer::bind_rules() {
 	ADD_GROUP("Rules", "");

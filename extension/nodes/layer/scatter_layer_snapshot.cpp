@@ -118,7 +118,21 @@ LayerSettings ScatterLayer::settings(std::uint64_t seed, std::size_t index) cons
 	for (int64_t mesh = 0; mesh < static_cast<int64_t>(meshes_.size()); ++mesh) {
 		result.mesh_weights.push_back(mesh < mesh_weights_.size() ? mesh_weights_[mesh] : 1.0F);
 	}
+	result.mesh_rules = mesh_rules();
 	return result;
+}
+
+/// Returns the rules of the meshes; empty if none has any.
+std::vector<std::optional<Rules>> ScatterLayer::mesh_rules() const {
+	std::vector<std::optional<Rules>> rules;
+	for (std::size_t mesh = 0; mesh < std::min(meshes_.size(), mesh_expressions_.size()); ++mesh) {
+		if (mesh_expressions_[mesh] != nullptr) {
+			rules.resize(mesh + 1);
+			rules[mesh] = open_rules();
+			rules[mesh]->expression = mesh_expressions_[mesh];
+		}
+	}
+	return rules;
 }
 
 /// Returns the names in the order of the fields in `settings`.

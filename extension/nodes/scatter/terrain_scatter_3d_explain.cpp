@@ -40,6 +40,16 @@ std::string but_not_drawn(const LayerExplanation &explanation, const std::string
 	return "Placed " + distance_text(explanation.rules.distance) + ", but not drawn: " + why;
 }
 
+/// Adds a message about each mesh of a layer with several ones.
+void explain_meshes(const Ref<ScatterLayer> &p_layer, LayerExplanation &r_explanation) {
+	const PositionExplanation &rules = r_explanation.rules;
+	const std::size_t count = rules.has_point ? rules.meshes.size() : 0;
+	for (std::size_t mesh = 0; count > 1 && mesh < count; ++mesh) {
+		const std::string name = p_layer->mesh_name(mesh).utf8().get_data();
+		r_explanation.mesh_messages.push_back(describe_mesh(rules, mesh, name));
+	}
+}
+
 bool draws_nothing(const LayerSnapshot &layer) {
 	const bool meshes = std::ranges::any_of(
 			layer.drawing.meshes, [](const MeshAppearance &appearance) { return appearance.mesh.is_valid(); });
@@ -208,6 +218,7 @@ void TerrainScatter3D::explain_layer(const Ref<ScatterLayer> &p_layer, const std
 	if (!status.ok()) {
 		return refuse("layer", "The layer cannot be explained: " + thicket::describe(status) + ".", r_explanation);
 	}
+	explain_meshes(p_layer, r_explanation);
 	if (gameplay->alive()) {
 		explain_changes(*layer, r_explanation);
 		explain_drawing(*layer, r_explanation);
