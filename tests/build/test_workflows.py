@@ -84,7 +84,7 @@ def test_the_form_for_problems_asks_for_the_system_report():
 
 def test_pages_for_contributors_name_the_contact():
     assert re.search(r'^\[thicket\]$(?s:.*)^contact="\S+@\S+"$', (REPO / "demo_project/addons/thicket/plugin.cfg").read_text(encoding="utf-8"), re.MULTILINE)
-    for name in ("SECURITY.md", "CODE_OF_CONDUCT.md"):
+    for name in (".github/SECURITY.md", ".github/CODE_OF_CONDUCT.md"):
         assert "address `contact` in the section `[thicket]`" in (REPO / name).read_text(encoding="utf-8").replace("\n", " "), name
 
 
