@@ -13,11 +13,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <random>
 #include <span>
 #include <string>
@@ -372,6 +374,44 @@ TEST_CASE("every rule: a position is explained by the set's nearest point, as in
 	}
 	CHECK(here > 50);
 	CHECK(here < 950);
+}
+
+TEST_CASE("every rule: the mesh of an instance is explained as in its tile") {
+	const TexturedHills terrain;
+	LayerSettings layer = plain_layer();
+	layer.mesh_weights = {1.0f, 2.0f, 0.5f};
+	Rules low = open_rules();
+	low.max_height = 60.0;
+	low.height_falloff = 40.0;
+	Rules clumps = open_rules();
+	clumps.clumping = {18.0, 0.5, 0.4};
+	layer.mesh_rules = {low, std::nullopt, clumps};
+	const TileInstances tile = built(layer, terrain, tile_of_hills);
+	const std::vector<SamplePoint> points = points_of(layer.set, tile_of_hills);
+	PositionExplainer explainer;
+	PositionExplanation explanation;
+	std::array<double, 3> expected{};
+	for (const SamplePoint &point : points) {
+		REQUIRE(explainer.find(layer, {point.position.x, 0.0, point.position.y}).ok());
+		REQUIRE(explainer.explain(ground_for(explainer, terrain), explanation).ok());
+		REQUIRE(explanation.point.id == point.id);
+		const std::vector<std::uint64_t> ids(
+				tile.meshes[explanation.mesh].ids.begin(), tile.meshes[explanation.mesh].ids.end());
+		REQUIRE((std::ranges::find(ids, point.id) != ids.end()) == explanation.is_placed());
+		for (std::size_t mesh = 0; mesh < 3 && explanation.is_placed(); ++mesh) {
+			expected[mesh] += explanation.meshes[mesh].probability;
+		}
+	}
+	for (std::size_t mesh = 0; mesh < 3; ++mesh) {
+		CHECK(expected[mesh] > 50.0);
+		CHECK(std::abs(expected[mesh] - static_cast<double>(tile.meshes[mesh].size())) <
+				2.5 * std::sqrt(expected[mesh]));
+	}
+	layer.mesh_rules[0]->fields = {std::make_shared<FailingField>()};
+	REQUIRE(explainer.find(layer, {0.0, 0.0, 10.0}).ok());
+	const Status failed = explainer.explain(ground_for(explainer, terrain), explanation);
+	CHECK(failed.code == ErrorCode::wrong_type);
+	CHECK(std::string(failed.property) == "noise");
 }
 
 TEST_CASE("every rule: the error for a position that cannot be explained names the property") {

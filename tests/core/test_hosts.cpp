@@ -8,6 +8,7 @@
 #include "core/terrain/flat_terrain.hpp"
 #include "counted_threads.hpp"
 #include "placement_fixture.hpp"
+#include "refusal.hpp"
 #include "sources_fixture.hpp"
 #include "surface_fixture.hpp"
 #include "tile_fixture.hpp"
@@ -423,6 +424,15 @@ TEST_CASE("hosts: the models are those that the host draws, without slope rules 
 		CHECK(misplaced == 0);
 	}
 	CHECK(placed_in(open, ground, wider).size() == placed_in(mixed, ground, wider).size());
+}
+
+TEST_CASE("hosts: the error of a field in a host's rules of meshes is passed on") {
+	LayerSettings host = boulders();
+	host.mesh_rules = {open_rules()};
+	host.mesh_rules[0]->fields = {std::make_shared<FailingField>()};
+	TileBuilder builder;
+	TileInstances tile;
+	check_refused(builder.build(moss_on(host), hills(), area, tile), ErrorCode::wrong_type, "noise", 0.0);
 }
 
 TEST_CASE("hosts: edits of a host and of its instances reach the layers on it") {

@@ -1,6 +1,7 @@
 // Tests of the rules of single meshes, which decide which mesh an instance gets.
 
 #include "core/placement/instance_cache.hpp"
+#include "core/placement/instance_writer.hpp"
 #include "core/placement/layer_edits.hpp"
 #include "core/placement/mesh_rules.hpp"
 #include "core/sampling/block_cache.hpp"
@@ -13,10 +14,12 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -364,19 +367,33 @@ TEST_CASE("mesh rules: the error for invalid rules names the property and the va
 }
 
 TEST_CASE("mesh rules: a failing field is an error, and leaves the tile unchanged") {
-	class NoField final : public DensityField {
-		Status sample(std::span<const glm::dvec2>, std::span<float>) const override {
-			return {ErrorCode::wrong_type, "noise", 0.0};
-		}
-	};
 	const Heightfield terrain = hills();
 	LayerSettings layer = rich_layer();
 	TileInstances tile = built(layer, terrain, tile_of_hills);
 	const std::uint64_t before = digest(tile);
 	layer.mesh_rules = {Rules{}};
-	layer.mesh_rules[0]->fields = {std::make_shared<NoField>()};
+	layer.mesh_rules[0]->fields = {std::make_shared<FailingField>()};
 	TileBuilder builder;
 	check_refused(builder.build(layer, terrain, tile_of_hills, tile), ErrorCode::wrong_type, "noise", 0.0);
+	CHECK(digest(tile) == before);
+	MeshRules rules;
+	rules.set(layer);
+	std::vector<MeshShare> shares;
+	check_refused(rules.find_shares({}, shares), ErrorCode::wrong_type, "noise", 0.0);
+}
+
+TEST_CASE("mesh rules: the choice of meshes can be cancelled") {
+	const LayerSettings layer = mixed_layer();
+	const std::array<glm::dvec2, 1> position{};
+	const std::array<Ground, 1> ground{Ground{5.0f}};
+	const std::array<std::uint64_t, 1> id{7};
+	const std::array<std::uint32_t, 1> zero{};
+	const PlacedPoints points{position, ground, id, zero, zero};
+	TileInstances tile = built(layer, hills(), tile_of_hills);
+	const std::uint64_t before = digest(tile);
+	const std::atomic<bool> cancel{true};
+	InstanceWriter writer;
+	CHECK(writer.write(layer, points, {}, tile, &cancel).code == ErrorCode::cancelled);
 	CHECK(digest(tile) == before);
 }
 

@@ -32,6 +32,13 @@ inline Heightfield hills() {
 	return field;
 }
 
+/// A field that always fails, with an error that names `noise`.
+class FailingField final : public DensityField {
+	Status sample(std::span<const glm::dvec2>, std::span<float>) const override {
+		return {ErrorCode::wrong_type, "noise", 0.0};
+	}
+};
+
 inline LayerSettings rich_layer() {
 	LayerSettings layer;
 	layer.set = {.seed = 99, .radius = 1.5, .levels = 2, .layer = 3};

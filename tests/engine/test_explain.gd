@@ -166,6 +166,26 @@ func test_the_share_of_each_mesh_is_explained() -> void:
 	layer.mesh_density_expressions = ["0", "0"]
 	await settle(scatter)
 	check("all weights are 0 here, so the plain weight gives 75 %" in scatter.explain_position(Vector3.ZERO)[0].get_mesh_sentence(0), "the plain weights")
+	var root := Node3D.new()
+	var pine := MeshInstance3D.new()
+	pine.name = "Pine"
+	pine.mesh = BoxMesh.new()
+	root.add_child(pine)
+	pine.owner = root
+	var scene := PackedScene.new()
+	scene.pack(root)
+	root.free()
+	check_equal(ResourceSaver.save(scene, "user://old_firs.tscn"), OK, "the scene is saved")
+	scene.take_over_path("user://old_firs.tscn")
+	var part := ScatterModel.new()
+	part.scene_part = "Pine"
+	part.scene = scene
+	layer.meshes = [scene, part]
+	await settle(scatter)
+	var with_scenes := scatter.explain_position(Vector3.ZERO)[0]
+	check(with_scenes.get_mesh_sentence(0).begins_with("old_firs"), "the name of a file: " + with_scenes.get_mesh_sentence(0))
+	check(with_scenes.get_mesh_sentence(1).begins_with("Pine"), "the name of a part: " + with_scenes.get_mesh_sentence(1))
+	DirAccess.remove_absolute("user://old_firs.tscn")
 	layer.meshes = [oak]
 	await settle(scatter)
 	check_equal(scatter.explain_position(Vector3.ZERO)[0].get_mesh_count(), 0, "a single mesh needs no explanation")
