@@ -12,7 +12,10 @@ namespace {
 
 constexpr double cell_width = surface_cell_size;
 
-std::int32_t cell_at(double units) { return static_cast<std::int32_t>(floor_of(units / cell_width)); }
+/// Returns the cell, along one axis, of a position in whole units.
+std::int32_t cell_at(double units) {
+	return static_cast<std::int32_t>(static_cast<std::int64_t>(units) >> surface_bits);
+}
 
 } // namespace
 
@@ -39,9 +42,9 @@ void SurfaceGrid::enter(const SurfaceTriangle &triangle, std::uint32_t number) {
 	glm::ivec3 first;
 	glm::ivec3 last;
 	for (int side = 0; side < 3; ++side) {
-		first[side] = std::max(cell_at(std::max(at(triangle.low, side), 0.0)), 0);
-		last[side] = cell_at(std::min(at(triangle.high, side), size_[side] * cell_width));
-		last[side] = std::min(last[side], size_[side] - 1);
+		first[side] = cell_at(greater(at(triangle.low, side), 0.0));
+		last[side] = cell_at(lesser(at(triangle.high, side), size_[side] * cell_width));
+		last[side] = lesser(last[side], size_[side] - 1);
 		if (first[side] > last[side]) {
 			return;
 		}
@@ -58,24 +61,20 @@ void SurfaceGrid::enter(const SurfaceTriangle &triangle, std::uint32_t number) {
 	// integer.
 	const double lowest = first[axis] * cell_width;
 	const double highest = (last[axis] + 1) * cell_width - 1.0;
-	for (std::int32_t v = first[side_v]; v <= last[side_v]; ++v) {
-		for (std::int32_t u = first[side_u]; u <= last[side_u]; ++u) {
-			const double middle_u = (u + 0.5) * cell_width;
-			const double middle_v = (v + 0.5) * cell_width;
-			if (!outline.meets(middle_u, middle_v, half)) {
+	// The heights and the distances to the edges change linearly from column to column.
+	SurfaceOutline::Columns row =
+			outline.columns((first[side_u] + 0.5) * cell_width, (first[side_v] + 0.5) * cell_width, cell_width, half);
+	glm::ivec3 cell(0);
+	for (cell[side_v] = first[side_v]; cell[side_v] <= last[side_v]; ++cell[side_v], row.move_v()) {
+		SurfaceOutline::Columns column = row;
+		for (cell[side_u] = first[side_u]; cell[side_u] <= last[side_u]; ++cell[side_u], column.move_u()) {
+			const double low = greater(column.height() - reach, lowest);
+			const double high = lesser(column.height() + reach, highest);
+			if (!column.meets() | (low > high)) {
 				continue;
 			}
-			const double middle = outline.height(middle_u, middle_v);
-			const double low = std::max(middle - reach, lowest);
-			const double high = std::min(middle + reach, highest);
-			if (low > high) {
-				continue;
-			}
-			glm::ivec3 cell(0);
-			cell[side_u] = u;
-			cell[side_v] = v;
-			const std::int32_t end = static_cast<std::int32_t>(high) >> surface_bits;
-			for (cell[axis] = static_cast<std::int32_t>(low) >> surface_bits; cell[axis] <= end; ++cell[axis]) {
+			const std::int32_t end = cell_at(high);
+			for (cell[axis] = cell_at(low); cell[axis] <= end; ++cell[axis]) {
 				const std::size_t word = word_of(cell);
 				const auto bit = static_cast<std::uint32_t>((cell.x + surface_reach) & 63);
 				bits_[word] |= std::uint64_t{1} << bit;

@@ -72,30 +72,51 @@ HWY_INLINE Ranges in_ball(Rows d, const Section &section, Floats at_v, Floats up
 
 HWY_INLINE Ranges common(const Ranges &a, const Ranges &b) { return {hn::Max(a.low, b.low), hn::Min(a.high, b.high)}; }
 
-void close_covered(const SurfacePatch::Plane &plane, const SurfacePatch::Ball &ball, SurfaceColumns &r_open) {
+HWY_INLINE float absolute(float value) { return value < 0.0f ? -value : value; }
+HWY_INLINE float lesser(float a, float b) { return a < b ? a : b; }
+
+HWY_INLINE void close_covered(const SurfacePatch::Plane &plane, const SurfacePatch::Ball &ball, std::uint16_t *r_open) {
 	const Rows d;
 	const hn::Rebind<std::uint16_t, Rows> rows;
 	const auto width = hn::Set(d, 1.0f / static_cast<float>(side));
-	const float up = plane.height + plane.slope_u * ball.u + plane.slope_v * ball.v - ball.along;
+	// A surface at a distance of up to `reach` from a plane, along the axis, is in a ball if the plane is in a
+	// smaller ball: (q + reach)^2 = q^2 + 2 q reach + reach^2, where q is the plane's distance from the ball's center
+	// along the axis.
+	const float reach = 0.5f * (plane.highest - plane.lowest);
+	const float corner = plane.height + 0.5f * (plane.highest + plane.lowest) - ball.along;
+	const float middle = corner + 0.5f * (plane.slope_u + plane.slope_v);
+	const float farthest =
+			lesser(absolute(middle) + 0.5f * (absolute(plane.slope_u) + absolute(plane.slope_v)), ball.radius);
+	const float square = ball.radius * ball.radius - reach * (2.0f * farthest + reach);
+	const auto up = hn::Set(d, corner + plane.slope_u * ball.u + plane.slope_v * ball.v);
 	const Section section{hn::Set(d, ball.u), hn::Set(d, ball.v), hn::Set(d, plane.slope_v),
-			hn::Set(d, plane.slope_u * plane.inverse), hn::Set(d, plane.inverse), hn::Set(d, ball.square),
+			hn::Set(d, plane.slope_u * plane.inverse), hn::Set(d, plane.inverse), hn::Set(d, square),
 			hn::Set(d, 1.0f + plane.slope_u * plane.slope_u)};
-	// A ball that covers the corners of a part of a plane covers the part. A ball that covers the lowest and the
-	// highest position of the surface covers all positions between them.
-	const bool is_thin = plane.highest - plane.lowest < 1e-5f * ball.square;
-	const auto lowest = hn::Set(d, is_thin ? up : up + plane.lowest);
-	const auto highest = hn::Set(d, up + plane.highest);
+	// A ball that covers the corners of a part of a plane covers the part.
 	for (std::size_t row = 0; row < side; row += hn::Lanes(d)) {
 		const auto lower = hn::Load(d, edges + row);
 		const auto upper = hn::LoadU(d, edges + row + 1);
-		Ranges range = common(in_ball(d, section, lower, lowest), in_ball(d, section, upper, lowest));
-		if (!is_thin) {
-			range = common(range, common(in_ball(d, section, lower, highest), in_ball(d, section, upper, highest)));
-		}
+		Ranges range = common(in_ball(d, section, lower, up), in_ball(d, section, upper, up));
 		range.high = hn::Sub(range.high, width);
-		std::uint16_t *open = r_open.rows.data() + row;
+		std::uint16_t *open = r_open + row;
 		hn::StoreU(hn::AndNot(columns_in(d, range), hn::LoadU(rows, open)), rows, open);
 	}
+}
+
+/// Closes the columns of patches that the ball around a point covers. Returns true if no column of the patches is open.
+bool cover_patches(SurfacePatch *patches, std::size_t count, const glm::vec3 &point) {
+	bool is_closed = true;
+	for (SurfacePatch *patch = patches; patch != patches + count; ++patch) {
+		if (patch->is_bounded()) {
+			close_covered(patch->plane(), patch->ball(point), patch->rows());
+		}
+		is_closed = is_closed && patch->open().is_empty();
+	}
+	return is_closed;
+}
+
+void cover_part(const SurfacePatch::Ball &ball, SurfacePatch::Part &r_part) {
+	close_covered(r_part.plane, ball, r_part.open.rows.data());
 }
 
 /// Returns the columns whose centers are in a half-plane, in each row.
@@ -132,7 +153,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace thicket {
 
-HWY_EXPORT(close_covered);
+HWY_EXPORT(cover_patches);
+HWY_EXPORT(cover_part);
 HWY_EXPORT(add_columns);
 
 namespace {
@@ -146,12 +168,6 @@ constexpr double steepest = 8.0;
 /// Larger than the rounding error of any height, but smaller than the distance from any line to a
 /// surface that only touches the cell's edge.
 constexpr float rounding = 4e-6f;
-
-/// Larger than any distance within a cell.
-constexpr float unbounded = 1e3f;
-
-/// The squared radius is 1 in squared cell widths, reduced to allow for rounding.
-constexpr float square_radius = 1.0f - 4e-5f;
 
 /// Half the width of the part of a column through which lines pass, in cell widths.
 constexpr auto half =
@@ -180,15 +196,52 @@ SurfaceColumns entered(const SurfacePatch::Plane &plane, float top) {
 
 } // namespace
 
-bool SurfacePatch::add(const SurfaceTriangle &triangle, const glm::dvec3 &low, float tolerance) {
-	const auto [side_u, side_v] = axes_across(axis_);
-	const double along = at(triangle.normal, axis_);
-	if (along == 0.0) {
-		return true; // No line along the axis hits the triangle.
+SurfacePatch::Facet SurfacePatch::facet_of(const SurfaceTriangle &triangle, int axis, const glm::dvec3 &low) {
+	const auto [side_u, side_v] = axes_across(axis);
+	const double along = at(triangle.normal, axis);
+	Facet facet;
+	const glm::dvec3 high = low + cell_width;
+	// The triangle's bounds, clamped to the cell.
+	const auto from = [&](int side) {
+		const double offset = greater(at(triangle.low, side), at(low, side)) - at(low, side);
+		return static_cast<float>(offset * (1.0 / cell_width)) - rounding;
+	};
+	const auto to = [&](int side) {
+		const double offset = lesser(at(triangle.high, side), at(high, side)) - at(low, side);
+		return static_cast<float>(offset * (1.0 / cell_width)) + rounding;
+	};
+	facet.from_u = from(side_u);
+	facet.from_v = from(side_v);
+	facet.to_u = to(side_u);
+	facet.to_v = to(side_v);
+	const auto is_outside = [&](int side) {
+		return static_cast<int>(at(triangle.low, side) >= at(high, side)) |
+				static_cast<int>(at(triangle.high, side) < at(low, side));
+	};
+	// No line along the axis hits a triangle that is parallel to it.
+	if ((is_outside(0) | is_outside(1) | is_outside(2) | static_cast<int>(along == 0.0)) != 0) {
+		facet.kind = Facet::Kind::absent;
+		return facet;
 	}
 	const double u = -at(triangle.normal, side_u) / along;
 	const double v = -at(triangle.normal, side_v) / along;
 	if (std::abs(u) + std::abs(v) > steepest) {
+		facet.kind = Facet::Kind::steep;
+		return facet;
+	}
+	const glm::dvec3 offset = low - triangle.corners[0];
+	const double units = u * at(offset, side_u) + v * at(offset, side_v) - at(offset, axis);
+	facet.height = static_cast<float>(lesser(greater(units * (1.0 / cell_width), -100.0), 100.0));
+	facet.slope_u = static_cast<float>(u);
+	facet.slope_v = static_cast<float>(v);
+	return facet;
+}
+
+bool SurfacePatch::add(const Facet &facet, float tolerance) {
+	if (facet.kind == Facet::Kind::absent) {
+		return true;
+	}
+	if (facet.kind == Facet::Kind::steep) {
 		if (!is_empty_ && tolerance < unbounded) {
 			return false;
 		}
@@ -197,27 +250,27 @@ bool SurfacePatch::add(const SurfaceTriangle &triangle, const glm::dvec3 &low, f
 		plane_.highest = unbounded;
 		return true;
 	}
-	const glm::dvec3 offset = low - triangle.corners[0];
-	const double units = u * at(offset, side_u) + v * at(offset, side_v) - at(offset, axis_);
-	const auto height = static_cast<float>(std::clamp(units / cell_width, -100.0, 100.0));
-	const auto slope_u = static_cast<float>(u);
-	const auto slope_v = static_cast<float>(v);
 	if (is_empty_) {
 		is_empty_ = false;
-		plane_ = {height, slope_u, slope_v, 1.0f / (1.0f + slope_u * slope_u), -rounding, rounding};
+		plane_ = {facet.height, facet.slope_u, facet.slope_v, 1.0f / (1.0f + facet.slope_u * facet.slope_u), -rounding,
+				rounding};
 		return true;
 	}
-	// The distance between two planes over the face is largest at one of its corners.
-	const float at_0 = height - plane_.height;
-	const float more_u = slope_u - plane_.slope_u;
-	const float more_v = slope_v - plane_.slope_v;
-	const float lowest = at_0 + std::min(more_u, 0.0f) + std::min(more_v, 0.0f);
-	const float highest = at_0 + std::max(more_u, 0.0f) + std::max(more_v, 0.0f);
-	if (std::max(-lowest, highest) > tolerance) {
+	// The distance between two planes over the triangle's bounds is largest at one of their corners.
+	const float more = facet.height - plane_.height;
+	const float more_u = facet.slope_u - plane_.slope_u;
+	const float more_v = facet.slope_v - plane_.slope_v;
+	const float u_from = more_u * facet.from_u;
+	const float u_to = more_u * facet.to_u;
+	const float v_from = more_v * facet.from_v;
+	const float v_to = more_v * facet.to_v;
+	const float lowest = more + lesser(u_from, u_to) + lesser(v_from, v_to);
+	const float highest = more + greater(u_from, u_to) + greater(v_from, v_to);
+	if (greater(-lowest, highest) > tolerance) {
 		return false;
 	}
-	plane_.lowest = std::min(plane_.lowest, lowest - 2.0f * rounding);
-	plane_.highest = std::max(plane_.highest, highest + 2.0f * rounding);
+	plane_.lowest = lesser(plane_.lowest, lowest - 2.0f * rounding);
+	plane_.highest = greater(plane_.highest, highest + 2.0f * rounding);
 	return true;
 }
 
@@ -255,13 +308,8 @@ void SurfacePatch::add_columns_over(
 	HWY_DYNAMIC_DISPATCH(add_columns)(sides.data(), sides.size(), r_columns);
 }
 
-void SurfacePatch::cover(const glm::vec3 &point) {
-	if (plane_.highest >= unbounded) {
-		return;
-	}
-	const auto [side_u, side_v] = axes_across(axis_);
-	const float *sides = glm::value_ptr(point);
-	HWY_DYNAMIC_DISPATCH(close_covered)(plane_, {sides[side_u], sides[side_v], sides[axis_], square_radius}, open_);
+bool SurfacePatch::cover(std::span<SurfacePatch> patches, const glm::vec3 &point) {
+	return HWY_DYNAMIC_DISPATCH(cover_patches)(patches.data(), patches.size(), point);
 }
 
 SurfacePatch::Part SurfacePatch::part_in(std::uint32_t column) const {
@@ -271,27 +319,28 @@ SurfacePatch::Part SurfacePatch::part_in(std::uint32_t column) const {
 	const float height = plane_.height + plane_.slope_u * u + plane_.slope_v * v;
 	const Plane plane{height * count, plane_.slope_u, plane_.slope_v, plane_.inverse, plane_.lowest * count,
 			plane_.highest * count};
-	const float reach =
-			count + 1.0f + 0.5f * (std::abs(plane.slope_u) + std::abs(plane.slope_v)) + plane.highest - plane.lowest;
-	return {plane, u, v, reach * reach, entered(plane, count)};
+	const float rise = 0.5f * (std::abs(plane.slope_u) + std::abs(plane.slope_v));
+	const float middle = plane.height + 0.5f * (plane.slope_u + plane.slope_v);
+	const float reach = count + 1.0f + rise + plane.highest - plane.lowest;
+	// The surface leaves the cell in few columns.
+	const bool is_inside = middle - rise + plane.lowest >= 0.0f && middle + rise + plane.highest <= count;
+	return {plane, u, v, middle, reach * reach, is_inside ? SurfaceColumns::all() : entered(plane, count)};
 }
 
 void SurfacePatch::cover_part(const glm::vec3 &point, Part &r_part) const {
-	if (plane_.highest >= unbounded) {
+	if (!is_bounded()) {
 		return;
 	}
 	constexpr auto count = static_cast<float>(SurfaceColumns::side);
-	const auto [side_u, side_v] = axes_across(axis_);
-	const float *sides = glm::value_ptr(point);
-	const Plane &plane = r_part.plane;
-	const Ball ball{(sides[side_u] - r_part.u) * count, (sides[side_v] - r_part.v) * count, sides[axis_] * count,
-			square_radius * count * count};
+	const Ball at_point = ball(point);
+	const Ball ball{(at_point.u - r_part.u) * count, (at_point.v - r_part.v) * count, at_point.along * count,
+			at_point.radius * count};
 	// Most balls that reach the cell do not reach the column.
 	const float u = ball.u - 0.5f;
 	const float v = ball.v - 0.5f;
-	const float along = ball.along - (plane.height + 0.5f * (plane.slope_u + plane.slope_v));
+	const float along = ball.along - r_part.middle;
 	if (u * u + v * v + along * along < r_part.square_reach) {
-		HWY_DYNAMIC_DISPATCH(close_covered)(plane, ball, r_part.open);
+		HWY_DYNAMIC_DISPATCH(cover_part)(ball, r_part);
 	}
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "core/surface/bit_count.hpp"
 #include "core/surface/surface_triangle.hpp"
 
 #include <glm/vec3.hpp>
@@ -8,6 +7,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <span>
 
 namespace thicket {
 
@@ -18,25 +19,27 @@ struct alignas(32) SurfaceColumns {
 	std::array<std::uint16_t, side> rows{}; ///< One row for each v, one bit for each u.
 
 	bool contains(std::uint32_t column) const { return (rows[column / side] >> (column % side) & 1) != 0; }
+	void add(const SurfaceColumns &other) {
+		for (std::size_t row = 0; row < side; ++row) {
+			rows[row] |= other.rows[row];
+		}
+	}
 	/// Returns 64 columns, from column 64 * `number`, one bit each.
 	std::uint64_t word(std::size_t number) const {
 		const std::uint16_t *row = &rows[4 * number];
 		return std::uint64_t{row[0]} | std::uint64_t{row[1]} << 16 | std::uint64_t{row[2]} << 32 |
 				std::uint64_t{row[3]} << 48;
 	}
-	std::uint32_t count() const {
-		std::uint32_t sum = 0;
-		for (std::size_t number = 0; number < side / 4; ++number) {
-			sum += count_bits(word(number));
-		}
-		return sum;
+	static SurfaceColumns all() {
+		SurfaceColumns columns;
+		columns.rows.fill(0xffffu);
+		return columns;
 	}
-	void add(const SurfaceColumns &other) {
-		for (std::size_t row = 0; row < side; ++row) {
-			rows[row] |= other.rows[row];
-		}
+	bool is_empty() const {
+		std::array<std::uint64_t, side / 4> words{};
+		std::memcpy(words.data(), rows.data(), sizeof(rows));
+		return (words[0] | words[1] | words[2] | words[3]) == 0;
 	}
-	bool is_empty() const { return (word(0) | word(1) | word(2) | word(3)) == 0; }
 };
 
 /// Approximates a part of a cell's surface as a height field over one of the cell's faces: a plane,
@@ -49,10 +52,26 @@ public:
 
 	int axis() const { return axis_; }
 
-	/// Extends the approximation to include a triangle. Returns false, and changes nothing, if the
-	/// triangle's plane differs from the patch's by more than `tolerance` in the cell. The triangle
-	/// and `low`, the cell's lower corner, are in units.
-	bool add(const SurfaceTriangle &triangle, const glm::dvec3 &low, float tolerance);
+	/// The part of a triangle in a cell, as a height field over one of the cell's faces.
+	struct Facet {
+		enum class Kind : std::uint8_t { plane, steep, absent };
+
+		Kind kind = Kind::plane; ///< Steep if a plane is not used; absent if no line in the cell hits the triangle.
+		float height = 0.0f;     ///< The plane's height at u = v = 0.
+		float slope_u = 0.0f;
+		float slope_v = 0.0f;
+		float from_u = 0.0f; ///< The triangle's bounds in the cell.
+		float to_u = 0.0f;
+		float from_v = 0.0f;
+		float to_v = 0.0f;
+	};
+
+	/// The triangle and `low`, the cell's lower corner, are in units.
+	static Facet facet_of(const SurfaceTriangle &triangle, int axis, const glm::dvec3 &low);
+
+	/// Extends the approximation to include a facet along the patch's axis. Returns false, and changes
+	/// nothing, if the facet differs from the patch's plane by more than `tolerance`.
+	bool add(const Facet &facet, float tolerance);
 
 	/// Opens the columns that the surface may enter.
 	void open_entered();
@@ -60,8 +79,9 @@ public:
 	/// Closes all columns that are not in `columns`.
 	void keep(const SurfaceColumns &columns);
 
-	/// Closes the columns that the ball around `point` covers.
-	void cover(const glm::vec3 &point);
+	/// Closes the columns of patches that the ball around `point` covers. Returns true if all columns
+	/// of the patches are then closed.
+	static bool cover(std::span<SurfacePatch> patches, const glm::vec3 &point);
 
 	const SurfaceColumns &open() const { return open_; }
 
@@ -87,6 +107,7 @@ public:
 		Plane plane;
 		float u; ///< The divided column's lower corner (u, v), in cell widths.
 		float v;
+		float middle;       ///< The plane's height at the center.
 		float square_reach; ///< Balls whose centers are farther from the surface's center are disregarded. Squared.
 		SurfaceColumns open;
 	};
@@ -101,7 +122,7 @@ public:
 		float u;
 		float v;
 		float along;
-		float square; ///< Squared radius.
+		float radius;
 	};
 
 	/// A half-plane of a cell's face: all (u, v) with u * a + v * b + c >= 0. |a| + |b| = 1.
@@ -111,7 +132,25 @@ public:
 		float c;
 	};
 
+	// For the vector code.
+	const Plane &plane() const { return plane_; }
+	std::uint16_t *rows() { return open_.rows.data(); }
+	/// Returns false if the surface is not close to a plane. Balls then close no columns.
+	bool is_bounded() const { return plane_.highest < unbounded; }
+	/// Returns the ball around a point.
+	Ball ball(const glm::vec3 &point) const {
+		const auto [side_u, side_v] = axes_across(axis_);
+		const float *sides = glm::value_ptr(point);
+		return {sides[side_u], sides[side_v], sides[axis_], covering_radius};
+	}
+
 private:
+	/// Larger than any distance within a cell.
+	static constexpr float unbounded = 1e3f;
+
+	/// The radius is 1 cell width, reduced to allow for rounding.
+	static constexpr float covering_radius = 1.0f - 2e-5f;
+
 	SurfaceColumns open_;
 	Plane plane_;
 	std::uint8_t axis_;

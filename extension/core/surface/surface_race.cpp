@@ -35,7 +35,11 @@ glm::vec3 in_cells(const glm::ivec3 &units) {
 /// Returns, for each axis, the distance from a position to the nearest one in the cell whose lower
 /// corner is `low`.
 glm::ivec3 gap(const glm::ivec3 &position, const glm::ivec3 &low) {
-	return glm::max(glm::max(low - position, position - (low + (surface_cell_size - 1))), glm::ivec3(0));
+	const auto along = [](std::int32_t offset) {
+		return greater(greater(-offset, offset - (surface_cell_size - 1)), 0);
+	};
+	const glm::ivec3 offset = position - low;
+	return {along(offset.x), along(offset.y), along(offset.z)};
 }
 
 } // namespace
@@ -179,8 +183,12 @@ void SurfaceRace::add_faces(std::uint32_t number, int axis) {
 	const glm::dvec3 low(grid_.cell(number) * surface_cell_size);
 	const std::size_t begin = faces_.size();
 	for (const std::uint32_t index : grid_.triangles_in(number)) {
+		const SurfacePatch::Facet facet = SurfacePatch::facet_of(triangles_[index], axis, low);
+		if (facet.kind == SurfacePatch::Facet::Kind::absent) {
+			continue;
+		}
 		std::size_t face = begin;
-		while (face < faces_.size() && !faces_[face].add(triangles_[index], low, face_tolerance)) {
+		while (face < faces_.size() && !faces_[face].add(facet, face_tolerance)) {
 			++face;
 		}
 		if (face == faces_.size()) {
@@ -189,7 +197,7 @@ void SurfaceRace::add_faces(std::uint32_t number, int axis) {
 			} else {
 				--face;
 			}
-			faces_[face].add(triangles_[index], low, std::numeric_limits<float>::infinity());
+			faces_[face].add(facet, std::numeric_limits<float>::infinity());
 		}
 	}
 	for (std::size_t face = begin; face < faces_.size(); ++face) {
@@ -199,14 +207,7 @@ void SurfaceRace::add_faces(std::uint32_t number, int axis) {
 
 void SurfaceRace::refine(std::uint32_t number) {
 	Cell &cell = cells_[number];
-	// If only a few columns are open, it is faster to throw lines into them. Many columns are open if
-	// a border of the surface passes through the cell.
-	constexpr std::uint32_t few = 32;
-	std::uint32_t left = 0;
-	for (const SurfacePatch &face : faces_of(cell)) {
-		left += face.open().count();
-	}
-	if (cell.is_refined || left <= few) {
+	if (cell.is_refined) {
 		return;
 	}
 	cell.is_refined = true;
@@ -220,10 +221,15 @@ void SurfaceRace::refine(std::uint32_t number) {
 		const std::size_t begin = static_cast<std::size_t>(std::ranges::find_if(faces, is_along) - faces.begin());
 		const auto count = static_cast<std::size_t>(std::ranges::count_if(faces, is_along));
 		for (const std::uint32_t index : grid_.triangles_in(number)) {
+			const SurfaceTriangle &triangle = triangles_[index];
+			const SurfacePatch::Facet facet = SurfacePatch::facet_of(triangle, axis, low);
+			if (facet.kind == SurfacePatch::Facet::Kind::absent) {
+				continue;
+			}
 			SurfaceColumns over;
-			SurfacePatch::add_columns_over(triangles_[index], axis, low, over);
+			SurfacePatch::add_columns_over(triangle, axis, low, over);
 			std::size_t face = 0;
-			while (face < count && !faces[begin + face].add(triangles_[index], low, face_tolerance)) {
+			while (face < count && !faces[begin + face].add(facet, face_tolerance)) {
 				++face;
 			}
 			// A triangle that is close to no face is part of one of them, but it is not known of which.
@@ -289,6 +295,9 @@ std::uint32_t SurfaceRace::step(std::uint32_t number) {
 		clear = waiting.near;
 	} else {
 		has_others = find_hits(number, line, course);
+		if (hits_.empty() && !has_others && line.depth > 0) {
+			refine(number);
+		}
 	}
 	const auto [side_u, side_v] = axes_across(line.axis);
 	bool is_accepted = false;
@@ -414,14 +423,7 @@ void SurfaceRace::cover(std::uint32_t number, const glm::ivec3 &position, const 
 		prepare(number);
 	}
 	Cell &cell = cells_[number];
-	const glm::vec3 point = in_cells(offset);
-	SurfacePatch *face = &faces_[cell.faces];
-	bool is_finished = true;
-	for (const SurfacePatch *end = face + cell.face_count; face != end; ++face) {
-		face->cover(point);
-		is_finished = is_finished && face->open().is_empty();
-	}
-	if (is_finished) {
+	if (SurfacePatch::cover(faces_of(cell), in_cells(offset))) {
 		finish(number);
 		return;
 	}
@@ -492,7 +494,6 @@ void SurfaceRace::skip_whole(std::uint32_t number) {
 	if (line.time < std::bit_cast<SurfaceTime>(surface_search_time)) {
 		lines_.replace_first(cell.lines, line);
 	} else {
-		refine(number);
 		show_column(number, {line.hash}, ~SurfaceColumnClocks::Key{0});
 	}
 }

@@ -76,8 +76,8 @@ private:
 	};
 	struct Cell {
 		SurfaceLines::List lines = SurfaceLines::empty;
-		/// Index in `faces_` of the first face; none before `prepare`. There are one or more faces
-		/// for each searched axis.
+		/// Index in `faces_` of the first face; none before `prepare`. An axis has no face if no line
+		/// along it hits the surface.
 		std::uint32_t faces = none;
 		std::uint32_t face_count = 0;
 		std::uint32_t neighbors = none; ///< Index in `neighbors_` of the first neighbor.
@@ -117,7 +117,8 @@ private:
 	void prepare(std::uint32_t number);
 	/// Divides a cell's surface into faces.
 	void add_faces(std::uint32_t number, int axis);
-	/// Closes the columns of a cell's faces that their triangles do not enter.
+	/// Closes the columns of a cell's faces that their triangles do not enter. Called when a line through a column has
+	/// no hit, which is frequent only where a border of the surface passes through the cell.
 	void refine(std::uint32_t number);
 	SurfaceSearch search_in(std::uint32_t number) const;
 	void throw_first(std::uint32_t number);

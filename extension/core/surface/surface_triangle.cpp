@@ -14,7 +14,6 @@ namespace {
 
 /// The edges, as pairs of corner indices in ascending order.
 constexpr std::array<std::array<std::size_t, 2>, 3> edges{{{0, 1}, {1, 2}, {0, 2}}};
-constexpr std::array<std::size_t, 3> corner_opposite{2, 0, 1};
 
 bool comes_before(const glm::dvec3 &a, const glm::dvec3 &b) {
 	if (a.x != b.x) {
@@ -84,19 +83,11 @@ std::optional<SurfaceTriangle> SurfaceTriangle::of(const std::array<glm::dvec3, 
 	if (!(result.length > 0.0)) {
 		return std::nullopt;
 	}
-	result.low = glm::min(a, glm::min(b, c));
-	result.high = glm::max(a, glm::max(b, c));
+	// The corners are sorted by x.
+	result.low = {a.x, lesser(a.y, lesser(b.y, c.y)), lesser(a.z, lesser(b.z, c.z))};
+	result.high = {c.x, greater(a.y, greater(b.y, c.y)), greater(a.z, greater(b.z, c.z))};
 	result.index = index;
 	result.search = search_for(result.steepness());
-	for (int axis = 0; axis < 3; ++axis) {
-		const auto [side_u, side_v] = axes_across(axis);
-		for (std::size_t edge = 0; edge < edges.size(); ++edge) {
-			const glm::dvec3 &off = result.corners[corner_opposite[edge]];
-			const bool is_inside = side(result.corners[edges[edge][0]], result.corners[edges[edge][1]], side_u, side_v,
-					at(off, side_u), at(off, side_v));
-			result.inside[static_cast<std::size_t>(axis)] |= static_cast<std::uint8_t>(is_inside << edge);
-		}
-	}
 	return result;
 }
 
@@ -150,19 +141,20 @@ std::optional<double> SurfaceTriangle::hit(int axis, double u, double v) const {
 				static_cast<std::uint32_t>(side(corners[edges[edge][0]], corners[edges[edge][1]], side_u, side_v, u, v))
 				<< edge;
 	}
-	if (sides != inside[static_cast<std::size_t>(axis)]) {
+	if (sides != inside(axis)) {
 		return std::nullopt;
 	}
-	return std::clamp(plane_at(axis, u, v), at(low, axis), at(high, axis));
+	return lesser(greater(plane_at(axis, u, v), at(low, axis)), at(high, axis));
 }
 
 SurfaceOutline::SurfaceOutline(const SurfaceTriangle &triangle, int axis) : triangle_(&triangle), axis_(axis) {
 	const auto [side_u, side_v] = axes_across(axis);
+	const std::uint32_t inside = triangle.inside(axis);
 	for (std::size_t edge = 0; edge < edges.size(); ++edge) {
 		const glm::dvec3 &from = triangle.corners[edges[edge][0]];
 		const glm::dvec3 &to = triangle.corners[edges[edge][1]];
 		// The triangle is either on the left or on the right side of the edge.
-		const double sign = (triangle.inside[static_cast<std::size_t>(axis)] >> edge & 1) != 0 ? 1.0 : -1.0;
+		const double sign = 2.0 * static_cast<double>(static_cast<std::int32_t>(inside >> edge & 1)) - 1.0;
 		Edge &made = edges_[edge];
 		made.at_u = at(from, side_u);
 		made.at_v = at(from, side_v);
@@ -178,10 +170,15 @@ SurfaceOutline::SurfaceOutline(const SurfaceTriangle &triangle, int axis) : tria
 	slope_v_ = at(triangle.normal, side_v) / at(triangle.normal, axis);
 }
 
-// Returns the plane's height in whole units, so that sums are exact for any origin.
-
-double SurfaceOutline::height(double u, double v) const {
-	return corner_height_ - floor_of(slope_u_ * (u - corner_u_) + slope_v_ * (v - corner_v_));
+SurfaceOutline::Columns SurfaceOutline::columns(double u, double v, double step, double half) const {
+	Columns result{};
+	for (std::size_t number = 0; number < edges_.size(); ++number) {
+		const Edge &edge = edges_[number];
+		result.edges_[number] = {edge.distance(u, v) + half * edge.size, edge.u * step, edge.v * step};
+	}
+	result.height_ = {corner_height_ - (slope_u_ * (u - corner_u_) + slope_v_ * (v - corner_v_)), -slope_u_ * step,
+			-slope_v_ * step};
+	return result;
 }
 
 double SurfaceOutline::reach(double half) const {
@@ -198,16 +195,12 @@ SurfaceRange SurfaceOutline::range_in(double u, double v, double width) const {
 	// It suffices to check the lines at two opposite corners: all roundings are monotonic, so no
 	// other line meets the plane below the first or above the second.
 	const double edge = static_cast<double>(1 << (surface_bits - surface_depth)) / 2.0;
-	std::array<double, 2> to_u{u + edge, u + width - edge};
-	std::array<double, 2> to_v{v + edge, v + width - edge};
-	if (slope_u_ > 0.0) {
-		std::swap(to_u[0], to_u[1]);
-	}
-	if (slope_v_ > 0.0) {
-		std::swap(to_v[0], to_v[1]);
-	}
-	return {std::max(triangle_->plane_at(axis_, to_u[0], to_v[0]), bounds_.low),
-			std::min(triangle_->plane_at(axis_, to_u[1], to_v[1]), bounds_.high)};
+	const std::array<double, 2> at_u{u + edge, u + width - edge};
+	const std::array<double, 2> at_v{v + edge, v + width - edge};
+	const std::size_t lower_u = slope_u_ > 0.0 ? 1 : 0;
+	const std::size_t lower_v = slope_v_ > 0.0 ? 1 : 0;
+	return {greater(triangle_->plane_at(axis_, at_u[lower_u], at_v[lower_v]), bounds_.low),
+			lesser(triangle_->plane_at(axis_, at_u[1 - lower_u], at_v[1 - lower_v]), bounds_.high)};
 }
 
 } // namespace thicket

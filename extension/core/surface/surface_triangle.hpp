@@ -26,6 +26,17 @@ inline double floor_of(double number) {
 	return toward_zero > number ? toward_zero - 1.0 : toward_zero;
 }
 
+/// Return one of two numbers. Unlike std::min and std::max, which return references, these functions
+/// compile to one instruction without a branch.
+template <typename Number>
+constexpr Number lesser(Number a, Number b) {
+	return a < b ? a : b;
+}
+template <typename Number>
+constexpr Number greater(Number a, Number b) {
+	return a > b ? a : b;
+}
+
 /// A cube, in lattice units.
 struct SurfaceCube {
 	glm::dvec3 low{0.0};
@@ -56,8 +67,6 @@ struct SurfaceTriangle {
 	glm::dvec3 high{0.0};
 	std::uint32_t index = 0; ///< Index of the triangle in the surface.
 	SurfaceSearch search;    ///< The search of a cell that contains only this triangle.
-	/// For each axis, one bit per edge that tells on which side of the edge the triangle lies.
-	std::array<std::uint8_t, 3> inside{};
 
 	/// Prepares a triangle. Returns nothing if the corners are collinear.
 	static std::optional<SurfaceTriangle> of(const std::array<glm::dvec3, 3> &corners, std::uint32_t index);
@@ -68,6 +77,12 @@ struct SurfaceTriangle {
 	/// Returns the probability of keeping a hit in a cell with this search.
 	double keep_probability(const SurfaceSearch &search) const;
 
+	/// Returns, in the projection along an axis, on which side of its edges the triangle lies: one
+	/// bit for each edge. The corners are either in clockwise or in counterclockwise order, and the
+	/// third edge runs from the first corner to the third. The normal must not be perpendicular to
+	/// the axis.
+	std::uint32_t inside(int axis) const { return (at(normal, axis) > 0.0) == (axis != 1) ? 0b011u : 0b100u; }
+
 	/// Returns true if the triangle intersects a half-open cube. The result is exact up to
 	/// rounding. The function uses the separating axis test (Akenine-Moeller, "Fast 3D triangle-box
 	/// overlap testing", 2001).
@@ -77,13 +92,15 @@ struct SurfaceTriangle {
 	/// square with its lower corner at (u, v). The result may be true although it does not.
 	bool is_over(int axis, double u, double v, double width) const {
 		const auto [side_u, side_v] = axes_across(axis);
-		return at(low, side_u) < u + width && at(high, side_u) >= u && at(low, side_v) < v + width &&
-				at(high, side_v) >= v && at(normal, axis) != 0.0;
+		return ((at(low, side_u) < u + width) & (at(high, side_u) >= u) & (at(low, side_v) < v + width) &
+					   (at(high, side_v) >= v) & (at(normal, axis) != 0.0)) != 0;
 	}
 
 	/// Returns false if a position is outside the triangle's bounds on the axes u and v.
 	bool bounds_contain(int side_u, int side_v, double u, double v) const {
-		return u >= at(low, side_u) && u <= at(high, side_u) && v >= at(low, side_v) && v <= at(high, side_v);
+		// The results of the comparisons are hard to predict, so there is only one branch.
+		return ((u >= at(low, side_u)) & (u <= at(high, side_u)) & (v >= at(low, side_v)) & (v <= at(high, side_v))) !=
+				0;
 	}
 
 	/// Returns the position along the axis, in whole units, at which a line along the axis hits the
@@ -108,7 +125,8 @@ public:
 	/// Returns false only if the square with its center at (u, v) and a side of 2 * `half` is
 	/// entirely outside one of the edges.
 	bool meets(double u, double v, double half) const {
-		return is_near(edges_[0], u, v, half) && is_near(edges_[1], u, v, half) && is_near(edges_[2], u, v, half);
+		return lesser(lesser(nearness(edges_[0], u, v, half), nearness(edges_[1], u, v, half)),
+					   nearness(edges_[2], u, v, half)) >= 0.0;
 	}
 
 	/// The half-plane on the triangle's side of an edge: all positions (u, v), relative to an origin,
@@ -123,8 +141,43 @@ public:
 		return {from.u, from.v, from.distance(origin_u, origin_v)};
 	}
 
-	/// Returns the position along the axis of the triangle's plane at (u, v), in whole units.
-	double height(double u, double v) const;
+	/// A square that moves in steps along u and v, in the projection along the axis.
+	class Columns {
+	public:
+		/// Returns false only if the square is entirely outside one of the edges.
+		bool meets() const { return lesser(lesser(edges_[0].now, edges_[1].now), edges_[2].now) >= 0.0; }
+
+		/// Returns the position along the axis of the triangle's plane at the square's center, in
+		/// units.
+		double height() const { return height_.now; }
+
+		void move_u() {
+			height_.now += height_.per_u;
+			for (Linear &edge : edges_) {
+				edge.now += edge.per_u;
+			}
+		}
+		void move_v() {
+			height_.now += height_.per_v;
+			for (Linear &edge : edges_) {
+				edge.now += edge.per_v;
+			}
+		}
+
+	private:
+		friend class SurfaceOutline;
+		struct Linear {
+			double now;
+			double per_u;
+			double per_v;
+		};
+		std::array<Linear, 3> edges_;
+		Linear height_;
+	};
+
+	/// Returns the square with its center at (u, v) and a side of 2 * `half`. It moves in steps of
+	/// `step`.
+	Columns columns(double u, double v, double step, double half) const;
 
 	/// Returns the largest difference in height of the plane between the center and the corners of
 	/// a square, in whole units.
@@ -148,8 +201,8 @@ private:
 
 		double distance(double to_u, double to_v) const { return u * (to_u - at_u) + v * (to_v - at_v); }
 	};
-	static bool is_near(const Edge &edge, double u, double v, double half) {
-		return edge.distance(u, v) + half * edge.size >= 0.0;
+	static double nearness(const Edge &edge, double u, double v, double half) {
+		return edge.distance(u, v) + half * edge.size;
 	}
 
 	const SurfaceTriangle *triangle_;
