@@ -42,6 +42,12 @@ struct alignas(32) SurfaceColumns {
 	}
 };
 
+/// Converts units to cell widths.
+inline glm::vec3 in_cells(const glm::ivec3 &units) {
+	constexpr float width = 1.0f / static_cast<float>(surface_cell_size);
+	return glm::vec3(units) * width;
+}
+
 /// Approximates a part of a cell's surface as a height field over one of the cell's faces: a plane,
 /// and bounds for the surface's distance from the plane. The patch stores which columns are open,
 /// that is, may still need darts. A closed column never needs darts, but an open one may not need

@@ -13,23 +13,11 @@ namespace thicket {
 
 namespace {
 
-/// A cell's surface is divided into faces that differ from a plane by at most this many cell widths.
-constexpr float face_tolerance = 0.05f;
-
-/// Most faces of a cell for each axis. The last one approximates all remaining triangles.
-constexpr std::size_t most_faces = 4;
-
 /// Number of cells that are decided together.
 constexpr std::size_t group_size = 1024;
 
 std::int64_t squared(const glm::ivec3 &offset) {
 	return std::int64_t{offset.x} * offset.x + std::int64_t{offset.y} * offset.y + std::int64_t{offset.z} * offset.z;
-}
-
-/// Converts units to cell widths.
-glm::vec3 in_cells(const glm::ivec3 &units) {
-	constexpr float width = 1.0f / static_cast<float>(surface_cell_size);
-	return glm::vec3(units) * width;
 }
 
 /// Returns, for each axis, the distance from a position to the nearest one in the cell whose lower
@@ -142,111 +130,6 @@ bool SurfaceRace::settle(std::uint32_t number, SurfaceTime until) {
 		}
 	}
 	return true;
-}
-
-SurfaceSearch SurfaceRace::search_in(std::uint32_t number) const {
-	const std::span<const std::uint32_t> inside = grid_.triangles_in(number);
-	if (inside.empty()) {
-		return {};
-	}
-	const SurfaceSearch &search = triangles_[inside.front()].search;
-	if (std::ranges::all_of(inside, [&](std::uint32_t index) { return triangles_[index].search == search; })) {
-		return search;
-	}
-	// The search must depend only on the surface in the cell, but the grid also lists a few
-	// triangles that are not in it.
-	const SurfaceCube cube{glm::dvec3(grid_.cell(number) * surface_cell_size), static_cast<double>(surface_cell_size)};
-	glm::dvec3 least(1.0);
-	for (const std::uint32_t index : inside) {
-		if (triangles_[index].enters(cube)) {
-			least = glm::min(least, triangles_[index].steepness());
-		}
-	}
-	return search_for(least);
-}
-
-void SurfaceRace::prepare(std::uint32_t number) {
-	Cell &cell = cells_[number];
-	cell.search = search_in(number);
-	cell.faces = static_cast<std::uint32_t>(faces_.size());
-	for (int axis = cell.search.first_axis(); axis <= cell.search.last_axis(); ++axis) {
-		add_faces(number, axis);
-	}
-	cell.face_count = static_cast<std::uint32_t>(faces_.size()) - cell.faces;
-	const std::span<SurfacePatch> faces = faces_of(cell);
-	if (std::ranges::all_of(faces, [](const SurfacePatch &face) { return face.open().is_empty(); })) {
-		finish(number);
-	}
-}
-
-void SurfaceRace::add_faces(std::uint32_t number, int axis) {
-	const glm::dvec3 low(grid_.cell(number) * surface_cell_size);
-	const std::size_t begin = faces_.size();
-	for (const std::uint32_t index : grid_.triangles_in(number)) {
-		const SurfacePatch::Facet facet = SurfacePatch::facet_of(triangles_[index], axis, low);
-		if (facet.kind == SurfacePatch::Facet::Kind::absent) {
-			continue;
-		}
-		std::size_t face = begin;
-		while (face < faces_.size() && !faces_[face].add(facet, face_tolerance)) {
-			++face;
-		}
-		if (face == faces_.size()) {
-			if (face - begin < most_faces) {
-				faces_.emplace_back(axis);
-			} else {
-				--face;
-			}
-			faces_[face].add(facet, std::numeric_limits<float>::infinity());
-		}
-	}
-	for (std::size_t face = begin; face < faces_.size(); ++face) {
-		faces_[face].open_entered();
-	}
-}
-
-void SurfaceRace::refine(std::uint32_t number) {
-	Cell &cell = cells_[number];
-	if (cell.is_refined) {
-		return;
-	}
-	cell.is_refined = true;
-	const glm::dvec3 low(grid_.cell(number) * surface_cell_size);
-	const std::span<SurfacePatch> faces = faces_of(cell);
-	for (int axis = cell.search.first_axis(); axis <= cell.search.last_axis(); ++axis) {
-		std::array<SurfaceColumns, most_faces> columns{};
-		const auto is_along = [axis](const SurfacePatch &face) {
-			return face.axis() == axis;
-		};
-		const std::size_t begin = static_cast<std::size_t>(std::ranges::find_if(faces, is_along) - faces.begin());
-		const auto count = static_cast<std::size_t>(std::ranges::count_if(faces, is_along));
-		for (const std::uint32_t index : grid_.triangles_in(number)) {
-			const SurfaceTriangle &triangle = triangles_[index];
-			const SurfacePatch::Facet facet = SurfacePatch::facet_of(triangle, axis, low);
-			if (facet.kind == SurfacePatch::Facet::Kind::absent) {
-				continue;
-			}
-			SurfaceColumns over;
-			SurfacePatch::add_columns_over(triangle, axis, low, over);
-			std::size_t face = 0;
-			while (face < count && !faces[begin + face].add(facet, face_tolerance)) {
-				++face;
-			}
-			// A triangle that is close to no face is part of one of them, but it is not known of which.
-			const std::size_t first = face < count ? face : 0;
-			const std::size_t end = face < count ? face + 1 : count;
-			for (std::size_t each = first; each < end; ++each) {
-				columns[each].add(over);
-			}
-		}
-		for (std::size_t face = 0; face < count; ++face) {
-			faces[begin + face].keep(columns[face]);
-		}
-	}
-}
-
-std::span<SurfacePatch> SurfaceRace::faces_of(const Cell &cell) {
-	return std::span(faces_).subspan(cell.faces, cell.face_count);
 }
 
 bool SurfaceRace::is_open(const Cell &cell, int axis, std::uint32_t column) {
@@ -556,24 +439,6 @@ std::uint32_t SurfaceRace::open_quarters(std::uint32_t number, const SurfaceLine
 		}
 	}
 	return open;
-}
-
-bool SurfaceRace::may_have_gaps(std::uint32_t number, int axis, std::uint32_t column) {
-	const Cell &cell = cells_[number];
-	const glm::ivec3 low = grid_.cell(number) * surface_cell_size;
-	for (const SurfacePatch &face : faces_of(cell)) {
-		if (face.axis() != axis || !face.open().contains(column)) {
-			continue;
-		}
-		SurfacePatch::Part part = face.part_in(column);
-		for (std::uint32_t near = cell.near; near != none && !part.open.is_empty(); near = near_[near].next) {
-			face.cover_part(in_cells(near_[near].position - low), part);
-		}
-		if (!part.open.is_empty()) {
-			return true;
-		}
-	}
-	return false;
 }
 
 bool SurfaceRace::is_covered(std::uint32_t number, const glm::ivec3 &from, const glm::ivec3 &to) const {

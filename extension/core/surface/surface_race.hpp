@@ -135,7 +135,9 @@ private:
 	/// Closes the columns of a cell that the ball around a new point covers. `offset` is the point's
 	/// position relative to the cell.
 	void cover(std::uint32_t number, const glm::ivec3 &position, const glm::ivec3 &offset);
-	std::span<SurfacePatch> faces_of(const Cell &cell);
+	std::span<SurfacePatch> faces_of(const Cell &cell) {
+		return std::span(faces_).subspan(cell.faces, cell.face_count);
+	}
 	bool is_open(const Cell &cell, int axis, std::uint32_t column);
 	bool has_open_columns(const Cell &cell, int axis);
 	void finish(std::uint32_t number);
