@@ -1,6 +1,8 @@
 #pragma once
 
+#include "core/base/planet.hpp"
 #include "core/base/word_hash.hpp"
+#include "core/rules/biome_map.hpp"
 #include "core/rules/clump_noise.hpp"
 #include "core/rules/curve_table.hpp"
 #include "core/rules/image_mask.hpp"
@@ -14,9 +16,61 @@
 
 namespace thicket::analysis {
 
+/// Digests of masks and biomes on a planet, toward its poles, its equator, the seam of images, the edges
+/// between the faces of painted masks, and everything between.
+template <typename Require>
+std::vector<std::pair<std::string, std::uint64_t>> planet_field_digests(const ImageMask &image, Require require) {
+	const Planet planet{{40.0, -30.0, 20.0}, 300.0};
+	std::vector<glm::dvec3> directions;
+	for (int i = 0; i < 17 * 17 * 17; ++i) {
+		if (const glm::dvec3 direction(i % 17 - 8, i / 17 % 17 - 8, i / 289 - 8); direction != glm::dvec3(0.0)) {
+			directions.push_back(direction);
+			directions.push_back(direction + glm::dvec3(0.13, 0.21, -0.34));
+		}
+	}
+	PaintedMask mask;
+	require(mask.reset(1.7, 0.3));
+	for (std::uint32_t i = 0; i < 150; ++i) {
+		bool changed = false;
+		require(mask.paint_on(planet.radius, directions[i * 61],
+				{.mode = static_cast<Brush::Mode>(i % 3),
+						.radius = 4.3 + i % 47,
+						.strength = i % 10 / 9.0,
+						.hardness = i % 7 / 6.0},
+				changed));
+	}
+	std::vector<std::uint8_t> pixels;
+	for (std::uint32_t i = 0; i < 24 * 12; ++i) {
+		pixels.push_back(static_cast<std::uint8_t>(i * i * 37 % 5));
+	}
+	BiomeMap biomes;
+	require(biomes.set({24, 12}, pixels, {{0.0, 0.0}, {1.0, 1.0}}, BiomeEdge::nothing,
+			{.width = 9.0, .noise = 14.0, .noise_size = 33.0, .seed = 3}));
+
+	WordHash image_hash;
+	WordHash mask_hash;
+	WordHash biome_hash;
+	for (const glm::dvec3 &direction : directions) {
+		image_hash.add(image.toward(direction));
+		const glm::dvec3 at = planet.center + planet.radius * Planet::up(direction);
+		const glm::dvec2 position(at.x, at.z);
+		const auto height = static_cast<float>(at.y);
+		float density = 0.0F;
+		require(mask.sample_on(planet, {{&position, 1}, {&height, 1}}, {&density, 1}));
+		mask_hash.add(density);
+		BiomeTaps taps{};
+		biomes.taps_toward(planet.radius, direction, taps);
+		for (const std::uint8_t biome : taps) {
+			biome_hash.add(std::uint64_t{biome});
+		}
+	}
+	return {{"image mask on a planet", image_hash.value()}, {"painted mask on a planet", mask_hash.value()},
+			{"biomes on a planet", biome_hash.value()}};
+}
+
 /// Digests of the densities that a layer's rules sample: a curve, an image mask, a painted mask
-/// after dabs in every brush mode, and clump noise on the plane and in space. `require(status)` must end the program if
-/// `status` is an error.
+/// after dabs in every brush mode, clump noise on the plane and in space, and masks and biomes on a
+/// planet. `require(status)` must end the program if `status` is an error.
 template <typename Require>
 std::vector<std::pair<std::string, std::uint64_t>> field_digests(Require require) {
 	constexpr std::uint32_t steps = 4000;
@@ -74,8 +128,13 @@ std::vector<std::pair<std::string, std::uint64_t>> field_digests(Require require
 			space_hash.add(clumps.at(glm::dvec3(position.x, height + 0.7 * position.x, position.y)));
 		}
 	}
-	return {{"curve", curve_hash.value()}, {"image mask", digest_of(image)}, {"painted mask", digest_of(mask)},
-			{"clumps", clump_hash.value()}, {"clumps in space", space_hash.value()}};
+	std::vector<std::pair<std::string, std::uint64_t>> digests{{"curve", curve_hash.value()},
+			{"image mask", digest_of(image)}, {"painted mask", digest_of(mask)}, {"clumps", clump_hash.value()},
+			{"clumps in space", space_hash.value()}};
+	for (auto &digest : planet_field_digests(image, require)) {
+		digests.push_back(std::move(digest));
+	}
+	return digests;
 }
 
 } // namespace thicket::analysis

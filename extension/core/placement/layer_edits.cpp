@@ -65,7 +65,8 @@ bool same_models(const LayerSettings &a, const LayerSettings &b) {
 			without_layer(scale_a) == without_layer(scale_b);
 }
 
-bool find_mask_edits(const PaintedMask *before, const PaintedMask *after, std::vector<Rect> &r_areas) {
+bool find_mask_edits(
+		const Planet &planet, const PaintedMask *before, const PaintedMask *after, std::vector<Rect> &r_areas) {
 	if (before == after) {
 		// Both layers have the same mask, so it has no edits.
 		return true;
@@ -73,6 +74,9 @@ bool find_mask_edits(const PaintedMask *before, const PaintedMask *after, std::v
 	Rect area;
 	if (before == nullptr || after == nullptr) {
 		return false;
+	}
+	if (planet.exists()) {
+		return after->find_edits_on(planet, *before, r_areas);
 	}
 	if (before->differs(*after, area)) {
 		r_areas.push_back(area);
@@ -97,12 +101,13 @@ bool uses_water_depth(const LayerSettings &layer) {
 EditedArea own_edits(const LayerSettings &layer_before, const LayerSettings &layer_after) {
 	const Rules &before = layer_before.rules;
 	const Rules &after = layer_after.rules;
+	const Planet &planet = layer_after.planet; // The planets are equal; see same_rules.
 	std::vector<Rect> areas;
 	EditedArea result;
 	result.everywhere = !find_shape_edits(before.shapes.get(), after.shapes.get(), areas) ||
-			!find_mask_edits(before.mask.get(), after.mask.get(), areas) ||
-			!find_biome_edits(before.biome.get(), after.biome.get(), areas) ||
-			(uses_water_depth(layer_after) && !find_biome_edits(before.water.get(), after.water.get(), areas));
+			!find_mask_edits(planet, before.mask.get(), after.mask.get(), areas) ||
+			!find_biome_edits(planet, before.biome.get(), after.biome.get(), areas) ||
+			(uses_water_depth(layer_after) && !find_biome_edits(planet, before.water.get(), after.water.get(), areas));
 	for (const Rect &area : areas) {
 		result.add(area, edge_reach(after.edge_feather, layer_after.set.on_surface));
 	}

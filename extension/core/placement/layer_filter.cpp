@@ -5,7 +5,6 @@
 #include "core/base/instance_id.hpp"
 #include "core/base/progress.hpp"
 #include "core/placement/edge_probes.hpp"
-#include "core/terrain/planet_ground.hpp"
 
 #include <algorithm>
 #include <array>
@@ -31,7 +30,7 @@ constexpr std::array<glm::dvec2, edge_probes> probe_offsets = edge_probe_offsets
 void LayerFilter::set(const LayerSettings &layer, std::span<const LayerFilter *const> neighbors) {
 	// The rules are valid, so the call below can fail only for lack of memory.
 	const GroundSides sides = layer.set.on_surface ? GroundSides::all : GroundSides::top;
-	throw_if_out_of_memory(rules_.set(layer.rules, layer.set.seed, sides));
+	throw_if_out_of_memory(rules_.set(layer.rules, layer.set.seed, sides, layer.planet));
 	layer_ = &layer;
 	neighbors_.assign(neighbors.begin(), neighbors.end());
 }
@@ -275,9 +274,7 @@ void LayerFilter::add_queries(
 }
 
 bool LayerFilter::probe_allows(std::size_t probe, const Ground &ground) const {
-	const Planet &planet = layer_->planet;
-	const Ground seen = planet.exists() ? on_planet(planet, probes_[probe], ground) : ground;
-	return probe_allowed_[probe] != 0 && rules_.allow(seen, probes_[probe]) &&
+	return probe_allowed_[probe] != 0 && rules_.allow(ground, probes_[probe]) &&
 			rules_.shape_density(near_shapes_, probes_[probe], ground) > 0.0;
 }
 
@@ -308,11 +305,7 @@ double LayerFilter::neighbor_density(
 /// Returns the product of the rules that depend only on a point's position and the ground there.
 template <class Record>
 double LayerFilter::density_alone(std::size_t point, const Ground &here, const Record &record) const {
-	const glm::dvec2 position = positions_[point];
-	if (const Planet &planet = layer_->planet; planet.exists()) {
-		return densities_[point] * rules_.ground_density(on_planet(planet, position, here), position, record);
-	}
-	return densities_[point] * rules_.ground_density(here, position, record);
+	return densities_[point] * rules_.ground_density(here, positions_[point], record);
 }
 
 /// Evaluates the rules in ascending order of cost, and stops once the density is too low for the

@@ -4,6 +4,7 @@
 #include "core/base/floating_point.hpp"
 #include "core/base/guard.hpp"
 #include "core/base/split_mix.hpp"
+#include "core/rules/biome_pixels.hpp"
 
 #include <glm/common.hpp>
 
@@ -16,33 +17,10 @@ namespace thicket {
 
 namespace {
 
-/// Edge length of a block in pixels.
-constexpr int block = 8;
-
 /// The coordinate, in meters, up to which clamped border pixels extend. No world is that large.
 constexpr double beyond = 1e12;
 
-/// Tap offsets in units of the border width: the Hammersley set of 16 points. The points cover the
-/// square evenly, and no two points share a coordinate, so a straight border along an axis is
-/// resolved into 16 equal steps.
-constexpr std::array<glm::dvec2, biome_taps> tap_offsets = [] {
-	std::array<glm::dvec2, biome_taps> offsets{};
-	for (unsigned i = 0; i < biome_taps; ++i) {
-		const unsigned reversed = (i & 1U) << 3U | (i & 2U) << 1U | (i & 4U) >> 1U | (i & 8U) >> 3U;
-		offsets[i] = {(i + 0.5) / biome_taps - 0.5, (reversed + 0.5) / biome_taps - 0.5};
-	}
-	return offsets;
-}();
-
-/// Returns the integer part of `value`, clamped to [0, count - 1], or 0 for NAN.
-int held_index(double value, int count) {
-	if (!(value > 0.0)) {
-		return 0;
-	}
-	return value < static_cast<double>(count) ? static_cast<int>(value) : count - 1;
-}
-
-int blocks_for(int pixels) { return (pixels + block - 1) / block; }
+int blocks_for(int pixels) { return (pixels + biome_block - 1) / biome_block; }
 
 } // namespace
 
@@ -97,9 +75,9 @@ void BiomeMap::find_blocks() {
 	const glm::ivec2 count = block_count();
 	blocks_.assign(static_cast<std::size_t>(count.x) * static_cast<std::size_t>(count.y), 0);
 	for (int y = 0; y < size_.y; ++y) {
-		BiomeSet *row = blocks_.data() + static_cast<std::size_t>(y / block) * static_cast<std::size_t>(count.x);
+		BiomeSet *row = blocks_.data() + static_cast<std::size_t>(y / biome_block) * static_cast<std::size_t>(count.x);
 		for (int x = 0; x < size_.x; ++x) {
-			row[x / block] |= biome_bit(pixel(x, y));
+			row[x / biome_block] |= biome_bit(pixel(x, y));
 		}
 	}
 }
@@ -111,29 +89,27 @@ BiomeSet BiomeMap::biomes_in(const Rect &rect) const {
 	const glm::dvec2 from = (asked.min - reach_ - area_.min) * pixels_per_meter;
 	const glm::dvec2 to = (asked.max + reach_ - area_.min) * pixels_per_meter;
 	const bool outside = from.x < 0.0 || from.y < 0.0 || to.x >= size_.x || to.y >= size_.y;
-	BiomeSet result = outside && edge_ == BiomeEdge::nothing ? biome_bit(no_biome) : 0;
+	const BiomeSet result = outside && edge_ == BiomeEdge::nothing ? biome_bit(no_biome) : 0;
 	const bool none_inside = to.x < 0.0 || to.y < 0.0 || from.x > size_.x || from.y > size_.y;
 	if (none_inside && edge_ == BiomeEdge::nothing) {
 		return result;
 	}
-	const int first_x = held_index(from.x, size_.x) / block;
-	const int last_x = held_index(to.x, size_.x) / block;
-	const int last_y = held_index(to.y, size_.y) / block;
-	for (int y = held_index(from.y, size_.y) / block; y <= last_y; ++y) {
+	return result |
+			biomes_in_blocks({{held_index(from.x, size_.x), held_index(from.y, size_.y)},
+					{held_index(to.x, size_.x) + 1, held_index(to.y, size_.y) + 1}});
+}
+
+/// Returns the biomes in all blocks that contain any of these pixels.
+BiomeSet BiomeMap::biomes_in_blocks(const Pixels &pixels) const {
+	const glm::ivec2 last = (pixels.max - 1) / biome_block;
+	BiomeSet result = 0;
+	for (int y = pixels.min.y / biome_block; y <= last.y; ++y) {
 		const BiomeSet *row = blocks_.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(block_count().x);
-		for (int x = first_x; x <= last_x; ++x) {
+		for (int x = pixels.min.x / biome_block; x <= last.x; ++x) {
 			result |= row[x];
 		}
 	}
 	return result;
-}
-
-/// Returns the displacement of the border along an axis, from -1 to 1.
-double BiomeMap::border_offset(glm::dvec2 position, std::size_t axis) const {
-	constexpr double large_share = 0.7;
-	const double large = noise_[2 * axis].at(position);
-	const double small = noise_[2 * axis + 1].at(position);
-	return 2.0 * (large_share * large + (1.0 - large_share) * small) - 1.0;
 }
 
 std::uint8_t BiomeMap::pixel_at(glm::dvec2 position) const {
@@ -165,18 +141,22 @@ void BiomeMap::taps_at(glm::dvec2 position, BiomeTaps &r_taps) const {
 		return;
 	}
 	for (std::size_t tap = 0; tap < biome_taps; ++tap) {
-		r_taps[tap] = pixel_at(moved + borders_.width * tap_offsets[tap]);
+		r_taps[tap] = pixel_at(moved + borders_.width * biome_tap_offsets[tap]);
 	}
 }
 
-std::uint8_t BiomeMap::dominant_at(glm::dvec2 position) const {
-	BiomeTaps taps{};
-	taps_at(position, taps);
+std::uint8_t dominant_of(const BiomeTaps &taps) {
 	PerBiome<std::uint8_t> counts{};
 	for (const std::uint8_t biome : taps) {
 		++counts[biome];
 	}
 	return static_cast<std::uint8_t>(std::ranges::max_element(counts) - counts.begin());
+}
+
+std::uint8_t BiomeMap::dominant_at(glm::dvec2 position) const {
+	BiomeTaps taps{};
+	taps_at(position, taps);
+	return dominant_of(taps);
 }
 
 bool BiomeMap::same_frame(const BiomeMap &other) const {
@@ -224,7 +204,8 @@ Rect BiomeMap::reached_from(const Pixels &pixels) const {
 	return rect;
 }
 
-bool BiomeMap::find_edits(const BiomeMap &before, const SameValue &same, std::vector<Rect> &r_areas) const {
+bool BiomeMap::find_edits(
+		const BiomeMap &before, const SameValue &same, std::vector<Rect> &r_areas, const Planet &planet) const {
 	if (!same_frame(before)) {
 		return false;
 	}
@@ -239,14 +220,15 @@ bool BiomeMap::find_edits(const BiomeMap &before, const SameValue &same, std::ve
 						// The biome changed here, but the value stayed the same.
 						continue;
 					}
-					const glm::ivec2 first(x * block, y * block);
-					const Pixels more = edited_pixels(before, same, {first, glm::min(first + block, size_)});
+					const glm::ivec2 first(x * biome_block, y * biome_block);
+					const Pixels more = edited_pixels(before, same, {first, glm::min(first + biome_block, size_)});
 					found.min = glm::min(found.min, more.min);
 					found.max = glm::max(found.max, more.max);
 				}
 			}
 			if (found.min.x < found.max.x) {
-				r_areas.push_back(reached_from(found));
+				r_areas.push_back(planet.exists() ? shadow_of(planet, cap_reached_from(planet.radius, found))
+												  : reached_from(found));
 			}
 		}
 	}

@@ -1,8 +1,10 @@
 #pragma once
 
+#include "core/base/planet.hpp"
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
 #include "core/rules/clump_noise.hpp"
+#include "core/rules/planet_cap.hpp"
 
 #include <glm/vec2.hpp>
 
@@ -83,6 +85,20 @@ public:
 	/// lowest index.
 	std::uint8_t dominant_at(glm::dvec2 position) const;
 
+	// On a planet, the image covers the whole sphere (see sphere_image_position), and the rectangle and
+	// the edge have no effect. The borders are as wide and as bent on every side.
+
+	/// Like `taps_at`, for a position relative to the center of a planet, of which only the direction
+	/// matters.
+	void taps_toward(double planet_radius, const glm::dvec3 &from_center, BiomeTaps &r_taps) const;
+
+	/// Like `dominant_at`, on a planet.
+	std::uint8_t dominant_toward(double planet_radius, const glm::dvec3 &from_center) const;
+
+	/// Returns every biome with a weight above 0 in any direction of a cap. The set may contain a few
+	/// more biomes.
+	BiomeSet biomes_toward(double planet_radius, const PlanetCap &cap) const;
+
 	/// Returns every biome with a weight above 0 anywhere in `rect`, edges included. The set may
 	/// contain a few more biomes. For an inverted or infinite rectangle, it contains all biomes of
 	/// the map.
@@ -90,11 +106,11 @@ public:
 
 	/// Compares a per-biome value on this map with the same value on the map `before`. Appends at
 	/// most find_grid * find_grid rectangles that cover all changed pixels; outside them, the value
-	/// is unchanged. If the maps differ in size, area, edge or borders, the value may differ
+	/// is unchanged. On a planet, these are the rectangles of shadow_of. If the maps differ in size, area, edge or borders, the value may differ
 	/// anywhere. The function then returns false and appends nothing.
 	template <class T>
 	bool find_edits(const BiomeMap &before, const PerBiome<T> &value_before, const PerBiome<T> &value,
-			std::vector<Rect> &r_areas) const;
+			std::vector<Rect> &r_areas, const Planet &planet = {}) const;
 
 	static constexpr int find_grid = 16;
 
@@ -111,10 +127,16 @@ private:
 	};
 
 	bool same_frame(const BiomeMap &other) const;
-	bool find_edits(const BiomeMap &before, const SameValue &same, std::vector<Rect> &r_areas) const;
+	bool find_edits(
+			const BiomeMap &before, const SameValue &same, std::vector<Rect> &r_areas, const Planet &planet) const;
 	Pixels edited_pixels(const BiomeMap &before, const SameValue &same, const Pixels &among) const;
 	bool block_differs(const BiomeMap &before, const SameValue &same, glm::ivec2 block) const;
 	Rect reached_from(const Pixels &pixels) const;
+	PlanetCap cap_reached_from(double planet_radius, const Pixels &pixels) const;
+	double reach_on_planet() const;
+	BiomeSet biomes_in_blocks(const Pixels &pixels) const;
+	std::uint8_t pixel_toward(const glm::dvec3 &from_center) const;
+	glm::dvec3 bend(const glm::dvec3 &position) const;
 	std::uint8_t pixel_at(glm::dvec2 position) const;
 	std::uint8_t pixel(int x, int y) const {
 		return pixels_[static_cast<std::size_t>(y) * width() + static_cast<std::size_t>(x)];
@@ -122,7 +144,8 @@ private:
 	std::size_t width() const { return static_cast<std::size_t>(size_.x); }
 	glm::ivec2 block_count() const;
 	void find_blocks();
-	double border_offset(glm::dvec2 position, std::size_t axis) const;
+	template <class Position>
+	double border_offset(const Position &position, std::size_t axis) const;
 
 	glm::ivec2 size_{1};
 	std::vector<std::uint8_t> pixels_{no_biome};
@@ -131,20 +154,33 @@ private:
 	BiomeBorders borders_;
 	/// Distance in meters, per axis, from a position to the farthest pixel that may affect it.
 	double reach_ = 0.0;
-	std::array<ClumpNoise, 4> noise_{};                 ///< One coarse and one fine noise per axis.
+	/// One coarse and one fine noise per axis. Only planets use the third axis.
+	std::array<ClumpNoise, 6> noise_{};
 	std::vector<BiomeSet> blocks_{biome_bit(no_biome)}; ///< The biomes in each block of pixels, row by row.
 };
 
+/// Returns the displacement of the border along an axis, from -1 to 1.
+template <class Position>
+double BiomeMap::border_offset(const Position &position, std::size_t axis) const {
+	constexpr double large_share = 0.7;
+	const double large = noise_[2 * axis].at(position);
+	const double small = noise_[2 * axis + 1].at(position);
+	return 2.0 * (large_share * large + (1.0 - large_share) * small) - 1.0;
+}
+
+/// Returns the index with the greatest number of taps.
+std::uint8_t dominant_of(const BiomeTaps &taps);
+
 template <class T>
 bool BiomeMap::find_edits(const BiomeMap &before, const PerBiome<T> &value_before, const PerBiome<T> &value,
-		std::vector<Rect> &r_areas) const {
+		std::vector<Rect> &r_areas, const Planet &planet) const {
 	SameValue same{};
 	for (std::size_t was = 0; was < same.size(); ++was) {
 		for (std::size_t is = 0; is < same.size(); ++is) {
 			same[was] |= value_before[was] == value[is] ? biome_bit(static_cast<std::uint8_t>(is)) : 0;
 		}
 	}
-	return find_edits(before, same, r_areas);
+	return find_edits(before, same, r_areas, planet);
 }
 
 } // namespace thicket

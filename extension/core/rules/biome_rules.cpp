@@ -1,6 +1,7 @@
 #include "core/rules/biome_rules.hpp"
 
 #include "core/base/floating_point.hpp"
+#include "core/rules/planet_positions.hpp"
 
 #include <glm/common.hpp>
 
@@ -53,11 +54,28 @@ Status BiomeDensity::sample(std::span<const glm::dvec2> positions, std::span<flo
 	for (std::size_t i = 0; i < positions.size(); ++i) {
 		BiomeTaps taps{};
 		map_->taps_at(positions[i], taps);
-		double sum = 0.0;
-		for (const std::uint8_t biome : taps) {
-			sum += double{densities_[biome]};
-		}
-		r_density[i] = static_cast<float>(sum / static_cast<double>(biome_taps));
+		r_density[i] = density_of(taps);
+	}
+	return {};
+}
+
+/// Returns the average density of the taps.
+float BiomeDensity::density_of(const BiomeTaps &taps) const {
+	double sum = 0.0;
+	for (const std::uint8_t biome : taps) {
+		sum += double{densities_[biome]};
+	}
+	return static_cast<float>(sum / static_cast<double>(biome_taps));
+}
+
+Status BiomeDensity::sample_on(const Planet &planet, const PositionBatch &batch, std::span<float> r_density) const {
+	if (batch.positions.size() != r_density.size()) {
+		return Status::wrong_size("density", r_density.size(), exactly(batch.positions.size()));
+	}
+	for (std::size_t i = 0; i < batch.positions.size(); ++i) {
+		BiomeTaps taps{};
+		map_->taps_toward(planet.radius, from_planet_center(planet, batch, i), taps);
+		r_density[i] = density_of(taps);
 	}
 	return {};
 }
@@ -74,13 +92,17 @@ double WaterLevels::at(glm::dvec2 position) const {
 	return map_ == nullptr ? levels_.front() : levels_[map_->dominant_at(position)];
 }
 
-bool WaterLevels::find_edits(const WaterLevels &before, std::vector<Rect> &r_areas) const {
+double WaterLevels::at(const Planet &planet, const glm::dvec3 &position) const {
+	return map_ == nullptr ? levels_.front() : levels_[map_->dominant_toward(planet.radius, position - planet.center)];
+}
+
+bool WaterLevels::find_edits(const Planet &planet, const WaterLevels &before, std::vector<Rect> &r_areas) const {
 	const std::shared_ptr<const BiomeMap> &map = map_ != nullptr ? map_ : before.map_;
 	if (map == nullptr) {
 		return levels_ == before.levels_;
 	}
 	// A uniform level can be compared using the map of the other object.
-	return map->find_edits(before.map_ != nullptr ? *before.map_ : *map, before.levels_, levels_, r_areas);
+	return map->find_edits(before.map_ != nullptr ? *before.map_ : *map, before.levels_, levels_, r_areas, planet);
 }
 
 } // namespace thicket

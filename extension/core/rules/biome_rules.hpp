@@ -1,6 +1,8 @@
 #pragma once
 
+#include "core/base/planet.hpp"
 #include "core/base/rect.hpp"
+#include "core/base/tile_grid.hpp"
 #include "core/rules/biome_map.hpp"
 #include "core/rules/density_field.hpp"
 
@@ -21,13 +23,21 @@ public:
 	/// At a position that is not finite, returns the density of no_biome.
 	Status sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const override;
 
+	/// Like `sample_at`, on a planet.
+	Status sample_on(const Planet &planet, const PositionBatch &batch, std::span<float> r_density) const;
+
+	/// Returns true if the density on a planet is 0 everywhere in `space`; see none_in.
+	bool none_on(const Planet &planet, const TileSpace &space) const {
+		return (map_->biomes_toward(planet.radius, cap_around(planet, space)) & permitted_biomes_) == 0;
+	}
+
 	/// Returns true if the density is 0 everywhere in `rect`, so that sampling can be skipped. May
 	/// return false even if the density is 0.
 	bool none_in(const Rect &rect) const { return (map_->biomes_in(rect) & permitted_biomes_) == 0; }
 
 	/// Finds changes in the density; see BiomeMap::find_edits.
-	bool find_edits(const BiomeDensity &before, std::vector<Rect> &r_areas) const {
-		return map_->find_edits(*before.map_, before.densities_, densities_, r_areas);
+	bool find_edits(const Planet &planet, const BiomeDensity &before, std::vector<Rect> &r_areas) const {
+		return map_->find_edits(*before.map_, before.densities_, densities_, r_areas, planet);
 	}
 
 	/// The map is compared by address, not by content.
@@ -36,6 +46,8 @@ public:
 	}
 
 private:
+	float density_of(const BiomeTaps &taps) const;
+
 	std::shared_ptr<const BiomeMap> map_;
 	PerBiome<float> densities_;
 	BiomeSet permitted_biomes_ = 0; ///< The biomes with a density above 0.
@@ -57,8 +69,11 @@ public:
 	/// Returns the level in world meters, or no_water.
 	double at(glm::dvec2 position) const;
 
+	/// Returns the level at a world position on a planet, as an altitude, or no_water.
+	double at(const Planet &planet, const glm::dvec3 &position) const;
+
 	/// Finds changes in the levels; see BiomeMap::find_edits.
-	bool find_edits(const WaterLevels &before, std::vector<Rect> &r_areas) const;
+	bool find_edits(const Planet &planet, const WaterLevels &before, std::vector<Rect> &r_areas) const;
 
 	friend bool operator==(const WaterLevels &, const WaterLevels &) = default;
 
@@ -68,15 +83,15 @@ private:
 };
 
 /// Appends rectangles outside which `before` and `after` are equal. `Values` is BiomeDensity or
-/// WaterLevels; either pointer may be null. If the values may differ anywhere, the function returns
-/// false and appends nothing.
+/// WaterLevels; either pointer may be null. `planet` need not exist. If the values may differ anywhere,
+/// the function returns false and appends nothing.
 template <class Values>
-bool find_biome_edits(const Values *before, const Values *after, std::vector<Rect> &r_areas) {
+bool find_biome_edits(const Planet &planet, const Values *before, const Values *after, std::vector<Rect> &r_areas) {
 	if (before == after) {
 		// The same object on both sides has no edits.
 		return true;
 	}
-	return before != nullptr && after != nullptr && after->find_edits(*before, r_areas);
+	return before != nullptr && after != nullptr && after->find_edits(planet, *before, r_areas);
 }
 
 } // namespace thicket

@@ -4,7 +4,8 @@
 #include "core/base/check.hpp"
 #include "core/base/floating_point.hpp"
 #include "core/base/guard.hpp"
-#include "core/base/trigonometry.hpp"
+#include "core/rules/planet_positions.hpp"
+#include "core/rules/sphere_image.hpp"
 
 #include <glm/common.hpp>
 
@@ -93,17 +94,10 @@ double ImageMask::at(glm::dvec2 position) const {
 }
 
 double ImageMask::toward(const glm::dvec3 &from_center) const {
-	const double x = from_center.x;
-	const double z = from_center.z;
-	const double across = std::sqrt(x * x + z * z);
-	if (!std::isfinite(across) || !std::isfinite(from_center.y)) {
+	if (!has_direction(from_center)) {
 		return 0.0;
 	}
-	// On the axis, and at the center, the direction around it is unknown.
-	const double half_turn = across > 0.0 ? angle_degrees(std::abs(x), z) : 0.0;
-	const double around = x < 0.0 ? 360.0 - half_turn : half_turn;
-	const double from_pole = across > 0.0 || from_center.y < 0.0 ? angle_degrees(across, from_center.y) : 0.0;
-	return interpolate({around / 360.0, from_pole / 180.0}, true, false);
+	return interpolate(sphere_image_position(from_center), true, false);
 }
 
 /// Interpolates at a position in the image; `fraction` is 0 to 1 along both axes.

@@ -1,7 +1,9 @@
 #pragma once
 
 #include "core/base/pixel_rect.hpp"
+#include "core/base/planet.hpp"
 #include "core/base/rect.hpp"
+#include "core/rules/cube_grid.hpp"
 #include "core/rules/density_field.hpp"
 
 #include <glm/vec2.hpp>
@@ -65,6 +67,30 @@ public:
 	/// background.
 	Status sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const override;
 
+	// On a planet, the pixels are the nodes of a CubeGrid for the planet's radius and the pixel size.
+
+	/// Like `sample`, on a planet: for directions from its center instead of positions on the plane.
+	Status sample_on(const Planet &planet, const PositionBatch &batch, std::span<float> r_density) const;
+
+	/// Returns the density in a direction from the center of a planet, which need not be normalized; 0 if
+	/// it is not finite.
+	double toward(double planet_radius, const glm::dvec3 &from_center) const;
+
+	/// Paints one dab on the sphere with a planet's radius, in a direction from the planet's center,
+	/// which need not be normalized. The brush's radius is a straight distance on that sphere, and its
+	/// center has no effect. Sets `r_changed` to true if any density has changed. A radius of the
+	/// planet that is not positive, and a center without a direction, are errors.
+	Status paint_on(double planet_radius, const glm::dvec3 &from_center, const Brush &brush, bool &r_changed);
+
+	/// Returns a rectangle of pixels for each face of the CubeGrid. They contain all pixels that a dab
+	/// with this radius in meters may change. Rectangles of distant faces are empty.
+	std::array<PixelRect, CubeGrid::faces> pixels_on(
+			double planet_radius, const glm::dvec3 &from_center, double radius) const;
+
+	/// Like `differs`, on a planet. Appends world rectangles (see shadow_of) that contain all
+	/// differences, at most one for each face. Returns false if any density may differ.
+	bool find_edits_on(const Planet &planet, const PaintedMask &other, std::vector<Rect> &r_areas) const;
+
 	/// Reads the pixels of `region` row by row, for undo. The region has at most max_region_pixels
 	/// pixels, all within pixel_limit. An empty region returns no pixels, and an inverted one is an
 	/// error.
@@ -115,6 +141,11 @@ private:
 	class Reader;
 	class Edit;
 	class BlockParser;
+	class FaceReader;
+	struct FaceDab;
+
+	Status check_brush(const Brush &brush) const;
+	bool paint_face(const FaceDab &dab, const PaintedMask &before);
 
 	/// Returns null if the whole block is background.
 	const Block *find(Key key) const;
@@ -123,6 +154,8 @@ private:
 	/// is passed as null.
 	template <typename Visit>
 	void for_each_unshared_block(const PaintedMask &other, const Visit &visit) const;
+
+	PixelRect differing_pixels(const Key &key, const Block *mine, const Block *theirs) const;
 
 	/// Replaces the given blocks. A null entry removes its block. The function allocates no memory.
 	void replace(Blocks &&blocks) noexcept;

@@ -16,8 +16,7 @@ public:
 	PlanetMask(std::shared_ptr<const ImageMask> image, const Planet &planet) :
 			image_(std::move(image)), planet_(planet) {}
 
-	/// Without heights, positions are on the planet's sphere as seen from above or, beside it, at the
-	/// height of its center.
+	/// See from_planet_center for positions without heights.
 	Status sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const override;
 
 	Status sample_in_space(std::span<const glm::dvec2> positions, std::span<const float> heights,
@@ -29,6 +28,8 @@ public:
 	}
 
 private:
+	void sample_batch(const PositionBatch &batch, std::span<float> r_density) const;
+
 	std::shared_ptr<const ImageMask> image_;
 	Planet planet_;
 };

@@ -5,6 +5,7 @@
 #include "core/base/guard.hpp"
 #include "core/base/split_mix.hpp"
 #include "core/base/trigonometry.hpp"
+#include "core/terrain/planet_ground.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -27,11 +28,12 @@ SlopeRange slope_range(const Rules &rules, GroundSides sides) {
 			sides == GroundSides::top ? SlopeRange::steepest_top : SlopeRange::steepest_surface};
 }
 
-template <class Record>
-Status multiply(const DensityField &field, const PositionBatch &batch, std::span<double> r_densities,
-		std::span<float> scratch, const Record &record, RuleKind rule, std::size_t index) {
-	const Status status = field.sample_at(batch, scratch);
-	for (std::size_t i = 0; status.ok() && i < batch.positions.size(); ++i) {
+/// Multiplies densities by those that `sample` computes.
+template <class Record, class Sample>
+Status multiply(const Sample &sample, std::span<double> r_densities, std::span<float> scratch, const Record &record,
+		RuleKind rule, std::size_t index) {
+	const Status status = sample(scratch);
+	for (std::size_t i = 0; status.ok() && i < scratch.size(); ++i) {
 		const double density = unit_density(scratch[i]);
 		r_densities[i] *= record(rule, density, density, static_cast<std::uint32_t>(index));
 	}
@@ -63,7 +65,7 @@ bool needs_slope(const Rules &rules, GroundSides sides) {
 			(rules.expression != nullptr && rules.expression->uses(ExpressionInput::slope));
 }
 
-Status PreparedRules::set(const Rules &rules, std::uint64_t seed, GroundSides sides) {
+Status PreparedRules::set(const Rules &rules, std::uint64_t seed, GroundSides sides, const Planet &planet) {
 	if (const Status status = validate(rules); !status.ok()) {
 		return status;
 	}
@@ -77,6 +79,7 @@ Status PreparedRules::set(const Rules &rules, std::uint64_t seed, GroundSides si
 		return status;
 	}
 	sides_ = sides;
+	planet_ = planet;
 	slope_ = slope_range(rules, sides);
 	needs_slope_ = thicket::needs_slope(rules, sides);
 	height_ = PreparedRange(rules.min_height, rules.min_height <= -unlimited_height, rules.max_height,
@@ -103,22 +106,25 @@ Status PreparedRules::position_product(const PositionBatch &batch, std::span<dou
 	}
 	// The fields are multiplied one after another, because rounding depends on the order.
 	for (std::size_t field = 0; field < rules_.fields.size(); ++field) {
-		const Status status =
-				multiply(*rules_.fields[field], batch, r_densities, scratch, record, RuleKind::field, field);
-		if (!status.ok()) {
+		const auto sample = [&](std::span<float> r_values) {
+			return rules_.fields[field]->sample_at(batch, r_values);
+		};
+		if (const Status status = multiply(sample, r_densities, scratch, record, RuleKind::field, field);
+				!status.ok()) {
 			return status;
 		}
 	}
-	using KindOfField = std::pair<const DensityField *, RuleKind>;
-	for (const auto &[field, kind] :
-			{KindOfField{rules_.mask.get(), RuleKind::mask}, KindOfField{rules_.biome.get(), RuleKind::biome}}) {
-		if (field == nullptr) {
-			continue;
-		}
-		const Status status = multiply(*field, batch, r_densities, scratch, record, kind, no_index);
-		if (!status.ok()) {
-			return status;
-		}
+	const auto multiply_map = [&](const auto &map, RuleKind kind) {
+		const auto sample = [&](std::span<float> r_values) {
+			return planet_.exists() ? map->sample_on(planet_, batch, r_values) : map->sample_at(batch, r_values);
+		};
+		return map != nullptr ? multiply(sample, r_densities, scratch, record, kind, no_index) : Status();
+	};
+	if (const Status status = multiply_map(rules_.mask, RuleKind::mask); !status.ok()) {
+		return status;
+	}
+	if (const Status status = multiply_map(rules_.biome, RuleKind::biome); !status.ok()) {
+		return status;
 	}
 	for (std::size_t i = 0; clumps_.active() && i < size; ++i) {
 		if (!Record::complete && !(r_densities[i] > 0.0)) {
@@ -142,14 +148,22 @@ Status PreparedRules::position_factors(const PositionBatch &batch, const RuleRec
 	return position_product<RuleRecord>(batch, {&product, 1}, scratch, record);
 }
 
+/// Returns the water level at a world position, or no_water.
+double PreparedRules::water_level_at(const glm::dvec3 &position) const {
+	if (rules_.water == nullptr) {
+		return no_water;
+	}
+	return planet_.exists() ? rules_.water->at(planet_, position) : rules_.water->at({position.x, position.z});
+}
+
 /// Returns the density of the water depth rule. Without water, the depth is minus infinity.
 template <class Record>
-double PreparedRules::water_density(double height, glm::dvec2 position, const Record &record) const {
+double PreparedRules::water_density(double height, const glm::dvec3 &position, const Record &record) const {
 	if (water_depth_.is_unlimited()) {
 		// Every depth passes, so the water level is not needed.
 		return 1.0;
 	}
-	const double level = rules_.water != nullptr ? rules_.water->at(position) : no_water;
+	const double level = water_level_at(position);
 	if (level <= no_water && rules_.min_water_depth <= -unlimited_height) {
 		return 1.0;
 	}
@@ -158,20 +172,27 @@ double PreparedRules::water_density(double height, glm::dvec2 position, const Re
 
 /// Returns the density of the expression, which must exist.
 template <class Record>
-double PreparedRules::expression_density(const Ground &ground, glm::dvec2 position, const Record &record) const {
-	ExpressionInputs inputs{.height = ground.height, .position = position};
+double PreparedRules::expression_density(const Ground &ground, const glm::dvec3 &position, const Record &record) const {
+	ExpressionInputs inputs{.height = ground.height, .position = {position.x, position.z}};
 	if (expression_uses(ExpressionInput::slope)) {
 		inputs.slope = slope_degrees(ground.normal);
 	}
 	if (expression_uses(ExpressionInput::water_depth)) {
-		inputs.water_depth = (rules_.water != nullptr ? rules_.water->at(position) : no_water) - inputs.height;
+		inputs.water_depth = water_level_at(position) - inputs.height;
 	}
 	const double value = rules_.expression->at(inputs, expression_seed_, sides_ == GroundSides::all);
 	return record(RuleKind::expression, value, value > 0.0 ? std::min(value, 1.0) : 0.0);
 }
 
+/// Returns the density of the ground at a position on the planet, which must exist.
 template <class Record>
-double PreparedRules::density_of_limits(const Ground &ground, glm::dvec2 position, const Record &record) const {
+double PreparedRules::density_on_planet(const Ground &ground, glm::dvec2 position, const Record &record) const {
+	return density_of_limits(on_planet(planet_, position, ground), {position.x, ground.height, position.y}, record);
+}
+
+/// Evaluates ground in the frame of the planet, if there is one. `position` is in world meters.
+template <class Record>
+double PreparedRules::density_of_limits(const Ground &ground, const glm::dvec3 &position, const Record &record) const {
 	if (!is_ground(ground, sides_)) {
 		return record(RuleKind::ground, ground.height, 0.0);
 	}
@@ -223,8 +244,10 @@ double PreparedRules::shape_density(std::span<const std::uint32_t> nearby_shapes
 	return record(RuleKind::shapes, effect.density(), effect.density(), effect.decisive());
 }
 
-template double PreparedRules::density_of_limits(const Ground &, glm::dvec2, const NoRecord &) const;
-template double PreparedRules::density_of_limits(const Ground &, glm::dvec2, const RuleRecord &) const;
+template double PreparedRules::density_on_planet(const Ground &, glm::dvec2, const NoRecord &) const;
+template double PreparedRules::density_on_planet(const Ground &, glm::dvec2, const RuleRecord &) const;
+template double PreparedRules::density_of_limits(const Ground &, const glm::dvec3 &, const NoRecord &) const;
+template double PreparedRules::density_of_limits(const Ground &, const glm::dvec3 &, const RuleRecord &) const;
 template double PreparedRules::shape_density(
 		std::span<const std::uint32_t>, glm::dvec2, const Ground &, const NoRecord &) const;
 template double PreparedRules::shape_density(

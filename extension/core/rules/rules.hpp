@@ -1,6 +1,8 @@
 #pragma once
 
+#include "core/base/planet.hpp"
 #include "core/base/status.hpp"
+#include "core/base/tile_grid.hpp"
 #include "core/rules/biome_rules.hpp"
 #include "core/rules/clump_noise.hpp"
 #include "core/rules/curve_table.hpp"
@@ -111,9 +113,10 @@ inline bool is_ground(const Ground &ground, GroundSides sides = GroundSides::top
 /// object.
 class PreparedRules {
 public:
-	/// Prepares `rules` for the set with this seed. If `validate` returns an error, this object is
-	/// unchanged.
-	Status set(const Rules &rules, std::uint64_t seed, GroundSides sides = GroundSides::top);
+	/// Prepares `rules` for the set with this seed. On a planet, heights become altitudes, slopes are
+	/// relative to the direction away from its center, and the mask and the biomes cover the sphere.
+	/// If `validate` returns an error, this object is unchanged.
+	Status set(const Rules &rules, std::uint64_t seed, GroundSides sides = GroundSides::top, const Planet &planet = {});
 
 	const Rules &rules() const { return rules_; }
 
@@ -131,21 +134,27 @@ public:
 	/// factors. Throws std::bad_alloc.
 	Status position_factors(const PositionBatch &batch, const RuleRecord &record) const;
 
-	/// Returns true if no instance can be placed in `rect` because none of the layer's biomes
+	/// Returns true if no instance can be placed in `space` because none of the layer's biomes
 	/// occurs there.
-	bool closed_in(const Rect &rect) const { return rules_.biome != nullptr && rules_.biome->none_in(rect); }
+	bool closed_in(const TileSpace &space) const {
+		return rules_.biome != nullptr &&
+				(planet_.exists() ? rules_.biome->none_on(planet_, space) : rules_.biome->none_in(space));
+	}
 
-	/// Returns the product of the rules that depend on the ground at a position: limits, curves,
+	/// Returns the product of the rules that depend on the ground at a world position: limits, curves,
 	/// textures, water depth, the expression. The product is 0 without ground (see is_ground). `record` receives
 	/// the factors of all rules that have an effect, or only the factor of the ground if there is
 	/// none.
 	template <class Record = NoRecord>
 	double ground_density(const Ground &ground, glm::dvec2 position, const Record &record = {}) const {
+		if (planet_.exists()) {
+			return density_on_planet(ground, position, record);
+		}
 		if (!Record::complete && slope_alone_) {
 			// Only the slope rule depends on the ground.
 			return is_ground(ground, sides_) ? slope_.density_of(ground.normal) : 0.0;
 		}
-		return density_of_limits(ground, position, record);
+		return density_of_limits(ground, {position.x, ground.height, position.y}, record);
 	}
 
 	/// Returns true if ground_density is above 0.
@@ -159,7 +168,12 @@ public:
 
 private:
 	template <class Record>
-	double density_of_limits(const Ground &ground, glm::dvec2 position, const Record &record) const;
+	double density_on_planet(const Ground &ground, glm::dvec2 position, const Record &record) const;
+
+	template <class Record>
+	double density_of_limits(const Ground &ground, const glm::dvec3 &position, const Record &record) const;
+
+	double water_level_at(const glm::dvec3 &position) const;
 
 	template <class Record>
 	Status position_product(const PositionBatch &batch, std::span<double> r_densities, std::vector<float> &scratch,
@@ -170,13 +184,14 @@ private:
 	}
 
 	template <class Record>
-	double expression_density(const Ground &ground, glm::dvec2 position, const Record &record) const;
+	double expression_density(const Ground &ground, const glm::dvec3 &position, const Record &record) const;
 
 	template <class Record>
-	double water_density(double height, glm::dvec2 position, const Record &record) const;
+	double water_density(double height, const glm::dvec3 &position, const Record &record) const;
 
 	Rules rules_;
 	GroundSides sides_ = GroundSides::top;
+	Planet planet_;
 	SlopeRange slope_;
 	PreparedRange height_;
 	PreparedRange water_depth_;
