@@ -164,6 +164,7 @@ def assert_passed(done, loads_on_threads=False):
         "test_planets",
         "test_planet_changes",
         "test_planet_masks",
+        "test_planet_painting",
         "test_planet_regions",
         "test_layers_on_models",
         "test_ground_combined",

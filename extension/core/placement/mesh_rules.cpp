@@ -28,7 +28,7 @@ void MeshRules::set(const LayerSettings &layer) {
 			RuledMesh &added = ruled_.emplace_back();
 			added.mesh = mesh;
 			// The rules are valid, so the call can fail only for lack of memory.
-			throw_if_out_of_memory(added.rules.set(rules, seed_, sides));
+			throw_if_out_of_memory(added.rules.set(rules, seed_, sides, planet_));
 		}
 	}
 }

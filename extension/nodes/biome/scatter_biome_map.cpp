@@ -248,6 +248,11 @@ Ref<ScatterBiome> ScatterBiomeMap::get_biome_at(const Vector2 &p_position) {
 PackedFloat32Array ScatterBiomeMap::get_weights_at(const Vector2 &p_position) {
 	BiomeTaps taps{};
 	map()->taps_at(to_core(p_position), taps);
+	return weights_of(taps);
+}
+
+/// Returns the weight of each biome.
+PackedFloat32Array ScatterBiomeMap::weights_of(const BiomeTaps &taps) const {
 	std::vector<float> weights(biome_count(), 0.0F);
 	for (const std::uint8_t index : taps) {
 		if (index < weights.size()) {
@@ -337,6 +342,7 @@ void ScatterBiomeMap::_bind_methods() {
 	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "biomes", PROPERTY_HINT_ARRAY_TYPE,
 						 vformat("%d/%d:ScatterBiome", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
 			"set_biomes", "get_biomes");
+	bind_planets();
 	bind_map();
 	bind_borders();
 }

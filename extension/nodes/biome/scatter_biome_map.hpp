@@ -5,9 +5,12 @@
 #include "nodes/biome/scatter_biome.hpp"
 
 #include <godot_cpp/variant/packed_float32_array.hpp>
+#include <godot_cpp/variant/packed_int32_array.hpp>
 #include <godot_cpp/variant/packed_string_array.hpp>
 #include <godot_cpp/variant/rect2.hpp>
 #include <godot_cpp/variant/vector2.hpp>
+#include <godot_cpp/variant/vector2i.hpp>
+#include <godot_cpp/variant/vector3.hpp>
 
 #include <cstdint>
 #include <memory>
@@ -84,6 +87,20 @@ public:
 	/// the remainder has no biome.
 	godot::PackedFloat32Array get_weights_at(const godot::Vector2 &p_position);
 
+	// On a planet, the image covers the whole sphere. Positions are relative to the planet's center in
+	// meters, and only their direction matters.
+
+	/// Like `get_biome_at`, on a planet.
+	godot::Ref<ScatterBiome> get_biome_on_planet(double p_planet_radius, const godot::Vector3 &p_from_center);
+
+	/// Like `get_weights_at`, on a planet.
+	godot::PackedFloat32Array get_weights_on_planet(double p_planet_radius, const godot::Vector3 &p_from_center);
+
+	/// Used by the editor's brush. Returns the pixels of an image of `p_size` within a distance of a
+	/// position on a planet: the column, the row and the number of columns of each run of pixels.
+	godot::PackedInt32Array planet_disc(double p_planet_radius, const godot::Vector3 &p_from_center, double p_radius,
+			const godot::Vector2i &p_size) const;
+
 	/// Calls `take` with the array of layers of each biome.
 	template <class Take>
 	void each_layers(const Take &take) const {
@@ -141,6 +158,8 @@ private:
 	};
 
 	static void bind_map();
+	static void bind_planets();
+	godot::PackedFloat32Array weights_of(const BiomeTaps &taps) const;
 	static void bind_borders();
 	static Seen read_biome(const godot::Variant &p_biome);
 	void set_border(const char *p_name, double BiomeBorders::*number, double p_value);

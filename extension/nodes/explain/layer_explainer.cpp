@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace thicket {
 
@@ -81,6 +82,13 @@ Status LayerExplainer::explain(std::uint32_t layer, const glm::dvec3 &position, 
 
 Status LayerExplainer::densities(
 		std::uint32_t layer, std::span<const glm::dvec2> positions, std::vector<float> &r_densities) const {
+	const Planet &planet = layers[layer]->settings->planet;
+	if (const Surface *surface = surface_of(terrain.get()); planet.exists() && surface != nullptr) {
+		PlanetSamples samples;
+		samples.find_on_top(*surface, planet, positions);
+		r_densities.assign(positions.size(), 0.0F);
+		return sample_densities(layer, samples, r_densities);
+	}
 	DensityProbe probe;
 	std::vector<Ground> answers;
 	Status status = probe.find(*layers[layer]->settings, positions, false, surface_of(terrain.get()));
@@ -95,6 +103,56 @@ Status LayerExplainer::densities(
 		r_densities.push_back(static_cast<float>(probe.density_at(position)));
 	}
 	return status;
+}
+
+Status LayerExplainer::densities_at(
+		std::uint32_t layer, std::span<const glm::dvec3> positions, std::vector<float> &r_densities) const {
+	PlanetSamples samples;
+	if (const Surface *surface = surface_of(terrain.get())) {
+		samples.find_at(*surface, layers[layer]->settings->planet, positions);
+	}
+	r_densities.assign(positions.size(), 0.0F);
+	return sample_densities(layer, samples, r_densities);
+}
+
+/// Writes the density at each sample to its index in `r_densities`.
+Status LayerExplainer::sample_densities(
+		std::uint32_t layer, const PlanetSamples &samples, std::vector<float> &r_densities) const {
+	if (samples.positions.empty()) {
+		return {};
+	}
+	DensityProbe probe;
+	std::vector<Ground> answers;
+	const LayerSettings &settings = *layers[layer]->settings;
+	const Surface *surface = surface_of(terrain.get());
+	// Layers that do not grow on surfaces are on the top, and layers on models are elsewhere.
+	const bool on_ground = settings.set.on_surface && !settings.hosted;
+	const std::span<const Ground> known =
+			on_ground ? std::span<const Ground>(samples.ground) : std::span<const Ground>();
+	Status status = probe.find(settings, samples.positions, false, surface, known, on_ground ? surface : nullptr);
+	if (status.ok()) {
+		status = query_in_steps(terrain.get(), ground, probe, answers);
+	}
+	if (status.ok()) {
+		status = probe.evaluate(answers);
+	}
+	for (std::size_t i = 0; status.ok() && i < samples.indices.size(); ++i) {
+		r_densities[samples.indices[i]] = static_cast<float>(probe.density_at(i));
+	}
+	return status;
+}
+
+Status LayerExplainer::slopes_at(
+		const Planet &planet, std::span<const glm::dvec3> positions, std::vector<float> &r_slopes) const {
+	PlanetSamples samples;
+	if (const Surface *surface = surface_of(terrain.get())) {
+		samples.find_at(*surface, planet, positions);
+	}
+	r_slopes.assign(positions.size(), std::numeric_limits<float>::quiet_NaN());
+	for (std::size_t i = 0; i < samples.indices.size(); ++i) {
+		r_slopes[samples.indices[i]] = samples.slope(planet, i);
+	}
+	return {};
 }
 
 Status LayerExplainer::slopes(std::span<const glm::dvec2> positions, std::vector<float> &r_slopes) const {

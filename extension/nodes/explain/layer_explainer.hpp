@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/explain/planet_samples.hpp"
 #include "nodes/layer/layer_snapshot.hpp"
 #include "nodes/explain/scatter_explanation.hpp"
 #include "nodes/ground/scatter_ground.hpp"
@@ -31,6 +32,16 @@ struct LayerExplainer {
 	/// Computes the density of a layer at world positions, 0 to 1. Replaces `r_densities`.
 	Status densities(std::uint32_t layer, std::span<const glm::dvec2> positions, std::vector<float> &r_densities) const;
 
+	// On a planet, these functions evaluate positions on the ground of any side. The density is 0, and the
+	// slope is NAN, where there is no ground within a meter.
+
+	/// Computes the density of a layer at positions in world space. Replaces `r_densities`.
+	Status densities_at(
+			std::uint32_t layer, std::span<const glm::dvec3> positions, std::vector<float> &r_densities) const;
+
+	/// Computes the slope of the ground relative to the planet's up direction. Replaces `r_slopes`.
+	Status slopes_at(const Planet &planet, std::span<const glm::dvec3> positions, std::vector<float> &r_slopes) const;
+
 	/// Computes the slope of the ground at world positions, in degrees; NAN where there is no
 	/// ground. Replaces `r_slopes`.
 	Status slopes(std::span<const glm::dvec2> positions, std::vector<float> &r_slopes) const;
@@ -41,6 +52,7 @@ struct LayerExplainer {
 
 private:
 	RuleNames names_for(const LayerSnapshot &layer) const;
+	Status sample_densities(std::uint32_t layer, const PlanetSamples &samples, std::vector<float> &r_densities) const;
 	Status find_models(
 			const LayerSettings &layer, const glm::dvec3 &position, std::unique_ptr<const Surface> &r_models) const;
 };

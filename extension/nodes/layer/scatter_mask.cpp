@@ -203,6 +203,7 @@ void ScatterMask::_bind_methods() {
 	bind_guarded<&Self::sample>(D_METHOD("sample", "position"));
 	bind_guarded<&Self::get_pixel_rect>(D_METHOD("get_pixel_rect", "rect"));
 	bind_guarded<&Self::clear>(D_METHOD("clear"));
+	bind_planets();
 	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, "pixel_size", PROPERTY_HINT_RANGE,
 						 "0.125,16,0.125,or_less,or_greater,suffix:m"),
 			"set_pixel_size", "get_pixel_size");

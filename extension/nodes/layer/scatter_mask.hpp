@@ -7,7 +7,9 @@
 #include <godot_cpp/variant/packed_byte_array.hpp>
 #include <godot_cpp/variant/rect2.hpp>
 #include <godot_cpp/variant/rect2i.hpp>
+#include <godot_cpp/variant/typed_array.hpp>
 #include <godot_cpp/variant/vector2.hpp>
+#include <godot_cpp/variant/vector3.hpp>
 
 #include <cstdint>
 #include <memory>
@@ -76,6 +78,21 @@ public:
 	/// Returns the pixels that a change within a world rectangle may affect.
 	godot::Rect2i get_pixel_rect(const godot::Rect2 &p_rect) const;
 
+	// On a planet, the mask's pixels are on the faces of a cube around it (see CubeGrid). Positions are
+	// relative to the planet's center in meters, and only their direction matters.
+
+	/// Like `paint`, on a planet. Returns true if anything has changed, and then emits `area_changed` with
+	/// an empty rectangle.
+	bool paint_on_planet(double p_planet_radius, const godot::Vector3 &p_from_center, double p_radius,
+			double p_strength, double p_hardness, Mode p_mode);
+
+	/// Like `sample`, on a planet.
+	double sample_on_planet(double p_planet_radius, const godot::Vector3 &p_from_center) const;
+
+	/// Returns the pixels that a dab on a planet may change, as one to six rectangles.
+	godot::TypedArray<godot::Rect2i> get_pixel_rects_on_planet(
+			double p_planet_radius, const godot::Vector3 &p_from_center, double p_radius) const;
+
 	/// Erases everything that is painted.
 	void clear();
 
@@ -98,6 +115,8 @@ private:
 	/// unchanged.
 	Status take(std::span<const std::uint8_t> bytes);
 	godot::Rect2 announce(const Status &status, const Rect &changed);
+
+	static void bind_planets();
 
 	PaintedMask mask_;
 	/// The background as set by the user; the value in `mask_` is rounded.

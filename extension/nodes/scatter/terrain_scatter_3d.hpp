@@ -199,6 +199,19 @@ public:
 	godot::PackedVector3Array hit_surface(const godot::Vector3 &p_from, const godot::Vector3 &p_to);
 	godot::PackedFloat64Array get_planet();
 
+	// Used by the editor's tools on a planet. Without one, they return an empty array.
+
+	/// Returns positions relative to the planet's center, in the space of ScatterMask.paint_on_planet.
+	godot::PackedVector3Array to_planet(const godot::PackedVector3Array &p_positions);
+
+	/// Returns the highest ground at places on the flat map of the planet around `p_middle` (see
+	/// PlanetMap), in the engine's space. A position is NAN where there is no ground.
+	godot::PackedVector3Array planet_ground(const godot::Vector3 &p_middle, const godot::PackedVector2Array &p_places);
+
+	/// Like get_density_map and get_slope_map, at positions on the ground of any side.
+	godot::PackedFloat32Array densities_at(const godot::Variant &p_layer, const godot::PackedVector3Array &p_positions);
+	godot::PackedFloat32Array slopes_at(const godot::PackedVector3Array &p_positions);
+
 	/// Explains the x and z of a position for each of `p_layers` (see find_layers). If a layer does
 	/// not exist or the position is not finite, prints an error and returns an empty array.
 	godot::TypedArray<ScatterExplanation> explain_position(
@@ -388,6 +401,9 @@ private:
 			LayerExplanation &r_explanation);
 	void explain_changes(const LayerSnapshot &layer, LayerExplanation &r_explanation) const;
 	void explain_drawing(const LayerSnapshot &layer, LayerExplanation &r_explanation) const;
+	template <class Position, class Find, class Evaluate>
+	godot::PackedFloat32Array values_of(
+			const char *p_method, const godot::Variant *p_layer, const Find &find, const Evaluate &evaluate);
 	template <class Evaluate>
 	godot::PackedFloat32Array map_of(const char *p_method, const godot::Variant *p_layer, const godot::Rect2 &p_rect,
 			const godot::Vector2i &p_size, const Evaluate &evaluate);

@@ -164,6 +164,10 @@ void TerrainScatter3D::bind_queries() {
 	bind_guarded<&Self::up_at>(ThreadUse::main, D_METHOD("_up_at", "position"));
 	bind_guarded<&Self::hit_surface>(ThreadUse::main, D_METHOD("_hit_surface", "from", "to"));
 	bind_guarded<&Self::get_planet>(ThreadUse::main, D_METHOD("_get_planet"));
+	bind_guarded<&Self::to_planet>(ThreadUse::main, D_METHOD("_to_planet", "positions"));
+	bind_guarded<&Self::planet_ground>(ThreadUse::main, D_METHOD("_planet_ground", "middle", "places"));
+	bind_guarded<&Self::densities_at>(ThreadUse::main, D_METHOD("_densities_at", "layer", "positions"));
+	bind_guarded<&Self::slopes_at>(ThreadUse::main, D_METHOD("_slopes_at", "positions"));
 	bind_guarded<&Self::explain_position>(
 			ThreadUse::main, D_METHOD("explain_position", "position", "layers"), DEFVAL(Array()));
 	bind_guarded<&Self::get_density_map>(ThreadUse::main, D_METHOD("get_density_map", "layer", "rect", "size"));

@@ -4,7 +4,9 @@
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
 #include "core/base/tile_grid.hpp"
+#include "core/explain/planet_samples.hpp"
 #include "core/explain/position_grid.hpp"
+#include "core/rules/planet_map.hpp"
 #include "core/terrain/surface_line.hpp"
 #include "nodes/common/convert.hpp"
 #include "nodes/common/engine_arrays.hpp"
@@ -48,6 +50,19 @@ void explain_meshes(const Ref<ScatterLayer> &p_layer, LayerExplanation &r_explan
 		const std::string name = p_layer->mesh_name(mesh).utf8().get_data();
 		r_explanation.mesh_messages.push_back(describe_mesh(rules, mesh, name));
 	}
+}
+
+std::span<const Vector3> span_of(const PackedVector3Array &p_vectors) {
+	return {p_vectors.ptr(), static_cast<std::size_t>(p_vectors.size())};
+}
+
+/// Returns a function that converts positions of the engine, for values_of.
+auto all_of(const PackedVector3Array &p_positions) {
+	return [&p_positions](const WorldFrame &frame, std::vector<glm::dvec3> &r_positions) {
+		std::ranges::transform(span_of(p_positions), std::back_inserter(r_positions),
+				[&frame](const Vector3 &p_position) { return to_world(p_position, frame); });
+		return Status();
+	};
 }
 
 bool draws_nothing(const LayerSnapshot &layer) {
@@ -263,11 +278,11 @@ PackedVector3Array TerrainScatter3D::hit_surface(const Vector3 &p_from, const Ve
 			std::span<const glm::dvec3>(vectors), [](const glm::dvec3 &vector) { return to_engine(vector); });
 }
 
-/// Returns a number for each cell of a grid over a rectangle, row by row. `p_layer` is null for
-/// values of the ground alone. If the call is invalid, prints an error and returns an empty array.
-template <class Evaluate>
-PackedFloat32Array TerrainScatter3D::map_of(const char *p_method, const Variant *p_layer, const Rect2 &p_rect,
-		const Vector2i &p_size, const Evaluate &evaluate) {
+/// Returns a number for each position. `p_layer` is null for values of the ground alone. `find` writes the
+/// positions. If the call is invalid, prints an error and returns an empty array.
+template <class Position, class Find, class Evaluate>
+PackedFloat32Array TerrainScatter3D::values_of(
+		const char *p_method, const Variant *p_layer, const Find &find, const Evaluate &evaluate) {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	move_world();
 	const WorldFrame frame = frame_;
@@ -275,9 +290,9 @@ PackedFloat32Array TerrainScatter3D::map_of(const char *p_method, const Variant 
 	if (p_layer != nullptr && !find_layer_index(p_method, *p_layer, layer)) {
 		return {};
 	}
-	std::vector<glm::dvec2> positions;
+	std::vector<Position> positions;
 	std::vector<float> values;
-	Status status = grid_positions(to_world(p_rect, frame), {p_size.x, p_size.y}, positions);
+	Status status = find(frame, positions);
 	if (status.ok()) {
 		status = prepare();
 	}
@@ -293,6 +308,54 @@ PackedFloat32Array TerrainScatter3D::map_of(const char *p_method, const Variant 
 		return {};
 	}
 	return packed<PackedFloat32Array>(std::span<const float>(values), [](float value) { return value; });
+}
+
+/// Returns a number for each cell of a grid over a rectangle, row by row; see values_of.
+template <class Evaluate>
+PackedFloat32Array TerrainScatter3D::map_of(const char *p_method, const Variant *p_layer, const Rect2 &p_rect,
+		const Vector2i &p_size, const Evaluate &evaluate) {
+	const auto find = [&](const WorldFrame &frame, std::vector<glm::dvec2> &r_positions) {
+		return grid_positions(to_world(p_rect, frame), {p_size.x, p_size.y}, r_positions);
+	};
+	return values_of<glm::dvec2>(p_method, p_layer, find, evaluate);
+}
+
+PackedVector3Array TerrainScatter3D::to_planet(const PackedVector3Array &p_positions) {
+	const Planet current = planet();
+	if (!current.exists()) {
+		return {};
+	}
+	move_world();
+	return packed<PackedVector3Array>(span_of(p_positions),
+			[&](const Vector3 &p_position) { return to_engine(to_world(p_position, frame_) - current.center); });
+}
+
+PackedVector3Array TerrainScatter3D::planet_ground(const Vector3 &p_middle, const PackedVector2Array &p_places) {
+	move_world();
+	const Planet current = planet();
+	const std::shared_ptr<const Terrain> terrain = ground_snapshot_;
+	const Surface *surface = terrain != nullptr ? terrain->surface() : nullptr;
+	if (!current.exists() || surface == nullptr) {
+		return {};
+	}
+	const PlanetMap map(current, to_world(p_middle, frame_));
+	const std::span<const Vector2> places(p_places.ptr(), static_cast<std::size_t>(p_places.size()));
+	return packed<PackedVector3Array>(places, [&](const Vector2 &p_place) {
+		return to_engine(frame_.to_engine(planet_ground_toward(*surface, current, map.direction(to_core(p_place)))));
+	});
+}
+
+PackedFloat32Array TerrainScatter3D::densities_at(const Variant &p_layer, const PackedVector3Array &p_positions) {
+	return values_of<glm::dvec3>("_densities_at", &p_layer, all_of(p_positions),
+			[](const LayerExplainer &explainer, std::uint32_t layer, std::span<const glm::dvec3> positions,
+					std::vector<float> &r_values) { return explainer.densities_at(layer, positions, r_values); });
+}
+
+PackedFloat32Array TerrainScatter3D::slopes_at(const PackedVector3Array &p_positions) {
+	const Planet current = planet();
+	return values_of<glm::dvec3>("_slopes_at", nullptr, all_of(p_positions),
+			[&current](const LayerExplainer &explainer, std::uint32_t, std::span<const glm::dvec3> positions,
+					std::vector<float> &r_values) { return explainer.slopes_at(current, positions, r_values); });
 }
 
 PackedFloat32Array TerrainScatter3D::get_density_map(
