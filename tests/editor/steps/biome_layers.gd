@@ -167,9 +167,9 @@ func test_a_biome_is_painted() -> void:
 	await undo()
 	check_same(saved_files(), after, "undo restores every pixel")
 	map.biomes[1].color = Color.LIME
-	check("Meadow and Swamp have the same color" in tool.brush.begin(scatter, 1, SCENE, Vector2.ZERO), "equal colors are rejected")
+	check("Meadow and Swamp have the same color" in tool.brush.begin(scatter, 1, SCENE, Vector3.ZERO), "equal colors are rejected")
 	map.biomes[1].color = Color.RED
-	check("The map ends here" in tool.brush.begin(scatter, 0, SCENE, Vector2(300.0, 0.0)), "a position outside the map is rejected")
+	check("The map ends here" in tool.brush.begin(scatter, 0, SCENE, Vector3(300.0, 0.0, 0.0)), "a position outside the map is rejected")
 	tool.set_on(false)
 	await undo()
 	check_same(saved_files(), before, "undo restores all files")
@@ -183,7 +183,7 @@ func test_images_for_the_biome_brush() -> void:
 	map.map_mode = 1
 	for number: int in [1, -1, 0]:
 		map.map_image = null
-		check_equal(brush.begin(scatter, number, SCENE, Vector2(20.0, 30.0)), "", "the stroke creates an image")
+		check_equal(brush.begin(scatter, number, SCENE, Vector3(20.0, 0.0, 30.0)), "", "the stroke creates an image")
 		brush.finish(null)
 		check_equal(map.map_image.get_format(), Image.FORMAT_R8, "the image has one channel")
 		check_equal(map.map_image.get_size(), Vector2i(1024, 1024), "the image has the default size")
@@ -193,14 +193,14 @@ func test_images_for_the_biome_brush() -> void:
 	var imported := Image.create_empty(512, 256, true, Image.FORMAT_RGB8)
 	imported.fill(Color.LIME)
 	map.map_image = ImageTexture.create_from_image(imported)
-	check_equal(brush.begin(scatter, 1, SCENE, Vector2(20.0, 30.0)), "", "the stroke starts on a copy of the texture")
+	check_equal(brush.begin(scatter, 1, SCENE, Vector3(20.0, 0.0, 30.0)), "", "the stroke starts on a copy of the texture")
 	brush.finish(null)
 	check(map.map_image is Image and map.map_image.get_size() == Vector2i(512, 256), "the image has the texture's size: %s" % map.map_image)
 	check_equal(map.get_biome_at(Vector2(20.0, 30.0)), map.biomes[1], "the copy is painted")
 	ResourceSaver.save(map, "res://valley_map.tres")
 	map.take_over_path("res://valley_map.tres")
 	map.map_image = null
-	brush.begin(scatter, 1, SCENE, Vector2(40.0, 30.0))
+	brush.begin(scatter, 1, SCENE, Vector3(40.0, 0.0, 30.0))
 	brush.finish(null)
 	EditorInterface.save_scene()
 	var saved := ResourceLoader.load("res://valley_map.tres", "", ResourceLoader.CACHE_MODE_IGNORE_DEEP)

@@ -58,7 +58,7 @@ func test_paste() -> void:
 	await settle(original)
 	var brush: RefCounted = workspace().toolbar.paint.brush
 	brush.radius = 4.0
-	check_equal(brush.begin(original, [original.layers[0], original.layers[1]] as Array[ScatterLayer], FROM, 1, Vector2.ZERO), "", "painted")
+	check_equal(brush.begin(original, [original.layers[0], original.layers[1]] as Array[ScatterLayer], FROM, 1, Vector3.ZERO), "", "painted")
 	brush.finish(plugin.get_undo_redo())
 	var edits: RefCounted = workspace().toolbar.hand.edits
 	check(edits.begin(original, FROM), edits.problem)

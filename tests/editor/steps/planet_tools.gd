@@ -88,6 +88,7 @@ func test_tools_on_all_sides() -> void:
 		surface().grab_focus()
 		await explain(side)
 		await paint(side)
+		await paint_biomes(side)
 		await draw_rectangle(side)
 		await add_box(side)
 		await draw_polygon(side)
@@ -118,12 +119,31 @@ func explain(side: String) -> void:
 	await picture("planet_why_%s" % side)
 	tool.choose_colors(2)
 	tool.refresh()
-	check(tool.overlay.is_shown() == (side == "top"), "%s: colors exist only near the top" % side)
+	check(tool.overlay.is_shown(), "%s: slopes are shown" % side)
+	tool.choose_colors(3)
+	tool.refresh()
+	check(tool.overlay.is_shown() == (side == "top"), "%s: ranks are shown only near the top" % side)
 	tool.choose_colors(0)
 	tool.set_on(false)
 
 
-## Masks can be painted only near the top.
+## Returns the color of the overlay at the vertex nearest to a position.
+func color_at(overlay: RefCounted, at: Vector3) -> Color:
+	var nearest := Color.TRANSPARENT
+	var least := INF
+	var mesh: ArrayMesh = overlay._meshes[0]
+	for index in mesh.get_surface_count():
+		var arrays := mesh.surface_get_arrays(index)
+		for vertex in arrays[Mesh.ARRAY_VERTEX].size():
+			var distance: float = arrays[Mesh.ARRAY_VERTEX][vertex].distance_to(at)
+			if distance < least:
+				least = distance
+				nearest = arrays[Mesh.ARRAY_COLOR][vertex]
+	check(least < 0.6, "the overlay is %f m from %s" % [least, at])
+	return nearest
+
+
+## The brush must erase the stones below the mouse on every side, and the colors must show it.
 func paint(side: String) -> void:
 	var tool := tool_named("paint")
 	tool.set_on(true)
@@ -132,22 +152,82 @@ func paint(side: String) -> void:
 	tool.set_brush(1.5, 1.0, 1.0)
 	await frames(3)
 	var at := spot(0.5, 0.0)
+	var beside := spot(-3.0, 0.0)
 	await move_mouse(on_screen(at))
 	await picture("planet_brush_%s" % side)
+	await settle(scatter)
+	var before := instances(scatter, 0)
 	await drag_mouse(on_screen(at), on_screen(spot(1.5, 0.0)))
-	if side == "top":
-		check_equal(tool.problem, "", "%s: no problem" % side)
-		if check(stones.mask != null, "%s: painted" % side):
-			check(stones.mask.sample(Vector2(at.x, at.z)) < 0.01, "%s: erased where the mouse was: %f" % [side, stones.mask.sample(Vector2(at.x, at.z))])
-		await settle(scatter)
-		check(not instances(scatter, 0).values().any(func(found: Vector3) -> bool: return found.distance_to(at) < 1.0), "%s: no stones there" % side)
-		await undo()
-	else:
-		check(stones.mask == null, "%s: no mask" % side)
-		check("at most 60° from the top of a planet. Use a region here." in tool.problem, "%s: the reason: %s" % [side, tool.problem])
-	check(stones.mask == null, "%s: undone" % side)
-	tool.choose_mode(0)
+	check_equal(tool.problem, "", "%s: no problem" % side)
+	if not check(stones.mask != null, "%s: painted" % side):
+		return
+	check(stones.mask.sample_on_planet(RADIUS, at - CENTER) < 0.01, "%s: erased where the mouse was" % side)
+	check(stones.mask.sample_on_planet(RADIUS, CENTER - at) > 0.99, "%s: not erased on the opposite side" % side)
+	tool.refresh()
+	check(tool.mask_overlay.is_shown(), "%s: the mask is shown" % side)
+	check(color_at(tool.mask_overlay, at).r > 0.9 and color_at(tool.mask_overlay, beside).r < 0.5, "%s: the mask's colors" % side)
+	await settle(scatter)
+	var after := instances(scatter, 0)
+	check(not after.values().any(func(found: Vector3) -> bool: return found.distance_to(at) < 1.2), "%s: no stones there" % side)
+	for id: int in before:
+		if before[id].distance_to(at) > 4.0 and not check(after.has(id), "%s: a stone at %s is gone" % [side, before[id]]):
+			break
+	await picture("planet_brushed_%s" % side)
 	tool.set_on(false)
+	await show_density(side, at, beside)
+	await undo()
+	check(stones.mask == null, "%s: undone" % side)
+	await settle(scatter)
+	check_equal(instances(scatter, 0).size(), before.size(), "%s: all stones are back" % side)
+	tool.choose_mode(0)
+
+
+## The colors of the density must show the erased mask.
+func show_density(side: String, at: Vector3, beside: Vector3) -> void:
+	var tool := tool_named("why")
+	tool.set_on(true)
+	tool.choose_colors(1)
+	tool.refresh()
+	await until(func() -> bool: return tool.overlay.is_shown() and tool.overlay.is_complete(), "%s: the density is shown" % side)
+	check(color_at(tool.overlay, at).r > 0.8 and color_at(tool.overlay, beside).g > 0.8, "%s: the density's colors: %s, %s" % [side, color_at(tool.overlay, at), color_at(tool.overlay, beside)])
+	await picture("planet_density_%s" % side)
+	tool.choose_colors(0)
+	tool.set_on(false)
+
+
+## The biome brush must change the biome below the mouse.
+func paint_biomes(side: String) -> void:
+	var map: Resource = ClassDB.instantiate(&"ScatterBiomeMap")
+	map.biomes = ["Meadow", "Desert"].map(func(title: String) -> Resource:
+		var biome: Resource = ClassDB.instantiate(&"ScatterBiome")
+		biome.resource_name = title
+		biome.color = Color.GREEN if title == "Meadow" else Color.RED
+		return biome)
+	map.border_noise = 0.0
+	map.border_width = 0.0
+	scatter.biomes = map
+	await frames(3)
+	var tool := tool_named("biomes")
+	tool.set_on(true)
+	await until(func() -> bool: tool.refresh(); return tool._biomes.item_count == 3, "%s: the biomes are listed" % side)
+	tool.choose_biome(1)
+	check_equal(tool._index(), 1, "%s: the desert is selected" % side)
+	tool.brush.radius = 2.0
+	await frames(3)
+	var at := spot(0.5, 0.0)
+	await drag_mouse(on_screen(at), on_screen(spot(1.5, 0.0)))
+	check_equal(tool.problem, "", "%s: no problem of the biome brush" % side)
+	check(map.get_biome_on_planet(RADIUS, at - CENTER) == map.biomes[1], "%s: the biome is painted" % side)
+	check(map.get_biome_on_planet(RADIUS, spot(-3.0, 0.0) - CENTER) == map.biomes[0], "%s: the biome beside is not" % side)
+	check(map.get_biome_on_planet(RADIUS, CENTER - at) == map.biomes[0], "%s: nor on the opposite side" % side)
+	tool.refresh()
+	check(color_at(tool.overlay, at).r > 0.9, "%s: the color of the biome" % side)
+	await picture("planet_biomes_%s" % side)
+	await undo()
+	check(map.map_image == null, "%s: the biome is undone" % side)
+	tool.set_on(false)
+	scatter.biomes = null
+	await frames(3)
 
 
 func draw_rectangle(side: String) -> void:

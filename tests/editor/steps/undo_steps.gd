@@ -159,24 +159,24 @@ func choose_in_inspector(object: Object, property: StringName) -> void:
 			editor._on_selected(1)
 
 
-func stroke_of(mode: int, titles: PackedStringArray, at: Vector2) -> void:
+func stroke_of(mode: int, titles: PackedStringArray, at: Vector3) -> void:
 	var layers: Array[ScatterLayer] = []
 	for title in titles:
 		layers.append(layer(title))
 	var brush: RefCounted = workspace().toolbar.paint.brush
 	brush.radius = 4.0
 	check_equal(brush.begin(scatter, layers, SCENE, mode, at), "", "the stroke starts")
-	brush.move(at + Vector2(6.0, 0.0))
+	brush.move(at + Vector3(6.0, 0.0, 0.0))
 	brush.finish(manager)
 
 
 func test_masks() -> void:
-	await step("The first stroke", stroke_of.bind(1, ["Sedge", "Trees"], Vector2(2.0, 3.0)))
-	await step("A second stroke", stroke_of.bind(1, ["Sedge"], Vector2(2.0, 8.0)))
-	await step("A stroke that paints", stroke_of.bind(0, ["Sedge"], Vector2(0.0, 5.0)))
-	await step("A stroke that smooths", stroke_of.bind(2, ["Sedge", "Trees"], Vector2(1.0, 3.0)))
-	await step("The first stroke that paints", stroke_of.bind(0, ["Heather"], Vector2(-5.0, 3.0)))
-	await step("The first stroke on a layer in a file", stroke_of.bind(1, ["Lichen"], Vector2(-5.0, 3.0)))
+	await step("The first stroke", stroke_of.bind(1, ["Sedge", "Trees"], Vector3(2.0, 0.0, 3.0)))
+	await step("A second stroke", stroke_of.bind(1, ["Sedge"], Vector3(2.0, 0.0, 8.0)))
+	await step("A stroke that paints", stroke_of.bind(0, ["Sedge"], Vector3(0.0, 0.0, 5.0)))
+	await step("A stroke that smooths", stroke_of.bind(2, ["Sedge", "Trees"], Vector3(1.0, 0.0, 3.0)))
+	await step("The first stroke that paints", stroke_of.bind(0, ["Heather"], Vector3(-5.0, 0.0, 3.0)))
+	await step("The first stroke on a layer in a file", stroke_of.bind(1, ["Lichen"], Vector3(-5.0, 0.0, 3.0)))
 	check(FileAccess.get_file_as_string(MOSS).contains("heath_lichen_mask.res"), "a layer in a file is saved with its mask")
 	await step("A copy of painted layers", func() -> void:
 		workspace().dock.panel.choose([layer("Sedge"), layer("Trees")] as Array[ScatterLayer])

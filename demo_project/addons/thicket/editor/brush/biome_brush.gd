@@ -4,6 +4,7 @@ extends RefCounted
 
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 const StrokePlaces := preload("res://addons/thicket/editor/brush/stroke_places.gd")
+const SurfacePlace := preload("res://addons/thicket/editor/ground/surface_place.gd")
 
 ## The length of the longer side of a new image, in pixels, and the maximum width and height of any image.
 const SIDE := 1024
@@ -32,7 +33,8 @@ var _color := Color.BLACK
 var _title := ""
 var _scatter: TerrainScatter3D
 var _scene_path := ""
-var _last := Vector2.ZERO
+var _last := Vector3.ZERO
+var _planet_radius := 0.0 ## The radius of the planet that the map covers; 0 if it is projected along the y axis.
 var _next_reading := 0
 var _unread := false ## True if discs were painted that the map has not read yet.
 
@@ -42,15 +44,16 @@ func is_painting() -> bool:
 	return _map != null
 
 
-## Starts a stroke with a disc at world x and z. [param index] is the index of the biome, or -1 for land without a
+## Starts a stroke with a disc at a position on the ground. [param index] is the index of the biome, or -1 for land without a
 ## biome. Returns an empty string on success, or the reason for a failure.
-func begin(scatter: TerrainScatter3D, index: int, scene_path: String, at: Vector2) -> String:
+func begin(scatter: TerrainScatter3D, index: int, scene_path: String, at: Vector3) -> String:
 	finish(null)
 	var map := scatter.biomes
 	var same := _same_color(map, index)
 	if not same.is_empty():
 		return same
-	if not map.map_rect.has_point(at):
+	_planet_radius = SurfacePlace.planet_radius(scatter)
+	if _planet_radius == 0.0 and not map.map_rect.has_point(Vector2(at.x, at.z)):
 		return "The map ends here: it covers %s. Enlarge the map_rect of the biome map." % map.map_rect
 	_former = map.map_image
 	_image = _paintable(map, index)
@@ -63,16 +66,16 @@ func begin(scatter: TerrainScatter3D, index: int, scene_path: String, at: Vector
 	_title = "Paint Biome %s" % name_of(map, index)
 	_before = _image.duplicate()
 	_touched = Rect2i()
-	_disc(at)
+	_disc(_place(at))
 	_read()
 	return ""
 
 
-## Continues the stroke to world x and z, and adds discs along the way.
-func move(at: Vector2) -> void:
+## Continues the stroke to a position on the ground, and adds discs along the way.
+func move(at: Vector3) -> void:
 	if not is_painting():
 		return
-	for point in StrokePlaces.between(_last, at, radius):
+	for point in StrokePlaces.between(_last, _place(at), radius):
 		_disc(point)
 	if _unread and Time.get_ticks_msec() >= _next_reading:
 		_read()
@@ -138,11 +141,11 @@ func _paintable(map: ScatterBiomeMap, index: int) -> Image:
 	if image == null and map.map_image is Texture2D:
 		image = (map.map_image as Texture2D).get_image()
 	if image == null or image.is_empty():
-		var sides := map.map_rect.size * (SIDE / maxf(map.map_rect.size.x, map.map_rect.size.y))
+		var sides := _map_size(map) * (SIDE / maxf(_map_size(map).x, _map_size(map).y))
 		image = Image.create_empty(maxi(roundi(sides.x), 1), maxi(roundi(sides.y), 1), false, _formats(map, index)[0] as Image.Format)
 		image.fill(_pixel(map, 0))
 	var own_file := image.resource_path.is_empty() or "::" in image.resource_path or image.resource_path.get_extension() in ["res", "tres"]
-	var pixel := map.map_rect.size / Vector2(image.get_size())
+	var pixel := _map_size(map) / Vector2(image.get_size())
 	var factor := mini(ceili(maxf(pixel.x, pixel.y) * FINENESS / radius), floori(LARGEST / float(maxi(image.get_width(), image.get_height()))))
 	if image == map.map_image and own_file and factor <= 1 and image.get_format() in _formats(map, index) and not image.has_mipmaps():
 		return image
@@ -168,9 +171,30 @@ func _mark(map: ScatterBiomeMap, image: Image) -> void:
 	files.mark(map)
 
 
-func _disc(at: Vector2) -> void:
-	_last = at
+## Returns the size in meters of the area that the image covers: the map's rectangle or, on a planet, its equator and a meridian.
+func _map_size(map: ScatterBiomeMap) -> Vector2:
+	return Vector2(TAU, PI) * _planet_radius if _planet_radius > 0.0 else map.map_rect.size
+
+
+## Returns the place of a position in the map: world x and z or, on a planet, the position relative to its center.
+func _place(at: Vector3) -> Vector3:
+	return _scatter._to_planet(PackedVector3Array([at]))[0] if _planet_radius > 0.0 else Vector3(at.x, 0.0, at.z)
+
+
+func _fill(row: Rect2i) -> void:
+	_image.fill_rect(row, _color)
+	_touched = row.merge(_touched) if _touched.has_area() else row
+
+
+func _disc(place: Vector3) -> void:
+	_last = place
 	_unread = true
+	if _planet_radius > 0.0:
+		var runs := _map._planet_disc(_planet_radius, place, radius, _image.get_size())
+		for index in range(0, runs.size(), 3):
+			_fill(Rect2i(runs[index], runs[index + 1], runs[index + 2], 1))
+		return
+	var at := Vector2(place.x, place.z)
 	var per_meter := Vector2(_image.get_size()) / _map.map_rect.size
 	var middle := (at - _map.map_rect.position) * per_meter
 	var reach := (per_meter * radius).max(Vector2.ONE * LEAST_REACH)
@@ -182,8 +206,7 @@ func _disc(at: Vector2) -> void:
 			var first := roundi(middle.x - half)
 			var row := Rect2i(first, y, maxi(roundi(middle.x + half) - first, 1), 1).intersection(whole)
 			if row.has_area():
-				_image.fill_rect(row, _color)
-				_touched = row.merge(_touched) if _touched.has_area() else row
+				_fill(row)
 
 
 ## Sets the image on the map, which then reads it.

@@ -6,5 +6,12 @@ const OPACITY := 0.4
 
 
 func _color_at(at: Vector2) -> Color:
-	var biome := (_painted as ScatterBiomeMap).get_biome_at(at)
+	return _color_of((_painted as ScatterBiomeMap).get_biome_at(at))
+
+
+func _color_on_planet(from_center: Vector3) -> Color:
+	return _color_of((_painted as ScatterBiomeMap).get_biome_on_planet(planet_radius, from_center))
+
+
+static func _color_of(biome: ScatterBiome) -> Color:
 	return Color(biome.color, OPACITY) if biome != null else Color.TRANSPARENT

@@ -40,6 +40,7 @@ func refresh() -> void:
 	if map == null and is_on():
 		set_on(false)
 	_list(map)
+	overlay.planet_radius = SurfacePlace.planet_radius(scatter) if is_instance_valid(scatter) else 0.0
 	_show_painted(overlay, map)
 
 
@@ -60,15 +61,11 @@ func _is_painting() -> bool:
 func _begin_stroke(at: Vector3, _pressed: InputEventMouseButton) -> String:
 	if not _place_problem(at).is_empty():
 		return _place_problem(at)
-	return brush.begin(scatter, _index(), SceneFiles.edited_scene_path(), Vector2(at.x, at.z))
+	return brush.begin(scatter, _index(), SceneFiles.edited_scene_path(), at)
 
 
-func _move_stroke(at: Vector2) -> void:
+func _move_stroke(at: Vector3) -> void:
 	brush.move(at)
-
-
-func _map_subject() -> String:
-	return "The biome map is"
 
 
 ## Returns the map to paint, or null if there is no map with biomes.

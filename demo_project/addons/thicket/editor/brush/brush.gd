@@ -6,6 +6,7 @@ extends RefCounted
 const MaskStroke := preload("res://addons/thicket/editor/brush/mask_stroke.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 const StrokePlaces := preload("res://addons/thicket/editor/brush/stroke_places.gd")
+const SurfacePlace := preload("res://addons/thicket/editor/ground/surface_place.gd")
 
 var mode: ScatterMask.Mode = ScatterMask.MODE_PAINT
 ## The radius of the brush in meters, above 0.
@@ -22,7 +23,8 @@ var _strokes: Array[MaskStroke] = []
 var _title := ""
 var _stroke_mode: ScatterMask.Mode = ScatterMask.MODE_PAINT
 var _scene_path := ""
-var _last := Vector2.ZERO
+var _planet_radius := 0.0 ## The radius of the planet that the masks cover; 0 if they are projected along the y axis.
+var _last := Vector3.ZERO
 
 
 ## Returns true between [method begin] and [method finish].
@@ -30,12 +32,13 @@ func is_painting() -> bool:
 	return not _strokes.is_empty()
 
 
-## Starts a stroke on layers of a scatter with a dab at world x and z. A layer without a mask gets one. For painting,
+## Starts a stroke on layers of a scatter with a dab at a position on the ground. A layer without a mask gets one. For painting,
 ## the mask is empty, so that the layer grows only where it is painted; for erasing, it is full. Returns an empty string
 ## on success, or the reason for a failure.
 func begin(scatter: TerrainScatter3D, layers: Array[ScatterLayer], scene_path: String, stroke_mode: ScatterMask.Mode,
-		at: Vector2) -> String:
+		at: Vector3) -> String:
 	finish(null)
+	_planet_radius = SurfacePlace.planet_radius(scatter) if covers_planet(scatter, layers) else 0.0
 	for layer in layers:
 		if layer.mask == null and stroke_mode != ScatterMask.MODE_SMOOTH:
 			var mask := ScatterMask.new()
@@ -54,15 +57,15 @@ func begin(scatter: TerrainScatter3D, layers: Array[ScatterLayer], scene_path: S
 	_stroke_mode = stroke_mode
 	var verb: String = ["Paint", "Erase", "Smooth"][stroke_mode]
 	_title = "%s Density of %s" % [verb, layers[0].resource_name if layers.size() == 1 else "%d Layers" % layers.size()]
-	_dab(at)
+	_dab(_place(at))
 	return ""
 
 
-## Continues the stroke to world x and z, and adds dabs along the way.
-func move(at: Vector2) -> void:
+## Continues the stroke to a position on the ground, and adds dabs along the way.
+func move(at: Vector3) -> void:
 	if not is_painting():
 		return
-	for point in StrokePlaces.between(_last, at, radius):
+	for point in StrokePlaces.between(_last, _place(at), radius):
 		_dab(point)
 
 
@@ -99,12 +102,23 @@ func restore(mask: ScatterMask, blocks: Dictionary) -> void:
 	files.mark(mask)
 
 
+## Returns true if the masks of layers cover a planet, because all of these layers grow on its surfaces.
+static func covers_planet(scatter: TerrainScatter3D, layers: Array[ScatterLayer]) -> bool:
+	return SurfacePlace.is_planet(scatter) and layers.all(func(layer: ScatterLayer) -> bool: return layer.on_surfaces)
+
+
+## Returns the place of a position in the masks: world x and z or, on a planet, the position relative to its center.
+func _place(at: Vector3) -> Vector3:
+	return _scatter._to_planet(PackedVector3Array([at]))[0] if _planet_radius > 0.0 else Vector3(at.x, 0.0, at.z)
+
+
 ## Returns the stroke on a mask. Layers may share a mask, which is then painted only once.
 func _stroke_of(mask: ScatterMask) -> MaskStroke:
 	for stroke in _strokes:
 		if stroke.mask == mask:
 			return stroke
 	_strokes.append(MaskStroke.new(mask))
+	_strokes[-1].planet_radius = _planet_radius
 	return _strokes[-1]
 
 
@@ -116,7 +130,7 @@ func _give_up(scene_path: String) -> void:
 	_strokes.clear()
 
 
-func _dab(at: Vector2) -> void:
+func _dab(at: Vector3) -> void:
 	_last = at
 	for stroke in _strokes:
 		stroke.dab(at, radius, strength, hardness, _stroke_mode)

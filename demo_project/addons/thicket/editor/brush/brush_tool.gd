@@ -7,7 +7,7 @@ const PaintedOverlay := preload("res://addons/thicket/editor/brush/painted_overl
 
 const RADIUS_STEP := 1.15
 const HINT_LEVELS := "Painting applies to everything above and below this position"
-const HINT_PLANET := "Painting also applies to the opposite side of the planet"
+const HINT_PLANET := "Layers without On Surfaces: painting also applies to the opposite side of the planet"
 
 var _radius: EditorSpinSlider
 
@@ -17,7 +17,7 @@ func _on_motion(_motion: InputEventMouseMotion) -> int:
 		return NOT_MINE
 	var at := _cursor.on_ground
 	if at.is_finite() and _map_problem().is_empty():
-		_move_stroke(Vector2(at.x, at.z))
+		_move_stroke(at)
 	return MINE
 
 
@@ -32,7 +32,8 @@ func _draw_view(overlay: Control) -> void:
 	if not _place_problem(_cursor.on_ground).is_empty():
 		return
 	if SurfacePlace.is_planet(scatter):
-		_cursor.hint(overlay, HINT_PLANET)
+		if not _covers_planet():
+			_cursor.hint(overlay, HINT_PLANET)
 	elif _cursor.is_among_levels():
 		_cursor.hint(overlay, HINT_LEVELS)
 	_cursor.draw_ring(overlay, _radius.value, _color(), 2.0)
@@ -65,8 +66,8 @@ func _begin_stroke(_at: Vector3, _pressed: InputEventMouseButton) -> String:
 	return ""
 
 
-## Continues the stroke to world x and z.
-func _move_stroke(_at: Vector2) -> void:
+## Continues the stroke to a position on the ground.
+func _move_stroke(_at: Vector3) -> void:
 	pass
 
 
@@ -77,14 +78,16 @@ func _place_problem(at: Vector3) -> String:
 	return NO_GROUND_BELOW if not at.is_finite() else _map_problem()
 
 
-## Returns the reason why a map that is projected along the y axis cannot be painted below the mouse; empty if it can.
+## Returns true if the painted maps cover the planet, and false if they are projected along the y axis or there is no planet.
+func _covers_planet() -> bool:
+	return SurfacePlace.is_planet(scatter)
+
+
+## Returns the reason why a map cannot be painted below the mouse; empty if it can.
 func _map_problem() -> String:
-	return SurfacePlace.map_problem(scatter, _cursor.on_ground, "%s projected along the y axis and can be painted" % _map_subject(), "Use a region here.")
-
-
-## Returns the name of the maps that the brush paints, as the beginning of a sentence.
-func _map_subject() -> String:
-	return "Masks are"
+	if _covers_planet():
+		return ""
+	return SurfacePlace.map_problem(scatter, _cursor.on_ground, "Masks of layers without On Surfaces are projected along the y axis and can be painted", "Turn on On Surfaces of these layers.")
 
 
 func _on_key(key: InputEventKey) -> int:
@@ -111,7 +114,7 @@ func _show_painted(overlay: PaintedOverlay, painted: Resource) -> void:
 	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
 	var away := SurfacePlace.distance(scatter, camera.global_position, -camera.global_basis.z)
 	var center := camera.global_position - camera.global_basis.z * away
-	if SurfacePlace.map_problem(scatter, center, "", "").is_empty():
+	if _covers_planet() or SurfacePlace.map_problem(scatter, center, "", "").is_empty():
 		overlay.show(scatter, center, away)
 	else:
 		overlay.hide()

@@ -3,8 +3,8 @@ extends ConfirmationDialog
 ## The dialog for the first Paint stroke on a layer without a mask. Such a layer already grows everywhere, so the user
 ## chooses the effect of the stroke.
 
-## Emitted when the user has chosen a brush mode for the stroke that began at world x and z.
-signal chosen(mode: ScatterMask.Mode, at: Vector2)
+## Emitted when the user has chosen a brush mode for the stroke that began at a position on the ground.
+signal chosen(mode: ScatterMask.Mode, at: Vector3)
 
 const TEXT := "%s grows wherever its rules permit, so there is nothing to add.\n
 Only here: the layer grows only where you paint. %s
@@ -13,7 +13,7 @@ const TEXT_OF_MANY := "%s grow wherever their rules permit, so there is nothing 
 Only here: the layers grow only where you paint. %s
 Not here: the layers stay, except where you paint."
 
-var _at := Vector2.ZERO
+var _at := Vector3.ZERO
 
 
 func _init() -> void:
@@ -24,8 +24,8 @@ func _init() -> void:
 	custom_action.connect(func(_action: StringName) -> void: _choose(ScatterMask.MODE_ERASE))
 
 
-## Opens the dialog for layers with these names and this number of visible instances. [param at] is the world x and z of the stroke.
-func ask(names: PackedStringArray, instances: int, at: Vector2) -> void:
+## Opens the dialog for layers with these names and this number of visible instances. [param at] is the position of the stroke.
+func ask(names: PackedStringArray, instances: int, at: Vector3) -> void:
 	_at = at
 	var removal_text := "All others of the %d visible instances are removed." % instances if instances > 0 else ""
 	var one := names[0] if names[0] else "The layer"

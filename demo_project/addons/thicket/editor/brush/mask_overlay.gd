@@ -12,3 +12,7 @@ func _change() -> StringName:
 
 func _color_at(at: Vector2) -> Color:
 	return GONE.lerp(STANDS, (_painted as ScatterMask).sample(at))
+
+
+func _color_on_planet(from_center: Vector3) -> Color:
+	return GONE.lerp(STANDS, (_painted as ScatterMask).sample_on_planet(planet_radius, from_center))

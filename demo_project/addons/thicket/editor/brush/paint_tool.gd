@@ -66,6 +66,7 @@ func set_brush(radius: float, strength: float, hardness: float) -> void:
 
 ## Shows the mask of the chosen layer while the brush is on.
 func refresh() -> void:
+	mask_overlay.planet_radius = SurfacePlace.planet_radius(scatter) if is_instance_valid(scatter) and _covers_planet() else 0.0
 	_show_painted(mask_overlay, layer.mask if layer != null else null)
 
 
@@ -86,8 +87,12 @@ func _is_painting() -> bool:
 	return brush.is_painting()
 
 
-func _move_stroke(at: Vector2) -> void:
+func _move_stroke(at: Vector3) -> void:
 	brush.move(at)
+
+
+func _covers_planet() -> bool:
+	return Brush.covers_planet(scatter, unlocked())
 
 
 func _on_mode(mode: ScatterMask.Mode) -> void:
@@ -109,18 +114,17 @@ func _begin_stroke(at: Vector3, pressed: InputEventMouseButton) -> String:
 		mode = ScatterMask.MODE_SMOOTH
 	elif pressed.ctrl_pressed:
 		mode = ScatterMask.MODE_ERASE
-	var point_xz := Vector2(at.x, at.z)
 	var unmasked := unlocked().filter(func(chosen: ScatterLayer) -> bool: return chosen.mask == null)
 	if mode == ScatterMask.MODE_PAINT and not unmasked.is_empty():
 		var names := PackedStringArray(unmasked.map(func(chosen: ScatterLayer) -> String: return chosen.resource_name))
 		first_stroke.ask(names, unmasked.reduce(
-				func(sum: int, chosen: ScatterLayer) -> int: return sum + scatter.get_shown_count(chosen), 0), point_xz)
+				func(sum: int, chosen: ScatterLayer) -> int: return sum + scatter.get_shown_count(chosen), 0), at)
 		return ""
-	return brush.begin(scatter, unlocked(), SceneFiles.edited_scene_path(), mode, point_xz)
+	return brush.begin(scatter, unlocked(), SceneFiles.edited_scene_path(), mode, at)
 
 
 ## Paints a single dab with the mode that the user has chosen in the dialog. The brush keeps that mode.
-func _stroke_once(mode: ScatterMask.Mode, at: Vector2) -> void:
+func _stroke_once(mode: ScatterMask.Mode, at: Vector3) -> void:
 	if not is_instance_valid(scatter) or unlocked().is_empty():
 		return
 	choose_mode(mode)

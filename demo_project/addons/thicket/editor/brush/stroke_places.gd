@@ -7,11 +7,11 @@ const SPACING := 0.25
 
 
 ## Returns the positions of the next dabs from the last dab toward a position.
-static func between(last: Vector2, at: Vector2, radius: float) -> PackedVector2Array:
+static func between(last: Vector3, at: Vector3, radius: float) -> PackedVector3Array:
 	var step := maxf(radius * SPACING, 0.01)
 	var way := at - last
 	var direction := way.normalized()
-	var points := PackedVector2Array()
+	var points := PackedVector3Array()
 	for dab in floori(way.length() / step):
 		last += direction * step
 		points.append(last)

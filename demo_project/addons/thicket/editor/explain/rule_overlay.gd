@@ -38,7 +38,12 @@ func show(scatter: TerrainScatter3D, kind: Kind, layer: int, around: Vector3, aw
 	_name = "" if chosen == null else str(chosen.resource_name) if chosen.resource_name else "Layer %d" % layer
 	# Points are about a radius apart, so with larger quads their ranks would look like noise.
 	var largest: float = chosen.radius * 0.5 if kind == Kind.RANK else INF
-	cover(scatter, around, away, [kind, layer, version], _ask.bind(scatter, kind, chosen), largest)
+	cover(scatter, around, away, [kind, layer, version], _ask.bind(scatter, kind, chosen), largest, on_side(scatter, kind, chosen))
+
+
+## Returns true if values can be shown on all sides of a planet.
+static func on_side(scatter: TerrainScatter3D, kind: Kind, layer: ScatterLayer) -> bool:
+	return SurfacePlace.is_planet(scatter) and (kind == Kind.SLOPE or kind == Kind.DENSITY and layer != null and layer.on_surfaces)
 
 
 func hide() -> void:
@@ -69,11 +74,11 @@ func draw_legend(overlay: Control) -> void:
 	overlay.draw_string(font, below, ends[1], HORIZONTAL_ALIGNMENT_RIGHT, bar.size.x, size - 2)
 
 
-func _ask(rect: Rect2, size: Vector2i, scatter: TerrainScatter3D, kind: Kind, layer: ScatterLayer) -> PackedColorArray:
+func _ask(rect: Rect2, size: Vector2i, positions: PackedVector3Array, scatter: TerrainScatter3D, kind: Kind, layer: ScatterLayer) -> PackedColorArray:
 	var values: PackedFloat32Array
 	match kind:
-		Kind.DENSITY: values = scatter.get_density_map(layer, rect, size)
-		Kind.SLOPE: values = scatter.get_slope_map(rect, size)
+		Kind.DENSITY: values = scatter._densities_at(layer, positions) if on_side(scatter, kind, layer) else scatter.get_density_map(layer, rect, size)
+		Kind.SLOPE: values = scatter._slopes_at(positions) if on_side(scatter, kind, layer) else scatter.get_slope_map(rect, size)
 		Kind.RANK: values = scatter.get_rank_map(layer, rect, size)
 	var colors := PackedColorArray()
 	for value in values:

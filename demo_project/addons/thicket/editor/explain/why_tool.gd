@@ -95,7 +95,8 @@ func refresh() -> void:
 		return
 	var away := SurfacePlace.distance(scatter, camera.global_position, -camera.global_basis.z)
 	var center := camera.global_position - camera.global_basis.z * away
-	_color_problem = SurfacePlace.map_problem(scatter, center, "Colors are computed along the y axis and are shown", "Turn the view there.")
+	if not RuleOverlay.on_side(scatter, _colors.selected as RuleOverlay.Kind, layer):
+		_color_problem = SurfacePlace.map_problem(scatter, center, "These colors are computed along the y axis and are shown", "Turn the view there.")
 	if _color_problem.is_empty():
 		overlay.show(scatter, _colors.selected as RuleOverlay.Kind, layer_index, center, away, _version)
 	else:

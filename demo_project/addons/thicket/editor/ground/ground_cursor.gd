@@ -93,14 +93,15 @@ func draw_knob(overlay: Control, position: Vector3, color: Color) -> void:
 		overlay.draw_circle(to_overlay(position), 4.5, color)
 
 
-## Draws a circle around the position below the mouse, with a radius in meters along x and z. It follows the level of the ground there, which may
-## be a ceiling.
+## Draws a circle around the position below the mouse, with a radius in meters along x and z or, on a planet, across up. It follows the level of the
+## ground there, which may be a ceiling.
 func draw_ring(overlay: Control, radius: float, color: Color, width: float) -> void:
 	var line := PackedVector3Array()
-	var along := Vector3.DOWN if normal.y < 0.0 else Vector3.UP
+	var upright := SurfacePlace.upright(SurfacePlace.up_at(_scatter, on_ground))
+	var along := -upright.y if normal.dot(upright.y) < 0.0 else upright.y
 	for side in SIDES + 1:
 		var angle := TAU * side / SIDES
-		var at := on_ground + Vector3(cos(angle), 0.0, sin(angle)) * radius
+		var at := on_ground + upright * Vector3(cos(angle), 0.0, sin(angle)) * radius
 		# On a wall, the ring stays at the height of the mouse.
 		var found := SurfacePlace.level(_scatter, at, along, maxf(2.0 * radius, 1.0)) if not is_on_wall() else PackedVector3Array()
 		line.append(found[0] if not found.is_empty() else at)
@@ -109,7 +110,7 @@ func draw_ring(overlay: Control, radius: float, color: Color, width: float) -> v
 
 ## Returns true if the ground below the mouse is nearly vertical.
 func is_on_wall() -> bool:
-	return absf(normal.y) < WALL
+	return absf(normal.dot(SurfacePlace.up_at(_scatter, on_ground))) < WALL
 
 
 ## Returns true if there is other ground above or below the position below the mouse, or if that position is on a wall or a ceiling. What is

@@ -4,6 +4,8 @@ extends RefCounted
 ## to the scene. It is generated in parts, a few in each frame, and replaces the previous overlay when all parts are
 ## complete.
 
+const SurfacePlace := preload("res://addons/thicket/editor/ground/surface_place.gd")
+
 ## The number of quads and of parts along an edge of the overlay.
 const QUADS := 48
 const PARTS := 4
@@ -19,6 +21,7 @@ var _instance := RID()
 var _scatter: TerrainScatter3D
 var _ground: ScatterGround
 var _middle := Vector2i.ZERO ## The center of the overlay, in quads.
+var _side := Vector3.INF ## The center of an overlay on any side of a planet; not finite for one that is projected along the y axis.
 var _quad := 0.0 ## The edge length of a quad, in meters.
 var _request: Array = [] ## All values that determine the overlay; empty if there is none.
 var _colors: Callable
@@ -60,17 +63,22 @@ func is_complete() -> bool:
 ## view is [param away] meters from that position. Has no effect if the ground, the position and [param version] are the
 ## same as last time. [param colors] is called with a rectangle of world x and z and the number of columns and rows that
 ## divide it. It returns a color for the center of each cell, row by row. If it returns an empty array, the overlay is
-## removed.
-func cover(scatter: TerrainScatter3D, around: Vector3, away: float, version: Variant, colors: Callable, largest := INF) -> void:
+## removed. If [param on_side] is true, the overlay lies on the side of the planet around the position, and
+## [param colors] must use its third argument instead: the position of each cell on the ground, not finite without ground.
+func cover(scatter: TerrainScatter3D, around: Vector3, away: float, version: Variant, colors: Callable, largest := INF, on_side := false) -> void:
 	var quad := pow(2.0, floorf(log(minf(clampf(away * WIDTH, WIDTHS.x, WIDTHS.y) / QUADS * sqrt(2.0), largest)) / log(2.0)))
 	var middle := Vector2i((Vector2(around.x, around.z) / (quad * 4.0)).round()) * 4
-	var request := [scatter, scatter.ground, middle, quad, version]
+	var side := (around / (quad * 4.0)).round() * quad * 4.0 if on_side else Vector3.INF
+	if on_side:
+		middle = Vector2i.ZERO
+	var request := [scatter, scatter.ground, middle, side, quad, version]
 	if request == _request:
 		return
 	_request = request
 	_scatter = scatter
 	_ground = scatter.ground
 	_middle = middle
+	_side = side
 	_quad = quad
 	_colors = colors
 	_meshes[1].clear_surfaces()
@@ -118,17 +126,18 @@ func _part(part: Vector2i) -> Array:
 	const SIDE := QUADS / PARTS
 	var first: Vector2 = Vector2(_middle - Vector2i(QUADS, QUADS) / 2 + part * SIDE) * _quad
 	var size := Vector2i(SIDE + 1, SIDE + 1)
-	var colors: PackedColorArray = _colors.call(Rect2(first - Vector2.ONE * _quad * 0.5, Vector2(size) * _quad), size)
+	var positions := _positions_on_side(first, size) if _side.is_finite() else PackedVector3Array()
+	var colors: PackedColorArray = _colors.call(Rect2(first - Vector2.ONE * _quad * 0.5, Vector2(size) * _quad), size, positions)
 	if colors.size() != size.x * size.y:
 		return []
-	var vertices := PackedVector3Array()
-	for z in size.y:
-		for x in size.x:
-			var at := first + Vector2(x, z) * _quad
-			var height := _ground.get_height(Vector3(at.x, 0.0, at.y))
-			vertices.append(Vector3(at.x, (0.0 if is_nan(height) else height) + LIFT * _quad, at.y))
-			if is_nan(height):
-				colors[z * size.x + x].a = 0.0
+	var vertices := _raised(positions, colors) if _side.is_finite() else PackedVector3Array()
+	for index in size.x * size.y if vertices.is_empty() else 0:
+		@warning_ignore("integer_division")
+		var at := first + Vector2(index % size.x, index / size.x) * _quad
+		var height := _ground.get_height(Vector3(at.x, 0.0, at.y))
+		vertices.append(Vector3(at.x, (0.0 if is_nan(height) else height) + LIFT * _quad, at.y))
+		if is_nan(height):
+			colors[index].a = 0.0
 	var indices := PackedInt32Array()
 	for z in SIDE:
 		for x in SIDE:
@@ -140,3 +149,24 @@ func _part(part: Vector2i) -> Array:
 	arrays[Mesh.ARRAY_COLOR] = colors
 	arrays[Mesh.ARRAY_INDEX] = indices
 	return arrays
+
+
+## Returns the positions on the ground of a grid on the side of a planet, row by row.
+func _positions_on_side(first: Vector2, size: Vector2i) -> PackedVector3Array:
+	var places := PackedVector2Array()
+	for z in size.y:
+		for x in size.x:
+			places.append(first + Vector2(x, z) * _quad)
+	return _scatter._planet_ground(_side, places)
+
+
+## Returns positions on a planet, raised above the ground. Makes the colors of positions without ground transparent.
+func _raised(positions: PackedVector3Array, colors: PackedColorArray) -> PackedVector3Array:
+	var vertices := PackedVector3Array()
+	for index in positions.size():
+		var at := positions[index]
+		if not at.is_finite():
+			at = _side
+			colors[index].a = 0.0
+		vertices.append(at + SurfacePlace.up_at(_scatter, at) * LIFT * _quad)
+	return vertices
