@@ -47,7 +47,9 @@ SCRIPTS = [
     "test_biomes", "test_regions", "test_queries", "test_edits", "test_water", "test_ground_heightmaps",
     "test_ground_meshes", "test_state_async", "test_state_peers", "test_mask", "test_models", "test_neighbors",
     "test_bad_input", "test_problems", "test_changes", "test_explain", "test_domain", "test_sample_surface",
-    "test_tile_grid",
+    "test_tile_grid", "test_kept_points", "test_world_offset", "test_local_coords", "test_layer_properties", "test_sources",
+    "test_planet_masks", "test_terrains", "test_terrain_calls", "test_model_parts", "test_ground_recheck", "test_state_handlers",
+    "test_scene_digest", "test_collision", "test_scenes",
 ]  # fmt: skip
 PASSED = re.compile(r"^thicket engine tests: [1-9]\d* checks, 0 failed$", re.MULTILINE)
 DIGEST = re.compile(r"^digest of .*$", re.MULTILINE)
