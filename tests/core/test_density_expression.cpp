@@ -19,7 +19,8 @@ using namespace thicket;
 
 namespace {
 
-constexpr ExpressionInputs somewhere{.height = 950.0, .slope = 20.0, .water_depth = -3.0, .position = {64.5, -12.0}};
+constexpr ExpressionInputs somewhere{
+		.height = 950.0, .slope = 20.0, .water_depth = -3.0, .position = {64.5, 950.0, -12.0}};
 
 std::shared_ptr<const DensityExpression> compiled(std::string_view text) {
 	ExpressionError error;
@@ -194,8 +195,7 @@ TEST_CASE("density expression: noise is uniform, and depends on seed and size on
 		std::uniform_real_distribution<double> anywhere(-5000.0, 5000.0);
 		for (int i = 0; i < count; ++i) {
 			ExpressionInputs inputs;
-			inputs.position = {anywhere(random), anywhere(random)};
-			inputs.height = anywhere(random);
+			inputs.position = {anywhere(random), anywhere(random), anywhere(random)};
 			const double value = noise->at(inputs, 1, in_space);
 			REQUIRE(value >= 0.0);
 			REQUIRE(value <= 1.0);
@@ -203,13 +203,13 @@ TEST_CASE("density expression: noise is uniform, and depends on seed and size on
 			below += value < 0.3 ? 1 : 0;
 			same_for_other_seed += noise->at(inputs, 2, in_space) == value ? 1 : 0;
 			same_for_other_seed += larger->at(inputs, 1, in_space) == value ? 1 : 0;
-			inputs.height += 500.0;
+			inputs.position.y += 500.0;
 			REQUIRE((noise->at(inputs, 1, in_space) == value) == !in_space);
 		}
 		CHECK(below / static_cast<double>(count) == doctest::Approx(0.3).epsilon(0.07));
 		CHECK(same_for_other_seed < count / 100);
 	}
 	ExpressionInputs far;
-	far.position = {1e20, 0.0};
+	far.position = {1e20, 0.0, 0.0};
 	CHECK(std::isnan(noise->at(far, 1, false)));
 }

@@ -2,6 +2,7 @@
 
 #include "core/rules/biome_rules.hpp"
 #include "core/rules/cube_grid.hpp"
+#include "core/rules/density_expression.hpp"
 #include "core/rules/painted_mask.hpp"
 #include "core/rules/planet_cap.hpp"
 #include "core/rules/rules.hpp"
@@ -510,4 +511,29 @@ TEST_CASE("planet maps: rules use the mask, the biome and the water of the side 
 	CHECK_FALSE(ready.closed_in(tile_at({0.2, -0.6, 1.0})));
 	CHECK(ready.closed_in(tile_at({0.2, 0.6, 1.0})));
 	CHECK(ready.closed_in(tile_at({0.2, -0.6, -1.0})));
+}
+
+TEST_CASE("planet maps: noise in expressions differs between the sides, and continues around the planet") {
+	Rules rules;
+	rules.max_slope_degrees = 180.0;
+	ExpressionError error;
+	rules.expression = DensityExpression::compile("noise(20)", error);
+	REQUIRE(rules.expression != nullptr);
+	PreparedRules prepared;
+	REQUIRE(prepared.set(rules, 7, GroundSides::all, planet).ok());
+	const auto density_at = [&prepared](const glm::dvec3 &up) {
+		const glm::dvec3 position = planet.center + planet.radius * up;
+		return prepared.ground_density({static_cast<float>(position.y), glm::vec3(up)}, {position.x, position.z});
+	};
+	std::mt19937 random(3);
+	double apart = 0.0;
+	double step = 0.0;
+	constexpr int count = 1000;
+	for (int i = 0; i < count; ++i) {
+		const glm::dvec3 up = random_direction(random);
+		apart += std::abs(density_at(up) - density_at({up.x, -up.y, up.z}));
+		step = std::max(step, std::abs(density_at(up) - density_at(beside(up, 0.1, i))));
+	}
+	CHECK(apart / count > 0.15); // Independent numbers from 0 to 1 differ by a third on average.
+	CHECK(step < 0.1);
 }

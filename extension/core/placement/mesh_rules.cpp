@@ -2,7 +2,6 @@
 
 #include "core/base/guard.hpp"
 #include "core/rules/instance_random.hpp"
-#include "core/terrain/planet_ground.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -15,7 +14,6 @@ void MeshRules::set(const LayerSettings &layer) {
 	weights_.assign(layer.mesh_weights.begin(), layer.mesh_weights.end());
 	seed_ = layer.set.seed;
 	on_surface_ = layer.set.on_surface;
-	planet_ = layer.planet;
 	if (plain_.size() == 1) {
 		// There is no choice.
 		return;
@@ -28,7 +26,7 @@ void MeshRules::set(const LayerSettings &layer) {
 			RuledMesh &added = ruled_.emplace_back();
 			added.mesh = mesh;
 			// The rules are valid, so the call can fail only for lack of memory.
-			throw_if_out_of_memory(added.rules.set(rules, seed_, sides, planet_));
+			throw_if_out_of_memory(added.rules.set(rules, seed_, sides, layer.planet));
 		}
 	}
 }
@@ -52,9 +50,7 @@ Status MeshRules::find_densities(
 	const PositionBatch batch{r_scratch.positions, r_scratch.heights};
 	const Status status = rules.position_densities(batch, r_scratch.densities, r_scratch.fields);
 	for (std::size_t i = 0; status.ok() && i < points.size(); ++i) {
-		const MeshPoint &point = points[i];
-		const Ground ground = planet_.exists() ? on_planet(planet_, point.position, point.ground) : point.ground;
-		r_scratch.densities[i] *= rules.ground_density(ground, point.position);
+		r_scratch.densities[i] *= rules.ground_density(points[i].ground, points[i].position);
 	}
 	return status;
 }

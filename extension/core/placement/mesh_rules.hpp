@@ -75,7 +75,6 @@ private:
 	MeshChoice plain_;
 	std::uint64_t seed_ = 0;
 	bool on_surface_ = false;
-	Planet planet_;
 };
 
 /// Returns true if the rules of any mesh depend on the slope of the ground.

@@ -374,13 +374,12 @@ double DensityExpression::run(
 					case ExpressionInput::slope: *++top = inputs.slope; break;
 					case ExpressionInput::water_depth: *++top = inputs.water_depth; break;
 					case ExpressionInput::x: *++top = inputs.position.x; break;
-					case ExpressionInput::z: *++top = inputs.position.y; break;
+					case ExpressionInput::z: *++top = inputs.position.z; break;
 				}
 				break;
 			case Operation::noise:
-				*++top = in_space ? uniform_noise(glm::dvec3(inputs.position.x, inputs.height, inputs.position.y),
-											step->number, seed)
-								  : uniform_noise(inputs.position, step->number, seed);
+				*++top = in_space ? uniform_noise(inputs.position, step->number, seed)
+								  : uniform_noise(glm::dvec2(inputs.position.x, inputs.position.z), step->number, seed);
 				break;
 			case Operation::negate: *top = -*top; break;
 			case Operation::absolute: *top = std::abs(*top); break;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace thicket {
 
 /// A value that an expression can use.
 enum class ExpressionInput : std::uint8_t {
-	height,      ///< World height of the ground in meters.
+	height,      ///< World height of the ground in meters, or its altitude on a planet.
 	slope,       ///< Slope of the ground in degrees, 0 to 180.
 	water_depth, ///< Depth of the ground below the water in meters; minus infinity without water.
 	x,           ///< World coordinates in meters.
@@ -27,7 +27,7 @@ struct ExpressionInputs {
 	double height = 0.0;
 	double slope = 0.0;
 	double water_depth = 0.0;
-	glm::dvec2 position{0.0};
+	glm::dvec3 position{0.0}; ///< World position in meters; y matters only for noise in space.
 };
 
 /// The reason why a text is not a valid expression.
@@ -53,7 +53,7 @@ public:
 	bool uses(ExpressionInput input) const { return uses_[static_cast<std::size_t>(input)]; }
 
 	/// Returns the value at a position. `seed` selects the noise. If `in_space` is true, the noise
-	/// also depends on the height.
+	/// also depends on y.
 	double at(const ExpressionInputs &inputs, std::uint64_t seed, bool in_space) const;
 
 private:

@@ -173,7 +173,7 @@ double PreparedRules::water_density(double height, const glm::dvec3 &position, c
 /// Returns the density of the expression, which must exist.
 template <class Record>
 double PreparedRules::expression_density(const Ground &ground, const glm::dvec3 &position, const Record &record) const {
-	ExpressionInputs inputs{.height = ground.height, .position = {position.x, position.z}};
+	ExpressionInputs inputs{.height = ground.height, .position = position};
 	if (expression_uses(ExpressionInput::slope)) {
 		inputs.slope = slope_degrees(ground.normal);
 	}
