@@ -58,5 +58,5 @@ def test_the_table_has_a_row_for_every_platform():
 
 
 def test_the_version_of_an_engine():
-    assert tested_platforms.engine_of("\nGodot Engine v4.6.3.stable.debian4.6.3+ds-2 - https://godotengine.org\n") == "4.6.3"
+    assert tested_platforms.engine_of("\nGodot Engine v4.6.3.stable.debian4.6.3+ds-2 - x\n") == "4.6.3"
     assert tested_platforms.engine_of("Godot Engine v4.6.stable.official.89cea1439 - x") == "4.6"
