@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace thicket::test {
@@ -46,6 +47,19 @@ inline std::shared_ptr<const LayerSettings> oaks() {
 	layer->rules.density = 0.7;
 	layer->rules.max_slope_degrees = 70.0;
 	return layer;
+}
+
+/// Returns a mask that is erased within a meter of `spot`, or is blank if there is none.
+inline std::shared_ptr<const PaintedMask> painted_at(std::optional<glm::dvec2> spot) {
+	auto mask = std::make_shared<PaintedMask>();
+	REQUIRE(mask->reset(0.5, 1.0).ok());
+	if (spot.has_value()) {
+		const Brush brush{Brush::Mode::erase, *spot, 1.0, 1.0, 1.0};
+		Rect changed;
+		REQUIRE(mask->paint(brush, changed).ok());
+		REQUIRE_FALSE(changed.empty());
+	}
+	return mask;
 }
 
 inline InstanceSource source_of(SourceKind kind) {

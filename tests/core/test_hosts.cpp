@@ -245,6 +245,48 @@ TEST_CASE("hosts: the scales of models may depend on height, slope, or the dista
 	}
 }
 
+TEST_CASE("hosts: an edit of the layer that determines the scales of models affects what grows on them") {
+	LayerSettings host = boulders();
+	host.instance_data.scale = {source_of(SourceKind::distance)};
+	const auto moss_with = [&host](const std::shared_ptr<const PaintedMask> &mask) {
+		auto other = std::make_shared<LayerSettings>(*oaks());
+		other->rules.mask = mask;
+		host.instance_data.scale.layer = other;
+		return moss_on(host);
+	};
+	const LayerSettings before = moss_with(painted_at({}));
+	LayerSettings after = moss_with(painted_at(glm::dvec2(10.0, 0.0)));
+	after.hosts[0].models = before.hosts[0].models;
+	const EditedArea area = EditSearch().find(before, after);
+	CHECK_FALSE(area.everywhere);
+	CHECK(area.touches({{10.0 + farthest, 0.0}, {60.0, 1.0}}));
+	CHECK_FALSE(area.touches({{15.0 + farthest + host_distance(before, reach_of(before.hosts[0])), 0.0}, {90.0, 1.0}}));
+}
+
+TEST_CASE("hosts: scales wait for a layer that fills gaps, so earlier tiles have no effect") {
+	const Heightfield ground = hills();
+	const auto stones = std::make_shared<const LayerSettings>(*oaks());
+	auto bushes = std::make_shared<LayerSettings>(*oaks());
+	bushes->set.layer = 11;
+	bushes->set.radius = 5.0;
+	bushes->neighbors = {{stones, 4.0, nullptr}};
+	bushes->spacing_fills = true;
+	LayerSettings host = boulders();
+	host.placement.min_scale = 0.3;
+	host.instance_data.scale = {source_of(SourceKind::distance)};
+	host.instance_data.scale.layer = bushes;
+	LayerSettings fern;
+	fern.set = {.seed = 8, .radius = 1.0, .levels = 1, .layer = 12};
+	fern.neighbors = {{std::make_shared<const LayerSettings>(moss_on(host)), 0.5, nullptr}};
+	TileBuilder builder;
+	for (const Rect &rect : {Rect{{-32.0, 0.0}, {-8.0, 24.0}}, Rect{{-26.0, 6.0}, {-2.0, 30.0}}}) {
+		TileInstances tile;
+		REQUIRE(builder.build(fern, ground, rect, tile).ok());
+		REQUIRE(size_of(tile) > 50);
+		CHECK(digest(tile) == digest(built(fern, ground, rect)));
+	}
+}
+
 TEST_CASE("hosts: tiles of any size contain the same instances, bit for bit") {
 	const Heightfield ground = hills();
 	const LayerSettings moss = moss_on(boulders());

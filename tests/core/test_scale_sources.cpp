@@ -227,7 +227,13 @@ TEST_CASE("scale sources: an edit of the other layer affects scales within the s
 	auto other = std::make_shared<LayerSettings>(*oaks());
 	after.instance_data.scale.layer = other;
 	CHECK(EditSearch().find(before, after).empty());
-	other->rules.density = 0.5;
-	CHECK(EditSearch().find(before, after).everywhere);
+	other->rules.mask = painted_at(glm::dvec2(10.0, 0.0));
+	auto blank = std::make_shared<LayerSettings>(*oaks());
+	blank->rules.mask = painted_at({});
+	before.instance_data.scale.layer = blank;
+	const EditedArea area = EditSearch().find(before, after);
+	CHECK_FALSE(area.everywhere);
+	CHECK(area.touches({{11.0 + farthest - 0.5, 0.0}, {40.0, 1.0}}));
+	CHECK_FALSE(area.touches({{12.0 + farthest, 0.0}, {40.0, 1.0}}));
 	CHECK(reach(before) == farthest);
 }

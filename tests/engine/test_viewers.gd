@@ -339,7 +339,7 @@ func fly(scatter: TerrainScatter3D, viewer: Node3D, watches: Array, speed: float
 		failures.push_back("the median frame took %d us" % spent[120])
 	if empty > 0:
 		failures.push_back("%d frames without a nearby tile" % empty)
-	if counts[0] <= 30 or counts[1] <= 12:
+	if counts[0] <= 30 or counts[1] <= 50.0 * speed / 1000.0:
 		failures.push_back("%d and %d tiles were shown" % counts)
 	return failures
 

@@ -36,7 +36,7 @@ struct InstanceSource {
 	double min = 0.0;
 	double max = 1.0;
 
-	/// Part of randomness in the number: 0 uses only the fraction, 1 is entirely random.
+	/// The random part of the number: 0 uses only the fraction, 1 is entirely random.
 	double randomness = 0.0;
 	std::shared_ptr<const CurveTable> curve{};    ///< Maps the number to the final one; null for no change.
 	std::shared_ptr<const DensityField> noise{};  ///< Used by SourceKind::noise.

@@ -62,7 +62,7 @@ struct InstanceBounds {
 class InstanceWriter {
 public:
 	/// Replaces the origin and the meshes of `r_tile`. The settings must be valid. If `cancel` is
-	/// set, clears the meshes and returns ErrorCode::cancelled. If a field of mesh rules fails, returns
+	/// set, returns ErrorCode::cancelled, and the meshes are cleared or unchanged. If a field of mesh rules fails, returns
 	/// its error. If memory runs out, throws std::bad_alloc. Both leave the tile unchanged. If
 	/// `threads` is not null, they share the work. They do not affect the result.
 	Status write(const LayerSettings &layer, const PlacedPoints &points, glm::dvec3 origin, TileInstances &r_tile,

@@ -122,8 +122,18 @@ Status MeshRules::find_shares(const MeshPoint &point, std::vector<MeshShare> &r_
 
 bool mesh_rules_need_slope(const LayerSettings &layer) {
 	const GroundSides sides = layer.set.on_surface ? GroundSides::all : GroundSides::top;
-	return std::ranges::any_of(layer.mesh_rules,
-			[sides](const std::optional<Rules> &rules) { return rules.has_value() && needs_slope(*rules, sides); });
+	if (layer.mesh_weights.size() < 2) {
+		// There is no choice.
+		return false;
+	}
+	const std::size_t count = std::min(layer.mesh_rules.size(), layer.mesh_weights.size());
+	for (std::size_t mesh = 0; mesh < count; ++mesh) {
+		const std::optional<Rules> &rules = layer.mesh_rules[mesh];
+		if (rules.has_value() && layer.mesh_weights[mesh] > 0.0f && needs_slope(*rules, sides)) {
+			return true;
+		}
+	}
+	return false;
 }
 
 } // namespace thicket

@@ -82,8 +82,8 @@ Status TileFilter::sample_layer(std::size_t index, const std::atomic<bool> *canc
 
 /// Sets `r_surface` to the models of a layer's hosts around the tile, or to null if there are none.
 /// The hosts must already be filtered. `ground` is the ground for all layers.
-Status TileFilter::models_around(
-		std::size_t index, std::span<const Ground> ground, std::unique_ptr<const Surface> &r_surface) const {
+Status TileFilter::models_around(std::size_t index, std::span<const Ground> ground, const std::atomic<bool> *cancel,
+		std::unique_ptr<const Surface> &r_surface) const {
 	const LayerSettings &settings = layer(index).settings();
 	HostCollector hosts(settings, window_of(index));
 	SourceValues values;
@@ -92,7 +92,7 @@ Status TileFilter::models_around(
 		const LayerFilter &filter = layer(at);
 		PlacedPoints points{filter.positions(), filter.ground_of(ground_at(at, ground)), filter.ids(),
 				filter.accepted(), filter.thinning_ranks()};
-		Status status = values.find_scales(*this, filter, points, nullptr);
+		Status status = values.find_scales(*this, filter, points, cancel);
 		if (status.ok()) {
 			status = hosts.add(host, points);
 		}
@@ -106,7 +106,7 @@ Status TileFilter::models_around(
 /// Samples a layer on the models of its hosts, under the conditions of models_around.
 Status TileFilter::sample_on_hosts(std::size_t index, std::span<const Ground> ground, const std::atomic<bool> *cancel) {
 	std::unique_ptr<const Surface> surface;
-	Status status = models_around(index, ground, surface);
+	Status status = models_around(index, ground, cancel, surface);
 	if (status.ok()) {
 		const PointSource source{samplers_->plane, samplers_->hosts, surface.get()};
 		status = layers_[index]->sample(source, window_of(index), cancel, nullptr);
@@ -198,7 +198,12 @@ bool TileFilter::is_ready(std::size_t index) const {
 	const auto is_filtered = [this](const auto &other) {
 		return progress_[graph_.index_of(other.layer.get())] == Progress::filtered;
 	};
-	return std::ranges::all_of(settings.neighbors, is_filtered) && std::ranges::all_of(settings.hosts, is_filtered);
+	const auto has_scale = [&is_filtered](const HostLayer &host) {
+		const ScaleSource &scale = host.layer->instance_data.scale;
+		return scale.kind != SourceKind::distance || !scale.known() || is_filtered(scale);
+	};
+	return std::ranges::all_of(settings.neighbors, is_filtered) && std::ranges::all_of(settings.hosts, is_filtered) &&
+			std::ranges::all_of(settings.hosts, has_scale);
 }
 
 Status TileFilter::sample_further(

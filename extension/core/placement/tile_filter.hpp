@@ -88,7 +88,7 @@ public:
 	/// `filter_neighbors`, with the same `ground`. The models in the settings must outlive the
 	/// surface.
 	Status models_around(std::span<const Ground> ground, std::unique_ptr<const Surface> &r_surface) const {
-		return models_around(size() - 1, ground, r_surface);
+		return models_around(size() - 1, ground, nullptr, r_surface);
 	}
 
 	/// Return the number of layers, and their filters in the order of the graph.
@@ -137,8 +137,8 @@ private:
 	Status filter_neighbor(std::size_t index, std::span<const Ground> ground, const std::atomic<bool> *cancel);
 	TileSpace window_of(std::size_t index) const;
 	Status sample_layer(std::size_t index, const std::atomic<bool> *cancel, CallerThreads *threads);
-	Status models_around(
-			std::size_t index, std::span<const Ground> ground, std::unique_ptr<const Surface> &r_surface) const;
+	Status models_around(std::size_t index, std::span<const Ground> ground, const std::atomic<bool> *cancel,
+			std::unique_ptr<const Surface> &r_surface) const;
 	Status sample_on_hosts(std::size_t index, std::span<const Ground> ground, const std::atomic<bool> *cancel);
 	Status filter_layer(std::size_t index, std::span<const Ground> ground, const std::atomic<bool> *cancel);
 	std::span<const Ground> ground_at(std::size_t index, std::span<const Ground> ground) const;

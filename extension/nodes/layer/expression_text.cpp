@@ -24,9 +24,8 @@ bool compile_text(const std::string &property, const String &p_text, SharedExpre
 	ExpressionError error;
 	SharedExpression compiled = DensityExpression::compile(text, error);
 	if (compiled == nullptr) {
-		ERR_PRINT(vformat("%s: \"%s\", column %d: %s. The last valid expression is kept.",
-				String::utf8(property.c_str()), String::utf8(text.c_str()), static_cast<int64_t>(error.column),
-				String::utf8(error.message.c_str())));
+		ERR_PRINT(vformat("%s: \"%s\", column %d: %s. The last valid value is kept.", String::utf8(property.c_str()),
+				String::utf8(text.c_str()), static_cast<int64_t>(error.column), String::utf8(error.message.c_str())));
 		return false;
 	}
 	r_expression = std::move(compiled);

@@ -42,7 +42,7 @@ std::string but_not_drawn(const LayerExplanation &explanation, const std::string
 	return "Placed " + distance_text(explanation.rules.distance) + ", but not drawn: " + why;
 }
 
-/// Adds a message about each mesh of a layer with several ones.
+/// Adds a message about each mesh of a layer with several meshes.
 void explain_meshes(const Ref<ScatterLayer> &p_layer, LayerExplanation &r_explanation) {
 	const PositionExplanation &rules = r_explanation.rules;
 	const std::size_t count = rules.has_point ? rules.meshes.size() : 0;

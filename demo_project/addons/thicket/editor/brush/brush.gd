@@ -38,6 +38,8 @@ func is_painting() -> bool:
 func begin(scatter: TerrainScatter3D, layers: Array[ScatterLayer], scene_path: String, stroke_mode: ScatterMask.Mode,
 		at: Vector3) -> String:
 	finish(null)
+	if SurfacePlace.is_planet(scatter) and not covers_planet(scatter, layers) and layers.any(func(layer: ScatterLayer) -> bool: return layer.on_surfaces):
+		return "Some of these layers grow on all sides of the planet, and some only on its top: select layers of one kind (on_surfaces)."
 	_planet_radius = SurfacePlace.planet_radius(scatter) if covers_planet(scatter, layers) else 0.0
 	for layer in layers:
 		if layer.mask == null and stroke_mode != ScatterMask.MODE_SMOOTH:
