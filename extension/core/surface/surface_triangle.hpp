@@ -55,6 +55,16 @@ struct SurfaceRange {
 	double high = 0.0;
 };
 
+/// Returns true if all conditions are true, with a single branch. Use it if they are hard to predict.
+template <std::size_t N>
+inline bool all_of(const bool (&conditions)[N]) {
+	int all = 1;
+	for (const bool condition : conditions) {
+		all &= static_cast<int>(condition);
+	}
+	return all != 0;
+}
+
 /// A triangle of a surface, in units of one level's lattice. The corners are sorted, and all
 /// results depend only on differences of positions, which are exact. Results are therefore
 /// identical for any origin, for any order of the given corners, and for both triangles at a common
@@ -92,15 +102,13 @@ struct SurfaceTriangle {
 	/// square with its lower corner at (u, v). The result may be true although it does not.
 	bool is_over(int axis, double u, double v, double width) const {
 		const auto [side_u, side_v] = axes_across(axis);
-		return ((at(low, side_u) < u + width) & (at(high, side_u) >= u) & (at(low, side_v) < v + width) &
-					   (at(high, side_v) >= v) & (at(normal, axis) != 0.0)) != 0;
+		return all_of({at(low, side_u) < u + width, at(high, side_u) >= u, at(low, side_v) < v + width,
+				at(high, side_v) >= v, at(normal, axis) != 0.0});
 	}
 
 	/// Returns false if a position is outside the triangle's bounds on the axes u and v.
 	bool bounds_contain(int side_u, int side_v, double u, double v) const {
-		// The results of the comparisons are hard to predict, so there is only one branch.
-		return ((u >= at(low, side_u)) & (u <= at(high, side_u)) & (v >= at(low, side_v)) & (v <= at(high, side_v))) !=
-				0;
+		return all_of({u >= at(low, side_u), u <= at(high, side_u), v >= at(low, side_v), v <= at(high, side_v)});
 	}
 
 	/// Returns the position along the axis, in whole units, at which a line along the axis hits the
