@@ -4,8 +4,8 @@
 #include "core/base/word_hash.hpp"
 #include "core/placement/layer_edits.hpp"
 #include "core/placement/layer_graph.hpp"
-#include "allocation_count.hpp"
 #include "refusal.hpp"
+#include "repeated_builds.hpp"
 #include "sources_fixture.hpp"
 
 #include <doctest/doctest.h>
@@ -201,16 +201,7 @@ TEST_CASE("scale sources: scales are bit-identical on every machine") {
 TEST_CASE("scale sources: repeated calls allocate nothing") {
 	const Heightfield terrain = hills();
 	const LayerSettings layer = layer_with_scale(source_of(SourceKind::distance));
-	TileBuilder builder;
-	TileInstances tile;
-	for (int repeat = 0; repeat < 2; ++repeat) {
-		REQUIRE(builder.build(layer, terrain, tile_of_hills, tile).ok());
-	}
-	const std::size_t before = allocation_count();
-	const Status status = builder.build(layer, terrain, tile_of_hills, tile);
-	const std::size_t after = allocation_count();
-	CHECK(status.ok());
-	CHECK(after == before);
+	check_repeated_builds_allocate_nothing(layer, terrain);
 }
 
 TEST_CASE("scale sources: errors name the property") {

@@ -1,7 +1,7 @@
 #include "core/placement/tile_builder.hpp"
 #include "core/terrain/flat_terrain.hpp"
-#include "allocation_count.hpp"
 #include "refusal.hpp"
+#include "repeated_builds.hpp"
 #include "tile_fixture.hpp"
 
 #include <doctest/doctest.h>
@@ -112,16 +112,7 @@ TEST_CASE("tile: tiny and empty rectangles are valid") {
 TEST_CASE("tile: repeated builds allocate nothing") {
 	const Heightfield terrain = hills();
 	const LayerSettings layer = rich_layer();
-	TileBuilder builder;
-	TileInstances tile;
-	for (int repeat = 0; repeat < 2; ++repeat) {
-		REQUIRE(builder.build(layer, terrain, tile_of_hills, tile).ok());
-	}
-	const std::size_t before = allocation_count();
-	const Status status = builder.build(layer, terrain, tile_of_hills, tile);
-	const std::size_t after = allocation_count();
-	CHECK(status.ok());
-	CHECK(after == before);
+	check_repeated_builds_allocate_nothing(layer, terrain);
 }
 
 TEST_CASE("tile: canceling ends the build with a valid tile") {
