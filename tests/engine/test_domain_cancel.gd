@@ -1,13 +1,9 @@
 extends "domain_harness.gd"
-## Tests PoissonSampler.cancel: at any stage, a running call returns within 50 ms, without points.
+## Tests PoissonSampler.cancel: at any stage, a running call returns without points. The core's tests of progress check how much
+## work calls do between checks for cancellation, and tests/bench/cancel.gd measures the time.
 
 ## An area that contains about four million points.
 const HUGE := Rect2(-1000, 0, 2400, 2400)
-## The time limit in microseconds, on a machine that provides new memory quickly. Measurements are repeated, because other programs may
-## delay them for up to a second.
-const CANCEL_USEC := 50000
-const TRIES := 3
-const ROUNDS := 4
 
 
 ## Cancels from the first report, when most of the work remains, with single and double precision.
@@ -16,42 +12,12 @@ func test_cancel_from_progress() -> void:
 		for precise: bool in [false, true]:
 			var sampler := make(method)
 			sampler.double_precision = precise
-			check_cancellation(label(method), func() -> int:
-				var listener := Listener.new()
-				listener.on_report = func(_fraction: float) -> void: sampler.cancel()
-				var points := sampler.sample_domain(HUGE, listener.record)
-				var elapsed := Time.get_ticks_usec() - listener.times[-1]
-				check_equal(points.size(), 0, label(method) + ": returns nothing")
-				check_equal(listener.get_report_count(), 1, label(method) + ": no more reports")
-				return elapsed)
+			var listener := Listener.new()
+			listener.on_report = func(_fraction: float) -> void: sampler.cancel()
+			check_equal(sampler.sample_domain(HUGE, listener.record).size(), 0, label(method) + ": returns nothing")
+			check_equal(listener.get_report_count(), 1, label(method) + ": no more reports")
 			check_no_error(label(method) + " canceled")
 			check(sampler.sample_domain(SMALL).size() > 300, label(method) + ": the next call works")
-
-
-## Returns the time limit in microseconds under the machine's present load, measured by providing 32 MiB of new memory.
-func get_limit() -> int:
-	var start := Time.get_ticks_usec()
-	var memory: PackedByteArray
-	memory.resize(1 << 25)
-	memory.fill(1)
-	return maxi(CANCEL_USEC, 4 * (Time.get_ticks_usec() - start))
-
-
-## Checks that `measure`, which returns microseconds, stays below the limit in at least one attempt. Retries for several rounds.
-func check_cancellation(context: String, measure: Callable) -> void:
-	var all: Array[PackedInt64Array] = []
-	for round in ROUNDS:
-		var times: PackedInt64Array = []
-		for each in TRIES:
-			times.push_back(measure.call())
-		all.push_back(times)
-		times = times.duplicate()
-		times.sort()
-		if times[0] < get_limit():
-			check(true, context)
-			return
-		OS.delay_msec(1000)
-	check(false, "%s: %s us" % [context, all])
 
 
 func test_cancel_late() -> void:
@@ -68,46 +34,28 @@ func test_cancel_late() -> void:
 			check_equal(sampler.get_stats()["points"], 0, label(method) + ": no stats")
 
 
-## Cancels from another thread while the call is running.
+## Cancels from another thread while the call is running. Each report waits until the main thread lets it return, so at most one more
+## report follows.
 func test_cancel_from_another_thread() -> void:
 	for method in METHODS:
 		for reports: int in [1, 3, 8]:
-			check_cancellation("%s on a thread, at report %d" % [label(method), reports], func() -> int:
-				var sampler := make(method)
-				var listener := Listener.new()
-				var thread := Thread.new()
-				thread.start(func() -> PackedVector2Array: return sampler.sample_domain(HUGE, listener.record))
-				while listener.get_report_count() < reports:
-					OS.delay_usec(500)
-				var start := Time.get_ticks_usec()
-				sampler.cancel()
-				var points: PackedVector2Array = thread.wait_to_finish()
-				var elapsed := Time.get_ticks_usec() - start
-				check_equal(points.size(), 0, label(method) + ": returns nothing")
-				check(not 1.0 in listener.fractions, label(method) + ": never reports its end")
-				return elapsed)
-			check_no_error(label(method) + " canceled")
-
-
-## A call checks for cancellation when it reports, so it must report often. The first selections are the slowest, because they touch new
-## memory. The system takes a thousand times longer to provide new memory than to access memory in use.
-func test_reports_are_frequent() -> void:
-	for method in METHODS:
-		check_cancellation(label(method) + " without reports", func() -> int:
 			var sampler := make(method)
 			var listener := Listener.new()
-			var reports: Array[int] = [0]
+			var reached := Semaphore.new()
+			var continued := Semaphore.new()
 			listener.on_report = func(_fraction: float) -> void:
-				reports[0] += 1
-				if reports[0] > 50:
-					sampler.cancel()
-			var longest := 0
-			var last := Time.get_ticks_usec()
-			sampler.sample_domain(HUGE, listener.record)
-			for time in listener.times:
-				longest = maxi(longest, time - last)
-				last = time
-			return longest)
+				if listener.get_report_count() == reports:
+					reached.post()
+					continued.wait()
+			var thread := Thread.new()
+			thread.start(func() -> PackedVector2Array: return sampler.sample_domain(HUGE, listener.record))
+			reached.wait()
+			sampler.cancel()
+			continued.post()
+			var points: PackedVector2Array = thread.wait_to_finish()
+			check_equal(points.size(), 0, "%s: returns nothing after report %d" % [label(method), reports])
+			check_equal(listener.get_report_count(), reports, label(method) + ": no more reports")
+			check_no_error(label(method) + " canceled")
 
 
 ## Cancels so early that the call is still allocating memory and creating squares. The canceling thread cannot detect whether the
@@ -115,44 +63,35 @@ func test_reports_are_frequent() -> void:
 func test_immediate_cancel() -> void:
 	for method in METHODS:
 		for delay: int in [0, 10, 60, 250]:
-			check_cancellation("%s after %d ms" % [label(method), delay],
-					func() -> int: return cancel_after(make(method), delay))
+			var sampler := make(method)
+			var listener := Listener.new()
+			var returned: int = cancel_repeatedly(sampler, delay,
+					func() -> int: return sampler.sample_domain(HUGE, listener.record).size())
+			check_equal(returned, 0, "%s after %d ms: returns nothing" % [label(method), delay])
+			check(not 1.0 in listener.fractions, label(method) + ": never reports its end")
 			check_no_error(label(method) + " canceled")
 
 
-## Cancels repeatedly from `delay` milliseconds on. Returns the microseconds from the first cancel to the end of the call.
-func cancel_after(sampler: PoissonSampler, delay: int) -> int:
+## Calls on another thread and cancels repeatedly from `delay` milliseconds on. Returns the result of the call.
+func cancel_repeatedly(sampler: PoissonSampler, delay: int, call: Callable) -> Variant:
 	var started := Semaphore.new()
 	var thread := Thread.new()
-	thread.start(func() -> PackedVector2Array:
+	thread.start(func() -> Variant:
 		started.post()
-		return sampler.sample_domain(HUGE))
+		return call.call())
 	started.wait()
 	OS.delay_msec(delay)
-	var start := Time.get_ticks_usec()
 	while thread.is_alive():
 		sampler.cancel()
 		OS.delay_usec(200)
-	var elapsed := Time.get_ticks_usec() - start
-	check_equal((thread.wait_to_finish() as PackedVector2Array).size(), 0, label(sampler.method) + ": returns nothing")
-	return elapsed
+	return thread.wait_to_finish()
 
 
 func test_canceled_windows() -> void:
-	check_cancellation("sample", func() -> int:
-		var sampler := PoissonSampler.new()
-		var thread := Thread.new()
-		thread.start(func() -> PoissonPoints: return sampler.sample(HUGE))
-		OS.delay_msec(30)
-		var start := Time.get_ticks_usec()
-		while thread.is_alive():
-			sampler.cancel()
-			OS.delay_usec(200)
-		var elapsed := Time.get_ticks_usec() - start
-		var window: PoissonPoints = thread.wait_to_finish()
-		check_equal(window.ids.size() + window.ranks.size() + window.positions.size(), 0, "returns nothing")
-		check(sampler.sample(SMALL).ids.size() > 300, "the next call works")
-		return elapsed)
+	var sampler := PoissonSampler.new()
+	var window: PoissonPoints = cancel_repeatedly(sampler, 30, func() -> PoissonPoints: return sampler.sample(HUGE))
+	check_equal(window.ids.size() + window.ranks.size() + window.positions.size(), 0, "returns nothing")
+	check(sampler.sample(SMALL).ids.size() > 300, "the next call works")
 	check_no_error("canceled windows")
 
 

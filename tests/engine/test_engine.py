@@ -130,7 +130,7 @@ def assert_passed(done, loads_on_threads=False):
         "test_domain",
         "test_sample_surface",
         "test_domain_calls",
-        pytest.param("test_domain_cancel", marks=pytest.mark.alone),
+        "test_domain_cancel",
         "test_layer_inspector",
         "test_layer_arguments",
         "test_layer_list",
@@ -142,7 +142,7 @@ def assert_passed(done, loads_on_threads=False):
         "test_model_fit", "test_model_parts",
         "test_model_layers",
         "test_stripped",
-        pytest.param("test_viewers", marks=pytest.mark.alone),
+        "test_viewers",
         "test_world_offset",
         "test_terrains",
         "test_terrain_objects",
@@ -193,7 +193,7 @@ def assert_passed(done, loads_on_threads=False):
         "test_presets",
         "test_debug_overlay",
         "test_impostors",
-        pytest.param("test_response", marks=pytest.mark.alone),
+        "test_response",
     ],
 )
 def test_script(godot, project, script, record_property):
