@@ -59,6 +59,9 @@ public:
 private:
 	friend class ExpressionParser;
 
+	/// Largest number of values on the stack during an evaluation.
+	static constexpr std::size_t max_depth = 16;
+
 	enum class Operation : std::uint8_t {
 		constant,
 		input,
