@@ -161,6 +161,9 @@ func test_the_share_of_each_mesh_is_explained() -> void:
 	check_error(["ScatterExplanation.get_mesh_sentence", "index", "between 0 and 1"], "a missing mesh")
 	check_equal(last.get_mesh_density(-1), 0.0, "the expression of a missing mesh")
 	check_error(["ScatterExplanation.get_mesh_density", "got -1"], "a negative index")
+	var empty := ScatterExplanation.new()
+	check_equal(empty.get_mesh_density(0), 0.0, "the expression without a choice of meshes")
+	check_error(["ScatterExplanation.get_mesh_density", "index 0", "empty", "get_mesh_count()"], "an index into an empty list")
 	check_equal(last.get_mesh_probability(7), 0.0, "the probability of a missing mesh")
 	check_error(["ScatterExplanation.get_mesh_probability", "got 7"], "an index of 7")
 	layer.mesh_density_expressions = ["0", "0"]

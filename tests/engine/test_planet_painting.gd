@@ -217,4 +217,8 @@ func test_bad_input() -> void:
 	check_error(["ScatterBiomeMap", "planet_radius"], "get_biome_on_planet")
 	check_equal(map.get_weights_on_planet(NAN, Vector3.UP).size(), 0, "no weights without a planet")
 	check_error(["ScatterBiomeMap", "planet_radius"], "get_weights_on_planet")
-	check(map.get_biome_on_planet(100.0, Vector3(INF, 0.0, 0.0)) == null, "no biome in no direction")
+	for direction: Vector3 in [Vector3.ZERO, Vector3(INF, 0.0, 0.0), Vector3(0.0, NAN, 0.0)]:
+		check(map.get_biome_on_planet(100.0, direction) == null, "no biome toward %s" % direction)
+		check_error(["ScatterBiomeMap", "from_center"], "get_biome_on_planet toward %s" % direction)
+		check_equal(map.get_weights_on_planet(100.0, direction).size(), 0, "no weights toward %s" % direction)
+		check_error(["ScatterBiomeMap", "from_center"], "get_weights_on_planet toward %s" % direction)

@@ -15,39 +15,39 @@ using namespace godot;
 
 namespace thicket {
 
-namespace {
-
-bool accept_radius(double p_planet_radius) {
-	return accept_number(
-			ScatterBiomeMap::class_name, "planet_radius", p_planet_radius, min_planet_radius, max_planet_radius);
-}
-
-} // namespace
-
 Ref<ScatterBiome> ScatterBiomeMap::get_biome_on_planet(double p_planet_radius, const Vector3 &p_from_center) {
-	if (!accept_radius(p_planet_radius)) {
+	const glm::dvec3 from_center = to_core(p_from_center);
+	const Status status = check_direction(p_planet_radius, from_center);
+	report(class_name, status);
+	if (!status.ok()) {
 		return {};
 	}
-	const std::uint8_t index = map()->dominant_toward(p_planet_radius, to_core(p_from_center));
+	const std::uint8_t index = map()->dominant_toward(p_planet_radius, from_center);
 	return index < biome_count() ? Ref<ScatterBiome>(biomes_[index]) : Ref<ScatterBiome>();
 }
 
 PackedFloat32Array ScatterBiomeMap::get_weights_on_planet(double p_planet_radius, const Vector3 &p_from_center) {
-	if (!accept_radius(p_planet_radius)) {
+	const glm::dvec3 from_center = to_core(p_from_center);
+	const Status status = check_direction(p_planet_radius, from_center);
+	report(class_name, status);
+	if (!status.ok()) {
 		return {};
 	}
 	BiomeTaps taps{};
-	map()->taps_toward(p_planet_radius, to_core(p_from_center), taps);
+	map()->taps_toward(p_planet_radius, from_center, taps);
 	return weights_of(taps);
 }
 
 PackedInt32Array ScatterBiomeMap::planet_disc(
 		double p_planet_radius, const Vector3 &p_from_center, double p_radius, const Vector2i &p_size) const {
 	std::vector<PixelRect> rows;
-	if (!accept_radius(p_planet_radius) || p_size.x < 1 || p_size.y < 1) {
+	const glm::dvec3 from_center = to_core(p_from_center);
+	const Status status = check_direction(p_planet_radius, from_center);
+	report(class_name, status);
+	if (!status.ok() || p_size.x < 1 || p_size.y < 1) {
 		return {};
 	}
-	find_sphere_disc({p_size.x, p_size.y}, Planet::up(to_core(p_from_center)), p_radius / p_planet_radius, rows);
+	find_sphere_disc({p_size.x, p_size.y}, Planet::up(from_center), p_radius / p_planet_radius, rows);
 	std::vector<std::int32_t> numbers;
 	for (const PixelRect &row : rows) {
 		numbers.insert(numbers.end(), {row.min.x, row.min.y, row.size().x});

@@ -36,12 +36,17 @@ namespace {
 /// Returns true if `p_index` is below `p_count`. Otherwise prints an error. `p_note` names the method
 /// that returns the count.
 bool check_below(const char *p_method, int64_t p_index, int64_t p_count, const char *p_note) {
-	const bool there = p_index >= 0 && p_index < p_count;
-	if (!there) {
+	if (p_index >= 0 && p_index < p_count) {
+		return true;
+	}
+	if (p_count == 0) {
+		ERR_PRINT(vformat(
+				"ScatterExplanation.%s has no index %d, because the list is empty; %s", p_method, p_index, p_note));
+	} else {
 		report((std::string("ScatterExplanation.") + p_method).c_str(),
 				Status::out_of_range("index", p_index, between(0, p_count - 1, p_note)));
 	}
-	return there;
+	return false;
 }
 
 } // namespace

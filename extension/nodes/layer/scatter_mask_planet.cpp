@@ -9,25 +9,9 @@
 
 #include <godot_cpp/core/class_db.hpp>
 
-#include <cmath>
-
 using namespace godot;
 
 namespace thicket {
-
-namespace {
-
-/// Returns an error unless a planet exists and a position is in some direction from its center.
-Status check_direction(double planet_radius, const glm::dvec3 &from_center) {
-	const double length = std::abs(from_center.x) + std::abs(from_center.y) + std::abs(from_center.z);
-	if (!std::isfinite(length)) {
-		return {ErrorCode::not_finite, "from_center", length};
-	}
-	return first_failure(check_range("planet_radius", planet_radius, min_planet_radius, max_planet_radius),
-			check_positive("from_center", length));
-}
-
-} // namespace
 
 bool ScatterMask::paint_on_planet(double p_planet_radius, const Vector3 &p_from_center, double p_radius,
 		double p_strength, double p_hardness, Mode p_mode) {
