@@ -9,7 +9,9 @@ class Provider:
     @staticmethod
     def dynamic_metadata(_settings, _project):
         plugin = configparser.ConfigParser()
-        with Path("../demo_project/addons/thicket/plugin.cfg").open(encoding="utf-8") as file:
+        # A source distribution has a copy beside this file.
+        paths = (Path("plugin.cfg"), Path("../demo_project/addons/thicket/plugin.cfg"))
+        with next(path for path in paths if path.is_file()).open(encoding="utf-8") as file:
             plugin.read_file(file)
         version, repository, documentation = (
             plugin[section][key].strip('"')

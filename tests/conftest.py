@@ -235,7 +235,7 @@ def wheel() -> Path:
     with one_at_a_time("wheel"):
         done = run(["bash", "python/build.sh"], timeout=1200, cwd=REPO, env={**os.environ, "PYTHON": sys.executable})
     assert done.returncode == 0, done.stdout + done.stderr
-    return REPO / re.search(r"^thicket: (build/python/thicket-\S+\.whl)$", done.stderr, re.MULTILINE).group(1)
+    return REPO / re.search(r"^thicket: (build/python/poissontiles-\S+\.whl)$", done.stderr, re.MULTILINE).group(1)
 
 
 @pytest.fixture(scope="session")
@@ -262,12 +262,12 @@ def wheel_python(wheel: Path) -> Path:
 
 
 @pytest.fixture(scope="session")
-def thicket(wheel_python: Path) -> ModuleType:
+def poissontiles(wheel_python: Path) -> ModuleType:
     """Returns the Python package, imported from the environment of `wheel_python`, which uses the same Python
     version."""
     done = run([wheel_python, "-c", "import sysconfig; print(sysconfig.get_path('platlib'))"], timeout=60)
     sys.path.append(done.stdout.strip())
-    module = import_module("thicket")
+    module = import_module("poissontiles")
     assert Path(module.__file__).is_relative_to(WHEEL_VENV)
     return module
 

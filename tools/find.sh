@@ -39,9 +39,9 @@ emscripten_root() {
 	echo "$(cache_folder)/emscripten-root"
 }
 
-# Prints the version of the Python that the package is built for, such as 3.12.
+# Prints the version of the Python that the package is built for, such as 3.12, or 3.14t for a free-threaded one.
 wheel_python() {
-	"${PYTHON:-python3}" -c 'import sys; print("%d.%d" % sys.version_info[:2])'
+	"${PYTHON:-python3}" -c 'import sys, sysconfig; print("%d.%d%s" % (*sys.version_info[:2], "t" if sysconfig.get_config_var("Py_GIL_DISABLED") else ""))'
 }
 
 # Prints the folder of the virtual environment that builds the package.

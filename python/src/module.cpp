@@ -1,6 +1,5 @@
-// The module thicket._core makes the samplers of the core available to Python. It only converts arguments and results.
+// The module poissontiles._core makes the samplers of the core available to the Python code of the package.
 
-#include "docs.hpp"
 #include "own_threads.hpp"
 #include "watcher.hpp"
 
@@ -15,16 +14,18 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <iterator>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <tuple>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -32,56 +33,52 @@ namespace nb = nanobind;
 
 namespace thicket::python {
 
+namespace doc {
+
+inline constexpr const char *cancel =
+		R"(Cancels calls from any thread: pass this object to a call, and call its method `cancel` on another thread.
+
+The object stays cancelled: a later call that receives it ends immediately.)";
+
+inline constexpr const char *cancel_cancel =
+		R"(Ends the calls that use this object within a few milliseconds: they raise Cancelled. Any thread may call this method.)";
+
+inline constexpr const char *cancel_cancelled = R"(True if cancel() was called.)";
+
+} // namespace doc
+
 namespace {
 
-/// The points of a set. Arrays are views into `points` and keep this object alive.
-template <typename Point>
-struct PointList {
-	std::vector<Point> points;
+template <typename Number, nb::ssize_t axes>
+using Array = std::conditional_t<axes == 1, nb::ndarray<nb::numpy, const Number, nb::ndim<1>>,
+		nb::ndarray<nb::numpy, const Number, nb::shape<-1, axes>>>;
 
-	/// Returns the first point, or a dummy if there is none, because an array needs an address.
-	const Point *first() const {
-		static const Point dummy{};
-		return points.empty() ? &dummy : points.data();
-	}
-};
-using Points = PointList<SamplePoint>;
-using SurfacePoints = PointList<SurfacePoint>;
-
-template <typename Number>
-using Column = nb::ndarray<nb::numpy, const Number, nb::ndim<1>>;
-template <typename Real, nb::ssize_t axes = 2>
-using Positions = nb::ndarray<nb::numpy, const Real, nb::shape<-1, axes>>;
-
-/// Returns one member of all points, as an array with the stride of a point.
-template <typename Point, typename Number>
-Column<Number> column(nb::handle_t<PointList<Point>> self, const Number Point::*member) {
-	static_assert(sizeof(Point) % sizeof(Number) == 0);
-	const auto &list = nb::cast<const PointList<Point> &>(self);
-	return Column<Number>(&(list.first()->*member), {list.points.size()}, self, {sizeof(Point) / sizeof(Number)});
-}
-
-/// Returns one vector member of every point, as a two-dimensional array with the stride of a point.
-template <typename Point, int axes>
-Positions<double, axes> vectors(nb::handle_t<PointList<Point>> self, const glm::vec<axes, double> Point::*member) {
-	static_assert(sizeof(Point) % sizeof(double) == 0);
-	const auto &list = nb::cast<const PointList<Point> &>(self);
-	return Positions<double, axes>(
-			&(list.first()->*member).x, {list.points.size(), axes}, self, {sizeof(Point) / sizeof(double), 1});
-}
-
-/// Moves a list into an array, which owns it.
-template <typename Real>
-nb::object array_of(std::vector<glm::vec<2, Real>> &&list) {
-	static_assert(sizeof(glm::vec<2, Real>) == 2 * sizeof(Real));
-	auto own = std::make_unique<std::vector<glm::vec<2, Real>>>(std::move(list));
-	static const glm::vec<2, Real> dummy{0};
-	const Real *first = own->empty() ? &dummy.x : &own->front().x;
+/// Moves a list of numbers or vectors of numbers into an array, which owns it.
+template <typename Number, nb::ssize_t axes, typename Value>
+Array<Number, axes> array_of(std::vector<Value> &&list) {
+	static_assert(sizeof(Value) == axes * sizeof(Number));
+	auto own = std::make_unique<std::vector<Value>>(std::move(list));
+	static const Value dummy{}; // An array needs an address, even without values.
+	const auto *first = reinterpret_cast<const Number *>(own->empty() ? &dummy : own->data());
 	const std::size_t count = own->size();
-	const nb::capsule owner(
-			own.get(), [](void *list) noexcept { delete static_cast<std::vector<glm::vec<2, Real>> *>(list); });
+	const nb::capsule owner(own.get(), [](void *list) noexcept { delete static_cast<std::vector<Value> *>(list); });
 	own.release();
-	return nb::cast(Positions<Real>(first, {count, 2}, owner));
+	if constexpr (axes == 1) {
+		return Array<Number, axes>(first, {count}, owner);
+	} else {
+		return Array<Number, axes>(first, {count, static_cast<std::size_t>(axes)}, owner);
+	}
+}
+
+/// Returns one member of all points.
+template <typename Point, typename Value>
+std::vector<Value> column(const std::vector<Point> &points, Value Point::*member) {
+	std::vector<Value> values;
+	values.reserve(points.size());
+	for (const Point &point : points) {
+		values.push_back(point.*member);
+	}
+	return values;
 }
 
 [[noreturn]] void refuse(const std::string &message) {
@@ -93,39 +90,6 @@ void require(const Status &status) {
 	if (!status.ok()) {
 		refuse(describe(status));
 	}
-}
-
-/// Converts a sequence of `count` numbers, which may be an array. `expected` says in the
-/// error message what was expected.
-template <std::size_t count>
-std::array<double, count> numbers(nb::handle sequence, const char *expected) {
-	std::array<double, count> found{};
-	if (nb::try_cast(sequence, found)) {
-		return found;
-	}
-	const std::string text = nb::cast<std::string>(nb::repr(sequence));
-	PyErr_SetString(PyExc_TypeError, (std::string(expected) + ", got " + text).c_str());
-	throw nb::python_error();
-}
-
-/// Returns a seed of 64 bits from a Python integer, which may be signed, as in the engine, or
-/// unsigned.
-std::uint64_t seed_of(nb::handle number) {
-	const nb::object whole = nb::steal(PyNumber_Index(number.ptr()));
-	if (!whole.is_valid()) {
-		throw nb::python_error();
-	}
-	int overflow = 0;
-	const long long seed = PyLong_AsLongLongAndOverflow(whole.ptr(), &overflow);
-	if (overflow == 0) {
-		return static_cast<std::uint64_t>(seed);
-	}
-	const unsigned long long large = overflow > 0 ? PyLong_AsUnsignedLongLong(whole.ptr()) : 0;
-	if (overflow < 0 || PyErr_Occurred() != nullptr) {
-		PyErr_Clear();
-		refuse("seed must have 64 bits, got " + std::string(nb::str(whole).c_str()));
-	}
-	return large;
 }
 
 /// Lends the sampler that this thread used before, whose memory is already allocated. Lends a new
@@ -154,33 +118,39 @@ private:
 
 constexpr int max_threads = 256;
 
-PointSet set_of(double radius, nb::handle seed, std::int64_t levels, std::int64_t layer) {
-	require(first_failure(check_range("levels", static_cast<double>(levels), 1, max_levels),
-			check_range("layer", static_cast<double>(layer), 0, std::numeric_limits<std::uint16_t>::max())));
-	return {.seed = seed_of(seed),
+/// `levels` and `layer` are integers.
+PointSet set_of(double radius, std::uint64_t seed, double levels, double layer) {
+	require(first_failure(check_range("levels", levels, 1, max_levels),
+			check_range("layer", layer, 0, std::numeric_limits<std::uint16_t>::max())));
+	return {.seed = seed,
 			.radius = radius,
 			.levels = static_cast<std::uint32_t>(levels),
 			.layer = static_cast<std::uint16_t>(layer)};
 }
 
-Points sample(nb::handle rect, double radius, nb::handle seed, std::int64_t levels, std::int64_t layer,
-		std::int64_t threads, nb::object progress, const Cancel *cancel) {
+using Ids = Array<std::uint64_t, 1>;
+using Integers = Array<std::uint32_t, 1>;
+
+/// Returns the positions, IDs, ranks and levels of a set.
+std::tuple<Array<double, 2>, Ids, Integers, Integers> sample(const std::array<double, 4> &rect, double radius,
+		std::uint64_t seed, double levels, double layer, double threads, nb::object progress, const Cancel *cancel) {
 	const PointSet set = set_of(radius, seed, levels, layer);
-	require(check_range("threads", static_cast<double>(threads), 0, max_threads));
-	const auto [min_x, min_y, max_x, max_y] =
-			numbers<4>(rect, "rect must be four numbers, (min_x, min_y, max_x, max_y)");
+	require(check_range("threads", threads, 0, max_threads));
 	Watcher watcher(std::move(progress), cancel);
-	Points sampled;
+	std::vector<SamplePoint> points;
 	Status status;
 	{
 		const nb::gil_scoped_release unlocked;
 		Lease lease;
 		OwnThreads others(threads > 0 ? static_cast<std::size_t>(threads) - 1 : OwnThreads::spare());
 		status = lease.sampler().sample(
-				set, {{min_x, min_y}, {max_x, max_y}}, sampled.points, watcher.progress(), &others);
+				set, {{rect[0], rect[1]}, {rect[2], rect[3]}}, points, watcher.progress(), &others);
 	}
-	watcher.finish(status, describe(status), sampled.points.size());
-	return sampled;
+	watcher.finish(status, describe(status), points.size());
+	return std::make_tuple(array_of<double, 2>(column(points, &SamplePoint::position)),
+			array_of<std::uint64_t, 1>(column(points, &SamplePoint::id)),
+			array_of<std::uint32_t, 1>(column(points, &SamplePoint::rank)),
+			array_of<std::uint32_t, 1>(column(points, &SamplePoint::level)));
 }
 
 template <typename Number>
@@ -201,21 +171,17 @@ std::vector<std::uint32_t> indices_of(const Triples<std::int64_t> &faces, std::s
 	return indices;
 }
 
-SurfacePoints sample_surface(const Triples<double> &vertices, const Triples<std::int64_t> &faces, double radius,
-		nb::handle seed, const std::optional<nb::object> &window, std::int64_t levels, std::int64_t layer,
-		nb::object progress, const Cancel *cancel) {
+/// Returns the positions, IDs, ranks, levels, normals and faces of a set.
+std::tuple<Array<double, 3>, Ids, Integers, Integers, Array<double, 3>, Integers> sample_surface(
+		const Triples<double> &vertices, const Triples<std::int64_t> &faces, double radius, std::uint64_t seed,
+		const std::optional<std::array<double, 6>> &window, double levels, double layer, nb::object progress,
+		const Cancel *cancel) {
 	const PointSet set = set_of(radius, seed, levels, layer);
-	Box3 box;
-	if (window) {
-		const auto [min_x, min_y, min_z, max_x, max_y, max_z] =
-				numbers<6>(*window, "window must be six numbers, (min_x, min_y, min_z, max_x, max_y, max_z)");
-		box = {{min_x, min_y, min_z}, {max_x, max_y, max_z}};
-	}
 	const auto *first = reinterpret_cast<const glm::dvec3 *>(vertices.data());
 	std::vector<glm::dvec3> corners(first, first + vertices.shape(0));
 	std::vector<std::uint32_t> indices = indices_of(faces, corners.size());
 	Watcher watcher(std::move(progress), cancel);
-	SurfacePoints sampled;
+	std::vector<SurfacePoint> points;
 	Status status;
 	{
 		const nb::gil_scoped_release unlocked;
@@ -223,12 +189,22 @@ SurfacePoints sample_surface(const Triples<double> &vertices, const Triples<std:
 		status = Surface::create(std::move(corners), std::move(indices), surface);
 		if (status.ok()) {
 			SurfaceSampler sampler;
-			status = window ? sampler.sample(set, *surface, box, sampled.points, watcher.progress())
-							: sampler.sample_all(set, *surface, sampled.points, watcher.progress());
+			if (window) {
+				const auto &[min_x, min_y, min_z, max_x, max_y, max_z] = *window;
+				const Box3 box{{min_x, min_y, min_z}, {max_x, max_y, max_z}};
+				status = sampler.sample(set, *surface, box, points, watcher.progress());
+			} else {
+				status = sampler.sample_all(set, *surface, points, watcher.progress());
+			}
 		}
 	}
-	watcher.finish(status, describe(status), sampled.points.size());
-	return sampled;
+	watcher.finish(status, describe(status), points.size());
+	return std::make_tuple(array_of<double, 3>(column(points, &SurfacePoint::position)),
+			array_of<std::uint64_t, 1>(column(points, &SurfacePoint::id)),
+			array_of<std::uint32_t, 1>(column(points, &SurfacePoint::rank)),
+			array_of<std::uint32_t, 1>(column(points, &SurfacePoint::level)),
+			array_of<double, 3>(column(points, &SurfacePoint::normal)),
+			array_of<std::uint32_t, 1>(column(points, &SurfacePoint::triangle)));
 }
 
 constexpr std::array<std::pair<const char *, DomainMethod>, 4> methods{
@@ -247,110 +223,51 @@ DomainMethod method_of(const std::string &name) {
 }
 
 template <typename Real>
-nb::object fill(const DomainRequest &request, Watcher &r_watcher) {
-	std::vector<glm::vec<2, Real>> points;
-	Status status;
-	{
-		const nb::gil_scoped_release unlocked;
-		status = DomainSampler<Real>().sample(request, points, r_watcher.progress());
-	}
-	r_watcher.finish(status, describe(request, status), points.size());
-	return array_of(std::move(points));
-}
-
-nb::object sample_domain(nb::handle size, double radius, nb::handle seed, const std::string &method, bool toroidal,
-		const std::string &precision, double cell_size, double darts_each, nb::object progress, const Cancel *cancel) {
-	if (precision != "single" && precision != "double") {
-		refuse("precision must be 'single' or 'double', got '" + precision + "'");
-	}
-	const auto [width, height] = numbers<2>(size, "size must be two numbers, (width, height)");
-	const DomainRequest request{.size = {width, height},
+Array<Real, 2> sample_domain(const std::array<double, 2> &size, double radius, std::uint64_t seed,
+		const std::string &method, bool toroidal, double cell_size, double darts_each, nb::object progress,
+		const Cancel *cancel) {
+	const DomainRequest request{.size = {size[0], size[1]},
 			.radius = radius,
-			.seed = seed_of(seed),
+			.seed = seed,
 			.method = method_of(method),
 			.toroidal = toroidal,
 			.cell_size = cell_size,
 			.darts_each = darts_each};
 	Watcher watcher(std::move(progress), cancel);
-	return precision == "single" ? fill<float>(request, watcher) : fill<double>(request, watcher);
+	std::vector<glm::vec<2, Real>> points;
+	Status status;
+	{
+		const nb::gil_scoped_release unlocked;
+		status = DomainSampler<Real>().sample(request, points, watcher.progress());
+	}
+	watcher.finish(status, describe(request, status), points.size());
+	return array_of<Real, 2>(std::move(points));
 }
 
-std::pair<std::uint64_t, std::uint64_t> digest_of_points(const Points &points) {
+template <typename Number>
+using Numbers = nb::ndarray<const Number, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+template <typename Real>
+using Pairs = nb::ndarray<const Real, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
+
+std::pair<std::uint64_t, std::uint64_t> digest_of_points(const Pairs<double> &positions,
+		const Numbers<std::uint64_t> &ids, const Numbers<std::uint32_t> &ranks, const Numbers<std::uint32_t> &levels) {
 	const nb::gil_scoped_release unlocked;
-	const SetDigest digests = digest(std::span<const SamplePoint>(points.points));
+	std::vector<SamplePoint> points;
+	points.reserve(positions.shape(0));
+	for (std::size_t i = 0; i < positions.shape(0); ++i) {
+		const double *position = positions.data() + 2 * i;
+		points.push_back({{position[0], position[1]}, ids.data()[i], ranks.data()[i], levels.data()[i]});
+	}
+	const SetDigest digests = digest(std::span<const SamplePoint>(points));
 	return {digests.points, digests.ranks};
 }
 
 template <typename Real>
-std::uint64_t digest_of_domain(
-		const nb::ndarray<const Real, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu> &positions) {
+std::uint64_t digest_of_domain(const Pairs<Real> &positions) {
 	const auto *first = reinterpret_cast<const glm::vec<2, Real> *>(positions.data());
 	const std::size_t count = positions.shape(0);
 	const nb::gil_scoped_release unlocked;
 	return digest(std::span<const glm::vec<2, Real>>(first, count));
-}
-
-/// Declares the class for the points of a set, with the members that the points of all sets have.
-template <typename Point>
-nb::class_<PointList<Point>> bind_list(nb::module_ &module, const char *name, const char *doc, const char *ids) {
-	using Self = nb::handle_t<PointList<Point>>;
-	const std::string title = std::string("<thicket.") + name + " of ";
-	return nb::class_<PointList<Point>>(module, name, doc)
-			.def("__len__", [](const PointList<Point> &self) { return self.points.size(); })
-			.def("__repr__",
-					[title](const PointList<Point> &self) {
-						return title + std::to_string(self.points.size()) + " points>";
-					})
-			.def_prop_ro(
-					"ids", [](Self self) { return column(self, &Point::id); },
-					nb::sig("def ids(self) -> numpy.typing.NDArray[numpy.uint64]"), ids)
-			.def_prop_ro(
-					"ranks", [](Self self) { return column(self, &Point::rank); },
-					nb::sig("def ranks(self) -> numpy.typing.NDArray[numpy.uint32]"), doc::ranks)
-			.def_prop_ro(
-					"levels", [](Self self) { return column(self, &Point::level); },
-					nb::sig("def levels(self) -> numpy.typing.NDArray[numpy.uint32]"), doc::levels);
-}
-
-void bind_points(nb::module_ &module) {
-	bind_list<SamplePoint>(module, "Points", doc::points, doc::ids)
-			.def_prop_ro(
-					"positions", [](nb::handle_t<Points> self) { return vectors(self, &SamplePoint::position); },
-					nb::sig(doc::positions_type), doc::positions)
-			.def("digest", &digest_of_points, doc::digest);
-	using Self = nb::handle_t<SurfacePoints>;
-	bind_list<SurfacePoint>(module, "SurfacePoints", doc::surface_points, doc::surface_ids)
-			.def_prop_ro(
-					"positions", [](Self self) { return vectors(self, &SurfacePoint::position); },
-					nb::sig("def positions(self) -> " THICKET_VECTORS), doc::surface_positions)
-			.def_prop_ro(
-					"normals", [](Self self) { return vectors(self, &SurfacePoint::normal); },
-					nb::sig("def normals(self) -> " THICKET_VECTORS), doc::surface_normals)
-			.def_prop_ro(
-					"faces", [](Self self) { return column(self, &SurfacePoint::triangle); },
-					nb::sig("def faces(self) -> numpy.typing.NDArray[numpy.uint32]"), doc::surface_faces);
-}
-
-void bind_functions(nb::module_ &module) {
-	using nb::literals::operator""_a;
-	module.def("sample_surface", &sample_surface, "vertices"_a, "faces"_a, "radius"_a, "seed"_a = 0, nb::kw_only(),
-			"window"_a = nb::none(), "levels"_a = 1, "layer"_a = 0, "progress"_a = nb::none(), "cancel"_a = nb::none(),
-			nb::sig(doc::sample_surface_type), doc::sample_surface);
-	module.def("sample", &sample, "rect"_a, "radius"_a, "seed"_a = 0, nb::kw_only(), "levels"_a = 1, "layer"_a = 0,
-			"threads"_a = 1, "progress"_a = nb::none(), "cancel"_a = nb::none(), nb::sig(doc::sample_type),
-			doc::sample);
-	// The first signature handles every call. The second only adds its type to the stubs.
-	for (const auto &[type, words] :
-			{std::pair{doc::sample_domain_double, doc::sample_domain}, std::pair{doc::sample_domain_single, ""}}) {
-		module.def("sample_domain", &sample_domain, "size"_a, "radius"_a, "seed"_a = 0, nb::kw_only(),
-				"method"_a = "hierarchical", "toroidal"_a = false, "precision"_a = "double", "cell_size"_a = 0.0,
-				"darts_each"_a = DomainRequest().darts_each, "progress"_a = nb::none(), "cancel"_a = nb::none(),
-				nb::sig(type), words);
-	}
-	module.def(
-			"domain_digest", &digest_of_domain<double>, "positions"_a.noconvert(), nb::sig(doc::domain_digest_double));
-	module.def("domain_digest", &digest_of_domain<float>, "positions"_a.noconvert(), nb::sig(doc::domain_digest_single),
-			doc::domain_digest);
 }
 
 } // namespace
@@ -359,13 +276,25 @@ void bind_functions(nb::module_ &module) {
 
 NB_MODULE(_core, module) {
 	using namespace thicket::python;
-	module.doc() = "The samplers of Thicket's core. Import thicket instead, which exports the same names.";
+	module.doc() = "The samplers of Thicket's core. Import poissontiles instead, which checks the types of arguments.";
 	nb::class_<Cancel>(module, "Cancel", doc::cancel)
 			.def(nb::init<>())
 			.def("cancel", &Cancel::cancel, doc::cancel_cancel)
 			.def_prop_ro("cancelled", &Cancel::cancelled, doc::cancel_cancelled);
 	nb::exception<Cancelled>(module, "Cancelled", PyExc_RuntimeError).attr("__doc__") =
 			"Raised when a Cancel has ended a call.";
-	bind_points(module);
-	bind_functions(module);
+	using nb::literals::operator""_a;
+	module.def("sample", &sample, "rect"_a, "radius"_a, "seed"_a, "levels"_a, "layer"_a, "threads"_a,
+			"progress"_a.none(), "cancel"_a.none());
+	module.def("sample_surface", &sample_surface, "vertices"_a, "faces"_a, "radius"_a, "seed"_a, "window"_a.none(),
+			"levels"_a, "layer"_a, "progress"_a.none(), "cancel"_a.none());
+	const auto define_domain = [&](const char *name, auto function) {
+		module.def(name, function, "size"_a, "radius"_a, "seed"_a, "method"_a, "toroidal"_a, "cell_size"_a,
+				"darts_each"_a, "progress"_a.none(), "cancel"_a.none());
+	};
+	define_domain("sample_domain_single", &sample_domain<float>);
+	define_domain("sample_domain_double", &sample_domain<double>);
+	module.def("digest", &digest_of_points, "positions"_a, "ids"_a, "ranks"_a, "levels"_a);
+	module.def("domain_digest", &digest_of_domain<double>, "positions"_a.noconvert());
+	module.def("domain_digest", &digest_of_domain<float>, "positions"_a.noconvert());
 }

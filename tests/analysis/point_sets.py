@@ -15,15 +15,15 @@ CELL = 1 << LATTICE_BITS
 RADIUS = CELL * np.sqrt(2.0)
 
 
-def lattice_points(thicket: ModuleType, rect, seed: int, *, tile: float | None = None, **options) -> np.ndarray:
+def lattice_points(poissontiles: ModuleType, rect, seed: int, *, tile: float | None = None, **options) -> np.ndarray:
     """Returns lattice coordinates (int64, n x 2) of the sampler's set with radius 1 in rect = (min_x, min_y, max_x, max_y). The rectangle is
-    requested as a whole, or in tiles of width `tile`. The options are those of thicket.sample."""
+    requested as a whole, or in tiles of width `tile`. The options are those of poissontiles.sample."""
     rects = [rect]
     if tile:
         min_x, min_y, max_x, max_y = rect
         corners = [(x, y) for y in np.arange(min_y, max_y, tile) for x in np.arange(min_x, max_x, tile)]
         rects = [(x, y, min(x + tile, max_x), min(y + tile, max_y)) for x, y in corners]
-    positions = np.concatenate([thicket.sample(each, 1.0, seed, **options).positions for each in rects])
+    positions = np.concatenate([poissontiles.sample(each, 1.0, seed, **options).positions for each in rects])
     # The inverse of lattice_position in extension/core/sampling/point_set.cpp.
     return np.floor(positions / (1.0 / np.sqrt(2.0) / CELL) + 0.5).astype(np.int64)
 

@@ -1,4 +1,4 @@
-"""Compares thicket.sample_surface with the samplers of other packages for evenly spaced points on a triangle mesh:
+"""Compares poissontiles.sample_surface with the samplers of other packages for evenly spaced points on a triangle mesh:
 speed on one core, and quality of the sets. Prints the rows of a Markdown table. surfaces.sh installs the packages.
 
     bash tests/bench/surfaces.sh [points = 20000] [rounds = 3]
@@ -6,7 +6,7 @@ speed on one core, and quality of the sets. Prints the rows of a Markdown table.
 All samplers get the same mesh with triangles of 1 to 4 m, and a radius of 1 m. trimesh.sample.sample_surface_even
 generates random points and removes those that are too close to another one. Open3D's sample_points_poisson_disk
 generates five times as many points as requested and eliminates the most crowded ones (Yuksel 2015). It takes a number
-of points instead of a radius, so its distances are a result. Both get the number of points that thicket returned.
+of points instead of a radius, so its distances are a result. Both get the number of points that poissontiles returned.
 
 The columns are:
 
@@ -25,7 +25,7 @@ from collections.abc import Callable
 
 import numpy as np
 import open3d
-import thicket
+import poissontiles
 import trimesh
 from scipy.spatial import cKDTree
 
@@ -50,8 +50,8 @@ def hills(points: int) -> trimesh.Trimesh:
     return trimesh.Trimesh(vertices, faces, process=False)
 
 
-def by_thicket(mesh: trimesh.Trimesh, count: int, seed: int) -> np.ndarray:
-    return thicket.sample_surface(mesh.vertices, mesh.faces, 1.0, seed).positions
+def by_poissontiles(mesh: trimesh.Trimesh, count: int, seed: int) -> np.ndarray:
+    return poissontiles.sample_surface(mesh.vertices, mesh.faces, 1.0, seed).positions
 
 
 def by_trimesh(mesh: trimesh.Trimesh, count: int, seed: int) -> np.ndarray:
@@ -82,8 +82,8 @@ def main(arguments: list[str]) -> None:
     rounds = int(arguments[1]) if len(arguments) > 1 else 3
     print("| What | Points | Thousand points/s | Least distance | Largest gap | Coverage |\n|---|---|---|---|---|---|")
     for what, mesh in (("sphere", sphere(points)), ("hills", hills(points))):
-        count = len(by_thicket(mesh, 0, 0))
-        for name, sample in (("thicket", by_thicket), ("trimesh", by_trimesh), ("Open3D", by_open3d)):
+        count = len(by_poissontiles(mesh, 0, 0))
+        for name, sample in (("poissontiles", by_poissontiles), ("trimesh", by_trimesh), ("Open3D", by_open3d)):
             print(row(f"{what}, {len(mesh.faces)} triangles: {name}", sample, mesh, count, rounds), flush=True)
 
 

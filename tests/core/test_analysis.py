@@ -30,9 +30,9 @@ def of_reference(sets: list[np.ndarray]) -> Measured:
     return Measured([points - BORDER for points in sets], WINDOW)
 
 
-def of_sampler(thicket: ModuleType, first_seed: int, levels: int) -> Measured:
+def of_sampler(poissontiles: ModuleType, first_seed: int, levels: int) -> Measured:
     rect = (CORNER, CORNER, CORNER + SIDE, CORNER + SIDE)
-    sets = [lattice_points(thicket, rect, seed, levels=levels, tile=TILE) for seed in range(first_seed, first_seed + SETS)]
+    sets = [lattice_points(poissontiles, rect, seed, levels=levels, tile=TILE) for seed in range(first_seed, first_seed + SETS)]
     return Measured([in_radii(points, (CORNER + BORDER, CORNER + BORDER)) for points in sets], WINDOW)
 
 
@@ -42,8 +42,8 @@ def darts(references) -> Measured:
 
 
 @pytest.fixture(scope="session")
-def sampled(thicket) -> Measured:
-    return of_sampler(thicket, 1001, levels=1)
+def sampled(poissontiles) -> Measured:
+    return of_sampler(poissontiles, 1001, levels=1)
 
 
 @pytest.mark.parametrize("feature", FEATURES)
@@ -87,9 +87,9 @@ def test_progressive_set_agrees_with_naive_darts(feature, progressive):
 
 
 @pytest.fixture(scope="session")
-def progressive(references, thicket) -> tuple[Measured, Measured]:
+def progressive(references, poissontiles) -> tuple[Measured, Measured]:
     """Returns (naive darts, sampler) with three levels."""
-    return of_reference(references.progressive(SIDE, 3, 1, SETS)), of_sampler(thicket, 2001, levels=3)
+    return of_reference(references.progressive(SIDE, 3, 1, SETS)), of_sampler(poissontiles, 2001, levels=3)
 
 
 def test_progressive_set_differs_from_plain_darts(darts, progressive):
@@ -111,12 +111,12 @@ class Tally:
     PHASES = 5
     CLASSES = 5
 
-    def __init__(self, thicket: ModuleType, levels: int):
+    def __init__(self, poissontiles: ModuleType, levels: int):
         self.count, self.phase, self.tag = [], [], []
         corner = 1000.25
         rect = (corner, -corner, corner + self.SIDE, self.SIDE - corner)
         for seed in range(3001, 3001 + self.SEEDS):
-            self.add(lattice_points(thicket, rect, seed, levels=levels))
+            self.add(lattice_points(poissontiles, rect, seed, levels=levels))
 
     def add(self, points: np.ndarray):
         self.count.append(len(points))
@@ -127,13 +127,13 @@ class Tally:
 
 
 @pytest.fixture(scope="session")
-def plain_tally(thicket) -> Tally:
-    return Tally(thicket, 1)
+def plain_tally(poissontiles) -> Tally:
+    return Tally(poissontiles, 1)
 
 
 @pytest.fixture(scope="session")
-def progressive_tally(thicket) -> Tally:
-    return Tally(thicket, 3)
+def progressive_tally(poissontiles) -> Tally:
+    return Tally(poissontiles, 3)
 
 
 @pytest.fixture(params=["plain_tally", "progressive_tally"])
@@ -164,11 +164,11 @@ def test_no_class_of_cells_is_preferred(tally):
 
 
 @pytest.mark.parametrize("levels", range(1, 9))
-def test_prefix_of_rank_q_has_a_fraction_q_of_the_points(thicket, levels):
+def test_prefix_of_rank_q_has_a_fraction_q_of_the_points(poissontiles, levels):
     """Checks 40 windows that are 256 radii wide, which is at least twice the coarsest radius."""
     side, seeds = 256.0, 40
     rect = (-side / 2, 0.0, side / 2, side)
-    sets = [np.sort(thicket.sample(rect, 1.0, seed, levels=levels).ranks) for seed in range(4001, 4001 + seeds)]
+    sets = [np.sort(poissontiles.sample(rect, 1.0, seed, levels=levels).ranks) for seed in range(4001, 4001 + seeds)]
     shares = np.concatenate([[2.0**-10, 2.0**-8, 2.0**-6], np.arange(1, 16) / 16.0])
     # The surplus is a difference, not a quotient. For correct ranks, its mean is zero, regardless of how much the number of
     # points varies.
@@ -187,37 +187,37 @@ def cross_p(pairs: list[tuple[np.ndarray, np.ndarray]]) -> float:
     return mean_differs_from(np.array(rows), 1.0)
 
 
-def window(thicket: ModuleType, seed: int, offset_cells=(0, 0), **options) -> np.ndarray:
+def window(poissontiles: ModuleType, seed: int, offset_cells=(0, 0), **options) -> np.ndarray:
     """Returns a window of a set, with its border. Its corner is shifted from the origin by `offset_cells`."""
     shift = np.asarray(offset_cells) * CELL / RADIUS
     low = shift - BORDER
     high = shift + WINDOW + BORDER
-    return in_radii(lattice_points(thicket, (*low, *high), seed, **options), shift)
+    return in_radii(lattice_points(poissontiles, (*low, *high), seed, **options), shift)
 
 
 RELATIONS: dict[str, Callable[[ModuleType, int], tuple[np.ndarray, np.ndarray]]] = {
-    "seed and next seed": lambda thicket, seed: (window(thicket, seed), window(thicket, seed + 1)),
-    "seed and seed + 2^32": lambda thicket, seed: (window(thicket, seed), window(thicket, seed + 2**32)),
-    "layer and next layer": lambda thicket, seed: (window(thicket, seed), window(thicket, seed, layer=1)),
-    "layer and seed swapped": lambda thicket, seed: (window(thicket, seed, layer=1), window(thicket, 1, layer=seed)),
-    "place and 2^8 cells east": lambda thicket, seed: (window(thicket, seed), window(thicket, seed, (2**8, 0))),
-    "place and 2^16 cells east": lambda thicket, seed: (window(thicket, seed), window(thicket, seed, (2**16, 0))),
-    "place and 2^22 cells south": lambda thicket, seed: (window(thicket, seed), window(thicket, seed, (0, 2**22))),
-    "place and its opposite": lambda thicket, seed: (window(thicket, seed), window(thicket, seed, (-(2**22), -(2**22)))),
+    "seed and next seed": lambda poissontiles, seed: (window(poissontiles, seed), window(poissontiles, seed + 1)),
+    "seed and seed + 2^32": lambda poissontiles, seed: (window(poissontiles, seed), window(poissontiles, seed + 2**32)),
+    "layer and next layer": lambda poissontiles, seed: (window(poissontiles, seed), window(poissontiles, seed, layer=1)),
+    "layer and seed swapped": lambda poissontiles, seed: (window(poissontiles, seed, layer=1), window(poissontiles, 1, layer=seed)),
+    "place and 2^8 cells east": lambda poissontiles, seed: (window(poissontiles, seed), window(poissontiles, seed, (2**8, 0))),
+    "place and 2^16 cells east": lambda poissontiles, seed: (window(poissontiles, seed), window(poissontiles, seed, (2**16, 0))),
+    "place and 2^22 cells south": lambda poissontiles, seed: (window(poissontiles, seed), window(poissontiles, seed, (0, 2**22))),
+    "place and its opposite": lambda poissontiles, seed: (window(poissontiles, seed), window(poissontiles, seed, (-(2**22), -(2**22)))),
 }
 
 
 @pytest.mark.parametrize("relation", RELATIONS)
-def test_sets_are_independent(thicket, relation):
+def test_sets_are_independent(poissontiles, relation):
     seeds = range(5001, 5001 + 2 * 40, 2)
-    p = cross_p([RELATIONS[relation](thicket, seed) for seed in seeds])
+    p = cross_p([RELATIONS[relation](poissontiles, seed) for seed in seeds])
     assert p > ALPHA / len(RELATIONS), f"{relation} are related: p = {p:.2g}"
 
 
-def test_a_dependence_is_detected(thicket):
+def test_a_dependence_is_detected(poissontiles):
     """Checks that a set is found to depend on a second set that contains every third of its points."""
     pairs = []
     for seed in range(5001, 5001 + 2 * 40, 2):
-        a, b = window(thicket, seed), window(thicket, seed + 1)
+        a, b = window(poissontiles, seed), window(poissontiles, seed + 1)
         pairs.append((a, np.concatenate([a[::3], b[1::3], b[2::3]])))
     assert cross_p(pairs) < WRONG

@@ -27,11 +27,11 @@ KINDS = [*EQUIVALENT, ("wavefront", "double")]
 FIRST_SEED = {"single": 1001, "double": 2001}
 
 
-def domains_of(thicket: ModuleType, method: str, size, first_seed: int, seeds: int, *, toroidal=True, **options) -> list[np.ndarray]:
+def domains_of(poissontiles: ModuleType, method: str, size, first_seed: int, seeds: int, *, toroidal=True, **options) -> list[np.ndarray]:
     """Returns whole domains of size = (width, height) with radius 1, one for each seed, converted to double precision. `options` are passed to
-    thicket.sample_domain."""
+    poissontiles.sample_domain."""
     return [
-        thicket.sample_domain(size, 1.0, seed, method=method, toroidal=toroidal, **options).astype(np.float64)
+        poissontiles.sample_domain(size, 1.0, seed, method=method, toroidal=toroidal, **options).astype(np.float64)
         for seed in range(first_seed, first_seed + seeds)
     ]
 
@@ -56,8 +56,8 @@ def darts(dart_sets) -> Measured:
 
 
 @pytest.fixture(scope="module")
-def domain_sets(thicket) -> dict[tuple[str, str], list[np.ndarray]]:
-    return {kind: domains_of(thicket, kind[0], (SIDE, SIDE), FIRST_SEED[kind[1]], SETS, precision=kind[1]) for kind in KINDS}
+def domain_sets(poissontiles) -> dict[tuple[str, str], list[np.ndarray]]:
+    return {kind: domains_of(poissontiles, kind[0], (SIDE, SIDE), FIRST_SEED[kind[1]], SETS, precision=kind[1]) for kind in KINDS}
 
 
 @pytest.fixture(scope="module")
@@ -89,10 +89,10 @@ def test_parts_of_sets_agree_with_naive_darts(dart_sets, domain_sets, kind, part
 
 
 @pytest.fixture(scope="module")
-def wrong_sets(thicket, references) -> dict[str, Measured]:
+def wrong_sets(poissontiles, references) -> dict[str, Measured]:
     """Returns sets of naive dart throwing that ends too early, and tiles colored by phase."""
     return {
-        "early": measured(domains_of(thicket, "naive", (SIDE, SIDE), 3001, SETS, darts_each=40)),
+        "early": measured(domains_of(poissontiles, "naive", (SIDE, SIDE), 3001, SETS, darts_each=40)),
         "colored": measured(references.colored(SIDE, 8, 1, SETS)),
     }
 
@@ -116,10 +116,10 @@ def coverage(sets: list[np.ndarray], side: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("kind", [*EQUIVALENT, ("wavefront", "single")], ids="-".join)
-def test_coverage_matches_the_jammed_state(thicket, kind):
+def test_coverage_matches_the_jammed_state(poissontiles, kind):
     """Checks the coverage of two million points on tori."""
     side, seeds = 300.0, 32
-    sets = domains_of(thicket, kind[0], (side, side), FIRST_SEED[kind[1]], seeds, precision=kind[1])
+    sets = domains_of(poissontiles, kind[0], (side, side), FIRST_SEED[kind[1]], seeds, precision=kind[1])
     assert sum(map(len, sets)) >= 2_000_000
     found = coverage(sets, side)
     error = found.std(ddof=1) / np.sqrt(seeds)
@@ -128,13 +128,13 @@ def test_coverage_matches_the_jammed_state(thicket, kind):
     assert abs(z) < 4.0, f"coverage {found.mean():.6f} is {z:.1f} standard errors from {JAMMED_COVERAGE}"
 
 
-def test_naive_darts_approach_the_jammed_state_at_the_known_rate(thicket):
+def test_naive_darts_approach_the_jammed_state_at_the_known_rate(poissontiles):
     """Checks that four times as many darts halve the missing coverage. It is inversely proportional to the square root
     of the number of darts (Feder 1980, Swendsen 1981)."""
     side, seeds = 48.0, 16
     missing = []
     for darts_each in [25, 100, 400]:
-        found = coverage(domains_of(thicket, "naive", (side, side), 4001, seeds, darts_each=darts_each), side)
+        found = coverage(domains_of(poissontiles, "naive", (side, side), 4001, seeds, darts_each=darts_each), side)
         assert z_of_mean(found, JAMMED_COVERAGE) < -4.0
         missing.append(JAMMED_COVERAGE - found.mean())
     assert 1.8 < missing[0] / missing[1] < 2.2
@@ -143,13 +143,13 @@ def test_naive_darts_approach_the_jammed_state_at_the_known_rate(thicket):
 
 @pytest.mark.parametrize("method", ["naive", "hierarchical", "wavefront"])
 @pytest.mark.parametrize("torus", [True, False], ids=["torus", "bounded"])
-def test_all_four_sides_have_equal_densities(thicket, method, torus):
+def test_all_four_sides_have_equal_densities(poissontiles, method, torus):
     """Checks that the densities near the four edges of a rectangular domain, as functions of the distance from the edge, are
     equal."""
     size, seeds = np.array([70.0, 41.0]), 96
     edges = np.linspace(0.0, 3.0, 9)
     rows, density = [], []
-    for points in domains_of(thicket, method, size, 5001, seeds, toroidal=torus, darts_each=30):
+    for points in domains_of(poissontiles, method, size, 5001, seeds, toroidal=torus, darts_each=30):
         sides = []
         density.append(len(points) / size.prod())
         for axis, other in ((0, 1), (1, 0)):

@@ -1,11 +1,12 @@
 """Tests the Python package, which is built with one command and installed offline into a new environment. Its digests must
-equal the digests of the core, and its NumPy arrays must not be copies. Other threads must run during calls, calls can be
+equal the digests of the core. Other threads must run during calls, calls can be
 canceled, and invalid arguments are rejected."""
 
 from __future__ import annotations
 
-import ast
 import inspect
+import os
+import pickle
 import re
 import signal
 import subprocess
@@ -34,7 +35,7 @@ def test_wheel(wheel):
     assert f"-{tag}-" in wheel.name
     plugin = (REPO / "demo_project/addons/thicket/plugin.cfg").read_text(encoding="utf-8")
     version = re.search(r'^version="([^"]+)"', plugin, re.MULTILINE)
-    assert wheel.name.startswith(f"thicket-{version.group(1)}-")
+    assert wheel.name.startswith(f"poissontiles-{version.group(1)}-")
     repository = re.search(r'^repository="([^"]+)"', plugin, re.MULTILINE).group(1)
     with ZipFile(wheel) as files:
         (metadata,) = (files.read(name).decode() for name in files.namelist() if name.endswith(".dist-info/METADATA"))
@@ -54,8 +55,8 @@ def test_example_of_the_documentation_runs(wheel_python):
 
 
 @pytest.mark.parametrize("one", SETS, ids=lambda one: one.name)
-def test_sets(thicket, one):
-    points = thicket.sample(one.rect, one.radius, one.seed, levels=one.levels, layer=one.layer)
+def test_sets(poissontiles, one):
+    points = poissontiles.sample(one.rect, one.radius, one.seed, levels=one.levels, layer=one.layer)
     assert points.digest() == one.digests
     count = len(points)
     assert count > 100 and points.positions.shape == (count, 2) and points.positions.dtype == np.float64
@@ -68,19 +69,19 @@ def test_sets(thicket, one):
     assert (np.diff(points.levels[np.argsort(points.ranks)].astype(int)) <= 0).all(), "coarse levels come first"
 
 
-def test_no_two_points_are_too_close(thicket):
-    positions = thicket.sample((-1e6, 5e5, -1e6 + 60, 5e5 + 40), 1.0, 3, levels=3).positions
+def test_no_two_points_are_too_close(poissontiles):
+    positions = poissontiles.sample((-1e6, 5e5, -1e6 + 60, 5e5 + 40), 1.0, 3, levels=3).positions
     apart = np.hypot(*(positions[:, None] - positions[None, :]).transpose(2, 0, 1))
     assert apart[~np.eye(len(positions), dtype=bool)].min() >= 1.0
 
 
 @pytest.mark.parametrize("precision", ["single", "double"])
 @pytest.mark.parametrize("one", DOMAINS, ids=lambda one: one.name)
-def test_domains(thicket, one, precision):
-    positions = thicket.sample_domain(
+def test_domains(poissontiles, one, precision):
+    positions = poissontiles.sample_domain(
         one.size, one.radius, one.seed, method=one.method, toroidal=one.toroidal, precision=precision, cell_size=one.cell_size
     )
-    assert thicket.domain_digest(positions) == one.digest(precision)
+    assert poissontiles.domain_digest(positions) == one.digest(precision)
     assert positions.dtype == {"single": np.float32, "double": np.float64}[precision]
     assert positions.ndim == 2 and positions.shape[1] == 2 and positions.flags.c_contiguous
     assert (positions >= 0).all() and (positions < one.size).all()
@@ -106,10 +107,10 @@ def on_faces(vertices: np.ndarray, faces: np.ndarray, count: int) -> np.ndarray:
     return chosen[:, 0] + u * (chosen[:, 1] - chosen[:, 0]) + v * (chosen[:, 2] - chosen[:, 0])
 
 
-def test_points_on_a_surface(thicket):
+def test_points_on_a_surface(poissontiles):
     """Checks that no two points are too close, that no other point would fit, and that each point lies on its face."""
     vertices, faces = ball(12.0, 24)
-    points = thicket.sample_surface(vertices, faces, 1.0, 3, layer=7)
+    points = poissontiles.sample_surface(vertices, faces, 1.0, 3, layer=7)
     count = len(points)
     tree = cKDTree(points.positions)
     assert tree.query(points.positions, k=2)[0][:, 1].min() >= 1.0 - 1e-6
@@ -123,12 +124,12 @@ def test_points_on_a_surface(thicket):
     assert ((points.positions * points.normals).sum(axis=1) > 11.0).all(), "normals point outward"
 
 
-def test_windows_of_a_surface_fit_together(thicket):
+def test_windows_of_a_surface_fit_together(poissontiles):
     vertices, faces = ball(12.0, 24)
-    whole = thicket.sample_surface(vertices, faces, 1.0, 3, levels=3)
+    whole = poissontiles.sample_surface(vertices, faces, 1.0, 3, levels=3)
     assert set(whole.levels) == {0, 1, 2} and (np.diff(whole.levels[np.argsort(whole.ranks)].astype(int)) <= 0).all()
     halves = [
-        thicket.sample_surface(vertices.astype(np.float64), faces.astype(kind), 1.0, 3, levels=3, window=window)
+        poissontiles.sample_surface(vertices.astype(np.float64), faces.astype(kind), 1.0, 3, levels=3, window=window)
         for kind, window in ((np.int32, (-50, -50, -50, 2.5, 50, 50)), (np.uint32, np.array([2.5, -50, -50, 50, 50, 50])))
     ]
     assert all(len(half) > 100 for half in halves) and len(halves[0]) + len(halves[1]) == len(whole)
@@ -136,48 +137,74 @@ def test_windows_of_a_surface_fit_together(thicket):
     assert found == {number: place.tobytes() for number, place in zip(whole.ids, whole.positions, strict=True)}
 
 
-def test_points_on_a_surface_without_faces(thicket):
-    points = thicket.sample_surface(np.zeros((3, 3)), np.zeros((0, 3), int), 1.0)
+def test_points_on_a_surface_without_faces(poissontiles):
+    points = poissontiles.sample_surface(np.zeros((3, 3)), np.zeros((0, 3), int), 1.0)
     assert len(points) == 0 and points.positions.shape == points.normals.shape == (0, 3)
 
 
-def test_nothing_is_copied(thicket):
-    """Checks that all arrays are views into one block of memory, which is kept alive as long as any of them."""
-    points = thicket.sample((0, 0, 300, 300), 1.0)
-    start = points.positions.ctypes.data
-    assert points.positions.strides == (32, 8) and points.ids.strides == (32,) and points.ranks.strides == (32,)
-    assert [array.ctypes.data - start for array in (points.positions, points.ids, points.ranks, points.levels)] == [0, 16, 24, 28]
-    assert not points.positions.flags.owndata and not points.positions.flags.writeable
-    with pytest.raises(ValueError, match="read-only"):
-        points.positions[0] = 1.0
-    kept = points.ids
-    copied = kept.copy()
-    del points
-    others = [thicket.sample((0, 0, 300, 300), 1.0, seed) for seed in range(1, 4)]
-    assert (kept == copied).all() and all(len(other) for other in others)
-    surface = thicket.sample_surface(*ball(5.0, 9), 1.0)
-    start = surface.positions.ctypes.data
-    assert surface.positions.strides == (72, 8) and surface.ids.strides == (72,) and surface.faces.strides == (72,)
-    assert [array.ctypes.data - start for array in (surface.normals, surface.ids, surface.ranks, surface.levels, surface.faces)] == [24, 48, 56, 60, 64]
-    assert not surface.normals.flags.owndata and not surface.normals.flags.writeable
-    domain = thicket.sample_domain((300, 300), 1.0)
-    assert not domain.flags.owndata and not domain.flags.writeable
-    tail = domain[-5:]
-    copied = tail.copy()
-    del domain
-    others = [thicket.sample_domain((300, 300), 1.0, seed) for seed in range(1, 4)]
-    assert (tail == copied).all()
+def test_arrays_are_contiguous_and_read_only(poissontiles):
+    """Checks that each array has memory of its own, so that keeping one does not keep the others."""
+    points = poissontiles.sample((0, 0, 300, 300), 1.0)
+    surface = poissontiles.sample_surface(*ball(5.0, 9), 1.0)
+    domain = poissontiles.sample_domain((300, 300), 1.0)
+    arrays = [points.positions, points.ids, points.ranks, points.levels, domain]
+    arrays += [surface.positions, surface.normals, surface.ids, surface.ranks, surface.levels, surface.faces]
+    for array in arrays:
+        assert array.flags.c_contiguous and not array.flags.writeable
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1
+    kept = [array[-5:] for array in arrays]
+    copied = [array.copy() for array in kept]
+    del points, surface, domain, arrays
+    others = [poissontiles.sample((0, 0, 300, 300), 1.0, seed) for seed in range(1, 4)]
+    assert all((one == other).all() for one, other in zip(kept, copied, strict=True)) and all(map(len, others))
+
+
+def test_points_behave_like_numpy_arrays(poissontiles):
+    for points in (poissontiles.sample((0, 0, 30, 20), 1.0, 3, levels=3), poissontiles.sample_surface(*ball(5.0, 9), 1.0)):
+        assert np.asarray(points) is points.positions and len(points) > 100
+        assert np.array(points, dtype=np.float32).dtype == np.float32 and np.array(points).flags.writeable
+        assert (np.stack(list(points)) == points.positions).all()
+        assert (points[3] == points.positions[3]).all() and (points[np.int64(-1)] == points.positions[-1]).all()
+        coarse = points[points.ranks < 2**31]
+        assert type(coarse) is type(points) and 0 < len(coarse) < len(points)
+        assert (coarse.ids == points.ids[points.ranks < 2**31]).all() and coarse.seed == points.seed
+        for part in (points[10:20], points[list(range(10, 20))], points[np.arange(10, 20)]):
+            assert (part.ids == points.ids[10:20]).all() and (part.positions == points.positions[10:20]).all()
+        assert len(points[:0]) == 0
+        for wrong in ((1, 0), np.zeros((2, 2), int), None, "ids"):
+            with pytest.raises(IndexError):
+                points[wrong]
+        with pytest.raises(IndexError):
+            points[len(points)]
+        loaded = pickle.loads(pickle.dumps(points))
+        assert type(loaded) is type(points) and loaded.seed == points.seed and not loaded.positions.flags.writeable
+        assert (loaded.ids == points.ids).all() and (loaded.positions == points.positions).all()
+
+
+def test_points_pass_between_processes(wheel_python):
+    text = """
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+import multiprocessing, poissontiles
+tiles = [(x, 0, x + 20, 20) for x in (0, 20, 40)]
+with ProcessPoolExecutor(2, multiprocessing.get_context("fork")) as pool:
+    parts = list(pool.map(partial(poissontiles.sample, radius=1.0, seed=5), tiles))
+print(sum(map(len, parts)) == len(poissontiles.sample((0, 0, 60, 20), 1.0, 5)))
+"""
+    done = script(wheel_python, text)
+    assert done.stdout == "True\n", done.stdout + done.stderr
 
 
 def test_memory_is_freed(wheel_python):
     """Checks that memory is freed. A set and a domain take 4.5 MB, and twelve more of each must increase the peak by
     less than 10 MB."""
     text = """
-import resource, thicket
+import resource, poissontiles
 def work(count):
     for seed in range(count):
-        thicket.sample((0, 0, 370, 370), 1.0, seed).ids
-        thicket.sample_domain((370, 370), 1.0, seed)
+        poissontiles.sample((0, 0, 370, 370), 1.0, seed).ids
+        poissontiles.sample_domain((370, 370), 1.0, seed)
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 print(work(3) + 10_000 > work(15))
 """
@@ -185,21 +212,34 @@ print(work(3) + 10_000 > work(15))
     assert done.stdout == "True\n", done.stdout + done.stderr
 
 
-def test_an_empty_rectangle_has_no_points(thicket):
-    points = thicket.sample((5, 5, 5, 9), 1.0)
+def test_an_empty_rectangle_has_no_points(poissontiles):
+    points = poissontiles.sample((5, 5, 5, 9), 1.0)
     assert len(points) == 0 and points.positions.shape == (0, 2) and points.ids.shape == points.ranks.shape == (0,)
 
 
-def test_seeds_are_any_64_bits(thicket):
+def test_seeds_are_any_64_bits(poissontiles):
     def ids(seed):
-        return thicket.sample((0, 0, 9, 9), 1.0, seed).digest()
+        return poissontiles.sample((0, 0, 9, 9), 1.0, seed).digest()
 
     assert ids(-1) == ids(2**64 - 1) == ids(np.int64(-1)) and ids(-(2**63)) == ids(2**63) and ids(0) != ids(1)
     for wrong in (2**64, -(2**63) - 1):
         with pytest.raises(ValueError, match=f"^seed must have 64 bits, got {wrong}$"):
-            thicket.sample((0, 0, 9, 9), 1.0, wrong)
-    with pytest.raises(TypeError, match="integer"):
-        thicket.sample((0, 0, 9, 9), 1.0, 1.5)
+            poissontiles.sample((0, 0, 9, 9), 1.0, wrong)
+
+
+def test_seeds_of_numpy(poissontiles):
+    """Checks the seeds that NumPy's generators provide, and that None chooses a new seed, which can be used again."""
+    rect = (0, 0, 9, 9)
+    by_generator = [poissontiles.sample(rect, 1.0, np.random.default_rng(4)) for _ in range(2)]
+    assert by_generator[0].digest() == by_generator[1].digest()
+    assert by_generator[0].digest() == poissontiles.sample(rect, 1.0, np.random.PCG64(4)).digest()
+    generator = np.random.default_rng(4)
+    assert poissontiles.sample(rect, 1.0, generator).digest() != poissontiles.sample(rect, 1.0, generator).digest()
+    sequence = np.random.SeedSequence(4)
+    assert poissontiles.sample(rect, 1.0, sequence).seed == poissontiles.sample(rect, 1.0, sequence).seed
+    fresh = [poissontiles.sample(rect, 1.0, None) for _ in range(2)]
+    assert fresh[0].seed != fresh[1].seed and 0 <= fresh[0].seed < 2**64
+    assert poissontiles.sample(rect, 1.0, fresh[0].seed).digest() == fresh[0].digest()
 
 
 REFUSED = [
@@ -231,7 +271,15 @@ REFUSED = [
     ("sample_surface", {"vertices": np.array([[0, 0, 0], [1, 0, 0], [0, np.nan, 0]])}, ValueError, "vertices must be finite, got nan"),
     ("sample_surface", {"window": (0, 0, 0)}, TypeError, "window must be six numbers, (min_x, min_y, min_z, max_x, max_y, max_z), got (0, 0, 0)"),
     ("sample_surface", {"window": (0, 0, 0, 1, -1, 1)}, ValueError, "window has its end before its start, got -1"),
-    ("sample_surface", {"vertices": np.zeros((3, 2))}, TypeError, "sample_surface(): incompatible function arguments"),
+    ("sample", {"levels": 10**30}, ValueError, "levels must be between 1 and 8, got "),
+    ("sample", {"levels": 1.5}, TypeError, "levels must be an integer, got 1.5"),
+    ("sample", {"radius": "1"}, TypeError, "radius must be a number, got '1'"),
+    ("sample", {"seed": 1.5}, TypeError, "seed must be an integer, None, or a NumPy Generator, BitGenerator or SeedSequence, got 1.5"),
+    ("sample", {"progress": 3}, TypeError, "progress must be callable or None, got 3"),
+    ("sample", {"cancel": True}, TypeError, "cancel must be a Cancel or None, got True"),
+    ("sample_domain", {"method": 2}, TypeError, "method must be a string, got 2"),
+    ("sample_surface", {"vertices": np.zeros((3, 2))}, TypeError, "vertices must be an array of numbers of shape (n, 3), got float64 of shape (3, 2)"),
+    ("sample_surface", {"faces": np.zeros((1, 3))}, TypeError, "faces must be an array of integers of shape (n, 3), got float64 of shape (1, 3)"),
 ]
 GOOD = {
     "sample": {"rect": (0, 0, 9, 9)},
@@ -241,28 +289,28 @@ GOOD = {
 
 
 @pytest.mark.parametrize(("name", "wrong", "error", "sentence"), REFUSED)
-def test_arguments_that_the_core_rejects_raise(thicket, name, wrong, error, sentence):
+def test_arguments_that_the_core_rejects_raise(poissontiles, name, wrong, error, sentence):
     with pytest.raises(error) as raised:
-        getattr(thicket, name)(**{"radius": 1.0, **GOOD[name], **wrong})
+        getattr(poissontiles, name)(**{"radius": 1.0, **GOOD[name], **wrong})
     assert str(raised.value).startswith(sentence)
 
 
-def test_arrays_without_a_digest_raise(thicket):
+def test_arrays_without_a_digest_raise(poissontiles):
     for wrong in (np.zeros((4, 3)), np.zeros((4, 2), int), np.zeros((2, 4)).T, [[1.0, 2.0]]):
         with pytest.raises(TypeError):
-            thicket.domain_digest(wrong)
+            poissontiles.domain_digest(wrong)
 
 
 def test_lack_of_memory_raises(wheel_python):
     text = """
-import resource, thicket
+import resource, poissontiles
 resource.setrlimit(resource.RLIMIT_AS, (600_000_000, 600_000_000))
-for work in (lambda: thicket.sample((0, 0, 8000, 8000), 1.0), lambda: thicket.sample_domain((8000, 8000), 1.0)):
+for work in (lambda: poissontiles.sample((0, 0, 8000, 8000), 1.0), lambda: poissontiles.sample_domain((8000, 8000), 1.0)):
     try:
         work()
     except MemoryError as error:
         print(error)
-print(len(thicket.sample((0, 0, 9, 9), 1.0)) > 40)
+print(len(poissontiles.sample((0, 0, 9, 9), 1.0)) > 40)
 """
     done = script(wheel_python, text)
     assert re.fullmatch(r"rect needs more memory than is available, got .+\nsize needs more memory than is available, got 8000\. .+\nTrue\n", done.stdout), (
@@ -272,15 +320,15 @@ print(len(thicket.sample((0, 0, 9, 9), 1.0)) > 40)
 
 # Calls to each function that take one or two seconds.
 LONG = {
-    "sample": lambda thicket, **watched: thicket.sample((0, 0, 2500, 2500), 1.0, **watched),
-    "sample by threads": lambda thicket, **watched: thicket.sample((0, 0, 4000, 2500), 1.0, threads=3, **watched),
-    "sample_domain": lambda thicket, **watched: thicket.sample_domain((1500, 1500), 1.0, **watched),
-    "sample_surface": lambda thicket, **watched: thicket.sample_surface(*ball(80.0, 99), 1.0, **watched),
+    "sample": lambda poissontiles, **watched: poissontiles.sample((0, 0, 2500, 2500), 1.0, **watched),
+    "sample by threads": lambda poissontiles, **watched: poissontiles.sample((0, 0, 4000, 2500), 1.0, threads=3, **watched),
+    "sample_domain": lambda poissontiles, **watched: poissontiles.sample_domain((1500, 1500), 1.0, **watched),
+    "sample_surface": lambda poissontiles, **watched: poissontiles.sample_surface(*ball(80.0, 99), 1.0, **watched),
 }
 
 
 @pytest.mark.parametrize("work", LONG.values(), ids=LONG)
-def test_other_threads_run_during_a_call(thicket, work):
+def test_other_threads_run_during_a_call(poissontiles, work):
     """Checks that another thread keeps running during a call. It could not run if the call held the global interpreter lock."""
     ticks: list[float] = []
     end = threading.Event()
@@ -293,7 +341,7 @@ def test_other_threads_run_during_a_call(thicket, work):
     ticker = threading.Thread(target=tick)
     ticker.start()
     begun = time.perf_counter()
-    work(thicket)
+    work(poissontiles)
     took = time.perf_counter() - begun
     end.set()
     ticker.join()
@@ -302,27 +350,27 @@ def test_other_threads_run_during_a_call(thicket, work):
 
 
 @pytest.mark.parametrize("work", LONG.values(), ids=LONG)
-def test_progress(thicket, work):
+def test_progress(poissontiles, work):
     seen: list[tuple[float, int, int]] = []
-    made = work(thicket, progress=lambda fraction, points: seen.append((fraction, points, threading.get_ident())))
+    made = work(poissontiles, progress=lambda fraction, points: seen.append((fraction, points, threading.get_ident())))
     assert len(seen) > 5 and seen == sorted(seen) and seen[0][0] < 0.5
     assert seen[-1][:2] == (1.0, len(made)) and {each[2] for each in seen} == {threading.get_ident()}
 
 
 @pytest.mark.parametrize("work", LONG.values(), ids=LONG)
-def test_cancel(thicket, work):
+def test_cancel(poissontiles, work):
     """Checks that a call can be canceled from another thread and before it begins. An exception of the progress
     function must end the call and propagate."""
-    cancel, begun = thicket.Cancel(), threading.Event()
+    cancel, begun = poissontiles.Cancel(), threading.Event()
     canceller = threading.Thread(target=lambda: (begun.wait(), cancel.cancel()))
     canceller.start()
-    with pytest.raises(thicket.Cancelled, match="was cancelled"):
-        work(thicket, cancel=cancel, progress=lambda fraction, points: begun.set())
+    with pytest.raises(poissontiles.Cancelled, match="was cancelled"):
+        work(poissontiles, cancel=cancel, progress=lambda fraction, points: begun.set())
     canceller.join()
     assert cancel.cancelled
     start = time.perf_counter()
-    with pytest.raises(thicket.Cancelled):
-        work(thicket, cancel=cancel)
+    with pytest.raises(poissontiles.Cancelled):
+        work(poissontiles, cancel=cancel)
     assert time.perf_counter() - start < 0.2, "a call with a canceled object ends immediately"
     calls: list[float] = []
 
@@ -331,20 +379,20 @@ def test_cancel(thicket, work):
         raise LookupError("enough")
 
     with pytest.raises(LookupError, match="enough"):
-        work(thicket, progress=stop)
+        work(poissontiles, progress=stop)
     assert len(calls) == 1
-    assert thicket.sample(SETS[0].rect, 1.0, 1).digest() == SETS[0].digests, "later calls are not affected"
+    assert poissontiles.sample(SETS[0].rect, 1.0, 1).digest() == SETS[0].digests, "later calls are not affected"
 
 
-def test_a_progress_function_may_sample(thicket):
+def test_a_progress_function_may_sample(poissontiles):
     inside: list = []
-    LONG["sample"](thicket, progress=lambda fraction, points: inside.append(thicket.sample(SETS[0].rect, 1.0, 1).digest()))
+    LONG["sample"](poissontiles, progress=lambda fraction, points: inside.append(poissontiles.sample(SETS[0].rect, 1.0, 1).digest()))
     assert set(inside) == {SETS[0].digests}
 
 
-def test_threads_agree(thicket):
+def test_threads_agree(poissontiles):
     digests: list = []
-    threads = [threading.Thread(target=lambda: digests.extend(thicket.sample(SETS[0].rect, 1.0, 1).digest() for _ in range(5))) for _ in range(4)]
+    threads = [threading.Thread(target=lambda: digests.extend(poissontiles.sample(SETS[0].rect, 1.0, 1).digest() for _ in range(5))) for _ in range(4)]
     for thread in threads:
         thread.start()
     for thread in threads:
@@ -352,17 +400,17 @@ def test_threads_agree(thicket):
     assert digests == [SETS[0].digests] * 20
 
 
-def test_a_call_with_several_threads_returns_the_same_points(thicket):
+def test_a_call_with_several_threads_returns_the_same_points(poissontiles):
     for one in SETS:
-        alone = thicket.sample(one.rect, one.radius, one.seed, levels=one.levels, layer=one.layer)
+        alone = poissontiles.sample(one.rect, one.radius, one.seed, levels=one.levels, layer=one.layer)
         for threads in (0, 2, 5):
-            shared = thicket.sample(one.rect, one.radius, one.seed, levels=one.levels, layer=one.layer, threads=threads)
+            shared = poissontiles.sample(one.rect, one.radius, one.seed, levels=one.levels, layer=one.layer, threads=threads)
             assert shared.digest() == one.digests and (shared.ids == alone.ids).all()
 
 
 def test_control_c_ends_a_call(wheel_python):
     # Sets the handler explicitly, because a program that a shell starts with & ignores SIGINT.
-    text = "import signal, thicket\nsignal.signal(signal.SIGINT, signal.default_int_handler)\ntry:\n    print('begun', flush=True)\n    thicket.sample((0, 0, 5000, 5000), 1.0)\nexcept KeyboardInterrupt:\n    print('ended')"
+    text = "import signal, poissontiles\nsignal.signal(signal.SIGINT, signal.default_int_handler)\ntry:\n    print('begun', flush=True)\n    poissontiles.sample((0, 0, 5000, 5000), 1.0)\nexcept KeyboardInterrupt:\n    print('ended')"
     process = subprocess.Popen([wheel_python, "-c", text], stdout=subprocess.PIPE, text=True)
     assert process.stdout.readline() == "begun\n"
     time.sleep(0.3)
@@ -370,20 +418,56 @@ def test_control_c_ends_a_call(wheel_python):
     assert process.communicate(timeout=20)[0] == "ended\n"
 
 
-def test_types_and_docstrings(thicket):
-    """Checks that every public name has a docstring and is declared in the stubs, and that the docstrings of functions
-    describe all arguments, units and errors."""
-    folder = Path(thicket.__file__).parent
-    assert all((folder / name).is_file() for name in ("py.typed", "LICENSE", "licenses/highway", "licenses/nanobind"))
-    stub = ast.parse((folder / "_core.pyi").read_text(encoding="utf-8"))
-    declared = {node.name: node for node in stub.body if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
-    assert set(thicket.__all__) == set(declared)
-    for name in thicket.__all__:
-        assert len(inspect.getdoc(getattr(thicket, name))) > 20, name
-    for name in ("sample", "sample_domain", "sample_surface"):
-        words = inspect.getdoc(getattr(thicket, name))
-        for argument in (*declared[name].args.args, *declared[name].args.kwonlyargs):
-            assert argument.annotation and re.search(rf"^ +(\w+, )*{argument.arg}[:,]", words, re.MULTILINE), argument.arg
-        assert "meters" in words and all(f"{error}:" in words for error in ("ValueError", "MemoryError", "Cancelled"))
-    for node in filter(lambda each: isinstance(each, ast.FunctionDef), declared["Points"].body + declared["SurfacePoints"].body):
-        assert node.returns and (node.name.startswith("__") or len(ast.get_docstring(node) or "") > 20), node.name
+def test_types_and_docstrings(poissontiles):
+    """Checks that every public name has a docstring, that the docstrings of functions describe all arguments, units and errors, and that all
+    arguments and results have types."""
+    folder = Path(poissontiles.__file__).parent
+    assert all((folder / name).is_file() for name in ("py.typed", "_core.pyi", "LICENSE", "licenses/highway", "licenses/nanobind"))
+    for name in poissontiles.__all__:
+        assert len(inspect.getdoc(getattr(poissontiles, name))) > 20, name
+    for name in ("sample", "sample_domain", "sample_surface", "domain_digest"):
+        words = inspect.getdoc(getattr(poissontiles, name))
+        signature = inspect.signature(getattr(poissontiles, name))
+        for argument in signature.parameters.values():
+            assert argument.annotation is not argument.empty and re.search(rf"^ +(\w+, )*{argument.name}[:,]", words, re.MULTILINE), argument
+        assert signature.return_annotation is not signature.empty and "TypeError:" in words
+        if name != "domain_digest":
+            assert "meters" in words and all(f"{error}:" in words for error in ("ValueError", "MemoryError", "Cancelled"))
+    for points in (poissontiles.Points, poissontiles.SurfacePoints):
+        words = inspect.getdoc(points)
+        assert all(f"    {field}: " in words for field in points.__dataclass_fields__)
+
+
+@pytest.mark.full
+def test_the_package_is_typed(wheel_python, tmp_path):
+    """Checks the package with mypy in strict mode."""
+    venv = tmp_path / "venv"
+    for command in (
+        [sys.executable, "-m", "venv", venv],
+        [venv / "bin/python", "-m", "pip", "install", "--quiet", "mypy==1.18.2"],
+    ):
+        done = run(command, timeout=300)
+        assert done.returncode == 0, done.stdout + done.stderr
+    command = [venv / "bin/python", "-m", "mypy", "--strict", "--no-incremental", "--python-executable", wheel_python, "-p", "poissontiles"]
+    done = run(command, 300, cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.full
+def test_the_source_distribution_builds(wheel, tmp_path):
+    """Builds a wheel from the source distribution alone, and compares a digest."""
+    done = run(["bash", "python/build.sh", "--sdist"], timeout=300, cwd=REPO, env={**os.environ, "PYTHON": sys.executable})
+    assert done.returncode == 0, done.stdout + done.stderr
+    source = REPO / re.search(r"^thicket: (build/python/poissontiles-\S+\.tar\.gz)$", done.stderr, re.MULTILINE).group(1)
+    venv = tmp_path / "venv"
+    tools = ["ninja", "cmake"]
+    for command in (
+        [sys.executable, "-m", "venv", venv],
+        [venv / "bin/python", "-m", "pip", "install", "--quiet", *tools],
+        [venv / "bin/python", "-m", "pip", "install", "--quiet", source],
+    ):
+        done = run(command, timeout=1200, cwd=tmp_path)
+        assert done.returncode == 0, done.stdout + done.stderr
+    one = SETS[0]
+    text = f"import poissontiles; print(poissontiles.sample({one.rect}, {one.radius}, {one.seed}, levels={one.levels}, layer={one.layer}).digest())"
+    assert run([venv / "bin/python", "-c", text], 60, cwd=tmp_path).stdout.strip() == str(one.digests)

@@ -7,7 +7,9 @@ Lengths are in meters. All functions are thread-safe and release the GIL while t
 
 from importlib.metadata import version as _version
 
-from ._core import Cancel, Cancelled, Points, SurfacePoints, domain_digest, sample, sample_domain, sample_surface
+from ._core import Cancel, Cancelled
+from .points import Points, SurfacePoints
+from .sampling import domain_digest, sample, sample_domain, sample_surface
 
-__version__: str = _version("thicket")
+__version__: str = _version("poissontiles")
 __all__ = ["Cancel", "Cancelled", "Points", "SurfacePoints", "domain_digest", "sample", "sample_domain", "sample_surface"]
