@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
 from typing import Any, SupportsIndex, TypeVar, overload
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from . import _core
 
@@ -61,6 +61,39 @@ class _List:
         if isinstance(key, tuple) or np.ndim(np.empty(0) if isinstance(key, slice) else key) != 1:
             raise IndexError(f"points must be indexed by an integer, a slice, a mask or an array of indices, got {key!r}")
         return type(self)(**{field.name: getattr(self, field.name)[key] for field in fields(self) if field.name != "seed"}, seed=self.seed)
+
+    def first(self: List, count: int) -> List:
+        """Returns the first points in the progressive order, in the order of this list. Points with equal ranks are ordered by ID.
+
+        Args:
+            count: the number of points, 0 to len(points).
+
+        Raises:
+            ValueError: there are fewer points.
+        """
+        if not 0 <= count <= len(self):
+            raise ValueError(f"count must be between 0 and {len(self)}, the number of points, got {count}")
+        return self[np.sort(np.lexsort((self.ids, self.ranks))[:count])]
+
+    def thin(self: List, density: ArrayLike | Callable[[NDArray[np.float64]], ArrayLike]) -> List:
+        """Returns the points whose rank is below a density: rank / 2**32 < density. With several levels, the remaining points are well
+        spaced wherever the density varies slowly. A point is kept or removed regardless of all other points, so tiles still fit
+        together.
+
+        Args:
+            density: the fraction of points to keep, 0 to 1: a number, one number for each point, or a function that receives the
+                positions, float64 of shape (n, axes), and returns such numbers, for example the values of an image.
+
+        Raises:
+            ValueError: the density has the wrong shape, or a value is not between 0 and 1.
+        """
+        values = np.asarray(density(self.positions) if callable(density) else density, dtype=np.float64)
+        if values.ndim != 0 and values.shape != (len(self),):
+            raise ValueError(f"density must be a number, or have shape ({len(self)},), got shape {values.shape}")
+        wrong = ~((values >= 0) & (values <= 1))
+        if wrong.any():
+            raise ValueError(f"density must be between 0 and 1, got {np.ravel(values)[np.ravel(wrong)][0]}")
+        return self[self.ranks < values * 2.0**32]
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), tuple(getattr(self, field.name) for field in fields(self))

@@ -93,6 +93,7 @@ def sample(
     levels: int = 1,
     layer: int = 0,
     threads: int = 1,
+    n: int | None = None,
     progress: ProgressFunction | None = None,
     cancel: _core.Cancel | None = None,
 ) -> Points:
@@ -112,6 +113,8 @@ def sample(
         layer: 0 to 65535; part of the IDs. Different layers are different sets.
         threads: the number of threads for a rectangle wider than 90 radii, 1 to 256; 0 for one per core. The number does not change
             the points or their order.
+        n: return only the first n points in the progressive order, well spaced with several levels; None for all. These points depend on
+            the rectangle. Raises ValueError if there are fewer.
         progress: called with the finished fraction (0 to 1, never decreasing) and the number of points so far, about every
             15 milliseconds, on the calling thread, and with 1 at the end. An exception in it ends the call.
         cancel: an object with which another thread can end the call.
@@ -132,7 +135,8 @@ def sample(
         _integer("threads", threads),
         *_watched(progress, cancel),
     )
-    return Points(*arrays, number)
+    points = Points(*arrays, number)
+    return points if n is None else points.first(n)
 
 
 def sample_surface(

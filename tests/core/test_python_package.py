@@ -182,6 +182,37 @@ def test_points_behave_like_numpy_arrays(poissontiles):
         assert (loaded.ids == points.ids).all() and (loaded.positions == points.positions).all()
 
 
+def test_first_points(poissontiles):
+    rect, points = (0, 0, 40, 30), poissontiles.sample((0, 0, 40, 30), 1.0, 3, levels=5)
+    first = poissontiles.sample(rect, 1.0, 3, levels=5, n=100)
+    assert len(first) == 100 and first.ranks.max() == np.sort(points.ranks)[99] and set(first.ids) < set(points.ids)
+    assert cKDTree(first.positions).query(first.positions, k=2)[0][:, 1].min() > 1.3, "they are well spaced"
+    assert len(points.first(0)) == 0 and (points.first(len(points)).ids == points.ids).all()
+    for wrong in (-1, len(points) + 1):
+        with pytest.raises(ValueError, match=f"^count must be between 0 and {len(points)}, the number of points, got {wrong}$"):
+            points.first(wrong)
+
+
+def test_thinned_points(poissontiles):
+    """Checks that a density selects points by their ranks, so that tiles fit together."""
+    def density(positions):
+        return np.clip(positions[:, 0] / 60, 0, 1)
+
+    rect, points = (0, 0, 60, 60), poissontiles.sample((0, 0, 60, 60), 1.0, 3, levels=4)
+    thinned = points.thin(density)
+    assert (thinned.ids == points.ids[points.ranks / 2**32 < density(points.positions)]).all()
+    assert abs(len(thinned) / len(points) - 0.5) < 0.03
+    halves = [poissontiles.sample(half, 1.0, 3, levels=4).thin(density) for half in ((0, 0, 23, 60), (23, 0, 60, 60))]
+    assert set(halves[0].ids) | set(halves[1].ids) == set(thinned.ids)
+    assert len(points.thin(0.0)) == 0 and len(points.thin(1)) == len(points)
+    assert len(points.thin(points.levels > 0)) == (points.levels > 0).sum()
+    assert len(poissontiles.sample_surface(*ball(5.0, 9), 1.0).thin(lambda positions: positions[:, 2] > 0)) > 50
+    for wrong, message in ((1.5, "density must be between 0 and 1, got 1.5"), (np.nan, "got nan"), ([0.5, 0.5], r"density must be a number, or have shape \(")):
+        with pytest.raises(ValueError, match=message):
+            points.thin(wrong)
+    assert len(poissontiles.sample(rect, 1.0, 3, n=5)) == 5
+
+
 def test_points_pass_between_processes(wheel_python):
     text = """
 from concurrent.futures import ProcessPoolExecutor
@@ -255,6 +286,7 @@ REFUSED = [
     ("sample", {"levels": 9}, ValueError, "levels must be between 1 and 8, got 9"),
     ("sample", {"layer": 65536}, ValueError, "layer must be between 0 and 65535, got 65536"),
     ("sample", {"threads": -1}, ValueError, "threads must be between 0 and "),
+    ("sample", {"n": 10**6}, ValueError, "count must be between 0 and "),
     ("sample_domain", {"size": (0, 1)}, ValueError, "size must be positive, got 0"),
     ("sample_domain", {"size": (3, 9), "toroidal": True}, ValueError, "size is out of range, got 3; a toroidal domain measures at least 4 radii"),
     ("sample_domain", {"size": (2e5, 9), "precision": "single"}, ValueError, "size is out of range, got 200000; in single precision"),
