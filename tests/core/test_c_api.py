@@ -4,13 +4,15 @@ the shared library from Python."""
 from __future__ import annotations
 
 import ctypes
+import os
 import re
+import shutil
 import threading
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from conftest import REPO, run
+from conftest import CACHE, REPO, run
 from golden.cases import DOMAINS, SETS
 
 HEADER = REPO / "extension/core/c_api/thicket.h"
@@ -158,6 +160,85 @@ def test_the_library_exports_only_what_the_header_declares(folder):
     listed = run(["nm", "-D", "--defined-only", folder / "libthicket_c.so"], timeout=60)
     shown = {line.split()[-1].split("@")[0] for line in listed.stdout.splitlines()}
     assert shown == set(re.findall(r"\b(thicket_\w+)\([^)]*\) THICKET_NOEXCEPT", HEADER.read_text(encoding="utf-8"), re.DOTALL))
+
+
+@pytest.fixture(scope="module")
+def installed(folder: Path, tmp_path_factory) -> Path:
+    """Returns a folder in which the library is installed."""
+    prefix = tmp_path_factory.mktemp("c_install")
+    done = run(["scons", "-Q", "c_install", f"prefix={prefix}"], timeout=600, cwd=REPO)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return prefix
+
+
+WRAPPER = """#include <thicket.hpp>
+
+#include <cstdio>
+
+int main() {
+	thicket::Sampler sampler;
+	const thicket_set set{%d, %r, %d, %d};
+	const auto points = sampler.sample(set, {%r, %r, %r, %r});
+	const thicket::Digest digest = sampler.digest();
+	std::printf("%%zu %%016llx\\n", points.size(), static_cast<unsigned long long>(digest.places));
+	thicket_domain domain{};
+	domain.size_x = domain.size_y = 20.0;
+	domain.radius = 1.0;
+	domain.method = THICKET_HIERARCHICAL;
+	std::printf("%%d\\n", sampler.sample_domain(domain).size() > 200);
+	try {
+		domain.radius = -1.0;
+		sampler.sample_domain(domain);
+	} catch (const thicket::Error &error) {
+		std::printf("%%d %%s\\n", error.code(), error.what());
+	}
+}
+"""
+CMAKE = """cmake_minimum_required(VERSION 3.20)
+project(example CXX)
+set(CMAKE_CXX_STANDARD 17)
+find_package(thicket_c 1.0 REQUIRED)
+add_executable(shared example.cpp)
+target_link_libraries(shared PRIVATE thicket_c::thicket_c)
+add_executable(static example.cpp)
+target_link_libraries(static PRIVATE thicket_c::static)
+"""
+
+
+@pytest.fixture
+def example(tmp_path) -> Path:
+    one = SETS[0]
+    (tmp_path / "example.cpp").write_text(WRAPPER % (one.seed, one.radius, one.levels, one.layer, *map(float, one.rect)))
+    return tmp_path
+
+
+def assert_prints_points(program: Path, **options):
+    done = run([program], 60, **options)
+    assert done.returncode == 0, done.stderr
+    first, domain, error = done.stdout.splitlines()
+    assert first.split()[1] == "{:016x}".format(SETS[0].digests[0]) and int(first.split()[0]) > 100
+    assert domain == "1" and error == f"{code('NOT_POSITIVE')} radius must be positive, got -1"
+
+
+@pytest.mark.skipif(shutil.which("pkg-config") is None, reason="pkg-config is not installed")
+def test_pkg_config_finds_the_installed_library(installed, example):
+    env = {**os.environ, "PKG_CONFIG_PATH": str(installed / "lib/pkgconfig"), "LD_LIBRARY_PATH": str(installed / "lib")}
+    flags = run(["pkg-config", "--cflags", "--libs", "thicket_c"], 60, env=env).stdout.split()
+    done = run(["g++", "-std=c++17", *STRICT, "example.cpp", *flags, "-o", "example"], 120, cwd=example)
+    assert done.returncode == 0, done.stderr
+    assert_prints_points(example / "example", env=env)
+    needed = run(["objdump", "-p", example / "example"], 60).stdout
+    assert re.search(r"NEEDED\s+libthicket_c\.so\.1$", needed, re.MULTILINE), "the program requests the major version"
+
+
+def test_cmake_finds_the_installed_library(installed, example):
+    (example / "CMakeLists.txt").write_text(CMAKE)
+    cmake = next(CACHE.glob("wheel-python*/bin/cmake"))
+    for arguments in (["-B", "build", f"-DCMAKE_PREFIX_PATH={installed}"], ["--build", "build"]):
+        done = run([cmake, *arguments], 300, cwd=example)
+        assert done.returncode == 0, done.stdout + done.stderr
+    assert_prints_points(example / "build/shared")
+    assert_prints_points(example / "build/static")
 
 
 def test_versions_agree(library):

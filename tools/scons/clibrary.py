@@ -1,25 +1,68 @@
-"""Builds the C library that extension/core/c_api/thicket.h declares, in build/<config>/c, as a static and a shared
-library."""
+"""Builds the C library that extension/core/c_api/thicket.h declares, in build/<config>/c, as a static and a shared library, and
+installs it for pkg-config and CMake."""
+
+import re
 
 import compilers
 import rooms
 
 # The room of the C API, and all rooms that it includes.
 ROOMS = [*rooms.reached_from("core/c_api"), "core/c_api"]
+HEADERS = ["#extension/core/c_api/thicket.h", "#extension/core/c_api/thicket.hpp"]
+
+
+def version(env):
+    """Returns the version in the header, as (major, minor)."""
+    header = env.File(HEADERS[0]).srcnode().get_text_contents()
+    return divmod(int(re.search(r"#define THICKET_C_VERSION (\d+)", header).group(1)), 1000)
+
+
+def is_elf(env):
+    return env["platform"] == "linux" and not compilers.is_msvc(env)
 
 
 def library(env, out, objects, highway):
-    """Returns the nodes of the static library, the shared library (except on the web) and the header. A program needs
+    """Returns the nodes of the static library, the shared library (except on the web) and the headers. A program needs
     one of the two libraries, and none of our other libraries."""
     parts = [*objects, highway[0].sources]
-    header = env.Install(out + "/c", "#extension/core/c_api/thicket.h")
+    headers = env.Install(out + "/c", HEADERS)
     archive = env.StaticLibrary(out + "/c/thicket_c", parts)
     if env["platform"] == "web":
-        return [archive, header]  # The web needs no shared library, because programs for it are linked statically.
+        return [archive, headers]  # The web needs no shared library, because programs for it are linked statically.
     own = env.Clone()
-    if env["platform"] == "linux" and not compilers.is_msvc(env):
+    if is_elf(env):
         exports = env.File("#tools/scons/c_exports.map")
         own.Append(LINKFLAGS=["-Wl,--no-undefined", "-Wl,--version-script=" + exports.abspath])
-        own.Depends(out + "/c/libthicket_c.so", exports)
+        if env["target"] == "template_release":
+            own.Append(LINKFLAGS=["-Wl,--strip-all"])
+        # The name of the file has the version, and programs load it by the major version.
+        own["SHLIBVERSION"] = "%d.%d.0" % version(env)
     shared = own.SharedLibrary(out + "/c/thicket_c", parts, SHLIBPREFIX="lib")
-    return [archive, shared, header]
+    if is_elf(env):
+        own.Depends(shared, exports)
+    return [archive, shared, headers]
+
+
+def install(env, out, built):
+    """Returns the nodes of the installed library: its headers, both libraries, and the files for pkg-config and CMake."""
+    archive, shared, _headers = built
+    prefix = env["prefix"]
+    major, minor = version(env)
+    values = {
+        "@version@": "%d.%d.0" % (major, minor),
+        "@major@": str(major),
+        "@shared@": shared[0].name,
+        "@soname@": "libthicket_c.so.%d" % major,
+    }
+
+    def written(name):
+        return env.Substfile(out + "/c/" + name, "#tools/scons/c_install/%s.in" % name, SUBST_DICT=values)
+
+    configs = [written("thicket_c-config.cmake"), written("thicket_c-config-version.cmake")]
+    return [
+        env.Install(prefix + "/include", HEADERS),
+        env.Install(prefix + "/lib", archive),
+        env.InstallVersionedLib(prefix + "/lib", shared, SHLIBVERSION=values["@version@"]),
+        env.Install(prefix + "/lib/pkgconfig", written("thicket_c.pc")),
+        env.Install(prefix + "/lib/cmake/thicket_c", configs),
+    ]

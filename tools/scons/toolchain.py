@@ -43,6 +43,7 @@ def options():
             "",
             lambda key, value, env: value and PathVariable.PathIsDir(key, value, env),
         ),
+        ("prefix", "the folder in which c_install puts the C library", "/usr/local"),
         ("highway", "the sources of Highway " + installed.version("highway"), installed.highway_folder()),
         ("lodepng", "the sources of LodePNG " + installed.version("lodepng"), installed.lodepng_folder()),
         ("zig", "the program zig, for use_zig=yes", installed.zig_program()),
