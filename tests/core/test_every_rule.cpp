@@ -86,6 +86,25 @@ std::shared_ptr<const BiomeDensity> biome_density() {
 	return std::make_shared<BiomeDensity>(biome_map(), densities);
 }
 
+/// A density that depends on everything that a density rule receives. Closed for x below -50.
+class MixedRule final : public DensityRule {
+public:
+	bool is_thread_safe() const override { return true; }
+	Status sample(const DensityBatch &batch, std::span<float> r_densities) const override {
+		for (std::size_t i = 0; i < r_densities.size(); ++i) {
+			const double wave = 0.5 + 0.5 * batch.positions[i].y / (1.0 + std::abs(batch.positions[i].y));
+			r_densities[i] = batch.positions[i].x < -50.0 ? 0.0f
+														  : static_cast<float>(wave) * batch.normals[i].y *
+							batch.weights[i] / (1.0f + batch.slopes[i] / 90.0f);
+		}
+		return {};
+	}
+	Status find_closed(const Box3 &box, bool &r_closed) const override {
+		r_closed = box.max.x < -50.0;
+		return {};
+	}
+};
+
 struct NamedRule {
 	std::string name;
 	std::function<void(LayerSettings &)> add;
@@ -151,6 +170,16 @@ const std::vector<NamedRule> every_rule{
 					levels.fill(no_water);
 					levels[1] = 60.0;
 					layer.rules.water = std::make_shared<WaterLevels>(biome_map(), levels);
+				}},
+		{"density rules",
+				[](LayerSettings &layer) {
+					layer.rules.density_rules = {std::make_shared<MixedRule>(), std::make_shared<MixedRule>()};
+				}},
+		{"density rules, textures and edge",
+				[](LayerSettings &layer) {
+					layer.rules.density_rules = {std::make_shared<MixedRule>()};
+					layer.rules.ground_textures = {1};
+					layer.rules.edge_feather = 5.0;
 				}},
 		{"ground textures", [](LayerSettings &layer) { layer.rules.ground_textures = {1}; }},
 		{"edge feather",

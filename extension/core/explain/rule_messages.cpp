@@ -136,6 +136,12 @@ std::string field_message(const std::string &field, const RuleFactor &factor) {
 								: what + " leaves nothing here.";
 }
 
+std::string density_rule_message(const RuleFactor &factor, const RuleNames &names) {
+	const std::string rule = "The density rule " + name_at(names.density_rules, factor.index, "without a name");
+	return factor.density > 0.0 ? rule + " leaves " + percent(factor.density) + " here."
+								: rule + " leaves nothing here.";
+}
+
 std::string mask_message(const RuleFactor &factor) {
 	return factor.density > 0.0 ? "The painted mask leaves " + percent(factor.density) + " here."
 								: "The painted mask leaves nothing here.";
@@ -222,6 +228,7 @@ RuleMessage describe(const RuleFactor &factor, const LayerSettings &layer, const
 		case RuleKind::slope_curve:
 			return {.rule = "density_over_slope", .message = curve_text("Density over slope", factor, "°")};
 		case RuleKind::expression: return {.rule = "density_expression", .message = expression_text(factor, rules)};
+		case RuleKind::density_rule: return {.rule = "density_rules", .message = density_rule_message(factor, names)};
 		case RuleKind::shapes: return {.rule = "regions", .message = shapes_text(factor, rules, names)};
 		case RuleKind::neighbor:
 			describe_neighbor(factor, layer.neighbors[factor.index],

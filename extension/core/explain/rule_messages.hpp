@@ -11,11 +11,12 @@
 
 namespace thicket {
 
-/// The names that sentences use for the fields, neighbors and shapes of a layer.
+/// The names that sentences use for the fields, neighbors, shapes and density rules of a layer.
 struct RuleNames {
-	std::vector<std::string> fields;    ///< Rule names of Rules::fields, such as "noise".
-	std::vector<std::string> neighbors; ///< Names of the layers in LayerSettings::neighbors.
-	std::vector<std::string> shapes;    ///< Names of Rules::shapes.
+	std::vector<std::string> fields;          ///< Rule names of Rules::fields, such as "noise".
+	std::vector<std::string> neighbors;       ///< Names of the layers in LayerSettings::neighbors.
+	std::vector<std::string> shapes;          ///< Names of Rules::shapes.
+	std::vector<std::string> density_rules{}; ///< Names of Rules::density_rules.
 };
 
 /// A factor, described for the user of the editor.

@@ -37,8 +37,10 @@ Status validate_mesh_rules(const LayerSettings &layer) {
 		if (!rules.has_value()) {
 			continue;
 		}
-		if (rules->shapes != nullptr || !rules->ground_textures.empty() || rules->edge_feather != 0.0) {
-			return Status::wrong_type("mesh_rules", "Remove shapes, ground textures and the edge feather");
+		if (rules->shapes != nullptr || !rules->ground_textures.empty() || !rules->density_rules.empty() ||
+				rules->edge_feather != 0.0) {
+			return Status::wrong_type(
+					"mesh_rules", "Remove shapes, ground textures, density rules and the edge feather");
 		}
 		if (const Status status = validate(*rules); !status.ok()) {
 			return status;
@@ -74,6 +76,16 @@ bool fills_around(const LayerSettings &layer, const Neighbor &neighbor) {
 bool fills(const LayerSettings &layer) {
 	return std::ranges::any_of(
 			layer.neighbors, [&layer](const Neighbor &neighbor) { return fills_around(layer, neighbor); });
+}
+
+bool needs_main_thread(const LayerSettings &layer) {
+	const auto on_main_thread = [](const SharedDensityRule &rule) {
+		return !rule->is_thread_safe();
+	};
+	const LayerGraph graph(layer);
+	return std::ranges::any_of(graph.nodes(), [&](const LayerGraph::Node &node) {
+		return std::ranges::any_of(node.layer->rules.density_rules, on_main_thread);
+	});
 }
 
 bool follows_normals(const LayerSettings &layer) {

@@ -58,7 +58,7 @@ struct LayerSettings {
 	/// Rules of single meshes, at most one entry per mesh; no value means no rules. Where an instance
 	/// is placed, the weight of a mesh is multiplied by the density of its rules (see MeshRules), so
 	/// they decide which meshes grow where, but never whether anything grows. They must have neither
-	/// shapes, ground textures nor an edge feather, and use the water of `rules`.
+	/// shapes, ground textures, density rules nor an edge feather, and use the water of `rules`.
 	std::vector<std::optional<Rules>> mesh_rules;
 	/// Spacing and proximity rules with layers that come before this one.
 	std::vector<Neighbor> neighbors;
@@ -100,6 +100,10 @@ inline constexpr std::int32_t fill_chain_cells = 19;
 /// a chain of darts leaves it. The first one is narrower than for other layers, because the
 /// neighbors must be sampled in the same margin, which is expensive.
 inline constexpr std::array<std::int32_t, 3> fill_margins{12, 24, 48};
+
+/// Returns true if a density rule of the layer, or of a layer on which it depends, may only be called
+/// on the main thread.
+bool needs_main_thread(const LayerSettings &layer);
 
 /// Returns true if the transform, mesh or appearance of instances depends on the normal of the
 /// ground.

@@ -42,7 +42,11 @@ Status LayerFilter::sample(
 	is_filled_ = source.obstacles != nullptr;
 	points_.clear();
 	surface_points_.clear();
-	if (!rules_.closed_in(window)) { // If the rules let no point pass, none needs to be sampled.
+	bool closed = false;
+	if (const Status status = rules_.find_closed(window, closed); !status.ok()) {
+		return status;
+	}
+	if (!closed) { // If the rules let no point pass, none needs to be sampled.
 		const Status status = on_surface_
 				? sample_surface(source, cancel)
 				: source.plane.sample(layer_->set, window, points_, {.cancel = cancel, .report = {}}, threads,
@@ -257,13 +261,15 @@ Status LayerFilter::evaluate_probes() {
 
 void LayerFilter::add_queries(
 		bool normals, std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const {
-	if (knows_ground_) {
+	if (!queries_ground()) {
 		return;
 	}
 	const std::vector<std::int32_t> &textures = layer_->rules.ground_textures;
 	const bool slope = rules_.needs_slope();
-	if (slope || !normals || probes_.empty()) {
-		r_queries.push_back({r_positions.size(), position_count(), {textures, slope || normals}});
+	if (knows_ground_) {
+		add_known_queries(r_positions, r_queries);
+	} else if (slope || !normals || probes_.empty()) {
+		r_queries.push_back({r_positions.size(), position_count(), {textures, slope || normals}, {}, density_query()});
 	} else {
 		// Probes do not need normals.
 		r_queries.push_back({r_positions.size(), positions_.size(), {textures, true}});
@@ -271,6 +277,19 @@ void LayerFilter::add_queries(
 	}
 	r_positions.insert(r_positions.end(), positions_.begin(), positions_.end());
 	r_positions.insert(r_positions.end(), probes_.begin(), probes_.end());
+}
+
+DensityRuleQuery LayerFilter::density_query() const {
+	return {layer_->rules.density_rules, on_surface_ ? GroundSides::all : GroundSides::top, layer_->planet};
+}
+
+/// Adds the queries for points on surfaces, whose ground is known.
+void LayerFilter::add_known_queries(std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const {
+	std::size_t first = r_positions.size();
+	for (const std::span<const Ground> known : {std::span<const Ground>(known_ground_), std::span(probe_ground_)}) {
+		r_queries.push_back({first, known.size(), {}, known, density_query()});
+		first += known.size();
+	}
 }
 
 bool LayerFilter::probe_allows(std::size_t probe, const Ground &ground) const {
@@ -330,7 +349,7 @@ double LayerFilter::product(std::size_t point, std::span<const Ground> ground, c
 	}
 	if (!probe_allowed_.empty() && goes_on()) {
 		const std::span<const Ground> around =
-				on_surface_ ? std::span<const Ground>(probe_ground_) : ground.subspan(positions_.size());
+				queries_ground() ? ground.subspan(positions_.size()) : std::span<const Ground>(probe_ground_);
 		density *= edge_density_at(point, around, record);
 	}
 	return density;
@@ -342,12 +361,16 @@ double LayerFilter::density_at(std::size_t point, std::span<const Ground> ground
 
 Status LayerFilter::factors_at(
 		std::size_t point, std::span<const Ground> ground, std::vector<RuleFactor> &r_factors) const {
-	const RuleRecord record(r_factors);
+	std::vector<float> density_rules;
+	Status status = density_query().find_each(positions_[point], ground_of(ground)[point], density_rules);
+	const RuleRecord record(r_factors, density_rules);
 	PositionBatch position{{&positions_[point], 1}};
 	if (on_surface_) {
 		position.heights = {&known_ground_[point].height, 1};
 	}
-	const Status status = rules_.position_factors(position, record);
+	if (status.ok()) {
+		status = rules_.position_factors(position, record);
+	}
 	if (status.ok()) {
 		product(point, ground, record);
 	}

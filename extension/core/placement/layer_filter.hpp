@@ -65,13 +65,14 @@ public:
 	/// Appends the positions at which `filter` needs the ground, and their queries. These are the
 	/// positions of the points and, with an edge feather, edge_probes positions for each point.
 	/// Normals are queried if the layer has a slope rule. If `normals` is true, they are always
-	/// queried at the points. The ground of points on surfaces and of their probes is already known.
+	/// queried at the points. The ground of points on surfaces and of their probes is already known,
+	/// so only density rules are queried there. This object must outlive the queries.
 	void add_queries(bool normals, std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const;
-	std::size_t position_count() const { return knows_ground_ ? 0 : positions_.size() + probe_allowed_.size(); }
+	std::size_t position_count() const { return queries_ground() ? positions_.size() + probe_allowed_.size() : 0; }
 
 	/// Returns the ground at each point. `ground` is as for `filter`.
 	std::span<const Ground> ground_of(std::span<const Ground> ground) const {
-		return knows_ground_ ? std::span<const Ground>(known_ground_) : ground.first(positions_.size());
+		return queries_ground() ? ground.first(positions_.size()) : std::span<const Ground>(known_ground_);
 	}
 
 	/// Determines which points are kept. `ground` has one entry for each position from add_queries.
@@ -84,7 +85,8 @@ public:
 	double density_at(std::size_t point, std::span<const Ground> ground) const;
 
 	/// Evaluates all rules at a point, regardless of its rank, and appends their factors to
-	/// `r_factors`. Throws std::bad_alloc.
+	/// `r_factors`. Call it only on the main thread if a density rule is not thread-safe. Throws
+	/// std::bad_alloc.
 	Status factors_at(std::size_t point, std::span<const Ground> ground, std::vector<RuleFactor> &r_factors) const;
 
 	/// Indexes the kept points for nearest_squared, with the distance that `node` requires.
@@ -112,6 +114,10 @@ public:
 	std::span<const std::uint32_t> thinning_ranks() const { return thinning_ranks_; }
 
 private:
+	/// Returns true if the ground, or only its density, must be queried before `filter`.
+	bool queries_ground() const { return !knows_ground_ || (on_surface_ && !layer_->rules.density_rules.empty()); }
+	DensityRuleQuery density_query() const;
+	void add_known_queries(std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const;
 	Status sample_surface(const PointSource &source, const std::atomic<bool> *cancel);
 	Status query_position();
 	void keep_points(bool all);

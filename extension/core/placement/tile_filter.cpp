@@ -65,7 +65,8 @@ Status TileFilter::sample_layer(std::size_t index, const std::atomic<bool> *canc
 	const bool is_filled = fills(each.settings());
 	if (each.settings().hosted || is_filled) {
 		each.wait_for_others(window_of(index));
-		progress_[index] = is_filled ? Progress::waiting : Progress::sampled;
+		const bool waits = is_filled || !each.settings().rules.density_rules.empty();
+		progress_[index] = waits ? Progress::waiting : Progress::sampled;
 		return {};
 	}
 	progress_[index] = Progress::sampled;
@@ -116,6 +117,17 @@ Status TileFilter::sample_on_hosts(std::size_t index, std::span<const Ground> gr
 	return status;
 }
 
+/// Samples a layer that waits for others, which must already be filtered. A layer on models waits if
+/// it has density rules, because these are queried like the ground.
+Status TileFilter::sample_waiting(
+		std::size_t index, std::span<const Ground> ground, const std::atomic<bool> *cancel, CallerThreads *threads) {
+	const Status status = layer(index).settings().hosted ? sample_on_hosts(index, ground, cancel)
+														 : sample_filled(index, cancel, threads);
+	progress_[index] = Progress::sampled;
+	step_of_[index] = step_;
+	return status;
+}
+
 /// Samples a layer that fills gaps. Its neighbors must already be filtered.
 Status TileFilter::sample_filled(std::size_t index, const std::atomic<bool> *cancel, CallerThreads *threads) {
 	const LayerSettings &settings = layer(index).settings();
@@ -136,8 +148,6 @@ Status TileFilter::sample_filled(std::size_t index, const std::atomic<bool> *can
 	const Obstacles obstacles{obstacles_, fill_margins[attempt_]};
 	const Status status = layers_[index]->sample(
 			{samplers_->plane, samplers_->surfaces, surface_, &obstacles}, window, cancel, threads);
-	progress_[index] = Progress::sampled;
-	step_of_[index] = step_;
 	stats_ = samplers_->plane.stats();
 	return status;
 }
@@ -222,8 +232,9 @@ Status TileFilter::sample_further(
 		if (progress_[i] != Progress::waiting || !is_ready(i)) {
 			continue;
 		}
-		const Status status = sample_filled(i, cancel, threads);
-		if (status.code == ErrorCode::margin_too_wide && attempt_ + 1 < fill_margins.size()) {
+		const Status status = sample_waiting(i, ground, cancel, threads);
+		const bool is_filled = !layer(i).settings().hosted;
+		if (is_filled && status.code == ErrorCode::margin_too_wide && attempt_ + 1 < fill_margins.size()) {
 			set_fill_margin(attempt_ + 1);
 			return start(cancel, threads);
 		}
@@ -288,7 +299,7 @@ std::span<const Ground> TileFilter::own_ground(std::span<const Ground> ground) c
 }
 
 Status TileFilter::filter_layer(std::size_t index, std::span<const Ground> ground, const std::atomic<bool> *cancel) {
-	if (layers_[index]->settings().hosted) {
+	if (layers_[index]->settings().hosted && layers_[index]->settings().rules.density_rules.empty()) {
 		if (const Status status = sample_on_hosts(index, ground, cancel); !status.ok()) {
 			return status;
 		}

@@ -37,8 +37,8 @@ public:
 	/// Samples all layers, each in `space` expanded by its margin. `surface` is the surface of the
 	/// ground. If it is null, layers on surfaces have no points. It must outlive all steps. For
 	/// `threads`, see TileSampler::sample. Layers on the models of hosts are sampled by `filter`
-	/// instead, because it first determines the instances of the hosts. Layers that fill gaps are
-	/// sampled by `sample_further`.
+	/// instead, because it first determines the instances of the hosts. Layers that fill gaps, and
+	/// layers on models that have density rules, are sampled by `sample_further`.
 	Status sample(const TileSpace &space, const Surface *surface, const std::atomic<bool> *cancel,
 			CallerThreads *threads = nullptr);
 
@@ -51,7 +51,7 @@ public:
 	/// Returns true if all layers are sampled, so that `filter` can be called.
 	bool is_complete() const;
 
-	/// Samples the next layers that fill gaps. `ground` contains the ground at the positions of this
+	/// Samples the next layers that wait for others. `ground` contains the ground at the positions of this
 	/// step. If the margin of a layer turns out to be too narrow, the first step starts again with a
 	/// wider margin.
 	Status sample_further(std::span<const Ground> ground, const std::atomic<bool> *cancel = nullptr,
@@ -133,6 +133,8 @@ private:
 			std::shared_ptr<const InstanceBlock> &r_block);
 	Status generate_block(std::size_t index, const Rect &rect, const std::atomic<bool> *cancel,
 			std::shared_ptr<const InstanceBlock> &r_block);
+	Status sample_waiting(
+			std::size_t index, std::span<const Ground> ground, const std::atomic<bool> *cancel, CallerThreads *threads);
 	Status sample_filled(std::size_t index, const std::atomic<bool> *cancel, CallerThreads *threads);
 	Status filter_neighbor(std::size_t index, std::span<const Ground> ground, const std::atomic<bool> *cancel);
 	TileSpace window_of(std::size_t index) const;

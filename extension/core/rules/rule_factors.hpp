@@ -26,6 +26,7 @@ enum class RuleKind : std::uint8_t {
 	slope,
 	slope_curve,
 	expression, ///< DensityExpression.
+	density_rule,
 	// The following rules depend on other objects nearby.
 	shapes,
 	neighbor, ///< Spacing or proximity to a neighbor.
@@ -46,7 +47,7 @@ struct RuleFactor {
 
 	double density = 1.0; ///< The factor, 0 to 1.
 
-	/// Index of the field or neighbor. For shapes, the index of the decisive shape, or no_index
+	/// Index of the field, density rule or neighbor. For shapes, the index of the decisive shape, or no_index
 	/// outside all including shapes.
 	std::uint32_t index = no_index;
 };
@@ -69,7 +70,12 @@ public:
 	static constexpr bool complete = true;
 
 	/// Creates a recorder that appends to `r_factors`, which must outlive this object.
-	explicit RuleRecord(std::vector<RuleFactor> &r_factors) : factors_(&r_factors) {}
+	/// `density_rules` contains the density of each of Rules::density_rules at the position; it is
+	/// empty if there are none, or if there is no ground.
+	explicit RuleRecord(std::vector<RuleFactor> &r_factors, std::span<const float> density_rules = {}) :
+			factors_(&r_factors), density_rules_(density_rules) {}
+
+	std::span<const float> density_rules() const { return density_rules_; }
 
 	double operator()(RuleKind rule, double value, double density, std::uint32_t index = no_index) const {
 		factors_->push_back({rule, value, density, index});
@@ -78,6 +84,7 @@ public:
 
 private:
 	std::vector<RuleFactor> *factors_;
+	std::span<const float> density_rules_;
 };
 
 /// Returns the product of all factors of a position. The factors are multiplied in the same order

@@ -43,7 +43,10 @@ Status multiply(const Sample &sample, std::span<double> r_densities, std::span<f
 } // namespace
 
 Status validate(const Rules &rules) {
-	const bool null_field = std::find(rules.fields.begin(), rules.fields.end(), nullptr) != rules.fields.end();
+	const auto null_at = [](const char *property, const auto &list) {
+		return std::ranges::find(list, nullptr) != list.end() ? Status{ErrorCode::missing, property, 0.0} : Status{};
+	};
+	const std::size_t density_rules = rules.density_rules.size();
 	return first_failure(check_range("density", rules.density, 0.0, 1.0),
 			check_range("min_slope_degrees", rules.min_slope_degrees, 0.0, max_slope),
 			check_range("max_slope_degrees", rules.max_slope_degrees, 0.0, max_slope),
@@ -57,11 +60,14 @@ Status validate(const Rules &rules) {
 			check_order("max_water_depth", rules.min_water_depth, rules.max_water_depth),
 			check_range("water_depth_falloff", rules.water_depth_falloff, 0.0, std::numeric_limits<double>::max()),
 			validate(rules.clumping), check_range("edge_feather", rules.edge_feather, 0.0, max_edge_feather),
-			null_field ? Status{ErrorCode::missing, "fields", 0.0} : Status{});
+			null_at("fields", rules.fields), null_at("density_rules", rules.density_rules),
+			density_rules > max_density_rules
+					? Status::wrong_size("density_rules", density_rules, at_most(max_density_rules, "entries"))
+					: Status{});
 }
 
 bool needs_slope(const Rules &rules, GroundSides sides) {
-	return !slope_range(rules, sides).is_unlimited() || rules.slope_curve != nullptr ||
+	return !slope_range(rules, sides).is_unlimited() || rules.slope_curve != nullptr || !rules.density_rules.empty() ||
 			(rules.expression != nullptr && rules.expression->uses(ExpressionInput::slope));
 }
 
@@ -73,6 +79,7 @@ Status PreparedRules::set(const Rules &rules, std::uint64_t seed, GroundSides si
 			guarded("rules", static_cast<double>(rules.fields.size() + rules.ground_textures.size()), [&] {
 				rules_.fields.reserve(rules.fields.size());
 				rules_.ground_textures.reserve(rules.ground_textures.size());
+				rules_.density_rules.reserve(rules.density_rules.size());
 				rules_ = rules; // The assignment cannot fail halfway, because the memory is reserved above.
 			});
 	if (!status.ok()) {
@@ -88,7 +95,8 @@ Status PreparedRules::set(const Rules &rules, std::uint64_t seed, GroundSides si
 			rules.max_water_depth, rules.max_water_depth >= unlimited_height, rules.water_depth_falloff);
 	const bool dry = rules.water == nullptr && rules.min_water_depth <= -unlimited_height;
 	slope_alone_ = height_.is_unlimited() && rules.height_curve == nullptr && rules.slope_curve == nullptr &&
-			rules.ground_textures.empty() && rules.expression == nullptr && (dry || water_depth_.is_unlimited());
+			rules.ground_textures.empty() && rules.expression == nullptr && rules.density_rules.empty() &&
+			(dry || water_depth_.is_unlimited());
 	clumps_.set(rules.clumping, seed);
 	constexpr std::uint64_t other_than_clumps = 0x8cb92ba72f3d8dd7;
 	expression_seed_ = split_mix(seed ^ other_than_clumps);
@@ -146,6 +154,21 @@ Status PreparedRules::position_factors(const PositionBatch &batch, const RuleRec
 	double product = 0.0;
 	std::vector<float> scratch;
 	return position_product<RuleRecord>(batch, {&product, 1}, scratch, record);
+}
+
+Status PreparedRules::find_closed(const TileSpace &space, bool &r_closed) const {
+	r_closed = closed_in(space);
+	const Box3 box{{space.min.x, std::max(space.bottom, -unlimited_height), space.min.y},
+			{space.max.x, std::min(space.top, unlimited_height), space.max.y}};
+	for (const SharedDensityRule &rule : rules_.density_rules) {
+		if (r_closed || !rule->is_thread_safe()) {
+			continue;
+		}
+		if (const Status status = rule->find_closed(box, r_closed); !status.ok()) {
+			return status;
+		}
+	}
+	return {};
 }
 
 /// Returns the water level at a world position, or no_water.
@@ -230,6 +253,16 @@ double PreparedRules::density_of_limits(const Ground &ground, const glm::dvec3 &
 	}
 	if (rules_.expression != nullptr && (Record::complete || density > 0.0)) {
 		density *= expression_density(ground, position, record);
+	}
+	if constexpr (Record::complete) {
+		float product = 1.0f;
+		for (std::uint32_t rule = 0; rule < record.density_rules().size(); ++rule) {
+			const double factor = record.density_rules()[rule];
+			product *= static_cast<float>(record(RuleKind::density_rule, factor, factor, rule));
+		}
+		density *= double{product};
+	} else if (!rules_.density_rules.empty()) {
+		density *= double{ground.density};
 	}
 	return density;
 }

@@ -8,6 +8,8 @@
 #include "core/rules/curve_table.hpp"
 #include "core/rules/density_expression.hpp"
 #include "core/rules/density_field.hpp"
+#include "core/rules/density_rule.hpp"
+#include "core/rules/ground_sides.hpp"
 #include "core/rules/painted_mask.hpp"
 #include "core/rules/prepared_range.hpp"
 #include "core/rules/rule_factors.hpp"
@@ -65,6 +67,9 @@ struct Rules {
 	/// The ground textures on which the layer grows (see Terrain::weigh). Their total weight at a
 	/// position is a density. If the list is empty, the layer grows on any ground.
 	std::vector<std::int32_t> ground_textures{};
+	/// Rules whose product is queried together with the ground (Ground::density), because some may
+	/// only be called on the main thread. At most max_density_rules. No entry is null.
+	std::vector<SharedDensityRule> density_rules{};
 
 	/// Distance in meters over which the layer thins toward the edge of the area that the other
 	/// rules permit, 0 to max_edge_feather. It costs edge_probes additional ground queries per
@@ -93,21 +98,12 @@ inline Rules open_rules() {
 inline constexpr double max_edge_feather = 1e3;
 
 /// Returns an error for values that are not finite or outside the ranges above, for a minimum above
-/// its maximum, and for null fields.
+/// its maximum, and for null fields or density rules.
 Status validate(const Rules &rules);
 
-/// The sides of the ground that rules permit: its top, seen from above, or all of its surfaces.
-enum class GroundSides : std::uint8_t { top, all };
-
-/// Returns true if any of the rules depends on the slope of the ground.
+/// Returns true if any of the rules depends on the slope of the ground. Density rules always receive
+/// it.
 bool needs_slope(const Rules &rules, GroundSides sides);
-
-/// Returns true if instances can be placed on this ground: its height and normal are finite, and
-/// the normal of a top points up.
-inline bool is_ground(const Ground &ground, GroundSides sides = GroundSides::top) {
-	return std::isfinite(ground.height) && std::isfinite(ground.normal.x) && std::isfinite(ground.normal.y) &&
-			std::isfinite(ground.normal.z) && (ground.normal.y > 0.0f || sides == GroundSides::all);
-}
 
 /// Rules prepared for evaluation at many points. Immutable after `set`, so threads may share one
 /// object.
@@ -141,10 +137,14 @@ public:
 				(planet_.exists() ? rules_.biome->none_on(planet_, space) : rules_.biome->none_in(space));
 	}
 
+	/// Sets `r_closed` to true if no instance can be placed in `space`: see closed_in, or because a
+	/// density rule is 0 there. Calls only thread-safe density rules.
+	Status find_closed(const TileSpace &space, bool &r_closed) const;
+
 	/// Returns the product of the rules that depend on the ground at a world position: limits, curves,
-	/// textures, water depth, the expression. The product is 0 without ground (see is_ground). `record` receives
-	/// the factors of all rules that have an effect, or only the factor of the ground if there is
-	/// none.
+	/// textures, water depth, the expression, density rules. The product is 0 without ground (see
+	/// is_ground). `record` receives the factors of all rules that have an effect, or only the factor
+	/// of the ground if there is none.
 	template <class Record = NoRecord>
 	double ground_density(const Ground &ground, glm::dvec2 position, const Record &record = {}) const {
 		if (planet_.exists()) {

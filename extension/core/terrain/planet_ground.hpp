@@ -12,7 +12,8 @@ namespace thicket {
 /// the ground's world x and z.
 inline Ground on_planet(const Planet &planet, glm::dvec2 position, const Ground &ground) {
 	const glm::dvec3 on_ground(position.x, ground.height, position.y);
-	return {static_cast<float>(planet.altitude(on_ground)), planet.upright(ground.normal, on_ground), ground.weight};
+	return {static_cast<float>(planet.altitude(on_ground)), planet.upright(ground.normal, on_ground), ground.weight,
+			ground.density};
 }
 
 } // namespace thicket

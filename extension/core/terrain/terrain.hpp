@@ -20,7 +20,8 @@ class Surface;
 struct Ground {
 	float height = std::numeric_limits<float>::quiet_NaN();
 	glm::vec3 normal{0.0f, 1.0f, 0.0f};
-	float weight = 1.0f; ///< Weight of the queried textures, 0 to 1; see Terrain::weigh().
+	float weight = 1.0f;  ///< Weight of the queried textures, 0 to 1; see Terrain::weigh().
+	float density = 1.0f; ///< Product of the layer's density rules here, 0 to 1; 1 unless they are queried.
 };
 
 /// The ground properties that a caller needs in addition to the height. Sources compute only these
