@@ -18,8 +18,8 @@ PAGES = REPO / "docs/classes"
 
 # The headings of the index, and the classes below each. Classes of older versions are left out.
 GROUPS = {
-    "Scattering": ["TerrainScatter3D", "ScatterRegion3D", "ScatterLayer", "ScatterModel", "ScatterLod", "ScatterMask", "ScatterValueSource",
-        "ScatterBiomeMap", "ScatterBiome", "ScatterImpostorBaker"],
+    "Scattering": ["TerrainScatter3D", "ScatterRegion3D", "ScatterLayer", "ScatterModel", "ScatterLod", "ScatterMask", "ScatterRule",
+        "ScatterValueSource", "ScatterBiomeMap", "ScatterBiome", "ScatterImpostorBaker"],
     "Grounds": ["ScatterGround", "ScatterGroundColliders", "ScatterGroundCombined", "ScatterGroundFlat", "ScatterGroundHeightmap",
         "ScatterGroundMeshes", "ScatterGroundNode", "ScatterGroundNoise"],
     "Gameplay": ["ScatterInstance", "ScatterInstances", "ScatterRequest", "ScatterSnapshot", "ScatterState", "ScatterDiffLimits",

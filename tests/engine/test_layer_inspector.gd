@@ -113,7 +113,7 @@ func test_groups_and_units() -> void:
 				check("suffix:m" in hint, "%s has a unit: %s" % [name, hint])
 			elif name.ends_with("_time"):
 				check("suffix:s" in hint, "%s has a unit: %s" % [name, hint])
-	for expected: Array in [["radius", "/"], ["density", "/"], ["meshes", "/"], ["mesh_weights", "/"], ["mesh_density_expressions", "/"], ["density_expression", "Rules/"], ["density_over_height", "Rules/Height"],
+	for expected: Array in [["radius", "/"], ["density", "/"], ["meshes", "/"], ["mesh_weights", "/"], ["mesh_density_expressions", "/"], ["density_expression", "Rules/"], ["density_rules", "Rules/"], ["density_over_height", "Rules/Height"],
 			["slope_falloff_degrees", "Rules/Slope"], ["ground_textures", "Rules/Ground"], ["noise_curve", "Rules/Noise"],
 			["mask", "Rules/Mask"], ["mask_texture_edge", "Rules/Mask"], ["clump_size", "Rules/Clumping"],
 			["edge_feather", "Rules/Edge"], ["spacing", "Other Layers/"], ["spacing_fills", "Other Layers/"], ["proximity_curve", "Other Layers/Proximity"],

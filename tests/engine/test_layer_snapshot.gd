@@ -2,6 +2,16 @@ extends "collision_harness.gd"
 ## Tests that changing any single property of a layer affects its snapshot and has a visible effect. The test fails for properties that the
 ## snapshot does not copy or that a comparison ignores, and for properties missing from `changes`.
 
+## Keeps half of the instances.
+class HalfRule extends ScatterRule:
+	func _get_densities(positions: PackedVector3Array, _normals: PackedVector3Array, _slopes: PackedFloat32Array,
+			_texture_weights: PackedFloat32Array) -> PackedFloat32Array:
+		var densities := PackedFloat32Array()
+		densities.resize(positions.size())
+		densities.fill(0.5)
+		return densities
+
+
 const OAKS := 0
 const FERNS := 1
 
@@ -22,7 +32,7 @@ var changes := {
 	"min_height": [-5.0, MADE], "max_height": [50.0, MADE], "height_falloff": [2.0, MADE],
 	"density_over_height": [make_line(Vector2(-9, 0), Vector2(9, 1)), MADE],
 	"min_slope_degrees": [1.0, MADE], "max_slope_degrees": [40.0, MADE], "slope_falloff_degrees": [3.0, MADE],
-	"density_expression": ["slope < 45", MADE],
+	"density_expression": ["slope < 45", MADE], "density_rules": [[HalfRule.new()] as Array[ScatterRule], MADE],
 	"density_over_slope": [make_line(Vector2(0, 0.5), Vector2(90, 1)), MADE],
 	"min_water_depth": [-1.0, MADE], "max_water_depth": [2.0, MADE], "water_depth_falloff": [3.0, MADE],
 	"ground_textures": [PackedInt32Array([3]), MADE],

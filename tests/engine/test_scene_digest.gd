@@ -34,7 +34,7 @@ func other_value(layer: ScatterLayer, property: Dictionary) -> Variant:
 		TYPE_RECT2:
 			return Rect2(1.0, 2.0, 3.0, 4.0)
 		TYPE_ARRAY:
-			return [BoxMesh.new()]
+			return [ScatterRule.new()] if property.name == "density_rules" else [BoxMesh.new()]
 		TYPE_OBJECT:
 			var kind: String = property.hint_string.get_slice(",", 0)
 			match kind:

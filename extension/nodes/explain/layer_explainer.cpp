@@ -27,7 +27,7 @@ const Surface *surface_of(const Terrain *terrain) { return terrain != nullptr ? 
 } // namespace
 
 RuleNames LayerExplainer::names_for(const LayerSnapshot &layer) const {
-	RuleNames names{layer.field_names, {}, shapes};
+	RuleNames names{layer.field_names, {}, shapes, layer.density_rule_names};
 	for (const Neighbor &neighbor : layer.settings->neighbors) {
 		const auto found = std::ranges::find_if(layers, [&](const SharedSnapshot &other) {
 			return other != nullptr && other->settings->set == neighbor.layer->set;

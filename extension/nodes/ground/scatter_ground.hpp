@@ -7,7 +7,7 @@
 #include "core/terrain/terrain.hpp"
 #include "nodes/common/guard.hpp"
 #include "nodes/common/scene_use.hpp"
-#include "nodes/ground/script_answer.hpp"
+#include "nodes/common/script_answer.hpp"
 
 #include <godot_cpp/classes/node3d.hpp>
 #include <godot_cpp/classes/ref.hpp>

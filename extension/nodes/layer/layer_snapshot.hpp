@@ -176,6 +176,7 @@ struct LayerSnapshot {
 	LayerLinks links; ///< The layer's name, and its references to other layers by name.
 	/// The name of the property that each of settings->rules.fields was created from.
 	std::vector<std::string> field_names;
+	std::vector<std::string> density_rule_names; ///< The names of settings->rules.density_rules.
 
 	/// Compares `settings` by pointer.
 	friend bool operator==(const LayerSnapshot &, const LayerSnapshot &) = default;

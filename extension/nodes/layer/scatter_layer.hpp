@@ -11,6 +11,7 @@
 #include "nodes/layer/layer_tables.hpp"
 #include "nodes/layer/reference_change.hpp"
 #include "nodes/layer/scatter_mask.hpp"
+#include "nodes/layer/scatter_rule.hpp"
 #include "nodes/layer/scatter_value_source.hpp"
 
 #include <godot_cpp/classes/material.hpp>
@@ -179,6 +180,12 @@ public:
 	/// and the old one is kept.
 	void set_density_expression(const godot::String &p_text);
 	godot::String get_density_expression() const;
+
+	/// Sets rules that scripts implement, at most max_density_rules. Null entries have no effect. The
+	/// returned Array is read-only.
+	void set_density_rules(const godot::TypedArray<ScatterRule> &p_rules);
+	godot::TypedArray<ScatterRule> get_density_rules() const;
+	void density_rule_changed();
 
 	/// Sets the distances in meters to keep from the instances of other layers. A key is a
 	/// ScatterLayer, its name or its index; a value is 0.001 to max_neighbor_distance. At most
@@ -368,6 +375,8 @@ private:
 	template <const auto &property>
 	void remake();
 	void refresh();
+	void watch_density_rules(bool p_watch);
+	void remake_density_rules();
 	godot::Ref<godot::Resource> resource(std::string_view property) const;
 	void read_models();
 	bool needs_stored_hulls() const;
@@ -386,6 +395,7 @@ private:
 	void add_number_problems(godot::PackedStringArray &r_problems) const;
 	void add_curve_problems(godot::PackedStringArray &r_problems) const;
 	void add_mask_problems(godot::PackedStringArray &r_problems) const;
+	void add_density_rule_problems(godot::PackedStringArray &r_problems) const;
 	void add_neighbor_problems(godot::PackedStringArray &r_problems) const;
 	void add_host_problems(godot::PackedStringArray &r_problems) const;
 	void change_surface_layers(const ReferenceChange &change);
@@ -439,7 +449,10 @@ private:
 	/// The rectangle as set; mask_frame_ has the same area in double precision.
 	godot::Rect2 mask_texture_rect_{0.0F, 0.0F, 1000.0F, 1000.0F};
 	godot::PackedInt32Array ground_textures_;
-	godot::Dictionary spacing_property_; ///< The keys are results of stored_reference. Read-only.
+	std::vector<godot::Ref<ScatterRule>> density_rules_;
+	std::vector<std::string> density_rule_names_; ///< The names of the rules in `settings_`.
+	bool density_rules_outdated_ = false;         ///< True if `settings_` has former rules.
+	godot::Dictionary spacing_property_;          ///< The keys are results of stored_reference. Read-only.
 	godot::Variant proximity_layer_ = godot::String();
 	godot::Array surface_layers_; ///< Results of stored_reference.
 	godot::Ref<ScatterValueSource> color_value_;

@@ -86,6 +86,16 @@ void ScatterLayer::add_mask_problems(PackedStringArray &r_problems) const {
 	}
 }
 
+void ScatterLayer::add_density_rule_problems(PackedStringArray &r_problems) const {
+	for (const Ref<ScatterRule> &rule : density_rules_) {
+		const String problem =
+				rule.is_null() ? String("an entry is empty. Set a rule, or remove the entry.") : rule->problem();
+		if (!problem.is_empty()) {
+			r_problems.push_back(String("ScatterLayer.density_rules: ") + problem);
+		}
+	}
+}
+
 void ScatterLayer::add_neighbor_problems(PackedStringArray &r_problems) const {
 	if (links_.spacing.count(LayerReference()) > 0) {
 		r_problems.push_back("ScatterLayer.spacing has an entry without a layer's name. Remove the entry.");
@@ -119,6 +129,7 @@ PackedStringArray ScatterLayer::problems() {
 	add_number_problems(result);
 	add_curve_problems(result);
 	add_mask_problems(result);
+	add_density_rule_problems(result);
 	add_neighbor_problems(result);
 	add_host_problems(result);
 	add_mesh_problems(result);

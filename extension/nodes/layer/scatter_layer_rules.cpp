@@ -1,6 +1,7 @@
 // This file contains the properties of ScatterLayer in the group Rules, which determine the points
 // of a layer's set that get an instance.
 
+#include "nodes/common/engine_arrays.hpp"
 #include "nodes/layer/expression_text.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
 
@@ -75,6 +76,58 @@ void ScatterLayer::set_density_expression(const String &p_text) {
 
 String ScatterLayer::get_density_expression() const { return text_of(settings_.rules.expression); }
 
+void ScatterLayer::watch_density_rules(bool p_watch) {
+	for (const Ref<ScatterRule> &rule : density_rules_) {
+		watch(rule.ptr(), "changed", this, "_density_rule_changed", p_watch);
+	}
+}
+
+void ScatterLayer::set_density_rules(const TypedArray<ScatterRule> &p_rules) {
+	if (p_rules.size() > static_cast<int64_t>(max_density_rules)) {
+		report(ScatterLayer::class_name,
+				Status::wrong_size("density_rules", p_rules.size(), at_most(max_density_rules, "entries")));
+		return;
+	}
+	std::vector<Ref<ScatterRule>> rules;
+	for (int64_t i = 0; i < p_rules.size(); ++i) {
+		rules.emplace_back(p_rules[i]);
+	}
+	watch_density_rules(false);
+	density_rules_ = std::move(rules);
+	watch_density_rules(true);
+	density_rule_changed();
+}
+
+TypedArray<ScatterRule> ScatterLayer::get_density_rules() const {
+	TypedArray<ScatterRule> result;
+	for (const Ref<ScatterRule> &rule : density_rules_) {
+		append(result, rule);
+	}
+	result.make_read_only();
+	return result;
+}
+
+void ScatterLayer::density_rule_changed() {
+	density_rules_outdated_ = true;
+	changed();
+}
+
+/// Replaces the rules in the settings. Runs the scripts of the rules, which may change this layer.
+void ScatterLayer::remake_density_rules() {
+	density_rules_outdated_ = false;
+	const std::vector<Ref<ScatterRule>> rules = density_rules_; // A script may change the list.
+	std::vector<SharedDensityRule> remade;
+	std::vector<std::string> names;
+	for (const Ref<ScatterRule> &rule : rules) {
+		if (SharedDensityRule made = rule.is_valid() ? rule->make_rule() : nullptr) {
+			remade.push_back(std::move(made));
+			names.push_back(rule->display_name());
+		}
+	}
+	settings_.rules.density_rules = std::move(remade);
+	density_rule_names_ = std::move(names);
+}
+
 void ScatterLayer::bind_rules() {
 	ADD_GROUP("Rules", "");
 	bind_guarded<&ScatterLayer::set_density_expression>(D_METHOD("set_density_expression", "text"));
@@ -83,6 +136,13 @@ void ScatterLayer::bind_rules() {
 			PropertyInfo(Variant::STRING, "density_expression", PROPERTY_HINT_PLACEHOLDER_TEXT,
 					"smoothstep(900, 1200, height)"),
 			"set_density_expression", "get_density_expression");
+	bind_guarded<&ScatterLayer::set_density_rules>(D_METHOD("set_density_rules", "rules"));
+	bind_guarded<&ScatterLayer::get_density_rules>(D_METHOD("get_density_rules"));
+	bind_guarded<&ScatterLayer::density_rule_changed>(ThreadUse::relayed, D_METHOD("_density_rule_changed"));
+	add_layer_property(PropertyUse::placement,
+			PropertyInfo(Variant::ARRAY, "density_rules", PROPERTY_HINT_ARRAY_TYPE,
+					vformat("%d/%d:ScatterRule", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
+			"set_density_rules", "get_density_rules");
 	ADD_SUBGROUP("Height", "");
 	bind_number<min_height>();
 	bind_number<max_height>();

@@ -96,6 +96,7 @@ LayerSnapshot ScatterLayer::snapshot(std::uint64_t seed, std::size_t index) {
 	result.gameplay = gameplay();
 	result.links = links();
 	result.field_names = field_names();
+	result.density_rule_names = density_rule_names_;
 	return result;
 }
 
@@ -197,6 +198,9 @@ void ScatterLayer::refresh() {
 		}
 	}
 	tables_.refresh(mask_frame_, links_.proximity_distance);
+	if (density_rules_outdated_) {
+		remake_density_rules();
+	}
 }
 
 Ref<Resource> ScatterLayer::resource(std::string_view property) const {

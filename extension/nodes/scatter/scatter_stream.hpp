@@ -171,7 +171,7 @@ private:
 	void start_over();
 	void report_once(const TileJob &job);
 	void report_recheck(const Status &status);
-	LayerFailure print_failure(const std::string &where, const Status &status);
+	LayerFailure print_failure(const std::string &where, const Status &status, const std::string &by_rule = {});
 	void forget_failure(LayerFailure &r_failure);
 	void settle_unseen(const std::shared_ptr<TileJob> &job);
 	bool ring_step();

@@ -22,7 +22,7 @@ void ScatterStream::report_once(const TileJob &job) {
 		const glm::ivec2 tile = job.request.key.tile;
 		failures_[index] = print_failure("layer " + std::to_string(index) + ", tile (" + std::to_string(tile.x) + ", " +
 						std::to_string(tile.y) + ")",
-				job.status);
+				job.status, density_rule_problem(*job.layer->settings, job.status));
 	}
 }
 
@@ -54,9 +54,15 @@ void ScatterStream::report_recheck(const Status &status) {
 	recheck_failure_ = first != failures_.end() ? *first : print_failure("re-check of the ground", status);
 }
 
-LayerFailure ScatterStream::print_failure(const std::string &where, const Status &status) {
+/// Prints an error. `by_rule` is the message of the density rule that caused it, or empty.
+LayerFailure ScatterStream::print_failure(const std::string &where, const Status &status, const std::string &by_rule) {
 	failures_changed_ = true;
 	const String text = String::utf8((where + ": " + describe(status) + ".").c_str());
+	if (!by_rule.empty()) {
+		const String sentence = String::utf8(by_rule.c_str());
+		ERR_PRINT(String("TerrainScatter3D, ") + text + String(" ") + sentence);
+		return {sentence, false};
+	}
 	const Ref<ScatterGround> &ground = ground_.source.ground;
 	const String by_script = ground.is_valid() ? ground->script_problem(status) : String();
 	ERR_PRINT(String("TerrainScatter3D, ") + text + (by_script.is_empty() ? by_script : String(" ") + by_script));

@@ -13,6 +13,10 @@ namespace thicket {
 
 namespace {
 
+/// The number of positions per call to a density rule on the main thread, if workers sample the
+/// ground. GDScript needs about 0.1 ms for such a call.
+constexpr std::size_t density_rule_slice = 128;
+
 /// While tiles wait to be uploaded, the stream takes one division step per this many uploads. A
 /// delayed division does not change the image; it only means that more triangles are drawn.
 constexpr std::uint32_t uploads_before_divide = 32;
@@ -31,9 +35,9 @@ std::chrono::steady_clock::duration smoothed(
 
 } // namespace
 
-/// Samples the ground of the first waiting tile at up to `max_count` positions. Returns the number
-/// of positions; at least 1 if a tile was processed. Returns 0 if no tile waits, or if a script has
-/// changed the stream.
+/// Samples the ground and the density rules of the first waiting tile at up to `max_count` positions.
+/// Returns the number of positions; at least 1 if a tile was processed. Returns 0 if no tile waits, or
+/// if a script has changed the stream.
 std::size_t ScatterStream::ground_step(std::size_t max_count) {
 	if (ask_ground_.empty() || max_count == 0) {
 		return 0;
@@ -45,10 +49,22 @@ std::size_t ScatterStream::ground_step(std::size_t max_count) {
 	Status status;
 	if (count > 0) {
 		const std::weak_ptr<const void> alive = life_;
-		status = ground_.source.sample_now(std::span<const glm::dvec2>(job->positions).subspan(job->answered, count),
-				{part->textures, part->normals}, std::span(job->ground).subspan(job->answered, count));
-		if (alive.expired() || ask_ground_.empty() || ask_ground_.front() != job) {
-			return 0; // The script has freed or changed this stream.
+		const auto interrupted = [&] { // True if a script has freed or changed this stream.
+			return alive.expired() || ask_ground_.empty() || ask_ground_.front() != job;
+		};
+		const auto positions = std::span<const glm::dvec2>(job->positions).subspan(job->answered, count);
+		const auto ground = std::span(job->ground).subspan(job->answered, count);
+		if (job->terrain == nullptr) {
+			status = ground_.source.sample_now(positions, {part->textures, part->normals}, ground);
+			if (interrupted()) {
+				return 0;
+			}
+		}
+		if (status.ok()) {
+			status = part->query_density(positions, ground);
+			if (interrupted()) {
+				return 0;
+			}
 		}
 	}
 	job->answered += count;
@@ -69,6 +85,9 @@ std::size_t ScatterStream::ground_step(std::size_t max_count) {
 /// must be sampled in physics frames and `in_physics_frame` is false, or the reverse.
 std::size_t ScatterStream::positions_at_once(bool in_physics_frame) const {
 	const Ref<ScatterGround> &ground = ground_.source.ground;
+	if (ground_.terrain != nullptr) {
+		return in_physics_frame ? 0 : density_rule_slice;
+	}
 	return ground.is_valid() && ground->needs_physics_frames() == in_physics_frame ? ground->max_positions_per_call()
 																				   : 0;
 }

@@ -334,6 +334,12 @@ TileMaker TerrainScatter3D::worker_tile_maker() const {
 		std::vector<TileOrder> orders;
 		const std::vector<std::size_t> ordered = order_tiles(layers, tiles, orders);
 		Status status;
+		if (std::ranges::any_of(orders, [](const TileOrder &order) { return needs_main_thread(*order.layer); })) {
+			return Status::missing("thread_safe_rule",
+					"A rule in ScatterLayer.density_rules can only be called on the main thread, so the snapshot "
+					"contains only the tiles that were loaded when it was created. Let its _is_thread_safe() return "
+					"true, or use request_rect() or request_sphere()");
+		}
 		for (std::size_t i = 0; status.ok() && i < orders.size(); ++i) {
 			status = builder->build(orders[i], *terrain, r_tiles[ordered[i]]);
 		}

@@ -231,7 +231,10 @@ void TerrainScatter3D::explain_layer(const Ref<ScatterLayer> &p_layer, const std
 	const glm::dvec3 position = r_explanation.position;
 	const Status status = explainer.explain(r_explanation.layer, position, r_explanation);
 	if (!status.ok()) {
-		return refuse("layer", "The layer cannot be explained: " + thicket::describe(status) + ".", r_explanation);
+		const std::string by_rule = density_rule_problem(*layer->settings, status);
+		return refuse(by_rule.empty() ? "layer" : "density_rules",
+				by_rule.empty() ? "The layer cannot be explained: " + thicket::describe(status) + "." : by_rule,
+				r_explanation);
 	}
 	explain_meshes(p_layer, r_explanation);
 	if (gameplay->alive()) {

@@ -19,8 +19,12 @@ Status query_synchronously(const Terrain *terrain, const HostedGround &ground, s
 		return query_ground(*terrain, positions, queries, r_answers);
 	}
 	for (const GroundQuery &query : queries) {
-		const Status status = ground.sample_now(positions.subspan(query.first, query.count), query.needs,
-				std::span(r_answers).subspan(query.first, query.count));
+		const std::span<const glm::dvec2> at = positions.subspan(query.first, query.count);
+		const std::span<Ground> answers = std::span(r_answers).subspan(query.first, query.count);
+		Status status = ground.sample_now(at, query.needs, answers);
+		if (status.ok()) {
+			status = query.density.query(at, answers);
+		}
 		if (!status.ok()) {
 			return status;
 		}
@@ -42,13 +46,14 @@ Status SynchronousBuilder::build_in_steps(const LayerSettings &layer, const Terr
 	std::unique_ptr<TileBuilder> builder = take_builder();
 	EngineThreads threads;
 	Status status;
-	if (terrain != nullptr) {
+	if (terrain != nullptr && !needs_main_thread(layer)) {
 		status = builder->build(layer, *terrain, space, r_tile, nullptr, &threads);
 	} else {
-		status = builder->find_points(layer, space, nullptr, &threads);
+		const Surface *surface = terrain != nullptr ? terrain->surface() : nullptr;
+		status = builder->find_points(layer, space, nullptr, &threads, surface);
 		std::vector<Ground> answers;
 		if (status.ok()) {
-			status = query_in_steps(nullptr, ground, *builder, answers);
+			status = query_in_steps(terrain, ground, *builder, answers);
 		}
 		status = status.ok() ? builder->place(answers, r_tile) : status;
 	}
@@ -67,7 +72,9 @@ Status SynchronousBuilder::build(const LayerSettings &layer, const Terrain *terr
 
 Status SynchronousBuilder::build_all(std::span<const TileOrder> orders, const Terrain *terrain,
 		const HostedGround &ground, std::vector<std::shared_ptr<const CompactTile>> &r_tiles) {
-	if (terrain != nullptr && orders.size() > 1) {
+	const bool on_threads =
+			std::ranges::none_of(orders, [](const TileOrder &order) { return needs_main_thread(*order.layer); });
+	if (terrain != nullptr && orders.size() > 1 && on_threads) {
 		// The tiles do not depend on which threads generate them.
 		EngineThreads threads;
 		return parallel_builder_.build(orders, *terrain, threads, r_tiles);

@@ -254,16 +254,17 @@ bool TileWorkers::work_on_next(Worker &worker) {
 void TileWorkers::advance(Worker &worker, TileJob &job) {
 	const LayerSettings &settings = *job.layer->settings;
 	TileBuilder &builder = worker.builder;
-	if (job.terrain != nullptr) {
+	if (job.terrain != nullptr && !needs_main_thread(settings)) {
 		job.status = builder.build(settings, *job.terrain, job.request.space, worker.tile, &job.cancelled);
 		job.points_computed += builder.sample_stats().computed;
 		finish(worker, job);
 		return;
 	}
-	// Without a thread-safe ground, a job gets here at least twice and computes its points each
+	// Without a thread-safe ground and rules, a job gets here at least twice and computes its points each
 	// time. Computing them twice costs less than the script calls in between and frees the workspace
 	// while the job waits for the main thread.
-	job.status = builder.find_points(settings, job.request.space, &job.cancelled);
+	const Surface *surface = job.terrain != nullptr ? job.terrain->surface() : nullptr;
+	job.status = builder.find_points(settings, job.request.space, &job.cancelled, nullptr, surface);
 	job.points_computed += builder.sample_stats().computed;
 	if (job.step == TileJob::Step::has_ground) {
 		job.earlier_ground.push_back(std::move(job.ground));
@@ -279,19 +280,30 @@ void TileWorkers::advance(Worker &worker, TileJob &job) {
 			job.points_computed += builder.sample_stats().computed;
 		}
 	}
+	if (job.status.ok()) {
+		job.status = prepare_queries(builder, job);
+	}
 	if (!job.status.ok()) {
 		finish(worker, job);
-	} else {
-		job.answered = 0;
-		job.parts.clear();
-		job.positions.assign(builder.positions().begin(), builder.positions().end());
-		for (const GroundQuery &query : builder.queries()) {
-			const std::span<const std::int32_t> textures = query.needs.textures;
-			job.parts.push_back({query.first + query.count, {textures.begin(), textures.end()}, query.needs.normals});
-		}
-		job.ground.resize(job.positions.size());
-		job.step = TileJob::Step::needs_ground;
 	}
+}
+
+/// Prepares the work of the main thread on a job. Samples the ground here if it is thread-safe.
+Status TileWorkers::prepare_queries(const TileBuilder &builder, TileJob &job) {
+	job.answered = 0;
+	job.parts.clear();
+	job.positions.assign(builder.positions().begin(), builder.positions().end());
+	job.ground.assign(job.positions.size(), Ground{});
+	for (const GroundQuery &query : builder.queries()) {
+		const std::span<const std::int32_t> textures = query.needs.textures;
+		const std::span<const SharedDensityRule> rules = query.density.rules;
+		job.parts.push_back({query.first + query.count, {textures.begin(), textures.end()}, query.needs.normals,
+				{rules.begin(), rules.end()}, {{}, query.density.sides, query.density.planet}});
+	}
+	job.step = TileJob::Step::needs_ground;
+	return job.terrain != nullptr
+			? query_terrain(*job.terrain, job.positions, builder.queries(), job.ground, &job.cancelled)
+			: Status();
 }
 
 void TileWorkers::finish(Worker &worker, TileJob &job) {

@@ -21,7 +21,7 @@ struct TileJob {
 	/// The next step of the job.
 	enum class Step : std::uint8_t {
 		start,        ///< Nothing is done yet.
-		needs_ground, ///< The main thread must sample `positions` and fill `ground`.
+		needs_ground, ///< The main thread must sample `positions` and fill `ground`; see `Part`.
 		has_ground,   ///< `ground` is filled in.
 		done,         ///< `tile` and `uploads` are ready, or there is an error.
 	};
@@ -31,11 +31,19 @@ struct TileJob {
 	std::shared_ptr<const Terrain> terrain; ///< The ground; null if only the main thread may sample it.
 	Step step = Step::start;
 
-	/// A range of `positions` that need the same ground data; see GroundQuery.
+	/// A range of `positions` that need the same ground data; see GroundQuery. If `terrain` is not
+	/// null, a worker has sampled the ground, and only the density rules are left.
 	struct Part {
 		std::size_t end = 0; ///< An index in `positions`; the next part begins here.
 		std::vector<std::int32_t> textures;
 		bool normals = true;
+		std::vector<SharedDensityRule> density_rules;
+		DensityRuleQuery density{}; ///< Without the rules, which are in `density_rules`.
+
+		/// Evaluates the density rules at positions of this part.
+		Status query_density(std::span<const glm::dvec2> some, std::span<Ground> r_ground) const {
+			return DensityRuleQuery{density_rules, density.sides, density.planet}.query(some, r_ground);
+		}
 	};
 
 	std::vector<glm::dvec2> positions;
@@ -138,6 +146,7 @@ private:
 	static void run(void *p_worker);
 	bool work_on_next(Worker &worker);
 	static void advance(Worker &worker, TileJob &job);
+	static Status prepare_queries(const TileBuilder &builder, TileJob &job);
 	static void finish(Worker &worker, TileJob &job);
 	std::shared_ptr<TileJob> next(Worker &worker);
 	void hand_in(Worker &worker);

@@ -4,8 +4,8 @@ extends RefCounted
 ##
 ## The hashes cover the version of the add-on, the node's seed, water and world offset, and the instances that its state removes or adds. They cover
 ## the stored properties of the node's layers, biomes, regions and ground. They include all resources in these, the files and scripts from which they
-## are loaded, and heights of the ground throughout a rectangle. The appearance of instances is not included. Data that a script reads from elsewhere
-## is only covered by those heights.
+## are loaded, and heights of the ground and densities of rule scripts throughout a rectangle. The appearance of instances is not included. Data that
+## a script reads from elsewhere is only covered by those heights and densities.
 
 ## The number of cells along each edge of the rectangle. The height at the center of each cell is hashed.
 const PROBES := 33
@@ -35,14 +35,38 @@ static func parts_of(scatter: TerrainScatter3D, rect: Rect2) -> Dictionary[Strin
 	add.call("the regions", scatter.find_children("*", "ScatterRegion3D", true, false))
 	add.call("the ground", [scatter.ground])
 	var heights := PackedFloat64Array()
+	var probes := PackedVector3Array()
 	for row in PROBES:
 		for column in PROBES:
 			var at := rect.position + rect.size * Vector2(column + 0.5, row + 0.5) / PROBES
-			heights.append(scatter.ground.get_height(Vector3(at.x, 0.0, at.y)))
+			probes.append(Vector3(at.x, 0.0, at.y))
+			heights.append(scatter.ground.get_height(probes[-1]))
 	add.call("the heights of the ground", [heights])
+	for index in layers.size():
+		if layers[index] != null and not layers[index].density_rules.is_empty():
+			add.call("the rules of layer %d (%s)" % [index, layers[index].resource_name], _densities_of(layers[index], scatter.ground, probes, heights))
 	var changes := scatter.state
 	add.call("instances removed and placed by hand", [changes.get_digest() if changes != null and _holds_anything(changes) else 0])
 	return parts
+
+
+## Returns the densities of each rule of a layer at those positions that have ground.
+static func _densities_of(layer: ScatterLayer, ground: ScatterGround, probes: PackedVector3Array, heights: PackedFloat64Array) -> Array:
+	var positions := PackedVector3Array()
+	var normals := PackedVector3Array()
+	var slopes := PackedFloat32Array()
+	var weights := PackedFloat32Array()
+	for index in probes.size():
+		if is_finite(heights[index]):
+			positions.append(Vector3(probes[index].x, heights[index], probes[index].z))
+			normals.append(ground.get_normal(probes[index]))
+			slopes.append(rad_to_deg(normals[-1].angle_to(Vector3.UP)))
+			weights.append(1.0)
+	var densities := []
+	for rule in layer.density_rules:
+		if rule != null and rule.has_method(&"_get_densities"):
+			densities.append(rule.call(&"_get_densities", positions, normals, slopes, weights))
+	return densities
 
 
 static func _holds_anything(state: ScatterState) -> bool:

@@ -1,4 +1,4 @@
-#include "nodes/ground/script_answer.hpp"
+#include "nodes/common/script_answer.hpp"
 
 #include <algorithm>
 #include <godot_cpp/variant/array.hpp>
@@ -62,6 +62,21 @@ String script_name(Object *p_owner) {
 						   : String("Script ") + text + String(" of ") + p_owner->get_class();
 }
 
+} // namespace
+
+String short_script_name(Object *p_owner) {
+	const Variant script = p_owner->get("script");
+	Object *object = script.get_validated_object();
+	if (object == nullptr) {
+		return p_owner->get_class();
+	}
+	const String name = object->call("get_global_name");
+	const String path = object->get("resource_path");
+	return !name.is_empty() ? name : path.is_empty() ? p_owner->get_class() : path.get_file();
+}
+
+namespace {
+
 String in_words(GDExtensionCallErrorType error, const Variant &p_answer, std::int64_t size, std::int64_t count) {
 	if (error != GDEXTENSION_CALL_OK) {
 		return "could not be called";
@@ -91,8 +106,12 @@ Status ScriptAnswers::check(Object *p_owner, const ScriptMethod &method, GDExten
 	const Status status = is_array
 			? Status::wrong_size(method.result, std::max<std::int64_t>(size, 0), exactly(count, "one per position"))
 			: Status::missing(method.elements, "Return one element for each position");
-	const String text = script_name(p_owner) + String(": ") + String(method.name) + String("() ") +
-			in_words(error, p_answer, size, count) + String(". It must return ") + String(method.expected) +
+	return reject(p_owner, method, status, in_words(error, p_answer, size, count));
+}
+
+Status ScriptAnswers::reject(Object *p_owner, const ScriptMethod &method, const Status &status, const String &p_words) {
+	const String text = script_name(p_owner) + String(": ") + String(method.name) + String("() ") + p_words +
+			String(". It must return ") + String(method.expected) +
 			String(". Fix the method, then call TerrainScatter3D.regenerate().");
 	const std::lock_guard lock(mutex_);
 	refusal_ = status;

@@ -12,16 +12,16 @@
 
 namespace thicket {
 
-/// A method of a ground script, and the array that it must return.
+/// A method of a ground script or a rule script, and the value that it must return.
 struct ScriptMethod {
 	const char *name;
 	const char *result;                ///< Names the array in errors about its size.
 	const char *elements;              ///< Names the array in errors about its type.
-	const char *expected;              ///< Describes the required array for users.
+	const char *expected;              ///< Describes the required value for users.
 	godot::Variant::Type element_type; ///< FLOAT also accepts integers.
 };
 
-/// Calls the methods of a ground script, checks their results, and describes the last rejected
+/// Calls the methods of a script, checks their results, and describes the last rejected
 /// result in a message. Any thread may use this class.
 class ScriptAnswers {
 public:
@@ -39,6 +39,11 @@ public:
 		return status;
 	}
 
+	/// Records and returns `status`, the error of a method whose result was rejected. `p_words`
+	/// describes the result: "returned -1".
+	Status reject(
+			godot::Object *p_owner, const ScriptMethod &method, const Status &status, const godot::String &p_words);
+
 	/// Returns a message with the script, the method, the actual and the expected result, and how
 	/// to fix it. Returns an empty string unless `status` is from the last rejected result.
 	godot::String sentence(const Status &status) const;
@@ -51,5 +56,8 @@ private:
 	godot::String sentence_;
 	Status refusal_;
 };
+
+/// Returns the global name of an object's script, or its file, or the object's class.
+godot::String short_script_name(godot::Object *p_owner);
 
 } // namespace thicket
