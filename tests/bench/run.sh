@@ -11,7 +11,7 @@ set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
 source tools/setup.sh
 
-parts=" sampler tile fields shapes streamer library streaming drawn flight views workers response terrains rectangles gameplay spikes cancel"
+parts=" sampler tile fields shapes streamer library streaming drawn flight views workers response terrains rules rectangles gameplay spikes cancel"
 parts+=" collision navigation import load soak "
 write=
 only=
@@ -107,7 +107,7 @@ display=--xvfb measure drawn in_engine streaming
 measure flight in_engine flight
 display=--xvfb measure views in_engine views
 measure workers in_engine workers 5 "$sampler"
-for part in response terrains rectangles gameplay spikes cancel collision navigation import load; do
+for part in response terrains rules rectangles gameplay spikes cancel collision navigation import load; do
 	measure "$part" in_engine "$part"
 done
 # Like the soak test, this fails with 1 if anything grew. malloc returns free memory immediately, as in test_soak.py.

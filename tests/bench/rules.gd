@@ -1,0 +1,103 @@
+extends SceneTree
+## Measures the time to fill a view with a layer whose density is a property, an expression or a rule script. All thin the layer by slope in
+## the same way. Prints rows of a Markdown table.
+##   tools/godot --headless --path demo_project --script tests/bench/rules.gd [-- ROUNDS]
+##
+## Contenders take turns in each round, and ratios are computed within a round, so that a busy machine affects all equally.
+
+const RADIUS := 0.5
+const VIEW := 100.0
+const DEFAULT_ROUNDS := 9
+
+## Returns clamp((30 - slope) / 20, 0, 1).
+class SlopeRule extends ScatterRule:
+	var threaded := false
+
+	func _get_densities(positions: PackedVector3Array, _normals: PackedVector3Array, slopes: PackedFloat32Array,
+			_texture_weights: PackedFloat32Array) -> PackedFloat32Array:
+		var densities := PackedFloat32Array()
+		densities.resize(positions.size())
+		for index in positions.size():
+			densities[index] = clampf((30.0 - slopes[index]) / 20.0, 0.0, 1.0)
+		return densities
+
+	func _is_thread_safe() -> bool:
+		return threaded
+
+
+var _viewer := Node3D.new()
+
+
+func _initialize() -> void:
+	_run.call_deferred()
+
+
+func _run() -> void:
+	RenderingServer.render_loop_enabled = false
+	root.add_child(_viewer)
+	var arguments := OS.get_cmdline_user_args()
+	var rounds := maxi(1, arguments[0].to_int()) if arguments.size() > 0 else DEFAULT_ROUNDS
+	var contenders: Dictionary[String, Callable] = {
+		"max_slope_degrees with a falloff": _by_property, "density_expression": _by_expression,
+		"a rule script on threads": _by_script.bind(true), "a rule script on the main thread": _by_script.bind(false),
+	}
+	await _fill(_by_property) # The first round warms up.
+	var times: Dictionary[String, Array] = {}
+	for round in rounds:
+		for named in contenders:
+			times.get_or_add(named, []).push_back(await _fill(contenders[named]))
+	for named in times:
+		_report(named, times[named], times.values()[0])
+	quit()
+
+
+func _by_property(layer: ScatterLayer) -> void:
+	layer.max_slope_degrees = 30.0
+	layer.slope_falloff_degrees = 20.0
+
+
+func _by_expression(layer: ScatterLayer) -> void:
+	layer.density_expression = "clamp((30 - slope) / 20, 0, 1)"
+
+
+func _by_script(layer: ScatterLayer, threaded: bool) -> void:
+	var rule := SlopeRule.new()
+	rule.threaded = threaded
+	layer.density_rules = [rule]
+
+
+## Returns the seconds until all tiles around the viewer are visible.
+func _fill(add_rule: Callable) -> float:
+	var ground := ScatterGroundNoise.new()
+	ground.noise = FastNoiseLite.new()
+	ground.amplitude = 20.0
+	var layer := ScatterLayer.new()
+	layer.radius = RADIUS
+	layer.tile_size = 32.0
+	layer.view_distance = VIEW
+	layer.meshes = [BoxMesh.new()]
+	add_rule.call(layer)
+	var scatter := TerrainScatter3D.new()
+	scatter.layers = [layer]
+	scatter.ground = ground
+	scatter.frame_budget_usec = 1_000_000
+	root.add_child(scatter)
+	scatter.viewers = [scatter.get_path_to(_viewer)]
+	var start := Time.get_ticks_usec()
+	await process_frame
+	while not scatter.is_settled():
+		await process_frame
+	var seconds := (Time.get_ticks_usec() - start) / 1e6
+	scatter.free()
+	return seconds
+
+
+func _report(named: String, times: Array, base: Array) -> void:
+	var ratios: Array[float] = []
+	for round in times.size():
+		ratios.push_back(times[round] / base[round])
+	times = times.duplicate()
+	times.sort()
+	ratios.sort()
+	print("| first fill of a layer with %s | %.2f s | %.2f to %.2f times the property's, median %.2f | %d |" % [
+		named, times[floori(times.size() / 2.0)], ratios[0], ratios[-1], ratios[floori(ratios.size() / 2.0)], times.size()])
