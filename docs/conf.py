@@ -61,18 +61,23 @@ html_theme_options = {
 OUTSIDE = re.compile(r"(?<!!)(\[[^\[\]]+\])\(((?:\.\./)+[^)#\s]*)(#[^)]*)?\)")
 # A name in code that must be a class or a member of a class: `ScatterLayer`, `ScatterLayer.density`, `PoissonSampler.sample()`.
 OF_A_CLASS = re.compile(r"((?:Scatter|Poisson|TerrainScatter3D)\w*)(?:\.(\w+))?(?:\([^)]*\))?")
+# The forge's pages that links of the documentation may lead to. A forge shows this folder three levels below them.
+FORGE_PAGES = ("issues", "releases/latest")
 # The pages that also contain names of older versions.
 WITH_FORMER_NAMES = {"migration", "changelog"}
 
 
 def link_to_repository(app, docname, source):
-    """Makes links to files outside docs/ addresses in the repository. The files must exist."""
+    """Makes links to files outside docs/, and to FORGE_PAGES, addresses in the repository. The files must exist."""
     folder = (DOCS / docname).parent
 
     def replaced(link):
         path = Path(os.path.normpath(folder / link.group(2)))
         if path.is_relative_to(DOCS):
             return link.group(0)
+        for page in FORGE_PAGES:
+            if path == REPO.parent.parent / page:
+                return f"{link.group(1)}({repository}/{page})"
         if not path.is_relative_to(REPO) or not path.exists():
             logger.warning("the link to %s has no target", link.group(2), location=docname)
             return link.group(0)

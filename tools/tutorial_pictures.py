@@ -1,8 +1,9 @@
-"""Scales screenshots for the tutorials (see tools/tutorial_pictures.sh).
+"""Scales screenshots for the tutorials and for the steps of README.md (see tools/tutorial_pictures.sh).
 
-    tutorial_pictures.py EDITOR GAME TUTORIALS
+    tutorial_pictures.py EDITOR GAME TUTORIALS PICTURES
 
-The arguments are the folders of the editor tests' screenshots, the demo's screenshots and the tutorial pages.
+The arguments are the folders of the editor tests' screenshots, the demo's screenshots, the tutorial pages and the pictures
+of README.md.
 """
 
 import io
@@ -42,10 +43,12 @@ def write(image, path):
 
 
 def main():
-    editor, game, tutorials = map(Path, sys.argv[1:])
+    editor, game, tutorials, pictures = map(Path, sys.argv[1:])
     for name in ("first_forest", "your_own_tree", "paint_and_shapes", "why"):
         write(Image.open(editor / f"tutorial_{name}.png"), tutorials / f"{name}.jpg")
     write(Image.open(game / "falling.png"), tutorials / "game_that_fells.jpg")
+    for name in ("install", *range(1, 7)):
+        write(Image.open(editor / f"newcomer_{name}.png"), pictures / f"newcomer_{name}.jpg")
     views = [Image.open(editor / f"tutorial_server_{who}.png") for who in ("one", "late")]
     write(side_by_side(*views), tutorials / "server.jpg")
 

@@ -69,6 +69,16 @@ def test_every_tutorial_is_the_one_in_the_editor(site):
         assert headings and all(re.sub(r"['’]", "", heading) in re.sub(r"['’]", "", shown) for heading in headings), page.name
 
 
+def test_a_newcomer_finds_the_download(site):
+    """Checks that the first pages link to the forge."""
+    plugin = (REPO / "demo_project/addons/thicket/plugin.cfg").read_text(encoding="utf-8")
+    repository = re.search(r'^repository="(.+)"$', plugin, re.MULTILINE).group(1)
+    front = (site / "index.html").read_text(encoding="utf-8")
+    assert f'href="{repository}/issues"' in front
+    for text in (front, (site / "getting_started.html").read_text(encoding="utf-8")):
+        assert f'href="{repository}/releases/latest"' in text
+
+
 def test_names_of_classes_are_links(site):
     page = (site / "concepts/gameplay.html").read_text(encoding="utf-8")
     assert 'href="../classes/class_terrainscatter3d.html#class-terrainscatter3d-method-make-snapshot"' in page

@@ -269,7 +269,7 @@ func mouse_drag(from: Vector2, to: Vector2) -> void:
 ## Drags files from the FileSystem dock to a position in the window.
 func drag_files(paths: PackedStringArray, to: Vector2) -> void:
 	var dock := EditorInterface.get_file_system_dock()
-	var from := dock.get_global_transform_with_canvas() * (dock.size * 0.5)
+	var from := drag_origin(paths)
 	await _point(to) # Done before the drag: a drop uses the system's pointer, and a later motion of the pointer would end the drag.
 	await mouse_to(from, MOUSE_BUTTON_MASK_LEFT)
 	var preview := Label.new()
@@ -281,11 +281,18 @@ func drag_files(paths: PackedStringArray, to: Vector2) -> void:
 	await frames(3)
 
 
+## Returns the position in the window at which a drag of files begins.
+func drag_origin(_paths: PackedStringArray) -> Vector2:
+	var dock := EditorInterface.get_file_system_dock()
+	return dock.get_global_transform_with_canvas() * (dock.size * 0.5)
+
+
 func mouse_to(at: Vector2, buttons: int) -> void:
 	var motion := InputEventMouseMotion.new()
 	motion.position = at
 	motion.global_position = at
 	motion.relative = at - _mouse
+	motion.velocity = motion.relative # Menus ignore motions without a velocity.
 	_mouse = at
 	motion.button_mask = buttons
 	get_window().push_input(motion)

@@ -3,6 +3,7 @@ extends "res://tests/steps.gd"
 ## The base class for the tutorial tests, with scenes that have a ground, buttons, and screenshots for the pages. Before these tests, tutorial_tree.gd
 ## must have written res://pack/oak.glb.
 
+const Hills := preload("res://tests/hills.gd")
 const LayersPanel := preload("res://addons/thicket/editor/layers/layers_panel.gd")
 const OAK := "res://pack/oak.glb"
 const SIZE := Vector2i(1280, 800)
@@ -55,28 +56,11 @@ func wait_for_panel() -> void:
 	await get_tree().create_timer(0.6).timeout
 
 
-## Saves a hilly ground mesh of 200 by 200 m, unless it exists already.
+## Saves the ground mesh, unless it exists already.
 func make_ground() -> void:
 	if ResourceLoader.exists("res://ground.res"):
 		return
-	var plane := PlaneMesh.new()
-	plane.size = Vector2(200.0, 200.0)
-	plane.subdivide_width = 79
-	plane.subdivide_depth = 79
-	var arrays := plane.get_mesh_arrays()
-	var hills := FastNoiseLite.new()
-	hills.seed = 3
-	hills.frequency = 0.008
-	for index in arrays[Mesh.ARRAY_VERTEX].size():
-		arrays[Mesh.ARRAY_VERTEX][index].y = 14.0 * hills.get_noise_2d(arrays[Mesh.ARRAY_VERTEX][index].x, arrays[Mesh.ARRAY_VERTEX][index].z)
-	var surface_tool := SurfaceTool.new()
-	surface_tool.create_from_arrays(arrays)
-	surface_tool.generate_normals()
-	var earth := StandardMaterial3D.new()
-	earth.albedo_color = Color(0.24, 0.27, 0.13)
-	earth.roughness = 1.0
-	surface_tool.set_material(earth)
-	ResourceSaver.save(surface_tool.commit(), "res://ground.res")
+	ResourceSaver.save(Hills.mesh(), "res://ground.res")
 
 
 ## Opens a new scene with the ground. The camera looks at `place` from `away` meters, rotated `down` and `around` in radians.
