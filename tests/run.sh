@@ -31,6 +31,7 @@ if [[ " $* " == *" --full "* ]]; then
 	setup_android_engines
 	setup_godot_sources
 	setup_gltf_validator
+	setup_ffmpeg
 	setup_web_engine
 	setup_workflow_checkers
 	setup_export_template

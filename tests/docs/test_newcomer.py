@@ -16,6 +16,8 @@ from PIL import Image
 
 README = (REPO / "README.md").read_text(encoding="utf-8")
 SECTION = README.split("## Install\n")[1].split("## A first forest in ten lines")[0]
+# The frames of the film, for tools/film.sh.
+FRAMES = REPO / "build/film/frames/editor"
 # The largest mean difference in brightness, from 0 to 255, between a picture of the page and the screen, both scaled down to SMALL. Other fonts and
 # rasterizers stay below it. A moved panel or a different dialog does not.
 MOST = 8.0
@@ -94,3 +96,16 @@ def test_the_pictures_match_the_screen(game, step):
     expected, seen = (np.asarray(image, np.float64) for image in images)
     assert seen.std() > 15
     assert np.abs(expected - seen).mean() < MOST, "run bash tools/tutorial_pictures.sh"
+
+
+@pytest.mark.full
+def test_frames_of_the_film(godot, godot_xvfb, tmp_path):
+    """Films the steps in the editor and a stroke of the brush. The steps are in newcomer_film.gd."""
+    folder = new_project(tmp_path, godot)
+    shutil.rmtree(FRAMES, ignore_errors=True)
+    FRAMES.mkdir(parents=True)
+    done = godot_xvfb(["--single-window", "--editor", "--path", folder, "--", "newcomer_film", FRAMES], timeout=600)
+    check_passed(done.stdout + done.stderr)
+    frames = sorted(FRAMES.glob("*.png"))
+    shades = [np.asarray(Image.open(path).convert("L").resize(SMALL)).std() for path in frames]
+    assert len(frames) > 60 and min(shades) > 15

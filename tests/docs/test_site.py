@@ -70,13 +70,16 @@ def test_every_tutorial_is_the_one_in_the_editor(site):
 
 
 def test_a_newcomer_finds_the_download(site):
-    """Checks that the first pages link to the forge."""
+    """Checks that the first pages link to the forge, and that the front page has the film with its poster."""
     plugin = (REPO / "demo_project/addons/thicket/plugin.cfg").read_text(encoding="utf-8")
     repository = re.search(r'^repository="(.+)"$', plugin, re.MULTILINE).group(1)
     front = (site / "index.html").read_text(encoding="utf-8")
     assert f'href="{repository}/issues"' in front
     for text in (front, (site / "getting_started.html").read_text(encoding="utf-8")):
         assert f'href="{repository}/releases/latest"' in text
+    (film,) = re.findall(r"<video.*?>", front, re.DOTALL)
+    for attribute in ("src", "poster"):
+        assert (site / re.search(rf'{attribute}="(.+?)"', film).group(1)).is_file()
 
 
 def test_names_of_classes_are_links(site):
