@@ -68,9 +68,10 @@ def test_the_steps_of_the_readme(newcomer):
     check_passed(newcomer)
 
 
-def test_the_readme_states_the_effort(newcomer):
+def test_the_pages_state_the_effort(newcomer):
     clicks, drags, keys = re.search(r"^newcomer: (\d+) clicks, (\d+) drags, (\d+) keys$", newcomer, re.MULTILINE).groups()
-    assert f"{clicks} clicks, {drags} drags and {keys} keys" in SECTION
+    for text in (SECTION, (REPO / "docs/getting_started.md").read_text(encoding="utf-8")):
+        assert f"{clicks} clicks, {drags} drags and {keys} keys" in text
 
 
 def test_the_readme_names_what_is_clicked():
