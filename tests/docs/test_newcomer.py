@@ -36,7 +36,7 @@ def new_project(folder: Path, godot) -> Path:
     assert "written" in made.stdout and not complaints(made.stdout + made.stderr), made.stdout + made.stderr
     shutil.rmtree(folder / "meshes")
     godot(["--path", folder, "--import"], timeout=120)
-    # When the editor first draws the texture in 3D, it imports it again for graphics cards. That never ends with software rendering.
+    # When the editor first draws the texture in 3D, it imports it again for graphics cards. That takes minutes with software rendering.
     (texture,) = folder.glob("oak_*.png.import")
     texture.write_text(texture.read_text().replace("detect_3d/compress_to=1", "detect_3d/compress_to=0").replace("mipmaps/generate=false", "mipmaps/generate=true"))
     godot(["--path", folder, "--import"], timeout=120)
