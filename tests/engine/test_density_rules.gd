@@ -268,6 +268,12 @@ func test_a_changed_rule_regenerates_its_layer() -> void:
 	var after := places(scatter)
 	check(after.size() < before.size() and after.size() > before.size() / 2, "%d, then %d instances" % [before.size(), after.size()])
 	check_equal(digests(scatter, 1), other, "the other layer")
+	rule.west = 0.0 # Emits no signal.
+	await settle(scatter)
+	check(places(scatter) == after, "a change without a signal")
+	scatter.regenerate()
+	await settle(scatter)
+	check(places(scatter).values().all(func(at: Vector3) -> bool: return at.x >= 0.0), "regenerate() calls the rule again")
 	layer.density_rules = []
 	rule.east = 0.0
 	await settle(scatter)
@@ -341,9 +347,13 @@ func test_invalid_results() -> void:
 			check(REMEDY in scatter.explain_position(Vector3.ZERO, layer)[0].reason, "an explanation: " + context)
 			errors.take()
 			check_equal(scatter.build_rect(layer, Rect2(0, 0, 20, 20)).is_empty(), true, "build_rect: " + context)
-			check_equal(take_own_errors().size(), 1, "an error of build_rect: " + context)
+			own = take_own_errors()
+			check(own.size() == 1 and "TerrainScatter3D.build_rect" in own[0] and REMEDY in own[0], "build_rect: %s: %s" % [context, own])
+			check(scatter.get_density_map(layer, Rect2(0, 0, 20, 20), Vector2i(2, 2)).is_empty(), "get_density_map: " + context)
+			own = take_own_errors()
+			check(own.size() == 1 and "TerrainScatter3D.get_density_map" in own[0] and REMEDY in own[0], "get_density_map: %s: %s" % [context, own])
 			rule.set(case[0], Callable())
-			rule.emit_changed()
+			scatter.regenerate()
 			await settle(scatter)
 			check(instances(scatter, 0).size() > 100, "fixed: " + context)
 			check_equal(scatter.get_problems().size(), 0, "no problems once fixed: " + context)

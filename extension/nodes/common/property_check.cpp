@@ -15,9 +15,12 @@ bool accept_number(const char *owner, const char *property, double value, double
 	return status.ok();
 }
 
-void report(const char *owner, const Status &status) {
+void report(const char *owner, const Status &status) { report(owner, status, ""); }
+
+void report(const char *owner, const Status &status, const std::string &more) {
 	if (!status.ok() && status.code != ErrorCode::cancelled) {
-		ERR_PRINT(sentence(owner, status));
+		const godot::String text = sentence(owner, status);
+		ERR_PRINT(more.empty() ? text : text + godot::String(". ") + godot::String::utf8(more.c_str()));
 	}
 }
 

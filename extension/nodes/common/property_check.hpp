@@ -6,6 +6,7 @@
 #include <godot_cpp/variant/string.hpp>
 
 #include <cstdint>
+#include <string>
 #include <type_traits>
 
 namespace thicket {
@@ -37,6 +38,9 @@ bool accept_number(const char *owner, const char *property, double value, double
 /// Prints a status as a Godot error that begins with `owner`. Prints nothing if the status is ok or
 /// canceled.
 void report(const char *owner, const Status &status);
+
+/// The same, but adds `more`, one or more sentences, to the message.
+void report(const char *owner, const Status &status, const std::string &more);
 
 /// Converts a status to the Error that a bound method returns.
 godot::Error error_of(const Status &status);

@@ -187,6 +187,9 @@ public:
 	godot::TypedArray<ScatterRule> get_density_rules() const;
 	void density_rule_changed();
 
+	/// Makes the next snapshot use all rules anew, because they may have changed without a signal.
+	void distrust_density_rules() { density_rules_outdated_ = !density_rules_.empty(); }
+
 	/// Sets the distances in meters to keep from the instances of other layers. A key is a
 	/// ScatterLayer, its name or its index; a value is 0.001 to max_neighbor_distance. At most
 	/// max_neighbors entries are allowed. A layer that has a name is stored by name. The returned

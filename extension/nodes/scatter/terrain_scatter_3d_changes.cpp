@@ -168,6 +168,12 @@ void TerrainScatter3D::regenerate() {
 	if (ground_.is_valid()) {
 		ground_->search_again();
 	}
+	const TypedArray<ScatterLayer> layers = all_layers();
+	for (int64_t index = 0; index < layers.size(); ++index) {
+		if (const Ref<ScatterLayer> layer = layers[index]; layer.is_valid()) {
+			layer->distrust_density_rules();
+		}
+	}
 	mark_ground_dirty();
 }
 

@@ -295,6 +295,7 @@ PackedFloat32Array TerrainScatter3D::values_of(
 	}
 	std::vector<Position> positions;
 	std::vector<float> values;
+	std::string by_rule;
 	Status status = find(frame, positions);
 	if (status.ok()) {
 		status = prepare();
@@ -305,8 +306,9 @@ PackedFloat32Array TerrainScatter3D::values_of(
 		status = !explainer.ground.is_available() ? Status::missing("ground", "Set TerrainScatter3D.ground")
 				: p_layer != nullptr && !known    ? refused_layer()
 												  : evaluate(explainer, layer, positions, values);
+		by_rule = known ? density_rule_problem(*explainer.layers[layer]->settings, status) : "";
 	}
-	report((std::string("TerrainScatter3D.") + p_method).c_str(), status);
+	report((std::string("TerrainScatter3D.") + p_method).c_str(), status, by_rule);
 	if (!status.ok()) {
 		return {};
 	}

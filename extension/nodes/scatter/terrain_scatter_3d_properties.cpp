@@ -286,7 +286,8 @@ Ref<ScatterTile> TerrainScatter3D::build(
 	if (const Ref<ScatterState> state = gameplay->get_state(); status.ok() && state.is_valid()) {
 		status = lay_over(*snapshot->settings, rect, state->state(), tile);
 	}
-	report((std::string("TerrainScatter3D.") + p_method).c_str(), status);
+	report((std::string("TerrainScatter3D.") + p_method).c_str(), status,
+			snapshot != nullptr ? density_rule_problem(*snapshot->settings, status) : "");
 	return status.ok() ? ScatterTile::built(std::move(tile), snapshot->drawing.finest_meshes(), frame)
 					   : Ref<ScatterTile>(memnew(ScatterTile));
 }
