@@ -140,6 +140,10 @@ Digests all_digests() {
 			"undergrowth with every rule, 5 000 km out", digest_tile(builder, analysis::undergrowth(far), far));
 	digests.emplace_back("ferns that fill gaps", digest_tile(builder, analysis::filling_ferns(), near));
 	digests.emplace_back("ferns that fill gaps, 5 000 km out", digest_tile(builder, analysis::filling_ferns(), far));
+	digests.emplace_back("an avenue in rows", digest_tile(builder, analysis::in_rows(near, false), near));
+	digests.emplace_back("an avenue in rows, 5 000 km out", digest_tile(builder, analysis::in_rows(far, false), far));
+	digests.emplace_back("a field in rows", digest_tile(builder, analysis::in_rows(near, true), near));
+	digests.emplace_back("a field in rows, 5 000 km out", digest_tile(builder, analysis::in_rows(far, true), far));
 	for (const auto &more : {analysis::field_digests(require), analysis::state_digests(require),
 				 analysis::query_digests("queries", {-50.0, 400.0}, require),
 				 analysis::query_digests("queries, 5 000 km out", {5.0e6 + 2500.0, 5.0e6 + 3400.0}, require),

@@ -34,6 +34,31 @@ inline LayerSettings forest() {
 	return layer;
 }
 
+/// Returns an avenue along a bent line that crosses itself, for a 200 m tile at `corner`, or a field of
+/// parallel rows inside this line.
+inline LayerSettings in_rows(glm::dvec2 corner, bool fills_area) {
+	LayerSettings layer;
+	layer.placement.min_yaw_degrees = -15.0;
+	layer.placement.max_yaw_degrees = 15.0;
+	layer.placement.align_to_normal = 0.5;
+	RowSettings settings{.step = 2.5, .offsets = {-3.0, 4.5}, .jitter_along = 0.3, .jitter_across = 0.4};
+	settings.fills_areas = fills_area;
+	settings.row_distance = 1.7;
+	settings.row_angle_degrees = 25.0;
+	settings.crossing_gap = 9.0;
+	RowLine line{.identity = 0x0123456789abcdef};
+	line.anchor = corner + 17.0;
+	for (const glm::dvec2 point :
+			{glm::dvec2(-20.0, 30.0), {150.0, 40.0}, {190.0, 120.0}, {90.0, 190.0}, {60.0, -10.0}}) {
+		line.points.push_back(corner + point);
+	}
+	auto rows = std::make_shared<RowSet>();
+	expect(rows->set(settings, {line}));
+	layer.rows = rows;
+	layer.set = {.seed = 8, .radius = equivalent_radius(settings), .levels = 1, .layer = 9, .in_rows = true};
+	return layer;
+}
+
 /// Returns a layer that uses all kinds of rules and density fields except biomes, water and ground
 /// textures, for a 200 m tile at `corner`.
 inline LayerSettings undergrowth(glm::dvec2 corner) {

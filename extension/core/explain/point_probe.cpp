@@ -10,6 +10,9 @@ Status PointProbe::find(const LayerSettings &layer, std::span<const glm::dvec2> 
 	fills_ = fills(layer);
 	positions_.clear();
 	queries_.clear();
+	if (layer.set.in_rows) {
+		return find_in_rows(layer, positions);
+	}
 	if (!fills_) {
 		return nearest_points(sampler_, layer.set, positions, points_);
 	}
@@ -31,6 +34,23 @@ Status PointProbe::find(const LayerSettings &layer, std::span<const glm::dvec2> 
 		}
 		const Status status = filter_.sample(around, nullptr, nullptr);
 		return status.ok() ? gather() : status;
+	});
+}
+
+/// Finds the nearest points of rows.
+Status PointProbe::find_in_rows(const LayerSettings &layer, std::span<const glm::dvec2> positions) {
+	return guarded("positions", static_cast<double>(positions.size()), [&] {
+		const Rect area = enclosing_rect(positions);
+		if (!area.finite()) {
+			return Status{ErrorCode::not_finite, "positions", area.min.x};
+		}
+		std::vector<SamplePoint> all;
+		Status status;
+		if (layer.rows != nullptr) {
+			status = layer.rows->sample(layer.set, point_area(layer.set, area), all);
+		}
+		nearest_among(all, layer.set, positions, points_);
+		return status;
 	});
 }
 

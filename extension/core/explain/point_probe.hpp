@@ -32,10 +32,11 @@ public:
 	std::span<const GroundQuery> queries() const { return queries_; }
 
 	/// Returns the nearest point for each position. If no point is nearer than the radius, which
-	/// only happens for a layer that fills gaps, the entry is no_point.
+	/// only happens for a layer that fills gaps or is in rows, the entry is no_point.
 	std::span<const SamplePoint> points() const { return points_; }
 
 private:
+	Status find_in_rows(const LayerSettings &layer, std::span<const glm::dvec2> positions);
 	Status gather();
 
 	bool fills_ = false;

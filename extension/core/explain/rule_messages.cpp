@@ -264,6 +264,10 @@ RuleVerdict judge(const PositionExplanation &explanation, const LayerSettings &l
 	if (explanation.is_placed()) {
 		return {true, "", "Placed " + distance_text(explanation.distance) + "."};
 	}
+	if (!explanation.has_point && layer.set.in_rows) {
+		return {false, "rows",
+				"Allowed here, but no row of the layer has a point within " + number_text(layer.set.radius) + " m."};
+	}
 	if (explanation.at_point.density > 0.0) {
 		return {false, "rank", rank_text(explanation, layer, names)};
 	}

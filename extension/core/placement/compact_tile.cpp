@@ -222,7 +222,7 @@ float CompactMesh::read_basis(std::size_t i, std::span<float, transform_floats> 
 	write_position(positions_[i], r_floats);
 	const ScaleSource &scale = settings_->instance_data.scale;
 	return write_basis(settings_->placement, settings_->set.seed, id(i), normal, r_floats, up_,
-			scale.used() ? std::optional(scale_number_of(i)) : std::nullopt);
+			scale.used() ? std::optional(scale_number_of(i)) : std::nullopt, row_heading(*settings_, id(i)));
 }
 
 void CompactMesh::read_transform(std::size_t i, std::span<float, transform_floats> r_floats) const {
@@ -261,6 +261,7 @@ void CompactMesh::read_many(std::size_t count, const IndexOf &index_of, std::spa
 				if (uses_scale_numbers) {
 					scale_numbers[batch.count] = scale_number_of(i);
 				}
+				batch.set_heading(row_heading(*settings_, id(i)));
 				batch.add(id(i), normal_of(i - stored_count()), positions_[i]);
 			}
 		}

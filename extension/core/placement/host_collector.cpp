@@ -28,7 +28,8 @@ HostInstance instance_at(const LayerSettings &host, const PlacedPoints &points, 
 	const std::optional<double> number = scale.used()
 			? std::optional(scale_number(scale, host.set.seed, id, points.fractions_of(point).scale))
 			: std::nullopt;
-	write_basis(placement, host.set.seed, id, ground.normal, floats, UpField(host.planet, instance.position), number);
+	write_basis(placement, host.set.seed, id, ground.normal, floats, UpField(host.planet, instance.position), number,
+			row_heading(host, id));
 	for (int row = 0; row < 3; ++row) {
 		for (int column = 0; column < 3; ++column) {
 			instance.basis[column][row] = floats[static_cast<std::size_t>(4 * row + column)];

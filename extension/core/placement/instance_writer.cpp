@@ -32,6 +32,7 @@ void add_point(const LayerSettings &layer, const PlacedPoints &points, std::uint
 	const glm::dvec2 at = points.positions[point];
 	const glm::dvec3 on_ground(at.x, ground.height, at.y);
 	const glm::vec3 position(layer.planet.above(on_ground, layer.placement.height_offset) - origin);
+	r_batch.set_heading(row_heading(layer, points.ids[point]));
 	r_batch.add(points.ids[point], ground.normal, standing_position(layer.placement, ground.normal, position));
 }
 

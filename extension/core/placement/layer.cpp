@@ -53,6 +53,10 @@ Status validate_alone(const LayerSettings &layer) {
 	if (layer.hosted && !layer.set.on_surface) {
 		return Status::missing("on_surfaces", "Turn it on, because surface_layers requires it");
 	}
+	if (layer.set.in_rows && layer.set.on_surface) {
+		return Status::out_of_range("on_surfaces", 1.0, exactly(0.0, "off, because the layer has rows"),
+				"Turn it off, because rows need ground as seen from above, or clear rows");
+	}
 	return first_failure(validate(layer.set), validate(layer.rules), validate(layer.placement),
 			validate(layer.instance_data), validate_mesh_weights(layer.mesh_weights), validate_mesh_rules(layer),
 			validate_planet(layer));
@@ -70,7 +74,8 @@ Status validate(const LayerSettings &layer) {
 }
 
 bool fills_around(const LayerSettings &layer, const Neighbor &neighbor) {
-	return layer.spacing_fills && neighbor.curve == nullptr && !distance_in_space(layer, *neighbor.layer);
+	return layer.spacing_fills && !layer.set.in_rows && neighbor.curve == nullptr &&
+			!distance_in_space(layer, *neighbor.layer);
 }
 
 bool fills(const LayerSettings &layer) {
@@ -94,6 +99,11 @@ bool follows_normals(const LayerSettings &layer) {
 	return placement.align_to_normal != 0.0 || placement.offset_along_normal != 0.0 || mesh_rules_need_slope(layer) ||
 			data.scale.kind == SourceKind::slope || (data.color_is_known() && data.color.kind == SourceKind::slope) ||
 			(data.variation_is_known() && data.variation.kind == SourceKind::slope);
+}
+
+std::optional<Rotation> row_heading(const LayerSettings &layer, std::uint64_t id) {
+	const bool turns = layer.set.in_rows && layer.rows != nullptr && layer.rows->settings().turns_instances;
+	return turns ? std::optional(layer.rows->heading(id)) : std::nullopt;
 }
 
 SurfaceFaces permitted_faces(const LayerSettings &layer) {

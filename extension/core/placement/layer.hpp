@@ -6,6 +6,7 @@
 #include "core/placement/host_layer.hpp"
 #include "core/placement/instance_data.hpp"
 #include "core/placement/placement.hpp"
+#include "core/rows/row_set.hpp"
 #include "core/rules/rules.hpp"
 #include "core/sampling/point_set.hpp"
 
@@ -75,6 +76,8 @@ struct LayerSettings {
 	bool hosted = false;
 	/// The layers on whose models this layer grows; empty unless `hosted` is true.
 	std::vector<HostLayer> hosts;
+	/// The rows that contain the layer's points, if PointSet::in_rows is true. Null for no points.
+	std::shared_ptr<const RowSet> rows{};
 	/// Identifies the settings in an InstanceCache, which requires that they do not change any more.
 	UniqueNumber number{};
 
@@ -85,7 +88,7 @@ struct LayerSettings {
 Status validate(const LayerSettings &layer);
 
 /// Returns true if a layer fills the gaps around a neighbor. Returns false if either layer is on
-/// surfaces, or for a proximity rule.
+/// surfaces or the layer is in rows, or for a proximity rule.
 bool fills_around(const LayerSettings &layer, const Neighbor &neighbor);
 
 /// Returns true if the layer's points depend on the instances of a neighbor; see
@@ -134,6 +137,10 @@ double reach(const LayerSettings &layer);
 /// `tile_size` meters of a valid layer. The number includes the points of other layers on which
 /// this layer depends, in the tile and around it. Memory and time are proportional to the number.
 double points_to_sample(const LayerSettings &layer, double tile_size);
+
+/// Returns the rotation that turns an instance into the direction of its row; no value if the layer's
+/// instances do not depend on the direction of rows.
+std::optional<Rotation> row_heading(const LayerSettings &layer, std::uint64_t id);
 
 /// Returns the faces of a surface that the slope limits permit. The result changes only when a
 /// limit crosses 90 degrees. Other changes to the limits therefore move no points. On a planet, the

@@ -2,6 +2,7 @@
 
 #include "core/base/guard.hpp"
 #include "core/placement/edge_probes.hpp"
+#include "core/rows/row_edits.hpp"
 #include "core/rules/shape_edits.hpp"
 #include "core/sampling/obstacles.hpp"
 
@@ -97,14 +98,15 @@ bool uses_water_depth(const LayerSettings &layer) {
 					[](const std::optional<Rules> &rules) { return rules.has_value() && uses_water_depth(*rules); });
 }
 
-/// Returns the area of edits to the layer's own mask, shapes, biomes and water.
+/// Returns the area of edits to the layer's own rows, mask, shapes, biomes and water.
 EditedArea own_edits(const LayerSettings &layer_before, const LayerSettings &layer_after) {
 	const Rules &before = layer_before.rules;
 	const Rules &after = layer_after.rules;
 	const Planet &planet = layer_after.planet; // The planets are equal; see same_rules.
 	std::vector<Rect> areas;
 	EditedArea result;
-	result.everywhere = !find_shape_edits(before.shapes.get(), after.shapes.get(), areas) ||
+	result.everywhere = !find_row_edits(layer_before.rows.get(), layer_after.rows.get(), areas) ||
+			!find_shape_edits(before.shapes.get(), after.shapes.get(), areas) ||
 			!find_mask_edits(planet, before.mask.get(), after.mask.get(), areas) ||
 			!find_biome_edits(planet, before.biome.get(), after.biome.get(), areas) ||
 			(uses_water_depth(layer_after) && !find_biome_edits(planet, before.water.get(), after.water.get(), areas));

@@ -34,7 +34,7 @@ using HostEdits = std::map<std::uint16_t, EditedArea>;
 Rect grown(const Rect &area, double distance);
 
 /// Finds the area in which instances may have changed between two versions of a layer's settings,
-/// on the same ground. The area consists of changed shapes, mask pixels, biomes and water. It is
+/// on the same ground. The area consists of changed rows, shapes, mask pixels, biomes and water. It is
 /// expanded by the edge feather and by the distances at which layers depend on other layers. The
 /// search caches results, so that several layers with common neighbors cost little more than one.
 /// The settings must therefore outlive the search.

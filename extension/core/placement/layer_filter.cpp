@@ -47,8 +47,9 @@ Status LayerFilter::sample(
 		return status;
 	}
 	if (!closed) { // If the rules let no point pass, none needs to be sampled.
-		const Status status = on_surface_
-				? sample_surface(source, cancel)
+		const Status status = on_surface_ ? sample_surface(source, cancel)
+				: layer_->set.in_rows
+				? sample_rows(cancel)
 				: source.plane.sample(layer_->set, window, points_, {.cancel = cancel, .report = {}}, threads,
 						  source.obstacles, source.use);
 		if (!status.ok()) {
@@ -98,6 +99,11 @@ void LayerFilter::take_points(std::span<const CachedPoint> points, std::size_t s
 		ids_.push_back(point.id);
 		known_ground_.push_back(point.ground);
 	}
+}
+
+/// Finds the points of rows in the window.
+Status LayerFilter::sample_rows(const std::atomic<bool> *cancel) {
+	return layer_->rows != nullptr ? layer_->rows->sample(layer_->set, window_, points_, cancel) : Status();
 }
 
 /// Finds the points on the surface in the window, a column of space that may be limited in height.

@@ -118,6 +118,7 @@ private:
 	bool queries_ground() const { return !knows_ground_ || (on_surface_ && !layer_->rules.density_rules.empty()); }
 	DensityRuleQuery density_query() const;
 	void add_known_queries(std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const;
+	Status sample_rows(const std::atomic<bool> *cancel);
 	Status sample_surface(const PointSource &source, const std::atomic<bool> *cancel);
 	Status query_position();
 	void keep_points(bool all);

@@ -2,6 +2,7 @@
 
 #include "core/base/planet.hpp"
 #include "core/base/status.hpp"
+#include "core/base/trigonometry.hpp"
 #include "core/rules/curve_table.hpp"
 
 #include <glm/vec3.hpp>
@@ -89,16 +90,22 @@ inline constexpr double no_direction = 1e-12;
 /// are the shortest rotations to their direction, except for an instance that hangs. Up to
 /// rounding, the basis is a rotation with a uniform scale. `normal` must be of unit length, and
 /// `placement` must be valid. On a planet, the position in `r_transform` must already be written.
-/// The scale is selected by `scale_number` (see InstanceData::scale), or by a random number.
+/// The scale is selected by `scale_number` (see InstanceData::scale), or by a random number. `heading` is
+/// an additional rotation about the up axis.
 float write_basis(const Placement &placement, std::uint64_t seed, std::uint64_t id, glm::vec3 normal,
 		std::span<float, transform_floats> r_transform, const UpField &up = {},
-		std::optional<double> scale_number = std::nullopt);
+		std::optional<double> scale_number = std::nullopt, const std::optional<Rotation> &heading = std::nullopt);
 
 /// Writes only the position of a transform.
 inline void write_position(glm::vec3 position, std::span<float, transform_floats> r_transform) {
 	r_transform[3] = position.x;
 	r_transform[7] = position.y;
 	r_transform[11] = position.z;
+}
+
+/// Returns the rotation that results from two rotations.
+inline Rotation combined(const Rotation &a, const Rotation &b) {
+	return {a.cosine * b.cosine - a.sine * b.sine, a.sine * b.cosine + a.cosine * b.sine};
 }
 
 /// Returns `position` moved by `offset` meters along `normal`.

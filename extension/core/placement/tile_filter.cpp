@@ -73,6 +73,9 @@ Status TileFilter::sample_layer(std::size_t index, const std::atomic<bool> *canc
 	const WindowUse use = graph_.nodes()[index].is_filled_around ? WindowUse::overlapping : WindowUse::separate;
 	const PointSource source{samplers_->plane, samplers_->surfaces, surface_, nullptr, use};
 	const Status status = each.sample(source, window_of(index), cancel, threads);
+	if (each.settings().set.in_rows) {
+		return status; // Rows need no sampler, so there are no statistics.
+	}
 	if (!each.settings().set.on_surface) {
 		stats_ = samplers_->plane.stats();
 	} else {

@@ -221,7 +221,13 @@ void make_transforms(const Placement &placement, std::uint64_t seed, const UpFie
 		const D yaw = mix(placement.min_yaw_degrees, placement.max_yaw_degrees, random.yaw);
 		const D fraction = fractions != nullptr ? hn::Load(doubles, fractions + at) : random.scale;
 		const D scale = mix(placement.min_scale, placement.max_scale, fraction);
-		const Rotations yaws = rotation_by(hn::Div(yaw, set(360.0)));
+		Rotations yaws = rotation_by(hn::Div(yaw, set(360.0)));
+		if (r_batch.has_headings) {
+			const D cosine = hn::Load(doubles, r_batch.heading_cosine.data() + at);
+			const D sine = hn::Load(doubles, r_batch.heading_sine.data() + at);
+			yaws = {hn::Sub(hn::Mul(yaws.cosine, cosine), hn::Mul(yaws.sine, sine)),
+					hn::Add(hn::Mul(yaws.sine, cosine), hn::Mul(yaws.cosine, sine))};
+		}
 		const Vector up = up_of(placement, up_field, r_batch, at);
 		Vector axis = up;
 		if (leans) {

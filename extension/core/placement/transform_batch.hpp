@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <span>
 
 namespace thicket {
@@ -26,6 +27,20 @@ struct TransformBatch {
 	alignas(64) std::array<float, capacity> position_x{};
 	alignas(64) std::array<float, capacity> position_y{};
 	alignas(64) std::array<float, capacity> position_z{};
+
+	/// True if the first `count` instances have a heading (see write_basis).
+	bool has_headings = false;
+	alignas(64) std::array<double, capacity> heading_cosine{};
+	alignas(64) std::array<double, capacity> heading_sine{};
+
+	/// Sets the heading of the next instance to add. Either all instances of a batch have one, or none.
+	void set_heading(const std::optional<Rotation> &heading) {
+		has_headings = heading.has_value();
+		if (has_headings) {
+			heading_cosine[count] = heading->cosine;
+			heading_sine[count] = heading->sine;
+		}
+	}
 
 	/// Adds an instance. `position` is the result of standing_position.
 	void add(std::uint64_t id, glm::vec3 normal, glm::vec3 position) {

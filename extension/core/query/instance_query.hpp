@@ -6,6 +6,7 @@
 #include "core/placement/compact_tile.hpp"
 #include "core/query/found_instances.hpp"
 #include "core/query/placed_instance.hpp"
+#include "core/rows/row_set.hpp"
 #include "core/sampling/point_set.hpp"
 #include "core/state/instance_state.hpp"
 
@@ -16,6 +17,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -34,7 +36,8 @@ struct QueryLayer {
 	PointSet set;       ///< set.layer is at most max_state_layer.
 	/// True if the layer fills gaps, so that the set alone does not determine its points.
 	bool fills = false;
-	double tile_size = 64.0; ///< Size of the source's tiles in meters, 0.01 to 1e15.
+	std::shared_ptr<const RowSet> rows{}; ///< See LayerSettings::rows.
+	double tile_size = 64.0;              ///< Size of the source's tiles in meters, 0.01 to 1e15.
 	InstanceShape shape;
 	double max_scale = 1.0; ///< Upper bound for the scale of generated instances, 0 to 1e4.
 	/// Largest distance in meters of an instance from its point, 0 to 2e4. On a planet, this is the
@@ -47,6 +50,10 @@ struct QueryLayer {
 	/// Returns true if the tiles are cubes.
 	bool in_space() const { return top < std::numeric_limits<double>::infinity(); }
 };
+
+/// Returns an area that contains the point with an ID; no value if the layer is in rows and none of them
+/// contains this point.
+std::optional<Rect> area_of_point(const QueryLayer &layer, std::uint64_t id);
 
 /// A tile of a layer, in units of the layer's current tile size.
 struct WorldTile {

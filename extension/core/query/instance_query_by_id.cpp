@@ -46,12 +46,13 @@ Status find_tile_of_point(const QueryLayer &layer, std::uint64_t id, const Sampl
 
 /// Finds the tiles that may contain the instance of a point.
 Status find_tiles_of(const QueryLayer &layer, std::uint64_t id, const SampleMargins &margins, TileRange &r_tiles) {
-	r_tiles = TileWindow(layer).touching(cell_rect(layer.set, id));
+	const std::optional<Rect> area = area_of_point(layer, id);
+	r_tiles = area ? TileWindow(layer).touching(*area) : TileRange();
 	if (layer.fills && r_tiles.count() > max_filled_tiles) {
 		return Status::out_of_range("tiles of the id's cell", r_tiles.count(), at_most(max_filled_tiles),
 				"Increase tile_size, or turn off spacing_fills");
 	}
-	if (r_tiles.count() > max_tiles && !layer.fills) {
+	if (r_tiles.count() > max_tiles && !layer.fills && !layer.set.in_rows) {
 		// Reading this many tiles would take longer than sampling the set.
 		return find_tile_of_point(layer, id, margins, r_tiles);
 	}
@@ -79,6 +80,15 @@ void add_from(const CompactTile &content, std::uint64_t id, std::uint32_t index,
 }
 
 } // namespace
+
+std::optional<Rect> area_of_point(const QueryLayer &layer, std::uint64_t id) {
+	if (!layer.set.in_rows) {
+		return cell_rect(layer.set, id);
+	}
+	const std::optional<glm::dvec2> position =
+			layer.rows != nullptr ? layer.rows->position(layer.set, id) : std::nullopt;
+	return position ? std::optional(Rect{*position, *position}) : std::nullopt;
+}
 
 Status InstanceQuery::find_by_id(std::uint64_t id, std::vector<PlacedInstance> &r_found) const {
 	r_found.clear();

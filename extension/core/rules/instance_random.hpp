@@ -12,6 +12,7 @@ namespace thicket {
 enum class Draw : std::uint32_t {
 	placement = 1, ///< Words: yaw, scale, tilt angle, tilt direction.
 	mesh = 2,      ///< Words: mesh, variation, wind phase, color.
+	row = 3,       ///< Words: rank, displacement along and across the row. Used only by points of rows.
 };
 
 /// Returns the key for instance_random. It differs from the sampler's key, so the words are

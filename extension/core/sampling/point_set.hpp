@@ -28,6 +28,9 @@ struct PointSet {
 	/// The faces on which points on surfaces may lie; up is world y. Other faces are ignored, so
 	/// that points on the underside of a thin bridge do not displace points on its top.
 	SurfaceFaces faces = SurfaceFaces::all;
+	/// True for points in rows (core/rows), which no sampler of Poisson-disk sets finds. The radius is
+	/// then only an estimate of their density, and IDs contain places in rows instead of cells.
+	bool in_rows = false;
 
 	friend bool operator==(const PointSet &, const PointSet &) = default;
 };

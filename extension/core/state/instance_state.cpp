@@ -65,9 +65,11 @@ std::uint64_t stamp_of(const PointSet &set) {
 	hash.add(set.radius);
 	hash.add(set.levels);
 	if (set.on_surface) {
-		// Only sets on surfaces add this word, so that sets on the plane keep the stamps of earlier
-		// releases.
+		// Sets on the plane add no word, so that they keep the stamps of earlier releases.
 		hash.add(std::uint32_t{1});
+	}
+	if (set.in_rows) {
+		hash.add(std::uint32_t{2});
 	}
 	const std::uint64_t stamp = split_mix(hash.value());
 	return stamp != 0 ? stamp : 1;
