@@ -18,7 +18,7 @@ PAGES = REPO / "docs/classes"
 
 # The headings of the index, and the classes below each. Classes of older versions are left out.
 GROUPS = {
-    "Scattering": ["TerrainScatter3D", "ScatterRegion3D", "ScatterLayer", "ScatterModel", "ScatterLod", "ScatterMask", "ScatterRule",
+    "Scattering": ["TerrainScatter3D", "ScatterRegion3D", "ScatterLayer", "ScatterModel", "ScatterLod", "ScatterMask", "ScatterRows", "ScatterRule",
         "ScatterValueSource", "ScatterBiomeMap", "ScatterBiome", "ScatterImpostorBaker"],
     "Grounds": ["ScatterGround", "ScatterGroundColliders", "ScatterGroundCombined", "ScatterGroundFlat", "ScatterGroundHeightmap",
         "ScatterGroundMeshes", "ScatterGroundNode", "ScatterGroundNoise"],

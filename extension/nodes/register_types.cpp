@@ -15,6 +15,7 @@
 #include "nodes/impostor/scatter_impostor_baker.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 #include "nodes/layer/scatter_mask.hpp"
+#include "nodes/layer/scatter_rows.hpp"
 #include "nodes/layer/scatter_rule.hpp"
 #include "nodes/layer/scatter_tile_grid.hpp"
 #include "nodes/layer/scatter_value_source.hpp"
@@ -70,6 +71,7 @@ void initialize(ModuleInitializationLevel p_level) {
 	GDREGISTER_CLASS(ScatterModel);
 	GDREGISTER_CLASS(ScatterValueSource);
 	GDREGISTER_CLASS(ScatterRule);
+	GDREGISTER_CLASS(ScatterRows);
 	GDREGISTER_CLASS(ScatterLayer);
 	GDREGISTER_CLASS(ScatterTileGrid);
 	GDREGISTER_CLASS(ScatterBiome);

@@ -85,6 +85,10 @@ func test_value_source_numbers() -> void:
 	check_numbers(ScatterValueSource.new(), 3)
 
 
+func test_row_numbers() -> void:
+	check_numbers(ScatterRows.new(), 8)
+
+
 func test_layer_numbers() -> void:
 	var layer := ScatterLayer.new()
 	check_numbers(layer, 39)

@@ -175,6 +175,7 @@ def assert_passed(done, loads_on_threads=False):
         "test_density_rules",
         "test_layer_placement",
         "test_regions",
+        "test_rows",
         "test_saves",
         "test_former_names",
         "test_state",

@@ -62,6 +62,22 @@ func test_properties_without_effect_are_hidden() -> void:
 	check("scale_curve" in shown_properties(bare), "a property with a value is visible even if it has no effect")
 
 
+## Rows replace the radius, and their direction replaces the yaw.
+func test_properties_without_effect_in_rows_are_hidden() -> void:
+	var layer := make_layer()
+	layer.rows = ScatterRows.new()
+	for name in ["radius", "progressive_levels", "min_yaw_degrees", "max_yaw_degrees"]:
+		check(name in shown_properties(make_layer()) and not name in shown_properties(layer), name + " is hidden in rows")
+	layer.rows.align_to_rows = false
+	check("min_yaw_degrees" in shown_properties(layer), "the yaw is visible if instances do not face along their row")
+	var rows := ScatterRows.new()
+	check("offsets" in shown_properties(rows) and not "row_distance" in shown_properties(rows), "rows along paths have offsets")
+	rows.fill_area = true
+	check(not "offsets" in shown_properties(rows) and "row_distance" in shown_properties(rows), "rows over areas have a distance")
+	rows.align_to_rows = false
+	check(not "yaw_degrees" in shown_properties(rows), "rows without alignment have no yaw")
+
+
 ## The minimum and the maximum of a value source use the source's unit.
 func test_the_range_of_a_source_has_its_unit() -> void:
 	var units := {

@@ -47,6 +47,7 @@ var changes := {
 	"scale_value": [value_of(ScatterValueSource.SOURCE_RANK), MADE],
 	"min_yaw_degrees": [-5.0, MADE], "max_yaw_degrees": [90.0, MADE],
 	"min_tilt_degrees": [1.0, MADE], "max_tilt_degrees": [9.0, MADE], "align_to_normal": [0.5, MADE],
+	"rows": [ScatterRows.new(), MADE], # Without a group, the rows have no instances. See test_rows.gd.
 	"height_offset": [0.5, MADE], "offset_along_normal": [0.25, MADE],
 	"meshes": [[SphereMesh.new(), BoxMesh.new()] as Array[Mesh], MADE],
 	"mesh_weights": [PackedFloat32Array([1.0, 4.0]), MADE], "mesh_density_expressions": [PackedStringArray(["x > 0"]), MADE],

@@ -165,7 +165,9 @@ SceneHost ScatterGameplay::scene_host() {
 /// position if it was placed by hand.
 Rect ScatterGameplay::area_of(std::uint64_t id, glm::dvec3 position, std::uint32_t layer) const {
 	if (!is_added(id) && layer < world_.layers().size()) {
-		return cell_rect(world_.layers()[layer].set, id);
+		if (const std::optional<Rect> area = area_of_point(world_.layers()[layer], id)) {
+			return *area;
+		}
 	}
 	const glm::dvec2 at{position.x, position.z};
 	return {at, at};

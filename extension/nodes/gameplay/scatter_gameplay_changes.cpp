@@ -129,8 +129,8 @@ Status ScatterGameplay::claim(std::uint32_t layer) {
 		set_state(Ref<ScatterState>(memnew(ScatterState)));
 	}
 	const PointSet &set = world_.layers()[layer].set;
-	const Status status =
-			state_->claim(set.layer, stamp_of(set), id_cell_side(set), set.on_surface ? surface_id_steps : 1);
+	const double cell_side = set.in_rows ? 0.0 : id_cell_side(set); // Rows have no cells.
+	const Status status = state_->claim(set.layer, stamp_of(set), cell_side, set.on_surface ? surface_id_steps : 1);
 	return status.ok() ? status : Status{ErrorCode::foreign, "state of layer", static_cast<double>(layer)};
 }
 

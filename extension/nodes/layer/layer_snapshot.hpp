@@ -5,6 +5,7 @@
 #include "core/placement/layer.hpp"
 #include "core/placement/layer_links.hpp"
 #include "core/query/instance_query.hpp"
+#include "core/rows/row_set.hpp"
 #include "core/streaming/tile_streamer.hpp"
 #include "nodes/model/body_part.hpp"
 #include "nodes/model/scatter_lod.hpp"
@@ -19,6 +20,7 @@
 #include <cstdint>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -158,6 +160,14 @@ struct LayerGameplay {
 	friend bool operator==(const LayerGameplay &, const LayerGameplay &) = default;
 };
 
+/// The rows in which a layer's instances are placed.
+struct LayerRows {
+	std::string group; ///< The group of the paths. If it is empty, the rows have no points.
+	RowSettings settings;
+
+	friend bool operator==(const LayerRows &, const LayerRows &) = default;
+};
+
 /// All settings of a ScatterLayer at one moment. The stream, the display, the workers, queries, and
 /// the rings of bodies and scenes use the snapshot instead of the layer. It never changes once it
 /// is shared, so the layer may be edited or freed while the snapshot is in use.
@@ -173,7 +183,8 @@ struct LayerSnapshot {
 	LodSettings lod;
 	CellSettings cells;
 	LayerGameplay gameplay;
-	LayerLinks links; ///< The layer's name, and its references to other layers by name.
+	std::optional<LayerRows> rows; ///< Empty if the layer is not in rows. The node adds LayerSettings::rows.
+	LayerLinks links;              ///< The layer's name, and its references to other layers by name.
 	/// The name of the property that each of settings->rules.fields was created from.
 	std::vector<std::string> field_names;
 	std::vector<std::string> density_rule_names; ///< The names of settings->rules.density_rules.

@@ -47,10 +47,12 @@ Status ScatterLayer::check() {
 	}
 	static_assert(max_tile_points == 4e6, "the note below names it");
 	const double largest = std::sqrt(max_tile_points / point_density(whole.set));
-	return first_failure(
-			check_range("tile_size", range_.tile_size, at_most(largest, "4 million points per tile at this radius"),
-					"Lower tile_size or raise radius"),
-			validate(range_));
+	const Status sized = rows_.is_valid()
+			? check_range("tile_size", range_.tile_size, at_most(largest, "4 million points per tile in these rows"),
+					  "Lower tile_size or raise ScatterRows.step")
+			: check_range("tile_size", range_.tile_size, at_most(largest, "4 million points per tile at this radius"),
+					  "Lower tile_size or raise radius");
+	return first_failure(sized, validate(range_));
 }
 
 /// Sets properties by the names that release 0.2 saved.
@@ -81,7 +83,7 @@ Dictionary ScatterLayer::get_row_columns() const {
 	return result;
 }
 
-double ScatterLayer::get_point_density() const { return point_density(settings_.set); }
+double ScatterLayer::get_point_density() const { return point_density(point_set()); }
 
 void ScatterLayer::bind_basics() {
 	bind_meshes();
@@ -102,6 +104,7 @@ void ScatterLayer::bind_advanced() {
 
 void ScatterLayer::add_used(SceneUse::List &r_used) const {
 	r_used.add(mask_);
+	r_used.add(rows_);
 	r_used.add(color_value_);
 	r_used.add(variation_value_);
 	r_used.add(scale_value_);

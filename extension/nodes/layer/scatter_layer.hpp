@@ -11,6 +11,7 @@
 #include "nodes/layer/layer_tables.hpp"
 #include "nodes/layer/reference_change.hpp"
 #include "nodes/layer/scatter_mask.hpp"
+#include "nodes/layer/scatter_rows.hpp"
 #include "nodes/layer/scatter_rule.hpp"
 #include "nodes/layer/scatter_value_source.hpp"
 
@@ -291,6 +292,10 @@ public:
 	void set_scene(const godot::Ref<godot::PackedScene> &p_scene);
 	godot::Ref<godot::PackedScene> get_scene() const;
 
+	/// Sets the rows that contain the layer's instances. If null, the instances are spread evenly.
+	void set_rows(const godot::Ref<ScatterRows> &p_rows);
+	godot::Ref<ScatterRows> get_rows() const { return rows_; }
+
 	/// Returns true if a property affects placement, false if it only affects drawing or gameplay
 	/// (see PropertyUse).
 	bool affects_placement(const godot::StringName &p_property) const;
@@ -371,6 +376,7 @@ private:
 	static auto &part(Self &self);
 
 	LayerSettings settings(std::uint64_t seed, std::size_t index) const;
+	PointSet point_set() const;
 	std::vector<std::optional<Rules>> mesh_rules() const;
 	InstanceData instance_data() const;
 	LayerGameplay gameplay() const;
@@ -401,6 +407,7 @@ private:
 	void add_density_rule_problems(godot::PackedStringArray &r_problems) const;
 	void add_neighbor_problems(godot::PackedStringArray &r_problems) const;
 	void add_host_problems(godot::PackedStringArray &r_problems) const;
+	void add_row_problems(godot::PackedStringArray &r_problems) const;
 	void change_surface_layers(const ReferenceChange &change);
 	void add_lod_problems(godot::PackedStringArray &r_problems) const;
 	void add_mesh_problems(godot::PackedStringArray &r_problems) const;
@@ -419,6 +426,7 @@ private:
 	static void bind_advanced();
 	static void bind_rules();
 	static void bind_hosts();
+	static void bind_rows();
 	static void bind_masks();
 	static void bind_neighbors();
 	static void bind_placement();
@@ -449,6 +457,7 @@ private:
 	std::uint64_t hidden_ = 0;
 
 	godot::Ref<ScatterMask> mask_;
+	godot::Ref<ScatterRows> rows_;
 	/// The rectangle as set; mask_frame_ has the same area in double precision.
 	godot::Rect2 mask_texture_rect_{0.0F, 0.0F, 1000.0F, 1000.0F};
 	godot::PackedInt32Array ground_textures_;

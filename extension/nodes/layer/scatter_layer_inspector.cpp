@@ -17,6 +17,10 @@ namespace {
 
 /// Properties that may be hidden, in the order of their bits in hidden_properties().
 constexpr std::array hideable{
+		"radius",
+		"progressive_levels",
+		"min_yaw_degrees",
+		"max_yaw_degrees",
 		"mesh_weights",
 		"mesh_density_expressions",
 		"scale_curve",
@@ -50,10 +54,15 @@ static_assert(hideable.size() <= 64);
 std::uint64_t ScatterLayer::hidden_properties() const {
 	const bool proximity = !links_.proximity_layer.empty();
 	const bool varying_scale = settings_.placement.min_scale != settings_.placement.max_scale;
+	const bool aligned = rows_.is_valid() && rows_->is_aligning_to_rows();
 	const bool thinned = lod_.thin_density < 1.0;
 	const bool colliding = gameplay_.collision.shape != BodyShape::none;
 	// An unused property stays visible if it is set, because a warning mentions it.
 	const std::array<bool, hideable.size()> visible{
+			rows_.is_null(),
+			rows_.is_null(),
+			!aligned,
+			!aligned,
 			meshes_.size() > 1 || mesh_weights_.size() > 0,
 			meshes_.size() > 1 || !mesh_expressions_.empty(),
 			varying_scale || resource("scale_curve").is_valid(),

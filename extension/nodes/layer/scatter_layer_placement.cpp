@@ -45,6 +45,7 @@ void ScatterLayer::bind_placement() {
 	bind_number<align_to_normal>();
 	bind_number<height_offset>();
 	bind_number<offset_along_normal>();
+	bind_rows();
 }
 
 } // namespace thicket

@@ -44,7 +44,7 @@ void ScatterLayer::add_number_problems(PackedStringArray &r_problems) const {
 		r_problems.push_back(
 				"ScatterLayer.clump_coverage is 0, so nothing is placed. Increase it, or set clump_size to 0.");
 	}
-	const double points = point_density(settings_.set) * range_.tile_size * range_.tile_size;
+	const double points = point_density(point_set()) * range_.tile_size * range_.tile_size;
 	if (settings_.rules.edge_feather > 0.0 && points * static_cast<double>(edge_probes) > max_tile_points) {
 		r_problems.push_back("ScatterLayer.edge_feather samples the ground at " +
 				String::num_int64(static_cast<int64_t>(edge_probes)) +
@@ -132,6 +132,7 @@ PackedStringArray ScatterLayer::problems() {
 	add_density_rule_problems(result);
 	add_neighbor_problems(result);
 	add_host_problems(result);
+	add_row_problems(result);
 	add_mesh_problems(result);
 	add_source_problems(result);
 	add_lod_problems(result);

@@ -94,6 +94,9 @@ LayerSnapshot ScatterLayer::snapshot(std::uint64_t seed, std::size_t index) {
 	add_sway(result.drawing);
 	result.cells = cells_of(*result.settings, result.range.tile_size, result.drawing);
 	result.gameplay = gameplay();
+	if (rows_.is_valid()) {
+		result.rows = LayerRows{String(rows_->get_path_group()).utf8().get_data(), rows_->rows()};
+	}
 	result.links = links();
 	result.field_names = field_names();
 	result.density_rule_names = density_rule_names_;
@@ -102,6 +105,12 @@ LayerSnapshot ScatterLayer::snapshot(std::uint64_t seed, std::size_t index) {
 
 LayerSettings ScatterLayer::settings(std::uint64_t seed, std::size_t index) const {
 	LayerSettings result = settings_;
+	result.set = point_set();
+	if (rows_.is_valid() && rows_->is_aligning_to_rows()) {
+		const RowYaw &yaw = rows_->yaw();
+		result.placement.min_yaw_degrees = yaw.degrees - yaw.jitter;
+		result.placement.max_yaw_degrees = yaw.degrees + yaw.jitter;
+	}
 	result.instance_data = instance_data();
 	result.set.seed = seed;
 	result.set.layer = static_cast<std::uint16_t>(own_id() >= 0 ? static_cast<std::size_t>(own_id()) : index);
@@ -215,6 +224,7 @@ QueryLayer query_layer(const LayerSnapshot *layer) {
 		const LayerSettings &settings = *layer->settings;
 		result.set = settings.set;
 		result.fills = fills(settings);
+		result.rows = settings.rows;
 		result.tile_size = layer->range.tile_size;
 		result.shape = {layer->gameplay.instance_radius, layer->gameplay.instance_height};
 		result.max_scale = settings.placement.max_scale;

@@ -115,6 +115,20 @@ Status LayerList::read(Entry &r_entry, const Ref<ScatterLayer> &p_layer, std::ui
 	return status;
 }
 
+/// Adds the rows along the scene's paths. After an error, the layer keeps the previous rows.
+Status LayerList::add_rows(std::size_t index, const LayerWorld &world) {
+	LayerSnapshot &layer = *entries_[index].unlinked;
+	if (!layer.rows) {
+		return {};
+	}
+	const SharedSnapshot was = before(index);
+	const auto settings = std::make_shared<LayerSettings>(*layer.settings);
+	settings->rows = was != nullptr ? was->settings->rows : nullptr;
+	const Status status = world.row_paths.rows_for(layer.rows->group, layer.rows->settings, settings->rows);
+	layer.settings = settings;
+	return status;
+}
+
 /// Adds the data that does not come from the layer: shapes, biomes, water and the planet.
 void LayerList::add_world(std::size_t index, const NodeLayers &layers, const LayerWorld &world) {
 	LayerSnapshot &layer = *entries_[index].unlinked;
@@ -224,6 +238,17 @@ void LayerList::add_host_problems(PackedStringArray &r_problems) const {
 	}
 }
 
+void LayerList::add_row_problems(const RowPaths &paths, PackedStringArray &r_problems) const {
+	for (std::size_t index = 0; index < entries_.size(); ++index) {
+		const std::optional<LayerSnapshot> &layer = entries_[index].unlinked;
+		if (layer && layer->rows && !layer->rows->group.empty() && paths.path_count(layer->rows->group) == 0) {
+			r_problems.push_back(vformat("Layer %d: nothing is placed: the group \"%s\" of ScatterRows.path_group "
+										 "contains no Path3D. Add paths to the group.",
+					static_cast<int64_t>(index), String::utf8(layer->rows->group.c_str())));
+		}
+	}
+}
+
 /// Resolves the layers' references to each other. Earlier layers in `order` take priority over
 /// later ones. The result is by index.
 std::vector<LinkedLayer> LayerList::link(const NodeLayers &node_layers, const LayerWorld &world) {
@@ -282,6 +307,9 @@ std::vector<EditedArea> LayerList::update(
 			if (displayed != layer) {
 				// References to a layer without a name use this ID.
 				unlinked->links.identity = layer->get_instance_id();
+			}
+			if (const Status status = add_rows(index, world); statuses.back().ok()) {
+				statuses.back() = status;
 			}
 			add_world(index, layers, world);
 		}

@@ -11,6 +11,7 @@
 #include "nodes/scatter/host_reader.hpp"
 #include "nodes/scatter/layer_previews.hpp"
 #include "nodes/scatter/node_layers.hpp"
+#include "nodes/scatter/row_paths.hpp"
 
 #include <godot_cpp/variant/string.hpp>
 
@@ -35,6 +36,7 @@ struct LayerWorld {
 	double water_level = no_water; ///< The node's water level, in world meters.
 	godot::Ref<ScatterBiomeMap> biomes;
 	RegionRegister &regions;
+	RowPaths &row_paths;
 	const LayerPreviews &previews;  ///< The layers that the editor displays in place of others.
 	Planet planet;                  ///< The planet that the ground forms, if any.
 	GroundShell shell;              ///< Contains all ground around the planet's center.
@@ -62,6 +64,9 @@ public:
 	/// Adds a message for each reason why nothing can grow on a host or one of its meshes.
 	void add_host_problems(godot::PackedStringArray &r_problems) const;
 
+	/// Adds a message for each layer whose rows have no paths.
+	void add_row_problems(const RowPaths &paths, godot::PackedStringArray &r_problems) const;
+
 	/// Discards everything, so that the next update treats all layers as new.
 	void clear();
 
@@ -82,6 +87,7 @@ private:
 
 	Status read(Entry &r_entry, const godot::Ref<ScatterLayer> &p_layer, std::uint64_t seed, std::size_t index) const;
 	void complain(std::size_t index, bool own, const Status &status);
+	Status add_rows(std::size_t index, const LayerWorld &world);
 	void add_world(std::size_t index, const NodeLayers &layers, const LayerWorld &world);
 	void find_water(const LayerWorld &world);
 	void add_hosts(const NodeLayers &layers, const LayerWorld &world, std::vector<UnlinkedLayer> &r_layers);

@@ -156,6 +156,10 @@ void TerrainScatter3D::process_frame() {
 	if (regions_.paths_changed()) {
 		mark_edited();
 	}
+	if (row_paths_.changed(*this, *this)) {
+		mark_edited();
+		update_configuration_warnings();
+	}
 	check_layers();
 	if (here && dirty_ && models_are_read(start + std::chrono::microseconds(frame_budget_usec_)) && here) {
 		refresh();

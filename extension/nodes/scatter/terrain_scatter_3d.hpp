@@ -442,6 +442,7 @@ private:
 	FadeViewers fade_viewers_;
 	WindTime wind_time_;
 	RegionRegister regions_;
+	RowPaths row_paths_;
 	Planet region_planet_; ///< The planet for which the regions were last read.
 	/// The layers before the last change. Kept until the signals for tiles that the change has
 	/// hidden are emitted.

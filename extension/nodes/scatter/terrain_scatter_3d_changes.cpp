@@ -258,7 +258,8 @@ void TerrainScatter3D::apply_changes() {
 	if (const Planet now = planet(); std::exchange(region_planet_, now) != now) {
 		regions_.mark_all();
 	}
-	regions_.update(std::exchange(recentered_, false));
+	const bool recentered = std::exchange(recentered_, false);
+	regions_.update(recentered);
 	warn_of_stripped();
 	if (!gameplay->alive()) {
 		return;
@@ -270,7 +271,9 @@ void TerrainScatter3D::apply_changes() {
 		return;
 	}
 	const StateEdits state_edits = std::exchange(state_edits_, {});
+	row_paths_.begin_update(*this, *this, recentered);
 	const std::vector<EditedArea> outdated = layer_list_.update(node_layers_, layer_world(state_edits), ground_change);
+	row_paths_.end_update();
 	if (former_layers_ == nullptr) {
 		former_layers_ = gameplay->listed_layers();
 	}
@@ -296,7 +299,7 @@ LayerWorld TerrainScatter3D::layer_world(const StateEdits &state_edits) {
 	const Planet planet = this->planet();
 	const GroundShell shell =
 			planet.exists() ? ground_->shell(get_instance_id(), planet).widened() : GroundShell::everywhere();
-	return {static_cast<std::uint64_t>(seed_), water_enabled_ ? water_level_ : no_water, biomes_, regions_,
+	return {static_cast<std::uint64_t>(seed_), water_enabled_ ? water_level_ : no_water, biomes_, regions_, row_paths_,
 			in_editor() ? previews_ : none, planet, shell, state_edits, get_state()};
 }
 

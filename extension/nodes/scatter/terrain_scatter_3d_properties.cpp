@@ -390,6 +390,7 @@ PackedStringArray TerrainScatter3D::get_problems() const {
 	}
 	add_layer_problems(layers, ground_, has_water, problems);
 	layer_list_.add_host_problems(problems);
+	layer_list_.add_row_problems(row_paths_, problems);
 	instance_load_.add_problems(layer_list_.snapshots(), problems);
 	add_uniform_problem(display(), layer_list_.snapshots(), problems);
 	if (const Ref<ScatterState> state = get_state(); state.is_valid()) {

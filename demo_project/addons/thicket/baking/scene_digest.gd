@@ -30,7 +30,7 @@ static func parts_of(scatter: TerrainScatter3D, rect: Rect2) -> Dictionary[Strin
 	for index in layers.size():
 		var layer := layers[index]
 		if layer != null:
-			add.call("layer %d (%s)" % [index, layer.resource_name], [layer])
+			add.call("layer %d (%s)" % [index, layer.resource_name], [layer] + _paths_of(scatter, layer))
 	add.call("the biomes", [scatter.biomes])
 	add.call("the regions", scatter.find_children("*", "ScatterRegion3D", true, false))
 	add.call("the ground", [scatter.ground])
@@ -67,6 +67,16 @@ static func _densities_of(layer: ScatterLayer, ground: ScatterGround, probes: Pa
 		if rule != null and rule.has_method(&"_get_densities"):
 			densities.append(rule.call(&"_get_densities", positions, normals, slopes, weights))
 	return densities
+
+
+## Returns the names and nodes of the paths along which the rows of a layer run.
+static func _paths_of(scatter: TerrainScatter3D, layer: ScatterLayer) -> Array:
+	var result := []
+	if layer.rows != null and scatter.is_inside_tree():
+		for node in scatter.get_tree().get_nodes_in_group(layer.rows.path_group):
+			if node is Path3D:
+				result.append_array([str(scatter.get_path_to(node)), node])
+	return result
 
 
 static func _holds_anything(state: ScatterState) -> bool:

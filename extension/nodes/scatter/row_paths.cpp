@@ -1,0 +1,204 @@
+#include "nodes/scatter/row_paths.hpp"
+
+#include "core/base/split_mix.hpp"
+#include "core/base/word_hash.hpp"
+#include "core/rules/polyline.hpp"
+#include "nodes/common/convert.hpp"
+
+#include <godot_cpp/classes/curve3d.hpp>
+#include <godot_cpp/classes/scene_tree.hpp>
+#include <godot_cpp/core/object.hpp>
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// Maximum number of paths of a group that are checked in each frame.
+constexpr std::size_t paths_per_frame = 64;
+
+/// The tolerance, in meters, for simplifying the baked points of a path's curve.
+constexpr double path_tolerance = 0.01;
+
+/// The apparent movement in meters that rounding may cause when a scene is recentered.
+constexpr double rounding = 0.01;
+
+/// Returns a number that identifies a node by the names on the way from `from` to it. It is the same
+/// whenever the scene is loaded, and wherever the scene is in the tree.
+std::uint64_t identity_of(const Node &from, const Node &node) {
+	std::vector<std::uint64_t> ancestors;
+	for (const Node *at = &from; at != nullptr; at = at->get_parent()) {
+		ancestors.push_back(at->get_instance_id());
+	}
+	WordHash hash;
+	const Node *at = &node;
+	auto common = ancestors.end();
+	while (at != nullptr && (common = std::ranges::find(ancestors, at->get_instance_id())) == ancestors.end()) {
+		const CharString name = String(at->get_name()).utf8();
+		const char *text = name.get_data();
+		for (std::size_t i = 0; i < std::strlen(text); ++i) {
+			hash.add(static_cast<std::uint32_t>(static_cast<unsigned char>(text[i])));
+		}
+		hash.add(static_cast<std::uint32_t>('/'));
+		at = at->get_parent();
+	}
+	hash.add(static_cast<std::uint32_t>(common - ancestors.begin()));
+	return split_mix(hash.value());
+}
+
+bool is_near(const RowLine &a, const RowLine &b) {
+	const auto near = [](glm::dvec2 p, glm::dvec2 q) {
+		return glm::distance(p, q) <= rounding;
+	};
+	return a.identity == b.identity && near(a.anchor, b.anchor) && near(a.axis, b.axis) &&
+			std::ranges::equal(a.points, b.points, near);
+}
+
+} // namespace
+
+bool RowPaths::SeenPath::is_same(const SeenPath &other) const {
+	return id == other.id && name == other.name && parent == other.parent && transform == other.transform &&
+			points.ptr() == other.points.ptr();
+}
+
+RowPaths::SeenPath RowPaths::seen(const Path3D &path, const RegionHost &world) {
+	SeenPath now;
+	now.id = path.get_instance_id();
+	now.name = path.get_name();
+	now.parent = path.get_parent() != nullptr ? path.get_parent()->get_instance_id() : 0;
+	const Transform3D transform = world.transform_of(path);
+	const Ref<Curve3D> curve = path.get_curve();
+	// A path whose transform is not finite has no points. Such a transform does not even equal itself.
+	if (is_finite(transform) && curve.is_valid()) {
+		now.transform = transform;
+		now.points = curve->get_baked_points();
+	}
+	return now;
+}
+
+bool RowPaths::changed(const Node3D &host, const RegionHost &world) {
+	bool any = false;
+	for (auto &[text, group] : groups_) {
+		group.outdated = group.outdated || host.get_tree()->get_node_count_in_group(group.name) != group.count;
+		for (std::size_t checked = 0; !group.outdated && checked < std::min(paths_per_frame, group.paths.size());
+				++checked) {
+			group.next = (group.next + 1) % group.paths.size();
+			const SeenPath &was = group.paths[group.next];
+			const auto *path = Object::cast_to<Path3D>(was.node.get_validated_object());
+			group.outdated = path == nullptr || !path->is_inside_tree() || !path->is_in_group(group.name) ||
+					!was.is_same(seen(*path, world));
+		}
+		any = any || group.outdated;
+	}
+	return any;
+}
+
+void RowPaths::begin_update(const Node3D &host, const RegionHost &world, bool recentered) {
+	host_ = &host;
+	world_ = &world;
+	recentered_ = recentered;
+	former_sets_ = sets_.size();
+	for (auto &[text, group] : groups_) {
+		group.used = false;
+		group.outdated = group.outdated || recentered;
+	}
+}
+
+void RowPaths::end_update() {
+	std::erase_if(groups_, [](const auto &group) { return !group.second.used; });
+	sets_.erase(sets_.begin(), sets_.begin() + static_cast<std::ptrdiff_t>(former_sets_));
+	host_ = nullptr;
+	world_ = nullptr;
+}
+
+/// Returns the line of a path in the host's world.
+RowLine RowPaths::line_of(const SeenPath &path) const {
+	const bool offset = !world_->world_frame().local;
+	const glm::dmat3 basis = to_core(path.transform.basis);
+	const glm::dvec3 origin =
+			to_core(path.transform.origin) + (offset ? world_->world_frame().offset : glm::dvec3(0.0));
+	RowLine line;
+	line.identity = identity_of(*host_, *Object::cast_to<Node>(path.node.get_validated_object()));
+	line.anchor = {origin.x, origin.z};
+	const glm::dvec2 axis(basis[0].x, basis[0].z);
+	const double length = std::sqrt(axis.x * axis.x + axis.y * axis.y);
+	line.axis = length > 0.0 ? axis / length : glm::dvec2(1.0, 0.0);
+	for (const Vector3 &point : path.points) {
+		const glm::dvec3 position = basis * to_core(point) + origin;
+		line.points.emplace_back(position.x, position.z);
+	}
+	line.points = simplified(line.points, path_tolerance);
+	return line;
+}
+
+/// Reads the paths of a group that have changed.
+void RowPaths::read(Group &r_group) const {
+	if (!host_->is_inside_tree()) {
+		return; // The paths are read once the host enters the tree.
+	}
+	std::vector<SeenPath> paths;
+	std::vector<RowLine> lines;
+	const TypedArray<Node> nodes = host_->get_tree()->get_nodes_in_group(r_group.name);
+	for (std::int64_t i = 0; i < nodes.size(); ++i) {
+		const auto *path = Object::cast_to<Path3D>(nodes[i].get_validated_object());
+		if (path == nullptr || !(path->get_world_3d() == host_->get_world_3d())) {
+			continue;
+		}
+		SeenPath now = seen(*path, *world_);
+		now.node = nodes[i];
+		const auto known = std::ranges::find(r_group.paths, now.id, &SeenPath::id);
+		const auto index = static_cast<std::size_t>(known - r_group.paths.begin());
+		if (known != r_group.paths.end() && known->is_same(now) && !recentered_) {
+			lines.push_back(std::move(r_group.lines[index]));
+		} else {
+			lines.push_back(line_of(now));
+			if (recentered_ && known != r_group.paths.end() && is_near(r_group.lines[index], lines.back())) {
+				lines.back() = std::move(r_group.lines[index]);
+			}
+		}
+		paths.push_back(std::move(now));
+	}
+	r_group.count = nodes.size();
+	r_group.paths = std::move(paths);
+	r_group.lines = std::move(lines);
+	r_group.outdated = false;
+}
+
+Status RowPaths::rows_for(
+		const std::string &group_name, const RowSettings &settings, std::shared_ptr<const RowSet> &r_rows) {
+	Group &group = groups_[group_name];
+	group.used = true;
+	if (group.outdated) {
+		group.name = String::utf8(group_name.c_str());
+		read(group);
+	}
+	const auto is_same = [&](const std::shared_ptr<const RowSet> &set) {
+		return set->settings() == settings && std::ranges::equal(set->lines(), group.lines);
+	};
+	if (const auto known = std::ranges::find_if(sets_, is_same); known != sets_.end()) {
+		r_rows = *known;
+	} else {
+		auto next = std::make_shared<RowSet>();
+		if (const Status status = next->set(settings, group.lines); !status.ok()) {
+			return status;
+		}
+		r_rows = std::move(next);
+	}
+	sets_.push_back(r_rows);
+	return {};
+}
+
+std::size_t RowPaths::path_count(const std::string &group) const {
+	const auto found = groups_.find(group);
+	return found != groups_.end() ? found->second.paths.size() : 0;
+}
+
+} // namespace thicket
