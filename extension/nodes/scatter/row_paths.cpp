@@ -7,6 +7,7 @@
 
 #include <godot_cpp/classes/curve3d.hpp>
 #include <godot_cpp/classes/scene_tree.hpp>
+#include <godot_cpp/classes/world3d.hpp>
 #include <godot_cpp/core/object.hpp>
 
 #include <glm/geometric.hpp>

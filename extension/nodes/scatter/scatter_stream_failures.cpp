@@ -1,6 +1,7 @@
 // This file handles errors that keep tiles from being generated. Each error is printed once per
 // layer and kept for the node's configuration warnings.
 
+#include "nodes/layer/scatter_rule.hpp"
 #include "nodes/scatter/scatter_stream.hpp"
 
 #include <godot_cpp/core/error_macros.hpp>
