@@ -13,7 +13,7 @@ from test_demo import DEMO, TERRAIN, is_a_picture
 from test_demo_terrain import load_script
 
 ENGINE = REPO / "tests/engine"
-SCENES = ["rules", "biomes", "fill", "mixed", "script_terrain", "surfaces", "gameplay"]
+SCENES = ["rules", "biomes", "fill", "mixed", "rows", "script_terrain", "surfaces", "gameplay"]
 PASSED = re.compile(r"^thicket engine tests: [1-9]\d* checks, 0 failed$", re.MULTILINE)
 
 
