@@ -8,6 +8,7 @@
 #include "tests/bench/common/timing.hpp"
 
 #include "core/placement/tile_builder.hpp"
+#include "core/rows/row_set.hpp"
 #include "core/sampling/block_cache.hpp"
 
 #include <glm/geometric.hpp>
@@ -236,6 +237,33 @@ void compare_mesh_rules(const Heightfield &hills, const Effort &effort) {
 	print_row("meadow of three meshes with rules over plain weights", ratio, 1.0, " times the time");
 }
 
+/// Compares the time for tiles of a field in parallel rows with that for a meadow of the same density.
+void compare_rows(const Heightfield &hills, const Effort &effort) {
+	LayerSettings layers[] = {meadow(1), meadow(1)};
+	layers[0].set.radius = 1.0;
+	RowSettings settings{.step = 0.9, .fills_areas = true};
+	settings.row_distance = 1.0 / (point_density(layers[0].set) * settings.step);
+	auto rows = std::make_shared<RowSet>();
+	const double end = 800.0;
+	require(rows->set(settings,
+			{{.points = {{-10.0, -10.0}, {end, -10.0}, {end, end}, {-10.0, end}}, .anchor = {400.0, 400.0}}}));
+	layers[1].set.in_rows = true;
+	layers[1].set.radius = equivalent_radius(settings);
+	layers[1].rows = std::move(rows);
+	Series ratio;
+	double placed[2] = {};
+	for (int round = 0; round < effort.rounds; ++round) {
+		double rates[2] = {};
+		for (const int in_rows : {0, 1}) {
+			rates[in_rows] =
+					rate(effort.seconds, [&] { return build_square(layers[in_rows], hills, placed[in_rows]); });
+		}
+		ratio.add(rates[0] / rates[1]);
+	}
+	print_row("field in rows over a meadow of the same density", ratio, 1.0, " times the time");
+	print_count("field in rows: instances over those of the meadow", placed[1] / placed[0], "");
+}
+
 /// A layer of the forest preset: its radius, tile size and view distance in meters, its density, and
 /// its distances to the layers before it, of which 0 means none.
 struct Species {
@@ -339,6 +367,7 @@ int main(int argument_count, char **arguments) {
 			effort);
 	compare_expression(wide_hills, effort);
 	compare_mesh_rules(wide_hills, effort);
+	compare_rows(wide_hills, effort);
 	compare_preset(wide_hills, effort);
 	compare("meadow with edge_feather", feathered(), hills, effort);
 	compare("meadow of random colors", colored(SourceKind::random), hills, effort);
