@@ -114,6 +114,8 @@ def main():
         for number, frame in enumerate(film):
             frame.save(Path(folder) / f"{number:04d}.png", compress_level=1)
         h264 = ["-c:v", "libx264", "-preset", "slow", "-crf", "28", "-pix_fmt", "yuv420p", "-movflags", "+faststart"]
+        # Units of type 6 contain the encoder's name and address.
+        h264 += ["-bsf:v", "filter_units=remove_types=6"]
         ffmpeg(Path(folder), out / "film.mp4", *h264)
     quality = write_webp(film, out / "film.webp")
     sizes = ", ".join(f"{name}: {(out / name).stat().st_size} bytes" for name in ("film.webp", "film.mp4", "film.jpg"))

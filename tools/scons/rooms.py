@@ -22,7 +22,7 @@ ROOMS = {
     "core/near": ["core/base", "core/placement", "core/state", "core/query"],
     "core/streaming": ["core/base"],
     "core/drawing": ["core/base", "core/placement", "core/streaming"],
-    "core/explain": ["core/base", "core/sampling", "core/terrain", "core/surface", "core/rules", "core/rows", "core/placement"],
+    "core/explain": ["core/base", "core/sampling", "core/terrain", "core/surface", "core/rules", "core/placement"],
     "core/impostor": ["core/base"],
     "core/heightmap": ["core/base", "core/terrain"],
     "core/c_api": ["core/base", "core/sampling"],
