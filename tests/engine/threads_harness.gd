@@ -13,21 +13,25 @@ func on_thread(work: Callable) -> Variant:
 	return thread.wait_to_finish()
 
 
-## Runs each callable repeatedly on its own thread, and `meanwhile` on the main thread in each frame. Returns the total number of calls.
+## Runs each callable repeatedly on its own thread, and `meanwhile` on the main thread in each frame, until the time is over and each thread has
+## made a call. Returns the total number of calls on the threads.
 func on_threads_for(milliseconds: int, works: Array[Callable], meanwhile := Callable()) -> int:
 	var stop: Array[bool] = [false]
 	var threads: Array[Thread] = []
-	for work in works:
+	var has_called: Array[bool] = []
+	has_called.resize(works.size())
+	for index in works.size():
 		var thread := Thread.new()
 		thread.start(func() -> int:
 			var calls := 0
 			while not stop[0]:
-				work.call()
+				works[index].call()
 				calls += 1
+				has_called[index] = true
 			return calls)
 		threads.push_back(thread)
-	var deadline := Time.get_ticks_msec() + milliseconds
-	while Time.get_ticks_msec() < deadline:
+	var start := Time.get_ticks_msec()
+	while Time.get_ticks_msec() - start < (IDLE_TIMEOUT_MSEC if has_called.has(false) else milliseconds):
 		await process_frame
 		if meanwhile.is_valid():
 			meanwhile.call()
