@@ -41,7 +41,7 @@ GOLDEN = json.loads((REPO / "tests/golden/core.json").read_text(encoding="utf-8"
 
 # The rooms that determine the digests. Other rooms, such as streaming and drawing, do not affect instances. The room
 # that takes the longest to compile is first.
-ROOMS = ["sampling", "base", "terrain", "rules", "placement", "state", "query", "near", "surface"]
+ROOMS = ["sampling", "base", "terrain", "rules", "rows", "placement", "state", "query", "near", "surface"]
 COMMON = ["-std=c++20", "-ffp-contract=off", "-DHWY_STATIC_DEFINE"]
 # Release builds also treat warnings as errors, because -O3 reports different warnings than -O2.
 RELEASE = ["-DNDEBUG", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"]
