@@ -2,7 +2,6 @@ extends "res://demo/stage.gd"
 ## Shows biomes and water. A coarse image of the valley defines a meadow and a forest with irregular borders. When the lake rises, plants of dry land
 ## disappear, and reeds move with the shore.
 
-const DemoGround := preload("res://demo/demo_ground.gd")
 ## The stops, with the fields that [code]flight.gd[/code] describes. [code]water[/code] is the level of the lake, in meters.
 const STOPS: Array[Dictionary] = [
 	{"name": "biomes", "eye": Vector3(-20.0, 64.0, 215.0), "heading": 352.0, "pitch": -17.0},
@@ -17,7 +16,6 @@ const HIGH_WATER := 1.2
 
 
 func _ready() -> void:
-	ground = DemoGround.new($Scatter.ground)
 	$Ground.soil = _soil($Ground.soil)
 	super()
 

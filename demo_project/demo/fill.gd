@@ -1,18 +1,12 @@
 extends "res://demo/stage.gd"
 ## Shows one slope twice: birches that keep a distance from spruces, first thinned by it, then filling the gaps that it leaves. The key M switches.
 
-const DemoGround := preload("res://demo/demo_ground.gd")
 ## The stops, with the fields that [code]flight.gd[/code] describes. [code]fills[/code] is true if the birches fill the gaps.
 const STOPS: Array[Dictionary] = [
 	{"name": "thinned", "eye": Vector3(-30.0, 42.0, 75.0), "heading": 20.0, "pitch": -27.0, "fills": false},
 	{"name": "filled", "eye": Vector3(-30.0, 42.0, 75.0), "heading": 20.0, "pitch": -27.0, "fills": true},
 	{"name": "below", "eye": Vector3(0.0, 1.8, 60.0), "heading": 20.0, "pitch": 4.0, "fills": true},
 ]
-
-
-func _ready() -> void:
-	ground = DemoGround.new($Scatter.ground)
-	super()
 
 
 func stops() -> Array[Dictionary]:

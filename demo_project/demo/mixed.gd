@@ -2,7 +2,6 @@ extends "res://demo/stage.gd"
 ## Shows species that give way to each other within one layer: oaks below, spruces above, and birches in groups. The key M switches to the same trees
 ## with plain weights.
 
-const DemoGround := preload("res://demo/demo_ground.gd")
 ## The stops, with the fields that [code]flight.gd[/code] describes. [code]by_height[/code] is false for plain weights.
 const STOPS: Array[Dictionary] = [
 	{"name": "even", "eye": Vector3(-30.0, 90.0, 75.0), "heading": 20.0, "pitch": -22.0, "by_height": false},
@@ -14,7 +13,6 @@ var _expressions: PackedStringArray
 
 
 func _ready() -> void:
-	ground = DemoGround.new($Scatter.ground)
 	_expressions = layers()[0].get(&"mesh_density_expressions")
 	super()
 

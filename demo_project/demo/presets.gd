@@ -2,7 +2,6 @@ extends "res://demo/stage.gd"
 ## Shows the presets of the add-on, one at a time, on the same hill and in the same light. Also shows layers with a single model, with the values that
 ## the Scatter panel sets for a dropped model.
 
-const DemoGround := preload("res://demo/demo_ground.gd")
 const FOLDER := "res://addons/thicket/presets/"
 const ON_THE_HILL := {"eye": Vector3(62.0, 3.2, 96.0), "heading": 318.0, "pitch": 2.0}
 const GREEN: Array[Color] = [Color(0.255, 0.32, 0.095), Color(0.32, 0.345, 0.125), Color(0.4, 0.385, 0.35)]
@@ -33,11 +32,6 @@ var _shown := 0
 
 @onready var _near: Node3D = $Scatter/Near
 @onready var _glade: Node3D = $Scatter/Glade
-
-
-func _ready() -> void:
-	ground = DemoGround.new($Scatter.ground)
-	super()
 
 
 func stops() -> Array[Dictionary]:

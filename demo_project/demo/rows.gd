@@ -2,7 +2,6 @@ extends "res://demo/stage.gd"
 ## Shows rows along paths: an avenue with a gap at a crossing, a hedge, and the parallel rows of a vineyard and a field. The wood keeps its
 ## distance from them. The key M bends the road.
 
-const DemoGround := preload("res://demo/demo_ground.gd")
 const BEND := Vector3(45.0, 0.0, 0.0)
 ## The stops, with the fields that [code]flight.gd[/code] describes. [code]is_bent[/code] is true if the road is bent.
 const STOPS: Array[Dictionary] = [
@@ -13,11 +12,6 @@ const STOPS: Array[Dictionary] = [
 ]
 
 var _is_bent := false
-
-
-func _ready() -> void:
-	ground = DemoGround.new($Scatter.ground)
-	super()
 
 
 func stops() -> Array[Dictionary]:

@@ -2,7 +2,6 @@ extends "res://demo/stage.gd"
 ## Shows the rules: a valley with a lake, woods, meadows and scree, and a clearing that moves through the forest. Behind the clearing, the same trees
 ## reappear, and nothing else changes.
 
-const DemoGround := preload("res://demo/demo_ground.gd")
 ## The stops, with the fields that [code]flight.gd[/code] describes. [code]clearing[/code] is the clearing's position on its path, from 0 to 1.
 const STOPS: Array[Dictionary] = [
 	{"name": "valley", "eye": Vector3(-84.0, 32.0, 170.0), "heading": 30.0, "pitch": -12.0},
@@ -22,11 +21,6 @@ var _walked := 0.0
 var _walking := false
 
 @onready var _clearing: Node3D = $Scatter/Clearing
-
-
-func _ready() -> void:
-	ground = DemoGround.new($Scatter.ground)
-	super()
 
 
 func _process(delta: float) -> void:

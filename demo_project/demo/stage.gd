@@ -7,14 +7,15 @@ extends Node3D
 ## screenshots are written. [code]--stops=NAME,NAME[/code] visits only these stops. [code]--seed=NUMBER[/code] sets the seed. [code]--at=STOP[/code] starts at a
 ## stop.
 
+const DemoGround := preload("res://demo/demo_ground.gd")
 const Figures := preload("res://demo/figures.gd")
 const Screenshots := preload("res://demo/screenshots.gd")
 const DENSITY_STEP := 0.1
 
 ## The scatter's statistics, collected in every frame.
 var figures := Figures.new()
-## The ground under the camera, an object with a method [code]height(x, z)[/code]. A scene's script must set it before calling [method _ready] of this
-## class.
+## The ground under the camera, an object with a method [code]height(x, z)[/code]. By default, the scatter's ground. A scene's script may set another one
+## before calling [method _ready] of this class.
 var ground: RefCounted
 
 var _density := 1.0
@@ -29,6 +30,8 @@ var _densities := PackedFloat64Array()
 
 
 func _ready() -> void:
+	if ground == null:
+		ground = DemoGround.new(scatter.get(&"ground"))
 	camera.elevation = ground
 	_borders.follow(scatter, ground)
 	for layer: Resource in layers():

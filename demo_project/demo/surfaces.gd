@@ -1,7 +1,6 @@
 extends "res://demo/stage.gd"
 ## Shows layers that grow on all surfaces of meshes: a gorge with a bridge, a cave, a ruin, and a small planet in the sky.
 
-const DemoGround := preload("res://demo/demo_ground.gd")
 const Shape := preload("res://terrain/gorge_shape.gd")
 ## The stops. The positions of the camera are in world space, because a position may have several levels of ground.
 const STOPS: Array[Dictionary] = [
@@ -21,7 +20,6 @@ var _daylight := 0.0
 
 
 func _ready() -> void:
-	ground = DemoGround.new($Scatter.ground)
 	_daylight = _environment.ambient_light_energy
 	$Daylight/WorldEnvironment.environment = _environment
 	super()

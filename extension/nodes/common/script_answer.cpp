@@ -1,11 +1,12 @@
 #include "nodes/common/script_answer.hpp"
 
-#include <algorithm>
 #include <godot_cpp/variant/array.hpp>
 #include <godot_cpp/variant/packed_float32_array.hpp>
 #include <godot_cpp/variant/packed_vector3_array.hpp>
 
+#include <algorithm>
 #include <mutex>
+#include <optional>
 
 using namespace godot;
 
@@ -47,35 +48,34 @@ std::int64_t count_of(const Variant &p_answer, Variant::Type element_type) {
 	}
 }
 
-/// Returns the name of an object's script: its global name and file. For an inner class, returns a
-/// description with the object's class.
-String script_name(Object *p_owner) {
+/// The global name and the file of an object's script. Both are empty for an inner class.
+struct ScriptNames {
+	String name;
+	String path;
+};
+
+/// Returns no value for an object without a script.
+std::optional<ScriptNames> script_names(Object *p_owner) {
 	const Variant script = p_owner->get("script");
 	Object *object = script.get_validated_object();
 	if (object == nullptr) {
+		return std::nullopt;
+	}
+	return ScriptNames{object->call("get_global_name"), object->get("resource_path")};
+}
+
+/// Returns the name of an object's script: its global name and file. For an inner class, returns a
+/// description with the object's class.
+String script_name(Object *p_owner) {
+	const std::optional<ScriptNames> names = script_names(p_owner);
+	if (!names) {
 		return p_owner->get_class();
 	}
-	const String name = object->call("get_global_name");
-	const String path = object->get("resource_path");
+	const auto &[name, path] = *names;
 	const String text = name.is_empty() ? path : path.is_empty() ? name : name + String(" (") + path + String(")");
 	return text.is_empty() ? p_owner->get_class() + String(" with an inner class as its script")
 						   : String("Script ") + text + String(" of ") + p_owner->get_class();
 }
-
-} // namespace
-
-String short_script_name(Object *p_owner) {
-	const Variant script = p_owner->get("script");
-	Object *object = script.get_validated_object();
-	if (object == nullptr) {
-		return p_owner->get_class();
-	}
-	const String name = object->call("get_global_name");
-	const String path = object->get("resource_path");
-	return !name.is_empty() ? name : path.is_empty() ? p_owner->get_class() : path.get_file();
-}
-
-namespace {
 
 String in_words(GDExtensionCallErrorType error, const Variant &p_answer, std::int64_t size, std::int64_t count) {
 	if (error != GDEXTENSION_CALL_OK) {
@@ -95,6 +95,11 @@ String in_words(GDExtensionCallErrorType error, const Variant &p_answer, std::in
 }
 
 } // namespace
+
+String short_script_name(Object *p_owner) {
+	const ScriptNames names = script_names(p_owner).value_or(ScriptNames());
+	return !names.name.is_empty() ? names.name : names.path.is_empty() ? p_owner->get_class() : names.path.get_file();
+}
 
 Status ScriptAnswers::check(Object *p_owner, const ScriptMethod &method, GDExtensionCallErrorType error,
 		const Variant &p_answer, std::int64_t count) {
