@@ -70,7 +70,8 @@ func _initialize() -> void:
 		if made is Node:
 			root.add_child(made)
 			await create_timer(0.3).timeout
-			made.free()
+			made.queue_free()
+			await made.tree_exited  # Not free(): the engine refuses it while a thread runs one of the node's methods.
 		else:
 			made.call("_run")
 	print("examples: done")
