@@ -1,92 +1,23 @@
-"""The samplers. They check and convert the types of arguments; the core checks their ranges."""
+"""The samplers."""
 
 from __future__ import annotations
 
-import operator
-import secrets
-from collections.abc import Callable, Sequence
-from typing import Any, Literal, SupportsFloat, SupportsIndex, TypeAlias, Union, overload
+from collections.abc import Callable
+from typing import Any, Literal, TypeAlias, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
+from .areas import Area
+from .arguments import RECT, Numbers, ProgressFunction, Seed, disks, integer, number, numbers, seed_of, text, triples, watched
 from .points import Points, SurfacePoints
 
-Numbers: TypeAlias = Union[Sequence[float], NDArray[Any]]
-Seed: TypeAlias = Union[SupportsIndex, np.random.Generator, np.random.BitGenerator, np.random.SeedSequence, None]
-ProgressFunction: TypeAlias = Callable[[float, int], object]
 Method: TypeAlias = Literal["naive", "hierarchical", "accumulator", "wavefront"]
 
 
-def seed_of(seed: Seed) -> int:
-    """Returns a seed from 0 to 2**64 - 1."""
-    if seed is None:
-        return secrets.randbits(64)
-    if isinstance(seed, np.random.SeedSequence):
-        return int(seed.generate_state(1, np.uint64)[0])
-    if isinstance(seed, np.random.BitGenerator):
-        seed = np.random.Generator(seed)
-    if isinstance(seed, np.random.Generator):
-        return int(seed.integers(2**64, dtype=np.uint64))
-    try:
-        number = operator.index(seed)
-    except TypeError:
-        raise TypeError(f"seed must be an integer, None, or a NumPy Generator, BitGenerator or SeedSequence, got {seed!r}") from None
-    if not -(2**63) <= number < 2**64:
-        raise ValueError(f"seed must have 64 bits, got {number}")
-    return number % 2**64
-
-
-def _numbers(name: str, value: Numbers, parts: tuple[str, ...]) -> tuple[float, ...]:
-    try:
-        numbers = tuple(float(each) for each in value)
-    except (TypeError, ValueError):
-        numbers = ()
-    if len(numbers) != len(parts):
-        words = {2: "two", 4: "four", 6: "six"}
-        raise TypeError(f"{name} must be {words[len(parts)]} numbers, ({', '.join(parts)}), got {value!r}")
-    return numbers
-
-
-def _number(name: str, value: SupportsFloat | SupportsIndex) -> float:
-    if not isinstance(value, (SupportsFloat, SupportsIndex)):
-        raise TypeError(f"{name} must be a number, got {value!r}")
-    return float(value)
-
-
-def _integer(name: str, value: SupportsIndex) -> float:
-    """Returns an integer as a float, which the core compares with its range. All accepted integers are small enough to be exact."""
-    try:
-        number = operator.index(value)
-    except TypeError:
-        raise TypeError(f"{name} must be an integer, got {value!r}") from None
-    return float(min(max(number, -(2**63)), 2**63))
-
-
-def _method(value: str) -> str:
-    if not isinstance(value, str):
-        raise TypeError(f"method must be a string, got {value!r}")
-    return value
-
-
-def _watched(progress: ProgressFunction | None, cancel: _core.Cancel | None) -> tuple[ProgressFunction | None, _core.Cancel | None]:
-    if progress is not None and not callable(progress):
-        raise TypeError(f"progress must be callable or None, got {progress!r}")
-    if cancel is not None and not isinstance(cancel, _core.Cancel):
-        raise TypeError(f"cancel must be a Cancel or None, got {cancel!r}")
-    return progress, cancel
-
-
-def _triples(name: str, value: ArrayLike, kinds: str, words: str, dtype: type) -> NDArray[Any]:
-    array = np.asarray(value)
-    if array.ndim != 2 or array.shape[1] != 3 or (array.dtype.kind not in kinds and array.size > 0):
-        raise TypeError(f"{name} must be an array of {words} of shape (n, 3), got {array.dtype} of shape {array.shape}")
-    return np.ascontiguousarray(array, dtype=dtype)
-
-
 def sample(
-    rect: Numbers,
+    rect: Numbers | None,
     radius: float,
     seed: Seed = 0,
     *,
@@ -94,6 +25,8 @@ def sample(
     layer: int = 0,
     threads: int = 1,
     n: int | None = None,
+    within: Any = None,
+    fixed: ArrayLike | None = None,
     progress: ProgressFunction | None = None,
     cancel: _core.Cancel | None = None,
 ) -> Points:
@@ -105,7 +38,8 @@ def sample(
 
     Args:
         rect: (min_x, min_y, max_x, max_y) in meters, half-open: points p have min <= p < max. The rectangle must lie
-            within 2**23 * radius / sqrt(2) meters of the origin. An empty rectangle has no points.
+            within 2**23 * radius / sqrt(2) meters of the origin. An empty rectangle has no points. None for the smallest rectangle
+            around `within`.
         radius: the minimum distance between two points in meters; 0.001 to 1e6.
         seed: any 64-bit integer, signed or not: -1 and 2**64 - 1 are the same seed. Different seeds produce unrelated sets. None chooses
             a random seed. A NumPy Generator, BitGenerator or SeedSequence provides one, and a generator thereby advances.
@@ -115,6 +49,13 @@ def sample(
             the points or their order.
         n: return only the first n points in the progressive order, well spaced with several levels; None for all. These points depend on
             the rectangle. Raises ValueError if there are fewer.
+        within: return only the points inside a polygon: a Shapely geometry, GeoJSON as a dictionary, or any object with a
+            __geo_interface__, such as a GeoSeries, in meters. Points exactly on the boundary are left out. Requires Shapely.
+        fixed: points that exist already, an array of shape (n, 2), or of shape (n, 3) with the distance to keep from each in the third
+            column, otherwise `radius`. The new points keep their distance from them and fill the rest; the fixed points are not in the
+            result. Windows fit together if all calls get the same fixed points, or at least those within 36 radii and their own
+            distance of the window. With several levels, only the finest level fills: the coarser levels lose the points that are too
+            close.
         progress: called with the finished fraction (0 to 1, never decreasing) and the number of points so far, about every
             15 milliseconds, on the calling thread, and with 1 at the end. An exception in it ends the call.
         cancel: an object with which another thread can end the call.
@@ -125,17 +66,25 @@ def sample(
         MemoryError: the points do not fit into memory.
         Cancelled: `cancel` was cancelled.
     """
-    number = seed_of(seed)
+    chosen = seed_of(seed)
+    area = None if within is None else Area(within)
+    if rect is None:
+        if area is None:
+            raise TypeError("rect must be four numbers, (min_x, min_y, max_x, max_y), or None together with within")
+        rect = area.bounds
     arrays = _core.sample(
-        _numbers("rect", rect, ("min_x", "min_y", "max_x", "max_y")),
-        _number("radius", radius),
-        number,
-        _integer("levels", levels),
-        _integer("layer", layer),
-        _integer("threads", threads),
-        *_watched(progress, cancel),
+        numbers("rect", rect, RECT),
+        number("radius", radius),
+        chosen,
+        integer("levels", levels),
+        integer("layer", layer),
+        integer("threads", threads),
+        None if fixed is None else disks("fixed", fixed, radius),
+        *watched(progress, cancel),
     )
-    points = Points(*arrays, number)
+    points = Points(*arrays, chosen)
+    if area is not None:
+        points = points[area.contains(points.positions)]
     return points if n is None else points.first(n)
 
 
@@ -178,18 +127,18 @@ def sample_surface(
         MemoryError: the points do not fit into memory.
         Cancelled: `cancel` was cancelled.
     """
-    number = seed_of(seed)
+    chosen = seed_of(seed)
     positions, ids, ranks, point_levels, normals, point_faces = _core.sample_surface(
-        _triples("vertices", vertices, "fiu", "numbers", np.float64),
-        _triples("faces", faces, "iu", "integers", np.int64),
-        _number("radius", radius),
-        number,
-        None if window is None else _numbers("window", window, ("min_x", "min_y", "min_z", "max_x", "max_y", "max_z")),
-        _integer("levels", levels),
-        _integer("layer", layer),
-        *_watched(progress, cancel),
+        triples("vertices", vertices, "fiu", "numbers", np.float64),
+        triples("faces", faces, "iu", "integers", np.int64),
+        number("radius", radius),
+        chosen,
+        None if window is None else numbers("window", window, ("min_x", "min_y", "min_z", "max_x", "max_y", "max_z")),
+        integer("levels", levels),
+        integer("layer", layer),
+        *watched(progress, cancel),
     )
-    return SurfacePoints(positions, ids, ranks, point_levels, number, normals, point_faces)
+    return SurfacePoints(positions, ids, ranks, point_levels, chosen, normals, point_faces)
 
 
 @overload
@@ -265,14 +214,14 @@ def sample_domain(
         raise ValueError(f"precision must be 'single' or 'double', got {precision!r}")
     fill: Callable[..., NDArray[Any]] = _core.sample_domain_single if precision == "single" else _core.sample_domain_double
     return fill(
-        _numbers("size", size, ("width", "height")),
-        _number("radius", radius),
+        numbers("size", size, ("width", "height")),
+        number("radius", radius),
         seed_of(seed),
-        _method(method),
+        text("method", method),
         bool(toroidal),
-        _number("cell_size", cell_size),
-        _number("darts_each", darts_each),
-        *_watched(progress, cancel),
+        number("cell_size", cell_size),
+        number("darts_each", darts_each),
+        *watched(progress, cancel),
     )
 
 

@@ -4,7 +4,9 @@
 #include "watcher.hpp"
 
 #include "core/base/check.hpp"
+#include "core/base/rect.hpp"
 #include "core/sampling/domain/domain_sampler.hpp"
+#include "core/sampling/obstacles.hpp"
 #include "core/sampling/set_digest.hpp"
 #include "core/sampling/tile_sampler.hpp"
 #include "core/surface/surface_sampler.hpp"
@@ -131,11 +133,27 @@ PointSet set_of(double radius, std::uint64_t seed, double levels, double layer) 
 using Ids = Array<std::uint64_t, 1>;
 using Integers = Array<std::uint32_t, 1>;
 
+template <typename Number>
+using Triples = nb::ndarray<const Number, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+
+/// Converts rows of x, y and radius.
+std::vector<Obstacle> disks_of(const Triples<double> &rows) {
+	std::vector<Obstacle> disks;
+	disks.reserve(rows.shape(0));
+	for (std::size_t i = 0; i < rows.shape(0); ++i) {
+		const double *row = rows.data() + 3 * i;
+		disks.push_back({{row[0], row[1]}, row[2]});
+	}
+	return disks;
+}
+
 /// Returns the positions, IDs, ranks and levels of a set.
 std::tuple<Array<double, 2>, Ids, Integers, Integers> sample(const std::array<double, 4> &rect, double radius,
-		std::uint64_t seed, double levels, double layer, double threads, nb::object progress, const Cancel *cancel) {
+		std::uint64_t seed, double levels, double layer, double threads, const std::optional<Triples<double>> &fixed,
+		nb::object progress, const Cancel *cancel) {
 	const PointSet set = set_of(radius, seed, levels, layer);
 	require(check_range("threads", threads, 0, max_threads));
+	const std::vector<Obstacle> disks = fixed ? disks_of(*fixed) : std::vector<Obstacle>();
 	Watcher watcher(std::move(progress), cancel);
 	std::vector<SamplePoint> points;
 	Status status;
@@ -143,8 +161,17 @@ std::tuple<Array<double, 2>, Ids, Integers, Integers> sample(const std::array<do
 		const nb::gil_scoped_release unlocked;
 		Lease lease;
 		OwnThreads others(threads > 0 ? static_cast<std::size_t>(threads) - 1 : OwnThreads::spare());
-		status = lease.sampler().sample(
-				set, {{rect[0], rect[1]}, {rect[2], rect[3]}}, points, watcher.progress(), &others);
+		const Rect window{{rect[0], rect[1]}, {rect[2], rect[3]}};
+		if (!fixed) {
+			status = lease.sampler().sample(set, window, points, watcher.progress(), &others);
+		}
+		for (std::size_t i = 0; fixed && i < fill_margins.size(); ++i) {
+			const Obstacles obstacles{disks, fill_margins[i]};
+			status = lease.sampler().sample(set, window, points, watcher.progress(), &others, &obstacles);
+			if (status.code != ErrorCode::margin_too_wide) {
+				break;
+			}
+		}
 	}
 	watcher.finish(status, describe(status), points.size());
 	return std::make_tuple(array_of<double, 2>(column(points, &SamplePoint::position)),
@@ -152,9 +179,6 @@ std::tuple<Array<double, 2>, Ids, Integers, Integers> sample(const std::array<do
 			array_of<std::uint32_t, 1>(column(points, &SamplePoint::rank)),
 			array_of<std::uint32_t, 1>(column(points, &SamplePoint::level)));
 }
-
-template <typename Number>
-using Triples = nb::ndarray<const Number, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 
 /// Returns the vertices to which each face refers, three per face.
 std::vector<std::uint32_t> indices_of(const Triples<std::int64_t> &faces, std::size_t vertices) {
@@ -285,7 +309,7 @@ NB_MODULE(_core, module) {
 			"Raised when a Cancel has ended a call.";
 	using nb::literals::operator""_a;
 	module.def("sample", &sample, "rect"_a, "radius"_a, "seed"_a, "levels"_a, "layer"_a, "threads"_a,
-			"progress"_a.none(), "cancel"_a.none());
+			"fixed"_a.none(), "progress"_a.none(), "cancel"_a.none());
 	module.def("sample_surface", &sample_surface, "vertices"_a, "faces"_a, "radius"_a, "seed"_a, "window"_a.none(),
 			"levels"_a, "layer"_a, "progress"_a.none(), "cancel"_a.none());
 	const auto define_domain = [&](const char *name, auto function) {

@@ -10,7 +10,6 @@
 #include "core/rules/rules.hpp"
 #include "core/sampling/point_set.hpp"
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -98,11 +97,6 @@ bool fills(const LayerSettings &layer);
 /// The longest chain of darts, in cells, that occurred in any measurement. A changed obstacle moves
 /// no point that is farther away.
 inline constexpr std::int32_t fill_chain_cells = 19;
-
-/// The margins of a filled layer, in cells: the first one, and wider ones for the few tiles in which
-/// a chain of darts leaves it. The first one is narrower than for other layers, because the
-/// neighbors must be sampled in the same margin, which is expensive.
-inline constexpr std::array<std::int32_t, 3> fill_margins{12, 24, 48};
 
 /// Returns true if a density rule of the layer, or of a layer on which it depends, may only be called
 /// on the main thread.

@@ -2,6 +2,7 @@
 
 #include "core/base/status.hpp"
 #include "core/placement/layer.hpp"
+#include "core/sampling/obstacles.hpp"
 
 #include <array>
 #include <cstddef>

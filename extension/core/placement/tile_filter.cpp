@@ -2,6 +2,7 @@
 
 #include "core/placement/host_collector.hpp"
 #include "core/placement/source_values.hpp"
+#include "core/sampling/obstacles.hpp"
 
 #include <algorithm>
 #include <array>

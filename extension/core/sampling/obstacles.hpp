@@ -4,6 +4,7 @@
 
 #include <glm/vec2.hpp>
 
+#include <array>
 #include <cstdint>
 #include <span>
 
@@ -30,6 +31,11 @@ struct Obstacles {
 	/// Width in cells of the area around the rectangle in which obstacles are known.
 	std::int32_t margin = 0;
 };
+
+/// The margins of a filled set, in cells: the first one, and wider ones for the few windows in which a
+/// chain of darts leaves it. The first one is narrower than for other sets, because the obstacles must
+/// be known in the same margin, which is expensive if they are instances of another set.
+inline constexpr std::array<std::int32_t, 3> fill_margins{12, 24, 48};
 
 /// Returns the width in meters of an area around a rectangle that contains a margin of `cells` cells
 /// of the finest level.

@@ -1,0 +1,100 @@
+"""Checks and converts the types of arguments. The core checks their ranges."""
+
+from __future__ import annotations
+
+import operator
+import secrets
+from collections.abc import Callable, Sequence
+from typing import Any, SupportsFloat, SupportsIndex, TypeAlias, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _core
+
+Numbers: TypeAlias = Union[Sequence[float], NDArray[Any]]
+Seed: TypeAlias = Union[SupportsIndex, np.random.Generator, np.random.BitGenerator, np.random.SeedSequence, None]
+ProgressFunction: TypeAlias = Callable[[float, int], object]
+
+RECT = ("min_x", "min_y", "max_x", "max_y")
+
+
+def seed_of(seed: Seed) -> int:
+    """Returns a seed from 0 to 2**64 - 1."""
+    if seed is None:
+        return secrets.randbits(64)
+    if isinstance(seed, np.random.SeedSequence):
+        return int(seed.generate_state(1, np.uint64)[0])
+    if isinstance(seed, np.random.BitGenerator):
+        seed = np.random.Generator(seed)
+    if isinstance(seed, np.random.Generator):
+        return int(seed.integers(2**64, dtype=np.uint64))
+    try:
+        value = operator.index(seed)
+    except TypeError:
+        raise TypeError(f"seed must be an integer, None, or a NumPy Generator, BitGenerator or SeedSequence, got {seed!r}") from None
+    if not -(2**63) <= value < 2**64:
+        raise ValueError(f"seed must have 64 bits, got {value}")
+    return value % 2**64
+
+
+def numbers(name: str, value: Numbers, parts: tuple[str, ...]) -> tuple[float, ...]:
+    try:
+        converted = tuple(float(each) for each in value)
+    except (TypeError, ValueError):
+        converted = ()
+    if len(converted) != len(parts):
+        words = {2: "two", 4: "four", 6: "six"}
+        raise TypeError(f"{name} must be {words[len(parts)]} numbers, ({', '.join(parts)}), got {value!r}")
+    return converted
+
+
+def number(name: str, value: SupportsFloat | SupportsIndex) -> float:
+    if not isinstance(value, (SupportsFloat, SupportsIndex)):
+        raise TypeError(f"{name} must be a number, got {value!r}")
+    return float(value)
+
+
+def integer(name: str, value: SupportsIndex) -> float:
+    """Returns an integer as a float, which the core compares with its range. All accepted integers are small enough to be exact."""
+    try:
+        converted = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} must be an integer, got {value!r}") from None
+    return float(min(max(converted, -(2**63)), 2**63))
+
+
+def text(name: str, value: str) -> str:
+    if not isinstance(value, str):
+        raise TypeError(f"{name} must be a string, got {value!r}")
+    return value
+
+
+def watched(progress: ProgressFunction | None, cancel: _core.Cancel | None) -> tuple[ProgressFunction | None, _core.Cancel | None]:
+    if progress is not None and not callable(progress):
+        raise TypeError(f"progress must be callable or None, got {progress!r}")
+    if cancel is not None and not isinstance(cancel, _core.Cancel):
+        raise TypeError(f"cancel must be a Cancel or None, got {cancel!r}")
+    return progress, cancel
+
+
+def triples(name: str, value: ArrayLike, kinds: str, words: str, dtype: type) -> NDArray[Any]:
+    array = np.asarray(value)
+    if array.ndim != 2 or array.shape[1] != 3 or (array.dtype.kind not in kinds and array.size > 0):
+        raise TypeError(f"{name} must be an array of {words} of shape (n, 3), got {array.dtype} of shape {array.shape}")
+    return np.ascontiguousarray(array, dtype=dtype)
+
+
+def disks(name: str, value: ArrayLike, radius: float) -> NDArray[np.float64]:
+    """Returns rows of x, y and radius. Rows without a radius get the default."""
+    array = np.asarray(value)
+    if array.size == 0:
+        return np.empty((0, 3))
+    if array.ndim != 2 or array.shape[1] not in (2, 3) or array.dtype.kind not in "fiu":
+        raise TypeError(f"{name} must be an array of numbers of shape (n, 2) or (n, 3), got {array.dtype} of shape {array.shape}")
+    rows = np.full((len(array), 3), float(radius))
+    rows[:, : array.shape[1]] = array
+    wrong = ~np.isfinite(rows).all(axis=1) | (rows[:, 2] < 0)
+    if wrong.any():
+        raise ValueError(f"{name} must be finite, with radii of at least 0, got {rows[wrong][0]}")
+    return rows
