@@ -10,9 +10,10 @@ from importlib.metadata import version as _version
 
 from ._core import Cancel, Cancelled
 from .areas import DensityMap
+from .arguments import torus_radius
 from .points import Points, SurfacePoints
 from .sampling import domain_digest, sample, sample_domain, sample_surface
 from .tiling import tiles
 
 __version__: str = _version("poissontiles")
-__all__ = ["Cancel", "Cancelled", "DensityMap", "Points", "SurfacePoints", "domain_digest", "sample", "sample_domain", "sample_surface", "tiles"]
+__all__ = ["Cancel", "Cancelled", "DensityMap", "Points", "SurfacePoints", "domain_digest", "sample", "sample_domain", "sample_surface", "tiles", "torus_radius"]

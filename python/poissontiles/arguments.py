@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import operator
 import secrets
 from collections.abc import Callable, Sequence
+from fractions import Fraction
 from typing import Any, SupportsFloat, SupportsIndex, TypeAlias, Union
 
 import numpy as np
@@ -83,6 +85,58 @@ def triples(name: str, value: ArrayLike, kinds: str, words: str, dtype: type) ->
     if array.ndim != 2 or array.shape[1] != 3 or (array.dtype.kind not in kinds and array.size > 0):
         raise TypeError(f"{name} must be an array of {words} of shape (n, 3), got {array.dtype} of shape {array.shape}")
     return np.ascontiguousarray(array, dtype=dtype)
+
+
+def _period_cells(sizes: tuple[float, ...], radius: float, levels: int) -> tuple[int, int] | None:
+    """Returns the numbers of cells that are closest to a period, or None if no multiple of the step has its proportions."""
+    step = _core.period_step(levels) * radius / math.sqrt(2)
+    positive = [size for size in sizes if size > 0]
+    ratio = Fraction(positive[-1] / positive[0]).limit_denominator(1000)
+    if not math.isclose(positive[0] * ratio, positive[-1], rel_tol=1e-12):
+        return None
+    steps = max(round(positive[0] / (step * ratio.denominator)), 1)
+    counts = [steps * ratio.denominator, steps * ratio.numerator]
+    cells = [_core.period_step(levels) * (counts.pop(0) if size > 0 else 0) for size in sizes]
+    return cells[0], cells[1]
+
+
+def _period_sizes(period: float | Numbers) -> tuple[float, ...]:
+    sizes = numbers("period", [period, period] if isinstance(period, (SupportsFloat, SupportsIndex)) else period, ("width", "height"))
+    if not all(math.isfinite(size) and size >= 0 for size in sizes) or max(sizes) == 0:
+        raise ValueError(f"period must be positive, or 0 on one axis without an end, got {period!r}")
+    return sizes
+
+
+def torus_radius(period: float | Numbers, radius: float, levels: int = 1) -> float:
+    """Returns the radius closest to `radius` with which a set can repeat after `period`, for sample(): the period is then a multiple of
+    5 * 2**(levels - 1) cells of radius / sqrt(2).
+
+    Args:
+        period: the width and height in meters, or one number for both.
+        radius: the desired minimum distance in meters.
+        levels: the levels of the progressive order, 1 to 8.
+
+    Raises:
+        ValueError: no radius fits, because width / height is not a ratio of small integers.
+    """
+    sizes = _period_sizes(period)
+    cells = _period_cells(sizes, radius, levels)
+    if cells is None:
+        raise ValueError(f"period must have a width and height in a ratio of integers up to 1000, got {period!r}")
+    return max(sizes) * math.sqrt(2) / max(cells)
+
+
+def period_cells(period: float | Numbers | None, radius: float, levels: int) -> tuple[int, int]:
+    """Returns a period in cells; (0, 0) for None."""
+    if period is None:
+        return 0, 0
+    sizes = _period_sizes(period)
+    cells = _period_cells(sizes, radius, levels)
+    side = radius / math.sqrt(2)
+    if cells is None or not all(math.isclose(count * side, size, rel_tol=1e-9) for count, size in zip(cells, sizes)):
+        step = _core.period_step(levels) * side
+        raise ValueError(f"period must be a multiple of {step:.10g} for this radius, got {period!r}. Use the radius that torus_radius() returns")
+    return cells
 
 
 def disks(name: str, value: ArrayLike, radius: float) -> NDArray[np.float64]:

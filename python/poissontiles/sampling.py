@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, Literal, TypeAlias, overload
 
@@ -10,10 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from .areas import Area
-from .arguments import RECT, Numbers, ProgressFunction, Seed, disks, integer, number, numbers, seed_of, text, triples, watched
+from .arguments import RECT, Numbers, ProgressFunction, Seed, disks, integer, number, numbers, period_cells, seed_of, text, triples, watched
 from .points import Points, SurfacePoints
 
-Method: TypeAlias = Literal["naive", "hierarchical", "accumulator", "wavefront"]
+Method: TypeAlias = Literal["naive", "hierarchical", "accumulator", "wavefront", "tiles"]
 
 
 def sample(
@@ -27,6 +28,7 @@ def sample(
     n: int | None = None,
     within: Any = None,
     fixed: ArrayLike | None = None,
+    period: float | Numbers | None = None,
     progress: ProgressFunction | None = None,
     cancel: _core.Cancel | None = None,
 ) -> Points:
@@ -39,7 +41,7 @@ def sample(
     Args:
         rect: (min_x, min_y, max_x, max_y) in meters, half-open: points p have min <= p < max. The rectangle must lie
             within 2**23 * radius / sqrt(2) meters of the origin. An empty rectangle has no points. None for the smallest rectangle
-            around `within`.
+            around `within`, or for one whole period.
         radius: the minimum distance between two points in meters; 0.001 to 1e6.
         seed: any 64-bit integer, signed or not: -1 and 2**64 - 1 are the same seed. Different seeds produce unrelated sets. None chooses
             a random seed. A NumPy Generator, BitGenerator or SeedSequence provides one, and a generator thereby advances.
@@ -56,6 +58,9 @@ def sample(
             result. Windows fit together if all calls get the same fixed points, or at least those within 36 radii and their own
             distance of the window. With several levels, only the finest level fills: the coarser levels lose the points that are too
             close.
+        period: the width and height in meters after which the set repeats, so that the plane becomes a torus; one number for both, 0 for
+            an axis without an end. Only certain radii fit: see torus_radius(). IDs repeat with the points. It cannot be combined with
+            `fixed`.
         progress: called with the finished fraction (0 to 1, never decreasing) and the number of points so far, about every
             15 milliseconds, on the calling thread, and with 1 at the end. An exception in it ends the call.
         cancel: an object with which another thread can end the call.
@@ -68,10 +73,18 @@ def sample(
     """
     chosen = seed_of(seed)
     area = None if within is None else Area(within)
-    if rect is None:
-        if area is None:
-            raise TypeError("rect must be four numbers, (min_x, min_y, max_x, max_y), or None together with within")
+    if period is not None and fixed is not None:
+        raise ValueError("period cannot be combined with fixed")
+    cells = period_cells(period, number("radius", radius), levels)
+    if rect is None and area is not None:
         rect = area.bounds
+    elif rect is None:
+        if min(cells) == 0:
+            raise TypeError("rect must be four numbers, (min_x, min_y, max_x, max_y), or None together with within or period")
+        # Half a lattice unit before the first cell, so that no rounding can add points of the next period.
+        side = radius / math.sqrt(2)
+        start = -side / 2**15
+        rect = (start, start, cells[0] * side + start, cells[1] * side + start)
     arrays = _core.sample(
         numbers("rect", rect, RECT),
         number("radius", radius),
@@ -80,6 +93,7 @@ def sample(
         integer("layer", layer),
         integer("threads", threads),
         None if fixed is None else disks("fixed", fixed, radius),
+        cells,
         *watched(progress, cancel),
     )
     points = Points(*arrays, chosen)
@@ -193,7 +207,9 @@ def sample_domain(
         seed: as in sample().
         method: 'hierarchical' throws darts at squares that may be uncovered; 'accumulator' has the same distribution, with more memory
             and fewer searches; 'wavefront' spreads from one point and uses the least memory; 'naive' throws darts at the whole
-            domain, for comparison: it is slow and leaves small gaps. With all other methods, no additional point fits.
+            domain, for comparison: it is slow and leaves small gaps. With all other methods, no additional point fits. 'tiles' is by far
+            the fastest: it returns the positions that sample() returns, in double precision; if toroidal, the radius must fit the size
+            (torus_radius()).
         toroidal: True to connect opposite edges, so that the set repeats without a seam.
         precision: the precision of coordinates and distances; 'single' takes half the memory and produces a different set.
         cell_size: the width of an accelerator cell in radii, up to 1000; 0 for the method's default. The width does not change the points.
@@ -212,6 +228,12 @@ def sample_domain(
     """
     if precision not in ("single", "double"):
         raise ValueError(f"precision must be 'single' or 'double', got {precision!r}")
+    if method == "tiles":
+        if precision != "double":
+            raise ValueError(f"precision must be 'double' with the method 'tiles', got {precision!r}")
+        width, height = numbers("size", size, ("width", "height"))
+        rect = None if toroidal else (0.0, 0.0, width, height)
+        return sample(rect, radius, seed, period=size if toroidal else None, progress=progress, cancel=cancel).positions
     fill: Callable[..., NDArray[Any]] = _core.sample_domain_single if precision == "single" else _core.sample_domain_double
     return fill(
         numbers("size", size, ("width", "height")),

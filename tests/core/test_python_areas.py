@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import math
 import pickle
 import subprocess
 import sys
@@ -113,6 +114,51 @@ def test_windows_around_fixed_points_fit_together(poissontiles):
 def test_wrong_fixed_points_raise(poissontiles, fixed, error, message):
     with pytest.raises(error) as raised:
         poissontiles.sample((0, 0, 9, 9), 1.0, fixed=fixed)
+    assert str(raised.value).startswith(message)
+
+
+@pytest.mark.parametrize(("period", "levels"), [(64.0, 1), ((96.0, 32.0), 3)])
+def test_a_torus(poissontiles, period, levels):
+    """The points keep their distance and leave no gap across the edges, and the set repeats."""
+    radius = poissontiles.torus_radius(period, 1.0, levels)
+    assert radius == pytest.approx(1.0, rel=0.2)
+    size = np.broadcast_to(period, 2)
+    torus = poissontiles.sample(None, radius, 11, levels=levels, period=period)
+    assert len(torus) == pytest.approx(0.7 * size.prod() / radius**2, rel=0.1) and len(np.unique(torus.ids)) == len(torus)
+    tree = cKDTree(torus.positions % size, boxsize=size)
+    assert tree.query(torus.positions % size, k=2)[0][:, 1].min() >= radius * (1 - 1e-12)
+    places = np.random.default_rng(5).uniform((0, 0), size, (50000, 2))
+    assert tree.query(places)[0].max() < radius
+    start = 0.37 * radius
+    moved = poissontiles.sample((start - size[0], start, start, start + size[1]), radius, 11, levels=levels, period=period)
+    assert np.array_equal(np.sort(moved.ids), np.sort(torus.ids))
+    strip = poissontiles.sample((0, -200, 30, 200), 0.5 * 2**0.5, 3, period=(10.0, 0))
+    one = poissontiles.sample((0, -200, 10, 200), 0.5 * 2**0.5, 3, period=(10.0, 0))
+    assert len(one) == len(np.unique(one.ids)) == len(np.unique(strip.ids)) == len(strip) / 3
+
+
+def test_a_domain_of_tiles(poissontiles):
+    plain = poissontiles.sample_domain((50, 30), 1.0, 4, method="tiles")
+    assert np.array_equal(plain, poissontiles.sample((0, 0, 50, 30), 1.0, 4).positions)
+    radius = poissontiles.torus_radius(40, 1.0)
+    torus = poissontiles.sample_domain((40, 40), radius, 4, method="tiles", toroidal=True)
+    assert np.array_equal(torus, poissontiles.sample(None, radius, 4, period=40).positions)
+
+
+@pytest.mark.parametrize(
+    ("function", "wrong", "message"),
+    [
+        ("sample", {"period": 10.0}, "period must be a multiple of 3.535533906 for this radius, got 10.0. Use the radius that torus_radius() returns"),
+        ("sample", {"period": (0.0, 0.0)}, "period must be positive, or 0 on one axis without an end, got (0.0, 0.0)"),
+        ("sample", {"period": 7.0710678118654755, "fixed": [(0, 0)]}, "period cannot be combined with fixed"),
+        ("sample_domain", {"method": "tiles", "precision": "single"}, "precision must be 'double' with the method 'tiles', got 'single'"),
+        ("torus_radius", {"period": (1.0, math.pi)}, "period must have a width and height in a ratio of integers up to 1000, got (1.0, 3.14"),
+    ],
+)
+def test_wrong_periods_raise(poissontiles, function, wrong, message):
+    first = {"sample": {"rect": (0, 0, 9, 9)}, "sample_domain": {"size": (9, 9)}, "torus_radius": {}}[function]
+    with pytest.raises(ValueError) as raised:
+        getattr(poissontiles, function)(**first, radius=1.0, **wrong)
     assert str(raised.value).startswith(message)
 
 

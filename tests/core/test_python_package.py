@@ -292,7 +292,7 @@ REFUSED = [
     ("sample_domain", {"size": (2e5, 9), "precision": "single"}, ValueError, "size is out of range, got 200000; in single precision"),
     ("sample_domain", {"size": (1e6, 1e6)}, ValueError, "size requires too many points, got "),
     ("sample_domain", {"size": [1, 2, 3]}, TypeError, "size must be two numbers, (width, height), got [1, 2, 3]"),
-    ("sample_domain", {"method": "best"}, ValueError, "method must be one of 'naive', 'hierarchical', 'accumulator', 'wavefront', got 'best'"),
+    ("sample_domain", {"method": "best"}, ValueError, "method must be one of 'naive', 'hierarchical', 'accumulator', 'wavefront', 'tiles', got 'best'"),
     ("sample_domain", {"precision": "half"}, ValueError, "precision must be 'single' or 'double', got 'half'"),
     ("sample_domain", {"cell_size": -1.0}, ValueError, "cell_size must be between 0 and 1000, got -1"),
     ("sample_domain", {"darts_each": 0.0}, ValueError, "darts_each must be between 1 and 1000000, got 0"),

@@ -5,7 +5,9 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <map>
 #include <random>
+#include <string>
 
 using namespace thicket;
 
@@ -58,6 +60,59 @@ TEST_CASE("oracle: the sampler's points match a strict-time heap") {
 			check_against_oracle(set, {corner, corner + size});
 		}
 	}
+}
+
+TEST_CASE("sampler: a set with a period matches a strict-time heap, and repeats") {
+	std::mt19937_64 random(20070902);
+	for (const std::uint32_t levels : {1u, 2u, 4u}) {
+		for (int domain = 0; domain < 8; ++domain) {
+			CAPTURE(levels);
+			CAPTURE(domain);
+			const std::int32_t step = period_step(levels);
+			PointSet set{.seed = random(), .radius = 1.5, .levels = levels, .layer = 3};
+			// The smallest periods are narrower than the chains of darts. An axis may have none.
+			set.period = glm::ivec2(random() % 7, random() % 7) * step;
+			const auto corner = glm::ivec2(random() % 200, random() % 200) - 100;
+			const CellRect cells{corner, corner + glm::ivec2(60, 40)};
+			const double cell = lattice_unit(set) * cell_size;
+			TileSampler sampler;
+			std::vector<SamplePoint> points;
+			REQUIRE(sampler.sample(set, {glm::dvec2(cells.min) * cell, glm::dvec2(cells.max) * cell}, points).ok());
+
+			const oracle::Points truth = oracle::points(set, cells);
+			const auto expected = std::ranges::count_if(
+					truth, [&](const auto &each) { return cells.contains({each.first.first, each.first.second}); });
+			CHECK(static_cast<std::int64_t>(points.size()) == expected);
+			std::map<std::uint64_t, glm::i64vec2> in_period;
+			for (const SamplePoint &point : points) {
+				const glm::i64vec2 lattice = lattice_position(set, point);
+				const glm::ivec2 at(lattice >> std::int64_t{lattice_bits});
+				const auto found = truth.find({at.x, at.y});
+				REQUIRE(found != truth.end());
+				CHECK(found->second.lattice == lattice);
+				CHECK(found->second.rank == point.rank);
+				const glm::ivec2 first(wrapped(at.x, set.period.x), wrapped(at.y, set.period.y));
+				CHECK(point.id == pack({set.layer, first}));
+				const glm::i64vec2 moved = lattice - glm::i64vec2(at - first) * std::int64_t{cell_size};
+				CHECK(in_period.try_emplace(point.id, moved).first->second == moved);
+			}
+		}
+	}
+}
+
+TEST_CASE("sampler: a period that does not fit the levels is rejected") {
+	TileSampler sampler;
+	std::vector<SamplePoint> points;
+	for (const glm::ivec2 period : {glm::ivec2(10, 7), glm::ivec2(-10, 0), glm::ivec2(10, cell_limit + 10)}) {
+		PointSet set{.radius = 1.0, .levels = 2};
+		set.period = period;
+		const Status status = sampler.sample(set, {{0.0, 0.0}, {9.0, 9.0}}, points);
+		CHECK(status.code == ErrorCode::out_of_range);
+		CHECK(std::string(status.property) == "period");
+	}
+	PointSet set{.radius = 1.0, .levels = 2};
+	set.period = {10, 0};
+	CHECK(sampler.sample(set, {{0.0, 0.0}, {9.0, 9.0}}, points).ok());
 }
 
 namespace {

@@ -59,7 +59,8 @@ SettledBlock::SettledBlock(const LevelGrid &grid, const CellRect &cells) : cells
 
 bool BlockCache::Key::operator<(const Key &other) const {
 	const auto tied = [](const Key &key) {
-		return std::tie(key.set.seed, key.set.radius, key.set.levels, key.set.layer, key.block.x, key.block.y);
+		return std::tie(key.set.seed, key.set.radius, key.set.levels, key.set.layer, key.set.period.x, key.set.period.y,
+				key.block.x, key.block.y);
 	};
 	return tied(*this) < tied(other);
 }

@@ -92,14 +92,19 @@ constexpr CellPosition square_origin(std::uint32_t level_position) {
 struct DartSource {
 	std::array<std::uint32_t, 2> key; ///< The seed of the point set.
 	std::uint32_t stream;             ///< The layer in the low 16 bits, and the level of the progressive order.
+	glm::ivec2 period;                ///< PointSet::period in cells of this level.
 
 	static constexpr DartSource of(const PointSet &set, std::uint32_t level) {
 		return {{static_cast<std::uint32_t>(set.seed), static_cast<std::uint32_t>(set.seed >> 32)},
-				std::uint32_t{set.layer} | level << 16};
+				std::uint32_t{set.layer} | level << 16, set.period >> static_cast<std::int32_t>(level)};
 	}
 
-	/// Returns the first dart of a cell. Its clock runs at rate 1, the area of a cell.
-	DartKey base_dart(std::int32_t x, std::int32_t y) const {
+	/// Returns the first dart of a cell. Its clock runs at rate 1, the area of a cell. Cells that are a
+	/// period apart have equal darts, and their tags are equal, too, because a period is a multiple of 5
+	/// cells.
+	DartKey base_dart(std::int32_t cell_x, std::int32_t cell_y) const {
+		const std::int32_t x = wrapped(cell_x, period.x);
+		const std::int32_t y = wrapped(cell_y, period.y);
 		const auto random = philox4x32({static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), stream, 0}, key);
 		const TimeKey time = (std::bit_cast<TimeKey>(exponential(random[0])) & ~tag_bits) | tag_of(mod_5(x), mod_5(y));
 		return make_dart(time, random[1] & position_mask);

@@ -118,13 +118,12 @@ constexpr auto column_tags = [] {
 }();
 
 /// Throws the first darts of the cells [begin, end) of row `y`, except for cells that already have
-/// one.
-HWY_INLINE void throw_first_darts(LevelGrid &grid, std::int32_t y, std::int32_t begin, std::int32_t end) {
+/// one. The cells begin at `index` in the grid. They must not cross the border of a period, and their
+/// coordinates must be those in the first period.
+HWY_INLINE void throw_row(LevelGrid &grid, std::uint32_t index, std::int32_t y, std::int32_t begin, std::int32_t end) {
 	const hn::ScalableTag<std::uint32_t> d;
 	constexpr auto lanes = static_cast<std::int32_t>(hn::MaxLanes(d));
-	std::uint32_t index = grid.index_of({begin, y});
 	const std::uint32_t row_tag = 5 * mod_5(y);
-	grid.squares += static_cast<std::uint64_t>(end - begin);
 	if constexpr (is_scalar) {
 		for (std::int32_t x = begin; x < end; ++x, ++index) {
 			if (grid.time[index] == time_unthrown) {
@@ -150,6 +149,19 @@ HWY_INLINE void throw_first_darts(LevelGrid &grid, std::int32_t y, std::int32_t 
 				hn::FirstN(d, static_cast<std::size_t>(std::min(lanes, end - x))));
 		hn::StoreU(hn::IfThenElse(fresh, key, before), d, times);
 		hn::StoreU(hn::IfThenElse(fresh, position, hn::LoadU(d, darts)), d, darts);
+	}
+}
+
+/// Throws the first darts of the cells [begin, end) of row `y`, except for cells that already have
+/// one.
+HWY_INLINE void throw_first_darts(LevelGrid &grid, std::int32_t y, std::int32_t begin, std::int32_t end) {
+	const glm::ivec2 period = grid.source.period;
+	grid.squares += static_cast<std::uint64_t>(end - begin);
+	while (begin < end) {
+		const std::int32_t first = wrapped(begin, period.x);
+		const std::int32_t count = period.x == 0 ? end - begin : std::min(end - begin, period.x - first);
+		throw_row(grid, grid.index_of({begin, y}), wrapped(y, period.y), first, first + count);
+		begin += count;
 	}
 }
 

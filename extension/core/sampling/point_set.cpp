@@ -9,9 +9,20 @@
 namespace thicket {
 
 Status validate(const PointSet &set) {
-	return first_failure(check_positive("radius", set.radius),
+	const Status status = first_failure(check_positive("radius", set.radius),
 			check_range("radius", set.radius, min_radius, max_radius),
 			check_range("levels", set.levels, 1, max_levels));
+	if (!status.ok()) {
+		return status;
+	}
+	const std::int32_t step = period_step(set.levels);
+	for (const std::int32_t cells : {set.period.x, set.period.y}) {
+		if (cells < 0 || cells > cell_limit || cells % step != 0) {
+			return Status::out_of_range("period", cells, between(0, cell_limit, "in cells of radius / sqrt(2)"),
+					"Use a multiple of 5 * 2^(levels - 1) cells, or 0 for an infinite set");
+		}
+	}
+	return {};
 }
 
 double lattice_unit(const PointSet &set) { return set.radius / std::numbers::sqrt2 / (1u << lattice_bits); }

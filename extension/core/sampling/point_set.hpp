@@ -31,6 +31,10 @@ struct PointSet {
 	/// True for points in rows (core/rows), which no sampler of Poisson-disk sets finds. The radius is
 	/// then only an estimate of their density, and IDs contain places in rows instead of cells.
 	bool in_rows = false;
+	/// Width and height, in cells of the finest level, after which the set repeats, so that the plane
+	/// becomes a torus. Zero on an axis without an end. Each must be a multiple of period_step. IDs
+	/// contain the cell in the first period.
+	glm::ivec2 period{0};
 
 	friend bool operator==(const PointSet &, const PointSet &) = default;
 };
@@ -67,7 +71,20 @@ struct SamplePoint {
 	friend bool operator==(const SamplePoint &, const SamplePoint &) = default;
 };
 
-/// Returns an error if the radius or the number of levels is out of range.
+/// Returns the number of cells of which the period of a set with `levels` levels must be a multiple:
+/// cells of the coarsest level repeat with their tags (tag_of).
+constexpr std::int32_t period_step(std::uint32_t levels) { return 5 << (levels - 1); }
+
+/// Returns a cell in the first period; `period` is 0 on an axis without an end.
+constexpr std::int32_t wrapped(std::int32_t cell, std::int32_t period) {
+	if (period == 0) {
+		return cell;
+	}
+	const std::int32_t remainder = cell % period;
+	return remainder < 0 ? remainder + period : remainder;
+}
+
+/// Returns an error if the radius, the number of levels or the period is out of range.
 Status validate(const PointSet &set);
 
 /// A base square is 2^lattice_bits lattice units wide. The squared radius is therefore exactly 2 *

@@ -62,7 +62,7 @@ void add_point(const PointSet &set, const Rect &rect, double unit, glm::ivec2 ce
 	if (rect.contains(world)) {
 		SamplePoint &point = r_points.emplace_back();
 		point.position = world;
-		point.id = pack({set.layer, cell});
+		point.id = pack({set.layer, {wrapped(cell.x, set.period.x), wrapped(cell.y, set.period.y)}});
 		point.rank = rank;
 		point.level = level_of_rank(set.levels, rank);
 	}
