@@ -104,7 +104,8 @@ class DensityMap:
         pixels = (positions - self._corner) / self._size * (limits + 1)
         if not self._linear:
             column, row = np.clip(np.floor(pixels), 0, limits).astype(np.intp).T
-            return self._values[row, column]
+            near: NDArray[np.float64] = self._values[row, column]
+            return near
         pixels = np.clip(pixels - 0.5, 0, limits)
         first = np.minimum(pixels.astype(np.intp), np.maximum(limits - 1, 0))
         column, row = first.T

@@ -101,7 +101,8 @@ def _period_cells(sizes: tuple[float, ...], radius: float, levels: int) -> tuple
 
 
 def _period_sizes(period: float | Numbers) -> tuple[float, ...]:
-    sizes = numbers("period", [period, period] if isinstance(period, (SupportsFloat, SupportsIndex)) else period, ("width", "height"))
+    both: Any = [period, period] if np.ndim(period) == 0 else period
+    sizes = numbers("period", both, ("width", "height"))
     if not all(math.isfinite(size) and size >= 0 for size in sizes) or max(sizes) == 0:
         raise ValueError(f"period must be positive, or 0 on one axis without an end, got {period!r}")
     return sizes
