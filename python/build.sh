@@ -2,6 +2,7 @@
 # Builds the Python package into build/python, for this machine's Python ($PYTHON, else python3), and installs the required tools:
 #   bash python/build.sh             build/python/poissontiles-VERSION-....whl
 #   bash python/build.sh --install   also installs it into that Python: activate a virtual environment first
+#   bash python/build.sh --manylinux wheels for any Linux since 2014 on x86-64 and ARM; needs Python 3.12 or newer
 #   bash python/build.sh --sdist     build/python/poissontiles-VERSION.tar.gz instead, which contains all sources and builds anywhere
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
@@ -45,6 +46,10 @@ PATH=$(wheel_venv)/bin:$PATH "$(wheel_venv)/bin/python" -m pip wheel ./python --
 wheel=$(basename "$partial"/poissontiles-*.whl)
 mv "$partial/$wheel" "$out/$wheel"
 say "$out/$wheel"
+if [[ ${1:-} == --manylinux ]]; then
+	setup_zig
+	"$(wheel_venv)/bin/python" python/manylinux.py "$out/$wheel" "$out" | while read -r each; do say "$each"; done
+fi
 if [[ ${1:-} == --install ]]; then
 	"${PYTHON:-python3}" -m pip install --disable-pip-version-check --force-reinstall --no-deps "$out/$wheel"
 	"${PYTHON:-python3}" -m pip install --disable-pip-version-check "$out/$wheel"

@@ -144,7 +144,8 @@ def test_a_release_is_drafted_with_all_files(forge, tmp_path):
     (dist / "symbols/libthicket.so").write_text("symbols")
     version = contents.version()
     zips = [dist / f"thicket-{version}.zip", dist / f"thicket-demo-{version}.zip"]
-    for path in zips:
+    packages = [dist / f"poissontiles-{version}.tar.gz", dist / f"poissontiles-{version}-cp312-abi3-manylinux_2_17_aarch64.whl"]
+    for path in zips + packages:
         path.write_text(path.name)
     (dist / "SHA256SUMS").write_text("".join(f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n" for path in zips))
     done = run(["bash", ".github/draft_release.sh", dist], timeout=30, cwd=REPO, env=forge)
@@ -152,7 +153,7 @@ def test_a_release_is_drafted_with_all_files(forge, tmp_path):
     called = (tmp_path / "called").read_text().splitlines()
     assert called[:5] == ["release", "create", f"v{version}", "--draft", "--verify-tag"]
     files = {name.rsplit("/", 1)[1] for name in called if name.startswith(str(dist))}
-    assert files == {*(path.name for path in zips), "SHA256SUMS", f"thicket-symbols-{version}.tar.xz"}
+    assert files == {*(path.name for path in zips + packages), "SHA256SUMS", f"thicket-symbols-{version}.tar.xz"}
     assert "libthicket.so" in run(["tar", "--list", "--file", dist / f"thicket-symbols-{version}.tar.xz"], timeout=20).stdout
     (tmp_path / "called").unlink()
     zips[0].write_text("damaged")

@@ -5,7 +5,6 @@ canceled, and invalid arguments are rejected."""
 from __future__ import annotations
 
 import inspect
-import os
 import pickle
 import re
 import signal
@@ -483,23 +482,3 @@ def test_the_package_is_typed(wheel_python, tmp_path):
     command = [venv / "bin/python", "-m", "mypy", "--strict", "--no-incremental", "--python-executable", wheel_python, "-p", "poissontiles"]
     done = run(command, 300, cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
-
-
-@pytest.mark.full
-def test_the_source_distribution_builds(wheel, tmp_path):
-    """Builds a wheel from the source distribution alone, and compares a digest."""
-    done = run(["bash", "python/build.sh", "--sdist"], timeout=300, cwd=REPO, env={**os.environ, "PYTHON": sys.executable})
-    assert done.returncode == 0, done.stdout + done.stderr
-    source = REPO / re.search(r"^thicket: (build/python/poissontiles-\S+\.tar\.gz)$", done.stderr, re.MULTILINE).group(1)
-    venv = tmp_path / "venv"
-    tools = ["ninja", "cmake"]
-    for command in (
-        [sys.executable, "-m", "venv", venv],
-        [venv / "bin/python", "-m", "pip", "install", "--quiet", *tools],
-        [venv / "bin/python", "-m", "pip", "install", "--quiet", source],
-    ):
-        done = run(command, timeout=1200, cwd=tmp_path)
-        assert done.returncode == 0, done.stdout + done.stderr
-    one = SETS[0]
-    text = f"import poissontiles; print(poissontiles.sample({one.rect}, {one.radius}, {one.seed}, levels={one.levels}, layer={one.layer}).digest())"
-    assert run([venv / "bin/python", "-c", text], 60, cwd=tmp_path).stdout.strip() == str(one.digests)
