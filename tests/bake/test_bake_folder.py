@@ -194,6 +194,7 @@ REFUSED_RECT = "rect must be X,Z,WIDTH,DEPTH in meters, with a width and a depth
     [
         ([], "out is missing"),
         (["out=made"], "out must be the absolute path of a folder"),
+        (["out=s3://bucket/made"], "out must be the absolute path of a folder"),
         (["out=/dev/null/made", *ASKED], "Cannot write /dev/null/made"),
         (["out=/tmp/made", "rect=1,2,3"], "rect must be X,Z,WIDTH,DEPTH"),
         (["out=/tmp/made", "rect=0,0,-5,5"], f"{REFUSED_RECT}, got '0,0,-5,5'"),

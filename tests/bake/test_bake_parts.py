@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -20,10 +21,12 @@ from distributed import Client, LocalCluster
 sys.path.insert(0, str(REPO / "tools/bake"))
 from baking import cluster, driver, report, schedule  # noqa: E402 (only on the path above)
 from baking.__main__ import main  # noqa: E402
+from baking.command_line import folder_argument  # noqa: E402
 from baking.format import FORMAT, MANIFEST, VERSION, BakeError  # noqa: E402
 from baking.grid import TileGrid, inside  # noqa: E402
 from baking.tile_engine import ProcessorTime, Source  # noqa: E402
 from baking.whole_file import whole_file, write_whole  # noqa: E402
+from reading.__main__ import main as read  # noqa: E402
 from reading.glb import BINARY_CHUNK, MAGIC, GlbError, read_glb  # noqa: E402
 
 
@@ -46,6 +49,22 @@ def test_a_terminal_gets_one_line_of_progress(monkeypatch, capsys):
         monkeypatch.setattr(sys.stdout, "isatty", lambda terminal=terminal: terminal, raising=False)
         report.Progress(2, functools.partial(print, flush=True)).end(report.Outcome({}, made=2))
         assert capsys.readouterr().out.startswith(ends)
+
+
+@pytest.mark.parametrize("url", ["s3://bucket/world", "gs://bucket", "memory://world", "s3a://b", "file://server/world"])
+def test_a_url_is_not_a_folder(url, tmp_path, monkeypatch, capsys):
+    """Checks that no command creates a folder whose name begins with the scheme of a URL."""
+    monkeypatch.chdir(tmp_path)
+    for program, arguments in ((main, ["world.tscn", url]), (read, [url, "maps", "out"]), (read, ["bake", "maps", url]), (read, ["bake", "gltf", url])):
+        with pytest.raises(SystemExit, match="2"):
+            program(arguments)
+        assert f"'{url}' must be a folder on this machine or a file:///... URL" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_file_url_is_a_folder():
+    assert folder_argument("file:///data/my%20world") == Path("/data/my world")
+    assert folder_argument("a:b/c") == Path("a:b/c") and folder_argument("out/") == Path("out")
 
 
 def check_areas(rect: list[float], grid: TileGrid, parts: dict[str, list[dict]], chance: np.random.Generator) -> None:
@@ -205,6 +224,7 @@ from pathlib import Path
 sys.path.insert(0, "tools/bake")
 import numpy as np
 from baking.whole_file import CannotWrite, whole_file, write_whole
+from reading.__main__ import main as read  # noqa: E402
 from reading.glb import Glb
 
 def streamed(path, size):

@@ -8,8 +8,9 @@ import os
 import sys
 from pathlib import Path
 
-from .command_line import REPO, with_values
+from .command_line import REPO, folder_argument, with_values
 from .driver import BakeRequest, bake
+from .forecast import Estimate
 from .format import BakeError, tile_of_name
 from .report import Outcome
 from .tile_engine import Source
@@ -18,6 +19,10 @@ from .words import amount, duration
 
 
 MAX_WAIT = 1e6  # The maximum of --wait, in seconds.
+
+
+class OnlyEstimated(Exception):
+    """Raised instead of a bake if the user requested only an estimate."""
 
 
 def main(arguments: list[str]) -> int:
@@ -30,10 +35,28 @@ def main(arguments: list[str]) -> int:
     except BakeError as error:
         print(f"bake: {error}", file=sys.stderr)
         return 2
+    except OnlyEstimated:
+        return 0
     except KeyboardInterrupt:
         print("\nbake: interrupted; run the same command to continue", file=sys.stderr)
         return 130
     return _print_summary(request, outcome)
+
+
+def _confirm(estimate: Estimate, is_confirmed: bool, is_only_estimated: bool) -> None:
+    """Prints the estimate. If the bake is large and was not confirmed with --yes, asks the user. Raises BakeError unless
+    the bake may start."""
+    print(estimate, flush=True)
+    if is_only_estimated:
+        raise OnlyEstimated
+    if not estimate.concern or is_confirmed:
+        return
+    smaller = "choose fewer --layers or a smaller --rect"
+    if not (sys.stdin.isatty() and sys.stdout.isatty()):
+        raise BakeError(f"This bake was not started, because {estimate.concern}. Add --yes to start it anyway, or {smaller}.")
+    print(f"This bake is large: {estimate.concern}. Start it? [y/N] ", end="", flush=True)
+    if sys.stdin.readline().strip().lower() not in ("y", "yes"):
+        raise BakeError(f"This bake was not started. For a smaller bake, {smaller}.")
 
 
 def _print_summary(request: BakeRequest, outcome: Outcome) -> int:
@@ -60,7 +83,7 @@ def _print_summary(request: BakeRequest, outcome: Outcome) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="bake.sh", description="Bakes the world of a scene into one Parquet file per tile.")
     parser.add_argument("scene", help="the scene, a path or res://...; or a folder of tiles from bake_world.gd")
-    parser.add_argument("out", type=Path, help="the folder for the files; an unfinished bake there continues")
+    parser.add_argument("out", type=folder_argument, help="the folder for the files; an unfinished bake there continues")
     parser.add_argument("--rect", default="", metavar="X,Z,WIDTH,DEPTH", help="the area to bake, in meters; by default the entire ground")
     parser.add_argument("--tile-size", default="", metavar="METERS", help="the edge length of a tile; by default a length that fits the layers")
     parser.add_argument("--layers", default="", metavar="NAME,NAME", help="names or indices of layers; by default all")
@@ -69,6 +92,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--scheduler", metavar="ADDRESS", help="use the workers of this Dask scheduler instead")
     parser.add_argument("--shuffle", type=int, metavar="SEED", help="generate the tiles in a random order")
     parser.add_argument("--fresh", action="store_true", help="remove an existing bake in the folder first")
+    parser.add_argument("--yes", action="store_true", help="start a large bake without asking")
+    parser.add_argument("--estimate", action="store_true", help="only print how large the bake will be and how long it will take")
     parser.add_argument("--project", type=Path, default=REPO / "demo_project", help="the project of a res:// path (the demo)")
     parser.add_argument("--node", default="", metavar="PATH", help="the TerrainScatter3D, if the scene has several")
     parser.add_argument("--wait", type=float, default=120.0, metavar="SECONDS", help="how long to wait for the scene's ground (%(default)g)")
@@ -95,18 +120,20 @@ def _request(chosen: argparse.Namespace) -> BakeRequest:
         requested={"rect": chosen.rect, "tile_size": chosen.tile_size, "layers": chosen.layers},
         out=chosen.out.resolve(), tiles=chosen.tiles,
         workers=chosen.workers, scheduler=chosen.scheduler, shuffle=chosen.shuffle, fresh=chosen.fresh,
+        confirm=functools.partial(_confirm, is_confirmed=chosen.yes, is_only_estimated=chosen.estimate),
+        always_estimate=chosen.estimate,
     )  # fmt: skip
 
 
 def _source(chosen: argparse.Namespace) -> Source | MadeTiles:
-    folder = Path(chosen.scene).resolve()
-    if not (folder / WORLD).exists():
+    made = Path(chosen.scene).resolve()
+    if not (made / WORLD).exists():
         project, scene = _project_and_scene(chosen.scene, chosen.project)
         return Source((str(REPO / "tools/godot"),), str(project), scene, chosen.node, chosen.wait)
     for option, given in {"--rect": chosen.rect, "--tile-size": chosen.tile_size, "--layers": chosen.layers, "--node": chosen.node}.items():
         if given:
-            raise BakeError(f"{option} is {given}, but the tiles in {folder} already have a fixed value. Leave out {option}, or create another folder with bake_world.gd.")
-    return made_tiles(folder)
+            raise BakeError(f"{option} is {given}, but the tiles in {made} already have a fixed value. Leave out {option}, or create another folder with bake_world.gd.")
+    return made_tiles(made)
 
 
 def _project_and_scene(scene: str, project: Path) -> tuple[Path, str]:

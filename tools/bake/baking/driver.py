@@ -12,7 +12,7 @@ from pathlib import Path
 
 from distributed import Client, as_completed
 
-from . import cluster, files, tile
+from . import cluster, files, forecast, tile
 from .format import FORMAT, MANIFEST, VERSION, BakeError, name_of, tile_of_name
 from .grid import TileGrid
 from .manifest import check_manifest, read_manifest
@@ -38,6 +38,9 @@ class BakeRequest:
     scheduler: str | None = None
     shuffle: int | None = None  # The seed of a random order; None for the order of the grid.
     fresh: bool = False
+    # Called before the bake changes the folder, unless the bake is certainly small. Prevents the bake if it raises an exception.
+    confirm: Callable[[forecast.Estimate], None] | None = None
+    always_estimate: bool = False  # Call `confirm` for small bakes too.
 
 
 def bake(request: BakeRequest, say: Callable[[str], None] = print) -> Outcome:
@@ -61,8 +64,7 @@ def bake(request: BakeRequest, say: Callable[[str], None] = print) -> Outcome:
 
 def _bake(request: BakeRequest, client: Client, say: Callable[[str], None]) -> Outcome:
     plan, manifest, starting = _begin(request, client, say)
-    order = request.tiles if request.tiles is not None else plan.grid.tiles()
-    _refuse_tiles_beyond(order, plan.grid)
+    order = _tiles_of(request, plan.grid)
     if request.shuffle is not None:
         random.Random(request.shuffle).shuffle(order)
     outcome = Outcome(manifest, starting=[starting])
@@ -107,7 +109,12 @@ def _begin(request: BakeRequest, client: Client, say: Callable[[str], None]) -> 
         "layers": [{**layer, "models": looks[layer["index"]]["models"], "material": looks[layer["index"]]["material"]} for layer in layers],
         "complete": False, "digest": None, "costs": None, "tiles": {},
     }  # fmt: skip
-    _resume(request, manifest, say)
+    _refuse_tiles_beyond(_tiles_of(request, grid), grid)
+    if not request.fresh:
+        _resume(request, manifest, say)
+    _confirm(request, client, plan, described, say)
+    if request.fresh:
+        files.empty(request.out)
     files.sweep_strays(request.out, set(grid.tiles()))
     for path, content in described["files"].items():
         if any(path.startswith(f"models/{layer['index']}_") for layer in layers):
@@ -117,10 +124,8 @@ def _begin(request: BakeRequest, client: Client, say: Callable[[str], None]) -> 
 
 
 def _resume(request: BakeRequest, manifest: dict, say: Callable[[str], None]) -> None:
-    """Reuses the tiles of an earlier bake in the folder, complete or not. With `fresh`, removes that bake instead. Raises
-    BakeError if that bake is of another world or version. A manifest that cannot be read is ignored."""
-    if request.fresh:
-        files.empty(request.out)
+    """Reuses the tiles of an earlier bake in the folder, complete or not. Raises BakeError if that bake is of another world
+    or version. A manifest that cannot be read is ignored."""
     try:
         before = read_manifest(request.out)
     except BakeError as error:
@@ -144,6 +149,22 @@ def _resume(request: BakeRequest, manifest: dict, say: Callable[[str], None]) ->
     # Damaged files are detected when their tiles are needed.
     manifest["tiles"] = {name: entry for name, entry in before["tiles"].items() if (request.out / entry["file"]).is_file()}
     manifest["costs"] = before.get("costs")
+
+
+def _tiles_of(request: BakeRequest, grid: TileGrid) -> list[tuple[int, int]]:
+    return request.tiles if request.tiles is not None else grid.tiles()
+
+
+def _confirm(request: BakeRequest, client: Client, plan: tile.Plan, described: dict, say: Callable[[str], None]) -> None:
+    """Passes an estimate of the missing tiles to the request's `confirm`."""
+    if request.confirm is None:
+        return
+    missing = forecast.missing_tiles(request.out, _tiles_of(request, plan.grid), request.fresh)
+    workers = request.workers if request.scheduler is None else None
+    free = forecast.free_space(request.out, request.fresh)
+    expected = forecast.estimate(plan, client, missing, described.get("density"), described["starting"], free, workers, say, request.always_estimate)
+    if expected is not None:
+        request.confirm(expected)
 
 
 def _refuse_tiles_beyond(tiles: Iterable[tuple[int, int]], grid: TileGrid) -> None:

@@ -36,16 +36,31 @@ def tile_path(out: Path, tile: tuple[int, int]) -> Path:
     return out / "tiles" / f"tile_{tile[0]}_{tile[1]}.parquet"
 
 
+def names_of_tiles(out: Path) -> set[str]:
+    """Returns the names of all files of tiles in a folder."""
+    return {path.name for path in (out / "tiles").glob("tile_*.parquet")}
+
+
+def size_of_tiles(out: Path) -> int:
+    """Returns the size of all files of tiles in a folder, in bytes."""
+    return sum((out / "tiles" / name).stat().st_size for name in names_of_tiles(out))
+
+
 def write_tile(path: Path, columns: rows.Columns, marks: dict[str, str]) -> str:
     """Writes sorted rows, with `marks` as the file's metadata. Returns the SHA-256 of the file."""
+    content = packed_tile(columns, marks)
+    write_whole(path, content)
+    return hashlib.sha256(content).hexdigest()
+
+
+def packed_tile(columns: rows.Columns, marks: dict[str, str]) -> pa.Buffer:
+    """Returns the content of a tile's file."""
     table = rows.to_table(columns).replace_schema_metadata(marks)
     sink = pa.BufferOutputStream()
     pq.write_table(
         table, sink, compression="zstd", use_dictionary=_DICTIONARIES, column_encoding=_ENCODINGS, write_page_checksum=True
     )
-    content = sink.getvalue()
-    write_whole(path, content)
-    return hashlib.sha256(content).hexdigest()
+    return sink.getvalue()
 
 
 def read_tile(path: Path, marks: dict[str, str], known: dict) -> tuple[rows.Columns, dict[str, str], str] | None:

@@ -175,6 +175,17 @@ def make(plan: Plan, tile: tuple[int, int], entry: dict) -> dict:
     }
 
 
+def measure(plan: Plan, tile: tuple[int, int]) -> tuple[int, int, float] | None:
+    """Generates a tile without storing it. Returns its number of rows, the size of its file in bytes and its CPU time in
+    seconds, or None if it cannot be generated."""
+    try:
+        columns, _ = _made(plan, tile)
+    except (SceneChanged, Rejected, EngineGone):
+        return None  # The bake reports the reason.
+    size = files.packed_tile(columns, plan.marks(tile)).size
+    return len(columns["id"]), size, _core_seconds_of_tile()
+
+
 def _made(plan: Plan, tile: tuple[int, int]) -> tuple[rows.Columns, int]:
     for attempt in range(1, _ATTEMPTS + 1):
         try:

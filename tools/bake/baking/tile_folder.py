@@ -38,7 +38,8 @@ _checks = {
     "layers": items(_layer, 1, 0x10000), "models": items(_models), "grid": items(integer(-(2**31), 2**31 - 1), 4, 4),
     "edges": items(items(METERS, 2, MAX_TILES + 1), 2, 2), "columns": mapping(text(), mapping(text(), text(), 100), 0x10000),
 }  # fmt: skip
-_world = members(_checks, _checks)
+# Earlier versions did not write the density.
+_world = members({**_checks, "density": number(0.0, 1e12)}, _checks)
 
 
 def made_tiles(folder: Path) -> MadeTiles:

@@ -10,8 +10,8 @@ def duration(seconds: float) -> str:
 
 
 def amount(number: float) -> str:
-    """Formats a count, such as 950, 12.3 k, 4.56 M or 1.2 G."""
-    for factor, unit in ((1e9, " G"), (1e6, " M"), (1e3, " k")):
+    """Formats a count, such as 950, 12.3 k, 4.56 M, 1.2 G or 3 T."""
+    for factor, unit in ((1e12, " T"), (1e9, " G"), (1e6, " M"), (1e3, " k")):
         if number >= factor:
             return f"{number / factor:.3g}{unit}"
     return f"{number:.0f}"

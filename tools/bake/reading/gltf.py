@@ -10,7 +10,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from baking.command_line import REPO
+from baking.command_line import REPO, folder_argument
 from baking.format import BakeError
 
 from .bake import Bake, Layer, Tile, center_of, groups_of, open_bake, read_tile
@@ -119,7 +119,7 @@ def vector(text: str) -> np.ndarray:
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("folder", type=Path, help="the folder for tile_I_J.glb; created if it does not exist")
+    parser.add_argument("folder", type=folder_argument, help="the folder for tile_I_J.glb; created if it does not exist")
     parser.add_argument("--tiles", default="", metavar="'I,J I,J'", help="export only these tiles")
     parser.add_argument("--origin", type=vector, default=np.zeros(3), metavar="X,Y,Z", help="the world position, in meters, of the origin of the files")
     parser.add_argument("--lod", type=int, default=0, metavar="N", help="the level of detail to export, 0 for the finest (0)")

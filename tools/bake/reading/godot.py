@@ -7,6 +7,7 @@ import shutil
 from pathlib import Path
 
 import numpy as np
+from baking.command_line import folder_argument
 from baking.format import BakeError
 
 from .bake import Bake, Tile, center_of, open_bake, read_tile
@@ -161,7 +162,7 @@ def write_scenes(bake: Bake, folder: Path, cell: float) -> None:
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("folder", type=Path, help="a folder in a Godot project; an earlier export there is replaced")
+    parser.add_argument("folder", type=folder_argument, help="a folder in a Godot project; an earlier export there is replaced")
     parser.add_argument("--cell", type=float, default=64.0, metavar="METERS", help="the maximum size of the cells into which layers with levels of detail are divided (64)")
 
 

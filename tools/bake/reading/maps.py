@@ -15,6 +15,7 @@ from typing import BinaryIO
 
 import numpy as np
 import png
+from baking.command_line import folder_argument
 from baking.format import BakeError
 from baking.whole_file import whole_file, write_whole
 
@@ -177,7 +178,7 @@ def write_maps(bake: Bake, folder: Path, meters: float, bits: int, memory: int, 
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("folder", type=Path, help="the folder for the maps; created if it does not exist")
+    parser.add_argument("folder", type=folder_argument, help="the folder for the maps; created if it does not exist")
     parser.add_argument("--meters", type=float, help=f"the width of a pixel in meters; by default a round number with which the map is at most {LONGEST} pixels wide and high")
     parser.add_argument("--bits", type=int, choices=(8, 16), default=16, help="bits per pixel (16)")
     parser.add_argument("--memory", type=float, default=256.0, metavar="MB", help="the approximate memory to use (256)")

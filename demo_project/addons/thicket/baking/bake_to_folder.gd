@@ -41,7 +41,7 @@ var _counts := {"made": 0, "kept": 0, "failed": 0}
 ## Reads the arguments of the command line. Sets [member problem] if one is invalid.
 func _init(arguments: Dictionary[String, String]) -> void:
 	_out = arguments.get("out", "")
-	if not _out.is_absolute_path():
+	if not _out.is_absolute_path() or ("://" in _out and not _out.begins_with("res://") and not _out.begins_with("user://")):
 		problem = "out must be the absolute path of a folder, such as out=/data/baked, got '%s'." % _out
 	_described = SceneDescription.new(arguments)
 	problem = problem if problem else _described.problem

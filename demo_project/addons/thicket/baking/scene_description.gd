@@ -7,7 +7,7 @@ const BakeGrid := preload("res://addons/thicket/baking/bake_grid.gd")
 ## The reason why the scene cannot be baked; empty if it can.
 var problem := ""
 ## The description as plain values: the scene's seed, hashes and other properties, the requested layers, [code]rect[/code], and the description of the
-## tiles from [code]bake_grid.gd[/code].
+## tiles from [code]bake_grid.gd[/code]. [code]density[/code] is the number of points of these layers per square meter before the rules remove any.
 var values: Dictionary = {}
 ## The tiles; null before [method describe], and if there is a [member problem].
 var grid: BakeGrid
@@ -57,7 +57,8 @@ func describe(scatter: TerrainScatter3D) -> bool:
 		problem = "%s cannot be read or has no version: install all files of the add-on in the project." % SceneDigest.PLUGIN
 	if problem:
 		return false
-	grid = BakeGrid.new(rect, _tile_size if _tile_size > 0.0 else _fitting_size(scatter, rect, layers), layers)
+	var density := _density_of(scatter, layers)
+	grid = BakeGrid.new(rect, _tile_size if _tile_size > 0.0 else _fitting_size(rect, layers, density), layers)
 	problem = grid.problem
 	if problem:
 		return false
@@ -70,18 +71,24 @@ func describe(scatter: TerrainScatter3D) -> bool:
 	values = {
 		"seed": str(scatter.seed), "layers": layers, "parts": parts, "world_offset": [offset.x, offset.y, offset.z], "rect": rect,
 		"problems": scatter.get_problems(), "scene_digest": JSON.stringify(parts, "", true).sha256_text(), "thicket": SceneDigest.version(), "columns": columns,
+		"density": density,
 	}.merged(grid.description())
 	return true
 
 
-static func _fitting_size(scatter: TerrainScatter3D, rect: Array, layers: Array[Dictionary]) -> float:
+static func _fitting_size(rect: Array, layers: Array[Dictionary], density: float) -> float:
 	var sizes := PackedFloat64Array()
+	for layer in layers:
+		sizes.append(layer["tile_size"])
+	return BakeGrid.default_size(rect, sizes, density)
+
+
+static func _density_of(scatter: TerrainScatter3D, layers: Array[Dictionary]) -> float:
 	var all_layers := scatter.get_all_layers()
 	var density := 0.0
 	for layer in layers:
-		sizes.append(layer["tile_size"])
 		density += all_layers[layer.index].get_point_density()
-	return BakeGrid.default_size(rect, sizes, density)
+	return density
 
 
 static func _layers_of(scatter: TerrainScatter3D) -> Array[Dictionary]:
