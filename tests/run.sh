@@ -16,7 +16,7 @@ setup_clang
 setup_compiler_cache
 setup_mono
 setup_python
-setup_bake
+setup_exports
 setup_wheel
 setup_docs
 setup_browser
@@ -31,6 +31,7 @@ if [[ " $* " == *" --full "* ]]; then
 	setup_android_engines
 	setup_godot_sources
 	setup_gltf_validator
+	setup_geopandas
 	setup_ffmpeg
 	setup_web_engine
 	setup_workflow_checkers

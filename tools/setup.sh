@@ -10,6 +10,7 @@
 #   setup_qemu       emulators of other CPUs, for the tests that compare CPUs (skipped without them)
 #   setup_python     the Python packages of tests/requirements.txt and of setup_bake, in a virtual environment in the cache folder
 #   setup_bake       Dask and Arrow, for baking worlds, in a virtual environment in the cache folder
+#   setup_exports    setup_bake, and the packages for exports of bakes to GeoParquet and USD
 #   setup_wheel      the build tools of the sampler's Python package, and NumPy for its tests, in the cache folder
 #   setup_docs       Sphinx and Godot's converter of class references, for docs/build.sh, in the cache folder
 #   setup_browser    Chromium, for the test that opens the documentation (skipped without it)
@@ -281,6 +282,21 @@ setup_bake() {
 	echo "$wanted" >"$venv/complete"
 }
 
+# Installs packages that only some exports need into the virtual environment for bakes.
+setup_exports() {
+	local venv wanted
+	setup_bake
+	venv=$(bake_venv)
+	wanted=$(cat "$setup_repo/tools/bake/reading/requirements.txt")
+	[[ ! -f $venv/exports || $(<"$venv/exports") != "$wanted" ]] || return 0
+	say "installing the packages for exports in $venv"
+	if install_wheels "$venv" --requirement "$setup_repo/tools/bake/reading/requirements.txt"; then
+		echo "$wanted" >"$venv/exports"
+	else
+		say "continuing without these packages; exports to USD and with --crs will fail"
+	fi
+}
+
 setup_wheel() {
 	local venv wanted numpy python=${PYTHON:-python3}
 	venv=$(wheel_venv)
@@ -322,7 +338,12 @@ make_venv() {
 	say "creating a Python environment in $venv"
 	mkdir -p "$(cache_folder)"
 	"$python" -m venv --clear "$venv"
-	(($# == 0)) || "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: "$@"
+	(($# == 0)) || install_wheels "$venv" "$@"
+}
+
+# install_wheels FOLDER OPTION...: runs pip install with these options in a virtual environment.
+install_wheels() {
+	"$1/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: "${@:2}"
 }
 
 setup_godot() {
@@ -444,7 +465,7 @@ if [[ ${BASH_SOURCE[0]} == "$0" ]]; then
 	setup_clang
 	setup_mono
 	setup_python
-	setup_bake
+	setup_exports
 	setup_wheel
 	setup_godot
 	version=$("$setup_repo/tools/godot" --version | tail -n 1)

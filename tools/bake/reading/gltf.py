@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import math
-import re
 import shutil
 import tempfile
 from pathlib import Path
 
 import numpy as np
-from baking.command_line import REPO, folder_argument
+from baking.command_line import REPO
 from baking.format import BakeError
 
 from .bake import Bake, Layer, Tile, center_of, groups_of, open_bake, read_tile
 from .glb import Glb, GlbError, read_glb
+from .options import add_folder, chosen_tiles, vector
 from .piped_script import PipedScript
 from .say import say
 
@@ -101,26 +100,8 @@ def tile_glb(bake: Bake, tile: Tile, models: Models, origin: np.ndarray) -> Glb:
     return glb
 
 
-def chosen_tiles(bake: Bake, wanted: list[str]) -> list[Tile]:
-    """Returns the tiles that have rows, limited to those in `wanted` if that list is not empty. Names have the form
-    I,J. Raises BakeError for an unknown name."""
-    known = {str(tile): tile for tile in bake.tiles}
-    for name in wanted:
-        if name not in known:
-            raise BakeError(f"--tiles: the bake has no tile {name}; its first tile is {next(iter(known), 'none')}, in the form I,J")
-    return [tile for tile in ([known[name] for name in wanted] or bake.tiles) if tile.rows]
-
-
-def vector(text: str) -> np.ndarray:
-    numbers = [float(part) for part in text.split(",")] if re.fullmatch(r"[-+.,\deE]+", text) else []
-    if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
-        raise argparse.ArgumentTypeError(f"'{text}' is not X,Y,Z: three finite numbers in meters separated by commas")
-    return np.array(numbers)
-
-
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("folder", type=folder_argument, help="the folder for tile_I_J.glb; created if it does not exist")
-    parser.add_argument("--tiles", default="", metavar="'I,J I,J'", help="export only these tiles")
+    add_folder(parser, "tile_I_J.glb")
     parser.add_argument("--origin", type=vector, default=np.zeros(3), metavar="X,Y,Z", help="the world position, in meters, of the origin of the files")
     parser.add_argument("--lod", type=int, default=0, metavar="N", help="the level of detail to export, 0 for the finest (0)")
     parser.add_argument("--stand-ins", action="store_true", help="use a pyramid for every model; does not need Godot")

@@ -1,0 +1,37 @@
+"""Options of the command line that several exports share."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+
+import numpy as np
+
+from baking.command_line import folder_argument
+from baking.format import BakeError
+
+from .bake import Bake, Tile
+
+
+def add_folder(parser: argparse.ArgumentParser, files: str) -> None:
+    """Adds the options `folder` and `--tiles` of exports that write a file for each tile."""
+    parser.add_argument("folder", type=folder_argument, help=f"the folder for {files}; created if it does not exist")
+    parser.add_argument("--tiles", default="", metavar="'I,J I,J'", help="export only these tiles")
+
+
+def chosen_tiles(bake: Bake, wanted: list[str]) -> list[Tile]:
+    """Returns the tiles that have rows, limited to those in `wanted` if that list is not empty. Names have the form
+    I,J. Raises BakeError for an unknown name."""
+    known = {str(tile): tile for tile in bake.tiles}
+    for name in wanted:
+        if name not in known:
+            raise BakeError(f"--tiles: the bake has no tile {name}; its first tile is {next(iter(known), 'none')}, in the form I,J")
+    return [tile for tile in ([known[name] for name in wanted] or bake.tiles) if tile.rows]
+
+
+def vector(text: str) -> np.ndarray:
+    numbers = [float(part) for part in text.split(",")] if re.fullmatch(r"[-+.,\deE]+", text) else []
+    if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
+        raise argparse.ArgumentTypeError(f"'{text}' is not X,Y,Z: three finite numbers in meters separated by commas")
+    return np.array(numbers)
