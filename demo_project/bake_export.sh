@@ -2,6 +2,7 @@
 # Installs the required programs and exports a bake:
 #   bash demo_project/bake_export.sh BAKE godot FOLDER   a world in a project, which ScatterBakedWorld streams without the extension
 #   bash demo_project/bake_export.sh BAKE gltf FOLDER    a .glb for each tile, with EXT_mesh_gpu_instancing
+#   bash demo_project/bake_export.sh BAKE usd FOLDER     a USD stage with point instancers and a payload for each tile
 #   bash demo_project/bake_export.sh BAKE geoparquet FOLDER   a GeoParquet file for each tile
 #   bash demo_project/bake_export.sh BAKE maps FOLDER    a gray PNG for each layer, in plan view
 # Options come last; --help instead of FOLDER lists them. tools/bake/READERS.md describes all exports.
@@ -9,11 +10,11 @@ set -euo pipefail
 repo=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
 source "$repo/tools/setup.sh"
 
-if (($# < 3)) || [[ ! $2 =~ ^(godot|gltf|geoparquet|maps)$ ]]; then
-	sed -n '2,7s/^# \?//p' "${BASH_SOURCE[0]}" >&2
+if (($# < 3)) || [[ ! $2 =~ ^(godot|gltf|usd|geoparquet|maps)$ ]]; then
+	sed -n '2,8s/^# \?//p' "${BASH_SOURCE[0]}" >&2
 	exit 2
 fi
-if [[ $2 == geoparquet ]]; then
+if [[ $2 =~ ^(usd|geoparquet)$ ]]; then
 	setup_exports
 else
 	setup_bake

@@ -1,2 +1,2 @@
-"""Exports a bake to Godot, to glTF, to GeoParquet and to maps. `bash demo_project/bake_export.sh` runs this package. ../READERS.md
+"""Exports a bake to Godot, glTF, USD, GeoParquet and maps. `bash demo_project/bake_export.sh` runs this package. ../READERS.md
 describes the files."""

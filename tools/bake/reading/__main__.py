@@ -9,11 +9,11 @@ from baking.command_line import folder_argument, with_values
 from baking.format import BakeError
 from baking.whole_file import CannotWrite
 
-from . import geoparquet, gltf, godot, maps
+from . import geoparquet, gltf, godot, maps, usd
 from .say import say
 
 # Each module has a docstring for --help, and the functions add_options(parser) and export(chosen).
-WRITERS = {"godot": godot, "gltf": gltf, "geoparquet": geoparquet, "maps": maps}
+WRITERS = {"godot": godot, "gltf": gltf, "usd": usd, "geoparquet": geoparquet, "maps": maps}
 
 
 def main(arguments: list[str]) -> int:

@@ -37,6 +37,17 @@ def read_glb(data: bytes) -> tuple[dict, bytes]:
         raise GlbError(f"its JSON cannot be read: {error!r}") from None
 
 
+def read_accessor(content: dict, binary: bytes, index: int) -> np.ndarray:
+    """Returns the values of an accessor, with one row for each element. Integers that represent fractions become floats."""
+    accessor = content["accessors"][index]
+    view = content["bufferViews"][accessor["bufferView"]]
+    dtype = next(dtype for dtype, component in COMPONENTS.items() if component == accessor["componentType"])
+    width = next(width for width, kind in KINDS.items() if kind == accessor["type"])
+    start, stride = view.get("byteOffset", 0) + accessor.get("byteOffset", 0), view.get("byteStride", width * dtype.itemsize)
+    values = np.ndarray((accessor["count"], width), dtype, binary, start, (stride, dtype.itemsize))
+    return values / np.float32(np.iinfo(dtype).max) if accessor.get("normalized") else values
+
+
 class Glb:
     """A file that is being built: its JSON, and one buffer."""
 
@@ -142,9 +153,13 @@ class Glb:
             self.use_extension(name, name in other.get("extensionsRequired", []))
         return base["meshes"]
 
+    def content(self) -> tuple[dict, bytes]:
+        """Returns the JSON without its buffer, and the bytes of the buffer."""
+        return self.json, b"".join(self._parts)
+
     def to_bytes(self) -> bytes:
         """Returns the bytes of the complete file."""
-        binary = b"".join(self._parts)
+        _, binary = self.content()
         content = {**self.json, "buffers": [{"byteLength": len(binary)}]} if binary else self.json
         text = json.dumps(content, separators=(",", ":")).encode()
         text += b" " * (-len(text) % 4)
