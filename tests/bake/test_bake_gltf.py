@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import shutil
 import struct
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -13,20 +14,27 @@ import pytest
 from bake.small import bake, copy, edit_manifest, expected, game, manifest_of, of_tile, reader, refused  # noqa: F401 (some are fixtures)
 from conftest import CACHE, REPO, run
 
+sys.path.insert(0, str(REPO / "tools/bake"))
+from reading.glb import Glb  # noqa: E402 (only on the path above)
 
-def parse(file: Path) -> tuple[dict, bytes]:
-    """Returns the two chunks of a binary glTF file: the parsed JSON and the binary data."""
+
+def parse(file: Path) -> tuple[dict, list[bytes]]:
+    """Returns the JSON of a binary glTF file, and the data of its buffers: its own, and a separate file if it has one."""
     data = file.read_bytes()
     magic, version, length, json_length, json_kind = struct.unpack_from("<4sIII4s", data)
     assert (magic, version, length, json_kind) == (b"glTF", 2, len(data), b"JSON")
     binary_length, binary_kind = struct.unpack_from("<I4s", data, 20 + json_length)
     assert binary_kind == b"BIN\0" and 28 + json_length + binary_length == len(data)
-    return json.loads(data[20 : 20 + json_length]), data[28 + json_length :]
+    content = json.loads(data[20 : 20 + json_length])
+    buffers = [data[28 + json_length :], *((file.parent / buffer["uri"]).read_bytes() for buffer in content["buffers"][1:])]
+    assert [len(buffer) for buffer in buffers] == [buffer["byteLength"] for buffer in content["buffers"]]
+    return content, buffers
 
 
-def accessor(content: dict, binary: bytes, number: int) -> np.ndarray:
+def accessor(content: dict, buffers: list[bytes], number: int) -> np.ndarray:
     one = content["accessors"][number]
     view = content["bufferViews"][one["bufferView"]]
+    binary = buffers[view["buffer"]]
     kind = {5126: np.float32, 5121: np.uint8, 5123: np.uint16, 5125: np.uint32}[one["componentType"]]
     width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}[one["type"]]
     stride = view.get("byteStride", width * np.dtype(kind).itemsize)
@@ -118,18 +126,54 @@ def test_gltf_without_the_engine(copy, game, tmp_path):
     assert counts["Oak_0"] == 24 and counts["Oak_1"] == 18, "24 instances of the far box, and 18 of a pyramid"
 
 
+def test_shared_models_are_stored_once(bake, game, glbs, tmp_path):
+    """Checks that --share-models moves the meshes of all files into one, and that the files describe the same meshes."""
+    assert reader("gltf", bake, tmp_path, "--project", game, "--share-models").returncode == 0
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["models.bin", *sorted(file.name for file in glbs.iterdir())]
+    for file in glbs.iterdir():
+        (content, binary), (other, shared) = parse(file), parse(tmp_path / file.name)
+        assert content["nodes"] == other["nodes"] and content["meshes"] == other["meshes"]
+        assert all(np.array_equal(accessor(content, binary, number), accessor(other, shared, number)) for number in range(len(content["accessors"])))
+        assert len(shared[0]) < len(binary[0]) and {other["bufferViews"][one["bufferView"]]["buffer"] for one in other["accessors"]} == {0, 1}
+
+
+def test_models_with_the_same_image_store_it_once():
+    """Checks that the images of a file have different content, and that textures and vertices still refer to the right
+    data."""
+    image, other = bytes(range(200)), bytes(range(55, 255))
+
+    def textured(content: bytes, height: float) -> tuple[dict, bytes]:
+        glb = Glb("test")
+        glb.add_pyramid("x", 1.0, height, (1.0, 1.0, 1.0))
+        glb.add_accessor(np.frombuffer(content, np.uint8))
+        glb.json |= {"images": [{"bufferView": len(glb.json["bufferViews"]) - 1}], "textures": [{"source": 0}]}
+        return glb.content()
+
+    glb = Glb("test")
+    for content, height in ((image, 1.0), (other, 2.0), (image, 3.0)):
+        glb.add_meshes(*textured(content, height))
+    whole, binary = glb.content()
+    views = [whole["bufferViews"][whole["images"][texture["source"]]["bufferView"]] for texture in whole["textures"]]
+    assert [binary[view["byteOffset"] : view["byteOffset"] + view["byteLength"]] for view in views] == [image, other, image]
+    assert len(whole["images"]) == 2
+    tops = [accessor(whole, [binary], mesh["primitives"][0]["attributes"]["POSITION"])[:, 1].max() for mesh in whole["meshes"]]
+    assert tops == [1.0, 2.0, 3.0]
+
+
 @pytest.mark.full
 def test_the_gltf_validator_finds_no_problem(glbs, bake, tmp_path):
     folders = sorted(CACHE.glob("gltf-validator-*/node_modules"))
     if not folders or shutil.which("node") is None:
         pytest.skip("no glTF validator: setup_gltf_validator in tools/setup_full.sh installs it")
     assert reader("gltf", bake, tmp_path, "--stand-ins", "--tiles=60000,-20002").returncode == 0
-    script = "const v = require('gltf-validator'), fs = require('fs'); Promise.all(process.argv.slice(1).map(async f => " \
-        "console.log(JSON.stringify((await v.validateBytes(new Uint8Array(fs.readFileSync(f)))).issues))))"  # fmt: skip
-    files = [*sorted(glbs.iterdir()), *tmp_path.iterdir()]
+    assert reader("gltf", bake, tmp_path / "shared", "--stand-ins", "--share-models", "--tiles=60000,-20002").returncode == 0
+    script = "const v = require('gltf-validator'), fs = require('fs'), p = require('path'), read = f => new Uint8Array(fs.readFileSync(f));" \
+        "Promise.all(process.argv.slice(1).map(async f => console.log(JSON.stringify((await v.validateBytes(read(f), " \
+        "{externalResourceFunction: async uri => read(p.join(p.dirname(f), uri))})).issues))))"  # fmt: skip
+    files = [*sorted(glbs.iterdir()), *sorted(tmp_path.rglob("*.glb"))]
     done = run(["node", "-e", script, *files], timeout=120, cwd=folders[-1].parent)
     found = [json.loads(line) for line in done.stdout.splitlines()]
-    assert done.returncode == 0 and len(found) == 12, done.stderr
+    assert done.returncode == 0 and len(found) == 13, done.stderr
     assert all(issues["numErrors"] == issues["numWarnings"] == 0 for issues in found), found[0]["messages"][:5]
     # Check that the validator can detect an error.
     broken = tmp_path / "broken.glb"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import hashlib
 import json
 import struct
 from pathlib import Path
@@ -48,13 +49,41 @@ def read_accessor(content: dict, binary: bytes, index: int) -> np.ndarray:
     return values / np.float32(np.iinfo(dtype).max) if accessor.get("normalized") else values
 
 
+class SharedBuffer:
+    """A file with data to which several binary glTF files refer. Add all data before one of these files is written."""
+
+    def __init__(self, name: str):
+        self.name = name
+        self._content = bytearray()
+        self._offsets: dict[bytes, int] = {}
+
+    def offset(self, data: bytes) -> int:
+        """Returns the offset of the data, a multiple of four. Appends the data if necessary."""
+        key = hashlib.sha256(data).digest()
+        if key not in self._offsets:
+            self._offsets[key] = len(self._content)
+            self._content += data + bytes(-len(data) % 4)
+        return self._offsets[key]
+
+    @property
+    def description(self) -> dict:
+        return {"uri": self.name, "byteLength": len(self._content)}
+
+    def write(self, folder: Path) -> None:
+        """Writes the file. If that fails, raises CannotWrite and keeps the old file."""
+        write_whole(folder / self.name, bytes(self._content))
+
+
 class Glb:
     """A file that is being built: its JSON, and one buffer."""
 
-    def __init__(self, generator: str):
+    def __init__(self, generator: str, shared: SharedBuffer | None = None):
+        """`shared` is a separate file for the data of meshes and images, or None to store them in this file."""
         self.json: dict = {"asset": {"version": "2.0", "generator": generator}, "scene": 0, "scenes": [{"nodes": []}], "nodes": []}
         self._parts: list[bytes] = []
         self._size = 0
+        self._shared = shared
+        self._views: dict[tuple, int] = {}  # The views of meshes and images, by their content.
 
     def _list(self, name: str) -> list:
         return self.json.setdefault(name, [])
@@ -117,18 +146,17 @@ class Glb:
 
     def add_meshes(self, other: dict, binary: bytes) -> int:
         """Appends the meshes of another file with their materials and images, and returns the index of the first mesh.
-        The file must have a single buffer, like the files that the engine exports."""
-        names = ("bufferViews", "accessors", "meshes", "materials", "textures", "images", "samplers")
+        Stores images and other data once, even if several files contain them. The file must have a single buffer, like the
+        files that the engine exports."""
+        names = ("accessors", "meshes", "materials", "textures", "samplers")
         base = {name: len(self.json.get(name, [])) for name in names}
-        start = self._append(binary)
         added = {name: copy.deepcopy(other.get(name, [])) for name in names}
-        for view in added["bufferViews"]:
-            view["byteOffset"] = view.get("byteOffset", 0) + start
+        views = [self._add_view(binary, view) for view in other.get("bufferViews", [])]
+        images = [self._add_image({**image, "bufferView": views[image["bufferView"]]}) for image in other.get("images", [])]
         for accessor in added["accessors"]:
-            _shift(accessor, "bufferView", base["bufferViews"])
-            for part in accessor.get("sparse", {}).values():
-                if isinstance(part, dict):
-                    _shift(part, "bufferView", base["bufferViews"])
+            for part in (accessor, *accessor.get("sparse", {}).values()):
+                if isinstance(part, dict) and "bufferView" in part:
+                    part["bufferView"] = views[part["bufferView"]]
         for mesh in added["meshes"]:
             for primitive in mesh["primitives"]:
                 _shift(primitive, "indices", base["accessors"])
@@ -139,12 +167,10 @@ class Glb:
         for material in added["materials"]:
             _shift_textures(material, base["textures"])
         for texture in added["textures"]:
-            _shift(texture, "source", base["images"])
             _shift(texture, "sampler", base["samplers"])
-            for extension in texture.get("extensions", {}).values():
-                _shift(extension, "source", base["images"])
-        for image in added["images"]:
-            _shift(image, "bufferView", base["bufferViews"])
+            for part in (texture, *texture.get("extensions", {}).values()):
+                if "source" in part:
+                    part["source"] = images[part["source"]]
         for name in names:
             if added[name]:
                 self._list(name).extend(added[name])
@@ -153,6 +179,28 @@ class Glb:
             self.use_extension(name, name in other.get("extensionsRequired", []))
         return base["meshes"]
 
+    def _add_view(self, binary: bytes, view: dict) -> int:
+        """Appends a buffer view of another file, unless it already exists, and returns its index."""
+        start = view.get("byteOffset", 0)
+        data = binary[start : start + view["byteLength"]]
+        kept = {name: view[name] for name in ("byteStride", "target") if name in view}
+        key = (hashlib.sha256(data).digest(), *kept.items())
+        # Vertices in one view need a stride if several accessors use that view.
+        if key not in self._views or ("byteStride" not in kept and kept.get("target") == ARRAY_BUFFER):
+            place = {"buffer": 0, "byteOffset": self._append(data)} if self._shared is None else {"buffer": 1, "byteOffset": self._shared.offset(data)}
+            self._list("bufferViews").append({**place, "byteLength": len(data), **kept})
+            self._views[key] = len(self.json["bufferViews"]) - 1
+        return self._views[key]
+
+    def _add_image(self, image: dict) -> int:
+        """Appends an image, unless it already exists, and returns its index. Names of images have no effect."""
+        images = self._list("images")
+        for number, other in enumerate(images):
+            if other["bufferView"] == image["bufferView"]:
+                return number
+        images.append(image)
+        return len(images) - 1
+
     def content(self) -> tuple[dict, bytes]:
         """Returns the JSON without its buffer, and the bytes of the buffer."""
         return self.json, b"".join(self._parts)
@@ -160,7 +208,8 @@ class Glb:
     def to_bytes(self) -> bytes:
         """Returns the bytes of the complete file."""
         _, binary = self.content()
-        content = {**self.json, "buffers": [{"byteLength": len(binary)}]} if binary else self.json
+        shared = [self._shared.description] if self._shared is not None else []
+        content = {**self.json, "buffers": [{"byteLength": len(binary)}, *shared]} if binary else self.json
         text = json.dumps(content, separators=(",", ":")).encode()
         text += b" " * (-len(text) % 4)
         chunks = struct.pack("<II", len(text), JSON_CHUNK) + text

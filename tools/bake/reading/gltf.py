@@ -7,20 +7,21 @@ import argparse
 import numpy as np
 
 from .bake import Bake, Tile, center_of, groups_of, open_bake, read_tile
-from .glb import Glb
+from .glb import Glb, SharedBuffer
 from .models import Models, check_options, chosen_models
 from .models import add_options as add_model_options
 from .options import add_folder, chosen_tiles, vector
 from .say import say
 
 INSTANCING = "EXT_mesh_gpu_instancing"
+MODELS = "models.bin"
 
 
-def tile_glb(bake: Bake, tile: Tile, models: Models, origin: np.ndarray) -> Glb:
+def tile_glb(bake: Bake, tile: Tile, models: Models, origin: np.ndarray, shared: SharedBuffer | None) -> Glb:
     """Returns a file with a node at the tile's center. The node has a child node for each layer and model that is
     drawn, with the instances sorted by rank."""
     center, instances = center_of(bake, tile), read_tile(tile)
-    glb = Glb("Thicket")
+    glb = Glb("Thicket", shared)
     extras = {"tile": [tile.x, tile.z], "scene_digest": bake.scene_digest}
     root = glb.add_node({"name": f"Tile_{tile.x}_{tile.z}", "translation": (center - origin).tolist(), "extras": extras})
     meshes: dict[str, int] = {}
@@ -45,9 +46,20 @@ def tile_glb(bake: Bake, tile: Tile, models: Models, origin: np.ndarray) -> Glb:
     return glb
 
 
+def shared_models(bake: Bake, models: Models) -> SharedBuffer:
+    """Returns a file with the meshes and images of all models."""
+    shared = SharedBuffer(MODELS)
+    for layer in bake.layers:
+        for model in range(len(layer.models)):
+            if models.path(layer, model):
+                Glb("Thicket", shared).add_meshes(*models.file(layer, model))
+    return shared
+
+
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_folder(parser, "tile_I_J.glb")
     parser.add_argument("--origin", type=vector, default=np.zeros(3), metavar="X,Y,Z", help="the world position, in meters, of the origin of the files")
+    parser.add_argument("--share-models", action="store_true", help=f"store meshes and images once, in {MODELS}, instead of in every file")
     add_model_options(parser)
 
 
@@ -58,6 +70,9 @@ def export(chosen: argparse.Namespace) -> None:
     tiles = chosen_tiles(bake, chosen.tiles.split())
     models = chosen_models(bake, chosen)
     chosen.folder.mkdir(parents=True, exist_ok=True)
+    shared = shared_models(bake, models) if chosen.share_models else None
+    if shared is not None:
+        shared.write(chosen.folder)
     for tile in tiles:
-        tile_glb(bake, tile, models, chosen.origin).write(chosen.folder / f"tile_{tile.x}_{tile.z}.glb")
+        tile_glb(bake, tile, models, chosen.origin, shared).write(chosen.folder / f"tile_{tile.x}_{tile.z}.glb")
     say(f"wrote {sum(tile.rows for tile in tiles)} instances in {len(tiles)} tiles to {chosen.folder}")
