@@ -8,14 +8,17 @@
 set -euo pipefail
 from=$PWD
 made=
+store=
 for argument; do
 	[[ ! -f $argument/world.json ]] || made=yes
+	[[ ! $argument =~ ^(s3|gs|az):// ]] || store=yes
 done
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
 repo=$PWD
 source tools/setup.sh
 
 setup_bake
+[[ -z $store ]] || setup_stores
 if [[ -z $made ]]; then
 	setup_compiler
 	setup_godot

@@ -14,6 +14,7 @@ if (($# < 3)) || [[ ! $2 =~ ^(godot|gltf|usd|geoparquet|maps)$ ]]; then
 	sed -n '2,8s/^# \?//p' "${BASH_SOURCE[0]}" >&2
 	exit 2
 fi
+[[ ! $1 =~ ^(s3|gs|az):// ]] || setup_stores
 if [[ $2 =~ ^(usd|geoparquet)$ ]]; then
 	setup_exports
 else

@@ -17,6 +17,7 @@ setup_compiler_cache
 setup_mono
 setup_python
 setup_exports
+setup_stores
 setup_wheel
 setup_docs
 setup_browser
@@ -31,7 +32,7 @@ if [[ " $* " == *" --full "* ]]; then
 	setup_android_engines
 	setup_godot_sources
 	setup_gltf_validator
-	setup_geopandas
+	setup_bake_tests
 	setup_ffmpeg
 	setup_web_engine
 	setup_workflow_checkers

@@ -11,6 +11,7 @@
 #   setup_python     the Python packages of tests/requirements.txt and of setup_bake, in a virtual environment in the cache folder
 #   setup_bake       Dask and Arrow, for baking worlds, in a virtual environment in the cache folder
 #   setup_exports    setup_bake, and the packages for exports of bakes to GeoParquet and USD
+#   setup_stores     setup_bake, and the packages for bakes in object stores
 #   setup_wheel      the build tools of the sampler's Python package, and NumPy for its tests, in the cache folder
 #   setup_docs       Sphinx and Godot's converter of class references, for docs/build.sh, in the cache folder
 #   setup_browser    Chromium, for the test that opens the documentation (skipped without it)
@@ -282,18 +283,30 @@ setup_bake() {
 	echo "$wanted" >"$venv/complete"
 }
 
-# Installs packages that only some exports need into the virtual environment for bakes.
+# The packages that only some exports of bakes need.
 setup_exports() {
-	local venv wanted
 	setup_bake
+	extend_bake exports "$setup_repo/tools/bake/reading/requirements.txt" "exports to USD and with --crs will fail"
+}
+
+# The packages that access bakes in object stores.
+setup_stores() {
+	setup_bake
+	extend_bake stores "$setup_repo/tools/bake/stores/requirements.txt" "URLs of object stores will be rejected"
+}
+
+# extend_bake NAME FILE RESULT: installs the packages of a list into the virtual environment for bakes. RESULT describes
+# what happens without them.
+extend_bake() {
+	local venv wanted
 	venv=$(bake_venv)
-	wanted=$(cat "$setup_repo/tools/bake/reading/requirements.txt")
-	[[ ! -f $venv/exports || $(<"$venv/exports") != "$wanted" ]] || return 0
-	say "installing the packages for exports in $venv"
-	if install_wheels "$venv" --requirement "$setup_repo/tools/bake/reading/requirements.txt"; then
-		echo "$wanted" >"$venv/exports"
+	wanted=$(cat "$2")
+	[[ ! -f $venv/$1 || $(<"$venv/$1") != "$wanted" ]] || return 0
+	say "installing the packages for $1 in $venv"
+	if install_wheels "$venv" --requirement "$2"; then
+		echo "$wanted" >"$venv/$1"
 	else
-		say "continuing without these packages; exports to USD and with --crs will fail"
+		say "continuing without these packages; $3"
 	fi
 }
 
@@ -466,6 +479,7 @@ if [[ ${BASH_SOURCE[0]} == "$0" ]]; then
 	setup_mono
 	setup_python
 	setup_exports
+	setup_stores
 	setup_wheel
 	setup_godot
 	version=$("$setup_repo/tools/godot" --version | tail -n 1)

@@ -5,7 +5,7 @@
 #   setup_gltf_validator  Khronos' validator, for the test of glTF files (skipped without it)
 #   setup_ffmpeg     ffmpeg, for the film (tools/film.sh) and its test (skipped without it)
 #   setup_web_engine Godot's web engine, for the test that plays the library in Chromium (skipped without it)
-#   setup_geopandas  geopandas, for the test of GeoParquet files (skipped without it)
+#   setup_bake_tests geopandas and moto, for the tests of GeoParquet files and object stores (skipped without them)
 #   setup_workflow_checkers  zizmor and actionlint, for the test of the workflows (skipped without them)
 #   setup_coverage   the libraries that clang needs to measure code coverage
 #   setup_emscripten the compiler for web builds, in a Debian root in the cache folder
@@ -173,15 +173,15 @@ setup_gltf_validator() {
 	fi
 }
 
-setup_geopandas() {
+setup_bake_tests() {
 	local venv wanted
-	venv=$(cache_folder)/geopandas-venv
+	venv=$(cache_folder)/bake-tests-venv
 	wanted=$(cat "$setup_repo/tests/bake/requirements.txt")
 	! has_venv "$venv" "$wanted" || return 0
-	if make_venv python3 "$venv" "to read GeoParquet" --requirement "$setup_repo/tests/bake/requirements.txt"; then
+	if make_venv python3 "$venv" "to test bakes" --requirement "$setup_repo/tests/bake/requirements.txt"; then
 		echo "$wanted" >"$venv/complete"
 	else
-		say "continuing without geopandas; the test that needs it will be skipped"
+		say "continuing without geopandas and moto; the tests that need them will be skipped"
 	fi
 }
 

@@ -112,6 +112,7 @@ def test_a_terminal_is_asked(world, baked, tmp_path, monkeypatch, capsys):
     assert "Start it?" not in capsys.readouterr().out
 
 
+@pytest.mark.full
 def test_yes_starts_a_large_bake_without_asking(world, baked, tmp_path, monkeypatch, capsys):
     for name in ("SMALL_BYTES", "LARGE_BYTES"):
         monkeypatch.setattr(forecast, name, 0.0)

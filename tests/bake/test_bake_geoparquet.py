@@ -128,18 +128,17 @@ def test_stretched_instances_keep_their_scales(copy, tmp_path):
 
 
 def test_invalid_options_are_rejected(bake, tmp_path):
-    for crs, says in (("EPSG:4326", "must be a projected coordinate reference system in meters"), ("EPSG:2263", "in meters"), ("nowhere", "must be a known")):
+    for crs, says in (("EPSG:2263", "must be a projected coordinate reference system in meters"), ("nowhere", "must be a known")):
         assert says in refused("geoparquet", bake, tmp_path / "out", "--crs", crs)
     assert "is the bake itself: choose another folder" in refused("geoparquet", bake, bake / "tiles")
-    assert "the bake has no tile 1,1" in refused("geoparquet", bake, tmp_path / "out", "--tiles=1,1")
     assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.full
 def test_geopandas_reads_the_files(exported, wkb, expected):
-    python = CACHE / "geopandas-venv/bin/python"
+    python = CACHE / "bake-tests-venv/bin/python"
     if not python.exists():
-        pytest.skip("no geopandas: setup_geopandas in tools/setup_full.sh installs it")
+        pytest.skip("no geopandas: setup_bake_tests in tools/setup_full.sh installs it")
     script = """
 import json, sys, geopandas
 for folder in sys.argv[1:]:

@@ -8,10 +8,11 @@ import os
 import sys
 from pathlib import Path
 
-from .command_line import REPO, folder_argument, with_values
+from .command_line import REPO, place_argument, with_values
 from .driver import BakeRequest, bake
 from .forecast import Estimate
 from .format import BakeError, tile_of_name
+from .location import absolute
 from .report import Outcome
 from .tile_engine import Source
 from .tile_folder import WORLD, MadeTiles, made_tiles
@@ -83,7 +84,7 @@ def _print_summary(request: BakeRequest, outcome: Outcome) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="bake.sh", description="Bakes the world of a scene into one Parquet file per tile.")
     parser.add_argument("scene", help="the scene, a path or res://...; or a folder of tiles from bake_world.gd")
-    parser.add_argument("out", type=folder_argument, help="the folder for the files; an unfinished bake there continues")
+    parser.add_argument("out", type=place_argument, help="the folder for the files, or the URL of an object store; an unfinished bake there continues")
     parser.add_argument("--rect", default="", metavar="X,Z,WIDTH,DEPTH", help="the area to bake, in meters; by default the entire ground")
     parser.add_argument("--tile-size", default="", metavar="METERS", help="the edge length of a tile; by default a length that fits the layers")
     parser.add_argument("--layers", default="", metavar="NAME,NAME", help="names or indices of layers; by default all")
@@ -118,7 +119,7 @@ def _request(chosen: argparse.Namespace) -> BakeRequest:
     return BakeRequest(
         source=_source(chosen),
         requested={"rect": chosen.rect, "tile_size": chosen.tile_size, "layers": chosen.layers},
-        out=chosen.out.resolve(), tiles=chosen.tiles,
+        out=absolute(chosen.out), tiles=chosen.tiles,
         workers=chosen.workers, scheduler=chosen.scheduler, shuffle=chosen.shuffle, fresh=chosen.fresh,
         confirm=functools.partial(_confirm, is_confirmed=chosen.yes, is_only_estimated=chosen.estimate),
         always_estimate=chosen.estimate,

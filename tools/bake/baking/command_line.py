@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import re
 from pathlib import Path
-from urllib.parse import unquote, urlsplit
+from typing import TYPE_CHECKING
+
+from .location import CannotLocate, is_local, location
+
+if TYPE_CHECKING:
+    from .location import Location
 
 REPO = Path(__file__).resolve().parents[3]
 
@@ -22,12 +26,23 @@ def with_values(arguments: list[str], options: tuple[str, ...]) -> list[str]:
     return joined
 
 
+def place_argument(text: str) -> Location:
+    """Returns the location for an argument of the command line: a path, a file:// URL, or the URL of an object store."""
+    try:
+        place = location(text)
+    except CannotLocate as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+    if text.startswith("memory://"):
+        raise argparse.ArgumentTypeError(f"'{text}' is the memory of this process, which other processes cannot read. Use a folder or an object store")
+    return place
+
+
 def folder_argument(text: str) -> Path:
-    """Returns the folder for an argument of the command line: a path, or a file:// URL. Rejects all other URLs, because they
-    would become folders with the name of the scheme."""
-    if not re.match(r"[A-Za-z][A-Za-z0-9+.-]*://", text):
-        return Path(text)
-    url = urlsplit(text)
-    if url.scheme.lower() != "file" or url.netloc not in ("", "localhost"):
-        raise argparse.ArgumentTypeError(f"'{text}' must be a folder on this machine or a file:///... URL. Use a local folder and copy it, or mount the store as a folder")
-    return Path(unquote(url.path))
+    """Returns the folder for an argument of the command line: a path or a file:// URL."""
+    try:
+        place = location(text)
+    except CannotLocate:
+        place = None
+    if place is None or not is_local(place):
+        raise argparse.ArgumentTypeError(f"'{text}' must be a folder on this machine or a file:///... URL")
+    return place

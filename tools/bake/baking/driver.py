@@ -8,17 +8,21 @@ import statistics
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 from distributed import Client, as_completed
 
 from . import cluster, files, forecast, tile
 from .format import FORMAT, MANIFEST, VERSION, BakeError, name_of, tile_of_name
 from .grid import TileGrid
+from .location import location
 from .manifest import check_manifest, read_manifest
 from .report import Map, Outcome, Progress, write_report
 from .tile_engine import EngineGone, Rejected, Source
 from .tile_folder import MadeTiles
+
+if TYPE_CHECKING:
+    from .location import Location
 
 # The longer side of the map in pixels.
 MAP_PIXELS = 1024
@@ -31,7 +35,7 @@ class BakeRequest:
     """The settings of a bake."""
 
     source: Source | MadeTiles
-    out: Path
+    out: Location
     requested: dict[str, str] = field(default_factory=dict)  # rect, tile_size and layers, in the format of scene_description.gd.
     tiles: list[tuple[int, int]] | None = None  # The tiles to bake; None for all tiles that overlap the rectangle.
     workers: int = 1
@@ -147,7 +151,8 @@ def _resume(request: BakeRequest, manifest: dict, say: Callable[[str], None]) ->
         parts = tile.changed_parts(before.get("scene_parts", {}), manifest["scene_parts"])
         raise BakeError(f"The scene {manifest['scene']} has changed since this bake was started: {parts}. {again}")
     # Damaged files are detected when their tiles are needed.
-    manifest["tiles"] = {name: entry for name, entry in before["tiles"].items() if (request.out / entry["file"]).is_file()}
+    there = {f"tiles/{name}" for name in files.names_of_tiles(request.out)}
+    manifest["tiles"] = {name: entry for name, entry in before["tiles"].items() if entry["file"] in there}
     manifest["costs"] = before.get("costs")
 
 
@@ -208,7 +213,7 @@ def _make_all(
         progress.print_if_due(outcome)
         if time.monotonic() >= next_manifest:
             start = time.monotonic()
-            files.write_manifest(Path(plan.out), outcome.manifest)
+            files.write_manifest(location(plan.out), outcome.manifest)
             next_manifest = time.monotonic() + max(2.0, (time.monotonic() - start) / MANIFEST_SHARE)
             handed_out = limit()  # More workers may have joined.
         hand_out(handed_out)
@@ -261,7 +266,7 @@ def world_digest(tiles: dict[str, dict]) -> str:
     return hashlib.sha256("".join(lines).encode()).hexdigest()
 
 
-def _finish(out: Path, grid: TileGrid, outcome: Outcome) -> None:
+def _finish(out: Location, grid: TileGrid, outcome: Outcome) -> None:
     """Completes the manifest. If the manifest cannot be written, only records the reason, because the next run finds
     the tiles on disk."""
     manifest = outcome.manifest

@@ -8,7 +8,7 @@ import fcntl
 import hashlib
 import json
 from collections.abc import Iterator
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -16,7 +16,11 @@ import pyarrow.parquet as pq
 from . import rows
 from .columns import SCHEMA
 from .format import MANIFEST, tile_of_name
+from .location import is_local
 from .whole_file import PART, CannotWrite, write_whole
+
+if TYPE_CHECKING:
+    from .location import Location
 
 LOCK = ".lock"
 
@@ -31,22 +35,22 @@ class FolderInUse(RuntimeError):
     """Raised if another bake is using the folder."""
 
 
-def tile_path(out: Path, tile: tuple[int, int]) -> Path:
+def tile_path(out: Location, tile: tuple[int, int]) -> Location:
     """Returns the path of a tile's file."""
     return out / "tiles" / f"tile_{tile[0]}_{tile[1]}.parquet"
 
 
-def names_of_tiles(out: Path) -> set[str]:
+def names_of_tiles(out: Location) -> set[str]:
     """Returns the names of all files of tiles in a folder."""
     return {path.name for path in (out / "tiles").glob("tile_*.parquet")}
 
 
-def size_of_tiles(out: Path) -> int:
+def size_of_tiles(out: Location) -> int:
     """Returns the size of all files of tiles in a folder, in bytes."""
     return sum((out / "tiles" / name).stat().st_size for name in names_of_tiles(out))
 
 
-def write_tile(path: Path, columns: rows.Columns, marks: dict[str, str]) -> str:
+def write_tile(path: Location, columns: rows.Columns, marks: dict[str, str]) -> str:
     """Writes sorted rows, with `marks` as the file's metadata. Returns the SHA-256 of the file."""
     content = packed_tile(columns, marks)
     write_whole(path, content)
@@ -63,7 +67,7 @@ def packed_tile(columns: rows.Columns, marks: dict[str, str]) -> pa.Buffer:
     return sink.getvalue()
 
 
-def read_tile(path: Path, marks: dict[str, str], known: dict) -> tuple[rows.Columns, dict[str, str], str] | None:
+def read_tile(path: Location, marks: dict[str, str], known: dict) -> tuple[rows.Columns, dict[str, str], str] | None:
     """Returns the rows, metadata and SHA-256 of a valid file, or None for any other file. The metadata must include
     `marks`, and the rows must have the digest in the metadata. `known` is the tile's entry in a manifest, which may be
     empty. If it has a `digest` or `sha256`, the file must match."""
@@ -84,7 +88,7 @@ def read_tile(path: Path, marks: dict[str, str], known: dict) -> tuple[rows.Colu
     return (columns, found, sha256) if digest == found.get("thicket.digest") == known.get("digest", digest) else None
 
 
-def write_manifest(out: Path, manifest: dict) -> None:
+def write_manifest(out: Location, manifest: dict) -> None:
     """Writes the manifest, with one line for each tile."""
     tiles = manifest["tiles"]
     head = json.dumps({**manifest, "tiles": None}, indent=1)
@@ -93,10 +97,14 @@ def write_manifest(out: Path, manifest: dict) -> None:
 
 
 @contextlib.contextmanager
-def locked(out: Path) -> Iterator[None]:
+def locked(out: Location) -> Iterator[None]:
     """Locks a folder for one bake until the end of the block. Creates the folder if necessary. Raises FolderInUse if another
     bake has locked it, and CannotWrite if it is not writable. The lock is also released when the process ends, even if it
-    crashes."""
+    crashes. Object stores have no locks."""
+    if not is_local(out):
+        _check_access(out)
+        yield
+        return
     try:
         out.mkdir(parents=True, exist_ok=True)
         lock = (out / LOCK).open("a+")
@@ -110,7 +118,17 @@ def locked(out: Path) -> Iterator[None]:
         yield
 
 
-def remove(path: Path) -> None:
+def _check_access(out: Location) -> None:
+    """Raises CannotWrite if an object store does not answer or denies access, or if there is no such bucket."""
+    try:
+        probe = out / LOCK
+        probe.write_bytes(b"")
+        probe.unlink()
+    except Exception as error:  # The packages for object stores raise exceptions of many types.
+        raise CannotWrite(f"Cannot access {out}: {error}. Check the address, the permissions and the connection.") from error
+
+
+def remove(path: Location) -> None:
     """Removes a file if it exists. Raises CannotWrite if it cannot be removed."""
     try:
         path.unlink(missing_ok=True)
@@ -118,14 +136,16 @@ def remove(path: Path) -> None:
         raise CannotWrite(f"Cannot remove {path}: {error.strerror or error}. Make its folder writable, or choose another one.") from error
 
 
-def sweep(out: Path) -> None:
-    """Removes unfinished files of a bake that was killed."""
+def sweep(out: Location) -> None:
+    """Removes unfinished files of a bake that was killed. In object stores, there are none."""
+    if not is_local(out):
+        return
     for folder in (out, out / "tiles", out / "models"):
         for partial in folder.glob(f".*{PART}"):
             remove(partial)
 
 
-def sweep_strays(out: Path, tiles: set[tuple[int, int]]) -> None:
+def sweep_strays(out: Location, tiles: set[tuple[int, int]]) -> None:
     """Removes the files of all tiles that are not in `tiles`. Such files remain from a bake whose manifest is missing."""
     names = {tile_path(out, tile).name for tile in tiles}
     for path in (out / "tiles").glob("tile_*.parquet"):
@@ -133,7 +153,7 @@ def sweep_strays(out: Path, tiles: set[tuple[int, int]]) -> None:
             remove(path)
 
 
-def empty(out: Path) -> None:
+def empty(out: Location) -> None:
     """Removes the manifest, the tiles and the models of a bake. Keeps all other files in its folder."""
     for path in [out / MANIFEST, *(out / "tiles").glob("tile_*.parquet"), *(out / "models").glob("*.res")]:
         remove(path)

@@ -9,12 +9,16 @@ import random
 import shutil
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 from distributed import Client, wait
 
 from . import files, schedule, tile
+from .location import is_local
 from .words import amount, duration
+
+if TYPE_CHECKING:
+    from .location import Location
 
 # The size of a row in a file, in bytes. Rows compress to about 38 bytes.
 ROW_BYTES = 45.0
@@ -61,7 +65,8 @@ class Estimate:
         between = f" ({amount(low)}B to {amount(high)}B)" if self.error > 0.05 else ""
         took = f", {duration(self.seconds)}" if self.seconds is not None else ""
         source = f"estimated from {self.samples} of them" if self.samples else "from the density of the layers"
-        return f"{self.tiles:,} tiles: {about} {amount(self.rows)} instances, {amount(self.bytes)}B{between}{took} ({source}); {amount(self.free)}B are free"
+        free = f"; {amount(self.free)}B are free" if self.free < math.inf else ""
+        return f"{self.tiles:,} tiles: {about} {amount(self.rows)} instances, {amount(self.bytes)}B{between}{took} ({source}){free}"
 
     @property
     def concern(self) -> str:
@@ -75,7 +80,7 @@ class Estimate:
         return ""
 
 
-def missing_tiles(out: Path, tiles: Sequence[tuple[int, int]], fresh: bool) -> list[tuple[int, int]]:
+def missing_tiles(out: Location, tiles: Sequence[tuple[int, int]], fresh: bool) -> list[tuple[int, int]]:
     """Returns the tiles that have no file yet, or all of them if existing files will be removed."""
     there = set() if fresh else files.names_of_tiles(out)
     return [at for at in tiles if files.tile_path(out, at).name not in there]
@@ -150,7 +155,9 @@ def _sampled(plan: tile.Plan, client: Client, tiles: Sequence[tuple[int, int]], 
     return [Sample(areas[at], *values) for at, values in measured.items() if values is not None]
 
 
-def free_space(out: Path, fresh: bool) -> float:
-    """Returns the free bytes of the disk that contains the folder. If `fresh` is set, includes the tiles that will be
+def free_space(out: Location, fresh: bool) -> float:
+    """Returns the free bytes of the disk that contains the folder. Object stores have no limit. If `fresh` is set, includes the tiles that will be
     removed."""
+    if not is_local(out):
+        return math.inf
     return shutil.disk_usage(out).free + (files.size_of_tiles(out) if fresh else 0)

@@ -5,11 +5,14 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 from . import fields
 from .fields import flag, items, mapping, members, nullable, number, text, integer
 from .format import FORMAT, MANIFEST, VERSION, BakeError, tile_of_name
+
+if TYPE_CHECKING:
+    from .location import Location
 
 MAX_TILES = 1_000_000
 MAX_METERS = 1e12
@@ -59,7 +62,7 @@ _costs = members(
 
 
 @contextmanager
-def reporting_invalid_values(path: Path, remedy: str) -> Iterator[None]:
+def reporting_invalid_values(path: Location, remedy: str) -> Iterator[None]:
     """Converts an InvalidValue from a check into a BakeError with the file's name and instructions."""
     try:
         yield
@@ -67,7 +70,7 @@ def reporting_invalid_values(path: Path, remedy: str) -> Iterator[None]:
         raise BakeError(f"{path}: {invalid}; {remedy}") from None
 
 
-def read_json(path: Path) -> dict:
+def read_json(path: Location) -> dict:
     """Returns the JSON object in a file. Raises FileNotFoundError if there is no file. Raises BakeError for an
     unreadable file, for any other content, and for an object that has the same field twice."""
     try:
@@ -83,7 +86,7 @@ def read_json(path: Path) -> dict:
     return content
 
 
-def read_manifest(folder: Path) -> dict:
+def read_manifest(folder: Location) -> dict:
     """Returns the manifest in a folder without checking its version or its other fields. Raises BakeError if it is missing or
     unreadable, or if it does not have the format of a bake."""
     manifest = folder / MANIFEST
@@ -96,7 +99,7 @@ def read_manifest(folder: Path) -> dict:
     return content
 
 
-def check_manifest(content: dict, manifest: Path) -> None:
+def check_manifest(content: dict, manifest: Location) -> None:
     """Raises BakeError if the manifest has a different version, or for the first field that is missing or invalid."""
     version = content.get("version")
     if type(version) is not int or version != VERSION:
@@ -106,7 +109,7 @@ def check_manifest(content: dict, manifest: Path) -> None:
         _check_consistency(content)
 
 
-def check_costs(content: dict, manifest: Path) -> None:
+def check_costs(content: dict, manifest: Location) -> None:
     """Raises BakeError like check_manifest, but checks only the fields that a forecast reads."""
     with reporting_invalid_values(manifest, REMEDY):
         _costs(content)

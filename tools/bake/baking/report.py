@@ -7,13 +7,16 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from PIL import Image
 
 from .whole_file import CannotWrite, whole_file, write_whole
 from .words import amount, duration
+
+if TYPE_CHECKING:
+    from .location import Location
 
 GROUND = (0.93, 0.92, 0.88)
 
@@ -144,7 +147,7 @@ class Map:
         return discs.astype(np.float32)
 
 
-def write_report(out: Path, workers: int, outcome: Outcome, picture: Map) -> None:
+def write_report(out: Location, workers: int, outcome: Outcome, picture: Map) -> None:
     """Writes map.png and report.md next to the manifest. If that fails, sets `unreported` instead of raising an
     exception."""
     try:

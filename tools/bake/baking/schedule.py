@@ -23,7 +23,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from .command_line import folder_argument
+from .command_line import place_argument
 from .format import MANIFEST, BakeError
 from .manifest import check_costs, read_manifest
 from .words import amount, duration
@@ -124,7 +124,7 @@ def table(costs: Costs, workers: Sequence[int], cores: int | None = None) -> str
 
 def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="baking.schedule", description="Predicts the duration of a bake with more workers.")
-    parser.add_argument("out", type=folder_argument, help="the folder of a bake")
+    parser.add_argument("out", type=place_argument, help="the folder of a bake")
     parser.add_argument("--workers", default="1,2,10,100,1000", help="numbers of workers (%(default)s)")
     parser.add_argument("--cores", type=int, help="the number of cores that all share, on one machine; by default one for each worker and one for the driver")
     parser.add_argument("--tiles", type=int, help="predict for a world of this many similar tiles; by default for the bake itself")

@@ -8,15 +8,19 @@ import resource
 import threading
 import time
 from dataclasses import dataclass
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from . import files, rows
 from .format import name_of
 from .grid import TileGrid, inside
+from .location import location
 from .tile_engine import EngineGone, Rejected, Source, TileEngine
 from .tile_folder import MadeTiles, TileFolder
+
+if TYPE_CHECKING:
+    from .location import Location
 
 # The number of attempts before a tile fails. An attempt fails if the engine is lost or its rows are damaged; the next
 # attempt uses a new engine.
@@ -146,7 +150,7 @@ def make(plan: Plan, tile: tuple[int, int], entry: dict) -> dict:
     generated, `stop` if no other tile can be generated either."""
     start = time.perf_counter()
     _own.starting = 0.0
-    path = files.tile_path(Path(plan.out), tile)
+    path = files.tile_path(location(plan.out), tile)
     marks = plan.marks(tile)
     known = files.read_tile(path, marks, entry)
     try:
@@ -209,10 +213,10 @@ def _requested_rows(plan: Plan, tile: tuple[int, int], engine: TileEngine | Tile
     return rows.joined(parts), sheared
 
 
-def _entry(plan: Plan, path: Path, columns: rows.Columns, marks: dict[str, str]) -> dict:
+def _entry(plan: Plan, path: Location, columns: rows.Columns, marks: dict[str, str]) -> dict:
     counts = np.bincount(columns["layer"], minlength=1)
     return {
-        "file": path.relative_to(plan.out).as_posix(),
+        "file": f"tiles/{path.name}",
         "rows": len(columns["id"]),
         "rows_of_layer": [int(counts[layer]) if layer < len(counts) else 0 for layer in plan.layers],
         "digest": marks["thicket.digest"],

@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import os
 import secrets
 from collections.abc import Iterator
 from pathlib import Path
-from typing import BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
+
+from .location import is_local
+
+if TYPE_CHECKING:
+    from .location import Location
 
 # The suffix of incomplete files.
 PART = ".part"
@@ -19,10 +25,15 @@ class CannotWrite(RuntimeError):
 
 
 @contextlib.contextmanager
-def whole_file(path: Path) -> Iterator[BinaryIO]:
-    """Yields a new file next to `path` for writing. At the end of the block, flushes it to disk and replaces `path`.
+def whole_file(path: Location) -> Iterator[BinaryIO]:
+    """Yields a new file next to `path` for writing. In an object store, which has no incomplete objects, yields a buffer. At the end of the block, flushes it to disk and replaces `path`.
     Raises CannotWrite if writing fails. In that case, and after an exception in the block, the old file is
     unchanged."""
+    if not is_local(path):
+        buffer = io.BytesIO()
+        yield buffer
+        _store(path, buffer)
+        return
     partial = path.with_name(f".{path.name}.{secrets.token_hex(4)}{PART}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -45,7 +56,14 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
     _sync_folder(path.parent)
 
 
-def write_whole(path: Path, content: bytes | memoryview) -> None:
+def _store(path: Location, content: io.BytesIO) -> None:
+    try:
+        path.write_bytes(content.getvalue())
+    except Exception as error:  # The packages for object stores raise exceptions of many types.
+        raise CannotWrite(f"Cannot write {path}: {error}. Check the address, the permissions and the connection.") from error
+
+
+def write_whole(path: Location, content: bytes | memoryview) -> None:
     """Writes a complete file. If that fails, raises CannotWrite and keeps the old file."""
     with whole_file(path) as file:
         file.write(content)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from baking.command_line import folder_argument, with_values
+from baking.command_line import place_argument, with_values
 from baking.format import BakeError
 from baking.whole_file import CannotWrite
 
@@ -36,7 +36,7 @@ def main(arguments: list[str]) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="bake_export.sh", description="Exports a bake to other formats.")
-    parser.add_argument("bake", type=folder_argument, help="the folder of a bake")
+    parser.add_argument("bake", type=place_argument, help="the folder of a bake, or its URL in an object store")
     writers = parser.add_subparsers(dest="writer", required=True, prog="bake_export.sh BAKE")
     for name, writer in WRITERS.items():
         options = writers.add_parser(name, description=writer.__doc__)

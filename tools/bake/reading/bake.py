@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 from baking.columns import SCHEMA
 from baking.format import MANIFEST, BakeError, name_of, tile_of_name
+from baking.location import CannotLocate, absolute, inside, location
 from baking.manifest import REMEDY, check_manifest, read_manifest
 
-from .verify import check
+from .verify import check, parquet_file
+
+if TYPE_CHECKING:
+    from baking.location import Location
 
 
 @dataclass(frozen=True)
@@ -51,7 +55,7 @@ class Layer:
 class Tile:
     x: int
     z: int
-    file: Path
+    file: Location
     rows: int
     rows_of_layer: tuple[int, ...]
     digest: str  # The digest of the rows.
@@ -72,7 +76,7 @@ class Tile:
 class Bake:
     """The content of manifest.json."""
 
-    folder: Path
+    folder: Location
     scene: str
     scene_digest: str
     rect: tuple[float, float, float, float]  # x, z, width and depth in world meters.
@@ -80,6 +84,13 @@ class Bake:
     world_offset: tuple[float, float, float]
     layers: tuple[Layer, ...]
     tiles: tuple[Tile, ...] = field(repr=False)  # The tiles, sorted by row, then by column.
+
+    def model_file(self, path: str) -> Location:
+        """Returns a file of the bake to which a model or material refers. Raises BakeError if there is no such file."""
+        file = inside(self.folder, path)
+        if file is None or not file.is_file():
+            raise BakeError(f"{self.folder} has no {path}, which its manifest names; bake again")
+        return file
 
     @property
     def rows(self) -> int:
@@ -109,21 +120,24 @@ def _layer(entry: dict) -> Layer:
     )
 
 
-def _tile(folder: Path, key: str, entry: dict, is_verified: bool) -> Tile:
+def _tile(folder: Location, key: str, entry: dict, is_verified: bool) -> Tile:
     x, z = tile_of_name(key)
-    file = (folder / entry["file"]).resolve()
-    if not file.is_relative_to(folder):
+    file = inside(folder, entry["file"])
+    if file is None:
         raise BakeError(f"{folder / MANIFEST}: the file of tile {key} is outside of the bake: {entry['file']}; {REMEDY}")
     bounds = entry.get("bounds")
     rows_of_layer = tuple(int(rows) for rows in entry.get("rows_of_layer", []))
     return Tile(x, z, file, int(entry["rows"]), rows_of_layer, entry["digest"], entry.get("sha256", ""), tuple(bounds) if bounds else None, is_verified)
 
 
-def open_bake(folder: Path | str, verify: bool = True) -> Bake:
-    """Reads the manifest of a bake. An unfinished bake has only the completed tiles. If `verify` is False, tiles are
+def open_bake(folder: Location | str, verify: bool = True) -> Bake:
+    """Reads the manifest of a bake in a folder, or at the URL of an object store. An unfinished bake has only the completed tiles. If `verify` is False, tiles are
     later read without checking their digests. Raises BakeError for a missing bake, for a bake of another version,
     and for invalid values."""
-    folder = Path(folder).resolve()
+    try:
+        folder = absolute(location(folder) if isinstance(folder, str) else folder)
+    except CannotLocate as error:
+        raise BakeError(str(error)) from None
     said = read_manifest(folder)
     check_manifest(said, folder / MANIFEST)
     tiles = [_tile(folder, key, entry, verify) for key, entry in said["tiles"].items()]
@@ -143,7 +157,7 @@ def _open_tile(tile: Tile) -> pq.ParquetFile:
     if tile.is_verified:
         check(tile)
     try:
-        file = pq.ParquetFile(tile.file)
+        file = parquet_file(tile.file)
     except (OSError, pa.ArrowException) as error:
         raise BakeError(f"tile {tile} cannot be read: {error}; {tile.remedy}") from None
     if file.metadata.num_rows != tile.rows:

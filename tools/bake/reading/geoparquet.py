@@ -139,7 +139,7 @@ def export(chosen: argparse.Namespace) -> None:
     crs = projected(chosen.crs) if chosen.crs else None
     bake = open_bake(chosen.bake, chosen.verify)
     tiles = chosen_tiles(bake, chosen.tiles.split())
-    if chosen.folder.resolve() == bake.folder / "tiles":
+    if chosen.folder.resolve() == bake.folder / "tiles":  # Both write files with the same names.
         raise BakeError(f"{chosen.folder} is the bake itself: choose another folder")
     chosen.folder.mkdir(parents=True, exist_ok=True)
     for tile in tiles:

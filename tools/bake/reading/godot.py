@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import shutil
 from pathlib import Path
 
 import numpy as np
 from baking.command_line import folder_argument
 from baking.format import BakeError
+from baking.location import is_local
 
 from .bake import Bake, Tile, center_of, open_bake, read_tile
 from .multimesh import Drawn, drawn_of
@@ -51,11 +51,8 @@ class Meshes:
         """Returns a path in the project. Copies files of the bake into the project."""
         if "://" in path:
             return path
-        source = (self._bake.folder / path).resolve()
-        if not source.is_relative_to(self._bake.folder) or not source.is_file():
-            raise BakeError(f"{self._bake.folder} has no {path}, which its manifest names; bake again")
-        target = self._folder / "models" / source.name
-        shutil.copyfile(source, target)
+        source = self._bake.model_file(path)
+        (self._folder / "models" / source.name).write_bytes(source.read_bytes())
         return f"{self._inside}/models/{source.name}"
 
 
@@ -123,7 +120,7 @@ def project_of(folder: Path) -> Path:
 def check_folder(bake: Bake, folder: Path) -> None:
     """Raises BakeError if the folder contains the bake or is inside of it, or if it has content that is not from an earlier
     export. This ensures that an export deletes only earlier exports."""
-    if folder == bake.folder or folder.is_relative_to(bake.folder) or bake.folder.is_relative_to(folder):
+    if is_local(bake.folder) and (folder == bake.folder or folder.is_relative_to(bake.folder) or bake.folder.is_relative_to(folder)):
         raise BakeError(f"{folder} contains the bake in {bake.folder}, or is inside of it: choose another folder")
     if folder.is_dir() and any(folder.iterdir()) and not any((folder / name).is_file() for name in (INDEX, OLD_INDEX, ".unfinished")):
         raise BakeError(f"{folder} has files that are not from an export: choose an empty folder")

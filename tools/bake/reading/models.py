@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import shutil
 import tempfile
 from pathlib import Path
 
+import numpy as np
 from baking.command_line import REPO
 from baking.format import BakeError
 
@@ -53,10 +53,9 @@ class Models:
         engine may be unable to access the bake's folder."""
         if "://" in path:
             return path
-        source = (self._bake.folder / path).resolve()
-        if not source.is_relative_to(self._bake.folder) or not source.is_file():
-            raise BakeError(f"{self._bake.folder} has no {path}, which its manifest names; bake again")
-        return str(shutil.copyfile(source, folder / source.name))
+        source = self._bake.model_file(path)
+        (folder / source.name).write_bytes(source.read_bytes())
+        return str(folder / source.name)
 
     def key(self, layer: Layer, model: int) -> str:
         """Returns the same string for all models that share a mesh."""
@@ -73,6 +72,13 @@ class Models:
             glb.add_pyramid(f"{layer.name}_{model}", layer.radius / 2, layer.radius, color)
             return glb.content()
         return self._files[path]
+
+    def reach(self, layer: Layer, model: int) -> float:
+        """Returns the distance from the model's origin to the farthest corner of its bounding box."""
+        content, _ = self.file(layer, model)
+        places = (content["accessors"][primitive["attributes"]["POSITION"]] for primitive in content["meshes"][0]["primitives"])
+        corners = np.array([corner for accessor in places for corner in (accessor["min"], accessor["max"])])
+        return float(np.linalg.norm(np.abs(corners).max(axis=0)))
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -12,8 +12,11 @@ import pyarrow.parquet as pq
 from baking import rows
 from baking.columns import SCHEMA
 from baking.format import BakeError
+from baking.location import is_local
 
 if TYPE_CHECKING:
+    from baking.location import Location
+
     from .bake import Tile
 
 _CHUNK = 1 << 20
@@ -27,27 +30,39 @@ _verified: dict[Path, tuple] = {}
 
 def check(tile: Tile) -> None:
     """Raises BakeError if the digest of a tile's file differs from the manifest. Each process checks a file once. It
-    re-checks the file if the file has changed since, or had changed shortly before the check. `sha256` in the manifest
+    re-checks the file if the file has changed since, or had changed shortly before the check, and always in object stores. `sha256` in the manifest
     is the digest of the file's bytes. Older manifests have only `digest`, which requires reading every row."""
     try:
+        if not is_local(tile.file):
+            _compare(tile)
+            return
         status = tile.file.stat()
         seen = (status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns, status.st_ctime_ns, tile.sha256 or tile.digest)
         if _verified.get(tile.file) == seen:
             return
-        found = _bytes_digest(tile.file) if tile.sha256 else _rows_digest(tile.file)
+        _compare(tile)
     except (OSError, ValueError, pa.ArrowException) as error:
         raise BakeError(f"tile {tile} cannot be read: {error}; {tile.remedy}") from None
+    if time.time_ns() - max(status.st_mtime_ns, status.st_ctime_ns) > _SETTLED_NANOSECONDS:
+        _verified[tile.file] = seen
+
+
+def _compare(tile: Tile) -> None:
+    found = _bytes_digest(tile.file) if tile.sha256 else _rows_digest(tile.file)
     if found != (tile.sha256 or tile.digest):
         what = "SHA-256" if tile.sha256 else "digest of rows"
         raise BakeError(
             f"tile {tile} is damaged or belongs to another bake: {tile.file} has the {what} {found}, but the manifest has {tile.sha256 or tile.digest}; "
             f"{tile.remedy}, or skip the check with --no-verify"
         )
-    if time.time_ns() - max(status.st_mtime_ns, status.st_ctime_ns) > _SETTLED_NANOSECONDS:
-        _verified[tile.file] = seen
 
 
-def _bytes_digest(path: Path) -> str:
+def parquet_file(path: Location) -> pq.ParquetFile:
+    """Opens a Parquet file. Reads files in object stores completely, because nearly all of their columns are needed."""
+    return pq.ParquetFile(path if is_local(path) else pa.BufferReader(path.read_bytes()))
+
+
+def _bytes_digest(path: Location) -> str:
     hashing = hashlib.sha256()
     with path.open("rb") as file:
         while part := file.read(_CHUNK):
@@ -55,9 +70,9 @@ def _bytes_digest(path: Path) -> str:
     return hashing.hexdigest()
 
 
-def _rows_digest(path: Path) -> str:
+def _rows_digest(path: Location) -> str:
     """Computes the same result as `rows.digest`, one column at a time."""
-    with pq.ParquetFile(path) as file:
+    with parquet_file(path) as file:
         if not file.schema_arrow.remove_metadata().equals(SCHEMA):
             raise ValueError("its columns are different")
         return rows.digest_of(rows.column_of(file.read(columns=[name]), name) for name in SCHEMA.names)
