@@ -160,6 +160,39 @@ def test_models_with_the_same_image_store_it_once():
     assert tops == [1.0, 2.0, 3.0]
 
 
+def test_a_tileset_describes_all_tiles(bake, glbs, tmp_path):
+    """Checks that the leaves of the tileset are the files, that boxes contain all instances and child boxes, and that
+    errors decrease toward the leaves."""
+    origin = np.array([3_000_000.0, 900.0, -1_000_000.0])
+    assert reader("gltf", bake, tmp_path, "--stand-ins", "--tileset", f"--origin={','.join(map(str, origin))}").returncode == 0
+    tileset = json.loads((tmp_path / "tileset.json").read_text())
+    assert tileset["asset"]["version"] == "1.1" and tileset["geometricError"] > tileset["root"]["geometricError"] and tileset["root"]["refine"] == "ADD"
+    files = []
+
+    def box_of(node: dict) -> np.ndarray:
+        box = np.array(node["boundingVolume"]["box"])
+        assert np.flatnonzero(box[3:]).tolist() == [0, 4, 8], "the axes of the box"
+        return np.stack([box[:3] - box[[3, 7, 11]], box[:3] + box[[3, 7, 11]]])
+
+    def visit(node: dict) -> None:
+        outer = box_of(node)
+        assert ("content" in node) != ("children" in node) and (node["geometricError"] == 0) == ("content" in node)
+        for child in node.get("children", []):
+            inner = box_of(child)
+            assert (inner[0] >= outer[0] - 1e-6).all() and (inner[1] <= outer[1] + 1e-6).all() and child["geometricError"] < node["geometricError"]
+            visit(child)
+        if "content" in node:
+            files.append(node["content"]["uri"])
+            content, binary = parse(tmp_path / files[-1])
+            for child in (content["nodes"][number] for number in content["nodes"][0]["children"]):
+                places = accessor(content, binary, child["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"]) + content["nodes"][0]["translation"]
+                turned = np.stack([places[:, 0], -places[:, 2], places[:, 1]], axis=1)
+                assert (turned > outer[0]).all() and (turned < outer[1]).all()
+
+    visit(tileset["root"])
+    assert sorted(files) == sorted(file.name for file in glbs.iterdir())
+
+
 @pytest.mark.full
 def test_the_gltf_validator_finds_no_problem(glbs, bake, tmp_path):
     folders = sorted(CACHE.glob("gltf-validator-*/node_modules"))

@@ -12,28 +12,33 @@ from .models import Models, check_options, chosen_models
 from .models import add_options as add_model_options
 from .options import add_folder, chosen_tiles, vector
 from .say import say
+from .tileset import TILESET, Placed, write_tileset
 
 INSTANCING = "EXT_mesh_gpu_instancing"
 MODELS = "models.bin"
 
 
-def tile_glb(bake: Bake, tile: Tile, models: Models, origin: np.ndarray, shared: SharedBuffer | None) -> Glb:
-    """Returns a file with a node at the tile's center. The node has a child node for each layer and model that is
-    drawn, with the instances sorted by rank."""
+def tile_glb(bake: Bake, tile: Tile, models: Models, origin: np.ndarray, shared: SharedBuffer | None) -> tuple[Glb, Placed]:
+    """Returns a file with a node at the tile's center, and its bounding box. The node has a child node for each layer and
+    model that is drawn, with the instances sorted by rank."""
     center, instances = center_of(bake, tile), read_tile(tile)
     glb = Glb("Thicket", shared)
     extras = {"tile": [tile.x, tile.z], "scene_digest": bake.scene_digest}
     root = glb.add_node({"name": f"Tile_{tile.x}_{tile.z}", "translation": (center - origin).tolist(), "extras": extras})
     meshes: dict[str, int] = {}
+    low, high = np.zeros((2, 3))
     for layer, model, rows in groups_of(bake, tile, instances):
         if not models.path(layer, model):
             continue
         key = models.key(layer, model)
         if key not in meshes:
             meshes[key] = glb.add_meshes(*models.file(layer, model))
+        places = instances.positions[rows] - center
+        reach = models.reach(layer, model) * np.abs(instances.scales[rows]).max()
+        low, high = np.minimum(low, places.min(axis=0) - reach), np.maximum(high, places.max(axis=0) + reach)
         turns = instances.rotations[rows]
         attributes = {
-            "TRANSLATION": glb.add_accessor((instances.positions[rows] - center).astype(np.float32)),
+            "TRANSLATION": glb.add_accessor(places.astype(np.float32)),
             "ROTATION": glb.add_accessor(turns / np.linalg.norm(turns, axis=1, keepdims=True)),
             "SCALE": glb.add_accessor(instances.scales[rows]),
         }
@@ -43,7 +48,8 @@ def tile_glb(bake: Bake, tile: Tile, models: Models, origin: np.ndarray, shared:
         node = {"name": f"{layer.name}_{model}", "mesh": meshes[key], "extensions": {INSTANCING: {"attributes": attributes}}, "extras": extras}
         glb.add_node(node, root)
         glb.use_extension(INSTANCING, is_required=True)
-    return glb
+    at = center - origin
+    return glb, Placed(tile.x, tile.z, f"tile_{tile.x}_{tile.z}.glb", low + at, high + at)
 
 
 def shared_models(bake: Bake, models: Models) -> SharedBuffer:
@@ -60,6 +66,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add_folder(parser, "tile_I_J.glb")
     parser.add_argument("--origin", type=vector, default=np.zeros(3), metavar="X,Y,Z", help="the world position, in meters, of the origin of the files")
     parser.add_argument("--share-models", action="store_true", help=f"store meshes and images once, in {MODELS}, instead of in every file")
+    parser.add_argument("--tileset", action="store_true", help=f"also write {TILESET}, which describes the files as 3D Tiles")
     add_model_options(parser)
 
 
@@ -73,6 +80,11 @@ def export(chosen: argparse.Namespace) -> None:
     shared = shared_models(bake, models) if chosen.share_models else None
     if shared is not None:
         shared.write(chosen.folder)
+    placed = []
     for tile in tiles:
-        tile_glb(bake, tile, models, chosen.origin, shared).write(chosen.folder / f"tile_{tile.x}_{tile.z}.glb")
+        glb, described = tile_glb(bake, tile, models, chosen.origin, shared)
+        glb.write(chosen.folder / described.file)
+        placed.append(described)
+    if chosen.tileset and placed:
+        write_tileset(chosen.folder, placed, bake.tile_size)
     say(f"wrote {sum(tile.rows for tile in tiles)} instances in {len(tiles)} tiles to {chosen.folder}")

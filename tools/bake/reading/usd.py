@@ -37,20 +37,19 @@ class Prototypes:
         self._paths: dict[str, tuple[str, float]] = {}
 
     def prototype(self, layer: Layer, model: int) -> tuple[str, float]:
-        """Returns the path of a model's prim in the file, and the distance from the model's origin to the farthest
-        corner of its bounding box."""
+        """Returns the path of a model's prim in the file, and the reach of the model (see models.py)."""
         key = self._models.key(layer, model)
         if key not in self._paths:
             name = Tf.MakeValidIdentifier(f"{layer.name}_{model}")
             while self.file.stage.GetPrimAtPath(f"/Prototypes/{name}"):
                 name += "_"
-            self._paths[key] = f"/Prototypes/{name}", self._add(f"/Prototypes/{name}", *self._models.file(layer, model))
+            self._add(f"/Prototypes/{name}", *self._models.file(layer, model))
+            self._paths[key] = f"/Prototypes/{name}", self._models.reach(layer, model)
         return self._paths[key]
 
-    def _add(self, path: str, content: dict, binary: bytes) -> float:
+    def _add(self, path: str, content: dict, binary: bytes) -> None:
         prim = UsdGeom.Xform.Define(self.file.stage, path).GetPrim()
         Usd.ModelAPI(prim).SetKind(Kind.Tokens.component)
-        reach = 0.0
         for number, primitive in enumerate(content["meshes"][0]["primitives"]):
             def read(name: str, attributes: dict = primitive["attributes"]) -> np.ndarray | None:
                 return read_accessor(content, binary, attributes[name]) if name in attributes else None
@@ -76,8 +75,6 @@ class Prototypes:
                 material = content["materials"][primitive["material"]]
                 mesh.CreateDoubleSidedAttr(material.get("doubleSided", False))
                 UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(self._material(f"{path}/Material_{number}", material, content, binary))
-            reach = max(reach, float(np.linalg.norm(np.abs(points).max(axis=0))))
-        return reach
 
     def _material(self, path: str, material: dict, content: dict, binary: bytes) -> UsdShade.Material:
         """Converts a material with its color, roughness, metalness, opacity and color texture."""
