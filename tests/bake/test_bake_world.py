@@ -382,4 +382,6 @@ def test_workers_of_an_existing_cluster(world, baked, tmp_path):
         start("distributed.cli.dask_worker", address, "--nworkers", "1", "--nthreads", "2", "--no-dashboard")
         output = driver.communicate(timeout=360)[0]
         assert driver.returncode == 0 and baked.manifest["digest"] in output, output
+        only = bake(world, tmp_path / "estimated", "--scheduler", address, "--estimate")
+        assert only.code == 0 and "20 tiles: about" in only.output, only.output
         assert not [each for each in psutil.process_iter(["name", "cmdline"]) if is_engine_of(each, world)]

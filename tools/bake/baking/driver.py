@@ -82,8 +82,8 @@ def _bake(request: BakeRequest, client: Client, say: Callable[[str], None]) -> O
         outcome.driver_seconds = time.process_time() - own
         _keep_costs(outcome)
         _finish(request.out, plan.grid, outcome)
-    if request.scheduler is not None and not outcome.stopped:
-        client.run(tile.close_engines)  # The workers of an existing scheduler keep running after the bake.
+    if not outcome.stopped:
+        _close_engines(request, client)
     write_report(request.out, request.workers, outcome, picture)
     return outcome
 
@@ -168,8 +168,19 @@ def _confirm(request: BakeRequest, client: Client, plan: tile.Plan, described: d
     workers = request.workers if request.scheduler is None else None
     free = forecast.free_space(request.out, request.fresh)
     expected = forecast.estimate(plan, client, missing, described.get("density"), described["starting"], free, workers, say, request.always_estimate)
-    if expected is not None:
+    if expected is None:
+        return
+    try:
         request.confirm(expected)
+    except BaseException:
+        _close_engines(request, client)
+        raise
+
+
+def _close_engines(request: BakeRequest, client: Client) -> None:
+    """Stops the engines of an existing scheduler's workers, which keep running after the bake."""
+    if request.scheduler is not None:
+        client.run(tile.close_engines)
 
 
 def _refuse_tiles_beyond(tiles: Iterable[tuple[int, int]], grid: TileGrid) -> None:

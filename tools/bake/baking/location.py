@@ -31,7 +31,7 @@ def location(text: str) -> Location:
     if url.scheme == "file" and url.netloc in ("", "localhost"):
         return Path(unquote(url.path))
     if url.scheme not in STORES:
-        raise CannotLocate(f"'{text}' must be a folder or a URL that begins with {', '.join(f'{scheme}://' for scheme in ('file', *STORES))}")
+        raise CannotLocate(f"'{text}' must be a folder or a URL that begins with {', '.join(f'{scheme}://' for scheme in ('file', *STORES) if scheme != 'memory')}")
     if url.scheme != "memory" and not url.netloc:
         raise CannotLocate(f"'{text}' must contain the name of a bucket, such as {url.scheme}://bucket/world")
     missing = [package for package, module in (("universal_pathlib", "upath"), (STORES[url.scheme],) * 2) if importlib.util.find_spec(module) is None]

@@ -68,7 +68,7 @@ _engines: list[TileEngine | TileFolder] = []
 def _engine_of(plan: Plan) -> TileEngine:
     """Returns this thread's engine with the plan's scene, starting one if necessary. Raises EngineGone, Rejected or
     SceneChanged."""
-    if getattr(_own, "key", None) != (plan.source, plan.scene_digest):
+    if getattr(_own, "key", None) != (plan.source, plan.scene_digest) or _own.engine not in _engines:
         _drop_engine()
         begun = time.perf_counter()
         _own.engine = _started(plan.source)
@@ -113,7 +113,7 @@ def _started(source: Source | MadeTiles) -> TileEngine | TileFolder:
 def _drop_engine() -> None:
     engine = getattr(_own, "engine", None)
     _own.engine = _own.key = None
-    if engine is not None:
+    if engine in _engines:  # Another thread closes the engines of all threads when a bake ends.
         _engines.remove(engine)
         engine.close()
 
