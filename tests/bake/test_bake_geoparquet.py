@@ -10,7 +10,7 @@ import numpy as np
 import pyarrow.dataset as ds
 import pyarrow.parquet as pq
 import pytest
-from bake.small import bake, copy, edit_manifest, expected, game, manifest_of, reader, refused  # noqa: F401 (some are fixtures)
+from bake.small import bake, copy, expected, game, manifest_of, reader, refused  # noqa: F401 (some are fixtures)
 from conftest import CACHE, REPO, run
 from scipy.spatial.transform import Rotation
 

@@ -11,10 +11,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from bake.small import BAKES, PYTHON, TOOLS, bake, copy, game, reader  # noqa: F401 (some are fixtures)
-from bake.world import Baked, USUAL, environment, world  # noqa: F401 (some are fixtures)
+from bake.small import PYTHON, TOOLS, bake, game, reader  # noqa: F401 (some are fixtures)
+from bake.world import USUAL, environment, world  # noqa: F401 (some are fixtures)
 from bake.world import bake as bake_world
-from conftest import CACHE, REPO, run
+from conftest import CACHE, run
 
 
 def test_files_in_a_store_are_complete_and_checked(bake):

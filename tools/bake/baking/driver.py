@@ -169,6 +169,8 @@ def _confirm(request: BakeRequest, client: Client, plan: tile.Plan, described: d
     free = forecast.free_space(request.out, request.fresh)
     expected = forecast.estimate(plan, client, missing, described.get("density"), described["starting"], free, workers, say, request.always_estimate)
     if expected is None:
+        if request.always_estimate:
+            raise BakeError("The size cannot be estimated, because none of the sampled tiles could be generated. Bake one of them with --tiles to see the reason.")
         return
     try:
         request.confirm(expected)

@@ -60,6 +60,8 @@ class Estimate:
     free: float  # The space that the output folder's disk has, in bytes.
 
     def __str__(self) -> str:
+        if not self.tiles:
+            return "no tiles are missing"
         about = "about" if self.samples else "at most"
         low, high = max(1.0 - self.error, 0.0) * self.bytes, (1.0 + self.error) * self.bytes
         between = f" ({amount(low)}B to {amount(high)}B)" if self.error > 0.05 else ""
@@ -97,7 +99,7 @@ def estimate(
     startup time of an engine in seconds. `workers` is the number of workers on this machine, or None for the workers of a
     cluster."""
     if not tiles:
-        return None
+        return Estimate(0, 0, 0.0, 0.0, 0.0, 0.0, free) if always else None
     areas = {at: _area(plan, at) for at in tiles}
     limit = math.inf if density is None else density * sum(areas.values())
     if not always and limit * ROW_BYTES <= min(SMALL_BYTES, SMALL_PART * free):

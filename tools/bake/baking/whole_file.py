@@ -26,9 +26,9 @@ class CannotWrite(RuntimeError):
 
 @contextlib.contextmanager
 def whole_file(path: Location) -> Iterator[BinaryIO]:
-    """Yields a new file next to `path` for writing. In an object store, which has no incomplete objects, yields a buffer. At the end of the block, flushes it to disk and replaces `path`.
-    Raises CannotWrite if writing fails. In that case, and after an exception in the block, the old file is
-    unchanged."""
+    """Yields a new file next to `path` for writing. At the end of the block, flushes it to disk and replaces `path`.
+    Raises CannotWrite if writing fails. In that case, and after an exception in the block, the old file is unchanged. In an
+    object store, which has no incomplete objects, yields a buffer instead."""
     if not is_local(path):
         buffer = io.BytesIO()
         yield buffer
