@@ -414,7 +414,14 @@ TEST_CASE("every rule: the mesh of an instance is explained as in its tile") {
 	low.height_falloff = 40.0;
 	Rules clumps = open_rules();
 	clumps.clumping = {18.0, 0.5, 0.4};
-	layer.mesh_rules = {low, std::nullopt, clumps};
+	Rules by_world = open_rules();
+	ExpressionError error;
+	by_world.expression = DensityExpression::compile("texture(1) + distance('Trees', 9) / 9", error);
+	layer.mesh_rules = {low, by_world, clumps};
+	layer.world_sources = empty_sources(layer);
+	auto trees = std::make_shared<LayerSettings>(plain_layer());
+	trees->set.radius = 8.0;
+	layer.world_sources[1].layer = trees;
 	const TileInstances tile = built(layer, terrain, tile_of_hills);
 	const std::vector<SamplePoint> points = points_of(layer.set, tile_of_hills);
 	PositionExplainer explainer;
@@ -424,6 +431,9 @@ TEST_CASE("every rule: the mesh of an instance is explained as in its tile") {
 		REQUIRE(explainer.find(layer, {point.position.x, 0.0, point.position.y}).ok());
 		REQUIRE(explainer.explain(ground_for(explainer, terrain), explanation).ok());
 		REQUIRE(explanation.point.id == point.id);
+		REQUIRE(explanation.meshes[1].inputs.size() == 2);
+		const double value = explanation.meshes[1].inputs[0].value + explanation.meshes[1].inputs[1].value / 9.0;
+		REQUIRE(explanation.meshes[1].density == doctest::Approx(std::min(value, 1.0)));
 		const std::vector<std::uint64_t> ids(
 				tile.meshes[explanation.mesh].ids.begin(), tile.meshes[explanation.mesh].ids.end());
 		REQUIRE((std::ranges::find(ids, point.id) != ids.end()) == explanation.is_placed());

@@ -59,6 +59,11 @@ TEST_CASE("rule sentences: each mesh has a weight, a density and a percentage") 
 	CHECK(describe_mesh(explanation, 0, "Oak") == "Oak: weight 2 × 0.35 gives 41 %.");
 	CHECK(describe_mesh(explanation, 1, "Fir") == "Fir (this instance): weight 1 × 1 gives 59 %.");
 	CHECK(describe_mesh(explanation, 2, "Elm") == "Elm: weight 0 × 1 gives 0 %.");
+	explanation.meshes[0].inputs = {{{WorldInputKind::biome, "Forest", 0, 0.0}, 0.35f},
+			{{WorldInputKind::distance, "Rocks", 0, 8.0}, 8.0f}, {{WorldInputKind::distance, "Rocks", 0, 9.0}, 8.0f}};
+	CHECK(describe_mesh(explanation, 0, "Oak") ==
+			"Oak: weight 2 × 0.35 gives 41 % (biome(\"Forest\") is 0.35, distance(\"Rocks\") is at least 8, "
+			"distance(\"Rocks\") is 8).");
 	explanation.point.rank = 0xffffffff;
 	explanation.at_point.density = 0.5;
 	CHECK(describe_mesh(explanation, 1, "Fir") == "Fir: weight 1 × 1 gives 59 %.");

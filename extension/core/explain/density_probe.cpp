@@ -32,9 +32,12 @@ Status DensityProbe::Workspace::find(const LayerSettings &layer, std::span<const
 	LayerSettings rules = layer;
 	// Layers on which colors depend take time to evaluate and do not affect the density.
 	rules.instance_data = {};
-	// The placement and the choice of meshes do not affect the density either.
+	// The placement and the choice of meshes do not affect the density either, but explanations include
+	// the meshes.
 	rules.placement = {};
-	rules.mesh_rules.clear();
+	if (!explains) {
+		rules.mesh_rules.clear();
+	}
 	filter.set(rules);
 	if (const double points = filter.points_around(rect); points > max_probed_points) {
 		return Status::too_many_points("rect", points, max_probed_points);
@@ -136,6 +139,15 @@ const Ground &DensityProbe::ground_at(std::size_t index) const {
 
 double DensityProbe::density_at(std::size_t index) const {
 	return workspace_->filter.own().density_at(index, workspace_->own_ground);
+}
+
+Status DensityProbe::world_values_at(std::size_t index, std::vector<float> &r_values) const {
+	return guarded("world values", 0.0, [&] {
+		const LayerFilter &own = workspace_->filter.own();
+		r_values.assign(own.settings().world_sources.size(), 0.0f);
+		own.world_values(index, workspace_->own_ground, r_values);
+		return Status();
+	});
 }
 
 Status DensityProbe::factors_at(std::size_t index, std::vector<RuleFactor> &r_factors) const {

@@ -66,6 +66,10 @@ public:
 	double density_at(std::size_t index) const;
 	Status factors_at(std::size_t index, std::vector<RuleFactor> &r_factors) const;
 
+	/// Replaces `r_values` with the values of LayerSettings::world_sources at a position, under the same
+	/// conditions. Values that no mesh uses are 0. `find` must have been called with `explains`.
+	Status world_values_at(std::size_t index, std::vector<float> &r_values) const;
+
 private:
 	struct Workspace;
 	std::unique_ptr<Workspace> workspace_;

@@ -151,10 +151,14 @@ Status PositionExplainer::explain(std::span<const Ground> ground, PositionExplan
 
 /// Explains the choice of the mesh at the point, for which all rules are already evaluated.
 Status PositionExplainer::explain_mesh(PositionExplanation &r_explanation) const {
-	const MeshPoint point{point_.id, point_.position, r_explanation.at_point.ground};
+	std::vector<float> world_values;
+	Status status = probe_.world_values_at(1, world_values);
+	const MeshPoint point{point_.id, point_.position, r_explanation.at_point.ground, world_values};
 	std::uint8_t mesh = 0;
 	MeshRules::Scratch scratch;
-	Status status = mesh_rules_.choose({&point, 1}, {&mesh, 1}, scratch);
+	if (status.ok()) {
+		status = mesh_rules_.choose({&point, 1}, {&mesh, 1}, scratch);
+	}
 	if (status.ok()) {
 		status = mesh_rules_.find_shares(point, r_explanation.meshes);
 		r_explanation.mesh = mesh;

@@ -240,6 +240,22 @@ RuleMessage describe(const RuleFactor &factor, const LayerSettings &layer, const
 	return result;
 }
 
+namespace {
+
+/// Returns, for example, " (biome("Forest") is 0.35)", or an empty text if there are no inputs.
+std::string inputs_text(const std::vector<MeshShare::Input> &inputs) {
+	std::string text;
+	for (const MeshShare::Input &each : inputs) {
+		const double value = each.value;
+		const bool is_far = each.input.kind == WorldInputKind::distance && value >= each.input.max_distance;
+		text += (text.empty() ? " (" : ", ") + text_of(each.input) + " is " + (is_far ? "at least " : "") +
+				number_text(value);
+	}
+	return text.empty() ? text : text + ")";
+}
+
+} // namespace
+
 std::string describe_mesh(const PositionExplanation &explanation, std::size_t mesh, const std::string &name) {
 	const MeshShare &share = explanation.meshes[mesh];
 	const bool falls_back = std::ranges::none_of(
@@ -248,7 +264,7 @@ std::string describe_mesh(const PositionExplanation &explanation, std::size_t me
 	return name + (is_this ? " (this instance)" : "") + ": weight " + number_text(share.weight) + " × " +
 			number_text(share.density) +
 			(falls_back ? "; all weights are 0 here, so the plain weight gives " : " gives ") +
-			percent(share.probability) + ".";
+			percent(share.probability) + inputs_text(share.inputs) + ".";
 }
 
 RuleVerdict judge(const PositionExplanation &explanation, const LayerSettings &layer, const RuleNames &names) {

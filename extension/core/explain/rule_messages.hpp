@@ -32,7 +32,8 @@ struct RuleMessage {
 RuleMessage describe(const RuleFactor &factor, const LayerSettings &layer, const RuleNames &names);
 
 /// Describes the share of a mesh in the choice for the instance at the explained point:
-/// "Oak (this instance): weight 2 × 0.35 gives 41 %." `name` is the name of the mesh.
+/// "Oak (this instance): weight 2 × 0.35 gives 41 % (biome("Forest") is 0.35)." `name` is the name of
+/// the mesh.
 std::string describe_mesh(const PositionExplanation &explanation, std::size_t mesh, const std::string &name);
 
 /// The decision of the rules on whether to place an instance of the layer at a position, and the

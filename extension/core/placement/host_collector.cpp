@@ -74,7 +74,8 @@ Status HostCollector::add(const HostLayer &host, const PlacedPoints &points) {
 		HostInstance instance = instance_at(*host.layer, points, point);
 		instance.mesh = choice.mesh_for(host.layer->set.seed, id);
 		if (!rules.empty()) {
-			const MeshPoint mesh_point{id, points.positions[point], points.ground[point]};
+			const MeshPoint mesh_point{
+					id, points.positions[point], points.ground[point], points.world_values_of(point)};
 			std::uint8_t mesh = 0;
 			if (const Status status = rules.choose({&mesh_point, 1}, {&mesh, 1}, scratch); !status.ok()) {
 				return status;

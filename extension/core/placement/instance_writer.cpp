@@ -125,7 +125,8 @@ Status InstanceWriter::choose_by_rules(
 		r_part.mesh_points.clear();
 		for (const std::uint64_t key : std::span(r_part.order).subspan(first, count)) {
 			const std::uint32_t point = point_of(key);
-			r_part.mesh_points.push_back({points.ids[point], points.positions[point], points.ground[point]});
+			r_part.mesh_points.push_back(
+					{points.ids[point], points.positions[point], points.ground[point], points.world_values_of(point)});
 		}
 		const Status status = mesh_rules_.choose(r_part.mesh_points, meshes, r_part.mesh_scratch);
 		if (!status.ok()) {

@@ -35,6 +35,14 @@ struct PlacedPoints {
 	std::span<const float> color_fractions{};
 	std::span<const float> variation_fractions{}; ///< Fractions for the variations, under the same conditions.
 	std::span<const float> scale_fractions{};     ///< Fractions for the scales, under the same conditions.
+	/// The values of LayerSettings::world_sources for the choice of meshes: `world_sources` numbers for
+	/// each point, under the same conditions. Empty if no mesh needs any.
+	std::span<const float> world_values{};
+	std::size_t world_sources = 0;
+
+	std::span<const float> world_values_of(std::uint32_t point) const {
+		return world_values.subspan(world_sources * point, world_sources);
+	}
 
 	SourceFractions fractions_of(std::uint32_t point) const {
 		const auto at = [point](std::span<const float> fractions) {

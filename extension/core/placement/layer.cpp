@@ -49,6 +49,27 @@ Status validate_mesh_rules(const LayerSettings &layer) {
 	return {};
 }
 
+Status validate_world_sources(const LayerSettings &layer) {
+	const std::vector<WorldSource> needed = empty_sources(layer);
+	if (needed.size() > max_world_sources) {
+		return Status::out_of_range("mesh_density_expressions", needed.size(),
+				at_most(max_world_sources, "different biomes, textures, distances and mask channels"),
+				"Use fewer of them");
+	}
+	const auto has_source = [&layer](const WorldSource &source) {
+		return source_of(layer.world_sources, source.input) < layer.world_sources.size();
+	};
+	if (!std::ranges::all_of(needed, has_source)) {
+		return {ErrorCode::missing, "world_sources", 0.0};
+	}
+	const bool uses_texture = std::ranges::any_of(
+			needed, [](const WorldSource &source) { return source.input.kind == WorldInputKind::texture; });
+	return uses_texture && layer.set.on_surface
+			? Status::out_of_range("on_surfaces", 1.0, exactly(0.0, "off, because an expression uses texture()"),
+					  "Turn it off, because surfaces have no textures, or remove texture() from the expressions")
+			: Status();
+}
+
 Status validate_alone(const LayerSettings &layer) {
 	if (layer.hosted && !layer.set.on_surface) {
 		return Status::missing("on_surfaces", "Turn it on, because surface_layers requires it");
@@ -59,7 +80,7 @@ Status validate_alone(const LayerSettings &layer) {
 	}
 	return first_failure(validate(layer.set), validate(layer.rules), validate(layer.placement),
 			validate(layer.instance_data), validate_mesh_weights(layer.mesh_weights), validate_mesh_rules(layer),
-			validate_planet(layer));
+			validate_world_sources(layer), validate_planet(layer));
 }
 
 } // namespace

@@ -6,6 +6,7 @@
 #include "core/placement/host_layer.hpp"
 #include "core/placement/instance_data.hpp"
 #include "core/placement/placement.hpp"
+#include "core/placement/world_source.hpp"
 #include "core/rows/row_set.hpp"
 #include "core/rules/rules.hpp"
 #include "core/sampling/point_set.hpp"
@@ -60,6 +61,9 @@ struct LayerSettings {
 	/// they decide which meshes grow where, but never whether anything grows. They must have neither
 	/// shapes, ground textures, density rules nor an edge feather, and use the water of `rules`.
 	std::vector<std::optional<Rules>> mesh_rules;
+	/// The sources of the world inputs of all expressions: one for each input (see empty_sources), at
+	/// most max_world_sources. The ground has no textures for layers on surfaces.
+	std::vector<WorldSource> world_sources;
 	/// Spacing and proximity rules with layers that come before this one.
 	std::vector<Neighbor> neighbors;
 	/// True if the layer fills the gaps that its spacing leaves. The instances of spacing neighbors

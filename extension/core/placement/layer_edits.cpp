@@ -34,9 +34,28 @@ bool same_rules(const LayerSettings &a, const LayerSettings &b) {
 			without_edits(a.rules) == without_edits(b.rules);
 }
 
-/// Returns true if two layers choose the meshes of their instances in the same way.
+/// Returns true if two layers choose the meshes of their instances in the same way, as long as the
+/// values of their world sources are equal.
 bool same_meshes(const LayerSettings &a, const LayerSettings &b) {
 	return a.mesh_weights == b.mesh_weights && a.mesh_rules == b.mesh_rules;
+}
+
+/// Returns the source of an input of another version of a layer; null if that version has none.
+const WorldSource *find_source(const LayerSettings &layer, const WorldInput &input) {
+	const std::size_t at = source_of(layer.world_sources, input);
+	return at < layer.world_sources.size() ? &layer.world_sources[at] : nullptr;
+}
+
+/// Compares the world sources that `uses` selects, except for the layers to measure distances to.
+/// Appends the areas of edits to biomes. Returns false if values may differ anywhere.
+bool find_source_edits(const LayerSettings &before, const LayerSettings &after,
+		bool (*uses)(const LayerSettings &, const WorldInput &), std::vector<Rect> &r_areas) {
+	return std::ranges::all_of(after.world_sources, [&](const WorldSource &is) {
+		const WorldSource *was = find_source(before, is.input);
+		return !uses(after, is.input) ||
+				(was != nullptr && was->mask == is.mask && (was->layer == nullptr) == (is.layer == nullptr) &&
+						find_biome_edits(after.planet, was->biome.get(), is.biome.get(), r_areas));
+	});
 }
 
 /// Returns true if the settings for the appearance of instances are equal, except for the layers of
@@ -56,14 +75,15 @@ bool same_appearance(const LayerSettings &a, const LayerSettings &b) {
 /// Returns true if instances of both layers at the same point have the same model and transform,
 /// unless the instances of the scale source's layer differ.
 bool same_models(const LayerSettings &a, const LayerSettings &b) {
+	std::vector<Rect> areas;
 	const auto without_layer = [](ScaleSource source) {
 		source.layer = nullptr;
 		return source;
 	};
 	const ScaleSource &scale_a = a.instance_data.scale;
 	const ScaleSource &scale_b = b.instance_data.scale;
-	return a.placement == b.placement && same_meshes(a, b) && scale_a.known() == scale_b.known() &&
-			without_layer(scale_a) == without_layer(scale_b);
+	return a.placement == b.placement && same_meshes(a, b) && find_source_edits(a, b, meshes_use, areas) &&
+			areas.empty() && scale_a.known() == scale_b.known() && without_layer(scale_a) == without_layer(scale_b);
 }
 
 bool find_mask_edits(
@@ -109,7 +129,9 @@ EditedArea own_edits(const LayerSettings &layer_before, const LayerSettings &lay
 			!find_shape_edits(before.shapes.get(), after.shapes.get(), areas) ||
 			!find_mask_edits(planet, before.mask.get(), after.mask.get(), areas) ||
 			!find_biome_edits(planet, before.biome.get(), after.biome.get(), areas) ||
-			(uses_water_depth(layer_after) && !find_biome_edits(planet, before.water.get(), after.water.get(), areas));
+			(uses_water_depth(layer_after) &&
+					!find_biome_edits(planet, before.water.get(), after.water.get(), areas)) ||
+			!find_source_edits(layer_before, layer_after, rules_use, areas);
 	for (const Rect &area : areas) {
 		result.add(area, edge_reach(after.edge_feather, layer_after.set.on_surface));
 	}
@@ -167,6 +189,14 @@ const EditedArea &EditSearch::find_edits(const LayerSettings &before, const Laye
 			area.add(find_standing(*was[i]->layer, *is[i]->layer), is[i]->max);
 		}
 	}
+	if (!area.everywhere) {
+		std::vector<Rect> areas;
+		area.everywhere = !find_source_edits(before, after, meshes_use, areas);
+		for (const Rect &rect : areas) {
+			area.add(rect, 0.0);
+		}
+		add_measured_edits(before, after, meshes_use, 0.0, area);
+	}
 	return found_.emplace(pair, std::move(area)).first->second;
 }
 
@@ -191,10 +221,24 @@ const EditedArea &EditSearch::find_standing(const LayerSettings &before, const L
 			const double chain = fills_around(after, is) ? fill_distance(after.set, fill_chain_cells) : 0.0;
 			area.add(find_standing(*was.layer, *is.layer), is.distance + chain);
 		}
+		const double probes = edge_reach(after.rules.edge_feather, after.set.on_surface);
+		add_measured_edits(before, after, rules_use, probes, area);
 	}
 	area.add(find_host_edits(before, after));
 	return present_areas_.emplace(pair, std::move(area))
 			.first->second; // The area is cached only now that it is complete.
+}
+
+/// Adds the area in which the distances to other layers may have changed that `uses` selects, grown by
+/// `distance`.
+void EditSearch::add_measured_edits(const LayerSettings &before, const LayerSettings &after,
+		bool (*uses)(const LayerSettings &, const WorldInput &), double distance, EditedArea &r_area) {
+	for (const WorldSource &is : after.world_sources) {
+		if (!r_area.everywhere && is.layer != nullptr && uses(after, is.input)) {
+			const WorldSource *was = find_source(before, is.input);
+			r_area.add(find_standing(*was->layer, *is.layer), is.input.max_distance + distance);
+		}
+	}
 }
 
 /// Returns the area in which a layer's instances may have changed because its hosts have changed.
@@ -210,6 +254,9 @@ EditedArea EditSearch::find_host_edits(const LayerSettings &before, const LayerS
 		const ScaleSource &scale = is.layer->instance_data.scale;
 		if (!area.everywhere && scale.kind == SourceKind::distance && scale.known()) {
 			area.add(find_standing(*was.layer->instance_data.scale.layer, *scale.layer), scale.max + distance);
+		}
+		if (!area.everywhere) {
+			add_measured_edits(*was.layer, *is.layer, meshes_use, distance, area);
 		}
 		const auto changes = host_edits_.find(is.layer->set.layer);
 		if (changes != host_edits_.end()) {

@@ -55,6 +55,8 @@ private:
 	const EditedArea &find_edits(const LayerSettings &before, const LayerSettings &after);
 	const EditedArea &find_standing(const LayerSettings &before, const LayerSettings &after);
 	EditedArea find_host_edits(const LayerSettings &before, const LayerSettings &after);
+	void add_measured_edits(const LayerSettings &before, const LayerSettings &after,
+			bool (*uses)(const LayerSettings &, const WorldInput &), double distance, EditedArea &r_area);
 
 	HostEdits host_edits_;
 	std::map<Pair, EditedArea> found_; ///< Areas in which instances or their appearance may have changed.

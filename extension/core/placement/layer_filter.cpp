@@ -27,12 +27,33 @@ constexpr std::array<glm::dvec2, edge_probes> probe_offsets = edge_probe_offsets
 
 } // namespace
 
-void LayerFilter::set(const LayerSettings &layer, std::span<const LayerFilter *const> neighbors) {
+void LayerFilter::set(const LayerSettings &layer, std::span<const LayerFilter *const> neighbors,
+		std::span<const LayerFilter *const> measured, bool chooses_meshes) {
 	// The rules are valid, so the call below can fail only for lack of memory.
 	const GroundSides sides = layer.set.on_surface ? GroundSides::all : GroundSides::top;
 	throw_if_out_of_memory(rules_.set(layer.rules, layer.set.seed, sides, layer.planet));
 	layer_ = &layer;
 	neighbors_.assign(neighbors.begin(), neighbors.end());
+	measured_.assign(measured.begin(), measured.end());
+	rule_sources_.clear();
+	mesh_sources_.clear();
+	textures_.clear();
+	if (layer.rules.expression != nullptr) {
+		for (const WorldInput &input : layer.rules.expression->world_inputs()) {
+			rule_sources_.push_back(source_of(layer.world_sources, input));
+		}
+	}
+	for (std::size_t source = 0; source < layer.world_sources.size(); ++source) {
+		const WorldInput &input = layer.world_sources[source].input;
+		const bool for_meshes = chooses_meshes && meshes_use(layer, input);
+		const bool for_rules = std::ranges::find(rule_sources_, source) != rule_sources_.end();
+		if (for_meshes) {
+			mesh_sources_.push_back(source);
+		}
+		if (input.kind == WorldInputKind::texture && (for_meshes || for_rules)) {
+			textures_.push_back({source, input.number, for_rules});
+		}
+	}
 }
 
 Status LayerFilter::sample(
@@ -275,7 +296,8 @@ void LayerFilter::add_queries(
 	if (knows_ground_) {
 		add_known_queries(r_positions, r_queries);
 	} else if (slope || !normals || probes_.empty()) {
-		r_queries.push_back({r_positions.size(), position_count(), {textures, slope || normals}, {}, density_query()});
+		const std::size_t count = positions_.size() + probes_.size();
+		r_queries.push_back({r_positions.size(), count, {textures, slope || normals}, {}, density_query()});
 	} else {
 		// Probes do not need normals.
 		r_queries.push_back({r_positions.size(), positions_.size(), {textures, true}});
@@ -283,6 +305,86 @@ void LayerFilter::add_queries(
 	}
 	r_positions.insert(r_positions.end(), positions_.begin(), positions_.end());
 	r_positions.insert(r_positions.end(), probes_.begin(), probes_.end());
+	add_texture_queries(r_positions, r_queries);
+}
+
+/// Returns the index of the first position at which a texture is queried, among the positions of
+/// add_queries.
+std::size_t LayerFilter::texture_first(std::size_t index) const {
+	std::size_t first = positions_.size() + probe_allowed_.size();
+	for (const TextureWeights &texture : std::span(textures_).first(index)) {
+		first += positions_.size() + (texture.at_probes ? probe_allowed_.size() : 0);
+	}
+	return first;
+}
+
+void LayerFilter::add_texture_queries(std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const {
+	for (const TextureWeights &texture : textures_) {
+		const std::size_t first = r_positions.size();
+		r_positions.insert(r_positions.end(), positions_.begin(), positions_.end());
+		if (texture.at_probes) {
+			r_positions.insert(r_positions.end(), probes_.begin(), probes_.end());
+		}
+		const std::span<const std::int32_t> only(&texture.texture, 1);
+		r_queries.push_back({first, r_positions.size() - first, {only, false}});
+	}
+}
+
+/// Returns the weight of the texture of a source. `at` is the index of a point, or the number of points
+/// plus the index of a probe.
+float LayerFilter::texture_weight(std::size_t source, std::size_t at, std::span<const Ground> ground) const {
+	const auto texture = std::ranges::find(textures_, source, &TextureWeights::source);
+	return ground[texture_first(static_cast<std::size_t>(texture - textures_.begin())) + at].weight;
+}
+
+/// Returns the value of a source at a point or probe, whose index is as for texture_weight.
+float LayerFilter::world_value(std::size_t source, std::size_t at, glm::dvec2 position, const Ground &here,
+		std::span<const Ground> ground) const {
+	const WorldSource &from = layer_->world_sources[source];
+	PositionBatch batch{{&position, 1}};
+	if (on_surface_) {
+		batch.heights = {&here.height, 1};
+	}
+	float value = 0.0f;
+	switch (from.input.kind) {
+		case WorldInputKind::biome:
+			if (from.biome != nullptr) {
+				throw_if_out_of_memory(layer_->planet.exists()
+								? from.biome->sample_on(layer_->planet, batch, {&value, 1})
+								: from.biome->sample_at(batch, {&value, 1}));
+			}
+			break;
+		case WorldInputKind::mask:
+			if (from.mask != nullptr) {
+				throw_if_out_of_memory(from.mask->sample_at(batch, {&value, 1}));
+			}
+			break;
+		case WorldInputKind::texture: value = texture_weight(source, at, ground); break;
+		case WorldInputKind::distance:
+			value = static_cast<float>(from.input.max_distance);
+			if (from.layer != nullptr && std::isfinite(here.height)) {
+				value = static_cast<float>(
+						std::sqrt(nearest_squared(*measured_[source], position, here, from.input.max_distance)));
+			}
+			break;
+	}
+	return value;
+}
+
+/// Writes the values of the world inputs of the rules' expression, and returns those that were
+/// written.
+std::span<const float> LayerFilter::rule_values(std::size_t at, glm::dvec2 position, const Ground &here,
+		std::span<const Ground> ground, WorldValues &r_values) const {
+	for (std::size_t i = 0; i < rule_sources_.size(); ++i) {
+		r_values[i] = world_value(rule_sources_[i], at, position, here, ground);
+	}
+	return std::span<const float>(r_values).first(rule_sources_.size());
+}
+
+void LayerFilter::world_values(std::size_t point, std::span<const Ground> ground, std::span<float> r_values) const {
+	for (const std::size_t source : mesh_sources_) {
+		r_values[source] = world_value(source, point, positions_[point], ground_of(ground)[point], ground);
+	}
 }
 
 DensityRuleQuery LayerFilter::density_query() const {
@@ -298,18 +400,24 @@ void LayerFilter::add_known_queries(std::vector<glm::dvec2> &r_positions, std::v
 	}
 }
 
-bool LayerFilter::probe_allows(std::size_t probe, const Ground &ground) const {
-	return probe_allowed_[probe] != 0 && rules_.allow(ground, probes_[probe]) &&
-			rules_.shape_density(near_shapes_, probes_[probe], ground) > 0.0;
+bool LayerFilter::probe_allows(std::size_t probe, std::span<const Ground> ground) const {
+	if (probe_allowed_[probe] == 0) {
+		return false;
+	}
+	const Ground &here = probes_of(ground)[probe];
+	WorldValues values;
+	const std::span<const float> world = rule_sources_.empty()
+			? std::span<const float>()
+			: rule_values(positions_.size() + probe, probes_[probe], here, ground, values);
+	return rules_.allow(here, probes_[probe], world) && rules_.shape_density(near_shapes_, probes_[probe], here) > 0.0;
 }
 
 template <class Record>
-double LayerFilter::edge_density_at(
-		std::size_t point, std::span<const Ground> probe_ground, const Record &record) const {
+double LayerFilter::edge_density_at(std::size_t point, std::span<const Ground> ground, const Record &record) const {
 	std::size_t allowed = 0;
 	for (std::size_t i = 0; i < edge_probes; ++i) {
 		const std::size_t probe = point * edge_probes + i;
-		allowed += probe_allows(probe, probe_ground[probe]) ? 1 : 0;
+		allowed += probe_allows(probe, ground) ? 1 : 0;
 	}
 	const double fraction = static_cast<double>(allowed) / static_cast<double>(edge_probes);
 	return record(RuleKind::edge_feather, fraction, edge_density(allowed));
@@ -329,8 +437,14 @@ double LayerFilter::neighbor_density(
 
 /// Returns the product of the rules that depend only on a point's position and the ground there.
 template <class Record>
-double LayerFilter::density_alone(std::size_t point, const Ground &here, const Record &record) const {
-	return densities_[point] * rules_.ground_density(here, positions_[point], record);
+double LayerFilter::density_alone(
+		std::size_t point, const Ground &here, std::span<const Ground> ground, const Record &record) const {
+	if (rule_sources_.empty()) {
+		return densities_[point] * rules_.ground_density(here, positions_[point], record);
+	}
+	WorldValues values;
+	const std::span<const float> world = rule_values(point, positions_[point], here, ground, values);
+	return densities_[point] * rules_.ground_density(here, positions_[point], record, world);
 }
 
 /// Evaluates the rules in ascending order of cost, and stops once the density is too low for the
@@ -338,7 +452,7 @@ double LayerFilter::density_alone(std::size_t point, const Ground &here, const R
 template <class Record>
 double LayerFilter::product(std::size_t point, std::span<const Ground> ground, const Record &record) const {
 	const Ground &here = ground_of(ground)[point];
-	double density = density_alone(point, here, record);
+	double density = density_alone(point, here, ground, record);
 	if (Record::complete && !std::isfinite(here.height)) {
 		return density; // The density is 0, and the remaining rules need ground.
 	}
@@ -354,9 +468,7 @@ double LayerFilter::product(std::size_t point, std::span<const Ground> ground, c
 		}
 	}
 	if (!probe_allowed_.empty() && goes_on()) {
-		const std::span<const Ground> around =
-				queries_ground() ? ground.subspan(positions_.size()) : std::span<const Ground>(probe_ground_);
-		density *= edge_density_at(point, around, record);
+		density *= edge_density_at(point, ground, record);
 	}
 	return density;
 }
@@ -397,8 +509,8 @@ Status LayerFilter::filter(std::span<const Ground> ground, const std::atomic<boo
 		}
 		const std::size_t end = std::min(first + points_per_check, positions_.size());
 		for (std::size_t point = first; point < end; ++point) {
-			const double density =
-					has_further_rules ? density_at(point, ground) : density_alone(point, own_ground[point], NoRecord());
+			const double density = has_further_rules ? density_at(point, ground)
+													 : density_alone(point, own_ground[point], ground, NoRecord());
 			accepted_[accepted] = static_cast<std::uint32_t>(point);
 			thinning_ranks_[accepted] = thinning_rank(ranks_[point], density);
 			accepted += is_placed(ranks_[point], density) ? 1 : 0;

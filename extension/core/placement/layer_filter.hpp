@@ -14,6 +14,7 @@
 
 #include <glm/vec2.hpp>
 
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -37,8 +38,11 @@ struct PointSource {
 class LayerFilter {
 public:
 	/// Sets the layer, whose settings must be valid and must outlive the use of this object.
-	/// `neighbors` are the filters of layer.neighbors, in the same order.
-	void set(const LayerSettings &layer, std::span<const LayerFilter *const> neighbors);
+	/// `neighbors` are the filters of layer.neighbors, in the same order. `measured` are the filters of
+	/// the layers of layer.world_sources, or null where no distance is needed. Both lists may be empty
+	/// if the instances come from a cache. `chooses_meshes` is true if world_values will be called.
+	void set(const LayerSettings &layer, std::span<const LayerFilter *const> neighbors,
+			std::span<const LayerFilter *const> measured = {}, bool chooses_meshes = false);
 
 	/// Finds the points in `window` that pass the rules that depend only on the position. Returns
 	/// ErrorCode::cancelled if `cancel` is set.
@@ -64,11 +68,11 @@ public:
 
 	/// Appends the positions at which `filter` needs the ground, and their queries. These are the
 	/// positions of the points and, with an edge feather, edge_probes positions for each point.
-	/// Normals are queried if the layer has a slope rule. If `normals` is true, they are always
-	/// queried at the points. The ground of points on surfaces and of their probes is already known,
+	/// Positions are repeated for each texture whose weight an expression needs. Normals are queried if
+	/// the layer has a slope rule. If `normals` is true, they are always queried at the points. The ground of points on surfaces and of their probes is already known,
 	/// so only density rules are queried there. This object must outlive the queries.
 	void add_queries(bool normals, std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const;
-	std::size_t position_count() const { return queries_ground() ? positions_.size() + probe_allowed_.size() : 0; }
+	std::size_t position_count() const { return queries_ground() ? texture_first(textures_.size()) : 0; }
 
 	/// Returns the ground at each point. `ground` is as for `filter`.
 	std::span<const Ground> ground_of(std::span<const Ground> ground) const {
@@ -88,6 +92,11 @@ public:
 	/// `r_factors`. Call it only on the main thread if a density rule is not thread-safe. Throws
 	/// std::bad_alloc.
 	Status factors_at(std::size_t point, std::span<const Ground> ground, std::vector<RuleFactor> &r_factors) const;
+
+	/// Writes the values of LayerSettings::world_sources at a point to `r_values`, one for each source.
+	/// Only those that the rules of meshes use are written. `ground` is as for `filter`.
+	void world_values(std::size_t point, std::span<const Ground> ground, std::span<float> r_values) const;
+	std::size_t mesh_source_count() const { return mesh_sources_.size(); }
 
 	/// Indexes the kept points for nearest_squared, with the distance that `node` requires.
 	/// `ground` is the same as for `filter`. If `for_any_position` is true, the layers that fill
@@ -114,6 +123,27 @@ public:
 	std::span<const std::uint32_t> thinning_ranks() const { return thinning_ranks_; }
 
 private:
+	/// A texture whose weights are queried at all points, and at all probes if the rules use it.
+	struct TextureWeights {
+		std::size_t source = 0; ///< Index in LayerSettings::world_sources.
+		std::int32_t texture = 0;
+		bool at_probes = false;
+	};
+
+	using WorldValues = std::array<float, max_world_inputs>;
+
+	std::size_t texture_first(std::size_t index) const;
+	void add_texture_queries(std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const;
+	float texture_weight(std::size_t source, std::size_t at, std::span<const Ground> ground) const;
+	float world_value(std::size_t source, std::size_t at, glm::dvec2 position, const Ground &here,
+			std::span<const Ground> ground) const;
+	std::span<const float> rule_values(std::size_t at, glm::dvec2 position, const Ground &here,
+			std::span<const Ground> ground, WorldValues &r_values) const;
+	std::span<const Ground> probes_of(std::span<const Ground> ground) const {
+		return queries_ground() ? ground.subspan(positions_.size(), probes_.size())
+								: std::span<const Ground>(probe_ground_);
+	}
+
 	/// Returns true if the ground, or only its density, must be queried before `filter`.
 	bool queries_ground() const { return !knows_ground_ || (on_surface_ && !layer_->rules.density_rules.empty()); }
 	DensityRuleQuery density_query() const;
@@ -126,19 +156,24 @@ private:
 	Status find_probes(const Surface *grown, const std::atomic<bool> *cancel);
 	Status find_probes_on(const Surface &grown, const std::atomic<bool> *cancel);
 	Status evaluate_probes();
-	bool probe_allows(std::size_t probe, const Ground &ground) const;
+	bool probe_allows(std::size_t probe, std::span<const Ground> ground) const;
 	template <class Record>
 	double neighbor_density(std::size_t neighbor, std::size_t point, const Ground &here, const Record &record) const;
 	template <class Record>
-	double edge_density_at(std::size_t point, std::span<const Ground> probe_ground, const Record &record) const;
+	double edge_density_at(std::size_t point, std::span<const Ground> ground, const Record &record) const;
 	template <class Record>
-	double density_alone(std::size_t point, const Ground &here, const Record &record) const;
+	double density_alone(
+			std::size_t point, const Ground &here, std::span<const Ground> ground, const Record &record) const;
 	template <class Record>
 	double product(std::size_t point, std::span<const Ground> ground, const Record &record) const;
 
 	const LayerSettings *layer_ = nullptr;
 	PreparedRules rules_;
 	std::vector<const LayerFilter *> neighbors_;
+	std::vector<const LayerFilter *> measured_; ///< The filters of the layers of world sources, or null.
+	std::vector<std::size_t> rule_sources_;     ///< The sources of the world inputs of the rules' expression.
+	std::vector<std::size_t> mesh_sources_;     ///< The sources that the rules of meshes use, if they are needed.
+	std::vector<TextureWeights> textures_;
 	TileSpace window_;
 	std::size_t sampled_ = 0;
 	bool on_surface_ = false; ///< True if the points are on surfaces.

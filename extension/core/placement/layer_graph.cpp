@@ -1,6 +1,7 @@
 #include "core/placement/layer_graph.hpp"
 
 #include "core/base/check.hpp"
+#include "core/placement/edge_probes.hpp"
 #include "core/sampling/obstacles.hpp"
 
 #include <algorithm>
@@ -43,10 +44,21 @@ std::array<const InstanceSource *, 3> sources_of(const LayerGraph::Node &node) {
 											: distance_sources_at(*node.layer, node.depth);
 }
 
+/// Return true if the expressions of a layer's rules or meshes need the distance to a source's layer.
+/// Meshes matter only for the layer itself and for hosts.
+bool rules_measure(const LayerGraph::Node &node, const WorldSource &source) {
+	return !node.is_cached && source.layer != nullptr && rules_use(*node.layer, source.input);
+}
+bool measures(const LayerGraph::Node &node, const WorldSource &source) {
+	return rules_measure(node, source) ||
+			(source.layer != nullptr && (node.depth == 0 || node.is_host) && meshes_use(*node.layer, source.input));
+}
+
 Status too_deep(std::size_t depth) {
 	return Status::out_of_range("depth of neighbors", depth,
 			at_most(max_neighbor_depth, "layers in a chain that refer to each other"),
-			"Remove spacing, proximity_layer, surface_layers, scale_value or color_value from a layer of the chain");
+			"Remove spacing, proximity_layer, surface_layers, scale_value, color_value or distance() from a layer of "
+			"the chain");
 }
 
 } // namespace
@@ -91,6 +103,12 @@ void LayerGraph::add(const LayerSettings &layer, std::size_t depth) {
 			add(*source->layer, depth + 1);
 		}
 	}
+	for (const WorldSource &source : layer.world_sources) {
+		if (status_.ok() && source.layer != nullptr &&
+				(rules_use(layer, source.input) || meshes_use(layer, source.input))) {
+			add(*source.layer, depth + 1);
+		}
+	}
 	if (status_.ok() && size_ == nodes_.size()) {
 		status_ = Status::out_of_range("neighbors of neighbors", size_ + 1, at_most(nodes_.size(), "layers in all"),
 				"Remove entries of spacing from the layers that this one refers to");
@@ -131,8 +149,8 @@ void LayerGraph::find_margins() {
 			other.is_filled_around = other.is_filled_around || node.is_filled_around;
 			return other;
 		};
-		const auto include = [&extend, &node](const LayerSettings *layer, double distance) {
-			Node &other = extend(layer, distance);
+		const auto include = [&extend, &node](const LayerSettings *layer, double distance, double beyond = 0.0) {
+			Node &other = extend(layer, distance + beyond);
 			other.max_dependent_distance = std::max(other.max_dependent_distance, distance);
 			(distance_in_space(*node.layer, *layer) ? other.needed_in_space : other.needed_on_plane) = true;
 		};
@@ -152,6 +170,15 @@ void LayerGraph::find_margins() {
 		for (const InstanceSource *source : sources_of(node)) {
 			if (source != nullptr) {
 				include(source->layer.get(), source->max);
+			}
+		}
+		for (const WorldSource &source : node.layer->world_sources) {
+			if (measures(node, source)) {
+				// Edge probes evaluate the expression of the rules, too.
+				const double beyond = rules_measure(node, source)
+						? edge_reach(node.layer->rules.edge_feather, node.layer->set.on_surface)
+						: 0.0;
+				include(source.layer.get(), source.input.max_distance, beyond);
 			}
 		}
 	}
@@ -185,6 +212,11 @@ void LayerGraph::use_cache(Cached cached) {
 		for (const InstanceSource *source : sources_of(node)) {
 			if (source != nullptr) {
 				needed[index_of(source->layer.get())] = true;
+			}
+		}
+		for (const WorldSource &source : node.layer->world_sources) {
+			if (measures(node, source)) {
+				needed[index_of(source.layer.get())] = true;
 			}
 		}
 	}

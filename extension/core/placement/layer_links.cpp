@@ -183,6 +183,11 @@ std::vector<LinkedLayer> link_layers(
 		settings.instance_data.color.layer = layer_at(earlier, found[i].color_layer);
 		settings.instance_data.variation.layer = layer_at(earlier, found[i].variation_layer);
 		settings.instance_data.scale.layer = layer_at(earlier, found[i].scale_layer);
+		for (WorldSource &source : settings.world_sources) {
+			if (source.input.kind == WorldInputKind::distance) {
+				source.layer = layer_at(earlier, find(links, LayerReference(source.input.name)));
+			}
+		}
 		out.status = validate(settings);
 		if (out.status.ok() && check) {
 			out.status = check(settings, i);
@@ -230,6 +235,9 @@ std::vector<std::string> name_problems(Links layers, std::size_t index) {
 	check_earlier("color_value.layer", layer.color_layer);
 	check_earlier("variation_value.layer", layer.variation_layer);
 	check_earlier("scale_value.layer", layer.scale_layer);
+	for (const std::string &name : layer.measured_layers) {
+		check_earlier("distance() in an expression", name);
+	}
 	for (const LayerReference &reference : layer.surface_layers) {
 		check_earlier("surface_layers", reference);
 	}

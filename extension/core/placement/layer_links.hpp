@@ -56,6 +56,10 @@ struct LayerLinks {
 	LayerReference variation_layer;
 	LayerReference scale_layer;
 
+	/// The names of the layers to which expressions measure distances. They must be earlier in the list
+	/// to have an effect.
+	std::set<std::string> measured_layers;
+
 	/// The layers on whose models this layer grows, if it is on surfaces. Entries have an effect
 	/// only if they refer to layers earlier in the list. If the list is empty, the layer grows on
 	/// the ground.

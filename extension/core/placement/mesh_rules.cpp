@@ -4,6 +4,7 @@
 #include "core/rules/instance_random.hpp"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 
 namespace thicket {
@@ -27,6 +28,10 @@ void MeshRules::set(const LayerSettings &layer) {
 			added.mesh = mesh;
 			// The rules are valid, so the call can fail only for lack of memory.
 			throw_if_out_of_memory(added.rules.set(rules, seed_, sides, layer.planet));
+			for (std::size_t input = 0; rules.expression != nullptr && input < rules.expression->world_inputs().size();
+					++input) {
+				added.sources.push_back(source_of(layer.world_sources, rules.expression->world_inputs()[input]));
+			}
 		}
 	}
 }
@@ -44,13 +49,17 @@ void MeshRules::prepare(std::span<const MeshPoint> points, Scratch &r_scratch) c
 }
 
 /// Writes the densities of a mesh's rules at the points to `r_scratch.densities`, after `prepare`.
-Status MeshRules::find_densities(
-		const PreparedRules &rules, std::span<const MeshPoint> points, Scratch &r_scratch) const {
+Status MeshRules::find_densities(const RuledMesh &mesh, std::span<const MeshPoint> points, Scratch &r_scratch) const {
 	r_scratch.densities.resize(points.size());
 	const PositionBatch batch{r_scratch.positions, r_scratch.heights};
-	const Status status = rules.position_densities(batch, r_scratch.densities, r_scratch.fields);
+	const Status status = mesh.rules.position_densities(batch, r_scratch.densities, r_scratch.fields);
+	std::array<float, max_world_inputs> world;
+	const std::span<const float> used = std::span<const float>(world).first(mesh.sources.size());
 	for (std::size_t i = 0; status.ok() && i < points.size(); ++i) {
-		r_scratch.densities[i] *= rules.ground_density(points[i].ground, points[i].position);
+		for (std::size_t input = 0; input < mesh.sources.size(); ++input) {
+			world[input] = points[i].world_values[mesh.sources[input]];
+		}
+		r_scratch.densities[i] *= mesh.rules.ground_density(points[i].ground, points[i].position, NoRecord(), used);
 	}
 	return status;
 }
@@ -64,7 +73,7 @@ Status MeshRules::choose(
 		std::fill_n(r_scratch.weights.data() + mesh * count, count, weights_[mesh]);
 	}
 	for (const RuledMesh &each : ruled_) {
-		if (const Status status = find_densities(each.rules, points, r_scratch); !status.ok()) {
+		if (const Status status = find_densities(each, points, r_scratch); !status.ok()) {
 			return status;
 		}
 		for (std::size_t i = 0; i < count; ++i) {
@@ -100,10 +109,14 @@ Status MeshRules::find_shares(const MeshPoint &point, std::vector<MeshShare> &r_
 		r_shares[mesh].weight = weights_[mesh];
 	}
 	for (const RuledMesh &each : ruled_) {
-		if (const Status status = find_densities(each.rules, {&point, 1}, scratch); !status.ok()) {
+		if (const Status status = find_densities(each, {&point, 1}, scratch); !status.ok()) {
 			return status;
 		}
 		r_shares[each.mesh].density = scratch.densities.front();
+		for (std::size_t input = 0; input < each.sources.size(); ++input) {
+			r_shares[each.mesh].inputs.push_back(
+					{each.rules.rules().expression->world_inputs()[input], point.world_values[each.sources[input]]});
+		}
 	}
 	const auto sum_of = [&r_shares](const auto &weight_of) {
 		return std::accumulate(r_shares.begin(), r_shares.end(), 0.0,

@@ -20,6 +20,8 @@ struct MeshPoint {
 	std::uint64_t id = 0;
 	glm::dvec2 position{0.0}; ///< World meters.
 	Ground ground;
+	/// The values of LayerSettings::world_sources; empty if no mesh needs any.
+	std::span<const float> world_values{};
 };
 
 /// How one mesh takes part in the choice for an instance.
@@ -27,6 +29,12 @@ struct MeshShare {
 	double weight = 1.0;      ///< The mesh's entry in LayerSettings::mesh_weights.
 	double density = 1.0;     ///< The density of the mesh's rules at the instance, 0 to 1.
 	double probability = 1.0; ///< The probability with which instances there get the mesh.
+
+	struct Input {
+		WorldInput input;
+		float value = 0.0f;
+	};
+	std::vector<Input> inputs{}; ///< The world inputs of the mesh's expression.
 };
 
 /// Assigns meshes to the instances of a layer whose meshes have rules (LayerSettings::mesh_rules).
@@ -65,10 +73,11 @@ private:
 	struct RuledMesh {
 		std::size_t mesh = 0;
 		PreparedRules rules;
+		std::vector<std::size_t> sources; ///< The sources of the world inputs of the expression.
 	};
 
 	void prepare(std::span<const MeshPoint> points, Scratch &r_scratch) const;
-	Status find_densities(const PreparedRules &rules, std::span<const MeshPoint> points, Scratch &r_scratch) const;
+	Status find_densities(const RuledMesh &mesh, std::span<const MeshPoint> points, Scratch &r_scratch) const;
 
 	std::vector<RuledMesh> ruled_; ///< The meshes that have rules.
 	std::vector<double> weights_;  ///< The plain weights of all meshes.

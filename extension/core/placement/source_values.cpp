@@ -93,10 +93,11 @@ Status SourceValues::find(const InstanceSource &source, const Layer &layer, cons
 	return {};
 }
 
-Status SourceValues::find(const TileFilter &filter, PlacedPoints &r_points, const std::atomic<bool> *cancel) {
+Status SourceValues::find(const TileFilter &filter, std::span<const Ground> ground, PlacedPoints &r_points,
+		const std::atomic<bool> *cancel) {
 	const Layer layer{filter, filter.own()};
 	const InstanceData &data = layer.own.settings().instance_data;
-	Status status = find_scales(filter, layer.own, r_points, cancel);
+	Status status = find_for_model(filter, layer.own, ground, r_points, cancel);
 	if (status.ok() && data.color_is_known()) {
 		status = find(data.color, layer, r_points, cancel, color_);
 		r_points.color_fractions = color_;
@@ -108,15 +109,32 @@ Status SourceValues::find(const TileFilter &filter, PlacedPoints &r_points, cons
 	return status;
 }
 
-Status SourceValues::find_scales(
-		const TileFilter &filter, const LayerFilter &layer, PlacedPoints &r_points, const std::atomic<bool> *cancel) {
+Status SourceValues::find_for_model(const TileFilter &filter, const LayerFilter &layer, std::span<const Ground> ground,
+		PlacedPoints &r_points, const std::atomic<bool> *cancel) {
 	const ScaleSource &scale = layer.settings().instance_data.scale;
-	if (!scale.known()) {
-		return {};
+	Status status;
+	if (scale.known()) {
+		status = find(scale, {filter, layer}, r_points, cancel, scale_);
+		r_points.scale_fractions = scale_;
 	}
-	const Status status = find(scale, {filter, layer}, r_points, cancel, scale_);
-	r_points.scale_fractions = scale_;
-	return status;
+	return status.ok() ? find_world_values(layer, ground, r_points, cancel) : status;
+}
+
+/// Finds the values that the rules of meshes need.
+Status SourceValues::find_world_values(const LayerFilter &layer, std::span<const Ground> ground, PlacedPoints &r_points,
+		const std::atomic<bool> *cancel) {
+	const std::size_t sources = layer.mesh_source_count() > 0 ? layer.settings().world_sources.size() : 0;
+	world_.resize(sources * r_points.positions.size());
+	for (std::size_t i = 0; sources > 0 && i < r_points.accepted.size(); ++i) {
+		if (i % values_per_check == 0 && is_cancelled(cancel)) {
+			return {ErrorCode::cancelled, "tile", 0.0};
+		}
+		const std::uint32_t point = r_points.accepted[i];
+		layer.world_values(point, ground, std::span(world_).subspan(sources * point, sources));
+	}
+	r_points.world_values = world_;
+	r_points.world_sources = sources;
+	return {};
 }
 
 } // namespace thicket

@@ -16,15 +16,17 @@ namespace thicket {
 /// class reuses its memory. `filter` has filtered the layer itself and those on which it depends.
 class SourceValues {
 public:
-	/// Sets the fractions in `r_points`, which must be the points of the filter's own layer. The
+	/// Sets the fractions and the world values in `r_points`, which must be the points of the filter's
+	/// own layer. `ground` is the ground at all positions of this layer (TileFilter::all_own_ground). The
 	/// spans are valid until the next call. If a noise field fails, returns its error. Returns
 	/// ErrorCode::cancelled if `cancel` is set. Throws std::bad_alloc.
-	Status find(const TileFilter &filter, PlacedPoints &r_points, const std::atomic<bool> *cancel);
-
-	/// Sets only the fractions for scales, under the same conditions. `layer` is the layer of the
-	/// points: any layer of the filter that is not cached.
-	Status find_scales(const TileFilter &filter, const LayerFilter &layer, PlacedPoints &r_points,
+	Status find(const TileFilter &filter, std::span<const Ground> ground, PlacedPoints &r_points,
 			const std::atomic<bool> *cancel);
+
+	/// Sets only the fractions for scales and the world values, under the same conditions. `layer` is the
+	/// layer of the points: any layer of the filter that is not cached.
+	Status find_for_model(const TileFilter &filter, const LayerFilter &layer, std::span<const Ground> ground,
+			PlacedPoints &r_points, const std::atomic<bool> *cancel);
 
 private:
 	/// A layer whose sources are evaluated.
@@ -37,11 +39,14 @@ private:
 			const std::atomic<bool> *cancel, std::vector<float> &r_fractions);
 	Status measure(const InstanceSource &source, const Layer &layer, const PlacedPoints &points, std::size_t first,
 			std::span<double> r_values);
+	Status find_world_values(const LayerFilter &layer, std::span<const Ground> ground, PlacedPoints &r_points,
+			const std::atomic<bool> *cancel);
 	std::span<const float> heights_of(const PlacedPoints &points, std::span<const std::uint32_t> accepted);
 
 	std::vector<float> color_;     ///< One entry per point; unspecified for points that are not kept.
 	std::vector<float> variation_; ///< The variation of each point, under the same conditions.
 	std::vector<float> scale_;     ///< The scale's fraction of each point, under the same conditions.
+	std::vector<float> world_;     ///< One entry per world source for each point, under the same conditions.
 
 	// Working memory for one batch of points.
 	std::vector<double> values_;

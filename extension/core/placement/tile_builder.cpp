@@ -192,7 +192,7 @@ Status TileBuilder::Workspace::place(
 	if (!own.settings().set.on_surface) {
 		choose_probes(points.positions, points.ground, probes);
 	}
-	Status status = fractions.find(filter, points, cancel);
+	Status status = fractions.find(filter, filter.all_own_ground(known), points, cancel);
 	if (status.ok()) {
 		status = writer.write(own.settings(), points, origin(known), r_tile, cancel);
 	}

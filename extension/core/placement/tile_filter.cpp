@@ -18,10 +18,15 @@ void TileFilter::set(const LayerSettings &layer, const Terrain *terrain, double 
 	cached_on_ = instances_ != nullptr && terrain != nullptr && terrain->version() != 0 ? terrain : nullptr;
 	// In large tiles of a layer that no chain of filling layers precedes, little of the earlier layers
 	// is shared, and a cache of their points (AreaCache) is faster.
-	cached_ = cached_on_ == nullptr                  ? LayerGraph::Cached::none
-			: InstanceCache::has_tiles(layer, width) ? LayerGraph::Cached::all
-			: std::isfinite(width)                   ? LayerGraph::Cached::chains
-													 : LayerGraph::Cached::earlier;
+	// The cache has no weights of textures for the choice of meshes.
+	const auto needs_weights = [&layer](const WorldSource &source) {
+		return source.input.kind == WorldInputKind::texture && meshes_use(layer, source.input);
+	};
+	const bool may_have_tiles = std::ranges::none_of(layer.world_sources, needs_weights);
+	cached_ = cached_on_ == nullptr                                    ? LayerGraph::Cached::none
+			: may_have_tiles && InstanceCache::has_tiles(layer, width) ? LayerGraph::Cached::all
+			: std::isfinite(width)                                     ? LayerGraph::Cached::chains
+																	   : LayerGraph::Cached::earlier;
 	set_graph();
 }
 
@@ -38,7 +43,15 @@ void TileFilter::set_graph() {
 		for (std::size_t n = 0; n < count; ++n) {
 			neighbors[n] = layers_[graph_.index_of(settings.neighbors[n].layer.get())].get();
 		}
-		layers_[i]->set(settings, std::span(neighbors).first(count));
+		std::array<const LayerFilter *, max_world_sources> measured{};
+		const std::size_t sources = settings.world_sources.size();
+		for (std::size_t source = 0; source < sources; ++source) {
+			const std::size_t at = graph_.index_of(settings.world_sources[source].layer.get());
+			measured[source] = at < size() ? layers_[at].get() : nullptr;
+		}
+		const bool chooses_meshes = i + 1 == size() || graph_.nodes()[i].is_host;
+		layers_[i]->set(
+				settings, std::span(neighbors).first(count), std::span(measured).first(sources), chooses_meshes);
 	}
 }
 
@@ -97,7 +110,7 @@ Status TileFilter::models_around(std::size_t index, std::span<const Ground> grou
 		const LayerFilter &filter = layer(at);
 		PlacedPoints points{filter.positions(), filter.ground_of(ground_at(at, ground)), filter.ids(),
 				filter.accepted(), filter.thinning_ranks()};
-		Status status = values.find_scales(*this, filter, points, cancel);
+		Status status = values.find_for_model(*this, filter, ground_at(at, ground), points, cancel);
 		if (status.ok()) {
 			status = hosts.add(host, points);
 		}
@@ -216,8 +229,17 @@ bool TileFilter::is_ready(std::size_t index) const {
 		const ScaleSource &scale = host.layer->instance_data.scale;
 		return scale.kind != SourceKind::distance || !scale.known() || is_filtered(scale);
 	};
+	const auto is_measured = [&is_filtered, &settings](const WorldSource &source) {
+		return source.layer == nullptr || !rules_use(settings, source.input) || is_filtered(source);
+	};
+	const auto has_meshes = [&is_filtered](const HostLayer &host) {
+		return std::ranges::all_of(host.layer->world_sources, [&](const WorldSource &source) {
+			return source.layer == nullptr || !meshes_use(*host.layer, source.input) || is_filtered(source);
+		});
+	};
 	return std::ranges::all_of(settings.neighbors, is_filtered) && std::ranges::all_of(settings.hosts, is_filtered) &&
-			std::ranges::all_of(settings.hosts, has_scale);
+			std::ranges::all_of(settings.hosts, has_scale) && std::ranges::all_of(settings.hosts, has_meshes) &&
+			std::ranges::all_of(settings.world_sources, is_measured);
 }
 
 Status TileFilter::sample_further(
@@ -296,10 +318,6 @@ std::span<const Ground> TileFilter::ground_at(std::size_t index, std::span<const
 	const std::span<const Ground> of_step =
 			step_of_[index] < step_ ? std::span<const Ground>(earlier_ground_[step_of_[index]]) : ground;
 	return of_step.subspan(first, layer(index).position_count());
-}
-
-std::span<const Ground> TileFilter::own_ground(std::span<const Ground> ground) const {
-	return own().ground_of(own().position_count() > 0 ? ground_at(size() - 1, ground) : std::span<const Ground>());
 }
 
 Status TileFilter::filter_layer(std::size_t index, std::span<const Ground> ground, const std::atomic<bool> *cancel) {

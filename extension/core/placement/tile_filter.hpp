@@ -69,12 +69,15 @@ public:
 	/// graph, and their queries.
 	void add_queries(std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const;
 
-	/// Returns the ground at the points of the layer itself. `ground` is the same as for `filter`.
-	std::span<const Ground> own_ground(std::span<const Ground> ground) const;
-
-	/// Returns the ground at all positions of the layer itself, including its edge probes.
+	/// Returns the ground at all queried positions of the layer itself, including its edge probes.
+	/// `ground` is the same as for `filter`.
 	std::span<const Ground> all_own_ground(std::span<const Ground> ground) const {
-		return ground_at(size() - 1, ground);
+		return own().position_count() > 0 ? ground_at(size() - 1, ground) : std::span<const Ground>();
+	}
+
+	/// Returns the ground at the points of the layer itself.
+	std::span<const Ground> own_ground(std::span<const Ground> ground) const {
+		return own().ground_of(all_own_ground(ground));
 	}
 
 	/// Filters all layers. `ground` contains the ground at the positions of the last step.

@@ -123,7 +123,9 @@ Status TileFilter::generate_block(std::size_t index, const Rect &rect, const std
 	LayerSettings settings = *graph_.nodes()[index].layer;
 	const bool has_tiles = fills(settings);
 	const bool normals = has_tiles && follows_normals(settings);
-	settings.instance_data = {}; // The appearance may depend on further layers, and does not matter here.
+	// The appearance and the meshes may depend on other layers, and do not matter here.
+	settings.instance_data = {};
+	settings.mesh_rules.clear();
 	made.filter.set(settings, cached_on_, std::numeric_limits<double>::infinity());
 	made.filter.queries_normals_ = normals;
 	Status status = made.filter.sample(rect, cached_on_->surface(), cancel);

@@ -77,7 +77,7 @@ Status TilePieces::Worker::find(
 	}
 	const LayerFilter &own = filter.own();
 	PlacedPoints points{own.positions(), filter.own_ground(ground), own.ids(), own.accepted(), own.thinning_ranks()};
-	status = fractions.find(filter, points, cancel);
+	status = fractions.find(filter, filter.all_own_ground(ground), points, cancel);
 	const auto choose = [&](const auto &from, auto &r_to) {
 		r_to.reserve(from.empty() ? 0 : points.accepted.size());
 		for (std::size_t i = 0; i < points.accepted.size() && !from.empty(); ++i) {
@@ -90,6 +90,12 @@ Status TilePieces::Worker::find(
 	choose(points.color_fractions, r_found.color_fractions);
 	choose(points.variation_fractions, r_found.variation_fractions);
 	choose(points.scale_fractions, r_found.scale_fractions);
+	r_found.world_sources = points.world_sources;
+	r_found.world_values.reserve(points.world_sources * points.accepted.size());
+	for (std::size_t i = 0; points.world_sources > 0 && i < points.accepted.size(); ++i) {
+		const std::span<const float> values = points.world_values_of(points.accepted[i]);
+		r_found.world_values.insert(r_found.world_values.end(), values.begin(), values.end());
+	}
 	r_found.thinning_ranks.assign(points.thinning_ranks.begin(), points.thinning_ranks.end());
 	r_found.counts = {own.sampled(), own.positions().size(), own.accepted().size()};
 	r_found.stats = filter.sample_stats();
@@ -104,6 +110,7 @@ void TilePieces::reserve_pieces() {
 	bool scales = false;
 	counts_ = {};
 	stats_ = {};
+	world_sources_ = 0;
 	for (Found &found : found_) {
 		found.first = std::exchange(total, total + found.ids.size());
 		counts_.sampled += found.counts.sampled;
@@ -113,6 +120,7 @@ void TilePieces::reserve_pieces() {
 		colors = colors || !found.color_fractions.empty();
 		variations = variations || !found.variation_fractions.empty();
 		scales = scales || !found.scale_fractions.empty();
+		world_sources_ = std::max(world_sources_, found.world_sources);
 	}
 	positions_.resize(total);
 	ground_.resize(total);
@@ -122,6 +130,7 @@ void TilePieces::reserve_pieces() {
 	color_fractions_.resize(colors ? total : 0);
 	variation_fractions_.resize(variations ? total : 0);
 	scale_fractions_.resize(scales ? total : 0);
+	world_values_.resize(world_sources_ * total);
 }
 
 /// Moves the results of a piece to the common arrays.
@@ -136,6 +145,7 @@ void TilePieces::gather(Found &r_found) {
 	put(r_found.color_fractions, color_fractions_, r_found.first);
 	put(r_found.variation_fractions, variation_fractions_, r_found.first);
 	put(r_found.scale_fractions, scale_fractions_, r_found.first);
+	put(r_found.world_values, world_values_, world_sources_ * r_found.first);
 }
 
 Status TilePieces::find(const LayerSettings &layer, const Terrain &terrain, const PieceGrid &grid,
@@ -179,7 +189,7 @@ Status TilePieces::find(const LayerSettings &layer, const Terrain &terrain, cons
 
 PlacedPoints TilePieces::points() const {
 	return {positions_, ground_, ids_, accepted_, thinning_ranks_, color_fractions_, variation_fractions_,
-			scale_fractions_};
+			scale_fractions_, world_values_, world_sources_};
 }
 
 } // namespace thicket

@@ -69,6 +69,8 @@ private:
 		std::vector<float> color_fractions;
 		std::vector<float> variation_fractions;
 		std::vector<float> scale_fractions;
+		std::vector<float> world_values;
+		std::size_t world_sources = 0;
 		TileCounts counts;
 		SampleStats stats;
 		std::size_t first = 0; ///< Index of the piece's first point in the common arrays.
@@ -106,6 +108,8 @@ private:
 	UnfilledVector<float> color_fractions_;
 	UnfilledVector<float> variation_fractions_;
 	UnfilledVector<float> scale_fractions_;
+	UnfilledVector<float> world_values_;
+	std::size_t world_sources_ = 0;
 };
 
 } // namespace thicket

@@ -43,6 +43,7 @@ double DensityExpression::run(
 					case ExpressionInput::z: *++top = inputs.position.z; break;
 				}
 				break;
+			case Operation::world_input: *++top = double{inputs.world[step->world_input]}; break;
 			case Operation::noise:
 				*++top = in_space ? uniform_noise(inputs.position, step->number, seed)
 								  : uniform_noise(glm::dvec2(inputs.position.x, inputs.position.z), step->number, seed);

@@ -1,10 +1,13 @@
 #pragma once
 
+#include "core/rules/world_input.hpp"
+
 #include <glm/vec3.hpp>
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,6 +31,8 @@ struct ExpressionInputs {
 	double slope = 0.0;
 	double water_depth = 0.0;
 	glm::dvec3 position{0.0}; ///< World position in meters; y matters only for noise in space.
+	/// The value of each of DensityExpression::world_inputs.
+	std::span<const float> world{};
 };
 
 /// The reason why a text is not a valid expression.
@@ -52,6 +57,9 @@ public:
 	const std::string &text() const { return text_; }
 	bool uses(ExpressionInput input) const { return uses_[static_cast<std::size_t>(input)]; }
 
+	/// Returns the inputs that the layer provides, each once, at most max_world_inputs.
+	std::span<const WorldInput> world_inputs() const { return world_inputs_; }
+
 	/// Returns the value at a position. `seed` selects the noise. If `in_space` is true, the noise
 	/// also depends on y.
 	double at(const ExpressionInputs &inputs, std::uint64_t seed, bool in_space) const;
@@ -65,6 +73,7 @@ private:
 	enum class Operation : std::uint8_t {
 		constant,
 		input,
+		world_input,
 		noise,
 		negate,
 		add,
@@ -88,7 +97,8 @@ private:
 	struct Step {
 		Operation operation = Operation::constant;
 		ExpressionInput input = ExpressionInput::height;
-		double number = 0.0; ///< The constant, or the size of the noise in meters.
+		std::uint8_t world_input = 0; ///< Index in world_inputs_.
+		double number = 0.0;          ///< The constant, or the size of the noise in meters.
 	};
 
 	static double run(
@@ -96,6 +106,7 @@ private:
 
 	std::string text_;
 	std::vector<Step> steps_;
+	std::vector<WorldInput> world_inputs_;
 	bool uses_[expression_input_count] = {};
 };
 

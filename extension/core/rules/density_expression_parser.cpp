@@ -1,3 +1,4 @@
+#include "core/rules/biome_map.hpp"
 #include "core/rules/clump_noise.hpp"
 #include "core/rules/density_expression.hpp"
 
@@ -20,8 +21,12 @@ constexpr double max_digits_value = 1e15;
 constexpr int max_exponent = 22;
 
 constexpr std::array<std::string_view, expression_input_count> input_names{"height", "slope", "water_depth", "x", "z"};
-constexpr const char *input_list = "height, slope, water_depth, x and z";
-constexpr const char *function_list = "abs, floor, sqrt, min, max, clamp, lerp, inverse_lerp, smoothstep and noise";
+constexpr const char *input_list = "height, slope, water_depth, x, z, mask_red, mask_green, mask_blue and mask_alpha";
+constexpr const char *function_list =
+		"abs, floor, sqrt, min, max, clamp, lerp, inverse_lerp, smoothstep, noise, biome, "
+		"texture and distance";
+
+constexpr double max_biome_number = static_cast<double>(max_biomes - 1);
 
 bool is_digit(char character) { return character >= '0' && character <= '9'; }
 
@@ -50,6 +55,7 @@ public:
 					"\": use + - * / < <= > or >=, or remove it");
 		}
 		r_expression.steps_ = std::move(steps_);
+		r_expression.world_inputs_ = std::move(world_inputs_);
 		for (const Step &step : r_expression.steps_) {
 			if (step.operation == Operation::input) {
 				r_expression.uses_[static_cast<std::size_t>(step.input)] = true;
@@ -81,6 +87,23 @@ private:
 			Function{"inverse_lerp", Operation::inverse_lerp, 3},
 			Function{"smoothstep", Operation::smoothstep, 3},
 			Function{"noise", Operation::noise, 1},
+	};
+
+	/// A function whose arguments name a source and are no expressions.
+	struct WorldFunction {
+		std::string_view name;
+		WorldInputKind kind;
+		const char *remedy;
+	};
+	static constexpr std::array world_functions{
+			WorldFunction{"biome", WorldInputKind::biome,
+					"biome must have the name of a biome, or its index between 0 and 31, for example "
+					"biome(\"Forest\")"},
+			WorldFunction{"texture", WorldInputKind::texture,
+					"texture must have the number of a texture between 0 and 255, for example texture(3)"},
+			WorldFunction{"distance", WorldInputKind::distance,
+					"distance must have the name of a layer and a maximum distance between 0.001 and 1000 m, for "
+					"example distance(\"Oaks\", 20)"},
 	};
 
 	static void uses_position(DensityExpression &r_expression) {
@@ -272,15 +295,25 @@ private:
 		}
 		const std::string_view name = text_.substr(start, at_ - start);
 		if (take("(")) {
+			if (const auto world = std::ranges::find(world_functions, name, &WorldFunction::name);
+					world != world_functions.end()) {
+				return call_world(*world, start);
+			}
 			const auto function = std::ranges::find(functions, name, &Function::name);
 			return function != functions.end()
 					? call(*function, start)
 					: fail_at(start,
 							  "has no function \"" + std::string(name) + "\": the functions are " + function_list);
 		}
+		const auto channel = std::ranges::find(mask_channel_inputs, name);
+		if (channel != mask_channel_inputs.end()) {
+			const auto number = static_cast<std::int32_t>(channel - mask_channel_inputs.begin());
+			return push_world({.kind = WorldInputKind::mask, .number = number}, start);
+		}
 		const auto input = std::ranges::find(input_names, name);
 		if (input == input_names.end()) {
-			const bool is_function = std::ranges::find(functions, name, &Function::name) != functions.end();
+			const bool is_function = std::ranges::find(functions, name, &Function::name) != functions.end() ||
+					std::ranges::find(world_functions, name, &WorldFunction::name) != world_functions.end();
 			return fail_at(start,
 					is_function ? "expected \"(\" after " + std::string(name)
 								: "has no input \"" + std::string(name) + "\": the inputs are " + input_list);
@@ -318,6 +351,69 @@ private:
 		return true;
 	}
 
+	/// Appends a world input, or reuses it if the expression already has it.
+	bool push_world(const WorldInput &input, std::size_t start) {
+		const auto known = std::ranges::find(world_inputs_, input);
+		const auto index = static_cast<std::size_t>(known - world_inputs_.begin());
+		if (known == world_inputs_.end()) {
+			if (index == max_world_inputs) {
+				return fail_at(start,
+						"has too many inputs: an expression must have at most " + std::to_string(max_world_inputs) +
+								" biomes, textures, distances and mask channels. Remove some");
+			}
+			world_inputs_.push_back(input);
+		}
+		return push({.operation = Operation::world_input, .world_input = static_cast<std::uint8_t>(index)});
+	}
+
+	/// Parses the arguments of a world function, after its opening parenthesis.
+	bool call_world(const WorldFunction &function, std::size_t start) {
+		WorldInput input{.kind = function.kind};
+		bool is_valid = false;
+		switch (function.kind) {
+			case WorldInputKind::biome: is_valid = quoted(input.name) || integer(max_biome_number, input.number); break;
+			case WorldInputKind::texture: is_valid = integer(max_input_texture, input.number); break;
+			case WorldInputKind::distance:
+				is_valid = quoted(input.name) && take(",") && distance(input.max_distance);
+				break;
+			case WorldInputKind::mask: break; // Channels are inputs without arguments.
+		}
+		return is_valid && take(")") ? push_world(input, start) : fail_at(start, function.remedy);
+	}
+
+	/// Reads a name in double or single quotes that is not empty.
+	bool quoted(std::string &r_name) {
+		skip_spaces();
+		if (at_ == text_.size() || (text_[at_] != '"' && text_[at_] != '\'')) {
+			return false;
+		}
+		const std::size_t end = text_.find(text_[at_], at_ + 1);
+		if (end == std::string_view::npos || end == at_ + 1) {
+			return false;
+		}
+		r_name = text_.substr(at_ + 1, end - at_ - 1);
+		at_ = end + 1;
+		return true;
+	}
+
+	/// Reads a constant integer from 0 to `max`.
+	bool integer(double max, std::int32_t &r_number) {
+		skip_spaces();
+		const std::optional<double> value = read_number();
+		if (!value.has_value() || !(*value <= max) || *value != std::floor(*value)) {
+			return false;
+		}
+		r_number = static_cast<std::int32_t>(*value);
+		return true;
+	}
+
+	bool distance(double &r_distance) {
+		skip_spaces();
+		const std::optional<double> value = read_number();
+		r_distance = value.value_or(0.0);
+		return r_distance >= min_input_distance && r_distance <= max_input_distance;
+	}
+
 	/// Replaces the last value, which must be a constant, by noise of that size.
 	bool make_noise(std::size_t start) {
 		Step &size = steps_.back();
@@ -335,6 +431,7 @@ private:
 	std::size_t depth_ = 0;
 	std::size_t nesting_ = 0;
 	std::vector<Step> steps_;
+	std::vector<WorldInput> world_inputs_;
 };
 
 std::shared_ptr<const DensityExpression> DensityExpression::compile(std::string_view text, ExpressionError &r_error) {

@@ -195,8 +195,9 @@ double PreparedRules::water_density(double height, const glm::dvec3 &position, c
 
 /// Returns the density of the expression, which must exist.
 template <class Record>
-double PreparedRules::expression_density(const Ground &ground, const glm::dvec3 &position, const Record &record) const {
-	ExpressionInputs inputs{.height = ground.height, .position = position};
+double PreparedRules::expression_density(
+		const Ground &ground, const glm::dvec3 &position, const Record &record, std::span<const float> world) const {
+	ExpressionInputs inputs{.height = ground.height, .position = position, .world = world};
 	if (expression_uses(ExpressionInput::slope)) {
 		inputs.slope = slope_degrees(ground.normal);
 	}
@@ -209,13 +210,16 @@ double PreparedRules::expression_density(const Ground &ground, const glm::dvec3 
 
 /// Returns the density of the ground at a position on the planet, which must exist.
 template <class Record>
-double PreparedRules::density_on_planet(const Ground &ground, glm::dvec2 position, const Record &record) const {
-	return density_of_limits(on_planet(planet_, position, ground), {position.x, ground.height, position.y}, record);
+double PreparedRules::density_on_planet(
+		const Ground &ground, glm::dvec2 position, const Record &record, std::span<const float> world) const {
+	const glm::dvec3 in_world(position.x, ground.height, position.y);
+	return density_of_limits(on_planet(planet_, position, ground), in_world, record, world);
 }
 
 /// Evaluates ground in the frame of the planet, if there is one. `position` is in world meters.
 template <class Record>
-double PreparedRules::density_of_limits(const Ground &ground, const glm::dvec3 &position, const Record &record) const {
+double PreparedRules::density_of_limits(
+		const Ground &ground, const glm::dvec3 &position, const Record &record, std::span<const float> world) const {
 	if (!is_ground(ground, sides_)) {
 		return record(RuleKind::ground, ground.height, 0.0);
 	}
@@ -252,7 +256,7 @@ double PreparedRules::density_of_limits(const Ground &ground, const glm::dvec3 &
 		}
 	}
 	if (rules_.expression != nullptr && (Record::complete || density > 0.0)) {
-		density *= expression_density(ground, position, record);
+		density *= expression_density(ground, position, record, world);
 	}
 	if constexpr (Record::complete) {
 		float product = 1.0f;
@@ -277,10 +281,14 @@ double PreparedRules::shape_density(std::span<const std::uint32_t> nearby_shapes
 	return record(RuleKind::shapes, effect.density(), effect.density(), effect.decisive());
 }
 
-template double PreparedRules::density_on_planet(const Ground &, glm::dvec2, const NoRecord &) const;
-template double PreparedRules::density_on_planet(const Ground &, glm::dvec2, const RuleRecord &) const;
-template double PreparedRules::density_of_limits(const Ground &, const glm::dvec3 &, const NoRecord &) const;
-template double PreparedRules::density_of_limits(const Ground &, const glm::dvec3 &, const RuleRecord &) const;
+template double PreparedRules::density_on_planet(
+		const Ground &, glm::dvec2, const NoRecord &, std::span<const float>) const;
+template double PreparedRules::density_on_planet(
+		const Ground &, glm::dvec2, const RuleRecord &, std::span<const float>) const;
+template double PreparedRules::density_of_limits(
+		const Ground &, const glm::dvec3 &, const NoRecord &, std::span<const float>) const;
+template double PreparedRules::density_of_limits(
+		const Ground &, const glm::dvec3 &, const RuleRecord &, std::span<const float>) const;
 template double PreparedRules::shape_density(
 		std::span<const std::uint32_t>, glm::dvec2, const Ground &, const NoRecord &) const;
 template double PreparedRules::shape_density(

@@ -144,21 +144,24 @@ public:
 	/// Returns the product of the rules that depend on the ground at a world position: limits, curves,
 	/// textures, water depth, the expression, density rules. The product is 0 without ground (see
 	/// is_ground). `record` receives the factors of all rules that have an effect, or only the factor
-	/// of the ground if there is none.
+	/// of the ground if there is none. `world` contains the values of the expression's world inputs.
 	template <class Record = NoRecord>
-	double ground_density(const Ground &ground, glm::dvec2 position, const Record &record = {}) const {
+	double ground_density(const Ground &ground, glm::dvec2 position, const Record &record = {},
+			std::span<const float> world = {}) const {
 		if (planet_.exists()) {
-			return density_on_planet(ground, position, record);
+			return density_on_planet(ground, position, record, world);
 		}
 		if (!Record::complete && slope_alone_) {
 			// Only the slope rule depends on the ground.
 			return is_ground(ground, sides_) ? slope_.density_of(ground.normal) : 0.0;
 		}
-		return density_of_limits(ground, {position.x, ground.height, position.y}, record);
+		return density_of_limits(ground, {position.x, ground.height, position.y}, record, world);
 	}
 
 	/// Returns true if ground_density is above 0.
-	bool allow(const Ground &ground, glm::dvec2 position) const { return ground_density(ground, position) > 0.0; }
+	bool allow(const Ground &ground, glm::dvec2 position, std::span<const float> world = {}) const {
+		return ground_density(ground, position, NoRecord(), world) > 0.0;
+	}
 
 	/// Returns the factor of the shapes. `nearby_shapes` lists the shapes nearby (ShapeSet::near).
 	/// The factor is 1 for a layer without shapes.
@@ -168,10 +171,12 @@ public:
 
 private:
 	template <class Record>
-	double density_on_planet(const Ground &ground, glm::dvec2 position, const Record &record) const;
+	double density_on_planet(
+			const Ground &ground, glm::dvec2 position, const Record &record, std::span<const float> world) const;
 
 	template <class Record>
-	double density_of_limits(const Ground &ground, const glm::dvec3 &position, const Record &record) const;
+	double density_of_limits(
+			const Ground &ground, const glm::dvec3 &position, const Record &record, std::span<const float> world) const;
 
 	double water_level_at(const glm::dvec3 &position) const;
 
@@ -184,7 +189,8 @@ private:
 	}
 
 	template <class Record>
-	double expression_density(const Ground &ground, const glm::dvec3 &position, const Record &record) const;
+	double expression_density(
+			const Ground &ground, const glm::dvec3 &position, const Record &record, std::span<const float> world) const;
 
 	template <class Record>
 	double water_density(double height, const glm::dvec3 &position, const Record &record) const;
