@@ -172,6 +172,7 @@ def assert_passed(done, loads_on_threads=False):
         "test_ground_combined_reports",
         "test_ground_heightmaps",
         "test_heightmaps",
+        "test_expression_inputs",
         "test_layer_rules",
         "test_density_rules",
         "test_layer_placement",

@@ -161,9 +161,9 @@ func test_rejected() -> void:
 		refuse(layer, property, 91.0, ["range"])
 		refuse(layer, property, -1.0, ["range"])
 	refuse(layer, "offset_along_normal", -10001.0, ["range"])
-	for number: int in [-1, 5, 1 << 40]:
+	for number: int in [-1, 6, 1 << 40]:
 		refuse(layer, "mask_texture_channel", number, ["range"])
-		refuse(layer, "mask_texture_edge", number if number != 5 else 4, ["range"])
+		refuse(layer, "mask_texture_edge", number if number != 6 else 4, ["range"])
 	for rect: Rect2 in [Rect2(0, 0, 0, 5), Rect2(0, 0, 5, -1), Rect2(0, 0, NAN, 5), Rect2(INF, 0, 5, 5), Rect2(2e9, 0, 5, 5)]:
 		refuse(layer, "mask_texture_rect", rect)
 	for property: String in ["instance_radius", "instance_height"]:

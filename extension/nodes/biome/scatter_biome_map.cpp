@@ -228,6 +228,18 @@ PerBiome<float> ScatterBiomeMap::densities_of(const Ref<ScatterLayer> &p_layer) 
 	return result;
 }
 
+PerBiome<float> ScatterBiomeMap::weights_for(const WorldInput &input) const {
+	PerBiome<float> result{};
+	const String name = String::utf8(input.name.c_str());
+	for (std::size_t index = 0; index < biome_count(); ++index) {
+		const ScatterBiome *here = biome(index);
+		const bool is_meant = input.name.empty() ? index == static_cast<std::size_t>(input.number)
+												 : here != nullptr && here->get_name() == name;
+		result[index] = is_meant ? 1.0F : 0.0F;
+	}
+	return result;
+}
+
 PerBiome<double> ScatterBiomeMap::water_levels(double node_level) const {
 	PerBiome<double> result{};
 	result.fill(node_level);

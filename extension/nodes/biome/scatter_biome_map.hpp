@@ -130,6 +130,10 @@ public:
 	/// layer.
 	PerBiome<float> densities_of(const godot::Ref<ScatterLayer> &p_layer) const;
 
+	/// Returns 1 for each biome that an input of an expression means, by its name or its index, and 0
+	/// for the others.
+	PerBiome<float> weights_for(const WorldInput &input) const;
+
 	/// Returns the water level in each biome, in world meters or no_water. `node_level` is the
 	/// level of the node, which biomes may inherit.
 	PerBiome<double> water_levels(double node_level) const;

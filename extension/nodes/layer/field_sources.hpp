@@ -45,7 +45,7 @@ std::shared_ptr<const DensityField> noise_field(
 std::shared_ptr<const DensityField> plain_noise_field(const godot::Ref<godot::Noise> &p_noise);
 
 /// The channel of an image to use as a density. Scenes store these values, so they must not change.
-enum class ImageChannel : std::uint8_t { red, green, blue, alpha, luminance };
+enum class ImageChannel : std::uint8_t { red, green, blue, alpha, luminance, none };
 
 /// One channel of an image, 0 to 255, row by row.
 struct ChannelPixels {

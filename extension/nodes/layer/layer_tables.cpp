@@ -24,9 +24,13 @@ std::shared_ptr<const CurveTable> falling_line(double distance) {
 
 } // namespace
 
-void LayerTables::refresh(const MaskFrame &frame, double proximity_distance) {
+void LayerTables::refresh(const MaskFrame &frame, std::uint32_t used_channels, double proximity_distance) {
 	refresh_noise();
-	refresh_image(frame);
+	const bool new_pixels = std::exchange(mask_texture.unread, false);
+	const bool new_area = !same_area(frame, frame_);
+	refresh_image(frame, new_pixels || frame.channel != frame_.channel, new_area);
+	refresh_channels(frame, used_channels, new_pixels, new_area);
+	frame_ = frame;
 	replace(proximity_line, falling_line(proximity_distance));
 }
 
@@ -40,23 +44,53 @@ void LayerTables::refresh_noise() {
 	noise = noise_field(noise_source, noise_curve);
 }
 
-void LayerTables::refresh_image(const MaskFrame &frame) {
-	const bool new_pixels = std::exchange(mask_texture.unread, false) || frame.channel != frame_.channel;
-	if (!new_pixels && same_area(frame, frame_)) {
+/// Reads a channel of the mask texture. Returns no pixels if there is no readable image.
+ChannelPixels LayerTables::pixels_of(ImageChannel channel) const {
+	const Ref<Texture2D> &texture = mask_texture.texture;
+	if (texture.is_null()) {
+		return {};
+	}
+	ChannelPixels pixels = channel_pixels(texture->get_image(), channel);
+	return pixels.values.empty() ? channel_pixels(mask_texture_image, channel) : pixels;
+}
+
+void LayerTables::refresh_channels(
+		const MaskFrame &frame, std::uint32_t used_channels, bool new_pixels, bool new_area) {
+	for (std::size_t channel = 0; channel < channels.size(); ++channel) {
+		ChannelPixels &pixels = channel_pixels_[channel];
+		if ((used_channels >> channel & 1U) == 0) {
+			pixels = {};
+			channels[channel] = nullptr;
+			continue;
+		}
+		const bool reads = new_pixels || pixels.values.empty();
+		if (reads) {
+			pixels = pixels_of(static_cast<ImageChannel>(channel));
+		}
+		if (pixels.values.empty()) {
+			channels[channel] = nullptr;
+			image_missing = image_missing || mask_texture.texture.is_valid();
+		} else if (reads || new_area) {
+			const auto fresh = std::make_shared<ImageMask>();
+			if (fresh->set(pixels.size, pixels.values, frame.area, frame.edge).ok()) {
+				replace<ImageMask>(channels[channel], fresh);
+			}
+		}
+	}
+}
+
+void LayerTables::refresh_image(const MaskFrame &frame, bool new_pixels, bool new_area) {
+	if (!new_pixels && !new_area) {
 		// Neither the pixels nor the area have changed.
 		return;
 	}
-	frame_ = frame;
-	const Ref<Texture2D> texture = mask_texture.texture;
+	const bool is_mask = mask_texture.texture.is_valid() && frame.channel != ImageChannel::none;
 	if (new_pixels) {
-		pixels_ = texture.is_valid() ? channel_pixels(texture->get_image(), frame.channel) : ChannelPixels{};
-		if (texture.is_valid() && pixels_.values.empty()) {
-			pixels_ = channel_pixels(mask_texture_image, frame.channel);
-		}
+		pixels_ = is_mask ? pixels_of(frame.channel) : ChannelPixels{};
 	}
-	image_missing = texture.is_valid() && pixels_.values.empty();
+	image_missing = is_mask && pixels_.values.empty();
 	image_status = {};
-	if (texture.is_null()) {
+	if (!is_mask) {
 		image = nullptr;
 		return;
 	}

@@ -2,12 +2,15 @@
 
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
+#include "core/rules/world_input.hpp"
 #include "nodes/layer/field_sources.hpp"
 
 #include <godot_cpp/classes/image.hpp>
 #include <godot_cpp/classes/texture2d.hpp>
 
+#include <array>
 #include <concepts>
+#include <cstdint>
 #include <memory>
 #include <utility>
 
@@ -47,8 +50,9 @@ void replace(std::shared_ptr<const Table> &r_old, std::shared_ptr<const Table> f
 /// depend on one resource only.
 class LayerTables {
 public:
-	/// Updates the results to match the sources and the properties.
-	void refresh(const MaskFrame &frame, double proximity_distance);
+	/// Updates the results to match the sources and the properties. `used_channels` has the bit of each
+	/// channel of the mask texture that an expression uses.
+	void refresh(const MaskFrame &frame, std::uint32_t used_channels, double proximity_distance);
 
 	// The sources, each created from one resource.
 	std::shared_ptr<const CurveTable> noise_curve;
@@ -61,6 +65,9 @@ public:
 	std::shared_ptr<const DensityField> noise;
 	/// The mask of the texture; 0 everywhere if the texture has no image.
 	std::shared_ptr<const ImageMask> image;
+	/// The used channels of the texture as inputs of expressions, from red to alpha. Null for a channel
+	/// that is not used, or if the texture has no image.
+	std::array<std::shared_ptr<const ImageMask>, mask_channel_inputs.size()> channels;
 	/// The line that replaces a missing proximity curve. Never null after `refresh`.
 	std::shared_ptr<const CurveTable> proximity_line;
 	/// The error of the texture's image. After an error, `image` keeps the last valid mask.
@@ -70,11 +77,14 @@ public:
 
 private:
 	void refresh_noise();
-	void refresh_image(const MaskFrame &frame);
+	void refresh_image(const MaskFrame &frame, bool new_pixels, bool new_area);
+	void refresh_channels(const MaskFrame &frame, std::uint32_t used_channels, bool new_pixels, bool new_area);
+	ChannelPixels pixels_of(ImageChannel channel) const;
 
 	std::shared_ptr<const CurveTable> used_curve_; ///< The curve that `noise` uses.
 	godot::Ref<godot::Noise> used_source_;         ///< The noise that `noise` uses.
 	ChannelPixels pixels_;
+	std::array<ChannelPixels, mask_channel_inputs.size()> channel_pixels_; ///< The pixels of `channels`.
 	MaskFrame frame_; ///< The frame with which `pixels_` and `image` were created.
 };
 

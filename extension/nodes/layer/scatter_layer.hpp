@@ -106,6 +106,7 @@ public:
 		MASK_CHANNEL_BLUE,
 		MASK_CHANNEL_ALPHA,
 		MASK_CHANNEL_LUMINANCE,
+		MASK_CHANNEL_NONE, ///< The texture is no mask, and only provides inputs of expressions.
 	};
 
 	/// The values of the core's MaskEdge, for scripts.
@@ -345,6 +346,9 @@ public:
 
 	/// Returns the part of the snapshot that refers to other layers.
 	LayerLinks links();
+
+	/// Returns the world inputs of all expressions of the layer, in any order and possibly repeated.
+	std::vector<WorldInput> world_inputs() const;
 	/// Returns the property `layer_id`; -1 if it is not set.
 	std::int64_t own_id() const { return identity_.layer_id; }
 
@@ -378,6 +382,8 @@ private:
 	LayerSettings settings(std::uint64_t seed, std::size_t index) const;
 	PointSet point_set() const;
 	std::vector<std::optional<Rules>> mesh_rules() const;
+	std::uint32_t used_mask_channels() const;
+	void rename_in_expressions(const ReferenceChange &change);
 	InstanceData instance_data() const;
 	LayerGameplay gameplay() const;
 	std::vector<std::string> field_names() const;

@@ -11,8 +11,8 @@ namespace {
 TextureSource unread_texture(const Ref<Texture2D> &p_texture) { return {p_texture, true}; }
 
 constexpr ResourceProperty mask_texture{"mask_texture", &LayerTables::mask_texture, unread_texture};
-constexpr NumberProperty mask_texture_channel{"mask_texture_channel", &MaskFrame::channel,
-		ScatterLayer::MASK_CHANNEL_RED, ScatterLayer::MASK_CHANNEL_LUMINANCE};
+constexpr NumberProperty mask_texture_channel{
+		"mask_texture_channel", &MaskFrame::channel, ScatterLayer::MASK_CHANNEL_RED, ScatterLayer::MASK_CHANNEL_NONE};
 constexpr NumberProperty mask_texture_edge{
 		"mask_texture_edge", &MaskFrame::edge, ScatterLayer::MASK_EDGE_NOTHING, ScatterLayer::MASK_EDGE_REPEAT};
 
@@ -89,7 +89,8 @@ void ScatterLayer::bind_masks() {
 			PropertyInfo(Variant::RECT2, "mask_texture_rect", PROPERTY_HINT_NONE, "suffix:m"), "set_mask_texture_rect",
 			"get_mask_texture_rect");
 	add_layer_property(PropertyUse::placement,
-			PropertyInfo(Variant::INT, "mask_texture_channel", PROPERTY_HINT_ENUM, "Red,Green,Blue,Alpha,Luminance"),
+			PropertyInfo(
+					Variant::INT, "mask_texture_channel", PROPERTY_HINT_ENUM, "Red,Green,Blue,Alpha,Luminance,None"),
 			"set_mask_texture_channel", "get_mask_texture_channel");
 	add_layer_property(PropertyUse::placement,
 			PropertyInfo(Variant::INT, "mask_texture_edge", PROPERTY_HINT_ENUM, "Nothing,Everything,Clamp,Repeat"),
@@ -99,6 +100,7 @@ void ScatterLayer::bind_masks() {
 	BIND_ENUM_CONSTANT(MASK_CHANNEL_BLUE);
 	BIND_ENUM_CONSTANT(MASK_CHANNEL_ALPHA);
 	BIND_ENUM_CONSTANT(MASK_CHANNEL_LUMINANCE);
+	BIND_ENUM_CONSTANT(MASK_CHANNEL_NONE);
 	BIND_ENUM_CONSTANT(MASK_EDGE_NOTHING);
 	BIND_ENUM_CONSTANT(MASK_EDGE_EVERYTHING);
 	BIND_ENUM_CONSTANT(MASK_EDGE_CLAMP);

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -100,6 +102,36 @@ void ScatterLayer::set_proximity_layer(const Variant &p_layer) {
 
 Variant ScatterLayer::get_proximity_layer() const { return stored_reference(proximity_layer_); }
 
+/// Applies a change of references to the names of layers in expressions.
+void ScatterLayer::rename_in_expressions(const ReferenceChange &change) {
+	const auto renamed = [&change](const char *property, const SharedExpression &expression) {
+		std::string text = expression != nullptr ? expression->text() : std::string();
+		const std::span<const WorldInput> inputs =
+				expression != nullptr ? expression->world_inputs() : std::span<const WorldInput>();
+		for (const WorldInput &input : inputs) {
+			const std::optional<Variant> now = input.kind == WorldInputKind::distance
+					? change(property, Variant(String::utf8(input.name.c_str())))
+					: std::nullopt;
+			if (now && now->get_type() == Variant::STRING && !static_cast<String>(*now).is_empty()) {
+				text = with_renamed_layer(text, input.name, static_cast<String>(*now).utf8().get_data());
+			}
+		}
+		return String::utf8(text.c_str());
+	};
+	const std::vector<WorldInput> inputs = world_inputs();
+	const auto is_distance = [](const WorldInput &input) {
+		return input.kind == WorldInputKind::distance;
+	};
+	if (std::ranges::any_of(inputs, is_distance)) {
+		set_density_expression(renamed("ScatterLayer.density_expression", settings_.rules.expression));
+		PackedStringArray texts;
+		for (const SharedExpression &expression : mesh_expressions_) {
+			texts.push_back(renamed("ScatterLayer.mesh_density_expressions", expression));
+		}
+		set_mesh_density_expressions(texts);
+	}
+}
+
 void ScatterLayer::change_references(const ReferenceChange &change) {
 	if (const auto changed = changed_reference(change, "ScatterLayer.proximity_layer", proximity_layer_, this)) {
 		set_proximity_layer(*changed);
@@ -110,6 +142,7 @@ void ScatterLayer::change_references(const ReferenceChange &change) {
 		}
 	}
 	change_surface_layers(change);
+	rename_in_expressions(change);
 	const Dictionary spacing = spacing_property_;
 	if (spacing.is_empty()) {
 		return; // Return early, because the node calls this function after every change.

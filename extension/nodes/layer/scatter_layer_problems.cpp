@@ -81,8 +81,20 @@ void ScatterLayer::add_mask_problems(PackedStringArray &r_problems) const {
 		r_problems.push_back("Nothing is placed: ScatterLayer.mask is not painted, and its background is 0. Paint it.");
 	}
 	if (tables_.image_missing && !is_stripped(tables_.mask_texture.texture)) {
-		r_problems.push_back(
-				"Nothing is placed: ScatterLayer.mask_texture has no readable image. Use another texture.");
+		r_problems.push_back(mask_frame_.channel == ImageChannel::none
+						? "ScatterLayer.mask_texture has no readable image, so its channels are 0 in expressions. Use "
+						  "another texture."
+						: "Nothing is placed: ScatterLayer.mask_texture has no readable image. Use another texture.");
+	}
+	const bool has_texture = tables_.mask_texture.texture.is_valid();
+	if (used_mask_channels() != 0 && !has_texture) {
+		r_problems.push_back("An expression uses mask_red, mask_green, mask_blue or mask_alpha, which is 0 everywhere "
+							 "because ScatterLayer.mask_texture is empty. Set mask_texture, or remove the input.");
+	}
+	if (used_mask_channels() == 0 && has_texture && mask_frame_.channel == ImageChannel::none) {
+		r_problems.push_back("ScatterLayer.mask_texture has no effect: mask_texture_channel is None, and no expression "
+							 "uses a channel such as mask_red. Select a channel, use one in an expression, or clear "
+							 "mask_texture.");
 	}
 }
 

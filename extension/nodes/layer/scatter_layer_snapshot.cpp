@@ -129,7 +129,34 @@ LayerSettings ScatterLayer::settings(std::uint64_t seed, std::size_t index) cons
 		result.mesh_weights.push_back(mesh < mesh_weights_.size() ? mesh_weights_[mesh] : 1.0F);
 	}
 	result.mesh_rules = mesh_rules();
+	result.world_sources = empty_sources(result);
+	for (WorldSource &source : result.world_sources) {
+		if (source.input.kind == WorldInputKind::mask) {
+			source.mask = tables_.channels[static_cast<std::size_t>(source.input.number)];
+		}
+	}
 	return result;
+}
+
+std::vector<WorldInput> ScatterLayer::world_inputs() const {
+	std::vector<WorldInput> inputs;
+	const auto add = [&inputs](const SharedExpression &expression) {
+		if (expression != nullptr) {
+			inputs.insert(inputs.end(), expression->world_inputs().begin(), expression->world_inputs().end());
+		}
+	};
+	add(settings_.rules.expression);
+	std::ranges::for_each(mesh_expressions_, add);
+	return inputs;
+}
+
+/// Returns the bit of each channel of the mask texture that an expression uses.
+std::uint32_t ScatterLayer::used_mask_channels() const {
+	std::uint32_t channels = 0;
+	for (const WorldInput &input : world_inputs()) {
+		channels |= input.kind == WorldInputKind::mask ? 1U << static_cast<unsigned>(input.number) : 0U;
+	}
+	return channels;
 }
 
 /// Returns the rules of the meshes; empty if none has any.
@@ -187,6 +214,11 @@ LayerLinks ScatterLayer::links() {
 	if (data.scale.kind == SourceKind::distance) {
 		result.scale_layer = core_reference(scale_value_->stored_layer());
 	}
+	for (const WorldInput &input : world_inputs()) {
+		if (input.kind == WorldInputKind::distance) {
+			result.measured_layers.insert(input.name);
+		}
+	}
 	result.name = get_name().utf8().get_data();
 	result.identity = get_instance_id();
 	result.on_surface = settings_.set.on_surface;
@@ -206,7 +238,7 @@ void ScatterLayer::refresh() {
 			(this->*remake)();
 		}
 	}
-	tables_.refresh(mask_frame_, links_.proximity_distance);
+	tables_.refresh(mask_frame_, used_mask_channels(), links_.proximity_distance);
 	if (density_rules_outdated_) {
 		remake_density_rules();
 	}

@@ -50,6 +50,40 @@ void use_planet_masks(const Planet &planet, const SharedSnapshot &before,
 	}
 }
 
+/// Returns the source of an input in the layer's previous version; null if there is none.
+const WorldSource *former_source(const SharedSnapshot &before, const WorldInput &input) {
+	if (before == nullptr) {
+		return nullptr;
+	}
+	const std::vector<WorldSource> &sources = before->settings->world_sources;
+	const std::size_t at = source_of(sources, input);
+	return at < sources.size() ? &sources[at] : nullptr;
+}
+
+/// Adds the weights of biomes to the sources of expressions.
+void add_biomes_to_sources(
+		const SharedSnapshot &before, const Ref<ScatterBiomeMap> &p_biomes, std::vector<WorldSource> &r_sources) {
+	for (WorldSource &source : r_sources) {
+		if (source.input.kind == WorldInputKind::biome && p_biomes.is_valid()) {
+			const WorldSource *was = former_source(before, source.input);
+			source.biome = reuse_if_equal(was != nullptr ? was->biome : nullptr,
+					BiomeDensity(p_biomes->map(), p_biomes->weights_for(source.input)));
+		}
+	}
+}
+
+/// Replaces the masks of expressions on a plane by masks on the whole planet, like use_planet_masks.
+void use_planet_sources(const Planet &planet, const SharedSnapshot &before, std::vector<WorldSource> &r_sources) {
+	for (WorldSource &source : r_sources) {
+		if (const auto image = std::dynamic_pointer_cast<const ImageMask>(source.mask)) {
+			const WorldSource *was = former_source(before, source.input);
+			source.mask =
+					reuse_if_equal(was != nullptr ? std::dynamic_pointer_cast<const PlanetMask>(was->mask) : nullptr,
+							PlanetMask(image, planet));
+		}
+	}
+}
+
 /// Returns the area in which a layer's tiles are outdated after a change to its settings or the
 /// ground.
 EditedArea outdated_area(const SharedSnapshot &before, const SharedSnapshot &now, const EditedArea &ground_change,
@@ -70,6 +104,12 @@ EditedArea outdated_area(const SharedSnapshot &before, const SharedSnapshot &now
 /// because of the points of other layers around a tile.
 const char *property_to_lower(const LayerSettings &layer, double tile_size) {
 	LayerSettings plain = layer;
+	plain.world_sources.clear();
+	if (points_to_sample(plain, tile_size) <= ScatterLayer::max_tile_points) {
+		const bool in_rules = std::ranges::any_of(
+				layer.world_sources, [&layer](const WorldSource &source) { return rules_use(layer, source.input); });
+		return in_rules ? "density_expression" : "mesh_density_expressions";
+	}
 	plain.instance_data = {};
 	if (points_to_sample(plain, tile_size) > ScatterLayer::max_tile_points) {
 		plain.spacing_fills = false;
@@ -143,9 +183,11 @@ void LayerList::add_world(std::size_t index, const NodeLayers &layers, const Lay
 		rules.biome = reuse_if_equal(was != nullptr ? was->settings->rules.biome : nullptr,
 				BiomeDensity(world.biomes->map(), world.biomes->densities_of(resource)));
 	}
+	add_biomes_to_sources(was, world.biomes, settings->world_sources);
 	if (settings->set.on_surface && world.planet.exists()) {
 		settings->planet = world.planet;
 		use_planet_masks(world.planet, was, rules.fields);
+		use_planet_sources(world.planet, was, settings->world_sources);
 		settings->set.faces = permitted_faces(*settings);
 		layer.range.bottom = world.planet.bottom();
 		layer.range.top = world.planet.top();

@@ -9,6 +9,7 @@
 
 #include <glm/geometric.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <set>
@@ -21,9 +22,35 @@ namespace thicket {
 
 namespace {
 
+/// Adds a problem for each biome in an expression that the node does not have, and for textures of a
+/// ground without textures.
+void add_input_problems(ScatterLayer &layer, const String &p_where, bool lacks_textures,
+		const ScatterBiomeMap *p_biomes, PackedStringArray &r_problems) {
+	std::set<std::string> reported;
+	for (const WorldInput &input : layer.world_inputs()) {
+		const String text = String::utf8(text_of(input).c_str());
+		const bool is_unknown = input.kind == WorldInputKind::biome &&
+				(p_biomes == nullptr || std::ranges::count(p_biomes->weights_for(input), 1.0F) == 0);
+		const bool has_no_textures = input.kind == WorldInputKind::texture && lacks_textures;
+		if ((!is_unknown && !has_no_textures) || !reported.insert(text_of(input)).second) {
+			continue;
+		}
+		if (is_unknown) {
+			r_problems.push_back(p_where +
+					vformat("%s in an expression is 0 everywhere: TerrainScatter3D.biomes has no such biome. Use the "
+							"resource_name of one of its biomes, or its index in the list.",
+							text));
+		} else {
+			r_problems.push_back(p_where +
+					vformat("%s in an expression is 1 everywhere: the ground has no textures. Use another input.",
+							text));
+		}
+	}
+}
+
 /// Adds the problems of one layer that do not depend on other layers.
 void add_problems_of(ScatterLayer &layer, const String &p_where, const Ref<ScatterGround> &p_ground, bool has_water,
-		PackedStringArray &r_problems) {
+		const ScatterBiomeMap *p_biomes, PackedStringArray &r_problems) {
 	for (const String &problem : layer.problems()) {
 		r_problems.push_back(p_where + problem);
 	}
@@ -32,6 +59,7 @@ void add_problems_of(ScatterLayer &layer, const String &p_where, const Ref<Scatt
 		r_problems.push_back(
 				p_where + String("ScatterLayer.ground_textures has no effect: the ground has no textures. Clear it."));
 	}
+	add_input_problems(layer, p_where, is_usable && !p_ground->has_textures(), p_biomes, r_problems);
 	if (layer.is_on_surfaces() && !layer.has_surface_layers() && is_usable && !p_ground->has_surfaces()) {
 		r_problems.push_back(p_where +
 				String("nothing is placed: on_surfaces requires the triangles of the ground, and a ") +
@@ -159,7 +187,7 @@ void add_ground_problems(const Ref<ScatterGround> &p_ground, PackedStringArray &
 }
 
 void add_layer_problems(const TypedArray<ScatterLayer> &p_layers, const Ref<ScatterGround> &p_ground, bool has_water,
-		PackedStringArray &r_problems) {
+		const ScatterBiomeMap *p_biomes, PackedStringArray &r_problems) {
 	if (p_layers.is_empty()) {
 		r_problems.push_back("No layers: add a ScatterLayer to TerrainScatter3D.layers.");
 	}
@@ -180,7 +208,7 @@ void add_layer_problems(const TypedArray<ScatterLayer> &p_layers, const Ref<Scat
 			r_problems.push_back(where + String("empty, so it displays nothing."));
 			continue;
 		}
-		add_problems_of(*layer.ptr(), where, p_ground, has_water, r_problems);
+		add_problems_of(*layer.ptr(), where, p_ground, has_water, p_biomes, r_problems);
 		for (const std::string &problem : name_problems(names, static_cast<std::size_t>(index))) {
 			r_problems.push_back(where + String::utf8(problem.c_str()));
 		}

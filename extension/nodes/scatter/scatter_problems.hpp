@@ -22,10 +22,11 @@ namespace thicket {
 godot::String problem_of_ground(const godot::Ref<ScatterGround> &p_ground);
 
 /// These functions add a message for each problem with a node's ground or layers. `p_layers` must
-/// be in order of priority. `has_water` is true if the node or a biome has water.
+/// be in order of priority. `has_water` is true if the node or a biome has water. `p_biomes` may be
+/// null.
 void add_ground_problems(const godot::Ref<ScatterGround> &p_terrain, godot::PackedStringArray &r_problems);
 void add_layer_problems(const godot::TypedArray<ScatterLayer> &p_layers, const godot::Ref<ScatterGround> &p_terrain,
-		bool has_water, godot::PackedStringArray &r_problems);
+		bool has_water, const ScatterBiomeMap *p_biomes, godot::PackedStringArray &r_problems);
 
 /// Returns true if the global transform of a node in the tree is not the identity, because
 /// instances do not move with the node. `offset` is the world position of the engine's origin.

@@ -388,7 +388,7 @@ PackedStringArray TerrainScatter3D::get_problems() const {
 			problems.push_back(problem);
 		}
 	}
-	add_layer_problems(layers, ground_, has_water, problems);
+	add_layer_problems(layers, ground_, has_water, biomes_.ptr(), problems);
 	layer_list_.add_host_problems(problems);
 	layer_list_.add_row_problems(row_paths_, problems);
 	instance_load_.add_problems(layer_list_.snapshots(), problems);

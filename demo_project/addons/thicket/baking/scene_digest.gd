@@ -31,7 +31,7 @@ static func parts_of(scatter: TerrainScatter3D, rect: Rect2) -> Dictionary[Strin
 		var layer := layers[index]
 		if layer != null:
 			add.call("layer %d (%s)" % [index, layer.resource_name], [layer] + _paths_of(scatter, layer))
-	add.call("the biomes", [scatter.biomes])
+	add.call("the biomes", [scatter.biomes] + _biome_names_of(scatter))
 	add.call("the regions", scatter.find_children("*", "ScatterRegion3D", true, false))
 	add.call("the ground", [scatter.ground])
 	var heights := PackedFloat64Array()
@@ -77,6 +77,17 @@ static func _paths_of(scatter: TerrainScatter3D, layer: ScatterLayer) -> Array:
 			if node is Path3D:
 				result.append_array([str(scatter.get_path_to(node)), node])
 	return result
+
+
+## Returns the names of the biomes if an expression refers to a biome, possibly by its name.
+static func _biome_names_of(scatter: TerrainScatter3D) -> Array:
+	var names := []
+	for layer in scatter.get_all_layers():
+		if layer != null and (layer.density_expression + "".join(layer.mesh_density_expressions)).contains("biome"):
+			for biome: ScatterBiome in scatter.biomes.biomes if scatter.biomes != null else []:
+				names.append(biome.resource_name if biome != null else "")
+			return names
+	return names
 
 
 static func _holds_anything(state: ScatterState) -> bool:
