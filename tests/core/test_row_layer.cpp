@@ -203,7 +203,7 @@ TEST_CASE("layers in rows: without lines there are no points, and surfaces are r
 TEST_CASE("layers in rows: an edited line changes the areas near it, for other layers as well") {
 	LayerSettings before = row_layer();
 	LayerSettings after = before;
-	RowLine line = before.rows->lines()[0];
+	RowLine line = *before.rows->line(0);
 	line.points.back() += glm::dvec2(3.0, 0.0);
 	auto rows = std::make_shared<RowSet>();
 	REQUIRE(rows->set(before.rows->settings(), {line}).ok());

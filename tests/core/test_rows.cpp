@@ -15,6 +15,9 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
+#include <random>
+#include <utility>
 #include <vector>
 
 using namespace thicket;
@@ -262,6 +265,68 @@ TEST_CASE("rows: an edit of a line keeps other lines, and the points before the 
 	for (const auto &[id, position] :
 			by_id(points_of(rows_of(without_gaps, {winding_line(3, {0, 200}), winding_line(1)})))) {
 		CHECK(before.at(id) == position);
+	}
+}
+
+TEST_CASE("rows: a set that takes unchanged lines from a former set equals a new one, bit for bit") {
+	std::mt19937 random(5);
+	std::uniform_real_distribution<double> anywhere(-200.0, 200.0);
+	std::vector<SharedRowLine> lines;
+	const auto random_line = [&](std::uint64_t identity) {
+		std::vector<glm::dvec2> points;
+		for (int i = 0; i < 6; ++i) {
+			points.emplace_back(anywhere(random), anywhere(random));
+		}
+		return std::make_shared<const RowLine>(RowLine{.identity = identity, .points = points});
+	};
+	for (std::uint64_t number = 1; number <= 30; ++number) {
+		lines.push_back(random_line(identity_of(number)));
+	}
+	lines.push_back(lines.front()); // Two equal lines.
+	for (const bool fills_areas : {false, true}) {
+		const RowSettings settings{.step = 2.0,
+				.offsets = {-1.0, 2.0},
+				.jitter_along = 0.2,
+				.fills_areas = fills_areas,
+				.crossing_gap = 5.0};
+		RowSet former;
+		REQUIRE(former.set_shared(settings, lines).ok());
+		std::vector<SharedRowLine> edited = lines;
+		for (int edit = 0; edit < 12; ++edit) {
+			const auto at = static_cast<std::size_t>(random() % edited.size());
+			if (edit % 4 == 0) {
+				edited.erase(edited.begin() + static_cast<std::ptrdiff_t>(at));
+			} else if (edit % 4 == 1) {
+				std::swap(edited[at], edited.front());
+			} else {
+				edited[at] = random_line(edit % 4 == 2 ? edited[at]->identity : random());
+			}
+			RowSet next;
+			REQUIRE(next.set_shared(settings, edited, &former).ok());
+			RowSet whole;
+			REQUIRE(whole.set_shared(settings, edited).ok());
+			std::vector<SamplePoint> points;
+			std::vector<SamplePoint> expected;
+			REQUIRE(next.sample(set_of_rows, everywhere, points).ok());
+			REQUIRE(whole.sample(set_of_rows, everywhere, expected).ok());
+			REQUIRE(expected.size() > 1000);
+			CHECK(sorted(points) == sorted(expected));
+			for (std::size_t line = 0; line < edited.size(); ++line) {
+				CHECK(next.key(line) == whole.key(line));
+			}
+			former = std::move(next);
+		}
+		RowSettings wider = settings;
+		wider.step = 3.0;
+		RowSet other;
+		RowSet whole;
+		REQUIRE(other.set_shared(wider, edited, &former).ok());
+		REQUIRE(whole.set_shared(wider, edited).ok());
+		std::vector<SamplePoint> points;
+		std::vector<SamplePoint> expected;
+		REQUIRE(other.sample(set_of_rows, everywhere, points).ok());
+		REQUIRE(whole.sample(set_of_rows, everywhere, expected).ok());
+		CHECK(sorted(points) == sorted(expected));
 	}
 }
 

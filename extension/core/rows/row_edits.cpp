@@ -107,15 +107,26 @@ bool find_row_edits(const RowSet *before, const RowSet *after, std::vector<Rect>
 		std::uint32_t key_before = 0;
 		std::uint32_t key_after = 0;
 	};
+	// Most lines are the same object in both sets, and need no comparison.
+	const auto is_same = [before, after](std::size_t i) {
+		return i < before->line_count() && i < after->line_count() && before->line(i) == after->line(i) &&
+				before->key(i) == after->key(i);
+	};
 	std::map<std::uint64_t, Pair> pairs;
-	for (std::size_t i = 0; i < before->lines().size(); ++i) {
-		Pair &pair = pairs[before->lines()[i].identity];
-		pair.was = &before->lines()[i];
+	for (std::size_t i = 0; i < before->line_count(); ++i) {
+		if (is_same(i)) {
+			continue;
+		}
+		Pair &pair = pairs[before->line(i)->identity];
+		pair.was = before->line(i).get();
 		pair.key_before = before->key(i);
 	}
-	for (std::size_t i = 0; i < after->lines().size(); ++i) {
-		Pair &pair = pairs[after->lines()[i].identity];
-		pair.is = &after->lines()[i];
+	for (std::size_t i = 0; i < after->line_count(); ++i) {
+		if (is_same(i)) {
+			continue;
+		}
+		Pair &pair = pairs[after->line(i)->identity];
+		pair.is = after->line(i).get();
 		pair.key_after = after->key(i);
 	}
 	const RowSettings &settings = after->settings();
@@ -125,7 +136,7 @@ bool find_row_edits(const RowSet *before, const RowSet *after, std::vector<Rect>
 		if (pair.was != &none && pair.is != &none && pair.key_before != pair.key_after) {
 			return false; // All points of the line have new IDs.
 		}
-		if (*pair.was == *pair.is) {
+		if (pair.was == pair.is || *pair.was == *pair.is) {
 			continue;
 		}
 		if (settings.fills_areas) {

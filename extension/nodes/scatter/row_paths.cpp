@@ -146,7 +146,11 @@ void RowPaths::read(Group &r_group) const {
 		return; // The paths are read once the host enters the tree.
 	}
 	std::vector<SeenPath> paths;
-	std::vector<RowLine> lines;
+	std::vector<SharedRowLine> lines;
+	std::map<std::uint64_t, std::size_t> index_of;
+	for (std::size_t i = 0; i < r_group.paths.size(); ++i) {
+		index_of.emplace(r_group.paths[i].id, i);
+	}
 	const TypedArray<Node> nodes = host_->get_tree()->get_nodes_in_group(r_group.name);
 	for (std::int64_t i = 0; i < nodes.size(); ++i) {
 		const auto *path = Object::cast_to<Path3D>(nodes[i].get_validated_object());
@@ -155,14 +159,14 @@ void RowPaths::read(Group &r_group) const {
 		}
 		SeenPath now = seen(*path, *world_);
 		now.node = nodes[i];
-		const auto known = std::ranges::find(r_group.paths, now.id, &SeenPath::id);
-		const auto index = static_cast<std::size_t>(known - r_group.paths.begin());
-		if (known != r_group.paths.end() && known->is_same(now) && !recentered_) {
-			lines.push_back(std::move(r_group.lines[index]));
+		const auto found = index_of.find(now.id);
+		const bool is_known = found != index_of.end();
+		if (is_known && r_group.paths[found->second].is_same(now) && !recentered_) {
+			lines.push_back(r_group.lines[found->second]);
 		} else {
-			lines.push_back(line_of(now));
-			if (recentered_ && known != r_group.paths.end() && is_near(r_group.lines[index], lines.back())) {
-				lines.back() = std::move(r_group.lines[index]);
+			lines.push_back(std::make_shared<const RowLine>(line_of(now)));
+			if (recentered_ && is_known && is_near(*r_group.lines[found->second], *lines.back())) {
+				lines.back() = r_group.lines[found->second];
 			}
 		}
 		paths.push_back(std::move(now));
@@ -182,13 +186,17 @@ Status RowPaths::rows_for(
 		read(group);
 	}
 	const auto is_same = [&](const std::shared_ptr<const RowSet> &set) {
-		return set->settings() == settings && std::ranges::equal(set->lines(), group.lines);
+		bool same = set->settings() == settings && set->line_count() == group.lines.size();
+		for (std::size_t i = 0; same && i < group.lines.size(); ++i) {
+			same = set->line(i) == group.lines[i] || *set->line(i) == *group.lines[i];
+		}
+		return same;
 	};
 	if (const auto known = std::ranges::find_if(sets_, is_same); known != sets_.end()) {
 		r_rows = *known;
 	} else {
 		auto next = std::make_shared<RowSet>();
-		if (const Status status = next->set(settings, group.lines); !status.ok()) {
+		if (const Status status = next->set_shared(settings, group.lines, r_rows.get()); !status.ok()) {
 			return status;
 		}
 		r_rows = std::move(next);

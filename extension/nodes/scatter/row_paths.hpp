@@ -62,7 +62,7 @@ private:
 		std::int64_t count = 0; ///< Number of nodes in the group when it was last read.
 		std::size_t next = 0;   ///< Index of the next path to check.
 		std::vector<SeenPath> paths;
-		std::vector<RowLine> lines; ///< For each path.
+		std::vector<SharedRowLine> lines; ///< For each path.
 	};
 
 	static SeenPath seen(const godot::Path3D &path, const RegionHost &world);
