@@ -158,6 +158,32 @@ func test_only_tiles_near_a_changed_path_are_rebuilt() -> void:
 		check(tile.y < 0, "tile %s near the other path is not" % tile)
 
 
+## Only some paths of a large group are checked in each frame, but no change is lost.
+func test_many_paths() -> void:
+	var paths: Array[Path3D] = []
+	for index in 200:
+		var z := 0.4 * index - 40.0
+		var path := make_path([Vector3(-4, 0, z), Vector3(4, 0, z)], "Road%d" % index)
+		root.add_child(path)
+		paths.append(path)
+	var scatter := make_avenue()
+	await settle(scatter)
+	var before := positions_of(scatter)
+	check_equal(before.size(), 600, "three instances along each path")
+	paths[150].curve.set_point_position(1, paths[150].curve.get_point_position(1) + Vector3(4, 0, 0))
+	await until(func() -> bool: return positions_of(scatter).size() > 600, "a longer path")
+	check_equal(positions_of(scatter).size(), 601, "one more instance")
+	for path in paths:
+		path.position.x += 1.0
+	await frames(5)
+	await settle(scatter)
+	paths[10].position.x += 100.0
+	paths[10].remove_from_group(GROUP)
+	await until(func() -> bool: return positions_of(scatter).size() == 598, "a path fewer")
+	var moved := Array(positions_of(scatter)).filter(func(at: Vector2) -> bool: return absf(at.x - 5.0) < 0.01 or absf(at.x - 1.0) < 0.01 or absf(at.x + 3.0) < 0.01)
+	check_equal(moved.size(), 597, "all other paths have moved")
+
+
 func test_gaps_at_crossings() -> void:
 	root.add_child(make_path([Vector3(-20, 0, 0.5), Vector3(20, 0, 0.5)]))
 	root.add_child(make_path([Vector3(0.5, 0, -20), Vector3(0.5, 0, 20)], "Other"))

@@ -85,19 +85,29 @@ RowPaths::SeenPath RowPaths::seen(const Path3D &path, const RegionHost &world) {
 	return now;
 }
 
+/// Checks some of the paths of a group.
+void RowPaths::check(Group &r_group, const RegionHost &world) {
+	const std::size_t count = r_group.paths.size();
+	for (std::size_t checked = 0; !r_group.outdated && checked < std::min(paths_per_frame, count); ++checked) {
+		r_group.next = (r_group.next + 1) % count;
+		r_group.left -= r_group.left > 0 ? 1 : 0;
+		const SeenPath &was = r_group.paths[r_group.next];
+		const auto *path = Object::cast_to<Path3D>(was.node.get_validated_object());
+		if (path == nullptr || !path->is_inside_tree() || !path->is_in_group(r_group.name)) {
+			r_group.outdated = true;
+		} else if (!was.is_same(seen(*path, world))) {
+			r_group.left = r_group.changed.empty() && count > paths_per_frame ? count - 1 : r_group.left;
+			r_group.changed.insert(r_group.next);
+		}
+	}
+}
+
 bool RowPaths::changed(const Node3D &host, const RegionHost &world) {
 	bool any = false;
 	for (auto &[text, group] : groups_) {
 		group.outdated = group.outdated || host.get_tree()->get_node_count_in_group(group.name) != group.count;
-		for (std::size_t checked = 0; !group.outdated && checked < std::min(paths_per_frame, group.paths.size());
-				++checked) {
-			group.next = (group.next + 1) % group.paths.size();
-			const SeenPath &was = group.paths[group.next];
-			const auto *path = Object::cast_to<Path3D>(was.node.get_validated_object());
-			group.outdated = path == nullptr || !path->is_inside_tree() || !path->is_in_group(group.name) ||
-					!was.is_same(seen(*path, world));
-		}
-		any = any || group.outdated;
+		check(group, world);
+		any = any || group.outdated || (!group.changed.empty() && group.left == 0);
 	}
 	return any;
 }
@@ -140,7 +150,25 @@ RowLine RowPaths::line_of(const SeenPath &path) const {
 	return line;
 }
 
-/// Reads the paths of a group that have changed.
+/// Reads the paths of a group that have changed, if none has been added or removed.
+void RowPaths::read_changed(Group &r_group) const {
+	for (const std::size_t index : r_group.changed) {
+		SeenPath &path = r_group.paths[index];
+		const auto *node = Object::cast_to<Path3D>(path.node.get_validated_object());
+		if (node == nullptr || !node->is_inside_tree()) {
+			r_group.outdated = true; // The path has been removed since it was checked.
+			return;
+		}
+		SeenPath now = seen(*node, *world_);
+		now.node = path.node;
+		path = std::move(now);
+		r_group.lines[index] = std::make_shared<const RowLine>(line_of(path));
+	}
+	r_group.changed.clear();
+	r_group.left = 0;
+}
+
+/// Reads all paths of a group.
 void RowPaths::read(Group &r_group) const {
 	if (!host_->is_inside_tree()) {
 		return; // The paths are read once the host enters the tree.
@@ -175,12 +203,17 @@ void RowPaths::read(Group &r_group) const {
 	r_group.paths = std::move(paths);
 	r_group.lines = std::move(lines);
 	r_group.outdated = false;
+	r_group.changed.clear();
+	r_group.left = 0;
 }
 
 Status RowPaths::rows_for(
 		const std::string &group_name, const RowSettings &settings, std::shared_ptr<const RowSet> &r_rows) {
 	Group &group = groups_[group_name];
 	group.used = true;
+	if (!group.outdated && host_->is_inside_tree()) {
+		read_changed(group);
+	}
 	if (group.outdated) {
 		group.name = String::utf8(group_name.c_str());
 		read(group);

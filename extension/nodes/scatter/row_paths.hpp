@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -25,7 +26,8 @@ namespace thicket {
 class RowPaths {
 public:
 	/// Returns true if a path has been added, removed or changed since the last update. Call this every
-	/// frame, because a moved Path3D emits no signal. Each call checks a limited number of paths.
+	/// frame, because a moved Path3D emits no signal. Each call checks a limited number of paths. After the
+	/// first change, the remaining paths of its group are checked before the function returns true.
 	bool changed(const godot::Node3D &host, const RegionHost &world);
 
 	/// Begins an update in which `rows_for` is called for each layer with rows. If the scene was
@@ -58,15 +60,21 @@ private:
 	struct Group {
 		godot::StringName name;
 		bool used = true;
-		bool outdated = true;
-		std::int64_t count = 0; ///< Number of nodes in the group when it was last read.
-		std::size_t next = 0;   ///< Index of the next path to check.
+		bool outdated = true;          ///< True if paths may have been added or removed, so that all are read again.
+		std::int64_t count = 0;        ///< Number of nodes in the group when it was last read.
+		std::size_t next = 0;          ///< Index of the next path to check.
+		std::set<std::size_t> changed; ///< Indices of the paths that have changed.
+		/// Number of paths to check before the changed ones are read, so that paths that change together
+		/// are read together.
+		std::size_t left = 0;
 		std::vector<SeenPath> paths;
 		std::vector<SharedRowLine> lines; ///< For each path.
 	};
 
 	static SeenPath seen(const godot::Path3D &path, const RegionHost &world);
+	static void check(Group &r_group, const RegionHost &world);
 	void read(Group &r_group) const;
+	void read_changed(Group &r_group) const;
 	RowLine line_of(const SeenPath &path) const;
 
 	std::map<std::string, Group> groups_;
