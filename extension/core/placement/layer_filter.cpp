@@ -400,11 +400,10 @@ void LayerFilter::add_known_queries(std::vector<glm::dvec2> &r_positions, std::v
 	}
 }
 
-bool LayerFilter::probe_allows(std::size_t probe, std::span<const Ground> ground) const {
+bool LayerFilter::probe_allows(std::size_t probe, const Ground &here, std::span<const Ground> ground) const {
 	if (probe_allowed_[probe] == 0) {
 		return false;
 	}
-	const Ground &here = probes_of(ground)[probe];
 	WorldValues values;
 	const std::span<const float> world = rule_sources_.empty()
 			? std::span<const float>()
@@ -414,10 +413,11 @@ bool LayerFilter::probe_allows(std::size_t probe, std::span<const Ground> ground
 
 template <class Record>
 double LayerFilter::edge_density_at(std::size_t point, std::span<const Ground> ground, const Record &record) const {
+	const std::span<const Ground> probe_ground = probes_of(ground);
 	std::size_t allowed = 0;
 	for (std::size_t i = 0; i < edge_probes; ++i) {
 		const std::size_t probe = point * edge_probes + i;
-		allowed += probe_allows(probe, ground) ? 1 : 0;
+		allowed += probe_allows(probe, probe_ground[probe], ground) ? 1 : 0;
 	}
 	const double fraction = static_cast<double>(allowed) / static_cast<double>(edge_probes);
 	return record(RuleKind::edge_feather, fraction, edge_density(allowed));

@@ -156,7 +156,7 @@ private:
 	Status find_probes(const Surface *grown, const std::atomic<bool> *cancel);
 	Status find_probes_on(const Surface &grown, const std::atomic<bool> *cancel);
 	Status evaluate_probes();
-	bool probe_allows(std::size_t probe, std::span<const Ground> ground) const;
+	bool probe_allows(std::size_t probe, const Ground &here, std::span<const Ground> ground) const;
 	template <class Record>
 	double neighbor_density(std::size_t neighbor, std::size_t point, const Ground &here, const Record &record) const;
 	template <class Record>
