@@ -211,7 +211,9 @@ def sample_domain(
             the fastest: it returns the positions that sample() returns, in double precision; if toroidal, the radius must fit the size
             (torus_radius()).
         toroidal: True to connect opposite edges, so that the set repeats without a seam.
-        precision: the precision of coordinates and distances; 'single' takes half the memory and produces a different set.
+        precision: the precision of coordinates and distances; 'single' takes half the memory and produces a different set. Its coordinates
+            are multiples of 2^-23 of the smallest power of two above the longer side (or above 8 radii), and no additional point fits at
+            any such multiple.
         cell_size: the width of an accelerator cell in radii, up to 1000; 0 for the method's default. The width does not change the points.
         darts_each: for 'naive': the number of darts for each base square of radius / sqrt(2) in width, 1 to 1e6.
         progress, cancel: as in sample().

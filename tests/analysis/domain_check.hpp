@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 namespace thicket::analysis {
@@ -21,16 +21,25 @@ struct DomainShape {
 	bool toroidal;   ///< True if opposite edges meet; the period is `size`.
 	/// Tolerance that is added to the radius in the coverage check. Meters, at most radius / 8.
 	double tolerance = 0.0;
+	/// If positive, only the multiples of this distance must be covered, each of them. Meters, a power of two.
+	double step = 0.0;
 };
 
-/// The coverage tolerance, in meters, for sets whose coordinates have the type `Real`. It is four
-/// steps of 2^(2 - digits) times the longer side of the domain, or times eight radii if that is
-/// more. In single precision, 2^(2 - digits) is 2^-22. A sampler abandons squares when they are one
-/// or two steps wide, so it cannot cover every position exactly.
+/// Returns the shape of a domain that is filled with coordinates of the type `Real`. In double precision, the
+/// tolerance is 2^-49 of the longer side of the domain, or of eight radii if that is more.
+///
+/// In single precision, coordinates are multiples of a step: 2^-23 of the smallest power of two above that
+/// length. The size is rounded down to whole steps. Distances are computed in floats, so a position that is
+/// farther than the radius by less than 2^-20 of it may count as covered.
 template <typename Real>
-double domain_tolerance(glm::dvec2 size, double radius) {
+DomainShape domain_shape(glm::dvec2 size, double radius, bool toroidal) {
 	const double extent = std::max({size.x, size.y, 8.0 * radius});
-	return 4.0 * std::ldexp(extent, 2 - std::numeric_limits<Real>::digits);
+	if constexpr (std::is_same_v<Real, float>) {
+		const double step = std::ldexp(1.0, std::ilogb(extent) + 1 - 23);
+		return {glm::max(glm::floor(size / step), 1.0) * step, radius, toroidal, std::ldexp(radius, -20), step};
+	} else {
+		return {size, radius, toroidal, std::ldexp(extent, -49)};
+	}
 }
 
 /// The results of `DomainCheck`.
@@ -52,7 +61,8 @@ struct DomainReport {
 /// square that is still not covered when its diagonal is at most half the tolerance counts as a
 /// gap. All its positions are farther than radius + tolerance / 2 from every point. A set therefore
 /// passes if every gap is smaller than tolerance / 2, and fails if any gap is larger than the
-/// tolerance.
+/// tolerance. With `step`, squares are split down to single positions instead, and each position is
+/// compared with radius + tolerance.
 class DomainCheck {
 public:
 	/// Checks a set. Points may have any type with members x and y. The coverage is checked only if
@@ -166,7 +176,13 @@ private:
 			for (int x = 0; x < cells_.x; ++x) {
 				disks_.clear();
 				around({x, y}, [&](std::size_t i, glm::dvec2 shift) { disks_.push_back(positions_[i] + shift); });
-				report_.uncovered += covers(cell_ * glm::dvec2(x, y), cell_, 0) ? 0 : 1;
+				const glm::dvec2 corner = cell_ * glm::dvec2(x, y);
+				const bool covered = shape_.step > 0.0 ? covers_positions(glm::ceil(corner / shape_.step),
+																 glm::min(glm::floor((corner + cell_) / shape_.step),
+																		 glm::ceil(shape_.size / shape_.step) - 1.0),
+																 0)
+													   : covers(corner, cell_, 0);
+				report_.uncovered += covered ? 0 : 1;
 			}
 		}
 	}
@@ -193,6 +209,35 @@ private:
 			}
 		} else if (!covered) {
 			report_.uncovered_at = corner;
+		}
+		disks_.resize(end);
+		return covered;
+	}
+
+	/// Returns true if each position from `low` to `high`, in steps, is covered. Only the entries of
+	/// `disks_` from index `first` on are considered. Coordinates are exact.
+	bool covers_positions(glm::dvec2 low, glm::dvec2 high, std::size_t first) {
+		if (low.x > high.x || low.y > high.y) {
+			return true;
+		}
+		const std::size_t end = disks_.size();
+		bool covered = false;
+		for (std::size_t i = first; i < end && !covered; ++i) {
+			const glm::dvec2 below = low * shape_.step - disks_[i];
+			const glm::dvec2 above = high * shape_.step - disks_[i];
+			covered = squared(glm::max(glm::abs(below), glm::abs(above))) < reach_squared_;
+			if (squared(glm::max(glm::max(below, -above), 0.0)) < reach_squared_) {
+				disks_.push_back(disks_[i]);
+			}
+		}
+		if (!covered && disks_.size() > end && low != high) {
+			const glm::dvec2 middle = glm::floor(0.5 * (low + high));
+			covered = covers_positions(low, middle, end) &&
+					covers_positions({middle.x + 1.0, low.y}, {high.x, middle.y}, end) &&
+					covers_positions({low.x, middle.y + 1.0}, {middle.x, high.y}, end) &&
+					covers_positions(middle + 1.0, high, end);
+		} else if (!covered) {
+			report_.uncovered_at = low * shape_.step;
 		}
 		disks_.resize(end);
 		return covered;

@@ -84,8 +84,7 @@ std::vector<glm::vec<2, Real>> sampled(const DomainRequest &request) {
 template <typename Real>
 analysis::DomainReport report_on(const DomainRequest &request, const std::vector<glm::vec<2, Real>> &points) {
 	return analysis::DomainCheck::run(std::span<const glm::vec<2, Real>>(points),
-			{request.size, request.radius, request.toroidal,
-					analysis::domain_tolerance<Real>(request.size, request.radius)},
+			analysis::domain_shape<Real>(request.size, request.radius, request.toroidal),
 			request.method != DomainMethod::naive);
 }
 

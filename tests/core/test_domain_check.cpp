@@ -184,3 +184,27 @@ TEST_CASE("domain check: gaps are measured against the tolerance") {
 		CHECK(gaps(1.0 + excess, tolerance) == 0);
 	}
 }
+
+TEST_CASE("domain check: with a step, exactly the multiples of the step must be covered") {
+	// Points on a square lattice, `spacing` steps apart, and the radius that covers everything but the middles of its squares.
+	const auto gaps = [](int spacing, double radius, double step) {
+		std::vector<glm::dvec2> points;
+		for (int y = 0; y < 6; ++y) {
+			for (int x = 0; x < 8; ++x) {
+				points.emplace_back(spacing * (x + 1), spacing * (y + 1));
+			}
+		}
+		for (glm::dvec2 &r_point : points) {
+			r_point = {std::fmod(r_point.x, 8.0 * spacing), std::fmod(r_point.y, 6.0 * spacing)};
+		}
+		return report(points, {{8.0 * spacing, 6.0 * spacing}, radius, true, 1e-6, step}).uncovered;
+	};
+	// The middle is a multiple of the step, sqrt(8) steps from four points.
+	CHECK(gaps(4, 2.82, 1.0) > 0);
+	CHECK(gaps(4, 2.83, 1.0) == 0);
+	// The middle is half a step from four multiples, each sqrt(8) steps from its nearest point.
+	CHECK(gaps(5, 2.82, 1.0) > 0);
+	CHECK(gaps(5, 2.83, 1.0) == 0);
+	CHECK(gaps(5, 2.83, 0.5) > 0);
+	CHECK(gaps(5, 2.83, 0.0) > 0);
+}

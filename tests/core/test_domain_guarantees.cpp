@@ -1,6 +1,6 @@
 // Tests guarantees 1 to 3 of DomainSampler on all kinds of domains. No pair is closer than the
-// radius, even across the seams of a torus. The sets are maximal up to the floating-point
-// precision. All points lie within the domain.
+// radius, even across the seams of a torus. The sets are maximal: in single precision, every
+// representable position is covered. All points lie within the domain.
 
 #include "domain_cases.hpp"
 
@@ -138,5 +138,16 @@ TEST_CASE("domain: no square is abandoned in double precision") {
 		std::vector<glm::dvec2> points;
 		REQUIRE(sampler.sample(request_of({"", {150.0, 150.0}, 1.0, true}, method.method, 9), points).ok());
 		CHECK(sampler.stats().discarded == 0);
+	}
+}
+
+TEST_CASE("domain: no position is left in single precision on a large domain") {
+	for (const Method &method : maximal_methods) {
+		CAPTURE(method.name);
+		for (const double side : {300.0, 1100.0}) {
+			// A coordinate step is 2^-14 and 2^-12 radii.
+			const DomainRequest request = request_of({"", {side, side}, 1.0, true}, method.method, 9);
+			check_guarantees<float>(request, sampled<float>(request));
+		}
 	}
 }

@@ -46,10 +46,10 @@ bool is_small(const DomainRequest &request) {
 
 template <typename Real>
 void check_points(const DomainRequest &request, const std::vector<glm::vec<2, Real>> &points) {
-	const double tolerance = analysis::domain_tolerance<Real>(request.size, request.radius);
-	const bool maximal = request.method != DomainMethod::naive && tolerance <= request.radius / 8.0;
-	const analysis::DomainReport report = analysis::DomainCheck::run(std::span<const glm::vec<2, Real>>(points),
-			{request.size, request.radius, request.toroidal, tolerance}, maximal);
+	const analysis::DomainShape shape = analysis::domain_shape<Real>(request.size, request.radius, request.toroidal);
+	const bool maximal = request.method != DomainMethod::naive && shape.tolerance <= request.radius / 8.0;
+	const analysis::DomainReport report =
+			analysis::DomainCheck::run(std::span<const glm::vec<2, Real>>(points), shape, maximal);
 	promise(report.points > 0, "no domain is empty");
 	promise(report.outside == 0, "a point lies in its domain");
 	promise(report.too_close == 0, "points keep the minimum distance");

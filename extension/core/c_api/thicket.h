@@ -82,7 +82,8 @@ typedef struct thicket_point {
 
 /* The method for filling a whole domain (White, Cline and Egbert, "Poisson Disk Point Sets by
  * Hierarchical Dart Throwing", 2007). With all methods except the naive one, no additional point fits, to
- * within the floating-point precision. */
+ * within the floating-point precision. In single precision, no point fits at any multiple of the coordinate
+ * step, which is 2^-23 of the smallest power of two above the longer side (or above 8 radii). */
 typedef enum thicket_method {
 	THICKET_NAIVE = 1,        /* Throws darts anywhere in the domain. For comparison: slow, and leaves small gaps. */
 	THICKET_HIERARCHICAL = 2, /* Throws darts only at squares that are not known to be covered. */

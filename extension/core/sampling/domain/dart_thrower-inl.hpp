@@ -50,8 +50,9 @@ public:
 			key_(split_mix(request.seed + split_mix_gamma)), active_(frame_.base_squares()),
 			cells_(frame_, cell_width) {
 		for (int level = 0; level <= frame_.finest; ++level) {
-			half_x_[static_cast<std::size_t>(level)] = static_cast<Real>(std::ldexp(frame_.base.x, -level - 1));
-			half_y_[static_cast<std::size_t>(level)] = static_cast<Real>(std::ldexp(frame_.base.y, -level - 1));
+			const auto width = static_cast<double>(width_of(static_cast<std::uint32_t>(level)));
+			half_x_[static_cast<std::size_t>(level)] = half_span(width * frame_.unit.x);
+			half_y_[static_cast<std::size_t>(level)] = half_span(width * frame_.unit.y);
 			step_[static_cast<std::size_t>(level)] = std::ldexp(0x1p-32, frame_.finest - level);
 		}
 	}
@@ -111,7 +112,9 @@ private:
 	Cells cells_;
 	std::optional<GroupMap> groups_;
 	DomainStats counts_;
-	/// Half the width of a square at each level, in meters.
+	/// Spans with a larger half may be up to two quanta too wide.
+	Real narrow_half_ = static_cast<Real>(4.0 * frame_.quantum);
+	/// half_span() for each level.
 	std::array<Real, ActiveSquares<Real>::max_levels> half_x_{};
 	std::array<Real, ActiveSquares<Real>::max_levels> half_y_{};
 	/// For each level, 2^-32 of a square's width in SquareUnits.
@@ -203,16 +206,44 @@ private:
 		if (!any_within(near, dart.x, dart.y, frame_.limit)) {
 			accept(dart, base, r_points);
 		} else if (static_cast<int>(choice.level) < frame_.finest) {
-			split(square, choice.level, centered, near);
+			split(square, choice.level, near);
 		} else {
 			++counts_.discarded;
 		}
 	}
 
-	CenteredSquare<Real> centered_square(const Square<Real> &square, std::uint32_t level) const {
-		return {static_cast<Real>(static_cast<double>(square.x) * frame_.unit.x + frame_.bias) + half_x_[level],
-				static_cast<Real>(static_cast<double>(square.y) * frame_.unit.y + frame_.bias) + half_y_[level],
-				half_x_[level], half_y_[level]};
+	/// Returns the width of the squares at a level, in SquareUnits.
+	Unit width_of(std::uint32_t level) const {
+		return static_cast<Unit>(Unit{1} << (static_cast<std::uint32_t>(frame_.finest) - level));
+	}
+
+	HWY_INLINE CenteredSquare<Real> centered_square(const Square<Real> &square, std::uint32_t level) const {
+		const Unit width = width_of(level);
+		CenteredSquare<Real> result;
+		span(square.x, width, half_x_[level], 0, result.x, result.half_x);
+		span(square.y, width, half_y_[level], 1, result.y, result.half_y);
+		return result;
+	}
+
+	/// Finds a span that contains all positions on one axis to which darts in a square may round.
+	/// The arithmetic is exact, so a disk that covers the spans of both axes rejects every such dart.
+	HWY_INLINE void span(Unit corner, Unit width, Real half, int axis, Real &r_center, Real &r_half) const {
+		const Real low = frame_.coordinate(static_cast<double>(corner) * frame_.unit[axis], axis);
+		r_half = half;
+		if (half <= narrow_half_) {
+			// A wider span could hide that all darts round to the same position.
+			const Unit end = corner + width;
+			const Real high = frame_.coordinate(static_cast<double>(end) * frame_.unit[axis], axis);
+			r_center = low + (high - low) / 2;
+			r_half = std::max(r_center - low, high - r_center);
+			return;
+		}
+		r_center = low + half;
+	}
+
+	/// Returns half the span of a square, rounded up to a multiple of the quantum.
+	Real half_span(double meters) const {
+		return static_cast<Real>(frame_.quantum * std::ceil(0.5 * (meters / frame_.quantum + 1.0)));
 	}
 
 	/// Returns a uniformly distributed position in the square.
@@ -235,20 +266,16 @@ private:
 	}
 
 	template <class Surroundings>
-	void split(const Square<Real> &square, std::uint32_t level, const CenteredSquare<Real> &centered,
-			const Surroundings &near) {
+	void split(const Square<Real> &square, std::uint32_t level, const Surroundings &near) {
 		const std::uint32_t child_level = level + 1;
-		const Real quarter_x = half_x_[child_level];
-		const Real quarter_y = half_y_[child_level];
-		const CenteredSquare<Real> first{centered.x - quarter_x, centered.y - quarter_y, quarter_x, quarter_y};
-		const std::uint32_t covered =
-				covered_quarters(near, first, centered.x + quarter_x, centered.y + quarter_y, frame_.limit);
-		const auto width = static_cast<Unit>(Unit{1} << (static_cast<std::uint32_t>(frame_.finest) - child_level));
+		const Unit width = width_of(child_level);
+		const Square<Real> opposite{static_cast<Unit>(square.x + width), static_cast<Unit>(square.y + width)};
+		const std::uint32_t covered = covered_quarters(
+				near, centered_square(square, child_level), centered_square(opposite, child_level), frame_.limit);
 		for (std::uint32_t child = 0; child < 4; ++child) {
 			if ((covered >> child & 1) == 0) {
 				active_.push(child_level,
-						{static_cast<Unit>(square.x + (child & 1) * width),
-								static_cast<Unit>(square.y + (child >> 1) * width)});
+						{(child & 1) != 0 ? opposite.x : square.x, (child >> 1) != 0 ? opposite.y : square.y});
 			}
 		}
 	}

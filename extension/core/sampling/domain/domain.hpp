@@ -11,8 +11,8 @@
 namespace thicket {
 
 /// The methods for filling a whole domain, from White, Cline and Egbert, "Poisson Disk Point Sets
-/// by Hierarchical Dart Throwing" (2007). All methods except `naive` produce a maximal set, to
-/// within the floating-point precision.
+/// by Hierarchical Dart Throwing" (2007). All methods except `naive` produce a maximal set of the
+/// representable positions; see DomainSampler.
 enum class DomainMethod : std::uint8_t {
 	/// Darts anywhere in the domain, one by one (section 1). For comparison; the set is never quite
 	/// maximal.

@@ -42,9 +42,13 @@ struct Frame {
 	double bias;        ///< Meters: quantum * 2^bits. Greater than any coordinate, and greater than 8 radii.
 	glm::uvec2 squares; ///< Number of base squares on each axis.
 	glm::dvec2 base;    ///< Width of a base square in meters, at most radius / sqrt(2).
-	int finest;         ///< The finest level of squares that the precision allows.
-	glm::dvec2 unit;    ///< Meters per SquareUnit.
-	glm::dvec2 reach;   ///< Radius in base squares.
+	/// The finest level of squares. In single precision, its squares are at most a quarter of a
+	/// quantum wide. All darts in most of them therefore round to the same position, and such a
+	/// square is never split. Each position has several of them, so no open position is lost when
+	/// a square between positions is too fine to split.
+	int finest;
+	glm::dvec2 unit;  ///< Meters per SquareUnit.
+	glm::dvec2 reach; ///< Radius in base squares.
 	/// If a computed squared distance is at least this, the true distance is at least the radius.
 	Real limit;
 	bool toroidal;
@@ -64,7 +68,7 @@ struct Frame {
 			frame.reach[axis] = request.radius / frame.base[axis];
 		}
 		const int index_bits = std::bit_width(std::max(frame.squares.x, frame.squares.y));
-		const int by_precision = std::ilogb(std::max(frame.base.x, frame.base.y) / frame.quantum);
+		const int by_precision = std::ilogb(std::max(frame.base.x, frame.base.y) / frame.quantum) + 3;
 		frame.finest = std::clamp(by_precision, 0, std::min(32, 8 * static_cast<int>(sizeof(Unit)) - index_bits));
 		frame.unit = {std::ldexp(frame.base.x, -frame.finest), std::ldexp(frame.base.y, -frame.finest)};
 		// The two squares and their sum are each rounded once. The slack ensures that the true

@@ -55,7 +55,8 @@ HWY_INLINE bool any_within(const Near<Real> &near, Real x, Real y, Real limit) {
 	return false;
 }
 
-/// A square, stored as its center and half its width on each axis.
+/// A square that contains all positions to which darts in an active square may round. It is stored
+/// as its center and half its width on each axis.
 template <typename Real>
 struct CenteredSquare {
 	Real x;
@@ -81,20 +82,17 @@ HWY_INLINE bool any_covers(const Near<Real> &near, const CenteredSquare<Real> &s
 }
 
 /// Returns one bit for each quarter of a square (x first) that the disk of a single point covers.
-/// `quarter` is the quarter at the lower corner, and (far_x, far_y) is the center of the opposite
-/// quarter.
+/// `first` is the quarter at the lower corner, and `last` is the opposite quarter.
 template <typename Real>
 HWY_INLINE std::uint32_t covered_quarters(
-		const Near<Real> &near, const CenteredSquare<Real> &quarter, Real far_x, Real far_y, Real limit) {
+		const Near<Real> &near, const CenteredSquare<Real> &first, const CenteredSquare<Real> &last, Real limit) {
 	const Wide<Real> d;
 	std::uint32_t covered = 0;
 	for (std::size_t i = 0; i < near.lanes && covered != 15; i += hn::Lanes(d)) {
-		const auto half_x = hn::Set(d, quarter.half_x);
-		const auto half_y = hn::Set(d, quarter.half_y);
-		const auto left = far_distance(near.x + i, hn::Set(d, quarter.x), half_x);
-		const auto right = far_distance(near.x + i, hn::Set(d, far_x), half_x);
-		const auto low = far_distance(near.y + i, hn::Set(d, quarter.y), half_y);
-		const auto high = far_distance(near.y + i, hn::Set(d, far_y), half_y);
+		const auto left = far_distance(near.x + i, hn::Set(d, first.x), hn::Set(d, first.half_x));
+		const auto right = far_distance(near.x + i, hn::Set(d, last.x), hn::Set(d, last.half_x));
+		const auto low = far_distance(near.y + i, hn::Set(d, first.y), hn::Set(d, first.half_y));
+		const auto high = far_distance(near.y + i, hn::Set(d, last.y), hn::Set(d, last.half_y));
 		const auto left_2 = hn::Mul(left, left);
 		const auto right_2 = hn::Mul(right, right);
 		const auto low_2 = hn::Mul(low, low);

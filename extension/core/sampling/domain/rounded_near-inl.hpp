@@ -124,15 +124,16 @@ HWY_INLINE bool any_covers(const RoundedNear<Cells> &near, const CenteredSquare<
 }
 
 template <class Cells>
-HWY_INLINE std::uint32_t covered_quarters(const RoundedNear<Cells> &near, const CenteredSquare<double> &quarter,
-		double far_x, double far_y, double limit) {
+HWY_INLINE std::uint32_t covered_quarters(const RoundedNear<Cells> &near, const CenteredSquare<double> &first,
+		const CenteredSquare<double> &last, double limit) {
 	const Steps d;
-	const auto half_x = hn::Set(d, near.steps(quarter.half_x));
-	const auto half_y = hn::Set(d, near.steps(quarter.half_y));
-	const auto left_x = hn::Set(d, near.x(quarter.x));
-	const auto right_x = hn::Set(d, near.x(far_x));
-	const auto low_y = hn::Set(d, near.y(quarter.y));
-	const auto high_y = hn::Set(d, near.y(far_y));
+	// The halves of the quarters differ only by rounding, far less than the error of rounded points.
+	const auto half_x = hn::Set(d, near.steps(first.half_x));
+	const auto half_y = hn::Set(d, near.steps(first.half_y));
+	const auto left_x = hn::Set(d, near.x(first.x));
+	const auto right_x = hn::Set(d, near.x(last.x));
+	const auto low_y = hn::Set(d, near.y(first.y));
+	const auto high_y = hn::Set(d, near.y(last.y));
 	std::uint32_t surely = 0;
 	std::uint32_t perhaps = near.points->full() ? 15 : 0;
 	for (std::size_t i = 0; i < RoundedPoints::lanes; i += hn::Lanes(d)) {
@@ -152,7 +153,7 @@ HWY_INLINE std::uint32_t covered_quarters(const RoundedNear<Cells> &near, const 
 		check(left, high, 4);
 		check(right, high, 8);
 	}
-	return (perhaps & ~surely) == 0 ? surely : covered_quarters(near.exact(), quarter, far_x, far_y, limit);
+	return (perhaps & ~surely) == 0 ? surely : covered_quarters(near.exact(), first, last, limit);
 }
 
 } // namespace thicket::HWY_NAMESPACE
