@@ -24,6 +24,7 @@ def sample(
     *,
     levels: int = 1,
     layer: int = 0,
+    even: bool = False,
     threads: int = 1,
     n: int | None = None,
     within: Any = None,
@@ -45,11 +46,15 @@ def sample(
         radius: the minimum distance between two points in meters; 0.001 to 1e6.
         seed: any 64-bit integer, signed or not: -1 and 2**64 - 1 are the same seed. Different seeds produce unrelated sets. None chooses
             a random seed. A NumPy Generator, BitGenerator or SeedSequence provides one, and a generator thereby advances.
-        levels: the levels of the progressive order, 1 to 8. 1 is plain dart throwing and the fastest.
+        levels: the levels of the progressive order, 1 to 8. 1 is plain dart throwing and the fastest. Each level is a maximal set of half
+            the radius of the level before. A prefix that ends between two levels keeps only the finer radius.
         layer: 0 to 65535; part of the IDs. Different layers are different sets.
+        even: True to order the points of each level by distance. A prefix that is not smaller than the coarsest level then keeps at least
+            0.75 of the least distance of a maximal set of equal density, instead of 0.5. Changes only the ranks. With one level, this
+            has no effect.
         threads: the number of threads for a rectangle wider than 90 radii, 1 to 256; 0 for one per core. The number does not change
             the points or their order.
-        n: return only the first n points in the progressive order, well spaced with several levels; None for all. These points depend on
+        n: return only the first n points in the progressive order, see levels and even; None for all. These points depend on
             the rectangle. Raises ValueError if there are fewer.
         within: return only the points inside a polygon: a Shapely geometry, GeoJSON as a dictionary, or any object with a
             __geo_interface__, such as a GeoSeries, in meters. Points exactly on the boundary are left out. Requires Shapely.
@@ -91,6 +96,7 @@ def sample(
         chosen,
         integer("levels", levels),
         integer("layer", layer),
+        bool(even),
         integer("threads", threads),
         None if fixed is None else disks("fixed", fixed, radius),
         cells,

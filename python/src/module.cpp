@@ -149,9 +149,10 @@ std::vector<Obstacle> disks_of(const Triples<double> &rows) {
 
 /// Returns the positions, IDs, ranks and levels of a set.
 std::tuple<Array<double, 2>, Ids, Integers, Integers> sample(const std::array<double, 4> &rect, double radius,
-		std::uint64_t seed, double levels, double layer, double threads, const std::optional<Triples<double>> &fixed,
+		std::uint64_t seed, double levels, double layer, bool even, double threads, const std::optional<Triples<double>> &fixed,
 		const std::array<std::int32_t, 2> &period, nb::object progress, const Cancel *cancel) {
 	PointSet set = set_of(radius, seed, levels, layer);
+	set.even_order = even;
 	set.period = {period[0], period[1]};
 	require(check_range("threads", threads, 0, max_threads));
 	const std::vector<Obstacle> disks = fixed ? disks_of(*fixed) : std::vector<Obstacle>();
@@ -309,8 +310,8 @@ NB_MODULE(_core, module) {
 	nb::exception<Cancelled>(module, "Cancelled", PyExc_RuntimeError).attr("__doc__") =
 			"Raised when a Cancel has ended a call.";
 	using nb::literals::operator""_a;
-	module.def("sample", &sample, "rect"_a, "radius"_a, "seed"_a, "levels"_a, "layer"_a, "threads"_a, "fixed"_a.none(),
-			"period"_a, "progress"_a.none(), "cancel"_a.none());
+	module.def("sample", &sample, "rect"_a, "radius"_a, "seed"_a, "levels"_a, "layer"_a, "even"_a, "threads"_a,
+			"fixed"_a.none(), "period"_a, "progress"_a.none(), "cancel"_a.none());
 	module.def("sample_surface", &sample_surface, "vertices"_a, "faces"_a, "radius"_a, "seed"_a, "window"_a.none(),
 			"levels"_a, "layer"_a, "progress"_a.none(), "cancel"_a.none());
 	const auto define_domain = [&](const char *name, auto function) {

@@ -4,6 +4,7 @@
 //   bench_sampler [rounds = 9] [seconds a measurement = 0.25]
 //   bench_sampler ROUNDS SECONDS counts  only the margin's overhead and the workspace, in half a
 //                                        minute
+//   bench_sampler ROUNDS SECONDS orders  only the cost of the even order
 //   bench_sampler ROUNDS SECONDS alone   only tiles of 64 r, for benchmarks that compare with the
 //                                        sampler
 
@@ -38,6 +39,8 @@ public:
 	TileWalk(int tile_size, std::uint32_t levels, std::shared_ptr<BlockCache> blocks) :
 			columns_(1024 / tile_size), size_(tile_size), set_{.seed = 1, .levels = levels},
 			sampler_({}, std::move(blocks)) {}
+
+	void order_evenly() { set_.even_order = true; }
 
 	std::size_t next() {
 		const glm::dvec2 corner = size_ * glm::dvec2(index_ % columns_, index_ / columns_);
@@ -134,6 +137,20 @@ void compare_kept_blocks(int tile_size, std::uint32_t levels, const Effort &effo
 	print_row(name + " over none kept", with_rates / without_rates, 1.0, " times");
 }
 
+/// Measures the cost of PointSet::even_order.
+void compare_orders(int tile_size, const Effort &effort) {
+	TileWalk usual(tile_size, 4);
+	TileWalk even(tile_size, 4);
+	even.order_evenly();
+	Series usual_rates, even_rates;
+	for (int round = 0; round < effort.rounds; ++round) {
+		usual_rates.add(rate(effort.seconds, [&] { return usual.next(); }));
+		even_rates.add(rate(effort.seconds, [&] { return even.next(); }));
+	}
+	print_row("tiles of " + std::to_string(tile_size) + " r: time in even order over the usual order, L = 4",
+			usual_rates / even_rates, 1.0, " times");
+}
+
 /// Measures each instruction set on tiles of 64 r with L = 1. They take turns within each round.
 void compare_targets(const Effort &effort) {
 	const std::vector<SimdTarget> targets = simd_targets();
@@ -188,6 +205,12 @@ int main(int argument_count, char **arguments) {
 	const std::string_view part = argument_count > 3 ? arguments[3] : "";
 	if (part == "alone") {
 		measure_alone(effort);
+		return 0;
+	}
+	if (part == "orders") {
+		for (const int tile_size : {16, 64}) {
+			compare_orders(tile_size, effort);
+		}
 		return 0;
 	}
 	if (part == "counts") {

@@ -14,7 +14,7 @@
 namespace thicket {
 
 /// The instances of one mesh in one tile, sorted by (thinning rank, id). Every prefix of the list
-/// is a well-spaced subset. It is also the set that a lower density would produce.
+/// keeps the distance of the level in which it ends. It is also the set that a lower density would produce.
 struct MeshInstances {
 	/// `stride` floats per instance: the transform in meters relative to the tile's origin, then
 	/// the data that InstanceData adds.

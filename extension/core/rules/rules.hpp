@@ -32,8 +32,8 @@ inline constexpr double unlimited_height = 1e6;
 /// point nor affects other points. By default, every point on the ground is kept.
 ///
 /// Every rule returns a density from 0 to 1. The densities are multiplied, and a point becomes an
-/// instance if its rank is below the product. The points with the lowest ranks are kept; these are
-/// well spaced at every density.
+/// instance if its rank is below the product. The points with the lowest ranks are kept. With
+/// several levels, these keep at least half of the distance of a complete set of equal density.
 ///
 /// Limits are hard: no instance is placed outside them. A falloff thins the layer inside a limit:
 /// the density falls linearly from 1, one falloff away from the limit, to 0 at the limit. Where the

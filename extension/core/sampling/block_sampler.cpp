@@ -6,6 +6,7 @@ namespace thicket {
 
 void BlockSampler::prepare(const PointSet &set, RankFunction rank) {
 	levels_ = set.levels;
+	least_margin_ = set.even_order ? even_margin : 0;
 	unit_ = lattice_unit(set);
 	if (grids_.size() < levels_) {
 		grids_.resize(levels_);
@@ -22,7 +23,7 @@ void BlockSampler::prepare(const PointSet &set, RankFunction rank) {
 
 ResolveResult BlockSampler::resolve(
 		const CellRect &block, const std::atomic<bool> *cancel, const Obstacles *obstacles) {
-	margin_ = obstacles != nullptr ? obstacles->margin : margins_.first;
+	margin_ = obstacles != nullptr ? obstacles->margin : std::max(margins_.first, least_margin_);
 	const std::int32_t widest = obstacles != nullptr ? obstacles->margin : margins_.widest;
 	for (retries_ = 0;; ++retries_) {
 		const std::span<LevelGrid> levels(grids_.data(), levels_);

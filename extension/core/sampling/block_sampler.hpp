@@ -26,6 +26,8 @@ public:
 
 	/// Returns the grid of the finest level. Only the cells of the last block are valid.
 	const LevelGrid &finest() const { return grids_.front(); }
+	/// Replaces the rank of the point in a cell of the finest level.
+	void set_rank(glm::ivec2 cell, std::uint32_t rank) { grids_.front().dart[grids_.front().index_of(cell)] = rank; }
 	std::span<const LevelGrid> levels() const { return {grids_.data(), levels_}; }
 	std::uint32_t retries() const { return retries_; }
 	std::size_t obstacle_bytes() const { return obstacle_grid_.bytes(); }
@@ -36,7 +38,11 @@ public:
 	glm::dvec2 undecided_cell() const;
 
 private:
+	/// Width of the margin that EvenOrder needs, so that coarser levels are decided far enough.
+	static constexpr std::int32_t even_margin = 4;
+
 	SampleMargins margins_;
+	std::int32_t least_margin_ = 0;
 	std::int32_t margin_ = 0;
 	/// One grid per level. The list may have more grids than the current set has levels, to reuse
 	/// memory.

@@ -35,6 +35,9 @@ struct PointSet {
 	/// becomes a torus. Zero on an axis without an end. Each must be a multiple of period_step. IDs
 	/// contain the cell in the first period.
 	glm::ivec2 period{0};
+	/// True to order the points of each level by their distances (EvenOrder) instead of their times, so that
+	/// the points below any rank keep their distance. Changes ranks only, and nothing if `levels` is 1.
+	bool even_order = false;
 
 	friend bool operator==(const PointSet &, const PointSet &) = default;
 };

@@ -1,5 +1,6 @@
 #include "core/sampling/rank.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace thicket {
@@ -8,6 +9,10 @@ namespace {
 
 constexpr std::uint32_t stage_table[rank_stages][rank_knots] = {
 #include "core/sampling/rank_tables.inc"
+};
+
+constexpr std::uint32_t even_table[even_stages][even_knots + 1] = {
+#include "core/sampling/even_tables.inc"
 };
 
 /// Points per squared radius, indexed by the number of levels minus one. For one level, this is 4 /
@@ -59,13 +64,31 @@ std::uint32_t fraction_before(std::uint32_t stage, TimeKey time) {
 	return table[knot - 1] + static_cast<std::uint32_t>((table[knot] - table[knot - 1]) * part >> rank_knot_shift);
 }
 
-} // namespace
-
-std::uint32_t rank_of(std::uint32_t levels, std::uint32_t level, TimeKey time) {
+/// Returns the rank of a point of a level before which a fraction of the level's points comes, in units of
+/// 2^-32.
+std::uint32_t rank_in_level(std::uint32_t levels, std::uint32_t level, std::uint32_t fraction) {
 	const auto &ends = level_ends[levels - 1];
 	const std::uint64_t start = ends[level + 1];
 	const std::uint64_t span = ends[level] - start;
-	return static_cast<std::uint32_t>(start + (fraction_before(levels - 1 - level, time) * span >> 32));
+	return static_cast<std::uint32_t>(start + (fraction * span >> 32));
+}
+
+} // namespace
+
+std::uint32_t rank_of(std::uint32_t levels, std::uint32_t level, TimeKey time) {
+	return rank_in_level(levels, level, fraction_before(levels - 1 - level, time));
+}
+
+std::uint32_t even_rank_of(std::uint32_t levels, std::uint32_t level, std::uint32_t squared) {
+	const auto &table = even_table[std::min(levels - 1 - level, even_stages) - 1];
+	const std::uint64_t below = std::uint64_t{4} * radius_squared - squared;
+	const auto knot = static_cast<std::uint32_t>(below >> even_knot_shift);
+	if (knot >= even_knots) {
+		return rank_in_level(levels, level, table[even_knots]);
+	}
+	const std::uint64_t part = below & ((1u << even_knot_shift) - 1);
+	const std::uint64_t step = (table[knot + 1] - table[knot]) * part >> even_knot_shift;
+	return rank_in_level(levels, level, table[knot] + static_cast<std::uint32_t>(step));
 }
 
 std::uint32_t level_of_rank(std::uint32_t levels, std::uint32_t rank) {

@@ -12,6 +12,19 @@ namespace thicket {
 /// for every seed and radius, because the process is scale-invariant.
 std::uint32_t rank_of(std::uint32_t levels, std::uint32_t level, TimeKey time);
 
+/// Returns the rank of a point of a level other than the coarsest in the order of EvenOrder. `squared` is
+/// its squared spacing in lattice units of its level, from radius_squared to 4 * radius_squared. Ranks
+/// never decrease as the spacing decreases.
+std::uint32_t even_rank_of(std::uint32_t levels, std::uint32_t level, std::uint32_t squared);
+
+/// The number of tables for even_rank_of: one for each level after the coarsest. Finer levels share the last.
+inline constexpr std::uint32_t even_stages = 3;
+
+/// The tables have knots at equal steps of the squared spacing, from 4 * radius_squared down to
+/// radius_squared.
+inline constexpr std::uint32_t even_knot_shift = 20;
+inline constexpr std::uint32_t even_knots = 3 * (radius_squared >> even_knot_shift);
+
 /// Returns the level at which a point of this rank was placed.
 std::uint32_t level_of_rank(std::uint32_t levels, std::uint32_t rank);
 

@@ -6,6 +6,7 @@
 #include "core/sampling/area_cache.hpp"
 #include "core/sampling/block_cache.hpp"
 #include "core/sampling/block_sampler.hpp"
+#include "core/sampling/even_order.hpp"
 #include "core/sampling/rank.hpp"
 
 #include <glm/common.hpp>
@@ -147,6 +148,7 @@ struct TileSampler::Workspace {
 	SampleMargins margins;
 	std::shared_ptr<BlockCache> cache; ///< The shared cache; may be null.
 	BlockSampler blocks;
+	EvenOrder even_order;
 	SampleStats stats;
 	std::vector<std::unique_ptr<Workspace>> others; ///< One workspace per lent thread, kept to reuse memory.
 
@@ -209,10 +211,16 @@ Status TileSampler::Workspace::too_wide(const PointSet &set) const {
 /// Appends the points of a block.
 Status TileSampler::Workspace::sample_block(const PointSet &set, const Rect &rect, const CellRect &block,
 		const std::atomic<bool> *cancel, std::vector<SamplePoint> &r_points) {
-	switch (blocks.resolve(block, cancel, obstacles)) {
+	const bool is_even = set.even_order && set.levels > 1;
+	switch (blocks.resolve(is_even ? block.grown(EvenOrder::margin) : block, cancel, obstacles)) {
 		case ResolveResult::done: break;
 		case ResolveResult::cancelled: return {ErrorCode::cancelled, "sample", 0.0};
 		case ResolveResult::margin_too_small: return too_wide(set);
+	}
+	if (is_even) {
+		even_order.visit(blocks.levels(), block, [&](glm::ivec2 cell, std::uint32_t level, std::uint32_t squared) {
+			blocks.set_rank(cell, even_rank_of(set.levels, level, squared));
+		});
 	}
 	collect(set, rect, block, r_points);
 	count();
@@ -224,8 +232,8 @@ Status TileSampler::Workspace::sample_block(const PointSet &set, const Rect &rec
 bool TileSampler::Workspace::take_settled(const PointSet &set, const Rect &rect, const CellRect &cells,
 		const std::atomic<bool> *cancel, std::vector<SamplePoint> &r_points) {
 	const glm::ivec2 size = cells.size();
-	// Cached blocks belong to sets without obstacles.
-	if (cache == nullptr || obstacles != nullptr || std::min(size.x, size.y) <= 0 ||
+	// Cached blocks belong to sets without obstacles, in the usual order.
+	if (cache == nullptr || obstacles != nullptr || set.even_order || std::min(size.x, size.y) <= 0 ||
 			std::max(size.x, size.y) > BlockCache::widest_window(set.levels)) {
 		return false;
 	}
@@ -254,9 +262,9 @@ bool TileSampler::Workspace::take_areas(const PointSet &set, const Rect &rect, c
 		const std::atomic<bool> *cancel, std::vector<SamplePoint> &r_points) {
 	constexpr std::int32_t limit = cell_limit - SettledArea::part_width;
 	const glm::ivec2 size = cells.size();
-	if (use != WindowUse::overlapping || cache == nullptr || obstacles != nullptr || std::min(size.x, size.y) <= 0 ||
-			std::max(size.x, size.y) > AreaWindow::widest || std::min(cells.min.x, cells.min.y) < -limit ||
-			std::max(cells.max.x, cells.max.y) > limit) {
+	if (use != WindowUse::overlapping || cache == nullptr || obstacles != nullptr || set.even_order ||
+			std::min(size.x, size.y) <= 0 || std::max(size.x, size.y) > AreaWindow::widest ||
+			std::min(cells.min.x, cells.min.y) < -limit || std::max(cells.max.x, cells.max.y) > limit) {
 		return false;
 	}
 	AreaWindow window(cache->areas(), set, cells);
