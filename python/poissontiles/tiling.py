@@ -39,6 +39,7 @@ def tiles(
     *,
     levels: int = 1,
     layer: int = 0,
+    even: bool = False,
     threads: int = 1,
     within: Any = None,
     fixed: ArrayLike | None = None,
@@ -51,7 +52,7 @@ def tiles(
     Args:
         rect: as in sample(), but the number of points is not limited.
         size: the width and height of a tile in meters. Tiles of 64 radii or more are the fastest.
-        radius, seed, levels, layer, within, fixed: as in sample().
+        radius, seed, levels, layer, even, within, fixed: as in sample().
         threads: the number of tiles that are generated concurrently, 1 to 256; 0 for one per core.
 
     Yields:
@@ -73,11 +74,11 @@ def tiles(
     def generate() -> Iterator[tuple[Rect, Points]]:
         workers = int(count) or os.cpu_count() or 1
         cancel = _core.Cancel()
+        options: dict[str, Any] = {"levels": levels, "layer": layer, "even": even, "within": within, "fixed": fixed, "cancel": cancel}
         waiting: deque[tuple[Rect, Future[Points]]] = deque()
         with ThreadPoolExecutor(workers) as pool:
             try:
                 for tile in _rects((area[0], area[1], area[2], area[3]), width):
-                    options: dict[str, Any] = {"levels": levels, "layer": layer, "within": within, "fixed": fixed, "cancel": cancel}
                     waiting.append((tile, pool.submit(sample, tile, radius, chosen, **options)))
                     if len(waiting) == 2 * workers:
                         done, points = waiting.popleft()
