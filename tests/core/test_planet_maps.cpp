@@ -35,7 +35,7 @@ const Planet planet{{40.0, -30.0, 20.0}, 300.0};
 
 glm::dvec3 random_direction(std::mt19937 &r_random) {
 	std::normal_distribution<double> number;
-	// Braces, because compilers call the arguments of a function in different orders.
+	// Braces, because compilers evaluate the arguments of a function in different orders.
 	return glm::normalize(glm::dvec3{number(r_random), number(r_random), number(r_random)});
 }
 

@@ -25,7 +25,7 @@ class ErrorLog extends Logger:
 		return taken
 
 
-const IDLE_TIMEOUT_MSEC := 60000
+const IDLE_TIMEOUT_MSEC := 180000  # A build that counts lines is slow.
 
 var errors := ErrorLog.new()
 var checks := 0
