@@ -261,7 +261,11 @@ void print(const Request &request, const Outcome &outcome, std::size_t resident_
 	number("output_bytes", outcome.output_bytes);
 	number("resident_before", resident_before);
 	number("resident_peak", peak_resident_bytes());
-	std::printf("}\n");
+	std::printf(", \"squares_by_level\": [");
+	for (std::size_t level = 0; level < stats.squares_by_level.size(); ++level) {
+		std::printf("%s%llu", level > 0 ? ", " : "", static_cast<unsigned long long>(stats.squares_by_level[level]));
+	}
+	std::printf("]}\n");
 	std::fflush(stdout);
 }
 

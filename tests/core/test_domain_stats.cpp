@@ -42,6 +42,25 @@ TEST_CASE_TEMPLATE("domain: nine to ten squares are created for each accepted da
 	}
 }
 
+TEST_CASE("domain: the number of squares falls exponentially with the level, as the paper states") {
+	for (const Method &method : maximal_methods) {
+		CAPTURE(method.name);
+		const DomainStats stats = stats_of<double>(large(method.method, true));
+		std::uint64_t total = 0;
+		for (std::size_t level = 0; level < stats.squares_by_level.size(); ++level) {
+			CAPTURE(level);
+			const std::uint64_t created = stats.squares_by_level[level];
+			total += created;
+			// After the second level, each level has at most two thirds of the squares of the one before.
+			if (level > 2 && created > 100) {
+				CHECK(3 * created < 2 * stats.squares_by_level[level - 1]);
+			}
+		}
+		CHECK(stats.squares_by_level.size() == stats.levels);
+		CHECK(total == stats.squares);
+	}
+}
+
 TEST_CASE_TEMPLATE("domain: counts of squares, choices and darts are consistent", Real, float, double) {
 	for (const Method &method : maximal_methods) {
 		CAPTURE(method.name);

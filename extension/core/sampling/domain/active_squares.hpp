@@ -44,6 +44,14 @@ public:
 	std::uint64_t created_count() const { return created_count_; }
 	std::uint64_t list_checks() const { return list_checks_; }
 	std::uint32_t levels_used() const { return levels_used_; }
+	/// Returns the number of squares that were created at each level.
+	std::vector<std::uint64_t> created_by_level() const {
+		std::vector<std::uint64_t> created;
+		for (std::uint32_t level = 0; level < levels_used_; ++level) {
+			created.push_back(lists_[level].created);
+		}
+		return created;
+	}
 	/// Returns the peak memory in bytes.
 	std::size_t bytes() const { return max_chunks_ * chunk_bytes(); }
 
@@ -54,6 +62,7 @@ public:
 			levels_used_ = std::max(levels_used_, level + 1);
 		}
 		at(list, list.count++) = square;
+		++list.created;
 		first_ = std::min(first_, level);
 		set_area(level);
 		total_ += unit_area(level);
@@ -112,6 +121,7 @@ private:
 	struct List {
 		std::vector<Square<Real> *> chunks;
 		std::uint64_t count = 0;
+		std::uint64_t created = 0;
 	};
 
 	static constexpr std::uint32_t fresh_choices = 4096;

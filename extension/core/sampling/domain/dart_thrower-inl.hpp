@@ -86,6 +86,7 @@ public:
 		stats.squares = active_.created_count();
 		stats.list_checks = active_.list_checks();
 		stats.levels = active_.levels_used();
+		stats.squares_by_level = active_.created_by_level();
 		stats.grid_bytes = cells_.bytes();
 		stats.square_bytes = active_.bytes() + (groups_ ? groups_->bytes() : 0);
 		return stats;

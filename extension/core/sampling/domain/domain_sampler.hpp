@@ -25,9 +25,10 @@ struct DomainStats {
 	/// Number of squares that rejected a dart and were too small to split. In single precision, each
 	/// of them lies between positions that other squares still cover, so no gap results.
 	std::uint64_t discarded = 0;
-	std::uint32_t levels = 0;     ///< Number of square levels used.
-	double cell_size = 0.0;       ///< Width of an acceleration grid cell in radii.
-	std::size_t grid_bytes = 0;   ///< Memory of the acceleration grid, including overflow (section 4.2).
+	std::uint32_t levels = 0;                    ///< Number of square levels used.
+	std::vector<std::uint64_t> squares_by_level; ///< Number of active squares created at each level.
+	double cell_size = 0.0;                      ///< Width of an acceleration grid cell in radii.
+	std::size_t grid_bytes = 0;                  ///< Memory of the acceleration grid, including overflow (section 4.2).
 	std::size_t square_bytes = 0; ///< Peak memory of the active squares, and the map of groups (section 4.2).
 
 	std::size_t workspace_bytes() const { return grid_bytes + square_bytes; }
@@ -43,7 +44,7 @@ struct DomainStats {
 ///      of two above the longer side, or above eight radii if that is more. Distances that exceed
 ///      the radius by less than 2^-20 of it may count as too close. Between the multiples of the
 ///      step, gaps remain that a set in double precision would fill. They lower the coverage of the
-///      plane by 0.22 * step / radius. In double precision, squares of 2^-32 base squares that
+///      plane by about 0.3 * step / radius. In double precision, squares of 2^-32 base squares that
 ///      reject a dart would be discarded; no run has had any;
 ///  (3) every point lies in the half-open domain;
 ///  (4) equal requests return bit-identical points on every machine, for any `cell_size`;
