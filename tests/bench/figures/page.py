@@ -53,6 +53,9 @@ def _head(facts: dict[str, Row]) -> str:
             round. Contenders take turns within each round."""
         ),
     ]
+    committed = [PARTS[name].shows for name, one in facts.items() if one.get("committed")]
+    if committed:
+        parts.append(f"**Not measured in this run, and taken from tests/bench/data: {', '.join(committed)}.**")
     if any(one["quick"] for one in facts.values()):
         parts.append(
             "**This is a quick run with small sets: its numbers only show that the command works.**"

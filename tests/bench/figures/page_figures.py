@@ -74,8 +74,9 @@ def _loss_rows(losses: list[Row]) -> list[list[str]]:
     ]
 
 
-NO_SETS = """Pictures of point sets and their spectra are only drawn by a run on this machine (`--only sets`), because
-    their data is too large to be committed."""
+NO_SETS = """Missing here: pictures of point sets and their spectra. Their data is too large to be committed. In a few minutes,
+    `bash tests/bench/figures.sh --only sets` measures them and writes this page with them; the other numbers then come
+    from the committed data."""
 
 
 def figure5(measured: Tables, pictures: str, has_sets: bool) -> str:
