@@ -149,8 +149,9 @@ std::vector<Obstacle> disks_of(const Triples<double> &rows) {
 
 /// Returns the positions, IDs, ranks and levels of a set.
 std::tuple<Array<double, 2>, Ids, Integers, Integers> sample(const std::array<double, 4> &rect, double radius,
-		std::uint64_t seed, double levels, double layer, bool even, double threads, const std::optional<Triples<double>> &fixed,
-		const std::array<std::int32_t, 2> &period, nb::object progress, const Cancel *cancel) {
+		std::uint64_t seed, double levels, double layer, bool even, double threads,
+		const std::optional<Triples<double>> &fixed, const std::array<std::int32_t, 2> &period, nb::object progress,
+		const Cancel *cancel) {
 	PointSet set = set_of(radius, seed, levels, layer);
 	set.even_order = even;
 	set.period = {period[0], period[1]};
