@@ -69,8 +69,9 @@ public:
 	/// Appends the positions at which `filter` needs the ground, and their queries. These are the
 	/// positions of the points and, with an edge feather, edge_probes positions for each point.
 	/// Positions are repeated for each texture whose weight an expression needs. Normals are queried if
-	/// the layer has a slope rule. If `normals` is true, they are always queried at the points. The ground of points on surfaces and of their probes is already known,
-	/// so only density rules are queried there. This object must outlive the queries.
+	/// the layer has a slope rule. If `normals` is true, they are always queried at the points. The
+	/// ground of points on surfaces and of their probes is already known, so only density rules are
+	/// queried there. This object must outlive the queries.
 	void add_queries(bool normals, std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const;
 	std::size_t position_count() const { return queries_ground() ? texture_first(textures_.size()) : 0; }
 
