@@ -239,8 +239,9 @@ void RowSet::add_crossings(std::uint32_t one, std::uint32_t other) {
 	const auto order_of = [this](std::uint32_t line) {
 		return std::pair(courses_[line]->line()->identity, line);
 	};
-	const auto [a, b] =
-			std::minmax(one, other, [&](std::uint32_t x, std::uint32_t y) { return order_of(x) < order_of(y); });
+	const bool is_ordered = order_of(one) <= order_of(other);
+	const std::uint32_t a = is_ordered ? one : other;
+	const std::uint32_t b = is_ordered ? other : one;
 	const RowCourse &first = *courses_[a];
 	const RowCourse &second = *courses_[b];
 	first.visit_segments(second.bounds(), [&](std::uint32_t segment) {
