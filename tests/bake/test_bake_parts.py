@@ -51,7 +51,7 @@ def test_a_terminal_gets_one_line_of_progress(monkeypatch, capsys):
         assert capsys.readouterr().out.startswith(ends)
 
 
-@pytest.mark.parametrize("url", ["s4://bucket/world", "http://server/world", "memory://world", "s3://", "file://server/world", "gs://bucket/world"])
+@pytest.mark.parametrize("url", ["s4://bucket/world", "http://store.example/world", "memory://world", "s3://", "file://server/world", "gs://bucket/world"])
 def test_an_unsupported_url_is_not_a_folder(url, tmp_path, monkeypatch, capsys):
     """Checks that no command creates a folder whose name begins with the scheme of a URL. Exports need a folder."""
     monkeypatch.chdir(tmp_path)

@@ -1,4 +1,5 @@
-"""Runs the core's tests under the address and undefined-behavior sanitizers."""
+"""Runs the core's tests under the address and undefined-behavior sanitizers. Builds and runs take longer than all other tests of a
+run without --full, which has the fuzzers under the same sanitizers (test_fuzz.py)."""
 
 from __future__ import annotations
 
@@ -6,6 +7,8 @@ import os
 
 import pytest
 from conftest import BUILD_DIR, LONG_CASES, REPO, build, run
+
+pytestmark = pytest.mark.full
 
 CHECKED = BUILD_DIR.with_name(BUILD_DIR.name + ".address.undefined.scu")
 
@@ -23,6 +26,5 @@ def test_no_case_triggers_a_sanitizer():
     check("test-case-exclude", timeout=900)
 
 
-@pytest.mark.full
 def test_no_long_case_triggers_a_sanitizer():
     check("test-case", timeout=7200)
