@@ -1,4 +1,4 @@
-extends SceneTree
+extends "bench.gd"
 ## Measures the time to fill a view with a layer whose density is a property, an expression or a rule script. All thin the layer by slope in
 ## the same way. Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/rules.gd [-- ROUNDS]
@@ -25,18 +25,9 @@ class SlopeRule extends ScatterRule:
 		return threaded
 
 
-var _viewer := Node3D.new()
-
-
-func _initialize() -> void:
-	_run.call_deferred()
-
-
-func _run() -> void:
+func run() -> String:
 	RenderingServer.render_loop_enabled = false
-	root.add_child(_viewer)
-	var arguments := OS.get_cmdline_user_args()
-	var rounds := maxi(1, arguments[0].to_int()) if arguments.size() > 0 else DEFAULT_ROUNDS
+	var rounds := rounds_or(DEFAULT_ROUNDS)
 	var contenders: Dictionary[String, Callable] = {
 		"max_slope_degrees with a falloff": _by_property, "density_expression": _by_expression,
 		"a rule script on threads": _by_script.bind(true), "a rule script on the main thread": _by_script.bind(false),
@@ -48,7 +39,7 @@ func _run() -> void:
 			times.get_or_add(named, []).push_back(await _fill(contenders[named]))
 	for named in times:
 		_report(named, times[named], times.values()[0])
-	quit()
+	return ""
 
 
 func _by_property(layer: ScatterLayer) -> void:
@@ -77,18 +68,16 @@ func _fill(add_rule: Callable) -> float:
 	layer.view_distance = VIEW
 	layer.meshes = [BoxMesh.new()]
 	add_rule.call(layer)
-	var scatter := TerrainScatter3D.new()
-	scatter.layers = [layer]
-	scatter.ground = ground
+	var viewer := Node3D.new()
+	make_scatter(ground, [layer], viewer)
 	scatter.frame_budget_usec = 1_000_000
-	root.add_child(scatter)
-	scatter.viewers = [scatter.get_path_to(_viewer)]
 	var start := Time.get_ticks_usec()
-	await process_frame
-	while not scatter.is_settled():
-		await process_frame
+	var failure := await idle()
 	var seconds := (Time.get_ticks_usec() - start) / 1e6
+	if failure != "":
+		printerr(failure)
 	scatter.free()
+	viewer.free()
 	return seconds
 
 

@@ -7,6 +7,7 @@
 #include "core/sampling/block_cache.hpp"
 #include "core/terrain/flat_terrain.hpp"
 #include "counted_threads.hpp"
+#include "mesh_fixture.hpp"
 #include "refusal.hpp"
 #include "tile_fixture.hpp"
 
@@ -28,13 +29,6 @@ using namespace thicket::test;
 
 namespace {
 
-std::shared_ptr<const DensityExpression> compiled(const char *text) {
-	ExpressionError error;
-	auto expression = DensityExpression::compile(text, error);
-	REQUIRE_MESSAGE(expression != nullptr, error.message);
-	return expression;
-}
-
 Rules by_expression(const char *text) {
 	Rules rules = open_rules();
 	rules.expression = compiled(text);
@@ -52,29 +46,6 @@ LayerSettings mixed_layer() {
 	LayerSettings layer = rich_layer();
 	layer.mesh_rules = rules_by_height();
 	return layer;
-}
-
-/// Returns the mesh of each instance, keyed by ID.
-std::map<std::uint64_t, std::size_t> meshes_of(const TileInstances &tile) {
-	std::map<std::uint64_t, std::size_t> meshes;
-	for (std::size_t mesh = 0; mesh < tile.meshes.size(); ++mesh) {
-		for (const std::uint64_t id : tile.meshes[mesh].ids) {
-			meshes.emplace(id, mesh);
-		}
-	}
-	return meshes;
-}
-
-/// Returns the position of each instance on the ground, keyed by ID.
-std::map<std::uint64_t, glm::dvec2> positions_of(const LayerSettings &layer, const Rect &rect) {
-	TileSampler sampler;
-	std::vector<SamplePoint> points;
-	REQUIRE(sampler.sample(layer.set, rect, points).ok());
-	std::map<std::uint64_t, glm::dvec2> positions;
-	for (const SamplePoint &point : points) {
-		positions.emplace(point.id, point.position);
-	}
-	return positions;
 }
 
 std::uint64_t digest_in_caches(const LayerSettings &layer, const Terrain &terrain, const Rect &rect) {
@@ -118,7 +89,7 @@ TEST_CASE("mesh rules: the fractions of meshes follow weights and densities") {
 	layer.mesh_weights = {1.0f, 3.0f, 0.0f};
 	layer.mesh_rules = {by_expression("clamp(x / 100, 0, 1)"), by_expression("0.5"), by_expression("1")};
 	const Rect rect{{0.0, 0.0}, {100.0, 100.0}};
-	const std::map<std::uint64_t, std::size_t> meshes = meshes_of(built(layer, FlatTerrain(5.0), rect));
+	const Meshes meshes = meshes_of(built(layer, FlatTerrain(5.0), rect));
 	double expected = 0.0;
 	double variance = 0.0;
 	std::array<int, 3> counts{};
@@ -185,10 +156,10 @@ TEST_CASE("mesh rules: the mesh of an instance does not depend on tiles, caches 
 	LayerSettings layer = mixed_layer();
 	layer.mesh_rules[1]->min_slope_degrees = 5.0;
 	const TileInstances whole = built(layer, terrain, tile_of_hills);
-	const std::map<std::uint64_t, std::size_t> meshes = meshes_of(whole);
+	const Meshes meshes = meshes_of(whole);
 	check_on_threads(layer, terrain, digest(whole));
 	CHECK(digest_in_caches(layer, terrain, tile_of_hills) == digest(whole));
-	std::map<std::uint64_t, std::size_t> from_parts;
+	Meshes from_parts;
 	for (double x = -64.0; x < 64.0; x += 42.75) {
 		for (double z = 0.0; z < 128.0; z += 31.5) {
 			const glm::dvec2 corner(x, z);

@@ -10,6 +10,7 @@
 #include "core/terrain/triangle_terrain.hpp"
 #include "core/terrain/weight_map.hpp"
 #include "counted_threads.hpp"
+#include "mesh_fixture.hpp"
 #include "refusal.hpp"
 #include "surface_fixture.hpp"
 #include "tile_fixture.hpp"
@@ -33,13 +34,6 @@ using namespace thicket;
 using namespace thicket::test;
 
 namespace {
-
-std::shared_ptr<const DensityExpression> compiled(const std::string &text) {
-	ExpressionError error;
-	auto expression = DensityExpression::compile(text, error);
-	REQUIRE_MESSAGE(expression != nullptr, error.message);
-	return expression;
-}
 
 /// Returns stripes along z of three biomes, 32 m wide and with irregular borders.
 std::shared_ptr<const BiomeMap> stripes(int shift = 0) {
@@ -141,31 +135,8 @@ LayerSettings with_meshes(
 const std::vector<std::string> all_kinds{
 		"biome(1)", "texture(0) > 0.6", "distance(\"Rocks\", 12) / 20", "mask_green * biome(2)"};
 
-using Meshes = std::map<std::uint64_t, std::size_t>;
-
-void add_meshes(const TileInstances &tile, Meshes &r_meshes) {
-	for (std::size_t mesh = 0; mesh < tile.meshes.size(); ++mesh) {
-		for (const std::uint64_t id : tile.meshes[mesh].ids) {
-			r_meshes.emplace(id, mesh);
-		}
-	}
-}
-
 Meshes meshes_of(const LayerSettings &layer, const Terrain &terrain, const Rect &rect) {
-	Meshes meshes;
-	add_meshes(built(layer, terrain, rect), meshes);
-	return meshes;
-}
-
-std::map<std::uint64_t, glm::dvec2> positions_of(const LayerSettings &layer, const Rect &rect) {
-	TileSampler sampler;
-	std::vector<SamplePoint> points;
-	REQUIRE(sampler.sample(layer.set, rect, points).ok());
-	std::map<std::uint64_t, glm::dvec2> positions;
-	for (const SamplePoint &point : points) {
-		positions.emplace(point.id, point.position);
-	}
-	return positions;
+	return test::meshes_of(built(layer, terrain, rect));
 }
 
 /// Returns the instances and meshes of `rect`, from tiles of `size` meters in reverse order.
@@ -176,7 +147,7 @@ Meshes in_small_tiles(const LayerSettings &layer, const Terrain &terrain, const 
 		for (double x = rect.max.x - size; x >= rect.min.x; x -= size) {
 			TileInstances tile;
 			REQUIRE(builder.build(layer, terrain, Rect{{x, y}, {x + size, y + size}}, tile).ok());
-			add_meshes(tile, meshes);
+			meshes.merge(test::meshes_of(tile));
 		}
 	}
 	return meshes;
