@@ -185,6 +185,25 @@ TEST_CASE("rows: points keep a distance from crossings, and from no other place"
 	CHECK(kept.size() < all.size());
 }
 
+TEST_CASE("rows: a line that ends less than the gap before another line crosses it") {
+	const RowLine street = line_through(1, {{-50, 0}, {50, 0}});
+	const auto crosses = [&](const RowLine &road) {
+		const std::vector<SamplePoint> points = points_of(rows_of({.step = 1.0, .crossing_gap = 6.0}, {street, road}));
+		const auto is_in_gap = [](const SamplePoint &point) {
+			return glm::distance(point.position, {30, 0}) < 6.0;
+		};
+		return std::ranges::none_of(points, is_in_gap);
+	};
+	CHECK(crosses(line_through(2, {{30, 5.9}, {30, 40}})));
+	CHECK(crosses(line_through(2, {{30, -40}, {30, -5.9}})));
+	CHECK_FALSE(crosses(line_through(2, {{30, 6.1}, {30, 40}})));
+	CHECK_FALSE(crosses(line_through(2, {{30, 5}, {40, 5}}))); // Beside the street, not toward it.
+	// Two lines that would meet end to end beyond their ends do not cross.
+	const std::vector<RowLine> corner{street, line_through(2, {{53, 3}, {53, 40}})};
+	CHECK(points_of(rows_of({.step = 1.0, .crossing_gap = 6.0}, corner)).size() ==
+			points_of(rows_of({.step = 1.0}, corner)).size());
+}
+
 TEST_CASE("rows: any division into tiles finds the same points") {
 	RowSettings field{.step = 0.8, .jitter_along = 0.3, .jitter_across = 0.4, .fills_areas = true};
 	field.row_distance = 1.1;

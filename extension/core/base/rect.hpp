@@ -32,6 +32,12 @@ struct Rect {
 /// Returns the common part of two rectangles, which is empty if they do not overlap.
 inline Rect intersection(const Rect &a, const Rect &b) { return {glm::max(a.min, b.min), glm::min(a.max, b.max)}; }
 
+/// Returns the smallest rectangle that contains two rectangles.
+inline Rect united(const Rect &a, const Rect &b) { return {glm::min(a.min, b.min), glm::max(a.max, b.max)}; }
+
+/// Returns a rectangle that is larger by `distance` meters on each side.
+constexpr Rect expanded(const Rect &rect, double distance) { return {rect.min - distance, rect.max + distance}; }
+
 /// Returns true if two rectangles overlap or touch, including their edges. A point is a rectangle
 /// without an area.
 constexpr bool meet(const Rect &a, const Rect &b) {

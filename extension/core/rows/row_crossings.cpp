@@ -1,5 +1,7 @@
 #include "core/rows/row_crossings.hpp"
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <tuple>
 #include <utility>
@@ -10,14 +12,20 @@ namespace {
 
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
-/// Returns true if a fraction of a segment is an end of its line.
+/// Returns the range of fractions of a segment, with the ends of its line extended by `extension` meters.
+glm::dvec2 extended_range(const RowSegment &segment, glm::dvec2 along, double extension) {
+	const double fraction = extension / glm::length(along);
+	return {segment.starts_line ? -fraction : 0.0, segment.ends_line ? 1.0 + fraction : 1.0};
+}
+
+/// Returns true if a fraction of a segment is an end of its line, or beyond it.
 bool is_end(const RowSegment &segment, double fraction) {
 	return (segment.starts_line && fraction <= 0.0) || (segment.ends_line && fraction >= 1.0);
 }
 
 } // namespace
 
-std::optional<glm::dvec2> crossing_of(const RowSegment &a, const RowSegment &b) {
+std::optional<glm::dvec2> crossing_of(const RowSegment &a, const RowSegment &b, double extension) {
 	const glm::dvec2 along_a = a.to - a.from;
 	const glm::dvec2 along_b = b.to - b.from;
 	const double area = cross(along_a, along_b);
@@ -26,7 +34,9 @@ std::optional<glm::dvec2> crossing_of(const RowSegment &a, const RowSegment &b) 
 	}
 	const double on_a = cross(b.from - a.from, along_b) / area;
 	const double on_b = cross(b.from - a.from, along_a) / area;
-	const bool apart = on_a < 0.0 || on_a > 1.0 || on_b < 0.0 || on_b > 1.0;
+	const glm::dvec2 range_a = extended_range(a, along_a, extension);
+	const glm::dvec2 range_b = extended_range(b, along_b, extension);
+	const bool apart = on_a < range_a.x || on_a > range_a.y || on_b < range_b.x || on_b > range_b.y;
 	if (apart || (is_end(a, on_a) && is_end(b, on_b))) {
 		return std::nullopt;
 	}

@@ -15,9 +15,10 @@ struct RowSegment {
 	bool ends_line = false;   ///< True if `to` is an end of the line.
 };
 
-/// Returns the position where two segments cross or touch. Parallel segments do not cross, and neither
-/// do two lines where one of them continues the other.
-std::optional<glm::dvec2> crossing_of(const RowSegment &a, const RowSegment &b);
+/// Returns the position where two segments cross or touch. The ends of lines are extended by `extension`
+/// meters, because a road often ends at the edge of another one. Parallel segments do not cross, and
+/// neither do two lines where one of them continues the other. Segments must not have the length 0.
+std::optional<glm::dvec2> crossing_of(const RowSegment &a, const RowSegment &b, double extension);
 
 /// The positions at which lines cross.
 class RowCrossings {

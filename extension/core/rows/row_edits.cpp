@@ -35,7 +35,7 @@ void add_along(Points points, double distance, std::vector<Rect> &r_areas) {
 	for (std::size_t first = 0; first < points.size(); first += length) {
 		// Consecutive parts share a point, so that no segment is missing.
 		const Rect bounds = bounds_of(points.subspan(first, std::min(length + 1, points.size() - first)));
-		r_areas.push_back({bounds.min - distance, bounds.max + distance});
+		r_areas.push_back(expanded(bounds, distance));
 	}
 }
 
@@ -87,7 +87,7 @@ void add_between(const RowLine &before, const RowLine &after, double distance, s
 	}
 	if (!changed.empty()) {
 		const Rect bounds = bounds_of(changed);
-		r_areas.push_back({bounds.min - distance, bounds.max + distance});
+		r_areas.push_back(expanded(bounds, distance));
 	}
 }
 
@@ -130,8 +130,8 @@ bool find_row_edits(const RowSet *before, const RowSet *after, std::vector<Rect>
 		pair.key_after = after->key(i);
 	}
 	const RowSettings &settings = after->settings();
-	// A changed line affects the points of its rows, and points near its crossings.
-	const double distance = least_margin + 2.0 * after->reach() + settings.crossing_gap;
+	// A changed line affects the points of its rows, and points near its crossings, which may lie beyond its ends.
+	const double distance = least_margin + 2.0 * (after->reach() + settings.crossing_gap);
 	for (const auto &[identity, pair] : pairs) {
 		if (pair.was != &none && pair.is != &none && pair.key_before != pair.key_after) {
 			return false; // All points of the line have new IDs.

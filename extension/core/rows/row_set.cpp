@@ -192,7 +192,7 @@ void RowSet::find_crossings(const RowSet *former) {
 		if (known[line] || courses_[line]->empty()) {
 			continue;
 		}
-		tree_.visit(courses_[line]->bounds(), [&](std::uint32_t other) {
+		tree_.visit(expanded(courses_[line]->bounds(), settings_.crossing_gap), [&](std::uint32_t other) {
 			// Two changed lines find each other, so only one of them adds the crossings.
 			if (known[other] || other >= line) {
 				add_crossings(line, other);
@@ -244,13 +244,15 @@ void RowSet::add_crossings(std::uint32_t one, std::uint32_t other) {
 	const std::uint32_t b = is_ordered ? other : one;
 	const RowCourse &first = *courses_[a];
 	const RowCourse &second = *courses_[b];
-	first.visit_segments(second.bounds(), [&](std::uint32_t segment) {
+	// Open ends reach as far as the gap. See crossing_of.
+	const double extension = settings_.crossing_gap;
+	first.visit_segments(expanded(second.bounds(), extension), [&](std::uint32_t segment) {
 		const RowSegment ends = first.ends_of(segment);
-		second.visit_segments(first.box_of(segment), [&](std::uint32_t crossed) {
+		second.visit_segments(expanded(first.box_of(segment), extension), [&](std::uint32_t crossed) {
 			if (a == b && (crossed <= segment || first.are_consecutive(segment, crossed))) {
 				return;
 			}
-			if (const auto crossing = crossing_of(ends, second.ends_of(crossed))) {
+			if (const auto crossing = crossing_of(ends, second.ends_of(crossed), extension)) {
 				crossings_of_lines_.push_back({a, b, *crossing});
 			}
 		});

@@ -6,8 +6,6 @@
 
 namespace thicket {
 
-Rect united(const Rect &a, const Rect &b) { return {glm::min(a.min, b.min), glm::max(a.max, b.max)}; }
-
 void RowTree::set(std::vector<std::uint32_t> items, std::span<const Rect> bounds) {
 	items_ = std::move(items);
 	tree_ = Bvh(items_.size());

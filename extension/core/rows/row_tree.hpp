@@ -10,9 +10,6 @@
 
 namespace thicket {
 
-/// Returns the smallest rectangle that contains two rectangles.
-Rect united(const Rect &a, const Rect &b);
-
 /// Finds the items of a list whose bounds meet a rectangle.
 class RowTree {
 public:
