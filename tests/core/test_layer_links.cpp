@@ -6,6 +6,8 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -219,4 +221,24 @@ TEST_CASE("layers: an unused name is kept, and a used one gets the lowest free n
 	CHECK(free_layer_name("Fir 2", taken) == "Fir 2 2");
 	CHECK(free_layer_name("", taken) == " 2");
 	CHECK(free_layer_name("Oak", {}) == "Oak");
+}
+
+TEST_CASE("links: a layer that cannot fill gaps is reported") {
+	std::vector<NamedLayer> layers{layer_named("oak"), layer_named("ivy"), layer_named("fern")};
+	layers[2].spacing_fills = true;
+	CHECK(problems(layers, 2, "needs a spacing to a layer that is earlier") == 1);
+	layers[2].spacing = {{"oak", 3.0}};
+	CHECK(problems(layers, 2, "spacing_fills") == 0);
+	layers[1].on_surface = true;
+	layers[1].spacing = {{"fern", 1.0}}; // Either layer of a pair can set the distance.
+	CHECK(problems(layers, 2, "around \"ivy\", which is on_surfaces") == 1);
+	layers[2].on_surface = true;
+	CHECK(problems(layers, 2, "while on_surfaces is on") == 1);
+}
+
+TEST_CASE("links: hosts are the known layers that surface_layers of any layer contain") {
+	std::vector<NamedLayer> layers{layer_named("stone"), layer_named("trunk"), layer_named("moss")};
+	layers[2].surface_layers = {"trunk", "missing", "stone"};
+	CHECK(hosts_in(std::vector<const LayerLinks *>{&layers[0], nullptr, &layers[2]}) == std::set<std::size_t>{0});
+	CHECK(hosts_in(std::vector<const LayerLinks *>{&layers[0], &layers[1], &layers[2]}) == std::set<std::size_t>{0, 1});
 }
