@@ -9,6 +9,7 @@
 #include <doctest/doctest.h>
 
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <memory>
 #include <optional>
@@ -57,6 +58,7 @@ TEST_CASE("transform batch: batches are bit-identical to single transforms, on e
 				std::vector<std::uint64_t> ids;
 				std::vector<glm::vec3> up;
 				std::vector<glm::vec3> positions;
+				std::vector<std::optional<Rotation>> headings;
 				batch.count = 0;
 				const std::size_t count = 1 + random() % TransformBatch::capacity;
 				while (ids.size() < count) {
@@ -64,6 +66,10 @@ TEST_CASE("transform batch: batches are bit-identical to single transforms, on e
 					const glm::vec3 normal = random() % 8 == 0 ? glm::vec3(-0.0f, 1.0f, 0.0f) : random_normal(normals);
 					up.push_back(round % 3 == 0 && random() % 4 == 0 ? -normal : normal);
 					positions.emplace_back(static_cast<float>(random() % 1000), -0.0f, static_cast<float>(count));
+					const double turn = static_cast<double>(random() % 1000) / 159.0;
+					headings.push_back(
+							round % 5 == 1 ? std::optional(Rotation{std::cos(turn), std::sin(turn)}) : std::nullopt);
+					batch.set_heading(headings.back());
 					batch.add(ids.back(), up.back(), positions.back());
 				}
 				std::vector<double> scale_numbers;
@@ -78,7 +84,8 @@ TEST_CASE("transform batch: batches are bit-identical to single transforms, on e
 					expected[11] = positions[i].z;
 					std::array<float, transform_floats> got{};
 					const float scale = write_basis(placement, seed + static_cast<std::uint64_t>(round), ids[i], up[i],
-							expected, {}, scale_numbers.empty() ? std::nullopt : std::optional(scale_numbers[i]));
+							expected, {}, scale_numbers.empty() ? std::nullopt : std::optional(scale_numbers[i]),
+							headings[i]);
 					batch.write(i, got);
 					REQUIRE(std::memcmp(expected.data(), got.data(), sizeof got) == 0);
 					REQUIRE(batch.scale[i] == scale);
