@@ -226,9 +226,9 @@ TEST_CASE("density rules: densities are multiplied, clamped and explained one by
 	names.density_rules = {"Roads"};
 	const RuleMessage some = describe({RuleKind::density_rule, 0.25, 0.25, 0}, layer, names);
 	CHECK(some.rule == "density_rules");
-	CHECK(some.message == "The density rule Roads leaves 25 % here.");
+	CHECK(some.message == "The density rule Roads permits 25 % of the instances here.");
 	CHECK(describe({RuleKind::density_rule, 0.0, 0.0, 1}, layer, names).message ==
-			"The density rule without a name leaves nothing here.");
+			"The density rule without a name permits no instances here.");
 }
 
 TEST_CASE("density rules: layers that depend on a rule for the main thread are found") {

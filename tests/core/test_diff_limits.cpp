@@ -97,8 +97,8 @@ TEST_CASE("diff limits: a diff with huge counts is rejected before any ID is rea
 		CHECK(allocation_count() - before < 10);
 		CHECK(status.code == ErrorCode::not_allowed);
 		CHECK(describe(status) ==
-				"changes must be at most 2097152 (max_changes of diff_limits), got 8000000. Reject the sender, or "
-				"raise that limit in diff_limits");
+				"changes must be at most 2097152 (max_changes of diff_limits), got 8000000. Reject the diff, or "
+				"relax that limit in diff_limits");
 		CHECK(state.merge_diff(diff, changes).code == ErrorCode::not_allowed);
 		CHECK(state.revision() == 0);
 		// The smaller diff is valid.

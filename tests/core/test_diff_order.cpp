@@ -114,7 +114,7 @@ TEST_CASE("diff order: a diff after a lost one is rejected, and the error names 
 	const Status status = peer.apply(three.diffs[2], changes);
 	CHECK(status.code == ErrorCode::out_of_order);
 	CHECK(describe(status).starts_with(
-			"base_revision must be at most 1 (the last revision received from its sender), got 2. Ask"));
+			"base_revision must be at most 1 (the last revision received from its sender), got 2. Request"));
 	CHECK(changes.empty());
 	CHECK(peer.removed_count() == 1);
 	bool missing = false;

@@ -205,7 +205,7 @@ TEST_CASE("state: layers keep their point sets") {
 	CHECK(state.claim(1, 20).ok());
 	const Status status = state.claim(1, 30);
 	CHECK(status.code == ErrorCode::foreign);
-	CHECK(describe(status).starts_with("layer belongs to a different"));
+	CHECK(describe(status).starts_with("layer 1 belongs to a different"));
 	CHECK(state.claim(32768, 1).code == ErrorCode::out_of_range);
 	CHECK(state.stamp(1) == 20);
 	CHECK(copy_of(state).stamp(1) == 20);

@@ -123,7 +123,7 @@ TEST_CASE("links: names may refer to no layer, to two layers, or to the layer it
 	CHECK(result[2]->neighbors[0] == Neighbor{result[0], 1.0, nullptr});
 	CHECK(result[2]->neighbors[1] == Neighbor{result[1], 2.0, nullptr}); // The second oak defines this spacing.
 	CHECK(result[3]->neighbors.size() == 1);
-	CHECK(problems(layers, 1, "\"oak\" refers to the earlier") == 1);
+	CHECK(problems(layers, 1, "so \"oak\" refers to that layer") == 1);
 	CHECK(problems(layers, 2, "") == 3);
 	layers[2].spacing.erase("fern"); // "fern" is the name of the layer itself.
 	CHECK(problems(layers, 2, "\"elm\", and no layer") == 2);

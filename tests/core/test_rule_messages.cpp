@@ -45,7 +45,7 @@ TEST_CASE("rule sentences: a range names the value, the required range, and the 
 	CHECK(steep.max == 30.0);
 	CHECK(steep.message == "Slope is 42°; the layer requires 0° to 30°.");
 	CHECK(message_of({RuleKind::slope, 25.5, 0.45, no_index}, layer) ==
-			"Slope is 25.5°; the layer requires 0° to 30°. Leaves 45 %.");
+			"Slope is 25.5°; the layer requires 0° to 30°. The rule permits 45 % of the instances.");
 	layer.rules.min_height = -2.0;
 	const RuleMessage low = describe({RuleKind::height, -12.3456, 0.0, no_index}, layer, {});
 	CHECK(low.message == "Height is -12.35 m; the layer requires at least -2 m.");
@@ -88,8 +88,9 @@ TEST_CASE("rule sentences: other layers, regions and fields are named") {
 	layer.neighbors = {{other, 3.0, nullptr}};
 	const RuleNames names{{"noise"}, {"Oaks"}, {"Pond"}};
 	CHECK(message_of({RuleKind::neighbor, 1.2, 0.0, 0}, layer, names) ==
-			"The nearest Oaks is 1.2 m away; the spacing requires 3 m.");
-	CHECK(message_of({RuleKind::neighbor, 3.0, 1.0, 0}, layer, names) == "No Oaks is nearer than the spacing of 3 m.");
+			"The nearest instance of Oaks is 1.2 m away; the spacing requires 3 m.");
+	CHECK(message_of({RuleKind::neighbor, 3.0, 1.0, 0}, layer, names) ==
+			"No instance of Oaks is nearer than the spacing of 3 m.");
 	CHECK(describe({RuleKind::field, 0.0, 0.0, 0}, layer, names).rule == "noise");
 	CHECK(describe({RuleKind::field, 0.0, 0.0, 7}, layer, names).rule == "field");
 	Shape pond;
@@ -108,7 +109,7 @@ TEST_CASE("rule sentences: the reason is one rule, or the rank, or none") {
 	const RuleVerdict refused = judge(explained(0.0, 1.0, 0.0), layer, {});
 	CHECK(!refused.yes);
 	CHECK(refused.rule == "mask");
-	CHECK(refused.reason == "The painted mask leaves nothing here.");
+	CHECK(refused.reason == "The painted mask permits no instances here.");
 	const RuleVerdict beside = judge(explained(1.0, 0.0, 0.0), layer, {});
 	CHECK(beside.rule == "mask");
 	CHECK(beside.reason.starts_with(
@@ -117,7 +118,7 @@ TEST_CASE("rule sentences: the reason is one rule, or the rank, or none") {
 	CHECK(late.rule == "rank");
 	CHECK(late.reason ==
 			"Excluded by the density: the nearest point of the set, 1.5 m away, has rank 0.75, and the density there "
-			"is 0.25. The painted mask leaves 25 % here.");
+			"is 0.25. The painted mask permits 25 % of the instances here.");
 	const RuleVerdict accepted = judge(explained(0.5, 0.5, 0.25), layer, {});
 	CHECK(accepted.yes);
 	CHECK(accepted.rule.empty());

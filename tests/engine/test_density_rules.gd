@@ -289,7 +289,7 @@ func test_rules_are_explained() -> void:
 	var index := names.find(&"density_rules")
 	if check(index >= 0, "the rule is among %s" % [names]):
 		check_equal(explanation.get_rule_density(index), 0.75, "its density")
-		check_equal(explanation.get_rule_sentence(index), "The density rule Halves leaves 75 % here.", "its sentence")
+		check_equal(explanation.get_rule_sentence(index), "The density rule Halves permits 75 % of the instances here.", "its sentence")
 	check_equal(explanation.density, 0.75, "the density")
 	var matches := 0
 	for step in 200:
@@ -302,7 +302,7 @@ func test_rules_are_explained() -> void:
 	layer.density_rules[0].resource_name = ""
 	layer.density_rules[0].emit_changed()
 	explanation = scatter.explain_position(Vector3(10, 0, 10), layer)[0]
-	check_equal([explanation.refused_by, explanation.reason], [&"density_rules", "The density rule ScatterRule leaves nothing here."], "the reason")
+	check_equal([explanation.refused_by, explanation.reason], [&"density_rules", "The density rule ScatterRule permits no instances here."], "the reason")
 
 
 func test_invalid_results() -> void:

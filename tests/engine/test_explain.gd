@@ -96,15 +96,15 @@ func test_each_rule_can_reject() -> void:
 		"slope": [{"max_slope_degrees": 10.0}, ["Slope is", "°", "0° to 10°"]],
 		"height": [{"min_height": 300.0}, ["Height is", "at least 300 m"]],
 		"density": [{"density": 0.0}, ["density is 0"]],
-		"noise": [{"noise": noise, "noise_curve": nothing}, ["noise leaves nothing"]],
-		"mask_texture": [{"mask_texture": black}, ["mask texture leaves nothing"]],
-		"mask": [{"mask": mask}, ["mask leaves nothing"]],
+		"noise": [{"noise": noise, "noise_curve": nothing}, ["noise permits no instances"]],
+		"mask_texture": [{"mask_texture": black}, ["mask texture permits no instances"]],
+		"mask": [{"mask": mask}, ["mask permits no instances"]],
 		"clumps": [{"clump_size": 20.0, "clump_coverage": 0.0}, ["clumps"]],
 		"density_over_height": [{"density_over_height": nothing}, ["Density over height is 0 at"]],
 		"density_expression": [{"density_expression": "0 * height"}, ["The density expression 0 * height is 0 here."]],
 		"density_over_slope": [{"density_over_slope": nothing}, ["Density over slope is 0 at"]],
-		"spacing": [{"spacing": {"Trees": 8.0}}, ["The nearest Trees is", "m away; the spacing requires 8 m"]],
-		"proximity": [{"proximity_layer": "Trees", "proximity_distance": 0.01}, ["No Trees within 0.01 m"]],
+		"spacing": [{"spacing": {"Trees": 8.0}}, ["The nearest instance of Trees is", "m away; the spacing requires 8 m"]],
+		"proximity": [{"proximity_layer": "Trees", "proximity_distance": 0.01}, ["No instance of Trees within 0.01 m"]],
 	}
 	var trees := make_layer(4.0)
 	trees.resource_name = "Trees"
@@ -202,7 +202,7 @@ func test_regions_and_holes_are_named() -> void:
 	var clearing: ScatterRegion3D = scatter.get_child(0)
 	clearing.exclude = false
 	var outside := scatter.explain_position(Vector3(-60, 0, -60), "Trees")[0]
-	check_equal([outside.refused_by, "Outside of all regions" in outside.reason], [&"regions", true], outside.reason)
+	check_equal([outside.refused_by, "Outside all regions" in outside.reason], [&"regions", true], outside.reason)
 	var beyond := scatter.explain_position(Vector3(900, 0, 0), ["Trees"])[0]
 	check_equal([beyond.refused_by, beyond.reason], [&"ground", "There is no ground here."], "beyond the terrain")
 

@@ -127,7 +127,7 @@ func test_textures_of_the_ground() -> void:
 			return "texture(5) in an expression is 1 everywhere: the ground has no textures" in text), "no textures: %s" % scatter.get_problems())
 		layer.on_surfaces = true
 		await settle(scatter)
-		check_error(["ScatterLayer.on_surfaces must be 0 (off, because an expression uses texture()), got 1. Turn it off"], "textures on surfaces")
+		check_error(["ScatterLayer.on_surfaces must be 0 (false, because an expression uses texture()), got 1. Disable it"], "textures on surfaces")
 		await clean()
 		node = Textured.new()
 		root.add_child(node)

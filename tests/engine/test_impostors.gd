@@ -105,7 +105,7 @@ func test_bad_input() -> void:
 	check(impostor.bake([null]) == null and "missing" in impostor.problem, impostor.problem)
 	impostor.frame_size = 100
 	check(impostor.bake([BoxMesh.new()]) == null and "frame_size" in impostor.problem, impostor.problem)
-	check_error(["ScatterImpostorBaker.frame_size must be between", "powers of two", "got 100"], "frame_size")
+	check_error(["ScatterImpostorBaker.frame_size must be between", "a power of two", "got 100"], "frame_size")
 	var baker := ScatterImpostorBaker.new()
 	var error: Error = baker.bake()
 	check_equal(error, ERR_INVALID_DATA, "baking nothing")

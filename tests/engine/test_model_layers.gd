@@ -45,7 +45,7 @@ func test_entries() -> void:
 	layer.meshes = [mesh, ImageTexture.new()]
 	check_error(["ScatterLayer.meshes[1]", "ImageTexture"], "a resource of another class")
 	layer.meshes = ["res://tree.glb"]
-	check_error(["ScatterLayer.meshes[0]", "no resource"], "a string")
+	check_error(["ScatterLayer.meshes[0]", "not a resource"], "a string")
 	layer.meshes = [mesh, PackedScene.new()]
 	check_error(["ScatterModel.scene", "it is empty"], "an empty scene")
 	check_equal(layer.meshes, [mesh, scene, model, null], "the old list stays")

@@ -232,7 +232,7 @@ func test_problems_of_layers_that_cannot_fill() -> void:
 	species[0].spacing_fills = true
 	var scatter := make_scatter(species, Mound.new(), make_viewer())
 	await settle(scatter)
-	check("Layer 0: spacing_fills has no effect: it needs a spacing to a layer that is earlier in the list." in scatter.get_problems(),
+	check("Layer 0: spacing_fills has no effect: there is no spacing between this layer and an earlier one in the list. Add an entry to spacing." in scatter.get_problems(),
 			"a layer without an earlier layer cannot fill: %s" % scatter.get_problems())
 	species[0].spacing_fills = false
 	species[1].on_surfaces = true

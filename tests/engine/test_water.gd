@@ -155,10 +155,10 @@ func test_water_and_biomes_are_explained() -> void:
 	map.biomes[2].layers[0].max_water_depth = 2.0
 	await settle(scatter)
 	var away := scatter.explain_position(Vector3(60, 0, 0), "grass")[0]
-	check_equal([away.refused_by, away.reason], [&"biome", "None of the layer's biomes is here."], "a position in the forest")
+	check_equal([away.refused_by, away.reason], [&"biome", "The position is in none of the layer's biomes."], "a position in the forest")
 	var dry := scatter.explain_position(Vector3(40, 0, 90), "reed")[0]
 	check_equal(dry.refused_by, &"water_depth", "4 m above the water: " + dry.reason)
-	check("Depth of the water is -4" in dry.reason and "0.5 m to 2 m" in dry.reason, dry.reason)
+	check("Water depth is -4" in dry.reason and "0.5 m to 2 m" in dry.reason, dry.reason)
 	var rules := range(dry.get_rule_count()).map(dry.get_rule_name)
 	check(&"biome" in rules and &"water_depth" in rules, "both rules are listed: %s" % [rules])
 	var depth := rules.find(&"water_depth")

@@ -74,6 +74,7 @@ bool has_value(const Status &status) {
 		case ErrorCode::missing:
 		case ErrorCode::wrong_type:
 		case ErrorCode::corrupt:
+		case ErrorCode::foreign:
 		case ErrorCode::cancelled: return false;
 		case ErrorCode::not_allowed: return status.allowed.has_min() || status.allowed.has_max();
 		default: return true;
@@ -85,6 +86,9 @@ bool has_value(const Status &status) {
 std::string describe(const Status &status) {
 	std::string text = status.property;
 	text += ' ';
+	if (status.code == ErrorCode::foreign) {
+		text += as_text(status.value) + ' '; // The property is "layer", for example, and the value its number.
+	}
 	text += requirement_text(status.code, text_of(status.allowed));
 	if (has_value(status)) {
 		text += ", got ";

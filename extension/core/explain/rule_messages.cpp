@@ -44,7 +44,9 @@ std::string range_text(const RuleMessage &range, double value, const char *unit)
 
 /// Returns a sentence for a rule that keeps only some of the points, or an empty string for all
 /// other rules.
-std::string leaves(double density) { return density > 0.0 && density < 1.0 ? " Leaves " + percent(density) + "." : ""; }
+std::string leaves(double density) {
+	return density > 0.0 && density < 1.0 ? " The rule permits " + percent(density) + " of the instances." : "";
+}
 
 void describe_range(const char *what, const char *unit, const RuleFactor &factor, RuleMessage &r_message) {
 	const double limit = factor.value < r_message.min ? r_message.min : r_message.max;
@@ -66,7 +68,7 @@ void describe_water_depth(const RuleFactor &factor, const Rules &rules, RuleMess
 				"There is no water here; the layer requires a depth of " + range_text(r_message, 0.0, " m") + ".";
 		return;
 	}
-	describe_range("Depth of the water", " m", factor, r_message);
+	describe_range("Water depth", " m", factor, r_message);
 }
 
 void describe_slope(const RuleFactor &factor, const Rules &rules, RuleMessage &r_message) {
@@ -81,7 +83,7 @@ std::string curve_text(const char *curve, const RuleFactor &factor, const char *
 
 std::string expression_text(const RuleFactor &factor, const Rules &rules) {
 	const std::string value =
-			std::isnan(factor.value) ? "not a number here, which counts as 0" : number_text(factor.value) + " here";
+			std::isnan(factor.value) ? "not a number here, which is treated as 0" : number_text(factor.value) + " here";
 	return "The density expression " + rules.expression->text() + " is " + value + ".";
 }
 
@@ -96,7 +98,7 @@ std::string textures_text(const RuleFactor &factor, const Rules &rules) {
 
 std::string shapes_text(const RuleFactor &factor, const Rules &rules, const RuleNames &names) {
 	if (factor.index == no_index) {
-		return rules.shapes->includes() && factor.density <= 0.0 ? "Outside of all regions that include the layer."
+		return rules.shapes->includes() && factor.density <= 0.0 ? "Outside all regions that include the layer."
 																 : "No region excludes anything here.";
 	}
 	const bool exclude = rules.shapes->shapes()[factor.index].exclude;
@@ -111,17 +113,17 @@ void describe_neighbor(
 	if (rule.curve == nullptr) {
 		r_message.rule = "spacing";
 		r_message.min = rule.distance;
-		r_message.message = far ? "No " + name + " is nearer than the spacing of " + distance + "."
-								: "The nearest " + name + " is " + number_text(factor.value, rule.distance) +
-						" m away; the spacing requires " + distance + ".";
+		r_message.message = far ? "No instance of " + name + " is nearer than the spacing of " + distance + "."
+								: "The nearest instance of " + name + " is " +
+						number_text(factor.value, rule.distance) + " m away; the spacing requires " + distance + ".";
 		return;
 	}
 	r_message.rule = "proximity";
-	r_message.message = far ? "No " + name + " within " + distance + "."
-							: "The nearest " + name + " is " + number_text(factor.value) + " m away.";
+	r_message.message = far ? "No instance of " + name + " within " + distance + "."
+							: "The nearest instance of " + name + " is " + number_text(factor.value) + " m away.";
 	r_message.message += factor.density > 0.0 ? leaves(factor.density)
-			: far                             ? " The layer is placed only near it."
-											  : " The layer is not placed that near.";
+			: far                             ? " The layer is placed only near one."
+											  : " The layer is not placed this close to one.";
 }
 
 std::string density_message(const RuleFactor &factor) {
@@ -132,24 +134,24 @@ std::string field_message(const std::string &field, const RuleFactor &factor) {
 	const std::string what = field == "noise" ? "The noise"
 			: field == "mask_texture"         ? "The mask texture"
 											  : "The field";
-	return factor.density > 0.0 ? what + " leaves " + percent(factor.density) + " here."
-								: what + " leaves nothing here.";
+	return factor.density > 0.0 ? what + " permits " + percent(factor.density) + " of the instances here."
+								: what + " permits no instances here.";
 }
 
 std::string density_rule_message(const RuleFactor &factor, const RuleNames &names) {
 	const std::string rule = "The density rule " + name_at(names.density_rules, factor.index, "without a name");
-	return factor.density > 0.0 ? rule + " leaves " + percent(factor.density) + " here."
-								: rule + " leaves nothing here.";
+	return factor.density > 0.0 ? rule + " permits " + percent(factor.density) + " of the instances here."
+								: rule + " permits no instances here.";
 }
 
 std::string mask_message(const RuleFactor &factor) {
-	return factor.density > 0.0 ? "The painted mask leaves " + percent(factor.density) + " here."
-								: "The painted mask leaves nothing here.";
+	return factor.density > 0.0 ? "The painted mask permits " + percent(factor.density) + " of the instances here."
+								: "The painted mask permits no instances here.";
 }
 
 std::string biome_message(const RuleFactor &factor) {
 	return factor.density > 0.0 ? "The weight of the layer's biomes is " + number_text(factor.density) + "."
-								: "None of the layer's biomes is here.";
+								: "The position is in none of the layer's biomes.";
 }
 
 std::string clumps_message(const RuleFactor &factor) {
@@ -159,9 +161,9 @@ std::string clumps_message(const RuleFactor &factor) {
 }
 
 std::string edge_message(const RuleFactor &factor, const Rules &rules) {
-	return percent(factor.value) + " of the surroundings within " + number_text(rules.edge_feather) +
-			" m are open to the layer" + (factor.density > 0.0 ? "." : "; the edge feather requires more than half.") +
-			leaves(factor.density);
+	return "The other rules permit the layer in " + percent(factor.value) + " of the area within " +
+			number_text(rules.edge_feather) + " m" +
+			(factor.density > 0.0 ? "." : "; edge_feather requires more than half.") + leaves(factor.density);
 }
 
 std::string rank_text(const PositionExplanation &explanation, const LayerSettings &layer, const RuleNames &names) {

@@ -117,7 +117,7 @@ Status validate(const ImpostorSettings &settings) {
 					check_range("samples", settings.samples, 1.0, max_impostor_samples));
 	if (status.ok() && (settings.frame_size & (settings.frame_size - 1)) != 0) {
 		return Status::out_of_range("frame_size", settings.frame_size,
-				between(min_frame_size, max_frame_size, "powers of two"), "Use 64, 128 or 256");
+				between(min_frame_size, max_frame_size, "a power of two"), "Use 64, 128 or 256");
 	}
 	const int side = settings.frames * settings.frame_size;
 	return status.ok() && side > max_atlas_side
@@ -137,7 +137,7 @@ Status bake_impostor(std::span<const ImpostorSurface> surfaces, const ImpostorSe
 		result.settings = settings;
 		measure(surfaces, result);
 		if (!(result.radius > 0.0F)) {
-			return {ErrorCode::not_positive, "radius", result.radius, {}, {}, "Add surfaces that have an extent"};
+			return {ErrorCode::not_positive, "radius", result.radius, {}, {}, "Use surfaces that have a size above 0"};
 		}
 		const Status status = take_pictures(surfaces, progress, result);
 		if (status.ok()) {

@@ -54,7 +54,7 @@ void ImpostorSurface::transform(const glm::mat3 &basis, glm::vec3 offset) {
 
 Status ImpostorSurface::check() const {
 	if (indices.size() % 3 != 0) {
-		return Status::wrong_size("indices", indices.size(), at_least(0, "three per triangle"));
+		return Status::wrong_size("indices", indices.size(), at_least(0, "a multiple of 3: three per triangle"));
 	}
 	for (const std::uint32_t index : indices) {
 		if (index >= positions.size()) {

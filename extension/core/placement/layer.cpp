@@ -65,18 +65,18 @@ Status validate_world_sources(const LayerSettings &layer) {
 	const bool uses_texture = std::ranges::any_of(
 			needed, [](const WorldSource &source) { return source.input.kind == WorldInputKind::texture; });
 	return uses_texture && layer.set.on_surface
-			? Status::out_of_range("on_surfaces", 1.0, exactly(0.0, "off, because an expression uses texture()"),
-					  "Turn it off, because surfaces have no textures, or remove texture() from the expressions")
+			? Status::out_of_range("on_surfaces", 1.0, exactly(0.0, "false, because an expression uses texture()"),
+					  "Disable it, because surfaces have no textures, or remove texture() from the expressions")
 			: Status();
 }
 
 Status validate_alone(const LayerSettings &layer) {
 	if (layer.hosted && !layer.set.on_surface) {
-		return Status::missing("on_surfaces", "Turn it on, because surface_layers requires it");
+		return Status::missing("on_surfaces", "Enable it, because surface_layers requires it");
 	}
 	if (layer.set.in_rows && layer.set.on_surface) {
-		return Status::out_of_range("on_surfaces", 1.0, exactly(0.0, "off, because the layer has rows"),
-				"Turn it off, because rows need ground as seen from above, or clear rows");
+		return Status::out_of_range("on_surfaces", 1.0, exactly(0.0, "false, because the layer has rows"),
+				"Disable it, because rows need ground as seen from above, or clear rows");
 	}
 	return first_failure(validate(layer.set), validate(layer.rules), validate(layer.placement),
 			validate(layer.instance_data), validate_mesh_weights(layer.mesh_weights), validate_mesh_rules(layer),

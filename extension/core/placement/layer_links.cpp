@@ -125,7 +125,7 @@ void add_fill_problems(Links layers, std::size_t index, std::vector<std::string>
 	}
 	if (layer.on_surface) {
 		r_problems.push_back("spacing_fills has no effect while on_surfaces is on: only layers that grow on the ground "
-							 "as seen from above fill gaps. Turn one of them off.");
+							 "as seen from above fill gaps. Disable one of them.");
 		return;
 	}
 	const std::vector<Found> found = find_all(layers);
@@ -144,7 +144,9 @@ void add_fill_problems(Links layers, std::size_t index, std::vector<std::string>
 		}
 	}
 	if (!has_spacing) {
-		r_problems.push_back("spacing_fills has no effect: it needs a spacing to a layer that is earlier in the list.");
+		r_problems.push_back(
+				"spacing_fills has no effect: there is no spacing between this layer and an earlier one in "
+				"the list. Add an entry to spacing.");
 	}
 }
 
@@ -216,9 +218,10 @@ std::vector<std::string> name_problems(Links layers, std::size_t index) {
 		const std::size_t other = find(layers, reference);
 		// Other code warns about an empty name.
 		if (!reference.empty() && other == layers.size()) {
-			problems.push_back(("spacing names " + quoted(reference)).append(unknown_layer_note(reference)));
+			problems.push_back(("spacing refers to " + quoted(reference)).append(unknown_layer_note(reference)));
 		} else if (other == index) {
-			problems.push_back("spacing names the layer itself; its own instances keep its radius.");
+			problems.push_back(
+					"spacing refers to the layer itself, which has no effect. Set radius, and remove the entry.");
 		}
 	}
 	const auto check_earlier = [&](const std::string &property, const LayerReference &reference) {
@@ -227,7 +230,8 @@ std::vector<std::string> name_problems(Links layers, std::size_t index) {
 		if (!reference.empty() && other == layers.size()) {
 			problems.push_back(std::string(start).append(unknown_layer_note(reference)));
 		} else if (!reference.empty() && other >= index) {
-			problems.push_back(start + ", which is not before this layer in the list: it has no effect.");
+			problems.push_back(
+					start + ", which is not before this layer in the list, so it has no effect. Move that layer up.");
 		}
 	};
 	add_fill_problems(layers, index, problems);
@@ -242,7 +246,8 @@ std::vector<std::string> name_problems(Links layers, std::size_t index) {
 		check_earlier("surface_layers", reference);
 	}
 	if (!layer.name.empty() && find(layers, layer.name) != index) {
-		problems.push_back("has the name of an earlier layer: \"" + layer.name + "\" refers to the earlier one.");
+		problems.push_back("has the name of an earlier layer, so \"" + layer.name +
+				"\" refers to that layer. Rename one of them.");
 	}
 	return problems;
 }

@@ -49,8 +49,8 @@ Status find_tiles_of(const QueryLayer &layer, std::uint64_t id, const SampleMarg
 	const std::optional<Rect> area = area_of_point(layer, id);
 	r_tiles = area ? TileWindow(layer).touching(*area) : TileRange();
 	if (layer.fills && r_tiles.count() > max_filled_tiles) {
-		return Status::out_of_range("tiles of the id's cell", r_tiles.count(), at_most(max_filled_tiles),
-				"Increase tile_size, or turn off spacing_fills");
+		return Status::out_of_range("number of tiles that may contain the instance", r_tiles.count(),
+				at_most(max_filled_tiles), "Increase tile_size, or turn off spacing_fills");
 	}
 	if (r_tiles.count() > max_tiles && !layer.fills && !layer.set.in_rows) {
 		// Reading this many tiles would take longer than sampling the set.

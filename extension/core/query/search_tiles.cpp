@@ -10,7 +10,7 @@ namespace thicket {
 
 namespace {
 
-constexpr const char *shorter_ray = "Shorten the ray, or name fewer layers";
+constexpr const char *shorter_ray = "Shorten the ray, or query fewer layers";
 
 /// Finds the tiles along a ray, layer by layer and row by row, so that only tiles near the ray are
 /// visited.

@@ -17,7 +17,7 @@ namespace thicket {
 namespace {
 
 constexpr double longest_shape = 1e4;
-constexpr const char *smaller_area = "Make the area smaller, or name fewer layers";
+constexpr const char *smaller_area = "Make the area smaller, or query fewer layers";
 
 struct Near {
 	double distance_squared;

@@ -43,8 +43,8 @@ public:
 
 	bool parse(DensityExpression &r_expression) {
 		if (text_.size() > max_expression_length) {
-			return fail("must have at most " + std::to_string(max_expression_length) + " characters, got " +
-					std::to_string(text_.size()));
+			return fail("an expression must have at most " + std::to_string(max_expression_length) +
+					" characters, got " + std::to_string(text_.size()));
 		}
 		if (!comparison()) {
 			return false;
@@ -89,7 +89,7 @@ private:
 			Function{"noise", Operation::noise, 1},
 	};
 
-	/// A function whose arguments name a source and are no expressions.
+	/// A function whose arguments name a source and are not expressions.
 	struct WorldFunction {
 		std::string_view name;
 		WorldInputKind kind;
@@ -138,7 +138,7 @@ private:
 		steps_.push_back(step);
 		++depth_;
 		return depth_ <= DensityExpression::max_depth ||
-				fail("is too deeply nested: at most " + std::to_string(DensityExpression::max_depth) +
+				fail("the expression is too deeply nested: at most " + std::to_string(DensityExpression::max_depth) +
 						" values may wait for an operation. Reorder or simplify it");
 	}
 
@@ -210,7 +210,7 @@ private:
 	bool primary() {
 		skip_spaces();
 		if (at_ == text_.size()) {
-			return fail("ends too early: add a number, an input or a function");
+			return fail("the expression ends too early: add a number, an input or a function");
 		}
 		const char next = text_[at_];
 		if (is_digit(next) || next == '.') {
@@ -229,7 +229,8 @@ private:
 	bool nested(const Parse &parse) {
 		if (nesting_ == max_nesting) {
 			return fail_at(at_ - 1,
-					"is too deeply nested: at most " + std::to_string(max_nesting) + " parentheses may be open");
+					"the expression is too deeply nested: at most " + std::to_string(max_nesting) +
+							" parentheses may be open");
 		}
 		++nesting_;
 		const bool is_parsed = parse();
@@ -244,7 +245,7 @@ private:
 		const std::optional<double> value = read_number();
 		return value.has_value() ? push({.number = *value})
 								 : fail_at(start,
-										   "is not a number that can be used: it must have at most 15 digits and an "
+										   "not a number that can be used: it must have at most 15 digits and an "
 										   "exponent of at most 22");
 	}
 
@@ -303,7 +304,7 @@ private:
 			return function != functions.end()
 					? call(*function, start)
 					: fail_at(start,
-							  "has no function \"" + std::string(name) + "\": the functions are " + function_list);
+							  "there is no function \"" + std::string(name) + "\": the functions are " + function_list);
 		}
 		const auto channel = std::ranges::find(mask_channel_inputs, name);
 		if (channel != mask_channel_inputs.end()) {
@@ -316,7 +317,7 @@ private:
 					std::ranges::find(world_functions, name, &WorldFunction::name) != world_functions.end();
 			return fail_at(start,
 					is_function ? "expected \"(\" after " + std::string(name)
-								: "has no input \"" + std::string(name) + "\": the inputs are " + input_list);
+								: "there is no input \"" + std::string(name) + "\": the inputs are " + input_list);
 		}
 		return push(
 				{.operation = Operation::input, .input = static_cast<ExpressionInput>(input - input_names.begin())});
@@ -358,7 +359,7 @@ private:
 		if (known == world_inputs_.end()) {
 			if (index == max_world_inputs) {
 				return fail_at(start,
-						"has too many inputs: an expression must have at most " + std::to_string(max_world_inputs) +
+						"too many inputs: an expression may have at most " + std::to_string(max_world_inputs) +
 								" biomes, textures, distances and mask channels. Remove some");
 			}
 			world_inputs_.push_back(input);

@@ -19,8 +19,8 @@ Status check_reach(double center, double radius, double pixel_size) {
 	constexpr double limit = PaintedMask::pixel_limit;
 	const bool inside = (center - radius) / pixel_size - 1.0 >= -limit && (center + radius) / pixel_size + 1.0 <= limit;
 	return inside ? Status{}
-				  : Status::out_of_range(
-							"center", center, between(-limit * pixel_size, limit * pixel_size, "less the radius"));
+				  : Status::out_of_range("center", center,
+							between(-limit * pixel_size, limit * pixel_size, "the dab must not exceed this range"));
 }
 
 } // namespace

@@ -6,11 +6,11 @@ namespace thicket {
 
 namespace {
 
-constexpr const char *raise_limit = "Reject the sender, or raise that limit in diff_limits";
+constexpr const char *raise_limit = "Reject the diff, or relax that limit in diff_limits";
 constexpr const char *claim_first =
 		"Assign the state to a TerrainScatter3D with that layer first, or clear the area of diff_limits";
 constexpr const char *ask_for_earlier =
-		"Ask its sender for diff_since() of the revision that get_missing_since() returns for this diff";
+		"Request diff_since() from its sender, for the revision that get_missing_since() returns for this diff";
 
 template <class Number>
 Status not_allowed(const char *what, Number value, const AllowedRange &allowed) {

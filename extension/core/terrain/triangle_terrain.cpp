@@ -37,7 +37,7 @@ Status check_corner(glm::dvec3 corner) {
 
 Status check_corners(std::span<const glm::dvec3> corners) {
 	if (corners.size() % 3 != 0) {
-		return Status::wrong_size("corners", corners.size(), at_least(0, "three per triangle"));
+		return Status::wrong_size("corners", corners.size(), at_least(0, "a multiple of 3: three per triangle"));
 	}
 	if (corners.size() / 3 > TriangleTerrain::max_triangles) {
 		return Status::out_of_range("triangles", corners.size() / 3, at_most(TriangleTerrain::max_triangles));

@@ -92,7 +92,7 @@ PackedInt64Array ScatterGameplay::add_instances(
 	const bool one_mesh = p_meshes.size() == 0;
 	if (floats % transform_size != 0) {
 		report("TerrainScatter3D.add_instances",
-				Status::wrong_size("transforms", floats, at_least(0, "12 floats per instance")));
+				Status::wrong_size("transforms", floats, at_least(0, "a multiple of 12: 12 floats per instance")));
 		return {};
 	}
 	if (!one_mesh && p_meshes.size() != static_cast<int64_t>(count)) {

@@ -52,7 +52,7 @@ Ref<ScatterInstances> ScatterInstances::of(FoundInstances found, const WorldFram
 bool ScatterInstances::has(const char *p_method, int64_t p_index) const {
 	if (p_index < 0 || p_index >= size()) {
 		report((std::string("ScatterInstances.") + p_method).c_str(),
-				Status::out_of_range("index", p_index, at_most(size() - 1, "from 0; see size()")));
+				Status::out_of_range("index", p_index, between(0, size() - 1, "see size()")));
 		return false;
 	}
 	return true;

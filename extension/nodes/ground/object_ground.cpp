@@ -176,7 +176,8 @@ Status ObjectGround::height_at(glm::dvec2 position, float &r_height) const {
 		return {};
 	}
 	Variant result;
-	if (const Status status = call(height_method_, "height method of ScatterGroundNode.node", queried, result);
+	if (const Status status =
+					call(height_method_, "result of the height method of ScatterGroundNode.node", queried, result);
 			!status.ok()) {
 		return status;
 	}
@@ -205,8 +206,8 @@ Status ObjectGround::slope_by_heights(glm::dvec2 position, Ground &r_ground) con
 
 Status ObjectGround::normal_at(glm::dvec2 position, Ground &r_ground) const {
 	Variant result;
-	if (const Status status =
-					call(normal_method_, "get_normal() of ScatterGroundNode.node", in_engine(position), result);
+	if (const Status status = call(
+				normal_method_, "result of get_normal() of ScatterGroundNode.node", in_engine(position), result);
 			!status.ok()) {
 		return status;
 	}
@@ -242,8 +243,8 @@ Status ObjectGround::weigh(std::span<const glm::dvec2> positions, std::span<cons
 Status ObjectGround::weigh_by_textures(
 		glm::dvec2 position, std::span<const std::int32_t> textures, Ground &r_ground) const {
 	Variant result;
-	if (const Status status =
-					call(texture_method_, "get_texture_id() of ScatterGroundNode.node", in_engine(position), result);
+	if (const Status status = call(
+				texture_method_, "result of get_texture_id() of ScatterGroundNode.node", in_engine(position), result);
 			!status.ok()) {
 		return status;
 	}

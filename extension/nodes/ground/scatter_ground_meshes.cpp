@@ -23,16 +23,15 @@ std::shared_ptr<const Terrain> ScatterGroundMeshes::make_snapshot(const GroundHo
 
 String ScatterGroundMeshes::find_problem() {
 	if (String(group_).is_empty()) {
-		return "ScatterGroundMeshes.group is missing: name a group of nodes with meshes that are ground.";
+		return "ScatterGroundMeshes.group is empty: set it to the group of the nodes that are ground.";
 	}
 	const auto has_mesh = [this](const Variant &node) {
 		Object *source = nullptr;
 		return state_reader()(node, source).source != 0;
 	};
 	if (is_in_scene() && std::ranges::none_of(members_.list(first_node(), group_), has_mesh)) {
-		return vformat(
-				"ScatterGroundMeshes.group: no MeshInstance3D, StaticBody3D, GridMap or CSG node with a shape belongs "
-				"to \"%s\" in the scene.",
+		return vformat("ScatterGroundMeshes.group: the group \"%s\" has no MeshInstance3D, StaticBody3D, GridMap or "
+					   "CSG node with a shape in this scene. Add nodes to the group.",
 				group_);
 	}
 	return {};

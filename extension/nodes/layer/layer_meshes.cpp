@@ -91,7 +91,7 @@ bool LayerMeshes::take(const Array &p_entries) {
 				return false;
 			}
 		} else if (model.is_null() && entry.get_type() != Variant::NIL && Object::cast_to<Mesh>(object) == nullptr) {
-			const String kind = object != nullptr ? object->get_class() : String("no resource");
+			const String kind = object != nullptr ? object->get_class() : String("not a resource");
 			// A Variant of type OBJECT can be null.
 			if (object != nullptr || entry.get_type() != Variant::OBJECT) {
 				ERR_PRINT(vformat("ScatterLayer.meshes[%d] is %s: it must be a Mesh, a PackedScene or a ScatterModel.",

@@ -40,8 +40,8 @@ void ScatterLayer::add_row_problems(PackedStringArray &r_problems) const {
 		r_problems.push_back("Nothing is placed: ScatterRows.offsets is empty. Add 0 for a row on the path itself.");
 	}
 	if (links_.spacing_fills) {
-		r_problems.push_back("ScatterLayer.spacing_fills has no effect while rows is set: rows cannot fill gaps. Turn "
-							 "it off, or clear rows.");
+		r_problems.push_back("ScatterLayer.spacing_fills has no effect while rows is set: rows cannot fill gaps. "
+							 "Disable it, or clear rows.");
 	}
 }
 

@@ -318,7 +318,7 @@ void walk_over(const Ref<PackedScene> &p_scene, const String &p_part, Walk &r_wa
 		r_walk.visit(part, {above_of(root, part), {}}, false);
 		center(r_walk);
 	} else {
-		r_walk.problem = vformat("it has no node \"%s\" below its root, which ScatterModel.scene_part names", p_part);
+		r_walk.problem = vformat("its root has no descendant \"%s\", the path in ScatterModel.scene_part", p_part);
 	}
 	memdelete(root);
 }

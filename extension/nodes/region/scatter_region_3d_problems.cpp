@@ -66,7 +66,8 @@ PackedStringArray ScatterRegion3D::get_problems() const {
 		return problems;
 	}
 	if (host_ == nullptr) {
-		problems.push_back("The region has no effect: move it below a TerrainScatter3D, at any depth.");
+		problems.push_back(
+				"The region has no effect: make it a child of a TerrainScatter3D, or a descendant at any depth.");
 	} else {
 		for (int64_t i = 0; i < layers_.size(); ++i) {
 			if (const String problem = host_->layer_problem(layers_[i]); !problem.is_empty()) {
@@ -86,7 +87,8 @@ PackedStringArray ScatterRegion3D::get_problems() const {
 	} else if ((shape_ != SHAPE_BOX && differ(scale.x, scale.z)) ||
 			(shape_ == SHAPE_SPHERE && differ(scale.x, scale.y))) {
 		problems.push_back(
-				"The node's scale differs between axes, so the radius uses the largest. Use a uniform scale.");
+				"The node's scale differs between axes, so the largest is used for the radius. Use a uniform "
+				"scale.");
 	}
 	if (status.ok()) {
 		add_planet_problems(problems);

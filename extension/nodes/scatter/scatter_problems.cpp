@@ -38,7 +38,7 @@ void add_input_problems(ScatterLayer &layer, const String &p_where, bool lacks_t
 		if (is_unknown) {
 			r_problems.push_back(p_where +
 					vformat("%s in an expression is 0 everywhere: TerrainScatter3D.biomes has no such biome. Use the "
-							"resource_name of one of its biomes, or its index in the list.",
+							"resource_name of a biome, or its index in the list.",
 							text));
 		} else {
 			r_problems.push_back(p_where +
@@ -122,10 +122,11 @@ void add_transform_problem(const Node3D &node, glm::dvec3 offset, PackedStringAr
 	}
 	const Transform3D transform = node.get_global_transform();
 	const bool is_moved_only = is_identity(to_core(transform.basis));
-	const String value = is_moved_only ? vformat("is moved to %s", transform.origin) : String("is rotated or scaled");
+	const String value =
+			is_moved_only ? vformat("has the origin %s", transform.origin) : String("is rotated or scaled");
 	r_problems.push_back(vformat("TerrainScatter3D.global_transform %s and has no effect: instances keep their "
 								 "positions in the world, while "
-								 "ScatterRegion3Ds below the node move with it. Reset the transforms of the node and "
+								 "the node's ScatterRegion3Ds move with it. Reset the transforms of the node and "
 								 "its parents; to shift the "
 								 "world, set TerrainScatter3D.world_offset.",
 			value));
@@ -205,7 +206,8 @@ void add_layer_problems(const TypedArray<ScatterLayer> &p_layers, const Ref<Scat
 		const String where = "Layer " + String::num_int64(index) + ": ";
 		const Ref<ScatterLayer> layer = p_layers[index];
 		if (layer.is_null()) {
-			r_problems.push_back(where + String("empty, so it displays nothing."));
+			r_problems.push_back(where +
+					String("the entry is empty, so it displays nothing. Assign a ScatterLayer, or remove the entry."));
 			continue;
 		}
 		add_problems_of(*layer.ptr(), where, p_ground, has_water, p_biomes, r_problems);

@@ -347,8 +347,9 @@ Status TerrainScatter3D::prepare() {
 	if (!layer_list_.snapshots().empty()) {
 		return {};
 	}
-	return ground_.is_null() ? Status::missing("ground", "Set TerrainScatter3D.ground")
-							 : Status::missing("layers", "Add a layer without problems in its get_problems()");
+	return ground_.is_null()
+			? Status::missing("ground", "Set TerrainScatter3D.ground")
+			: Status::missing("layers", "Add a layer, or fix the problems that get_problems() returns");
 }
 
 /// Adds instances to a navigation mesh. The engine calls this function for each node that it parses

@@ -168,8 +168,9 @@ void TerrainScatter3D::explain_drawing(const LayerSnapshot &layer, LayerExplanat
 	const std::uint32_t rank = thinning_rank(r_explanation.rules.point.rank, r_explanation.rules.at_point.density);
 	if (const double fraction = display().drawn_fraction(layer.lod, away); !thicket::is_placed(rank, fraction)) {
 		return hidden("thinning",
-				"of the layer, only " + number_text(100.0 * fraction) +
-						" % is drawn at this distance (thinning with distance, quality, preview_instances).");
+				"only " + number_text(100.0 * fraction) +
+						" % of the layer's instances are drawn at this distance (see thin_density, quality and "
+						"preview_instances).");
 	}
 	r_explanation.is_drawn = true;
 }
