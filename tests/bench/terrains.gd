@@ -1,10 +1,10 @@
 extends SceneTree
-## Measures the time to fill a view on the ground of terrain plug-ins, compared with a ScatterGroundHeightmap of the same heights.
+## Measures the time to fill a view on the ground of terrain plugins, compared with a ScatterGroundHeightmap of the same heights.
 ## Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/terrains.gd [-- ROUNDS]
 ##
 ## Contenders take turns in each round, and ratios are computed within a round, so that a busy machine affects all
-## equally. The plug-ins are replaced with test doubles, whose queries of single positions run in GDScript. Terrain3D's real
+## equally. The plugins are replaced with test doubles, whose queries of single positions run in GDScript. Terrain3D's real
 ## methods are therefore faster.
 
 const Terrain3D := preload("../engine/terrain3d_harness.gd")

@@ -154,7 +154,7 @@ def test_a_ground_can_be_chosen_and_moved(ground_follows):
 
 
 def test_terrain_plugins_as_ground(godot_xvfb, editor_project):
-    """Checks water, and ground from the stand-ins for terrain plug-ins that tests/engine provides, in the editor. The checks
+    """Checks water, and ground from the stand-ins for terrain plugins that tests/engine provides, in the editor. The checks
     are in plugin_ground.gd."""
     (editor_project / "doubles").mkdir()
     for name in ("harness", "terrain_harness", "terrain3d_harness", "hterrain_harness", "plugins_harness"):

@@ -19,7 +19,7 @@ const FOREIGN: Dictionary[String, PackedStringArray] = {
 	"import_instances.gd": ["node", "terrain", "data", "region", "asset", "Object", "look"],
 }
 ## Members that gated scripts may access by name, because only some of the possible objects have them: the rect of some ground classes,
-## a path's curve, the virtual method that a rule's script may have, and the members of other plug-ins' terrains.
+## a path's curve, the virtual method that a rule's script may have, and the members of other plugins' terrains.
 const DYNAMIC: Dictionary[String, PackedStringArray] = {
 	"scene_description.gd": ["rect"], "scene_digest.gd": ["curve", "_get_densities"],
 	"ground_buttons.gd": ["generate_collisions", "collision_layer", "data", "getHeightAtPosition", "get_internal_transform", "get_data",

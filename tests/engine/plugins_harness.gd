@@ -1,5 +1,5 @@
 extends "terrain3d_harness.gd"
-## Test doubles of terrain plug-ins. Names, results and limits match the plug-ins' source files, which each class cites.
+## Test doubles of terrain plugins. Names, results and limits match the plugins' source files, which each class cites.
 
 
 ## MTerrain, from gdextension/src/mterrain.h and mgrid.h (December 2025). Its grid has one region per 16 x 16 quads. The height samples at the border
@@ -14,7 +14,7 @@ class MTerrainDouble extends Node3D:
 	var grid_created := true
 	var heights := {} ## Heights by sample. For samples without an entry, [method shape] returns the height.
 	var loaded: Dictionary[Vector2i, bool] = {}
-	var stray_calls := 0 ## The number of calls that would read memory outside the plug-in's arrays.
+	var stray_calls := 0 ## The number of calls that would read memory outside the plugin's arrays.
 	var on_worker := false
 
 	func _init() -> void:

@@ -237,7 +237,7 @@ class Terrain3DDouble extends Node3D:
 			data.free()
 
 
-## Exposes a Terrain3DDouble's ground as a node of an unknown plug-in would, for queries point by point.
+## Exposes a Terrain3DDouble's ground as a node of an unknown plugin would, for queries point by point.
 class QueriedNode extends Node3D:
 	var of: Terrain3DDouble
 

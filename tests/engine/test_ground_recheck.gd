@@ -216,7 +216,7 @@ func test_scripts_that_change_the_node_during_a_recheck() -> void:
 		await clean()
 
 
-## Creates a body in the physics server without a node, as voxel plug-ins do.
+## Creates a body in the physics server without a node, as voxel plugins do.
 func serve_slab(at: Vector3, width: float) -> Array[RID]:
 	var shape := PhysicsServer3D.box_shape_create()
 	PhysicsServer3D.shape_set_data(shape, Vector3(0.5 * width, 1.0, 0.5 * width))

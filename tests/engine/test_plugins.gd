@@ -14,7 +14,7 @@ func test_mterrain() -> void:
 	check_on(scatter, node.get_height, node.area(), 1000, "a grid")
 	var hole := Rect2(node.offset.x + 19.0 * 2.0, node.offset.z + 19.0 * 2.0, 12.0, 12.0).grow(-0.1)
 	check(within(scatter, hole).is_empty(), "no instances in a hole")
-	check_equal(node.stray_calls, 0, "calls that the plug-in does not survive")
+	check_equal(node.stray_calls, 0, "calls that the plugin does not survive")
 	check(not node.on_worker, "only the main thread calls it, even if it is marked as thread-safe")
 	check_equal(scatter.get_problems().size(), 0, "problems: %s" % scatter.get_problems())
 	var terrain: ScatterGround = scatter.ground

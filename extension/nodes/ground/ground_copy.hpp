@@ -27,19 +27,19 @@ struct GroundChanges {
 
 /// An edit to part of a terrain's image.
 struct MapEdit {
-	std::int64_t map = 0;   ///< The plug-in's ID of this kind of image.
+	std::int64_t map = 0;   ///< The plugin's ID of this kind of image.
 	std::int64_t index = 0; ///< The image's index within its kind; negative for all images of the kind.
 	godot::Rect2i rect;     ///< The edited part of the image in pixels.
 };
 
-/// The terrain plug-ins whose ground can be copied.
+/// The terrain plugins whose ground can be copied.
 enum class GroundPlugin : std::uint8_t { none, terrain3d, hterrain, terrabrush };
 
-/// Returns the plug-in's name for messages; empty for `none`.
+/// Returns the plugin's name for messages; empty for `none`.
 const char *name_of(GroundPlugin plugin);
 
-/// An immutable copy of the ground of a plug-in's node, so that workers need not call the node.
-/// Shares the pixels of images with the plug-in (copy-on-write).
+/// An immutable copy of the ground of a plugin's node, so that workers need not call the node.
+/// Shares the pixels of images with the plugin (copy-on-write).
 class GroundCopy {
 public:
 	virtual ~GroundCopy() = default;
@@ -81,11 +81,11 @@ protected:
 
 /// The result of trying to copy a node's ground.
 struct CopyAttempt {
-	GroundPlugin plugin = GroundPlugin::none; ///< The plug-in that provides the node.
+	GroundPlugin plugin = GroundPlugin::none; ///< The plugin that provides the node.
 	std::shared_ptr<const GroundCopy> copy;   ///< The copied ground. Null if copying failed; see `refusal`.
 	/// The reason for the failure. It completes a sentence that begins with the node's name.
 	godot::String refusal;
-	/// The object that contains the plug-in's images and emits its signals.
+	/// The object that contains the plugin's images and emits its signals.
 	godot::Variant data;
 };
 

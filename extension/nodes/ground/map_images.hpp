@@ -21,7 +21,7 @@ public:
 		return images;
 	}
 
-	/// Reads the pixels of a map. `kind` is the plug-in's ID of the kind of map. Returns null if
+	/// Reads the pixels of a map. `kind` is the plugin's ID of the kind of map. Returns null if
 	/// there are none. Runs scripts.
 	godot::Ref<godot::Image> read(const godot::Variant &p_data, int kind, int index);
 

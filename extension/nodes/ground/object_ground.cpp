@@ -226,7 +226,7 @@ Status ObjectGround::weigh(std::span<const glm::dvec2> positions, std::span<cons
 	const std::vector<unsigned> channels = map_ ? map_->channels_of(textures) : std::vector<unsigned>();
 	for (std::size_t i = 0; i < positions.size(); ++i) {
 		if (!std::isfinite(r_ground[i].height)) {
-			continue; // Some plug-ins crash for positions outside their ground.
+			continue; // Some plugins crash for positions outside their ground.
 		}
 		if (map_) {
 			r_ground[i].weight = map_->weight(map_->to_map(in_engine(positions[i])), channels);

@@ -16,14 +16,14 @@ struct PostGridArea {
 	glm::ivec2 last_post{0}; ///< The index of the last height sample in x and z.
 
 	/// Reads the area of a node for which `is_post_grid` is true. The area is empty until the
-	/// plug-in has created its grid. Runs scripts.
+	/// plugin has created its grid. Runs scripts.
 	static PostGridArea of(const godot::Variant &p_node);
 
 	/// Returns true if a position, in the engine's x and z, is inside the area. The far edges are
 	/// outside, because there are no height samples beyond them.
 	bool contains(glm::dvec2 position) const;
 
-	/// Returns true if the plug-in has loaded the height samples around a position inside the area.
+	/// Returns true if the plugin has loaded the height samples around a position inside the area.
 	/// Until then, their heights are 0 and their stored normals are zero bytes, which do not occur
 	/// in loaded ground. Runs scripts.
 	bool is_loaded(const godot::Variant &p_node, glm::dvec2 position) const;

@@ -11,7 +11,7 @@
 
 namespace thicket {
 
-/// The copied ground of a plug-in that stores its heights in square regions.
+/// The copied ground of a plugin that stores its heights in square regions.
 class RegionCopy : public GroundCopy {
 public:
 	std::shared_ptr<const Terrain> at_offset(glm::dvec3 offset) const override {
@@ -23,7 +23,7 @@ public:
 
 protected:
 	/// `origin` is the position of the first corner of region (0, 0) in the engine's space.
-	/// `unloaded` lists the regions of the previous copy that the plug-in has unloaded since. Their
+	/// `unloaded` lists the regions of the previous copy that the plugin has unloaded since. Their
 	/// absence is not treated as a change.
 	RegionCopy(RegionField field, glm::dvec3 origin, std::vector<glm::ivec2> unloaded) :
 			field_(std::move(field)), origin_(origin), unloaded_(std::move(unloaded)) {}

@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/steps.gd"
-## Tests terrain plug-ins as ground in the editor, with stand-ins for Terrain3D and HTerrain. The tests sculpt the stand-ins as the plug-ins' brushes
+## Tests terrain plugins as ground in the editor, with stand-ins for Terrain3D and HTerrain. The tests sculpt the stand-ins as the plugins' brushes
 ## do, and free and replace them. The instances must stay on the ground. Then water rises over the same ground.
 
 const SCENE := "res://plugin_ground.tscn"
@@ -10,7 +10,7 @@ var root: Node3D
 var shown_tiles: Array[Vector2i] = []
 
 
-## Returns the script of a stand-in for a terrain plug-in, from the copies that run in the editor.
+## Returns the script of a stand-in for a terrain plugin, from the copies that run in the editor.
 func double(script: String) -> GDScript:
 	return load("res://doubles/%s.gd" % script)
 
@@ -70,7 +70,7 @@ func set_ground(path: NodePath) -> void:
 	await settle(scatter)
 
 
-## Adds a plug-in's node to the scene without an owner, so that it is not saved.
+## Adds a plugin's node to the scene without an owner, so that it is not saved.
 func put(node: Node3D, node_name: String) -> void:
 	node.name = node_name
 	root.add_child(node)

@@ -63,7 +63,7 @@ static func use(scatter: TerrainScatter3D, nodes: Array[Node], manager: EditorUn
 	var meshes := _chosen_meshes(nodes, present)
 	var bodies := nodes.filter(_has_bodies)
 	if meshes.is_empty() and bodies.is_empty():
-		return ("%s cannot be ground: select a StaticBody3D, a MeshInstance3D with a mesh, a GridMap, a CSG node, a terrain of a plug-in, or a node " \
+		return ("%s cannot be ground: select a StaticBody3D, a MeshInstance3D with a mesh, a GridMap, a CSG node, a terrain of a plugin, or a node " \
 				+ "that has meshes below it.") % _names(nodes)
 	return _use_bodies(scatter, bodies, present, manager, added) if meshes.is_empty() else _use_meshes(scatter, meshes, present, manager, added)
 
