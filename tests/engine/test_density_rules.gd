@@ -136,7 +136,7 @@ func test_densities_of_several_rules_are_multiplied() -> void:
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	check_equal(scatter.get_density_map(layer, Rect2(-10, 0, 20, 1), Vector2i(2, 1)), PackedFloat32Array([0.0625, 0.5625]), "the product")
 	var problems := "\n".join(scatter.get_problems())
-	check("ScatterLayer.density_rules: an entry is empty. Set a rule, or remove the entry." in problems, problems)
+	check("ScatterLayer.density_rules: an entry is empty. Assign a ScatterRule, or remove the entry." in problems, problems)
 	check("ScatterLayer.density_rules: a ScatterRule has no effect: extend it with a script" in problems, problems)
 	check(layer.density_rules.is_read_only(), "the array is read-only")
 	var many: Array[ScatterRule] = []

@@ -40,7 +40,7 @@ func check_world(world: Node, context: String) -> void:
 
 func test_scenes_open_and_are_saved_with_current_names() -> void:
 	var expected := ["TerrainScatter3D.terrain is named TerrainScatter3D.ground since", "ScatterLayer.slope_falloff is", "ScatterLayer.thin_scale_compensation is",
-		"ScatterLayer.lod_distances is a part of ScatterModel.lods since", "ScatterLayer.lod_meshes is a part of ScatterModel.lods since"]
+		"ScatterLayer.lod_distances is replaced by ScatterModel.lods since", "ScatterLayer.lod_meshes is replaced by ScatterModel.lods since"]
 	for name: String in ["Colliders", "Flat", "Heightmap", "Meshes", "Noise", "Object"]:
 		expected.append("ScatterTerrain%s is named ScatterGround" % name)
 	for extension: String in ["tscn", "scn"]:
@@ -91,7 +91,7 @@ func test_former_layers_are_drawn_as_before() -> void:
 		var world := (ResourceLoader.load(path, "", ResourceLoader.CACHE_MODE_IGNORE) as PackedScene).instantiate() as TerrainScatter3D
 		var warnings := errors.take()
 		if context == "former":
-			for words: String in ["visibility_range_end is a limit of ScatterLayer.view_distance", "visibility_range_begin has no effect",
+			for words: String in ["visibility_range_end is replaced by ScatterLayer.view_distance", "visibility_range_begin has no effect",
 					"visibility_range_fade_mode has no effect", "Use view_distance, lod_fade",
 					"color_source is named ScatterLayer.color_value.source since", "color_gradient is named ScatterLayer.color_value.gradient since", "variation_source_max is named ScatterLayer.variation_value.max_value"]:
 				check(words in "\n".join(warnings), "warned that %s" % words)

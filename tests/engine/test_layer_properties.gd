@@ -300,7 +300,7 @@ func check_gameplay_warnings() -> void:
 	bare.collision_shape = ScatterLayer.COLLISION_CONVEX
 	var scatter := TerrainScatter3D.new()
 	scatter.layers = [bare]
-	check("no mesh to build it from" in "\n".join(scatter.get_problems()), "a hull without a mesh")
+	check("no mesh to build a hull from" in "\n".join(scatter.get_problems()), "a hull without a mesh")
 	scatter.free()
 
 

@@ -133,7 +133,7 @@ func test_circular_scenes() -> void:
 	model.scene.take_over_path("user://one.tscn")
 	check(not model.reload(), "a model whose file has become circular")
 	var problems := errors.take()
-	check(problems.has("ScatterModel.scene: user://one.tscn cannot be loaded."), "reported: %s" % problems)
+	check(problems.has("ScatterModel.scene: user://one.tscn cannot be loaded. Check that the file exists and can be opened."), "reported: %s" % problems)
 	check_equal(model.lods.size(), 3, "the model does not change")
 
 

@@ -317,8 +317,9 @@ PackedStringArray ScatterBiomeMap::problems(const TypedArray<ScatterLayer> &p_ow
 		result.push_back("ScatterBiomeMap.biomes is empty: add a ScatterBiome.");
 	}
 	if (static_cast<std::size_t>(biomes_.size()) > max_biomes) {
-		result.push_back(vformat("ScatterBiomeMap.biomes has %d entries: only the first %d are used.", biomes_.size(),
-				static_cast<int64_t>(max_biomes)));
+		result.push_back(vformat(
+				"ScatterBiomeMap.biomes has %d entries, of which only the first %d are used. Remove the others.",
+				biomes_.size(), static_cast<int64_t>(max_biomes)));
 	}
 	const bool given = image_.is_valid();
 	if (!complaint_.is_empty()) {

@@ -61,8 +61,8 @@ void InstanceLoad::add_problems(std::span<const SharedSnapshot> layers, PackedSt
 		r_problems.push_back(vformat(
 				"Layer %d%s: ScatterLayer.radius and view_distance require about %.1f million instances around each "
 				"viewer (%.2f per square meter, %.0f square meters), which take about %d MB. Increase radius, or "
-				"lower view_distance or density. Thinning with distance draws fewer instances, but keeps all "
-				"in memory.",
+				"lower view_distance or density. Thinning with distance draws fewer instances, but keeps "
+				"all of them in memory.",
 				static_cast<int64_t>(index), name, count * 1e-6, count / view_area(layer.range), view_area(layer.range),
 				static_cast<int64_t>(std::ceil(count * bytes * 1e-6))));
 	}

@@ -96,7 +96,7 @@ void DiffTask::notify(Error error) {
 	Variant result;
 	const GDExtensionCallErrorType problem = call_script(callback, "call", result, argument);
 	if (problem != GDEXTENSION_CALL_OK && problem != GDEXTENSION_CALL_ERROR_INSTANCE_IS_NULL) {
-		ERR_PRINT("ScatterState.apply_diff_async: callback must take (error: Error)");
+		ERR_PRINT("ScatterState.apply_diff_async: callback must take (error: Error), and could not be called.");
 	}
 }
 

@@ -77,7 +77,7 @@ bool FormerLods::set(const StringName &p_name, const Variant &p_value) {
 		return false;
 	}
 	const String name = "ScatterLayer." + String(p_name);
-	warn_of_change(name.utf8().get_data(), "is a part of ScatterModel.lods");
+	warn_of_change(name.utf8().get_data(), "is replaced by ScatterModel.lods");
 	return true;
 }
 
@@ -113,7 +113,7 @@ bool FormerVisibility::set(const StringName &p_name, const Variant &p_value) {
 	const String name = "ScatterLayer." + String(p_name);
 	if (is_name("visibility_range_end")) {
 		end_ = p_value;
-		warn_of_change(name.utf8().get_data(), "is a limit of ScatterLayer.view_distance");
+		warn_of_change(name.utf8().get_data(), "is replaced by ScatterLayer.view_distance");
 	} else {
 		warn_of_removal(name.utf8().get_data(),
 				"Use view_distance, lod_fade and ScatterModel.lods to decide what is drawn where");

@@ -76,7 +76,8 @@ Ref<PackedScene> ScatterLayer::get_scene() const { return scene_; }
 
 void ScatterLayer::add_gameplay_problems(PackedStringArray &r_problems) const {
 	if (scene_.is_valid() && gameplay_.scene.distance <= 0.0) {
-		r_problems.push_back("ScatterLayer.scene is not used: scene_distance is 0. Increase it, or clear scene.");
+		r_problems.push_back(
+				"ScatterLayer.scene is not used: scene_distance is 0. Increase scene_distance, or clear scene.");
 	}
 	if (gameplay_.collision.shape == BodyShape::none) {
 		if (physics_material_.is_valid()) {
@@ -86,7 +87,8 @@ void ScatterLayer::add_gameplay_problems(PackedStringArray &r_problems) const {
 		return;
 	}
 	if (gameplay_.collision.distance <= 0.0 && !gameplay_.collision.affects_navigation) {
-		r_problems.push_back("ScatterLayer.collision_shape is not used: collision_distance is 0. Increase it.");
+		r_problems.push_back(
+				"ScatterLayer.collision_shape is not used: collision_distance is 0. Increase collision_distance.");
 	}
 	if (gameplay_.collision.layer == 0 && gameplay_.collision.mask == 0) {
 		r_problems.push_back(
@@ -99,8 +101,8 @@ void ScatterLayer::add_gameplay_problems(PackedStringArray &r_problems) const {
 	}
 	if (gameplay_.collision.shape == BodyShape::convex) {
 		if (!meshes_.has_mesh()) {
-			r_problems.push_back(
-					"ScatterLayer.collision_shape is Convex, but the layer has no mesh to build it from. Add one.");
+			r_problems.push_back("ScatterLayer.collision_shape is Convex, but the layer has no mesh to build a hull "
+								 "from. Add a mesh.");
 		}
 	}
 	const std::vector<std::vector<BodyPart>> bodies = meshes_.bodies();

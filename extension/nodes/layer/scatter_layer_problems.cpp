@@ -15,8 +15,8 @@ bool has_default_domain(const Ref<Curve> &p_curve) {
 	return p_curve->get_min_domain() == 0.0F && p_curve->get_max_domain() == 1.0F;
 }
 
-/// Adds the problems of a density curve and of its table. `p_domain` describes the required domain
-/// in messages.
+/// Adds the problems of a density curve and of its table. `p_domain` is the unit of the curve's
+/// input, for messages.
 void add_curve_problem(const char *p_name, const Ref<Curve> &p_curve, const std::shared_ptr<const CurveTable> &table,
 		const char *p_domain, PackedStringArray &r_problems) {
 	if (p_curve.is_null()) {
@@ -32,8 +32,8 @@ void add_curve_problem(const char *p_name, const Ref<Curve> &p_curve, const std:
 				String(" is 0 everywhere, so nothing is placed. Raise a point of the curve, or remove the curve."));
 	}
 	if (has_default_domain(p_curve)) {
-		r_problems.push_back(name + String(" still has the default domain of 0 to 1, but it is sampled from ") +
-				p_domain + String(": set Min Domain and Max Domain."));
+		r_problems.push_back(name + String(" still has the default domain of 0 to 1, but its input is in ") + p_domain +
+				String(". Set Min Domain and Max Domain."));
 	}
 }
 
@@ -41,8 +41,8 @@ void add_curve_problem(const char *p_name, const Ref<Curve> &p_curve, const std:
 
 void ScatterLayer::add_number_problems(PackedStringArray &r_problems) const {
 	if (settings_.rules.clumping.size > 0.0 && settings_.rules.clumping.coverage <= 0.0) {
-		r_problems.push_back(
-				"ScatterLayer.clump_coverage is 0, so nothing is placed. Increase it, or set clump_size to 0.");
+		r_problems.push_back("ScatterLayer.clump_coverage is 0, so nothing is placed. Increase clump_coverage, or set "
+							 "clump_size to 0.");
 	}
 	const double points = point_density(point_set()) * range_.tile_size * range_.tile_size;
 	if (settings_.rules.edge_feather > 0.0 && points * static_cast<double>(edge_probes) > max_tile_points) {
@@ -58,7 +58,7 @@ void ScatterLayer::add_curve_problems(PackedStringArray &r_problems) const {
 	add_curve_problem("density_over_slope", resource("density_over_slope"), settings_.rules.slope_curve,
 			"degrees of slope", r_problems);
 	add_curve_problem(
-			"noise_curve", resource("noise_curve"), tables_.noise_curve, "the noise, from -1 to 1", r_problems);
+			"noise_curve", resource("noise_curve"), tables_.noise_curve, "the range of noise, -1 to 1", r_problems);
 	if (resource("noise_curve").is_valid() && resource("noise").is_null()) {
 		r_problems.push_back(
 				"ScatterLayer.noise_curve has no effect because noise is empty. Set noise, or remove noise_curve.");
@@ -68,17 +68,19 @@ void ScatterLayer::add_curve_problems(PackedStringArray &r_problems) const {
 		r_problems.push_back("ScatterLayer.scale_curve has no points, so it is not used. Add points, or clear it.");
 	}
 	if (resource("scale_curve").is_valid() && settings_.placement.min_scale == settings_.placement.max_scale) {
-		r_problems.push_back("ScatterLayer.scale_curve has no effect because min_scale equals max_scale. Change one.");
+		r_problems.push_back(
+				"ScatterLayer.scale_curve has no effect because min_scale equals max_scale. Change one of them.");
 	}
 }
 
 void ScatterLayer::add_mask_problems(PackedStringArray &r_problems) const {
 	if (mask_.is_valid() && mask_->blank() && mask_->get_background() >= 1.0) {
-		r_problems.push_back(
-				"ScatterLayer.mask has no effect: it is blank with a background of 1. Paint it, or clear it.");
+		r_problems.push_back("ScatterLayer.mask has no effect: it is not painted, and its background is 1. Paint on "
+							 "it, or clear mask.");
 	}
 	if (mask_.is_valid() && mask_->blank() && mask_->get_background() <= 0.0) {
-		r_problems.push_back("Nothing is placed: ScatterLayer.mask is not painted, and its background is 0. Paint it.");
+		r_problems.push_back(
+				"Nothing is placed: ScatterLayer.mask is not painted, and its background is 0. Paint on it.");
 	}
 	if (tables_.image_missing && !is_stripped(tables_.mask_texture.texture)) {
 		r_problems.push_back(mask_frame_.channel == ImageChannel::none
@@ -100,8 +102,8 @@ void ScatterLayer::add_mask_problems(PackedStringArray &r_problems) const {
 
 void ScatterLayer::add_density_rule_problems(PackedStringArray &r_problems) const {
 	for (const Ref<ScatterRule> &rule : density_rules_) {
-		const String problem =
-				rule.is_null() ? String("an entry is empty. Set a rule, or remove the entry.") : rule->problem();
+		const String problem = rule.is_null() ? String("an entry is empty. Assign a ScatterRule, or remove the entry.")
+											  : rule->problem();
 		if (!problem.is_empty()) {
 			r_problems.push_back(String("ScatterLayer.density_rules: ") + problem);
 		}
@@ -116,7 +118,8 @@ void ScatterLayer::add_neighbor_problems(PackedStringArray &r_problems) const {
 		add_curve_problem("proximity_curve", resource("proximity_curve"), links_.proximity_curve, "meters of distance",
 				r_problems);
 	} else if (resource("proximity_curve").is_valid()) {
-		r_problems.push_back("ScatterLayer.proximity_curve is not used: proximity_layer names no layer. Set one.");
+		r_problems.push_back(
+				"ScatterLayer.proximity_curve is not used: proximity_layer names no layer. Set proximity_layer.");
 	}
 }
 

@@ -194,22 +194,26 @@ void ScatterLayer::add_source_problems(PackedStringArray &r_problems) const {
 	if (color_value_.is_valid()) {
 		String unused;
 		if (!data.use_colors) {
-			unused = "is not used without use_colors. Enable use_colors, or clear it.";
+			unused = "is not used without use_colors. Enable use_colors, or clear color_value.";
 		} else if (color_value_->get_gradient().is_null()) {
-			unused = "has no gradient: all instances are white. Set a gradient, or clear it.";
+			unused = "has no gradient: all instances are white. Set a gradient, or clear color_value.";
 		} else if (color_value_->get_gradient()->get_point_count() == 0) {
-			unused = "has a gradient without points: all instances are black. Add points, or clear it.";
+			unused = "has a gradient without points: all instances are black. Add points, or clear color_value.";
 		}
 		ValueProblems("color_value", *color_value_.ptr(), r_problems).add(unused);
 	}
 	if (variation_value_.is_valid()) {
 		ValueProblems("variation_value", *variation_value_.ptr(), r_problems)
-				.add(data.use_custom_data ? "" : "is not used without use_custom_data. Enable that, or clear it.");
+				.add(data.use_custom_data ? ""
+										  : "is not used without use_custom_data. Enable use_custom_data, or clear "
+											"variation_value.");
 	}
 	if (scale_value_.is_valid()) {
 		const bool varies = settings_.placement.min_scale != settings_.placement.max_scale;
 		ValueProblems("scale_value", *scale_value_.ptr(), r_problems)
-				.add(varies ? "" : "has no effect because min_scale equals max_scale. Change one, or clear it.");
+				.add(varies ? ""
+							: "has no effect because min_scale equals max_scale. Change one of them, or clear "
+							  "scale_value.");
 	}
 }
 

@@ -212,7 +212,8 @@ bool ScatterModel::reload() {
 		fresh = ResourceLoader::get_singleton()->load(path, "PackedScene", ResourceLoader::CACHE_MODE_IGNORE);
 	}
 	if (fresh.is_null()) {
-		ERR_PRINT(vformat("ScatterModel.scene: %s cannot be loaded.", path));
+		ERR_PRINT(vformat(
+				"ScatterModel.scene: %s cannot be loaded. Check that the file exists and can be opened.", path));
 		return false;
 	}
 	SceneReader reader(fresh, scene_part_, replacement_materials_);

@@ -56,8 +56,9 @@ void add_problems_of(ScatterLayer &layer, const String &p_where, const Ref<Scatt
 	}
 	const bool is_usable = p_ground.is_valid() && p_ground->problem().is_empty();
 	if (layer.get_ground_textures().size() > 0 && is_usable && !p_ground->has_textures()) {
-		r_problems.push_back(
-				p_where + String("ScatterLayer.ground_textures has no effect: the ground has no textures. Clear it."));
+		r_problems.push_back(p_where +
+				String("ScatterLayer.ground_textures has no effect: the ground has no textures. "
+					   "Clear ground_textures."));
 	}
 	add_input_problems(layer, p_where, is_usable && !p_ground->has_textures(), p_biomes, r_problems);
 	if (layer.is_on_surfaces() && !layer.has_surface_layers() && is_usable && !p_ground->has_surfaces()) {

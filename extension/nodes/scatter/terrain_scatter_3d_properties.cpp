@@ -349,7 +349,7 @@ Dictionary TerrainScatter3D::get_draw_stats(Camera3D *p_camera) const {
 	std::optional<ViewVolume> view;
 	if (p_camera != nullptr) {
 		if (!p_camera->is_inside_tree()) {
-			ERR_PRINT("TerrainScatter3D.get_draw_stats: the camera is not in the tree.");
+			ERR_PRINT("TerrainScatter3D.get_draw_stats: camera must be in the scene tree. Add it to the tree first.");
 			return Dictionary();
 		}
 		view = view_of(*p_camera, frame_);
