@@ -255,7 +255,7 @@ TEST_CASE("neighbors: in a graph where each layer depends on all earlier ones, e
 	}
 	LayerSettings deeper = *layer_of(20, 2.0);
 	deeper.neighbors = {{layers[0], 1.0, nullptr}, {layers.back(), 1.0, nullptr}};
-	check_refused(validate(deeper), ErrorCode::out_of_range, "depth of neighbors", max_neighbor_depth + 1.0);
+	check_refused(validate(deeper), ErrorCode::out_of_range, "length of the chain of layers", max_neighbor_depth + 1.0);
 }
 
 TEST_CASE("neighbors: the error for invalid input names the property") {
@@ -279,7 +279,7 @@ TEST_CASE("neighbors: the error for invalid input names the property") {
 		next->neighbors = {{chain, 1.0, nullptr}};
 		chain = next;
 	}
-	check_refused(validate(*chain), ErrorCode::out_of_range, "depth of neighbors", max_neighbor_depth + 1.0);
+	check_refused(validate(*chain), ErrorCode::out_of_range, "length of the chain of layers", max_neighbor_depth + 1.0);
 	// Many layers in a shallow graph: 5 neighbors with 16 neighbors each.
 	layer.neighbors.clear();
 	for (std::uint16_t i = 0; i < 5; ++i) {
@@ -289,7 +289,8 @@ TEST_CASE("neighbors: the error for invalid input names the property") {
 		}
 		layer.neighbors.push_back({between, 1.0, nullptr});
 	}
-	check_refused(validate(layer), ErrorCode::out_of_range, "neighbors of neighbors", max_graph_layers + 1.0);
+	check_refused(validate(layer), ErrorCode::out_of_range, "number of layers that this one depends on",
+			max_graph_layers + 1.0);
 	layer.neighbors.assign(max_neighbors + 1, {good, 1.0, nullptr});
 	check_refused(validate(layer), ErrorCode::out_of_range, "neighbors", max_neighbors + 1.0);
 }

@@ -55,8 +55,8 @@ bool measures(const LayerGraph::Node &node, const WorldSource &source) {
 }
 
 Status too_deep(std::size_t depth) {
-	return Status::out_of_range("depth of neighbors", depth,
-			at_most(max_neighbor_depth, "layers in a chain that refer to each other"),
+	return Status::out_of_range("length of the chain of layers", depth,
+			at_most(max_neighbor_depth, "layers that refer to each other"),
 			"Remove spacing, proximity_layer, surface_layers, scale_value, color_value or distance() from a layer of "
 			"the chain");
 }
@@ -110,7 +110,8 @@ void LayerGraph::add(const LayerSettings &layer, std::size_t depth) {
 		}
 	}
 	if (status_.ok() && size_ == nodes_.size()) {
-		status_ = Status::out_of_range("neighbors of neighbors", size_ + 1, at_most(nodes_.size(), "layers in all"),
+		status_ = Status::out_of_range("number of layers that this one depends on", size_ + 1,
+				at_most(nodes_.size(), "including itself"),
 				"Remove entries of spacing from the layers that this one refers to");
 	}
 	if (status_.ok()) {

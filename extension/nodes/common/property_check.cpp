@@ -5,6 +5,7 @@
 #include <godot_cpp/core/error_macros.hpp>
 
 #include <string>
+#include <string_view>
 
 namespace thicket {
 
@@ -35,7 +36,8 @@ godot::Error error_of(const Status &status) {
 }
 
 godot::String sentence(const char *owner, const Status &status) {
-	return godot::String((std::string(owner) + "." + describe(status)).c_str());
+	const bool is_name = std::string_view(status.property).find(' ') == std::string_view::npos;
+	return godot::String((std::string(owner) + (is_name ? "." : ": ") + describe(status)).c_str());
 }
 
 } // namespace thicket

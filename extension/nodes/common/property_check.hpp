@@ -45,7 +45,8 @@ void report(const char *owner, const Status &status, const std::string &more);
 /// Converts a status to the Error that a bound method returns.
 godot::Error error_of(const Status &status);
 
-/// Returns the message that `report` prints.
+/// Returns the message that `report` prints. It begins with `owner` and the property, for example
+/// "ScatterLayer.radius". A description of several words follows a colon instead.
 godot::String sentence(const char *owner, const Status &status);
 
 } // namespace thicket

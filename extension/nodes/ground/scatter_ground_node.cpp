@@ -225,7 +225,9 @@ String ScatterGroundNode::problem_of(const Found &found, bool in_tree, bool usab
 			   "MTerrain.";
 	}
 	if (!in_tree) {
-		return vformat("ScatterGroundNode.node: there is no node at \"%s\" from the TerrainScatter3D.", node_);
+		return vformat(
+				"ScatterGroundNode.node: no node has the path \"%s\" relative to the TerrainScatter3D. Choose a node.",
+				node_);
 	}
 	if (found.attempt.plugin != GroundPlugin::none) {
 		return vformat("ScatterGroundNode.node: \"%s\" (%s) %s.", node_, String(name_of(found.attempt.plugin)),

@@ -49,7 +49,7 @@ Status for_scripts(Status status) {
 	if (std::string_view(status.property) == "region") {
 		status.property = "rect";
 	} else if (std::string_view(status.property) == "version") {
-		status.property = "data: its version";
+		status.property = "version of data";
 	}
 	return status;
 }

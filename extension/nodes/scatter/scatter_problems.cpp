@@ -168,7 +168,8 @@ void add_viewer_problems(
 				"no tiles are generated. Make a Camera3D current, or list nodes in viewers.");
 	}
 	if (!refused.ok()) {
-		r_problems.push_back(sentence("TerrainScatter3D", refused) + String(": no tiles are generated around it."));
+		r_problems.push_back(
+				sentence("TerrainScatter3D", refused) + String(". No tiles are generated around this viewer."));
 	}
 }
 

@@ -396,7 +396,7 @@ PackedStringArray TerrainScatter3D::get_problems() const {
 	if (const Ref<ScatterState> state = get_state(); state.is_valid()) {
 		if (const Status status = gameplay_->check_state(*state.ptr()); !status.ok()) {
 			problems.push_back(
-					sentence("TerrainScatter3D", status) + String(": its removals apply to other instances."));
+					sentence("TerrainScatter3D", status) + String(". Its removals apply to other instances."));
 		}
 	}
 	add_viewer_problems(*this, viewers_, stream_->viewer_status(), problems);
