@@ -10,44 +10,44 @@ class CallGate {
 public:
 	/// Keeps the current thread inside the gate during its lifetime. Use it only as a local
 	/// variable, because instances must be destroyed in reverse order of their creation.
-	class Inside {
+	class Scope {
 	public:
-		explicit Inside(const CallGate &gate) : gate_(gate), outer_(innermost_), first_(!gate.is_inside()) {
-			if (first_) {
+		explicit Scope(const CallGate &gate) : gate_(gate), outer_(innermost_), is_outermost_(!gate.is_inside()) {
+			if (is_outermost_) {
 				gate_.mutex_.lock_shared();
 			}
 			innermost_ = this;
 		}
-		~Inside() {
+		~Scope() {
 			innermost_ = outer_;
-			if (first_) {
+			if (is_outermost_) {
 				gate_.mutex_.unlock_shared();
 			}
 		}
-		Inside(const Inside &) = delete;
-		Inside &operator=(const Inside &) = delete;
+		Scope(const Scope &) = delete;
+		Scope &operator=(const Scope &) = delete;
 
 	private:
 		friend class CallGate;
 		const CallGate &gate_;
-		const Inside *outer_; ///< This thread's enclosing Inside, of any gate.
-		bool first_;          ///< True for the thread's outermost Inside of this gate.
-		static inline thread_local const Inside *innermost_ = nullptr;
+		const Scope *outer_; ///< This thread's enclosing scope, of any gate.
+		bool is_outermost_;  ///< True for the thread's outermost scope of this gate.
+		static inline thread_local const Scope *innermost_ = nullptr;
 	};
 
-	/// Waits until no other thread is inside the gate and runs `act`. Other threads that enter wait
-	/// until `act` returns. If the calling thread is inside the gate, it leaves temporarily so that
-	/// it does not wait for itself.
-	template <class Act>
-	void alone(Act act) const {
-		const bool inside = is_inside();
-		if (inside) {
+	/// Waits until no other thread is inside the gate and runs `action`. Other threads that enter
+	/// wait until `action` returns. If the calling thread is inside the gate, it leaves temporarily
+	/// so that it does not wait for itself.
+	template <class Action>
+	void run_alone(Action action) const {
+		const bool was_inside = is_inside();
+		if (was_inside) {
 			mutex_.unlock_shared();
 		}
 		mutex_.lock();
-		act();
+		action();
 		mutex_.unlock();
-		if (inside) {
+		if (was_inside) {
 			mutex_.lock_shared();
 		}
 	}
@@ -55,8 +55,8 @@ public:
 private:
 	/// Returns true if the calling thread is inside.
 	bool is_inside() const {
-		for (const Inside *inside = Inside::innermost_; inside != nullptr; inside = inside->outer_) {
-			if (&inside->gate_ == this) {
+		for (const Scope *scope = Scope::innermost_; scope != nullptr; scope = scope->outer_) {
+			if (&scope->gate_ == this) {
 				return true;
 			}
 		}

@@ -15,27 +15,27 @@ constexpr std::size_t max_areas = 64;
 
 } // namespace
 
-Rect around(const Rect &a, const Rect &b) { return {glm::min(a.min, b.min), glm::max(a.max, b.max)}; }
+Rect enclosing_rect(const Rect &a, const Rect &b) { return {glm::min(a.min, b.min), glm::max(a.max, b.max)}; }
 
 void add_changed_area(std::vector<Rect> &r_areas, const Rect &area) {
 	if (area.empty()) {
 		return;
 	}
-	Rect added = area;
-	const auto meets = [&added](const Rect &other) {
-		return meet(other, added);
+	Rect merged = area;
+	const auto touches_merged = [&merged](const Rect &other) {
+		return meet(other, merged);
 	};
-	for (auto met = std::ranges::find_if(r_areas, meets); met != r_areas.end();
-			met = std::ranges::find_if(r_areas, meets)) {
-		added = around(added, *met);
-		r_areas.erase(met);
+	for (auto overlap = std::ranges::find_if(r_areas, touches_merged); overlap != r_areas.end();
+			overlap = std::ranges::find_if(r_areas, touches_merged)) {
+		merged = enclosing_rect(merged, *overlap);
+		r_areas.erase(overlap);
 	}
-	r_areas.push_back(added);
+	r_areas.push_back(merged);
 	if (r_areas.size() > max_areas) {
 		for (const Rect &other : r_areas) {
-			added = around(added, other);
+			merged = enclosing_rect(merged, other);
 		}
-		r_areas.assign(1, added);
+		r_areas.assign(1, merged);
 	}
 }
 

@@ -33,7 +33,7 @@ int bytes_per_post_of(const String &p_path) {
 	return extension == "r32" || extension == "f32" ? 4 : 0;
 }
 
-Status refused_unreadable(const String &p_path) {
+Status unreadable_error(const String &p_path) {
 	// The export of an imported file contains only the imported resource.
 	return Status::missing(file_property,
 			ResourceLoader::get_singleton()->exists(p_path)
@@ -53,9 +53,9 @@ Status read_exr(const PackedByteArray &bytes, Posts &r_posts) {
 		return {ErrorCode::corrupt, file_property, 0.0, {}, {},
 				"The engine cannot read this EXR file: save it as a single part with 16-bit or 32-bit floats"};
 	}
-	const Status read = read_posts(image, file_property, r_posts);
+	const Status status = read_posts(image, file_property, r_posts);
 	r_posts.format = image->get_format() >= Image::FORMAT_RH ? "16-bit EXR" : "32-bit EXR";
-	return read;
+	return status;
 }
 
 } // namespace
@@ -66,7 +66,7 @@ Status read_file_posts(const String &p_path, glm::ivec2 post_count, Posts &r_pos
 	}
 	const PackedByteArray file = FileAccess::get_file_as_bytes(p_path);
 	if (file.is_empty()) {
-		return refused_unreadable(p_path);
+		return unreadable_error(p_path);
 	}
 	const std::span<const std::uint8_t> bytes(file.ptr(), static_cast<std::size_t>(file.size()));
 	switch (kind_of_height_file(bytes)) {

@@ -12,10 +12,10 @@
 
 namespace thicket {
 
-/// Normalizes and stores a normal that a script or another node has returned. A normal that is zero
-/// or not finite means that there is no ground; in that case, sets the height to NAN instead.
-inline void take_normal(const godot::Vector3 &p_given, Ground &r_ground) {
-	const glm::vec3 normal{p_given.x, p_given.y, p_given.z};
+/// Sets the normal of `r_ground` to the normalized result of a script or another node. A normal
+/// that is zero or not finite means that there is no ground. Sets the height to NAN in that case.
+inline void set_normal(const godot::Vector3 &p_normal, Ground &r_ground) {
+	const glm::vec3 normal{p_normal.x, p_normal.y, p_normal.z};
 	const float length = std::sqrt(glm::dot(normal, normal));
 	if (std::isfinite(length) && length > 0.0F) {
 		r_ground.normal = normal / length;

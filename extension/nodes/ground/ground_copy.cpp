@@ -33,7 +33,7 @@ const char *name_of(GroundPlugin plugin) {
 }
 
 void GroundChanges::add(const GroundChanges &other) {
-	everywhere = everywhere || other.everywhere;
+	whole_ground = whole_ground || other.whole_ground;
 	areas.insert(areas.end(), other.areas.begin(), other.areas.end());
 }
 

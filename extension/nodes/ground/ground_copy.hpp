@@ -18,10 +18,10 @@ namespace thicket {
 
 /// The areas in which a ground has changed, in the engine's space.
 struct GroundChanges {
-	bool everywhere = false;
+	bool whole_ground = false;       ///< True if any position may have changed.
 	std::vector<godot::Rect2> areas; ///< The changed areas in the engine's x and z, in meters.
 
-	bool empty() const { return !everywhere && areas.empty(); }
+	bool empty() const { return !whole_ground && areas.empty(); }
 	void add(const GroundChanges &other);
 };
 

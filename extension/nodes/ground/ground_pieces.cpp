@@ -41,10 +41,10 @@ namespace thicket {
 
 namespace {
 
-/// The minimum time between two comparisons of a GridMap's cells. Comparisons also use at most
-/// 1/200 of the total time.
-constexpr std::chrono::milliseconds shortest_interval(100);
-constexpr int cells_share = 200;
+/// The minimum time between two comparisons of a GridMap's cells. The time is also at least 200
+/// times the duration of the last comparison.
+constexpr std::chrono::milliseconds min_interval(100);
+constexpr int min_interval_factor = 200;
 
 // These classes are in engine modules, which a custom engine may lack, so their methods are called
 // by name.
@@ -55,7 +55,7 @@ bool is_csg(const Node &node) { return node.is_class("CSGShape3D"); }
 /// of a CSG tree has any.
 Array placed_meshes(Object &r_node) { return r_node.call("get_meshes"); }
 
-std::vector<glm::vec3> vectors(const PackedVector3Array &p_vectors) {
+std::vector<glm::vec3> to_core_vectors(const PackedVector3Array &p_vectors) {
 	std::vector<glm::vec3> result;
 	for (const Vector3 &vector : p_vectors) {
 		result.emplace_back(to_core(vector));
@@ -67,31 +67,32 @@ std::vector<glm::vec3> vectors(const PackedVector3Array &p_vectors) {
 /// triangulation is on the surface.
 std::vector<glm::vec3> hull_of(const PackedVector3Array &points) {
 	const PackedInt32Array indices = Geometry3D::get_singleton()->tetrahedralize_delaunay(points);
-	const auto at = [&](int32_t index) {
+	const auto point = [&](int32_t index) {
 		return to_core(points.ptr()[index]);
 	};
-	std::map<std::array<int32_t, 3>, int32_t> outside; // Maps each triangle to the fourth corner of its tetrahedron.
+	// Maps each triangle to the fourth corner of its tetrahedron.
+	std::map<std::array<int32_t, 3>, int32_t> outer_triangles;
 	for (std::int64_t first = 0; first + 3 < indices.size(); first += 4) {
-		for (int skipped = 0; skipped < 4; ++skipped) {
+		for (int omitted = 0; omitted < 4; ++omitted) {
 			std::array<int32_t, 3> triangle{};
 			for (int corner = 0, next = 0; corner < 4; ++corner) {
-				if (corner != skipped) {
+				if (corner != omitted) {
 					triangle[static_cast<std::size_t>(next++)] = indices.ptr()[first + corner];
 				}
 			}
 			std::ranges::sort(triangle);
-			const auto [found, is_new] = outside.try_emplace(triangle, indices.ptr()[first + skipped]);
+			const auto [entry, is_new] = outer_triangles.try_emplace(triangle, indices.ptr()[first + omitted]);
 			if (!is_new) {
-				outside.erase(found);
+				outer_triangles.erase(entry);
 			}
 		}
 	}
 	std::vector<glm::vec3> corners;
-	for (const auto &[triangle, inner] : outside) {
-		const glm::dvec3 a = at(triangle[0]);
-		glm::dvec3 b = at(triangle[1]);
-		glm::dvec3 c = at(triangle[2]);
-		if (glm::dot(glm::cross(b - a, c - a), at(inner) - a) < 0.0) {
+	for (const auto &[triangle, opposite] : outer_triangles) {
+		const glm::dvec3 a = point(triangle[0]);
+		glm::dvec3 b = point(triangle[1]);
+		glm::dvec3 c = point(triangle[2]);
+		if (glm::dot(glm::cross(b - a, c - a), point(opposite) - a) < 0.0) {
 			std::swap(b, c); // Clockwise, seen from outside.
 		}
 		corners.insert(corners.end(), {glm::vec3(a), glm::vec3(b), glm::vec3(c)});
@@ -117,7 +118,7 @@ std::vector<glm::vec3> faces_of(const HeightMapShape3D &map) {
 		for (std::int64_t x = 0; x + 1 < width; ++x) {
 			const std::array<glm::vec3, 6> patch{
 					post(x, z), post(x + 1, z), post(x, z + 1), post(x + 1, z), post(x + 1, z + 1), post(x, z + 1)};
-			if (std::ranges::all_of(patch, [](const glm::vec3 &at) { return std::isfinite(at.y); })) {
+			if (std::ranges::all_of(patch, [](const glm::vec3 &corner) { return std::isfinite(corner.y); })) {
 				corners.insert(corners.end(), patch.begin(), patch.end());
 			}
 		}
@@ -127,7 +128,7 @@ std::vector<glm::vec3> faces_of(const HeightMapShape3D &map) {
 
 std::vector<glm::vec3> faces_of(const Object *p_shape) {
 	if (const auto *faces = Object::cast_to<ConcavePolygonShape3D>(p_shape)) {
-		return vectors(faces->get_faces());
+		return to_core_vectors(faces->get_faces());
 	}
 	if (const auto *hull = Object::cast_to<ConvexPolygonShape3D>(p_shape)) {
 		return hull_of(hull->get_points());
@@ -148,17 +149,18 @@ std::vector<glm::vec3> faces_of(const Object *p_shape) {
 	return corners;
 }
 
+/// Groups the alternating transforms and meshes of `placed_meshes` by mesh.
 std::vector<GroundPiece> pieces_of(const Array &placed) {
 	std::vector<GroundPiece> pieces;
-	std::map<std::uint64_t, std::size_t> known; // Maps the ID of a mesh to the index of its piece.
+	std::map<std::uint64_t, std::size_t> piece_indices; // Maps the ID of a mesh to the index of its piece.
 	for (std::int64_t index = 0; index + 1 < placed.size(); index += 2) {
 		const Ref<Mesh> mesh = placed[index + 1];
 		if (mesh.is_valid()) {
-			const auto [found, is_new] = known.try_emplace(mesh->get_instance_id(), pieces.size());
+			const auto [entry, is_new] = piece_indices.try_emplace(mesh->get_instance_id(), pieces.size());
 			if (is_new) {
 				pieces.push_back({mesh, {}, {}});
 			}
-			pieces[found->second].frames.push_back(placed[index]);
+			pieces[entry->second].frames.push_back(placed[index]);
 		}
 	}
 	return pieces;
@@ -171,18 +173,18 @@ std::uint64_t digest_of(const Node &grid) {
 	std::uint64_t digest = grid.get_instance_id();
 	const Vector3 size = grid.get("cell_size");
 	const double scale = grid.get("cell_scale");
-	for (const double number : {double{size.x}, double{size.y}, double{size.z}, scale}) {
-		mix(digest, std::bit_cast<std::uint64_t>(number));
+	for (const double value : {double{size.x}, double{size.y}, double{size.z}, scale}) {
+		mix(digest, std::bit_cast<std::uint64_t>(value));
 	}
-	for (const char *centered : {"cell_center_x", "cell_center_y", "cell_center_z"}) {
-		mix(digest, static_cast<bool>(grid.get(centered)) ? 1 : 0);
+	for (const char *property : {"cell_center_x", "cell_center_y", "cell_center_z"}) {
+		mix(digest, static_cast<bool>(grid.get(property)) ? 1 : 0);
 	}
 	const Variant library = grid.get("mesh_library");
 	mix(digest, library.get_validated_object() != nullptr ? library.get_validated_object()->get_instance_id() : 0);
 	const Dictionary data = grid.get("data");
 	const PackedInt32Array cells = data.get("cells", PackedInt32Array());
-	for (const int32_t number : std::span(cells.ptr(), static_cast<std::size_t>(cells.size()))) {
-		mix(digest, static_cast<std::uint32_t>(number));
+	for (const int32_t value : std::span(cells.ptr(), static_cast<std::size_t>(cells.size()))) {
+		mix(digest, static_cast<std::uint32_t>(value));
 	}
 	return digest | 1u; // Never 0, because 0 means that there is no source.
 }
@@ -233,26 +235,26 @@ std::uint64_t GroundMembers::cells_of(const Node &grid) {
 	if (cells.digest == 0 || start >= cells.next) {
 		cells.digest = digest_of(grid);
 		const Clock::time_point end = Clock::now();
-		cells.next = end + std::max<Clock::duration>(shortest_interval, cells_share * (end - start));
+		cells.next = end + std::max<Clock::duration>(min_interval, min_interval_factor * (end - start));
 	}
 	return cells.digest;
 }
 
-GroundNodeState GroundMembers::read_state(const Variant &p_node, const Sight &from, Object *&r_source) {
+GroundNodeState GroundMembers::read_state(const Variant &p_node, const MemberFilter &filter, Object *&r_source) {
 	const auto *node = Object::cast_to<Node3D>(p_node.get_validated_object());
-	if (node == nullptr || !node->is_inside_tree() || !(node->get_world_3d() == from.world)) {
+	if (node == nullptr || !node->is_inside_tree() || !(node->get_world_3d() == filter.world)) {
 		return {};
 	}
 	const auto *shape = Object::cast_to<CollisionShape3D>(node);
 	const Node *body = shape != nullptr ? shape->get_parent() : nullptr;
-	if (!(body != nullptr ? body : node)->is_in_group(from.group)) {
+	if (!(body != nullptr ? body : node)->is_in_group(filter.group)) {
 		return {};
 	}
-	const bool local = from.space != nullptr && from.space->is_inside_tree();
-	GroundNodeState sight{local ? relative_transform(*from.space, *node) : node->get_global_transform(), 0, 0};
+	const bool is_local = filter.space != nullptr && filter.space->is_inside_tree();
+	GroundNodeState state{is_local ? relative_transform(*filter.space, *node) : node->get_global_transform(), 0, 0};
 	if (is_grid(*node)) {
-		sight.source = cells_of(*node);
-		return sight;
+		state.source = cells_of(*node);
+		return state;
 	}
 	Ref<Resource> source;
 	if (const auto *instance = Object::cast_to<MeshInstance3D>(node)) {
@@ -260,12 +262,12 @@ GroundNodeState GroundMembers::read_state(const Variant &p_node, const Sight &fr
 	} else if (shape != nullptr) {
 		source = shape->is_disabled() ? Ref<Shape3D>() : shape->get_shape();
 	} else {
-		const Array placed = placed_meshes(*p_node.get_validated_object());
-		source = placed.size() > 1 ? Ref<Mesh>(placed[1]) : Ref<Mesh>();
+		const Array meshes = placed_meshes(*p_node.get_validated_object());
+		source = meshes.size() > 1 ? Ref<Mesh>(meshes[1]) : Ref<Mesh>();
 	}
 	r_source = source.ptr();
-	sight.source = r_source != nullptr ? r_source->get_instance_id() : 0;
-	return sight;
+	state.source = r_source != nullptr ? r_source->get_instance_id() : 0;
+	return state;
 }
 
 std::vector<GroundPiece> GroundMembers::pieces(const Variant &p_node) {

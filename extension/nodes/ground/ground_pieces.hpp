@@ -42,14 +42,14 @@ public:
 
 	/// The group and World3D whose nodes are ground, and the node whose local space their
 	/// transforms are in. If `space` is null, transforms are global.
-	struct Sight {
+	struct MemberFilter {
 		godot::StringName group;
 		godot::Ref<godot::World3D> world;
 		const godot::Node3D *space = nullptr;
 	};
 
-	/// See GroundWatch::Look. A node that has left the group or the World3D is not ground.
-	GroundNodeState read_state(const godot::Variant &p_node, const Sight &from, godot::Object *&r_source);
+	/// See GroundWatch::ReadState. A node that has left the group or the World3D is not ground.
+	GroundNodeState read_state(const godot::Variant &p_node, const MemberFilter &filter, godot::Object *&r_source);
 
 	/// Returns the shape of a member in its local space. Returns no pieces if its collision shape
 	/// has no triangles, such as a WorldBoundaryShape3D.

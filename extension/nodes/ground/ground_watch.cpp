@@ -18,14 +18,14 @@ namespace {
 /// The time without a change after which a node is considered at rest.
 constexpr std::chrono::milliseconds rest_time(100);
 
-/// The interval at which the ground is updated for nodes that do not come to rest.
-constexpr std::chrono::milliseconds longest_wait(400);
+/// The maximum time until the ground is updated for a node that does not come to rest.
+constexpr std::chrono::milliseconds max_wait(400);
 
 /// The number of physics frames after which a body has certainly reached the position of its node.
 constexpr std::uint64_t physics_frames = 2;
 
-/// The relative precision that a coordinate may lose when a scene is moved: a few bits of a float.
-constexpr double lost_precision = 1.0 / (1 << 21);
+/// The relative rounding error that moving a scene may cause in a coordinate: a few bits of a float.
+constexpr double rounding_tolerance = 1.0 / (1 << 21);
 
 } // namespace
 
@@ -36,13 +36,13 @@ bool same_in_world(const GroundNodeState &a, glm::dvec3 offset_a, const GroundNo
 	if (a.source != b.source || a.version != b.version || !(a.frame.basis == b.frame.basis)) {
 		return false;
 	}
-	const glm::dvec3 at_a = to_core(a.frame.origin);
-	const glm::dvec3 at_b = to_core(b.frame.origin);
+	const glm::dvec3 position_a = to_core(a.frame.origin);
+	const glm::dvec3 position_b = to_core(b.frame.origin);
 	for (int axis = 0; axis < 3; ++axis) {
-		const double moved = (at_a[axis] + offset_a[axis]) - (at_b[axis] + offset_b[axis]);
-		const double reach =
-				std::max({std::abs(at_a[axis]), std::abs(at_b[axis]), std::abs(offset_a[axis] - offset_b[axis])});
-		if (!(std::abs(moved) <= lost_precision * reach)) {
+		const double difference = (position_a[axis] + offset_a[axis]) - (position_b[axis] + offset_b[axis]);
+		const double magnitude = std::max(
+				{std::abs(position_a[axis]), std::abs(position_b[axis]), std::abs(offset_a[axis] - offset_b[axis])});
+		if (!(std::abs(difference) <= rounding_tolerance * magnitude)) {
 			return false;
 		}
 	}
@@ -50,25 +50,25 @@ bool same_in_world(const GroundNodeState &a, glm::dvec3 offset_a, const GroundNo
 }
 
 void GroundWatch::add(std::uint64_t id, const Variant &p_node, const ReadState &read_state, bool changed) {
-	const auto [found, is_new] = entries_.try_emplace(id, Entry{p_node, {}});
+	const auto [entry, is_new] = entries_.try_emplace(id, Entry{p_node, {}});
 	if (!is_new) {
 		return;
 	}
 	Object *source = nullptr;
-	GroundNodeState &seen = found->second.seen;
-	seen = read_state(p_node, source);
-	use(seen.source, source);
-	seen.version = version(seen.source);
-	if (changed && seen.source != 0) {
+	GroundNodeState &state = entry->second.state;
+	state = read_state(p_node, source);
+	use(state.source, source);
+	state.version = version(state.source);
+	if (changed && state.source != 0) {
 		touch(id, false);
 	}
 }
 
 void GroundWatch::remove(std::uint64_t id) {
-	const auto found = entries_.find(id);
-	if (found != entries_.end()) {
-		const std::uint64_t source = found->second.seen.source;
-		entries_.erase(found);
+	const auto entry = entries_.find(id);
+	if (entry != entries_.end()) {
+		const std::uint64_t source = entry->second.state.source;
+		entries_.erase(entry);
 		if (source != 0) {
 			touch(id, false);
 		}
@@ -81,12 +81,12 @@ void GroundWatch::clear() {
 		watch(source.object.get_validated_object(), "changed", owner_, method_, false);
 	}
 	entries_.clear();
-	changed_.clear();
+	changes_.clear();
 }
 
 const Variant *GroundWatch::node(std::uint64_t id) const {
-	const auto found = entries_.find(id);
-	return found != entries_.end() ? &found->second.node : nullptr;
+	const auto entry = entries_.find(id);
+	return entry != entries_.end() ? &entry->second.node : nullptr;
 }
 
 std::vector<std::uint64_t> GroundWatch::ids() const {
@@ -99,26 +99,26 @@ std::vector<std::uint64_t> GroundWatch::ids() const {
 
 std::size_t GroundWatch::check_next(const ReadState &read_state) {
 	const std::size_t max_count = std::min(nodes_per_frame, entries_.size());
-	auto at = entries_.lower_bound(next_);
+	auto iterator = entries_.lower_bound(next_);
 	for (std::size_t count = 0; count < max_count; ++count) {
-		at = at != entries_.end() ? at : entries_.begin();
-		auto &[id, entry] = *at;
+		iterator = iterator != entries_.end() ? iterator : entries_.begin();
+		auto &[id, entry] = *iterator;
 		Object *source = nullptr;
-		GroundNodeState now = read_state(entry.node, source);
-		now.version = version(now.source);
-		if (now == entry.seen) {
+		GroundNodeState state = read_state(entry.node, source);
+		state.version = version(state.source);
+		if (state == entry.state) {
 			rest(id);
 		} else {
 			// Call `use` before `drop`, because the old source may be the same.
-			use(now.source, source);
-			drop(entry.seen.source);
-			now.version = version(now.source);
-			touch(id, now.source != 0 && entry.seen.source != 0);
-			entry.seen = now;
+			use(state.source, source);
+			drop(entry.state.source);
+			state.version = version(state.source);
+			touch(id, state.source != 0 && entry.state.source != 0);
+			entry.state = state;
 		}
-		++at;
+		++iterator;
 	}
-	next_ = at != entries_.end() ? at->first : 0;
+	next_ = iterator != entries_.end() ? iterator->first : 0;
 	return max_count;
 }
 
@@ -128,55 +128,55 @@ void GroundWatch::use(std::uint64_t id, Object *p_source) {
 	}
 	Source &source = sources_[id];
 	if (source.users++ == 0) {
-		source.version = ++versions_;
+		source.version = ++last_version_;
 		source.object = Variant(p_source);
 		watch(p_source, "changed", owner_, method_, true, static_cast<int64_t>(id));
 	}
 }
 
 void GroundWatch::drop(std::uint64_t id) {
-	const auto found = sources_.find(id);
-	if (found != sources_.end() && --found->second.users == 0) {
-		watch(found->second.object.get_validated_object(), "changed", owner_, method_, false);
-		sources_.erase(found);
+	const auto entry = sources_.find(id);
+	if (entry != sources_.end() && --entry->second.users == 0) {
+		watch(entry->second.object.get_validated_object(), "changed", owner_, method_, false);
+		sources_.erase(entry);
 	}
 }
 
 void GroundWatch::source_changed(std::uint64_t source) {
-	const auto found = sources_.find(source);
-	if (found != sources_.end()) {
-		found->second.version = ++versions_;
+	const auto entry = sources_.find(source);
+	if (entry != sources_.end()) {
+		entry->second.version = ++last_version_;
 	}
 }
 
 std::uint64_t GroundWatch::version(std::uint64_t source) const {
-	const auto found = sources_.find(source);
-	return found != sources_.end() ? found->second.version : 0;
+	const auto entry = sources_.find(source);
+	return entry != sources_.end() ? entry->second.version : 0;
 }
 
-void GroundWatch::touch(std::uint64_t id, bool moves) {
+void GroundWatch::touch(std::uint64_t id, bool may_move) {
 	const Clock::time_point now = Clock::now();
-	const auto [found, is_new] = changed_.try_emplace(id, Change{now, now, 0, moves, false});
-	found->second.last = now;
-	found->second.frame = Engine::get_singleton()->get_physics_frames();
-	found->second.moves = moves;
-	found->second.rests = false;
+	const auto [entry, is_new] = changes_.try_emplace(id, Change{now, now, 0, may_move, false});
+	entry->second.last = now;
+	entry->second.frame = Engine::get_singleton()->get_physics_frames();
+	entry->second.may_move = may_move;
+	entry->second.is_at_rest = false;
 }
 
 /// Records that a check has found no change to a node.
 void GroundWatch::rest(std::uint64_t id) {
-	const auto found = changed_.find(id);
-	if (found != changed_.end()) {
-		found->second.rests = Clock::now() - found->second.last >= rest_time;
+	const auto entry = changes_.find(id);
+	if (entry != changes_.end()) {
+		entry->second.is_at_rest = Clock::now() - entry->second.last >= rest_time;
 	}
 }
 
-void GroundWatch::touch_all(bool distrust) {
+void GroundWatch::touch_all(bool include_sources) {
 	for (auto &[id, source] : sources_) {
-		source.version = distrust ? ++versions_ : source.version;
+		source.version = include_sources ? ++last_version_ : source.version;
 	}
 	for (auto &[id, entry] : entries_) {
-		entry.seen.version = version(entry.seen.source);
+		entry.state.version = version(entry.state.source);
 		touch(id, true);
 	}
 }
@@ -184,22 +184,22 @@ void GroundWatch::touch_all(bool distrust) {
 std::set<std::uint64_t> GroundWatch::take_changed() {
 	const Clock::time_point now = Clock::now();
 	const std::uint64_t frame = Engine::get_singleton()->get_physics_frames();
-	std::set<std::uint64_t> due;
-	for (auto at = changed_.begin(); at != changed_.end();) {
-		auto &[id, change] = *at;
-		const bool at_rest = (!change.moves || change.rests) && frame >= change.frame + physics_frames;
-		const bool overdue = change.moves && now - change.first >= longest_wait;
-		if (at_rest || overdue) {
-			due.insert(id);
+	std::set<std::uint64_t> due_ids;
+	for (auto iterator = changes_.begin(); iterator != changes_.end();) {
+		auto &[id, change] = *iterator;
+		const bool is_at_rest = (!change.may_move || change.is_at_rest) && frame >= change.frame + physics_frames;
+		const bool is_overdue = change.may_move && now - change.first >= max_wait;
+		if (is_at_rest || is_overdue) {
+			due_ids.insert(id);
 		}
-		if (at_rest) {
-			at = changed_.erase(at);
+		if (is_at_rest) {
+			iterator = changes_.erase(iterator);
 		} else {
-			change.first = overdue ? now : change.first;
-			++at;
+			change.first = is_overdue ? now : change.first;
+			++iterator;
 		}
 	}
-	return due;
+	return due_ids;
 }
 
 } // namespace thicket

@@ -30,8 +30,8 @@ struct GroundNodeState {
 	/// If neither node is ground, ignores the other members. Treats transforms that are not finite
 	/// as equal; otherwise such a node would always seem changed, because NAN differs from itself.
 	bool operator==(const GroundNodeState &other) const {
-		const bool alike = frame == other.frame || !(is_finite(frame) || is_finite(other.frame));
-		return source == other.source && (source == 0 || (version == other.version && alike));
+		const bool same_frame = frame == other.frame || !(is_finite(frame) || is_finite(other.frame));
+		return source == other.source && (source == 0 || (version == other.version && same_frame));
 	}
 };
 
@@ -75,11 +75,11 @@ public:
 	void source_changed(std::uint64_t source);
 	std::uint64_t version(std::uint64_t source) const;
 
-	/// Marks all nodes as changed. If `distrust` is true, also marks all sources as changed.
-	void touch_all(bool distrust);
+	/// Marks all nodes as changed. If `include_sources` is true, also marks all sources as changed.
+	void touch_all(bool include_sources);
 
 	/// Returns true if any node has changed since the last `take_changed`.
-	bool restless() const { return !changed_.empty(); }
+	bool has_changes() const { return !changes_.empty(); }
 
 	/// Returns the changed nodes that are due, including removed ones. Added and removed nodes are
 	/// due after two physics frames. A node that was moved or reshaped is due once it is at rest,
@@ -88,7 +88,7 @@ public:
 	std::set<std::uint64_t> take_changed();
 
 	/// Discards all detected changes.
-	void forget_changes() { changed_.clear(); }
+	void forget_changes() { changes_.clear(); }
 
 	static constexpr std::size_t nodes_per_frame = 64;
 
@@ -97,7 +97,7 @@ private:
 
 	struct Entry {
 		godot::Variant node;
-		GroundNodeState seen;
+		GroundNodeState state;
 	};
 
 	struct Source {
@@ -106,27 +106,28 @@ private:
 		std::size_t users = 0;
 	};
 
-	/// A change of a node that has not been taken yet.
+	/// A change to a node that `take_changed` must still return.
 	struct Change {
 		Clock::time_point first;
 		Clock::time_point last;
 		std::uint64_t frame = 0; ///< The physics frame of the last change.
-		bool moves = false;      ///< True if the node may keep changing; false if it was added or removed.
-		bool rests = false;      ///< True if a check has found no additional change.
+		bool may_move = false;   ///< True if the node may keep changing; false if it was added or removed.
+		bool is_at_rest = false; ///< True if the last check has found no change for `rest_time`.
 	};
 
+	/// Counts the nodes that use a source, which is watched while there are any.
 	void use(std::uint64_t id, godot::Object *p_source);
 	void drop(std::uint64_t id);
-	void touch(std::uint64_t id, bool moves);
+	void touch(std::uint64_t id, bool may_move);
 	void rest(std::uint64_t id);
 
 	godot::Object *owner_;
 	godot::StringName method_;
 	std::map<std::uint64_t, Entry> entries_; ///< The watched nodes, keyed by their IDs.
 	std::map<std::uint64_t, Source> sources_;
-	std::map<std::uint64_t, Change> changed_;
-	std::uint64_t next_ = 0;     ///< Checks continue at this ID or at the next larger one.
-	std::uint64_t versions_ = 0; ///< The last version that was assigned to a source.
+	std::map<std::uint64_t, Change> changes_;
+	std::uint64_t next_ = 0;         ///< Checks continue at this ID or at the next larger one.
+	std::uint64_t last_version_ = 0; ///< The last version that was assigned to a source.
 };
 
 } // namespace thicket

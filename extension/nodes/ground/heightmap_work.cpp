@@ -23,8 +23,8 @@ Status HeightmapWork::build() {
 	HeightPosts posts;
 	WeightMap weights;
 	if (sources.are_read || before == nullptr) {
-		if (const Status refused = read(posts, weights); !refused.ok()) {
-			return refused;
+		if (const Status error = read(posts, weights); !error.ok()) {
+			return error;
 		}
 	} else {
 		posts = before->posts();
@@ -38,13 +38,13 @@ Status HeightmapWork::build() {
 		frame.max_height = 0.0;
 	}
 	auto heightfield = std::make_shared<Heightfield>();
-	Status refused = heightfield->set_posts(frame, posts);
-	const bool reinterpreted = before != nullptr && !sources.are_read && before->posts().meaning != posts.meaning;
-	if (refused.ok() && reinterpreted && !posts.floats.empty()) {
-		refused = check(posts.floats.flattened(), posts.count());
+	Status error = heightfield->set_posts(frame, posts);
+	const bool is_reinterpreted = before != nullptr && !sources.are_read && before->posts().meaning != posts.meaning;
+	if (error.ok() && is_reinterpreted && !posts.floats.empty()) {
+		error = check(posts.floats.flattened(), posts.count());
 	}
-	if (!refused.ok()) {
-		return refused;
+	if (!error.ok()) {
+		return error;
 	}
 	heightfield->set_weights(std::move(weights));
 	std::vector<Rect> areas;
@@ -55,41 +55,43 @@ Status HeightmapWork::build() {
 		add_changed_area(changes, area);
 	}
 	if (summarizes) {
-		auto own = std::make_shared<HeightSummary>();
-		refused = summarize(*heightfield, *own);
-		summary = std::move(own);
+		auto built_summary = std::make_shared<HeightSummary>();
+		error = summarize(*heightfield, *built_summary);
+		summary = std::move(built_summary);
 	}
 	field = std::move(heightfield);
-	return refused;
+	return error;
 }
 
 Status HeightmapWork::read(HeightPosts &r_posts, WeightMap &r_weights) {
-	Posts read;
-	Status refused = sources.has_image ? read_posts(sources.image, "image", read)
-									   : read_file_posts(sources.path, sources.post_count, read);
-	refused = refused.ok() ? check(read.floats, read.count) : refused;
-	if (refused.ok() && sources.has_weight_image) {
-		refused = read_weights(sources.weight_image, "weight_image", r_weights);
+	Posts source_posts;
+	Status error = sources.has_image ? read_posts(sources.image, "image", source_posts)
+									 : read_file_posts(sources.path, sources.post_count, source_posts);
+	error = error.ok() ? check(source_posts.floats, source_posts.count) : error;
+	if (error.ok() && sources.has_weight_image) {
+		error = read_weights(sources.weight_image, "weight_image", r_weights);
 	}
-	if (!refused.ok()) {
-		return refused;
+	if (!error.ok()) {
+		return error;
 	}
-	format = read.format;
-	if (read.floats.empty()) {
-		r_posts.steps = {read.count, std::make_shared<const std::vector<std::uint16_t>>(std::move(read.steps))};
+	format = source_posts.format;
+	if (source_posts.floats.empty()) {
+		r_posts.steps = {
+				source_posts.count, std::make_shared<const std::vector<std::uint16_t>>(std::move(source_posts.steps))};
 	} else {
-		r_posts.floats = {read.count, std::make_shared<const std::vector<float>>(std::move(read.floats))};
+		r_posts.floats = {
+				source_posts.count, std::make_shared<const std::vector<float>>(std::move(source_posts.floats))};
 	}
 	return {};
 }
 
 Status HeightmapWork::check(std::span<const float> posts, glm::ivec2 count) {
 	const FloatPosts meaning = sources.in_meters ? FloatPosts::meters : FloatPosts::units;
-	const RefusedPost refused = find_refused_post(posts, count.x, meaning);
-	if (!refused.status.ok()) {
-		refused_post = refused.post;
+	const RefusedPost result = find_refused_post(posts, count.x, meaning);
+	if (!result.status.ok()) {
+		refused_post = result.post;
 	}
-	return refused.status;
+	return result.status;
 }
 
 } // namespace thicket

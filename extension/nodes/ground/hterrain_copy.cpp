@@ -1,5 +1,5 @@
 // This file copies the ground of HTerrain (github.com/Zylann/godot_heightmap_plugin), versions 1.7,
-// 1.8 and later. HTerrain defines it in hterrain.gd and hterrain_data.gd.
+// 1.8 and later. HTerrain defines this ground in hterrain.gd and hterrain_data.gd.
 
 #include "nodes/ground/ground_copy.hpp"
 
@@ -40,7 +40,7 @@ constexpr int max_splats = 16;
 
 /// The number of height samples in each direction that affect the ground at a position, because of
 /// interpolation and slopes.
-constexpr int posts_around = 2;
+constexpr int post_margin = 2;
 
 std::optional<PostFormat> post_format(Image::Format format) {
 	switch (format) {
@@ -64,12 +64,12 @@ MapTransform map_transform_of(const Transform3D &p_transform) {
 bool is_tilted(const Transform3D &p_transform) {
 	const Vector3 *rows = p_transform.basis.rows;
 	constexpr real_t tolerance = 1e-4F;
-	const auto small = [&](real_t value, real_t against) {
-		return std::abs(value) <= tolerance * std::abs(against);
+	const auto is_small = [&](real_t value, real_t reference) {
+		return std::abs(value) <= tolerance * std::abs(reference);
 	};
-	const real_t wide = std::abs(rows[0].x) + std::abs(rows[0].z) + std::abs(rows[2].x) + std::abs(rows[2].z);
-	return !(small(rows[0].y, rows[1].y) && small(rows[2].y, rows[1].y) && small(rows[1].x, wide) &&
-			small(rows[1].z, wide));
+	const real_t horizontal = std::abs(rows[0].x) + std::abs(rows[0].z) + std::abs(rows[2].x) + std::abs(rows[2].z);
+	return !(is_small(rows[0].y, rows[1].y) && is_small(rows[2].y, rows[1].y) && is_small(rows[1].x, horizontal) &&
+			is_small(rows[1].z, horizontal));
 }
 
 class HTerrainCopy final : public GroundCopy {
@@ -122,14 +122,15 @@ private:
 /// Returns true if the map has the same transform in the world. A node that has moved with the
 /// engine's origin is considered unmoved. Tolerates float rounding.
 bool HTerrainCopy::same_transform(const HTerrainCopy &before, glm::dvec3 shift) const {
-	MapTransform mine = field_.transform();
-	const MapTransform &other = before.field_.transform();
-	const double far = std::max(glm::length(mine.origin), glm::length(other.origin));
-	if (!(glm::length(mine.origin + shift - other.origin) <= 4.0 * far * std::numeric_limits<float>::epsilon())) {
+	MapTransform transform = field_.transform();
+	const MapTransform &other_transform = before.field_.transform();
+	const double max_distance = std::max(glm::length(transform.origin), glm::length(other_transform.origin));
+	if (!(glm::length(transform.origin + shift - other_transform.origin) <=
+				4.0 * max_distance * std::numeric_limits<float>::epsilon())) {
 		return false;
 	}
-	mine.origin = other.origin;
-	return mine == other;
+	transform.origin = other_transform.origin;
+	return transform == other_transform;
 }
 
 Rect2 HTerrainCopy::area_of(const PixelRect &rect) const {
@@ -137,8 +138,8 @@ Rect2 HTerrainCopy::area_of(const PixelRect &rect) const {
 	glm::dvec2 min{std::numeric_limits<double>::max()};
 	glm::dvec2 max{std::numeric_limits<double>::lowest()};
 	for (int corner = 0; corner < 4; ++corner) {
-		const glm::dvec2 post{corner % 2 == 0 ? rect.min.x - posts_around : rect.max.x - 1 + posts_around,
-				corner / 2 == 0 ? rect.min.y - posts_around : rect.max.y - 1 + posts_around};
+		const glm::dvec2 post{corner % 2 == 0 ? rect.min.x - post_margin : rect.max.x - 1 + post_margin,
+				corner / 2 == 0 ? rect.min.y - post_margin : rect.max.y - 1 + post_margin};
 		const glm::dvec2 world =
 				map_transform.to_world * post + glm::dvec2(map_transform.origin.x, map_transform.origin.z);
 		min = glm::min(min, world);
@@ -151,19 +152,19 @@ GroundChanges HTerrainCopy::changes_since(const GroundCopy &before, glm::dvec3 s
 	GroundChanges changes;
 	const auto *const other = before.plugin() == plugin() ? static_cast<const HTerrainCopy *>(&before) : nullptr;
 	if (other == nullptr) {
-		changes.everywhere = true;
+		changes.whole_ground = true;
 		return changes;
 	}
-	const MapLayers &mine = field_.layers();
-	const MapLayers &theirs = other->field_.layers();
-	const auto alike = [](const PixelGrid &a, const PixelGrid &b) {
+	const MapLayers &layers = field_.layers();
+	const MapLayers &other_layers = other->field_.layers();
+	const auto same_layout = [](const PixelGrid &a, const PixelGrid &b) {
 		return a.size() == b.size() && a.pixel_bytes() == b.pixel_bytes();
 	};
-	changes.everywhere = !same_transform(*other, shift) || mine.format != theirs.format ||
-			!alike(mine.heights, theirs.heights) || !alike(mine.colors, theirs.colors) ||
-			!alike(mine.indices, theirs.indices) || !alike(mine.weights, theirs.weights) ||
-			mine.splats.size() != theirs.splats.size();
-	if (changes.everywhere) {
+	changes.whole_ground = !same_transform(*other, shift) || layers.format != other_layers.format ||
+			!same_layout(layers.heights, other_layers.heights) || !same_layout(layers.colors, other_layers.colors) ||
+			!same_layout(layers.indices, other_layers.indices) || !same_layout(layers.weights, other_layers.weights) ||
+			layers.splats.size() != other_layers.splats.size();
+	if (changes.whole_ground) {
 		return changes;
 	}
 	const auto add = [&](const PixelGrid &a, const PixelGrid &b) {
@@ -171,26 +172,26 @@ GroundChanges HTerrainCopy::changes_since(const GroundCopy &before, glm::dvec3 s
 			changes.areas.push_back(area_of(rect));
 		}
 	};
-	add(mine.heights, theirs.heights);
-	add(mine.colors, theirs.colors);
-	add(mine.indices, theirs.indices);
-	add(mine.weights, theirs.weights);
-	for (std::size_t splat = 0; splat < mine.splats.size(); ++splat) {
-		add(mine.splats[splat], theirs.splats[splat]);
+	add(layers.heights, other_layers.heights);
+	add(layers.colors, other_layers.colors);
+	add(layers.indices, other_layers.indices);
+	add(layers.weights, other_layers.weights);
+	for (std::size_t splat = 0; splat < layers.splats.size(); ++splat) {
+		add(layers.splats[splat], other_layers.splats[splat]);
 	}
 	return changes;
 }
 
 /// Returns the layer that is a copy of the edited map, or null.
 PixelGrid *HTerrainCopy::layer_of(MapLayers &layers, const MapEdit &edit) {
-	const auto present = [](PixelGrid &layer) {
+	const auto non_empty = [](PixelGrid &layer) {
 		return layer.empty() ? nullptr : &layer;
 	};
 	switch (edit.map) {
 		case height_map: return &layers.heights;
-		case color_map: return present(layers.colors);
-		case splat_index_map: return present(layers.indices);
-		case splat_weight_map: return present(layers.weights);
+		case color_map: return non_empty(layers.colors);
+		case splat_index_map: return non_empty(layers.indices);
+		case splat_weight_map: return non_empty(layers.weights);
 		case splat_map:
 			return edit.index >= 0 && edit.index < static_cast<std::int64_t>(layers.splats.size())
 					? &layers.splats[static_cast<std::size_t>(edit.index)]
@@ -200,7 +201,7 @@ PixelGrid *HTerrainCopy::layer_of(MapLayers &layers, const MapEdit &edit) {
 }
 
 /// Splits each edit of all maps of a kind into one edit per map.
-std::vector<MapEdit> one_by_one(std::span<const MapEdit> edits, std::size_t splats) {
+std::vector<MapEdit> split_by_map(std::span<const MapEdit> edits, std::size_t splats) {
 	std::vector<MapEdit> result;
 	for (const MapEdit &edit : edits) {
 		if (edit.index >= 0) {
@@ -219,7 +220,7 @@ std::shared_ptr<const GroundCopy> HTerrainCopy::with_edits(
 		const Variant &p_data, std::span<const MapEdit> edits) const {
 	MapLayers layers = field_.layers();
 	MapImages images = images_;
-	for (const MapEdit &edit : one_by_one(edits, layers.splats.size())) {
+	for (const MapEdit &edit : split_by_map(edits, layers.splats.size())) {
 		PixelGrid *layer = layer_of(layers, edit);
 		if (layer == nullptr) {
 			continue; // Maps such as normals and details are not copied.

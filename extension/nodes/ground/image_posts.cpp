@@ -134,7 +134,7 @@ Status read_posts(const Ref<Image> &p_image, const char *p_property, Posts &r_po
 		return {ErrorCode::out_of_range, p_property, static_cast<double>(p_image->get_format()), {}, {},
 				"Use an image format that the engine can decompress"};
 	}
-	const bool floats = holds_floats(image->get_format());
+	const bool is_float = holds_floats(image->get_format());
 	image->convert(Image::FORMAT_RF); // Represents 16-bit values exactly.
 	const PackedByteArray bytes = image->get_data();
 	Posts posts;
@@ -145,7 +145,7 @@ Status read_posts(const Ref<Image> &p_image, const char *p_property, Posts &r_po
 		throw std::bad_alloc(); // The engine ran out of memory during the conversion.
 	}
 	std::memcpy(posts.floats.data(), bytes.ptr(), posts.floats.size() * sizeof(float));
-	if (!floats) {
+	if (!is_float) {
 		posts.steps.reserve(posts.floats.size());
 		for (const float value : posts.floats) {
 			posts.steps.push_back(step_of(value));
@@ -158,18 +158,19 @@ Status read_posts(const Ref<Image> &p_image, const char *p_property, Posts &r_po
 
 bool read_region(const Ref<Image> &p_image, const PixelRect &rect, Posts &r_posts) {
 	const Image::Format format = p_image->get_format();
-	const std::int64_t pixel = pixel_bytes_of(format);
-	if (pixel == 0) {
+	const std::int64_t pixel_bytes = pixel_bytes_of(format);
+	if (pixel_bytes == 0) {
 		return false;
 	}
-	const PackedByteArray all = p_image->get_data(); // Shares memory only during this call.
-	const std::int64_t row = pixel * rect.size().x;
-	PackedByteArray part;
-	std::uint8_t *out = resize(part, row * rect.size().y).data();
-	for (std::int64_t y = rect.min.y; y < rect.max.y; ++y, out += row) {
-		std::memcpy(out, all.ptr() + (y * p_image->get_width() + rect.min.x) * pixel, static_cast<std::size_t>(row));
+	const PackedByteArray image_bytes = p_image->get_data(); // Shares memory only during this call.
+	const std::int64_t row_bytes = pixel_bytes * rect.size().x;
+	PackedByteArray region_bytes;
+	std::uint8_t *out = resize(region_bytes, row_bytes * rect.size().y).data();
+	for (std::int64_t y = rect.min.y; y < rect.max.y; ++y, out += row_bytes) {
+		std::memcpy(out, image_bytes.ptr() + (y * p_image->get_width() + rect.min.x) * pixel_bytes,
+				static_cast<std::size_t>(row_bytes));
 	}
-	const Ref<Image> region = Image::create_from_data(rect.size().x, rect.size().y, false, format, part);
+	const Ref<Image> region = Image::create_from_data(rect.size().x, rect.size().y, false, format, region_bytes);
 	return read_posts(region, "image", r_posts).ok();
 }
 

@@ -29,10 +29,10 @@ Ref<Image> MapImages::read_texture(const Variant &p_texture) {
 		return {};
 	}
 	const std::uint64_t id = texture->get_instance_id();
-	if (const auto known = known_.find(id); known != known_.end()) {
+	if (const auto entry = previous_.find(id); entry != previous_.end()) {
 		// An imported texture never changes, so its pixels need not be read back again.
-		imported_[id] = known->second;
-		return known->second;
+		imported_[id] = entry->second;
+		return entry->second;
 	}
 	const Ref<Image> image = image_in(texture->get_image());
 	if (image.is_valid() && texture->is_class("CompressedTexture2D")) {

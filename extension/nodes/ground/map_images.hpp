@@ -17,7 +17,7 @@ public:
 	/// Creates an object for the next copy that reuses the images read here.
 	MapImages next() const {
 		MapImages images;
-		images.known_ = imported_;
+		images.previous_ = imported_;
 		return images;
 	}
 
@@ -32,8 +32,9 @@ public:
 private:
 	godot::Ref<godot::Image> read_texture(const godot::Variant &p_texture);
 
-	using ByTexture = std::map<std::uint64_t, godot::Ref<godot::Image>>; ///< Images, keyed by texture ID.
-	ByTexture known_;
+	/// Images, keyed by texture ID.
+	using ByTexture = std::map<std::uint64_t, godot::Ref<godot::Image>>;
+	ByTexture previous_; ///< The imported images of the previous copy.
 	ByTexture imported_; ///< The imported images that were read here.
 	bool lacks_pixels_ = false;
 };

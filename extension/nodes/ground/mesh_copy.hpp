@@ -74,8 +74,8 @@ private:
 	std::vector<GroundPiece> pieces_;
 	std::uint64_t source_ = 0;
 	std::uint64_t version_ = 0;
-	std::size_t piece_ = 0; ///< The piece that is being read.
-	std::int32_t next_ = 0; ///< The next surface of the piece.
+	std::size_t piece_index_ = 0;   ///< The piece that is being read.
+	std::int32_t next_surface_ = 0; ///< The next surface of the piece.
 	std::shared_ptr<MeshCopy> copy_;
 };
 

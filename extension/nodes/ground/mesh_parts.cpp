@@ -27,18 +27,18 @@ std::uint64_t digest_of(std::span<const glm::dvec3> corners) {
 	return digest;
 }
 
-/// Adds the areas in which the ground differs between `before` and `now` to `r_areas`.
-void add_changes(const GroundMeshes &before, const GroundMeshes &now, std::vector<Rect> &r_areas) {
-	const auto add_others = [&](const GroundMeshes &parts, const GroundMeshes &others) {
-		for (const auto &[id, part] : parts) {
+/// Adds the areas in which the ground differs between `before` and `after` to `r_areas`.
+void add_changes(const GroundMeshes &before, const GroundMeshes &after, std::vector<Rect> &r_areas) {
+	const auto add_differences = [&](const GroundMeshes &meshes, const GroundMeshes &others) {
+		for (const auto &[id, mesh] : meshes) {
 			const auto other = others.find(id);
-			if (other == others.end() || other->second->digest != part->digest) {
-				add_changed_area(r_areas, area_of(*part));
+			if (other == others.end() || other->second->digest != mesh->digest) {
+				add_changed_area(r_areas, area_of(*mesh));
 			}
 		}
 	};
-	add_others(before, now);
-	add_others(now, before);
+	add_differences(before, after);
+	add_differences(after, before);
 }
 
 } // namespace
@@ -50,15 +50,15 @@ Rect area_of(const GroundMesh &mesh) {
 
 void MeshReading::build(std::span<const glm::vec3> faces, const std::atomic<bool> *cancel) {
 	status = guarded("corners", static_cast<double>(faces.size()), [&] {
-		const glm::dmat3 basis = to_core(sight.frame.basis);
-		const glm::dvec3 origin = to_core(sight.frame.origin) + space.offset;
+		const glm::dmat3 basis = to_core(state.frame.basis);
+		const glm::dvec3 origin = to_core(state.frame.origin) + space.offset;
 		std::vector<glm::dvec3> corners;
 		corners.reserve(faces.size());
 		for (const glm::vec3 &corner : faces) {
 			corners.push_back(origin + basis * glm::dvec3(corner));
 		}
 		auto result = std::make_shared<GroundMesh>();
-		result->sight = sight;
+		result->state = state;
 		result->space = space;
 		result->copy = copy;
 		result->digest = digest_of(corners);
@@ -74,14 +74,14 @@ void MeshReading::build(std::span<const glm::vec3> faces, const std::atomic<bool
 			auto ground = std::make_shared<TriangleTerrain>();
 			// The engine swaps the sides of a mirrored mesh.
 			const Winding winding = glm::determinant(basis) < 0.0 ? Winding::counterclockwise : Winding::clockwise;
-			if (const Status refused = ground->set(corners, cancel, winding); !refused.ok()) {
+			if (const Status error = ground->set(corners, cancel, winding); !error.ok()) {
 				const std::size_t corner = TriangleTerrain::find_refused_corner(corners);
 				refused_corner = corner < corners.size() ? corners[corner] : glm::dvec3(0.0);
-				return refused;
+				return error;
 			}
 			result->ground = std::move(ground);
 		}
-		part = std::move(result);
+		mesh = std::move(result);
 		return Status{};
 	});
 }
@@ -120,32 +120,32 @@ void MeshWork::build_readings(const std::atomic<bool> *cancel) {
 /// Updates a world's ground with the built meshes. Rejected meshes keep their previous ground.
 void MeshWork::update(GroundWorld &r_world) const {
 	r_world.changes.clear();
-	r_world.status = guarded("parts", static_cast<double>(r_world.parts->size()), [&] {
-		auto parts = std::make_shared<GroundMeshes>(*r_world.parts);
-		for (const std::uint64_t id : gone) {
-			parts->erase(id);
+	r_world.status = guarded("parts", static_cast<double>(r_world.meshes->size()), [&] {
+		auto meshes = std::make_shared<GroundMeshes>(*r_world.meshes);
+		for (const std::uint64_t id : removed_ids) {
+			meshes->erase(id);
 		}
 		for (const MeshReading &reading : readings) {
-			if (reading.part != nullptr && reading.space == r_world.space) {
-				(*parts)[reading.id] = reading.part;
+			if (reading.mesh != nullptr && reading.space == r_world.space) {
+				(*meshes)[reading.id] = reading.mesh;
 			}
 		}
 		std::vector<Rect> changes;
-		add_changes(*r_world.parts, *parts, changes);
+		add_changes(*r_world.meshes, *meshes, changes);
 		auto ground = r_world.ground;
 		if (ground == nullptr || !changes.empty()) {
 			std::vector<TriangleParts::Part> grounds;
-			grounds.reserve(parts->size());
-			for (const auto &[id, part] : *parts) {
-				grounds.push_back(part->ground);
+			grounds.reserve(meshes->size());
+			for (const auto &[id, mesh] : *meshes) {
+				grounds.push_back(mesh->ground);
 			}
-			auto built = std::make_shared<TriangleParts>();
-			if (const Status status = built->set(grounds); !status.ok()) {
+			auto new_ground = std::make_shared<TriangleParts>();
+			if (const Status status = new_ground->set(grounds); !status.ok()) {
 				return status;
 			}
-			ground = std::move(built);
+			ground = std::move(new_ground);
 		}
-		r_world.parts = std::move(parts);
+		r_world.meshes = std::move(meshes);
 		r_world.ground = std::move(ground);
 		r_world.changes = std::move(changes);
 		return Status{};

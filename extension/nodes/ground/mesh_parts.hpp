@@ -29,7 +29,7 @@ struct GroundSpace {
 
 /// The ground of a mesh instance, at its world position when it was read.
 struct GroundMesh {
-	GroundNodeState sight;    ///< The node's state. Its transform is in `space`, without the offset.
+	GroundNodeState state;    ///< The node's state. Its transform is in `space`, without the offset.
 	GroundSpace space;        ///< The space when the mesh was read.
 	std::uint64_t digest = 0; ///< A digest of the triangles in world space.
 	TriangleParts::Part ground;
@@ -47,7 +47,7 @@ using GroundMeshes = std::map<std::uint64_t, std::shared_ptr<const GroundMesh>>;
 /// A mesh instance whose mesh was read but whose ground is not yet built.
 struct MeshReading {
 	std::uint64_t id = 0; ///< The MeshInstance3D's ID.
-	GroundNodeState sight;
+	GroundNodeState state;
 	GroundSpace space;
 	std::shared_ptr<const MeshCopy> copy;
 	/// The previous ground, which is reused if its triangles are unchanged. May be null.
@@ -58,17 +58,17 @@ struct MeshReading {
 	/// The invalid corner in world space, if a corner is the reason for the error.
 	glm::dvec3 refused_corner{0.0};
 	/// The result. Null before `build`, and if the mesh was rejected.
-	std::shared_ptr<const GroundMesh> part;
+	std::shared_ptr<const GroundMesh> mesh;
 
-	/// Builds `part` from the triangles of `copy` in local space. Any thread may call this method.
+	/// Builds `mesh` from the triangles of `copy` in local space. Any thread may call this method.
 	void build(std::span<const glm::vec3> faces, const std::atomic<bool> *cancel);
 };
 
 /// The ground for all hosts with the same space.
 struct GroundWorld {
 	GroundSpace space;
-	std::shared_ptr<const GroundMeshes> parts;   ///< Never null.
-	std::shared_ptr<const GroundMeshes> before;  ///< The parts at the start of the work.
+	std::shared_ptr<const GroundMeshes> meshes;  ///< Never null.
+	std::shared_ptr<const GroundMeshes> before;  ///< The meshes at the start of the work.
 	std::shared_ptr<const TriangleParts> ground; ///< The ground of the whole world. Null until it is first built.
 	std::vector<Rect> changes;                   ///< The areas that the last work changed.
 	Status status;
@@ -77,7 +77,7 @@ struct GroundWorld {
 /// The work for a worker: builds the ground of meshes and updates the worlds that contain them.
 struct MeshWork {
 	std::vector<MeshReading> readings;
-	std::vector<std::uint64_t> gone; ///< IDs of instances that are no longer ground.
+	std::vector<std::uint64_t> removed_ids; ///< IDs of instances that are no longer ground.
 	std::vector<GroundWorld> worlds;
 	/// Large objects that the worker frees, because freeing them takes milliseconds.
 	std::vector<std::shared_ptr<const void>> unneeded;

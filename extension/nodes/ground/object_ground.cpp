@@ -21,19 +21,19 @@ namespace thicket {
 namespace {
 
 /// The number of positions to sample each time the gate is entered.
-constexpr std::size_t slice = 64;
+constexpr std::size_t positions_per_slice = 64;
 
 constexpr const char *node_property = "ScatterGroundNode.node";
 
 /// Returns the total weight of `textures`, given the result of get_texture_id().
 float weight_of(const Vector3 &p_base_overlay_blend, std::span<const std::int32_t> textures) {
-	const auto among = [textures](real_t texture) {
-		return std::ranges::any_of(textures, [texture](std::int32_t wanted) { return texture == real_t(wanted); });
+	const auto is_selected = [textures](real_t texture) {
+		return std::ranges::any_of(textures, [texture](std::int32_t selected) { return texture == real_t(selected); });
 	};
 	// Preserves NAN.
 	const float blend = std::clamp(static_cast<float>(p_base_overlay_blend.z), 0.0F, 1.0F);
-	const float weight =
-			(among(p_base_overlay_blend.x) ? 1.0F - blend : 0.0F) + (among(p_base_overlay_blend.y) ? blend : 0.0F);
+	const float weight = (is_selected(p_base_overlay_blend.x) ? 1.0F - blend : 0.0F) +
+			(is_selected(p_base_overlay_blend.y) ? blend : 0.0F);
 	return std::isfinite(weight) ? weight : 0.0F;
 }
 
@@ -98,13 +98,13 @@ void ObjectGround::take_post_grid() {
 
 void ObjectGround::set_offset(glm::dvec3 offset) {
 	if (map_ == nullptr) {
-		gate_.alone([this, offset] { offset_ = offset; });
+		gate_.run_alone([this, offset] { offset_ = offset; });
 	}
 }
 
 void ObjectGround::close() {
-	open_ = false;
-	gate_.alone([] {});
+	is_open_ = false;
+	gate_.run_alone([] {});
 }
 
 Status ObjectGround::sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
@@ -115,14 +115,16 @@ Status ObjectGround::sample_heights(std::span<const glm::dvec2> positions, std::
 	return sample_all(positions, false, r_ground);
 }
 
-Status ObjectGround::sample_all(std::span<const glm::dvec2> positions, bool normals, std::span<Ground> r_ground) const {
+Status ObjectGround::sample_all(
+		std::span<const glm::dvec2> positions, bool with_normals, std::span<Ground> r_ground) const {
 	if (positions.size() != r_ground.size()) {
 		return Status::wrong_size("ground", r_ground.size(), exactly(positions.size()));
 	}
-	for (std::size_t first = 0; first < positions.size(); first += slice) {
-		const std::size_t count = std::min(slice, positions.size() - first);
-		const CallGate::Inside inside(gate_);
-		const Status status = sample_slice(positions.subspan(first, count), normals, r_ground.subspan(first, count));
+	for (std::size_t first = 0; first < positions.size(); first += positions_per_slice) {
+		const std::size_t count = std::min(positions_per_slice, positions.size() - first);
+		const CallGate::Scope scope(gate_);
+		const Status status =
+				sample_slice(positions.subspan(first, count), with_normals, r_ground.subspan(first, count));
 		if (!status.ok()) {
 			return status;
 		}
@@ -131,53 +133,55 @@ Status ObjectGround::sample_all(std::span<const glm::dvec2> positions, bool norm
 }
 
 Status ObjectGround::sample_slice(
-		std::span<const glm::dvec2> positions, bool normals, std::span<Ground> r_ground) const {
+		std::span<const glm::dvec2> positions, bool with_normals, std::span<Ground> r_ground) const {
 	for (std::size_t i = 0; i < positions.size(); ++i) {
-		if (const Status status = ground_at(positions[i], normals, r_ground[i]); !status.ok()) {
+		if (const Status status = ground_at(positions[i], with_normals, r_ground[i]); !status.ok()) {
 			return status;
 		}
 	}
 	return {};
 }
 
-Status ObjectGround::ground_at(glm::dvec2 position, bool normal, Ground &r_ground) const {
+Status ObjectGround::ground_at(glm::dvec2 position, bool with_normal, Ground &r_ground) const {
 	r_ground = {};
 	Status status = height_at(position, r_ground.height);
-	if (normal && status.ok() && std::isfinite(r_ground.height)) {
+	if (with_normal && status.ok() && std::isfinite(r_ground.height)) {
 		status = has_normal_ ? normal_at(position, r_ground) : slope_by_heights(position, r_ground);
 	}
 	return status;
 }
 
-/// Tests the exact position as well as the rounded one that is passed to the object, because
-/// rounding may move it to the far edge.
+/// Tests both the exact position and the rounded position that is passed to the object, because
+/// rounding may move a position to the far edge.
 bool ObjectGround::within_bounds(glm::dvec2 position) const {
-	const glm::dvec2 queried = glm::dvec2(glm::vec2(in_engine(position))) + glm::dvec2(offset_.x, offset_.z);
-	return limits_.bounds.empty() || (limits_.bounds.contains(position) && limits_.bounds.contains(queried));
+	const glm::dvec2 query_position = glm::dvec2(glm::vec2(in_engine(position))) + glm::dvec2(offset_.x, offset_.z);
+	return limits_.bounds.empty() || (limits_.bounds.contains(position) && limits_.bounds.contains(query_position));
 }
 
-bool ObjectGround::knows(glm::dvec2 position) const {
+bool ObjectGround::is_height_known(glm::dvec2 position) const {
 	if (!posts_) {
 		return true;
 	}
-	const CallGate::Inside inside(gate_);
-	const glm::dvec2 queried = in_engine(position);
-	return !posts_->contains(queried) || (open_ && source() != nullptr && posts_->is_loaded(source_, queried));
+	const CallGate::Scope scope(gate_);
+	const glm::dvec2 query_position = in_engine(position);
+	return !posts_->contains(query_position) ||
+			(is_open_ && source() != nullptr && posts_->is_loaded(source_, query_position));
 }
 
 Status ObjectGround::height_at(glm::dvec2 position, float &r_height) const {
 	r_height = std::numeric_limits<float>::quiet_NaN();
-	const glm::dvec2 queried = map_ ? map_->to_map(in_engine(position)) : in_engine(position);
-	const bool inside = (!map_ || map_->has_ground(queried)) && (!posts_ || posts_->contains(queried));
-	if (!std::isfinite(queried.x) || !std::isfinite(queried.y) || !inside || !within_bounds(position)) {
+	const glm::dvec2 query_position = map_ ? map_->to_map(in_engine(position)) : in_engine(position);
+	const bool is_inside = (!map_ || map_->has_ground(query_position)) && (!posts_ || posts_->contains(query_position));
+	if (!std::isfinite(query_position.x) || !std::isfinite(query_position.y) || !is_inside ||
+			!within_bounds(position)) {
 		return {};
 	}
-	if (!knows(position)) {
+	if (!is_height_known(position)) {
 		return {};
 	}
 	Variant result;
 	if (const Status status =
-					call(height_method_, "result of the height method of ScatterGroundNode.node", queried, result);
+					call(height_method_, "result of the height method of ScatterGroundNode.node", query_position, result);
 			!status.ok()) {
 		return status;
 	}
@@ -194,13 +198,13 @@ Status ObjectGround::height_at(glm::dvec2 position, float &r_height) const {
 
 Status ObjectGround::slope_by_heights(glm::dvec2 position, Ground &r_ground) const {
 	const SlopeStencil stencil(position);
-	std::array<float, 4> around{};
-	for (std::size_t i = 0; i < around.size(); ++i) {
-		if (const Status status = height_at(stencil.positions()[i], around[i]); !status.ok()) {
+	std::array<float, 4> neighbor_heights{};
+	for (std::size_t i = 0; i < neighbor_heights.size(); ++i) {
+		if (const Status status = height_at(stencil.positions()[i], neighbor_heights[i]); !status.ok()) {
 			return status;
 		}
 	}
-	r_ground.normal = stencil.normal(r_ground.height, around);
+	r_ground.normal = stencil.normal(r_ground.height, neighbor_heights);
 	return {};
 }
 
@@ -214,7 +218,7 @@ Status ObjectGround::normal_at(glm::dvec2 position, Ground &r_ground) const {
 	if (result.get_type() != Variant::VECTOR3) {
 		return Status::wrong_type("result of get_normal() of ScatterGroundNode.node", "Return a Vector3");
 	}
-	take_normal(static_cast<Vector3>(result), r_ground);
+	set_normal(static_cast<Vector3>(result), r_ground);
 	return {};
 }
 
@@ -231,7 +235,7 @@ Status ObjectGround::weigh(std::span<const glm::dvec2> positions, std::span<cons
 		if (map_) {
 			r_ground[i].weight = map_->weight(map_->to_map(in_engine(positions[i])), channels);
 		} else if (has_textures_) {
-			const CallGate::Inside inside(gate_);
+			const CallGate::Scope scope(gate_);
 			if (const Status status = weigh_by_textures(positions[i], textures, r_ground[i]); !status.ok()) {
 				return status;
 			}
@@ -257,14 +261,14 @@ Status ObjectGround::weigh_by_textures(
 }
 
 Status ObjectGround::call(
-		const StringName &p_method, const char *p_refusal, glm::dvec2 position, Variant &r_result) const {
-	if (!open_ || source() == nullptr) {
+		const StringName &p_method, const char *p_property, glm::dvec2 position, Variant &r_result) const {
+	if (!is_open_ || source() == nullptr) {
 		return Status::missing(node_property, "Set ScatterGroundNode.node to a node in the tree");
 	}
-	const Variant where(to_engine(glm::dvec3(position.x, 0.0, position.y)));
+	const Variant argument(to_engine(glm::dvec3(position.x, 0.0, position.y)));
 	Variant source(source_);
-	const bool called = call_script(source, p_method, r_result, where) == GDEXTENSION_CALL_OK;
-	return called ? Status{} : Status::missing(p_refusal, "See the error that the script printed");
+	const bool succeeded = call_script(source, p_method, r_result, argument) == GDEXTENSION_CALL_OK;
+	return succeeded ? Status{} : Status::missing(p_property, "See the error that the script printed");
 }
 
 } // namespace thicket

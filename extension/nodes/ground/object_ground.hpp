@@ -63,7 +63,7 @@ public:
 
 	/// Returns false if the height at a position is unknown, because an MTerrain has not loaded its
 	/// ground there or is closed. `sample` then returns no ground.
-	bool knows(glm::dvec2 position) const;
+	bool is_height_known(glm::dvec2 position) const;
 
 	/// Returns true if the methods must be called on the main thread, regardless of
 	/// ScatterGroundNode.thread_safe. This is true for MTerrain, which frees the heights of regions
@@ -74,7 +74,7 @@ public:
 	/// most a few dozen positions each. Call this before the object is freed. If a method of the
 	/// object causes this call, it does not wait for the calling thread.
 	void close();
-	bool is_open() const { return open_; }
+	bool is_open() const { return is_open_; }
 
 	/// Returns false if the ground has no textures, so that `weigh` has no effect.
 	bool has_textures() const { return map_ != nullptr ? !map_->splats.empty() : has_textures_; }
@@ -89,16 +89,16 @@ private:
 	bool take_methods(const godot::Variant &p_object);
 	bool take_map(const godot::Variant &p_object);
 	void take_post_grid();
-	Status sample_all(std::span<const glm::dvec2> positions, bool normals, std::span<Ground> r_ground) const;
-	Status sample_slice(std::span<const glm::dvec2> positions, bool normals, std::span<Ground> r_ground) const;
-	Status ground_at(glm::dvec2 position, bool normal, Ground &r_ground) const;
+	Status sample_all(std::span<const glm::dvec2> positions, bool with_normals, std::span<Ground> r_ground) const;
+	Status sample_slice(std::span<const glm::dvec2> positions, bool with_normals, std::span<Ground> r_ground) const;
+	Status ground_at(glm::dvec2 position, bool with_normal, Ground &r_ground) const;
 	glm::dvec2 in_engine(glm::dvec2 position) const { return position - glm::dvec2(offset_.x, offset_.z); }
 	bool within_bounds(glm::dvec2 position) const;
 	Status height_at(glm::dvec2 position, float &r_height) const;
 	Status slope_by_heights(glm::dvec2 position, Ground &r_ground) const;
 	Status normal_at(glm::dvec2 position, Ground &r_ground) const;
 	Status weigh_by_textures(glm::dvec2 position, std::span<const std::int32_t> textures, Ground &r_ground) const;
-	Status call(const godot::StringName &p_method, const char *p_refusal, glm::dvec2 position,
+	Status call(const godot::StringName &p_method, const char *p_property, glm::dvec2 position,
 			godot::Variant &r_result) const;
 
 	godot::Variant source_;
@@ -116,7 +116,7 @@ private:
 
 	/// Methods are called inside this gate, so that the object is not freed during a call.
 	CallGate gate_;
-	std::atomic<bool> open_ = true;
+	std::atomic<bool> is_open_ = true;
 };
 
 } // namespace thicket

@@ -15,11 +15,11 @@ namespace thicket {
 namespace {
 
 /// The normal that MTerrain decodes from three zero bytes.
-const Vector3 normal_of_nothing(-1, 0, -1);
+const Vector3 unloaded_normal(-1, 0, -1);
 
 double number_of(const Variant &p_node, const StringName &p_method) {
-	const Variant number = result_of(p_node, p_method);
-	return is_number(number) ? static_cast<double>(number) : 0.0;
+	const Variant value = result_of(p_node, p_method);
+	return is_number(value) ? static_cast<double>(value) : 0.0;
 }
 
 } // namespace
@@ -31,9 +31,10 @@ bool is_post_grid(const Variant &p_node) {
 
 PostGridArea PostGridArea::of(const Variant &p_node) {
 	PostGridArea area;
-	const Variant created = result_of(p_node, "is_grid_created");
+	const Variant is_created = result_of(p_node, "is_grid_created");
 	const Variant offset = result_of(p_node, "get_offset");
-	if (created.get_type() != Variant::BOOL || !static_cast<bool>(created) || offset.get_type() != Variant::VECTOR3) {
+	if (is_created.get_type() != Variant::BOOL || !static_cast<bool>(is_created) ||
+			offset.get_type() != Variant::VECTOR3) {
 		return area;
 	}
 	const glm::dvec2 posts(number_of(p_node, "get_pixel_width"), number_of(p_node, "get_pixel_height"));
@@ -56,13 +57,13 @@ bool PostGridArea::contains(glm::dvec2 position) const {
 }
 
 bool PostGridArea::is_loaded(const Variant &p_node, glm::dvec2 position) const {
-	const glm::dvec2 from_first = (position - glm::dvec2(rect.position.x, rect.position.y)) / spacing;
-	const glm::ivec2 first = glm::clamp(glm::ivec2(from_first), glm::ivec2(0), last_post - 1);
+	const glm::dvec2 grid_position = (position - glm::dvec2(rect.position.x, rect.position.y)) / spacing;
+	const glm::ivec2 first = glm::clamp(glm::ivec2(grid_position), glm::ivec2(0), last_post - 1);
 	// The height samples at the border between two regions are stored in the first one. The square
 	// between four samples may therefore need both regions, so two opposite samples are checked.
 	for (const glm::ivec2 post : {first, first + 1}) {
 		const Variant normal = result_of(p_node, "get_normal_by_pixel", {post.x, post.y});
-		if (normal.get_type() == Variant::VECTOR3 && static_cast<Vector3>(normal) == normal_of_nothing) {
+		if (normal.get_type() == Variant::VECTOR3 && static_cast<Vector3>(normal) == unloaded_normal) {
 			return false;
 		}
 	}

@@ -14,38 +14,39 @@ Rect2 RegionCopy::area_of(glm::ivec2 location, const PixelRect &rect) const {
 			static_cast<real_t>(size.y));
 }
 
-void RegionCopy::add_changes(const FieldRegion &mine, const FieldRegion *theirs, GroundChanges &r_changes) const {
-	const PixelRect all{glm::ivec2(0), glm::ivec2(field_.side())};
+void RegionCopy::add_changes(
+		const FieldRegion &region, const FieldRegion *other_region, GroundChanges &r_changes) const {
+	const PixelRect whole_region{glm::ivec2(0), glm::ivec2(field_.side())};
 	const auto add = [&](const PixelRect &rect) {
 		if (!rect.empty()) {
-			r_changes.areas.push_back(area_of(mine.location, rect));
+			r_changes.areas.push_back(area_of(region.location, rect));
 		}
 	};
-	if (theirs == nullptr || mine.controls.empty() != theirs->controls.empty()) {
-		add(all);
+	if (other_region == nullptr || region.controls.empty() != other_region->controls.empty()) {
+		add(whole_region);
 		return;
 	}
-	add(mine.heights.difference(theirs->heights));
-	if (!mine.controls.empty()) {
-		add(mine.controls.difference(theirs->controls));
+	add(region.heights.difference(other_region->heights));
+	if (!region.controls.empty()) {
+		add(region.controls.difference(other_region->controls));
 	}
 }
 
 GroundChanges RegionCopy::changes_since(const GroundCopy &before, glm::dvec3 shift) const {
 	GroundChanges changes;
 	const auto *const other = before.plugin() == plugin() ? static_cast<const RegionCopy *>(&before) : nullptr;
-	changes.everywhere = other == nullptr || shift != glm::dvec3(0.0) || other->origin_ != origin_ ||
+	changes.whole_ground = other == nullptr || shift != glm::dvec3(0.0) || other->origin_ != origin_ ||
 			other->field_.side() != field_.side() || other->field_.spacing() != field_.spacing() ||
 			!(other->field_.paint() == field_.paint());
-	if (changes.everywhere) {
+	if (changes.whole_ground) {
 		return changes;
 	}
 	for (const FieldRegion &region : field_.regions()) {
 		add_changes(region, other->field_.region_at(region.location), changes);
 	}
 	for (const FieldRegion &region : other->field_.regions()) {
-		const bool unloaded = std::ranges::find(unloaded_, region.location) != unloaded_.end();
-		if (!unloaded && field_.region_at(region.location) == nullptr) {
+		const bool is_unloaded = std::ranges::find(unloaded_, region.location) != unloaded_.end();
+		if (!is_unloaded && field_.region_at(region.location) == nullptr) {
 			changes.areas.push_back(area_of(region.location, {glm::ivec2(0), glm::ivec2(field_.side())}));
 		}
 	}

@@ -35,7 +35,7 @@ private:
 	/// region. It extends beyond the rectangle, because interpolation and slopes use neighboring
 	/// samples.
 	godot::Rect2 area_of(glm::ivec2 location, const PixelRect &rect) const;
-	void add_changes(const FieldRegion &mine, const FieldRegion *theirs, GroundChanges &r_changes) const;
+	void add_changes(const FieldRegion &region, const FieldRegion *other_region, GroundChanges &r_changes) const;
 
 	RegionField field_;
 	glm::dvec3 origin_;

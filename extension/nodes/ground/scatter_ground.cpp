@@ -34,22 +34,23 @@ constexpr ScriptMethod weights_method{"_get_weights", "_get_weights() result", "
 
 std::int64_t count_of(std::span<const glm::dvec2> positions) { return static_cast<std::int64_t>(positions.size()); }
 
-std::vector<std::size_t> with_ground(std::span<const Ground> ground) {
-	std::vector<std::size_t> found;
+/// Returns the indices of the positions that have ground.
+std::vector<std::size_t> indices_with_ground(std::span<const Ground> ground) {
+	std::vector<std::size_t> indices;
 	for (std::size_t i = 0; i < ground.size(); ++i) {
 		if (std::isfinite(ground[i].height)) {
-			found.push_back(i);
+			indices.push_back(i);
 		}
 	}
-	return found;
+	return indices;
 }
 
-std::vector<glm::dvec2> picked(std::span<const glm::dvec2> positions, std::span<const std::size_t> indices) {
-	std::vector<glm::dvec2> some;
+std::vector<glm::dvec2> positions_at(std::span<const glm::dvec2> positions, std::span<const std::size_t> indices) {
+	std::vector<glm::dvec2> result;
 	for (const std::size_t i : indices) {
-		some.push_back(positions[i]);
+		result.push_back(positions[i]);
 	}
-	return some;
+	return result;
 }
 
 } // namespace
@@ -158,29 +159,29 @@ Status ScatterGround::query_heights(std::span<const glm::dvec2> positions, std::
 }
 
 Status ScatterGround::query_slopes(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) {
-	const std::vector<std::size_t> found = with_ground(r_ground);
-	if (found.empty()) {
+	const std::vector<std::size_t> indices = indices_with_ground(r_ground);
+	if (indices.empty()) {
 		return {};
 	}
-	return GDVIRTUAL_IS_OVERRIDDEN(_get_normals) ? query_normals(positions, found, r_ground)
-												 : difference_normals(positions, found, r_ground);
+	return GDVIRTUAL_IS_OVERRIDDEN(_get_normals) ? query_normals(positions, indices, r_ground)
+												 : difference_normals(positions, indices, r_ground);
 }
 
 Status ScatterGround::query_weights(
 		std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures, std::span<Ground> r_ground) {
-	const std::vector<std::size_t> found = with_ground(r_ground);
-	if (found.empty() || !GDVIRTUAL_IS_OVERRIDDEN(_get_weights)) {
+	const std::vector<std::size_t> indices = indices_with_ground(r_ground);
+	if (indices.empty() || !GDVIRTUAL_IS_OVERRIDDEN(_get_weights)) {
 		return {};
 	}
 	PackedFloat32Array weights;
-	const std::vector<glm::dvec2> grounded = picked(positions, found);
-	const Status status = answers_.call(this, weights_method, count_of(grounded), weights,
-			Variant(packed_vectors(grounded)), Variant(packed_integers(textures)));
+	const std::vector<glm::dvec2> ground_positions = positions_at(positions, indices);
+	const Status status = answers_.call(this, weights_method, count_of(ground_positions), weights,
+			Variant(packed_vectors(ground_positions)), Variant(packed_integers(textures)));
 	if (!status.ok()) {
 		return status;
 	}
 	const float *weight = weights.ptr();
-	for (const std::size_t i : found) {
+	for (const std::size_t i : indices) {
 		r_ground[i].weight = std::isfinite(*weight) ? std::clamp(*weight, 0.0F, 1.0F) : 0.0F;
 		++weight;
 	}
@@ -188,37 +189,37 @@ Status ScatterGround::query_weights(
 }
 
 Status ScatterGround::query_normals(
-		std::span<const glm::dvec2> positions, std::span<const std::size_t> found, std::span<Ground> r_ground) {
+		std::span<const glm::dvec2> positions, std::span<const std::size_t> indices, std::span<Ground> r_ground) {
 	PackedVector3Array normals;
-	const std::vector<glm::dvec2> grounded = picked(positions, found);
-	const Status status =
-			answers_.call(this, normals_method, count_of(grounded), normals, Variant(packed_vectors(grounded)));
+	const std::vector<glm::dvec2> ground_positions = positions_at(positions, indices);
+	const Status status = answers_.call(
+			this, normals_method, count_of(ground_positions), normals, Variant(packed_vectors(ground_positions)));
 	if (!status.ok()) {
 		return status;
 	}
-	const Vector3 *given = normals.ptr();
-	for (const std::size_t i : found) {
-		take_normal(*given++, r_ground[i]);
+	const Vector3 *normal = normals.ptr();
+	for (const std::size_t i : indices) {
+		set_normal(*normal++, r_ground[i]);
 	}
 	return {};
 }
 
 Status ScatterGround::difference_normals(
-		std::span<const glm::dvec2> positions, std::span<const std::size_t> found, std::span<Ground> r_ground) {
-	std::vector<glm::dvec2> around;
-	around.reserve(4 * found.size());
-	for (const std::size_t i : found) {
+		std::span<const glm::dvec2> positions, std::span<const std::size_t> indices, std::span<Ground> r_ground) {
+	std::vector<glm::dvec2> neighbors;
+	neighbors.reserve(4 * indices.size());
+	for (const std::size_t i : indices) {
 		const SlopeStencil stencil(positions[i]);
-		around.insert(around.end(), stencil.positions().begin(), stencil.positions().end());
+		neighbors.insert(neighbors.end(), stencil.positions().begin(), stencil.positions().end());
 	}
 	PackedFloat32Array heights;
 	const Status status =
-			answers_.call(this, heights_method, count_of(around), heights, Variant(packed_vectors(around)));
+			answers_.call(this, heights_method, count_of(neighbors), heights, Variant(packed_vectors(neighbors)));
 	if (!status.ok()) {
 		return status;
 	}
 	const float *height = heights.ptr();
-	for (const std::size_t i : found) {
+	for (const std::size_t i : indices) {
 		r_ground[i].normal =
 				SlopeStencil(positions[i]).normal(r_ground[i].height, std::span<const float, 4>(height, 4));
 		height += 4;
@@ -251,19 +252,19 @@ void ScatterGround::_validate_property(PropertyInfo &p_property) const {
 }
 
 GroundHost ScatterGround::find_host(std::uint64_t id) const {
-	const auto found = std::ranges::find(hosts_, id, &GroundHost::id);
-	return found != hosts_.end() ? *found : hosts_.empty() ? GroundHost{} : hosts_.front();
+	const auto host = std::ranges::find(hosts_, id, &GroundHost::id);
+	return host != hosts_.end() ? *host : hosts_.empty() ? GroundHost{} : hosts_.front();
 }
 
 Ground ScatterGround::ground_at(const Vector3 &p_global_position, bool normal) {
 	const Ref<ScatterGround> keep_alive(this); // A script may release the ground.
 	const glm::dvec2 position{p_global_position.x, p_global_position.z};
-	const Ground none{std::numeric_limits<float>::quiet_NaN(), glm::vec3{0.0F}};
-	Ground ground = none;
+	const Ground no_ground{std::numeric_limits<float>::quiet_NaN(), glm::vec3{0.0F}};
+	Ground ground = no_ground;
 	finish_reading();
 	const std::shared_ptr<const Terrain> terrain = snapshot(0);
 	if (terrain == nullptr && !is_main_thread_only()) {
-		return none;
+		return no_ground;
 	}
 	const GroundNeeds needs{.textures = {}, .normals = normal};
 	const Status status = terrain ? terrain->query({&position, 1}, needs, {&ground, 1})
@@ -271,7 +272,7 @@ Ground ScatterGround::ground_at(const Vector3 &p_global_position, bool normal) {
 	if (!status.ok()) {
 		ERR_PRINT(String((std::string(class_name) + ": " + describe(status)).c_str()));
 	}
-	return status.ok() && std::isfinite(ground.height) ? ground : none;
+	return status.ok() && std::isfinite(ground.height) ? ground : no_ground;
 }
 
 void ScatterGround::enter(Node3D *p_host, const WorldFrame &frame) {
@@ -281,25 +282,25 @@ void ScatterGround::enter(Node3D *p_host, const WorldFrame &frame) {
 
 void ScatterGround::leave(Node3D *p_host) {
 	const Node3D *first = first_node();
-	const auto found = std::ranges::find(hosts_, p_host, &GroundHost::node);
-	if (found != hosts_.end()) {
-		hosts_.erase(found);
+	const auto host = std::ranges::find(hosts_, p_host, &GroundHost::node);
+	if (host != hosts_.end()) {
+		hosts_.erase(host);
 	}
-	const bool other_first = first_node() != first;
-	hosts_changed(other_first);
-	if (other_first && first_node() != nullptr) {
+	const bool first_changed = first_node() != first;
+	hosts_changed(first_changed);
+	if (first_changed && first_node() != nullptr) {
 		emit_changed();
 	}
 }
 
 void ScatterGround::set_world_frame(const Node3D *p_host, const WorldFrame &frame) {
-	const auto found = std::ranges::find(hosts_, p_host, &GroundHost::node);
+	const auto entry = std::ranges::find(hosts_, p_host, &GroundHost::node);
 	const glm::dvec3 offset = frame.local ? glm::dvec3(0.0) : frame.offset;
-	const bool among_others = frame.local && is_shared();
-	if (found != hosts_.end() && (found->offset != offset || found->local != frame.local || among_others)) {
-		found->offset = offset;
-		found->local = frame.local;
-		const GroundHost host = *found;
+	const bool moves_among_others = frame.local && is_shared();
+	if (entry != hosts_.end() && (entry->offset != offset || entry->local != frame.local || moves_among_others)) {
+		entry->offset = offset;
+		entry->local = frame.local;
+		const GroundHost host = *entry;
 		offset_changed(host);
 	}
 }
@@ -315,9 +316,9 @@ void ScatterGround::follow_scene(std::chrono::steady_clock::time_point deadline)
 	follow();
 }
 
-bool ScatterGround::read_again() {
+bool ScatterGround::reread() {
 	const Ref<ScatterGround> keep_alive(this);
-	return distrust();
+	return start_rereading();
 }
 
 void ScatterGround::update_warnings() {

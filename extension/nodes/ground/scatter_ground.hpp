@@ -191,7 +191,7 @@ public:
 	/// Starts rereading all ground over the next frames, which emits signals where it has changed.
 	/// Returns false if this ground cannot do that; the caller must then assume that it has changed
 	/// everywhere.
-	bool read_again();
+	bool reread();
 
 	/// Returns the ground height in meters at the x and z of a world position; NAN if there is no
 	/// ground.
@@ -229,8 +229,8 @@ protected:
 
 	/// Does the work of `follow_scene`, at most once per frame.
 	virtual void follow() {}
-	/// Starts rereading all ground for `read_again`. Returns false if this ground cannot do that.
-	virtual bool distrust() { return false; }
+	/// Starts rereading all ground for `reread`. Returns false if this ground cannot do that.
+	virtual bool start_rereading() { return false; }
 
 	/// Returns true if hosts move relative to each other, so that each must be notified when a host
 	/// with local coordinates moves.
@@ -260,16 +260,16 @@ private:
 	friend class ScriptGround;
 
 	GroundHost find_host(std::uint64_t id) const;
-	// These methods call a script. They request normals and weights only where there is ground;
-	// `found` contains the indices of these positions.
+	// These methods call a script. They request normals and weights only where there is ground, at
+	// the positions that `indices` selects.
 	Status query_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground);
 	Status query_slopes(std::span<const glm::dvec2> positions, std::span<Ground> r_ground);
 	Status query_weights(
 			std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures, std::span<Ground> r_ground);
 	Status query_normals(
-			std::span<const glm::dvec2> positions, std::span<const std::size_t> found, std::span<Ground> r_ground);
+			std::span<const glm::dvec2> positions, std::span<const std::size_t> indices, std::span<Ground> r_ground);
 	Status difference_normals(
-			std::span<const glm::dvec2> positions, std::span<const std::size_t> found, std::span<Ground> r_ground);
+			std::span<const glm::dvec2> positions, std::span<const std::size_t> indices, std::span<Ground> r_ground);
 	Ground ground_at(const godot::Vector3 &p_global_position, bool normal);
 
 	ScriptAnswers answers_;

@@ -24,10 +24,10 @@ namespace thicket {
 
 namespace {
 
-/// The distance inside a body at which the next ray starts after a ray has hit a body that is not
-/// ground. The first number is in meters; the second is relative to the height of the hit.
-constexpr real_t into_body = 1e-3F;
-constexpr real_t into_high_body = 1e-6F;
+/// The depth inside a body that is not ground at which the next ray starts after a hit. The first
+/// number is in meters; the second is relative to the height of the hit.
+constexpr real_t body_margin = 1e-3F;
+constexpr real_t relative_body_margin = 1e-6F;
 
 /// The maximum number of bodies to skip at a position. If there are more, the position has no
 /// ground.
@@ -39,13 +39,13 @@ constexpr double hit_error = 4e-7;
 constexpr Status no_space =
 		Status::missing("physics space of ScatterGroundColliders", "Add the node to a scene with a World3D");
 
-/// Casts rays straight down. Skips the bodies of instances, which are placed on the ground and are
-/// not ground themselves.
-class Plumb {
+/// Finds ground with rays straight down. Skips the bodies of instances, which are placed on the
+/// ground and are not ground themselves.
+class GroundRay {
 public:
 	/// `p_top` and `p_bottom` are world heights in meters. `offset` is the world position of the
 	/// engine's origin.
-	Plumb(PhysicsDirectSpaceState3D *p_space, double p_top, double p_bottom, int64_t p_mask, glm::dvec3 offset) :
+	GroundRay(PhysicsDirectSpaceState3D *p_space, double p_top, double p_bottom, int64_t p_mask, glm::dvec3 offset) :
 			space_(p_space), offset_(offset), top_(static_cast<real_t>(p_top - offset.y)),
 			bottom_(static_cast<real_t>(p_bottom - offset.y)),
 			ray_(PhysicsRayQueryParameters3D::create(Vector3(), Vector3(), static_cast<std::uint32_t>(p_mask))) {}
@@ -53,11 +53,11 @@ public:
 	/// Casts a ray at a position. Returns no ground if nothing is hit.
 	Ground ground_at(glm::dvec2 position) { return ground_of(hit_at(position)); }
 
-	/// Returns the world height of the ground, or NAN without ground. Returns nothing if a moving
-	/// body hides the ground.
-	std::optional<float> rest_height(glm::dvec2 position) {
+	/// Returns the world height of the ground, or NAN without ground. Returns nothing if a body
+	/// that can move hides the ground.
+	std::optional<float> static_height(glm::dvec2 position) {
 		const Dictionary hit = hit_at(position);
-		return hit.is_empty() || rests(hit) ? std::optional(ground_of(hit).height) : std::nullopt;
+		return hit.is_empty() || is_static(hit) ? std::optional(ground_of(hit).height) : std::nullopt;
 	}
 
 private:
@@ -72,8 +72,8 @@ private:
 			return {};
 		}
 		const auto point = static_cast<Vector3>(hit[position_key_]);
-		const auto given = static_cast<Vector3>(hit[normal_key_]);
-		const glm::vec3 normal{given.x, given.y, given.z};
+		const auto hit_normal = static_cast<Vector3>(hit[normal_key_]);
+		const glm::vec3 normal{hit_normal.x, hit_normal.y, hit_normal.z};
 		const float length = std::sqrt(glm::dot(normal, normal));
 		if (!std::isfinite(length) || length == 0.0F) {
 			return {};
@@ -84,7 +84,7 @@ private:
 
 	/// Returns true if the body of a hit does not move. Moving bodies such as characters and
 	/// vehicles are not ground in re-checks.
-	bool rests(const Dictionary &hit) const {
+	bool is_static(const Dictionary &hit) const {
 		const Object *collider = hit[collider_key_];
 		if (const auto *body = Object::cast_to<PhysicsBody3D>(collider)) {
 			return Object::cast_to<StaticBody3D>(body) != nullptr && Object::cast_to<AnimatableBody3D>(body) == nullptr;
@@ -101,14 +101,14 @@ private:
 	Dictionary first_ground(real_t x, real_t z) {
 		ray_->set_to(Vector3(x, bottom_, z));
 		real_t top = top_;
-		for (int bodies = 0; bodies < max_bodies; ++bodies) {
+		for (int skipped_count = 0; skipped_count < max_bodies; ++skipped_count) {
 			ray_->set_from(Vector3(x, top, z));
 			const Dictionary hit = space_->intersect_ray(ray_);
 			if (hit.is_empty() || !is_instance(hit)) {
 				return hit;
 			}
 			top = static_cast<Vector3>(hit[position_key_]).y;
-			top -= std::max(into_body, into_high_body * std::abs(top));
+			top -= std::max(body_margin, relative_body_margin * std::abs(top));
 		}
 		return {};
 	}
@@ -177,9 +177,9 @@ Status ScatterGroundColliders::sample_for(const GroundHost &host, std::span<cons
 	if (space == nullptr) {
 		return no_space;
 	}
-	Plumb plumb(space, ray_top_, ray_bottom_, collision_mask_, host.offset);
+	GroundRay ray(space, ray_top_, ray_bottom_, collision_mask_, host.offset);
 	for (std::size_t i = 0; i < positions.size(); ++i) {
-		r_ground[i] = plumb.ground_at(positions[i]);
+		r_ground[i] = ray.ground_at(positions[i]);
 	}
 	return {};
 }
@@ -190,12 +190,12 @@ Status ScatterGroundColliders::recheck_for(
 	if (space == nullptr) {
 		return no_space;
 	}
-	Plumb plumb(space, ray_top_, ray_bottom_, collision_mask_, host.offset);
+	GroundRay ray(space, ray_top_, ray_bottom_, collision_mask_, host.offset);
 	for (std::size_t i = 0; i < positions.size(); ++i) {
-		r_heights[i] = plumb.rest_height(positions[i]);
-		const glm::dvec2 at = positions[i] - glm::dvec2(host.offset.x, host.offset.z);
+		r_heights[i] = ray.static_height(positions[i]);
+		const glm::dvec2 engine_position = positions[i] - glm::dvec2(host.offset.x, host.offset.z);
 		if (r_heights[i] && !std::isfinite(*r_heights[i]) &&
-				!volumes_.is_loaded(at, ray_bottom_ - host.offset.y, ray_top_ - host.offset.y)) {
+				!volumes_.is_loaded(engine_position, ray_bottom_ - host.offset.y, ray_top_ - host.offset.y)) {
 			r_heights[i] = std::nullopt;
 		}
 	}

@@ -35,7 +35,7 @@ public:
 	bool needs_physics_frames() const override { return true; }
 	std::size_t max_positions_per_call() const override { return static_cast<std::size_t>(rays_per_frame_); }
 	bool is_available() const override;
-	bool is_behind() const override { return watch_.restless() || !queue_.empty(); }
+	bool is_behind() const override { return watch_.has_changes() || !queue_.empty(); }
 	GroundFigures figures() const override { return figures_; }
 
 	/// Returns the tolerance of re-checks, including the imprecision of hits, which is proportional
@@ -76,8 +76,8 @@ protected:
 
 private:
 	/// The last reported state of a shape.
-	struct Placed {
-		GroundNodeState sight;
+	struct ShapeState {
+		GroundNodeState state;
 		std::optional<godot::AABB> bounds; ///< The bounds in local space; empty if the shape is unbounded.
 	};
 
@@ -86,12 +86,12 @@ private:
 	bool is_in_scene() const;
 	GroundWatch::ReadState state_reader() const;
 	void start_over();
-	void find_some();
-	bool follows(const godot::Node *p_node) const;
-	std::optional<Placed> measure(std::uint64_t id, const Placed *before);
-	void update_some();
+	void find_next_shapes();
+	bool is_ground_shape(const godot::Node *p_node) const;
+	std::optional<ShapeState> measure(std::uint64_t id, const ShapeState *before);
+	void update_next_shapes();
 	void update(std::uint64_t id);
-	void add_area(const Placed &placed, glm::dvec3 offset);
+	void add_area(const ShapeState &shape, glm::dvec3 offset);
 	void notify();
 	void source_changed(int64_t p_source);
 	void node_added(godot::Node *p_node);
@@ -106,16 +106,16 @@ private:
 	GroundWatch watch_{this, "_source_changed"}; ///< Watches CollisionShape3Ds of static bodies.
 	TreeWalk walk_;
 	VoxelVolumes volumes_;
-	godot::Variant tree_;                    ///< The SceneTree; null until its signal is connected.
-	std::map<std::uint64_t, Placed> placed_; ///< The shapes that are ground, by node ID.
-	Offsets offsets_;                        ///< The hosts' offsets for `placed_`.
+	godot::Variant tree_;                        ///< The SceneTree; null until its signal is connected.
+	std::map<std::uint64_t, ShapeState> shapes_; ///< The shapes that are ground, by node ID.
+	Offsets offsets_;                            ///< The hosts' offsets for `shapes_`.
 
 	// A change passes through the following members in order.
 	std::vector<std::uint64_t> queue_; ///< Shapes to re-check.
 	Offsets next_offsets_;             ///< The hosts' offsets when the queue was filled.
-	std::size_t points_ = 0;           ///< The number of shape points that were read in this frame.
+	std::size_t points_read_ = 0;      ///< The number of shape points that were read in this frame.
 	std::vector<Rect> areas_;          ///< Areas of changed ground in world space.
-	bool everywhere_ = false;
+	bool changed_everywhere_ = false;
 	GroundFigures figures_;
 };
 

@@ -34,8 +34,8 @@ constexpr int visits_per_frame = 512;
 /// shape is read.
 constexpr std::size_t points_per_frame = 100'000;
 
-/// Returns the root of the nodes that may be ground. Excludes the editor's own nodes; the tree
-/// contains thousands of them.
+/// Returns the root of the nodes that may be ground. Excludes the thousands of nodes of the editor
+/// itself.
 Node *root_of_scene(SceneTree &tree) { return in_editor() ? tree.get_edited_scene_root() : tree.get_root(); }
 
 } // namespace
@@ -44,7 +44,7 @@ bool ScatterGroundColliders::is_in_scene() const { return first_node() != nullpt
 
 /// Returns true for shapes of static bodies. Rays also hit moving bodies, but instances are not
 /// updated when those move.
-bool ScatterGroundColliders::follows(const Node *p_node) const {
+bool ScatterGroundColliders::is_ground_shape(const Node *p_node) const {
 	const auto *shape = Object::cast_to<CollisionShape3D>(p_node);
 	const Node *body = shape != nullptr ? shape->get_parent() : nullptr;
 	return Object::cast_to<StaticBody3D>(body) != nullptr && Object::cast_to<AnimatableBody3D>(body) == nullptr &&
@@ -84,16 +84,16 @@ void ScatterGroundColliders::start_over() {
 	walk_.stop();
 	watch_.clear();
 	volumes_.clear();
-	placed_.clear();
+	shapes_.clear();
 	offsets_.clear();
 	queue_.clear();
 	areas_.clear();
-	everywhere_ = false;
+	changed_everywhere_ = false;
 }
 
 void ScatterGroundColliders::follow() {
 	figures_.checks = 0;
-	points_ = 0;
+	points_read_ = 0;
 	if (!is_in_scene()) {
 		return;
 	}
@@ -106,22 +106,22 @@ void ScatterGroundColliders::follow() {
 			offsets_[host.id] = host.offset;
 		}
 	}
-	find_some();
+	find_next_shapes();
 	figures_.checks = watch_.check_next(state_reader());
-	if (queue_.empty() && watch_.restless()) {
-		const std::set<std::uint64_t> changed = watch_.take_changed();
-		queue_.assign(changed.rbegin(), changed.rend());
+	if (queue_.empty() && watch_.has_changes()) {
+		const std::set<std::uint64_t> changed_ids = watch_.take_changed();
+		queue_.assign(changed_ids.rbegin(), changed_ids.rend());
 		next_offsets_.clear();
 		for (const GroundHost &host : hosts()) {
 			next_offsets_[host.id] = host.offset;
 		}
 	}
-	update_some();
+	update_next_shapes();
 }
 
 /// Finds shapes that were in the tree before its `node_added` signal was connected.
-void ScatterGroundColliders::find_some() {
-	for (int visits = 0; visits < visits_per_frame && points_ < points_per_frame; ++visits) {
+void ScatterGroundColliders::find_next_shapes() {
+	for (int visits = 0; visits < visits_per_frame && points_read_ < points_per_frame; ++visits) {
 		Node *node = walk_.next();
 		if (node == nullptr) {
 			return;
@@ -130,12 +130,12 @@ void ScatterGroundColliders::find_some() {
 			volumes_.add(node);
 		}
 		const std::uint64_t id = node->get_instance_id();
-		if (!follows(node) || watch_.has(id)) {
+		if (!is_ground_shape(node) || watch_.has(id)) {
 			continue;
 		}
 		watch_.add(id, Variant(node), state_reader(), false);
-		if (const std::optional<Placed> placed = measure(id, nullptr)) {
-			placed_[id] = *placed;
+		if (const std::optional<ShapeState> shape = measure(id, nullptr)) {
+			shapes_[id] = *shape;
 		}
 	}
 }
@@ -144,36 +144,37 @@ void ScatterGroundColliders::node_added(Node *p_node) {
 	if (VoxelVolumes::is_volume(p_node)) {
 		volumes_.add(p_node);
 	}
-	if (is_in_scene() && follows(p_node)) {
+	if (is_in_scene() && is_ground_shape(p_node)) {
 		watch_.add(p_node->get_instance_id(), Variant(p_node), state_reader(), true);
 	}
 }
 
 /// Returns the current state of a shape; empty if it is not ground. Reuses the bounds of its
 /// previous state `before`, which may be null, unless the shape has reported a change.
-std::optional<ScatterGroundColliders::Placed> ScatterGroundColliders::measure(std::uint64_t id, const Placed *before) {
+std::optional<ScatterGroundColliders::ShapeState> ScatterGroundColliders::measure(
+		std::uint64_t id, const ShapeState *before) {
 	const Variant *node = watch_.node(id);
 	Object *source = nullptr;
-	GroundNodeState sight = node != nullptr ? state_reader()(*node, source) : GroundNodeState{};
-	if (sight.source == 0) {
+	GroundNodeState state = node != nullptr ? state_reader()(*node, source) : GroundNodeState{};
+	if (state.source == 0) {
 		return std::nullopt;
 	}
-	sight.version = watch_.version(sight.source);
-	if (before != nullptr && before->sight.source == sight.source && before->sight.version == sight.version) {
+	state.version = watch_.version(state.source);
+	if (before != nullptr && before->state.source == state.source && before->state.version == state.version) {
 		// The shape itself is unchanged, even if its body has moved.
-		return Placed{sight, before->bounds};
+		return ShapeState{state, before->bounds};
 	}
 	++figures_.reads;
-	return Placed{sight, bounds_of(Ref<Shape3D>(Object::cast_to<Shape3D>(source)), points_)};
+	return ShapeState{state, bounds_of(Ref<Shape3D>(Object::cast_to<Shape3D>(source)), points_read_)};
 }
 
 /// Processes the next shapes of the queue. Reports all changes after the last one.
-void ScatterGroundColliders::update_some() {
+void ScatterGroundColliders::update_next_shapes() {
 	if (queue_.empty()) {
 		return;
 	}
-	for (std::size_t updated = 0; !queue_.empty() && updated < GroundWatch::nodes_per_frame; ++updated) {
-		if (points_ >= points_per_frame) {
+	for (std::size_t count = 0; !queue_.empty() && count < GroundWatch::nodes_per_frame; ++count) {
+		if (points_read_ >= points_per_frame) {
 			return;
 		}
 		const std::uint64_t id = queue_.back();
@@ -187,28 +188,28 @@ void ScatterGroundColliders::update_some() {
 }
 
 void ScatterGroundColliders::update(std::uint64_t id) {
-	const auto found = placed_.find(id);
-	const Placed *before = found != placed_.end() ? &found->second : nullptr;
-	const std::optional<Placed> now = measure(id, before);
+	const auto entry = shapes_.find(id);
+	const ShapeState *before = entry != shapes_.end() ? &entry->second : nullptr;
+	const std::optional<ShapeState> current = measure(id, before);
 	for (const auto &[host, offset] : next_offsets_) {
-		const auto then = offsets_.find(host);
-		const glm::dvec3 offset_before = then != offsets_.end() ? then->second : offset;
-		if (before != nullptr && now && same_in_world(before->sight, offset_before, now->sight, offset)) {
+		const auto previous_offset = offsets_.find(host);
+		const glm::dvec3 offset_before = previous_offset != offsets_.end() ? previous_offset->second : offset;
+		if (before != nullptr && current && same_in_world(before->state, offset_before, current->state, offset)) {
 			// The shape has not moved in this host's world.
 			continue;
 		}
 		if (before != nullptr) {
 			add_area(*before, offset_before);
 		}
-		if (now) {
-			add_area(*now, offset);
+		if (current) {
+			add_area(*current, offset);
 		}
 	}
-	if (now) {
-		placed_[id] = *now;
+	if (current) {
+		shapes_[id] = *current;
 		return;
 	}
-	placed_.erase(id);
+	shapes_.erase(id);
 	const Variant *node = watch_.node(id);
 	const auto *shape = node != nullptr ? Object::cast_to<Node>(node->get_validated_object()) : nullptr;
 	if (shape == nullptr || !shape->is_inside_tree()) {
@@ -216,19 +217,19 @@ void ScatterGroundColliders::update(std::uint64_t id) {
 	}
 }
 
-void ScatterGroundColliders::add_area(const Placed &placed, glm::dvec3 offset) {
-	everywhere_ = everywhere_ || !placed.bounds;
-	if (placed.bounds) {
-		const Rect area = area_of(*placed.bounds, placed.sight.frame);
-		const glm::dvec2 by(offset.x, offset.z);
-		add_changed_area(areas_, {area.min + by, area.max + by});
+void ScatterGroundColliders::add_area(const ShapeState &shape, glm::dvec3 offset) {
+	changed_everywhere_ = changed_everywhere_ || !shape.bounds;
+	if (shape.bounds) {
+		const Rect area = area_of(*shape.bounds, shape.state.frame);
+		const glm::dvec2 shift(offset.x, offset.z);
+		add_changed_area(areas_, {area.min + shift, area.max + shift});
 	}
 }
 
 void ScatterGroundColliders::notify() {
 	const Ref<ScatterGround> keep_alive(this); // A signal handler may release the ground.
 	const std::vector<Rect> areas = std::exchange(areas_, {});
-	if (std::exchange(everywhere_, false)) {
+	if (std::exchange(changed_everywhere_, false)) {
 		emit_ground_changed(Rect2());
 		return;
 	}

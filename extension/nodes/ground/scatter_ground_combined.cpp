@@ -39,12 +39,12 @@ void ScatterGroundCombined::set_grounds(const TypedArray<ScatterGround> &p_groun
 		}
 	}
 	grounds_ = p_grounds;
-	take_list();
+	update_parts();
 }
 
 TypedArray<ScatterGround> ScatterGroundCombined::get_grounds() const { return grounds_; }
 
-std::vector<std::uint64_t> ScatterGroundCombined::listed() const {
+std::vector<std::uint64_t> ScatterGroundCombined::listed_ids() const {
 	std::vector<std::uint64_t> ids;
 	for (std::int64_t index = 0; index < grounds_.size(); ++index) {
 		const Ref<ScatterGround> ground = grounds_[index];
@@ -54,30 +54,30 @@ std::vector<std::uint64_t> ScatterGroundCombined::listed() const {
 }
 
 /// Determines the parts if the list has changed. Emits signals.
-void ScatterGroundCombined::take_list() {
-	std::vector<std::uint64_t> ids = listed();
-	if (ids == listed_) {
+void ScatterGroundCombined::update_parts() {
+	std::vector<std::uint64_t> ids = listed_ids();
+	if (ids == listed_ids_) {
 		return;
 	}
 	const Ref<ScatterGround> keep_alive(this);
-	Parts next;
+	Parts parts;
 	{
 		const std::lock_guard lock(parts_mutex);
 		for (std::int64_t index = 0; index < grounds_.size(); ++index) {
 			const Ref<ScatterGround> ground = grounds_[index];
-			const bool repeated = std::ranges::find(next, ground, &Part::ground) != next.end();
+			const bool is_repeated = std::ranges::find(parts, ground, &Part::ground) != parts.end();
 			if (ground.is_valid() && ground->contains(this)) {
 				ERR_PRINT(cycle_problem(index));
-			} else if (ground.is_valid() && !repeated) {
-				next.push_back({index, ground});
+			} else if (ground.is_valid() && !is_repeated) {
+				parts.push_back({index, ground});
 			}
 		}
-		listed_ = std::move(ids);
-		std::swap(parts_, next);
+		listed_ids_ = std::move(ids);
+		std::swap(parts_, parts);
 	}
-	watch_parts(next, false);
+	watch_parts(parts, false); // After the swap, these are the former parts.
 	watch_parts(parts_, true);
-	update_uses();
+	update_registrations();
 	notify_property_list_changed();
 	emit_changed();
 }
@@ -94,19 +94,20 @@ bool ScatterGroundCombined::has_part(const Ref<ScatterGround> &p_ground) const {
 	return std::ranges::find(parts_, p_ground, &Part::ground) != parts_.end();
 }
 
-std::optional<ScatterGroundCombined::Use> ScatterGroundCombined::next_to_leave() const {
-	const auto found = std::ranges::find_if(uses_, [this](const Use &use) {
-		return !has_part(use.ground) || std::ranges::find(hosts(), use.node, &GroundHost::node) == hosts().end();
+std::optional<ScatterGroundCombined::Registration> ScatterGroundCombined::next_to_unregister() const {
+	const auto match = std::ranges::find_if(registrations_, [this](const Registration &registration) {
+		return !has_part(registration.ground) ||
+				std::ranges::find(hosts(), registration.node, &GroundHost::node) == hosts().end();
 	});
-	return found != uses_.end() ? std::optional(*found) : std::nullopt;
+	return match != registrations_.end() ? std::optional(*match) : std::nullopt;
 }
 
 /// Finds the next host to register with a part. Returns its index in `hosts`.
-std::optional<std::size_t> ScatterGroundCombined::next_to_enter(Use &r_use) const {
+std::optional<std::size_t> ScatterGroundCombined::next_to_register(Registration &r_registration) const {
 	for (std::size_t host = 0; host < hosts().size(); ++host) {
 		for (const Part &part : parts_) {
-			r_use = {part.ground, hosts()[host].node};
-			if (std::ranges::find(uses_, r_use) == uses_.end()) {
+			r_registration = {part.ground, hosts()[host].node};
+			if (std::ranges::find(registrations_, r_registration) == registrations_.end()) {
 				return host;
 			}
 		}
@@ -116,34 +117,34 @@ std::optional<std::size_t> ScatterGroundCombined::next_to_enter(Use &r_use) cons
 
 /// Registers all hosts with all parts and unregisters former ones. Each call emits signals, whose
 /// handlers may change the parts and the hosts.
-void ScatterGroundCombined::update_uses() {
+void ScatterGroundCombined::update_registrations() {
 	const Ref<ScatterGround> keep_alive(this);
-	while (const std::optional<Use> former = next_to_leave()) {
-		uses_.erase(std::ranges::find(uses_, *former));
-		former->ground->leave(former->node);
+	while (const std::optional<Registration> old_registration = next_to_unregister()) {
+		registrations_.erase(std::ranges::find(registrations_, *old_registration));
+		old_registration->ground->leave(old_registration->node);
 	}
-	Use use;
-	while (const std::optional<std::size_t> host = next_to_enter(use)) {
-		uses_.push_back(use);
-		use.ground->enter(use.node, hosts()[*host].frame());
+	Registration registration;
+	while (const std::optional<std::size_t> host = next_to_register(registration)) {
+		registrations_.push_back(registration);
+		registration.ground->enter(registration.node, hosts()[*host].frame());
 	}
 }
 
-void ScatterGroundCombined::hosts_changed(bool) { update_uses(); }
+void ScatterGroundCombined::hosts_changed(bool) { update_registrations(); }
 
 void ScatterGroundCombined::offset_changed(const GroundHost &host) {
 	each_part([&](const Part &part) { part.ground->set_world_frame(host.node, host.frame()); });
 }
 
 void ScatterGroundCombined::follow() {
-	take_list();
+	update_parts();
 	each_part([this](const Part &part) { part.ground->follow_scene(deadline()); });
 }
 
-bool ScatterGroundCombined::distrust() {
-	bool all = true;
-	each_part([&all](const Part &part) { all = part.ground->read_again() && all; });
-	return all;
+bool ScatterGroundCombined::start_rereading() {
+	bool all_reread = true;
+	each_part([&all_reread](const Part &part) { all_reread = part.ground->reread() && all_reread; });
+	return all_reread;
 }
 
 /// A node that uses this ground calls this for each signal. Only the part that emitted the signal
@@ -159,7 +160,7 @@ void ScatterGroundCombined::search_again() {
 
 void ScatterGroundCombined::finish_reading() {
 	const Ref<ScatterGround> keep_alive(this);
-	take_list();
+	update_parts();
 	each_part([](const Part &part) { part.ground->finish_reading(); });
 }
 
@@ -167,14 +168,14 @@ void ScatterGroundCombined::part_changed() { emit_changed(); }
 
 void ScatterGroundCombined::part_ground_changed(const Rect2 &p_rect, int64_t p_ground) {
 	const Ref<ScatterGround> keep_alive(this);
-	const auto found = std::ranges::find_if(parts_,
+	const auto match = std::ranges::find_if(parts_,
 			[p_ground](const Part &part) { return static_cast<int64_t>(part.ground->get_instance_id()) == p_ground; });
-	if (found == parts_.end()) {
+	if (match == parts_.end()) {
 		return; // A call from another thread, which was delayed.
 	}
-	const Ref<ScatterGround> outer = std::exchange(emitter_, found->ground);
+	const Ref<ScatterGround> previous_emitter = std::exchange(emitter_, match->ground);
 	emit_ground_changed(p_rect);
-	emitter_ = outer;
+	emitter_ = previous_emitter;
 }
 
 void ScatterGroundCombined::_bind_methods() {

@@ -64,7 +64,7 @@ protected:
 			std::span<std::optional<float>> r_heights) override;
 	void hosts_changed(bool first) override;
 	void follow() override;
-	bool distrust() override;
+	bool start_rereading() override;
 	void offset_changed(const GroundHost &host) override;
 	bool is_shared() const override { return true; }
 
@@ -77,11 +77,11 @@ private:
 	using Parts = std::vector<Part>;
 
 	/// A host that is registered with a ground.
-	struct Use {
+	struct Registration {
 		godot::Ref<ScatterGround> ground;
 		godot::Node3D *node = nullptr;
 
-		bool operator==(const Use &other) const { return ground == other.ground && node == other.node; }
+		bool operator==(const Registration &other) const { return ground == other.ground && node == other.node; }
 	};
 
 	/// Calls `call` for each part that is still in the list. It may run a script, which may do
@@ -96,14 +96,14 @@ private:
 		}
 	}
 
-	std::vector<std::uint64_t> listed() const;
-	void take_list();
+	std::vector<std::uint64_t> listed_ids() const;
+	void update_parts();
 	void watch_parts(const Parts &parts, bool p_watch);
-	void update_uses();
-	std::optional<Use> next_to_leave() const;
-	std::optional<std::size_t> next_to_enter(Use &r_use) const;
+	void update_registrations();
+	std::optional<Registration> next_to_unregister() const;
+	std::optional<std::size_t> next_to_register(Registration &r_registration) const;
 	bool has_part(const godot::Ref<ScatterGround> &p_ground) const;
-	godot::String first_sentence(godot::String (ScatterGround::*sentence)(), bool *r_all = nullptr);
+	godot::String first_message_of(godot::String (ScatterGround::*method)(), bool *r_all_have_message = nullptr);
 	godot::String planet_conflict() const;
 	void part_changed();
 	void part_ground_changed(const godot::Rect2 &p_rect, int64_t p_ground);
@@ -111,9 +111,9 @@ private:
 	godot::TypedArray<ScatterGround> grounds_;
 	/// The instance IDs of `grounds_` when the parts were last determined. Scripts may change the
 	/// list without a setter.
-	std::vector<std::uint64_t> listed_;
+	std::vector<std::uint64_t> listed_ids_;
 	Parts parts_; ///< The entries that are neither empty, nor duplicates, nor rejected.
-	std::vector<Use> uses_;
+	std::vector<Registration> registrations_;
 	/// The part whose signal is being forwarded.
 	godot::Ref<ScatterGround> emitter_;
 };

@@ -47,20 +47,20 @@ std::shared_ptr<const Terrain> ScatterGroundCombined::make_snapshot(const Ground
 }
 
 /// Returns the first message of a part that is not empty, with the part's index.
-String ScatterGroundCombined::first_sentence(String (ScatterGround::*sentence)(), bool *r_all) {
-	String first;
-	bool all = true;
+String ScatterGroundCombined::first_message_of(String (ScatterGround::*method)(), bool *r_all_have_message) {
+	String first_message;
+	bool all_have_message = true;
 	each_part([&](const Part &part) {
-		const String found = (part.ground.ptr()->*sentence)();
-		all = all && !found.is_empty();
-		if (first.is_empty() && !found.is_empty()) {
-			first = name_of_part(part.index) + String(": ") + found;
+		const String message = (part.ground.ptr()->*method)();
+		all_have_message = all_have_message && !message.is_empty();
+		if (first_message.is_empty() && !message.is_empty()) {
+			first_message = name_of_part(part.index) + String(": ") + message;
 		}
 	});
-	if (r_all != nullptr) {
-		*r_all = all;
+	if (r_all_have_message != nullptr) {
+		*r_all_have_message = all_have_message;
 	}
-	return first;
+	return first_message;
 }
 
 /// If only some grounds have a problem, the others can be used.
@@ -68,13 +68,13 @@ String ScatterGroundCombined::find_problem() {
 	if (parts_.empty()) {
 		return "ScatterGroundCombined.grounds is empty: add at least one ScatterGround.";
 	}
-	bool all = false;
-	const String problem = first_sentence(&ScatterGround::problem, &all);
-	return all ? problem : String();
+	bool all_have_problems = false;
+	const String problem = first_message_of(&ScatterGround::problem, &all_have_problems);
+	return all_have_problems ? problem : String();
 }
 
 String ScatterGroundCombined::find_remark() {
-	if (const String problem = first_sentence(&ScatterGround::problem); !problem.is_empty()) {
+	if (const String problem = first_message_of(&ScatterGround::problem); !problem.is_empty()) {
 		return problem;
 	}
 	for (std::int64_t index = 0; index < grounds_.size(); ++index) {
@@ -91,17 +91,17 @@ String ScatterGroundCombined::find_remark() {
 		}
 	}
 	const String conflict = planet_conflict();
-	return conflict.is_empty() ? first_sentence(&ScatterGround::remark) : conflict;
+	return conflict.is_empty() ? first_message_of(&ScatterGround::remark) : conflict;
 }
 
-String ScatterGroundCombined::find_stripped() { return first_sentence(&ScatterGround::stripped); }
+String ScatterGroundCombined::find_stripped() { return first_message_of(&ScatterGround::stripped); }
 
 String ScatterGroundCombined::script_problem(const Status &status) const {
-	String sentence;
+	String problem;
 	for (const Part &part : parts_) {
-		sentence = sentence.is_empty() ? part.ground->script_problem(status) : sentence;
+		problem = problem.is_empty() ? part.ground->script_problem(status) : problem;
 	}
-	return sentence;
+	return problem;
 }
 
 bool ScatterGroundCombined::calls_script() const {
@@ -144,8 +144,8 @@ GroundShell ScatterGroundCombined::shell(std::uint64_t host, const Planet &plane
 std::vector<Rect> ScatterGroundCombined::take_removed(std::uint64_t host) {
 	std::vector<Rect> result;
 	for (const Part &part : Parts(parts_)) {
-		const std::vector<Rect> removed = part.ground->take_removed(host);
-		result.insert(result.end(), removed.begin(), removed.end());
+		const std::vector<Rect> areas = part.ground->take_removed(host);
+		result.insert(result.end(), areas.begin(), areas.end());
 	}
 	return result;
 }
@@ -172,19 +172,21 @@ bool ScatterGroundCombined::moves_with_host() const {
 /// If a part must be sampled on the main thread, there is no snapshot, and so there are no
 /// surfaces.
 bool ScatterGroundCombined::has_surfaces() const {
-	bool any = false;
-	bool on_main_thread = false;
+	bool any_has_surfaces = false;
+	bool any_main_thread_only = false;
 	for (const Part &part : Parts(parts_)) {
-		any = any || part.ground->has_surfaces();
-		on_main_thread = on_main_thread || part.ground->is_main_thread_only();
+		any_has_surfaces = any_has_surfaces || part.ground->has_surfaces();
+		any_main_thread_only = any_main_thread_only || part.ground->is_main_thread_only();
 	}
-	return any && !on_main_thread;
+	return any_has_surfaces && !any_main_thread_only;
 }
 
 bool ScatterGroundCombined::only_on_main_thread() {
-	bool any = false;
-	each_part([&any](const Part &part) { any = part.ground->is_main_thread_only() || any; });
-	return any;
+	bool any_main_thread_only = false;
+	each_part([&any_main_thread_only](const Part &part) {
+		any_main_thread_only = part.ground->is_main_thread_only() || any_main_thread_only;
+	});
+	return any_main_thread_only;
 }
 
 bool ScatterGroundCombined::needs_physics_frames() const {
@@ -192,13 +194,13 @@ bool ScatterGroundCombined::needs_physics_frames() const {
 }
 
 std::size_t ScatterGroundCombined::max_positions_per_call() const {
-	std::size_t least = std::numeric_limits<std::size_t>::max();
+	std::size_t min_count = std::numeric_limits<std::size_t>::max();
 	for (const Part &part : Parts(parts_)) {
 		if (part.ground->is_main_thread_only()) {
-			least = std::min(least, part.ground->max_positions_per_call());
+			min_count = std::min(min_count, part.ground->max_positions_per_call());
 		}
 	}
-	return least;
+	return min_count;
 }
 
 bool ScatterGroundCombined::is_available() const {
@@ -210,15 +212,16 @@ bool ScatterGroundCombined::can_change_unreported() const {
 }
 
 double ScatterGroundCombined::recheck_tolerance() const {
-	double largest = 0.0;
+	double max_tolerance = 0.0;
 	for (const Part &part : parts_) {
-		largest = part.ground->rechecks() ? std::max(largest, part.ground->recheck_tolerance()) : largest;
+		max_tolerance =
+				part.ground->rechecks() ? std::max(max_tolerance, part.ground->recheck_tolerance()) : max_tolerance;
 	}
-	return largest;
+	return max_tolerance;
 }
 
 bool ScatterGroundCombined::is_behind() const {
-	return listed() != listed_ ||
+	return listed_ids() != listed_ids_ ||
 			std::ranges::any_of(parts_, [](const Part &part) { return part.ground->is_behind(); });
 }
 
@@ -272,9 +275,9 @@ Status ScatterGroundCombined::recheck_for(
 		} else {
 			status = sample_snapshot(part.ground, host, [&](const Terrain &terrain) {
 				std::vector<Ground> ground(positions.size());
-				const Status sampled = terrain.sample_heights(positions, ground);
+				const Status sample_status = terrain.sample_heights(positions, ground);
 				std::ranges::transform(ground, heights.begin(), &Ground::height);
-				return sampled;
+				return sample_status;
 			});
 		}
 		for (std::size_t i = 0; i < heights.size() && status.ok(); ++i) {

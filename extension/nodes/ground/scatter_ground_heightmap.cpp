@@ -50,16 +50,16 @@ String ScatterGroundHeightmap::find_stripped() {
 }
 
 bool ScatterGroundHeightmap::embed_stripped_data() {
-	bool any = false;
-	for (Ref<Resource> *own : {&image_, &weight_image_}) {
-		const Ref<Texture2D> texture = *own;
+	bool any_embedded = false;
+	for (Ref<Resource> *property : {&image_, &weight_image_}) {
+		const Ref<Texture2D> texture = *property;
 		const Ref<Image> image = texture.is_valid() ? texture->get_image() : Ref<Image>();
 		if (has_content(image)) {
-			exchange_image(*own, image, own == &image_ ? weight_image_ : image_);
-			any = true;
+			exchange_image(*property, image, property == &image_ ? weight_image_ : image_);
+			any_embedded = true;
 		}
 	}
-	return any;
+	return any_embedded;
 }
 
 void ScatterGroundHeightmap::image_changed() {
@@ -78,11 +78,11 @@ void ScatterGroundHeightmap::set_heightmap_path(const String &p_path) {
 String ScatterGroundHeightmap::get_heightmap_path() const { return heightmap_path_; }
 
 void ScatterGroundHeightmap::set_post_count(const Vector2i &p_count) {
-	const auto accepted = [](int count) {
+	const auto is_valid_count = [](int count) {
 		return accept_number(class_name, "post_count", count, 2.0, max_heightfield_posts);
 	};
-	const bool none = p_count.x == 0 && p_count.y == 0;
-	if (none || (accepted(p_count.x) && accepted(p_count.y))) {
+	const bool is_unset = p_count.x == 0 && p_count.y == 0;
+	if (is_unset || (is_valid_count(p_count.x) && is_valid_count(p_count.y))) {
 		post_count_ = p_count;
 		image_changed();
 	}
@@ -93,11 +93,11 @@ Vector2i ScatterGroundHeightmap::get_post_count() const { return post_count_; }
 // Replaces an image and watches the new one. If both properties have the same image, it is watched
 // until neither uses it.
 void ScatterGroundHeightmap::exchange_image(
-		Ref<Resource> &r_image, const Ref<Resource> &p_next, const Ref<Resource> &p_other) {
+		Ref<Resource> &r_image, const Ref<Resource> &p_image, const Ref<Resource> &p_other) {
 	if (r_image != p_other) {
 		watch(r_image.ptr(), "changed", this, "_image_changed", false);
 	}
-	r_image = p_next;
+	r_image = p_image;
 	watch(r_image.ptr(), "changed", this, "_image_changed", true);
 	image_changed();
 }
@@ -126,13 +126,13 @@ void ScatterGroundHeightmap::set_heights_in_meters(bool p_meters) {
 bool ScatterGroundHeightmap::is_heights_in_meters() const { return heights_in_meters_; }
 
 void ScatterGroundHeightmap::set_rect(const Rect2 &p_rect) {
-	for (const real_t number : {p_rect.position.x, p_rect.position.y}) {
-		if (!accept_number(class_name, "rect", number, -1e9, 1e9)) {
+	for (const real_t value : {p_rect.position.x, p_rect.position.y}) {
+		if (!accept_number(class_name, "rect", value, -1e9, 1e9)) {
 			return;
 		}
 	}
-	for (const real_t number : {p_rect.size.x, p_rect.size.y}) {
-		if (!accept_number(class_name, "rect", number, 1e-3, 1e9)) {
+	for (const real_t value : {p_rect.size.x, p_rect.size.y}) {
+		if (!accept_number(class_name, "rect", value, 1e-3, 1e9)) {
 			return;
 		}
 	}

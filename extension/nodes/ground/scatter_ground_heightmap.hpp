@@ -93,20 +93,20 @@ protected:
 	std::shared_ptr<const Terrain> make_snapshot(const GroundHost &host) override;
 	godot::String find_problem() override;
 	void follow() override;
-	bool distrust() override;
+	bool start_rereading() override;
 	godot::String find_stripped() override;
 
 private:
 	void change() { field_stale_ = true; }
 	void image_changed();
-	void exchange_image(godot::Ref<godot::Resource> &r_image, const godot::Ref<godot::Resource> &p_next,
+	void exchange_image(godot::Ref<godot::Resource> &r_image, const godot::Ref<godot::Resource> &p_image,
 			const godot::Ref<godot::Resource> &p_other);
-	void start(bool at_once);
-	void take_built();
+	void start(bool synchronously);
+	void take_result();
 	void patch_regions(std::chrono::steady_clock::time_point deadline);
 	bool patch_band(const PixelRect &band);
-	void end_regions();
-	void emit_changes(const std::vector<Rect> &areas, bool everywhere);
+	void publish_draft();
+	void emit_changes(const std::vector<Rect> &areas, bool is_first_field);
 	void set_problem(const godot::String &p_problem);
 	godot::String sentence_of(const Status &status, glm::ivec2 refused_post, const godot::String &path) const;
 

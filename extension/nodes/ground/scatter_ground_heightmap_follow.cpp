@@ -38,7 +38,7 @@ constexpr std::chrono::milliseconds summary_time{2};
 
 void ScatterGroundHeightmap::follow() {
 	if (task_.finish(false)) {
-		take_built();
+		take_result();
 	} else if (!task_.busy() && !regions_.empty() && !sources_stale_) {
 		patch_regions(deadline()); // Do this first, because workers start from the current ground.
 	} else if (!task_.busy() && field_stale_) {
@@ -57,7 +57,7 @@ void ScatterGroundHeightmap::finish_reading() {
 			start(true);
 		}
 		if (task_.finish(true)) {
-			take_built();
+			take_result();
 		}
 	}
 	if (!task_.busy() && !regions_.empty() && !sources_stale_) {
@@ -65,7 +65,7 @@ void ScatterGroundHeightmap::finish_reading() {
 	}
 }
 
-void ScatterGroundHeightmap::start(bool at_once) {
+void ScatterGroundHeightmap::start(bool synchronously) {
 	field_stale_ = false;
 	HeightmapWork work;
 	work.before = field_;
@@ -78,33 +78,33 @@ void ScatterGroundHeightmap::start(bool at_once) {
 		regions_.clear();
 		draft_ = nullptr;
 		draft_changes_.clear();
-		const auto own = [](const Ref<Resource> &p_resource) {
+		const auto copy_image = [](const Ref<Resource> &p_resource) {
 			const Ref<Image> image = image_of(p_resource);
 			return image.is_valid() ? Ref<Image>(image->duplicate()) : image;
 		};
 		sources.has_image = image_.is_valid();
-		sources.image = own(image_);
+		sources.image = copy_image(image_);
 		sources.path = heightmap_path_;
 		sources.post_count = {post_count_.x, post_count_.y};
 		sources.has_weight_image = weight_image_.is_valid();
-		sources.weight_image = own(weight_image_);
+		sources.weight_image = copy_image(weight_image_);
 	}
-	task_.start(std::move(work), at_once);
+	task_.start(std::move(work), synchronously);
 }
 
-void ScatterGroundHeightmap::take_built() {
+void ScatterGroundHeightmap::take_result() {
 	const HeightmapWork work = task_.take();
 	if (work.field == nullptr) {
 		sources_stale_ = sources_stale_ || work.sources.are_read;
 		set_problem(sentence_of(work.status, work.refused_post, work.sources.path));
 		return;
 	}
-	const bool first = field_ == nullptr;
+	const bool is_first_field = field_ == nullptr;
 	field_ = work.field;
 	summary_ = work.summary;
 	format_ = work.sources.are_read ? work.format : format_;
 	set_problem({});
-	emit_changes(work.changes, first);
+	emit_changes(work.changes, is_first_field);
 }
 
 void ScatterGroundHeightmap::update_region(const Rect2i &p_region) {
@@ -116,8 +116,8 @@ void ScatterGroundHeightmap::update_region(const Rect2i &p_region) {
 		return;
 	}
 	const Ref<Image> image = image_;
-	const bool readable = image.is_valid() && field_ != nullptr && !sources_stale_;
-	if (!readable) {
+	const bool can_patch = image.is_valid() && field_ != nullptr && !sources_stale_;
+	if (!can_patch) {
 		// Textures, files and unread images are reread completely and compared.
 		image_changed();
 		return;
@@ -129,7 +129,7 @@ void ScatterGroundHeightmap::update_region(const Rect2i &p_region) {
 	}
 }
 
-bool ScatterGroundHeightmap::distrust() {
+bool ScatterGroundHeightmap::start_rereading() {
 	image_changed();
 	return true;
 }
@@ -152,7 +152,7 @@ void ScatterGroundHeightmap::patch_regions(Clock::time_point deadline) {
 		}
 	} while (!regions_.empty() && Clock::now() < deadline);
 	if (regions_.empty()) {
-		end_regions();
+		publish_draft();
 	}
 }
 
@@ -161,9 +161,9 @@ void ScatterGroundHeightmap::patch_regions(Clock::time_point deadline) {
 bool ScatterGroundHeightmap::patch_band(const PixelRect &band) {
 	const Ref<Image> image = image_;
 	Posts posts;
-	const bool fits =
+	const bool same_size =
 			has_content(image) && glm::ivec2(image->get_width(), image->get_height()) == field_->frame().posts;
-	if (!fits || !read_region(image, band, posts) || posts.floats.empty() != field_->posts().floats.empty()) {
+	if (!same_size || !read_region(image, band, posts) || posts.floats.empty() != field_->posts().floats.empty()) {
 		image_changed();
 		return false;
 	}
@@ -173,34 +173,34 @@ bool ScatterGroundHeightmap::patch_band(const PixelRect &band) {
 	const Status status = posts.floats.empty() ? draft_->patch(band, std::span<const std::uint16_t>(posts.steps))
 											   : draft_->patch(band, std::span<const float>(posts.floats));
 	if (!status.ok()) {
-		const RefusedPost refused = find_refused_post(posts.floats, band.size().x, field_->posts().meaning);
-		set_problem(sentence_of(status, refused.status.ok() ? glm::ivec2(-1) : band.min + refused.post, {}));
+		const RefusedPost rejection = find_refused_post(posts.floats, band.size().x, field_->posts().meaning);
+		set_problem(sentence_of(status, rejection.status.ok() ? glm::ivec2(-1) : band.min + rejection.post, {}));
 		return false;
 	}
 	add_changed_area(draft_changes_, draft_->area_of(band));
 	return true;
 }
 
-void ScatterGroundHeightmap::end_regions() {
+void ScatterGroundHeightmap::publish_draft() {
 	field_ = std::exchange(draft_, nullptr);
 	summary_ = nullptr;
 	set_problem({});
 	emit_changes(std::exchange(draft_changes_, {}), false);
 }
 
-/// Emits signals for changed areas. `everywhere` is true if there was no ground before.
-void ScatterGroundHeightmap::emit_changes(const std::vector<Rect> &areas, bool everywhere) {
+/// Emits signals for changed areas. `is_first_field` is true if there was no ground before.
+void ScatterGroundHeightmap::emit_changes(const std::vector<Rect> &areas, bool is_first_field) {
 	const Ref<ScatterGround> keep_alive(this); // A signal handler may release the ground.
 	for (const Rect &area : areas) {
 		emit_ground_changed(to_engine(area));
 	}
-	if (everywhere) {
+	if (is_first_field) {
 		emit_changed();
 	}
 }
 
 Dictionary ScatterGroundHeightmap::get_summary() {
-	const Ref<ScatterGround> keep_alive(this); // A signal handler may release it.
+	const Ref<ScatterGround> keep_alive(this); // A signal handler may release the ground.
 	if (image_.is_valid() || !heightmap_path_.is_empty()) {
 		follow_scene(Clock::now() + summary_time); // Without a host, nothing else starts a worker.
 	}
@@ -210,9 +210,9 @@ Dictionary ScatterGroundHeightmap::get_summary() {
 		return result;
 	}
 	if (summary_ == nullptr) {
-		auto computed = std::make_shared<HeightSummary>();
-		throw_if_out_of_memory(summarize(*field_, *computed));
-		summary_ = std::move(computed);
+		auto new_summary = std::make_shared<HeightSummary>();
+		throw_if_out_of_memory(summarize(*field_, *new_summary));
+		summary_ = std::move(new_summary);
 	}
 	const HeightSummary &summary = *summary_;
 	const glm::ivec2 size = summary.thumbnail_size;
@@ -254,9 +254,9 @@ String ScatterGroundHeightmap::sentence_of(const Status &status, glm::ivec2 refu
 					   class_name, property, refused_post.x, refused_post.y, limits, status.value) +
 				file;
 	}
-	Status named = status;
-	named.property = std::string_view(status.property) == "posts" ? property : status.property;
-	return sentence(class_name, named) + file;
+	Status named_status = status;
+	named_status.property = std::string_view(status.property) == "posts" ? property : status.property;
+	return sentence(class_name, named_status) + file;
 }
 
 } // namespace thicket

@@ -17,8 +17,8 @@ using namespace godot;
 namespace thicket {
 
 std::shared_ptr<const Terrain> ScatterGroundMeshes::make_snapshot(const GroundHost &host) {
-	const auto found = worlds_.find(host.id);
-	return found != worlds_.end() ? found->second.ground : last_;
+	const auto world = worlds_.find(host.id);
+	return world != worlds_.end() ? world->second.ground : last_ground_;
 }
 
 String ScatterGroundMeshes::find_problem() {
@@ -42,8 +42,9 @@ String ScatterGroundMeshes::find_remark() {
 	if (refusals_.empty()) {
 		return {};
 	}
-	const auto others = static_cast<std::int64_t>(refusals_.size()) - 1;
-	return refusals_.begin()->second + (others > 0 ? vformat(" (And %d other nodes of the group.)", others) : String());
+	const auto other_count = static_cast<std::int64_t>(refusals_.size()) - 1;
+	return refusals_.begin()->second +
+			(other_count > 0 ? vformat(" (And %d other nodes of the group.)", other_count) : String());
 }
 
 String ScatterGroundMeshes::find_stripped() {
@@ -66,50 +67,50 @@ GroundWatch::ReadState ScatterGroundMeshes::state_reader() {
 	// hosts would see such nodes move.
 	const GroundHost &host = hosts().front();
 	const Node3D *space = hosts().size() == 1 && host.local ? host.node : nullptr;
-	const GroundMembers::Sight from{group_, host.node->get_world_3d(), space};
-	return [this, from](const Variant &p_node, Object *&r_source) {
-		return members_.read_state(p_node, from, r_source);
+	const GroundMembers::MemberFilter filter{group_, host.node->get_world_3d(), space};
+	return [this, filter](const Variant &p_node, Object *&r_source) {
+		return members_.read_state(p_node, filter, r_source);
 	};
 }
 
-/// Watches the current members of the group and unwatches former ones. If `changed` is true, marks
+/// Watches the current members of the group and unwatches former ones. If `as_changed` is true, marks
 /// new members as changed.
-void ScatterGroundMeshes::list_members(bool changed) {
-	std::set<std::uint64_t> found;
+void ScatterGroundMeshes::list_members(bool as_changed) {
+	std::set<std::uint64_t> member_ids;
 	for (const Variant &node : members_.list(first_node(), group_)) {
 		const std::uint64_t id = node.get_validated_object()->get_instance_id();
-		found.insert(id);
-		watch_.add(id, node, state_reader(), changed);
+		member_ids.insert(id);
+		watch_.add(id, node, state_reader(), as_changed);
 	}
 	for (const std::uint64_t id : watch_.ids()) {
-		if (!found.contains(id)) {
+		if (!member_ids.contains(id)) {
 			record_removal(id);
 			watch_.remove(id);
 		}
 	}
-	listed_ = members_.count(first_node(), group_);
+	listed_count_ = members_.count(first_node(), group_);
 }
 
 /// Records where a node that has left the group was ground.
 void ScatterGroundMeshes::record_removal(std::uint64_t id) {
 	for (const auto &[host, world] : worlds_) {
-		if (const auto part = world.parts->find(id); part != world.parts->end()) {
-			removed_[host].push_back(area_of(*part->second));
+		if (const auto mesh = world.meshes->find(id); mesh != world.meshes->end()) {
+			removed_areas_[host].push_back(area_of(*mesh->second));
 		}
 	}
 }
 
 std::vector<Rect> ScatterGroundMeshes::take_removed(std::uint64_t host) {
-	const auto removed = removed_.extract(host);
-	return removed.empty() ? std::vector<Rect>() : std::move(removed.mapped());
+	const auto areas = removed_areas_.extract(host);
+	return areas.empty() ? std::vector<Rect>() : std::move(areas.mapped());
 }
 
 void ScatterGroundMeshes::hosts_changed(bool first) {
-	stale_ = stale_ || first;
+	is_stale_ = is_stale_ || first;
 	std::erase_if(worlds_, [this](const auto &world) {
 		return std::ranges::find(hosts(), world.first, &GroundHost::id) == hosts().end();
 	});
-	std::erase_if(removed_, [this](const auto &removed) { return !worlds_.contains(removed.first); });
+	std::erase_if(removed_areas_, [this](const auto &removed) { return !worlds_.contains(removed.first); });
 	if (first) {
 		forget_work();
 		watch_.clear();
@@ -121,19 +122,19 @@ void ScatterGroundMeshes::hosts_changed(bool first) {
 void ScatterGroundMeshes::offset_changed(const GroundHost &) { watch_.touch_all(false); }
 
 void ScatterGroundMeshes::refresh() {
-	if (stale_ || !is_in_scene()) {
-		stale_ = true;
+	if (is_stale_ || !is_in_scene()) {
+		is_stale_ = true;
 		return;
 	}
 	const Ref<ScatterGround> keep_alive(this);
 	forget_work();
 	watch_.touch_all(true);
-	begin();
+	start_reading();
 	build(true);
 }
 
 bool ScatterGroundMeshes::is_empty() const {
-	return std::ranges::all_of(worlds_, [](const auto &world) { return world.second.parts->empty(); });
+	return std::ranges::all_of(worlds_, [](const auto &world) { return world.second.meshes->empty(); });
 }
 
 /// Emits signals for areas of changed ground. If the ground has become empty or is no longer empty,
@@ -153,7 +154,7 @@ void ScatterGroundMeshes::forget_work() {
 	queue_.clear();
 	reader_.cancel();
 	readings_.clear();
-	gone_.clear();
+	removed_ids_.clear();
 	builder_.cancel();
 }
 
@@ -161,7 +162,7 @@ void ScatterGroundMeshes::source_changed(int64_t p_source) { watch_.source_chang
 
 void ScatterGroundMeshes::set_group(const StringName &p_group) {
 	group_ = p_group;
-	stale_ = true;
+	is_stale_ = true;
 	emit_changed();
 }
 
@@ -174,8 +175,8 @@ GroundShell ScatterGroundMeshes::shell(std::uint64_t host, const Planet &planet)
 	if (world == worlds_.end()) {
 		return result;
 	}
-	for (const auto &[id, part] : *world->second.parts) {
-		result.add(part->planet == planet ? part->shell : GroundShell::everywhere());
+	for (const auto &[id, mesh] : *world->second.meshes) {
+		result.add(mesh->planet == planet ? mesh->shell : GroundShell::everywhere());
 	}
 	return result;
 }
@@ -183,7 +184,7 @@ GroundShell ScatterGroundMeshes::shell(std::uint64_t host, const Planet &planet)
 void ScatterGroundMeshes::set_planet_radius(double p_radius) {
 	if (accept_number(class_name, "planet_radius", p_radius, 0.0, max_planet_radius) &&
 			std::exchange(planet_.radius, p_radius) != p_radius) {
-		stale_ = true; // The shell of each mesh must be recomputed.
+		is_stale_ = true; // The shell of each mesh must be recomputed.
 		emit_changed();
 	}
 }
@@ -197,7 +198,7 @@ void ScatterGroundMeshes::set_planet_center(const Vector3 &p_center) {
 		}
 	}
 	if (std::exchange(planet_.center, center) != center) {
-		stale_ = true;
+		is_stale_ = true;
 		emit_changed();
 	}
 }

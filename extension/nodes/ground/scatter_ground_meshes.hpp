@@ -70,7 +70,7 @@ protected:
 	void hosts_changed(bool first) override;
 	void offset_changed(const GroundHost &host) override;
 	void follow() override;
-	bool distrust() override;
+	bool start_rereading() override;
 
 private:
 	/// A mesh that has just been read for an instance.
@@ -83,22 +83,22 @@ private:
 
 	bool is_in_scene() const;
 	GroundWatch::ReadState state_reader();
-	void list_members(bool changed);
+	void list_members(bool as_changed);
 	void record_removal(std::uint64_t id);
-	void begin();
+	void start_reading();
 	void queue_all();
 	void add_worlds();
-	void read_some(std::chrono::steady_clock::time_point deadline);
+	void read_next(std::chrono::steady_clock::time_point deadline);
 	void plan_next();
 	bool plan(std::uint64_t id);
-	std::vector<MeshReading> readings_of(std::uint64_t id, const GroundNodeState &sight) const;
-	GroundNodeState seen_from(const GroundSpace &space, std::uint64_t id, const GroundNodeState &sight) const;
+	std::vector<MeshReading> readings_of(std::uint64_t id, const GroundNodeState &state) const;
+	GroundNodeState state_in_space(const GroundSpace &space, std::uint64_t id, const GroundNodeState &state) const;
 	void read_step();
 	bool lacks_ground() const;
 	void build(bool wait);
-	void take_built();
+	void take_result();
 	void take_refusals(const MeshWork &work);
-	void refuse(std::uint64_t id, const godot::String &p_why);
+	void reject(std::uint64_t id, const godot::String &p_reason);
 	void forget_work();
 	void notify(const std::vector<Rect> &areas, bool was_empty);
 	bool is_empty() const;
@@ -110,21 +110,21 @@ private:
 	GroundMembers members_;
 	Worlds worlds_;
 	/// The ground of the first host, for callers without a host.
-	std::shared_ptr<const TriangleParts> last_;
-	bool stale_ = true; ///< True if the group must be reread completely.
+	std::shared_ptr<const TriangleParts> last_ground_;
+	bool is_stale_ = true; ///< True if the group must be reread completely.
 	/// True from the time the group is listed until all of its ground is built.
-	bool reading_all_ = false;
-	int64_t listed_ = 0; ///< The result of GroundMembers::count() when the group was last listed.
+	bool is_reading_all_ = false;
+	int64_t listed_count_ = 0; ///< The result of GroundMembers::count() when the group was last listed.
 
 	// A change passes through the following members in order.
-	std::vector<std::uint64_t> queue_;  ///< IDs of instances to check and read.
-	MeshReader reader_;                 ///< Reads the mesh of the queue's last instance.
-	FreshCopy fresh_;                   ///< The mesh of that instance once it is read.
-	std::vector<MeshReading> readings_; ///< Meshes that wait for the builder.
-	std::vector<std::uint64_t> gone_;
-	std::map<std::uint64_t, std::vector<Rect>> removed_; ///< See take_removed(). Keyed by host ID.
+	std::vector<std::uint64_t> queue_;                         ///< IDs of instances to check and read.
+	MeshReader reader_;                                        ///< Reads the mesh of the queue's last instance.
+	FreshCopy fresh_copy_;                                     ///< The mesh of that instance once it is read.
+	std::vector<MeshReading> readings_;                        ///< Meshes that wait for the builder.
+	std::vector<std::uint64_t> removed_ids_;                   ///< IDs of instances that are no longer ground.
+	std::map<std::uint64_t, std::vector<Rect>> removed_areas_; ///< See take_removed(). Keyed by host ID.
 	WorkerTask<MeshWork> builder_;
-	bool building_ = false; ///< True unless the builder is idle or only frees memory.
+	bool is_building_ = false; ///< True unless the builder is idle or only frees memory.
 
 	/// The version and the copy of each mesh, by source ID.
 	std::map<std::uint64_t, std::pair<std::uint64_t, std::weak_ptr<const MeshCopy>>> copies_;

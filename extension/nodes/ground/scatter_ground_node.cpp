@@ -25,22 +25,22 @@ constexpr double max_no_ground_height = std::numeric_limits<float>::max();
 } // namespace
 
 std::shared_ptr<const Terrain> ScatterGroundNode::make_snapshot(const GroundHost &host) {
-	find();
-	if (!problem_.is_empty() && !(problem_ == reported_)) {
+	find_ground();
+	if (!problem_.is_empty() && !(problem_ == printed_problem_)) {
 		ERR_PRINT(problem_);
 	}
-	reported_ = problem_;
-	missed_ = missed_ || !is_available();
+	printed_problem_ = problem_;
+	is_request_missed_ = is_request_missed_ || !is_available();
 	return only_on_main_thread() ? nullptr : ground_for(host);
 }
 
 String ScatterGroundNode::find_problem() {
-	find();
+	find_ground();
 	return problem_;
 }
 
 String ScatterGroundNode::find_remark() {
-	find();
+	find_ground();
 	return remark_;
 }
 
@@ -49,13 +49,14 @@ bool ScatterGroundNode::has_textures() const {
 }
 
 bool ScatterGroundNode::is_available() const {
-	return copy_ != nullptr ? present_ : ground_ != nullptr && ground_->is_open() && ground_->source() != nullptr;
+	return copy_ != nullptr ? is_copy_present_
+							: ground_ != nullptr && ground_->is_open() && ground_->source() != nullptr;
 }
 
 std::shared_ptr<const Terrain> ScatterGroundNode::ground_for(const GroundHost &host) const {
-	const auto found = grounds_.find(host.id);
-	if (found != grounds_.end()) {
-		return found->second;
+	const auto entry = grounds_.find(host.id);
+	if (entry != grounds_.end()) {
+		return entry->second;
 	}
 	return copy_ != nullptr ? copy_->at_offset(host.offset) : std::shared_ptr<const Terrain>(ground_);
 }
@@ -74,13 +75,13 @@ Status ScatterGroundNode::recheck_for(
 		const GroundHost &host, std::span<const glm::dvec2> positions, std::span<std::optional<float>> r_heights) {
 	const std::shared_ptr<ObjectGround> ground = ground_; // A called script may release `ground_`.
 	const Status status = ScatterGround::recheck_for(host, positions, r_heights);
-	const auto given = grounds_.find(host.id);
-	const auto *called = ground != nullptr && given != grounds_.end() && copy_ == nullptr
-			? static_cast<const ObjectGround *>(given->second.get())
+	const auto entry = grounds_.find(host.id);
+	const auto *object_ground = ground != nullptr && entry != grounds_.end() && copy_ == nullptr
+			? static_cast<const ObjectGround *>(entry->second.get())
 			: nullptr;
-	const std::shared_ptr<const Terrain> held = called != nullptr ? given->second : nullptr;
-	for (std::size_t i = 0; i < positions.size() && called != nullptr; ++i) {
-		if (r_heights[i] && !std::isfinite(*r_heights[i]) && !called->knows(positions[i])) {
+	const std::shared_ptr<const Terrain> keep_alive = object_ground != nullptr ? entry->second : nullptr;
+	for (std::size_t i = 0; i < positions.size() && object_ground != nullptr; ++i) {
+		if (r_heights[i] && !std::isfinite(*r_heights[i]) && !object_ground->is_height_known(positions[i])) {
 			r_heights[i] = std::nullopt;
 		}
 	}
@@ -90,75 +91,77 @@ Status ScatterGroundNode::recheck_for(
 /// Finds the node and determines its kind of ground. May run the node's script, which may do
 /// anything, such as changing the path, freeing the node or the host, or requesting the ground. If
 /// the script has invalidated the result, the next call searches again.
-void ScatterGroundNode::find() {
-	const Node3D *from = first_node();
-	if (finding_ || from == nullptr || !from->is_inside_tree()) {
+void ScatterGroundNode::find_ground() {
+	const Node3D *host_node = first_node();
+	if (is_finding_ || host_node == nullptr || !host_node->is_inside_tree()) {
 		return;
 	}
-	if (!stale_ && is_available()) {
+	if (!is_stale_ && is_available()) {
 		// The node still exists.
 		return;
 	}
-	stale_ = false;
-	finding_ = true;
-	const Found found = find_source();
-	finding_ = false;
-	if (!stale_) {
-		take(found);
+	is_stale_ = false;
+	is_finding_ = true;
+	const Examination examination = find_source();
+	is_finding_ = false;
+	if (!is_stale_) {
+		take(examination);
 	}
 }
 
-ScatterGroundNode::Found ScatterGroundNode::find_source() const {
-	const Node3D *from = first_node();
-	Found found;
-	found.target = String(node_).is_empty() ? nullptr : from->get_node_or_null(node_);
-	if (found.target.get_validated_object() != nullptr) {
+ScatterGroundNode::Examination ScatterGroundNode::find_source() const {
+	const Node3D *host_node = first_node();
+	Examination examination;
+	examination.target = String(node_).is_empty() ? nullptr : host_node->get_node_or_null(node_);
+	if (examination.target.get_validated_object() != nullptr) {
 		const std::shared_ptr<const GroundCopy> before = copy_; // Scripts may release the copy.
-		found.attempt = copy_ground(found.target, before.get());
-		if (found.attempt.copy == nullptr) {
-			found.ground = ObjectGround::of(found.target, limits());
+		examination.attempt = copy_ground(examination.target, before.get());
+		if (examination.attempt.copy == nullptr) {
+			examination.ground = ObjectGround::of(examination.target, limits());
 		}
-		found.fingerprint = fingerprint_of(found.target, found.ground == nullptr || found.ground->source() == nullptr);
+		examination.fingerprint = fingerprint_of(
+				examination.target, examination.ground == nullptr || examination.ground->source() == nullptr);
 	}
-	return found;
+	return examination;
 }
 
-void ScatterGroundNode::take(const Found &found) {
-	Node *target = cast_to<Node>(found.target.get_validated_object());
+void ScatterGroundNode::take(const Examination &examination) {
+	Node *target = cast_to<Node>(examination.target.get_validated_object());
 	const bool in_tree = target != nullptr && target->is_inside_tree();
-	const bool copied = found.attempt.copy != nullptr;
-	const bool usable = in_tree && (copied || (found.ground != nullptr && found.ground->source() != nullptr));
+	const bool is_copied = examination.attempt.copy != nullptr;
+	const bool is_usable =
+			in_tree && (is_copied || (examination.ground != nullptr && examination.ground->source() != nullptr));
 	const bool was_usable = is_available();
-	problem_ = problem_of(found, in_tree, usable);
+	problem_ = problem_of(examination, in_tree, is_usable);
 	remark_ = String();
-	fingerprint_ = found.fingerprint;
-	if (!usable || copied || followed_node_.get_validated_object() != target) {
+	fingerprint_ = examination.fingerprint;
+	if (!is_usable || is_copied || followed_node_.get_validated_object() != target) {
 		close();
 	}
-	present_ = usable && copied;
-	if (present_) {
-		take_copy(found);
-	} else if (usable) {
-		give(found.ground);
-		if (found.attempt.plugin != GroundPlugin::none) {
+	is_copy_present_ = is_usable && is_copied;
+	if (is_copy_present_) {
+		take_copy(examination);
+	} else if (is_usable) {
+		use_object(examination.ground);
+		if (examination.attempt.plugin != GroundPlugin::none) {
 			remark_ =
 					vformat("ScatterGroundNode.node: \"%s\" is like %s, but %s. Its ground is therefore not copied but "
 							"queried position by position, which is slow.",
-							node_, String(name_of(found.attempt.plugin)), found.attempt.refusal);
+							node_, String(name_of(examination.attempt.plugin)), examination.attempt.refusal);
 		}
 	}
-	if (usable && !was_usable && missed_ && !notified_) {
-		changes_.everywhere = true;
+	if (is_usable && !was_usable && is_request_missed_ && !are_users_notified_) {
+		changes_.whole_ground = true;
 	}
-	missed_ = missed_ && !usable;
-	notified_ = false;
-	const String recognized = !usable ? String()
-			: copied                  ? copy_->description()
-									  : vformat("%s, queried position by position", target->get_class());
+	is_request_missed_ = is_request_missed_ && !is_usable;
+	are_users_notified_ = false;
+	const String recognized = !is_usable ? String()
+			: is_copied                  ? copy_->description()
+										 : vformat("%s, queried position by position", target->get_class());
 	// Also watch an unusable node, because it may become usable later.
 	if (target != nullptr) {
-		const bool is_queried = usable && !copied;
-		follow_node(target, is_queried ? ground_->source() : found.attempt.data.get_validated_object());
+		const bool is_queried = is_usable && !is_copied;
+		follow_node(target, is_queried ? ground_->source() : examination.attempt.data.get_validated_object());
 	}
 	set_recognized(recognized);
 }
@@ -171,28 +174,28 @@ std::optional<glm::dvec3> ScatterGroundNode::shift_since(std::span<const glm::dv
 	}
 	std::optional<glm::dvec3> shift = glm::dvec3(0.0);
 	for (std::size_t i = 0; i < before.size() && shift; ++i) {
-		const glm::dvec3 moved = offsets_[i] - before[i];
-		shift = i == 0 || moved == *shift ? std::optional(moved) : std::nullopt;
+		const glm::dvec3 host_shift = offsets_[i] - before[i];
+		shift = i == 0 || host_shift == *shift ? std::optional(host_shift) : std::nullopt;
 	}
 	return shift;
 }
 
 /// Stores a new copy. Records the changes since the last copy, unless hosts have already been
 /// notified that everything has changed.
-void ScatterGroundNode::take_copy(const Found &found) {
-	const std::shared_ptr<const GroundCopy> before = std::exchange(copy_, found.attempt.copy);
+void ScatterGroundNode::take_copy(const Examination &examination) {
+	const std::shared_ptr<const GroundCopy> before = std::exchange(copy_, examination.attempt.copy);
 	ground_ = nullptr;
 	grounds_.clear();
 	for (const GroundHost &host : hosts()) {
 		grounds_[host.id] = copy_->at_offset(host.offset);
 	}
 	const std::vector<glm::dvec3> offsets = std::exchange(offsets_, host_offsets());
-	if (before != nullptr && !notified_) {
+	if (before != nullptr && !are_users_notified_) {
 		const std::optional<glm::dvec3> shift = shift_since(offsets);
-		changes_.everywhere = changes_.everywhere || !shift;
+		changes_.whole_ground = changes_.whole_ground || !shift;
 		changes_.add(copy_->changes_since(*before, shift.value_or(glm::dvec3(0.0))));
 	}
-	edited_ = false;
+	must_copy_again_ = false;
 	edits_.clear();
 	const String plugin(name_of(copy_->plugin()));
 	if (const String remark = copy_->remark(); !remark.is_empty()) {
@@ -204,20 +207,20 @@ void ScatterGroundNode::take_copy(const Found &found) {
 	}
 }
 
-void ScatterGroundNode::give(const std::shared_ptr<ObjectGround> &ground) {
+void ScatterGroundNode::use_object(const std::shared_ptr<ObjectGround> &ground) {
 	copy_ = nullptr;
 	ground_ = ground;
 	grounds_.clear();
-	std::erase_if(given_, [](const Given &given) { return given.ground.expired(); });
+	std::erase_if(host_objects_, [](const HostObject &object) { return object.ground.expired(); });
 	for (const GroundHost &host : hosts()) {
-		const std::shared_ptr<ObjectGround> given = ground->at_offset(host.offset);
-		grounds_[host.id] = given;
-		given_.push_back({host.id, given});
+		const std::shared_ptr<ObjectGround> object = ground->at_offset(host.offset);
+		grounds_[host.id] = object;
+		host_objects_.push_back({host.id, object});
 	}
 }
 
-String ScatterGroundNode::problem_of(const Found &found, bool in_tree, bool usable) const {
-	if (usable) {
+String ScatterGroundNode::problem_of(const Examination &examination, bool in_tree, bool is_usable) const {
+	if (is_usable) {
 		return {};
 	}
 	if (String(node_).is_empty()) {
@@ -229,25 +232,25 @@ String ScatterGroundNode::problem_of(const Found &found, bool in_tree, bool usab
 				"ScatterGroundNode.node: no node has the path \"%s\" relative to the TerrainScatter3D. Choose a node.",
 				node_);
 	}
-	if (found.attempt.plugin != GroundPlugin::none) {
-		return vformat("ScatterGroundNode.node: \"%s\" (%s) %s.", node_, String(name_of(found.attempt.plugin)),
-				found.attempt.refusal);
+	if (examination.attempt.plugin != GroundPlugin::none) {
+		return vformat("ScatterGroundNode.node: \"%s\" (%s) %s.", node_, String(name_of(examination.attempt.plugin)),
+				examination.attempt.refusal);
 	}
-	if (is_post_grid(found.target)) {
+	if (is_post_grid(examination.target)) {
 		return vformat(
 				"ScatterGroundNode.node: \"%s\" (MTerrain) has not created its grid. Set its property create, or "
 				"call create_grid().",
 				node_);
 	}
-	if (thicket::has_method(found.target, "get_voxel_tool")) {
+	if (thicket::has_method(examination.target, "get_voxel_tool")) {
 		return vformat(
 				"ScatterGroundNode.node: \"%s\" (%s) has voxels instead of heights. Use a ScatterGroundColliders.",
-				node_, found.target.get_validated_object()->get_class());
+				node_, examination.target.get_validated_object()->get_class());
 	}
 	return vformat("ScatterGroundNode.node: \"%s\" (%s) has no get_height(), nor data with get_height(), nor "
 				   "get_data() with get_interpolated_height_at(). A script must be a @tool script to work in the "
 				   "editor.",
-			node_, found.target.get_validated_object()->get_class());
+			node_, examination.target.get_validated_object()->get_class());
 }
 
 void ScatterGroundNode::set_recognized(const String &p_recognized) {
@@ -260,12 +263,12 @@ void ScatterGroundNode::set_recognized(const String &p_recognized) {
 // Closes all objects that hosts have received, because tiles in progress may still use replaced
 // ones. Copies need not be closed.
 void ScatterGroundNode::close() {
-	present_ = false;
+	is_copy_present_ = false;
 	if (ground_ != nullptr) {
 		ground_->close();
 	}
-	for (const Given &given : std::exchange(given_, {})) {
-		if (const std::shared_ptr<ObjectGround> ground = given.ground.lock()) {
+	for (const HostObject &object : std::exchange(host_objects_, {})) {
+		if (const std::shared_ptr<ObjectGround> ground = object.ground.lock()) {
 			ground->close();
 		}
 	}

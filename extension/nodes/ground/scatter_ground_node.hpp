@@ -31,7 +31,7 @@ public:
 	bool has_textures() const override;
 	bool has_surfaces() const override { return copy_ != nullptr; }
 	bool is_available() const override;
-	void search_again() override { stale_ = stale_ || !emitting_; }
+	void search_again() override { is_stale_ = is_stale_ || !is_emitting_; }
 
 	/// Sets the path of the node, relative to the TerrainScatter3D that uses this ground, or to the
 	/// first one if there are several.
@@ -79,7 +79,7 @@ protected:
 
 private:
 	/// The result of examining a node: a copy, an object to call, or neither.
-	struct Found {
+	struct Examination {
 		godot::Variant target;
 		CopyAttempt attempt;
 		std::shared_ptr<ObjectGround> ground;
@@ -87,19 +87,19 @@ private:
 	};
 
 	/// An object that a host has received. Tiles in progress may still use it.
-	struct Given {
+	struct HostObject {
 		std::uint64_t host = 0;
 		std::weak_ptr<ObjectGround> ground;
 	};
 
 	GroundLimits limits() const;
-	void find();
-	Found find_source() const;
-	void take(const Found &found);
-	void take_copy(const Found &found);
-	void give(const std::shared_ptr<ObjectGround> &ground);
+	void find_ground();
+	Examination find_source() const;
+	void take(const Examination &examination);
+	void take_copy(const Examination &examination);
+	void use_object(const std::shared_ptr<ObjectGround> &ground);
 	std::shared_ptr<const Terrain> ground_for(const GroundHost &host) const;
-	godot::String problem_of(const Found &found, bool in_tree, bool usable) const;
+	godot::String problem_of(const Examination &examination, bool in_tree, bool is_usable) const;
 	void set_recognized(const godot::String &p_recognized);
 	void close();
 
@@ -118,7 +118,7 @@ private:
 			const godot::Variant &p_depth, const godot::Variant &p_channel);
 	void source_edited(const godot::Variant &p_first, const godot::Variant &p_second);
 	void poll();
-	void copy_again();
+	void update_copy();
 	void notify();
 	std::vector<glm::dvec3> host_offsets() const;
 	std::optional<glm::dvec3> shift_since(std::span<const glm::dvec3> before) const;
@@ -133,27 +133,27 @@ private:
 	std::shared_ptr<const GroundCopy> copy_;
 	std::shared_ptr<ObjectGround> ground_;
 	/// True if the copied node is in the tree.
-	bool present_ = false;
+	bool is_copy_present_ = false;
 	/// The ground of each host by ID.
 	std::map<std::uint64_t, std::shared_ptr<const Terrain>> grounds_;
 	/// The offsets of all hosts when the ground was copied.
 	std::vector<glm::dvec3> offsets_;
-	std::vector<Given> given_; ///< All objects of the node that must be closed.
+	std::vector<HostObject> host_objects_; ///< All objects of the node that must be closed.
 
-	bool stale_ = true;     ///< True if the node must be searched for.
-	bool finding_ = false;  ///< True during a search, which may run the node's script.
-	bool emitting_ = false; ///< True while this object emits `ground_changed`.
+	bool is_stale_ = true;     ///< True if the node must be searched for.
+	bool is_finding_ = false;  ///< True during a search, which may run the node's script.
+	bool is_emitting_ = false; ///< True while this object emits `ground_changed`.
 	/// True if, since the last search, all users have been notified that the ground has changed
 	/// everywhere.
-	bool notified_ = false;
-	bool missed_ = false;           ///< True if a host requested the ground while there was none.
-	bool edited_ = false;           ///< True if the ground must be copied again.
-	std::vector<MapEdit> edits_;    ///< Reported edits of known areas.
-	GroundChanges changes_;         ///< Changes whose signals have not been emitted yet.
-	GroundFingerprint fingerprint_; ///< The state of the node when it was last examined.
+	bool are_users_notified_ = false;
+	bool is_request_missed_ = false; ///< True if a host requested the ground while there was none.
+	bool must_copy_again_ = false;   ///< True if the ground must be copied again.
+	std::vector<MapEdit> edits_;     ///< Reported edits of known areas.
+	GroundChanges changes_;          ///< Changes whose signals have not been emitted yet.
+	GroundFingerprint fingerprint_;  ///< The state of the node when it was last examined.
 
 	godot::String problem_;
-	godot::String reported_; ///< The last printed problem.
+	godot::String printed_problem_; ///< The last printed problem.
 	godot::String remark_;
 	godot::String recognized_;
 	godot::Variant followed_node_;

@@ -62,12 +62,12 @@ private:
 		if (!std::isfinite(stencil.center().x) || !std::isfinite(stencil.center().y)) {
 			return {};
 		}
-		std::array<float, 4> around{};
-		for (std::size_t i = 0; i < around.size(); ++i) {
-			around[i] = static_cast<float>(rise_at(stencil.positions()[i]));
+		std::array<float, 4> neighbor_rises{};
+		for (std::size_t i = 0; i < neighbor_rises.size(); ++i) {
+			neighbor_rises[i] = static_cast<float>(rise_at(stencil.positions()[i]));
 		}
 		const double rise = rise_at(stencil.center());
-		return {static_cast<float>(base_ + rise), stencil.normal(static_cast<float>(rise), around)};
+		return {static_cast<float>(base_ + rise), stencil.normal(static_cast<float>(rise), neighbor_rises)};
 	}
 
 	Ref<Noise> noise_;

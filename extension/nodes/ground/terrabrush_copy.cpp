@@ -92,17 +92,17 @@ private:
 bool read_zones(const Variant &p_node, Layout &r_layout, Zones &r_zones, String &r_refusal) {
 	const Variant side = result_of(p_node, "get_zonesSize");
 	const Variant center = result_of(p_node, "get_global_position");
-	const Variant listed = result_of(result_of(p_node, "get_terrainZones"), "get_zones");
+	const Variant zone_list = result_of(result_of(p_node, "get_terrainZones"), "get_zones");
 	if (!is_number(side) || static_cast<double>(side) < 2.0 || center.get_type() != Variant::VECTOR3) {
 		r_refusal = "has no zonesSize of at least 2";
 		return false;
 	}
-	if (listed.get_type() != Variant::ARRAY) {
+	if (zone_list.get_type() != Variant::ARRAY) {
 		r_refusal = "has no terrain yet: press its button to create one";
 		return false;
 	}
 	r_layout = {static_cast<int>(side), 0, to_core(static_cast<Vector3>(center))};
-	const Array zones = listed;
+	const Array zones = zone_list;
 	for (int64_t i = 0; i < zones.size(); ++i) {
 		const Ref<Image> image = image_in(result_of(zones[i], "get_heightMapImage"));
 		const Variant location = result_of(zones[i], "get_zonePosition");
@@ -119,8 +119,8 @@ bool read_zones(const Variant &p_node, Layout &r_layout, Zones &r_zones, String 
 					location);
 			return false;
 		}
-		const Vector2i at = location;
-		r_zones[{at.x, at.y}] = {image->get_data()};
+		const Vector2i coordinates = location;
+		r_zones[{coordinates.x, coordinates.y}] = {image->get_data()};
 	}
 	r_layout.posts = std::max(r_layout.posts, 3);
 	return true;
@@ -139,8 +139,8 @@ class ZonesOfRegion {
 public:
 	ZonesOfRegion(const Zones &zones, int posts, Location region) : posts_(posts) {
 		for (int i = 0; i < 4; ++i) {
-			const auto found = zones.find({region.first - i % 2, region.second - i / 2});
-			pixels_[static_cast<std::size_t>(i)] = found != zones.end() ? found->second.pixels() : nullptr;
+			const auto zone = zones.find({region.first - i % 2, region.second - i / 2});
+			pixels_[static_cast<std::size_t>(i)] = zone != zones.end() ? zone->second.pixels() : nullptr;
 		}
 	}
 
@@ -168,12 +168,12 @@ private:
 /// zone, because the last samples of a zone belong to the next region.
 FieldRegion make_region(const Zones &zones, const Layout &layout, Location location) {
 	const int side = layout.posts - 1;
-	const ZonesOfRegion drawn(zones, layout.posts, location);
+	const ZonesOfRegion zones_of_region(zones, layout.posts, location);
 	auto heights = std::make_shared<std::vector<float>>();
 	heights->reserve(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
 	for (int row = 0; row < side; ++row) {
 		for (int column = 0; column < side; ++column) {
-			heights->push_back(drawn.height(column, row));
+			heights->push_back(zones_of_region.height(column, row));
 		}
 	}
 	FieldRegion region;
@@ -187,26 +187,29 @@ FieldRegion make_region(const Zones &zones, const Layout &layout, Location locat
 
 /// Returns true if the zone at a location is the same in both maps, or missing in both.
 bool is_same_zone(const Zones &a, const Zones &b, Location location) {
-	const auto in_a = a.find(location);
-	const auto in_b = b.find(location);
-	return in_a == a.end() || in_b == b.end() ? (in_a == a.end()) == (in_b == b.end()) : in_a->second == in_b->second;
+	const auto zone_a = a.find(location);
+	const auto zone_b = b.find(location);
+	return zone_a == a.end() || zone_b == b.end() ? (zone_a == a.end()) == (zone_b == b.end())
+												  : zone_a->second == zone_b->second;
 }
 
 /// Creates all regions that contain height samples of the zones. Reuses regions of `before` if all
 /// of their zones are unchanged. `before` may be null.
 std::vector<FieldRegion> make_regions(const Zones &zones, const Layout &layout, const TerraBrushCopy *before) {
-	std::map<Location, bool> reached; // For each region, true if it can be reused.
+	std::map<Location, bool> reusability; // Maps each region to true if it can be reused.
 	for (const auto &[location, zone] : zones) {
 		for (const auto &[right, down] : std::array<Location, 4>{{{0, 0}, {1, 0}, {0, 1}, {1, 1}}}) {
-			reached[{location.first + right, location.second + down}] = before != nullptr;
+			reusability[{location.first + right, location.second + down}] = before != nullptr;
 		}
 	}
 	std::vector<FieldRegion> regions;
-	for (auto &[location, same] : reached) {
+	for (auto &[location, is_reusable] : reusability) {
 		for (const auto &[left, up] : std::array<Location, 4>{{{0, 0}, {1, 0}, {0, 1}, {1, 1}}}) {
-			same = same && is_same_zone(zones, before->zones(), {location.first - left, location.second - up});
+			is_reusable =
+					is_reusable && is_same_zone(zones, before->zones(), {location.first - left, location.second - up});
 		}
-		const FieldRegion *reusable = same ? before->field().region_at({location.first, location.second}) : nullptr;
+		const FieldRegion *reusable =
+				is_reusable ? before->field().region_at({location.first, location.second}) : nullptr;
 		regions.push_back(reusable != nullptr ? *reusable : make_region(zones, layout, location));
 	}
 	return regions;
@@ -226,13 +229,13 @@ CopyAttempt copy_terrabrush(const Variant &p_node, const GroundCopy *before) {
 	if (!read_zones(p_node, layout, zones, attempt.refusal)) {
 		return attempt;
 	}
-	const auto *other = before != nullptr && before->plugin() == GroundPlugin::terrabrush
+	const auto *previous = before != nullptr && before->plugin() == GroundPlugin::terrabrush
 			? static_cast<const TerraBrushCopy *>(before)
 			: nullptr;
-	other = other != nullptr && other->layout().posts == layout.posts ? other : nullptr;
+	previous = previous != nullptr && previous->layout().posts == layout.posts ? previous : nullptr;
 	RegionField field;
 	const Status status =
-			field.set(layout.posts - 1, layout.spacing(), make_regions(zones, layout, other), AutoPaint());
+			field.set(layout.posts - 1, layout.spacing(), make_regions(zones, layout, previous), AutoPaint());
 	if (status.ok()) {
 		attempt.copy = std::make_shared<TerraBrushCopy>(std::move(field), layout, std::move(zones));
 	} else {

@@ -62,15 +62,15 @@ bool read_region(const Variant &p_region, FieldRegion &r_region, String &r_refus
 		r_refusal = "has regions without a get_location() that returns a Vector2i";
 		return false;
 	}
-	const Vector2i at = location;
-	r_region.location = {at.x, at.y};
-	const auto read = [&](const StringName &p_method, const char *what, PixelGrid &r_pixels) {
+	const Vector2i coordinates = location;
+	r_region.location = {coordinates.x, coordinates.y};
+	const auto read = [&](const StringName &p_method, const char *map_name, PixelGrid &r_pixels) {
 		const Ref<Image> image = image_in(result_of(p_region, p_method));
 		if (image.is_null()) {
-			r_refusal = vformat("has no %s for its region at %s", String(what), location);
+			r_refusal = vformat("has no %s for its region at %s", String(map_name), location);
 		} else if (image->get_format() != Image::FORMAT_RF || !share_pixels(image, post_bytes, r_pixels)) {
 			r_refusal = vformat("has a %s in a format other than RF for its region at %s (Image.Format %d)",
-					String(what), location, static_cast<int64_t>(image->get_format()));
+					String(map_name), location, static_cast<int64_t>(image->get_format()));
 		}
 		return r_refusal.is_empty();
 	};
@@ -96,22 +96,23 @@ AutoPaint read_paint(const Variant &p_node) {
 	}
 	// Without a renderer, as on a server, the material only has the saved parameters of its shader.
 	const Object *object = material.get_validated_object();
-	const Variant stored = object != nullptr ? object->get("_shader_parameters") : Variant();
-	const Dictionary saved = stored.get_type() == Variant::DICTIONARY ? static_cast<Dictionary>(stored) : Dictionary();
-	const auto number = [&](const char *name, double otherwise) {
+	const Variant saved_value = object != nullptr ? object->get("_shader_parameters") : Variant();
+	const Dictionary saved_parameters =
+			saved_value.get_type() == Variant::DICTIONARY ? static_cast<Dictionary>(saved_value) : Dictionary();
+	const auto parameter = [&](const char *name, double default_value) {
 		Variant value = result_of(material, "get_shader_param", {StringName(name)});
 		if (!is_number(value)) {
-			value = saved.get(StringName(name), Variant());
+			value = saved_parameters.get(StringName(name), Variant());
 		}
-		const double given = is_number(value) ? static_cast<double>(value) : otherwise;
-		return std::isfinite(given) ? given : otherwise;
+		const double number = is_number(value) ? static_cast<double>(value) : default_value;
+		return std::isfinite(number) ? number : default_value;
 	};
 	// The defaults match the shader: src/shaders/auto_shader.glsl.
 	paint.enabled = true;
-	paint.slope = number("auto_slope", paint.slope);
-	paint.height_reduction = number("auto_height_reduction", 0.1);
-	paint.base = static_cast<int>(std::clamp(number("auto_base_texture", 0.0), 0.0, 31.0));
-	paint.overlay = static_cast<int>(std::clamp(number("auto_overlay_texture", 1.0), 0.0, 31.0));
+	paint.slope = parameter("auto_slope", paint.slope);
+	paint.height_reduction = parameter("auto_height_reduction", 0.1);
+	paint.base = static_cast<int>(std::clamp(parameter("auto_base_texture", 0.0), 0.0, 31.0));
+	paint.overlay = static_cast<int>(std::clamp(parameter("auto_overlay_texture", 1.0), 0.0, 31.0));
 	return paint;
 }
 
@@ -150,15 +151,15 @@ bool streams_regions(const Variant &p_data) {
 /// unloaded regions as deleted, so there every inactive region is treated as unloaded.
 bool is_unloaded(const Variant &p_data, glm::ivec2 location) {
 	constexpr std::int64_t state_unloaded = 1;
-	const Variant at = Vector2i(location.x, location.y);
+	const Variant argument = Vector2i(location.x, location.y);
 	if (has_method(p_data, "get_region_load_state")) {
-		const Variant state = result_of(p_data, "get_region_load_state", {at});
+		const Variant state = result_of(p_data, "get_region_load_state", {argument});
 		return is_number(state) && static_cast<std::int64_t>(state) == state_unloaded;
 	}
 	if (has_method(p_data, "get_enable_streaming")) {
 		return true;
 	}
-	const Variant region = result_of(p_data, "get_region", {at});
+	const Variant region = result_of(p_data, "get_region", {argument});
 	return region.get_validated_object() == nullptr;
 }
 
@@ -167,22 +168,23 @@ bool is_unloaded(const Variant &p_data, glm::ivec2 location) {
 /// copy does not contain the others, which frees their memory.
 std::vector<glm::ivec2> keep_unloaded(
 		const Variant &p_data, const Terrain3DCopy &before, std::vector<FieldRegion> &r_regions) {
-	std::set<std::pair<int, int>> loaded;
+	std::set<std::pair<int, int>> loaded_locations;
 	for (const FieldRegion &region : r_regions) {
-		loaded.insert({region.location.x, region.location.y});
+		loaded_locations.insert({region.location.x, region.location.y});
 	}
 	std::vector<glm::ivec2> unloaded;
 	for (const FieldRegion &region : before.field().regions()) {
-		const glm::ivec2 at = region.location;
-		if (loaded.contains({at.x, at.y}) || !is_unloaded(p_data, at)) {
+		const glm::ivec2 location = region.location;
+		if (loaded_locations.contains({location.x, location.y}) || !is_unloaded(p_data, location)) {
 			continue;
 		}
-		unloaded.push_back(at);
-		bool near = false;
+		unloaded.push_back(location);
+		bool is_near_loaded = false;
 		for (int side = 0; side < 9; ++side) {
-			near = near || loaded.contains({at.x + side % 3 - 1, at.y + side / 3 - 1});
+			is_near_loaded =
+					is_near_loaded || loaded_locations.contains({location.x + side % 3 - 1, location.y + side / 3 - 1});
 		}
-		if (near) {
+		if (is_near_loaded) {
 			r_regions.push_back(region);
 		}
 	}
@@ -210,15 +212,16 @@ CopyAttempt copy_terrain3d(const Variant &p_node, const GroundCopy *before) {
 		return attempt;
 	}
 	node = p_node.get_validated_object();
-	const Variant stored = node != nullptr ? node->get("data_directory") : Variant();
-	const String directory = stored.get_type() == Variant::STRING ? static_cast<String>(stored) : String();
-	const auto *const other = before != nullptr && before->plugin() == GroundPlugin::terrain3d
+	const Variant directory_value = node != nullptr ? node->get("data_directory") : Variant();
+	const String directory =
+			directory_value.get_type() == Variant::STRING ? static_cast<String>(directory_value) : String();
+	const auto *const previous = before != nullptr && before->plugin() == GroundPlugin::terrain3d
 			? static_cast<const Terrain3DCopy *>(before)
 			: nullptr;
 	std::vector<glm::ivec2> unloaded;
-	if (other != nullptr && other->directory() == directory &&
-			other->field().spacing() == static_cast<double>(spacing) && streams_regions(attempt.data)) {
-		unloaded = keep_unloaded(attempt.data, *other, regions);
+	if (previous != nullptr && previous->directory() == directory &&
+			previous->field().spacing() == static_cast<double>(spacing) && streams_regions(attempt.data)) {
+		unloaded = keep_unloaded(attempt.data, *previous, regions);
 	}
 	const int side = regions.empty() ? RegionField::default_side : regions.front().heights.size().x;
 	RegionField field;

@@ -95,13 +95,13 @@ float TerrainMap::weight(glm::dvec2 position, std::span<const unsigned> channels
 	return std::min(sum, 1.0F);
 }
 
-Rect2 TerrainMap::world_rect(const Rect2 &p_part) const {
+Rect2 TerrainMap::world_rect(const Rect2 &p_rect) const {
 	const Vector3 *rows = to_world.basis.rows;
 	glm::vec2 min{std::numeric_limits<float>::max()};
 	glm::vec2 max{std::numeric_limits<float>::lowest()};
 	for (int corner = 0; corner < 4; ++corner) {
-		const real_t x = p_part.position.x + (corner % 2 == 0 ? 0 : p_part.size.x);
-		const real_t z = p_part.position.y + (corner / 2 == 0 ? 0 : p_part.size.y);
+		const real_t x = p_rect.position.x + (corner % 2 == 0 ? 0 : p_rect.size.x);
+		const real_t z = p_rect.position.y + (corner / 2 == 0 ? 0 : p_rect.size.y);
 		const glm::vec2 world{
 				rows[0].x * x + rows[0].z * z + to_world.origin.x, rows[2].x * x + rows[2].z * z + to_world.origin.z};
 		min = glm::min(min, world);

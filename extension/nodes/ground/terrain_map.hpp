@@ -44,9 +44,9 @@ struct TerrainMap {
 	std::vector<unsigned> channels_of(std::span<const std::int32_t> textures) const;
 	/// Returns the total weight of these channels at a position in map space, at most 1.
 	float weight(glm::dvec2 position, std::span<const unsigned> channels) const;
-	/// Returns the bounding rectangle of a part of the map in the engine's x and z. `p_part` is in
+	/// Returns the bounding rectangle of a part of the map in the engine's x and z. `p_rect` is in
 	/// map space.
-	godot::Rect2 world_rect(const godot::Rect2 &p_part) const;
+	godot::Rect2 world_rect(const godot::Rect2 &p_rect) const;
 };
 
 // A script may implement an object's methods and may even free the object. Objects are therefore

@@ -24,22 +24,22 @@ bool is_meshed(const Variant &p_volume, const AABB &column) {
 	// The method of VoxelLodTerrain also needs the LOD index. It is 0, because only the blocks of
 	// the finest LOD have bodies with any settings.
 	const bool has_lods = has_method(p_volume, "get_lod_count");
-	const Variant meshed = has_lods ? result_of(p_volume, "is_area_meshed", {column, 0})
+	const Variant result = has_lods ? result_of(p_volume, "is_area_meshed", {column, 0})
 									: result_of(p_volume, "is_area_meshed", {column});
-	return meshed.get_type() != Variant::BOOL || static_cast<bool>(meshed);
+	return result.get_type() != Variant::BOOL || static_cast<bool>(result);
 }
 
 /// Returns the bounds of a volume's voxels. If the volume has no method for them, the bounds are
 /// larger than any world.
 AABB bounds_of(const Variant &p_volume) {
-	constexpr real_t far = 1e9F;
+	constexpr real_t extent = 1e9F;
 	for (const char *const method : {"get_bounds", "get_voxel_bounds"}) {
 		const Variant bounds = has_method(p_volume, method) ? result_of(p_volume, method) : Variant();
 		if (bounds.get_type() == Variant::AABB) {
 			return bounds;
 		}
 	}
-	return {Vector3(-far, -far, -far), Vector3(2 * far, 2 * far, 2 * far)};
+	return {Vector3(-extent, -extent, -extent), Vector3(2 * extent, 2 * extent, 2 * extent)};
 }
 
 } // namespace

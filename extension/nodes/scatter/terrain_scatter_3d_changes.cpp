@@ -178,7 +178,7 @@ void TerrainScatter3D::regenerate() {
 }
 
 void TerrainScatter3D::refresh_ground() {
-	if (ground_.is_null() || !ground_->read_again()) {
+	if (ground_.is_null() || !ground_->reread()) {
 		regenerate();
 	}
 }
