@@ -12,7 +12,7 @@ enum class FramePart : std::uint8_t {
 	follow,         ///< Applying changes to the ground, the layers and the settings.
 	gameplay,       ///< Advancing the state's clock, and finding viewers and nearby instances.
 	finished_tiles, ///< Taking finished tiles from the workers.
-	wanted,         ///< Requesting and dropping tiles as viewers move.
+	tile_requests,  ///< Requesting and dropping tiles as viewers move.
 	query_ground,   ///< This part and the following ones up to `recheck` are in the order of ScatterStream::Step.
 	upload,
 	free,
@@ -22,7 +22,7 @@ enum class FramePart : std::uint8_t {
 	rings,
 	recheck,
 	reports, ///< Answering requests, showing scenes, and emitting signals of changes.
-	patched, ///< Redrawing tiles that a game has changed.
+	patches, ///< Redrawing tiles that a game has changed.
 	signals,
 	count,
 };
@@ -35,14 +35,14 @@ public:
 	/// Starts a new frame.
 	void begin() {
 		parts_.fill({});
-		lap_ = Clock::now();
+		last_time_ = Clock::now();
 	}
 
 	/// Adds the time since the last call to `part`.
 	void spent_on(FramePart part) {
 		const Clock::time_point now = Clock::now();
-		parts_[static_cast<std::size_t>(part)] += now - lap_;
-		lap_ = now;
+		parts_[static_cast<std::size_t>(part)] += now - last_time_;
+		last_time_ = now;
 	}
 
 	std::int64_t microseconds(FramePart part) const {
@@ -51,7 +51,7 @@ public:
 
 private:
 	std::array<Clock::duration, static_cast<std::size_t>(FramePart::count)> parts_{};
-	Clock::time_point lap_;
+	Clock::time_point last_time_;
 };
 
 } // namespace thicket

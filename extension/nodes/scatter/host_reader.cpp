@@ -27,19 +27,19 @@ bool same_triangles(const Surface *a, const Surface *b) {
 	if (a == nullptr || b == nullptr || a->triangle_count() != b->triangle_count()) {
 		return a == b;
 	}
-	bool same = true;
-	for (std::uint32_t index = 0; same && index < a->triangle_count(); ++index) {
-		same = a->triangle(index) == b->triangle(index);
+	bool is_equal = true;
+	for (std::uint32_t index = 0; is_equal && index < a->triangle_count(); ++index) {
+		is_equal = a->triangle(index) == b->triangle(index);
 	}
-	return same;
+	return is_equal;
 }
 
 bool same_models(const HostModels &a, const HostModels &b) {
-	bool same = a.size() == b.size();
-	for (std::size_t mesh = 0; same && mesh < a.size(); ++mesh) {
-		same = same_triangles(a.model(mesh), b.model(mesh));
+	bool is_equal = a.size() == b.size();
+	for (std::size_t mesh = 0; is_equal && mesh < a.size(); ++mesh) {
+		is_equal = same_triangles(a.model(mesh), b.model(mesh));
 	}
-	return same;
+	return is_equal;
 }
 
 } // namespace

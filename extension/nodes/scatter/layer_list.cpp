@@ -21,14 +21,14 @@ namespace thicket {
 
 namespace {
 
-/// Returns `before` if it equals `now`, so that unchanged values stay the same object.
+/// Returns `before` if it equals `after`, so that unchanged values stay the same object.
 template <class Values>
-std::shared_ptr<const Values> reuse_if_equal(const std::shared_ptr<const Values> &before, Values now) {
-	if (before != nullptr && *before == now) {
+std::shared_ptr<const Values> reuse_if_equal(const std::shared_ptr<const Values> &before, Values after) {
+	if (before != nullptr && *before == after) {
 		// Nothing has to be regenerated for the same object.
 		return before;
 	}
-	return std::make_shared<const Values>(std::move(now));
+	return std::make_shared<const Values>(std::move(after));
 }
 
 /// Replaces images on a plane by images on the whole planet. Reuses the fields of `before`, the
@@ -40,13 +40,13 @@ void use_planet_masks(const Planet &planet, const SharedSnapshot &before,
 		if (image == nullptr) {
 			continue; // Noise is a density in space already.
 		}
-		std::shared_ptr<const PlanetMask> known;
+		std::shared_ptr<const PlanetMask> previous;
 		for (std::size_t i = 0; before != nullptr && i < before->settings->rules.fields.size(); ++i) {
 			if (auto mask = std::dynamic_pointer_cast<const PlanetMask>(before->settings->rules.fields[i])) {
-				known = std::move(mask);
+				previous = std::move(mask);
 			}
 		}
-		field = reuse_if_equal(known, PlanetMask(image, planet));
+		field = reuse_if_equal(previous, PlanetMask(image, planet));
 	}
 }
 
@@ -56,8 +56,8 @@ const WorldSource *former_source(const SharedSnapshot &before, const WorldInput 
 		return nullptr;
 	}
 	const std::vector<WorldSource> &sources = before->settings->world_sources;
-	const std::size_t at = source_of(sources, input);
-	return at < sources.size() ? &sources[at] : nullptr;
+	const std::size_t index = source_of(sources, input);
+	return index < sources.size() ? &sources[index] : nullptr;
 }
 
 /// Adds the weights of biomes to the sources of expressions.
@@ -65,8 +65,8 @@ void add_biomes_to_sources(
 		const SharedSnapshot &before, const Ref<ScatterBiomeMap> &p_biomes, std::vector<WorldSource> &r_sources) {
 	for (WorldSource &source : r_sources) {
 		if (source.input.kind == WorldInputKind::biome && p_biomes.is_valid()) {
-			const WorldSource *was = former_source(before, source.input);
-			source.biome = reuse_if_equal(was != nullptr ? was->biome : nullptr,
+			const WorldSource *previous = former_source(before, source.input);
+			source.biome = reuse_if_equal(previous != nullptr ? previous->biome : nullptr,
 					BiomeDensity(p_biomes->map(), p_biomes->weights_for(source.input)));
 		}
 	}
@@ -76,44 +76,44 @@ void add_biomes_to_sources(
 void use_planet_sources(const Planet &planet, const SharedSnapshot &before, std::vector<WorldSource> &r_sources) {
 	for (WorldSource &source : r_sources) {
 		if (const auto image = std::dynamic_pointer_cast<const ImageMask>(source.mask)) {
-			const WorldSource *was = former_source(before, source.input);
-			source.mask =
-					reuse_if_equal(was != nullptr ? std::dynamic_pointer_cast<const PlanetMask>(was->mask) : nullptr,
-							PlanetMask(image, planet));
+			const WorldSource *previous = former_source(before, source.input);
+			source.mask = reuse_if_equal(
+					previous != nullptr ? std::dynamic_pointer_cast<const PlanetMask>(previous->mask) : nullptr,
+					PlanetMask(image, planet));
 		}
 	}
 }
 
 /// Returns the area in which a layer's tiles are outdated after a change to its settings or the
 /// ground.
-EditedArea outdated_area(const SharedSnapshot &before, const SharedSnapshot &now, const EditedArea &ground_change,
+EditedArea outdated_area(const SharedSnapshot &before, const SharedSnapshot &after, const EditedArea &ground_change,
 		EditSearch &r_search) {
 	EditedArea area;
-	if (before == nullptr || now == nullptr) {
-		area.everywhere = before != now;
+	if (before == nullptr || after == nullptr) {
+		area.everywhere = before != after;
 		return area;
 	}
-	area = r_search.find(*before->settings, *now->settings);
-	area.everywhere = area.everywhere || !before->drawing.same_meshes(now->drawing) ||
-			before->drawing.mesh_reach != now->drawing.mesh_reach;
-	area.add(ground_change, reach(*now->settings));
+	area = r_search.find(*before->settings, *after->settings);
+	area.everywhere = area.everywhere || !before->drawing.same_meshes(after->drawing) ||
+			before->drawing.mesh_reach != after->drawing.mesh_reach;
+	area.add(ground_change, reach(*after->settings));
 	return area;
 }
 
 /// Names the property whose distance is too large. Call it for a layer that exceeds the limit only
 /// because of the points of other layers around a tile.
 const char *property_to_lower(const LayerSettings &layer, double tile_size) {
-	LayerSettings plain = layer;
-	plain.world_sources.clear();
-	if (points_to_sample(plain, tile_size) <= ScatterLayer::max_tile_points) {
+	LayerSettings reduced = layer;
+	reduced.world_sources.clear();
+	if (points_to_sample(reduced, tile_size) <= ScatterLayer::max_tile_points) {
 		const bool in_rules = std::ranges::any_of(
 				layer.world_sources, [&layer](const WorldSource &source) { return rules_use(layer, source.input); });
 		return in_rules ? "density_expression" : "mesh_density_expressions";
 	}
-	plain.instance_data = {};
-	if (points_to_sample(plain, tile_size) > ScatterLayer::max_tile_points) {
-		plain.spacing_fills = false;
-		return points_to_sample(plain, tile_size) > ScatterLayer::max_tile_points ? "spacing" : "spacing_fills";
+	reduced.instance_data = {};
+	if (points_to_sample(reduced, tile_size) > ScatterLayer::max_tile_points) {
+		reduced.spacing_fills = false;
+		return points_to_sample(reduced, tile_size) > ScatterLayer::max_tile_points ? "spacing" : "spacing_fills";
 	}
 	constexpr std::array names{"scale_value.max_value", "color_value.max_value", "variation_value.max_value"};
 	const auto sources = distance_sources(layer.instance_data);
@@ -131,10 +131,10 @@ void LayerList::clear() {
 	water_ = nullptr;
 }
 
-void LayerList::complain(std::size_t index, bool own, const Status &status) {
+void LayerList::print_once(std::size_t index, bool is_own, const Status &status) {
 	const std::string index_text = std::to_string(index);
 	const std::string owner =
-			(own ? "layers[" + index_text + "]" : "get_all_layers()[" + index_text + "]") + ": ScatterLayer";
+			(is_own ? "layers[" + index_text + "]" : "get_all_layers()[" + index_text + "]") + ": ScatterLayer";
 	const String complaint = status.ok() ? String() : sentence(owner.c_str(), status);
 	if (!complaint.is_empty() && !(complaint == entries_[index].complaint)) {
 		ERR_PRINT(complaint);
@@ -161,9 +161,9 @@ Status LayerList::add_rows(std::size_t index, const LayerWorld &world) {
 	if (!layer.rows) {
 		return {};
 	}
-	const SharedSnapshot was = before(index);
+	const SharedSnapshot previous = previous_snapshot(index);
 	const auto settings = std::make_shared<LayerSettings>(*layer.settings);
-	settings->rows = was != nullptr ? was->settings->rows : nullptr;
+	settings->rows = previous != nullptr ? previous->settings->rows : nullptr;
 	const Status status = world.row_paths.rows_for(layer.rows->group, layer.rows->settings, settings->rows);
 	layer.settings = settings;
 	return status;
@@ -172,7 +172,7 @@ Status LayerList::add_rows(std::size_t index, const LayerWorld &world) {
 /// Adds the data that does not come from the layer: shapes, biomes, water and the planet.
 void LayerList::add_world(std::size_t index, const NodeLayers &layers, const LayerWorld &world) {
 	LayerSnapshot &layer = *entries_[index].unlinked;
-	const SharedSnapshot was = before(index);
+	const SharedSnapshot previous = previous_snapshot(index);
 	const auto settings = std::make_shared<LayerSettings>(*layer.settings);
 	Rules &rules = settings->rules;
 	rules.shapes = world.regions.set_for(layers.by_index(), index);
@@ -180,14 +180,14 @@ void LayerList::add_world(std::size_t index, const NodeLayers &layers, const Lay
 	rules.biome = nullptr;
 	if (index >= layers.own_count()) {
 		const Ref<ScatterLayer> resource = layers.by_index()[static_cast<int64_t>(index)];
-		rules.biome = reuse_if_equal(was != nullptr ? was->settings->rules.biome : nullptr,
+		rules.biome = reuse_if_equal(previous != nullptr ? previous->settings->rules.biome : nullptr,
 				BiomeDensity(world.biomes->map(), world.biomes->densities_of(resource)));
 	}
-	add_biomes_to_sources(was, world.biomes, settings->world_sources);
+	add_biomes_to_sources(previous, world.biomes, settings->world_sources);
 	if (settings->set.on_surface && world.planet.exists()) {
 		settings->planet = world.planet;
-		use_planet_masks(world.planet, was, rules.fields);
-		use_planet_sources(world.planet, was, settings->world_sources);
+		use_planet_masks(world.planet, previous, rules.fields);
+		use_planet_sources(world.planet, previous, settings->world_sources);
 		settings->set.faces = permitted_faces(*settings);
 		layer.range.bottom = world.planet.bottom();
 		layer.range.top = world.planet.top();
@@ -229,29 +229,30 @@ void LayerList::add_hosts(const NodeLayers &layers, const LayerWorld &world, std
 	}
 	const std::set<std::size_t> hosts = hosts_in(links);
 	std::shared_ptr<const SharedState> state;
-	for (std::size_t at = 0; at < r_layers.size(); ++at) {
-		const std::size_t index = layers.order()[at];
+	for (std::size_t priority = 0; priority < r_layers.size(); ++priority) {
+		const std::size_t index = layers.order()[priority];
 		Entry &entry = entries_[index];
-		if (!hosts.contains(at)) {
+		if (!hosts.contains(priority)) {
 			entry.host = nullptr;
 			continue;
 		}
-		const std::uint16_t number = entry.unlinked->settings->set.layer;
-		const bool is_new = entry.host == nullptr || entry.host->number != number;
+		const std::uint16_t point_layer = entry.unlinked->settings->set.layer;
+		const bool is_new = entry.host == nullptr || entry.host->point_layer != point_layer;
 		if (is_new) {
 			entry.host = std::make_shared<Host>();
-			entry.host->number = number;
+			entry.host->point_layer = point_layer;
 		}
 		Host &host = *entry.host;
 		if (is_new || world.state_edits.everywhere || world.state_edits.areas.contains(index)) {
 			if (state == nullptr && world.state.is_valid()) {
 				state = std::make_shared<const SharedState>(world.state->share());
 			}
-			host.changes = state != nullptr ? std::make_shared<const HostState>(state, number) : nullptr;
+			host.changes = state != nullptr ? std::make_shared<const HostState>(state, point_layer) : nullptr;
 		}
-		const Ref<ScatterLayer> displayed = world.previews.displayed(layers.by_index()[static_cast<int64_t>(index)]);
-		r_layers[at].models = host.reader.read(entry.unlinked->drawing, displayed->mesh_version());
-		r_layers[at].changes = host.changes;
+		const Ref<ScatterLayer> displayed_layer =
+				world.previews.displayed(layers.by_index()[static_cast<int64_t>(index)]);
+		r_layers[priority].models = host.reader.read(entry.unlinked->drawing, displayed_layer->mesh_version());
+		r_layers[priority].changes = host.changes;
 	}
 }
 
@@ -259,10 +260,10 @@ void LayerList::add_hosts(const NodeLayers &layers, const LayerWorld &world, std
 HostEdits LayerList::host_edits(const StateEdits &edits) const {
 	HostEdits result;
 	for (std::size_t index = 0; index < entries_.size(); ++index) {
-		const auto found = edits.areas.find(index);
-		const bool is_edited = edits.everywhere || found != edits.areas.end();
+		const auto edit = edits.areas.find(index);
+		const bool is_edited = edits.everywhere || edit != edits.areas.end();
 		if (is_host(index) && is_edited) {
-			EditedArea area = found != edits.areas.end() ? found->second : EditedArea();
+			EditedArea area = edit != edits.areas.end() ? edit->second : EditedArea();
 			area.everywhere = area.everywhere || edits.everywhere;
 			result.emplace(entries_[index].unlinked->settings->set.layer, std::move(area));
 		}
@@ -296,16 +297,16 @@ void LayerList::add_row_problems(const RowPaths &paths, PackedStringArray &r_pro
 std::vector<LinkedLayer> LayerList::link(const NodeLayers &node_layers, const LayerWorld &world) {
 	const std::vector<std::size_t> &order = node_layers.order();
 	std::vector<UnlinkedLayer> layers;
-	std::vector<SharedLayer> before_all;
+	std::vector<SharedLayer> previous_settings;
 	for (const std::size_t index : order) {
 		const Entry &entry = entries_[index];
 		layers.push_back(entry.unlinked ? UnlinkedLayer{entry.unlinked->settings.get(), &entry.unlinked->links}
 										: UnlinkedLayer{});
-		const SharedSnapshot was = before(index);
-		before_all.push_back(was != nullptr ? was->settings : nullptr);
+		const SharedSnapshot previous = previous_snapshot(index);
+		previous_settings.push_back(previous != nullptr ? previous->settings : nullptr);
 	}
-	const auto check = [this, &order](const LayerSettings &layer, std::size_t at) {
-		const double tile_size = entries_[order[at]].unlinked->range.tile_size;
+	const auto check = [this, &order](const LayerSettings &layer, std::size_t priority) {
+		const double tile_size = entries_[order[priority]].unlinked->range.tile_size;
 		const double points = points_to_sample(layer, tile_size);
 		return points > ScatterLayer::max_tile_points
 				? Status::too_many_points(property_to_lower(layer, tile_size), points, ScatterLayer::max_tile_points,
@@ -313,26 +314,26 @@ std::vector<LinkedLayer> LayerList::link(const NodeLayers &node_layers, const La
 				: Status{};
 	};
 	add_hosts(node_layers, world, layers);
-	std::vector<LinkedLayer> linked = link_layers(layers, before_all, check);
+	std::vector<LinkedLayer> linked = link_layers(layers, previous_settings, check);
 	std::vector<LinkedLayer> result(entries_.size());
-	for (std::size_t at = 0; at < order.size(); ++at) {
-		result[order[at]] = std::move(linked[at]);
+	for (std::size_t priority = 0; priority < order.size(); ++priority) {
+		result[order[priority]] = std::move(linked[priority]);
 	}
 	return result;
 }
 
 /// Returns the new snapshot of a layer with resolved references, or the last valid one.
-SharedSnapshot LayerList::next(std::size_t index, const LinkedLayer &linked) const {
-	SharedSnapshot was = before(index);
+SharedSnapshot LayerList::next_snapshot(std::size_t index, const LinkedLayer &linked) const {
+	SharedSnapshot previous = previous_snapshot(index);
 	if (linked.settings == nullptr) {
 		return nullptr;
 	}
 	if (!linked.status.ok()) {
-		return was; // Keep the whole snapshot, because the meshes belong to its settings.
+		return previous; // Keep the whole snapshot, because the meshes belong to its settings.
 	}
-	LayerSnapshot now = *entries_[index].unlinked;
-	now.settings = linked.settings;
-	return reuse_if_equal(was, std::move(now));
+	LayerSnapshot result = *entries_[index].unlinked;
+	result.settings = linked.settings;
+	return reuse_if_equal(previous, std::move(result));
 }
 
 std::vector<EditedArea> LayerList::update(
@@ -343,10 +344,10 @@ std::vector<EditedArea> LayerList::update(
 	std::vector<Status> statuses;
 	for (std::size_t index = 0; index < count; ++index) {
 		const Ref<ScatterLayer> layer = layers.by_index()[static_cast<int64_t>(index)];
-		const Ref<ScatterLayer> displayed = world.previews.displayed(layer);
-		statuses.push_back(read(entries_[index], displayed, world.seed, index));
+		const Ref<ScatterLayer> displayed_layer = world.previews.displayed(layer);
+		statuses.push_back(read(entries_[index], displayed_layer, world.seed, index));
 		if (std::optional<LayerSnapshot> &unlinked = entries_[index].unlinked) {
-			if (displayed != layer) {
+			if (displayed_layer != layer) {
 				// References to a layer without a name use this ID.
 				unlinked->links.identity = layer->get_instance_id();
 			}
@@ -361,10 +362,10 @@ std::vector<EditedArea> LayerList::update(
 	const std::vector<LinkedLayer> linked = link(layers, world);
 	EditSearch search(host_edits(world.state_edits)); // Refers to settings in `snapshots_`.
 	for (std::size_t index = 0; index < count; ++index) {
-		const bool own = index < layers.own_count();
-		complain(index, own, linked[index].status.ok() ? statuses[index] : linked[index].status);
-		snapshots.push_back(next(index, linked[index]));
-		areas.push_back(outdated_area(before(index), snapshots.back(), ground_change, search));
+		const bool is_own = index < layers.own_count();
+		print_once(index, is_own, linked[index].status.ok() ? statuses[index] : linked[index].status);
+		snapshots.push_back(next_snapshot(index, linked[index]));
+		areas.push_back(outdated_area(previous_snapshot(index), snapshots.back(), ground_change, search));
 	}
 	snapshots_ = std::move(snapshots);
 	return areas;

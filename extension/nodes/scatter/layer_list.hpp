@@ -74,7 +74,7 @@ private:
 	/// The data of a host, which is a layer on whose models other layers grow.
 	struct Host {
 		HostReader reader;
-		std::uint16_t number = 0;                   ///< The PointSet::layer of `changes`.
+		std::uint16_t point_layer = 0;              ///< The PointSet::layer of `changes`.
 		std::shared_ptr<const HostChanges> changes; ///< Null without a state.
 	};
 
@@ -86,15 +86,17 @@ private:
 	};
 
 	Status read(Entry &r_entry, const godot::Ref<ScatterLayer> &p_layer, std::uint64_t seed, std::size_t index) const;
-	void complain(std::size_t index, bool own, const Status &status);
+	void print_once(std::size_t index, bool is_own, const Status &status);
 	Status add_rows(std::size_t index, const LayerWorld &world);
 	void add_world(std::size_t index, const NodeLayers &layers, const LayerWorld &world);
 	void find_water(const LayerWorld &world);
 	void add_hosts(const NodeLayers &layers, const LayerWorld &world, std::vector<UnlinkedLayer> &r_layers);
 	HostEdits host_edits(const StateEdits &edits) const;
 	std::vector<LinkedLayer> link(const NodeLayers &node_layers, const LayerWorld &world);
-	SharedSnapshot next(std::size_t index, const LinkedLayer &linked) const;
-	SharedSnapshot before(std::size_t index) const { return index < snapshots_.size() ? snapshots_[index] : nullptr; }
+	SharedSnapshot next_snapshot(std::size_t index, const LinkedLayer &linked) const;
+	SharedSnapshot previous_snapshot(std::size_t index) const {
+		return index < snapshots_.size() ? snapshots_[index] : nullptr;
+	}
 
 	std::vector<Entry> entries_;
 	std::vector<SharedSnapshot> snapshots_;

@@ -39,8 +39,8 @@ std::vector<bool> LayerPreviews::hidden(const TypedArray<ScatterLayer> &p_layers
 }
 
 Ref<ScatterLayer> LayerPreviews::displayed(const Ref<ScatterLayer> &p_layer) const {
-	const auto found = p_layer.is_valid() ? stand_ins_.find(p_layer->get_instance_id()) : stand_ins_.end();
-	return found != stand_ins_.end() ? found->second : p_layer;
+	const auto stand_in = p_layer.is_valid() ? stand_ins_.find(p_layer->get_instance_id()) : stand_ins_.end();
+	return stand_in != stand_ins_.end() ? stand_in->second : p_layer;
 }
 
 } // namespace thicket

@@ -14,7 +14,7 @@ namespace {
 
 using Layers = std::vector<Ref<ScatterLayer>>;
 
-void add_new(const TypedArray<ScatterLayer> &p_layers, Layers &r_layers) {
+void append_unique(const TypedArray<ScatterLayer> &p_layers, Layers &r_layers) {
 	for (int64_t index = 0; index < p_layers.size(); ++index) {
 		const Ref<ScatterLayer> layer = p_layers[index];
 		if (layer.is_valid() && std::ranges::find(r_layers, layer) == r_layers.end()) {
@@ -24,27 +24,28 @@ void add_new(const TypedArray<ScatterLayer> &p_layers, Layers &r_layers) {
 }
 
 /// Assigns indices: layers of biomes keep their previous ones, and new layers get free ones.
-Layers placed(const Layers &wanted, std::size_t own_count, const TypedArray<ScatterLayer> &p_before) {
-	Layers result(wanted.begin(), wanted.begin() + static_cast<std::ptrdiff_t>(own_count));
-	const auto count = std::max(static_cast<std::size_t>(p_before.size()), wanted.size());
+Layers assign_indices(const Layers &layers, std::size_t own_count, const TypedArray<ScatterLayer> &p_previous) {
+	Layers result(layers.begin(), layers.begin() + static_cast<std::ptrdiff_t>(own_count));
+	const auto count = std::max(static_cast<std::size_t>(p_previous.size()), layers.size());
 	result.resize(count);
-	Layers homeless;
-	for (std::size_t i = own_count; i < wanted.size(); ++i) {
+	Layers new_layers;
+	for (std::size_t i = own_count; i < layers.size(); ++i) {
 		std::size_t index = own_count;
-		while (index < static_cast<std::size_t>(p_before.size()) &&
-				Ref<ScatterLayer>(p_before[static_cast<int64_t>(index)]) != wanted[i]) {
+		while (index < static_cast<std::size_t>(p_previous.size()) &&
+				Ref<ScatterLayer>(p_previous[static_cast<int64_t>(index)]) != layers[i]) {
 			++index;
 		}
-		if (index < static_cast<std::size_t>(p_before.size())) {
-			result[index] = wanted[i];
+		if (index < static_cast<std::size_t>(p_previous.size())) {
+			result[index] = layers[i];
 		} else {
-			homeless.push_back(wanted[i]);
+			new_layers.push_back(layers[i]);
 		}
 	}
-	auto free = result.begin() + static_cast<std::ptrdiff_t>(own_count);
-	for (const Ref<ScatterLayer> &layer : homeless) {
-		free = std::ranges::find_if(free, result.end(), [](const Ref<ScatterLayer> &entry) { return entry.is_null(); });
-		*free = layer;
+	auto free_entry = result.begin() + static_cast<std::ptrdiff_t>(own_count);
+	for (const Ref<ScatterLayer> &layer : new_layers) {
+		free_entry = std::ranges::find_if(
+				free_entry, result.end(), [](const Ref<ScatterLayer> &entry) { return entry.is_null(); });
+		*free_entry = layer;
 	}
 	while (result.size() > own_count && result.back().is_null()) {
 		result.pop_back();
@@ -56,40 +57,41 @@ Layers placed(const Layers &wanted, std::size_t own_count, const TypedArray<Scat
 
 void NodeLayers::update(const TypedArray<ScatterLayer> &p_own, const ScatterBiomeMap *biomes) {
 	own_count_ = static_cast<std::size_t>(p_own.size());
-	Layers wanted;
+	Layers all_layers;
 	if (biomes != nullptr) {
 		for (int64_t index = 0; index < p_own.size(); ++index) {
-			wanted.emplace_back(p_own[index]);
+			all_layers.emplace_back(p_own[index]);
 		}
-		biomes->each_layers([&wanted](const TypedArray<ScatterLayer> &p_layers) { add_new(p_layers, wanted); });
+		biomes->each_layers(
+				[&all_layers](const TypedArray<ScatterLayer> &p_layers) { append_unique(p_layers, all_layers); });
 	}
-	if (wanted.size() <= own_count_) {
+	if (all_layers.size() <= own_count_) {
 		by_index_ = p_own;
-		seen_.clear();
+		last_layers_.clear();
 		order_.resize(own_count_);
 		std::iota(order_.begin(), order_.end(), std::size_t{0});
 		return;
 	}
-	if (wanted == seen_) {
+	if (all_layers == last_layers_) {
 		// The indices are still valid.
 		return;
 	}
-	const Layers layers = placed(wanted, own_count_, by_index_);
-	TypedArray<ScatterLayer> next;
-	for (const Ref<ScatterLayer> &layer : layers) {
-		append(next, layer);
+	const Layers indexed_layers = assign_indices(all_layers, own_count_, by_index_);
+	TypedArray<ScatterLayer> new_by_index;
+	for (const Ref<ScatterLayer> &layer : indexed_layers) {
+		append(new_by_index, layer);
 	}
-	by_index_ = next;
+	by_index_ = new_by_index;
 	order_.clear();
-	for (std::size_t i = 0; i < wanted.size(); ++i) {
+	for (std::size_t i = 0; i < all_layers.size(); ++i) {
 		order_.push_back(i < own_count_
 						? i
 						: static_cast<std::size_t>(
-								  std::ranges::find(layers.begin() + static_cast<std::ptrdiff_t>(own_count_),
-										  layers.end(), wanted[i]) -
-								  layers.begin()));
+								  std::ranges::find(indexed_layers.begin() + static_cast<std::ptrdiff_t>(own_count_),
+										  indexed_layers.end(), all_layers[i]) -
+								  indexed_layers.begin()));
 	}
-	seen_ = std::move(wanted);
+	last_layers_ = std::move(all_layers);
 }
 
 } // namespace thicket

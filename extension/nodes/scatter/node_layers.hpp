@@ -35,7 +35,7 @@ public:
 private:
 	godot::TypedArray<ScatterLayer> by_index_;
 	std::vector<std::size_t> order_;
-	std::vector<godot::Ref<ScatterLayer>> seen_; ///< All layers at the last update.
+	std::vector<godot::Ref<ScatterLayer>> last_layers_; ///< All layers at the last update.
 	std::size_t own_count_ = 0;
 };
 

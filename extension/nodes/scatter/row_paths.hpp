@@ -28,7 +28,7 @@ public:
 	/// Returns true if a path has been added, removed or changed since the last update. Call this every
 	/// frame, because a moved Path3D emits no signal. Each call checks a limited number of paths. After the
 	/// first change, the remaining paths of its group are checked before the function returns true.
-	bool changed(const godot::Node3D &host, const RegionHost &world);
+	bool have_changed(const godot::Node3D &host, const RegionHost &world);
 
 	/// Begins an update in which `rows_for` is called for each layer with rows. If the scene was
 	/// `recentered`, changes of positions that are due to rounding to single precision are ignored.
@@ -46,7 +46,7 @@ public:
 
 private:
 	/// The state of a path when it was last read.
-	struct SeenPath {
+	struct PathState {
 		godot::Variant node;
 		std::uint64_t id = 0;
 		godot::StringName name;
@@ -54,33 +54,33 @@ private:
 		godot::Transform3D transform;
 		godot::PackedVector3Array points;
 
-		bool is_same(const SeenPath &other) const;
+		bool is_same(const PathState &other) const;
 	};
 
 	struct Group {
 		godot::StringName name;
-		bool used = true;
-		bool outdated = true;          ///< True if paths may have been added or removed, so that all are read again.
-		std::int64_t count = 0;        ///< Number of nodes in the group when it was last read.
-		std::size_t next = 0;          ///< Index of the next path to check.
-		std::set<std::size_t> changed; ///< Indices of the paths that have changed.
+		bool is_used = true;
+		bool is_outdated = true;    ///< True if paths may have been added or removed, so that all are read again.
+		std::int64_t count = 0;     ///< Number of nodes in the group when it was last read.
+		std::size_t next_index = 0; ///< Index of the next path to check.
+		std::set<std::size_t> changed_indices; ///< Indices of the paths that have changed.
 		/// Number of paths to check before the changed ones are read, so that paths that change together
 		/// are read together.
-		std::size_t left = 0;
-		std::vector<SeenPath> paths;
+		std::size_t remaining_checks = 0;
+		std::vector<PathState> paths;
 		std::vector<SharedRowLine> lines; ///< For each path.
 	};
 
-	static SeenPath seen(const godot::Path3D &path, const RegionHost &world);
+	static PathState state_of(const godot::Path3D &path, const RegionHost &world);
 	static void check(Group &r_group, const RegionHost &world);
 	void read(Group &r_group) const;
 	void read_changed(Group &r_group) const;
-	RowLine line_of(const SeenPath &path) const;
+	RowLine line_of(const PathState &path) const;
 
 	std::map<std::string, Group> groups_;
 	std::vector<std::shared_ptr<const RowSet>> sets_; ///< The sets of the last update, and those of the current one.
-	std::size_t former_sets_ = 0;                     ///< Number of sets at the start that belong to the last update.
-	const godot::Node3D *host_ = nullptr;             ///< Valid during an update.
+	std::size_t former_set_count_ = 0; ///< The number of sets, at the start of `sets_`, that belong to the last update.
+	const godot::Node3D *host_ = nullptr; ///< Valid during an update.
 	const RegionHost *world_ = nullptr;
 	bool recentered_ = false;
 };

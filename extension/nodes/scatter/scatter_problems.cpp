@@ -24,7 +24,7 @@ namespace {
 
 /// Adds a problem for each biome in an expression that the node does not have, and for textures of a
 /// ground without textures.
-void add_input_problems(ScatterLayer &layer, const String &p_where, bool lacks_textures,
+void add_input_problems(ScatterLayer &layer, const String &p_prefix, bool lacks_textures,
 		const ScatterBiomeMap *p_biomes, PackedStringArray &r_problems) {
 	std::set<std::string> reported;
 	for (const WorldInput &input : layer.world_inputs()) {
@@ -36,12 +36,12 @@ void add_input_problems(ScatterLayer &layer, const String &p_where, bool lacks_t
 			continue;
 		}
 		if (is_unknown) {
-			r_problems.push_back(p_where +
+			r_problems.push_back(p_prefix +
 					vformat("%s in an expression is 0 everywhere: TerrainScatter3D.biomes has no such biome. Use the "
 							"resource_name of a biome, or its index in the list.",
 							text));
 		} else {
-			r_problems.push_back(p_where +
+			r_problems.push_back(p_prefix +
 					vformat("%s in an expression is 1 everywhere: the ground has no textures. Use another input.",
 							text));
 		}
@@ -49,39 +49,39 @@ void add_input_problems(ScatterLayer &layer, const String &p_where, bool lacks_t
 }
 
 /// Adds the problems of one layer that do not depend on other layers.
-void add_problems_of(ScatterLayer &layer, const String &p_where, const Ref<ScatterGround> &p_ground, bool has_water,
+void add_problems_of(ScatterLayer &layer, const String &p_prefix, const Ref<ScatterGround> &p_ground, bool has_water,
 		const ScatterBiomeMap *p_biomes, PackedStringArray &r_problems) {
 	for (const String &problem : layer.problems()) {
-		r_problems.push_back(p_where + problem);
+		r_problems.push_back(p_prefix + problem);
 	}
 	const bool is_usable = p_ground.is_valid() && p_ground->problem().is_empty();
 	if (layer.get_ground_textures().size() > 0 && is_usable && !p_ground->has_textures()) {
-		r_problems.push_back(p_where +
+		r_problems.push_back(p_prefix +
 				String("ScatterLayer.ground_textures has no effect: the ground has no textures. "
 					   "Clear ground_textures."));
 	}
-	add_input_problems(layer, p_where, is_usable && !p_ground->has_textures(), p_biomes, r_problems);
+	add_input_problems(layer, p_prefix, is_usable && !p_ground->has_textures(), p_biomes, r_problems);
 	if (layer.is_on_surfaces() && !layer.has_surface_layers() && is_usable && !p_ground->has_surfaces()) {
-		r_problems.push_back(p_where +
+		r_problems.push_back(p_prefix +
 				String("nothing is placed: on_surfaces requires the triangles of the ground, and a ") +
 				p_ground->get_class() +
 				String(" has none here. Use meshes, a heightmap, Terrain3D or HTerrain, or disable on_surfaces."));
 	}
 	const bool on_planet = is_usable && p_ground->planet().exists();
 	if (on_planet && !layer.is_on_surfaces()) {
-		r_problems.push_back(p_where +
+		r_problems.push_back(p_prefix +
 				String("grows only on the top of the planet, as seen along world y: without on_surfaces, planet_radius "
 					   "has no effect. Enable ScatterLayer.on_surfaces."));
 	}
 	const double limit = max_view_tiles_in_space * layer.range().tile_size;
 	if (on_planet && layer.is_on_surfaces() && layer.range().view_distance > limit) {
-		r_problems.push_back(p_where +
+		r_problems.push_back(p_prefix +
 				vformat("view_distance is limited to %.1f m (16 x tile_size) on a planet, got %.1f m. Increase "
 						"tile_size or lower view_distance.",
 						limit, layer.range().view_distance));
 	}
 	if (layer.needs_water() && !has_water) {
-		r_problems.push_back(p_where +
+		r_problems.push_back(p_prefix +
 				String("nothing is placed: min_water_depth requires water, and there is none. Set "
 					   "TerrainScatter3D.water_enabled."));
 	}
@@ -89,8 +89,8 @@ void add_problems_of(ScatterLayer &layer, const String &p_where, const Ref<Scatt
 
 /// Tolerances for the rounding errors of a chain of parents.
 constexpr double basis_tolerance = 1e-4;
-constexpr double position_tolerance = 1e-3; // Meters.
-constexpr double position_share = 1e-6;     // Relative to the offset.
+constexpr double position_tolerance = 1e-3;          // Meters.
+constexpr double relative_position_tolerance = 1e-6; // Relative to the offset.
 
 bool is_identity(const glm::dmat3 &basis) {
 	bool is_same = true;
@@ -109,11 +109,12 @@ bool is_displaced(const Node3D &node, glm::dvec3 offset) {
 		return false;
 	}
 	const Transform3D transform = node.get_global_transform();
-	const glm::dvec3 away = to_core(transform.origin) + offset;
-	const double tolerance = position_tolerance + position_share * glm::length(offset);
+	const glm::dvec3 displacement = to_core(transform.origin) + offset;
+	const double tolerance = position_tolerance + relative_position_tolerance * glm::length(offset);
 	// A game that recenters its world may move this node along with it, which is not a
 	// displacement.
-	const bool is_moved = glm::length(to_core(transform.origin)) > position_tolerance && glm::length(away) > tolerance;
+	const bool is_moved =
+			glm::length(to_core(transform.origin)) > position_tolerance && glm::length(displacement) > tolerance;
 	return is_moved || !is_identity(to_core(transform.basis));
 }
 
@@ -148,7 +149,7 @@ void add_local_problems(const Node3D &node, const Ref<ScatterGround> &p_ground, 
 }
 
 void add_viewer_problems(
-		const Node3D &node, const ViewerSettings &viewers, const Status &refused, PackedStringArray &r_problems) {
+		const Node3D &node, const ViewerSettings &viewers, const Status &viewer_status, PackedStringArray &r_problems) {
 	if (!node.is_inside_tree()) {
 		return;
 	}
@@ -167,9 +168,9 @@ void add_viewer_problems(
 				"No viewer: TerrainScatter3D.viewers is empty and the viewport has no current Camera3D, so "
 				"no tiles are generated. Make a Camera3D current, or list nodes in viewers.");
 	}
-	if (!refused.ok()) {
+	if (!viewer_status.ok()) {
 		r_problems.push_back(
-				sentence("TerrainScatter3D", refused) + String(". No tiles are generated around this viewer."));
+				sentence("TerrainScatter3D", viewer_status) + String(". No tiles are generated around this viewer."));
 	}
 }
 
@@ -199,26 +200,26 @@ void add_layer_problems(const TypedArray<ScatterLayer> &p_layers, const Ref<Scat
 		const Ref<ScatterLayer> layer = p_layers[index];
 		links.push_back(layer.is_valid() ? std::optional(layer->links()) : std::nullopt);
 	}
-	std::vector<const LayerLinks *> names;
+	std::vector<const LayerLinks *> link_pointers;
 	for (const std::optional<LayerLinks> &layer : links) {
-		names.push_back(layer ? &*layer : nullptr);
+		link_pointers.push_back(layer ? &*layer : nullptr);
 	}
 	std::set<int64_t> ids;
 	for (int64_t index = 0; index < p_layers.size(); ++index) {
-		const String where = "Layer " + String::num_int64(index) + ": ";
+		const String prefix = "Layer " + String::num_int64(index) + ": ";
 		const Ref<ScatterLayer> layer = p_layers[index];
 		if (layer.is_null()) {
-			r_problems.push_back(where +
+			r_problems.push_back(prefix +
 					String("the entry is empty, so it displays nothing. Assign a ScatterLayer, or remove the entry."));
 			continue;
 		}
-		add_problems_of(*layer.ptr(), where, p_ground, has_water, p_biomes, r_problems);
-		for (const std::string &problem : name_problems(names, static_cast<std::size_t>(index))) {
-			r_problems.push_back(where + String::utf8(problem.c_str()));
+		add_problems_of(*layer.ptr(), prefix, p_ground, has_water, p_biomes, r_problems);
+		for (const std::string &problem : name_problems(link_pointers, static_cast<std::size_t>(index))) {
+			r_problems.push_back(prefix + String::utf8(problem.c_str()));
 		}
 		const int64_t id = layer->own_id();
 		if (!ids.insert(id >= 0 ? id : index).second) {
-			r_problems.push_back(where +
+			r_problems.push_back(prefix +
 					String("has the layer_id of another layer: both use the same random numbers and "
 						   "IDs. Set one of them to -1 to assign a new ID."));
 		}
@@ -240,8 +241,8 @@ void add_uniform_problem(
 			continue;
 		}
 		for (const glm::ivec2 &tile : display.tiles(layer)) {
-			const DisplayedTile *displayed = display.find(layer, tile);
-			multimeshes += displayed != nullptr ? displayed->multimesh_count() : 0;
+			const DisplayedTile *displayed_tile = display.find(layer, tile);
+			multimeshes += displayed_tile != nullptr ? displayed_tile->multimesh_count() : 0;
 		}
 	}
 	if (multimeshes > spare_multimeshes) {

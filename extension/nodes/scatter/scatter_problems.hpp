@@ -24,8 +24,8 @@ godot::String problem_of_ground(const godot::Ref<ScatterGround> &p_ground);
 /// These functions add a message for each problem with a node's ground or layers. `p_layers` must
 /// be in order of priority. `has_water` is true if the node or a biome has water. `p_biomes` may be
 /// null.
-void add_ground_problems(const godot::Ref<ScatterGround> &p_terrain, godot::PackedStringArray &r_problems);
-void add_layer_problems(const godot::TypedArray<ScatterLayer> &p_layers, const godot::Ref<ScatterGround> &p_terrain,
+void add_ground_problems(const godot::Ref<ScatterGround> &p_ground, godot::PackedStringArray &r_problems);
+void add_layer_problems(const godot::TypedArray<ScatterLayer> &p_layers, const godot::Ref<ScatterGround> &p_ground,
 		bool has_water, const ScatterBiomeMap *p_biomes, godot::PackedStringArray &r_problems);
 
 /// Returns true if the global transform of a node in the tree is not the identity, because
@@ -40,9 +40,9 @@ void add_transform_problem(const godot::Node3D &node, glm::dvec3 offset, godot::
 void add_local_problems(
 		const godot::Node3D &node, const godot::Ref<ScatterGround> &p_ground, godot::PackedStringArray &r_problems);
 
-/// Adds the problems that keep a node in the tree from streaming around its viewers. `refused` is
+/// Adds the problems that keep a node in the tree from streaming around its viewers. `viewer_status` is
 /// the error of the first viewer that is out of range, if any.
-void add_viewer_problems(const godot::Node3D &node, const ViewerSettings &viewers, const Status &refused,
+void add_viewer_problems(const godot::Node3D &node, const ViewerSettings &viewers, const Status &viewer_status,
 		godot::PackedStringArray &r_problems);
 
 /// Adds a message if more multimeshes with instance uniforms are displayed than the Compatibility
@@ -54,6 +54,6 @@ void add_uniform_problem(
 /// Returns a message for each feature that does not work because an export has stripped its
 /// resource. `biomes` may be null.
 godot::PackedStringArray stripped_problems(const godot::TypedArray<ScatterLayer> &p_layers,
-		const godot::Ref<ScatterGround> &p_terrain, const ScatterBiomeMap *biomes);
+		const godot::Ref<ScatterGround> &p_ground, const ScatterBiomeMap *biomes);
 
 } // namespace thicket

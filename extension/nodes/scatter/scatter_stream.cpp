@@ -29,7 +29,7 @@ constexpr double sort_distance = 4.0;
 
 /// Returns true if two versions of a layer have the same points and meshes. A tile of the old
 /// version may then stay visible until the new one is ready.
-bool interchangeable(const SharedSnapshot &a, const SharedSnapshot &b) {
+bool are_interchangeable(const SharedSnapshot &a, const SharedSnapshot &b) {
 	if (a == nullptr || b == nullptr) {
 		return a == b;
 	}
@@ -42,7 +42,7 @@ StreamLayer range_of(const SharedSnapshot &layer) { return layer != nullptr ? la
 
 WorldTile world_tile(const TileKey &key) { return {key.layer, key.tile, key.slab}; }
 
-bool is_unseen(const std::shared_ptr<TileJob> &job) { return job->unseen; }
+bool is_for_query(const std::shared_ptr<TileJob> &job) { return job->for_query; }
 
 } // namespace
 
@@ -50,25 +50,25 @@ ScatterStream::ScatterStream(InstanceWorld &world) : world_(world), workers_(spa
 
 /// Marks jobs whose input or tile size has changed since they were started. Queries cannot use
 /// their results.
-void ScatterStream::mark_stale(std::span<const SharedSnapshot> next, std::span<const EditedArea> outdated) {
+void ScatterStream::mark_stale(std::span<const SharedSnapshot> layers, std::span<const EditedArea> outdated_areas) {
 	for (const std::shared_ptr<TileJob> &job : jobs_) {
 		const std::uint32_t layer = job->request.key.layer;
-		job->stale = job->stale || layer >= next.size() || layer >= outdated.size() ||
-				range_of(next[layer]).tile_size != range_of(layers_[layer]).tile_size ||
-				range_of(next[layer]).in_space() != range_of(layers_[layer]).in_space() ||
-				outdated[layer].touches(job->request.space);
+		job->stale = job->stale || layer >= layers.size() || layer >= outdated_areas.size() ||
+				range_of(layers[layer]).tile_size != range_of(layers_[layer]).tile_size ||
+				range_of(layers[layer]).in_space() != range_of(layers_[layer]).in_space() ||
+				outdated_areas[layer].touches(job->request.space);
 	}
 }
 
-void ScatterStream::set_layers(
-		const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated, const StreamGround &ground) {
+void ScatterStream::set_layers(const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated_areas,
+		const StreamGround &ground) {
 	std::vector<StreamLayer> ranges;
 	for (const SharedSnapshot &layer : layers) {
 		ranges.push_back(range_of(layer));
 	}
 	// Allocate before changing the streamer. If this runs out of memory, the stream and the
 	// streamer both keep the old layers.
-	std::vector<SharedSnapshot> next = layers;
+	std::vector<SharedSnapshot> new_layers = layers;
 	failures_.reserve(layers.size());
 	const Status status = streamer_.set_layers(ranges);
 	report("TerrainScatter3D", status);
@@ -80,26 +80,26 @@ void ScatterStream::set_layers(
 	failures_.resize(layers.size());
 	for (std::uint32_t layer = 0; layer < layers.size(); ++layer) {
 		const SharedSnapshot before = layer < layers_.size() ? layers_[layer] : nullptr;
-		if (layer < layers_.size() && !interchangeable(before, layers[layer])) {
+		if (layer < layers_.size() && !are_interchangeable(before, layers[layer])) {
 			streamer_.cancel(layer);
 		}
 		if (before == nullptr || layers[layer] == nullptr || before->settings != layers[layer]->settings ||
-				!outdated[layer].empty()) {
+				!outdated_areas[layer].empty()) {
 			forget_failure(failures_[layer]);
 		}
 	}
-	mark_stale(layers, outdated);
-	layers_.swap(next);
+	mark_stale(layers, outdated_areas);
+	layers_.swap(new_layers);
 	ground_ = ground;
 	display_.set_layers(layers);
-	for (std::uint32_t layer = 0; layer < outdated.size(); ++layer) {
-		if (outdated[layer].everywhere) {
+	for (std::uint32_t layer = 0; layer < outdated_areas.size(); ++layer) {
+		if (outdated_areas[layer].everywhere) {
 			constexpr double infinity = std::numeric_limits<double>::infinity();
 			recheck_.suspend(layer, {glm::dvec2(-infinity), glm::dvec2(infinity)});
 			streamer_.invalidate(layer);
 			continue;
 		}
-		for (const Rect &area : outdated[layer].areas) {
+		for (const Rect &area : outdated_areas[layer].areas) {
 			recheck_.suspend(layer, area);
 			streamer_.invalidate(layer, area);
 		}
@@ -107,7 +107,7 @@ void ScatterStream::set_layers(
 }
 
 /// Completes a request without replacing the visible tile, because its content has not changed.
-void ScatterStream::keep_shown(const TileRequest &request) {
+void ScatterStream::keep_displayed(const TileRequest &request) {
 	streamer_.finish(request);
 	recheck_.keep(request.key);
 }
@@ -129,28 +129,28 @@ bool ScatterStream::work_in_frame(std::span<const Viewer> viewers, std::uint64_t
 	allow_recheck(std::chrono::microseconds(budget));
 	take_finished();
 	times_.spent_on(FramePart::finished_tiles);
-	accept(viewers);
+	accept_viewers(viewers);
 	if (!viewers_.empty()) {
 		request_tiles();
 		display_.set_viewers(viewers_);
 	}
 	start_missing();
-	times_.spent_on(FramePart::wanted);
+	times_.spent_on(FramePart::tile_requests);
 	workers_.work_until(deadline);
 	return work_until(deadline);
 }
 
 std::size_t ScatterStream::jobs_per_worker() const {
-	if (!ask_ground_.empty()) {
+	if (!ground_jobs_.empty()) {
 		return min_jobs_per_worker; // The main thread is the bottleneck.
 	}
-	const std::uint64_t fitting = worker_lead_microseconds / std::max<std::uint64_t>(usual_job_microseconds_, 1);
-	return static_cast<std::size_t>(std::clamp<std::uint64_t>(fitting, min_jobs_per_worker, max_jobs_per_worker));
+	const std::uint64_t job_count = worker_lead_microseconds / std::max<std::uint64_t>(average_job_microseconds_, 1);
+	return static_cast<std::size_t>(std::clamp<std::uint64_t>(job_count, min_jobs_per_worker, max_jobs_per_worker));
 }
 
 /// Accepts the viewers that are in range, so that tiles are still streamed around them. Skips the
 /// others and reports the first error once.
-void ScatterStream::accept(std::span<const Viewer> viewers) {
+void ScatterStream::accept_viewers(std::span<const Viewer> viewers) {
 	const Status before = std::exchange(viewer_status_, Status());
 	viewers_.clear();
 	for (const Viewer &viewer : viewers) {
@@ -194,26 +194,28 @@ void ScatterStream::request_tiles() {
 /// Sorts waiting jobs again once a viewer has moved far enough. The order does not affect the
 /// content of the tiles.
 void ScatterStream::sort_work() {
-	const bool same = std::ranges::equal(viewers_, sorted_for_, [](const Viewer &now, const Viewer &then) {
-		const glm::dvec2 way = now.position - then.position;
-		const double rise = now.height - then.height;
-		return way.x * way.x + way.y * way.y + rise * rise < sort_distance * sort_distance;
-	});
-	if (same) {
+	const bool is_still_sorted =
+			std::ranges::equal(viewers_, sorted_viewers_, [](const Viewer &current, const Viewer &sorted) {
+				const glm::dvec2 offset = current.position - sorted.position;
+				const double height_difference = current.height - sorted.height;
+				return offset.x * offset.x + offset.y * offset.y + height_difference * height_difference <
+						sort_distance * sort_distance;
+			});
+	if (is_still_sorted) {
 		// No viewer has moved far enough to make sorting worthwhile.
 		return;
 	}
 	if (!workers_.sort(viewers_)) {
 		return;
 	}
-	sorted_for_ = viewers_;
-	sort_jobs(ask_ground_, viewers_);
+	sorted_viewers_ = viewers_;
+	sort_jobs(ground_jobs_, viewers_);
 }
 
 void ScatterStream::start(const TileRequest &request) {
 	const SharedSnapshot &layer = layers_[request.key.layer];
 	if (layer == nullptr || !ground_.source.is_available()) {
-		keep_shown(request);
+		keep_displayed(request);
 		return;
 	}
 	const auto job = std::make_shared<TileJob>();
@@ -228,18 +230,18 @@ void ScatterStream::start(const TileRequest &request) {
 /// requested again in the next frame.
 void ScatterStream::start_missing() {
 	const std::size_t max_jobs = min_jobs_per_worker * workers_.threads();
-	auto under_way = static_cast<std::size_t>(std::ranges::count_if(jobs_, is_unseen));
+	auto query_job_count = static_cast<std::size_t>(std::ranges::count_if(jobs_, is_for_query));
 	for (const WorldTile &tile : world_.take_missing()) {
-		const auto makes = [&tile](const std::shared_ptr<TileJob> &job) {
+		const auto generates_tile = [&tile](const std::shared_ptr<TileJob> &job) {
 			return world_tile(job->request.key) == tile && !job->stale;
 		};
-		if (under_way == max_jobs || !ground_.source.is_available()) {
+		if (query_job_count == max_jobs || !ground_.source.is_available()) {
 			return;
 		}
 		if (tile.layer >= layers_.size() || layers_[tile.layer] == nullptr) {
 			continue;
 		}
-		if (std::ranges::any_of(jobs_, makes)) {
+		if (std::ranges::any_of(jobs_, generates_tile)) {
 			// The tile is already in progress.
 			continue;
 		}
@@ -248,10 +250,10 @@ void ScatterStream::start_missing() {
 		job->request.space = tile_space(layers_[tile.layer]->range.tile_size, tile.tile, tile.slab);
 		job->layer = layers_[tile.layer];
 		job->terrain = ground_.terrain;
-		job->unseen = true;
+		job->for_query = true;
 		jobs_.push_back(job);
 		workers_.push(job);
-		++under_way;
+		++query_job_count;
 	}
 }
 
@@ -259,12 +261,12 @@ void ScatterStream::cancel(std::uint64_t ticket) {
 	const auto has_ticket = [ticket](const std::shared_ptr<TileJob> &job) {
 		return job->request.ticket == ticket;
 	};
-	const auto found = std::find_if(jobs_.begin(), jobs_.end(), has_ticket);
-	if (found != jobs_.end()) {
-		(*found)->cancelled = true;
-		jobs_.erase(found);
+	const auto entry = std::find_if(jobs_.begin(), jobs_.end(), has_ticket);
+	if (entry != jobs_.end()) {
+		(*entry)->cancelled = true;
+		jobs_.erase(entry);
 	}
-	std::erase_if(ask_ground_, has_ticket);
+	std::erase_if(ground_jobs_, has_ticket);
 	if (std::optional<TileUpload> upload = uploads_.remove(ticket)) {
 		display_.discard(*std::move(upload));
 	}
@@ -273,7 +275,7 @@ void ScatterStream::cancel(std::uint64_t ticket) {
 void ScatterStream::take_finished() {
 	for (const std::shared_ptr<TileJob> &job : workers_.take_finished()) {
 		if (!job->cancelled) {
-			settle(job);
+			process_result(job);
 		}
 	}
 	for (std::shared_ptr<const CompactTile> &tile : world_.take_forgotten()) {
@@ -281,9 +283,9 @@ void ScatterStream::take_finished() {
 	}
 }
 
-void ScatterStream::settle(const std::shared_ptr<TileJob> &job) {
+void ScatterStream::process_result(const std::shared_ptr<TileJob> &job) {
 	if (job->step == TileJob::Step::needs_ground) {
-		ask_ground_.push_back(job);
+		ground_jobs_.push_back(job);
 		return;
 	}
 	figures_.points_computed += job->points_computed;
@@ -293,13 +295,13 @@ void ScatterStream::settle(const std::shared_ptr<TileJob> &job) {
 	if (job->status.ok() && !job->stale) {
 		world_.keep(world_tile(job->request.key), job->tile);
 	}
-	if (job->unseen) {
-		settle_unseen(job);
+	if (job->for_query) {
+		process_query_result(job);
 		return;
 	}
 	if (!job->status.ok() && display_.contains(job->request.key)) {
 		std::erase(jobs_, job);
-		keep_shown(job->request);
+		keep_displayed(job->request);
 		return;
 	}
 	if (!streamer_.ready(job->request)) {
@@ -309,11 +311,11 @@ void ScatterStream::settle(const std::shared_ptr<TileJob> &job) {
 	++figures_.tiles_made;
 	figures_.points_sampled += job->tile != nullptr ? job->tile->counts.sampled : 0;
 	figures_.worker_microseconds += job->microseconds;
-	usual_job_microseconds_ = (7 * usual_job_microseconds_ + job->microseconds) / 8;
+	average_job_microseconds_ = (7 * average_job_microseconds_ + job->microseconds) / 8;
 	uploads_.push(job);
 }
 
-void ScatterStream::settle_unseen(const std::shared_ptr<TileJob> &job) {
+void ScatterStream::process_query_result(const std::shared_ptr<TileJob> &job) {
 	std::erase(jobs_, job);
 	if (!job->status.ok() && !job->stale && ground_.source.is_available()) {
 		// A tile that cannot be generated is treated as empty until an edit invalidates it.
@@ -327,7 +329,7 @@ void ScatterStream::forget_work() {
 		cancel(jobs_.front()->request.ticket);
 	}
 	workers_.stop();
-	ask_ground_.clear();
+	ground_jobs_.clear();
 	for (std::uint32_t layer = 0; layer < layers_.size(); ++layer) {
 		for (const glm::ivec2 &tile : display_.tiles(layer)) {
 			events_.push_back({false, layer, tile});
@@ -356,15 +358,15 @@ void ScatterStream::retire() {
 std::vector<TileEvent> ScatterStream::take_events() { return std::exchange(events_, {}); }
 
 bool ScatterStream::follows(std::span<const Viewer> viewers, const DrawLimits &limits) const {
-	std::vector<Viewer> accepted;
-	std::ranges::copy_if(viewers, std::back_inserter(accepted),
+	std::vector<Viewer> accepted_viewers;
+	std::ranges::copy_if(viewers, std::back_inserter(accepted_viewers),
 			[this](const Viewer &viewer) { return streamer_.check(viewer).ok(); });
-	return accepted.empty() || (streamer_.follows(accepted) && display_.limits() == limits);
+	return accepted_viewers.empty() || (streamer_.follows(accepted_viewers) && display_.limits() == limits);
 }
 
 bool ScatterStream::idle() const {
 	return streamer_.idle() && display_.settled() && !recheck_.has_changes() &&
-			std::ranges::none_of(jobs_, is_unseen) &&
+			std::ranges::none_of(jobs_, is_for_query) &&
 			std::ranges::all_of(rings_, [](const NearRing *ring) { return ring->settled(); });
 }
 

@@ -32,15 +32,15 @@ struct StreamGround {
 
 /// Records that a tile was shown or hidden.
 struct TileEvent {
-	bool shown = false;
+	bool is_shown = false;
 	std::uint32_t layer = 0;
 	glm::ivec2 tile{0};
 };
 
 /// The error of a layer whose tiles could not be generated, after it was printed.
 struct LayerFailure {
-	godot::String sentence; ///< The error; empty if there is none.
-	bool by_script = false; ///< True if the ground's script failed. `sentence` then names no layer.
+	godot::String message;  ///< The error; empty if there is none.
+	bool by_script = false; ///< True if the ground's script failed. `message` then names no layer.
 };
 
 /// Statistics since the stream started.
@@ -67,7 +67,7 @@ public:
 
 	/// Replaces the layers and the ground. Regenerates layer i in the area `outdated[i]`; old tiles
 	/// stay visible until they are replaced.
-	void set_layers(const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated,
+	void set_layers(const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated_areas,
 			const StreamGround &ground);
 
 	/// Drops visible tiles on ground that has disappeared, if they are outside every view. Their
@@ -161,37 +161,37 @@ private:
 	static constexpr std::size_t step_kinds = 8;
 
 	std::size_t jobs_per_worker() const;
-	void accept(std::span<const Viewer> viewers);
+	void accept_viewers(std::span<const Viewer> viewers);
 	void request_tiles();
 	void sort_work();
 	void start(const TileRequest &request);
 	void start_missing();
-	void mark_stale(std::span<const SharedSnapshot> next, std::span<const EditedArea> outdated);
+	void mark_stale(std::span<const SharedSnapshot> layers, std::span<const EditedArea> outdated_areas);
 	bool work_in_frame(std::span<const Viewer> viewers, std::uint64_t budget);
 	void start_over();
 	void report_once(const TileJob &job);
 	void report_recheck(const Status &status);
-	LayerFailure print_failure(const std::string &where, const Status &status, const std::string &by_rule = {});
+	LayerFailure print_failure(const std::string &location, const Status &status, const std::string &rule_problem = {});
 	void forget_failure(LayerFailure &r_failure);
-	void settle_unseen(const std::shared_ptr<TileJob> &job);
+	void process_query_result(const std::shared_ptr<TileJob> &job);
 	bool ring_step();
 	void cancel(std::uint64_t ticket);
 	void forget_work();
 	void take_finished();
-	void settle(const std::shared_ptr<TileJob> &job);
+	void process_result(const std::shared_ptr<TileJob> &job);
 	std::size_t ground_step(std::size_t max_count);
-	std::size_t positions_at_once(bool in_physics_frame) const;
+	std::size_t max_positions(bool in_physics_frame) const;
 	bool upload_step();
 	void finish_upload();
 	bool rechecks() const;
-	void keep_shown(const TileRequest &request);
+	void keep_displayed(const TileRequest &request);
 	void allow_recheck(Clock::duration budget);
 	bool recheck_step();
 	std::size_t recheck_heights(std::size_t max_count);
 	bool do_step(Step step);
 	bool may_divide() const;
 	bool may_fade() const;
-	static Step after(Step step);
+	static Step following_step(Step step);
 	static FramePart part_of(Step step);
 	bool work_until(Clock::time_point deadline);
 
@@ -211,8 +211,8 @@ private:
 
 	std::vector<std::shared_ptr<TileJob>> jobs_; ///< All jobs from request to upload.
 	/// The jobs whose ground must be sampled on the main thread.
-	std::deque<std::shared_ptr<TileJob>> ask_ground_;
-	std::vector<Viewer> sorted_for_; ///< The viewers at the time of the last sort.
+	std::deque<std::shared_ptr<TileJob>> ground_jobs_;
+	std::vector<Viewer> sorted_viewers_; ///< The viewers at the time of the last sort.
 	StreamChanges changes_;
 	std::vector<TileEvent> events_;
 	std::vector<Viewer> viewers_; ///< The viewers of the last frame that are in range.
@@ -220,19 +220,19 @@ private:
 	Status update_status_;
 
 	GroundRecheck recheck_;
-	Clock::duration recheck_left_{0};    ///< The time left for re-checks; negative after overruns.
-	Clock::duration usual_height_{1000}; ///< The average time per height.
-	bool recheck_due_ = false;           ///< True until this frame's re-check is done.
+	Clock::duration recheck_time_left_{0};      ///< The time left for re-checks; negative after overruns.
+	Clock::duration average_height_time_{1000}; ///< The average time per height.
+	bool is_recheck_due_ = false;               ///< True until this frame's re-check is done.
 	/// The error of the last failed re-check. Kept until the layers or the ground change.
 	LayerFailure recheck_failure_;
 	bool failures_changed_ = false;
 	StreamFigures figures_;
-	std::array<Clock::duration, step_kinds> usual_step_{}; ///< The average time of each Step.
+	std::array<Clock::duration, step_kinds> average_step_times_{}; ///< The average time of each Step.
 	Step next_step_ = Step::query_ground;
 	std::uint32_t uploads_since_divide_ = 0;
 	std::uint32_t uploads_since_fade_ = 0;
 	/// The average time that a worker needs for a tile. The initial value is a guess.
-	std::uint64_t usual_job_microseconds_ = 10'000;
+	std::uint64_t average_job_microseconds_ = 10'000;
 };
 
 } // namespace thicket

@@ -17,10 +17,10 @@ namespace {
 constexpr std::size_t heights_per_frame = 16;
 
 /// Re-checks may take 1 / budget_parts of a frame's budget on average.
-constexpr int budget_parts = 16;
+constexpr int budget_divisor = 16;
 
 /// Unused time for re-checks accumulates for up to this number of frames.
-constexpr int saved_frames = 8;
+constexpr int max_saved_frames = 8;
 
 double seconds_now() {
 	return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -36,14 +36,14 @@ bool ScatterStream::rechecks() const {
 /// Adds this frame's portion of the time for re-checks. Call it once per frame. If reading a height
 /// takes longer than allowed, as in a slow script, the following frames read none.
 void ScatterStream::allow_recheck(Clock::duration budget) {
-	const Clock::duration time_per_frame = budget / budget_parts;
-	recheck_left_ = std::min(recheck_left_ + time_per_frame, saved_frames * time_per_frame);
-	recheck_due_ = true;
+	const Clock::duration time_per_frame = budget / budget_divisor;
+	recheck_time_left_ = std::min(recheck_time_left_ + time_per_frame, max_saved_frames * time_per_frame);
+	is_recheck_due_ = true;
 }
 
 bool ScatterStream::recheck_step() {
 	const bool in_physics_frames = ground_.source.ground.is_valid() && ground_.source.ground->needs_physics_frames();
-	if (in_physics_frames || !recheck_due_) {
+	if (in_physics_frames || !is_recheck_due_) {
 		return false;
 	}
 	return recheck_heights(heights_per_frame) > 0;
@@ -52,13 +52,14 @@ bool ScatterStream::recheck_step() {
 /// Samples the ground at a few positions and returns their number. Sampling the ground may run a
 /// script, which may even free this object.
 std::size_t ScatterStream::recheck_heights(std::size_t max_count) {
-	recheck_due_ = false;
-	const bool has_failed = !recheck_failure_.sentence.is_empty();
-	if (has_failed || recheck_left_ <= Clock::duration(0) || !ground_.source.is_available() || !rechecks()) {
+	is_recheck_due_ = false;
+	const bool has_failed = !recheck_failure_.message.is_empty();
+	if (has_failed || recheck_time_left_ <= Clock::duration(0) || !ground_.source.is_available() || !rechecks()) {
 		return 0;
 	}
-	const auto affordable = static_cast<std::size_t>(recheck_left_ / std::max(usual_height_, Clock::duration(1)));
-	const std::size_t count = std::clamp<std::size_t>(affordable, 1, std::min(max_count, heights_per_frame));
+	const auto affordable_count =
+			static_cast<std::size_t>(recheck_time_left_ / std::max(average_height_time_, Clock::duration(1)));
+	const std::size_t count = std::clamp<std::size_t>(affordable_count, 1, std::min(max_count, heights_per_frame));
 	const Clock::time_point start = Clock::now();
 	std::vector<glm::dvec2> positions;
 	recheck_.next(seconds_now(), count, positions);
@@ -78,9 +79,9 @@ std::size_t ScatterStream::recheck_heights(std::size_t max_count) {
 	} else if (ground_.source.is_available()) {
 		report_recheck(status);
 	}
-	const Clock::duration spent = Clock::now() - start;
-	recheck_left_ -= spent;
-	usual_height_ += (spent / static_cast<int>(positions.size()) - usual_height_) / 8;
+	const Clock::duration elapsed = Clock::now() - start;
+	recheck_time_left_ -= elapsed;
+	average_height_time_ += (elapsed / static_cast<int>(positions.size()) - average_height_time_) / 8;
 	return positions.size();
 }
 

@@ -19,18 +19,18 @@ constexpr std::size_t density_rule_slice = 128;
 
 /// While tiles wait to be uploaded, the stream takes one division step per this many uploads. A
 /// delayed division does not change the image; it only means that more triangles are drawn.
-constexpr std::uint32_t uploads_before_divide = 32;
+constexpr std::uint32_t uploads_per_divide = 32;
 
 /// While tiles wait to be uploaded, the stream takes one step for LOD fades per this many uploads.
 /// Until a fade is prepared, its LODs switch abruptly.
-constexpr std::uint32_t uploads_before_fade = 8;
+constexpr std::uint32_t uploads_per_fade = 8;
 
 /// Updates the average time of a step. Caps outliers; otherwise a single step during which the
 /// thread was preempted would delay the stream for many frames.
 std::chrono::steady_clock::duration smoothed(
 		std::chrono::steady_clock::duration average, std::chrono::steady_clock::duration step) {
-	const auto believed = std::min(step, 4 * average + std::chrono::microseconds(1));
-	return average + (believed - average) / 8;
+	const auto capped_step = std::min(step, 4 * average + std::chrono::microseconds(1));
+	return average + (capped_step - average) / 8;
 }
 
 } // namespace
@@ -39,42 +39,42 @@ std::chrono::steady_clock::duration smoothed(
 /// Returns the number of positions; at least 1 if a tile was processed. Returns 0 if no tile waits, or
 /// if a script has changed the stream.
 std::size_t ScatterStream::ground_step(std::size_t max_count) {
-	if (ask_ground_.empty() || max_count == 0) {
+	if (ground_jobs_.empty() || max_count == 0) {
 		return 0;
 	}
-	const std::shared_ptr<TileJob> job = ask_ground_.front();
+	const std::shared_ptr<TileJob> job = ground_jobs_.front();
 	const auto part = std::find_if(job->parts.begin(), job->parts.end(),
-			[&job](const TileJob::Part &candidate) { return candidate.end > job->answered; });
-	const std::size_t count = part != job->parts.end() ? std::min(max_count, part->end - job->answered) : 0;
+			[&job](const TileJob::Part &candidate) { return candidate.end > job->answered_count; });
+	const std::size_t count = part != job->parts.end() ? std::min(max_count, part->end - job->answered_count) : 0;
 	Status status;
 	if (count > 0) {
 		const std::weak_ptr<const void> alive = life_;
-		const auto interrupted = [&] { // True if a script has freed or changed this stream.
-			return alive.expired() || ask_ground_.empty() || ask_ground_.front() != job;
+		const auto is_interrupted = [&] { // True if a script has freed or changed this stream.
+			return alive.expired() || ground_jobs_.empty() || ground_jobs_.front() != job;
 		};
-		const auto positions = std::span<const glm::dvec2>(job->positions).subspan(job->answered, count);
-		const auto ground = std::span(job->ground).subspan(job->answered, count);
+		const auto positions = std::span<const glm::dvec2>(job->positions).subspan(job->answered_count, count);
+		const auto ground = std::span(job->ground).subspan(job->answered_count, count);
 		if (job->terrain == nullptr) {
 			status = ground_.source.sample_now(positions, {part->textures, part->normals}, ground);
-			if (interrupted()) {
+			if (is_interrupted()) {
 				return 0;
 			}
 		}
 		if (status.ok()) {
 			status = part->query_density(positions, ground);
-			if (interrupted()) {
+			if (is_interrupted()) {
 				return 0;
 			}
 		}
 	}
-	job->answered += count;
+	job->answered_count += count;
 	if (!status.ok()) {
-		ask_ground_.pop_front();
+		ground_jobs_.pop_front();
 		job->status = status;
 		job->step = TileJob::Step::done;
-		settle(job);
-	} else if (job->answered == job->positions.size()) {
-		ask_ground_.pop_front();
+		process_result(job);
+	} else if (job->answered_count == job->positions.size()) {
+		ground_jobs_.pop_front();
 		job->step = TileJob::Step::has_ground;
 		workers_.push(job);
 	}
@@ -83,7 +83,7 @@ std::size_t ScatterStream::ground_step(std::size_t max_count) {
 
 /// Returns the number of positions at which the ground may be sampled now. Returns 0 if the ground
 /// must be sampled in physics frames and `in_physics_frame` is false, or the reverse.
-std::size_t ScatterStream::positions_at_once(bool in_physics_frame) const {
+std::size_t ScatterStream::max_positions(bool in_physics_frame) const {
 	const Ref<ScatterGround> &ground = ground_.source.ground;
 	if (ground_.terrain != nullptr) {
 		return in_physics_frame ? 0 : density_rule_slice;
@@ -93,13 +93,13 @@ std::size_t ScatterStream::positions_at_once(bool in_physics_frame) const {
 }
 
 void ScatterStream::physics_frame() {
-	std::size_t left = positions_at_once(true);
-	if (left > 0) {
-		left -= recheck_heights(std::max<std::size_t>(left / 16, 1)); // Rays run no script.
+	std::size_t remaining_count = max_positions(true);
+	if (remaining_count > 0) {
+		remaining_count -= recheck_heights(std::max<std::size_t>(remaining_count / 16, 1)); // Rays run no script.
 	}
-	while (left > 0) {
-		const std::size_t sampled = ground_step(left);
-		left = sampled > 0 ? left - sampled : 0;
+	while (remaining_count > 0) {
+		const std::size_t sampled_count = ground_step(remaining_count);
+		remaining_count = sampled_count > 0 ? remaining_count - sampled_count : 0;
 	}
 }
 
@@ -107,8 +107,8 @@ void ScatterStream::physics_frame() {
 /// by one, so that no far tile appears before a near one.
 bool ScatterStream::upload_step() {
 	if (uploads_.state() == UploadQueue::State::idle) {
-		const std::optional<TileRequest> next = streamer_.next_ready();
-		if (!next || !uploads_.choose(next->ticket)) {
+		const std::optional<TileRequest> request = streamer_.next_ready();
+		if (!request || !uploads_.choose(request->ticket)) {
 			return false;
 		}
 	}
@@ -146,31 +146,31 @@ void ScatterStream::finish_upload() {
 }
 
 bool ScatterStream::ring_step() {
-	bool moved = false;
+	bool has_worked = false;
 	for (NearRing *ring : rings_) {
-		moved = ring->step() || moved;
+		has_worked = ring->step() || has_worked;
 	}
-	return moved;
+	return has_worked;
 }
 
 void ScatterStream::dissolve_until(Clock::time_point deadline) {
-	bool left = true;
-	while (left) {
-		left = ring_step();
-		left = display_.free_step() || left;
-		left = left && Clock::now() < deadline;
+	bool has_work = true;
+	while (has_work) {
+		has_work = ring_step();
+		has_work = display_.free_step() || has_work;
+		has_work = has_work && Clock::now() < deadline;
 	}
 }
 
 bool ScatterStream::may_divide() const {
-	return display_.has_divisions() && (uploads_.size() == 0 || uploads_since_divide_ >= uploads_before_divide);
+	return display_.has_divisions() && (uploads_.size() == 0 || uploads_since_divide_ >= uploads_per_divide);
 }
 
 bool ScatterStream::may_fade() const {
-	return display_.has_fades() && (uploads_.size() == 0 || uploads_since_fade_ >= uploads_before_fade);
+	return display_.has_fades() && (uploads_.size() == 0 || uploads_since_fade_ >= uploads_per_fade);
 }
 
-ScatterStream::Step ScatterStream::after(Step step) {
+ScatterStream::Step ScatterStream::following_step(Step step) {
 	return static_cast<Step>((static_cast<std::size_t>(step) + 1) % step_kinds);
 }
 
@@ -180,7 +180,7 @@ FramePart ScatterStream::part_of(Step step) {
 
 bool ScatterStream::do_step(Step step) {
 	switch (step) {
-		case Step::query_ground: return ground_step(positions_at_once(false)) > 0;
+		case Step::query_ground: return ground_step(max_positions(false)) > 0;
 		case Step::upload: return upload_step();
 		case Step::free: return display_.free_step();
 		case Step::lod: return display_.lod_step();
@@ -192,37 +192,37 @@ bool ScatterStream::do_step(Step step) {
 	return false;
 }
 
-/// Runs steps of all kinds in turn until the deadline or until no kind has work. If too little time is left for a step, the
-/// next frame starts with it. Returns false if a script has freed the stream.
+/// Runs steps of all kinds in turn until the deadline or until no kind has work. If too little time
+/// is left for a step, the next frame starts with it. Returns false if a script has freed the stream.
 bool ScatterStream::work_until(Clock::time_point deadline) {
 	const std::weak_ptr<const void> alive = life_;
-	bool first = true;
+	bool is_first_step = true;
 	std::size_t idle_steps = 0; // The number of consecutive steps that found no work.
-	Clock::time_point before = Clock::now();
+	Clock::time_point step_start = Clock::now();
 	while (idle_steps < step_kinds) {
 		const bool is_deferred =
 				(next_step_ == Step::divide && !may_divide()) || (next_step_ == Step::fade && !may_fade());
 		if (is_deferred) { // Skipped regardless of the time left.
-			next_step_ = after(next_step_);
+			next_step_ = following_step(next_step_);
 			++idle_steps;
 			continue;
 		}
-		Clock::duration &average = usual_step_[static_cast<std::size_t>(next_step_)];
-		if (!first && before + average > deadline) {
+		Clock::duration &average = average_step_times_[static_cast<std::size_t>(next_step_)];
+		if (!is_first_step && step_start + average > deadline) {
 			return true;
 		}
-		const bool done = do_step(next_step_);
+		const bool has_worked = do_step(next_step_);
 		if (alive.expired()) {
 			return false;
 		}
 		times_.spent_on(part_of(next_step_));
-		next_step_ = after(next_step_);
-		idle_steps = done ? 0 : idle_steps + 1;
-		if (done) {
+		next_step_ = following_step(next_step_);
+		idle_steps = has_worked ? 0 : idle_steps + 1;
+		if (has_worked) {
 			const Clock::time_point now = Clock::now();
-			average = smoothed(average, now - before);
-			before = now;
-			first = false;
+			average = smoothed(average, now - step_start);
+			step_start = now;
+			is_first_step = false;
 		}
 	}
 	return true;

@@ -22,7 +22,8 @@ using namespace godot;
 
 namespace thicket {
 
-Ref<ScatterTile> ScatterTile::built(CompactTile tile, const std::vector<Ref<Mesh>> &meshes, const WorldFrame &frame) {
+Ref<ScatterTile> ScatterTile::from_tile(
+		CompactTile tile, const std::vector<Ref<Mesh>> &meshes, const WorldFrame &frame) {
 	const Ref<ScatterTile> result(memnew(ScatterTile));
 	const auto shared = std::make_shared<const CompactTile>(std::move(tile));
 	result->tile_ = shared;
@@ -57,7 +58,7 @@ Ref<ScatterTile> ScatterTile::from_display(const std::shared_ptr<const TileDispl
 	result->display_ = display;
 	result->thread_guard().enter_scene(); // Only the main thread may read back buffers.
 	result->layer_ = layer;
-	result->number_ = tile;
+	result->coordinates_ = tile;
 	return result;
 }
 
@@ -121,11 +122,12 @@ PackedFloat32Array ScatterTile::get_buffer(int64_t p_index) const {
 		return {};
 	}
 	const std::shared_ptr<const TileDisplay> display = display_.lock();
-	const DisplayedTile *now = display != nullptr ? display->find(layer_, number_) : nullptr;
+	const DisplayedTile *current_tile = display != nullptr ? display->find(layer_, coordinates_) : nullptr;
 	const auto index = static_cast<std::size_t>(p_index);
-	const bool same = now != nullptr && index < now->parts.size() && now->parts[index].displayed == part->instances;
-	return same && !now->parts[index].cells.empty() ? read_back(now->parts[index])
-													: to_upload(*part->instances, 0.0F).buffer;
+	const bool is_unchanged = current_tile != nullptr && index < current_tile->parts.size() &&
+			current_tile->parts[index].displayed == part->instances;
+	return is_unchanged && !current_tile->parts[index].cells.empty() ? read_back(current_tile->parts[index])
+																	 : to_upload(*part->instances, 0.0F).buffer;
 }
 
 PackedInt64Array ScatterTile::get_ids(int64_t p_index) const {
@@ -134,11 +136,11 @@ PackedInt64Array ScatterTile::get_ids(int64_t p_index) const {
 }
 
 PackedByteArray ScatterTile::get_rows() const {
-	std::vector<MeshInstances> whole;
+	std::vector<MeshInstances> instances;
 	std::vector<const MeshInstances *> meshes;
-	whole.reserve(parts_.size());
+	instances.reserve(parts_.size());
 	for (const Part &part : parts_) {
-		meshes.push_back(&whole.emplace_back(expanded(*part.instances)));
+		meshes.push_back(&instances.emplace_back(expanded(*part.instances)));
 	}
 	return packed_bytes(instance_rows(tile_ != nullptr ? tile_->origin : glm::dvec3(0.0), meshes));
 }
@@ -162,16 +164,16 @@ int64_t ScatterTile::get_digest() const {
 	if (tile_ == nullptr) {
 		return 0;
 	}
-	TileInstances read;
-	read.origin = tile_->origin;
-	read.counts = tile_->counts;
+	TileInstances instances;
+	instances.origin = tile_->origin;
+	instances.counts = tile_->counts;
 	for (int64_t index = 0; index < get_mesh_count(); ++index) {
 		const PackedFloat32Array buffer = get_buffer(index);
 		MeshInstances mesh = expanded(*parts_[static_cast<std::size_t>(index)].instances);
 		mesh.buffer.assign(buffer.ptr(), buffer.ptr() + buffer.size());
-		read.meshes.push_back(std::move(mesh));
+		instances.meshes.push_back(std::move(mesh));
 	}
-	return static_cast<int64_t>(digest(read));
+	return static_cast<int64_t>(digest(instances));
 }
 
 void ScatterTile::_bind_methods() {

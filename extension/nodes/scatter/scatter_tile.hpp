@@ -39,7 +39,7 @@ public:
 
 	/// Creates the result for a built tile. `frame` is the world position of the engine's origin
 	/// in meters.
-	static godot::Ref<ScatterTile> built(
+	static godot::Ref<ScatterTile> from_tile(
 			CompactTile tile, const std::vector<godot::Ref<godot::Mesh>> &meshes, const WorldFrame &frame);
 
 	/// Creates the result for a tile of a display; empty if the tile is not visible.
@@ -92,7 +92,7 @@ private:
 
 	std::weak_ptr<const TileDisplay> display_;
 	std::uint32_t layer_ = 0;
-	glm::ivec2 number_{0};
+	glm::ivec2 coordinates_{0};
 };
 
 } // namespace thicket

@@ -62,8 +62,8 @@ glm::dvec3 focus_of(const Camera3D &camera, const WorldFrame &frame, const ViewG
 } // namespace
 
 bool has_position(const Node3D &viewer) {
-	const Vector3 at = viewer.get_global_position();
-	return std::isfinite(at.x) && std::isfinite(at.z);
+	const Vector3 position = viewer.get_global_position();
+	return std::isfinite(position.x) && std::isfinite(position.z);
 }
 
 std::vector<Camera3D *> active_cameras(const Node3D &node) {
@@ -73,26 +73,27 @@ std::vector<Camera3D *> active_cameras(const Node3D &node) {
 	return cameras;
 }
 
-FoundViewers find_viewers(
+CurrentViewers find_viewers(
 		const Node3D &node, const ViewerSettings &settings, const WorldFrame &frame, const ViewGround &ground) {
-	FoundViewers result;
+	CurrentViewers result;
 	const auto add = [&](const Node3D *viewer, int64_t index) {
 		if (viewer == nullptr || !viewer->is_inside_tree() || !has_position(*viewer)) {
 			return;
 		}
-		const Vector3 at = viewer->get_global_position();
-		glm::dvec3 position = to_world(Vector3(at.x, std::isfinite(at.y) ? at.y : real_t(0.0), at.z), frame);
-		double above = 0.0;
+		const Vector3 origin = viewer->get_global_position();
+		glm::dvec3 position =
+				to_world(Vector3(origin.x, std::isfinite(origin.y) ? origin.y : real_t(0.0), origin.z), frame);
+		double height_offset = 0.0;
 		const Camera3D *camera = Object::cast_to<Camera3D>(viewer);
 		if (camera != nullptr && is_orthogonal(*camera)) {
 			const glm::dvec3 focus = focus_of(*camera, frame, ground);
-			const bool finite = std::isfinite(focus.x) && std::isfinite(focus.y) && std::isfinite(focus.z);
-			position = finite ? focus : position;
-			above = camera->get_size() / size_per_distance;
+			const bool has_focus = std::isfinite(focus.x) && std::isfinite(focus.y) && std::isfinite(focus.z);
+			position = has_focus ? focus : position;
+			height_offset = camera->get_size() / size_per_distance;
 		}
 		const PackedFloat32Array &scales = settings.distance_scales;
 		const double scale = index < scales.size() ? scales.ptr()[index] : 1.0;
-		result.viewers.push_back({{position.x, position.z}, scale, position.y + above});
+		result.viewers.push_back({{position.x, position.z}, scale, position.y + height_offset});
 		result.positions.push_back(position);
 		result.ids.push_back(viewer->get_instance_id());
 	};
@@ -108,7 +109,7 @@ FoundViewers find_viewers(
 }
 
 std::vector<glm::dvec3> find_near_centers(
-		const Node3D &node, const FoundViewers &viewers, const StringName &p_group, const WorldFrame &frame) {
+		const Node3D &node, const CurrentViewers &viewers, const StringName &p_group, const WorldFrame &frame) {
 	std::vector<glm::dvec3> centers = viewers.positions;
 	if (p_group == StringName()) {
 		return centers;
@@ -116,9 +117,9 @@ std::vector<glm::dvec3> find_near_centers(
 	const TypedArray<Node> members = node.get_tree()->get_nodes_in_group(p_group);
 	for (int64_t i = 0; i < members.size(); ++i) {
 		const Node3D *member = Object::cast_to<Node3D>(members[i]);
-		const Vector3 at = member != nullptr ? member->get_global_position() : Vector3();
-		if (member != nullptr && std::isfinite(at.x) && std::isfinite(at.y) && std::isfinite(at.z)) {
-			centers.push_back(to_world(at, frame));
+		const Vector3 position = member != nullptr ? member->get_global_position() : Vector3();
+		if (member != nullptr && std::isfinite(position.x) && std::isfinite(position.y) && std::isfinite(position.z)) {
+			centers.push_back(to_world(position, frame));
 		}
 	}
 	return centers;

@@ -34,7 +34,7 @@ struct ViewGround {
 };
 
 /// The current viewers in world space.
-struct FoundViewers {
+struct CurrentViewers {
 	std::vector<Viewer> viewers;
 	/// The position of each viewer; for an orthogonal camera, the point at which it is aimed.
 	std::vector<glm::dvec3> positions;
@@ -47,7 +47,7 @@ struct FoundViewers {
 /// An orthogonal camera shows objects at the same size regardless of distance. Its viewer is
 /// therefore placed above the point at which the camera is aimed. A perspective camera at that
 /// height would show objects at the same size.
-FoundViewers find_viewers(
+CurrentViewers find_viewers(
 		const godot::Node3D &node, const ViewerSettings &settings, const WorldFrame &frame, const ViewGround &ground);
 
 /// Returns true if a node in the tree can be a viewer, because its global x and z are finite.
@@ -59,7 +59,7 @@ std::vector<godot::Camera3D *> active_cameras(const godot::Node3D &node);
 
 /// The world positions around which bodies and scenes are created: the viewers, and all Node3Ds in
 /// `p_group` unless its name is empty.
-std::vector<glm::dvec3> find_near_centers(const godot::Node3D &node, const FoundViewers &viewers,
+std::vector<glm::dvec3> find_near_centers(const godot::Node3D &node, const CurrentViewers &viewers,
 		const godot::StringName &p_group, const WorldFrame &frame);
 
 } // namespace thicket

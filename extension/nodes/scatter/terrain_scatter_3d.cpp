@@ -102,8 +102,8 @@ void TerrainScatter3D::start() {
 
 /// Updates the warning that the node's transform has no effect.
 void TerrainScatter3D::check_transform() {
-	const bool now = !local_coords_ && is_displaced(*this, world_offset_);
-	if (std::exchange(displaced_, now) != now) {
+	const bool is_now_displaced = !local_coords_ && is_displaced(*this, world_offset_);
+	if (std::exchange(is_displaced_, is_now_displaced) != is_now_displaced) {
 		update_configuration_warnings();
 	}
 }
@@ -123,7 +123,7 @@ void TerrainScatter3D::stop() {
 	stream->take_events();
 	fade_viewers_.clear();
 	wind_time_.set_layers({});
-	used_.replace({});
+	scene_use_.replace({});
 }
 
 void TerrainScatter3D::process_frame() {
@@ -133,18 +133,18 @@ void TerrainScatter3D::process_frame() {
 	const auto start = Clock::now();
 	const std::shared_ptr<ScatterStream> stream = stream_;
 	stream->times().begin();
-	const Presence here(gameplay_);
+	const Presence presence(gameplay_);
 	move_world();
 	make_main_thread_calls();
-	if (here) {
+	if (presence) {
 		gameplay()->take_requests();
 	}
-	if (!here) {
+	if (!presence) {
 		return;
 	}
 	if (ground_.is_valid()) {
 		ground_->follow_scene(start + std::chrono::microseconds(frame_budget_usec_));
-		if (!here) {
+		if (!presence) {
 			return;
 		}
 		// A script of the ground may have replaced it.
@@ -156,22 +156,22 @@ void TerrainScatter3D::process_frame() {
 	if (regions_.paths_changed()) {
 		mark_edited();
 	}
-	if (row_paths_.changed(*this, *this)) {
+	if (row_paths_.have_changed(*this, *this)) {
 		mark_edited();
 		update_configuration_warnings();
 	}
 	check_layers();
-	if (here && dirty_ && models_are_read(start + std::chrono::microseconds(frame_budget_usec_)) && here) {
+	if (presence && dirty_ && models_are_read(start + std::chrono::microseconds(frame_budget_usec_)) && presence) {
 		refresh();
 	}
 	stream->times().spent_on(FramePart::follow);
 	const bool has_content = ground_.is_valid() && !layer_list_.snapshots().empty();
-	if (here && has_content) {
+	if (presence && has_content) {
 		work(start);
-	} else if (here) {
+	} else if (presence) {
 		dissolve(start);
 	}
-	if (here) {
+	if (presence) {
 		frame_time_ = Clock::now() - start;
 		emit_events();
 		stream->times().spent_on(FramePart::signals);
@@ -181,28 +181,29 @@ void TerrainScatter3D::process_frame() {
 void TerrainScatter3D::work(Clock::time_point start) {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	const std::shared_ptr<ScatterStream> stream = stream_;
-	const Presence here(gameplay);
+	const Presence presence(gameplay);
 	const std::chrono::microseconds budget(frame_budget_usec_);
 	if (!in_editor()) {
 		wind_time_.advance(get_process_delta_time(), Engine::get_singleton()->get_process_frames());
 		gameplay->advance(get_process_delta_time(), Engine::get_singleton()->get_process_frames());
-		if (!here) {
+		if (!presence) {
 			return;
 		}
 	}
-	const FoundViewers found = viewers_now();
+	const CurrentViewers viewers = current_viewers();
 	const DrawLimits limits = draw_limits();
-	was_settled_ = was_settled_ && stream->follows(found.viewers, limits);
-	set_fade_viewers(found);
+	was_settled_ = was_settled_ && stream->follows(viewers.viewers, limits);
+	set_fade_viewers(viewers);
 	if (!in_editor()) {
-		const std::vector<glm::dvec3> centers = near_centers(found);
+		const std::vector<glm::dvec3> centers = near_centers(viewers);
 		was_settled_ = was_settled_ && gameplay->follows(centers);
 		gameplay->find_changes(centers);
 	}
 	stream->times().spent_on(FramePart::gameplay);
-	const auto left = std::chrono::duration_cast<std::chrono::microseconds>(start + budget - Clock::now());
+	const auto remaining = std::chrono::duration_cast<std::chrono::microseconds>(start + budget - Clock::now());
 	stream->display().set_limits(limits);
-	if (!stream->frame(found.viewers, static_cast<std::uint64_t>(std::max<std::int64_t>(left.count(), 0))) || !here) {
+	if (!stream->frame(viewers.viewers, static_cast<std::uint64_t>(std::max<std::int64_t>(remaining.count(), 0))) ||
+			!presence) {
 		return;
 	}
 	if (stream->take_failures_changed()) {
@@ -214,10 +215,10 @@ void TerrainScatter3D::work(Clock::time_point start) {
 	gameplay->answer_requests();
 	gameplay->work_until(start + budget);
 	stream->times().spent_on(FramePart::reports);
-	if (here) {
+	if (presence) {
 		patch_in_steps(start + budget);
 		stream->display().patch();
-		stream->times().spent_on(FramePart::patched);
+		stream->times().spent_on(FramePart::patches);
 	}
 }
 
@@ -228,13 +229,13 @@ void TerrainScatter3D::dissolve(Clock::time_point start) {
 	if (gameplay->settled() && stream->display().leaving_count() == 0) {
 		return;
 	}
-	const Presence here(gameplay);
+	const Presence presence(gameplay);
 	const Clock::time_point deadline = start + std::chrono::microseconds(frame_budget_usec_);
 	if (!in_editor()) {
-		gameplay->find_changes(near_centers(viewers_now()));
+		gameplay->find_changes(near_centers(current_viewers()));
 	}
 	stream->dissolve_until(deadline);
-	if (here) {
+	if (presence) {
 		gameplay->work_until(deadline);
 	}
 }
@@ -245,20 +246,20 @@ void TerrainScatter3D::patch_in_steps(Clock::time_point deadline) {
 
 void TerrainScatter3D::emit_events() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
-	const Presence here(gameplay);
+	const Presence presence(gameplay);
 	const SharedLayers layers = gameplay->listed_layers();
-	const SharedLayers former = std::exchange(former_layers_, nullptr);
+	const SharedLayers former_layers = std::exchange(former_layers_, nullptr);
 	for (const TileEvent &event : stream_->take_events()) {
 		Ref<ScatterLayer> layer = layers->at(event.layer);
-		if (layer.is_null() && former != nullptr) {
-			layer = former->at(event.layer);
+		if (layer.is_null() && former_layers != nullptr) {
+			layer = former_layers->at(event.layer);
 		}
-		if (here) {
-			emit_signal(event.shown ? "tile_shown" : "tile_hidden", layer, Vector2i(event.tile.x, event.tile.y));
+		if (presence) {
+			emit_signal(event.is_shown ? "tile_shown" : "tile_hidden", layer, Vector2i(event.tile.x, event.tile.y));
 		}
 	}
 	gameplay->complete_requests();
-	if (!here) {
+	if (!presence) {
 		return;
 	}
 	const bool settled = is_settled();
@@ -283,8 +284,9 @@ DrawLimits TerrainScatter3D::draw_limits() const {
 }
 
 bool TerrainScatter3D::is_settled() const {
-	const bool behind = (ground_.is_valid() && ground_->is_behind()) || (biomes_.is_valid() && biomes_->differs());
-	return !dirty_ && ground_change_.empty() && !behind && !layer_watch_->differs(all_layers()) &&
+	const bool is_input_outdated =
+			(ground_.is_valid() && ground_->is_behind()) || (biomes_.is_valid() && biomes_->differs());
+	return !dirty_ && ground_change_.empty() && !is_input_outdated && !layer_watch_->differs(all_layers()) &&
 			(layer_list_.snapshots().empty() || (stream_->idle() && !display().has_patches() && follows())) &&
 			gameplay_->settled();
 }
@@ -295,31 +297,32 @@ bool TerrainScatter3D::follows() const {
 	if (!is_inside_tree()) {
 		return true;
 	}
-	const FoundViewers found = viewers_now();
-	return stream_->follows(found.viewers, draw_limits()) && (in_editor() || gameplay_->follows(near_centers(found)));
+	const CurrentViewers viewers = current_viewers();
+	return stream_->follows(viewers.viewers, draw_limits()) &&
+			(in_editor() || gameplay_->follows(near_centers(viewers)));
 }
 
-FoundViewers TerrainScatter3D::viewers_now() const {
+CurrentViewers TerrainScatter3D::current_viewers() const {
 	// Does not sample the ground of a script, because the script may free the node.
 	const bool by_script = ground_.is_valid() && ground_->calls_script();
 	return find_viewers(*this, viewers_, frame_,
 			{by_script ? nullptr : ground_snapshot_.get(), [this] { return display().usual_height(); }});
 }
 
-std::vector<glm::dvec3> TerrainScatter3D::near_centers(const FoundViewers &found) const {
-	return find_near_centers(*this, found, interaction_group_, frame_);
+std::vector<glm::dvec3> TerrainScatter3D::near_centers(const CurrentViewers &viewers) const {
+	return find_near_centers(*this, viewers, interaction_group_, frame_);
 }
 
-void TerrainScatter3D::set_fade_viewers(const FoundViewers &found) {
-	std::vector<FadeViewer> viewers;
-	for (std::size_t at = 0; at < found.viewers.size(); ++at) {
-		const Viewer &viewer = found.viewers[at];
+void TerrainScatter3D::set_fade_viewers(const CurrentViewers &viewers) {
+	std::vector<FadeViewer> fade_viewers;
+	for (std::size_t index = 0; index < viewers.viewers.size(); ++index) {
+		const Viewer &viewer = viewers.viewers[index];
 		const glm::dvec3 engine_position = frame_.to_engine({viewer.position.x, viewer.height, viewer.position.y});
-		viewers.push_back({found.ids[at], glm::vec4(glm::dvec4(engine_position, viewer.radius_scale - 1.0))});
+		fade_viewers.push_back({viewers.ids[index], glm::vec4(glm::dvec4(engine_position, viewer.radius_scale - 1.0))});
 	}
 	const Camera3D *camera = get_viewport()->get_camera_3d();
-	const Vector3 at = camera != nullptr ? camera->get_global_position() : Vector3();
-	fade_viewers_.set_viewers(viewers, glm::vec3(to_core(at)));
+	const Vector3 camera_position = camera != nullptr ? camera->get_global_position() : Vector3();
+	fade_viewers_.set_viewers(fade_viewers, glm::vec3(to_core(camera_position)));
 }
 
 String TerrainScatter3D::layer_problem(const Variant &p_reference) const {

@@ -204,9 +204,10 @@ public:
 	/// Returns positions relative to the planet's center, in the space of ScatterMask.paint_on_planet.
 	godot::PackedVector3Array to_planet(const godot::PackedVector3Array &p_positions);
 
-	/// Returns the highest ground at places on the flat map of the planet around `p_middle` (see
-	/// PlanetMap), in the engine's space. A position is NAN where there is no ground.
-	godot::PackedVector3Array planet_ground(const godot::Vector3 &p_middle, const godot::PackedVector2Array &p_places);
+	/// Returns the highest ground at positions on the flat map of the planet around `p_center` (see
+	/// PlanetMap), in the engine's space. Where there is no ground, the result is NAN.
+	godot::PackedVector3Array planet_ground(
+			const godot::Vector3 &p_center, const godot::PackedVector2Array &p_positions);
 
 	/// Like get_density_map and get_slope_map, at positions on the ground of any side.
 	godot::PackedFloat32Array densities_at(const godot::Variant &p_layer, const godot::PackedVector3Array &p_positions);
@@ -390,9 +391,9 @@ private:
 	TileMaker worker_tile_maker() const;
 	DrawLimits draw_limits() const;
 	bool follows() const;
-	FoundViewers viewers_now() const;
-	std::vector<glm::dvec3> near_centers(const FoundViewers &found) const;
-	void set_fade_viewers(const FoundViewers &found);
+	CurrentViewers current_viewers() const;
+	std::vector<glm::dvec3> near_centers(const CurrentViewers &viewers) const;
+	void set_fade_viewers(const CurrentViewers &viewers);
 	void move_world();
 	static godot::Dictionary to_dictionary(const FrameTimes &times);
 	godot::String ground_problem();
@@ -433,10 +434,10 @@ private:
 	std::shared_ptr<ScatterGameplay> gameplay_ = std::make_shared<ScatterGameplay>(host_);
 	std::shared_ptr<ScatterStream> stream_ = std::make_shared<ScatterStream>(gameplay_->world());
 	NavigationParse navigation_;
-	std::shared_ptr<SynchronousBuilder> at_once_ = std::make_shared<SynchronousBuilder>();
+	std::shared_ptr<SynchronousBuilder> synchronous_builder_ = std::make_shared<SynchronousBuilder>();
 	LayerList layer_list_;
 	InstanceLoad instance_load_;
-	SceneUse used_;                   ///< The resources in use while the node is in the tree.
+	SceneUse scene_use_;              ///< The resources in use while the node is in the tree.
 	bool warned_of_stripped_ = false; ///< True once the warning about stripped resources is printed.
 	LayerPreviews previews_;
 	FadeViewers fade_viewers_;
@@ -465,7 +466,7 @@ private:
 	/// The number of problems of instance_load_ in the current configuration warnings.
 	int64_t load_problems_ = 0;
 	/// The result of is_displaced for the current configuration warnings.
-	bool displaced_ = false;
+	bool is_displaced_ = false;
 };
 
 } // namespace thicket

@@ -44,15 +44,15 @@ Rect world_rect(const Rect2 &p_rect) {
 /// tile in `tiles`.
 std::vector<std::size_t> order_tiles(
 		std::span<const SharedSnapshot> layers, std::span<const WorldTile> tiles, std::vector<TileOrder> &r_orders) {
-	std::vector<std::size_t> ordered;
+	std::vector<std::size_t> tile_indices;
 	for (std::size_t i = 0; i < tiles.size(); ++i) {
 		const SharedSnapshot layer = tiles[i].layer < layers.size() ? layers[tiles[i].layer] : nullptr;
 		if (layer != nullptr) {
 			r_orders.push_back({layer->settings, tile_space(layer->range.tile_size, tiles[i].tile, tiles[i].slab)});
-			ordered.push_back(i);
+			tile_indices.push_back(i);
 		}
 	}
-	return ordered;
+	return tile_indices;
 }
 
 } // namespace
@@ -84,9 +84,9 @@ void TerrainScatter3D::mark_dirty() {
 	const TypedArray<ScatterLayer> layers = all_layers();
 	// Undo may keep a node outside the tree. Such a node must not assign IDs to layers that other
 	// nodes share.
-	const bool assigns = is_inside_tree() || !was_inside_;
+	const bool may_assign_ids = is_inside_tree() || !was_inside_;
 	// Assigning an ID emits a signal, so scripts may free this node.
-	watch->update(layers, node_layers_.own_count(), assigns);
+	watch->update(layers, node_layers_.own_count(), may_assign_ids);
 	const std::vector<LayerRename> renames = gameplay->alive() ? watch->follow_names() : std::vector<LayerRename>();
 	if (!gameplay->alive()) {
 		return;
@@ -101,9 +101,9 @@ void TerrainScatter3D::mark_dirty() {
 	use_resources();
 	update_configuration_warnings();
 	PackedStringArray names;
-	const TypedArray<ScatterLayer> named = all_layers();
-	for (int64_t index = 0; index < named.size(); ++index) {
-		const Ref<ScatterLayer> layer = named[index];
+	const TypedArray<ScatterLayer> current_layers = all_layers();
+	for (int64_t index = 0; index < current_layers.size(); ++index) {
+		const Ref<ScatterLayer> layer = current_layers[index];
 		names.push_back(layer.is_valid() ? layer->get_name() : String());
 	}
 	if (!(names == layer_names_)) {
@@ -128,23 +128,23 @@ void TerrainScatter3D::use_resources() {
 	if (!running_) {
 		return;
 	}
-	SceneUse::List used;
+	SceneUse::List used_resources;
 	if (ground_.is_valid()) {
-		ground_->add_used(used);
+		ground_->add_used(used_resources);
 	}
-	used.add(get_state());
-	used.add(biomes_);
+	used_resources.add(get_state());
+	used_resources.add(biomes_);
 	if (biomes_.is_valid()) {
-		biomes_->add_used(used);
+		biomes_->add_used(used_resources);
 	}
 	const TypedArray<ScatterLayer> &layers = all_layers();
 	for (int64_t index = 0; index < layers.size(); ++index) {
 		if (const Ref<ScatterLayer> layer = layers[index]; layer.is_valid()) {
-			used.add(layer);
-			layer->add_used(used);
+			used_resources.add(layer);
+			layer->add_used(used_resources);
 		}
 	}
-	used_.replace(std::move(used));
+	scene_use_.replace(std::move(used_resources));
 }
 
 /// Checks for changes that scripts have made to the shared lists of layers and biomes without
@@ -235,9 +235,9 @@ void TerrainScatter3D::apply_changes() {
 	const std::shared_ptr<ScatterStream> stream = stream_;
 	const Ref<ScatterGround> ground = ground_;
 	set_physics_process_internal(ground.is_valid() && ground->needs_physics_frames());
-	const bool pending = ground.is_valid() && ground->is_pending(get_instance_id());
-	const EditedArea ground_change = pending ? EditedArea() : std::exchange(ground_change_, {});
-	std::shared_ptr<const Terrain> former;
+	const bool is_pending = ground.is_valid() && ground->is_pending(get_instance_id());
+	const EditedArea ground_change = is_pending ? EditedArea() : std::exchange(ground_change_, {});
+	std::shared_ptr<const Terrain> former_terrain;
 	if (!ground_change.empty() && ground.is_valid()) {
 		// This call and `change_references` below may run scripts, so check afterward that the node
 		// still exists.
@@ -245,17 +245,17 @@ void TerrainScatter3D::apply_changes() {
 		if (!gameplay->alive() || !(ground == ground_)) {
 			return;
 		}
-		former = std::exchange(ground_snapshot_, std::move(terrain));
+		former_terrain = std::exchange(ground_snapshot_, std::move(terrain));
 	}
 	change_references(naming_layers(all_layers()));
 	if (!gameplay->alive()) {
 		return;
 	}
-	const bool grounded = ground.is_valid() && (ground_snapshot_ != nullptr || ground->is_main_thread_only());
+	const bool has_ground = ground.is_valid() && (ground_snapshot_ != nullptr || ground->is_main_thread_only());
 	if (!gameplay->alive() || !(ground == ground_)) {
 		return;
 	}
-	if (const Planet now = planet(); std::exchange(region_planet_, now) != now) {
+	if (const Planet current_planet = planet(); std::exchange(region_planet_, current_planet) != current_planet) {
 		regions_.mark_all();
 	}
 	const bool recentered = std::exchange(recentered_, false);
@@ -264,7 +264,7 @@ void TerrainScatter3D::apply_changes() {
 	if (!gameplay->alive()) {
 		return;
 	}
-	if (!grounded || all_layers().is_empty()) {
+	if (!has_ground || all_layers().is_empty()) {
 		layer_list_.clear();
 		gameplay->retire();
 		stream->retire();
@@ -272,20 +272,21 @@ void TerrainScatter3D::apply_changes() {
 	}
 	const StateEdits state_edits = std::exchange(state_edits_, {});
 	row_paths_.begin_update(*this, *this, recentered);
-	const std::vector<EditedArea> outdated = layer_list_.update(node_layers_, layer_world(state_edits), ground_change);
+	const std::vector<EditedArea> outdated_areas =
+			layer_list_.update(node_layers_, layer_world(state_edits), ground_change);
 	row_paths_.end_update();
 	if (former_layers_ == nullptr) {
 		former_layers_ = gameplay->listed_layers();
 	}
 	gameplay->set_layers(std::make_shared<const ListedLayers>(node_layers_.by_index()), layer_list_.snapshots(),
-			outdated, tile_maker());
-	stream->set_layers(layer_list_.snapshots(), outdated, {ground_snapshot_, {ground_, get_instance_id()}});
+			outdated_areas, tile_maker());
+	stream->set_layers(layer_list_.snapshots(), outdated_areas, {ground_snapshot_, {ground_, get_instance_id()}});
 	fade_viewers_.set_layers(layer_list_.snapshots());
 	wind_time_.set_layers(layer_list_.snapshots());
 	instance_load_.forget();
 	check_load();
-	if (former != nullptr && former != ground_snapshot_) {
-		stream->free_on_worker(std::move(former));
+	if (former_terrain != nullptr && former_terrain != ground_snapshot_) {
+		stream->free_on_worker(std::move(former_terrain));
 	}
 }
 
@@ -295,18 +296,18 @@ bool TerrainScatter3D::waits_for_ground() const {
 }
 
 LayerWorld TerrainScatter3D::layer_world(const StateEdits &state_edits) {
-	static const LayerPreviews none;
+	static const LayerPreviews no_previews;
 	const Planet planet = this->planet();
 	const GroundShell shell =
 			planet.exists() ? ground_->shell(get_instance_id(), planet).widened() : GroundShell::everywhere();
 	return {static_cast<std::uint64_t>(seed_), water_enabled_ ? water_level_ : no_water, biomes_, regions_, row_paths_,
-			in_editor() ? previews_ : none, planet, shell, state_edits, get_state()};
+			in_editor() ? previews_ : no_previews, planet, shell, state_edits, get_state()};
 }
 
 /// Returns a function that generates tiles synchronously. Captures by value, so that scripts that
 /// sample the ground cannot change its data.
 TileMaker TerrainScatter3D::tile_maker() const {
-	return [layers = layer_list_.snapshots(), terrain = ground_snapshot_, builder = at_once_,
+	return [layers = layer_list_.snapshots(), terrain = ground_snapshot_, builder = synchronous_builder_,
 				   ground = HostedGround{ground_, get_instance_id()}](std::span<const WorldTile> tiles,
 				   std::vector<std::shared_ptr<const CompactTile>> &r_tiles) -> Status {
 		r_tiles.assign(tiles.size(), nullptr);
@@ -314,11 +315,11 @@ TileMaker TerrainScatter3D::tile_maker() const {
 			return {};
 		}
 		std::vector<TileOrder> orders;
-		const std::vector<std::size_t> ordered = order_tiles(layers, tiles, orders);
+		const std::vector<std::size_t> tile_indices = order_tiles(layers, tiles, orders);
 		std::vector<std::shared_ptr<const CompactTile>> generated;
 		const Status status = builder->build_all(orders, terrain.get(), ground, generated);
 		for (std::size_t i = 0; i < generated.size(); ++i) {
-			r_tiles[ordered[i]] = std::move(generated[i]);
+			r_tiles[tile_indices[i]] = std::move(generated[i]);
 		}
 		return status;
 	};
@@ -328,10 +329,10 @@ TileMaker TerrainScatter3D::tile_maker() const {
 /// thread-safe ground scripts.
 TileMaker TerrainScatter3D::worker_tile_maker() const {
 	return [layers = layer_list_.snapshots(), terrain = ground_snapshot_, builder = std::make_shared<SharedBuilder>(),
-				   available = ground_.is_valid() && ground_->is_available()](std::span<const WorldTile> tiles,
+				   is_available = ground_.is_valid() && ground_->is_available()](std::span<const WorldTile> tiles,
 				   std::vector<std::shared_ptr<const CompactTile>> &r_tiles) -> Status {
 		r_tiles.assign(tiles.size(), nullptr);
-		if (!available) {
+		if (!is_available) {
 			return {};
 		}
 		if (terrain == nullptr) {
@@ -341,7 +342,7 @@ TileMaker TerrainScatter3D::worker_tile_maker() const {
 					"request_rect() or request_sphere()");
 		}
 		std::vector<TileOrder> orders;
-		const std::vector<std::size_t> ordered = order_tiles(layers, tiles, orders);
+		const std::vector<std::size_t> tile_indices = order_tiles(layers, tiles, orders);
 		Status status;
 		if (std::ranges::any_of(orders, [](const TileOrder &order) { return needs_main_thread(*order.layer); })) {
 			return Status::missing("thread_safe_rule",
@@ -350,7 +351,7 @@ TileMaker TerrainScatter3D::worker_tile_maker() const {
 					"true, or use request_rect() or request_sphere()");
 		}
 		for (std::size_t i = 0; status.ok() && i < orders.size(); ++i) {
-			status = builder->build(orders[i], *terrain, r_tiles[ordered[i]]);
+			status = builder->build(orders[i], *terrain, r_tiles[tile_indices[i]]);
 		}
 		return status;
 	};

@@ -34,12 +34,12 @@ namespace thicket {
 namespace {
 
 /// Replaces the verdict with a negative one that names the rule and the reason.
-void refuse(const char *rule, const std::string &why, LayerExplanation &r_explanation) {
-	r_explanation.verdict = {false, rule, why};
+void reject(const char *rule, const std::string &reason, LayerExplanation &r_explanation) {
+	r_explanation.verdict = {false, rule, reason};
 }
 
-std::string but_not_drawn(const LayerExplanation &explanation, const std::string &why) {
-	return "Placed " + distance_text(explanation.rules.distance) + ", but not drawn: " + why;
+std::string not_drawn_message(const LayerExplanation &explanation, const std::string &reason) {
+	return "Placed " + distance_text(explanation.rules.distance) + ", but not drawn: " + reason;
 }
 
 /// Adds a message about each mesh of a layer with several meshes.
@@ -57,7 +57,7 @@ std::span<const Vector3> span_of(const PackedVector3Array &p_vectors) {
 }
 
 /// Returns a function that converts positions of the engine, for values_of.
-auto all_of(const PackedVector3Array &p_positions) {
+auto engine_positions(const PackedVector3Array &p_positions) {
 	return [&p_positions](const WorldFrame &frame, std::vector<glm::dvec3> &r_positions) {
 		std::ranges::transform(span_of(p_positions), std::back_inserter(r_positions),
 				[&frame](const Vector3 &p_position) { return to_world(p_position, frame); });
@@ -66,9 +66,9 @@ auto all_of(const PackedVector3Array &p_positions) {
 }
 
 bool draws_nothing(const LayerSnapshot &layer) {
-	const bool meshes = std::ranges::any_of(
+	const bool has_mesh = std::ranges::any_of(
 			layer.drawing.meshes, [](const MeshAppearance &appearance) { return appearance.mesh.is_valid(); });
-	return !meshes && layer.gameplay.scene.scene.is_null();
+	return !has_mesh && layer.gameplay.scene.scene.is_null();
 }
 
 } // namespace
@@ -94,17 +94,17 @@ void TerrainScatter3D::explain_changes(const LayerSnapshot &layer, LayerExplanat
 	if (state.is_null()) {
 		return;
 	}
-	const std::string where = distance_text(r_explanation.rules.distance);
+	const std::string distance = distance_text(r_explanation.rules.distance);
 	if (r_explanation.is_placed && state->state().removed(r_explanation.rules.point.id)) {
 		r_explanation.is_placed = false;
 		if (r_explanation.verdict.yes) {
-			refuse("state", "Removed: the state has removed the instance " + where + ".", r_explanation);
+			reject("state", "Removed: the state has removed the instance " + distance + ".", r_explanation);
 		}
 	}
 	const double radius = layer.settings->set.radius;
 	const glm::dvec2 position(r_explanation.position.x, r_explanation.position.z);
 	std::vector<std::uint64_t> ids;
-	const Status found =
+	const Status status =
 			state->state().added_in(layer.settings->set.layer, {position - radius, position + radius}, ids);
 	if (layer.settings->set.on_surface) {
 		// An instance on a different level or on the opposite side of a planet is not nearby.
@@ -112,7 +112,7 @@ void TerrainScatter3D::explain_changes(const LayerSnapshot &layer, LayerExplanat
 			return glm::distance(state->state().added(id)->position, r_explanation.position) > 2.0 * radius;
 		});
 	}
-	if (found.ok() && !ids.empty()) {
+	if (status.ok() && !ids.empty()) {
 		r_explanation.verdict.reason += ids.size() == 1
 				? " One was placed by hand nearby."
 				: " " + std::to_string(ids.size()) + " were placed by hand nearby.";
@@ -124,50 +124,50 @@ void TerrainScatter3D::explain_drawing(const LayerSnapshot &layer, LayerExplanat
 	if (!r_explanation.is_placed) {
 		return;
 	}
-	const auto hidden = [&](const char *rule, const std::string &why) {
+	const auto set_not_drawn = [&](const char *rule, const std::string &reason) {
 		if (r_explanation.verdict.yes) {
-			refuse(rule, but_not_drawn(r_explanation, why), r_explanation);
+			reject(rule, not_drawn_message(r_explanation, reason), r_explanation);
 		}
 	};
 	if (!is_inside_tree()) {
-		return hidden("visible", "the node is not in the scene tree.");
+		return set_not_drawn("visible", "the node is not in the scene tree.");
 	}
 	if (!is_visible_in_tree()) {
-		return hidden("visible", "the node is hidden.");
+		return set_not_drawn("visible", "the node is hidden.");
 	}
 	if (draws_nothing(layer)) {
-		return hidden("meshes", "the layer has no mesh.");
+		return set_not_drawn("meshes", "the layer has no mesh.");
 	}
 	const glm::dvec2 point = r_explanation.rules.point.position;
 	const glm::ivec2 tile = tile_at(layer.range.tile_size, point);
-	const glm::dvec3 at(point.x, double{r_explanation.rules.at_point.ground.height}, point.y);
-	const std::int32_t slab = layer.range.in_space() ? slab_at(layer.range.tile_size, at.y) : all_slabs;
+	const glm::dvec3 instance_position(point.x, double{r_explanation.rules.at_point.ground.height}, point.y);
+	const std::int32_t slab = layer.range.in_space() ? slab_at(layer.range.tile_size, instance_position.y) : all_slabs;
 	const TileSpace space = tile_space(layer.range.tile_size, tile, slab);
 	constexpr double infinity = std::numeric_limits<double>::infinity();
-	double beyond = infinity; // The smallest distance beyond any view distance, in meters.
-	double away = infinity;
+	double min_excess = infinity; // The smallest distance beyond any view distance, in meters.
+	double nearest_distance = infinity;
 	const Sight sight = layer.lod.sight();
-	for (const Viewer &viewer : viewers_now().viewers) {
-		const double seen = layer.range.view_distance * viewer.radius_scale;
-		const glm::dvec3 from(viewer.position.x, viewer.height, viewer.position.y);
-		beyond = std::min(beyond, std::sqrt(distance_squared(space, from)) - seen);
-		away = std::min(away,
-				sight_distance(glm::distance(point, viewer.position), glm::distance(at, from),
+	for (const Viewer &viewer : current_viewers().viewers) {
+		const double view_distance = layer.range.view_distance * viewer.radius_scale;
+		const glm::dvec3 viewer_position(viewer.position.x, viewer.height, viewer.position.y);
+		min_excess = std::min(min_excess, std::sqrt(distance_squared(space, viewer_position)) - view_distance);
+		nearest_distance = std::min(nearest_distance,
+				sight_distance(glm::distance(point, viewer.position), glm::distance(instance_position, viewer_position),
 						sight.height_limit(viewer.radius_scale)));
 	}
 	if (display().find(r_explanation.layer, tile, slab) == nullptr) {
-		if (std::isinf(beyond)) {
-			return hidden("view_distance", "there is no viewer.");
+		if (std::isinf(min_excess)) {
+			return set_not_drawn("view_distance", "there is no viewer.");
 		}
-		return beyond > 0.0
-				? hidden("view_distance",
-						  "the nearest viewer is " + distance_text(away) + "; the view distance of the layer is " +
-								  number_text(layer.range.view_distance, away) + " m.")
-				: hidden("loading", "its tile is still being generated.");
+		return min_excess > 0.0 ? set_not_drawn("view_distance",
+										  "the nearest viewer is " + distance_text(nearest_distance) +
+												  "; the view distance of the layer is " +
+												  number_text(layer.range.view_distance, nearest_distance) + " m.")
+								: set_not_drawn("loading", "its tile is still being generated.");
 	}
 	const std::uint32_t rank = thinning_rank(r_explanation.rules.point.rank, r_explanation.rules.at_point.density);
-	if (const double fraction = display().drawn_fraction(layer.lod, away); !thicket::is_placed(rank, fraction)) {
-		return hidden("thinning",
+	if (const double fraction = display().drawn_fraction(layer.lod, nearest_distance); !thicket::is_placed(rank, fraction)) {
+		return set_not_drawn("thinning",
 				"only " + number_text(100.0 * fraction) +
 						" % of the layer's instances are drawn at this distance (see thin_density, quality and "
 						"preview_instances).");
@@ -196,7 +196,7 @@ TypedArray<ScatterExplanation> TerrainScatter3D::explain_position(const Vector3 
 		std::ranges::transform(node_layers_.order(), std::back_inserter(indices),
 				[](std::size_t index) { return static_cast<std::uint32_t>(index); });
 	}
-	const Status ready = prepare();
+	const Status status = prepare();
 	const std::string problem = gameplay->alive() ? ground_problem().utf8().get_data() : "";
 	for (const std::uint32_t index : indices) {
 		LayerExplanation explanation;
@@ -207,8 +207,8 @@ TypedArray<ScatterExplanation> TerrainScatter3D::explain_position(const Vector3 
 		if (!gameplay->alive()) {
 			return TypedArray<ScatterExplanation>(); // A ground script has freed the node.
 		}
-		if (!problem.empty() || !ready.ok()) {
-			refuse("ground", !problem.empty() ? problem : thicket::describe(ready), explanation);
+		if (!problem.empty() || !status.ok()) {
+			reject("ground", !problem.empty() ? problem : thicket::describe(status), explanation);
 		} else {
 			explain_layer(layer, gameplay, explanation);
 		}
@@ -224,7 +224,7 @@ void TerrainScatter3D::explain_layer(const Ref<ScatterLayer> &p_layer, const std
 	const SharedSnapshot layer =
 			r_explanation.layer < explainer.layers.size() ? explainer.layers[r_explanation.layer] : nullptr;
 	if (layer == nullptr) {
-		return refuse("layer",
+		return reject("layer",
 				p_layer.is_null() ? "The entry in the list of layers is empty." : "The layer's settings are invalid.",
 				r_explanation);
 	}
@@ -232,9 +232,10 @@ void TerrainScatter3D::explain_layer(const Ref<ScatterLayer> &p_layer, const std
 	const glm::dvec3 position = r_explanation.position;
 	const Status status = explainer.explain(r_explanation.layer, position, r_explanation);
 	if (!status.ok()) {
-		const std::string by_rule = density_rule_problem(*layer->settings, status);
-		return refuse(by_rule.empty() ? "layer" : "density_rules",
-				by_rule.empty() ? "The layer cannot be explained: " + thicket::describe(status) + "." : by_rule,
+		const std::string rule_problem = density_rule_problem(*layer->settings, status);
+		return reject(rule_problem.empty() ? "layer" : "density_rules",
+				rule_problem.empty() ? "The layer cannot be explained: " + thicket::describe(status) + "."
+									 : rule_problem,
 				r_explanation);
 	}
 	explain_meshes(p_layer, r_explanation);
@@ -296,20 +297,20 @@ PackedFloat32Array TerrainScatter3D::values_of(
 	}
 	std::vector<Position> positions;
 	std::vector<float> values;
-	std::string by_rule;
+	std::string rule_problem;
 	Status status = find(frame, positions);
 	if (status.ok()) {
 		status = prepare();
 	}
 	if (status.ok() && gameplay->alive()) {
 		const LayerExplainer explainer = layer_explainer();
-		const bool known = layer < explainer.layers.size() && explainer.layers[layer] != nullptr;
+		const bool is_known = layer < explainer.layers.size() && explainer.layers[layer] != nullptr;
 		status = !explainer.ground.is_available() ? Status::missing("ground", "Set TerrainScatter3D.ground")
-				: p_layer != nullptr && !known    ? refused_layer()
+				: p_layer != nullptr && !is_known ? refused_layer()
 												  : evaluate(explainer, layer, positions, values);
-		by_rule = known ? density_rule_problem(*explainer.layers[layer]->settings, status) : "";
+		rule_problem = is_known ? density_rule_problem(*explainer.layers[layer]->settings, status) : "";
 	}
-	report((std::string("TerrainScatter3D.") + p_method).c_str(), status, by_rule);
+	report((std::string("TerrainScatter3D.") + p_method).c_str(), status, rule_problem);
 	if (!status.ok()) {
 		return {};
 	}
@@ -336,7 +337,7 @@ PackedVector3Array TerrainScatter3D::to_planet(const PackedVector3Array &p_posit
 			[&](const Vector3 &p_position) { return to_engine(to_world(p_position, frame_) - current.center); });
 }
 
-PackedVector3Array TerrainScatter3D::planet_ground(const Vector3 &p_middle, const PackedVector2Array &p_places) {
+PackedVector3Array TerrainScatter3D::planet_ground(const Vector3 &p_center, const PackedVector2Array &p_positions) {
 	move_world();
 	const Planet current = planet();
 	const std::shared_ptr<const Terrain> terrain = ground_snapshot_;
@@ -344,22 +345,22 @@ PackedVector3Array TerrainScatter3D::planet_ground(const Vector3 &p_middle, cons
 	if (!current.exists() || surface == nullptr) {
 		return {};
 	}
-	const PlanetMap map(current, to_world(p_middle, frame_));
-	const std::span<const Vector2> places(p_places.ptr(), static_cast<std::size_t>(p_places.size()));
-	return packed<PackedVector3Array>(places, [&](const Vector2 &p_place) {
-		return to_engine(frame_.to_engine(planet_ground_toward(*surface, current, map.direction(to_core(p_place)))));
+	const PlanetMap map(current, to_world(p_center, frame_));
+	const std::span<const Vector2> positions(p_positions.ptr(), static_cast<std::size_t>(p_positions.size()));
+	return packed<PackedVector3Array>(positions, [&](const Vector2 &p_position) {
+		return to_engine(frame_.to_engine(planet_ground_toward(*surface, current, map.direction(to_core(p_position)))));
 	});
 }
 
 PackedFloat32Array TerrainScatter3D::densities_at(const Variant &p_layer, const PackedVector3Array &p_positions) {
-	return values_of<glm::dvec3>("_densities_at", &p_layer, all_of(p_positions),
+	return values_of<glm::dvec3>("_densities_at", &p_layer, engine_positions(p_positions),
 			[](const LayerExplainer &explainer, std::uint32_t layer, std::span<const glm::dvec3> positions,
 					std::vector<float> &r_values) { return explainer.densities_at(layer, positions, r_values); });
 }
 
 PackedFloat32Array TerrainScatter3D::slopes_at(const PackedVector3Array &p_positions) {
 	const Planet current = planet();
-	return values_of<glm::dvec3>("_slopes_at", nullptr, all_of(p_positions),
+	return values_of<glm::dvec3>("_slopes_at", nullptr, engine_positions(p_positions),
 			[&current](const LayerExplainer &explainer, std::uint32_t, std::span<const glm::dvec3> positions,
 					std::vector<float> &r_values) { return explainer.slopes_at(current, positions, r_values); });
 }

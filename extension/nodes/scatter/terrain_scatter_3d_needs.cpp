@@ -20,8 +20,8 @@ bool TerrainScatter3D::read_models(std::chrono::steady_clock::time_point deadlin
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	const TypedArray<ScatterLayer> layers = all_layers();
 	for (int64_t index = 0; index < layers.size(); ++index) {
-		const Ref<ScatterLayer> own = layers[index];
-		const Ref<ScatterLayer> layer = in_editor() ? previews_.displayed(own) : own;
+		const Ref<ScatterLayer> original = layers[index];
+		const Ref<ScatterLayer> layer = in_editor() ? previews_.displayed(original) : original;
 		while (layer.is_valid() && layer->read_step()) {
 			if (!gameplay->alive() || std::chrono::steady_clock::now() >= deadline) {
 				return false;

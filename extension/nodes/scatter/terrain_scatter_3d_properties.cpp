@@ -278,17 +278,17 @@ Ref<ScatterTile> TerrainScatter3D::build(
 		const HostedGround ground{
 				ground_, get_instance_id()}; // Use a copy, because a script that samples the ground may free this node.
 		const std::shared_ptr<const Terrain> terrain = ground_snapshot_;
-		const std::shared_ptr<SynchronousBuilder> builder = at_once_;
+		const std::shared_ptr<SynchronousBuilder> builder = synchronous_builder_;
 		TileInstances generated;
 		status = builder->build(*snapshot->settings, terrain.get(), ground, rect, generated);
 		tile = CompactTile(generated, snapshot->settings);
 	}
 	if (const Ref<ScatterState> state = gameplay->get_state(); status.ok() && state.is_valid()) {
-		status = lay_over(*snapshot->settings, rect, state->state(), tile);
+		status = apply_state(*snapshot->settings, rect, state->state(), tile);
 	}
 	report((std::string("TerrainScatter3D.") + p_method).c_str(), status,
 			snapshot != nullptr ? density_rule_problem(*snapshot->settings, status) : "");
-	return status.ok() ? ScatterTile::built(std::move(tile), snapshot->drawing.finest_meshes(), frame)
+	return status.ok() ? ScatterTile::from_tile(std::move(tile), snapshot->drawing.finest_meshes(), frame)
 					   : Ref<ScatterTile>(memnew(ScatterTile));
 }
 
@@ -299,8 +299,8 @@ Dictionary TerrainScatter3D::to_dictionary(const FrameTimes &times) {
 			"signals"};
 	Dictionary parts;
 	for (std::size_t part = 0; part < names.size(); ++part) {
-		if (const std::int64_t spent = times.microseconds(static_cast<FramePart>(part)); spent > 0) {
-			parts[names[part]] = spent;
+		if (const std::int64_t microseconds = times.microseconds(static_cast<FramePart>(part)); microseconds > 0) {
+			parts[names[part]] = microseconds;
 		}
 	}
 	return parts;
@@ -309,39 +309,39 @@ Dictionary TerrainScatter3D::to_dictionary(const FrameTimes &times) {
 Dictionary TerrainScatter3D::get_stats() const {
 	const StreamCounts counts = stream_->counts();
 	const StreamFigures &figures = stream_->figures();
-	const auto number = [](std::uint64_t value) {
+	const auto to_integer = [](std::uint64_t value) {
 		return static_cast<int64_t>(value);
 	};
 	Dictionary stats;
-	stats["tiles"] = number(display().tile_count());
-	stats["instances"] = number(display().instance_count());
-	stats["instance_bytes"] = number(display().instance_bytes());
-	stats["drawn"] = number(display().drawn_count());
-	stats["multimeshes"] = number(display().multimesh_count());
-	stats["multimeshes_leaving"] = number(display().leaving_count());
-	stats["uploads"] = number(display().upload_count());
-	stats["redrawn"] = number(display().redrawn_count());
-	stats["lod_looks"] = number(display().draw_count());
-	stats["waiting"] = number(counts.waiting);
-	stats["pending"] = number(counts.pending);
-	stats["uploading"] = number(stream_->upload_queue_size());
-	stats["scenes"] = number(gameplay_->scenes().displayed_count());
-	stats["scenes_pooled"] = number(gameplay_->scenes().idle_count());
+	stats["tiles"] = to_integer(display().tile_count());
+	stats["instances"] = to_integer(display().instance_count());
+	stats["instance_bytes"] = to_integer(display().instance_bytes());
+	stats["drawn"] = to_integer(display().drawn_count());
+	stats["multimeshes"] = to_integer(display().multimesh_count());
+	stats["multimeshes_leaving"] = to_integer(display().leaving_count());
+	stats["uploads"] = to_integer(display().upload_count());
+	stats["redrawn"] = to_integer(display().redrawn_count());
+	stats["lod_looks"] = to_integer(display().draw_count());
+	stats["waiting"] = to_integer(counts.waiting);
+	stats["pending"] = to_integer(counts.pending);
+	stats["uploading"] = to_integer(stream_->upload_queue_size());
+	stats["scenes"] = to_integer(gameplay_->scenes().displayed_count());
+	stats["scenes_pooled"] = to_integer(gameplay_->scenes().idle_count());
 	stats["frame_usec"] =
 			static_cast<int64_t>(std::chrono::duration_cast<std::chrono::microseconds>(frame_time_).count());
 	stats["frame_parts"] = to_dictionary(stream_->times());
-	stats["bodies"] = number(gameplay_->collision().body_count());
-	stats["bodies_pooled"] = number(gameplay_->collision().pooled_count());
-	stats["tiles_made"] = number(figures.tiles_made);
-	stats["points_sampled"] = number(figures.points_sampled);
-	stats["points_computed"] = number(figures.points_computed + at_once_->points_computed());
+	stats["bodies"] = to_integer(gameplay_->collision().body_count());
+	stats["bodies_pooled"] = to_integer(gameplay_->collision().pooled_count());
+	stats["tiles_made"] = to_integer(figures.tiles_made);
+	stats["points_sampled"] = to_integer(figures.points_sampled);
+	stats["points_computed"] = to_integer(figures.points_computed + synchronous_builder_->points_computed());
 	const GroundFigures ground = ground_.is_valid() ? ground_->figures() : GroundFigures();
-	stats["ground_checks"] = number(ground.checks);
-	stats["ground_reads"] = number(ground.reads);
-	stats["ground_rechecks"] = number(figures.heights_rechecked);
-	stats["worker_usec"] = number(figures.worker_microseconds);
-	stats["worker_frees"] = number(stream_->freed_by_workers());
-	stats["buffers_reused"] = number(stream_->buffers_reused());
+	stats["ground_checks"] = to_integer(ground.checks);
+	stats["ground_reads"] = to_integer(ground.reads);
+	stats["ground_rechecks"] = to_integer(figures.heights_rechecked);
+	stats["worker_usec"] = to_integer(figures.worker_microseconds);
+	stats["worker_frees"] = to_integer(stream_->freed_by_workers());
+	stats["buffers_reused"] = to_integer(stream_->buffers_reused());
 	return stats;
 }
 

@@ -19,11 +19,11 @@ Status query_synchronously(const Terrain *terrain, const HostedGround &ground, s
 		return query_ground(*terrain, positions, queries, r_answers);
 	}
 	for (const GroundQuery &query : queries) {
-		const std::span<const glm::dvec2> at = positions.subspan(query.first, query.count);
+		const std::span<const glm::dvec2> query_positions = positions.subspan(query.first, query.count);
 		const std::span<Ground> answers = std::span(r_answers).subspan(query.first, query.count);
-		Status status = ground.sample_now(at, query.needs, answers);
+		Status status = ground.sample_now(query_positions, query.needs, answers);
 		if (status.ok()) {
-			status = query.density.query(at, answers);
+			status = query.density.query(query_positions, answers);
 		}
 		if (!status.ok()) {
 			return status;
@@ -33,9 +33,9 @@ Status query_synchronously(const Terrain *terrain, const HostedGround &ground, s
 }
 
 std::unique_ptr<TileBuilder> SynchronousBuilder::take_builder() {
-	if (spare_ != nullptr) {
+	if (spare_builder_ != nullptr) {
 		// Reuses the memory of the previous tile.
-		return std::move(spare_);
+		return std::move(spare_builder_);
 	}
 	return std::make_unique<TileBuilder>(SampleMargins{}, blocks_, instances_);
 }
@@ -59,7 +59,7 @@ Status SynchronousBuilder::build_in_steps(const LayerSettings &layer, const Terr
 	}
 	points_computed_ += builder->sample_stats().computed;
 	if (builder->positions().size() <= TileBuilder::max_kept_points) {
-		spare_ = std::move(builder);
+		spare_builder_ = std::move(builder);
 	}
 	return status;
 }
@@ -72,9 +72,9 @@ Status SynchronousBuilder::build(const LayerSettings &layer, const Terrain *terr
 
 Status SynchronousBuilder::build_all(std::span<const TileOrder> orders, const Terrain *terrain,
 		const HostedGround &ground, std::vector<std::shared_ptr<const CompactTile>> &r_tiles) {
-	const bool on_threads =
+	const bool are_rules_thread_safe =
 			std::ranges::none_of(orders, [](const TileOrder &order) { return needs_main_thread(*order.layer); });
-	if (terrain != nullptr && orders.size() > 1 && on_threads) {
+	if (terrain != nullptr && orders.size() > 1 && are_rules_thread_safe) {
 		// The tiles do not depend on which threads generate them.
 		EngineThreads threads;
 		return parallel_builder_.build(orders, *terrain, threads, r_tiles);
@@ -90,7 +90,7 @@ Status SynchronousBuilder::build_all(std::span<const TileOrder> orders, const Te
 	return {};
 }
 
-Status lay_over(const LayerSettings &layer, const Rect &rect, const InstanceState &state, CompactTile &r_tile) {
+Status apply_state(const LayerSettings &layer, const Rect &rect, const InstanceState &state, CompactTile &r_tile) {
 	return guarded("rect", std::max(rect.size().x, rect.size().y), [&] {
 		const auto tile = std::make_shared<CompactTile>(std::move(r_tile));
 		OverlaidMeshes meshes;

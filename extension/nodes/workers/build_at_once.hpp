@@ -66,12 +66,12 @@ private:
 	std::shared_ptr<BlockCache> blocks_ = std::make_shared<BlockCache>();
 	std::shared_ptr<InstanceCache> instances_ = std::make_shared<InstanceCache>();
 	ParallelTileBuilder parallel_builder_;
-	std::uint64_t points_computed_ = 0;  ///< The number of points computed for tiles that `build` has generated.
-	std::unique_ptr<TileBuilder> spare_; ///< An unused builder. Null before the first tile and during `build`.
+	std::uint64_t points_computed_ = 0; ///< The number of points computed for tiles that `build` has generated.
+	std::unique_ptr<TileBuilder> spare_builder_; ///< An unused builder. Null before the first tile and during `build`.
 };
 
 /// Applies a game's changes to a generated rectangle, as the display does for visible tiles. After
 /// an error, the content of the tile is unspecified.
-Status lay_over(const LayerSettings &layer, const Rect &rect, const InstanceState &state, CompactTile &r_tile);
+Status apply_state(const LayerSettings &layer, const Rect &rect, const InstanceState &state, CompactTile &r_tile);
 
 } // namespace thicket

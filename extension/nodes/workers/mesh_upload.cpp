@@ -15,15 +15,15 @@ AABB box_around(glm::vec3 min, glm::vec3 max, float margin) {
 }
 
 void BufferPool::keep(std::vector<MeshUpload> &&uploads) {
-	std::int64_t floats = 0;
+	std::int64_t float_count = 0;
 	for (const PackedFloat32Array &buffer : buffers_) {
-		floats += buffer.size();
+		float_count += buffer.size();
 	}
 	for (MeshUpload &upload : uploads) {
-		const std::int64_t more = upload.buffer.size();
-		if (more > 0 && buffers_.size() < max_buffers && floats + more <= max_floats) {
+		const std::int64_t size = upload.buffer.size();
+		if (size > 0 && buffers_.size() < max_buffers && float_count + size <= max_floats) {
 			buffers_.push_back(std::move(upload.buffer));
-			floats += more;
+			float_count += size;
 		}
 	}
 	uploads.clear();
@@ -41,17 +41,17 @@ PackedFloat32Array BufferPool::take(std::size_t floats) {
 	return buffer;
 }
 
-MeshUpload to_upload(const MeshInstances &mesh, float reach, BufferPool &r_spare) {
+MeshUpload to_upload(const MeshInstances &mesh, float mesh_radius, BufferPool &r_pool) {
 	MeshUpload upload;
-	upload.aabb = box_around(mesh.min, mesh.max, reach * mesh.max_scale);
-	upload.buffer = r_spare.take(mesh.buffer.size());
+	upload.aabb = box_around(mesh.min, mesh.max, mesh_radius * mesh.max_scale);
+	upload.buffer = r_pool.take(mesh.buffer.size());
 	std::ranges::copy(mesh.buffer, writable(upload.buffer).begin());
 	return upload;
 }
 
-MeshUpload to_upload(const CompactMesh &mesh, float reach) {
+MeshUpload to_upload(const CompactMesh &mesh, float mesh_radius) {
 	MeshUpload upload;
-	upload.aabb = box_around(mesh.min(), mesh.max(), reach * mesh.max_scale());
+	upload.aabb = box_around(mesh.min(), mesh.max(), mesh_radius * mesh.max_scale());
 	const std::size_t floats = mesh.size() * mesh.stride();
 	mesh.read_all(resize(upload.buffer, static_cast<int64_t>(floats)));
 	return upload;

@@ -46,9 +46,9 @@ private:
 	std::atomic<std::uint64_t> reused_ = 0;
 };
 
-/// Converts instances for upload. `reach` is the distance in meters from the mesh's origin to its
+/// Converts instances for upload. `mesh_radius` is the distance in meters from the mesh's origin to its
 /// farthest vertex, at scale 1.
-MeshUpload to_upload(const MeshInstances &mesh, float reach, BufferPool &r_spare);
-MeshUpload to_upload(const CompactMesh &mesh, float reach);
+MeshUpload to_upload(const MeshInstances &mesh, float mesh_radius, BufferPool &r_pool);
+MeshUpload to_upload(const CompactMesh &mesh, float mesh_radius);
 
 } // namespace thicket

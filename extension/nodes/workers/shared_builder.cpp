@@ -11,10 +11,10 @@ namespace thicket {
 std::unique_ptr<TileBuilder> SharedBuilder::take() {
 	{
 		const std::lock_guard lock(mutex_);
-		if (!spare_.empty()) {
+		if (!spare_builders_.empty()) {
 			// Reuses the memory of an earlier tile.
-			std::unique_ptr<TileBuilder> builder = std::move(spare_.back());
-			spare_.pop_back();
+			std::unique_ptr<TileBuilder> builder = std::move(spare_builders_.back());
+			spare_builders_.pop_back();
 			return builder;
 		}
 	}
@@ -23,8 +23,8 @@ std::unique_ptr<TileBuilder> SharedBuilder::take() {
 
 void SharedBuilder::give_back(std::unique_ptr<TileBuilder> builder) {
 	const std::lock_guard lock(mutex_);
-	if (spare_.size() < max_spare_builders && builder->positions().size() <= TileBuilder::max_kept_points) {
-		spare_.push_back(std::move(builder));
+	if (spare_builders_.size() < max_spare_builders && builder->positions().size() <= TileBuilder::max_kept_points) {
+		spare_builders_.push_back(std::move(builder));
 	}
 }
 

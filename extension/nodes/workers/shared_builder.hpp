@@ -30,7 +30,7 @@ private:
 	std::shared_ptr<BlockCache> blocks_ = std::make_shared<BlockCache>();
 	std::shared_ptr<InstanceCache> instances_ = std::make_shared<InstanceCache>();
 	Mutex mutex_;
-	std::vector<std::unique_ptr<TileBuilder>> spare_; ///< The unused builders, guarded by `mutex_`.
+	std::vector<std::unique_ptr<TileBuilder>> spare_builders_; ///< The unused builders, guarded by `mutex_`.
 };
 
 } // namespace thicket

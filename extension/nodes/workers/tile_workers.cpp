@@ -22,7 +22,7 @@ void sort_jobs(std::deque<std::shared_ptr<TileJob>> &r_jobs, std::span<const Vie
 	std::vector<TileSpace> areas;
 	for (std::size_t index = 0; index < r_jobs.size(); ++index) {
 		const std::shared_ptr<TileJob> &job = r_jobs[index];
-		if (!job->unseen && (job->step != TileJob::Step::needs_ground || job->answered == 0)) {
+		if (!job->for_query && (job->step != TileJob::Step::needs_ground || job->answered_count == 0)) {
 			indices.push_back(index);
 			jobs.push_back(job);
 			areas.push_back(job->request.space);
@@ -49,15 +49,15 @@ TileWorkers::~TileWorkers() { stop(); }
 /// Tries for a few microseconds to take the lock. Does not block: the system may have paused a
 /// worker that holds the lock, and the frame must not wait for it.
 bool TileWorkers::lock_soon(std::unique_lock<std::mutex> &r_lock) {
-	constexpr int tries = 200;
-	for (int i = 0; i < tries && !r_lock.owns_lock(); ++i) {
+	constexpr int max_tries = 200;
+	for (int i = 0; i < max_tries && !r_lock.owns_lock(); ++i) {
 		static_cast<void>(r_lock.try_lock());
 	}
 	return r_lock.owns_lock();
 }
 
 void TileWorkers::push(std::shared_ptr<TileJob> job) {
-	incoming_.push_back(std::move(job));
+	pending_jobs_.push_back(std::move(job));
 	hand_over();
 }
 
@@ -68,19 +68,19 @@ void TileWorkers::hand_over() {
 	if (lock_soon(lock)) {
 		// Reserves space so that workers never allocate to return a result. An error here reaches
 		// the caller.
-		const std::size_t jobs = finished_.size() + queue_.size() + incoming_.size() + workers_.size();
+		const std::size_t jobs = finished_.size() + queue_.size() + pending_jobs_.size() + workers_.size();
 		finished_.reserve(std::max(finished_.capacity(), jobs));
-		queue_.insert(queue_.end(), incoming_.begin(), incoming_.end());
-		incoming_.clear();
-		unneeded_.insert(unneeded_.end(), unneeded_here_.begin(), unneeded_here_.end());
-		unneeded_here_.clear();
-		std::ranges::move(uploaded_here_, std::back_inserter(uploaded_));
-		uploaded_here_.clear();
+		queue_.insert(queue_.end(), pending_jobs_.begin(), pending_jobs_.end());
+		pending_jobs_.clear();
+		unneeded_.insert(unneeded_.end(), pending_unneeded_.begin(), pending_unneeded_.end());
+		pending_unneeded_.clear();
+		std::ranges::move(pending_uploads_, std::back_inserter(uploaded_));
+		pending_uploads_.clear();
 		waiting_ = queue_.size();
 		// Starting a worker takes microseconds as well, so it must be worthwhile.
 		const std::size_t all_unneeded = unneeded_.size() + uploaded_.size();
-		frames_unneeded_ = all_unneeded == 0 ? 0 : frames_unneeded_ + 1;
-		much_unneeded_ = all_unneeded >= 16 || frames_unneeded_ > 60;
+		unneeded_frame_count_ = all_unneeded == 0 ? 0 : unneeded_frame_count_ + 1;
+		has_much_unneeded_ = all_unneeded >= 16 || unneeded_frame_count_ > 60;
 		lock.unlock();
 	}
 	wake();
@@ -97,33 +97,33 @@ bool TileWorkers::sort(std::span<const Viewer> viewers) {
 
 std::vector<std::shared_ptr<TileJob>> TileWorkers::take_finished() {
 	hand_over();
-	std::vector<std::shared_ptr<TileJob>> taken;
+	std::vector<std::shared_ptr<TileJob>> jobs;
 	std::unique_lock lock(mutex_, std::defer_lock);
 	if (lock_soon(lock)) {
-		taken.reserve(queue_.size() + workers_.size()); // Reserved for workers; see `hand_over`.
-		taken.swap(finished_);
+		jobs.reserve(queue_.size() + workers_.size()); // Reserved for workers; see `hand_over`.
+		jobs.swap(finished_);
 	}
-	return taken;
+	return jobs;
 }
 
 void TileWorkers::free_on_worker(std::shared_ptr<const void> unneeded) {
 	if (!on_main_thread_) {
 		// A worker frees the object.
-		unneeded_here_.push_back(std::move(unneeded));
+		pending_unneeded_.push_back(std::move(unneeded));
 	}
 }
 
 void TileWorkers::take_back(std::vector<MeshUpload> &&uploads) {
 	if (!on_main_thread_) {
 		// A worker frees the buffers or reuses them.
-		std::ranges::move(uploads, std::back_inserter(uploaded_here_));
+		std::ranges::move(uploads, std::back_inserter(pending_uploads_));
 	}
 }
 
 std::uint64_t TileWorkers::reused() const {
 	std::uint64_t sum = 0;
 	for (const std::unique_ptr<Worker> &worker : workers_) {
-		sum += worker->spare.reused();
+		sum += worker->buffer_pool.reused();
 	}
 	return sum;
 }
@@ -133,9 +133,9 @@ void TileWorkers::wake() {
 		return;
 	}
 	WorkerThreadPool *pool = WorkerThreadPool::get_singleton();
-	std::size_t waiting = std::max<std::size_t>(waiting_, much_unneeded_ ? 1 : 0);
+	std::size_t needed_count = std::max<std::size_t>(waiting_, has_much_unneeded_ ? 1 : 0);
 	for (const std::unique_ptr<Worker> &worker : workers_) {
-		if (waiting == 0) {
+		if (needed_count == 0) {
 			return;
 		}
 		// Skips workers that have run out of jobs and are just returning to the pool, because
@@ -148,14 +148,14 @@ void TileWorkers::wake() {
 			pool->wait_for_task_completion(worker->task); // Frees the completed task.
 		}
 		worker->task = pool->add_native_task(&TileWorkers::run, worker.get(), false, "Thicket tiles");
-		--waiting;
+		--needed_count;
 	}
 }
 
 void TileWorkers::stop() {
-	incoming_.clear();
-	unneeded_here_.clear();
-	uploaded_here_.clear();
+	pending_jobs_.clear();
+	pending_unneeded_.clear();
+	pending_uploads_.clear();
 	{
 		const std::lock_guard lock(mutex_);
 		queue_.clear();
@@ -184,11 +184,11 @@ void TileWorkers::work_until(std::chrono::steady_clock::time_point deadline) {
 	Worker &worker = *workers_.front();
 	while (work_on_next(worker) && std::chrono::steady_clock::now() < deadline) {}
 	const std::lock_guard lock(mutex_);
-	hand_in(worker);
+	return_result(worker);
 }
 
 /// Moves a worker's result to the finished jobs. The caller must hold the lock.
-void TileWorkers::hand_in(Worker &worker) {
+void TileWorkers::return_result(Worker &worker) {
 	if (worker.job != nullptr) {
 		finished_.push_back(std::move(worker.job)); // Does not allocate; see `hand_over`.
 		worker.job = nullptr;
@@ -203,8 +203,8 @@ std::shared_ptr<TileJob> TileWorkers::next(Worker &worker) {
 		const std::lock_guard lock(mutex_);
 		unneeded.swap(unneeded_);
 		uploaded.swap(uploaded_);
-		much_unneeded_ = false;
-		hand_in(worker);
+		has_much_unneeded_ = false;
+		return_result(worker);
 		if (!queue_.empty()) {
 			job = std::move(queue_.front());
 			queue_.pop_front();
@@ -213,7 +213,7 @@ std::shared_ptr<TileJob> TileWorkers::next(Worker &worker) {
 		}
 	}
 	freed_.fetch_add(unneeded.size() + uploaded.size(), std::memory_order_relaxed);
-	worker.spare.keep(std::move(uploaded));
+	worker.buffer_pool.keep(std::move(uploaded));
 	return job;
 }
 
@@ -290,7 +290,7 @@ void TileWorkers::advance(Worker &worker, TileJob &job) {
 
 /// Prepares the work of the main thread on a job. Samples the ground here if it is thread-safe.
 Status TileWorkers::prepare_queries(const TileBuilder &builder, TileJob &job) {
-	job.answered = 0;
+	job.answered_count = 0;
 	job.parts.clear();
 	job.positions.assign(builder.positions().begin(), builder.positions().end());
 	job.ground.assign(job.positions.size(), Ground{});
@@ -315,11 +315,12 @@ void TileWorkers::finish(Worker &worker, TileJob &job) {
 	if (!job.status.ok()) {
 		return;
 	}
-	if (!job.unseen) {
+	if (!job.for_query) {
 		job.probes.assign(worker.builder.probes().begin(), worker.builder.probes().end());
 	}
-	for (std::size_t mesh = 0; !job.unseen && mesh < worker.tile.meshes.size(); ++mesh) {
-		job.uploads.push_back(to_upload(worker.tile.meshes[mesh], job.layer->drawing.reach_of(mesh), worker.spare));
+	for (std::size_t mesh = 0; !job.for_query && mesh < worker.tile.meshes.size(); ++mesh) {
+		job.uploads.push_back(
+				to_upload(worker.tile.meshes[mesh], job.layer->drawing.reach_of(mesh), worker.buffer_pool));
 	}
 	job.tile = std::make_shared<const CompactTile>(worker.tile, job.layer->settings);
 }

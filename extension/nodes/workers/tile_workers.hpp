@@ -41,8 +41,8 @@ struct TileJob {
 		DensityRuleQuery density{}; ///< Without the rules, which are in `density_rules`.
 
 		/// Evaluates the density rules at positions of this part.
-		Status query_density(std::span<const glm::dvec2> some, std::span<Ground> r_ground) const {
-			return DensityRuleQuery{density_rules, density.sides, density.planet}.query(some, r_ground);
+		Status query_density(std::span<const glm::dvec2> part_positions, std::span<Ground> r_ground) const {
+			return DensityRuleQuery{density_rules, density.sides, density.planet}.query(part_positions, r_ground);
 		}
 	};
 
@@ -51,20 +51,20 @@ struct TileJob {
 	std::vector<Ground> ground;
 	/// The ground of earlier steps; see TileBuilder::find_further.
 	std::vector<std::vector<Ground>> earlier_ground;
-	std::size_t answered = 0; ///< The number of entries of `ground` that are filled.
+	std::size_t answered_count = 0; ///< The number of entries of `ground` that are filled.
 
 	Status status;
 	std::shared_ptr<const CompactTile> tile; ///< The result, without a game's changes.
-	/// The ground heights for re-checks (TileBuilder::probes); empty if `unseen`.
+	/// The ground heights for re-checks (TileBuilder::probes); empty if `for_query`.
 	std::vector<GroundProbe> probes;
-	/// The tile in the renderer's format, one entry per mesh; empty if `unseen`.
+	/// The tile in the renderer's format, one entry per mesh; empty if `for_query`.
 	std::vector<MeshUpload> uploads;
 	std::uint64_t microseconds = 0;    ///< The total time of workers for this tile.
 	std::uint64_t points_computed = 0; ///< The number of points computed for this tile; see SampleStats::computed.
 
 	/// True if the tile is generated for queries, not for display. Only the main thread uses this
 	/// flag and `stale`.
-	bool unseen = false;
+	bool for_query = false;
 	bool stale = false; ///< True if the job's input was edited after the job was started.
 
 	std::atomic<bool> cancelled = false; ///< The main thread may set this at any time.
@@ -132,7 +132,7 @@ private:
 		TileWorkers *owner = nullptr;
 		TileBuilder builder;
 		TileInstances tile;
-		BufferPool spare;
+		BufferPool buffer_pool;
 		std::shared_ptr<TileJob> job; ///< The job in progress, guarded by mutex_.
 		std::int64_t task = -1;       ///< The pool's task ID; -1 if none. Used only on the main thread.
 	};
@@ -149,7 +149,7 @@ private:
 	static Status prepare_queries(const TileBuilder &builder, TileJob &job);
 	static void finish(Worker &worker, TileJob &job);
 	std::shared_ptr<TileJob> next(Worker &worker);
-	void hand_in(Worker &worker);
+	void return_result(Worker &worker);
 
 	const bool on_main_thread_;
 	std::mutex mutex_;
@@ -157,16 +157,16 @@ private:
 	std::vector<std::shared_ptr<TileJob>> finished_;
 	std::vector<std::shared_ptr<const void>> unneeded_;
 	std::vector<MeshUpload> uploaded_;
-	std::atomic<std::size_t> waiting_ = 0;    ///< The size of queue_.
-	std::atomic<std::uint64_t> freed_ = 0;    ///< The result of `freed`.
-	std::atomic<bool> much_unneeded_ = false; ///< True if freeing them is worth a worker.
+	std::atomic<std::size_t> waiting_ = 0;        ///< The size of queue_.
+	std::atomic<std::uint64_t> freed_ = 0;        ///< The result of `freed`.
+	std::atomic<bool> has_much_unneeded_ = false; ///< True if freeing them is worth a worker.
 
 	// The jobs and objects that `hand_over` has yet to move to the shared queues. Used only on the
 	// main thread.
-	std::deque<std::shared_ptr<TileJob>> incoming_;
-	std::vector<std::shared_ptr<const void>> unneeded_here_;
-	std::vector<MeshUpload> uploaded_here_;
-	int frames_unneeded_ = 0; ///< Consecutive frames in which unneeded_ or uploaded_ was not empty.
+	std::deque<std::shared_ptr<TileJob>> pending_jobs_;
+	std::vector<std::shared_ptr<const void>> pending_unneeded_;
+	std::vector<MeshUpload> pending_uploads_;
+	int unneeded_frame_count_ = 0; ///< Consecutive frames in which unneeded_ or uploaded_ was not empty.
 	std::vector<std::unique_ptr<Worker>> workers_;
 };
 
