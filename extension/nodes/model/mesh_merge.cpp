@@ -63,7 +63,7 @@ struct Surface {
 	Array arrays;
 	std::vector<Piece> pieces;
 
-	bool takes(const Surface &other) const {
+	bool can_append(const Surface &other) const {
 		const bool in_strips =
 				primitive == SurfacePrimitive::line_strip || primitive == SurfacePrimitive::triangle_strip;
 		return material == other.material && primitive == other.primitive && format == other.format && !in_strips;
@@ -71,29 +71,29 @@ struct Surface {
 };
 
 template <class Packed>
-void append(const Variant &p_more, Variant &r_all) {
-	const Packed before = r_all;
-	const Packed more = p_more;
-	Packed all = resized_copy(before, before.size() + more.size());
-	std::copy_n(more.ptr(), more.size(), writable(all).begin() + static_cast<std::ptrdiff_t>(before.size()));
-	r_all = all;
+void append(const Variant &p_addition, Variant &r_stream) {
+	const Packed before = r_stream;
+	const Packed addition = p_addition;
+	Packed result = resized_copy(before, before.size() + addition.size());
+	std::copy_n(addition.ptr(), addition.size(), writable(result).begin() + static_cast<std::ptrdiff_t>(before.size()));
+	r_stream = result;
 }
 
 /// Copies a stream, so that writing to it does not change the original.
 template <class Packed>
-Packed own_stream(const Array &p_arrays, int64_t stream) {
+Packed copied_stream(const Array &p_arrays, int64_t stream) {
 	const Packed shared = p_arrays[stream];
 	return resized_copy(shared, shared.size());
 }
 
 /// Appends a vertex stream to one of the same type.
-void append_stream(const Variant &p_more, Variant &r_all) {
-	switch (r_all.get_type()) {
-		case Variant::PACKED_VECTOR3_ARRAY: append<PackedVector3Array>(p_more, r_all); break;
-		case Variant::PACKED_VECTOR2_ARRAY: append<PackedVector2Array>(p_more, r_all); break;
-		case Variant::PACKED_COLOR_ARRAY: append<PackedColorArray>(p_more, r_all); break;
-		case Variant::PACKED_FLOAT32_ARRAY: append<PackedFloat32Array>(p_more, r_all); break;
-		case Variant::PACKED_BYTE_ARRAY: append<PackedByteArray>(p_more, r_all); break;
+void append_stream(const Variant &p_addition, Variant &r_stream) {
+	switch (r_stream.get_type()) {
+		case Variant::PACKED_VECTOR3_ARRAY: append<PackedVector3Array>(p_addition, r_stream); break;
+		case Variant::PACKED_VECTOR2_ARRAY: append<PackedVector2Array>(p_addition, r_stream); break;
+		case Variant::PACKED_COLOR_ARRAY: append<PackedColorArray>(p_addition, r_stream); break;
+		case Variant::PACKED_FLOAT32_ARRAY: append<PackedFloat32Array>(p_addition, r_stream); break;
+		case Variant::PACKED_BYTE_ARRAY: append<PackedByteArray>(p_addition, r_stream); break;
 		default: break;
 	}
 }
@@ -102,28 +102,29 @@ bool is_mirrored(const Transform3D &p_transform) { return glm::determinant(to_co
 
 void transform_streams(const Transform3D &p_transform, Array &r_arrays) {
 	const glm::dmat3 basis = to_core(p_transform.basis);
-	const glm::dmat3 for_normals = glm::transpose(glm::inverse(basis));
+	const glm::dmat3 normal_matrix = glm::transpose(glm::inverse(basis));
 	const glm::dvec3 origin = to_core(p_transform.origin);
-	auto positions = own_stream<PackedVector3Array>(r_arrays, SurfaceStream::positions);
+	auto positions = copied_stream<PackedVector3Array>(r_arrays, SurfaceStream::positions);
 	for (Vector3 &position : writable(positions)) {
 		position = to_engine(basis * to_core(position) + origin);
 	}
 	r_arrays[SurfaceStream::positions] = positions;
-	auto normals = own_stream<PackedVector3Array>(r_arrays, SurfaceStream::normals);
+	auto normals = copied_stream<PackedVector3Array>(r_arrays, SurfaceStream::normals);
 	for (Vector3 &normal : writable(normals)) {
-		normal = to_engine(glm::normalize(for_normals * to_core(normal)));
+		normal = to_engine(glm::normalize(normal_matrix * to_core(normal)));
 	}
 	if (normals.size() > 0) {
 		r_arrays[SurfaceStream::normals] = normals;
 	}
-	auto tangents = own_stream<PackedFloat32Array>(r_arrays, SurfaceStream::tangents);
+	auto tangents = copied_stream<PackedFloat32Array>(r_arrays, SurfaceStream::tangents);
 	const std::span<float> tangent = writable(tangents);
-	for (std::size_t at = 0; at + 3 < tangent.size(); at += 4) {
-		const glm::dvec3 rotated = glm::normalize(basis * glm::dvec3{tangent[at], tangent[at + 1], tangent[at + 2]});
+	for (std::size_t index = 0; index + 3 < tangent.size(); index += 4) {
+		const glm::dvec3 rotated =
+				glm::normalize(basis * glm::dvec3{tangent[index], tangent[index + 1], tangent[index + 2]});
 		for (int axis = 0; axis < 3; ++axis) {
-			tangent[at + static_cast<std::size_t>(axis)] = static_cast<float>(rotated[axis]);
+			tangent[index + static_cast<std::size_t>(axis)] = static_cast<float>(rotated[axis]);
 		}
-		tangent[at + 3] = is_mirrored(p_transform) ? -tangent[at + 3] : tangent[at + 3];
+		tangent[index + 3] = is_mirrored(p_transform) ? -tangent[index + 3] : tangent[index + 3];
 	}
 	if (tangents.size() > 0) {
 		r_arrays[SurfaceStream::tangents] = tangents;
@@ -131,7 +132,7 @@ void transform_streams(const Transform3D &p_transform, Array &r_arrays) {
 }
 
 /// Reverses the winding of triangles. Otherwise mirrored triangles would show their backs.
-PackedInt32Array reversed(const PackedInt32Array &p_indices, int64_t p_primitive) {
+PackedInt32Array with_reversed_winding(const PackedInt32Array &p_indices, int64_t p_primitive) {
 	if (p_indices.size() < 3) {
 		return p_indices;
 	}
@@ -153,28 +154,28 @@ PackedInt32Array reversed(const PackedInt32Array &p_indices, int64_t p_primitive
 PackedInt32Array indices_of(const Array &p_arrays, int32_t vertices) {
 	PackedInt32Array indices = p_arrays[SurfaceStream::indices];
 	if (indices.size() == 0) {
-		const std::span<int32_t> all = resize(indices, vertices);
-		std::iota(all.begin(), all.end(), 0);
+		const std::span<int32_t> index_span = resize(indices, vertices);
+		std::iota(index_span.begin(), index_span.end(), 0);
 	}
 	return indices;
 }
 
 /// Converts an index buffer. The engine stores each index in two bytes if these suffice for the
 /// vertex count.
-PackedInt32Array unpacked(const PackedByteArray &p_bytes, int64_t vertices) {
+PackedInt32Array unpacked_indices(const PackedByteArray &p_bytes, int64_t vertices) {
 	constexpr int64_t max_two_byte_index = 65536;
 	PackedInt32Array result;
 	if (vertices > max_two_byte_index) {
-		const std::span<int32_t> out = resize(result, p_bytes.size() / 4);
-		std::memcpy(out.data(), p_bytes.ptr(), out.size_bytes());
+		const std::span<int32_t> output = resize(result, p_bytes.size() / 4);
+		std::memcpy(output.data(), p_bytes.ptr(), output.size_bytes());
 		return result;
 	}
-	const std::uint8_t *from = p_bytes.ptr();
-	for (int32_t &out : resize(result, p_bytes.size() / 2)) {
+	const std::uint8_t *input = p_bytes.ptr();
+	for (int32_t &output : resize(result, p_bytes.size() / 2)) {
 		std::uint16_t index = 0;
-		std::memcpy(&index, from, sizeof(index));
-		out = index;
-		from += sizeof(index);
+		std::memcpy(&index, input, sizeof(index));
+		output = index;
+		input += sizeof(index);
 	}
 	return result;
 }
@@ -192,43 +193,45 @@ public:
 		}
 		shapes_ = mesh->surface_get_blend_shape_arrays(index);
 		weights_.resize(std::min(weights_.size(), static_cast<std::size_t>(shapes_.size())));
-		const bool relative = static_cast<int64_t>(mesh->call("get_blend_shape_mode")) == relative_mode;
+		const bool is_relative = static_cast<int64_t>(mesh->call("get_blend_shape_mode")) == relative_mode;
 		for (const double weight : weights_) {
 			// Shapes that are not relative contain absolute positions instead of offsets.
-			rest_ -= relative ? 0.0 : weight;
+			base_weight_ -= is_relative ? 0.0 : weight;
 		}
 	}
 
 	void apply(int64_t stream, Array &r_arrays) const {
-		auto values = own_stream<PackedVector3Array>(r_arrays, stream);
+		auto values = copied_stream<PackedVector3Array>(r_arrays, stream);
 		if (weights_.empty() || values.size() == 0) {
 			return;
 		}
 		const std::span<Vector3> value = writable(values);
-		std::ranges::for_each(value, [this](Vector3 &each) { each = to_engine(rest_ * to_core(each)); });
+		std::ranges::for_each(
+				value, [this](Vector3 &position) { position = to_engine(base_weight_ * to_core(position)); });
 		for (std::size_t shape = 0; shape < weights_.size(); ++shape) {
 			const Array arrays = shapes_[static_cast<int64_t>(shape)];
-			const PackedVector3Array moved = arrays[stream];
-			for (std::size_t at = 0; at < std::min(static_cast<std::size_t>(moved.size()), value.size()); ++at) {
-				value[at] = to_engine(to_core(value[at]) + weights_[shape] * to_core(moved.ptr()[at]));
+			const PackedVector3Array offsets = arrays[stream];
+			for (std::size_t index = 0; index < std::min(static_cast<std::size_t>(offsets.size()), value.size());
+					++index) {
+				value[index] = to_engine(to_core(value[index]) + weights_[shape] * to_core(offsets.ptr()[index]));
 			}
 		}
 		r_arrays[stream] = values;
 	}
 
-	bool moves() const { return !weights_.empty(); }
+	bool has_effect() const { return !weights_.empty(); }
 
 private:
 	static constexpr int64_t relative_mode = 1; ///< Mesh.BLEND_SHAPE_MODE_RELATIVE.
 
 	std::vector<double> weights_;
 	TypedArray<Array> shapes_;
-	double rest_ = 1.0; ///< The weight of the unblended surface.
+	double base_weight_ = 1.0; ///< The weight of the unblended surface.
 };
 
 /// Restores the unit length of normals.
 void normalize_streams(Array &r_arrays) {
-	auto normals = own_stream<PackedVector3Array>(r_arrays, SurfaceStream::normals);
+	auto normals = copied_stream<PackedVector3Array>(r_arrays, SurfaceStream::normals);
 	for (Vector3 &normal : writable(normals)) {
 		normal = to_engine(glm::normalize(to_core(normal)));
 	}
@@ -239,7 +242,7 @@ void normalize_streams(Array &r_arrays) {
 
 void blend(const MeshPart &part, int32_t index, Array &r_arrays) {
 	const Blend shapes(part, index);
-	if (shapes.moves()) {
+	if (shapes.has_effect()) {
 		shapes.apply(SurfaceStream::positions, r_arrays);
 		shapes.apply(SurfaceStream::normals, r_arrays);
 		normalize_streams(r_arrays);
@@ -249,12 +252,12 @@ void blend(const MeshPart &part, int32_t index, Array &r_arrays) {
 /// Reads one surface of a part and transforms it to the model's space.
 Surface surface_of(const MeshPart &part, int32_t index) {
 	Surface result;
-	const Dictionary stored = RenderingServer::get_singleton()->mesh_get_surface(part.mesh->get_rid(), index);
-	result.primitive = stored["primitive"];
-	result.format = static_cast<std::uint64_t>(static_cast<int64_t>(stored["format"])) & (streams_mask | custom_mask);
-	const auto at = static_cast<std::size_t>(index);
-	if (at < part.materials.size() && part.materials[at].is_valid()) {
-		result.material = part.materials[at];
+	const Dictionary data = RenderingServer::get_singleton()->mesh_get_surface(part.mesh->get_rid(), index);
+	result.primitive = data["primitive"];
+	result.format = static_cast<std::uint64_t>(static_cast<int64_t>(data["format"])) & (streams_mask | custom_mask);
+	const auto surface_index = static_cast<std::size_t>(index);
+	if (surface_index < part.materials.size() && part.materials[surface_index].is_valid()) {
+		result.material = part.materials[surface_index];
 	} else {
 		result.material = part.mesh->surface_get_material(index);
 	}
@@ -273,18 +276,18 @@ Surface surface_of(const MeshPart &part, int32_t index) {
 			static_cast<int32_t>(static_cast<PackedVector3Array>(result.arrays[SurfaceStream::positions]).size());
 	piece.indices = indices_of(result.arrays, piece.vertices);
 	// The key is missing if the surface has no LODs.
-	const Array lods = stored.get("lods", Array());
+	const Array lods = data.get("lods", Array());
 	for (int64_t lod = 0; lod < lods.size(); ++lod) {
-		const Dictionary coarser = lods[lod];
+		const Dictionary lod_data = lods[lod];
 		piece.lods.push_back(
-				{static_cast<double>(coarser["edge_length"]) * largest_scale(to_core(part.transform.basis)),
-						unpacked(coarser["index_data"], piece.vertices)});
+				{static_cast<double>(lod_data["edge_length"]) * largest_scale(to_core(part.transform.basis)),
+						unpacked_indices(lod_data["index_data"], piece.vertices)});
 	}
 	std::ranges::stable_sort(piece.lods, {}, &IndexLod::edge_length);
 	if (is_mirrored(part.transform)) {
-		piece.indices = reversed(piece.indices, result.primitive);
+		piece.indices = with_reversed_winding(piece.indices, result.primitive);
 		for (IndexLod &lod : piece.lods) {
-			lod.indices = reversed(lod.indices, result.primitive);
+			lod.indices = with_reversed_winding(lod.indices, result.primitive);
 		}
 	}
 	result.pieces.push_back(std::move(piece));
@@ -295,15 +298,16 @@ void add(Surface surface, std::vector<Surface> &r_surfaces) {
 	if (surface.pieces.empty() || surface.pieces.front().vertices == 0) {
 		return;
 	}
-	const auto taker = std::ranges::find_if(r_surfaces, [&](const Surface &other) { return other.takes(surface); });
-	if (taker == r_surfaces.end()) {
+	const auto match =
+			std::ranges::find_if(r_surfaces, [&](const Surface &other) { return other.can_append(surface); });
+	if (match == r_surfaces.end()) {
 		r_surfaces.push_back(std::move(surface));
 		return;
 	}
 	for (int64_t stream = 0; stream < SurfaceStream::bones; ++stream) {
-		append_stream(surface.arrays[stream], taker->arrays[stream]);
+		append_stream(surface.arrays[stream], match->arrays[stream]);
 	}
-	taker->pieces.push_back(std::move(surface.pieces.front()));
+	match->pieces.push_back(std::move(surface.pieces.front()));
 }
 
 /// Joins the indices of all pieces. Uses the coarsest LOD of each piece that omits only details of
@@ -341,7 +345,7 @@ void add_to_mesh(Surface &r_surface, ArrayMesh &r_mesh) {
 	r_mesh.surface_set_material(r_mesh.get_surface_count() - 1, r_surface.material);
 }
 
-bool is_as_it_is(const MeshPart &part) {
+bool is_unmodified(const MeshPart &part) {
 	return part.transform == Transform3D() && part.overlay.is_null() && part.blend_weights.empty() &&
 			std::ranges::all_of(part.materials, [](const Ref<Material> &material) { return material.is_null(); });
 }
@@ -350,8 +354,8 @@ Ref<Mesh> merged_placeholder(std::span<const MeshPart> parts) {
 	std::optional<AABB> box;
 	for (const MeshPart &part : parts) {
 		if (is_stripped(part.mesh)) {
-			const AABB of_part = transformed(part.mesh->get_aabb(), part.transform);
-			box = box ? joined(*box, of_part) : of_part;
+			const AABB part_box = transformed(part.mesh->get_aabb(), part.transform);
+			box = box ? joined(*box, part_box) : part_box;
 		}
 	}
 	if (!box) {
@@ -365,7 +369,7 @@ Ref<Mesh> merged_placeholder(std::span<const MeshPart> parts) {
 } // namespace
 
 Ref<Mesh> merged_mesh(std::span<const MeshPart> parts) {
-	if (parts.size() == 1 && is_as_it_is(parts.front()) && parts.front().mesh->get_surface_count() > 0) {
+	if (parts.size() == 1 && is_unmodified(parts.front()) && parts.front().mesh->get_surface_count() > 0) {
 		// Return the mesh itself; a copy would look identical.
 		return parts.front().mesh;
 	}
@@ -374,9 +378,9 @@ Ref<Mesh> merged_mesh(std::span<const MeshPart> parts) {
 		for (int32_t index = 0; index < part.mesh->get_surface_count(); ++index) {
 			add(surface_of(part, index), surfaces);
 			if (part.overlay.is_valid()) {
-				Surface over = surface_of(part, index);
-				over.material = part.overlay;
-				add(std::move(over), surfaces);
+				Surface overlay_surface = surface_of(part, index);
+				overlay_surface.material = part.overlay;
+				add(std::move(overlay_surface), surfaces);
 			}
 		}
 	}
@@ -405,8 +409,8 @@ std::vector<Ref<Mesh>> faded_meshes(const Ref<Mesh> &mesh, std::span<const glm::
 		for (Surface &surface : surfaces) {
 			PackedFloat32Array stream;
 			const std::span<float> floats = resize(stream, int64_t{4} * surface.pieces.front().vertices);
-			for (std::size_t at = 0; at < floats.size(); ++at) {
-				floats[at] = value[static_cast<glm::length_t>(at % 4)];
+			for (std::size_t index = 0; index < floats.size(); ++index) {
+				floats[index] = value[static_cast<glm::length_t>(index % 4)];
 			}
 			surface.arrays[SurfaceStream::custom3] = stream;
 			add_to_mesh(surface, *copy.ptr());

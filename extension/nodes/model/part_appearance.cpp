@@ -16,14 +16,14 @@ namespace thicket {
 namespace {
 
 constexpr std::string_view prefix = "instance_shader_parameters/";
-constexpr int deepest = 64; ///< The maximum depth of nested scenes.
+constexpr int max_depth = 64; ///< The maximum depth of nested scenes.
 
 void add_parameters(const Ref<PackedScene> &p_scene, int depth, std::set<std::string> &r_names) {
-	const Ref<SceneState> state = p_scene.is_valid() && depth < deepest ? p_scene->get_state() : Ref<SceneState>();
+	const Ref<SceneState> state = p_scene.is_valid() && depth < max_depth ? p_scene->get_state() : Ref<SceneState>();
 	for (int32_t node = 0; state.is_valid() && node < state->get_node_count(); ++node) {
 		add_parameters(state->get_node_instance(node), depth + 1, r_names);
-		for (int32_t at = 0; at < state->get_node_property_count(node); ++at) {
-			const std::string name = String(state->get_node_property_name(node, at)).utf8().get_data();
+		for (int32_t property = 0; property < state->get_node_property_count(node); ++property) {
+			const std::string name = String(state->get_node_property_name(node, property)).utf8().get_data();
 			if (name.starts_with(prefix)) {
 				r_names.insert(name.substr(prefix.size()));
 			}
@@ -38,20 +38,20 @@ String code_of(const Ref<Material> &p_material) {
 }
 
 const Variant *find(const ShaderParameters &parameters, const StringName &p_name) {
-	const auto found = std::ranges::find(parameters, p_name, [](const auto &entry) { return entry.first; });
-	return found != parameters.end() ? &found->second : nullptr;
+	const auto entry = std::ranges::find(parameters, p_name, [](const auto &entry) { return entry.first; });
+	return entry != parameters.end() ? &entry->second : nullptr;
 }
 
-bool same(const Variant &p_a, const Variant &p_b) {
+bool same_value(const Variant &p_a, const Variant &p_b) {
 	return p_a.get_type() == p_b.get_type() && static_cast<String>(p_a) == static_cast<String>(p_b);
 }
 
 /// Returns true if a part may be drawn with a value other than `p_value`.
 bool differs(const PartAppearance &part, const StringName &p_name, const Variant &p_value) {
-	const Variant *own = find(part.parameters, p_name);
+	const Variant *part_value = find(part.parameters, p_name);
 	const std::string name = String(p_name).utf8().get_data();
 	const std::string code = part.shaders.utf8().get_data();
-	return own != nullptr ? !same(*own, p_value) : code.find(name) != std::string::npos;
+	return part_value != nullptr ? !same_value(*part_value, p_value) : code.find(name) != std::string::npos;
 }
 
 } // namespace
@@ -67,8 +67,9 @@ PartAppearance appearance_of(const MeshInstance3D &node, const std::set<std::str
 			names.empty() ? String() : code_of(node.get_material_override())};
 	const Ref<Mesh> mesh = node.get_mesh();
 	for (int32_t surface = 0; !names.empty() && surface < mesh->get_surface_count(); ++surface) {
-		const Ref<Material> own = node.get_surface_override_material(surface);
-		appearance.shaders = appearance.shaders + code_of(own.is_valid() ? own : mesh->surface_get_material(surface));
+		const Ref<Material> override_material = node.get_surface_override_material(surface);
+		appearance.shaders = appearance.shaders +
+				code_of(override_material.is_valid() ? override_material : mesh->surface_get_material(surface));
 	}
 	for (const std::string &name : names) {
 		const Variant value = node.get_instance_shader_parameter(name.c_str());
@@ -83,8 +84,8 @@ String material_name(const Ref<Material> &p_material) {
 	if (p_material.is_null()) {
 		return {};
 	}
-	const String own = p_material->get_name();
-	return own.is_empty() ? name_of_file(p_material->get_path()) : own;
+	const String name = p_material->get_name();
+	return name.is_empty() ? name_of_file(p_material->get_path()) : name;
 }
 
 Ref<Material> drawn_material(
@@ -92,41 +93,41 @@ Ref<Material> drawn_material(
 	if (p_replacements.is_empty()) {
 		return p_material;
 	}
-	const Ref<Material> replaced = p_material.is_valid() ? p_material : p_mesh->surface_get_material(p_surface);
-	const Ref<Material> replacement = p_replacements.get(material_name(replaced), Variant());
-	return replaced.is_valid() && replacement.is_valid() ? replacement : p_material;
+	const Ref<Material> material = p_material.is_valid() ? p_material : p_mesh->surface_get_material(p_surface);
+	const Ref<Material> replacement = p_replacements.get(material_name(material), Variant());
+	return material.is_valid() && replacement.is_valid() ? replacement : p_material;
 }
 
 void join_appearances(std::span<const PartAppearance *const> parts, ScatterLod &r_lod, PackedStringArray &r_remarks) {
-	const auto remark = [&r_remarks](const PartAppearance &part, const String &p_what) {
+	const auto remark = [&r_remarks](const PartAppearance &part, const String &p_setting) {
 		r_remarks.push_back(
 				vformat("\"%s\" has a different %s than other parts of its LOD: all are drawn with the value of "
 						"the first part that has one.",
-						part.name, p_what));
+						part.name, p_setting));
 	};
 	const PartAppearance &first = *parts.front();
 	r_lod.set_transparency(first.transparency);
-	Dictionary joined;
-	ShaderParameters all;
+	Dictionary joined_parameters;
+	ShaderParameters parameters;
 	for (const PartAppearance *part : parts) {
 		if (part->transparency != first.transparency) {
 			remark(*part, "transparency");
 		}
 		for (const auto &[name, value] : part->parameters) {
-			if (find(all, name) == nullptr) {
-				all.emplace_back(name, value);
-				joined[name] = value;
+			if (find(parameters, name) == nullptr) {
+				parameters.emplace_back(name, value);
+				joined_parameters[name] = value;
 			}
 		}
 	}
-	for (const auto &[name, value] : all) {
+	for (const auto &[name, value] : parameters) {
 		for (const PartAppearance *part : parts) {
 			if (differs(*part, name, value)) {
 				remark(*part, vformat("instance shader parameter \"%s\"", String(name)));
 			}
 		}
 	}
-	r_lod.set_instance_shader_parameters(joined);
+	r_lod.set_instance_shader_parameters(joined_parameters);
 }
 
 } // namespace thicket

@@ -11,18 +11,18 @@ namespace thicket {
 
 namespace {
 
-constexpr double farthest = 1e6; ///< The maximum distance in meters. Equals max_lod_distance.
+constexpr double max_distance = 1e6; ///< The maximum distance in meters. Equals max_lod_distance.
 
 } // namespace
 
 /// Replaces a mesh and watches the new one instead of the old one. The old mesh stays watched if
 /// the other mesh property still uses it.
-void ScatterLod::replace(Ref<Mesh> &r_own, const Ref<Mesh> &p_mesh) {
-	if (r_own == p_mesh) {
+void ScatterLod::replace(Ref<Mesh> &r_mesh, const Ref<Mesh> &p_mesh) {
+	if (r_mesh == p_mesh) {
 		return;
 	}
-	const Ref<Mesh> before = r_own;
-	r_own = p_mesh;
+	const Ref<Mesh> before = r_mesh;
+	r_mesh = p_mesh;
 	if (!(before == mesh_) && !(before == shadow_mesh_)) {
 		watch(before.ptr(), "changed", this, "emit_changed", false);
 	}
@@ -35,7 +35,7 @@ void ScatterLod::set_mesh(const Ref<Mesh> &p_mesh) { replace(mesh_, p_mesh); }
 void ScatterLod::set_shadow_mesh(const Ref<Mesh> &p_mesh) { replace(shadow_mesh_, p_mesh); }
 
 void ScatterLod::set_distance(double p_distance) {
-	if (accept_number(class_name, "distance", p_distance, 0.0, farthest) && distance_ != p_distance) {
+	if (accept_number(class_name, "distance", p_distance, 0.0, max_distance) && distance_ != p_distance) {
 		distance_ = p_distance;
 		emit_changed();
 	}

@@ -86,7 +86,7 @@ protected:
 	static void _bind_methods();
 
 private:
-	void replace(godot::Ref<godot::Mesh> &r_own, const godot::Ref<godot::Mesh> &p_mesh);
+	void replace(godot::Ref<godot::Mesh> &r_mesh, const godot::Ref<godot::Mesh> &p_mesh);
 
 	godot::Ref<godot::Mesh> mesh_;
 	godot::Ref<godot::Mesh> shadow_mesh_;

@@ -35,12 +35,12 @@ TypedArray<ScatterLod> array_of(const std::vector<Ref<ScatterLod>> &lods) {
 }
 
 /// Sets a flag for the lifetime of this object.
-class Mark {
+class FlagScope {
 public:
-	explicit Mark(bool &r_flag) : flag_(r_flag) { flag_ = true; }
-	~Mark() { flag_ = false; }
-	Mark(const Mark &) = delete;
-	Mark &operator=(const Mark &) = delete;
+	explicit FlagScope(bool &r_flag) : flag_(r_flag) { flag_ = true; }
+	~FlagScope() { flag_ = false; }
+	FlagScope(const FlagScope &) = delete;
+	FlagScope &operator=(const FlagScope &) = delete;
 
 private:
 	bool &flag_;
@@ -48,16 +48,16 @@ private:
 
 /// Returns true if the number of LODs is allowed. Otherwise prints an error.
 bool accept_count(const char *p_property, const TypedArray<ScatterLod> &p_lods) {
-	const bool fits = p_lods.size() <= ScatterModel::max_model_lods;
-	if (!fits) {
+	const bool is_allowed = p_lods.size() <= ScatterModel::max_model_lods;
+	if (!is_allowed) {
 		report(ScatterModel::class_name,
 				Status::out_of_range(p_property, p_lods.size(), at_most(ScatterModel::max_model_lods, "entries")));
 	}
-	return fits;
+	return is_allowed;
 }
 
 /// Appends an LOD with all defaults resolved. A null mesh means the mesh of the previous LOD.
-void add_drawn(const Ref<ScatterLod> &p_lod, std::vector<DrawnLod> &r_lods) {
+void add_drawn_lod(const Ref<ScatterLod> &p_lod, std::vector<DrawnLod> &r_lods) {
 	const Ref<Mesh> mesh = p_lod->get_mesh().is_valid() ? p_lod->get_mesh() : r_lods.back().mesh;
 	double distance = 0.0;
 	if (!r_lods.empty()) {
@@ -67,7 +67,7 @@ void add_drawn(const Ref<ScatterLod> &p_lod, std::vector<DrawnLod> &r_lods) {
 	r_lods.push_back({distance, mesh, p_lod->get_shadow_mesh(), p_lod->get_cast_shadow(), p_lod->appearance()});
 }
 
-void refuse(const Ref<PackedScene> &p_scene, const String &p_problem) {
+void print_problem(const Ref<PackedScene> &p_scene, const String &p_problem) {
 	ERR_PRINT(vformat("ScatterModel.scene: %s is invalid: %s.", name_of(p_scene), p_problem));
 }
 
@@ -83,14 +83,14 @@ void ScatterModel::set_scene(const Ref<PackedScene> &p_scene) {
 		return;
 	}
 	if (p_scene.is_valid() && !p_scene->can_instantiate()) {
-		refuse(p_scene, empty_scene);
+		print_problem(p_scene, empty_scene);
 		return;
 	}
 	scene_ = p_scene;
 	if (p_scene.is_valid()) {
 		unread_ = p_scene;
 		reader_ = nullptr;
-		hand_set_ = {};
+		set_by_hand_ = {};
 		problem_ = String();
 	} else {
 		source_ = p_scene;
@@ -104,7 +104,7 @@ void ScatterModel::set_scene_part(const String &p_path) {
 		return;
 	}
 	scene_part_ = p_path;
-	read_again();
+	schedule_reread();
 }
 
 void ScatterModel::set_replacement_materials(const Dictionary &p_materials) {
@@ -125,11 +125,11 @@ void ScatterModel::set_replacement_materials(const Dictionary &p_materials) {
 	}
 	materials.make_read_only();
 	replacement_materials_ = materials;
-	read_again();
+	schedule_reread();
 }
 
 /// Schedules the scene to be reread, because the settings for reading it have changed.
-void ScatterModel::read_again() {
+void ScatterModel::schedule_reread() {
 	if (scene_.is_valid()) {
 		unread_ = scene_;
 		reader_ = nullptr;
@@ -139,19 +139,19 @@ void ScatterModel::read_again() {
 }
 
 bool ScatterModel::read_step() {
-	if (unread_.is_null() || stepping_) {
+	if (unread_.is_null() || is_stepping_) {
 		return false;
 	}
 	if (reader_ == nullptr) {
 		reader_ = std::make_shared<SceneReader>(unread_, scene_part_, replacement_materials_);
 	}
 	const std::shared_ptr<SceneReader> reader = reader_;
-	bool more = false;
+	bool has_more = false;
 	{
-		const Mark stepping(stepping_);
-		more = reader->step();
+		const FlagScope scope(is_stepping_);
+		has_more = reader->step();
 	}
-	if (!more && reader == reader_) { // If the reader differs, a script has set another scene.
+	if (!has_more && reader == reader_) { // If the reader differs, a script has set another scene.
 		finish_reading(reader->take());
 	}
 	return true;
@@ -164,7 +164,7 @@ void ScatterModel::read() {
 void ScatterModel::finish_reading(const SceneReading &reading) {
 	const Ref<PackedScene> scene = std::exchange(unread_, {});
 	reader_ = nullptr;
-	if (!take_over(reading, scene) && scene_ == scene && !lods_.is_empty()) {
+	if (!take_content(reading, scene) && scene_ == scene && !lods_.is_empty()) {
 		scene_ = source_;
 		scene_part_ = source_part_;
 		notify_property_list_changed();
@@ -173,10 +173,10 @@ void ScatterModel::finish_reading(const SceneReading &reading) {
 
 /// Replaces the model's content with that of a scene. If the scene has a problem, prints an error
 /// and returns false.
-bool ScatterModel::take_over(const SceneReading &reading, const Ref<PackedScene> &p_scene) {
+bool ScatterModel::take_content(const SceneReading &reading, const Ref<PackedScene> &p_scene) {
 	problem_ = lods_.is_empty() ? reading.problem : String();
 	if (!reading.problem.is_empty()) {
-		refuse(p_scene, reading.problem);
+		print_problem(p_scene, reading.problem);
 		return false;
 	}
 	TypedArray<Shape3D> shapes;
@@ -187,13 +187,13 @@ bool ScatterModel::take_over(const SceneReading &reading, const Ref<PackedScene>
 	}
 	source_ = scene_;
 	source_part_ = scene_part_;
-	if (!hand_set_.lods) {
+	if (!set_by_hand_.lods) {
 		replace_lods(lods_, array_of(reading.lods));
 	}
-	if (!hand_set_.shapes) {
+	if (!set_by_hand_.shapes) {
 		shapes_ = shapes;
 	}
-	if (!hand_set_.shape_transforms) {
+	if (!set_by_hand_.shape_transforms) {
 		shape_transforms_ = transforms;
 	}
 	remarks_ = reading.remarks;
@@ -205,18 +205,18 @@ bool ScatterModel::reload() {
 		return true;
 	}
 	const String path = scene_->get_path();
-	Ref<PackedScene> fresh = scene_;
+	Ref<PackedScene> loaded_scene = scene_;
 	// Bypass the cache: the cached scene may be older than its file, and the editor uses it as
 	// well.
 	if (!path.is_empty() && ResourceLoader::get_singleton()->exists(path)) {
-		fresh = ResourceLoader::get_singleton()->load(path, "PackedScene", ResourceLoader::CACHE_MODE_IGNORE);
+		loaded_scene = ResourceLoader::get_singleton()->load(path, "PackedScene", ResourceLoader::CACHE_MODE_IGNORE);
 	}
-	if (fresh.is_null()) {
+	if (loaded_scene.is_null()) {
 		ERR_PRINT(vformat(
 				"ScatterModel.scene: %s cannot be loaded. Check that the file exists and can be opened.", path));
 		return false;
 	}
-	SceneReader reader(fresh, scene_part_, replacement_materials_);
+	SceneReader reader(loaded_scene, scene_part_, replacement_materials_);
 	const Ref<PackedScene> scene = scene_;
 	while (reader.step()) {}
 	if (!(scene == scene_)) {
@@ -224,7 +224,7 @@ bool ScatterModel::reload() {
 	}
 	unread_ = Ref<PackedScene>();
 	reader_ = nullptr;
-	if (!take_over(reader.take(), fresh)) {
+	if (!take_content(reader.take(), loaded_scene)) {
 		return false;
 	}
 	emit_changed();
@@ -257,7 +257,7 @@ void ScatterModel::replace_lods(TypedArray<ScatterLod> &r_lods, const TypedArray
 
 void ScatterModel::set_lods(const TypedArray<ScatterLod> &p_lods) {
 	if (accept_count("lods", p_lods) && accept_edit("lods")) {
-		hand_set_.lods = true;
+		set_by_hand_.lods = true;
 		replace_lods(lods_, p_lods);
 		emit_changed();
 	}
@@ -272,7 +272,7 @@ void ScatterModel::set_far_lods(const TypedArray<ScatterLod> &p_lods) {
 
 void ScatterModel::set_shapes(const TypedArray<Shape3D> &p_shapes) {
 	if (accept_edit("shapes")) {
-		hand_set_.shapes = true;
+		set_by_hand_.shapes = true;
 		shapes_ = p_shapes;
 		emit_changed();
 	}
@@ -280,7 +280,7 @@ void ScatterModel::set_shapes(const TypedArray<Shape3D> &p_shapes) {
 
 void ScatterModel::set_shape_transforms(const TypedArray<Transform3D> &p_transforms) {
 	if (accept_edit("shape_transforms")) {
-		hand_set_.shape_transforms = true;
+		set_by_hand_.shape_transforms = true;
 		shape_transforms_ = p_transforms;
 		emit_changed();
 	}
@@ -292,14 +292,14 @@ std::vector<DrawnLod> ScatterModel::drawn_lods() const {
 		const Ref<ScatterLod> lod = lods_[index];
 		if (lod.is_valid() && (lod->get_mesh().is_valid() || !result.empty())) {
 			const double nearest = result.empty() ? 0.0 : result.back().distance;
-			add_drawn(lod, result);
+			add_drawn_lod(lod, result);
 			result.back().distance = std::max(result.back().distance, nearest);
 		}
 	}
 	for (int64_t index = 0; index < far_lods_.size() && !result.empty(); ++index) {
 		const Ref<ScatterLod> lod = far_lods_[index];
 		if (lod.is_valid() && lod->get_mesh().is_valid()) {
-			add_drawn(lod, result);
+			add_drawn_lod(lod, result);
 		}
 	}
 	std::ranges::stable_sort(result, {}, &DrawnLod::distance);

@@ -130,15 +130,15 @@ protected:
 private:
 	/// For each property, true if it was set by hand after `unread_` was set. Reading that scene
 	/// does not replace such properties.
-	struct HandSet {
+	struct SetByHand {
 		bool lods = false;
 		bool shapes = false;
 		bool shape_transforms = false;
 	};
 
-	void read_again();
+	void schedule_reread();
 	void read();
-	bool take_over(const SceneReading &reading, const godot::Ref<godot::PackedScene> &p_scene);
+	bool take_content(const SceneReading &reading, const godot::Ref<godot::PackedScene> &p_scene);
 	void finish_reading(const SceneReading &reading);
 	bool accept_edit(const char *p_property) const;
 	void replace_lods(godot::TypedArray<ScatterLod> &r_lods, const godot::TypedArray<ScatterLod> &p_lods);
@@ -154,8 +154,8 @@ private:
 	godot::Dictionary replacement_materials_; ///< Read-only.
 	std::shared_ptr<SceneReader> reader_;     ///< Reads `unread_`; null until its first step.
 	/// True during a step, because scripts in the scene may call this model.
-	bool stepping_ = false;
-	HandSet hand_set_;
+	bool is_stepping_ = false;
+	SetByHand set_by_hand_;
 	godot::String problem_;
 	godot::TypedArray<ScatterLod> lods_;
 	godot::TypedArray<ScatterLod> far_lods_;

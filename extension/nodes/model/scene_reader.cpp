@@ -47,7 +47,7 @@ struct ScenePart {
 };
 
 /// Values that a node passes to its children.
-struct Above {
+struct ParentState {
 	Transform3D transform;
 	std::optional<int> lod;
 };
@@ -63,9 +63,9 @@ std::string text_of(const StringName &p_name) { return String(p_name).utf8().get
 
 /// Walks over the nodes of a scene and collects its content. Continues after a problem and keeps
 /// the first one.
-class Walk {
+class SceneWalk {
 public:
-	void visit(Node *p_node, const Above &above, bool is_root);
+	void visit(Node *p_node, const ParentState &parent_state, bool is_root);
 
 	String problem;
 	std::vector<ScenePart> parts;
@@ -78,54 +78,54 @@ public:
 	void remark(const String &p_sentence);
 
 private:
-	void add_mesh(MeshInstance3D *p_node, const Above &above, const LodName &name);
-	void add_shape(CollisionShape3D *p_node, const Above &above);
+	void add_mesh(MeshInstance3D *p_node, const ParentState &state, const LodName &name);
+	void add_shape(CollisionShape3D *p_node, const ParentState &state);
 	void remark_on(Node *p_node);
 	void fail(const String &p_problem);
 	bool accept(Node *p_node, const Transform3D &p_transform);
 };
 
-void Walk::fail(const String &p_problem) {
+void SceneWalk::fail(const String &p_problem) {
 	if (problem.is_empty()) {
 		problem = p_problem;
 	}
 }
 
-void Walk::remark(const String &p_sentence) {
+void SceneWalk::remark(const String &p_sentence) {
 	if (remarks.size() < max_remarks && !remarks.has(p_sentence)) {
 		remarks.push_back(p_sentence);
 	}
 }
 
-void Walk::visit(Node *p_node, const Above &above, bool is_root) {
+void SceneWalk::visit(Node *p_node, const ParentState &parent_state, bool is_root) {
 	const LodName name = read_lod_name(text_of(p_node->get_name()));
-	Above here = above;
-	here.lod = name.lod ? name.lod : above.lod;
+	ParentState state = parent_state;
+	state.lod = name.lod ? name.lod : parent_state.lod;
 	if (auto *node = Object::cast_to<Node3D>(p_node)) {
 		if (!is_root && !node->is_visible()) {
 			return;
 		}
-		here.transform = is_root ? Transform3D() : combined(above.transform, node->get_transform());
+		state.transform = is_root ? Transform3D() : combined(parent_state.transform, node->get_transform());
 	}
 	if (auto *mesh = Object::cast_to<MeshInstance3D>(p_node)) {
-		add_mesh(mesh, here, name);
+		add_mesh(mesh, state, name);
 	} else if (auto *shape = Object::cast_to<CollisionShape3D>(p_node)) {
-		add_shape(shape, here);
+		add_shape(shape, state);
 	} else {
 		remark_on(p_node);
 	}
 	for (int32_t child = 0; child < p_node->get_child_count() && parts.size() <= max_model_parts; ++child) {
-		visit(p_node->get_child(child), here, false);
+		visit(p_node->get_child(child), state, false);
 	}
 }
 
 /// Returns false and records a problem if a transform is flat.
-bool Walk::accept(Node *p_node, const Transform3D &p_transform) {
-	constexpr double flat = 1e-9; // Relative to the volume of a cube of the greatest extent.
+bool SceneWalk::accept(Node *p_node, const Transform3D &p_transform) {
+	constexpr double min_relative_volume = 1e-9; // Relative to the volume of a cube of the greatest extent.
 	const glm::dmat3 basis = to_core(p_transform.basis);
-	const double side = largest_scale(basis);
+	const double extent = largest_scale(basis);
 	const double volume = glm::determinant(basis);
-	if (!(std::abs(volume) > flat * side * side * side)) {
+	if (!(std::abs(volume) > min_relative_volume * extent * extent * extent)) {
 		fail(vformat("\"%s\" has a scale of 0 along an axis", p_node->get_name()));
 		return false;
 	}
@@ -137,11 +137,11 @@ std::vector<double> blend_weights_of(const MeshInstance3D &node) {
 	for (int32_t shape = 0; shape < node.get_blend_shape_count(); ++shape) {
 		weights.push_back(node.get_blend_shape_value(shape));
 	}
-	const bool at_rest = std::ranges::all_of(weights, [](double weight) { return weight == 0.0; });
-	return at_rest ? std::vector<double>() : weights;
+	const bool are_all_zero = std::ranges::all_of(weights, [](double weight) { return weight == 0.0; });
+	return are_all_zero ? std::vector<double>() : weights;
 }
 
-void Walk::add_mesh(MeshInstance3D *p_node, const Above &above, const LodName &name) {
+void SceneWalk::add_mesh(MeshInstance3D *p_node, const ParentState &state, const LodName &name) {
 	const Ref<Mesh> mesh = p_node->get_mesh();
 	if (mesh.is_null() || (mesh->get_surface_count() == 0 && !is_stripped(mesh))) {
 		return;
@@ -151,41 +151,43 @@ void Walk::add_mesh(MeshInstance3D *p_node, const Above &above, const LodName &n
 		parts.emplace_back(); // The number of parts is now above the limit, so the walk ends.
 		return;
 	}
-	if (!accept(p_node, above.transform)) {
+	if (!accept(p_node, state.transform)) {
 		return;
 	}
 	if (p_node->get_skin().is_valid()) {
 		remark(vformat("\"%s\" has a skeleton: it is drawn in its rest pose.", p_node->get_name()));
 	}
 	ScenePart part;
-	part.part = {mesh, above.transform, {}, p_node->get_material_overlay(), blend_weights_of(*p_node)};
+	part.part = {mesh, state.transform, {}, p_node->get_material_overlay(), blend_weights_of(*p_node)};
 	part.appearance = appearance_of(*p_node, parameter_names);
-	const Ref<Material> over_all = p_node->get_material_override();
+	const Ref<Material> override_material = p_node->get_material_override();
 	for (int32_t surface = 0; surface < mesh->get_surface_count(); ++surface) {
-		const Ref<Material> own = over_all.is_valid() ? over_all : p_node->get_surface_override_material(surface);
-		part.part.materials.push_back(drawn_material(own, mesh, surface, replacements));
+		const Ref<Material> material =
+				override_material.is_valid() ? override_material : p_node->get_surface_override_material(surface);
+		part.part.materials.push_back(drawn_material(material, mesh, surface, replacements));
 	}
-	part.range = {name.stem, above.lod, p_node->get_visibility_range_begin(), p_node->get_visibility_range_end()};
+	part.range = {name.stem, state.lod, p_node->get_visibility_range_begin(), p_node->get_visibility_range_end()};
 	part.cast_shadow = static_cast<int64_t>(p_node->get_cast_shadows_setting());
 	parts.push_back(std::move(part));
 }
 
-void Walk::add_shape(CollisionShape3D *p_node, const Above &above) {
-	constexpr std::array taken{
+void SceneWalk::add_shape(CollisionShape3D *p_node, const ParentState &state) {
+	constexpr std::array supported_classes{
 			"BoxShape3D", "SphereShape3D", "CapsuleShape3D", "CylinderShape3D", "ConvexPolygonShape3D"};
 	const Ref<Shape3D> shape = p_node->get_shape();
 	if (shape.is_null() || p_node->is_disabled()) {
 		return;
 	}
 	const String kind = shape->get_class();
-	const bool known = std::ranges::any_of(taken, [&](const char *name) { return kind == String(name); });
-	if (!known) {
+	const bool is_supported =
+			std::ranges::any_of(supported_classes, [&](const char *name) { return kind == String(name); });
+	if (!is_supported) {
 		remark(vformat(
 				"\"%s\" is left out: a %s cannot be the shape of a scattered body. Use a box, a sphere, a capsule, a "
 				"cylinder or a convex polygon.",
 				p_node->get_name(), kind));
-	} else if (accept(p_node, above.transform)) {
-		Transform3D transform = above.transform;
+	} else if (accept(p_node, state.transform)) {
+		Transform3D transform = state.transform;
 		if (glm::determinant(to_core(transform.basis)) < 0.0) {
 			// The engine's shapes cannot be mirrored, but all except convex polygons are symmetric.
 			if (kind == String("ConvexPolygonShape3D")) {
@@ -203,7 +205,7 @@ void Walk::add_shape(CollisionShape3D *p_node, const Above &above) {
 }
 
 /// Adds a remark about a node that is not drawn as it is in the scene.
-void Walk::remark_on(Node *p_node) {
+void SceneWalk::remark_on(Node *p_node) {
 	if (p_node->is_class("AnimationMixer")) {
 		remark(vformat("\"%s\" does not play: the model is drawn as the scene was saved.", p_node->get_name()));
 	} else if (p_node->is_class("VisualInstance3D")) {
@@ -212,23 +214,24 @@ void Walk::remark_on(Node *p_node) {
 	}
 }
 
-Ref<Mesh> mesh_of(const std::vector<ScenePart> &parts, const std::vector<std::size_t> &of, int64_t left_out) {
-	std::vector<MeshPart> drawn;
-	for (const std::size_t part : of) {
-		if (parts[part].cast_shadow != left_out) {
-			drawn.push_back(parts[part].part);
+Ref<Mesh> mesh_of(
+		const std::vector<ScenePart> &parts, const std::vector<std::size_t> &part_indices, int64_t omitted_setting) {
+	std::vector<MeshPart> drawn_parts;
+	for (const std::size_t part : part_indices) {
+		if (parts[part].cast_shadow != omitted_setting) {
+			drawn_parts.push_back(parts[part].part);
 		}
 	}
-	return merged_mesh(drawn);
+	return merged_mesh(drawn_parts);
 }
 
-Ref<ScatterLod> made_lod(const std::vector<ScenePart> &parts, const ModelLod &lod) {
-	constexpr int64_t nothing = -1;
+Ref<ScatterLod> make_lod(const std::vector<ScenePart> &parts, const ModelLod &lod) {
+	constexpr int64_t no_setting = -1;
 	Ref<ScatterLod> result(memnew(ScatterLod));
 	result->set_distance(lod.distance.value_or(0.0));
 	const int64_t first = parts[lod.parts.front()].cast_shadow;
 	if (std::ranges::all_of(lod.parts, [&](std::size_t part) { return parts[part].cast_shadow == first; })) {
-		result->set_mesh(mesh_of(parts, lod.parts, nothing));
+		result->set_mesh(mesh_of(parts, lod.parts, no_setting));
 		// A node with the default setting uses the layer's setting.
 		result->set_cast_shadow(
 				first == shadow_on ? ScatterLod::CAST_SHADOW_LAYER : static_cast<ScatterLod::CastShadow>(first));
@@ -240,7 +243,7 @@ Ref<ScatterLod> made_lod(const std::vector<ScenePart> &parts, const ModelLod &lo
 }
 
 /// Sets the appearance of an LOD from its visible parts. Parts that only cast shadows are ignored.
-void join(Walk &r_walk, const std::vector<std::size_t> &parts, ScatterLod &r_lod) {
+void join_lod_appearances(SceneWalk &r_walk, const std::vector<std::size_t> &parts, ScatterLod &r_lod) {
 	std::vector<const PartAppearance *> appearances;
 	for (const std::size_t part : parts) {
 		if (r_walk.parts[part].cast_shadow != shadows_only) {
@@ -258,29 +261,29 @@ void join(Walk &r_walk, const std::vector<std::size_t> &parts, ScatterLod &r_lod
 
 /// Returns the transform from the space of a node's parent to the root's space. The transform also
 /// moves the node horizontally to x = z = 0.
-Transform3D above_of(const Node *p_root, const Node *p_node) {
-	Transform3D above;
+Transform3D parent_transform_of(const Node *p_root, const Node *p_node) {
+	Transform3D transform;
 	for (const Node *node = p_node->get_parent(); node != nullptr && node != p_root; node = node->get_parent()) {
 		if (const auto *parent = Object::cast_to<Node3D>(node)) {
-			above = combined(parent->get_transform(), above);
+			transform = combined(parent->get_transform(), transform);
 		}
 	}
 	if (const auto *node = Object::cast_to<Node3D>(p_node)) {
-		const Vector3 origin = combined(above, node->get_transform()).origin;
-		above.origin.x -= origin.x;
-		above.origin.z -= origin.z;
+		const Vector3 origin = combined(transform, node->get_transform()).origin;
+		transform.origin.x -= origin.x;
+		transform.origin.z -= origin.z;
 	}
-	return above;
+	return transform;
 }
 
 /// Moves all parts horizontally so that their bounding box is centered at the origin. Does nothing
 /// if the x and z ranges of the box already contain the origin.
-void center(Walk &r_walk) {
+void center_parts(SceneWalk &r_walk) {
 	std::optional<AABB> box;
 	for (const ScenePart &part : r_walk.parts) {
 		if (part.part.mesh.is_valid()) {
-			const AABB of_part = transformed(part.part.mesh->get_aabb(), part.part.transform);
-			box = box ? joined(*box, of_part) : of_part;
+			const AABB part_box = transformed(part.part.mesh->get_aabb(), part.part.transform);
+			box = box ? joined(*box, part_box) : part_box;
 		}
 	}
 	if (!box) {
@@ -301,7 +304,7 @@ void center(Walk &r_walk) {
 
 /// Instantiates a scene and walks over it, or over the node at path `p_part`. Fills `r_walk`, or
 /// sets its problem.
-void walk_over(const Ref<PackedScene> &p_scene, const String &p_part, Walk &r_walk) {
+void walk_scene(const Ref<PackedScene> &p_scene, const String &p_part, SceneWalk &r_walk) {
 	if (!p_scene->can_instantiate()) {
 		r_walk.problem = empty_scene;
 		return;
@@ -314,16 +317,16 @@ void walk_over(const Ref<PackedScene> &p_scene, const String &p_part, Walk &r_wa
 	r_walk.parameter_names = instance_parameters_of(p_scene);
 	if (p_part.is_empty()) {
 		r_walk.visit(root, {}, true);
-	} else if (Node *part = root->get_node_or_null(NodePath(p_part)); part != nullptr && part != root) {
-		r_walk.visit(part, {above_of(root, part), {}}, false);
-		center(r_walk);
+	} else if (Node *node = root->get_node_or_null(NodePath(p_part)); node != nullptr && node != root) {
+		r_walk.visit(node, {parent_transform_of(root, node), {}}, false);
+		center_parts(r_walk);
 	} else {
 		r_walk.problem = vformat("its root has no descendant \"%s\", the path in ScatterModel.scene_part", p_part);
 	}
 	memdelete(root);
 }
 
-std::vector<ModelLod> lods_of(const Walk &walk) {
+std::vector<ModelLod> lods_of(const SceneWalk &walk) {
 	std::vector<PartRange> ranges;
 	for (const ScenePart &part : walk.parts) {
 		ranges.push_back(part.range);
@@ -336,10 +339,10 @@ std::vector<ModelLod> lods_of(const Walk &walk) {
 struct SceneReader::Progress {
 	Ref<PackedScene> scene;
 	String part;
-	bool walked = false;
-	Walk walk;
-	std::vector<ModelLod> lods; ///< The meshes of the first `merged` LODs have been read.
-	std::size_t merged = 0;
+	bool is_walked = false;
+	SceneWalk walk;
+	std::vector<ModelLod> lods; ///< The meshes of the first `merged_count` LODs have been read.
+	std::size_t merged_count = 0;
 	SceneReading result;
 };
 
@@ -353,37 +356,37 @@ SceneReader::SceneReader(const Ref<PackedScene> &p_scene, const String &p_part, 
 SceneReader::~SceneReader() = default;
 
 bool SceneReader::step() {
-	Progress &now = *progress_;
-	if (!std::exchange(now.walked, true)) {
-		walk_over(now.scene, now.part, now.walk);
-		if (now.walk.problem.is_empty()) {
-			now.lods = lods_of(now.walk);
+	Progress &progress = *progress_;
+	if (!std::exchange(progress.is_walked, true)) {
+		walk_scene(progress.scene, progress.part, progress.walk);
+		if (progress.walk.problem.is_empty()) {
+			progress.lods = lods_of(progress.walk);
 		}
 		return true;
 	}
-	if (now.merged == now.lods.size()) {
+	if (progress.merged_count == progress.lods.size()) {
 		return false;
 	}
-	const std::vector<std::size_t> &parts = now.lods[now.merged].parts;
-	const Ref<ScatterLod> lod = made_lod(now.walk.parts, now.lods[now.merged++]);
+	const std::vector<std::size_t> &parts = progress.lods[progress.merged_count].parts;
+	const Ref<ScatterLod> lod = make_lod(progress.walk.parts, progress.lods[progress.merged_count++]);
 	if (lod->get_mesh().is_valid()) {
-		join(now.walk, parts, *lod.ptr());
-		now.result.lods.push_back(lod);
+		join_lod_appearances(progress.walk, parts, *lod.ptr());
+		progress.result.lods.push_back(lod);
 	}
 	return true;
 }
 
 SceneReading SceneReader::take() {
-	Progress &now = *progress_;
-	now.result.problem = now.walk.problem;
-	if (now.result.lods.empty() && now.result.problem.is_empty()) {
-		now.result.problem = "it has no visible MeshInstance3D with a mesh";
+	Progress &progress = *progress_;
+	progress.result.problem = progress.walk.problem;
+	if (progress.result.lods.empty() && progress.result.problem.is_empty()) {
+		progress.result.problem = "it has no visible MeshInstance3D with a mesh";
 	}
-	if (now.result.problem.is_empty()) {
-		now.result.shapes = std::move(now.walk.shapes);
-		now.result.remarks = now.walk.remarks;
+	if (progress.result.problem.is_empty()) {
+		progress.result.shapes = std::move(progress.walk.shapes);
+		progress.result.remarks = progress.walk.remarks;
 	}
-	return std::move(now.result);
+	return std::move(progress.result);
 }
 
 } // namespace thicket

@@ -18,8 +18,8 @@ namespace thicket {
 class ScatterLayer;
 class ScatterRegion3D;
 
-/// Stores the regions below a TerrainScatter3D in the state in which they were last read, and
-/// builds sets of shapes for the node's layers. Use it only on the main thread.
+/// Stores the regions that are descendants of a TerrainScatter3D, in the state in which they were
+/// last read, and builds sets of shapes for the node's layers. Use it only on the main thread.
 class RegionRegister {
 public:
 	/// Registers a region, which then affects layers until `remove`. Does not own the region.
@@ -56,14 +56,14 @@ public:
 private:
 	struct Entry {
 		ScatterRegion3D *node = nullptr;
-		bool marked = true;
+		bool is_marked = true;
 		/// The shape for layers; empty while the region has no effect.
 		std::optional<Shape> shape;
 		/// The last shape read from the node. May differ from `shape` by rounding.
-		std::optional<Shape> read;
+		std::optional<Shape> last_read;
 		godot::Array layers; ///< The layers that the region affects; see ScatterRegion3D::get_layers.
 
-		bool counts_for(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t index) const;
+		bool affects_layer(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t index) const;
 	};
 
 	std::vector<Entry> entries_;

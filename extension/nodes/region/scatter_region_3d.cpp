@@ -42,8 +42,8 @@ void ScatterRegion3D::notified(int p_what) {
 		case NOTIFICATION_EXIT_TREE: leave(); break;
 		case NOTIFICATION_TRANSFORM_CHANGED:
 			// A host with local coordinates may only have moved together with the region.
-			if (const Transform3D now = transform_of(*this); !(now == placed_)) {
-				placed_ = now;
+			if (const Transform3D transform = transform_of(*this); !(transform == reported_transform_)) {
+				reported_transform_ = transform;
 				changed();
 			}
 			break;
@@ -62,7 +62,7 @@ void ScatterRegion3D::enter() {
 	for (Node *node = get_parent(); node != nullptr && host_ == nullptr; node = node->get_parent()) {
 		host_ = dynamic_cast<RegionHost *>(node);
 	}
-	placed_ = transform_of(*this);
+	reported_transform_ = transform_of(*this);
 	if (host_ != nullptr) {
 		host_->add_region(this);
 	}
@@ -74,7 +74,7 @@ void ScatterRegion3D::leave() {
 	if (host_ != nullptr) {
 		std::exchange(host_, nullptr)->remove_region(this);
 	}
-	seen_ = {};
+	last_path_ = {};
 }
 
 /// Returns a node's transform in the world of the host, without its offset.
@@ -108,32 +108,33 @@ Path3D *ScatterRegion3D::followed_path() const {
 }
 
 bool ScatterRegion3D::path_changed() {
-	if (shape_ != SHAPE_PATH && seen_.id == 0) {
+	if (shape_ != SHAPE_PATH && last_path_.id == 0) {
 		// The region neither follows a path nor followed one in the last call.
 		return false;
 	}
-	SeenPath now;
+	PathState path_state;
 	if (const Path3D *path = shape_ == SHAPE_PATH ? followed_path() : nullptr) {
-		now.id = path->get_instance_id();
-		now.transform = transform_of(*path);
+		path_state.id = path->get_instance_id();
+		path_state.transform = transform_of(*path);
 		if (const Ref<Curve3D> curve = path->get_curve(); curve.is_valid()) {
-			now.points = curve->get_baked_points();
+			path_state.points = curve->get_baked_points();
 		}
 	}
-	const bool same = now.id == seen_.id && now.transform == seen_.transform && now.points.ptr() == seen_.points.ptr();
-	if (!same) {
-		seen_ = std::move(now);
+	const bool is_same = path_state.id == last_path_.id && path_state.transform == last_path_.transform &&
+			path_state.points.ptr() == last_path_.points.ptr();
+	if (!is_same) {
+		last_path_ = std::move(path_state);
 		update_gizmos();
 		update_configuration_warnings();
 	}
-	return !same;
+	return !is_same;
 }
 
 /// Converts a position from the space of a frame (see transform_of) to the host's world.
 glm::dvec3 ScatterRegion3D::to_world(const Transform3D &frame, glm::dvec3 position) const {
-	const glm::dvec3 placed = to_core(frame.basis) * position + to_core(frame.origin);
-	const bool offset = host_ != nullptr && !host_->world_frame().local;
-	return offset ? placed + host_->world_frame().offset : placed;
+	const glm::dvec3 rotated = to_core(frame.basis) * position + to_core(frame.origin);
+	const bool has_offset = host_ != nullptr && !host_->world_frame().local;
+	return has_offset ? rotated + host_->world_frame().offset : rotated;
 }
 
 std::vector<glm::dvec3> ScatterRegion3D::polygon_corners() const {
@@ -212,9 +213,9 @@ Status ScatterRegion3D::build(thicket::Shape &r_shape) const {
 	} else if (const Status status = build_solid(r_shape); !status.ok()) {
 		return status;
 	}
-	const bool unfinished = (shape_ == SHAPE_POLYGON && r_shape.outline.size() < 3) ||
+	const bool is_incomplete = (shape_ == SHAPE_POLYGON && r_shape.outline.size() < 3) ||
 			(shape_ == SHAPE_PATH && r_shape.outline.size() < 2);
-	return unfinished ? Status{ErrorCode::missing, "outline", 0.0} : validate(r_shape);
+	return is_incomplete ? Status{ErrorCode::missing, "outline", 0.0} : validate(r_shape);
 }
 
 std::optional<thicket::Shape> ScatterRegion3D::world_shape() {
@@ -226,7 +227,7 @@ std::optional<thicket::Shape> ScatterRegion3D::world_shape() {
 	if (status.code == ErrorCode::missing) {
 		return std::nullopt; // The region's warnings report the missing outline.
 	}
-	if (std::exchange(reported_, status.code) != status.code) {
+	if (std::exchange(reported_error_, status.code) != status.code) {
 		report(class_name, status);
 	}
 	return status.ok() ? std::optional(std::move(shape)) : std::nullopt;

@@ -61,9 +61,9 @@ struct RegionSizes {
 	double width = 4.0;
 };
 
-/// A part of the world from which layers of the TerrainScatter3D above it are excluded, or to which
-/// they are confined. Has an effect only while it is visible and in the tree. When the region
-/// changes, only the tiles that it touches are regenerated.
+/// A part of the world from which layers of the region's closest TerrainScatter3D ancestor are
+/// excluded, or to which they are confined. Has an effect only while it is visible and in the tree.
+/// When the region changes, only the tiles that it touches are regenerated.
 class ScatterRegion3D : public godot::Node3D, public ThreadGuarded {
 	GDCLASS(ScatterRegion3D, godot::Node3D)
 	THICKET_GUARDED_METHODS(owner)
@@ -134,13 +134,13 @@ public:
 	// These methods are for the add-on's gizmos. Without a planet, and for a region at its center,
 	// they return empty arrays.
 
-	/// Returns the places of positions of the engine on the flat map of the planet around the region:
-	/// a PlanetMap for a polygon or a path, otherwise the plane of the region's shadow. The place is
-	/// in x and z, and y is the map's scale there.
+	/// Converts positions from the engine's space to the flat map of the planet around the region: a
+	/// PlanetMap for a polygon or a path, otherwise the plane onto which the region is projected. In
+	/// the result, x and z are the position on the map, and y is the map's scale there.
 	godot::PackedVector3Array to_planet_map(const godot::PackedVector3Array &p_positions) const;
 
-	/// Returns the engine's up directions at places on this map.
-	godot::PackedVector3Array from_planet_map(const godot::PackedVector2Array &p_places) const;
+	/// Returns the up directions, in the engine's space, at positions on this map.
+	godot::PackedVector3Array from_planet_map(const godot::PackedVector2Array &p_map_positions) const;
 
 	/// Returns a message for each problem that keeps the region from having its likely intended
 	/// effect. The editor shows them as configuration warnings.
@@ -170,7 +170,7 @@ private:
 	std::vector<glm::dvec3> polygon_corners() const;
 	std::vector<glm::dvec3> path_points() const;
 	void build_outline(const Planet &planet, thicket::Shape &r_shape) const;
-	std::optional<PlanetMap> planet_map(glm::dvec3 &r_middle) const;
+	std::optional<PlanetMap> planet_map(glm::dvec3 &r_center) const;
 	godot::Path3D *followed_path() const;
 	void add_outline_problems(godot::PackedStringArray &r_problems) const;
 	void add_planet_problems(godot::PackedStringArray &r_problems) const;
@@ -189,17 +189,17 @@ private:
 	/// The host of the region while it is in the tree. The pointer stays valid, because the host
 	/// leaves the tree after its descendants.
 	RegionHost *host_ = nullptr;
-	ErrorCode reported_ = ErrorCode::none;
+	ErrorCode reported_error_ = ErrorCode::none;
 
 	/// The state of the path in the last call of path_changed().
-	struct SeenPath {
+	struct PathState {
 		std::uint64_t id = 0;
 		godot::Transform3D transform;
 		/// Shares the curve's memory. The curve allocates a new array when it changes.
 		godot::PackedVector3Array points;
 	};
-	godot::Transform3D placed_; ///< See transform_of(). The transform that was last reported.
-	SeenPath seen_;
+	godot::Transform3D reported_transform_; ///< See transform_of(). The transform that was last reported.
+	PathState last_path_;
 };
 
 } // namespace thicket

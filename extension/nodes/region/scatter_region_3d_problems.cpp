@@ -21,7 +21,7 @@ namespace {
 /// degrees).
 constexpr double min_upright = 0.5;
 
-constexpr bool differ(double a, double b) { return std::abs(a - b) > 1e-4 * std::max(a, b); }
+constexpr bool are_different(double a, double b) { return std::abs(a - b) > 1e-4 * std::max(a, b); }
 
 } // namespace
 
@@ -84,8 +84,8 @@ PackedStringArray ScatterRegion3D::get_problems() const {
 	const glm::dvec3 scale = frame.scale;
 	if (!status.ok()) {
 		problems.push_back("The region has no effect: " + sentence(class_name, status) + ".");
-	} else if ((shape_ != SHAPE_BOX && differ(scale.x, scale.z)) ||
-			(shape_ == SHAPE_SPHERE && differ(scale.x, scale.y))) {
+	} else if ((shape_ != SHAPE_BOX && are_different(scale.x, scale.z)) ||
+			(shape_ == SHAPE_SPHERE && are_different(scale.x, scale.y))) {
 		problems.push_back(
 				"The node's scale differs between axes, so the largest is used for the radius. Use a uniform "
 				"scale.");

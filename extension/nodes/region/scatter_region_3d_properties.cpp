@@ -47,15 +47,15 @@ void ScatterRegion3D::set_exclude(bool p_exclude) {
 }
 
 void ScatterRegion3D::set_layers(const Array &p_layers) {
-	Array stored;
+	Array references;
 	for (int64_t i = 0; i < p_layers.size(); ++i) {
-		append(stored, stored_reference(p_layers[i]));
-		if (stored[i].get_type() == Variant::NIL) {
+		append(references, stored_reference(p_layers[i]));
+		if (references[i].get_type() == Variant::NIL) {
 			ERR_PRINT("ScatterRegion3D.layers: " + no_reference(p_layers[i]));
 			return;
 		}
 	}
-	layers_ = stored;
+	layers_ = references;
 	changed();
 }
 
@@ -65,8 +65,8 @@ void ScatterRegion3D::change_references(const ReferenceChange &change) {
 	const auto changed_layer = [&](const Variant &p_stored) {
 		return change("ScatterRegion3D.layers", p_stored);
 	};
-	if (const auto now = changed_references(layers_, changed_layer)) {
-		set_layers(*now);
+	if (const auto references = changed_references(layers_, changed_layer)) {
+		set_layers(*references);
 	}
 }
 
@@ -93,8 +93,8 @@ void ScatterRegion3D::set_polygon(const PackedVector2Array &p_polygon) {
 		return;
 	}
 	for (const Vector2 &corner : p_polygon) {
-		for (const real_t number : {corner.x, corner.y}) {
-			if (!accept_number(class_name, "polygon", number, -max_shape_coordinate, max_shape_coordinate)) {
+		for (const real_t coordinate : {corner.x, corner.y}) {
+			if (!accept_number(class_name, "polygon", coordinate, -max_shape_coordinate, max_shape_coordinate)) {
 				return;
 			}
 		}
@@ -135,7 +135,7 @@ void ScatterRegion3D::bind_number() {
 /// Hides the properties that the current shape does not use. Hidden properties are still saved, so
 /// switching shapes loses no values.
 void ScatterRegion3D::_validate_property(PropertyInfo &p_property) const {
-	struct Use {
+	struct PropertyUse {
 		const char *property;
 		unsigned shapes; ///< A bit mask of the shapes that use the property.
 	};
@@ -144,7 +144,7 @@ void ScatterRegion3D::_validate_property(PropertyInfo &p_property) const {
 	constexpr unsigned cylinder = 1U << SHAPE_CYLINDER;
 	constexpr unsigned polygon = 1U << SHAPE_POLYGON;
 	constexpr unsigned path = 1U << SHAPE_PATH;
-	static constexpr Use uses[] = {
+	static constexpr PropertyUse uses[] = {
 			{"ignore_height", box | sphere | cylinder},
 			{"size", box},
 			{"radius", sphere | cylinder},
@@ -153,7 +153,7 @@ void ScatterRegion3D::_validate_property(PropertyInfo &p_property) const {
 			{"path", path},
 			{"width", path},
 	};
-	for (const Use &use : uses) {
+	for (const PropertyUse &use : uses) {
 		if (((use.shapes >> shape_) & 1U) == 0 && p_property.name == StringName(use.property)) {
 			p_property.usage &= ~static_cast<uint32_t>(PROPERTY_USAGE_EDITOR);
 		}

@@ -23,20 +23,21 @@ namespace {
 
 constexpr double rank_scale = 1.0 / 4294967296.0;
 
-/// Processes the points in parts. If there are many, distributes the parts among the engine's
+/// Processes the points in chunks. If there are many, distributes the chunks among the engine's
 /// worker threads. Most of the time is spent in page faults: the system maps new memory one page at
 /// a time.
 template <class Work>
-void for_each_part(std::size_t size, const Work &work) {
-	constexpr std::size_t part = 1 << 14;
-	std::atomic<std::size_t> next = 0;
+void for_each_chunk(std::size_t size, const Work &work) {
+	constexpr std::size_t chunk_size = 1 << 14;
+	std::atomic<std::size_t> next_first = 0;
 	const auto work_on = [&](std::size_t) {
-		for (std::size_t first = next.fetch_add(part); first < size; first = next.fetch_add(part)) {
-			work(first, std::min(first + part, size));
+		for (std::size_t first = next_first.fetch_add(chunk_size); first < size;
+				first = next_first.fetch_add(chunk_size)) {
+			work(first, std::min(first + chunk_size, size));
 		}
 	};
-	if (size > 4 * part) {
-		// The result does not depend on which thread copies which part.
+	if (size > 4 * chunk_size) {
+		// The result does not depend on which thread copies which chunk.
 		EngineThreads().run(work_on);
 	} else {
 		work_on(0);
@@ -72,16 +73,16 @@ void PoissonPoints::fill(std::span<const SamplePoint> points, bool exact) {
 	double *x = resize(x_, exact ? count : 0).data();
 	double *y = resize(y_, exact ? count : 0).data();
 	Vector2 *positions = resize(positions_, exact ? 0 : count).data();
-	for_each_part(points.size(), [&](std::size_t first, std::size_t end) {
-		const std::span<const SamplePoint> part = points.subspan(first, end - first);
-		std::ranges::transform(part, ids + first, [](const SamplePoint &point) { return script_id(point.id); });
-		std::ranges::transform(part, ranks + first, [](const SamplePoint &point) { return unit_rank(point.rank); });
+	for_each_chunk(points.size(), [&](std::size_t first, std::size_t end) {
+		const std::span<const SamplePoint> chunk = points.subspan(first, end - first);
+		std::ranges::transform(chunk, ids + first, [](const SamplePoint &point) { return script_id(point.id); });
+		std::ranges::transform(chunk, ranks + first, [](const SamplePoint &point) { return unit_rank(point.rank); });
 		if (exact) {
-			std::ranges::transform(part, x + first, [](const SamplePoint &point) { return point.position.x; });
-			std::ranges::transform(part, y + first, [](const SamplePoint &point) { return point.position.y; });
+			std::ranges::transform(chunk, x + first, [](const SamplePoint &point) { return point.position.x; });
+			std::ranges::transform(chunk, y + first, [](const SamplePoint &point) { return point.position.y; });
 		} else {
 			std::ranges::transform(
-					part, positions + first, [](const SamplePoint &point) { return to_engine(point.position); });
+					chunk, positions + first, [](const SamplePoint &point) { return to_engine(point.position); });
 		}
 	});
 	size_ = count;
@@ -117,11 +118,11 @@ PackedVector2Array PoissonPoints::get_positions() const {
 		return positions_;
 	}
 	PackedVector2Array positions;
-	const std::span<Vector2> out = resize(positions, size_);
+	const std::span<Vector2> output = resize(positions, size_);
 	const double *x = x_.ptr();
 	const double *y = y_.ptr();
-	for (std::size_t index = 0; index < out.size(); ++index) {
-		out[index] = to_engine(glm::dvec2(x[index], y[index]));
+	for (std::size_t index = 0; index < output.size(); ++index) {
+		output[index] = to_engine(glm::dvec2(x[index], y[index]));
 	}
 	positions_ = positions;
 	return positions;

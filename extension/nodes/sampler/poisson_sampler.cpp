@@ -11,9 +11,9 @@ using namespace godot;
 
 namespace thicket {
 
-PoissonSampler::Turn::Turn(PoissonSampler *p_sampler, const char *p_method) :
-		sampler_(p_sampler), granted_(!p_sampler->busy_.exchange(true)) {
-	if (granted_) {
+PoissonSampler::CallScope::CallScope(PoissonSampler *p_sampler, const char *p_method) :
+		sampler_(p_sampler), is_granted_(!p_sampler->busy_.exchange(true)) {
+	if (is_granted_) {
 		p_sampler->cancelled_ = false;
 	} else {
 		ERR_PRINT(vformat(
@@ -22,8 +22,8 @@ PoissonSampler::Turn::Turn(PoissonSampler *p_sampler, const char *p_method) :
 	}
 }
 
-PoissonSampler::Turn::~Turn() {
-	if (granted_) {
+PoissonSampler::CallScope::~CallScope() {
+	if (is_granted_) {
 		sampler_->busy_ = false;
 	}
 }
@@ -85,8 +85,8 @@ void PoissonSampler::set_cell_size(double p_cell_size) {
 
 double PoissonSampler::get_cell_size() const { return cell_size_; }
 
-std::span<const SamplePoint> PoissonSampler::fetch(const Turn &p_turn, const Rect &p_rect) {
-	if (!p_turn.granted()) {
+std::span<const SamplePoint> PoissonSampler::fetch(const CallScope &p_scope, const Rect &p_rect) {
+	if (!p_scope.is_granted()) {
 		return {};
 	}
 	EngineThreads threads;
@@ -96,13 +96,13 @@ std::span<const SamplePoint> PoissonSampler::fetch(const Turn &p_turn, const Rec
 }
 
 Ref<PoissonPoints> PoissonSampler::sample(const Rect2 &p_rect) {
-	const Turn turn(this, "sample");
-	return PoissonPoints::of(fetch(turn, to_core(p_rect)), false);
+	const CallScope scope(this, "sample");
+	return PoissonPoints::of(fetch(scope, to_core(p_rect)), false);
 }
 
 Ref<PoissonPoints> PoissonSampler::sample_exact(double p_min_x, double p_min_y, double p_max_x, double p_max_y) {
-	const Turn turn(this, "sample_exact");
-	return PoissonPoints::of(fetch(turn, {{p_min_x, p_min_y}, {p_max_x, p_max_y}}), true);
+	const CallScope scope(this, "sample_exact");
+	return PoissonPoints::of(fetch(scope, {{p_min_x, p_min_y}, {p_max_x, p_max_y}}), true);
 }
 
 void PoissonSampler::_bind_methods() {

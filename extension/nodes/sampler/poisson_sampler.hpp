@@ -130,18 +130,18 @@ protected:
 private:
 	/// One call in progress. The call is rejected if the sampler is already running another one.
 	/// Keeps the sampler alive even if scripts release it during the call.
-	class Turn {
+	class CallScope {
 	public:
-		Turn(PoissonSampler *p_sampler, const char *p_method);
-		~Turn();
-		Turn(const Turn &) = delete;
-		Turn &operator=(const Turn &) = delete;
+		CallScope(PoissonSampler *p_sampler, const char *p_method);
+		~CallScope();
+		CallScope(const CallScope &) = delete;
+		CallScope &operator=(const CallScope &) = delete;
 
-		bool granted() const { return granted_; }
+		bool is_granted() const { return is_granted_; }
 
 	private:
 		godot::Ref<PoissonSampler> sampler_;
-		bool granted_;
+		bool is_granted_;
 	};
 
 	bool try_set(const PointSet &p_set);
@@ -149,16 +149,16 @@ private:
 	static Status read_mesh(
 			const godot::Ref<godot::Mesh> &p_mesh, const godot::Transform3D &p_transform, Faces &r_faces);
 	/// Samples the triangles that `read` collects. `p_property` names them in error messages.
-	godot::Ref<PoissonSurfacePoints> sample_triangles(const Turn &p_turn, const char *p_property,
+	godot::Ref<PoissonSurfacePoints> sample_triangles(const CallScope &p_scope, const char *p_property,
 			const godot::AABB &p_window, bool mirrored, const std::function<Status(Faces &r_faces)> &read);
-	std::span<const SamplePoint> fetch(const Turn &p_turn, const Rect &p_rect);
+	std::span<const SamplePoint> fetch(const CallScope &p_scope, const Rect &p_rect);
 	DomainRequest domain_request(const glm::dvec2 &p_size) const;
 	void report_domain(const DomainRequest &p_request, Status p_status) const;
 
 	/// Fills the domain and passes the points to the writer. If the request is rejected or
 	/// canceled, the writer ends up empty.
 	template <typename Writer>
-	void write_domain(const Turn &p_turn, const Rect &p_rect, const glm::dvec2 &p_size,
+	void write_domain(const CallScope &p_scope, const Rect &p_rect, const glm::dvec2 &p_size,
 			const godot::Callable &p_progress, Writer &r_writer);
 	template <typename Writer>
 	Status write_by_method(const Rect &p_rect, const DomainRequest &p_request, const Progress &p_progress,

@@ -25,7 +25,7 @@ namespace {
 
 /// Returns the largest number below `end`, but at least `min`.
 template <typename Real>
-Real last_before(Real end, Real min) {
+Real largest_below(Real end, Real min) {
 	return std::max(std::nextafter(end, -std::numeric_limits<Real>::infinity()), min);
 }
 
@@ -33,21 +33,21 @@ Real last_before(Real end, Real min) {
 class Vector2Writer {
 public:
 	explicit Vector2Writer(const Rect2 &p_rect) :
-			last_(last_before(p_rect.position.x + p_rect.size.x, p_rect.position.x),
-					last_before(p_rect.position.y + p_rect.size.y, p_rect.position.y)) {}
+			max_position_(largest_below(p_rect.position.x + p_rect.size.x, p_rect.position.x),
+					largest_below(p_rect.position.y + p_rect.size.y, p_rect.position.y)) {}
 
 	/// Throws std::bad_alloc if there is not enough memory.
 	void resize(std::size_t p_count) { next_ = thicket::resize(positions, static_cast<int64_t>(p_count)).data(); }
 
 	void add(const glm::dvec2 &p_position) {
-		*next_++ = Vector2(std::min(static_cast<real_t>(p_position.x), last_.x),
-				std::min(static_cast<real_t>(p_position.y), last_.y));
+		*next_++ = Vector2(std::min(static_cast<real_t>(p_position.x), max_position_.x),
+				std::min(static_cast<real_t>(p_position.y), max_position_.y));
 	}
 
 	PackedVector2Array positions;
 
 private:
-	Vector2 last_;
+	Vector2 max_position_;
 	Vector2 *next_ = nullptr;
 };
 
@@ -55,7 +55,7 @@ private:
 class DoubleWriter {
 public:
 	explicit DoubleWriter(const Rect &p_rect) :
-			last_(last_before(p_rect.max.x, p_rect.min.x), last_before(p_rect.max.y, p_rect.min.y)) {}
+			max_position_(largest_below(p_rect.max.x, p_rect.min.x), largest_below(p_rect.max.y, p_rect.min.y)) {}
 
 	/// Throws std::bad_alloc if there is not enough memory.
 	void resize(std::size_t p_count) {
@@ -64,15 +64,15 @@ public:
 	}
 
 	void add(const glm::dvec2 &p_position) {
-		*next_x_++ = std::min(p_position.x, last_.x);
-		*next_y_++ = std::min(p_position.y, last_.y);
+		*next_x_++ = std::min(p_position.x, max_position_.x);
+		*next_y_++ = std::min(p_position.y, max_position_.y);
 	}
 
 	PackedFloat64Array x;
 	PackedFloat64Array y;
 
 private:
-	glm::dvec2 last_;
+	glm::dvec2 max_position_;
 	double *next_x_ = nullptr;
 	double *next_y_ = nullptr;
 };
@@ -80,16 +80,16 @@ private:
 /// Writes `position_of(point)` for each point and checks for cancellation between batches.
 template <typename Points, typename PositionOf, typename Writer>
 Status write(const Points &points, const PositionOf &position_of, const Progress &progress, Writer &r_writer) {
-	constexpr std::size_t piece = 1 << 20;
+	constexpr std::size_t batch_size = 1 << 20;
 	const Status status = guarded("rect", static_cast<double>(points.size()), [&] { r_writer.resize(points.size()); });
 	if (!status.ok()) {
 		return status;
 	}
-	for (std::size_t start = 0; start < points.size(); start += piece) {
+	for (std::size_t start = 0; start < points.size(); start += batch_size) {
 		if (progress.cancelled()) {
 			return {ErrorCode::cancelled, "sample_domain", 0.0};
 		}
-		for (std::size_t index = start; index < std::min(start + piece, points.size()); ++index) {
+		for (std::size_t index = start; index < std::min(start + batch_size, points.size()); ++index) {
 			r_writer.add(position_of(points[index]));
 		}
 	}
@@ -111,7 +111,7 @@ Status write_set(const DomainRequest &request, const glm::dvec2 &min, const Prog
 
 /// Returns the advice to print for script authors if the core has rejected a size; empty for other
 /// errors.
-String remedy(const DomainRequest &request, const Status &status) {
+String advice_for(const DomainRequest &request, const Status &status) {
 	if (status.code != ErrorCode::out_of_range) {
 		return String();
 	}
@@ -145,7 +145,7 @@ void PoissonSampler::report_domain(const DomainRequest &p_request, Status p_stat
 		return;
 	}
 	p_status.property = "rect.size";
-	ERR_PRINT(sentence(class_name, p_status) + remedy(p_request, p_status));
+	ERR_PRINT(sentence(class_name, p_status) + advice_for(p_request, p_status));
 }
 
 template <typename Writer>
@@ -168,10 +168,10 @@ Status PoissonSampler::write_tiles(
 template <typename Writer>
 Status PoissonSampler::write_by_method(const Rect &p_rect, const DomainRequest &p_request, const Progress &p_progress,
 		Writer &r_writer, DomainStats &r_stats) {
-	constexpr double widest = std::numeric_limits<double>::max();
-	const Status status = first_failure(check_range("rect", p_rect.min.x, -widest, widest),
-			check_range("rect", p_rect.min.y, -widest, widest), check_positive("size", p_request.size.x),
-			check_positive("size", p_request.size.y));
+	constexpr double max_coordinate = std::numeric_limits<double>::max();
+	const Status status = first_failure(check_range("rect", p_rect.min.x, -max_coordinate, max_coordinate),
+			check_range("rect", p_rect.min.y, -max_coordinate, max_coordinate),
+			check_positive("size", p_request.size.x), check_positive("size", p_request.size.y));
 	if (!status.ok()) {
 		return status;
 	}
@@ -183,9 +183,9 @@ Status PoissonSampler::write_by_method(const Rect &p_rect, const DomainRequest &
 }
 
 template <typename Writer>
-void PoissonSampler::write_domain(const Turn &p_turn, const Rect &p_rect, const glm::dvec2 &p_size,
+void PoissonSampler::write_domain(const CallScope &p_scope, const Rect &p_rect, const glm::dvec2 &p_size,
 		const Callable &p_progress, Writer &r_writer) {
-	if (!p_turn.granted()) {
+	if (!p_scope.is_granted()) {
 		return;
 	}
 	if (method_ == METHOD_TILES && toroidal_) {
@@ -210,33 +210,33 @@ void PoissonSampler::write_domain(const Turn &p_turn, const Rect &p_rect, const 
 }
 
 PackedVector2Array PoissonSampler::sample_domain(const Rect2 &p_rect, const Callable &p_progress) {
-	const Turn turn(this, "sample_domain");
+	const CallScope scope(this, "sample_domain");
 	Vector2Writer writer(p_rect);
-	write_domain(turn, to_core(p_rect), to_core(p_rect.size), p_progress, writer);
+	write_domain(scope, to_core(p_rect), to_core(p_rect.size), p_progress, writer);
 	return writer.positions;
 }
 
 Ref<PoissonPoints> PoissonSampler::sample_domain_exact(
 		double p_min_x, double p_min_y, double p_max_x, double p_max_y, const Callable &p_progress) {
-	const Turn turn(this, "sample_domain_exact");
+	const CallScope scope(this, "sample_domain_exact");
 	const Rect rect{{p_min_x, p_min_y}, {p_max_x, p_max_y}};
 	DoubleWriter writer(rect);
-	write_domain(turn, rect, rect.size(), p_progress, writer);
+	write_domain(scope, rect, rect.size(), p_progress, writer);
 	return PoissonPoints::of_positions(writer.x, writer.y);
 }
 
 Dictionary PoissonSampler::get_stats() const {
 	Dictionary result;
-	const auto notify = [&result](const char *name, std::uint64_t value) {
+	const auto add = [&result](const char *name, std::uint64_t value) {
 		result[name] = static_cast<int64_t>(value);
 	};
-	notify("points", stats_.points);
-	notify("darts", stats_.darts);
-	notify("squares", stats_.squares);
-	notify("selections", stats_.selections);
-	notify("list_checks", stats_.list_checks);
-	notify("discarded", stats_.discarded);
-	notify("workspace_bytes", stats_.workspace_bytes());
+	add("points", stats_.points);
+	add("darts", stats_.darts);
+	add("squares", stats_.squares);
+	add("selections", stats_.selections);
+	add("list_checks", stats_.list_checks);
+	add("discarded", stats_.discarded);
+	add("workspace_bytes", stats_.workspace_bytes());
 	return result;
 }
 

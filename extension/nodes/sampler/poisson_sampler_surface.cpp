@@ -49,48 +49,48 @@ struct PoissonSampler::Faces {
 			vertices.push_back(basis * to_core(position[index]) + to_core(p_transform.origin));
 		}
 		const int32_t *corner = p_corners.ptr();
-		const bool indexed = p_corners.size() > 0;
-		const int64_t count = indexed ? p_corners.size() : p_positions.size();
+		const bool is_indexed = p_corners.size() > 0;
+		const int64_t count = is_indexed ? p_corners.size() : p_positions.size();
 		for (int64_t index = 0; index < count; ++index) {
-			indices.push_back(first + static_cast<std::uint32_t>(indexed ? corner[index] : index));
+			indices.push_back(first + static_cast<std::uint32_t>(is_indexed ? corner[index] : index));
 		}
 	}
 };
 
 Status PoissonSampler::read_mesh(const Ref<Mesh> &p_mesh, const Transform3D &p_transform, Faces &r_faces) {
-	bool found = false;
+	bool has_surface = false;
 	for (int32_t surface = 0; p_mesh.is_valid() && surface < p_mesh->get_surface_count(); ++surface) {
 		if (has_triangles(*p_mesh.ptr(), surface)) {
 			const Array arrays = p_mesh->surface_get_arrays(surface); // May run the mesh's script.
 			if (arrays.size() > SurfaceStream::indices) {
 				r_faces.append(arrays[SurfaceStream::positions], arrays[SurfaceStream::indices], p_transform);
-				found = true;
+				has_surface = true;
 			}
 		}
 	}
-	return found ? Status() : no_triangles();
+	return has_surface ? Status() : no_triangles();
 }
 
 Ref<PoissonSurfacePoints> PoissonSampler::sample_surface(
 		const Ref<Mesh> &p_mesh, const Transform3D &p_transform, const AABB &p_window) {
-	const Turn turn(this, "sample_surface");
+	const CallScope scope(this, "sample_surface");
 	const bool mirrored = glm::determinant(to_core(p_transform.basis)) < 0.0;
 	return sample_triangles(
-			turn, "mesh", p_window, mirrored, [&](Faces &r_faces) { return read_mesh(p_mesh, p_transform, r_faces); });
+			scope, "mesh", p_window, mirrored, [&](Faces &r_faces) { return read_mesh(p_mesh, p_transform, r_faces); });
 }
 
 Ref<PoissonSurfacePoints> PoissonSampler::sample_faces(const PackedVector3Array &p_faces, const AABB &p_window) {
-	const Turn turn(this, "sample_faces");
-	return sample_triangles(turn, "faces", p_window, false, [&p_faces](Faces &r_faces) {
+	const CallScope scope(this, "sample_faces");
+	return sample_triangles(scope, "faces", p_window, false, [&p_faces](Faces &r_faces) {
 		r_faces.append(p_faces, PackedInt32Array(), Transform3D());
 		return Status();
 	});
 }
 
-Ref<PoissonSurfacePoints> PoissonSampler::sample_triangles(const Turn &p_turn, const char *p_property,
+Ref<PoissonSurfacePoints> PoissonSampler::sample_triangles(const CallScope &p_scope, const char *p_property,
 		const AABB &p_window, bool mirrored, const std::function<Status(Faces &r_faces)> &read) {
 	Ref<PoissonSurfacePoints> result = PoissonSurfacePoints::make_empty();
-	if (!p_turn.granted()) {
+	if (!p_scope.is_granted()) {
 		return result;
 	}
 	Faces faces;
@@ -98,21 +98,22 @@ Ref<PoissonSurfacePoints> PoissonSampler::sample_triangles(const Turn &p_turn, c
 	if (status.ok()) {
 		status = guarded("faces", static_cast<double>(faces.indices.size() / 3), [&]() -> Status {
 			std::shared_ptr<const Surface> surface;
-			const Status refused = Surface::create(std::move(faces.vertices), std::move(faces.indices), surface);
-			if (!refused.ok()) {
-				return refused;
+			const Status creation_status =
+					Surface::create(std::move(faces.vertices), std::move(faces.indices), surface);
+			if (!creation_status.ok()) {
+				return creation_status;
 			}
 			SurfaceSampler sampler;
 			std::vector<SurfacePoint> points;
 			const Progress progress{.cancel = &cancelled_, .report = {}};
 			const glm::dvec3 corner = to_core(p_window.position);
-			const Status sampled = p_window == AABB()
+			const Status sample_status = p_window == AABB()
 					? sampler.sample_all(set_, *surface, points, progress)
 					: sampler.sample(set_, *surface, {corner, corner + to_core(p_window.size)}, points, progress);
-			if (sampled.ok()) {
+			if (sample_status.ok()) {
 				result = PoissonSurfacePoints::of(points, mirrored);
 			}
-			return sampled;
+			return sample_status;
 		});
 	}
 	report(class_name, status);

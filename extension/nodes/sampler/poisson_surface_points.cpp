@@ -13,13 +13,13 @@ namespace thicket {
 
 Ref<PoissonSurfacePoints> PoissonSurfacePoints::of(std::span<const SurfacePoint> points, bool mirrored) {
 	const Ref<PoissonSurfacePoints> result(memnew(PoissonSurfacePoints));
-	const double side = mirrored ? 1.0 : -1.0;
+	const double sign = mirrored ? 1.0 : -1.0;
 	result->ranks_ =
 			packed<PackedFloat32Array>(points, [](const SurfacePoint &point) { return unit_rank(point.rank); });
 	result->positions_ =
 			packed<PackedVector3Array>(points, [](const SurfacePoint &point) { return to_engine(point.position); });
 	result->normals_ = packed<PackedVector3Array>(
-			points, [side](const SurfacePoint &point) { return to_engine(point.normal * side); });
+			points, [sign](const SurfacePoint &point) { return to_engine(point.normal * sign); });
 	result->faces_ = packed<PackedInt32Array>(
 			points, [](const SurfacePoint &point) { return static_cast<int32_t>(point.triangle); });
 	result->ids_ = packed<PackedInt64Array>(points, [](const SurfacePoint &point) { return script_id(point.id); });

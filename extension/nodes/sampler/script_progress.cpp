@@ -13,12 +13,13 @@ namespace thicket {
 
 namespace {
 
-constexpr std::chrono::milliseconds pause{15};
+constexpr std::chrono::milliseconds min_interval{15};
 
 } // namespace
 
 ScriptProgress::ScriptProgress(const char *p_owner, const Callable &p_callable) :
-		owner_(p_owner), callable_(p_callable), wanted_(!p_callable.is_null()), due_(Clock::now() + pause) {}
+		owner_(p_owner), callable_(p_callable), is_enabled_(!p_callable.is_null()),
+		next_report_(Clock::now() + min_interval) {}
 
 Progress ScriptProgress::progress(const std::atomic<bool> *p_cancel) {
 	return {p_cancel, [this](double fraction, std::uint64_t points) { update(fraction, points); }};
@@ -26,15 +27,15 @@ Progress ScriptProgress::progress(const std::atomic<bool> *p_cancel) {
 
 /// Calls the script if the next report is due.
 void ScriptProgress::update(double p_fraction, std::uint64_t p_points) {
-	if (wanted_ && p_fraction < 1.0 && Clock::now() >= due_) {
+	if (is_enabled_ && p_fraction < 1.0 && Clock::now() >= next_report_) {
 		fraction_ = std::max(fraction_, p_fraction);
 		call(fraction_, p_points);
-		due_ = Clock::now() + pause;
+		next_report_ = Clock::now() + min_interval;
 	}
 }
 
 void ScriptProgress::finish(std::uint64_t p_points) {
-	if (wanted_) {
+	if (is_enabled_) {
 		call(1.0, p_points);
 	}
 }
@@ -44,7 +45,7 @@ void ScriptProgress::call(double p_fraction, std::uint64_t p_points) {
 	const Variant points(static_cast<int64_t>(p_points));
 	Variant result;
 	if (call_script(callable_, "call", result, fraction, points) != GDEXTENSION_CALL_OK) {
-		wanted_ = false;
+		is_enabled_ = false;
 		const std::string problem = std::string(owner_) +
 				".progress cannot be called with (fraction: float, points: int), or cannot be called anymore";
 		ERR_PRINT(String(problem.c_str()));

@@ -36,9 +36,9 @@ private:
 
 	const char *owner_;
 	godot::Variant callable_;
-	bool wanted_;
-	double fraction_ = 0.0; ///< The last reported fraction.
-	Clock::time_point due_; ///< The earliest time of the next report.
+	bool is_enabled_;               ///< False without a callable, and after a call has failed.
+	double fraction_ = 0.0;         ///< The last reported fraction.
+	Clock::time_point next_report_; ///< The earliest time of the next report.
 };
 
 } // namespace thicket
