@@ -60,7 +60,7 @@ class Api:
     def __init__(self, description, remedy=""):
         header = description["header"]
         self.release = "%d.%d" % (header["version_major"], header["version_minor"])
-        self.where = "the description of %s%s" % (header["version_full_name"], remedy)
+        self.source_name = "the description of %s%s" % (header["version_full_name"], remedy)
         self.classes = by_name(description["classes"])
         self.builtins = by_name(description["builtin_classes"])
         self.enums = by_name(description["global_enums"])
@@ -73,7 +73,7 @@ class Api:
         """Returns the item with a name from a dictionary or a list. A missing item is an error in used_api.toml and ends the program."""
         items = items if isinstance(items, dict) else by_name(items)
         if name not in items:
-            raise SystemExit("used_api.toml: %s has no '%s' in %s" % (owner, name, self.where))
+            raise SystemExit("used_api.toml: %s has no '%s' in %s" % (owner, name, self.source_name))
         return items[name]
 
     def hash(self, owner, method, double_hashes):
@@ -91,7 +91,7 @@ class Api:
         return "%d" % method["hash"]
 
     def has_reals(self, type_name):
-        """Returns whether values of the type contain the engine's reals, and are therefore larger in double-precision engines."""
+        """Returns True if values of the type contain the engine's reals, and the values are therefore larger in double-precision engines."""
         single, double = self.sizes.get(type_name, [0] * 4)[1::2]
         return type_name == "float" or (type_name != "Variant" and single != double)
 
@@ -110,7 +110,7 @@ class Api:
             return ("Ref<%s>" if self.classes[type_name]["is_refcounted"] else "%s *") % type_name
         if type_name in ("bool", "Variant") or type_name in self.builtins:
             return type_name
-        raise SystemExit("used_api.toml: the type '%s' is not in %s" % (type_name, self.where))
+        raise SystemExit("used_api.toml: the type '%s' is not in %s" % (type_name, self.source_name))
 
     def parameter_type(self, argument):
         """Returns the type of a parameter. Small values are passed by value, and all others by const reference."""
@@ -141,12 +141,12 @@ class Api:
 
     def enums_of(self, items):
         """Returns (class or "", enum) for every enumeration that the methods mention, in order and without duplicates."""
-        found = {}
+        enums = {}
         for item in items:
             types = [argument["type"] for argument in item.get("arguments", [])] + [return_type(item)]
             for match in filter(None, map(ENUM.match, types)):
-                found[match.group(1) or "", match.group(2)] = None
-        return list(found)
+                enums[match.group(1) or "", match.group(2)] = None
+        return list(enums)
 
     def classes_of(self, items):
         """Returns the sorted names of all classes that the methods mention as argument or return types."""

@@ -20,8 +20,8 @@ HERE = pathlib.Path(__file__).resolve().parent
 
 def signature(method):
     """Returns the return type and the argument types of a method, as text."""
-    given = [argument["type"] for argument in method.get("arguments", [])]
-    return "%s(%s)" % (dump.return_type(method) or "void", ", ".join(given))
+    types = [argument["type"] for argument in method.get("arguments", [])]
+    return "%s(%s)" % (dump.return_type(method) or "void", ", ".join(types))
 
 
 def method(owner, old, new):
@@ -43,9 +43,9 @@ def method(owner, old, new):
 
 def values(owner, old, new):
     """Compares constants, or the values of an enumeration."""
-    found = dump.by_name(new)
+    new_items = dump.by_name(new)
     for item in old:
-        value = found.get(item["name"], {"value": "gone"})["value"]
+        value = new_items.get(item["name"], {"value": "gone"})["value"]
         if value != item["value"]:
             yield "%s.%s is %s and was %s" % (owner, item["name"], value, item["value"])
 
@@ -56,10 +56,10 @@ def enums(owner, old, new):
 
 
 def methods(owner, old, new):
-    found = dump.by_name(new)
+    new_items = dump.by_name(new)
     for item in old:
-        if item["name"] in found:
-            yield from method(owner, item, found[item["name"]])
+        if item["name"] in new_items:
+            yield from method(owner, item, new_items[item["name"]])
         else:
             yield "%s.%s() is gone" % (owner, item["name"])
 
@@ -88,14 +88,14 @@ def ancestors(api, name):
 
 def engine_class(old, new, name):
     """Compares a class. New classes between it and its parent do not count as a difference."""
-    known, found = old.classes[name], new.classes[name]
-    if "inherits" in known and known["inherits"] not in ancestors(new, name):
-        yield "%s no longer inherits %s" % (name, known["inherits"])
-    if known["is_refcounted"] != found["is_refcounted"]:
-        yield "%s: is_refcounted is %s" % (name, found["is_refcounted"])
-    yield from values(name, known.get("constants", []), found.get("constants", []))
-    yield from enums(name + ".", known.get("enums", []), found.get("enums", []))
-    yield from methods(name, known.get("methods", []), found.get("methods", []))
+    old_class, new_class = old.classes[name], new.classes[name]
+    if "inherits" in old_class and old_class["inherits"] not in ancestors(new, name):
+        yield "%s no longer inherits %s" % (name, old_class["inherits"])
+    if old_class["is_refcounted"] != new_class["is_refcounted"]:
+        yield "%s: is_refcounted is %s" % (name, new_class["is_refcounted"])
+    yield from values(name, old_class.get("constants", []), new_class.get("constants", []))
+    yield from enums(name + ".", old_class.get("enums", []), new_class.get("enums", []))
+    yield from methods(name, old_class.get("methods", []), new_class.get("methods", []))
 
 
 def newer_values(new, newer):
@@ -104,9 +104,9 @@ def newer_values(new, newer):
         for name, numbers in expected.items():
             enum = dump.by_name(new.classes[owner]["enums"])[name]["values"]
             for value in enum:
-                wanted = numbers.get(value["name"], value["value"])
-                taken = value["value"] in numbers.values() and value["name"] not in numbers
-                if value["value"] != wanted or (taken and not value["name"].endswith("_MAX")):
+                expected_number = numbers.get(value["name"], value["value"])
+                is_taken = value["value"] in numbers.values() and value["name"] not in numbers
+                if value["value"] != expected_number or (is_taken and not value["name"].endswith("_MAX")):
                     yield "%s.%s.%s is %d, which [newer] does not have" % (owner, name, value["name"], value["value"])
 
 
@@ -116,8 +116,8 @@ def differences(old, new, newer):
         if new.sizes.get(name) != sizes:
             yield "%s takes %s bytes (%s) and took %s" % (name, new.sizes.get(name), ", ".join(dump.BUILDS), sizes)
     yield from enums("", old.enums.values(), new.enums.values())
-    for name, known in old.builtins.items():
-        yield from builtin(name, known, new.builtins[name]) if name in new.builtins else ["%s is gone" % name]
+    for name, old_type in old.builtins.items():
+        yield from builtin(name, old_type, new.builtins[name]) if name in new.builtins else ["%s is gone" % name]
     for name in old.classes:
         yield from engine_class(old, new, name) if name in new.classes else ["%s is gone" % name]
     for name in sorted(old.singletons - new.singletons):
@@ -133,13 +133,13 @@ def main():
     options = parser.parse_args()
     old = dump.Api(dump.load(options.api))
     newer = tomllib.loads(options.used.read_text(encoding="utf-8")).get("newer", {})
-    found = False
+    has_differences = False
     for path in options.newer:
         new = dump.Api(dump.load(path))
         for sentence in differences(old, new, newer):
             print("Godot %s: %s" % (new.release, sentence))
-            found = True
-    return 1 if found else 0
+            has_differences = True
+    return 1 if has_differences else 0
 
 
 if __name__ == "__main__":

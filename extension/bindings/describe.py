@@ -20,60 +20,60 @@ HERE = pathlib.Path(__file__).resolve().parent
 OLDEST = "description_4.4.json"
 
 # Documentation texts, and keys that matter only in descriptions of later engines.
-LEFT_OUT = {"description", "brief_description", "category", "is_required", "hash_compatibility"}
+OMITTED_KEYS = {"description", "brief_description", "category", "is_required", "hash_compatibility"}
 # Keys of lists that are written with one entry per line.
-BROKEN = set(
+MULTILINE_KEYS = set(
     "builtin_class_sizes global_enums builtin_classes constructors operators methods classes constants enums singletons".split()
 )
 
 
-def facts(item):
-    """Returns an item without its texts, and without values that are counts (FORMAT_MAX), because these grow in later engines."""
+def without_texts(item):
+    """Returns an item without its texts and without enumeration values that are counts, such as FORMAT_MAX, which grow in later engines."""
     if isinstance(item, list):
-        return [facts(part) for part in item if not (isinstance(part, dict) and part.get("name", "").endswith("_MAX"))]
+        return [without_texts(entry) for entry in item if not (isinstance(entry, dict) and entry.get("name", "").endswith("_MAX"))]
     if isinstance(item, dict):
-        return {key: facts(value) for key, value in item.items() if key not in LEFT_OUT}
+        return {key: without_texts(value) for key, value in item.items() if key not in OMITTED_KEYS}
     return item
 
 
-def kept(item, keys, **parts):
-    """Returns a copy of an item that has only these keys, if they exist, and those of `parts` that are not empty."""
-    return {key: item[key] for key in keys if key in item} | {key: facts(part) for key, part in parts.items() if part}
+def subset(item, keys, **lists):
+    """Returns a copy of an item that has only these keys, if they exist, and the entries of `lists` that are not empty."""
+    return {key: item[key] for key in keys if key in item} | {key: without_texts(entries) for key, entries in lists.items() if entries}
 
 
 def builtin(api, name, entry):
     """Returns the used part of a type that the engine constructs and destroys, including the parts that Opaque uses for all such types."""
-    known = api.pick(api.builtins, name, "builtins")
-    wanted = [tuple(types) for types in entry.get("constructors", [])]
-    signatures = {tuple(a["type"] for a in item.get("arguments", [])): item for item in known["constructors"]}
-    constructors = {(): None, (name,): None} | dict.fromkeys(wanted)
-    operators = {(item["name"], item.get("right_type")): item for item in known["operators"]}
-    used = {("==", name): None} | dict.fromkeys(map(tuple, entry.get("operators", [])))
-    return kept(known, ["name", "has_destructor", "indexing_return_type"],
+    type_item = api.pick(api.builtins, name, "builtins")
+    constructor_types = [tuple(types) for types in entry.get("constructors", [])]
+    signatures = {tuple(a["type"] for a in item.get("arguments", [])): item for item in type_item["constructors"]}
+    constructors = {(): None, (name,): None} | dict.fromkeys(constructor_types)
+    operators = {(item["name"], item.get("right_type")): item for item in type_item["operators"]}
+    operator_keys = {("==", name): None} | dict.fromkeys(map(tuple, entry.get("operators", [])))
+    return subset(type_item, ["name", "has_destructor", "indexing_return_type"],
         constructors=[api.pick(signatures, types, name) for types in constructors],
-        operators=[api.pick(operators, key, name) for key in used],
-        methods=[api.pick(known["methods"], method, name) for method in entry.get("methods", [])])  # fmt: skip
+        operators=[api.pick(operators, key, name) for key in operator_keys],
+        methods=[api.pick(type_item["methods"], method, name) for method in entry.get("methods", [])])  # fmt: skip
 
 
 def engine_class(api, name, entry):
     """Returns the used part of a class, with the enumerations of the class that the used methods mention."""
-    known = api.pick(api.classes, name, "classes")
-    methods = [api.pick(known.get("methods", []), method, name) for method in entry.get("methods", [])]
+    class_item = api.pick(api.classes, name, "classes")
+    methods = [api.pick(class_item.get("methods", []), method, name) for method in entry.get("methods", [])]
     enums = [enum for owner, enum in api.enums_of(methods) if owner == name]
-    return kept(known, ["name", "inherits", "is_refcounted"],
-        constants=[api.pick(known.get("constants", []), constant, name) for constant in entry.get("constants", [])],
-        enums=[api.pick(known["enums"], enum, name) for enum in enums],
+    return subset(class_item, ["name", "inherits", "is_refcounted"],
+        constants=[api.pick(class_item.get("constants", []), constant, name) for constant in entry.get("constants", [])],
+        enums=[api.pick(class_item["enums"], enum, name) for enum in enums],
         methods=methods)  # fmt: skip
 
 
-def part(description, used):
+def used_part(description, used):
     """Returns the part of a description that used_api.toml lists."""
     api = dump.Api(description)
     builtins = [builtin(api, name, entry) for name, entry in used["builtins"].items()]
-    builtins += [kept(api.pick(api.builtins, name, "values"), ["name"]) for name in used["global"]["values"]]
+    builtins += [subset(api.pick(api.builtins, name, "values"), ["name"]) for name in used["global"]["values"]]
     classes = [engine_class(api, name, entry) for name, entry in used["classes"].items()]
-    mentioned = sorted(set(api.classes_of([method for item in classes for method in item.get("methods", [])])))
-    classes += [kept(api.classes[name], ["name", "is_refcounted"]) for name in mentioned if name not in used["classes"]]
+    mentioned_classes = sorted(set(api.classes_of([method for item in classes for method in item.get("methods", [])])))
+    classes += [subset(api.classes[name], ["name", "is_refcounted"]) for name in mentioned_classes if name not in used["classes"]]
     sized = {item["name"] for item in builtins} | {"Variant"}
     return {
         "header": description["header"],
@@ -81,7 +81,7 @@ def part(description, used):
             item | {"sizes": [size for size in item["sizes"] if size["name"] in sized]}
             for item in description["builtin_class_sizes"]
         ],
-        "global_enums": facts([api.pick(api.enums, name, "global.enums") for name in used["global"]["enums"]]),
+        "global_enums": without_texts([api.pick(api.enums, name, "global.enums") for name in used["global"]["enums"]]),
         "builtin_classes": builtins,
         "classes": classes,
         "singletons": [item for item in description["singletons"] if item["type"] in used["classes"]],
@@ -89,11 +89,11 @@ def part(description, used):
 
 
 def text(value, key="", depth=0):
-    """Returns the value as JSON. Lists whose key is in BROKEN have one entry per line."""
-    if isinstance(value, dict) and (depth == 0 or any(name in BROKEN for name in value)):
-        parts = ["%s: %s" % (json.dumps(name), text(item, name, depth + 1)) for name, item in value.items()]
-        return "{%s}" % (",\n" if depth == 0 else ", ").join(parts)
-    if key in BROKEN:
+    """Returns the value as JSON. Lists whose key is in MULTILINE_KEYS have one entry per line."""
+    if isinstance(value, dict) and (depth == 0 or any(name in MULTILINE_KEYS for name in value)):
+        entries = ["%s: %s" % (json.dumps(name), text(item, name, depth + 1)) for name, item in value.items()]
+        return "{%s}" % (",\n" if depth == 0 else ", ").join(entries)
+    if key in MULTILINE_KEYS:
         return "[\n%s\n]" % ",\n".join(text(item, "", depth + 1) for item in value)
     return json.dumps(value)
 
@@ -105,14 +105,14 @@ def main():
     parser.add_argument("--out", type=pathlib.Path, default=HERE / OLDEST, help="description_<version>.json")
     options = parser.parse_args()
     used = tomllib.loads(options.used.read_text(encoding="utf-8"))
-    found = part(dump.load(options.api), used)
-    release = dump.Api(found).release
+    description = used_part(dump.load(options.api), used)
+    release = dump.Api(description).release
     if options.out.name != "description_%s.json" % release:
         raise SystemExit("describe.py: %s is of Godot %s, and %s is not" % (options.api, release, options.out.name))
     # Reports errors that otherwise only the generator would report.
-    emit.builtins(dump.Api(found), used)
-    emit.classes(dump.Api(found), used)
-    options.out.write_text(text(found) + "\n", encoding="utf-8")
+    emit.builtins(dump.Api(description), used)
+    emit.classes(dump.Api(description), used)
+    options.out.write_text(text(description) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -45,7 +45,7 @@ def main():
     options = parser.parse_args()
     plain = join(options.xml)
     packed = zlib.compress(plain, 9)
-    rows = ["\t%s," % ", ".join(map(str, packed[at : at + 24])) for at in range(0, len(packed), 24)]
+    rows = ["\t%s," % ", ".join(map(str, packed[start : start + 24])) for start in range(0, len(packed), 24)]
     text = TEXT % ("\n".join(rows), hashlib.sha256(plain).hexdigest(), len(plain))
     options.out.parent.mkdir(parents=True, exist_ok=True)
     options.out.write_text(text, encoding="utf-8")

@@ -41,11 +41,11 @@ def forward(names):
 def interface(functions):
     """Returns the files with pointers to the used interface functions, and with the function that looks them all up."""
     path = "core/gdextension_interface_loader"
-    promise = [
+    load_declaration = [
         "/// Looks up all of them. Returns null, or the name of the first function that this Godot lacks.",
         "const char *load_interface(GDExtensionInterfaceGetProcAddress p_get);",
     ]
-    find = [
+    find_definition = [
         "template <typename F>",
         "static bool find(GDExtensionInterfaceGetProcAddress p_get, F &r_function, const char *p_name) {",
         "\tr_function = reinterpret_cast<F>(reinterpret_cast<void *>(p_get(p_name)));",
@@ -53,7 +53,7 @@ def interface(functions):
         "}",
         "",
     ]
-    load = [
+    load_definition = [
         "const char *internal::load_interface(GDExtensionInterfaceGetProcAddress p_get) {",
         *(
             '\tif (!find(p_get, gdextension_interface::%s, "%s")) {\n\t\treturn "%s";\n\t}' % (name, name, name)
@@ -70,10 +70,10 @@ def interface(functions):
         "include/godot_cpp/%s.hpp" % path: header(
             "#include <gdextension_interface.h>",
             "",
-            *in_godot([*pointers("extern %s %s;"), "", *scope("internal", promise)]),
+            *in_godot([*pointers("extern %s %s;"), "", *scope("internal", load_declaration)]),
         ),
         "src/gdextension_interface_loader.cpp": source(
-            *includes(path), *in_godot([*pointers("%s %s = nullptr;"), "", *find, *load])
+            *includes(path), *in_godot([*pointers("%s %s = nullptr;"), "", *find_definition, *load_definition])
         ),
     }
 
@@ -88,10 +88,10 @@ def builtins(api, used):
         text, code = builtin(api, name, entry)
         texts["include/godot_cpp/variant/%s.hpp" % dump.snake(name)] = text
         bodies += code
-    everything = [*used["builtins"], *used["global"]["values"]]
-    texts["include/godot_cpp/core/builtin_traits.hpp"] = traits(api, everything)
-    sized = [*everything, "Variant"]
-    checks = ["static_assert(sizeof(%s) == internal::builtin_size<%s>);" % (name, name) for name in sized]
+    type_names = [*used["builtins"], *used["global"]["values"]]
+    texts["include/godot_cpp/core/builtin_traits.hpp"] = traits(api, type_names)
+    sized_types = [*type_names, "Variant"]
+    checks = ["static_assert(sizeof(%s) == internal::builtin_size<%s>);" % (name, name) for name in sized_types]
     texts["src/builtins.cpp"] = source(
         *includes("core/builtin_call", "variant/variant"), *in_godot([*checks, "", *bodies])
     )
@@ -128,21 +128,21 @@ def traits(api, names):
 
 def builtin(api, name, entry):
     """Returns (header, code) for one type."""
-    known = api.pick(api.builtins, name, "builtins")
-    methods = [api.pick(known.get("methods", []), method, name) for method in entry.get("methods", [])]
+    type_item = api.pick(api.builtins, name, "builtins")
+    methods = [api.pick(type_item.get("methods", []), method, name) for method in entry.get("methods", [])]
     element = dump.packed_element(name)
-    declared, code = [], []
-    for wanted in entry.get("constructors", []):
-        signatures = {tuple(a["type"] for a in item.get("arguments", [])): item for item in known["constructors"]}
-        constructor = api.pick(signatures, tuple(wanted), name)
-        declared.append("%s(%s);" % (name, api.parameters(constructor, True)))
+    declarations, code = [], []
+    for constructor_types in entry.get("constructors", []):
+        signatures = {tuple(a["type"] for a in item.get("arguments", [])): item for item in type_item["constructors"]}
+        constructor = api.pick(signatures, tuple(constructor_types), name)
+        declarations.append("%s(%s);" % (name, api.parameters(constructor, True)))
         code += builtin_constructor(api, name, constructor)
     for symbol, right in entry.get("operators", []):
-        known_operators = {(o["name"], o.get("right_type")): o for o in known.get("operators", [])}
+        known_operators = {(o["name"], o.get("right_type")): o for o in type_item.get("operators", [])}
         operator = api.pick(known_operators, (symbol, right), name)
         result = api.cpp_type(operator["return_type"])
         signature = "operator%s(const %s &p_right) const" % (symbol, right)
-        declared.append("%s %s;" % (result, signature))
+        declarations.append("%s %s;" % (result, signature))
         code += [
             "%s %s::%s {" % (result, name, signature),
             "\treturn internal::evaluate<GDEXTENSION_VARIANT_OP_%s, %s>(*this, p_right);"
@@ -150,23 +150,23 @@ def builtin(api, name, entry):
             "}", "",
         ]  # fmt: skip
     for method in methods:
-        declared.append(declaration(api, method))
+        declarations.append(declaration(api, method))
         code += builtin_method(api, name, method)
     if element:
-        declared += [line for line, _ in packed_access(name, element)]
+        declarations += [line for line, _ in packed_access(name, element)]
         iterator = "internal::PackedIterator<%s>" % element
-        declared += ["%s begin() const { return %s(ptr()); }" % (iterator, iterator)]
-        declared += ["%s end() const { return %s(ptr() + size()); }" % (iterator, iterator)]
+        declarations += ["%s begin() const { return %s(ptr()); }" % (iterator, iterator)]
+        declarations += ["%s end() const { return %s(ptr() + size()); }" % (iterator, iterator)]
         code += [line for _, lines in packed_access(name, element) for line in lines]
-    declared += entry.get("native", [])
+    declarations += entry.get("native", [])
     body = [
         "class %s : public internal::Opaque<%s> {" % (name, name),
         "public:",
-        *indented(["using Opaque::Opaque;", *declared]),
+        *indented(["using Opaque::Opaque;", *declarations]),
         "};",
     ]
-    needed = ["variant/" + dump.snake(element)] if element and element not in dump.PACKED_ELEMENTS.values() else []
-    return header(*includes("core/opaque", *needed, *entry.get("includes", [])), *in_godot(body)), code
+    element_includes = ["variant/" + dump.snake(element)] if element and element not in dump.PACKED_ELEMENTS.values() else []
+    return header(*includes("core/opaque", *element_includes, *entry.get("includes", [])), *in_godot(body)), code
 
 
 def packed_access(name, element):
@@ -271,10 +271,10 @@ def enum_cast(enum, owner=""):
 
 def classes(api, used):
     texts, bodies = {}, []
-    chosen = used["classes"]
-    for name, entry in chosen.items():
+    class_entries = used["classes"]
+    for name, entry in class_entries.items():
         parent = api.pick(api.classes, name, "classes").get("inherits", "Wrapped")
-        if parent != "Wrapped" and parent not in list(chosen)[: list(chosen).index(name)]:
+        if parent != "Wrapped" and parent not in list(class_entries)[: list(class_entries).index(name)]:
             raise SystemExit("used_api.toml: %s inherits %s, which must be listed before it" % (name, parent))
         text, code = engine_class(api, used, name, parent, entry)
         texts["include/godot_cpp/classes/%s.hpp" % dump.snake(name)] = text
@@ -285,35 +285,35 @@ def classes(api, used):
         *in_godot([line for enum in enums for line in [*enumeration(enum), ""]]),
         *(enum_cast(enum) for enum in enums if not enum["is_bitfield"]),
     )
-    registered = [
+    registration = [
         "void internal::register_engine_classes() {",
-        *("\tregister_engine_class<%s>();" % name for name in chosen),
+        *("\tregister_engine_class<%s>();" % name for name in class_entries),
         "}",
     ]
     texts["src/engine_classes.cpp"] = source(
-        *includes(*("classes/" + dump.snake(name) for name in chosen), "core/class_db", "core/engine_call"),
-        *in_godot([*bodies, *registered]),
+        *includes(*("classes/" + dump.snake(name) for name in class_entries), "core/class_db", "core/engine_call"),
+        *in_godot([*bodies, *registration]),
     )
     return texts
 
 
 def engine_class(api, used, name, parent, entry):
     """Returns (header, code) for one class."""
-    known = api.classes[name]
-    methods = [api.pick(known.get("methods", []), method, name) for method in entry.get("methods", [])]
-    constants = [api.pick(known.get("constants", []), constant, name) for constant in entry.get("constants", [])]
-    mentioned = api.enums_of(methods)
-    missing = sorted({enum for owner, enum in mentioned if not owner and enum not in used["global"]["enums"]})
-    if missing:
-        raise SystemExit("used_api.toml: %s needs the global enums %s" % (name, ", ".join(missing)))
-    own = [api.pick(known.get("enums", []), enum, name) for owner, enum in mentioned if owner == name]
-    others = sorted({owner for owner, _ in mentioned if owner not in ("", name)})
-    declared, overridable, code = members(api, name, methods, entry.get("double_hashes", {}))
+    class_item = api.classes[name]
+    methods = [api.pick(class_item.get("methods", []), method, name) for method in entry.get("methods", [])]
+    constants = [api.pick(class_item.get("constants", []), constant, name) for constant in entry.get("constants", [])]
+    mentioned_enums = api.enums_of(methods)
+    missing_enums = sorted({enum for owner, enum in mentioned_enums if not owner and enum not in used["global"]["enums"]})
+    if missing_enums:
+        raise SystemExit("used_api.toml: %s needs the global enums %s" % (name, ", ".join(missing_enums)))
+    own_enums = [api.pick(class_item.get("enums", []), enum, name) for owner, enum in mentioned_enums if owner == name]
+    other_classes = sorted({owner for owner, _ in mentioned_enums if owner not in ("", name)})
+    declarations, overridable, code = members(api, name, methods, entry.get("double_hashes", {}))
     if name in api.singletons:
-        declared.insert(0, "static %s *get_singleton() { return internal::singleton<%s>(); }" % (name, name))
-    enums = [line for enum in own for line in enumeration(enum)]
+        declarations.insert(0, "static %s *get_singleton() { return internal::singleton<%s>(); }" % (name, name))
+    enums = [line for enum in own_enums for line in enumeration(enum)]
     numbers = ["static constexpr int %s = %d;" % (constant["name"], constant["value"]) for constant in constants]
-    hook = [
+    virtual_registration = [
         "template <typename T, typename B>",
         "static void register_virtuals() {",
         *indented(["%s::register_virtuals<T, B>();" % parent, *overridable]),
@@ -326,35 +326,35 @@ def engine_class(api, used, name, parent, entry):
         "\tGDEXTENSION_CLASS(%s, %s)" % (name, parent),
         "",
         "public:",
-        *indented(enums + numbers + declared + entry.get("native", [])),
+        *indented(enums + numbers + declarations + entry.get("native", [])),
         "",
         "protected:",
-        *indented(hook),
+        *indented(virtual_registration),
         "};",
     ]
-    paths = ["classes/" + dump.snake(parent), *("classes/" + dump.snake(other) for other in others)]
+    paths = ["classes/" + dump.snake(parent), *("classes/" + dump.snake(other) for other in other_classes)]
     if name not in ("Object", "RefCounted"):  # Ref itself needs these two.
         paths.append("classes/ref")
-    casts = [enum_cast(enum, name) for enum in own]
+    casts = [enum_cast(enum, name) for enum in own_enums]
     return header(*includes(*paths, "core/engine_class"), *in_godot(body), *casts), code
 
 
 def members(api, name, methods, double_hashes):
     """Returns (declarations, registrations of overrides, definitions) for the methods of a class."""
-    declared, overridable, code = [], [], []
+    declarations, overridable, code = [], [], []
     for method in methods:
         if method["is_vararg"]:
-            declared += vararg(api, name, method)
+            declarations += vararg(api, name, method)
         elif method["is_virtual"]:
-            declared.append(declaration(api, method, "virtual "))
+            declarations.append(declaration(api, method, "virtual "))
             overridable.append(
                 'internal::bind_virtual<&T::{0}, &B::{0}>("{0}", {1});'.format(method["name"], api.hash(name, method, {}))
             )
             code += virtual_default(api, name, method)
         else:
-            declared.append(declaration(api, method))
+            declarations.append(declaration(api, method))
             code += engine_method(api, name, method, api.hash(name, method, double_hashes))
-    return declared, overridable, code
+    return declarations, overridable, code
 
 
 def engine_method(api, name, method, number):

@@ -53,15 +53,15 @@ def interface_functions(generated):
 
 def interface_types(header, names, release):
     """Returns [(pointer type, name)] for interface functions. In the header, a comment with the name and release precedes the type."""
-    found = re.findall(r"@name (\w+)\n.*?@since (\d+)\.(\d+)\n.*?typedef .*?\(\*(\w+)\)\(", header, re.DOTALL)
-    types = {name: kind for name, _, _, kind in found}
-    since = {name: (int(major), int(minor)) for name, major, minor, _ in found}
+    matches = re.findall(r"@name (\w+)\n.*?@since (\d+)\.(\d+)\n.*?typedef .*?\(\*(\w+)\)\(", header, re.DOTALL)
+    types = {name: kind for name, _, _, kind in matches}
+    releases = {name: (int(major), int(minor)) for name, major, minor, _ in matches}
     for name in names:
         if name not in types:
             raise SystemExit("generate.py: this Godot has no interface function '%s'" % name)
-        if since[name] > tuple(map(int, release.split("."))):
+        if releases[name] > tuple(map(int, release.split("."))):
             raise SystemExit("generate.py: the interface function '%s' is new in Godot %d.%d, and %s lacks it: look it up"
-                " at run time, and handle its absence" % (name, *since[name], release))  # fmt: skip
+                " at run time, and handle its absence" % (name, *releases[name], release))  # fmt: skip
     return [(types[name], name) for name in names]
 
 
@@ -87,8 +87,8 @@ def generate(options, used):
 
 def entries(used):
     """Yields (owner, word) for every entry of used_api.toml. A source that uses the entry contains the word."""
-    for room in ("builtins", "classes"):
-        for owner, entry in used[room].items():
+    for section in ("builtins", "classes"):
+        for owner, entry in used[section].items():
             for kind in ("methods", "constants"):
                 yield from ((owner, word) for word in entry.get(kind, []))
 

@@ -55,7 +55,7 @@ GDExtensionClassCallVirtual find_override(void *p_record, GDExtensionConstString
 	return nullptr;
 }
 
-std::vector<GDExtensionPropertyInfo> native(const std::vector<PropertyInfo> &p_list) {
+std::vector<GDExtensionPropertyInfo> native_infos(const std::vector<PropertyInfo> &p_list) {
 	std::vector<GDExtensionPropertyInfo> result;
 	for (const PropertyInfo &info : p_list) {
 		result.push_back(info._native());
@@ -114,27 +114,28 @@ bool call_script_method(GodotObject *p_owner, const StringName &p_name, const Va
 bool take_arguments(const GDExtensionConstVariantPtr *p_args, GDExtensionInt p_count,
 		const std::vector<Variant> &p_defaults, std::span<GDExtensionConstVariantPtr> r_values,
 		GDExtensionCallError &r_error) {
-	const std::size_t wanted = r_values.size();
-	const auto given = static_cast<std::size_t>(p_count);
-	r_error = {GDEXTENSION_CALL_OK, 0, static_cast<int32_t>(wanted)};
-	if (given > wanted) {
+	const std::size_t expected_count = r_values.size();
+	const auto given_count = static_cast<std::size_t>(p_count);
+	r_error = {GDEXTENSION_CALL_OK, 0, static_cast<int32_t>(expected_count)};
+	if (given_count > expected_count) {
 		r_error.error = GDEXTENSION_CALL_ERROR_TOO_MANY_ARGUMENTS;
 		return false;
 	}
-	if (given + p_defaults.size() < wanted) {
+	if (given_count + p_defaults.size() < expected_count) {
 		r_error.error = GDEXTENSION_CALL_ERROR_TOO_FEW_ARGUMENTS;
 		return false;
 	}
-	for (std::size_t i = 0; i < wanted; ++i) {
-		r_values[i] = i < given ? p_args[i] : &p_defaults[p_defaults.size() - wanted + i];
+	for (std::size_t i = 0; i < expected_count; ++i) {
+		r_values[i] = i < given_count ? p_args[i] : &p_defaults[p_defaults.size() - expected_count + i];
 	}
 	return true;
 }
 
 StringName enum_class_name(std::string_view p_cpp_name) {
-	const std::size_t last = p_cpp_name.rfind("::");
-	const std::size_t before = last == std::string_view::npos ? last : p_cpp_name.rfind("::", last - 1);
-	std::string name(before == std::string_view::npos ? p_cpp_name : p_cpp_name.substr(before + 2));
+	const std::size_t last_separator = p_cpp_name.rfind("::");
+	const std::size_t class_separator =
+			last_separator == std::string_view::npos ? last_separator : p_cpp_name.rfind("::", last_separator - 1);
+	std::string name(class_separator == std::string_view::npos ? p_cpp_name : p_cpp_name.substr(class_separator + 2));
 	if (const std::string_view engine = "godot::"; name.starts_with(engine)) {
 		name.erase(0, engine.size()); // A global enumeration, such as Error.
 	}
@@ -213,7 +214,7 @@ void ClassDB::add_method(const StringName &p_class, const MethodDefinition &p_de
 	for (std::size_t i = 0; i < arguments.size() && i < p_definition.arguments.size(); ++i) {
 		arguments[i].name = p_definition.arguments[i];
 	}
-	std::vector<GDExtensionPropertyInfo> native_arguments = native(arguments);
+	std::vector<GDExtensionPropertyInfo> native_arguments = native_infos(arguments);
 	const PropertyInfo result = p_method.result.info();
 	GDExtensionPropertyInfo native_result = result._native();
 	std::vector<GDExtensionVariantPtr> defaults;
@@ -226,7 +227,7 @@ void ClassDB::add_method(const StringName &p_class, const MethodDefinition &p_de
 	info.call_func = p_method.call;
 	info.ptrcall_func = p_method.ptrcall;
 	info.method_flags = p_method.flags;
-	info.has_return_value = p_method.returns;
+	info.has_return_value = p_method.has_result;
 	info.return_value_info = &native_result;
 	info.return_value_metadata = p_method.result.metadata;
 	info.argument_count = static_cast<uint32_t>(arguments.size());
@@ -262,7 +263,7 @@ void ClassDB::add_property_subgroup(const StringName &p_class, const String &p_n
 }
 
 void ClassDB::add_signal(const StringName &p_class, const MethodInfo &p_signal) {
-	const std::vector<GDExtensionPropertyInfo> arguments = native(p_signal.arguments);
+	const std::vector<GDExtensionPropertyInfo> arguments = native_infos(p_signal.arguments);
 	gdextension_interface::classdb_register_extension_class_signal(library, p_class._native_ptr(),
 			p_signal.name._native_ptr(), arguments.data(), static_cast<GDExtensionInt>(arguments.size()));
 }
@@ -272,7 +273,7 @@ void ClassDB::add_virtual_method(
 	for (std::size_t i = 0; i < p_method.arguments.size() && i < p_arguments.size(); ++i) {
 		p_method.arguments[i].name = p_arguments[i];
 	}
-	std::vector<GDExtensionPropertyInfo> arguments = native(p_method.arguments);
+	std::vector<GDExtensionPropertyInfo> arguments = native_infos(p_method.arguments);
 	GDExtensionClassVirtualMethodInfo info{};
 	info.name = p_method.name._native_ptr();
 	info.method_flags = p_method.flags;

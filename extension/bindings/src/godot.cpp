@@ -86,11 +86,11 @@ void GDExtensionBinding::InitObject::set_minimum_library_initialization_level(Mo
 }
 
 GDExtensionBool GDExtensionBinding::InitObject::init() const {
-	if (const char *missing = internal::load_interface(get_proc_address_)) {
+	if (const char *missing_function = internal::load_interface(get_proc_address_)) {
 		auto print = reinterpret_cast<GDExtensionInterfacePrintError>(
 				reinterpret_cast<void *>(get_proc_address_("print_error")));
-		print((std::string("This engine lacks the interface function ") + missing).c_str(), __FUNCTION__, __FILE__,
-				__LINE__, true);
+		print((std::string("This engine lacks the interface function ") + missing_function).c_str(), __FUNCTION__,
+				__FILE__, __LINE__, true);
 		return false;
 	}
 	internal::load_builtin_functions();

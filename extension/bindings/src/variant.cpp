@@ -34,7 +34,7 @@ BuiltinMethod::BuiltinMethod(GDExtensionVariantType p_type, const char *p_name, 
 		method_(gdextension_interface::variant_get_ptr_builtin_method(
 				p_type, StringName(p_name)._native_ptr(), p_hash)) {}
 
-bool converts(const Variant &p_value, GDExtensionVariantType p_type) {
+bool can_convert(const Variant &p_value, GDExtensionVariantType p_type) {
 	const auto type = static_cast<GDExtensionVariantType>(p_value.get_type());
 	return type == p_type || gdextension_interface::variant_can_convert_strict(type, p_type);
 }
@@ -48,24 +48,24 @@ String type_name(GDExtensionVariantType p_type) {
 namespace {
 
 std::mutex names_mutex;
-LazyName *made_names = nullptr;
+LazyName *created_names = nullptr;
 
 } // namespace
 
-void LazyName::make() {
+void LazyName::create() {
 	const std::lock_guard lock(names_mutex);
-	if (!made_.load(std::memory_order_relaxed)) {
+	if (!is_created_.load(std::memory_order_relaxed)) {
 		name_.emplace(text_);
-		next_ = std::exchange(made_names, this);
-		made_.store(true, std::memory_order_release);
+		next_ = std::exchange(created_names, this);
+		is_created_.store(true, std::memory_order_release);
 	}
 }
 
 void LazyName::release_all() {
 	const std::lock_guard lock(names_mutex);
-	while (LazyName *name = made_names) {
-		made_names = std::exchange(name->next_, nullptr);
-		name->made_.store(false, std::memory_order_relaxed);
+	while (LazyName *name = created_names) {
+		created_names = std::exchange(name->next_, nullptr);
+		name->is_created_.store(false, std::memory_order_relaxed);
 		name->name_.reset();
 	}
 }

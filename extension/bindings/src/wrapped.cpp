@@ -75,18 +75,18 @@ void Access::attach(Wrapped *p_wrapped, const StringName *p_extension_class,
 }
 
 void report_exception(const char *p_entry) noexcept {
-	const char *why = nullptr;
+	const char *reason = nullptr;
 	try {
 		throw;
 	} catch (const std::bad_alloc &) {
-		why = "needs more memory than is available";
+		reason = "needs more memory than is available";
 	} catch (const std::length_error &) {
-		why = "needs more memory than is available";
+		reason = "needs more memory than is available";
 	} catch (...) {
-		why = "failed within";
+		reason = "failed within";
 	}
 	std::array<char, 256> text{};
-	std::snprintf(text.data(), text.size(), "Thicket: %s %s", p_entry, why);
+	std::snprintf(text.data(), text.size(), "Thicket: %s %s", p_entry, reason);
 	gdextension_interface::print_error(text.data(), __FUNCTION__, __FILE__, __LINE__, false);
 }
 
@@ -100,9 +100,9 @@ Object *wrapper_of(GodotObject *p_object) {
 	}
 	void *wrapper = gdextension_interface::object_get_instance_binding(p_object, library, nullptr);
 	if (!wrapper) {
-		const auto nearest = std::find_if(engine_classes.begin(), engine_classes.end(),
+		const auto match = std::find_if(engine_classes.begin(), engine_classes.end(),
 				[p_object](EngineClass &engine_class) { return engine_class.wraps(p_object); });
-		wrapper = gdextension_interface::object_get_instance_binding(p_object, library, &nearest->callbacks);
+		wrapper = gdextension_interface::object_get_instance_binding(p_object, library, &match->callbacks);
 		if (!wrapper) {
 			// Remove the null binding. Otherwise the engine keeps it and never requests a new one.
 			gdextension_interface::object_free_instance_binding(p_object, library);

@@ -32,7 +32,7 @@ void bind_virtual(const char *p_name, uint32_t p_hash) {
 /// Represents a function as a type. Types can always be compared in constant expressions, but with
 /// sanitizers, addresses of functions cannot.
 template <auto Function>
-struct Named;
+struct FunctionTag;
 
 /// The callbacks through which the engine uses a class. T is an engine class or one of our classes.
 template <typename T>
@@ -82,7 +82,7 @@ public:
 	/// classes first.
 	static GDExtensionBool validate_property(
 			GDExtensionClassInstancePtr p_instance, GDExtensionPropertyInfo *p_property) {
-		return at_border("a look at a property", [=] {
+		return at_border("the validation of a property", [=] {
 			PropertyInfo info(p_property);
 			validate(self(p_instance), info);
 			info._update(p_property);
@@ -101,7 +101,7 @@ public:
 
 	/// Calls `_bind_methods`, which each of our classes must declare.
 	static void bind() {
-		static_assert(!std::is_same_v<Named<&T::_bind_methods>, Named<&T::parent_type::_bind_methods>>,
+		static_assert(!std::is_same_v<FunctionTag<&T::_bind_methods>, FunctionTag<&T::parent_type::_bind_methods>>,
 				"the class must declare _bind_methods");
 		T::_bind_methods();
 		T::template register_virtuals<T, typename T::parent_type>();

@@ -15,8 +15,8 @@ public:
 	constexpr explicit LazyName(const char *p_text) : text_(p_text) {}
 
 	const StringName &get() {
-		if (!made_.load(std::memory_order_acquire)) {
-			make();
+		if (!is_created_.load(std::memory_order_acquire)) {
+			create();
 		}
 		return *name_;
 	}
@@ -24,10 +24,10 @@ public:
 	static void release_all();
 
 private:
-	void make();
+	void create();
 
 	const char *text_;
-	std::atomic<bool> made_ = false;
+	std::atomic<bool> is_created_ = false;
 	std::optional<StringName> name_;
 	LazyName *next_ = nullptr;
 };

@@ -39,7 +39,7 @@ String type_name(GDExtensionVariantType p_type);
 
 /// Returns true if the engine can convert a value to a type without loss
 /// (`variant_can_convert_strict`).
-bool converts(const Variant &p_value, GDExtensionVariantType p_type);
+bool can_convert(const Variant &p_value, GDExtensionVariantType p_type);
 
 /// A Marshal for types with a trivial conversion.
 template <typename T, typename W, GDExtensionVariantType Type>
@@ -49,7 +49,7 @@ struct CopyMarshal {
 	static constexpr GDExtensionClassMethodArgumentMetadata metadata = GDEXTENSION_METHOD_ARGUMENT_METADATA_NONE;
 
 	static PropertyInfo info() { return PropertyInfo(static_cast<Variant::Type>(Type), StringName()); }
-	static bool fits(const Variant &p_value) { return converts(p_value, Type); }
+	static bool fits(const Variant &p_value) { return can_convert(p_value, Type); }
 	static W wire(const T &p_value) { return static_cast<W>(p_value); }
 	static T adopt(W &p_wire) { return static_cast<T>(p_wire); }
 	static T decode(const void *p_wire) { return static_cast<T>(*static_cast<const W *>(p_wire)); }

@@ -58,7 +58,7 @@ struct MethodBind {
 struct MethodDescription {
 	std::span<const DescribedType> arguments;
 	DescribedType result;
-	bool returns;
+	bool has_result;
 	uint32_t flags;
 	GDExtensionClassMethodCall call;
 	GDExtensionClassMethodPtrCall ptrcall;
@@ -71,15 +71,15 @@ struct MethodCalls {
 	using Sign = Signature<M>;
 
 	static MethodDescription describe() {
-		return {Sign::arguments, described_type<typename Sign::Result>, Sign::returns,
+		return {Sign::arguments, described_type<typename Sign::Result>, Sign::has_result,
 				Sign::is_const ? METHOD_FLAG_NORMAL | METHOD_FLAG_CONST : uint32_t{METHOD_FLAG_NORMAL}, call, ptrcall};
 	}
 
 	static void call(void *p_bind, GDExtensionClassInstancePtr p_instance, const GDExtensionConstVariantPtr *p_args,
-			GDExtensionInt p_given, GDExtensionVariantPtr r_result, GDExtensionCallError *r_error) {
+			GDExtensionInt p_count, GDExtensionVariantPtr r_result, GDExtensionCallError *r_error) {
 		const auto &bind = *static_cast<const MethodBind *>(p_bind);
 		at_border("a call", [&] {
-			Sign::call(static_cast<Wrapped *>(p_instance), bind.method.template as<M>(), p_args, p_given, bind.defaults,
+			Sign::call(static_cast<Wrapped *>(p_instance), bind.method.template as<M>(), p_args, p_count, bind.defaults,
 					r_result, *r_error);
 		});
 	}

@@ -35,10 +35,10 @@ template <typename C, typename R, typename... Args>
 struct Signature<R (C::*)(Args...)> {
 	using Owner = C;
 	using OfWrapped = R (Wrapped::*)(Args...);
-	static constexpr bool returns = !std::is_void_v<R>;
+	static constexpr bool has_result = !std::is_void_v<R>;
 	static constexpr bool is_const = false;
 
-	using Result = std::conditional_t<returns, std::decay_t<R>, bool>; // bool stands in for void.
+	using Result = std::conditional_t<has_result, std::decay_t<R>, bool>; // bool stands in for void.
 
 	static constexpr std::array<DescribedType, sizeof...(Args)> arguments{described_type<std::decay_t<Args>>...};
 
@@ -65,7 +65,7 @@ private:
 	template <typename M, std::size_t... I>
 	static void ptrcall(C *p_self, M p_method, [[maybe_unused]] const GDExtensionConstTypePtr *p_args,
 			[[maybe_unused]] void *r_result, std::index_sequence<I...>) {
-		if constexpr (returns) {
+		if constexpr (has_result) {
 			Marshal<Result>::encode((p_self->*p_method)(Marshal<std::decay_t<Args>>::decode(p_args[I])...), r_result);
 		} else {
 			(p_self->*p_method)(Marshal<std::decay_t<Args>>::decode(p_args[I])...);
@@ -79,7 +79,7 @@ private:
 		if (!(fits<std::decay_t<Args>>(value(p_args[I]), I, r_error) && ...)) {
 			return;
 		}
-		if constexpr (returns) {
+		if constexpr (has_result) {
 			*r_result = (p_self->*p_method)(from_variant<std::decay_t<Args>>(value(p_args[I]))...);
 		} else {
 			(p_self->*p_method)(from_variant<std::decay_t<Args>>(value(p_args[I]))...);
@@ -89,11 +89,11 @@ private:
 	static const Variant &value(GDExtensionConstVariantPtr p_value) { return *static_cast<const Variant *>(p_value); }
 
 	template <typename T>
-	static bool fits(const Variant &p_value, std::size_t p_place, GDExtensionCallError &r_error) {
+	static bool fits(const Variant &p_value, std::size_t p_index, GDExtensionCallError &r_error) {
 		if (Marshal<T>::fits(p_value)) {
 			return true;
 		}
-		r_error = {GDEXTENSION_CALL_ERROR_INVALID_ARGUMENT, static_cast<int32_t>(p_place),
+		r_error = {GDEXTENSION_CALL_ERROR_INVALID_ARGUMENT, static_cast<int32_t>(p_index),
 				static_cast<int32_t>(Marshal<T>::type)};
 		return false;
 	}
