@@ -54,7 +54,7 @@ GroundFingerprint fingerprint_of(const Variant &p_node, bool deep) {
 	}
 	if (has_method(p_node, "get_data") && has_method(p_node, "get_internal_transform")) {
 		fingerprint.data = id_of(result_of(p_node, "get_data"));
-		fingerprint.indexed = uses_indexed_textures(p_node);
+		fingerprint.has_indexed_textures = uses_indexed_textures(p_node);
 	} else if (has_method(p_node, "get_terrainZones")) {
 		fingerprint.data = id_of(result_of(p_node, "get_terrainZones"));
 	} else {

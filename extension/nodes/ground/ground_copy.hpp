@@ -107,7 +107,7 @@ struct GroundFingerprint {
 	/// The ID of the object that contains the ground, if it is not the node itself.
 	std::uint64_t data = 0;
 	double spacing = 0.0;
-	bool indexed = false; ///< HTerrain: textures are stored by index.
+	bool has_indexed_textures = false; ///< HTerrain: textures are stored by index.
 	/// MTerrain: the area of the ground in the engine's x and z; empty if there is no ground yet.
 	godot::Rect2 extent;
 

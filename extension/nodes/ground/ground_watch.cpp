@@ -49,7 +49,7 @@ bool same_in_world(const GroundNodeState &a, glm::dvec3 offset_a, const GroundNo
 	return true;
 }
 
-void GroundWatch::add(std::uint64_t id, const Variant &p_node, const ReadState &read_state, bool changed) {
+void GroundWatch::add(std::uint64_t id, const Variant &p_node, const ReadState &read_state, bool as_changed) {
 	const auto [entry, is_new] = entries_.try_emplace(id, Entry{p_node, {}});
 	if (!is_new) {
 		return;
@@ -59,7 +59,7 @@ void GroundWatch::add(std::uint64_t id, const Variant &p_node, const ReadState &
 	state = read_state(p_node, source);
 	use(state.source, source);
 	state.version = version(state.source);
-	if (changed && state.source != 0) {
+	if (as_changed && state.source != 0) {
 		touch(id, false);
 	}
 }
@@ -99,7 +99,7 @@ std::vector<std::uint64_t> GroundWatch::ids() const {
 
 std::size_t GroundWatch::check_next(const ReadState &read_state) {
 	const std::size_t max_count = std::min(nodes_per_frame, entries_.size());
-	auto iterator = entries_.lower_bound(next_);
+	auto iterator = entries_.lower_bound(next_id_);
 	for (std::size_t count = 0; count < max_count; ++count) {
 		iterator = iterator != entries_.end() ? iterator : entries_.begin();
 		auto &[id, entry] = *iterator;
@@ -118,7 +118,7 @@ std::size_t GroundWatch::check_next(const ReadState &read_state) {
 		}
 		++iterator;
 	}
-	next_ = iterator != entries_.end() ? iterator->first : 0;
+	next_id_ = iterator != entries_.end() ? iterator->first : 0;
 	return max_count;
 }
 

@@ -52,9 +52,9 @@ public:
 	/// ID as an argument. The owner must pass that ID to `source_changed`.
 	GroundWatch(godot::Object *p_owner, const godot::StringName &p_method) : owner_(p_owner), method_(p_method) {}
 
-	/// Starts watching a node. If `changed` is true, marks it as changed. Does nothing if the node
+	/// Starts watching a node. If `as_changed` is true, marks it as changed. Does nothing if the node
 	/// is already watched.
-	void add(std::uint64_t id, const godot::Variant &p_node, const ReadState &read_state, bool changed);
+	void add(std::uint64_t id, const godot::Variant &p_node, const ReadState &read_state, bool as_changed);
 
 	/// Stops watching a node. If it was ground, marks it as changed; see `take_changed`.
 	void remove(std::uint64_t id);
@@ -126,7 +126,7 @@ private:
 	std::map<std::uint64_t, Entry> entries_; ///< The watched nodes, keyed by their IDs.
 	std::map<std::uint64_t, Source> sources_;
 	std::map<std::uint64_t, Change> changes_;
-	std::uint64_t next_ = 0;         ///< Checks continue at this ID or at the next larger one.
+	std::uint64_t next_id_ = 0;      ///< Checks continue at this ID or at the next larger one.
 	std::uint64_t last_version_ = 0; ///< The last version that was assigned to a source.
 };
 

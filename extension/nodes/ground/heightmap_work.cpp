@@ -54,7 +54,7 @@ Status HeightmapWork::build() {
 	for (const Rect &area : areas) {
 		add_changed_area(changes, area);
 	}
-	if (summarizes) {
+	if (needs_summary) {
 		auto built_summary = std::make_shared<HeightSummary>();
 		error = summarize(*heightfield, *built_summary);
 		summary = std::move(built_summary);

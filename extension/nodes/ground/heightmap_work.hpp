@@ -33,7 +33,7 @@ struct HeightmapSources {
 struct HeightmapWork {
 	HeightmapSources sources;
 	std::shared_ptr<const Heightfield> before; ///< Null if there is none.
-	bool summarizes = false;                   ///< If true, also builds `summary`.
+	bool needs_summary = false;                ///< If true, also builds `summary`.
 
 	Status status;
 	glm::ivec2 refused_post{-1};              ///< Column and row; negative if no height sample was rejected.

@@ -107,7 +107,7 @@ public:
 	std::shared_ptr<const GroundCopy> with_edits(const Variant &p_data, std::span<const MapEdit> edits) const override;
 
 	/// Returns the images to reuse in the next copy.
-	MapImages next_images() const { return images_.next(); }
+	MapImages next_images() const { return images_.for_next_copy(); }
 
 private:
 	bool same_transform(const HTerrainCopy &before, glm::dvec3 shift) const;
@@ -296,10 +296,10 @@ bool uses_indexed_textures(const Variant &p_node) {
 	if (type.get_type() == Variant::STRING && static_cast<String>(type) == "Array") {
 		return true;
 	}
-	const Variant indexed = has_method(p_node, "is_using_indexed_splatmap")
+	const Variant is_indexed = has_method(p_node, "is_using_indexed_splatmap")
 			? result_of(p_node, "is_using_indexed_splatmap")
 			: Variant();
-	return indexed.get_type() == Variant::BOOL && static_cast<bool>(indexed);
+	return is_indexed.get_type() == Variant::BOOL && static_cast<bool>(is_indexed);
 }
 
 CopyAttempt copy_hterrain(const Variant &p_node, const GroundCopy *before) {

@@ -15,7 +15,7 @@ namespace thicket {
 class MapImages {
 public:
 	/// Creates an object for the next copy that reuses the images read here.
-	MapImages next() const {
+	MapImages for_next_copy() const {
 		MapImages images;
 		images.previous_ = imported_;
 		return images;

@@ -87,7 +87,7 @@ void MeshReading::build(std::span<const glm::vec3> faces, const std::atomic<bool
 }
 
 void MeshWork::run(const std::atomic<bool> *cancel) {
-	unneeded.clear();
+	unneeded_objects.clear();
 	build_readings(cancel);
 	for (GroundWorld &world : worlds) {
 		if (!is_cancelled(cancel)) {

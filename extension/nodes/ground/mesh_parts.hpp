@@ -80,7 +80,7 @@ struct MeshWork {
 	std::vector<std::uint64_t> removed_ids; ///< IDs of instances that are no longer ground.
 	std::vector<GroundWorld> worlds;
 	/// Large objects that the worker frees, because freeing them takes milliseconds.
-	std::vector<std::shared_ptr<const void>> unneeded;
+	std::vector<std::shared_ptr<const void>> unneeded_objects;
 
 	void run(const std::atomic<bool> *cancel);
 

@@ -173,7 +173,7 @@ public:
 	void follow_scene(std::chrono::steady_clock::time_point deadline);
 
 	/// Returns true while known changes have not been applied to the ground yet.
-	virtual bool is_behind() const { return false; }
+	virtual bool has_unapplied_changes() const { return false; }
 
 	/// Returns true while new ground is being read, so that `snapshot` returns null or the previous
 	/// ground. After that, the ground may have changed everywhere.

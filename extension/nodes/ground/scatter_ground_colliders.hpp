@@ -35,7 +35,7 @@ public:
 	bool needs_physics_frames() const override { return true; }
 	std::size_t max_positions_per_call() const override { return static_cast<std::size_t>(rays_per_frame_); }
 	bool is_available() const override;
-	bool is_behind() const override { return watch_.has_changes() || !queue_.empty(); }
+	bool has_unapplied_changes() const override { return watch_.has_changes() || !queue_.empty(); }
 	GroundFigures figures() const override { return figures_; }
 
 	/// Returns the tolerance of re-checks, including the imprecision of hits, which is proportional

@@ -44,7 +44,7 @@ public:
 	bool is_available() const override;
 	double recheck_tolerance() const override;
 	void search_again() override;
-	bool is_behind() const override;
+	bool has_unapplied_changes() const override;
 	bool is_pending(std::uint64_t host) const override;
 	std::vector<Rect> take_removed(std::uint64_t host) override;
 	void finish_reading() override;

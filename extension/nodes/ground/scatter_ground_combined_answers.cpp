@@ -157,8 +157,8 @@ String ScatterGroundCombined::planet_conflict() const {
 	for (const Part &part : Parts(parts_)) {
 		if (const Planet other = part.ground->planet(); other.exists() && other != first) {
 			return name_of_part(part.index) +
-					String(" has a different planet_radius or planet_center than an earlier ground, so these have no "
-						   "effect. Use the same values, or a TerrainScatter3D for each planet.");
+					String(" has a different planet_radius or planet_center than an earlier ground, so its planet has "
+						   "no effect. Use the same values, or a TerrainScatter3D for each planet.");
 		}
 	}
 	return {};
@@ -220,9 +220,9 @@ double ScatterGroundCombined::recheck_tolerance() const {
 	return max_tolerance;
 }
 
-bool ScatterGroundCombined::is_behind() const {
+bool ScatterGroundCombined::has_unapplied_changes() const {
 	return listed_ids() != listed_ids_ ||
-			std::ranges::any_of(parts_, [](const Part &part) { return part.ground->is_behind(); });
+			std::ranges::any_of(parts_, [](const Part &part) { return part.ground->has_unapplied_changes(); });
 }
 
 bool ScatterGroundCombined::is_pending(std::uint64_t host) const {

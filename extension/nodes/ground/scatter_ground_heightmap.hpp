@@ -84,7 +84,7 @@ public:
 	/// problem that keeps the ground from matching the properties. Does not wait for a worker.
 	godot::Dictionary get_summary();
 
-	bool is_behind() const override { return field_stale_ || task_.busy() || !regions_.empty(); }
+	bool has_unapplied_changes() const override { return field_stale_ || task_.busy() || !regions_.empty(); }
 	bool is_pending(std::uint64_t /*host*/) const override { return field_stale_ || task_.busy(); }
 	void finish_reading() override;
 

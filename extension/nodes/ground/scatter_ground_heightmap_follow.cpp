@@ -69,7 +69,7 @@ void ScatterGroundHeightmap::start(bool synchronously) {
 	field_stale_ = false;
 	HeightmapWork work;
 	work.before = field_;
-	work.summarizes = Engine::get_singleton()->is_editor_hint();
+	work.needs_summary = Engine::get_singleton()->is_editor_hint();
 	HeightmapSources &sources = work.sources;
 	sources.are_read = std::exchange(sources_stale_, false);
 	sources.in_meters = heights_in_meters_;

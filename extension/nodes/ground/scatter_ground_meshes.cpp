@@ -110,7 +110,7 @@ void ScatterGroundMeshes::hosts_changed(bool first) {
 	std::erase_if(worlds_, [this](const auto &world) {
 		return std::ranges::find(hosts(), world.first, &GroundHost::id) == hosts().end();
 	});
-	std::erase_if(removed_areas_, [this](const auto &removed) { return !worlds_.contains(removed.first); });
+	std::erase_if(removed_areas_, [this](const auto &entry) { return !worlds_.contains(entry.first); });
 	if (first) {
 		forget_work();
 		watch_.clear();

@@ -41,7 +41,7 @@ public:
 	/// or changed.
 	void refresh();
 
-	bool is_behind() const override;
+	bool has_unapplied_changes() const override;
 	bool is_pending(std::uint64_t host) const override;
 	std::vector<Rect> take_removed(std::uint64_t host) override;
 	void finish_reading() override;
@@ -95,7 +95,7 @@ private:
 	GroundNodeState state_in_space(const GroundSpace &space, std::uint64_t id, const GroundNodeState &state) const;
 	void read_step();
 	bool lacks_ground() const;
-	void build(bool wait);
+	void build(bool synchronously);
 	void take_result();
 	void take_refusals(const MeshWork &work);
 	void reject(std::uint64_t id, const godot::String &p_reason);
@@ -130,7 +130,7 @@ private:
 	std::map<std::uint64_t, std::pair<std::uint64_t, std::weak_ptr<const MeshCopy>>> copies_;
 	/// The reasons why instances are not ground, by instance ID.
 	std::map<std::uint64_t, godot::String> refusals_;
-	std::vector<std::shared_ptr<const void>> unneeded_;
+	std::vector<std::shared_ptr<const void>> unneeded_objects_;
 	GroundFigures figures_;
 };
 

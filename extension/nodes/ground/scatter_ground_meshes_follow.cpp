@@ -69,7 +69,7 @@ bool ScatterGroundMeshes::is_pending(std::uint64_t host) const {
 	return is_stale_ || is_reading_all_ || world == worlds_.end() || world->second.ground == nullptr;
 }
 
-bool ScatterGroundMeshes::is_behind() const {
+bool ScatterGroundMeshes::has_unapplied_changes() const {
 	const bool any_pending =
 			std::ranges::any_of(hosts(), [this](const GroundHost &host) { return is_pending(host.id); });
 	return any_pending ||
@@ -191,8 +191,8 @@ void ScatterGroundMeshes::read_next(Clock::time_point deadline) {
 			++planned_count;
 		}
 	}
-	const bool has_work =
-			is_reading_all_ || !readings_.empty() || !removed_ids_.empty() || !unneeded_.empty() || lacks_ground();
+	const bool has_work = is_reading_all_ || !readings_.empty() || !removed_ids_.empty() ||
+			!unneeded_objects_.empty() || lacks_ground();
 	if (queue_.empty() && has_work) {
 		build(false);
 	}
@@ -202,10 +202,10 @@ bool ScatterGroundMeshes::lacks_ground() const {
 	return std::ranges::any_of(worlds_, [](const auto &world) { return world.second.ground == nullptr; });
 }
 
-/// Starts a worker that builds everything that was read. If `wait` is true, first reads all queued
+/// Starts a worker that builds everything that was read. If `synchronously` is true, first reads all queued
 /// instances, then builds synchronously.
-void ScatterGroundMeshes::build(bool wait) {
-	while (wait && !queue_.empty()) {
+void ScatterGroundMeshes::build(bool synchronously) {
+	while (synchronously && !queue_.empty()) {
 		if (reader_.busy()) {
 			read_step();
 		} else {
@@ -215,7 +215,8 @@ void ScatterGroundMeshes::build(bool wait) {
 	if (builder_.busy()) {
 		return; // A script of a mesh has started other work.
 	}
-	MeshWork work{std::exchange(readings_, {}), std::exchange(removed_ids_, {}), {}, std::exchange(unneeded_, {})};
+	MeshWork work{
+			std::exchange(readings_, {}), std::exchange(removed_ids_, {}), {}, std::exchange(unneeded_objects_, {})};
 	is_building_ = is_reading_all_ || !work.readings.empty() || !work.removed_ids.empty() || lacks_ground();
 	for (const auto &[host, world] : worlds_) {
 		if (is_building_ && find_world(work.worlds, world) == nullptr) {
@@ -223,8 +224,8 @@ void ScatterGroundMeshes::build(bool wait) {
 			work.worlds.back().before = world.meshes;
 		}
 	}
-	builder_.start(std::move(work), wait);
-	if (wait && builder_.finish(true)) {
+	builder_.start(std::move(work), synchronously);
+	if (synchronously && builder_.finish(true)) {
 		take_result();
 	}
 }
@@ -356,8 +357,8 @@ void ScatterGroundMeshes::take_result() {
 				add_changed_area(areas, area);
 			}
 		}
-		unneeded_.push_back(world.meshes);
-		unneeded_.push_back(world.ground);
+		unneeded_objects_.push_back(world.meshes);
+		unneeded_objects_.push_back(world.ground);
 		world = *result;
 		world.before = nullptr;
 		if (world.ground == nullptr) {

@@ -38,7 +38,7 @@ String code_of(const Ref<Material> &p_material) {
 }
 
 const Variant *find(const ShaderParameters &parameters, const StringName &p_name) {
-	const auto entry = std::ranges::find(parameters, p_name, [](const auto &entry) { return entry.first; });
+	const auto entry = std::ranges::find(parameters, p_name, [](const auto &parameter) { return parameter.first; });
 	return entry != parameters.end() ? &entry->second : nullptr;
 }
 

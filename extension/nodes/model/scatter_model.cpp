@@ -88,12 +88,12 @@ void ScatterModel::set_scene(const Ref<PackedScene> &p_scene) {
 	}
 	scene_ = p_scene;
 	if (p_scene.is_valid()) {
-		unread_ = p_scene;
+		unread_scene_ = p_scene;
 		reader_ = nullptr;
 		set_by_hand_ = {};
 		problem_ = String();
 	} else {
-		source_ = p_scene;
+		source_scene_ = p_scene;
 	}
 	notify_property_list_changed();
 	emit_changed();
@@ -131,7 +131,7 @@ void ScatterModel::set_replacement_materials(const Dictionary &p_materials) {
 /// Schedules the scene to be reread, because the settings for reading it have changed.
 void ScatterModel::schedule_reread() {
 	if (scene_.is_valid()) {
-		unread_ = scene_;
+		unread_scene_ = scene_;
 		reader_ = nullptr;
 		problem_ = String();
 		emit_changed();
@@ -139,11 +139,11 @@ void ScatterModel::schedule_reread() {
 }
 
 bool ScatterModel::read_step() {
-	if (unread_.is_null() || is_stepping_) {
+	if (unread_scene_.is_null() || is_stepping_) {
 		return false;
 	}
 	if (reader_ == nullptr) {
-		reader_ = std::make_shared<SceneReader>(unread_, scene_part_, replacement_materials_);
+		reader_ = std::make_shared<SceneReader>(unread_scene_, scene_part_, replacement_materials_);
 	}
 	const std::shared_ptr<SceneReader> reader = reader_;
 	bool has_more = false;
@@ -158,14 +158,14 @@ bool ScatterModel::read_step() {
 }
 
 void ScatterModel::read() {
-	while (unread_.is_valid() && on_main_thread() && read_step()) {}
+	while (unread_scene_.is_valid() && on_main_thread() && read_step()) {}
 }
 
 void ScatterModel::finish_reading(const SceneReading &reading) {
-	const Ref<PackedScene> scene = std::exchange(unread_, {});
+	const Ref<PackedScene> scene = std::exchange(unread_scene_, {});
 	reader_ = nullptr;
 	if (!take_content(reading, scene) && scene_ == scene && !lods_.is_empty()) {
-		scene_ = source_;
+		scene_ = source_scene_;
 		scene_part_ = source_part_;
 		notify_property_list_changed();
 	}
@@ -185,7 +185,7 @@ bool ScatterModel::take_content(const SceneReading &reading, const Ref<PackedSce
 		append(shapes, shape.shape);
 		append(transforms, shape.transform);
 	}
-	source_ = scene_;
+	source_scene_ = scene_;
 	source_part_ = scene_part_;
 	if (!set_by_hand_.lods) {
 		replace_lods(lods_, array_of(reading.lods));
@@ -222,7 +222,7 @@ bool ScatterModel::reload() {
 	if (!(scene == scene_)) {
 		return true; // A script in the scene has set another scene.
 	}
-	unread_ = Ref<PackedScene>();
+	unread_scene_ = Ref<PackedScene>();
 	reader_ = nullptr;
 	if (!take_content(reader.take(), loaded_scene)) {
 		return false;

@@ -128,7 +128,7 @@ protected:
 	void _validate_property(godot::PropertyInfo &p_property) const;
 
 private:
-	/// For each property, true if it was set by hand after `unread_` was set. Reading that scene
+	/// For each property, true if it was set by hand after `unread_scene_` was set. Reading that scene
 	/// does not replace such properties.
 	struct SetByHand {
 		bool lods = false;
@@ -146,13 +146,13 @@ private:
 
 	godot::Ref<godot::PackedScene> scene_;
 	/// The scene that the LODs were read from; null if they were set by hand.
-	godot::Ref<godot::PackedScene> source_;
+	godot::Ref<godot::PackedScene> source_scene_;
 	/// The scene to read when the model is first needed; null if there is none.
-	godot::Ref<godot::PackedScene> unread_;
+	godot::Ref<godot::PackedScene> unread_scene_;
 	godot::String scene_part_;
-	godot::String source_part_;               ///< `scene_part_` when `source_` was read.
+	godot::String source_part_;               ///< `scene_part_` when `source_scene_` was read.
 	godot::Dictionary replacement_materials_; ///< Read-only.
-	std::shared_ptr<SceneReader> reader_;     ///< Reads `unread_`; null until its first step.
+	std::shared_ptr<SceneReader> reader_;     ///< Reads `unread_scene_`; null until its first step.
 	/// True during a step, because scripts in the scene may call this model.
 	bool is_stepping_ = false;
 	SetByHand set_by_hand_;

@@ -73,11 +73,11 @@ bool RegionRegister::mark_all() {
 	return !entries_.empty();
 }
 
-void RegionRegister::update(bool recentered) {
+void RegionRegister::update(bool was_recentered) {
 	for (Entry &entry : entries_) {
 		if (std::exchange(entry.is_marked, false)) {
 			const std::optional<Shape> before = std::exchange(entry.last_read, entry.node->world_shape());
-			const bool is_same = recentered && before && entry.last_read
+			const bool is_same = was_recentered && before && entry.last_read
 					? equal_except_rounding(*before, *entry.last_read)
 					: before == entry.last_read;
 			if (!is_same || !entry.shape) {

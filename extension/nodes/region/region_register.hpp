@@ -36,9 +36,9 @@ public:
 	/// Marks all regions to be reread. Returns false if there are none.
 	bool mark_all();
 
-	/// Rereads the marked regions. If the scene was `recentered`, ignores changes of world
+	/// Rereads the marked regions. If `was_recentered` is true, ignores changes of world
 	/// positions that are due to rounding to single precision.
-	void update(bool recentered);
+	void update(bool was_recentered);
 
 	/// Returns the shapes that affect the layer at this index of the node's list; null if there are
 	/// none. The pointer stays the same until the shapes change.

@@ -33,10 +33,10 @@ glm::dvec3 mean_of(const std::vector<glm::dvec3> &positions) {
 ScatterRegion3D::ScatterRegion3D() { set_notify_transform(true); }
 
 void ScatterRegion3D::_notification(int p_what) {
-	guarded_call("ScatterRegion3D._notification", [this, p_what] { notified(p_what); });
+	guarded_call("ScatterRegion3D._notification", [this, p_what] { handle_notification(p_what); });
 }
 
-void ScatterRegion3D::notified(int p_what) {
+void ScatterRegion3D::handle_notification(int p_what) {
 	switch (p_what) {
 		case NOTIFICATION_ENTER_TREE: enter(); break;
 		case NOTIFICATION_EXIT_TREE: leave(); break;
@@ -44,10 +44,10 @@ void ScatterRegion3D::notified(int p_what) {
 			// A host with local coordinates may only have moved together with the region.
 			if (const Transform3D transform = transform_of(*this); !(transform == reported_transform_)) {
 				reported_transform_ = transform;
-				changed();
+				notify_change();
 			}
 			break;
-		case NOTIFICATION_VISIBILITY_CHANGED: changed(); break;
+		case NOTIFICATION_VISIBILITY_CHANGED: notify_change(); break;
 		case NOTIFICATION_EXTENSION_RELOADED:
 			if (is_inside_tree()) {
 				enter();
@@ -82,7 +82,7 @@ Transform3D ScatterRegion3D::transform_of(const Node3D &node) const {
 	return host_ != nullptr ? host_->transform_of(node) : node.get_global_transform();
 }
 
-void ScatterRegion3D::changed() {
+void ScatterRegion3D::notify_change() {
 	if (host_ != nullptr) {
 		host_->region_changed(this);
 	}

@@ -156,10 +156,10 @@ protected:
 
 private:
 	godot::Transform3D transform_of(const godot::Node3D &node) const;
-	void notified(int p_what);
+	void handle_notification(int p_what);
 	void enter();
 	void leave();
-	void changed();
+	void notify_change();
 	bool is_visible_below_host() const;
 	bool is_flat() const { return shape_ == SHAPE_POLYGON || shape_ == SHAPE_PATH; }
 	/// Returns ErrorCode::missing for an outline with too few points.

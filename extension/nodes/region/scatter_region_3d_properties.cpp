@@ -37,13 +37,13 @@ void ScatterRegion3D::set_shape(Shape p_shape) {
 	if (accept_number(class_name, "shape", p_shape, SHAPE_BOX, SHAPE_PATH) && shape_ != p_shape) {
 		shape_ = p_shape;
 		notify_property_list_changed();
-		changed();
+		notify_change();
 	}
 }
 
 void ScatterRegion3D::set_exclude(bool p_exclude) {
 	exclude_ = p_exclude;
-	changed();
+	notify_change();
 }
 
 void ScatterRegion3D::set_layers(const Array &p_layers) {
@@ -56,14 +56,14 @@ void ScatterRegion3D::set_layers(const Array &p_layers) {
 		}
 	}
 	layers_ = references;
-	changed();
+	notify_change();
 }
 
 Array ScatterRegion3D::get_layers() const { return current_references(layers_); }
 
 void ScatterRegion3D::change_references(const ReferenceChange &change) {
-	const auto changed_layer = [&](const Variant &p_stored) {
-		return change("ScatterRegion3D.layers", p_stored);
+	const auto changed_layer = [&](const Variant &p_reference) {
+		return change("ScatterRegion3D.layers", p_reference);
 	};
 	if (const auto references = changed_references(layers_, changed_layer)) {
 		set_layers(*references);
@@ -72,7 +72,7 @@ void ScatterRegion3D::change_references(const ReferenceChange &change) {
 
 void ScatterRegion3D::set_ignore_height(bool p_ignore) {
 	ignore_height_ = p_ignore;
-	changed();
+	notify_change();
 }
 
 void ScatterRegion3D::set_size(const Vector3 &p_size) {
@@ -82,7 +82,7 @@ void ScatterRegion3D::set_size(const Vector3 &p_size) {
 		}
 	}
 	size_ = p_size;
-	changed();
+	notify_change();
 }
 
 void ScatterRegion3D::set_polygon(const PackedVector2Array &p_polygon) {
@@ -100,12 +100,12 @@ void ScatterRegion3D::set_polygon(const PackedVector2Array &p_polygon) {
 		}
 	}
 	polygon_ = p_polygon;
-	changed();
+	notify_change();
 }
 
 void ScatterRegion3D::set_path_node(const NodePath &p_path) {
 	path_ = p_path;
-	changed();
+	notify_change();
 }
 
 template <const Number &property>
@@ -113,7 +113,7 @@ void ScatterRegion3D::set_number(double p_value) {
 	if (accept_number(class_name, property.name, p_value, property.min, property.max) &&
 			numbers_.*property.member != p_value) {
 		numbers_.*property.member = p_value;
-		changed();
+		notify_change();
 	}
 }
 

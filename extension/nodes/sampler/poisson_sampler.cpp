@@ -12,9 +12,9 @@ using namespace godot;
 namespace thicket {
 
 PoissonSampler::CallScope::CallScope(PoissonSampler *p_sampler, const char *p_method) :
-		sampler_(p_sampler), is_granted_(!p_sampler->busy_.exchange(true)) {
+		sampler_(p_sampler), is_granted_(!p_sampler->is_busy_.exchange(true)) {
 	if (is_granted_) {
-		p_sampler->cancelled_ = false;
+		p_sampler->is_cancelled_ = false;
 	} else {
 		ERR_PRINT(vformat(
 				"%s.%s() was called during another call to the same object. Use a separate object for each call.",
@@ -24,11 +24,11 @@ PoissonSampler::CallScope::CallScope(PoissonSampler *p_sampler, const char *p_me
 
 PoissonSampler::CallScope::~CallScope() {
 	if (is_granted_) {
-		sampler_->busy_ = false;
+		sampler_->is_busy_ = false;
 	}
 }
 
-void PoissonSampler::cancel() { cancelled_ = true; }
+void PoissonSampler::cancel() { is_cancelled_ = true; }
 
 bool PoissonSampler::try_set(const PointSet &p_set) {
 	const Status status = validate(p_set);
@@ -90,7 +90,7 @@ std::span<const SamplePoint> PoissonSampler::fetch(const CallScope &p_scope, con
 		return {};
 	}
 	EngineThreads threads;
-	const Status status = sampler_.sample(set_, p_rect, points_, {.cancel = &cancelled_, .report = {}}, &threads);
+	const Status status = sampler_.sample(set_, p_rect, points_, {.cancel = &is_cancelled_, .report = {}}, &threads);
 	report(class_name, status);
 	return status.ok() ? std::span<const SamplePoint>(points_) : std::span<const SamplePoint>();
 }

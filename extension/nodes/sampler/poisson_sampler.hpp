@@ -150,7 +150,7 @@ private:
 			const godot::Ref<godot::Mesh> &p_mesh, const godot::Transform3D &p_transform, Faces &r_faces);
 	/// Samples the triangles that `read` collects. `p_property` names them in error messages.
 	godot::Ref<PoissonSurfacePoints> sample_triangles(const CallScope &p_scope, const char *p_property,
-			const godot::AABB &p_window, bool mirrored, const std::function<Status(Faces &r_faces)> &read);
+			const godot::AABB &p_window, bool is_mirrored, const std::function<Status(Faces &r_faces)> &read);
 	std::span<const SamplePoint> fetch(const CallScope &p_scope, const Rect &p_rect);
 	DomainRequest domain_request(const glm::dvec2 &p_size) const;
 	void report_domain(const DomainRequest &p_request, Status p_status) const;
@@ -175,8 +175,8 @@ private:
 	TileSampler sampler_;
 	std::vector<SamplePoint> points_; ///< The points of the last call; kept to reuse the memory.
 	DomainStats stats_;
-	std::atomic<bool> busy_ = false;
-	std::atomic<bool> cancelled_ = false; ///< Cancels the call in progress.
+	std::atomic<bool> is_busy_ = false;
+	std::atomic<bool> is_cancelled_ = false; ///< Cancels the call in progress.
 };
 
 } // namespace thicket

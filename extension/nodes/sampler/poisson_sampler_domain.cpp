@@ -37,10 +37,12 @@ public:
 					largest_below(p_rect.position.y + p_rect.size.y, p_rect.position.y)) {}
 
 	/// Throws std::bad_alloc if there is not enough memory.
-	void resize(std::size_t p_count) { next_ = thicket::resize(positions, static_cast<int64_t>(p_count)).data(); }
+	void resize(std::size_t p_count) {
+		next_position_ = thicket::resize(positions, static_cast<int64_t>(p_count)).data();
+	}
 
 	void add(const glm::dvec2 &p_position) {
-		*next_++ = Vector2(std::min(static_cast<real_t>(p_position.x), max_position_.x),
+		*next_position_++ = Vector2(std::min(static_cast<real_t>(p_position.x), max_position_.x),
 				std::min(static_cast<real_t>(p_position.y), max_position_.y));
 	}
 
@@ -48,7 +50,7 @@ public:
 
 private:
 	Vector2 max_position_;
-	Vector2 *next_ = nullptr;
+	Vector2 *next_position_ = nullptr;
 };
 
 /// Writes positions in double precision, all of which lie before the far edges.
@@ -195,7 +197,7 @@ void PoissonSampler::write_domain(const CallScope &p_scope, const Rect &p_rect, 
 	}
 	const DomainRequest request = domain_request(p_size);
 	ScriptProgress script(class_name, p_progress);
-	const Progress progress = script.progress(&cancelled_);
+	const Progress progress = script.progress(&is_cancelled_);
 	DomainStats stats;
 	const Status status = write_by_method(p_rect, request, progress, r_writer, stats);
 	if (status.ok()) {

@@ -74,9 +74,9 @@ Status PoissonSampler::read_mesh(const Ref<Mesh> &p_mesh, const Transform3D &p_t
 Ref<PoissonSurfacePoints> PoissonSampler::sample_surface(
 		const Ref<Mesh> &p_mesh, const Transform3D &p_transform, const AABB &p_window) {
 	const CallScope scope(this, "sample_surface");
-	const bool mirrored = glm::determinant(to_core(p_transform.basis)) < 0.0;
-	return sample_triangles(
-			scope, "mesh", p_window, mirrored, [&](Faces &r_faces) { return read_mesh(p_mesh, p_transform, r_faces); });
+	const bool is_mirrored = glm::determinant(to_core(p_transform.basis)) < 0.0;
+	return sample_triangles(scope, "mesh", p_window, is_mirrored,
+			[&](Faces &r_faces) { return read_mesh(p_mesh, p_transform, r_faces); });
 }
 
 Ref<PoissonSurfacePoints> PoissonSampler::sample_faces(const PackedVector3Array &p_faces, const AABB &p_window) {
@@ -88,7 +88,7 @@ Ref<PoissonSurfacePoints> PoissonSampler::sample_faces(const PackedVector3Array 
 }
 
 Ref<PoissonSurfacePoints> PoissonSampler::sample_triangles(const CallScope &p_scope, const char *p_property,
-		const AABB &p_window, bool mirrored, const std::function<Status(Faces &r_faces)> &read) {
+		const AABB &p_window, bool is_mirrored, const std::function<Status(Faces &r_faces)> &read) {
 	Ref<PoissonSurfacePoints> result = PoissonSurfacePoints::make_empty();
 	if (!p_scope.is_granted()) {
 		return result;
@@ -105,13 +105,13 @@ Ref<PoissonSurfacePoints> PoissonSampler::sample_triangles(const CallScope &p_sc
 			}
 			SurfaceSampler sampler;
 			std::vector<SurfacePoint> points;
-			const Progress progress{.cancel = &cancelled_, .report = {}};
+			const Progress progress{.cancel = &is_cancelled_, .report = {}};
 			const glm::dvec3 corner = to_core(p_window.position);
 			const Status sample_status = p_window == AABB()
 					? sampler.sample_all(set_, *surface, points, progress)
 					: sampler.sample(set_, *surface, {corner, corner + to_core(p_window.size)}, points, progress);
 			if (sample_status.ok()) {
-				result = PoissonSurfacePoints::of(points, mirrored);
+				result = PoissonSurfacePoints::of(points, is_mirrored);
 			}
 			return sample_status;
 		});

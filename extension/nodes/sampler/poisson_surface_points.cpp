@@ -11,9 +11,9 @@ using namespace godot;
 
 namespace thicket {
 
-Ref<PoissonSurfacePoints> PoissonSurfacePoints::of(std::span<const SurfacePoint> points, bool mirrored) {
+Ref<PoissonSurfacePoints> PoissonSurfacePoints::of(std::span<const SurfacePoint> points, bool is_mirrored) {
 	const Ref<PoissonSurfacePoints> result(memnew(PoissonSurfacePoints));
-	const double sign = mirrored ? 1.0 : -1.0;
+	const double sign = is_mirrored ? 1.0 : -1.0;
 	result->ranks_ =
 			packed<PackedFloat32Array>(points, [](const SurfacePoint &point) { return unit_rank(point.rank); });
 	result->positions_ =

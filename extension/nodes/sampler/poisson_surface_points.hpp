@@ -29,9 +29,9 @@ public:
 	static godot::Ref<PoissonSurfacePoints> make_empty() { return memnew(PoissonSurfacePoints); }
 
 	/// Copies points. Their normals are on the side that the engine treats as the front, from which
-	/// the corners run clockwise. Set `mirrored` if a transform has reversed the order of the
+	/// the corners run clockwise. Set `is_mirrored` if a transform has reversed the order of the
 	/// corners. Throws std::bad_alloc if memory runs out.
-	static godot::Ref<PoissonSurfacePoints> of(std::span<const SurfacePoint> points, bool mirrored);
+	static godot::Ref<PoissonSurfacePoints> of(std::span<const SurfacePoint> points, bool is_mirrored);
 
 	int64_t size() const { return ids_.size(); }
 	bool is_empty() const { return size() == 0; }

@@ -250,7 +250,7 @@ void LayerList::add_hosts(const NodeLayers &layers, const LayerWorld &world, std
 			host.changes = state != nullptr ? std::make_shared<const HostState>(state, point_layer) : nullptr;
 		}
 		const Ref<ScatterLayer> displayed_layer =
-				world.previews.displayed(layers.by_index()[static_cast<int64_t>(index)]);
+				world.previews.displayed_layer(layers.by_index()[static_cast<int64_t>(index)]);
 		r_layers[priority].models = host.reader.read(entry.unlinked->drawing, displayed_layer->mesh_version());
 		r_layers[priority].changes = host.changes;
 	}
@@ -344,7 +344,7 @@ std::vector<EditedArea> LayerList::update(
 	std::vector<Status> statuses;
 	for (std::size_t index = 0; index < count; ++index) {
 		const Ref<ScatterLayer> layer = layers.by_index()[static_cast<int64_t>(index)];
-		const Ref<ScatterLayer> displayed_layer = world.previews.displayed(layer);
+		const Ref<ScatterLayer> displayed_layer = world.previews.displayed_layer(layer);
 		statuses.push_back(read(entries_[index], displayed_layer, world.seed, index));
 		if (std::optional<LayerSnapshot> &unlinked = entries_[index].unlinked) {
 			if (displayed_layer != layer) {

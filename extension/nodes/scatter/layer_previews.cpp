@@ -7,10 +7,10 @@ using namespace godot;
 namespace thicket {
 
 void LayerPreviews::set_hidden(const TypedArray<ScatterLayer> &p_layers) {
-	hidden_.clear();
+	hidden_layer_ids_.clear();
 	for (int64_t index = 0; index < p_layers.size(); ++index) {
 		if (const Ref<ScatterLayer> layer = p_layers[index]; layer.is_valid()) {
-			hidden_.insert(layer->get_instance_id());
+			hidden_layer_ids_.insert(layer->get_instance_id());
 		}
 	}
 }
@@ -26,19 +26,19 @@ void LayerPreviews::set_stand_in(const Ref<ScatterLayer> &p_layer, const Ref<Sca
 	}
 }
 
-std::vector<bool> LayerPreviews::hidden(const TypedArray<ScatterLayer> &p_layers) const {
+std::vector<bool> LayerPreviews::hidden_flags(const TypedArray<ScatterLayer> &p_layers) const {
 	std::vector<bool> result;
-	if (hidden_.empty()) {
+	if (hidden_layer_ids_.empty()) {
 		return result;
 	}
 	for (int64_t index = 0; index < p_layers.size(); ++index) {
 		const Ref<ScatterLayer> layer = p_layers[index];
-		result.push_back(layer.is_valid() && hidden_.count(layer->get_instance_id()) > 0);
+		result.push_back(layer.is_valid() && hidden_layer_ids_.count(layer->get_instance_id()) > 0);
 	}
 	return result;
 }
 
-Ref<ScatterLayer> LayerPreviews::displayed(const Ref<ScatterLayer> &p_layer) const {
+Ref<ScatterLayer> LayerPreviews::displayed_layer(const Ref<ScatterLayer> &p_layer) const {
 	const auto stand_in = p_layer.is_valid() ? stand_ins_.find(p_layer->get_instance_id()) : stand_ins_.end();
 	return stand_in != stand_ins_.end() ? stand_in->second : p_layer;
 }

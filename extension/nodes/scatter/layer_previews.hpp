@@ -24,14 +24,14 @@ public:
 
 	/// Returns whether each of these layers is hidden, by index. Returns an empty list if no layer
 	/// is hidden.
-	std::vector<bool> hidden(const godot::TypedArray<ScatterLayer> &p_layers) const;
+	std::vector<bool> hidden_flags(const godot::TypedArray<ScatterLayer> &p_layers) const;
 
 	/// Returns the layer to display: the stand-in if there is one, otherwise the layer itself.
-	godot::Ref<ScatterLayer> displayed(const godot::Ref<ScatterLayer> &p_layer) const;
+	godot::Ref<ScatterLayer> displayed_layer(const godot::Ref<ScatterLayer> &p_layer) const;
 
 private:
-	// Instance IDs, so that removed layers are not kept alive.
-	std::set<std::uint64_t> hidden_;
+	// These members contain instance IDs, so that removed layers are not kept alive.
+	std::set<std::uint64_t> hidden_layer_ids_;
 	std::map<std::uint64_t, godot::Ref<ScatterLayer>> stand_ins_;
 };
 

@@ -55,18 +55,18 @@ Layers assign_indices(const Layers &layers, std::size_t own_count, const TypedAr
 
 } // namespace
 
-void NodeLayers::update(const TypedArray<ScatterLayer> &p_own, const ScatterBiomeMap *biomes) {
-	own_count_ = static_cast<std::size_t>(p_own.size());
+void NodeLayers::update(const TypedArray<ScatterLayer> &p_own_layers, const ScatterBiomeMap *biomes) {
+	own_count_ = static_cast<std::size_t>(p_own_layers.size());
 	Layers all_layers;
 	if (biomes != nullptr) {
-		for (int64_t index = 0; index < p_own.size(); ++index) {
-			all_layers.emplace_back(p_own[index]);
+		for (int64_t index = 0; index < p_own_layers.size(); ++index) {
+			all_layers.emplace_back(p_own_layers[index]);
 		}
 		biomes->each_layers(
 				[&all_layers](const TypedArray<ScatterLayer> &p_layers) { append_unique(p_layers, all_layers); });
 	}
 	if (all_layers.size() <= own_count_) {
-		by_index_ = p_own;
+		by_index_ = p_own_layers;
 		last_layers_.clear();
 		order_.resize(own_count_);
 		std::iota(order_.begin(), order_.end(), std::size_t{0});

@@ -19,7 +19,7 @@ namespace thicket {
 class NodeLayers {
 public:
 	/// Reads the current layers. `biomes` may be null.
-	void update(const godot::TypedArray<ScatterLayer> &p_own, const ScatterBiomeMap *biomes);
+	void update(const godot::TypedArray<ScatterLayer> &p_own_layers, const ScatterBiomeMap *biomes);
 
 	/// Returns the layers by index; null for an unused index. If there are no layers of biomes,
 	/// this is the node's own array.

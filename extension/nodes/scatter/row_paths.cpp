@@ -32,11 +32,11 @@ constexpr double path_tolerance = 0.01;
 /// The apparent movement in meters that rounding may cause when a scene is recentered.
 constexpr double rounding_tolerance = 0.01;
 
-/// Returns a number that identifies a node by the names on the way from `from` to it. It is the same
-/// whenever the scene is loaded, and wherever the scene is in the tree.
-std::uint64_t identity_of(const Node &from, const Node &node) {
+/// Returns a number that identifies a node by the names on the path from `host` to it. The number is the
+/// same whenever the scene is loaded, and wherever the scene is in the tree.
+std::uint64_t identity_of(const Node &host, const Node &node) {
 	std::vector<std::uint64_t> ancestors;
-	for (const Node *ancestor = &from; ancestor != nullptr; ancestor = ancestor->get_parent()) {
+	for (const Node *ancestor = &host; ancestor != nullptr; ancestor = ancestor->get_parent()) {
 		ancestors.push_back(ancestor->get_instance_id());
 	}
 	WordHash hash;
@@ -116,14 +116,14 @@ bool RowPaths::have_changed(const Node3D &host, const RegionHost &world) {
 	return any_changed;
 }
 
-void RowPaths::begin_update(const Node3D &host, const RegionHost &world, bool recentered) {
+void RowPaths::begin_update(const Node3D &host, const RegionHost &world, bool was_recentered) {
 	host_ = &host;
 	world_ = &world;
-	recentered_ = recentered;
+	was_recentered_ = was_recentered;
 	former_set_count_ = sets_.size();
 	for (auto &[text, group] : groups_) {
 		group.is_used = false;
-		group.is_outdated = group.is_outdated || recentered;
+		group.is_outdated = group.is_outdated || was_recentered;
 	}
 }
 
@@ -193,11 +193,11 @@ void RowPaths::read(Group &r_group) const {
 		state.node = nodes[i];
 		const auto entry = index_of.find(state.id);
 		const bool is_known = entry != index_of.end();
-		if (is_known && r_group.paths[entry->second].is_same(state) && !recentered_) {
+		if (is_known && r_group.paths[entry->second].is_same(state) && !was_recentered_) {
 			lines.push_back(r_group.lines[entry->second]);
 		} else {
 			lines.push_back(std::make_shared<const RowLine>(line_of(state)));
-			if (recentered_ && is_known && is_near(*r_group.lines[entry->second], *lines.back())) {
+			if (was_recentered_ && is_known && is_near(*r_group.lines[entry->second], *lines.back())) {
 				lines.back() = r_group.lines[entry->second];
 			}
 		}

@@ -30,9 +30,9 @@ public:
 	/// first change, the remaining paths of its group are checked before the function returns true.
 	bool have_changed(const godot::Node3D &host, const RegionHost &world);
 
-	/// Begins an update in which `rows_for` is called for each layer with rows. If the scene was
-	/// `recentered`, changes of positions that are due to rounding to single precision are ignored.
-	void begin_update(const godot::Node3D &host, const RegionHost &world, bool recentered);
+	/// Begins an update in which `rows_for` is called for each layer with rows. If `was_recentered`
+	/// is true, changes of positions that are due to rounding to single precision are ignored.
+	void begin_update(const godot::Node3D &host, const RegionHost &world, bool was_recentered);
 
 	/// Sets `r_rows` to the rows of a layer along the paths of a group. The pointer stays the same until
 	/// its content changes. After an error, such as a path that is too long, `r_rows` is unchanged.
@@ -82,7 +82,7 @@ private:
 	std::size_t former_set_count_ = 0; ///< The number of sets, at the start of `sets_`, that belong to the last update.
 	const godot::Node3D *host_ = nullptr; ///< Valid during an update.
 	const RegionHost *world_ = nullptr;
-	bool recentered_ = false;
+	bool was_recentered_ = false;
 };
 
 } // namespace thicket

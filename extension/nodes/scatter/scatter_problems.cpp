@@ -26,13 +26,13 @@ namespace {
 /// ground without textures.
 void add_input_problems(ScatterLayer &layer, const String &p_prefix, bool lacks_textures,
 		const ScatterBiomeMap *p_biomes, PackedStringArray &r_problems) {
-	std::set<std::string> reported;
+	std::set<std::string> reported_inputs;
 	for (const WorldInput &input : layer.world_inputs()) {
 		const String text = String::utf8(text_of(input).c_str());
 		const bool is_unknown = input.kind == WorldInputKind::biome &&
 				(p_biomes == nullptr || std::ranges::count(p_biomes->weights_for(input), 1.0F) == 0);
 		const bool has_no_textures = input.kind == WorldInputKind::texture && lacks_textures;
-		if ((!is_unknown && !has_no_textures) || !reported.insert(text_of(input)).second) {
+		if ((!is_unknown && !has_no_textures) || !reported_inputs.insert(text_of(input)).second) {
 			continue;
 		}
 		if (is_unknown) {

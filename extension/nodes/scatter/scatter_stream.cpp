@@ -53,7 +53,7 @@ ScatterStream::ScatterStream(InstanceWorld &world) : world_(world), workers_(spa
 void ScatterStream::mark_stale(std::span<const SharedSnapshot> layers, std::span<const EditedArea> outdated_areas) {
 	for (const std::shared_ptr<TileJob> &job : jobs_) {
 		const std::uint32_t layer = job->request.key.layer;
-		job->stale = job->stale || layer >= layers.size() || layer >= outdated_areas.size() ||
+		job->is_stale = job->is_stale || layer >= layers.size() || layer >= outdated_areas.size() ||
 				range_of(layers[layer]).tile_size != range_of(layers_[layer]).tile_size ||
 				range_of(layers[layer]).in_space() != range_of(layers_[layer]).in_space() ||
 				outdated_areas[layer].touches(job->request.space);
@@ -113,11 +113,11 @@ void ScatterStream::keep_displayed(const TileRequest &request) {
 }
 
 bool ScatterStream::frame(std::span<const Viewer> viewers, std::uint64_t budget) {
-	const std::weak_ptr<const void> alive = life_; // A script may free this object during the frame.
+	const std::weak_ptr<const void> lifetime = life_; // A script may free this object during the frame.
 	try {
 		return work_in_frame(viewers, budget);
 	} catch (const std::bad_alloc &) {
-		if (!alive.expired()) {
+		if (!lifetime.expired()) {
 			start_over();
 		}
 		throw;
@@ -233,7 +233,7 @@ void ScatterStream::start_missing() {
 	auto query_job_count = static_cast<std::size_t>(std::ranges::count_if(jobs_, is_for_query));
 	for (const WorldTile &tile : world_.take_missing()) {
 		const auto generates_tile = [&tile](const std::shared_ptr<TileJob> &job) {
-			return world_tile(job->request.key) == tile && !job->stale;
+			return world_tile(job->request.key) == tile && !job->is_stale;
 		};
 		if (query_job_count == max_jobs || !ground_.source.is_available()) {
 			return;
@@ -292,7 +292,7 @@ void ScatterStream::process_result(const std::shared_ptr<TileJob> &job) {
 	if (!job->status.ok()) {
 		report_once(*job);
 	}
-	if (job->status.ok() && !job->stale) {
+	if (job->status.ok() && !job->is_stale) {
 		world_.keep(world_tile(job->request.key), job->tile);
 	}
 	if (job->for_query) {
@@ -317,7 +317,7 @@ void ScatterStream::process_result(const std::shared_ptr<TileJob> &job) {
 
 void ScatterStream::process_query_result(const std::shared_ptr<TileJob> &job) {
 	std::erase(jobs_, job);
-	if (!job->status.ok() && !job->stale && ground_.source.is_available()) {
+	if (!job->status.ok() && !job->is_stale && ground_.source.is_available()) {
 		// A tile that cannot be generated is treated as empty until an edit invalidates it.
 		world_.keep(world_tile(job->request.key), std::make_shared<const CompactTile>());
 	}

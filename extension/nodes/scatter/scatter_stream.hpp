@@ -127,7 +127,7 @@ public:
 	const TileDisplay &display() const { return display_; }
 
 	/// Frees a large object on a worker; see TileWorkers::free_on_worker.
-	void free_on_worker(std::shared_ptr<const void> unneeded) { workers_.free_on_worker(std::move(unneeded)); }
+	void free_on_worker(std::shared_ptr<const void> object) { workers_.free_on_worker(std::move(object)); }
 
 	/// Returns the times of the node's whole frame. The node starts and completes the measurement.
 	FrameTimes &times() { return times_; }
@@ -137,11 +137,11 @@ public:
 	const StreamFigures &figures() const { return figures_; }
 
 	/// Returns the number of objects and buffers that workers have received to free; see
-	/// TileWorkers::freed.
-	std::uint64_t freed_by_workers() const { return workers_.freed(); }
+	/// TileWorkers::freed_count.
+	std::uint64_t freed_by_workers() const { return workers_.freed_count(); }
 
-	/// Returns the number of buffers that workers have reused; see TileWorkers::reused.
-	std::uint64_t buffers_reused() const { return workers_.reused(); }
+	/// Returns the number of buffers that workers have reused; see TileWorkers::reused_count.
+	std::uint64_t buffers_reused() const { return workers_.reused_count(); }
 	StreamCounts counts() const { return streamer_.counts(); }
 
 private:

@@ -19,7 +19,7 @@ void ScatterStream::report_once(const TileJob &job) {
 	const std::uint32_t index = job.request.key.layer;
 	const bool is_current = index < layers_.size() && layers_[index] != nullptr &&
 			layers_[index]->settings == job.layer->settings && ground_.terrain == job.terrain;
-	if (is_current && !job.stale && ground_.source.is_available() && failures_[index].message.is_empty()) {
+	if (is_current && !job.is_stale && ground_.source.is_available() && failures_[index].message.is_empty()) {
 		const glm::ivec2 tile = job.request.key.tile;
 		failures_[index] = print_failure("layer " + std::to_string(index) + ", tile (" + std::to_string(tile.x) + ", " +
 						std::to_string(tile.y) + ")",

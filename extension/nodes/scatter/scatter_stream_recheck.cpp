@@ -66,11 +66,11 @@ std::size_t ScatterStream::recheck_heights(std::size_t max_count) {
 	if (positions.empty()) {
 		return 0;
 	}
-	const std::weak_ptr<const void> alive = life_;
+	const std::weak_ptr<const void> lifetime = life_;
 	const Ref<ScatterGround> ground = ground_.source.ground;
 	std::vector<std::optional<float>> heights(positions.size());
 	const Status status = ground->recheck_now(ground_.source.host, positions, heights);
-	if (alive.expired()) {
+	if (lifetime.expired()) {
 		return positions.size();
 	}
 	figures_.heights_rechecked += positions.size();

@@ -48,9 +48,9 @@ std::size_t ScatterStream::ground_step(std::size_t max_count) {
 	const std::size_t count = part != job->parts.end() ? std::min(max_count, part->end - job->answered_count) : 0;
 	Status status;
 	if (count > 0) {
-		const std::weak_ptr<const void> alive = life_;
+		const std::weak_ptr<const void> lifetime = life_;
 		const auto is_interrupted = [&] { // True if a script has freed or changed this stream.
-			return alive.expired() || ground_jobs_.empty() || ground_jobs_.front() != job;
+			return lifetime.expired() || ground_jobs_.empty() || ground_jobs_.front() != job;
 		};
 		const auto positions = std::span<const glm::dvec2>(job->positions).subspan(job->answered_count, count);
 		const auto ground = std::span(job->ground).subspan(job->answered_count, count);
@@ -133,7 +133,7 @@ void ScatterStream::finish_upload() {
 	std::erase(jobs_, job);
 	if (streamer_.finish(job->request)) {
 		if (rechecks()) {
-			recheck_.show(job->request.key, job->request.space, std::move(job->probes), job->stale);
+			recheck_.show(job->request.key, job->request.space, std::move(job->probes), job->is_stale);
 		}
 		display_.show(uploads_.take());
 		events_.push_back({true, job->request.key.layer, job->request.key.tile});
@@ -195,7 +195,7 @@ bool ScatterStream::do_step(Step step) {
 /// Runs steps of all kinds in turn until the deadline or until no kind has work. If too little time
 /// is left for a step, the next frame starts with it. Returns false if a script has freed the stream.
 bool ScatterStream::work_until(Clock::time_point deadline) {
-	const std::weak_ptr<const void> alive = life_;
+	const std::weak_ptr<const void> lifetime = life_;
 	bool is_first_step = true;
 	std::size_t idle_steps = 0; // The number of consecutive steps that found no work.
 	Clock::time_point step_start = Clock::now();
@@ -212,7 +212,7 @@ bool ScatterStream::work_until(Clock::time_point deadline) {
 			return true;
 		}
 		const bool has_worked = do_step(next_step_);
-		if (alive.expired()) {
+		if (lifetime.expired()) {
 			return false;
 		}
 		times_.spent_on(part_of(next_step_));

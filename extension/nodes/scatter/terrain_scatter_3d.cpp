@@ -49,10 +49,10 @@ TerrainScatter3D::~TerrainScatter3D() {
 }
 
 void TerrainScatter3D::_notification(int p_what) {
-	guarded_call("TerrainScatter3D._notification", [this, p_what] { notified(p_what); });
+	guarded_call("TerrainScatter3D._notification", [this, p_what] { handle_notification(p_what); });
 }
 
-void TerrainScatter3D::notified(int p_what) {
+void TerrainScatter3D::handle_notification(int p_what) {
 	switch (p_what) {
 		case NOTIFICATION_ENTER_WORLD: start(); break;
 		case NOTIFICATION_EXIT_WORLD: stop(); break;
@@ -89,7 +89,7 @@ void TerrainScatter3D::start() {
 	set_process_internal(true);
 	was_inside_ = true;
 	move_world();
-	if (!std::exchange(running_, true)) {
+	if (!std::exchange(is_running_, true)) {
 		thread_guard().enter_scene();
 		if (ground_.is_valid()) {
 			ground_->enter(this, frame_);
@@ -109,7 +109,7 @@ void TerrainScatter3D::check_transform() {
 }
 
 void TerrainScatter3D::stop() {
-	if (!std::exchange(running_, false)) {
+	if (!std::exchange(is_running_, false)) {
 		return;
 	}
 	thread_guard().leave_scene();
@@ -127,7 +127,7 @@ void TerrainScatter3D::stop() {
 }
 
 void TerrainScatter3D::process_frame() {
-	if (!running_) {
+	if (!is_running_) {
 		return;
 	}
 	const auto start = Clock::now();
@@ -151,7 +151,7 @@ void TerrainScatter3D::process_frame() {
 		for (const Rect &area : ground_.is_valid() ? ground_->take_removed(get_instance_id()) : std::vector<Rect>()) {
 			stream->drop_unseen(area);
 		}
-		dirty_ = dirty_ || waits_for_ground();
+		is_dirty_ = is_dirty_ || waits_for_ground();
 	}
 	if (regions_.paths_changed()) {
 		mark_edited();
@@ -161,7 +161,7 @@ void TerrainScatter3D::process_frame() {
 		update_configuration_warnings();
 	}
 	check_layers();
-	if (presence && dirty_ && models_are_read(start + std::chrono::microseconds(frame_budget_usec_)) && presence) {
+	if (presence && is_dirty_ && models_are_read(start + std::chrono::microseconds(frame_budget_usec_)) && presence) {
 		refresh();
 	}
 	stream->times().spent_on(FramePart::follow);
@@ -278,15 +278,15 @@ DrawLimits TerrainScatter3D::draw_limits() const {
 	limits.max_multimeshes = static_cast<std::uint64_t>(max_multimeshes_);
 	if (in_editor()) {
 		limits.max_instances = static_cast<std::uint64_t>(preview_instances_);
-		limits.hidden_layers = previews_.hidden(all_layers());
+		limits.hidden_layers = previews_.hidden_flags(all_layers());
 	}
 	return limits;
 }
 
 bool TerrainScatter3D::is_settled() const {
 	const bool is_input_outdated =
-			(ground_.is_valid() && ground_->is_behind()) || (biomes_.is_valid() && biomes_->differs());
-	return !dirty_ && ground_change_.empty() && !is_input_outdated && !layer_watch_->differs(all_layers()) &&
+			(ground_.is_valid() && ground_->has_unapplied_changes()) || (biomes_.is_valid() && biomes_->differs());
+	return !is_dirty_ && ground_change_.empty() && !is_input_outdated && !layer_watch_->differs(all_layers()) &&
 			(layer_list_.snapshots().empty() || (stream_->idle() && !display().has_patches() && follows())) &&
 			gameplay_->settled();
 }
@@ -341,7 +341,7 @@ Status TerrainScatter3D::prepare() {
 	if (gameplay->alive()) {
 		check_layers();
 	}
-	if (gameplay->alive() && (dirty_ || waits_for_ground()) && models_are_read(Clock::time_point::max())) {
+	if (gameplay->alive() && (is_dirty_ || waits_for_ground()) && models_are_read(Clock::time_point::max())) {
 		refresh();
 	}
 	if (!gameplay->alive()) {
@@ -400,7 +400,7 @@ void TerrainScatter3D::Host::set_hidden(std::uint32_t layer, std::uint64_t id, c
 
 /// Updates the display once for all changes of this frame, before the frame is drawn.
 void TerrainScatter3D::schedule_patch() {
-	if (running_ && !std::exchange(patch_scheduled_, true)) {
+	if (is_running_ && !std::exchange(patch_scheduled_, true)) {
 		call_deferred("_patch");
 	}
 }

@@ -188,28 +188,31 @@ public:
 	godot::Ref<ScatterTile> build_tile(
 			const godot::Variant &p_layer, const godot::Vector2i &p_tile, const godot::Rect2 &p_rect);
 
-	// These methods explain why a layer has an instance at a position, or has none. Call them only
-	// on the main thread.
+	// The editor's tools use the following methods. Call them only on the main thread. Unless the
+	// comments say otherwise, all positions are in the engine's space.
 
-	/// Used by the editor's tools. `up_at` returns the up direction at a position. `hit_surface`
-	/// returns the first position at which a line enters a surface of the ground, and the normal
-	/// there. If there is none, it returns an empty array. `get_planet` returns the planet's center
-	/// and radius as four numbers, or an empty array without a planet.
+	/// Returns the up direction at a position.
 	godot::Vector3 up_at(const godot::Vector3 &p_position);
+
+	/// Returns the first position at which a line enters a surface of the ground, and the normal
+	/// there. Returns an empty array if the line enters none.
 	godot::PackedVector3Array hit_surface(const godot::Vector3 &p_from, const godot::Vector3 &p_to);
+
+	/// Returns the planet's center and radius as four numbers, or an empty array without a planet.
 	godot::PackedFloat64Array get_planet();
 
-	// Used by the editor's tools on a planet. Without one, they return an empty array.
-
-	/// Returns positions relative to the planet's center, in the space of ScatterMask.paint_on_planet.
+	/// Returns positions relative to the planet's center, in the space of
+	/// ScatterMask.paint_on_planet. Returns an empty array without a planet.
 	godot::PackedVector3Array to_planet(const godot::PackedVector3Array &p_positions);
 
 	/// Returns the highest ground at positions on the flat map of the planet around `p_center` (see
-	/// PlanetMap), in the engine's space. Where there is no ground, the result is NAN.
+	/// PlanetMap). Where there is no ground, the result is NAN. Returns an empty array without a
+	/// planet.
 	godot::PackedVector3Array planet_ground(
 			const godot::Vector3 &p_center, const godot::PackedVector2Array &p_positions);
 
-	/// Like get_density_map and get_slope_map, at positions on the ground of any side.
+	/// These methods are like get_density_map and get_slope_map, but return values at positions on
+	/// any side of the ground.
 	godot::PackedFloat32Array densities_at(const godot::Variant &p_layer, const godot::PackedVector3Array &p_positions);
 	godot::PackedFloat32Array slopes_at(const godot::PackedVector3Array &p_positions);
 
@@ -311,7 +314,7 @@ protected:
 	void _notification(int p_what);
 
 private:
-	void notified(int p_what);
+	void handle_notification(int p_what);
 	/// Implements the services that ScatterGameplay needs from the node.
 	class Host final : public GameplayHost {
 	public:
@@ -458,10 +461,10 @@ private:
 	StateEdits state_edits_;
 	std::chrono::steady_clock::duration frame_time_{0}; ///< The main-thread time of the last frame.
 	bool patch_scheduled_ = false;
-	bool recentered_ = false; ///< True if `frame_.offset` has changed since the regions were read.
-	bool running_ = false;
+	bool was_recentered_ = false; ///< True if `frame_.offset` has changed since the regions were read.
+	bool is_running_ = false;
 	bool was_inside_ = false; ///< True if the node has ever been in the tree.
-	bool dirty_ = true;
+	bool is_dirty_ = true;
 	bool was_settled_ = true;
 	/// The number of problems of instance_load_ in the current configuration warnings.
 	int64_t load_problems_ = 0;

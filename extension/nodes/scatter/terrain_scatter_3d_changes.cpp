@@ -58,7 +58,7 @@ std::vector<std::size_t> order_tiles(
 } // namespace
 
 void TerrainScatter3D::mark_edited() {
-	dirty_ = true;
+	is_dirty_ = true;
 	was_settled_ = false;
 }
 
@@ -125,7 +125,7 @@ void TerrainScatter3D::change_references(const ReferenceChange &change) {
 /// Marks resources as used while the node is in the tree. The main thread reads these resources
 /// every frame, so other threads may not modify them.
 void TerrainScatter3D::use_resources() {
-	if (!running_) {
+	if (!is_running_) {
 		return;
 	}
 	SceneUse::List used_resources;
@@ -216,7 +216,7 @@ void TerrainScatter3D::region_changed(const ScatterRegion3D *p_region) {
 
 void TerrainScatter3D::refresh() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
-	dirty_ = false;
+	is_dirty_ = false;
 	try {
 		apply_changes();
 	} catch (...) {
@@ -258,8 +258,8 @@ void TerrainScatter3D::apply_changes() {
 	if (const Planet current_planet = planet(); std::exchange(region_planet_, current_planet) != current_planet) {
 		regions_.mark_all();
 	}
-	const bool recentered = std::exchange(recentered_, false);
-	regions_.update(recentered);
+	const bool was_recentered = std::exchange(was_recentered_, false);
+	regions_.update(was_recentered);
 	warn_of_stripped();
 	if (!gameplay->alive()) {
 		return;
@@ -271,7 +271,7 @@ void TerrainScatter3D::apply_changes() {
 		return;
 	}
 	const StateEdits state_edits = std::exchange(state_edits_, {});
-	row_paths_.begin_update(*this, *this, recentered);
+	row_paths_.begin_update(*this, *this, was_recentered);
 	const std::vector<EditedArea> outdated_areas =
 			layer_list_.update(node_layers_, layer_world(state_edits), ground_change);
 	row_paths_.end_update();

@@ -21,7 +21,7 @@ bool TerrainScatter3D::read_models(std::chrono::steady_clock::time_point deadlin
 	const TypedArray<ScatterLayer> layers = all_layers();
 	for (int64_t index = 0; index < layers.size(); ++index) {
 		const Ref<ScatterLayer> original = layers[index];
-		const Ref<ScatterLayer> layer = in_editor() ? previews_.displayed(original) : original;
+		const Ref<ScatterLayer> layer = in_editor() ? previews_.displayed_layer(original) : original;
 		while (layer.is_valid() && layer->read_step()) {
 			if (!gameplay->alive() || std::chrono::steady_clock::now() >= deadline) {
 				return false;

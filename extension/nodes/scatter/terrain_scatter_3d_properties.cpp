@@ -76,12 +76,12 @@ void TerrainScatter3D::set_ground(const Ref<ScatterGround> &p_ground) {
 		return;
 	}
 	watch_ground(false);
-	if (running_ && ground_.is_valid()) {
+	if (is_running_ && ground_.is_valid()) {
 		ground_->leave(this);
 	}
 	ground_ = ground;
 	ground_snapshot_ = nullptr;
-	if (running_ && ground_.is_valid()) {
+	if (is_running_ && ground_.is_valid()) {
 		ground_->enter(this, frame_);
 	}
 	watch_ground(true);
@@ -123,7 +123,7 @@ void TerrainScatter3D::set_world_offset(const Vector3 &p_offset) {
 		return;
 	}
 	world_offset_ = offset;
-	recentered_ = !local_coords_;
+	was_recentered_ = !local_coords_;
 	check_transform();
 	move_world();
 	if (!local_coords_ && regions_.mark_all()) {

@@ -35,7 +35,7 @@ PackedFloat32Array BufferPool::take(std::size_t floats) {
 		// Reuses memory that the renderer has already read.
 		buffer = std::move(buffers_.back()); // The most recently used one.
 		buffers_.pop_back();
-		reused_.fetch_add(1, std::memory_order_relaxed);
+		reused_count_.fetch_add(1, std::memory_order_relaxed);
 	}
 	resize(buffer, static_cast<int64_t>(floats));
 	return buffer;

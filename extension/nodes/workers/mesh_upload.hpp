@@ -35,7 +35,7 @@ public:
 	godot::PackedFloat32Array take(std::size_t floats);
 
 	/// Returns the number of buffers that `take` has reused. Any thread may call this method.
-	std::uint64_t reused() const { return reused_.load(std::memory_order_relaxed); }
+	std::uint64_t reused_count() const { return reused_count_.load(std::memory_order_relaxed); }
 
 private:
 	static constexpr std::size_t max_buffers = 16;
@@ -43,7 +43,7 @@ private:
 	static constexpr std::int64_t max_floats = std::int64_t{1} << 18;
 
 	std::vector<godot::PackedFloat32Array> buffers_;
-	std::atomic<std::uint64_t> reused_ = 0;
+	std::atomic<std::uint64_t> reused_count_ = 0;
 };
 
 /// Converts instances for upload. `mesh_radius` is the distance in meters from the mesh's origin to its

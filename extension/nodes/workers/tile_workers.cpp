@@ -58,32 +58,32 @@ bool TileWorkers::lock_soon(std::unique_lock<std::mutex> &r_lock) {
 
 void TileWorkers::push(std::shared_ptr<TileJob> job) {
 	pending_jobs_.push_back(std::move(job));
-	hand_over();
+	flush_pending();
 }
 
 /// Moves new jobs and unneeded objects to the shared queues. If the lock is taken, a later call
 /// moves them.
-void TileWorkers::hand_over() {
+void TileWorkers::flush_pending() {
 	std::unique_lock lock(mutex_, std::defer_lock);
 	if (lock_soon(lock)) {
 		// Reserves space so that workers never allocate to return a result. An error here reaches
 		// the caller.
-		const std::size_t jobs = finished_.size() + queue_.size() + pending_jobs_.size() + workers_.size();
-		finished_.reserve(std::max(finished_.capacity(), jobs));
+		const std::size_t jobs = finished_jobs_.size() + queue_.size() + pending_jobs_.size() + workers_.size();
+		finished_jobs_.reserve(std::max(finished_jobs_.capacity(), jobs));
 		queue_.insert(queue_.end(), pending_jobs_.begin(), pending_jobs_.end());
 		pending_jobs_.clear();
-		unneeded_.insert(unneeded_.end(), pending_unneeded_.begin(), pending_unneeded_.end());
-		pending_unneeded_.clear();
-		std::ranges::move(pending_uploads_, std::back_inserter(uploaded_));
-		pending_uploads_.clear();
-		waiting_ = queue_.size();
+		unneeded_objects_.insert(unneeded_objects_.end(), pending_objects_.begin(), pending_objects_.end());
+		pending_objects_.clear();
+		std::ranges::move(pending_buffers_, std::back_inserter(uploaded_buffers_));
+		pending_buffers_.clear();
+		waiting_count_ = queue_.size();
 		// Starting a worker takes microseconds as well, so it must be worthwhile.
-		const std::size_t all_unneeded = unneeded_.size() + uploaded_.size();
+		const std::size_t all_unneeded = unneeded_objects_.size() + uploaded_buffers_.size();
 		unneeded_frame_count_ = all_unneeded == 0 ? 0 : unneeded_frame_count_ + 1;
 		has_much_unneeded_ = all_unneeded >= 16 || unneeded_frame_count_ > 60;
 		lock.unlock();
 	}
-	wake();
+	start_workers();
 }
 
 bool TileWorkers::sort(std::span<const Viewer> viewers) {
@@ -96,44 +96,44 @@ bool TileWorkers::sort(std::span<const Viewer> viewers) {
 }
 
 std::vector<std::shared_ptr<TileJob>> TileWorkers::take_finished() {
-	hand_over();
+	flush_pending();
 	std::vector<std::shared_ptr<TileJob>> jobs;
 	std::unique_lock lock(mutex_, std::defer_lock);
 	if (lock_soon(lock)) {
-		jobs.reserve(queue_.size() + workers_.size()); // Reserved for workers; see `hand_over`.
-		jobs.swap(finished_);
+		jobs.reserve(queue_.size() + workers_.size()); // Reserved for workers; see `flush_pending`.
+		jobs.swap(finished_jobs_);
 	}
 	return jobs;
 }
 
-void TileWorkers::free_on_worker(std::shared_ptr<const void> unneeded) {
+void TileWorkers::free_on_worker(std::shared_ptr<const void> object) {
 	if (!on_main_thread_) {
 		// A worker frees the object.
-		pending_unneeded_.push_back(std::move(unneeded));
+		pending_objects_.push_back(std::move(object));
 	}
 }
 
 void TileWorkers::take_back(std::vector<MeshUpload> &&uploads) {
 	if (!on_main_thread_) {
 		// A worker frees the buffers or reuses them.
-		std::ranges::move(uploads, std::back_inserter(pending_uploads_));
+		std::ranges::move(uploads, std::back_inserter(pending_buffers_));
 	}
 }
 
-std::uint64_t TileWorkers::reused() const {
+std::uint64_t TileWorkers::reused_count() const {
 	std::uint64_t sum = 0;
 	for (const std::unique_ptr<Worker> &worker : workers_) {
-		sum += worker->buffer_pool.reused();
+		sum += worker->buffer_pool.reused_count();
 	}
 	return sum;
 }
 
-void TileWorkers::wake() {
+void TileWorkers::start_workers() {
 	if (on_main_thread_) {
 		return;
 	}
 	WorkerThreadPool *pool = WorkerThreadPool::get_singleton();
-	std::size_t needed_count = std::max<std::size_t>(waiting_, has_much_unneeded_ ? 1 : 0);
+	std::size_t needed_count = std::max<std::size_t>(waiting_count_, has_much_unneeded_ ? 1 : 0);
 	for (const std::unique_ptr<Worker> &worker : workers_) {
 		if (needed_count == 0) {
 			return;
@@ -154,12 +154,12 @@ void TileWorkers::wake() {
 
 void TileWorkers::stop() {
 	pending_jobs_.clear();
-	pending_unneeded_.clear();
-	pending_uploads_.clear();
+	pending_objects_.clear();
+	pending_buffers_.clear();
 	{
 		const std::lock_guard lock(mutex_);
 		queue_.clear();
-		waiting_ = 0;
+		waiting_count_ = 0;
 		for (const std::unique_ptr<Worker> &worker : workers_) {
 			if (worker->job != nullptr) {
 				worker->job->cancelled = true;
@@ -172,9 +172,9 @@ void TileWorkers::stop() {
 			worker->task = -1;
 		}
 	}
-	finished_.clear();
-	unneeded_.clear();
-	uploaded_.clear();
+	finished_jobs_.clear();
+	unneeded_objects_.clear();
+	uploaded_buffers_.clear();
 }
 
 void TileWorkers::work_until(std::chrono::steady_clock::time_point deadline) {
@@ -190,30 +190,30 @@ void TileWorkers::work_until(std::chrono::steady_clock::time_point deadline) {
 /// Moves a worker's result to the finished jobs. The caller must hold the lock.
 void TileWorkers::return_result(Worker &worker) {
 	if (worker.job != nullptr) {
-		finished_.push_back(std::move(worker.job)); // Does not allocate; see `hand_over`.
+		finished_jobs_.push_back(std::move(worker.job)); // Does not allocate; see `flush_pending`.
 		worker.job = nullptr;
 	}
 }
 
-std::shared_ptr<TileJob> TileWorkers::next(Worker &worker) {
-	std::vector<std::shared_ptr<const void>> unneeded; // Freed after the lock is released.
-	std::vector<MeshUpload> uploaded;
+std::shared_ptr<TileJob> TileWorkers::take_next_job(Worker &worker) {
+	std::vector<std::shared_ptr<const void>> unneeded_objects; // Freed after the lock is released.
+	std::vector<MeshUpload> uploaded_buffers;
 	std::shared_ptr<TileJob> job;
 	{
 		const std::lock_guard lock(mutex_);
-		unneeded.swap(unneeded_);
-		uploaded.swap(uploaded_);
+		unneeded_objects.swap(unneeded_objects_);
+		uploaded_buffers.swap(uploaded_buffers_);
 		has_much_unneeded_ = false;
 		return_result(worker);
 		if (!queue_.empty()) {
 			job = std::move(queue_.front());
 			queue_.pop_front();
-			waiting_ = queue_.size();
+			waiting_count_ = queue_.size();
 			worker.job = job;
 		}
 	}
-	freed_.fetch_add(unneeded.size() + uploaded.size(), std::memory_order_relaxed);
-	worker.buffer_pool.keep(std::move(uploaded));
+	freed_count_.fetch_add(unneeded_objects.size() + uploaded_buffers.size(), std::memory_order_relaxed);
+	worker.buffer_pool.keep(std::move(uploaded_buffers));
 	return job;
 }
 
@@ -227,7 +227,7 @@ void TileWorkers::run(void *p_worker) {
 /// Processes the next job as far as possible without the main thread. Returns false if there is
 /// none.
 bool TileWorkers::work_on_next(Worker &worker) {
-	const std::shared_ptr<TileJob> job = next(worker);
+	const std::shared_ptr<TileJob> job = take_next_job(worker);
 	if (job == nullptr) {
 		return false;
 	}

@@ -63,9 +63,9 @@ struct TileJob {
 	std::uint64_t points_computed = 0; ///< The number of points computed for this tile; see SampleStats::computed.
 
 	/// True if the tile is generated for queries, not for display. Only the main thread uses this
-	/// flag and `stale`.
+	/// flag and `is_stale`.
 	bool for_query = false;
-	bool stale = false; ///< True if the job's input was edited after the job was started.
+	bool is_stale = false; ///< True if the job's input was edited after the job was started.
 
 	std::atomic<bool> cancelled = false; ///< The main thread may set this at any time.
 };
@@ -100,17 +100,17 @@ public:
 
 	/// Releases a large object off the main thread. A worker frees it before the next job, or
 	/// within about a second if there are no jobs.
-	void free_on_worker(std::shared_ptr<const void> unneeded);
+	void free_on_worker(std::shared_ptr<const void> object);
 
 	/// Returns uploaded buffers to the workers, which reuse some of them for later tiles.
 	void take_back(std::vector<MeshUpload> &&uploads);
 
 	/// Returns the number of objects and buffers that workers have received from `free_on_worker`
 	/// and `take_back`.
-	std::uint64_t freed() const { return freed_.load(std::memory_order_relaxed); }
+	std::uint64_t freed_count() const { return freed_count_.load(std::memory_order_relaxed); }
 
 	/// Returns the number of reused buffers.
-	std::uint64_t reused() const;
+	std::uint64_t reused_count() const;
 
 	/// Generates tiles until the deadline if there are no worker threads, but at least one tile if
 	/// any are queued. With worker threads, does nothing. A script that is called for heights must
@@ -138,34 +138,34 @@ private:
 	};
 
 	static bool lock_soon(std::unique_lock<std::mutex> &r_lock);
-	void hand_over();
+	void flush_pending();
 
 	/// Starts a worker for each waiting job, or one for unneeded objects if there are many and no
 	/// jobs.
-	void wake();
+	void start_workers();
 	static void run(void *p_worker);
 	bool work_on_next(Worker &worker);
 	static void advance(Worker &worker, TileJob &job);
 	static Status prepare_queries(const TileBuilder &builder, TileJob &job);
 	static void finish(Worker &worker, TileJob &job);
-	std::shared_ptr<TileJob> next(Worker &worker);
+	std::shared_ptr<TileJob> take_next_job(Worker &worker);
 	void return_result(Worker &worker);
 
 	const bool on_main_thread_;
 	std::mutex mutex_;
 	std::deque<std::shared_ptr<TileJob>> queue_;
-	std::vector<std::shared_ptr<TileJob>> finished_;
-	std::vector<std::shared_ptr<const void>> unneeded_;
-	std::vector<MeshUpload> uploaded_;
-	std::atomic<std::size_t> waiting_ = 0;        ///< The size of queue_.
-	std::atomic<std::uint64_t> freed_ = 0;        ///< The result of `freed`.
+	std::vector<std::shared_ptr<TileJob>> finished_jobs_;
+	std::vector<std::shared_ptr<const void>> unneeded_objects_;
+	std::vector<MeshUpload> uploaded_buffers_;
+	std::atomic<std::size_t> waiting_count_ = 0;  ///< The size of queue_.
+	std::atomic<std::uint64_t> freed_count_ = 0;  ///< The result of `freed_count`.
 	std::atomic<bool> has_much_unneeded_ = false; ///< True if freeing them is worth a worker.
 
-	// The jobs and objects that `hand_over` has yet to move to the shared queues. Used only on the
+	// The jobs and objects that `flush_pending` has yet to move to the shared queues. Used only on the
 	// main thread.
 	std::deque<std::shared_ptr<TileJob>> pending_jobs_;
-	std::vector<std::shared_ptr<const void>> pending_unneeded_;
-	std::vector<MeshUpload> pending_uploads_;
+	std::vector<std::shared_ptr<const void>> pending_objects_;
+	std::vector<MeshUpload> pending_buffers_;
 	int unneeded_frame_count_ = 0; ///< Consecutive frames in which unneeded_ or uploaded_ was not empty.
 	std::vector<std::unique_ptr<Worker>> workers_;
 };
