@@ -42,6 +42,7 @@ Status unreadable_error(const String &p_path) {
 					: "Check that the file exists, can be read and is not empty");
 }
 
+/// Reads an EXR file through the engine. Requires Godot 4.6.
 Status read_exr(const PackedByteArray &bytes, Posts &r_posts) {
 	const Ref<Image> image(memnew(Image));
 	if (!image->has_method("load_exr_from_buffer")) { // Called by name, because Godot 4.4 lacks it.

@@ -12,9 +12,9 @@ namespace thicket {
 /// godot-cpp registers as internal.)
 void register_former_grounds();
 
-/// Converts a ground of release 0.2 without a script to the current class, with the same properties.
-/// Returns any other ground unchanged. The new ground takes over the resource path, so that saving the file
-/// stores the current class. Any thread may call this function.
+/// Converts a ground of release 0.2 without a script to the current class, with the same
+/// properties. Returns any other ground unchanged. The new ground takes over the resource path, so
+/// that saving the file stores the current class. Any thread may call this function.
 godot::Ref<ScatterGround> current_ground(const godot::Ref<ScatterGround> &p_ground);
 
 } // namespace thicket

@@ -19,6 +19,7 @@ void HeightmapWork::run(const std::atomic<bool> *) {
 	sources.weight_image = Ref<Image>();
 }
 
+/// Builds the heightfield, its changes and, if requested, its summary.
 Status HeightmapWork::build() {
 	HeightPosts posts;
 	WeightMap weights;
@@ -63,6 +64,7 @@ Status HeightmapWork::build() {
 	return error;
 }
 
+/// Reads the height samples and the weights from their sources, and checks the samples.
 Status HeightmapWork::read(HeightPosts &r_posts, WeightMap &r_weights) {
 	Posts source_posts;
 	Status error = sources.has_image ? read_posts(sources.image, "image", source_posts)

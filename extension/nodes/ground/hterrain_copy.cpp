@@ -133,6 +133,8 @@ bool HTerrainCopy::same_transform(const HTerrainCopy &before, glm::dvec3 shift) 
 	return transform == other_transform;
 }
 
+/// Returns the bounding rectangle, in the engine's x and z, of the ground that the pixels in `rect`
+/// affect.
 Rect2 HTerrainCopy::area_of(const PixelRect &rect) const {
 	const MapTransform &map_transform = field_.transform();
 	glm::dvec2 min{std::numeric_limits<double>::max()};
@@ -241,6 +243,7 @@ std::shared_ptr<const GroundCopy> HTerrainCopy::with_edits(
 	return std::make_shared<HTerrainCopy>(std::move(field), tilted_, std::move(images));
 }
 
+/// Reads the height map. Returns false with a reason if it is missing or cannot be copied.
 bool read_heights(const Variant &p_data, MapImages &images, MapLayers &r_layers, String &r_refusal) {
 	const Ref<Image> heights = images.read(p_data, height_map, 0);
 	const Variant resolution = result_of(p_data, "get_resolution");
@@ -264,6 +267,7 @@ bool read_heights(const Variant &p_data, MapImages &images, MapLayers &r_layers,
 	return true;
 }
 
+/// Reads the texture maps: textures by index, or all splat maps up to the first that is missing.
 void read_textures(const Variant &p_node, const Variant &p_data, MapImages &images, MapLayers &r_layers) {
 	if (uses_indexed_textures(p_node)) {
 		const Ref<Image> indices = images.read(p_data, splat_index_map, 0);

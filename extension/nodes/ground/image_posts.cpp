@@ -25,6 +25,7 @@ Ref<Image> plain_copy(const Ref<Image> &image) {
 	return copy;
 }
 
+/// Returns true for formats whose channels are floating-point numbers.
 bool holds_floats(Image::Format format) {
 	switch (format) {
 		case Image::FORMAT_RF:

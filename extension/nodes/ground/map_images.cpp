@@ -23,6 +23,7 @@ Ref<Image> MapImages::read(const Variant &p_data, int kind, int index) {
 	return image;
 }
 
+/// Reads back the pixels of a texture, or reuses those of an imported texture.
 Ref<Image> MapImages::read_texture(const Variant &p_texture) {
 	const Ref<Texture2D> texture = Object::cast_to<Texture2D>(p_texture.get_validated_object());
 	if (texture.is_null()) {

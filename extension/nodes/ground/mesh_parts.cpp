@@ -96,6 +96,7 @@ void MeshWork::run(const std::atomic<bool> *cancel) {
 	}
 }
 
+/// Builds the ground of all meshes that were read.
 void MeshWork::build_readings(const std::atomic<bool> *cancel) {
 	std::ranges::stable_sort(readings, {}, &MeshReading::copy); // To decode each mesh once.
 	std::vector<glm::vec3> faces;

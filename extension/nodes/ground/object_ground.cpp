@@ -75,6 +75,7 @@ bool ObjectGround::take_methods(const Variant &p_object) {
 	return true;
 }
 
+/// Uses the methods of an HTerrain-like object and reads its map. Returns false for other objects.
 bool ObjectGround::take_map(const Variant &p_object) {
 	if (!has_method(p_object, "get_data") || !has_method(p_object, "get_internal_transform")) {
 		return false;
@@ -115,6 +116,7 @@ Status ObjectGround::sample_heights(std::span<const glm::dvec2> positions, std::
 	return sample_all(positions, false, r_ground);
 }
 
+/// Samples the positions in slices, so that `close` waits for at most one slice of each thread.
 Status ObjectGround::sample_all(
 		std::span<const glm::dvec2> positions, bool with_normals, std::span<Ground> r_ground) const {
 	if (positions.size() != r_ground.size()) {
@@ -168,6 +170,7 @@ bool ObjectGround::is_height_known(glm::dvec2 position) const {
 			(is_open_ && source() != nullptr && posts_->is_loaded(source_, query_position));
 }
 
+/// Reads the height at a position; NAN if there is no ground. Calls the object only within its ground.
 Status ObjectGround::height_at(glm::dvec2 position, float &r_height) const {
 	r_height = std::numeric_limits<float>::quiet_NaN();
 	const glm::dvec2 query_position = map_ ? map_->to_map(in_engine(position)) : in_engine(position);
@@ -196,6 +199,7 @@ Status ObjectGround::height_at(glm::dvec2 position, float &r_height) const {
 	return {};
 }
 
+/// Computes the normal from the heights of four neighboring positions.
 Status ObjectGround::slope_by_heights(glm::dvec2 position, Ground &r_ground) const {
 	const SlopeStencil stencil(position);
 	std::array<float, 4> neighbor_heights{};
@@ -208,6 +212,7 @@ Status ObjectGround::slope_by_heights(glm::dvec2 position, Ground &r_ground) con
 	return {};
 }
 
+/// Reads the normal from the object's `get_normal`.
 Status ObjectGround::normal_at(glm::dvec2 position, Ground &r_ground) const {
 	Variant result;
 	if (const Status status = call(
@@ -244,6 +249,7 @@ Status ObjectGround::weigh(std::span<const glm::dvec2> positions, std::span<cons
 	return {};
 }
 
+/// Computes the weight from the result of the object's `get_texture_id`.
 Status ObjectGround::weigh_by_textures(
 		glm::dvec2 position, std::span<const std::int32_t> textures, Ground &r_ground) const {
 	Variant result;

@@ -14,6 +14,7 @@ Rect2 RegionCopy::area_of(glm::ivec2 location, const PixelRect &rect) const {
 			static_cast<real_t>(size.y));
 }
 
+/// Adds the area in which a region differs from its previous state, or the whole region if it is new.
 void RegionCopy::add_changes(
 		const FieldRegion &region, const FieldRegion *other_region, GroundChanges &r_changes) const {
 	const PixelRect whole_region{glm::ivec2(0), glm::ivec2(field_.side())};

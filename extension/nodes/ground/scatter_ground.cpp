@@ -204,6 +204,7 @@ Status ScatterGround::query_normals(
 	return {};
 }
 
+/// Computes normals from the heights of four neighbors of each position, queried in one call.
 Status ScatterGround::difference_normals(
 		std::span<const glm::dvec2> positions, std::span<const std::size_t> indices, std::span<Ground> r_ground) {
 	std::vector<glm::dvec2> neighbors;

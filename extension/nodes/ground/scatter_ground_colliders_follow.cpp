@@ -51,6 +51,8 @@ bool ScatterGroundColliders::is_ground_shape(const Node *p_node) const {
 			!belongs_to_scatter(body);
 }
 
+/// Returns a function that reads the state of a shape. Shapes that are disabled, or that the mask
+/// excludes, are not ground.
 GroundWatch::ReadState ScatterGroundColliders::state_reader() const {
 	return [mask = collision_mask_, world = first_node()->get_world_3d()](const Variant &p_node, Object *&r_source) {
 		const auto *node = Object::cast_to<CollisionShape3D>(p_node.get_validated_object());
@@ -187,6 +189,7 @@ void ScatterGroundColliders::update_next_shapes() {
 	}
 }
 
+/// Compares a shape with its last state. Adds the areas of both states if it has changed.
 void ScatterGroundColliders::update(std::uint64_t id) {
 	const auto entry = shapes_.find(id);
 	const ShapeState *before = entry != shapes_.end() ? &entry->second : nullptr;
@@ -226,6 +229,7 @@ void ScatterGroundColliders::add_area(const ShapeState &shape, glm::dvec3 offset
 	}
 }
 
+/// Emits signals for the changed areas.
 void ScatterGroundColliders::notify() {
 	const Ref<ScatterGround> keep_alive(this); // A signal handler may release the ground.
 	const std::vector<Rect> areas = std::exchange(areas_, {});

@@ -65,6 +65,7 @@ void ScatterGroundHeightmap::finish_reading() {
 	}
 }
 
+/// Starts a worker that reads changed sources and rebuilds the ground.
 void ScatterGroundHeightmap::start(bool synchronously) {
 	field_stale_ = false;
 	HeightmapWork work;
@@ -92,6 +93,7 @@ void ScatterGroundHeightmap::start(bool synchronously) {
 	task_.start(std::move(work), synchronously);
 }
 
+/// Replaces the ground with the result of the worker. After an error, keeps the previous ground.
 void ScatterGroundHeightmap::take_result() {
 	const HeightmapWork work = task_.take();
 	if (work.field == nullptr) {
@@ -181,6 +183,7 @@ bool ScatterGroundHeightmap::patch_band(const PixelRect &band) {
 	return true;
 }
 
+/// Replaces the ground with the patched draft and emits signals.
 void ScatterGroundHeightmap::publish_draft() {
 	field_ = std::exchange(draft_, nullptr);
 	summary_ = nullptr;

@@ -202,8 +202,8 @@ bool ScatterGroundMeshes::lacks_ground() const {
 	return std::ranges::any_of(worlds_, [](const auto &world) { return world.second.ground == nullptr; });
 }
 
-/// Starts a worker that builds everything that was read. If `synchronously` is true, first reads all queued
-/// instances, then builds synchronously.
+/// Starts a worker that builds everything that was read. If `synchronously` is true, first reads
+/// all queued instances, then builds synchronously.
 void ScatterGroundMeshes::build(bool synchronously) {
 	while (synchronously && !queue_.empty()) {
 		if (reader_.busy()) {
@@ -309,6 +309,7 @@ GroundNodeState ScatterGroundMeshes::state_in_space(
 	return result;
 }
 
+/// Returns one reading, without its mesh, for each space in which the node has changed.
 std::vector<MeshReading> ScatterGroundMeshes::readings_of(std::uint64_t id, const GroundNodeState &state) const {
 	std::vector<MeshReading> readings;
 	for (const auto &[host, world] : worlds_) {

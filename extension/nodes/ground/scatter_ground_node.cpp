@@ -109,6 +109,7 @@ void ScatterGroundNode::find_ground() {
 	}
 }
 
+/// Examines the node: copies its ground or, if that is not possible, finds its methods.
 ScatterGroundNode::Examination ScatterGroundNode::find_source() const {
 	const Node3D *host_node = first_node();
 	Examination examination;
@@ -125,6 +126,7 @@ ScatterGroundNode::Examination ScatterGroundNode::find_source() const {
 	return examination;
 }
 
+/// Applies the result of examining the node: replaces the ground and updates the messages.
 void ScatterGroundNode::take(const Examination &examination) {
 	Node *target = cast_to<Node>(examination.target.get_validated_object());
 	const bool in_tree = target != nullptr && target->is_inside_tree();
@@ -207,6 +209,7 @@ void ScatterGroundNode::take_copy(const Examination &examination) {
 	}
 }
 
+/// Uses the ground from an object's methods. Each host receives its own copy of `ground`.
 void ScatterGroundNode::use_object(const std::shared_ptr<ObjectGround> &ground) {
 	copy_ = nullptr;
 	ground_ = ground;

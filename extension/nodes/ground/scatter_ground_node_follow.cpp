@@ -236,6 +236,7 @@ void ScatterGroundNode::poll() {
 	notify();
 }
 
+/// Applies reported edits to the copy or, if that is not possible, copies the ground again.
 void ScatterGroundNode::update_copy() {
 	Examination examination;
 	examination.target = followed_node_;

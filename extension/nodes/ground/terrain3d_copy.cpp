@@ -116,6 +116,7 @@ AutoPaint read_paint(const Variant &p_node) {
 	return paint;
 }
 
+/// Reads all active regions. Returns false with a reason if one of them cannot be read.
 bool read_regions(const Variant &p_data, std::vector<FieldRegion> &r_regions, String &r_refusal) {
 	const Variant result = result_of(p_data, "get_regions_active");
 	if (result.get_type() != Variant::ARRAY) {

@@ -37,6 +37,7 @@ std::vector<std::int32_t> textures_of(std::size_t splat, std::span<const std::in
 	return result;
 }
 
+/// Reads all maps of a kind. Omits maps that cannot be read.
 std::vector<WeightMap> read_maps(const Variant &data, int kind) {
 	const Variant count = has_method(data, "get_map_count") ? result_of(data, "get_map_count", {kind}) : Variant();
 	std::vector<WeightMap> maps;

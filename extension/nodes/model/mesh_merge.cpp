@@ -51,7 +51,7 @@ struct IndexLod {
 
 /// The vertices and indices that one part adds to a surface.
 struct Piece {
-	int32_t vertices = 0;
+	int32_t vertex_count = 0;
 	PackedInt32Array indices;
 	std::vector<IndexLod> lods; ///< The index buffers of the LODs, finest first.
 };
@@ -100,6 +100,7 @@ void append_stream(const Variant &p_addition, Variant &r_stream) {
 
 bool is_mirrored(const Transform3D &p_transform) { return glm::determinant(to_core(p_transform.basis)) < 0.0; }
 
+/// Transforms the positions, normals and tangents of a surface.
 void transform_streams(const Transform3D &p_transform, Array &r_arrays) {
 	const glm::dmat3 basis = to_core(p_transform.basis);
 	const glm::dmat3 normal_matrix = glm::transpose(glm::inverse(basis));
@@ -151,10 +152,10 @@ PackedInt32Array with_reversed_winding(const PackedInt32Array &p_indices, int64_
 	return result;
 }
 
-PackedInt32Array indices_of(const Array &p_arrays, int32_t vertices) {
+PackedInt32Array indices_of(const Array &p_arrays, int32_t vertex_count) {
 	PackedInt32Array indices = p_arrays[SurfaceStream::indices];
 	if (indices.size() == 0) {
-		const std::span<int32_t> index_span = resize(indices, vertices);
+		const std::span<int32_t> index_span = resize(indices, vertex_count);
 		std::iota(index_span.begin(), index_span.end(), 0);
 	}
 	return indices;
@@ -162,10 +163,10 @@ PackedInt32Array indices_of(const Array &p_arrays, int32_t vertices) {
 
 /// Converts an index buffer. The engine stores each index in two bytes if these suffice for the
 /// vertex count.
-PackedInt32Array unpacked_indices(const PackedByteArray &p_bytes, int64_t vertices) {
+PackedInt32Array unpacked_indices(const PackedByteArray &p_bytes, int64_t vertex_count) {
 	constexpr int64_t max_two_byte_index = 65536;
 	PackedInt32Array result;
-	if (vertices > max_two_byte_index) {
+	if (vertex_count > max_two_byte_index) {
 		const std::span<int32_t> output = resize(result, p_bytes.size() / 4);
 		std::memcpy(output.data(), p_bytes.ptr(), output.size_bytes());
 		return result;
@@ -272,16 +273,16 @@ Surface surface_of(const MeshPart &part, int32_t index) {
 		transform_streams(part.transform, result.arrays);
 	}
 	Piece piece;
-	piece.vertices =
+	piece.vertex_count =
 			static_cast<int32_t>(static_cast<PackedVector3Array>(result.arrays[SurfaceStream::positions]).size());
-	piece.indices = indices_of(result.arrays, piece.vertices);
+	piece.indices = indices_of(result.arrays, piece.vertex_count);
 	// The key is missing if the surface has no LODs.
 	const Array lods = data.get("lods", Array());
 	for (int64_t lod = 0; lod < lods.size(); ++lod) {
 		const Dictionary lod_data = lods[lod];
 		piece.lods.push_back(
 				{static_cast<double>(lod_data["edge_length"]) * largest_scale(to_core(part.transform.basis)),
-						unpacked_indices(lod_data["index_data"], piece.vertices)});
+						unpacked_indices(lod_data["index_data"], piece.vertex_count)});
 	}
 	std::ranges::stable_sort(piece.lods, {}, &IndexLod::edge_length);
 	if (is_mirrored(part.transform)) {
@@ -294,8 +295,9 @@ Surface surface_of(const MeshPart &part, int32_t index) {
 	return result;
 }
 
+/// Appends a surface to one with the same material and format, or adds it to the list.
 void add(Surface surface, std::vector<Surface> &r_surfaces) {
-	if (surface.pieces.empty() || surface.pieces.front().vertices == 0) {
+	if (surface.pieces.empty() || surface.pieces.front().vertex_count == 0) {
 		return;
 	}
 	const auto match =
@@ -323,11 +325,12 @@ PackedInt32Array joined_indices(const Surface &surface, double edge_length) {
 		for (const int32_t index : *indices) {
 			result.push_back(index + first);
 		}
-		first += piece.vertices;
+		first += piece.vertex_count;
 	}
 	return packed_integers(result);
 }
 
+/// Adds a surface with all its LODs to a mesh.
 void add_to_mesh(Surface &r_surface, ArrayMesh &r_mesh) {
 	std::set<double> edge_lengths;
 	for (const Piece &piece : r_surface.pieces) {
@@ -350,6 +353,7 @@ bool is_unmodified(const MeshPart &part) {
 			std::ranges::all_of(part.materials, [](const Ref<Material> &material) { return material.is_null(); });
 }
 
+/// Returns a placeholder with the bounding box of all stripped meshes; null if there are none.
 Ref<Mesh> merged_placeholder(std::span<const MeshPart> parts) {
 	std::optional<AABB> box;
 	for (const MeshPart &part : parts) {
@@ -398,7 +402,7 @@ std::vector<Ref<Mesh>> faded_meshes(const Ref<Mesh> &mesh, std::span<const glm::
 	std::vector<Surface> surfaces;
 	for (int32_t index = 0; index < mesh->get_surface_count(); ++index) {
 		Surface surface = surface_of({mesh, Transform3D(), {}, {}, {}}, index);
-		if (!surface.pieces.empty() && surface.pieces.front().vertices > 0) {
+		if (!surface.pieces.empty() && surface.pieces.front().vertex_count > 0) {
 			surface.format |= custom3_of_floats;
 			surfaces.push_back(std::move(surface));
 		}
@@ -408,7 +412,7 @@ std::vector<Ref<Mesh>> faded_meshes(const Ref<Mesh> &mesh, std::span<const glm::
 		Ref<ArrayMesh> copy(memnew(ArrayMesh));
 		for (Surface &surface : surfaces) {
 			PackedFloat32Array stream;
-			const std::span<float> floats = resize(stream, int64_t{4} * surface.pieces.front().vertices);
+			const std::span<float> floats = resize(stream, int64_t{4} * surface.pieces.front().vertex_count);
 			for (std::size_t index = 0; index < floats.size(); ++index) {
 				floats[index] = value[static_cast<glm::length_t>(index % 4)];
 			}

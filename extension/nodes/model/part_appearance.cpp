@@ -18,6 +18,7 @@ namespace {
 constexpr std::string_view prefix = "instance_shader_parameters/";
 constexpr int max_depth = 64; ///< The maximum depth of nested scenes.
 
+/// Adds the names of the instance shader parameters that a scene and its nested scenes set.
 void add_parameters(const Ref<PackedScene> &p_scene, int depth, std::set<std::string> &r_names) {
 	const Ref<SceneState> state = p_scene.is_valid() && depth < max_depth ? p_scene->get_state() : Ref<SceneState>();
 	for (int32_t node = 0; state.is_valid() && node < state->get_node_count(); ++node) {

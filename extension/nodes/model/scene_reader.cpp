@@ -97,6 +97,7 @@ void SceneWalk::remark(const String &p_sentence) {
 	}
 }
 
+/// Reads a node and its descendants. Skips hidden nodes.
 void SceneWalk::visit(Node *p_node, const ParentState &parent_state, bool is_root) {
 	const LodName name = read_lod_name(text_of(p_node->get_name()));
 	ParentState state = parent_state;
@@ -141,6 +142,7 @@ std::vector<double> blend_weights_of(const MeshInstance3D &node) {
 	return are_all_zero ? std::vector<double>() : weights;
 }
 
+/// Adds a part for a node that has a mesh.
 void SceneWalk::add_mesh(MeshInstance3D *p_node, const ParentState &state, const LodName &name) {
 	const Ref<Mesh> mesh = p_node->get_mesh();
 	if (mesh.is_null() || (mesh->get_surface_count() == 0 && !is_stripped(mesh))) {
@@ -171,6 +173,7 @@ void SceneWalk::add_mesh(MeshInstance3D *p_node, const ParentState &state, const
 	parts.push_back(std::move(part));
 }
 
+/// Adds the shape of a node, or a remark if bodies cannot have such a shape.
 void SceneWalk::add_shape(CollisionShape3D *p_node, const ParentState &state) {
 	constexpr std::array supported_classes{
 			"BoxShape3D", "SphereShape3D", "CapsuleShape3D", "CylinderShape3D", "ConvexPolygonShape3D"};
@@ -214,6 +217,7 @@ void SceneWalk::remark_on(Node *p_node) {
 	}
 }
 
+/// Merges the meshes of parts. Omits parts whose shadow setting is `omitted_setting`.
 Ref<Mesh> mesh_of(
 		const std::vector<ScenePart> &parts, const std::vector<std::size_t> &part_indices, int64_t omitted_setting) {
 	std::vector<MeshPart> drawn_parts;
@@ -225,6 +229,7 @@ Ref<Mesh> mesh_of(
 	return merged_mesh(drawn_parts);
 }
 
+/// Creates an LOD. If the shadow settings of its parts differ, it has a separate shadow mesh.
 Ref<ScatterLod> make_lod(const std::vector<ScenePart> &parts, const ModelLod &lod) {
 	constexpr int64_t no_setting = -1;
 	Ref<ScatterLod> result(memnew(ScatterLod));

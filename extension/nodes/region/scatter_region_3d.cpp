@@ -179,6 +179,7 @@ void ScatterRegion3D::build_outline(const Planet &planet, thicket::Shape &r_shap
 	}
 }
 
+/// Sets the position, axes and size of a box, a sphere or a cylinder.
 Status ScatterRegion3D::build_solid(thicket::Shape &r_shape) const {
 	const Transform3D transform = transform_of(*this);
 	ShapeFrame frame;

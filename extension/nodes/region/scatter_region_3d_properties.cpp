@@ -17,6 +17,7 @@ namespace thicket {
 
 namespace {
 
+/// The limits of all lengths, in meters.
 constexpr double min_side = 1e-3;
 constexpr double max_side = 1e6;
 

@@ -27,8 +27,7 @@ public:
 	/// triangles.
 	const godot::PackedStringArray &problems() const { return problems_; }
 
-	/// The maximum number of triangles of a mesh. Nothing grows on meshes with
-	/// more triangles.
+	/// The maximum number of triangles of a mesh. Nothing grows on meshes with more triangles.
 	static constexpr std::size_t max_triangles = 100'000;
 
 private:

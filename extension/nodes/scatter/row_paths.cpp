@@ -71,6 +71,7 @@ bool RowPaths::PathState::is_same(const PathState &other) const {
 			points.ptr() == other.points.ptr();
 }
 
+/// Returns the current state of a path, without its node.
 RowPaths::PathState RowPaths::state_of(const Path3D &path, const RegionHost &world) {
 	PathState state;
 	state.id = path.get_instance_id();

@@ -25,9 +25,10 @@ namespace thicket {
 /// builds sets of rows from them. Use it only on the main thread.
 class RowPaths {
 public:
-	/// Returns true if a path has been added, removed or changed since the last update. Call this every
-	/// frame, because a moved Path3D emits no signal. Each call checks a limited number of paths. After the
-	/// first change, the remaining paths of its group are checked before the function returns true.
+	/// Returns true if a path has been added, removed or changed since the last update. Call this
+	/// every frame, because a moved Path3D emits no signal. Each call checks a limited number of
+	/// paths. After the first change, the remaining paths of its group are checked before the
+	/// function returns true.
 	bool have_changed(const godot::Node3D &host, const RegionHost &world);
 
 	/// Begins an update in which `rows_for` is called for each layer with rows. If `was_recentered`

@@ -124,6 +124,7 @@ bool ScatterStream::frame(std::span<const Viewer> viewers, std::uint64_t budget)
 	}
 }
 
+/// Does the work of `frame`. May throw std::bad_alloc.
 bool ScatterStream::work_in_frame(std::span<const Viewer> viewers, std::uint64_t budget) {
 	const Clock::time_point deadline = Clock::now() + std::chrono::microseconds(budget);
 	allow_recheck(std::chrono::microseconds(budget));
@@ -166,6 +167,7 @@ void ScatterStream::accept_viewers(std::span<const Viewer> viewers) {
 	}
 }
 
+/// Requests the tiles that the viewers need, and cancels and hides those that they no longer need.
 void ScatterStream::request_tiles() {
 	const Status status = streamer_.update(viewers_, jobs_per_worker() * workers_.threads(), changes_);
 	if (!status.ok()) {
@@ -212,6 +214,7 @@ void ScatterStream::sort_work() {
 	sort_jobs(ground_jobs_, viewers_);
 }
 
+/// Starts a job for a requested tile. Without a layer or a ground, keeps the visible tile.
 void ScatterStream::start(const TileRequest &request) {
 	const SharedSnapshot &layer = layers_[request.key.layer];
 	if (layer == nullptr || !ground_.source.is_available()) {
@@ -257,6 +260,7 @@ void ScatterStream::start_missing() {
 	}
 }
 
+/// Cancels a request, in whichever state its job is.
 void ScatterStream::cancel(std::uint64_t ticket) {
 	const auto has_ticket = [ticket](const std::shared_ptr<TileJob> &job) {
 		return job->request.ticket == ticket;
@@ -283,6 +287,7 @@ void ScatterStream::take_finished() {
 	}
 }
 
+/// Passes a job that a worker has returned to its next step: sampling, uploading or none.
 void ScatterStream::process_result(const std::shared_ptr<TileJob> &job) {
 	if (job->step == TileJob::Step::needs_ground) {
 		ground_jobs_.push_back(job);
@@ -315,6 +320,7 @@ void ScatterStream::process_result(const std::shared_ptr<TileJob> &job) {
 	uploads_.push(job);
 }
 
+/// Completes a job for a query.
 void ScatterStream::process_query_result(const std::shared_ptr<TileJob> &job) {
 	std::erase(jobs_, job);
 	if (!job->status.ok() && !job->is_stale && ground_.source.is_available()) {

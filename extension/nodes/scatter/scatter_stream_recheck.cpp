@@ -16,7 +16,7 @@ namespace {
 /// The maximum number of heights to read per frame.
 constexpr std::size_t heights_per_frame = 16;
 
-/// Re-checks may take 1 / budget_parts of a frame's budget on average.
+/// Re-checks may take 1 / budget_divisor of a frame's budget on average.
 constexpr int budget_divisor = 16;
 
 /// Unused time for re-checks accumulates for up to this number of frames.

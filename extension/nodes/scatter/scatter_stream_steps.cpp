@@ -124,6 +124,7 @@ bool ScatterStream::upload_step() {
 	return true;
 }
 
+/// Shows an uploaded tile, or discards it if it is no longer needed.
 void ScatterStream::finish_upload() {
 	const std::shared_ptr<TileJob> job = uploads_.current().job;
 	if (!streamer_.may_show(job->request)) {
@@ -145,6 +146,7 @@ void ScatterStream::finish_upload() {
 	workers_.take_back(std::move(job->uploads));
 }
 
+/// Does one step of work for each ring. Returns false if there was none.
 bool ScatterStream::ring_step() {
 	bool has_worked = false;
 	for (NearRing *ring : rings_) {
@@ -178,6 +180,7 @@ FramePart ScatterStream::part_of(Step step) {
 	return static_cast<FramePart>(static_cast<std::size_t>(FramePart::query_ground) + static_cast<std::size_t>(step));
 }
 
+/// Does one step of a kind of work. Returns false if there was none.
 bool ScatterStream::do_step(Step step) {
 	switch (step) {
 		case Step::query_ground: return ground_step(max_positions(false)) > 0;

@@ -81,6 +81,7 @@ void TerrainScatter3D::handle_notification(int p_what) {
 	}
 }
 
+/// Starts streaming when the node enters its world.
 void TerrainScatter3D::start() {
 	display().set_scenario(get_world_3d()->get_scenario(), get_instance_id());
 	display().set_visible(is_visible_in_tree());
@@ -108,6 +109,7 @@ void TerrainScatter3D::check_transform() {
 	}
 }
 
+/// Stops streaming when the node leaves its world, and removes everything that is displayed.
 void TerrainScatter3D::stop() {
 	if (!std::exchange(is_running_, false)) {
 		return;
@@ -126,6 +128,8 @@ void TerrainScatter3D::stop() {
 	scene_use_.replace({});
 }
 
+/// Does the work of one frame. Scripts that it runs may free the node, so it checks after each of them
+/// that the node still exists.
 void TerrainScatter3D::process_frame() {
 	if (!is_running_) {
 		return;
@@ -178,6 +182,7 @@ void TerrainScatter3D::process_frame() {
 	}
 }
 
+/// Streams tiles, bodies and scenes around the current viewers, within the frame budget.
 void TerrainScatter3D::work(Clock::time_point start) {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	const std::shared_ptr<ScatterStream> stream = stream_;
@@ -244,6 +249,7 @@ void TerrainScatter3D::patch_in_steps(Clock::time_point deadline) {
 	while (display().patch_step() && Clock::now() < deadline) {}
 }
 
+/// Emits the signals of tiles that were shown or hidden, completes requests, and emits `settled`.
 void TerrainScatter3D::emit_events() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	const Presence presence(gameplay);

@@ -78,6 +78,7 @@ void TerrainScatter3D::mark_all_instances_changed() {
 	}
 }
 
+/// Schedules an update after a change to the settings or the list of layers. Assigns missing layer IDs.
 void TerrainScatter3D::mark_dirty() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	const std::shared_ptr<LayerWatch> watch = layer_watch_;
@@ -214,6 +215,7 @@ void TerrainScatter3D::region_changed(const ScatterRegion3D *p_region) {
 	mark_edited();
 }
 
+/// Applies all changes since the last call. If that fails, all tiles are regenerated later.
 void TerrainScatter3D::refresh() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	is_dirty_ = false;
@@ -230,6 +232,7 @@ void TerrainScatter3D::refresh() {
 	}
 }
 
+/// Passes the changed layers, ground and regions to the stream and the gameplay. Runs scripts.
 void TerrainScatter3D::apply_changes() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	const std::shared_ptr<ScatterStream> stream = stream_;

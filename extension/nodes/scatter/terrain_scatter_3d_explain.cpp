@@ -283,8 +283,8 @@ PackedVector3Array TerrainScatter3D::hit_surface(const Vector3 &p_from, const Ve
 			std::span<const glm::dvec3>(vectors), [](const glm::dvec3 &vector) { return to_engine(vector); });
 }
 
-/// Returns a number for each position. `p_layer` is null for values of the ground alone. `find` writes the
-/// positions. If the call is invalid, prints an error and returns an empty array.
+/// Returns a number for each position. `p_layer` is null for values of the ground alone. `find`
+/// writes the positions. If the call is invalid, prints an error and returns an empty array.
 template <class Position, class Find, class Evaluate>
 PackedFloat32Array TerrainScatter3D::values_of(
 		const char *p_method, const Variant *p_layer, const Find &find, const Evaluate &evaluate) {

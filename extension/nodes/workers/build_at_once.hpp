@@ -18,9 +18,10 @@
 
 namespace thicket {
 
-/// Samples the ground and the density rules at `positions` immediately, on the main thread. Uses `terrain`, a thread-safe
-/// snapshot of `ground`. If it is null, samples `ground` itself. Scripts of the ground and of rules may
-/// do anything during the call. Replaces `r_answers`. Throws std::bad_alloc.
+/// Samples the ground and the density rules at `positions` immediately, on the main thread. Uses
+/// `terrain`, a thread-safe snapshot of `ground`. If it is null, samples `ground` itself. Scripts
+/// of the ground and of rules may do anything during the call. Replaces `r_answers`. Throws
+/// std::bad_alloc.
 Status query_synchronously(const Terrain *terrain, const HostedGround &ground, std::span<const glm::dvec2> positions,
 		std::span<const GroundQuery> queries, std::vector<Ground> &r_answers);
 
@@ -43,15 +44,14 @@ Status query_in_steps(
 /// rectangles. Keeps its workspace and the points around a tile to speed up the next one.
 class SynchronousBuilder {
 public:
-	/// Generates one tile. Samples the ground as query_synchronously does. If a script samples the ground,
-	/// that script may call this function again.
+	/// Generates one tile. Samples the ground as query_synchronously does. If a script samples the
+	/// ground, that script may call this function again.
 	Status build(const LayerSettings &layer, const Terrain *terrain, const HostedGround &ground, const TileSpace &space,
 			TileInstances &r_tile);
 
 	/// Generates several tiles, in parallel if `terrain` is not null and all density rules are
-	/// thread-safe. Replaces `r_tiles`. After an
-	/// error, tiles that were not generated are null or missing at the end. Returns the error of
-	/// the first tile that failed.
+	/// thread-safe. Replaces `r_tiles`. After an error, tiles that were not generated are null or
+	/// missing at the end. Returns the error of the first tile that failed.
 	Status build_all(std::span<const TileOrder> orders, const Terrain *terrain, const HostedGround &ground,
 			std::vector<std::shared_ptr<const CompactTile>> &r_tiles);
 

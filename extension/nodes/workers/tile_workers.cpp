@@ -195,6 +195,8 @@ void TileWorkers::return_result(Worker &worker) {
 	}
 }
 
+/// Adds the worker's last result to the finished jobs, then removes and returns the next job; null if
+/// the queue is empty. Also frees unneeded objects, and keeps uploaded buffers for reuse.
 std::shared_ptr<TileJob> TileWorkers::take_next_job(Worker &worker) {
 	std::vector<std::shared_ptr<const void>> unneeded_objects; // Freed after the lock is released.
 	std::vector<MeshUpload> uploaded_buffers;
@@ -251,6 +253,7 @@ bool TileWorkers::work_on_next(Worker &worker) {
 	return true;
 }
 
+/// Processes a job until it is finished or needs the main thread.
 void TileWorkers::advance(Worker &worker, TileJob &job) {
 	const LayerSettings &settings = *job.layer->settings;
 	TileBuilder &builder = worker.builder;
@@ -306,6 +309,7 @@ Status TileWorkers::prepare_queries(const TileBuilder &builder, TileJob &job) {
 			: Status();
 }
 
+/// Ends a job: frees its intermediate data and, unless it failed, prepares the tile for upload.
 void TileWorkers::finish(Worker &worker, TileJob &job) {
 	job.step = TileJob::Step::done;
 	job.positions = {};

@@ -71,8 +71,8 @@ private:
 	alignas(std::min<std::size_t>(8, builtin_size<Self>)) std::byte storage_[builtin_size<Self>];
 };
 
-/// An iterator over a packed array. As in godot-cpp, it suits range-based for loops but not the standard library's
-/// algorithms.
+/// An iterator over a packed array. As in godot-cpp, it suits range-based for loops but not the
+/// standard library's algorithms.
 template <typename T>
 class PackedIterator {
 public:

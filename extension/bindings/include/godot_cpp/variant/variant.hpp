@@ -20,8 +20,8 @@ concept Builtin = builtin_type<T> != GDEXTENSION_VARIANT_TYPE_NIL;
 template <typename T>
 concept Number = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 
-/// A number for which godot-cpp's Variant has a constructor and a conversion. Excludes `long long` where it is not
-/// int64_t, and enumerations.
+/// A number for which godot-cpp's Variant has a constructor and a conversion. Excludes `long long`
+/// where it is not int64_t, and enumerations.
 template <typename T, typename... Numbers>
 concept OneOf = (std::same_as<T, Numbers> || ...);
 template <typename T>
