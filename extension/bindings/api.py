@@ -85,8 +85,8 @@ class Api:
         for argument in method.get("arguments", []):
             if "default_value" in argument and self.has_reals(argument["type"]):
                 raise SystemExit(
-                    "used_api.toml: %s.%s has reals in a default, so a double engine has another hash for it, which"
-                    " must be in double_hashes" % (owner, method["name"])
+                    "used_api.toml: %s.%s has a default value with reals, so its hash is different in double-precision"
+                    " engines. Add that hash to double_hashes" % (owner, method["name"])
                 )
         return "%d" % method["hash"]
 

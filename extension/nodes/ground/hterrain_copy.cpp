@@ -75,7 +75,7 @@ bool is_tilted(const Transform3D &p_transform) {
 class HTerrainCopy final : public GroundCopy {
 public:
 	HTerrainCopy(MapField field, bool tilted, MapImages images) :
-			field_(std::move(field)), tilted_(tilted), images_(std::move(images)) {}
+			field_(std::move(field)), is_tilted_(tilted), images_(std::move(images)) {}
 
 	GroundPlugin plugin() const override { return GroundPlugin::hterrain; }
 
@@ -98,7 +98,7 @@ public:
 			return "has a color map or texture maps without pixels, so its holes or textures are not known: import "
 				   "these maps as Image, or keep them in the export.";
 		}
-		return tilted_
+		return is_tilted_
 				? String("is tilted, so its copied ground is wrong. Rotate the node about the vertical axis only.")
 				: String();
 	}
@@ -115,7 +115,7 @@ private:
 	static PixelGrid *layer_of(MapLayers &layers, const MapEdit &edit);
 
 	MapField field_;
-	bool tilted_;
+	bool is_tilted_;
 	MapImages images_;
 };
 
@@ -240,7 +240,7 @@ std::shared_ptr<const GroundCopy> HTerrainCopy::with_edits(
 		return nullptr;
 	}
 	// The new copy shares everything else with the previous one.
-	return std::make_shared<HTerrainCopy>(std::move(field), tilted_, std::move(images));
+	return std::make_shared<HTerrainCopy>(std::move(field), is_tilted_, std::move(images));
 }
 
 /// Reads the height map. Returns false with a reason if it is missing or cannot be copied.

@@ -193,23 +193,24 @@ void ScatterGroundColliders::update_next_shapes() {
 void ScatterGroundColliders::update(std::uint64_t id) {
 	const auto entry = shapes_.find(id);
 	const ShapeState *before = entry != shapes_.end() ? &entry->second : nullptr;
-	const std::optional<ShapeState> current = measure(id, before);
+	const std::optional<ShapeState> current_state = measure(id, before);
 	for (const auto &[host, offset] : next_offsets_) {
 		const auto previous_offset = offsets_.find(host);
 		const glm::dvec3 offset_before = previous_offset != offsets_.end() ? previous_offset->second : offset;
-		if (before != nullptr && current && same_in_world(before->state, offset_before, current->state, offset)) {
+		if (before != nullptr && current_state &&
+				same_in_world(before->state, offset_before, current_state->state, offset)) {
 			// The shape has not moved in this host's world.
 			continue;
 		}
 		if (before != nullptr) {
 			add_area(*before, offset_before);
 		}
-		if (current) {
-			add_area(*current, offset);
+		if (current_state) {
+			add_area(*current_state, offset);
 		}
 	}
-	if (current) {
-		shapes_[id] = *current;
+	if (current_state) {
+		shapes_[id] = *current_state;
 		return;
 	}
 	shapes_.erase(id);

@@ -246,23 +246,23 @@ void TerrainScatter3D::explain_layer(const Ref<ScatterLayer> &p_layer, const std
 }
 
 Vector3 TerrainScatter3D::up_at(const Vector3 &p_position) {
-	const Planet current = planet();
-	if (!current.exists()) {
+	const Planet planet = this->planet();
+	if (!planet.exists()) {
 		return {0.0F, 1.0F, 0.0F};
 	}
 	move_world();
 	const glm::dvec3 position = to_world(p_position, frame_);
-	return to_engine(frame_.to_engine(position + current.up_at(position)) - frame_.to_engine(position));
+	return to_engine(frame_.to_engine(position + planet.up_at(position)) - frame_.to_engine(position));
 }
 
 PackedFloat64Array TerrainScatter3D::get_planet() {
-	const Planet current = planet();
-	if (!current.exists()) {
+	const Planet planet = this->planet();
+	if (!planet.exists()) {
 		return {};
 	}
 	move_world();
-	const glm::dvec3 center = frame_.to_engine(current.center);
-	const std::array numbers{center.x, center.y, center.z, current.radius};
+	const glm::dvec3 center = frame_.to_engine(planet.center);
+	const std::array numbers{center.x, center.y, center.z, planet.radius};
 	return packed<PackedFloat64Array>(std::span<const double>(numbers), [](double number) { return number; });
 }
 
@@ -328,27 +328,27 @@ PackedFloat32Array TerrainScatter3D::map_of(const char *p_method, const Variant 
 }
 
 PackedVector3Array TerrainScatter3D::to_planet(const PackedVector3Array &p_positions) {
-	const Planet current = planet();
-	if (!current.exists()) {
+	const Planet planet = this->planet();
+	if (!planet.exists()) {
 		return {};
 	}
 	move_world();
 	return packed<PackedVector3Array>(span_of(p_positions),
-			[&](const Vector3 &p_position) { return to_engine(to_world(p_position, frame_) - current.center); });
+			[&](const Vector3 &p_position) { return to_engine(to_world(p_position, frame_) - planet.center); });
 }
 
 PackedVector3Array TerrainScatter3D::planet_ground(const Vector3 &p_center, const PackedVector2Array &p_positions) {
 	move_world();
-	const Planet current = planet();
+	const Planet planet = this->planet();
 	const std::shared_ptr<const Terrain> terrain = ground_snapshot_;
 	const Surface *surface = terrain != nullptr ? terrain->surface() : nullptr;
-	if (!current.exists() || surface == nullptr) {
+	if (!planet.exists() || surface == nullptr) {
 		return {};
 	}
-	const PlanetMap map(current, to_world(p_center, frame_));
+	const PlanetMap map(planet, to_world(p_center, frame_));
 	const std::span<const Vector2> positions(p_positions.ptr(), static_cast<std::size_t>(p_positions.size()));
 	return packed<PackedVector3Array>(positions, [&](const Vector2 &p_position) {
-		return to_engine(frame_.to_engine(planet_ground_toward(*surface, current, map.direction(to_core(p_position)))));
+		return to_engine(frame_.to_engine(planet_ground_toward(*surface, planet, map.direction(to_core(p_position)))));
 	});
 }
 
@@ -359,10 +359,10 @@ PackedFloat32Array TerrainScatter3D::densities_at(const Variant &p_layer, const 
 }
 
 PackedFloat32Array TerrainScatter3D::slopes_at(const PackedVector3Array &p_positions) {
-	const Planet current = planet();
+	const Planet planet = this->planet();
 	return values_of<glm::dvec3>("_slopes_at", nullptr, engine_positions(p_positions),
-			[&current](const LayerExplainer &explainer, std::uint32_t, std::span<const glm::dvec3> positions,
-					std::vector<float> &r_values) { return explainer.slopes_at(current, positions, r_values); });
+			[&planet](const LayerExplainer &explainer, std::uint32_t, std::span<const glm::dvec3> positions,
+					std::vector<float> &r_values) { return explainer.slopes_at(planet, positions, r_values); });
 }
 
 PackedFloat32Array TerrainScatter3D::get_density_map(

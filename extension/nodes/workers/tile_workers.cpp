@@ -48,7 +48,7 @@ TileWorkers::~TileWorkers() { stop(); }
 
 /// Tries for a few microseconds to take the lock. Does not block: the system may have paused a
 /// worker that holds the lock, and the frame must not wait for it.
-bool TileWorkers::lock_soon(std::unique_lock<std::mutex> &r_lock) {
+bool TileWorkers::try_lock_briefly(std::unique_lock<std::mutex> &r_lock) {
 	constexpr int max_tries = 200;
 	for (int i = 0; i < max_tries && !r_lock.owns_lock(); ++i) {
 		static_cast<void>(r_lock.try_lock());
@@ -65,7 +65,7 @@ void TileWorkers::push(std::shared_ptr<TileJob> job) {
 /// moves them.
 void TileWorkers::flush_pending() {
 	std::unique_lock lock(mutex_, std::defer_lock);
-	if (lock_soon(lock)) {
+	if (try_lock_briefly(lock)) {
 		// Reserves space so that workers never allocate to return a result. An error here reaches
 		// the caller.
 		const std::size_t jobs = finished_jobs_.size() + queue_.size() + pending_jobs_.size() + workers_.size();
@@ -88,7 +88,7 @@ void TileWorkers::flush_pending() {
 
 bool TileWorkers::sort(std::span<const Viewer> viewers) {
 	std::unique_lock lock(mutex_, std::defer_lock);
-	if (!lock_soon(lock)) {
+	if (!try_lock_briefly(lock)) {
 		return false;
 	}
 	sort_jobs(queue_, viewers);
@@ -99,7 +99,7 @@ std::vector<std::shared_ptr<TileJob>> TileWorkers::take_finished() {
 	flush_pending();
 	std::vector<std::shared_ptr<TileJob>> jobs;
 	std::unique_lock lock(mutex_, std::defer_lock);
-	if (lock_soon(lock)) {
+	if (try_lock_briefly(lock)) {
 		jobs.reserve(queue_.size() + workers_.size()); // Reserved for workers; see `flush_pending`.
 		jobs.swap(finished_jobs_);
 	}

@@ -137,7 +137,7 @@ private:
 		std::int64_t task = -1;       ///< The pool's task ID; -1 if none. Used only on the main thread.
 	};
 
-	static bool lock_soon(std::unique_lock<std::mutex> &r_lock);
+	static bool try_lock_briefly(std::unique_lock<std::mutex> &r_lock);
 	void flush_pending();
 
 	/// Starts a worker for each waiting job, or one for unneeded objects if there are many and no
