@@ -60,7 +60,7 @@ void GroundWatch::add(std::uint64_t id, const Variant &p_node, const ReadState &
 	use(state.source, source);
 	state.version = version(state.source);
 	if (as_changed && state.source != 0) {
-		touch(id, false);
+		mark_changed(id, false);
 	}
 }
 
@@ -70,7 +70,7 @@ void GroundWatch::remove(std::uint64_t id) {
 		const std::uint64_t source = entry->second.state.source;
 		entries_.erase(entry);
 		if (source != 0) {
-			touch(id, false);
+			mark_changed(id, false);
 		}
 		drop(source);
 	}
@@ -107,13 +107,13 @@ std::size_t GroundWatch::check_next(const ReadState &read_state) {
 		GroundNodeState state = read_state(entry.node, source);
 		state.version = version(state.source);
 		if (state == entry.state) {
-			rest(id);
+			record_rest(id);
 		} else {
 			// Call `use` before `drop`, because the old source may be the same.
 			use(state.source, source);
 			drop(entry.state.source);
 			state.version = version(state.source);
-			touch(id, state.source != 0 && entry.state.source != 0);
+			mark_changed(id, state.source != 0 && entry.state.source != 0);
 			entry.state = state;
 		}
 		++iterator;
@@ -154,7 +154,7 @@ std::uint64_t GroundWatch::version(std::uint64_t source) const {
 	return entry != sources_.end() ? entry->second.version : 0;
 }
 
-void GroundWatch::touch(std::uint64_t id, bool may_move) {
+void GroundWatch::mark_changed(std::uint64_t id, bool may_move) {
 	const Clock::time_point now = Clock::now();
 	const auto [entry, is_new] = changes_.try_emplace(id, Change{now, now, 0, may_move, false});
 	entry->second.last = now;
@@ -164,20 +164,20 @@ void GroundWatch::touch(std::uint64_t id, bool may_move) {
 }
 
 /// Records that a check has found no change to a node.
-void GroundWatch::rest(std::uint64_t id) {
+void GroundWatch::record_rest(std::uint64_t id) {
 	const auto entry = changes_.find(id);
 	if (entry != changes_.end()) {
 		entry->second.is_at_rest = Clock::now() - entry->second.last >= rest_time;
 	}
 }
 
-void GroundWatch::touch_all(bool include_sources) {
+void GroundWatch::mark_all_changed(bool include_sources) {
 	for (auto &[id, source] : sources_) {
 		source.version = include_sources ? ++last_version_ : source.version;
 	}
 	for (auto &[id, entry] : entries_) {
 		entry.state.version = version(entry.state.source);
-		touch(id, true);
+		mark_changed(id, true);
 	}
 }
 

@@ -76,7 +76,7 @@ public:
 	std::uint64_t version(std::uint64_t source) const;
 
 	/// Marks all nodes as changed. If `include_sources` is true, also marks all sources as changed.
-	void touch_all(bool include_sources);
+	void mark_all_changed(bool include_sources);
 
 	/// Returns true if any node has changed since the last `take_changed`.
 	bool has_changes() const { return !changes_.empty(); }
@@ -118,8 +118,8 @@ private:
 	/// Counts the nodes that use a source, which is watched while there are any.
 	void use(std::uint64_t id, godot::Object *p_source);
 	void drop(std::uint64_t id);
-	void touch(std::uint64_t id, bool may_move);
-	void rest(std::uint64_t id);
+	void mark_changed(std::uint64_t id, bool may_move);
+	void record_rest(std::uint64_t id);
 
 	godot::Object *owner_;
 	godot::StringName method_;

@@ -100,15 +100,15 @@ void MeshWork::run(const std::atomic<bool> *cancel) {
 void MeshWork::build_readings(const std::atomic<bool> *cancel) {
 	std::ranges::stable_sort(readings, {}, &MeshReading::copy); // To decode each mesh once.
 	std::vector<glm::vec3> faces;
-	const MeshCopy *decoded = nullptr;
+	const MeshCopy *decoded_copy = nullptr;
 	Status status;
 	for (MeshReading &reading : readings) {
 		if (is_cancelled(cancel)) {
 			return;
 		}
-		if (reading.copy.get() != decoded) {
+		if (reading.copy.get() != decoded_copy) {
 			faces.clear();
-			decoded = reading.copy.get();
+			decoded_copy = reading.copy.get();
 			status = guarded("faces", 0.0, [&] { return reading.copy->append_faces(faces); });
 		}
 		reading.status = status;

@@ -95,9 +95,9 @@ String ScatterGround::remark() {
 	return find_remark();
 }
 
-String ScatterGround::stripped() {
+String ScatterGround::export_problem() {
 	const Ref<ScatterGround> keep_alive(this);
-	return find_stripped();
+	return find_export_problem();
 }
 
 bool ScatterGround::is_main_thread_only() {

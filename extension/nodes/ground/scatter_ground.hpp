@@ -97,7 +97,7 @@ public:
 
 	/// Returns a message about a feature that does not work because an export has stripped its
 	/// resource; empty if nothing was stripped.
-	godot::String stripped();
+	godot::String export_problem();
 
 	/// Returns true if this ground has texture weights. Otherwise layers that require certain
 	/// textures grow everywhere.
@@ -181,7 +181,7 @@ public:
 
 	/// Returns the areas in which ground for the host with this ID has disappeared since the last
 	/// call. The ground may not have been rebuilt without it yet.
-	virtual std::vector<Rect> take_removed(std::uint64_t /*host*/) { return {}; }
+	virtual std::vector<Rect> take_removed_areas(std::uint64_t /*host*/) { return {}; }
 
 	/// Finishes reading the ground synchronously. Emits signals.
 	virtual void finish_reading() {}
@@ -214,7 +214,7 @@ protected:
 	virtual std::shared_ptr<const Terrain> make_snapshot(const GroundHost &host);
 	virtual godot::String find_problem();
 	virtual godot::String find_remark() { return {}; }
-	virtual godot::String find_stripped() { return {}; }
+	virtual godot::String find_export_problem() { return {}; }
 	virtual bool only_on_main_thread();
 	virtual Status sample_for(const GroundHost &host, std::span<const glm::dvec2> positions, const GroundNeeds &needs,
 			std::span<Ground> r_ground);

@@ -77,7 +77,7 @@ void ScatterGroundColliders::hosts_changed(bool first) {
 }
 
 /// Re-checks all shapes, because the scene may or may not have moved with the origin.
-void ScatterGroundColliders::offset_changed(const GroundHost &) { watch_.touch_all(false); }
+void ScatterGroundColliders::offset_changed(const GroundHost &) { watch_.mark_all_changed(false); }
 
 /// Discards all shapes and finds them again without reporting changes.
 void ScatterGroundColliders::start_over() {

@@ -133,17 +133,17 @@ void ScatterGroundCombined::update_registrations() {
 void ScatterGroundCombined::hosts_changed(bool) { update_registrations(); }
 
 void ScatterGroundCombined::offset_changed(const GroundHost &host) {
-	each_part([&](const Part &part) { part.ground->set_world_frame(host.node, host.frame()); });
+	for_each_part([&](const Part &part) { part.ground->set_world_frame(host.node, host.frame()); });
 }
 
 void ScatterGroundCombined::follow() {
 	update_parts();
-	each_part([this](const Part &part) { part.ground->follow_scene(deadline()); });
+	for_each_part([this](const Part &part) { part.ground->follow_scene(deadline()); });
 }
 
 bool ScatterGroundCombined::start_rereading() {
 	bool all_reread = true;
-	each_part([&all_reread](const Part &part) { all_reread = part.ground->reread() && all_reread; });
+	for_each_part([&all_reread](const Part &part) { all_reread = part.ground->reread() && all_reread; });
 	return all_reread;
 }
 
@@ -151,7 +151,7 @@ bool ScatterGroundCombined::start_rereading() {
 /// has to search for its source.
 void ScatterGroundCombined::search_again() {
 	const Ref<ScatterGround> emitter = emitter_;
-	each_part([&emitter](const Part &part) {
+	for_each_part([&emitter](const Part &part) {
 		if (emitter.is_null() || emitter == part.ground) {
 			part.ground->search_again();
 		}
@@ -161,7 +161,7 @@ void ScatterGroundCombined::search_again() {
 void ScatterGroundCombined::finish_reading() {
 	const Ref<ScatterGround> keep_alive(this);
 	update_parts();
-	each_part([](const Part &part) { part.ground->finish_reading(); });
+	for_each_part([](const Part &part) { part.ground->finish_reading(); });
 }
 
 void ScatterGroundCombined::part_changed() { emit_changed(); }

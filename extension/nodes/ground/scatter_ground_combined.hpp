@@ -46,7 +46,7 @@ public:
 	void search_again() override;
 	bool has_unapplied_changes() const override;
 	bool is_pending(std::uint64_t host) const override;
-	std::vector<Rect> take_removed(std::uint64_t host) override;
+	std::vector<Rect> take_removed_areas(std::uint64_t host) override;
 	void finish_reading() override;
 	GroundFigures figures() const override;
 
@@ -55,7 +55,7 @@ protected:
 	std::shared_ptr<const Terrain> make_snapshot(const GroundHost &host) override;
 	godot::String find_problem() override;
 	godot::String find_remark() override;
-	godot::String find_stripped() override;
+	godot::String find_export_problem() override;
 	bool only_on_main_thread() override;
 	Status sample_for(const GroundHost &host, std::span<const glm::dvec2> positions, const GroundNeeds &needs,
 			std::span<Ground> r_ground) override;
@@ -87,7 +87,7 @@ private:
 	/// Calls `call` for each part that is still in the list. It may run a script, which may do
 	/// anything.
 	template <class Call>
-	void each_part(const Call &call) {
+	void for_each_part(const Call &call) {
 		const godot::Ref<ScatterGround> keep_alive(this);
 		for (const Part &part : Parts(parts_)) {
 			if (has_part(part.ground)) {

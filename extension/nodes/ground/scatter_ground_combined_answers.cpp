@@ -32,7 +32,7 @@ std::shared_ptr<const Terrain> ScatterGroundCombined::make_snapshot(const Ground
 		return nullptr;
 	}
 	std::vector<CombinedTerrain::Part> terrains;
-	each_part([&](const Part &part) {
+	for_each_part([&](const Part &part) {
 		if (std::shared_ptr<const Terrain> terrain = part.ground->snapshot(host.id)) {
 			terrains.push_back(std::move(terrain));
 		}
@@ -40,17 +40,17 @@ std::shared_ptr<const Terrain> ScatterGroundCombined::make_snapshot(const Ground
 	if (terrains.empty()) {
 		return nullptr;
 	}
-	auto combined = std::make_shared<CombinedTerrain>();
-	const Status status = combined->set(terrains);
+	auto combined_terrain = std::make_shared<CombinedTerrain>();
+	const Status status = combined_terrain->set(terrains);
 	report(class_name, status);
-	return status.ok() ? combined : nullptr;
+	return status.ok() ? combined_terrain : nullptr;
 }
 
 /// Returns the first message of a part that is not empty, with the part's index.
 String ScatterGroundCombined::first_message_of(String (ScatterGround::*method)(), bool *r_all_have_message) {
 	String first_message;
 	bool all_have_message = true;
-	each_part([&](const Part &part) {
+	for_each_part([&](const Part &part) {
 		const String message = (part.ground.ptr()->*method)();
 		all_have_message = all_have_message && !message.is_empty();
 		if (first_message.is_empty() && !message.is_empty()) {
@@ -94,7 +94,7 @@ String ScatterGroundCombined::find_remark() {
 	return conflict.is_empty() ? first_message_of(&ScatterGround::remark) : conflict;
 }
 
-String ScatterGroundCombined::find_stripped() { return first_message_of(&ScatterGround::stripped); }
+String ScatterGroundCombined::find_export_problem() { return first_message_of(&ScatterGround::export_problem); }
 
 String ScatterGroundCombined::script_problem(const Status &status) const {
 	String problem;
@@ -141,10 +141,10 @@ GroundShell ScatterGroundCombined::shell(std::uint64_t host, const Planet &plane
 	return result;
 }
 
-std::vector<Rect> ScatterGroundCombined::take_removed(std::uint64_t host) {
+std::vector<Rect> ScatterGroundCombined::take_removed_areas(std::uint64_t host) {
 	std::vector<Rect> result;
 	for (const Part &part : Parts(parts_)) {
-		const std::vector<Rect> areas = part.ground->take_removed(host);
+		const std::vector<Rect> areas = part.ground->take_removed_areas(host);
 		result.insert(result.end(), areas.begin(), areas.end());
 	}
 	return result;
@@ -183,7 +183,7 @@ bool ScatterGroundCombined::has_surfaces() const {
 
 bool ScatterGroundCombined::only_on_main_thread() {
 	bool any_main_thread_only = false;
-	each_part([&any_main_thread_only](const Part &part) {
+	for_each_part([&any_main_thread_only](const Part &part) {
 		any_main_thread_only = part.ground->is_main_thread_only() || any_main_thread_only;
 	});
 	return any_main_thread_only;
@@ -243,7 +243,7 @@ Status ScatterGroundCombined::sample_for(const GroundHost &host, std::span<const
 		const GroundNeeds &needs, std::span<Ground> r_ground) {
 	std::ranges::fill(r_ground, Ground{});
 	Status status;
-	each_part([&](const Part &part) {
+	for_each_part([&](const Part &part) {
 		if (!status.ok()) {
 			return;
 		}
@@ -265,7 +265,7 @@ Status ScatterGroundCombined::recheck_for(
 	constexpr float no_ground = std::numeric_limits<float>::quiet_NaN();
 	std::ranges::fill(r_heights, no_ground);
 	Status status;
-	each_part([&](const Part &part) {
+	for_each_part([&](const Part &part) {
 		if (!status.ok()) {
 			return;
 		}

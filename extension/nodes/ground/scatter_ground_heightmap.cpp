@@ -40,7 +40,7 @@ String ScatterGroundHeightmap::find_problem() {
 	return problem_;
 }
 
-String ScatterGroundHeightmap::find_stripped() {
+String ScatterGroundHeightmap::find_export_problem() {
 	if (is_stripped(image_)) {
 		return stripped_problem("ScatterGroundHeightmap.image", "there is no ground");
 	}

@@ -94,7 +94,7 @@ protected:
 	godot::String find_problem() override;
 	void follow() override;
 	bool start_rereading() override;
-	godot::String find_stripped() override;
+	godot::String find_export_problem() override;
 
 private:
 	void change() { field_stale_ = true; }

@@ -47,7 +47,7 @@ String ScatterGroundMeshes::find_remark() {
 			(other_count > 0 ? vformat(" (And %d other nodes of the group.)", other_count) : String());
 }
 
-String ScatterGroundMeshes::find_stripped() {
+String ScatterGroundMeshes::find_export_problem() {
 	const auto has_stripped_mesh = [this](const Variant &node) {
 		Object *source = nullptr;
 		state_reader()(node, source);
@@ -100,7 +100,7 @@ void ScatterGroundMeshes::record_removal(std::uint64_t id) {
 	}
 }
 
-std::vector<Rect> ScatterGroundMeshes::take_removed(std::uint64_t host) {
+std::vector<Rect> ScatterGroundMeshes::take_removed_areas(std::uint64_t host) {
 	const auto areas = removed_areas_.extract(host);
 	return areas.empty() ? std::vector<Rect>() : std::move(areas.mapped());
 }
@@ -119,7 +119,7 @@ void ScatterGroundMeshes::hosts_changed(bool first) {
 }
 
 /// Re-checks all nodes, because the scene may or may not have moved with the origin.
-void ScatterGroundMeshes::offset_changed(const GroundHost &) { watch_.touch_all(false); }
+void ScatterGroundMeshes::offset_changed(const GroundHost &) { watch_.mark_all_changed(false); }
 
 void ScatterGroundMeshes::refresh() {
 	if (is_stale_ || !is_in_scene()) {
@@ -128,7 +128,7 @@ void ScatterGroundMeshes::refresh() {
 	}
 	const Ref<ScatterGround> keep_alive(this);
 	forget_work();
-	watch_.touch_all(true);
+	watch_.mark_all_changed(true);
 	start_reading();
 	build(true);
 }

@@ -43,7 +43,7 @@ public:
 
 	bool has_unapplied_changes() const override;
 	bool is_pending(std::uint64_t host) const override;
-	std::vector<Rect> take_removed(std::uint64_t host) override;
+	std::vector<Rect> take_removed_areas(std::uint64_t host) override;
 	void finish_reading() override;
 	GroundFigures figures() const override { return figures_; }
 	bool has_surfaces() const override { return true; }
@@ -66,7 +66,7 @@ protected:
 	std::shared_ptr<const Terrain> make_snapshot(const GroundHost &host) override;
 	godot::String find_problem() override;
 	godot::String find_remark() override;
-	godot::String find_stripped() override;
+	godot::String find_export_problem() override;
 	void hosts_changed(bool first) override;
 	void offset_changed(const GroundHost &host) override;
 	void follow() override;
@@ -122,7 +122,7 @@ private:
 	FreshCopy fresh_copy_;                                     ///< The mesh of that instance once it is read.
 	std::vector<MeshReading> readings_;                        ///< Meshes that wait for the builder.
 	std::vector<std::uint64_t> removed_ids_;                   ///< IDs of instances that are no longer ground.
-	std::map<std::uint64_t, std::vector<Rect>> removed_areas_; ///< See take_removed(). Keyed by host ID.
+	std::map<std::uint64_t, std::vector<Rect>> removed_areas_; ///< See take_removed_areas(). Keyed by host ID.
 	WorkerTask<MeshWork> builder_;
 	bool is_building_ = false; ///< True unless the builder is idle or only frees memory.
 

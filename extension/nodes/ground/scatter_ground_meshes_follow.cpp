@@ -243,8 +243,8 @@ void ScatterGroundMeshes::plan_next() {
 /// Records the work for an instance in every world (see GroundWorld) in which it has changed.
 /// Returns false if its mesh must be read first.
 bool ScatterGroundMeshes::plan(std::uint64_t id) {
-	const Variant *watched = watch_.node(id);
-	const Variant node = watched != nullptr ? *watched : Variant();
+	const Variant *watched_node = watch_.node(id);
+	const Variant node = watched_node != nullptr ? *watched_node : Variant();
 	Object *source = nullptr;
 	GroundNodeState state = state_reader()(node, source);
 	if (state.source == 0) {
@@ -269,10 +269,10 @@ bool ScatterGroundMeshes::plan(std::uint64_t id) {
 		refusals_.erase(id);
 		return true;
 	}
-	const auto cached = copies_.find(state.source);
+	const auto cached_copy = copies_.find(state.source);
 	std::shared_ptr<const MeshCopy> copy = is_just_read ? fresh_copy.copy : nullptr;
-	if (!is_just_read && cached != copies_.end() && cached->second.first == state.version) {
-		copy = cached->second.second.lock();
+	if (!is_just_read && cached_copy != copies_.end() && cached_copy->second.first == state.version) {
+		copy = cached_copy->second.second.lock();
 	}
 	if (copy == nullptr) {
 		std::vector<GroundPiece> pieces = GroundMembers::pieces(node);
@@ -299,8 +299,9 @@ GroundNodeState ScatterGroundMeshes::state_in_space(
 		const GroundSpace &space, std::uint64_t id, const GroundNodeState &state) const {
 	GroundNodeState result = state;
 	const auto host = std::ranges::find(hosts(), space.host, &GroundHost::id);
-	const Variant *watched = watch_.node(id);
-	const auto *node = watched != nullptr ? Object::cast_to<Node3D>(watched->get_validated_object()) : nullptr;
+	const Variant *watched_node = watch_.node(id);
+	const auto *node =
+			watched_node != nullptr ? Object::cast_to<Node3D>(watched_node->get_validated_object()) : nullptr;
 	if (node == nullptr) {
 		return result;
 	}
@@ -400,7 +401,7 @@ void ScatterGroundMeshes::reject(std::uint64_t id, const String &p_reason) {
 
 bool ScatterGroundMeshes::start_rereading() {
 	if (!is_stale_) {
-		watch_.touch_all(true);
+		watch_.mark_all_changed(true);
 	}
 	return true;
 }

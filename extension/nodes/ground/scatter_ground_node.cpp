@@ -105,7 +105,7 @@ void ScatterGroundNode::find_ground() {
 	const Examination examination = find_source();
 	is_finding_ = false;
 	if (!is_stale_) {
-		take(examination);
+		apply(examination);
 	}
 }
 
@@ -127,7 +127,7 @@ ScatterGroundNode::Examination ScatterGroundNode::find_source() const {
 }
 
 /// Applies the result of examining the node: replaces the ground and updates the messages.
-void ScatterGroundNode::take(const Examination &examination) {
+void ScatterGroundNode::apply(const Examination &examination) {
 	Node *target = cast_to<Node>(examination.target.get_validated_object());
 	const bool in_tree = target != nullptr && target->is_inside_tree();
 	const bool is_copied = examination.attempt.copy != nullptr;

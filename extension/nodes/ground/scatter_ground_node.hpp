@@ -95,7 +95,7 @@ private:
 	GroundLimits limits() const;
 	void find_ground();
 	Examination find_source() const;
-	void take(const Examination &examination);
+	void apply(const Examination &examination);
 	void take_copy(const Examination &examination);
 	void use_object(const std::shared_ptr<ObjectGround> &ground);
 	std::shared_ptr<const Terrain> ground_for(const GroundHost &host) const;

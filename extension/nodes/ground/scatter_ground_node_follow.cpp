@@ -256,7 +256,7 @@ void ScatterGroundNode::update_copy() {
 	if (examination.attempt.copy == nullptr) {
 		change(); // The next search examines the node again.
 	} else if (!is_stale_) {
-		take(examination);
+		apply(examination);
 	}
 }
 

@@ -123,10 +123,10 @@ bool read_regions(const Variant &p_data, std::vector<FieldRegion> &r_regions, St
 		r_refusal = "has data whose get_regions_active() does not return an Array";
 		return false;
 	}
-	const Array active = result;
-	for (int64_t i = 0; i < active.size(); ++i) {
+	const Array active_regions = result;
+	for (int64_t i = 0; i < active_regions.size(); ++i) {
 		FieldRegion region;
-		if (!read_region(active[i], region, r_refusal)) {
+		if (!read_region(active_regions[i], region, r_refusal)) {
 			return false;
 		}
 		r_regions.push_back(std::move(region));

@@ -291,9 +291,9 @@ std::vector<DrawnLod> ScatterModel::drawn_lods() const {
 	for (int64_t index = 0; index < lods_.size(); ++index) {
 		const Ref<ScatterLod> lod = lods_[index];
 		if (lod.is_valid() && (lod->get_mesh().is_valid() || !result.empty())) {
-			const double nearest = result.empty() ? 0.0 : result.back().distance;
+			const double previous_distance = result.empty() ? 0.0 : result.back().distance;
 			add_drawn_lod(lod, result);
-			result.back().distance = std::max(result.back().distance, nearest);
+			result.back().distance = std::max(result.back().distance, previous_distance);
 		}
 	}
 	for (int64_t index = 0; index < far_lods_.size() && !result.empty(); ++index) {

@@ -39,7 +39,7 @@ public:
 	}
 
 	/// Adds the time since the last call to `part`.
-	void spent_on(FramePart part) {
+	void add_time(FramePart part) {
 		const Clock::time_point now = Clock::now();
 		parts_[static_cast<std::size_t>(part)] += now - last_time_;
 		last_time_ = now;

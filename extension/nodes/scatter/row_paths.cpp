@@ -41,9 +41,9 @@ std::uint64_t identity_of(const Node &host, const Node &node) {
 	}
 	WordHash hash;
 	const Node *ancestor = &node;
-	auto common = ancestors.end();
+	auto common_ancestor = ancestors.end();
 	while (ancestor != nullptr &&
-			(common = std::ranges::find(ancestors, ancestor->get_instance_id())) == ancestors.end()) {
+			(common_ancestor = std::ranges::find(ancestors, ancestor->get_instance_id())) == ancestors.end()) {
 		const CharString name = String(ancestor->get_name()).utf8();
 		const char *text = name.get_data();
 		for (std::size_t i = 0; i < std::strlen(text); ++i) {
@@ -52,7 +52,7 @@ std::uint64_t identity_of(const Node &host, const Node &node) {
 		hash.add(static_cast<std::uint32_t>('/'));
 		ancestor = ancestor->get_parent();
 	}
-	hash.add(static_cast<std::uint32_t>(common - ancestors.begin()));
+	hash.add(static_cast<std::uint32_t>(common_ancestor - ancestors.begin()));
 	return split_mix(hash.value());
 }
 

@@ -178,8 +178,8 @@ String problem_of_ground(const Ref<ScatterGround> &p_ground) {
 	if (p_ground.is_null()) {
 		return "No ground: set TerrainScatter3D.ground to a ScatterGround to display anything.";
 	}
-	const String stripped = p_ground->stripped();
-	return stripped.is_empty() ? p_ground->problem() : stripped;
+	const String export_problem = p_ground->export_problem();
+	return export_problem.is_empty() ? p_ground->problem() : export_problem;
 }
 
 void add_ground_problems(const Ref<ScatterGround> &p_ground, PackedStringArray &r_problems) {
@@ -262,7 +262,7 @@ PackedStringArray stripped_problems(
 			result.push_back(p_problem);
 		}
 	};
-	add(p_ground.is_valid() ? p_ground->stripped() : String());
+	add(p_ground.is_valid() ? p_ground->export_problem() : String());
 	add(biomes != nullptr ? biomes->stripped_problem() : String());
 	for (int64_t index = 0; index < p_layers.size(); ++index) {
 		if (const Ref<ScatterLayer> layer = p_layers[index]; layer.is_valid()) {

@@ -128,15 +128,15 @@ bool ScatterStream::frame(std::span<const Viewer> viewers, std::uint64_t budget)
 bool ScatterStream::work_in_frame(std::span<const Viewer> viewers, std::uint64_t budget) {
 	const Clock::time_point deadline = Clock::now() + std::chrono::microseconds(budget);
 	allow_recheck(std::chrono::microseconds(budget));
-	take_finished();
-	times_.spent_on(FramePart::finished_tiles);
+	take_finished_jobs();
+	times_.add_time(FramePart::finished_tiles);
 	accept_viewers(viewers);
 	if (!viewers_.empty()) {
 		request_tiles();
 		display_.set_viewers(viewers_);
 	}
-	start_missing();
-	times_.spent_on(FramePart::tile_requests);
+	start_query_jobs();
+	times_.add_time(FramePart::tile_requests);
 	workers_.work_until(deadline);
 	return work_until(deadline);
 }
@@ -231,7 +231,7 @@ void ScatterStream::start(const TileRequest &request) {
 
 /// Starts jobs for tiles that queries need and that are not displayed. Tiles beyond the limit are
 /// requested again in the next frame.
-void ScatterStream::start_missing() {
+void ScatterStream::start_query_jobs() {
 	const std::size_t max_jobs = min_jobs_per_worker * workers_.threads();
 	auto query_job_count = static_cast<std::size_t>(std::ranges::count_if(jobs_, is_for_query));
 	for (const WorldTile &tile : world_.take_missing()) {
@@ -276,8 +276,8 @@ void ScatterStream::cancel(std::uint64_t ticket) {
 	}
 }
 
-void ScatterStream::take_finished() {
-	for (const std::shared_ptr<TileJob> &job : workers_.take_finished()) {
+void ScatterStream::take_finished_jobs() {
+	for (const std::shared_ptr<TileJob> &job : workers_.take_finished_jobs()) {
 		if (!job->cancelled) {
 			process_result(job);
 		}

@@ -165,7 +165,7 @@ private:
 	void request_tiles();
 	void sort_work();
 	void start(const TileRequest &request);
-	void start_missing();
+	void start_query_jobs();
 	void mark_stale(std::span<const SharedSnapshot> layers, std::span<const EditedArea> outdated_areas);
 	bool work_in_frame(std::span<const Viewer> viewers, std::uint64_t budget);
 	void start_over();
@@ -177,7 +177,7 @@ private:
 	bool ring_step();
 	void cancel(std::uint64_t ticket);
 	void forget_work();
-	void take_finished();
+	void take_finished_jobs();
 	void process_result(const std::shared_ptr<TileJob> &job);
 	std::size_t ground_step(std::size_t max_count);
 	std::size_t max_positions(bool in_physics_frame) const;

@@ -218,7 +218,7 @@ bool ScatterStream::work_until(Clock::time_point deadline) {
 		if (lifetime.expired()) {
 			return false;
 		}
-		times_.spent_on(part_of(next_step_));
+		times_.add_time(part_of(next_step_));
 		next_step_ = following_step(next_step_);
 		idle_steps = has_worked ? 0 : idle_steps + 1;
 		if (has_worked) {

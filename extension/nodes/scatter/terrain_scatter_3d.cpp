@@ -152,7 +152,8 @@ void TerrainScatter3D::process_frame() {
 			return;
 		}
 		// A script of the ground may have replaced it.
-		for (const Rect &area : ground_.is_valid() ? ground_->take_removed(get_instance_id()) : std::vector<Rect>()) {
+		for (const Rect &area :
+				ground_.is_valid() ? ground_->take_removed_areas(get_instance_id()) : std::vector<Rect>()) {
 			stream->drop_unseen(area);
 		}
 		is_dirty_ = is_dirty_ || waits_for_ground();
@@ -168,7 +169,7 @@ void TerrainScatter3D::process_frame() {
 	if (presence && is_dirty_ && models_are_read(start + std::chrono::microseconds(frame_budget_usec_)) && presence) {
 		refresh();
 	}
-	stream->times().spent_on(FramePart::follow);
+	stream->times().add_time(FramePart::follow);
 	const bool has_content = ground_.is_valid() && !layer_list_.snapshots().empty();
 	if (presence && has_content) {
 		work(start);
@@ -178,7 +179,7 @@ void TerrainScatter3D::process_frame() {
 	if (presence) {
 		frame_time_ = Clock::now() - start;
 		emit_events();
-		stream->times().spent_on(FramePart::signals);
+		stream->times().add_time(FramePart::signals);
 	}
 }
 
@@ -204,7 +205,7 @@ void TerrainScatter3D::work(Clock::time_point start) {
 		was_settled_ = was_settled_ && gameplay->follows(centers);
 		gameplay->find_changes(centers);
 	}
-	stream->times().spent_on(FramePart::gameplay);
+	stream->times().add_time(FramePart::gameplay);
 	const auto remaining = std::chrono::duration_cast<std::chrono::microseconds>(start + budget - Clock::now());
 	stream->display().set_limits(limits);
 	if (!stream->frame(viewers.viewers, static_cast<std::uint64_t>(std::max<std::int64_t>(remaining.count(), 0))) ||
@@ -219,11 +220,11 @@ void TerrainScatter3D::work(Clock::time_point start) {
 	}
 	gameplay->answer_requests();
 	gameplay->work_until(start + budget);
-	stream->times().spent_on(FramePart::reports);
+	stream->times().add_time(FramePart::reports);
 	if (presence) {
 		patch_in_steps(start + budget);
 		stream->display().patch();
-		stream->times().spent_on(FramePart::patches);
+		stream->times().add_time(FramePart::patches);
 	}
 }
 
@@ -268,13 +269,13 @@ void TerrainScatter3D::emit_events() {
 	if (!presence) {
 		return;
 	}
-	const bool settled = is_settled();
-	if (settled && !std::exchange(was_settled_, settled)) {
+	const bool is_now_settled = is_settled();
+	if (is_now_settled && !std::exchange(was_settled_, is_now_settled)) {
 		instance_load_.measure(display(), layer_list_.snapshots());
 		check_load();
 		emit_signal("settled");
 	} else {
-		was_settled_ = settled;
+		was_settled_ = is_now_settled;
 	}
 }
 

@@ -95,7 +95,7 @@ bool TileWorkers::sort(std::span<const Viewer> viewers) {
 	return true;
 }
 
-std::vector<std::shared_ptr<TileJob>> TileWorkers::take_finished() {
+std::vector<std::shared_ptr<TileJob>> TileWorkers::take_finished_jobs() {
 	flush_pending();
 	std::vector<std::shared_ptr<TileJob>> jobs;
 	std::unique_lock lock(mutex_, std::defer_lock);
@@ -182,7 +182,7 @@ void TileWorkers::work_until(std::chrono::steady_clock::time_point deadline) {
 		return;
 	}
 	Worker &worker = *workers_.front();
-	while (work_on_next(worker) && std::chrono::steady_clock::now() < deadline) {}
+	while (process_next_job(worker) && std::chrono::steady_clock::now() < deadline) {}
 	const std::lock_guard lock(mutex_);
 	return_result(worker);
 }
@@ -223,12 +223,12 @@ void TileWorkers::run(void *p_worker) {
 	Worker &worker = *static_cast<Worker *>(p_worker);
 	do {
 		std::this_thread::yield(); // The main thread may be waiting for this core.
-	} while (worker.owner->work_on_next(worker));
+	} while (worker.owner->process_next_job(worker));
 }
 
 /// Processes the next job as far as possible without the main thread. Returns false if there is
 /// none.
-bool TileWorkers::work_on_next(Worker &worker) {
+bool TileWorkers::process_next_job(Worker &worker) {
 	const std::shared_ptr<TileJob> job = take_next_job(worker);
 	if (job == nullptr) {
 		return false;

@@ -96,7 +96,7 @@ public:
 	/// Removes and returns the jobs that are done or need ground, in the order of completion,
 	/// including canceled ones. Never blocks: if a worker holds the lock, returns the jobs in a
 	/// later frame. Call this every frame, because it also starts workers for waiting jobs.
-	std::vector<std::shared_ptr<TileJob>> take_finished();
+	std::vector<std::shared_ptr<TileJob>> take_finished_jobs();
 
 	/// Releases a large object off the main thread. A worker frees it before the next job, or
 	/// within about a second if there are no jobs.
@@ -144,7 +144,7 @@ private:
 	/// jobs.
 	void start_workers();
 	static void run(void *p_worker);
-	bool work_on_next(Worker &worker);
+	bool process_next_job(Worker &worker);
 	static void advance(Worker &worker, TileJob &job);
 	static Status prepare_queries(const TileBuilder &builder, TileJob &job);
 	static void finish(Worker &worker, TileJob &job);
