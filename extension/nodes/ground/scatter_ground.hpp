@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/base/rect.hpp"
 #include "core/base/planet.hpp"
+#include "core/base/rect.hpp"
 #include "core/base/world_frame.hpp"
 #include "core/terrain/ground_shell.hpp"
 #include "core/terrain/terrain.hpp"

@@ -1,10 +1,10 @@
 #pragma once
 
 #include "core/base/planet.hpp"
+#include "core/near/host_state.hpp"
 #include "core/placement/layer_edits.hpp"
 #include "core/placement/layer_links.hpp"
 #include "core/terrain/ground_shell.hpp"
-#include "core/near/host_state.hpp"
 #include "nodes/gameplay/scatter_state.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 #include "nodes/region/region_register.hpp"

@@ -2,10 +2,10 @@
 
 #include "core/base/status.hpp"
 #include "nodes/biome/scatter_biome_map.hpp"
-#include "nodes/layer/scatter_layer.hpp"
-#include "nodes/scatter/scatter_viewers.hpp"
 #include "nodes/drawing/tile_display.hpp"
 #include "nodes/ground/scatter_ground.hpp"
+#include "nodes/layer/scatter_layer.hpp"
+#include "nodes/scatter/scatter_viewers.hpp"
 
 #include <godot_cpp/classes/node3d.hpp>
 #include <godot_cpp/variant/packed_string_array.hpp>

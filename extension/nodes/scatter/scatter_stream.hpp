@@ -3,11 +3,11 @@
 #include "core/near/near_queue.hpp"
 #include "core/placement/layer_edits.hpp"
 #include "core/streaming/ground_recheck.hpp"
-#include "nodes/scatter/frame_times.hpp"
 #include "nodes/drawing/tile_display.hpp"
-#include "nodes/workers/tile_workers.hpp"
 #include "nodes/drawing/upload_queue.hpp"
 #include "nodes/ground/scatter_ground.hpp"
+#include "nodes/scatter/frame_times.hpp"
+#include "nodes/workers/tile_workers.hpp"
 
 #include <godot_cpp/variant/packed_string_array.hpp>
 #include <godot_cpp/variant/string.hpp>

@@ -11,8 +11,8 @@
 #include "nodes/common/convert.hpp"
 #include "nodes/common/engine_arrays.hpp"
 #include "nodes/common/property_check.hpp"
-#include "nodes/layer/layer_reference.hpp"
 #include "nodes/explain/layer_explainer.hpp"
+#include "nodes/layer/layer_reference.hpp"
 #include "nodes/scatter/scatter_problems.hpp"
 
 #include <glm/geometric.hpp>

@@ -11,8 +11,8 @@
 #include "nodes/gameplay/instance_answers.hpp"
 #include "nodes/ground/former_grounds.hpp"
 #include "nodes/layer/layer_reference.hpp"
-#include "nodes/workers/build_at_once.hpp"
 #include "nodes/scatter/scatter_problems.hpp"
+#include "nodes/workers/build_at_once.hpp"
 
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/core/memory.hpp>

@@ -3,8 +3,8 @@
 #include "core/base/mutex.hpp"
 #include "core/base/status.hpp"
 #include "core/placement/compact_tile.hpp"
-#include "core/placement/tile_builder.hpp"
 #include "core/placement/parallel_tile_builder.hpp"
+#include "core/placement/tile_builder.hpp"
 #include "core/sampling/block_cache.hpp"
 #include "core/terrain/terrain.hpp"
 
