@@ -21,11 +21,11 @@ constexpr std::size_t max_frames = 8;
 
 /// Two world frames are treated as equal here if they differ by at most this many meters at every
 /// viewer.
-constexpr double same_frame_reach = 4.0;
+constexpr double same_frame_tolerance = 4.0;
 
 /// The search for bodies near the viewers is repeated after one of the searched positions has moved
 /// by more than this many meters.
-constexpr double kept_reach = 1.0;
+constexpr double search_tolerance = 1.0;
 
 /// Returns true if a new world frame moves any of the positions by more than `distance` meters.
 bool moves_by(double distance, const WorldFrame &from, const WorldFrame &to, std::span<const glm::dvec3> positions) {
@@ -66,23 +66,23 @@ void CollisionRing::set_layers(std::vector<CollisionLayer> layers) {
 	layers_.resize(std::max(layers_.size(), layers.size()));
 	layers.resize(layers_.size());
 	std::vector<double> distances;
-	std::vector<std::uint32_t> changed;
+	std::vector<std::uint32_t> changed_layers;
 	for (std::uint32_t index = 0; index < layers.size(); ++index) {
 		Layer &layer = layers_[index];
 		CollisionLayer &next = layers[index];
 		const bool collides = next.shape.kind != ScatterLayer::COLLISION_NONE;
 		distances.push_back(collides ? next.distance : 0.0);
-		const bool same_settings = layer.is.settings == next.settings;
-		const bool same_shape = layer.is.shape == next.shape;
+		const bool same_settings = layer.config.settings == next.settings;
+		const bool same_shape = layer.config.shape == next.shape;
 		layer.settings_version = same_settings ? layer.settings_version : ++last_version_;
 		layer.shape_version = same_shape ? layer.shape_version : ++last_version_;
-		layer.is = std::move(next);
+		layer.config = std::move(next);
 		if (collides && !(same_settings && same_shape)) {
-			changed.push_back(index);
+			changed_layers.push_back(index);
 		}
 	}
 	queue_.set_distances(distances);
-	for (const std::uint32_t index : changed) {
+	for (const std::uint32_t index : changed_layers) {
 		queue_.renew(index);
 	}
 }
@@ -95,31 +95,31 @@ void CollisionRing::find_changes(std::span<const glm::dvec3> centers, const Inst
 }
 
 bool CollisionRing::step() {
-	const bool removed = remove_some();
-	const bool renewed = renew_some();
+	const bool any_removed = remove_some();
+	const bool any_renewed = renew_some();
 	PlacedInstance instance;
-	const bool entered = queue_.next_entering(instance);
-	if (entered) {
+	const bool any_entered = queue_.next_entering(instance);
+	if (any_entered) {
 		create_body(instance);
 	}
-	if (removed || renewed || entered) {
+	if (any_removed || any_renewed || any_entered) {
 		return true;
 	}
 	// Nothing collides with removed bodies, so they have the lowest priority.
-	const bool tidied = tidy_some();
-	return shapes_.free_some() || tidied;
+	const bool any_tidied = tidy_some();
+	return shapes_.free_some() || any_tidied;
 }
 
 /// Removes the bodies of removed instances first, because players must not collide with them.
 /// Bodies that are merely out of range can wait.
 bool CollisionRing::remove_some() {
 	int count = 0;
-	HeldRelease leaving;
-	for (; count < max_per_step && queue_.next_removed(leaving); ++count) {
-		leave(leaving);
+	HeldRelease release;
+	for (; count < max_per_step && queue_.next_removed(release); ++count) {
+		remove_released(release);
 	}
-	for (; count < max_per_step && queue_.next_leaving(leaving); ++count) {
-		leave(leaving);
+	for (; count < max_per_step && queue_.next_leaving(release); ++count) {
+		remove_released(release);
 	}
 	return count > 0;
 }
@@ -143,17 +143,17 @@ bool CollisionRing::renew_some() {
 /// every frame. Returns false at the end of a round.
 bool CollisionRing::move_some() {
 	int count = 0;
-	for (; count < max_per_step && next_to_move_ < placed_.size(); ++count, ++next_to_move_) {
-		if (Body &body = *placed_[next_to_move_]; body.frame != world_frame_) {
+	for (; count < max_per_step && next_to_move_ < placed_bodies_.size(); ++count, ++next_to_move_) {
+		if (Body &body = *placed_bodies_[next_to_move_]; body.frame != world_frame_) {
 			place(body);
 		}
 	}
 	if (count > 0) {
 		return true;
 	}
-	frames_before_.clear();
+	earlier_frames_.clear();
 	if (round_frame_ != world_frame_) {
-		frames_before_.push_back(std::exchange(round_frame_, world_frame_));
+		earlier_frames_.push_back(std::exchange(round_frame_, world_frame_));
 		next_to_move_ = 0;
 	}
 	return false; // Lets `step` tidy up between rounds.
@@ -162,17 +162,17 @@ bool CollisionRing::move_some() {
 /// Applies the layer's current settings and the current world frame to the body of an instance.
 void CollisionRing::renew(std::uint32_t index, std::uint64_t id) {
 	Layer &layer = layers_[index];
-	const auto found = layer.bodies.find(id);
-	if (found == layer.bodies.end()) {
+	const auto entry = layer.bodies.find(id);
+	if (entry == layer.bodies.end()) {
 		return;
 	}
-	Body &body = found->second;
+	Body &body = entry->second;
 	if (body.shape_version != layer.shape_version) {
 		create_body(PlacedInstance(body.instance));
 		return;
 	}
 	if (body.settings_version != layer.settings_version && body.rid.is_valid()) {
-		apply(layer.is.settings, body.rid);
+		apply(layer.config.settings, body.rid);
 	}
 	body.settings_version = layer.settings_version;
 	if (body.frame != world_frame_) {
@@ -190,62 +190,62 @@ void CollisionRing::create_body(const PlacedInstance &instance) {
 	body.shape_version = layer.shape_version;
 	if (BodyFit fit; fit_body(instance.basis, fit)) {
 		body.rotation = fit.rotation;
-		body.shapes = shapes_.take(layer.is.shape, instance.mesh, fit);
+		body.shapes = shapes_.take(layer.config.shape, instance.mesh, fit);
 	}
 	if (body.shapes.empty()) {
 		return;
 	}
 	body.rid = take_body();
-	apply(layer.is.settings, body.rid);
+	apply(layer.config.settings, body.rid);
 	PhysicsServer3D *server = PhysicsServer3D::get_singleton();
-	for (const CollisionShapes::Placed &placed : body.shapes) {
+	for (const CollisionShapes::PlacedShape &placed : body.shapes) {
 		server->body_add_shape(body.rid, placed.shape->rid, to_engine(placed.rotation, placed.origin, WorldFrame()));
 	}
 	place(body);
 	server->body_set_space(body.rid, space_);
-	owners_[body.rid.get_id()] = instance.id;
-	body.slot = placed_.size();
-	placed_.push_back(&body);
+	instance_ids_[body.rid.get_id()] = instance.id;
+	body.slot = placed_bodies_.size();
+	placed_bodies_.push_back(&body);
 }
 
-/// Removes a body from `placed_`. The last body takes its slot.
-void CollisionRing::forget(const Body &body) {
-	Body &last = *placed_.back();
-	placed_[body.slot] = &last;
+/// Removes a body from `placed_bodies_`. The last body takes its slot.
+void CollisionRing::unlist(const Body &body) {
+	Body &last = *placed_bodies_.back();
+	placed_bodies_[body.slot] = &last;
 	last.slot = body.slot;
-	placed_.pop_back();
+	placed_bodies_.pop_back();
 	if (body.slot < next_to_move_ && &last != &body && last.frame != world_frame_) {
 		place(last); // The round has already visited its new slot.
 	}
-	next_to_move_ = std::min(next_to_move_, placed_.size());
+	next_to_move_ = std::min(next_to_move_, placed_bodies_.size());
 }
 
 void CollisionRing::remove_body(std::uint32_t layer, std::uint64_t id) {
 	auto &bodies = layers_[layer].bodies;
-	const auto found = bodies.find(id);
-	if (found == bodies.end()) {
+	const auto entry = bodies.find(id);
+	if (entry == bodies.end()) {
 		return;
 	}
-	if (found->second.rid.is_valid()) {
-		forget(found->second);
+	if (entry->second.rid.is_valid()) {
+		unlist(entry->second);
 	}
-	const Body body = std::move(found->second);
-	bodies.erase(found);
+	const Body body = std::move(entry->second);
+	bodies.erase(entry);
 	if (body.rid.is_valid()) {
 		PhysicsServer3D::get_singleton()->body_clear_shapes(body.rid);
 		pool_.push_back({body.rid, frame_});
-		++still_in_space_;
+		++in_space_count_;
 		shapes_.give_back(body.shapes);
 	}
 }
 
 /// Removes the body of an instance, unless the queue has since found the instance in another cell.
 /// The instance then has a new body at another position.
-void CollisionRing::leave(const HeldRelease &leaving) {
-	const auto &bodies = layers_[leaving.layer].bodies;
-	const auto found = bodies.find(leaving.id);
-	if (found != bodies.end() && found->second.instance.position == leaving.position) {
-		remove_body(leaving.layer, leaving.id);
+void CollisionRing::remove_released(const HeldRelease &release) {
+	const auto &bodies = layers_[release.layer].bodies;
+	const auto entry = bodies.find(release.id);
+	if (entry != bodies.end() && entry->second.instance.position == release.position) {
+		remove_body(release.layer, release.id);
 	}
 }
 
@@ -257,15 +257,15 @@ void CollisionRing::drop(std::uint64_t id) {
 }
 
 void CollisionRing::drop_if(const std::function<bool(std::uint64_t id)> &is_gone) {
-	std::vector<std::uint64_t> dropped;
+	std::vector<std::uint64_t> dropped_ids;
 	for (const Layer &layer : layers_) {
 		for (const auto &[id, body] : layer.bodies) {
 			if (is_gone(id)) {
-				dropped.push_back(id);
+				dropped_ids.push_back(id);
 			}
 		}
 	}
-	for (const std::uint64_t id : dropped) {
+	for (const std::uint64_t id : dropped_ids) {
 		drop(id);
 	}
 }
@@ -294,32 +294,32 @@ void CollisionRing::set_world_frame(const WorldFrame &frame) {
 		return;
 	}
 	const std::span<const glm::dvec3> centers = queue_.centers();
-	if (frames_before_.empty() || moves_by(same_frame_reach, frames_before_.back(), world_frame_, centers)) {
-		frames_before_.push_back(world_frame_);
+	if (earlier_frames_.empty() || moves_by(same_frame_tolerance, earlier_frames_.back(), world_frame_, centers)) {
+		earlier_frames_.push_back(world_frame_);
 	}
-	if (frames_before_.size() > max_frames) {
-		frames_before_.erase(frames_before_.begin());
+	if (earlier_frames_.size() > max_frames) {
+		earlier_frames_.erase(earlier_frames_.begin());
 	}
 	// After a jump, the bodies must move in order of distance.
-	const bool jumps = moves_by(moved_reach, world_frame_, frame, centers);
+	const bool is_jump = moves_by(moved_radius, world_frame_, frame, centers);
 	world_frame_ = frame;
 	std::vector<glm::dvec3> positions(centers.begin(), centers.end());
 	for (const glm::dvec3 &center : centers) {
-		for (const WorldFrame &before : frames_before_) {
-			const glm::dvec3 outdated = before.to_world(frame.to_engine(center));
-			if (glm::distance(outdated, center) > same_frame_reach) {
-				positions.push_back(outdated);
+		for (const WorldFrame &earlier : earlier_frames_) {
+			const glm::dvec3 outdated_position = earlier.to_world(frame.to_engine(center));
+			if (glm::distance(outdated_position, center) > same_frame_tolerance) {
+				positions.push_back(outdated_position);
 			}
 		}
 	}
 	find_nearest(positions);
-	for (const NearHeld &near : nearest_) {
-		renew(near.layer, near.id);
+	for (const NearHeld &body : nearest_) {
+		renew(body.layer, body.id);
 	}
-	if (jumps) {
+	if (is_jump) {
 		// The queue moves all bodies, nearest first, so no round is needed.
 		round_frame_ = world_frame_;
-		next_to_move_ = placed_.size();
+		next_to_move_ = placed_bodies_.size();
 		for (std::uint32_t layer = 0; layer < layers_.size(); ++layer) {
 			queue_.renew(layer);
 		}
@@ -329,17 +329,17 @@ void CollisionRing::set_world_frame(const WorldFrame &frame) {
 /// Finds the bodies near the positions, which are moved immediately. The search costs more than the
 /// moves, so its result is reused for a few frames unless a position moves too far.
 void CollisionRing::find_nearest(std::span<const glm::dvec3> positions) {
-	constexpr std::uint64_t kept_frames = 8;
-	if (frame_ < found_at_ + kept_frames && same_within(kept_reach, positions, found_around_)) {
+	constexpr std::uint64_t max_search_age = 8;
+	if (frame_ < search_frame_ + max_search_age && same_within(search_tolerance, positions, search_positions_)) {
 		return;
 	}
-	nearest_ = queue_.held_within(positions, moved_reach, moved_at_once);
-	found_around_.assign(positions.begin(), positions.end());
-	found_at_ = frame_;
+	nearest_ = queue_.held_within(positions, moved_radius, max_moved_immediately);
+	search_positions_.assign(positions.begin(), positions.end());
+	search_frame_ = frame_;
 }
 
 RID CollisionRing::take_body() {
-	if (pool_.size() > still_in_space_ && rested(pool_.front())) {
+	if (pool_.size() > in_space_count_ && is_reusable(pool_.front())) {
 		// Reuse the body that was removed the longest time ago.
 		const RID body = pool_.front().rid;
 		pool_.pop_front();
@@ -357,15 +357,15 @@ RID CollisionRing::take_body() {
 bool CollisionRing::tidy_some() {
 	PhysicsServer3D *server = PhysicsServer3D::get_singleton();
 	int count = 0;
-	for (; count < max_per_step && still_in_space_ > 0; ++count, --still_in_space_) {
-		const Pooled &oldest = pool_[pool_.size() - still_in_space_];
-		if (oldest.fell_at == frame_) {
+	for (; count < max_per_step && in_space_count_ > 0; ++count, --in_space_count_) {
+		const PooledBody &oldest = pool_[pool_.size() - in_space_count_];
+		if (oldest.removed_frame == frame_) {
 			break;
 		}
 		server->body_set_space(oldest.rid, RID());
 	}
-	for (; count < max_per_step && pool_.size() > max_pooled + still_in_space_ && rested(pool_.front()); ++count) {
-		owners_.erase(pool_.front().rid.get_id());
+	for (; count < max_per_step && pool_.size() > max_pooled + in_space_count_ && is_reusable(pool_.front()); ++count) {
+		instance_ids_.erase(pool_.front().rid.get_id());
 		server->free_rid(pool_.front().rid);
 		pool_.pop_front();
 	}
@@ -373,8 +373,8 @@ bool CollisionRing::tidy_some() {
 }
 
 std::uint64_t CollisionRing::instance_of(const RID &body) const {
-	const auto found = owners_.find(body.get_id());
-	return found != owners_.end() ? found->second : 0;
+	const auto entry = instance_ids_.find(body.get_id());
+	return entry != instance_ids_.end() ? entry->second : 0;
 }
 
 void CollisionRing::clear() {
@@ -384,17 +384,17 @@ void CollisionRing::clear() {
 		}
 		queue_.release_layer(layer);
 	}
-	for (const Pooled &body : pool_) {
+	for (const PooledBody &body : pool_) {
 		PhysicsServer3D::get_singleton()->free_rid(body.rid);
 	}
 	queue_.forget_world();
-	frames_before_.clear();
+	earlier_frames_.clear();
 	round_frame_ = world_frame_;
 	nearest_.clear();
-	found_around_.clear();
+	search_positions_.clear();
 	pool_.clear();
-	still_in_space_ = 0;
-	owners_.clear();
+	in_space_count_ = 0;
+	instance_ids_.clear();
 	shapes_.clear();
 }
 

@@ -17,7 +17,7 @@ namespace thicket {
 /// The collision shapes and settings of a layer's instances.
 struct CollisionLayer {
 	ShapeSource shape;
-	double distance = 0.0; ///< Bodies exist within this many meters of a viewer. 0 means no bodies.
+	double distance = 0.0; ///< Bodies exist within this many meters of a viewer or moving body. 0 means no bodies.
 
 	/// The properties of each body, as in StaticBody3D.
 	struct Settings {
@@ -64,7 +64,7 @@ public:
 	bool step() override;
 	bool settled() const override {
 		return !space_.is_valid() ||
-				(queue_.settled() && next_to_move_ == placed_.size() && round_frame_ == world_frame_);
+				(queue_.settled() && next_to_move_ == placed_bodies_.size() && round_frame_ == world_frame_);
 	}
 	void drop(std::uint64_t id) override;
 	void drop_if(const std::function<bool(std::uint64_t id)> &is_gone) override;
@@ -76,7 +76,7 @@ public:
 	std::uint64_t instance_of(const godot::RID &body) const;
 
 	/// Returns the number of bodies in use.
-	std::size_t body_count() const { return owners_.size() - pool_.size(); }
+	std::size_t body_count() const { return instance_ids_.size() - pool_.size(); }
 	std::size_t pooled_count() const { return pool_.size(); }
 
 	/// The maximum number of bodies to keep for reuse, not counting those that are within
@@ -90,9 +90,9 @@ public:
 	static constexpr int max_per_step = 16;
 
 	/// The maximum number of bodies that `set_world_frame` moves immediately: those nearest to the
-	/// viewers, within `moved_reach` meters.
-	static constexpr std::size_t moved_at_once = 128;
-	static constexpr double moved_reach = 16.0;
+	/// viewers, within `moved_radius` meters.
+	static constexpr std::size_t max_moved_immediately = 128;
+	static constexpr double moved_radius = 16.0;
 
 private:
 	/// The body of an instance. It has no RID and no shapes if the mesh has no volume or the
@@ -100,22 +100,22 @@ private:
 	struct Body {
 		PlacedInstance instance;
 		godot::RID rid;
-		std::vector<CollisionShapes::Placed> shapes;
+		std::vector<CollisionShapes::PlacedShape> shapes;
 		glm::mat3 rotation{1.0f};
 		WorldFrame frame; ///< The world frame of the body's current transform.
 		/// The version of the layer's settings that was applied to the body.
 		std::uint64_t settings_version = 0;
 		std::uint64_t shape_version = 0;
-		std::size_t slot = 0; ///< The index in `placed_`, if the body has a RID.
+		std::size_t slot = 0; ///< The index in `placed_bodies_`, if the body has a RID.
 	};
 
-	struct Pooled {
+	struct PooledBody {
 		godot::RID rid;
-		std::uint64_t fell_at = 0; ///< The frame in which it was removed.
+		std::uint64_t removed_frame = 0; ///< The frame in which it was removed.
 	};
 
 	struct Layer {
-		CollisionLayer is;
+		CollisionLayer config;
 		/// A new number after every change, unique in the ring.
 		std::uint64_t settings_version = 0;
 		std::uint64_t shape_version = 0;
@@ -124,42 +124,42 @@ private:
 
 	void create_body(const PlacedInstance &instance);
 	void remove_body(std::uint32_t layer, std::uint64_t id);
-	void leave(const HeldRelease &leaving);
+	void remove_released(const HeldRelease &release);
 	bool remove_some();
 	bool renew_some();
 	bool move_some();
-	void forget(const Body &body);
+	void unlist(const Body &body);
 	void find_nearest(std::span<const glm::dvec3> positions);
 	void renew(std::uint32_t index, std::uint64_t id);
 	void apply(const CollisionLayer::Settings &settings, const godot::RID &body);
 	void place(Body &r_body);
 	godot::RID take_body();
-	bool rested(const Pooled &pooled) const { return pooled.fell_at + rest_frames <= frame_; }
+	bool is_reusable(const PooledBody &body) const { return body.removed_frame + rest_frames <= frame_; }
 	bool tidy_some();
 
 	godot::RID space_;
 	std::uint64_t node_id_ = 0;
 	WorldFrame world_frame_;
 	/// Earlier world frames that some bodies may still be placed with.
-	std::vector<WorldFrame> frames_before_;
+	std::vector<WorldFrame> earlier_frames_;
 	/// The bodies that have a RID, in the order in which a round of moves visits them.
-	std::vector<Body *> placed_;
-	std::size_t next_to_move_ = 0;         ///< The index in `placed_` at which the round continues.
-	WorldFrame round_frame_;               ///< The world frame when the current round of moves began.
-	std::vector<NearHeld> nearest_;        ///< The bodies that `set_world_frame` moves immediately.
-	std::vector<glm::dvec3> found_around_; ///< The positions around which `nearest_` was found.
-	std::uint64_t found_at_ = 0;           ///< The frame in which `nearest_` was found.
+	std::vector<Body *> placed_bodies_;
+	std::size_t next_to_move_ = 0;             ///< The index in `placed_bodies_` at which the round continues.
+	WorldFrame round_frame_;                   ///< The world frame when the current round of moves began.
+	std::vector<NearHeld> nearest_;            ///< The bodies that `set_world_frame` moves immediately.
+	std::vector<glm::dvec3> search_positions_; ///< The positions around which `nearest_` was found.
+	std::uint64_t search_frame_ = 0;           ///< The frame in which `nearest_` was found.
 	std::uint64_t last_version_ = 0;
 	/// The layers by index. Removed layers stay until their bodies are freed.
 	std::vector<Layer> layers_;
 	CollisionShapes shapes_;
 	/// Removed bodies without shapes, oldest first.
-	std::deque<Pooled> pool_;
+	std::deque<PooledBody> pool_;
 	/// The number of bodies at the end of `pool_` that are still in the space.
-	std::size_t still_in_space_ = 0;
+	std::size_t in_space_count_ = 0;
 	std::uint64_t frame_ = 0;
 	/// The instance that each body represents: maps the ID of the body's RID to an instance ID.
-	std::unordered_map<std::int64_t, std::uint64_t> owners_;
+	std::unordered_map<std::int64_t, std::uint64_t> instance_ids_;
 };
 
 } // namespace thicket

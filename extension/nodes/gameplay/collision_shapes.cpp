@@ -23,9 +23,9 @@ constexpr std::size_t min_corners = 4;
 constexpr float min_side = 1e-3F;
 constexpr float max_side = 1e5F;
 
-float side(double meters) { return std::clamp(static_cast<float>(meters), min_side, max_side); }
+float clamped_side(double meters) { return std::clamp(static_cast<float>(meters), min_side, max_side); }
 
-Dictionary round_shape(float radius, float height) {
+Dictionary round_shape_data(float radius, float height) {
 	Dictionary data;
 	data["radius"] = radius;
 	data["height"] = height;
@@ -41,16 +41,16 @@ PackedVector3Array scaled(const std::vector<glm::vec3> &points, glm::vec3 scale)
 
 CollisionShapes::Shape CollisionShapes::make(const Key &key, const std::vector<glm::vec3> &corners) {
 	PhysicsServer3D *server = PhysicsServer3D::get_singleton();
-	const auto [kind, number, width, height, depth] = key;
+	const auto [kind, corners_id, width, height, depth] = key;
 	Shape shape;
 	switch (kind) {
 		case BodyPart::Kind::capsule:
 			shape.rid = server->capsule_shape_create();
-			server->shape_set_data(shape.rid, round_shape(0.5F * width, height));
+			server->shape_set_data(shape.rid, round_shape_data(0.5F * width, height));
 			break;
 		case BodyPart::Kind::cylinder:
 			shape.rid = server->cylinder_shape_create();
-			server->shape_set_data(shape.rid, round_shape(0.5F * width, height));
+			server->shape_set_data(shape.rid, round_shape_data(0.5F * width, height));
 			break;
 		case BodyPart::Kind::sphere:
 			shape.rid = server->sphere_shape_create();
@@ -68,69 +68,71 @@ CollisionShapes::Shape CollisionShapes::make(const Key &key, const std::vector<g
 	return shape;
 }
 
-const CollisionShapes::Corners *CollisionShapes::corners_of(const ShapeSource &source, std::uint32_t mesh) {
-	if (mesh >= source.meshes.size() || source.meshes[mesh].is_null()) {
+const CollisionShapes::Corners *CollisionShapes::corners_of(const ShapeSource &source, std::uint32_t mesh_index) {
+	if (mesh_index >= source.meshes.size() || source.meshes[mesh_index].is_null()) {
 		return nullptr;
 	}
-	const Ref<Mesh> &of = source.meshes[mesh];
-	Corners &corners = corners_[of->get_instance_id()];
-	if (corners.number != 0 && corners.box == source.boxes[mesh]) {
+	const Ref<Mesh> &mesh = source.meshes[mesh_index];
+	Corners &corners = corners_[mesh->get_instance_id()];
+	if (corners.id != 0 && corners.box == source.boxes[mesh_index]) {
 		// The mesh is unchanged, so its hull is still valid.
-		return usable(corners);
+		return usable_corners(corners);
 	}
-	corners = {source.boxes[mesh], ++last_number_, convex_corners(of)};
-	return usable(corners);
+	corners = {source.boxes[mesh_index], ++last_corners_id_, convex_corners(mesh)};
+	return usable_corners(corners);
 }
 
 const CollisionShapes::Corners *CollisionShapes::corners_of(const BodyPart &part) {
-	const auto found = std::ranges::find(part_corners_, part, &std::pair<BodyPart, Corners>::first);
-	if (found != part_corners_.end()) {
+	const auto entry = std::ranges::find(part_corners_, part, &std::pair<BodyPart, Corners>::first);
+	if (entry != part_corners_.end()) {
 		// Equal parts share their corners.
-		return usable(found->second);
+		return usable_corners(entry->second);
 	}
-	part_corners_.push_back({part, {AABB(), ++last_number_, part.corners}});
+	part_corners_.push_back({part, {AABB(), ++last_corners_id_, part.corners}});
 	Corners &corners = part_corners_.back().second;
 	keep_outermost(corners.points, max_convex_corners);
-	return usable(corners);
+	return usable_corners(corners);
 }
 
 /// Returns `corners`, or null if there are too few to enclose a volume.
-const CollisionShapes::Corners *CollisionShapes::usable(const Corners &corners) {
+const CollisionShapes::Corners *CollisionShapes::usable_corners(const Corners &corners) {
 	return corners.points.size() >= min_corners ? &corners : nullptr;
 }
 
 CollisionShapes::Shape *CollisionShapes::take(const Key &key, const std::vector<glm::vec3> &corners) {
-	const auto [found, fresh] = shapes_.try_emplace(key);
-	if (fresh) {
-		found->second = make(key, corners);
-		found->second.key = &found->first;
+	const auto [entry, is_new] = shapes_.try_emplace(key);
+	if (is_new) {
+		entry->second = make(key, corners);
+		entry->second.key = &entry->first;
 	} else {
 		// All bodies of this size share the shape.
-		idle_ -= found->second.users == 0 ? 1 : 0;
+		idle_count_ -= entry->second.users == 0 ? 1 : 0;
 	}
-	++found->second.users;
-	return &found->second;
+	++entry->second.users;
+	return &entry->second;
 }
 
-void CollisionShapes::add_part(const BodyPart &part, const BodyFit &fit, std::vector<Placed> &r_shapes) {
-	static const std::vector<glm::vec3> none;
+void CollisionShapes::add_part(const BodyPart &part, const BodyFit &fit, std::vector<PlacedShape> &r_shapes) {
+	static const std::vector<glm::vec3> no_corners;
 	const glm::vec3 scale = fit.scale();
 	if (part.kind == BodyPart::Kind::convex) {
 		if (const Corners *corners = corners_of(part)) {
-			r_shapes.push_back({take({part.kind, corners->number, scale.x, scale.y, scale.z}, corners->points)});
+			r_shapes.push_back({take({part.kind, corners->id, scale.x, scale.y, scale.z}, corners->points)});
 		}
 		return;
 	}
 	const BodyPart placed_part = thicket::scaled(part, scale);
-	const glm::vec3 size{side(placed_part.size.x), side(placed_part.size.y), side(placed_part.size.z)};
+	const glm::vec3 size{
+			clamped_side(placed_part.size.x), clamped_side(placed_part.size.y), clamped_side(placed_part.size.z)};
 	// The height of a capsule is at least its diameter; at that height, it is a sphere.
 	const float height = part.kind == BodyPart::Kind::capsule ? std::max(size.x, size.y) : size.y;
-	r_shapes.push_back({take({part.kind, 0, size.x, height, size.z}, none), placed_part.rotation, placed_part.origin});
+	r_shapes.push_back(
+			{take({part.kind, 0, size.x, height, size.z}, no_corners), placed_part.rotation, placed_part.origin});
 }
 
-std::vector<CollisionShapes::Placed> CollisionShapes::take(
-		const ShapeSource &source, std::uint32_t mesh, const BodyFit &fit) {
-	std::vector<Placed> shapes;
+std::vector<CollisionShapes::PlacedShape> CollisionShapes::take(
+		const ShapeSource &source, std::uint32_t mesh_index, const BodyFit &fit) {
+	std::vector<PlacedShape> shapes;
 	const InstanceShape &cylinder = source.cylinder;
 	BodyPart part;
 	part.size = glm::vec3(2.0 * cylinder.radius, cylinder.height, 2.0 * cylinder.radius);
@@ -141,16 +143,16 @@ std::vector<CollisionShapes::Placed> CollisionShapes::take(
 		case ScatterLayer::COLLISION_CYLINDER: part.kind = BodyPart::Kind::cylinder; break;
 		case ScatterLayer::COLLISION_BOX: part.kind = BodyPart::Kind::box; break;
 		case ScatterLayer::COLLISION_CONVEX:
-			if (const Corners *corners = corners_of(source, mesh)) {
+			if (const Corners *corners = corners_of(source, mesh_index)) {
 				const glm::vec3 scale = fit.scale();
-				const Key key{BodyPart::Kind::convex, corners->number, scale.x, scale.y, scale.z};
+				const Key key{BodyPart::Kind::convex, corners->id, scale.x, scale.y, scale.z};
 				shapes.push_back({take(key, corners->points)});
 			}
 			return shapes;
 		case ScatterLayer::COLLISION_MODEL:
-			if (mesh < source.parts.size()) {
-				for (const BodyPart &of : source.parts[mesh]) {
-					add_part(of, fit, shapes);
+			if (mesh_index < source.parts.size()) {
+				for (const BodyPart &model_part : source.parts[mesh_index]) {
+					add_part(model_part, fit, shapes);
 				}
 			}
 			return shapes;
@@ -159,32 +161,32 @@ std::vector<CollisionShapes::Placed> CollisionShapes::take(
 	return shapes;
 }
 
-void CollisionShapes::give_back(const std::vector<Placed> &shapes) {
-	for (const Placed &placed : shapes) {
+void CollisionShapes::give_back(const std::vector<PlacedShape> &shapes) {
+	for (const PlacedShape &placed : shapes) {
 		Shape *shape = placed.shape;
 		if (--shape->users > 0) {
 			continue;
 		}
-		++idle_;
-		if (!std::exchange(shape->listed, true)) {
+		++idle_count_;
+		if (!std::exchange(shape->is_listed, true)) {
 			idle_list_.push_back(shape);
 		}
 	}
 }
 
 bool CollisionShapes::free_some() {
-	int freed = 0;
-	for (; freed < freed_at_once && idle_ > max_idle; ++freed) {
+	int freed_count = 0;
+	for (; freed_count < max_freed_per_call && idle_count_ > max_idle; ++freed_count) {
 		Shape *shape = idle_list_.front();
 		idle_list_.pop_front();
-		shape->listed = false;
+		shape->is_listed = false;
 		if (shape->users == 0) {
 			PhysicsServer3D::get_singleton()->free_rid(shape->rid);
 			shapes_.erase(Key(*shape->key));
-			--idle_;
+			--idle_count_;
 		}
 	}
-	return freed > 0;
+	return freed_count > 0;
 }
 
 void CollisionShapes::clear() {
@@ -195,7 +197,7 @@ void CollisionShapes::clear() {
 	idle_list_.clear();
 	corners_.clear();
 	part_corners_.clear();
-	idle_ = 0;
+	idle_count_ = 0;
 }
 
 } // namespace thicket

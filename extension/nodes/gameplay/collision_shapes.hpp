@@ -40,7 +40,7 @@ struct ShapeSource {
 /// BodyFit). Some unused shapes are kept for reuse. Use it only on the main thread.
 class CollisionShapes {
 public:
-	/// The kind, Corners::number (0 for shapes without corners), and three sizes in meters. For
+	/// The kind, Corners::id (0 for shapes without corners), and three sizes in meters. For
 	/// convex shapes, the sizes are the scale of the corners.
 	using Key = std::tuple<BodyPart::Kind, std::uint64_t, float, float, float>;
 
@@ -50,12 +50,12 @@ public:
 		godot::RID rid;
 		std::size_t users = 0;
 		const Key *key = nullptr;
-		bool listed = false; ///< True if the shape is in `idle_list_`, even if it has users again.
+		bool is_listed = false; ///< True if the shape is in `idle_list_`, even if it has users again.
 	};
 
 	/// A shape and its transform in a body. The body's axes are the instance's axes without their
 	/// scale.
-	struct Placed {
+	struct PlacedShape {
 		Shape *shape = nullptr;
 		glm::mat3 rotation{1.0f};
 		glm::vec3 origin{0.0f}; ///< The position of the shape in the body, in meters.
@@ -68,8 +68,8 @@ public:
 
 	/// Returns the shapes of an instance and increments their user counts. The result is empty if
 	/// there is nothing to collide with. Pass it to `give_back` when the body is removed.
-	std::vector<Placed> take(const ShapeSource &source, std::uint32_t mesh, const BodyFit &fit);
-	void give_back(const std::vector<Placed> &shapes);
+	std::vector<PlacedShape> take(const ShapeSource &source, std::uint32_t mesh_index, const BodyFit &fit);
+	void give_back(const std::vector<PlacedShape> &shapes);
 
 	/// Frees a few unused shapes if there are more than `max_idle`. Returns false if there is
 	/// nothing to free.
@@ -81,22 +81,22 @@ public:
 	/// The maximum number of unused shapes to keep.
 	static constexpr std::size_t max_idle = 256;
 	/// The maximum number of shapes that one call to `free_some` frees.
-	static constexpr int freed_at_once = 16;
+	static constexpr int max_freed_per_call = 16;
 
 private:
 	/// The corners of a mesh's convex hull at scale 1.
 	struct Corners {
 		godot::AABB box; ///< The mesh's bounding box when the corners were read.
-		std::uint64_t number = 0;
+		std::uint64_t id = 0;
 		std::vector<glm::vec3> points;
 	};
 
 	static Shape make(const Key &key, const std::vector<glm::vec3> &corners);
-	const Corners *corners_of(const ShapeSource &source, std::uint32_t mesh);
+	const Corners *corners_of(const ShapeSource &source, std::uint32_t mesh_index);
 	const Corners *corners_of(const BodyPart &part);
-	static const Corners *usable(const Corners &corners);
+	static const Corners *usable_corners(const Corners &corners);
 	Shape *take(const Key &key, const std::vector<glm::vec3> &corners);
-	void add_part(const BodyPart &part, const BodyFit &fit, std::vector<Placed> &r_shapes);
+	void add_part(const BodyPart &part, const BodyFit &fit, std::vector<PlacedShape> &r_shapes);
 
 	std::map<Key, Shape> shapes_;
 	/// Shapes without users, in the order in which they lost their last user. May also contain
@@ -105,8 +105,8 @@ private:
 	std::map<std::uint64_t, Corners> corners_; ///< The corners of each mesh, keyed by its object ID.
 	/// The corners of convex body parts of models.
 	std::vector<std::pair<BodyPart, Corners>> part_corners_;
-	std::uint64_t last_number_ = 0;
-	std::size_t idle_ = 0;
+	std::uint64_t last_corners_id_ = 0;
+	std::size_t idle_count_ = 0;
 };
 
 } // namespace thicket

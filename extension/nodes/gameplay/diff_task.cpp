@@ -16,9 +16,9 @@ namespace thicket {
 
 namespace {
 
-using Unneeded = std::vector<std::shared_ptr<const void>>;
+using UnneededObjects = std::vector<std::shared_ptr<const void>>;
 
-void free_unneeded(void *p_unneeded) { delete static_cast<Unneeded *>(p_unneeded); }
+void free_objects(void *p_objects) { delete static_cast<UnneededObjects *>(p_objects); }
 
 } // namespace
 
@@ -60,14 +60,14 @@ void DiffTask::run(void *p_task) {
 void DiffTask::work() {
 	diff->work();
 	guarded_call("ScatterState.apply_diff_async", [this] { ids = ids_of_changes(diff->changes().list); });
-	done_.store(true, std::memory_order_release);
+	is_done_.store(true, std::memory_order_release);
 }
 
 void DiffTask::finish() {
 	if (task_ >= 0) {
 		WorkerThreadPool::get_singleton()->wait_for_task_completion(task_);
 		task_ = -1;
-	} else if (!done()) {
+	} else if (!is_done()) {
 		work();
 	}
 }
@@ -94,8 +94,8 @@ void DiffTask::notify(Error error) {
 	}
 	const Variant argument(static_cast<int64_t>(error));
 	Variant result;
-	const GDExtensionCallErrorType problem = call_script(callback, "call", result, argument);
-	if (problem != GDEXTENSION_CALL_OK && problem != GDEXTENSION_CALL_ERROR_INSTANCE_IS_NULL) {
+	const GDExtensionCallErrorType call_error = call_script(callback, "call", result, argument);
+	if (call_error != GDEXTENSION_CALL_OK && call_error != GDEXTENSION_CALL_ERROR_INSTANCE_IS_NULL) {
 		ERR_PRINT("ScatterState.apply_diff_async: callback must take (error: Error), and could not be called.");
 	}
 }
@@ -106,7 +106,7 @@ DeferredFree::~DeferredFree() {
 	}
 }
 
-void DeferredFree::forget_those_that_ended() {
+void DeferredFree::forget_completed_tasks() {
 	WorkerThreadPool *pool = WorkerThreadPool::get_singleton();
 	std::erase_if(tasks_, [pool](std::int64_t task) {
 		if (!pool->is_task_completed(task)) {
@@ -125,15 +125,15 @@ void DeferredFree::forget(std::int64_t task) {
 	}
 }
 
-void DeferredFree::free_on_worker(Unneeded unneeded) {
+void DeferredFree::free_on_worker(UnneededObjects objects) {
 	if (!has_threads()) {
 		return;
 	}
-	forget_those_that_ended();
+	forget_completed_tasks();
 	tasks_.reserve(tasks_.size() + 1);
-	auto task_reference = std::make_unique<Unneeded>(std::move(unneeded));
+	auto task_reference = std::make_unique<UnneededObjects>(std::move(objects));
 	tasks_.push_back(WorkerThreadPool::get_singleton()->add_native_task(
-			&free_unneeded, task_reference.release(), false, "Thicket leavings"));
+			&free_objects, task_reference.release(), false, "Thicket deferred free"));
 }
 
 } // namespace thicket

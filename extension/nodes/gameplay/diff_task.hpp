@@ -39,7 +39,7 @@ public:
 	/// Processes the diff in the pool, then defers a call to `p_owner`'s method `_finish_diffs`.
 	/// Call `start` only once, and only if `can_work` is true.
 	void start(godot::Object *p_owner);
-	bool done() const { return done_.load(std::memory_order_acquire); }
+	bool is_done() const { return is_done_.load(std::memory_order_acquire); }
 
 	/// Waits until the diff is processed. If no thread has started on it, processes it on the
 	/// calling thread.
@@ -56,9 +56,9 @@ public:
 	/// there is no task or if the ID has already been taken.
 	std::int64_t take_task() { return std::exchange(task_, -1); }
 
-	/// The processed diff. Null if memory was insufficient; `refused` is then the error.
+	/// The processed diff. Null if memory was insufficient; `queue_status` is then the error.
 	std::shared_ptr<PendingDiff> diff;
-	Status refused;
+	Status queue_status;
 	godot::PackedInt64Array ids; ///< The instance IDs of all changes, once the diff is processed.
 
 private:
@@ -71,7 +71,7 @@ private:
 	godot::Variant callback_;
 	std::mutex mutex_; ///< Guards the following members.
 	godot::Object *owner_ = nullptr;
-	std::atomic<bool> done_ = false;
+	std::atomic<bool> is_done_ = false;
 	std::int64_t task_ = -1;
 };
 
@@ -86,13 +86,13 @@ public:
 
 	/// Frees the objects once nothing else references them. Frees them immediately if the pool has
 	/// no threads.
-	void free_on_worker(std::vector<std::shared_ptr<const void>> unneeded);
+	void free_on_worker(std::vector<std::shared_ptr<const void>> objects);
 
 	/// Releases a pool task once it has ended. Ignores -1.
 	void forget(std::int64_t task);
 
 private:
-	void forget_those_that_ended();
+	void forget_completed_tasks();
 
 	std::vector<std::int64_t> tasks_; ///< Tasks that have not been released yet.
 };

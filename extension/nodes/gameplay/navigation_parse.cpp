@@ -33,11 +33,11 @@ struct Parser {
 	std::vector<Entry> nodes;
 
 	/// Sets the parser's callback to the method of the first node, or removes it if the list is
-	/// empty. If `later` is true, defers this, because the engine is running the current callback.
-	void call_first(bool later) const {
+	/// empty. If `deferred` is true, defers this, because the engine is running the current callback.
+	void update_callback(bool deferred) const {
 		NavigationServer3D *server = NavigationServer3D::get_singleton();
 		const Callable callback = nodes.empty() ? Callable() : Callable(nodes.front().node, nodes.front().method);
-		if (server != nullptr && later) {
+		if (server != nullptr && deferred) {
 			server->call_deferred("source_geometry_parser_set_callback", rid, callback);
 		} else if (server != nullptr) {
 			server->source_geometry_parser_set_callback(rid, callback);
@@ -53,28 +53,29 @@ Parser &shared_parser() {
 }
 
 /// A distance in meters, large enough to recover a region's axes precisely from floats.
-constexpr real_t far_away = 1 << 20;
+constexpr real_t probe_distance = 1 << 20;
 
-/// Forwards a call of the first node to all other nodes. Does nothing if `from` is another node.
-void forward_call(const NavigationParse *from, const Ref<NavigationMesh> &p_mesh,
+/// Forwards a call of the first node to all other nodes. Does nothing if `parse` belongs to another
+/// node.
+void forward_call(const NavigationParse *parse, const Ref<NavigationMesh> &p_mesh,
 		const Ref<NavigationMeshSourceGeometryData3D> &p_geometry, const Node *p_node) {
 	const std::vector<Entry> nodes = shared_parser().nodes;
-	if (nodes.empty() || nodes.front().parse != from) {
+	if (nodes.empty() || nodes.front().parse != parse) {
 		return;
 	}
 	for (const Entry &entry : std::span(nodes).subspan(1)) {
-		const auto here = [&entry](const Entry &other) {
+		const auto is_same_parse = [&entry](const Entry &other) {
 			return other.parse == entry.parse;
 		};
 		// A script may have removed the node since then.
-		if (std::ranges::any_of(shared_parser().nodes, here)) {
+		if (std::ranges::any_of(shared_parser().nodes, is_same_parse)) {
 			entry.node->call(entry.method, p_mesh, p_geometry, p_node);
 		}
 	}
 }
 
 /// Returns the last node that the engine visits in the branch of `node`.
-const Node *last_below(const Node *node) {
+const Node *last_descendant(const Node *node) {
 	while (const int64_t count = node->get_child_count(true)) {
 		node = node->get_child(static_cast<int32_t>(count - 1), true);
 	}
@@ -106,10 +107,10 @@ Transform3D space_of(NavigationMeshSourceGeometryData3D &r_geometry) {
 	const PackedFloat32Array vertices = r_geometry.get_vertices();
 	const PackedInt32Array indices = r_geometry.get_indices();
 	PackedVector3Array faces;
-	const std::span<Vector3> corner = resize(faces, 6);
-	corner[1] = Vector3(far_away, 0, 0);
-	corner[2] = Vector3(0, far_away, 0);
-	corner[3] = Vector3(0, 0, far_away);
+	const std::span<Vector3> corners = resize(faces, 6);
+	corners[1] = Vector3(probe_distance, 0, 0);
+	corners[2] = Vector3(0, probe_distance, 0);
+	corners[3] = Vector3(0, 0, probe_distance);
 	r_geometry.add_faces(faces, Transform3D());
 	const PackedFloat32Array probed = r_geometry.get_vertices();
 	// `set_indices` accepts at most as many indices as there are floats in the vertices. Most
@@ -120,12 +121,12 @@ Transform3D space_of(NavigationMeshSourceGeometryData3D &r_geometry) {
 	if (probed.size() < vertices.size() + 12) {
 		return {};
 	}
-	const float *at = probed.ptr() + vertices.size();
+	const float *probe = probed.ptr() + vertices.size();
 	Transform3D space;
 	for (int axis = 0; axis < 3; ++axis) {
-		space.origin[axis] = at[axis];
-		space.basis.rows[axis] = Vector3((at[3 + axis] - at[axis]) / far_away, (at[6 + axis] - at[axis]) / far_away,
-				(at[9 + axis] - at[axis]) / far_away);
+		space.origin[axis] = probe[axis];
+		space.basis.rows[axis] = Vector3((probe[3 + axis] - probe[axis]) / probe_distance,
+				(probe[6 + axis] - probe[axis]) / probe_distance, (probe[9 + axis] - probe[axis]) / probe_distance);
 	}
 	return space;
 }
@@ -134,9 +135,9 @@ Transform3D space_of(NavigationMeshSourceGeometryData3D &r_geometry) {
 /// filter is empty.
 void find_box(const NavigationMesh &mesh, NavigationMeshSourceGeometryData3D &r_geometry, NavigationBake &r_bake) {
 	const AABB filter = mesh.get_filter_baking_aabb();
-	const bool filtered = filter.size.x > 0 && filter.size.y > 0 && filter.size.z > 0;
-	const AABB box = filtered ? filter : r_geometry.get_bounds();
-	r_bake.min = to_core(box.position) + (filtered ? to_core(mesh.get_filter_baking_aabb_offset()) : glm::dvec3(0.0));
+	const bool has_filter = filter.size.x > 0 && filter.size.y > 0 && filter.size.z > 0;
+	const AABB box = has_filter ? filter : r_geometry.get_bounds();
+	r_bake.min = to_core(box.position) + (has_filter ? to_core(mesh.get_filter_baking_aabb_offset()) : glm::dvec3(0.0));
 	r_bake.max = r_bake.min + to_core(box.size);
 }
 
@@ -144,8 +145,9 @@ void find_box(const NavigationMesh &mesh, NavigationMeshSourceGeometryData3D &r_
 
 void NavigationParse::start(Node3D *p_node, const StringName &p_method) {
 	Parser &parser = shared_parser();
-	const bool known = std::ranges::any_of(parser.nodes, [this](const Entry &entry) { return entry.parse == this; });
-	if (known || NavigationServer3D::get_singleton() == nullptr) {
+	const bool is_registered =
+			std::ranges::any_of(parser.nodes, [this](const Entry &entry) { return entry.parse == this; });
+	if (is_registered || NavigationServer3D::get_singleton() == nullptr) {
 		return;
 	}
 	if (!parser.rid.is_valid()) {
@@ -153,17 +155,17 @@ void NavigationParse::start(Node3D *p_node, const StringName &p_method) {
 	}
 	parser.nodes.push_back({this, p_node, p_method});
 	if (parser.nodes.size() == 1) {
-		parser.call_first(false);
+		parser.update_callback(false);
 	}
 }
 
 void NavigationParse::stop() {
 	Parser &parser = shared_parser();
-	geometry_ = 0;
-	const bool first = !parser.nodes.empty() && parser.nodes.front().parse == this;
+	geometry_id_ = 0;
+	const bool was_first = !parser.nodes.empty() && parser.nodes.front().parse == this;
 	std::erase_if(parser.nodes, [this](const Entry &entry) { return entry.parse == this; });
-	if (first) {
-		parser.call_first(busy_);
+	if (was_first) {
+		parser.update_callback(busy_);
 	}
 }
 
@@ -179,34 +181,34 @@ void NavigationParse::begin(
 		group = first.get_tree()->get_nodes_in_group(mesh.get_source_group_name());
 		last = group.is_empty() ? last : member_of(group, group.size() - 1);
 	}
-	last = with_children ? last_below(last) : last;
+	last = with_children ? last_descendant(last) : last;
 	visits_left_ = mode == NavigationMesh::SOURCE_GEOMETRY_GROUPS_WITH_CHILDREN ? visits_of(last, group) : 1;
-	geometry_ = r_geometry.get_instance_id();
-	first_ = first.get_instance_id();
-	last_ = last->get_instance_id();
-	found_ = false;
+	geometry_id_ = r_geometry.get_instance_id();
+	first_id_ = first.get_instance_id();
+	last_id_ = last->get_instance_id();
+	visited_own_node_ = false;
 	const Transform3D space = space_of(r_geometry);
 	basis_ = to_core(space.basis);
 	origin_ = to_core(space.origin);
 }
 
 bool NavigationParse::visit(const Ref<NavigationMesh> &p_mesh,
-		const Ref<NavigationMeshSourceGeometryData3D> &p_geometry, const Node *p_node, const Node *p_own,
+		const Ref<NavigationMeshSourceGeometryData3D> &p_geometry, const Node *p_node, const Node *p_own_node,
 		NavigationBake &r_bake) {
 	if (p_mesh.is_null() || p_geometry.is_null() || p_node == nullptr || !p_node->is_inside_tree()) {
 		return false;
 	}
 	forward_call(this, p_mesh, p_geometry, p_node);
-	const std::uint64_t node = p_node->get_instance_id();
-	if (geometry_ != p_geometry->get_instance_id() || node == first_) {
+	const std::uint64_t node_id = p_node->get_instance_id();
+	if (geometry_id_ != p_geometry->get_instance_id() || node_id == first_id_) {
 		begin(*p_mesh.ptr(), *p_geometry.ptr(), *p_node);
 	}
-	found_ = found_ || p_node == p_own;
-	if (node != last_ || --visits_left_ > 0) {
+	visited_own_node_ = visited_own_node_ || p_node == p_own_node;
+	if (node_id != last_id_ || --visits_left_ > 0) {
 		return false;
 	}
-	geometry_ = 0;
-	if (!found_) {
+	geometry_id_ = 0;
+	if (!visited_own_node_) {
 		return false;
 	}
 	r_bake.geometry = p_geometry;

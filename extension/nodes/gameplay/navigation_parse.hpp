@@ -54,10 +54,10 @@ public:
 	void stop();
 
 	/// Handles a call from the engine. Returns true at the last node of a parse that has visited
-	/// `p_own`, and sets `r_bake` to the input of the bake.
+	/// `p_own_node`, and sets `r_bake` to the input of the bake.
 	bool visit(const godot::Ref<godot::NavigationMesh> &p_mesh,
 			const godot::Ref<godot::NavigationMeshSourceGeometryData3D> &p_geometry, const godot::Node *p_node,
-			const godot::Node *p_own, NavigationBake &r_bake);
+			const godot::Node *p_own_node, NavigationBake &r_bake);
 
 	/// Sets whether scripts run inside a call to `visit`. The engine is then using the parser's
 	/// callback, so `stop` defers replacing it.
@@ -69,14 +69,15 @@ private:
 
 	bool busy_ = false;
 
-	// The object IDs of the parse in progress; 0 if there is none.
-	std::uint64_t geometry_ = 0;
-	std::uint64_t first_ = 0;
-	std::uint64_t last_ = 0;
+	// The object IDs of the source geometry, the first node and the last node of the parse in
+	// progress; 0 if there is none.
+	std::uint64_t geometry_id_ = 0;
+	std::uint64_t first_id_ = 0;
+	std::uint64_t last_id_ = 0;
 	/// The number of remaining calls for the last node. The engine may visit it several times,
 	/// because a group can contain a node and its ancestors.
 	int visits_left_ = 0;
-	bool found_ = false;
+	bool visited_own_node_ = false;
 	glm::dmat3 basis_{1.0};
 	glm::dvec3 origin_{0.0};
 };

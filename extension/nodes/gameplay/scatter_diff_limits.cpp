@@ -39,8 +39,8 @@ void ScatterDiffLimits::set_area(const Rect2 &p_area) {
 	const glm::dvec2 corner(p_area.position.x, p_area.position.y);
 	const Rect area{corner, corner + glm::dvec2(p_area.size.x, p_area.size.y)};
 	Status status;
-	for (const double number : {area.min.x, area.min.y, area.max.x, area.max.y}) {
-		status = first_failure(status, check_range("area", number, -max_added_coordinate, max_added_coordinate));
+	for (const double coordinate : {area.min.x, area.min.y, area.max.x, area.max.y}) {
+		status = first_failure(status, check_range("area", coordinate, -max_added_coordinate, max_added_coordinate));
 	}
 	for (const double side : {area.size().x, area.size().y}) {
 		status = first_failure(status, check_range("area.size", side, at_least(0), negative_size));

@@ -48,7 +48,7 @@ void ScatterGameplay::stop() {
 void ScatterGameplay::clear() {
 	// Signals are emitted only for instances in loaded tiles, and no tile is loaded now.
 	backlog_.clear();
-	give_up_requests();
+	abandon_requests();
 	collision_.clear();
 	world_.clear();
 	scenes_.clear();
@@ -56,7 +56,7 @@ void ScatterGameplay::clear() {
 
 void ScatterGameplay::retire() {
 	backlog_.clear();
-	give_up_requests();
+	abandon_requests();
 	collision_.set_layers({});
 	world_.clear();
 	layers_.clear();
@@ -69,23 +69,23 @@ void ScatterGameplay::set_layers(SharedLayers listed, const std::vector<SharedSn
 	// scripts would run.
 	const bool with_scenes = !in_editor();
 	renumber_requests(*listed);
-	listed_ = std::move(listed);
+	listed_layers_ = std::move(listed);
 	layers_ = layers;
-	std::vector<QueryLayer> queried;
-	std::vector<CollisionLayer> colliding;
-	std::vector<SceneLayer> swapped;
+	std::vector<QueryLayer> query_layers;
+	std::vector<CollisionLayer> collision_layers;
+	std::vector<SceneSettings> scene_settings;
 	for (const SharedSnapshot &layer : layers_) {
-		queried.push_back(query_layer(layer.get()));
-		colliding.push_back(collision_of(layer.get()));
-		swapped.push_back(with_scenes ? scenes_of(layer.get()) : SceneLayer());
+		query_layers.push_back(query_layer(layer.get()));
+		collision_layers.push_back(collision_of(layer.get()));
+		scene_settings.push_back(with_scenes ? scene_settings_of(layer.get()) : SceneSettings());
 	}
-	world_.set_layers(std::move(queried));
+	world_.set_layers(std::move(query_layers));
 	for (std::uint32_t layer = 0; layer < outdated.size(); ++layer) {
 		world_.invalidate(layer, outdated[layer]);
 	}
 	world_.set_maker(std::move(maker));
-	collision_.set_layers(std::move(colliding));
-	scenes_.set_layers(std::move(swapped));
+	collision_.set_layers(std::move(collision_layers));
+	scenes_.set_layers(std::move(scene_settings));
 	claim_layers();
 }
 
@@ -142,7 +142,7 @@ SceneHost ScatterGameplay::scene_host() {
 		}
 	};
 	host.layer_at = [this](std::uint32_t index) {
-		return listed_->at(index);
+		return listed_layers_->at(index);
 	};
 	host.data_of = [this](std::uint64_t id) {
 		return get_instance_data(script_id(id));
@@ -169,8 +169,8 @@ Rect ScatterGameplay::area_of(std::uint64_t id, glm::dvec3 position, std::uint32
 			return *area;
 		}
 	}
-	const glm::dvec2 at{position.x, position.z};
-	return {at, at};
+	const glm::dvec2 point{position.x, position.z};
+	return {point, point};
 }
 
 } // namespace thicket

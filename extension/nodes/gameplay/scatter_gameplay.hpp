@@ -64,7 +64,7 @@ public:
 	virtual void redraw_all_later() = 0;
 
 	/// Frees a large object on another thread.
-	virtual void free_on_worker(std::shared_ptr<const void> unneeded) = 0;
+	virtual void free_on_worker(std::shared_ptr<const void> object) = 0;
 	virtual void set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden) = 0;
 
 	/// Schedules a call to ScatterGameplay::recycle_scenes before this frame is drawn and before
@@ -123,7 +123,7 @@ public:
 			std::span<const EditedArea> outdated, TileMaker maker);
 
 	/// Returns the layers as last set. The layer indices of instances refer to this list.
-	const SharedLayers &listed_layers() const { return listed_; }
+	const SharedLayers &listed_layers() const { return listed_layers_; }
 	void set_world_frame(const WorldFrame &frame);
 
 	/// Returns the relation between the engine's space and the world, at the node's current transform.
@@ -171,13 +171,13 @@ public:
 	/// Prepares a query and returns the layers. Returns null if the node was freed. If there is
 	/// nothing to query, prints an error and returns null. Runs scripts.
 	SharedLayers prepare(const char *p_method);
-	godot::String find_queried(const godot::Variant &p_layers, std::vector<std::uint32_t> &r_indices) const {
-		return find_layers(*listed_, p_layers, r_indices);
+	godot::String find_queried_layers(const godot::Variant &p_layers, std::vector<std::uint32_t> &r_indices) const {
+		return find_layers(*listed_layers_, p_layers, r_indices);
 	}
 
 	/// Runs a query and generates missing tiles for it. Keeps the state alive during the call. Call
 	/// `prepare` first. On failure, prints an error and returns false.
-	bool answer(const char *p_method, const AskedQuery &query);
+	bool answer(const char *p_method, const PreparedQuery &query);
 
 	// Queries. For `p_layers`, see find_layers. A predicate receives (id, layer, transform) and
 	// returns whether to include that instance. An invalid query prints an error and returns an
@@ -237,7 +237,7 @@ public:
 	bool remove_from(const ScatterState *state, std::uint64_t id, double until) override;
 	bool restore_in(const ScatterState *state, std::uint64_t id) override;
 	bool set_data_in(const ScatterState *state, std::uint64_t id, const godot::Variant &p_data) override;
-	SharedLayers layers() const override { return listed_; }
+	SharedLayers layers() const override { return listed_layers_; }
 	void state_changed(const SharedChanges &changes) override;
 	void notify_changes(const SharedChanges &changes) override;
 
@@ -257,7 +257,7 @@ private:
 	};
 
 	/// A request as a script made it, on any thread.
-	struct Wanted {
+	struct PendingRequest {
 		const char *method = "";
 		std::variant<godot::Rect2, SphereInScene> area;
 		godot::Variant layers;
@@ -266,21 +266,21 @@ private:
 	};
 
 	/// A request whose tiles are being generated.
-	struct OpenQuery {
+	struct OpenRequest {
 		const char *method = "";
 		godot::Callable predicate;
 		godot::Ref<ScatterRequest> request;
 	};
 
 	/// A request whose tiles are ready, but whose predicate has not been applied yet.
-	struct Answered {
-		OpenQuery open;
-		FoundInstances found;
-		SharedLayers layers; ///< The layer indices of the found instances refer to this list.
+	struct AnsweredRequest {
+		OpenRequest request;
+		FoundInstances instances;
+		SharedLayers layers; ///< The layer indices of the instances refer to this list.
 	};
 
 	/// Changes whose signals are emitted over several frames.
-	struct Unreported {
+	struct UnreportedChanges {
 		SharedChanges changes;
 		std::size_t reported_count = 0;
 	};
@@ -299,10 +299,10 @@ private:
 	};
 
 	SceneHost scene_host();
-	std::vector<PlacedInstance> find_by_id(const char *p_method, int64_t p_id, bool even_removed);
-	godot::Ref<ScatterRequest> request(Wanted wanted);
-	void open_request(const Wanted &wanted);
-	void give_up_requests();
+	std::vector<PlacedInstance> find_by_id(const char *p_method, int64_t p_id, bool include_removed);
+	godot::Ref<ScatterRequest> request(PendingRequest pending);
+	void open_request(const PendingRequest &pending);
+	void abandon_requests();
 	void renumber_requests(const ListedLayers &listed);
 
 	void add_obstructions(
@@ -319,7 +319,7 @@ private:
 	const PlacedInstance *find_changing(std::uint64_t id);
 	void notify(const InstanceChange &change);
 	void emit_backlog(std::chrono::steady_clock::time_point deadline);
-	bool still_true(const InstanceChange &change) const;
+	bool still_applies(const InstanceChange &change) const;
 
 	const Signals signals_;
 	GameplayHost *host_; ///< The services of the node. Null once the node is freed.
@@ -327,19 +327,19 @@ private:
 	std::uint64_t run_ = 0;
 	WorldFrame frame_;
 	std::vector<SharedSnapshot> layers_;
-	SharedLayers listed_ = std::make_shared<const ListedLayers>(godot::TypedArray<ScatterLayer>());
+	SharedLayers listed_layers_ = std::make_shared<const ListedLayers>(godot::TypedArray<ScatterLayer>());
 	InstanceWorld world_;
 	godot::Ref<ScatterState> state_;
-	std::deque<Unreported> backlog_;
+	std::deque<UnreportedChanges> backlog_;
 	/// The instances that this node is currently removing or restoring, in the order of their
 	/// signals. Excludes those whose signals have been emitted.
-	std::span<const PlacedInstance> changing_;
+	std::span<const PlacedInstance> changing_instances_;
 
-	std::mutex wanted_mutex_;
-	std::vector<Wanted> wanted_; ///< Requests from other threads. Guarded by `wanted_mutex_`.
+	std::mutex pending_mutex_;
+	std::vector<PendingRequest> pending_; ///< Requests from other threads. Guarded by `pending_mutex_`.
 	QueryRequests requests_;
-	std::map<std::int64_t, OpenQuery> open_; ///< The open requests, keyed by their numbers in `requests_`.
-	std::vector<Answered> answered_;
+	std::map<std::int64_t, OpenRequest> open_requests_; ///< The open requests, keyed by their numbers in `requests_`.
+	std::vector<AnsweredRequest> answered_requests_;
 
 	CollisionRing collision_;
 	SceneRing scenes_;

@@ -24,9 +24,9 @@ namespace {
 constexpr std::size_t transform_size = 12; ///< The number of floats per transform.
 
 Status check_mesh(int64_t mesh) {
-	const bool known = mesh >= 0 && mesh < static_cast<int64_t>(max_meshes);
-	return known ? Status{}
-				 : Status::out_of_range("mesh", mesh, between(0, max_meshes - 1, "an index of ScatterLayer.meshes"));
+	const bool is_valid = mesh >= 0 && mesh < static_cast<int64_t>(max_meshes);
+	return is_valid ? Status{}
+					: Status::out_of_range("mesh", mesh, between(0, max_meshes - 1, "an index of ScatterLayer.meshes"));
 }
 
 /// Reads a transform from a buffer: three rows of the basis, each followed by one coordinate of the
@@ -61,8 +61,8 @@ bool ScatterGameplay::find_layer_to_add_to(const char *p_method, const Variant &
 		ERR_PRINT(String((name + ": ").c_str()) + problem);
 		return false;
 	}
-	const bool wanted = r_layer < world_.layers().size() && world_.layers()[r_layer].wanted;
-	const Status status = wanted ? claim(r_layer) : refused_layer();
+	const bool is_displayed = r_layer < world_.layers().size() && world_.layers()[r_layer].wanted;
+	const Status status = is_displayed ? claim(r_layer) : refused_layer();
 	report(name.c_str(), status);
 	return status.ok();
 }
@@ -89,13 +89,13 @@ PackedInt64Array ScatterGameplay::add_instances(
 		const Variant &p_layer, const PackedFloat32Array &p_transforms, const PackedInt32Array &p_meshes) {
 	const auto floats = static_cast<std::size_t>(p_transforms.size());
 	const std::size_t count = floats / transform_size;
-	const bool one_mesh = p_meshes.size() == 0;
+	const bool uses_first_mesh = p_meshes.size() == 0;
 	if (floats % transform_size != 0) {
 		report("TerrainScatter3D.add_instances",
 				Status::wrong_size("transforms", floats, at_least(0, "a multiple of 12: 12 floats per instance")));
 		return {};
 	}
-	if (!one_mesh && p_meshes.size() != static_cast<int64_t>(count)) {
+	if (!uses_first_mesh && p_meshes.size() != static_cast<int64_t>(count)) {
 		report("TerrainScatter3D.add_instances",
 				Status::wrong_size("meshes", p_meshes.size(), exactly(count, "one per instance, or none")));
 		return {};
@@ -107,13 +107,13 @@ PackedInt64Array ScatterGameplay::add_instances(
 	const WorldFrame frame = world_frame();
 	std::vector<AddedInstance> added;
 	added.reserve(count);
-	for (std::size_t at = 0; at < count; ++at) {
-		const int64_t mesh = one_mesh ? 0 : p_meshes.ptr()[at];
+	for (std::size_t index = 0; index < count; ++index) {
+		const int64_t mesh = uses_first_mesh ? 0 : p_meshes.ptr()[index];
 		if (const Status status = check_mesh(mesh); !status.ok()) {
-			report_at(at, status);
+			report_at(index, status);
 			return {};
 		}
-		added.push_back(read_transform(p_transforms.ptr() + at * transform_size, frame));
+		added.push_back(read_transform(p_transforms.ptr() + index * transform_size, frame));
 		added.back().layer = world_.layers()[layer].set.layer;
 		added.back().mesh = static_cast<std::uint8_t>(mesh);
 	}
@@ -132,19 +132,19 @@ PackedInt64Array ScatterGameplay::remove_instances(const PackedInt64Array &p_ids
 		return {};
 	}
 	const Ref<ScatterState> state = state_;
-	std::vector<PlacedInstance> standing;
+	std::vector<PlacedInstance> instances;
 	const auto find_all = [&](const InstanceQuery &query) -> Status {
-		std::vector<PlacedInstance> found;
+		std::vector<PlacedInstance> matches;
 		for (const int64_t id : std::span(p_ids.ptr(), static_cast<std::size_t>(p_ids.size()))) {
-			if (const Status status = query.by_id(core_id(id), found); !status.ok()) {
+			if (const Status status = query.by_id(core_id(id), matches); !status.ok()) {
 				return status;
 			}
-			standing.insert(standing.end(), found.begin(), found.end());
+			instances.insert(instances.end(), matches.begin(), matches.end());
 		}
 		return {};
 	};
 	report("TerrainScatter3D.remove_instances", world_.answer(find_all));
-	return packed_ids(remove_all(standing));
+	return packed_ids(remove_all(instances));
 }
 
 } // namespace thicket

@@ -23,21 +23,21 @@ namespace thicket {
 namespace {
 
 /// The number of signals that are emitted before the time is checked again.
-constexpr std::size_t signals_in_a_row = 16;
+constexpr std::size_t signals_per_time_check = 16;
 
 /// Sets a variable and restores its previous value at the end of the scope, even after an
 /// exception.
 template <typename T>
 class ScopedValue {
 public:
-	ScopedValue(T &r_variable, T value) : variable_(r_variable), before_(std::exchange(r_variable, value)) {}
-	~ScopedValue() { variable_ = before_; }
+	ScopedValue(T &r_variable, T value) : variable_(r_variable), previous_value_(std::exchange(r_variable, value)) {}
+	~ScopedValue() { variable_ = previous_value_; }
 	ScopedValue(const ScopedValue &) = delete;
 	ScopedValue &operator=(const ScopedValue &) = delete;
 
 private:
 	T &variable_;
-	T before_;
+	T previous_value_;
 };
 
 std::size_t size_of(const Ref<ScatterState> &p_state) {
@@ -82,18 +82,18 @@ void ScatterGameplay::set_state(const Ref<ScatterState> &p_state) {
 		}
 	}
 	const bool is_game = !in_editor();
-	const bool copied = p_state.is_valid() && p_state->is_copied_at_runtime() && is_game;
-	if (p_state.is_valid() && is_game && !copied) {
+	const bool use_copy = p_state.is_valid() && p_state->is_copied_at_runtime() && is_game;
+	if (p_state.is_valid() && is_game && !use_copy) {
 		p_state->warn_if_cached();
 	}
-	const Ref<ScatterState> before = std::exchange(state_, copied ? p_state->copy() : p_state);
-	if (before.is_valid()) {
-		before->remove_listener(this);
+	const Ref<ScatterState> previous = std::exchange(state_, use_copy ? p_state->copy() : p_state);
+	if (previous.is_valid()) {
+		previous->remove_listener(this);
 	}
 	if (state_.is_valid()) {
 		state_->add_listener(shared_from_this());
 	}
-	for (const Unreported &unreported : backlog_) {
+	for (const UnreportedChanges &unreported : backlog_) {
 		host_->free_on_worker(unreported.changes);
 	}
 	backlog_.clear();
@@ -101,10 +101,10 @@ void ScatterGameplay::set_state(const Ref<ScatterState> &p_state) {
 	const InstanceState *state = state_.is_valid() ? &state_->state() : nullptr;
 	world_.set_state(state);
 	host_->set_overlay(state);
-	const std::size_t changes = size_of(before) + size_of(state_);
-	if (running_ && changes > max_per_call) {
+	const std::size_t change_count = size_of(previous) + size_of(state_);
+	if (running_ && change_count > max_per_call) {
 		host_->redraw_all_later(); // Bodies and scenes are also updated step by step.
-	} else if (running_ && changes > 0) {
+	} else if (running_ && change_count > 0) {
 		for (NearRing *ring : rings_) {
 			ring->drop_if([this](std::uint64_t id) { return is_no_longer_placed(id); });
 		}
@@ -140,36 +140,36 @@ bool ScatterGameplay::remove_instance(int64_t p_id) {
 
 PackedInt64Array ScatterGameplay::remove_in_sphere(
 		const Vector3 &p_center, double p_radius, const Variant &p_layers, const Callable &p_predicate) {
-	std::vector<PlacedInstance> found;
-	find_in_sphere(*this, {"remove_in_sphere", p_layers, p_predicate}, p_center, p_radius).found.read_all(found);
-	return packed_ids(remove_all(found));
+	std::vector<PlacedInstance> matches;
+	find_in_sphere(*this, {"remove_in_sphere", p_layers, p_predicate}, p_center, p_radius).instances.read_all(matches);
+	return packed_ids(remove_all(matches));
 }
 
 /// Removes instances and returns the IDs of those that existed. The scripts that ran during the
 /// search may have changed the layers, so each layer is checked again.
 std::vector<std::uint64_t> ScatterGameplay::remove_all(std::span<const PlacedInstance> instances, double until) {
 	std::vector<Removal> removals;
-	std::int64_t refused = -1;
+	std::int64_t rejected_index = -1;
 	for (const PlacedInstance &instance : instances) {
 		const std::int64_t index = layer_index_of(instance.id);
-		const bool listed = index >= 0 && static_cast<std::size_t>(index) < layers_.size();
-		if (!listed || index == refused || !alive()) {
+		const bool is_listed = index >= 0 && static_cast<std::size_t>(index) < layers_.size();
+		if (!is_listed || index == rejected_index || !alive()) {
 			continue;
 		}
 		if (const Status status = claim(static_cast<std::uint32_t>(index)); !status.ok()) {
 			report("TerrainScatter3D", status);
-			refused = index;
+			rejected_index = index;
 			continue;
 		}
 		const double regrowth = layers_[static_cast<std::size_t>(index)]->gameplay.regrowth_time;
-		const double of_layer = regrowth > 0.0 ? state_->get_time() + regrowth : 0.0;
-		removals.push_back({instance.id, until == regrowth_of_layer ? of_layer : until});
+		const double layer_until = regrowth > 0.0 ? state_->get_time() + regrowth : 0.0;
+		removals.push_back({instance.id, until == regrowth_of_layer ? layer_until : until});
 	}
 	if (removals.empty()) {
 		return {};
 	}
 	const Ref<ScatterState> state = state_;
-	const ScopedValue changing(changing_, instances);
+	const ScopedValue changing(changing_instances_, instances);
 	return state->remove_all(removals);
 }
 
@@ -179,12 +179,12 @@ bool ScatterGameplay::displays(std::uint64_t id) const {
 }
 
 bool ScatterGameplay::remove_from(const ScatterState *state, std::uint64_t id, double until) {
-	const bool gone = state->is_removed(script_id(id));
-	if (gone && until == regrowth_of_layer) {
+	const bool is_removed = state->is_removed(script_id(id));
+	if (is_removed && until == regrowth_of_layer) {
 		return false;
 	}
-	const std::vector<PlacedInstance> found = find_by_id("remove_instance", script_id(id), gone);
-	return state_.ptr() == state && !remove_all(found, until).empty();
+	const std::vector<PlacedInstance> matches = find_by_id("remove_instance", script_id(id), is_removed);
+	return state_.ptr() == state && !remove_all(matches, until).empty();
 }
 
 bool ScatterGameplay::restore_instance(int64_t p_id) {
@@ -196,26 +196,26 @@ bool ScatterGameplay::restore_in(const ScatterState *state, std::uint64_t id) {
 	if (!state->is_removed(script_id(id))) {
 		return false;
 	}
-	const std::vector<PlacedInstance> found = find_by_id("restore_instance", script_id(id), true);
+	const std::vector<PlacedInstance> matches = find_by_id("restore_instance", script_id(id), true);
 	const Ref<ScatterState> keep_alive = state_;
-	const ScopedValue changing(changing_, std::span(found));
+	const ScopedValue changing(changing_instances_, std::span(matches));
 	return keep_alive.is_valid() && keep_alive.ptr() == state && keep_alive->restore_by_id(id);
 }
 
 int64_t ScatterGameplay::set_instance_transform(int64_t p_id, const Transform3D &p_transform) {
-	const std::vector<PlacedInstance> found = find_by_id("set_instance_transform", p_id, false);
-	const std::int64_t layer = found.empty() || !alive() ? -1 : layer_index_of(core_id(p_id));
+	const std::vector<PlacedInstance> matches = find_by_id("set_instance_transform", p_id, false);
+	const std::int64_t layer = matches.empty() || !alive() ? -1 : layer_index_of(core_id(p_id));
 	if (layer < 0) {
 		return 0;
 	}
 	Status status = claim(static_cast<std::uint32_t>(layer));
 	std::uint64_t id = 0;
 	if (status.ok()) {
-		AddedInstance moved = to_added(p_transform, world_frame());
-		moved.layer = layer_of(core_id(p_id));
-		moved.mesh = static_cast<std::uint8_t>(found.front().mesh);
+		AddedInstance placement = to_added(p_transform, world_frame());
+		placement.layer = layer_of(core_id(p_id));
+		placement.mesh = static_cast<std::uint8_t>(matches.front().mesh);
 		const Ref<ScatterState> state = state_;
-		status = state->move(core_id(p_id), moved, id);
+		status = state->move(core_id(p_id), placement, id);
 	}
 	report("TerrainScatter3D.set_instance_transform", status);
 	return status.ok() ? script_id(id) : 0;
@@ -262,13 +262,13 @@ void ScatterGameplay::state_changed(const SharedChanges &changes) {
 		redraw_later(*changes); // Bodies and scenes are also updated step by step.
 		return;
 	}
-	std::size_t dropped = 0;
-	changes->for_each([this, &dropped](const InstanceChange &change) {
+	std::size_t dropped_count = 0;
+	changes->for_each([this, &dropped_count](const InstanceChange &change) {
 		const std::int64_t index = layer_index_of(change.id);
 		if (index >= 0 && change.kind != InstanceChangeKind::data) {
 			const auto layer = static_cast<std::uint32_t>(index);
 			host_->redraw(layer, area_of(change.id, change.added.position, layer));
-			if (++dropped > max_dropped_at_once) {
+			if (++dropped_count > max_dropped_at_once) {
 				return; // The remaining bodies and scenes are removed step by step, nearest first.
 			}
 			for (NearRing *ring : rings_) {
@@ -306,18 +306,18 @@ void ScatterGameplay::notify_changes(const SharedChanges &changes) {
 		return;
 	}
 	const Ref<ScatterState> state = state_;
-	for (std::size_t at = 0; at < changes->size(); ++at) {
+	for (std::size_t i = 0; i < changes->size(); ++i) {
 		if (!alive() || !(state_ == state)) {
 			return; // A signal handler has freed the node or set another state.
 		}
-		if (const InstanceChange *change = changes->at(at)) {
+		if (const InstanceChange *change = changes->at(i)) {
 			notify(*change);
 		}
 	}
 }
 
 /// Returns false for a change that was undone or replaced by a later change that has been reported.
-bool ScatterGameplay::still_true(const InstanceChange &change) const {
+bool ScatterGameplay::still_applies(const InstanceChange &change) const {
 	switch (change.kind) {
 		case InstanceChangeKind::removed: return is_no_longer_placed(change.id);
 		case InstanceChangeKind::restored:
@@ -330,30 +330,30 @@ bool ScatterGameplay::still_true(const InstanceChange &change) const {
 }
 
 void ScatterGameplay::emit_backlog(std::chrono::steady_clock::time_point deadline) {
-	for (std::size_t reported = 1; alive() && running_ && !backlog_.empty(); ++reported) {
+	for (std::size_t reported_count = 1; alive() && running_ && !backlog_.empty(); ++reported_count) {
 		const SharedChanges changes = backlog_.front().changes;
 		const InstanceChange *change = changes->at(backlog_.front().reported_count++);
 		if (backlog_.front().reported_count == changes->size()) {
 			host_->free_on_worker(backlog_.front().changes);
 			backlog_.pop_front();
 		}
-		if (change != nullptr && still_true(*change)) {
+		if (change != nullptr && still_applies(*change)) {
 			notify(*change);
 		}
-		if (reported % signals_in_a_row == 0 && std::chrono::steady_clock::now() >= deadline) {
+		if (reported_count % signals_per_time_check == 0 && std::chrono::steady_clock::now() >= deadline) {
 			return;
 		}
 	}
 }
 
 /// Returns the position and transform of an instance that this node is currently removing or
-/// restoring; null for any other instance. Changes are reported in the order of `changing_`, so
-/// this function also discards the entries before the instance.
+/// restoring; null for any other instance. Changes are reported in the order of
+/// `changing_instances_`, so this function also discards the entries before the instance.
 const PlacedInstance *ScatterGameplay::find_changing(std::uint64_t id) {
-	while (!changing_.empty() && changing_.front().id != id) {
-		changing_ = changing_.subspan(1);
+	while (!changing_instances_.empty() && changing_instances_.front().id != id) {
+		changing_instances_ = changing_instances_.subspan(1);
 	}
-	return changing_.empty() ? nullptr : &changing_.front();
+	return changing_instances_.empty() ? nullptr : &changing_instances_.front();
 }
 
 const StringName &ScatterGameplay::Signals::of(InstanceChangeKind kind) const {
@@ -382,16 +382,16 @@ void ScatterGameplay::notify(const InstanceChange &change) {
 		// The instance was found before the change.
 		transform = to_engine(*changing, world_frame());
 	} else {
-		std::vector<PlacedInstance> found;
+		std::vector<PlacedInstance> matches;
 		const Status status = world_.query_known(
-				[&](const InstanceQuery &query) { return query.by_id_even_removed(change.id, found); });
-		if (!status.ok() || found.empty()) {
+				[&](const InstanceQuery &query) { return query.by_id_even_removed(change.id, matches); });
+		if (!status.ok() || matches.empty()) {
 			return;
 		}
-		transform = to_engine(found.front(), world_frame());
+		transform = to_engine(matches.front(), world_frame());
 	}
-	host_->node()->emit_signal(
-			signals_.of(change.kind), script_id(change.id), listed_->at(static_cast<std::size_t>(index)), transform);
+	host_->node()->emit_signal(signals_.of(change.kind), script_id(change.id),
+			listed_layers_->at(static_cast<std::size_t>(index)), transform);
 }
 
 } // namespace thicket

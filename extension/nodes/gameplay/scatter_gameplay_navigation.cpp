@@ -32,9 +32,9 @@ Rect ground_of(const NavigationBake &bake) {
 	constexpr double infinity = std::numeric_limits<double>::infinity();
 	Rect rect{glm::dvec2(infinity), glm::dvec2(-infinity)};
 	for (unsigned corner = 0; corner < 8; ++corner) {
-		const glm::dvec3 at(corner & 1U ? bake.max.x : bake.min.x, corner & 2U ? bake.max.y : bake.min.y,
+		const glm::dvec3 corner_position(corner & 1U ? bake.max.x : bake.min.x, corner & 2U ? bake.max.y : bake.min.y,
 				corner & 4U ? bake.max.z : bake.min.z);
-		const glm::dvec3 position = inverse * (at - bake.origin);
+		const glm::dvec3 position = inverse * (corner_position - bake.origin);
 		rect.min = glm::min(rect.min, glm::dvec2(position.x, position.z));
 		rect.max = glm::max(rect.max, glm::dvec2(position.x, position.z));
 	}
@@ -51,7 +51,7 @@ bool obstructs(const LayerSnapshot *layer, const NavigationBake &bake) {
 }
 
 /// Returns true if an obstruction intersects the baked box.
-bool meets(const NavigationBake &bake, const Obstruction &obstruction) {
+bool overlaps(const NavigationBake &bake, const Obstruction &obstruction) {
 	glm::dvec2 min = obstruction.outline.front();
 	glm::dvec2 max = min;
 	for (const glm::dvec2 corner : obstruction.outline) {
@@ -63,8 +63,8 @@ bool meets(const NavigationBake &bake, const Obstruction &obstruction) {
 }
 
 void add(const Obstruction &obstruction, NavigationMeshSourceGeometryData3D &r_geometry) {
-	const auto corner = [&obstruction](glm::dvec2 at) {
-		return to_engine(glm::dvec3(at.x, obstruction.bottom, at.y));
+	const auto corner = [&obstruction](glm::dvec2 point) {
+		return to_engine(glm::dvec3(point.x, obstruction.bottom, point.y));
 	};
 	const auto outline = packed<PackedVector3Array>(std::span<const glm::dvec2>(obstruction.outline), corner);
 	// Do not carve the obstruction. The engine carves after it has applied the agent's radius, so
@@ -74,7 +74,7 @@ void add(const Obstruction &obstruction, NavigationMeshSourceGeometryData3D &r_g
 }
 
 /// Returns the IDs of a layer's hand-placed instances that may obstruct an area (world meters).
-std::vector<std::uint64_t> hand_placed(const InstanceState &state, std::uint16_t layer, const Rect &area,
+std::vector<std::uint64_t> hand_placed_ids(const InstanceState &state, std::uint16_t layer, const Rect &area,
 		const InstanceShape &shape, const NavigationAgent &agent) {
 	const double reach = obstruction_reach(shape, state.max_added_scale(layer), agent);
 	if (reach > max_obstruction_reach) {
@@ -94,8 +94,8 @@ void report_too_large(std::uint32_t layer, std::span<const std::uint64_t> ids) {
 	const std::string others = ids.size() > 1 ? " and " + std::to_string(ids.size() - 1) + " more" : "";
 	ERR_PRINT(String(("TerrainScatter3D: a navigation mesh is baked without the hand-placed instance " +
 			std::to_string(script_id(ids.front())) + others + " of layer " + std::to_string(layer) +
-			", which would reach farther than " + std::to_string(static_cast<int>(max_obstruction_reach)) +
-			" m. Remove it, or place it with a smaller scale.")
+			". An obstruction may extend at most " + std::to_string(static_cast<int>(max_obstruction_reach)) +
+			" m from its instance. Remove such instances, or place them with a smaller scale.")
 					.c_str()));
 }
 
@@ -115,8 +115,8 @@ Rect area_in_world(const Rect &ground, const NavigationBake &bake, const WorldFr
 } // namespace
 
 void ScatterGameplay::add_obstructions(const NavigationBake &bake) {
-	const bool any = bake.max.x > bake.min.x && bake.max.z > bake.min.z;
-	if (!any || !alive() || !host_->prepare().ok()) {
+	const bool has_area = bake.max.x > bake.min.x && bake.max.z > bake.min.z;
+	if (!has_area || !alive() || !host_->prepare().ok()) {
 		// A node without layers or a ground has no obstructions. The node's problems report this.
 		return;
 	}
@@ -142,8 +142,9 @@ void ScatterGameplay::add_obstructions(
 	const Rect area = area_in_world(ground, bake, frame);
 	const Rect rect = grown(area, obstruction_reach(shape, queried.max_scale, bake.agent));
 	const QueryFilter filter{.layers = {layer}, .accepts = {}};
-	std::vector<PlacedInstance> found;
-	const Status status = world_.answer([&](const InstanceQuery &query) { return query.in_rect(rect, filter, found); });
+	std::vector<PlacedInstance> instances;
+	const Status status =
+			world_.answer([&](const InstanceQuery &query) { return query.in_rect(rect, filter, instances); });
 	if (!status.ok() && status.code != ErrorCode::cancelled) {
 		ERR_PRINT(String(("TerrainScatter3D: a navigation mesh is baked without the instances of layer " +
 				std::to_string(layer) + ": " + describe(status) +
@@ -154,9 +155,9 @@ void ScatterGameplay::add_obstructions(
 	const auto obstructs_bake = [&](glm::dvec3 position, const glm::mat3 &basis) {
 		const glm::dvec3 foot = bake.basis * frame.to_engine(position) + bake.origin;
 		return obstruct(bake.basis * glm::dmat3(frame.rotated_back(basis)), foot, shape, bake.agent, obstruction) &&
-				meets(bake, obstruction);
+				overlaps(bake, obstruction);
 	};
-	for (const PlacedInstance &instance : found) {
+	for (const PlacedInstance &instance : instances) {
 		if (!is_added(instance.id) && obstructs_bake(instance.position, instance.basis)) {
 			add(obstruction, *bake.geometry.ptr());
 		}
@@ -166,7 +167,7 @@ void ScatterGameplay::add_obstructions(
 	}
 	// Hand-placed instances may be larger than generated ones, so their search area is different.
 	std::vector<std::uint64_t> too_large;
-	for (const std::uint64_t id : hand_placed(state->state(), layer_id, area, shape, bake.agent)) {
+	for (const std::uint64_t id : hand_placed_ids(state->state(), layer_id, area, shape, bake.agent)) {
 		const AddedInstance *added = state->state().added(id);
 		if (added == nullptr || !obstructs_bake(added->position, added->basis)) {
 			continue;

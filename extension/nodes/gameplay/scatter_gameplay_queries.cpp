@@ -35,10 +35,10 @@ void report_query(const char *p_method, const Status &status) {
 SharedLayers ScatterGameplay::prepare(const char *p_method) {
 	const Status status = alive() ? host_->prepare() : Status{ErrorCode::cancelled};
 	report_query(p_method, status);
-	return status.ok() && alive() ? listed_ : nullptr;
+	return status.ok() && alive() ? listed_layers_ : nullptr;
 }
 
-bool ScatterGameplay::answer(const char *p_method, const AskedQuery &query) {
+bool ScatterGameplay::answer(const char *p_method, const PreparedQuery &query) {
 	const Ref<ScatterState> state = state_;
 	const Status status = world_.answer(query);
 	report_query(p_method, status);
@@ -79,16 +79,17 @@ Ref<ScatterSnapshot> ScatterGameplay::make_snapshot() {
 			world_frame());
 }
 
-/// Finds the instance with an ID. If `even_removed` is true, also finds removed instances, with
+/// Finds the instance with an ID. If `include_removed` is true, also finds removed instances, with
 /// their last placement. Returns an empty list if there is none.
-std::vector<PlacedInstance> ScatterGameplay::find_by_id(const char *p_method, int64_t p_id, bool even_removed) {
-	std::vector<PlacedInstance> found;
+std::vector<PlacedInstance> ScatterGameplay::find_by_id(const char *p_method, int64_t p_id, bool include_removed) {
+	std::vector<PlacedInstance> matches;
 	if (prepare(p_method) != nullptr) {
 		answer(p_method, [&](const InstanceQuery &query) {
-			return even_removed ? query.by_id_even_removed(core_id(p_id), found) : query.by_id(core_id(p_id), found);
+			return include_removed ? query.by_id_even_removed(core_id(p_id), matches)
+								   : query.by_id(core_id(p_id), matches);
 		});
 	}
-	return found;
+	return matches;
 }
 
 Ref<ScatterInstance> ScatterGameplay::get_instance(int64_t p_id) { return answer_id(*this, "get_instance", p_id); }
@@ -106,106 +107,106 @@ Ref<ScatterRequest> ScatterGameplay::request_sphere(
 			{"request_sphere", SphereInScene{p_center, p_radius}, p_layers, p_predicate, memnew(ScatterRequest)});
 }
 
-Ref<ScatterRequest> ScatterGameplay::request(Wanted wanted) {
-	const Ref<ScatterRequest> request = wanted.request;
+Ref<ScatterRequest> ScatterGameplay::request(PendingRequest pending) {
+	const Ref<ScatterRequest> request = pending.request;
 	if (on_main_thread()) {
 		const std::shared_ptr<ScatterGameplay> self = shared_from_this();
-		open_request(wanted);
+		open_request(pending);
 	} else {
-		if (wanted.layers.get_type() == Variant::ARRAY) {
+		if (pending.layers.get_type() == Variant::ARRAY) {
 			// Scripts share arrays by reference and may change this one later.
-			wanted.layers = copied(wanted.layers);
+			pending.layers = copied(pending.layers);
 		}
-		const std::lock_guard lock(wanted_mutex_);
-		wanted_.push_back(std::move(wanted));
+		const std::lock_guard lock(pending_mutex_);
+		pending_.push_back(std::move(pending));
 	}
 	return request;
 }
 
-void ScatterGameplay::open_request(const Wanted &wanted) {
+void ScatterGameplay::open_request(const PendingRequest &pending) {
 	QueryFilter filter;
 	std::int64_t number = 0;
-	if (open_query(*this, {wanted.method, wanted.layers, Callable()}, filter) != nullptr) {
+	if (open_query(*this, {pending.method, pending.layers, Callable()}, filter) != nullptr) {
 		std::variant<Rect, QueryRequests::Sphere> area;
-		if (const Rect2 *rect = std::get_if<Rect2>(&wanted.area)) {
+		if (const Rect2 *rect = std::get_if<Rect2>(&pending.area)) {
 			area = to_world(*rect, world_frame());
 		} else {
-			const auto &sphere = std::get<SphereInScene>(wanted.area);
+			const auto &sphere = std::get<SphereInScene>(pending.area);
 			area = QueryRequests::Sphere{to_world(sphere.center, world_frame()), sphere.radius};
 		}
-		report_query(wanted.method, requests_.add(world_, area, filter, number));
+		report_query(pending.method, requests_.add(world_, area, filter, number));
 	}
 	if (number == 0) {
-		wanted.request->give_up();
+		pending.request->abandon();
 	} else {
-		open_[number] = {wanted.method, wanted.predicate, wanted.request};
+		open_requests_[number] = {pending.method, pending.predicate, pending.request};
 	}
 }
 
 /// Updates the layer indices of open requests to a new list, so that they keep their layers.
 void ScatterGameplay::renumber_requests(const ListedLayers &listed) {
-	std::vector<std::uint32_t> current;
-	bool same = true;
-	for (std::uint32_t index = 0; index < static_cast<std::uint32_t>(listed_->size()); ++index) {
-		const Ref<ScatterLayer> layer = listed_->at(index);
-		current.push_back(layer.is_null() || layer == listed.at(index) ? index : listed.find(layer));
-		same = same && current.back() == index;
+	std::vector<std::uint32_t> new_indices;
+	bool is_unchanged = true;
+	for (std::uint32_t index = 0; index < static_cast<std::uint32_t>(listed_layers_->size()); ++index) {
+		const Ref<ScatterLayer> layer = listed_layers_->at(index);
+		new_indices.push_back(layer.is_null() || layer == listed.at(index) ? index : listed.find(layer));
+		is_unchanged = is_unchanged && new_indices.back() == index;
 	}
-	if (!same) {
-		requests_.renumber(current);
+	if (!is_unchanged) {
+		requests_.renumber(new_indices);
 	}
 }
 
 void ScatterGameplay::take_requests() {
-	std::vector<Wanted> taken;
+	std::vector<PendingRequest> requests;
 	{
-		const std::lock_guard lock(wanted_mutex_);
-		taken.swap(wanted_);
+		const std::lock_guard lock(pending_mutex_);
+		requests.swap(pending_);
 	}
-	for (const Wanted &wanted : taken) {
-		if (!wanted.request->is_canceled()) {
-			open_request(wanted);
+	for (const PendingRequest &pending : requests) {
+		if (!pending.request->is_canceled()) {
+			open_request(pending);
 		}
 	}
 }
 
 void ScatterGameplay::answer_requests() {
-	std::erase_if(open_, [this](const auto &open) {
-		const bool canceled = open.second.request->is_canceled();
-		return canceled && requests_.cancel(open.first);
+	std::erase_if(open_requests_, [this](const auto &entry) {
+		const bool canceled = entry.second.request->is_canceled();
+		return canceled && requests_.cancel(entry.first);
 	});
 	for (QueryRequests::Answer &answer : requests_.frame(world_)) {
-		if (auto open = open_.extract(answer.request)) {
-			answered_.push_back({open.mapped(), std::move(answer.found), listed_});
+		if (auto entry = open_requests_.extract(answer.request)) {
+			answered_requests_.push_back({entry.mapped(), std::move(answer.found), listed_layers_});
 		}
 	}
 }
 
 void ScatterGameplay::complete_requests() {
 	const WorldFrame frame = world_frame(); // A predicate may free the node.
-	for (auto &[open, found, layers] : std::exchange(answered_, {})) {
-		if (const auto accepts = to_predicate(name_of(open.method), open.predicate, frame, layers)) {
-			found.keep_from(0, accepts);
+	for (auto &[request, instances, layers] : std::exchange(answered_requests_, {})) {
+		if (const auto accepts = to_predicate(name_of(request.method), request.predicate, frame, layers)) {
+			instances.keep_from(0, accepts);
 		}
-		open.request->complete(ScatterInstances::of(std::move(found), frame, layers));
+		request.request->complete(ScatterInstances::of(std::move(instances), frame, layers));
 	}
 }
 
-void ScatterGameplay::give_up_requests() {
+void ScatterGameplay::abandon_requests() {
 	requests_.clear();
-	std::vector<Wanted> unopened;
+	std::vector<PendingRequest> unopened;
 	{
-		const std::lock_guard lock(wanted_mutex_);
-		unopened.swap(wanted_);
+		const std::lock_guard lock(pending_mutex_);
+		unopened.swap(pending_);
 	}
-	for (const Wanted &wanted : unopened) {
-		wanted.request->give_up();
+	for (const PendingRequest &pending : unopened) {
+		pending.request->abandon();
 	}
-	for (const auto &[number, open] : std::exchange(open_, {})) {
-		open.request->give_up();
+	for (const auto &[number, request] : std::exchange(open_requests_, {})) {
+		request.request->abandon();
 	}
-	for (const Answered &answered : std::exchange(answered_, {})) {
-		answered.open.request->give_up();
+	for (const AnsweredRequest &answered : std::exchange(answered_requests_, {})) {
+		answered.request.request->abandon();
 	}
 }
 

@@ -22,15 +22,16 @@ namespace {
 
 /// Returns a packed array with one value per instance. The first call creates the array.
 template <class Array, class Value>
-Array cached(std::mutex &r_mutex, std::optional<Array> &r_cache, const FoundInstances &found, const Value &value_of) {
+Array cached(
+		std::mutex &r_mutex, std::optional<Array> &r_cache, const FoundInstances &instances, const Value &value_of) {
 	const std::lock_guard lock(r_mutex);
 	if (r_cache) {
 		// The instances never change, so the array stays valid.
 		return *r_cache;
 	}
 	Array values;
-	const auto out = resize(values, static_cast<int64_t>(found.size()));
-	for (std::size_t i = 0; i < found.size(); ++i) {
+	const auto out = resize(values, static_cast<int64_t>(instances.size()));
+	for (std::size_t i = 0; i < instances.size(); ++i) {
 		out[i] = value_of(i);
 	}
 	r_cache = values;
@@ -41,9 +42,9 @@ std::size_t index_of(int64_t p_index) { return static_cast<std::size_t>(p_index)
 
 } // namespace
 
-Ref<ScatterInstances> ScatterInstances::of(FoundInstances found, const WorldFrame &frame, SharedLayers layers) {
+Ref<ScatterInstances> ScatterInstances::of(FoundInstances instances, const WorldFrame &frame, SharedLayers layers) {
 	const Ref<ScatterInstances> result(memnew(ScatterInstances));
-	result->found_ = std::move(found);
+	result->instances_ = std::move(instances);
 	result->frame_ = frame;
 	result->listed_ = std::move(layers);
 	return result;
@@ -59,27 +60,27 @@ bool ScatterInstances::has(const char *p_method, int64_t p_index) const {
 }
 
 int64_t ScatterInstances::get_id(int64_t p_index) const {
-	return has("get_id", p_index) ? script_id(found_.id(index_of(p_index))) : 0;
+	return has("get_id", p_index) ? script_id(instances_.id(index_of(p_index))) : 0;
 }
 
 Ref<ScatterLayer> ScatterInstances::get_layer(int64_t p_index) const {
-	return has("get_layer", p_index) ? listed_->at(found_.layer(index_of(p_index))) : Ref<ScatterLayer>();
+	return has("get_layer", p_index) ? listed_->at(instances_.layer(index_of(p_index))) : Ref<ScatterLayer>();
 }
 
 int64_t ScatterInstances::get_mesh(int64_t p_index) const {
-	return has("get_mesh", p_index) ? found_.mesh(index_of(p_index)) : -1;
+	return has("get_mesh", p_index) ? instances_.mesh(index_of(p_index)) : -1;
 }
 
 Vector3 ScatterInstances::get_position(int64_t p_index) const {
-	return has("get_position", p_index) ? to_engine(found_.position(index_of(p_index)), frame_) : Vector3();
+	return has("get_position", p_index) ? to_engine(instances_.position(index_of(p_index)), frame_) : Vector3();
 }
 
 Transform3D ScatterInstances::get_transform(int64_t p_index) const {
-	return has("get_transform", p_index) ? to_engine(found_[index_of(p_index)], frame_) : Transform3D();
+	return has("get_transform", p_index) ? to_engine(instances_[index_of(p_index)], frame_) : Transform3D();
 }
 
 PackedInt64Array ScatterInstances::get_ids() const {
-	return cached(mutex_, ids_, found_, [this](std::size_t i) { return script_id(found_.id(i)); });
+	return cached(mutex_, ids_, instances_, [this](std::size_t i) { return script_id(instances_.id(i)); });
 }
 
 /// Fills `layers_` and `layer_indices_` on the first call. The caller must hold the mutex.
@@ -92,10 +93,10 @@ void ScatterInstances::list_layers() const {
 	std::vector<Ref<ScatterLayer>> layers;
 	PackedInt32Array indices;
 	const auto out = resize(indices, size());
-	for (std::size_t i = 0; i < found_.size(); ++i) {
-		const auto [entry, added] =
-				list_indices.try_emplace(found_.layer(i), static_cast<std::int32_t>(list_indices.size()));
-		if (added) {
+	for (std::size_t i = 0; i < instances_.size(); ++i) {
+		const auto [entry, is_new] =
+				list_indices.try_emplace(instances_.layer(i), static_cast<std::int32_t>(list_indices.size()));
+		if (is_new) {
 			layers.push_back(listed_->at(entry->first));
 		}
 		out[i] = entry->second;
@@ -122,11 +123,13 @@ PackedInt32Array ScatterInstances::get_layer_indices() const {
 }
 
 PackedInt32Array ScatterInstances::get_meshes() const {
-	return cached(mutex_, meshes_, found_, [this](std::size_t i) { return static_cast<std::int32_t>(found_.mesh(i)); });
+	return cached(mutex_, meshes_, instances_,
+			[this](std::size_t i) { return static_cast<std::int32_t>(instances_.mesh(i)); });
 }
 
 PackedVector3Array ScatterInstances::get_positions() const {
-	return cached(mutex_, positions_, found_, [this](std::size_t i) { return to_engine(found_.position(i), frame_); });
+	return cached(mutex_, positions_, instances_,
+			[this](std::size_t i) { return to_engine(instances_.position(i), frame_); });
 }
 
 PackedFloat32Array ScatterInstances::get_transforms() const {
@@ -137,8 +140,8 @@ PackedFloat32Array ScatterInstances::get_transforms() const {
 	}
 	PackedFloat32Array transforms;
 	auto floats = resize(transforms, size() * static_cast<int64_t>(transform_floats)).begin();
-	for (std::size_t i = 0; i < found_.size(); ++i) {
-		const PlacedInstance instance = found_[i];
+	for (std::size_t i = 0; i < instances_.size(); ++i) {
+		const PlacedInstance instance = instances_[i];
 		const glm::vec3 position(frame_.to_engine(instance.position));
 		const glm::mat3 basis = frame_.rotated_back(instance.basis);
 		for (int row = 0; row < 3; ++row) {
@@ -179,27 +182,28 @@ void ScatterInstances::_bind_methods() {
 	bind_value(owner, PropertyInfo(Variant::PACKED_FLOAT32_ARRAY, "transforms"), "get_transforms");
 }
 
-Ref<ScatterInstance> ScatterInstance::of(const PlacedInstance &found, const WorldFrame &frame,
-		const Ref<ScatterLayer> &p_layer, const Variant &p_data, double distance, std::optional<glm::dvec3> met) {
+Ref<ScatterInstance> ScatterInstance::of(const PlacedInstance &instance, const WorldFrame &frame,
+		const Ref<ScatterLayer> &p_layer, const Variant &p_data, double distance,
+		std::optional<glm::dvec3> hit_position) {
 	const Ref<ScatterInstance> result(memnew(ScatterInstance));
-	result->found_ = found;
+	result->instance_ = instance;
 	result->frame_ = frame;
 	result->layer_ = p_layer;
 	result->data_ = p_data;
 	result->distance_ = distance;
-	result->met_ = met.value_or(found.position);
+	result->hit_position_ = hit_position.value_or(instance.position);
 	return result;
 }
 
-int64_t ScatterInstance::get_id() const { return script_id(found_.id); }
+int64_t ScatterInstance::get_id() const { return script_id(instance_.id); }
 
-Transform3D ScatterInstance::get_transform() const { return to_engine(found_, frame_); }
+Transform3D ScatterInstance::get_transform() const { return to_engine(instance_, frame_); }
 
-Vector3 ScatterInstance::get_position() const { return to_engine(found_.position, frame_); }
+Vector3 ScatterInstance::get_position() const { return to_engine(instance_.position, frame_); }
 
-Vector3 ScatterInstance::get_hit_position() const { return to_engine(met_, frame_); }
+Vector3 ScatterInstance::get_hit_position() const { return to_engine(hit_position_, frame_); }
 
-bool ScatterInstance::is_added() const { return thicket::is_added(found_.id); }
+bool ScatterInstance::is_added() const { return thicket::is_added(instance_.id); }
 
 void ScatterInstance::_bind_methods() {
 	using Self = ScatterInstance;

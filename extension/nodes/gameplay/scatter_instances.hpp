@@ -38,10 +38,10 @@ public:
 	/// `frame` relates the engine's space to the world. It converts all positions that scripts
 	/// receive. The layer indices of the instances refer to `layers`, which may be null if there
 	/// are no instances.
-	static godot::Ref<ScatterInstances> of(FoundInstances found, const WorldFrame &frame, SharedLayers layers);
+	static godot::Ref<ScatterInstances> of(FoundInstances instances, const WorldFrame &frame, SharedLayers layers);
 
-	int64_t size() const { return static_cast<int64_t>(found_.size()); }
-	bool is_empty() const { return found_.empty(); }
+	int64_t size() const { return static_cast<int64_t>(instances_.size()); }
+	bool is_empty() const { return instances_.empty(); }
 	int64_t get_id(int64_t p_index) const;
 	godot::Ref<ScatterLayer> get_layer(int64_t p_index) const;
 	int64_t get_mesh(int64_t p_index) const;
@@ -70,7 +70,7 @@ private:
 	bool has(const char *p_method, int64_t p_index) const;
 	void list_layers() const;
 
-	FoundInstances found_;
+	FoundInstances instances_;
 	WorldFrame frame_;
 	SharedLayers listed_;      ///< Null if there are no instances.
 	mutable std::mutex mutex_; ///< Guards the following members.
@@ -89,15 +89,15 @@ class ScatterInstance : public godot::RefCounted {
 	THICKET_GUARDED_METHODS(any)
 
 public:
-	/// `distance` is in meters. `met` is the point where a ray hits the instance, in world meters;
-	/// it defaults to the position of the instance.
-	static godot::Ref<ScatterInstance> of(const PlacedInstance &found, const WorldFrame &frame,
+	/// `distance` is in meters. `hit_position` is the point where a ray hits the instance, in world
+	/// meters; it defaults to the position of the instance.
+	static godot::Ref<ScatterInstance> of(const PlacedInstance &instance, const WorldFrame &frame,
 			const godot::Ref<ScatterLayer> &p_layer, const godot::Variant &p_data, double distance = 0.0,
-			std::optional<glm::dvec3> met = {});
+			std::optional<glm::dvec3> hit_position = {});
 
 	int64_t get_id() const;
 	godot::Ref<ScatterLayer> get_layer() const { return layer_; }
-	int64_t get_mesh() const { return found_.mesh; }
+	int64_t get_mesh() const { return instance_.mesh; }
 	godot::Transform3D get_transform() const;
 	godot::Vector3 get_position() const;
 	godot::Variant get_data() const { return data_; }
@@ -115,12 +115,12 @@ protected:
 	static void _bind_methods();
 
 private:
-	PlacedInstance found_;
+	PlacedInstance instance_;
 	WorldFrame frame_;
 	godot::Ref<ScatterLayer> layer_;
 	godot::Variant data_;
 	double distance_ = 0.0;
-	glm::dvec3 met_{0.0};
+	glm::dvec3 hit_position_{0.0};
 };
 
 } // namespace thicket

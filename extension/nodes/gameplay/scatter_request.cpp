@@ -36,11 +36,11 @@ bool ScatterRequest::finish(const Ref<ScatterInstances> &p_result, bool p_cancel
 }
 
 bool ScatterRequest::cancel() {
-	const bool first = finish({}, true);
-	if (first) {
-		report_later(); // The node detects the cancellation in its next frame.
+	const bool was_open = finish({}, true);
+	if (was_open) {
+		notify_later(); // The node detects the cancellation in its next frame.
 	}
-	return first;
+	return was_open;
 }
 
 void ScatterRequest::complete(const Ref<ScatterInstances> &p_result) {
@@ -49,13 +49,13 @@ void ScatterRequest::complete(const Ref<ScatterInstances> &p_result) {
 	}
 }
 
-void ScatterRequest::give_up() {
+void ScatterRequest::abandon() {
 	if (finish({}, false)) {
-		report_later();
+		notify_later();
 	}
 }
 
-void ScatterRequest::report_later() {
+void ScatterRequest::notify_later() {
 	// Pass the request to the call, to keep it alive. A script that awaits the signal does not.
 	call_deferred("_tell", Ref<ScatterRequest>(this));
 }

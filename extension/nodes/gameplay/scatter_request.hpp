@@ -35,14 +35,14 @@ public:
 
 	/// Completes the request without an answer. The signal is deferred, so it is emitted after any
 	/// script that is running.
-	void give_up();
+	void abandon();
 
 protected:
 	static void _bind_methods();
 
 private:
 	bool finish(const godot::Ref<ScatterInstances> &p_result, bool p_canceled);
-	void report_later();
+	void notify_later();
 	void notify(const godot::Ref<ScatterRequest> &p_self);
 
 	mutable std::mutex mutex_; ///< Guards the following members.

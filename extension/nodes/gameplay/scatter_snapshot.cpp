@@ -31,7 +31,7 @@ SharedLayers ScatterSnapshot::prepare(const char *p_method) const {
 	return layers_;
 }
 
-bool ScatterSnapshot::answer(const char *p_method, const AskedQuery &query) const {
+bool ScatterSnapshot::answer(const char *p_method, const PreparedQuery &query) const {
 	// Hold the snapshot, because a predicate may release this object.
 	const std::shared_ptr<const InstanceSnapshot> current = snapshot_;
 	const Status status = current->answer(query);
@@ -66,10 +66,10 @@ Ref<ScatterInstance> ScatterSnapshot::get_instance(int64_t p_id) const {
 }
 
 bool ScatterSnapshot::has_instance(int64_t p_id) const {
-	std::vector<PlacedInstance> found;
+	std::vector<PlacedInstance> matches;
 	return prepare("has_instance") != nullptr &&
-			answer("has_instance", [&](const InstanceQuery &query) { return query.by_id(core_id(p_id), found); }) &&
-			!found.empty();
+			answer("has_instance", [&](const InstanceQuery &query) { return query.by_id(core_id(p_id), matches); }) &&
+			!matches.empty();
 }
 
 Variant ScatterSnapshot::get_instance_data(int64_t p_id) const {

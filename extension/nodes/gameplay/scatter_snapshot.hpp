@@ -25,7 +25,7 @@
 namespace thicket {
 
 /// A function that runs the query that script_queries.hpp has prepared.
-using AskedQuery = std::function<Status(const InstanceQuery &query)>;
+using PreparedQuery = std::function<Status(const InstanceQuery &query)>;
 
 /// The world of a TerrainScatter3D at one moment, unaffected by later changes. Any number of
 /// threads may query it concurrently. The methods match those of the node.
@@ -57,10 +57,10 @@ public:
 	const WorldFrame &world_frame() const { return frame_; }
 	static std::string name_of(const char *p_method) { return std::string("ScatterSnapshot.") + p_method; }
 	SharedLayers prepare(const char *p_method) const;
-	godot::String find_queried(const godot::Variant &p_layers, std::vector<std::uint32_t> &r_indices) const {
+	godot::String find_queried_layers(const godot::Variant &p_layers, std::vector<std::uint32_t> &r_indices) const {
 		return find_layers(*layers_, p_layers, r_indices);
 	}
-	bool answer(const char *p_method, const AskedQuery &query) const;
+	bool answer(const char *p_method, const PreparedQuery &query) const;
 
 protected:
 	static void _bind_methods();

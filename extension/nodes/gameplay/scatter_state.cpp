@@ -21,9 +21,9 @@ namespace thicket {
 namespace {
 
 /// Encodes a value as bytes; null becomes no bytes. Returns false for an object and for a value of
-/// more than `far_too_large` bytes.
+/// more than `max_encoded_size` bytes.
 bool encode(const Variant &p_value, PackedByteArray &r_bytes) {
-	constexpr int64_t far_too_large = 1 << 24;
+	constexpr int64_t max_encoded_size = 1 << 24;
 	r_bytes = PackedByteArray();
 	if (p_value.get_type() == Variant::NIL) {
 		return true;
@@ -31,7 +31,7 @@ bool encode(const Variant &p_value, PackedByteArray &r_bytes) {
 	if (p_value.get_type() == Variant::OBJECT) {
 		return false;
 	}
-	for (int64_t capacity = 256; capacity <= far_too_large; capacity *= 16) {
+	for (int64_t capacity = 256; capacity <= max_encoded_size; capacity *= 16) {
 		resize(r_bytes, capacity);
 		const int64_t size = r_bytes.encode_var(0, p_value, false);
 		if (size >= 0) {
@@ -68,11 +68,11 @@ std::vector<std::uint64_t> ScatterState::remove_all(std::span<const Removal> rem
 		if (const AddedInstance *added = state_.added(id)) {
 			change.added = *added;
 		}
-		const StateChange removed = state_.remove(id, until);
-		if (report_outcome("remove", removed.status) != OK) {
+		const StateChange outcome = state_.remove(id, until);
+		if (report_outcome("remove", outcome.status) != OK) {
 			break; // The other removals would fail as well.
 		}
-		if (removed) {
+		if (outcome) {
 			changes.push_back(change);
 			ids.push_back(id);
 		}
@@ -89,12 +89,12 @@ bool ScatterState::restore(int64_t p_id) {
 
 bool ScatterState::restore_by_id(std::uint64_t id) {
 	const InstanceChange change{id, InstanceChangeKind::restored, {}};
-	const StateChange restored = state_.restore(id);
-	report_outcome("restore", restored.status);
-	if (restored) {
+	const StateChange outcome = state_.restore(id);
+	report_outcome("restore", outcome.status);
+	if (outcome) {
 		notify({change});
 	}
-	return restored.changed;
+	return outcome.changed;
 }
 
 bool ScatterState::is_removed(int64_t p_id) const { return state_.removed(core_id(p_id)); }
@@ -155,18 +155,18 @@ Variant ScatterState::get_instance_data(int64_t p_id) const { return decoded(sta
 
 bool ScatterState::find_layer_ids(const char *p_method, const Variant &p_layers, std::vector<int> &r_ids) const {
 	// Names refer to these layers. The passed layers are appended.
-	TypedArray<ScatterLayer> known = layers_of_nodes();
+	TypedArray<ScatterLayer> candidates = layers_of_nodes();
 	const bool is_list = p_layers.get_type() == Variant::ARRAY;
-	const Array passed = is_list ? static_cast<Array>(p_layers) : Array();
-	for (int64_t at = is_list ? 0 : -1; at < passed.size(); ++at) {
-		if (const Ref<ScatterLayer> layer = at < 0 ? p_layers : passed[at]; layer.is_valid()) {
-			append(known, layer);
+	const Array passed_layers = is_list ? static_cast<Array>(p_layers) : Array();
+	for (int64_t index = is_list ? 0 : -1; index < passed_layers.size(); ++index) {
+		if (const Ref<ScatterLayer> layer = index < 0 ? p_layers : passed_layers[index]; layer.is_valid()) {
+			append(candidates, layer);
 		}
 	}
 	std::vector<std::uint32_t> indices;
-	String problem = find_layers(known, p_layers, indices);
+	String problem = find_layers(candidates, p_layers, indices);
 	for (std::size_t i = 0; problem.is_empty() && i < indices.size(); ++i) {
-		const Ref<ScatterLayer> layer = known[indices[i]];
+		const Ref<ScatterLayer> layer = candidates[indices[i]];
 		r_ids.push_back(static_cast<int>(layer->own_id()));
 		if (r_ids.back() < 0) {
 			problem = "A ScatterLayer without a layer_id has no instances: add it to a node, or set its layer_id.";
@@ -211,18 +211,18 @@ std::shared_ptr<StateListener> ScatterState::node_for(std::uint64_t id) const {
 }
 
 PackedInt64Array ScatterState::ids_of(const char *p_method, const Variant &p_layers,
-		std::vector<std::uint64_t> (InstanceState::*ids)(int) const) const {
+		std::vector<std::uint64_t> (InstanceState::*list_ids)(int) const) const {
 	std::vector<int> layer_ids;
 	if (!find_layer_ids(p_method, p_layers, layer_ids)) {
 		return {};
 	}
 	if (layer_ids.empty()) {
-		return packed_ids((state_.*ids)(-1));
+		return packed_ids((state_.*list_ids)(-1));
 	}
 	std::vector<std::uint64_t> result;
 	for (const int layer_id : layer_ids) {
-		const std::vector<std::uint64_t> of_layer = (state_.*ids)(layer_id);
-		result.insert(result.end(), of_layer.begin(), of_layer.end());
+		const std::vector<std::uint64_t> instance_ids = (state_.*list_ids)(layer_id);
+		result.insert(result.end(), instance_ids.begin(), instance_ids.end());
 	}
 	return packed_ids(result);
 }
@@ -323,8 +323,9 @@ void ScatterState::set_data(const PackedByteArray &p_bytes) {
 }
 
 PackedByteArray ScatterState::get_data() const {
-	const bool blank = state_.removed_count() + state_.added_count() + state_.data_count() == 0 && state_.time() == 0.0;
-	return blank ? PackedByteArray() : to_bytes();
+	const bool is_blank =
+			state_.removed_count() + state_.added_count() + state_.data_count() == 0 && state_.time() == 0.0;
+	return is_blank ? PackedByteArray() : to_bytes();
 }
 
 Ref<ScatterState> ScatterState::copy() const {

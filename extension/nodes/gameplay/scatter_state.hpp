@@ -226,7 +226,7 @@ private:
 	DiffLimits limits() const { return diff_limits_.is_valid() ? diff_limits_->limits() : DiffLimits(); }
 
 	/// Changes that listeners have applied but scripts have not been notified of yet.
-	struct Unreported {
+	struct UnreportedChanges {
 		SharedChanges changes; ///< The changes; null if there are none.
 		/// The diff that made the changes. Null for changes that were made immediately.
 		std::shared_ptr<DiffTask> diff;
@@ -237,16 +237,16 @@ private:
 	/// `changed`. Changes that signal handlers make are queued and reported afterward, in order, to
 	/// avoid recursion.
 	void notify(std::vector<InstanceChange> changes);
-	void follow(Unreported unreported);
+	void update_listeners(UnreportedChanges unreported);
 	void notify_scripts();
-	void report_now(const Unreported &unreported);
+	void report_now(const UnreportedChanges &unreported);
 	std::vector<std::shared_ptr<StateListener>> listeners() const;
 
 	/// Returns the node that makes changes to an instance for this state; null if there is none.
 	std::shared_ptr<StateListener> node_for(std::uint64_t id) const;
 
 	godot::PackedInt64Array ids_of(const char *p_method, const godot::Variant &p_layers,
-			std::vector<std::uint64_t> (InstanceState::*ids)(int) const) const;
+			std::vector<std::uint64_t> (InstanceState::*list_ids)(int) const) const;
 
 	/// Finds the IDs of layers, in ascending order; empty for all layers. If the value refers to no
 	/// layer, prints an error and returns false.
@@ -270,14 +270,14 @@ private:
 	InstanceState state_;
 	godot::Ref<ScatterDiffLimits> diff_limits_;
 	std::vector<std::weak_ptr<StateListener>> listeners_;
-	std::deque<Unreported> unreported_;
+	std::deque<UnreportedChanges> unreported_;
 	/// The diffs whose callbacks have not been called yet, in the order in which they were queued.
 	/// Only the first is in progress.
 	std::deque<std::shared_ptr<DiffTask>> diffs_;
 	DeferredFree deferred_free_;
 	bool notifying_ = false;
 	bool copy_at_runtime_ = false;
-	bool warned_ = false; ///< True once warn_if_cached has printed its warning.
+	bool has_warned_ = false; ///< True once warn_if_cached has printed its warning.
 	/// The signal's name, which is stored because creating a StringName costs as much as removing
 	/// an instance.
 	const godot::StringName instances_changed_ = "instances_changed";

@@ -35,10 +35,11 @@ Error ScatterState::load_from_file(const String &p_path) {
 
 void ScatterState::warn_if_cached() {
 	const String path = get_path();
-	if (warned_ || !is_own_file(path) || ResourceLoader::get_singleton()->get_cached_ref(path) != Ref<Resource>(this)) {
+	if (has_warned_ || !is_own_file(path) ||
+			ResourceLoader::get_singleton()->get_cached_ref(path) != Ref<Resource>(this)) {
 		return;
 	}
-	warned_ = true;
+	has_warned_ = true;
 	WARN_PRINT(vformat(
 			"TerrainScatter3D.state: load() caches %s and returns this same state again, including all changes by the "
 			"game. For saved games, call ScatterState.save_to_file() and load_from_file(). For instances placed by a "

@@ -23,14 +23,15 @@ namespace {
 /// Returns a nonzero number that no other state has, in this or any other run. It is a hash of a
 /// random number per run and a counter.
 std::uint64_t new_origin() {
-	static const std::uint64_t run = [] {
+	static const std::uint64_t run_seed = [] {
 		std::random_device device;
 		const std::uint64_t high = device();
 		return high << 32 | device();
 	}();
 	static std::atomic<std::uint64_t> count{0};
-	const std::uint64_t name = split_mix(run + split_mix_gamma * (count.fetch_add(1, std::memory_order_relaxed) + 1));
-	return name != 0 ? name : 1;
+	const std::uint64_t origin =
+			split_mix(run_seed + split_mix_gamma * (count.fetch_add(1, std::memory_order_relaxed) + 1));
+	return origin != 0 ? origin : 1;
 }
 
 Variant number(std::uint64_t value) { return static_cast<int64_t>(value); }

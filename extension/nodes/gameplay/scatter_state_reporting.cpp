@@ -48,12 +48,12 @@ void ScatterState::notify(std::vector<InstanceChange> changes) {
 	if (!changes.empty()) {
 		const auto shared = std::make_shared<StateChanges>();
 		shared->list = std::move(changes);
-		follow({shared, nullptr});
+		update_listeners({shared, nullptr});
 	}
 	notify_scripts();
 }
 
-void ScatterState::follow(Unreported unreported) {
+void ScatterState::update_listeners(UnreportedChanges unreported) {
 	if (unreported.changes != nullptr) {
 		// state_changed() runs no scripts, so the list cannot change during the loop.
 		for (const std::weak_ptr<StateListener> &listener : listeners_) {
@@ -72,7 +72,7 @@ void ScatterState::notify_scripts() {
 	const Ref<ScatterState> self(this); // A handler may release the last other reference.
 	notifying_ = true;
 	while (!unreported_.empty()) {
-		Unreported next = std::move(unreported_.front());
+		UnreportedChanges next = std::move(unreported_.front());
 		unreported_.pop_front();
 		report_now(next);
 		if (next.diff != nullptr || next.changes->size() > many_changes) {
@@ -83,13 +83,13 @@ void ScatterState::notify_scripts() {
 	notifying_ = false;
 }
 
-void ScatterState::report_now(const Unreported &unreported) {
+void ScatterState::report_now(const UnreportedChanges &unreported) {
 	if (unreported.changes != nullptr) {
 		for (const std::shared_ptr<StateListener> &listener : listeners()) {
-			const auto same = [&listener](const std::weak_ptr<StateListener> &other) {
+			const auto is_same = [&listener](const std::weak_ptr<StateListener> &other) {
 				return !other.owner_before(listener) && !listener.owner_before(other);
 			};
-			if (std::ranges::any_of(listeners_, same)) { // A signal handler may have removed the listener.
+			if (std::ranges::any_of(listeners_, is_same)) { // A signal handler may have removed the listener.
 				listener->notify_changes(unreported.changes);
 			}
 		}
@@ -114,19 +114,19 @@ void ScatterState::add_listener(const std::shared_ptr<StateListener> &listener) 
 }
 
 void ScatterState::remove_listener(const StateListener *listener) {
-	const bool any = !listeners_.empty();
+	const bool had_listeners = !listeners_.empty();
 	std::erase_if(listeners_, [listener](const std::weak_ptr<StateListener> &other) {
 		const std::shared_ptr<StateListener> locked = other.lock();
 		return locked == nullptr || locked.get() == listener;
 	});
-	if (any && listeners_.empty()) {
+	if (had_listeners && listeners_.empty()) {
 		state_.release_claims();
 	}
 }
 
 void ScatterState::apply_diff_async(const PackedByteArray &p_diff, const Callable &p_callback) {
 	const auto task = std::make_shared<DiffTask>(p_diff, p_callback);
-	task->refused = state_.queue_diff(task->bytes(), task->diff, limits());
+	task->queue_status = state_.queue_diff(task->bytes(), task->diff, limits());
 	diffs_.push_back(task);
 	if (diffs_.size() == 1) {
 		start_diff();
@@ -150,9 +150,9 @@ void ScatterState::finish_first_diff() {
 	diffs_.pop_front();
 	deferred_free_.forget(first->take_task());
 	const auto changes = std::make_shared<StateChanges>();
-	const Status status = first->diff != nullptr ? state_.finish_pending_diff(*changes) : first->refused;
+	const Status status = first->diff != nullptr ? state_.finish_pending_diff(*changes) : first->queue_status;
 	const Error error = report_outcome("apply_diff_async", status);
-	follow({changes->size() > 0 ? changes : nullptr, first, error});
+	update_listeners({changes->size() > 0 ? changes : nullptr, first, error});
 }
 
 void ScatterState::finish_diffs() {
@@ -160,7 +160,7 @@ void ScatterState::finish_diffs() {
 		return; // wait_for_diffs() has already finished all diffs.
 	}
 	const DiffTask &first = *diffs_.front();
-	if (!first.can_work() || first.done()) {
+	if (!first.can_work() || first.is_done()) {
 		finish_first_diff();
 		start_diff();
 		notify_scripts();

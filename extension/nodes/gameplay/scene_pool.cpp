@@ -10,7 +10,7 @@ namespace {
 
 /// Returns true if the node can be reused. A node that a script has freed or added to a parent
 /// cannot.
-bool waits(const Node3D *node) {
+bool is_reusable(const Node3D *node) {
 	return node != nullptr && node->get_parent() == nullptr && !node->is_queued_for_deletion();
 }
 
@@ -24,12 +24,12 @@ void ScenePool::dispose(const NodeHandle &handle) {
 }
 
 Node3D *ScenePool::take(const Ref<PackedScene> &scene) {
-	const auto found =
-			std::find_if(idle_.begin(), idle_.end(), [&scene](const Idle &idle) { return idle.scene == scene; });
-	while (found != idle_.end() && !found->nodes.empty()) {
-		Node3D *node = found->nodes.back().get();
-		found->nodes.pop_back();
-		if (waits(node)) {
+	const auto entry = std::find_if(
+			idle_scenes_.begin(), idle_scenes_.end(), [&scene](const IdleScene &idle) { return idle.scene == scene; });
+	while (entry != idle_scenes_.end() && !entry->nodes.empty()) {
+		Node3D *node = entry->nodes.back().get();
+		entry->nodes.pop_back();
+		if (is_reusable(node)) {
 			return node;
 		}
 	}
@@ -42,15 +42,16 @@ Node3D *ScenePool::take(const Ref<PackedScene> &scene) {
 }
 
 void ScenePool::give(const Ref<PackedScene> &scene, Node3D *node) {
-	if (!waits(node)) {
+	if (!is_reusable(node)) {
 		return;
 	}
-	auto found = std::find_if(idle_.begin(), idle_.end(), [&scene](const Idle &idle) { return idle.scene == scene; });
-	if (found == idle_.end()) {
-		found = idle_.insert(idle_.end(), Idle{scene, {}});
+	auto entry = std::find_if(
+			idle_scenes_.begin(), idle_scenes_.end(), [&scene](const IdleScene &idle) { return idle.scene == scene; });
+	if (entry == idle_scenes_.end()) {
+		entry = idle_scenes_.insert(idle_scenes_.end(), IdleScene{scene, {}});
 	}
-	if (found->nodes.size() < max_idle) {
-		found->nodes.emplace_back(node);
+	if (entry->nodes.size() < max_idle) {
+		entry->nodes.emplace_back(node);
 	} else {
 		discard(node);
 	}
@@ -59,10 +60,10 @@ void ScenePool::give(const Ref<PackedScene> &scene, Node3D *node) {
 void ScenePool::discard(Node3D *node) { discarded_.emplace_back(node); }
 
 void ScenePool::free_some() {
-	for (int freed = 0; freed < freed_per_frame && !discarded_.empty(); discarded_.pop_back()) {
-		if (waits(discarded_.back().get())) {
+	for (int freed_count = 0; freed_count < freed_per_frame && !discarded_.empty(); discarded_.pop_back()) {
+		if (is_reusable(discarded_.back().get())) {
 			dispose(discarded_.back());
-			++freed;
+			++freed_count;
 		}
 	}
 }
@@ -70,7 +71,7 @@ void ScenePool::free_some() {
 void ScenePool::clear() {
 	keep_only({});
 	for (const NodeHandle &node : discarded_) {
-		if (waits(node.get())) {
+		if (is_reusable(node.get())) {
 			dispose(node);
 		}
 	}
@@ -78,7 +79,7 @@ void ScenePool::clear() {
 }
 
 void ScenePool::keep_only(std::span<const Ref<PackedScene>> scenes) {
-	std::erase_if(idle_, [this, scenes](const Idle &idle) {
+	std::erase_if(idle_scenes_, [this, scenes](const IdleScene &idle) {
 		if (std::find(scenes.begin(), scenes.end(), idle.scene) != scenes.end()) {
 			return false;
 		}
@@ -89,7 +90,7 @@ void ScenePool::keep_only(std::span<const Ref<PackedScene>> scenes) {
 
 std::size_t ScenePool::idle_count() const {
 	std::size_t count = 0;
-	for (const Idle &idle : idle_) {
+	for (const IdleScene &idle : idle_scenes_) {
 		count += idle.nodes.size();
 	}
 	return count;

@@ -69,12 +69,12 @@ public:
 	static constexpr std::size_t max_idle = 64;
 
 private:
-	struct Idle {
+	struct IdleScene {
 		godot::Ref<godot::PackedScene> scene;
 		std::vector<NodeHandle> nodes;
 	};
 
-	std::vector<Idle> idle_; ///< One entry per scene. There are only a few scenes.
+	std::vector<IdleScene> idle_scenes_; ///< One entry per scene. There are only a few scenes.
 	std::vector<NodeHandle> discarded_;
 };
 

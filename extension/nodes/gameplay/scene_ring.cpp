@@ -8,35 +8,35 @@
 
 namespace thicket {
 
-SceneLayer scenes_of(const LayerSnapshot *layer) {
-	return layer == nullptr ? SceneLayer{}
-							: SceneLayer{layer->gameplay.scene.scene, layer->gameplay.scene.distance,
+SceneSettings scene_settings_of(const LayerSnapshot *layer) {
+	return layer == nullptr ? SceneSettings{}
+							: SceneSettings{layer->gameplay.scene.scene, layer->gameplay.scene.distance,
 									  godot::String::utf8(layer->links.name.c_str())};
 }
 
 SceneRing::SceneRing(SceneHost host) : host_(std::move(host)) {}
 
-void SceneRing::set_layers(std::vector<SceneLayer> layers) {
+void SceneRing::set_layers(std::vector<SceneSettings> layers) {
 	std::vector<godot::Ref<godot::PackedScene>> scenes;
-	for (const SceneLayer &layer : layers) {
+	for (const SceneSettings &layer : layers) {
 		scenes.push_back(layer.scene);
 	}
 	pool_->keep_only(scenes);
 	// Removed layers still have to release their scenes.
 	layers_.resize(std::max(layers_.size(), layers.size()));
 	layers.resize(layers_.size());
-	std::vector<std::uint32_t> changed;
+	std::vector<std::uint32_t> changed_layers;
 	for (std::uint32_t index = 0; index < layers.size(); ++index) {
 		Layer &layer = layers_[index];
-		const bool same_scene = layer.is.scene == layers[index].scene;
-		layer.refused = layer.refused && same_scene;
-		layer.is = std::move(layers[index]);
+		const bool same_scene = layer.settings.scene == layers[index].scene;
+		layer.is_rejected = layer.is_rejected && same_scene;
+		layer.settings = std::move(layers[index]);
 		if (!same_scene) {
-			changed.push_back(index);
+			changed_layers.push_back(index);
 		}
 	}
 	update_distances();
-	for (const std::uint32_t index : changed) {
+	for (const std::uint32_t index : changed_layers) {
 		queue_.renew(index);
 	}
 }
@@ -57,8 +57,8 @@ void SceneRing::find_changes(std::span<const glm::dvec3> centers, const Instance
 }
 
 bool SceneRing::step() {
-	if (!leaving_.empty()) {
-		put_last_back();
+	if (!leaving_scenes_.empty()) {
+		return_last_to_pool();
 		return true;
 	}
 	// Remove scenes first, because added ones can reuse them.
@@ -70,16 +70,16 @@ bool SceneRing::step() {
 		move(instance); // The mesh stays hidden during the move.
 		return true;
 	}
-	for (HeldRelease leaving; queue_.next_leaving(leaving);) {
-		if (leave(leaving)) {
+	for (HeldRelease release; queue_.next_leaving(release);) {
+		if (leave(release)) {
 			return true;
 		}
 	}
-	const bool entering = queue_.next_entering(instance);
-	if (entering) {
+	const bool has_entering = queue_.next_entering(instance);
+	if (has_entering) {
 		enter(instance);
 	}
-	return entering;
+	return has_entering;
 }
 
 /// Removes a scene that its layer no longer uses, so that the instance can get the layer's new
@@ -87,8 +87,8 @@ bool SceneRing::step() {
 bool SceneRing::leave_outdated() {
 	for (PlacedInstance instance; queue_.next_due(instance);) {
 		const Key key{instance.id, instance.layer};
-		const auto found = displayed_.find(key);
-		if (found != displayed_.end() && !(found->second.scene == layers_[key.layer].is.scene)) {
+		const auto entry = displayed_scenes_.find(key);
+		if (entry != displayed_scenes_.end() && !(entry->second.scene == layers_[key.layer].settings.scene)) {
 			queue_.release(key.layer, key.id);
 			return leave(key);
 		}
@@ -97,8 +97,8 @@ bool SceneRing::leave_outdated() {
 }
 
 bool SceneRing::leave_removed() {
-	for (HeldRelease leaving; queue_.next_removed(leaving);) {
-		if (leave(leaving)) {
+	for (HeldRelease release; queue_.next_removed(release);) {
+		if (leave(release)) {
 			return true;
 		}
 	}
@@ -107,46 +107,46 @@ bool SceneRing::leave_removed() {
 
 /// Removes the scene of an instance, unless the queue has since found the instance in another cell.
 /// The instance then keeps its scene at the new position.
-bool SceneRing::leave(const HeldRelease &leaving) {
-	const auto found = displayed_.find({leaving.id, leaving.layer});
-	return found != displayed_.end() && found->second.instance.position == leaving.position &&
-			leave(Key{leaving.id, leaving.layer});
+bool SceneRing::leave(const HeldRelease &release) {
+	const auto entry = displayed_scenes_.find({release.id, release.layer});
+	return entry != displayed_scenes_.end() && entry->second.instance.position == release.position &&
+			leave(Key{release.id, release.layer});
 }
 
 /// Removes the scene of an instance. Returns false if it has none. Runs scripts.
 bool SceneRing::leave(const Key &key) {
-	auto left = displayed_.extract(key);
-	if (!left) {
+	auto entry = displayed_scenes_.extract(key);
+	if (!entry) {
 		return false;
 	}
-	host_.hide_mesh(left.mapped().instance, false);
-	leaving_.push_back(std::move(left.mapped()));
-	put_last_back();
+	host_.hide_mesh(entry.mapped().instance, false);
+	leaving_scenes_.push_back(std::move(entry.mapped()));
+	return_last_to_pool();
 	return true;
 }
 
 /// Adds the scene of an instance. Runs scripts, which may free the node, drop the instance or
 /// change the layers.
 void SceneRing::enter(const PlacedInstance &instance) {
-	if (displayed_.contains({instance.id, instance.layer})) {
+	if (displayed_scenes_.contains({instance.id, instance.layer})) {
 		move(instance);
 		return;
 	}
-	const godot::Ref<godot::PackedScene> scene = layers_[instance.layer].is.scene;
+	const godot::Ref<godot::PackedScene> scene = layers_[instance.layer].settings.scene;
 	const std::weak_ptr<const void> alive = life_;
 	const std::uint64_t epoch = epoch_;
 	const std::shared_ptr<ScenePool> pool = pool_;
 	godot::Node3D *node = scene.is_valid() ? pool->take(scene) : nullptr;
-	const bool wanted = !alive.expired() && epoch == epoch_ && queue_.holds(instance.layer, instance.id);
-	const bool same_scene = wanted && layers_[instance.layer].is.scene == scene;
+	const bool is_needed = !alive.expired() && epoch == epoch_ && queue_.holds(instance.layer, instance.id);
+	const bool same_scene = is_needed && layers_[instance.layer].settings.scene == scene;
 	if (node == nullptr && same_scene && scene.is_valid()) {
-		refuse(layers_[instance.layer]);
+		reject(layers_[instance.layer]);
 	} else if (node != nullptr && same_scene) {
 		show(instance, scene, node);
 	} else if (node != nullptr) {
 		ScenePool::dispose(NodeHandle(node));
 	}
-	if (wanted && !same_scene) {
+	if (is_needed && !same_scene) {
 		// Lets the instance get the layer's new scene.
 		queue_.release(instance.layer, instance.id);
 	}

@@ -20,20 +20,20 @@
 namespace thicket {
 
 /// The scene that replaces the meshes of a layer near viewers and moving bodies.
-struct SceneLayer {
+struct SceneSettings {
 	godot::Ref<godot::PackedScene> scene; ///< The scene; null if there is none.
 	/// The distance in meters from a viewer or moving body within which scenes replace meshes; 0
 	/// disables scenes.
 	double distance = 0.0;
 	godot::String name; ///< The layer's name, for error messages.
 
-	bool operator==(const SceneLayer &other) const {
+	bool operator==(const SceneSettings &other) const {
 		return scene == other.scene && distance == other.distance && name == other.name;
 	}
 };
 
 /// Returns the scene settings of a layer. A null layer has no scene.
-SceneLayer scenes_of(const LayerSnapshot *layer);
+SceneSettings scene_settings_of(const LayerSnapshot *layer);
 
 /// The kind of change that a SceneRing makes to the scene of an instance.
 enum class SceneEvent : std::uint8_t {
@@ -55,9 +55,10 @@ struct SceneHost {
 	std::function<void()> recycle_later;
 };
 
-/// Replaces meshes near viewers with scenes. Every nearby instance gets a scene, even if distance
-/// thinning hides its mesh. A mesh is hidden in the frame in which its scene is added and drawn
-/// again when the scene is removed. Unneeded scenes are kept in a pool.
+/// Replaces the meshes of instances near viewers and moving bodies with scenes. Every nearby
+/// instance gets a scene, even if distance thinning hides its mesh. A mesh is hidden in the frame in
+/// which its scene is added and drawn again when the scene is removed. Unneeded scenes are kept in a
+/// pool.
 ///
 /// Many methods run scripts, which may remove instances, free or take a scene, or free the node.
 /// The caller must keep the ring alive during these calls and must call `forget_host` when the node
@@ -70,17 +71,17 @@ public:
 
 	/// Sets the layers by their indices. If the PackedScene of a layer has changed, its previous
 	/// scenes are removed step by step, nearest first.
-	void set_layers(std::vector<SceneLayer> layers);
+	void set_layers(std::vector<SceneSettings> layers);
 
 	/// Detaches the ring from the node, which it never accesses again. Call it when the node is
 	/// freed along with its children.
 	void forget_host() { life_ = nullptr; }
 
-	/// Sets the positions around which scenes replace meshes. If there are no centers, all scenes
-	/// stay, because a camera may be missing for a single frame.
+	/// Sets the positions around which scenes replace meshes. If `centers` is empty, all scenes stay,
+	/// because a camera may be missing for a single frame.
 	void find_changes(std::span<const glm::dvec3> centers, const InstanceWorld &world) override;
 	bool step() override;
-	bool settled() const override { return leaving_.empty() && queue_.settled(); }
+	bool settled() const override { return leaving_scenes_.empty() && queue_.settled(); }
 	void drop(std::uint64_t id) override;
 	void drop_if(const std::function<bool(std::uint64_t id)> &is_gone) override;
 	void set_world_frame(const WorldFrame &frame) override;
@@ -103,7 +104,7 @@ public:
 	/// mesh is drawn again unless the instance is removed.
 	godot::Node3D *take(std::uint64_t id);
 
-	std::size_t displayed_count() const { return displayed_.size(); }
+	std::size_t displayed_count() const { return displayed_scenes_.size(); }
 	std::size_t idle_count() const { return pool_->idle_count(); }
 
 private:
@@ -124,36 +125,36 @@ private:
 	};
 
 	struct Layer {
-		SceneLayer is;
-		bool refused = false; ///< True if the scene cannot be used. The error has been printed.
+		SceneSettings settings;
+		bool is_rejected = false; ///< True if the scene cannot be used. The error has been printed.
 
-		double distance() const { return is.scene.is_valid() && !refused ? is.distance : 0.0; }
+		double distance() const { return settings.scene.is_valid() && !is_rejected ? settings.distance : 0.0; }
 	};
 
 	void update_distances();
 	void move(const PlacedInstance &instance);
 	bool leave(const Key &key);
-	bool leave(const HeldRelease &leaving);
+	bool leave(const HeldRelease &release);
 	bool leave_removed();
 	bool leave_outdated();
 	void enter(const PlacedInstance &instance);
 
-	bool is_own_scene(const DisplayedScene &displayed) const;
+	bool is_own_scene(const DisplayedScene &displayed_scene) const;
 	godot::Transform3D transform_of(const PlacedInstance &instance) const;
-	void move_node(const DisplayedScene &displayed) const;
-	void refuse(Layer &layer);
+	void move_node(const DisplayedScene &displayed_scene) const;
+	void reject(Layer &layer);
 	void show(const PlacedInstance &instance, const godot::Ref<godot::PackedScene> &scene, godot::Node3D *node);
-	void put_last_back();
-	void notify(SceneEvent event, const DisplayedScene &displayed);
-	void take_out(godot::Node3D *node);
+	void return_last_to_pool();
+	void notify(SceneEvent event, const DisplayedScene &displayed_scene);
+	void remove_from_tree(godot::Node3D *node);
 
 	SceneHost host_;
 	std::shared_ptr<const char> life_ = std::make_shared<const char>('\0');
 	std::shared_ptr<ScenePool> pool_ = std::make_shared<ScenePool>();
 	std::vector<Layer> layers_;
-	std::map<Key, DisplayedScene> displayed_;
+	std::map<Key, DisplayedScene> displayed_scenes_;
 	/// The scenes of dropped instances, which are still in the tree, so that callers can take them.
-	std::vector<DisplayedScene> leaving_;
+	std::vector<DisplayedScene> leaving_scenes_;
 	std::uint64_t epoch_ = 0; ///< Incremented by `clear`.
 	WorldFrame frame_;
 	bool recycle_due_ = false;

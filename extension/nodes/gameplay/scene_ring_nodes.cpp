@@ -14,8 +14,8 @@ using namespace godot;
 
 namespace thicket {
 
-bool SceneRing::is_own_scene(const DisplayedScene &displayed) const {
-	const Node3D *node = displayed.node.get();
+bool SceneRing::is_own_scene(const DisplayedScene &displayed_scene) const {
+	const Node3D *node = displayed_scene.node.get();
 	return node != nullptr && node->get_parent() == host_.parent;
 }
 
@@ -23,25 +23,25 @@ Transform3D SceneRing::transform_of(const PlacedInstance &instance) const {
 	return to_engine(instance.basis, instance.position, frame_);
 }
 
-void SceneRing::move_node(const DisplayedScene &displayed) const {
-	if (Node3D *node = displayed.node.get(); node != nullptr && node->is_inside_tree()) {
-		node->set_global_transform(transform_of(displayed.instance));
+void SceneRing::move_node(const DisplayedScene &displayed_scene) const {
+	if (Node3D *node = displayed_scene.node.get(); node != nullptr && node->is_inside_tree()) {
+		node->set_global_transform(transform_of(displayed_scene.instance));
 		node->reset_physics_interpolation();
 	}
 }
 
-void SceneRing::refuse(Layer &layer) {
-	layer.refused = true;
+void SceneRing::reject(Layer &layer) {
+	layer.is_rejected = true;
 	update_distances();
-	const String path = layer.is.scene->get_path();
+	const String path = layer.settings.scene->get_path();
 	ERR_PRINT(vformat("TerrainScatter3D: the root of the scene %s of layer \"%s\" is not a Node3D. The layer's meshes "
 					  "are drawn instead.",
-			path.is_empty() ? String("(built in)") : path, layer.is.name));
+			path.is_empty() ? String("(built in)") : path, layer.settings.name));
 }
 
 void SceneRing::show(const PlacedInstance &instance, const Ref<PackedScene> &scene, Node3D *node) {
-	const DisplayedScene displayed{instance, scene, NodeHandle(node), node->is_set_as_top_level()};
-	displayed_.insert_or_assign({instance.id, instance.layer}, displayed);
+	const DisplayedScene displayed_scene{instance, scene, NodeHandle(node), node->is_set_as_top_level()};
+	displayed_scenes_.insert_or_assign({instance.id, instance.layer}, displayed_scene);
 	host_.hide_mesh(instance, true);
 	// Instances are in world space, independent of their TerrainScatter3D's transform.
 	node->set_as_top_level(true);
@@ -54,53 +54,53 @@ void SceneRing::show(const PlacedInstance &instance, const Ref<PackedScene> &sce
 		return;
 	}
 	moving_child_ = false;
-	if (child_changes_ != 1 || !is_own_scene(displayed)) {
+	if (child_changes_ != 1 || !is_own_scene(displayed_scene)) {
 		children_changed(); // A script has also changed children.
 	}
-	const auto found = displayed_.find({instance.id, instance.layer});
-	if (found != displayed_.end() && is_own_scene(displayed)) {
+	const auto entry = displayed_scenes_.find({instance.id, instance.layer});
+	if (entry != displayed_scenes_.end() && is_own_scene(displayed_scene)) {
 		// Adding the node to the tree has moved it, if the transform of its parent is not the
 		// identity.
-		move_node(displayed);
+		move_node(displayed_scene);
 	}
-	if (is_own_scene(displayed)) {
-		notify(SceneEvent::shown, displayed);
+	if (is_own_scene(displayed_scene)) {
+		notify(SceneEvent::shown, displayed_scene);
 	}
 }
 
 void SceneRing::move(const PlacedInstance &instance) {
-	const auto found = displayed_.find({instance.id, instance.layer});
-	if (found == displayed_.end()) {
+	const auto entry = displayed_scenes_.find({instance.id, instance.layer});
+	if (entry == displayed_scenes_.end()) {
 		return;
 	}
-	DisplayedScene &displayed = found->second;
-	host_.hide_mesh(displayed.instance, false);
-	displayed.instance = instance;
-	host_.hide_mesh(displayed.instance, true);
-	move_node(displayed);
+	DisplayedScene &displayed_scene = entry->second;
+	host_.hide_mesh(displayed_scene.instance, false);
+	displayed_scene.instance = instance;
+	host_.hide_mesh(displayed_scene.instance, true);
+	move_node(displayed_scene);
 }
 
-void SceneRing::notify(SceneEvent event, const DisplayedScene &displayed) {
+void SceneRing::notify(SceneEvent event, const DisplayedScene &displayed_scene) {
 	const std::weak_ptr<const void> alive = life_;
 	const auto listener = host_.notify; // Use a copy, because the call may free the ring.
-	const auto id = static_cast<int64_t>(displayed.instance.id);
-	Node3D *node = displayed.node.get();
+	const auto id = static_cast<int64_t>(displayed_scene.instance.id);
+	Node3D *node = displayed_scene.node.get();
 	if (event == SceneEvent::hidden && node != nullptr && node->has_method("_scatter_hidden")) {
 		node->call("_scatter_hidden");
 	} else if (event == SceneEvent::shown && node != nullptr && node->has_method("_scatter_shown")) {
-		const Variant data = host_.data_of(displayed.instance.id);
-		node->call("_scatter_shown", id, host_.layer_at(displayed.instance.layer), data);
+		const Variant data = host_.data_of(displayed_scene.instance.id);
+		node->call("_scatter_shown", id, host_.layer_at(displayed_scene.instance.layer), data);
 	}
 	if (alive.expired()) {
 		return;
 	}
-	if (node = displayed.node.get(); node != nullptr) {
-		listener(event, displayed.instance.id, node);
+	if (node = displayed_scene.node.get(); node != nullptr) {
+		listener(event, displayed_scene.instance.id, node);
 	}
 }
 
 /// Takes a node out of the tree if it is a child of the host. Runs scripts.
-void SceneRing::take_out(Node3D *node) {
+void SceneRing::remove_from_tree(Node3D *node) {
 	if (node->get_parent() != host_.parent) {
 		return;
 	}
@@ -117,61 +117,61 @@ void SceneRing::take_out(Node3D *node) {
 	}
 }
 
-/// Notifies the last scene of `leaving_` that it is hidden. Then returns the scene to the pool,
+/// Notifies the last scene of `leaving_scenes_` that it is hidden. Then returns the scene to the pool,
 /// unless a script has taken it. Runs scripts.
-void SceneRing::put_last_back() {
+void SceneRing::return_last_to_pool() {
 	const std::weak_ptr<const void> alive = life_;
-	const DisplayedScene displayed = leaving_.back();
-	if (is_own_scene(displayed)) {
-		notify(SceneEvent::hidden, displayed);
+	const DisplayedScene displayed_scene = leaving_scenes_.back();
+	if (is_own_scene(displayed_scene)) {
+		notify(SceneEvent::hidden, displayed_scene);
 	}
 	if (alive.expired()) {
 		return;
 	}
-	const Node3D *node = displayed.node.get();
-	const auto found = std::find_if(leaving_.begin(), leaving_.end(),
+	const Node3D *node = displayed_scene.node.get();
+	const auto entry = std::find_if(leaving_scenes_.begin(), leaving_scenes_.end(),
 			[node](const DisplayedScene &other) { return node != nullptr && other.node.get() == node; });
-	if (found == leaving_.end()) {
-		std::erase_if(leaving_, [](const DisplayedScene &other) { return other.node.get() == nullptr; });
+	if (entry == leaving_scenes_.end()) {
+		std::erase_if(leaving_scenes_, [](const DisplayedScene &other) { return other.node.get() == nullptr; });
 		return;
 	}
-	leaving_.erase(found);
-	if (!is_own_scene(displayed)) {
+	leaving_scenes_.erase(entry);
+	if (!is_own_scene(displayed_scene)) {
 		return;
 	}
-	take_out(displayed.node.get());
-	Node3D *left = displayed.node.get();
-	if (alive.expired() || left == nullptr) {
+	remove_from_tree(displayed_scene.node.get());
+	Node3D *removed_node = displayed_scene.node.get();
+	if (alive.expired() || removed_node == nullptr) {
 		return;
 	}
-	left->set_as_top_level(displayed.top_level);
-	const bool wanted = std::ranges::any_of(
-			layers_, [&displayed](const Layer &layer) { return layer.is.scene == displayed.scene; });
-	if (left->get_parent() == host_.parent) {
+	removed_node->set_as_top_level(displayed_scene.top_level);
+	const bool is_in_use = std::ranges::any_of(
+			layers_, [&displayed_scene](const Layer &layer) { return layer.settings.scene == displayed_scene.scene; });
+	if (removed_node->get_parent() == host_.parent) {
 		// The tree was busy, so the node is still in it and cannot be reused.
-		ScenePool::dispose(displayed.node);
-	} else if (wanted) {
-		pool_->give(displayed.scene, left);
+		ScenePool::dispose(displayed_scene.node);
+	} else if (is_in_use) {
+		pool_->give(displayed_scene.scene, removed_node);
 	} else {
-		pool_->discard(left);
+		pool_->discard(removed_node);
 	}
 }
 
 void SceneRing::recycle() {
 	recycle_due_ = false;
 	const std::weak_ptr<const void> alive = life_;
-	for (int count = 0; count < recycled_at_once && !alive.expired() && !leaving_.empty(); ++count) {
-		put_last_back();
+	for (int count = 0; count < recycled_at_once && !alive.expired() && !leaving_scenes_.empty(); ++count) {
+		return_last_to_pool();
 	}
 }
 
 void SceneRing::drop(std::uint64_t id) {
 	queue_.release(id);
-	auto found = displayed_.lower_bound({id, 0});
-	while (found != displayed_.end() && found->first.id == id) {
-		host_.hide_mesh(found->second.instance, false);
-		leaving_.push_back(std::move(found->second));
-		found = displayed_.erase(found);
+	auto entry = displayed_scenes_.lower_bound({id, 0});
+	while (entry != displayed_scenes_.end() && entry->first.id == id) {
+		host_.hide_mesh(entry->second.instance, false);
+		leaving_scenes_.push_back(std::move(entry->second));
+		entry = displayed_scenes_.erase(entry);
 		if (!std::exchange(recycle_due_, true)) {
 			host_.recycle_later();
 		}
@@ -179,13 +179,13 @@ void SceneRing::drop(std::uint64_t id) {
 }
 
 void SceneRing::drop_if(const std::function<bool(std::uint64_t id)> &is_gone) {
-	std::vector<std::uint64_t> dropped;
-	for (const auto &[key, displayed] : displayed_) {
+	std::vector<std::uint64_t> dropped_ids;
+	for (const auto &[key, displayed_scene] : displayed_scenes_) {
 		if (is_gone(key.id)) {
-			dropped.push_back(key.id);
+			dropped_ids.push_back(key.id);
 		}
 	}
-	for (const std::uint64_t id : dropped) {
+	for (const std::uint64_t id : dropped_ids) {
 		drop(id);
 	}
 }
@@ -195,52 +195,53 @@ void SceneRing::children_changed() {
 		++child_changes_;
 		return;
 	}
-	std::erase_if(displayed_, [this](const auto &entry) {
-		const DisplayedScene &displayed = entry.second;
-		if (is_own_scene(displayed)) {
+	std::erase_if(displayed_scenes_, [this](const auto &entry) {
+		const DisplayedScene &displayed_scene = entry.second;
+		if (is_own_scene(displayed_scene)) {
 			return false;
 		}
-		if (Node3D *node = displayed.node.get()) {
-			node->set_as_top_level(displayed.top_level);
+		if (Node3D *node = displayed_scene.node.get()) {
+			node->set_as_top_level(displayed_scene.top_level);
 		}
-		host_.hide_mesh(displayed.instance, false);
+		host_.hide_mesh(displayed_scene.instance, false);
 		return true;
 	});
-	std::erase_if(leaving_, [this](const DisplayedScene &displayed) { return !is_own_scene(displayed); });
+	std::erase_if(
+			leaving_scenes_, [this](const DisplayedScene &displayed_scene) { return !is_own_scene(displayed_scene); });
 }
 
 Node3D *SceneRing::find(std::uint64_t id) const {
-	const auto found = displayed_.lower_bound({id, 0});
-	return found != displayed_.end() && found->first.id == id ? found->second.node.get() : nullptr;
+	const auto entry = displayed_scenes_.lower_bound({id, 0});
+	return entry != displayed_scenes_.end() && entry->first.id == id ? entry->second.node.get() : nullptr;
 }
 
 Node3D *SceneRing::take(std::uint64_t id) {
-	DisplayedScene taken;
-	const auto found = displayed_.lower_bound({id, 0});
-	const auto left = std::find_if(leaving_.begin(), leaving_.end(),
-			[id](const DisplayedScene &displayed) { return displayed.instance.id == id; });
-	if (found != displayed_.end() && found->first.id == id) {
-		taken = std::move(found->second);
-		displayed_.erase(found);
-		host_.hide_mesh(taken.instance, false);
-	} else if (left != leaving_.end()) {
-		taken = std::move(*left);
-		leaving_.erase(left);
+	DisplayedScene taken_scene;
+	const auto entry = displayed_scenes_.lower_bound({id, 0});
+	const auto leaving_scene = std::find_if(leaving_scenes_.begin(), leaving_scenes_.end(),
+			[id](const DisplayedScene &displayed_scene) { return displayed_scene.instance.id == id; });
+	if (entry != displayed_scenes_.end() && entry->first.id == id) {
+		taken_scene = std::move(entry->second);
+		displayed_scenes_.erase(entry);
+		host_.hide_mesh(taken_scene.instance, false);
+	} else if (leaving_scene != leaving_scenes_.end()) {
+		taken_scene = std::move(*leaving_scene);
+		leaving_scenes_.erase(leaving_scene);
 	}
-	Node3D *node = taken.node.get();
+	Node3D *node = taken_scene.node.get();
 	if (node != nullptr) {
-		node->set_as_top_level(taken.top_level);
+		node->set_as_top_level(taken_scene.top_level);
 	}
 	return node;
 }
 
 void SceneRing::set_world_frame(const WorldFrame &frame) {
 	frame_ = frame;
-	for (const auto &[key, displayed] : displayed_) {
-		move_node(displayed);
+	for (const auto &[key, displayed_scene] : displayed_scenes_) {
+		move_node(displayed_scene);
 	}
-	for (const DisplayedScene &displayed : leaving_) {
-		move_node(displayed);
+	for (const DisplayedScene &displayed_scene : leaving_scenes_) {
+		move_node(displayed_scene);
 	}
 }
 
@@ -250,17 +251,17 @@ void SceneRing::clear() {
 	for (std::uint32_t layer = 0; layer < layers_.size(); ++layer) {
 		queue_.release_layer(layer);
 	}
-	std::vector<DisplayedScene> all = std::exchange(leaving_, {});
-	for (auto &[key, displayed] : std::exchange(displayed_, {})) {
-		host_.hide_mesh(displayed.instance, false);
-		all.push_back(std::move(displayed));
+	std::vector<DisplayedScene> scenes_to_free = std::exchange(leaving_scenes_, {});
+	for (auto &[key, displayed_scene] : std::exchange(displayed_scenes_, {})) {
+		host_.hide_mesh(displayed_scene.instance, false);
+		scenes_to_free.push_back(std::move(displayed_scene));
 	}
 	pool_->clear();
 	const std::weak_ptr<const void> alive = life_;
-	for (const DisplayedScene &displayed : all) {
-		if (!alive.expired() && is_own_scene(displayed)) {
-			take_out(displayed.node.get());
-			ScenePool::dispose(displayed.node);
+	for (const DisplayedScene &displayed_scene : scenes_to_free) {
+		if (!alive.expired() && is_own_scene(displayed_scene)) {
+			remove_from_tree(displayed_scene.node.get());
+			ScenePool::dispose(displayed_scene.node);
 		}
 	}
 }

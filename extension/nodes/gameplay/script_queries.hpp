@@ -1,14 +1,14 @@
 #pragma once
 
-// This file implements the queries of scripts for a TerrainScatter3D and its snapshots. An
+// This file implements the queries of scripts for a TerrainScatter3D and its snapshots. A
 // `QueryHost` provides
 //   static std::string name_of(method);  // `Class.method`, for errors
 //   const WorldFrame &world_frame() const;
 //   SharedLayers prepare(method);        // null, with an error, if there is nothing to query
-//   String find_queried(layers, std::vector<std::uint32_t> &r_indices);  // see find_layers
+//   String find_queried_layers(layers, std::vector<std::uint32_t> &r_indices);  // see find_layers
 //   bool answer(method, query);  // calls query(const InstanceQuery &); false, with an error
 //   Variant get_instance_data(int64_t id) const;
-// Predicates are scripts, which may free anything, so the caller must keep the asker alive during
+// Predicates are scripts, which may free anything, so the caller must keep the host alive during
 // these calls.
 
 #include "nodes/common/convert.hpp"
@@ -44,7 +44,8 @@ SharedLayers open_query(QueryHost &host, const QueryParameters &parameters, Quer
 	if (layers == nullptr) {
 		return nullptr;
 	}
-	if (const godot::String problem = host.find_queried(parameters.layers, r_filter.layers); !problem.is_empty()) {
+	if (const godot::String problem = host.find_queried_layers(parameters.layers, r_filter.layers);
+			!problem.is_empty()) {
 		ERR_PRINT(godot::String(host.name_of(parameters.method).c_str()) + godot::String(": ") + problem);
 		return nullptr;
 	}
@@ -54,7 +55,7 @@ SharedLayers open_query(QueryHost &host, const QueryParameters &parameters, Quer
 
 /// The instances that a query has found, and the list that their layer indices refer to.
 struct AnsweredInstances {
-	FoundInstances found;
+	FoundInstances instances;
 	SharedLayers layers;
 };
 
@@ -63,13 +64,13 @@ godot::Ref<ScatterInstances> answer_rect(
 		QueryHost &host, const QueryParameters &parameters, const godot::Rect2 &p_rect) {
 	const WorldFrame frame = host.world_frame();
 	QueryFilter filter;
-	FoundInstances found;
+	FoundInstances instances;
 	SharedLayers layers = open_query(host, parameters, filter);
 	if (layers != nullptr) {
 		host.answer(parameters.method,
-				[&](const InstanceQuery &query) { return query.in_rect(to_world(p_rect, frame), filter, found); });
+				[&](const InstanceQuery &query) { return query.in_rect(to_world(p_rect, frame), filter, instances); });
 	}
-	return ScatterInstances::of(std::move(found), frame, std::move(layers));
+	return ScatterInstances::of(std::move(instances), frame, std::move(layers));
 }
 
 template <class QueryHost>
@@ -80,8 +81,9 @@ AnsweredInstances find_in_sphere(
 	AnsweredInstances answer;
 	answer.layers = open_query(host, parameters, filter);
 	if (answer.layers != nullptr) {
-		host.answer(parameters.method,
-				[&](const InstanceQuery &query) { return query.in_sphere(center, p_radius, filter, answer.found); });
+		host.answer(parameters.method, [&](const InstanceQuery &query) {
+			return query.in_sphere(center, p_radius, filter, answer.instances);
+		});
 	}
 	return answer;
 }
@@ -91,7 +93,7 @@ godot::Ref<ScatterInstances> answer_sphere(
 		QueryHost &host, const QueryParameters &parameters, const godot::Vector3 &p_center, double p_radius) {
 	const WorldFrame frame = host.world_frame();
 	AnsweredInstances answer = find_in_sphere(host, parameters, p_center, p_radius);
-	return ScatterInstances::of(std::move(answer.found), frame, std::move(answer.layers));
+	return ScatterInstances::of(std::move(answer.instances), frame, std::move(answer.layers));
 }
 
 template <class QueryHost>
@@ -123,32 +125,32 @@ godot::Ref<ScatterInstance> answer_nearest(
 	const WorldFrame frame = host.world_frame();
 	const glm::dvec3 position = to_world(p_position, frame);
 	QueryFilter filter;
-	std::vector<NearestInstance> found;
+	std::vector<NearestInstance> matches;
 	const SharedLayers layers = open_query(host, parameters, filter);
 	if (layers != nullptr) {
 		host.answer(parameters.method,
-				[&](const InstanceQuery &query) { return query.nearest(position, p_max_distance, filter, found); });
+				[&](const InstanceQuery &query) { return query.nearest(position, p_max_distance, filter, matches); });
 	}
-	if (found.empty()) {
+	if (matches.empty()) {
 		return {};
 	}
-	const PlacedInstance &instance = found.front().instance;
+	const PlacedInstance &instance = matches.front().instance;
 	return ScatterInstance::of(instance, frame, layers->at(instance.layer),
-			host.get_instance_data(script_id(instance.id)), found.front().distance);
+			host.get_instance_data(script_id(instance.id)), matches.front().distance);
 }
 
 /// Finds an instance by its ID. Returns null if the instance does not exist.
 template <class QueryHost>
 godot::Ref<ScatterInstance> answer_id(QueryHost &host, const char *method, int64_t p_id) {
 	const WorldFrame frame = host.world_frame();
-	std::vector<PlacedInstance> found;
+	std::vector<PlacedInstance> matches;
 	const SharedLayers layers = host.prepare(method);
 	if (layers != nullptr) {
-		host.answer(method, [&](const InstanceQuery &query) { return query.by_id(core_id(p_id), found); });
+		host.answer(method, [&](const InstanceQuery &query) { return query.by_id(core_id(p_id), matches); });
 	}
-	return found.empty()
-			? godot::Ref<ScatterInstance>()
-			: ScatterInstance::of(found.front(), frame, layers->at(found.front().layer), host.get_instance_data(p_id));
+	return matches.empty() ? godot::Ref<ScatterInstance>()
+						   : ScatterInstance::of(matches.front(), frame, layers->at(matches.front().layer),
+									 host.get_instance_data(p_id));
 }
 
 } // namespace thicket
