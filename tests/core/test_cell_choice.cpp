@@ -39,15 +39,15 @@ TEST_CASE("cell choice: a tile is divided evenly into cells nearest to the reque
 }
 
 TEST_CASE("cell choice: the default size depends on the model's size and the instances' density") {
-	CHECK(usual_cell_size(12.0, 1.0) == 32.0);
-	CHECK(usual_cell_size(4.0, 1.0) == 32.0);
-	CHECK(usual_cell_size(16.0, 1.0) == 32.0);
-	CHECK(usual_cell_size(3.5, 1.0) == 28.0);
-	CHECK(usual_cell_size(0.2, 1.0) == 24.0);
-	CHECK(usual_cell_size(0.0, 0.0) == 24.0);
-	CHECK(usual_cell_size(40.0, 1.0) == 80.0);
-	const double sparse = usual_cell_size(12.0, 0.002);
-	CHECK(sparse * sparse * 0.002 == doctest::Approx(fewest_in_cell));
+	CHECK(default_cell_size(12.0, 1.0) == 32.0);
+	CHECK(default_cell_size(4.0, 1.0) == 32.0);
+	CHECK(default_cell_size(16.0, 1.0) == 32.0);
+	CHECK(default_cell_size(3.5, 1.0) == 28.0);
+	CHECK(default_cell_size(0.2, 1.0) == 24.0);
+	CHECK(default_cell_size(0.0, 0.0) == 24.0);
+	CHECK(default_cell_size(40.0, 1.0) == 80.0);
+	const double sparse = default_cell_size(12.0, 0.002);
+	CHECK(sparse * sparse * 0.002 == doctest::Approx(min_instances_per_cell));
 }
 
 TEST_CASE("cell choice: near tiles are divided into cells, far ones are whole") {

@@ -26,7 +26,7 @@ LodSettings grass() {
 const std::vector<LodStep> soft{{false, true}, {false, true}, {false, true}};
 
 bool same(const CellDrawing &a, const CellDrawing &b) {
-	return a.span == b.span && a.lod == b.lod && a.scale == b.scale && a.thinned == b.thinned;
+	return a.span == b.span && a.lod == b.lod && a.scale == b.scale && a.remaining_fraction == b.remaining_fraction;
 }
 
 /// Returns `count` ranks that are evenly distributed.
@@ -47,12 +47,12 @@ TEST_CASE("cell drawing: distance determines LOD, thinning and scale") {
 	adapt(settings, {}, {10.0, 30.0}, cell);
 	CHECK(cell.lod == 0);
 	CHECK(cell.span == LodSpan{0, 0, false});
-	CHECK(cell.thinned == 1.0);
+	CHECK(cell.remaining_fraction == 1.0);
 	CHECK(cell.scale == 1.0F);
 	adapt(settings, {}, {80.0, 100.0}, cell);
 	CHECK(cell.lod == 2);
 	CHECK(cell.span == LodSpan{2, 2, false});
-	CHECK(cell.thinned == 0.25);
+	CHECK(cell.remaining_fraction == 0.25);
 	CHECK(cell.scale == 2.0F); // A quarter of the instances is drawn, each twice as wide.
 	adapt(settings, {}, {59.0, 79.0}, cell);
 	CHECK_MESSAGE(cell.lod == 2, "the coarser LOD stays until 5 % before the distance at which it began");
@@ -106,12 +106,12 @@ TEST_CASE("cell drawing: an additional LOD draws its own fraction, but no instan
 	CellDrawing cell;
 	cell.density = 0.75;
 	cell.drawn = 768;
-	CHECK(drawn_by_other(ranks, 1.0, 1.0, cell) == 768);
-	CHECK(drawn_by_other(ranks, 1.0, 0.5, cell) == 384);
+	CHECK(drawn_by_extra_lod(ranks, 1.0, 1.0, cell) == 768);
+	CHECK(drawn_by_extra_lod(ranks, 1.0, 0.5, cell) == 384);
 	cell.drawn = 384; // The first LOD draws all instances that its settings permit.
-	CHECK(drawn_by_other(ranks, 0.5, 1.0, cell) == 768);
+	CHECK(drawn_by_extra_lod(ranks, 0.5, 1.0, cell) == 768);
 	cell.drawn = 383; // The draw limit has removed one instance.
-	CHECK(drawn_by_other(ranks, 0.5, 1.0, cell) == 383);
-	CHECK(drawn_by_other(ranks, 0.5, 0.25, cell) == 192);
-	CHECK(drawn_by_other({}, 1.0, 1.0, cell) == 0);
+	CHECK(drawn_by_extra_lod(ranks, 0.5, 1.0, cell) == 383);
+	CHECK(drawn_by_extra_lod(ranks, 0.5, 0.25, cell) == 192);
+	CHECK(drawn_by_extra_lod({}, 1.0, 1.0, cell) == 0);
 }

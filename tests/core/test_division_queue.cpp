@@ -28,9 +28,11 @@ public:
 	std::vector<int> begun; ///< The x of every divided tile, in order. Negative for a tile that became whole again.
 
 	double distance(const TileKey &key) const override { return at(key).distance; }
-	std::uint32_t displayed(const TileKey &key) const override { return at(key).displayed; }
-	std::uint32_t wanted(const TileKey &key) const override { return at(key).wanted; }
-	std::uint64_t multimeshes(const TileKey &key) const override { return multimesh_bound(key, displayed(key)); }
+	std::uint32_t displayed_division(const TileKey &key) const override { return at(key).displayed; }
+	std::uint32_t wanted_division(const TileKey &key) const override { return at(key).wanted; }
+	std::uint64_t multimeshes(const TileKey &key) const override {
+		return multimesh_bound(key, displayed_division(key));
+	}
 	std::uint64_t multimesh_bound(const TileKey & /*key*/, std::uint32_t cells_per_edge) const override {
 		return std::uint64_t{cells_per_edge} * cells_per_edge;
 	}

@@ -111,7 +111,7 @@ TEST_CASE("draw budget: thinning, the density of an LOD and the quality multiply
 	meadow.budget.set_limits(limits);
 	meadow.frame();
 	CellDrawing &cell = meadow.cells[0];
-	cell.thinned = 0.5;
+	cell.remaining_fraction = 0.5;
 	CHECK(meadow.budget.draw(0, 0.5, ranks_of_cell(), cell));
 	CHECK(cell.density == 0.25); // The density is the same for every LOD.
 	CHECK(cell.drawn == 125);
@@ -154,13 +154,13 @@ TEST_CASE("draw budget: the fraction changes only if the number of instances cha
 	CHECK(settled == doctest::Approx(45000).epsilon(0.01));
 	std::size_t changes = 0;
 	for (std::size_t at = 0; at < 20; ++at) { // One by one, a fifth of the tiles is thinned to nothing.
-		meadow.cells[at].thinned = 0.0;
+		meadow.cells[at].remaining_fraction = 0.0;
 		meadow.draw(at);
 		changes += meadow.budget.begin_frame() ? 1 : 0;
 	}
 	CHECK(changes == 0);
 	for (std::size_t at = 20; at < 30; ++at) {
-		meadow.cells[at].thinned = 0.0;
+		meadow.cells[at].remaining_fraction = 0.0;
 		meadow.draw(at);
 		meadow.frame();
 	}
@@ -201,7 +201,7 @@ TEST_CASE("draw budget: random tiles and limits settle within the limit, and use
 		}
 		for (std::size_t at = 0; at < meadow.cells.size(); ++at) {
 			if (random() % 3 == 0) {
-				meadow.cells[at].thinned = any(random);
+				meadow.cells[at].remaining_fraction = any(random);
 				meadow.draw(at);
 			}
 		}

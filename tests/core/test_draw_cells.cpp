@@ -42,7 +42,7 @@ std::vector<std::uint32_t> numbers_of(const DrawCells &cells, std::size_t size) 
 	std::vector<std::uint32_t> numbers(size);
 	for (const DrawCell &cell : cells.cells) {
 		for (const std::uint32_t i : cells.order_of(cell)) {
-			numbers[i] = cell.number;
+			numbers[i] = cell.index;
 		}
 	}
 	return numbers;
@@ -101,7 +101,7 @@ TEST_CASE("draw cells: each cell has the instances in its square, and the box ar
 	const MeshInstances &mesh = tile.meshes[0];
 	const DrawCells cells = divided(CompactMesh(mesh, nullptr, tile.origin), tile.origin, tile_of_hills, 4);
 	for (const DrawCell &cell : cells.cells) {
-		const glm::dvec2 corner = tile_of_hills.min + 32.0 * glm::dvec2(cell.number % 4, cell.number / 4);
+		const glm::dvec2 corner = tile_of_hills.min + 32.0 * glm::dvec2(cell.index % 4, cell.index / 4);
 		glm::vec3 min(1e9f);
 		glm::vec3 max(-1e9f);
 		for (const std::uint32_t i : cells.order_of(cell)) {
@@ -127,7 +127,7 @@ TEST_CASE("draw cells: an empty tile has no cells, and numbers of cells are clam
 	CHECK(divided(CompactMesh(), {}, tile_of_hills, 4).empty());
 	const CompactMesh mesh = standing_at({{-63.0f, -63.0f}, {63.0f, 63.0f}});
 	CHECK(divided(mesh, {0.0, 0.0, 64.0}, tile_of_hills, 0).cells.size() == 1);
-	CHECK(divided(mesh, {0.0, 0.0, 64.0}, tile_of_hills, 1000).cells.back().number == 255);
+	CHECK(divided(mesh, {0.0, 0.0, 64.0}, tile_of_hills, 1000).cells.back().index == 255);
 }
 
 TEST_CASE("draw cells: after a change, only cells whose instances differ need an upload") {
@@ -166,11 +166,11 @@ TEST_CASE("draw cells: a cell that had no instances is new") {
 	const std::vector<CellReuse> cells = reuse_cells(
 			before, divided(before, origin, tile_of_hills, 2), after, divided(after, origin, tile_of_hills, 2));
 	REQUIRE(cells.size() == 3);
-	CHECK_FALSE(cells[0].before);
-	CHECK_FALSE(cells[0].unchanged);
-	CHECK_FALSE(cells[1].before);
-	CHECK(cells[2].before == 0U);
-	CHECK(cells[2].unchanged);
+	CHECK_FALSE(cells[0].old_cell);
+	CHECK_FALSE(cells[0].is_unchanged);
+	CHECK_FALSE(cells[1].old_cell);
+	CHECK(cells[2].old_cell == 0U);
+	CHECK(cells[2].is_unchanged);
 }
 
 TEST_CASE("draw cells: the cubes of a planet are divided along the two axes that are nearest to the ground") {

@@ -32,15 +32,15 @@ TEST_CASE("lod runs: consecutive LODs that are drawn alike share one run") {
 	CHECK(runs.run_of(1) == 0);
 	CHECK(runs.run_of(2) == 1);
 	CHECK(runs.run_of(9) == 1); // A tile may still display an LOD that its layer no longer has.
-	CHECK(runs.beyond_first({0, 1, false}) == 0);
-	CHECK(runs.beyond_first({1, 3, false}) == 1);
+	CHECK(runs.extra_run_count({0, 1, false}) == 0);
+	CHECK(runs.extra_run_count({1, 3, false}) == 1);
 	CHECK(LodRuns().count() == 0);
 }
 
 TEST_CASE("lod runs: in a span, each run fades into the next one, and the last may fade out at the view distance") {
 	const LodRuns runs(settings_of({10.0, 20.0}, 0.1, 50.0), std::vector{soft, soft, soft});
 	const auto fade_of = [&](LodSpan span, std::size_t index) {
-		const LodRuns::Drawn drawn = runs.drawn(span, index);
+		const LodRuns::DrawnRun drawn = runs.drawn_run(span, index);
 		CHECK(drawn.run == span.first + index);
 		return drawn.fade;
 	};
@@ -54,18 +54,18 @@ TEST_CASE("lod runs: in a span, each run fades into the next one, and the last m
 
 TEST_CASE("lod runs: a run that is drawn alone fades only at the view distance, so nothing is missing before it") {
 	const LodRuns runs(settings_of({10.0, 20.0}, 0.1, 50.0), std::vector{soft, sharp, soft});
-	CHECK(runs.drawn_alone({0, 1, false}, 0).run == 0);
-	CHECK_FALSE(runs.drawn_alone({0, 1, false}, 0).fade);
-	CHECK(runs.drawn_alone({1, 2, true}, 2).fade == RunFade{false, LodEnd::sight});
-	CHECK_FALSE(runs.drawn_alone({1, 1, true}, 1).fade); // The materials of this run cannot fade.
-	CHECK(runs.drawn_alone({2, 2, false}, 7).run == 2);
+	CHECK(runs.single_run({0, 1, false}, 0).run == 0);
+	CHECK_FALSE(runs.single_run({0, 1, false}, 0).fade);
+	CHECK(runs.single_run({1, 2, true}, 2).fade == RunFade{false, LodEnd::sight});
+	CHECK_FALSE(runs.single_run({1, 1, true}, 1).fade); // The materials of this run cannot fade.
+	CHECK(runs.single_run({2, 2, false}, 7).run == 2);
 }
 
 TEST_CASE("lod runs: a run that cannot fade never does") {
 	const LodRuns runs(settings_of({10.0}, 0.1, 50.0), std::vector{sharp, sharp});
 	CHECK_FALSE(runs.fades());
-	CHECK_FALSE(runs.drawn({0, 1, true}, 0).fade);
-	CHECK_FALSE(runs.drawn({0, 1, true}, 1).fade);
+	CHECK_FALSE(runs.drawn_run({0, 1, true}, 0).fade);
+	CHECK_FALSE(runs.drawn_run({0, 1, true}, 1).fade);
 	CHECK(LodRuns(settings_of({10.0}), std::vector{sharp, soft}).fades());
 	CHECK_FALSE(LodRuns(settings_of({10.0}, 0.0), std::vector{soft, soft}).fades());
 }
@@ -78,9 +78,9 @@ TEST_CASE("lod runs: exactly the fades that a span may need have a range") {
 			std::set<std::size_t> needed;
 			for (std::size_t first = 0; first < 4; ++first) {
 				for (std::size_t last = first; last < 4; ++last) {
-					for (std::size_t index = 0; index <= runs.beyond_first({first, last, false}); ++index) {
+					for (std::size_t index = 0; index <= runs.extra_run_count({first, last, false}); ++index) {
 						for (const bool ends : {false, sight_end > 0.0}) {
-							const LodRuns::Drawn drawn = runs.drawn({first, last, ends}, index);
+							const LodRuns::DrawnRun drawn = runs.drawn_run({first, last, ends}, index);
 							if (drawn.run == run && drawn.fade) {
 								needed.insert(drawn.fade->index());
 							}

@@ -43,10 +43,10 @@ double drawn_fraction(
 	double sum = 0.0;
 	for (std::size_t from = span.first; from <= span.last;) {
 		std::size_t to = from;
-		while (to < span.last && steps[to + 1].same) {
+		while (to < span.last && steps[to + 1].same_mesh) {
 			++to;
 		}
-		const LodEnd end = to < span.last ? LodEnd::next : span.ends ? LodEnd::sight : LodEnd::stays;
+		const LodEnd end = to < span.last ? LodEnd::next : span.fades_out ? LodEnd::sight : LodEnd::stays;
 		sum += visible_fraction(fade_range(settings, from, to, from > span.first, end), away);
 		from = to + 1;
 	}

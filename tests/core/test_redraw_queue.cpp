@@ -14,7 +14,7 @@ Rect square(double x, double y, double size) { return {{x, y}, {x + size, y + si
 
 std::vector<TileKey> all_later(RedrawQueue &queue) {
 	std::vector<TileKey> keys;
-	while (const auto key = queue.next_later()) {
+	while (const auto key = queue.next_queued()) {
 		keys.push_back(*key);
 	}
 	return keys;
@@ -72,12 +72,12 @@ TEST_CASE("redraw queue: each postponed tile is returned once, sorted by layer a
 	for (const std::size_t at : {3, 0, 4, 2, 1, 0, 3}) {
 		queue.add_later(sorted[at]);
 	}
-	CHECK(queue.has_later());
-	CHECK(*queue.next_later() == sorted[0]);
+	CHECK(queue.has_queued());
+	CHECK(*queue.next_queued() == sorted[0]);
 	queue.add_later(sorted[0]); // The tile changes again after it was redrawn.
 	CHECK(all_later(queue) == sorted);
-	CHECK_FALSE(queue.has_later());
-	CHECK_FALSE(queue.next_later());
+	CHECK_FALSE(queue.has_queued());
+	CHECK_FALSE(queue.next_queued());
 }
 
 TEST_CASE("redraw queue: clearing forgets marks and tiles and keeps the version") {
@@ -88,6 +88,6 @@ TEST_CASE("redraw queue: clearing forgets marks and tiles and keeps the version"
 	const std::uint64_t version = queue.version();
 	queue.clear();
 	CHECK(queue.take().empty());
-	CHECK_FALSE(queue.has_later());
+	CHECK_FALSE(queue.has_queued());
 	CHECK(queue.version() == version);
 }

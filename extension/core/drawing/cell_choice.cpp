@@ -54,20 +54,21 @@ std::uint32_t cell_count_per_edge(double tile_size, double cell_size) {
 	return static_cast<std::uint32_t>(std::clamp(cells, 1.0, static_cast<double>(max_cells_per_edge)));
 }
 
-double usual_cell_size(double reach, double density) {
-	const double by_model = std::max(std::clamp(8.0 * reach, 24.0, 32.0), 2.0 * reach);
-	return density > 0.0 ? std::max(by_model, std::sqrt(fewest_in_cell / density)) : by_model;
+double default_cell_size(double reach, double density) {
+	const double model_cell_size = std::max(std::clamp(8.0 * reach, 24.0, 32.0), 2.0 * reach);
+	return density > 0.0 ? std::max(model_cell_size, std::sqrt(min_instances_per_cell / density)) : model_cell_size;
 }
 
-std::uint32_t division_at(const CellSettings &cells, const LodSettings &lod, double distance, std::uint32_t displayed) {
+std::uint32_t division_at(
+		const CellSettings &cells, const LodSettings &lod, double distance, std::uint32_t current_division) {
 	if (cells.finest_division < 2) {
 		// Tiles of this layer are never divided.
 		return 1;
 	}
-	const double slack = hysteresis * cells.tile_size;
-	for (const double nearby : {distance - slack, distance + slack}) {
-		if (displayed > 0 && division_for(cells, lod, std::max(nearby, 0.0)) == displayed) {
-			return displayed;
+	const double margin = hysteresis * cells.tile_size;
+	for (const double shifted_distance : {distance - margin, distance + margin}) {
+		if (current_division > 0 && division_for(cells, lod, std::max(shifted_distance, 0.0)) == current_division) {
+			return current_division;
 		}
 	}
 	return division_for(cells, lod, distance);
@@ -81,10 +82,10 @@ double division_margin(const CellSettings &cells, const LodSettings &lod, double
 	// Tiles are drawn as a whole beyond the smaller of two distances. Beyond the first distance,
 	// even the largest cell (half a tile) is smaller than necessary. Beyond the second, neither the
 	// mesh nor the thinning changes.
-	const double too_small = 0.5 / cell_per_distance * cells.tile_size;
+	const double small_cell_distance = 0.5 / cell_per_distance * cells.tile_size;
 	const double last_change =
 			std::max(lod.lod_distances.empty() ? 0.0 : lod.lod_distances.back(), thins ? lod.thin_end : 0.0);
-	const double farthest = std::min(too_small, last_change) + hysteresis * cells.tile_size;
+	const double farthest = std::min(small_cell_distance, last_change) + hysteresis * cells.tile_size;
 	return std::max(distance - farthest, min_division_margin * cells.tile_size);
 }
 

@@ -25,9 +25,9 @@ std::uint32_t cell_count_per_edge(double tile_size, double cell_size);
 /// distance in meters from a model's origin to its farthest corner, and `density` the number of
 /// instances of a model per square meter. The size is 32 m for a reach of 4 to 16 m, down to 24 m
 /// for smaller models, and twice the reach for larger ones. It is larger if a cell would otherwise
-/// contain fewer than `fewest_in_cell` instances.
-double usual_cell_size(double reach, double density);
-inline constexpr double fewest_in_cell = 16.0;
+/// contain fewer than `min_instances_per_cell` instances.
+double default_cell_size(double reach, double density);
+inline constexpr double min_instances_per_cell = 16.0;
 
 /// Returns the number of cells along an edge of a tile, or 1 if the tile is drawn as a whole.
 /// `distance` is the distance in meters from the nearest viewer to the tile's box. A tile is
@@ -35,10 +35,11 @@ inline constexpr double fewest_in_cell = 16.0;
 /// the distance of the first such change. The smallest size that the settings allow is doubled
 /// while it is less than a quarter of that distance.
 ///
-/// `displayed` is the current division, or 0 for a tile that is not displayed. The current division
-/// is kept until the distance passes the point of change by a tenth of the tile size. A viewer that
-/// moves back and forth therefore causes no uploads.
-std::uint32_t division_at(const CellSettings &cells, const LodSettings &lod, double distance, std::uint32_t displayed);
+/// `current_division` is 0 for a tile that is not displayed. The current division is kept until the
+/// distance passes the point of change by a tenth of the tile size. A viewer that moves back and
+/// forth therefore causes no uploads.
+std::uint32_t division_at(
+		const CellSettings &cells, const LodSettings &lod, double distance, std::uint32_t current_division);
 
 /// Returns the distance in meters, above 0, by which a viewer may move before `division_at` must be
 /// called again. The result is infinite if the division is always 1. A change in the division may

@@ -10,10 +10,10 @@ namespace thicket {
 
 /// The drawing state of one mesh's instances in a cell, or in a tile that is drawn as a whole.
 struct CellDrawing {
-	LodSpan span;         ///< LODs to draw.
-	std::size_t lod = 0;  ///< LOD that is drawn alone until all LODs of `span` have a visual.
-	float scale = 1.0F;   ///< Scale factor that compensates for thinning; see compensating_scale.
-	double thinned = 1.0; ///< Fraction that remains after thinning by distance, 0 to 1.
+	LodSpan span;                    ///< LODs to draw.
+	std::size_t lod = 0;             ///< LOD that is drawn alone until all LODs of `span` have a visual.
+	float scale = 1.0F;              ///< Scale factor that compensates for thinning; see compensating_scale.
+	double remaining_fraction = 1.0; ///< Fraction that remains after thinning by distance, 0 to 1.
 	/// Fraction that remains in every LOD after thinning, quality and max_instances, 0 to 1.
 	double density = 1.0;
 	std::size_t drawn = 0;    ///< Number of instances that the first LOD draws.
@@ -35,7 +35,7 @@ double adapted_margin(const LodSettings &settings, std::span<const LodStep> step
 /// settings. If max_instances thins the first LOD, this LOD draws no more instances than the first.
 /// Otherwise, a cross-fade would show instances that are removed afterward. `ranks` are the ranks
 /// of the cell's instances, ascending.
-std::size_t drawn_by_other(
+std::size_t drawn_by_extra_lod(
 		std::span<const std::uint32_t> ranks, double first_fraction, double fraction, const CellDrawing &cell);
 
 } // namespace thicket

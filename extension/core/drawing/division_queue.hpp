@@ -36,11 +36,11 @@ public:
 		/// Returns the distance in meters, 0 or more, from the nearest viewer to the tile's box.
 		virtual double distance(const TileKey &key) const = 0;
 
-		/// `displayed` returns the current division of a tile, and `wanted` the division for its
-		/// distance. A division is the number of cells along an edge; 1 if the tile is drawn as a
-		/// whole.
-		virtual std::uint32_t displayed(const TileKey &key) const = 0;
-		virtual std::uint32_t wanted(const TileKey &key) const = 0;
+		/// `displayed_division` returns the current division of a tile, and `wanted_division` the
+		/// division for its distance. A division is the number of cells along an edge; 1 if the
+		/// tile is drawn as a whole.
+		virtual std::uint32_t displayed_division(const TileKey &key) const = 0;
+		virtual std::uint32_t wanted_division(const TileKey &key) const = 0;
 
 		/// `multimeshes` returns a tile's current number of multimeshes. `multimesh_bound` returns
 		/// the maximum number with `cells_per_edge` cells along an edge.
@@ -59,13 +59,13 @@ public:
 		std::uint32_t cells_per_edge = 1;
 	};
 
-	/// Returns the division for a tile that has not been uploaded yet: `wanted` or 1. `then`
-	/// includes the multimeshes of the tile. The tile is divided from the start only if `then` does
-	/// not exceed the limit. In addition, the tile must replace a visible one, or no other tile may
-	/// be waiting to be uploaded. If these conditions are not met, the tile can be divided later,
-	/// once it is visible.
+	/// Returns the division for a tile that has not been uploaded yet: `wanted` or 1. `total`
+	/// includes the multimeshes of the tile. The tile is divided from the start only if `total`
+	/// does not exceed the limit. In addition, the tile must replace a visible one, or no other
+	/// tile may be waiting to be uploaded. If these conditions are not met, the tile can be divided
+	/// later, once it is visible.
 	static std::uint32_t first_division(
-			std::uint32_t wanted, Multimeshes then, bool replaces_visible_tile, bool others_wait);
+			std::uint32_t wanted, Multimeshes total, bool replaces_visible_tile, bool others_wait);
 
 	/// Queues a visible tile if its division `displayed` differs from `wanted`. Does nothing if the
 	/// tile is already queued or is being divided.
@@ -75,7 +75,7 @@ public:
 	/// only while there is no current division. Returns nothing if no waiting tile can be divided;
 	/// the queue is then empty. Takes O(waiting tiles + divided tiles) time for each tile that it
 	/// considers.
-	std::optional<Division> begin(const Tiles &tiles, Multimeshes all);
+	std::optional<Division> begin(const Tiles &tiles, Multimeshes total);
 
 	const std::optional<Division> &current() const { return current_; }
 	bool is_current(const TileKey &key) const { return current_ && current_->key == key; }
@@ -97,24 +97,24 @@ public:
 	void capacity_gained(const Tiles &tiles);
 
 	/// Returns true if there is a current division, or if `begin` may find one.
-	bool has_work(Multimeshes all) const { return current_ || !waiting_.empty() || must_shrink(all); }
+	bool has_work(Multimeshes total) const { return current_ || !waiting_tiles_.empty() || must_shrink(total); }
 
 	void clear();
 
 private:
 	struct FartherTiles {
 		const TileKey *farthest = nullptr; ///< The farthest of these tiles; null if there is none.
-		std::uint64_t spare = 0;           ///< Multimeshes that merging all of these tiles would free.
+		std::uint64_t freeable_count = 0;  ///< Multimeshes that merging all of these tiles would free.
 	};
-	bool must_shrink(Multimeshes all) const { return all.count > all.limit && !divided_.empty(); }
+	bool must_shrink(Multimeshes total) const { return total.count > total.limit && !divided_tiles_.empty(); }
 	FartherTiles farther_than(double distance, const Tiles &tiles) const;
 	TileKey nearest_waiting(const Tiles &tiles) const;
-	bool begin_with(const TileKey &key, const Tiles &tiles, Multimeshes all);
+	bool begin_with(const TileKey &key, const Tiles &tiles, Multimeshes total);
 
 	std::optional<Division> current_;
-	std::set<TileKey, TileKeyOrder> waiting_;
-	std::set<TileKey, TileKeyOrder> refused_; ///< Tiles that were postponed because of the limit.
-	std::set<TileKey, TileKeyOrder> divided_; ///< Visible tiles that are divided.
+	std::set<TileKey, TileKeyOrder> waiting_tiles_;
+	std::set<TileKey, TileKeyOrder> postponed_tiles_; ///< Tiles that were postponed because of the limit.
+	std::set<TileKey, TileKeyOrder> divided_tiles_;   ///< Visible tiles that are divided.
 };
 
 } // namespace thicket

@@ -37,24 +37,24 @@ bool DrawBudget::begin_frame() {
 
 bool DrawBudget::draw(
 		std::uint32_t layer, double lod_density, std::span<const std::uint32_t> ranks, CellDrawing &r_cell) {
-	const double unlimited = r_cell.thinned * limits_.fraction(layer);
-	r_cell.density = unlimited * fraction_;
-	amounts_.wanted -= std::exchange(r_cell.wanted, visible_prefix(ranks, unlimited * lod_density));
+	const double unlimited_density = r_cell.remaining_fraction * limits_.fraction(layer);
+	r_cell.density = unlimited_density * fraction_;
+	amounts_.wanted -= std::exchange(r_cell.wanted, visible_prefix(ranks, unlimited_density * lod_density));
 	amounts_.wanted += r_cell.wanted;
 	amounts_.drawn -= r_cell.drawn;
-	const std::size_t due = visible_prefix(ranks, r_cell.density * lod_density);
-	const std::uint64_t available = limits_.max_instances - std::min(limits_.max_instances, amounts_.drawn);
-	r_cell.drawn = static_cast<std::size_t>(std::min<std::uint64_t>(due, available));
+	const std::size_t count = visible_prefix(ranks, r_cell.density * lod_density);
+	const std::uint64_t available_count = limits_.max_instances - std::min(limits_.max_instances, amounts_.drawn);
+	r_cell.drawn = static_cast<std::size_t>(std::min<std::uint64_t>(count, available_count));
 	amounts_.drawn += r_cell.drawn;
-	return r_cell.drawn == due;
+	return r_cell.drawn == count;
 }
 
-std::set<TileKey, TileKeyOrder> DrawBudget::take_cut() { return std::exchange(cut_, {}); }
+std::set<TileKey, TileKeyOrder> DrawBudget::take_cut() { return std::exchange(cut_tiles_, {}); }
 
 void DrawBudget::clear() {
 	amounts_ = {};
 	fraction_ = 1.0;
-	cut_.clear();
+	cut_tiles_.clear();
 }
 
 } // namespace thicket

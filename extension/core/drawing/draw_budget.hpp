@@ -85,7 +85,7 @@ public:
 	}
 
 	/// Records a tile with a cell for which `draw` returned false.
-	void record_cut(const TileKey &key) { cut_.insert(key); }
+	void record_cut(const TileKey &key) { cut_tiles_.insert(key); }
 
 	/// Returns and clears the recorded tiles.
 	std::set<TileKey, TileKeyOrder> take_cut();
@@ -104,7 +104,7 @@ private:
 	DrawAmounts amounts_;
 	/// Fraction of the wanted instances that are drawn, which keeps them within max_instances.
 	double fraction_ = 1.0;
-	std::set<TileKey, TileKeyOrder> cut_;
+	std::set<TileKey, TileKeyOrder> cut_tiles_;
 };
 
 } // namespace thicket

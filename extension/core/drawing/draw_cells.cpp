@@ -33,21 +33,22 @@ struct Lattice {
 					static_cast<double>(p_cells_per_edge)),
 			cells_per_edge(p_cells_per_edge), axes(p_axes) {}
 
-	std::uint32_t along(const glm::vec3 &position, int axis) const {
+	std::uint32_t index_along(const glm::vec3 &position, int axis) const {
 		return cell_along(double{position[axis]}, edge[axis], cell_size[axis], cells_per_edge);
 	}
 
-	std::uint16_t number(const glm::vec3 &position) const {
-		return static_cast<std::uint16_t>(along(position, axes.row) * cells_per_edge + along(position, axes.column));
+	std::uint16_t cell_index(const glm::vec3 &position) const {
+		return static_cast<std::uint16_t>(
+				index_along(position, axes.row) * cells_per_edge + index_along(position, axes.column));
 	}
 };
 
-/// Returns the cell number of each instance. All functions below may throw std::bad_alloc.
-std::vector<std::uint16_t> cell_numbers(const CompactMesh &mesh, const Lattice &lattice) {
-	std::vector<std::uint16_t> numbers(mesh.size());
-	std::ranges::transform(mesh.positions(), numbers.begin(),
-			[&lattice](const glm::vec3 &position) { return lattice.number(position); });
-	return numbers;
+/// Returns the cell index of each instance. All functions below may throw std::bad_alloc.
+std::vector<std::uint16_t> cell_indices(const CompactMesh &mesh, const Lattice &lattice) {
+	std::vector<std::uint16_t> indices(mesh.size());
+	std::ranges::transform(mesh.positions(), indices.begin(),
+			[&lattice](const glm::vec3 &position) { return lattice.cell_index(position); });
+	return indices;
 }
 
 void measure(const CompactMesh &mesh, std::span<const std::uint32_t> order, DrawCell &r_cell) {
@@ -60,27 +61,27 @@ void measure(const CompactMesh &mesh, std::span<const std::uint32_t> order, Draw
 
 void add_cells(const CompactMesh &mesh, const Lattice &lattice, DrawCells &r_cells) {
 	const std::uint32_t cells_per_edge = lattice.cells_per_edge;
-	const std::vector<std::uint16_t> numbers = cell_numbers(mesh, lattice);
-	// The cells are filled by a counting sort. First, ends[number + 1] counts the instances of a
+	const std::vector<std::uint16_t> indices = cell_indices(mesh, lattice);
+	// The cells are filled by a counting sort. First, ends[index + 1] counts the instances of a
 	// cell.
 	std::vector<std::uint32_t> ends(std::size_t{cells_per_edge} * cells_per_edge + 1);
-	for (const std::uint16_t number : numbers) {
-		++ends[std::size_t{number} + 1];
+	for (const std::uint16_t index : indices) {
+		++ends[std::size_t{index} + 1];
 	}
-	for (std::size_t number = 1; number < ends.size(); ++number) {
-		ends[number] += ends[number - 1];
+	for (std::size_t index = 1; index < ends.size(); ++index) {
+		ends[index] += ends[index - 1];
 	}
 	r_cells.order.resize(mesh.size());
 	r_cells.ranks.resize(mesh.size());
 	// Each entry is now the beginning of its cell. The loop advances it to the cell's end.
 	for (std::size_t i = 0; i < mesh.size(); ++i) {
-		const std::uint32_t at = ends[numbers[i]]++;
-		r_cells.order[at] = static_cast<std::uint32_t>(i);
-		r_cells.ranks[at] = mesh.ranks()[i];
+		const std::uint32_t slot = ends[indices[i]]++;
+		r_cells.order[slot] = static_cast<std::uint32_t>(i);
+		r_cells.ranks[slot] = mesh.ranks()[i];
 	}
 	std::uint32_t begin = 0;
-	for (std::uint32_t number = 0; number < cells_per_edge * cells_per_edge; ++number) {
-		DrawCell cell{number, begin, ends[number]};
+	for (std::uint32_t index = 0; index < cells_per_edge * cells_per_edge; ++index) {
+		DrawCell cell{index, begin, ends[index]};
 		begin = cell.end;
 		if (cell.size() > 0) {
 			measure(mesh, r_cells.order_of(cell), cell);
@@ -95,8 +96,8 @@ CellAxes cell_axes(const TileSpace &space, const Planet &planet) {
 	if (!planet.exists() || space.covers_all_heights()) {
 		return {};
 	}
-	const glm::dvec2 middle = space.center();
-	const glm::dvec3 up = glm::abs(glm::dvec3(middle.x, 0.5 * (space.bottom + space.top), middle.y) - planet.center);
+	const glm::dvec2 center = space.center();
+	const glm::dvec3 up = glm::abs(glm::dvec3(center.x, 0.5 * (space.bottom + space.top), center.y) - planet.center);
 	if (up.y >= up.x && up.y >= up.z) {
 		return {};
 	}
@@ -127,24 +128,24 @@ void spread(std::span<const float> buffer, std::span<const std::uint32_t> order,
 	}
 }
 
-std::vector<CellReuse> reuse_cells(const CompactMesh &mesh_before, const DrawCells &cells_before,
-		const CompactMesh &mesh, const DrawCells &cells) {
-	const auto same = [&](std::uint32_t at_before, std::uint32_t at) {
-		return mesh_before.same(at_before, mesh, at);
+std::vector<CellReuse> reuse_cells(
+		const CompactMesh &old_mesh, const DrawCells &old_cells, const CompactMesh &mesh, const DrawCells &cells) {
+	const auto is_same = [&](std::uint32_t old_index, std::uint32_t index) {
+		return old_mesh.same(old_index, mesh, index);
 	};
 	std::vector<CellReuse> result;
 	result.reserve(cells.cells.size());
-	std::size_t before = 0;
+	std::size_t old_cell = 0;
 	for (const DrawCell &cell : cells.cells) {
-		while (before < cells_before.cells.size() && cells_before.cells[before].number < cell.number) {
-			++before;
+		while (old_cell < old_cells.cells.size() && old_cells.cells[old_cell].index < cell.index) {
+			++old_cell;
 		}
-		if (before == cells_before.cells.size() || cells_before.cells[before].number != cell.number) {
+		if (old_cell == old_cells.cells.size() || old_cells.cells[old_cell].index != cell.index) {
 			result.emplace_back();
 			continue;
 		}
-		const std::span<const std::uint32_t> order = cells_before.order_of(cells_before.cells[before]);
-		result.push_back({before++, std::ranges::equal(order, cells.order_of(cell), same)});
+		const std::span<const std::uint32_t> order = old_cells.order_of(old_cells.cells[old_cell]);
+		result.push_back({old_cell++, std::ranges::equal(order, cells.order_of(cell), is_same)});
 	}
 	return result;
 }

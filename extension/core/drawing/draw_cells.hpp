@@ -33,8 +33,8 @@ CellAxes cell_axes(const TileSpace &space, const Planet &planet);
 
 /// A cell: the instances of one mesh in a square part of a tile.
 struct DrawCell {
-	std::uint32_t number = 0; ///< Row by row: row * (cells along an edge) + column.
-	std::uint32_t begin = 0;  ///< The cell's range in DrawCells::order; `end` is exclusive.
+	std::uint32_t index = 0; ///< Row by row: row * (cells along an edge) + column.
+	std::uint32_t begin = 0; ///< The cell's range in DrawCells::order; `end` is exclusive.
 	std::uint32_t end = 0;
 	/// Bounds of the instances' positions relative to the tile's origin, without the extent of the
 	/// mesh.
@@ -50,7 +50,7 @@ struct DrawCell {
 struct DrawCells {
 	std::vector<std::uint32_t> order; ///< Indices of the tile's instances, grouped by cell.
 	std::vector<std::uint32_t> ranks; ///< The instances' thinning ranks in the same order; ascending within a cell.
-	std::vector<DrawCell> cells;      ///< Cells with at least one instance, ascending by number.
+	std::vector<DrawCell> cells;      ///< Cells with at least one instance, ascending by index.
 
 	bool empty() const { return cells.empty(); }
 
@@ -85,14 +85,14 @@ void spread(std::span<const float> buffer, std::span<const std::uint32_t> order,
 
 /// The old cell whose visuals a new cell can reuse after the tile's instances have changed.
 struct CellReuse {
-	/// Index of the old cell with the same number; none if there was no such cell.
-	std::optional<std::size_t> before;
-	bool unchanged = false; ///< True if both cells have bit-identical instances in the same order.
+	/// Position in the old list of the cell with the same index; none if there was no such cell.
+	std::optional<std::size_t> old_cell;
+	bool is_unchanged = false; ///< True if both cells have bit-identical instances in the same order.
 };
 
 /// Finds the reusable old cell for each cell in `cells`. Both divisions must belong to the same
 /// tile and have the same number of cells along an edge. Takes O(instances + cells) time.
 std::vector<CellReuse> reuse_cells(
-		const CompactMesh &mesh_before, const DrawCells &cells_before, const CompactMesh &mesh, const DrawCells &cells);
+		const CompactMesh &old_mesh, const DrawCells &old_cells, const CompactMesh &mesh, const DrawCells &cells);
 
 } // namespace thicket

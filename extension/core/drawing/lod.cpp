@@ -11,7 +11,7 @@ namespace thicket {
 namespace {
 
 /// Returns the number of thinning steps that are complete at a distance, 0 to thin_steps.
-double steps_done(const LodSettings &settings, double distance) {
+double completed_steps(const LodSettings &settings, double distance) {
 	if (distance >= settings.thin_end) {
 		return thin_steps;
 	}
@@ -58,7 +58,7 @@ double thinned_density(const LodSettings &settings, double distance) {
 	if (!thins(settings) || distance < settings.thin_begin) {
 		return 1.0;
 	}
-	return 1.0 - (1.0 - settings.thin_density) * (steps_done(settings, distance) / thin_steps);
+	return 1.0 - (1.0 - settings.thin_density) * (completed_steps(settings, distance) / thin_steps);
 }
 
 double compensating_scale(const LodSettings &settings, double fraction) {
@@ -67,31 +67,32 @@ double compensating_scale(const LodSettings &settings, double fraction) {
 }
 
 double limited_fraction(double fraction, std::uint64_t wanted, std::uint64_t max_instances) {
-	constexpr double filled = 0.9;     // Fraction of the limit that is used after `fraction` has changed.
-	constexpr double too_little = 0.7; // `fraction` is raised below this fraction of the limit.
-	const auto all = static_cast<double>(wanted);
+	constexpr double target_usage = 0.9; // Fraction of the limit that is used after `fraction` has changed.
+	constexpr double min_usage = 0.7;    // `fraction` is raised below this fraction of the limit.
+	const auto wanted_count = static_cast<double>(wanted);
 	const auto limit = static_cast<double>(max_instances);
-	const bool keep = fraction * all <= limit && (fraction >= 1.0 || fraction * all >= too_little * limit);
-	return keep ? fraction : std::min(1.0, filled * limit / std::max(all, 1.0));
+	const bool keeps_fraction =
+			fraction * wanted_count <= limit && (fraction >= 1.0 || fraction * wanted_count >= min_usage * limit);
+	return keeps_fraction ? fraction : std::min(1.0, target_usage * limit / std::max(wanted_count, 1.0));
 }
 
 double distance_margin(const LodSettings &settings, double distance) {
 	double margin = std::numeric_limits<double>::infinity();
-	const auto keep_from = [&margin, distance](double limit) {
+	const auto add_limit = [&margin, distance](double limit) {
 		margin = std::min(margin, std::abs(distance - limit));
 	};
 	for (const double begin : settings.lod_distances) {
-		keep_from(begin);
-		keep_from(lod_hysteresis * begin);
+		add_limit(begin);
+		add_limit(lod_hysteresis * begin);
 	}
 	if (thins(settings)) {
-		keep_from(settings.thin_begin);
-		keep_from(settings.thin_end);
+		add_limit(settings.thin_begin);
+		add_limit(settings.thin_end);
 		if (distance > settings.thin_begin && distance < settings.thin_end) {
-			const double step = (settings.thin_end - settings.thin_begin) / thin_steps;
-			const double done = steps_done(settings, distance);
-			keep_from(settings.thin_begin + done * step);
-			keep_from(settings.thin_begin + (done + 1.0) * step);
+			const double step_width = (settings.thin_end - settings.thin_begin) / thin_steps;
+			const double steps = completed_steps(settings, distance);
+			add_limit(settings.thin_begin + steps * step_width);
+			add_limit(settings.thin_begin + (steps + 1.0) * step_width);
 		}
 	}
 	return margin;

@@ -16,7 +16,7 @@ inline constexpr double max_lod_distance = 1e6; ///< Maximum of all LOD distance
 inline constexpr double max_scale_compensation = 4.0;
 
 inline constexpr double max_lod_fade = 0.5;
-inline constexpr double usual_lod_fade = 0.1;
+inline constexpr double default_lod_fade = 0.1;
 
 /// When a viewer returns, a finer mesh replaces a coarser one at this fraction of the distance at
 /// which the coarser one appeared.
@@ -42,7 +42,7 @@ struct LodSettings {
 
 	/// The fraction of a distance over which a mesh fades into the next one, or over which the last
 	/// mesh fades out before `sight_end`. The fade ends at that distance. 0 means an abrupt change.
-	double fade = usual_lod_fade;
+	double fade = default_lod_fade;
 	double sight_end = 0.0; ///< Distance in meters beyond which nothing is drawn; 0 for no limit.
 	bool in_space = false;  ///< See Sight::in_space.
 

@@ -12,11 +12,11 @@ namespace thicket {
 
 /// How a run of LODs (see `LodRuns`) fades at the near and far ends of its range of distances.
 struct RunFade {
-	bool comes = false; ///< True if the run fades in at the near end and replaces the previous one.
+	bool fades_in = false; ///< True if the run fades in at the near end and replaces the previous one.
 	LodEnd end = LodEnd::stays;
 
 	static constexpr std::size_t count = 6;
-	constexpr std::size_t index() const { return (comes ? 3 : 0) + static_cast<std::size_t>(end); }
+	constexpr std::size_t index() const { return (fades_in ? 3 : 0) + static_cast<std::size_t>(end); }
 
 	friend bool operator==(const RunFade &, const RunFade &) = default;
 };
@@ -46,20 +46,22 @@ public:
 	std::array<FadeRange, RunFade::count> ranges(std::size_t run) const;
 
 	/// Returns the number of runs that are drawn for a span, minus one.
-	std::size_t beyond_first(const LodSpan &span) const { return run_of_[span.last] - run_of_[span.first]; }
+	std::size_t extra_run_count(const LodSpan &span) const {
+		return run_indices_[span.last] - run_indices_[span.first];
+	}
 
 	/// A run and its fade, as drawn by one visual.
-	struct Drawn {
+	struct DrawnRun {
 		std::size_t run = 0;
 		std::optional<RunFade> fade; ///< Empty if the run does not fade.
 	};
 
 	/// Returns one of the runs that are drawn for a span. `index` is 0 for the run of the span's
-	/// first LOD, up to beyond_first(span).
-	Drawn drawn(const LodSpan &span, std::size_t index) const;
+	/// first LOD, up to extra_run_count(span).
+	DrawnRun drawn_run(const LodSpan &span, std::size_t index) const;
 
 	/// Returns the run of an LOD that is drawn alone instead of the whole span.
-	Drawn drawn_alone(const LodSpan &span, std::size_t lod) const;
+	DrawnRun single_run(const LodSpan &span, std::size_t lod) const;
 
 private:
 	struct Run {
@@ -70,7 +72,7 @@ private:
 
 	LodSettings settings_;
 	std::vector<LodStep> steps_;
-	std::vector<std::size_t> run_of_; ///< Index of the run of each LOD.
+	std::vector<std::size_t> run_indices_; ///< Index of the run of each LOD.
 	std::vector<Run> runs_;
 };
 

@@ -40,7 +40,7 @@ public:
 	std::optional<TileKey> next();
 
 	/// Returns true if `next` would return nothing.
-	bool settled() const { return visits_.empty() || visits_.begin()->at > traveled_; }
+	bool settled() const { return visits_.empty() || visits_.begin()->due_at > traveled_; }
 
 	/// Returns the number of scheduled visits.
 	std::size_t size() const { return visits_.size(); }
@@ -55,7 +55,7 @@ public:
 
 private:
 	struct Visit {
-		double at = 0.0; ///< Value of `traveled_` at which the visit is due, in meters.
+		double due_at = 0.0; ///< Value of `traveled_` at which the visit is due, in meters.
 		TileKey key;
 	};
 	struct KeyOrder {
@@ -67,9 +67,9 @@ private:
 	using Visits = std::set<Visit, VisitOrder>;
 
 	std::vector<Viewer> viewers_;
-	Visits visits_;                                         ///< All visits, the earliest first.
-	std::map<TileKey, Visits::iterator, KeyOrder> by_tile_; ///< Scheduled visit of each tile.
-	double traveled_ = 0.0;                                 ///< The meters that traveled() returns.
+	Visits visits_;                                             ///< All visits, the earliest first.
+	std::map<TileKey, Visits::iterator, KeyOrder> tile_visits_; ///< Scheduled visit of each tile.
+	double traveled_ = 0.0;                                     ///< The meters that traveled() returns.
 };
 
 } // namespace thicket

@@ -9,30 +9,30 @@ namespace thicket {
 namespace {
 
 // Fractions of the distance of a change at which the finer and the coarser mesh are added to the
-// span (comes) and removed from it (goes). Each mesh is added a little before it is needed and
+// span and removed from it. Each mesh is added a little before it is needed and
 // removed a little after.
-constexpr double finer_comes = 1.02;
-constexpr double finer_goes = 1.05;
-constexpr double coarser_comes = 0.98;
-constexpr double coarser_goes = 0.95;
+constexpr double finer_added = 1.02;
+constexpr double finer_removed = 1.05;
+constexpr double coarser_added = 0.98;
+constexpr double coarser_removed = 0.95;
 
 bool fades_after(const LodSettings &settings, std::span<const LodStep> steps, std::size_t lod) {
-	return settings.fade > 0.0 && steps[lod].fades && steps[lod + 1].fades && !steps[lod + 1].same;
+	return settings.fade > 0.0 && steps[lod].fades && steps[lod + 1].fades && !steps[lod + 1].same_mesh;
 }
 
-std::size_t changes_of(const LodSettings &settings, std::span<const LodStep> steps) {
+std::size_t change_count(const LodSettings &settings, std::span<const LodStep> steps) {
 	return std::min(settings.lod_distances.size(), steps.empty() ? 0 : steps.size() - 1);
 }
 
 std::size_t first_lod(
-		const LodSettings &settings, std::span<const LodStep> steps, double near, const LodSpan &displayed) {
+		const LodSettings &settings, std::span<const LodStep> steps, double near, const LodSpan &displayed_span) {
 	std::size_t lod = 0;
-	for (; lod < changes_of(settings, steps); ++lod) {
+	for (; lod < change_count(settings, steps); ++lod) {
 		const double begin = settings.lod_distances[lod];
-		const bool is_drawn = lod >= displayed.first && lod <= displayed.last;
-		const double sharp = lod < displayed.first ? lod_hysteresis : 1.0;
-		const double faded = is_drawn ? finer_goes : finer_comes;
-		if (near < begin * (fades_after(settings, steps, lod) ? faded : sharp)) {
+		const bool is_drawn = lod >= displayed_span.first && lod <= displayed_span.last;
+		const double abrupt_factor = lod < displayed_span.first ? lod_hysteresis : 1.0;
+		const double fade_factor = is_drawn ? finer_removed : finer_added;
+		if (near < begin * (fades_after(settings, steps, lod) ? fade_factor : abrupt_factor)) {
 			break;
 		}
 	}
@@ -42,54 +42,54 @@ std::size_t first_lod(
 } // namespace
 
 LodSpan lod_span(const LodSettings &settings, std::span<const LodStep> steps, const DistanceRange &distance,
-		const LodSpan &displayed) {
+		const LodSpan &displayed_span) {
 	LodSpan span;
-	span.first = span.last = first_lod(settings, steps, distance.near, displayed);
-	while (span.last < changes_of(settings, steps)) {
+	span.first = span.last = first_lod(settings, steps, distance.near, displayed_span);
+	while (span.last < change_count(settings, steps)) {
 		const double begin = settings.lod_distances[span.last];
-		const bool is_drawn = span.last >= displayed.first && span.last < displayed.last;
+		const bool is_drawn = span.last >= displayed_span.first && span.last < displayed_span.last;
 		const bool fades = fades_after(settings, steps, span.last);
-		const double needed_from = begin * (1.0 - settings.fade) * (is_drawn ? coarser_goes : coarser_comes);
-		if (fades ? distance.far <= needed_from : !steps[span.last + 1].same || distance.far < begin) {
+		const double needed_from = begin * (1.0 - settings.fade) * (is_drawn ? coarser_removed : coarser_added);
+		if (fades ? distance.far <= needed_from : !steps[span.last + 1].same_mesh || distance.far < begin) {
 			break;
 		}
 		++span.last;
 	}
-	span.ends = settings.fade > 0.0 && settings.sight_end > 0.0 && !steps.empty() &&
+	span.fades_out = settings.fade > 0.0 && settings.sight_end > 0.0 && !steps.empty() &&
 			steps[std::min(span.last, steps.size() - 1)].fades &&
-			distance.sight >
-					settings.sight_end * (1.0 - settings.fade) * (displayed.ends ? coarser_goes : coarser_comes);
+			distance.sight > settings.sight_end * (1.0 - settings.fade) *
+							(displayed_span.fades_out ? coarser_removed : coarser_added);
 	return span;
 }
 
 double span_margin(const LodSettings &settings, std::span<const LodStep> steps, const DistanceRange &distance) {
 	double margin = std::numeric_limits<double>::infinity();
-	const auto keep_from = [&margin](double at, double limit) {
-		margin = std::min(margin, std::abs(at - limit));
+	const auto add_limit = [&margin](double current, double limit) {
+		margin = std::min(margin, std::abs(current - limit));
 	};
-	for (std::size_t lod = 0; lod < changes_of(settings, steps); ++lod) {
+	for (std::size_t lod = 0; lod < change_count(settings, steps); ++lod) {
 		const double begin = settings.lod_distances[lod];
 		if (fades_after(settings, steps, lod)) {
-			keep_from(distance.near, begin * finer_comes);
-			keep_from(distance.near, begin * finer_goes);
-			keep_from(distance.far, begin * (1.0 - settings.fade) * coarser_comes);
-			keep_from(distance.far, begin * (1.0 - settings.fade) * coarser_goes);
+			add_limit(distance.near, begin * finer_added);
+			add_limit(distance.near, begin * finer_removed);
+			add_limit(distance.far, begin * (1.0 - settings.fade) * coarser_added);
+			add_limit(distance.far, begin * (1.0 - settings.fade) * coarser_removed);
 		} else {
-			keep_from(distance.near, begin);
-			keep_from(distance.near, begin * lod_hysteresis);
-			keep_from(distance.far, begin);
+			add_limit(distance.near, begin);
+			add_limit(distance.near, begin * lod_hysteresis);
+			add_limit(distance.far, begin);
 		}
 	}
 	if (settings.fade > 0.0 && settings.sight_end > 0.0 && std::ranges::any_of(steps, &LodStep::fades)) {
-		keep_from(distance.sight, settings.sight_end * (1.0 - settings.fade) * coarser_comes);
-		keep_from(distance.sight, settings.sight_end * (1.0 - settings.fade) * coarser_goes);
+		add_limit(distance.sight, settings.sight_end * (1.0 - settings.fade) * coarser_added);
+		add_limit(distance.sight, settings.sight_end * (1.0 - settings.fade) * coarser_removed);
 	}
 	return margin;
 }
 
-FadeRange fade_range(const LodSettings &settings, std::size_t first, std::size_t last, bool comes, LodEnd end) {
+FadeRange fade_range(const LodSettings &settings, std::size_t first, std::size_t last, bool fades_in, LodEnd end) {
 	FadeRange range = no_fade;
-	if (comes && first > 0 && first <= settings.lod_distances.size()) {
+	if (fades_in && first > 0 && first <= settings.lod_distances.size()) {
 		range.x = static_cast<float>(settings.lod_distances[first - 1]);
 	}
 	if (end == LodEnd::sight) {

@@ -13,8 +13,8 @@ namespace thicket {
 
 /// One mesh in the sequence of meshes that replace each other with distance.
 struct LodStep {
-	bool same = false;  ///< True if the mesh is the same as in the previous step.
-	bool fades = false; ///< True if the mesh's materials can fade.
+	bool same_mesh = false; ///< True if the mesh is the same as in the previous step.
+	bool fades = false;     ///< True if the mesh's materials can fade.
 
 	friend bool operator==(const LodStep &, const LodStep &) = default;
 };
@@ -24,7 +24,7 @@ struct LodStep {
 struct LodSpan {
 	std::size_t first = 0;
 	std::size_t last = 0;
-	bool ends = false; ///< True if some instances fade out at `sight_end`.
+	bool fades_out = false; ///< True if some instances fade out at `sight_end`.
 
 	friend bool operator==(const LodSpan &, const LodSpan &) = default;
 };
@@ -32,11 +32,11 @@ struct LodSpan {
 /// Returns the meshes to draw for a box. If two consecutive meshes both fade, both are drawn in
 /// boxes that overlap the range of their cross-fade. That range is from (1 - settings.fade) times
 /// the distance of the change to the distance itself. Meshes that do not fade change abruptly for
-/// the whole box, as in lod_at. `displayed` is the currently displayed span. A mesh is added a
+/// the whole box, as in lod_at. `displayed_span` is the currently displayed span. A mesh is added a
 /// little before it is needed and removed a little after, so that a viewer moving back and forth
 /// causes no uploads. `steps` has one entry for each mesh, including the finest.
 LodSpan lod_span(const LodSettings &settings, std::span<const LodStep> steps, const DistanceRange &distance,
-		const LodSpan &displayed);
+		const LodSpan &displayed_span);
 
 /// Returns how far the distance may change, in meters, without affecting the result of lod_span. The
 /// value is at least 0, or infinity if the result never changes.
@@ -53,8 +53,8 @@ using FadeRange = glm::vec4;
 enum class LodEnd : std::uint8_t { stays, next, sight };
 
 /// Returns the fade range of the mesh in the steps `first` to `last`, which must all have this
-/// mesh. If `comes` is true, the mesh fades in and replaces the mesh of the previous step.
-FadeRange fade_range(const LodSettings &settings, std::size_t first, std::size_t last, bool comes, LodEnd end);
+/// mesh. If `fades_in` is true, the mesh fades in and replaces the mesh of the previous step.
+FadeRange fade_range(const LodSettings &settings, std::size_t first, std::size_t last, bool fades_in, LodEnd end);
 
 /// The fade range of a mesh that neither fades in nor out.
 inline constexpr FadeRange no_fade{0.0F, 1e9F, 0.0F, 0.0F};

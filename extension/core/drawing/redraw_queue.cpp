@@ -8,7 +8,7 @@
 namespace thicket {
 
 bool RedrawQueue::Marks::meet(std::uint32_t layer, const Rect &rect) const {
-	if (all_) {
+	if (is_everything_) {
 		return true;
 	}
 	const auto bound = bounds_.find(layer);
@@ -30,21 +30,21 @@ RedrawQueue::Marks RedrawQueue::take() {
 		bound = {glm::min(bound.min, rect.min), glm::max(bound.max, rect.max)};
 	}
 	++version_;
-	Marks taken = std::exchange(marks_, {});
-	taken.bounds_ = std::move(bounds);
-	return taken;
+	Marks marks = std::exchange(marks_, {});
+	marks.bounds_ = std::move(bounds);
+	return marks;
 }
 
-std::optional<TileKey> RedrawQueue::next_later() {
-	if (later_.empty()) {
+std::optional<TileKey> RedrawQueue::next_queued() {
+	if (queued_tiles_.empty()) {
 		return std::nullopt;
 	}
-	return later_.extract(later_.begin()).value();
+	return queued_tiles_.extract(queued_tiles_.begin()).value();
 }
 
 void RedrawQueue::clear() {
 	marks_ = {};
-	later_.clear();
+	queued_tiles_.clear();
 }
 
 } // namespace thicket

@@ -12,7 +12,7 @@
 namespace thicket {
 
 /// Decides which visible tiles are redrawn after a game's changes. Marked areas are redrawn before
-/// the next frame; tiles queued for later are redrawn one by one as time permits. The class only
+/// the next frame. Tiles queued for later are redrawn one by one as time permits. The class only
 /// makes decisions, like TileStreamer.
 ///
 /// Guarantees:
@@ -26,7 +26,7 @@ public:
 	/// The areas returned by `take`.
 	class Marks {
 	public:
-		bool empty() const { return areas_.empty() && !all_; }
+		bool empty() const { return areas_.empty() && !is_everything_; }
 
 		/// Returns true if a tile with this rectangle must be redrawn.
 		bool meet(std::uint32_t layer, const Rect &rect) const;
@@ -39,13 +39,13 @@ public:
 		};
 		std::vector<Area> areas_;
 		std::map<std::uint32_t, Rect> bounds_; ///< Bounds of all areas, by layer.
-		bool all_ = false;
+		bool is_everything_ = false;
 	};
 
 	/// Reports that instances may have changed in an area of a layer (world meters, edges
 	/// included), or everywhere.
 	void mark(std::uint32_t layer, const Rect &area) { marks_.areas_.push_back({layer, area}); }
-	void mark_all() { marks_.all_ = true; }
+	void mark_all() { marks_.is_everything_ = true; }
 
 	/// Allocates memory, so that the next `mark` does not throw.
 	void reserve_mark() { marks_.areas_.reserve(marks_.areas_.size() + 1); }
@@ -56,12 +56,12 @@ public:
 	/// Reports that instances have changed. The caller then calls `add_later` for each visible tile
 	/// that may be affected.
 	void begin_later() { ++version_; }
-	void add_later(const TileKey &key) { later_.insert(key); }
-	bool has_later() const { return !later_.empty(); }
+	void add_later(const TileKey &key) { queued_tiles_.insert(key); }
+	bool has_queued() const { return !queued_tiles_.empty(); }
 
 	/// Removes and returns the first tile that is queued for later. This tile may no longer be
 	/// visible.
-	std::optional<TileKey> next_later();
+	std::optional<TileKey> next_queued();
 
 	/// Returns the number of the last change. It increases in `begin_later` and in every `take`
 	/// that returns marks.
@@ -72,7 +72,7 @@ public:
 
 private:
 	Marks marks_;
-	std::set<TileKey, TileKeyOrder> later_;
+	std::set<TileKey, TileKeyOrder> queued_tiles_;
 	std::uint64_t version_ = 0;
 };
 

@@ -20,7 +20,7 @@ DrawAmounts multimeshes_only(std::size_t count) {
 
 CellDrawer::Drawing CellDrawer::drawing_of(const TileKey &key, const DisplayedTile &tile, std::size_t mesh) const {
 	const LodChain *chain = fades_.find(key.layer, mesh);
-	const bool fades = chain != nullptr && chain->is_complete() && chain->is_of(tile.parts[mesh].lods);
+	const bool fades = chain != nullptr && chain->is_complete() && chain->matches(tile.parts[mesh].lods);
 	return {display_.layers.index_of(tile.owner, key.layer), layer_of(key).lod, fades ? chain : nullptr};
 }
 
@@ -33,28 +33,28 @@ DistanceRange CellDrawer::distances_to(
 }
 
 bool CellDrawer::draw(const TileKey &key, DisplayedTile &r_tile, double &r_margin) {
-	const bool in_cells = r_tile.cells_per_edge > 1;
+	const bool is_divided = r_tile.cells_per_edge > 1;
 	const DistanceRange tile_distance = distances_to(r_tile, r_tile.min, r_tile.max, layer_of(key).lod);
-	bool whole = true;
+	bool draws_all = true;
 	r_margin = std::numeric_limits<double>::infinity();
 	for (std::size_t mesh = 0; mesh < r_tile.parts.size(); ++mesh) {
 		DisplayedTile::Part &part = r_tile.parts[mesh];
 		const Drawing drawing = drawing_of(key, r_tile, mesh);
-		const auto draw = [&](std::size_t at) {
-			const DisplayedTile::Cell &cell = part.cells[at];
+		const auto draw = [&](std::size_t cell_index) {
+			const DisplayedTile::Cell &cell = part.cells[cell_index];
 			const DistanceRange distance =
-					in_cells ? distances_to(r_tile, cell.min, cell.max, drawing.lod) : tile_distance;
-			whole = draw_cell(drawing, distance, part, at) && whole;
+					is_divided ? distances_to(r_tile, cell.min, cell.max, drawing.lod) : tile_distance;
+			draws_all = draw_cell(drawing, distance, part, cell_index) && draws_all;
 			return adapted_margin(drawing.lod, drawing.steps(), distance);
 		};
-		if (in_cells) {
+		if (is_divided) {
 			const double traveled = display_.schedule.traveled();
 			r_margin = std::min(r_margin, part.visits.visit(part.cells.size(), traveled, r_tile.check_all_cells, draw));
 		} else if (!part.cells.empty()) {
 			r_margin = std::min(r_margin, draw(0));
 		}
 	}
-	return whole;
+	return draws_all;
 }
 
 bool CellDrawer::draw_cell(
@@ -63,24 +63,24 @@ bool CellDrawer::draw_cell(
 	DisplayedTile::Cell &cell = r_part.cells[cell_index];
 	const std::span<const std::uint32_t> ranks = r_part.ranks_of(cell_index);
 	adapt(drawing.lod, drawing.steps(), distance, cell.drawing);
-	const double lod_density = first_variant(drawing, r_part, cell).lod_appearance.density;
-	const bool whole = display_.budget.draw(drawing.layer, lod_density, ranks, cell.drawing);
+	const double lod_density = first_appearance(drawing, r_part, cell).lod_appearance.density;
+	const bool draws_all = display_.budget.draw(drawing.layer, lod_density, ranks, cell.drawing);
 	show_lods(drawing, ranks, r_part, cell);
-	return whole;
+	return draws_all;
 }
 
 /// Returns the MeshAppearance that the cell's first visual draws. If every required LOD has a visual,
 /// this is the MeshAppearance of the first one. Otherwise it is the MeshAppearance of the single LOD that is
 /// drawn without a fade.
-const MeshAppearance &CellDrawer::first_variant(
+const MeshAppearance &CellDrawer::first_appearance(
 		const Drawing &drawing, const DisplayedTile::Part &part, const DisplayedTile::Cell &cell) {
 	const LodSpan &span = cell.drawing.span;
 	const std::size_t lod = cell.drawing.lod;
 	if (drawing.chain == nullptr) {
 		return part.lods[std::min(lod, part.lods.size() - 1)];
 	}
-	const bool complete = cell.others.size() >= drawing.extra_variants(span);
-	return complete ? drawing.chain->appearance(span, 0) : drawing.chain->single_variant(span, lod);
+	const bool is_complete = cell.extra_visuals.size() >= drawing.extra_run_count(span);
+	return is_complete ? drawing.chain->appearance(span, 0) : drawing.chain->single_appearance(span, lod);
 }
 
 /// Assigns the required LODs to the visuals of a cell and releases visuals that are no longer
@@ -88,45 +88,45 @@ const MeshAppearance &CellDrawer::first_variant(
 void CellDrawer::show_lods(const Drawing &drawing, std::span<const std::uint32_t> ranks,
 		const DisplayedTile::Part &part, DisplayedTile::Cell &r_cell) {
 	const LodSpan &span = r_cell.drawing.span;
-	const std::size_t others = drawing.extra_variants(span);
-	while (r_cell.others.size() > others) {
-		r_cell.others.back().set_visible(false);
-		display_.leaving.add(std::move(r_cell.others.back()));
-		r_cell.others.pop_back();
-		display_.budget.remove(multimeshes_only(part.multimeshes_of_a_cell()));
+	const std::size_t extra_count = drawing.extra_run_count(span);
+	while (r_cell.extra_visuals.size() > extra_count) {
+		r_cell.extra_visuals.back().set_visible(false);
+		display_.leaving_visuals.add(std::move(r_cell.extra_visuals.back()));
+		r_cell.extra_visuals.pop_back();
+		display_.budget.remove(multimeshes_only(part.multimeshes_per_cell()));
 	}
-	const MeshAppearance &first = first_variant(drawing, part, r_cell);
+	const MeshAppearance &first = first_appearance(drawing, part, r_cell);
 	r_cell.visual.set_appearance(first);
 	r_cell.visual.set_scale(r_cell.drawing.scale);
 	r_cell.visual.set_drawn(r_cell.drawing.drawn);
-	const bool complete = r_cell.others.size() == others;
-	for (std::size_t index = 0; index < r_cell.others.size(); ++index) {
-		TileVisual &other = r_cell.others[index];
-		if (complete) {
+	const bool is_complete = r_cell.extra_visuals.size() == extra_count;
+	for (std::size_t index = 0; index < r_cell.extra_visuals.size(); ++index) {
+		TileVisual &extra_visual = r_cell.extra_visuals[index];
+		if (is_complete) {
 			const MeshAppearance &appearance = drawing.chain->appearance(span, index + 1);
-			other.set_appearance(appearance);
-			other.set_drawn(drawn_by_other(
+			extra_visual.set_appearance(appearance);
+			extra_visual.set_drawn(drawn_by_extra_lod(
 					ranks, first.lod_appearance.density, appearance.lod_appearance.density, r_cell.drawing));
 		}
-		other.set_scale(r_cell.drawing.scale);
-		other.set_visible(visible_ && complete);
+		extra_visual.set_scale(r_cell.drawing.scale);
+		extra_visual.set_visible(visible_ && is_complete);
 	}
 }
 
 /// Returns the number of visuals that a cell needs in addition to its first one.
-std::size_t CellDrawer::wanted_others(const Drawing &drawing, const DisplayedTile::Cell &cell) {
-	return cell.drawing.density > 0.0 ? drawing.extra_variants(cell.drawing.span) : 0;
+std::size_t CellDrawer::wanted_extra_count(const Drawing &drawing, const DisplayedTile::Cell &cell) {
+	return cell.drawing.density > 0.0 ? drawing.extra_run_count(cell.drawing.span) : 0;
 }
 
 bool CellDrawer::lacks_visuals(const TileKey &key, const DisplayedTile &tile) const {
 	for (std::size_t mesh = 0; mesh < tile.parts.size(); ++mesh) {
 		const Drawing drawing = drawing_of(key, tile, mesh);
 		const DisplayedTile::Part &part = tile.parts[mesh];
-		const auto lacks = [&drawing](const DisplayedTile::Cell &cell) {
-			return cell.others.size() < wanted_others(drawing, cell);
+		const auto lacks_visual = [&drawing](const DisplayedTile::Cell &cell) {
+			return cell.extra_visuals.size() < wanted_extra_count(drawing, cell);
 		};
-		if (drawing.chain != nullptr && display_.budget.has_room_for(part.multimeshes_of_a_cell()) &&
-				std::ranges::any_of(part.cells, lacks)) {
+		if (drawing.chain != nullptr && display_.budget.has_room_for(part.multimeshes_per_cell()) &&
+				std::ranges::any_of(part.cells, lacks_visual)) {
 			return true;
 		}
 	}
@@ -138,18 +138,18 @@ bool CellDrawer::add_visuals(const TileKey &key, DisplayedTile &r_tile) {
 	for (std::size_t mesh = 0; mesh < r_tile.parts.size(); ++mesh) {
 		DisplayedTile::Part &part = r_tile.parts[mesh];
 		const Drawing drawing = drawing_of(key, r_tile, mesh);
-		const std::size_t more = part.multimeshes_of_a_cell();
-		for (std::size_t at = 0; drawing.chain != nullptr && at < part.cells.size(); ++at) {
-			DisplayedTile::Cell &cell = part.cells[at];
-			const std::size_t wanted = wanted_others(drawing, cell);
-			while (cell.others.size() < wanted && display_.budget.has_room_for(more)) {
+		const std::size_t multimeshes_per_cell = part.multimeshes_per_cell();
+		for (std::size_t cell_index = 0; drawing.chain != nullptr && cell_index < part.cells.size(); ++cell_index) {
+			DisplayedTile::Cell &cell = part.cells[cell_index];
+			const std::size_t extra_count = wanted_extra_count(drawing, cell);
+			while (cell.extra_visuals.size() < extra_count && display_.budget.has_room_for(multimeshes_per_cell)) {
 				if (step.is_full()) {
 					return false;
 				}
-				display_.uploader.add_other(r_tile, mesh, layer_of(key).drawing, part, at);
-				display_.budget.add(multimeshes_only(more));
-				step.add(part.ranks_of(at).size());
-				show_lods(drawing, part.ranks_of(at), part, cell);
+				display_.uploader.add_extra_visual(r_tile, mesh, layer_of(key).drawing, part, cell_index);
+				display_.budget.add(multimeshes_only(multimeshes_per_cell));
+				step.add(part.ranks_of(cell_index).size());
+				show_lods(drawing, part.ranks_of(cell_index), part, cell);
 			}
 		}
 	}
@@ -161,17 +161,17 @@ bool CellDrawer::add_visuals(const TileKey &key, const DisplayedTile &tile, std:
 	for (std::size_t mesh = 0; mesh < r_parts.size(); ++mesh) {
 		DisplayedTile::Part &part = r_parts[mesh];
 		const Drawing drawing = drawing_of(key, tile, mesh);
-		for (std::size_t at = 0; drawing.chain != nullptr && at < part.cells.size(); ++at) {
-			DisplayedTile::Cell &cell = part.cells[at];
+		for (std::size_t cell_index = 0; drawing.chain != nullptr && cell_index < part.cells.size(); ++cell_index) {
+			DisplayedTile::Cell &cell = part.cells[cell_index];
 			LodSpan &span = cell.drawing.span;
 			const DistanceRange distance = distances_to(tile, cell.min, cell.max, drawing.lod);
 			span = lod_span(drawing.lod, drawing.steps(), distance, span);
-			while (cell.others.size() < drawing.extra_variants(span)) {
+			while (cell.extra_visuals.size() < drawing.extra_run_count(span)) {
 				if (step.is_full()) {
 					return false;
 				}
-				display_.uploader.add_other(tile, mesh, layer_of(key).drawing, part, at);
-				step.add(part.ranks_of(at).size());
+				display_.uploader.add_extra_visual(tile, mesh, layer_of(key).drawing, part, cell_index);
+				step.add(part.ranks_of(cell_index).size());
 			}
 		}
 	}

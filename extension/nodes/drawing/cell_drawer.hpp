@@ -26,7 +26,7 @@ public:
 		const LodSchedule &schedule;
 		DrawBudget &budget;
 		TileUploader &uploader;
-		LeavingVisuals &leaving;
+		LeavingVisuals &leaving_visuals;
 	};
 	explicit CellDrawer(const Display &display) : display_(display) {}
 
@@ -72,8 +72,8 @@ private:
 		std::span<const LodStep> steps() const {
 			return chain != nullptr ? chain->steps() : std::span<const LodStep>();
 		}
-		std::size_t extra_variants(const LodSpan &span) const {
-			return chain != nullptr ? chain->extra_variants(span) : 0;
+		std::size_t extra_run_count(const LodSpan &span) const {
+			return chain != nullptr ? chain->extra_run_count(span) : 0;
 		}
 	};
 	Drawing drawing_of(const TileKey &key, const DisplayedTile &tile, std::size_t mesh) const;
@@ -83,9 +83,9 @@ private:
 			const Drawing &drawing, const DistanceRange &distance, DisplayedTile::Part &r_part, std::size_t cell);
 	void show_lods(const Drawing &drawing, std::span<const std::uint32_t> ranks, const DisplayedTile::Part &part,
 			DisplayedTile::Cell &r_cell);
-	static const MeshAppearance &first_variant(
+	static const MeshAppearance &first_appearance(
 			const Drawing &drawing, const DisplayedTile::Part &part, const DisplayedTile::Cell &cell);
-	static std::size_t wanted_others(const Drawing &drawing, const DisplayedTile::Cell &cell);
+	static std::size_t wanted_extra_count(const Drawing &drawing, const DisplayedTile::Cell &cell);
 
 	Display display_;
 	LodFades fades_;

@@ -24,7 +24,7 @@ void DisplayedTile::Cell::set_box(const AABB &box) {
 }
 
 void DisplayedTile::Cell::set_instances(const MeshUpload &upload) {
-	for_each_visual([&](TileVisual &each) { each.set_instances(upload); });
+	for_each_visual([&](TileVisual &cell_visual) { cell_visual.set_instances(upload); });
 	set_box(upload.aabb);
 }
 
@@ -52,20 +52,20 @@ void DisplayedTile::set_frame(const WorldFrame &frame) {
 std::size_t DisplayedTile::Part::multimesh_count() const {
 	std::size_t visuals = 0;
 	for (const Cell &cell : cells) {
-		visuals += 1 + cell.others.size();
+		visuals += 1 + cell.extra_visuals.size();
 	}
-	return visuals * multimeshes_of_a_cell();
+	return visuals * multimeshes_per_cell();
 }
 
 std::size_t DisplayedTile::finest_lod() const {
-	constexpr auto none = std::numeric_limits<std::size_t>::max();
-	std::size_t finest = none;
+	constexpr auto no_lod = std::numeric_limits<std::size_t>::max();
+	std::size_t finest = no_lod;
 	for (const Part &part : parts) {
 		for (const Cell &cell : part.cells) {
 			finest = std::min(finest, cell.drawing.lod);
 		}
 	}
-	return finest != none ? finest : 0;
+	return finest != no_lod ? finest : 0;
 }
 
 void DisplayedTile::set_lod(std::size_t lod) {
@@ -93,11 +93,11 @@ DrawAmounts DisplayedTile::amounts() const {
 	result.bytes = tile->meshes.capacity() * sizeof(CompactMesh);
 	for (std::size_t mesh = 0; mesh < parts.size(); ++mesh) {
 		const Part &part = parts[mesh];
-		const CompactMesh &own = tile->meshes[mesh];
-		result.bytes +=
-				own.bytes() + (part.displayed.get() != &own ? part.displayed->bytes() + sizeof(CompactMesh) : 0);
+		const CompactMesh &generated_mesh = tile->meshes[mesh];
+		result.bytes += generated_mesh.bytes() +
+				(part.displayed_mesh.get() != &generated_mesh ? part.displayed_mesh->bytes() + sizeof(CompactMesh) : 0);
 		result.bytes += part.division.bytes();
-		result.instances += part.displayed->size();
+		result.instances += part.displayed_mesh->size();
 		result.multimeshes += part.multimesh_count();
 		for (const Cell &cell : part.cells) {
 			result.drawn += cell.drawing.drawn;
@@ -119,21 +119,21 @@ std::size_t DisplayedTile::multimesh_bound(std::uint32_t next_cells_per_edge) co
 	std::size_t count = 0;
 	for (const Part &part : parts) {
 		const std::size_t cells =
-				std::min(part.displayed->size(), std::size_t{next_cells_per_edge} * next_cells_per_edge);
-		count += part.lods.empty() ? 0 : cells * part.multimeshes_of_a_cell();
+				std::min(part.displayed_mesh->size(), std::size_t{next_cells_per_edge} * next_cells_per_edge);
+		count += part.lods.empty() ? 0 : cells * part.multimeshes_per_cell();
 	}
 	return count;
 }
 
 MeshUpload to_upload(const DisplayedTile::Part &part, std::size_t cell, float reach) {
 	if (part.division.empty()) {
-		return to_upload(*part.displayed, reach);
+		return to_upload(*part.displayed_mesh, reach);
 	}
-	const DrawCell &drawn = part.division.cells[cell];
+	const DrawCell &draw_cell = part.division.cells[cell];
 	MeshUpload upload;
-	upload.aabb = box_around(drawn.min, drawn.max, reach * part.displayed->max_scale());
-	const auto floats = static_cast<int64_t>(drawn.size() * part.displayed->stride());
-	gather(*part.displayed, part.division.order_of(drawn), resize(upload.buffer, floats));
+	upload.aabb = box_around(draw_cell.min, draw_cell.max, reach * part.displayed_mesh->max_scale());
+	const auto floats = static_cast<int64_t>(draw_cell.size() * part.displayed_mesh->stride());
+	gather(*part.displayed_mesh, part.division.order_of(draw_cell), resize(upload.buffer, floats));
 	return upload;
 }
 
@@ -141,14 +141,14 @@ PackedFloat32Array read_back(const DisplayedTile::Part &part) {
 	if (part.division.empty()) {
 		return part.cells.front().visual.read_back();
 	}
-	const std::size_t stride = part.displayed->stride();
+	const std::size_t stride = part.displayed_mesh->stride();
 	PackedFloat32Array result;
-	const std::span<float> floats = resize(result, static_cast<int64_t>(part.displayed->size() * stride));
+	const std::span<float> floats = resize(result, static_cast<int64_t>(part.displayed_mesh->size() * stride));
 	for (std::size_t cell = 0; cell < part.cells.size(); ++cell) {
 		const PackedFloat32Array buffer = part.cells[cell].visual.read_back();
-		const std::span<const float> read(buffer.ptr(), static_cast<std::size_t>(buffer.size()));
+		const std::span<const float> cell_floats(buffer.ptr(), static_cast<std::size_t>(buffer.size()));
 		const std::span<const std::uint32_t> order = part.division.order_of(part.division.cells[cell]);
-		spread(read, order.first(std::min(order.size(), read.size() / stride)), stride, floats);
+		spread(cell_floats, order.first(std::min(order.size(), cell_floats.size() / stride)), stride, floats);
 	}
 	return result;
 }

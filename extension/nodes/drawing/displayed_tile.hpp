@@ -26,13 +26,13 @@ struct DisplayedTile {
 	/// The instances of one mesh in one cell, which are culled and thinned together. Owns their
 	/// RenderingServer objects.
 	struct Cell {
-		explicit Cell(TileVisual its_visual) : visual(std::move(its_visual)) {}
+		explicit Cell(TileVisual first_visual) : visual(std::move(first_visual)) {}
 
 		TileVisual visual; ///< Draws the first of the visible LODs.
 
 		/// The visuals of the other visible LODs, at distances where LODs cross-fade. They draw the
 		/// same instances as `visual`.
-		std::vector<TileVisual> others;
+		std::vector<TileVisual> extra_visuals;
 		glm::vec3 min{0.0f}; ///< The bounds of the drawn instances, relative to the tile's origin.
 		glm::vec3 max{0.0f};
 		CellDrawing drawing;
@@ -43,8 +43,8 @@ struct DisplayedTile {
 		template <class Work>
 		void for_each_visual(const Work &work) {
 			work(visual);
-			for (TileVisual &other : others) {
-				work(other);
+			for (TileVisual &extra_visual : extra_visuals) {
+				work(extra_visual);
 			}
 		}
 	};
@@ -54,26 +54,26 @@ struct DisplayedTile {
 		/// One cell for the whole tile, or one per cell of `division`. Empty if there is nothing to
 		/// draw.
 		std::vector<Cell> cells;
-		/// The division of `displayed` into cells; empty if the tile is drawn as a whole.
+		/// The division of `displayed_mesh` into cells; empty if the tile is drawn as a whole.
 		DrawCells division;
 		/// The schedule for updating cells. Used only if the tile is divided into cells.
 		CellVisits visits;
 		/// The mesh, followed by its coarser LODs; empty if there is no mesh.
 		std::vector<MeshAppearance> lods;
 		/// The instances to draw: those of `tile`, or a copy with a game's changes.
-		std::shared_ptr<const CompactMesh> displayed;
+		std::shared_ptr<const CompactMesh> displayed_mesh;
 
 		/// Returns the number of cells that the part has once all are uploaded.
 		std::size_t cell_count() const {
-			return lods.empty() || displayed->size() == 0 ? 0 : division.empty() ? 1 : division.cells.size();
+			return lods.empty() || displayed_mesh->size() == 0 ? 0 : division.empty() ? 1 : division.cells.size();
 		}
 		bool is_open() const { return cells.size() < cell_count(); }
 
 		/// Returns the number of multimeshes that each visual of the part needs.
-		std::size_t multimeshes_of_a_cell() const { return casts_by_other_meshes(lods) ? 2 : 1; }
+		std::size_t multimeshes_per_cell() const { return have_shadow_meshes(lods) ? 2 : 1; }
 		std::size_t multimesh_count() const;
 		std::span<const std::uint32_t> ranks_of(std::size_t cell) const {
-			return division.empty() ? displayed->ranks() : division.ranks_of(division.cells[cell]);
+			return division.empty() ? displayed_mesh->ranks() : division.ranks_of(division.cells[cell]);
 		}
 	};
 
@@ -97,7 +97,7 @@ struct DisplayedTile {
 	std::uint64_t drawing_version = 0;
 	/// True if the next update must check all cells, not only those that are due.
 	bool check_all_cells = true;
-	bool to_fade = false; ///< True while the tile needs more visuals to cross-fade LODs.
+	bool needs_fade_visuals = false; ///< True while the tile needs more visuals to cross-fade LODs.
 
 	float reach_of(std::size_t mesh) const { return mesh < mesh_reach.size() ? mesh_reach[mesh] : 0.0F; }
 	bool draws_anything() const { return min.x <= max.x; }

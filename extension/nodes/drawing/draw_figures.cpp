@@ -40,9 +40,9 @@ std::uint64_t triangles_of(const Mesh &mesh, int32_t surface) {
 } // namespace
 
 const DrawCounter::MeshFigures &DrawCounter::figures_of(const Ref<Mesh> &mesh) {
-	const auto known = meshes_.find(mesh->get_instance_id());
-	if (known != meshes_.end()) {
-		return known->second;
+	const auto entry = meshes_.find(mesh->get_instance_id());
+	if (entry != meshes_.end()) {
+		return entry->second;
 	}
 	MeshFigures &result = meshes_[mesh->get_instance_id()];
 	auto *array_mesh = Object::cast_to<ArrayMesh>(mesh.ptr());
@@ -64,20 +64,20 @@ void DrawCounter::add(const Ref<Mesh> &mesh, std::uint64_t instances, glm::dvec3
 	if (instances == 0 || (view_ && !view_->touches(min, max))) {
 		return;
 	}
-	const MeshFigures &of = figures_of(mesh);
+	const MeshFigures &mesh_figures = figures_of(mesh);
 	++figures_.multimeshes;
 	figures_.instances += instances;
-	figures_.triangles += instances * of.triangles;
-	figures_.draw_calls += of.surfaces;
+	figures_.triangles += instances * mesh_figures.triangles;
+	figures_.draw_calls += mesh_figures.surfaces;
 }
 
 ViewVolume view_of(const Camera3D &camera, const WorldFrame &frame) {
 	const Vector2 size = camera.get_viewport()->get_visible_rect().size;
 	const std::array<Vector2, 4> screen{Vector2(0, 0), Vector2(size.x, 0), size, Vector2(0, size.y)};
 	std::array<glm::dvec3, 8> corners{};
-	for (std::size_t at = 0; at < screen.size(); ++at) {
-		corners[at] = to_world(camera.project_position(screen[at], camera.get_near()), frame);
-		corners[at + screen.size()] = to_world(camera.project_position(screen[at], camera.get_far()), frame);
+	for (std::size_t corner = 0; corner < screen.size(); ++corner) {
+		corners[corner] = to_world(camera.project_position(screen[corner], camera.get_near()), frame);
+		corners[corner + screen.size()] = to_world(camera.project_position(screen[corner], camera.get_far()), frame);
 	}
 	return ViewVolume(corners);
 }

@@ -7,19 +7,19 @@ namespace thicket {
 
 bool DrawnLayers::set(std::span<const SharedSnapshot> layers) {
 	versions_.resize(layers.size());
-	bool changed = false;
+	bool any_changed = false;
 	for (std::size_t index = 0; index < layers.size(); ++index) {
-		const SharedSnapshot before = index < layers_.size() ? layers_[index] : nullptr;
-		const SharedSnapshot &now = layers[index];
-		const bool same = before != nullptr && now != nullptr && before->drawing == now->drawing &&
-				before->lod == now->lod && before->cells == now->cells;
-		if (before != now && !same) {
+		const SharedSnapshot previous = index < layers_.size() ? layers_[index] : nullptr;
+		const SharedSnapshot &current = layers[index];
+		const bool same_drawing = previous != nullptr && current != nullptr && previous->drawing == current->drawing &&
+				previous->lod == current->lod && previous->cells == current->cells;
+		if (previous != current && !same_drawing) {
 			versions_[index] = ++last_version_;
-			changed = true;
+			any_changed = true;
 		}
 	}
 	layers_.assign(layers.begin(), layers.end());
-	return changed;
+	return any_changed;
 }
 
 std::uint32_t DrawnLayers::index_of(std::uint64_t owner, std::uint32_t index) const {

@@ -32,8 +32,8 @@ struct AllViewers {
 	std::uint64_t version = 1; ///< Incremented by every change.
 
 	static AllViewers &get() {
-		static AllViewers all;
-		return all;
+		static AllViewers viewers;
+		return viewers;
 	}
 
 	void set(const FadeViewer &viewer, const FadeViewers *owner) {
@@ -43,9 +43,9 @@ struct AllViewers {
 	}
 
 	void remove(std::uint64_t id, const FadeViewers *owner) {
-		const auto found = by_id.find(id);
-		if (found != by_id.end() && found->second.owner == owner) {
-			by_id.erase(found);
+		const auto entry = by_id.find(id);
+		if (entry != by_id.end() && entry->second.owner == owner) {
+			by_id.erase(entry);
 			++version;
 		}
 	}
@@ -69,28 +69,28 @@ struct AllViewers {
 
 void FadeViewers::set_layers(std::span<const SharedSnapshot> layers) {
 	materials_ = materials_with(layers, count_name, Variant::INT);
-	written_ = 0;
+	written_version_ = 0;
 }
 
 void FadeViewers::set_viewers(std::span<const FadeViewer> viewers, glm::vec3 camera) {
-	AllViewers &all = AllViewers::get();
+	AllViewers &all_viewers = AllViewers::get();
 	if (!viewers.empty()) {
-		for (const FadeViewer &old : viewers_) {
-			if (std::ranges::find(viewers, old.id, &FadeViewer::id) == viewers.end()) {
-				all.remove(old.id, this);
+		for (const FadeViewer &old_viewer : viewers_) {
+			if (std::ranges::find(viewers, old_viewer.id, &FadeViewer::id) == viewers.end()) {
+				all_viewers.remove(old_viewer.id, this);
 			}
 		}
 		for (const FadeViewer &viewer : viewers) {
-			all.set(viewer, this);
+			all_viewers.set(viewer, this);
 		}
 		viewers_.assign(viewers.begin(), viewers.end());
 	}
-	if (written_ == all.version) {
+	if (written_version_ == all_viewers.version) {
 		// No viewer has changed since the last write.
 		return;
 	}
-	write(all.nearest(camera, max_viewers));
-	written_ = all.version;
+	write(all_viewers.nearest(camera, max_viewers));
+	written_version_ = all_viewers.version;
 }
 
 void FadeViewers::write(std::span<const glm::vec4> viewers) {
@@ -100,9 +100,9 @@ void FadeViewers::write(std::span<const glm::vec4> viewers) {
 	}
 	PackedFloat32Array positions_and_scales;
 	const std::span<float> out = resize(positions_and_scales, static_cast<int64_t>(4 * max_viewers));
-	for (std::size_t at = 0; at < viewers.size(); ++at) {
+	for (std::size_t index = 0; index < viewers.size(); ++index) {
 		for (glm::length_t axis = 0; axis < 4; ++axis) {
-			out[4 * at + static_cast<std::size_t>(axis)] = viewers[at][axis];
+			out[4 * index + static_cast<std::size_t>(axis)] = viewers[index][axis];
 		}
 	}
 	RenderingServer *server = RenderingServer::get_singleton();
@@ -122,7 +122,7 @@ void FadeViewers::clear() {
 	// Other nodes may share these materials.
 	write(AllViewers::get().nearest(glm::vec3(0.0F), max_viewers));
 	materials_.clear();
-	written_ = 0;
+	written_version_ = 0;
 }
 
 } // namespace thicket

@@ -55,7 +55,7 @@ private:
 	std::vector<FadeViewer> viewers_;
 	/// The version of the list of all nodes' viewers that was last written to the materials; 0
 	/// before the first write.
-	std::uint64_t written_ = 0;
+	std::uint64_t written_version_ = 0;
 };
 
 } // namespace thicket

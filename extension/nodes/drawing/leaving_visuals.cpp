@@ -13,9 +13,9 @@ constexpr std::size_t hidden_per_step = 16;
 
 bool LeavingVisuals::free_step() {
 	if (!are_hidden()) {
-		const std::size_t end = std::min(visuals_.size(), hidden_ + hidden_per_step);
-		for (; hidden_ < end; ++hidden_) {
-			visuals_[hidden_].set_visible(false);
+		const std::size_t end = std::min(visuals_.size(), hidden_count_ + hidden_per_step);
+		for (; hidden_count_ < end; ++hidden_count_) {
+			visuals_[hidden_count_].set_visible(false);
 		}
 		return true;
 	}
@@ -23,7 +23,7 @@ bool LeavingVisuals::free_step() {
 		return false;
 	}
 	visuals_.pop_back();
-	hidden_ = visuals_.size();
+	hidden_count_ = visuals_.size();
 	return true;
 }
 
@@ -35,7 +35,7 @@ void LeavingVisuals::set_frame(const WorldFrame &frame) {
 
 void LeavingVisuals::clear() {
 	visuals_.clear();
-	hidden_ = 0;
+	hidden_count_ = 0;
 }
 
 } // namespace thicket

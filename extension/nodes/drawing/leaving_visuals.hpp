@@ -25,7 +25,7 @@ public:
 	bool free_step();
 
 	std::size_t size() const { return visuals_.size(); }
-	bool are_hidden() const { return hidden_ == visuals_.size(); }
+	bool are_hidden() const { return hidden_count_ == visuals_.size(); }
 	void set_frame(const WorldFrame &frame);
 
 	/// Frees all visuals immediately.
@@ -34,7 +34,7 @@ public:
 private:
 	std::vector<TileVisual> visuals_;
 	/// The number of hidden visuals, which come first in `visuals_`.
-	std::size_t hidden_ = 0;
+	std::size_t hidden_count_ = 0;
 };
 
 } // namespace thicket

@@ -24,33 +24,33 @@ public:
 	/// Returns one step per LOD.
 	std::span<const LodStep> steps() const { return runs_.steps(); }
 
-	/// Returns true once all fading variants exist. Call `appearance` and `single_variant` only
+	/// Returns true once all fading variants exist. Call `appearance` and `single_appearance` only
 	/// then.
 	bool is_complete() const { return completed_runs_ == meshes_.size(); }
 
-	/// Creates the fading variants of the next run. Reuses those of the chain `before` if it has
+	/// Creates the fading variants of the next run. Reuses those of the chain `previous` if it has
 	/// the same run. Takes milliseconds for a large mesh, because the mesh is read back from the
 	/// renderer.
-	void make_next(const LodChain *before);
+	void make_next(const LodChain *previous);
 
 	/// Returns true if this chain belongs to `lods`, the LODs of a part of a tile.
-	bool is_of(std::span<const MeshAppearance> lods) const;
+	bool matches(std::span<const MeshAppearance> lods) const;
 
 	/// Returns how many runs a span of LODs has beyond the first one.
-	std::size_t extra_variants(const LodSpan &span) const { return runs_.beyond_first(span); }
+	std::size_t extra_run_count(const LodSpan &span) const { return runs_.extra_run_count(span); }
 
 	/// Returns the appearance of one of the runs of a span. Index 0 is the run of its first LOD.
 	const MeshAppearance &appearance(const LodSpan &span, std::size_t index) const;
 
 	/// Returns the appearance of one LOD that is drawn alone, in place of the whole span.
-	const MeshAppearance &single_variant(const LodSpan &span, std::size_t lod) const;
+	const MeshAppearance &single_appearance(const LodSpan &span, std::size_t lod) const;
 
 private:
 	struct Meshes {
 		MeshAppearance plain;
-		std::array<MeshAppearance, RunFade::count> faded; ///< Indexed by RunFade::index.
+		std::array<MeshAppearance, RunFade::count> fading_variants; ///< Indexed by RunFade::index.
 	};
-	const MeshAppearance &mesh_of(const LodRuns::Drawn &drawn) const;
+	const MeshAppearance &mesh_of(const LodRuns::DrawnRun &drawn) const;
 
 	/// The value of LayerDrawing::surfaces for which the chain was created. If the current value
 	/// differs, a mesh has changed.
@@ -75,10 +75,10 @@ public:
 
 private:
 	struct Layer {
-		SharedSnapshot of;
+		SharedSnapshot snapshot;
 		std::vector<LodChain> chains;
 		/// The chains before the layer's last change. Their unchanged runs are reused.
-		std::vector<LodChain> before;
+		std::vector<LodChain> previous_chains;
 	};
 	std::vector<Layer> layers_;
 	std::size_t completed_layers_ = 0;

@@ -62,7 +62,7 @@ public:
 	/// Redraws one tile that `mark_later` or `mark_all_later` has marked. Returns false if there is
 	/// none.
 	bool patch_step();
-	bool has_patches() const { return redraws_.has_later(); }
+	bool has_patches() const { return redraws_.has_queued(); }
 
 	/// Sets the RenderingServer scenario of new tiles and the node that they belong to.
 	void set_scenario(const godot::RID &scenario, std::uint64_t node_id) { uploader_.set_scenario(scenario, node_id); }
@@ -96,12 +96,12 @@ public:
 	bool divide_step();
 
 	/// Returns true if the division of a tile is changing or must change.
-	bool has_divisions() const { return divisions_.has_work(all_multimeshes()); }
+	bool has_divisions() const { return divisions_.has_work(total_multimeshes()); }
 
 	/// Uploads some visuals for LODs that will fade in, or creates fading meshes. Returns false if
 	/// there is nothing to do.
 	bool fade_step();
-	bool has_fades() const { return !to_fade_.empty() || !drawer_.fades().is_complete(); }
+	bool has_fades() const { return !tiles_to_fade_.empty() || !drawer_.fades().is_complete(); }
 
 	/// Returns true if `lod_step`, `divide_step` and `fade_step` have nothing to do and no removed
 	/// tile is still visible.
@@ -123,13 +123,13 @@ public:
 	/// Removes a tile. `free_step` hides its content and then frees it step by step. Returns false
 	/// if the tile is not displayed.
 	bool drop(const TileKey &key);
-	bool free_step() { return leaving_.free_step(); }
+	bool free_step() { return leaving_visuals_.free_step(); }
 
 	/// Removes all tiles. `free_step` hides their content and then frees it step by step.
 	void retire();
 
 	/// Returns the number of visuals of removed tiles that have not been freed yet.
-	std::size_t leaving_count() const { return leaving_.size(); }
+	std::size_t leaving_count() const { return leaving_visuals_.size(); }
 
 	/// Frees everything immediately.
 	void clear();
@@ -169,8 +169,8 @@ public:
 	/// whole. A tile that is divided into cells has more.
 	std::uint64_t multimesh_count() const { return budget_.amounts().multimeshes; }
 
-	/// Returns the typical height (world y) of the instances in meters; 0 if there are none.
-	double usual_height() const;
+	/// Returns the average height (world y) of the displayed tiles in meters; 0 if there are none.
+	double average_height() const;
 
 	/// Adds everything that is currently drawn to `r_counter`.
 	void count_drawn(DrawCounter &r_counter) const;
@@ -189,7 +189,7 @@ public:
 
 private:
 	using Tiles = std::map<TileKey, DisplayedTile, TileKeyOrder>;
-	Tiles::const_iterator first_of(std::uint32_t layer) const;
+	Tiles::const_iterator first_tile_of(std::uint32_t layer) const;
 	void leave(DisplayedTile &&tile);
 	void leave(std::vector<DisplayedTile::Cell> &&cells);
 	void visit_all();
@@ -201,7 +201,7 @@ private:
 	void begin(TileUpload &r_upload, bool others_wait) const;
 	void redraw(const TileKey &key, DisplayedTile &r_tile);
 	bool patch_part(const DisplayedTile &tile, std::size_t mesh, const LayerSnapshot *layer,
-			DisplayedTile::Part &r_part, std::shared_ptr<const CompactMesh> displayed);
+			DisplayedTile::Part &r_part, std::shared_ptr<const CompactMesh> displayed_mesh);
 	void patch(const TileKey &key, DisplayedTile &r_tile);
 	bool patch_parts(const TileKey &key, DisplayedTile &r_tile);
 	std::vector<std::shared_ptr<const CompactMesh>> overlay(const DisplayedTile &tile) const;
@@ -214,8 +214,8 @@ private:
 		explicit TileMeasures(const TileDisplay &display) : display_(display) {}
 
 		double distance(const TileKey &key) const override;
-		std::uint32_t displayed(const TileKey &key) const override { return tile(key).cells_per_edge; }
-		std::uint32_t wanted(const TileKey &key) const override;
+		std::uint32_t displayed_division(const TileKey &key) const override { return tile(key).cells_per_edge; }
+		std::uint32_t wanted_division(const TileKey &key) const override;
 		std::uint64_t multimeshes(const TileKey &key) const override { return tile(key).multimesh_count(); }
 		std::uint64_t multimesh_bound(const TileKey &key, std::uint32_t cells_per_edge) const override {
 			return tile(key).multimesh_bound(cells_per_edge);
@@ -225,7 +225,7 @@ private:
 		const DisplayedTile &tile(const TileKey &key) const { return display_.tiles_.at(key); }
 		const TileDisplay &display_;
 	};
-	DivisionQueue::Multimeshes all_multimeshes() const {
+	DivisionQueue::Multimeshes total_multimeshes() const {
 		return {budget_.amounts().multimeshes, budget_.max_multimeshes()};
 	}
 	std::uint32_t division_of(const TileKey &key, const DisplayedTile &tile, std::uint32_t displayed) const;
@@ -237,21 +237,21 @@ private:
 	bool visible_ = true;
 	DrawnLayers layers_;
 	Tiles tiles_;
-	LeavingVisuals leaving_;
+	LeavingVisuals leaving_visuals_;
 	std::uint64_t redrawn_count_ = 0;
 
 	LodSchedule schedule_;
 	DrawBudget budget_;
-	CellDrawer drawer_{{layers_, schedule_, budget_, uploader_, leaving_}};
+	CellDrawer drawer_{{layers_, schedule_, budget_, uploader_, leaving_visuals_}};
 
 	DivisionQueue divisions_;
 	/// The cells uploaded so far, still hidden, for the tile whose division is changing.
 	std::vector<DisplayedTile::Part> next_parts_;
 
-	std::vector<TileKey> to_fade_; ///< Tiles that need more visuals for LODs, without duplicates.
+	std::vector<TileKey> tiles_to_fade_; ///< Tiles that need more visuals for LODs, without duplicates.
 
 	const InstanceState *state_ = nullptr;
-	std::unordered_set<std::uint64_t> hidden_;
+	std::unordered_set<std::uint64_t> hidden_ids_;
 	RedrawQueue redraws_;
 };
 

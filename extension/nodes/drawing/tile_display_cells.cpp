@@ -10,8 +10,8 @@ using namespace godot;
 
 namespace thicket {
 
-/// Returns the required division of a tile. `displayed` is its current division; 0 if it has not
-/// been displayed yet.
+/// Returns the required division of a tile. `displayed_mesh` is its current division; 0 if it has
+/// not been displayed yet.
 std::uint32_t TileDisplay::division_of(const TileKey &key, const DisplayedTile &tile, std::uint32_t displayed) const {
 	const LayerSnapshot *layer = layers_.find(key.layer);
 	return layer != nullptr && tile.draws_anything()
@@ -23,16 +23,16 @@ double TileDisplay::TileMeasures::distance(const TileKey &key) const {
 	return display_.distance_to(key.layer, tile(key));
 }
 
-std::uint32_t TileDisplay::TileMeasures::wanted(const TileKey &key) const {
+std::uint32_t TileDisplay::TileMeasures::wanted_division(const TileKey &key) const {
 	return display_.division_of(key, tile(key), tile(key).cells_per_edge);
 }
 
 bool TileDisplay::settled() const {
-	return schedule_.settled() && !has_divisions() && !has_fades() && leaving_.are_hidden();
+	return schedule_.settled() && !has_divisions() && !has_fades() && leaving_visuals_.are_hidden();
 }
 
 bool TileDisplay::divide_step() {
-	if (!divisions_.current() && !divisions_.begin(TileMeasures(*this), all_multimeshes())) {
+	if (!divisions_.current() && !divisions_.begin(TileMeasures(*this), total_multimeshes())) {
 		return false;
 	}
 	continue_division();
@@ -60,7 +60,7 @@ void TileDisplay::continue_division() {
 	if (!is_open()) {
 		const DisplayedTile::Part &part = tile.parts[next_parts_.size()];
 		next_parts_.emplace_back();
-		if (!TileUploader::divide_part(tile, part.displayed, part.lods, cells_per_edge, next_parts_.back())) {
+		if (!TileUploader::divide_part(tile, part.displayed_mesh, part.lods, cells_per_edge, next_parts_.back())) {
 			// Out of memory. The next visit of the tile requests the division again.
 			cancel_division();
 			return;
@@ -76,7 +76,7 @@ void TileDisplay::continue_division() {
 void TileDisplay::finish_division(DisplayedTile &r_tile) {
 	const auto [key, cells_per_edge] = *divisions_.current();
 	std::vector<DisplayedTile::Part> next = std::exchange(next_parts_, {});
-	const std::size_t before = r_tile.cell_count();
+	const std::size_t previous_count = r_tile.cell_count();
 	budget_.remove(r_tile.amounts());
 	r_tile.set_visible(false);
 	const std::size_t lod = r_tile.finest_lod();
@@ -92,7 +92,7 @@ void TileDisplay::finish_division(DisplayedTile &r_tile) {
 	budget_.add(r_tile.amounts());
 	refine(key, r_tile);
 	r_tile.set_visible(visible_);
-	if (r_tile.cell_count() < before) {
+	if (r_tile.cell_count() < previous_count) {
 		divisions_.capacity_gained(TileMeasures(*this));
 	}
 }

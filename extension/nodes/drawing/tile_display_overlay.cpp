@@ -19,7 +19,7 @@ namespace thicket {
 
 namespace {
 
-bool same(const CompactMesh &a, const CompactMesh &b) {
+bool same_instances(const CompactMesh &a, const CompactMesh &b) {
 	bool equal = a.size() == b.size();
 	for (std::size_t i = 0; equal && i < a.size(); ++i) {
 		equal = a.same(i, b, i);
@@ -28,9 +28,9 @@ bool same(const CompactMesh &a, const CompactMesh &b) {
 }
 
 /// Determines for each cell of `next` which cell of `part` it can reuse.
-std::vector<CellReuse> reuse_cells(const DisplayedTile::Part &part, const DisplayedTile::Part &next, bool whole) {
-	if (!whole) {
-		return thicket::reuse_cells(*part.displayed, part.division, *next.displayed, next.division);
+std::vector<CellReuse> reuse_cells(const DisplayedTile::Part &part, const DisplayedTile::Part &next, bool is_whole) {
+	if (!is_whole) {
+		return thicket::reuse_cells(*part.displayed_mesh, part.division, *next.displayed_mesh, next.division);
 	}
 	if (!part.cells.empty()) {
 		return {{0, false}}; // The visual is reused even if no instances are left.
@@ -41,7 +41,7 @@ std::vector<CellReuse> reuse_cells(const DisplayedTile::Part &part, const Displa
 } // namespace
 
 void TileDisplay::set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden) {
-	const bool changed = hidden ? hidden_.insert(id).second : hidden_.erase(id) > 0;
+	const bool changed = hidden ? hidden_ids_.insert(id).second : hidden_ids_.erase(id) > 0;
 	if (changed) {
 		mark(layer, area);
 	}
@@ -49,7 +49,7 @@ void TileDisplay::set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &
 
 std::vector<std::shared_ptr<const CompactMesh>> TileDisplay::overlay(const DisplayedTile &tile) const {
 	OverlaidMeshes meshes;
-	report("TerrainScatter3D", overlaid(tile.tile, *tile.settings, tile.space, {state_, &hidden_}, meshes));
+	report("TerrainScatter3D", overlaid(tile.tile, *tile.settings, tile.space, {state_, &hidden_ids_}, meshes));
 	return meshes;
 }
 
@@ -80,9 +80,9 @@ void TileDisplay::redraw(const TileKey &key, DisplayedTile &r_tile) {
 
 void TileDisplay::mark_later(std::uint32_t layer, const Rect &area) {
 	redraws_.begin_later();
-	for (auto at = first_of(layer); at != tiles_.end() && at->first.layer == layer; ++at) {
-		if (meet(at->second.space, area)) {
-			redraws_.add_later(at->first);
+	for (auto entry = first_tile_of(layer); entry != tiles_.end() && entry->first.layer == layer; ++entry) {
+		if (meet(entry->second.space, area)) {
+			redraws_.add_later(entry->first);
 		}
 	}
 }
@@ -95,9 +95,9 @@ void TileDisplay::mark_all_later() {
 }
 
 bool TileDisplay::patch_step() {
-	while (const std::optional<TileKey> key = redraws_.next_later()) {
-		if (const auto found = tiles_.find(*key); found != tiles_.end()) {
-			redraw(*key, found->second);
+	while (const std::optional<TileKey> key = redraws_.next_queued()) {
+		if (const auto entry = tiles_.find(*key); entry != tiles_.end()) {
+			redraw(*key, entry->second);
 			return true;
 		}
 	}
@@ -107,9 +107,9 @@ bool TileDisplay::patch_step() {
 /// Applies the overlay to a tile. The caller must update the counts and the LODs by distance. If
 /// memory is insufficient, the tile stays unchanged and is marked again.
 void TileDisplay::patch(const TileKey &key, DisplayedTile &r_tile) {
-	bool patched = false;
-	report("TerrainScatter3D", guarded("tile", r_tile.space.size().x, [&] { patched = patch_parts(key, r_tile); }));
-	if (!patched) {
+	bool is_patched = false;
+	report("TerrainScatter3D", guarded("tile", r_tile.space.size().x, [&] { is_patched = patch_parts(key, r_tile); }));
+	if (!is_patched) {
 		mark(key.layer, r_tile.space);
 	}
 }
@@ -117,20 +117,21 @@ void TileDisplay::patch(const TileKey &key, DisplayedTile &r_tile) {
 /// Applies the overlay to all parts of a tile. Returns false if memory is insufficient.
 bool TileDisplay::patch_parts(const TileKey &key, DisplayedTile &r_tile) {
 	const LayerSnapshot *layer = layers_.find(key.layer);
-	const std::vector<std::shared_ptr<const CompactMesh>> displayed = overlay(r_tile);
-	if (displayed.size() != r_tile.parts.size()) {
+	const std::vector<std::shared_ptr<const CompactMesh>> displayed_meshes = overlay(r_tile);
+	if (displayed_meshes.size() != r_tile.parts.size()) {
 		return false;
 	}
 	if (divisions_.is_current(key)) {
 		cancel_division(); // The uploads of the division are outdated.
 	}
 	r_tile.check_all_cells = true;
-	for (std::size_t mesh = 0; mesh < displayed.size(); ++mesh) {
+	for (std::size_t mesh = 0; mesh < displayed_meshes.size(); ++mesh) {
 		DisplayedTile::Part &part = r_tile.parts[mesh];
-		if (part.displayed == displayed[mesh] || same(*part.displayed, *displayed[mesh])) {
+		if (part.displayed_mesh == displayed_meshes[mesh] ||
+				same_instances(*part.displayed_mesh, *displayed_meshes[mesh])) {
 			// The renderer already has these instances.
-			part.displayed = displayed[mesh];
-		} else if (!patch_part(r_tile, mesh, layer, part, displayed[mesh])) {
+			part.displayed_mesh = displayed_meshes[mesh];
+		} else if (!patch_part(r_tile, mesh, layer, part, displayed_meshes[mesh])) {
 			return false;
 		}
 		for (const DisplayedTile::Cell &cell : part.cells) {
@@ -144,57 +145,57 @@ bool TileDisplay::patch_parts(const TileKey &key, DisplayedTile &r_tile) {
 /// Displays the new instances of a mesh. Uploads only changed cells. If memory is insufficient,
 /// leaves the part unchanged and returns false.
 bool TileDisplay::patch_part(const DisplayedTile &tile, std::size_t mesh, const LayerSnapshot *layer,
-		DisplayedTile::Part &r_part, std::shared_ptr<const CompactMesh> displayed) {
+		DisplayedTile::Part &r_part, std::shared_ptr<const CompactMesh> displayed_mesh) {
 	DisplayedTile::Part next;
-	if (!TileUploader::divide_part(tile, std::move(displayed), r_part.lods, tile.cells_per_edge, next)) {
+	if (!TileUploader::divide_part(tile, std::move(displayed_mesh), r_part.lods, tile.cells_per_edge, next)) {
 		return false;
 	}
 	if (layer == nullptr || next.lods.empty()) {
-		r_part.displayed = next.displayed;
+		r_part.displayed_mesh = next.displayed_mesh;
 		return true;
 	}
 	const std::vector<CellReuse> reuses = reuse_cells(r_part, next, tile.cells_per_edge == 1);
 	std::vector<MeshUpload> uploads(reuses.size());
-	std::vector<DisplayedTile::Cell> fresh;
-	fresh.reserve(reuses.size());
-	for (std::size_t at = 0; at < reuses.size(); ++at) {
-		if (reuses[at].unchanged) {
+	std::vector<DisplayedTile::Cell> new_cells;
+	new_cells.reserve(reuses.size());
+	for (std::size_t cell = 0; cell < reuses.size(); ++cell) {
+		if (reuses[cell].is_unchanged) {
 			// The renderer already has these instances.
 			continue;
 		}
-		uploads[at] = to_upload(next, at, tile.reach_of(mesh));
-		if (!reuses[at].before) {
-			fresh.push_back(uploader_.make_cell(tile, next, layer->drawing, uploads[at]));
+		uploads[cell] = to_upload(next, cell, tile.reach_of(mesh));
+		if (!reuses[cell].old_cell) {
+			new_cells.push_back(uploader_.make_cell(tile, next, layer->drawing, uploads[cell]));
 		}
 	}
 	next.cells.reserve(reuses.size());
-	std::vector<DisplayedTile::Cell> gone;
-	gone.reserve(r_part.cells.size());
-	std::vector<bool> stays(r_part.cells.size());
+	std::vector<DisplayedTile::Cell> removed_cells;
+	removed_cells.reserve(r_part.cells.size());
+	std::vector<bool> is_reused(r_part.cells.size());
 	// Nothing may throw from here on, because the cells move to the new part one by one.
-	std::size_t next_fresh = 0;
-	for (std::size_t at = 0; at < reuses.size(); ++at) {
-		const auto &[before, unchanged] = reuses[at];
-		if (!before) {
-			next.cells.push_back(std::move(fresh[next_fresh++]));
+	std::size_t next_new_cell = 0;
+	for (std::size_t cell = 0; cell < reuses.size(); ++cell) {
+		const auto &[old_cell, is_unchanged] = reuses[cell];
+		if (!old_cell) {
+			next.cells.push_back(std::move(new_cells[next_new_cell++]));
 			next.cells.back().visual.set_visible(visible_);
 			continue;
 		}
-		stays[*before] = true;
-		next.cells.push_back(std::move(r_part.cells[*before]));
-		if (!unchanged) {
+		is_reused[*old_cell] = true;
+		next.cells.push_back(std::move(r_part.cells[*old_cell]));
+		if (!is_unchanged) {
 			// The cell keeps its visuals and gets the new instances.
-			uploader_.set_instances(uploads[at], next.cells.back());
+			uploader_.set_instances(uploads[cell], next.cells.back());
 		}
 	}
-	for (std::size_t before = 0; before < r_part.cells.size(); ++before) {
-		if (!stays[before]) {
-			r_part.cells[before].for_each_visual([](TileVisual &visual) { visual.set_visible(false); });
-			gone.push_back(std::move(r_part.cells[before]));
+	for (std::size_t old_cell = 0; old_cell < r_part.cells.size(); ++old_cell) {
+		if (!is_reused[old_cell]) {
+			r_part.cells[old_cell].for_each_visual([](TileVisual &visual) { visual.set_visible(false); });
+			removed_cells.push_back(std::move(r_part.cells[old_cell]));
 		}
 	}
 	r_part = std::move(next);
-	leave(std::move(gone));
+	leave(std::move(removed_cells));
 	return true;
 }
 

@@ -26,8 +26,8 @@ void TileDisplay::count_drawn(DrawCounter &r_counter) const {
 				const glm::dvec3 min = origin + glm::dvec3(cell.min);
 				const glm::dvec3 max = origin + glm::dvec3(cell.max);
 				r_counter.add(cell.visual.mesh(), visible_ ? cell.drawing.drawn : 0, min, max);
-				for (const TileVisual &other : cell.others) {
-					r_counter.add(other.mesh(), visible_ ? other.drawn() : 0, min, max);
+				for (const TileVisual &extra_visual : cell.extra_visuals) {
+					r_counter.add(extra_visual.mesh(), visible_ ? extra_visual.drawn_count() : 0, min, max);
 				}
 			}
 		}
@@ -35,13 +35,13 @@ void TileDisplay::count_drawn(DrawCounter &r_counter) const {
 }
 
 void TileDisplay::set_viewers(std::span<const Viewer> viewers) {
-	const bool others = schedule_.move(viewers);
-	if (budget_.begin_frame() || others) {
+	const bool viewers_jumped = schedule_.move(viewers);
+	if (budget_.begin_frame() || viewers_jumped) {
 		visit_all();
 	}
 	for (const TileKey &key : budget_.take_cut()) {
-		if (const auto found = tiles_.find(key); found != tiles_.end()) {
-			found->second.check_all_cells = true;
+		if (const auto entry = tiles_.find(key); entry != tiles_.end()) {
+			entry->second.check_all_cells = true;
 			schedule_.add(key, 0.0);
 		}
 	}
@@ -63,9 +63,9 @@ bool TileDisplay::lod_step() {
 		if (!key) {
 			break;
 		}
-		if (const auto found = tiles_.find(*key); found != tiles_.end()) {
-			refine(*key, found->second);
-			visited_cells += found->second.cell_count() + 1;
+		if (const auto entry = tiles_.find(*key); entry != tiles_.end()) {
+			refine(*key, entry->second);
+			visited_cells += entry->second.cell_count() + 1;
 		}
 	}
 	return visited_cells > 0;
@@ -86,8 +86,8 @@ void TileDisplay::apply_drawing(const TileKey &key, DisplayedTile &r_tile) {
 }
 
 Sight TileDisplay::sight_of(std::uint32_t layer) const {
-	const LayerSnapshot *known = layers_.find(layer);
-	return known != nullptr ? known->lod.sight() : Sight();
+	const LayerSnapshot *snapshot = layers_.find(layer);
+	return snapshot != nullptr ? snapshot->lod.sight() : Sight();
 }
 
 DistanceRange TileDisplay::distances_to(std::uint32_t layer, const DisplayedTile &tile) const {
@@ -95,7 +95,7 @@ DistanceRange TileDisplay::distances_to(std::uint32_t layer, const DisplayedTile
 	return schedule_.distances_to(origin + glm::dvec3(tile.min), origin + glm::dvec3(tile.max), sight_of(layer));
 }
 
-double TileDisplay::usual_height() const {
+double TileDisplay::average_height() const {
 	double sum = 0.0;
 	std::size_t count = 0;
 	for (const auto &[key, tile] : tiles_) {
@@ -121,8 +121,8 @@ void TileDisplay::refine(const TileKey &key, DisplayedTile &r_tile) {
 		budget_.record_cut(key);
 	}
 	r_tile.check_all_cells = false;
-	if (drawer_.lacks_visuals(key, r_tile) && !std::exchange(r_tile.to_fade, true)) {
-		to_fade_.push_back(key);
+	if (drawer_.lacks_visuals(key, r_tile) && !std::exchange(r_tile.needs_fade_visuals, true)) {
+		tiles_to_fade_.push_back(key);
 	}
 	divisions_.choose(key, r_tile.cells_per_edge, division_of(key, r_tile, r_tile.cells_per_edge));
 	const double cell_size = r_tile.cells_per_edge > 1 ? r_tile.space.size().x / r_tile.cells_per_edge : 0.0;
@@ -137,14 +137,14 @@ bool TileDisplay::fade_step() {
 		}
 		return true;
 	}
-	if (to_fade_.empty()) {
+	if (tiles_to_fade_.empty()) {
 		return false;
 	}
-	const TileKey key = to_fade_.back();
+	const TileKey key = tiles_to_fade_.back();
 	DisplayedTile &tile = tiles_.at(key);
 	if (layers_.find(key.layer) == nullptr || drawer_.add_visuals(key, tile)) {
-		tile.to_fade = false;
-		to_fade_.pop_back();
+		tile.needs_fade_visuals = false;
+		tiles_to_fade_.pop_back();
 	}
 	return true;
 }

@@ -14,16 +14,16 @@ void TileUploader::set_scenario(const RID &scenario, std::uint64_t node_id) {
 	context_.node_id = node_id;
 }
 
-bool TileUploader::divide_part(const DisplayedTile &tile, std::shared_ptr<const CompactMesh> displayed,
+bool TileUploader::divide_part(const DisplayedTile &tile, std::shared_ptr<const CompactMesh> displayed_mesh,
 		std::vector<MeshAppearance> lods, std::uint32_t cells_per_edge, DisplayedTile::Part &r_part) {
-	r_part.displayed = std::move(displayed);
+	r_part.displayed_mesh = std::move(displayed_mesh);
 	r_part.lods = std::move(lods);
 	if (cells_per_edge == 1 || r_part.lods.empty()) {
 		return true;
 	}
 	const CellAxes axes = cell_axes(tile.space, tile.settings->planet);
 	const Status status =
-			divide(*r_part.displayed, tile.tile->origin, tile.space, cells_per_edge, r_part.division, axes);
+			divide(*r_part.displayed_mesh, tile.tile->origin, tile.space, cells_per_edge, r_part.division, axes);
 	report("TerrainScatter3D", status);
 	return status.ok();
 }
@@ -49,16 +49,16 @@ void TileUploader::upload_cells(
 		const DisplayedTile &tile, std::size_t mesh, const LayerDrawing &drawing, DisplayedTile::Part &r_part) {
 	UploadStep step;
 	while (r_part.is_open() && !step.is_full()) {
-		const std::size_t next = r_part.cells.size();
-		r_part.cells.push_back(make_cell(tile, r_part, drawing, to_upload(r_part, next, tile.reach_of(mesh))));
-		step.add(r_part.ranks_of(next).size());
+		const std::size_t cell = r_part.cells.size();
+		r_part.cells.push_back(make_cell(tile, r_part, drawing, to_upload(r_part, cell, tile.reach_of(mesh))));
+		step.add(r_part.ranks_of(cell).size());
 	}
 }
 
-void TileUploader::add_other(const DisplayedTile &tile, std::size_t mesh, const LayerDrawing &drawing,
+void TileUploader::add_extra_visual(const DisplayedTile &tile, std::size_t mesh, const LayerDrawing &drawing,
 		DisplayedTile::Part &r_part, std::size_t cell) {
 	const MeshUpload upload = to_upload(r_part, cell, tile.reach_of(mesh));
-	r_part.cells[cell].others.push_back(make_visual(tile, r_part, drawing, upload));
+	r_part.cells[cell].extra_visuals.push_back(make_visual(tile, r_part, drawing, upload));
 }
 
 void TileUploader::set_instances(const MeshUpload &upload, DisplayedTile::Cell &r_cell) {

@@ -25,7 +25,7 @@ public:
 
 	/// Prepares a part of a tile for the upload of its cells. `cells_per_edge` is their number
 	/// along each edge. Returns false if memory is insufficient.
-	static bool divide_part(const DisplayedTile &tile, std::shared_ptr<const CompactMesh> displayed,
+	static bool divide_part(const DisplayedTile &tile, std::shared_ptr<const CompactMesh> displayed_mesh,
 			std::vector<MeshAppearance> lods, std::uint32_t cells_per_edge, DisplayedTile::Part &r_part);
 
 	DisplayedTile::Cell make_cell(const DisplayedTile &tile, const DisplayedTile::Part &part,
@@ -36,7 +36,7 @@ public:
 			const DisplayedTile &tile, std::size_t mesh, const LayerDrawing &drawing, DisplayedTile::Part &r_part);
 
 	/// Adds a visual for one more LOD to a cell.
-	void add_other(const DisplayedTile &tile, std::size_t mesh, const LayerDrawing &drawing,
+	void add_extra_visual(const DisplayedTile &tile, std::size_t mesh, const LayerDrawing &drawing,
 			DisplayedTile::Part &r_part, std::size_t cell);
 
 	/// Replaces the instances of a cell.

@@ -24,11 +24,11 @@ constexpr int64_t gi_dynamic = 2;
 
 /// A placeholder for the number of drawn instances: after an upload, the renderer draws all
 /// instances until a count is set.
-constexpr auto everything = std::numeric_limits<std::size_t>::max();
+constexpr auto all_instances = std::numeric_limits<std::size_t>::max();
 
 } // namespace
 
-bool casts_by_other_meshes(std::span<const MeshAppearance> appearances) {
+bool have_shadow_meshes(std::span<const MeshAppearance> appearances) {
 	return std::ranges::any_of(
 			appearances, [](const MeshAppearance &appearance) { return appearance.shadow.mesh.is_valid(); });
 }
@@ -37,9 +37,9 @@ TileVisual::TileVisual(const VisualContext &context, const InstanceData &data,
 		std::span<const MeshAppearance> appearances, const MeshUpload &upload) : data_(data) {
 	RenderingServer *server = RenderingServer::get_singleton();
 	const MeshAppearance &appearance = appearances.front();
-	drawn_by_ = {server->multimesh_create(), RID(), appearance.mesh};
-	if (casts_by_other_meshes(appearances)) {
-		shadow_by_ = {server->multimesh_create(), RID(),
+	draw_handle_ = {server->multimesh_create(), RID(), appearance.mesh};
+	if (have_shadow_meshes(appearances)) {
+		shadow_handle_ = {server->multimesh_create(), RID(),
 				appearance.shadow.mesh.is_valid() ? appearance.shadow.mesh : appearance.mesh};
 	}
 	set_instances(upload);
@@ -62,17 +62,17 @@ TileVisual &TileVisual::operator=(TileVisual &&other) noexcept {
 	if (this != &other) {
 		free();
 		data_ = other.data_;
-		instances_ = other.instances_;
+		instance_count_ = other.instance_count_;
 		capacity_ = other.capacity_;
-		drawn_by_ = std::exchange(other.drawn_by_, Handle());
-		shadow_by_ = std::exchange(other.shadow_by_, Handle());
+		draw_handle_ = std::exchange(other.draw_handle_, Handle());
+		shadow_handle_ = std::exchange(other.shadow_handle_, Handle());
 		layer_shadow_ = other.layer_shadow_;
 		shadow_setting_ = other.shadow_setting_;
-		casts_by_other_mesh_ = other.casts_by_other_mesh_;
+		has_shadow_mesh_ = other.has_shadow_mesh_;
 		lod_appearance_ = other.lod_appearance_;
 		visible_ = other.visible_;
 		material_ = other.material_;
-		drawn_ = other.drawn_;
+		drawn_count_ = other.drawn_count_;
 		scale_ = other.scale_;
 		origin_ = other.origin_;
 		frame_ = other.frame_;
@@ -93,27 +93,27 @@ void TileVisual::allocate(int64_t instances) {
 void TileVisual::set_instances(const MeshUpload &upload) {
 	RenderingServer *server = RenderingServer::get_singleton();
 	const auto stride = static_cast<int64_t>(floats_per_instance(data_));
-	instances_ = upload.buffer.size() / stride;
-	if (instances_ > capacity_) {
-		allocate(instances_);
+	instance_count_ = upload.buffer.size() / stride;
+	if (instance_count_ > capacity_) {
+		allocate(instance_count_);
 	}
 	PackedFloat32Array buffer = upload.buffer;
 	try {
-		if (instances_ < capacity_) {
+		if (instance_count_ < capacity_) {
 			// The renderer requires a buffer of the full capacity. The padding is never drawn.
 			buffer = resized_copy(buffer, capacity_ * stride);
 		}
 	} catch (const std::bad_alloc &) {
 		// Reallocating is slower, but the drawn instances must match the count.
-		allocate(instances_);
+		allocate(instance_count_);
 	}
 	for_each_handle([&](Handle &handle) {
 		// Set the box before the buffer. Otherwise the renderer computes one from all transforms.
 		server->multimesh_set_custom_aabb(handle.multimesh, upload.aabb);
 		server->multimesh_set_buffer(handle.multimesh, buffer);
 	});
-	drawn_ = everything;
-	set_drawn(static_cast<std::size_t>(instances_));
+	drawn_count_ = all_instances;
+	set_drawn(static_cast<std::size_t>(instance_count_));
 }
 
 void TileVisual::free() {
@@ -135,7 +135,7 @@ void TileVisual::apply(const LayerDrawing &drawing) {
 	const bool is_static = gi_mode == gi_static;
 	const bool is_dynamic = gi_mode == gi_dynamic;
 	const RID material_rid = material.is_valid() ? material->get_rid() : RID();
-	for (const RID &instance : {drawn_by_.instance, shadow_by_.instance}) {
+	for (const RID &instance : {draw_handle_.instance, shadow_handle_.instance}) {
 		if (!instance.is_valid()) {
 			continue;
 		}
@@ -159,19 +159,19 @@ void TileVisual::apply_shadows() {
 	const std::int64_t setting = MeshShadow{{}, shadow_setting_}.setting_in(layer_shadow_);
 	const auto engine_setting = static_cast<RenderingServer::ShadowCastingSetting>(setting);
 	server->instance_geometry_set_cast_shadows_setting(
-			drawn_by_.instance, casts_by_other_mesh_ ? RenderingServer::SHADOW_CASTING_SETTING_OFF : engine_setting);
-	if (shadow_by_.instance.is_valid()) {
-		const bool casts = casts_by_other_mesh_ && setting != RenderingServer::SHADOW_CASTING_SETTING_OFF;
+			draw_handle_.instance, has_shadow_mesh_ ? RenderingServer::SHADOW_CASTING_SETTING_OFF : engine_setting);
+	if (shadow_handle_.instance.is_valid()) {
+		const bool casts = has_shadow_mesh_ && setting != RenderingServer::SHADOW_CASTING_SETTING_OFF;
 		server->instance_geometry_set_cast_shadows_setting(
-				shadow_by_.instance, RenderingServer::SHADOW_CASTING_SETTING_SHADOWS_ONLY);
-		server->instance_set_visible(shadow_by_.instance, visible_ && casts);
+				shadow_handle_.instance, RenderingServer::SHADOW_CASTING_SETTING_SHADOWS_ONLY);
+		server->instance_set_visible(shadow_handle_.instance, visible_ && casts);
 	}
 }
 
 void TileVisual::set_visible(bool visible) {
 	visible_ = visible;
-	RenderingServer::get_singleton()->instance_set_visible(drawn_by_.instance, visible);
-	if (shadow_by_.instance.is_valid()) {
+	RenderingServer::get_singleton()->instance_set_visible(draw_handle_.instance, visible);
+	if (shadow_handle_.instance.is_valid()) {
 		apply_shadows();
 	}
 }
@@ -200,14 +200,14 @@ void TileVisual::set_mesh(const Ref<Mesh> &mesh, Handle &r_handle) {
 }
 
 void TileVisual::set_appearance(const MeshAppearance &appearance) {
-	set_mesh(appearance.mesh, drawn_by_);
-	const bool casts_by_other_mesh = appearance.shadow.mesh.is_valid() && shadow_by_.multimesh.is_valid();
-	if (casts_by_other_mesh) {
-		set_mesh(appearance.shadow.mesh, shadow_by_);
+	set_mesh(appearance.mesh, draw_handle_);
+	const bool has_shadow_mesh = appearance.shadow.mesh.is_valid() && shadow_handle_.multimesh.is_valid();
+	if (has_shadow_mesh) {
+		set_mesh(appearance.shadow.mesh, shadow_handle_);
 	}
 	apply_lod_appearance(appearance.lod_appearance);
-	if (casts_by_other_mesh != casts_by_other_mesh_ || appearance.shadow.setting != shadow_setting_) {
-		casts_by_other_mesh_ = casts_by_other_mesh;
+	if (has_shadow_mesh != has_shadow_mesh_ || appearance.shadow.setting != shadow_setting_) {
+		has_shadow_mesh_ = has_shadow_mesh;
 		shadow_setting_ = appearance.shadow.setting;
 		apply_shadows();
 	}
@@ -218,11 +218,14 @@ void TileVisual::apply_lod_appearance(const LodAppearance &lod_appearance) {
 		return;
 	}
 	RenderingServer *server = RenderingServer::get_singleton();
-	const std::shared_ptr<const ShaderParameters> before = std::exchange(lod_appearance_, lod_appearance).parameters;
+	const std::shared_ptr<const ShaderParameters> previous_parameters =
+			std::exchange(lod_appearance_, lod_appearance).parameters;
 	for_each_handle([&](const Handle &handle) {
 		server->instance_geometry_set_transparency(handle.instance, static_cast<float>(lod_appearance.transparency));
 		for (const auto &[name, value] :
-				before != nullptr && before != lod_appearance.parameters ? *before : ShaderParameters()) {
+				previous_parameters != nullptr && previous_parameters != lod_appearance.parameters
+						? *previous_parameters
+						: ShaderParameters()) {
 			server->instance_geometry_set_shader_parameter(handle.instance, name, Variant());
 		}
 		for (const auto &[name, value] :
@@ -233,14 +236,14 @@ void TileVisual::apply_lod_appearance(const LodAppearance &lod_appearance) {
 }
 
 void TileVisual::set_drawn(std::size_t count) {
-	if (drawn_ == count) {
+	if (drawn_count_ == count) {
 		return;
 	}
 	for_each_handle([count](const Handle &handle) {
 		RenderingServer::get_singleton()->multimesh_set_visible_instances(
 				handle.multimesh, static_cast<int32_t>(count));
 	});
-	drawn_ = count;
+	drawn_count_ = count;
 }
 
 void TileVisual::set_scale(float scale) {
@@ -255,8 +258,8 @@ void TileVisual::set_scale(float scale) {
 }
 
 PackedFloat32Array TileVisual::read_back() const {
-	const PackedFloat32Array buffer = RenderingServer::get_singleton()->multimesh_get_buffer(drawn_by_.multimesh);
-	const int64_t floats = instances_ * static_cast<int64_t>(floats_per_instance(data_));
+	const PackedFloat32Array buffer = RenderingServer::get_singleton()->multimesh_get_buffer(draw_handle_.multimesh);
+	const int64_t floats = instance_count_ * static_cast<int64_t>(floats_per_instance(data_));
 	return buffer.size() > floats ? resized_copy(buffer, floats) : buffer;
 }
 

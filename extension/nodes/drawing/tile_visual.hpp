@@ -24,7 +24,7 @@ struct VisualContext {
 };
 
 /// Returns true if any of these has a separate mesh for its shadow.
-bool casts_by_other_meshes(std::span<const MeshAppearance> appearances);
+bool have_shadow_meshes(std::span<const MeshAppearance> appearances);
 
 /// Draws the instances of one mesh in a tile or one of its cells. Owns a multimesh and an instance
 /// of the RenderingServer. If another mesh casts the shadow, owns a second pair whose multimesh has
@@ -69,9 +69,9 @@ public:
 	/// Reads the instance data from the RenderingServer. Slow, because it waits for the renderer.
 	godot::PackedFloat32Array read_back() const;
 
-	godot::RID multimesh() const { return drawn_by_.multimesh; }
-	std::size_t drawn() const { return drawn_; }
-	const godot::Ref<godot::Mesh> &mesh() const { return drawn_by_.mesh; }
+	godot::RID multimesh() const { return draw_handle_.multimesh; }
+	std::size_t drawn_count() const { return drawn_count_; }
+	const godot::Ref<godot::Mesh> &mesh() const { return draw_handle_.mesh; }
 
 private:
 	/// The RenderingServer objects for one mesh.
@@ -83,7 +83,7 @@ private:
 
 	template <class Work>
 	void for_each_handle(const Work &work) {
-		for (Handle *handle : {&drawn_by_, &shadow_by_}) {
+		for (Handle *handle : {&draw_handle_, &shadow_handle_}) {
 			if (handle->multimesh.is_valid()) {
 				work(*handle);
 			}
@@ -98,18 +98,18 @@ private:
 	void apply_lod_appearance(const LodAppearance &lod_appearance);
 
 	InstanceData data_;
-	int64_t instances_ = 0;
+	int64_t instance_count_ = 0;
 	int64_t capacity_ = 0; ///< The number of instances that the multimesh has memory for.
-	Handle drawn_by_;
+	Handle draw_handle_;
 	/// Draws the separate shadow mesh, if any of the appearances has one.
-	Handle shadow_by_;
+	Handle shadow_handle_;
 	std::int64_t layer_shadow_ = 1;    ///< The layer's GeometryInstance3D.ShadowCastingSetting.
 	std::int64_t shadow_setting_ = -1; ///< The shadow setting of the current appearance, as in MeshShadow.
 	LodAppearance lod_appearance_;     ///< The current value in the renderer.
-	bool casts_by_other_mesh_ = false; ///< True if the current appearance has a separate shadow mesh.
+	bool has_shadow_mesh_ = false;     ///< True if the current appearance has a separate shadow mesh.
 	bool visible_ = false;
 	godot::Ref<godot::Material> material_;
-	std::size_t drawn_ = 0;
+	std::size_t drawn_count_ = 0;
 	float scale_ = 1.0F;
 	glm::dvec3 origin_{0.0}; ///< In world meters.
 	WorldFrame frame_;

@@ -6,15 +6,15 @@ namespace thicket {
 
 void UploadQueue::push(std::shared_ptr<TileJob> job) {
 	const std::uint64_t ticket = job->request.ticket;
-	waiting_[ticket].job = std::move(job);
+	waiting_tiles_[ticket].job = std::move(job);
 }
 
 bool UploadQueue::choose(std::uint64_t ticket) {
-	auto found = waiting_.extract(ticket);
-	if (found.empty()) {
+	auto node = waiting_tiles_.extract(ticket);
+	if (node.empty()) {
 		return false;
 	}
-	current_ = std::move(found.mapped());
+	current_ = std::move(node.mapped());
 	state_ = State::uploading;
 	part_uploaded(); // The upload may already have been complete when it was put back.
 	return true;
@@ -33,20 +33,20 @@ TileUpload UploadQueue::take() {
 
 void UploadQueue::put_back() {
 	const std::uint64_t ticket = current_.job->request.ticket;
-	waiting_[ticket] = take();
+	waiting_tiles_[ticket] = take();
 }
 
 std::optional<TileUpload> UploadQueue::remove(std::uint64_t ticket) {
 	if (state_ != State::idle && current_.job->request.ticket == ticket) {
 		return take();
 	}
-	auto found = waiting_.extract(ticket);
-	return found.empty() ? std::nullopt : std::optional(std::move(found.mapped()));
+	auto node = waiting_tiles_.extract(ticket);
+	return node.empty() ? std::nullopt : std::optional(std::move(node.mapped()));
 }
 
 void UploadQueue::clear() {
 	take();
-	waiting_.clear();
+	waiting_tiles_.clear();
 }
 
 } // namespace thicket

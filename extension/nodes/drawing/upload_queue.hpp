@@ -19,12 +19,12 @@ struct TileUpload {
 	/// The parts uploaded so far, still hidden.
 	DisplayedTile tile;
 	/// The instances to upload for each mesh. Set when the upload begins.
-	std::vector<std::shared_ptr<const CompactMesh>> displayed;
+	std::vector<std::shared_ptr<const CompactMesh>> displayed_meshes;
 	/// The version of the game's changes (the overlay) when the upload began.
 	std::uint64_t overlay_version = 0;
 
 	bool is_begun() const { return tile.tile != nullptr; }
-	bool is_complete() const { return is_begun() && tile.parts.size() >= displayed.size() && !has_open_part(); }
+	bool is_complete() const { return is_begun() && tile.parts.size() >= displayed_meshes.size() && !has_open_part(); }
 
 	/// Returns true if the last part has cells that have not been uploaded yet.
 	bool has_open_part() const { return !tile.parts.empty() && tile.parts.back().is_open(); }
@@ -65,13 +65,13 @@ public:
 	std::optional<TileUpload> remove(std::uint64_t ticket);
 
 	/// Returns the number of waiting tiles, including the current one.
-	std::size_t size() const { return waiting_.size() + (state_ != State::idle ? 1 : 0); }
+	std::size_t size() const { return waiting_tiles_.size() + (state_ != State::idle ? 1 : 0); }
 	void clear();
 
 private:
 	State state_ = State::idle;
 	TileUpload current_;
-	std::unordered_map<std::uint64_t, TileUpload> waiting_; ///< The waiting tiles, keyed by ticket.
+	std::unordered_map<std::uint64_t, TileUpload> waiting_tiles_; ///< The waiting tiles, keyed by ticket.
 };
 
 } // namespace thicket

@@ -73,7 +73,7 @@ CellSettings cells_of(const LayerSettings &settings, double tile_size, const Lay
 	const float reach = drawing.mesh_reach.empty() ? 0.0F : std::ranges::max(drawing.mesh_reach);
 	const double density = point_density(settings.set) / std::max(static_cast<double>(drawing.meshes.size()), 1.0);
 	const double chosen = drawing.draw_cell_size;
-	return {tile_size, cell_count_per_edge(tile_size, chosen > 0.0 ? chosen : usual_cell_size(reach, density))};
+	return {tile_size, cell_count_per_edge(tile_size, chosen > 0.0 ? chosen : default_cell_size(reach, density))};
 }
 
 } // namespace

@@ -50,7 +50,7 @@ Ref<ScatterTile> ScatterTile::from_display(const std::shared_ptr<const TileDispl
 	result->tile_ = displayed->tile;
 	result->origin_ = to_engine(displayed->tile->origin, frame);
 	for (const DisplayedTile::Part &part : displayed->parts) {
-		result->parts_.push_back({part.cells.empty() ? Ref<Mesh>() : part.lods.front().mesh, part.displayed, {}});
+		result->parts_.push_back({part.cells.empty() ? Ref<Mesh>() : part.lods.front().mesh, part.displayed_mesh, {}});
 		for (const DisplayedTile::Cell &cell : part.cells) {
 			result->parts_.back().multimeshes.push_back(cell.visual.multimesh());
 		}
@@ -79,7 +79,7 @@ void ScatterTile::merge(std::span<const DisplayedTile *const> column) {
 				continue; // This cube could not be generated.
 			}
 			const DisplayedTile::Part &part = cube->parts[mesh];
-			meshes.push_back({part.displayed.get(), cube->tile->origin});
+			meshes.push_back({part.displayed_mesh.get(), cube->tile->origin});
 			merged_part.mesh = part.cells.empty() ? merged_part.mesh : part.lods.front().mesh;
 			for (const DisplayedTile::Cell &cell : part.cells) {
 				merged_part.multimeshes.push_back(cell.visual.multimesh());
@@ -125,7 +125,7 @@ PackedFloat32Array ScatterTile::get_buffer(int64_t p_index) const {
 	const DisplayedTile *current_tile = display != nullptr ? display->find(layer_, coordinates_) : nullptr;
 	const auto index = static_cast<std::size_t>(p_index);
 	const bool is_unchanged = current_tile != nullptr && index < current_tile->parts.size() &&
-			current_tile->parts[index].displayed == part->instances;
+			current_tile->parts[index].displayed_mesh == part->instances;
 	return is_unchanged && !current_tile->parts[index].cells.empty() ? read_back(current_tile->parts[index])
 																	 : to_upload(*part->instances, 0.0F).buffer;
 }

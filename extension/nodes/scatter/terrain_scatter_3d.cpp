@@ -313,7 +313,7 @@ CurrentViewers TerrainScatter3D::current_viewers() const {
 	// Does not sample the ground of a script, because the script may free the node.
 	const bool by_script = ground_.is_valid() && ground_->calls_script();
 	return find_viewers(*this, viewers_, frame_,
-			{by_script ? nullptr : ground_snapshot_.get(), [this] { return display().usual_height(); }});
+			{by_script ? nullptr : ground_snapshot_.get(), [this] { return display().average_height(); }});
 }
 
 std::vector<glm::dvec3> TerrainScatter3D::near_centers(const CurrentViewers &viewers) const {
