@@ -59,7 +59,7 @@ private:
 /// Clamps a value to 0 to `max`. NAN becomes 0.
 float clamped(float value, float max) { return value > 0.0F ? std::min(value, max) : 0.0F; }
 
-bool has_red_alone(Image::Format p_format) {
+bool is_red_format(Image::Format p_format) {
 	constexpr std::array formats{Image::FORMAT_R8, Image::FORMAT_RF, Image::FORMAT_RH, format_r16, format_r16i,
 			Image::FORMAT_RGTC_R, Image::FORMAT_ETC2_R11, Image::FORMAT_ETC2_R11S};
 	return std::find(formats.begin(), formats.end(), p_format) != formats.end();
@@ -80,11 +80,11 @@ std::shared_ptr<const CurveTable> curve_table(const Ref<Curve> &p_curve) {
 	}
 	const double min = p_curve->get_min_domain();
 	const double max = p_curve->get_max_domain();
-	std::array<float, curve_stretches + 1> samples{};
+	std::array<float, curve_segments + 1> samples{};
 	for (std::size_t i = 0; i < samples.size(); ++i) {
-		const double fraction = static_cast<double>(i) / static_cast<double>(curve_stretches);
+		const double fraction = static_cast<double>(i) / static_cast<double>(curve_segments);
 		// The last sample is exactly at the end of the domain, without rounding error.
-		const double offset = i == curve_stretches ? max : min + fraction * (max - min);
+		const double offset = i == curve_segments ? max : min + fraction * (max - min);
 		samples[i] = clamped(static_cast<float>(p_curve->sample(static_cast<float>(offset))), 1.0F);
 	}
 	const auto table = std::make_shared<CurveTable>();
@@ -122,7 +122,7 @@ ChannelPixels channel_pixels(const Ref<Image> &p_image, ImageChannel channel) {
 	if (p_image.is_null() || p_image->get_width() <= 0 || p_image->get_height() <= 0) {
 		return result;
 	}
-	const bool red_alone = has_red_alone(p_image->get_format());
+	const bool has_only_red = is_red_format(p_image->get_format());
 	const Ref<Image> image = p_image->duplicate();
 	if (image->is_compressed() && image->decompress() != OK) {
 		return result;
@@ -135,7 +135,7 @@ ChannelPixels channel_pixels(const Ref<Image> &p_image, ImageChannel channel) {
 	if (bytes.size() != 4 * static_cast<int64_t>(result.values.size())) {
 		return {};
 	}
-	const bool gray = channel == ImageChannel::luminance && !red_alone;
+	const bool gray = channel == ImageChannel::luminance && !has_only_red;
 	const std::size_t offset = channel == ImageChannel::luminance ? 0 : static_cast<std::size_t>(channel);
 	const std::uint8_t *pixel = bytes.ptr();
 	for (std::uint8_t &value : result.values) {

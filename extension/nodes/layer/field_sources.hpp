@@ -22,7 +22,7 @@ namespace thicket {
 
 /// The number of segments in a curve's table. Values are exact at the ends of each segment and
 /// linearly interpolated in between.
-inline constexpr std::size_t curve_stretches = 512;
+inline constexpr std::size_t curve_segments = 512;
 
 /// Samples a curve over its domain and clamps the values to the range 0 to 1. Returns null if the
 /// curve is null or has no points, or if its domain is empty.

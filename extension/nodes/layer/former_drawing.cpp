@@ -31,7 +31,7 @@ Ref<ScatterLod> lod_of(const Ref<Mesh> &p_mesh, double p_distance) {
 }
 
 /// Returns the LODs of both lists, in order.
-TypedArray<ScatterLod> with(const TypedArray<ScatterLod> &p_lods, const TypedArray<ScatterLod> &p_added) {
+TypedArray<ScatterLod> concatenated(const TypedArray<ScatterLod> &p_lods, const TypedArray<ScatterLod> &p_added) {
 	TypedArray<ScatterLod> result;
 	for (const TypedArray<ScatterLod> *lods : {&p_lods, &p_added}) {
 		for (int64_t index = 0; index < lods->size(); ++index) {
@@ -46,9 +46,9 @@ TypedArray<ScatterLod> with(const TypedArray<ScatterLod> &p_lods, const TypedArr
 Ref<ScatterModel> model_with(const Variant &p_entry, const TypedArray<ScatterLod> &p_lods) {
 	Object *object = p_entry.get_validated_object();
 	Ref<ScatterModel> model;
-	if (const Ref<ScatterModel> former(Object::cast_to<ScatterModel>(object)); former.is_valid()) {
-		model = former->duplicate();
-		model->set_far_lods(with(former->get_far_lods(), p_lods));
+	if (const Ref<ScatterModel> existing_model(Object::cast_to<ScatterModel>(object)); existing_model.is_valid()) {
+		model = existing_model->duplicate();
+		model->set_far_lods(concatenated(existing_model->get_far_lods(), p_lods));
 	} else if (const Ref<PackedScene> scene(Object::cast_to<PackedScene>(object));
 			scene.is_valid() && scene->can_instantiate()) {
 		model = Ref<ScatterModel>(memnew(ScatterModel));
@@ -58,7 +58,7 @@ Ref<ScatterModel> model_with(const Variant &p_entry, const TypedArray<ScatterLod
 		model = Ref<ScatterModel>(memnew(ScatterModel));
 		TypedArray<ScatterLod> lods;
 		append(lods, lod_of(mesh, 0.0));
-		model->set_lods(with(lods, p_lods));
+		model->set_lods(concatenated(lods, p_lods));
 	}
 	return model;
 }
@@ -81,12 +81,12 @@ bool FormerLods::set(const StringName &p_name, const Variant &p_value) {
 	return true;
 }
 
-bool FormerLods::known(std::size_t entries) const {
+bool FormerLods::is_complete(std::size_t entries) const {
 	const int64_t meshes = distances_.size() * static_cast<int64_t>(entries);
 	return meshes > 0 && meshes <= meshes_.size();
 }
 
-Array FormerLods::added_to(const Array &p_entries) const {
+Array FormerLods::apply_to(const Array &p_entries) const {
 	Array result;
 	const int64_t count = p_entries.size();
 	for (int64_t entry = 0; entry < count; ++entry) {
@@ -112,7 +112,7 @@ bool FormerVisibility::set(const StringName &p_name, const Variant &p_value) {
 	}
 	const String name = "ScatterLayer." + String(p_name);
 	if (is_name("visibility_range_end")) {
-		end_ = p_value;
+		stored_end_ = p_value;
 		warn_of_change(name.utf8().get_data(), "is replaced by ScatterLayer.view_distance");
 	} else {
 		warn_of_removal(name.utf8().get_data(),
@@ -121,8 +121,8 @@ bool FormerVisibility::set(const StringName &p_name, const Variant &p_value) {
 	return true;
 }
 
-double FormerVisibility::limited(double view_distance) {
-	const double end = std::exchange(end_, 0.0);
+double FormerVisibility::limit(double view_distance) {
+	const double end = std::exchange(stored_end_, 0.0);
 	return end > 0.0 ? std::min(view_distance, end) : view_distance;
 }
 

@@ -23,12 +23,12 @@ public:
 	bool empty() const { return distances_.size() == 0 && meshes_.is_empty(); }
 
 	/// Returns true if each distance has a mesh for each of `entries` entries.
-	bool known(std::size_t entries) const;
+	bool is_complete(std::size_t entries) const;
 
 	/// Returns a copy of the list in which a ScatterModel replaces each entry that has stored LODs.
 	/// The model has the entry's LODs and the stored ones. Skips incomplete rows, as release 0.2
 	/// did.
-	godot::Array added_to(const godot::Array &p_entries) const;
+	godot::Array apply_to(const godot::Array &p_entries) const;
 
 private:
 	godot::PackedFloat32Array distances_;
@@ -46,10 +46,10 @@ public:
 
 	/// Limits a view distance (meters) by the stored visibility_range_end and discards that value,
 	/// so a view distance that is set later is not limited.
-	double limited(double view_distance);
+	double limit(double view_distance);
 
 private:
-	double end_ = 0.0; ///< The stored visibility_range_end in meters; 0 if there is none.
+	double stored_end_ = 0.0; ///< The stored visibility_range_end in meters; 0 if there is none.
 };
 
 } // namespace thicket

@@ -19,7 +19,7 @@ namespace thicket {
 namespace {
 
 /// The maximum of wind_strength in the shader and in ScatterFoliageWorld.
-constexpr double strongest_wind = 2.0;
+constexpr double max_wind_strength = 2.0;
 
 void add_materials(const Ref<Mesh> &mesh, std::vector<Ref<Material>> &r_materials) {
 	const int32_t surfaces = mesh.is_valid() ? mesh->get_surface_count() : 0;
@@ -33,8 +33,8 @@ void add_materials(const Ref<Mesh> &mesh, std::vector<Ref<Material>> &r_material
 
 /// Returns the shader of a material; null if the material is not a ShaderMaterial or has no shader.
 Ref<Shader> shader_of(const Ref<Material> &material) {
-	const auto *own = Object::cast_to<ShaderMaterial>(material.ptr());
-	return own != nullptr ? own->get_shader() : Ref<Shader>();
+	const auto *shader_material = Object::cast_to<ShaderMaterial>(material.ptr());
+	return shader_material != nullptr ? shader_material->get_shader() : Ref<Shader>();
 }
 
 bool is_number(const Variant &p_value) {
@@ -43,9 +43,9 @@ bool is_number(const Variant &p_value) {
 
 /// Returns the value of a uniform in a material, or its default. Negative values become 0.
 double parameter(const ShaderMaterial &material, const Variant &p_default, const StringName &p_name) {
-	const Variant own = material.get_shader_parameter(p_name);
+	const Variant value = material.get_shader_parameter(p_name);
 	// This order of arguments turns NAN into 0.
-	return std::max(0.0, static_cast<double>(is_number(own) ? own : p_default));
+	return std::max(0.0, static_cast<double>(is_number(value) ? value : p_default));
 }
 
 double sway_reach_of(const ShaderMaterial &material) {
@@ -55,16 +55,16 @@ double sway_reach_of(const ShaderMaterial &material) {
 		return 0.0;
 	}
 	std::array<double, names.size()> values{};
-	for (std::size_t at = 0; at < names.size(); ++at) {
-		const Variant by_shader =
-				RenderingServer::get_singleton()->shader_get_parameter_default(shader->get_rid(), names[at]);
-		if (!is_number(by_shader)) {
+	for (std::size_t i = 0; i < names.size(); ++i) {
+		const Variant default_value =
+				RenderingServer::get_singleton()->shader_get_parameter_default(shader->get_rid(), names[i]);
+		if (!is_number(default_value)) {
 			return 0.0; // The shader does not include foliage.gdshaderinc.
 		}
-		values[at] = parameter(material, by_shader, names[at]);
+		values[i] = parameter(material, default_value, names[i]);
 	}
 	const auto [sway, flutter, bend, strength] = values;
-	return (sway + flutter) * std::max(strength, strongest_wind) + bend;
+	return (sway + flutter) * std::max(strength, max_wind_strength) + bend;
 }
 
 } // namespace
@@ -124,8 +124,8 @@ bool use_instance_uniforms(std::span<const Ref<Material>> materials) {
 double sway_reach(std::span<const Ref<Material>> materials) {
 	double farthest = 0.0;
 	for (const Ref<Material> &material : materials) {
-		if (const auto *swaying = Object::cast_to<ShaderMaterial>(material.ptr())) {
-			farthest = std::max(farthest, sway_reach_of(*swaying));
+		if (const auto *shader_material = Object::cast_to<ShaderMaterial>(material.ptr())) {
+			farthest = std::max(farthest, sway_reach_of(*shader_material));
 		}
 	}
 	return std::min(farthest, max_cull_margin);

@@ -32,22 +32,22 @@ MeshAppearance appearance_of(const DrawnLod *lod) {
 void add_row(
 		std::span<const std::vector<DrawnLod>> lods, double distance, LayerDrawing &r_drawing, LodSettings &r_lod) {
 	std::vector<const DrawnLod *> row;
-	for (const std::vector<DrawnLod> &of : lods) {
-		const DrawnLod *begins = nullptr;
-		for (std::size_t lod = 1; lod < of.size(); ++lod) {
-			begins = of[lod].distance == distance ? &of[lod] : begins;
+	for (const std::vector<DrawnLod> &entry_lods : lods) {
+		const DrawnLod *entry_lod = nullptr; // The LOD that begins at the distance.
+		for (std::size_t lod = 1; lod < entry_lods.size(); ++lod) {
+			entry_lod = entry_lods[lod].distance == distance ? &entry_lods[lod] : entry_lod;
 		}
-		row.push_back(begins);
+		row.push_back(entry_lod);
 	}
-	const bool changes = std::ranges::any_of(row, [](const DrawnLod *begins) { return begins != nullptr; });
-	if (!changes || r_lod.lod_distances.size() == max_lods) {
+	const bool has_lods = std::ranges::any_of(row, [](const DrawnLod *entry_lod) { return entry_lod != nullptr; });
+	if (!has_lods || r_lod.lod_distances.size() == max_lods) {
 		return;
 	}
 	r_lod.lod_distances.push_back(distance);
 	std::ranges::transform(row, std::back_inserter(r_drawing.lod_meshes), appearance_of);
 }
 
-String nothing_to_draw(std::size_t entry, const Ref<PackedScene> &p_scene, const String &p_problem) {
+String empty_entry_problem(std::size_t entry, const Ref<PackedScene> &p_scene, const String &p_problem) {
 	return vformat("ScatterLayer.meshes[%d], %s, has nothing to draw: %s.", static_cast<int64_t>(entry),
 			name_of(p_scene), p_problem);
 }
@@ -64,22 +64,23 @@ bool LayerMeshes::set_entries(const Array &p_entries) {
 }
 
 bool LayerMeshes::differs() const {
-	bool same = entries_.size() == static_cast<int64_t>(taken_.size());
-	for (std::size_t entry = 0; same && entry < taken_.size(); ++entry) {
-		same = entries_[static_cast<int64_t>(entry)].get_validated_object() == taken_[entry].resource.ptr();
+	bool is_same = entries_.size() == static_cast<int64_t>(accepted_entries_.size());
+	for (std::size_t entry = 0; is_same && entry < accepted_entries_.size(); ++entry) {
+		is_same =
+				entries_[static_cast<int64_t>(entry)].get_validated_object() == accepted_entries_[entry].resource.ptr();
 	}
-	return !same;
+	return !is_same;
 }
 
 void LayerMeshes::restore() {
 	entries_ = Array();
-	for (const Entry &entry : taken_) {
+	for (const Entry &entry : accepted_entries_) {
 		append(entries_, entry.resource.is_valid() ? Variant(entry.resource) : Variant());
 	}
 }
 
 bool LayerMeshes::take(const Array &p_entries) {
-	std::vector<Entry> taken;
+	std::vector<Entry> new_entries;
 	for (int64_t index = 0; index < p_entries.size(); ++index) {
 		const Variant &entry = p_entries[index];
 		Object *object = entry.get_validated_object();
@@ -87,7 +88,7 @@ bool LayerMeshes::take(const Array &p_entries) {
 		const Ref<PackedScene> scene(Object::cast_to<PackedScene>(object));
 		if (scene.is_valid()) {
 			model = model_of(scene);
-			if (model.is_null() && !taken_.empty()) {
+			if (model.is_null() && !accepted_entries_.empty()) {
 				return false;
 			}
 		} else if (model.is_null() && entry.get_type() != Variant::NIL && Object::cast_to<Mesh>(object) == nullptr) {
@@ -99,21 +100,21 @@ bool LayerMeshes::take(const Array &p_entries) {
 				return false;
 			}
 		}
-		taken.push_back({Ref<Resource>(Object::cast_to<Resource>(object)), model});
+		new_entries.push_back({Ref<Resource>(Object::cast_to<Resource>(object)), model});
 	}
-	taken_ = std::move(taken);
+	accepted_entries_ = std::move(new_entries);
 	return true;
 }
 
 /// Returns the existing model of a scene, or a new one. For an empty scene, prints an error and
 /// returns null.
 Ref<ScatterModel> LayerMeshes::model_of(const Ref<PackedScene> &p_scene) const {
-	const auto known = std::ranges::find_if(taken_, [&](const Entry &entry) {
+	const auto existing = std::ranges::find_if(accepted_entries_, [&](const Entry &entry) {
 		return entry.model.is_valid() && entry.resource.ptr() == static_cast<const Resource *>(p_scene.ptr());
 	});
-	if (known != taken_.end()) {
+	if (existing != accepted_entries_.end()) {
 		// Keep everything that has already been read.
-		return known->model;
+		return existing->model;
 	}
 	Ref<ScatterModel> model(memnew(ScatterModel));
 	model->set_scene(p_scene);
@@ -121,21 +122,21 @@ Ref<ScatterModel> LayerMeshes::model_of(const Ref<PackedScene> &p_scene) const {
 }
 
 Ref<Mesh> LayerMeshes::mesh(std::size_t entry) const {
-	if (taken_[entry].model.is_null()) {
-		return taken_[entry].resource;
+	if (accepted_entries_[entry].model.is_null()) {
+		return accepted_entries_[entry].resource;
 	}
-	const std::vector<DrawnLod> lods = taken_[entry].model->drawn_lods();
+	const std::vector<DrawnLod> lods = accepted_entries_[entry].model->drawn_lods();
 	return lods.empty() ? Ref<Mesh>() : lods.front().mesh;
 }
 
 bool LayerMeshes::read_step() const {
 	return std::ranges::any_of(
-			taken_, [](const Entry &entry) { return entry.model.is_valid() && entry.model->read_step(); });
+			accepted_entries_, [](const Entry &entry) { return entry.model.is_valid() && entry.model->read_step(); });
 }
 
 std::vector<Object *> LayerMeshes::sources() const {
 	std::vector<Object *> result;
-	for (const Entry &entry : taken_) {
+	for (const Entry &entry : accepted_entries_) {
 		Object *source = entry.model.ptr();
 		if (source == nullptr) {
 			source = Ref<Mesh>(entry.resource).ptr();
@@ -148,17 +149,17 @@ std::vector<Object *> LayerMeshes::sources() const {
 }
 
 bool LayerMeshes::reload(const PackedStringArray &p_paths) {
-	bool any = false;
-	const std::vector<Entry> taken = taken_; // Use a copy, because reading a scene runs its scripts.
-	for (const Entry &entry : taken) {
+	bool any_reloaded = false;
+	const std::vector<Entry> entries = accepted_entries_; // Use a copy, because reading a scene runs its scripts.
+	for (const Entry &entry : entries) {
 		const Ref<PackedScene> scene = entry.model.is_valid() ? entry.model->get_scene() : Ref<PackedScene>();
 		const String path = scene.is_valid() ? scene->get_path() : String();
 		if (!path.is_empty() && p_paths.has(path)) {
-			any = true;
+			any_reloaded = true;
 			entry.model->reload();
 		}
 	}
-	return any;
+	return any_reloaded;
 }
 
 bool LayerMeshes::has_mesh() const {
@@ -172,10 +173,10 @@ bool LayerMeshes::has_mesh() const {
 
 std::vector<DrawnLod> LayerMeshes::lods_of(std::size_t entry) const {
 	std::vector<DrawnLod> result;
-	if (taken_[entry].model.is_valid()) {
-		result = taken_[entry].model->drawn_lods();
-	} else if (const Ref<Mesh> only = mesh(entry); only.is_valid()) {
-		result.push_back({0.0, only, {}, ScatterLod::CAST_SHADOW_LAYER, {}});
+	if (accepted_entries_[entry].model.is_valid()) {
+		result = accepted_entries_[entry].model->drawn_lods();
+	} else if (const Ref<Mesh> single_mesh = mesh(entry); single_mesh.is_valid()) {
+		result.push_back({0.0, single_mesh, {}, ScatterLod::CAST_SHADOW_LAYER, {}});
 	}
 	return result;
 }
@@ -198,10 +199,10 @@ void LayerMeshes::draw(LayerDrawing &r_drawing, LodSettings &r_lod) const {
 std::vector<std::vector<BodyPart>> LayerMeshes::bodies() const {
 	std::vector<std::vector<BodyPart>> result(size());
 	for (std::size_t entry = 0; entry < size(); ++entry) {
-		if (taken_[entry].model.is_null()) {
+		if (accepted_entries_[entry].model.is_null()) {
 			continue;
 		}
-		for (const ModelShape &shape : taken_[entry].model->model_shapes()) {
+		for (const ModelShape &shape : accepted_entries_[entry].model->model_shapes()) {
 			if (std::optional<BodyPart> part = body_part(shape)) {
 				result[entry].push_back(std::move(*part));
 			}
@@ -215,12 +216,12 @@ void LayerMeshes::add_problems(PackedStringArray &r_problems) const {
 		r_problems.push_back("ScatterLayer.meshes has no mesh, so the layer draws nothing. Add a mesh.");
 	}
 	for (std::size_t entry = 0; entry < size(); ++entry) {
-		const Ref<PackedScene> scene = taken_[entry].resource;
-		if (taken_[entry].model.is_null()) {
+		const Ref<PackedScene> scene = accepted_entries_[entry].resource;
+		if (accepted_entries_[entry].model.is_null()) {
 			if (scene.is_valid()) {
-				r_problems.push_back(nothing_to_draw(entry, scene, empty_scene));
+				r_problems.push_back(empty_entry_problem(entry, scene, empty_scene));
 			}
-			const Ref<Mesh> mesh = taken_[entry].resource;
+			const Ref<Mesh> mesh = accepted_entries_[entry].resource;
 			if (mesh.is_valid() && mesh->get_surface_count() == 0 && !is_stripped(mesh)) {
 				r_problems.push_back(
 						vformat("ScatterLayer.meshes[%d] has no surfaces, so it is not drawn. Give the mesh at "
@@ -229,14 +230,14 @@ void LayerMeshes::add_problems(PackedStringArray &r_problems) const {
 			}
 			continue;
 		}
-		if (!taken_[entry].model->problem().is_empty()) {
-			r_problems.push_back(
-					nothing_to_draw(entry, taken_[entry].model->get_scene(), taken_[entry].model->problem()));
+		if (!accepted_entries_[entry].model->problem().is_empty()) {
+			r_problems.push_back(empty_entry_problem(
+					entry, accepted_entries_[entry].model->get_scene(), accepted_entries_[entry].model->problem()));
 		}
-		const PackedStringArray &remarks = taken_[entry].model->remarks();
+		const PackedStringArray &remarks = accepted_entries_[entry].model->remarks();
 		for (const String &remark : remarks) {
 			r_problems.push_back(vformat("ScatterLayer.meshes[%d], %s: %s", static_cast<int64_t>(entry),
-					name_of(taken_[entry].model->get_scene()), remark));
+					name_of(accepted_entries_[entry].model->get_scene()), remark));
 		}
 	}
 }

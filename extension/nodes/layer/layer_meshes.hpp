@@ -40,7 +40,7 @@ public:
 
 	/// Returns the list that scripts see.
 	const godot::Array &entries() const { return entries_; }
-	std::size_t size() const { return taken_.size(); }
+	std::size_t size() const { return accepted_entries_.size(); }
 
 	/// Returns the meshes and models of all entries, which emit `changed` when their appearance
 	/// changes. Contains no nulls.
@@ -64,10 +64,10 @@ public:
 
 	/// Returns the model of an entry: the entry itself, or the model created from its scene.
 	/// Returns null for a mesh.
-	godot::Ref<ScatterModel> model(std::size_t entry) const { return taken_[entry].model; }
+	godot::Ref<ScatterModel> model(std::size_t entry) const { return accepted_entries_[entry].model; }
 
 	/// Returns the entry as it was set; null for an empty entry.
-	godot::Ref<godot::Resource> resource(std::size_t entry) const { return taken_[entry].resource; }
+	godot::Ref<godot::Resource> resource(std::size_t entry) const { return accepted_entries_[entry].resource; }
 
 	/// Returns the mesh of an entry's finest LOD. Returns null if the entry has none or if its
 	/// scene has not been read yet.
@@ -84,7 +84,7 @@ private:
 	std::vector<DrawnLod> lods_of(std::size_t entry) const;
 
 	godot::Array entries_;
-	std::vector<Entry> taken_; ///< The entries of the list when it was last accepted.
+	std::vector<Entry> accepted_entries_; ///< The entries of the list when it was last accepted.
 };
 
 } // namespace thicket

@@ -31,8 +31,8 @@ void add_layer_property(
 
 PropertyUse layer_property_use(const StringName &p_property) {
 	const std::map<std::string, PropertyUse> &uses = property_uses();
-	const auto found = uses.find(text_of(String(p_property)));
-	return found == uses.end() ? PropertyUse::placement : found->second;
+	const auto entry = uses.find(text_of(String(p_property)));
+	return entry == uses.end() ? PropertyUse::placement : entry->second;
 }
 
 } // namespace thicket

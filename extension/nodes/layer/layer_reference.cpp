@@ -90,7 +90,7 @@ String find_in(const Layers &p_layers, const Variant &p_reference, std::uint32_t
 			break;
 		default: break;
 	}
-	return no_reference(p_reference);
+	return reference_problem(p_reference);
 }
 
 template <class Layers>
@@ -102,9 +102,9 @@ String find_all_in(const Layers &p_layers, const Variant &p_references, std::vec
 		append(references, p_references);
 	}
 	std::vector<std::uint32_t> indices;
-	for (int64_t at = 0; at < references.size(); ++at) {
+	for (int64_t i = 0; i < references.size(); ++i) {
 		std::uint32_t index = 0;
-		if (String problem = find_in(p_layers, references[at], index); !problem.is_empty()) {
+		if (String problem = find_in(p_layers, references[i], index); !problem.is_empty()) {
 			return problem;
 		}
 		if (std::ranges::find(indices, index) == indices.end()) {
@@ -130,8 +130,8 @@ Ref<ScatterLayer> ListedLayers::at(std::size_t index) const {
 }
 
 std::uint32_t ListedLayers::find(const Ref<ScatterLayer> &p_layer) const {
-	const auto found = std::ranges::find(entries_, p_layer, &Entry::layer);
-	return found != entries_.end() ? static_cast<std::uint32_t>(found - entries_.begin()) : no_index;
+	const auto entry = std::ranges::find(entries_, p_layer, &Entry::layer);
+	return entry != entries_.end() ? static_cast<std::uint32_t>(entry - entries_.begin()) : no_index;
 }
 
 bool ListedLayers::refers_to(int64_t p_index, const Ref<ScatterLayer> &p_layer) const {
@@ -195,19 +195,19 @@ LayerReference core_reference(const Variant &p_stored) {
 }
 
 Variant accept_reference(const char *p_property, const Variant &p_reference, const Resource *p_holder) {
-	Variant stored = stored_reference(p_reference);
-	const Ref<ScatterLayer> stored_layer = stored;
+	Variant reference = stored_reference(p_reference);
+	const Ref<ScatterLayer> stored_layer = reference;
 	String problem;
-	if (stored.get_type() == Variant::NIL) {
-		problem = no_reference(p_reference);
+	if (reference.get_type() == Variant::NIL) {
+		problem = reference_problem(p_reference);
 	} else if (stored_layer.is_valid() && stored_layer->stores(p_holder)) {
-		problem = layers_in_circle;
+		problem = layer_cycle_problem;
 	}
 	if (!problem.is_empty()) {
 		ERR_PRINT(vformat("%s: %s", p_property, problem));
 		return {};
 	}
-	return stored;
+	return reference;
 }
 
 ReferenceChange renaming_layer(const String &p_from, const String &p_to) {
@@ -237,11 +237,11 @@ ReferenceChange naming_layers(const TypedArray<ScatterLayer> &p_layers) {
 	};
 }
 
-std::optional<Variant> changed_reference(
+std::optional<Variant> updated_reference(
 		const ReferenceChange &change, const char *p_property, const Variant &p_stored, const Resource *p_holder) {
-	std::optional<Variant> changed = change(p_property, p_stored);
-	const Ref<ScatterLayer> stored_layer = changed ? stored_reference(*changed) : Variant();
-	return stored_layer.is_valid() && stored_layer->stores(p_holder) ? std::nullopt : changed;
+	std::optional<Variant> new_reference = change(p_property, p_stored);
+	const Ref<ScatterLayer> stored_layer = new_reference ? stored_reference(*new_reference) : Variant();
+	return stored_layer.is_valid() && stored_layer->stores(p_holder) ? std::nullopt : new_reference;
 }
 
 Array current_references(const Array &p_stored) {
@@ -253,18 +253,20 @@ Array current_references(const Array &p_stored) {
 	return result;
 }
 
-std::optional<Array> changed_references(
+std::optional<Array> updated_references(
 		const Array &p_stored, const std::function<std::optional<Variant>(const Variant &)> &change) {
-	Array now;
-	bool any = false;
+	Array new_references;
+	bool any_changed = false;
 	for (int64_t i = 0; i < p_stored.size(); ++i) {
-		const std::optional<Variant> changed = change(p_stored[i]);
-		append(now, changed ? *changed : p_stored[i]);
-		any = any || changed.has_value();
+		const std::optional<Variant> new_reference = change(p_stored[i]);
+		append(new_references, new_reference ? *new_reference : p_stored[i]);
+		any_changed = any_changed || new_reference.has_value();
 	}
-	return any ? std::optional(now) : std::nullopt;
+	return any_changed ? std::optional(new_references) : std::nullopt;
 }
 
-String no_reference(const Variant &p_value) { return vformat("Pass a ScatterLayer or its name, not %s.", p_value); }
+String reference_problem(const Variant &p_value) {
+	return vformat("Pass a ScatterLayer or its name, not %s.", p_value);
+}
 
 } // namespace thicket

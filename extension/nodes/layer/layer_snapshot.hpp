@@ -40,8 +40,8 @@ struct MeshShadow {
 	std::int64_t setting_in(std::int64_t layer_setting) const {
 		constexpr std::int64_t off = 0;
 		constexpr std::int64_t on = 1;
-		const bool left_out = setting == as_layer_unless_on && layer_setting == on;
-		return left_out ? off : setting < 0 ? layer_setting : setting;
+		const bool is_off = setting == as_layer_unless_on && layer_setting == on;
+		return is_off ? off : setting < 0 ? layer_setting : setting;
 	}
 
 	friend bool operator==(const MeshShadow &, const MeshShadow &) = default;
@@ -138,11 +138,11 @@ struct LayerCollision {
 	friend bool operator==(const LayerCollision &, const LayerCollision &) = default;
 };
 
-/// The scene that replaces a layer's meshes near viewers.
+/// The scene that replaces a layer's meshes near viewers and moving bodies.
 struct LayerScene {
 	godot::Ref<godot::PackedScene> scene; ///< The scene; null if there is none.
-	/// The distance in meters. A scene replaces a mesh if a viewer or a moving body is nearer; 0
-	/// for never.
+	/// The distance in meters. A scene replaces a mesh if a viewer or a moving body is nearer. 0
+	/// disables scenes.
 	double distance = 20.0;
 
 	friend bool operator==(const LayerScene &, const LayerScene &) = default;

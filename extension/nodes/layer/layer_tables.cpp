@@ -16,9 +16,9 @@ bool same_area(const MaskFrame &a, const MaskFrame &b) {
 
 /// Creates a line from 1 at distance 0 to 0 at `distance` (meters).
 std::shared_ptr<const CurveTable> falling_line(double distance) {
-	constexpr std::array<float, 2> ends{1.0F, 0.0F};
+	constexpr std::array<float, 2> end_values{1.0F, 0.0F};
 	const auto table = std::make_shared<CurveTable>();
-	const Status status = table->set(0.0, distance, ends);
+	const Status status = table->set(0.0, distance, end_values);
 	return status.ok() ? table : nullptr;
 }
 
@@ -26,7 +26,7 @@ std::shared_ptr<const CurveTable> falling_line(double distance) {
 
 void LayerTables::refresh(const MaskFrame &frame, std::uint32_t used_channels, double proximity_distance) {
 	refresh_noise();
-	const bool new_pixels = std::exchange(mask_texture.unread, false);
+	const bool new_pixels = std::exchange(mask_texture.must_read, false);
 	const bool new_area = !same_area(frame, frame_);
 	refresh_image(frame, new_pixels || frame.channel != frame_.channel, new_area);
 	refresh_channels(frame, used_channels, new_pixels, new_area);
@@ -63,17 +63,17 @@ void LayerTables::refresh_channels(
 			channels[channel] = nullptr;
 			continue;
 		}
-		const bool reads = new_pixels || pixels.values.empty();
-		if (reads) {
+		const bool needs_pixels = new_pixels || pixels.values.empty();
+		if (needs_pixels) {
 			pixels = pixels_of(static_cast<ImageChannel>(channel));
 		}
 		if (pixels.values.empty()) {
 			channels[channel] = nullptr;
 			image_missing = image_missing || mask_texture.texture.is_valid();
-		} else if (reads || new_area) {
-			const auto fresh = std::make_shared<ImageMask>();
-			if (fresh->set(pixels.size, pixels.values, frame.area, frame.edge).ok()) {
-				replace<ImageMask>(channels[channel], fresh);
+		} else if (needs_pixels || new_area) {
+			const auto new_mask = std::make_shared<ImageMask>();
+			if (new_mask->set(pixels.size, pixels.values, frame.area, frame.edge).ok()) {
+				replace<ImageMask>(channels[channel], new_mask);
 			}
 		}
 	}
@@ -94,13 +94,13 @@ void LayerTables::refresh_image(const MaskFrame &frame, bool new_pixels, bool ne
 		image = nullptr;
 		return;
 	}
-	const auto fresh = std::make_shared<ImageMask>();
+	const auto new_mask = std::make_shared<ImageMask>();
 	constexpr std::array<std::uint8_t, 1> black{0};
-	image_status = image_missing ? fresh->set({1, 1}, black, frame.area, MaskEdge::clamp)
-								 : fresh->set(pixels_.size, pixels_.values, frame.area, frame.edge);
+	image_status = image_missing ? new_mask->set({1, 1}, black, frame.area, MaskEdge::clamp)
+								 : new_mask->set(pixels_.size, pixels_.values, frame.area, frame.edge);
 	image_status.property = "mask_texture";
 	if (image_status.ok()) {
-		replace<ImageMask>(image, fresh);
+		replace<ImageMask>(image, new_mask);
 	}
 }
 

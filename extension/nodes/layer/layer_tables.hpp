@@ -27,22 +27,22 @@ struct MaskFrame {
 /// flag is set, because reading waits for the renderer.
 struct TextureSource {
 	godot::Ref<godot::Texture2D> texture;
-	bool unread = false;
+	bool must_read = false;
 };
 
 /// Replaces a table after it was rebuilt from a resource. If the new table is equal, keeps the old
 /// object: settings compare tables by pointer, so a new pointer would regenerate tiles.
 template <class Value>
-void replace(Value &r_old, Value fresh) {
-	r_old = std::move(fresh);
+void replace(Value &r_old, Value new_value) {
+	r_old = std::move(new_value);
 }
 
 template <std::equality_comparable Table>
-void replace(std::shared_ptr<const Table> &r_old, std::shared_ptr<const Table> fresh) {
-	if (r_old != nullptr && fresh != nullptr && *r_old == *fresh) {
+void replace(std::shared_ptr<const Table> &r_old, std::shared_ptr<const Table> new_table) {
+	if (r_old != nullptr && new_table != nullptr && *r_old == *new_table) {
 		return;
 	}
-	r_old = std::move(fresh);
+	r_old = std::move(new_table);
 }
 
 /// The tables that depend on several properties: noise with its curve, a texture with its frame,

@@ -47,27 +47,27 @@ public:
 	/// Skips a new name that is empty or that another layer has, because the user may still be
 	/// typing it. Skips an old name that another layer has, because references then refer to that
 	/// layer.
-	std::vector<LayerRename> follow_names();
+	std::vector<LayerRename> take_renames();
 
 	/// Applies a change to the references of all layers in the list.
 	void change_references(const ReferenceChange &change) const;
 
 private:
-	struct Seen {
+	struct WatchedLayer {
 		godot::Ref<ScatterLayer> layer; ///< The layer; null for an empty entry.
 		godot::String name;             ///< The name that references use.
 	};
 
 	bool lists_differ(const godot::TypedArray<ScatterLayer> &p_layers) const;
 	void take_mesh_changes() const;
-	bool is_taken(const godot::String &p_name, const Seen &by_other_than) const;
+	bool is_name_of_other(const godot::String &p_name, const WatchedLayer &layer) const;
 	void listen(bool p_listen) const;
 	void assign_ids(std::size_t own_count);
 
 	godot::Object *node_;
-	std::vector<Seen> seen_;
+	std::vector<WatchedLayer> watched_layers_;
 	std::set<std::int64_t> ids_; ///< All IDs that any layer in the list has ever had.
-	bool giving_ids_ = false;
+	bool is_assigning_ids_ = false;
 };
 
 } // namespace thicket

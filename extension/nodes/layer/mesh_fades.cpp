@@ -31,7 +31,7 @@ private:
 	bool fades(const Ref<Material> &material);
 
 	Ref<Material> override_;
-	std::map<std::uint64_t, bool> known_;
+	std::map<std::uint64_t, bool> cached_results_;
 };
 
 bool FadeFinder::has_fade(const Ref<ShaderMaterial> &material) {
@@ -40,10 +40,11 @@ bool FadeFinder::has_fade(const Ref<ShaderMaterial> &material) {
 	if (shader.is_null()) {
 		return false;
 	}
-	const Variant by_shader = RenderingServer::get_singleton()->shader_get_parameter_default(shader->get_rid(), name);
-	const Variant own = material->get_shader_parameter(name);
-	return by_shader.get_type() == Variant::BOOL &&
-			static_cast<bool>(own.get_type() == Variant::BOOL ? own : by_shader);
+	const Variant default_value =
+			RenderingServer::get_singleton()->shader_get_parameter_default(shader->get_rid(), name);
+	const Variant value = material->get_shader_parameter(name);
+	return default_value.get_type() == Variant::BOOL &&
+			static_cast<bool>(value.get_type() == Variant::BOOL ? value : default_value);
 }
 
 bool FadeFinder::fades(const Ref<Material> &material) {
@@ -51,26 +52,26 @@ bool FadeFinder::fades(const Ref<Material> &material) {
 		return false;
 	}
 	const std::uint64_t id = material->get_instance_id();
-	const auto found = known_.find(id);
-	if (found != known_.end()) {
-		return found->second;
+	const auto entry = cached_results_.find(id);
+	if (entry != cached_results_.end()) {
+		return entry->second;
 	}
-	return known_[id] = has_fade(material);
+	return cached_results_[id] = has_fade(material);
 }
 
 bool FadeFinder::fades(const Ref<Mesh> &mesh) {
 	const int32_t count = mesh.is_valid() ? mesh->get_surface_count() : 0;
-	bool all = count > 0;
+	bool all_fade = count > 0;
 	std::vector<std::uint64_t> ids;
-	for (int32_t surface = 0; surface < count && all; ++surface) {
+	for (int32_t surface = 0; surface < count && all_fade; ++surface) {
 		const Ref<Material> material = override_.is_valid() ? override_ : mesh->surface_get_material(surface);
-		all = fades(material);
-		ids.push_back(all ? material->get_instance_id() : 0);
+		all_fade = fades(material);
+		ids.push_back(all_fade ? material->get_instance_id() : 0);
 		if (const Ref<ArrayMesh> arrays = mesh; arrays.is_valid()) {
 			ids.push_back(static_cast<std::uint64_t>(arrays->surface_get_array_len(surface)));
 		}
 	}
-	if (!all || uses_custom3(mesh)) {
+	if (!all_fade || uses_custom3(mesh)) {
 		return false;
 	}
 	surfaces.insert(surfaces.end(), ids.begin(), ids.end());

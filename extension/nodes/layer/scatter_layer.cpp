@@ -34,8 +34,8 @@ ScatterLayer::ScatterLayer() {
 
 Status ScatterLayer::check() {
 	refresh();
-	const LayerSettings whole = settings(0, 0);
-	Status status = validate(whole);
+	const LayerSettings full_settings = settings(0, 0);
+	Status status = validate(full_settings);
 	if (status.ok()) {
 		status = tables_.image_status;
 	}
@@ -45,14 +45,14 @@ Status ScatterLayer::check() {
 	if (!status.ok()) {
 		return status;
 	}
-	static_assert(max_tile_points == 4e6, "the note below names it");
-	const double largest = std::sqrt(max_tile_points / point_density(whole.set));
-	const Status sized = rows_.is_valid()
+	static_assert(max_tile_points == 4e6, "the messages below contain this number");
+	const double largest = std::sqrt(max_tile_points / point_density(full_settings.set));
+	const Status size_status = rows_.is_valid()
 			? check_range("tile_size", range_.tile_size, at_most(largest, "4 million points per tile in these rows"),
 					  "Lower tile_size or raise ScatterRows.step")
 			: check_range("tile_size", range_.tile_size, at_most(largest, "4 million points per tile at this radius"),
 					  "Lower tile_size or raise radius");
-	return first_failure(sized, validate(range_));
+	return first_failure(size_status, validate(range_));
 }
 
 /// Sets properties by the names that release 0.2 saved.

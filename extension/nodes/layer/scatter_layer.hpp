@@ -106,7 +106,7 @@ public:
 		MASK_CHANNEL_BLUE,
 		MASK_CHANNEL_ALPHA,
 		MASK_CHANNEL_LUMINANCE,
-		MASK_CHANNEL_NONE, ///< The texture is no mask, and only provides inputs of expressions.
+		MASK_CHANNEL_NONE, ///< The texture is not a mask and only provides inputs of expressions.
 	};
 
 	/// The values of the core's MaskEdge, for scripts.
@@ -398,11 +398,11 @@ private:
 	void use_stored_hulls(LayerCollision &r_collision) const;
 	void watch_meshes(bool p_watch);
 	void replace_meshes(const LayerMeshes &p_meshes);
-	void convert_former_lods(bool p_now);
+	void convert_former_lods(bool p_include_incomplete);
 	void watch_mask(bool p_watch);
 	void watch_values(bool p_watch);
 	void set_value(const char *p_property, const godot::Ref<ScatterValueSource> &p_value,
-			godot::Ref<ScatterValueSource> &r_own);
+			godot::Ref<ScatterValueSource> &r_current);
 	bool set_former_value(const godot::StringName &p_name, const godot::Variant &p_value);
 	void changed();
 	std::uint64_t hidden_properties() const;
@@ -460,7 +460,7 @@ private:
 	std::map<std::string_view, LayerResource> resources_;
 	LayerTables tables_;
 	/// The result of hidden_properties() when the inspector was last updated.
-	std::uint64_t hidden_ = 0;
+	std::uint64_t hidden_properties_ = 0;
 
 	godot::Ref<ScatterMask> mask_;
 	godot::Ref<ScatterRows> rows_;

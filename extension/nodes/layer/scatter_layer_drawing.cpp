@@ -56,8 +56,8 @@ TypedArray<Material> ScatterLayer::get_materials() {
 
 Dictionary ScatterLayer::get_geometry_properties() const {
 	Dictionary result;
-	for (const auto &[own, theirs] : geometry_properties) {
-		result[StringName(own)] = StringName(theirs);
+	for (const auto &[name, geometry_name] : geometry_properties) {
+		result[StringName(name)] = StringName(geometry_name);
 	}
 	return result;
 }

@@ -26,13 +26,13 @@ void ScatterLayer::set_convex_hulls(const Array &p_hulls) {
 	convex_hulls_.clear();
 	for (int64_t entry = 0; entry < p_hulls.size(); ++entry) {
 		const PackedVector3Array corners = p_hulls[entry];
-		BodyPart part;
-		part.kind = BodyPart::Kind::convex;
+		BodyPart hull;
+		hull.kind = BodyPart::Kind::convex;
 		for (int64_t corner = 0; corner < corners.size(); ++corner) {
-			const Vector3 &at = corners.ptr()[corner];
-			part.corners.emplace_back(at.x, at.y, at.z);
+			const Vector3 &position = corners.ptr()[corner];
+			hull.corners.emplace_back(position.x, position.y, position.z);
 		}
-		convex_hulls_.push_back(std::move(part));
+		convex_hulls_.push_back(std::move(hull));
 	}
 	changed();
 }
@@ -47,7 +47,7 @@ Array ScatterLayer::get_convex_hulls() const {
 
 void ScatterLayer::set_mask_texture_image(const Ref<Image> &p_image) {
 	tables_.mask_texture_image = p_image;
-	tables_.mask_texture.unread = true;
+	tables_.mask_texture.must_read = true;
 	changed();
 }
 
@@ -55,15 +55,15 @@ Ref<Image> ScatterLayer::get_mask_texture_image() const { return tables_.mask_te
 
 bool ScatterLayer::embed_stripped_data() {
 	read_models();
-	bool any = false;
+	bool any_stored = false;
 	if (gameplay_.collision.shape == BodyShape::convex) {
 		Array hulls;
 		for (std::size_t entry = 0; entry < meshes_.size(); ++entry) {
 			const std::vector<glm::vec3> corners = convex_corners(meshes_.mesh(entry));
-			any = any || !corners.empty();
+			any_stored = any_stored || !corners.empty();
 			append(hulls, packed_corners(corners));
 		}
-		if (any) {
+		if (any_stored) {
 			set_convex_hulls(hulls);
 		}
 	}
@@ -71,19 +71,19 @@ bool ScatterLayer::embed_stripped_data() {
 	const Ref<Image> image = texture.is_valid() ? texture->get_image() : Ref<Image>();
 	if (image.is_valid() && image->get_width() > 0) {
 		set_mask_texture_image(image);
-		any = true;
+		any_stored = true;
 	}
-	return any;
+	return any_stored;
 }
 
 /// Returns true if bodies need convex hulls, but the vertices of any mesh were stripped. In that
 /// case, all bodies use the stored hulls.
 bool ScatterLayer::needs_stored_hulls() const {
-	bool stripped = false;
+	bool any_stripped = false;
 	for (std::size_t entry = 0; entry < meshes_.size(); ++entry) {
-		stripped = stripped || is_stripped(meshes_.mesh(entry));
+		any_stripped = any_stripped || is_stripped(meshes_.mesh(entry));
 	}
-	return stripped && gameplay_.collision.shape == BodyShape::convex;
+	return any_stripped && gameplay_.collision.shape == BodyShape::convex;
 }
 
 void ScatterLayer::use_stored_hulls(LayerCollision &r_collision) const {
@@ -98,8 +98,8 @@ void ScatterLayer::use_stored_hulls(LayerCollision &r_collision) const {
 
 void ScatterLayer::add_stripped_problems(PackedStringArray &r_problems) const {
 	for (std::size_t entry = 0; needs_stored_hulls() && entry < meshes_.size(); ++entry) {
-		const bool stored = entry < convex_hulls_.size() && !convex_hulls_[entry].corners.empty();
-		if (is_stripped(meshes_.mesh(entry)) && !stored) {
+		const bool has_hull = entry < convex_hulls_.size() && !convex_hulls_[entry].corners.empty();
+		if (is_stripped(meshes_.mesh(entry)) && !has_hull) {
 			r_problems.push_back(stripped_problem(vformat("ScatterLayer.meshes[%d]", static_cast<int64_t>(entry)),
 					"collision_shape is Convex, and its instances have no bodies"));
 		}

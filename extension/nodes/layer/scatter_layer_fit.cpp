@@ -47,16 +47,16 @@ void measure(const Array &p_arrays, ModelMeasure &r_measure) {
 	}
 	const PackedVector3Array positions = p_arrays[SurfaceStream::positions];
 	const PackedInt32Array indices = p_arrays[SurfaceStream::indices];
-	const bool indexed = indices.size() > 0;
-	const int64_t count = indexed ? indices.size() : positions.size();
+	const bool is_indexed = indices.size() > 0;
+	const int64_t count = is_indexed ? indices.size() : positions.size();
 	const Vector3 *position = positions.ptr();
 	const int32_t *index = indices.ptr();
 	for (int64_t first = 0; first + 2 < count; first += 3) {
 		std::array<glm::dvec3, 3> triangle{};
 		bool is_whole = true;
 		for (std::size_t corner = 0; corner < 3; ++corner) {
-			const int64_t at = first + static_cast<int64_t>(corner);
-			const int64_t vertex = indexed ? index[at] : at;
+			const int64_t element = first + static_cast<int64_t>(corner);
+			const int64_t vertex = is_indexed ? index[element] : element;
 			is_whole = is_whole && vertex >= 0 && vertex < positions.size();
 			if (is_whole) {
 				triangle[corner] = to_core(position[vertex]);
@@ -72,18 +72,18 @@ void measure(const Array &p_arrays, ModelMeasure &r_measure) {
 /// mesh would wait for the renderer, and thus for the main thread.
 ModelSize size_of(const Ref<Mesh> &p_mesh) {
 	const AABB box = p_mesh->get_aabb();
-	ModelMeasure measured(to_core(box.position), to_core(box.position + box.size));
+	ModelMeasure model_measure(to_core(box.position), to_core(box.position + box.size));
 	for (int32_t surface = 0; on_main_thread() && surface < p_mesh->get_surface_count(); ++surface) {
-		measure(p_mesh->surface_get_arrays(surface), measured);
+		measure(p_mesh->surface_get_arrays(surface), model_measure);
 	}
-	return measured.size();
+	return model_measure.size();
 }
 
-struct Measured {
+struct WidestMesh {
 	ModelSize size;
-	std::optional<thicket::ModelKind> named; ///< The kind that the name indicates, if any.
+	std::optional<thicket::ModelKind> named_kind; ///< The kind that the name indicates, if any.
 
-	thicket::ModelKind kind() const { return named.value_or(kind_of(size)); }
+	thicket::ModelKind kind() const { return named_kind.value_or(kind_of(size)); }
 };
 
 std::optional<thicket::ModelKind> kind_in(const String &p_name) { return kind_named(p_name.utf8().get_data()); }
@@ -104,13 +104,13 @@ std::optional<thicket::ModelKind> named_kind_of(const Ref<Resource> &p_entry) {
 }
 
 /// Measures the mesh with the largest footprint.
-std::optional<Measured> measured(const LayerMeshes &meshes) {
-	std::optional<Measured> widest;
+std::optional<WidestMesh> measure_widest(const LayerMeshes &meshes) {
+	std::optional<WidestMesh> widest;
 	for (std::size_t entry = 0; entry < meshes.size(); ++entry) {
 		if (const Ref<Mesh> mesh = meshes.mesh(entry); mesh.is_valid()) {
 			const ModelSize size = size_of(mesh);
 			if (!widest || size.footprint > widest->size.footprint) {
-				widest = {.size = size, .named = named_kind_of(meshes.resource(entry))};
+				widest = {.size = size, .named_kind = named_kind_of(meshes.resource(entry))};
 			}
 		}
 	}
@@ -131,7 +131,7 @@ ScatterLayer::ModelKind ScatterLayer::get_model_kind() {
 	read_models();
 	// Use a copy, because scripts of the meshes may replace the list.
 	const LayerMeshes meshes = meshes_;
-	const std::optional<Measured> widest = measured(meshes);
+	const std::optional<WidestMesh> widest = measure_widest(meshes);
 	return widest ? static_cast<ModelKind>(static_cast<int64_t>(widest->kind()) + KIND_TREE) : KIND_AUTOMATIC;
 }
 
@@ -142,27 +142,27 @@ bool ScatterLayer::fit_to_meshes(ModelKind p_kind) {
 	read_models();
 	// Use a copy, because scripts of the meshes may replace the list.
 	const LayerMeshes meshes = meshes_;
-	const std::optional<Measured> widest = measured(meshes);
+	const std::optional<WidestMesh> widest = measure_widest(meshes);
 	if (!widest) {
 		return false;
 	}
-	Extent drawn;
-	Extent solid;
+	Extent mesh_extent;
+	Extent body_extent;
 	for (std::size_t entry = 0; entry < meshes.size(); ++entry) {
 		if (const Ref<Mesh> mesh = meshes.mesh(entry); mesh.is_valid()) {
 			const AABB box = mesh->get_aabb();
-			drawn.add(box.position);
-			drawn.add(box.position + box.size);
+			mesh_extent.add(box.position);
+			mesh_extent.add(box.position + box.size);
 		}
 	}
 	const std::vector<std::vector<BodyPart>> bodies = meshes.bodies();
 	for (const std::vector<BodyPart> &parts : bodies) {
 		for (const BodyPart &part : parts) {
-			const glm::vec3 reach = 0.5F * part.size;
-			solid.add(to_engine(part.origin - reach));
-			solid.add(to_engine(part.origin + reach));
+			const glm::vec3 half_size = 0.5F * part.size;
+			body_extent.add(to_engine(part.origin - half_size));
+			body_extent.add(to_engine(part.origin + half_size));
 			for (const glm::vec3 &corner : part.corners) {
-				solid.add(to_engine(corner));
+				body_extent.add(to_engine(corner));
 			}
 		}
 	}
@@ -181,9 +181,9 @@ bool ScatterLayer::fit_to_meshes(ModelKind p_kind) {
 	settings_.placement.max_tilt_degrees = fit.max_tilt_degrees;
 	settings_.placement.align_to_normal = fit.align_to_normal;
 	settings_.placement.height_offset = fit.height_offset;
-	gameplay_.instance_radius = std::max(solid.radius > 0.0 ? solid.radius : drawn.radius, min_size);
-	gameplay_.instance_height = std::max(drawn.top, min_size);
-	if (solid.radius > 0.0) {
+	gameplay_.instance_radius = std::max(body_extent.radius > 0.0 ? body_extent.radius : mesh_extent.radius, min_size);
+	gameplay_.instance_height = std::max(mesh_extent.top, min_size);
+	if (body_extent.radius > 0.0) {
 		gameplay_.collision.shape = BodyShape::model;
 	}
 	changed();

@@ -16,18 +16,18 @@ void ScatterLayer::set_surface_layers(const Array &p_layers) {
 				Status::wrong_size("surface_layers", p_layers.size(), at_most(max_hosts, "entries")));
 		return;
 	}
-	Array stored; // A copy, because scripts share arrays by reference.
-	std::vector<LayerReference> linked;
+	Array stored_references; // A copy, because scripts share arrays by reference.
+	std::vector<LayerReference> core_references;
 	for (int64_t i = 0; i < p_layers.size(); ++i) {
 		const Variant reference = accept_reference("ScatterLayer.surface_layers", p_layers[i], this);
 		if (reference.get_type() == Variant::NIL) {
 			return;
 		}
-		append(stored, reference);
-		linked.push_back(core_reference(reference));
+		append(stored_references, reference);
+		core_references.push_back(core_reference(reference));
 	}
-	surface_layers_ = stored;
-	links_.surface_layers = std::move(linked);
+	surface_layers_ = stored_references;
+	links_.surface_layers = std::move(core_references);
 	changed();
 }
 
@@ -35,9 +35,9 @@ Array ScatterLayer::get_surface_layers() const { return current_references(surfa
 
 void ScatterLayer::change_surface_layers(const ReferenceChange &change) {
 	const auto update = [&](const Variant &p_stored) {
-		return changed_reference(change, "ScatterLayer.surface_layers", p_stored, this);
+		return updated_reference(change, "ScatterLayer.surface_layers", p_stored, this);
 	};
-	if (const auto updated = changed_references(surface_layers_, update)) {
+	if (const auto updated = updated_references(surface_layers_, update)) {
 		set_surface_layers(*updated);
 	}
 }

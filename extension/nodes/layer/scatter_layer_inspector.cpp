@@ -16,7 +16,7 @@ namespace thicket {
 namespace {
 
 /// Properties that may be hidden, in the order of their bits in hidden_properties().
-constexpr std::array hideable{
+constexpr std::array hideable_properties{
 		"radius",
 		"progressive_levels",
 		"min_yaw_degrees",
@@ -47,26 +47,26 @@ constexpr std::array hideable{
 		"scene_distance",
 };
 
-static_assert(hideable.size() <= 64);
+static_assert(hideable_properties.size() <= 64);
 
 } // namespace
 
 std::uint64_t ScatterLayer::hidden_properties() const {
-	const bool proximity = !links_.proximity_layer.empty();
-	const bool varying_scale = settings_.placement.min_scale != settings_.placement.max_scale;
-	const bool aligned = rows_.is_valid() && rows_->is_aligning_to_rows();
-	const bool thinned = lod_.thin_density < 1.0;
-	const bool colliding = gameplay_.collision.shape != BodyShape::none;
+	const bool has_proximity = !links_.proximity_layer.empty();
+	const bool scale_varies = settings_.placement.min_scale != settings_.placement.max_scale;
+	const bool aligns_to_rows = rows_.is_valid() && rows_->is_aligning_to_rows();
+	const bool thins = lod_.thin_density < 1.0;
+	const bool collides = gameplay_.collision.shape != BodyShape::none;
 	// An unused property stays visible if it is set, because a warning mentions it.
-	const std::array<bool, hideable.size()> visible{
+	const std::array<bool, hideable_properties.size()> visible{
 			rows_.is_null(),
 			rows_.is_null(),
-			!aligned,
-			!aligned,
+			!aligns_to_rows,
+			!aligns_to_rows,
 			meshes_.size() > 1 || mesh_weights_.size() > 0,
 			meshes_.size() > 1 || !mesh_expressions_.empty(),
-			varying_scale || resource("scale_curve").is_valid(),
-			varying_scale || scale_value_.is_valid(),
+			scale_varies || resource("scale_curve").is_valid(),
+			scale_varies || scale_value_.is_valid(),
 			resource("noise").is_valid() || resource("noise_curve").is_valid(),
 			resource("mask_texture").is_valid(),
 			resource("mask_texture").is_valid(),
@@ -74,39 +74,39 @@ std::uint64_t ScatterLayer::hidden_properties() const {
 			settings_.set.on_surface || !links_.surface_layers.empty(),
 			settings_.rules.clumping.size > 0.0,
 			settings_.rules.clumping.size > 0.0,
-			proximity,
-			proximity || resource("proximity_curve").is_valid(),
+			has_proximity,
+			has_proximity || resource("proximity_curve").is_valid(),
 			settings_.instance_data.use_colors || color_value_.is_valid(),
 			settings_.instance_data.use_custom_data || variation_value_.is_valid(),
-			thinned,
-			thinned || lod_.thin_end > 0.0,
-			thinned || lod_.scale_compensation,
-			colliding,
-			colliding,
-			colliding,
-			colliding || physics_material_.is_valid(),
-			colliding,
+			thins,
+			thins || lod_.thin_end > 0.0,
+			thins || lod_.scale_compensation,
+			collides,
+			collides,
+			collides,
+			collides || physics_material_.is_valid(),
+			collides,
 			scene_.is_valid(),
 	};
-	std::uint64_t hidden = 0;
+	std::uint64_t hidden_bits = 0;
 	for (std::size_t i = 0; i < visible.size(); ++i) {
-		hidden |= std::uint64_t{!visible[i]} << i;
+		hidden_bits |= std::uint64_t{!visible[i]} << i;
 	}
-	return hidden;
+	return hidden_bits;
 }
 
 void ScatterLayer::_validate_property(PropertyInfo &p_property) const {
-	const std::uint64_t hidden = hidden_properties();
-	for (std::size_t i = 0; i < hideable.size(); ++i) {
-		if (((hidden >> i) & 1U) != 0 && p_property.name == StringName(hideable[i])) {
+	const std::uint64_t hidden_bits = hidden_properties();
+	for (std::size_t i = 0; i < hideable_properties.size(); ++i) {
+		if (((hidden_bits >> i) & 1U) != 0 && p_property.name == StringName(hideable_properties[i])) {
 			p_property.usage &= ~static_cast<std::uint32_t>(PROPERTY_USAGE_EDITOR);
 		}
 	}
 }
 
 void ScatterLayer::changed() {
-	const std::uint64_t hidden = hidden_properties();
-	if (std::exchange(hidden_, hidden) != hidden) {
+	const std::uint64_t hidden_bits = hidden_properties();
+	if (std::exchange(hidden_properties_, hidden_bits) != hidden_bits) {
 		notify_property_list_changed();
 	}
 	emit_changed();

@@ -15,7 +15,7 @@ namespace thicket {
 
 namespace {
 
-constexpr NumberProperty view_distance{"view_distance", &StreamLayer::view_distance, 0.0, farthest_view,
+constexpr NumberProperty view_distance{"view_distance", &StreamLayer::view_distance, 0.0, max_view_distance,
 		PROPERTY_HINT_RANGE, "0,4096,0.1,or_greater,exp,suffix:m"};
 constexpr NumberProperty draw_cell_size{"draw_cell_size", &LayerDrawing::draw_cell_size, 0.0, max_tile_size,
 		PROPERTY_HINT_RANGE, "0,1024,0.1,or_greater,exp,suffix:m", 1.0};
@@ -45,14 +45,14 @@ TypedArray<ScatterLod> ScatterLayer::get_mesh_lods(int64_t p_index) {
 	LayerDrawing drawing;
 	LodSettings lod;
 	meshes.draw(drawing, lod);
-	const auto add = [&](double distance, const MeshAppearance &drawn) {
-		if (drawn.mesh.is_valid()) {
+	const auto add = [&](double distance, const MeshAppearance &appearance) {
+		if (appearance.mesh.is_valid()) {
 			const Ref<ScatterLod> new_lod(memnew(ScatterLod));
-			new_lod->set_mesh(drawn.mesh);
+			new_lod->set_mesh(appearance.mesh);
 			new_lod->set_distance(distance);
-			new_lod->set_shadow_mesh(drawn.shadow.mesh);
-			new_lod->set_cast_shadow(static_cast<ScatterLod::CastShadow>(drawn.shadow.setting));
-			new_lod->set_appearance(drawn.lod_appearance);
+			new_lod->set_shadow_mesh(appearance.shadow.mesh);
+			new_lod->set_cast_shadow(static_cast<ScatterLod::CastShadow>(appearance.shadow.setting));
+			new_lod->set_appearance(appearance.lod_appearance);
 			append(result, new_lod);
 		}
 	};

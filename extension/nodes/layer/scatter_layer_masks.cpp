@@ -41,13 +41,13 @@ void ScatterLayer::mask_area_changed(const Rect2 &p_rect) { emit_signal("area_ch
 void ScatterLayer::set_mask_texture_rect(const Rect2 &p_rect) {
 	constexpr double limit = 1e9;
 	constexpr double min_side = 1e-3;
-	for (const real_t number : {p_rect.position.x, p_rect.position.y}) {
-		if (!accept_number(ScatterLayer::class_name, "mask_texture_rect", number, -limit, limit)) {
+	for (const real_t coordinate : {p_rect.position.x, p_rect.position.y}) {
+		if (!accept_number(ScatterLayer::class_name, "mask_texture_rect", coordinate, -limit, limit)) {
 			return;
 		}
 	}
-	for (const real_t number : {p_rect.size.x, p_rect.size.y}) {
-		if (!accept_number(ScatterLayer::class_name, "mask_texture_rect", number, min_side, limit)) {
+	for (const real_t side : {p_rect.size.x, p_rect.size.y}) {
+		if (!accept_number(ScatterLayer::class_name, "mask_texture_rect", side, min_side, limit)) {
 			return;
 		}
 	}

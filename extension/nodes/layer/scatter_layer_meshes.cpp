@@ -23,12 +23,12 @@ namespace {
 
 /// Returns true if the number of entries of a property is allowed. Otherwise prints an error.
 bool accept_count(const char *property, int64_t p_count, const char *remedy) {
-	const bool fits = p_count <= static_cast<int64_t>(max_meshes);
-	if (!fits) {
+	const bool is_allowed = p_count <= static_cast<int64_t>(max_meshes);
+	if (!is_allowed) {
 		report(ScatterLayer::class_name,
 				Status::out_of_range(property, p_count, at_most(max_meshes, "entries"), remedy));
 	}
-	return fits;
+	return is_allowed;
 }
 
 bool accept_count(const Array &p_meshes) { return accept_count("meshes", p_meshes.size(), "Divide them among layers"); }
@@ -36,9 +36,9 @@ bool accept_count(const Array &p_meshes) { return accept_count("meshes", p_meshe
 } // namespace
 
 void ScatterLayer::set_meshes(const Array &p_meshes) {
-	LayerMeshes next = meshes_;
-	if (accept_count(p_meshes) && next.set_entries(p_meshes)) {
-		replace_meshes(next);
+	LayerMeshes new_meshes = meshes_;
+	if (accept_count(p_meshes) && new_meshes.set_entries(p_meshes)) {
+		replace_meshes(new_meshes);
 		convert_former_lods(false);
 		changed();
 	}
@@ -50,25 +50,25 @@ void ScatterLayer::replace_meshes(const LayerMeshes &p_meshes) {
 	watch_meshes(true);
 }
 
-/// Converts the LODs that release 0.2 saved, if they are complete. If `p_now` is true, also
-/// converts incomplete ones.
-void ScatterLayer::convert_former_lods(bool p_now) {
-	if (former_lods_.known(meshes_.size()) || (p_now && !former_lods_.empty())) {
-		LayerMeshes next = meshes_;
-		if (next.set_entries(std::exchange(former_lods_, {}).added_to(meshes_.entries()))) {
-			replace_meshes(next);
+/// Converts the LODs that release 0.2 saved, if they are complete. If `p_include_incomplete` is
+/// true, also converts incomplete ones.
+void ScatterLayer::convert_former_lods(bool p_include_incomplete) {
+	if (former_lods_.is_complete(meshes_.size()) || (p_include_incomplete && !former_lods_.empty())) {
+		LayerMeshes new_meshes = meshes_;
+		if (new_meshes.set_entries(std::exchange(former_lods_, {}).apply_to(meshes_.entries()))) {
+			replace_meshes(new_meshes);
 		}
 	}
 }
 
 void ScatterLayer::take_mesh_changes() {
 	watch_meshes(false);
-	const bool taken = accept_count(meshes_.entries()) && meshes_.take_changes();
-	if (!taken) {
+	const bool is_accepted = accept_count(meshes_.entries()) && meshes_.take_changes();
+	if (!is_accepted) {
 		meshes_.restore();
 	}
 	watch_meshes(true);
-	if (taken) {
+	if (is_accepted) {
 		changed();
 	}
 }

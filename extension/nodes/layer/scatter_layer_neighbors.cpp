@@ -39,17 +39,17 @@ bool ScatterLayer::stores(const Resource *p_resource) const {
 		return referenced.is_valid() && referenced->stores(p_resource);
 	};
 	const Array references = spacing_property_.keys();
-	bool found = p_resource == this || is_stored(proximity_layer_);
+	bool stores_it = p_resource == this || is_stored(proximity_layer_);
 	for (const Ref<ScatterValueSource> &value : {color_value_, variation_value_, scale_value_}) {
-		found = found || (value.is_valid() && (p_resource == value.ptr() || is_stored(value->stored_layer())));
+		stores_it = stores_it || (value.is_valid() && (p_resource == value.ptr() || is_stored(value->stored_layer())));
 	}
-	for (int64_t i = 0; !found && i < references.size(); ++i) {
-		found = is_stored(references[i]);
+	for (int64_t i = 0; !stores_it && i < references.size(); ++i) {
+		stores_it = is_stored(references[i]);
 	}
-	for (int64_t i = 0; !found && i < surface_layers_.size(); ++i) {
-		found = is_stored(surface_layers_[i]);
+	for (int64_t i = 0; !stores_it && i < surface_layers_.size(); ++i) {
+		stores_it = is_stored(surface_layers_[i]);
 	}
-	return found;
+	return stores_it;
 }
 
 void ScatterLayer::set_spacing(const Dictionary &p_spacing) {
@@ -59,22 +59,22 @@ void ScatterLayer::set_spacing(const Dictionary &p_spacing) {
 		return;
 	}
 	Dictionary spacing; // Use a copy, because scripts share dictionaries by reference.
-	std::map<LayerReference, double> linked;
+	std::map<LayerReference, double> link_distances;
 	const Array references = p_spacing.keys();
 	for (int64_t i = 0; i < references.size(); ++i) {
 		const double distance = number_of(p_spacing[references[i]]);
-		Variant stored = accept_reference("ScatterLayer.spacing", references[i], this);
-		if (stored.get_type() == Variant::NIL ||
+		Variant reference = accept_reference("ScatterLayer.spacing", references[i], this);
+		if (reference.get_type() == Variant::NIL ||
 				!accept_number(ScatterLayer::class_name, "spacing", distance, min_distance, max_neighbor_distance)) {
 			return;
 		}
-		double &meters = linked[core_reference(stored)];
+		double &meters = link_distances[core_reference(reference)];
 		meters = std::max(meters, distance);
-		spacing[stored] = meters;
+		spacing[reference] = meters;
 	}
 	spacing.make_read_only();
 	spacing_property_ = spacing;
-	links_.spacing = std::move(linked);
+	links_.spacing = std::move(link_distances);
 	changed();
 }
 
@@ -89,13 +89,13 @@ Dictionary ScatterLayer::get_spacing() const {
 }
 
 void ScatterLayer::set_proximity_layer(const Variant &p_layer) {
-	Variant stored = String();
+	Variant reference = String();
 	if (p_layer.get_type() != Variant::NIL) {
-		stored = accept_reference("ScatterLayer.proximity_layer", p_layer, this);
+		reference = accept_reference("ScatterLayer.proximity_layer", p_layer, this);
 	}
-	if (stored.get_type() != Variant::NIL && core_reference(stored) != links_.proximity_layer) {
-		proximity_layer_ = stored;
-		links_.proximity_layer = core_reference(stored);
+	if (reference.get_type() != Variant::NIL && core_reference(reference) != links_.proximity_layer) {
+		proximity_layer_ = reference;
+		links_.proximity_layer = core_reference(reference);
 		changed();
 	}
 }
@@ -104,16 +104,16 @@ Variant ScatterLayer::get_proximity_layer() const { return stored_reference(prox
 
 /// Applies a change of references to the names of layers in expressions.
 void ScatterLayer::rename_in_expressions(const ReferenceChange &change) {
-	const auto renamed = [&change](const char *property, const SharedExpression &expression) {
+	const auto rename = [&change](const char *property, const SharedExpression &expression) {
 		std::string text = expression != nullptr ? expression->text() : std::string();
 		const std::span<const WorldInput> inputs =
 				expression != nullptr ? expression->world_inputs() : std::span<const WorldInput>();
 		for (const WorldInput &input : inputs) {
-			const std::optional<Variant> now = input.kind == WorldInputKind::distance
+			const std::optional<Variant> new_name = input.kind == WorldInputKind::distance
 					? change(property, Variant(String::utf8(input.name.c_str())))
 					: std::nullopt;
-			if (now && now->get_type() == Variant::STRING && !static_cast<String>(*now).is_empty()) {
-				text = with_renamed_layer(text, input.name, static_cast<String>(*now).utf8().get_data());
+			if (new_name && new_name->get_type() == Variant::STRING && !static_cast<String>(*new_name).is_empty()) {
+				text = with_renamed_layer(text, input.name, static_cast<String>(*new_name).utf8().get_data());
 			}
 		}
 		return String::utf8(text.c_str());
@@ -123,18 +123,18 @@ void ScatterLayer::rename_in_expressions(const ReferenceChange &change) {
 		return input.kind == WorldInputKind::distance;
 	};
 	if (std::ranges::any_of(inputs, is_distance)) {
-		set_density_expression(renamed("ScatterLayer.density_expression", settings_.rules.expression));
+		set_density_expression(rename("ScatterLayer.density_expression", settings_.rules.expression));
 		PackedStringArray texts;
 		for (const SharedExpression &expression : mesh_expressions_) {
-			texts.push_back(renamed("ScatterLayer.mesh_density_expressions", expression));
+			texts.push_back(rename("ScatterLayer.mesh_density_expressions", expression));
 		}
 		set_mesh_density_expressions(texts);
 	}
 }
 
 void ScatterLayer::change_references(const ReferenceChange &change) {
-	if (const auto changed = changed_reference(change, "ScatterLayer.proximity_layer", proximity_layer_, this)) {
-		set_proximity_layer(*changed);
+	if (const auto new_reference = updated_reference(change, "ScatterLayer.proximity_layer", proximity_layer_, this)) {
+		set_proximity_layer(*new_reference);
 	}
 	for (const Ref<ScatterValueSource> &value : {color_value_, variation_value_, scale_value_}) {
 		if (value.is_valid()) {
@@ -148,27 +148,27 @@ void ScatterLayer::change_references(const ReferenceChange &change) {
 		return; // Return early, because the node calls this function after every change.
 	}
 	const Array references = spacing.keys();
-	Dictionary now; // A new Dictionary, to keep the order of the entries in the inspector.
-	bool any = false;
+	Dictionary new_spacing; // A new Dictionary, to keep the order of the entries in the inspector.
+	bool any_changed = false;
 	for (int64_t i = 0; i < references.size(); ++i) {
-		const auto changed = changed_reference(change, "ScatterLayer.spacing", references[i], this);
-		const Variant reference = stored_reference(changed ? *changed : references[i]);
+		const auto new_reference = updated_reference(change, "ScatterLayer.spacing", references[i], this);
+		const Variant reference = stored_reference(new_reference ? *new_reference : references[i]);
 		// If the new name is already in the Dictionary, the larger distance is used. fmax ignores
 		// NAN, the value for a missing number.
-		now[reference] = std::fmax(number_of(now[reference]), number_of(spacing[references[i]]));
-		any = any || changed.has_value();
+		new_spacing[reference] = std::fmax(number_of(new_spacing[reference]), number_of(spacing[references[i]]));
+		any_changed = any_changed || new_reference.has_value();
 	}
-	if (any) {
-		set_spacing(now);
+	if (any_changed) {
+		set_spacing(new_spacing);
 	}
 }
 
 String ScatterLayer::find_free_name(const String &p_name, const PackedStringArray &p_taken) const {
-	std::vector<std::string> taken;
+	std::vector<std::string> used_names;
 	for (const String &name : p_taken) {
-		taken.emplace_back(name.utf8().get_data());
+		used_names.emplace_back(name.utf8().get_data());
 	}
-	return String::utf8(free_layer_name(p_name.utf8().get_data(), taken).c_str());
+	return String::utf8(free_layer_name(p_name.utf8().get_data(), used_names).c_str());
 }
 
 void ScatterLayer::bind_neighbors() {

@@ -13,11 +13,11 @@
 
 namespace thicket {
 
-inline constexpr double farthest_view = 1e6; ///< A distance in meters beyond which nothing is visible.
+inline constexpr double max_view_distance = 1e6; ///< A distance in meters beyond which nothing is visible.
 
-template <class Values, class Number>
 /// Deduces the part that contains a member. This function is never called; only its return type is
 /// used.
+template <class Values, class Number>
 Values owner_of(Number Values::*);
 
 /// The type of the part that contains the member of a property.
@@ -125,16 +125,16 @@ bool ScatterLayer::get_switch() const {
 
 template <const auto &property>
 void ScatterLayer::set_resource(const godot::Ref<ResourceOf<property>> &p_resource) {
-	godot::Ref<godot::Resource> &own = resources_[property.name].value;
-	if (own.ptr() == p_resource.ptr()) {
+	godot::Ref<godot::Resource> &current = resources_[property.name].value;
+	if (current.ptr() == p_resource.ptr()) {
 		return;
 	}
 	// Use a separate handler for each property, because one resource may be the value of several
 	// properties.
 	const godot::StringName on_change = "_" + godot::String(property.name) + "_changed";
-	watch(own.ptr(), "changed", this, on_change, false);
-	own = p_resource;
-	watch(own.ptr(), "changed", this, on_change, true);
+	watch(current.ptr(), "changed", this, on_change, false);
+	current = p_resource;
+	watch(current.ptr(), "changed", this, on_change, true);
 	resource_changed<property>();
 }
 

@@ -17,7 +17,7 @@ void ScatterLayer::set_rows(const Ref<ScatterRows> &p_rows) {
 	changed();
 }
 
-/// Returns the layer's point set, without its seed and number.
+/// Returns the layer's point set, without its seed and layer ID.
 PointSet ScatterLayer::point_set() const {
 	PointSet set = settings_.set;
 	if (rows_.is_valid()) {

@@ -116,15 +116,15 @@ void ScatterLayer::density_rule_changed() {
 void ScatterLayer::remake_density_rules() {
 	density_rules_outdated_ = false;
 	const std::vector<Ref<ScatterRule>> rules = density_rules_; // A script may change the list.
-	std::vector<SharedDensityRule> remade;
+	std::vector<SharedDensityRule> new_rules;
 	std::vector<std::string> names;
 	for (const Ref<ScatterRule> &rule : rules) {
-		if (SharedDensityRule made = rule.is_valid() ? rule->make_rule() : nullptr) {
-			remade.push_back(std::move(made));
+		if (SharedDensityRule new_rule = rule.is_valid() ? rule->make_rule() : nullptr) {
+			new_rules.push_back(std::move(new_rule));
 			names.push_back(rule->display_name());
 		}
 	}
-	settings_.rules.density_rules = std::move(remade);
+	settings_.rules.density_rules = std::move(new_rules);
 	density_rule_names_ = std::move(names);
 }
 

@@ -47,14 +47,14 @@ void add_boxes(const LodSettings &lod, LayerDrawing &r_drawing) {
 /// Disables shadows of LODs for which they are not worth drawing (see casts_shadow). Affects only
 /// LODs without a shadow setting, in layers with the default setting. An LOD with a separate shadow
 /// mesh keeps its shadow.
-void leave_out_shadows(const LayerSettings &settings, const LodSettings &lod, LayerDrawing &r_drawing) {
+void omit_shadows(const LayerSettings &settings, const LodSettings &lod, LayerDrawing &r_drawing) {
 	const double density = point_density(settings.set) * settings.rules.density;
 	for (std::size_t index = 0; index < r_drawing.lod_meshes.size(); ++index) {
 		MeshShadow &shadow = r_drawing.lod_meshes[index].shadow;
 		const std::size_t entries = r_drawing.meshes.size();
 		const glm::dvec3 size = to_core(r_drawing.boxes[index % entries].size) * double{settings.placement.max_scale};
-		const bool open = shadow.setting == MeshShadow::as_layer && shadow.mesh.is_null();
-		if (open && !casts_shadow({size, density, lod.lod_distances[index / entries]})) {
+		const bool can_omit = shadow.setting == MeshShadow::as_layer && shadow.mesh.is_null();
+		if (can_omit && !casts_shadow({size, density, lod.lod_distances[index / entries]})) {
 			shadow.setting = MeshShadow::as_layer_unless_on;
 		}
 	}
@@ -72,8 +72,9 @@ void add_sway(LayerDrawing &r_drawing) {
 CellSettings cells_of(const LayerSettings &settings, double tile_size, const LayerDrawing &drawing) {
 	const float reach = drawing.mesh_reach.empty() ? 0.0F : std::ranges::max(drawing.mesh_reach);
 	const double density = point_density(settings.set) / std::max(static_cast<double>(drawing.meshes.size()), 1.0);
-	const double chosen = drawing.draw_cell_size;
-	return {tile_size, cell_count_per_edge(tile_size, chosen > 0.0 ? chosen : default_cell_size(reach, density))};
+	const double custom_size = drawing.draw_cell_size;
+	return {tile_size,
+			cell_count_per_edge(tile_size, custom_size > 0.0 ? custom_size : default_cell_size(reach, density))};
 }
 
 } // namespace
@@ -90,7 +91,7 @@ LayerSnapshot ScatterLayer::snapshot(std::uint64_t seed, std::size_t index) {
 	add_boxes(result.lod, result.drawing);
 	result.lod.sight_end = result.range.view_distance;
 	add_fades(result.drawing);
-	leave_out_shadows(*result.settings, result.lod, result.drawing);
+	omit_shadows(*result.settings, result.lod, result.drawing);
 	add_sway(result.drawing);
 	result.cells = cells_of(*result.settings, result.range.tile_size, result.drawing);
 	result.gameplay = gameplay();
@@ -232,7 +233,7 @@ LayerLinks ScatterLayer::links() {
 /// 0.2.
 void ScatterLayer::refresh() {
 	convert_former_lods(true);
-	range_.view_distance = former_visibility_.limited(range_.view_distance);
+	range_.view_distance = former_visibility_.limit(range_.view_distance);
 	for (auto &[name, resource] : resources_) {
 		if (const auto remake = std::exchange(resource.remake, nullptr)) {
 			(this->*remake)();
@@ -245,8 +246,8 @@ void ScatterLayer::refresh() {
 }
 
 Ref<Resource> ScatterLayer::resource(std::string_view property) const {
-	const auto found = resources_.find(property);
-	return found == resources_.end() ? Ref<Resource>() : found->second.value;
+	const auto entry = resources_.find(property);
+	return entry == resources_.end() ? Ref<Resource>() : entry->second.value;
 }
 
 QueryLayer query_layer(const LayerSnapshot *layer) {

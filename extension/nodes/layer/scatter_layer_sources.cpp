@@ -23,9 +23,9 @@ constexpr SwitchProperty use_custom_data{"use_custom_data", "is_using_custom_dat
 
 /// A property in which release 0.2 saved a property of a ScatterValueSource.
 struct FormerValue {
-	const char *former;
-	bool is_color; ///< True for color_value, false for variation_value.
-	const char *part;
+	const char *former_name;
+	bool is_color;        ///< True for color_value, false for variation_value.
+	const char *property; ///< The property of ScatterValueSource.
 };
 constexpr std::array former_values{
 		FormerValue{"color_gradient", true, "gradient"},
@@ -48,8 +48,8 @@ PropertyInfo value_property(const char *p_name) {
 }
 
 /// Returns the settings of a value without those that its source does not use, so that changes to
-/// unused settings regenerate nothing.
-InstanceSource used(const Ref<ScatterValueSource> &p_value, bool is_used) {
+/// reason settings regenerate nothing.
+InstanceSource used_settings(const Ref<ScatterValueSource> &p_value, bool is_used) {
 	if (!is_used || p_value.is_null()) {
 		return {};
 	}
@@ -70,11 +70,11 @@ public:
 			name_("ScatterLayer." + String(p_name)), source_(value.current()), problems_(r_problems),
 			has_noise_(value.get_noise().is_valid()), has_layer_(!core_reference(value.stored_layer()).empty()) {}
 
-	/// Adds the problems of the value. `p_unused` explains why the value has no effect; it is empty
+	/// Adds the problems of the value. `p_reason` explains why the value has no effect; it is empty
 	/// if the value has an effect.
-	void add(const String &p_unused) {
-		if (!p_unused.is_empty()) {
-			problems_.push_back(name_ + String(" ") + p_unused);
+	void add(const String &p_reason) {
+		if (!p_reason.is_empty()) {
+			problems_.push_back(name_ + String(" ") + p_reason);
 			return;
 		}
 		add_unused(".noise", has_noise_, SourceKind::noise, "Noise");
@@ -124,10 +124,11 @@ InstanceData ScatterLayer::instance_data() const {
 	if (result.use_colors && color_value_.is_valid()) {
 		result.colors = color_value_->current_colors();
 	}
-	static_cast<InstanceSource &>(result.color) = used(color_value_, result.colors != nullptr);
-	static_cast<InstanceSource &>(result.variation) = used(variation_value_, result.use_custom_data);
+	static_cast<InstanceSource &>(result.color) = used_settings(color_value_, result.colors != nullptr);
+	static_cast<InstanceSource &>(result.variation) = used_settings(variation_value_, result.use_custom_data);
 	const Placement &placement = settings_.placement;
-	static_cast<InstanceSource &>(result.scale) = used(scale_value_, placement.min_scale != placement.max_scale);
+	static_cast<InstanceSource &>(result.scale) =
+			used_settings(scale_value_, placement.min_scale != placement.max_scale);
 	return result;
 }
 
@@ -139,19 +140,19 @@ void ScatterLayer::watch_values(bool p_watch) {
 }
 
 void ScatterLayer::set_value(
-		const char *p_property, const Ref<ScatterValueSource> &p_value, Ref<ScatterValueSource> &r_own) {
-	if (r_own == p_value) {
+		const char *p_property, const Ref<ScatterValueSource> &p_value, Ref<ScatterValueSource> &r_current) {
+	if (r_current == p_value) {
 		return;
 	}
 	if (p_value.is_valid()) {
 		const Ref<ScatterLayer> referenced = p_value->stored_layer();
 		if (referenced.is_valid() && referenced->stores(this)) {
-			ERR_PRINT(vformat("ScatterLayer.%s: %s", p_property, layers_in_circle));
+			ERR_PRINT(vformat("ScatterLayer.%s: %s", p_property, layer_cycle_problem));
 			return;
 		}
 	}
 	watch_values(false);
-	r_own = p_value;
+	r_current = p_value;
 	watch_values(true);
 	changed();
 }
@@ -174,15 +175,15 @@ bool ScatterLayer::set_former_value(const StringName &p_name, const Variant &p_v
 	for (const FormerValue &value : former_values) {
 		// Do not build a string before this check, because the engine calls this for every
 		// property.
-		if (p_name == StringName(value.former)) {
-			const char *current = value.is_color ? "color_value" : "variation_value";
-			const std::string owner = "ScatterLayer.";
-			warn_of_rename((owner + value.former).c_str(), (owner + current + "." + value.part).c_str());
-			Ref<ScatterValueSource> &own = value.is_color ? color_value_ : variation_value_;
-			if (own.is_null()) {
-				set_value(current, Ref<ScatterValueSource>(memnew(ScatterValueSource)), own);
+		if (p_name == StringName(value.former_name)) {
+			const char *property = value.is_color ? "color_value" : "variation_value";
+			const std::string prefix = "ScatterLayer.";
+			warn_of_rename((prefix + value.former_name).c_str(), (prefix + property + "." + value.property).c_str());
+			Ref<ScatterValueSource> &source = value.is_color ? color_value_ : variation_value_;
+			if (source.is_null()) {
+				set_value(property, Ref<ScatterValueSource>(memnew(ScatterValueSource)), source);
 			}
-			own->call("set", value.part, p_value);
+			source->call("set", value.property, p_value);
 			return true;
 		}
 	}
@@ -192,15 +193,15 @@ bool ScatterLayer::set_former_value(const StringName &p_name, const Variant &p_v
 void ScatterLayer::add_source_problems(PackedStringArray &r_problems) const {
 	const InstanceData &data = settings_.instance_data;
 	if (color_value_.is_valid()) {
-		String unused;
+		String reason;
 		if (!data.use_colors) {
-			unused = "is not used without use_colors. Enable use_colors, or clear color_value.";
+			reason = "is not used without use_colors. Enable use_colors, or clear color_value.";
 		} else if (color_value_->get_gradient().is_null()) {
-			unused = "has no gradient: all instances are white. Set a gradient, or clear color_value.";
+			reason = "has no gradient: all instances are white. Set a gradient, or clear color_value.";
 		} else if (color_value_->get_gradient()->get_point_count() == 0) {
-			unused = "has a gradient without points: all instances are black. Add points, or clear color_value.";
+			reason = "has a gradient without points: all instances are black. Add points, or clear color_value.";
 		}
-		ValueProblems("color_value", *color_value_.ptr(), r_problems).add(unused);
+		ValueProblems("color_value", *color_value_.ptr(), r_problems).add(reason);
 	}
 	if (variation_value_.is_valid()) {
 		ValueProblems("variation_value", *variation_value_.ptr(), r_problems)
@@ -209,7 +210,7 @@ void ScatterLayer::add_source_problems(PackedStringArray &r_problems) const {
 											"variation_value.");
 	}
 	if (scale_value_.is_valid()) {
-		const bool varies = settings_.placement.min_scale != settings_.placement.max_scale;
+		const bool scale_varies = settings_.placement.min_scale != settings_.placement.max_scale;
 		ValueProblems("scale_value", *scale_value_.ptr(), r_problems)
 				.add(varies ? ""
 							: "has no effect because min_scale equals max_scale. Change one of them, or clear "

@@ -26,7 +26,7 @@ float rounded_down(double value) {
 float rounded_up(double value) { return -rounded_down(-value); }
 
 /// Returns a single-precision rectangle that contains all of `rect`.
-Rect2 around(const Rect &rect) {
+Rect2 enclosing_rect(const Rect &rect) {
 	if (rect.empty()) {
 		return {};
 	}
@@ -45,7 +45,7 @@ PixelRect pixel_rect(const Rect2i &p_rect) {
 }
 
 /// Renames the properties in an error to their names in the script API.
-Status for_scripts(Status status) {
+Status with_script_names(Status status) {
 	if (std::string_view(status.property) == "region") {
 		status.property = "rect";
 	} else if (std::string_view(status.property) == "version") {
@@ -57,11 +57,11 @@ Status for_scripts(Status status) {
 } // namespace
 
 bool ScatterMask::accept_while_blank(const char *p_property, double p_value) const {
-	if (!blank()) {
+	if (!is_blank()) {
 		ERR_PRINT(vformat("ScatterMask.%s cannot change while the mask is painted, got %s. Call clear() first.",
 				p_property, p_value));
 	}
-	return blank();
+	return is_blank();
 }
 
 void ScatterMask::reset(double p_pixel_size, double p_background) {
@@ -111,18 +111,20 @@ Status ScatterMask::take(std::span<const std::uint8_t> bytes) {
 		snapshot_ = nullptr;
 		emit_changed();
 	}
-	return for_scripts(status);
+	return with_script_names(status);
 }
 
-PackedByteArray ScatterMask::get_data() const { return blank() ? PackedByteArray() : packed_bytes(mask_.to_bytes()); }
+PackedByteArray ScatterMask::get_data() const {
+	return is_blank() ? PackedByteArray() : packed_bytes(mask_.to_bytes());
+}
 
-Rect2 ScatterMask::announce(const Status &status, const Rect &changed) {
-	report(class_name, for_scripts(status));
-	if (!status.ok() || changed.empty()) {
+Rect2 ScatterMask::emit_area_changed(const Status &status, const Rect &changed_area) {
+	report(class_name, with_script_names(status));
+	if (!status.ok() || changed_area.empty()) {
 		return {};
 	}
 	snapshot_ = nullptr;
-	const Rect2 area = around(changed);
+	const Rect2 area = enclosing_rect(changed_area);
 	emit_signal("area_changed", area);
 	return area;
 }
@@ -137,22 +139,22 @@ Rect2 ScatterMask::paint(const Vector2 &p_center, double p_radius, double p_stre
 	brush.radius = p_radius;
 	brush.strength = p_strength;
 	brush.hardness = p_hardness;
-	Rect changed;
-	const Status status = mask_.paint(brush, changed);
-	return announce(status, changed);
+	Rect changed_area;
+	const Status status = mask_.paint(brush, changed_area);
+	return emit_area_changed(status, changed_area);
 }
 
 PackedByteArray ScatterMask::get_pixels(const Rect2i &p_rect) const {
 	std::vector<std::uint8_t> pixels;
 	const Status status = mask_.read(pixel_rect(p_rect), pixels);
-	report(class_name, for_scripts(status));
+	report(class_name, with_script_names(status));
 	return status.ok() ? packed_bytes(pixels) : PackedByteArray();
 }
 
 Rect2 ScatterMask::set_pixels(const Rect2i &p_rect, const PackedByteArray &p_pixels) {
-	Rect changed;
-	const Status status = mask_.write(pixel_rect(p_rect), span_of(p_pixels), changed);
-	return announce(status, changed);
+	Rect changed_area;
+	const Status status = mask_.write(pixel_rect(p_rect), span_of(p_pixels), changed_area);
+	return emit_area_changed(status, changed_area);
 }
 
 double ScatterMask::sample(const Vector2 &p_position) const {
@@ -173,7 +175,7 @@ Rect2i ScatterMask::get_pixel_rect(const Rect2 &p_rect) const {
 }
 
 void ScatterMask::clear() {
-	if (!blank()) {
+	if (!is_blank()) {
 		reset(get_pixel_size(), background_);
 	}
 }

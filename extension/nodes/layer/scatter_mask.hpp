@@ -100,7 +100,7 @@ public:
 	std::shared_ptr<const PaintedMask> snapshot() const;
 
 	/// Returns true if nothing is painted.
-	bool blank() const { return mask_.block_count() == 0; }
+	bool is_blank() const { return mask_.block_count() == 0; }
 
 	void _reset_state() override { clear(); }
 
@@ -114,7 +114,7 @@ private:
 	/// Replaces the whole mask with the content of the bytes. If they are invalid, leaves the mask
 	/// unchanged.
 	Status take(std::span<const std::uint8_t> bytes);
-	godot::Rect2 announce(const Status &status, const Rect &changed);
+	godot::Rect2 emit_area_changed(const Status &status, const Rect &changed_area);
 
 	static void bind_planets();
 

@@ -19,18 +19,18 @@ bool ScatterMask::paint_on_planet(double p_planet_radius, const Vector3 &p_from_
 		return false;
 	}
 	const glm::dvec3 from_center = to_core(p_from_center);
-	bool changed = false;
+	bool has_changed = false;
 	Status status = check_direction(p_planet_radius, from_center);
 	if (status.ok()) {
 		const Brush brush{static_cast<Brush::Mode>(p_mode), {}, p_radius, p_strength, p_hardness};
-		status = mask_.paint_on(p_planet_radius, from_center, brush, changed);
+		status = mask_.paint_on(p_planet_radius, from_center, brush, has_changed);
 	}
 	report(class_name, status);
-	if (changed) {
+	if (has_changed) {
 		snapshot_ = nullptr;
 		emit_signal("area_changed", Rect2());
 	}
-	return changed;
+	return has_changed;
 }
 
 double ScatterMask::sample_on_planet(double p_planet_radius, const Vector3 &p_from_center) const {

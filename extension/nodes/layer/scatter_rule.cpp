@@ -25,7 +25,7 @@ constexpr ScriptMethod bounds_method{"_get_density_bounds", "_get_density_bounds
 		"_get_density_bounds() result", "a Vector2 with the lowest and the highest density in the box, 0 to 1",
 		Variant::VECTOR2};
 
-/// A density rule that calls the script of a ScatterRule. On worker threads only if the script
+/// A density rule that calls the script of a ScatterRule. Worker threads use it only if the script
 /// declares itself thread-safe.
 class ScriptRule final : public DensityRule {
 public:
@@ -47,17 +47,18 @@ public:
 		if (!status.ok()) {
 			return status;
 		}
-		const std::span<const float> given(densities.ptr(), r_densities.size());
-		const auto wrong =
-				std::ranges::find_if_not(given, [](float density) { return density >= 0.0F && density <= 1.0F; });
-		if (wrong != given.end()) {
-			const Vector3 at = floats(batch.positions[static_cast<std::size_t>(wrong - given.begin())]);
+		const std::span<const float> returned_densities(densities.ptr(), r_densities.size());
+		const auto invalid = std::ranges::find_if_not(
+				returned_densities, [](float density) { return density >= 0.0F && density <= 1.0F; });
+		if (invalid != returned_densities.end()) {
+			const Vector3 position =
+					floats(batch.positions[static_cast<std::size_t>(invalid - returned_densities.begin())]);
 			return answers_.reject(script_.ptr(), densities_method,
-					Status::out_of_range("density from _get_densities()", *wrong, between(0, 1),
+					Status::out_of_range("density from _get_densities()", *invalid, between(0, 1),
 							"Return a density from 0 to 1 for each position, for example with clampf()"),
-					vformat("returned the density %s at %v", Variant(double{*wrong}), Variant(at)));
+					vformat("returned the density %s at %v", Variant(double{*invalid}), Variant(position)));
 		}
-		std::ranges::copy(given, r_densities.begin());
+		std::ranges::copy(returned_densities, r_densities.begin());
 		return {};
 	}
 

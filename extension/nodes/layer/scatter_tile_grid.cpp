@@ -24,9 +24,9 @@ void ScatterTileGrid::set_tile_size(double p_size) {
 	}
 }
 
-bool ScatterTileGrid::accept(const char *p_property, double p_along) const {
+bool ScatterTileGrid::accept(const char *p_property, double p_coordinate) const {
 	const double farthest = max_coordinate * tile_size_;
-	return accept_number(class_name, p_property, p_along, -farthest, farthest);
+	return accept_number(class_name, p_property, p_coordinate, -farthest, farthest);
 }
 
 Vector2i ScatterTileGrid::get_tile_at(double p_x, double p_z) const {
@@ -45,8 +45,8 @@ Rect2i ScatterTileGrid::get_tiles_in(const PackedFloat64Array &p_bounds) const {
 		report(class_name, Status::wrong_size("bounds", p_bounds.size(), exactly(4, "min x, min z, max x, max z")));
 		return {};
 	}
-	for (const double along : p_bounds) {
-		if (!accept("bounds", along)) {
+	for (const double coordinate : p_bounds) {
+		if (!accept("bounds", coordinate)) {
 			return {};
 		}
 	}

@@ -44,7 +44,7 @@ protected:
 	static void _bind_methods();
 
 private:
-	bool accept(const char *p_property, double p_along) const;
+	bool accept(const char *p_property, double p_coordinate) const;
 
 	double tile_size_ = 64.0;
 };

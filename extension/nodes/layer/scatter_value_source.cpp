@@ -58,17 +58,17 @@ void ScatterValueSource::set_randomness(double p_randomness) {
 	set_number("randomness", p_randomness, 0.0, 1.0, values_.randomness);
 }
 
-/// Sets a resource. `p_changed` is the method to call when the resource changes.
+/// Sets a resource. `p_change_method` is the method to call when the resource changes.
 template <class T>
-void ScatterValueSource::set_content(const Ref<T> &p_content, const char *p_changed, Ref<T> &r_own) {
-	if (r_own == p_content) {
+void ScatterValueSource::set_content(const Ref<T> &p_content, const char *p_change_method, Ref<T> &r_current) {
+	if (r_current == p_content) {
 		return;
 	}
-	watch(r_own.ptr(), "changed", this, p_changed, false);
-	r_own = p_content;
-	watch(r_own.ptr(), "changed", this, p_changed, true);
+	watch(r_current.ptr(), "changed", this, p_change_method, false);
+	r_current = p_content;
+	watch(r_current.ptr(), "changed", this, p_change_method, true);
 	notify_property_list_changed();
-	call(p_changed);
+	call(p_change_method);
 }
 
 void ScatterValueSource::set_noise(const Ref<Noise> &p_noise) { set_content(p_noise, "_noise_changed", noise_); }
@@ -95,12 +95,12 @@ void ScatterValueSource::curve_changed() {
 }
 
 void ScatterValueSource::set_layer(const Variant &p_layer) {
-	Variant stored = String();
+	Variant reference = String();
 	if (p_layer.get_type() != Variant::NIL) {
-		stored = accept_reference("ScatterValueSource.layer", p_layer, this);
+		reference = accept_reference("ScatterValueSource.layer", p_layer, this);
 	}
-	if (stored.get_type() != Variant::NIL && core_reference(stored) != core_reference(layer_)) {
-		layer_ = stored;
+	if (reference.get_type() != Variant::NIL && core_reference(reference) != core_reference(layer_)) {
+		layer_ = reference;
 		notify_property_list_changed();
 		emit_changed();
 	}
@@ -126,22 +126,22 @@ const std::shared_ptr<const ColorTable> &ScatterValueSource::current_colors() {
 }
 
 void ScatterValueSource::change_reference(const ReferenceChange &change) {
-	if (const auto changed = changed_reference(change, "ScatterValueSource.layer", layer_, this)) {
-		set_layer(*changed);
+	if (const auto new_reference = updated_reference(change, "ScatterValueSource.layer", layer_, this)) {
+		set_layer(*new_reference);
 	}
 }
 
 /// Hides properties that do not apply to the source. A property that is set stays visible, because
 /// a warning mentions it.
 void ScatterValueSource::_validate_property(PropertyInfo &p_property) const {
-	const bool random = values_.kind == SourceKind::random;
+	const bool is_random = values_.kind == SourceKind::random;
 	const auto hide = [&p_property](const char *p_name, bool p_hidden) {
 		if (p_hidden && p_property.name == StringName(p_name)) {
 			p_property.usage &= ~static_cast<std::uint32_t>(PROPERTY_USAGE_EDITOR);
 		}
 	};
 	for (const char *name : {"min_value", "max_value", "randomness"}) {
-		hide(name, random);
+		hide(name, is_random);
 	}
 	hide("noise", values_.kind != SourceKind::noise && noise_.is_null());
 	hide("layer", values_.kind != SourceKind::distance && core_reference(layer_).empty());

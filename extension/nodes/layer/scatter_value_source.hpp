@@ -89,7 +89,7 @@ protected:
 private:
 	void set_number(const char *p_property, double p_value, double p_min, double p_max, double &r_value);
 	template <class T>
-	void set_content(const godot::Ref<T> &p_content, const char *p_changed, godot::Ref<T> &r_own);
+	void set_content(const godot::Ref<T> &p_content, const char *p_change_method, godot::Ref<T> &r_current);
 
 	InstanceSource values_;
 	std::shared_ptr<const ColorTable> colors_;
